@@ -1,0 +1,13 @@
+# Debian 12's packages; a newer MuJoCo (3.x) in a prefix is found with CMAKE_PREFIX_PATH.
+find_package(Threads REQUIRED)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(yaml-cpp REQUIRED)
+find_package(nlohmann_json 3.11 REQUIRED)
+find_package(CLI11 2.1 REQUIRED)
+find_package(fmt REQUIRED)
+find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs videoio)
+find_package(mujoco REQUIRED)
+find_package(GTest REQUIRED)
+if(SACCADE_BENCHMARKS)
+  find_package(benchmark REQUIRED)
+endif()

@@ -1,0 +1,34 @@
+# One folder is one static library is one room of the table in docs/architecture.md. What a room may
+# link is written in its CMakeLists.txt; tests/architecture holds both includes and links to the table.
+find_program(CCACHE ccache)
+if(CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+endif()
+
+add_library(saccade_flags INTERFACE)
+target_compile_features(saccade_flags INTERFACE cxx_std_20)
+target_include_directories(saccade_flags INTERFACE ${CMAKE_SOURCE_DIR})
+target_compile_options(saccade_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Woverloaded-virtual
+  # The same scenario and seed give the same bytes: no fused multiply-add that depends on the compiler.
+  -ffp-contract=off)
+if(SACCADE_WERROR)
+  target_compile_options(saccade_flags INTERFACE -Werror)
+endif()
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  target_compile_options(saccade_flags INTERFACE -march=x86-64-v2)
+endif()
+if(SACCADE_SANITIZE)
+  target_compile_options(saccade_flags INTERFACE -fsanitize=${SACCADE_SANITIZE} -fno-omit-frame-pointer)
+  target_link_options(saccade_flags INTERFACE -fsanitize=${SACCADE_SANITIZE})
+endif()
+
+# saccade_room(NAME SOURCES a.cpp ... ROOMS core ... LIBRARIES Eigen3::Eigen ...)
+function(saccade_room name)
+  cmake_parse_arguments(ROOM "" "" "SOURCES;ROOMS;LIBRARIES;PRIVATE_LIBRARIES" ${ARGN})
+  add_library(saccade_${name} STATIC ${ROOM_SOURCES})
+  list(TRANSFORM ROOM_ROOMS PREPEND saccade_)
+  target_link_libraries(saccade_${name} PUBLIC ${ROOM_ROOMS} ${ROOM_LIBRARIES}
+    PRIVATE saccade_flags ${ROOM_PRIVATE_LIBRARIES})
+  target_include_directories(saccade_${name} PUBLIC ${CMAKE_SOURCE_DIR})
+endfunction()

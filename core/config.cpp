@@ -1,0 +1,85 @@
+#include "core/config.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace saccade {
+
+std::string text_of(double value) {
+  if (std::isnan(value)) return "nan";
+  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+  char buffer[32];
+  const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
+  return {buffer, end};
+}
+
+std::string expectation_of(Range range, std::string_view kind) {
+  const bool low = std::isfinite(range.min);
+  const bool high = std::isfinite(range.max);
+  std::string text(kind);
+  if (low && high) return text + " in [" + text_of(range.min) + ", " + text_of(range.max) + "]";
+  if (low) return text + " of at least " + text_of(range.min);
+  if (high) return text + " of at most " + text_of(range.max);
+  return text;
+}
+
+std::string expectation_of(const std::vector<std::string>& options) {
+  std::string text = "one of ";
+  for (std::size_t i = 0; i < options.size(); ++i) text += (i == 0 ? "" : ", ") + options[i];
+  return text;
+}
+
+void FieldChecker::add(std::string_view key, std::string value, std::string expectation) {
+  problems_.push_back({name_ + "." + std::string(key), std::move(value), std::move(expectation)});
+}
+
+void FieldChecker::real(std::string_view key, double& value, Range range, std::string_view) {
+  if (!std::isfinite(value) || !range.contains(value)) {
+    add(key, text_of(value), expectation_of(range, "a finite number"));
+  }
+}
+
+void FieldChecker::integer(std::string_view key, std::int64_t& value, Range range, std::string_view) {
+  if (!range.contains(static_cast<double>(value))) {
+    add(key, std::to_string(value), expectation_of(range, "a whole number"));
+  }
+}
+
+void FieldChecker::choice(std::string_view key, std::string& value, const std::vector<std::string>& options,
+                          std::string_view) {
+  if (std::find(options.begin(), options.end(), value) == options.end()) {
+    add(key, value.empty() ? "nothing" : value, expectation_of(options));
+  }
+}
+
+void FieldChecker::reals(std::string_view key, std::vector<double>& value, std::size_t size, Range range,
+                         std::string_view) {
+  if (size != 0 && value.size() != size) {
+    add(key, std::to_string(value.size()) + " numbers", std::to_string(size) + " numbers");
+  }
+  for (double& element : value) real(key, element, range, {});
+}
+
+void FieldChecker::points(std::string_view key, std::vector<std::vector<double>>& value,
+                          std::size_t dimension, Range range, std::string_view) {
+  for (std::vector<double>& point : value) reals(key, point, dimension, range, {});
+}
+
+void FieldChecker::section(std::string_view key, const std::function<void(FieldVisitor&)>& describe_section,
+                           std::string_view) {
+  FieldChecker inner(name_ + "." + std::string(key));
+  describe_section(inner);
+  problems_.insert(problems_.end(), inner.problems_.begin(), inner.problems_.end());
+}
+
+void FieldChecker::require(bool holds, std::string_view key, std::string_view found,
+                           std::string_view expectation) {
+  if (!holds) add(key, std::string(found), std::string(expectation));
+}
+
+void FieldChecker::throw_if_any() const {
+  if (!problems_.empty()) throw InputError(problems_);
+}
+
+}  // namespace saccade

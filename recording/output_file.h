@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdio>
+#include <filesystem>
+#include <span>
+#include <string_view>
+
+namespace saccade {
+
+/// A file that appears under its name only when it is whole: bytes go to `<path>.part`, commit() flushes,
+/// syncs and renames. Without commit() the `.part` file is removed by the destructor (and left behind,
+/// under that name, by a crash).
+/// Every member but the destructor throws RunError naming the file when the disk does not take the bytes.
+class OutputFile {
+ public:
+  explicit OutputFile(std::filesystem::path path);
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+  ~OutputFile();
+
+  void write(std::span<const std::byte> bytes);
+  void write(std::string_view text);
+  void commit();
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+  std::filesystem::path part_;
+  std::FILE* file_ = nullptr;
+};
+
+}  // namespace saccade

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/camera.h"
+#include "core/head_state.h"
+#include "recording/output_file.h"
+
+namespace saccade {
+
+/// The tables of a run folder (docs/run_folder.md): one row struct, one writer and one reader each. Numbers
+/// are written as the shortest decimal text that reads back as the same double, so the same run gives the
+/// same bytes. A field that does not apply is empty in the file and NaN in the struct.
+
+/// truth.csv: t_us,x_px,y_px,r_px,visible,x_m,y_m,z_m. The true circle (design.md section 7), the share of
+/// the ball's disc that is inside the image and not hidden, and the ball's centre in the root frame.
+struct TruthRow {
+  std::int64_t t_us = 0;
+  Circle circle;
+  double visible = 0.0;
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+};
+
+/// detections.csv: t_us,detector,x_px,y_px,r_px,score,held.
+struct DetectionRow {
+  std::int64_t t_us = 0;
+  std::string detector;
+  Circle circle;
+  double score = 0.0;
+  bool held = false;
+};
+
+/// gaze.csv: t_us, fixation point and target (m, root frame; empty when there is none), joint angles (rad)
+/// under the names of core/head_state.h with the suffix _rad.
+/// Columns: t_us,fixation_x_m,fixation_y_m,fixation_z_m,target_x_m,target_y_m,target_z_m,torso_pitch_rad,...,
+/// eyes_vergence_rad. One row per tick.
+struct GazeRow {
+  std::int64_t t_us = 0;
+  Eigen::Vector3d fixation_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d target_m = Eigen::Vector3d::Zero();
+  JointVector position_rad = JointVector::Zero();
+};
+
+/// joints.csv: t_us and the measured joint positions (rad), names as in core/head_state.h with _rad.
+struct JointsRow {
+  std::int64_t t_us = 0;
+  JointVector position_rad = JointVector::Zero();
+};
+
+/// Writes rows one by one (streaming: memory does not grow with the run); the file appears on commit().
+template <class Row>
+class TableWriter {
+ public:
+  explicit TableWriter(std::filesystem::path path);
+  void write(const Row& row);
+  void commit();
+
+ private:
+  OutputFile file_;
+  std::string line_;
+};
+
+/// Reads a whole table. Throws InputError with file, line and column for a missing file, a wrong header, a
+/// row of the wrong length, a value that is not a number, or time that goes back. For truth tables the
+/// columns `visible,x_m,y_m,z_m` may be absent (annotated recordings: visible = 1, position NaN).
+template <class Row>
+[[nodiscard]] std::vector<Row> read_table(const std::filesystem::path& path);
+
+extern template class TableWriter<TruthRow>;
+extern template class TableWriter<DetectionRow>;
+extern template class TableWriter<GazeRow>;
+extern template class TableWriter<JointsRow>;
+
+}  // namespace saccade

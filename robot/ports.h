@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/event.h"
+#include "core/head_state.h"
+
+namespace saccade {
+
+/// The seam between the loop and the world: what a robot offers, and nothing more. Backends: sim/ (the
+/// MuJoCo head), robot/replay (a recording), robot/fake (tests). tests/robot/port_conformance.h holds
+/// what is promised here for every backend.
+
+enum class PortStatus {
+  ok,
+  ended,  ///< the recording is over or the world was closed; nothing more will come
+  lost,   ///< the connection or the device failed
+};
+
+/// Time as the backend has it.
+class Clock {
+ public:
+  virtual ~Clock() = default;
+  /// Never goes back. Microseconds in the clock of the events.
+  [[nodiscard]] virtual std::int64_t now_us() const = 0;
+  /// Returns when now_us() >= t_us: the simulator advances its world, a recording jumps, a robot waits.
+  /// A time that has passed returns at once. `ended` or `lost` when that time will not come.
+  virtual PortStatus wait_until(std::int64_t t_us) = 0;
+};
+
+/// An event camera.
+class EventSource {
+ public:
+  virtual ~EventSource() = default;
+  [[nodiscard]] virtual ImageSize image_size() const = 0;
+  /// Appends every event with time stamp <= t_us (t_us <= now) that was not delivered before, sorted by
+  /// time. Events may be late (stamps before the previous t_us, by at most 5 ms in the simulator) but the
+  /// stamps that one source delivers never go back. `ended` may come together with the last events.
+  virtual PortStatus read_until(std::int64_t t_us, std::vector<Event>& events) = 0;
+};
+
+/// A joint's allowed positions and its highest speed.
+struct JointLimits {
+  JointVector min_rad = JointVector::Zero();
+  JointVector max_rad = JointVector::Zero();
+  JointVector max_speed_rad_s = JointVector::Zero();
+};
+
+/// Where the six head joints shall go now: position references, as in YARP's position-direct mode.
+/// Rad, neck pitch to eyes vergence.
+using HeadCommand = HeadJointVector;
+
+/// The joints of neck and eyes (commanded) and of the torso (read only).
+class HeadPort {
+ public:
+  virtual ~HeadPort() = default;
+  [[nodiscard]] virtual JointLimits limits() const = 0;
+  /// The newest encoder reading; its stamp is never later than now and never goes back.
+  virtual PortStatus read(HeadState& state) = 0;
+  /// Takes effect at once and holds until the next command. A reference outside limits() or not finite
+  /// is refused whole (`refused` is true and the last one holds).
+  struct CommandResult {
+    PortStatus status = PortStatus::ok;
+    bool refused = false;
+  };
+  virtual CommandResult command(const HeadCommand& reference_rad) = 0;
+};
+
+}  // namespace saccade
