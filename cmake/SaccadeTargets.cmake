@@ -32,3 +32,16 @@ function(saccade_room name)
     PRIVATE saccade_flags ${ROOM_PRIVATE_LIBRARIES})
   target_include_directories(saccade_${name} PUBLIC ${CMAKE_SOURCE_DIR})
 endfunction()
+
+# saccade_test(NAME SOURCES a_test.cpp ... ROOMS core ... LIBRARIES ...): one GoogleTest program per room,
+# each of its tests a CTest test.
+function(saccade_test name)
+  cmake_parse_arguments(TEST "" "" "SOURCES;ROOMS;LIBRARIES" ${ARGN})
+  add_executable(saccade_${name}_tests ${TEST_SOURCES})
+  list(TRANSFORM TEST_ROOMS PREPEND saccade_)
+  target_link_libraries(saccade_${name}_tests PRIVATE saccade_flags ${TEST_ROOMS} ${TEST_LIBRARIES}
+    GTest::gtest GTest::gmock GTest::gtest_main)
+  target_compile_definitions(saccade_${name}_tests PRIVATE
+    SACCADE_SOURCE_DIR="${CMAKE_SOURCE_DIR}" SACCADE_SHARED_DATA="${CMAKE_SOURCE_DIR}/../shared/data")
+  gtest_discover_tests(saccade_${name}_tests TEST_PREFIX "${name}." DISCOVERY_MODE PRE_TEST)
+endfunction()
