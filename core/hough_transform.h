@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/event.h"
+
+namespace saccade {
+
+/// The multi-radius circular Hough transform of the paper (section II-B and II-C), one accumulator plane per
+/// radius, bins of one pixel, centres inside the image.
+///
+/// An event votes for every centre it could lie on the circle of: the pixels (dx, dy) from it with
+/// |sqrt(dx^2 + dy^2) - r| <= 1/2 (half-pixel ring). A directed vote takes of that ring only the two arcs
+/// within +-`arc_rad` of the direction of the flow and of its opposite (Eq. 2). The response at a centre is
+/// votes / (number of pixels of the ring), so that large circles have no advantage.
+///
+/// Voting is a walk through a table of offsets: no trigonometry, no bounds check, no allocation.
+class HoughTransform {
+ public:
+  /// Directions are counted in steps of half a degree, modulo a half turn: an arc and its opposite are one.
+  static constexpr int direction_count = 360;
+  /// The direction step nearest to that of the vector (x, y), which is not zero.
+  [[nodiscard]] static int direction_of(double x, double y);
+
+  /// Radii r_min..r_max in steps of 1 px, 1 <= r_min <= r_max <= 255; arc_rad in (0, pi/2].
+  HoughTransform(ImageSize size, int r_min, int r_max, double arc_rad);
+
+  /// One vote per centre, `sign` +1 to add an event and -1 to take the same event out again. An event stands
+  /// at most 65535 times in a plane. (x, y) inside the image; direction in [0, direction_count).
+  template <int sign>
+  void vote_ring(int x, int y);
+  template <int sign>
+  void vote_arcs(int x, int y, int direction);
+  void clear();
+
+  struct Peak {
+    int x = 0, y = 0, r = 0;
+    int votes = 0;
+    double response = 0.0;  ///< votes / ring pixels
+  };
+  /// The largest response; ties go to the smaller r, then y, then x. r_min, (0, 0), 0 votes when empty.
+  [[nodiscard]] Peak peak() const;
+
+  [[nodiscard]] int votes(int x, int y, int r) const;
+  [[nodiscard]] int ring_pixels(int r) const { return ring_pixels_[static_cast<std::size_t>(r - r_min_)]; }
+  [[nodiscard]] int r_min() const { return r_min_; }
+  [[nodiscard]] int r_max() const { return r_min_ + static_cast<int>(ring_pixels_.size()) - 1; }
+  [[nodiscard]] ImageSize size() const { return size_; }
+
+ private:
+  using Votes = std::uint16_t;
+
+  [[nodiscard]] std::ptrdiff_t cell(int x, int y) const { return (y + border_) * stride_ + x + border_; }
+  template <int sign>
+  void walk(std::ptrdiff_t at, std::span<const std::int32_t> offsets);
+
+  ImageSize size_;
+  int r_min_;
+  std::ptrdiff_t border_, stride_, plane_size_;
+  std::vector<int> ring_pixels_;               // per radius
+  std::vector<std::int32_t> ring_offsets_;     // all radii
+  std::vector<std::int32_t> arc_offsets_;      // all radii of direction 0, then of direction 1, ...
+  std::vector<std::size_t> arc_begin_;         // direction_count + 1
+  std::vector<Votes> accumulator_;             // radius x padded row x padded column
+};
+
+}  // namespace saccade

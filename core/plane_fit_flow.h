@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/config.h"
+#include "core/event.h"
+
+namespace saccade {
+
+struct PlaneFitFlowConfig {
+  std::int64_t half_width_px = 2;       ///< the neighbourhood is a square of 2 n + 1 pixels
+  std::int64_t max_age_us = 100'000;    ///< older neighbours do not belong to this edge
+  std::int64_t min_inliers = 6;         ///< with fewer, the event has no flow
+  double inlier_px = 0.7;               ///< how far, along the flow, a neighbour may lie from the plane
+};
+
+/// Keys: half_width_px, max_age_us, min_inliers, inlier_px.
+void describe(FieldVisitor& v, PlaneFitFlowConfig& config);
+
+/// Slope of the surface of active events at one event.
+struct NormalFlow {
+  double dt_dx_us_px = 0.0;
+  double dt_dy_us_px = 0.0;
+};
+
+/// Normal flow by local plane fitting (paper, section II-C; Benosman et al., TNNLS 25(2), 2014): a plane
+/// t = a x + b y + d is fitted by least squares to the newest time stamps of one polarity around an event,
+/// neighbours that lie further than `inlier_px` from it are left out, and the plane is fitted again. The
+/// slope (a, b) points along the edge's motion, with 1 / |(a, b)| the speed.
+class PlaneFitFlow {
+ public:
+  PlaneFitFlow(const PlaneFitFlowConfig& config, ImageSize size);
+
+  /// Puts an event on the surface of active events. It must lie inside the image.
+  void add(const Event& event) { surface_[index(event)] = event.t_us; }
+
+  /// The flow at an event that was just added; none where too few neighbours lie on a plane, or the plane
+  /// is level.
+  [[nodiscard]] std::optional<NormalFlow> at(const Event& event) const;
+
+ private:
+  [[nodiscard]] std::size_t index(const Event& e) const {
+    return (e.on ? plane_size_ : 0) + (e.y + border_) * stride_ + e.x + border_;
+  }
+
+  PlaneFitFlowConfig config_;
+  std::size_t border_, stride_, plane_size_;
+  std::vector<std::int64_t> surface_;  // 2 polarities x padded rows x padded columns, newest stamp
+};
+
+}  // namespace saccade

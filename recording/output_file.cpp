@@ -1,0 +1,46 @@
+#include "recording/output_file.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <system_error>
+
+#include "core/error.h"
+
+namespace saccade {
+namespace {
+
+[[noreturn]] void fail(const std::filesystem::path& path, const char* what) {
+  throw RunError(path.string() + ": " + what + ": " + std::generic_category().message(errno));
+}
+
+}  // namespace
+
+OutputFile::OutputFile(std::filesystem::path path) : path_(std::move(path)), part_(path_) {
+  part_ += ".part";
+  file_ = std::fopen(part_.c_str(), "wb");
+  if (file_ == nullptr) fail(path_, "cannot be created");
+}
+
+OutputFile::~OutputFile() {
+  if (file_ == nullptr) return;
+  std::fclose(file_);
+  std::remove(part_.c_str());
+}
+
+void OutputFile::write(std::span<const std::byte> bytes) {
+  SACCADE_CHECK(file_ != nullptr);
+  if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) fail(path_, "cannot be written");
+}
+
+void OutputFile::write(std::string_view text) { write(std::as_bytes(std::span(text))); }
+
+void OutputFile::commit() {
+  SACCADE_CHECK(file_ != nullptr);
+  if (std::fflush(file_) != 0 || ::fsync(::fileno(file_)) != 0) fail(path_, "cannot be written");
+  if (std::rename(part_.c_str(), path_.c_str()) != 0) fail(path_, "cannot be created");
+  std::fclose(file_);
+  file_ = nullptr;
+}
+
+}  // namespace saccade

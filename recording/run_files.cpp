@@ -1,0 +1,266 @@
+#include "recording/run_files.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <optional>
+#include <type_traits>
+
+#include "core/error.h"
+
+namespace saccade {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+// The columns of each table, once: `visit(name, value)` in the order of the file. Header, writer and
+// reader are visitors; Row is const for a writer.
+template <class Visitor, class Vector>
+void visit_point(Visitor& visit, std::string_view prefix, Vector& point) {
+  const std::string name(prefix);
+  visit(name + "x_m", point[0]);
+  visit(name + "y_m", point[1]);
+  visit(name + "z_m", point[2]);
+}
+
+template <class Visitor, class Vector>
+void visit_joints(Visitor& visit, Vector& position_rad) {
+  for (int j = 0; j < joint_count; ++j) {
+    visit(std::string(joint_names[static_cast<std::size_t>(j)]) + "_rad", position_rad[j]);
+  }
+}
+
+template <class Visitor, class CircleRef>
+void visit_circle(Visitor& visit, CircleRef& circle) {
+  visit("x_px", circle.x_px);
+  visit("y_px", circle.y_px);
+  visit("r_px", circle.r_px);
+}
+
+template <class Visitor, class Row>
+void visit_columns(Visitor& visit, Row& row) {
+  using Table = std::remove_const_t<Row>;
+  visit("t_us", row.t_us);
+  if constexpr (std::is_same_v<Table, TruthRow>) {
+    visit_circle(visit, row.circle);
+    visit("visible", row.visible);
+    visit_point(visit, "", row.position_m);
+  } else if constexpr (std::is_same_v<Table, DetectionRow>) {
+    visit("detector", row.detector);
+    visit_circle(visit, row.circle);
+    visit("score", row.score);
+    visit("held", row.held);
+  } else if constexpr (std::is_same_v<Table, GazeRow>) {
+    visit_point(visit, "fixation_", row.fixation_m);
+    visit_point(visit, "target_", row.target_m);
+    visit_joints(visit, row.position_rad);
+  } else {
+    static_assert(std::is_same_v<Table, JointsRow>);
+    visit_joints(visit, row.position_rad);
+  }
+}
+
+class NameCollector {
+ public:
+  template <class T>
+  void operator()(std::string_view name, T&) {
+    names.emplace_back(name);
+  }
+  std::vector<std::string> names;
+};
+
+template <class Row>
+std::vector<std::string> column_names() {
+  NameCollector collector;
+  Row row;
+  visit_columns(collector, row);
+  return std::move(collector.names);
+}
+
+std::string join(const std::vector<std::string>& names, std::size_t count) {
+  std::string text;
+  for (std::size_t i = 0; i < count; ++i) text += (i == 0 ? "" : ",") + names[i];
+  return text;
+}
+
+class LineWriter {
+ public:
+  explicit LineWriter(std::string& line) : line_(line) { line_.clear(); }
+
+  void operator()(std::string_view, const std::int64_t& value) { number(value); }
+  void operator()(std::string_view, const bool& value) { text(value ? "1" : "0"); }
+  void operator()(std::string_view, const std::string& value) {
+    SACCADE_CHECK(value.find_first_of(",\r\n") == std::string::npos);
+    text(value);
+  }
+  void operator()(std::string_view, const double& value) {
+    if (std::isfinite(value)) {
+      number(value);
+    } else {
+      text("");
+    }
+  }
+
+ private:
+  template <class T>
+  void number(T value) {
+    char buffer[32];
+    text({buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr});
+  }
+  void text(std::string_view field) {
+    if (!first_) line_ += ',';
+    first_ = false;
+    line_ += field;
+  }
+
+  std::string& line_;
+  bool first_ = true;
+};
+
+/// Reads the fields of one line into the row that it visits; columns beyond `count` keep what they have.
+class LineReader {
+ public:
+  LineReader(std::string_view line, std::string place, std::size_t count)
+      : rest_(line), place_(std::move(place)), left_(count) {}
+
+  void operator()(std::string_view name, std::int64_t& value) {
+    if (const auto field = next()) parse(name, *field, value, "a whole number");
+  }
+  void operator()(std::string_view name, bool& value) {
+    const auto field = next();
+    if (!field) return;
+    if (*field != "0" && *field != "1") fail(name, *field, "0 or 1");
+    value = *field == "1";
+  }
+  void operator()(std::string_view name, std::string& value) {
+    const auto field = next();
+    if (!field) return;
+    if (field->empty()) fail(name, *field, "a name");
+    value = *field;
+  }
+  void operator()(std::string_view name, double& value) {
+    const auto field = next();
+    if (!field) return;
+    value = nan;
+    if (field->empty()) return;
+    parse(name, *field, value, "a finite number or nothing");
+    if (!std::isfinite(value)) fail(name, *field, "a finite number or nothing");
+  }
+
+ private:
+  std::optional<std::string_view> next() {
+    if (left_ == 0) return std::nullopt;
+    --left_;
+    const std::size_t end = std::min(rest_.find(','), rest_.size());
+    const std::string_view field = rest_.substr(0, end);
+    rest_.remove_prefix(std::min(end + 1, rest_.size()));
+    return field;
+  }
+
+  template <class T>
+  void parse(std::string_view name, std::string_view field, T& value, std::string_view expectation) const {
+    const char* end = field.data() + field.size();
+    const auto result = std::from_chars(field.data(), end, value);
+    if (result.ec != std::errc() || result.ptr != end) fail(name, field, expectation);
+  }
+
+  [[noreturn]] void fail(std::string_view name, std::string_view field, std::string_view expectation) const {
+    throw InputError(place_ + ", column " + std::string(name), field.empty() ? "nothing" : std::string(field),
+                     std::string(expectation));
+  }
+
+  std::string_view rest_;
+  std::string place_;
+  std::size_t left_;
+};
+
+/// The columns that are there, from the header line: all, or for truth the first four.
+template <class Row>
+std::size_t check_header(const std::string& place, const std::string& header) {
+  const std::vector<std::string> names = column_names<Row>();
+  if (header == join(names, names.size())) return names.size();
+  std::string expectation = "the header " + join(names, names.size());
+  if constexpr (std::is_same_v<Row, TruthRow>) {
+    if (header == join(names, 4)) return 4;
+    expectation += " or " + join(names, 4);
+  }
+  throw InputError(place, header.empty() ? "nothing" : header, expectation);
+}
+
+bool next_line(std::istream& in, std::string& line) {
+  if (!std::getline(in, line)) return false;
+  if (!line.empty() && line.back() == '\r') line.pop_back();
+  return true;
+}
+
+}  // namespace
+
+template <class Row>
+TableWriter<Row>::TableWriter(std::filesystem::path path) : file_(std::move(path)) {
+  const std::vector<std::string> names = column_names<Row>();
+  file_.write(join(names, names.size()) + "\n");
+}
+
+template <class Row>
+void TableWriter<Row>::write(const Row& row) {
+  LineWriter writer(line_);
+  visit_columns(writer, row);
+  line_ += '\n';
+  file_.write(line_);
+}
+
+template <class Row>
+void TableWriter<Row>::commit() {
+  file_.commit();
+}
+
+template <class Row>
+std::vector<Row> read_table(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) throw InputError(path.string(), "no such file", "a table");
+  std::ifstream in(path, std::ios::binary);
+  if (!in || std::filesystem::is_directory(path, error)) {
+    throw InputError(path.string(), "something that cannot be read", "a table");
+  }
+  const auto place = [&](std::size_t number) { return path.string() + ":" + std::to_string(number); };
+
+  std::string line;
+  next_line(in, line);
+  const std::size_t columns = check_header<Row>(place(1), line);
+
+  Row blank;
+  if constexpr (std::is_same_v<Row, TruthRow>) {
+    blank.visible = 1.0;
+    blank.position_m.setConstant(nan);
+  }
+  std::vector<Row> rows;
+  for (std::size_t number = 2; next_line(in, line); ++number) {
+    const auto found = static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) + 1;
+    if (found != columns) {
+      throw InputError(place(number), std::to_string(line.empty() ? 0 : found) + " fields",
+                       std::to_string(columns));
+    }
+    Row& row = rows.emplace_back(blank);
+    LineReader reader(line, place(number), columns);
+    visit_columns(reader, row);
+    if (rows.size() > 1 && row.t_us < rows[rows.size() - 2].t_us) {
+      throw InputError(place(number) + ", column t_us", std::to_string(row.t_us),
+                       "time that does not go back (" + std::to_string(rows[rows.size() - 2].t_us) + " before)");
+    }
+  }
+  if (in.bad()) throw InputError(path.string(), "a read error", "a table");
+  return rows;
+}
+
+template class TableWriter<TruthRow>;
+template class TableWriter<DetectionRow>;
+template class TableWriter<GazeRow>;
+template class TableWriter<JointsRow>;
+template std::vector<TruthRow> read_table(const std::filesystem::path& path);
+template std::vector<DetectionRow> read_table(const std::filesystem::path& path);
+template std::vector<GazeRow> read_table(const std::filesystem::path& path);
+template std::vector<JointsRow> read_table(const std::filesystem::path& path);
+
+}  // namespace saccade
