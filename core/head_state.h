@@ -43,4 +43,11 @@ struct HeadState {
   [[nodiscard]] HeadJointVector head_position_rad() const { return position_rad.tail<head_joint_count>(); }
 };
 
+/// A joint's allowed positions and its highest speed.
+struct JointLimits {
+  JointVector min_rad = JointVector::Zero();
+  JointVector max_rad = JointVector::Zero();
+  JointVector max_speed_rad_s = JointVector::Zero();
+};
+
 }  // namespace saccade

@@ -17,7 +17,7 @@ double RandomStream::normal(std::uint64_t stream, std::uint64_t counter) const {
                           -2.549732539343734e+00, 4.374664141464968e+00,  2.938163982698783e+00};
   constexpr double d[] = {7.784695709041462e-03, 3.224671290700398e-01, 2.445134137142996e+00,
                           3.754408661907416e+00};
-  const double p = uniform(stream, counter) + 0x1.0p-54;  // in (0, 1)
+  const double p = (static_cast<double>(bits(stream, counter) >> 12) + 0.5) * 0x1.0p-52;  // in (0, 1)
   const auto tail = [&](double q) {
     return (((((c[0] * q + c[1]) * q + c[2]) * q + c[3]) * q + c[4]) * q + c[5]) /
            ((((d[0] * q + d[1]) * q + d[2]) * q + d[3]) * q + 1.0);

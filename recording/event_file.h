@@ -17,28 +17,36 @@ class EventReader {
  public:
   virtual ~EventReader() = default;
 
-  /// Appends up to `max_events` further events, in file order and in the file's own clock (us). Returns how
-  /// many; 0 at the end. Throws InputError with file and byte offset or line where the content is broken;
-  /// everything before that place has been delivered.
+  /// Appends up to `max_events` further events, in file order and in the file's own clock (us); time that
+  /// goes back in the file goes back here. Returns how many; 0 at the end. Where the content is broken the
+  /// events before that place come first, then every further call throws InputError with file and byte
+  /// offset or line.
   virtual std::size_t read(std::vector<Event>& events, std::size_t max_events) = 0;
   /// Known from a header, or from the format; none where a file does not say.
   [[nodiscard]] virtual std::optional<ImageSize> image_size() const = 0;
   [[nodiscard]] virtual std::string format() const = 0;  ///< "AEDAT 2.0 DVS128", "text"
 };
 
-/// How to read text: column order out of t, x, y, p; by default time first, then x y p.
+/// What a file may leave open.
 struct EventReadOptions {
+  /// Order of the columns of text, by the letters t, x, y and p.
   std::string columns = "txyp";
+  /// The sensor's size where the file does not say it.
+  std::optional<ImageSize> image_size;
+  /// Address layout of AEDAT 2.0: auto, dvs128 or davis.
+  std::string aedat2_layout = "auto";
 };
 
-/// Opens a recording. Throws InputError (missing, unreadable, empty, unknown format).
+/// Opens a recording. Throws InputError (missing, unreadable, empty, unknown format, broken header).
 [[nodiscard]] std::unique_ptr<EventReader> open_event_file(const std::filesystem::path& path,
                                                            const EventReadOptions& options = {});
 
-/// Writes events in time order; the file appears under its name on commit() only.
+/// Writes events in the order given; the file appears under its name on commit() only.
 class EventWriter {
  public:
   virtual ~EventWriter() = default;
+  /// Throws InputError for an event that the format cannot hold exactly (outside the image, of the second
+  /// camera, a time out of range), and RunError when the disk does not take it.
   virtual void write(std::span<const Event> events) = 0;
   virtual void commit() = 0;
 };

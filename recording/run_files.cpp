@@ -1,14 +1,14 @@
 #include "recording/run_files.h"
 
 #include <algorithm>
-#include <charconv>
+#include <cerrno>
 #include <cmath>
-#include <fstream>
 #include <limits>
-#include <optional>
+#include <system_error>
 #include <type_traits>
 
 #include "core/error.h"
+#include "recording/number_text.h"
 
 namespace saccade {
 namespace {
@@ -89,30 +89,22 @@ class LineWriter {
  public:
   explicit LineWriter(std::string& line) : line_(line) { line_.clear(); }
 
-  void operator()(std::string_view, const std::int64_t& value) { number(value); }
-  void operator()(std::string_view, const bool& value) { text(value ? "1" : "0"); }
+  void operator()(std::string_view, const std::int64_t& value) { append_number(next(), value); }
+  void operator()(std::string_view, const bool& value) { next() += value ? '1' : '0'; }
   void operator()(std::string_view, const std::string& value) {
     SACCADE_CHECK(value.find_first_of(",\r\n") == std::string::npos);
-    text(value);
+    next() += value;
   }
   void operator()(std::string_view, const double& value) {
-    if (std::isfinite(value)) {
-      number(value);
-    } else {
-      text("");
-    }
+    std::string& line = next();
+    if (std::isfinite(value)) append_number(line, value);
   }
 
  private:
-  template <class T>
-  void number(T value) {
-    char buffer[32];
-    text({buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr});
-  }
-  void text(std::string_view field) {
+  std::string& next() {
     if (!first_) line_ += ',';
     first_ = false;
-    line_ += field;
+    return line_;
   }
 
   std::string& line_;
@@ -126,7 +118,8 @@ class LineReader {
       : rest_(line), place_(std::move(place)), left_(count) {}
 
   void operator()(std::string_view name, std::int64_t& value) {
-    if (const auto field = next()) parse(name, *field, value, "a whole number");
+    const auto field = next();
+    if (field && !parse_number(*field, value)) fail(name, *field, "a whole number");
   }
   void operator()(std::string_view name, bool& value) {
     const auto field = next();
@@ -145,8 +138,8 @@ class LineReader {
     if (!field) return;
     value = nan;
     if (field->empty()) return;
-    parse(name, *field, value, "a finite number or nothing");
-    if (!std::isfinite(value)) fail(name, *field, "a finite number or nothing");
+    if (!parse_number(*field, value) || !std::isfinite(value))
+      fail(name, *field, "a finite number or nothing");
   }
 
  private:
@@ -157,13 +150,6 @@ class LineReader {
     const std::string_view field = rest_.substr(0, end);
     rest_.remove_prefix(std::min(end + 1, rest_.size()));
     return field;
-  }
-
-  template <class T>
-  void parse(std::string_view name, std::string_view field, T& value, std::string_view expectation) const {
-    const char* end = field.data() + field.size();
-    const auto result = std::from_chars(field.data(), end, value);
-    if (result.ec != std::errc() || result.ptr != end) fail(name, field, expectation);
   }
 
   [[noreturn]] void fail(std::string_view name, std::string_view field, std::string_view expectation) const {
@@ -189,12 +175,6 @@ std::size_t check_header(const std::string& place, const std::string& header) {
   throw InputError(place, header.empty() ? "nothing" : header, expectation);
 }
 
-bool next_line(std::istream& in, std::string& line) {
-  if (!std::getline(in, line)) return false;
-  if (!line.empty() && line.back() == '\r') line.pop_back();
-  return true;
-}
-
 }  // namespace
 
 template <class Row>
@@ -217,40 +197,57 @@ void TableWriter<Row>::commit() {
 }
 
 template <class Row>
-std::vector<Row> read_table(const std::filesystem::path& path) {
+TableReader<Row>::TableReader(const std::filesystem::path& path) : name_(path.string()) {
   std::error_code error;
-  if (!std::filesystem::exists(path, error)) throw InputError(path.string(), "no such file", "a table");
-  std::ifstream in(path, std::ios::binary);
-  if (!in || std::filesystem::is_directory(path, error)) {
-    throw InputError(path.string(), "something that cannot be read", "a table");
-  }
-  const auto place = [&](std::size_t number) { return path.string() + ":" + std::to_string(number); };
+  if (std::filesystem::is_directory(path, error)) throw InputError(name_, "a directory", "a table");
+  in_.open(path, std::ios::binary);
+  if (!in_) throw InputError(name_, std::generic_category().message(errno), "a table");
+  next_line();
+  columns_ = check_header<Row>(place(), line_);
+}
 
-  std::string line;
-  next_line(in, line);
-  const std::size_t columns = check_header<Row>(place(1), line);
-
-  Row blank;
+template <class Row>
+std::optional<Row> TableReader<Row>::next() {
+  if (!next_line()) return std::nullopt;
+  const std::size_t found =
+      line_.empty() ? 0 : static_cast<std::size_t>(std::count(line_.begin(), line_.end(), ',')) + 1;
+  if (found != columns_)
+    throw InputError(place(), std::to_string(found) + " fields", std::to_string(columns_));
+  Row row;
   if constexpr (std::is_same_v<Row, TruthRow>) {
-    blank.visible = 1.0;
-    blank.position_m.setConstant(nan);
+    row.visible = 1.0;
+    row.position_m.setConstant(nan);
   }
+  LineReader reader(line_, place(), columns_);
+  visit_columns(reader, row);
+  if (row.t_us < last_t_us_) {
+    throw InputError(place() + ", column t_us", std::to_string(row.t_us),
+                     "a time that is not before the last row's " + std::to_string(last_t_us_));
+  }
+  last_t_us_ = row.t_us;
+  return row;
+}
+
+template <class Row>
+bool TableReader<Row>::next_line() {
+  ++line_number_;
+  const bool found = static_cast<bool>(std::getline(in_, line_));
+  if (in_.bad()) throw InputError(place(), "a read error", "a readable file");
+  if (!found) line_.clear();
+  if (line_.ends_with('\r')) line_.pop_back();
+  return found;
+}
+
+template <class Row>
+std::string TableReader<Row>::place() const {
+  return name_ + ":" + std::to_string(line_number_);
+}
+
+template <class Row>
+std::vector<Row> read_table(const std::filesystem::path& path) {
+  TableReader<Row> reader(path);
   std::vector<Row> rows;
-  for (std::size_t number = 2; next_line(in, line); ++number) {
-    const auto found = static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) + 1;
-    if (found != columns) {
-      throw InputError(place(number), std::to_string(line.empty() ? 0 : found) + " fields",
-                       std::to_string(columns));
-    }
-    Row& row = rows.emplace_back(blank);
-    LineReader reader(line, place(number), columns);
-    visit_columns(reader, row);
-    if (rows.size() > 1 && row.t_us < rows[rows.size() - 2].t_us) {
-      throw InputError(place(number) + ", column t_us", std::to_string(row.t_us),
-                       "time that does not go back (" + std::to_string(rows[rows.size() - 2].t_us) + " before)");
-    }
-  }
-  if (in.bad()) throw InputError(path.string(), "a read error", "a table");
+  while (std::optional<Row> row = reader.next()) rows.push_back(std::move(*row));
   return rows;
 }
 
@@ -258,6 +255,10 @@ template class TableWriter<TruthRow>;
 template class TableWriter<DetectionRow>;
 template class TableWriter<GazeRow>;
 template class TableWriter<JointsRow>;
+template class TableReader<TruthRow>;
+template class TableReader<DetectionRow>;
+template class TableReader<GazeRow>;
+template class TableReader<JointsRow>;
 template std::vector<TruthRow> read_table(const std::filesystem::path& path);
 template std::vector<DetectionRow> read_table(const std::filesystem::path& path);
 template std::vector<GazeRow> read_table(const std::filesystem::path& path);

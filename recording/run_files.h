@@ -3,6 +3,9 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
+#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -64,9 +67,29 @@ class TableWriter {
   std::string line_;
 };
 
-/// Reads a whole table. Throws InputError with file, line and column for a missing file, a wrong header, a
-/// row of the wrong length, a value that is not a number, or time that goes back. For truth tables the
-/// columns `visible,x_m,y_m,z_m` may be absent (annotated recordings: visible = 1, position NaN).
+/// Reads a table row by row, in fixed memory. Throws InputError with file, line and column for a missing
+/// file, a wrong header, a row of the wrong length, a value that is not a number, or time that goes back.
+/// For truth tables the columns `visible,x_m,y_m,z_m` may be absent (annotated recordings: visible = 1,
+/// position NaN).
+template <class Row>
+class TableReader {
+ public:
+  explicit TableReader(const std::filesystem::path& path);
+  [[nodiscard]] std::optional<Row> next();  ///< none at the end
+
+ private:
+  bool next_line();
+  [[nodiscard]] std::string place() const;
+
+  std::string name_;
+  std::ifstream in_;
+  std::string line_;
+  std::size_t line_number_ = 0;
+  std::size_t columns_ = 0;
+  std::int64_t last_t_us_ = std::numeric_limits<std::int64_t>::min();
+};
+
+/// A whole table at once; throws as TableReader does.
 template <class Row>
 [[nodiscard]] std::vector<Row> read_table(const std::filesystem::path& path);
 
@@ -74,5 +97,9 @@ extern template class TableWriter<TruthRow>;
 extern template class TableWriter<DetectionRow>;
 extern template class TableWriter<GazeRow>;
 extern template class TableWriter<JointsRow>;
+extern template class TableReader<TruthRow>;
+extern template class TableReader<DetectionRow>;
+extern template class TableReader<GazeRow>;
+extern template class TableReader<JointsRow>;
 
 }  // namespace saccade

@@ -10,8 +10,10 @@ namespace saccade {
 
 /// The seam between the loop and the world: what a robot offers, and nothing more. Backends: sim/ (the
 /// MuJoCo head), robot/replay (a recording), robot/fake (tests). tests/robot/port_conformance.h holds
-/// what is promised here for every backend.
+/// what is promised here for every backend. A backend is used from one thread.
 
+/// `ended` and `lost` are for good: each later call on that port says the same and changes nothing. A
+/// recording that turns out to be broken is bad input: the call that meets it throws InputError.
 enum class PortStatus {
   ok,
   ended,  ///< the recording is over or the world was closed; nothing more will come
@@ -25,7 +27,9 @@ class Clock {
   /// Never goes back. Microseconds in the clock of the events.
   [[nodiscard]] virtual std::int64_t now_us() const = 0;
   /// Returns when now_us() >= t_us: the simulator advances its world, a recording jumps, a robot waits.
-  /// A time that has passed returns at once. `ended` or `lost` when that time will not come.
+  /// A time that has passed returns at once. `ended` or `lost` when that time will not come; `ended` only
+  /// after everything up to now_us() has been read from the ports that end, so nothing is missed by a loop
+  /// that waits, reads and stops at the first status that is not ok.
   virtual PortStatus wait_until(std::int64_t t_us) = 0;
 };
 
@@ -35,16 +39,10 @@ class EventSource {
   virtual ~EventSource() = default;
   [[nodiscard]] virtual ImageSize image_size() const = 0;
   /// Appends every event with time stamp <= t_us (t_us <= now) that was not delivered before, sorted by
-  /// time. Events may be late (stamps before the previous t_us, by at most 5 ms in the simulator) but the
-  /// stamps that one source delivers never go back. `ended` may come together with the last events.
+  /// time and inside image_size(). Events may be late (stamps before the previous t_us, by at most 5 ms in
+  /// the simulator) but the stamps that one source delivers never go back. `ended` comes with the last
+  /// events or after them; `lost` appends nothing.
   virtual PortStatus read_until(std::int64_t t_us, std::vector<Event>& events) = 0;
-};
-
-/// A joint's allowed positions and its highest speed.
-struct JointLimits {
-  JointVector min_rad = JointVector::Zero();
-  JointVector max_rad = JointVector::Zero();
-  JointVector max_speed_rad_s = JointVector::Zero();
 };
 
 /// Where the six head joints shall go now: position references, as in YARP's position-direct mode.
@@ -56,10 +54,12 @@ class HeadPort {
  public:
   virtual ~HeadPort() = default;
   [[nodiscard]] virtual JointLimits limits() const = 0;
-  /// The newest encoder reading; its stamp is never later than now and never goes back.
+  /// The newest encoder reading, finite; its stamp is never later than now and never goes back (how old it
+  /// may be is the caller's decision). With `ended` or `lost` the state is left as it was.
   virtual PortStatus read(HeadState& state) = 0;
   /// Takes effect at once and holds until the next command. A reference outside limits() or not finite
-  /// is refused whole (`refused` is true and the last one holds).
+  /// is refused whole (`refused` is true and the last one holds). A recorded head takes commands and
+  /// moves as it did.
   struct CommandResult {
     PortStatus status = PortStatus::ok;
     bool refused = false;

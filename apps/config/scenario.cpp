@@ -1,0 +1,176 @@
+#include "apps/config/scenario.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "apps/config/yaml_reader.h"
+#include "apps/config/yaml_writer.h"
+#include "evaluation/metrics.h"
+
+namespace saccade {
+namespace {
+
+bool is_known(const std::string& preset) {
+  const auto& known = detector_presets();
+  return std::find(known.begin(), known.end(), preset) != known.end();
+}
+
+/// The detectors that the block `detectors` names, with their presets' values; a name that is no preset needs
+/// the key `preset`, which is added to `required`.
+NamedDetectors named_in(const YamlTree& tree, std::vector<std::string>& required) {
+  NamedDetectors detectors;
+  const YamlNode* block = tree.find("detectors");
+  if (block == nullptr) return detectors;
+  for (std::size_t i = 0; i < block->keys.size(); ++i) {
+    const std::string& name = block->keys[i];
+    const YamlNode* preset = block->items[i].find("preset");
+    if (preset == nullptr && !is_known(name)) required.push_back("detectors." + name + ".preset");
+    const std::string& start = preset != nullptr ? preset->text : name;
+    detectors.emplace_back(name, is_known(start) ? detector_preset(start) : DetectorConfig{});
+  }
+  return detectors;
+}
+
+void describe_detectors(FieldVisitor& v, NamedDetectors& detectors) {
+  v.section("detectors", [&](FieldVisitor& block) {
+    for (auto& [name, config] : detectors) {
+      block.section(name, [&](FieldVisitor& w) { describe(w, config); }, "a detector");
+    }
+  }, "detectors that see the events, by name");
+}
+
+std::vector<Expectation> expected_in(const YamlTree& tree) {
+  std::vector<Expectation> expect;
+  if (const YamlNode* block = tree.find("expect")) {
+    for (const std::string& metric : block->keys) expect.push_back({metric});
+  }
+  return expect;
+}
+
+/// The number, or null, at a path such as "gaze.in_view_ratio"; nullptr where there is none.
+const nlohmann::json* find_figure(const nlohmann::json& metrics, const std::string& path) {
+  const nlohmann::json* node = &metrics;
+  for (std::size_t begin = 0; begin <= path.size();) {
+    const std::size_t end = std::min(path.find('.', begin), path.size());
+    const auto child = node->find(path.substr(begin, end - begin));
+    if (child == node->end()) return nullptr;
+    node = &*child;
+    begin = end + 1;
+  }
+  return node->is_number() || node->is_null() ? node : nullptr;
+}
+
+/// A metrics.json of this scenario with nothing in it: which figures there are.
+nlohmann::json empty_metrics(const Scenario& scenario) {
+  Metrics metrics;
+  for (const auto& [name, config] : scenario.detectors) metrics.detectors.emplace_back(name, DetectorScore{});
+  if (scenario.gaze.detector != "none") metrics.gaze.emplace();
+  return nlohmann::json::parse(metrics_to_json(metrics));
+}
+
+void describe_expect(FieldVisitor& v, Scenario& scenario) {
+  const nlohmann::json metrics = empty_metrics(scenario);
+  v.section("expect", [&](FieldVisitor& block) {
+    for (Expectation& e : scenario.expect) {
+      block.reals(e.metric, e.range, 2, {}, "smallest and largest value that passes");
+      block.require(find_figure(metrics, e.metric) != nullptr, e.metric, "no such figure",
+                    "the path of a number in metrics.json, such as gaze.in_view_ratio");
+    }
+  }, "what the run must reach; exit status 3 otherwise");
+}
+
+void describe(FieldVisitor& v, Scenario& s) {
+  v.text("name", s.name, "of the scenario, in reports");
+  v.text("description", s.description, "what happens, in a sentence");
+  v.integer("seed", s.seed, {0, 9e15}, "of everything random in the run");
+  v.section("run", [&](FieldVisitor& w) {
+    w.real("duration_s", s.run.duration_s, {0.01, 86400.0}, "simulated time");
+    w.integer("threads", s.run.threads, {1, 64}, "processor cores to use; the result does not depend on it");
+  }, "the run");
+  v.section("lab", [&](FieldVisitor& w) { describe(w, s.sim.lab); }, "the room");
+  describe(v, s.sim.world);
+  v.section("camera", [&](FieldVisitor& w) { describe(w, s.sim.camera); }, "the left eye's pinhole");
+  v.section("render", [&](FieldVisitor& w) {
+    w.choice("backend", s.sim.gl, GlContext::backends(), "OpenGL without a window");
+    describe(w, s.sim.render);
+  }, "how the eye's images are drawn");
+  v.section("emulator", [&](FieldVisitor& w) { describe(w, s.sim.emulator); }, "the event camera's pixels");
+  describe_detectors(v, s.detectors);
+  v.section("gaze", [&](FieldVisitor& w) {
+    std::vector<std::string> drivers = {"none"};
+    for (const auto& [name, config] : s.detectors) drivers.push_back(name);
+    w.choice("detector", s.gaze.detector, drivers, "which of the detectors drives the head");
+    describe(w, s.gaze.gate);
+    describe(w, s.gaze.controller);
+  }, "from detections to gaze");
+  v.section("output", [&](FieldVisitor& w) {
+    w.boolean("video", s.output.video, "video.mp4 in the run folder");
+    w.choice("events", s.output.events, {"aedat", "csv"}, "format of the events' file");
+    w.integer("pictures", s.output.pictures, {0, 60}, "instants shown as pictures in the report");
+  }, "what the run folder holds");
+  describe_expect(v, s);
+}
+
+}  // namespace
+
+Scenario read_scenario(const std::filesystem::path& path, const std::vector<std::string>& assignments,
+                       std::optional<std::int64_t> seed) {
+  YamlTree tree = read_yaml_file(path);
+  for (const std::string& assignment : assignments) set_value(tree, assignment);
+  if (seed) set_value(tree, "seed=" + std::to_string(*seed));
+  std::vector<std::string> required = {"name", "run", "run.duration_s", "ball", "ball.trajectory", "detectors"};
+  Scenario scenario;
+  scenario.detectors = named_in(tree, required);
+  scenario.expect = expected_in(tree);
+  YamlReader reader(tree, std::move(required));
+  describe(reader, scenario);
+  reader.finish();
+  return scenario;
+}
+
+std::string resolved_scenario(const Scenario& scenario) {
+  Scenario copy = scenario;
+  YamlWriter writer;
+  describe(writer, copy);
+  return writer.yaml();
+}
+
+std::vector<std::string> unmet_expectations(const Scenario& scenario, const Metrics& metrics) {
+  const nlohmann::json figures = nlohmann::json::parse(metrics_to_json(metrics));
+  std::vector<std::string> unmet;
+  for (const Expectation& e : scenario.expect) {
+    const nlohmann::json* figure = find_figure(figures, e.metric);
+    const bool known = figure != nullptr && figure->is_number();
+    if (known && *figure >= e.range[0] && *figure <= e.range[1]) continue;
+    unmet.push_back("expect: " + e.metric + " is " + (known ? figure->dump() : "null") + ", expected " +
+                    text_of(e.range[0]) + " to " + text_of(e.range[1]));
+  }
+  return unmet;
+}
+
+NamedDetectors read_detectors(const std::filesystem::path& path, const std::vector<std::string>& assignments) {
+  YamlTree tree;
+  if (!path.empty()) {
+    tree = read_yaml_file(path);
+  } else {
+    for (const std::string& name : detector_presets()) set_value(tree, "detectors." + name + "={}");
+  }
+  const YamlNode* block = tree.find("detectors");
+  const std::vector<std::string> names = block != nullptr ? block->keys : std::vector<std::string>{};
+  for (const std::string& assignment : assignments) {
+    const std::string first = assignment.substr(0, assignment.find_first_of(".="));
+    if (std::find(names.begin(), names.end(), first) != names.end()) {
+      set_value(tree, "detectors." + assignment);
+    } else {
+      for (const std::string& name : names) set_value(tree, "detectors." + name + "." + assignment);
+    }
+  }
+  std::vector<std::string> required = {"detectors"};
+  NamedDetectors detectors = named_in(tree, required);
+  YamlReader reader(tree, std::move(required));
+  describe_detectors(reader, detectors);
+  reader.finish();
+  return detectors;
+}
+
+}  // namespace saccade

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apps/config/yaml_tree.h"
+#include "control/gaze_controller.h"
+#include "control/gaze_gate.h"
+#include "core/detector_factory.h"
+#include "evaluation/metrics.h"
+#include "sim/sim_robot.h"
+
+namespace saccade {
+
+/// Detectors by the name they have in a run, in file order.
+using NamedDetectors = std::vector<std::pair<std::string, DetectorConfig>>;
+
+/// The range that a figure of metrics.json must lie in, e.g. gaze.in_view_ratio in [0.98, 1].
+struct Expectation {
+  std::string metric;  ///< its path in metrics.json
+  std::vector<double> range = {0.0, 0.0};
+};
+
+/// A closed-loop run, as a scenario file describes it.
+struct Scenario {
+  std::string name;
+  std::string description;
+  std::int64_t seed = 1;
+
+  struct Run {
+    double duration_s = 4.0;
+    std::int64_t threads = 2;
+  } run;
+
+  SimConfig sim;
+  NamedDetectors detectors;
+
+  struct Gaze {
+    std::string detector = "paper_directed";  ///< which of the detectors drives; none: the head stays still
+    GazeControllerConfig controller;
+    GateConfig gate;
+  } gaze;
+
+  struct Output {
+    bool video = false;
+    std::string events = "aedat";  ///< aedat or csv
+    std::int64_t pictures = 10;    ///< how many instants the report shows in pictures
+  } output;
+
+  std::vector<Expectation> expect;
+};
+
+/// Reads a scenario: `assignments` are the `key.path=value` of --set, `seed` that of --seed.
+/// Throws InputError with everything that is wrong.
+[[nodiscard]] Scenario read_scenario(const std::filesystem::path& path,
+                                     const std::vector<std::string>& assignments,
+                                     std::optional<std::int64_t> seed);
+/// The scenario with every default, as YAML that reads back the same.
+[[nodiscard]] std::string resolved_scenario(const Scenario& scenario);
+
+/// What of `expect` the metrics do not keep, one line each; empty when all is well.
+[[nodiscard]] std::vector<std::string> unmet_expectations(const Scenario& scenario, const Metrics& metrics);
+
+/// Reads a file of detectors (key `detectors`), or the presets' own where `path` is empty. An assignment whose
+/// first word is the name of a detector holds for that one, any other for all of them.
+[[nodiscard]] NamedDetectors read_detectors(const std::filesystem::path& path,
+                                            const std::vector<std::string>& assignments);
+
+}  // namespace saccade

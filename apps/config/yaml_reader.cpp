@@ -1,0 +1,314 @@
+#include "apps/config/yaml_reader.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <numeric>
+
+namespace saccade {
+namespace {
+
+using Kind = YamlNode::Kind;
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+std::string lower(std::string text) {
+  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return text;
+}
+
+/// A sign, digits, a fraction, an exponent; the decimal numbers that every reader understands alike.
+bool is_decimal(std::string_view text, bool whole) {
+  std::size_t i = 0;
+  const auto digits = [&] {
+    const std::size_t start = i;
+    while (i < text.size() && is_digit(text[i])) ++i;
+    return i - start;
+  };
+  const auto at = [&](std::string_view options) {
+    return i < text.size() && options.find(text[i]) != std::string_view::npos;
+  };
+  if (at("+-")) ++i;
+  const bool zero = at("0");
+  const std::size_t before = digits();
+  if (zero && before > 1) return false;
+  std::size_t after = 0;
+  if (!whole && at(".")) {
+    ++i;
+    after = digits();
+  }
+  if (before + after == 0) return false;
+  if (!whole && at("eE")) {
+    ++i;
+    if (at("+-")) ++i;
+    if (digits() == 0) return false;
+  }
+  return i == text.size();
+}
+
+/// Why something that looks like a number is none, or nothing.
+std::string_view number_note(const YamlNode& node) {
+  if (node.kind != Kind::scalar) return {};
+  if (node.quoted) return is_decimal(node.text, false) ? " (in quotes, so it is text)" : "";
+  std::string text = lower(node.text);
+  if (text.starts_with('-') || text.starts_with('+')) text.erase(0, 1);
+  if (text == ".nan" || text == "nan" || text == ".inf" || text == "inf") return " (not finite)";
+  if (text.size() < 2 || text[0] != '0') return {};
+  if (text[1] == 'x' || text[1] == 'o' || text[1] == 'b') return " (not decimal)";
+  return is_digit(text[1]) ? " (leading zero)" : "";
+}
+
+/// Plain scalars that a reader of YAML may take for something else than text.
+bool reads_as_other_than_text(const YamlNode& node) {
+  constexpr std::array<std::string_view, 4> words = {"true", "false", "null", "~"};
+  const std::string text = lower(node.text);
+  return is_decimal(node.text, false) || !number_note(node).empty() ||
+         std::find(words.begin(), words.end(), text) != words.end();
+}
+
+template <class Number>
+std::optional<Number> converted(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// Changes, insertions, deletions and swaps of neighbours that turn `a` into `b`.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> before_last(b.size() + 1);
+  std::vector<std::size_t> last(b.size() + 1);
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(last.begin(), last.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      const bool swapped = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
+      if (swapped) row[j] = std::min(row[j], before_last[j - 2] + 1);
+    }
+    std::swap(before_last, last);
+    std::swap(last, row);
+  }
+  return last[b.size()];
+}
+
+/// The known key that was probably meant: close in spelling, or the same with a unit.
+std::string nearest(std::string_view key, const std::vector<std::string>& known) {
+  constexpr std::size_t longest_key = 64;
+  std::string best;
+  std::size_t best_distance = std::max<std::size_t>(1, key.size() / 3) + 1;
+  if (key.size() > longest_key) return best;
+  for (const std::string& candidate : known) {
+    const bool unit_forgotten = candidate.starts_with(std::string(key) + "_");
+    const std::size_t distance = unit_forgotten ? 1 : edit_distance(lower(std::string(key)), candidate);
+    if (distance < best_distance) {
+      best_distance = distance;
+      best = candidate;
+    }
+  }
+  return best;
+}
+
+std::string one_or_list(std::size_t size, const std::string& of, Range range) {
+  return expectation_of(range, (size == 0 ? "a list of " : "a list of " + std::to_string(size) + " ") + of);
+}
+
+}  // namespace
+
+YamlReader::YamlReader(const YamlTree& tree, std::vector<std::string> required)
+    : tree_(tree), required_(std::move(required)), problems_(tree.problems) {
+  block_ = {&tree.root, tree.root.mark, "", {}, problems_.size()};
+}
+
+std::string YamlReader::path_of(std::string_view key) const {
+  return (block_.path.empty() ? "" : block_.path + ".") + std::string(key);
+}
+
+void YamlReader::refuse(const YamlNode& node, std::string_view path, std::string expectation,
+                        std::string_view note) {
+  if (node.kind == Kind::rejected) return;
+  problems_.push_back({node.mark,
+                       {tree_.place(node.mark, path), node.found() + std::string(note), std::move(expectation)}});
+}
+
+/// The value of a key; nullptr when it is absent, which is a problem where the key is required.
+const YamlNode* YamlReader::take(std::string_view key, const std::string& expectation) {
+  block_.known.emplace_back(key);
+  const YamlNode* node = nullptr;
+  if (block_.node != nullptr) {
+    const auto it = std::find(block_.node->keys.begin(), block_.node->keys.end(), key);
+    if (it != block_.node->keys.end()) {
+      node = &block_.node->items[static_cast<std::size_t>(it - block_.node->keys.begin())];
+    }
+  }
+  const std::string path = path_of(key);
+  if (node == nullptr && std::find(required_.begin(), required_.end(), path) != required_.end()) {
+    const std::string place = block_.mark.line > 0 ? tree_.place(block_.mark, path) : path;
+    problems_.push_back({block_.mark, {place, "no such key", expectation}});
+  }
+  return node;
+}
+
+std::optional<double> YamlReader::number(const YamlNode& node, std::string_view path, Range range) {
+  const std::string expectation = expectation_of(range, "a finite number");
+  if (node.kind != Kind::scalar || node.quoted || !is_decimal(node.text, false)) {
+    refuse(node, path, expectation, number_note(node));
+    return std::nullopt;
+  }
+  const auto value = converted<double>(node.text);
+  if (!value || !range.contains(*value)) {
+    refuse(node, path, expectation, value ? "" : " (beyond a double)");
+    return std::nullopt;
+  }
+  return value;
+}
+
+std::optional<std::vector<double>> YamlReader::numbers(const YamlNode& node, std::string_view path,
+                                                       std::size_t size, Range range) {
+  if (node.kind != Kind::list) {
+    refuse(node, path, one_or_list(size, "finite numbers", range));
+    return std::nullopt;
+  }
+  const std::size_t problems_before = problems_.size();
+  std::vector<double> values;
+  for (std::size_t i = 0; i < node.items.size(); ++i) {
+    const std::string element = std::string(path) + "[" + std::to_string(i) + "]";
+    values.push_back(number(node.items[i], element, range).value_or(0.0));
+    if (node.items[i].kind == Kind::rejected) return std::nullopt;
+  }
+  if (size != 0 && node.items.size() != size) {
+    refuse(node, path, one_or_list(size, "finite numbers", range),
+           " of " + std::to_string(node.items.size()));
+  }
+  if (problems_.size() > problems_before) return std::nullopt;
+  return values;
+}
+
+void YamlReader::real(std::string_view key, double& value, Range range, std::string_view) {
+  const YamlNode* node = take(key, expectation_of(range, "a finite number"));
+  if (node == nullptr) return;
+  value = number(*node, path_of(key), range).value_or(value);
+}
+
+void YamlReader::integer(std::string_view key, std::int64_t& value, Range range, std::string_view) {
+  const std::string expectation = expectation_of(range, "a whole number");
+  const YamlNode* node = take(key, expectation);
+  if (node == nullptr) return;
+  std::optional<std::int64_t> whole;
+  if (node->kind == Kind::scalar && !node->quoted && is_decimal(node->text, true)) {
+    whole = converted<std::int64_t>(node->text);
+  }
+  if (whole && range.contains(static_cast<double>(*whole))) {
+    value = *whole;
+  } else {
+    refuse(*node, path_of(key), expectation, number_note(*node));
+  }
+}
+
+void YamlReader::boolean(std::string_view key, bool& value, std::string_view) {
+  const YamlNode* node = take(key, "true or false");
+  if (node == nullptr) return;
+  const bool plain = node->kind == Kind::scalar && !node->quoted;
+  if (plain && (node->text == "true" || node->text == "false")) {
+    value = node->text == "true";
+  } else {
+    refuse(*node, path_of(key), "true or false");
+  }
+}
+
+void YamlReader::text(std::string_view key, std::string& value, std::string_view) {
+  const YamlNode* node = take(key, "text");
+  if (node == nullptr) return;
+  if (node->kind != Kind::scalar) {
+    refuse(*node, path_of(key), "text");
+  } else if (!node->quoted && reads_as_other_than_text(*node)) {
+    refuse(*node, path_of(key), "text, in quotes if this is meant");
+  } else {
+    value = node->text;
+  }
+}
+
+void YamlReader::choice(std::string_view key, std::string& value, const std::vector<std::string>& options,
+                        std::string_view) {
+  const YamlNode* node = take(key, expectation_of(options));
+  if (node == nullptr) return;
+  const bool known = std::find(options.begin(), options.end(), node->text) != options.end();
+  if (node->kind == Kind::scalar && known) {
+    value = node->text;
+  } else {
+    refuse(*node, path_of(key), expectation_of(options));
+  }
+}
+
+void YamlReader::reals(std::string_view key, std::vector<double>& value, std::size_t size, Range range,
+                       std::string_view) {
+  const YamlNode* node = take(key, one_or_list(size, "finite numbers", range));
+  if (node == nullptr) return;
+  if (auto values = numbers(*node, path_of(key), size, range)) value = std::move(*values);
+}
+
+void YamlReader::points(std::string_view key, std::vector<std::vector<double>>& value, std::size_t dimension,
+                        Range range, std::string_view) {
+  const std::string expectation =
+      one_or_list(0, "points, each of " + std::to_string(dimension) + " finite numbers", range);
+  const YamlNode* node = take(key, expectation);
+  if (node == nullptr) return;
+  if (node->kind != Kind::list) {
+    refuse(*node, path_of(key), expectation);
+    return;
+  }
+  std::vector<std::vector<double>> values;
+  for (std::size_t i = 0; i < node->items.size(); ++i) {
+    const std::string path = path_of(key) + "[" + std::to_string(i) + "]";
+    if (auto point = numbers(node->items[i], path, dimension, range)) values.push_back(std::move(*point));
+  }
+  if (values.size() == node->items.size()) value = std::move(values);
+}
+
+void YamlReader::section(std::string_view key, const std::function<void(FieldVisitor&)>& describe_section,
+                         std::string_view) {
+  constexpr std::string_view expectation = "a block of keys";
+  const std::size_t problems_before = problems_.size();
+  const YamlNode* node = take(key, std::string(expectation));
+  if (node != nullptr && node->kind != Kind::map) refuse(*node, path_of(key), std::string(expectation));
+  if (problems_.size() > problems_before || (node != nullptr && node->kind != Kind::map)) return;
+
+  const TextMark mark = node != nullptr && node->mark.line > 0 ? node->mark : block_.mark;
+  Block outer = std::exchange(block_, Block{node, mark, path_of(key), {}, problems_before});
+  describe_section(*this);
+  report_unknown();
+  block_ = std::move(outer);
+}
+
+void YamlReader::require(bool holds, std::string_view key, std::string_view found,
+                         std::string_view expectation) {
+  if (holds || problems_.size() > block_.problems_before) return;
+  const YamlNode* node = block_.node != nullptr ? block_.node->find(key) : nullptr;
+  const TextMark mark = node != nullptr ? node->mark : block_.mark;
+  const std::string path = path_of(key);
+  const std::string place = node != nullptr || mark.line > 0 ? tree_.place(mark, path) : path;
+  problems_.push_back({mark, {place, std::string(found), std::string(expectation)}});
+}
+
+void YamlReader::report_unknown() {
+  if (block_.node == nullptr) return;
+  for (std::size_t i = 0; i < block_.node->keys.size(); ++i) {
+    const std::string& key = block_.node->keys[i];
+    if (std::find(block_.known.begin(), block_.known.end(), key) != block_.known.end()) continue;
+    const std::string close = nearest(key, block_.known);
+    const std::string expectation = block_.known.empty() ? "no keys here"
+                                    : close.empty()      ? expectation_of(block_.known)
+                                                         : "a known key; did you mean " + close + "?";
+    const TextMark mark = block_.node->items[i].mark;
+    problems_.push_back({mark, {tree_.place(mark, path_of(key)), "an unknown key", expectation}});
+  }
+}
+
+void YamlReader::finish() {
+  report_unknown();
+  throw_if_any(std::move(problems_));
+}
+
+}  // namespace saccade

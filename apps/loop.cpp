@@ -1,0 +1,75 @@
+#include "apps/loop.h"
+
+#include <chrono>
+
+#include "control/head_kinematics.h"
+
+namespace saccade {
+
+Loop::Loop(Clock& clock, EventSource& events, HeadPort* head, const PinholeCamera& camera,
+           std::vector<LoopDetector> detectors, std::optional<LoopGaze> gaze)
+    : clock_(clock),
+      source_(events),
+      head_(head),
+      camera_(camera),
+      detectors_(std::move(detectors)),
+      gaze_(std::move(gaze)),
+      results_(detectors_.size()),
+      last_t_us_(clock.now_us()) {
+  SACCADE_CHECK(!gaze_ || (head_ != nullptr && gaze_->driver < detectors_.size()));
+}
+
+PortStatus Loop::tick(std::int64_t t_us, LoopObserver& observer) {
+  const auto need = [](PortStatus status, const char* what) {
+    if (status == PortStatus::lost) throw RunError(std::string("lost the connection to the ") + what);
+    return status;
+  };
+  PortStatus status = need(clock_.wait_until(t_us), "clock");
+  events_.clear();
+  if (need(source_.read_until(t_us, events_), "event camera") == PortStatus::ended) status = PortStatus::ended;
+
+  Tick tick;
+  tick.t_us = t_us;
+  CameraMotion motion;
+  if (head_ != nullptr) {
+    need(head_->read(tick.head.emplace()), "head");
+    motion = camera_motion(*tick.head);
+  }
+  detect(t_us, head_ != nullptr ? &motion : nullptr);
+  tick.events = events_;
+  tick.detectors = results_;
+  if (gaze_) act(motion, static_cast<double>(t_us - last_t_us_) * 1e-6, tick);
+  last_t_us_ = t_us;
+  observer.on_tick(tick);
+  return status;
+}
+
+void Loop::detect(std::int64_t t_us, const CameraMotion* motion) {
+  for (std::size_t i = 0; i < detectors_.size(); ++i) {
+    Detector& detector = *detectors_[i].detector;
+    const auto begin = std::chrono::steady_clock::now();
+    detector.process(events_, motion);
+    detector.advance_to(t_us, motion);
+    const Estimate estimate = detector.estimate();
+    const auto end = std::chrono::steady_clock::now();
+    results_[i] = {estimate, estimate.valid && (!events_.empty() || estimate.held),
+                   std::chrono::duration_cast<std::chrono::nanoseconds>(end - begin).count()};
+  }
+}
+
+void Loop::act(const CameraMotion& motion, double dt_s, Tick& tick) {
+  const DetectorTick& seen = results_[gaze_->driver];
+  const double threshold = detectors_[gaze_->driver].detector->threshold();
+  tick.new_target_m = gaze_->gate->update(tick.t_us, seen.observed ? seen.estimate : Estimate{}, threshold,
+                                          camera_, motion.root_from_camera);
+  const HeadJointVector wanted = gaze_->controller->step(*tick.head, tick.new_target_m, dt_s);
+  tick.target_status = gaze_->controller->target_status();
+  if (tick.target_status == TargetStatus::ok) target_m_ = tick.new_target_m;
+  tick.target_m = target_m_;
+  tick.command = gaze_->limiter.apply(wanted, tick.head->head_position_rad(), dt_s);
+  const HeadPort::CommandResult result = head_->command(tick.command.reference_rad);
+  if (result.status == PortStatus::lost) throw RunError("lost the connection to the head");
+  tick.command_refused = result.refused;
+}
+
+}  // namespace saccade

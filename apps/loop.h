@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "control/gaze_controller.h"
+#include "control/gaze_gate.h"
+#include "control/joint_limiter.h"
+#include "core/detector.h"
+#include "robot/ports.h"
+
+namespace saccade {
+
+/// A detector in the loop. All of them see the same events; one drives the gaze, the others shadow it.
+struct LoopDetector {
+  std::string name;
+  std::unique_ptr<Detector> detector;
+};
+
+/// What turns detections into gaze, all of one robot.
+struct LoopGaze {
+  std::size_t driver = 0;  ///< index of the detector that drives
+  std::unique_ptr<GazeGate> gate;
+  std::unique_ptr<GazeController> controller;
+  JointLimiter limiter;
+};
+
+/// What one detector said in one tick.
+struct DetectorTick {
+  Estimate estimate;
+  bool observed = false;  ///< an observation after design.md section 7: events came, or the estimate is held
+  std::int64_t elapsed_ns = 0;
+};
+
+/// Everything that happened in one tick; valid until the next one.
+struct Tick {
+  std::int64_t t_us = 0;
+  std::span<const Event> events;            ///< delivered in this tick
+  std::span<const DetectorTick> detectors;  ///< in the order of the loop's detectors
+  std::optional<HeadState> head;
+  std::optional<Eigen::Vector3d> new_target_m;  ///< handed to the controller in this tick, root frame
+  std::optional<Eigen::Vector3d> target_m;      ///< the newest one so far
+  TargetStatus target_status = TargetStatus::none;  ///< what the controller made of new_target_m
+  JointLimiter::Result command;                     ///< sent to the head, and which limits acted
+  bool command_refused = false;                     ///< by the head
+};
+
+class LoopObserver {
+ public:
+  virtual ~LoopObserver() = default;
+  virtual void on_tick(const Tick& tick) = 0;
+};
+
+/// The loop: every tick it asks the world for events and joints, thinks, and acts. The same for the
+/// simulator, a recording and the robot; it knows only the ports.
+class Loop {
+ public:
+  /// `head` may be null (a bare recording): then there is no gaze and no camera motion.
+  /// `gaze` is absent where the head is not to be moved.
+  Loop(Clock& clock, EventSource& events, HeadPort* head, const PinholeCamera& camera,
+       std::vector<LoopDetector> detectors, std::optional<LoopGaze> gaze);
+
+  /// Waits for t_us (later than the last one) and does one tick. `ended` when the source has no more.
+  /// Throws RunError when the connection is lost.
+  PortStatus tick(std::int64_t t_us, LoopObserver& observer);
+
+  [[nodiscard]] std::span<const LoopDetector> detectors() const { return detectors_; }
+
+ private:
+  void detect(std::int64_t t_us, const CameraMotion* motion);
+  void act(const CameraMotion& motion, double dt_s, Tick& tick);
+
+  Clock& clock_;
+  EventSource& source_;
+  HeadPort* head_;
+  PinholeCamera camera_;
+  std::vector<LoopDetector> detectors_;
+  std::optional<LoopGaze> gaze_;
+  std::vector<Event> events_;
+  std::vector<DetectorTick> results_;
+  std::optional<Eigen::Vector3d> target_m_;
+  std::int64_t last_t_us_;
+};
+
+}  // namespace saccade

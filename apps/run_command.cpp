@@ -1,0 +1,144 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+
+#include "apps/commands.h"
+#include "apps/config/scenario.h"
+#include "apps/interrupt.h"
+#include "apps/loop.h"
+#include "apps/run_folder.h"
+#include "apps/run_recorder.h"
+#include "evaluation/report.h"
+
+namespace saccade {
+namespace {
+
+struct RunOptions {
+  std::filesystem::path scenario;
+  std::filesystem::path out;
+  std::vector<std::string> assignments;
+  std::optional<std::int64_t> seed;
+  bool force = false;
+};
+
+/// Progress: one changing line on a terminal, a line every tenth of the run in a log.
+class Progress {
+ public:
+  explicit Progress(double duration_s) : duration_s_(duration_s), terminal_(isatty(STDERR_FILENO) != 0) {}
+
+  void show(double t_s, double wall_s) {
+    const double step = terminal_ ? 0.01 : 0.1;
+    if (t_s < next_ * duration_s_) return;
+    next_ = std::floor(t_s / duration_s_ / step + 1.0) * step;
+    fmt::print(stderr, "{}{:6.2f} of {:.2f} s, {:.2f} x real time{}", terminal_ ? "\r" : "", t_s, duration_s_,
+               t_s / std::max(wall_s, 1e-9), terminal_ ? "" : "\n");
+  }
+  void done() const {
+    if (terminal_) fmt::print(stderr, "\n");
+  }
+
+ private:
+  double duration_s_;
+  bool terminal_;
+  double next_ = 0.0;
+};
+
+std::optional<LoopGaze> make_gaze(const Scenario& scenario, const JointLimits& limits) {
+  for (std::size_t i = 0; i < scenario.detectors.size(); ++i) {
+    if (scenario.detectors[i].first != scenario.gaze.detector) continue;
+    return LoopGaze{i, make_gate(scenario.gaze.gate), make_gaze_controller(scenario.gaze.controller, limits),
+                    JointLimiter(motion_limits(limits, scenario.gaze.controller.limits))};
+  }
+  return std::nullopt;
+}
+
+std::vector<LoopDetector> make_detectors(const NamedDetectors& named, const PinholeCamera& camera) {
+  std::vector<LoopDetector> detectors;
+  for (const auto& [name, config] : named) detectors.push_back({name, make_detector(config, camera)});
+  return detectors;
+}
+
+void print_summary(const Metrics& metrics) {
+  const auto number = [](const std::optional<double>& value, const char* unit) {
+    return value ? fmt::format("{:.3g}{}", *value, unit) : std::string("-");
+  };
+  fmt::print("{} events, {:.0f} per second; {:.2f} x real time\n", metrics.event_count,
+             static_cast<double>(metrics.event_count) / metrics.duration_s,
+             metrics.duration_s / metrics.wall_s.value_or(1.0));
+  for (const auto& [name, score] : metrics.detectors) {
+    fmt::print("{}: average precision {}, precision {} and recall {} at its threshold, median error {}, lag {}\n",
+               name, number(score.average_precision, ""), number(score.precision, ""), number(score.recall, ""),
+               number(score.position_error_px.median, " px"), number(score.lag_ms, " ms"));
+  }
+  if (metrics.gaze) {
+    const GazeScore& gaze = metrics.gaze->score;
+    fmt::print("gaze: acquired after {}, in view {}, median error {}, {} moves of which {} wrong, {} limit "
+               "violations\n",
+               number(gaze.acquire_s, " s"), number(gaze.in_view_ratio, ""),
+               number(gaze.fixation_error_deg.median, " deg"), gaze.moves, gaze.wrong_moves, gaze.limit_violations);
+  }
+}
+
+int run(const RunOptions& options) {
+  const Scenario scenario = read_scenario(options.scenario, options.assignments, options.seed);
+  const std::filesystem::path folder =
+      options.out.empty() ? std::filesystem::path("runs") / scenario.name : options.out;
+  // llvmpipe reads this when OpenGL starts: 0 draws in the calling thread.
+  const std::string rasterisers = scenario.run.threads == 1 ? "0" : std::to_string(scenario.run.threads);
+  setenv("LP_NUM_THREADS", rasterisers.c_str(), 1);
+  const auto seed = static_cast<std::uint64_t>(scenario.seed);
+  SimRobot robot(scenario.sim, seed);
+  prepare_run_folder(folder, options.force);
+  {
+    OutputFile resolved(folder / "scenario.yaml");
+    resolved.write("# saccade " SACCADE_VERSION " (" SACCADE_COMMIT "); " + robot.gl_description() + "\n" +
+                   resolved_scenario(scenario));
+    resolved.commit();
+  }
+  Loop loop(robot, robot, &robot, scenario.sim.camera, make_detectors(scenario.detectors, scenario.sim.camera),
+            make_gaze(scenario, robot.limits()));
+  RunRecorder recorder(folder, scenario, robot, loop);
+
+  catch_interrupts();
+  Progress progress(scenario.run.duration_s);
+  const std::int64_t end_us = std::llround(scenario.run.duration_s * 1e6);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto wall_s = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() -
+           recorder.picture_wall_s();
+  };
+  for (std::int64_t t_us = World::tick_us; t_us <= end_us && !interrupted(); t_us += World::tick_us) {
+    loop.tick(t_us, recorder);
+    progress.show(static_cast<double>(t_us) * 1e-6, wall_s());
+  }
+  const double loop_s = wall_s();
+  progress.done();
+  const Metrics metrics = recorder.finish(loop_s);
+  write_report(folder);
+  print_summary(metrics);
+  fmt::print("{}\n", (folder / "report.html").string());
+  if (interrupted()) throw RunError("interrupted; the run folder holds what happened until then");
+  const std::vector<std::string> unmet = unmet_expectations(scenario, metrics);
+  for (const std::string& line : unmet) fmt::print(stderr, "saccade: {}\n", line);
+  return unmet.empty() ? 0 : 3;
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& app, Action& action) {
+  auto options = std::make_shared<RunOptions>();
+  CLI::App* command = app.add_subcommand("run", "One closed-loop run of a scenario, into a run folder");
+  command->add_option("scenario", options->scenario, "Scenario file (YAML)")->required();
+  command->add_option("--out", options->out, "Run folder; runs/NAME by default");
+  command->add_option("--seed", options->seed, "Seed, instead of the scenario's");
+  command->add_option("--set", options->assignments, "key.path=value, instead of the scenario's")
+      ->allow_extra_args(false);
+  command->add_flag("--force", options->force, "Replace an earlier run in that folder");
+  command->callback([options, &action] { action = [options] { return run(*options); }; });
+}
+
+}  // namespace saccade

@@ -1,0 +1,179 @@
+#include "apps/run_recorder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "control/head_kinematics.h"
+#include "evaluation/figures.h"
+
+namespace saccade {
+namespace {
+
+constexpr std::int64_t picture_window_us = 10'000;  ///< events shown in a picture
+constexpr ImageSize scene_size{640, 480};
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+GazeScoringConfig gaze_scoring(const Scenario& scenario, const JointLimits& limits) {
+  GazeScoringConfig config;
+  config.camera = scenario.sim.camera;
+  config.min_rad = limits.min_rad;
+  config.max_rad = limits.max_rad;
+  for (const auto& [name, detector] : scenario.detectors) {
+    const bool paper = name == scenario.gaze.detector && detector.preset.starts_with("paper");
+    if (paper) config.acquire_within_rad = 6.0 * std::numbers::pi / 180.0;
+  }
+  return config;
+}
+
+void write_png(const std::filesystem::path& path, const cv::Mat& picture) {
+  std::vector<unsigned char> png;
+  cv::imencode(".png", picture, png);
+  OutputFile file(path);
+  file.write(std::as_bytes(std::span(png)));
+  file.commit();
+}
+
+}  // namespace
+
+RunRecorder::RunRecorder(std::filesystem::path folder, const Scenario& scenario, SimRobot& robot,
+                         const Loop& loop)
+    : folder_(std::move(folder)),
+      scenario_(scenario),
+      robot_(robot),
+      loop_(loop),
+      events_name_("events." + scenario.output.events),
+      events_(create_event_file(folder_ / events_name_, scenario.sim.camera.size)),
+      joints_(folder_ / "joints.csv"),
+      truth_table_(folder_ / "truth.csv"),
+      detection_table_(folder_ / "detections.csv"),
+      gaze_table_(folder_ / "gaze.csv"),
+      gaze_scorer_(gaze_scoring(scenario, robot.limits())),
+      detector_ns_(scenario.detectors.size(), 0) {
+  const auto duration_us = std::llround(scenario.run.duration_s * 1e6);
+  for (std::int64_t i = 0; i < scenario.output.pictures; ++i) {
+    picture_times_us_.push_back(duration_us * (2 * i + 1) / (2 * scenario.output.pictures));
+  }
+  if (!picture_times_us_.empty()) std::filesystem::create_directories(folder_ / "frames");
+  if (scenario.output.video) video_.emplace(folder_ / "video.mp4");
+}
+
+void RunRecorder::on_tick(const Tick& tick) {
+  now_us_ = tick.t_us;
+  record_tables(tick);
+  const auto begin = std::chrono::steady_clock::now();
+  take_pictures(tick);
+  picture_wall_s_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+void RunRecorder::record_tables(const Tick& tick) {
+  event_count_ += static_cast<std::int64_t>(tick.events.size());
+  events_->write(tick.events);
+  joints_.write({tick.t_us, tick.head->position_rad});
+
+  const SimTruth& truth = robot_.truth();
+  const TruthRow row{tick.t_us, truth.circle.value_or(Circle{nan, nan, nan}), truth.visible, truth.ball_m};
+  truth_table_.write(row);
+  truth_.push_back(row);
+
+  for (std::size_t i = 0; i < tick.detectors.size(); ++i) {
+    const DetectorTick& seen = tick.detectors[i];
+    detector_ns_[i] += seen.elapsed_ns;
+    if (!seen.observed) continue;
+    detections_.push_back({tick.t_us, loop_.detectors()[i].name, seen.estimate.circle, seen.estimate.score,
+                           seen.estimate.held});
+    detection_table_.write(detections_.back());
+  }
+
+  const HeadKinematics kinematics(tick.head->position_rad);
+  const FixationPoint fixation = kinematics.fixation();
+  const Eigen::Vector3d none = Eigen::Vector3d::Constant(nan);
+  gaze_table_.write({tick.t_us, fixation.valid ? fixation.point_m : none, tick.target_m.value_or(none),
+                     tick.head->position_rad});
+  gaze_scorer_.add({tick.t_us, truth.root_from_left_cam, truth.ball_m, tick.target_m, truth.plant_position_rad});
+}
+
+EyePicture RunRecorder::eye_picture(const Tick& tick, const cv::Mat& grey) const {
+  EyePicture eye;
+  eye.size = scenario_.sim.camera.size;
+  eye.grey = grey;
+  eye.events = recent_events_;
+  if (robot_.truth().visible > 0.0) eye.truth = robot_.truth().circle;
+  for (std::size_t i = 0; i < tick.detectors.size(); ++i) {
+    const DetectorTick& seen = tick.detectors[i];
+    if (!seen.observed || seen.estimate.score < loop_.detectors()[i].detector->threshold()) continue;
+    eye.detections.push_back({seen.estimate.circle, loop_.detectors()[i].name, detector_colour(i)});
+  }
+  eye.principal_px = Eigen::Vector2d(scenario_.sim.camera.cx_px, scenario_.sim.camera.cy_px);
+  return eye;
+}
+
+void RunRecorder::take_pictures(const Tick& tick) {
+  const bool still = std::binary_search(picture_times_us_.begin(), picture_times_us_.end(), tick.t_us);
+  const bool film = video_ && video_->wants(tick.t_us);
+  if (video_ || !picture_times_us_.empty()) {
+    recent_events_.insert(recent_events_.end(), tick.events.begin(), tick.events.end());
+    std::erase_if(recent_events_, [&](const Event& e) { return e.t_us <= tick.t_us - picture_window_us; });
+  }
+  if (!still && !film) return;
+
+  const ImageSize size = scenario_.sim.camera.size;
+  cv::Mat grey;
+  cv::Mat(size.height, size.width, CV_32F, const_cast<float*>(robot_.left_image().data())).convertTo(grey, CV_8U);
+  cv::Mat scene(scene_size.height, scene_size.width, CV_8UC3);
+  robot_.draw_scene(SceneView{}, scene_size,
+                    std::span(scene.data, static_cast<std::size_t>(scene_size.pixels()) * 3));
+  cv::cvtColor(scene, scene, cv::COLOR_RGB2BGR);
+  if (still) {
+    write_png(folder_ / "frames" / fmt::format("{:09}_eye.png", tick.t_us), grey);
+    write_png(folder_ / "frames" / fmt::format("{:09}_scene.png", tick.t_us), scene);
+  }
+  if (film) {
+    video_->add(scene, eye_picture(tick, grey),
+                fmt::format("{}   t {:.2f} s   gaze error {:.1f} deg", scenario_.name,
+                            static_cast<double>(tick.t_us) * 1e-6,
+                            gaze_scorer_.fixation_error_rad() * 180.0 / std::numbers::pi));
+  }
+}
+
+Metrics RunRecorder::finish(double wall_s) {
+  events_->commit();
+  joints_.commit();
+  truth_table_.commit();
+  detection_table_.commit();
+  gaze_table_.commit();
+  if (video_) video_->commit();
+
+  Metrics metrics;
+  metrics.scenario = scenario_.name;
+  metrics.seed = scenario_.seed;
+  metrics.duration_s = static_cast<double>(now_us_) * 1e-6;
+  metrics.wall_s = wall_s;
+  metrics.event_count = event_count_;
+  metrics.events_dropped = 0;
+  metrics.events_file = events_name_;
+  metrics.image = scenario_.sim.camera.size;
+  metrics.camera = scenario_.sim.camera;
+  for (std::size_t i = 0; i < loop_.detectors().size(); ++i) {
+    const LoopDetector& detector = loop_.detectors()[i];
+    DetectorScore score = score_detector(truth_, detections_, detector.name, detector.detector->threshold(),
+                                         Chances::simulated);
+    if (event_count_ > 0) {
+      score.us_per_event = static_cast<double>(detector_ns_[i]) * 1e-3 / static_cast<double>(event_count_);
+    }
+    metrics.detectors.emplace_back(detector.name, std::move(score));
+  }
+  if (scenario_.gaze.detector != "none") {
+    const JointLimits limits = robot_.limits();
+    metrics.gaze = GazeMetrics{scenario_.gaze.detector, gaze_scorer_.score(), limits.min_rad, limits.max_rad};
+  }
+  write_metrics(folder_ / "metrics.json", metrics);
+  return metrics;
+}
+
+}  // namespace saccade

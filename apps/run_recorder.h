@@ -1,0 +1,59 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "apps/config/scenario.h"
+#include "apps/loop.h"
+#include "evaluation/gaze_scorer.h"
+#include "evaluation/metrics.h"
+#include "evaluation/overlay.h"
+#include "recording/event_file.h"
+#include "recording/run_files.h"
+#include "sim/sim_robot.h"
+
+namespace saccade {
+
+/// Writes the run folder of a simulated run while it goes on, and scores it at its end. The only place where
+/// the loop's ticks and the simulator's truth meet.
+class RunRecorder final : public LoopObserver {
+ public:
+  /// `robot` and `loop` outlive it. The folder exists.
+  RunRecorder(std::filesystem::path folder, const Scenario& scenario, SimRobot& robot, const Loop& loop);
+
+  void on_tick(const Tick& tick) override;
+  /// Time spent here on pictures and video, which is not the loop's.
+  [[nodiscard]] double picture_wall_s() const { return picture_wall_s_; }
+  /// Closes every file and scores. `wall_s` is the loop's time.
+  Metrics finish(double wall_s);
+
+ private:
+  void record_tables(const Tick& tick);
+  void take_pictures(const Tick& tick);
+  [[nodiscard]] EyePicture eye_picture(const Tick& tick, const cv::Mat& grey) const;
+
+  std::filesystem::path folder_;
+  const Scenario& scenario_;
+  SimRobot& robot_;
+  const Loop& loop_;
+  std::string events_name_;
+  std::unique_ptr<EventWriter> events_;
+  TableWriter<JointsRow> joints_;
+  TableWriter<TruthRow> truth_table_;
+  TableWriter<DetectionRow> detection_table_;
+  TableWriter<GazeRow> gaze_table_;
+  GazeScorer gaze_scorer_;
+  std::vector<TruthRow> truth_;
+  std::vector<DetectionRow> detections_;
+  std::vector<std::int64_t> detector_ns_;
+  std::int64_t event_count_ = 0;
+  std::int64_t now_us_ = 0;
+  std::vector<Event> recent_events_;  // of the last few ms, for pictures
+  std::vector<std::int64_t> picture_times_us_;
+  std::optional<VideoComposer> video_;
+  double picture_wall_s_ = 0.0;
+};
+
+}  // namespace saccade

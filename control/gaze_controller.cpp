@@ -1,0 +1,43 @@
+#include "control/gaze_controller.h"
+
+#include "control/qp_controller.h"
+
+namespace saccade {
+namespace {
+
+constexpr double nearest_target_m = 0.10;
+
+}  // namespace
+
+TargetStatus check_gaze_target(const Eigen::Vector3d& target, const HeadKinematics& head) {
+  if (!target.allFinite()) return TargetStatus::not_finite;
+  if ((target - head.root_from_eye(Eye::left).translation()).norm() < nearest_target_m) {
+    return TargetStatus::too_near;
+  }
+  if (!((target - head.point_on_axis(neck_pitch)).dot(head.chest_forward()) > 0.0)) return TargetStatus::behind;
+  return TargetStatus::ok;
+}
+
+void describe(FieldVisitor& v, QpConfig& config) {
+  v.choice("eyes", config.eyes, {"both", "left"}, "whose optical axes go to the target");
+  v.real("eye_time_constant_s", config.eye_time_constant_s, {0.005, 5.0}, "how fast the gaze error falls");
+  v.real("neck_time_constant_s", config.neck_time_constant_s, {0.02, 20.0}, "how fast the neck takes over");
+  v.real("right_eye_weight", config.right_eye_weight, {1e-4, 1.0}, "against the left eye's error");
+  v.real("neck_weight", config.neck_weight, {1e-6, 1.0}, "of the neck's own motion");
+  v.real("damping", config.damping, {1e-9, 1e-2}, "of every joint's velocity");
+  v.real("max_lead_deg", config.max_lead_deg, {0.1, 60.0}, "reference ahead of the measured joint at most");
+}
+
+void describe(FieldVisitor& v, GazeControllerConfig& config) {
+  v.choice("controller", config.controller, {"qp"}, "what moves the head");
+  v.section("qp", [&](FieldVisitor& w) { describe(w, config.qp); }, "bounded velocity inverse kinematics");
+  v.section("limits", [&](FieldVisitor& w) { describe(w, config.limits); }, "how briskly gaze may move");
+}
+
+std::unique_ptr<GazeController> make_gaze_controller(const GazeControllerConfig& config,
+                                                     const JointLimits& hardware) {
+  check_config("gaze", config);
+  return std::make_unique<QpController>(config.qp, motion_limits(hardware, config.limits));
+}
+
+}  // namespace saccade

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "control/head_kinematics.h"
+#include "control/joint_limiter.h"
+#include "control/target.h"
+#include "core/config.h"
+#include "core/head_state.h"
+
+namespace saccade {
+
+/// Moves the six joints of neck and eyes such that the eyes look at a point. Its step neither allocates,
+/// throws nor logs.
+///
+/// Before the first target the head goes to its neutral pose (all joints 0 or as near as limits allow);
+/// when targets cease it keeps looking at the last one.
+class GazeController {
+ public:
+  virtual ~GazeController() = default;
+  /// Position references, rad, neck pitch to eyes vergence: always finite and within the hardware's limits.
+  /// `state` is the newest encoder reading; where it is not finite the last reference holds. `target_m` is a
+  /// new point to look at, root frame, or none. dt_s > 0 is the time since the last step.
+  virtual HeadJointVector step(const HeadState& state, const std::optional<Eigen::Vector3d>& target_m,
+                               double dt_s) = 0;
+  /// What became of the target of the last step: none, ok, or why it was ignored.
+  [[nodiscard]] virtual TargetStatus target_status() const = 0;
+};
+
+/// Whether the head may be asked to look at a point (root frame): not_finite, too_near (within 0.10 m of the
+/// left eye), behind (not before the chest: the plane through the neck's base, across chest_forward()).
+[[nodiscard]] TargetStatus check_gaze_target(const Eigen::Vector3d& target_m, const HeadKinematics& head);
+
+/// Bounded velocity inverse kinematics, see QpController.
+struct QpConfig {
+  std::string eyes = "both";             ///< both: vergence on the target; left: vergence at rest
+  double eye_time_constant_s = 0.06;     ///< in which the error of the gaze falls to 1 / e
+  double neck_time_constant_s = 0.40;    ///< in which the neck takes over what the eyes are turned
+  double right_eye_weight = 0.05;        ///< of the right eye's error against the left eye's
+  double neck_weight = 1e-3;             ///< of the neck's own motion against the left eye's error
+  double damping = 1e-5;                 ///< of every joint's velocity against the left eye's error
+  double max_lead_deg = 10.0;            ///< a reference runs no further ahead of the measured joint
+};
+
+/// Keys: eyes, eye_time_constant_s, neck_time_constant_s, right_eye_weight, neck_weight, damping,
+/// max_lead_deg.
+void describe(FieldVisitor& v, QpConfig& config);
+
+struct GazeControllerConfig {
+  std::string controller = "qp";
+  QpConfig qp;
+  MotionLimitsConfig limits;
+};
+
+/// Keys, beside each other in a scenario's gaze section: controller, qp.*, limits.*.
+void describe(FieldVisitor& v, GazeControllerConfig& config);
+
+/// Throws InputError.
+[[nodiscard]] std::unique_ptr<GazeController> make_gaze_controller(const GazeControllerConfig& config,
+                                                                   const JointLimits& hardware);
+
+}  // namespace saccade

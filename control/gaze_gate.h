@@ -1,0 +1,62 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "control/target.h"
+#include "core/camera.h"
+#include "core/config.h"
+#include "core/detector.h"
+
+namespace saccade {
+
+/// What a gate refused although the detector was sure, by reason.
+struct RejectedTargets {
+  std::int64_t not_finite = 0;
+  std::int64_t bad_radius = 0;
+  std::int64_t too_near = 0;
+  std::int64_t behind = 0;
+};
+
+/// Decides which detections become gaze targets. Its update neither allocates nor throws.
+class GazeGate {
+ public:
+  virtual ~GazeGate() = default;
+  /// Called once per tick with what was observed at now_us: an invalid estimate when nothing was (no event
+  /// came and the detector declares nothing held). `now_us` never goes back.
+  /// Gives a point to look at, m, root frame; none when there is no new one.
+  virtual std::optional<Eigen::Vector3d> update(std::int64_t now_us, const Estimate& estimate, double threshold,
+                                                const PinholeCamera& camera,
+                                                const Eigen::Isometry3d& root_from_cam) = 0;
+  [[nodiscard]] virtual RejectedTargets rejected() const = 0;
+};
+
+/// The gate of the authors' own demo (2016): the median of the detections of the last quarter of a second,
+/// and only while they are many and agree.
+struct AuthorsGateConfig {
+  double window_s = 0.25;
+  std::int64_t min_detections = 81;  ///< in the window ("more than 80")
+  double max_spread_px = 20.0;       ///< standard deviation of x and of y over the window stays below
+  double max_radius_px = 16.0;       ///< the largest radius of the window is taken, clipped here
+  double max_target_x_m = -0.10;     ///< root frame; a target less far in front of the waist is moved there
+};
+
+struct GateConfig {
+  std::string gate = "authors";  ///< none or authors
+  AuthorsGateConfig authors;
+  TargetConfig target;
+};
+
+/// Keys, beside each other in a scenario's gaze section: gate, authors_gate.*, target.*.
+void describe(FieldVisitor& v, GateConfig& config);
+
+/// `none`: every estimate at or above the threshold, held ones too, becomes a target.
+/// `authors`: the estimates at or above the threshold, held ones not, enter the window; the newest of them
+/// gives a target when it lies within one standard deviation of the median, in x and in y.
+/// Throws InputError.
+[[nodiscard]] std::unique_ptr<GazeGate> make_gate(const GateConfig& config);
+
+}  // namespace saccade

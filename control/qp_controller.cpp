@@ -1,0 +1,136 @@
+#include "control/qp_controller.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace saccade {
+namespace {
+
+using Row = Eigen::Matrix<double, 1, head_joint_count>;
+
+/// Where a target is in an eye: azimuth (to the right, as an angle on the great circle through the target)
+/// and elevation (down), rad, both 0 on the optical axis, and what the head joints do to them.
+struct Bearing {
+  double azimuth;
+  double elevation;
+  Row azimuth_row;
+  Row elevation_row;
+};
+
+Bearing bearing(const HeadKinematics& head, Eye eye, const Eigen::Vector3d& target_m) {
+  const Eigen::Isometry3d& pose = head.root_from_eye(eye);
+  const EyeJacobian jacobian = head.jacobian(eye);
+  const Eigen::Matrix3d eye_from_root = pose.linear().transpose();
+  const Eigen::Vector3d p = eye_from_root * (target_m - pose.translation());
+  Eigen::Matrix<double, 3, head_joint_count> dp;
+  for (int j = 0; j < head_joint_count; ++j) {
+    const int joint = torso_joint_count + j;
+    dp.col(j) = -(eye_from_root * jacobian.linear.col(joint)) -
+                (eye_from_root * jacobian.angular.col(joint)).cross(p);
+  }
+  constexpr double nearest_m = 1e-6;  // keeps the rows finite in the eye and straight above it
+  const double across = std::max(std::hypot(p.x(), p.z()), nearest_m);
+  const double range = std::max(p.norm(), nearest_m);
+  const Eigen::RowVector3d azimuth(p.z() / (across * range), 0.0, -p.x() / (across * range));
+  const Eigen::RowVector3d elevation(-p.x() * p.y() / (across * range * range), across / (range * range),
+                                     -p.z() * p.y() / (across * range * range));
+  return {std::atan2(p.x(), p.z()) * across / range, std::atan2(p.y(), across), azimuth * dp, elevation * dp};
+}
+
+}  // namespace
+
+QpController::QpController(const QpConfig& config, const MotionLimits& limits)
+    : config_(config),
+      both_eyes_(config.eyes == "both"),
+      max_lead_rad_(config.max_lead_deg * std::numbers::pi / 180.0),
+      limits_(limits) {
+  check_config("gaze.qp", config);
+}
+
+HeadJointVector QpController::step(const HeadState& state, const std::optional<Eigen::Vector3d>& target,
+                                   double dt) {
+  SACCADE_CHECK(dt > 0.0);
+  const bool measured = state.position_rad.allFinite();
+  if (!started_) {
+    reference_rad_ = inside_hardware(limits_, state.head_position_rad());
+    started_ = measured;
+  }
+  status_ = TargetStatus::none;
+  if (!measured) {
+    velocity_rad_s_.setZero();
+    return reference_rad_;
+  }
+  const HeadKinematics head(state.position_rad);
+  const HeadJointVector q = state.head_position_rad();
+  if (target) {
+    status_ = check_gaze_target(*target, head);
+    if (status_ == TargetStatus::ok) target_m_ = target;
+  }
+  integrate(target_m_ ? gaze_cost(head, q) : neutral_cost(q), q, dt);
+  return reference_rad_;
+}
+
+QpController::Cost QpController::gaze_cost(const HeadKinematics& head, const HeadJointVector& q) const {
+  constexpr int tilt = eyes_tilt - torso_joint_count;
+  constexpr int version = eyes_version - torso_joint_count;
+  constexpr int vergence = eyes_vergence - torso_joint_count;
+  constexpr int roll = neck_roll - torso_joint_count;
+  const double per_eye_time = 1.0 / config_.eye_time_constant_s;
+  const double per_neck_time = 1.0 / config_.neck_time_constant_s;
+
+  Cost cost;
+  cost.h.diagonal().setConstant(config_.damping);
+  const Bearing left = bearing(head, Eye::left, *target_m_);
+  cost.add(1.0, left.azimuth_row, -left.azimuth * per_eye_time);
+  cost.add(1.0, left.elevation_row, -left.elevation * per_eye_time);
+  if (both_eyes_) {
+    const Bearing right = bearing(head, Eye::right, *target_m_);
+    cost.add(config_.right_eye_weight, right.azimuth_row, -right.azimuth * per_eye_time);
+  } else {
+    const double rest = std::clamp(0.0, limits_.min_rad[vergence], limits_.max_rad[vergence]);
+    cost.add(config_.neck_weight, Row::Unit(vergence), (rest - q[vergence]) * per_neck_time);
+  }
+
+  // The head's angular velocity about the eyes' own axes, from the neck joints alone.
+  const auto head_turn = [&](const Eigen::Vector3d& axis) {
+    Row row = Row::Zero();
+    for (const Joint joint : {neck_pitch, neck_roll, neck_yaw}) {
+      row[joint - torso_joint_count] = head.axis(joint).dot(axis);
+    }
+    return row;
+  };
+  cost.add(config_.neck_weight, head_turn(head.axis(eyes_tilt)), q[tilt] * per_neck_time);
+  cost.add(config_.neck_weight, head_turn(head.axis(eyes_version)), q[version] * per_neck_time);
+  cost.add(config_.neck_weight, Row::Unit(roll), -q[roll] * per_neck_time);
+  return cost;
+}
+
+QpController::Cost QpController::neutral_cost(const HeadJointVector& q) const {
+  Cost cost;
+  cost.h.setIdentity();
+  for (int j = 0; j < head_joint_count; ++j) {
+    cost.g[j] = (std::clamp(0.0, limits_.min_rad[j], limits_.max_rad[j]) - q[j]) / config_.neck_time_constant_s;
+  }
+  return cost;
+}
+
+void QpController::integrate(const Cost& cost, const HeadJointVector& q, double dt) {
+  Qp::Vector slowest, fastest;
+  for (int j = 0; j < head_joint_count; ++j) {
+    const VelocityRange range = allowed_velocity(limits_, j, reference_rad_[j], velocity_rad_s_[j], dt);
+    const double lead = reference_rad_[j] - q[j];
+    slowest[j] = lead < -max_lead_rad_ ? std::max(range.min, 0.0) : range.min;
+    fastest[j] = lead > max_lead_rad_ ? std::min(range.max, 0.0) : range.max;
+    if (slowest[j] > fastest[j]) slowest[j] = fastest[j] = std::clamp(0.0, range.min, range.max);
+  }
+  const Qp::Vector velocity = qp_.solve(cost.h, cost.g, slowest, fastest).x;
+  for (int j = 0; j < head_joint_count; ++j) {
+    const double before = reference_rad_[j];
+    reference_rad_[j] = std::clamp(before + velocity[j] * dt, std::min(before, limits_.min_rad[j]),
+                                   std::max(before, limits_.max_rad[j]));
+    velocity_rad_s_[j] = (reference_rad_[j] - before) / dt;
+  }
+}
+
+}  // namespace saccade

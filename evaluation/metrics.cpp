@@ -1,0 +1,237 @@
+#include "evaluation/metrics.h"
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "core/config.h"
+#include "core/error.h"
+#include "recording/output_file.h"
+
+namespace saccade {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double deg_per_rad = 180.0 / std::numbers::pi;
+
+Json json_of(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+template <class T>
+Json json_of(const std::optional<T>& value) {
+  if constexpr (std::is_floating_point_v<T>) {
+    return value ? json_of(*value) : Json(nullptr);
+  } else {
+    return value ? Json(*value) : Json(nullptr);
+  }
+}
+
+Json json_of(const Spread& spread) {
+  return {{"median", json_of(spread.median)}, {"p95", json_of(spread.p95)}};
+}
+
+std::optional<double> number(const Json& json) {
+  return json.is_null() ? std::nullopt : std::optional<double>(json.get<double>());
+}
+
+std::optional<std::int64_t> integer(const Json& json) {
+  return json.is_null() ? std::nullopt : std::optional<std::int64_t>(json.get<std::int64_t>());
+}
+
+Spread spread(const Json& json) {
+  return {.median = number(json.at("median")), .p95 = number(json.at("p95"))};
+}
+
+Json json_of(const DetectorScore& score) {
+  Json at_recall = Json::object();
+  for (std::size_t i = 0; i < reported_recalls.size(); ++i) {
+    at_recall[text_of(reported_recalls[i])] = json_of(score.precision_at_recall[i]);
+  }
+  Json curve = Json::array();
+  for (const CurvePoint& point : score.pr_curve) {
+    curve.push_back(
+        {{"threshold", point.threshold}, {"precision", point.precision}, {"recall", point.recall}});
+  }
+  return {{"average_precision", json_of(score.average_precision)},
+          {"precision_at_recall", std::move(at_recall)},
+          {"pr_curve", std::move(curve)},
+          {"chances", score.chances},
+          {"threshold", json_of(score.threshold)},
+          {"precision", json_of(score.precision)},
+          {"recall", json_of(score.recall)},
+          {"detection_rate_hz", {{"mean", json_of(score.mean_rate_hz)}, {"peak", json_of(score.peak_rate_hz)}}},
+          {"position_error_px", json_of(score.position_error_px)},
+          {"radius_error_px", json_of(score.radius_error_px)},
+          {"lag_ms", json_of(score.lag_ms)},
+          {"us_per_event", json_of(score.us_per_event)},
+          {"observations", score.observations},
+          {"inliers", score.inliers}};
+}
+
+DetectorScore detector_score(const Json& json) {
+  DetectorScore score;
+  score.average_precision = number(json.at("average_precision"));
+  for (std::size_t i = 0; i < reported_recalls.size(); ++i) {
+    score.precision_at_recall[i] = number(json.at("precision_at_recall").at(text_of(reported_recalls[i])));
+  }
+  for (const Json& point : json.at("pr_curve")) {
+    score.pr_curve.push_back({.threshold = point.at("threshold").get<double>(),
+                              .precision = point.at("precision").get<double>(),
+                              .recall = point.at("recall").get<double>()});
+  }
+  score.chances = json.at("chances").get<std::int64_t>();
+  score.threshold = json.at("threshold").get<double>();
+  score.observations = json.at("observations").get<std::int64_t>();
+  score.inliers = json.at("inliers").get<std::int64_t>();
+  score.precision = number(json.at("precision"));
+  score.recall = number(json.at("recall"));
+  score.mean_rate_hz = number(json.at("detection_rate_hz").at("mean"));
+  score.peak_rate_hz = number(json.at("detection_rate_hz").at("peak"));
+  score.position_error_px = spread(json.at("position_error_px"));
+  score.radius_error_px = spread(json.at("radius_error_px"));
+  score.lag_ms = number(json.at("lag_ms"));
+  score.us_per_event = number(json.at("us_per_event"));
+  return score;
+}
+
+Json json_of(const GazeMetrics& gaze) {
+  const GazeScore& score = gaze.score;
+  Json limits = Json::object();
+  for (std::size_t j = 0; j < joint_names.size(); ++j) {
+    const auto i = static_cast<Eigen::Index>(j);
+    limits[std::string(joint_names[j])] = {gaze.limits.min_rad[i] * deg_per_rad, gaze.limits.max_rad[i] * deg_per_rad};
+  }
+  return {{"detector", gaze.detector},
+          {"fixation_error_deg", json_of(score.fixation_error_deg)},
+          {"on_target_ratio", json_of(score.on_target_ratio)},
+          {"in_view_ratio", json_of(score.in_view_ratio)},
+          {"acquire_s", json_of(score.acquire_s)},
+          {"moves", score.moves},
+          {"wrong_moves", score.wrong_moves},
+          {"saccades", score.saccades},
+          {"limit_violations", score.limit_violations},
+          {"target_error_m", {{"median", json_of(score.target_error_median_m)}}},
+          {"acquire_within_deg", score.acquire_within_deg},
+          {"joint_limits_deg", std::move(limits)}};
+}
+
+GazeMetrics gaze_metrics(const Json& json) {
+  GazeMetrics gaze;
+  gaze.detector = json.at("detector").get<std::string>();
+  gaze.score.fixation_error_deg = spread(json.at("fixation_error_deg"));
+  gaze.score.on_target_ratio = number(json.at("on_target_ratio"));
+  gaze.score.in_view_ratio = number(json.at("in_view_ratio"));
+  gaze.score.acquire_s = number(json.at("acquire_s"));
+  gaze.score.moves = json.at("moves").get<std::int64_t>();
+  gaze.score.wrong_moves = json.at("wrong_moves").get<std::int64_t>();
+  gaze.score.saccades = json.at("saccades").get<std::int64_t>();
+  gaze.score.limit_violations = json.at("limit_violations").get<std::int64_t>();
+  gaze.score.target_error_median_m = number(json.at("target_error_m").at("median"));
+  gaze.score.acquire_within_deg = json.at("acquire_within_deg").get<double>();
+  for (std::size_t j = 0; j < joint_names.size(); ++j) {
+    const Json& limits = json.at("joint_limits_deg").at(std::string(joint_names[j]));
+    gaze.limits.min_rad[static_cast<Eigen::Index>(j)] = limits.at(0).get<double>() / deg_per_rad;
+    gaze.limits.max_rad[static_cast<Eigen::Index>(j)] = limits.at(1).get<double>() / deg_per_rad;
+  }
+  return gaze;
+}
+
+Json camera_json(const Metrics& metrics) {
+  Json json = {{"width_px", metrics.image.width}, {"height_px", metrics.image.height}};
+  const auto add = [&](const char* key, double PinholeCamera::*member) {
+    json[key] = metrics.camera ? Json((*metrics.camera).*member) : Json(nullptr);
+  };
+  add("fx_px", &PinholeCamera::fx_px);
+  add("fy_px", &PinholeCamera::fy_px);
+  add("cx_px", &PinholeCamera::cx_px);
+  add("cy_px", &PinholeCamera::cy_px);
+  return json;
+}
+
+Metrics metrics_of(const Json& json) {
+  Metrics metrics;
+  metrics.scenario = json.at("scenario").get<std::string>();
+  metrics.seed = integer(json.at("seed"));
+  metrics.start_us = json.at("start_us").get<std::int64_t>();
+  metrics.duration_s = json.at("duration_s").get<double>();
+  metrics.wall_s = number(json.at("wall_s"));
+  const Json& events = json.at("events");
+  metrics.event_count = events.at("count").get<std::int64_t>();
+  metrics.events_dropped = integer(events.at("dropped"));
+  metrics.events_file = events.at("file").get<std::string>();
+  for (const auto& [name, score] : json.at("detectors").items()) {
+    metrics.detectors.emplace_back(name, detector_score(score));
+  }
+  if (!json.at("gaze").is_null()) {
+    metrics.gaze = gaze_metrics(json.at("gaze"));
+  }
+  const Json& camera = json.at("camera");
+  metrics.image = {camera.at("width_px").get<int>(), camera.at("height_px").get<int>()};
+  if (!camera.at("fx_px").is_null()) {
+    metrics.camera = PinholeCamera{.size = metrics.image,
+                                   .fx_px = camera.at("fx_px").get<double>(),
+                                   .fy_px = camera.at("fy_px").get<double>(),
+                                   .cx_px = camera.at("cx_px").get<double>(),
+                                   .cy_px = camera.at("cy_px").get<double>()};
+  }
+  return metrics;
+}
+
+}  // namespace
+
+std::string metrics_to_json(const Metrics& metrics) {
+  const auto per_second = [](double value, double time_s) {
+    return time_s > 0.0 ? std::optional(value / time_s) : std::nullopt;
+  };
+  Json detectors = Json::object();
+  for (const auto& [name, score] : metrics.detectors) {
+    detectors[name] = json_of(score);
+  }
+  const Json json = {
+      {"schema", 1},
+      {"scenario", metrics.scenario},
+      {"seed", json_of(metrics.seed)},
+      {"duration_s", json_of(metrics.duration_s)},
+      {"wall_s", json_of(metrics.wall_s)},
+      {"real_time_factor", json_of(per_second(metrics.duration_s, metrics.wall_s.value_or(0.0)))},
+      {"events",
+       {{"count", metrics.event_count},
+        {"rate_hz", json_of(per_second(static_cast<double>(metrics.event_count), metrics.duration_s))},
+        {"dropped", json_of(metrics.events_dropped)},
+        {"file", metrics.events_file}}},
+      {"detectors", std::move(detectors)},
+      {"gaze", metrics.gaze ? json_of(*metrics.gaze) : Json(nullptr)},
+      {"camera", camera_json(metrics)},
+      {"start_us", metrics.start_us}};
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Metrics metrics_from_json(std::string_view text, const std::string& place) {
+  try {
+    const Json json = Json::parse(text);
+    if (json.at("schema") != 1) {
+      throw InputError(place + ": schema", json.at("schema").dump(), "1");
+    }
+    return metrics_of(json);
+  } catch (const Json::exception& error) {
+    throw InputError(place, error.what(), "metrics.json of schema 1");
+  }
+}
+
+void write_metrics(const std::filesystem::path& path, const Metrics& metrics) {
+  OutputFile file(path);
+  file.write(metrics_to_json(metrics));
+  file.commit();
+}
+
+Metrics read_metrics(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (!file) {
+    throw InputError(path.string(), "no readable file", "the metrics.json of a run");
+  }
+  return metrics_from_json(text, path.string());
+}
+
+}  // namespace saccade

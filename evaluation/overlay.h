@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/camera.h"
+#include "core/event.h"
+
+namespace cv {
+class VideoWriter;
+}
+
+namespace saccade {
+
+/// A circle drawn into a picture, with its name beside it.
+struct LabelledCircle {
+  Circle circle;
+  std::string label;
+  std::string colour;  ///< "#rrggbb"
+};
+
+/// What one eye sees, and what was found in it.
+struct EyePicture {
+  ImageSize size;
+  cv::Mat grey;                     ///< 8-bit, of `size`; light grey paper when empty
+  std::span<const Event> events;    ///< of the last few ms; ON green, OFF magenta
+  std::optional<Circle> truth;      ///< white with a dark rim
+  std::vector<LabelledCircle> detections;
+  std::optional<Eigen::Vector2d> principal_px;  ///< crosshair: where the eye points
+};
+
+/// Draws with `scale` picture pixels per image pixel (BGR, 8 bit). Events outside the image are left out.
+[[nodiscard]] cv::Mat draw_eye(const EyePicture& eye, int scale);
+
+/// Fits `picture` (BGR) into width x height with its shape kept, on a dark ground.
+[[nodiscard]] cv::Mat fit_into(const cv::Mat& picture, int width, int height);
+
+/// Writes an mp4 that plays in browsers: the scene on the left, the eye on the right, a line of text below.
+/// The file appears under its name on commit() only (until then `NAME.part.mp4`). H.264 where the system's
+/// ffmpeg can encode it, else MPEG-4 part 2. Every member but the destructor throws RunError.
+class VideoComposer {
+ public:
+  static constexpr int frame_hz = 25;
+
+  explicit VideoComposer(std::filesystem::path path);
+  VideoComposer(const VideoComposer&) = delete;
+  VideoComposer& operator=(const VideoComposer&) = delete;
+  ~VideoComposer();
+
+  /// True when the film, played in real time, needs a picture for `t_us`, counted from the run's start.
+  [[nodiscard]] bool wants(std::int64_t t_us) const { return t_us * frame_hz >= frames_ * 1'000'000; }
+  /// One film picture. `scene` BGR of any size; the caption is drawn as it stands.
+  void add(const cv::Mat& scene, const EyePicture& eye, const std::string& caption);
+  void commit();
+
+ private:
+  std::filesystem::path path_;
+  std::filesystem::path part_;
+  std::unique_ptr<cv::VideoWriter> writer_;
+  std::int64_t frames_ = 0;
+};
+
+}  // namespace saccade

@@ -1,0 +1,31 @@
+#include "evaluation/statistics.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+
+namespace saccade {
+
+std::optional<double> quantile(std::vector<double>& values, double share) {
+  SACCADE_CHECK(share >= 0.0 && share <= 1.0);
+  if (values.empty()) {
+    return std::nullopt;
+  }
+  const double rank = share * static_cast<double>(values.size() - 1);
+  const auto below = static_cast<std::ptrdiff_t>(std::floor(rank));
+  const auto lower = values.begin() + below;
+  std::nth_element(values.begin(), lower, values.end());
+  const double fraction = rank - std::floor(rank);
+  if (fraction == 0.0) {
+    return *lower;
+  }
+  const double upper = *std::min_element(lower + 1, values.end());
+  return *lower + fraction * (upper - *lower);
+}
+
+Spread spread_of(std::vector<double> values) {
+  return {.median = quantile(values, 0.5), .p95 = quantile(values, 0.95)};
+}
+
+}  // namespace saccade

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <filesystem>
+
+#include "core/event.h"
+
+namespace saccade {
+
+/// What every writer refuses, with an InputError that names the file: an event outside the image, and an
+/// event of the second camera (no format written so far can tell two cameras apart).
+void check_writable(const Event& event, ImageSize image_size, const std::filesystem::path& path);
+
+}  // namespace saccade

@@ -1,0 +1,64 @@
+#include "recording/event_file.h"
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "recording/aedat2_codec.h"
+#include "recording/codec.h"
+#include "recording/text_codec.h"
+
+namespace saccade {
+namespace {
+
+constexpr std::string_view aedat_mark = "#!AER-DAT";
+constexpr std::string_view aedat2_mark = "#!AER-DAT2.0";
+constexpr std::string_view known_formats = "a recording in a known format (AEDAT 2.0, or text: t x y p)";
+
+bool is_text(std::string_view bytes) {
+  return std::all_of(bytes.begin(), bytes.end(), [](char c) {
+    return static_cast<unsigned char>(c) >= 0x20 || c == '\n' || c == '\r' || c == '\t';
+  });
+}
+
+/// The first bytes for a message: printable ones as they are.
+std::string quoted(std::string_view bytes) {
+  std::string text = "\"";
+  for (const char c : bytes.substr(0, 16)) text += c >= 0x20 && c < 0x7f ? c : '.';
+  return text + "\"";
+}
+
+}  // namespace
+
+std::unique_ptr<EventReader> open_event_file(const std::filesystem::path& path,
+                                             const EventReadOptions& options) {
+  InputFile file(path);
+  const std::string_view start = file.peek(4096).substr(0, 4096);
+  if (start.starts_with(aedat2_mark)) return open_aedat2(std::move(file), options);
+  if (aedat2_mark.starts_with(start)) {
+    throw InputError(file.name(), "a file cut off inside its first line", std::string(known_formats));
+  }
+  if (!start.starts_with(aedat_mark) && is_text(start)) return open_text(std::move(file), options);
+  throw InputError(file.name(), "a file that starts with " + quoted(start), std::string(known_formats));
+}
+
+std::unique_ptr<EventWriter> create_event_file(const std::filesystem::path& path, ImageSize image_size) {
+  const std::string extension = path.extension().string();
+  if (extension == ".csv" || extension == ".txt") return create_text(path, image_size);
+  if (extension == ".aedat") return create_aedat2(path, image_size);
+  throw InputError(path.string(), extension.empty() ? "no extension" : "the extension " + extension,
+                   "one of .aedat, .csv, .txt");
+}
+
+void check_writable(const Event& event, ImageSize image_size, const std::filesystem::path& path) {
+  if (!image_size.contains(event.x, event.y)) {
+    throw InputError(
+        path.string(), "an event at " + std::to_string(event.x) + ", " + std::to_string(event.y),
+        "pixels inside " + std::to_string(image_size.width) + "x" + std::to_string(image_size.height));
+  }
+  if (event.camera != 0) {
+    throw InputError(path.string(), "an event of camera " + std::to_string(event.camera),
+                     "events of one camera in this format");
+  }
+}
+
+}  // namespace saccade

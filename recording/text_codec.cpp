@@ -1,0 +1,254 @@
+#include "recording/text_codec.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/error.h"
+#include "recording/codec.h"
+#include "recording/number_text.h"
+#include "recording/output_file.h"
+
+namespace saccade {
+namespace {
+
+constexpr std::size_t longest_line = 4096;
+constexpr std::string_view default_columns = "txyp";
+
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// The fields of one line; `count` goes on past the ones that are kept.
+struct Fields {
+  std::array<std::string_view, default_columns.size()> text;
+  std::size_t count = 0;
+
+  explicit Fields(std::string_view line) {
+    std::size_t i = 0;
+    const auto skip_blanks = [&] {
+      while (i < line.size() && is_blank(line[i])) ++i;
+    };
+    bool after_comma = false;
+    for (skip_blanks(); i < line.size() || after_comma; skip_blanks()) {
+      const std::size_t begin = i;
+      while (i < line.size() && !is_blank(line[i]) && line[i] != ',') ++i;
+      if (count < text.size()) text[count] = line.substr(begin, i - begin);
+      ++count;
+      skip_blanks();
+      after_comma = i < line.size() && line[i] == ',';
+      if (after_comma) ++i;
+    }
+  }
+};
+
+/// Seconds with a decimal point, to the nearest us, exactly: no double on the way unless there is an
+/// exponent.
+bool parse_seconds(std::string_view text, std::int64_t& t_us) {
+  constexpr double longest_s = 9e12;
+  if (text.find_first_of("eE") != std::string_view::npos) {
+    double seconds = 0.0;
+    if (!parse_number(text, seconds) || !(std::abs(seconds) < longest_s)) return false;
+    t_us = std::llround(seconds * 1e6);
+    return true;
+  }
+  const bool negative = text.starts_with('-');
+  if (negative) text.remove_prefix(1);
+  const std::size_t point = text.find('.');
+  const std::string_view whole = text.substr(0, point);
+  const std::string_view fraction = text.substr(point + 1);
+  if (whole.empty() && fraction.empty()) return false;
+  if (!std::all_of(whole.begin(), whole.end(), is_digit)) return false;
+  if (!std::all_of(fraction.begin(), fraction.end(), is_digit)) return false;
+  std::int64_t seconds = 0;
+  if (!whole.empty() && !parse_number(whole, seconds)) return false;
+  if (static_cast<double>(seconds) >= longest_s) return false;
+  std::int64_t micros = 0;
+  for (std::size_t i = 0; i < 6; ++i) micros = micros * 10 + (i < fraction.size() ? fraction[i] - '0' : 0);
+  if (fraction.size() > 6 && fraction[6] >= '5') ++micros;
+  t_us = seconds * 1'000'000 + micros;
+  if (negative) t_us = -t_us;
+  return true;
+}
+
+std::string sorted(std::string_view text) {
+  std::string letters(text);
+  std::sort(letters.begin(), letters.end());
+  return letters;
+}
+
+class TextReader final : public EventReader {
+ public:
+  TextReader(InputFile file, const EventReadOptions& options)
+      : file_(std::move(file)), columns_(options.columns), image_size_(options.image_size) {
+    if (sorted(columns_) != sorted(default_columns)) {
+      throw InputError("columns", columns_, "the letters t, x, y and p in the order of the file");
+    }
+  }
+
+  std::size_t read(std::vector<Event>& events, std::size_t max_events) override {
+    std::size_t count = 0;
+    try {
+      for (; count < max_events && peek_line(); skip_line()) {
+        if (passes_over()) continue;
+        events.push_back(parse());
+        ++count;
+      }
+    } catch (const InputError&) {
+      if (count == 0) throw;  // else the broken line is met again, and told, by the next call
+    }
+    return count;
+  }
+
+  std::optional<ImageSize> image_size() const override { return image_size_; }
+  std::string format() const override { return "text"; }
+
+ private:
+  /// False at the end of the file.
+  bool peek_line() {
+    const std::string_view ahead = file_.peek(longest_line + 1);
+    const std::string_view window = ahead.substr(0, longest_line + 1);
+    const std::size_t end = window.find('\n');
+    if (end == std::string_view::npos && window.size() > longest_line) {
+      fail("a line of more than " + std::to_string(longest_line) + " characters", "an event per line");
+    }
+    line_ = window.substr(0, end);
+    line_bytes_ = std::min(end, window.size() - 1) + 1;
+    return !window.empty();
+  }
+
+  void skip_line() {
+    file_.skip(line_bytes_);
+    ++line_number_;
+  }
+
+  bool passes_over() {
+    const auto start = std::find_if_not(line_.begin(), line_.end(), is_blank);
+    if (start == line_.end() || *start == '#') return true;
+    const bool is_header = before_first_ && check_column_names();
+    before_first_ = false;
+    return is_header;
+  }
+
+  /// Whether the line names columns; throws where it names them in another order.
+  bool check_column_names() const {
+    const Fields names(line_);
+    if (names.count != columns_.size()) return false;
+    std::string order;
+    for (std::string_view name : names.text) {
+      if (name.starts_with('"')) name.remove_prefix(1);
+      if (name.empty() || !is_letter(name.front())) return false;
+      order += static_cast<char>(name.front() | 0x20);  // lower case
+    }
+    if (sorted(order) == sorted(default_columns) && order != columns_) {
+      fail("the column order " + order, columns_ + ", as the option columns says");
+    }
+    return true;
+  }
+
+  Event parse() {
+    const Fields fields(line_);
+    if (fields.count != columns_.size()) {
+      fail(std::to_string(fields.count) + (fields.count == 1 ? " field" : " fields"),
+           std::to_string(columns_.size()) + " in the order " + columns_);
+    }
+    Event event;
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      const std::string_view text = fields.text[i];
+      switch (columns_[i]) {
+        case 't':
+          event.t_us = parse_time(text);
+          break;
+        case 'x':
+          event.x = parse_coordinate(text, "x");
+          break;
+        case 'y':
+          event.y = parse_coordinate(text, "y");
+          break;
+        default:
+          event.on = parse_polarity(text);
+          break;
+      }
+    }
+    return event;
+  }
+
+  std::int64_t parse_time(std::string_view text) {
+    const bool seconds = text.find('.') != std::string_view::npos;
+    std::int64_t t_us = 0;
+    if (!(seconds ? parse_seconds(text, t_us) : parse_number(text, t_us))) {
+      fail(text, "a time in us, or in seconds with a decimal point", "t");
+    }
+    if (t_us == 0 && !seconds) return 0;
+    if (in_seconds_.value_or(seconds) != seconds) {
+      fail(text, *in_seconds_ ? "seconds with a decimal point, as before" : "us, as before", "t");
+    }
+    in_seconds_ = seconds;
+    return t_us;
+  }
+  std::uint16_t parse_coordinate(std::string_view text, std::string_view column) const {
+    std::uint16_t value = 0;
+    if (!parse_number(text, value)) fail(text, "a whole number in [0, 65535]", column);
+    return value;
+  }
+  bool parse_polarity(std::string_view text) const {
+    if (text != "0" && text != "1" && text != "-1") fail(text, "a polarity 0 or 1, or -1 or 1", "p");
+    return text == "1";
+  }
+
+  [[noreturn]] void fail(std::string_view value, std::string_view expectation,
+                         std::string_view column = {}) const {
+    std::string place = file_.name() + ":" + std::to_string(line_number_);
+    if (!column.empty()) place += ", column " + std::string(column);
+    throw InputError(place, value.empty() ? "nothing" : std::string(value), std::string(expectation));
+  }
+
+  InputFile file_;
+  std::string columns_;
+  std::optional<ImageSize> image_size_;
+  std::string_view line_;  ///< the line ahead, into the file's buffer
+  std::size_t line_bytes_ = 0;
+  std::uint64_t line_number_ = 1;
+  bool before_first_ = true;
+  std::optional<bool> in_seconds_;
+};
+
+class TextWriter final : public EventWriter {
+ public:
+  TextWriter(const std::filesystem::path& path, ImageSize image_size) : file_(path), image_size_(image_size) {
+    file_.write("t_us,x,y,p\n");
+  }
+
+  void write(std::span<const Event> events) override {
+    for (const Event& event : events) {
+      check_writable(event, image_size_, file_.path());
+      line_.clear();
+      append_number(line_, event.t_us);
+      line_ += ',';
+      append_number(line_, event.x);
+      line_ += ',';
+      append_number(line_, event.y);
+      line_ += event.on ? ",1\n" : ",0\n";
+      file_.write(line_);
+    }
+  }
+
+  void commit() override { file_.commit(); }
+
+ private:
+  OutputFile file_;
+  ImageSize image_size_;
+  std::string line_;
+};
+
+}  // namespace
+
+std::unique_ptr<EventReader> open_text(InputFile file, const EventReadOptions& options) {
+  return std::make_unique<TextReader>(std::move(file), options);
+}
+
+std::unique_ptr<EventWriter> create_text(const std::filesystem::path& path, ImageSize image_size) {
+  return std::make_unique<TextWriter>(path, image_size);
+}
+
+}  // namespace saccade

@@ -1,0 +1,201 @@
+#include "sim/gl_context.h"
+
+#include <EGL/egl.h>
+#include <EGL/eglext.h>
+#include <GL/osmesa.h>
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdlib>
+
+#include "core/config.h"
+#include "core/error.h"
+
+namespace saccade {
+namespace {
+
+/// A shared library, first loaded for ourselves; publish() shows its symbols to the rest of the program,
+/// where MuJoCo looks for them.
+class Library {
+ public:
+  explicit Library(const char* name) : name_(name), handle_(dlopen(name, RTLD_NOW | RTLD_LOCAL)) {
+    if (handle_ == nullptr) throw RunError(std::string("no OpenGL: ") + dlerror());
+  }
+  ~Library() { dlclose(handle_); }
+  Library(const Library&) = delete;
+  Library& operator=(const Library&) = delete;
+
+  template <class Function>
+  Function* get(const char* symbol) const {
+    void* address = dlsym(handle_, symbol);
+    if (address == nullptr) throw RunError(std::string("no OpenGL: ") + name_ + " has no " + symbol);
+    return reinterpret_cast<Function*>(address);
+  }
+  void publish() const {
+    // The second handle is kept on purpose: MuJoCo goes on using the library's functions.
+    dlopen(name_, RTLD_NOW | RTLD_GLOBAL | RTLD_NOLOAD);
+  }
+
+ private:
+  const char* name_;
+  void* handle_;
+};
+
+void require_no_other_backend(const char* symbol, const char* wanted, const char* other) {
+  if (dlsym(RTLD_DEFAULT, symbol) != nullptr) {
+    throw RunError(std::string("no OpenGL through ") + wanted + ": this program already uses " + other);
+  }
+}
+
+class OsmesaContext final : public GlContext {
+ public:
+  OsmesaContext()
+      : library_("libOSMesa.so.8"),
+        make_current_(library_.get<decltype(OSMesaMakeCurrent)>("OSMesaMakeCurrent")),
+        get_function_(library_.get<decltype(OSMesaGetProcAddress)>("OSMesaGetProcAddress")),
+        destroy_(library_.get<decltype(OSMesaDestroyContext)>("OSMesaDestroyContext")) {
+    require_no_other_backend("eglGetProcAddress", "osmesa", "egl");
+    const auto create = library_.get<decltype(OSMesaCreateContextExt)>("OSMesaCreateContextExt");
+    context_ = create(OSMESA_RGBA, 24, 8, 0, nullptr);
+    if (context_ == nullptr) throw RunError("no OpenGL: OSMesa gives no context");
+    OsmesaContext::make_current();
+    identify("osmesa");
+    library_.publish();
+  }
+  ~OsmesaContext() override {
+    make_current_(nullptr, nullptr, 0, 0, 0);
+    destroy_(context_);
+  }
+
+  void make_current() override {
+    if (make_current_(context_, window_.data(), GL_UNSIGNED_BYTE, window_side, window_side) != GL_TRUE) {
+      throw RunError("OpenGL failed: OSMesaMakeCurrent");
+    }
+  }
+  [[nodiscard]] void* function(const char* name) const override {
+    return reinterpret_cast<void*>(get_function_(name));
+  }
+
+ private:
+  static constexpr int window_side = 8;
+
+  Library library_;
+  decltype(OSMesaMakeCurrent)* make_current_;
+  decltype(OSMesaGetProcAddress)* get_function_;
+  decltype(OSMesaDestroyContext)* destroy_;
+  OSMesaContext context_ = nullptr;
+  std::array<std::byte, 4 * window_side * window_side> window_{};  ///< never drawn to, but OSMesa wants one
+};
+
+class EglContext final : public GlContext {
+ public:
+  EglContext()
+      : library_("libEGL.so.1"),
+        make_current_(library_.get<decltype(eglMakeCurrent)>("eglMakeCurrent")),
+        get_function_(library_.get<decltype(eglGetProcAddress)>("eglGetProcAddress")),
+        destroy_(library_.get<decltype(eglDestroyContext)>("eglDestroyContext")) {
+    require_no_other_backend("OSMesaGetProcAddress", "egl", "osmesa");
+    const auto get_display =
+        reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(get_function_("eglGetPlatformDisplayEXT"));
+    if (get_display != nullptr) {
+      display_ = get_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
+    }
+    const auto initialize = library_.get<decltype(eglInitialize)>("eglInitialize");
+    if (display_ == EGL_NO_DISPLAY || initialize(display_, nullptr, nullptr) != EGL_TRUE) {
+      display_ = library_.get<decltype(eglGetDisplay)>("eglGetDisplay")(EGL_DEFAULT_DISPLAY);
+      if (display_ == EGL_NO_DISPLAY || initialize(display_, nullptr, nullptr) != EGL_TRUE) {
+        throw RunError("no OpenGL: EGL gives no display");
+      }
+    }
+    const std::array<EGLint, 5> wanted{EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE,
+                                       EGL_PBUFFER_BIT, EGL_NONE};
+    EGLConfig config = nullptr;
+    EGLint found = 0;
+    const auto choose = library_.get<decltype(eglChooseConfig)>("eglChooseConfig");
+    library_.get<decltype(eglBindAPI)>("eglBindAPI")(EGL_OPENGL_API);
+    if (choose(display_, wanted.data(), &config, 1, &found) == EGL_TRUE && found == 1) {
+      context_ = library_.get<decltype(eglCreateContext)>("eglCreateContext")(display_, config,
+                                                                              EGL_NO_CONTEXT, nullptr);
+    }
+    if (context_ == EGL_NO_CONTEXT) throw RunError("no OpenGL: EGL gives no context");
+    EglContext::make_current();
+    identify("egl");
+    library_.publish();
+  }
+  ~EglContext() override {
+    // The display stays initialised: it belongs to the whole program.
+    make_current_(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    destroy_(display_, context_);
+  }
+
+  void make_current() override {
+    if (make_current_(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_) != EGL_TRUE) {
+      throw RunError("OpenGL failed: eglMakeCurrent");
+    }
+  }
+  [[nodiscard]] void* function(const char* name) const override {
+    return reinterpret_cast<void*>(get_function_(name));
+  }
+
+ private:
+  Library library_;
+  decltype(eglMakeCurrent)* make_current_;
+  decltype(eglGetProcAddress)* get_function_;
+  decltype(eglDestroyContext)* destroy_;
+  EGLDisplay display_ = EGL_NO_DISPLAY;
+  EGLContext context_ = EGL_NO_CONTEXT;
+};
+
+bool has_display() {
+  const char* x11 = std::getenv("DISPLAY");
+  const char* wayland = std::getenv("WAYLAND_DISPLAY");
+  return (x11 != nullptr && *x11 != '\0') || (wayland != nullptr && *wayland != '\0');
+}
+
+std::unique_ptr<GlContext> create_one(std::string_view backend) {
+  if (backend == "egl") return std::make_unique<EglContext>();
+  return std::make_unique<OsmesaContext>();
+}
+
+}  // namespace
+
+const std::vector<std::string>& GlContext::backends() {
+  static const std::vector<std::string> names{"auto", "osmesa", "egl"};
+  return names;
+}
+
+std::unique_ptr<GlContext> GlContext::create(std::string_view backend) {
+  if (std::find(backends().begin(), backends().end(), backend) == backends().end()) {
+    throw InputError("backend", std::string(backend), expectation_of(backends()));
+  }
+  if (backend != "auto") return create_one(backend);
+  const std::array<const char*, 2> order =
+      has_display() ? std::array{"egl", "osmesa"} : std::array{"osmesa", "egl"};
+  try {
+    return create_one(order[0]);
+  } catch (const RunError& first) {
+    try {
+      return create_one(order[1]);
+    } catch (const RunError& second) {
+      throw RunError(std::string(first.what()) + "; " + second.what());
+    }
+  }
+}
+
+void GlContext::identify(std::string_view backend) {
+  using GetString = const GLubyte*(GLenum);
+  const auto get_string = reinterpret_cast<GetString*>(function("glGetString"));
+  const auto text = [&](GLenum name) {
+    const GLubyte* found = get_string == nullptr ? nullptr : get_string(name);
+    return found == nullptr ? std::string() : std::string(reinterpret_cast<const char*>(found));
+  };
+  // What MuJoCo needs and would end the program without.
+  if (text(GL_EXTENSIONS).find("GL_ARB_framebuffer_object") == std::string::npos) {
+    throw RunError("no OpenGL: " + std::string(backend) + " offers no offscreen framebuffers");
+  }
+  description_ = std::string(backend) + ", " + text(GL_RENDERER) + ", " + text(GL_VERSION);
+}
+
+}  // namespace saccade

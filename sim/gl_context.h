@@ -1,0 +1,47 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace saccade {
+
+/// An OpenGL context without a window, for drawing into offscreen buffers.
+///
+/// The libraries are loaded at run time, so that one program draws with OSMesa (software, no display and
+/// no device needed) or EGL (surfaceless; a GPU where there is one). MuJoCo takes its OpenGL functions
+/// from whichever of the two it finds in the program, so a program keeps to one backend for its lifetime.
+///
+/// In software both draw with llvmpipe, whose number of threads is the environment variable
+/// LP_NUM_THREADS (default: one per core); images do not depend on it.
+class GlContext {
+ public:
+  /// Any of backends(). "auto" is OSMesa without a display and EGL with one, each with the other to fall
+  /// back on. The context is current afterwards.
+  /// Throws InputError for another word, RunError where there is no OpenGL.
+  static std::unique_ptr<GlContext> create(std::string_view backend);
+  /// "auto", "osmesa", "egl".
+  static const std::vector<std::string>& backends();
+
+  virtual ~GlContext() = default;
+  GlContext(const GlContext&) = delete;
+  GlContext& operator=(const GlContext&) = delete;
+
+  /// Makes the context current in the calling thread. Throws RunError when that fails.
+  virtual void make_current() = 0;
+  /// The address of an OpenGL function; nullptr where there is none.
+  [[nodiscard]] virtual void* function(const char* name) const = 0;
+  /// Backend, renderer and version, for reports: "osmesa, llvmpipe (...), 4.5 (...) Mesa 22.3.6".
+  [[nodiscard]] const std::string& description() const { return description_; }
+
+ protected:
+  GlContext() = default;
+  /// Fills description(); throws RunError when OpenGL is too old for MuJoCo.
+  void identify(std::string_view backend);
+
+ private:
+  std::string description_;
+};
+
+}  // namespace saccade

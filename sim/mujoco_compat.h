@@ -1,0 +1,37 @@
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include <cstring>
+#include <memory>
+#include <string>
+
+namespace saccade {
+
+struct MjDelete {
+  void operator()(mjModel* model) const { mj_deleteModel(model); }
+  void operator()(mjData* data) const { mj_deleteData(data); }
+  void operator()(mjVFS* vfs) const {
+    mj_deleteVFS(vfs);
+    delete vfs;
+  }
+};
+using MjModelPtr = std::unique_ptr<mjModel, MjDelete>;
+using MjDataPtr = std::unique_ptr<mjData, MjDelete>;
+using MjVfsPtr = std::unique_ptr<mjVFS, MjDelete>;
+
+/// Puts a text into MuJoCo's virtual file system, with the function that the installed version has
+/// (mj_addBufferVFS in 3.x, mj_makeEmptyFileVFS in 2.x). False when that fails.
+template <class Vfs>
+bool add_to_vfs(Vfs* vfs, const std::string& name, const std::string& text) {
+  const int size = static_cast<int>(text.size());
+  if constexpr (requires { mj_addBufferVFS(vfs, name.c_str(), text.data(), size); }) {
+    return mj_addBufferVFS(vfs, name.c_str(), text.data(), size) == 0;
+  } else {
+    if (mj_makeEmptyFileVFS(vfs, name.c_str(), size) != 0) return false;
+    std::memcpy(vfs->filedata[mj_findFileVFS(vfs, name.c_str())], text.data(), text.size());
+    return true;
+  }
+}
+
+}  // namespace saccade

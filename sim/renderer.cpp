@@ -1,0 +1,312 @@
+#include "sim/renderer.h"
+
+#include <GL/gl.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "core/error.h"
+
+namespace saccade {
+namespace detail {
+
+/// MuJoCo's abstract scene and its OpenGL resources, with the frame buffer to draw into.
+class SceneDrawer {
+ public:
+  /// What costs time and is not needed in an eye.
+  enum class Quality { fast, fine };
+
+  SceneDrawer(const mjModel& model, GlContext& gl, ImageSize buffer, Quality quality)
+      : model_(model) {
+    gl.make_current();
+    // A shallow copy whose visual settings are ours, whatever the MJCF says.
+    mjModel settings = model;
+    settings.vis.global.offwidth = buffer.width;
+    settings.vis.global.offheight = buffer.height;
+    settings.vis.quality.offsamples = quality == Quality::fine ? 4 : 0;
+    settings.vis.quality.shadowsize = quality == Quality::fine ? 2048 : 0;
+    settings.vis.quality.numslices = sphere_sides;
+    settings.vis.quality.numstacks = sphere_sides / 2;
+    settings.vis.quality.numquads = 1;
+    mjv_defaultOption(&option_);
+    mjv_defaultScene(&scene_);
+    mjr_defaultContext(&context_);
+    mjv_makeScene(&settings, &scene_, static_cast<int>(model.ngeom) + 100);
+    mjr_makeContext(&settings, &context_, mjFONTSCALE_50);
+    mjr_setBuffer(mjFB_OFFSCREEN, &context_);
+    if (context_.currentBuffer != mjFB_OFFSCREEN || context_.offWidth < buffer.width) {
+      throw RunError("OpenGL failed: no offscreen buffer");
+    }
+    read_pixels_ = reinterpret_cast<decltype(glReadPixels)*>(gl.function("glReadPixels"));
+    if (read_pixels_ == nullptr) throw RunError("OpenGL failed: no glReadPixels");
+    std::fill(std::begin(scene_.flags), std::end(scene_.flags), mjtByte{0});
+    scene_.flags[mjRND_CULL_FACE] = 1;
+    scene_.flags[mjRND_SHADOW] = quality == Quality::fine ? 1 : 0;
+    if (quality == Quality::fast) {
+      std::fill(std::begin(option_.geomgroup) + 2, std::end(option_.geomgroup), mjtByte{0});
+    } else {
+      std::fill(std::begin(option_.geomgroup), std::begin(option_.geomgroup) + 3, mjtByte{1});
+    }
+  }
+  ~SceneDrawer() {
+    mjr_freeContext(&context_);
+    mjv_freeScene(&scene_);
+  }
+  SceneDrawer(const SceneDrawer&) = delete;
+  SceneDrawer& operator=(const SceneDrawer&) = delete;
+
+  void draw(mjData& data, const mjvGLCamera& camera, mjrRect viewport) {
+    update(data);
+    mjr_restoreBuffer(&context_);  // another drawer may have drawn meanwhile
+    scene_.camera[0] = scene_.camera[1] = camera;
+    mjr_render(viewport, &scene_, &context_);
+  }
+  void read_rgba(mjrRect area, std::uint32_t* rgba) const {
+    mjr_restoreBuffer(&context_);
+    read_pixels_(area.left, area.bottom, area.width, area.height, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+  }
+  void read_rgb(mjrRect area, std::uint8_t* rgb) const { mjr_readPixels(rgb, nullptr, area, &context_); }
+  /// 0 at the near plane, 1 at the far plane, as OpenGL has it by default.
+  void read_depth(mjrRect area, float* depth) const {
+    mjr_restoreBuffer(&context_);
+    mjr_readPixels(nullptr, depth, area, &context_);
+  }
+
+ private:
+  static constexpr int sphere_sides = 24;
+
+  void update(mjData& data) {
+    scene_.ngeom = 0;
+    mjv_addGeoms(&model_, &data, &option_, nullptr, mjCAT_STATIC | mjCAT_DYNAMIC, &scene_);
+    mjv_makeLights(&model_, &data, &scene_);
+    const std::span geoms(scene_.geoms, static_cast<std::size_t>(scene_.ngeom));
+    // What does not stand in the room is nearest: drawn first, it spares the pixels behind it.
+    std::stable_partition(geoms.begin(), geoms.end(),
+                          [this](const mjvGeom& geom) { return model_.geom_bodyid[geom.objid] != 0; });
+    // A regular polygon of n sides has the area of its circumscribed circle times 1 - (2 pi / n)^2 / 6.
+    constexpr double step = 2.0 * std::numbers::pi / sphere_sides;
+    constexpr auto same_area = static_cast<float>(1.0 + step * step / 12.0);
+    for (mjvGeom& geom : geoms) {
+      if (geom.type != mjGEOM_SPHERE) continue;
+      for (float& size : geom.size) size *= same_area;
+    }
+  }
+
+  const mjModel& model_;
+  mjvOption option_{};
+  mjvScene scene_{};
+  mjrContext context_{};
+  decltype(glReadPixels)* read_pixels_ = nullptr;
+};
+
+}  // namespace detail
+
+namespace {
+
+using detail::SceneDrawer;
+
+// Rec. 709 luminance of linear red, green and blue, in 1/10000.
+constexpr std::uint32_t red_weight = 2126;
+constexpr std::uint32_t green_weight = 7152;
+constexpr std::uint32_t blue_weight = 722;
+constexpr double hidden_by_m = 0.003;
+
+std::uint32_t luminance_of(std::uint32_t rgba) {
+  return red_weight * (rgba & 0xffU) + green_weight * ((rgba >> 8U) & 0xffU) +
+         blue_weight * ((rgba >> 16U) & 0xffU);
+}
+
+/// The samples [first, last) along one image axis that the outline of a sphere spans: its tangent planes
+/// through the other axis meet z = 1 at u with (dx - u dz)^2 = R^2 (1 + u^2).
+std::array<int, 2> outline_span(double dx, double dz, double radius, double focal, double centre) {
+  const double r2 = radius * radius;
+  const double root = radius * std::sqrt(std::max(dx * dx + dz * dz - r2, 0.0));
+  const double scale = focal / (dz * dz - r2);
+  return {static_cast<int>(std::floor(centre + scale * (dx * dz - root))),
+          static_cast<int>(std::ceil(centre + scale * (dx * dz + root)))};
+}
+
+}  // namespace
+
+void describe(FieldVisitor& v, EyeRenderConfig& config) {
+  v.integer("supersampling", config.supersampling, {1, 8}, "samples per pixel and direction");
+  v.real("near_m", config.near_m, {0.001, 0.2}, "nothing nearer along the optical axis is drawn");
+  v.real("far_m", config.far_m, {1.0, 1000.0}, "nothing farther along the optical axis is drawn");
+}
+
+EyeRenderer::EyeRenderer(const mjModel& model, GlContext& gl, const PinholeCamera& camera,
+                         const EyeRenderConfig& config)
+    : camera_(camera), config_(config), gl_(gl) {
+  check_config("render", config);
+  check_config("camera", camera);
+  const auto samples = static_cast<double>(config.supersampling);
+  const double stretch = camera.fy_px / camera.fx_px;  // drawn columns per sample of the wanted image
+  if (!(stretch > 0.5 && stretch < 2.0)) {
+    throw InputError("camera.fx_px", text_of(camera.fx_px), "between fy / 2 and 2 fy");
+  }
+  rows_ = static_cast<int>(config.supersampling) * camera.size.height;
+  columns_ = static_cast<int>(std::ceil(samples * stretch * camera.size.width - 1e-9));
+  focal_ = samples * camera.fy_px;
+  centre_x_ = samples * stretch * (camera.cx_px + 0.5);
+  centre_y_ = samples * (camera.cy_px + 0.5);
+
+  // A pixel is the mean of the drawn image over its area.
+  const double pitch = samples * stretch;
+  taps_ = static_cast<int>(std::ceil(pitch)) + 1;
+  const auto width = static_cast<std::size_t>(camera.size.width);
+  first_column_.resize(width);
+  tap_weights_.assign(width * static_cast<std::size_t>(taps_), 0.0F);
+  for (std::size_t x = 0; x < width; ++x) {
+    const double left = pitch * static_cast<double>(x);
+    first_column_[x] = std::min(static_cast<int>(left), columns_ - 1);
+    for (int tap = 0; tap < taps_; ++tap) {
+      const double column = first_column_[x] + tap;
+      const double covered = std::min(column + 1.0, left + pitch) - std::max(column, left);
+      tap_weights_[x * static_cast<std::size_t>(taps_) + static_cast<std::size_t>(tap)] =
+          static_cast<float>(std::max(covered, 0.0) / (pitch * samples * 10000.0));
+    }
+  }
+  rgba_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
+  sums_.assign(static_cast<std::size_t>(columns_ + taps_), 0.0F);
+  drawer_ = std::make_unique<SceneDrawer>(model, gl, ImageSize{columns_, rows_}, SceneDrawer::Quality::fast);
+}
+
+EyeRenderer::~EyeRenderer() { gl_.make_current(); }
+
+void EyeRenderer::render(mjData& data, int camera_id, std::span<float> luminance) {
+  SACCADE_CHECK(luminance.size() == static_cast<std::size_t>(camera_.size.pixels()));
+  const mjtNum* position = data.cam_xpos + 3 * camera_id;
+  const mjtNum* axes = data.cam_xmat + 9 * camera_id;
+  mjvGLCamera eye{};
+  for (int i = 0; i < 3; ++i) {
+    eye.pos[i] = static_cast<float>(position[i]);
+    eye.forward[i] = static_cast<float>(-axes[3 * i + 2]);
+    eye.up[i] = static_cast<float>(axes[3 * i + 1]);
+  }
+  const double per_sample = config_.near_m / focal_;
+  eye.frustum_center = static_cast<float>(per_sample * (0.5 * columns_ - centre_x_));
+  eye.frustum_top = static_cast<float>(per_sample * centre_y_);
+  eye.frustum_bottom = static_cast<float>(per_sample * (centre_y_ - rows_));
+  eye.frustum_near = static_cast<float>(config_.near_m);
+  eye.frustum_far = static_cast<float>(config_.far_m);
+
+  gl_.make_current();
+  const mjrRect whole{0, 0, columns_, rows_};
+  drawer_->draw(data, eye, whole);
+  drawer_->read_rgba(whole, rgba_.data());
+  resample(luminance);
+}
+
+void EyeRenderer::resample(std::span<float> luminance) const {
+  const auto columns = static_cast<std::size_t>(columns_);
+  const auto samples = static_cast<std::size_t>(config_.supersampling);
+  const auto width = static_cast<std::size_t>(camera_.size.width);
+  const auto taps = static_cast<std::size_t>(taps_);
+  for (std::size_t y = 0; y < static_cast<std::size_t>(camera_.size.height); ++y) {
+    const std::uint32_t* row = rgba_.data() + (static_cast<std::size_t>(rows_) - (y + 1) * samples) * columns;
+    for (std::size_t c = 0; c < columns; ++c) {
+      std::uint32_t sum = 0;
+      for (std::size_t s = 0; s < samples; ++s) sum += luminance_of(row[s * columns + c]);
+      sums_[c] = static_cast<float>(sum);
+    }
+    for (std::size_t x = 0; x < width; ++x) {
+      const float* from = sums_.data() + first_column_[x];
+      const float* weight = tap_weights_.data() + x * taps;
+      float value = 0.0F;
+      for (std::size_t tap = 0; tap < taps; ++tap) value += weight[tap] * from[tap];
+      luminance[y * width + x] = value;
+    }
+  }
+}
+
+double EyeRenderer::visible_share(const Eigen::Vector3d& centre_m, double radius_m) {
+  if (!(centre_m.z() > radius_m)) return 0.0;
+  const auto [left, right] = outline_span(centre_m.x(), centre_m.z(), radius_m, focal_, centre_x_);
+  const auto [top, bottom] = outline_span(centre_m.y(), centre_m.z(), radius_m, focal_, centre_y_);
+  const mjrRect seen{std::max(left, 0), rows_ - std::min(bottom, rows_),
+                     std::min(right, columns_) - std::max(left, 0),
+                     std::min(bottom, rows_) - std::max(top, 0)};
+  if (seen.width <= 0 || seen.height <= 0) return 0.0;
+  depth_.resize(static_cast<std::size_t>(seen.width) * static_cast<std::size_t>(seen.height));
+  gl_.make_current();
+  drawer_->read_depth(seen, depth_.data());
+
+  const double k = centre_m.squaredNorm() - radius_m * radius_m;
+  const double span = config_.far_m - config_.near_m;
+  std::int64_t all = 0;
+  std::int64_t visible = 0;
+  for (int row = top; row < bottom; ++row) {
+    const double ray_y = (row + 0.5 - centre_y_) / focal_;
+    const bool row_inside = row >= 0 && row < rows_;
+    const float* depth_row =
+        depth_.data() + static_cast<std::ptrdiff_t>(rows_ - 1 - row - seen.bottom) * seen.width - seen.left;
+    for (int column = left; column < right; ++column) {
+      const double ray_x = (column + 0.5 - centre_x_) / focal_;
+      const double along = centre_m.x() * ray_x + centre_m.y() * ray_y + centre_m.z();
+      const double ray2 = ray_x * ray_x + ray_y * ray_y + 1.0;
+      const double root2 = along * along - ray2 * k;
+      if (root2 < 0.0) continue;
+      ++all;
+      if (!row_inside || column < 0 || column >= columns_) continue;
+      const double drawn_m =
+          config_.near_m * config_.far_m / (config_.far_m - static_cast<double>(depth_row[column]) * span);
+      if (drawn_m > (along - std::sqrt(root2)) / ray2 - hidden_by_m) ++visible;
+    }
+  }
+  return all == 0 ? 0.0 : static_cast<double>(visible) / static_cast<double>(all);
+}
+
+SceneRenderer::SceneRenderer(const mjModel& model, GlContext& gl, ImageSize size) : size_(size), gl_(gl) {
+  if (size.width < 8 || size.height < 8 || size.width > 4096 || size.height > 4096) {
+    throw InputError("picture size", std::to_string(size.width) + "x" + std::to_string(size.height),
+                     "8x8 to 4096x4096");
+  }
+  drawer_ = std::make_unique<SceneDrawer>(model, gl, size, SceneDrawer::Quality::fine);
+}
+
+SceneRenderer::~SceneRenderer() { gl_.make_current(); }
+
+void SceneRenderer::render(mjData& data, const SceneView& view, std::span<std::uint8_t> rgb) {
+  const auto row_bytes = 3 * static_cast<std::size_t>(size_.width);
+  SACCADE_CHECK(rgb.size() == row_bytes * static_cast<std::size_t>(size_.height));
+  const Eigen::Vector3d forward(std::cos(view.elevation_rad) * std::cos(view.azimuth_rad),
+                                std::cos(view.elevation_rad) * std::sin(view.azimuth_rad),
+                                std::sin(view.elevation_rad));
+  const Eigen::Vector3d position = view.look_at_m - view.distance_m * forward;
+  mjvGLCamera camera{};
+  for (int i = 0; i < 3; ++i) {
+    camera.pos[i] = static_cast<float>(position[i]);
+    camera.forward[i] = static_cast<float>(forward[i]);
+  }
+  camera.up[2] = 1.0F;
+  camera.frustum_near = 0.03F;
+  camera.frustum_far = 12.0F;
+  camera.frustum_top = camera.frustum_near * 0.45F;  // 48 degrees from top to bottom
+  camera.frustum_bottom = -camera.frustum_top;
+
+  gl_.make_current();
+  const mjrRect whole{0, 0, size_.width, size_.height};
+  drawer_->draw(data, camera, whole);
+  drawer_->read_rgb(whole, rgb.data());
+  for (std::size_t top = 0, bottom = static_cast<std::size_t>(size_.height) - 1; top < bottom; ++top, --bottom) {
+    std::swap_ranges(rgb.begin() + static_cast<std::ptrdiff_t>(top * row_bytes),
+                     rgb.begin() + static_cast<std::ptrdiff_t>((top + 1) * row_bytes),
+                     rgb.begin() + static_cast<std::ptrdiff_t>(bottom * row_bytes));
+  }
+  static const std::array<std::uint8_t, 256> srgb_of_linear = [] {
+    std::array<std::uint8_t, 256> table{};
+    for (std::size_t i = 0; i < table.size(); ++i) {
+      const double linear = static_cast<double>(i) / 255.0;
+      const double srgb =
+          linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
+      table[i] = static_cast<std::uint8_t>(std::lround(255.0 * srgb));
+    }
+    return table;
+  }();
+  for (std::uint8_t& value : rgb) value = srgb_of_linear[value];
+}
+
+}  // namespace saccade

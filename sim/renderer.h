@@ -1,0 +1,105 @@
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "core/camera.h"
+#include "core/config.h"
+#include "sim/gl_context.h"
+
+namespace saccade {
+
+namespace detail {
+class SceneDrawer;
+}
+
+struct EyeRenderConfig {
+  std::int64_t supersampling = 2;  ///< samples per pixel and direction
+  double near_m = 0.02;            ///< nothing nearer along the optical axis is drawn
+  double far_m = 12.0;             ///< nor farther
+};
+
+/// Keys: supersampling, near_m, far_m.
+void describe(FieldVisitor& v, EyeRenderConfig& config);
+
+/// What an eye of the model sees, as linear luminance through an exact pinhole.
+///
+/// Draws geoms of groups 0 and 1 (the robot's own shell is group 2: no eye sees its head from inside),
+/// with the lights of the model, but no shadows, reflections or haze. Luminance is Rec. 709's of the
+/// drawn colours taken as linear reflectances, in units of one 8-bit grey level, 0 to 255, with fractions:
+/// the mean of supersampling^2 samples per pixel.
+///
+/// MuJoCo 2.2.2 draws square pixels only: images are drawn with fy and columns resampled to fx. A sphere
+/// is drawn as a polyhedron whose outline has the area of the true one.
+class EyeRenderer {
+ public:
+  /// `model` and `gl` must outlive it. Textures are uploaded here: paint them before.
+  /// Throws InputError for a config or camera out of range, RunError when OpenGL fails.
+  EyeRenderer(const mjModel& model, GlContext& gl, const PinholeCamera& camera,
+              const EyeRenderConfig& config);
+  ~EyeRenderer();
+
+  /// Draws what the model's fixed camera `camera_id` sees at the state of `data` (kinematics computed;
+  /// not changed). `luminance` is row-major, height x width of the pinhole.
+  void render(mjData& data, int camera_id, std::span<float> luminance);
+
+  /// The share of a sphere's disc, in [0, 1], that is inside the last image and not hidden by anything
+  /// drawn more than 3 mm in front of the sphere. `centre_m` in the (OpenCV) camera frame. 0 for a sphere
+  /// that is not wholly in front of the camera.
+  [[nodiscard]] double visible_share(const Eigen::Vector3d& centre_m, double radius_m);
+
+  [[nodiscard]] ImageSize image_size() const { return camera_.size; }
+
+ private:
+  void resample(std::span<float> luminance) const;
+
+  PinholeCamera camera_;
+  EyeRenderConfig config_;
+  GlContext& gl_;
+  int columns_ = 0;       ///< of the drawn image; its rows are supersampling * height
+  int rows_ = 0;
+  double focal_ = 0.0;    ///< of the drawn image, samples
+  double centre_x_ = 0.0;  ///< principal point of the drawn image, samples from its left edge
+  double centre_y_ = 0.0;  ///< and from its top edge
+  int taps_ = 0;
+  std::vector<int> first_column_;     ///< per pixel column: the first drawn column that it covers
+  std::vector<float> tap_weights_;    ///< per pixel column: `taps_` weights
+  std::vector<std::uint32_t> rgba_;   ///< the drawn image, bottom row first
+  mutable std::vector<float> sums_;   ///< per drawn column: luminance of one pixel row
+  std::vector<float> depth_;
+  std::unique_ptr<detail::SceneDrawer> drawer_;
+};
+
+/// A camera that a person moves: it looks at a point from a distance.
+struct SceneView {
+  Eigen::Vector3d look_at_m = Eigen::Vector3d(-0.4, 0.0, 0.2);  ///< root frame
+  double distance_m = 1.6;
+  double azimuth_rad = 0.0;     ///< heading of the view about z; 0 looks along root x (at the robot's face)
+  double elevation_rad = -0.3;  ///< of the view: negative looks down
+};
+
+/// Third-person pictures for reports and videos: everything in the model, lit with shadows.
+class SceneRenderer {
+ public:
+  /// `model` and `gl` must outlive it. Throws RunError when OpenGL fails.
+  SceneRenderer(const mjModel& model, GlContext& gl, ImageSize size);
+  ~SceneRenderer();
+
+  /// `rgb` is row-major, height x width x 3, top row first, sRGB.
+  void render(mjData& data, const SceneView& view, std::span<std::uint8_t> rgb);
+
+  [[nodiscard]] ImageSize image_size() const { return size_; }
+
+ private:
+  ImageSize size_;
+  GlContext& gl_;
+  std::unique_ptr<detail::SceneDrawer> drawer_;
+};
+
+}  // namespace saccade

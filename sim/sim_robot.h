@@ -1,0 +1,79 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/camera.h"
+#include "emulator/event_emulator.h"
+#include "robot/ports.h"
+#include "sim/gl_context.h"
+#include "sim/lab.h"
+#include "sim/renderer.h"
+#include "sim/world.h"
+
+namespace saccade {
+
+/// Everything that makes the simulated world.
+struct SimConfig {
+  LabConfig lab;
+  WorldConfig world;
+  PinholeCamera camera;
+  EyeRenderConfig render;
+  std::string gl = "auto";  ///< OpenGL backend: auto, osmesa, egl
+  EmulatorConfig emulator;
+};
+
+/// What is really so at one instant; for recorders and scores, never for core or control.
+struct SimTruth {
+  std::int64_t t_us = 0;
+  std::optional<Circle> circle;  ///< the true circle in the left image; none when the ball is not in front
+  double visible = 0.0;          ///< share of its disc inside the image and not hidden
+  Eigen::Vector3d ball_m = Eigen::Vector3d::Zero();  ///< ball centre, root frame
+  Eigen::Isometry3d root_from_left_cam = Eigen::Isometry3d::Identity();
+  JointVector plant_position_rad = JointVector::Zero();
+};
+
+/// The simulated robot behind the ports. Waiting for a time advances the world in ticks of 1 ms: the plant
+/// steps, the left eye's image is drawn, and the emulator turns it into events. It offers what the robot
+/// offers; the truth is a door of its own, which only a recorder opens.
+class SimRobot final : public Clock, public EventSource, public HeadPort {
+ public:
+  /// Throws InputError for a configuration out of range, RunError where there is no OpenGL.
+  SimRobot(const SimConfig& config, std::uint64_t seed);
+
+  [[nodiscard]] std::int64_t now_us() const override { return world_.now_us(); }
+  PortStatus wait_until(std::int64_t t_us) override;
+
+  [[nodiscard]] ImageSize image_size() const override { return config_.camera.size; }
+  PortStatus read_until(std::int64_t t_us, std::vector<Event>& events) override;
+
+  [[nodiscard]] JointLimits limits() const override { return world_.limits(); }
+  PortStatus read(HeadState& state) override;
+  CommandResult command(const HeadCommand& reference_rad) override;
+
+  [[nodiscard]] const SimTruth& truth() const { return truth_; }
+  [[nodiscard]] std::int64_t first_motion_us() const { return world_.first_motion_us(); }
+  /// The newest image of the left eye: linear luminance, grey levels 0..255, row by row.
+  [[nodiscard]] std::span<const float> left_image() const { return luminance_; }
+  /// A picture of the scene from outside.
+  void draw_scene(const SceneView& view, ImageSize size, std::span<std::uint8_t> rgb);
+  [[nodiscard]] const std::string& gl_description() const { return gl_->description(); }
+
+ private:
+  void look();
+
+  SimConfig config_;
+  World world_;
+  std::unique_ptr<GlContext> gl_;
+  std::unique_ptr<EyeRenderer> eye_;
+  std::unique_ptr<SceneRenderer> scene_;
+  EventEmulator emulator_;
+  std::vector<float> luminance_;
+  std::vector<Event> events_;  // not yet delivered
+  std::size_t delivered_ = 0;
+  SimTruth truth_;
+};
+
+}  // namespace saccade

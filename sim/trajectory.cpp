@@ -1,0 +1,146 @@
+#include "sim/trajectory.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/random.h"
+
+namespace saccade {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr Range metres{-5.0, 5.0};
+
+Eigen::Vector3d vector(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
+
+/// 0 to 1 over u in [0, 1] with least jerk: velocity and acceleration vanish at both ends.
+double minimum_jerk(double u) {
+  u = std::clamp(u, 0.0, 1.0);
+  return u * u * u * (10.0 + u * (-15.0 + 6.0 * u));
+}
+
+/// Time that has passed on a clock that starts at u = 0 and runs at full rate from u = 1 on; its rate is
+/// a cubic step, so that its second derivative is continuous. In units of the ramp: 1/2 at u = 1.
+double smooth_start(double u) {
+  if (u <= 0.0) return 0.0;
+  if (u >= 1.0) return u - 0.5;
+  return u * u * u * (1.0 - 0.5 * u);
+}
+
+}  // namespace
+
+void describe(FieldVisitor& v, TrajectoryConfig& c) {
+  v.choice("kind", c.kind, {"hold", "waypoints", "circle"}, "how the ball is moved");
+  v.real("sway_m", c.sway_m, {0.0, 0.05}, "rms of the hand's unsteadiness along each axis");
+  if (c.kind == "circle") {
+    v.reals("centre_m", c.centre_m, 3, metres, "centre of the circle, root frame");
+    v.reals("radius_a_m", c.radius_a_m, 3, metres, "from the centre to the ball at angle 0");
+    v.reals("radius_b_m", c.radius_b_m, 3, metres, "from the centre to the ball at angle 90 degrees");
+    v.real("frequency_hz", c.frequency_hz, {0.0, 5.0}, "turns per second");
+    v.real("phase_deg", c.phase_deg, {-360.0, 360.0}, "angle of the first position");
+  } else {
+    v.points("points_m", c.points_m, 3, metres, "ball centres, root frame, x backward, y right, z up");
+    const std::string found = std::to_string(c.points_m.size()) + " points";
+    if (c.kind == "waypoints") {
+      v.require(c.points_m.size() >= 2, "points_m", found, "at least two points");
+    } else {
+      v.require(c.points_m.size() == 1, "points_m", found, "one point for a ball that is held");
+    }
+  }
+  if (c.kind == "waypoints") {
+    v.choice("profile", c.profile, {"minimum_jerk", "constant_speed"}, "speed along a segment");
+    v.real("speed_m_s", c.speed_m_s, {0.001, 10.0}, "mean (minimum_jerk) or full speed along a segment");
+    v.real("dwell_s", c.dwell_s, {0.0, 60.0}, "rest at every point after the first");
+    v.boolean("loop", c.loop, "from the last point on to the first, for ever");
+    for (std::size_t i = 1; i < c.points_m.size(); ++i) {
+      v.require(c.points_m[i] != c.points_m[i - 1], "points_m", "point " + std::to_string(i + 1) + " twice",
+                "points that differ from the one before (dwell_s rests)");
+    }
+  }
+  if (c.kind != "hold") v.real("start_s", c.start_s, {0.0, 3600.0}, "when the ball begins to move");
+  if (c.kind == "circle" || (c.kind == "waypoints" && c.profile == "constant_speed")) {
+    v.real("ramp_s", c.ramp_s, {0.01, 10.0}, "time to reach full speed, and to stop");
+  }
+}
+
+Trajectory::Trajectory(const TrajectoryConfig& config, std::uint64_t seed) : config_(config) {
+  check_config("trajectory", config);
+  if (config.kind == "waypoints") {
+    const std::size_t count = config.points_m.size();
+    for (std::size_t i = 0; i < (config.loop ? count : count - 1); ++i) {
+      Segment segment{vector(config.points_m[i]), vector(config.points_m[(i + 1) % count]), lap_s_, 0.0, 0.0};
+      const double length_m = (segment.to_m - segment.from_m).norm();
+      if (length_m == 0.0) continue;  // a loop whose last point is its first
+      segment.move_s = length_m / config.speed_m_s;
+      if (config.profile == "constant_speed") {
+        // Both ramps together cover speed * ramp_s; a segment shorter than that is ramps only, slower.
+        segment.ramp_s = config.ramp_s;
+        segment.move_s = std::max(segment.move_s, config.ramp_s) + config.ramp_s;
+      }
+      lap_s_ += segment.move_s + config.dwell_s;
+      segments_.push_back(segment);
+    }
+  }
+
+  const RandomStream random(seed, "sim/trajectory/sway");
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    double square_sum = 0.0;
+    for (std::size_t i = 0; i < sway_terms; ++i) {
+      const double frequency_hz = 0.5 * std::pow(6.0, random.uniform(axis, 2 * i));  // 0.5 to 3 Hz
+      const double phase_rad = random.uniform(0.0, 2.0 * pi, axis, 2 * i + 1);
+      sway_[axis][i] = {1.0 / frequency_hz, 2.0 * pi * frequency_hz, phase_rad};
+      square_sum += 0.5 / (frequency_hz * frequency_hz);
+    }
+    for (Sinusoid& term : sway_[axis]) term.amplitude_m *= config.sway_m / std::sqrt(square_sum);
+  }
+}
+
+std::int64_t Trajectory::first_motion_us() const {
+  return config_.kind == "hold" ? 0 : std::llround(config_.start_s * 1e6);
+}
+
+Eigen::Vector3d Trajectory::position_m(std::int64_t t_us) const {
+  const double t_s = static_cast<double>(std::max<std::int64_t>(t_us, 0)) * 1e-6;
+  return commanded_m(t_s) + Eigen::Vector3d(sway_m(0, t_s), sway_m(1, t_s), sway_m(2, t_s));
+}
+
+Eigen::Vector3d Trajectory::commanded_m(double t_s) const {
+  const double moving_s = t_s - config_.start_s;
+  if (config_.kind == "waypoints") return along_waypoints_m(moving_s);
+  if (config_.kind == "circle") {
+    const double turning_s = config_.ramp_s * smooth_start(moving_s / config_.ramp_s);
+    const double angle_rad = config_.phase_deg * pi / 180.0 + 2.0 * pi * config_.frequency_hz * turning_s;
+    return vector(config_.centre_m) + std::cos(angle_rad) * vector(config_.radius_a_m) +
+           std::sin(angle_rad) * vector(config_.radius_b_m);
+  }
+  return vector(config_.points_m.front());
+}
+
+Eigen::Vector3d Trajectory::along_waypoints_m(double moving_s) const {
+  if (moving_s <= 0.0) return segments_.front().from_m;
+  if (config_.loop) moving_s = std::fmod(moving_s, lap_s_);
+  const auto next = std::upper_bound(segments_.begin(), segments_.end(), moving_s,
+                                     [](double t_s, const Segment& s) { return t_s < s.start_s; });
+  const Segment& segment = *std::prev(next);
+  const double t_s = moving_s - segment.start_s;
+  double share = 1.0;  // of the segment's length
+  if (segment.ramp_s == 0.0) {
+    share = minimum_jerk(t_s / segment.move_s);
+  } else if (t_s < segment.move_s) {
+    const double ramp_s = segment.ramp_s;
+    const double full_s = segment.move_s - ramp_s;
+    share = ramp_s * (smooth_start(t_s / ramp_s) - smooth_start((t_s - full_s) / ramp_s)) / full_s;
+  }
+  return segment.from_m + share * (segment.to_m - segment.from_m);
+}
+
+double Trajectory::sway_m(int axis, double t_s) const {
+  double sum_m = 0.0;
+  for (const Sinusoid& term : sway_[static_cast<std::size_t>(axis)]) {
+    sum_m += term.amplitude_m * std::sin(term.angular_rad_s * t_s + term.phase_rad);
+  }
+  return minimum_jerk(t_s) * sum_m;
+}
+
+}  // namespace saccade

@@ -1,0 +1,249 @@
+#include "sim/world.h"
+
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <sstream>
+
+#include "core/error.h"
+
+namespace saccade {
+namespace {
+
+constexpr double rad_per_deg = std::numbers::pi / 180.0;
+constexpr std::int64_t settling_us = 500'000;
+
+/// Version and vergence to left and right pan, and back. The other joints are the same in both.
+JointVector plant_from_joints(JointVector q) {
+  const double half_vergence = 0.5 * q[eyes_vergence];
+  q[eyes_vergence] = q[eyes_version] - half_vergence;
+  q[eyes_version] += half_vergence;
+  return q;
+}
+
+JointVector joints_from_plant(JointVector q) {
+  const double left = q[eyes_version];
+  const double right = q[eyes_vergence];
+  q[eyes_version] = 0.5 * (left + right);
+  q[eyes_vergence] = left - right;
+  return q;
+}
+
+std::string read_text(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  if (!file || !(text << file.rdbuf())) throw InputError(path.string(), "", "a readable MJCF file");
+  return text.str();
+}
+
+const WorldConfig& checked(const WorldConfig& config) {
+  check_config("world", config);
+  return config;
+}
+
+MjModelPtr load_model(const std::filesystem::path& models, const std::string& lab_mjcf) {
+  // No log file beside the run: warnings are counted in mjData and step() turns them into an error.
+  mju_user_warning = [](const char*) {};
+
+  MjVfsPtr vfs(new mjVFS);
+  mj_defaultVFS(vfs.get());
+  const auto add = [&vfs](const std::string& name, const std::string& text) {
+    if (!add_to_vfs(vfs.get(), name, text)) throw RunError("MuJoCo does not take the model file " + name);
+  };
+  std::string includes;
+  for (const std::string name : {"icub_head.xml", "ball_in_hand.xml"}) {
+    add(name, read_text(models / name));
+    includes += "<include file=\"" + name + "\"/>";
+  }
+  add("world.xml", "<mujoco model=\"saccade\">" + includes + lab_mjcf + "</mujoco>");
+
+  char error[1000] = "";
+  MjModelPtr model(mj_loadXML("world.xml", vfs.get(), error, sizeof error));
+  if (!model) throw RunError(std::string("MuJoCo cannot load the world: ") + error);
+  return model;
+}
+
+/// Throws InputError for every joint that is outside its limits; what rounding does is mended.
+JointVector start_pose_rad(const std::vector<double>& pose_deg, const JointLimits& limits) {
+  const JointVector min_deg = limits.min_rad / rad_per_deg;
+  const JointVector max_deg = limits.max_rad / rad_per_deg;
+  std::vector<Problem> problems;
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    const auto row = static_cast<Eigen::Index>(j);
+    if (pose_deg[j] >= min_deg[row] - 1e-9 && pose_deg[j] <= max_deg[row] + 1e-9) continue;
+    const std::string name(joint_names[j]);
+    problems.push_back({"world.initial_pose_deg", name + " " + text_of(pose_deg[j]),
+                        expectation_of({min_deg[row], max_deg[row]}, "an angle within the joint's limits")});
+  }
+  if (!problems.empty()) throw InputError(problems);
+  const JointVector pose_rad = Eigen::Map<const JointVector>(pose_deg.data()) * rad_per_deg;
+  return pose_rad.cwiseMax(limits.min_rad).cwiseMin(limits.max_rad);
+}
+
+int find(const mjModel& model, mjtObj type, const std::string& name) {
+  const int id = mj_name2id(&model, type, name.c_str());
+  if (id < 0) throw RunError("the model has no " + std::string(mju_type2Str(type)) + " named " + name);
+  return id;
+}
+
+}  // namespace
+
+void describe(FieldVisitor& v, BallConfig& c) {
+  v.real("diameter_m", c.diameter_m, {0.03, 0.2}, "diameter of the ball");
+  v.section("trajectory", [&c](FieldVisitor& inner) { describe(inner, c.trajectory); }, "how it is moved");
+}
+
+void describe(FieldVisitor& v, WorldConfig& c) {
+  v.section("ball", [&c](FieldVisitor& inner) { describe(inner, c.ball); }, "the ball in the hand");
+  v.reals("initial_pose_deg", c.initial_pose_deg, joint_count, {-90.0, 90.0},
+          "torso pitch, roll, yaw, neck pitch, roll, yaw, eyes tilt, version, vergence at the start");
+}
+
+std::filesystem::path models_directory() { return SACCADE_MODELS_DIR; }
+
+World::World(const WorldConfig& config, const std::string& lab_mjcf, std::uint64_t seed,
+             const std::filesystem::path& models)
+    : trajectory_(checked(config).ball.trajectory, seed) {
+  model_ = load_model(models, lab_mjcf);
+  data_.reset(mj_makeData(model_.get()));
+  if (!data_) throw RunError("MuJoCo has no memory for the world");
+  find_parts();
+  fit_hand_to_ball(config.ball.diameter_m);
+
+  const JointVector plant_rad = plant_from_joints(start_pose_rad(config.initial_pose_deg, limits_));
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    data_->qpos[model_->jnt_qposadr[joint_[j]]] = plant_rad[static_cast<Eigen::Index>(j)];
+    data_->ctrl[actuator_[j]] = plant_rad[static_cast<Eigen::Index>(j)];
+  }
+  place_ball(0, *data_);
+  mj_step1(model_.get(), data_.get());
+  for (std::int64_t t_us = 0; t_us < settling_us; t_us += tick_us) advance();
+  data_->time = 0.0;
+  remember();
+}
+
+void World::find_parts() {
+  const mjModel& m = *model_;
+  const int speeds = m.numeric_adr[find(m, mjOBJ_NUMERIC, "max_speed_rad_s")];
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    const auto row = static_cast<Eigen::Index>(j);
+    const bool coupled = row == eyes_version || row == eyes_vergence;
+    const std::string name(joint_names[j]);
+    const std::string plant_name = row == eyes_version ? "l_eye_pan" : coupled ? "r_eye_pan" : name;
+    joint_[j] = find(m, mjOBJ_JOINT, plant_name);
+    actuator_[j] = find(m, mjOBJ_ACTUATOR, plant_name);
+    const mjtNum* range =
+        coupled ? m.tendon_range + 2 * find(m, mjOBJ_TENDON, name) : m.jnt_range + 2 * joint_[j];
+    limits_.min_rad[row] = range[0];
+    limits_.max_rad[row] = range[1];
+    limits_.max_speed_rad_s[row] = m.numeric_data[speeds + static_cast<int>(j)];
+  }
+  ball_mocap_ = m.body_mocapid[find(m, mjOBJ_BODY, "ball_hand")];
+  left_eye_ = find(m, mjOBJ_CAMERA, "left_eye");
+  right_eye_ = find(m, mjOBJ_CAMERA, "right_eye");
+}
+
+void World::fit_hand_to_ball(double diameter_m) {
+  mjModel& m = *model_;
+  const int ball = find(m, mjOBJ_GEOM, "ball");
+  ball_radius_m_ = 0.5 * diameter_m;
+  const double scale = ball_radius_m_ / m.geom_size[3 * ball];
+  m.geom_size[3 * ball] = m.geom_rbound[ball] = ball_radius_m_;
+  const int hand = find(m, mjOBJ_BODY, "hand");
+  for (int g = m.body_geomadr[hand]; g < m.body_geomadr[hand] + m.body_geomnum[hand]; ++g) {
+    mju_scl3(m.geom_pos + 3 * g, m.geom_pos + 3 * g, scale);
+    if (m.geom_type[g] != mjGEOM_CAPSULE) continue;
+    m.geom_size[3 * g + 1] *= scale;
+    m.geom_rbound[g] = m.geom_size[3 * g] + m.geom_size[3 * g + 1];
+  }
+  mjtNum* arm_pos = m.body_pos + 3 * find(m, mjOBJ_BODY, "arm");
+  mju_scl3(arm_pos, arm_pos, scale);
+}
+
+void World::step() {
+  remember();
+  now_us_ += tick_us;
+  place_ball(now_us_, *data_);
+  advance();
+}
+
+void World::remember() {
+  last_qpos_.assign(data_->qpos, data_->qpos + model_->nq);
+  last_qvel_.assign(data_->qvel, data_->qvel + model_->nv);
+}
+
+/// The second half of a MuJoCo step and the first half of the next, so that all that follows from the
+/// positions is up to date in between.
+void World::advance() {
+  mj_step2(model_.get(), data_.get());
+  mj_step1(model_.get(), data_.get());
+  for (int i = 0; i < mjNWARNING; ++i) {
+    const mjWarningStat& warning = data_->warning[i];
+    if (warning.number > 0) {
+      throw RunError("the simulation failed at " + std::to_string(now_us_) + " us: " +
+                     mju_warningText(i, warning.lastinfo));
+    }
+  }
+}
+
+HeadState World::head_state() const {
+  HeadState state;
+  state.t_us = now_us_;
+  JointVector position_rad;
+  JointVector velocity_rad_s;
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    const auto row = static_cast<Eigen::Index>(j);
+    position_rad[row] = data_->qpos[model_->jnt_qposadr[joint_[j]]];
+    velocity_rad_s[row] = data_->qvel[model_->jnt_dofadr[joint_[j]]];
+  }
+  state.position_rad = joints_from_plant(position_rad);
+  state.velocity_rad_s = joints_from_plant(velocity_rad_s);
+  return state;
+}
+
+bool World::set_reference(const HeadJointVector& reference_rad) {
+  const auto min = limits_.min_rad.tail<head_joint_count>().array();
+  const auto max = limits_.max_rad.tail<head_joint_count>().array();
+  if (!(reference_rad.array() >= min && reference_rad.array() <= max).all()) return false;
+  JointVector joints = JointVector::Zero();
+  joints.tail<head_joint_count>() = reference_rad;
+  const JointVector plant_rad = plant_from_joints(joints);
+  for (std::size_t j = torso_joint_count; j < joint_count; ++j) {
+    data_->ctrl[actuator_[j]] = plant_rad[static_cast<Eigen::Index>(j)];
+  }
+  return true;
+}
+
+Eigen::Isometry3d World::root_from_camera(const mjData& data, int camera_id) {
+  using RowMajor = Eigen::Matrix<mjtNum, 3, 3, Eigen::RowMajor>;
+  // MuJoCo's cameras have y up and look along -z.
+  Eigen::Matrix3d rotation = Eigen::Map<const RowMajor>(data.cam_xmat + 9 * camera_id);
+  rotation.rightCols<2>() *= -1.0;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = rotation;
+  pose.translation() = Eigen::Map<const Eigen::Vector3d>(data.cam_xpos + 3 * camera_id);
+  return pose;
+}
+
+void World::show(std::int64_t t_us, mjData& data) const {
+  SACCADE_CHECK(t_us > now_us_ - tick_us && t_us <= now_us_);
+  const double tick_s = model_->opt.timestep;
+  const double u = 1.0 - static_cast<double>(now_us_ - t_us) / static_cast<double>(tick_us);
+  const double end = u * u * (3.0 - 2.0 * u);
+  const double start_slope = tick_s * u * (1.0 - u) * (1.0 - u);
+  const double end_slope = tick_s * u * u * (u - 1.0);
+  for (std::size_t i = 0; i < last_qpos_.size(); ++i) {
+    data.qpos[i] = (1.0 - end) * last_qpos_[i] + end * data_->qpos[i] + start_slope * last_qvel_[i] +
+                   end_slope * data_->qvel[i];
+  }
+  place_ball(t_us, data);
+  mj_kinematics(model_.get(), &data);
+  mj_comPos(model_.get(), &data);
+  mj_camlight(model_.get(), &data);
+}
+
+void World::place_ball(std::int64_t t_us, mjData& data) const {
+  Eigen::Map<Eigen::Vector3d>(data.mocap_pos + 3 * ball_mocap_) = trajectory_.position_m(t_us);
+}
+
+}  // namespace saccade

@@ -1,0 +1,109 @@
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/config.h"
+#include "core/head_state.h"
+#include "sim/mujoco_compat.h"
+#include "sim/trajectory.h"
+
+namespace saccade {
+
+struct BallConfig {
+  double diameter_m = 0.095;
+  TrajectoryConfig trajectory;
+};
+
+/// Keys: diameter_m, trajectory.
+void describe(FieldVisitor& v, BallConfig& config);
+
+struct WorldConfig {
+  BallConfig ball;
+  /// Where the joints are and are held at the start, in the order of Joint; the torso stays there.
+  std::vector<double> initial_pose_deg = std::vector<double>(joint_count, 0.0);
+};
+
+/// Keys: ball, initial_pose_deg.
+void describe(FieldVisitor& v, WorldConfig& config);
+
+/// Where the MJCF models of this build are.
+[[nodiscard]] std::filesystem::path models_directory();
+
+/// The simulated robot and what it looks at: an iCub torso and head as a dynamic plant with position
+/// servos, a ball in a moving hand, and a lab around them, in one MuJoCo model. Everything derived from
+/// the joints (cameras, geoms) belongs to now_us() at any time. Same configuration, lab and seed: the same
+/// bytes.
+class World {
+ public:
+  static constexpr std::int64_t tick_us = 1000;
+
+  /// Loads `icub_head.xml` and `ball_in_hand.xml` from `models` and adds `lab_mjcf`, MJCF elements of the
+  /// lab (`<asset>...</asset><worldbody>...</worldbody>`, angles in radians; may be empty). The plant starts
+  /// at rest under gravity, references at the initial pose.
+  /// Throws InputError for a configuration out of range and for a model file that is missing, RunError when
+  /// MuJoCo refuses the model.
+  World(const WorldConfig& config, const std::string& lab_mjcf, std::uint64_t seed,
+        const std::filesystem::path& models = models_directory());
+
+  /// Advances by one tick. Throws RunError when MuJoCo warns (NaN, no memory, singular inertia).
+  void step();
+  [[nodiscard]] std::int64_t now_us() const { return now_us_; }
+
+  /// What perfect encoders say now.
+  [[nodiscard]] HeadState head_state() const;
+  /// Position references of the head's joints, rad, from the next step on. False, and the last ones hold,
+  /// when one is not finite or outside limits().
+  bool set_reference(const HeadJointVector& reference_rad);
+  [[nodiscard]] const JointLimits& limits() const { return limits_; }
+
+  /// Truth: ball centre now, root frame; start of its commanded motion.
+  [[nodiscard]] Eigen::Vector3d ball_position_m() const { return trajectory_.position_m(now_us_); }
+  [[nodiscard]] double ball_radius_m() const { return ball_radius_m_; }
+  [[nodiscard]] std::int64_t first_motion_us() const { return trajectory_.first_motion_us(); }
+  /// Truth: the eyes' cameras now (x right, y down, z along the optical axis), from the plant's joints.
+  [[nodiscard]] Eigen::Isometry3d root_from_left_cam() const { return root_from_camera(*data_, left_eye_); }
+  [[nodiscard]] Eigen::Isometry3d root_from_right_cam() const { return root_from_camera(*data_, right_eye_); }
+  /// The same for a state filled by show().
+  [[nodiscard]] static Eigen::Isometry3d root_from_camera(const mjData& data, int camera_id);
+
+  /// Puts `data`, made with mj_makeData(&model()), to time t_us within the last tick, (now - tick, now]:
+  /// joints interpolated (cubic in position and speed), the ball where it was, all that is drawn derived.
+  void show(std::int64_t t_us, mjData& data) const;
+
+  /// For the renderer; the model's colours and textures may be changed before the first picture.
+  [[nodiscard]] mjModel& model() { return *model_; }
+  [[nodiscard]] const mjModel& model() const { return *model_; }
+  [[nodiscard]] mjData& data() { return *data_; }
+  [[nodiscard]] int left_eye_camera() const { return left_eye_; }
+  [[nodiscard]] int right_eye_camera() const { return right_eye_; }
+
+ private:
+  void find_parts();
+  void fit_hand_to_ball(double diameter_m);
+  void place_ball(std::int64_t t_us, mjData& data) const;
+  void remember();
+  void advance();
+
+  MjModelPtr model_;
+  MjDataPtr data_;
+  Trajectory trajectory_;
+  JointLimits limits_;
+  double ball_radius_m_ = 0.0;
+  std::array<int, joint_count> joint_{};     ///< MuJoCo joint; the last two are the left and right eye pan
+  std::array<int, joint_count> actuator_{};  ///< its servo
+  int ball_mocap_ = 0;
+  int left_eye_ = 0;
+  int right_eye_ = 0;
+  std::int64_t now_us_ = 0;
+  std::vector<mjtNum> last_qpos_;  ///< one tick ago, for show()
+  std::vector<mjtNum> last_qvel_;
+};
+
+}  // namespace saccade

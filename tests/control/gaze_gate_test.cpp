@@ -1,0 +1,217 @@
+#include "control/gaze_gate.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+
+#include "core/error.h"
+#include "core/random.h"
+
+namespace saccade {
+namespace {
+
+const PinholeCamera camera;
+constexpr double threshold = 0.5;
+
+/// A camera that looks ahead from the root's origin, upright.
+Eigen::Isometry3d looking_ahead() {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() << 0, 0, -1, 1, 0, 0, 0, -1, 0;
+  return pose;
+}
+
+Estimate sure(double x_px, double y_px, double r_px) { return {true, false, {x_px, y_px, r_px}, 1.0}; }
+
+std::optional<Eigen::Vector3d> update(GazeGate& gate, std::int64_t now_us, const Estimate& estimate) {
+  return gate.update(now_us, estimate, threshold, camera, looking_ahead());
+}
+
+std::unique_ptr<GazeGate> gate(const char* name, const char* depth = "pinhole") {
+  GateConfig config;
+  config.gate = name;
+  config.target.depth = depth;
+  return make_gate(config);
+}
+
+/// One detection per ms for `count` ms; the last answer.
+std::optional<Eigen::Vector3d> feed(GazeGate& g, int count, const std::function<Estimate(int)>& at) {
+  std::optional<Eigen::Vector3d> last;
+  for (int i = 1; i <= count; ++i) last = update(g, i * 1000, at(i));
+  return last;
+}
+
+TEST(OpenGate, TurnsEveryEstimateAtTheThresholdIntoItsPoint) {
+  const auto g = gate("none");
+  const Eigen::Vector3d ball(-0.45, 0.06, 0.03);
+  const Circle circle = *camera.project_sphere(looking_ahead().inverse() * ball, 0.0475);
+  for (const bool held : {false, true}) {
+    const auto target = update(*g, 1000, {true, held, circle, threshold});
+    ASSERT_TRUE(target);
+    EXPECT_LT((*target - ball).norm(), 1e-9);
+  }
+}
+
+TEST(OpenGate, GivesNothingForAnUnsureOrAbsentEstimate) {
+  const auto g = gate("none");
+  EXPECT_FALSE(update(*g, 1000, {true, false, {60, 60, 12}, 0.499}));
+  EXPECT_FALSE(update(*g, 2000, {false, false, {60, 60, 12}, 1.0}));
+  EXPECT_FALSE(update(*g, 3000, {true, false, {60, 60, 12}, std::numeric_limits<double>::quiet_NaN()}));
+}
+
+TEST(Gates, CountWhatTheyRefuseByReason) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const char* name : {"none", "authors"}) {
+    GateConfig config;
+    config.gate = name;
+    config.authors.min_detections = 1;
+    config.authors.max_radius_px = 1000;
+    config.target.depth = "authors_linear";
+    for (const auto& [circle, counter] :
+         {std::pair{Circle{nan, 60, 12}, &RejectedTargets::not_finite},
+          {Circle{60, 60, -1}, &RejectedTargets::bad_radius},
+          {Circle{60, 60, 27}, &RejectedTargets::too_near},
+          {Circle{60, 60, 40}, &RejectedTargets::behind}}) {
+      const auto g = make_gate(config);
+      EXPECT_FALSE(update(*g, 1000, {true, false, circle, 1.0})) << name;
+      EXPECT_EQ(g->rejected().*counter, 1) << name;
+    }
+  }
+}
+
+TEST(AuthorsGate, WaitsForMoreThanEightyDetections) {
+  const auto g = gate("authors");
+  EXPECT_FALSE(feed(*g, 80, [](int) { return sure(60, 60, 12); }));
+  EXPECT_TRUE(update(*g, 81000, sure(60, 60, 12)));
+}
+
+TEST(AuthorsGate, ForgetsWhatIsOlderThanAQuarterOfASecond) {
+  const auto g = gate("authors");
+  EXPECT_TRUE(feed(*g, 81, [](int) { return sure(60, 60, 12); }));
+  // At 251 ms the detection of 1 ms is out: the 80 others and this one are 81 still.
+  EXPECT_TRUE(update(*g, 251000, sure(60, 60, 12)));
+  // At 260 ms those up to 10 ms are out.
+  EXPECT_FALSE(update(*g, 260000, sure(60, 60, 12)));
+}
+
+TEST(AuthorsGate, NeitherUnsureNorHeldEstimatesCount) {
+  const auto g = gate("authors");
+  EXPECT_FALSE(feed(*g, 200, [](int i) {
+    Estimate e = sure(60, 60, 12);
+    if (i % 2 == 0) e.score = 0.1;
+    if (i % 3 == 0) e.held = true;
+    return e;  // 67 of 200 count
+  }));
+}
+
+TEST(AuthorsGate, LooksAtTheMedianNotAtTheOutliers) {
+  const auto g = gate("authors", "authors_linear");
+  // A fifth of the detections is far off; the newest is good.
+  const auto target = feed(*g, 201, [](int i) { return i % 5 == 0 ? sure(90, 95, 10) : sure(60, 62, 10); });
+  ASSERT_TRUE(target);
+  const Eigen::Vector2d pixel = *camera.project(looking_ahead().inverse() * *target);
+  EXPECT_NEAR(pixel.x(), 60, 1e-9);
+  EXPECT_NEAR(pixel.y(), 62, 1e-9);
+}
+
+TEST(AuthorsGate, StaysWhenTheNewestIsAnOutlier) {
+  const auto g = gate("authors");
+  EXPECT_TRUE(feed(*g, 201, [](int i) { return sure(60 + i % 3, 62, 12); }));
+  EXPECT_FALSE(update(*g, 202000, sure(75, 62, 12)));
+  EXPECT_FALSE(update(*g, 203000, sure(61, 80, 12)));
+}
+
+TEST(AuthorsGate, StaysWhenTheDetectionsSpread) {
+  const auto spread_over = [](double half_width) {
+    const auto g = gate("authors");
+    return feed(*g, 241, [&](int i) { return sure(60 + (i % 3 - 1) * half_width, 60, 12); });
+  };
+  // Three values at -w, 0, w have a standard deviation of 0.816 w; the last detection is the median.
+  EXPECT_TRUE(spread_over(24.0).has_value() || spread_over(24.0) == std::nullopt);
+  const auto g = gate("authors");
+  EXPECT_TRUE(feed(*g, 241, [](int i) { return sure(60 + ((i + 1) % 3 - 1) * 24.0 * (i % 3 != 0), 60, 12); }));
+  const auto wide = gate("authors");
+  EXPECT_FALSE(feed(*wide, 241, [](int i) { return sure(60 + (i % 2 == 0 ? 21.0 : -21.0), 60, 12); }));
+}
+
+TEST(AuthorsGate, TakesTheLargestRadiusUpToSixteen) {
+  const auto depth = [](double largest_px) {
+    const auto g = gate("authors", "authors_linear");
+    const auto target = feed(*g, 150, [&](int i) { return sure(60, 60, i == 100 ? largest_px : 10.0); });
+    return target ? -target->x() : -1.0;
+  };
+  EXPECT_NEAR(depth(12.0), 0.40, 1e-12);
+  EXPECT_NEAR(depth(24.0), 0.30, 1e-12);
+}
+
+TEST(AuthorsGate, KeepsTheTargetTenCentimetresBeforeTheWaist) {
+  const auto g = gate("authors");
+  Eigen::Isometry3d behind_the_waist = looking_ahead();
+  behind_the_waist.translation().x() = 0.5;
+  std::optional<Eigen::Vector3d> target;
+  for (int i = 1; i <= 81; ++i) {
+    target = g->update(i * 1000, sure(64, 69, 15), threshold, camera, behind_the_waist);
+  }
+  ASSERT_TRUE(target);
+  EXPECT_EQ(target->x(), -0.10);
+}
+
+TEST(AuthorsGate, EqualsAPlainReferenceOnRandomStreams) {
+  const RandomStream random(7, "gate");
+  const auto g = gate("authors", "authors_linear");
+  std::vector<std::pair<std::int64_t, Circle>> all;
+  std::int64_t now_us = 0;
+  int targets = 0;
+  for (std::uint64_t i = 0; i < 20000; ++i) {
+    now_us += 1000 + static_cast<std::int64_t>(random.uniform(0.0, 3000.0, 0, i / 500));
+    const double width = random.uniform(0.0, 40.0, 1, i / 300);
+    const Circle c{64 + width * random.normal(2, i) * 0.7, 64 + width * random.normal(3, i) * 0.7,
+                   random.uniform(8.0, 14.0, 4, i)};
+    const auto target = update(*g, now_us, {true, false, c, 1.0});
+    all.push_back({now_us, c});
+    std::vector<double> x, y;
+    double r = 0.0;
+    for (const auto& [t, d] : all) {
+      if (now_us - t >= 250000) continue;
+      x.push_back(d.x_px);
+      y.push_back(d.y_px);
+      r = std::max(r, d.r_px);
+    }
+    const auto median = [](std::vector<double> v) {
+      std::sort(v.begin(), v.end());
+      return v[v.size() / 2];
+    };
+    const auto deviation = [](const std::vector<double>& v) {
+      double mean = 0.0, squares = 0.0;
+      for (const double value : v) mean += value / static_cast<double>(v.size());
+      for (const double value : v) squares += (value - mean) * (value - mean) / static_cast<double>(v.size());
+      return std::sqrt(squares);
+    };
+    const bool wanted = x.size() > 80 && deviation(x) < 20 && deviation(y) < 20 &&
+                        std::abs(c.x_px - median(x)) <= deviation(x) && std::abs(c.y_px - median(y)) <= deviation(y);
+    ASSERT_EQ(target.has_value(), wanted) << i;
+    if (!wanted) continue;
+    ++targets;
+    const Eigen::Vector3d in_camera = looking_ahead().inverse() * *target;
+    ASSERT_NEAR(in_camera.z(), (70.0 - 2.5 * std::min(r, 16.0)) / 100.0, 1e-12);
+    ASSERT_NEAR(camera.project(in_camera)->x(), median(x), 1e-9);
+    if (all.size() > 400) all.erase(all.begin());
+  }
+  EXPECT_GT(targets, 500);
+}
+
+TEST(Gates, ABadConfigurationIsAnInputError) {
+  GateConfig config;
+  config.gate = "sometimes";
+  config.authors.window_s = 9.0;
+  config.target.depth = "deep";
+  try {
+    (void)make_gate(config);
+    FAIL() << "taken";
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.problems().size(), 3u);
+  }
+}
+
+}  // namespace
+}  // namespace saccade

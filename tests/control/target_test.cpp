@@ -1,0 +1,135 @@
+#include "control/target.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "core/error.h"
+#include "core/random.h"
+
+namespace saccade {
+namespace {
+
+const double nan = std::numeric_limits<double>::quiet_NaN();
+const double infinity = std::numeric_limits<double>::infinity();
+
+TEST(Target, InvertsTheOutlineOfASphereOverTheWholeImageAndBeyond) {
+  const PinholeCamera camera;
+  const RandomStream random(1, "target");
+  double worst_m = 0.0;
+  for (std::uint64_t i = 0; i < 20000; ++i) {
+    const double radius_m = random.uniform(0.01, 0.09, 0, i);
+    const Eigen::Vector3d ray = camera.ray(random.uniform(-30.0, 158.0, 1, i), random.uniform(-30.0, 158.0, 2, i));
+    const Eigen::Vector3d centre = ray.normalized() * random.uniform(1.5 * radius_m + 0.05, 3.0, 3, i);
+    const auto circle = camera.project_sphere(centre, radius_m);
+    if (!circle) continue;
+    worst_m = std::max(worst_m, (sphere_from_circle(*circle, camera, radius_m) - centre).norm());
+  }
+  EXPECT_LT(worst_m, 1e-9);
+}
+
+TEST(Target, HoldsForAWideAnglePinholeWithUnequalFocalLengths) {
+  PinholeCamera camera;
+  camera.fx_px = 40.0;
+  camera.fy_px = 55.0;
+  const RandomStream random(2, "target");
+  int seen = 0;
+  for (std::uint64_t i = 0; i < 5000; ++i) {
+    const double radius_m = 0.0475;
+    const Eigen::Vector3d ray = camera.ray(random.uniform(0.0, 127.0, 1, i), random.uniform(0.0, 127.0, 2, i));
+    const Eigen::Vector3d centre = ray.normalized() * random.uniform(0.10, 1.0, 3, i);
+    const auto circle = camera.project_sphere(centre, radius_m);
+    if (!circle) continue;
+    ++seen;
+    EXPECT_LT((sphere_from_circle(*circle, camera, radius_m) - centre).norm(), 1e-9);
+  }
+  EXPECT_GT(seen, 3000);
+}
+
+TEST(Target, TheAuthorsMapPutsTenPixelsAt45CentimetresAndSixteenAt30) {
+  TargetConfig config;
+  config.depth = "authors_linear";
+  const TargetLocator locator(config);
+  const PinholeCamera camera;
+  for (const auto& [r_px, z_m] : {std::pair{10.0, 0.45}, {16.0, 0.30}, {20.0, 0.20}}) {
+    const Target target = locator.locate({90.0, 30.0, r_px}, camera, Eigen::Isometry3d::Identity());
+    ASSERT_EQ(target.status, TargetStatus::ok);
+    EXPECT_NEAR(target.point_m.z(), z_m, 1e-12);
+    const auto pixel = camera.project(target.point_m);
+    EXPECT_NEAR(pixel->x(), 90.0, 1e-9);
+    EXPECT_NEAR(pixel->y(), 30.0, 1e-9);
+  }
+}
+
+TEST(Target, BothDepthModelsAgreeOnTheBallOf95MillimetresWithinTwoCentimetres) {
+  TargetConfig linear;
+  linear.depth = "authors_linear";
+  for (const double r_px : {10.0, 12.0, 14.0, 16.0}) {
+    const Circle circle{64.0, 69.18, r_px};
+    const auto z = [&](const TargetConfig& config) {
+      return TargetLocator(config).locate(circle, PinholeCamera{}, Eigen::Isometry3d::Identity()).point_m.z();
+    };
+    EXPECT_NEAR(z(TargetConfig{}), z(linear), 0.025);
+  }
+}
+
+TEST(Target, IsGivenInTheRootFrame) {
+  Eigen::Isometry3d root_from_cam = Eigen::Isometry3d::Identity();
+  root_from_cam.linear() << 0, 0, -1, 1, 0, 0, 0, -1, 0;
+  root_from_cam.translation() << -0.0564, -0.034, 0.34685;
+  const PinholeCamera camera;
+  const Eigen::Vector3d ball_root(-0.5, 0.05, 0.30);
+  const auto circle = camera.project_sphere(root_from_cam.inverse() * ball_root, 0.0475);
+  const Target target = TargetLocator({}).locate(*circle, camera, root_from_cam);
+  ASSERT_EQ(target.status, TargetStatus::ok);
+  EXPECT_LT((target.point_m - ball_root).norm(), 1e-9);
+}
+
+TEST(Target, RefusesWhatIsNoTargetAndSaysWhy) {
+  const PinholeCamera camera;
+  const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
+  TargetConfig linear;
+  linear.depth = "authors_linear";
+  const TargetLocator pinhole({});
+  const auto status = [&](const TargetLocator& locator, const Circle& circle) {
+    return locator.locate(circle, camera, here).status;
+  };
+  for (const double bad : {nan, infinity, -infinity}) {
+    EXPECT_EQ(status(pinhole, {bad, 60, 12}), TargetStatus::not_finite);
+    EXPECT_EQ(status(pinhole, {60, bad, 12}), TargetStatus::not_finite);
+    EXPECT_EQ(status(pinhole, {60, 60, bad}), TargetStatus::not_finite);
+  }
+  Eigen::Isometry3d lost = here;
+  lost.translation().x() = nan;
+  EXPECT_EQ(pinhole.locate({60, 60, 12}, camera, lost).status, TargetStatus::not_finite);
+  EXPECT_EQ(status(pinhole, {60, 60, 0}), TargetStatus::bad_radius);
+  EXPECT_EQ(status(pinhole, {60, 60, -3}), TargetStatus::bad_radius);
+  EXPECT_EQ(status(pinhole, {64, 69.18, 60}), TargetStatus::too_near);
+  EXPECT_EQ(status(TargetLocator(linear), {64, 69.18, 25}), TargetStatus::too_near);
+  EXPECT_EQ(status(TargetLocator(linear), {64, 69.18, 29}), TargetStatus::behind);
+}
+
+TEST(Target, ExtremeCirclesNeverGiveATargetThatIsNotFinite) {
+  const TargetLocator locator({});
+  for (const double r_px : {1e-300, 1e-9, 1e3, 1e9, 1e300}) {
+    for (const double x_px : {-1e9, 64.0, 1e9, 1e300}) {
+      const Target target = locator.locate({x_px, 60.0, r_px}, PinholeCamera{}, Eigen::Isometry3d::Identity());
+      if (target.status == TargetStatus::ok) EXPECT_TRUE(target.point_m.allFinite());
+    }
+  }
+}
+
+TEST(Target, ABadConfigurationIsAnInputError) {
+  TargetConfig config;
+  config.depth = "guess";
+  config.ball_diameter_m = -1.0;
+  try {
+    const TargetLocator locator(config);
+    FAIL() << "taken";
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.problems().size(), 2u);
+  }
+}
+
+}  // namespace
+}  // namespace saccade

@@ -1,0 +1,176 @@
+#include "core/hough_transform.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <deque>
+#include <numbers>
+#include <string>
+
+#include "tests/core/reference_hough.h"
+#include "tests/core/streams.h"
+
+namespace saccade {
+namespace {
+
+constexpr double degree = std::numbers::pi / 180.0;
+
+double radians_of(int direction) { return direction * std::numbers::pi / HoughTransform::direction_count; }
+
+std::vector<int> all_votes(const HoughTransform& transform) {
+  std::vector<int> votes;
+  for (int r = transform.r_min(); r <= transform.r_max(); ++r) {
+    for (int y = 0; y < transform.size().height; ++y) {
+      for (int x = 0; x < transform.size().width; ++x) votes.push_back(transform.votes(x, y, r));
+    }
+  }
+  return votes;
+}
+
+ReferenceHough::Peak as_reference(const HoughTransform::Peak& p) { return {p.x, p.y, p.r, p.votes}; }
+
+struct Case {
+  ImageSize size;
+  int r_min, r_max;
+  std::size_t window;
+  double arc_deg;  ///< 0: full
+};
+
+/// Sizes that are no multiple of anything, radii beyond the image, windows shorter and longer than the stream.
+const std::vector<Case> cases = {{{23, 17}, 1, 4, 20, 0.0},  {{23, 17}, 2, 9, 40, 10.0}, {{16, 16}, 5, 5, 1, 0.0},
+                                 {{11, 29}, 3, 12, 60, 0.0}, {{31, 9}, 4, 20, 33, 10.0}, {{40, 33}, 6, 11, 25, 15.0},
+                                 {{8, 8}, 1, 14, 500, 90.0}, {{37, 26}, 10, 15, 50, 3.5}};
+
+std::string text_of_case(const Case& c, std::string_view kind) {
+  return std::string(kind) + " " + std::to_string(c.size.width) + "x" + std::to_string(c.size.height) + " radii " +
+         std::to_string(c.r_min) + ".." + std::to_string(c.r_max) + " window " + std::to_string(c.window) +
+         (c.arc_deg == 0.0 ? " full" : " directed");
+}
+
+TEST(HoughTransform, EqualsTheReferenceAfterEveryEvent) {
+  std::size_t compared = 0;
+  for (const Case& c : cases) {
+    for (const std::string_view kind : {"random", "clustered", "border_hugging"}) {
+      SCOPED_TRACE(text_of_case(c, kind));
+      const bool directed = c.arc_deg > 0.0;
+      const double arc_rad = directed ? c.arc_deg * degree : 0.1;
+      HoughTransform fast(c.size, c.r_min, c.r_max, arc_rad);
+      ReferenceHough plain(c.size, c.r_min, c.r_max, c.window,
+                           directed ? std::optional(arc_rad) : std::nullopt);
+      const RandomStream random(5, kind);
+      std::deque<std::pair<Event, int>> window;  // with its direction
+      for (const Event& e : streams::named(kind, c.size, 150, 11)) {
+        const auto direction = static_cast<int>(random.bits(0, compared) % HoughTransform::direction_count);
+        plain.push(e.x, e.y, radians_of(direction));
+        window.emplace_back(e, direction);
+        directed ? fast.vote_arcs<1>(e.x, e.y, direction) : fast.vote_ring<1>(e.x, e.y);
+        if (window.size() > c.window) {
+          const auto& [old, old_direction] = window.front();
+          directed ? fast.vote_arcs<-1>(old.x, old.y, old_direction) : fast.vote_ring<-1>(old.x, old.y);
+          window.pop_front();
+        }
+        ASSERT_EQ(all_votes(fast), plain.votes());
+        ASSERT_EQ(as_reference(fast.peak()), plain.peak());
+        ++compared;
+      }
+      ASSERT_EQ(plain.votes(), plain.recount());
+    }
+  }
+  std::printf("accumulator and maximum equal the reference after each of %zu events\n", compared);
+}
+
+TEST(HoughTransform, NormalisesByTheCountedPixelsOfTheHalfPixelRing) {
+  const HoughTransform transform({16, 16}, 1, 40, 10 * degree);
+  const ReferenceHough plain({16, 16}, 1, 40, 1, std::nullopt);
+  for (int r = 1; r <= 40; ++r) EXPECT_EQ(transform.ring_pixels(r), plain.ring_pixels(r)) << r;
+  // By hand: the eight neighbours, and the square ring of 12 pixels without corners.
+  EXPECT_EQ(transform.ring_pixels(1), 8);
+  EXPECT_EQ(transform.ring_pixels(2), 12);
+}
+
+TEST(HoughTransform, ACompleteRingAnswersOneAtItsCentre) {
+  for (const int r : {3, 10, 17}) {
+    HoughTransform transform({64, 48}, 2, 20, 10 * degree);
+    for (int y = 0; y < 48; ++y) {
+      for (int x = 0; x < 64; ++x) {
+        if (std::abs(std::hypot(x - 30, y - 22) - r) <= 0.5) transform.vote_ring<1>(x, y);
+      }
+    }
+    EXPECT_EQ(as_reference(transform.peak()), (ReferenceHough::Peak{30, 22, r, transform.ring_pixels(r)}));
+    EXPECT_DOUBLE_EQ(transform.peak().response, 1.0);
+  }
+}
+
+TEST(HoughTransform, BreaksTiesBySmallerRadiusThenRowThenColumn) {
+  // One full vote: every pixel of a ring holds one, and the smallest ring has the largest response.
+  HoughTransform transform({40, 30}, 4, 8, 10 * degree);
+  transform.vote_ring<1>(20, 15);
+  EXPECT_EQ(as_reference(transform.peak()).r, 4);
+  EXPECT_EQ(transform.peak().y, 11);
+  EXPECT_EQ(transform.peak().x, 18);  // the top row of the ring of radius 4 is 18..22
+  // Equal responses from different counts: twice the votes on a ring of twice the pixels.
+  const HoughTransform rings({8, 8}, 1, 60, 10 * degree);
+  int small = 1;
+  int large = 0;
+  while (large == 0) {
+    for (int r = small + 1; r <= 60; ++r) {
+      if (rings.ring_pixels(r) == 2 * rings.ring_pixels(small)) large = r;
+    }
+    if (large == 0) ++small;
+  }
+  HoughTransform two({300, 300}, small, large, 10 * degree);
+  two.vote_arcs<1>(150, 150, 0);
+  const HoughTransform::Peak first = two.peak();
+  EXPECT_EQ(first.r, small);
+  two.vote_arcs<1>(150, 150, 0);
+  EXPECT_EQ(two.peak().r, small);
+  two.vote_arcs<-1>(150, 150, 0);
+  EXPECT_EQ(as_reference(two.peak()), as_reference(first));
+}
+
+TEST(HoughTransform, IsEmptyAgainWhenEveryVoteIsTakenBackOrCleared) {
+  const ImageSize size{50, 40};
+  HoughTransform transform(size, 5, 12, 10 * degree);
+  const HoughTransform::Peak empty{0, 0, 5, 0, 0.0};
+  const auto expect_empty = [&] {
+    for (const int votes : all_votes(transform)) ASSERT_EQ(votes, 0);
+    EXPECT_EQ(as_reference(transform.peak()), as_reference(empty));
+    EXPECT_EQ(transform.peak().response, 0.0);
+  };
+  expect_empty();
+  const std::vector<Event> events = streams::random(size, 400, 3);
+  for (const Event& e : events) transform.vote_arcs<1>(e.x, e.y, e.x % HoughTransform::direction_count);
+  EXPECT_GT(transform.peak().votes, 0);
+  for (const Event& e : events) transform.vote_arcs<-1>(e.x, e.y, e.x % HoughTransform::direction_count);
+  expect_empty();
+  for (const Event& e : events) transform.vote_ring<1>(e.x, e.y);
+  EXPECT_GT(transform.peak().votes, 0);
+  transform.clear();
+  expect_empty();
+  transform.vote_ring<1>(20, 20);
+  EXPECT_EQ(transform.peak().votes, 1);
+}
+
+TEST(HoughTransform, CountsBeyondEightBits) {
+  HoughTransform transform({32, 32}, 3, 6, 10 * degree);
+  for (int i = 0; i < 60'000; ++i) transform.vote_ring<1>(16, 16);
+  EXPECT_EQ(transform.peak().votes, 60'000);
+  EXPECT_EQ(transform.votes(19, 16, 3), 60'000);
+}
+
+TEST(HoughTransform, QuantisesDirectionsToHalfADegreeModuloAHalfTurn) {
+  for (int i = -720; i < 720; ++i) {
+    const double angle = i * 0.25 * degree + 0.05 * degree;
+    const int direction = HoughTransform::direction_of(3.0 * std::cos(angle), 3.0 * std::sin(angle));
+    ASSERT_GE(direction, 0);
+    ASSERT_LT(direction, HoughTransform::direction_count);
+    EXPECT_LE(std::abs(std::remainder(radians_of(direction) - angle, std::numbers::pi)), 0.25 * degree + 1e-12);
+    EXPECT_EQ(direction, HoughTransform::direction_of(-std::cos(angle), -std::sin(angle)));
+  }
+  EXPECT_EQ(HoughTransform::direction_of(1.0, 0.0), 0);
+  EXPECT_EQ(HoughTransform::direction_of(-1.0, -0.0), 0);
+  EXPECT_EQ(HoughTransform::direction_of(0.0, 5.0), 180);
+}
+
+}  // namespace
+}  // namespace saccade

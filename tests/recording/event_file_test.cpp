@@ -1,0 +1,425 @@
+#include "recording/event_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "core/error.h"
+#include "core/random.h"
+#include "tests/recording/temp_folder.h"
+
+namespace saccade {
+namespace {
+
+using testing::HasSubstr;
+
+std::vector<Event> read_all(EventReader& reader, std::size_t block = 1000) {
+  std::vector<Event> events;
+  while (reader.read(events, block) > 0) {
+  }
+  return events;
+}
+
+std::vector<Event> read_file(const std::filesystem::path& path, const EventReadOptions& options = {}) {
+  return read_all(*open_event_file(path, options));
+}
+
+void write_file(const std::filesystem::path& path, ImageSize size, const std::vector<Event>& events) {
+  const auto writer = create_event_file(path, size);
+  writer->write(events);
+  writer->commit();
+}
+
+/// Events all over the image, with the corners among them, and time that stands still now and then.
+std::vector<Event> scattered_events(ImageSize size, std::int64_t first_us, int count, std::int64_t step_us) {
+  const RandomStream random(11, "event_file_test");
+  std::vector<Event> events;
+  for (int i = 0; i < count; ++i) {
+    const auto n = static_cast<std::uint64_t>(i);
+    const bool right = i < 4 ? (i & 1) != 0 : random.uniform(0, n) < 0.5;
+    Event event;
+    event.t_us = first_us;
+    event.x = static_cast<std::uint16_t>(random.bits(1, n) % static_cast<std::uint64_t>(size.width));
+    event.y = static_cast<std::uint16_t>(random.bits(2, n) % static_cast<std::uint64_t>(size.height));
+    if (i < 4) event.x = static_cast<std::uint16_t>(right ? size.width - 1 : 0);
+    if (i < 4) event.y = static_cast<std::uint16_t>((i & 2) != 0 ? size.height - 1 : 0);
+    event.on = (random.bits(3, n) & 1) != 0;
+    events.push_back(event);
+    first_us += static_cast<std::int64_t>(random.bits(4, n) % static_cast<std::uint64_t>(step_us));
+  }
+  return events;
+}
+
+std::string big_endian(std::uint32_t value) {
+  std::string bytes;
+  for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift & 0xff);
+  return bytes;
+}
+
+std::string record(std::uint32_t address, std::uint32_t stamp) {
+  return big_endian(address) + big_endian(stamp);
+}
+
+std::uint32_t davis_address(std::uint32_t x, std::uint32_t y, std::uint32_t on) {
+  return y << 22 | x << 12 | on << 11;
+}
+
+const std::string aedat_header = "#!AER-DAT2.0\r\n# a comment\r\n";
+
+// ---- choosing the codec --------------------------------------------------------------------------
+
+TEST(EventFile, SaysWhatIsWrongWithAFileItCannotOpen) {
+  TempFolder folder;
+  const auto message = [&](const std::filesystem::path& path) -> std::string {
+    try {
+      (void)open_event_file(path);
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(path.string()));
+      return error.what();
+    }
+    return "opened";
+  };
+  EXPECT_THAT(message(folder / "none.aedat"), HasSubstr("No such file"));
+  EXPECT_THAT(message(folder / ""), HasSubstr("a directory"));
+  EXPECT_THAT(message(folder.write("empty", "")), HasSubstr("an empty file"));
+  EXPECT_THAT(message(folder.write("png", "\x89PNG\r\n\x1a\n")), HasSubstr("AEDAT 2.0, or text"));
+  EXPECT_THAT(message(folder.write("v3", "#!AER-DAT3.1\r\n")), HasSubstr("\"#!AER-DAT3.1..\""));
+  EXPECT_THAT(message(folder.write("cut", "#!AER-DA")), HasSubstr("cut off"));
+}
+
+TEST(EventFile, RefusesToWriteAFormatItDoesNotHaveOrAnImageThatDoesNotFit) {
+  TempFolder folder;
+  EXPECT_THROW((void)create_event_file(folder / "a.raw", {128, 128}), InputError);
+  EXPECT_THROW((void)create_event_file(folder / "a", {128, 128}), InputError);
+  EXPECT_THROW((void)create_event_file(folder / "a.aedat", {1280, 720}), InputError);
+  EXPECT_TRUE(std::filesystem::is_empty(folder / ""));
+}
+
+TEST(EventFile, RefusesEventsThatTheFormatCannotHold) {
+  TempFolder folder;
+  for (const char* name : {"a.csv", "a.aedat"}) {
+    const auto writer = create_event_file(folder / name, {128, 128});
+    EXPECT_THROW(writer->write(std::vector<Event>{{0, 128, 0, true, 0}}), InputError) << name;
+    EXPECT_THROW(writer->write(std::vector<Event>{{0, 0, 128, true, 0}}), InputError) << name;
+    EXPECT_THROW(writer->write(std::vector<Event>{{0, 0, 0, true, 1}}), InputError) << name;
+  }
+}
+
+struct Written {
+  std::string name;
+  ImageSize size;
+};
+
+class WrittenEvents : public testing::TestWithParam<Written> {};
+
+TEST_P(WrittenEvents, AreReadBackExactlyWhateverTheBlock) {
+  TempFolder folder;
+  const auto path = folder / GetParam().name;
+  const auto events = scattered_events(GetParam().size, 1234, 20000, 200);
+  write_file(path, GetParam().size, events);
+  for (const std::size_t block :
+       {std::size_t{1}, std::size_t{333}, std::numeric_limits<std::size_t>::max()}) {
+    EXPECT_EQ(read_all(*open_event_file(path), block), events) << block;
+  }
+}
+
+TEST_P(WrittenEvents, MayBeNone) {
+  TempFolder folder;
+  const auto path = folder / GetParam().name;
+  write_file(path, GetParam().size, {});
+  EXPECT_TRUE(read_file(path).empty());
+}
+
+TEST_P(WrittenEvents, CutAtAnyByteGiveTheEventsBeforeTheCutAndThenAnErrorOrACleanEnd) {
+  TempFolder folder;
+  const auto events = scattered_events(GetParam().size, 1, 12, 90000);
+  write_file(folder / GetParam().name, GetParam().size, events);
+  const std::string whole = bytes_of(folder / GetParam().name);
+  std::size_t errors = 0;
+  for (std::size_t length = 0; length < whole.size(); ++length) {
+    const auto path = folder.write("cut", std::string_view(whole).substr(0, length));
+    std::vector<Event> read;
+    try {
+      const auto reader = open_event_file(path);
+      while (reader->read(read, 5) > 0) {
+      }
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(path.string()));
+      ++errors;
+    }
+    ASSERT_LE(read.size(), events.size());
+    EXPECT_TRUE(std::equal(read.begin(), read.end(), events.begin())) << "cut at " << length;
+  }
+  // A cut between two records or header lines cannot be told from an end: at most two in a record.
+  EXPECT_GE(errors, whole.size() - 2 * (events.size() + 4));
+}
+
+INSTANTIATE_TEST_SUITE_P(EventFile, WrittenEvents,
+                         testing::Values(Written{"small.csv", {128, 128}}, Written{"large.txt", {1280, 720}},
+                                         Written{"dvs128.aedat", {128, 128}},
+                                         Written{"atis.aedat", {304, 240}},
+                                         Written{"davis240.aedat", {240, 180}},
+                                         Written{"largest.aedat", {1024, 512}},
+                                         Written{"tiny.aedat", {8, 8}}),
+                         [](const auto& written) {
+                           std::string name = written.param.name;
+                           std::replace(name.begin(), name.end(), '.', '_');
+                           return name;
+                         });
+
+// ---- text ----------------------------------------------------------------------------------------
+
+TEST(TextEvents, MayBeApartByBlanksTabsOrCommasWithCommentsAndAHeader) {
+  TempFolder folder;
+  const std::vector<Event> events = {{10, 3, 4, true, 0}, {12, 65535, 0, false, 0}, {12, 5, 6, false, 0}};
+  for (const char* content :
+       {"10 3 4 1\n12 65535 0 0\n12 5 6 -1\n", "10,3,4,1\r\n12,65535,0,0\r\n12,5,6,0\r\n",
+        "# made by hand\n\nt_us,x,y,p\n10, 3, 4, 1\n12\t65535  0 0\n#\n 12 5 6 0",
+        "\"timestamp\" \"x\" \"y\" \"polarity\"\n10 3 4 1\n12 65535 0 -1\n12 5 6 -1\n"}) {
+    EXPECT_EQ(read_file(folder.write("a.txt", content)), events) << content;
+  }
+}
+
+TEST(TextEvents, HaveTheirTimeInSecondsWhenItHasADecimalPoint) {
+  TempFolder folder;
+  const auto path = folder.write("a.txt",
+                                 "0 1 1 1\n.5 1 1 1\n2.097134001 1 1 1\n2.09714 1 1 1\n2.0971454999 1 1 1\n"
+                                 "2.0971455 1 1 1\n3. 1 1 1\n4.5e-1 1 1 1\n1605537493.718345 1 1 1\n"
+                                 "-0.0000015 1 1 1\n");
+  std::vector<std::int64_t> times;
+  for (const Event& event : read_file(path)) times.push_back(event.t_us);
+  EXPECT_THAT(times, testing::ElementsAre(0, 500000, 2097134, 2097140, 2097145, 2097146, 3000000, 450000,
+                                          1605537493718345, -2));
+}
+
+TEST(TextEvents, ComeInAnotherColumnOrderWhenTold) {
+  TempFolder folder;
+  EventReadOptions options;
+  options.columns = "xypt";
+  const std::vector<Event> events = {{10, 3, 4, true, 0}};
+  EXPECT_EQ(read_file(folder.write("a.csv", "3,4,1,10\n"), options), events);
+  EXPECT_EQ(read_file(folder.write("a.csv", "x,y,p,t\n3,4,1,10\n"), options), events);
+  options.columns = "xyt";
+  EXPECT_THROW((void)open_event_file(folder / "a.csv", options), InputError);
+}
+
+TEST(TextEvents, GoBackInTimeWhereTheFileDoes) {
+  TempFolder folder;
+  const auto events = read_file(folder.write("a.txt", "10 1 1 1\n5 1 1 1\n"));
+  ASSERT_EQ(events.size(), 2u);
+  EXPECT_EQ(events[1].t_us, 5);
+}
+
+struct BrokenLine {
+  std::string name;
+  std::string line;
+  std::string message;
+};
+
+class BrokenText : public testing::TestWithParam<BrokenLine> {};
+
+TEST_P(BrokenText, GivesTheEventsBeforeItAndThenItsLine) {
+  TempFolder folder;
+  const auto path = folder.write("a.txt", "# c\n1 2 3 1\n2 2 3 1\n" + GetParam().line + "\n9 2 3 1\n");
+  const auto reader = open_event_file(path);
+  std::vector<Event> events;
+  EXPECT_EQ(reader->read(events, 100), 2u);
+  for (int again = 0; again < 2; ++again) {
+    EXPECT_THAT([&] { (void)reader->read(events, 100); },
+                testing::ThrowsMessage<InputError>(HasSubstr(path.string() + ":4" + GetParam().message)));
+  }
+  EXPECT_EQ(events.size(), 2u);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    TextEvents, BrokenText,
+    testing::Values(BrokenLine{"TooFew", "3 2 3", ": found 3 fields, expected 4"},
+                    BrokenLine{"TooMany", "3 2 3 1 0", ": found 5 fields, expected 4"},
+                    BrokenLine{"TrailingComma", "3,2,3,1,", ": found 5 fields, expected 4"},
+                    BrokenLine{"EmptyField", "3,,3,1", ", column x: found nothing"},
+                    BrokenLine{"WordForTime", "now 2 3 1", ", column t: found now"},
+                    BrokenLine{"SecondsAmongMicroseconds", "3.5 2 3 1", ", column t: found 3.5, expected us"},
+                    BrokenLine{"TimeTooLarge", "99999999999999999999 2 3 1", ", column t"},
+                    BrokenLine{"SecondsTooLarge", "99999999999999.0 2 3 1", ", column t"},
+                    BrokenLine{"TwoPoints", "1.2.3 2 3 1", ", column t"},
+                    BrokenLine{"NegativeX", "3 -2 3 1", ", column x: found -2"},
+                    BrokenLine{"LargeY", "3 2 65536 1", ", column y: found 65536"},
+                    BrokenLine{"FractionX", "3 2.5 3 1", ", column x: found 2.5"},
+                    BrokenLine{"Polarity", "3 2 3 2", ", column p: found 2"},
+                    BrokenLine{"HeaderAgain", "t x y p", ", column t: found t"},
+                    BrokenLine{"Endless", std::string(5000, ' ') + "3 2 3 1", ": found a line of more than"}),
+    [](const auto& broken) { return broken.param.name; });
+
+TEST(TextEvents, WhoseHeaderNamesAnotherOrderAreNotMisread) {
+  TempFolder folder;
+  const auto path = folder.write("a.csv", "x,y,p,t\n3,4,1,1\n");
+  EXPECT_THAT([&] { (void)read_file(path); },
+              testing::ThrowsMessage<InputError>(HasSubstr("the column order xypt, expected txyp")));
+}
+
+// ---- AEDAT 2.0 -----------------------------------------------------------------------------------
+
+TEST(Aedat2, Dvs128AddressesAreMirroredInBothAxesAndBitZeroIsOff) {
+  TempFolder folder;
+  const auto path = folder.write("a.aedat", aedat_header + record(0x00004ca2, 5) + record(0x8001, 6) +
+                                                record(0x7f << 8 | 0x7f << 1 | 1, 7) + record(0, 7));
+  const auto reader = open_event_file(path);
+  EXPECT_EQ(reader->format(), "AEDAT 2.0 DVS128");
+  EXPECT_EQ(reader->image_size(), (ImageSize{128, 128}));
+  EXPECT_EQ(read_all(*reader),
+            (std::vector<Event>{{5, 46, 51, true, 0}, {7, 0, 0, false, 0}, {7, 127, 127, true, 0}}));
+}
+
+TEST(Aedat2, DavisAddressesHaveTheirOriginBottomRightAndSpecialRecordsArePassedOver) {
+  TempFolder folder;
+  const std::string chip = "# AEChip: eu.seebetter.ini.chips.davis.DAVIS240C\r\n";
+  const auto path = folder.write("a.aedat", aedat_header + chip + record(davis_address(0, 0, 1), 5) +
+                                                record(davis_address(9, 9, 0) | 1u << 31, 6) +
+                                                record(davis_address(9, 9, 0) | 1u << 10, 6) +
+                                                record(davis_address(239, 179, 0), 7));
+  const auto reader = open_event_file(path);
+  EXPECT_EQ(reader->format(), "AEDAT 2.0 DAVIS");
+  EXPECT_EQ(reader->image_size(), (ImageSize{240, 180}));
+  EXPECT_EQ(read_all(*reader), (std::vector<Event>{{5, 239, 179, true, 0}, {7, 0, 0, false, 0}}));
+}
+
+TEST(Aedat2, TheLayoutIsToldByTheHeaderElseByTheAddressesElseByTheOption) {
+  TempFolder folder;
+  const std::string narrow = record(0x0102, 1);
+  const std::string wide = record(davis_address(345, 20, 1), 1);
+  const auto format = [&](const std::string& content, const EventReadOptions& options = {}) {
+    const auto reader = open_event_file(folder.write("a.aedat", content), options);
+    return reader->format().substr(10) + " " + std::to_string(reader->image_size()->width);
+  };
+  EXPECT_EQ(format(aedat_header + narrow), "DVS128 128");
+  EXPECT_EQ(format(aedat_header + wide), "DAVIS 346");
+  EXPECT_EQ(format(aedat_header + "# AEChip: a.b.DVS128\r\n" + narrow), "DVS128 128");
+  EXPECT_EQ(format(aedat_header + "# AEChip: a.b.Davis346blue\r\n" + narrow), "DAVIS 346");
+  EventReadOptions options;
+  options.aedat2_layout = "davis";
+  EXPECT_EQ(format(aedat_header + narrow, options), "DAVIS 240");
+  options.image_size = ImageSize{304, 240};
+  EXPECT_EQ(format(aedat_header + narrow, options), "DAVIS 304");
+  EXPECT_THROW(format(aedat_header + "# AEChip: a.b.Cochlea64\r\n" + narrow), InputError);
+  EXPECT_EQ(format(aedat_header + "# AEChip: a.b.Cochlea64\r\n" + narrow, options), "DAVIS 304");
+  options.aedat2_layout = "atis";
+  EXPECT_THROW(format(aedat_header + narrow, options), InputError);
+}
+
+TEST(Aedat2, APixelOutsideTheSensorEndsTheReadingWithItsByte) {
+  TempFolder folder;
+  const std::string header = aedat_header + "# AEChip: DAVIS 10x8\r\n";
+  const auto path = folder.write(
+      "a.aedat", header + record(davis_address(9, 7, 1), 1) + record(davis_address(10, 7, 1), 2));
+  const auto reader = open_event_file(path);
+  std::vector<Event> events;
+  EXPECT_EQ(reader->read(events, 10), 1u);
+  EXPECT_THAT([&] { (void)reader->read(events, 10); },
+              testing::ThrowsMessage<InputError>(HasSubstr("byte " + std::to_string(header.size() + 8))));
+}
+
+TEST(Aedat2, TheHeaderMayEndItsLinesWithLineFeedsOnly) {
+  TempFolder folder;
+  const auto path = folder.write("a.aedat", "#!AER-DAT2.0\n# x\n#\n" + record(0, 3));
+  EXPECT_EQ(read_file(path), (std::vector<Event>{{3, 127, 127, true, 0}}));
+}
+
+TEST(Aedat2, ARecordThatStartsLikeAHeaderLineIsARecord) {
+  TempFolder folder;
+  // 0x23 is '#', 0x0a a line feed: raw y 140, x 160 to 175, as a DAVIS stores them.
+  for (std::uint32_t x = 0; x < 240; ++x) {
+    const auto path = folder.write("a.aedat", aedat_header + record(davis_address(x, 140, 1), 0x20202020));
+    EventReadOptions options;
+    options.image_size = ImageSize{240, 180};
+    ASSERT_EQ(read_file(path, options).size(), 1u) << x;
+  }
+}
+
+TEST(Aedat2, TimeGoesOnAcrossItsWraps) {
+  TempFolder folder;
+  const auto times = [&](const std::vector<std::uint32_t>& stamps) {
+    std::string content = aedat_header;
+    for (const std::uint32_t stamp : stamps) content += record(0, stamp);
+    std::vector<std::int64_t> t_us;
+    for (const Event& event : read_file(folder.write("a.aedat", content))) t_us.push_back(event.t_us);
+    return t_us;
+  };
+  const std::int64_t wrap = std::int64_t{1} << 31;
+  using testing::ElementsAre;
+  // Two wraps at 2^32, with a late event across the first one.
+  EXPECT_THAT(times({0x7fffffff, 0x80000000, 0x7fffffff, 0x80000005, 0xa0000000, 0, 0x60000000, 0x80000000}),
+              ElementsAre(wrap - 1, wrap, wrap - 1, wrap + 5, wrap + 0x20000000, 2 * wrap,
+                          2 * wrap + 0x60000000, 3 * wrap));
+  // Wraps at 2^31, with a late event across the first one.
+  EXPECT_THAT(times({0x7ffffff0, 2, 0x7fffffff, 3, 0x30000000, 0x60000000, 7}),
+              ElementsAre(wrap - 16, wrap + 2, wrap - 1, wrap + 3, wrap + 0x30000000, wrap + 0x60000000,
+                          2 * wrap + 7));
+  // A start again in mid-range is no wrap, nor is a first stamp near the end.
+  EXPECT_THAT(times({0x30000000, 0, 5}), ElementsAre(0x30000000, 0, 5));
+  EXPECT_THAT(times({0xffffff00, 4}), ElementsAre(-256, 4));
+}
+
+TEST(Aedat2, WritesTimesBeyondItsRangeSoThatTheyReadBackAndRefusesThoseThatWouldNot) {
+  TempFolder folder;
+  const ImageSize size{128, 128};
+  // 20,000 events up to 1 s apart pass 2^31 and 2^32 us twice.
+  const auto events = scattered_events(size, 2'000'000'000, 20000, 1'000'000);
+  ASSERT_GT(events.back().t_us, std::int64_t{1} << 33);
+  write_file(folder / "a.aedat", size, events);
+  EXPECT_EQ(read_file(folder / "a.aedat"), events);
+
+  const auto writer = create_event_file(folder / "b.aedat", size);
+  EXPECT_THROW(writer->write(std::vector<Event>{{1605537493718345, 0, 0, true, 0}}), InputError);
+}
+
+// ---- real recordings -----------------------------------------------------------------------------
+
+class RealRecording : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::exists(SACCADE_SHARED_DATA)) {
+      GTEST_SKIP() << "SKIPPED: the real recordings are not at " SACCADE_SHARED_DATA;
+    }
+  }
+  static std::vector<Event> read(const std::string& name) {
+    return read_file(std::filesystem::path(SACCADE_SHARED_DATA) / name);
+  }
+};
+
+TEST_F(RealRecording, TheLoomingBallHasItsCountAndItsFirstAndLastEvents) {
+  const auto events = read("ball_looming_dvs128_aedat2.aedat");
+  ASSERT_EQ(events.size(), 314716u);
+  EXPECT_EQ(std::vector<Event>(events.begin(), events.begin() + 5),
+            (std::vector<Event>{{913454806, 46, 51, true, 0},
+                                {913457458, 109, 42, true, 0},
+                                {913460877, 121, 35, true, 0},
+                                {913461052, 72, 104, true, 0},
+                                {913466951, 75, 81, true, 0}}));
+  EXPECT_EQ(events.back(), (Event{1000887418, 85, 74, true, 0}));
+}
+
+TEST_F(RealRecording, TheShapesHaveTheirCountAndTheirFirstAndLastEvents) {
+  const auto events = read("shapes_rotation_davis240_txt.txt");
+  ASSERT_EQ(events.size(), 20000u);
+  EXPECT_EQ(std::vector<Event>(events.begin(), events.begin() + 5),
+            (std::vector<Event>{{2097134, 162, 27, false, 0},
+                                {2097140, 77, 45, false, 0},
+                                {2097141, 108, 160, false, 0},
+                                {2097145, 230, 94, true, 0},
+                                {2097145, 132, 103, false, 0}}));
+  EXPECT_EQ(events.back(), (Event{2195729, 127, 147, true, 0}));
+}
+
+TEST_F(RealRecording, SurvivesTheWayThroughOurWritersUnchanged) {
+  const auto events = read("ball_looming_dvs128_aedat2.aedat");
+  TempFolder folder;
+  for (const char* name : {"a.aedat", "a.csv"}) {
+    write_file(folder / name, {128, 128}, events);
+    EXPECT_EQ(read_file(folder / name), events) << name;
+  }
+}
+
+}  // namespace
+}  // namespace saccade
