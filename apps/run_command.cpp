@@ -12,6 +12,7 @@
 #include "apps/loop.h"
 #include "apps/run_folder.h"
 #include "apps/run_recorder.h"
+#include "apps/summary.h"
 #include "evaluation/report.h"
 
 namespace saccade {
@@ -60,27 +61,6 @@ std::vector<LoopDetector> make_detectors(const NamedDetectors& named, const Pinh
   std::vector<LoopDetector> detectors;
   for (const auto& [name, config] : named) detectors.push_back({name, make_detector(config, camera)});
   return detectors;
-}
-
-void print_summary(const Metrics& metrics) {
-  const auto number = [](const std::optional<double>& value, const char* unit) {
-    return value ? fmt::format("{:.3g}{}", *value, unit) : std::string("-");
-  };
-  fmt::print("{} events, {:.0f} per second; {:.2f} x real time\n", metrics.event_count,
-             static_cast<double>(metrics.event_count) / metrics.duration_s,
-             metrics.duration_s / metrics.wall_s.value_or(1.0));
-  for (const auto& [name, score] : metrics.detectors) {
-    fmt::print("{}: average precision {}, precision {} and recall {} at its threshold, median error {}, lag {}\n",
-               name, number(score.average_precision, ""), number(score.precision, ""), number(score.recall, ""),
-               number(score.position_error_px.median, " px"), number(score.lag_ms, " ms"));
-  }
-  if (metrics.gaze) {
-    const GazeScore& gaze = metrics.gaze->score;
-    fmt::print("gaze: acquired after {}, in view {}, median error {}, {} moves of which {} wrong, {} limit "
-               "violations\n",
-               number(gaze.acquire_s, " s"), number(gaze.in_view_ratio, ""),
-               number(gaze.fixation_error_deg.median, " deg"), gaze.moves, gaze.wrong_moves, gaze.limit_violations);
-  }
 }
 
 int run(const RunOptions& options) {

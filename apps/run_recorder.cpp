@@ -22,8 +22,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 GazeScoringConfig gaze_scoring(const Scenario& scenario, const JointLimits& limits) {
   GazeScoringConfig config;
   config.camera = scenario.sim.camera;
-  config.min_rad = limits.min_rad;
-  config.max_rad = limits.max_rad;
+  config.limits = limits;
   for (const auto& [name, detector] : scenario.detectors) {
     const bool paper = name == scenario.gaze.detector && detector.preset.starts_with("paper");
     if (paper) config.acquire_within_rad = 6.0 * std::numbers::pi / 180.0;
@@ -169,8 +168,7 @@ Metrics RunRecorder::finish(double wall_s) {
     metrics.detectors.emplace_back(detector.name, std::move(score));
   }
   if (scenario_.gaze.detector != "none") {
-    const JointLimits limits = robot_.limits();
-    metrics.gaze = GazeMetrics{scenario_.gaze.detector, gaze_scorer_.score(), limits.min_rad, limits.max_rad};
+    metrics.gaze = GazeMetrics{scenario_.gaze.detector, gaze_scorer_.score(), robot_.limits()};
   }
   write_metrics(folder_ / "metrics.json", metrics);
   return metrics;

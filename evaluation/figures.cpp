@@ -20,7 +20,9 @@ constexpr double deg_per_rad = 180.0 / std::numbers::pi;
 constexpr std::string_view truth_style = "lines lw 3 lc rgb '#9a9a9a'";
 constexpr int width = 900;
 
-double seconds(std::int64_t t_us, std::int64_t start_us) { return static_cast<double>(t_us - start_us) * 1e-6; }
+double seconds(std::int64_t t_us, std::int64_t start_us) {
+  return static_cast<double>(t_us - start_us) * 1e-6;
+}
 
 template <class Rows, class Value>
 std::vector<Point> over_time(const Rows& rows, std::int64_t start_us, Value value) {
@@ -65,7 +67,8 @@ std::string axes(std::string_view y_label, bool last, std::string_view y_range =
 }  // namespace
 
 std::string detector_colour(std::size_t index) {
-  // Told apart also by those who do not see red and green alike (Okabe and Ito's palette).
+  // Told apart also by those who do not see red and green alike (Okabe and
+  // Ito's palette).
   static constexpr std::array<std::string_view, 7> colours = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                                               "#56b4e9", "#e69f00", "#000000"};
   return std::string(colours[index % colours.size()]);
@@ -75,15 +78,15 @@ std::string tracking_figure(std::string_view name, std::span<const TruthRow> tru
                             std::span<const DetectionRow> detections, std::string_view detector,
                             double threshold, std::string_view colour, bool sparse, std::int64_t start_us) {
   std::vector<DetectionRow> accepted;
-  std::copy_if(detections.begin(), detections.end(), std::back_inserter(accepted), [&](const DetectionRow& d) {
-    return d.detector == detector && d.score >= threshold;
-  });
+  std::copy_if(detections.begin(), detections.end(), std::back_inserter(accepted),
+               [&](const DetectionRow& d) { return d.detector == detector && d.score >= threshold; });
   struct Quantity {
     const char* label;
     double Circle::*member;
   };
   GnuplotFigure figure(name, width, 520);
-  for (const Quantity& q : {Quantity{"x [px]", &Circle::x_px}, {"y [px]", &Circle::y_px}, {"r [px]", &Circle::r_px}}) {
+  for (const Quantity& q :
+       {Quantity{"x [px]", &Circle::x_px}, {"y [px]", &Circle::y_px}, {"r [px]", &Circle::r_px}}) {
     const bool last = q.member == &Circle::r_px;
     const auto circle_value = [&](const auto& row) { return row.circle.*q.member; };
     const auto truth_value = [&](const TruthRow& row) {
@@ -99,7 +102,9 @@ std::string tracking_figure(std::string_view name, std::span<const TruthRow> tru
         {{.title = "truth",
           .style = sparse ? "points pt 6 ps 0.6 lw 1.5 lc rgb '#777777'" : std::string(truth_style),
           .points = over_time(truth, start_us, truth_value)},
-         {.title = std::string(detector), .style = dot_style(colour), .points = over_time(accepted, start_us, circle_value)}});
+         {.title = std::string(detector),
+          .style = dot_style(colour),
+          .points = over_time(accepted, start_us, circle_value)}});
   }
   return figure.svg(stacked(3));
 }
@@ -119,7 +124,8 @@ std::string precision_recall_figure(std::string_view name, const Metrics& metric
     }
   }
   figure.add_panel(
-      "set xrange [0:1]\nset yrange [0:1.03]\nset xlabel 'recall'\nset ylabel 'precision'\n"
+      "set xrange [0:1]\nset yrange [0:1.03]\nset xlabel "
+      "'recall'\nset ylabel 'precision'\n"
       "set key outside right top\n",
       series);
   return figure.svg();
@@ -132,29 +138,36 @@ std::string gaze_path_figure(std::string_view name, std::span<const TruthRow> tr
   for (const GazeRow& row : gaze) {
     const Point p{row.target_m.x(), row.target_m.y(), row.target_m.z()};
     if (targets.empty() || std::abs(p.x - targets.back().x) + std::abs(p.y - targets.back().y) +
-                                   std::abs(p.z - targets.back().z) > 1e-3) {
+                                   std::abs(p.z - targets.back().z) >
+                               1e-3) {
       if (std::isfinite(p.x)) targets.push_back(p);
     }
   }
   GnuplotFigure figure(name, width, 560);
   // Seen from behind the head: right is right and what is far is at the back.
   figure.add_panel(
-      "set xlabel 'y [m], right' offset 0,-0.5\nset ylabel '-x [m], ahead' offset 2,-0.5\n"
-      "set zlabel 'z [m], up' rotate parallel\nset view 62,20\nset xyplane relative 0.05\nset grid z\n"
+      "set xlabel 'y [m], right' offset 0,-0.5\nset ylabel '-x [m], ahead' "
+      "offset 2,-0.5\n"
+      "set zlabel 'z [m], up' rotate parallel\nset view 62,20\nset xyplane "
+      "relative 0.05\nset grid z\n"
       "set key at screen 0.98,0.96\nset border 127 lc rgb '#bbbbbb'\n",
       {{.title = "ball",
         .style = std::string(truth_style),
-        .points = in_space(truth, [](const TruthRow& row) {
-          return Eigen::Vector3d(row.position_m.y(), -row.position_m.x(), row.position_m.z());
-        })},
+        .points = in_space(truth,
+                           [](const TruthRow& row) {
+                             return Eigen::Vector3d(row.position_m.y(), -row.position_m.x(),
+                                                    row.position_m.z());
+                           })},
        {.title = "gaze targets",
         .style = dot_style("#d55e00", 0.35),
         .points = in_space(targets, [](const Point& p) { return Eigen::Vector3d(p.y, -p.x, p.z); })},
        {.title = "fixation point",
         .style = line_style("#0072b2"),
-        .points = in_space(gaze, [](const GazeRow& row) {
-          return Eigen::Vector3d(row.fixation_m.y(), -row.fixation_m.x(), row.fixation_m.z());
-        })}},
+        .points = in_space(gaze,
+                           [](const GazeRow& row) {
+                             return Eigen::Vector3d(row.fixation_m.y(), -row.fixation_m.x(),
+                                                    row.fixation_m.z());
+                           })}},
       true);
   return figure.svg();
 }
@@ -203,7 +216,9 @@ std::string joints_figure(std::string_view name, std::span<const GazeRow> gaze, 
          {.title = "", .style = limit_style, .points = level(limits.min_rad[j])},
          {.title = "", .style = limit_style, .points = level(limits.max_rad[j])}});
   }
-  return figure.svg("set multiplot layout 3,2 margins 0.085,0.985,0.10,0.97 spacing 0.10,0.04\n");
+  return figure.svg(
+      "set multiplot layout 3,2 margins 0.085,0.985,0.10,0.97 "
+      "spacing 0.10,0.04\n");
 }
 
 std::string rates_figure(std::string_view name, const EventCounts& events,
@@ -212,8 +227,9 @@ std::string rates_figure(std::string_view name, const EventCounts& events,
   std::vector<Point> event_rate;
   for (std::size_t i = 0; i < events.counts.size(); ++i) {
     const auto middle_us = events.start_us + static_cast<std::int64_t>(i) * events.bin_us + events.bin_us / 2;
-    event_rate.push_back({.x = seconds(middle_us, start_us),
-                          .y = static_cast<double>(events.counts[i]) * 1e3 / static_cast<double>(events.bin_us)});
+    event_rate.push_back(
+        {.x = seconds(middle_us, start_us),
+         .y = static_cast<double>(events.counts[i]) * 1e3 / static_cast<double>(events.bin_us)});
   }
   constexpr std::int64_t bin_us = 100'000;
   std::vector<Series> rates;

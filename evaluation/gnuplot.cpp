@@ -121,9 +121,11 @@ std::string gnuplot_quoted(std::string_view text) {
 
 GnuplotFigure::GnuplotFigure(std::string_view name, int width, int height)
     : name_(name),
-      terminal_(fmt::format("set terminal svg size {},{} dynamic noenhanced font 'sans-serif,13' name {} "
+      terminal_(fmt::format("set terminal svg size {},{} dynamic noenhanced font 'sans-serif,13' "
+                            "name {} "
                             "background rgb 'white'\n"
-                            "set border 3 lc rgb '#777777'\nset tics nomirror out scale 0.5 tc rgb '#333333'\n"
+                            "set border 3 lc rgb '#777777'\nset tics nomirror out scale 0.5 tc "
+                            "rgb '#333333'\n"
                             "set grid lc rgb '#e4e4e4' lt 1\nset key top right samplen 2\n",
                             width, height, gnuplot_quoted(name))) {}
 
@@ -147,7 +149,8 @@ std::string GnuplotFigure::svg(std::string_view layout) const {
   text.erase(0, text.find("<svg"));
   while (text.ends_with('\n')) text.pop_back();
   const std::size_t description = text.find("<desc>");
-  text.erase(description, text.find("</desc>") + 7 - description);  // names gnuplot's version
+  text.erase(description,
+             text.find("</desc>") + 7 - description);  // names gnuplot's version
   replace_all(text, "id='", "id='" + name_ + "_");
   replace_all(text, "id=\"", "id=\"" + name_ + "_");
   replace_all(text, "'#gp", "'#" + name_ + "_gp");

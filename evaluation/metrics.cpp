@@ -53,20 +53,21 @@ Json json_of(const DetectorScore& score) {
     curve.push_back(
         {{"threshold", point.threshold}, {"precision", point.precision}, {"recall", point.recall}});
   }
-  return {{"average_precision", json_of(score.average_precision)},
-          {"precision_at_recall", std::move(at_recall)},
-          {"pr_curve", std::move(curve)},
-          {"chances", score.chances},
-          {"threshold", json_of(score.threshold)},
-          {"precision", json_of(score.precision)},
-          {"recall", json_of(score.recall)},
-          {"detection_rate_hz", {{"mean", json_of(score.mean_rate_hz)}, {"peak", json_of(score.peak_rate_hz)}}},
-          {"position_error_px", json_of(score.position_error_px)},
-          {"radius_error_px", json_of(score.radius_error_px)},
-          {"lag_ms", json_of(score.lag_ms)},
-          {"us_per_event", json_of(score.us_per_event)},
-          {"observations", score.observations},
-          {"inliers", score.inliers}};
+  return {
+      {"average_precision", json_of(score.average_precision)},
+      {"precision_at_recall", std::move(at_recall)},
+      {"pr_curve", std::move(curve)},
+      {"chances", score.chances},
+      {"threshold", json_of(score.threshold)},
+      {"precision", json_of(score.precision)},
+      {"recall", json_of(score.recall)},
+      {"detection_rate_hz", {{"mean", json_of(score.mean_rate_hz)}, {"peak", json_of(score.peak_rate_hz)}}},
+      {"position_error_px", json_of(score.position_error_px)},
+      {"radius_error_px", json_of(score.radius_error_px)},
+      {"lag_ms", json_of(score.lag_ms)},
+      {"us_per_event", json_of(score.us_per_event)},
+      {"observations", score.observations},
+      {"inliers", score.inliers}};
 }
 
 DetectorScore detector_score(const Json& json) {
@@ -100,7 +101,8 @@ Json json_of(const GazeMetrics& gaze) {
   Json limits = Json::object();
   for (std::size_t j = 0; j < joint_names.size(); ++j) {
     const auto i = static_cast<Eigen::Index>(j);
-    limits[std::string(joint_names[j])] = {gaze.limits.min_rad[i] * deg_per_rad, gaze.limits.max_rad[i] * deg_per_rad};
+    limits[std::string(joint_names[j])] = {gaze.limits.min_rad[i] * deg_per_rad,
+                                           gaze.limits.max_rad[i] * deg_per_rad};
   }
   return {{"detector", gaze.detector},
           {"fixation_error_deg", json_of(score.fixation_error_deg)},

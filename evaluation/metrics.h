@@ -23,27 +23,31 @@ struct GazeMetrics {
 };
 
 /// metrics.json, schema 1. None is written as null: the figure does not apply.
-/// Keys beyond the contract: detectors.*.{observations,inliers}, gaze.{acquire_within_deg,joint_limits_deg}
-/// and `events.file`, `camera`, `start_us`, which make a run folder readable without its scenario.
+/// Keys beyond the contract: detectors.*.{observations,inliers},
+/// gaze.{acquire_within_deg,joint_limits_deg} and `events.file`, `camera`,
+/// `start_us`, which make a run folder readable without its scenario.
 struct Metrics {
   std::string scenario;
   std::optional<std::int64_t> seed;
-  std::int64_t start_us = 0;               ///< what the events' clock showed when the run began
-  double duration_s = 0.0;                 ///< of the run, in its own time
-  std::optional<double> wall_s;            ///< of the loop alone; real_time_factor is duration_s / wall_s
-  std::int64_t event_count = 0;            ///< passed to the detectors; the rate is per second of duration_s
+  std::int64_t start_us = 0;     ///< what the events' clock showed when the run began
+  double duration_s = 0.0;       ///< of the run, in its own time
+  std::optional<double> wall_s;  ///< of the loop alone; real_time_factor is duration_s / wall_s
+  std::int64_t event_count = 0;  ///< passed to the detectors; the rate is per second of duration_s
   std::optional<std::int64_t> events_dropped;
-  /// The events' file: relative to the run folder, or absolute when the recording lies elsewhere.
+  /// The events' file: relative to the run folder, or absolute when the
+  /// recording lies elsewhere.
   std::string events_file;
   ImageSize image;
-  std::optional<PinholeCamera> camera;     ///< where it is known
+  std::optional<PinholeCamera> camera;                           ///< where it is known
   std::vector<std::pair<std::string, DetectorScore>> detectors;  ///< in the order of the scenario
   std::optional<GazeMetrics> gaze;
 };
 
-/// Numbers are the shortest text that reads back as the same double; the same metrics give the same bytes.
+/// Numbers are the shortest text that reads back as the same double; the same
+/// metrics give the same bytes.
 [[nodiscard]] std::string metrics_to_json(const Metrics& metrics);
-/// Throws InputError with `place` for text that is no JSON, another schema, or a key missing or of a wrong kind.
+/// Throws InputError with `place` for text that is no JSON, another schema, or
+/// a key missing or of a wrong kind.
 [[nodiscard]] Metrics metrics_from_json(std::string_view text, const std::string& place);
 
 /// Throws RunError when the disk does not take it.

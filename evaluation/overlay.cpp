@@ -23,20 +23,23 @@ cv::Scalar bgr(const std::string& colour) {
   return {static_cast<double>(channel(5)), static_cast<double>(channel(3)), static_cast<double>(channel(1))};
 }
 
-/// Image coordinates to picture coordinates in OpenCV's fixed point; pixel centres stay pixel centres.
+/// Image coordinates to picture coordinates in OpenCV's fixed point; pixel
+/// centres stay pixel centres.
 int fixed(double px, int scale) {
   return static_cast<int>(std::lround(((px + 0.5) * scale - 0.5) * (1 << fraction_bits)));
 }
 
 void draw_circle(cv::Mat& picture, const Circle& c, int scale, const cv::Scalar& colour, int thickness) {
-  // Beyond this the fixed-point numbers would overflow, and nothing of the circle is in the picture.
+  // Beyond this the fixed-point numbers would overflow, and nothing of the
+  // circle is in the picture.
   if (!(std::abs(c.x_px) + std::abs(c.y_px) + std::abs(c.r_px) < 1e5)) return;
   cv::circle(picture, {fixed(c.x_px, scale), fixed(c.y_px, scale)},
-             static_cast<int>(std::lround(c.r_px * scale * (1 << fraction_bits))), colour, thickness, cv::LINE_AA,
-             fraction_bits);
+             static_cast<int>(std::lround(c.r_px * scale * (1 << fraction_bits))), colour, thickness,
+             cv::LINE_AA, fraction_bits);
 }
 
-void draw_text(cv::Mat& picture, const std::string& text, cv::Point at, const cv::Scalar& colour, double size) {
+void draw_text(cv::Mat& picture, const std::string& text, cv::Point at, const cv::Scalar& colour,
+               double size) {
   cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, size, cv::Scalar::all(255), 3, cv::LINE_AA);
   cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, size, colour, 1, cv::LINE_AA);
 }
@@ -59,7 +62,8 @@ cv::Mat draw_eye(const EyePicture& eye, int scale) {
   SACCADE_CHECK(scale >= 1 && eye.size.pixels() > 0);
   cv::Mat image(eye.size.height, eye.size.width, CV_8UC3, paper);
   if (!eye.grey.empty()) {
-    SACCADE_CHECK(eye.grey.type() == CV_8UC1 && eye.grey.cols == eye.size.width && eye.grey.rows == eye.size.height);
+    SACCADE_CHECK(eye.grey.type() == CV_8UC1 && eye.grey.cols == eye.size.width &&
+                  eye.grey.rows == eye.size.height);
     cv::cvtColor(eye.grey, image, cv::COLOR_GRAY2BGR);
   }
   for (const Event& e : eye.events) {
@@ -94,7 +98,8 @@ cv::Mat draw_eye(const EyePicture& eye, int scale) {
 cv::Mat fit_into(const cv::Mat& picture, int width, int height) {
   cv::Mat canvas(height, width, CV_8UC3, ground);
   if (picture.empty()) return canvas;
-  const double scale = std::min(static_cast<double>(width) / picture.cols, static_cast<double>(height) / picture.rows);
+  const double scale =
+      std::min(static_cast<double>(width) / picture.cols, static_cast<double>(height) / picture.rows);
   const cv::Size size(std::clamp(static_cast<int>(std::lround(picture.cols * scale)), 1, width),
                       std::clamp(static_cast<int>(std::lround(picture.rows * scale)), 1, height));
   cv::Mat resized;
@@ -109,8 +114,8 @@ VideoComposer::VideoComposer(std::filesystem::path path) : path_(std::move(path)
   const auto level = cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   for (const char* codec : {"avc1", "mp4v"}) {
     writer_ = std::make_unique<cv::VideoWriter>(
-        part_.string(), cv::CAP_FFMPEG, cv::VideoWriter::fourcc(codec[0], codec[1], codec[2], codec[3]), frame_hz,
-        size);
+        part_.string(), cv::CAP_FFMPEG, cv::VideoWriter::fourcc(codec[0], codec[1], codec[2], codec[3]),
+        frame_hz, size);
     if (writer_->isOpened()) break;
   }
   cv::utils::logging::setLogLevel(level);
@@ -143,7 +148,8 @@ void VideoComposer::commit() {
   if (frames_ == 0) throw RunError("video: no picture for " + path_.string());
   writer_->release();
   std::error_code error;
-  if (std::filesystem::file_size(part_, error) == 0 || error) throw RunError("video: nothing was written to " + part_.string());
+  if (std::filesystem::file_size(part_, error) == 0 || error)
+    throw RunError("video: nothing was written to " + part_.string());
   std::filesystem::rename(part_, path_, error);
   if (error) throw RunError("video: cannot rename " + part_.string() + ": " + error.message());
   writer_.reset();

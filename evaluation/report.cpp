@@ -36,7 +36,7 @@ constexpr double deg_per_rad = 180.0 / std::numbers::pi;
 /// One picture of the strip.
 struct Frame {
   std::int64_t t_us = 0;
-  fs::path eye;    ///< empty where the run saved none
+  fs::path eye;  ///< empty where the run saved none
   fs::path scene;
   std::vector<Event> events;
 };
@@ -53,8 +53,8 @@ struct Run {
   std::optional<EventCounts> event_counts;
   std::string events_remark;  ///< why events are not shown
 
-  /// A recording's annotations, not one row per millisecond: then nothing is known of the ball's place in
-  /// the world.
+  /// A recording's annotations, not one row per millisecond: then nothing is
+  /// known of the ball's place in the world.
   [[nodiscard]] bool sparse_truth() const {
     return !truth.empty() && !std::isfinite(truth.front().position_m.x());
   }
@@ -95,29 +95,35 @@ std::vector<Frame> saved_frames(const fs::path& folder) {
 std::vector<Frame> frames_without_pictures(const Run& run) {
   std::vector<Frame> frames;
   for (const TruthRow& row : run.truth) {
-    if (row.visible >= chance_visible_share) frames.push_back({.t_us = row.t_us, .eye = {}, .scene = {}, .events = {}});
+    if (row.visible >= chance_visible_share)
+      frames.push_back({.t_us = row.t_us, .eye = {}, .scene = {}, .events = {}});
   }
   if (frames.empty()) {
-    const auto step_us = static_cast<std::int64_t>(run.metrics.duration_s * 1e6) / (strip_frames_without_pictures + 1);
-    for (std::size_t i = 1; i <= strip_frames_without_pictures && step_us > 0; ++i) {
-      frames.push_back({.t_us = run.metrics.start_us + static_cast<std::int64_t>(i) * step_us, .eye = {}, .scene = {}, .events = {}});
+    const auto end_us = static_cast<std::int64_t>(run.metrics.duration_s * 1e6);
+    const std::int64_t step_us = end_us / (static_cast<std::int64_t>(strip_frames_without_pictures) + 1);
+    for (std::int64_t t_us = step_us; step_us > 0 && t_us < end_us; t_us += step_us) {
+      frames.push_back({.t_us = run.metrics.start_us + t_us, .eye = {}, .scene = {}, .events = {}});
     }
   }
   return spread_out(frames, strip_frames_without_pictures);
 }
 
-/// One pass over the recording: counts over time, and the events just before each frame.
+/// One pass over the recording: counts over time, and the events just before
+/// each frame.
 void read_events(Run& run) {
   const Metrics& metrics = run.metrics;
   if (metrics.events_file.empty()) return;
   EventCounts counts;
   counts.start_us = metrics.start_us;
-  counts.bin_us = std::max<std::int64_t>(1'000, static_cast<std::int64_t>(metrics.duration_s * 1e6 / 1'000.0));
-  counts.counts.resize(static_cast<std::size_t>(metrics.duration_s * 1e6 / static_cast<double>(counts.bin_us)) + 1);
+  counts.bin_us =
+      std::max<std::int64_t>(1'000, static_cast<std::int64_t>(metrics.duration_s * 1e6 / 1'000.0));
+  counts.counts.resize(
+      static_cast<std::size_t>(metrics.duration_s * 1e6 / static_cast<double>(counts.bin_us)) + 1);
   const auto take = [&](const Event& event) {
     if (event.camera != 0) return;
     const std::int64_t bin = (event.t_us - counts.start_us) / counts.bin_us;
-    if (event.t_us >= counts.start_us && bin < std::ssize(counts.counts)) ++counts.counts[static_cast<std::size_t>(bin)];
+    if (event.t_us >= counts.start_us && bin < std::ssize(counts.counts))
+      ++counts.counts[static_cast<std::size_t>(bin)];
     const auto later = [](const Frame& frame, std::int64_t t_us) { return frame.t_us < t_us; };
     for (auto frame = std::lower_bound(run.frames.begin(), run.frames.end(), event.t_us, later);
          frame != run.frames.end() && frame->t_us - run.window_us < event.t_us; ++frame) {
@@ -156,24 +162,35 @@ Run load(const fs::path& folder) {
   return run;
 }
 
-// ---- HTML -------------------------------------------------------------------------------------------
+// ---- HTML
+// -------------------------------------------------------------------------------------------
 
 std::string escaped(std::string_view text) {
   std::string html;
   for (const char c : text) {
     switch (c) {
-      case '&': html += "&amp;"; break;
-      case '<': html += "&lt;"; break;
-      case '>': html += "&gt;"; break;
-      case '"': html += "&quot;"; break;
-      default: html += c;
+      case '&':
+        html += "&amp;";
+        break;
+      case '<':
+        html += "&lt;";
+        break;
+      case '>':
+        html += "&gt;";
+        break;
+      case '"':
+        html += "&quot;";
+        break;
+      default:
+        html += c;
     }
   }
   return html;
 }
 
 std::string base64(const std::vector<unsigned char>& bytes) {
-  static constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  static constexpr std::string_view digits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
     std::uint32_t group = 0;
@@ -190,11 +207,14 @@ std::string picture_html(const cv::Mat& picture, const char* format, const std::
   cv::imencode(std::string(".") + format, picture, bytes,
                std::string_view(format) == "png" ? std::vector<int>{cv::IMWRITE_PNG_COMPRESSION, 9}
                                                  : std::vector<int>{cv::IMWRITE_JPEG_QUALITY, 85});
-  return fmt::format("<img alt=\"{}\" width=\"{}\" height=\"{}\" src=\"data:image/{};base64,{}\">", escaped(alt),
-                     picture.cols, picture.rows, format, base64(bytes));
+  return fmt::format(
+      "<img alt=\"{}\" width=\"{}\" height=\"{}\" "
+      "src=\"data:image/{};base64,{}\">",
+      escaped(alt), picture.cols, picture.rows, format, base64(bytes));
 }
 
-/// Inside a page an SVG needs no namespaces, and the page then holds no address at all.
+/// Inside a page an SVG needs no namespaces, and the page then holds no address
+/// at all.
 std::string inline_svg(std::string svg) {
   for (std::size_t at = 0; (at = svg.find("xmlns")) != std::string::npos;) {
     svg.erase(at, svg.find('"', svg.find('"', at) + 1) + 1 - at);
@@ -215,18 +235,23 @@ std::string count_cell(std::int64_t value) { return fmt::format("<td data-value=
 
 std::string detector_table(const Metrics& metrics) {
   std::string html =
-      "<div class=\"wide\"><table id=\"detectors\"><thead><tr><th rowspan=\"2\">detector</th>"
-      "<th rowspan=\"2\">average<br>precision</th><th colspan=\"3\">at the threshold</th>"
-      "<th colspan=\"2\">inliers per s</th><th colspan=\"2\">position error, px</th>"
+      "<div class=\"wide\"><table id=\"detectors\"><thead><tr><th "
+      "rowspan=\"2\">detector</th>"
+      "<th rowspan=\"2\">average<br>precision</th><th colspan=\"3\">at the "
+      "threshold</th>"
+      "<th colspan=\"2\">inliers per s</th><th colspan=\"2\">position error, "
+      "px</th>"
       "<th colspan=\"2\">radius error, px</th><th rowspan=\"2\">lag<br>ms</th>"
       "<th rowspan=\"2\">µs per<br>event</th></tr>"
-      "<tr><th>threshold</th><th>precision</th><th>recall</th><th>mean</th><th>peak</th><th>median</th><th>95 %</th>"
+      "<tr><th>threshold</th><th>precision</th><th>recall</th><th>mean</"
+      "th><th>peak</th><th>median</th><th>95 %</th>"
       "<th>median</th><th>95 %</th></tr></thead><tbody>\n";
   for (std::size_t i = 0; i < metrics.detectors.size(); ++i) {
     const auto& [name, s] = metrics.detectors[i];
-    html += fmt::format("<tr><th><span class=\"dot\" style=\"background:{}\"></span>{}{}</th>", detector_colour(i),
-                        escaped(name),
-                        metrics.gaze && metrics.gaze->detector == name ? " <small>drives the gaze</small>" : "");
+    html +=
+        fmt::format("<tr><th><span class=\"dot\" style=\"background:{}\"></span>{}{}</th>",
+                    detector_colour(i), escaped(name),
+                    metrics.gaze && metrics.gaze->detector == name ? " <small>drives the gaze</small>" : "");
     html += cell(s.average_precision) + cell(s.threshold) + cell(s.precision) + cell(s.recall) +
             cell(s.mean_rate_hz) + cell(s.peak_rate_hz) + cell(s.position_error_px.median) +
             cell(s.position_error_px.p95) + cell(s.radius_error_px.median) + cell(s.radius_error_px.p95) +
@@ -247,15 +272,16 @@ std::string gaze_table(const GazeScore& s) {
          row("in view, share of the time", cell(s.in_view_ratio)) +
          row("target off the ball, median, mm", cell(s.target_error_median_m, 1e3)) +
          row("moves", count_cell(s.moves)) + row("wrong moves", count_cell(s.wrong_moves)) +
-         row("saccades", count_cell(s.saccades)) + row("joint limit violations", count_cell(s.limit_violations)) +
-         "</tbody></table>\n";
+         row("saccades", count_cell(s.saccades)) +
+         row("joint limit violations", count_cell(s.limit_violations)) + "</tbody></table>\n";
 }
 
 std::string summary(const Metrics& m) {
   std::string html = fmt::format("<p class=\"facts\">{:.3g} s", m.duration_s);
   if (m.seed) html += fmt::format(" · seed {}", *m.seed);
   html += fmt::format(" · {} events", m.event_count);
-  if (m.duration_s > 0.0) html += fmt::format(" ({:.3g} thousand per s)", static_cast<double>(m.event_count) * 1e-3 / m.duration_s);
+  if (m.duration_s > 0.0)
+    html += fmt::format(" ({:.3g} thousand per s)", static_cast<double>(m.event_count) * 1e-3 / m.duration_s);
   if (m.wall_s && *m.wall_s > 0.0) {
     html += fmt::format(" · computed in {:.3g} s ({:.2g} × real time)", *m.wall_s, m.duration_s / *m.wall_s);
   }
@@ -263,8 +289,8 @@ std::string summary(const Metrics& m) {
 }
 
 std::string figure(std::string_view title, std::string_view reading, const std::string& content) {
-  return fmt::format("<figure><h3>{}</h3>\n{}\n<figcaption>{}</figcaption></figure>\n", escaped(title), content,
-                     reading);
+  return fmt::format("<figure><h3>{}</h3>\n{}\n<figcaption>{}</figcaption></figure>\n", escaped(title),
+                     content, reading);
 }
 
 template <class Rows>
@@ -280,13 +306,15 @@ EyePicture eye_picture(const Run& run, const Frame& frame) {
   if (!frame.eye.empty()) {
     eye.grey = cv::imread(frame.eye.string(), cv::IMREAD_GRAYSCALE);
     if (eye.grey.cols != eye.size.width || eye.grey.rows != eye.size.height) {
-      throw InputError(frame.eye.string(), fmt::format("a picture of {} x {} pixels", eye.grey.cols, eye.grey.rows),
+      throw InputError(frame.eye.string(),
+                       fmt::format("a picture of {} x {} pixels", eye.grey.cols, eye.grey.rows),
                        fmt::format("{} x {}, as the camera", eye.size.width, eye.size.height));
     }
   }
   eye.events = frame.events;
-  if (const auto row = newest(run.truth, frame.t_us);
-      row != run.truth.end() && frame.t_us - row->t_us < 1'000 && row->visible > 0.0 && std::isfinite(row->circle.x_px)) {
+  if (const auto row = newest(run.truth, frame.t_us); row != run.truth.end() &&
+                                                      frame.t_us - row->t_us < 1'000 && row->visible > 0.0 &&
+                                                      std::isfinite(row->circle.x_px)) {
     eye.truth = row->circle;
   }
   for (std::size_t i = 0; i < run.metrics.detectors.size(); ++i) {
@@ -300,7 +328,8 @@ EyePicture eye_picture(const Run& run, const Frame& frame) {
       if (row == run.detections.begin()) break;
     }
   }
-  if (run.metrics.camera) eye.principal_px = Eigen::Vector2d(run.metrics.camera->cx_px, run.metrics.camera->cy_px);
+  if (run.metrics.camera)
+    eye.principal_px = Eigen::Vector2d(run.metrics.camera->cx_px, run.metrics.camera->cy_px);
   return eye;
 }
 
@@ -310,13 +339,15 @@ std::string strip(const Run& run) {
   std::string html = "<div class=\"strip\">\n";
   for (const Frame& frame : run.frames) {
     const EyePicture eye = eye_picture(run, frame);
-    std::string caption = fmt::format("{:.2f} s", static_cast<double>(frame.t_us - run.metrics.start_us) * 1e-6);
+    std::string caption =
+        fmt::format("{:.2f} s", static_cast<double>(frame.t_us - run.metrics.start_us) * 1e-6);
     html += "<div class=\"frame\">";
     if (!frame.scene.empty()) {
       const cv::Mat scene = cv::imread(frame.scene.string(), cv::IMREAD_COLOR);
       if (scene.empty()) throw InputError(frame.scene.string(), "no readable picture", "a PNG file");
       const int width = std::min(scene_picture_px, scene.cols);
-      html += picture_html(fit_into(scene, width, width * scene.rows / scene.cols), "jpeg", "the scene at " + caption);
+      html += picture_html(fit_into(scene, width, width * scene.rows / scene.cols), "jpeg",
+                           "the scene at " + caption);
     }
     html += picture_html(draw_eye(eye, scale), "png", "what the left eye sees at " + caption);
     if (run.metrics.gaze && run.metrics.camera && eye.truth) {
@@ -328,11 +359,15 @@ std::string strip(const Run& run) {
   html += "</div>";
   return figure(
       "What happened",
-      fmt::format("{}the events of the last {:.3g} ms are green where it got brighter and magenta where it got "
-                  "darker. White: the true circle; coloured: the newest circle of each detector above its threshold "
+      fmt::format("{}the events of the last {:.3g} ms are green where it got "
+                  "brighter and magenta where it got "
+                  "darker. White: the true circle; coloured: the newest circle "
+                  "of each detector above its threshold "
                   "(same colours as in the table){}.",
                   run.has_pictures ? "In each eye picture " : "", static_cast<double>(run.window_us) * 1e-3,
-                  run.metrics.camera ? "; the cross marks where the eye points, so a ball under it is fixated" : ""),
+                  run.metrics.camera ? "; the cross marks where the eye "
+                                       "points, so a ball under it is fixated"
+                                     : ""),
       html);
 }
 
@@ -343,17 +378,22 @@ std::string detection_figures(const Run& run) {
                                   [](const auto& d) { return !d.second.pr_curve.empty(); });
   for (std::size_t i = 0; i < m.detectors.size(); ++i) {
     const auto& [name, score] = m.detectors[i];
-    html += figure(name + (run.truth.empty() ? ": circles over time" : " against truth"),
-                   run.truth.empty() ? "Every dot is an observation above the threshold; a ball makes a smooth trace, "
-                                       "clutter makes scattered dots."
-                                     : "Dots are observations above the threshold; those that lie on the grey truth in "
-                                       "all three panels are right, gaps are times without an observation.",
-                   inline_svg(tracking_figure(fmt::format("track{}", i), run.truth, run.detections, name,
-                                              score.threshold, detector_colour(i), run.sparse_truth(), m.start_us)));
+    html += figure(
+        name + (run.truth.empty() ? ": circles over time" : " against truth"),
+        run.truth.empty() ? "Every dot is an observation above the threshold; "
+                            "a ball makes a smooth trace, "
+                            "clutter makes scattered dots."
+                          : "Dots are observations above the threshold; those "
+                            "that lie on the grey truth in "
+                            "all three panels are right, gaps are times "
+                            "without an observation.",
+        inline_svg(tracking_figure(fmt::format("track{}", i), run.truth, run.detections, name,
+                                   score.threshold, detector_colour(i), run.sparse_truth(), m.start_us)));
   }
   if (scored) {
     html += figure("Precision and recall",
-                   "Each curve runs through all thresholds; the further up and right, the better. The square is the "
+                   "Each curve runs through all thresholds; the further up and "
+                   "right, the better. The square is the "
                    "threshold in use.",
                    inline_svg(precision_recall_figure("pr", m)));
   }
@@ -366,16 +406,19 @@ std::string gaze_figures(const Run& run) {
   if (!m.gaze || run.gaze.empty()) return html;
   if (m.camera && !run.truth.empty()) {
     html += figure("Gaze in angle",
-                   "How far the ball is from the left eye's optical axis: low is good, a sudden fall is a gaze shift "
+                   "How far the ball is from the left eye's optical axis: low is good, a "
+                   "sudden fall is a gaze shift "
                    "that caught up, and gaps are times with the ball behind the camera.",
                    inline_svg(fixation_figure("fixation", run.truth, *m.camera, m.start_us)));
   }
   html += figure("Gaze in space",
-                 "Seen from behind the robot, in its root frame: a gaze that follows well lays the blue line on the "
+                 "Seen from behind the robot, in its root frame: a gaze that follows well "
+                 "lays the blue line on the "
                  "ball's grey path; orange dots are the points it was told to look at.",
                  inline_svg(gaze_path_figure("path", run.truth, run.gaze)));
   html += figure("Joints and their limits",
-                 "Blue: joint angle, dashed: limits; where the line runs along a limit the head cannot turn further.",
+                 "Blue: joint angle, dashed: limits; where the line runs along "
+                 "a limit the head cannot turn further.",
                  inline_svg(joints_figure("joints", run.gaze, m.gaze->limits, m.start_us)));
   return html;
 }
@@ -409,7 +452,8 @@ std::string page(const Run& run) {
   const Metrics& m = run.metrics;
   std::string html = fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{0}</title>\n"
+      "<meta name=\"viewport\" content=\"width=device-width, "
+      "initial-scale=1\">\n<title>{0}</title>\n"
       "<style>{1}</style>\n</head>\n<body>\n<h1>{0}</h1>\n{2}",
       escaped(m.scenario), style, summary(m));
   if (!run.events_remark.empty()) {
@@ -419,12 +463,15 @@ std::string page(const Run& run) {
   html += strip(run);
   if (m.gaze) html += "<h2>Gaze</h2>\n" + gaze_table(m.gaze->score) + gaze_figures(run);
   html += "<h2>Detection</h2>\n" + detector_table(m);
-  html += "<p class=\"facts\">An observation is right within 6 px of the true centre and 2 px of the true radius. "
-          "– means that the figure does not apply.</p>\n";
+  html +=
+      "<p class=\"facts\">An observation is right within 6 px of the true "
+      "centre and 2 px of the true radius. "
+      "– means that the figure does not apply.</p>\n";
   html += detection_figures(run);
   if (run.event_counts) {
     html += figure("Events and detections per time",
-                   "Events come where something moves in the image; observations above the threshold get rare when the "
+                   "Events come where something moves in the image; "
+                   "observations above the threshold get rare when the "
                    "ball stands still in it.",
                    inline_svg(rates_figure("rates", *run.event_counts, run.detections, m, m.start_us)));
   }

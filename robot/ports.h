@@ -28,8 +28,7 @@ class Clock {
   [[nodiscard]] virtual std::int64_t now_us() const = 0;
   /// Returns when now_us() >= t_us: the simulator advances its world, a recording jumps, a robot waits.
   /// A time that has passed returns at once. `ended` or `lost` when that time will not come; `ended` only
-  /// after everything up to now_us() has been read from the ports that end, so nothing is missed by a loop
-  /// that waits, reads and stops at the first status that is not ok.
+  /// when every event has been read, so a loop that waits, reads and stops when the clock ends misses none.
   virtual PortStatus wait_until(std::int64_t t_us) = 0;
 };
 
@@ -49,6 +48,13 @@ class EventSource {
 /// Rad, neck pitch to eyes vergence.
 using HeadCommand = HeadJointVector;
 
+/// Whether a head with these limits may take that reference: finite and inside them.
+[[nodiscard]] inline bool is_allowed(const HeadCommand& reference_rad, const JointLimits& limits) {
+  return reference_rad.allFinite() &&
+         (reference_rad.array() >= limits.min_rad.tail<head_joint_count>().array()).all() &&
+         (reference_rad.array() <= limits.max_rad.tail<head_joint_count>().array()).all();
+}
+
 /// The joints of neck and eyes (commanded) and of the torso (read only).
 class HeadPort {
  public:
@@ -58,7 +64,7 @@ class HeadPort {
   /// may be is the caller's decision). With `ended` or `lost` the state is left as it was.
   virtual PortStatus read(HeadState& state) = 0;
   /// Takes effect at once and holds until the next command. A reference outside limits() or not finite
-  /// is refused whole (`refused` is true and the last one holds). A recorded head takes commands and
+  /// is refused whole (is_allowed; `refused` is true and the last one holds). A recorded head takes commands and
   /// moves as it did.
   struct CommandResult {
     PortStatus status = PortStatus::ok;

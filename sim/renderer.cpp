@@ -42,6 +42,16 @@ class SceneDrawer {
     }
     read_pixels_ = reinterpret_cast<decltype(glReadPixels)*>(gl.function("glReadPixels"));
     if (read_pixels_ == nullptr) throw RunError("OpenGL failed: no glReadPixels");
+    if (const char* f = std::getenv("FILT")) {
+      auto bind = reinterpret_cast<decltype(glBindTexture)*>(gl.function("glBindTexture"));
+      auto par = reinterpret_cast<decltype(glTexParameteri)*>(gl.function("glTexParameteri"));
+      for (int i = 0; i < context_.ntexture; ++i) {
+        GLenum target = context_.textureType[i] == mjTEXTURE_2D ? GL_TEXTURE_2D : 0x8513;
+        bind(target, context_.texture[i]);
+        par(target, GL_TEXTURE_MIN_FILTER, std::atoi(f));
+        bind(target, 0);
+      }
+    }
     std::fill(std::begin(scene_.flags), std::end(scene_.flags), mjtByte{0});
     scene_.flags[mjRND_CULL_FACE] = 1;
     scene_.flags[mjRND_SHADOW] = quality == Quality::fine ? 1 : 0;

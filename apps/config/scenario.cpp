@@ -19,7 +19,7 @@ bool is_known(const std::string& preset) {
 /// the key `preset`, which is added to `required`.
 NamedDetectors named_in(const YamlTree& tree, std::vector<std::string>& required) {
   NamedDetectors detectors;
-  const YamlNode* block = tree.find("detectors");
+  const YamlNode* block = tree.root.find("detectors");
   if (block == nullptr) return detectors;
   for (std::size_t i = 0; i < block->keys.size(); ++i) {
     const std::string& name = block->keys[i];
@@ -41,7 +41,7 @@ void describe_detectors(FieldVisitor& v, NamedDetectors& detectors) {
 
 std::vector<Expectation> expected_in(const YamlTree& tree) {
   std::vector<Expectation> expect;
-  if (const YamlNode* block = tree.find("expect")) {
+  if (const YamlNode* block = tree.root.find("expect")) {
     for (const std::string& metric : block->keys) expect.push_back({metric});
   }
   return expect;
@@ -155,7 +155,7 @@ NamedDetectors read_detectors(const std::filesystem::path& path, const std::vect
   } else {
     for (const std::string& name : detector_presets()) set_value(tree, "detectors." + name + "={}");
   }
-  const YamlNode* block = tree.find("detectors");
+  const YamlNode* block = tree.root.find("detectors");
   const std::vector<std::string> names = block != nullptr ? block->keys : std::vector<std::string>{};
   for (const std::string& assignment : assignments) {
     const std::string first = assignment.substr(0, assignment.find_first_of(".="));
@@ -171,6 +171,12 @@ NamedDetectors read_detectors(const std::filesystem::path& path, const std::vect
   describe_detectors(reader, detectors);
   reader.finish();
   return detectors;
+}
+
+std::string resolved_detectors(NamedDetectors detectors) {
+  YamlWriter writer;
+  describe_detectors(writer, detectors);
+  return writer.yaml();
 }
 
 }  // namespace saccade

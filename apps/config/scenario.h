@@ -69,5 +69,7 @@ struct Scenario {
 /// first word is the name of a detector holds for that one, any other for all of them.
 [[nodiscard]] NamedDetectors read_detectors(const std::filesystem::path& path,
                                             const std::vector<std::string>& assignments);
+/// The detectors with every default, as YAML that reads back the same.
+[[nodiscard]] std::string resolved_detectors(NamedDetectors detectors);
 
 }  // namespace saccade

@@ -218,8 +218,8 @@ YamlNode parse_document(YamlTree& tree, std::string_view text, bool from_set, co
   std::istringstream stream{std::string(text)};
   try {
     YAML::Parser parser(stream);
-    while (parser.HandleNextDocument(builder)) {
-    }
+    // A third one is not asked for: after some rubbish the parser finds empty documents for ever.
+    if (parser.HandleNextDocument(builder)) parser.HandleNextDocument(builder);
   } catch (const YAML::Exception& error) {
     const TextMark mark = builder.mark_of(error.mark);
     const std::string column = from_set ? "" : "column " + std::to_string(mark.column);

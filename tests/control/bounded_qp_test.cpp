@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <limits>
 
 #include "core/random.h"
@@ -10,15 +11,15 @@ namespace saccade {
 namespace {
 
 template <int N>
-struct Problem {
+struct QpCase {
   Eigen::Matrix<double, N, N> h;
   Eigen::Matrix<double, N, 1> g, lower, upper;
 };
 
 /// Least squares of random rank and scale plus damping; bounds of every width, some of them equal.
 template <int N>
-Problem<N> random_problem(const RandomStream& random, std::uint64_t i) {
-  Problem<N> p;
+QpCase<N> random_problem(const RandomStream& random, std::uint64_t i) {
+  QpCase<N> p;
   const double damping = std::pow(10.0, random.uniform(-6.0, 0.0, 1000, i));
   const int rows = static_cast<int>(random.uniform(1.0, N + 1.0, 1001, i));
   p.h = damping * Eigen::Matrix<double, N, N>::Identity();
@@ -41,13 +42,13 @@ Problem<N> random_problem(const RandomStream& random, std::uint64_t i) {
 }
 
 template <int N>
-double cost(const Problem<N>& p, const Eigen::Matrix<double, N, 1>& x) {
+double cost(const QpCase<N>& p, const Eigen::Matrix<double, N, 1>& x) {
   return 0.5 * x.dot(p.h * x) - p.g.dot(x);
 }
 
 /// How far x is from the Karush-Kuhn-Tucker conditions, which are necessary and sufficient here.
 template <int N>
-double kkt_violation(const Problem<N>& p, const Eigen::Matrix<double, N, 1>& x) {
+double kkt_violation(const QpCase<N>& p, const Eigen::Matrix<double, N, 1>& x) {
   const Eigen::Matrix<double, N, 1> gradient = p.h * x - p.g;
   double worst = 0.0;
   for (int j = 0; j < N; ++j) {
@@ -62,7 +63,7 @@ double kkt_violation(const Problem<N>& p, const Eigen::Matrix<double, N, 1>& x) 
 
 /// The lowest cost over all 3^N ways to hold each variable free, at its lower or at its upper bound.
 template <int N>
-Eigen::Matrix<double, N, 1> best_of_all_active_sets(const Problem<N>& p) {
+Eigen::Matrix<double, N, 1> best_of_all_active_sets(const QpCase<N>& p) {
   int sets = 1;
   for (int j = 0; j < N; ++j) sets *= 3;
   double best = std::numeric_limits<double>::infinity();
@@ -95,7 +96,7 @@ TEST(BoundedQp, FindsTheOptimumOfTwentyThousandRandomProblems) {
   int bound = 0;
   BoundedQp<6> qp;  // one solver for all: every start is warm, and wrong
   for (std::uint64_t i = 0; i < 20000; ++i) {
-    const Problem<6> p = random_problem<6>(random, i);
+    const QpCase<6> p = random_problem<6>(random, i);
     const auto solution = qp.solve(p.h, p.g, p.lower, p.upper);
     ASSERT_TRUE(solution.optimal) << i;
     worst = std::max(worst, kkt_violation<6>(p, solution.x));
@@ -105,7 +106,6 @@ TEST(BoundedQp, FindsTheOptimumOfTwentyThousandRandomProblems) {
   }
   EXPECT_LT(worst, 1e-11);
   EXPECT_GT(bound, 15000);  // else the bounds were never tried
-  RecordProperty("worst_kkt", std::to_string(worst));
   std::printf("KKT violation %.2g, iterations: mean %.2f, most %d\n", worst,
               static_cast<double>(iterations) / 20000.0, most_iterations);
 }
@@ -114,7 +114,7 @@ TEST(BoundedQp, AgreesWithTheBestOfAllActiveSets) {
   const RandomStream random(2, "qp");
   BoundedQp<4> qp;
   for (std::uint64_t i = 0; i < 20000; ++i) {
-    const Problem<4> p = random_problem<4>(random, i);
+    const QpCase<4> p = random_problem<4>(random, i);
     const auto x = qp.solve(p.h, p.g, p.lower, p.upper).x;
     const Eigen::Vector4d best = best_of_all_active_sets<4>(p);
     // Strictly convex: costs that differ by d hold points within sqrt(2 d / damping) of each other.
@@ -127,7 +127,7 @@ TEST(BoundedQp, SolvesEverySizeItIsMadeFor) {
   const auto check = [&]<int N>(std::integral_constant<int, N>) {
     BoundedQp<N> qp;
     for (std::uint64_t i = 0; i < 2000; ++i) {
-      const Problem<N> p = random_problem<N>(random, i);
+      const QpCase<N> p = random_problem<N>(random, i);
       const auto solution = qp.solve(p.h, p.g, p.lower, p.upper);
       ASSERT_TRUE(solution.optimal);
       ASSERT_LT(kkt_violation<N>(p, solution.x), 1e-11);
@@ -142,7 +142,7 @@ TEST(BoundedQp, SolvesEverySizeItIsMadeFor) {
 TEST(BoundedQp, AWarmStartAtTheOptimumNeedsOneIteration) {
   const RandomStream random(4, "qp");
   for (std::uint64_t i = 0; i < 1000; ++i) {
-    const Problem<6> p = random_problem<6>(random, i);
+    const QpCase<6> p = random_problem<6>(random, i);
     BoundedQp<6> qp;
     const auto first = qp.solve(p.h, p.g, p.lower, p.upper);
     const auto again = qp.solve(p.h, p.g, p.lower, p.upper);

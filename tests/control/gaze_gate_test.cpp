@@ -122,16 +122,19 @@ TEST(AuthorsGate, StaysWhenTheNewestIsAnOutlier) {
 }
 
 TEST(AuthorsGate, StaysWhenTheDetectionsSpread) {
-  const auto spread_over = [](double half_width) {
-    const auto g = gate("authors");
-    return feed(*g, 241, [&](int i) { return sure(60 + (i % 3 - 1) * half_width, 60, 12); });
-  };
   // Three values at -w, 0, w have a standard deviation of 0.816 w; the last detection is the median.
-  EXPECT_TRUE(spread_over(24.0).has_value() || spread_over(24.0) == std::nullopt);
-  const auto g = gate("authors");
-  EXPECT_TRUE(feed(*g, 241, [](int i) { return sure(60 + ((i + 1) % 3 - 1) * 24.0 * (i % 3 != 0), 60, 12); }));
-  const auto wide = gate("authors");
-  EXPECT_FALSE(feed(*wide, 241, [](int i) { return sure(60 + (i % 2 == 0 ? 21.0 : -21.0), 60, 12); }));
+  const auto spread_over = [](double w_px, double Circle::*coordinate) {
+    const auto g = gate("authors");
+    return feed(*g, 241, [&](int i) {
+      Estimate e = sure(60, 60, 12);
+      e.circle.*coordinate += (i % 3 - 1) * w_px;
+      return e;
+    });
+  };
+  for (const auto coordinate : {&Circle::x_px, &Circle::y_px}) {
+    EXPECT_TRUE(spread_over(24.0, coordinate));
+    EXPECT_FALSE(spread_over(25.0, coordinate));
+  }
 }
 
 TEST(AuthorsGate, TakesTheLargestRadiusUpToSixteen) {

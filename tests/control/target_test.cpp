@@ -114,7 +114,7 @@ TEST(Target, ExtremeCirclesNeverGiveATargetThatIsNotFinite) {
   for (const double r_px : {1e-300, 1e-9, 1e3, 1e9, 1e300}) {
     for (const double x_px : {-1e9, 64.0, 1e9, 1e300}) {
       const Target target = locator.locate({x_px, 60.0, r_px}, PinholeCamera{}, Eigen::Isometry3d::Identity());
-      if (target.status == TargetStatus::ok) EXPECT_TRUE(target.point_m.allFinite());
+      EXPECT_TRUE(target.status != TargetStatus::ok || target.point_m.allFinite());
     }
   }
 }

@@ -102,30 +102,24 @@ TEST(HoughTransform, ACompleteRingAnswersOneAtItsCentre) {
 }
 
 TEST(HoughTransform, BreaksTiesBySmallerRadiusThenRowThenColumn) {
-  // One full vote: every pixel of a ring holds one, and the smallest ring has the largest response.
+  // One full vote: the pixels of every ring hold one vote, so the ring of fewest pixels wins.
   HoughTransform transform({40, 30}, 4, 8, 10 * degree);
   transform.vote_ring<1>(20, 15);
-  EXPECT_EQ(as_reference(transform.peak()).r, 4);
-  EXPECT_EQ(transform.peak().y, 11);
-  EXPECT_EQ(transform.peak().x, 18);  // the top row of the ring of radius 4 is 18..22
-  // Equal responses from different counts: twice the votes on a ring of twice the pixels.
-  const HoughTransform rings({8, 8}, 1, 60, 10 * degree);
-  int small = 1;
-  int large = 0;
-  while (large == 0) {
-    for (int r = small + 1; r <= 60; ++r) {
-      if (rings.ring_pixels(r) == 2 * rings.ring_pixels(small)) large = r;
-    }
-    if (large == 0) ++small;
-  }
-  HoughTransform two({300, 300}, small, large, 10 * degree);
-  two.vote_arcs<1>(150, 150, 0);
-  const HoughTransform::Peak first = two.peak();
-  EXPECT_EQ(first.r, small);
-  two.vote_arcs<1>(150, 150, 0);
-  EXPECT_EQ(two.peak().r, small);
-  two.vote_arcs<-1>(150, 150, 0);
-  EXPECT_EQ(as_reference(two.peak()), as_reference(first));
+  ReferenceHough plain({40, 30}, 4, 8, 1, std::nullopt);
+  plain.push(20, 15, std::nullopt);
+  EXPECT_EQ(as_reference(transform.peak()), plain.peak());
+  EXPECT_EQ(as_reference(transform.peak()), (ReferenceHough::Peak{18, 10, 5, 1}));  // 28 pixels; its top row
+  // Equal responses from different counts: a ring of 3 has 16 pixels, one of 4 has 32. Two events 8 px apart
+  // share a centre at radius 4 only, so 2 / 32 meets 1 / 16, and the smaller radius wins.
+  HoughTransform two({40, 30}, 3, 4, 10 * degree);
+  two.vote_ring<1>(12, 15);
+  two.vote_ring<1>(20, 15);
+  EXPECT_EQ(two.votes(16, 15, 4), 2);
+  EXPECT_EQ(as_reference(two.peak()), (ReferenceHough::Peak{11, 12, 3, 1}));
+  two.vote_ring<1>(16, 11);
+  EXPECT_EQ(as_reference(two.peak()), (ReferenceHough::Peak{16, 15, 4, 3}));
+  two.vote_ring<-1>(16, 11);
+  EXPECT_EQ(as_reference(two.peak()), (ReferenceHough::Peak{11, 12, 3, 1}));
 }
 
 TEST(HoughTransform, IsEmptyAgainWhenEveryVoteIsTakenBackOrCleared) {

@@ -69,7 +69,7 @@ TEST(PlaneFitFlow, EqualsADenseLeastSquaresFit) {
   }
   std::printf("equal at %zu events, %zu of them with flow\n", compared, with_flow);
   EXPECT_GT(compared, 20'000U);
-  EXPECT_GT(with_flow, 2'000U);
+  EXPECT_GT(with_flow, 1'500U);
 }
 
 TEST(PlaneFitFlow, MeasuresDirectionAndSpeedOfStraightEdges) {
@@ -124,7 +124,8 @@ TEST(PlaneFitFlow, PointsAtTheCentreOfAMovingCircle) {
         static_cast<double>(error_deg.size());
     std::printf("r %.0f px: median %.2f deg, %.1f %% within the arc of 10 deg (%zu flows)\n", r, median(error_deg),
                 100 * within_arc, error_deg.size());
-    EXPECT_LT(median(error_deg), 2.0) << r;
+    // An event's neighbours lie on the side the edge comes from, up to a pixel behind it: below 1 / r rad.
+    EXPECT_LT(median(error_deg), 0.7 / r / degree) << r;
     EXPECT_GT(within_arc, 0.9) << r;
   }
 }
@@ -163,7 +164,7 @@ TEST(PlaneFitFlow, NeedsTheConfiguredNumberOfInliers) {
 
 TEST(PlaneFitFlow, LeavesOutNeighboursThatAreOffThePlane) {
   std::vector<Event> events = swept_patch(60, 60);
-  events.insert(events.begin(), streams::event_at(2'000, 62, 58, true));  // 10 px late on this plane
+  events.insert(events.begin(), streams::event_at(9'000, 62, 58, true));  // 3 px off this plane
   const auto flow = flow_after(events);
   ASSERT_TRUE(flow);
   EXPECT_NEAR(flow->dt_dx_us_px, 1000.0, 1e-9);

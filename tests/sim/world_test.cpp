@@ -122,8 +122,8 @@ StepResponse step_response(int joint, double size_rad) {
 class ServoStep : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(EveryHeadJoint, ServoStep,
                          testing::Range(static_cast<int>(neck_pitch), static_cast<int>(joint_count)),
-                         [](const auto& info) {
-                           return std::string(joint_names[static_cast<std::size_t>(info.param)]);
+                         [](const auto& test) {
+                           return std::string(joint_names[static_cast<std::size_t>(test.param)]);
                          });
 
 TEST_P(ServoStep, IsAsFastAsItShouldBeAndDoesNotOvershoot) {

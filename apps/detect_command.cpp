@@ -1,0 +1,181 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+
+#include "apps/commands.h"
+#include "apps/config/scenario.h"
+#include "apps/interrupt.h"
+#include "apps/loop.h"
+#include "apps/run_folder.h"
+#include "apps/summary.h"
+#include "evaluation/report.h"
+#include "robot/replay/replay_robot.h"
+
+namespace saccade {
+namespace {
+
+constexpr std::int64_t tick_us = 1'000;
+/// How long before an annotated instant an event makes an observation of it (design.md section 7).
+constexpr std::int64_t sparse_window_us = 10'000;
+
+struct DetectOptions {
+  std::filesystem::path recording, config, truth, out;
+  std::vector<std::string> assignments;
+  std::string size;
+  EventReadOptions read;
+  bool force = false;
+};
+
+/// "640x480"
+ImageSize parse_size(const std::string& text) {
+  ImageSize size;
+  const char* const end = text.data() + text.size();
+  const auto width = std::from_chars(text.data(), end, size.width);
+  if (width.ec == std::errc() && width.ptr != end && *width.ptr == 'x') {
+    const auto height = std::from_chars(width.ptr + 1, end, size.height);
+    const bool in_range = size.width >= 8 && size.height >= 8 && size.width <= 2048 && size.height <= 2048;
+    if (height.ec == std::errc() && height.ptr == end && in_range) return size;
+  }
+  throw InputError("--size", text, "WIDTHxHEIGHT, each 8 to 2048, such as 128x128");
+}
+
+/// Keeps what the detectors say at the instants that are scored.
+class DetectionRecorder final : public LoopObserver {
+ public:
+  explicit DetectionRecorder(const Loop& loop) : loop_(loop), elapsed_ns_(loop.detectors().size(), 0) {}
+
+  void on_tick(const Tick& tick) override {
+    event_count_ += static_cast<std::int64_t>(tick.events.size());
+    for (std::size_t i = 0; i < tick.detectors.size(); ++i) {
+      const DetectorTick& seen = tick.detectors[i];
+      elapsed_ns_[i] += seen.elapsed_ns;
+      if (!scored_ || !seen.observed) continue;
+      rows_.push_back({tick.t_us, loop_.detectors()[i].name, seen.estimate.circle, seen.estimate.score,
+                       seen.estimate.held});
+    }
+  }
+  void score_next(bool scored) { scored_ = scored; }
+
+  [[nodiscard]] const std::vector<DetectionRow>& rows() const { return rows_; }
+  [[nodiscard]] std::int64_t event_count() const { return event_count_; }
+  [[nodiscard]] std::int64_t elapsed_ns(std::size_t detector) const { return elapsed_ns_[detector]; }
+
+ private:
+  const Loop& loop_;
+  bool scored_ = true;
+  std::vector<DetectionRow> rows_;
+  std::vector<std::int64_t> elapsed_ns_;
+  std::int64_t event_count_ = 0;
+};
+
+/// Plays the whole recording, tick by tick; with annotated truth the ticks are the instants themselves and
+/// the starts of the windows in which an event makes an observation of them.
+void play(ReplayRobot& robot, Loop& loop, DetectionRecorder& recorder, std::span<const TruthRow> truth) {
+  if (truth.empty()) {
+    for (std::int64_t t_us = robot.now_us() + tick_us; !interrupted(); t_us += tick_us) {
+      if (loop.tick(t_us, recorder) == PortStatus::ended) return;
+    }
+    return;
+  }
+  std::int64_t last_us = robot.now_us();
+  for (const TruthRow& row : truth) {
+    if (interrupted()) return;
+    for (const bool scored : {false, true}) {
+      const std::int64_t t_us = scored ? row.t_us : row.t_us - sparse_window_us;
+      if (t_us <= last_us) continue;
+      recorder.score_next(scored);
+      loop.tick(t_us, recorder);
+      last_us = t_us;
+    }
+  }
+}
+
+int detect(const DetectOptions& options) {
+  const NamedDetectors named = read_detectors(options.config, options.assignments);
+  std::vector<TruthRow> truth;
+  if (!options.truth.empty()) truth = read_table<TruthRow>(options.truth);
+  EventReadOptions read = options.read;
+  if (!options.size.empty()) read.image_size = parse_size(options.size);
+  ReplayRobot robot(open_event_file(options.recording, read));
+  PinholeCamera camera;
+  camera.size = robot.image_size();
+
+  std::vector<LoopDetector> detectors;
+  for (const auto& [name, config] : named) detectors.push_back({name, make_detector(config, camera)});
+  Loop loop(robot, robot, robot.head(), camera, std::move(detectors), std::nullopt);
+  DetectionRecorder recorder(loop);
+  if (!options.out.empty()) prepare_run_folder(options.out, options.force);
+
+  catch_interrupts();
+  const std::int64_t start_us = robot.now_us();
+  const auto begin = std::chrono::steady_clock::now();
+  play(robot, loop, recorder, truth);
+  const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+
+  Metrics metrics;
+  metrics.scenario = options.recording.filename().string();
+  metrics.start_us = start_us;
+  metrics.duration_s = static_cast<double>(robot.now_us() - start_us) * 1e-6;
+  metrics.wall_s = wall_s;
+  metrics.event_count = recorder.event_count();
+  metrics.events_file = std::filesystem::absolute(options.recording).string();
+  metrics.image = camera.size;
+  for (std::size_t i = 0; i < named.size(); ++i) {
+    DetectorScore score = score_detector(truth, recorder.rows(), named[i].first,
+                                         loop.detectors()[i].detector->threshold(), Chances::annotated);
+    if (recorder.event_count() > 0) {
+      score.us_per_event =
+          static_cast<double>(recorder.elapsed_ns(i)) * 1e-3 / static_cast<double>(recorder.event_count());
+    }
+    metrics.detectors.emplace_back(named[i].first, std::move(score));
+  }
+  print_summary(metrics);
+  const RejectedEvents rejected = robot.rejected();
+  if (rejected.back_in_time + rejected.outside_image > 0) {
+    fmt::print(stderr, "saccade: {}: left out {} events that go back in time and {} outside the image\n",
+               options.recording.string(), rejected.back_in_time, rejected.outside_image);
+  }
+  if (!options.out.empty()) {
+    OutputFile resolved(options.out / "detectors.yaml");
+    resolved.write(resolved_detectors(named));
+    resolved.commit();
+    TableWriter<DetectionRow> table(options.out / "detections.csv");
+    for (const DetectionRow& row : recorder.rows()) table.write(row);
+    table.commit();
+    if (!truth.empty()) {
+      TableWriter<TruthRow> truth_table(options.out / "truth.csv");
+      for (const TruthRow& row : truth) truth_table.write(row);
+      truth_table.commit();
+    }
+    write_metrics(options.out / "metrics.json", metrics);
+    write_report(options.out);
+    fmt::print("{}\n", (options.out / "report.html").string());
+  }
+  if (interrupted()) throw RunError("interrupted; what was found until then is scored");
+  return 0;
+}
+
+}  // namespace
+
+void add_detect_command(CLI::App& app, Action& action) {
+  auto options = std::make_shared<DetectOptions>();
+  CLI::App* command = app.add_subcommand("detect", "The detectors on recorded events, scored when truth is given");
+  command->add_option("recording", options->recording, "Event file")->required();
+  command->add_option("--config", options->config, "Detectors (YAML); those of the paper by default");
+  command->add_option("--set", options->assignments,
+                      "key=value for every detector, DETECTOR.key=value for one; e.g. radius_px=[4,25]")
+      ->allow_extra_args(false);
+  command->add_option("--size", options->size, "Image size WxH, where the file does not tell it");
+  command->add_option("--truth", options->truth, "True circles, t_us,x_px,y_px,r_px (CSV)");
+  command->add_option("--out", options->out, "Folder for detections, scores and report");
+  command->add_option("--columns", options->read.columns, "Order of a text file's columns, out of t, x, y, p")
+      ->capture_default_str();
+  command->add_flag("--force", options->force, "Replace an earlier run in that folder");
+  command->callback([options, &action] { action = [options] { return detect(*options); }; });
+}
+
+}  // namespace saccade

@@ -1,0 +1,74 @@
+#include "robot/fake/fake_robot.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+
+namespace saccade {
+
+FakeRobot::FakeRobot(FakeRobotScript script)
+    : script_(std::move(script)),
+      now_us_(script_.start_us),
+      reference_rad_(script_.start_rad.tail<head_joint_count>()) {
+  SACCADE_CHECK(script_.lag_s > 0.0 && script_.lateness_us >= 0);
+  SACCADE_CHECK(std::is_sorted(script_.events.begin(), script_.events.end(),
+                               [](const Event& a, const Event& b) { return a.t_us < b.t_us; }));
+  head_.t_us = now_us_;
+  head_.position_rad = script_.start_rad;
+  encoders_ = head_;
+}
+
+/// Over when the end has come and the events up to it have been read.
+bool FakeRobot::is_over() const {
+  if (!script_.end_us || now_us_ < *script_.end_us) return false;
+  return next_event_ == script_.events.size() || script_.events[next_event_].t_us > *script_.end_us;
+}
+
+void FakeRobot::move_head(std::int64_t t_us) {
+  const double dt_s = 1e-6 * static_cast<double>(t_us - head_.t_us);
+  const HeadCommand start_rad = head_.head_position_rad();
+  const HeadCommand left_rad = (reference_rad_ - start_rad) * std::exp(-dt_s / script_.lag_s);
+  head_.t_us = t_us;
+  head_.position_rad.tail<head_joint_count>() = reference_rad_ - left_rad;
+  head_.velocity_rad_s.tail<head_joint_count>() = left_rad / script_.lag_s;
+}
+
+PortStatus FakeRobot::wait_until(std::int64_t t_us) {
+  if (status_ != PortStatus::ok) return status_;
+  if (t_us <= now_us_) return status_;
+  if (is_over()) return status_ = PortStatus::ended;
+  if (script_.lost_us && t_us >= *script_.lost_us) return status_ = PortStatus::lost;
+  if (!script_.freeze_us || now_us_ < *script_.freeze_us) {
+    move_head(std::min(t_us, script_.freeze_us.value_or(t_us)));
+    encoders_ = head_;
+  }
+  move_head(t_us);
+  now_us_ = t_us;
+  return status_;
+}
+
+PortStatus FakeRobot::read_until(std::int64_t t_us, std::vector<Event>& events) {
+  if (status_ != PortStatus::ok) return status_;
+  SACCADE_CHECK(t_us <= now_us_);
+  const std::int64_t end_us = script_.end_us.value_or(t_us);
+  for (; next_event_ < script_.events.size(); ++next_event_) {
+    const Event& event = script_.events[next_event_];
+    if (event.t_us > end_us || event.t_us + script_.lateness_us > t_us) break;
+    events.push_back(event);
+  }
+  return is_over() ? PortStatus::ended : PortStatus::ok;
+}
+
+PortStatus FakeRobot::read(HeadState& state) {
+  if (status_ == PortStatus::ok) state = encoders_;
+  return status_;
+}
+
+HeadPort::CommandResult FakeRobot::command(const HeadCommand& reference_rad) {
+  const bool refused = !is_allowed(reference_rad, script_.limits);
+  if (status_ == PortStatus::ok && !refused) reference_rad_ = reference_rad;
+  return {status_, refused};
+}
+
+}  // namespace saccade

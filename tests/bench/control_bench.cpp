@@ -1,0 +1,72 @@
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <chrono>
+#include <vector>
+
+#include "control/gaze_controller.h"
+#include "tests/control/genova02.h"
+
+namespace saccade {
+namespace {
+
+constexpr double dt = 1e-3;
+
+Eigen::Vector3d random_target(const RandomStream& random, std::uint64_t i) {
+  return {random.uniform(-0.65, -0.35, 0, i), random.uniform(-0.3, 0.3, 1, i), random.uniform(0.1, 0.6, 2, i)};
+}
+
+/// Closed loop with joints that lag by 20 ms, a new target every 100 ms. Counters: time per step, us.
+void qp_controller_step(benchmark::State& bench) {
+  const auto gaze = make_gaze_controller({}, genova02_limits());
+  const RandomStream random(1, "bench");
+  HeadState state;
+  std::vector<double> step_us;
+  step_us.reserve(1 << 24);
+  std::uint64_t tick = 0;
+  for (auto _ : bench) {
+    std::optional<Eigen::Vector3d> target;
+    if (tick % 100 == 0) target = random_target(random, tick);
+    ++tick;
+    const auto start = std::chrono::steady_clock::now();
+    const HeadJointVector reference = gaze->step(state, target, dt);
+    const auto end = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(end - start).count();
+    bench.SetIterationTime(seconds);
+    if (step_us.size() < step_us.capacity()) step_us.push_back(seconds * 1e6);
+    state.position_rad.tail<head_joint_count>() += 0.05 * (reference - state.head_position_rad());
+  }
+  const auto percentile = [&](double share) {
+    const auto at = step_us.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(step_us.size() - 1));
+    std::nth_element(step_us.begin(), at, step_us.end());
+    return *at;
+  };
+  bench.counters["p50_us"] = percentile(0.50);
+  bench.counters["p99_us"] = percentile(0.99);
+}
+BENCHMARK(qp_controller_step)->UseManualTime();
+
+void head_kinematics_with_fixation(benchmark::State& bench) {
+  const RandomStream random(2, "bench");
+  std::uint64_t i = 0;
+  for (auto _ : bench) {
+    const HeadKinematics head(random_configuration(random, i++));
+    benchmark::DoNotOptimize(head.fixation_jacobian());
+  }
+}
+BENCHMARK(head_kinematics_with_fixation);
+
+void sphere_from_circle_over_the_image(benchmark::State& bench) {
+  const RandomStream random(3, "bench");
+  const PinholeCamera camera;
+  std::uint64_t i = 0;
+  for (auto _ : bench) {
+    const Circle circle{random.uniform(0, 127, 0, i), random.uniform(0, 127, 1, i), random.uniform(5, 30, 2, i)};
+    benchmark::DoNotOptimize(sphere_from_circle(circle, camera, 0.0475));
+    ++i;
+  }
+}
+BENCHMARK(sphere_from_circle_over_the_image);
+
+}  // namespace
+}  // namespace saccade

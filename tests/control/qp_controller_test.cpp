@@ -1,0 +1,400 @@
+#include "control/qp_controller.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <limits>
+#include <memory>
+
+#include "control/gaze_gate.h"
+#include "core/error.h"
+#include "tests/control/genova02.h"
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define COUNTS_ALLOCATIONS
+namespace {
+std::atomic<long> allocations{0};
+}
+// glibc's own name for malloc: operator new and Eigen both end here.
+extern "C" void* __libc_malloc(std::size_t);
+extern "C" void* malloc(std::size_t bytes) {
+  allocations.fetch_add(1, std::memory_order_relaxed);
+  return __libc_malloc(bytes);
+}
+#endif
+
+namespace saccade {
+namespace {
+
+constexpr double dt = 1e-3;
+
+/// Joints that follow their references with a first-order lag, sag under a constant load, and are read
+/// with their true position.
+class Plant {
+ public:
+  explicit Plant(double time_constant_s = 0.02) : gain_(1.0 - std::exp(-dt / time_constant_s)) {}
+
+  HeadState state;
+  HeadJointVector sag_rad = HeadJointVector::Zero();
+
+  void follow(const HeadJointVector& reference_rad) {
+    const HeadJointVector before = state.head_position_rad();
+    const HeadJointVector after = before + gain_ * (reference_rad + sag_rad - before);
+    state.position_rad.tail<head_joint_count>() = after;
+    state.velocity_rad_s.tail<head_joint_count>() = (after - before) / dt;
+    state.t_us += 1000;
+  }
+
+ private:
+  double gain_;
+};
+
+double angle_deg(Eye eye, const JointVector& q, const Eigen::Vector3d& target_m) {
+  const Eigen::Isometry3d pose = HeadKinematics(q).root_from_eye(eye);
+  const Eigen::Vector3d to_target = target_m - pose.translation();
+  const Eigen::Vector3d z = pose.linear().col(2);
+  return std::atan2(z.cross(to_target).norm(), z.dot(to_target)) / rad_per_deg;
+}
+
+/// A point seen from between the eyes at q = 0: azimuth to the right, elevation up, degrees.
+Eigen::Vector3d seen_at(double azimuth_deg, double elevation_deg, double distance_m) {
+  const double a = azimuth_deg * rad_per_deg, e = elevation_deg * rad_per_deg;
+  return Eigen::Vector3d(-0.0564, 0.0, 0.34685) +
+         distance_m * Eigen::Vector3d(-std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
+}
+
+Eigen::Vector3d random_target(const RandomStream& random, std::uint64_t i) {
+  return seen_at(random.uniform(-50, 50, 0, i), random.uniform(-30, 25, 1, i), random.uniform(0.25, 0.6, 2, i));
+}
+
+std::unique_ptr<GazeController> controller(const GazeControllerConfig& config = {}) {
+  return make_gaze_controller(config, genova02_limits());
+}
+
+/// A joint outside of the hardware's limits, of reference or plant.
+bool violates(const HeadJointVector& q_rad) {
+  const JointLimits limits = genova02_limits();
+  const auto q = q_rad.array();
+  return !((q >= limits.min_rad.tail<head_joint_count>().array()) &&
+           (q <= limits.max_rad.tail<head_joint_count>().array())).all();
+}
+
+void run(GazeController& gaze, Plant& plant, const std::optional<Eigen::Vector3d>& target, double duration_s) {
+  const int steps = static_cast<int>(duration_s / dt);
+  for (int i = 0; i < steps; ++i) plant.follow(gaze.step(plant.state, i == 0 ? target : std::nullopt, dt));
+}
+
+TEST(QpController, ReachesEveryReachableTargetWithBothEyes) {
+  const RandomStream random(1, "targets");
+  const auto gaze = controller();
+  Plant plant;  // one head goes from target to target
+  double worst_deg = 0.0, worst_right_deg = 0.0, worst_fixation_m = 0.0;
+  for (std::uint64_t i = 0; i < 300; ++i) {
+    const Eigen::Vector3d target = random_target(random, i);
+    run(*gaze, plant, target, 1.5);
+    worst_deg = std::max(worst_deg, angle_deg(Eye::left, plant.state.position_rad, target));
+    worst_right_deg = std::max(worst_right_deg, angle_deg(Eye::right, plant.state.position_rad, target));
+    const FixationPoint fixation = HeadKinematics(plant.state.position_rad).fixation();
+    ASSERT_TRUE(fixation.valid);
+    worst_fixation_m = std::max(worst_fixation_m, (fixation.point_m - target).norm());
+  }
+  EXPECT_LT(worst_deg, 0.1);
+  EXPECT_LT(worst_right_deg, 0.2);
+  EXPECT_LT(worst_fixation_m, 0.005);
+  std::printf("after 1.5 s: left eye %.4f deg, right eye %.4f deg, fixation %.5f m off at worst\n", worst_deg,
+              worst_right_deg, worst_fixation_m);
+}
+
+TEST(QpController, IsWithinAPixelInAThirdOfASecond) {
+  const RandomStream random(2, "targets");
+  std::vector<double> times_s;
+  for (std::uint64_t i = 0; i < 200; ++i) {
+    const Eigen::Vector3d target = random_target(random, i);
+    const auto gaze = controller();
+    Plant plant;
+    double since_s = 0.0;
+    for (int tick = 0; tick < 1500; ++tick) {
+      plant.follow(gaze->step(plant.state, target, dt));
+      if (angle_deg(Eye::left, plant.state.position_rad, target) > 0.576) since_s = tick * dt;
+    }
+    times_s.push_back(since_s);
+  }
+  std::sort(times_s.begin(), times_s.end());
+  EXPECT_LT(times_s[100], 0.34);
+  std::printf("within 0.576 deg after %.3f s in the middle, %.3f s at worst\n", times_s[100], times_s.back());
+}
+
+TEST(QpController, NeverLeavesTheLimitsReachableOrNot) {
+  const RandomStream random(3, "targets");
+  const auto gaze = controller();
+  Plant plant;
+  const MotionLimits l = motion_limits(genova02_limits(), {});
+  HeadJointVector last = plant.state.head_position_rad(), velocity = HeadJointVector::Zero();
+  JointLimiter limiter(l);
+  long limited = 0;
+  for (std::uint64_t i = 0; i < 1000; ++i) {
+    // Anywhere in a cube of 2 m around the head, behind and inside of it too.
+    const Eigen::Vector3d target(random.uniform(-1, 1, 0, i), random.uniform(-1, 1, 1, i),
+                                 random.uniform(-0.65, 1.35, 2, i));
+    for (int tick = 0; tick < 200; ++tick) {
+      const HeadJointVector reference = gaze->step(plant.state, target, dt);
+      const HeadJointVector next_velocity = (reference - last) / dt;
+      ASSERT_FALSE(violates(reference));
+      // At rest in the neutral pose vergence is 0, in the margin: it may be there once, at the start.
+      if (i > 0) {
+        ASSERT_TRUE((reference.array() >= l.min_rad.array() && reference.array() <= l.max_rad.array()).all());
+      }
+      ASSERT_TRUE((next_velocity.array().abs() <= l.speed_rad_s.array() + 1e-9).all());
+      ASSERT_TRUE(((next_velocity - velocity).array().abs() <= l.acceleration_rad_s2.array() * dt * (1 + 1e-6)).all());
+      last = reference;
+      velocity = next_velocity;
+      const auto stage = limiter.apply(reference, plant.state.head_position_rad(), dt);
+      limited += (stage.position | stage.speed | stage.acceleration).any();
+      if (i > 0) {
+        ASSERT_EQ(stage.reference_rad, reference);
+      }
+      plant.follow(reference);
+      ASSERT_FALSE(violates(plant.state.head_position_rad()));
+    }
+  }
+  EXPECT_LT(limited, 200);  // only while vergence leaves the margin
+}
+
+TEST(QpController, GoesAsNearAsLimitsAllowToATargetOutOfReach) {
+  // Highest and widest: the limits say where it ends. Compared with a search over the corners of the box
+  // of joint angles that matter, refined by coordinate descent.
+  const MotionLimits l = motion_limits(genova02_limits(), {});
+  for (const Eigen::Vector3d& target : {seen_at(0, 70, 0.5), seen_at(110, 0, 0.6), seen_at(-110, 10, 0.6),
+                                        seen_at(60, -80, 0.5), seen_at(100, 50, 0.5)}) {
+    if (check_gaze_target(target, HeadKinematics(JointVector::Zero())) != TargetStatus::ok) continue;
+    const auto gaze = controller();
+    Plant plant;
+    run(*gaze, plant, target, 6.0);
+    const double reached_deg = angle_deg(Eye::left, plant.state.position_rad, target);
+
+    double best_deg = 180.0;
+    for (int corner = 0; corner < 64; ++corner) {
+      JointVector q = JointVector::Zero();
+      for (int j = 0; j < head_joint_count; ++j) {
+        q[torso_joint_count + j] = corner >> j & 1 ? l.max_rad[j] : l.min_rad[j];
+      }
+      double here = angle_deg(Eye::left, q, target);
+      for (double step = 16.0 * rad_per_deg; step > 1e-4 * rad_per_deg; step /= 2) {
+        for (bool better = true; better;) {
+          better = false;
+          for (int j = 0; j < head_joint_count; ++j) {
+            for (const double sign : {1.0, -1.0}) {
+              JointVector moved = q;
+              double& angle = moved[torso_joint_count + j];
+              angle = std::clamp(angle + sign * step, l.min_rad[j], l.max_rad[j]);
+              const double there = angle_deg(Eye::left, moved, target);
+              if (there < here - 1e-9) {
+                here = there;
+                q = moved;
+                better = true;
+              }
+            }
+          }
+        }
+      }
+      best_deg = std::min(best_deg, here);
+    }
+    std::printf("out of reach: %.2f deg, the best possible %.2f deg\n", reached_deg, best_deg);
+    EXPECT_LT(reached_deg, best_deg + 1.0);
+  }
+}
+
+TEST(QpController, TheNeckTakesOverAndTheEyesComeBackToTheMiddle) {
+  const auto gaze = controller();
+  Plant plant;
+  const Eigen::Vector3d target = seen_at(25, 10, 0.45);
+  run(*gaze, plant, target, 0.15);
+  const JointVector early = plant.state.position_rad;
+  run(*gaze, plant, target, 4.0);
+  const JointVector late = plant.state.position_rad;
+  EXPECT_GT(early[eyes_version], 12.0 * rad_per_deg);  // the eyes are there first
+  EXPECT_LT(std::abs(late[eyes_version]), 0.5 * rad_per_deg);
+  EXPECT_LT(std::abs(late[eyes_tilt]), 0.5 * rad_per_deg);
+  EXPECT_LT(std::abs(late[neck_roll]), 0.5 * rad_per_deg);
+  EXPECT_LT(late[neck_yaw], -20.0 * rad_per_deg);  // + turns left
+  EXPECT_LT(angle_deg(Eye::left, late, target), 0.01);
+}
+
+TEST(QpController, KeepsTheGazeWhileTheNeckTakesOver) {
+  const auto gaze = controller();
+  Plant plant;
+  const Eigen::Vector3d target = seen_at(-28, 12, 0.45);
+  run(*gaze, plant, target, 0.6);
+  double worst_deg = 0.0;
+  for (int i = 0; i < 2000; ++i) {
+    plant.follow(gaze->step(plant.state, target, dt));
+    worst_deg = std::max(worst_deg, angle_deg(Eye::left, plant.state.position_rad, target));
+  }
+  EXPECT_LT(worst_deg, 0.576);  // a pixel
+}
+
+TEST(QpController, TheNeckAtItsStopLeavesTheRestToTheEyes) {
+  const auto gaze = controller();
+  Plant plant;
+  const Eigen::Vector3d target(-0.5, 0.0, 0.55);  // the neck alone misses it by 5.1 deg
+  run(*gaze, plant, target, 4.0);
+  EXPECT_LT(angle_deg(Eye::left, plant.state.position_rad, target), 0.02);
+  EXPECT_NEAR(plant.state.position_rad[neck_pitch], 16.95 * rad_per_deg, 0.01 * rad_per_deg);
+  EXPECT_GT(plant.state.position_rad[eyes_tilt], 3.0 * rad_per_deg);
+}
+
+TEST(QpController, LooksAtTheTargetThroughALoadThatSags) {
+  const auto gaze = controller();
+  Plant plant;
+  plant.sag_rad << -3, 1, 0.5, -1, 0.5, 0.5;
+  plant.sag_rad *= rad_per_deg;
+  const Eigen::Vector3d target = seen_at(15, -5, 0.45);
+  run(*gaze, plant, target, 3.0);
+  EXPECT_LT(angle_deg(Eye::left, plant.state.position_rad, target), 0.01);
+}
+
+TEST(QpController, AReferenceWaitsForAJointThatDoesNotMove) {
+  const auto gaze = controller();
+  Plant plant;
+  const Eigen::Vector3d target = seen_at(-40, 15, 0.45);
+  const HeadState stuck = plant.state;
+  HeadJointVector reference;
+  for (int i = 0; i < 5000; ++i) reference = gaze->step(stuck, target, dt);
+  // What it may overrun while it brakes: (350 deg/s)^2 / (2 * 15000 deg/s^2) = 4.1 deg.
+  EXPECT_LT((reference - stuck.head_position_rad()).cwiseAbs().maxCoeff(), 14.2 * rad_per_deg);
+  run(*gaze, plant, target, 2.0);
+  EXPECT_LT(angle_deg(Eye::left, plant.state.position_rad, target), 0.1);
+}
+
+TEST(QpController, FollowsTheTargetThroughACommandDelay) {
+  const auto gaze = controller();
+  Plant plant;
+  const Eigen::Vector3d target = seen_at(20, 10, 0.45);
+  std::vector<HeadJointVector> line(20, HeadJointVector::Zero());  // 20 ms
+  double late_deg = 0.0;
+  for (std::size_t i = 0; i < 3000; ++i) {
+    const HeadJointVector reference = gaze->step(plant.state, target, dt);
+    plant.follow(line[i % line.size()]);
+    line[i % line.size()] = reference;
+    if (i > 2000) late_deg = std::max(late_deg, angle_deg(Eye::left, plant.state.position_rad, target));
+  }
+  EXPECT_LT(late_deg, 0.05);
+}
+
+TEST(QpController, HoldsTheNeutralPoseUntilATargetComes) {
+  const auto gaze = controller();
+  Plant plant;
+  run(*gaze, plant, std::nullopt, 1.0);
+  EXPECT_LT(plant.state.position_rad.cwiseAbs().maxCoeff(), 0.06 * rad_per_deg);  // vergence leaves its margin
+
+  Plant turned;
+  turned.state.position_rad.tail<head_joint_count>() << 0.1, -0.2, 0.5, 0.2, -0.3, 0.4;
+  run(*controller(), turned, std::nullopt, 5.0);
+  EXPECT_LT(turned.state.position_rad.cwiseAbs().maxCoeff(), 0.1 * rad_per_deg);
+}
+
+TEST(QpController, KeepsLookingAtTheLastTargetWhenTargetsCease) {
+  const auto gaze = controller();
+  Plant plant;
+  const Eigen::Vector3d target = seen_at(20, -10, 0.4);
+  run(*gaze, plant, target, 3.0);
+  run(*gaze, plant, std::nullopt, 3.0);
+  EXPECT_LT(angle_deg(Eye::left, plant.state.position_rad, target), 0.01);
+}
+
+TEST(QpController, IgnoresWhatCannotBeLookedAtAndSaysWhy) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto gaze = controller();
+  Plant plant;
+  const Eigen::Vector3d target = seen_at(20, -10, 0.4);
+  run(*gaze, plant, target, 3.0);
+  for (const auto& [bad, status] :
+       {std::pair{Eigen::Vector3d(nan, 0, 0.3), TargetStatus::not_finite},
+        {Eigen::Vector3d(-0.4, std::numeric_limits<double>::infinity(), 0.3), TargetStatus::not_finite},
+        {Eigen::Vector3d(0.4, 0.1, 0.3), TargetStatus::behind},
+        {HeadKinematics(plant.state.position_rad).root_from_eye(Eye::left) * Eigen::Vector3d(0, 0, 0.09),
+         TargetStatus::too_near}}) {
+    for (int i = 0; i < 200; ++i) {
+      plant.follow(gaze->step(plant.state, bad, dt));
+      ASSERT_EQ(gaze->target_status(), status);
+    }
+    EXPECT_LT(angle_deg(Eye::left, plant.state.position_rad, target), 0.01);
+  }
+  (void)gaze->step(plant.state, std::nullopt, dt);
+  EXPECT_EQ(gaze->target_status(), TargetStatus::none);
+  (void)gaze->step(plant.state, target, dt);
+  EXPECT_EQ(gaze->target_status(), TargetStatus::ok);
+}
+
+TEST(QpController, HoldsItsReferenceWhileAnEncoderReadsNan) {
+  const auto gaze = controller();
+  Plant plant;
+  HeadState broken = plant.state;
+  broken.position_rad[neck_yaw] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(gaze->step(broken, seen_at(20, 0, 0.4), dt).allFinite());
+  run(*gaze, plant, seen_at(20, 0, 0.4), 0.05);
+  broken = plant.state;
+  broken.position_rad[eyes_tilt] = std::numeric_limits<double>::infinity();
+  const HeadJointVector held = gaze->step(broken, std::nullopt, dt);
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(gaze->step(broken, std::nullopt, dt), held);
+  run(*gaze, plant, seen_at(20, 0, 0.4), 2.0);
+  EXPECT_LT(angle_deg(Eye::left, plant.state.position_rad, seen_at(20, 0, 0.4)), 0.1);
+}
+
+TEST(QpController, TheLeftEyeAloneLeavesVergenceAtRest) {
+  GazeControllerConfig config;
+  config.qp.eyes = "left";
+  const auto gaze = controller(config);
+  Plant plant;
+  const Eigen::Vector3d target = seen_at(15, 8, 0.35);
+  run(*gaze, plant, target, 4.0);
+  EXPECT_LT(angle_deg(Eye::left, plant.state.position_rad, target), 0.01);
+  EXPECT_LT(plant.state.position_rad[eyes_vergence], 0.1 * rad_per_deg);
+  EXPECT_GT(angle_deg(Eye::right, plant.state.position_rad, target), 5.0);
+}
+
+TEST(QpController, StepsAndGatesDoNotAllocate) {
+#ifndef COUNTS_ALLOCATIONS
+  GTEST_SKIP() << "a sanitizer owns malloc";
+#else
+  const auto gaze = controller();
+  const auto gate = make_gate({});
+  JointLimiter limiter(motion_limits(genova02_limits(), {}));
+  const RandomStream random(5, "targets");
+  const PinholeCamera camera;
+  Plant plant;
+  const long before = allocations.load();
+  EXPECT_GT(before, 0);
+  long targets = 0;
+  for (std::uint64_t i = 0; i < 2000; ++i) {
+    const CameraMotion motion = camera_motion(plant.state);
+    const Estimate estimate{true, false, {64.0 + random.normal(9, i), 64.0, 12.0}, 1.0};
+    auto target = gate->update(plant.state.t_us, estimate, 0.0, camera, motion.root_from_camera);
+    targets += target.has_value();
+    if (i % 100 == 0) target = random_target(random, i);
+    const HeadJointVector reference = gaze->step(plant.state, target, dt);
+    plant.follow(limiter.apply(reference, plant.state.head_position_rad(), dt).reference_rad);
+  }
+  const long after = allocations.load();
+  EXPECT_EQ(after, before);
+  EXPECT_GT(targets, 100);
+#endif
+}
+
+TEST(QpController, ABadConfigurationIsAnInputError) {
+  GazeControllerConfig config;
+  config.controller = "by hand";
+  config.qp.eyes = "right";
+  config.qp.eye_time_constant_s = std::numeric_limits<double>::quiet_NaN();
+  config.limits.margin_deg = -1.0;
+  try {
+    (void)controller(config);
+    FAIL() << "taken";
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.problems().size(), 4u);
+  }
+}
+
+}  // namespace
+}  // namespace saccade

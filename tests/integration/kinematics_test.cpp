@@ -1,0 +1,170 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iostream>
+#include <numbers>
+
+#include "control/head_kinematics.h"
+#include "core/random.h"
+#include "sim/world.h"
+
+namespace saccade {
+namespace {
+
+constexpr int poses = 1000;
+
+struct PoseError {
+  double position_m = 0.0;
+  double angle_rad = 0.0;
+
+  void add(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+    position_m = std::max(position_m, (a.translation() - b.translation()).norm());
+    // The angle of a small rotation from its sine: acos of the trace is blind below 1e-8.
+    const Eigen::Matrix3d r = a.linear().transpose() * b.linear();
+    const Eigen::Vector3d twice_sine(r(2, 1) - r(1, 2), r(0, 2) - r(2, 0), r(1, 0) - r(0, 1));
+    angle_rad = std::max(angle_rad, std::atan2(twice_sine.norm(), r.trace() - 1.0));
+  }
+};
+
+JointVector random_pose(const JointLimits& limits, std::uint64_t i) {
+  const RandomStream random(11, "test/kinematics");
+  JointVector q;
+  for (int j = 0; j < joint_count; ++j) {
+    q[j] = random.uniform(limits.min_rad[j], limits.max_rad[j], i, static_cast<std::uint64_t>(j));
+  }
+  return q;
+}
+
+/// The plant with its joints put at `q`, nothing stepped.
+class PosedPlant {
+ public:
+  PosedPlant() : world_(WorldConfig{}, "", 1), data_(mj_makeData(&world_.model())) {}
+
+  void pose(const JointVector& q) {
+    for (int j = 0; j < eyes_version; ++j) set(std::string(joint_names[static_cast<std::size_t>(j)]), q[j]);
+    set("l_eye_pan", q[eyes_version] + 0.5 * q[eyes_vergence]);
+    set("r_eye_pan", q[eyes_version] - 0.5 * q[eyes_vergence]);
+    mj_kinematics(&world_.model(), data_.get());
+    mj_comPos(&world_.model(), data_.get());
+    mj_camlight(&world_.model(), data_.get());
+  }
+  [[nodiscard]] Eigen::Isometry3d left() const {
+    return World::root_from_camera(*data_, world_.left_eye_camera());
+  }
+  [[nodiscard]] Eigen::Isometry3d right() const {
+    return World::root_from_camera(*data_, world_.right_eye_camera());
+  }
+  [[nodiscard]] const JointLimits& limits() const { return world_.limits(); }
+  [[nodiscard]] World& world() { return world_; }
+
+ private:
+  void set(const std::string& joint, double q) {
+    const mjModel& m = world_.model();
+    data_->qpos[m.jnt_qposadr[mj_name2id(&m, mjOBJ_JOINT, joint.c_str())]] = q;
+  }
+
+  World world_;
+  MjDataPtr data_;
+};
+
+/// The table of iKin's v2 eye chain, straight from its rows.
+Eigen::Isometry3d dh_chain(const JointVector& q, bool left) {
+  constexpr double half_pi = std::numbers::pi / 2.0;
+  struct Row {
+    double a, d, alpha, offset;
+  };
+  const std::array<Row, 8> rows = {{{0.032, 0.0, half_pi, 0.0},
+                                    {0.0, -0.0055, half_pi, -half_pi},
+                                    {0.0, -0.2233, -half_pi, -half_pi},
+                                    {0.0095, 0.0, half_pi, half_pi},
+                                    {0.0, 0.0, -half_pi, 0.0},
+                                    {-0.0509, 0.08205, -half_pi, half_pi},
+                                    {0.0, left ? -0.034 : 0.034, -half_pi, 0.0},
+                                    {0.0, 0.0, half_pi, -half_pi}}};
+  const double pan = q[eyes_version] + (left ? 0.5 : -0.5) * q[eyes_vergence];
+  Eigen::Isometry3d t = Eigen::Isometry3d::Identity();
+  t.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const double angle = (i == 7 ? pan : q[static_cast<Eigen::Index>(i)]) + rows[i].offset;
+    t = t * Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()) *
+        Eigen::Translation3d(rows[i].a, 0.0, rows[i].d) *
+        Eigen::AngleAxisd(rows[i].alpha, Eigen::Vector3d::UnitX());
+  }
+  return t;
+}
+
+TEST(Kinematics, ThePlantIsTheDhChainOfTheRobot) {
+  PosedPlant plant;
+  PoseError error;
+  for (std::uint64_t i = 0; i < poses; ++i) {
+    const JointVector q = random_pose(plant.limits(), i);
+    plant.pose(q);
+    error.add(plant.left(), dh_chain(q, true));
+    error.add(plant.right(), dh_chain(q, false));
+  }
+  std::cout << "plant against DH: " << error.position_m << " m, " << error.angle_rad << " rad\n";
+  EXPECT_LT(error.position_m, 1e-9);
+  EXPECT_LT(error.angle_rad, 1e-9);
+}
+
+TEST(Kinematics, TheControllersModelIsThePlants) {
+  PosedPlant plant;
+  PoseError error;
+  for (std::uint64_t i = 0; i < poses; ++i) {
+    const JointVector q = random_pose(plant.limits(), i);
+    plant.pose(q);
+    error.add(plant.left(), root_from_left_cam(q));
+    error.add(plant.right(), root_from_right_cam(q));
+  }
+  std::cout << "controller against plant: " << error.position_m << " m, " << error.angle_rad << " rad\n";
+  EXPECT_LT(error.position_m, 1e-9);
+  EXPECT_LT(error.angle_rad, 1e-9);
+}
+
+TEST(Kinematics, TheEncodersAndTheControllersModelGiveTheTrueCamerasInMotion) {
+  World world(WorldConfig{}, "", 1);
+  PoseError error;
+  const RandomStream random(12, "test/references");
+  for (std::uint64_t i = 0; i < 1000; ++i) {
+    if (i % 100 == 0) {
+      HeadJointVector reference;
+      for (int j = 0; j < head_joint_count; ++j) {
+        const int joint = torso_joint_count + j;
+        reference[j] = random.uniform(world.limits().min_rad[joint], world.limits().max_rad[joint], i,
+                                      static_cast<std::uint64_t>(j));
+      }
+      ASSERT_TRUE(world.set_reference(reference));
+    }
+    world.step();
+    const JointVector q = world.head_state().position_rad;
+    error.add(world.root_from_left_cam(), root_from_left_cam(q));
+    error.add(world.root_from_right_cam(), root_from_right_cam(q));
+  }
+  EXPECT_LT(error.position_m, 1e-9);
+  EXPECT_LT(error.angle_rad, 1e-9);
+}
+
+TEST(Kinematics, TheCameraMotionFromEncodersIsThatOfThePlant) {
+  World world(WorldConfig{}, "", 1);
+  HeadJointVector reference;
+  reference << 0.1, -0.1, 0.3, 0.2, -0.2, 0.3;
+  ASSERT_TRUE(world.set_reference(reference));
+  for (int i = 0; i < 100; ++i) {
+    world.step();
+    const CameraMotion motion = camera_motion(world.head_state());
+    mjtNum velocity[6];  // angular, linear, in MuJoCo's camera-body frame, parallel to root at zero
+    const int eye = mj_name2id(&world.model(), mjOBJ_BODY, "l_eye");
+    mj_objectVelocity(&world.model(), &world.data(), mjOBJ_XBODY, eye, velocity, 0);
+    const Eigen::Matrix3d camera_from_root = world.root_from_left_cam().linear().transpose();
+    const Eigen::Vector3d angular = camera_from_root * Eigen::Map<const Eigen::Vector3d>(velocity);
+    const Eigen::Vector3d linear = camera_from_root * Eigen::Map<const Eigen::Vector3d>(velocity + 3);
+    ASSERT_LT((motion.angular_velocity_rad_s - angular).norm(), 1e-9);
+    ASSERT_LT((motion.linear_velocity_m_s - linear).norm(), 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace saccade

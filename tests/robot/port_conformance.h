@@ -1,0 +1,279 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "robot/ports.h"
+
+/// What robot/ports.h promises, tried on any backend. A test program includes this file once and says
+///
+///     INSTANTIATE_TEST_SUITE_P(Sim, PortConformance, testing::Values(backend), name_of_backend);
+
+namespace saccade {
+
+/// The ports of one robot and what keeps them alive. `head` is null where there is none.
+struct RobotUnderTest {
+  std::shared_ptr<void> owner;
+  Clock* clock = nullptr;
+  EventSource* events = nullptr;
+  HeadPort* head = nullptr;
+};
+
+struct PortBackend {
+  std::string name;
+  /// A new robot, always in the same world, that lives for 0.4 s at least and sees something in the first
+  /// 0.3 s. Nothing random from one to the next, so that two of them can be compared.
+  std::function<RobotUnderTest()> make;
+  bool moves_as_commanded = true;  ///< false for a recorded head
+  bool ends = false;               ///< the world is over within 60 s
+  std::int64_t lateness_us = 0;    ///< how long after its stamp an event may come
+};
+
+inline std::string name_of_backend(const testing::TestParamInfo<PortBackend>& backend) {
+  return backend.param.name;
+}
+inline void PrintTo(const PortBackend& backend, std::ostream* out) { *out << backend.name; }
+
+class PortConformance : public testing::TestWithParam<PortBackend> {
+ protected:
+  static constexpr std::int64_t tick_us = 1000;
+  static constexpr int ticks = 300;
+
+  RobotUnderTest make() const { return GetParam().make(); }
+
+  /// As make(), or skips the test where the backend has no head.
+  RobotUnderTest make_with_head() const {
+    RobotUnderTest robot = make();
+    if (robot.head == nullptr) skip_headless();
+    return robot;
+  }
+
+  /// The middle of the limits moved towards the upper ones, by `share` of the way.
+  static HeadCommand inside_limits(const HeadPort& head, double share) {
+    const JointLimits limits = head.limits();
+    const JointVector middle = 0.5 * (limits.min_rad + limits.max_rad);
+    return (middle + share * (limits.max_rad - middle)).tail<head_joint_count>();
+  }
+
+  /// Runs `ticks` ticks and reads the events after every `stride` of them.
+  static std::vector<Event> run(const RobotUnderTest& robot, int stride = 1) {
+    std::vector<Event> events;
+    const std::int64_t start_us = robot.clock->now_us();
+    for (int i = 1; i <= ticks; ++i) {
+      EXPECT_EQ(robot.clock->wait_until(start_us + i * tick_us), PortStatus::ok) << "tick " << i;
+      if (i % stride == 0) robot.events->read_until(robot.clock->now_us(), events);
+    }
+    return events;
+  }
+
+ private:
+  static void skip_headless() { GTEST_SKIP() << "this backend has no head"; }
+};
+
+TEST_P(PortConformance, TheClockReachesEveryTimeItIsAskedForAndNeverGoesBack) {
+  const RobotUnderTest robot = make();
+  std::int64_t last_us = robot.clock->now_us();
+  for (const std::int64_t step_us : {1000, 1, 7000, 1000, 20000}) {
+    const std::int64_t target_us = last_us + step_us;
+    EXPECT_EQ(robot.clock->wait_until(target_us), PortStatus::ok);
+    EXPECT_GE(robot.clock->now_us(), target_us);
+    last_us = robot.clock->now_us();
+    EXPECT_EQ(robot.clock->wait_until(target_us - 1000), PortStatus::ok) << "a time that has passed";
+    EXPECT_GE(robot.clock->now_us(), last_us);
+    last_us = robot.clock->now_us();
+  }
+}
+
+TEST_P(PortConformance, EventsAreSortedInsideTheImageAndNeverFromTheFuture) {
+  const RobotUnderTest robot = make();
+  const ImageSize size = robot.events->image_size();
+  const std::int64_t start_us = robot.clock->now_us();
+  std::int64_t last_us = std::numeric_limits<std::int64_t>::min();
+  std::size_t count = 0;
+  std::vector<Event> events;
+  for (int i = 1; i <= ticks; ++i) {
+    const std::int64_t previous_us = robot.clock->now_us();
+    ASSERT_EQ(robot.clock->wait_until(start_us + i * tick_us), PortStatus::ok);
+    events.clear();
+    robot.events->read_until(robot.clock->now_us(), events);
+    for (const Event& event : events) {
+      ASSERT_LE(event.t_us, robot.clock->now_us());
+      ASSERT_GE(event.t_us, last_us);
+      if (i > 1) {
+        ASSERT_GT(event.t_us, previous_us - GetParam().lateness_us);
+      }
+      ASSERT_TRUE(size.contains(event.x, event.y)) << event.x << ", " << event.y;
+      last_us = event.t_us;
+    }
+    count += events.size();
+  }
+  EXPECT_GT(count, 0u) << "nothing was seen, nothing was tested";
+}
+
+TEST_P(PortConformance, EachEventComesOnceHoweverSeldomTheyAreRead) {
+  const std::vector<Event> often = run(make(), 1);
+  EXPECT_FALSE(often.empty());
+  EXPECT_EQ(run(make(), 5), often);
+  EXPECT_EQ(run(make(), ticks), often);
+}
+
+TEST_P(PortConformance, AnEarlierReadTakesOnlyTheEventsUpToItsTime) {
+  const RobotUnderTest robot = make();
+  const std::int64_t start_us = robot.clock->now_us();
+  ASSERT_EQ(robot.clock->wait_until(start_us + ticks * tick_us), PortStatus::ok);
+  std::vector<Event> first;
+  const std::int64_t half_us = start_us + ticks / 2 * tick_us;
+  robot.events->read_until(half_us, first);
+  for (const Event& event : first) ASSERT_LE(event.t_us, half_us);
+  std::vector<Event> all = first;
+  robot.events->read_until(robot.clock->now_us(), all);
+  EXPECT_TRUE(std::equal(first.begin(), first.end(), all.begin())) << "read_until appends";
+  EXPECT_GT(all.size(), first.size());
+  const std::size_t count = all.size();
+  robot.events->read_until(robot.clock->now_us(), all);
+  EXPECT_EQ(all.size(), count) << "a second read at the same time has nothing new";
+}
+
+TEST_P(PortConformance, TheHeadsLimitsAreFiniteAndInOrder) {
+  const RobotUnderTest robot = make_with_head();
+  if (IsSkipped()) return;
+  const JointLimits limits = robot.head->limits();
+  EXPECT_TRUE(limits.min_rad.allFinite() && limits.max_rad.allFinite());
+  EXPECT_TRUE((limits.min_rad.array() < limits.max_rad.array()).all());
+  EXPECT_TRUE((limits.max_speed_rad_s.array() > 0.0).all());
+}
+
+TEST_P(PortConformance, EncodersAreFiniteNeverFromTheFutureAndNeverGoBackInTime) {
+  const RobotUnderTest robot = make_with_head();
+  if (IsSkipped()) return;
+  const std::int64_t start_us = robot.clock->now_us();
+  HeadState last;
+  ASSERT_EQ(robot.head->read(last), PortStatus::ok);
+  ASSERT_LE(last.t_us, start_us);
+  for (int i = 1; i <= ticks; ++i) {
+    ASSERT_EQ(robot.clock->wait_until(start_us + i * tick_us), PortStatus::ok);
+    HeadState state;
+    ASSERT_EQ(robot.head->read(state), PortStatus::ok);
+    ASSERT_LE(state.t_us, robot.clock->now_us());
+    ASSERT_GE(state.t_us, last.t_us);
+    ASSERT_TRUE(state.position_rad.allFinite() && state.velocity_rad_s.allFinite());
+    last = state;
+  }
+  EXPECT_GT(last.t_us, start_us) << "the encoders are read again and again";
+}
+
+TEST_P(PortConformance, ReferencesInsideTheLimitsAreTaken) {
+  const RobotUnderTest robot = make_with_head();
+  if (IsSkipped()) return;
+  for (const double share : {0.0, 0.5, 1.0, -1.0}) {
+    const auto result = robot.head->command(inside_limits(*robot.head, share));
+    EXPECT_EQ(result.status, PortStatus::ok);
+    EXPECT_FALSE(result.refused) << share;
+  }
+}
+
+TEST_P(PortConformance, AReferenceOutsideTheLimitsOrNotFiniteIsRefusedWholeAndTheLastOneHolds) {
+  const RobotUnderTest robot = make_with_head();
+  if (IsSkipped()) return;
+  const RobotUnderTest twin = make();
+  const HeadCommand good = inside_limits(*robot.head, 0.3);
+  robot.head->command(good);
+  twin.head->command(good);
+  for (int joint = 0; joint < head_joint_count; ++joint) {
+    const double beyond = inside_limits(*robot.head, 1.01)[joint];
+    for (const double bad : {beyond, std::nan(""), std::numeric_limits<double>::infinity()}) {
+      HeadCommand command = inside_limits(*robot.head, -0.3);
+      command[joint] = bad;
+      const auto result = robot.head->command(command);
+      EXPECT_EQ(result.status, PortStatus::ok);
+      EXPECT_TRUE(result.refused) << "joint " << joint << " at " << bad;
+    }
+  }
+  const std::int64_t later_us = robot.clock->now_us() + 100 * tick_us;
+  robot.clock->wait_until(later_us);
+  twin.clock->wait_until(later_us);
+  HeadState state;
+  HeadState twin_state;
+  robot.head->read(state);
+  twin.head->read(twin_state);
+  EXPECT_EQ(state.t_us, twin_state.t_us);
+  EXPECT_EQ(state.position_rad, twin_state.position_rad);
+}
+
+TEST_P(PortConformance, AHeadThatIsCommandedGoesThereAndARecordedOneMovesAsItDid) {
+  const RobotUnderTest robot = make_with_head();
+  if (IsSkipped()) return;
+  const RobotUnderTest twin = make();
+  HeadState before;
+  robot.head->read(before);
+  const HeadCommand towards = inside_limits(*robot.head, 0.1);
+  const HeadCommand reference = before.head_position_rad() + 0.2 * (towards - before.head_position_rad());
+  ASSERT_FALSE(robot.head->command(reference).refused);
+  const std::int64_t later_us = robot.clock->now_us() + ticks * tick_us;
+  robot.clock->wait_until(later_us);
+  twin.clock->wait_until(later_us);
+  HeadState after;
+  HeadState twin_after;
+  robot.head->read(after);
+  twin.head->read(twin_after);
+  if (!GetParam().moves_as_commanded) {
+    EXPECT_EQ(after.position_rad, twin_after.position_rad);
+    return;
+  }
+  // Within 0.3 s a servo has done at least half of a small step (a lag below 0.4 s).
+  for (int joint = 0; joint < head_joint_count; ++joint) {
+    const double step = reference[joint] - before.head_position_rad()[joint];
+    const double left = reference[joint] - after.head_position_rad()[joint];
+    if (std::abs(step) > 1e-3) {
+      EXPECT_LT(std::abs(left), 0.5 * std::abs(step)) << "joint " << joint;
+    }
+  }
+}
+
+TEST_P(PortConformance, TheEndComesAfterTheLastEventAndIsForGood) {
+  if (!GetParam().ends) GTEST_SKIP() << "this backend does not end";
+  const RobotUnderTest robot = make();
+  std::vector<Event> events;
+  PortStatus status = PortStatus::ok;
+  bool source_ended = false;
+  for (int i = 0; i < 60000 && status == PortStatus::ok; ++i) {
+    status = robot.clock->wait_until(robot.clock->now_us() + tick_us);
+    if (status != PortStatus::ok) break;
+    const std::size_t before = events.size();
+    const PortStatus read = robot.events->read_until(robot.clock->now_us(), events);
+    EXPECT_TRUE(!source_ended || events.size() == before);
+    source_ended = source_ended || read == PortStatus::ended;
+  }
+  EXPECT_EQ(status, PortStatus::ended);
+  EXPECT_TRUE(source_ended);
+
+  const RobotUnderTest twin = make();
+  std::vector<Event> at_once;
+  while (twin.clock->wait_until(twin.clock->now_us() + 60'000'000) == PortStatus::ok) {
+    twin.events->read_until(twin.clock->now_us(), at_once);
+  }
+  EXPECT_EQ(events, at_once) << "no event is missed, whatever the tick";
+
+  const std::int64_t end_us = robot.clock->now_us();
+  const std::size_t count = events.size();
+  EXPECT_EQ(robot.clock->wait_until(end_us), PortStatus::ended);
+  EXPECT_EQ(robot.clock->wait_until(end_us + tick_us), PortStatus::ended);
+  EXPECT_EQ(robot.events->read_until(end_us, events), PortStatus::ended);
+  EXPECT_EQ(events.size(), count);
+  if (robot.head == nullptr) return;
+  HeadState state;
+  state.t_us = 42;
+  EXPECT_EQ(robot.head->read(state), PortStatus::ended);
+  EXPECT_EQ(state.t_us, 42) << "the state is left as it was";
+  EXPECT_EQ(robot.head->command(inside_limits(*robot.head, 0.0)).status, PortStatus::ended);
+}
+
+}  // namespace saccade
