@@ -14,7 +14,8 @@ TargetStatus check_gaze_target(const Eigen::Vector3d& target, const HeadKinemati
   if ((target - head.root_from_eye(Eye::left).translation()).norm() < nearest_target_m) {
     return TargetStatus::too_near;
   }
-  if (!((target - head.point_on_axis(neck_pitch)).dot(head.chest_forward()) > 0.0)) return TargetStatus::behind;
+  if (!((target - head.point_on_axis(neck_pitch)).dot(head.chest_forward()) > 0.0))
+    return TargetStatus::behind;
   return TargetStatus::ok;
 }
 
@@ -30,8 +31,10 @@ void describe(FieldVisitor& v, QpConfig& config) {
 
 void describe(FieldVisitor& v, GazeControllerConfig& config) {
   v.choice("controller", config.controller, {"qp"}, "what moves the head");
-  v.section("qp", [&](FieldVisitor& w) { describe(w, config.qp); }, "bounded velocity inverse kinematics");
-  v.section("limits", [&](FieldVisitor& w) { describe(w, config.limits); }, "how briskly gaze may move");
+  v.section(
+      "qp", [&](FieldVisitor& w) { describe(w, config.qp); }, "bounded velocity inverse kinematics");
+  v.section(
+      "limits", [&](FieldVisitor& w) { describe(w, config.limits); }, "how briskly gaze may move");
 }
 
 std::unique_ptr<GazeController> make_gaze_controller(const GazeControllerConfig& config,

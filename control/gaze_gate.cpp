@@ -125,12 +125,16 @@ void describe(FieldVisitor& v, GateConfig& config) {
       [&](FieldVisitor& w) {
         w.real("window_s", config.authors.window_s, {0.01, 2.0}, "how far back detections count");
         w.integer("min_detections", config.authors.min_detections, {1, 2000}, "that many in the window");
-        w.real("max_spread_px", config.authors.max_spread_px, {0.1, 1e3}, "their standard deviation stays below");
-        w.real("max_radius_px", config.authors.max_radius_px, {1.0, 1e3}, "where the largest radius is clipped");
-        w.real("max_target_x_m", config.authors.max_target_x_m, {-10.0, 0.0}, "targets stay this far in front");
+        w.real("max_spread_px", config.authors.max_spread_px, {0.1, 1e3},
+               "their standard deviation stays below");
+        w.real("max_radius_px", config.authors.max_radius_px, {1.0, 1e3},
+               "where the largest radius is clipped");
+        w.real("max_target_x_m", config.authors.max_target_x_m, {-10.0, 0.0},
+               "targets stay this far in front");
       },
       "the authors' gate");
-  v.section("target", [&](FieldVisitor& w) { describe(w, config.target); }, "from a circle to a point");
+  v.section(
+      "target", [&](FieldVisitor& w) { describe(w, config.target); }, "from a circle to a point");
 }
 
 std::unique_ptr<GazeGate> make_gate(const GateConfig& config) {

@@ -28,8 +28,8 @@ class GazeGate {
   /// Called once per tick with what was observed at now_us: an invalid estimate when nothing was (no event
   /// came and the detector declares nothing held). `now_us` never goes back.
   /// Gives a point to look at, m, root frame; none when there is no new one.
-  virtual std::optional<Eigen::Vector3d> update(std::int64_t now_us, const Estimate& estimate, double threshold,
-                                                const PinholeCamera& camera,
+  virtual std::optional<Eigen::Vector3d> update(std::int64_t now_us, const Estimate& estimate,
+                                                double threshold, const PinholeCamera& camera,
                                                 const Eigen::Isometry3d& root_from_cam) = 0;
   [[nodiscard]] virtual RejectedTargets rejected() const = 0;
 };

@@ -17,12 +17,12 @@ struct Link {
 
 constexpr double quarter_turn_rad = std::numbers::pi / 2;
 constexpr std::array<Link, 6> neck_links = {{
-    {0.032, 0.0, 1.0, 0.0},                       // torso pitch
-    {0.0, -0.0055, 1.0, -quarter_turn_rad},       // torso roll
-    {0.0, -0.2233, -1.0, -quarter_turn_rad},      // torso yaw
-    {0.0095, 0.0, 1.0, quarter_turn_rad},         // neck pitch
-    {0.0, 0.0, -1.0, quarter_turn_rad},           // neck roll
-    {-0.0509, 0.08205, -1.0, quarter_turn_rad},   // neck yaw
+    {0.032, 0.0, 1.0, 0.0},                      // torso pitch
+    {0.0, -0.0055, 1.0, -quarter_turn_rad},      // torso roll
+    {0.0, -0.2233, -1.0, -quarter_turn_rad},     // torso yaw
+    {0.0095, 0.0, 1.0, quarter_turn_rad},        // neck pitch
+    {0.0, 0.0, -1.0, -quarter_turn_rad},         // neck roll
+    {-0.0509, 0.08205, -1.0, quarter_turn_rad},  // neck yaw
 }};
 constexpr Link left_tilt_link{0.0, -0.034, -1.0, 0.0};
 constexpr Link right_tilt_link{0.0, 0.034, -1.0, 0.0};
@@ -129,8 +129,12 @@ PointJacobian HeadKinematics::fixation_jacobian() const {
   return a.inverse() * b;
 }
 
-Eigen::Isometry3d root_from_left_cam(const JointVector& q) { return HeadKinematics(q).root_from_eye(Eye::left); }
-Eigen::Isometry3d root_from_right_cam(const JointVector& q) { return HeadKinematics(q).root_from_eye(Eye::right); }
+Eigen::Isometry3d root_from_left_cam(const JointVector& q) {
+  return HeadKinematics(q).root_from_eye(Eye::left);
+}
+Eigen::Isometry3d root_from_right_cam(const JointVector& q) {
+  return HeadKinematics(q).root_from_eye(Eye::right);
+}
 
 CameraMotion camera_motion(const HeadState& state, Eye eye) {
   const HeadKinematics head(state.position_rad);

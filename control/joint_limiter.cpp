@@ -26,9 +26,11 @@ double stoppable_speed(double distance, double acceleration, double dt) {
 void describe(FieldVisitor& v, MotionLimitsConfig& config) {
   v.real("margin_deg", config.margin_deg, {0.0, 10.0}, "how far from the hardware's limits references stay");
   v.real("neck_speed_deg_s", config.neck_speed_deg_s, {1.0, 1000.0}, "highest speed of the neck joints");
-  v.real("eye_speed_deg_s", config.eye_speed_deg_s, {1.0, 1000.0}, "highest speed of tilt, version, vergence");
+  v.real("eye_speed_deg_s", config.eye_speed_deg_s, {1.0, 1000.0},
+         "highest speed of tilt, version, vergence");
   v.real("neck_acceleration_deg_s2", config.neck_acceleration_deg_s2, {10.0, 1e6}, "of the neck joints");
-  v.real("eye_acceleration_deg_s2", config.eye_acceleration_deg_s2, {10.0, 1e6}, "of tilt, version, vergence");
+  v.real("eye_acceleration_deg_s2", config.eye_acceleration_deg_s2, {10.0, 1e6},
+         "of tilt, version, vergence");
 }
 
 MotionLimits motion_limits(const JointLimits& hardware, const MotionLimitsConfig& config) {
@@ -46,10 +48,11 @@ MotionLimits motion_limits(const JointLimits& hardware, const MotionLimitsConfig
   std::vector<Problem> problems;
   for (int j = 0; j < head_joint_count; ++j) {
     if (limits.min_rad[j] < limits.max_rad[j] && limits.speed_rad_s[j] > 0.0) continue;
-    problems.push_back({"limits of " + std::string(joint_names[static_cast<std::size_t>(torso_joint_count + j)]),
-                        "[" + text_of(limits.min_rad[j]) + ", " + text_of(limits.max_rad[j]) + "] rad, " +
-                            text_of(limits.speed_rad_s[j]) + " rad/s",
-                        "a range that the margin leaves open and a speed above 0"});
+    problems.push_back(
+        {"limits of " + std::string(joint_names[static_cast<std::size_t>(torso_joint_count + j)]),
+         "[" + text_of(limits.min_rad[j]) + ", " + text_of(limits.max_rad[j]) + "] rad, " +
+             text_of(limits.speed_rad_s[j]) + " rad/s",
+         "a range that the margin leaves open and a speed above 0"});
   }
   if (!problems.empty()) throw InputError(problems);
   return limits;
@@ -61,8 +64,10 @@ VelocityRange allowed_velocity(const MotionLimits& limits, int joint, double pos
   const double up = stoppable_speed(limits.max_rad[joint] - position, a, dt);
   const double down = -stoppable_speed(position - limits.min_rad[joint], a, dt);
   const double speed = limits.speed_rad_s[joint];
-  const double fastest = std::clamp(std::max(std::min(speed, velocity + a * dt), velocity - a * dt), down, up);
-  const double slowest = std::clamp(std::min(std::max(-speed, velocity - a * dt), velocity + a * dt), down, up);
+  const double fastest =
+      std::clamp(std::max(std::min(speed, velocity + a * dt), velocity - a * dt), down, up);
+  const double slowest =
+      std::clamp(std::min(std::max(-speed, velocity - a * dt), velocity + a * dt), down, up);
   return {slowest, fastest};
 }
 
@@ -84,7 +89,8 @@ JointLimiter::Result JointLimiter::apply(const HeadJointVector& command, const H
 
     // Moves with the command and closes what is left between them no faster than it could stop there.
     const double lag = command_rad_[j] - reference_rad_[j];
-    const double close = std::copysign(stoppable_speed(std::abs(lag), limits_.acceleration_rad_s2[j], dt), lag);
+    const double close =
+        std::copysign(stoppable_speed(std::abs(lag), limits_.acceleration_rad_s2[j], dt), lag);
     const double wanted = (goal - command_rad_[j]) / dt + close;
     const VelocityRange range = allowed_velocity(limits_, j, reference_rad_[j], velocity_rad_s_[j], dt);
     double velocity = wanted;
@@ -112,7 +118,8 @@ JointLimiter::Result JointLimiter::apply(const HeadJointVector& command, const H
 HeadJointVector inside_hardware(const MotionLimits& limits, const HeadJointVector& q) {
   HeadJointVector inside;
   for (int j = 0; j < head_joint_count; ++j) {
-    inside[j] = std::clamp(std::isfinite(q[j]) ? q[j] : 0.0, limits.hardware_min_rad[j], limits.hardware_max_rad[j]);
+    inside[j] =
+        std::clamp(std::isfinite(q[j]) ? q[j] : 0.0, limits.hardware_min_rad[j], limits.hardware_max_rad[j]);
   }
   return inside;
 }

@@ -21,9 +21,9 @@ void describe(FieldVisitor& v, MotionLimitsConfig& config);
 
 /// What a reference of the six head joints may be and do.
 struct MotionLimits {
-  HeadJointVector min_rad, max_rad;            ///< where references go: inside the hardware by the margin
+  HeadJointVector min_rad, max_rad;  ///< where references go: inside the hardware by the margin
   HeadJointVector hardware_min_rad, hardware_max_rad;
-  HeadJointVector speed_rad_s;                 ///< the smaller of the configuration's and the hardware's
+  HeadJointVector speed_rad_s;  ///< the smaller of the configuration's and the hardware's
   HeadJointVector acceleration_rad_s2;
 };
 
@@ -52,11 +52,12 @@ using JointMask = std::bitset<head_joint_count>;  ///< bit j: head joint j, neck
 class JointLimiter {
  public:
   struct Result {
-    HeadJointVector reference_rad = HeadJointVector::Zero();  ///< always finite and within the hardware's limits
-    JointMask position;      ///< the command was outside the position limits
-    JointMask speed;         ///< it asked for more speed
-    JointMask acceleration;  ///< it asked for more acceleration, braking before a limit included
-    bool not_finite = false;  ///< NaN or infinite somewhere: the last finite command holds for all joints
+    HeadJointVector reference_rad =
+        HeadJointVector::Zero();  ///< always finite and within the hardware's limits
+    JointMask position;           ///< the command was outside the position limits
+    JointMask speed;              ///< it asked for more speed
+    JointMask acceleration;       ///< it asked for more acceleration, braking before a limit included
+    bool not_finite = false;      ///< NaN or infinite somewhere: the last finite command holds for all joints
   };
 
   explicit JointLimiter(const MotionLimits& limits) : limits_(limits) {}

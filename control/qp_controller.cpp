@@ -110,7 +110,8 @@ QpController::Cost QpController::neutral_cost(const HeadJointVector& q) const {
   Cost cost;
   cost.h.setIdentity();
   for (int j = 0; j < head_joint_count; ++j) {
-    cost.g[j] = (std::clamp(0.0, limits_.min_rad[j], limits_.max_rad[j]) - q[j]) / config_.neck_time_constant_s;
+    cost.g[j] =
+        (std::clamp(0.0, limits_.min_rad[j], limits_.max_rad[j]) - q[j]) / config_.neck_time_constant_s;
   }
   return cost;
 }

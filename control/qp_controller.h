@@ -9,7 +9,8 @@ namespace saccade {
 ///
 ///     |J v + e / T_eye|^2            left eye: bearing of the target to the optical axis, two rows
 ///   + w_right (...)^2                right eye: the target's azimuth, with `eyes: both`
-///   + w_neck |w_head - eyes / T_neck|^2   the neck turns the head to where the eyes are turned, levels its roll
+///   + w_neck |w_head - eyes / T_neck|^2   the neck turns the head to where the eyes are turned, levels its
+///   roll
 ///   + damping |v|^2
 ///
 /// within the velocities that MotionLimits allow (position, speed, acceleration, braking), exactly. The eyes

@@ -19,9 +19,9 @@ enum class TargetStatus {
 };
 
 struct TargetConfig {
-  std::string depth = "pinhole";    ///< how a circle's radius tells its depth: pinhole or authors_linear
-  double ball_diameter_m = 0.095;   ///< pinhole only
-  double min_distance_m = 0.10;     ///< from the pinhole; a nearer target is refused
+  std::string depth = "pinhole";   ///< how a circle's radius tells its depth: pinhole or authors_linear
+  double ball_diameter_m = 0.095;  ///< pinhole only
+  double min_distance_m = 0.10;    ///< from the pinhole; a nearer target is refused
 };
 
 /// Keys: depth, ball_diameter_m, min_distance_m.

@@ -13,6 +13,7 @@ DetectorConfig detector_preset(const std::string& name) {
   DetectorConfig config;
   config.preset = name;
   config.hough.directed = name == "paper_directed";
+  config.hough.threshold = config.hough.directed ? 0.3 : 1.0;
   if (!config.hough.directed && name != "paper_full") {
     throw InputError("detector preset", name, expectation_of(detector_presets()));
   }

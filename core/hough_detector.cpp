@@ -11,8 +11,12 @@ namespace {
 constexpr std::int16_t whole_ring = -1;
 constexpr std::int16_t no_vote = -2;
 
-const HoughDetectorConfig& checked(const HoughDetectorConfig& config) {
+HoughDetectorConfig checked(HoughDetectorConfig config) {
   check_config("detector", config);
+  if (!config.directed) {  // neither is used, nor was it checked
+    config.arc_deg = HoughDetectorConfig{}.arc_deg;
+    config.flow = {};
+  }
   return config;
 }
 
@@ -37,10 +41,10 @@ void describe(FieldVisitor& v, HoughDetectorConfig& config) {
 HoughDetector::HoughDetector(const HoughDetectorConfig& config, ImageSize size)
     : config_(checked(config)),
       size_(size),
-      flow_(config.flow, size),
-      transform_(size, static_cast<int>(config.radius_px[0]), static_cast<int>(config.radius_px[1]),
-                 config.arc_deg * std::numbers::pi / 180.0),
-      ring_(static_cast<std::size_t>(2 * config.window_events)),
+      flow_(config_.flow, size),
+      transform_(size, static_cast<int>(config_.radius_px[0]), static_cast<int>(config_.radius_px[1]),
+                 config_.arc_deg * std::numbers::pi / 180.0),
+      ring_(static_cast<std::size_t>(2 * config_.window_events)),
       newest_us_(std::numeric_limits<std::int64_t>::min()) {}
 
 std::int64_t HoughDetector::count_acceptable(std::span<const Event> events) const {

@@ -52,7 +52,7 @@ std::string dot_style(std::string_view colour, double size = 0.3) {
 /// Panels one above the other with a common time axis under the last.
 std::string stacked(int panels) {
   return fmt::format("set multiplot layout {},1 margins 0.085,0.985,{},{} spacing 0.0,0.035\n", panels,
-                     panels > 2 ? 0.10 : 0.13, panels > 2 ? 0.95 : 0.93);
+                     panels > 2 ? 0.11 : 0.14, panels > 2 ? 0.94 : 0.97);
 }
 
 std::string time_range(double from_s, double to_s) {
@@ -202,7 +202,7 @@ std::string joints_figure(std::string_view name, std::span<const GazeRow> gaze, 
     std::string joint(joint_names[static_cast<std::size_t>(j)]);
     std::replace(joint.begin(), joint.end(), '_', ' ');
     const bool bottom = j >= joint_count - 2;
-    const double span_deg = (limits.max_rad[j] - limits.min_rad[j]) * deg_per_rad;
+    const double span_deg = 1e-9 + (limits.max_rad[j] - limits.min_rad[j]) * deg_per_rad;
     figure.add_panel(
         "unset key\n" +
             axes(joint + " [deg]", bottom,

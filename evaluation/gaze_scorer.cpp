@@ -112,7 +112,7 @@ void GazeScorer::follow_eye(const GazeSample& sample) {
 
 GazeScore GazeScorer::score() const {
   GazeScore score;
-  score.acquire_within_deg = config_.acquire_within_rad * deg_per_rad;
+  score.acquire_within_deg = std::round(config_.acquire_within_rad * deg_per_rad * 1e9) / 1e9;
   score.moves = static_cast<std::int64_t>(target_errors_m_.size());
   score.wrong_moves = wrong_moves_;
   score.saccades = saccades_;

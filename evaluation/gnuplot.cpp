@@ -139,8 +139,8 @@ void GnuplotFigure::add_panel(std::string_view commands, const std::vector<Serie
     plot += fmt::format("{}{} using {} {} with {}", plot.empty() ? "" : ", ", id, three_d ? "1:2:3" : "1:2",
                         s.title.empty() ? "notitle" : "title " + gnuplot_quoted(s.title), s.style);
   }
-  // A panel without data still shows its axes: a point that is not drawn.
-  if (plot.empty()) plot = "NaN notitle";
+  // A panel without data still shows its axes: a line that lies outside them.
+  if (plot.empty()) plot = three_d ? "[0:1][0:1][0:1] -1 notitle" : "[0:1][0:1] -1 notitle";
   plots_ += std::string(commands) + (three_d ? "splot " : "plot ") + plot + "\n";
 }
 

@@ -14,8 +14,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double deg_per_rad = 180.0 / std::numbers::pi;
-
 Json json_of(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 template <class T>
@@ -101,8 +99,8 @@ Json json_of(const GazeMetrics& gaze) {
   Json limits = Json::object();
   for (std::size_t j = 0; j < joint_names.size(); ++j) {
     const auto i = static_cast<Eigen::Index>(j);
-    limits[std::string(joint_names[j])] = {gaze.limits.min_rad[i] * deg_per_rad,
-                                           gaze.limits.max_rad[i] * deg_per_rad};
+    limits[std::string(joint_names[j])] = {gaze.limits.min_rad[i],
+                                           gaze.limits.max_rad[i]};
   }
   return {{"detector", gaze.detector},
           {"fixation_error_deg", json_of(score.fixation_error_deg)},
@@ -115,7 +113,7 @@ Json json_of(const GazeMetrics& gaze) {
           {"limit_violations", score.limit_violations},
           {"target_error_m", {{"median", json_of(score.target_error_median_m)}}},
           {"acquire_within_deg", score.acquire_within_deg},
-          {"joint_limits_deg", std::move(limits)}};
+          {"joint_limits_rad", std::move(limits)}};
 }
 
 GazeMetrics gaze_metrics(const Json& json) {
@@ -132,9 +130,9 @@ GazeMetrics gaze_metrics(const Json& json) {
   gaze.score.target_error_median_m = number(json.at("target_error_m").at("median"));
   gaze.score.acquire_within_deg = json.at("acquire_within_deg").get<double>();
   for (std::size_t j = 0; j < joint_names.size(); ++j) {
-    const Json& limits = json.at("joint_limits_deg").at(std::string(joint_names[j]));
-    gaze.limits.min_rad[static_cast<Eigen::Index>(j)] = limits.at(0).get<double>() / deg_per_rad;
-    gaze.limits.max_rad[static_cast<Eigen::Index>(j)] = limits.at(1).get<double>() / deg_per_rad;
+    const Json& limits = json.at("joint_limits_rad").at(std::string(joint_names[j]));
+    gaze.limits.min_rad[static_cast<Eigen::Index>(j)] = limits.at(0).get<double>();
+    gaze.limits.max_rad[static_cast<Eigen::Index>(j)] = limits.at(1).get<double>();
   }
   return gaze;
 }

@@ -24,7 +24,7 @@ struct GazeMetrics {
 
 /// metrics.json, schema 1. None is written as null: the figure does not apply.
 /// Keys beyond the contract: detectors.*.{observations,inliers},
-/// gaze.{acquire_within_deg,joint_limits_deg} and `events.file`, `camera`,
+/// gaze.{acquire_within_deg,joint_limits_rad} and `events.file`, `camera`,
 /// `start_us`, which make a run folder readable without its scenario.
 struct Metrics {
   std::string scenario;

@@ -426,7 +426,7 @@ std::string gaze_figures(const Run& run) {
 constexpr std::string_view style = R"(
 :root { color-scheme: light; }
 body { font: 16px/1.5 system-ui, "DejaVu Sans", sans-serif; color: #1c1c1c; background: #fff; margin: 0 auto;
-       max-width: 68rem; padding: 1.5rem 1rem 4rem; }
+       max-width: 74rem; padding: 1.5rem 1rem 4rem; }
 h1 { font-size: 1.7rem; line-height: 1.2; margin: 0 0 .2rem; overflow-wrap: anywhere; }
 h2 { font-size: 1.25rem; margin: 2.2rem 0 .5rem; }
 h3 { font-size: 1.02rem; margin: 0 0 .5rem; }

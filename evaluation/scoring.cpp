@@ -177,20 +177,19 @@ void score_rate(std::span<const TruthRow> truth, const std::vector<Observation>&
       ++bins[bin_of(o.row->t_us)].inliers;
     }
   }
-  double time_s = 0.0;
+  std::int64_t time_us = 0;
   for (std::size_t i = 0; i < bins.size(); ++i) {
     if (bins[i].chances == 0) {
       continue;
     }
     const std::int64_t start_us = begin_us + static_cast<std::int64_t>(i) * bin_us;
-    const double length_s = static_cast<double>(std::min(bin_us, end_us - start_us)) * 1e-6;
-    time_s += length_s;
+    time_us += std::min(bin_us, end_us - start_us);
     if (start_us + bin_us <= end_us) {
-      const double rate_hz = static_cast<double>(bins[i].inliers) / length_s;
+      const double rate_hz = static_cast<double>(bins[i].inliers) * 1e6 / static_cast<double>(bin_us);
       score.peak_rate_hz = std::max(score.peak_rate_hz.value_or(0.0), rate_hz);
     }
   }
-  score.mean_rate_hz = static_cast<double>(score.inliers) / time_s;
+  score.mean_rate_hz = static_cast<double>(score.inliers) * 1e6 / static_cast<double>(time_us);
 }
 
 /// The true centre as a function of time, piecewise linear, with gaps where

@@ -195,7 +195,7 @@ using Painter = std::function<void(Canvas&, Dice&)>;
 
 Colour any_colour(Dice& dice, double low, double high) {
   const double v = dice.real(low, high);
-  return {v * dice.real(0.6, 1.4), v * dice.real(0.7, 1.3), v * dice.real(0.6, 1.4)};
+  return {v * dice.real(0.75, 1.35), v * dice.real(0.85, 1.15), v * dice.real(0.6, 1.25)};
 }
 
 /// Multiplies by exp(strength * noise): reflectance varies by ratios, as in life.
@@ -241,7 +241,7 @@ void paint_wall_panels(Canvas& canvas, Dice& dice) {
   canvas.fill(grey(0.4));
   const double panel = dice.real(0.5, 0.75);
   for (double x = -dice.real(0.0, panel); x < canvas.width(); x += panel) {
-    canvas.rectangle(x, 0.0, panel, canvas.height(), dice.real(0.34, 0.5) * Colour{1.0, 0.98, 0.92});
+    canvas.rectangle(x, 0.0, panel, canvas.height(), dice.real(0.36, 0.5) * Colour{1.0, 0.98, 0.92});
     canvas.rectangle(x, 0.0, 0.014, canvas.height(), grey(0.2));
   }
   const double rail = canvas.height() - 0.85;
@@ -263,8 +263,8 @@ void paint_wall_panels(Canvas& canvas, Dice& dice) {
 void paint_brick(Canvas& canvas, Dice& dice) {
   const double height = dice.real(0.07, 0.1);
   const double length = 2.6 * height;
-  const Colour clay = {0.42, 0.3, 0.24};
-  canvas.fill({0.5, 0.48, 0.44});
+  const Colour clay = {0.46, 0.34, 0.27};
+  canvas.fill({0.52, 0.5, 0.46});
   int course = 0;
   for (double y = 0.0; y < canvas.height(); y += height, ++course) {
     for (double x = -length * dice.real(0.3, 1.0); x < canvas.width();) {
@@ -281,7 +281,7 @@ void paint_brick(Canvas& canvas, Dice& dice) {
 
 void paint_foliage(Canvas& canvas, Dice& dice) {
   canvas.fill({0.14, 0.16, 0.11});
-  scatter_leaves(canvas, dice, 330.0, 0.06, 0.2, {0.27, 0.38, 0.2}, 0.42);
+  scatter_leaves(canvas, dice, 330.0, 0.06, 0.2, {0.29, 0.41, 0.21}, 0.45);
   roughen(canvas, dice, 0.5, 0.15, 3);
 }
 
@@ -313,7 +313,7 @@ void paint_picture(Canvas& canvas, Dice& dice) {
     const double shade = std::exp(0.35 * noise.sum(5.0 * x / unit, 9.0 * y / unit, 5, 0.7));
     return shade * (y < edge ? sky : ground);
   });
-  scatter_leaves(canvas, dice, 40.0 / (canvas.width() * canvas.height()), 0.05 * unit, 0.4 * unit,
+  scatter_leaves(canvas, dice, 14.0 / (canvas.width() * canvas.height()), 0.05 * unit, 0.4 * unit,
                  any_colour(dice, 0.2, 0.5), 0.5);
 }
 
@@ -424,7 +424,7 @@ void paint_window(Canvas& canvas, Dice& dice) {
       for (double k = 0.03; k + 0.05 < wide; k += 0.08) canvas.rectangle(x + k, y, 0.045, 0.06, 0.4 * wall);
     }
   }
-  const Colour frame = dice.chance(0.5) ? grey(0.8) : Colour{0.22, 0.17, 0.12};
+  const Colour frame = dice.chance(0.5) ? grey(0.35) : Colour{0.22, 0.17, 0.12};
   const int columns = 2 + dice.index(3);
   const int rows = 2 + dice.index(3);
   for (int i = 0; i <= columns; ++i) {
@@ -437,29 +437,36 @@ void paint_window(Canvas& canvas, Dice& dice) {
   }
 }
 
-/// The spines of one row of books and binders, as seen from the front; above them the shelf's dark back.
-void paint_books(Canvas& canvas, Dice& dice) {
+/// Shelves with the spines of books and binders; above them the dark back.
+void paint_books(Canvas& canvas, Dice& dice, int rows) {
   canvas.fill(grey(0.13));
-  const double h = canvas.height();
-  for (double x = 0.0; x < canvas.width();) {
-    if (dice.chance(0.06)) {
-      x += dice.real(0.03, 0.12);
-      continue;
+  const double pitch = canvas.height() / rows;
+  const double h = pitch - 0.03;
+  const Colour board = dice.real(0.4, 0.6) * Colour{1.1, 0.95, 0.8};
+  for (int row = 0; row < rows; ++row) {
+    const double foot = row * pitch + h;
+    canvas.rectangle(0.0, foot, canvas.width(), 0.03, board);
+    for (double x = 0.0; x < canvas.width();) {
+      if (dice.chance(0.06)) {
+        x += dice.real(0.03, 0.12);
+        continue;
+      }
+      const bool binder = dice.chance(0.3);
+      const double thick = binder ? dice.real(0.055, 0.08) : dice.real(0.02, 0.05);
+      const double tall = (binder ? 0.92 : dice.real(0.55, 0.9)) * h;
+      const Colour cover = any_colour(dice, 0.12, 0.62);
+      const double top = foot - tall;
+      canvas.rectangle(x, top, thick - 0.004, tall, cover);
+      const Colour label = cover.g > 0.35 ? any_colour(dice, 0.12, 0.2) : grey(0.7);
+      if (binder) {
+        canvas.rectangle(x + 0.01, top + 0.15 * tall, thick - 0.024, 0.35 * tall, label);
+        canvas.rectangle(x + 0.3 * thick, top + 0.75 * tall, 0.3 * thick, 0.08 * tall, grey(0.12));
+      } else if (dice.chance(0.7)) {
+        const double band = dice.real(0.05, 0.25) * tall;
+        canvas.rectangle(x, top + dice.real(0.1, 0.3) * tall, thick - 0.004, band, label);
+      }
+      x += thick;
     }
-    const bool binder = dice.chance(0.3);
-    const double thick = binder ? dice.real(0.055, 0.08) : dice.real(0.02, 0.05);
-    const double tall = (binder ? 0.95 : dice.real(0.6, 0.92)) * h;
-    const Colour cover = any_colour(dice, 0.12, 0.62);
-    const double top = h - tall;
-    canvas.rectangle(x, top, thick - 0.004, tall, cover);
-    const Colour label = cover.g > 0.35 ? any_colour(dice, 0.12, 0.2) : grey(0.7);
-    if (binder) {
-      canvas.rectangle(x + 0.01, top + 0.15 * tall, thick - 0.024, 0.35 * tall, label);
-      canvas.rectangle(x + 0.3 * thick, top + 0.75 * tall, 0.3 * thick, 0.08 * tall, grey(0.12));
-    } else if (dice.chance(0.7)) {
-      canvas.rectangle(x, top + dice.real(0.1, 0.3) * tall, thick - 0.004, dice.real(0.05, 0.25) * tall, label);
-    }
-    x += thick;
   }
 }
 
@@ -547,7 +554,7 @@ void paint_desk(Canvas& canvas, Dice& dice) {
   }
 }
 
-void paint_shelf_board(Canvas& canvas, Dice& dice) {
+void paint_board(Canvas& canvas, Dice& dice) {
   canvas.fill(dice.real(0.3, 0.5) * Colour{1.1, 0.95, 0.8});
   roughen(canvas, dice, 0.1, 0.05, 3);
 }
@@ -588,9 +595,10 @@ struct LabTexture {
 struct LabGeom {
   const char* type = "box";
   std::array<double, 3> centre_m{};
-  std::array<double, 3> half_m{};  ///< along its own axes
+  std::array<double, 3> half_m{};  ///< along its own axes; of a mesh along those of the root
   Facing facing = Facing::back_wall;
   std::size_t texture = 0;
+  double spikes = 0.0;  ///< of a mesh
 };
 
 /// A point on a wall: metres to the viewer's right along it, height, and distance into the room.
@@ -667,7 +675,10 @@ class Lab {
     geoms_.push_back({"box", place(wall, spot), {0.5 * width_m, 0.5 * height_m, 0.5 * depth_m}, wall, texture});
   }
   void panel(Facing wall, Spot spot, double width_m, double height_m, double texels_per_m, Painter paint) {
-    box(wall, spot, width_m, height_m, 0.03, add_texture(width_m, height_m, texels_per_m, std::move(paint)));
+    // Where two overlap, one is in front.
+    const double thickness_m = 0.015 + 0.004 * static_cast<double>(geoms_.size() % 8);
+    box(wall, spot, width_m, height_m, thickness_m,
+        add_texture(width_m, height_m, texels_per_m, std::move(paint)));
   }
   void solid(const char* type, std::array<double, 3> centre_m, std::array<double, 3> half_m, std::size_t texture,
              Facing facing = Facing::back_wall) {
@@ -709,20 +720,14 @@ class Lab {
   }
 
   void bookcase(Facing wall, double along_m, double width_m, double foot_m, int rows) {
-    constexpr double pitch = 0.36;
-    constexpr double depth = 0.26;
-    const double top = foot_m + rows * pitch;
-    const std::size_t board = add_texture(0.25, 0.25, 128.0, paint_shelf_board, true);
-    for (int row = 0; row < rows; ++row) {
-      const double z = foot_m + row * pitch;
-      box(wall, {along_m, z + 0.5 * pitch, 0.02}, width_m - 0.04, pitch - 0.05, 0.16,
-          add_texture(width_m - 0.04, pitch - 0.05, 150.0, paint_books));
-    }
-    for (int row = 0; row <= rows; ++row) {
-      box(wall, {along_m, foot_m + row * pitch, 0.0}, width_m, 0.03, depth, board);
-    }
+    const double height_m = 0.36 * rows;
+    const double middle = foot_m + 0.5 * height_m;
+    box(wall, {along_m, middle, 0.0}, width_m, height_m, 0.2,
+        add_texture(width_m, height_m, 150.0, [rows](Canvas& c, Dice& d) { paint_books(c, d, rows); }));
+    const std::size_t board = add_texture(0.25, 0.25, 128.0, paint_board, true);
+    box(wall, {along_m, foot_m + height_m + 0.015, 0.0}, width_m + 0.06, 0.03, 0.26, board);
     for (const double side : {-0.5, 0.5}) {
-      box(wall, {along_m + side * width_m, 0.5 * (foot_m + top), 0.0}, 0.03, top - foot_m + 0.03, depth, board);
+      box(wall, {along_m + side * (width_m + 0.03), middle, 0.0}, 0.03, height_m, 0.26, board);
     }
   }
 
@@ -777,15 +782,22 @@ class Lab {
           [](Canvas& c, Dice& d) { paint_ceiling(c, d, 0.05); });
   }
 
+  /// Something round and uneven. `spikes` is how far its surface comes and goes, relative to its size.
+  void lump(std::array<double, 3> centre_m, std::array<double, 3> half_m, double spikes, std::size_t texture) {
+    solid("mesh", centre_m, half_m, texture);
+    geoms_.back().spikes = spikes;
+  }
+
   void plant(double x, double y, double foot_m, double size_m) {
     const std::size_t pot = add_texture(0.3, 0.3, 150.0, paint_rough, true);
     const std::size_t leaves = add_texture(0.5, 0.5, 190.0, paint_foliage, true);
-    solid("cylinder", {x, y, foot_m + 0.3 * size_m}, {0.22 * size_m, 0.3 * size_m, 0.0}, pot, Facing::up);
-    for (int i = 0; i < 3; ++i) {
-      solid("ellipsoid",
-            {x + size_m * dice_.real(-0.2, 0.2), y + size_m * dice_.real(-0.3, 0.3),
-             foot_m + size_m * (0.8 + 0.35 * i + dice_.real(-0.1, 0.1))},
-            {size_m * dice_.real(0.3, 0.5), size_m * dice_.real(0.25, 0.45), size_m * dice_.real(0.2, 0.35)}, leaves);
+    const double pot_height = 0.45 * size_m;
+    solid("cylinder", {x, y, foot_m + 0.5 * pot_height}, {0.2 * size_m, 0.5 * pot_height, 0.0}, pot, Facing::up);
+    for (int i = 0; i < 2; ++i) {
+      lump({x + size_m * dice_.real(-0.15, 0.15), y + size_m * dice_.real(-0.25, 0.25),
+            foot_m + pot_height + size_m * (0.3 + 0.5 * i + dice_.real(-0.1, 0.1))},
+           {size_m * dice_.real(0.35, 0.55), size_m * dice_.real(0.35, 0.55), size_m * dice_.real(0.4, 0.55)}, 0.32,
+           leaves);
     }
   }
 
@@ -796,9 +808,9 @@ class Lab {
     const double z = table(cloth, curtain);
     for (int i = 0; i < several(3); ++i) {  // stones, cushions, pots on the table
       const double y = table_width_ * (dice_.real(-0.1, 0.1) + 0.8 * ((i + 0.5) / several(3) - 0.5));
-      const std::array<double, 3> half{dice_.real(0.09, 0.17), dice_.real(0.06, 0.13), dice_.real(0.07, 0.12)};
-      solid("ellipsoid", {table_x_ - dice_.real(0.0, 0.12), y, z + 0.9 * half[1]}, half,
-            add_texture(0.3, 0.3, 190.0, dice_.chance(0.5) ? Painter(paint_rough) : Painter(cloth), true));
+      const std::array<double, 3> half{dice_.real(0.07, 0.12), dice_.real(0.09, 0.17), dice_.real(0.06, 0.13)};
+      lump({table_x_ - dice_.real(0.0, 0.12), y, z + 0.85 * half[2]}, half, 0.12,
+           add_texture(0.3, 0.3, 190.0, dice_.chance(0.5) ? Painter(paint_rough) : Painter(cloth), true));
     }
     if (several(1) > 0) plant(table_x_ - 0.1, dice_.real(-0.6, 0.6), z, 0.3);
     for (int i = 0; i < several(2); ++i) {
@@ -820,7 +832,7 @@ class Lab {
       c.darken_edges(0.25, 0.25);
     };
     const Painter plaster = [pictures](Canvas& c, Dice& d) {
-      c.fill({0.4, 0.37, 0.32});
+      c.fill({0.43, 0.39, 0.34});
       roughen(c, d, 0.35, 0.3, 6, 0.72);
       scatter_leaves(c, d, 70.0, 0.05, 0.16, {0.26, 0.34, 0.18}, 0.4);
       pin_pictures(c, d, pictures);
@@ -859,6 +871,40 @@ std::string print(const char* format, Values... values) {
   return text.data();
 }
 
+/// An ellipsoid whose corners are moved in and out, as a mesh of 12 x 6 faces around the z axis.
+std::string lump_mesh(std::size_t index, const LabGeom& geom, std::uint64_t seed) {
+  constexpr int slices = 12;
+  constexpr int stacks = 6;
+  Dice dice(seed * 1000003U + index, "lab mesh");
+  std::string vertices;
+  const auto add = [&](double polar, double around) {
+    const double r = 1.0 + geom.spikes * dice.real(-1.0, 1.0);
+    vertices += print("%.4f %.4f %.4f ", r * geom.half_m[0] * std::sin(polar) * std::cos(around),
+                      r * geom.half_m[1] * std::sin(polar) * std::sin(around), r * geom.half_m[2] * std::cos(polar));
+  };
+  add(0.0, 0.0);
+  for (int stack = 1; stack < stacks; ++stack) {
+    for (int slice = 0; slice < slices; ++slice) add(pi * stack / stacks, 2.0 * pi * slice / slices);
+  }
+  add(pi, 0.0);
+  const auto corner = [](int stack, int slice) {
+    return stack == 0 ? 0 : stack == stacks ? 1 + slices * (stacks - 1) : 1 + slices * (stack - 1) + slice % slices;
+  };
+  std::string faces;
+  for (int stack = 0; stack < stacks; ++stack) {
+    for (int slice = 0; slice < slices; ++slice) {
+      const int a = corner(stack, slice);
+      const int b = corner(stack + 1, slice);
+      const int c = corner(stack + 1, slice + 1);
+      const int d = corner(stack, slice + 1);
+      if (stack + 1 < stacks) faces += print("%d %d %d ", a, b, c);
+      if (stack > 0) faces += print("%d %d %d ", a, c, d);
+    }
+  }
+  return "  <mesh name=\"lab_mesh_" + std::to_string(index) + "\" vertex=\"" + vertices + "\" face=\"" + faces +
+         "\"/>\n";
+}
+
 }  // namespace
 
 void describe(FieldVisitor& v, LabConfig& config) {
@@ -892,6 +938,14 @@ std::string lab_mjcf(const LabConfig& config, std::uint64_t seed) {
   light("sky", "-0.35 0.9 -0.25", 0.0, 0.35 * config.brightness, false);
   for (std::size_t i = 0; i < lab.geoms().size(); ++i) {
     const LabGeom& g = lab.geoms()[i];
+    if (g.spikes > 0.0) {
+      assets += lump_mesh(i, g, seed);
+      bodies += print(
+          "  <geom name=\"lab_%zu\" type=\"mesh\" mesh=\"lab_mesh_%zu\" pos=\"%.4f %.4f %.4f\" "
+          "material=\"lab_material_%zu\" group=\"1\" contype=\"0\" conaffinity=\"0\"/>\n",
+          i, i, g.centre_m[0], g.centre_m[1], g.centre_m[2], g.texture);
+      continue;
+    }
     bodies += print(
         "  <geom name=\"lab_%zu\" type=\"%s\" pos=\"%.4f %.4f %.4f\" xyaxes=\"%s\" size=\"%.4f %.4f %.4f\" "
         "material=\"lab_material_%zu\" group=\"1\" contype=\"0\" conaffinity=\"0\"/>\n",

@@ -90,6 +90,7 @@ int find(const mjModel& model, mjtObj type, const std::string& name) {
 
 void describe(FieldVisitor& v, BallConfig& c) {
   v.real("diameter_m", c.diameter_m, {0.03, 0.2}, "diameter of the ball");
+  v.reals("rgb", c.rgb, 3, {0.0, 1.0}, "colour of the ball: linear reflectance in red, green and blue");
   v.section("trajectory", [&c](FieldVisitor& inner) { describe(inner, c.trajectory); }, "how it is moved");
 }
 
@@ -108,7 +109,7 @@ World::World(const WorldConfig& config, const std::string& lab_mjcf, std::uint64
   data_.reset(mj_makeData(model_.get()));
   if (!data_) throw RunError("MuJoCo has no memory for the world");
   find_parts();
-  fit_hand_to_ball(config.ball.diameter_m);
+  make_ball(config.ball);
 
   const JointVector plant_rad = plant_from_joints(start_pose_rad(config.initial_pose_deg, limits_));
   for (std::size_t j = 0; j < joint_count; ++j) {
@@ -143,12 +144,14 @@ void World::find_parts() {
   right_eye_ = find(m, mjOBJ_CAMERA, "right_eye");
 }
 
-void World::fit_hand_to_ball(double diameter_m) {
+void World::make_ball(const BallConfig& config) {
   mjModel& m = *model_;
   const int ball = find(m, mjOBJ_GEOM, "ball");
-  ball_radius_m_ = 0.5 * diameter_m;
+  ball_radius_m_ = 0.5 * config.diameter_m;
   const double scale = ball_radius_m_ / m.geom_size[3 * ball];
   m.geom_size[3 * ball] = m.geom_rbound[ball] = ball_radius_m_;
+  float* rgba = m.mat_rgba + 4 * m.geom_matid[ball];
+  for (std::size_t i = 0; i < 3; ++i) rgba[i] = static_cast<float>(config.rgb[i]);
   const int hand = find(m, mjOBJ_BODY, "hand");
   for (int g = m.body_geomadr[hand]; g < m.body_geomadr[hand] + m.body_geomnum[hand]; ++g) {
     mju_scl3(m.geom_pos + 3 * g, m.geom_pos + 3 * g, scale);

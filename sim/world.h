@@ -18,10 +18,11 @@ namespace saccade {
 
 struct BallConfig {
   double diameter_m = 0.095;
+  std::vector<double> rgb = {0.65, 0.10, 0.07};  ///< reflectance, linear; one colour all over, matt
   TrajectoryConfig trajectory;
 };
 
-/// Keys: diameter_m, trajectory.
+/// Keys: diameter_m, rgb, trajectory.
 void describe(FieldVisitor& v, BallConfig& config);
 
 struct WorldConfig {
@@ -86,7 +87,7 @@ class World {
 
  private:
   void find_parts();
-  void fit_hand_to_ball(double diameter_m);
+  void make_ball(const BallConfig& config);  // in the model: size, colour, the hand around it
   void place_ball(std::int64_t t_us, mjData& data) const;
   void remember();
   void advance();

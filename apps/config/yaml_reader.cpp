@@ -136,13 +136,7 @@ void YamlReader::refuse(const YamlNode& node, std::string_view path, std::string
 /// The value of a key; nullptr when it is absent, which is a problem where the key is required.
 const YamlNode* YamlReader::take(std::string_view key, const std::string& expectation) {
   block_.known.emplace_back(key);
-  const YamlNode* node = nullptr;
-  if (block_.node != nullptr) {
-    const auto it = std::find(block_.node->keys.begin(), block_.node->keys.end(), key);
-    if (it != block_.node->keys.end()) {
-      node = &block_.node->items[static_cast<std::size_t>(it - block_.node->keys.begin())];
-    }
-  }
+  const YamlNode* node = block_.node != nullptr ? block_.node->entry(key) : nullptr;
   const std::string path = path_of(key);
   if (node == nullptr && std::find(required_.begin(), required_.end(), path) != required_.end()) {
     const std::string place = block_.mark.line > 0 ? tree_.place(block_.mark, path) : path;
@@ -285,7 +279,7 @@ void YamlReader::section(std::string_view key, const std::function<void(FieldVis
 void YamlReader::require(bool holds, std::string_view key, std::string_view found,
                          std::string_view expectation) {
   if (holds || problems_.size() > block_.problems_before) return;
-  const YamlNode* node = block_.node != nullptr ? block_.node->find(key) : nullptr;
+  const YamlNode* node = block_.node != nullptr ? block_.node->entry(key) : nullptr;
   const TextMark mark = node != nullptr ? node->mark : block_.mark;
   const std::string path = path_of(key);
   const std::string place = node != nullptr || mark.line > 0 ? tree_.place(mark, path) : path;

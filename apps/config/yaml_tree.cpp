@@ -163,11 +163,10 @@ class TreeBuilder final : public YAML::EventHandler {
     const std::string path_of_key = path();
     const Key key = *std::exchange(parent.key, std::nullopt);
     if (!key.usable) return;
-    const auto first = std::find(parent.node.keys.begin(), parent.node.keys.end(), key.text);
-    if (first != parent.node.keys.end()) {
-      const TextMark mark = parent.node.items[static_cast<std::size_t>(first - parent.node.keys.begin())].mark;
+    if (const YamlNode* first = parent.node.entry(key.text)) {
+      const int line = first->mark.line;
       complain(key.mark, path_of_key, "the key a second time",
-               "each key once" + (mark.line > 0 ? " (first on line " + std::to_string(mark.line) + ")" : ""));
+               "each key once" + (line > 0 ? " (first on line " + std::to_string(line) + ")" : ""));
       return;
     }
     value.mark = key.mark;
@@ -240,11 +239,6 @@ std::vector<std::string> split_path(std::string_view path) {
   return keys;
 }
 
-YamlNode* entry(YamlNode& map, std::string_view key) {
-  const auto it = std::find(map.keys.begin(), map.keys.end(), key);
-  return it == map.keys.end() ? nullptr : &map.items[static_cast<std::size_t>(it - map.keys.begin())];
-}
-
 }  // namespace
 
 YamlNode YamlNode::of(Kind kind, TextMark mark) {
@@ -254,13 +248,15 @@ YamlNode YamlNode::of(Kind kind, TextMark mark) {
   return node;
 }
 
+const YamlNode* YamlNode::entry(std::string_view key) const {
+  const auto it = std::find(keys.begin(), keys.end(), key);
+  return it == keys.end() ? nullptr : &items[static_cast<std::size_t>(it - keys.begin())];
+}
+
 const YamlNode* YamlNode::find(std::string_view path) const {
   const YamlNode* node = this;
   for (const std::string& key : split_path(path)) {
-    if (node->kind != Kind::map) return nullptr;
-    const auto it = std::find(node->keys.begin(), node->keys.end(), key);
-    if (it == node->keys.end()) return nullptr;
-    node = &node->items[static_cast<std::size_t>(it - node->keys.begin())];
+    if (node != nullptr) node = node->entry(key);
   }
   return node;
 }
@@ -334,12 +330,12 @@ void set_value(YamlTree& tree, std::string_view assignment) {
     std::string walked;
     for (const std::string& key : keys) {
       if (node->kind != YamlNode::Kind::map) break;
-      YamlNode* next = entry(*node, key);
-      if (next == nullptr) {
+      const auto at = std::find(node->keys.begin(), node->keys.end(), key) - node->keys.begin();
+      if (at == std::ssize(node->keys)) {
         node->keys.push_back(key);
-        next = &node->items.emplace_back(YamlNode::of(YamlNode::Kind::map));
+        node->items.push_back(YamlNode::of(YamlNode::Kind::map));
       }
-      node = next;
+      node = &node->items[static_cast<std::size_t>(at)];
       walked = joined(walked, key);
     }
     if (walked == path) {

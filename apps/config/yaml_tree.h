@@ -36,6 +36,8 @@ struct YamlNode {
   std::vector<std::string> keys;  ///< of a map: keys[i] belongs to items[i]; each once, in file order
 
   [[nodiscard]] static YamlNode of(Kind kind, TextMark mark = {});
+  /// The value of a key of this map; nullptr when there is none.
+  [[nodiscard]] const YamlNode* entry(std::string_view key) const;
   /// The value at "ball.trajectory.speed_m_s"; nullptr when there is none.
   [[nodiscard]] const YamlNode* find(std::string_view path) const;
   /// For messages: the scalar as written, or "a list", "a block of keys", "nothing".

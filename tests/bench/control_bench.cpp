@@ -13,7 +13,8 @@ namespace {
 constexpr double dt = 1e-3;
 
 Eigen::Vector3d random_target(const RandomStream& random, std::uint64_t i) {
-  return {random.uniform(-0.65, -0.35, 0, i), random.uniform(-0.3, 0.3, 1, i), random.uniform(0.1, 0.6, 2, i)};
+  return {random.uniform(-0.65, -0.35, 0, i), random.uniform(-0.3, 0.3, 1, i),
+          random.uniform(0.1, 0.6, 2, i)};
 }
 
 /// Closed loop with joints that lag by 20 ms, a new target every 100 ms. Counters: time per step, us.
@@ -37,7 +38,8 @@ void qp_controller_step(benchmark::State& bench) {
     state.position_rad.tail<head_joint_count>() += 0.05 * (reference - state.head_position_rad());
   }
   const auto percentile = [&](double share) {
-    const auto at = step_us.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(step_us.size() - 1));
+    const auto at =
+        step_us.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(step_us.size() - 1));
     std::nth_element(step_us.begin(), at, step_us.end());
     return *at;
   };
@@ -61,7 +63,8 @@ void sphere_from_circle_over_the_image(benchmark::State& bench) {
   const PinholeCamera camera;
   std::uint64_t i = 0;
   for (auto _ : bench) {
-    const Circle circle{random.uniform(0, 127, 0, i), random.uniform(0, 127, 1, i), random.uniform(5, 30, 2, i)};
+    const Circle circle{random.uniform(0, 127, 0, i), random.uniform(0, 127, 1, i),
+                        random.uniform(5, 30, 2, i)};
     benchmark::DoNotOptimize(sphere_from_circle(circle, camera, 0.0475));
     ++i;
   }

@@ -67,11 +67,10 @@ TEST(Gates, CountWhatTheyRefuseByReason) {
     config.authors.min_detections = 1;
     config.authors.max_radius_px = 1000;
     config.target.depth = "authors_linear";
-    for (const auto& [circle, counter] :
-         {std::pair{Circle{nan, 60, 12}, &RejectedTargets::not_finite},
-          {Circle{60, 60, -1}, &RejectedTargets::bad_radius},
-          {Circle{60, 60, 27}, &RejectedTargets::too_near},
-          {Circle{60, 60, 40}, &RejectedTargets::behind}}) {
+    for (const auto& [circle, counter] : {std::pair{Circle{nan, 60, 12}, &RejectedTargets::not_finite},
+                                          {Circle{60, 60, -1}, &RejectedTargets::bad_radius},
+                                          {Circle{60, 60, 27}, &RejectedTargets::too_near},
+                                          {Circle{60, 60, 40}, &RejectedTargets::behind}}) {
       const auto g = make_gate(config);
       EXPECT_FALSE(update(*g, 1000, {true, false, circle, 1.0})) << name;
       EXPECT_EQ(g->rejected().*counter, 1) << name;
@@ -116,9 +115,9 @@ TEST(AuthorsGate, LooksAtTheMedianNotAtTheOutliers) {
 
 TEST(AuthorsGate, StaysWhenTheNewestIsAnOutlier) {
   const auto g = gate("authors");
-  EXPECT_TRUE(feed(*g, 201, [](int i) { return sure(60 + i % 3, 62, 12); }));
-  EXPECT_FALSE(update(*g, 202000, sure(75, 62, 12)));
-  EXPECT_FALSE(update(*g, 203000, sure(61, 80, 12)));
+  EXPECT_TRUE(feed(*g, 202, [](int i) { return sure(60 + i % 3, 62, 12); }));
+  EXPECT_FALSE(update(*g, 203000, sure(75, 62, 12)));
+  EXPECT_FALSE(update(*g, 204000, sure(61, 80, 12)));
 }
 
 TEST(AuthorsGate, StaysWhenTheDetectionsSpread) {
@@ -191,7 +190,8 @@ TEST(AuthorsGate, EqualsAPlainReferenceOnRandomStreams) {
       return std::sqrt(squares);
     };
     const bool wanted = x.size() > 80 && deviation(x) < 20 && deviation(y) < 20 &&
-                        std::abs(c.x_px - median(x)) <= deviation(x) && std::abs(c.y_px - median(y)) <= deviation(y);
+                        std::abs(c.x_px - median(x)) <= deviation(x) &&
+                        std::abs(c.y_px - median(y)) <= deviation(y);
     ASSERT_EQ(target.has_value(), wanted) << i;
     if (!wanted) continue;
     ++targets;

@@ -28,7 +28,8 @@ class Watch {
     ASSERT_TRUE(reference.allFinite());
     ASSERT_TRUE((reference.array() >= l.min_rad.array() && reference.array() <= l.max_rad.array()).all());
     ASSERT_TRUE((velocity.array().abs() <= l.speed_rad_s.array() + rounding).all());
-    ASSERT_TRUE((((velocity - velocity_) / dt).array().abs() <= l.acceleration_rad_s2.array() * (1.0 + 1e-6)).all());
+    ASSERT_TRUE(
+        (((velocity - velocity_) / dt).array().abs() <= l.acceleration_rad_s2.array() * (1.0 + 1e-6)).all());
     last_ = reference;
     velocity_ = velocity;
   }
@@ -106,7 +107,8 @@ TEST(JointLimiter, SaysWhichLimitActedOnWhichJoint) {
 }
 
 TEST(JointLimiter, HoldsTheLastCommandWhereOneIsNotFinite) {
-  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     JointLimiter limiter(limits());
     const HeadJointVector goal = middle() + all(1.0 * rad_per_deg);
     (void)limiter.apply(goal, middle(), dt);
@@ -137,7 +139,8 @@ TEST(JointLimiter, BringsAHeadThatStartsOutsideBackSmoothly) {
       ASSERT_TRUE((reference.array() >= l.hardware_min_rad.array()).all());
       ASSERT_TRUE((reference.array() <= l.hardware_max_rad.array()).all());
       const HeadJointVector next_velocity = (reference - last) / dt;
-      ASSERT_TRUE(((next_velocity - velocity).array().abs() <= l.acceleration_rad_s2.array() * dt * 1.001).all());
+      ASSERT_TRUE(
+          ((next_velocity - velocity).array().abs() <= l.acceleration_rad_s2.array() * dt * 1.001).all());
       last = reference;
       velocity = next_velocity;
     }

@@ -65,7 +65,8 @@ Eigen::Vector3d seen_at(double azimuth_deg, double elevation_deg, double distanc
 }
 
 Eigen::Vector3d random_target(const RandomStream& random, std::uint64_t i) {
-  return seen_at(random.uniform(-50, 50, 0, i), random.uniform(-30, 25, 1, i), random.uniform(0.25, 0.6, 2, i));
+  return seen_at(random.uniform(-50, 50, 0, i), random.uniform(-30, 25, 1, i),
+                 random.uniform(0.25, 0.6, 2, i));
 }
 
 std::unique_ptr<GazeController> controller(const GazeControllerConfig& config = {}) {
@@ -77,10 +78,12 @@ bool violates(const HeadJointVector& q_rad) {
   const JointLimits limits = genova02_limits();
   const auto q = q_rad.array();
   return !((q >= limits.min_rad.tail<head_joint_count>().array()) &&
-           (q <= limits.max_rad.tail<head_joint_count>().array())).all();
+           (q <= limits.max_rad.tail<head_joint_count>().array()))
+              .all();
 }
 
-void run(GazeController& gaze, Plant& plant, const std::optional<Eigen::Vector3d>& target, double duration_s) {
+void run(GazeController& gaze, Plant& plant, const std::optional<Eigen::Vector3d>& target,
+         double duration_s) {
   const int steps = static_cast<int>(duration_s / dt);
   for (int i = 0; i < steps; ++i) plant.follow(gaze.step(plant.state, i == 0 ? target : std::nullopt, dt));
 }
@@ -90,9 +93,9 @@ TEST(QpController, ReachesEveryReachableTargetWithBothEyes) {
   const auto gaze = controller();
   Plant plant;  // one head goes from target to target
   double worst_deg = 0.0, worst_right_deg = 0.0, worst_fixation_m = 0.0;
-  for (std::uint64_t i = 0; i < 300; ++i) {
+  for (std::uint64_t i = 0; i < 200; ++i) {
     const Eigen::Vector3d target = random_target(random, i);
-    run(*gaze, plant, target, 1.5);
+    run(*gaze, plant, target, 1.2);
     worst_deg = std::max(worst_deg, angle_deg(Eye::left, plant.state.position_rad, target));
     worst_right_deg = std::max(worst_right_deg, angle_deg(Eye::right, plant.state.position_rad, target));
     const FixationPoint fixation = HeadKinematics(plant.state.position_rad).fixation();
@@ -102,33 +105,34 @@ TEST(QpController, ReachesEveryReachableTargetWithBothEyes) {
   EXPECT_LT(worst_deg, 0.1);
   EXPECT_LT(worst_right_deg, 0.2);
   EXPECT_LT(worst_fixation_m, 0.005);
-  std::printf("after 1.5 s: left eye %.4f deg, right eye %.4f deg, fixation %.5f m off at worst\n", worst_deg,
+  std::printf("after 1.2 s: left eye %.4f deg, right eye %.4f deg, fixation %.5f m off at worst\n", worst_deg,
               worst_right_deg, worst_fixation_m);
 }
 
 TEST(QpController, IsWithinAPixelInAThirdOfASecond) {
   const RandomStream random(2, "targets");
   std::vector<double> times_s;
-  for (std::uint64_t i = 0; i < 200; ++i) {
+  for (std::uint64_t i = 0; i < 101; ++i) {
     const Eigen::Vector3d target = random_target(random, i);
     const auto gaze = controller();
     Plant plant;
     double since_s = 0.0;
-    for (int tick = 0; tick < 1500; ++tick) {
+    for (int tick = 0; tick < 800; ++tick) {
       plant.follow(gaze->step(plant.state, target, dt));
       if (angle_deg(Eye::left, plant.state.position_rad, target) > 0.576) since_s = tick * dt;
     }
     times_s.push_back(since_s);
   }
   std::sort(times_s.begin(), times_s.end());
-  EXPECT_LT(times_s[100], 0.34);
-  std::printf("within 0.576 deg after %.3f s in the middle, %.3f s at worst\n", times_s[100], times_s.back());
+  EXPECT_LT(times_s[50], 0.34);
+  std::printf("within 0.576 deg after %.3f s in the middle, %.3f s at worst\n", times_s[50], times_s.back());
 }
 
 TEST(QpController, NeverLeavesTheLimitsReachableOrNot) {
   const RandomStream random(3, "targets");
   const auto gaze = controller();
   Plant plant;
+  plant.state.position_rad[eyes_vergence] = 1.0 * rad_per_deg;  // out of the margin
   const MotionLimits l = motion_limits(genova02_limits(), {});
   HeadJointVector last = plant.state.head_position_rad(), velocity = HeadJointVector::Zero();
   JointLimiter limiter(l);
@@ -137,37 +141,33 @@ TEST(QpController, NeverLeavesTheLimitsReachableOrNot) {
     // Anywhere in a cube of 2 m around the head, behind and inside of it too.
     const Eigen::Vector3d target(random.uniform(-1, 1, 0, i), random.uniform(-1, 1, 1, i),
                                  random.uniform(-0.65, 1.35, 2, i));
-    for (int tick = 0; tick < 200; ++tick) {
+    for (int tick = 0; tick < 150; ++tick) {
       const HeadJointVector reference = gaze->step(plant.state, target, dt);
       const HeadJointVector next_velocity = (reference - last) / dt;
       ASSERT_FALSE(violates(reference));
-      // At rest in the neutral pose vergence is 0, in the margin: it may be there once, at the start.
-      if (i > 0) {
-        ASSERT_TRUE((reference.array() >= l.min_rad.array() && reference.array() <= l.max_rad.array()).all());
-      }
+      ASSERT_TRUE((reference.array() >= l.min_rad.array() && reference.array() <= l.max_rad.array()).all());
       ASSERT_TRUE((next_velocity.array().abs() <= l.speed_rad_s.array() + 1e-9).all());
-      ASSERT_TRUE(((next_velocity - velocity).array().abs() <= l.acceleration_rad_s2.array() * dt * (1 + 1e-6)).all());
+      ASSERT_TRUE(
+          ((next_velocity - velocity).array().abs() <= l.acceleration_rad_s2.array() * dt * (1 + 1e-6))
+              .all());
       last = reference;
       velocity = next_velocity;
       const auto stage = limiter.apply(reference, plant.state.head_position_rad(), dt);
       limited += (stage.position | stage.speed | stage.acceleration).any();
-      if (i > 0) {
-        ASSERT_EQ(stage.reference_rad, reference);
-      }
+      ASSERT_LT((stage.reference_rad - reference).cwiseAbs().maxCoeff(), 1e-12);
       plant.follow(reference);
       ASSERT_FALSE(violates(plant.state.head_position_rad()));
     }
   }
-  EXPECT_LT(limited, 200);  // only while vergence leaves the margin
+  EXPECT_EQ(limited, 0);  // the controller keeps the limits by itself
 }
 
 TEST(QpController, GoesAsNearAsLimitsAllowToATargetOutOfReach) {
-  // Highest and widest: the limits say where it ends. Compared with a search over the corners of the box
-  // of joint angles that matter, refined by coordinate descent.
+  // Compared with the best that coordinate descent finds from every corner of the box of joint angles.
   const MotionLimits l = motion_limits(genova02_limits(), {});
-  for (const Eigen::Vector3d& target : {seen_at(0, 70, 0.5), seen_at(110, 0, 0.6), seen_at(-110, 10, 0.6),
-                                        seen_at(60, -80, 0.5), seen_at(100, 50, 0.5)}) {
-    if (check_gaze_target(target, HeadKinematics(JointVector::Zero())) != TargetStatus::ok) continue;
+  for (const Eigen::Vector3d& target : {seen_at(0, 70, 0.5), seen_at(-88, 0, 0.6), seen_at(-88, -20, 0.6),
+                                        seen_at(40, -80, 0.5), seen_at(75, 60, 0.5)}) {
+    ASSERT_EQ(check_gaze_target(target, HeadKinematics(JointVector::Zero())), TargetStatus::ok);
     const auto gaze = controller();
     Plant plant;
     run(*gaze, plant, target, 6.0);
@@ -201,7 +201,8 @@ TEST(QpController, GoesAsNearAsLimitsAllowToATargetOutOfReach) {
       best_deg = std::min(best_deg, here);
     }
     std::printf("out of reach: %.2f deg, the best possible %.2f deg\n", reached_deg, best_deg);
-    EXPECT_LT(reached_deg, best_deg + 1.0);
+    EXPECT_GT(best_deg, 0.5);
+    EXPECT_LT(reached_deg, best_deg + 0.2);
   }
 }
 
@@ -286,7 +287,8 @@ TEST(QpController, HoldsTheNeutralPoseUntilATargetComes) {
   const auto gaze = controller();
   Plant plant;
   run(*gaze, plant, std::nullopt, 1.0);
-  EXPECT_LT(plant.state.position_rad.cwiseAbs().maxCoeff(), 0.06 * rad_per_deg);  // vergence leaves its margin
+  EXPECT_LT(plant.state.position_rad.cwiseAbs().maxCoeff(),
+            0.06 * rad_per_deg);  // vergence leaves its margin
 
   Plant turned;
   turned.state.position_rad.tail<head_joint_count>() << 0.1, -0.2, 0.5, 0.2, -0.3, 0.4;

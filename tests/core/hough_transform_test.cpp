@@ -109,17 +109,17 @@ TEST(HoughTransform, BreaksTiesBySmallerRadiusThenRowThenColumn) {
   plain.push(20, 15, std::nullopt);
   EXPECT_EQ(as_reference(transform.peak()), plain.peak());
   EXPECT_EQ(as_reference(transform.peak()), (ReferenceHough::Peak{18, 10, 5, 1}));  // 28 pixels; its top row
-  // Equal responses from different counts: a ring of 3 has 16 pixels, one of 4 has 32. Two events 8 px apart
-  // share a centre at radius 4 only, so 2 / 32 meets 1 / 16, and the smaller radius wins.
+  // Equal responses from different counts: a ring of 3 has 16 pixels, one of 4 has 32. Events more than 7 px
+  // apart share centres at radius 4 only: 2 / 32 meets 1 / 16 and the smaller radius wins, 3 / 32 beats it.
   HoughTransform two({40, 30}, 3, 4, 10 * degree);
   two.vote_ring<1>(12, 15);
-  two.vote_ring<1>(20, 15);
+  two.vote_ring<1>(18, 11);
   EXPECT_EQ(two.votes(16, 15, 4), 2);
-  EXPECT_EQ(as_reference(two.peak()), (ReferenceHough::Peak{11, 12, 3, 1}));
-  two.vote_ring<1>(16, 11);
+  EXPECT_EQ(as_reference(two.peak()), (ReferenceHough::Peak{17, 8, 3, 1}));
+  two.vote_ring<1>(18, 19);
   EXPECT_EQ(as_reference(two.peak()), (ReferenceHough::Peak{16, 15, 4, 3}));
-  two.vote_ring<-1>(16, 11);
-  EXPECT_EQ(as_reference(two.peak()), (ReferenceHough::Peak{11, 12, 3, 1}));
+  two.vote_ring<-1>(18, 19);
+  EXPECT_EQ(as_reference(two.peak()), (ReferenceHough::Peak{17, 8, 3, 1}));
 }
 
 TEST(HoughTransform, IsEmptyAgainWhenEveryVoteIsTakenBackOrCleared) {

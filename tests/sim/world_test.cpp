@@ -357,7 +357,7 @@ TEST(BallInHand, TouchesTheBallWithEveryFingertip) {
                                           world.data().geom_xmat + 9 * g)
                                           .col(2);
       const double gap_m = (tip - world.ball_position_m()).norm() - world.ball_radius_m() - m.geom_size[3 * g];
-      EXPECT_NEAR(gap_m, 0.0, 0.004) << finger << " " << diameter_m;
+      EXPECT_NEAR(gap_m, 0.0, 0.007) << finger << " " << diameter_m;
     }
   }
 }

@@ -1,0 +1,286 @@
+// Holds the table of rooms in docs/architecture.md: what each folder includes, links and reaches.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace saccade {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+using Words = std::vector<std::string>;
+
+struct Room {
+  Words may_include;
+  Words may_link;
+  Words must_not_reach;
+};
+using Table = std::map<std::string, Room>;  // by folder, "core/"
+
+std::string read_text(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+Words matches(const std::string& text, const char* pattern) {
+  const std::regex regex(pattern);
+  Words found;
+  for (std::sregex_iterator it(text.begin(), text.end(), regex), end; it != end; ++it) found.push_back((*it)[1]);
+  return found;
+}
+
+Words split(const std::string& line, char separator) {
+  Words cells;
+  std::istringstream stream(line);
+  for (std::string cell; std::getline(stream, cell, separator);) cells.push_back(cell);
+  return cells;
+}
+
+/// The rows `| `folder/` | what it is | may include | may link | must not reach |`.
+Table read_table(const std::string& markdown) {
+  Table table;
+  for (const std::string& line : split(markdown, '\n')) {
+    if (!line.starts_with("| `")) continue;
+    Words cells = split(line, '|');
+    cells.resize(6);
+    const auto words = [&](std::size_t i) { return matches(cells[i], "`([^`]+)`"); };
+    table[words(1).at(0)] = {words(3), words(4), words(5)};
+  }
+  return table;
+}
+
+/// "*" grants all, "core/" a folder, "robot/ports.h" one header.
+bool is_in(const Words& words, const std::string& name) {
+  return std::any_of(words.begin(), words.end(), [&](const std::string& word) {
+    return word == "*" || word == name || (word.ends_with('/') && name.starts_with(word));
+  });
+}
+
+struct Source {
+  std::string path;  // from the root, "core/event.h"
+  std::string text;
+};
+
+/// Files of the tree that are C++ or CMake, without tests, builds and hidden folders.
+std::vector<Source> read_sources(const fs::path& root) {
+  const std::set<std::string> skipped = {"build", "runs", "tests", "cmake"};
+  const std::set<std::string> kinds = {".h", ".hpp", ".inl", ".c", ".cc", ".cpp", ".cxx"};
+  std::vector<Source> sources;
+  for (auto it = fs::recursive_directory_iterator(root); it != fs::recursive_directory_iterator(); ++it) {
+    const std::string name = it->path().filename().string();
+    if (it->is_directory() && (name.starts_with('.') || (it.depth() == 0 && skipped.contains(name)))) {
+      it.disable_recursion_pending();
+    } else if (it->is_regular_file() && it.depth() > 0 &&
+               (kinds.contains(it->path().extension().string()) || name == "CMakeLists.txt")) {
+      sources.push_back({it->path().lexically_relative(root).string(), read_text(it->path())});
+    }
+  }
+  return sources;
+}
+
+class Checker {
+ public:
+  explicit Checker(const fs::path& root)
+      : table_(read_table(read_text(root / "docs/architecture.md"))), sources_(read_sources(root)) {
+    for (const Source& source : sources_) {
+      includes_[source.path] = matches(source.text, "(?:^|\\n)[ \\t]*#[ \\t]*include[ \\t]*[<\"]([^>\"\\n]*)[>\"]");
+    }
+    for (const Source& source : sources_) check(source);
+  }
+
+  [[nodiscard]] const Table& table() const { return table_; }
+  [[nodiscard]] std::size_t file_count() const { return sources_.size(); }
+  [[nodiscard]] const Words& violations() const { return violations_; }
+
+ private:
+  /// The row of the deepest folder that holds the file.
+  [[nodiscard]] const Room* room_of(const std::string& path) const {
+    const Room* room = nullptr;
+    std::size_t deepest = 0;
+    for (const auto& [folder, candidate] : table_) {
+      if (path.starts_with(folder) && folder.size() > deepest) {
+        deepest = folder.size();
+        room = &candidate;
+      }
+    }
+    return room;
+  }
+
+  void check(const Source& source) {
+    const Room* room = room_of(source.path);
+    if (room == nullptr) {
+      violations_.push_back(source.path + ": in no folder of the table");
+    } else if (source.path.ends_with("CMakeLists.txt")) {
+      check_links(source, *room);
+    } else {
+      check_includes(source, *room);
+    }
+  }
+
+  void check_includes(const Source& source, const Room& room) {
+    for (const std::string& header : includes_.at(source.path)) {
+      const bool standard = header.find_first_of("/.") == std::string::npos;
+      if (!standard && !is_in(room.may_include, header)) {
+        violations_.push_back(source.path + ": may not include " + header);
+      }
+    }
+    if (!matches(source.text, "(?:^|\\n)[ \\t]*#[ \\t]*include[ \\t]+([A-Za-z_])").empty()) {
+      violations_.push_back(source.path + ": an include by macro, which nobody can check");
+    }
+    std::set<std::string> seen;
+    check_reach(source.path, source.path, room, seen);
+  }
+
+  void check_reach(const std::string& start, const std::string& path, const Room& room,
+                   std::set<std::string>& seen) {
+    if (!seen.insert(path).second) return;
+    const auto includes = includes_.find(path);
+    if (includes == includes_.end()) return;  // a header from elsewhere
+    for (const std::string& header : includes->second) {
+      if (is_in(room.must_not_reach, header)) {
+        violations_.push_back(start + ": must not reach " + header + " (by way of " + path + ")");
+      }
+      check_reach(start, header, room, seen);
+    }
+  }
+
+  void check_links(const Source& source, const Room& room) {
+    const std::string text = std::regex_replace(source.text, std::regex("#[^\\n]*"), "");
+    for (const std::string& call : matches(text, "saccade_room\\s*\\(([^)]*)\\)")) {
+      std::string keyword;
+      for (const std::string& word : matches(call, "([^\\s\"]+)")) {
+        const bool is_keyword = !matches(word, "^(SOURCES|ROOMS|LIBRARIES|PRIVATE_LIBRARIES)$").empty();
+        if (is_keyword) keyword = word;
+        if (is_keyword || keyword.empty() || keyword == "SOURCES") continue;
+        check_link(source, room, keyword == "ROOMS" ? "saccade_" + word : word);
+      }
+    }
+    for (const std::string& call : matches(text, "link_libraries\\s*\\(([^)]*)\\)")) {
+      Words words = matches(call, "([^\\s\"]+)");
+      if (!words.empty()) words.erase(words.begin());  // the target
+      for (const std::string& word : words) {
+        if (word != "PUBLIC" && word != "PRIVATE" && word != "INTERFACE") check_link(source, room, word);
+      }
+    }
+  }
+
+  void check_link(const Source& source, const Room& room, const std::string& library) {
+    if (!is_in(room.may_link, library)) violations_.push_back(source.path + ": may not link " + library);
+  }
+
+  Table table_;
+  std::vector<Source> sources_;
+  std::map<std::string, Words> includes_;
+  Words violations_;
+};
+
+TEST(Architecture, everyIncludeAndLinkKeepsToTheTableOfRooms) {
+  const Checker checker(SACCADE_SOURCE_DIR);
+  EXPECT_THAT(checker.violations(), IsEmpty());
+  EXPECT_GT(checker.file_count(), 20u);  // it did look at something
+}
+
+TEST(Architecture, theTableHasARowForEveryRoom) {
+  const Checker checker(SACCADE_SOURCE_DIR);
+  for (const char* room : {"core/", "control/", "emulator/", "recording/", "robot/", "sim/", "evaluation/", "apps/"}) {
+    EXPECT_TRUE(checker.table().contains(room)) << room;
+  }
+}
+
+/// A tree with the project's own table and a few innocent files, on disk as long as it lives.
+class SmallTree {
+ public:
+  SmallTree() : root_(fs::temp_directory_path() / ("saccade_architecture_" + std::to_string(::getpid()))) {
+    fs::remove_all(root_);
+    write("docs/architecture.md", read_text(fs::path(SACCADE_SOURCE_DIR) / "docs/architecture.md"));
+    write("core/event.h", "#include <cstdint>\n");
+    write("core/detector.h", "#include \"core/event.h\"\n");
+    write("robot/ports.h", "#include <Eigen/Core>\n#include \"core/event.h\"\n");
+    write("robot/fake/fake.h", "#include \"robot/ports.h\"\n");
+    write("sim/world.cpp", "#include <mujoco/mujoco.h>\n#include \"robot/ports.h\"\n");
+    write("core/CMakeLists.txt", "saccade_room(core\n  SOURCES a.cpp # not LIBRARIES mujoco\n  LIBRARIES Eigen3::Eigen)\n");
+  }
+  SmallTree(const SmallTree&) = delete;
+  SmallTree& operator=(const SmallTree&) = delete;
+  ~SmallTree() { fs::remove_all(root_); }
+
+  void write(const fs::path& path, const std::string& text) const {
+    fs::create_directories((root_ / path).parent_path());
+    std::ofstream(root_ / path) << text;
+  }
+  [[nodiscard]] Words violations() const { return Checker(root_).violations(); }
+
+ private:
+  fs::path root_;
+};
+
+TEST(Architecture, findsNothingWrongWithAnInnocentTree) { EXPECT_THAT(SmallTree().violations(), IsEmpty()); }
+
+struct Plant {
+  const char* name;
+  const char* path;
+  const char* text;
+  const char* violation;
+};
+
+class PlantedViolation : public testing::TestWithParam<Plant> {};
+
+TEST_P(PlantedViolation, isFound) {
+  const SmallTree tree;
+  tree.write(GetParam().path, GetParam().text);
+  EXPECT_THAT(tree.violations(), Contains(HasSubstr(GetParam().violation)));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Architecture, PlantedViolation,
+    testing::Values(
+        Plant{"mujocoInCore", "core/a.cpp", "#include <mujoco/mujoco.h>\n",
+              "core/a.cpp: may not include mujoco/mujoco.h"},
+        Plant{"spacesInTheInclude", "core/a.h", "int a;\n  #  include<opencv2/core.hpp>",
+              "core/a.h: may not include opencv2/core.hpp"},
+        Plant{"clockInCore", "core/a.cpp", "#include <chrono>\n", "core/a.cpp: must not reach chrono"},
+        Plant{"fileInControl", "control/a.cpp", "#include <fstream>\n", "control/a.cpp: must not reach fstream"},
+        Plant{"roomInAngles", "core/a.cpp", "#include <control/target.h>\n",
+              "core/a.cpp: may not include control/target.h"},
+        Plant{"pathUpwards", "emulator/a.cpp", "#include \"../sim/world.h\"\n",
+              "emulator/a.cpp: may not include ../sim/world.h"},
+        Plant{"macro", "core/a.cpp", "#include HEADER\n", "core/a.cpp: an include by macro"},
+        Plant{"simulatorInRobot", "robot/a.cpp", "#include \"sim/world.h\"\n",
+              "robot/a.cpp: may not include sim/world.h"},
+        Plant{"backendInSim", "sim/a.cpp", "#include \"robot/fake/fake.h\"\n",
+              "sim/a.cpp: may not include robot/fake/fake.h"},
+        Plant{"detectorInSim", "sim/a.cpp", "#include \"core/detector.h\"\n",
+              "sim/a.cpp: must not reach core/detector.h"},
+        Plant{"detectorInEmulatorByWayOfAnother", "core/event.h", "#include \"core/detector.h\"\n",
+              "sim/world.cpp: must not reach core/detector.h (by way of core/event.h)"},
+        Plant{"mujocoInEvaluation", "evaluation/a.cpp", "#include <mujoco/mujoco.h>\n",
+              "evaluation/a.cpp: may not include mujoco/mujoco.h"},
+        Plant{"yamlInACommand", "apps/run.cpp", "#include <yaml-cpp/yaml.h>\n",
+              "apps/run.cpp: must not reach yaml-cpp/yaml.h"},
+        Plant{"folderWithoutARow", "tools/a.cpp", "int a;\n", "tools/a.cpp: in no folder of the table"},
+        Plant{"roomLinked", "core/CMakeLists.txt", "saccade_room(core SOURCES a.cpp ROOMS control)",
+              "core/CMakeLists.txt: may not link saccade_control"},
+        Plant{"libraryLinked", "control/CMakeLists.txt",
+              "saccade_room(control SOURCES a.cpp\n ROOMS core\n PRIVATE_LIBRARIES mujoco::mujoco)",
+              "control/CMakeLists.txt: may not link mujoco::mujoco"},
+        Plant{"linkedByTheSide", "robot/CMakeLists.txt", "target_link_libraries(saccade_robot PRIVATE saccade_sim)",
+              "robot/CMakeLists.txt: may not link saccade_sim"}),
+    [](const auto& test) { return test.param.name; });
+
+}  // namespace
+}  // namespace saccade

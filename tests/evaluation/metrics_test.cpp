@@ -1,0 +1,147 @@
+#include "evaluation/metrics.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+
+namespace saccade {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using testing::ElementsAre;
+
+Metrics whole() {
+  Metrics m;
+  m.scenario = "gaze_square_45cm \"quoted\"";
+  m.seed = 3;
+  m.start_us = 5;
+  m.duration_s = 4.0;
+  m.wall_s = 3.2;
+  m.event_count = 1000;
+  m.events_dropped = 2;
+  m.events_file = "events.aedat";
+  m.image = {128, 128};
+  m.camera = PinholeCamera{};
+  DetectorScore score;
+  score.average_precision = 1.0 / 3.0;
+  score.precision_at_recall[1] = 0.75;
+  score.pr_curve = {{0.5, 0.9, 0.1}, {0.4, 0.8, 0.2}};
+  score.chances = 4000;
+  score.threshold = 0.45;
+  score.observations = 900;
+  score.inliers = 800;
+  score.precision = 0.8;
+  score.recall = 0.2;
+  score.mean_rate_hz = 200.0;
+  score.peak_rate_hz = 550.0;
+  score.position_error_px = {1.5, 4.5};
+  score.radius_error_px = {0.5, 1.5};
+  score.lag_ms = 12.3;
+  score.us_per_event = 0.4;
+  m.detectors = {{"paper_full", {}}, {"best", score}};
+  m.gaze.emplace();
+  m.gaze->detector = "best";
+  m.gaze->score = {.acquire_within_deg = 6.0,
+                   .acquire_s = 0.75,
+                   .fixation_error_deg = {2.0, 5.0},
+                   .on_target_ratio = 0.9,
+                   .in_view_ratio = 1.0,
+                   .moves = 10,
+                   .wrong_moves = 1,
+                   .saccades = 3,
+                   .limit_violations = 4,
+                   .target_error_median_m = 0.01};
+  m.gaze->limits.min_rad.setConstant(-0.5);
+  m.gaze->limits.max_rad.setConstant(0.25);
+  return m;
+}
+
+std::vector<std::string> keys(const Json& json) {
+  std::vector<std::string> names;
+  for (const auto& item : json.items()) names.push_back(item.key());
+  return names;
+}
+
+TEST(Metrics, HasEveryKeyOfTheContractInItsOrder) {
+  const Json json = Json::parse(metrics_to_json(whole()));
+  EXPECT_THAT(keys(json),
+              ElementsAre("schema", "scenario", "seed", "duration_s", "wall_s", "real_time_factor", "events",
+                          "detectors", "gaze", "camera", "start_us"));
+  EXPECT_THAT(keys(json["events"]), ElementsAre("count", "rate_hz", "dropped", "file"));
+  EXPECT_THAT(keys(json["detectors"]), ElementsAre("paper_full", "best"));
+  for (const auto& detector : json["detectors"]) {
+    EXPECT_THAT(keys(detector),
+                ElementsAre("average_precision", "precision_at_recall", "pr_curve", "chances", "threshold",
+                            "precision", "recall", "detection_rate_hz", "position_error_px",
+                            "radius_error_px", "lag_ms", "us_per_event", "observations", "inliers"));
+    EXPECT_THAT(keys(detector["precision_at_recall"]), ElementsAre("0.1", "0.2", "0.3", "0.5", "0.7", "0.9"));
+    EXPECT_THAT(keys(detector["detection_rate_hz"]), ElementsAre("mean", "peak"));
+    EXPECT_THAT(keys(detector["position_error_px"]), ElementsAre("median", "p95"));
+    EXPECT_THAT(keys(detector["radius_error_px"]), ElementsAre("median", "p95"));
+  }
+  EXPECT_THAT(keys(json["detectors"]["best"]["pr_curve"][0]),
+              ElementsAre("threshold", "precision", "recall"));
+  EXPECT_THAT(keys(json["gaze"]),
+              ElementsAre("detector", "fixation_error_deg", "on_target_ratio", "in_view_ratio", "acquire_s",
+                          "moves", "wrong_moves", "saccades", "limit_violations", "target_error_m",
+                          "acquire_within_deg", "joint_limits_rad"));
+  EXPECT_EQ(json["schema"], 1);
+  EXPECT_EQ(json["real_time_factor"], 1.25);
+  EXPECT_EQ(json["events"]["rate_hz"], 250.0);
+}
+
+TEST(Metrics, ReadsBackTheSame) {
+  const std::string text = metrics_to_json(whole());
+  const Metrics back = metrics_from_json(text, "here");
+  EXPECT_EQ(metrics_to_json(back), text);
+  EXPECT_EQ(back.detectors[1].second.lag_ms, 12.3);
+  EXPECT_EQ(back.detectors[0].second.lag_ms, std::nullopt);
+  EXPECT_EQ(back.gaze->score.acquire_s, 0.75);
+  EXPECT_NEAR(back.gaze->limits.max_rad[eyes_tilt], 0.25, 1e-15);
+  EXPECT_EQ(back.camera->fy_px, 99.75);
+}
+
+TEST(Metrics, WritesWhatDoesNotApplyAsNull) {
+  Metrics m;
+  m.scenario = "recording.aedat";
+  m.duration_s = std::numeric_limits<double>::quiet_NaN();
+  m.detectors = {{"best", {}}};
+  const std::string text = metrics_to_json(m);
+  const Json json = Json::parse(text);
+  for (const char* key : {"seed", "wall_s", "real_time_factor", "gaze", "duration_s"}) {
+    EXPECT_TRUE(json[key].is_null()) << key;
+  }
+  EXPECT_TRUE(json["events"]["rate_hz"].is_null());
+  EXPECT_TRUE(json["events"]["dropped"].is_null());
+  const Json& best = json["detectors"]["best"];
+  EXPECT_TRUE(best["average_precision"].is_null());
+  EXPECT_TRUE(best["precision_at_recall"]["0.9"].is_null());
+  EXPECT_TRUE(best["detection_rate_hz"]["peak"].is_null());
+  EXPECT_TRUE(best["lag_ms"].is_null());
+  EXPECT_EQ(best["chances"], 0);
+}
+
+TEST(Metrics, SaysWhereAFileIsWrong) {
+  EXPECT_THROW(metrics_from_json("{", "here"), InputError);
+  EXPECT_THROW(metrics_from_json("[]", "here"), InputError);
+  Json json = Json::parse(metrics_to_json(whole()));
+  json["schema"] = 2;
+  EXPECT_THROW(metrics_from_json(json.dump(), "here"), InputError);
+  json["schema"] = 1;
+  json["detectors"]["best"].erase("lag_ms");
+  try {
+    static_cast<void>(metrics_from_json(json.dump(), "run/metrics.json"));
+    FAIL() << "a missing key was taken";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(),
+                testing::AllOf(testing::HasSubstr("run/metrics.json"), testing::HasSubstr("lag_ms")));
+  }
+  EXPECT_THROW(read_metrics("/nonexistent/metrics.json"), InputError);
+}
+
+}  // namespace
+}  // namespace saccade

@@ -1,0 +1,183 @@
+#include "evaluation/report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <charconv>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "core/config.h"
+#include "core/error.h"
+#include "tests/evaluation/svg_check.h"
+#include "tests/evaluation/synthetic_run.h"
+
+namespace saccade {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::Not;
+
+std::string contents(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::size_t count(std::string_view text, std::string_view part) {
+  std::size_t n = 0;
+  for (std::size_t at = 0; (at = text.find(part, at)) != std::string_view::npos; at += part.size()) ++n;
+  return n;
+}
+
+/// The numbers in a table's row whose heading holds `name`; none for a dash.
+std::vector<std::optional<double>> numbers_of(const std::string& html, const std::string& table,
+                                              const std::string& name) {
+  const std::size_t start = html.find(name, html.find("<tbody>", html.find("<table id=\"" + table + "\">")));
+  const std::string row = html.substr(start, html.find("</tr>", start) - start);
+  std::vector<std::optional<double>> numbers;
+  for (std::size_t at = 0; (at = row.find("<td", at)) != std::string::npos; ++at) {
+    const std::string cell = row.substr(at, row.find('>', at) - at);
+    const std::size_t value = cell.find("data-value=\"");
+    numbers.push_back(value == std::string::npos ? std::nullopt
+                                                 : std::optional(std::stod(cell.substr(value + 12))));
+  }
+  return numbers;
+}
+
+class Report : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) / (std::string("saccade_report_") +
+                                              testing::UnitTest::GetInstance()->current_test_info()->name());
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  fs::path folder_;
+};
+
+TEST_F(Report, HoldsEverythingItselfAndNoAddress) {
+  write_synthetic_run(folder_, true);
+  write_report(folder_);
+  const std::string html = contents(folder_ / "report.html");
+  for (const char* outside :
+       {"http:", "https:", "//www", "<script", "<link", "<iframe", "@import", "file:"}) {
+    EXPECT_THAT(html, Not(HasSubstr(outside)));
+  }
+  EXPECT_EQ(count(html, "src=\""), count(html, "src=\"data:image/"));
+  EXPECT_LT(html.size(), 5'000'000U);
+  EXPECT_THAT(html, HasSubstr("synthetic square &lt;45 cm&gt;"));
+}
+
+TEST_F(Report, HasAPictureOfEyeAndSceneForEveryFrameAndASentenceUnderEveryFigure) {
+  write_synthetic_run(folder_, true);
+  write_report(folder_);
+  const std::string html = contents(folder_ / "report.html");
+  EXPECT_EQ(count(html, "data:image/png"), 8U);
+  EXPECT_EQ(count(html, "data:image/jpeg"), 8U);
+  EXPECT_EQ(count(html, "<figure>"), 8U);
+  EXPECT_EQ(count(html, "<figcaption>"), 8U);
+}
+
+TEST_F(Report, DrawsFiguresThatAreWellFormedWithIdsOfTheirOwn) {
+  write_synthetic_run(folder_, true);
+  write_report(folder_);
+  const std::string html = contents(folder_ / "report.html");
+  std::size_t figures = 0;
+  std::vector<std::string> ids;
+  for (std::size_t at = 0; (at = html.find("<svg", at)) != std::string::npos; ++at) {
+    const std::string svg = html.substr(at, html.find("</svg>", at) + 6 - at);
+    EXPECT_EQ(nesting_problem(svg), "");
+    ++figures;
+    for (std::size_t id = 0; (id = svg.find(" id=", id)) != std::string::npos; ++id) {
+      ids.push_back(svg.substr(id + 5, svg.find(svg[id + 4], id + 5) - id - 5));
+    }
+  }
+  EXPECT_EQ(figures, 7U);
+  std::sort(ids.begin(), ids.end());
+  EXPECT_EQ(std::adjacent_find(ids.begin(), ids.end()), ids.end());
+}
+
+TEST_F(Report, ShowsTheNumbersOfTheMetrics) {
+  write_synthetic_run(folder_, false);
+  write_report(folder_);
+  const std::string html = contents(folder_ / "report.html");
+  const auto json = nlohmann::json::parse(contents(folder_ / "metrics.json"));
+  const auto value = [](const nlohmann::json& j) {
+    return j.is_null() ? std::nullopt : std::optional(j.get<double>());
+  };
+  for (const char* name : {"paper_full", "paper_directed"}) {
+    const auto& d = json["detectors"][name];
+    const std::vector<std::optional<double>> expected = {value(d["average_precision"]),
+                                                         value(d["threshold"]),
+                                                         value(d["precision"]),
+                                                         value(d["recall"]),
+                                                         value(d["detection_rate_hz"]["mean"]),
+                                                         value(d["detection_rate_hz"]["peak"]),
+                                                         value(d["position_error_px"]["median"]),
+                                                         value(d["position_error_px"]["p95"]),
+                                                         value(d["radius_error_px"]["median"]),
+                                                         value(d["radius_error_px"]["p95"]),
+                                                         value(d["lag_ms"]),
+                                                         value(d["us_per_event"])};
+    EXPECT_EQ(numbers_of(html, "detectors", name), expected);
+  }
+  const auto& gaze = json["gaze"];
+  const auto row = [&](const char* name) { return numbers_of(html, "gaze", name).at(0); };
+  EXPECT_EQ(row("acquired"), value(gaze["acquire_s"]));
+  EXPECT_EQ(row("error, median"), value(gaze["fixation_error_deg"]["median"]));
+  EXPECT_EQ(row("error, 95"), value(gaze["fixation_error_deg"]["p95"]));
+  EXPECT_EQ(row("on target"), value(gaze["on_target_ratio"]));
+  EXPECT_EQ(row("in view"), value(gaze["in_view_ratio"]));
+  EXPECT_EQ(row("target off"), value(gaze["target_error_m"]["median"]));
+  EXPECT_EQ(row(">moves"), value(gaze["moves"]));
+  EXPECT_EQ(row("wrong moves"), value(gaze["wrong_moves"]));
+  EXPECT_EQ(row("saccades"), value(gaze["saccades"]));
+  EXPECT_EQ(row("violations"), value(gaze["limit_violations"]));
+}
+
+TEST_F(Report, OfARecordingShowsWhatThereIs) {
+  Metrics metrics = write_synthetic_run(folder_, false);
+  fs::remove(folder_ / "gaze.csv");
+  metrics.gaze.reset();
+  metrics.camera.reset();
+  metrics.seed.reset();
+  write_metrics(folder_ / "metrics.json", metrics);
+  write_report(folder_);
+  std::string html = contents(folder_ / "report.html");
+  EXPECT_EQ(count(html, "<svg"), 4U);  // two detectors, precision and recall, rates
+  EXPECT_EQ(count(html, "data:image/png"), 8U);
+  EXPECT_THAT(html, Not(HasSubstr("<h2>Gaze")));
+
+  fs::remove(folder_ / "truth.csv");
+  fs::remove(folder_ / "events.csv");
+  for (auto& [name, score] : metrics.detectors) {
+    score = {};
+    score.threshold = 0.45;
+  }
+  write_metrics(folder_ / "metrics.json", metrics);
+  write_report(folder_);
+  html = contents(folder_ / "report.html");
+  EXPECT_EQ(count(html, "<svg"), 2U);
+  EXPECT_THAT(html, HasSubstr("Events are not shown"));
+}
+
+TEST_F(Report, IsTheSameForTheSameFolder) {
+  write_synthetic_run(folder_, true);
+  write_report(folder_);
+  const std::string first = contents(folder_ / "report.html");
+  write_report(folder_);
+  EXPECT_EQ(first, contents(folder_ / "report.html"));
+}
+
+TEST_F(Report, NeedsMetricsAndPicturesOfTheCamerasSize) {
+  write_synthetic_run(folder_, true);
+  cv::imwrite((folder_ / "frames" / "500000_eye.png").string(), cv::Mat(12, 12, CV_8UC1, cv::Scalar(0)));
+  EXPECT_THROW(write_report(folder_), InputError);
+  fs::remove(folder_ / "metrics.json");
+  EXPECT_THROW(write_report(folder_), InputError);
+  EXPECT_FALSE(fs::exists(folder_ / "report.html"));
+}
+
+}  // namespace
+}  // namespace saccade
