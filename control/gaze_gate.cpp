@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <span>
 
 namespace saccade {
@@ -116,10 +117,70 @@ class AuthorsGate final : public CountingGate {
   std::array<double, capacity> sorted_{};
 };
 
+class ContinuityGate final : public CountingGate {
+ public:
+  ContinuityGate(const ContinuityGateConfig& config, const TargetConfig& target)
+      : CountingGate(target),
+        config_(config),
+        window_us_(std::llround(config.window_s * 1e6)),
+        forget_us_(std::llround(config.forget_s * 1e6)) {}
+
+  std::optional<Eigen::Vector3d> update(std::int64_t now_us, const Estimate& estimate, double threshold,
+                                        const PinholeCamera& camera,
+                                        const Eigen::Isometry3d& root_from_cam) override {
+    if (!detected(estimate, threshold)) return std::nullopt;
+    const auto point_m = locate(estimate.circle, camera, root_from_cam);
+    if (!point_m) return std::nullopt;
+    const Eigen::Vector3d eye_m = root_from_cam.translation();
+    const Place here{now_us, *point_m};
+    recent_[count_++ % capacity] = here;
+
+    std::int64_t agreeing = 0;
+    for (std::size_t back = 1; back <= std::min(count_, capacity); ++back) {
+      const Place& other = recent_[(count_ - back) % capacity];
+      if (now_us - other.t_us > window_us_) break;
+      agreeing += agree(here.point_m, other.point_m, eye_m, config_.tolerance_deg);
+    }
+    const bool tracking = last_ && now_us - last_->t_us <= forget_us_;
+    const auto near_last = [&] {
+      const double unseen_s = static_cast<double>(now_us - last_->t_us) * 1e-6;
+      return agree(here.point_m, last_->point_m, eye_m,
+                   config_.tolerance_deg + config_.growth_deg_s * unseen_s);
+    };
+    if (agreeing < config_.min_agreeing && !(tracking && near_last())) return std::nullopt;
+    last_ = here;
+    return point_m;
+  }
+
+ private:
+  struct Place {
+    std::int64_t t_us = 0;
+    Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
+  };
+  static constexpr std::size_t capacity = 1024;  // the longest window at one detection per ms
+
+  [[nodiscard]] bool agree(const Eigen::Vector3d& a_m, const Eigen::Vector3d& b_m, const Eigen::Vector3d& eye_m,
+                           double tolerance_deg) const {
+    const Eigen::Vector3d a = a_m - eye_m;
+    const Eigen::Vector3d b = b_m - eye_m;
+    const double angle_rad = std::atan2(a.cross(b).norm(), a.dot(b));
+    const double ratio = a.norm() / b.norm();
+    return angle_rad * 180.0 / std::numbers::pi <= tolerance_deg && ratio <= config_.depth_ratio &&
+           ratio * config_.depth_ratio >= 1.0;
+  }
+
+  ContinuityGateConfig config_;
+  std::int64_t window_us_;
+  std::int64_t forget_us_;
+  std::array<Place, capacity> recent_{};
+  std::size_t count_ = 0;
+  std::optional<Place> last_;
+};
+
 }  // namespace
 
 void describe(FieldVisitor& v, GateConfig& config) {
-  v.choice("gate", config.gate, {"none", "authors"}, "which detections become gaze targets");
+  v.choice("gate", config.gate, {"none", "authors", "continuity"}, "which detections become gaze targets");
   v.section(
       "authors_gate",
       [&](FieldVisitor& w) {
@@ -134,13 +195,26 @@ void describe(FieldVisitor& v, GateConfig& config) {
       },
       "the authors' gate");
   v.section(
+      "continuity_gate",
+      [&](FieldVisitor& w) {
+        ContinuityGateConfig& c = config.continuity;
+        w.real("tolerance_deg", c.tolerance_deg, {0.01, 180.0}, "detections this close in bearing agree");
+        w.real("depth_ratio", c.depth_ratio, {1.0, 100.0}, "if their distances differ by less than this factor");
+        w.real("growth_deg_s", c.growth_deg_s, {0.0, 1e4}, "the tolerance grows by this while none came");
+        w.real("window_s", c.window_s, {0.001, 1.0}, "how far back a confirmation may lie");
+        w.integer("min_agreeing", c.min_agreeing, {1, 1000}, "detections that confirm a new place");
+        w.real("forget_s", c.forget_s, {0.001, 60.0}, "after so long the last place does not count any more");
+      },
+      "a ball does not jump");
+  v.section(
       "target", [&](FieldVisitor& w) { describe(w, config.target); }, "from a circle to a point");
 }
 
 std::unique_ptr<GazeGate> make_gate(const GateConfig& config) {
   check_config("gaze", config);
   if (config.gate == "none") return std::make_unique<OpenGate>(config.target);
-  return std::make_unique<AuthorsGate>(config.authors, config.target);
+  if (config.gate == "authors") return std::make_unique<AuthorsGate>(config.authors, config.target);
+  return std::make_unique<ContinuityGate>(config.continuity, config.target);
 }
 
 }  // namespace saccade

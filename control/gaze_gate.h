@@ -44,18 +44,33 @@ struct AuthorsGateConfig {
   double max_target_x_m = -0.10;     ///< root frame; a target less far in front of the waist is moved there
 };
 
+/// A ball does not jump: detections near where the last one was go through at once, one that is elsewhere
+/// has to be confirmed by others that agree with it. All in the root frame, so that the head's own motion
+/// does not matter, and as angles at the eye, because depth from a radius is coarse.
+struct ContinuityGateConfig {
+  double tolerance_deg = 4.0;    ///< detections this close in bearing agree ...
+  double depth_ratio = 1.4;      ///< ... if their distances differ by less than this factor
+  double growth_deg_s = 15.0;    ///< the tolerance around the last one grows by this while none came
+  double window_s = 0.20;        ///< how far back a confirmation may lie
+  std::int64_t min_agreeing = 60;  ///< in the window, to begin with or to change over to another place
+  double forget_s = 2.0;         ///< after so long without a detection the last one does not count any more
+};
+
 struct GateConfig {
-  std::string gate = "authors";  ///< none or authors
+  std::string gate = "continuity";  ///< none, authors or continuity
   AuthorsGateConfig authors;
+  ContinuityGateConfig continuity;
   TargetConfig target;
 };
 
-/// Keys, beside each other in a scenario's gaze section: gate, authors_gate.*, target.*.
+/// Keys, beside each other in a scenario's gaze section: gate, authors_gate.*, continuity_gate.*, target.*.
 void describe(FieldVisitor& v, GateConfig& config);
 
 /// `none`: every estimate at or above the threshold, held ones too, becomes a target.
 /// `authors`: the estimates at or above the threshold, held ones not, enter the window; the newest of them
 /// gives a target when it lies within one standard deviation of the median, in x and in y.
+/// `continuity`: every estimate at or above the threshold that agrees with the last accepted one or is
+/// confirmed becomes a target.
 /// Throws InputError.
 [[nodiscard]] std::unique_ptr<GazeGate> make_gate(const GateConfig& config);
 

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <numbers>
 #include <tuple>
+#include <utility>
 
 #include "core/error.h"
 
@@ -40,11 +41,18 @@ Patch larger(Patch a, Patch b) {
   return a > b ? a : b;
 }
 
+/// Largest of the even row's votes, and of the odd row's.
 template <class Patch>
-int largest(Patch patch) {
-  std::uint16_t most = 0;
-  for (int i = 0; i < 8; ++i) most = std::max<std::uint16_t>(most, patch[i]);
-  return most;
+std::pair<int, int> largest_of_rows(Patch p) {
+  p = larger(p, __builtin_shufflevector(p, p, 4, 5, 6, 7, 0, 1, 2, 3));
+  p = larger(p, __builtin_shufflevector(p, p, 2, 3, 0, 1, 6, 7, 4, 5));
+  return {p[0], p[1]};
+}
+
+template <class Patch>
+int largest(Patch p) {
+  const auto [even, odd] = largest_of_rows(p);
+  return std::max(even, odd);
 }
 
 }  // namespace
@@ -165,22 +173,12 @@ void HoughTransform::clear() {
   std::fill(bound_.begin(), bound_.end(), Patch{});
 }
 
-HoughTransform::Patch HoughTransform::block_maximum(std::size_t plane, int block) const {
-  const Patch in_image_columns = [&] {
-    Patch mask{};
-    for (int i = 0; i < 8; ++i) mask[i] = i / 2 < size_.width % patch_columns ? 0xffff : 0;
-    return mask;
-  }();
+HoughTransform::Patch HoughTransform::row_pair_maximum(const Votes* at, int y) const {
   Patch most{};
-  const int end = std::min(size_.height, (block + 1) * block_rows);
-  for (int y = block * block_rows; y < end; y += 2) {
-    const Votes* at = accumulator_.data() + plane * plane_size_ + cell(0, y);
-    Patch row{};
-    for (int n = size_.width / patch_columns; n > 0; --n, at += 8) row = larger(row, load<Patch>(at));
-    row = larger(row, load<Patch>(at) & in_image_columns);
-    if (y + 1 == size_.height) row &= Patch{0xffff, 0, 0xffff, 0, 0xffff, 0, 0xffff, 0};
-    most = larger(most, row);
-  }
+  int x = 0;
+  for (; x + patch_columns <= size_.width; x += patch_columns, at += 8) most = larger(most, load<Patch>(at));
+  for (; x < size_.width; ++x, at += 2) most = larger(most, Patch{at[0], at[1]});
+  if (y + 1 == size_.height) most &= Patch{0xffff, 0, 0xffff, 0, 0xffff, 0, 0xffff, 0};
   return most;
 }
 
@@ -209,20 +207,22 @@ HoughTransform::Peak HoughTransform::peak() const {
     if (votes == 0) return {0, 0, r_min_, 0, 0.0};
     int block = 0;
     while (largest(bounds_of(best)[block]) < votes) ++block;
-    const Patch most = block_maximum(best, block);
+    const Votes* const plane = accumulator_.data() + best * plane_size_;
+    const int end = std::min(size_.height, (block + 1) * block_rows);
+    Patch most{};
+    for (int y = block * block_rows; y < end; y += 2) {
+      const Patch row_pair = row_pair_maximum(plane + cell(0, y), y);
+      const auto [even, odd] = largest_of_rows(row_pair);
+      most = larger(most, row_pair);
+      if (std::max(even, odd) < votes) continue;
+      // The bound is met: this is its first row.
+      int x = 0;
+      const int row = even == votes ? y : y + 1;
+      while (plane[cell(x, row)] != votes) ++x;
+      return {x, row, r_min_ + static_cast<int>(best), votes, static_cast<double>(votes) / ring_pixels_[best]};
+    }
     bounds_of(best)[block] = most;
-    if (largest(most) < votes) {
-      bound_plane(best);
-      continue;
-    }
-    const Votes* plane = accumulator_.data() + best * plane_size_;
-    for (int y = block * block_rows;; ++y) {
-      for (int x = 0; x < size_.width; ++x) {
-        if (plane[cell(x, y)] == votes) {
-          return {x, y, r_min_ + static_cast<int>(best), votes, static_cast<double>(votes) / ring_pixels_[best]};
-        }
-      }
-    }
+    bound_plane(best);
   }
 }
 

@@ -63,7 +63,7 @@ class HoughTransform {
   void append_patterns(std::span<const struct RingPixel> pixels);
   template <int sign>
   void walk(int x, int y, std::size_t pattern);
-  [[nodiscard]] Patch block_maximum(std::size_t plane, int block) const;
+  [[nodiscard]] Patch row_pair_maximum(const Votes* at, int y) const;
 
   ImageSize size_;
   int r_min_;

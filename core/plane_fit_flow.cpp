@@ -12,46 +12,52 @@ constexpr std::size_t max_points = (2 * max_half_width + 1) * (2 * max_half_widt
 constexpr std::int64_t never_us = std::numeric_limits<std::int64_t>::min() / 2;
 constexpr int refits = 2;
 
-struct Point {
-  int dx, dy, dt;  // from the event; dt <= 0, us
+/// Neighbours of an event, whole numbers from it: pixels, and us <= 0. Arrays and masks, so that nothing branches
+/// on the data and loops vectorise.
+struct Neighbours {
+  int count = 0;
+  std::array<std::int32_t, max_points> x, y, t;
+  std::array<std::int32_t, max_points> taken;  ///< all bits or none
 };
 
-/// Sums of a least squares fit of dt = a dx + b dy + d, exact in integers.
-struct PlaneSums {
-  std::int64_t n = 0, x = 0, y = 0, t = 0, xx = 0, xy = 0, yy = 0, xt = 0, yt = 0;
+struct Plane {
+  double a, b, d;
+};
 
-  void add(const Point& p) {
-    ++n;
-    x += p.dx;
-    y += p.dy;
-    t += p.dt;
-    xx += p.dx * p.dx;
-    xy += p.dx * p.dy;
-    yy += p.dy * p.dy;
-    xt += static_cast<std::int64_t>(p.dx) * p.dt;
-    yt += static_cast<std::int64_t>(p.dy) * p.dt;
+/// Least squares fit of t = a x + b y + d to the neighbours that are taken; none where they are fewer than
+/// `min_points` or lie on one line. All sums are exact: |x|, |y| <= 5, |t| <= 1e6, at most 121 points.
+std::optional<Plane> fit_plane(const Neighbours& p, std::int64_t min_points) {
+  std::int32_t n = 0, x = 0, y = 0, t = 0, xx = 0, xy = 0, yy = 0, xt = 0, yt = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(p.count); ++i) {
+    const std::int32_t px = p.x[i] & p.taken[i];
+    const std::int32_t py = p.y[i] & p.taken[i];
+    n -= p.taken[i];
+    x += px;
+    y += py;
+    t += p.t[i] & p.taken[i];
+    xx += px * px;
+    xy += px * py;
+    yy += py * py;
+    xt += px * p.t[i];
+    yt += py * p.t[i];
   }
-
-  struct Plane {
-    double a, b, d;
+  if (n < min_points) return std::nullopt;
+  // Normal equations with the means removed, times n: integers throughout.
+  const auto centred = [n](std::int64_t sum_uv, std::int64_t sum_u, std::int64_t sum_v) {
+    return n * sum_uv - sum_u * sum_v;
   };
-  [[nodiscard]] std::optional<Plane> solve() const {
-    // Normal equations with the means removed, times n: integers throughout.
-    const std::int64_t cxx = n * xx - x * x;
-    const std::int64_t cxy = n * xy - x * y;
-    const std::int64_t cyy = n * yy - y * y;
-    const std::int64_t det = cxx * cyy - cxy * cxy;
-    if (det <= 0) return std::nullopt;  // the points lie on one line
-    const std::int64_t cxt = n * xt - x * t;
-    const std::int64_t cyt = n * yt - y * t;
-    const double scale = 1.0 / static_cast<double>(det);
-    const double a = static_cast<double>(cyy * cxt - cxy * cyt) * scale;
-    const double b = static_cast<double>(cxx * cyt - cxy * cxt) * scale;
-    const double d = (static_cast<double>(t) - a * static_cast<double>(x) - b * static_cast<double>(y)) /
-                     static_cast<double>(n);
-    return Plane{a, b, d};
-  }
-};
+  const std::int64_t cxx = centred(xx, x, x);
+  const std::int64_t cxy = centred(xy, x, y);
+  const std::int64_t cyy = centred(yy, y, y);
+  const std::int64_t det = cxx * cyy - cxy * cxy;
+  if (det <= 0) return std::nullopt;
+  const std::int64_t cxt = centred(xt, x, t);
+  const std::int64_t cyt = centred(yt, y, t);
+  const double scale = 1.0 / static_cast<double>(det);
+  const double a = static_cast<double>(cyy * cxt - cxy * cyt) * scale;
+  const double b = static_cast<double>(cxx * cyt - cxy * cxt) * scale;
+  return Plane{a, b, (t - a * x - b * y) / n};
+}
 
 }  // namespace
 
@@ -75,31 +81,29 @@ std::optional<NormalFlow> PlaneFitFlow::at(const Event& event) const {
   const int half = static_cast<int>(config_.half_width_px);
   const std::int64_t oldest = event.t_us - config_.max_age_us;
   const std::int64_t* centre = surface_.data() + index(event);
-  std::array<Point, max_points> points;
-  std::size_t count = 0;
-  PlaneSums sums;
+  Neighbours near;
   for (int dy = -half; dy <= half; ++dy) {
     const std::int64_t* row = centre + dy * static_cast<std::ptrdiff_t>(stride_);
     for (int dx = -half; dx <= half; ++dx) {
-      if (row[dx] < oldest) continue;
-      points[count] = {dx, dy, static_cast<int>(row[dx] - event.t_us)};
-      sums.add(points[count++]);
+      const auto i = static_cast<std::size_t>(near.count);
+      near.x[i] = dx;
+      near.y[i] = dy;
+      near.t[i] = static_cast<std::int32_t>(row[dx] - event.t_us);
+      near.taken[i] = -1;
+      near.count += row[dx] >= oldest ? 1 : 0;
     }
   }
   for (int fit = 0;; ++fit) {
-    if (sums.n < config_.min_inliers) return std::nullopt;
-    const auto plane = sums.solve();
+    const auto plane = fit_plane(near, config_.min_inliers);
     if (!plane) return std::nullopt;
     const double slope = std::sqrt(plane->a * plane->a + plane->b * plane->b);
     if (!(slope > 0.0)) return std::nullopt;
     if (fit == refits) return NormalFlow{plane->a, plane->b};
     const double tolerance = config_.inlier_px * slope;
-    PlaneSums inliers;
-    for (std::size_t i = 0; i < count; ++i) {
-      const Point& p = points[i];
-      if (std::abs(plane->a * p.dx + plane->b * p.dy + plane->d - p.dt) <= tolerance) inliers.add(p);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(near.count); ++i) {
+      const double off = plane->a * near.x[i] + plane->b * near.y[i] + plane->d - near.t[i];
+      near.taken[i] = std::abs(off) <= tolerance ? -1 : 0;
     }
-    sums = inliers;
   }
 }
 

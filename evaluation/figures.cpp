@@ -17,7 +17,7 @@ using Series = GnuplotFigure::Series;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double deg_per_rad = 180.0 / std::numbers::pi;
-constexpr std::string_view truth_style = "lines lw 3 lc rgb '#9a9a9a'";
+constexpr std::string_view truth_style = "lines lw 1.4 lc rgb '#222222'";
 constexpr int width = 900;
 
 double seconds(std::int64_t t_us, std::int64_t start_us) {
@@ -31,13 +31,9 @@ std::vector<Point> over_time(const Rows& rows, std::int64_t start_us, Value valu
   return points;
 }
 
-template <class Rows, class Value>
-std::vector<Point> in_space(const Rows& rows, Value value) {
+std::vector<Point> in_space(const std::vector<Eigen::Vector3d>& path_m) {
   std::vector<Point> points;
-  for (const auto& row : rows) {
-    const Eigen::Vector3d p = value(row);
-    points.push_back({p.x(), p.y(), p.z()});
-  }
+  for (const Eigen::Vector3d& p : path_m) points.push_back({p.x(), p.y(), p.z()});
   return points;
 }
 
@@ -51,8 +47,8 @@ std::string dot_style(std::string_view colour, double size = 0.3) {
 
 /// Panels one above the other with a common time axis under the last.
 std::string stacked(int panels) {
-  return fmt::format("set multiplot layout {},1 margins 0.085,0.985,{},{} spacing 0.0,0.035\n", panels,
-                     panels > 2 ? 0.11 : 0.14, panels > 2 ? 0.94 : 0.97);
+  return fmt::format("set multiplot layout {},1 margins 0.095,0.985,{},{} spacing 0.0,0.035\n", panels,
+                     panels > 2 ? 0.13 : 0.155, panels > 2 ? 0.94 : 0.97);
 }
 
 std::string time_range(double from_s, double to_s) {
@@ -60,15 +56,15 @@ std::string time_range(double from_s, double to_s) {
 }
 
 std::string axes(std::string_view y_label, bool last, std::string_view y_range = "[*:*]") {
-  return fmt::format("set ylabel '{}'\nset yrange {}\n{}", y_label, y_range,
+  return fmt::format("set ylabel '{}'\nset offsets 0, 0, graph 0.06, {}\nset yrange {}\n{}", y_label,
+                     y_range == "[*:*]" ? "graph 0.06" : "0", y_range,
                      last ? "set xlabel 'time [s]'\nset format x '%g'\n" : "unset xlabel\nset format x ''\n");
 }
 
 }  // namespace
 
 std::string detector_colour(std::size_t index) {
-  // Told apart also by those who do not see red and green alike (Okabe and
-  // Ito's palette).
+  // Told apart also by those who do not see red and green alike (Okabe and Ito's palette).
   static constexpr std::array<std::string_view, 7> colours = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                                               "#56b4e9", "#e69f00", "#000000"};
   return std::string(colours[index % colours.size()]);
@@ -99,12 +95,12 @@ std::string tracking_figure(std::string_view name, std::span<const TruthRow> tru
     figure.add_panel(
         axes(q.label, last) + time_range(0.0, end_s) +
             (first ? "set key horizontal outside top right\n" : "unset key\n"),
-        {{.title = "truth",
-          .style = sparse ? "points pt 6 ps 0.6 lw 1.5 lc rgb '#777777'" : std::string(truth_style),
-          .points = over_time(truth, start_us, truth_value)},
-         {.title = std::string(detector),
+        {{.title = std::string(detector),
           .style = dot_style(colour),
-          .points = over_time(accepted, start_us, circle_value)}});
+          .points = over_time(accepted, start_us, circle_value)},
+         {.title = "truth",
+          .style = sparse ? "points pt 6 ps 0.6 lw 1.5 lc rgb '#222222'" : std::string(truth_style),
+          .points = over_time(truth, start_us, truth_value)}});
   }
   return figure.svg(stacked(3));
 }
@@ -124,50 +120,54 @@ std::string precision_recall_figure(std::string_view name, const Metrics& metric
     }
   }
   figure.add_panel(
-      "set xrange [0:1]\nset yrange [0:1.03]\nset xlabel "
-      "'recall'\nset ylabel 'precision'\n"
-      "set key outside right top\n",
+      "set xrange [0:1]\nset yrange [0:1.03]\nset xlabel 'recall'\nset ylabel 'precision'\nset key outside "
+      "right top\n",
       series);
   return figure.svg();
 }
 
 std::string gaze_path_figure(std::string_view name, std::span<const TruthRow> truth,
                              std::span<const GazeRow> gaze) {
-  // A move of the gaze target, not every tick on which it holds.
-  std::vector<Point> targets;
+  // Right, ahead and up, as seen from behind the head.
+  const auto from_behind = [](const Eigen::Vector3d& root_m) {
+    return Eigen::Vector3d(root_m.y(), -root_m.x(), root_m.z());
+  };
+  std::vector<Eigen::Vector3d> ball;
+  for (const TruthRow& row : truth) ball.push_back(from_behind(row.position_m));
+  std::vector<Eigen::Vector3d> fixation;
+  std::vector<Eigen::Vector3d> targets;  // where it moves, not every tick on which it holds
   for (const GazeRow& row : gaze) {
-    const Point p{row.target_m.x(), row.target_m.y(), row.target_m.z()};
-    if (targets.empty() || std::abs(p.x - targets.back().x) + std::abs(p.y - targets.back().y) +
-                                   std::abs(p.z - targets.back().z) >
-                               1e-3) {
-      if (std::isfinite(p.x)) targets.push_back(p);
+    fixation.push_back(from_behind(row.fixation_m));
+    const Eigen::Vector3d target = from_behind(row.target_m);
+    if (target.allFinite() && (targets.empty() || (target - targets.back()).norm() > 1e-3)) {
+      targets.push_back(target);
     }
   }
+
+  // The box holds the ball's path and 8 cm around it: eyes that look far away fixate a point far away.
+  std::string ranges;
+  for (int axis = 0; axis < 3; ++axis) {
+    double low = std::numeric_limits<double>::infinity();
+    double high = -low;
+    for (const Eigen::Vector3d& p : ball) {
+      if (!p.allFinite()) continue;
+      low = std::min(low, p[axis]);
+      high = std::max(high, p[axis]);
+    }
+    const char letter = "xyz"[axis];
+    if (low <= high) ranges += fmt::format("set {}range [{:.6g}:{:.6g}]\n", letter, low - 0.08, high + 0.08);
+    ranges += fmt::format("set {}tics {}\n", letter, high - low > 0.4 ? "0.2" : "0.1");
+  }
+
   GnuplotFigure figure(name, width, 560);
-  // Seen from behind the head: right is right and what is far is at the back.
   figure.add_panel(
-      "set xlabel 'y [m], right' offset 0,-0.5\nset ylabel '-x [m], ahead' "
-      "offset 2,-0.5\n"
-      "set zlabel 'z [m], up' rotate parallel\nset view 62,20\nset xyplane "
-      "relative 0.05\nset grid z\n"
-      "set key at screen 0.98,0.96\nset border 127 lc rgb '#bbbbbb'\n",
-      {{.title = "ball",
-        .style = std::string(truth_style),
-        .points = in_space(truth,
-                           [](const TruthRow& row) {
-                             return Eigen::Vector3d(row.position_m.y(), -row.position_m.x(),
-                                                    row.position_m.z());
-                           })},
-       {.title = "gaze targets",
-        .style = dot_style("#d55e00", 0.35),
-        .points = in_space(targets, [](const Point& p) { return Eigen::Vector3d(p.y, -p.x, p.z); })},
-       {.title = "fixation point",
-        .style = line_style("#0072b2"),
-        .points = in_space(gaze,
-                           [](const GazeRow& row) {
-                             return Eigen::Vector3d(row.fixation_m.y(), -row.fixation_m.x(),
-                                                    row.fixation_m.z());
-                           })}},
+      ranges +
+          "set xlabel 'y [m], right'\nset ylabel '-x [m], ahead' offset 3,0\nset zlabel 'z [m], up' rotate "
+          "parallel\nset view 65,20,1.25\nset view equal xyz\nset xyplane relative 0\nset grid z\nset key at "
+          "screen 0.98,0.96\nset border 127 lc rgb '#bbbbbb'\n",
+      {{.title = "ball", .style = line_style("#9a9a9a", 3.0), .points = in_space(ball)},
+       {.title = "gaze targets", .style = dot_style("#d55e00", 0.35), .points = in_space(targets)},
+       {.title = "fixation point", .style = line_style("#0072b2"), .points = in_space(fixation)}},
       true);
   return figure.svg();
 }
@@ -216,9 +216,7 @@ std::string joints_figure(std::string_view name, std::span<const GazeRow> gaze, 
          {.title = "", .style = limit_style, .points = level(limits.min_rad[j])},
          {.title = "", .style = limit_style, .points = level(limits.max_rad[j])}});
   }
-  return figure.svg(
-      "set multiplot layout 3,2 margins 0.085,0.985,0.10,0.97 "
-      "spacing 0.10,0.04\n");
+  return figure.svg("set multiplot layout 3,2 margins 0.085,0.985,0.10,0.97 spacing 0.10,0.04\n");
 }
 
 std::string rates_figure(std::string_view name, const EventCounts& events,

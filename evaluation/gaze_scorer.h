@@ -12,15 +12,13 @@
 
 namespace saccade {
 
-/// What the loop knows and hands over after each tick: the true state of plant
-/// and ball.
+/// What the loop knows and hands over after each tick: the true state of plant and ball.
 struct GazeSample {
   std::int64_t t_us = 0;
   /// The plant's left camera, not the controller's idea of it.
   Eigen::Isometry3d root_from_left_cam = Eigen::Isometry3d::Identity();
   Eigen::Vector3d ball_m = Eigen::Vector3d::Zero();  ///< root frame
-  /// The 3D point the controller was told to look at, root frame; none before
-  /// the first.
+  /// The 3D point the controller was told to look at, root frame; none before the first.
   std::optional<Eigen::Vector3d> target_m;
   JointVector plant_position_rad = JointVector::Zero();
 };
@@ -28,28 +26,24 @@ struct GazeSample {
 struct GazeScoringConfig {
   PinholeCamera camera;
   JointLimits limits;
-  /// The ball counts as acquired within this angle: 2 deg, and 6 deg for the
-  /// paper's detectors.
+  /// The ball counts as acquired within this angle: 2 deg, and 6 deg for the paper's detectors.
   double acquire_within_rad = 2.0 * std::numbers::pi / 180.0;
 };
 
-/// What metrics.json says of the gaze. None = does not apply: never acquired,
-/// no target.
+/// What metrics.json says of the gaze. None = does not apply: never acquired, no target.
 struct GazeScore {
   double acquire_within_deg = 2.0;
-  /// From the ball's first motion (from the first sample when it never moves)
-  /// to the start of the first 100 ms on end within acquire_within_deg.
+  /// From the ball's first motion (from the first sample when it never moves) to the start of the first 100
+  /// ms on end within acquire_within_deg.
   std::optional<double> acquire_s;
-  /// From that start to the last sample: the angle at the left eye between its
-  /// optical axis and the ball's centre, the share of samples below 2 deg, the
-  /// share with the ball's centre inside the image.
+  /// From that start to the last sample: the angle at the left eye between its optical axis and the ball's
+  /// centre, the share of samples below 2 deg, the share with the ball's centre inside the image.
   Spread fixation_error_deg;
   std::optional<double> on_target_ratio;
   std::optional<double> in_view_ratio;
-  /// Over the whole run. A move is a target more than 1 mm from the target of
-  /// the last move (the first target is one); it is wrong when the true camera
-  /// sees it more than 6 px from where it sees the ball's centre at that
-  /// moment, or either is not in front of the camera.
+  /// Over the whole run. A move is a target more than 1 mm from the target of the last move (the first target
+  /// is one); it is wrong when the true camera sees it more than 6 px from where it sees the ball's centre at
+  /// that moment, or either is not in front of the camera.
   std::int64_t moves = 0;
   std::int64_t wrong_moves = 0;
   std::int64_t saccades = 0;          ///< stretches of 10 ms or more with the optical axis above 60 deg/s
@@ -58,12 +52,10 @@ struct GazeScore {
   std::optional<double> target_error_median_m;
 };
 
-/// Scores the gaze sample by sample while the run goes on. Memory: 8 bytes per
-/// sample and per move.
+/// Scores the gaze sample by sample while the run goes on. Memory: 8 bytes per sample and per move.
 class GazeScorer {
  public:
-  /// Throws InputError for a camera that is none or acquire_within_rad outside
-  /// (0, pi].
+  /// Throws InputError for a camera that is none or acquire_within_rad outside (0, pi].
   explicit GazeScorer(const GazeScoringConfig& config);
 
   /// One sample per tick, time going forward.
@@ -86,8 +78,7 @@ class GazeScorer {
   Eigen::Vector3d first_ball_m_ = Eigen::Vector3d::Zero();
   std::int64_t motion_start_us_ = 0;
 
-  /// The run of samples on target that is or may become the acquisition, and
-  /// everything after it.
+  /// The run of samples on target that is or may become the acquisition, and everything after it.
   bool acquired_ = false;
   std::optional<std::int64_t> hold_start_us_;
   std::vector<double> errors_deg_;

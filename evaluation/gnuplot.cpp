@@ -121,13 +121,11 @@ std::string gnuplot_quoted(std::string_view text) {
 
 GnuplotFigure::GnuplotFigure(std::string_view name, int width, int height)
     : name_(name),
-      terminal_(fmt::format("set terminal svg size {},{} dynamic noenhanced font 'sans-serif,13' "
-                            "name {} "
-                            "background rgb 'white'\n"
-                            "set border 3 lc rgb '#777777'\nset tics nomirror out scale 0.5 tc "
-                            "rgb '#333333'\n"
-                            "set grid lc rgb '#e4e4e4' lt 1\nset key top right samplen 2\n",
-                            width, height, gnuplot_quoted(name))) {}
+      terminal_(
+          fmt::format("set terminal svg size {},{} dynamic noenhanced font 'sans-serif,13' name {} "
+                      "background rgb 'white'\nset border 3 lc rgb '#777777'\nset tics nomirror out scale "
+                      "0.5 tc rgb '#333333'\nset grid lc rgb '#e4e4e4' lt 1\nset key top right samplen 2\n",
+                      width, height, gnuplot_quoted(name))) {}
 
 void GnuplotFigure::add_panel(std::string_view commands, const std::vector<Series>& series, bool three_d) {
   std::string plot;

@@ -6,9 +6,8 @@
 
 namespace saccade {
 
-/// One drawing made of panels, as gnuplot text. Data travel inside the script
-/// and titles are quoted, so nothing that a recording or a scenario holds can
-/// become a command.
+/// One drawing made of panels, as gnuplot text. Data travel inside the script and titles are quoted, so
+/// nothing that a recording or a scenario holds can become a command.
 class GnuplotFigure {
  public:
   GnuplotFigure(std::string_view name, int width, int height);
@@ -25,12 +24,10 @@ class GnuplotFigure {
     std::vector<Point> points;  ///< thinned to max_figure_points
   };
 
-  /// `commands` are gnuplot's `set` lines for this panel, from this program
-  /// only, never from input.
+  /// `commands` are gnuplot's `set` lines for this panel, from this program only, never from input.
   void add_panel(std::string_view commands, const std::vector<Series>& series, bool three_d = false);
 
-  /// Draws. `layout` is what goes before the panels, such as `set multiplot
-  /// layout 3,1`. Throws RunError.
+  /// Draws. `layout` is what goes before the panels, such as `set multiplot layout 3,1`. Throws RunError.
   [[nodiscard]] std::string svg(std::string_view layout = "") const;
 
  private:

@@ -99,8 +99,7 @@ Json json_of(const GazeMetrics& gaze) {
   Json limits = Json::object();
   for (std::size_t j = 0; j < joint_names.size(); ++j) {
     const auto i = static_cast<Eigen::Index>(j);
-    limits[std::string(joint_names[j])] = {gaze.limits.min_rad[i],
-                                           gaze.limits.max_rad[i]};
+    limits[std::string(joint_names[j])] = {gaze.limits.min_rad[i], gaze.limits.max_rad[i]};
   }
   return {{"detector", gaze.detector},
           {"fixation_error_deg", json_of(score.fixation_error_deg)},

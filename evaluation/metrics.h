@@ -22,10 +22,9 @@ struct GazeMetrics {
   JointLimits limits;  ///< positions only, for the figures
 };
 
-/// metrics.json, schema 1. None is written as null: the figure does not apply.
-/// Keys beyond the contract: detectors.*.{observations,inliers},
-/// gaze.{acquire_within_deg,joint_limits_rad} and `events.file`, `camera`,
-/// `start_us`, which make a run folder readable without its scenario.
+/// metrics.json, schema 1. None is written as null: the figure does not apply. Keys beyond the contract:
+/// detectors.*.{observations,inliers}, gaze.{acquire_within_deg,joint_limits_rad} and `events.file`,
+/// `camera`, `start_us`, which make a run folder readable without its scenario.
 struct Metrics {
   std::string scenario;
   std::optional<std::int64_t> seed;
@@ -34,8 +33,7 @@ struct Metrics {
   std::optional<double> wall_s;  ///< of the loop alone; real_time_factor is duration_s / wall_s
   std::int64_t event_count = 0;  ///< passed to the detectors; the rate is per second of duration_s
   std::optional<std::int64_t> events_dropped;
-  /// The events' file: relative to the run folder, or absolute when the
-  /// recording lies elsewhere.
+  /// The events' file: relative to the run folder, or absolute when the recording lies elsewhere.
   std::string events_file;
   ImageSize image;
   std::optional<PinholeCamera> camera;                           ///< where it is known
@@ -43,11 +41,10 @@ struct Metrics {
   std::optional<GazeMetrics> gaze;
 };
 
-/// Numbers are the shortest text that reads back as the same double; the same
-/// metrics give the same bytes.
+/// Numbers are the shortest text that reads back as the same double; the same metrics give the same bytes.
 [[nodiscard]] std::string metrics_to_json(const Metrics& metrics);
-/// Throws InputError with `place` for text that is no JSON, another schema, or
-/// a key missing or of a wrong kind.
+/// Throws InputError with `place` for text that is no JSON, another schema, or a key missing or of a wrong
+/// kind.
 [[nodiscard]] Metrics metrics_from_json(std::string_view text, const std::string& place);
 
 /// Throws RunError when the disk does not take it.

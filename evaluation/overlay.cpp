@@ -23,15 +23,13 @@ cv::Scalar bgr(const std::string& colour) {
   return {static_cast<double>(channel(5)), static_cast<double>(channel(3)), static_cast<double>(channel(1))};
 }
 
-/// Image coordinates to picture coordinates in OpenCV's fixed point; pixel
-/// centres stay pixel centres.
+/// Image coordinates to picture coordinates in OpenCV's fixed point; pixel centres stay pixel centres.
 int fixed(double px, int scale) {
   return static_cast<int>(std::lround(((px + 0.5) * scale - 0.5) * (1 << fraction_bits)));
 }
 
 void draw_circle(cv::Mat& picture, const Circle& c, int scale, const cv::Scalar& colour, int thickness) {
-  // Beyond this the fixed-point numbers would overflow, and nothing of the
-  // circle is in the picture.
+  // Beyond this the fixed-point numbers would overflow, and nothing of the circle is in the picture.
   if (!(std::abs(c.x_px) + std::abs(c.y_px) + std::abs(c.r_px) < 1e5)) return;
   cv::circle(picture, {fixed(c.x_px, scale), fixed(c.y_px, scale)},
              static_cast<int>(std::lround(c.r_px * scale * (1 << fraction_bits))), colour, thickness,

@@ -35,19 +35,15 @@ struct EyePicture {
   std::optional<Eigen::Vector2d> principal_px;  ///< crosshair: where the eye points
 };
 
-/// Draws with `scale` picture pixels per image pixel (BGR, 8 bit). Events
-/// outside the image are left out.
+/// Draws with `scale` picture pixels per image pixel (BGR, 8 bit). Events outside the image are left out.
 [[nodiscard]] cv::Mat draw_eye(const EyePicture& eye, int scale);
 
-/// Fits `picture` (BGR) into width x height with its shape kept, on a dark
-/// ground.
+/// Fits `picture` (BGR) into width x height with its shape kept, on a dark ground.
 [[nodiscard]] cv::Mat fit_into(const cv::Mat& picture, int width, int height);
 
-/// Writes an mp4 that plays in browsers: the scene on the left, the eye on the
-/// right, a line of text below. The file appears under its name on commit()
-/// only (until then `NAME.part.mp4`). H.264 where the system's ffmpeg can
-/// encode it, else MPEG-4 part 2. Every member but the destructor throws
-/// RunError.
+/// Writes an mp4 that plays in browsers: the scene on the left, the eye on the right, a line of text below.
+/// The file appears under its name on commit() only (until then `NAME.part.mp4`). H.264 where the system's
+/// ffmpeg can encode it, else MPEG-4 part 2. Every member but the destructor throws RunError.
 class VideoComposer {
  public:
   static constexpr int frame_hz = 25;
@@ -57,11 +53,9 @@ class VideoComposer {
   VideoComposer& operator=(const VideoComposer&) = delete;
   ~VideoComposer();
 
-  /// True when the film, played in real time, needs a picture for `t_us`,
-  /// counted from the run's start.
+  /// True when the film, played in real time, needs a picture for `t_us`, counted from the run's start.
   [[nodiscard]] bool wants(std::int64_t t_us) const { return t_us * frame_hz >= frames_ * 1'000'000; }
-  /// One film picture. `scene` BGR of any size; the caption is drawn as it
-  /// stands.
+  /// One film picture. `scene` BGR of any size; the caption is drawn as it stands.
   void add(const cv::Mat& scene, const EyePicture& eye, const std::string& caption);
   void commit();
 

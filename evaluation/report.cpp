@@ -53,8 +53,8 @@ struct Run {
   std::optional<EventCounts> event_counts;
   std::string events_remark;  ///< why events are not shown
 
-  /// A recording's annotations, not one row per millisecond: then nothing is
-  /// known of the ball's place in the world.
+  /// A recording's annotations, not one row per millisecond: then nothing is known of the ball's place in the
+  /// world.
   [[nodiscard]] bool sparse_truth() const {
     return !truth.empty() && !std::isfinite(truth.front().position_m.x());
   }
@@ -108,8 +108,7 @@ std::vector<Frame> frames_without_pictures(const Run& run) {
   return spread_out(frames, strip_frames_without_pictures);
 }
 
-/// One pass over the recording: counts over time, and the events just before
-/// each frame.
+/// One pass over the recording: counts over time, and the events just before each frame.
 void read_events(Run& run) {
   const Metrics& metrics = run.metrics;
   if (metrics.events_file.empty()) return;
@@ -207,14 +206,11 @@ std::string picture_html(const cv::Mat& picture, const char* format, const std::
   cv::imencode(std::string(".") + format, picture, bytes,
                std::string_view(format) == "png" ? std::vector<int>{cv::IMWRITE_PNG_COMPRESSION, 9}
                                                  : std::vector<int>{cv::IMWRITE_JPEG_QUALITY, 85});
-  return fmt::format(
-      "<img alt=\"{}\" width=\"{}\" height=\"{}\" "
-      "src=\"data:image/{};base64,{}\">",
-      escaped(alt), picture.cols, picture.rows, format, base64(bytes));
+  return fmt::format("<img alt=\"{}\" width=\"{}\" height=\"{}\" src=\"data:image/{};base64,{}\">",
+                     escaped(alt), picture.cols, picture.rows, format, base64(bytes));
 }
 
-/// Inside a page an SVG needs no namespaces, and the page then holds no address
-/// at all.
+/// Inside a page an SVG needs no namespaces, and the page then holds no address at all.
 std::string inline_svg(std::string svg) {
   for (std::size_t at = 0; (at = svg.find("xmlns")) != std::string::npos;) {
     svg.erase(at, svg.find('"', svg.find('"', at) + 1) + 1 - at);
@@ -226,31 +222,31 @@ std::string inline_svg(std::string svg) {
 std::string cell(const std::optional<double>& value, double factor = 1.0) {
   if (!value) return "<td class=\"none\">–</td>";
   const double shown = *value * factor;
-  const double size = std::abs(shown);
-  const int digits = size >= 100.0 ? 0 : size >= 10.0 ? 1 : size >= 1.0 ? 2 : 3;
-  return fmt::format("<td data-value=\"{}\">{:.{}f}</td>", text_of(*value), shown, digits);
+  const std::string text =
+      std::abs(shown) >= 100.0 ? fmt::format("{:.0f}", shown) : fmt::format("{:.3g}", shown);
+  return fmt::format("<td data-value=\"{}\">{}</td>", text_of(*value), text);
 }
 
 std::string count_cell(std::int64_t value) { return fmt::format("<td data-value=\"{0}\">{0}</td>", value); }
 
+/// The detector's name with its colour.
+std::string detector_mark(const Metrics& metrics, std::size_t index) {
+  return fmt::format("<span class=\"dot\" style=\"background:{}\"></span>{}", detector_colour(index),
+                     escaped(metrics.detectors[index].first));
+}
+
 std::string detector_table(const Metrics& metrics) {
   std::string html =
-      "<div class=\"wide\"><table id=\"detectors\"><thead><tr><th "
-      "rowspan=\"2\">detector</th>"
-      "<th rowspan=\"2\">average<br>precision</th><th colspan=\"3\">at the "
-      "threshold</th>"
-      "<th colspan=\"2\">inliers per s</th><th colspan=\"2\">position error, "
-      "px</th>"
-      "<th colspan=\"2\">radius error, px</th><th rowspan=\"2\">lag<br>ms</th>"
-      "<th rowspan=\"2\">µs per<br>event</th></tr>"
-      "<tr><th>threshold</th><th>precision</th><th>recall</th><th>mean</"
-      "th><th>peak</th><th>median</th><th>95 %</th>"
-      "<th>median</th><th>95 %</th></tr></thead><tbody>\n";
+      "<div class=\"wide\"><table id=\"detectors\"><thead><tr><th rowspan=\"2\">detector</th><th "
+      "rowspan=\"2\">average<br>precision</th><th colspan=\"3\">at the threshold</th><th "
+      "colspan=\"2\">inliers per s</th><th colspan=\"2\">position error, px</th><th colspan=\"2\">radius "
+      "error, px</th><th rowspan=\"2\">lag<br>ms</th><th rowspan=\"2\">µs "
+      "per<br>event</th></tr><tr><th>threshold</th><th>precision</th><th>recall</th><th>mean</th><th>peak</"
+      "th><th>median</th><th>95 %</th><th>median</th><th>95 %</th></tr></thead><tbody>\n";
   for (std::size_t i = 0; i < metrics.detectors.size(); ++i) {
     const auto& [name, s] = metrics.detectors[i];
     html +=
-        fmt::format("<tr><th><span class=\"dot\" style=\"background:{}\"></span>{}{}</th>",
-                    detector_colour(i), escaped(name),
+        fmt::format("<tr><th>{}{}</th>", detector_mark(metrics, i),
                     metrics.gaze && metrics.gaze->detector == name ? " <small>drives the gaze</small>" : "");
     html += cell(s.average_precision) + cell(s.threshold) + cell(s.precision) + cell(s.recall) +
             cell(s.mean_rate_hz) + cell(s.peak_rate_hz) + cell(s.position_error_px.median) +
@@ -322,7 +318,7 @@ EyePicture eye_picture(const Run& run, const Frame& frame) {
     for (auto row = newest(run.detections, frame.t_us);
          row != run.detections.end() && frame.t_us - row->t_us < run.window_us; --row) {
       if (row->detector == name && row->score >= score.threshold) {
-        eye.detections.push_back({row->circle, name, detector_colour(i)});
+        eye.detections.push_back({row->circle, "", detector_colour(i)});
         break;
       }
       if (row == run.detections.begin()) break;
@@ -357,18 +353,15 @@ std::string strip(const Run& run) {
     html += "<p>" + caption + "</p></div>\n";
   }
   html += "</div>";
-  return figure(
-      "What happened",
-      fmt::format("{}the events of the last {:.3g} ms are green where it got "
-                  "brighter and magenta where it got "
-                  "darker. White: the true circle; coloured: the newest circle "
-                  "of each detector above its threshold "
-                  "(same colours as in the table){}.",
-                  run.has_pictures ? "In each eye picture " : "", static_cast<double>(run.window_us) * 1e-3,
-                  run.metrics.camera ? "; the cross marks where the eye "
-                                       "points, so a ball under it is fixated"
-                                     : ""),
-      html);
+  std::string reading = fmt::format(
+      "Events of the last {:.3g} ms: green where it got brighter, magenta where it got darker. White is the "
+      "true circle; the coloured ones are the newest above the threshold of each detector:",
+      static_cast<double>(run.window_us) * 1e-3);
+  for (std::size_t i = 0; i < run.metrics.detectors.size(); ++i) {
+    reading += (i == 0 ? " " : ", ") + detector_mark(run.metrics, i);
+  }
+  reading += run.metrics.camera ? ". The cross marks where the eye points: a ball under it is fixated." : ".";
+  return figure("What happened", reading, html);
 }
 
 std::string detection_figures(const Run& run) {
@@ -380,21 +373,17 @@ std::string detection_figures(const Run& run) {
     const auto& [name, score] = m.detectors[i];
     html += figure(
         name + (run.truth.empty() ? ": circles over time" : " against truth"),
-        run.truth.empty() ? "Every dot is an observation above the threshold; "
-                            "a ball makes a smooth trace, "
+        run.truth.empty() ? "Every dot is an observation above the threshold; a ball makes a smooth trace, "
                             "clutter makes scattered dots."
-                          : "Dots are observations above the threshold; those "
-                            "that lie on the grey truth in "
-                            "all three panels are right, gaps are times "
-                            "without an observation.",
+                          : "Dots are observations above the threshold; those that lie on the dark truth in "
+                            "all three panels are right, gaps are times without an observation.",
         inline_svg(tracking_figure(fmt::format("track{}", i), run.truth, run.detections, name,
                                    score.threshold, detector_colour(i), run.sparse_truth(), m.start_us)));
   }
   if (scored) {
     html += figure("Precision and recall",
-                   "Each curve runs through all thresholds; the further up and "
-                   "right, the better. The square is the "
-                   "threshold in use.",
+                   "Each curve runs through all thresholds; the further up and right, the better. The square "
+                   "is the threshold in use.",
                    inline_svg(precision_recall_figure("pr", m)));
   }
   return html;
@@ -406,20 +395,19 @@ std::string gaze_figures(const Run& run) {
   if (!m.gaze || run.gaze.empty()) return html;
   if (m.camera && !run.truth.empty()) {
     html += figure("Gaze in angle",
-                   "How far the ball is from the left eye's optical axis: low is good, a "
-                   "sudden fall is a gaze shift "
-                   "that caught up, and gaps are times with the ball behind the camera.",
+                   "How far the ball is from the left eye's optical axis: low is good, a sudden fall is a "
+                   "gaze shift that caught up, and gaps are times with the ball behind the camera.",
                    inline_svg(fixation_figure("fixation", run.truth, *m.camera, m.start_us)));
   }
   html += figure("Gaze in space",
-                 "Seen from behind the robot, in its root frame: a gaze that follows well "
-                 "lays the blue line on the "
-                 "ball's grey path; orange dots are the points it was told to look at.",
+                 "Seen from behind the robot, in its root frame: a gaze that follows well lays the blue line "
+                 "on the ball's grey path; orange dots are the points it was told to look at. What lies far "
+                 "from the ball is outside the box.",
                  inline_svg(gaze_path_figure("path", run.truth, run.gaze)));
-  html += figure("Joints and their limits",
-                 "Blue: joint angle, dashed: limits; where the line runs along "
-                 "a limit the head cannot turn further.",
-                 inline_svg(joints_figure("joints", run.gaze, m.gaze->limits, m.start_us)));
+  html += figure(
+      "Joints and their limits",
+      "Blue: joint angle, dashed: limits; where the line runs along a limit the head cannot turn further.",
+      inline_svg(joints_figure("joints", run.gaze, m.gaze->limits, m.start_us)));
   return html;
 }
 
@@ -430,7 +418,7 @@ body { font: 16px/1.5 system-ui, "DejaVu Sans", sans-serif; color: #1c1c1c; back
 h1 { font-size: 1.7rem; line-height: 1.2; margin: 0 0 .2rem; overflow-wrap: anywhere; }
 h2 { font-size: 1.25rem; margin: 2.2rem 0 .5rem; }
 h3 { font-size: 1.02rem; margin: 0 0 .5rem; }
-.facts { color: #555; margin: 0 0 1rem; }
+.facts { color: #555; margin: .4rem 0 1rem; }
 .wide { overflow-x: auto; }
 table { border-collapse: collapse; font-size: .9rem; font-variant-numeric: tabular-nums; }
 th, td { padding: .3rem .65rem; border-bottom: 1px solid #e2e2e2; text-align: right; }
@@ -451,10 +439,9 @@ figcaption { color: #555; font-size: .9rem; margin-top: .5rem; }
 std::string page(const Run& run) {
   const Metrics& m = run.metrics;
   std::string html = fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, "
-      "initial-scale=1\">\n<title>{0}</title>\n"
-      "<style>{1}</style>\n</head>\n<body>\n<h1>{0}</h1>\n{2}",
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
+      "content=\"width=device-width, "
+      "initial-scale=1\">\n<title>{0}</title>\n<style>{1}</style>\n</head>\n<body>\n<h1>{0}</h1>\n{2}",
       escaped(m.scenario), style, summary(m));
   if (!run.events_remark.empty()) {
     html += fmt::format("<p class=\"remark\">Events are not shown: {}</p>\n", escaped(run.events_remark));
@@ -464,15 +451,13 @@ std::string page(const Run& run) {
   if (m.gaze) html += "<h2>Gaze</h2>\n" + gaze_table(m.gaze->score) + gaze_figures(run);
   html += "<h2>Detection</h2>\n" + detector_table(m);
   html +=
-      "<p class=\"facts\">An observation is right within 6 px of the true "
-      "centre and 2 px of the true radius. "
-      "– means that the figure does not apply.</p>\n";
+      "<p class=\"facts\">An observation is right within 6 px of the true centre and 2 px of the true "
+      "radius. – means that the figure does not apply.</p>\n";
   html += detection_figures(run);
   if (run.event_counts) {
     html += figure("Events and detections per time",
-                   "Events come where something moves in the image; "
-                   "observations above the threshold get rare when the "
-                   "ball stands still in it.",
+                   "Events come where something moves in the image; observations above the threshold get "
+                   "rare when the ball stands still in it.",
                    inline_svg(rates_figure("rates", *run.event_counts, run.detections, m, m.start_us)));
   }
   return html + "</body>\n</html>\n";

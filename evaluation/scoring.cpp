@@ -28,8 +28,7 @@ bool is_chance(const TruthRow& row, Chances chances) {
   return has_circle(row) && (chances == Chances::annotated || row.visible >= chance_visible_share);
 }
 
-/// An observation beside the truth of its instant; `truth` is null where there
-/// was no chance.
+/// An observation beside the truth of its instant; `truth` is null where there was no chance.
 struct Observation {
   const DetectionRow* row = nullptr;
   const TruthRow* truth = nullptr;
@@ -192,8 +191,7 @@ void score_rate(std::span<const TruthRow> truth, const std::vector<Observation>&
   score.mean_rate_hz = static_cast<double>(score.inliers) * 1e6 / static_cast<double>(time_us);
 }
 
-/// The true centre as a function of time, piecewise linear, with gaps where
-/// there is no circle.
+/// The true centre as a function of time, piecewise linear, with gaps where there is no circle.
 class TrueCentre {
  public:
   explicit TrueCentre(std::span<const TruthRow> truth) {
@@ -221,9 +219,8 @@ class TrueCentre {
     return after != rows_.end() && rows_[after->stretch_start].t_us <= from_us;
   }
 
-  /// Distance of the observation from the true centre at `t_us`. `hint` carries
-  /// the place in the table from call to call; t_us must not go back and must
-  /// be known.
+  /// Distance of the observation from the true centre at `t_us`. `hint` carries the place in the table from
+  /// call to call; t_us must not go back and must be known.
   [[nodiscard]] double distance_px(const Circle& circle, std::int64_t t_us, std::size_t& hint) const {
     while (rows_[hint].t_us < t_us) {
       ++hint;
@@ -264,8 +261,8 @@ bool truth_moves(std::span<const TruthRow> truth, Chances chances) {
   return (high - low).norm() >= least_motion_px;
 }
 
-/// The exact minimum over all shifts without trying most of them: no distance,
-/// hence no median, changes faster with the shift than the truth moves.
+/// The exact minimum over all shifts without trying most of them: no distance, hence no median, changes
+/// faster with the shift than the truth moves.
 std::optional<double> lag_ms_of(std::span<const TruthRow> truth, const std::vector<Observation>& accepted,
                                 Chances chances) {
   if (!truth_moves(truth, chances)) {

@@ -5,9 +5,8 @@
 
 namespace saccade {
 
-/// The value below which `share` (0..1) of the values lie, linearly
-/// interpolated between the two nearest ranks; none of no values. Reorders
-/// `values`.
+/// The value below which `share` (0..1) of the values lie, linearly interpolated between the two nearest
+/// ranks; none of no values. Reorders `values`.
 [[nodiscard]] std::optional<double> quantile(std::vector<double>& values, double share);
 
 /// How a quantity was distributed; none where nothing was measured.

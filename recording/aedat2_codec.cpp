@@ -192,7 +192,7 @@ class Aedat2Reader final : public EventReader {
       if (line.starts_with(chip_key)) {
         sensor = parse_chip(line.substr(chip_key.size()));
         if (sensor.layout.empty() && !layout_given) {
-          fail("the chip " + std::string(line.substr(chip_key.size())),
+          fail("the chip " + printable(line.substr(chip_key.size())),
                "DVS128 or a DAVIS, or the option aedat2_layout");
         }
       }

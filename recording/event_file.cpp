@@ -20,13 +20,6 @@ bool is_text(std::string_view bytes) {
   });
 }
 
-/// The first bytes for a message: printable ones as they are.
-std::string quoted(std::string_view bytes) {
-  std::string text = "\"";
-  for (const char c : bytes.substr(0, 16)) text += c >= 0x20 && c < 0x7f ? c : '.';
-  return text + "\"";
-}
-
 }  // namespace
 
 std::unique_ptr<EventReader> open_event_file(const std::filesystem::path& path,
@@ -38,7 +31,8 @@ std::unique_ptr<EventReader> open_event_file(const std::filesystem::path& path,
     throw InputError(file.name(), "a file cut off inside its first line", std::string(known_formats));
   }
   if (!start.starts_with(aedat_mark) && is_text(start)) return open_text(std::move(file), options);
-  throw InputError(file.name(), "a file that starts with " + quoted(start), std::string(known_formats));
+  throw InputError(file.name(), "a file that starts with " + printable(start.substr(0, 16)),
+                   std::string(known_formats));
 }
 
 std::unique_ptr<EventWriter> create_event_file(const std::filesystem::path& path, ImageSize image_size) {
@@ -59,6 +53,14 @@ void check_writable(const Event& event, ImageSize image_size, const std::filesys
     throw InputError(path.string(), "an event of camera " + std::to_string(event.camera),
                      "events of one camera in this format");
   }
+}
+
+std::string printable(std::string_view bytes) {
+  constexpr std::size_t longest = 60;
+  std::string text(bytes.substr(0, longest));
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c < 0x20 || c > 0x7e; }, '.');
+  return bytes.size() > longest ? text + "..." : text;
 }
 
 }  // namespace saccade

@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "core/error.h"
+#include "recording/codec.h"
 #include "recording/number_text.h"
 
 namespace saccade {
@@ -153,7 +154,7 @@ class LineReader {
   }
 
   [[noreturn]] void fail(std::string_view name, std::string_view field, std::string_view expectation) const {
-    throw InputError(place_ + ", column " + std::string(name), field.empty() ? "nothing" : std::string(field),
+    throw InputError(place_ + ", column " + std::string(name), field.empty() ? "nothing" : printable(field),
                      std::string(expectation));
   }
 
@@ -172,7 +173,7 @@ std::size_t check_header(const std::string& place, const std::string& header) {
     if (header == join(names, 4)) return 4;
     expectation += " or " + join(names, 4);
   }
-  throw InputError(place, header.empty() ? "nothing" : header, expectation);
+  throw InputError(place, header.empty() ? "nothing" : printable(header), expectation);
 }
 
 }  // namespace

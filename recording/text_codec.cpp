@@ -200,7 +200,7 @@ class TextReader final : public EventReader {
                          std::string_view column = {}) const {
     std::string place = file_.name() + ":" + std::to_string(line_number_);
     if (!column.empty()) place += ", column " + std::string(column);
-    throw InputError(place, value.empty() ? "nothing" : std::string(value), std::string(expectation));
+    throw InputError(place, value.empty() ? "nothing" : printable(value), std::string(expectation));
   }
 
   InputFile file_;

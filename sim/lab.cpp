@@ -1,5 +1,6 @@
 #include "sim/lab.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -567,38 +568,50 @@ void paint_rough(Canvas& canvas, Dice& dice) {
 
 // --------------------------------------------------------------------------------------- layout
 
+using Eigen::Vector3d;
+
 /// Where the painted face of a thing looks.
 enum class Facing { back_wall, left_wall, right_wall, rear_wall, up, down };
 
-/// The thing's own axes (x right, y up, z out of the painted face), in the root frame.
-const char* axes_of(Facing facing) {
+/// The thing's own axes (x right, y up, z out of the painted face) as columns, in the root frame.
+Eigen::Matrix3d axes_of(Facing facing) {
+  Vector3d right = Vector3d::UnitY();
+  Vector3d up = Vector3d::UnitZ();
   switch (facing) {
-    case Facing::back_wall: return "0 1 0 0 0 1";
-    case Facing::left_wall: return "-1 0 0 0 0 1";
-    case Facing::right_wall: return "1 0 0 0 0 1";
-    case Facing::rear_wall: return "0 -1 0 0 0 1";
-    case Facing::up: return "0 1 0 -1 0 0";
-    case Facing::down: return "0 1 0 1 0 0";
+    case Facing::back_wall: break;
+    case Facing::left_wall: right = -Vector3d::UnitX(); break;
+    case Facing::right_wall: right = Vector3d::UnitX(); break;
+    case Facing::rear_wall: right = -Vector3d::UnitY(); break;
+    case Facing::up: up = -Vector3d::UnitX(); break;
+    case Facing::down: up = Vector3d::UnitX(); break;
   }
-  return "";
+  Eigen::Matrix3d axes;
+  axes << right, up, right.cross(up);
+  return axes;
 }
 
-struct LabTexture {
+/// A picture and its place in the one texture that holds them all.
+struct LabPicture {
   int columns = 0;
-  int rows = 0;   ///< of one face
-  bool cube = false;
+  int rows = 0;
   double width_m = 0.0;
   double height_m = 0.0;
   Painter paint;
+  int left = 0;
+  int top = 0;
 };
 
-struct LabGeom {
-  const char* type = "box";
-  std::array<double, 3> centre_m{};
-  std::array<double, 3> half_m{};  ///< along its own axes; of a mesh along those of the root
-  Facing facing = Facing::back_wall;
-  std::size_t texture = 0;
-  double spikes = 0.0;  ///< of a mesh
+/// A corner of a triangle: where it is, where it looks, and where in its picture it is (0 to 1, y down).
+struct Corner {
+  Vector3d point_m;
+  Vector3d normal;
+  double u = 0.0;
+  double v = 0.0;
+};
+
+struct Triangle {
+  std::array<Corner, 3> corners;  // counterclockwise from outside
+  std::size_t picture = 0;
 };
 
 /// A point on a wall: metres to the viewer's right along it, height, and distance into the room.
@@ -617,27 +630,33 @@ class Lab {
     } else {
       furnish_textured();
     }
+    arrange_pictures();
   }
 
-  const std::vector<LabTexture>& textures() const { return textures_; }
-  const std::vector<LabGeom>& geoms() const { return geoms_; }
+  const std::vector<LabPicture>& pictures() const { return pictures_; }
+  const std::vector<Triangle>& triangles() const { return triangles_; }
+  /// Of the texture that holds all pictures.
+  static constexpr int columns = 2048;
+  int rows() const { return rows_; }
 
-  void paint(std::size_t index, int face, mjtByte* rgb) const {
-    const LabTexture& texture = textures_[index];
-    Canvas canvas(texture.width_m, texture.height_m, texture.columns, texture.rows);
-    Dice dice(seed_ * 1000003U + index * 7U + static_cast<std::uint64_t>(face), "lab texture");
-    texture.paint(canvas, dice);
+  void paint(std::size_t index, mjtByte* rgb) const {
+    const LabPicture& picture = pictures_[index];
+    Canvas canvas(picture.width_m, picture.height_m, picture.columns, picture.rows);
+    Dice dice(seed_ * 1000003U + index, "lab picture");
+    picture.paint(canvas, dice);
     const auto byte_of = [this](double reflectance) {
       constexpr double middle = 0.33;
       const double v = middle * std::pow(std::max(reflectance, 1e-3) / middle, config_.contrast);
       return static_cast<mjtByte>(std::lround(255.0 * std::clamp(v, 0.09, 0.92)));
     };
-    for (int row = 0; row < texture.rows; ++row) {
-      for (int column = 0; column < texture.columns; ++column) {
-        const Colour& c = canvas.texel(column, row);
-        *rgb++ = byte_of(c.r);
-        *rgb++ = byte_of(c.g);
-        *rgb++ = byte_of(c.b);
+    // With a rim of its own outermost texels: interpolation looks half a texel beyond.
+    for (int row = -rim; row < picture.rows + rim; ++row) {
+      for (int column = -rim; column < picture.columns + rim; ++column) {
+        const Colour& c = canvas.texel(std::clamp(column, 0, picture.columns - 1), std::clamp(row, 0, picture.rows - 1));
+        mjtByte* texel = rgb + 3 * ((picture.top + row) * static_cast<std::ptrdiff_t>(columns) + picture.left + column);
+        texel[0] = byte_of(c.r);
+        texel[1] = byte_of(c.g);
+        texel[2] = byte_of(c.b);
       }
     }
   }
@@ -650,17 +669,36 @@ class Lab {
   double side_length() const { return rear_m - back_m_; }
   double height() const { return ceiling_m - floor_m; }
 
-  std::size_t add_texture(double width_m, double height_m, double texels_per_m, Painter paint, bool cube = false) {
+  static constexpr int rim = 2;  // texels around a picture
+
+  std::size_t add_picture(double width_m, double height_m, double texels_per_m, Painter paint) {
     const auto texels = [&](double m) { return std::clamp(static_cast<int>(m * texels_per_m), 16, 640); };
-    const int columns = texels(width_m);
-    const int rows = cube ? columns : texels(height_m);
-    textures_.push_back({columns, rows, cube, width_m, cube ? width_m : height_m, std::move(paint)});
-    return textures_.size() - 1;
+    pictures_.push_back({texels(width_m), texels(height_m), width_m, height_m, std::move(paint)});
+    return pictures_.size() - 1;
+  }
+
+  /// Side by side in rows, the tallest first.
+  void arrange_pictures() {
+    std::vector<LabPicture*> order;
+    for (LabPicture& picture : pictures_) order.push_back(&picture);
+    std::stable_sort(order.begin(), order.end(), [](const auto* a, const auto* b) { return a->rows > b->rows; });
+    int left = 0;
+    int top = 0;
+    for (LabPicture* picture : order) {
+      if (left + picture->columns + 2 * rim > columns) {
+        left = 0;
+        top = rows_;
+      }
+      picture->left = left + rim;
+      picture->top = top + rim;
+      left += picture->columns + 2 * rim;
+      rows_ = std::max(rows_, top + picture->rows + 2 * rim);
+    }
   }
 
   /// Where a spot is in the room, and how a thing there is turned. The middle of a side wall is abreast
   /// of what the robot looks at when it turns 45 degrees.
-  std::array<double, 3> place(Facing wall, Spot s) const {
+  Vector3d place(Facing wall, Spot s) const {
     switch (wall) {
       case Facing::left_wall: return {-0.5 * (rear_m - back_m_) + rear_m - s.along_m, -side_m + s.out_m, s.height_m};
       case Facing::right_wall: return {-0.5 * (rear_m - back_m_) + rear_m + s.along_m, side_m - s.out_m, s.height_m};
@@ -669,20 +707,72 @@ class Lab {
     }
   }
 
+  /// Six faces, each with the whole picture.
+  void solid(Vector3d centre_m, std::array<double, 3> half_m, std::size_t picture, Facing facing = Facing::back_wall) {
+    const Eigen::Matrix3d axes = axes_of(facing);
+    const auto face = [&](Vector3d right, Vector3d up) {
+      const Vector3d out = right.cross(up);
+      const Vector3d half(half_m[0], half_m[1], half_m[2]);
+      const auto corner = [&](double x, double y) {
+        return Corner{centre_m + axes * half.cwiseProduct(out + x * right + y * up), axes * out, 0.5 + 0.5 * x,
+                      0.5 - 0.5 * y};
+      };
+      triangles_.push_back({{corner(-1, -1), corner(1, -1), corner(1, 1)}, picture});
+      triangles_.push_back({{corner(-1, -1), corner(1, 1), corner(-1, 1)}, picture});
+    };
+    const Vector3d x = Vector3d::UnitX();
+    const Vector3d y = Vector3d::UnitY();
+    const Vector3d z = Vector3d::UnitZ();
+    face(x, y);
+    face(-z, y);
+    face(z, y);
+    face(x, -z);
+    face(x, z);
+    face(-x, y);
+    ++things_;
+  }
   /// A box against a wall, `depth_m` deep, its painted face towards the room.
-  void box(Facing wall, Spot spot, double width_m, double height_m, double depth_m, std::size_t texture) {
+  void box(Facing wall, Spot spot, double width_m, double height_m, double depth_m, std::size_t picture) {
     spot.out_m += 0.5 * depth_m;
-    geoms_.push_back({"box", place(wall, spot), {0.5 * width_m, 0.5 * height_m, 0.5 * depth_m}, wall, texture});
+    solid(place(wall, spot), {0.5 * width_m, 0.5 * height_m, 0.5 * depth_m}, picture, wall);
   }
   void panel(Facing wall, Spot spot, double width_m, double height_m, double texels_per_m, Painter paint) {
     // Where two overlap, one is in front.
-    const double thickness_m = 0.015 + 0.004 * static_cast<double>(geoms_.size() % 8);
+    const double thickness_m = 0.015 + 0.004 * (things_ % 8);
     box(wall, spot, width_m, height_m, thickness_m,
-        add_texture(width_m, height_m, texels_per_m, std::move(paint)));
+        add_picture(width_m, height_m, texels_per_m, std::move(paint)));
   }
-  void solid(const char* type, std::array<double, 3> centre_m, std::array<double, 3> half_m, std::size_t texture,
-             Facing facing = Facing::back_wall) {
-    geoms_.push_back({type, centre_m, half_m, facing, texture});
+  /// An ellipsoid whose corners are moved in and out by `spikes` of its size, with flat facets.
+  void lump(Vector3d centre_m, Vector3d half_m, double spikes, std::size_t picture) {
+    constexpr int slices = 12;
+    constexpr int stacks = 6;
+    std::array<std::array<Vector3d, slices>, stacks + 1> points;
+    for (int stack = 0; stack <= stacks; ++stack) {
+      for (int slice = 0; slice < slices; ++slice) {
+        const double polar = pi * stack / stacks;
+        const double around = 2.0 * pi * slice / slices;
+        const bool pole = stack == 0 || stack == stacks;
+        const Vector3d direction(std::sin(polar) * std::cos(around), std::sin(polar) * std::sin(around),
+                                 std::cos(polar));
+        const double r = 1.0 + (pole ? 0.0 : spikes * dice_.real(-1.0, 1.0));
+        points[static_cast<std::size_t>(stack)][static_cast<std::size_t>(slice)] =
+            centre_m + r * half_m.cwiseProduct(direction);
+      }
+    }
+    const auto corner = [&](int stack, int slice) {
+      return Corner{points[static_cast<std::size_t>(stack)][static_cast<std::size_t>(slice % slices)],
+                    Vector3d::Zero(), static_cast<double>(slice) / slices, static_cast<double>(stack) / stacks};
+    };
+    const auto facet = [&](Corner a, Corner b, Corner c) {
+      a.normal = b.normal = c.normal = (b.point_m - a.point_m).cross(c.point_m - a.point_m).normalized();
+      triangles_.push_back({{a, b, c}, picture});
+    };
+    for (int stack = 0; stack < stacks; ++stack) {
+      for (int slice = 0; slice < slices; ++slice) {
+        if (stack + 1 < stacks) facet(corner(stack, slice), corner(stack + 1, slice), corner(stack + 1, slice + 1));
+        if (stack > 0) facet(corner(stack, slice), corner(stack + 1, slice + 1), corner(stack, slice + 1));
+      }
+    }
   }
 
   void shell(Painter back, Painter left, Painter right, Painter rear, Painter floor, Painter ceiling) {
@@ -691,17 +781,17 @@ class Lab {
     // Outside the room, so that the painted faces are its inside.
     const auto wall = [&](Facing facing, double width_m, Painter paint) {
       box(facing, {0.0, middle_z, -0.1}, width_m, height(), 0.1,
-          add_texture(width_m, height(), 125.0, std::move(paint)));
+          add_picture(width_m, height(), 125.0, std::move(paint)));
     };
     wall(Facing::back_wall, back_width(), std::move(back));
     wall(Facing::left_wall, side_length(), std::move(left));
     wall(Facing::right_wall, side_length(), std::move(right));
     wall(Facing::rear_wall, back_width(), std::move(rear));
     const std::array<double, 3> slab{side_m, 0.5 * side_length(), 0.05};
-    solid("box", {middle_x, 0.0, floor_m - 0.05}, slab,
-          add_texture(back_width(), side_length(), 100.0, std::move(floor)), Facing::up);
-    solid("box", {middle_x, 0.0, ceiling_m + 0.05}, slab,
-          add_texture(back_width(), side_length(), 80.0, std::move(ceiling)), Facing::down);
+    solid({middle_x, 0.0, floor_m - 0.05}, slab,
+          add_picture(back_width(), side_length(), 100.0, std::move(floor)), Facing::up);
+    solid({middle_x, 0.0, ceiling_m + 0.05}, slab,
+          add_picture(back_width(), side_length(), 80.0, std::move(ceiling)), Facing::down);
   }
 
   /// A table between the robot's reach and the wall. Returns the height of its top.
@@ -711,11 +801,11 @@ class Lab {
     const double height = dice_.real(-0.12, -0.02);
     table_x_ = back_m_ + dice_.real(0.75, 0.95);
     table_width_ = width;
-    solid("box", {table_x_, 0.0, height - 0.02}, {0.5 * width, 0.5 * depth, 0.02},
-          add_texture(width, depth, 150.0, std::move(top)), Facing::up);
+    solid({table_x_, 0.0, height - 0.02}, {0.5 * width, 0.5 * depth, 0.02},
+          add_picture(width, depth, 150.0, std::move(top)), Facing::up);
     const double drop = height - 0.04 - floor_m;
-    solid("box", {table_x_ + 0.5 * depth - 0.03, 0.0, floor_m + 0.5 * drop}, {0.5 * width - 0.02, 0.5 * drop, 0.02},
-          add_texture(width, drop, 120.0, std::move(front)));
+    solid({table_x_ + 0.5 * depth - 0.03, 0.0, floor_m + 0.5 * drop}, {0.5 * width - 0.02, 0.5 * drop, 0.02},
+          add_picture(width, drop, 120.0, std::move(front)));
     return height;
   }
 
@@ -723,8 +813,8 @@ class Lab {
     const double height_m = 0.36 * rows;
     const double middle = foot_m + 0.5 * height_m;
     box(wall, {along_m, middle, 0.0}, width_m, height_m, 0.2,
-        add_texture(width_m, height_m, 150.0, [rows](Canvas& c, Dice& d) { paint_books(c, d, rows); }));
-    const std::size_t board = add_texture(0.25, 0.25, 128.0, paint_board, true);
+        add_picture(width_m, height_m, 150.0, [rows](Canvas& c, Dice& d) { paint_books(c, d, rows); }));
+    const std::size_t board = add_picture(0.25, 0.25, 128.0, paint_board);
     box(wall, {along_m, foot_m + height_m + 0.015, 0.0}, width_m + 0.06, 0.03, 0.26, board);
     for (const double side : {-0.5, 0.5}) {
       box(wall, {along_m + side * (width_m + 0.03), middle, 0.0}, 0.03, height_m, 0.26, board);
@@ -737,12 +827,12 @@ class Lab {
       const double side = dice_.real(0.12, 0.3);
       const double tall = dice_.real(0.12, 0.32);
       const double y = table_width_ * (dice_.real(-0.12, 0.12) + 0.78 * ((i + 0.5) / several(4) - 0.5));
-      solid("box", {table_x_ - dice_.real(0.0, 0.12), y, z + 0.5 * tall}, {0.5 * side, 0.5 * tall, 0.5 * side},
-            add_texture(side, side, 200.0, paint_carton, true));
+      solid({table_x_ - dice_.real(0.0, 0.12), y, z + 0.5 * tall}, {0.5 * side, 0.5 * tall, 0.5 * side},
+            add_picture(side, side, 200.0, paint_carton));
     }
     const double y = dice_.real(-0.35, 0.35);
-    solid("box", {table_x_ - 0.1, y, z + 0.3}, {0.29, 0.18, 0.02}, add_texture(0.58, 0.36, 180.0, paint_screen));
-    solid("box", {table_x_ - 0.13, y, z + 0.08}, {0.05, 0.08, 0.02}, add_texture(0.1, 0.16, 120.0, paint_rough));
+    solid({table_x_ - 0.1, y, z + 0.3}, {0.29, 0.18, 0.02}, add_picture(0.58, 0.36, 180.0, paint_screen));
+    solid({table_x_ - 0.13, y, z + 0.08}, {0.05, 0.08, 0.02}, add_picture(0.1, 0.16, 120.0, paint_rough));
 
     const double side = dice_.chance(0.5) ? 1.0 : -1.0;
     const double case_at = side * dice_.real(1.0, 1.2);
@@ -775,24 +865,18 @@ class Lab {
     for (int i = 0; i < several(3); ++i) {  // cartons on the floor
       const double size = dice_.real(0.3, 0.5);
       const double at = (i % 2 == 0 ? 1.0 : -1.0) * dice_.real(1.1, 1.5);
-      solid("box", {back_m_ + dice_.real(0.9, 1.5), at, floor_m + 0.5 * size}, {0.5 * size, 0.5 * size, 0.5 * size},
-            add_texture(size, size, 150.0, dice_.chance(0.4) ? paint_drawers : paint_carton, true));
+      solid({back_m_ + dice_.real(0.9, 1.5), at, floor_m + 0.5 * size}, {0.5 * size, 0.5 * size, 0.5 * size},
+            add_picture(size, size, 150.0, dice_.chance(0.4) ? paint_drawers : paint_carton));
     }
     shell(paint_wall_panels, paint_wall_panels, paint_wall_panels, paint_wall_panels, paint_floor_tiles,
           [](Canvas& c, Dice& d) { paint_ceiling(c, d, 0.05); });
   }
 
-  /// Something round and uneven. `spikes` is how far its surface comes and goes, relative to its size.
-  void lump(std::array<double, 3> centre_m, std::array<double, 3> half_m, double spikes, std::size_t texture) {
-    solid("mesh", centre_m, half_m, texture);
-    geoms_.back().spikes = spikes;
-  }
-
   void plant(double x, double y, double foot_m, double size_m) {
-    const std::size_t pot = add_texture(0.3, 0.3, 150.0, paint_rough, true);
-    const std::size_t leaves = add_texture(0.5, 0.5, 190.0, paint_foliage, true);
+    const std::size_t pot = add_picture(0.3, 0.3, 150.0, paint_rough);
+    const std::size_t leaves = add_picture(0.5, 0.5, 190.0, paint_foliage);
     const double pot_height = 0.45 * size_m;
-    solid("cylinder", {x, y, foot_m + 0.5 * pot_height}, {0.2 * size_m, 0.5 * pot_height, 0.0}, pot, Facing::up);
+    solid({x, y, foot_m + 0.5 * pot_height}, {0.2 * size_m, 0.5 * pot_height, 0.2 * size_m}, pot);
     for (int i = 0; i < 2; ++i) {
       lump({x + size_m * dice_.real(-0.15, 0.15), y + size_m * dice_.real(-0.25, 0.25),
             foot_m + pot_height + size_m * (0.3 + 0.5 * i + dice_.real(-0.1, 0.1))},
@@ -808,9 +892,9 @@ class Lab {
     const double z = table(cloth, curtain);
     for (int i = 0; i < several(3); ++i) {  // stones, cushions, pots on the table
       const double y = table_width_ * (dice_.real(-0.1, 0.1) + 0.8 * ((i + 0.5) / several(3) - 0.5));
-      const std::array<double, 3> half{dice_.real(0.07, 0.12), dice_.real(0.09, 0.17), dice_.real(0.06, 0.13)};
-      lump({table_x_ - dice_.real(0.0, 0.12), y, z + 0.85 * half[2]}, half, 0.12,
-           add_texture(0.3, 0.3, 190.0, dice_.chance(0.5) ? Painter(paint_rough) : Painter(cloth), true));
+      const Vector3d half{dice_.real(0.07, 0.12), dice_.real(0.09, 0.17), dice_.real(0.06, 0.13)};
+      lump({table_x_ - dice_.real(0.0, 0.12), y, z + 0.85 * half.z()}, half, 0.12,
+           add_picture(0.3, 0.3, 190.0, dice_.chance(0.5) ? Painter(paint_rough) : Painter(cloth)));
     }
     if (several(1) > 0) plant(table_x_ - 0.1, dice_.real(-0.6, 0.6), z, 0.3);
     for (int i = 0; i < several(2); ++i) {
@@ -856,11 +940,11 @@ class Lab {
   double back_m_;
   double table_x_ = 0.0;
   double table_width_ = 0.0;
-  std::vector<LabTexture> textures_;
-  std::vector<LabGeom> geoms_;
+  int things_ = 0;
+  int rows_ = 0;
+  std::vector<LabPicture> pictures_;
+  std::vector<Triangle> triangles_;
 };
-
-std::string texture_name(std::size_t index) { return "lab_texture_" + std::to_string(index); }
 
 /// printf into a string.
 template <class... Values>
@@ -869,40 +953,6 @@ std::string print(const char* format, Values... values) {
   const int length = std::snprintf(text.data(), text.size(), format, values...);
   SACCADE_CHECK(length >= 0 && length < static_cast<int>(text.size()));
   return text.data();
-}
-
-/// An ellipsoid whose corners are moved in and out, as a mesh of 12 x 6 faces around the z axis.
-std::string lump_mesh(std::size_t index, const LabGeom& geom, std::uint64_t seed) {
-  constexpr int slices = 12;
-  constexpr int stacks = 6;
-  Dice dice(seed * 1000003U + index, "lab mesh");
-  std::string vertices;
-  const auto add = [&](double polar, double around) {
-    const double r = 1.0 + geom.spikes * dice.real(-1.0, 1.0);
-    vertices += print("%.4f %.4f %.4f ", r * geom.half_m[0] * std::sin(polar) * std::cos(around),
-                      r * geom.half_m[1] * std::sin(polar) * std::sin(around), r * geom.half_m[2] * std::cos(polar));
-  };
-  add(0.0, 0.0);
-  for (int stack = 1; stack < stacks; ++stack) {
-    for (int slice = 0; slice < slices; ++slice) add(pi * stack / stacks, 2.0 * pi * slice / slices);
-  }
-  add(pi, 0.0);
-  const auto corner = [](int stack, int slice) {
-    return stack == 0 ? 0 : stack == stacks ? 1 + slices * (stacks - 1) : 1 + slices * (stack - 1) + slice % slices;
-  };
-  std::string faces;
-  for (int stack = 0; stack < stacks; ++stack) {
-    for (int slice = 0; slice < slices; ++slice) {
-      const int a = corner(stack, slice);
-      const int b = corner(stack + 1, slice);
-      const int c = corner(stack + 1, slice + 1);
-      const int d = corner(stack, slice + 1);
-      if (stack + 1 < stacks) faces += print("%d %d %d ", a, b, c);
-      if (stack > 0) faces += print("%d %d %d ", a, c, d);
-    }
-  }
-  return "  <mesh name=\"lab_mesh_" + std::to_string(index) + "\" vertex=\"" + vertices + "\" face=\"" + faces +
-         "\"/>\n";
 }
 
 }  // namespace
@@ -918,13 +968,21 @@ void describe(FieldVisitor& v, LabConfig& config) {
 std::string lab_mjcf(const LabConfig& config, std::uint64_t seed) {
   check_config("lab", config);
   const Lab lab(config, seed);
-  std::string assets;
-  for (std::size_t i = 0; i < lab.textures().size(); ++i) {
-    const LabTexture& t = lab.textures()[i];
-    assets += print(
-        "  <texture name=\"lab_texture_%zu\" type=\"%s\" builtin=\"flat\" width=\"%d\" height=\"%d\" rgb1=\"0.33 0.33 0.33\"/>\n"
-        "  <material name=\"lab_material_%zu\" texture=\"lab_texture_%zu\" specular=\"0\" shininess=\"0\"/>\n",
-        i, t.cube ? "cube" : "2d", t.columns, t.cube ? 6 * t.rows : t.rows, i, i);
+  std::string points;
+  std::string normals;
+  std::string texels;
+  std::string faces;
+  int count = 0;
+  for (const Triangle& triangle : lab.triangles()) {
+    const LabPicture& picture = lab.pictures()[triangle.picture];
+    for (const Corner& c : triangle.corners) {
+      points += print("%.4f %.4f %.4f ", c.point_m.x(), c.point_m.y(), c.point_m.z());
+      normals += print("%.4f %.4f %.4f ", c.normal.x(), c.normal.y(), c.normal.z());
+      texels += print("%.6f %.6f ", (picture.left + c.u * picture.columns) / Lab::columns,
+                      (picture.top + c.v * picture.rows) / lab.rows());
+    }
+    faces += print("%d %d %d ", count, count + 1, count + 2);
+    count += 3;
   }
   std::string bodies;
   const auto light = [&](const char* name, const char* direction, double ambient, double diffuse, bool shadow) {
@@ -936,44 +994,30 @@ std::string lab_mjcf(const LabConfig& config, std::uint64_t seed) {
   };
   light("lamp", "-0.55 -0.35 -0.76", 0.4 * config.brightness, 0.5 * config.brightness, true);
   light("sky", "-0.35 0.9 -0.25", 0.0, 0.35 * config.brightness, false);
-  for (std::size_t i = 0; i < lab.geoms().size(); ++i) {
-    const LabGeom& g = lab.geoms()[i];
-    if (g.spikes > 0.0) {
-      assets += lump_mesh(i, g, seed);
-      bodies += print(
-          "  <geom name=\"lab_%zu\" type=\"mesh\" mesh=\"lab_mesh_%zu\" pos=\"%.4f %.4f %.4f\" "
-          "material=\"lab_material_%zu\" group=\"1\" contype=\"0\" conaffinity=\"0\"/>\n",
-          i, i, g.centre_m[0], g.centre_m[1], g.centre_m[2], g.texture);
-      continue;
-    }
-    bodies += print(
-        "  <geom name=\"lab_%zu\" type=\"%s\" pos=\"%.4f %.4f %.4f\" xyaxes=\"%s\" size=\"%.4f %.4f %.4f\" "
-        "material=\"lab_material_%zu\" group=\"1\" contype=\"0\" conaffinity=\"0\"/>\n",
-        i, g.type, g.centre_m[0], g.centre_m[1], g.centre_m[2], axes_of(g.facing), g.half_m[0], g.half_m[1],
-        g.half_m[2], g.texture);
-  }
-  return "<asset>\n" + assets + "</asset>\n<worldbody>\n" + bodies + "</worldbody>\n";
+  return print("<asset>\n"
+               "  <texture name=\"lab\" type=\"2d\" builtin=\"flat\" width=\"%d\" height=\"%d\" rgb1=\"0.33 0.33 0.33\"/>\n"
+               "  <material name=\"lab\" texture=\"lab\" specular=\"0\" shininess=\"0\"/>\n",
+               Lab::columns, lab.rows()) +
+         "  <mesh name=\"lab\" vertex=\"" + points + "\" normal=\"" + normals + "\" texcoord=\"" + texels +
+         "\" face=\"" + faces + "\"/>\n</asset>\n<worldbody>\n" + bodies +
+         "  <geom name=\"lab\" type=\"mesh\" mesh=\"lab\" material=\"lab\" group=\"1\" contype=\"0\" conaffinity=\"0\"/>\n"
+         "</worldbody>\n";
 }
 
 void paint_lab_textures(mjModel& model, const LabConfig& config, std::uint64_t seed) {
   check_config("lab", config);
   const Lab lab(config, seed);
-  for (std::size_t i = 0; i < lab.textures().size(); ++i) {
-    const LabTexture& texture = lab.textures()[i];
-    const int id = mj_name2id(&model, mjOBJ_TEXTURE, texture_name(i).c_str());
-    const int faces = texture.cube ? 6 : 1;
-    if (id < 0 || model.tex_width[id] != texture.columns || model.tex_height[id] != faces * texture.rows) {
-      throw RunError("the model does not hold this lab: texture " + texture_name(i));
-    }
-#if mjVERSION_HEADER >= 320
-    SACCADE_CHECK(model.tex_nchannel[id] == 3);
-    mjtByte* rgb = model.tex_data + model.tex_adr[id];
-#else
-    mjtByte* rgb = model.tex_rgb + model.tex_adr[id];
-#endif
-    const std::ptrdiff_t face_bytes = 3 * static_cast<std::ptrdiff_t>(texture.columns) * texture.rows;
-    for (int face = 0; face < faces; ++face) lab.paint(i, face, rgb + face * face_bytes);
+  const int id = mj_name2id(&model, mjOBJ_TEXTURE, "lab");
+  if (id < 0 || model.tex_width[id] != Lab::columns || model.tex_height[id] != lab.rows()) {
+    throw RunError("the model does not hold this lab");
   }
+#if mjVERSION_HEADER >= 320
+  SACCADE_CHECK(model.tex_nchannel[id] == 3);
+  mjtByte* rgb = model.tex_data + model.tex_adr[id];
+#else
+  mjtByte* rgb = model.tex_rgb + model.tex_adr[id];
+#endif
+  for (std::size_t i = 0; i < lab.pictures().size(); ++i) lab.paint(i, rgb);
 }
 
 }  // namespace saccade

@@ -24,14 +24,14 @@ struct LabConfig {
 /// Keys: clutter, density, contrast, brightness, wall_distance_m.
 void describe(FieldVisitor& v, LabConfig& config);
 
-/// The lab as MJCF elements for World: <asset> and <worldbody> with lights and static geoms of group 1 that
-/// touch nothing. Textures are flat in it; paint_lab_textures fills them. All names start
-/// with "lab_". The same config and seed give the same text.
-/// Throws InputError for a config out of range.
+/// The lab as MJCF elements for World: <asset> and <worldbody> with two lights and one mesh, "lab", of group
+/// 1 that touches nothing. (One mesh with one texture for everything: in software each further geom would
+/// cost 7 us per image.) The texture is flat in it; paint_lab_textures fills it. The same config and seed
+/// give the same text. Throws InputError for a config out of range.
 [[nodiscard]] std::string lab_mjcf(const LabConfig& config, std::uint64_t seed);
 
-/// Paints the textures of a compiled model that holds lab_mjcf(config, seed). Colours are linear
-/// reflectances between 0.09 and 0.92. Call before a renderer uploads them.
+/// Paints the texture of a compiled model that holds lab_mjcf(config, seed). Colours are linear
+/// reflectances between 0.09 and 0.92. Call before a renderer uploads it.
 /// Throws RunError when the model does not hold that lab.
 void paint_lab_textures(mjModel& model, const LabConfig& config, std::uint64_t seed);
 

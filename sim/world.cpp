@@ -91,11 +91,13 @@ int find(const mjModel& model, mjtObj type, const std::string& name) {
 void describe(FieldVisitor& v, BallConfig& c) {
   v.real("diameter_m", c.diameter_m, {0.03, 0.2}, "diameter of the ball");
   v.reals("rgb", c.rgb, 3, {0.0, 1.0}, "colour of the ball: linear reflectance in red, green and blue");
-  v.section("trajectory", [&c](FieldVisitor& inner) { describe(inner, c.trajectory); }, "how it is moved");
+  v.section(
+      "trajectory", [&c](FieldVisitor& inner) { describe(inner, c.trajectory); }, "how it is moved");
 }
 
 void describe(FieldVisitor& v, WorldConfig& c) {
-  v.section("ball", [&c](FieldVisitor& inner) { describe(inner, c.ball); }, "the ball in the hand");
+  v.section(
+      "ball", [&c](FieldVisitor& inner) { describe(inner, c.ball); }, "the ball in the hand");
   v.reals("initial_pose_deg", c.initial_pose_deg, joint_count, {-90.0, 90.0},
           "torso pitch, roll, yaw, neck pitch, roll, yaw, eyes tilt, version, vergence at the start");
 }
@@ -183,8 +185,8 @@ void World::advance() {
   for (int i = 0; i < mjNWARNING; ++i) {
     const mjWarningStat& warning = data_->warning[i];
     if (warning.number > 0) {
-      throw RunError("the simulation failed at " + std::to_string(now_us_) + " us: " +
-                     mju_warningText(i, warning.lastinfo));
+      throw RunError("the simulation failed at " + std::to_string(now_us_) +
+                     " us: " + mju_warningText(i, warning.lastinfo));
     }
   }
 }

@@ -129,8 +129,8 @@ std::string YamlReader::path_of(std::string_view key) const {
 void YamlReader::refuse(const YamlNode& node, std::string_view path, std::string expectation,
                         std::string_view note) {
   if (node.kind == Kind::rejected) return;
-  problems_.push_back({node.mark,
-                       {tree_.place(node.mark, path), node.found() + std::string(note), std::move(expectation)}});
+  problems_.push_back(
+      {node.mark, {tree_.place(node.mark, path), node.found() + std::string(note), std::move(expectation)}});
 }
 
 /// The value of a key; nullptr when it is absent, which is a problem where the key is required.

@@ -16,11 +16,11 @@ namespace saccade {
 
 /// Reads a tree into config structs through their `describe`. A missing key leaves the default; a key that
 /// nobody describes is a problem, and so is every value that is not exactly what its key takes:
-///   numbers    decimal, finite, in range, no leading zero, not in quotes; whole ones without point or exponent
+///   numbers    decimal, finite, in range, no leading zero, not in quotes; whole ones are digits alone
 ///   booleans   true or false
 ///   text       in quotes where it would read as a number, a boolean or null
-/// A field with a problem keeps its default. `require` is not asked in a block in which a value was refused: its
-/// answer would speak of the default.
+/// A field with a problem keeps its default. `require` is not asked in a block in which a value was refused:
+/// its answer would speak of the default.
 ///
 ///     YamlReader reader(tree, {"name", "ball.trajectory"});
 ///     describe(reader, scenario);
@@ -38,11 +38,12 @@ class YamlReader final : public FieldVisitor {
               std::string_view doc) override;
   void reals(std::string_view key, std::vector<double>& value, std::size_t size, Range range,
              std::string_view doc) override;
-  void points(std::string_view key, std::vector<std::vector<double>>& value, std::size_t dimension, Range range,
-              std::string_view doc) override;
+  void points(std::string_view key, std::vector<std::vector<double>>& value, std::size_t dimension,
+              Range range, std::string_view doc) override;
   void section(std::string_view key, const std::function<void(FieldVisitor&)>& describe_section,
                std::string_view doc) override;
-  void require(bool holds, std::string_view key, std::string_view found, std::string_view expectation) override;
+  void require(bool holds, std::string_view key, std::string_view found,
+               std::string_view expectation) override;
 
   /// Throws InputError with every problem of the tree and of the reading, in file order. Call it once, last.
   void finish();
@@ -59,7 +60,8 @@ class YamlReader final : public FieldVisitor {
 
   const YamlNode* take(std::string_view key, const std::string& expectation);
   [[nodiscard]] std::string path_of(std::string_view key) const;
-  void refuse(const YamlNode& node, std::string_view path, std::string expectation, std::string_view note = {});
+  void refuse(const YamlNode& node, std::string_view path, std::string expectation,
+              std::string_view note = {});
   std::optional<double> number(const YamlNode& node, std::string_view path, Range range);
   std::optional<std::vector<double>> numbers(const YamlNode& node, std::string_view path, std::size_t size,
                                              Range range);

@@ -263,10 +263,14 @@ const YamlNode* YamlNode::find(std::string_view path) const {
 
 std::string YamlNode::found() const {
   switch (kind) {
-    case Kind::list: return "a list";
-    case Kind::map: return "a block of keys";
-    case Kind::scalar: break;
-    default: return "nothing";
+    case Kind::list:
+      return "a list";
+    case Kind::map:
+      return "a block of keys";
+    case Kind::scalar:
+      break;
+    default:
+      return "nothing";
   }
   const bool one_line = std::none_of(text.begin(), text.end(), [](char c) { return c >= 0 && c < ' '; });
   std::string shown = quoted || !one_line ? quote_yaml(text) : text;
@@ -359,6 +363,7 @@ void throw_if_any(std::vector<MarkedProblem> problems) {
   std::stable_sort(problems.begin(), problems.end(),
                    [&](const MarkedProblem& a, const MarkedProblem& b) { return order(a) < order(b); });
   std::vector<Problem> sorted;
+  sorted.reserve(problems.size());
   for (MarkedProblem& problem : problems) sorted.push_back(std::move(problem.problem));
   throw InputError(std::move(sorted));
 }

@@ -29,9 +29,9 @@ struct YamlNode {
   };
 
   Kind kind = Kind::nothing;
-  TextMark mark;         ///< of its key where it has one
-  std::string text;      ///< of a scalar, without the quotes
-  bool quoted = false;   ///< a scalar in quotes or a text block: text, even where it looks like a number
+  TextMark mark;        ///< of its key where it has one
+  std::string text;     ///< of a scalar, without the quotes
+  bool quoted = false;  ///< a scalar in quotes or a text block: text, even where it looks like a number
   std::vector<YamlNode> items;    ///< of a list, or the values of a map
   std::vector<std::string> keys;  ///< of a map: keys[i] belongs to items[i]; each once, in file order
 
@@ -61,8 +61,8 @@ struct YamlTree {
   [[nodiscard]] std::string place(TextMark mark, std::string_view path) const;
 };
 
-/// Reads a file of UTF-8 text, at most 1 MiB. Throws InputError where there is no tree to speak of: missing or
-/// unreadable file, nothing in it, binary bytes, broken syntax, a root that is not a map.
+/// Reads a file of UTF-8 text, at most 1 MiB. Throws InputError where there is no tree to speak of: missing
+/// or unreadable file, nothing in it, binary bytes, broken syntax, a root that is not a map.
 [[nodiscard]] YamlTree read_yaml_file(const std::filesystem::path& path);
 /// The same of a text; `file` is its name in messages.
 [[nodiscard]] YamlTree parse_yaml(std::string_view text, std::string file);

@@ -17,10 +17,10 @@ std::string scalar(std::string_view text) {
   std::transform(text.begin(), text.end(), lowered.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
   const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || c == '_'; };
-  const bool word = !text.empty() && is_letter(lowered[0]) &&
-                    std::all_of(lowered.begin(), lowered.end(), [&](char c) {
-                      return is_letter(c) || (c >= '0' && c <= '9') || c == '-' || c == '.' || c == '/';
-                    });
+  const bool word =
+      !text.empty() && is_letter(lowered[0]) && std::all_of(lowered.begin(), lowered.end(), [&](char c) {
+        return is_letter(c) || (c >= '0' && c <= '9') || c == '-' || c == '.' || c == '/';
+      });
   const bool plain = word && std::find(taken.begin(), taken.end(), lowered) == taken.end();
   return plain ? std::string(text) : quote_yaml(text);
 }

@@ -58,7 +58,8 @@ void describe(FieldVisitor& v, Config& config) {
   v.reals("position_m", config.position_m, 3, {-10, 10}, "where");
   v.reals("radii_px", config.radii_px, 0, {1, 100}, "which");
   v.points("corners_m", config.corners_m, 2, any_number, "the way");
-  v.section("window", [&](FieldVisitor& inner) { describe(inner, config.window); }, "which events count");
+  v.section(
+      "window", [&](FieldVisitor& inner) { describe(inner, config.window); }, "which events count");
 }
 
 Config read(std::string_view yaml, const std::vector<std::string>& sets = {},
@@ -150,7 +151,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "a.yaml:1: window.directed: found True, expected true or false"},
         Mistake{"quotedBoolean", "window: {directed: 'true'}",
                 "a.yaml:1: window.directed: found \"true\", expected true or false"},
-        Mistake{"numberForText", "name: 7", "a.yaml:1: name: found 7, expected text, in quotes if this is meant"},
+        Mistake{"numberForText", "name: 7",
+                "a.yaml:1: name: found 7, expected text, in quotes if this is meant"},
         Mistake{"octalForText", "name: 007",
                 "a.yaml:1: name: found 007, expected text, in quotes if this is meant"},
         Mistake{"listForText", "name: [a]", "a.yaml:1: name: found a list, expected text"},
@@ -167,7 +169,8 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"pointsNotNested", "corners_m: [1]",
                 "a.yaml:1: corners_m[0]: found 1, expected a list of 2 finite numbers"},
         Mistake{"numberForBlock", "window: 5", "a.yaml:1: window: found 5, expected a block of keys"},
-        Mistake{"nothingForBlock", "window:\nname: a", "a.yaml:1: window: found nothing, expected a block of keys"},
+        Mistake{"nothingForBlock", "window:\nname: a",
+                "a.yaml:1: window: found nothing, expected a block of keys"},
         Mistake{"brokenCondition", "low_px: 40\nhigh_px: 30",
                 "a.yaml:2: high_px: found 30, expected at least low_px"}),
     [](const auto& test) { return test.param.name; });
@@ -175,8 +178,9 @@ INSTANTIATE_TEST_SUITE_P(
 INSTANTIATE_TEST_SUITE_P(
     Structure, YamlMistake,
     testing::Values(
-        Mistake{"misspelt", "seed: 1\ndurations_s: 4",
-                "a.yaml:2: durations_s: found an unknown key, expected a known key; did you mean duration_s?"},
+        Mistake{
+            "misspelt", "seed: 1\ndurations_s: 4",
+            "a.yaml:2: durations_s: found an unknown key, expected a known key; did you mean duration_s?"},
         Mistake{"unitForgotten", "position: [1, 2, 3]",
                 "a.yaml:1: position: found an unknown key, expected a known key; did you mean position_m?"},
         Mistake{"letterSwapped", "window: {evnets: 3}",
@@ -185,8 +189,9 @@ INSTANTIATE_TEST_SUITE_P(
                 "a.yaml:2: window.colour: found an unknown key, expected one of events, directed"},
         Mistake{"twice", "seed: 1\nname: a\nseed: 2",
                 "a.yaml:3: seed: found the key a second time, expected each key once (first on line 1)"},
-        Mistake{"twiceInBlock", "window:\n  events: 1\n  'events': 2",
-                "a.yaml:3: window.events: found the key a second time, expected each key once (first on line 2)"},
+        Mistake{
+            "twiceInBlock", "window:\n  events: 1\n  'events': 2",
+            "a.yaml:3: window.events: found the key a second time, expected each key once (first on line 2)"},
         Mistake{"anchor", "seed: &a 1", "a.yaml:1: seed: found an anchor (&), expected the value alone"},
         Mistake{"tag", "name: !!str 5",
                 "a.yaml:1: name: found the tag tag:yaml.org,2002:str, expected the value alone"},
@@ -196,18 +201,24 @@ INSTANTIATE_TEST_SUITE_P(
                 "a.yaml:1: found a directive (%), expected a file without directives"},
         Mistake{"secondDocument", "seed: 1\n---\nseed: 2",
                 "a.yaml:2: found a second document, expected one document in a file"},
-        Mistake{"listAsKey", "seed: 1\n? [a]\n: 2", "a.yaml:2: found a list as a key, expected a word as a key"},
+        Mistake{"listAsKey", "seed: 1\n? [a]\n: 2",
+                "a.yaml:2: found a list as a key, expected a word as a key"},
         Mistake{"noKey", "seed: 1\n: 2", "a.yaml:2: found nothing as a key, expected a word as a key"},
         Mistake{"tab", "name: a\nseed: 1\t# one", "a.yaml:2: found a tab, expected spaces"},
         Mistake{"empty", "", "a.yaml:1: found nothing, expected a block of keys, as in \"name: value\""},
         Mistake{"onlyAComment", "# nothing yet\n",
                 "a.yaml:1: found nothing, expected a block of keys, as in \"name: value\""},
-        Mistake{"listAsRoot", "- a\n- b", "a.yaml:1: found a list, expected a block of keys, as in \"name: value\""},
-        Mistake{"wordAsRoot", "\nname:a", "a.yaml:2: found name:a, expected a block of keys, as in \"name: value\""},
-        Mistake{"endOfTextByte", "seed: 1\nname: a\x04", "a.yaml:2: found byte 0x04, expected text without control characters"},
-        Mistake{"zeroByte", std::string("seed: 1\n\0", 9), "a.yaml:2: found byte 0x00, expected text without control characters"},
+        Mistake{"listAsRoot", "- a\n- b",
+                "a.yaml:1: found a list, expected a block of keys, as in \"name: value\""},
+        Mistake{"wordAsRoot", "\nname:a",
+                "a.yaml:2: found name:a, expected a block of keys, as in \"name: value\""},
+        Mistake{"endOfTextByte", "seed: 1\nname: a\x04",
+                "a.yaml:2: found byte 0x04, expected text without control characters"},
+        Mistake{"zeroByte", std::string("seed: 1\n\0", 9),
+                "a.yaml:2: found byte 0x00, expected text without control characters"},
         Mistake{"latin1", "name: caf\xe9", "a.yaml:1: found byte 0xe9, expected text in UTF-8"},
-        Mistake{"tooLarge", std::string((1 << 20) + 1, '#'), "a.yaml: found more than 1 MiB, expected a YAML file of at most 1 MiB"}),
+        Mistake{"tooLarge", std::string((1 << 20) + 1, '#'),
+                "a.yaml: found more than 1 MiB, expected a YAML file of at most 1 MiB"}),
     [](const auto& test) { return test.param.name; });
 
 TEST(YamlConfig, rejectsAliasesAndUndefinedOnes) {
@@ -219,32 +230,35 @@ TEST(YamlConfig, rejectsAliasesAndUndefinedOnes) {
 
 TEST(YamlConfig, saysLineAndColumnOfBrokenSyntax) {
   EXPECT_THAT(complaints("seed: 1\nradii_px: [1, 2\nname: a\n"),
-              ElementsAre(testing::AllOf(StartsWith("a.yaml:3: column "), HasSubstr("expected YAML that can be parsed"))));
+              ElementsAre(testing::AllOf(StartsWith("a.yaml:3: column "),
+                                         HasSubstr("expected YAML that can be parsed"))));
   EXPECT_THAT(complaints("seed: 1\nname: \"a"), ElementsAre(StartsWith("a.yaml:2: column ")));
   EXPECT_THAT(complaints("window:\n\tevents: 5\n"),
               testing::Contains("a.yaml:2: found a tab, expected spaces"));
   EXPECT_THAT(complaints("seed: 1\nseed: 2\nradii_px: ]\n"),
-              ElementsAre(StartsWith("a.yaml:2: seed: found the key a second time"), StartsWith("a.yaml:3: column ")));
+              ElementsAre(StartsWith("a.yaml:2: seed: found the key a second time"),
+                          StartsWith("a.yaml:3: column ")));
   EXPECT_EQ(complaints("seed: 1\nb:2\n").size(), 1u);
   EXPECT_EQ(complaints(std::string(100000, '[')).size(), 1u);  // not a stack overflow
 }
 
 TEST(YamlConfig, reportsAllProblemsInTheOrderOfTheFile) {
-  EXPECT_THAT(complaints("window:\n  events: 0\n  event: 3\nseed: -1\nseed: 2\nradii_px: [0, 5, 101]\nfoo: 1\n",
-                         {"seed=-2", "duration_s=0"}, {"name"}),
-              ElementsAre(StartsWith("a.yaml:1: name: found no such key, expected text"),
-                          StartsWith("a.yaml:2: window.events: found 0,"),
-                          StartsWith("a.yaml:3: window.event: found an unknown key"),
-                          StartsWith("a.yaml:5: seed: found the key a second time"),
-                          StartsWith("a.yaml:6: radii_px[0]: found 0,"),
-                          StartsWith("a.yaml:6: radii_px[2]: found 101,"),
-                          StartsWith("a.yaml:7: foo: found an unknown key"),
-                          StartsWith("--set seed: found -2,"),
-                          StartsWith("--set duration_s: found 0,")));
+  EXPECT_THAT(
+      complaints("window:\n  events: 0\n  event: 3\nseed: -1\nseed: 2\nradii_px: [0, 5, 101]\nfoo: 1\n",
+                 {"seed=-2", "duration_s=0"}, {"name"}),
+      ElementsAre(StartsWith("a.yaml:1: name: found no such key, expected text"),
+                  StartsWith("a.yaml:2: window.events: found 0,"),
+                  StartsWith("a.yaml:3: window.event: found an unknown key"),
+                  StartsWith("a.yaml:5: seed: found the key a second time"),
+                  StartsWith("a.yaml:6: radii_px[0]: found 0,"),
+                  StartsWith("a.yaml:6: radii_px[2]: found 101,"),
+                  StartsWith("a.yaml:7: foo: found an unknown key"), StartsWith("--set seed: found -2,"),
+                  StartsWith("--set duration_s: found 0,")));
 }
 
 TEST(YamlConfig, aFieldWithAProblemDoesNotMakeAConditionFail) {
-  EXPECT_THAT(complaints("low_px: 50\nhigh_px: sixty"), ElementsAre(StartsWith("a.yaml:2: high_px: found sixty")));
+  EXPECT_THAT(complaints("low_px: 50\nhigh_px: sixty"),
+              ElementsAre(StartsWith("a.yaml:2: high_px: found sixty")));
 }
 
 TEST(YamlConfig, requiredKeysAreMissedInBlocksThatAreThereOrNot) {
@@ -278,8 +292,9 @@ TEST(SetValue, saysWhatIsWrongByItsPath) {
   EXPECT_THAT(complaint("duration_s=010"),
               ElementsAre("--set duration_s: found 010 (leading zero)" + number));
   EXPECT_THAT(complaint("duration_s="), ElementsAre("--set duration_s: found nothing" + number));
-  EXPECT_THAT(complaint("window.event=3"),
-              ElementsAre(StartsWith("--set window.event: found an unknown key, expected a known key; did you")));
+  EXPECT_THAT(
+      complaint("window.event=3"),
+      ElementsAre(StartsWith("--set window.event: found an unknown key, expected a known key; did you")));
   EXPECT_THAT(complaint("windo.events=3"), ElementsAre(StartsWith("--set windo: found an unknown key")));
   EXPECT_THAT(complaint("seed.low=3"),
               ElementsAre("--set seed.low: found 1 at seed, expected a block of keys there"));
@@ -363,7 +378,8 @@ TEST(YamlWriter, whatIsWrittenReadsBackIdentical) {
 }
 
 TEST(YamlWriter, quotesWordsThatMeanSomethingElse) {
-  for (const char* word : {"true", "null", "no", "~", "", "1e3", "0x1", "-", "- a", "a: b", "on", ".nan", "é"}) {
+  for (const char* word :
+       {"true", "null", "no", "~", "", "1e3", "0x1", "-", "- a", "a: b", "on", ".nan", "é"}) {
     Config config;
     config.name = word;
     const std::string yaml = write_config(config);
@@ -375,7 +391,8 @@ TEST(YamlWriter, quotesWordsThatMeanSomethingElse) {
 TEST(YamlWriter, commentsMakeTheReferenceOfTheKeys) {
   const std::string yaml = write_config(Config{}, YamlWriter::Comments::all);
   EXPECT_THAT(yaml, HasSubstr("duration_s: 4  # how long it takes; a number in [0.01, 3600]\n"));
-  EXPECT_THAT(yaml, HasSubstr("window:  # which events count\n  events: 1500  # events in the window; a whole"));
+  EXPECT_THAT(yaml,
+              HasSubstr("window:  # which events count\n  events: 1500  # events in the window; a whole"));
 }
 
 /// Reads, and writes and reads again when that went well; anything but InputError escapes and fails.

@@ -40,7 +40,8 @@ std::string read_text(const fs::path& path) {
 Words matches(const std::string& text, const char* pattern) {
   const std::regex regex(pattern);
   Words found;
-  for (std::sregex_iterator it(text.begin(), text.end(), regex), end; it != end; ++it) found.push_back((*it)[1]);
+  for (std::sregex_iterator it(text.begin(), text.end(), regex), end; it != end; ++it)
+    found.push_back((*it)[1]);
   return found;
 }
 
@@ -98,7 +99,8 @@ class Checker {
   explicit Checker(const fs::path& root)
       : table_(read_table(read_text(root / "docs/architecture.md"))), sources_(read_sources(root)) {
     for (const Source& source : sources_) {
-      includes_[source.path] = matches(source.text, "(?:^|\\n)[ \\t]*#[ \\t]*include[ \\t]*[<\"]([^>\"\\n]*)[>\"]");
+      includes_[source.path] =
+          matches(source.text, "(?:^|\\n)[ \\t]*#[ \\t]*include[ \\t]*[<\"]([^>\"\\n]*)[>\"]");
     }
     for (const Source& source : sources_) check(source);
   }
@@ -197,7 +199,8 @@ TEST(Architecture, everyIncludeAndLinkKeepsToTheTableOfRooms) {
 
 TEST(Architecture, theTableHasARowForEveryRoom) {
   const Checker checker(SACCADE_SOURCE_DIR);
-  for (const char* room : {"core/", "control/", "emulator/", "recording/", "robot/", "sim/", "evaluation/", "apps/"}) {
+  for (const char* room :
+       {"core/", "control/", "emulator/", "recording/", "robot/", "sim/", "evaluation/", "apps/"}) {
     EXPECT_TRUE(checker.table().contains(room)) << room;
   }
 }
@@ -213,7 +216,8 @@ class SmallTree {
     write("robot/ports.h", "#include <Eigen/Core>\n#include \"core/event.h\"\n");
     write("robot/fake/fake.h", "#include \"robot/ports.h\"\n");
     write("sim/world.cpp", "#include <mujoco/mujoco.h>\n#include \"robot/ports.h\"\n");
-    write("core/CMakeLists.txt", "saccade_room(core\n  SOURCES a.cpp # not LIBRARIES mujoco\n  LIBRARIES Eigen3::Eigen)\n");
+    write("core/CMakeLists.txt",
+          "saccade_room(core\n  SOURCES a.cpp # not LIBRARIES mujoco\n  LIBRARIES Eigen3::Eigen)\n");
   }
   SmallTree(const SmallTree&) = delete;
   SmallTree& operator=(const SmallTree&) = delete;
@@ -254,7 +258,8 @@ INSTANTIATE_TEST_SUITE_P(
         Plant{"spacesInTheInclude", "core/a.h", "int a;\n  #  include<opencv2/core.hpp>",
               "core/a.h: may not include opencv2/core.hpp"},
         Plant{"clockInCore", "core/a.cpp", "#include <chrono>\n", "core/a.cpp: must not reach chrono"},
-        Plant{"fileInControl", "control/a.cpp", "#include <fstream>\n", "control/a.cpp: must not reach fstream"},
+        Plant{"fileInControl", "control/a.cpp", "#include <fstream>\n",
+              "control/a.cpp: must not reach fstream"},
         Plant{"roomInAngles", "core/a.cpp", "#include <control/target.h>\n",
               "core/a.cpp: may not include control/target.h"},
         Plant{"pathUpwards", "emulator/a.cpp", "#include \"../sim/world.h\"\n",
@@ -278,7 +283,8 @@ INSTANTIATE_TEST_SUITE_P(
         Plant{"libraryLinked", "control/CMakeLists.txt",
               "saccade_room(control SOURCES a.cpp\n ROOMS core\n PRIVATE_LIBRARIES mujoco::mujoco)",
               "control/CMakeLists.txt: may not link mujoco::mujoco"},
-        Plant{"linkedByTheSide", "robot/CMakeLists.txt", "target_link_libraries(saccade_robot PRIVATE saccade_sim)",
+        Plant{"linkedByTheSide", "robot/CMakeLists.txt",
+              "target_link_libraries(saccade_robot PRIVATE saccade_sim)",
               "robot/CMakeLists.txt: may not link saccade_sim"}),
     [](const auto& test) { return test.param.name; });
 

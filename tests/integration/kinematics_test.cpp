@@ -80,7 +80,7 @@ Eigen::Isometry3d dh_chain(const JointVector& q, bool left) {
                                     {0.0, -0.0055, half_pi, -half_pi},
                                     {0.0, -0.2233, -half_pi, -half_pi},
                                     {0.0095, 0.0, half_pi, half_pi},
-                                    {0.0, 0.0, -half_pi, 0.0},
+                                    {0.0, 0.0, -half_pi, -half_pi},
                                     {-0.0509, 0.08205, -half_pi, half_pi},
                                     {0.0, left ? -0.034 : 0.034, -half_pi, 0.0},
                                     {0.0, 0.0, half_pi, -half_pi}}};

@@ -257,7 +257,8 @@ TEST_P(PortConformance, TheEndComesAfterTheLastEventAndIsForGood) {
 
   const RobotUnderTest twin = make();
   std::vector<Event> at_once;
-  while (twin.clock->wait_until(twin.clock->now_us() + 60'000'000) == PortStatus::ok) {
+  EXPECT_EQ(twin.clock->wait_until(twin.clock->now_us() + 60'000'000), PortStatus::ok);
+  while (twin.clock->wait_until(twin.clock->now_us() + tick_us) == PortStatus::ok) {
     twin.events->read_until(twin.clock->now_us(), at_once);
   }
   EXPECT_EQ(events, at_once) << "no event is missed, whatever the tick";

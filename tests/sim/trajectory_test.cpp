@@ -31,7 +31,8 @@ Eigen::Vector3d point(const TrajectoryConfig& config, std::size_t i) {
 }
 
 /// Largest |d^n x / dt^n| over [0, end), by differences of `step_us`.
-double largest_derivative(const Trajectory& trajectory, int order, std::int64_t end_us, std::int64_t step_us) {
+double largest_derivative(const Trajectory& trajectory, int order, std::int64_t end_us,
+                          std::int64_t step_us) {
   double largest = 0.0;
   for (std::int64_t t = order * step_us; t < end_us; t += step_us) {
     Eigen::Vector3d difference = Eigen::Vector3d::Zero();
@@ -115,7 +116,8 @@ TEST_P(WaypointProfile, ComesBackToTheFirstPointWhenItLoops) {
   TrajectoryConfig config = still(square(GetParam()));
   config.loop = true;
   const Trajectory trajectory(config, seed);
-  const double moving_s = 0.88 / config.speed_m_s + (GetParam() == "constant_speed" ? 4 * config.ramp_s : 0.0);
+  const double moving_s =
+      0.88 / config.speed_m_s + (GetParam() == "constant_speed" ? 4 * config.ramp_s : 0.0);
   const auto lap_us = static_cast<std::int64_t>(std::llround((moving_s + 4 * config.dwell_s) * 1e6));
   EXPECT_LT((trajectory.position_m(500'000 + lap_us - 1000) - point(config, 0)).norm(), 1e-9);
   for (std::int64_t t = 500'000; t < 500'000 + lap_us; t += 77'000) {
@@ -180,8 +182,9 @@ TEST(Trajectory, SwaysFromNothingAndSmoothly) {
 TEST(Trajectory, SwaysDifferentlyWithAnotherSeedAndTheSameWithTheSame) {
   const TrajectoryConfig config;
   EXPECT_EQ(Trajectory(config, 1).position_m(3'210'000), Trajectory(config, 1).position_m(3'210'000));
-  EXPECT_GT((Trajectory(config, 1).position_m(3'210'000) - Trajectory(config, 2).position_m(3'210'000)).norm(),
-            1e-5);
+  EXPECT_GT(
+      (Trajectory(config, 1).position_m(3'210'000) - Trajectory(config, 2).position_m(3'210'000)).norm(),
+      1e-5);
 }
 
 TEST(Trajectory, RefusesWhatItCannotFollow) {

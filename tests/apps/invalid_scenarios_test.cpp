@@ -1,0 +1,73 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "apps/config/scenario.h"
+#include "core/error.h"
+
+namespace saccade {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<fs::path> scenarios_in(const char* folder) {
+  std::vector<fs::path> paths;
+  for (const auto& file : fs::directory_iterator(fs::path(SACCADE_SOURCE_DIR) / folder)) {
+    if (file.path().extension() == ".yaml") paths.push_back(file.path());
+  }
+  std::sort(paths.begin(), paths.end());
+  return paths;
+}
+
+/// The messages that a file says it must give, one a line: `# expect: <part of the message>`.
+std::vector<std::string> expected_messages(const fs::path& path) {
+  constexpr std::string_view mark = "# expect: ";
+  std::vector<std::string> messages;
+  std::ifstream stream(path);
+  for (std::string line; std::getline(stream, line) && line.starts_with(mark);) {
+    messages.push_back(line.substr(mark.size()));
+  }
+  return messages;
+}
+
+class InvalidScenario : public testing::TestWithParam<fs::path> {};
+
+TEST_P(InvalidScenario, givesTheMessagesItStatesAndNoOther) {
+  const std::vector<std::string> expected = expected_messages(GetParam());
+  ASSERT_FALSE(expected.empty()) << "no line `# expect: ...` at the top";
+  try {
+    static_cast<void>(read_scenario(GetParam(), {}, std::nullopt));
+    FAIL() << "was read without a complaint";
+  } catch (const InputError& error) {
+    ASSERT_EQ(error.problems().size(), expected.size()) << error.what();
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      EXPECT_THAT(error.problems()[i].text(), testing::StartsWith(GetParam().string() + ":"));
+      EXPECT_THAT(error.problems()[i].text(), testing::HasSubstr(expected[i]));
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenarios, InvalidScenario, testing::ValuesIn(scenarios_in("scenarios/invalid")),
+                         [](const auto& test) { return test.param.stem().string(); });
+
+class ShippedScenario : public testing::TestWithParam<fs::path> {};
+
+TEST_P(ShippedScenario, isReadAndItsResolvedFormReadsBackTheSame) {
+  const Scenario scenario = read_scenario(GetParam(), {}, std::nullopt);
+  const std::string resolved = resolved_scenario(scenario);
+  const fs::path copy = fs::path(testing::TempDir()) / ("resolved_" + GetParam().filename().string());
+  std::ofstream(copy) << resolved;
+  EXPECT_EQ(resolved_scenario(read_scenario(copy, {}, std::nullopt)), resolved);
+  fs::remove(copy);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenarios, ShippedScenario, testing::ValuesIn(scenarios_in("scenarios")),
+                         [](const auto& test) { return test.param.stem().string(); });
+
+}  // namespace
+}  // namespace saccade
