@@ -220,8 +220,10 @@ void scatter_leaves(Canvas& canvas, Dice& dice, double per_m2, double small_m, d
     const double hue = dice.real(-0.25, 0.25);
     const Colour c = std::exp(tone * std::clamp(dice.normal(), -1.8, 1.8)) *
                      Colour{colour.r * (1.0 + hue), colour.g, colour.b * (1.0 - hue)};
-    canvas.leaf(dice.real(0.0, canvas.width()), dice.real(0.0, canvas.height()), length,
-                length * dice.real(0.3, 0.6), dice.real(0.0, 2.0 * pi), c);
+    const double x = dice.real(0.0, canvas.width());
+    const double y = dice.real(0.0, canvas.height());
+    const double width = length * dice.real(0.3, 0.6);
+    canvas.leaf(x, y, length, width, dice.real(0.0, 2.0 * pi), c);
   }
 }
 
@@ -401,8 +403,9 @@ void paint_poster(Canvas& canvas, Dice& dice) {
         case 1:  // a block diagram
           canvas.rectangle(x, y, cw, ch, any_colour(dice, 0.2, 0.5));
           for (int k = 0; k < 4; ++k) {
-            canvas.rectangle(x + dice.real(0.02, 0.6) * cw, y + dice.real(0.02, 0.7) * ch, 0.3 * cw, 0.22 * ch,
-                             any_colour(dice, 0.15, 0.7));
+            const double block_x = x + dice.real(0.02, 0.6) * cw;
+            const double block_y = y + dice.real(0.02, 0.7) * ch;
+            canvas.rectangle(block_x, block_y, 0.3 * cw, 0.22 * ch, any_colour(dice, 0.15, 0.7));
           }
           break;
         default:
@@ -742,6 +745,10 @@ class Lab {
     box(wall, spot, width_m, height_m, thickness_m,
         add_picture(width_m, height_m, texels_per_m, std::move(paint)));
   }
+  void poster(Facing wall, Spot spot) {
+    const double width_m = dice_.real(0.42, 0.56);
+    panel(wall, spot, width_m, width_m * dice_.real(1.2, 1.35), 170.0, paint_poster);
+  }
   /// An ellipsoid whose corners are moved in and out by `spikes` of its size, with flat facets.
   void lump(Vector3d centre_m, Vector3d half_m, double spikes, std::size_t picture) {
     constexpr int slices = 12;
@@ -847,7 +854,7 @@ class Lab {
     for (int i = 0; i < std::min(several(3), 4); ++i) {
       Spot spot = back_spots[static_cast<std::size_t>(i)];
       spot.along_m += dice_.real(-0.06, 0.06);
-      panel(Facing::back_wall, spot, dice_.real(0.4, 0.56), dice_.real(0.5, 0.7), 170.0, paint_poster);
+      poster(Facing::back_wall, spot);
     }
     // Side walls: one has the window, the other the door.
     const bool door_left = dice_.chance(0.5);
@@ -859,8 +866,7 @@ class Lab {
     panel(window_wall, {-ahead * 0.75, 0.85, 0.0}, dice_.real(1.2, 1.5), 1.2, 130.0, paint_window);
     if (several(1) > 0) bookcase(window_wall, ahead * 0.6, 0.9, floor_m + 0.03, 3);
     for (int i = 0; i < std::min(several(2), 4); ++i) {
-      panel(i % 2 == 0 ? door_wall : window_wall, {ahead * (i % 2 == 0 ? -0.9 : 0.4), i < 2 ? 0.75 : 1.4, 0.0},
-            dice_.real(0.42, 0.56), dice_.real(0.55, 0.72), 150.0, paint_poster);
+      poster(i % 2 == 0 ? door_wall : window_wall, {ahead * (i % 2 == 0 ? -0.9 : 0.4), i < 2 ? 0.75 : 1.4, 0.0});
     }
     for (int i = 0; i < several(3); ++i) {  // cartons on the floor
       const double size = dice_.real(0.3, 0.5);
@@ -873,15 +879,14 @@ class Lab {
   }
 
   void plant(double x, double y, double foot_m, double size_m) {
-    const std::size_t pot = add_picture(0.3, 0.3, 150.0, paint_rough);
-    const std::size_t leaves = add_picture(0.5, 0.5, 190.0, paint_foliage);
     const double pot_height = 0.45 * size_m;
-    solid({x, y, foot_m + 0.5 * pot_height}, {0.2 * size_m, 0.5 * pot_height, 0.2 * size_m}, pot);
+    solid({x, y, foot_m + 0.5 * pot_height}, {0.2 * size_m, 0.5 * pot_height, 0.2 * size_m},
+          add_picture(0.3, 0.3, 150.0, paint_rough));
+    const std::size_t leaves = add_picture(2.4 * size_m, 1.2 * size_m, 150.0, paint_foliage);
     for (int i = 0; i < 2; ++i) {
-      lump({x + size_m * dice_.real(-0.15, 0.15), y + size_m * dice_.real(-0.25, 0.25),
-            foot_m + pot_height + size_m * (0.3 + 0.5 * i + dice_.real(-0.1, 0.1))},
-           {size_m * dice_.real(0.35, 0.55), size_m * dice_.real(0.35, 0.55), size_m * dice_.real(0.4, 0.55)}, 0.32,
-           leaves);
+      const Vector3d off{dice_.real(-0.15, 0.15), dice_.real(-0.25, 0.25), 0.3 + 0.5 * i + dice_.real(-0.1, 0.1)};
+      const Vector3d half{dice_.real(0.35, 0.55), dice_.real(0.35, 0.55), dice_.real(0.4, 0.55)};
+      lump(Vector3d(x, y, foot_m + pot_height) + size_m * off, size_m * half, 0.32, leaves);
     }
   }
 
@@ -893,17 +898,21 @@ class Lab {
     for (int i = 0; i < several(3); ++i) {  // stones, cushions, pots on the table
       const double y = table_width_ * (dice_.real(-0.1, 0.1) + 0.8 * ((i + 0.5) / several(3) - 0.5));
       const Vector3d half{dice_.real(0.07, 0.12), dice_.real(0.09, 0.17), dice_.real(0.06, 0.13)};
-      lump({table_x_ - dice_.real(0.0, 0.12), y, z + 0.85 * half.z()}, half, 0.12,
-           add_picture(0.3, 0.3, 190.0, dice_.chance(0.5) ? Painter(paint_rough) : Painter(cloth)));
+      const std::size_t coat =
+          add_picture(0.8, 0.4, 190.0, dice_.chance(0.5) ? Painter(paint_rough) : Painter(cloth));
+      lump({table_x_ - dice_.real(0.0, 0.12), y, z + 0.85 * half.z()}, half, 0.12, coat);
     }
     if (several(1) > 0) plant(table_x_ - 0.1, dice_.real(-0.6, 0.6), z, 0.3);
     for (int i = 0; i < several(2); ++i) {
-      plant(back_m_ + dice_.real(0.5, 0.9), (i % 2 == 0 ? 1.0 : -1.0) * dice_.real(1.2, 1.5), floor_m,
-            dice_.real(0.6, 0.85));
+      const double x = back_m_ + dice_.real(0.5, 0.9);
+      const double y = (i % 2 == 0 ? 1.0 : -1.0) * dice_.real(1.2, 1.5);
+      plant(x, y, floor_m, dice_.real(0.6, 0.85));
     }
     for (int i = 0; i < several(2); ++i) {
       const Facing wall = i % 2 == 0 ? Facing::left_wall : Facing::right_wall;
-      panel(wall, {dice_.real(-0.9, 0.9), dice_.real(0.3, 1.0), 0.0}, dice_.real(0.5, 0.9), dice_.real(0.5, 0.9), 150.0,
+      const Spot spot{dice_.real(-0.9, 0.9), dice_.real(0.3, 1.0), 0.0};
+      const double width_m = dice_.real(0.5, 0.9);
+      panel(wall, spot, width_m, width_m * dice_.real(0.7, 1.3), 150.0,
             [](Canvas& c, Dice& d) {
               paint_cloth(c, d, 0.0);
               pin_pictures(c, d, 6.0);
