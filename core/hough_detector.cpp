@@ -25,15 +25,19 @@ HoughDetectorConfig checked(HoughDetectorConfig config) {
 void describe(FieldVisitor& v, HoughDetectorConfig& config) {
   v.reals("radius_px", config.radius_px, 2, {1, 255}, "smallest and largest radius, whole pixels");
   const auto& r = config.radius_px;
-  v.require(r.size() != 2 || (r[0] <= r[1] && r[0] == std::floor(r[0]) && r[1] == std::floor(r[1])), "radius_px",
-            r.size() == 2 ? "[" + text_of(r[0]) + ", " + text_of(r[1]) + "]" : "",
+  v.require(r.size() != 2 || (r[0] <= r[1] && r[0] == std::floor(r[0]) && r[1] == std::floor(r[1])),
+            "radius_px", r.size() == 2 ? "[" + text_of(r[0]) + ", " + text_of(r[1]) + "]" : "",
             "two whole numbers, the smaller one first");
-  v.section("window", [&](FieldVisitor& w) {
-    w.integer("events", config.window_events, {1, 60000}, "how many of the newest events vote");
-  }, "what votes");
+  v.section(
+      "window",
+      [&](FieldVisitor& w) {
+        w.integer("events", config.window_events, {1, 60000}, "how many of the newest events vote");
+      },
+      "what votes");
   if (config.directed) {
     v.real("arc_deg", config.arc_deg, {0.5, 90.0}, "half-width of an arc of votes");
-    v.section("flow", [&](FieldVisitor& w) { describe(w, config.flow); }, "plane-fit flow");
+    v.section(
+        "flow", [&](FieldVisitor& w) { describe(w, config.flow); }, "plane-fit flow");
   }
   v.real("threshold", config.threshold, {0.0, 1e6}, "response taken for the ball");
 }
@@ -102,7 +106,8 @@ Estimate HoughDetector::estimate() {
   for (std::int64_t i = std::max(begin, voted_until_); i < received_; ++i) vote<1>(entry(i));
   voted_until_ = received_;
   const HoughTransform::Peak peak = transform_.peak();
-  estimate_ = {true, false,
+  estimate_ = {true,
+               false,
                {static_cast<double>(peak.x), static_cast<double>(peak.y), static_cast<double>(peak.r)},
                peak.response};
   return estimate_;

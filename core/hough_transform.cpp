@@ -69,7 +69,8 @@ int HoughTransform::direction_of(double x, double y) {
   return (step + 2 * direction_count) % direction_count;
 }
 
-HoughTransform::HoughTransform(ImageSize size, int r_min, int r_max, double arc_rad) : size_(size), r_min_(r_min) {
+HoughTransform::HoughTransform(ImageSize size, int r_min, int r_max, double arc_rad)
+    : size_(size), r_min_(r_min) {
   SACCADE_CHECK(r_min >= 1 && r_min <= r_max && r_max <= 255 && size.width > 0 && size.height > 0);
   SACCADE_CHECK(arc_rad > 0.0 && arc_rad <= std::numbers::pi / 2 + edge_rad);
   std::vector<RingPixel> ring;
@@ -124,9 +125,9 @@ void HoughTransform::append_patterns(std::span<const RingPixel> pixels) {
           p.dx >= first->dx + patch_columns) {
         first = &p;
         // From the even row of the event's pair.
-        patch_offset_.push_back(static_cast<std::int32_t>(
-            static_cast<std::ptrdiff_t>(p.plane * plane_size_) +
-            pair_of(p) * static_cast<std::ptrdiff_t>(row_pair_) + 2 * p.dx));
+        patch_offset_.push_back(
+            static_cast<std::int32_t>(static_cast<std::ptrdiff_t>(p.plane * plane_size_) +
+                                      pair_of(p) * static_cast<std::ptrdiff_t>(row_pair_) + 2 * p.dx));
         patch_cells_.push_back(0);
       }
       patch_cells_.back() |= static_cast<std::uint8_t>(1 << (2 * (p.dx - first->dx) + ((p.dy + parity) & 1)));
@@ -219,7 +220,8 @@ HoughTransform::Peak HoughTransform::peak() const {
       int x = 0;
       const int row = even == votes ? y : y + 1;
       while (plane[cell(x, row)] != votes) ++x;
-      return {x, row, r_min_ + static_cast<int>(best), votes, static_cast<double>(votes) / ring_pixels_[best]};
+      return {x, row, r_min_ + static_cast<int>(best), votes,
+              static_cast<double>(votes) / ring_pixels_[best]};
     }
     bounds_of(best)[block] = most;
     bound_plane(best);

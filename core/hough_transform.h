@@ -16,8 +16,9 @@ namespace saccade {
 /// within +-`arc_rad` of the direction of the flow and of its opposite (Eq. 2). The response at a centre is
 /// votes / (number of pixels of the ring), so that large circles have no advantage.
 ///
-/// Voting is a walk through a table of patches of 4 x 2 cells that are added as one: no trigonometry, no bounds
-/// check, no allocation. An upper bound of every block of rows makes the maximum cheap to find (see peak()).
+/// Voting is a walk through a table of patches of 4 x 2 cells that are added as one: no trigonometry, no
+/// bounds check, no allocation. An upper bound of every block of rows makes the maximum cheap to find (see
+/// peak()).
 class HoughTransform {
  public:
   /// Directions are counted in steps of half a degree, modulo a half turn: an arc and its opposite are one.
@@ -42,8 +43,8 @@ class HoughTransform {
     double response = 0.0;  ///< votes / ring pixels
   };
   /// The largest response; ties go to the smaller r, then y, then x. r_min, (0, 0), 0 votes when empty.
-  /// Exact: blocks are looked at in the order of their upper bounds, which become exact by that, until one holds
-  /// what its bound says.
+  /// Exact: blocks are looked at in the order of their upper bounds, which become exact by that, until one
+  /// holds what its bound says.
   [[nodiscard]] Peak peak() const;
 
   [[nodiscard]] int votes(int x, int y, int r) const;
@@ -67,8 +68,8 @@ class HoughTransform {
 
   ImageSize size_;
   int r_min_;
-  // Planes of row pairs, outside the image too where votes of its events can fall: what is left of a row is the
-  // end of the one before it, and what is below a plane is the margin above the next.
+  // Planes of row pairs, outside the image too where votes of its events can fall: what is left of a row is
+  // the end of the one before it, and what is below a plane is the margin above the next.
   std::size_t row_pair_, margin_, plane_size_;  // cells; row_pair_ is a power of two
   int block_shift_;                             // log2 of the cells of block_rows rows
   std::vector<int> ring_pixels_;                // per radius

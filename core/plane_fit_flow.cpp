@@ -12,8 +12,8 @@ constexpr std::size_t max_points = (2 * max_half_width + 1) * (2 * max_half_widt
 constexpr std::int64_t never_us = std::numeric_limits<std::int64_t>::min() / 2;
 constexpr int refits = 2;
 
-/// Neighbours of an event, whole numbers from it: pixels, and us <= 0. Arrays and masks, so that nothing branches
-/// on the data and loops vectorise.
+/// Neighbours of an event, whole numbers from it: pixels, and us <= 0. Arrays and masks, so that nothing
+/// branches on the data and loops vectorise.
 struct Neighbours {
   int count = 0;
   std::array<std::int32_t, max_points> x, y, t;

@@ -43,6 +43,7 @@ void draw_text(cv::Mat& picture, const std::string& text, cv::Point at, const cv
 }
 
 void draw_label(cv::Mat& picture, const LabelledCircle& found, int scale, int line) {
+  if (found.label.empty()) return;
   const double size = std::clamp(picture.cols / 1000.0, 0.35, 0.55);
   const int line_height = static_cast<int>(std::lround(40 * size));
   const int x = static_cast<int>((found.circle.x_px + found.circle.r_px * 0.75) * scale);

@@ -18,7 +18,7 @@ class VideoWriter;
 
 namespace saccade {
 
-/// A circle drawn into a picture, with its name beside it.
+/// A circle drawn into a picture, with its name beside it where it has one.
 struct LabelledCircle {
   Circle circle;
   std::string label;

@@ -19,6 +19,7 @@ constexpr std::int64_t lag_step_us = 100;
 constexpr int min_lag_steps = -500;
 constexpr int max_lag_steps = 2000;
 constexpr double least_motion_px = 6.0;
+constexpr std::int64_t longest_gap_us = 20'000;
 
 bool has_circle(const TruthRow& row) {
   return std::isfinite(row.circle.x_px) && std::isfinite(row.circle.y_px) && std::isfinite(row.circle.r_px);
@@ -191,7 +192,7 @@ void score_rate(std::span<const TruthRow> truth, const std::vector<Observation>&
   score.mean_rate_hz = static_cast<double>(score.inliers) * 1e6 / static_cast<double>(time_us);
 }
 
-/// The true centre as a function of time, piecewise linear, with gaps where there is no circle.
+/// The true centre as a function of time, piecewise linear, with gaps where there is no circle for long.
 class TrueCentre {
  public:
   explicit TrueCentre(std::span<const TruthRow> truth) {
@@ -201,6 +202,7 @@ class TrueCentre {
         start = rows_.size();
         continue;
       }
+      if (rows_.size() > start && row.t_us - rows_.back().t_us > longest_gap_us) start = rows_.size();
       if (rows_.size() > start) {
         const Node& last = rows_.back();
         const double distance = std::hypot(row.circle.x_px - last.x_px, row.circle.y_px - last.y_px);

@@ -63,8 +63,9 @@ struct DetectorScore {
   Spread radius_error_px;  ///< absolute
   /// The shift s in [-50, 200] ms (0.1 ms steps) that minimises the median distance between the observation
   /// at t and truth, linearly interpolated, at t - s; positive = late; of equal shifts the one nearest 0.
-  /// Over the observations at chances whose truth is known for every such s. None when there is no such
-  /// observation, or the true centres at the chances lie within 6 px (diagonal of their bounding box).
+  /// Over the observations at chances whose truth is known for every such s, that is without a gap of more
+  /// than 20 ms between its rows. None when there is no such observation, or the true centres at the chances
+  /// lie within 6 px (diagonal of their bounding box).
   std::optional<double> lag_ms;
   /// Processing time, flow included; measured by the loop, not here.
   std::optional<double> us_per_event;

@@ -109,8 +109,8 @@ class EglContext final : public GlContext {
         throw RunError("no OpenGL: EGL gives no display");
       }
     }
-    const std::array<EGLint, 5> wanted{EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE,
-                                       EGL_PBUFFER_BIT, EGL_NONE};
+    const std::array<EGLint, 5> wanted{EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE, EGL_PBUFFER_BIT,
+                                       EGL_NONE};
     EGLConfig config = nullptr;
     EGLint found = 0;
     const auto choose = library_.get<decltype(eglChooseConfig)>("eglChooseConfig");

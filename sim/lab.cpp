@@ -18,8 +18,8 @@ namespace {
 
 constexpr double floor_m = -0.62;
 constexpr double ceiling_m = 1.95;
-constexpr double side_m = 1.9;   // of the walls left and right
-constexpr double rear_m = 1.7;   // of the wall behind the robot
+constexpr double side_m = 1.9;  // of the walls left and right
+constexpr double rear_m = 1.7;  // of the wall behind the robot
 constexpr double pi = std::numbers::pi;
 
 /// Random numbers one after the other.
@@ -85,7 +85,8 @@ class Noise {
   static constexpr std::int64_t side = 64;
   static double smooth(double t) { return t * t * (3.0 - 2.0 * t); }
   double value(std::int64_t x, std::int64_t y) const {
-    return static_cast<double>(lattice_[static_cast<std::size_t>((y & (side - 1)) * side + (x & (side - 1)))]);
+    return static_cast<double>(
+        lattice_[static_cast<std::size_t>((y & (side - 1)) * side + (x & (side - 1)))]);
   }
 
   std::array<float, side * side> lattice_{};
@@ -145,7 +146,8 @@ class Canvas {
     }
   }
   void rectangle(double x, double y, double width, double height, Colour colour) {
-    tilted(x + 0.5 * width, y + 0.5 * height, width, height, 0.0, [colour](double, double) { return colour; });
+    tilted(x + 0.5 * width, y + 0.5 * height, width, height, 0.0,
+           [colour](double, double) { return colour; });
   }
   template <class Paint>
   void tilted(double x, double y, double width, double height, double angle_rad, Paint paint) {
@@ -170,7 +172,8 @@ class Canvas {
     tilted(x, y, picture.width(), picture.height(), angle_rad, [&picture](double u, double v) {
       const int column = static_cast<int>((u + 0.5 * picture.width_m_) / picture.texel_m_);
       const int row = static_cast<int>((v + 0.5 * picture.height_m_) / picture.texel_m_);
-      return picture.texel(std::clamp(column, 0, picture.columns_ - 1), std::clamp(row, 0, picture.rows_ - 1));
+      return picture.texel(std::clamp(column, 0, picture.columns_ - 1),
+                           std::clamp(row, 0, picture.rows_ - 1));
     });
   }
   /// Corners and edges of a room are darker.
@@ -205,7 +208,8 @@ void roughen(Canvas& canvas, Dice& dice, double feature_m, double strength, int 
   const Noise noise(dice);
   const double offset = dice.real(0.0, 60.0);
   canvas.each([&](double x, double y, Colour c) {
-    return std::exp(strength * noise.sum(offset + x / feature_m, y / (feature_m * stretch), octaves, falloff)) *
+    return std::exp(strength *
+                    noise.sum(offset + x / feature_m, y / (feature_m * stretch), octaves, falloff)) *
            c;
   });
 }
@@ -581,12 +585,23 @@ Eigen::Matrix3d axes_of(Facing facing) {
   Vector3d right = Vector3d::UnitY();
   Vector3d up = Vector3d::UnitZ();
   switch (facing) {
-    case Facing::back_wall: break;
-    case Facing::left_wall: right = -Vector3d::UnitX(); break;
-    case Facing::right_wall: right = Vector3d::UnitX(); break;
-    case Facing::rear_wall: right = -Vector3d::UnitY(); break;
-    case Facing::up: up = -Vector3d::UnitX(); break;
-    case Facing::down: up = Vector3d::UnitX(); break;
+    case Facing::back_wall:
+      break;
+    case Facing::left_wall:
+      right = -Vector3d::UnitX();
+      break;
+    case Facing::right_wall:
+      right = Vector3d::UnitX();
+      break;
+    case Facing::rear_wall:
+      right = -Vector3d::UnitY();
+      break;
+    case Facing::up:
+      up = -Vector3d::UnitX();
+      break;
+    case Facing::down:
+      up = Vector3d::UnitX();
+      break;
   }
   Eigen::Matrix3d axes;
   axes << right, up, right.cross(up);
@@ -655,8 +670,10 @@ class Lab {
     // With a rim of its own outermost texels: interpolation looks half a texel beyond.
     for (int row = -rim; row < picture.rows + rim; ++row) {
       for (int column = -rim; column < picture.columns + rim; ++column) {
-        const Colour& c = canvas.texel(std::clamp(column, 0, picture.columns - 1), std::clamp(row, 0, picture.rows - 1));
-        mjtByte* texel = rgb + 3 * ((picture.top + row) * static_cast<std::ptrdiff_t>(columns) + picture.left + column);
+        const Colour& c =
+            canvas.texel(std::clamp(column, 0, picture.columns - 1), std::clamp(row, 0, picture.rows - 1));
+        mjtByte* texel =
+            rgb + 3 * ((picture.top + row) * static_cast<std::ptrdiff_t>(columns) + picture.left + column);
         texel[0] = byte_of(c.r);
         texel[1] = byte_of(c.g);
         texel[2] = byte_of(c.b);
@@ -684,7 +701,8 @@ class Lab {
   void arrange_pictures() {
     std::vector<LabPicture*> order;
     for (LabPicture& picture : pictures_) order.push_back(&picture);
-    std::stable_sort(order.begin(), order.end(), [](const auto* a, const auto* b) { return a->rows > b->rows; });
+    std::stable_sort(order.begin(), order.end(),
+                     [](const auto* a, const auto* b) { return a->rows > b->rows; });
     int left = 0;
     int top = 0;
     for (LabPicture* picture : order) {
@@ -699,26 +717,31 @@ class Lab {
     }
   }
 
-  /// Where a spot is in the room, and how a thing there is turned. The middle of a side wall is abreast
-  /// of what the robot looks at when it turns 45 degrees.
+  /// Where a spot is in the room.
   Vector3d place(Facing wall, Spot s) const {
+    const double middle_x = 0.5 * (rear_m + back_m_);
     switch (wall) {
-      case Facing::left_wall: return {-0.5 * (rear_m - back_m_) + rear_m - s.along_m, -side_m + s.out_m, s.height_m};
-      case Facing::right_wall: return {-0.5 * (rear_m - back_m_) + rear_m + s.along_m, side_m - s.out_m, s.height_m};
-      case Facing::rear_wall: return {rear_m - s.out_m, -s.along_m, s.height_m};
-      default: return {back_m_ + s.out_m, s.along_m, s.height_m};
+      case Facing::left_wall:
+        return {middle_x - s.along_m, -side_m + s.out_m, s.height_m};
+      case Facing::right_wall:
+        return {middle_x + s.along_m, side_m - s.out_m, s.height_m};
+      case Facing::rear_wall:
+        return {rear_m - s.out_m, -s.along_m, s.height_m};
+      default:
+        return {back_m_ + s.out_m, s.along_m, s.height_m};
     }
   }
 
   /// Six faces, each with the whole picture.
-  void solid(Vector3d centre_m, std::array<double, 3> half_m, std::size_t picture, Facing facing = Facing::back_wall) {
+  void solid(Vector3d centre_m, std::array<double, 3> half_m, std::size_t picture,
+             Facing facing = Facing::back_wall) {
     const Eigen::Matrix3d axes = axes_of(facing);
     const auto face = [&](Vector3d right, Vector3d up) {
       const Vector3d out = right.cross(up);
       const Vector3d half(half_m[0], half_m[1], half_m[2]);
       const auto corner = [&](double x, double y) {
-        return Corner{centre_m + axes * half.cwiseProduct(out + x * right + y * up), axes * out, 0.5 + 0.5 * x,
-                      0.5 - 0.5 * y};
+        return Corner{centre_m + axes * half.cwiseProduct(out + x * right + y * up), axes * out,
+                      0.5 + 0.5 * x, 0.5 - 0.5 * y};
       };
       triangles_.push_back({{corner(-1, -1), corner(1, -1), corner(1, 1)}, picture});
       triangles_.push_back({{corner(-1, -1), corner(1, 1), corner(-1, 1)}, picture});
@@ -768,7 +791,8 @@ class Lab {
     }
     const auto corner = [&](int stack, int slice) {
       return Corner{points[static_cast<std::size_t>(stack)][static_cast<std::size_t>(slice % slices)],
-                    Vector3d::Zero(), static_cast<double>(slice) / slices, static_cast<double>(stack) / stacks};
+                    Vector3d::Zero(), static_cast<double>(slice) / slices,
+                    static_cast<double>(stack) / stacks};
     };
     const auto facet = [&](Corner a, Corner b, Corner c) {
       a.normal = b.normal = c.normal = (b.point_m - a.point_m).cross(c.point_m - a.point_m).normalized();
@@ -776,7 +800,8 @@ class Lab {
     };
     for (int stack = 0; stack < stacks; ++stack) {
       for (int slice = 0; slice < slices; ++slice) {
-        if (stack + 1 < stacks) facet(corner(stack, slice), corner(stack + 1, slice), corner(stack + 1, slice + 1));
+        if (stack + 1 < stacks)
+          facet(corner(stack, slice), corner(stack + 1, slice), corner(stack + 1, slice + 1));
         if (stack > 0) facet(corner(stack, slice), corner(stack + 1, slice + 1), corner(stack, slice + 1));
       }
     }
@@ -831,7 +856,7 @@ class Lab {
   void furnish_rectilinear() {
     const double z = table(paint_desk, paint_drawers);
     for (int i = 0; i < several(4); ++i) {  // on the table
-      const double side = dice_.real(0.12, 0.3);
+      const double width = dice_.real(0.12, 0.3);
       const double tall = dice_.real(0.12, 0.32);
       const double y = table_width_ * (dice_.real(-0.12, 0.12) + 0.78 * ((i + 0.5) / several(4) - 0.5));
       solid({table_x_ - dice_.real(0.0, 0.12), y, z + 0.5 * tall}, {0.5 * side, 0.5 * tall, 0.5 * side},
@@ -846,11 +871,10 @@ class Lab {
     bookcase(Facing::back_wall, case_at, dice_.real(0.9, 1.2), floor_m + 0.25, 5);
     const double window_width = dice_.real(1.0, 1.3);
     const double window_at = -side * dice_.real(0.75, 1.0);
-    panel(Facing::back_wall, {window_at, 0.95, 0.0}, window_width, dice_.real(0.95, 1.25), 150.0, paint_window);
-    const std::array<Spot, 4> back_spots{{{side * 0.12, 0.55, 0.0},
-                                          {side * 0.1, 1.3, 0.0},
-                                          {-side * 1.6, 0.5, 0.0},
-                                          {window_at, 0.12, 0.0}}};
+    panel(Facing::back_wall, {window_at, 0.95, 0.0}, window_width, dice_.real(0.95, 1.25), 150.0,
+          paint_window);
+    const std::array<Spot, 4> back_spots{
+        {{side * 0.12, 0.55, 0.0}, {side * 0.1, 1.3, 0.0}, {-side * 1.6, 0.5, 0.0}, {window_at, 0.12, 0.0}}};
     for (int i = 0; i < std::min(several(3), 4); ++i) {
       Spot spot = back_spots[static_cast<std::size_t>(i)];
       spot.along_m += dice_.real(-0.06, 0.06);
@@ -866,13 +890,16 @@ class Lab {
     panel(window_wall, {-ahead * 0.75, 0.85, 0.0}, dice_.real(1.2, 1.5), 1.2, 130.0, paint_window);
     if (several(1) > 0) bookcase(window_wall, ahead * 0.6, 0.9, floor_m + 0.03, 3);
     for (int i = 0; i < std::min(several(2), 4); ++i) {
-      poster(i % 2 == 0 ? door_wall : window_wall, {ahead * (i % 2 == 0 ? -0.9 : 0.4), i < 2 ? 0.75 : 1.4, 0.0});
+      poster(i % 2 == 0 ? door_wall : window_wall,
+             {ahead * (i % 2 == 0 ? -0.9 : 0.4), i < 2 ? 0.75 : 1.4, 0.0});
     }
     for (int i = 0; i < several(3); ++i) {  // cartons on the floor
       const double size = dice_.real(0.3, 0.5);
       const double at = (i % 2 == 0 ? 1.0 : -1.0) * dice_.real(1.1, 1.5);
+      const std::size_t side =
+          add_picture(size, size, 150.0, dice_.chance(0.4) ? paint_drawers : paint_carton);
       solid({back_m_ + dice_.real(0.9, 1.5), at, floor_m + 0.5 * size}, {0.5 * size, 0.5 * size, 0.5 * size},
-            add_picture(size, size, 150.0, dice_.chance(0.4) ? paint_drawers : paint_carton));
+            side);
     }
     shell(paint_wall_panels, paint_wall_panels, paint_wall_panels, paint_wall_panels, paint_floor_tiles,
           [](Canvas& c, Dice& d) { paint_ceiling(c, d, 0.05); });
@@ -884,7 +911,8 @@ class Lab {
           add_picture(0.3, 0.3, 150.0, paint_rough));
     const std::size_t leaves = add_picture(2.4 * size_m, 1.2 * size_m, 150.0, paint_foliage);
     for (int i = 0; i < 2; ++i) {
-      const Vector3d off{dice_.real(-0.15, 0.15), dice_.real(-0.25, 0.25), 0.3 + 0.5 * i + dice_.real(-0.1, 0.1)};
+      const Vector3d off{dice_.real(-0.15, 0.15), dice_.real(-0.25, 0.25),
+                         0.3 + 0.5 * i + dice_.real(-0.1, 0.1)};
       const Vector3d half{dice_.real(0.35, 0.55), dice_.real(0.35, 0.55), dice_.real(0.4, 0.55)};
       lump(Vector3d(x, y, foot_m + pot_height) + size_m * off, size_m * half, 0.32, leaves);
     }
@@ -912,11 +940,10 @@ class Lab {
       const Facing wall = i % 2 == 0 ? Facing::left_wall : Facing::right_wall;
       const Spot spot{dice_.real(-0.9, 0.9), dice_.real(0.3, 1.0), 0.0};
       const double width_m = dice_.real(0.5, 0.9);
-      panel(wall, spot, width_m, width_m * dice_.real(0.7, 1.3), 150.0,
-            [](Canvas& c, Dice& d) {
-              paint_cloth(c, d, 0.0);
-              pin_pictures(c, d, 6.0);
-            });
+      panel(wall, spot, width_m, width_m * dice_.real(0.7, 1.3), 150.0, [](Canvas& c, Dice& d) {
+        paint_cloth(c, d, 0.0);
+        pin_pictures(c, d, 6.0);
+      });
     }
     const double pictures = 2.4 * config_.density;
     const Painter brick = [pictures](Canvas& c, Dice& d) {
@@ -938,7 +965,8 @@ class Lab {
     std::array<Painter, 4> walls{brick, plaster, curtain, ivy};
     // The wall in front is brick or plaster; the others follow in a random order.
     if (dice_.chance(0.5)) std::swap(walls[0], walls[1]);
-    for (std::size_t i = 3; i > 1; --i) std::swap(walls[i], walls[1 + static_cast<std::size_t>(dice_.index(static_cast<int>(i)))]);
+    for (std::size_t i = 3; i > 1; --i)
+      std::swap(walls[i], walls[1 + static_cast<std::size_t>(dice_.index(static_cast<int>(i)))]);
     shell(walls[0], walls[1], walls[2], walls[3], paint_carpet,
           [](Canvas& c, Dice& d) { paint_ceiling(c, d, 0.25); });
   }
@@ -994,7 +1022,8 @@ std::string lab_mjcf(const LabConfig& config, std::uint64_t seed) {
     count += 3;
   }
   std::string bodies;
-  const auto light = [&](const char* name, const char* direction, double ambient, double diffuse, bool shadow) {
+  const auto light = [&](const char* name, const char* direction, double ambient, double diffuse,
+                         bool shadow) {
     bodies += print(
         "  <light name=\"lab_%s\" directional=\"true\" dir=\"%s\" pos=\"%s\" ambient=\"%.4f %.4f %.4f\" "
         "diffuse=\"%.4f %.4f %.4f\" specular=\"0 0 0\" castshadow=\"%s\"/>\n",
@@ -1003,13 +1032,16 @@ std::string lab_mjcf(const LabConfig& config, std::uint64_t seed) {
   };
   light("lamp", "-0.55 -0.35 -0.76", 0.4 * config.brightness, 0.5 * config.brightness, true);
   light("sky", "-0.35 0.9 -0.25", 0.0, 0.35 * config.brightness, false);
-  return print("<asset>\n"
-               "  <texture name=\"lab\" type=\"2d\" builtin=\"flat\" width=\"%d\" height=\"%d\" rgb1=\"0.33 0.33 0.33\"/>\n"
-               "  <material name=\"lab\" texture=\"lab\" specular=\"0\" shininess=\"0\"/>\n",
-               Lab::columns, lab.rows()) +
+  return print(
+             "<asset>\n"
+             "  <texture name=\"lab\" type=\"2d\" builtin=\"flat\" width=\"%d\" height=\"%d\" rgb1=\"0.33 "
+             "0.33 0.33\"/>\n"
+             "  <material name=\"lab\" texture=\"lab\" specular=\"0\" shininess=\"0\"/>\n",
+             Lab::columns, lab.rows()) +
          "  <mesh name=\"lab\" vertex=\"" + points + "\" normal=\"" + normals + "\" texcoord=\"" + texels +
          "\" face=\"" + faces + "\"/>\n</asset>\n<worldbody>\n" + bodies +
-         "  <geom name=\"lab\" type=\"mesh\" mesh=\"lab\" material=\"lab\" group=\"1\" contype=\"0\" conaffinity=\"0\"/>\n"
+         "  <geom name=\"lab\" type=\"mesh\" mesh=\"lab\" material=\"lab\" group=\"1\" contype=\"0\" "
+         "conaffinity=\"0\"/>\n"
          "</worldbody>\n";
 }
 

@@ -402,7 +402,8 @@ void SceneRenderer::render(mjData& data, const SceneView& view, std::span<std::u
   const mjrRect whole{0, 0, size_.width, size_.height};
   drawer_->draw(data, camera, whole);
   drawer_->read_rgb(whole, rgb.data());
-  for (std::size_t top = 0, bottom = static_cast<std::size_t>(size_.height) - 1; top < bottom; ++top, --bottom) {
+  for (std::size_t top = 0, bottom = static_cast<std::size_t>(size_.height) - 1; top < bottom;
+       ++top, --bottom) {
     std::swap_ranges(rgb.begin() + static_cast<std::ptrdiff_t>(top * row_bytes),
                      rgb.begin() + static_cast<std::ptrdiff_t>((top + 1) * row_bytes),
                      rgb.begin() + static_cast<std::ptrdiff_t>(bottom * row_bytes));
@@ -411,8 +412,7 @@ void SceneRenderer::render(mjData& data, const SceneView& view, std::span<std::u
     std::array<std::uint8_t, 256> table{};
     for (std::size_t i = 0; i < table.size(); ++i) {
       const double linear = static_cast<double>(i) / 255.0;
-      const double srgb =
-          linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
+      const double srgb = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
       table[i] = static_cast<std::uint8_t>(std::lround(255.0 * srgb));
     }
     return table;

@@ -62,12 +62,12 @@ class EyeRenderer {
   PinholeCamera camera_;
   EyeRenderConfig config_;
   GlContext& gl_;
-  int columns_ = 0;        ///< of the drawn image
-  int rows_ = 0;           ///< supersampling * height
-  double focal_ = 0.0;     ///< of the drawn image, samples
-  double centre_x_ = 0.0;  ///< principal point of the drawn image, samples from its left edge
-  double centre_y_ = 0.0;  ///< and from its top edge
-  int taps_ = 0;           ///< of the filter that makes a pixel out of drawn columns, padded
+  int columns_ = 0;                  ///< of the drawn image
+  int rows_ = 0;                     ///< supersampling * height
+  double focal_ = 0.0;               ///< of the drawn image, samples
+  double centre_x_ = 0.0;            ///< principal point of the drawn image, samples from its left edge
+  double centre_y_ = 0.0;            ///< and from its top edge
+  int taps_ = 0;                     ///< of the filter that makes a pixel out of drawn columns, padded
   std::vector<int> first_column_;    ///< per pixel column: the first drawn column that it covers
   std::vector<float> tap_weights_;   ///< per pixel column: `taps_` weights
   std::vector<std::uint32_t> rgba_;  ///< the drawn image, bottom row first

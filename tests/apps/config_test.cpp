@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <ostream>
 
 #include "apps/config/yaml_reader.h"
 #include "apps/config/yaml_tree.h"
@@ -110,6 +111,8 @@ struct Mistake {
   std::string message;
 };
 
+std::ostream& operator<<(std::ostream& out, const Mistake& mistake) { return out << mistake.name; }
+
 class YamlMistake : public testing::TestWithParam<Mistake> {};
 
 TEST_P(YamlMistake, isTheOnlyComplaintWithItsPlace) {
@@ -172,8 +175,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"nothingForBlock", "window:\nname: a",
                 "a.yaml:1: window: found nothing, expected a block of keys"},
         Mistake{"brokenCondition", "low_px: 40\nhigh_px: 30",
-                "a.yaml:2: high_px: found 30, expected at least low_px"}),
-    [](const auto& test) { return test.param.name; });
+                "a.yaml:2: high_px: found 30, expected at least low_px"}));
 
 INSTANTIATE_TEST_SUITE_P(
     Structure, YamlMistake,
@@ -218,8 +220,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "a.yaml:2: found byte 0x00, expected text without control characters"},
         Mistake{"latin1", "name: caf\xe9", "a.yaml:1: found byte 0xe9, expected text in UTF-8"},
         Mistake{"tooLarge", std::string((1 << 20) + 1, '#'),
-                "a.yaml: found more than 1 MiB, expected a YAML file of at most 1 MiB"}),
-    [](const auto& test) { return test.param.name; });
+                "a.yaml: found more than 1 MiB, expected a YAML file of at most 1 MiB"}));
 
 TEST(YamlConfig, rejectsAliasesAndUndefinedOnes) {
   EXPECT_THAT(complaints("low_px: &r 3\nhigh_px: *r"),

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -15,13 +16,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<fs::path> scenarios_in(const char* folder) {
-  std::vector<fs::path> paths;
+struct ScenarioFile {
+  fs::path path;
+  friend auto operator<=>(const ScenarioFile&, const ScenarioFile&) = default;
+};
+
+std::ostream& operator<<(std::ostream& out, const ScenarioFile& file) {
+  return out << file.path.stem().string();
+}
+
+std::vector<ScenarioFile> scenarios_in(const char* folder) {
+  std::vector<ScenarioFile> files;
   for (const auto& file : fs::directory_iterator(fs::path(SACCADE_SOURCE_DIR) / folder)) {
-    if (file.path().extension() == ".yaml") paths.push_back(file.path());
+    if (file.path().extension() == ".yaml") files.push_back({file.path()});
   }
-  std::sort(paths.begin(), paths.end());
-  return paths;
+  std::sort(files.begin(), files.end());
+  return files;
 }
 
 /// The messages that a file says it must give, one a line: `# expect: <part of the message>`.
@@ -35,39 +45,38 @@ std::vector<std::string> expected_messages(const fs::path& path) {
   return messages;
 }
 
-class InvalidScenario : public testing::TestWithParam<fs::path> {};
+class InvalidScenario : public testing::TestWithParam<ScenarioFile> {};
 
 TEST_P(InvalidScenario, givesTheMessagesItStatesAndNoOther) {
-  const std::vector<std::string> expected = expected_messages(GetParam());
+  const fs::path& path = GetParam().path;
+  const std::vector<std::string> expected = expected_messages(path);
   ASSERT_FALSE(expected.empty()) << "no line `# expect: ...` at the top";
   try {
-    static_cast<void>(read_scenario(GetParam(), {}, std::nullopt));
+    static_cast<void>(read_scenario(path, {}, std::nullopt));
     FAIL() << "was read without a complaint";
   } catch (const InputError& error) {
     ASSERT_EQ(error.problems().size(), expected.size()) << error.what();
     for (std::size_t i = 0; i < expected.size(); ++i) {
-      EXPECT_THAT(error.problems()[i].text(), testing::StartsWith(GetParam().string() + ":"));
+      EXPECT_THAT(error.problems()[i].text(), testing::StartsWith(path.string() + ":"));
       EXPECT_THAT(error.problems()[i].text(), testing::HasSubstr(expected[i]));
     }
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenarios, InvalidScenario, testing::ValuesIn(scenarios_in("scenarios/invalid")),
-                         [](const auto& test) { return test.param.stem().string(); });
+INSTANTIATE_TEST_SUITE_P(Scenarios, InvalidScenario, testing::ValuesIn(scenarios_in("scenarios/invalid")));
 
-class ShippedScenario : public testing::TestWithParam<fs::path> {};
+class ShippedScenario : public testing::TestWithParam<ScenarioFile> {};
 
 TEST_P(ShippedScenario, isReadAndItsResolvedFormReadsBackTheSame) {
-  const Scenario scenario = read_scenario(GetParam(), {}, std::nullopt);
+  const Scenario scenario = read_scenario(GetParam().path, {}, std::nullopt);
   const std::string resolved = resolved_scenario(scenario);
-  const fs::path copy = fs::path(testing::TempDir()) / ("resolved_" + GetParam().filename().string());
+  const fs::path copy = fs::path(testing::TempDir()) / ("resolved_" + GetParam().path.filename().string());
   std::ofstream(copy) << resolved;
   EXPECT_EQ(resolved_scenario(read_scenario(copy, {}, std::nullopt)), resolved);
   fs::remove(copy);
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenarios, ShippedScenario, testing::ValuesIn(scenarios_in("scenarios")),
-                         [](const auto& test) { return test.param.stem().string(); });
+INSTANTIATE_TEST_SUITE_P(Scenarios, ShippedScenario, testing::ValuesIn(scenarios_in("scenarios")));
 
 }  // namespace
 }  // namespace saccade

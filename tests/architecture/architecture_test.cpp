@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <ostream>
 #include <regex>
 #include <set>
 #include <sstream>
@@ -242,6 +243,8 @@ struct Plant {
   const char* violation;
 };
 
+std::ostream& operator<<(std::ostream& out, const Plant& plant) { return out << plant.name; }
+
 class PlantedViolation : public testing::TestWithParam<Plant> {};
 
 TEST_P(PlantedViolation, isFound) {
@@ -285,8 +288,7 @@ INSTANTIATE_TEST_SUITE_P(
               "control/CMakeLists.txt: may not link mujoco::mujoco"},
         Plant{"linkedByTheSide", "robot/CMakeLists.txt",
               "target_link_libraries(saccade_robot PRIVATE saccade_sim)",
-              "robot/CMakeLists.txt: may not link saccade_sim"}),
-    [](const auto& test) { return test.param.name; });
+              "robot/CMakeLists.txt: may not link saccade_sim"}));
 
 }  // namespace
 }  // namespace saccade

@@ -26,7 +26,8 @@ std::vector<std::vector<float>> moving_texture(ImageSize size) {
           return random.uniform(static_cast<std::uint64_t>(u) + static_cast<std::uint64_t>(i),
                                 static_cast<std::uint64_t>(v) + static_cast<std::uint64_t>(j));
         };
-        const double value = (1 - fv) * ((1 - fu) * at(0, 0) + fu * at(1, 0)) + fv * ((1 - fu) * at(0, 1) + fu * at(1, 1));
+        const double value =
+            (1 - fv) * ((1 - fu) * at(0, 0) + fu * at(1, 0)) + fv * ((1 - fu) * at(0, 1) + fu * at(1, 1));
         image.push_back(static_cast<float>(255.0 * std::pow(20.0, value - 1.0)));
       }
     }

@@ -61,10 +61,11 @@ TEST(OpenGate, GivesNothingForAnUnsureOrAbsentEstimate) {
 
 TEST(Gates, CountWhatTheyRefuseByReason) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (const char* name : {"none", "authors"}) {
+  for (const char* name : {"none", "authors", "continuity"}) {
     GateConfig config;
     config.gate = name;
     config.authors.min_detections = 1;
+    config.continuity.min_agreeing = 1;
     config.authors.max_radius_px = 1000;
     config.target.depth = "authors_linear";
     for (const auto& [circle, counter] : {std::pair{Circle{nan, 60, 12}, &RejectedTargets::not_finite},
@@ -214,6 +215,64 @@ TEST(Gates, ABadConfigurationIsAnInputError) {
   } catch (const InputError& error) {
     EXPECT_EQ(error.problems().size(), 3u);
   }
+}
+
+TEST(ContinuityGate, BeginsOnlyWhenEnoughDetectionsAgreeThenPassesEachAtOnce) {
+  const auto g = gate("continuity");
+  const auto enough = static_cast<int>(ContinuityGateConfig{}.min_agreeing);
+  EXPECT_FALSE(feed(*g, enough - 1, [](int) { return sure(60, 60, 12); }));
+  EXPECT_TRUE(update(*g, enough * 1000, sure(60, 60, 12)));
+  EXPECT_TRUE(update(*g, enough * 1000 + 1000, sure(62, 61, 12)));
+}
+
+TEST(ContinuityGate, DoesNotBeginOnDetectionsThatAreEverywhere) {
+  const auto g = gate("continuity");
+  const RandomStream random(3, "gate");
+  const auto anywhere = [&](int i) {
+    const auto n = static_cast<std::uint64_t>(i);
+    return sure(random.uniform(0, 127, n, 0), random.uniform(0, 127, n, 1), random.uniform(10, 35, n, 2));
+  };
+  for (int i = 1; i <= 2000; ++i) EXPECT_FALSE(update(*g, i * 1000, anywhere(i))) << i;
+}
+
+TEST(ContinuityGate, HoldsOffADistantDetectionUntilItIsConfirmed) {
+  const auto g = gate("continuity");
+  ASSERT_TRUE(feed(*g, 100, [](int) { return sure(60, 60, 12); }));
+  int passed = 0;
+  for (int i = 101; i <= 200; ++i) passed += update(*g, i * 1000, sure(110, 20, 12)).has_value();
+  // The detection that makes the number full, and those after it.
+  EXPECT_EQ(passed, 100 - static_cast<int>(ContinuityGateConfig{}.min_agreeing) + 1);
+}
+
+TEST(ContinuityGate, ADetectionFarBehindInDepthIsAnotherPlaceToo) {
+  const auto g = gate("continuity");
+  ASSERT_TRUE(feed(*g, 100, [](int) { return sure(60, 60, 12); }));
+  EXPECT_FALSE(update(*g, 101'000, sure(60, 60, 24)));
+  EXPECT_TRUE(update(*g, 102'000, sure(60, 60, 13)));
+}
+
+TEST(ContinuityGate, FollowsABallFromOneDetectionToTheNextAfterAGapAsFarAsItCanHaveMoved) {
+  const auto g = gate("continuity");
+  ASSERT_TRUE(feed(*g, 100, [](int) { return sure(60, 60, 12); }));
+  // 13 px are 7.4 deg: too far after a millisecond, not after half a second (4 deg + 15 deg/s).
+  EXPECT_FALSE(update(*g, 101'000, sure(73, 60, 12)));
+  EXPECT_TRUE(update(*g, 600'000, sure(73, 60, 12)));
+  // After forget_s nothing is near enough by itself.
+  EXPECT_FALSE(update(*g, 3'000'000, sure(73, 60, 12)));
+}
+
+TEST(ContinuityGate, LivesInTheRootFrameSoTheHeadsOwnMotionDoesNotMatter) {
+  const auto g = gate("continuity");
+  const Eigen::Vector3d ball(-0.45, 0.0, 0.0);
+  int passed = 0;
+  for (int i = 1; i <= 300; ++i) {  // the camera turns by 0.1 deg per ms, 100 deg/s
+    Eigen::Isometry3d pose = looking_ahead();
+    pose.linear() = Eigen::AngleAxisd((150 - i) * 0.1 * 3.14159265 / 180, Eigen::Vector3d::UnitZ()) * pose.linear();
+    const auto circle = camera.project_sphere(pose.inverse() * ball, 0.0475);
+    ASSERT_TRUE(circle);
+    passed += g->update(i * 1000, {true, false, *circle, 1.0}, threshold, camera, pose).has_value();
+  }
+  EXPECT_EQ(passed, 300 - static_cast<int>(ContinuityGateConfig{}.min_agreeing) + 1);
 }
 
 }  // namespace

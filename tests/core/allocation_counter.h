@@ -4,8 +4,8 @@
 
 namespace saccade {
 
-/// How often this program has called operator new so far, in any thread. Linking allocation_counter.cpp replaces
-/// the operator.
+/// How often this program has called operator new so far, in any thread. Linking allocation_counter.cpp
+/// replaces the operator.
 [[nodiscard]] std::int64_t allocation_count();
 
 }  // namespace saccade

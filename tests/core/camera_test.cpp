@@ -17,7 +17,7 @@ Eigen::Vector3d random_point_m(const RandomStream& random, std::uint64_t i) {
   return {random.uniform(-1.0, 1.0, 0, i), random.uniform(-1.0, 1.0, 1, i), random.uniform(0.2, 2.0, 2, i)};
 }
 
-/// The outline by brute force: the rays that touch the sphere meet it on a circle; its projection is a polygon.
+/// The outline by brute force: the rays that touch the sphere meet it on a circle, here a polygon.
 struct Outline {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
   double radius_px = 0.0;  ///< sqrt(ab) = sqrt(area / pi)
@@ -33,8 +33,9 @@ Outline brute_outline(const PinholeCamera& camera, const Eigen::Vector3d& centre
   Eigen::Vector2d previous;
   for (int i = 0; i <= corners; ++i) {
     const double phi = 2.0 * std::numbers::pi * i / corners;
-    const Eigen::Vector3d touch = centre_m * (1.0 - sine * sine) + radius_m * std::sqrt(1.0 - sine * sine) *
-                                                                        (std::cos(phi) * u + std::sin(phi) * v);
+    const Eigen::Vector3d touch =
+        centre_m * (1.0 - sine * sine) +
+        radius_m * std::sqrt(1.0 - sine * sine) * (std::cos(phi) * u + std::sin(phi) * v);
     const Eigen::Vector2d pixel = camera.project(touch).value();
     if (i > 0) {
       const double cross = previous.x() * pixel.y() - previous.y() * pixel.x();
@@ -76,7 +77,7 @@ TEST(PinholeCamera, DoesNotProjectWhatIsNotInFront) {
   EXPECT_FALSE(camera.project({0.1, 0, -1}));
   EXPECT_FALSE(camera.project({0, 0, std::nan("")}));
   EXPECT_FALSE(camera.project_sphere({0, 0, -1}, 0.05));
-  EXPECT_FALSE(camera.project_sphere({0, 0, 0.04}, 0.05));   // the camera is inside
+  EXPECT_FALSE(camera.project_sphere({0, 0, 0.04}, 0.05));    // the camera is inside
   EXPECT_FALSE(camera.project_sphere({0.5, 0, 0.04}, 0.05));  // partly behind
   EXPECT_TRUE(camera.project_sphere({0.5, 0, 0.06}, 0.05));
 }
@@ -130,8 +131,8 @@ TEST(PinholeCamera, PutsTheOutlineOffTheProjectedCentreAwayFromTheAxis) {
   const Eigen::Vector3d centre = 0.30 * Eigen::Vector3d(std::sin(28 * degree), 0.0, std::cos(28 * degree));
   const auto circle = camera.project_sphere(centre, 0.0475);
   ASSERT_TRUE(circle);
-  const double apart_px = std::hypot(circle->x_px - camera.project(centre)->x(),
-                                     circle->y_px - camera.project(centre)->y());
+  const double apart_px =
+      std::hypot(circle->x_px - camera.project(centre)->x(), circle->y_px - camera.project(centre)->y());
   std::printf("outline centre is %.3f px from the projected centre\n", apart_px);
   EXPECT_NEAR(apart_px, 1.8, 0.05);
   EXPECT_GT(circle->x_px, camera.project(centre)->x());

@@ -32,7 +32,12 @@ void describe(FieldVisitor& v, Everything& e) {
   v.choice("kind", e.kind, {"round", "square"}, "");
   v.reals("pair", e.pair, 2, {0.0}, "");
   v.points("path", e.path, 3, {-1, 1}, "");
-  v.section("deep", [&](FieldVisitor& w) { w.real("inner_s", e.inner_s, {0, 1}, ""); }, "");
+  v.section(
+      "deep",
+      [&](FieldVisitor& w) {
+        w.real("inner_s", e.inner_s, {0, 1}, "");
+      },
+      "");
   v.require(e.pair.size() != 2 || e.pair[0] < e.pair[1], "pair", "two in the wrong order", "a rising pair");
 }
 
@@ -61,17 +66,29 @@ TEST(CheckConfig, NamesKeyValueAndExpectation) {
             "thing.angle_deg: found 90.5, expected a finite number in [-90, 90]");
   EXPECT_EQ(complaint([](auto& e) { e.angle_deg = std::nan(""); }),
             "thing.angle_deg: found nan, expected a finite number in [-90, 90]");
-  EXPECT_EQ(complaint([](auto& e) { e.count = 0; }), "thing.count: found 0, expected a whole number in [1, 10]");
+  EXPECT_EQ(complaint([](auto& e) { e.count = 0; }),
+            "thing.count: found 0, expected a whole number in [1, 10]");
   EXPECT_EQ(complaint([](auto& e) { e.kind = "triangular"; }),
             "thing.kind: found triangular, expected one of round, square");
-  EXPECT_EQ(complaint([](auto& e) { e.kind = ""; }), "thing.kind: found nothing, expected one of round, square");
-  EXPECT_EQ(complaint([](auto& e) { e.pair = {1, 2, 3}; }), "thing.pair: found 3 numbers, expected 2 numbers");
-  EXPECT_EQ(complaint([](auto& e) { e.pair = {-1, 2}; }),
+  EXPECT_EQ(complaint([](auto& e) { e.kind = ""; }),
+            "thing.kind: found nothing, expected one of round, square");
+  EXPECT_EQ(complaint([](auto& e) {
+              e.pair = {1, 2, 3};
+            }),
+            "thing.pair: found 3 numbers, expected 2 numbers");
+  EXPECT_EQ(complaint([](auto& e) {
+              e.pair = {-1, 2};
+            }),
             "thing.pair: found -1, expected a finite number of at least 0");
   EXPECT_EQ(complaint([](auto& e) { e.pair[1] = std::numeric_limits<double>::infinity(); }),
             "thing.pair: found inf, expected a finite number of at least 0");
-  EXPECT_EQ(complaint([](auto& e) { e.path.push_back({0, 0}); }), "thing.path: found 2 numbers, expected 3 numbers");
-  EXPECT_EQ(complaint([](auto& e) { e.pair = {2, 1}; }),
+  EXPECT_EQ(complaint([](auto& e) {
+              e.path.push_back({0, 0});
+            }),
+            "thing.path: found 2 numbers, expected 3 numbers");
+  EXPECT_EQ(complaint([](auto& e) {
+              e.pair = {2, 1};
+            }),
             "thing.pair: found two in the wrong order, expected a rising pair");
 }
 
@@ -118,7 +135,8 @@ TEST(TextOf, IsTheShortestTextThatReadsBack) {
 TEST(InputError, SaysWhereWhatAndWhatWasExpected) {
   EXPECT_EQ(std::string(InputError("a.yaml:3: ball.r_m", "-1", "a number of at least 0").what()),
             "a.yaml:3: ball.r_m: found -1, expected a number of at least 0");
-  EXPECT_EQ(std::string(InputError("a.yaml: ball", "", "this key").what()), "a.yaml: ball: expected this key");
+  EXPECT_EQ(std::string(InputError("a.yaml: ball", "", "this key").what()),
+            "a.yaml: ball: expected this key");
 }
 
 TEST(SaccadeCheck, AbortsWithConditionAndPlaceInEveryBuild) {

@@ -24,8 +24,9 @@ bool operator==(const Circle& a, const Circle& b) {
 void expect_same(const Estimate& a, const Estimate& b) {
   ASSERT_EQ(a.valid, b.valid);
   ASSERT_EQ(a.held, b.held);
-  ASSERT_TRUE(a.circle == b.circle) << a.circle.x_px << " " << a.circle.y_px << " " << a.circle.r_px << " against "
-                                    << b.circle.x_px << " " << b.circle.y_px << " " << b.circle.r_px;
+  ASSERT_TRUE(a.circle == b.circle) << a.circle.x_px << " " << a.circle.y_px << " " << a.circle.r_px
+                                    << " against " << b.circle.x_px << " " << b.circle.y_px << " "
+                                    << b.circle.r_px;
   ASSERT_EQ(a.score, b.score);
 }
 
@@ -60,7 +61,8 @@ class PlainDetector {
   }
   [[nodiscard]] Estimate estimate() const {
     const ReferenceHough::Peak peak = hough_.peak();
-    return {true, false,
+    return {true,
+            false,
             {static_cast<double>(peak.x), static_cast<double>(peak.y), static_cast<double>(peak.r)},
             static_cast<double>(peak.votes) / hough_.ring_pixels(peak.r)};
   }
@@ -174,7 +176,8 @@ TEST(HoughDetector, FindsAMovingBall) {
       const Estimate e = detector->estimate();
       ASSERT_TRUE(e.valid);
       EXPECT_FALSE(e.held);
-      worst_px = std::max(worst_px, std::hypot(e.circle.x_px - disc.x_at(now), e.circle.y_px - disc.y_at(now)));
+      worst_px =
+          std::max(worst_px, std::hypot(e.circle.x_px - disc.x_at(now), e.circle.y_px - disc.y_at(now)));
       worst_r_px = std::max(worst_r_px, std::abs(e.circle.r_px - 20));
     }
     std::printf("%s: worst error %.2f px, radius %.2f px\n", preset.c_str(), worst_px, worst_r_px);
@@ -192,7 +195,8 @@ TEST(HoughDetector, CountsEventsItCannotUseAndIsNotChangedByThem) {
   std::int64_t strays = 0;
   for (const Event& e : events) {
     clean.process({&e, 1}, nullptr);
-    const std::array<Event, 4> with_strays = {Event{e.t_us, 128, 5, true, 0}, e, Event{e.t_us - 1, 40, 40, true, 0},
+    const std::array<Event, 4> with_strays = {Event{e.t_us, 128, 5, true, 0}, e,
+                                              Event{e.t_us - 1, 40, 40, true, 0},
                                               Event{e.t_us + 1'000'000, 7, 65535, true, 0}};
     soiled.process(with_strays, nullptr);
     ++strays;
@@ -250,15 +254,23 @@ TEST(HoughDetector, NamesTheKeysOfABadConfiguration) {
     }
     return "accepted";
   };
-  EXPECT_EQ(message([](auto& c) { c.radius_px = {20, 10}; }),
+  EXPECT_EQ(message([](auto& c) {
+              c.radius_px = {20, 10};
+            }),
             "detector.radius_px: found [20, 10], expected two whole numbers, the smaller one first");
-  EXPECT_THAT(message([](auto& c) { c.radius_px = {10.5, 20}; }), HasSubstr("detector.radius_px: found [10.5, 20]"));
+  EXPECT_THAT(message([](auto& c) {
+                c.radius_px = {10.5, 20};
+              }),
+              HasSubstr("detector.radius_px: found [10.5, 20]"));
   EXPECT_THAT(message([](auto& c) { c.radius_px = {10}; }), HasSubstr("expected 2 numbers"));
-  EXPECT_EQ(message([](auto& c) { c.radius_px = {0, 10}; }),
+  EXPECT_EQ(message([](auto& c) {
+              c.radius_px = {0, 10};
+            }),
             "detector.radius_px: found 0, expected a finite number in [1, 255]");
   EXPECT_THAT(message([](auto& c) { c.window_events = 0; }), HasSubstr("detector.window.events: found 0"));
   EXPECT_THAT(message([](auto& c) { c.arc_deg = std::nan(""); }), HasSubstr("detector.arc_deg: found nan"));
-  EXPECT_THAT(message([](auto& c) { c.flow.half_width_px = 9; }), HasSubstr("detector.flow.half_width_px: found 9"));
+  EXPECT_THAT(message([](auto& c) { c.flow.half_width_px = 9; }),
+              HasSubstr("detector.flow.half_width_px: found 9"));
   const std::string both = message([](auto& c) {
     c.threshold = -1;
     c.flow.inlier_px = 0;

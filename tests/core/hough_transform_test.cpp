@@ -37,14 +37,15 @@ struct Case {
 };
 
 /// Sizes that are no multiple of anything, radii beyond the image, windows shorter and longer than the stream.
-const std::vector<Case> cases = {{{23, 17}, 1, 4, 20, 0.0},  {{23, 17}, 2, 9, 40, 10.0}, {{16, 16}, 5, 5, 1, 0.0},
-                                 {{11, 29}, 3, 12, 60, 0.0}, {{31, 9}, 4, 20, 33, 10.0}, {{40, 33}, 6, 11, 25, 15.0},
+const std::vector<Case> cases = {{{23, 17}, 1, 4, 20, 0.0},  {{23, 17}, 2, 9, 40, 10.0},
+                                 {{16, 16}, 5, 5, 1, 0.0},   {{11, 29}, 3, 12, 60, 0.0},
+                                 {{31, 9}, 4, 20, 33, 10.0}, {{40, 33}, 6, 11, 25, 15.0},
                                  {{8, 8}, 1, 14, 500, 90.0}, {{37, 26}, 10, 15, 50, 3.5}};
 
 std::string text_of_case(const Case& c, std::string_view kind) {
-  return std::string(kind) + " " + std::to_string(c.size.width) + "x" + std::to_string(c.size.height) + " radii " +
-         std::to_string(c.r_min) + ".." + std::to_string(c.r_max) + " window " + std::to_string(c.window) +
-         (c.arc_deg == 0.0 ? " full" : " directed");
+  return std::string(kind) + " " + std::to_string(c.size.width) + "x" + std::to_string(c.size.height) +
+         " radii " + std::to_string(c.r_min) + ".." + std::to_string(c.r_max) + " window " +
+         std::to_string(c.window) + (c.arc_deg == 0.0 ? " full" : " directed");
 }
 
 TEST(HoughTransform, EqualsTheReferenceAfterEveryEvent) {
@@ -158,7 +159,8 @@ TEST(HoughTransform, QuantisesDirectionsToHalfADegreeModuloAHalfTurn) {
     const int direction = HoughTransform::direction_of(3.0 * std::cos(angle), 3.0 * std::sin(angle));
     ASSERT_GE(direction, 0);
     ASSERT_LT(direction, HoughTransform::direction_count);
-    EXPECT_LE(std::abs(std::remainder(radians_of(direction) - angle, std::numbers::pi)), 0.25 * degree + 1e-12);
+    EXPECT_LE(std::abs(std::remainder(radians_of(direction) - angle, std::numbers::pi)),
+              0.25 * degree + 1e-12);
     EXPECT_EQ(direction, HoughTransform::direction_of(-std::cos(angle), -std::sin(angle)));
   }
   EXPECT_EQ(HoughTransform::direction_of(1.0, 0.0), 0);

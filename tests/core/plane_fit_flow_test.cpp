@@ -22,7 +22,8 @@ double median(std::vector<double> values) {
 }
 
 /// Adds every event and returns the flow at the last one.
-std::optional<NormalFlow> flow_after(const std::vector<Event>& events, const PlaneFitFlowConfig& config = {}) {
+std::optional<NormalFlow> flow_after(const std::vector<Event>& events,
+                                     const PlaneFitFlowConfig& config = {}) {
   PlaneFitFlow flow(config, {128, 128});
   for (const Event& e : events) flow.add(e);
   return flow.at(events.back());
@@ -87,7 +88,8 @@ TEST(PlaneFitFlow, MeasuresDirectionAndSpeedOfStraightEdges) {
         const auto at = flow.at(e);
         if (!at) continue;
         const double measured = std::atan2(at->dt_dy_us_px, at->dt_dx_us_px);
-        direction_error_deg.push_back(std::abs(std::remainder(measured - angle, 2 * std::numbers::pi)) / degree);
+        direction_error_deg.push_back(std::abs(std::remainder(measured - angle, 2 * std::numbers::pi)) /
+                                      degree);
         const double speed = 1e6 / std::hypot(at->dt_dx_us_px, at->dt_dy_us_px);
         speed_error.push_back(std::abs(speed / speed_px_s - 1.0));
       }
@@ -122,9 +124,9 @@ TEST(PlaneFitFlow, PointsAtTheCentreOfAMovingCircle) {
     const double within_arc =
         static_cast<double>(std::lower_bound(error_deg.begin(), error_deg.end(), 10.0) - error_deg.begin()) /
         static_cast<double>(error_deg.size());
-    std::printf("r %.0f px: median %.2f deg, %.1f %% within the arc of 10 deg (%zu flows)\n", r, median(error_deg),
-                100 * within_arc, error_deg.size());
-    // An event's neighbours lie on the side the edge comes from, up to a pixel behind it: below 1 / r rad.
+    std::printf("r %.0f px: median %.2f deg, %.1f %% within the arc of 10 deg (%zu flows)\n", r,
+                median(error_deg), 100 * within_arc, error_deg.size());
+    // The neighbours lie on the side the edge comes from, up to a pixel behind the event: below 1 / r rad.
     EXPECT_LT(median(error_deg), 0.7 / r / degree) << r;
     EXPECT_GT(within_arc, 0.9) << r;
   }
@@ -205,7 +207,8 @@ TEST(PlaneFitFlow, WorksAtTheImageBorder) {
   for (const int y : {0, 127}) {
     std::vector<Event> events;
     for (const Event& e : swept_patch(2, 60)) {
-      if (y == 0 ? e.y >= 60 : e.y <= 60) events.push_back({e.t_us, e.x, static_cast<std::uint16_t>(e.y + y - 60), e.on, 0});
+      if (y == 0 ? e.y >= 60 : e.y <= 60)
+        events.push_back({e.t_us, e.x, static_cast<std::uint16_t>(e.y + y - 60), e.on, 0});
     }
     const auto flow = flow_after(events);
     ASSERT_TRUE(flow) << y;

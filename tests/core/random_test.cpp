@@ -65,7 +65,8 @@ TEST(RandomStream, FlipsHalfOfTheBitsWhenAnythingChanges) {
     flipped[2] += std::popcount(bits ^ RandomStream(i + 1, "a").bits(i, i));
     flipped[3] += std::popcount(bits ^ RandomStream(i, "b").bits(i, i));
   }
-  for (const int n : flipped) EXPECT_NEAR(n / 2000.0, 32.0, 4 * 4.0 / std::sqrt(2000.0));  // sd of 64 bits is 4
+  for (const int n : flipped)
+    EXPECT_NEAR(n / 2000.0, 32.0, 4 * 4.0 / std::sqrt(2000.0));  // sd of 64 bits is 4
 }
 
 TEST(RandomStream, KeepsStreamsIndependent) {

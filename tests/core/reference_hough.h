@@ -78,7 +78,7 @@ class ReferenceHough {
     if (!on_ring(cx - e.x, cy - e.y, r)) return false;
     if (!arc_rad_) return true;
     if (!e.direction_rad) return false;
-    // The direction and its opposite are one: angles modulo a half turn. A pixel on an arc's very edge counts.
+    // The direction and its opposite are one: angles modulo a half turn. A pixel on an arc's edge counts.
     const double angle = std::atan2(cy - e.y, cx - e.x);
     return std::abs(std::remainder(angle - *e.direction_rad, std::numbers::pi)) <= *arc_rad_ + 1e-9;
   }

@@ -15,7 +15,8 @@
 namespace saccade::streams {
 
 inline void sort_by_time(std::vector<Event>& events) {
-  std::stable_sort(events.begin(), events.end(), [](const Event& a, const Event& b) { return a.t_us < b.t_us; });
+  std::stable_sort(events.begin(), events.end(),
+                   [](const Event& a, const Event& b) { return a.t_us < b.t_us; });
 }
 
 inline Event event_at(std::int64_t t_us, int x, int y, bool on) {
@@ -30,7 +31,8 @@ inline std::vector<Event> random(ImageSize size, std::size_t count, std::uint64_
   for (std::size_t i = 0; i < count; ++i) {
     t += static_cast<std::int64_t>(random.bits(0, i) % 8);
     events.push_back(event_at(t, static_cast<int>(random.uniform(1, i) * size.width),
-                              static_cast<int>(random.uniform(2, i) * size.height), random.uniform(3, i) < 0.5));
+                              static_cast<int>(random.uniform(2, i) * size.height),
+                              random.uniform(3, i) < 0.5));
   }
   return events;
 }
@@ -44,7 +46,8 @@ inline std::vector<Event> clustered(ImageSize size, std::size_t count, std::uint
       return static_cast<int>(random.uniform(static_cast<std::uint64_t>(stream), i / 20) * (length - 3));
     };
     events[i].x = static_cast<std::uint16_t>(corner(0, size.width) + static_cast<int>(random.bits(2, i) % 4));
-    events[i].y = static_cast<std::uint16_t>(corner(1, size.height) + static_cast<int>(random.bits(3, i) % 4));
+    events[i].y =
+        static_cast<std::uint16_t>(corner(1, size.height) + static_cast<int>(random.bits(3, i) % 4));
   }
   return events;
 }
@@ -80,15 +83,19 @@ inline std::vector<Event> moving_edge(ImageSize size, double angle_rad, double s
   return events;
 }
 
-/// A bright disc whose centre moves in a straight line: every pixel fires ON when the outline enters it and OFF
-/// when it leaves, inside [0, duration_s].
+/// A bright disc whose centre moves in a straight line: every pixel fires ON when the outline enters it and
+/// OFF when it leaves, inside [0, duration_s].
 struct MovingDisc {
   double x_px, y_px;        ///< centre at time 0
   double vx_px_s, vy_px_s;  ///< velocity
   double r_px;
 
-  [[nodiscard]] double x_at(std::int64_t t_us) const { return x_px + vx_px_s * static_cast<double>(t_us) * 1e-6; }
-  [[nodiscard]] double y_at(std::int64_t t_us) const { return y_px + vy_px_s * static_cast<double>(t_us) * 1e-6; }
+  [[nodiscard]] double x_at(std::int64_t t_us) const {
+    return x_px + vx_px_s * static_cast<double>(t_us) * 1e-6;
+  }
+  [[nodiscard]] double y_at(std::int64_t t_us) const {
+    return y_px + vy_px_s * static_cast<double>(t_us) * 1e-6;
+  }
 
   [[nodiscard]] std::vector<Event> events(ImageSize size, double duration_s) const {
     std::vector<Event> events;
@@ -112,9 +119,10 @@ struct MovingDisc {
   }
 };
 
-/// A disc that bounces back and forth over a moving texture of short edges, as an eye in a cluttered room sees
-/// it: roughly `ball_share` of the events are the disc's.
-inline std::vector<Event> cluttered(ImageSize size, std::size_t count, double ball_share, std::uint64_t seed) {
+/// Discs of changing size and heading, 100 ms each, among short edges that sweep here and there: `ball_share`
+/// of the events are a disc's.
+inline std::vector<Event> cluttered(ImageSize size, std::size_t count, double ball_share,
+                                    std::uint64_t seed) {
   const RandomStream random(seed, "cluttered");
   std::vector<Event> events;
   const double w = size.width;
@@ -137,7 +145,8 @@ inline std::vector<Event> cluttered(ImageSize size, std::size_t count, double ba
         const int x = static_cast<int>(of(1) * w + along * std::cos(turn) - across * std::sin(turn));
         const int y = static_cast<int>(of(2) * h + along * std::sin(turn) + across * std::cos(turn));
         if (!size.contains(x, y)) continue;
-        batch.push_back(event_at(std::llround(of(3) * 85'000 + across * 2'500 + along * 20), x, y, of(4) < 0.5));
+        batch.push_back(
+            event_at(std::llround(of(3) * 85'000 + across * 2'500 + along * 20), x, y, of(4) < 0.5));
       }
     }
     sort_by_time(batch);
@@ -150,7 +159,8 @@ inline std::vector<Event> cluttered(ImageSize size, std::size_t count, double ba
 }
 
 /// Every kind that stresses a transform, by name.
-inline std::vector<Event> named(std::string_view kind, ImageSize size, std::size_t count, std::uint64_t seed) {
+inline std::vector<Event> named(std::string_view kind, ImageSize size, std::size_t count,
+                                std::uint64_t seed) {
   if (kind == "random") return random(size, count, seed);
   if (kind == "clustered") return clustered(size, count, seed);
   return border_hugging(size, count, seed);

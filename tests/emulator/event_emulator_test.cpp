@@ -34,14 +34,15 @@ float luminance_of(double log_level) { return static_cast<float>(std::exp(log_le
 /// Log luminance of a pixel over time; the emulator sees it sampled.
 using Course = std::function<double(std::size_t pixel, double t_s)>;
 
-std::vector<Event> emulate(EventEmulator& emulator, std::size_t pixels, const Course& course, double duration_s,
-                           double images_per_s, std::int64_t t0_us = 0) {
+std::vector<Event> emulate(EventEmulator& emulator, std::size_t pixels, const Course& course,
+                           double duration_s, double images_per_s, std::int64_t t0_us = 0) {
   std::vector<Event> events;
   std::vector<float> image(pixels);
   const auto images = static_cast<int>(std::lround(duration_s * images_per_s));
   for (int k = 0; k <= images; ++k) {
     const std::int64_t t_us = std::llround(k * 1e6 / images_per_s);
-    for (std::size_t i = 0; i < pixels; ++i) image[i] = luminance_of(course(i, static_cast<double>(t_us) * 1e-6));
+    for (std::size_t i = 0; i < pixels; ++i)
+      image[i] = luminance_of(course(i, static_cast<double>(t_us) * 1e-6));
     emulator.process_image(image, t0_us + t_us, events);
   }
   return events;
@@ -59,8 +60,8 @@ std::vector<std::array<int, 2>> counts_per_pixel(const std::vector<Event>& event
   return counts;
 }
 
-/// A texture of many scales made of whole-number operations only, so that it is the same everywhere; it moves by
-/// (dx, dy) pixels and is interpolated between them. Linear light, 0..255.
+/// A texture of three scales, interpolated between seeded corners with basic arithmetic only, so that it is the
+/// same everywhere. Linear light, 0..255.
 float texture_at(double x, double y) {
   const RandomStream random(77, "texture");
   double value = 0.0;
@@ -70,9 +71,10 @@ float texture_at(double x, double y) {
     const double fu = u - std::floor(u);
     const double fv = v - std::floor(v);
     const auto corner = [&](int i, int k) {
-      return random.uniform(static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(u)) + i + 5000) * 64 +
-                                static_cast<std::uint64_t>(cell),
-                            static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(v)) + k + 5000));
+      return random.uniform(
+          static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(u)) + i + 5000) * 64 +
+              static_cast<std::uint64_t>(cell),
+          static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(v)) + k + 5000));
     };
     value += (1 - fv) * ((1 - fu) * corner(0, 0) + fu * corner(1, 0)) +
              fv * ((1 - fu) * corner(0, 1) + fu * corner(1, 1));
@@ -80,7 +82,7 @@ float texture_at(double x, double y) {
   return static_cast<float>(85.0 * value);
 }
 
-/// An eye that sweeps over the texture: image k of a head sweep that starts, turns and stops.
+/// What a head that sweeps over the texture sees at t_s, 0 to 0.2 s.
 void render_sweep(ImageSize size, double t_s, std::vector<float>& image) {
   // Position by a polynomial: smooth, back and forth, up to 400 px/s.
   const double s = t_s * 10.0;
@@ -96,8 +98,8 @@ void render_sweep(ImageSize size, double t_s, std::vector<float>& image) {
 std::uint64_t hash_of(const std::vector<Event>& events) {
   std::uint64_t hash = 0xcbf29ce484222325ULL;  // FNV-1a over the values, not the padding
   for (const Event& e : events) {
-    for (const std::uint64_t value : {static_cast<std::uint64_t>(e.t_us), std::uint64_t{e.x}, std::uint64_t{e.y},
-                                      std::uint64_t{e.on ? 1U : 0U}}) {
+    for (const std::uint64_t value : {static_cast<std::uint64_t>(e.t_us), std::uint64_t{e.x},
+                                      std::uint64_t{e.y}, std::uint64_t{e.on ? 1U : 0U}}) {
       for (int byte = 0; byte < 8; ++byte) hash = (hash ^ ((value >> (8 * byte)) & 0xff)) * 0x100000001b3ULL;
     }
   }
@@ -109,9 +111,10 @@ constexpr std::array<double, 4> rates = {50, 200, 1000, 5000};
 TEST(EventEmulator, CountsTheExactNumberOfCrossings) {
   const ImageSize size{4, 4};
   for (const double rate : rates) {
-    const auto rise = emulate_patch(config_of(0, 0), size, [](std::size_t, double t) { return 2.05 * t; }, 1, rate);
-    const auto fall =
-        emulate_patch(config_of(0, 0), size, [](std::size_t, double t) { return 2.05 - 2.05 * t; }, 1, rate);
+    const auto rise = emulate_patch(
+        config_of(0, 0), size, [](std::size_t, double t) { return 2.05 * t; }, 1, rate);
+    const auto fall = emulate_patch(
+        config_of(0, 0), size, [](std::size_t, double t) { return 2.05 - 2.05 * t; }, 1, rate);
     for (const auto& [off, on] : counts_per_pixel(rise, size)) {
       EXPECT_EQ(on, 10) << rate;
       EXPECT_EQ(off, 0) << rate;
@@ -127,8 +130,8 @@ TEST(EventEmulator, CountsTheExactNumberOfCrossings) {
 TEST(EventEmulator, StampsTheCrossingTimeToATick) {
   double worst_us = 0.0;
   for (const double rate : rates) {
-    const auto events =
-        emulate_patch(config_of(0, 0), {1, 1}, [](std::size_t, double t) { return 2.05 * t; }, 1, rate);
+    const auto events = emulate_patch(
+        config_of(0, 0), {1, 1}, [](std::size_t, double t) { return 2.05 * t; }, 1, rate);
     ASSERT_EQ(events.size(), 10U);
     for (std::size_t k = 0; k < events.size(); ++k) {
       const double crossing_us = 1e6 * 0.2 / 2.05 * static_cast<double>(k + 1);
@@ -162,7 +165,8 @@ TEST(EventEmulator, DoesNotDependOnTheImageRateAndNeverHangs) {
     double worst = 0.0;  // |L - reference| / threshold
     for (int k = 0; k <= static_cast<int>(rate); ++k) {
       const std::int64_t t_us = std::llround(k * 1e6 / rate);
-      for (std::size_t i = 0; i < image.size(); ++i) image[i] = luminance_of(course(i, static_cast<double>(t_us) * 1e-6));
+      for (std::size_t i = 0; i < image.size(); ++i)
+        image[i] = luminance_of(course(i, static_cast<double>(t_us) * 1e-6));
       emulator.process_image(image, t_us, events);
       for (std::size_t i = 0; i < image.size(); ++i) {
         worst = std::max(worst, std::abs(emulator.newest_log()[i] - emulator.reference_log()[i]));
@@ -189,7 +193,8 @@ TEST(EventEmulator, FollowsTheLawOfMismatchedThresholds) {
   for (const Law law : {Law{0.021, 9.884, 0.322}, Law{0.03, 9.810, 0.421}, Law{0.15, 9.999, 1.727}}) {
     for (const bool rising : {true, false}) {
       const auto events = emulate_patch(
-          config_of(law.mismatch, 0), size, [&](std::size_t, double t) { return 2.05 * (rising ? t : 1 - t); }, 1, 1);
+          config_of(law.mismatch, 0), size,
+          [&](std::size_t, double t) { return 2.05 * (rising ? t : 1 - t); }, 1, 1);
       double sum = 0.0;
       for (const auto& c : counts_per_pixel(events, size)) sum += c[rising ? 1 : 0];
       const double mean = sum / n;
@@ -268,8 +273,8 @@ TEST(EventEmulator, HoldsPixelsInResetForTheRefractoryPeriod) {
   const double slope = 100.0;  // 2 ms per threshold
   for (const std::int64_t refractory_us : {1, 300, 500, 7000}) {
     for (const double rate : {200.0, 1000.0, 5000.0}) {
-      const auto events = emulate_patch(config_of(0, refractory_us), {1, 1},
-                                        [&](std::size_t, double t) { return slope * t; }, 0.06, rate);
+      const auto events = emulate_patch(
+          config_of(0, refractory_us), {1, 1}, [&](std::size_t, double t) { return slope * t; }, 0.06, rate);
       ASSERT_GT(events.size(), 5U);
       for (std::size_t i = 1; i < events.size(); ++i) {
         const double interval_us = static_cast<double>(events[i].t_us - events[i - 1].t_us);
@@ -277,9 +282,9 @@ TEST(EventEmulator, HoldsPixelsInResetForTheRefractoryPeriod) {
       }
     }
   }
-  // Never shorter, whatever happens.
+  // Never shorter, whatever happens: 20 ms, in which these pixels cross several thresholds and turn.
   const ImageSize size{32, 32};
-  EventEmulator emulator(config_of(0.03, 700), size, 2);
+  EventEmulator emulator(config_of(0.03, 20'000), size, 2);
   const auto events = emulate(emulator, 1024, random_triangles(9), 1, 1000);
   std::vector<std::int64_t> last(1024, -1'000'000);
   std::int64_t shortest = 1'000'000;
@@ -288,10 +293,10 @@ TEST(EventEmulator, HoldsPixelsInResetForTheRefractoryPeriod) {
     shortest = std::min(shortest, e.t_us - before);
     before = e.t_us;
   }
-  std::printf("shortest interval with 700 us: %lld us over %zu events\n", static_cast<long long>(shortest),
+  std::printf("shortest interval with 20000 us: %lld us over %zu events\n", static_cast<long long>(shortest),
               events.size());
-  EXPECT_GE(shortest, 700);
-  EXPECT_GT(events.size(), 10'000U);
+  EXPECT_GE(shortest, 20'000);
+  EXPECT_LT(shortest, 25'000);  // that is not by chance: they fire soon after
 }
 
 TEST(EventEmulator, DoesNotDependOnTheImageRateWithARefractoryPeriod) {
@@ -417,7 +422,8 @@ TEST(EventEmulator, RefusesBadImagesAndIsNotChangedByThem) {
     std::vector<float> bad = image;
     bad[19] = -0.5F;
     EXPECT_EQ(complaint(bad, k * 1000),
-              "image at " + std::to_string(k * 1000) + " us, pixel (3, 2): found -0.5, expected a finite luminance of at least 0");
+              "image at " + std::to_string(k * 1000) +
+                  " us, pixel (3, 2): found -0.5, expected a finite luminance of at least 0");
     bad[19] = std::numeric_limits<float>::quiet_NaN();
     EXPECT_THAT(complaint(bad, k * 1000), HasSubstr("pixel (3, 2): found nan"));
     bad[19] = std::numeric_limits<float>::infinity();
@@ -450,7 +456,8 @@ TEST(EventEmulator, ComputesTheLogarithmOfEveryLuminance) {
   double worst = 0.0;
   for (std::size_t i = 0; i < image.size(); ++i) {
     const double expected = std::log(static_cast<double>(image[i]) + dark);
-    worst = std::max(worst, std::abs(emulator.newest_log()[i] - expected) / std::max(1.0, std::abs(expected)));
+    worst =
+        std::max(worst, std::abs(emulator.newest_log()[i] - expected) / std::max(1.0, std::abs(expected)));
   }
   std::printf("worst error of the logarithm: %.1e\n", worst);
   EXPECT_LT(worst, 4e-15);
@@ -467,7 +474,8 @@ TEST(EventEmulator, NamesTheKeysOfABadConfiguration) {
     FAIL() << "accepted";
   } catch (const InputError& error) {
     EXPECT_EQ(error.problems().size(), 4U);
-    EXPECT_THAT(error.what(), HasSubstr("emulator.contrast_threshold_on: found 0, expected a finite number in [0.01, 5]"));
+    EXPECT_THAT(error.what(),
+                HasSubstr("emulator.contrast_threshold_on: found 0, expected a finite number in [0.01, 5]"));
     EXPECT_THAT(error.what(), HasSubstr("emulator.threshold_mismatch: found nan"));
     EXPECT_THAT(error.what(), HasSubstr("emulator.refractory_us: found -1"));
     EXPECT_THAT(error.what(), HasSubstr("emulator.dark_current: found 0"));

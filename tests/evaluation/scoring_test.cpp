@@ -358,5 +358,20 @@ TEST(Scoring, LagDoesNotReachAcrossTimesWithoutACircle) {
   EXPECT_NEAR(*score_detector(truth, seen, "d", 0.5, Chances::simulated).lag_ms, 20.0, 1e-9);
 }
 
+TEST(Scoring, LagIsLeftOutWhereAnnotationsAreTooFarApartToTellTheBallsPath) {
+  for (const int period_ms : {20, 21}) {
+    std::vector<TruthRow> truth;
+    std::vector<DetectionRow> seen;
+    for (int t_ms = period_ms; t_ms < 3000; t_ms += period_ms) {
+      const Eigen::Vector2d p(20.0 + 0.02 * t_ms, 64.0);
+      truth.push_back(truth_at(t_ms * 1000, p.x(), p.y()));
+      seen.push_back(seen_at(t_ms * 1000, p.x() - 0.3, p.y(), 20, 1.0));  // 15 ms late
+    }
+    const DetectorScore score = score_detector(truth, seen, "d", 0.5, Chances::annotated);
+    EXPECT_EQ(score.lag_ms.has_value(), period_ms == 20);
+    if (score.lag_ms) EXPECT_NEAR(*score.lag_ms, 15.0, 1e-9);
+  }
+}
+
 }  // namespace
 }  // namespace saccade

@@ -1,0 +1,165 @@
+// The command as a user meets it: exit status, messages, what is in the run folder.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+
+#include "tests/recording/temp_folder.h"
+
+namespace saccade {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+const std::string source = SACCADE_SOURCE_DIR;
+const std::string short_scenario = source + "/scenarios/look_at_ball.yaml";
+
+struct Outcome {
+  int status = -1;
+  std::string text;  // standard output and error
+};
+
+Outcome saccade(const std::string& arguments, const std::string& environment = "") {
+  const std::string command = environment + " '" SACCADE_BINARY "' " + arguments + " 2>&1";
+  FILE* const pipe = popen(command.c_str(), "r");
+  Outcome outcome;
+  std::array<char, 4096> buffer;
+  while (std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe)) outcome.text.append(buffer.data(), n);
+  const int status = pclose(pipe);
+  outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+  return outcome;
+}
+
+class Command : public testing::Test {
+ protected:
+  [[nodiscard]] std::string out(const std::string& name) const { return (folder_ / name).string(); }
+  /// No file that looks whole, none half-written.
+  void expect_nothing_left(const std::string& name) const {
+    EXPECT_TRUE(!fs::exists(out(name)) || fs::is_empty(out(name)));
+  }
+
+  TempFolder folder_;
+};
+
+TEST_F(Command, theSameScenarioAndSeedGiveTheSameBytesWhateverTheNumberOfThreads) {
+  const std::string run = "run '" + short_scenario + "' --set run.duration_s=0.5 --set expect={} --seed 7 ";
+  ASSERT_EQ(saccade(run + "--set run.threads=1 --out " + out("one")).status, 0);
+  ASSERT_EQ(saccade(run + "--set run.threads=1 --out " + out("again")).status, 0);
+  ASSERT_EQ(saccade(run + "--set run.threads=3 --out " + out("three")).status, 0);
+  for (const char* file : {"events.aedat", "detections.csv", "gaze.csv", "truth.csv", "joints.csv"}) {
+    const std::string first = bytes_of(folder_ / "one" / file);
+    EXPECT_GT(first.size(), 100U) << file;
+    EXPECT_TRUE(first == bytes_of(folder_ / "again" / file)) << file << " differs from run to run";
+    EXPECT_TRUE(first == bytes_of(folder_ / "three" / file)) << file << " depends on the number of threads";
+  }
+}
+
+TEST_F(Command, anotherSeedGivesOtherEvents) {
+  const std::string run = "run '" + short_scenario + "' --set run.duration_s=0.3 --set expect={} ";
+  ASSERT_EQ(saccade(run + "--seed 1 --out " + out("a")).status, 0);
+  ASSERT_EQ(saccade(run + "--seed 2 --out " + out("b")).status, 0);
+  EXPECT_NE(bytes_of(folder_ / "a/events.aedat"), bytes_of(folder_ / "b/events.aedat"));
+}
+
+TEST_F(Command, aRunLeavesEveryFileOfTheRunFolderAndTheResolvedScenarioGivesTheSameRun) {
+  const std::string options = " --set run.duration_s=0.4 --set expect={} --set output.video=true ";
+  ASSERT_EQ(saccade("run '" + short_scenario + "'" + options + "--out " + out("run")).status, 0);
+  for (const char* file : {"scenario.yaml", "events.aedat", "joints.csv", "truth.csv", "detections.csv", "gaze.csv",
+                           "metrics.json", "report.html", "video.mp4"}) {
+    EXPECT_GT(bytes_of(folder_ / "run" / file).size(), 100U) << file;
+  }
+  ASSERT_EQ(saccade("run " + out("run/scenario.yaml") + " --out " + out("again")).status, 0);
+  EXPECT_EQ(bytes_of(folder_ / "run/events.aedat"), bytes_of(folder_ / "again/events.aedat"));
+  EXPECT_EQ(bytes_of(folder_ / "run/gaze.csv"), bytes_of(folder_ / "again/gaze.csv"));
+}
+
+TEST_F(Command, anUnmetExpectationIsStatusThreeAndSaysWhich) {
+  const Outcome outcome = saccade("run '" + short_scenario + "' --set run.duration_s=0.1 --out " + out("run") +
+                                  " --set 'expect={gaze.in_view_ratio: [2, 3]}'");
+  EXPECT_EQ(outcome.status, 3) << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("expect: gaze.in_view_ratio is"));
+  EXPECT_TRUE(fs::exists(folder_ / "run/report.html"));
+}
+
+TEST_F(Command, aMissingScenarioIsOneLineAndStatusTwo) {
+  const Outcome outcome = saccade("run nowhere.yaml --out " + out("run"));
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.text, HasSubstr("nowhere.yaml"));
+  EXPECT_EQ(std::count(outcome.text.begin(), outcome.text.end(), '\n'), 1) << outcome.text;
+  expect_nothing_left("run");
+}
+
+TEST_F(Command, aRunFolderThatExistsIsRefusedWithoutForceAndAFolderWithOtherThingsAlways) {
+  const std::string run = "run '" + short_scenario + "' --set run.duration_s=0.05 --set expect={} --out ";
+  ASSERT_EQ(saccade(run + out("run")).status, 0);
+  const std::string before = bytes_of(folder_ / "run/metrics.json");
+  EXPECT_EQ(saccade(run + out("run")).status, 2);
+  EXPECT_EQ(bytes_of(folder_ / "run/metrics.json"), before);
+  EXPECT_EQ(saccade(run + out("run") + " --force").status, 0);
+
+  fs::create_directories(folder_ / "mine");
+  folder_.write("mine/thesis.tex", "years of work");
+  EXPECT_EQ(saccade(run + out("mine") + " --force").status, 2);
+  EXPECT_EQ(bytes_of(folder_ / "mine/thesis.tex"), "years of work");
+}
+
+TEST_F(Command, withoutOpenGlTheRunFailsWithOneLineAndLeavesNothing) {
+  const Outcome outcome = saccade("run '" + short_scenario + "' --set render.backend=egl --out " + out("run"),
+                                  "__EGL_VENDOR_LIBRARY_DIRS=/nonexistent");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.text, HasSubstr("EGL"));
+  EXPECT_EQ(std::count(outcome.text.begin(), outcome.text.end(), '\n'), 1) << outcome.text;
+  expect_nothing_left("run");
+}
+
+TEST_F(Command, aRecordingThatIsMissingEmptyOrTruncatedIsBadInput) {
+  const Outcome missing = saccade("detect nowhere.aedat");
+  EXPECT_EQ(missing.status, 2);
+  EXPECT_THAT(missing.text, HasSubstr("nowhere.aedat"));
+
+  folder_.write("empty.aedat", "");
+  EXPECT_EQ(saccade("detect " + out("empty.aedat")).status, 2);
+
+  folder_.write("cut.aedat", "#!AER-DAT2.0\r\n" + std::string(8, '\0') + "abc");
+  const Outcome cut = saccade("detect " + out("cut.aedat") + " --out " + out("run"));
+  EXPECT_EQ(cut.status, 2) << cut.text;
+  EXPECT_THAT(cut.text, HasSubstr("cut.aedat"));
+  EXPECT_FALSE(fs::exists(folder_ / "run/metrics.json"));
+}
+
+TEST_F(Command, unknownWordsOnTheCommandLineAreUsage) {
+  EXPECT_EQ(saccade("").status, 2);
+  EXPECT_EQ(saccade("dance").status, 2);
+  EXPECT_EQ(saccade("run").status, 2);
+  EXPECT_EQ(saccade("--help").status, 0);
+  const Outcome version = saccade("--version");
+  EXPECT_EQ(version.status, 0);
+  EXPECT_THAT(version.text, HasSubstr("MuJoCo"));
+}
+
+TEST_F(Command, aRunFolderIsARecordingThatDetectReadsBack) {
+  ASSERT_EQ(saccade("run '" + short_scenario + "' --set run.duration_s=0.6 --set expect={} --out " + out("run")).status,
+            0);
+  const Outcome outcome = saccade("detect " + out("run/events.aedat") + " --out " + out("detect"));
+  EXPECT_EQ(outcome.status, 0) << outcome.text;
+  EXPECT_GT(bytes_of(folder_ / "detect/detections.csv").size(), 1000U);
+}
+
+TEST_F(Command, aRecordingSurvivesConversionToTextAndBack) {
+  ASSERT_EQ(saccade("run '" + short_scenario + "' --set run.duration_s=0.3 --set expect={} --out " + out("run")).status,
+            0);
+  ASSERT_EQ(saccade("convert " + out("run/events.aedat") + " " + out("e.csv")).status, 0);
+  ASSERT_EQ(saccade("convert " + out("e.csv") + " " + out("e.aedat")).status, 0);
+  const std::string first = saccade("info " + out("run/events.aedat")).text;
+  EXPECT_EQ(first, saccade("info " + out("e.aedat")).text);
+  EXPECT_THAT(first, HasSubstr("events"));
+}
+
+}  // namespace
+}  // namespace saccade

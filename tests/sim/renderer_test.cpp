@@ -1,0 +1,475 @@
+#include "sim/renderer.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/error.h"
+#include "sim/lab.h"
+#include "sim/mujoco_compat.h"
+
+namespace saccade {
+namespace {
+
+using Eigen::Vector3d;
+
+/// A camera at the origin in the pose of an iCub eye (it looks along root -x), one sphere that tests move,
+/// a wall behind, and no light but an even one.
+constexpr const char* test_world = R"(
+<mujoco>
+  <visual><headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/></visual>
+  <worldbody>
+    <camera name="eye" pos="0 0 0" xyaxes="0 1 0 0 0 1"/>
+    <geom name="wall" type="box" pos="-3 0 0" size="0.01 9 9" rgba="0.2 0.2 0.2 1"/>
+    <body name="ball" mocap="true">
+      <geom name="ball" type="sphere" size="0.05" rgba="0.8 0.8 0.8 1" contype="0" conaffinity="0"/>
+    </body>
+    <body name="screen" mocap="true" pos="9 0 0">
+      <geom name="screen" type="box" size="0.001 0.5 0.5" rgba="0.5 0.5 0.5 1" contype="0" conaffinity="0"/>
+    </body>
+  </worldbody>
+</mujoco>)";
+
+class Renderer : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    try {
+      gl_ = GlContext::create("auto");
+    } catch (const RunError& error) {
+      GTEST_SKIP() << "NOT TESTED, there is no OpenGL: " << error.what();
+    }
+    const MjVfsPtr vfs(new mjVFS);
+    mj_defaultVFS(vfs.get());
+    ASSERT_TRUE(add_to_vfs(vfs.get(), "test.xml", test_world));
+    std::array<char, 1000> error{};
+    model_.reset(mj_loadXML("test.xml", vfs.get(), error.data(), static_cast<int>(error.size())));
+    ASSERT_NE(model_, nullptr) << error.data();
+    data_.reset(mj_makeData(model_.get()));
+    image_.resize(static_cast<std::size_t>(camera_.size.pixels()));
+  }
+
+  EyeRenderer make_eye(EyeRenderConfig config = {}) { return {*model_, *gl_, camera_, config}; }
+
+  void set_ball_radius(double radius_m) {
+    const int ball = mj_name2id(model_.get(), mjOBJ_GEOM, "ball");
+    model_->geom_size[3 * ball] = radius_m;
+    model_->geom_rbound[ball] = radius_m;
+  }
+  /// `point_m` in the OpenCV camera frame: x right = root y, y down = root -z, z forward = root -x.
+  void place(int mocap, const Vector3d& point_m) {
+    data_->mocap_pos[3 * mocap + 0] = -point_m.z();
+    data_->mocap_pos[3 * mocap + 1] = point_m.x();
+    data_->mocap_pos[3 * mocap + 2] = -point_m.y();
+  }
+  void draw(EyeRenderer& eye) {
+    mj_kinematics(model_.get(), data_.get());
+    mj_camlight(model_.get(), data_.get());
+    eye.render(*data_, 0, image_);
+  }
+  /// A point at depth `z_m` that projects to the pixel.
+  Vector3d at_pixel(double x_px, double y_px, double z_m) const { return z_m * camera_.ray(x_px, y_px); }
+
+  struct Blob {
+    double area_px = 0.0;
+    double x_px = 0.0;
+    double y_px = 0.0;
+  };
+  /// Area and centroid of what differs from the wall, with the ball's brightness as one.
+  Blob measure_ball(const std::vector<float>& background) const {
+    double ball = 0.0;
+    for (std::size_t i = 0; i < image_.size(); ++i) {
+      ball = std::max(ball, static_cast<double>(image_[i] - background[i]));
+    }
+    Blob blob;
+    for (int y = 0; y < camera_.size.height; ++y) {
+      for (int x = 0; x < camera_.size.width; ++x) {
+        const auto i = static_cast<std::size_t>(y * camera_.size.width + x);
+        const double share = static_cast<double>(image_[i] - background[i]) / ball;
+        blob.area_px += share;
+        blob.x_px += share * x;
+        blob.y_px += share * y;
+      }
+    }
+    blob.x_px /= blob.area_px;
+    blob.y_px /= blob.area_px;
+    return blob;
+  }
+
+  static constexpr int ball = 0;
+  static constexpr int screen = 1;
+  PinholeCamera camera_;
+  std::unique_ptr<GlContext> gl_;
+  MjModelPtr model_;
+  MjDataPtr data_;
+  std::vector<float> image_;
+};
+
+// A disc of 6 px radius sampled twice per pixel has its centroid where the outline's ellipse has it, but for
+// the sampling of its border: about 75 border samples, each off by at most half a sample, at random.
+TEST_F(Renderer, draws_a_sphere_where_the_pinhole_projects_it_over_the_whole_image) {
+  EyeRenderer eye = make_eye();
+  place(ball, {0.0, 0.0, -1.0});
+  draw(eye);
+  const std::vector<float> background = image_;
+  set_ball_radius(0.03);
+  double worst = 0.0;
+  double sum_x = 0.0;
+  double sum_y = 0.0;
+  int count = 0;
+  for (double y = 9.0; y < 120.0; y += 13.7) {
+    for (double x = 9.0; x < 120.0; x += 13.7) {
+      const Vector3d point = at_pixel(x, y, 0.5);
+      place(ball, point);
+      draw(eye);
+      const Circle truth = *camera_.project_sphere(point, 0.03);
+      const Blob blob = measure_ball(background);
+      worst = std::max(worst, std::hypot(blob.x_px - truth.x_px, blob.y_px - truth.y_px));
+      sum_x += blob.x_px - truth.x_px;
+      sum_y += blob.y_px - truth.y_px;
+      ++count;
+    }
+  }
+  EXPECT_LT(worst, 0.05);
+  EXPECT_LT(std::abs(sum_x / count), 0.005) << "a bias over the image";
+  EXPECT_LT(std::abs(sum_y / count), 0.005);
+  RecordProperty("worst_px", std::to_string(worst));
+  std::printf("centroid: worst %.4f px, bias %.4f %.4f px\n", worst, sum_x / count, sum_y / count);
+}
+
+TEST_F(Renderer, gives_every_pixel_its_exact_place_when_samples_are_many) {
+  EyeRenderer eye = make_eye({.supersampling = 8});
+  place(ball, {0.0, 0.0, -1.0});
+  draw(eye);
+  const std::vector<float> background = image_;
+  set_ball_radius(0.03);
+  double worst = 0.0;
+  for (const auto& [x, y] :
+       {std::pair{8.0, 8.0}, {119.5, 8.2}, {8.3, 119.0}, {119.1, 119.4}, {64.0, 69.18}}) {
+    const Vector3d point = at_pixel(x, y, 0.5);
+    place(ball, point);
+    draw(eye);
+    const Circle truth = *camera_.project_sphere(point, 0.03);
+    const Blob blob = measure_ball(background);
+    worst = std::max(worst, std::hypot(blob.x_px - truth.x_px, blob.y_px - truth.y_px));
+  }
+  EXPECT_LT(worst, 0.02);
+  std::printf("centroid, 8 x 8 samples: worst %.4f px\n", worst);
+}
+
+// The polyhedron has the area of the true outline to 0.1 %, so the radius to 0.05 %.
+TEST_F(Renderer, draws_a_sphere_as_large_as_its_outline) {
+  EyeRenderer eye = make_eye();
+  place(ball, {0.0, 0.0, -1.0});
+  draw(eye);
+  const std::vector<float> background = image_;
+  double worst = 0.0;
+  for (const double radius : {0.03, 0.0475, 0.07}) {
+    set_ball_radius(radius);
+    for (const auto& [x, y] : {std::pair{40.0, 41.0}, {64.3, 69.7}, {88.6, 52.2}, {61.0, 86.1}}) {
+      const Vector3d point = at_pixel(x, y, 0.25);
+      place(ball, point);
+      draw(eye);
+      const Circle truth = *camera_.project_sphere(point, radius);
+      const Blob blob = measure_ball(background);
+      worst = std::max(worst, std::abs(std::sqrt(blob.area_px / std::numbers::pi) - truth.r_px));
+    }
+  }
+  EXPECT_LT(worst, 0.05);
+  std::printf("radius: worst %.4f px\n", worst);
+}
+
+TEST_F(Renderer, resamples_columns_without_loss_for_any_ratio_of_focal_lengths) {
+  for (const double fx : {70.0, 99.45, 120.0}) {
+    camera_.fx_px = fx;
+    EyeRenderer eye = make_eye();
+    place(ball, {0.0, 0.0, -1.0});
+    draw(eye);
+    const std::vector<float> background = image_;
+    // The wall is even, so every pixel must be: 0.2 of 255 grey levels.
+    EXPECT_THAT(background, ::testing::Each(::testing::FloatNear(51.0F, 0.01F)));
+    set_ball_radius(0.03);
+    const Vector3d point = at_pixel(100.2, 30.4, 0.4);
+    place(ball, point);
+    draw(eye);
+    const Circle truth = *camera_.project_sphere(point, 0.03);
+    const Blob blob = measure_ball(background);
+    EXPECT_NEAR(blob.x_px, truth.x_px, 0.05) << fx;
+    EXPECT_NEAR(blob.y_px, truth.y_px, 0.05) << fx;
+    EXPECT_NEAR(std::sqrt(blob.area_px / std::numbers::pi), truth.r_px, 0.05) << fx;
+  }
+}
+
+TEST_F(Renderer, sees_the_whole_of_a_free_ball_and_nothing_of_one_behind) {
+  EyeRenderer eye = make_eye();
+  for (const double z : {0.2, 0.45, 1.5}) {
+    const Vector3d point = at_pixel(70.0, 60.0, z);
+    place(ball, point);
+    draw(eye);
+    EXPECT_EQ(eye.visible_share(point, 0.05), 1.0) << z;
+  }
+  EXPECT_EQ(eye.visible_share({0.0, 0.0, -0.5}, 0.05), 0.0);
+  EXPECT_EQ(eye.visible_share({3.0, 0.0, 0.5}, 0.05), 0.0);
+}
+
+TEST_F(Renderer, sees_half_of_a_ball_half_out_of_the_image) {
+  EyeRenderer eye = make_eye();
+  for (const auto& [x, y] : {std::pair{-0.5, 60.0}, {127.5, 60.0}, {70.0, -0.5}, {70.0, 127.5}}) {
+    // So far away that its outline is nearly a circle around the projected centre.
+    const Vector3d point = at_pixel(x, y, 1.0);
+    place(ball, point);
+    draw(eye);
+    const Circle circle = *camera_.project_sphere(point, 0.05);
+    const double shift = std::hypot(circle.x_px - x, circle.y_px - y);
+    EXPECT_NEAR(eye.visible_share(point, 0.05), 0.5, 0.02 + shift / circle.r_px) << x << " " << y;
+  }
+}
+
+TEST_F(Renderer, does_not_see_the_part_of_a_ball_behind_something) {
+  EyeRenderer eye = make_eye();
+  const Vector3d point(0.0, 0.0, 0.6);
+  place(ball, point);
+  place(screen, {0.5, 0.0, 0.3});  // its left edge is on the axis
+  draw(eye);
+  EXPECT_NEAR(eye.visible_share(point, 0.05), 0.5, 0.02);
+  place(screen, {0.0, 0.0, 0.3});
+  draw(eye);
+  EXPECT_EQ(eye.visible_share(point, 0.05), 0.0);
+  place(screen, {0.0, 0.0, 0.9});  // behind the ball
+  draw(eye);
+  EXPECT_EQ(eye.visible_share(point, 0.05), 1.0);
+}
+
+TEST_F(Renderer, does_not_see_the_robots_own_shell) {
+  model_->geom_group[mj_name2id(model_.get(), mjOBJ_GEOM, "screen")] = 2;
+  EyeRenderer eye = make_eye();
+  place(ball, {0.0, 0.0, -1.0});
+  place(screen, {0.0, 0.0, 0.3});
+  draw(eye);
+  EXPECT_THAT(image_, ::testing::Each(::testing::FloatNear(51.0F, 0.01F)));
+}
+
+TEST_F(Renderer, leaves_nothing_out_at_the_border_of_the_image) {
+  EyeRenderer eye = make_eye();
+  place(ball, {0.0, 0.0, -1.0});
+  draw(eye);
+  const std::vector<float> background = image_;
+  for (const auto& [x, y] : {std::pair{-4.0, 64.0}, {131.0, 64.0}, {64.0, -4.0}, {64.0, 131.0}}) {
+    const Vector3d point = at_pixel(x, y, 0.5);  // the centre is outside, the rim inside
+    place(ball, point);
+    draw(eye);
+    const auto row = static_cast<std::size_t>(std::clamp(y, 0.0, 127.0));
+    const auto column = static_cast<std::size_t>(std::clamp(x, 0.0, 127.0));
+    const std::size_t nearest = row * 128 + column;
+    EXPECT_GT(image_[nearest], 2.0F * background[nearest]) << x << " " << y;
+  }
+}
+
+TEST_F(Renderer, refuses_what_it_cannot_draw) {
+  EXPECT_THROW(make_eye({.supersampling = 0}), InputError);
+  EXPECT_THROW(make_eye({.near_m = -1.0}), InputError);
+  camera_.fx_px = 10.0;
+  EXPECT_THROW(make_eye(), InputError);
+  EXPECT_THROW(SceneRenderer(*model_, *gl_, {0, 600}), InputError);
+  EXPECT_THROW(GlContext::create("vulkan"), InputError);
+}
+
+/// An eye and a lab around it, without a robot.
+class RenderedLab : public Renderer {
+ protected:
+  void build(const LabConfig& lab, std::uint64_t seed) {
+    const std::string text = "<mujoco>" + lab_mjcf(lab, seed) +
+                             "<worldbody><camera name=\"eye\" pos=\"-0.056 -0.034 0.347\" "
+                             "xyaxes=\"0 1 0 0 0 1\"/></worldbody>"
+                             "<visual><headlight active=\"0\"/></visual></mujoco>";
+    const MjVfsPtr vfs(new mjVFS);
+    mj_defaultVFS(vfs.get());
+    ASSERT_TRUE(add_to_vfs(vfs.get(), "lab.xml", text));
+    std::array<char, 1000> error{};
+    model_.reset(mj_loadXML("lab.xml", vfs.get(), error.data(), static_cast<int>(error.size())));
+    ASSERT_NE(model_, nullptr) << error.data();
+    paint_lab_textures(*model_, lab, seed);
+    data_.reset(mj_makeData(model_.get()));
+    mj_kinematics(model_.get(), data_.get());
+    mj_camlight(model_.get(), data_.get());
+  }
+  /// Turns the eye: yaw to the right, pitch up.
+  void turn(double yaw_rad, double pitch_rad) {
+    const Vector3d forward(-std::cos(pitch_rad) * std::cos(yaw_rad), std::cos(pitch_rad) * std::sin(yaw_rad),
+                           std::sin(pitch_rad));
+    const Vector3d right(std::sin(yaw_rad), std::cos(yaw_rad), 0.0);
+    const Vector3d up = right.cross(forward);
+    for (int i = 0; i < 3; ++i) {
+      data_->cam_xmat[3 * i + 0] = right[i];
+      data_->cam_xmat[3 * i + 1] = up[i];
+      data_->cam_xmat[3 * i + 2] = -forward[i];
+    }
+  }
+};
+
+TEST_F(RenderedLab, is_neither_black_nor_saturated_nor_empty_wherever_the_eye_looks) {
+  constexpr double deg = std::numbers::pi / 180.0;
+  for (const char* clutter : {"textured", "rectilinear"}) {
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      build({.clutter = clutter}, seed);
+      EyeRenderer eye = make_eye();
+      double sum = 0.0;
+      int outside = 0;
+      int edges = 0;
+      int count = 0;
+      for (const double yaw : {-45.0, 0.0, 45.0}) {
+        for (const double pitch : {-30.0, 0.0, 30.0}) {
+          turn(yaw * deg, pitch * deg);
+          eye.render(*data_, 0, image_);
+          for (std::size_t i = 0; i < image_.size(); ++i) {
+            sum += static_cast<double>(image_[i]);
+            outside += image_[i] < 20.0F || image_[i] > 230.0F ? 1 : 0;
+            EXPECT_GT(image_[i], 8.0F) << "a hole in the room";
+            // Neighbours that differ by more than one event's worth.
+            if (i % 128 != 127)
+              edges += std::abs(std::log((image_[i + 1] + 10) / (image_[i] + 10))) > 0.2F ? 1 : 0;
+            ++count;
+          }
+        }
+      }
+      const double mean = sum / count;
+      EXPECT_GT(mean, 60.0) << clutter << seed;
+      EXPECT_LT(mean, 140.0) << clutter << seed;
+      EXPECT_LT(outside, count / 100) << clutter << seed;
+      EXPECT_GT(edges, count / 40) << clutter << seed;
+      std::printf("%s %d: mean %.1f, %.3f %% outside 20..230, edges at %.1f %% of pixels\n", clutter,
+                  static_cast<int>(seed), mean, 100.0 * outside / count, 100.0 * edges / count);
+    }
+  }
+}
+
+TEST_F(RenderedLab, looks_the_same_every_time_it_is_drawn) {
+  build({.clutter = "textured"}, 3);
+  EyeRenderer eye = make_eye();
+  eye.render(*data_, 0, image_);
+  const std::vector<float> first = image_;
+  turn(0.7, 0.2);
+  eye.render(*data_, 0, image_);
+  EXPECT_NE(image_, first);
+  turn(0.0, 0.0);
+  eye.render(*data_, 0, image_);
+  EXPECT_EQ(image_, first);
+  // Nor does a second renderer, or a picture for people drawn in between, change it.
+  EyeRenderer other = make_eye();
+  SceneRenderer scene(*model_, *gl_, {320, 200});
+  std::vector<std::uint8_t> rgb(320 * 200 * 3);
+  scene.render(*data_, {}, rgb);
+  other.render(*data_, 0, image_);
+  EXPECT_EQ(image_, first);
+  eye.render(*data_, 0, image_);
+  EXPECT_EQ(image_, first);
+}
+
+// The dark current of 10 grey levels that emulator presets add keeps one grey level of luminance, anywhere
+// from black to white, below a threshold of 0.2: ln(11 / 10) = 0.095.
+TEST_F(RenderedLab, changes_by_less_than_half_a_threshold_with_one_grey_level) {
+  build({.clutter = "rectilinear"}, 1);
+  EyeRenderer eye = make_eye();
+  eye.render(*data_, 0, image_);
+  double largest = 0.0;
+  for (const float level : image_) {
+    const double luminance = static_cast<double>(level);
+    largest = std::max(largest, std::log((luminance + 1.0 + 10.0) / (luminance + 10.0)));
+  }
+  EXPECT_LT(largest, 0.1);
+}
+
+/// Run by the next test in a process of its own: draws, and prints what it saw in one number.
+TEST_F(RenderedLab, prints_the_hash_of_an_image) {
+  build({.clutter = "textured"}, 1);
+  EyeRenderer eye = make_eye();
+  std::uint64_t hash = 1469598103934665603ULL;
+  for (const double yaw : {-0.6, 0.0, 0.6}) {
+    turn(yaw, 0.1);
+    eye.render(*data_, 0, image_);
+    const auto* bytes = reinterpret_cast<const unsigned char*>(image_.data());
+    for (std::size_t i = 0; i < image_.size() * sizeof(float); ++i)
+      hash = (hash ^ bytes[i]) * 1099511628211ULL;
+  }
+  std::printf("image hash %016llx\n", static_cast<unsigned long long>(hash));
+  EXPECT_NE(hash, 0U);
+}
+
+TEST_F(RenderedLab, looks_the_same_with_any_number_of_threads) {
+  if (gl_->description().find("llvmpipe") == std::string::npos) {
+    GTEST_SKIP() << "NOT TESTED, only the software renderer has threads: " << gl_->description();
+  }
+  std::vector<std::string> hashes;
+  for (const char* threads : {"0", "1", "2", "5"}) {
+    const std::string command = std::string("LP_NUM_THREADS=") + threads + " /proc/" +
+                                std::to_string(getpid()) +
+                                "/exe --gtest_filter=RenderedLab.prints_the_hash_of_an_image 2>/dev/null";
+    FILE* pipe = popen(command.c_str(), "r");
+    ASSERT_NE(pipe, nullptr);
+    std::array<char, 512> line{};
+    while (std::fgets(line.data(), static_cast<int>(line.size()), pipe) != nullptr) {
+      const std::string text(line.data());
+      if (text.rfind("image hash ", 0) == 0) hashes.push_back(text);
+    }
+    EXPECT_EQ(pclose(pipe), 0);
+  }
+  ASSERT_EQ(hashes.size(), 4U);
+  EXPECT_THAT(hashes, ::testing::Each(hashes.front()));
+}
+
+TEST_F(RenderedLab, is_shown_to_people_the_right_way_up) {
+  build({.clutter = "rectilinear"}, 2);
+  SceneRenderer scene(*model_, *gl_, {160, 100});
+  std::vector<std::uint8_t> rgb(160 * 100 * 3);
+  const auto mean = [&] {
+    double sum = 0.0;
+    for (const std::uint8_t value : rgb) sum += value;
+    return sum / static_cast<double>(rgb.size());
+  };
+  scene.render(*data_, {.look_at_m = {-0.5, 0.0, 0.3}, .azimuth_rad = std::numbers::pi, .elevation_rad = 0.0},
+               rgb);
+  EXPECT_GT(mean(), 60.0);
+  EXPECT_LT(mean(), 230.0);
+  // The upper half of a view of the horizon shows what the upper view shows: compare with the view turned up.
+  std::vector<std::uint8_t> level = rgb;
+  scene.render(*data_, {.look_at_m = {-0.5, 0.0, 0.3}, .azimuth_rad = std::numbers::pi, .elevation_rad = 0.2},
+               rgb);
+  // Turned up by 0.2 rad, everything moves down by about 0.2 / 0.84 of the height: 23 rows.
+  double down = 0.0;
+  double up = 0.0;
+  for (std::size_t row = 30; row < 70; ++row) {
+    for (std::size_t i = 0; i < 480; ++i) {
+      down += std::abs(rgb[(row + 23) * 480 + i] - level[row * 480 + i]);
+      up += std::abs(rgb[(row - 23) * 480 + i] - level[row * 480 + i]);
+    }
+  }
+  EXPECT_LT(down, up);
+}
+
+TEST(GlContext, names_its_backend_renderer_and_version) {
+  for (const std::string backend : {"osmesa", "egl"}) {
+    std::unique_ptr<GlContext> gl;
+    try {
+      gl = GlContext::create(backend);
+    } catch (const RunError& error) {
+      EXPECT_THAT(error.what(), ::testing::HasSubstr("OpenGL"));
+      EXPECT_THAT(error.what(), ::testing::Not(::testing::HasSubstr("\n")));
+      continue;
+    }
+    EXPECT_THAT(gl->description(), ::testing::StartsWith(backend + ", "));
+    EXPECT_NE(gl->function("glReadPixels"), nullptr);
+  }
+}
+
+}  // namespace
+}  // namespace saccade
