@@ -24,9 +24,9 @@ PortStatus Loop::tick(std::int64_t t_us, LoopObserver& observer) {
     if (status == PortStatus::lost) throw RunError(std::string("lost the connection to the ") + what);
     return status;
   };
-  PortStatus status = need(clock_.wait_until(t_us), "clock");
+  if (need(clock_.wait_until(t_us), "clock") == PortStatus::ended) return PortStatus::ended;
   events_.clear();
-  if (need(source_.read_until(t_us, events_), "event camera") == PortStatus::ended) status = PortStatus::ended;
+  const PortStatus status = need(source_.read_until(t_us, events_), "event camera");
 
   Tick tick;
   tick.t_us = t_us;

@@ -64,7 +64,8 @@ class Loop {
   Loop(Clock& clock, EventSource& events, HeadPort* head, const PinholeCamera& camera,
        std::vector<LoopDetector> detectors, std::optional<LoopGaze> gaze);
 
-  /// Waits for t_us (later than the last one) and does one tick. `ended` when the source has no more.
+  /// Waits for t_us (later than the last one) and does one tick. `ended` when the world has no more: after
+  /// the tick with the last events, or at once, without a tick.
   /// Throws RunError when the connection is lost.
   PortStatus tick(std::int64_t t_us, LoopObserver& observer);
 

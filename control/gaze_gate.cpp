@@ -135,19 +135,13 @@ class ContinuityGate final : public CountingGate {
     const Place here{now_us, *point_m};
     recent_[count_++ % capacity] = here;
 
-    std::int64_t agreeing = 0;
-    for (std::size_t back = 1; back <= std::min(count_, capacity); ++back) {
-      const Place& other = recent_[(count_ - back) % capacity];
-      if (now_us - other.t_us > window_us_) break;
-      agreeing += agree(here.point_m, other.point_m, eye_m, config_.tolerance_deg);
-    }
-    const bool tracking = last_ && now_us - last_->t_us <= forget_us_;
-    const auto near_last = [&] {
+    if (last_ && now_us - last_->t_us <= forget_us_) {
       const double unseen_s = static_cast<double>(now_us - last_->t_us) * 1e-6;
-      return agree(here.point_m, last_->point_m, eye_m,
-                   config_.tolerance_deg + config_.growth_deg_s * unseen_s);
-    };
-    if (agreeing < config_.min_agreeing && !(tracking && near_last())) return std::nullopt;
+      const double tolerance_deg = config_.tolerance_deg + config_.growth_deg_s * unseen_s;
+      if (!agree(here.point_m, last_->point_m, eye_m, tolerance_deg)) return std::nullopt;
+    } else if (!confirmed(here, eye_m)) {
+      return std::nullopt;
+    }
     last_ = here;
     return point_m;
   }
@@ -159,6 +153,15 @@ class ContinuityGate final : public CountingGate {
   };
   static constexpr std::size_t capacity = 1024;  // the longest window at one detection per ms
 
+  [[nodiscard]] bool confirmed(const Place& here, const Eigen::Vector3d& eye_m) const {
+    std::int64_t agreeing = 0;
+    for (std::size_t back = 1; back <= std::min(count_, capacity); ++back) {
+      const Place& other = recent_[(count_ - back) % capacity];
+      if (here.t_us - other.t_us > window_us_) break;
+      agreeing += agree(here.point_m, other.point_m, eye_m, config_.tolerance_deg);
+    }
+    return agreeing >= config_.min_agreeing;
+  }
   [[nodiscard]] bool agree(const Eigen::Vector3d& a_m, const Eigen::Vector3d& b_m, const Eigen::Vector3d& eye_m,
                            double tolerance_deg) const {
     const Eigen::Vector3d a = a_m - eye_m;

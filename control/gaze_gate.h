@@ -44,16 +44,17 @@ struct AuthorsGateConfig {
   double max_target_x_m = -0.10;     ///< root frame; a target less far in front of the waist is moved there
 };
 
-/// A ball does not jump: detections near where the last one was go through at once, one that is elsewhere
-/// has to be confirmed by others that agree with it. All in the root frame, so that the head's own motion
-/// does not matter, and as angles at the eye, because depth from a radius is coarse.
+/// A ball does not jump: once found, detections near where the last one was go through at once and those
+/// elsewhere do not; to be found, and found again after it was lost, it has to be confirmed by detections that
+/// agree. All in the root frame, so that the head's own motion does not matter, and as angles at the eye,
+/// because depth from a radius is coarse.
 struct ContinuityGateConfig {
-  double tolerance_deg = 4.0;    ///< detections this close in bearing agree ...
+  double tolerance_deg = 3.0;    ///< detections this close in bearing agree ...
   double depth_ratio = 1.4;      ///< ... if their distances differ by less than this factor
   double growth_deg_s = 15.0;    ///< the tolerance around the last one grows by this while none came
   double window_s = 0.20;        ///< how far back a confirmation may lie
-  std::int64_t min_agreeing = 60;  ///< in the window, to begin with or to change over to another place
-  double forget_s = 2.0;         ///< after so long without a detection the last one does not count any more
+  std::int64_t min_agreeing = 60;  ///< in the window, for the ball to be found
+  double forget_s = 2.0;         ///< after so long without a detection near by the ball is lost
 };
 
 struct GateConfig {
@@ -69,8 +70,7 @@ void describe(FieldVisitor& v, GateConfig& config);
 /// `none`: every estimate at or above the threshold, held ones too, becomes a target.
 /// `authors`: the estimates at or above the threshold, held ones not, enter the window; the newest of them
 /// gives a target when it lies within one standard deviation of the median, in x and in y.
-/// `continuity`: every estimate at or above the threshold that agrees with the last accepted one or is
-/// confirmed becomes a target.
+/// `continuity`: the estimates at or above the threshold that lie where the ball can be become targets.
 /// Throws InputError.
 [[nodiscard]] std::unique_ptr<GazeGate> make_gate(const GateConfig& config);
 

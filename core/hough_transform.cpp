@@ -110,7 +110,7 @@ HoughTransform::HoughTransform(ImageSize size, int r_min, int r_max, double arc_
   pattern_begin_.push_back(patch_offset_.size());
 }
 
-/// Covers pixels with patches from left to right in each pair of rows, for events at an even and at an odd row.
+/// Covers pixels with patches from left to right in each pair of rows, for events at an even and an odd row.
 void HoughTransform::append_patterns(std::span<const RingPixel> pixels) {
   for (const int parity : {0, 1}) {
     pattern_begin_.push_back(patch_offset_.size());

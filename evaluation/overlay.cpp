@@ -12,7 +12,8 @@ namespace saccade {
 namespace {
 
 constexpr int fraction_bits = 4;  // of OpenCV's fixed-point drawing coordinates
-constexpr int panel_width = 640;
+constexpr int scene_width = 688;
+constexpr int eye_width = 512;
 constexpr int panel_height = 512;
 constexpr int caption_height = 48;
 const cv::Scalar paper(236, 236, 236);
@@ -109,7 +110,7 @@ cv::Mat fit_into(const cv::Mat& picture, int width, int height) {
 
 VideoComposer::VideoComposer(std::filesystem::path path) : path_(std::move(path)), part_(path_) {
   part_.replace_extension(".part.mp4");  // ffmpeg chooses the container by the last extension
-  const cv::Size size(2 * panel_width, panel_height + caption_height);
+  const cv::Size size(scene_width + eye_width, panel_height + caption_height);
   const auto level = cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   for (const char* codec : {"avc1", "mp4v"}) {
     writer_ = std::make_unique<cv::VideoWriter>(
@@ -131,11 +132,11 @@ VideoComposer::~VideoComposer() {
 
 void VideoComposer::add(const cv::Mat& scene, const EyePicture& eye, const std::string& caption) {
   SACCADE_CHECK(writer_ != nullptr);
-  cv::Mat frame(panel_height + caption_height, 2 * panel_width, CV_8UC3, ground);
-  const int scale = std::max(1, std::min(panel_width / eye.size.width, panel_height / eye.size.height));
-  fit_into(scene, panel_width, panel_height).copyTo(frame({0, 0, panel_width, panel_height}));
-  fit_into(draw_eye(eye, scale), panel_width, panel_height)
-      .copyTo(frame({panel_width, 0, panel_width, panel_height}));
+  cv::Mat frame(panel_height + caption_height, scene_width + eye_width, CV_8UC3, ground);
+  const int scale = std::max(1, std::min(eye_width / eye.size.width, panel_height / eye.size.height));
+  fit_into(scene, scene_width, panel_height).copyTo(frame({0, 0, scene_width, panel_height}));
+  fit_into(draw_eye(eye, scale), eye_width, panel_height)
+      .copyTo(frame({scene_width, 0, eye_width, panel_height}));
   cv::putText(frame, caption, {16, panel_height + 31}, cv::FONT_HERSHEY_SIMPLEX, 0.65, {240, 240, 240}, 1,
               cv::LINE_AA);
   writer_->write(frame);

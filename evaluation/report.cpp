@@ -354,8 +354,8 @@ std::string strip(const Run& run) {
   }
   html += "</div>";
   std::string reading = fmt::format(
-      "Events of the last {:.3g} ms: green where it got brighter, magenta where it got darker. White is the "
-      "true circle; the coloured ones are the newest above the threshold of each detector:",
+      "Events of the last {:.3g} ms: green where it got brighter, magenta where it got darker. White with a "
+      "dark rim is the true circle; the coloured ones are the newest above the threshold of each detector:",
       static_cast<double>(run.window_us) * 1e-3);
   for (std::size_t i = 0; i < run.metrics.detectors.size(); ++i) {
     reading += (i == 0 ? " " : ", ") + detector_mark(run.metrics, i);

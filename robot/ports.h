@@ -64,8 +64,8 @@ class HeadPort {
   /// may be is the caller's decision). With `ended` or `lost` the state is left as it was.
   virtual PortStatus read(HeadState& state) = 0;
   /// Takes effect at once and holds until the next command. A reference outside limits() or not finite
-  /// is refused whole (is_allowed; `refused` is true and the last one holds). A recorded head takes commands and
-  /// moves as it did.
+  /// is refused whole (is_allowed; `refused` is true and the last one holds). A recorded head takes
+  /// commands and moves as it did.
   struct CommandResult {
     PortStatus status = PortStatus::ok;
     bool refused = false;

@@ -859,8 +859,8 @@ class Lab {
       const double width = dice_.real(0.12, 0.3);
       const double tall = dice_.real(0.12, 0.32);
       const double y = table_width_ * (dice_.real(-0.12, 0.12) + 0.78 * ((i + 0.5) / several(4) - 0.5));
-      solid({table_x_ - dice_.real(0.0, 0.12), y, z + 0.5 * tall}, {0.5 * side, 0.5 * tall, 0.5 * side},
-            add_picture(side, side, 200.0, paint_carton));
+      solid({table_x_ - dice_.real(0.0, 0.12), y, z + 0.5 * tall}, {0.5 * width, 0.5 * tall, 0.5 * width},
+            add_picture(width, width, 200.0, paint_carton));
     }
     const double y = dice_.real(-0.35, 0.35);
     solid({table_x_ - 0.1, y, z + 0.3}, {0.29, 0.18, 0.02}, add_picture(0.58, 0.36, 180.0, paint_screen));
@@ -896,10 +896,10 @@ class Lab {
     for (int i = 0; i < several(3); ++i) {  // cartons on the floor
       const double size = dice_.real(0.3, 0.5);
       const double at = (i % 2 == 0 ? 1.0 : -1.0) * dice_.real(1.1, 1.5);
-      const std::size_t side =
+      const std::size_t carton =
           add_picture(size, size, 150.0, dice_.chance(0.4) ? paint_drawers : paint_carton);
       solid({back_m_ + dice_.real(0.9, 1.5), at, floor_m + 0.5 * size}, {0.5 * size, 0.5 * size, 0.5 * size},
-            side);
+            carton);
     }
     shell(paint_wall_panels, paint_wall_panels, paint_wall_panels, paint_wall_panels, paint_floor_tiles,
           [](Canvas& c, Dice& d) { paint_ceiling(c, d, 0.05); });

@@ -32,8 +32,8 @@ std::vector<Event> stream(ImageSize size, std::size_t count) {
   return streams::cluttered(size, count, 0.3, 1);
 }
 
-/// Seconds per event of the plain reference, flow left out, asked after each event; measured once per program on
-/// few events.
+/// Seconds per event of the plain reference, flow left out, asked after each event; measured once per program
+/// on few events.
 double reference_s_per_event(bool directed, ImageSize size) {
   static std::map<std::pair<bool, int>, double> known;
   double& s = known[{directed, size.pixels()}];

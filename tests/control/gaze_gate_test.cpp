@@ -235,13 +235,15 @@ TEST(ContinuityGate, DoesNotBeginOnDetectionsThatAreEverywhere) {
   for (int i = 1; i <= 2000; ++i) EXPECT_FALSE(update(*g, i * 1000, anywhere(i))) << i;
 }
 
-TEST(ContinuityGate, HoldsOffADistantDetectionUntilItIsConfirmed) {
+TEST(ContinuityGate, RefusesDetectionsElsewhereUntilTheBallIsLostThenAsksForConfirmation) {
+  const ContinuityGateConfig config;
   const auto g = gate("continuity");
-  ASSERT_TRUE(feed(*g, 100, [](int) { return sure(60, 60, 12); }));
-  int passed = 0;
-  for (int i = 101; i <= 200; ++i) passed += update(*g, i * 1000, sure(110, 20, 12)).has_value();
-  // The detection that makes the number full, and those after it.
-  EXPECT_EQ(passed, 100 - static_cast<int>(ContinuityGateConfig{}.min_agreeing) + 1);
+  ASSERT_TRUE(feed(*g, 100, [](int) { return sure(20, 20, 12); }));
+  // The far corner, 49 deg away: beyond the tolerance at any time before the ball counts as lost.
+  const auto lost_ms = static_cast<int>(config.forget_s * 1000);
+  for (int i = 1; i <= lost_ms; ++i) EXPECT_FALSE(update(*g, (100 + i) * 1000, sure(110, 110, 12))) << i;
+  // Those just refused confirm it at once.
+  EXPECT_TRUE(update(*g, (100 + lost_ms + 1) * 1000, sure(110, 110, 12)));
 }
 
 TEST(ContinuityGate, ADetectionFarBehindInDepthIsAnotherPlaceToo) {
@@ -254,10 +256,10 @@ TEST(ContinuityGate, ADetectionFarBehindInDepthIsAnotherPlaceToo) {
 TEST(ContinuityGate, FollowsABallFromOneDetectionToTheNextAfterAGapAsFarAsItCanHaveMoved) {
   const auto g = gate("continuity");
   ASSERT_TRUE(feed(*g, 100, [](int) { return sure(60, 60, 12); }));
-  // 13 px are 7.4 deg: too far after a millisecond, not after half a second (4 deg + 15 deg/s).
+  // 13 px are 7.4 deg: too far after a millisecond, not after half a second (3 deg + 15 deg/s).
   EXPECT_FALSE(update(*g, 101'000, sure(73, 60, 12)));
   EXPECT_TRUE(update(*g, 600'000, sure(73, 60, 12)));
-  // After forget_s nothing is near enough by itself.
+  // Lost after forget_s: one detection does not find it again.
   EXPECT_FALSE(update(*g, 3'000'000, sure(73, 60, 12)));
 }
 

@@ -36,7 +36,7 @@ struct Case {
   double arc_deg;  ///< 0: full
 };
 
-/// Sizes that are no multiple of anything, radii beyond the image, windows shorter and longer than the stream.
+/// Sizes that are no multiple of anything, radii beyond the image, windows down to 1 and beyond the stream.
 const std::vector<Case> cases = {{{23, 17}, 1, 4, 20, 0.0},  {{23, 17}, 2, 9, 40, 10.0},
                                  {{16, 16}, 5, 5, 1, 0.0},   {{11, 29}, 3, 12, 60, 0.0},
                                  {{31, 9}, 4, 20, 33, 10.0}, {{40, 33}, 6, 11, 25, 15.0},

@@ -369,7 +369,7 @@ TEST(Scoring, LagIsLeftOutWhereAnnotationsAreTooFarApartToTellTheBallsPath) {
     }
     const DetectorScore score = score_detector(truth, seen, "d", 0.5, Chances::annotated);
     EXPECT_EQ(score.lag_ms.has_value(), period_ms == 20);
-    if (score.lag_ms) EXPECT_NEAR(*score.lag_ms, 15.0, 1e-9);
+    EXPECT_NEAR(score.lag_ms.value_or(15.0), 15.0, 1e-9);
   }
 }
 

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,6 +18,8 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/random.h"
+#include "emulator/event_emulator.h"
 #include "sim/lab.h"
 #include "sim/mujoco_compat.h"
 
@@ -106,8 +110,8 @@ class Renderer : public ::testing::Test {
     return blob;
   }
 
-  static constexpr int ball = 0;
-  static constexpr int screen = 1;
+  static constexpr int the_ball = 0;  // mocap bodies
+  static constexpr int the_screen = 1;
   PinholeCamera camera_;
   std::unique_ptr<GlContext> gl_;
   MjModelPtr model_;
@@ -115,11 +119,12 @@ class Renderer : public ::testing::Test {
   std::vector<float> image_;
 };
 
-// A disc of 6 px radius sampled twice per pixel has its centroid where the outline's ellipse has it, but for
-// the sampling of its border: about 75 border samples, each off by at most half a sample, at random.
+// The border of a disc of 6 px radius crosses about 75 of the half-pixel samples, and each is in or out at
+// random: an area error uniform in +-1/8 px^2 at a lever of up to 6 px. That is 0.024 px of standard deviation
+// per axis of the centroid; 81 places stay below 4 of them, their mean below 4 / 9.
 TEST_F(Renderer, draws_a_sphere_where_the_pinhole_projects_it_over_the_whole_image) {
   EyeRenderer eye = make_eye();
-  place(ball, {0.0, 0.0, -1.0});
+  place(the_ball, {0.0, 0.0, -1.0});
   draw(eye);
   const std::vector<float> background = image_;
   set_ball_radius(0.03);
@@ -130,7 +135,7 @@ TEST_F(Renderer, draws_a_sphere_where_the_pinhole_projects_it_over_the_whole_ima
   for (double y = 9.0; y < 120.0; y += 13.7) {
     for (double x = 9.0; x < 120.0; x += 13.7) {
       const Vector3d point = at_pixel(x, y, 0.5);
-      place(ball, point);
+      place(the_ball, point);
       draw(eye);
       const Circle truth = *camera_.project_sphere(point, 0.03);
       const Blob blob = measure_ball(background);
@@ -140,16 +145,15 @@ TEST_F(Renderer, draws_a_sphere_where_the_pinhole_projects_it_over_the_whole_ima
       ++count;
     }
   }
-  EXPECT_LT(worst, 0.05);
-  EXPECT_LT(std::abs(sum_x / count), 0.005) << "a bias over the image";
-  EXPECT_LT(std::abs(sum_y / count), 0.005);
-  RecordProperty("worst_px", std::to_string(worst));
+  EXPECT_LT(worst, 0.1);
+  EXPECT_LT(std::abs(sum_x / count), 0.01) << "a bias over the image";
+  EXPECT_LT(std::abs(sum_y / count), 0.01);
   std::printf("centroid: worst %.4f px, bias %.4f %.4f px\n", worst, sum_x / count, sum_y / count);
 }
 
 TEST_F(Renderer, gives_every_pixel_its_exact_place_when_samples_are_many) {
   EyeRenderer eye = make_eye({.supersampling = 8});
-  place(ball, {0.0, 0.0, -1.0});
+  place(the_ball, {0.0, 0.0, -1.0});
   draw(eye);
   const std::vector<float> background = image_;
   set_ball_radius(0.03);
@@ -157,7 +161,7 @@ TEST_F(Renderer, gives_every_pixel_its_exact_place_when_samples_are_many) {
   for (const auto& [x, y] :
        {std::pair{8.0, 8.0}, {119.5, 8.2}, {8.3, 119.0}, {119.1, 119.4}, {64.0, 69.18}}) {
     const Vector3d point = at_pixel(x, y, 0.5);
-    place(ball, point);
+    place(the_ball, point);
     draw(eye);
     const Circle truth = *camera_.project_sphere(point, 0.03);
     const Blob blob = measure_ball(background);
@@ -170,7 +174,7 @@ TEST_F(Renderer, gives_every_pixel_its_exact_place_when_samples_are_many) {
 // The polyhedron has the area of the true outline to 0.1 %, so the radius to 0.05 %.
 TEST_F(Renderer, draws_a_sphere_as_large_as_its_outline) {
   EyeRenderer eye = make_eye();
-  place(ball, {0.0, 0.0, -1.0});
+  place(the_ball, {0.0, 0.0, -1.0});
   draw(eye);
   const std::vector<float> background = image_;
   double worst = 0.0;
@@ -178,7 +182,7 @@ TEST_F(Renderer, draws_a_sphere_as_large_as_its_outline) {
     set_ball_radius(radius);
     for (const auto& [x, y] : {std::pair{40.0, 41.0}, {64.3, 69.7}, {88.6, 52.2}, {61.0, 86.1}}) {
       const Vector3d point = at_pixel(x, y, 0.25);
-      place(ball, point);
+      place(the_ball, point);
       draw(eye);
       const Circle truth = *camera_.project_sphere(point, radius);
       const Blob blob = measure_ball(background);
@@ -193,14 +197,14 @@ TEST_F(Renderer, resamples_columns_without_loss_for_any_ratio_of_focal_lengths) 
   for (const double fx : {70.0, 99.45, 120.0}) {
     camera_.fx_px = fx;
     EyeRenderer eye = make_eye();
-    place(ball, {0.0, 0.0, -1.0});
+    place(the_ball, {0.0, 0.0, -1.0});
     draw(eye);
     const std::vector<float> background = image_;
     // The wall is even, so every pixel must be: 0.2 of 255 grey levels.
     EXPECT_THAT(background, ::testing::Each(::testing::FloatNear(51.0F, 0.01F)));
     set_ball_radius(0.03);
     const Vector3d point = at_pixel(100.2, 30.4, 0.4);
-    place(ball, point);
+    place(the_ball, point);
     draw(eye);
     const Circle truth = *camera_.project_sphere(point, 0.03);
     const Blob blob = measure_ball(background);
@@ -214,7 +218,7 @@ TEST_F(Renderer, sees_the_whole_of_a_free_ball_and_nothing_of_one_behind) {
   EyeRenderer eye = make_eye();
   for (const double z : {0.2, 0.45, 1.5}) {
     const Vector3d point = at_pixel(70.0, 60.0, z);
-    place(ball, point);
+    place(the_ball, point);
     draw(eye);
     EXPECT_EQ(eye.visible_share(point, 0.05), 1.0) << z;
   }
@@ -227,7 +231,7 @@ TEST_F(Renderer, sees_half_of_a_ball_half_out_of_the_image) {
   for (const auto& [x, y] : {std::pair{-0.5, 60.0}, {127.5, 60.0}, {70.0, -0.5}, {70.0, 127.5}}) {
     // So far away that its outline is nearly a circle around the projected centre.
     const Vector3d point = at_pixel(x, y, 1.0);
-    place(ball, point);
+    place(the_ball, point);
     draw(eye);
     const Circle circle = *camera_.project_sphere(point, 0.05);
     const double shift = std::hypot(circle.x_px - x, circle.y_px - y);
@@ -238,14 +242,14 @@ TEST_F(Renderer, sees_half_of_a_ball_half_out_of_the_image) {
 TEST_F(Renderer, does_not_see_the_part_of_a_ball_behind_something) {
   EyeRenderer eye = make_eye();
   const Vector3d point(0.0, 0.0, 0.6);
-  place(ball, point);
-  place(screen, {0.5, 0.0, 0.3});  // its left edge is on the axis
+  place(the_ball, point);
+  place(the_screen, {0.5, 0.0, 0.3});  // its left edge is on the axis
   draw(eye);
   EXPECT_NEAR(eye.visible_share(point, 0.05), 0.5, 0.02);
-  place(screen, {0.0, 0.0, 0.3});
+  place(the_screen, {0.0, 0.0, 0.3});
   draw(eye);
   EXPECT_EQ(eye.visible_share(point, 0.05), 0.0);
-  place(screen, {0.0, 0.0, 0.9});  // behind the ball
+  place(the_screen, {0.0, 0.0, 0.9});  // behind the ball
   draw(eye);
   EXPECT_EQ(eye.visible_share(point, 0.05), 1.0);
 }
@@ -253,20 +257,20 @@ TEST_F(Renderer, does_not_see_the_part_of_a_ball_behind_something) {
 TEST_F(Renderer, does_not_see_the_robots_own_shell) {
   model_->geom_group[mj_name2id(model_.get(), mjOBJ_GEOM, "screen")] = 2;
   EyeRenderer eye = make_eye();
-  place(ball, {0.0, 0.0, -1.0});
-  place(screen, {0.0, 0.0, 0.3});
+  place(the_ball, {0.0, 0.0, -1.0});
+  place(the_screen, {0.0, 0.0, 0.3});
   draw(eye);
   EXPECT_THAT(image_, ::testing::Each(::testing::FloatNear(51.0F, 0.01F)));
 }
 
 TEST_F(Renderer, leaves_nothing_out_at_the_border_of_the_image) {
   EyeRenderer eye = make_eye();
-  place(ball, {0.0, 0.0, -1.0});
+  place(the_ball, {0.0, 0.0, -1.0});
   draw(eye);
   const std::vector<float> background = image_;
   for (const auto& [x, y] : {std::pair{-4.0, 64.0}, {131.0, 64.0}, {64.0, -4.0}, {64.0, 131.0}}) {
     const Vector3d point = at_pixel(x, y, 0.5);  // the centre is outside, the rim inside
-    place(ball, point);
+    place(the_ball, point);
     draw(eye);
     const auto row = static_cast<std::size_t>(std::clamp(y, 0.0, 127.0));
     const auto column = static_cast<std::size_t>(std::clamp(x, 0.0, 127.0));
@@ -375,18 +379,25 @@ TEST_F(RenderedLab, looks_the_same_every_time_it_is_drawn) {
   EXPECT_EQ(image_, first);
 }
 
-// The dark current of 10 grey levels that emulator presets add keeps one grey level of luminance, anywhere
-// from black to white, below a threshold of 0.2: ln(11 / 10) = 0.095.
-TEST_F(RenderedLab, changes_by_less_than_half_a_threshold_with_one_grey_level) {
-  build({.clutter = "rectilinear"}, 1);
+TEST_F(RenderedLab, makes_no_event_when_pixels_flicker_by_one_grey_level) {
+  build({.clutter = "textured"}, 1);
   EyeRenderer eye = make_eye();
   eye.render(*data_, 0, image_);
-  double largest = 0.0;
-  for (const float level : image_) {
-    const double luminance = static_cast<double>(level);
-    largest = std::max(largest, std::log((luminance + 1.0 + 10.0) / (luminance + 10.0)));
+  const RandomStream random(1, "flicker");
+  EventEmulator on_lab(emulator_preset("dvs128"), camera_.size, 1);
+  EventEmulator in_the_dark(emulator_preset("dvs128"), camera_.size, 1);
+  std::vector<Event> events;
+  std::vector<float> lab(image_.size());
+  std::vector<float> dark(image_.size());
+  for (std::uint64_t step = 0; step < 50; ++step) {
+    for (std::size_t i = 0; i < image_.size(); ++i) {
+      dark[i] = random.uniform(i, step) < 0.5 ? 0.0F : 1.0F;
+      lab[i] = image_[i] + dark[i];
+    }
+    on_lab.process_image(lab, static_cast<std::int64_t>(1000 * step), events);
+    in_the_dark.process_image(dark, static_cast<std::int64_t>(1000 * step), events);
   }
-  EXPECT_LT(largest, 0.1);
+  EXPECT_EQ(events.size(), 0U);
 }
 
 /// Run by the next test in a process of its own: draws, and prints what it saw in one number.
