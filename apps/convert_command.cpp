@@ -5,19 +5,18 @@
 #include <memory>
 
 #include "apps/commands.h"
-#include "recording/event_file.h"
+#include "apps/read_options.h"
 
 namespace saccade {
 namespace {
 
-struct ConvertOptions {
-  std::filesystem::path in, out;
-  EventReadOptions read;
+struct ConvertOptions : ReadOptions {
+  std::filesystem::path out;
 };
 
 /// The image size of a file that does not tell it: what its events reach.
 ImageSize reached_size(const ConvertOptions& options) {
-  const auto reader = open_event_file(options.in, options.read);
+  const auto reader = open_event_file(options.recording, options.read);
   if (const auto size = reader->image_size()) return *size;
   std::vector<Event> block;
   ImageSize size{1, 1};
@@ -31,7 +30,7 @@ ImageSize reached_size(const ConvertOptions& options) {
 
 int convert(const ConvertOptions& options) {
   const auto writer = create_event_file(options.out, reached_size(options));
-  const auto reader = open_event_file(options.in, options.read);
+  const auto reader = open_event_file(options.recording, options.read);
   std::vector<Event> block;
   std::int64_t count = 0;
   for (; reader->read(block, 1 << 16) > 0; block.clear()) {
@@ -48,10 +47,8 @@ int convert(const ConvertOptions& options) {
 void add_convert_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<ConvertOptions>();
   CLI::App* command = app.add_subcommand("convert", "Copy a recording into another format (.aedat, .csv, .txt)");
-  command->add_option("in", options->in, "Event file")->required();
+  add_read_options(*command, "in", *options);
   command->add_option("out", options->out, "Event file to write")->required();
-  command->add_option("--columns", options->read.columns, "Order of a text file's columns, out of t, x, y, p")
-      ->capture_default_str();
   command->callback([options, &action] { action = [options] { return convert(*options); }; });
 }
 

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <filesystem>
 #include <memory>
@@ -10,6 +9,7 @@
 #include "apps/config/scenario.h"
 #include "apps/interrupt.h"
 #include "apps/loop.h"
+#include "apps/read_options.h"
 #include "apps/run_folder.h"
 #include "apps/summary.h"
 #include "evaluation/report.h"
@@ -22,26 +22,11 @@ constexpr std::int64_t tick_us = 1'000;
 /// How long before an annotated instant an event makes an observation of it (design.md section 7).
 constexpr std::int64_t sparse_window_us = 10'000;
 
-struct DetectOptions {
-  std::filesystem::path recording, config, truth, out;
+struct DetectOptions : ReadOptions {
+  std::filesystem::path config, truth, out;
   std::vector<std::string> assignments;
-  std::string size;
-  EventReadOptions read;
   bool force = false;
 };
-
-/// "640x480"
-ImageSize parse_size(const std::string& text) {
-  ImageSize size;
-  const char* const end = text.data() + text.size();
-  const auto width = std::from_chars(text.data(), end, size.width);
-  if (width.ec == std::errc() && width.ptr != end && *width.ptr == 'x') {
-    const auto height = std::from_chars(width.ptr + 1, end, size.height);
-    const bool in_range = size.width >= 8 && size.height >= 8 && size.width <= 2048 && size.height <= 2048;
-    if (height.ec == std::errc() && height.ptr == end && in_range) return size;
-  }
-  throw InputError("--size", text, "WIDTHxHEIGHT, each 8 to 2048, such as 128x128");
-}
 
 /// Keeps what the detectors say at the instants that are scored.
 class DetectionRecorder final : public LoopObserver {
@@ -98,9 +83,7 @@ int detect(const DetectOptions& options) {
   const NamedDetectors named = read_detectors(options.config, options.assignments);
   std::vector<TruthRow> truth;
   if (!options.truth.empty()) truth = read_table<TruthRow>(options.truth);
-  EventReadOptions read = options.read;
-  if (!options.size.empty()) read.image_size = parse_size(options.size);
-  ReplayRobot robot(open_event_file(options.recording, read));
+  ReplayRobot robot(open_event_file(options.recording, options.read));
   PinholeCamera camera;
   camera.size = robot.image_size();
 
@@ -164,16 +147,13 @@ int detect(const DetectOptions& options) {
 void add_detect_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<DetectOptions>();
   CLI::App* command = app.add_subcommand("detect", "The detectors on recorded events, scored when truth is given");
-  command->add_option("recording", options->recording, "Event file")->required();
+  add_read_options(*command, "recording", *options);
   command->add_option("--config", options->config, "Detectors (YAML); those of the paper by default");
   command->add_option("--set", options->assignments,
                       "key=value for every detector, DETECTOR.key=value for one; e.g. radius_px=[4,25]")
       ->allow_extra_args(false);
-  command->add_option("--size", options->size, "Image size WxH, where the file does not tell it");
   command->add_option("--truth", options->truth, "True circles, t_us,x_px,y_px,r_px (CSV)");
   command->add_option("--out", options->out, "Folder for detections, scores and report");
-  command->add_option("--columns", options->read.columns, "Order of a text file's columns, out of t, x, y, p")
-      ->capture_default_str();
   command->add_flag("--force", options->force, "Replace an earlier run in that folder");
   command->callback([options, &action] { action = [options] { return detect(*options); }; });
 }

@@ -1,21 +1,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 
 #include "apps/commands.h"
-#include "recording/event_file.h"
+#include "apps/read_options.h"
 
 namespace saccade {
 namespace {
 
-struct InfoOptions {
-  std::filesystem::path recording;
-  EventReadOptions read;
-};
-
-int info(const InfoOptions& options) {
+int info(const ReadOptions& options) {
   const auto reader = open_event_file(options.recording, options.read);
   std::vector<Event> block;
   std::int64_t count = 0, on = 0, back_in_time = 0, longest_gap_us = 0;
@@ -51,11 +45,9 @@ int info(const InfoOptions& options) {
 }  // namespace
 
 void add_info_command(CLI::App& app, Action& action) {
-  auto options = std::make_shared<InfoOptions>();
+  auto options = std::make_shared<ReadOptions>();
   CLI::App* command = app.add_subcommand("info", "What a recording holds");
-  command->add_option("recording", options->recording, "Event file")->required();
-  command->add_option("--columns", options->read.columns, "Order of a text file's columns, out of t, x, y, p")
-      ->capture_default_str();
+  add_read_options(*command, "recording", *options);
   command->callback([options, &action] { action = [options] { return info(*options); }; });
 }
 

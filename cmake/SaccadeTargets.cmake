@@ -45,5 +45,6 @@ function(saccade_test name)
     GTest::gtest GTest::gmock GTest::gtest_main)
   target_compile_definitions(saccade_${name}_tests PRIVATE
     SACCADE_SOURCE_DIR="${CMAKE_SOURCE_DIR}" SACCADE_SHARED_DATA="${CMAKE_SOURCE_DIR}/../shared/data")
-  gtest_discover_tests(saccade_${name}_tests TEST_PREFIX "${name}." DISCOVERY_MODE PRE_TEST)
+  gtest_discover_tests(saccade_${name}_tests TEST_PREFIX "${name}." DISCOVERY_MODE PRE_TEST
+    NO_PRETTY_VALUES)
 endfunction()

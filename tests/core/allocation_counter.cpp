@@ -7,16 +7,20 @@
 namespace {
 std::atomic<std::int64_t> allocations = 0;
 
-void* counted(std::size_t size) {
+void* counted(std::size_t size) noexcept {
   ++allocations;
-  if (void* memory = std::malloc(size != 0 ? size : 1)) return memory;
-  throw std::bad_alloc();
+  return std::malloc(size != 0 ? size : 1);
 }
 }  // namespace
 
 std::int64_t saccade::allocation_count() { return allocations; }
 
-// The array forms call these.
-void* operator new(std::size_t size) { return counted(size); }
+// The array forms call these; the one that does not throw is replaced too, as sanitizers bring their own.
+void* operator new(std::size_t size) {
+  if (void* memory = counted(size)) return memory;
+  throw std::bad_alloc();
+}
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept { return counted(size); }
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete(void* memory, const std::nothrow_t&) noexcept { std::free(memory); }

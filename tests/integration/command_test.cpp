@@ -155,7 +155,7 @@ TEST_F(Command, aRecordingSurvivesConversionToTextAndBack) {
   ASSERT_EQ(saccade("run '" + short_scenario + "' --set run.duration_s=0.3 --set expect={} --out " + out("run")).status,
             0);
   ASSERT_EQ(saccade("convert " + out("run/events.aedat") + " " + out("e.csv")).status, 0);
-  ASSERT_EQ(saccade("convert " + out("e.csv") + " " + out("e.aedat")).status, 0);
+  ASSERT_EQ(saccade("convert " + out("e.csv") + " " + out("e.aedat") + " --size 128x128").status, 0);
   const std::string first = saccade("info " + out("run/events.aedat")).text;
   EXPECT_EQ(first, saccade("info " + out("e.aedat")).text);
   EXPECT_THAT(first, HasSubstr("events"));

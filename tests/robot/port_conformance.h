@@ -60,7 +60,8 @@ class PortConformance : public testing::TestWithParam<PortBackend> {
   static HeadCommand inside_limits(const HeadPort& head, double share) {
     const JointLimits limits = head.limits();
     const JointVector middle = 0.5 * (limits.min_rad + limits.max_rad);
-    return (middle + share * (limits.max_rad - middle)).tail<head_joint_count>();
+    const JointVector& end = share < 0.0 ? limits.min_rad : limits.max_rad;  // met exactly at +-1
+    return ((1.0 - std::abs(share)) * middle + std::abs(share) * end).tail<head_joint_count>();
   }
 
   /// Runs `ticks` ticks and reads the events after every `stride` of them.

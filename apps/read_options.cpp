@@ -1,0 +1,34 @@
+#include "apps/read_options.h"
+
+#include <charconv>
+
+#include "core/error.h"
+
+namespace saccade {
+namespace {
+
+/// "640x480"
+ImageSize parse_size(const std::string& text) {
+  ImageSize size;
+  const char* const end = text.data() + text.size();
+  const auto width = std::from_chars(text.data(), end, size.width);
+  if (width.ec == std::errc() && width.ptr != end && *width.ptr == 'x') {
+    const auto height = std::from_chars(width.ptr + 1, end, size.height);
+    const bool in_range = size.width >= 8 && size.height >= 8 && size.width <= 2048 && size.height <= 2048;
+    if (height.ec == std::errc() && height.ptr == end && in_range) return size;
+  }
+  throw InputError("--size", text, "WIDTHxHEIGHT, each 8 to 2048, such as 128x128");
+}
+
+}  // namespace
+
+void add_read_options(CLI::App& command, const char* name, ReadOptions& options) {
+  command.add_option(name, options.recording, "Event file")->required();
+  command.add_option_function<std::string>(
+      "--size", [&options](const std::string& text) { options.read.image_size = parse_size(text); },
+      "Image size WIDTHxHEIGHT, where the file does not tell it");
+  command.add_option("--columns", options.read.columns, "Order of a text file's columns, out of t, x, y, p")
+      ->capture_default_str();
+}
+
+}  // namespace saccade

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+
+#include "recording/event_file.h"
+
+namespace saccade {
+
+/// The recording that a subcommand reads, and what its file may leave open.
+struct ReadOptions {
+  std::filesystem::path recording;
+  EventReadOptions read;
+};
+
+/// Adds the recording (positional, `name`), --size and --columns. Both must outlive the parsing.
+void add_read_options(CLI::App& command, const char* name, ReadOptions& options);
+
+}  // namespace saccade
