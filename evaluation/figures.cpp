@@ -56,9 +56,10 @@ std::string time_range(double from_s, double to_s) {
 }
 
 std::string axes(std::string_view y_label, bool last, std::string_view y_range = "[*:*]") {
-  return fmt::format("set ylabel '{}'\nset offsets 0, 0, graph 0.06, {}\nset yrange {}\n{}", y_label,
-                     y_range == "[*:*]" ? "graph 0.06" : "0", y_range,
-                     last ? "set xlabel 'time [s]'\nset format x '%g'\n" : "unset xlabel\nset format x ''\n");
+  return fmt::format(
+      "set ylabel '{}'\nset offsets 0, 0, graph 0.06, {}\nset yrange {}\n{}", y_label,
+      y_range == "[*:*]" ? "graph 0.06" : "0", y_range,
+      last ? "set xlabel 'time [s]' offset 0,0.4\nset format x '%g'\n" : "unset xlabel\nset format x ''\n");
 }
 
 }  // namespace
@@ -144,26 +145,27 @@ std::string gaze_path_figure(std::string_view name, std::span<const TruthRow> tr
     }
   }
 
-  // The box holds the ball's path and 8 cm around it: eyes that look far away fixate a point far away.
+  // A cube that holds the ball's path and 8 cm around it; eyes that look far away fixate a point far away.
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Vector3d high = -low;
+  for (const Eigen::Vector3d& p : ball) {
+    if (!p.allFinite()) continue;
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
   std::string ranges;
-  for (int axis = 0; axis < 3; ++axis) {
-    double low = std::numeric_limits<double>::infinity();
-    double high = -low;
-    for (const Eigen::Vector3d& p : ball) {
-      if (!p.allFinite()) continue;
-      low = std::min(low, p[axis]);
-      high = std::max(high, p[axis]);
-    }
-    const char letter = "xyz"[axis];
-    if (low <= high) ranges += fmt::format("set {}range [{:.6g}:{:.6g}]\n", letter, low - 0.08, high + 0.08);
-    ranges += fmt::format("set {}tics {}\n", letter, high - low > 0.4 ? "0.2" : "0.1");
+  const double half_m = 0.5 * (high - low).maxCoeff() + 0.08;
+  for (int axis = 0; half_m > 0.0 && axis < 3; ++axis) {
+    const double middle_m = 0.5 * (low[axis] + high[axis]);
+    ranges += fmt::format("set {0}range [{1:.6g}:{2:.6g}]\nset {0}tics {3}\n", "xyz"[axis], middle_m - half_m,
+                          middle_m + half_m, half_m > 0.25 ? 0.2 : 0.1);
   }
 
   GnuplotFigure figure(name, width, 560);
   figure.add_panel(
       ranges +
           "set xlabel 'y [m], right'\nset ylabel '-x [m], ahead' offset 3,0\nset zlabel 'z [m], up' rotate "
-          "parallel\nset view 65,20,1.25\nset view equal xyz\nset xyplane relative 0\nset grid z\nset key at "
+          "parallel\nset view 65,20,1.1\nset view equal xyz\nset xyplane relative 0\nset grid z\nset key at "
           "screen 0.98,0.96\nset border 127 lc rgb '#bbbbbb'\n",
       {{.title = "ball", .style = line_style("#9a9a9a", 3.0), .points = in_space(ball)},
        {.title = "gaze targets", .style = dot_style("#d55e00", 0.35), .points = in_space(targets)},
@@ -216,7 +218,7 @@ std::string joints_figure(std::string_view name, std::span<const GazeRow> gaze, 
          {.title = "", .style = limit_style, .points = level(limits.min_rad[j])},
          {.title = "", .style = limit_style, .points = level(limits.max_rad[j])}});
   }
-  return figure.svg("set multiplot layout 3,2 margins 0.085,0.985,0.10,0.97 spacing 0.10,0.04\n");
+  return figure.svg("set multiplot layout 3,2 margins 0.085,0.985,0.12,0.97 spacing 0.10,0.04\n");
 }
 
 std::string rates_figure(std::string_view name, const EventCounts& events,

@@ -155,7 +155,7 @@ Run load(const fs::path& folder) {
     run.frames = frames_without_pictures(run);
     const double mean_us = run.metrics.duration_s * 1e6 * events_per_picture /
                            static_cast<double>(std::max<std::int64_t>(1, run.metrics.event_count));
-    run.window_us = static_cast<std::int64_t>(std::clamp(mean_us, 1e3, 2e5));
+    run.window_us = 1'000 * std::llround(std::clamp(mean_us, 1e3, 2e5) * 1e-3);
   }
   read_events(run);
   return run;

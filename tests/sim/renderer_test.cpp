@@ -120,7 +120,7 @@ class Renderer : public ::testing::Test {
 };
 
 // The border of a disc of 6 px radius crosses about 75 of the half-pixel samples, and each is in or out at
-// random: an area error uniform in +-1/8 px^2 at a lever of up to 6 px. That is 0.024 px of standard deviation
+// random: an area error uniform in +-1/8 px^2, lever up to 6 px. That is a standard deviation of 0.024 px
 // per axis of the centroid; 81 places stay below 4 of them, their mean below 4 / 9.
 TEST_F(Renderer, draws_a_sphere_where_the_pinhole_projects_it_over_the_whole_image) {
   EyeRenderer eye = make_eye();
