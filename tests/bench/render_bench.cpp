@@ -1,0 +1,62 @@
+// One image of the left eye, 2x2 samples per pixel, in both labs; and one whole tick of the simulator.
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <vector>
+
+#include "sim/sim_robot.h"
+
+namespace saccade {
+namespace {
+
+SimConfig lab(const char* clutter) {
+  SimConfig config;
+  config.lab.clutter = clutter;
+  config.world.ball.trajectory.kind = "circle";
+  return config;
+}
+
+/// The head sweeps, so that every image differs.
+HeadJointVector sweep(std::int64_t i) {
+  HeadJointVector reference_rad = HeadJointVector::Zero();
+  reference_rad[neck_yaw - torso_joint_count] = 0.3 * std::sin(static_cast<double>(i) * 0.01);
+  return reference_rad;
+}
+
+void eye_image(benchmark::State& state, const char* clutter) {
+  const SimConfig config = lab(clutter);
+  World world(config.world, lab_mjcf(config.lab, 1), 1);
+  const auto gl = GlContext::create("auto");
+  paint_lab_textures(world.model(), config.lab, 1);
+  EyeRenderer eye(world.model(), *gl, config.camera, config.render);
+  std::vector<float> luminance(static_cast<std::size_t>(config.camera.size.pixels()));
+  std::int64_t i = 0;
+  for (auto _ : state) {
+    state.PauseTiming();
+    world.set_reference(sweep(i++));
+    world.step();
+    state.ResumeTiming();
+    eye.render(world.data(), world.left_eye_camera(), luminance);
+    benchmark::DoNotOptimize(luminance.data());
+  }
+}
+BENCHMARK_CAPTURE(eye_image, textured, "textured")->Unit(benchmark::kMicrosecond)->UseRealTime();
+BENCHMARK_CAPTURE(eye_image, rectilinear, "rectilinear")->Unit(benchmark::kMicrosecond)->UseRealTime();
+
+void simulated_tick(benchmark::State& state, const char* clutter) {
+  SimRobot robot(lab(clutter), 1);
+  std::vector<Event> events;
+  std::int64_t i = 0;
+  for (auto _ : state) {
+    robot.command(sweep(i++));
+    robot.wait_until(robot.now_us() + World::tick_us);
+    events.clear();
+    robot.read_until(robot.now_us(), events);
+    benchmark::DoNotOptimize(events.data());
+  }
+}
+BENCHMARK_CAPTURE(simulated_tick, textured, "textured")->Unit(benchmark::kMicrosecond)->UseRealTime();
+BENCHMARK_CAPTURE(simulated_tick, rectilinear, "rectilinear")->Unit(benchmark::kMicrosecond)->UseRealTime();
+
+}  // namespace
+}  // namespace saccade
