@@ -46,7 +46,8 @@ int convert(const ConvertOptions& options) {
 
 void add_convert_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<ConvertOptions>();
-  CLI::App* command = app.add_subcommand("convert", "Copy a recording into another format (.aedat, .csv, .txt)");
+  CLI::App* command =
+      app.add_subcommand("convert", "Copy a recording into another format (.aedat, .csv, .txt)");
   add_read_options(*command, "in", *options);
   command->add_option("out", options->out, "Event file to write")->required();
   command->callback([options, &action] { action = [options] { return convert(*options); }; });

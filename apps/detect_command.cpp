@@ -146,11 +146,13 @@ int detect(const DetectOptions& options) {
 
 void add_detect_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<DetectOptions>();
-  CLI::App* command = app.add_subcommand("detect", "The detectors on recorded events, scored when truth is given");
+  CLI::App* command =
+      app.add_subcommand("detect", "The detectors on recorded events, scored when truth is given");
   add_read_options(*command, "recording", *options);
   command->add_option("--config", options->config, "Detectors (YAML); those of the paper by default");
-  command->add_option("--set", options->assignments,
-                      "key=value for every detector, DETECTOR.key=value for one; e.g. radius_px=[4,25]")
+  command
+      ->add_option("--set", options->assignments,
+                   "key=value for every detector, DETECTOR.key=value for one; e.g. radius_px=[4,25]")
       ->allow_extra_args(false);
   command->add_option("--truth", options->truth, "True circles, t_us,x_px,y_px,r_px (CSV)");
   command->add_option("--out", options->out, "Folder for detections, scores and report");

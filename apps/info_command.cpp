@@ -35,7 +35,8 @@ int info(const ReadOptions& options) {
   fmt::print("events         {}\n", count);
   if (count == 0) return 0;
   fmt::print("time           {} us to {} us, {:.6f} s\n", first.t_us, last.t_us, duration_s);
-  if (duration_s > 0.0) fmt::print("rate           {:.0f} events/s\n", static_cast<double>(count) / duration_s);
+  if (duration_s > 0.0)
+    fmt::print("rate           {:.0f} events/s\n", static_cast<double>(count) / duration_s);
   fmt::print("ON : OFF       {} : {}\n", on, count - on);
   fmt::print("longest gap    {} us\n", longest_gap_us);
   fmt::print("back in time   {}\n", back_in_time);

@@ -42,8 +42,8 @@ struct Tick {
   std::span<const Event> events;            ///< delivered in this tick
   std::span<const DetectorTick> detectors;  ///< in the order of the loop's detectors
   std::optional<HeadState> head;
-  std::optional<Eigen::Vector3d> new_target_m;  ///< handed to the controller in this tick, root frame
-  std::optional<Eigen::Vector3d> target_m;      ///< the newest one so far
+  std::optional<Eigen::Vector3d> new_target_m;      ///< handed to the controller in this tick, root frame
+  std::optional<Eigen::Vector3d> target_m;          ///< the newest one so far
   TargetStatus target_status = TargetStatus::none;  ///< what the controller made of new_target_m
   JointLimiter::Result command;                     ///< sent to the head, and which limits acted
   bool command_refused = false;                     ///< by the head

@@ -12,7 +12,8 @@ namespace {
 
 /// Version, commit, MuJoCo and OpenGL, one a line.
 std::string version_text() {
-  std::string text = "saccade " SACCADE_VERSION " (" SACCADE_COMMIT ")\nMuJoCo " + std::string(mj_versionString());
+  std::string text =
+      "saccade " SACCADE_VERSION " (" SACCADE_COMMIT ")\nMuJoCo " + std::string(mj_versionString());
   try {
     text += "\nOpenGL " + saccade::GlContext::create("auto")->description();
   } catch (const saccade::RunError& error) {
@@ -24,14 +25,18 @@ std::string version_text() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Closed-loop testbench for event-driven ball detection and gaze fixation on the iCub.", "saccade"};
+  CLI::App app{"Closed-loop testbench for event-driven ball detection and gaze fixation on the iCub.",
+               "saccade"};
   app.require_subcommand(1);
   app.footer("Exit status: 0 fine, 1 the run failed, 2 bad input or usage, 3 an `expect:` was not met.");
   bool version = false;
-  app.add_flag_callback("--version", [&] {
-    version = true;
-    throw CLI::Success();
-  }, "Tell version, commit, MuJoCo and OpenGL");
+  app.add_flag_callback(
+      "--version",
+      [&] {
+        version = true;
+        throw CLI::Success();
+      },
+      "Tell version, commit, MuJoCo and OpenGL");
 
   saccade::Action action;
   saccade::add_run_command(app, action);

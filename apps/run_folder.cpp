@@ -11,9 +11,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array<std::string_view, 15> names_of_a_run = {
-    "scenario.yaml",   "detectors.yaml", "events.aedat",  "events.csv", "joints.csv",
-    "truth.csv",       "truth_right.csv", "detections.csv", "gaze.csv",  "metrics.json",
-    "report.html",     "video.mp4",      "video.part.mp4", "frames",    "figures"};
+    "scenario.yaml", "detectors.yaml",  "events.aedat",   "events.csv", "joints.csv",
+    "truth.csv",     "truth_right.csv", "detections.csv", "gaze.csv",   "metrics.json",
+    "report.html",   "video.mp4",       "video.part.mp4", "frames",     "figures"};
 
 }  // namespace
 

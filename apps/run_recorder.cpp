@@ -105,7 +105,8 @@ void RunRecorder::record_tables(const Tick& tick) {
   const Eigen::Vector3d none = Eigen::Vector3d::Constant(nan);
   gaze_table_.write({tick.t_us, fixation.valid ? fixation.point_m : none, tick.target_m.value_or(none),
                      tick.head->position_rad});
-  gaze_scorer_.add({tick.t_us, truth.root_from_left_cam, truth.ball_m, tick.target_m, truth.plant_position_rad});
+  gaze_scorer_.add(
+      {tick.t_us, truth.root_from_left_cam, truth.ball_m, tick.target_m, truth.plant_position_rad});
 }
 
 EyePicture RunRecorder::eye_picture(const Tick& tick, const cv::Mat& grey) const {
@@ -134,7 +135,8 @@ void RunRecorder::take_pictures(const Tick& tick) {
 
   const ImageSize size = scenario_.sim.camera.size;
   cv::Mat grey;
-  cv::Mat(size.height, size.width, CV_32F, const_cast<float*>(robot_.left_image().data())).convertTo(grey, CV_8U);
+  cv::Mat(size.height, size.width, CV_32F, const_cast<float*>(robot_.left_image().data()))
+      .convertTo(grey, CV_8U);
   cv::Mat scene(scene_size.height, scene_size.width, CV_8UC3);
   robot_.draw_scene(profile(), scene_size,
                     std::span(scene.data, static_cast<std::size_t>(scene_size.pixels()) * 3));

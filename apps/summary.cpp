@@ -18,16 +18,18 @@ void print_summary(const Metrics& metrics) {
   }
   fmt::print("\n");
   for (const auto& [name, score] : metrics.detectors) {
-    fmt::print("{}: average precision {}, precision {} and recall {} at its threshold, median error {}, lag {}\n",
-               name, number(score.average_precision, ""), number(score.precision, ""), number(score.recall, ""),
-               number(score.position_error_px.median, " px"), number(score.lag_ms, " ms"));
+    fmt::print(
+        "{}: average precision {}, precision {} and recall {} at its threshold, median error {}, lag {}\n",
+        name, number(score.average_precision, ""), number(score.precision, ""), number(score.recall, ""),
+        number(score.position_error_px.median, " px"), number(score.lag_ms, " ms"));
   }
   if (metrics.gaze) {
     const GazeScore& gaze = metrics.gaze->score;
-    fmt::print("gaze: acquired after {}, in view {}, median error {}, {} moves of which {} wrong, {} limit "
-               "violations\n",
-               number(gaze.acquire_s, " s"), number(gaze.in_view_ratio, ""),
-               number(gaze.fixation_error_deg.median, " deg"), gaze.moves, gaze.wrong_moves, gaze.limit_violations);
+    fmt::print(
+        "gaze: acquired after {}, in view {}, median error {}, {} moves of which {} wrong, {} limit "
+        "violations\n",
+        number(gaze.acquire_s, " s"), number(gaze.in_view_ratio, ""),
+        number(gaze.fixation_error_deg.median, " deg"), gaze.moves, gaze.wrong_moves, gaze.limit_violations);
   }
 }
 

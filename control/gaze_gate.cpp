@@ -162,8 +162,8 @@ class ContinuityGate final : public CountingGate {
     }
     return agreeing >= config_.min_agreeing;
   }
-  [[nodiscard]] bool agree(const Eigen::Vector3d& a_m, const Eigen::Vector3d& b_m, const Eigen::Vector3d& eye_m,
-                           double tolerance_deg) const {
+  [[nodiscard]] bool agree(const Eigen::Vector3d& a_m, const Eigen::Vector3d& b_m,
+                           const Eigen::Vector3d& eye_m, double tolerance_deg) const {
     const Eigen::Vector3d a = a_m - eye_m;
     const Eigen::Vector3d b = b_m - eye_m;
     const double angle_rad = std::atan2(a.cross(b).norm(), a.dot(b));
@@ -202,7 +202,8 @@ void describe(FieldVisitor& v, GateConfig& config) {
       [&](FieldVisitor& w) {
         ContinuityGateConfig& c = config.continuity;
         w.real("tolerance_deg", c.tolerance_deg, {0.01, 180.0}, "detections this close in bearing agree");
-        w.real("depth_ratio", c.depth_ratio, {1.0, 100.0}, "if their distances differ by less than this factor");
+        w.real("depth_ratio", c.depth_ratio, {1.0, 100.0},
+               "if their distances differ by less than this factor");
         w.real("growth_deg_s", c.growth_deg_s, {0.0, 1e4}, "the tolerance grows by this while none came");
         w.real("window_s", c.window_s, {0.001, 1.0}, "how far back a confirmation may lie");
         w.integer("min_agreeing", c.min_agreeing, {1, 1000}, "detections that confirm a new place");

@@ -25,7 +25,7 @@ std::optional<Circle> PinholeCamera::project_sphere(const Eigen::Vector3d& d, do
   const double det = a.determinant();
   if (!(det > 0.0)) return std::nullopt;  // not an ellipse
   const Eigen::Vector2d centre = -a.inverse() * b;
-  const double level = m(2, 2) + b.dot(centre);  // value of the conic at its centre
+  const double level = m(2, 2) + b.dot(centre);                  // value of the conic at its centre
   const double area_over_pi = std::abs(level) / std::sqrt(det);  // = product of the semi-axes
   return Circle{cx_px + fx_px * centre.x(), cy_px + fy_px * centre.y(),
                 std::sqrt(area_over_pi * fx_px * fy_px)};

@@ -13,7 +13,7 @@ namespace saccade {
 /// Absent (nullptr) on a recording without joints.
 struct CameraMotion {
   Eigen::Isometry3d root_from_camera = Eigen::Isometry3d::Identity();
-  Eigen::Vector3d linear_velocity_m_s = Eigen::Vector3d::Zero();      ///< of the pinhole, camera frame
+  Eigen::Vector3d linear_velocity_m_s = Eigen::Vector3d::Zero();     ///< of the pinhole, camera frame
   Eigen::Vector3d angular_velocity_rad_s = Eigen::Vector3d::Zero();  ///< camera frame
 };
 

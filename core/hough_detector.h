@@ -14,9 +14,9 @@ struct HoughDetectorConfig {
   bool directed = true;
   std::vector<double> radius_px = {10, 35};  ///< smallest and largest radius, whole numbers
   std::int64_t window_events = 1500;
-  double arc_deg = 10.0;                     ///< half-width of an arc of directed votes
-  PlaneFitFlowConfig flow;                   ///< directed only
-  double threshold = 0.0;                    ///< response (votes per ring pixel) taken for the ball
+  double arc_deg = 10.0;    ///< half-width of an arc of directed votes
+  PlaneFitFlowConfig flow;  ///< directed only
+  double threshold = 0.0;   ///< response (votes per ring pixel) taken for the ball
 };
 
 /// Keys: radius_px, window.events, threshold; directed also: arc_deg, flow.

@@ -10,10 +10,10 @@
 namespace saccade {
 
 struct PlaneFitFlowConfig {
-  std::int64_t half_width_px = 2;       ///< the neighbourhood is a square of 2 n + 1 pixels
-  std::int64_t max_age_us = 100'000;    ///< older neighbours do not belong to this edge
-  std::int64_t min_inliers = 6;         ///< with fewer, the event has no flow
-  double inlier_px = 0.7;               ///< how far, along the flow, a neighbour may lie from the plane
+  std::int64_t half_width_px = 2;     ///< the neighbourhood is a square of 2 n + 1 pixels
+  std::int64_t max_age_us = 100'000;  ///< older neighbours do not belong to this edge
+  std::int64_t min_inliers = 6;       ///< with fewer, the event has no flow
+  double inlier_px = 0.7;             ///< how far, along the flow, a neighbour may lie from the plane
 };
 
 /// Keys: half_width_px, max_age_us, min_inliers, inlier_px.

@@ -26,8 +26,8 @@ void log_image(const float* luminance, double dark_current, double* out, std::si
     const std::uint64_t bits = std::bit_cast<std::uint64_t>(value) - 0x3fe6a09e667f3bcdULL;
     const double m = std::bit_cast<double>((bits & 0x000fffffffffffffULL) + 0x3fe6a09e667f3bcdULL);
     // The exponent as a double without a 64-bit integer conversion, which SSE and AVX2 lack.
-    const double e = std::bit_cast<double>((((bits >> 52) + 1024) & 0x7ff) | 0x4330000000000000ULL) -
-                     (0x1.0p52 + 1024.0);
+    const double e =
+        std::bit_cast<double>((((bits >> 52) + 1024) & 0x7ff) | 0x4330000000000000ULL) - (0x1.0p52 + 1024.0);
     const double s = (m - 1.0) / (m + 1.0);
     const double z = s * s;
     double series = 1.0 / 17;
@@ -62,8 +62,10 @@ void describe(FieldVisitor& v, EmulatorConfig& config) {
   if (config.preset != preset && std::find(known.begin(), known.end(), config.preset) != known.end()) {
     config = emulator_preset(config.preset);
   }
-  v.real("contrast_threshold_on", config.contrast_threshold_on, {0.01, 5.0}, "rise of ln luminance per event");
-  v.real("contrast_threshold_off", config.contrast_threshold_off, {0.01, 5.0}, "fall of ln luminance per event");
+  v.real("contrast_threshold_on", config.contrast_threshold_on, {0.01, 5.0},
+         "rise of ln luminance per event");
+  v.real("contrast_threshold_off", config.contrast_threshold_off, {0.01, 5.0},
+         "fall of ln luminance per event");
   v.real("threshold_mismatch", config.threshold_mismatch, {0.0, 0.5}, "relative sigma over pixels");
   v.integer("refractory_us", config.refractory_us, {0, 1e6}, "pixel held in reset after an event");
   v.real("dark_current", config.dark_current, {1e-3, 255.0}, "added to luminance, grey levels of 0..255");
@@ -102,8 +104,8 @@ void EventEmulator::process_image(std::span<const float> luminance, std::int64_t
   for (std::size_t i = 0; i < n; ++i) {
     if (!(luminance[i] >= 0.0F && luminance[i] <= std::numeric_limits<float>::max())) {
       const auto width = static_cast<std::size_t>(size_.width);
-      throw InputError("image at " + std::to_string(t_us) + " us, pixel (" + std::to_string(i % width) + ", " +
-                           std::to_string(i / width) + ")",
+      throw InputError("image at " + std::to_string(t_us) + " us, pixel (" + std::to_string(i % width) +
+                           ", " + std::to_string(i / width) + ")",
                        text_of(static_cast<double>(luminance[i])), "a finite luminance of at least 0");
     }
   }
@@ -151,7 +153,8 @@ void EventEmulator::emit_pixel(std::size_t i, std::int64_t t0, std::int64_t t1) 
     t = std::max(std::min(t, t1), last_event_us_[i] == never_us ? t0 + 1 : last_event_us_[i] + 1);
     if (t > t1) return;  // no free microsecond left: found again with the next image
     const auto width = static_cast<std::size_t>(size_.width);
-    unsorted_.push_back({t, static_cast<std::uint16_t>(i % width), static_cast<std::uint16_t>(i / width), on, 0});
+    unsorted_.push_back(
+        {t, static_cast<std::uint16_t>(i % width), static_cast<std::uint16_t>(i / width), on, 0});
     last_event_us_[i] = t;
     reference_[i] = target;
     if (config_.refractory_us > 0) {
@@ -176,7 +179,8 @@ void EventEmulator::sort_into(std::vector<Event>& events, std::int64_t t0, std::
   for (const Event& e : unsorted_) ++first_at_[static_cast<std::size_t>(e.t_us - t0)];
   for (std::size_t k = 1; k < first_at_.size(); ++k) first_at_[k] += first_at_[k - 1];
   events.resize(before + n);
-  for (const Event& e : unsorted_) events[before + first_at_[static_cast<std::size_t>(e.t_us - t0) - 1]++] = e;
+  for (const Event& e : unsorted_)
+    events[before + first_at_[static_cast<std::size_t>(e.t_us - t0) - 1]++] = e;
 }
 
 }  // namespace saccade

@@ -13,12 +13,12 @@ namespace saccade {
 /// The pixel of a dynamic vision sensor: it holds a reference log luminance and emits an event when log
 /// luminance has moved by its ON or OFF threshold from it (Lichtsteiner, Posch, Delbruck, JSSC 43(2), 2008).
 struct EmulatorConfig {
-  std::string preset = "dvs128";          ///< where the values below start from
-  double contrast_threshold_on = 0.2;     ///< rise of ln luminance per ON event
-  double contrast_threshold_off = 0.2;    ///< fall of ln luminance per OFF event
-  double threshold_mismatch = 0.021;      ///< relative standard deviation over pixels, fixed per pixel
-  std::int64_t refractory_us = 500;       ///< after an event the pixel is held in reset this long
-  double dark_current = 10.0;             ///< L = ln(luminance + dark_current); unit of the luminance
+  std::string preset = "dvs128";        ///< where the values below start from
+  double contrast_threshold_on = 0.2;   ///< rise of ln luminance per ON event
+  double contrast_threshold_off = 0.2;  ///< fall of ln luminance per OFF event
+  double threshold_mismatch = 0.021;    ///< relative standard deviation over pixels, fixed per pixel
+  std::int64_t refractory_us = 500;     ///< after an event the pixel is held in reset this long
+  double dark_current = 10.0;           ///< L = ln(luminance + dark_current); unit of the luminance
 };
 
 /// Names that `preset` may take: ideal (no mismatch, no refractory period), dvs128.

@@ -1022,16 +1022,14 @@ std::string lab_mjcf(const LabConfig& config, std::uint64_t seed) {
     count += 3;
   }
   std::string bodies;
-  const auto light = [&](const char* name, const char* direction, double ambient, double diffuse,
-                         bool shadow) {
+  const auto light = [&](const char* name, const char* direction, double ambient, double diffuse) {
     bodies += print(
         "  <light name=\"lab_%s\" directional=\"true\" dir=\"%s\" pos=\"%s\" ambient=\"%.4f %.4f %.4f\" "
-        "diffuse=\"%.4f %.4f %.4f\" specular=\"0 0 0\" castshadow=\"%s\"/>\n",
-        name, direction, "0.6 0.4 1.8", ambient, ambient, ambient, diffuse, diffuse, diffuse,
-        shadow ? "true" : "false");
+        "diffuse=\"%.4f %.4f %.4f\" specular=\"0 0 0\" castshadow=\"false\"/>\n",
+        name, direction, "0.6 0.4 1.8", ambient, ambient, ambient, diffuse, diffuse, diffuse);
   };
-  light("lamp", "-0.55 -0.35 -0.76", 0.4 * config.brightness, 0.5 * config.brightness, true);
-  light("sky", "-0.35 0.9 -0.25", 0.0, 0.35 * config.brightness, false);
+  light("lamp", "-0.55 -0.35 -0.76", 0.4 * config.brightness, 0.5 * config.brightness);
+  light("sky", "-0.35 0.9 -0.25", 0.0, 0.35 * config.brightness);
   return print(
              "<asset>\n"
              "  <texture name=\"lab\" type=\"2d\" builtin=\"flat\" width=\"%d\" height=\"%d\" rgb1=\"0.33 "

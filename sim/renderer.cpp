@@ -29,7 +29,7 @@ class SceneDrawer {
     settings.vis.global.offheight = buffer.height;
     const bool fine = quality == Quality::fine;
     settings.vis.quality.offsamples = fine ? 4 : 0;
-    settings.vis.quality.shadowsize = fine ? 4096 : 0;
+    settings.vis.quality.shadowsize = 0;
     // A triangle costs 60 ns in software: hands and pots are coarse in an eye, only the ball is not.
     settings.vis.quality.numslices = fine ? 32 : 10;
     settings.vis.quality.numstacks = fine ? 16 : 4;
@@ -50,7 +50,6 @@ class SceneDrawer {
     }
     std::fill(std::begin(scene_.flags), std::end(scene_.flags), mjtByte{0});
     scene_.flags[mjRND_CULL_FACE] = 1;
-    scene_.flags[mjRND_SHADOW] = fine ? 1 : 0;
     for (int group = 0; group < mjNGROUP; ++group) option_.geomgroup[group] = group < (fine ? 3 : 2) ? 1 : 0;
   }
   ~SceneDrawer() {
@@ -65,8 +64,6 @@ class SceneDrawer {
     if (quality_ == Quality::fast) {
       refine_spheres();
       leave_out_unseen(camera, viewport);
-    } else {
-      hang_lamp();
     }
     mjr_restoreBuffer(&context_);  // another drawer may have drawn meanwhile
     scene_.camera[0] = scene_.camera[1] = camera;
@@ -184,20 +181,6 @@ class SceneDrawer {
                          [&](const Vector3f& out) { return out.dot(from_eye) > 1.01F * reach; });
     };
     scene_.ngeom = static_cast<int>(std::remove_if(geoms.begin(), geoms.end(), unseen) - geoms.begin());
-  }
-
-  /// A directional light comes from outside the room and leaves it in shadow; for pictures the light that
-  /// casts shadows hangs at its place below the ceiling.
-  void hang_lamp() {
-    for (mjvLight& light : std::span(scene_.lights, static_cast<std::size_t>(scene_.nlight))) {
-      if (light.castshadow == 0 || light.directional == 0) continue;
-      light.directional = 0;
-      for (float& part : light.diffuse) part *= 0.8F;
-      light.cutoff = 80.0F;
-      light.exponent = 0.0F;
-      light.attenuation[0] = 1.0F;
-      light.attenuation[1] = light.attenuation[2] = 0.0F;
-    }
   }
 
   const mjModel& model_;

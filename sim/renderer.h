@@ -84,7 +84,7 @@ struct SceneView {
   double elevation_rad = -0.3;  ///< of the view: negative looks down
 };
 
-/// Third-person pictures for reports and videos: everything in the model, lit with shadows.
+/// Third-person pictures for reports and videos: everything in the model, finely drawn.
 class SceneRenderer {
  public:
   /// `model` and `gl` must outlive it. Throws RunError when OpenGL fails.

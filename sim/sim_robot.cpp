@@ -39,8 +39,8 @@ void SimRobot::look() {
 
 PortStatus SimRobot::read_until(std::int64_t t_us, std::vector<Event>& events) {
   const auto begin = events_.begin() + static_cast<std::ptrdiff_t>(delivered_);
-  const auto end = std::upper_bound(begin, events_.end(), t_us,
-                                    [](std::int64_t t, const Event& e) { return t < e.t_us; });
+  const auto end =
+      std::upper_bound(begin, events_.end(), t_us, [](std::int64_t t, const Event& e) { return t < e.t_us; });
   events.insert(events.end(), begin, end);
   delivered_ = static_cast<std::size_t>(end - events_.begin());
   if (delivered_ == events_.size()) {

@@ -32,11 +32,15 @@ NamedDetectors named_in(const YamlTree& tree, std::vector<std::string>& required
 }
 
 void describe_detectors(FieldVisitor& v, NamedDetectors& detectors) {
-  v.section("detectors", [&](FieldVisitor& block) {
-    for (auto& [name, config] : detectors) {
-      block.section(name, [&](FieldVisitor& w) { describe(w, config); }, "a detector");
-    }
-  }, "detectors that see the events, by name");
+  v.section(
+      "detectors",
+      [&](FieldVisitor& block) {
+        for (auto& [name, config] : detectors) {
+          block.section(
+              name, [&](FieldVisitor& w) { describe(w, config); }, "a detector");
+        }
+      },
+      "detectors that see the events, by name");
 }
 
 std::vector<Expectation> expected_in(const YamlTree& tree) {
@@ -70,44 +74,63 @@ nlohmann::json empty_metrics(const Scenario& scenario) {
 
 void describe_expect(FieldVisitor& v, Scenario& scenario) {
   const nlohmann::json metrics = empty_metrics(scenario);
-  v.section("expect", [&](FieldVisitor& block) {
-    for (Expectation& e : scenario.expect) {
-      block.reals(e.metric, e.range, 2, {}, "smallest and largest value that passes");
-      block.require(find_figure(metrics, e.metric) != nullptr, e.metric, "no such figure",
-                    "the path of a number in metrics.json, such as gaze.in_view_ratio");
-    }
-  }, "what the run must reach; exit status 3 otherwise");
+  v.section(
+      "expect",
+      [&](FieldVisitor& block) {
+        for (Expectation& e : scenario.expect) {
+          block.reals(e.metric, e.range, 2, {}, "smallest and largest value that passes");
+          block.require(find_figure(metrics, e.metric) != nullptr, e.metric, "no such figure",
+                        "the path of a number in metrics.json, such as gaze.in_view_ratio");
+        }
+      },
+      "what the run must reach; exit status 3 otherwise");
 }
 
 void describe(FieldVisitor& v, Scenario& s) {
   v.text("name", s.name, "of the scenario, in reports");
   v.text("description", s.description, "what happens, in a sentence");
   v.integer("seed", s.seed, {0, 9e15}, "of everything random in the run");
-  v.section("run", [&](FieldVisitor& w) {
-    w.real("duration_s", s.run.duration_s, {0.01, 86400.0}, "simulated time");
-    w.integer("threads", s.run.threads, {1, 64}, "processor cores to use; the result does not depend on it");
-  }, "the run");
-  v.section("lab", [&](FieldVisitor& w) { describe(w, s.sim.lab); }, "the room");
+  v.section(
+      "run",
+      [&](FieldVisitor& w) {
+        w.real("duration_s", s.run.duration_s, {0.01, 86400.0}, "simulated time");
+        w.integer("threads", s.run.threads, {1, 64},
+                  "processor cores to use; the result does not depend on it");
+      },
+      "the run");
+  v.section(
+      "lab", [&](FieldVisitor& w) { describe(w, s.sim.lab); }, "the room");
   describe(v, s.sim.world);
-  v.section("camera", [&](FieldVisitor& w) { describe(w, s.sim.camera); }, "the left eye's pinhole");
-  v.section("render", [&](FieldVisitor& w) {
-    w.choice("backend", s.sim.gl, GlContext::backends(), "OpenGL without a window");
-    describe(w, s.sim.render);
-  }, "how the eye's images are drawn");
-  v.section("emulator", [&](FieldVisitor& w) { describe(w, s.sim.emulator); }, "the event camera's pixels");
+  v.section(
+      "camera", [&](FieldVisitor& w) { describe(w, s.sim.camera); }, "the left eye's pinhole");
+  v.section(
+      "render",
+      [&](FieldVisitor& w) {
+        w.choice("backend", s.sim.gl, GlContext::backends(), "OpenGL without a window");
+        describe(w, s.sim.render);
+      },
+      "how the eye's images are drawn");
+  v.section(
+      "emulator", [&](FieldVisitor& w) { describe(w, s.sim.emulator); }, "the event camera's pixels");
   describe_detectors(v, s.detectors);
-  v.section("gaze", [&](FieldVisitor& w) {
-    std::vector<std::string> drivers = {"none"};
-    for (const auto& [name, config] : s.detectors) drivers.push_back(name);
-    w.choice("detector", s.gaze.detector, drivers, "which of the detectors drives the head");
-    describe(w, s.gaze.gate);
-    describe(w, s.gaze.controller);
-  }, "from detections to gaze");
-  v.section("output", [&](FieldVisitor& w) {
-    w.boolean("video", s.output.video, "video.mp4 in the run folder");
-    w.choice("events", s.output.events, {"aedat", "csv"}, "format of the events' file");
-    w.integer("pictures", s.output.pictures, {0, 60}, "instants shown as pictures in the report");
-  }, "what the run folder holds");
+  v.section(
+      "gaze",
+      [&](FieldVisitor& w) {
+        std::vector<std::string> drivers = {"none"};
+        for (const auto& [name, config] : s.detectors) drivers.push_back(name);
+        w.choice("detector", s.gaze.detector, drivers, "which of the detectors drives the head");
+        describe(w, s.gaze.gate);
+        describe(w, s.gaze.controller);
+      },
+      "from detections to gaze");
+  v.section(
+      "output",
+      [&](FieldVisitor& w) {
+        w.boolean("video", s.output.video, "video.mp4 in the run folder");
+        w.choice("events", s.output.events, {"aedat", "csv"}, "format of the events' file");
+        w.integer("pictures", s.output.pictures, {0, 60}, "instants shown as pictures in the report");
+      },
+      "what the run folder holds");
   describe_expect(v, s);
 }
 
@@ -118,7 +141,8 @@ Scenario read_scenario(const std::filesystem::path& path, const std::vector<std:
   YamlTree tree = read_yaml_file(path);
   for (const std::string& assignment : assignments) set_value(tree, assignment);
   if (seed) set_value(tree, "seed=" + std::to_string(*seed));
-  std::vector<std::string> required = {"name", "run", "run.duration_s", "ball", "ball.trajectory", "detectors"};
+  std::vector<std::string> required = {"name",     "run", "run.duration_s", "ball", "ball.trajectory",
+                                       "detectors"};
   Scenario scenario;
   scenario.detectors = named_in(tree, required);
   scenario.expect = expected_in(tree);
@@ -148,7 +172,8 @@ std::vector<std::string> unmet_expectations(const Scenario& scenario, const Metr
   return unmet;
 }
 
-NamedDetectors read_detectors(const std::filesystem::path& path, const std::vector<std::string>& assignments) {
+NamedDetectors read_detectors(const std::filesystem::path& path,
+                              const std::vector<std::string>& assignments) {
   YamlTree tree;
   if (!path.empty()) {
     tree = read_yaml_file(path);

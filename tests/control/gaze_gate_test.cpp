@@ -269,7 +269,8 @@ TEST(ContinuityGate, LivesInTheRootFrameSoTheHeadsOwnMotionDoesNotMatter) {
   int passed = 0;
   for (int i = 1; i <= 300; ++i) {  // the camera turns by 0.1 deg per ms, 100 deg/s
     Eigen::Isometry3d pose = looking_ahead();
-    pose.linear() = Eigen::AngleAxisd((150 - i) * 0.1 * 3.14159265 / 180, Eigen::Vector3d::UnitZ()) * pose.linear();
+    pose.linear() =
+        Eigen::AngleAxisd((150 - i) * 0.1 * 3.14159265 / 180, Eigen::Vector3d::UnitZ()) * pose.linear();
     const auto circle = camera.project_sphere(pose.inverse() * ball, 0.0475);
     ASSERT_TRUE(circle);
     passed += g->update(i * 1000, {true, false, *circle, 1.0}, threshold, camera, pose).has_value();

@@ -30,7 +30,8 @@ Outcome saccade(const std::string& arguments, const std::string& environment = "
   FILE* const pipe = popen(command.c_str(), "r");
   Outcome outcome;
   std::array<char, 4096> buffer;
-  while (std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe)) outcome.text.append(buffer.data(), n);
+  while (std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe))
+    outcome.text.append(buffer.data(), n);
   const int status = pclose(pipe);
   outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128;
   return outcome;
@@ -70,8 +71,8 @@ TEST_F(Command, anotherSeedGivesOtherEvents) {
 TEST_F(Command, aRunLeavesEveryFileOfTheRunFolderAndTheResolvedScenarioGivesTheSameRun) {
   const std::string options = " --set run.duration_s=0.4 --set expect={} --set output.video=true ";
   ASSERT_EQ(saccade("run '" + short_scenario + "'" + options + "--out " + out("run")).status, 0);
-  for (const char* file : {"scenario.yaml", "events.aedat", "joints.csv", "truth.csv", "detections.csv", "gaze.csv",
-                           "metrics.json", "report.html", "video.mp4"}) {
+  for (const char* file : {"scenario.yaml", "events.aedat", "joints.csv", "truth.csv", "detections.csv",
+                           "gaze.csv", "metrics.json", "report.html", "video.mp4"}) {
     EXPECT_GT(bytes_of(folder_ / "run" / file).size(), 100U) << file;
   }
   ASSERT_EQ(saccade("run " + out("run/scenario.yaml") + " --out " + out("again")).status, 0);
@@ -80,8 +81,8 @@ TEST_F(Command, aRunLeavesEveryFileOfTheRunFolderAndTheResolvedScenarioGivesTheS
 }
 
 TEST_F(Command, anUnmetExpectationIsStatusThreeAndSaysWhich) {
-  const Outcome outcome = saccade("run '" + short_scenario + "' --set run.duration_s=0.1 --out " + out("run") +
-                                  " --set 'expect={gaze.in_view_ratio: [2, 3]}'");
+  const Outcome outcome = saccade("run '" + short_scenario + "' --set run.duration_s=0.1 --out " +
+                                  out("run") + " --set 'expect={gaze.in_view_ratio: [2, 3]}'");
   EXPECT_EQ(outcome.status, 3) << outcome.text;
   EXPECT_THAT(outcome.text, HasSubstr("expect: gaze.in_view_ratio is"));
   EXPECT_TRUE(fs::exists(folder_ / "run/report.html"));
@@ -144,16 +145,20 @@ TEST_F(Command, unknownWordsOnTheCommandLineAreUsage) {
 }
 
 TEST_F(Command, aRunFolderIsARecordingThatDetectReadsBack) {
-  ASSERT_EQ(saccade("run '" + short_scenario + "' --set run.duration_s=0.6 --set expect={} --out " + out("run")).status,
-            0);
+  ASSERT_EQ(
+      saccade("run '" + short_scenario + "' --set run.duration_s=0.6 --set expect={} --out " + out("run"))
+          .status,
+      0);
   const Outcome outcome = saccade("detect " + out("run/events.aedat") + " --out " + out("detect"));
   EXPECT_EQ(outcome.status, 0) << outcome.text;
   EXPECT_GT(bytes_of(folder_ / "detect/detections.csv").size(), 1000U);
 }
 
 TEST_F(Command, aRecordingSurvivesConversionToTextAndBack) {
-  ASSERT_EQ(saccade("run '" + short_scenario + "' --set run.duration_s=0.3 --set expect={} --out " + out("run")).status,
-            0);
+  ASSERT_EQ(
+      saccade("run '" + short_scenario + "' --set run.duration_s=0.3 --set expect={} --out " + out("run"))
+          .status,
+      0);
   ASSERT_EQ(saccade("convert " + out("run/events.aedat") + " " + out("e.csv")).status, 0);
   ASSERT_EQ(saccade("convert " + out("e.csv") + " " + out("e.aedat") + " --size 128x128").status, 0);
   const std::string first = saccade("info " + out("run/events.aedat")).text;

@@ -29,7 +29,8 @@ RobotUnderTest simulated() {
   return {robot, robot.get(), robot.get(), robot.get()};
 }
 
-INSTANTIATE_TEST_SUITE_P(Sim, PortConformance, testing::Values(PortBackend{"Sim", simulated}), name_of_backend);
+INSTANTIATE_TEST_SUITE_P(Sim, PortConformance, testing::Values(PortBackend{"Sim", simulated}),
+                         name_of_backend);
 
 TEST(SimRobot, AStillHeadBeforeAStillSceneSeesNoEvent) {
   SimRobot robot(still_world(), 3);
