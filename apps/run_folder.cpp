@@ -10,10 +10,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 15> names_of_a_run = {
-    "scenario.yaml", "detectors.yaml",  "events.aedat",   "events.csv", "joints.csv",
-    "truth.csv",     "truth_right.csv", "detections.csv", "gaze.csv",   "metrics.json",
-    "report.html",   "video.mp4",       "video.part.mp4", "frames",     "figures"};
+constexpr std::array<std::string_view, 13> names_of_a_run = {
+    "scenario.yaml", "detectors.yaml", "events.aedat", "events.csv",   "joints.csv",
+    "truth.csv",     "detections.csv", "gaze.csv",     "metrics.json", "report.html",
+    "video.mp4",     "video.part.mp4", "frames"};
 
 }  // namespace
 

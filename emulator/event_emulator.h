@@ -34,10 +34,10 @@ void describe(FieldVisitor& v, EmulatorConfig& config);
 /// Between two images the log luminance of a pixel is a straight line in time; a pixel emits wherever the
 /// line meets reference +- threshold, and the reference moves to that level. An event is stamped with the
 /// first whole microsecond at or after the crossing. A second crossing of one pixel within a microsecond is
-/// stamped one microsecond later, if need be after the next image: no crossing is ever lost. With a
-/// refractory period the pixel is held in reset from its event for refractory_us, and the reference is the
-/// log luminance at the end of it. Thresholds differ from pixel to pixel by a fixed, seeded factor, not
-/// below 5 % of their nominal value.
+/// stamped one microsecond later, if need be after the next image (unless the light has turned back by
+/// then). With a refractory period the pixel is held in reset from its event for refractory_us, and the
+/// reference is the log luminance at the end of it. Thresholds differ from pixel to pixel by a fixed, seeded
+/// factor, not below 5 % of their nominal value.
 ///
 /// The number of events and their times do not depend on how finely a given luminance course is sampled.
 class EventEmulator {
