@@ -53,6 +53,9 @@ class Detector {
   /// Score at and above which an estimate is taken for the ball; a constant of the configuration.
   [[nodiscard]] virtual double threshold() const = 0;
   [[nodiscard]] virtual RejectedEvents rejected() const = 0;
+  /// For pictures: the largest response over all radii at each pixel as of the last estimate(), row by row;
+  /// `response` has room for the image. False, and nothing is written, where a detector has no such space.
+  [[nodiscard]] virtual bool hough_space(std::span<float> /*response*/) const { return false; }
 };
 
 }  // namespace saccade
