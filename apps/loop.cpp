@@ -16,7 +16,7 @@ Loop::Loop(Clock& clock, EventSource& events, HeadPort* head, const PinholeCamer
       gaze_(std::move(gaze)),
       results_(detectors_.size()),
       last_t_us_(clock.now_us()) {
-  SACCADE_CHECK(!gaze_ || (head_ != nullptr && gaze_->driver < detectors_.size()));
+  SACCADE_CHECK(!gaze_ || (head_ != nullptr && gaze_->driver.value_or(0) < detectors_.size()));
 }
 
 PortStatus Loop::tick(std::int64_t t_us, LoopObserver& observer) {
@@ -58,10 +58,12 @@ void Loop::detect(std::int64_t t_us, const CameraMotion* motion) {
 }
 
 void Loop::act(const CameraMotion& motion, double dt_s, Tick& tick) {
-  const DetectorTick& seen = results_[gaze_->driver];
-  const double threshold = detectors_[gaze_->driver].detector->threshold();
-  tick.new_target_m = gaze_->gate->update(tick.t_us, seen.observed ? seen.estimate : Estimate{}, threshold,
-                                          camera_, motion.root_from_camera);
+  if (gaze_->driver) {
+    const DetectorTick& seen = results_[*gaze_->driver];
+    const double threshold = detectors_[*gaze_->driver].detector->threshold();
+    tick.new_target_m = gaze_->gate->update(tick.t_us, seen.observed ? seen.estimate : Estimate{}, threshold,
+                                            camera_, motion.root_from_camera);
+  }
   const HeadJointVector wanted = gaze_->controller->step(*tick.head, tick.new_target_m, dt_s);
   tick.target_status = gaze_->controller->target_status();
   if (tick.target_status == TargetStatus::ok) target_m_ = tick.new_target_m;

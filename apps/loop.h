@@ -23,8 +23,8 @@ struct LoopDetector {
 
 /// What turns detections into gaze, all of one robot.
 struct LoopGaze {
-  std::size_t driver = 0;  ///< index of the detector that drives
-  std::unique_ptr<GazeGate> gate;
+  std::optional<std::size_t> driver;  ///< index of the detector that drives; none: no targets
+  std::unique_ptr<GazeGate> gate;     ///< of the driver
   std::unique_ptr<GazeController> controller;
   JointLimiter limiter;
 };

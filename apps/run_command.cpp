@@ -49,12 +49,16 @@ class Progress {
 };
 
 std::optional<LoopGaze> make_gaze(const Scenario& scenario, const JointLimits& limits) {
+  const GazeControllerConfig& config = scenario.gaze.controller;
+  if (scenario.gaze.detector == "none" && config.controller != "script") return std::nullopt;
+  LoopGaze gaze{{},
+                make_gate(scenario.gaze.gate),
+                make_gaze_controller(config, limits),
+                JointLimiter(motion_limits(limits, config.limits))};
   for (std::size_t i = 0; i < scenario.detectors.size(); ++i) {
-    if (scenario.detectors[i].first != scenario.gaze.detector) continue;
-    return LoopGaze{i, make_gate(scenario.gaze.gate), make_gaze_controller(scenario.gaze.controller, limits),
-                    JointLimiter(motion_limits(limits, scenario.gaze.controller.limits))};
+    if (scenario.detectors[i].first == scenario.gaze.detector) gaze.driver = i;
   }
-  return std::nullopt;
+  return gaze;
 }
 
 std::vector<LoopDetector> make_detectors(const NamedDetectors& named, const PinholeCamera& camera) {

@@ -1,6 +1,7 @@
 #include "control/gaze_controller.h"
 
 #include "control/qp_controller.h"
+#include "control/script_controller.h"
 
 namespace saccade {
 namespace {
@@ -29,10 +30,22 @@ void describe(FieldVisitor& v, QpConfig& config) {
   v.real("max_lead_deg", config.max_lead_deg, {0.1, 60.0}, "reference ahead of the measured joint at most");
 }
 
+void describe(FieldVisitor& v, ScriptConfig& config) {
+  v.points("eyes_deg", config.eyes_deg, 2, {-45.0, 45.0}, "tilt and version to go to in turn, for ever");
+  v.require(!config.eyes_deg.empty(), "eyes_deg", "[]", "at least one point");
+  v.real("speed_deg_s", config.speed_deg_s, {0.1, 500.0}, "mean speed of a move of least jerk");
+  v.real("dwell_s", config.dwell_s, {0.001, 3600.0}, "rest at every point");
+}
+
 void describe(FieldVisitor& v, GazeControllerConfig& config) {
-  v.choice("controller", config.controller, {"qp"}, "what moves the head");
-  v.section(
-      "qp", [&](FieldVisitor& w) { describe(w, config.qp); }, "bounded velocity inverse kinematics");
+  v.choice("controller", config.controller, {"qp", "script"}, "what moves the head");
+  if (config.controller == "script") {
+    v.section(
+        "script", [&](FieldVisitor& w) { describe(w, config.script); }, "eyes that go their own way");
+  } else {
+    v.section(
+        "qp", [&](FieldVisitor& w) { describe(w, config.qp); }, "bounded velocity inverse kinematics");
+  }
   v.section(
       "limits", [&](FieldVisitor& w) { describe(w, config.limits); }, "how briskly gaze may move");
 }
@@ -40,6 +53,7 @@ void describe(FieldVisitor& v, GazeControllerConfig& config) {
 std::unique_ptr<GazeController> make_gaze_controller(const GazeControllerConfig& config,
                                                      const JointLimits& hardware) {
   check_config("gaze", config);
+  if (config.controller == "script") return std::make_unique<ScriptController>(config.script, hardware);
   return std::make_unique<QpController>(config.qp, motion_limits(hardware, config.limits));
 }
 

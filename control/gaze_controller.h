@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "control/head_kinematics.h"
 #include "control/joint_limiter.h"
@@ -49,13 +50,25 @@ struct QpConfig {
 /// max_lead_deg.
 void describe(FieldVisitor& v, QpConfig& config);
 
+/// Eyes that go their own way, see ScriptController.
+struct ScriptConfig {
+  /// Tilt (+ looks up) and version (+ looks right) to go to in turn, for ever.
+  std::vector<std::vector<double>> eyes_deg = {{-8, -8}, {8, -8}, {8, 8}, {-8, 8}};
+  double speed_deg_s = 40.0;  ///< mean of a move; its peak is 1.875 times that
+  double dwell_s = 0.25;      ///< rest at every point
+};
+
+/// Keys: eyes_deg, speed_deg_s, dwell_s.
+void describe(FieldVisitor& v, ScriptConfig& config);
+
 struct GazeControllerConfig {
-  std::string controller = "qp";
+  std::string controller = "qp";  ///< qp or script
   QpConfig qp;
+  ScriptConfig script;
   MotionLimitsConfig limits;
 };
 
-/// Keys, beside each other in a scenario's gaze section: controller, qp.*, limits.*.
+/// Keys, beside each other in a scenario's gaze section: controller, qp.* or script.*, limits.*.
 void describe(FieldVisitor& v, GazeControllerConfig& config);
 
 /// Throws InputError.

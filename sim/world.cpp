@@ -91,6 +91,7 @@ int find(const mjModel& model, mjtObj type, const std::string& name) {
 void describe(FieldVisitor& v, BallConfig& c) {
   v.real("diameter_m", c.diameter_m, {0.03, 0.2}, "diameter of the ball");
   v.reals("rgb", c.rgb, 3, {0.0, 1.0}, "colour of the ball: linear reflectance in red, green and blue");
+  v.choice("sleeve", c.sleeve, {"plain", "checked"}, "what the arm that holds it wears");
   v.section(
       "trajectory", [&c](FieldVisitor& inner) { describe(inner, c.trajectory); }, "how it is moved");
 }
@@ -160,6 +161,9 @@ void World::make_ball(const BallConfig& config) {
     if (m.geom_type[g] != mjGEOM_CAPSULE) continue;
     m.geom_size[3 * g + 1] *= scale;
     m.geom_rbound[g] = m.geom_size[3 * g] + m.geom_size[3 * g + 1];
+  }
+  if (config.sleeve == "checked") {
+    m.geom_matid[find(m, mjOBJ_GEOM, "arm_sleeve")] = find(m, mjOBJ_MATERIAL, "person_sleeve_checked");
   }
   mjtNum* arm_pos = m.body_pos + 3 * find(m, mjOBJ_BODY, "arm");
   mju_scl3(arm_pos, arm_pos, scale);

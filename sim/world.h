@@ -19,10 +19,11 @@ namespace saccade {
 struct BallConfig {
   double diameter_m = 0.095;
   std::vector<double> rgb = {0.65, 0.10, 0.07};  ///< reflectance, linear; one colour all over, matt
+  std::string sleeve = "plain";                  ///< of the arm that holds it: plain or checked
   TrajectoryConfig trajectory;
 };
 
-/// Keys: diameter_m, rgb, trajectory.
+/// Keys: diameter_m, rgb, sleeve, trajectory.
 void describe(FieldVisitor& v, BallConfig& config);
 
 struct WorldConfig {

@@ -1,0 +1,55 @@
+#include "control/script_controller.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace saccade {
+namespace {
+
+constexpr double rad_per_deg = std::numbers::pi / 180.0;
+constexpr int first_of_head = neck_pitch;
+constexpr int tilt = eyes_tilt - first_of_head;
+constexpr int version = eyes_version - first_of_head;
+
+/// 0 to 1 over u in [0, 1] with least jerk.
+double minimum_jerk(double u) { return u * u * u * (10.0 + u * (-15.0 + 6.0 * u)); }
+
+}  // namespace
+
+ScriptController::ScriptController(const ScriptConfig& config, const JointLimits& limits)
+    : config_(config),
+      min_rad_(limits.min_rad.tail<head_joint_count>()),
+      max_rad_(limits.max_rad.tail<head_joint_count>()) {
+  check_config("script", config);
+}
+
+HeadJointVector ScriptController::step(const HeadState& state, const std::optional<Eigen::Vector3d>&,
+                                       double dt_s) {
+  if (!reference_rad_) {
+    if (!state.position_rad.allFinite()) return HeadJointVector::Zero().cwiseMax(min_rad_).cwiseMin(max_rad_);
+    reference_rad_ = state.head_position_rad().cwiseMax(min_rad_).cwiseMin(max_rad_);
+    from_rad_ = {(*reference_rad_)[tilt], (*reference_rad_)[version]};
+  }
+  const auto point_rad = [&](std::size_t i) -> Eigen::Vector2d {
+    return Eigen::Vector2d(config_.eyes_deg[i][0], config_.eyes_deg[i][1]) * rad_per_deg;
+  };
+  const auto duration_s = [&] {
+    return (point_rad(next_) - from_rad_).norm() / (config_.speed_deg_s * rad_per_deg);
+  };
+  move_s_ += dt_s;
+  if (move_s_ >= duration_s() + config_.dwell_s) {
+    move_s_ -= duration_s() + config_.dwell_s;
+    from_rad_ = point_rad(next_);
+    next_ = (next_ + 1) % config_.eyes_deg.size();
+  }
+  const double move_s = duration_s();
+  const double share = move_s > 0.0 ? std::clamp(move_s_ / move_s, 0.0, 1.0) : 1.0;
+  const Eigen::Vector2d eyes_rad = from_rad_ + minimum_jerk(share) * (point_rad(next_) - from_rad_);
+  HeadJointVector& reference = *reference_rad_;
+  reference[tilt] = std::clamp(eyes_rad[0], min_rad_[tilt], max_rad_[tilt]);
+  reference[version] = std::clamp(eyes_rad[1], min_rad_[version], max_rad_[version]);
+  return reference;
+}
+
+}  // namespace saccade

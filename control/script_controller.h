@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "control/gaze_controller.h"
+
+namespace saccade {
+
+/// Moves the eyes from point to point without looking, whatever a detector says: for scenes in which the
+/// camera moves by itself, such as the paper's eye-move data set (section III-A).
+///
+/// The eyes go to the first point, rest, go to the next, and after the last to the first again. A move has
+/// minimum jerk. Neck and vergence stay where they are at the first step.
+class ScriptController final : public GazeController {
+ public:
+  /// Throws InputError for a configuration out of range.
+  ScriptController(const ScriptConfig& config, const JointLimits& limits);
+
+  HeadJointVector step(const HeadState& state, const std::optional<Eigen::Vector3d>& target_m,
+                       double dt_s) override;
+  [[nodiscard]] TargetStatus target_status() const override { return TargetStatus::none; }
+
+ private:
+  ScriptConfig config_;
+  HeadJointVector min_rad_, max_rad_;
+  std::optional<HeadJointVector> reference_rad_;
+  Eigen::Vector2d from_rad_ = Eigen::Vector2d::Zero();  ///< tilt, version where the move began
+  std::size_t next_ = 0;                                ///< point that the eyes go to or rest at
+  double move_s_ = 0.0;                                 ///< since the move began
+};
+
+}  // namespace saccade
