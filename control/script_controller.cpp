@@ -30,6 +30,7 @@ HeadJointVector ScriptController::step(const HeadState& state, const std::option
     if (!state.position_rad.allFinite()) return HeadJointVector::Zero().cwiseMax(min_rad_).cwiseMin(max_rad_);
     reference_rad_ = state.head_position_rad().cwiseMax(min_rad_).cwiseMin(max_rad_);
     from_rad_ = {(*reference_rad_)[tilt], (*reference_rad_)[version]};
+    move_s_ = -config_.dwell_s;
   }
   const auto point_rad = [&](std::size_t i) -> Eigen::Vector2d {
     return Eigen::Vector2d(config_.eyes_deg[i][0], config_.eyes_deg[i][1]) * rad_per_deg;

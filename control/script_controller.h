@@ -10,8 +10,8 @@ namespace saccade {
 /// Moves the eyes from point to point without looking, whatever a detector says: for scenes in which the
 /// camera moves by itself, such as the paper's eye-move data set (section III-A).
 ///
-/// The eyes go to the first point, rest, go to the next, and after the last to the first again. A move has
-/// minimum jerk. Neck and vergence stay where they are at the first step.
+/// The eyes rest, go to the first point, rest, go to the next, and after the last to the first again. A move
+/// has minimum jerk. Neck and vergence stay where they are at the first step.
 class ScriptController final : public GazeController {
  public:
   /// Throws InputError for a configuration out of range.
@@ -27,7 +27,7 @@ class ScriptController final : public GazeController {
   std::optional<HeadJointVector> reference_rad_;
   Eigen::Vector2d from_rad_ = Eigen::Vector2d::Zero();  ///< tilt, version where the move began
   std::size_t next_ = 0;                                ///< point that the eyes go to or rest at
-  double move_s_ = 0.0;                                 ///< since the move began
+  double move_s_ = 0.0;                                 ///< since the move began; below 0 in the rest at the start
 };
 
 }  // namespace saccade
