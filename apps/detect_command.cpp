@@ -12,6 +12,7 @@
 #include "apps/read_options.h"
 #include "apps/run_folder.h"
 #include "apps/summary.h"
+#include "core/error.h"
 #include "evaluation/report.h"
 #include "robot/replay/replay_robot.h"
 
@@ -98,6 +99,11 @@ int detect(const DetectOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
   play(robot, loop, recorder, truth);
   const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  const RejectedEvents rejected = robot.rejected();
+  if (recorder.event_count() + rejected.back_in_time + rejected.outside_image == 0 && !interrupted()) {
+    throw InputError(options.recording.string(), "no events of a camera",
+                     "a recording with some; saccade info tells what it holds");
+  }
 
   Metrics metrics;
   metrics.scenario = options.recording.filename().string();
@@ -110,14 +116,19 @@ int detect(const DetectOptions& options) {
   for (std::size_t i = 0; i < named.size(); ++i) {
     DetectorScore score = score_detector(truth, recorder.rows(), named[i].first,
                                          loop.detectors()[i].detector->threshold(), Chances::annotated);
+    if (truth.empty()) {
+      score.observations = std::ranges::count_if(recorder.rows(), [&](const DetectionRow& row) {
+        return row.detector == named[i].first && row.score >= score.threshold;
+      });
+    }
     if (recorder.event_count() > 0) {
       score.us_per_event =
           static_cast<double>(recorder.elapsed_ns(i)) * 1e-3 / static_cast<double>(recorder.event_count());
     }
+    score.rejected_events = loop.detectors()[i].detector->rejected();
     metrics.detectors.emplace_back(named[i].first, std::move(score));
   }
   print_summary(metrics);
-  const RejectedEvents rejected = robot.rejected();
   if (rejected.back_in_time + rejected.outside_image > 0) {
     fmt::print(stderr, "saccade: {}: left out {} events that go back in time and {} outside the image\n",
                options.recording.string(), rejected.back_in_time, rejected.outside_image);
@@ -149,7 +160,8 @@ void add_detect_command(CLI::App& app, Action& action) {
   CLI::App* command =
       app.add_subcommand("detect", "The detectors on recorded events, scored when truth is given");
   add_read_options(*command, "recording", *options);
-  command->add_option("--config", options->config, "Detectors (YAML); those of the paper by default");
+  command->add_option("--config", options->config,
+                      "Detectors (YAML); those of the paper and `best` by default");
   command
       ->add_option("--set", options->assignments,
                    "key=value for every detector, DETECTOR.key=value for one; e.g. radius_px=[4,25]")

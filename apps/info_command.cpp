@@ -33,6 +33,7 @@ int info(const ReadOptions& options) {
   fmt::print("image          {}\n", size ? fmt::format("{} x {}", size->width, size->height)
                                          : fmt::format("not told; events reach {} x {}", width, height));
   fmt::print("events         {}\n", count);
+  if (!reader->passed_over().empty()) fmt::print("passed over    {}\n", reader->passed_over());
   if (count == 0) return 0;
   fmt::print("time           {} us to {} us, {:.6f} s\n", first.t_us, last.t_us, duration_s);
   if (duration_s > 0.0)

@@ -5,23 +5,42 @@
 #include <vector>
 
 #include "apps/commands.h"
+#include "evaluation/comparison.h"
 #include "evaluation/report.h"
 
 namespace saccade {
+namespace {
+
+struct ReportOptions {
+  std::vector<std::filesystem::path> runs;
+  std::filesystem::path out;
+};
+
+int report(const ReportOptions& options) {
+  std::filesystem::path folder = options.out;
+  if (options.runs.size() == 1 && folder.empty()) {
+    folder = options.runs.front();
+    write_report(folder);
+  } else {
+    if (folder.empty()) folder = "report";
+    write_comparison(options.runs, folder);
+  }
+  fmt::print("{}\n", (folder / "report.html").string());
+  return 0;
+}
+
+}  // namespace
 
 void add_report_command(CLI::App& app, Action& action) {
-  auto folders = std::make_shared<std::vector<std::filesystem::path>>();
-  CLI::App* command = app.add_subcommand("report", "Write report.html anew from what run folders hold");
-  command->add_option("run", *folders, "Run folders")->required();
-  command->callback([folders, &action] {
-    action = [folders] {
-      for (const std::filesystem::path& folder : *folders) {
-        write_report(folder);
-        fmt::print("{}\n", (folder / "report.html").string());
-      }
-      return 0;
-    };
-  });
+  auto options = std::make_shared<ReportOptions>();
+  CLI::App* command = app.add_subcommand(
+      "report", "Draw what run folders hold: RUN/report.html of one run, or one page over several");
+  command
+      ->add_option("run", options->runs, "Run folders; seeds of the same scenario and settings go together")
+      ->required();
+  command->add_option("--out", options->out,
+                      "Folder for the page over several runs and its numbers; `report` by default");
+  command->callback([options, &action] { action = [options] { return report(*options); }; });
 }
 
 }  // namespace saccade

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 
 #include "apps/commands.h"
 #include "apps/config/scenario.h"
@@ -67,6 +68,20 @@ std::vector<LoopDetector> make_detectors(const NamedDetectors& named, const Pinh
   return detectors;
 }
 
+/// What was set that can change what is scored, by key; of several for one key the last. The duration belongs
+/// to the run, the seed has a place of its own.
+std::vector<std::pair<std::string, std::string>> settings_of(const std::vector<std::string>& assignments) {
+  std::map<std::string, std::string> settings;
+  for (const std::string& assignment : assignments) {
+    const std::size_t equals = assignment.find('=');
+    const std::string key = assignment.substr(0, equals);
+    const std::string section = key.substr(0, key.find('.'));
+    if (section == "output" || section == "run" || section == "seed" || section == "expect") continue;
+    settings[key] = assignment.substr(equals + 1);
+  }
+  return {settings.begin(), settings.end()};
+}
+
 int run(const RunOptions& options) {
   const Scenario scenario = read_scenario(options.scenario, options.assignments, options.seed);
   const std::filesystem::path folder =
@@ -101,7 +116,7 @@ int run(const RunOptions& options) {
   }
   const double loop_s = wall_s();
   progress.done();
-  const Metrics metrics = recorder.finish(loop_s);
+  const Metrics metrics = recorder.finish(loop_s, settings_of(options.assignments));
   write_report(folder);
   print_summary(metrics);
   fmt::print("{}\n", (folder / "report.html").string());

@@ -71,6 +71,10 @@ RunRecorder::RunRecorder(std::filesystem::path folder, const Scenario& scenario,
   }
   if (!picture_times_us_.empty()) std::filesystem::create_directories(folder_ / "frames");
   if (scenario.output.video) video_.emplace(folder_ / "video.mp4");
+  if (const auto& frames = scenario.frame_30hz) {
+    frame_detector_.emplace(*frames, scenario.sim.world.ball.rgb, scenario.sim.camera);
+    shutter_.emplace(frame_detector_->camera().size, frames->exposure_ms);
+  }
 }
 
 void RunRecorder::on_tick(const Tick& tick) {
@@ -78,6 +82,7 @@ void RunRecorder::on_tick(const Tick& tick) {
   record_tables(tick);
   const auto begin = std::chrono::steady_clock::now();
   take_pictures(tick);
+  if (frame_detector_) watch_frames(tick.t_us);
   picture_wall_s_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
@@ -124,6 +129,18 @@ EyePicture RunRecorder::eye_picture(const Tick& tick, const cv::Mat& grey) const
   return eye;
 }
 
+void RunRecorder::save_hough_spaces(std::int64_t t_us) const {
+  const ImageSize size = scenario_.sim.camera.size;
+  std::vector<float> response(static_cast<std::size_t>(size.pixels()));
+  for (const LoopDetector& detector : loop_.detectors()) {
+    if (!detector.detector->hough_space(response)) continue;
+    const float strongest = *std::max_element(response.begin(), response.end());
+    write_png(folder_ / "frames" /
+                  fmt::format("{:09}_{}_hough_{:.4g}.png", t_us, file_part(detector.name), strongest),
+              response_picture(response, size));
+  }
+}
+
 void RunRecorder::take_pictures(const Tick& tick) {
   const bool still = std::binary_search(picture_times_us_.begin(), picture_times_us_.end(), tick.t_us);
   const bool film = video_ && video_->wants(tick.t_us);
@@ -144,6 +161,7 @@ void RunRecorder::take_pictures(const Tick& tick) {
   if (still) {
     write_png(folder_ / "frames" / fmt::format("{:09}_eye.png", tick.t_us), grey);
     write_png(folder_ / "frames" / fmt::format("{:09}_scene.png", tick.t_us), scene);
+    save_hough_spaces(tick.t_us);
   }
   if (film) {
     video_->add(scene, eye_picture(tick, grey),
@@ -153,7 +171,19 @@ void RunRecorder::take_pictures(const Tick& tick) {
   }
 }
 
-Metrics RunRecorder::finish(double wall_s) {
+void RunRecorder::watch_frames(std::int64_t t_us) {
+  const auto draw = [this](std::int64_t at_us, const Eigen::Vector2d& shift_px, std::span<float> rgb) {
+    robot_.draw_left_eye(at_us, frame_detector_->camera(), shift_px, rgb);
+  };
+  const std::optional<cv::Mat> image = shutter_->expose(t_us, draw);
+  if (!image) return;
+  const Estimate ball = frame_detector_->find(*image);
+  if (!ball.valid) return;
+  detections_.push_back({t_us, std::string(frame_detector_name), ball.circle, ball.score, false});
+  detection_table_.write(detections_.back());
+}
+
+Metrics RunRecorder::finish(double wall_s, std::vector<std::pair<std::string, std::string>> settings) {
   events_->commit();
   joints_.commit();
   truth_table_.commit();
@@ -164,6 +194,7 @@ Metrics RunRecorder::finish(double wall_s) {
   Metrics metrics;
   metrics.scenario = scenario_.name;
   metrics.seed = scenario_.seed;
+  metrics.settings = std::move(settings);
   metrics.duration_s = static_cast<double>(now_us_) * 1e-6;
   metrics.wall_s = wall_s;
   metrics.event_count = event_count_;
@@ -178,7 +209,13 @@ Metrics RunRecorder::finish(double wall_s) {
     if (event_count_ > 0) {
       score.us_per_event = static_cast<double>(detector_ns_[i]) * 1e-3 / static_cast<double>(event_count_);
     }
+    score.rejected_events = detector.detector->rejected();
     metrics.detectors.emplace_back(detector.name, std::move(score));
+  }
+  if (frame_detector_) {
+    metrics.detectors.emplace_back(frame_detector_name,
+                                   score_detector(truth_, detections_, frame_detector_name,
+                                                  frame_detector_->threshold(), Chances::simulated));
   }
   if (scenario_.gaze.detector != "none") {
     metrics.gaze = GazeMetrics{scenario_.gaze.detector, gaze_scorer_.score(), robot_.limits()};

@@ -7,6 +7,7 @@
 
 #include "apps/config/scenario.h"
 #include "apps/loop.h"
+#include "evaluation/frame_detector.h"
 #include "evaluation/gaze_scorer.h"
 #include "evaluation/metrics.h"
 #include "evaluation/overlay.h"
@@ -24,14 +25,17 @@ class RunRecorder final : public LoopObserver {
   RunRecorder(std::filesystem::path folder, const Scenario& scenario, SimRobot& robot, const Loop& loop);
 
   void on_tick(const Tick& tick) override;
-  /// Time spent here on pictures and video, which is not the loop's.
+  /// Time spent here on pictures, video and the frame camera, which is not the loop's.
   [[nodiscard]] double picture_wall_s() const { return picture_wall_s_; }
-  /// Closes every file and scores. `wall_s` is the loop's time.
-  Metrics finish(double wall_s);
+  /// Closes every file and scores. `wall_s` is the loop's time, `settings` what the run was told otherwise than
+  /// its scenario has it (Metrics::settings).
+  Metrics finish(double wall_s, std::vector<std::pair<std::string, std::string>> settings);
 
  private:
   void record_tables(const Tick& tick);
   void take_pictures(const Tick& tick);
+  void watch_frames(std::int64_t t_us);
+  void save_hough_spaces(std::int64_t t_us) const;
   [[nodiscard]] EyePicture eye_picture(const Tick& tick, const cv::Mat& grey) const;
 
   std::filesystem::path folder_;
@@ -53,6 +57,8 @@ class RunRecorder final : public LoopObserver {
   std::vector<Event> recent_events_;  // of the last few ms, for pictures
   std::vector<std::int64_t> picture_times_us_;
   std::optional<VideoComposer> video_;
+  std::optional<FrameDetector> frame_detector_;
+  std::optional<Shutter> shutter_;
   double picture_wall_s_ = 0.0;
 };
 

@@ -18,6 +18,10 @@ void print_summary(const Metrics& metrics) {
   }
   fmt::print("\n");
   for (const auto& [name, score] : metrics.detectors) {
+    if (score.chances == 0) {
+      fmt::print("{}: {} observations at or above its threshold\n", name, score.observations);
+      continue;
+    }
     fmt::print(
         "{}: average precision {}, precision {} and recall {} at its threshold, median error {}, lag {}\n",
         name, number(score.average_precision, ""), number(score.precision, ""), number(score.recall, ""),

@@ -31,6 +31,14 @@ std::optional<Circle> PinholeCamera::project_sphere(const Eigen::Vector3d& d, do
                 std::sqrt(area_over_pi * fx_px * fy_px)};
 }
 
+Eigen::Vector2d PinholeCamera::rotational_flow_px_s(double u_px, double v_px,
+                                                    const Eigen::Vector3d& w) const {
+  const double x = (u_px - cx_px) / fx_px;
+  const double y = (v_px - cy_px) / fy_px;
+  return {fx_px * (-w.y() * (1.0 + x * x) + w.x() * x * y + w.z() * y),
+          fy_px * (w.x() * (1.0 + y * y) - w.y() * x * y - w.z() * x)};
+}
+
 void describe(FieldVisitor& v, PinholeCamera& camera) {
   std::int64_t width = camera.size.width;
   std::int64_t height = camera.size.height;

@@ -33,6 +33,11 @@ struct PinholeCamera {
   /// when the sphere is not wholly in front of the camera.
   /// Formula: the outline is the cone (d.x)^2 = (|d|^2 - R^2)|x|^2 cut with the image plane.
   [[nodiscard]] std::optional<Circle> project_sphere(const Eigen::Vector3d& centre_m, double radius_m) const;
+  /// How fast the image moves at a pixel, px/s, when the camera turns at angular_velocity_rad_s (its own frame)
+  /// and the world stands still; distance does not matter.
+  [[nodiscard]] Eigen::Vector2d rotational_flow_px_s(double u_px, double v_px,
+                                                     const Eigen::Vector3d& angular_velocity_rad_s) const;
+  friend bool operator==(const PinholeCamera&, const PinholeCamera&) = default;
 };
 
 /// Keys: width_px, height_px, fx_px, fy_px, cx_px, cy_px.

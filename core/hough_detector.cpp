@@ -9,13 +9,18 @@ namespace saccade {
 namespace {
 
 constexpr std::int16_t whole_ring = -1;
-constexpr std::int16_t no_vote = -2;
+
+bool uses_flow(const HoughDetectorConfig& config) {
+  return config.directed || config.window.kind == "lifetime";
+}
 
 HoughDetectorConfig checked(HoughDetectorConfig config) {
   check_config("detector", config);
-  if (!config.directed) {  // neither is used, nor was it checked
-    config.arc_deg = HoughDetectorConfig{}.arc_deg;
-    config.flow = {};
+  // What is not used was not checked.
+  if (!config.directed) config.arc_deg = HoughDetectorConfig{}.arc_deg;
+  if (!uses_flow(config)) config.flow = {};
+  if (config.single_radius) {
+    config.radius_px.assign(2, std::round((config.radius_px[0] + config.radius_px[1]) / 2));
   }
   return config;
 }
@@ -23,19 +28,11 @@ HoughDetectorConfig checked(HoughDetectorConfig config) {
 }  // namespace
 
 void describe(FieldVisitor& v, HoughDetectorConfig& config) {
-  v.reals("radius_px", config.radius_px, 2, {1, 255}, "smallest and largest radius, whole pixels");
-  const auto& r = config.radius_px;
-  v.require(r.size() != 2 || (r[0] <= r[1] && r[0] == std::floor(r[0]) && r[1] == std::floor(r[1])),
-            "radius_px", r.size() == 2 ? "[" + text_of(r[0]) + ", " + text_of(r[1]) + "]" : "",
-            "two whole numbers, the smaller one first");
+  describe_radius_px(v, config.radius_px);
   v.section(
-      "window",
-      [&](FieldVisitor& w) {
-        w.integer("events", config.window_events, {1, 60000}, "how many of the newest events vote");
-      },
-      "what votes");
-  if (config.directed) {
-    v.real("arc_deg", config.arc_deg, {0.5, 90.0}, "half-width of an arc of votes");
+      "window", [&](FieldVisitor& w) { describe(w, config.window); }, "what votes");
+  if (config.directed) v.real("arc_deg", config.arc_deg, {0.5, 90.0}, "half-width of an arc of votes");
+  if (uses_flow(config)) {
     v.section(
         "flow", [&](FieldVisitor& w) { describe(w, config.flow); }, "plane-fit flow");
   }
@@ -44,73 +41,75 @@ void describe(FieldVisitor& v, HoughDetectorConfig& config) {
 
 HoughDetector::HoughDetector(const HoughDetectorConfig& config, ImageSize size)
     : config_(checked(config)),
-      size_(size),
+      sieve_(size),
       flow_(config_.flow, size),
+      window_(config_.window),
       transform_(size, static_cast<int>(config_.radius_px[0]), static_cast<int>(config_.radius_px[1]),
                  config_.arc_deg * std::numbers::pi / 180.0),
-      ring_(static_cast<std::size_t>(2 * config_.window_events)),
-      newest_us_(std::numeric_limits<std::int64_t>::min()) {}
-
-std::int64_t HoughDetector::count_acceptable(std::span<const Event> events) const {
-  std::int64_t count = 0;
-  std::int64_t newest = newest_us_;
-  for (const Event& event : events) {
-    if (event.x >= size_.width || event.y >= size_.height || event.t_us < newest) continue;
-    newest = event.t_us;
-    ++count;
-  }
-  return count;
-}
+      now_us_(std::numeric_limits<std::int64_t>::min()) {}
 
 void HoughDetector::process(std::span<const Event> events, const CameraMotion*) {
-  const std::int64_t outlives_batch = received_ + count_acceptable(events) - config_.window_events;
+  const auto [count, newest_us] = sieve_.preview(events);
+  now_us_ = std::max(now_us_, newest_us);
+  const bool with_flow = uses_flow(config_);
+  std::int64_t newer = count;
   for (const Event& event : events) {
-    if (event.x >= size_.width || event.y >= size_.height) {
-      ++rejected_.outside_image;
+    if (!sieve_.accept(event)) continue;
+    --newer;
+    WindowEvent vote{event.x, event.y, whole_ring};
+    if (!with_flow) {
+      window_.push(event.t_us, vote, window_.lifetime_us({}));
       continue;
     }
-    if (event.t_us < newest_us_) {
-      ++rejected_.back_in_time;
-      continue;
-    }
-    newest_us_ = event.t_us;
-    const std::int64_t number = received_++;
-    Entry& slot = entry(number);
-    slot = {event.x, event.y, config_.directed ? no_vote : whole_ring};
-    if (!config_.directed) continue;
     flow_.add(event);
+    std::int64_t lifetime_us = 0;
     // An event that has left the window by the end of this batch is needed for the surface alone.
-    if (number < outlives_batch) continue;
-    if (const auto flow = flow_.at(event)) {
-      slot.direction =
-          static_cast<std::int16_t>(HoughTransform::direction_of(flow->dt_dx_us_px, flow->dt_dy_us_px));
+    if (!window_.outlived(event.t_us, newer, now_us_)) {
+      const auto flow = flow_.at(event);
+      if (flow && config_.directed) {
+        vote.direction =
+            static_cast<std::int16_t>(HoughTransform::direction_of(flow->dt_dx_us_px, flow->dt_dy_us_px));
+      }
+      if (flow || !config_.directed) lifetime_us = window_.lifetime_us(flow);
     }
+    window_.push(event.t_us, vote, lifetime_us);
   }
+}
+
+void HoughDetector::advance_to(std::int64_t now_us, const CameraMotion*) {
+  now_us_ = std::max(now_us_, now_us);
 }
 
 template <int sign>
-void HoughDetector::vote(const Entry& e) {
-  if (e.direction >= 0) transform_.vote_arcs<sign>(e.x, e.y, e.direction);
-  if (e.direction == whole_ring) transform_.vote_ring<sign>(e.x, e.y);
+void HoughDetector::vote(std::span<const WindowEvent> events) {
+  for (const WindowEvent& e : events) {
+    if (e.direction == whole_ring) {
+      transform_.vote_ring<sign>(e.x, e.y);
+    } else {
+      transform_.vote_arcs<sign>(e.x, e.y, e.direction);
+    }
+  }
 }
 
 Estimate HoughDetector::estimate() {
-  if (voted_until_ == received_) return estimate_;
-  const std::int64_t n = config_.window_events;
-  const std::int64_t begin = std::max<std::int64_t>(0, received_ - n);
-  if (begin >= voted_until_) {
-    transform_.clear();
-  } else {
-    for (std::int64_t i = std::max<std::int64_t>(0, voted_until_ - n); i < begin; ++i) vote<-1>(entry(i));
-  }
-  for (std::int64_t i = std::max(begin, voted_until_); i < received_; ++i) vote<1>(entry(i));
-  voted_until_ = received_;
+  const EventWindow::Change change = window_.update(now_us_);
+  if (change.none()) return estimate_;
+  if (change.all_left) transform_.clear();
+  vote<-1>(change.left);
+  vote<1>(change.entered);
   const HoughTransform::Peak peak = transform_.peak();
+  estimate_ = {};
+  if (peak.votes == 0) return estimate_;
   estimate_ = {true,
                false,
                {static_cast<double>(peak.x), static_cast<double>(peak.y), static_cast<double>(peak.r)},
                peak.response};
   return estimate_;
+}
+
+bool HoughDetector::hough_space(std::span<float> response) const {
+  largest_response(transform_, response);
+  return true;
 }
 
 }  // namespace saccade

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <numbers>
@@ -18,42 +17,73 @@ namespace {
 constexpr double edge_rad = 1e-9;
 
 constexpr int patch_columns = 4;
-constexpr int block_rows = 16;
+constexpr std::size_t patch_cells = 16;
+constexpr int block_rows = 8;
+/// Columns are divided by a block's with a multiplication by 2^40 / block, rounded up: exact below 2^40 / block.
+constexpr int reciprocal_bits = 40;
 
-/// For each set of cells of a patch, one vote in each of them.
-constexpr auto votes_of_cells = [] {
-  std::array<std::array<std::uint16_t, 8>, 256> votes{};
-  for (std::size_t cells = 0; cells < 256; ++cells) {
-    for (std::size_t i = 0; i < 8; ++i) votes[cells][i] = (cells >> i) & 1;
+using HalfPatch [[gnu::vector_size(16)]] = std::uint16_t;
+using WholePatch [[gnu::vector_size(32)]] = std::uint16_t;  // only where AVX2 is, and never by value
+
+template <class Vector>
+[[gnu::always_inline]] inline void load(Vector& vector, const std::uint16_t* from) {
+  std::memcpy(&vector, from, sizeof vector);
+}
+
+template <class Vector>
+[[gnu::always_inline]] inline void raise(Vector& most, const Vector& by) {
+  most = most > by ? most : by;
+}
+
+/// Largest of the cells that belong to an even plane (0) or to an odd one (1).
+int largest(const HalfPatch& cells, std::size_t odd) {
+  return std::max({cells[odd], cells[odd + 2], cells[odd + 4], cells[odd + 6]});
+}
+
+/// Adds the patches of a walk, or takes them out again. True if a cell now has more votes than its limit.
+template <int sign, class Vector, class Walk>
+[[gnu::always_inline]] inline bool add_patches(const Walk& walk) {
+  const Walk w = walk;  // nothing else points to it
+  Vector above{};
+  for (std::size_t i = 0; i < w.patches; ++i) {
+    // A patch belongs to the block of its last column: its first may lie in the row before.
+    const std::size_t last = w.last + static_cast<std::size_t>(static_cast<std::ptrdiff_t>(w.offset[i]));
+    auto& block = w.blocks[(last * w.block_reciprocal) >> reciprocal_bits];
+    for (std::size_t part = 0; part < patch_cells; part += sizeof(Vector) / sizeof(std::uint16_t)) {
+      std::uint16_t* const at = w.accumulator + 4 * last - 4 * (patch_columns - 1) + part;
+      Vector voted, votes, bound, limit;
+      load(voted, w.voted[w.voted_index[i]].data() + part);
+      load(votes, at);
+      votes = sign > 0 ? votes - voted : votes + voted;
+      std::memcpy(at, &votes, sizeof votes);
+      if (sign < 0) continue;
+      votes &= voted;
+      load(bound, block.bound.data() + part);
+      raise(bound, votes);
+      std::memcpy(block.bound.data() + part, &bound, sizeof bound);
+      load(limit, block.limit.data() + part);
+      raise(votes, limit);
+      above |= votes ^ limit;
+    }
   }
-  return votes;
-}();
-
-template <class Patch>
-Patch load(const std::uint16_t* from) {
-  Patch patch;
-  std::memcpy(&patch, from, sizeof patch);
-  return patch;
+  std::array<std::uint64_t, sizeof above / 8> words;
+  std::memcpy(words.data(), &above, sizeof above);
+  return std::any_of(words.begin(), words.end(), [](std::uint64_t word) { return word != 0; });
 }
 
-template <class Patch>
-Patch larger(Patch a, Patch b) {
-  return a > b ? a : b;
+#ifdef __x86_64__
+bool has_avx2() { return __builtin_cpu_supports("avx2"); }
+template <int sign, class Walk>
+[[gnu::target("avx2")]] bool add_patches_avx2(const Walk& walk) {
+  return add_patches<sign, WholePatch>(walk);
 }
-
-/// Largest of the even row's votes, and of the odd row's.
-template <class Patch>
-std::pair<int, int> largest_of_rows(Patch p) {
-  p = larger(p, __builtin_shufflevector(p, p, 4, 5, 6, 7, 0, 1, 2, 3));
-  p = larger(p, __builtin_shufflevector(p, p, 2, 3, 0, 1, 6, 7, 4, 5));
-  return {p[0], p[1]};
+#else
+bool has_avx2() { return false; }
+template <int sign, class Walk>
+bool add_patches_avx2(const Walk& walk) {
+  return add_patches<sign, HalfPatch>(walk);
 }
-
-template <class Patch>
-int largest(Patch p) {
-  const auto [even, odd] = largest_of_rows(p);
-  return std::max(even, odd);
-}
+#endif
 
 }  // namespace
 
@@ -64,13 +94,36 @@ struct RingPixel {
 };
 
 int HoughTransform::direction_of(double x, double y) {
-  const double half_turns = std::atan2(y, x) / std::numbers::pi;
-  const int step = static_cast<int>(std::lround(half_turns * direction_count));
-  return (step + 2 * direction_count) % direction_count;
+  // Looked up within an eighth of a turn, where the steps change at tan((k + 1/2) pi / 360). These are further
+  // apart than the places of `step_from`: at most one of them lies within a place.
+  constexpr int steps = direction_count / 4;
+  constexpr int places = 128;
+  struct Table {
+    std::array<double, steps + 1> end;               // the tangent at which a step ends
+    std::array<std::uint8_t, places + 1> step_from;  // the step at the start of a place
+  };
+  static const Table table = [] {
+    Table t{};
+    for (int k = 0; k <= steps; ++k)
+      t.end[static_cast<std::size_t>(k)] = std::tan((k + 0.5) * std::numbers::pi / direction_count);
+    for (std::size_t i = 0; i < t.step_from.size(); ++i) {
+      const double tangent = static_cast<double>(i) / places;
+      t.step_from[i] =
+          static_cast<std::uint8_t>(std::upper_bound(t.end.begin(), t.end.end(), tangent) - t.end.begin());
+    }
+    return t;
+  }();
+  const double along = std::abs(x);
+  const double across = std::abs(y);
+  const double tangent = std::min(along, across) / std::max(along, across);
+  const int from = table.step_from[static_cast<std::size_t>(tangent * places)];
+  const int eighth = from + (tangent >= table.end[static_cast<std::size_t>(from)] ? 1 : 0);
+  const int quarter = across > along ? direction_count / 2 - eighth : eighth;
+  return quarter > 0 && std::signbit(x) != std::signbit(y) ? direction_count - quarter : quarter;
 }
 
 HoughTransform::HoughTransform(ImageSize size, int r_min, int r_max, double arc_rad)
-    : size_(size), r_min_(r_min) {
+    : size_(size), r_min_(r_min), avx2_(has_avx2()) {
   SACCADE_CHECK(r_min >= 1 && r_min <= r_max && r_max <= 255 && size.width > 0 && size.height > 0);
   SACCADE_CHECK(arc_rad > 0.0 && arc_rad <= std::numbers::pi / 2 + edge_rad);
   std::vector<RingPixel> ring;
@@ -88,13 +141,20 @@ HoughTransform::HoughTransform(ImageSize size, int r_min, int r_max, double arc_
     ring_pixels_.push_back(static_cast<int>(ring.size() - before));
   }
 
-  const auto whole_blocks = [](int rows) { return (rows + block_rows - 1) / block_rows * block_rows; };
-  row_pair_ = 2 * std::bit_ceil(static_cast<std::size_t>(size.width + r_max));
-  block_shift_ = std::countr_zero(row_pair_ * (block_rows / 2));
-  margin_ = static_cast<std::size_t>(whole_blocks(r_max + 1) / 2) * row_pair_;
-  plane_size_ = margin_ + static_cast<std::size_t>(whole_blocks(size.height) / 2) * row_pair_;
-  accumulator_.assign(ring_pixels_.size() * plane_size_ + margin_ + row_pair_, 0);
-  bound_.assign((accumulator_.size() >> block_shift_) + 1, Patch{});
+  // An odd number of cache lines a row, so that rows do not compete for the same places in a cache. What is
+  // left of a row's first column goes one row further up than its own: hence the 2.
+  const auto blocks_of_rows = [](int rows) { return (rows + block_rows - 1) / block_rows; };
+  stride_ = (static_cast<std::size_t>(size.width + r_max + patch_columns + 7) / 8 | 1) * 8;
+  block_size_ = stride_ * (block_rows / 2);
+  block_reciprocal_ = (std::uint64_t{1} << reciprocal_bits) / block_size_ + 1;
+  image_blocks_ = blocks_of_rows(size.height);
+  margin_ = static_cast<std::size_t>(blocks_of_rows(r_max + 1 + 2)) * block_size_;
+  plane_size_ = margin_ + static_cast<std::size_t>(image_blocks_) * block_size_;
+  const std::size_t columns = (ring_pixels_.size() + 1) / 2 * plane_size_ + margin_;
+  SACCADE_CHECK(columns < (std::uint64_t{1} << reciprocal_bits) / block_size_);
+  accumulator_.assign(4 * columns, 0);
+  blocks_.resize(columns / block_size_);
+  for (Block& block : blocks_) block.limit.fill(0xffff);  // no peak outside the image
 
   std::vector<RingPixel> arcs;
   for (int direction = 0; direction < direction_count; ++direction) {
@@ -108,50 +168,70 @@ HoughTransform::HoughTransform(ImageSize size, int r_min, int r_max, double arc_
   }
   append_patterns(ring);
   pattern_begin_.push_back(patch_offset_.size());
+
+  std::vector<int> known(1 << patch_cells, -1);
+  for (std::uint16_t& voted : patch_voted_) {
+    int& index = known[voted];
+    if (index < 0) {
+      index = static_cast<int>(voted_.size());
+      Patch& patch = voted_.emplace_back();
+      for (std::size_t i = 0; i < patch_cells; ++i) patch[i] = (voted >> i) & 1 ? 0xffff : 0;
+    }
+    voted = static_cast<std::uint16_t>(index);
+  }
 }
 
-/// Covers pixels with patches from left to right in each pair of rows, for events at an even and an odd row.
+/// Covers pixels with patches from left to right in each pair of rows of each pair of planes, for events at an
+/// even and an odd row. The cells voted for are left as one bit each.
 void HoughTransform::append_patterns(std::span<const RingPixel> pixels) {
   for (const int parity : {0, 1}) {
     pattern_begin_.push_back(patch_offset_.size());
-    const auto pair_of = [&](const RingPixel& p) { return (p.dy + parity) >> 1; };
+    const auto pair_of = [&](const RingPixel& p) { return std::pair(p.plane / 2, (p.dy + parity) >> 1); };
     std::vector<RingPixel> sorted(pixels.begin(), pixels.end());
     std::sort(sorted.begin(), sorted.end(), [&](const RingPixel& a, const RingPixel& b) {
-      return std::tuple(a.plane, pair_of(a), a.dx) < std::tuple(b.plane, pair_of(b), b.dx);
+      return std::tuple(pair_of(a), a.dx) < std::tuple(pair_of(b), b.dx);
     });
     const RingPixel* first = nullptr;  // of the patch
     for (const RingPixel& p : sorted) {
-      if (first == nullptr || p.plane != first->plane || pair_of(p) != pair_of(*first) ||
-          p.dx >= first->dx + patch_columns) {
+      if (first == nullptr || pair_of(p) != pair_of(*first) || p.dx >= first->dx + patch_columns) {
         first = &p;
-        // From the even row of the event's pair.
-        patch_offset_.push_back(
-            static_cast<std::int32_t>(static_cast<std::ptrdiff_t>(p.plane * plane_size_) +
-                                      pair_of(p) * static_cast<std::ptrdiff_t>(row_pair_) + 2 * p.dx));
-        patch_cells_.push_back(0);
+        const auto [planes, rows] = pair_of(p);
+        patch_offset_.push_back(static_cast<std::int32_t>(static_cast<std::ptrdiff_t>(planes * plane_size_) +
+                                                          rows * static_cast<std::ptrdiff_t>(stride_) +
+                                                          p.dx));
+        patch_voted_.push_back(0);
       }
-      patch_cells_.back() |= static_cast<std::uint8_t>(1 << (2 * (p.dx - first->dx) + ((p.dy + parity) & 1)));
+      const std::size_t cell = 4 * static_cast<std::size_t>(p.dx - first->dx) +
+                               2 * static_cast<std::size_t>((p.dy + parity) & 1) + p.plane % 2;
+      patch_voted_.back() |= static_cast<std::uint16_t>(1 << cell);
     }
   }
 }
 
+struct HoughTransform::Walk {
+  std::size_t patches;
+  const std::int32_t* offset;
+  const std::uint16_t* voted_index;
+  const Patch* voted;
+  Votes* accumulator;
+  std::size_t last;
+  Block* blocks;
+  std::uint64_t block_reciprocal;
+};
+
 template <int sign>
 void HoughTransform::walk(int x, int y, std::size_t pattern) {
-  const std::size_t at = cell(x, y - y % 2);
   const std::size_t begin = pattern_begin_[pattern + static_cast<std::size_t>(y % 2)];
   const std::size_t end = pattern_begin_[pattern + static_cast<std::size_t>(y % 2) + 1];
-  const std::int32_t* const offset = patch_offset_.data();
-  const std::uint8_t* const cells = patch_cells_.data();
-  Votes* const votes = accumulator_.data();
-  Patch* const bound = bound_.data();
-  const int shift = block_shift_;
-  for (std::size_t i = begin; i < end; ++i) {
-    const std::size_t k = at + static_cast<std::size_t>(static_cast<std::ptrdiff_t>(offset[i]));
-    const Patch one = load<Patch>(votes_of_cells[cells[i]].data());
-    const Patch sum = sign > 0 ? load<Patch>(votes + k) + one : load<Patch>(votes + k) - one;
-    std::memcpy(votes + k, &sum, sizeof sum);
-    if (sign > 0) bound[k >> shift] = larger(bound[k >> shift], sum);
-  }
+  const Walk walk{end - begin,
+                  patch_offset_.data() + begin,
+                  patch_voted_.data() + begin,
+                  voted_.data(),
+                  accumulator_.data(),
+                  column(x, y) + patch_columns - 1,
+                  blocks_.data(),
+                  block_reciprocal_};
+  above_ |= avx2_ ? add_patches_avx2<sign>(walk) : add_patches<sign, HalfPatch>(walk);
 }
 
 template <int sign>
@@ -171,65 +251,107 @@ template void HoughTransform::vote_arcs<-1>(int, int, int);
 
 void HoughTransform::clear() {
   std::fill(accumulator_.begin(), accumulator_.end(), Votes{0});
-  std::fill(bound_.begin(), bound_.end(), Patch{});
-}
-
-HoughTransform::Patch HoughTransform::row_pair_maximum(const Votes* at, int y) const {
-  Patch most{};
-  int x = 0;
-  for (; x + patch_columns <= size_.width; x += patch_columns, at += 8) most = larger(most, load<Patch>(at));
-  for (; x < size_.width; ++x, at += 2) most = larger(most, Patch{at[0], at[1]});
-  if (y + 1 == size_.height) most &= Patch{0xffff, 0, 0xffff, 0, 0xffff, 0, 0xffff, 0};
-  return most;
+  for (Block& block : blocks_) block.bound = {};
+  above_ = true;
 }
 
 HoughTransform::Peak HoughTransform::peak() const {
-  const int blocks = (size_.height + block_rows - 1) / block_rows;
-  const auto bounds_of = [&](std::size_t plane) {
-    return bound_.data() + ((plane * plane_size_ + margin_) >> block_shift_);
+  if (above_ || votes(peak_.x, peak_.y, peak_.r) != peak_.votes) {
+    peak_ = search();
+    set_limits();
+  }
+  return peak_;
+}
+
+HoughTransform::Peak HoughTransform::search() const {
+  std::array<int, 256> most;  // in each plane, at most
+  const auto bound_of = [&](std::size_t plane, int begin, int end) {
+    HalfPatch bound{}, half;
+    for (int block = begin; block < end; ++block) {
+      for (std::size_t part = 0; part < patch_cells; part += patch_cells / 2) {
+        load(half, blocks_of(plane)[block].bound.data() + part);
+        raise(bound, half);
+      }
+    }
+    return bound;
   };
-  std::array<int, 255> plane_bound;
-  const auto bound_plane = [&](std::size_t plane) {
-    Patch most{};
-    for (int block = 0; block < blocks; ++block) most = larger(most, bounds_of(plane)[block]);
-    plane_bound[plane] = largest(most);
+  const auto bound_planes = [&](std::size_t plane) {
+    const HalfPatch bound = bound_of(plane, 0, image_blocks_);
+    for (std::size_t odd = 0; odd < 2; ++odd) most[plane / 2 * 2 + odd] = largest(bound, odd);
   };
-  for (std::size_t plane = 0; plane < ring_pixels_.size(); ++plane) bound_plane(plane);
+  for (std::size_t plane = 0; plane < ring_pixels_.size(); plane += 2) bound_planes(plane);
   for (;;) {
     // Votes / pixels compared as fractions: exact.
     std::size_t best = 0;
     for (std::size_t plane = 1; plane < ring_pixels_.size(); ++plane) {
-      if (plane_bound[plane] * static_cast<std::int64_t>(ring_pixels_[best]) >
-          plane_bound[best] * static_cast<std::int64_t>(ring_pixels_[plane])) {
+      if (most[plane] * static_cast<std::int64_t>(ring_pixels_[best]) >
+          most[best] * static_cast<std::int64_t>(ring_pixels_[plane])) {
         best = plane;
       }
     }
-    const int votes = plane_bound[best];
-    if (votes == 0) return {0, 0, r_min_, 0, 0.0};
+    if (most[best] == 0) return {0, 0, r_min_, 0, 0.0};
     int block = 0;
-    while (largest(bounds_of(best)[block]) < votes) ++block;
-    const Votes* const plane = accumulator_.data() + best * plane_size_;
-    const int end = std::min(size_.height, (block + 1) * block_rows);
-    Patch most{};
-    for (int y = block * block_rows; y < end; y += 2) {
-      const Patch row_pair = row_pair_maximum(plane + cell(0, y), y);
-      const auto [even, odd] = largest_of_rows(row_pair);
-      most = larger(most, row_pair);
-      if (std::max(even, odd) < votes) continue;
-      // The bound is met: this is its first row.
-      int x = 0;
-      const int row = even == votes ? y : y + 1;
-      while (plane[cell(x, row)] != votes) ++x;
-      return {x, row, r_min_ + static_cast<int>(best), votes,
-              static_cast<double>(votes) / ring_pixels_[best]};
+    while (largest(bound_of(best, block, block + 1), best % 2) < most[best]) ++block;
+    if (const auto peak = search_block(best, block, most[best])) return *peak;
+    bound_planes(best);
+  }
+}
+
+/// The first cell of a plane in a block that has so many votes. If there is none, the block's bound is exact.
+std::optional<HoughTransform::Peak> HoughTransform::search_block(std::size_t plane, int block,
+                                                                 int votes) const {
+  const int end = std::min(size_.height, (block + 1) * block_rows);
+  HalfPatch bound{};
+  for (int y = block * block_rows; y < end; y += 2) {
+    const Votes* at = votes_at(0, y, plane / 2 * 2);
+    HalfPatch most{}, half;
+    int x = 0;
+    for (; x + 2 <= size_.width; x += 2, at += 8) {
+      load(half, at);
+      raise(most, half);
     }
-    bounds_of(best)[block] = most;
-    bound_plane(best);
+    if (x < size_.width) raise(most, HalfPatch{at[0], at[1], at[2], at[3]});
+    if (y + 1 == size_.height) most &= HalfPatch{0xffff, 0xffff, 0, 0, 0xffff, 0xffff, 0, 0};
+    raise(bound, most);
+    if (largest(most, plane % 2) < votes) continue;
+    for (const int row : {y, y + 1}) {
+      for (x = 0; x < size_.width && row < end; ++x) {
+        if (*votes_at(x, row, plane) != votes) continue;
+        return Peak{x, row, r_min_ + static_cast<int>(plane), votes,
+                    static_cast<double>(votes) / ring_pixels_[plane]};
+      }
+    }
+  }
+  Patch& exact = blocks_of(plane)[block].bound;
+  exact = {};
+  std::memcpy(exact.data(), &bound, sizeof bound);
+  return std::nullopt;
+}
+
+/// The most votes that cells can have without taking the peak's place.
+void HoughTransform::set_limits() const {
+  above_ = false;
+  const auto own = static_cast<std::size_t>(peak_.r - r_min_);
+  const int own_block = peak_.y / block_rows;
+  for (std::size_t pair = 0; pair < ring_pixels_.size(); pair += 2) {
+    Patch until_own{}, after_own{};
+    for (std::size_t i = 0; i < patch_cells; ++i) {
+      const std::size_t plane = std::min(pair + i % 2, ring_pixels_.size() - 1);
+      const int equal = peak_.votes * ring_pixels_[plane];
+      const auto limit = [&](bool equal_wins) {
+        return static_cast<Votes>(std::min((equal - (equal_wins ? 1 : 0)) / ring_pixels_[own], 0xffff));
+      };
+      until_own[i] = limit(plane <= own);
+      after_own[i] = limit(plane < own);
+    }
+    for (int block = 0; block < image_blocks_; ++block) {
+      blocks_of(pair)[block].limit = block <= own_block ? until_own : after_own;
+    }
   }
 }
 
 int HoughTransform::votes(int x, int y, int r) const {
-  return accumulator_[static_cast<std::size_t>(r - r_min_) * plane_size_ + cell(x, y)];
+  return *votes_at(x, y, static_cast<std::size_t>(r - r_min_));
 }
 
 }  // namespace saccade

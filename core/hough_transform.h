@@ -1,6 +1,9 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -16,9 +19,9 @@ namespace saccade {
 /// within +-`arc_rad` of the direction of the flow and of its opposite (Eq. 2). The response at a centre is
 /// votes / (number of pixels of the ring), so that large circles have no advantage.
 ///
-/// Voting is a walk through a table of patches of 4 x 2 cells that are added as one: no trigonometry, no
-/// bounds check, no allocation. An upper bound of every block of rows makes the maximum cheap to find (see
-/// peak()).
+/// Voting is a walk through a table of patches of 4 x 2 cells of two neighbouring radii that are added as one:
+/// no trigonometry, no bounds check, no allocation. The walk also notes what it needs to know the maximum
+/// without looking for it (see peak()). With AVX2 a patch is one instruction, without it two: same result.
 class HoughTransform {
  public:
   /// Directions are counted in steps of half a degree, modulo a half turn: an arc and its opposite are one.
@@ -43,8 +46,9 @@ class HoughTransform {
     double response = 0.0;  ///< votes / ring pixels
   };
   /// The largest response; ties go to the smaller r, then y, then x. r_min, (0, 0), 0 votes when empty.
-  /// Exact: blocks are looked at in the order of their upper bounds, which become exact by that, until one
-  /// holds what its bound says.
+  /// Exact. While the last peak keeps its votes and no vote has made another cell as good, it is the answer.
+  /// Otherwise blocks of rows are searched in the order of their upper bounds, which become exact by that,
+  /// until one holds what its bound says.
   [[nodiscard]] Peak peak() const;
 
   [[nodiscard]] int votes(int x, int y, int r) const;
@@ -55,30 +59,50 @@ class HoughTransform {
 
  private:
   using Votes = std::uint16_t;
-  /// The votes of a patch: 4 columns x 2 rows, both rows of a column side by side.
-  using Patch [[gnu::vector_size(16)]] = Votes;
+  /// 4 columns of 2 rows of 2 radii, the radii side by side.
+  using Patch = std::array<Votes, 16>;
+  /// Of the votes in some rows of a pair of planes, for each place in a patch.
+  struct alignas(64) Block {
+    Patch bound{};  ///< no cell has more
+    Patch limit{};  ///< a cell with more may be the next peak
+  };
 
-  [[nodiscard]] std::size_t cell(int x, int y) const {
-    return margin_ + static_cast<std::size_t>(y / 2) * row_pair_ + static_cast<std::size_t>(2 * x + y % 2);
+  /// Counted in columns, which hold the 2 x 2 cells of two rows and two radii.
+  [[nodiscard]] std::size_t column(int x, int y) const {
+    return margin_ + static_cast<std::size_t>(y / 2) * stride_ + static_cast<std::size_t>(x);
+  }
+  [[nodiscard]] const Votes* votes_at(int x, int y, std::size_t plane) const {
+    return accumulator_.data() + 4 * (plane / 2 * plane_size_ + column(x, y)) + 2 * (y % 2) + plane % 2;
+  }
+  [[nodiscard]] Block* blocks_of(std::size_t plane) const {
+    return blocks_.data() + plane / 2 * (plane_size_ / block_size_) + margin_ / block_size_;
   }
   void append_patterns(std::span<const struct RingPixel> pixels);
+  struct Walk;
   template <int sign>
   void walk(int x, int y, std::size_t pattern);
-  [[nodiscard]] Patch row_pair_maximum(const Votes* at, int y) const;
+  [[nodiscard]] Peak search() const;
+  [[nodiscard]] std::optional<Peak> search_block(std::size_t plane, int block, int votes) const;
+  void set_limits() const;
 
   ImageSize size_;
   int r_min_;
-  // Planes of row pairs, outside the image too where votes of its events can fall: what is left of a row is
-  // the end of the one before it, and what is below a plane is the margin above the next.
-  std::size_t row_pair_, margin_, plane_size_;  // cells; row_pair_ is a power of two
-  int block_shift_;                             // log2 of the cells of block_rows rows
-  std::vector<int> ring_pixels_;                // per radius
+  // Planes of rows, outside the image too where votes of its events can fall: what is left of a row is the end
+  // of the one before it, and what is below a plane is the margin above the next.
+  std::size_t stride_, block_size_, margin_, plane_size_;  // columns; the last two are whole blocks
+  std::uint64_t block_reciprocal_;
+  int image_blocks_;  // blocks of a plane that have rows of the image
+  bool avx2_;
+  std::vector<int> ring_pixels_;  // per radius
   // What an event adds: for each direction and then for the whole ring, at an even and at an odd row.
   std::vector<std::size_t> pattern_begin_;
-  std::vector<std::int32_t> patch_offset_;  // from the cell of the event
-  std::vector<std::uint8_t> patch_cells_;   // one bit for each cell that gets a vote
+  std::vector<std::int32_t> patch_offset_;  // columns from the even row of the event's pair
+  std::vector<std::uint16_t> patch_voted_;  // which of voted_
+  std::vector<Patch> voted_;                // all bits of a cell that gets a vote
   std::vector<Votes> accumulator_;
-  mutable std::vector<Patch> bound_;  // of each block: not below any patch of it
+  mutable std::vector<Block> blocks_;
+  mutable Peak peak_;          // when last asked
+  mutable bool above_ = true;  // a cell has had more votes than its limit since
 };
 
 }  // namespace saccade

@@ -1,5 +1,6 @@
 #include "core/plane_fit_flow.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -10,7 +11,7 @@ namespace {
 constexpr int max_half_width = 5;
 constexpr std::size_t max_points = (2 * max_half_width + 1) * (2 * max_half_width + 1);
 constexpr std::int64_t never_us = std::numeric_limits<std::int64_t>::min() / 2;
-constexpr int refits = 2;
+constexpr std::int64_t own_edge_px = 4;
 
 /// Neighbours of an event, whole numbers from it: pixels, and us <= 0. Arrays and masks, so that nothing
 /// branches on the data and loops vectorise.
@@ -59,6 +60,35 @@ std::optional<Plane> fit_plane(const Neighbours& p, std::int64_t min_points) {
   return Plane{a, b, (t - a * x - b * y) / n};
 }
 
+/// The fourth newest stamp of the eight pixels around one: two sorted halves, merged as far as that.
+std::int64_t fourth_newest_around(const std::int64_t* centre, std::ptrdiff_t stride) {
+  const std::int64_t* above = centre - stride;
+  const std::int64_t* below = centre + stride;
+  std::array<std::int64_t, 8> t{above[-1], above[0],  above[1], centre[-1],
+                                centre[1], below[-1], below[0], below[1]};
+  const auto newer_first = [&t](std::size_t i, std::size_t j) {
+    const std::int64_t newer = std::max(t[i], t[j]);
+    t[j] = std::min(t[i], t[j]);
+    t[i] = newer;
+  };
+  for (std::size_t half = 0; half < t.size(); half += t.size() / 2) {
+    newer_first(half, half + 1);
+    newer_first(half + 2, half + 3);
+    newer_first(half, half + 2);
+    newer_first(half + 1, half + 3);
+    newer_first(half + 1, half + 2);
+  }
+  return std::max({t[3], std::min(t[2], t[4]), std::min(t[1], t[5]), std::min(t[0], t[6]), t[7]});
+}
+
+void leave_out_far(Neighbours& p, const Plane& plane, double px) {
+  const double tolerance = px * px * (plane.a * plane.a + plane.b * plane.b);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(p.count); ++i) {
+    const double off = plane.a * p.x[i] + plane.b * p.y[i] + plane.d - p.t[i];
+    p.taken[i] = off * off <= tolerance ? -1 : 0;
+  }
+}
+
 }  // namespace
 
 void describe(FieldVisitor& v, PlaneFitFlowConfig& config) {
@@ -79,8 +109,11 @@ PlaneFitFlow::PlaneFitFlow(const PlaneFitFlowConfig& config, ImageSize size)
 
 std::optional<NormalFlow> PlaneFitFlow::at(const Event& event) const {
   const int half = static_cast<int>(config_.half_width_px);
-  const std::int64_t oldest = event.t_us - config_.max_age_us;
   const std::int64_t* centre = surface_.data() + index(event);
+  const std::int64_t next_age_us =
+      event.t_us - fourth_newest_around(centre, static_cast<std::ptrdiff_t>(stride_));
+  const std::int64_t oldest =
+      event.t_us - std::min(config_.max_age_us, own_edge_px * std::min(config_.max_age_us, next_age_us));
   Neighbours near;
   for (int dy = -half; dy <= half; ++dy) {
     const std::int64_t* row = centre + dy * static_cast<std::ptrdiff_t>(stride_);
@@ -93,18 +126,12 @@ std::optional<NormalFlow> PlaneFitFlow::at(const Event& event) const {
       near.count += row[dx] >= oldest ? 1 : 0;
     }
   }
-  for (int fit = 0;; ++fit) {
-    const auto plane = fit_plane(near, config_.min_inliers);
-    if (!plane) return std::nullopt;
-    const double slope = std::sqrt(plane->a * plane->a + plane->b * plane->b);
-    if (!(slope > 0.0)) return std::nullopt;
-    if (fit == refits) return NormalFlow{plane->a, plane->b};
-    const double tolerance = config_.inlier_px * slope;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(near.count); ++i) {
-      const double off = plane->a * near.x[i] + plane->b * near.y[i] + plane->d - near.t[i];
-      near.taken[i] = std::abs(off) <= tolerance ? -1 : 0;
-    }
-  }
+  const auto first = fit_plane(near, config_.min_inliers);
+  if (!first) return std::nullopt;
+  leave_out_far(near, *first, config_.inlier_px);
+  const auto plane = fit_plane(near, config_.min_inliers);
+  if (!plane || (plane->a == 0.0 && plane->b == 0.0)) return std::nullopt;
+  return NormalFlow{plane->a, plane->b};
 }
 
 }  // namespace saccade

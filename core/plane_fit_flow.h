@@ -13,7 +13,7 @@ struct PlaneFitFlowConfig {
   std::int64_t half_width_px = 2;     ///< the neighbourhood is a square of 2 n + 1 pixels
   std::int64_t max_age_us = 100'000;  ///< older neighbours do not belong to this edge
   std::int64_t min_inliers = 6;       ///< with fewer, the event has no flow
-  double inlier_px = 0.7;             ///< how far, along the flow, a neighbour may lie from the plane
+  double inlier_px = 0.8;             ///< how far, along the flow, a neighbour may lie from the plane
 };
 
 /// Keys: half_width_px, max_age_us, min_inliers, inlier_px.
@@ -29,6 +29,10 @@ struct NormalFlow {
 /// t = a x + b y + d is fitted by least squares to the newest time stamps of one polarity around an event,
 /// neighbours that lie further than `inlier_px` from it are left out, and the plane is fitted again. The
 /// slope (a, b) points along the edge's motion, with 1 / |(a, b)| the speed.
+///
+/// Ahead of an edge are the stamps of those before it, which would spoil the first fit. Of the eight pixels next
+/// to the event an edge has passed at least four, in about the time it needs for a pixel: stamps older than four
+/// times the age of the fourth newest of them are not its own and are left out from the start.
 class PlaneFitFlow {
  public:
   PlaneFitFlow(const PlaneFitFlowConfig& config, ImageSize size);

@@ -7,15 +7,17 @@
 #include <vector>
 
 #include "core/camera.h"
+#include "evaluation/ball_speed.h"
+#include "evaluation/gnuplot.h"
 #include "evaluation/metrics.h"
 #include "recording/run_files.h"
 
 namespace saccade {
 
-/// Figures of a run as stand-alone SVG texts, drawn by gnuplot. The same data give the same bytes: no date,
-/// no name of a machine. Every series is thinned to at most max_figure_points. All times in the axes count
-/// from `start_us`. `name` must be unique within a page: it prefixes the ids inside the SVG. All throw
-/// RunError when gnuplot is missing (naming the package) or fails.
+/// Figures of a run and of several, drawn by gnuplot. The same data give the same bytes: no date, no name of
+/// a machine. In the drawing every series is thinned to at most max_figure_points. All times in the axes count
+/// from `start_us`. `name` becomes the figure's: letters, digits, '-' and '_' only. All throw RunError when
+/// gnuplot is missing (naming the package) or fails.
 
 inline constexpr std::size_t max_figure_points = 1200;
 
@@ -24,34 +26,76 @@ inline constexpr std::size_t max_figure_points = 1200;
 
 /// x, y and r over time: truth as a line, the detector's observations at or above its threshold as dots.
 /// Annotated truth (`sparse`) is drawn as circles, not joined.
-[[nodiscard]] std::string tracking_figure(std::string_view name, std::span<const TruthRow> truth,
-                                          std::span<const DetectionRow> detections, std::string_view detector,
-                                          double threshold, std::string_view colour, bool sparse,
-                                          std::int64_t start_us);
+[[nodiscard]] Figure tracking_figure(std::string_view name, std::span<const TruthRow> truth,
+                                     std::span<const DetectionRow> detections, std::string_view detector,
+                                     double threshold, std::string_view colour, bool sparse,
+                                     std::int64_t start_us);
 
 /// Precision over recall of every detector; a square where its threshold lies.
-[[nodiscard]] std::string precision_recall_figure(std::string_view name, const Metrics& metrics);
+[[nodiscard]] Figure precision_recall_figure(std::string_view name, const Metrics& metrics);
 
 /// Ball, gaze targets and fixation point in the root frame, m.
-[[nodiscard]] std::string gaze_path_figure(std::string_view name, std::span<const TruthRow> truth,
-                                           std::span<const GazeRow> gaze);
+[[nodiscard]] Figure gaze_path_figure(std::string_view name, std::span<const TruthRow> truth,
+                                      std::span<const GazeRow> gaze);
 
 /// The angle between the ray to the true circle's centre and the optical axis over time, deg.
-[[nodiscard]] std::string fixation_figure(std::string_view name, std::span<const TruthRow> truth,
-                                          const PinholeCamera& camera, std::int64_t start_us);
+[[nodiscard]] Figure fixation_figure(std::string_view name, std::span<const TruthRow> truth,
+                                     const PinholeCamera& camera, std::int64_t start_us);
 
 /// Each head joint over time against its limits, deg.
-[[nodiscard]] std::string joints_figure(std::string_view name, std::span<const GazeRow> gaze,
-                                        const JointLimits& limits, std::int64_t start_us);
+[[nodiscard]] Figure joints_figure(std::string_view name, std::span<const GazeRow> gaze,
+                                   const JointLimits& limits, std::int64_t start_us);
 
-/// Event rate over time, and below it the rate of accepted observations of every detector in 100 ms bins.
+/// Events of a run over time.
 struct EventCounts {
   std::int64_t start_us = 0;
   std::int64_t bin_us = 10'000;
   std::vector<std::int64_t> counts;
 };
-[[nodiscard]] std::string rates_figure(std::string_view name, const EventCounts& events,
-                                       std::span<const DetectionRow> detections, const Metrics& metrics,
-                                       std::int64_t start_us);
+
+/// The rate of events over time; below it, in 100 ms bins, how often per second each detector was right; and
+/// the ball's speed in the image (paper, Fig. 5). `found` as found_at_chances tells it, one per detector of
+/// `metrics`. Where the truth is not dense, `truth` and `found` are empty: then what each detector took for
+/// the ball is counted, right or not, and there is no speed. `events` may be null. A detector named
+/// frame_30hz stands for the frame camera; without one, a line shows the most that it can give.
+[[nodiscard]] Figure rates_figure(std::string_view name, const EventCounts* events,
+                                  std::span<const TruthRow> truth,
+                                  std::span<const std::vector<std::optional<bool>>> found,
+                                  std::span<const DetectionRow> detections, const Metrics& metrics,
+                                  std::int64_t start_us);
+
+/// A detector as it is drawn.
+struct DrawnDetector {
+  std::string name;
+  std::string colour;
+};
+
+/// Detections per second over the ball's speed in the image, px/s.
+struct DetectorSpeeds {
+  DrawnDetector detector;
+  SpeedCounts counts;
+};
+[[nodiscard]] Figure rate_over_speed_figure(std::string_view name, std::span<const DetectorSpeeds> detectors);
+
+/// One detector in the runs of a group, one score or more.
+struct DetectorRuns {
+  DrawnDetector detector;
+  std::vector<DetectorScore> scores;
+};
+
+/// Precision over recall: a thin line for every run, a thick one for the mean precision at each recall, as far
+/// as all runs reach it (the curve itself where there is one run only); a square at the mean of precision and recall at the threshold.
+[[nodiscard]] Figure precision_recall_spread_figure(std::string_view name,
+                                                    std::span<const DetectorRuns> detectors);
+
+/// Runs that differ in nothing but the seed.
+struct RunGroup {
+  std::string label;
+  std::vector<DetectorRuns> detectors;
+};
+
+/// Average precision of every detector, a panel for each group: a dot for every run, a bar of one standard
+/// deviation to both sides of the mean.
+[[nodiscard]] Figure average_precision_figure(std::string_view name, std::span<const RunGroup> groups);
 
 }  // namespace saccade

@@ -6,6 +6,14 @@
 
 namespace saccade {
 
+/// A drawing and the numbers in it. `csv`: one row per point, the series' name, the x axis and one column per
+/// panel, headed by the labels of the axes; empty where a panel has no value. Nothing is thinned there.
+struct Figure {
+  std::string name;  ///< unique within a page: it prefixes the ids inside the SVG and names the CSV file
+  std::string svg;   ///< a stand-alone text
+  std::string csv;
+};
+
 /// One drawing made of panels, as gnuplot text. Data travel inside the script and titles are quoted, so
 /// nothing that a recording or a scenario holds can become a command.
 class GnuplotFigure {
@@ -16,29 +24,45 @@ class GnuplotFigure {
   struct Point {
     double x = 0.0;
     double y = 0.0;
-    double z = 0.0;  ///< only in 3D panels
+    double z = 0.0;  ///< drawn in 3D panels; elsewhere a number beside the point, where z_label is set
   };
   struct Series {
-    std::string title;          ///< in the key; none when empty
+    std::string title;
     std::string style;          ///< gnuplot's words after `with`
-    std::vector<Point> points;  ///< thinned to max_figure_points
+    std::vector<Point> points;  ///< thinned to max_figure_points in the drawing
+    bool in_key = true;
+  };
+  struct Panel {
+    std::string x_label;  ///< the same in all panels of a figure
+    std::string y_label;
+    std::string z_label;
+    /// gnuplot's `set` lines for this panel, after the labels; from this program only, never from input.
+    std::string commands;
+    std::vector<Series> series;
+    bool three_d = false;
   };
 
-  /// `commands` are gnuplot's `set` lines for this panel, from this program only, never from input.
-  void add_panel(std::string_view commands, const std::vector<Series>& series, bool three_d = false);
+  void add_panel(Panel panel) { panels_.push_back(std::move(panel)); }
 
-  /// Draws. `layout` is what goes before the panels, such as `set multiplot layout 3,1`. Throws RunError.
-  [[nodiscard]] std::string svg(std::string_view layout = "") const;
+  /// `layout` is what goes before the panels, such as `set multiplot layout 3,1`. Throws RunError.
+  [[nodiscard]] Figure draw(std::string_view layout = "") const;
 
  private:
+  [[nodiscard]] std::string svg(std::string_view layout) const;
+  [[nodiscard]] std::string csv() const;
+
   std::string name_;
   std::string terminal_;
-  std::string data_;
-  std::string plots_;
-  int blocks_ = 0;
+  std::vector<Panel> panels_;
 };
 
 /// A text as a gnuplot string that is drawn as it stands.
 [[nodiscard]] std::string gnuplot_quoted(std::string_view text);
+
+/// A text as one field of a CSV line: in quotes where it holds a comma, a quote or a line break.
+[[nodiscard]] std::string csv_field(std::string_view text);
+
+/// A name as a part of a file's name: letters, digits, '-' and '_' stay, what else there is becomes '_'.
+[[nodiscard]] std::string file_part(std::string_view name);
 
 }  // namespace saccade

@@ -29,6 +29,11 @@ Json json_of(const Spread& spread) {
   return {{"median", json_of(spread.median)}, {"p95", json_of(spread.p95)}};
 }
 
+Json json_of(const std::optional<RejectedEvents>& rejected) {
+  if (!rejected) return nullptr;
+  return {{"outside_image", rejected->outside_image}, {"back_in_time", rejected->back_in_time}};
+}
+
 std::optional<double> number(const Json& json) {
   return json.is_null() ? std::nullopt : std::optional<double>(json.get<double>());
 }
@@ -65,7 +70,8 @@ Json json_of(const DetectorScore& score) {
       {"lag_ms", json_of(score.lag_ms)},
       {"us_per_event", json_of(score.us_per_event)},
       {"observations", score.observations},
-      {"inliers", score.inliers}};
+      {"inliers", score.inliers},
+      {"rejected_events", json_of(score.rejected_events)}};
 }
 
 DetectorScore detector_score(const Json& json) {
@@ -91,6 +97,10 @@ DetectorScore detector_score(const Json& json) {
   score.radius_error_px = spread(json.at("radius_error_px"));
   score.lag_ms = number(json.at("lag_ms"));
   score.us_per_event = number(json.at("us_per_event"));
+  if (const auto rejected = json.find("rejected_events"); rejected != json.end() && !rejected->is_null()) {
+    score.rejected_events = {.outside_image = rejected->at("outside_image").get<std::int64_t>(),
+                             .back_in_time = rejected->at("back_in_time").get<std::int64_t>()};
+  }
   return score;
 }
 
@@ -152,6 +162,10 @@ Metrics metrics_of(const Json& json) {
   Metrics metrics;
   metrics.scenario = json.at("scenario").get<std::string>();
   metrics.seed = integer(json.at("seed"));
+  const Json settings = json.value("settings", Json::object());
+  for (const auto& [key, value] : settings.items()) {
+    metrics.settings.emplace_back(key, value.get<std::string>());
+  }
   metrics.start_us = json.at("start_us").get<std::int64_t>();
   metrics.duration_s = json.at("duration_s").get<double>();
   metrics.wall_s = number(json.at("wall_s"));
@@ -187,6 +201,10 @@ std::string metrics_to_json(const Metrics& metrics) {
   for (const auto& [name, score] : metrics.detectors) {
     detectors[name] = json_of(score);
   }
+  Json settings = Json::object();
+  for (const auto& [key, value] : metrics.settings) {
+    settings[key] = value;
+  }
   const Json json = {
       {"schema", 1},
       {"scenario", metrics.scenario},
@@ -202,7 +220,8 @@ std::string metrics_to_json(const Metrics& metrics) {
       {"detectors", std::move(detectors)},
       {"gaze", metrics.gaze ? json_of(*metrics.gaze) : Json(nullptr)},
       {"camera", camera_json(metrics)},
-      {"start_us", metrics.start_us}};
+      {"start_us", metrics.start_us},
+      {"settings", std::move(settings)}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -23,11 +23,14 @@ struct GazeMetrics {
 };
 
 /// metrics.json, schema 1. None is written as null: the figure does not apply. Keys beyond the contract:
-/// detectors.*.{observations,inliers}, gaze.{acquire_within_deg,joint_limits_rad} and `events.file`,
-/// `camera`, `start_us`, which make a run folder readable without its scenario.
+/// detectors.*.{observations,inliers,rejected_events}, gaze.{acquire_within_deg,joint_limits_rad} and
+/// `events.file`, `camera`, `start_us`, `settings`, which make a run folder readable without its scenario.
 struct Metrics {
   std::string scenario;
   std::optional<std::int64_t> seed;
+  /// What was set otherwise than the scenario has it, key and value as given; without output.* and run.*,
+  /// which change nothing that is scored. Runs of one scenario with the same settings differ in their seed.
+  std::vector<std::pair<std::string, std::string>> settings;
   std::int64_t start_us = 0;     ///< what the events' clock showed when the run began
   double duration_s = 0.0;       ///< of the run, in its own time
   std::optional<double> wall_s;  ///< of the loop alone; real_time_factor is duration_s / wall_s
@@ -44,7 +47,7 @@ struct Metrics {
 /// Numbers are the shortest text that reads back as the same double; the same metrics give the same bytes.
 [[nodiscard]] std::string metrics_to_json(const Metrics& metrics);
 /// Throws InputError with `place` for text that is no JSON, another schema, or a key missing or of a wrong
-/// kind.
+/// kind. `settings` and `rejected_events` may be absent.
 [[nodiscard]] Metrics metrics_from_json(std::string_view text, const std::string& place);
 
 /// Throws RunError when the disk does not take it.

@@ -37,6 +37,23 @@ void draw_circle(cv::Mat& picture, const Circle& c, int scale, const cv::Scalar&
              cv::LINE_AA, fraction_bits);
 }
 
+/// The response in the colours of heat, the stronger the less of the picture shines through.
+void lay_over(cv::Mat& image, const cv::Mat& response) {
+  SACCADE_CHECK(response.type() == CV_8UC1 && response.size() == image.size());
+  cv::Mat heat;
+  cv::applyColorMap(response, heat, cv::COLORMAP_HOT);
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.cols; ++x) {
+      const double share = std::min(1.0, 1.6 * response.at<std::uint8_t>(y, x) / 255.0);
+      cv::Vec3b& pixel = image.at<cv::Vec3b>(y, x);
+      for (int c = 0; c < 3; ++c) {
+        pixel[c] =
+            cv::saturate_cast<std::uint8_t>((1.0 - share) * pixel[c] + share * heat.at<cv::Vec3b>(y, x)[c]);
+      }
+    }
+  }
+}
+
 void draw_text(cv::Mat& picture, const std::string& text, cv::Point at, const cv::Scalar& colour,
                double size) {
   cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, size, cv::Scalar::all(255), 3, cv::LINE_AA);
@@ -58,6 +75,16 @@ void draw_label(cv::Mat& picture, const LabelledCircle& found, int scale, int li
 
 }  // namespace
 
+cv::Mat response_picture(std::span<const float> response, ImageSize size) {
+  SACCADE_CHECK(response.size() == static_cast<std::size_t>(size.pixels()));
+  cv::Mat picture(size.height, size.width, CV_8UC1, cv::Scalar(0));
+  const float strongest = response.empty() ? 0.0F : *std::max_element(response.begin(), response.end());
+  if (!(strongest > 0.0F)) return picture;
+  std::transform(response.begin(), response.end(), picture.begin<std::uint8_t>(),
+                 [&](float r) { return cv::saturate_cast<std::uint8_t>(255.0F * r / strongest); });
+  return picture;
+}
+
 cv::Mat draw_eye(const EyePicture& eye, int scale) {
   SACCADE_CHECK(scale >= 1 && eye.size.pixels() > 0);
   cv::Mat image(eye.size.height, eye.size.width, CV_8UC3, paper);
@@ -66,11 +93,16 @@ cv::Mat draw_eye(const EyePicture& eye, int scale) {
                   eye.grey.rows == eye.size.height);
     cv::cvtColor(eye.grey, image, cv::COLOR_GRAY2BGR);
   }
+  const bool hough = !eye.response.empty();
+  if (hough) image = ground;
   for (const Event& e : eye.events) {
     if (eye.size.contains(e.x, e.y)) {
-      image.at<cv::Vec3b>(e.y, e.x) = e.on ? cv::Vec3b(70, 190, 60) : cv::Vec3b(190, 60, 200);
+      image.at<cv::Vec3b>(e.y, e.x) = hough  ? cv::Vec3b(200, 80, 150)
+                                      : e.on ? cv::Vec3b(70, 190, 60)
+                                             : cv::Vec3b(190, 60, 200);
     }
   }
+  if (hough) lay_over(image, eye.response);
   cv::Mat picture;
   cv::resize(image, picture, {}, scale, scale, cv::INTER_NEAREST);
 

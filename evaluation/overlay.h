@@ -28,12 +28,19 @@ struct LabelledCircle {
 /// What one eye sees, and what was found in it.
 struct EyePicture {
   ImageSize size;
-  cv::Mat grey;                   ///< 8-bit, of `size`; light grey paper when empty
+  cv::Mat grey;  ///< 8-bit, of `size`; light grey paper when empty
+  /// The Hough space instead of the image: 8-bit, of `size`, 255 where the response is strongest. Dark where
+  /// there is none, over red and yellow to white; the events lie under it in purple.
+  cv::Mat response;
   std::span<const Event> events;  ///< of the last few ms; ON green, OFF magenta
   std::optional<Circle> truth;    ///< white with a dark rim
   std::vector<LabelledCircle> detections;
   std::optional<Eigen::Vector2d> principal_px;  ///< crosshair: where the eye points
 };
+
+/// A detector's response over the image as an 8-bit picture, 255 at its maximum; black where nothing is above
+/// 0. `response` holds one number per pixel, row by row.
+[[nodiscard]] cv::Mat response_picture(std::span<const float> response, ImageSize size);
 
 /// Draws with `scale` picture pixels per image pixel (BGR, 8 bit). Events outside the image are left out.
 [[nodiscard]] cv::Mat draw_eye(const EyePicture& eye, int scale);

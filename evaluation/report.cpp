@@ -8,16 +8,17 @@
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
-#include "core/config.h"
 #include "core/error.h"
+#include "evaluation/ball_speed.h"
 #include "evaluation/figures.h"
+#include "evaluation/html.h"
 #include "evaluation/metrics.h"
 #include "evaluation/overlay.h"
 #include "recording/event_file.h"
-#include "recording/output_file.h"
 #include "recording/run_files.h"
 
 namespace saccade {
@@ -31,13 +32,23 @@ constexpr std::int64_t picture_window_us = 10'000;
 constexpr double events_per_picture = 1'500.0;  // where there are no saved pictures, as the paper's window
 constexpr int eye_picture_px = 384;
 constexpr int scene_picture_px = 512;
+constexpr std::size_t max_hough_frames = 4;
+constexpr std::size_t max_hough_detectors = 4;
+constexpr int hough_picture_px = 288;
 constexpr double deg_per_rad = 180.0 / std::numbers::pi;
+
+/// A detector's Hough space at one instant.
+struct SavedResponse {
+  fs::path path;
+  double strongest = 0.0;  ///< what white stands for
+};
 
 /// One picture of the strip.
 struct Frame {
   std::int64_t t_us = 0;
   fs::path eye;  ///< empty where the run saved none
   fs::path scene;
+  std::map<std::size_t, SavedResponse> responses;  ///< by the detector's index in the metrics
   std::vector<Event> events;
 };
 
@@ -52,12 +63,15 @@ struct Run {
   std::int64_t window_us = picture_window_us;
   std::optional<EventCounts> event_counts;
   std::string events_remark;  ///< why events are not shown
+  /// Per detector and row of truth, see found_at_chances; empty where the truth is sparse or missing.
+  std::vector<std::vector<std::optional<bool>>> found;
 
   /// A recording's annotations, not one row per millisecond: then nothing is known of the ball's place in the
   /// world.
   [[nodiscard]] bool sparse_truth() const {
     return !truth.empty() && !std::isfinite(truth.front().position_m.x());
   }
+  [[nodiscard]] bool scored_every_ms() const { return !found.empty(); }
 };
 
 template <class Row>
@@ -73,18 +87,38 @@ std::vector<T> spread_out(const std::vector<T>& all, std::size_t count) {
   return some;
 }
 
-/// Pictures saved as <t_us>_eye.png and <t_us>_scene.png.
-std::vector<Frame> saved_frames(const fs::path& folder) {
+/// Which detector's Hough space a picture's name after the time stands for: _<detector>_hough_<max>.png.
+std::optional<std::pair<std::size_t, double>> response_in(std::string_view kind, const Metrics& metrics) {
+  for (std::size_t i = 0; i < metrics.detectors.size(); ++i) {
+    const std::string start = "_" + file_part(metrics.detectors[i].first) + "_hough_";
+    if (!kind.starts_with(start) || !kind.ends_with(".png")) continue;
+    const std::string_view text = kind.substr(start.size(), kind.size() - start.size() - 4);
+    double strongest = 0.0;
+    const auto number = std::from_chars(text.data(), text.data() + text.size(), strongest);
+    if (number.ec == std::errc{} && number.ptr == text.data() + text.size()) return std::pair(i, strongest);
+  }
+  return std::nullopt;
+}
+
+/// Pictures saved as <t_us>_eye.png, <t_us>_scene.png and <t_us>_<detector>_hough_<max>.png.
+std::vector<Frame> saved_frames(const fs::path& folder, const Metrics& metrics) {
   std::map<std::int64_t, Frame> frames;
   if (fs::is_directory(folder)) {
     for (const auto& entry : fs::directory_iterator(folder)) {
       const std::string name = entry.path().filename().string();
       std::int64_t t_us = 0;
       const auto number = std::from_chars(name.data(), name.data() + name.size(), t_us);
+      if (number.ec != std::errc{}) continue;
       const std::string_view kind(number.ptr, name.data() + name.size());
-      if (number.ec != std::errc{} || (kind != "_eye.png" && kind != "_scene.png")) continue;
-      frames[t_us].t_us = t_us;
-      (kind == "_eye.png" ? frames[t_us].eye : frames[t_us].scene) = entry.path();
+      const auto response = response_in(kind, metrics);
+      if (kind != "_eye.png" && kind != "_scene.png" && !response) continue;
+      Frame& frame = frames[t_us];
+      frame.t_us = t_us;
+      if (response) {
+        frame.responses[response->first] = {entry.path(), response->second};
+      } else {
+        (kind == "_eye.png" ? frame.eye : frame.scene) = entry.path();
+      }
     }
   }
   std::vector<Frame> sorted;
@@ -96,13 +130,14 @@ std::vector<Frame> frames_without_pictures(const Run& run) {
   std::vector<Frame> frames;
   for (const TruthRow& row : run.truth) {
     if (row.visible >= chance_visible_share)
-      frames.push_back({.t_us = row.t_us, .eye = {}, .scene = {}, .events = {}});
+      frames.push_back({.t_us = row.t_us, .eye = {}, .scene = {}, .responses = {}, .events = {}});
   }
   if (frames.empty()) {
     const auto end_us = static_cast<std::int64_t>(run.metrics.duration_s * 1e6);
     const std::int64_t step_us = end_us / (static_cast<std::int64_t>(strip_frames_without_pictures) + 1);
     for (std::int64_t t_us = step_us; step_us > 0 && t_us < end_us; t_us += step_us) {
-      frames.push_back({.t_us = run.metrics.start_us + t_us, .eye = {}, .scene = {}, .events = {}});
+      frames.push_back(
+          {.t_us = run.metrics.start_us + t_us, .eye = {}, .scene = {}, .responses = {}, .events = {}});
     }
   }
   return spread_out(frames, strip_frames_without_pictures);
@@ -149,7 +184,7 @@ Run load(const fs::path& folder) {
   run.truth = read_if_there<TruthRow>(folder / "truth.csv");
   run.detections = read_if_there<DetectionRow>(folder / "detections.csv");
   run.gaze = read_if_there<GazeRow>(folder / "gaze.csv");
-  run.frames = saved_frames(folder / "frames");
+  run.frames = saved_frames(folder / "frames", run.metrics);
   run.has_pictures = !run.frames.empty();
   if (!run.has_pictures) {
     run.frames = frames_without_pictures(run);
@@ -158,81 +193,17 @@ Run load(const fs::path& folder) {
     run.window_us = 1'000 * std::llround(std::clamp(mean_us, 1e3, 2e5) * 1e-3);
   }
   read_events(run);
+  if (!run.truth.empty() && !run.sparse_truth()) {
+    for (const auto& [name, score] : run.metrics.detectors) {
+      run.found.push_back(found_at_chances(run.truth, run.detections, name, score.threshold));
+    }
+  }
   return run;
 }
 
-// ---- HTML
-// -------------------------------------------------------------------------------------------
-
-std::string escaped(std::string_view text) {
-  std::string html;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        html += "&amp;";
-        break;
-      case '<':
-        html += "&lt;";
-        break;
-      case '>':
-        html += "&gt;";
-        break;
-      case '"':
-        html += "&quot;";
-        break;
-      default:
-        html += c;
-    }
-  }
-  return html;
-}
-
-std::string base64(const std::vector<unsigned char>& bytes) {
-  static constexpr std::string_view digits =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k) group = group << 8 | (i + k < bytes.size() ? bytes[i + k] : 0U);
-    for (std::size_t k = 0; k < 4; ++k) {
-      text += i + k <= bytes.size() ? digits[group >> (18 - 6 * k) & 63U] : '=';
-    }
-  }
-  return text;
-}
-
-std::string picture_html(const cv::Mat& picture, const char* format, const std::string& alt) {
-  std::vector<unsigned char> bytes;
-  cv::imencode(std::string(".") + format, picture, bytes,
-               std::string_view(format) == "png" ? std::vector<int>{cv::IMWRITE_PNG_COMPRESSION, 9}
-                                                 : std::vector<int>{cv::IMWRITE_JPEG_QUALITY, 85});
-  return fmt::format("<img alt=\"{}\" width=\"{}\" height=\"{}\" src=\"data:image/{};base64,{}\">",
-                     escaped(alt), picture.cols, picture.rows, format, base64(bytes));
-}
-
-/// Inside a page an SVG needs no namespaces, and the page then holds no address at all.
-std::string inline_svg(std::string svg) {
-  for (std::size_t at = 0; (at = svg.find("xmlns")) != std::string::npos;) {
-    svg.erase(at, svg.find('"', svg.find('"', at) + 1) + 1 - at);
-  }
-  return svg;
-}
-
-/// Full precision for machines, three figures for people.
-std::string cell(const std::optional<double>& value, double factor = 1.0) {
-  if (!value) return "<td class=\"none\">–</td>";
-  const double shown = *value * factor;
-  const std::string text =
-      std::abs(shown) >= 100.0 ? fmt::format("{:.0f}", shown) : fmt::format("{:.3g}", shown);
-  return fmt::format("<td data-value=\"{}\">{}</td>", text_of(*value), text);
-}
-
-std::string count_cell(std::int64_t value) { return fmt::format("<td data-value=\"{0}\">{0}</td>", value); }
-
 /// The detector's name with its colour.
 std::string detector_mark(const Metrics& metrics, std::size_t index) {
-  return fmt::format("<span class=\"dot\" style=\"background:{}\"></span>{}", detector_colour(index),
-                     escaped(metrics.detectors[index].first));
+  return colour_mark(detector_colour(index), metrics.detectors[index].first);
 }
 
 std::string detector_table(const Metrics& metrics) {
@@ -275,6 +246,7 @@ std::string gaze_table(const GazeScore& s) {
 std::string summary(const Metrics& m) {
   std::string html = fmt::format("<p class=\"facts\">{:.3g} s", m.duration_s);
   if (m.seed) html += fmt::format(" · seed {}", *m.seed);
+  for (const auto& [key, value] : m.settings) html += fmt::format(" · {} = {}", escaped(key), escaped(value));
   html += fmt::format(" · {} events", m.event_count);
   if (m.duration_s > 0.0)
     html += fmt::format(" ({:.3g} thousand per s)", static_cast<double>(m.event_count) * 1e-3 / m.duration_s);
@@ -284,11 +256,6 @@ std::string summary(const Metrics& m) {
   return html + "</p>\n";
 }
 
-std::string figure(std::string_view title, std::string_view reading, const std::string& content) {
-  return fmt::format("<figure><h3>{}</h3>\n{}\n<figcaption>{}</figcaption></figure>\n", escaped(title),
-                     content, reading);
-}
-
 template <class Rows>
 auto newest(const Rows& rows, std::int64_t t_us) {
   const auto after = std::upper_bound(rows.begin(), rows.end(), t_us,
@@ -296,37 +263,116 @@ auto newest(const Rows& rows, std::int64_t t_us) {
   return after == rows.begin() ? rows.end() : after - 1;
 }
 
+cv::Mat grey_picture(const fs::path& path, ImageSize size) {
+  const cv::Mat grey = cv::imread(path.string(), cv::IMREAD_GRAYSCALE);
+  if (grey.cols != size.width || grey.rows != size.height) {
+    throw InputError(path.string(), fmt::format("a picture of {} x {} pixels", grey.cols, grey.rows),
+                     fmt::format("{} x {}, as the camera", size.width, size.height));
+  }
+  return grey;
+}
+
+std::optional<Circle> truth_at(const Run& run, std::int64_t t_us) {
+  const auto row = newest(run.truth, t_us);
+  const bool known = row != run.truth.end() && t_us - row->t_us < 1'000 && row->visible > 0.0 &&
+                     std::isfinite(row->circle.x_px);
+  return known ? std::optional(row->circle) : std::nullopt;
+}
+
+/// What the detector took for the ball last, in the time whose events are shown.
+std::optional<Circle> accepted_at(const Run& run, std::size_t detector, std::int64_t t_us) {
+  const auto& [name, score] = run.metrics.detectors[detector];
+  for (auto row = newest(run.detections, t_us);
+       row != run.detections.end() && t_us - row->t_us < run.window_us; --row) {
+    if (row->detector == name && row->score >= score.threshold) return row->circle;
+    if (row == run.detections.begin()) break;
+  }
+  return std::nullopt;
+}
+
 EyePicture eye_picture(const Run& run, const Frame& frame) {
   EyePicture eye;
   eye.size = run.metrics.image;
-  if (!frame.eye.empty()) {
-    eye.grey = cv::imread(frame.eye.string(), cv::IMREAD_GRAYSCALE);
-    if (eye.grey.cols != eye.size.width || eye.grey.rows != eye.size.height) {
-      throw InputError(frame.eye.string(),
-                       fmt::format("a picture of {} x {} pixels", eye.grey.cols, eye.grey.rows),
-                       fmt::format("{} x {}, as the camera", eye.size.width, eye.size.height));
-    }
-  }
+  if (!frame.eye.empty()) eye.grey = grey_picture(frame.eye, eye.size);
   eye.events = frame.events;
-  if (const auto row = newest(run.truth, frame.t_us); row != run.truth.end() &&
-                                                      frame.t_us - row->t_us < 1'000 && row->visible > 0.0 &&
-                                                      std::isfinite(row->circle.x_px)) {
-    eye.truth = row->circle;
-  }
+  eye.truth = truth_at(run, frame.t_us);
   for (std::size_t i = 0; i < run.metrics.detectors.size(); ++i) {
-    const auto& [name, score] = run.metrics.detectors[i];
-    for (auto row = newest(run.detections, frame.t_us);
-         row != run.detections.end() && frame.t_us - row->t_us < run.window_us; --row) {
-      if (row->detector == name && row->score >= score.threshold) {
-        eye.detections.push_back({row->circle, "", detector_colour(i)});
-        break;
-      }
-      if (row == run.detections.begin()) break;
+    if (const auto circle = accepted_at(run, i, frame.t_us)) {
+      eye.detections.push_back({*circle, "", detector_colour(i)});
     }
   }
   if (run.metrics.camera)
     eye.principal_px = Eigen::Vector2d(run.metrics.camera->cx_px, run.metrics.camera->cy_px);
   return eye;
+}
+
+std::string moment(const Run& run, std::int64_t t_us) {
+  return fmt::format("{:.2f} s", static_cast<double>(t_us - run.metrics.start_us) * 1e-6);
+}
+
+std::string framed(const std::string& picture, const std::string& caption) {
+  return fmt::format("<div class=\"frame\">{}<p>{}</p></div>\n", picture, caption);
+}
+
+/// The frames whose Hough spaces are shown: those with events and the ball in sight where there are any.
+std::vector<Frame> hough_frames(const Run& run) {
+  std::vector<Frame> all;
+  std::vector<Frame> with_ball;
+  for (const Frame& frame : run.frames) {
+    if (frame.responses.empty()) continue;
+    all.push_back(frame);
+    if (truth_at(run, frame.t_us) && !frame.events.empty()) with_ball.push_back(frame);
+  }
+  return spread_out(with_ball.empty() ? all : with_ball, max_hough_frames);
+}
+
+/// The accumulated Hough space over the events (paper, Fig. 2).
+std::string hough_figure(const Run& run) {
+  const std::vector<Frame> frames = hough_frames(run);
+  if (frames.empty()) return {};
+  std::set<std::size_t> all;
+  for (const Frame& frame : frames) {
+    for (const auto& [detector, response] : frame.responses) all.insert(detector);
+  }
+  std::vector<std::size_t> shown(all.begin(), all.end());
+  shown.resize(std::min(shown.size(), max_hough_detectors));
+
+  const int scale = std::max(1, hough_picture_px / run.metrics.image.width);
+  std::string html;
+  for (const Frame& frame : frames) {
+    const std::string when = moment(run, frame.t_us);
+    EyePicture image;
+    image.size = run.metrics.image;
+    if (!frame.eye.empty()) image.grey = grey_picture(frame.eye, image.size);
+    image.truth = truth_at(run, frame.t_us);
+    html += fmt::format("<div class=\"hough\" style=\"grid-template-columns:repeat({},minmax(0,18rem))\">\n",
+                        shown.size() + 1);
+    html += framed(picture_html(draw_eye(image, scale), "jpeg", "the image at " + when), when);
+    for (const std::size_t i : shown) {
+      const auto response = frame.responses.find(i);
+      if (response == frame.responses.end()) continue;
+      const auto& [name, score] = run.metrics.detectors[i];
+      EyePicture eye = image;
+      eye.response = grey_picture(response->second.path, eye.size);
+      eye.events = frame.events;
+      if (const auto circle = accepted_at(run, i, frame.t_us)) {
+        eye.detections.push_back({*circle, "", detector_colour(i)});
+      }
+      html += framed(
+          picture_html(draw_eye(eye, scale), "jpeg", fmt::format("Hough space of {} at {}", name, when)),
+          fmt::format("{} · strongest {}, threshold {}", detector_mark(run.metrics, i),
+                      short_number(response->second.strongest), short_number(score.threshold)));
+    }
+    html += "</div>\n";
+  }
+  return figure_html(
+      "Hough space over the events",
+      fmt::format("Left: the image. Beside it for each detector the largest response over all radii at every "
+                  "pixel, dark red (weak) over yellow to white (the strongest of that picture), over the "
+                  "events of the last {:.3g} ms in purple. The ball's centre should be the one bright spot. "
+                  "White with a dark rim is the true circle, coloured what the detector takes for the ball.",
+                  static_cast<double>(run.window_us) * 1e-3),
+      html);
 }
 
 std::string strip(const Run& run) {
@@ -335,22 +381,21 @@ std::string strip(const Run& run) {
   std::string html = "<div class=\"strip\">\n";
   for (const Frame& frame : run.frames) {
     const EyePicture eye = eye_picture(run, frame);
-    std::string caption =
-        fmt::format("{:.2f} s", static_cast<double>(frame.t_us - run.metrics.start_us) * 1e-6);
-    html += "<div class=\"frame\">";
+    std::string caption = moment(run, frame.t_us);
+    std::string pictures;
     if (!frame.scene.empty()) {
       const cv::Mat scene = cv::imread(frame.scene.string(), cv::IMREAD_COLOR);
       if (scene.empty()) throw InputError(frame.scene.string(), "no readable picture", "a PNG file");
       const int width = std::min(scene_picture_px, scene.cols);
-      html += picture_html(fit_into(scene, width, width * scene.rows / scene.cols), "jpeg",
-                           "the scene at " + caption);
+      pictures += picture_html(fit_into(scene, width, width * scene.rows / scene.cols), "jpeg",
+                               "the scene at " + caption);
     }
-    html += picture_html(draw_eye(eye, scale), "png", "what the left eye sees at " + caption);
+    pictures += picture_html(draw_eye(eye, scale), "png", "what the left eye sees at " + caption);
     if (run.metrics.gaze && run.metrics.camera && eye.truth) {
       const Eigen::Vector3d ray = run.metrics.camera->ray(eye.truth->x_px, eye.truth->y_px);
       caption += fmt::format(" · ball {:.1f}° off the axis", std::atan(ray.head<2>().norm()) * deg_per_rad);
     }
-    html += "<p>" + caption + "</p></div>\n";
+    html += framed(pictures, caption);
   }
   html += "</div>";
   std::string reading = fmt::format(
@@ -361,7 +406,7 @@ std::string strip(const Run& run) {
     reading += (i == 0 ? " " : ", ") + detector_mark(run.metrics, i);
   }
   reading += run.metrics.camera ? ". The cross marks where the eye points: a ball under it is fixated." : ".";
-  return figure("What happened", reading, html);
+  return figure_html("What happened", reading, html);
 }
 
 std::string detection_figures(const Run& run) {
@@ -371,20 +416,63 @@ std::string detection_figures(const Run& run) {
                                   [](const auto& d) { return !d.second.pr_curve.empty(); });
   for (std::size_t i = 0; i < m.detectors.size(); ++i) {
     const auto& [name, score] = m.detectors[i];
-    html += figure(
+    html += figure_html(
         name + (run.truth.empty() ? ": circles over time" : " against truth"),
         run.truth.empty() ? "Every dot is an observation above the threshold; a ball makes a smooth trace, "
                             "clutter makes scattered dots."
                           : "Dots are observations above the threshold; those that lie on the dark truth in "
                             "all three panels are right, gaps are times without an observation.",
-        inline_svg(tracking_figure(fmt::format("track{}", i), run.truth, run.detections, name,
-                                   score.threshold, detector_colour(i), run.sparse_truth(), m.start_us)));
+        tracking_figure("track_" + file_part(name), run.truth, run.detections, name, score.threshold,
+                        detector_colour(i), run.sparse_truth(), m.start_us),
+        run.folder);
   }
   if (scored) {
-    html += figure("Precision and recall",
-                   "Each curve runs through all thresholds; the further up and right, the better. The square "
-                   "is the threshold in use.",
-                   inline_svg(precision_recall_figure("pr", m)));
+    html += figure_html(
+        "Precision and recall",
+        "Each curve runs through all thresholds; the further up and right, the better. The square "
+        "is the threshold in use.",
+        precision_recall_figure("precision_recall", m), run.folder);
+  }
+  return html;
+}
+
+std::string rate_figures(const Run& run) {
+  const Metrics& m = run.metrics;
+  const EventCounts* events = run.event_counts ? &*run.event_counts : nullptr;
+  if (!run.scored_every_ms()) {
+    return figure_html("Events and detections per time",
+                       "Events come where something moves in the image; observations above the threshold get "
+                       "rare when the ball stands still in it.",
+                       rates_figure("rates", events, {}, {}, run.detections, m, m.start_us), run.folder);
+  }
+  std::string html = figure_html(
+      "Detection rate over time",
+      "How often per second each detector is right, in bins of 100 ms, between the rate of events and the "
+      "speed of the ball in the image. Events come where something moves: a detector that lives on them is "
+      "fast where the ball is and may go blind where it stands still, while a frame camera gives 30 images "
+      "per second at best. Gaps are times without the ball in sight.",
+      rates_figure("rates", events, run.truth, run.found, run.detections, m, m.start_us), run.folder);
+  const std::vector<double> speed_px_s = image_speed_px_s(run.truth);
+  std::vector<DetectorSpeeds> speeds;
+  for (std::size_t i = 0; i < m.detectors.size(); ++i) {
+    speeds.push_back({{m.detectors[i].first, detector_colour(i)}, {}});
+    speeds.back().counts.add(run.found[i], speed_px_s);
+  }
+  return html +
+         figure_html("Detection rate over the ball's speed",
+                     "The same, sorted by the speed of the ball in the image. 1000 per second is a ball "
+                     "found at every millisecond; speeds seen for less than 50 ms are left out.",
+                     rate_over_speed_figure("rate_over_speed", speeds), run.folder);
+}
+
+std::string rejected_remark(const Metrics& m) {
+  std::string html;
+  for (const auto& [name, score] : m.detectors) {
+    const RejectedEvents rejected = score.rejected_events.value_or(RejectedEvents{});
+    if (rejected.outside_image + rejected.back_in_time == 0) continue;
+    html += fmt::format(
+        "<p class=\"remark\">{} left out {} events outside the image and {} that go back in time.</p>\n",
+        escaped(name), rejected.outside_image, rejected.back_in_time);
   }
   return html;
 }
@@ -394,55 +482,28 @@ std::string gaze_figures(const Run& run) {
   std::string html;
   if (!m.gaze || run.gaze.empty()) return html;
   if (m.camera && !run.truth.empty()) {
-    html += figure("Gaze in angle",
-                   "How far the ball is from the left eye's optical axis: low is good, a sudden fall is a "
-                   "gaze shift that caught up, and gaps are times with the ball behind the camera.",
-                   inline_svg(fixation_figure("fixation", run.truth, *m.camera, m.start_us)));
+    html +=
+        figure_html("Gaze in angle",
+                    "How far the ball is from the left eye's optical axis: low is good, a sudden fall is a "
+                    "gaze shift that caught up, and gaps are times with the ball behind the camera.",
+                    fixation_figure("fixation", run.truth, *m.camera, m.start_us), run.folder);
   }
-  html += figure("Gaze in space",
-                 "Seen from behind the robot, in its root frame: a gaze that follows well lays the blue line "
-                 "on the ball's grey path; orange dots are the points it was told to look at. What lies far "
-                 "from the ball is outside the box.",
-                 inline_svg(gaze_path_figure("path", run.truth, run.gaze)));
-  html += figure(
+  html += figure_html(
+      "Gaze in space",
+      "Seen from behind the robot, in its root frame: a gaze that follows well lays the blue line "
+      "on the ball's grey path; orange dots are the points it was told to look at. What lies far "
+      "from the ball is outside the box.",
+      gaze_path_figure("gaze_path", run.truth, run.gaze), run.folder);
+  html += figure_html(
       "Joints and their limits",
       "Blue: joint angle, dashed: limits; where the line runs along a limit the head cannot turn further.",
-      inline_svg(joints_figure("joints", run.gaze, m.gaze->limits, m.start_us)));
+      joints_figure("joints", run.gaze, m.gaze->limits, m.start_us), run.folder);
   return html;
 }
 
-constexpr std::string_view style = R"(
-:root { color-scheme: light; }
-body { font: 16px/1.5 system-ui, "DejaVu Sans", sans-serif; color: #1c1c1c; background: #fff; margin: 0 auto;
-       max-width: 74rem; padding: 1.5rem 1rem 4rem; }
-h1 { font-size: 1.7rem; line-height: 1.2; margin: 0 0 .2rem; overflow-wrap: anywhere; }
-h2 { font-size: 1.25rem; margin: 2.2rem 0 .5rem; }
-h3 { font-size: 1.02rem; margin: 0 0 .5rem; }
-.facts { color: #555; margin: .4rem 0 1rem; }
-.wide { overflow-x: auto; }
-table { border-collapse: collapse; font-size: .9rem; font-variant-numeric: tabular-nums; }
-th, td { padding: .3rem .65rem; border-bottom: 1px solid #e2e2e2; text-align: right; }
-thead th { font-weight: 600; color: #555; vertical-align: bottom; text-align: center; }
-tbody th { text-align: left; font-weight: 500; white-space: nowrap; }
-small { color: #666; }
-.none { color: #999; }
-.dot { display: inline-block; width: .7em; height: .7em; border-radius: 50%; margin-right: .45em; }
-figure { margin: 1.2rem 0; padding: 1rem; border: 1px solid #e2e2e2; border-radius: 8px; }
-figure svg { width: 100%; height: auto; display: block; }
-figcaption { color: #555; font-size: .9rem; margin-top: .5rem; }
-.strip { display: grid; grid-template-columns: repeat(auto-fill, minmax(15rem, 1fr)); gap: .8rem; }
-.frame img { display: block; width: 100%; height: auto; border-radius: 4px; margin-bottom: .3rem; }
-.frame p { margin: 0; font-size: .85rem; color: #555; }
-.remark { color: #8a4b00; }
-)";
-
-std::string page(const Run& run) {
+std::string body(const Run& run) {
   const Metrics& m = run.metrics;
-  std::string html = fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
-      "content=\"width=device-width, "
-      "initial-scale=1\">\n<title>{0}</title>\n<style>{1}</style>\n</head>\n<body>\n<h1>{0}</h1>\n{2}",
-      escaped(m.scenario), style, summary(m));
+  std::string html = summary(m);
   if (!run.events_remark.empty()) {
     html += fmt::format("<p class=\"remark\">Events are not shown: {}</p>\n", escaped(run.events_remark));
   }
@@ -453,22 +514,16 @@ std::string page(const Run& run) {
   html +=
       "<p class=\"facts\">An observation is right within 6 px of the true centre and 2 px of the true "
       "radius. – means that the figure does not apply.</p>\n";
-  html += detection_figures(run);
-  if (run.event_counts) {
-    html += figure("Events and detections per time",
-                   "Events come where something moves in the image; observations above the threshold get "
-                   "rare when the ball stands still in it.",
-                   inline_svg(rates_figure("rates", *run.event_counts, run.detections, m, m.start_us)));
-  }
-  return html + "</body>\n</html>\n";
+  html += rejected_remark(m) + hough_figure(run) + detection_figures(run);
+  if (run.event_counts || run.scored_every_ms()) html += rate_figures(run);
+  return html;
 }
 
 }  // namespace
 
 void write_report(const fs::path& run_folder) {
-  OutputFile file(run_folder / "report.html");
-  file.write(page(load(run_folder)));
-  file.commit();
+  const Run run = load(run_folder);
+  write_page(run_folder, run.metrics.scenario, body(run));
 }
 
 }  // namespace saccade

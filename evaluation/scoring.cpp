@@ -339,4 +339,20 @@ DetectorScore score_detector(std::span<const TruthRow> truth, std::span<const De
   return score;
 }
 
+std::vector<std::optional<bool>> found_at_chances(std::span<const TruthRow> truth,
+                                                  std::span<const DetectionRow> detections,
+                                                  std::string_view detector, double threshold) {
+  std::vector<std::optional<bool>> found;
+  found.reserve(truth.size());
+  for (const TruthRow& row : truth) {
+    found.push_back(is_chance(row, Chances::simulated) ? std::optional(false) : std::nullopt);
+  }
+  for (const Observation& o : match(truth, detections, detector, Chances::simulated)) {
+    if (o.inlier && o.row->score >= threshold) {
+      found[static_cast<std::size_t>(o.truth - truth.data())] = true;
+    }
+  }
+  return found;
+}
+
 }  // namespace saccade

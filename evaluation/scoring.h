@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/detector.h"
 #include "evaluation/statistics.h"
 #include "recording/run_files.h"
 
@@ -69,6 +70,8 @@ struct DetectorScore {
   std::optional<double> lag_ms;
   /// Processing time, flow included; measured by the loop, not here.
   std::optional<double> us_per_event;
+  /// Events that the detector could not use; told by the detector, not here.
+  std::optional<RejectedEvents> rejected_events;
 };
 
 /// Scores one detector. `truth` and `detections` sorted by time; rows of other detectors are skipped. Throws
@@ -76,5 +79,11 @@ struct DetectorScore {
 [[nodiscard]] DetectorScore score_detector(std::span<const TruthRow> truth,
                                            std::span<const DetectionRow> detections,
                                            std::string_view detector, double threshold, Chances chances);
+
+/// For every row of simulated truth whether the detector found the ball there, that is has an inlier at or
+/// above `threshold`; none where there was no chance. Order and errors as in score_detector.
+[[nodiscard]] std::vector<std::optional<bool>> found_at_chances(std::span<const TruthRow> truth,
+                                                                std::span<const DetectionRow> detections,
+                                                                std::string_view detector, double threshold);
 
 }  // namespace saccade

@@ -28,4 +28,29 @@ Spread spread_of(std::vector<double> values) {
   return {.median = quantile(values, 0.5), .p95 = quantile(values, 0.95)};
 }
 
+MeanSd mean_sd_of(std::span<const std::optional<double>> values) {
+  MeanSd result;
+  double sum = 0.0;
+  for (const auto& value : values) {
+    if (value) {
+      sum += *value;
+      ++result.count;
+    }
+  }
+  if (result.count == 0) {
+    return result;
+  }
+  const auto count = static_cast<double>(result.count);
+  const double mean = sum / count;
+  result.mean = mean;
+  if (result.count > 1) {
+    double squares = 0.0;
+    for (const auto& value : values) {
+      squares += value ? (*value - mean) * (*value - mean) : 0.0;
+    }
+    result.sd = std::sqrt(squares / (count - 1.0));
+  }
+  return result;
+}
+
 }  // namespace saccade

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace saccade {
@@ -16,5 +18,14 @@ struct Spread {
 };
 
 [[nodiscard]] Spread spread_of(std::vector<double> values);
+
+/// Mean and sample standard deviation over several runs, of those that have a value.
+struct MeanSd {
+  std::size_t count = 0;
+  std::optional<double> mean;  ///< none of no values
+  std::optional<double> sd;    ///< none of fewer than two
+};
+
+[[nodiscard]] MeanSd mean_sd_of(std::span<const std::optional<double>> values);
 
 }  // namespace saccade

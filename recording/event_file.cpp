@@ -4,15 +4,19 @@
 
 #include "core/error.h"
 #include "recording/aedat2_codec.h"
+#include "recording/aedat4_codec.h"
 #include "recording/codec.h"
 #include "recording/text_codec.h"
+#include "recording/yarp_log_codec.h"
 
 namespace saccade {
 namespace {
 
 constexpr std::string_view aedat_mark = "#!AER-DAT";
 constexpr std::string_view aedat2_mark = "#!AER-DAT2.0";
-constexpr std::string_view known_formats = "a recording in a known format (AEDAT 2.0, or text: t x y p)";
+constexpr std::string_view aedat4_mark = "#!AER-DAT4.0";
+constexpr std::string_view known_formats =
+    "a recording in a known format (AEDAT 2.0 or 4.0, an event-driven text log, or text: t x y p)";
 
 bool is_text(std::string_view bytes) {
   return std::all_of(bytes.begin(), bytes.end(), [](char c) {
@@ -27,9 +31,11 @@ std::unique_ptr<EventReader> open_event_file(const std::filesystem::path& path,
   InputFile file(path);
   const std::string_view start = file.peek(4096).substr(0, 4096);
   if (start.starts_with(aedat2_mark)) return open_aedat2(std::move(file), options);
-  if (aedat2_mark.starts_with(start)) {
+  if (start.starts_with(aedat4_mark)) return open_aedat4(std::move(file), options);
+  if (aedat2_mark.starts_with(start) || aedat4_mark.starts_with(start)) {
     throw InputError(file.name(), "a file cut off inside its first line", std::string(known_formats));
   }
+  if (looks_like_yarp_log(start)) return open_yarp_log(std::move(file), options);
   if (!start.starts_with(aedat_mark) && is_text(start)) return open_text(std::move(file), options);
   throw InputError(file.name(), "a file that starts with " + printable(start.substr(0, 16)),
                    std::string(known_formats));

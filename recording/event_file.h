@@ -22,9 +22,12 @@ class EventReader {
   /// events before that place come first, then every further call throws InputError with file and byte
   /// offset or line.
   virtual std::size_t read(std::vector<Event>& events, std::size_t max_events) = 0;
-  /// Known from a header, or from the format; none where a file does not say.
+  /// Known from a header, or from the format; none where a file does not say. Events outside it, where a
+  /// format can hold such, are delivered.
   [[nodiscard]] virtual std::optional<ImageSize> image_size() const = 0;
   [[nodiscard]] virtual std::string format() const = 0;  ///< "AEDAT 2.0 DVS128", "text"
+  /// What read() met so far that looks like events and is none of a camera ("12 skin events"); often empty.
+  [[nodiscard]] virtual std::string passed_over() const { return {}; }
 };
 
 /// What a file may leave open.

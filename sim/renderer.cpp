@@ -263,6 +263,21 @@ EyeRenderer::~EyeRenderer() { gl_.make_current(); }
 
 void EyeRenderer::render(mjData& data, int camera_id, std::span<float> luminance) {
   SACCADE_CHECK(luminance.size() == static_cast<std::size_t>(camera_.size.pixels()));
+  draw(data, camera_id, Eigen::Vector2d::Zero());
+  resample<red_weight, green_weight, blue_weight>(luminance);
+}
+
+void EyeRenderer::render_colour(mjData& data, int camera_id, const Eigen::Vector2d& shift_px,
+                                std::span<float> rgb) {
+  const auto pixels = static_cast<std::size_t>(camera_.size.pixels());
+  SACCADE_CHECK(rgb.size() == 3 * pixels);
+  draw(data, camera_id, shift_px);
+  resample<10000, 0, 0>(rgb.first(pixels));
+  resample<0, 10000, 0>(rgb.subspan(pixels, pixels));
+  resample<0, 0, 10000>(rgb.last(pixels));
+}
+
+void EyeRenderer::draw(mjData& data, int camera_id, const Eigen::Vector2d& shift_px) {
   const mjtNum* position = data.cam_xpos + 3 * camera_id;
   const mjtNum* axes = data.cam_xmat + 9 * camera_id;
   mjvGLCamera eye{};
@@ -272,9 +287,11 @@ void EyeRenderer::render(mjData& data, int camera_id, std::span<float> luminance
     eye.up[i] = static_cast<float>(axes[3 * i + 1]);
   }
   const double per_sample = config_.near_m / focal_;
-  eye.frustum_center = static_cast<float>(per_sample * (0.5 * columns_ - centre_x_));
-  eye.frustum_top = static_cast<float>(per_sample * centre_y_);
-  eye.frustum_bottom = static_cast<float>(per_sample * (centre_y_ - rows_));
+  const double centre_x = centre_x_ - shift_px.x() * focal_ / camera_.fx_px;
+  const double centre_y = centre_y_ - shift_px.y() * focal_ / camera_.fy_px;
+  eye.frustum_center = static_cast<float>(per_sample * (0.5 * columns_ - centre_x));
+  eye.frustum_top = static_cast<float>(per_sample * centre_y);
+  eye.frustum_bottom = static_cast<float>(per_sample * (centre_y - rows_));
   eye.frustum_near = static_cast<float>(config_.near_m);
   eye.frustum_far = static_cast<float>(config_.far_m);
 
@@ -282,10 +299,10 @@ void EyeRenderer::render(mjData& data, int camera_id, std::span<float> luminance
   const mjrRect whole{0, 0, columns_, rows_};
   drawer_->draw(data, eye, whole);
   drawer_->read_rgba(whole, rgba_.data());
-  resample(luminance);
 }
 
-void EyeRenderer::resample(std::span<float> luminance) const {
+template <std::uint32_t red, std::uint32_t green, std::uint32_t blue>
+void EyeRenderer::resample(std::span<float> image) const {
   const auto columns = static_cast<std::size_t>(columns_);
   const auto samples = static_cast<std::size_t>(config_.supersampling);
   const auto width = static_cast<std::size_t>(camera_.size.width);
@@ -294,15 +311,15 @@ void EyeRenderer::resample(std::span<float> luminance) const {
     const std::uint32_t* row = rgba_.data() + (static_cast<std::size_t>(rows_) - (y + 1) * samples) * columns;
     for (std::size_t c = 0; c < columns; ++c) {
       std::uint32_t red_blue = 0;  // two sums of 16 bits
-      std::uint32_t green = 0;
+      std::uint32_t sum_green = 0;
       for (std::size_t s = 0; s < samples; ++s) {
         const std::uint32_t rgba = row[s * columns + c];
         red_blue += rgba & 0xff00ffU;
-        green += (rgba >> 8U) & 0xffU;
+        sum_green += (rgba >> 8U) & 0xffU;
       }
       // Signed, because that is what SSE converts.
-      sums_[c] = static_cast<float>(static_cast<std::int32_t>(
-          red_weight * (red_blue & 0xffffU) + green_weight * green + blue_weight * (red_blue >> 16U)));
+      sums_[c] = static_cast<float>(static_cast<std::int32_t>(red * (red_blue & 0xffffU) + green * sum_green +
+                                                              blue * (red_blue >> 16U)));
     }
     for (std::size_t x = 0; x < width; ++x) {
       const float* from = sums_.data() + first_column_[x];
@@ -311,7 +328,7 @@ void EyeRenderer::resample(std::span<float> luminance) const {
       for (std::size_t tap = 0; tap < taps; tap += group) {
         for (std::size_t i = tap; i < tap + group; ++i) value += weight[i] * from[i];
       }
-      luminance[y * width + x] = value;
+      image[y * width + x] = value;
     }
   }
 }

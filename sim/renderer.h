@@ -49,15 +49,23 @@ class EyeRenderer {
   /// not changed). `luminance` is row-major, height x width of the pinhole.
   void render(mjData& data, int camera_id, std::span<float> luminance);
 
+  /// The same in colour: linear red, green and blue, 0 to 255 with fractions, as three images one after the
+  /// other in `rgb`. Pixels lie `shift_px` further right and down than the pinhole has them, so that
+  /// several pictures can share out the samples of one.
+  void render_colour(mjData& data, int camera_id, const Eigen::Vector2d& shift_px, std::span<float> rgb);
+
   /// The share of a sphere's disc, in [0, 1], that is inside the last image and not hidden by anything
   /// drawn more than 3 mm in front of the sphere. `centre_m` in the (OpenCV) camera frame. 0 for a sphere
   /// that is not wholly in front of the camera.
   [[nodiscard]] double visible_share(const Eigen::Vector3d& centre_m, double radius_m);
 
-  [[nodiscard]] ImageSize image_size() const { return camera_.size; }
+  [[nodiscard]] const PinholeCamera& camera() const { return camera_; }
 
  private:
-  void resample(std::span<float> luminance) const;
+  void draw(mjData& data, int camera_id, const Eigen::Vector2d& shift_px);
+  /// The drawn image's pixels, weighted by colour, in 1/10000.
+  template <std::uint32_t red, std::uint32_t green, std::uint32_t blue>
+  void resample(std::span<float> image) const;
 
   PinholeCamera camera_;
   EyeRenderConfig config_;
@@ -71,7 +79,7 @@ class EyeRenderer {
   std::vector<int> first_column_;    ///< per pixel column: the first drawn column that it covers
   std::vector<float> tap_weights_;   ///< per pixel column: `taps_` weights
   std::vector<std::uint32_t> rgba_;  ///< the drawn image, bottom row first
-  mutable std::vector<float> sums_;  ///< per drawn column: luminance of one pixel row
+  mutable std::vector<float> sums_;  ///< per drawn column: of one pixel row
   std::vector<float> depth_;
   std::unique_ptr<detail::SceneDrawer> drawer_;
 };

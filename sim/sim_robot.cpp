@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/error.h"
+
 namespace saccade {
 
 SimRobot::SimRobot(const SimConfig& config, std::uint64_t seed)
@@ -64,6 +66,19 @@ void SimRobot::draw_scene(const SceneView& view, ImageSize size, std::span<std::
     scene_ = std::make_unique<SceneRenderer>(world_.model(), *gl_, size);
   }
   scene_->render(world_.data(), view, rgb);
+}
+
+void SimRobot::draw_left_eye(std::int64_t t_us, const PinholeCamera& camera, const Eigen::Vector2d& shift_px,
+                             std::span<float> rgb) {
+  if (!colour_eye_ || colour_eye_->camera() != camera) {
+    EyeRenderConfig single = config_.render;
+    single.supersampling = 1;
+    colour_eye_ = std::make_unique<EyeRenderer>(world_.model(), *gl_, camera, single);
+  }
+  if (!shown_) shown_.reset(mj_makeData(&world_.model()));
+  if (!shown_) throw RunError("MuJoCo has no memory for a second picture of the world");
+  world_.show(t_us, *shown_);
+  colour_eye_->render_colour(*shown_, world_.left_eye_camera(), shift_px, rgb);
 }
 
 }  // namespace saccade

@@ -10,6 +10,7 @@
 #include "robot/ports.h"
 #include "sim/gl_context.h"
 #include "sim/lab.h"
+#include "sim/mujoco_compat.h"
 #include "sim/renderer.h"
 #include "sim/world.h"
 
@@ -59,6 +60,11 @@ class SimRobot final : public Clock, public EventSource, public HeadPort {
   [[nodiscard]] std::span<const float> left_image() const { return luminance_; }
   /// A picture of the scene from outside.
   void draw_scene(const SceneView& view, ImageSize size, std::span<std::uint8_t> rgb);
+  /// What a colour camera in the left eye's place sees at t_us within the last tick, (now - 1 ms, now]:
+  /// linear red, green and blue, 0 to 255, three images one after the other, one sample per pixel. Pixels lie
+  /// `shift_px` further right and down than the camera has them.
+  void draw_left_eye(std::int64_t t_us, const PinholeCamera& camera, const Eigen::Vector2d& shift_px,
+                     std::span<float> rgb);
   [[nodiscard]] const std::string& gl_description() const { return gl_->description(); }
 
  private:
@@ -69,6 +75,8 @@ class SimRobot final : public Clock, public EventSource, public HeadPort {
   std::unique_ptr<GlContext> gl_;
   std::unique_ptr<EyeRenderer> eye_;
   std::unique_ptr<SceneRenderer> scene_;
+  std::unique_ptr<EyeRenderer> colour_eye_;
+  MjDataPtr shown_;  // the world between ticks, for colour_eye_
   EventEmulator emulator_;
   std::vector<float> luminance_;
   std::vector<Event> events_;  // not yet delivered

@@ -43,6 +43,11 @@ void describe_detectors(FieldVisitor& v, NamedDetectors& detectors) {
       "detectors that see the events, by name");
 }
 
+/// The words of `key.path=value` before any of `ends`.
+std::string key_of(const std::string& assignment, const char* ends) {
+  return assignment.substr(0, assignment.find_first_of(ends));
+}
+
 std::vector<Expectation> expected_in(const YamlTree& tree) {
   std::vector<Expectation> expect;
   if (const YamlNode* block = tree.root.find("expect")) {
@@ -68,6 +73,7 @@ const nlohmann::json* find_figure(const nlohmann::json& metrics, const std::stri
 nlohmann::json empty_metrics(const Scenario& scenario) {
   Metrics metrics;
   for (const auto& [name, config] : scenario.detectors) metrics.detectors.emplace_back(name, DetectorScore{});
+  if (scenario.frame_30hz) metrics.detectors.emplace_back(frame_detector_name, DetectorScore{});
   if (scenario.gaze.detector != "none") metrics.gaze.emplace();
   return nlohmann::json::parse(metrics_to_json(metrics));
 }
@@ -84,6 +90,17 @@ void describe_expect(FieldVisitor& v, Scenario& scenario) {
         }
       },
       "what the run must reach; exit status 3 otherwise");
+}
+
+void describe_frame_detector(FieldVisitor& v, Scenario& s) {
+  if (!s.frame_30hz) return;
+  v.section(
+      frame_detector_name, [&](FieldVisitor& w) { describe(w, *s.frame_30hz); },
+      "a conventional camera and its detector");
+  const bool taken = std::any_of(s.detectors.begin(), s.detectors.end(),
+                                 [](const auto& named) { return named.first == frame_detector_name; });
+  v.require(!taken, "detectors", std::string(frame_detector_name),
+            "other names: this one is the frame camera's");
 }
 
 void describe(FieldVisitor& v, Scenario& s) {
@@ -113,6 +130,7 @@ void describe(FieldVisitor& v, Scenario& s) {
   v.section(
       "emulator", [&](FieldVisitor& w) { describe(w, s.sim.emulator); }, "the event camera's pixels");
   describe_detectors(v, s.detectors);
+  describe_frame_detector(v, s);
   v.section(
       "gaze",
       [&](FieldVisitor& w) {
@@ -147,6 +165,7 @@ Scenario read_scenario(const std::filesystem::path& path, const std::vector<std:
                                        "detectors"};
   Scenario scenario;
   scenario.detectors = named_in(tree, required);
+  if (tree.root.find(frame_detector_name) != nullptr) scenario.frame_30hz.emplace();
   scenario.expect = expected_in(tree);
   YamlReader reader(tree, std::move(required));
   describe(reader, scenario);
@@ -176,24 +195,46 @@ std::vector<std::string> unmet_expectations(const Scenario& scenario, const Metr
 
 NamedDetectors read_detectors(const std::filesystem::path& path,
                               const std::vector<std::string>& assignments) {
-  YamlTree tree;
+  YamlTree file;
   if (!path.empty()) {
-    tree = read_yaml_file(path);
+    file = read_yaml_file(path);
   } else {
-    for (const std::string& name : detector_presets()) set_value(tree, "detectors." + name + "={}");
+    for (const std::string& name : default_detectors()) set_value(file, "detectors." + name + "={}");
   }
-  const YamlNode* block = tree.root.find("detectors");
+  const YamlNode* block = file.root.find("detectors");
   const std::vector<std::string> names = block != nullptr ? block->keys : std::vector<std::string>{};
-  for (const std::string& assignment : assignments) {
-    const std::string first = assignment.substr(0, assignment.find_first_of(".="));
-    if (std::find(names.begin(), names.end(), first) != names.end()) {
-      set_value(tree, "detectors." + assignment);
-    } else {
-      for (const std::string& name : names) set_value(tree, "detectors." + name + "." + assignment);
+  const auto is_for_one = [&](const std::string& assignment) {
+    return std::find(names.begin(), names.end(), key_of(assignment, ".=")) != names.end();
+  };
+  const auto with_sets = [&](const auto& takes) {
+    YamlTree tree = file;
+    for (const std::string& assignment : assignments) {
+      if (is_for_one(assignment)) {
+        set_value(tree, "detectors." + assignment);
+        continue;
+      }
+      for (const std::string& name : names) {
+        if (takes(name, assignment)) set_value(tree, "detectors." + name + "." + assignment);
+      }
     }
-  }
+    return tree;
+  };
+  // Which keys a detector has may depend on what is set, so they are known once everything is.
+  const YamlTree everything = with_sets([](const auto&...) { return true; });
   std::vector<std::string> required = {"detectors"};
-  NamedDetectors detectors = named_in(tree, required);
+  NamedDetectors detectors = named_in(everything, required);
+  YamlReader first(everything);
+  describe_detectors(first, detectors);
+  const YamlTree keys = parse_yaml(resolved_detectors(detectors), "");
+  const auto has = [&](const std::string& name, const std::string& assignment) {
+    return keys.root.find("detectors." + name + "." + key_of(assignment, "=")) != nullptr;
+  };
+  const YamlTree tree = with_sets([&](const std::string& name, const std::string& assignment) {
+    const auto has_it = [&](const std::string& other) { return has(other, assignment); };
+    return has(name, assignment) || std::none_of(names.begin(), names.end(), has_it);
+  });
+  required = {"detectors"};
+  detectors = named_in(tree, required);
   YamlReader reader(tree, std::move(required));
   describe_detectors(reader, detectors);
   reader.finish();

@@ -11,6 +11,7 @@
 #include "control/gaze_controller.h"
 #include "control/gaze_gate.h"
 #include "core/detector_factory.h"
+#include "evaluation/frame_detector.h"
 #include "evaluation/metrics.h"
 #include "sim/sim_robot.h"
 
@@ -38,6 +39,8 @@ struct Scenario {
 
   SimConfig sim;
   NamedDetectors detectors;
+  /// A conventional camera and its detector, to compare with; scored under the name `frame_30hz`.
+  std::optional<FrameDetectorConfig> frame_30hz;
 
   struct Gaze {
     std::string detector = "paper_directed";  ///< which of the detectors drives; none: the head stays still
@@ -65,8 +68,9 @@ struct Scenario {
 /// What of `expect` the metrics do not keep, one line each; empty when all is well.
 [[nodiscard]] std::vector<std::string> unmet_expectations(const Scenario& scenario, const Metrics& metrics);
 
-/// Reads a file of detectors (key `detectors`), or the presets' own where `path` is empty. An assignment whose
-/// first word is the name of a detector holds for that one, any other for all of them.
+/// Reads a file of detectors (key `detectors`), or default_detectors() where `path` is empty. An assignment whose
+/// first word is the name of a detector holds for that one, any other for all that have the key.
+/// Throws InputError with everything that is wrong, a key that none of them has included.
 [[nodiscard]] NamedDetectors read_detectors(const std::filesystem::path& path,
                                             const std::vector<std::string>& assignments);
 /// The detectors with every default, as YAML that reads back the same.

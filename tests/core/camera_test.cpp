@@ -143,5 +143,18 @@ TEST(PinholeCamera, PutsTheOutlineOffTheProjectedCentreAwayFromTheAxis) {
   EXPECT_NEAR(ahead->r_px, std::sqrt(99.45 * 99.75) * 0.0475 / std::sqrt(0.09 - 0.0475 * 0.0475), 1e-9);
 }
 
+TEST(PinholeCamera, RotationalFlowIsHowTheProjectionOfAStillPointMoves) {
+  const Eigen::Vector3d turn_rad_s(0.3, -0.7, 0.5);
+  const PinholeCamera camera;
+  const double dt_s = 1e-6;
+  for (const auto& [u, v] : {std::pair{10.0, 20.0}, {64.0, 69.0}, {120.0, 100.0}}) {
+    const Eigen::Vector3d point = 2.0 * camera.ray(u, v);
+    // A still point turns the other way in the camera's frame.
+    const Eigen::Vector3d moved = point - turn_rad_s.cross(point) * dt_s;
+    const Eigen::Vector2d expected = (*camera.project(moved) - *camera.project(point)) / dt_s;
+    EXPECT_TRUE(camera.rotational_flow_px_s(u, v, turn_rad_s).isApprox(expected, 1e-4));
+  }
+}
+
 }  // namespace
 }  // namespace saccade

@@ -7,8 +7,10 @@
 #include <numbers>
 #include <string>
 
+#include "core/plane_fit_flow.h"
 #include "tests/core/reference_hough.h"
 #include "tests/core/streams.h"
+#include "tests/recording/read_events.h"
 
 namespace saccade {
 namespace {
@@ -37,10 +39,12 @@ struct Case {
 };
 
 /// Sizes that are no multiple of anything, radii beyond the image, windows down to 1 and beyond the stream.
+/// Radii one short of a power of two reach to the end of the rows kept for them.
 const std::vector<Case> cases = {{{23, 17}, 1, 4, 20, 0.0},  {{23, 17}, 2, 9, 40, 10.0},
                                  {{16, 16}, 5, 5, 1, 0.0},   {{11, 29}, 3, 12, 60, 0.0},
                                  {{31, 9}, 4, 20, 33, 10.0}, {{40, 33}, 6, 11, 25, 15.0},
-                                 {{8, 8}, 1, 14, 500, 90.0}, {{37, 26}, 10, 15, 50, 3.5}};
+                                 {{8, 8}, 1, 14, 500, 90.0}, {{37, 26}, 10, 15, 50, 3.5},
+                                 {{20, 35}, 7, 7, 70, 0.0},  {{18, 18}, 31, 31, 40, 0.0}};
 
 std::string text_of_case(const Case& c, std::string_view kind) {
   return std::string(kind) + " " + std::to_string(c.size.width) + "x" + std::to_string(c.size.height) +
@@ -78,6 +82,91 @@ TEST(HoughTransform, EqualsTheReferenceAfterEveryEvent) {
     }
   }
   std::printf("accumulator and maximum equal the reference after each of %zu events\n", compared);
+}
+
+TEST(HoughTransform, FindsACircleInEveryRowAtTheBorders) {
+  // Its events come one by one, so that the maximum moves, rises and ties; then they are taken out again.
+  const ImageSize size{21, 35};
+  for (int y0 = 0; y0 < size.height; ++y0) {
+    for (const int x0 : {0, 1, 2, 3, 18, 20}) {
+      HoughTransform fast(size, 3, 6, 10 * degree);
+      std::vector<Event> circle;
+      for (int y = 0; y < size.height; ++y) {
+        for (int x = 0; x < size.width; ++x) {
+          if (std::abs(std::hypot(x - x0, y - y0) - 5) <= 0.5)
+            circle.push_back(streams::event_at(0, x, y, true));
+        }
+      }
+      ReferenceHough plain(size, 3, 6, circle.size(), std::nullopt);
+      for (const Event& e : circle) {
+        fast.vote_ring<1>(e.x, e.y);
+        plain.push(e.x, e.y, std::nullopt);
+        ASSERT_EQ(as_reference(fast.peak()), plain.peak()) << "(" << x0 << ", " << y0 << ")";
+      }
+      ASSERT_EQ(fast.votes(x0, y0, 5), static_cast<int>(circle.size()));
+      for (std::size_t i = circle.size(); i-- > 0;) {
+        ASSERT_GE(fast.peak().response, static_cast<double>(i + 1) / fast.ring_pixels(5)) << x0 << ", " << y0;
+        fast.vote_ring<-1>(circle[i].x, circle[i].y);
+      }
+      ASSERT_EQ(fast.peak().votes, 0);
+    }
+  }
+}
+
+TEST(HoughTransform, GivesTheSamePeakHoweverOftenItIsAsked) {
+  for (const std::string_view kind : {"random", "clustered", "border_hugging"}) {
+    HoughTransform often({40, 33}, 6, 11, 15 * degree);
+    HoughTransform rarely({40, 33}, 6, 11, 15 * degree);
+    const std::vector<Event> events = streams::named(kind, {40, 33}, 6000, 7);
+    const auto direction = [](const Event& e) { return (e.x * 31 + e.y) % HoughTransform::direction_count; };
+    for (std::size_t i = 0; i < events.size(); ++i) {
+      for (HoughTransform* transform : {&often, &rarely}) {
+        transform->vote_arcs<1>(events[i].x, events[i].y, direction(events[i]));
+        if (i < 90) continue;
+        const Event& old = events[i - 90];
+        transform->vote_arcs<-1>(old.x, old.y, direction(old));
+      }
+      const HoughTransform::Peak peak = often.peak();
+      if (i % 37 != 0) continue;
+      ASSERT_EQ(as_reference(peak), as_reference(rarely.peak())) << kind << ", event " << i;
+    }
+  }
+}
+
+using RecordedHoughTransform = RealRecording;
+
+TEST_F(RecordedHoughTransform, EqualsTheReferenceOnARecordedBall) {
+  const std::vector<Event> recorded = read_real("ball_looming_dvs128_aedat2.aedat");
+  const ImageSize size{128, 128};
+  const std::size_t window = 250;
+  for (const bool directed : {false, true}) {
+    HoughTransform fast(size, 20, 23, 10 * degree);
+    ReferenceHough plain(size, 20, 23, window, directed ? std::optional(10 * degree) : std::nullopt);
+    PlaneFitFlow flow({}, size);
+    std::deque<std::pair<Event, std::optional<int>>> entries;  // with its direction
+    for (std::size_t i = 0; i < 50'600; ++i) {
+      const Event& e = recorded[i];
+      flow.add(e);
+      if (i < 50'000) continue;
+      std::optional<int> direction;
+      if (const auto at = flow.at(e))
+        direction = HoughTransform::direction_of(at->dt_dx_us_px, at->dt_dy_us_px);
+      entries.emplace_back(e, direction);
+      plain.push(e.x, e.y, direction ? std::optional(radians_of(*direction)) : std::nullopt);
+      if (!directed) fast.vote_ring<1>(e.x, e.y);
+      if (directed && direction) fast.vote_arcs<1>(e.x, e.y, *direction);
+      if (entries.size() > window) {
+        const auto& [old, old_direction] = entries.front();
+        if (!directed) fast.vote_ring<-1>(old.x, old.y);
+        if (directed && old_direction) fast.vote_arcs<-1>(old.x, old.y, *old_direction);
+        entries.pop_front();
+      }
+      ASSERT_EQ(as_reference(fast.peak()), plain.peak()) << "event " << i;
+      if (i % 50 != 0) continue;
+      ASSERT_EQ(all_votes(fast), plain.votes()) << "event " << i;
+    }
+    ASSERT_GT(plain.peak().votes, directed ? 5 : 20);  // something was there to find
+  }
 }
 
 TEST(HoughTransform, NormalisesByTheCountedPixelsOfTheHalfPixelRing) {
@@ -162,6 +251,14 @@ TEST(HoughTransform, QuantisesDirectionsToHalfADegreeModuloAHalfTurn) {
     EXPECT_LE(std::abs(std::remainder(radians_of(direction) - angle, std::numbers::pi)),
               0.25 * degree + 1e-12);
     EXPECT_EQ(direction, HoughTransform::direction_of(-std::cos(angle), -std::sin(angle)));
+  }
+  const RandomStream random(3, "directions");
+  for (std::uint64_t i = 0; i < 100'000; ++i) {
+    const double x = random.uniform(-1.0, 1.0, 0, i) * std::exp(random.uniform(-8.0, 8.0, 1, i));
+    const double y = random.uniform(-1.0, 1.0, 2, i);
+    const double steps = std::atan2(y, x) / std::numbers::pi * HoughTransform::direction_count;
+    const int nearest = static_cast<int>(std::lround(steps) + 720) % HoughTransform::direction_count;
+    ASSERT_EQ(HoughTransform::direction_of(x, y), nearest) << "(" << x << ", " << y << ")";
   }
   EXPECT_EQ(HoughTransform::direction_of(1.0, 0.0), 0);
   EXPECT_EQ(HoughTransform::direction_of(-1.0, -0.0), 0);

@@ -173,6 +173,23 @@ TEST(PlaneFitFlow, LeavesOutNeighboursThatAreOffThePlane) {
   EXPECT_NEAR(flow->dt_dy_us_px, 0.0, 1e-9);
 }
 
+TEST(PlaneFitFlow, IsNotSpoiltByTheEdgeBefore) {
+  // Another edge left its stamps ahead of this one, too young for the maximum age, sloping another way: ten of
+  // 25 neighbours, which alone would turn the first fit far round.
+  for (const std::int64_t ago_us : {8'000, 20'000, 90'000}) {
+    std::vector<Event> events = swept_patch(60, 60);
+    for (int dx = 1; dx <= 2; ++dx) {
+      for (int dy = -2; dy <= 2; ++dy) {
+        events.insert(events.begin(), streams::event_at(10'000 - ago_us + 700 * dy, 60 + dx, 60 + dy, true));
+      }
+    }
+    const auto flow = flow_after(events);
+    ASSERT_TRUE(flow) << ago_us;
+    EXPECT_NEAR(flow->dt_dx_us_px, 1000.0, 1e-9) << ago_us;
+    EXPECT_NEAR(flow->dt_dy_us_px, 0.0, 1e-9) << ago_us;
+  }
+}
+
 TEST(PlaneFitFlow, SeesOnePolarityOnly) {
   std::vector<Event> events = swept_patch(60, 60, true);
   const Event last = events.back();

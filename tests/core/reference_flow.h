@@ -1,7 +1,9 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <map>
 #include <optional>
 #include <tuple>
@@ -25,17 +27,23 @@ class ReferenceFlow {
   };
   [[nodiscard]] Answer at(const Event& e) const {
     std::vector<Eigen::Vector3d> points;  // x, y, t from the event
+    std::vector<double> next_ages;        // of the eight pixels around it
     const int half = static_cast<int>(config_.half_width_px);
     for (int dy = -half; dy <= half; ++dy) {
       for (int dx = -half; dx <= half; ++dx) {
         const auto found = newest_.find({e.on, e.x + dx, e.y + dy});
         if (found == newest_.end() || e.t_us - found->second > config_.max_age_us) continue;
         points.emplace_back(dx, dy, static_cast<double>(found->second - e.t_us));
+        if (std::max(std::abs(dx), std::abs(dy)) == 1) next_ages.push_back(-points.back().z());
       }
     }
     Answer answer;
+    if (next_ages.size() >= 4) {
+      std::sort(next_ages.begin(), next_ages.end());
+      std::erase_if(points, [&](const Eigen::Vector3d& p) { return -p.z() > 4 * next_ages[3]; });
+    }
     std::vector<Eigen::Vector3d> inliers = points;
-    for (int fit = 0; fit < 3; ++fit) {
+    for (const bool again : {false, true}) {
       if (static_cast<std::int64_t>(inliers.size()) < config_.min_inliers) return answer;
       Eigen::MatrixX3d m(inliers.size(), 3);
       Eigen::VectorXd t(inliers.size());
@@ -48,9 +56,8 @@ class ReferenceFlow {
       if (qr.rank() < 3) return answer;
       const Eigen::Vector3d plane = qr.solve(t);
       const double slope = std::hypot(plane[0], plane[1]);
-      if (slope < 1e-9) return answer;  // level
-      if (fit == 2) {
-        answer.flow = NormalFlow{plane[0], plane[1]};
+      if (again) {
+        if (slope > 1e-9) answer.flow = NormalFlow{plane[0], plane[1]};  // else level
         return answer;
       }
       inliers.clear();

@@ -18,6 +18,7 @@ Metrics whole() {
   Metrics m;
   m.scenario = "gaze_square_45cm \"quoted\"";
   m.seed = 3;
+  m.settings = {{"lab.clutter", "rectilinear"}, {"ball.diameter_m", "0.07"}};
   m.start_us = 5;
   m.duration_s = 4.0;
   m.wall_s = 3.2;
@@ -42,6 +43,7 @@ Metrics whole() {
   score.radius_error_px = {0.5, 1.5};
   score.lag_ms = 12.3;
   score.us_per_event = 0.4;
+  score.rejected_events = {.outside_image = 7, .back_in_time = 2};
   m.detectors = {{"paper_full", {}}, {"best", score}};
   m.gaze.emplace();
   m.gaze->detector = "best";
@@ -70,14 +72,14 @@ TEST(Metrics, HasEveryKeyOfTheContractInItsOrder) {
   const Json json = Json::parse(metrics_to_json(whole()));
   EXPECT_THAT(keys(json),
               ElementsAre("schema", "scenario", "seed", "duration_s", "wall_s", "real_time_factor", "events",
-                          "detectors", "gaze", "camera", "start_us"));
+                          "detectors", "gaze", "camera", "start_us", "settings"));
   EXPECT_THAT(keys(json["events"]), ElementsAre("count", "rate_hz", "dropped", "file"));
   EXPECT_THAT(keys(json["detectors"]), ElementsAre("paper_full", "best"));
   for (const auto& detector : json["detectors"]) {
-    EXPECT_THAT(keys(detector),
-                ElementsAre("average_precision", "precision_at_recall", "pr_curve", "chances", "threshold",
-                            "precision", "recall", "detection_rate_hz", "position_error_px",
-                            "radius_error_px", "lag_ms", "us_per_event", "observations", "inliers"));
+    EXPECT_THAT(keys(detector), ElementsAre("average_precision", "precision_at_recall", "pr_curve", "chances",
+                                            "threshold", "precision", "recall", "detection_rate_hz",
+                                            "position_error_px", "radius_error_px", "lag_ms", "us_per_event",
+                                            "observations", "inliers", "rejected_events"));
     EXPECT_THAT(keys(detector["precision_at_recall"]), ElementsAre("0.1", "0.2", "0.3", "0.5", "0.7", "0.9"));
     EXPECT_THAT(keys(detector["detection_rate_hz"]), ElementsAre("mean", "peak"));
     EXPECT_THAT(keys(detector["position_error_px"]), ElementsAre("median", "p95"));
@@ -103,6 +105,10 @@ TEST(Metrics, ReadsBackTheSame) {
   EXPECT_EQ(back.gaze->score.acquire_s, 0.75);
   EXPECT_NEAR(back.gaze->limits.max_rad[eyes_tilt], 0.25, 1e-15);
   EXPECT_EQ(back.camera->fy_px, 99.75);
+  EXPECT_EQ(back.settings, whole().settings);
+  EXPECT_EQ(back.detectors[0].second.rejected_events.has_value(), false);
+  EXPECT_EQ(back.detectors[1].second.rejected_events->outside_image, 7);
+  EXPECT_EQ(back.detectors[1].second.rejected_events->back_in_time, 2);
 }
 
 TEST(Metrics, WritesWhatDoesNotApplyAsNull) {
@@ -122,7 +128,17 @@ TEST(Metrics, WritesWhatDoesNotApplyAsNull) {
   EXPECT_TRUE(best["precision_at_recall"]["0.9"].is_null());
   EXPECT_TRUE(best["detection_rate_hz"]["peak"].is_null());
   EXPECT_TRUE(best["lag_ms"].is_null());
+  EXPECT_TRUE(best["rejected_events"].is_null());
   EXPECT_EQ(best["chances"], 0);
+}
+
+TEST(Metrics, WithoutSettingsAndRejectedEventsAreThoseOfARunThatDoesNotTellThem) {
+  Json json = Json::parse(metrics_to_json(whole()));
+  json.erase("settings");
+  json["detectors"]["best"].erase("rejected_events");
+  const Metrics back = metrics_from_json(json.dump(), "here");
+  EXPECT_TRUE(back.settings.empty());
+  EXPECT_FALSE(back.detectors[1].second.rejected_events.has_value());
 }
 
 TEST(Metrics, SaysWhereAFileIsWrong) {

@@ -55,6 +55,35 @@ TEST(Overlay, DrawsACircleWhereItIs) {
   EXPECT_NEAR(box.width, 2 * 20 * 5 + 4, 3.0);
 }
 
+TEST(Overlay, ResponsesBecomeSharesOfTheStrongest) {
+  const std::vector<float> response = {0.0F, 0.5F, 2.0F, 1.0F, -1.0F, 0.004F};
+  const cv::Mat picture = response_picture(response, {3, 2});
+  EXPECT_EQ(picture.at<std::uint8_t>(0, 0), 0);
+  EXPECT_EQ(picture.at<std::uint8_t>(0, 1), 64);
+  EXPECT_EQ(picture.at<std::uint8_t>(0, 2), 255);
+  EXPECT_EQ(picture.at<std::uint8_t>(1, 0), 128);
+  EXPECT_EQ(picture.at<std::uint8_t>(1, 1), 0);
+  EXPECT_EQ(picture.at<std::uint8_t>(1, 2), 1);
+  EXPECT_EQ(cv::countNonZero(response_picture(std::vector<float>(6), {3, 2})), 0);
+}
+
+TEST(Overlay, AHoughSpaceIsWhitestWhereItIsStrongestAndShowsTheEventsWhereItIsNot) {
+  const std::vector<Event> events = {{.t_us = 1, .x = 3, .y = 5, .on = true},
+                                     {.t_us = 1, .x = 8, .y = 5, .on = false}};
+  EyePicture eye;
+  eye.size = {16, 12};
+  eye.events = events;
+  eye.response = cv::Mat(12, 16, CV_8UC1, cv::Scalar(0));
+  for (int x = 0; x < 16; ++x) eye.response.at<std::uint8_t>(2, x) = static_cast<std::uint8_t>(17 * x);
+  const cv::Mat picture = draw_eye(eye, 1);
+  for (int x = 2; x < 16; ++x) {
+    EXPECT_GT(cv::sum(pixel(picture, x, 2))[0], cv::sum(pixel(picture, x - 2, 2))[0]) << x;
+  }
+  EXPECT_EQ(pixel(picture, 15, 2), cv::Vec3b(255, 255, 255));
+  EXPECT_EQ(pixel(picture, 3, 5), pixel(picture, 8, 5)) << "events have one colour here";
+  EXPECT_NE(pixel(picture, 3, 5), pixel(picture, 4, 5));
+}
+
 TEST(Overlay, TakesCirclesFarOutsideThePicture) {
   EyePicture eye;
   eye.size = {32, 32};

@@ -74,9 +74,63 @@ TEST_F(Report, HasAPictureOfEyeAndSceneForEveryFrameAndASentenceUnderEveryFigure
   write_report(folder_);
   const std::string html = contents(folder_ / "report.html");
   EXPECT_EQ(count(html, "data:image/png"), 8U);
-  EXPECT_EQ(count(html, "data:image/jpeg"), 8U);
-  EXPECT_EQ(count(html, "<figure>"), 8U);
-  EXPECT_EQ(count(html, "<figcaption>"), 8U);
+  EXPECT_EQ(count(html, "data:image/jpeg"), 8U + 8U);  // scenes, and four instants of image and Hough space
+  EXPECT_EQ(count(html, "<figure>"), 10U);
+  EXPECT_EQ(count(html, "<figcaption>"), 10U);
+}
+
+TEST_F(Report, ShowsTheHoughSpacesThatWereSavedAndHowStrongTheyAre) {
+  write_synthetic_run(folder_, true);
+  write_report(folder_);
+  std::string html = contents(folder_ / "report.html");
+  EXPECT_EQ(count(html, "alt=\"Hough space of paper_directed at"), 4U);
+  EXPECT_EQ(count(html, "strongest 0.75, threshold 0.45"), 4U);
+  EXPECT_EQ(count(html, "Hough space of paper_full"), 0U);
+
+  // A maximum without a point in its number, and a picture of a detector that was not in the run.
+  for (int t_ms = 500; t_ms <= 4000; t_ms += 500) {
+    const std::string start = (folder_ / "frames" / std::to_string(t_ms * 1000)).string();
+    fs::copy(start + "_paper_directed_hough_0.75.png", start + "_paper_full_hough_3.png");
+    fs::copy(start + "_paper_directed_hough_0.75.png", start + "_stranger_hough_3.png");
+  }
+  write_report(folder_);
+  html = contents(folder_ / "report.html");
+  EXPECT_EQ(count(html, "alt=\"Hough space of paper_full at"), 4U);
+  EXPECT_EQ(count(html, "strongest 3, threshold 0.45"), 4U);
+  EXPECT_THAT(html, Not(HasSubstr("stranger")));
+}
+
+TEST_F(Report, WritesTheNumbersOfEveryDrawnFigureBesideThePage) {
+  write_synthetic_run(folder_, false);
+  write_report(folder_);
+  const std::string html = contents(folder_ / "report.html");
+  std::size_t linked = 0;
+  const std::string mark = "href=\"figures/";
+  for (std::size_t at = 0; (at = html.find(mark, at)) != std::string::npos; ++at, ++linked) {
+    const std::string name =
+        html.substr(at + mark.size(), html.find('"', at + mark.size()) - at - mark.size());
+    const std::string csv = contents(folder_ / "figures" / name);
+    EXPECT_TRUE(csv.starts_with("series,")) << name;
+    EXPECT_GT(count(csv, "\n"), 2U) << name;
+  }
+  EXPECT_EQ(linked, count(html, "<svg"));
+  for (const auto& entry : fs::directory_iterator(folder_ / "figures")) {
+    EXPECT_EQ(entry.path().extension(), ".csv");
+  }
+  EXPECT_TRUE(fs::exists(folder_ / "figures/track_paper_directed.csv"));
+}
+
+TEST_F(Report, TellsRejectedEventsWhereThereWereAny) {
+  Metrics metrics = write_synthetic_run(folder_, false);
+  metrics.detectors[0].second.rejected_events = RejectedEvents{};
+  write_metrics(folder_ / "metrics.json", metrics);
+  write_report(folder_);
+  EXPECT_THAT(contents(folder_ / "report.html"), Not(HasSubstr("back in time")));
+  metrics.detectors[0].second.rejected_events = {.outside_image = 12, .back_in_time = 3};
+  write_metrics(folder_ / "metrics.json", metrics);
+  write_report(folder_);
+  EXPECT_THAT(contents(folder_ / "report.html"),
+              HasSubstr("paper_full left out 12 events outside the image and 3 that go back in time"));
 }
 
 TEST_F(Report, DrawsFiguresThatAreWellFormedWithIdsOfTheirOwn) {
@@ -93,7 +147,7 @@ TEST_F(Report, DrawsFiguresThatAreWellFormedWithIdsOfTheirOwn) {
       ids.push_back(svg.substr(id + 5, svg.find(svg[id + 4], id + 5) - id - 5));
     }
   }
-  EXPECT_EQ(figures, 7U);
+  EXPECT_EQ(figures, 8U);
   std::sort(ids.begin(), ids.end());
   EXPECT_EQ(std::adjacent_find(ids.begin(), ids.end()), ids.end());
 }
@@ -145,7 +199,7 @@ TEST_F(Report, OfARecordingShowsWhatThereIs) {
   write_metrics(folder_ / "metrics.json", metrics);
   write_report(folder_);
   std::string html = contents(folder_ / "report.html");
-  EXPECT_EQ(count(html, "<svg"), 4U);  // two detectors, precision and recall, rates
+  EXPECT_EQ(count(html, "<svg"), 5U);  // two detectors, precision and recall, rates over time and speed
   EXPECT_EQ(count(html, "data:image/png"), 8U);
   EXPECT_THAT(html, Not(HasSubstr("<h2>Gaze")));
 

@@ -17,13 +17,13 @@ namespace saccade {
 
 /// A run folder as a closed-loop run would leave it, from made-up motion: the ball goes round a square, the
 /// eye follows it late, one detector is good and one is drawn to clutter. `pictures` says whether the run
-/// saved eye and scene.
-inline Metrics write_synthetic_run(const std::filesystem::path& folder, bool pictures) {
+/// saved eye, scene and the Hough space of paper_directed.
+inline Metrics write_synthetic_run(const std::filesystem::path& folder, bool pictures, int seed = 1,
+                                   int duration_ms = 4000) {
   namespace fs = std::filesystem;
   constexpr double rad = std::numbers::pi / 180.0;
-  constexpr int duration_ms = 4000;
   constexpr double ball_radius_m = 0.0475;
-  const RandomStream random(5, "synthetic run");
+  const RandomStream random(static_cast<std::uint64_t>(4 + seed), "synthetic run");
   fs::remove_all(folder);
   fs::create_directories(folder / "frames");
 
@@ -130,6 +130,17 @@ inline Metrics write_synthetic_run(const std::filesystem::path& folder, bool pic
       cv::circle(eye, cv::Point(static_cast<int>(circle.x_px), static_cast<int>(circle.y_px)),
                  static_cast<int>(circle.r_px), 60, cv::FILLED, cv::LINE_AA);
       cv::imwrite((folder / "frames" / (std::to_string(sample.t_us) + "_eye.png")).string(), eye);
+      std::vector<float> response(static_cast<std::size_t>(camera.size.pixels()));
+      for (int y = 0; y < camera.size.height; ++y) {
+        for (int x = 0; x < camera.size.width; ++x) {
+          const double off_px = std::hypot(x - circle.x_px, y - circle.y_px);
+          response[static_cast<std::size_t>(y * camera.size.width + x)] =
+              static_cast<float>(0.75 * std::exp(-0.2 * off_px));
+        }
+      }
+      cv::imwrite(
+          (folder / "frames" / (std::to_string(sample.t_us) + "_paper_directed_hough_0.75.png")).string(),
+          response_picture(response, camera.size));
       cv::Mat scene(480, 640, CV_8UC3, cv::Scalar(180, 170, 160));
       cv::circle(
           scene,
@@ -145,7 +156,7 @@ inline Metrics write_synthetic_run(const std::filesystem::path& folder, bool pic
 
   Metrics metrics;
   metrics.scenario = "synthetic square <45 cm>";
-  metrics.seed = 1;
+  metrics.seed = seed;
   metrics.duration_s = duration_ms * 1e-3;
   metrics.wall_s = 3.1;
   metrics.event_count = event_count;

@@ -16,6 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
+using testing::Not;
 
 const std::string source = SACCADE_SOURCE_DIR;
 const std::string short_scenario = source + "/scenarios/look_at_ball.yaml";
@@ -80,6 +81,25 @@ TEST_F(Command, aRunLeavesEveryFileOfTheRunFolderAndTheResolvedScenarioGivesTheS
   EXPECT_EQ(bytes_of(folder_ / "run/gaze.csv"), bytes_of(folder_ / "again/gaze.csv"));
 }
 
+TEST_F(Command, aFrameCameraIsScoredBesideTheDetectorsAndChangesNothingThatTheySee) {
+  const std::string run = "run '" + short_scenario + "' --set run.duration_s=0.4 --set expect={} ";
+  ASSERT_EQ(saccade(run + "--out " + out("without")).status, 0);
+  const Outcome with = saccade(run + "--set frame_30hz.radius_px=[4,20] --seed 1 --out " + out("with"));
+  ASSERT_EQ(with.status, 0) << with.text;
+  EXPECT_EQ(bytes_of(folder_ / "without/events.aedat"), bytes_of(folder_ / "with/events.aedat"));
+  EXPECT_THAT(bytes_of(folder_ / "without/metrics.json"), Not(HasSubstr("frame_30hz")));
+  EXPECT_THAT(bytes_of(folder_ / "with/metrics.json"), HasSubstr("\"frame_30hz\""));
+  EXPECT_THAT(bytes_of(folder_ / "with/metrics.json"), HasSubstr("\"frame_30hz.radius_px\": \"[4,20]\""));
+  EXPECT_THAT(bytes_of(folder_ / "with/metrics.json"), Not(HasSubstr("run.duration_s")));
+
+  // Exposures of 20 ms that begin every 1/30 s end in 12 ticks of 400; the slow ball is found in all of them.
+  const std::string rows = bytes_of(folder_ / "with/detections.csv");
+  int found = 0;
+  for (std::size_t at = 0; (at = rows.find(",frame_30hz,", at)) != std::string::npos; ++at) ++found;
+  EXPECT_EQ(found, 12);
+  EXPECT_THAT(rows, HasSubstr("\n20000,frame_30hz,"));
+}
+
 TEST_F(Command, anUnmetExpectationIsStatusThreeAndSaysWhich) {
   const Outcome outcome = saccade("run '" + short_scenario + "' --set run.duration_s=0.1 --out " +
                                   out("run") + " --set 'expect={gaze.in_view_ratio: [2, 3]}'");
@@ -119,13 +139,19 @@ TEST_F(Command, withoutOpenGlTheRunFailsWithOneLineAndLeavesNothing) {
   expect_nothing_left("run");
 }
 
-TEST_F(Command, aRecordingThatIsMissingEmptyOrTruncatedIsBadInput) {
+TEST_F(Command, aRecordingThatIsMissingEmptyTruncatedOrWithoutEventsIsBadInput) {
   const Outcome missing = saccade("detect nowhere.aedat");
   EXPECT_EQ(missing.status, 2);
   EXPECT_THAT(missing.text, HasSubstr("nowhere.aedat"));
 
   folder_.write("empty.aedat", "");
   EXPECT_EQ(saccade("detect " + out("empty.aedat")).status, 2);
+
+  folder_.write("skin.log", "7 1571751370.660680 AE (911 16777216)\n");
+  const Outcome skin = saccade("detect " + out("skin.log"));
+  EXPECT_EQ(skin.status, 2);
+  EXPECT_THAT(skin.text, HasSubstr("no events of a camera"));
+  EXPECT_THAT(saccade("info " + out("skin.log")).text, HasSubstr("1 skin events"));
 
   folder_.write("cut.aedat", "#!AER-DAT2.0\r\n" + std::string(8, '\0') + "abc");
   const Outcome cut = saccade("detect " + out("cut.aedat") + " --out " + out("run"));

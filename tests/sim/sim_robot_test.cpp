@@ -62,6 +62,56 @@ TEST(SimRobot, TruthIsTheProjectionOfTheBallThroughThePlantsEye) {
   }
 }
 
+/// A colour picture at `t_us`, its pixels shifted.
+std::vector<float> colours_of(SimRobot& robot, std::int64_t t_us, const Eigen::Vector2d& shift_px) {
+  const PinholeCamera camera = small_world().camera;
+  std::vector<float> rgb(3 * static_cast<std::size_t>(camera.size.pixels()));
+  robot.draw_left_eye(t_us, camera, shift_px, rgb);
+  return rgb;
+}
+
+TEST(SimRobot, TheColourPictureOfTheLeftEyeHasTheLuminanceOfItsImage) {
+  SimRobot robot(small_world(), 1);
+  robot.wait_until(150'000);
+  const std::vector<float> rgb = colours_of(robot, robot.now_us(), {0, 0});
+  const std::span<const float> luminance = robot.left_image();
+  for (std::size_t i = 0; i < luminance.size(); ++i) {
+    const float sum =
+        0.2126F * rgb[i] + 0.7152F * rgb[i + luminance.size()] + 0.0722F * rgb[i + 2 * luminance.size()];
+    ASSERT_NEAR(sum, luminance[i], 1e-3) << "pixel " << i;
+  }
+}
+
+TEST(SimRobot, AColourPictureShiftedByAPixelIsTheSamePictureOnePixelOn) {
+  SimRobot robot(small_world(), 1);
+  const std::vector<float> here = colours_of(robot, 0, {0, 0});
+  const std::vector<float> right = colours_of(robot, 0, {1, 0});
+  const std::vector<float> below = colours_of(robot, 0, {0, 1});
+  int differ = 0;
+  for (std::size_t y = 0; y + 1 < 64; ++y) {
+    for (std::size_t x = 0; x + 1 < 64; ++x) {
+      differ += std::abs(right[y * 64 + x] - here[y * 64 + x + 1]) > 2.0F;
+      differ += std::abs(below[y * 64 + x] - here[(y + 1) * 64 + x]) > 2.0F;
+    }
+  }
+  std::printf("%d of %d values differ\n", differ, 2 * 63 * 63);
+  EXPECT_LT(differ, 2 * 63 * 63 / 100);  // edges that fall on the other side of a sample by rounding
+}
+
+TEST(SimRobot, BetweenTicksTheColourPictureShowsTheBallOnItsWay) {
+  SimRobot robot(small_world(), 1);
+  robot.wait_until(150'000);
+  const std::vector<float> end = colours_of(robot, 150'000, {0, 0});
+  const auto change = [&](std::int64_t t_us) {
+    const std::vector<float> then = colours_of(robot, t_us, {0, 0});
+    double sum = 0.0;
+    for (std::size_t i = 0; i < end.size(); ++i) sum += std::abs(then[i] - end[i]);
+    return sum;
+  };
+  EXPECT_EQ(change(150'000), 0.0);
+  EXPECT_GT(change(149'100), change(149'700));
+}
+
 TEST(SimRobot, EventsOfAMovingBallLieAtItsOutlineOrItsHand) {
   SimConfig config = small_world();
   config.lab.contrast = 0.0;

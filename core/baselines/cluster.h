@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/detector_parts.h"
+
+namespace saccade {
+
+/// Cluster tracker (Delbruck and Lang, Frontiers in Neuroscience 7:223, 2013), which the robot goalie follows
+/// its balls with.
+struct ClusterConfig {
+  std::vector<double> radius_px = {10, 35};  ///< smallest and largest size of a cluster
+  std::int64_t clusters = 20;                ///< most at a time
+  double mixing = 0.01;                      ///< weight of an event against all those before it
+  double surround = 2.0;                     ///< reach of a cluster in its own radii
+  double decay_us = 10'000;                  ///< time constant of its support
+  double threshold = 150.0;                  ///< support, in events, taken for the ball
+};
+
+/// Keys: radius_px, clusters, mixing, surround, decay_us, threshold.
+void describe(FieldVisitor& v, ClusterConfig& config);
+
+/// An event goes to the nearest cluster that reaches it, pulls its centre, makes it grow or shrink towards
+/// the mean distance of its events (which lie on the outline), and supports it by one. An event that no
+/// cluster reaches seeds one. Support fades with time; where less than half an event is left the cluster dies.
+/// Clusters that overlap become one. The ball is the cluster with the most support. (Without the prediction by
+/// velocity of the original.)
+class ClusterDetector final : public Detector {
+ public:
+  /// Throws InputError for a configuration out of range.
+  ClusterDetector(const ClusterConfig& config, ImageSize size);
+
+  void process(std::span<const Event> events, const CameraMotion* motion) override;
+  void advance_to(std::int64_t now_us, const CameraMotion* motion) override;
+  [[nodiscard]] Estimate estimate() override;
+  [[nodiscard]] double threshold() const override { return config_.threshold; }
+  [[nodiscard]] RejectedEvents rejected() const override { return sieve_.rejected(); }
+
+ private:
+  struct Cluster {
+    Circle circle;
+    double support = 0.0;  // at last_us
+    std::int64_t last_us = 0;
+    double dies_us = 0.0;  // when its support will be the least
+  };
+  [[nodiscard]] double support(const Cluster& cluster, std::int64_t now_us) const;
+  void add_support(Cluster& cluster, double more, std::int64_t now_us) const;
+  void remove(std::size_t index);
+  void take(const Event& event);
+  void seed(const Event& event);
+  void merge(std::size_t index);
+
+  ClusterConfig config_;
+  EventSieve sieve_;
+  std::vector<Cluster> clusters_;
+  std::int64_t now_us_;
+};
+
+}  // namespace saccade

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/detector_parts.h"
+
+namespace saccade {
+
+/// Multi-kernel tracker (Lagorce et al., TNNLS 26(8), 2015) with rings as the kernels.
+struct MultiKernelConfig {
+  std::vector<double> radius_px = {10, 35};  ///< smallest and largest radius
+  double radius_step_px = 2.0;               ///< from one kernel of a tracker to the next
+  double ring_px = 3.0;                      ///< half-width of a ring
+  double spacing_px = 25.0;                  ///< between the homes of trackers, on a grid over the image
+  double pull = 0.05;                        ///< part of its distance to the ring that an event moves it by
+  double decay_us = 20'000;                  ///< time constant of activity
+  double threshold = 10.0;                   ///< activity taken for the ball
+};
+
+/// Keys: radius_px, radius_step_px, ring_px, spacing_px, pull, decay_us, threshold.
+void describe(FieldVisitor& v, MultiKernelConfig& config);
+
+/// Trackers wait at their homes. Each has one kernel for every radius: a ring that excites, with flanks that
+/// inhibit as much, so that evenly spread events leave it at rest, and of unit energy. Every event adds to the
+/// activity of every kernel what the kernel holds there, and activity fades with time. An event moves one tracker,
+/// the most active of those whose best ring is near, so that the ring comes nearer to it. A tracker that loses
+/// its activity, or comes close to a more active one, goes home. The ball is the most active kernel.
+class MultiKernelDetector final : public Detector {
+ public:
+  /// Throws InputError for a configuration out of range.
+  MultiKernelDetector(const MultiKernelConfig& config, ImageSize size);
+
+  void process(std::span<const Event> events, const CameraMotion* motion) override;
+  void advance_to(std::int64_t now_us, const CameraMotion* motion) override;
+  [[nodiscard]] Estimate estimate() override;
+  [[nodiscard]] double threshold() const override { return config_.threshold; }
+  [[nodiscard]] RejectedEvents rejected() const override { return sieve_.rejected(); }
+
+ private:
+  struct Tracker {
+    double home_x_px = 0.0, home_y_px = 0.0;
+    double x_px = 0.0, y_px = 0.0;
+    std::vector<double> activity;  // per kernel, as of last_us_
+    std::size_t best = 0;          // the most active kernel
+    double liking = 0.0;           // its response to the last event
+  };
+  [[nodiscard]] double kernel(double off_px) const;
+  [[nodiscard]] double best_activity(const Tracker& t) const { return t.activity[t.best]; }
+  static void go_home(Tracker& tracker);
+  void excite(Tracker& tracker, const Event& event, double fading) const;
+  void move(Tracker& tracker, const Event& event);
+
+  MultiKernelConfig config_;
+  EventSieve sieve_;
+  std::vector<double> radii_px_;
+  std::vector<double> profile_;  // of a ring, in steps of 1/8 px from its radius
+  std::vector<Tracker> trackers_;
+  std::int64_t last_us_, now_us_;
+};
+
+}  // namespace saccade

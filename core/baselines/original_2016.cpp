@@ -1,0 +1,177 @@
+#include "core/baselines/original_2016.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace saccade {
+namespace {
+
+constexpr std::int64_t never_us = std::numeric_limits<std::int64_t>::min();
+constexpr double ring_width_px = 0.4;
+
+}  // namespace
+
+void describe(FieldVisitor& v, Original2016Config& config) {
+  describe_radius_px(v, config.radius_px);
+  v.section(
+      "window",
+      [&](FieldVisitor& w) {
+        w.integer("events", config.window_events, {1, 60000}, "events with flow that vote");
+      },
+      "what votes");
+  v.real("arc_deg", config.arc_deg, {0.5, 90.0}, "half-width of an arc of votes");
+  v.section(
+      "flow",
+      [&](FieldVisitor& w) {
+        w.integer("min_inliers", config.min_inliers, {3, 9}, "of the nine events of a patch");
+      },
+      "flow by patches of 3 x 3 pixels");
+  v.real("threshold", config.threshold, {0.0, 1e6}, "response taken for the ball");
+}
+
+Original2016::Original2016(const Original2016Config& config, ImageSize size)
+    : config_(config), size_(size), sieve_(size) {
+  check_config("detector", config);
+  const auto pixels = static_cast<std::size_t>(size.pixels());
+  for (auto& surface : surface_) surface.assign(pixels, never_us);
+  window_.resize(pixels);
+  for (int r = static_cast<int>(config.radius_px[0]); r <= static_cast<int>(config.radius_px[1]); ++r) {
+    radii_.push_back(tabulated(r));
+  }
+}
+
+Original2016::Radius Original2016::tabulated(int r_px) const {
+  Radius radius;
+  radius.r_px = r_px;
+  radius.votes.assign(static_cast<std::size_t>(size_.pixels()), 0);
+  for (int dy = -r_px - 1; dy <= r_px + 1; ++dy) {
+    for (int dx = -r_px - 1; dx <= r_px + 1; ++dx) {
+      const double outside_px = std::hypot(dx, dy) - r_px;
+      if (outside_px < 0.0 || outside_px > ring_width_px) continue;
+      ++radius.ring_pixels;
+      const double angle_deg = std::atan2(dy, dx) * 180.0 / std::numbers::pi;
+      for (int d = 0; d < direction_count; ++d) {
+        const double off_deg = std::abs(std::remainder(angle_deg - d, 180.0));
+        if (off_deg <= config_.arc_deg) radius.arcs[static_cast<std::size_t>(d)].push_back({dx, dy});
+      }
+    }
+  }
+  return radius;
+}
+
+std::optional<NormalFlow> Original2016::flow_at(const Event& event) const {
+  const auto& surface = surface_[event.on ? 1 : 0];
+  // Sums over the freshest patch: of dt, and of dt times the column and the row of the patch.
+  double best_dt = -std::numeric_limits<double>::infinity();
+  int best_x = 0, best_y = 0;
+  NormalFlow best;
+  const auto dt_us = [&](int x, int y) {
+    return static_cast<double>(surface[static_cast<std::size_t>(pixel(x, y))]) -
+           static_cast<double>(event.t_us);
+  };
+  for (int cy = event.y - 1; cy <= event.y + 1; ++cy) {
+    for (int cx = event.x - 1; cx <= event.x + 1; ++cx) {
+      if (!size_.contains(cx - 1, cy - 1) || !size_.contains(cx + 1, cy + 1)) continue;
+      bool filled = true;
+      double sum = 0, sum_x = 0, sum_y = 0;
+      for (int dy = -1; dy <= 1; ++dy) {
+        for (int dx = -1; dx <= 1; ++dx) {
+          filled = filled && surface[static_cast<std::size_t>(pixel(cx + dx, cy + dy))] != never_us;
+          const double dt = dt_us(cx + dx, cy + dy);
+          sum += dt;
+          sum_x += dx * dt;
+          sum_y += dy * dt;
+        }
+      }
+      if (!filled || sum <= best_dt) continue;
+      best_dt = sum;
+      best_x = cx;
+      best_y = cy;
+      best = {sum_x / 6, sum_y / 6};
+    }
+  }
+  const double slope = std::hypot(best.dt_dx_us_px, best.dt_dy_us_px);
+  std::int64_t inliers = 0;
+  for (int y = best_y - 1; slope > 0.0 && y <= best_y + 1; ++y) {
+    for (int x = best_x - 1; x <= best_x + 1; ++x) {
+      const double predicted = best.dt_dx_us_px * (x - event.x) + best.dt_dy_us_px * (y - event.y);
+      inliers += std::abs(predicted - dt_us(x, y)) < slope / 2 ? 1 : 0;
+    }
+  }
+  if (inliers < config_.min_inliers) return std::nullopt;
+  return best;
+}
+
+void Original2016::vote(int pixel, int direction, int sign) {
+  const int x = pixel % size_.width;
+  const int y = pixel / size_.width;
+  for (Radius& radius : radii_) {
+    for (const Offset& offset : radius.arcs[static_cast<std::size_t>(direction)]) {
+      if (!size_.contains(x + offset.dx, y + offset.dy)) continue;
+      const auto at = static_cast<std::size_t>(this->pixel(x + offset.dx, y + offset.dy));
+      radius.votes[at] = static_cast<std::uint16_t>(radius.votes[at] + sign);
+      if (sign > 0 && radius.votes[at] > radius.votes[radius.best]) radius.best = at;
+    }
+  }
+}
+
+void Original2016::enter(int pixel, int direction) {
+  if (window_[static_cast<std::size_t>(pixel)].direction != none) leave(pixel);
+  if (count_ == config_.window_events) leave(oldest_);
+  if (newest_ != none) window_[static_cast<std::size_t>(newest_)].newer = pixel;
+  if (oldest_ == none) oldest_ = pixel;
+  window_[static_cast<std::size_t>(pixel)] = {newest_, none, direction};
+  newest_ = pixel;
+  ++count_;
+  vote(pixel, direction, 1);
+}
+
+void Original2016::leave(int pixel) {
+  Member& gone = window_[static_cast<std::size_t>(pixel)];
+  (gone.older != none ? window_[static_cast<std::size_t>(gone.older)].newer : oldest_) = gone.newer;
+  (gone.newer != none ? window_[static_cast<std::size_t>(gone.newer)].older : newest_) = gone.older;
+  vote(pixel, gone.direction, -1);
+  gone = {};
+  --count_;
+}
+
+void Original2016::process(std::span<const Event> events, const CameraMotion*) {
+  for (const Event& event : events) {
+    if (!sieve_.accept(event)) continue;
+    const int at = pixel(event.x, event.y);
+    surface_[event.on ? 1 : 0][static_cast<std::size_t>(at)] = event.t_us;
+    const auto flow = flow_at(event);
+    if (!flow) continue;
+    const double angle_deg = std::atan2(flow->dt_dy_us_px, flow->dt_dx_us_px) * 180.0 / std::numbers::pi;
+    enter(at, static_cast<int>(std::lround(angle_deg) + 2 * direction_count) % direction_count);
+  }
+}
+
+Estimate Original2016::estimate() {
+  Estimate best;
+  for (const Radius& radius : radii_) {
+    const double response = radius.votes[radius.best] / radius.ring_pixels;
+    if (response <= best.score) continue;
+    const int at = static_cast<int>(radius.best);
+    best = {true,
+            false,
+            {static_cast<double>(at % size_.width), static_cast<double>(at / size_.width),
+             static_cast<double>(radius.r_px)},
+            response};
+  }
+  return best;
+}
+
+bool Original2016::hough_space(std::span<float> response) const {
+  SACCADE_CHECK(std::ssize(response) == size_.pixels());
+  for (std::size_t i = 0; i < response.size(); ++i) {
+    response[i] = 0.0F;
+    for (const Radius& radius : radii_) {
+      response[i] = std::max(response[i], static_cast<float>(radius.votes[i] / radius.ring_pixels));
+    }
+  }
+  return true;
+}
+
+}  // namespace saccade

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/detector_parts.h"
+#include "core/plane_fit_flow.h"
+
+namespace saccade {
+
+/// What the circle detector of the event-driven project did when the paper came out (vCircle, February and
+/// March 2016), where that differs from what the paper says.
+struct Original2016Config {
+  std::vector<double> radius_px = {10, 35};  ///< smallest and largest radius, whole numbers
+  std::int64_t window_events = 1000;
+  double arc_deg = 15.0;         ///< half-width of an arc
+  std::int64_t min_inliers = 5;  ///< of the nine events of a patch that must lie on its plane
+  double threshold = 0.5;        ///< votes per pixel of the look-up ring taken for the ball
+};
+
+/// Keys: radius_px, window.events, arc_deg, flow.min_inliers, threshold.
+void describe(FieldVisitor& v, Original2016Config& config);
+
+/// Directed Hough transform, event by event:
+///  - flow from nine shifted patches of 3 x 3 pixels of one polarity around the event; those completely filled
+///    compete, the freshest wins; an inlier is off the event's time by what the slope says, give or take half
+///    the slope;
+///  - only events with flow enter the window, and a new one first evicts an older one at the same pixel;
+///  - a vote falls on the pixels of a look-up ring (up to 0.4 px outside the radius), and the response is
+///    divided by how many these are;
+///  - each radius remembers its best cell, which gives way only to a cell that a vote has just lifted above
+///    it: when votes are taken out, nothing looks for a better one.
+class Original2016 final : public Detector {
+ public:
+  /// Throws InputError for a configuration out of range.
+  Original2016(const Original2016Config& config, ImageSize size);
+
+  void process(std::span<const Event> events, const CameraMotion* motion) override;
+  void advance_to(std::int64_t, const CameraMotion*) override {}
+  [[nodiscard]] Estimate estimate() override;
+  [[nodiscard]] double threshold() const override { return config_.threshold; }
+  [[nodiscard]] RejectedEvents rejected() const override { return sieve_.rejected(); }
+  [[nodiscard]] bool hough_space(std::span<float> response) const override;
+
+ private:
+  static constexpr int direction_count = 180;  // steps of a degree, modulo a half turn
+  struct Offset {
+    int dx, dy;
+  };
+  struct Radius {
+    std::array<std::vector<Offset>, direction_count> arcs;  // centres relative to an event, per direction
+    int r_px = 0;
+    double ring_pixels = 0;
+    std::vector<std::uint16_t> votes;
+    std::size_t best = 0;  // index of the remembered cell
+  };
+  static constexpr int none = -1;
+  /// One event at most stands at a pixel: the window is a list of pixels from the oldest to the newest.
+  struct Member {
+    int older = none, newer = none;
+    int direction = none;  // none: not in the window
+  };
+
+  [[nodiscard]] int pixel(int x, int y) const { return y * size_.width + x; }
+  [[nodiscard]] Radius tabulated(int r_px) const;
+  [[nodiscard]] std::optional<NormalFlow> flow_at(const Event& event) const;
+  void enter(int pixel, int direction);
+  void leave(int pixel);
+  void vote(int pixel, int direction, int sign);
+
+  Original2016Config config_;
+  ImageSize size_;
+  EventSieve sieve_;
+  std::array<std::vector<std::int64_t>, 2> surface_;  // per polarity, newest stamp of each pixel
+  std::vector<Radius> radii_;
+  std::vector<Member> window_;  // by pixel
+  int oldest_ = none, newest_ = none;
+  std::int64_t count_ = 0;
+};
+
+}  // namespace saccade

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "core/camera.h"
+#include "core/edge_map.h"
+
+namespace saccade {
+
+/// One circle that is followed: an extended Kalman filter that takes every edge on its outline as a
+/// measurement when it comes (the paper's section V asks for an event-driven filter with outlier rejection).
+///
+/// State: centre and radius, px, and their speeds, px/s. The centre's speed is what is left beside the image
+/// motion that the camera's own rotation makes, so that a camera that turns carries the circle along.
+/// An edge at p measures |p - centre| - radius = 0. Edges off the outline, or that do not move along its
+/// normal, are outliers.
+class CircleTrack {
+ public:
+  /// cos of the largest angle between an edge's flow and the outline's normal.
+  static constexpr double min_alignment = 0.866;  // 30 deg
+
+  /// At rest, at `circle`, its speed unknown.
+  CircleTrack(const Circle& circle, std::int64_t now_us);
+  CircleTrack() = default;
+
+  /// Moves on to t_us (earlier than now: no change). `camera_flow_px_s` is the image motion at the circle
+  /// that the camera's rotation makes.
+  void predict(std::int64_t t_us, const Eigen::Vector2d& camera_flow_px_s);
+
+  enum class Learn { place, place_and_speed };
+  /// Takes an edge; false where it is an outlier. `clarity` in [0, 1] is how well the outline stands out from
+  /// what else moves around it: the lower, the less an edge counts and the nearer it must be.
+  bool measure(const Edge& edge, double clarity, Learn learn, const Eigen::Vector2d& camera_flow_px_s);
+
+  /// At another place with the same speed.
+  void place(const Circle& circle) { state_.head<3>() << circle.x_px, circle.y_px, circle.r_px; }
+  /// Takes a circle that was fitted to the same outline.
+  void correct(const Circle& circle);
+
+  /// No edge came for so long that an outline moving at the speed of the state would have shown: it rests.
+  /// True where that speed was more than jitter, and so wrong.
+  bool rest_if_silent();
+
+  /// Uncertainty within what silence leaves open, the radius within [r_min - 1/2, r_max + 1/2].
+  void bound(double r_min_px, double r_max_px);
+
+  [[nodiscard]] Circle circle() const { return {state_[0], state_[1], state_[2]}; }
+  [[nodiscard]] Eigen::Vector2d centre() const { return state_.head<2>(); }
+  /// Where the circle will be, or was, at t_us by its speed.
+  [[nodiscard]] Circle circle_at(std::int64_t t_us, const Eigen::Vector2d& camera_flow_px_s) const;
+  /// Since the last edge that was no outlier.
+  [[nodiscard]] std::int64_t silent_us() const { return t_us_ - last_edge_us_; }
+
+ private:
+  using State = Eigen::Matrix<double, 6, 1>;  // x, y, r, and their speeds
+  using Covariance = Eigen::Matrix<double, 6, 6>;
+
+  void update(const State& gradient, double innovation, double variance);
+
+  State state_ = State::Zero();
+  Covariance covariance_ = Covariance::Zero();
+  std::int64_t t_us_ = 0;
+  std::int64_t last_edge_us_ = 0;
+  bool resting_ = false;  // until the next edge
+};
+
+}  // namespace saccade

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include "core/config.h"
+#include "core/detector.h"
+#include "core/hough_transform.h"
+
+namespace saccade {
+
+/// The key radius_px that every detector has: smallest and largest radius, whole pixels in [1, 255].
+void describe_radius_px(FieldVisitor& v, std::vector<double>& radius_px);
+
+/// The Hough space seen from above: the largest response over all radii at each pixel, row by row. `response`
+/// has one element for each pixel.
+void largest_response(const HoughTransform& transform, std::span<float> response);
+
+/// Lets through the events that a detector can use, and counts the others: those outside the image, and those
+/// earlier than one let through before. A repeated time stamp is fine.
+class EventSieve {
+ public:
+  explicit EventSieve(ImageSize size) : size_(size) {}
+
+  [[nodiscard]] bool accept(const Event& event) {
+    if (is_outside(event)) {
+      ++rejected_.outside_image;
+      return false;
+    }
+    if (event.t_us < newest_us_) {
+      ++rejected_.back_in_time;
+      return false;
+    }
+    newest_us_ = event.t_us;
+    return true;
+  }
+
+  /// What accept() would let through of a batch, without counting anything.
+  struct Preview {
+    std::int64_t count = 0;
+    std::int64_t newest_us = 0;  ///< of everything so far
+  };
+  [[nodiscard]] Preview preview(std::span<const Event> events) const {
+    Preview seen{0, newest_us_};
+    for (const Event& event : events) {
+      if (is_outside(event) || event.t_us < seen.newest_us) continue;
+      seen.newest_us = event.t_us;
+      ++seen.count;
+    }
+    return seen;
+  }
+
+  [[nodiscard]] const RejectedEvents& rejected() const { return rejected_; }
+
+ private:
+  [[nodiscard]] bool is_outside(const Event& e) const { return e.x >= size_.width || e.y >= size_.height; }
+
+  ImageSize size_;
+  std::int64_t newest_us_ = std::numeric_limits<std::int64_t>::min();
+  RejectedEvents rejected_;
+};
+
+}  // namespace saccade

@@ -1,0 +1,215 @@
+// What holds for every detector of the factory.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <ostream>
+
+#include "core/detector_factory.h"
+#include "tests/core/allocation_counter.h"
+#include "tests/core/streams.h"
+
+namespace saccade {
+
+static bool operator==(const Estimate& a, const Estimate& b) {
+  return a.valid == b.valid && a.held == b.held && a.circle.x_px == b.circle.x_px &&
+         a.circle.y_px == b.circle.y_px && a.circle.r_px == b.circle.r_px && a.score == b.score;
+}
+static std::ostream& operator<<(std::ostream& out, const Estimate& e) {
+  return out << (e.valid ? "" : "no ") << "circle " << e.circle.x_px << " " << e.circle.y_px << " "
+             << e.circle.r_px << ", score " << e.score;
+}
+
+namespace {
+
+constexpr ImageSize image{128, 128};
+
+std::unique_ptr<Detector> make(const std::string& preset) {
+  return make_detector(detector_preset(preset), PinholeCamera{});
+}
+
+/// With a window that suits a ball alone: 400 events are about 7 px of motion of both edges of r = 23.
+std::unique_ptr<Detector> make_for_ball_alone(const std::string& preset) {
+  DetectorConfig config = detector_preset(preset);
+  if (auto* hough = std::get_if<HoughDetectorConfig>(&config.detector)) hough->window.events = 400;
+  if (auto* original = std::get_if<Original2016Config>(&config.detector)) original->window_events = 400;
+  return make_detector(config, PinholeCamera{});
+}
+
+class EveryDetector : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Presets, EveryDetector, testing::ValuesIn(detector_presets()),
+                         [](const auto& test) { return test.param; });
+
+TEST_P(EveryDetector, FindsAMovingBall) {
+  const auto detector = make_for_ball_alone(GetParam());
+  EXPECT_FALSE(detector->estimate().valid);
+  // single_radius knows 23 px alone.
+  const streams::MovingDisc disc{35, 50, 400, 200, 22.5};
+  const std::vector<Event> events = disc.events(image, 0.12);
+  std::size_t next = 0;
+  double worst_px = 0.0;
+  double worst_r_px = 0.0;
+  double least_score = std::numeric_limits<double>::infinity();
+  for (std::int64_t now = 1000; now <= 120'000; now += 1000) {
+    std::size_t end = next;
+    while (end < events.size() && events[end].t_us <= now) ++end;
+    detector->process(std::span(events).subspan(next, end - next), nullptr);
+    detector->advance_to(now, nullptr);
+    next = end;
+    if (now < 30'000) continue;
+    const Estimate e = detector->estimate();
+    ASSERT_TRUE(e.valid);
+    worst_px = std::max(worst_px, std::hypot(e.circle.x_px - disc.x_at(now), e.circle.y_px - disc.y_at(now)));
+    worst_r_px = std::max(worst_r_px, std::abs(e.circle.r_px - disc.r_px));
+    least_score = std::min(least_score, e.score);
+  }
+  std::printf("%s: worst error %.2f px, radius %.2f px, least score %.2f\n", GetParam().c_str(), worst_px,
+              worst_r_px, least_score);
+  EXPECT_LT(worst_px, 6.0);
+  EXPECT_LT(worst_r_px, 2.0);
+}
+
+TEST_P(EveryDetector, SaysTheSameHoweverItsEventsComeInBatches) {
+  const std::vector<Event> events = streams::cluttered(image, 6000, 0.4, 2);
+  const auto at_once = make(GetParam());
+  const auto one_by_one = make(GetParam());
+  const auto asked_often = make(GetParam());
+  for (std::size_t i = 0; i < events.size(); i += 600) {
+    const auto part = std::span(events).subspan(i, 600);
+    at_once->process(part, nullptr);
+    for (std::size_t k = 0; k < part.size(); ++k) {
+      one_by_one->process(part.subspan(k, 1), nullptr);
+      asked_often->process(part.subspan(k, 1), nullptr);
+      if (k % 7 == 0) static_cast<void>(asked_often->estimate());
+    }
+    const Estimate first = at_once->estimate();
+    EXPECT_EQ(one_by_one->estimate(), first);
+    EXPECT_EQ(asked_often->estimate(), first);
+    EXPECT_EQ(at_once->estimate(), first);
+  }
+}
+
+TEST_P(EveryDetector, CountsEventsItCannotUseAndIsNotChangedByThem) {
+  const auto clean = make(GetParam());
+  const auto soiled = make(GetParam());
+  std::int64_t strays = 0;
+  for (const Event& e : streams::MovingDisc{50, 50, 300, 0, 15}.events(image, 0.1)) {
+    clean->process({&e, 1}, nullptr);
+    const std::array<Event, 4> with_strays = {Event{e.t_us, 128, 5, true, 0}, e,
+                                              Event{e.t_us - 1, 40, 40, true, 0},
+                                              Event{e.t_us + 1'000'000, 7, 65535, true, 0}};
+    soiled->process(with_strays, nullptr);
+    ++strays;
+    ASSERT_EQ(soiled->estimate(), clean->estimate());
+  }
+  EXPECT_EQ(soiled->rejected().outside_image, 2 * strays);
+  EXPECT_EQ(soiled->rejected().back_in_time, strays);
+  EXPECT_EQ(clean->rejected().outside_image, 0);
+  EXPECT_EQ(clean->rejected().back_in_time, 0);
+}
+
+TEST_P(EveryDetector, SurvivesAnyStreamAndGoesOn) {
+  // Repeated, backward and far-ahead stamps, pixels inside and far outside.
+  const auto detector = make_for_ball_alone(GetParam());
+  const RandomStream random(8, "wild");
+  std::int64_t offered = 0;
+  std::int64_t usable = 0;
+  std::int64_t newest = 0;
+  for (std::uint64_t i = 0; i < 20'000; ++i, ++offered) {
+    const auto wild = [&](std::uint64_t stream) {
+      const auto bits = random.bits(stream, i);
+      return static_cast<std::uint16_t>(bits % 8 == 0 ? bits >> 40 : (bits >> 40) % 128);
+    };
+    const auto jump = static_cast<std::int64_t>(random.bits(2, i) % 200);
+    const std::int64_t t = random.bits(3, i) % 500 == 0 ? jump * 1'000'000'000 : newest + jump - 60;
+    const Event e{t, wild(0), wild(1), random.bits(4, i) % 2 == 0, 0};
+    detector->process({&e, 1}, nullptr);
+    if (i % 50 == 0) detector->advance_to(e.t_us - 500, nullptr);
+    if (i % 20 == 0) static_cast<void>(detector->estimate());
+    if (e.x < 128 && e.y < 128 && (usable == 0 || e.t_us >= newest)) {
+      newest = e.t_us;
+      ++usable;
+    }
+  }
+  EXPECT_GT(usable, 5000);
+  EXPECT_EQ(detector->rejected().outside_image + detector->rejected().back_in_time, offered - usable);
+  const Estimate e = detector->estimate();
+  if (e.valid) {
+    EXPECT_TRUE(std::isfinite(e.circle.x_px) && std::isfinite(e.circle.y_px) && std::isfinite(e.score));
+  }
+  // Nothing is corrupt: a ball that comes later is found as by a detector that saw nothing else.
+  const auto fresh = make_for_ball_alone(GetParam());
+  std::vector<Event> ball = streams::MovingDisc{35, 64, 400, 0, 23}.events(image, 0.1);
+  for (Event& b : ball) b.t_us += newest + 1'000'000;
+  detector->process(ball, nullptr);
+  fresh->process(ball, nullptr);
+  EXPECT_NEAR(detector->estimate().circle.x_px, fresh->estimate().circle.x_px, 2);
+  EXPECT_NEAR(detector->estimate().circle.y_px, fresh->estimate().circle.y_px, 2);
+  EXPECT_NEAR(detector->estimate().circle.r_px, fresh->estimate().circle.r_px, 2);
+}
+
+TEST_P(EveryDetector, DoesNotAllocateInTheTick) {
+  const std::vector<Event> events = streams::cluttered(image, 30'000, 0.3, 1);
+  const auto detector = make(GetParam());
+  std::vector<float> space(static_cast<std::size_t>(image.pixels()));
+  const std::int64_t before = allocation_count();
+  for (std::size_t i = 0; i < events.size(); i += 97) {
+    detector->process(std::span(events).subspan(i, std::min<std::size_t>(97, events.size() - i)), nullptr);
+    detector->advance_to(events[i].t_us + 1000, nullptr);
+    static_cast<void>(detector->estimate());
+  }
+  static_cast<void>(detector->hough_space(space));
+  EXPECT_EQ(allocation_count() - before, 0);
+  static_cast<void>(make(GetParam()));
+  EXPECT_GT(allocation_count() - before, 2);  // the count works
+}
+
+TEST_P(EveryDetector, ShowsABallInItsHoughSpaceIfItHasOne) {
+  const auto detector = make_for_ball_alone(GetParam());
+  detector->process(streams::MovingDisc{35, 50, 400, 200, 22.5}.events(image, 0.08), nullptr);
+  const Estimate e = detector->estimate();
+  std::vector<float> space(static_cast<std::size_t>(image.pixels()), -1.0F);
+  if (!detector->hough_space(space)) {
+    EXPECT_THAT(space, testing::Each(-1.0F));
+    return;
+  }
+  EXPECT_THAT(space, testing::Each(testing::Ge(0.0F)));
+  const auto peak = std::max_element(space.begin(), space.end()) - space.begin();
+  EXPECT_LT(std::hypot(static_cast<double>(peak % image.width) - e.circle.x_px,
+                       static_cast<double>(peak / image.width) - e.circle.y_px),
+            4.0);
+}
+
+TEST_P(EveryDetector, TakesARangeOfRadii) {
+  DetectorConfig config = detector_preset(GetParam());
+  std::visit([](auto& detector) { detector.radius_px = {4, 25}; }, config.detector);
+  EXPECT_NO_THROW(static_cast<void>(make_detector(config, PinholeCamera{})));
+  for (const auto& wrong : {std::vector<double>{25, 4}, {4}, {4.5, 25}, {0, 25}, {4, 256}}) {
+    std::visit([&](auto& detector) { detector.radius_px = wrong; }, config.detector);
+    EXPECT_THROW(static_cast<void>(make_detector(config, PinholeCamera{})), InputError);
+  }
+}
+
+TEST(DetectorFactory, KnowsEachPresetByItsName) {
+  EXPECT_THAT(detector_presets(),
+              testing::ElementsAre("paper_full", "paper_directed", "best", "lifetime", "single_radius",
+                                   "original_2016", "cluster", "multi_kernel"));
+  EXPECT_THAT(default_detectors(), testing::ElementsAre("paper_full", "paper_directed", "best"));
+  for (const std::string& name : detector_presets()) EXPECT_EQ(detector_preset(name).preset, name);
+  for (const bool directed : {false, true}) {
+    const DetectorConfig config = detector_preset(directed ? "paper_directed" : "paper_full");
+    const auto& hough = std::get<HoughDetectorConfig>(config.detector);
+    EXPECT_EQ(hough.directed, directed);
+    EXPECT_EQ(hough.window.kind, "count");
+    EXPECT_EQ(hough.window.events, 1500);
+    EXPECT_EQ(hough.arc_deg, 10.0);
+    EXPECT_THAT(hough.radius_px, testing::ElementsAre(10, 35));
+  }
+  EXPECT_THROW(static_cast<void>(detector_preset("paper")), InputError);
+}
+
+}  // namespace
+}  // namespace saccade
