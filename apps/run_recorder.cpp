@@ -67,7 +67,8 @@ RunRecorder::RunRecorder(std::filesystem::path folder, const Scenario& scenario,
       detector_ns_(scenario.detectors.size(), 0) {
   const auto duration_us = std::llround(scenario.run.duration_s * 1e6);
   for (std::int64_t i = 0; i < scenario.output.pictures; ++i) {
-    picture_times_us_.push_back(duration_us * (2 * i + 1) / (2 * scenario.output.pictures));
+    const std::int64_t wanted_us = duration_us * (2 * i + 1) / (2 * scenario.output.pictures);
+    picture_times_us_.push_back(wanted_us / World::tick_us * World::tick_us);
   }
   if (!picture_times_us_.empty()) std::filesystem::create_directories(folder_ / "frames");
   if (scenario.output.video) video_.emplace(folder_ / "video.mp4");

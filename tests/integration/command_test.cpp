@@ -100,6 +100,27 @@ TEST_F(Command, aFrameCameraIsScoredBesideTheDetectorsAndChangesNothingThatTheyS
   EXPECT_THAT(rows, HasSubstr("\n20000,frame_30hz,"));
 }
 
+TEST_F(Command, runsAreReportedTogetherByScenarioAndSettings) {
+  const std::string run = "run '" + short_scenario + "' --set run.duration_s=0.3 --set expect={} ";
+  ASSERT_EQ(saccade(run + "--seed 1 --out " + out("a")).status, 0);
+  ASSERT_EQ(saccade(run + "--seed 2 --out " + out("b")).status, 0);
+  ASSERT_EQ(saccade(run + "--set lab.clutter=rectilinear --out " + out("c")).status, 0);
+  const Outcome report =
+      saccade("report " + out("a") + " " + out("b") + " " + out("c") + " --out " + out("all"));
+  ASSERT_EQ(report.status, 0) << report.text;
+  EXPECT_THAT(bytes_of(folder_ / "all/report.html"), HasSubstr("lab.clutter"));
+  const std::string means = bytes_of(folder_ / "all/figures/means.csv");
+  EXPECT_EQ(std::count(means.begin(), means.end(), '\n'), 5) << "a head line, two groups with two detectors each: " << means;
+  bool pictured = false;
+  for (const auto& file : fs::directory_iterator(folder_ / "a/frames")) {
+    pictured = pictured || file.path().filename().string().find("paper_directed_hough") != std::string::npos;
+  }
+  EXPECT_TRUE(pictured) << "no Hough space was saved";
+  const Outcome wrong = saccade("report " + out("a") + " " + out("none"));
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_THAT(wrong.text, HasSubstr(out("none")));
+}
+
 TEST_F(Command, anUnmetExpectationIsStatusThreeAndSaysWhich) {
   const Outcome outcome = saccade("run '" + short_scenario + "' --set run.duration_s=0.1 --out " +
                                   out("run") + " --set 'expect={gaze.in_view_ratio: [2, 3]}'");

@@ -354,6 +354,20 @@ TEST(BallInHand, IsHeldBetweenThePersonAndTheBall) {
   EXPECT_GT(covered_share(world, world.ball_position_m() + Eigen::Vector3d(-0.6, -0.05, 0.0)), 0.5);
 }
 
+TEST(BallInHand, WearsThePlainOrTheCheckedSleeve) {
+  const auto sleeve_texture = [](const std::string& sleeve) {
+    WorldConfig config = still_world();
+    config.ball.sleeve = sleeve;
+    World world(config, "", 1);
+    const mjModel& m = world.model();
+    const int material = m.geom_matid[mj_name2id(&m, mjOBJ_GEOM, "arm_sleeve")];
+    return std::string(mj_id2name(&m, mjOBJ_MATERIAL, material));
+  };
+  EXPECT_EQ(sleeve_texture("plain"), "person_sleeve");
+  EXPECT_EQ(sleeve_texture("checked"), "person_sleeve_checked");
+  EXPECT_THROW(sleeve_texture("striped"), InputError);
+}
+
 TEST(BallInHand, TouchesTheBallWithEveryFingertip) {
   for (const double diameter_m : {0.065, 0.095, 0.12}) {
     WorldConfig config = still_world();
