@@ -24,14 +24,10 @@ const std::vector<Preset>& presets() {
     HoughDetectorConfig single_radius = hough(false, 1.0);
     single_radius.single_radius = true;
     return std::vector<Preset>{
-        {"paper_full", hough(false, 1.0)},
-        {"paper_directed", hough(true, 0.3)},
-        {"best", BallTrackerConfig{}},
-        {"lifetime", lifetime},
-        {"single_radius", single_radius},
-        {"original_2016", Original2016Config{}},
-        {"cluster", ClusterConfig{}},
-        {"multi_kernel", MultiKernelConfig{}},
+        {"paper_full", hough(false, 1.0)}, {"paper_directed", hough(true, 0.3)},
+        {"best", BallTrackerConfig{}},     {"lifetime", lifetime},
+        {"single_radius", single_radius},  {"original_2016", Original2016Config{}},
+        {"cluster", ClusterConfig{}},      {"multi_kernel", MultiKernelConfig{}},
     };
   }();
   return all;

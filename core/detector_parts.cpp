@@ -21,7 +21,7 @@ void largest_response(const HoughTransform& transform, std::span<float> response
   SACCADE_CHECK(std::ssize(response) == size.pixels());
   std::fill(response.begin(), response.end(), 0.0F);
   for (int r = transform.r_min(); r <= transform.r_max(); ++r) {
-    const float weight = 1.0F / static_cast<float>(transform.ring_pixels(r));
+    const float weight = 1.0F / static_cast<float>(transform.divisor(r));
     for (int y = 0, i = 0; y < size.height; ++y) {
       for (int x = 0; x < size.width; ++x, ++i) {
         float& largest = response[static_cast<std::size_t>(i)];

@@ -14,6 +14,11 @@ bool uses_flow(const HoughDetectorConfig& config) {
   return config.directed || config.window.kind == "lifetime";
 }
 
+HoughTransform::Normalisation normalisation(const HoughDetectorConfig& config) {
+  using enum HoughTransform::Normalisation;
+  return config.normalisation == "ring" ? ring : config.normalisation == "perimeter" ? perimeter : none;
+}
+
 HoughDetectorConfig checked(HoughDetectorConfig config) {
   check_config("detector", config);
   // What is not used was not checked.
@@ -31,6 +36,7 @@ void describe(FieldVisitor& v, HoughDetectorConfig& config) {
   describe_radius_px(v, config.radius_px);
   v.section(
       "window", [&](FieldVisitor& w) { describe(w, config.window); }, "what votes");
+  v.choice("normalisation", config.normalisation, {"ring", "perimeter", "none"}, "what votes are divided by");
   if (config.directed) v.real("arc_deg", config.arc_deg, {0.5, 90.0}, "half-width of an arc of votes");
   if (uses_flow(config)) {
     v.section(
@@ -45,7 +51,7 @@ HoughDetector::HoughDetector(const HoughDetectorConfig& config, ImageSize size)
       flow_(config_.flow, size),
       window_(config_.window),
       transform_(size, static_cast<int>(config_.radius_px[0]), static_cast<int>(config_.radius_px[1]),
-                 config_.arc_deg * std::numbers::pi / 180.0),
+                 config_.arc_deg * std::numbers::pi / 180.0, normalisation(config_)),
       now_us_(std::numeric_limits<std::int64_t>::min()) {}
 
 void HoughDetector::process(std::span<const Event> events, const CameraMotion*) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "core/detector_parts.h"
@@ -17,12 +18,13 @@ struct HoughDetectorConfig {
   bool single_radius = false;
   std::vector<double> radius_px = {10, 35};  ///< smallest and largest radius, whole numbers
   EventWindowConfig window;
-  double arc_deg = 10.0;    ///< half-width of an arc of directed votes
-  PlaneFitFlowConfig flow;  ///< directed, or window by lifetime
-  double threshold = 0.3;   ///< response (votes per ring pixel) taken for the ball
+  std::string normalisation = "ring";  ///< of the votes: ring, perimeter or none, see HoughTransform
+  double arc_deg = 10.0;               ///< half-width of an arc of directed votes
+  PlaneFitFlowConfig flow;             ///< directed, or window by lifetime
+  double threshold = 0.3;              ///< response (votes per ring pixel) taken for the ball
 };
 
-/// Keys: radius_px, window, threshold; directed also: arc_deg; directed or with a window by lifetime: flow.
+/// Keys: radius_px, window, normalisation, threshold; directed also: arc_deg; directed or with a window by lifetime: flow.
 void describe(FieldVisitor& v, HoughDetectorConfig& config);
 
 /// Every event enters the window, one without flow in the directed detector as well: it takes its place and

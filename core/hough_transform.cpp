@@ -122,7 +122,8 @@ int HoughTransform::direction_of(double x, double y) {
   return quarter > 0 && std::signbit(x) != std::signbit(y) ? direction_count - quarter : quarter;
 }
 
-HoughTransform::HoughTransform(ImageSize size, int r_min, int r_max, double arc_rad)
+HoughTransform::HoughTransform(ImageSize size, int r_min, int r_max, double arc_rad,
+                               Normalisation normalisation)
     : size_(size), r_min_(r_min), avx2_(has_avx2()) {
   SACCADE_CHECK(r_min >= 1 && r_min <= r_max && r_max <= 255 && size.width > 0 && size.height > 0);
   SACCADE_CHECK(arc_rad > 0.0 && arc_rad <= std::numbers::pi / 2 + edge_rad);
@@ -138,7 +139,11 @@ HoughTransform::HoughTransform(ImageSize size, int r_min, int r_max, double arc_
         ring.push_back({dx, dy, static_cast<std::size_t>(r - r_min), angle});
       }
     }
-    ring_pixels_.push_back(static_cast<int>(ring.size() - before));
+    const int ring_pixels = static_cast<int>(ring.size() - before);
+    const int perimeter = static_cast<int>(std::lround(2.0 * std::numbers::pi * r));
+    divisor_.push_back(normalisation == Normalisation::ring        ? ring_pixels
+                       : normalisation == Normalisation::perimeter ? perimeter
+                                                                   : 1);
   }
 
   // An odd number of cache lines a row, so that rows do not compete for the same places in a cache. What is
@@ -150,7 +155,7 @@ HoughTransform::HoughTransform(ImageSize size, int r_min, int r_max, double arc_
   image_blocks_ = blocks_of_rows(size.height);
   margin_ = static_cast<std::size_t>(blocks_of_rows(r_max + 1 + 2)) * block_size_;
   plane_size_ = margin_ + static_cast<std::size_t>(image_blocks_) * block_size_;
-  const std::size_t columns = (ring_pixels_.size() + 1) / 2 * plane_size_ + margin_;
+  const std::size_t columns = (divisor_.size() + 1) / 2 * plane_size_ + margin_;
   SACCADE_CHECK(columns < (std::uint64_t{1} << reciprocal_bits) / block_size_);
   accumulator_.assign(4 * columns, 0);
   blocks_.resize(columns / block_size_);
@@ -279,13 +284,13 @@ HoughTransform::Peak HoughTransform::search() const {
     const HalfPatch bound = bound_of(plane, 0, image_blocks_);
     for (std::size_t odd = 0; odd < 2; ++odd) most[plane / 2 * 2 + odd] = largest(bound, odd);
   };
-  for (std::size_t plane = 0; plane < ring_pixels_.size(); plane += 2) bound_planes(plane);
+  for (std::size_t plane = 0; plane < divisor_.size(); plane += 2) bound_planes(plane);
   for (;;) {
     // Votes / pixels compared as fractions: exact.
     std::size_t best = 0;
-    for (std::size_t plane = 1; plane < ring_pixels_.size(); ++plane) {
-      if (most[plane] * static_cast<std::int64_t>(ring_pixels_[best]) >
-          most[best] * static_cast<std::int64_t>(ring_pixels_[plane])) {
+    for (std::size_t plane = 1; plane < divisor_.size(); ++plane) {
+      if (most[plane] * static_cast<std::int64_t>(divisor_[best]) >
+          most[best] * static_cast<std::int64_t>(divisor_[plane])) {
         best = plane;
       }
     }
@@ -318,7 +323,7 @@ std::optional<HoughTransform::Peak> HoughTransform::search_block(std::size_t pla
       for (x = 0; x < size_.width && row < end; ++x) {
         if (*votes_at(x, row, plane) != votes) continue;
         return Peak{x, row, r_min_ + static_cast<int>(plane), votes,
-                    static_cast<double>(votes) / ring_pixels_[plane]};
+                    static_cast<double>(votes) / divisor_[plane]};
       }
     }
   }
@@ -333,13 +338,13 @@ void HoughTransform::set_limits() const {
   above_ = false;
   const auto own = static_cast<std::size_t>(peak_.r - r_min_);
   const int own_block = peak_.y / block_rows;
-  for (std::size_t pair = 0; pair < ring_pixels_.size(); pair += 2) {
+  for (std::size_t pair = 0; pair < divisor_.size(); pair += 2) {
     Patch until_own{}, after_own{};
     for (std::size_t i = 0; i < patch_cells; ++i) {
-      const std::size_t plane = std::min(pair + i % 2, ring_pixels_.size() - 1);
-      const int equal = peak_.votes * ring_pixels_[plane];
+      const std::size_t plane = std::min(pair + i % 2, divisor_.size() - 1);
+      const int equal = peak_.votes * divisor_[plane];
       const auto limit = [&](bool equal_wins) {
-        return static_cast<Votes>(std::min((equal - (equal_wins ? 1 : 0)) / ring_pixels_[own], 0xffff));
+        return static_cast<Votes>(std::min((equal - (equal_wins ? 1 : 0)) / divisor_[own], 0xffff));
       };
       until_own[i] = limit(plane <= own);
       after_own[i] = limit(plane < own);

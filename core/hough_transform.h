@@ -29,8 +29,13 @@ class HoughTransform {
   /// The direction step nearest to that of the vector (x, y), which is not zero.
   [[nodiscard]] static int direction_of(double x, double y);
 
+  /// What the votes for a circle are divided by: the pixels of its half-pixel ring (the paper's choice), its
+  /// perimeter (rounded; the paper finds it inaccurate for small circles), or 1.
+  enum class Normalisation { ring, perimeter, none };
+
   /// Radii r_min..r_max in steps of 1 px, 1 <= r_min <= r_max <= 255; arc_rad in (0, pi/2].
-  HoughTransform(ImageSize size, int r_min, int r_max, double arc_rad);
+  HoughTransform(ImageSize size, int r_min, int r_max, double arc_rad,
+                 Normalisation normalisation = Normalisation::ring);
 
   /// One vote per centre, `sign` +1 to add an event and -1 to take the same event out again. An event stands
   /// at most 65535 times in a plane. (x, y) inside the image; direction in [0, direction_count).
@@ -43,7 +48,7 @@ class HoughTransform {
   struct Peak {
     int x = 0, y = 0, r = 0;
     int votes = 0;
-    double response = 0.0;  ///< votes / ring pixels
+    double response = 0.0;  ///< votes / divisor(r)
   };
   /// The largest response; ties go to the smaller r, then y, then x. r_min, (0, 0), 0 votes when empty.
   /// Exact. While the last peak keeps its votes and no vote has made another cell as good, it is the answer.
@@ -52,9 +57,10 @@ class HoughTransform {
   [[nodiscard]] Peak peak() const;
 
   [[nodiscard]] int votes(int x, int y, int r) const;
-  [[nodiscard]] int ring_pixels(int r) const { return ring_pixels_[static_cast<std::size_t>(r - r_min_)]; }
+  /// By what the votes of a radius are divided.
+  [[nodiscard]] int divisor(int r) const { return divisor_[static_cast<std::size_t>(r - r_min_)]; }
   [[nodiscard]] int r_min() const { return r_min_; }
-  [[nodiscard]] int r_max() const { return r_min_ + static_cast<int>(ring_pixels_.size()) - 1; }
+  [[nodiscard]] int r_max() const { return r_min_ + static_cast<int>(divisor_.size()) - 1; }
   [[nodiscard]] ImageSize size() const { return size_; }
 
  private:
@@ -93,7 +99,7 @@ class HoughTransform {
   std::uint64_t block_reciprocal_;
   int image_blocks_;  // blocks of a plane that have rows of the image
   bool avx2_;
-  std::vector<int> ring_pixels_;  // per radius
+  std::vector<int> divisor_;  // per radius
   // What an event adds: for each direction and then for the whole ring, at an even and at an odd row.
   std::vector<std::size_t> pattern_begin_;
   std::vector<std::int32_t> patch_offset_;  // columns from the even row of the event's pair

@@ -27,6 +27,7 @@ void describe(FieldVisitor& v, Original2016Config& config) {
         w.integer("min_inliers", config.min_inliers, {3, 9}, "of the nine events of a patch");
       },
       "flow by patches of 3 x 3 pixels");
+  v.choice("maximum", config.maximum, {"remembered", "exact"}, "which cell of a radius is the best");
   v.real("threshold", config.threshold, {0.0, 1e6}, "response taken for the ball");
 }
 
@@ -150,7 +151,11 @@ void Original2016::process(std::span<const Event> events, const CameraMotion*) {
 
 Estimate Original2016::estimate() {
   Estimate best;
-  for (const Radius& radius : radii_) {
+  for (Radius& radius : radii_) {
+    if (config_.maximum == "exact") {
+      radius.best = static_cast<std::size_t>(std::max_element(radius.votes.begin(), radius.votes.end()) -
+                                             radius.votes.begin());
+    }
     const double response = radius.votes[radius.best] / radius.ring_pixels;
     if (response <= best.score) continue;
     const int at = static_cast<int>(radius.best);

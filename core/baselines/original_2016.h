@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/detector_parts.h"
@@ -15,12 +16,13 @@ namespace saccade {
 struct Original2016Config {
   std::vector<double> radius_px = {10, 35};  ///< smallest and largest radius, whole numbers
   std::int64_t window_events = 1000;
-  double arc_deg = 15.0;         ///< half-width of an arc
-  std::int64_t min_inliers = 5;  ///< of the nine events of a patch that must lie on its plane
-  double threshold = 0.5;        ///< votes per pixel of the look-up ring taken for the ball
+  double arc_deg = 15.0;               ///< half-width of an arc
+  std::int64_t min_inliers = 5;        ///< of the nine events of a patch that must lie on its plane
+  std::string maximum = "remembered";  ///< remembered, as then, or exact
+  double threshold = 0.5;              ///< votes per pixel of the look-up ring taken for the ball
 };
 
-/// Keys: radius_px, window.events, arc_deg, flow.min_inliers, threshold.
+/// Keys: radius_px, window.events, arc_deg, flow.min_inliers, maximum, threshold.
 void describe(FieldVisitor& v, Original2016Config& config);
 
 /// Directed Hough transform, event by event:
@@ -31,7 +33,7 @@ void describe(FieldVisitor& v, Original2016Config& config);
 ///  - a vote falls on the pixels of a look-up ring (up to 0.4 px outside the radius), and the response is
 ///    divided by how many these are;
 ///  - each radius remembers its best cell, which gives way only to a cell that a vote has just lifted above
-///    it: when votes are taken out, nothing looks for a better one.
+///    it: when votes are taken out, nothing looks for a better one (unless `maximum` is exact).
 class Original2016 final : public Detector {
  public:
   /// Throws InputError for a configuration out of range.

@@ -159,7 +159,7 @@ TEST(HoughDetector, TakesEventsThatRepeatATime) {
   const std::vector<Event> events(80, streams::event_at(5, 16, 16, true));
   detector.process(events, nullptr);
   EXPECT_EQ(detector.rejected().back_in_time, 0);
-  EXPECT_EQ(detector.estimate().score, 50.0 / HoughTransform({32, 32}, 3, 3, 1.0).ring_pixels(3));
+  EXPECT_EQ(detector.estimate().score, 50.0 / HoughTransform({32, 32}, 3, 3, 1.0).divisor(3));
 }
 
 /// What the detector must say now, from nothing but the events so far: those inside the window, voted afresh.
@@ -285,7 +285,7 @@ TEST(HoughDetector, ShowsTheLargestResponseAtEachPixel) {
   for (const auto& [x, y] : {std::pair(0, 0), std::pair(30, 20), std::pair(63, 47)}) {
     double largest = 0.0;
     for (int r = 5; r <= 9; ++r) {
-      largest = std::max(largest, static_cast<double>(hough.votes(x, y, r)) / hough.ring_pixels(r));
+      largest = std::max(largest, static_cast<double>(hough.votes(x, y, r)) / hough.divisor(r));
     }
     EXPECT_FLOAT_EQ(space[static_cast<std::size_t>(y * size.width + x)], static_cast<float>(largest));
   }

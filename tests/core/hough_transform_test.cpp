@@ -105,7 +105,7 @@ TEST(HoughTransform, FindsACircleInEveryRowAtTheBorders) {
       }
       ASSERT_EQ(fast.votes(x0, y0, 5), static_cast<int>(circle.size()));
       for (std::size_t i = circle.size(); i-- > 0;) {
-        ASSERT_GE(fast.peak().response, static_cast<double>(i + 1) / fast.ring_pixels(5)) << x0 << ", " << y0;
+        ASSERT_GE(fast.peak().response, static_cast<double>(i + 1) / fast.divisor(5)) << x0 << ", " << y0;
         fast.vote_ring<-1>(circle[i].x, circle[i].y);
       }
       ASSERT_EQ(fast.peak().votes, 0);
@@ -169,13 +169,35 @@ TEST_F(RecordedHoughTransform, EqualsTheReferenceOnARecordedBall) {
   }
 }
 
+TEST(HoughTransform, DividesByThePerimeterOrNotAtAllWhenAsked) {
+  HoughTransform perimeter({64, 64}, 5, 12, 1.0, HoughTransform::Normalisation::perimeter);
+  HoughTransform plain({64, 64}, 5, 12, 1.0, HoughTransform::Normalisation::none);
+  for (HoughTransform* transform : {&perimeter, &plain}) {
+    // Nine events on a circle of 5 px and ten on one of 12 px around the same pixel.
+    for (int k = 0; k < 9; ++k) {
+      const double a = 0.7 * k;
+      transform->vote_ring<1>(static_cast<int>(std::lround(30 + 5 * std::cos(a))),
+                              static_cast<int>(std::lround(30 + 5 * std::sin(a))));
+    }
+    for (int k = 0; k < 10; ++k) {
+      const double a = 0.62 * k;
+      transform->vote_ring<1>(static_cast<int>(std::lround(30 + 12 * std::cos(a))),
+                              static_cast<int>(std::lround(30 + 12 * std::sin(a))));
+    }
+  }
+  EXPECT_EQ(perimeter.peak().r, 5) << "9 of 31 px are more than 10 of 75";
+  EXPECT_EQ(perimeter.peak().response, perimeter.peak().votes / 31.0);
+  EXPECT_EQ(plain.peak().r, 12) << "10 votes are more than 9";
+  EXPECT_EQ(plain.peak().response, plain.peak().votes);
+}
+
 TEST(HoughTransform, NormalisesByTheCountedPixelsOfTheHalfPixelRing) {
   const HoughTransform transform({16, 16}, 1, 40, 10 * degree);
   const ReferenceHough plain({16, 16}, 1, 40, 1, std::nullopt);
-  for (int r = 1; r <= 40; ++r) EXPECT_EQ(transform.ring_pixels(r), plain.ring_pixels(r)) << r;
+  for (int r = 1; r <= 40; ++r) EXPECT_EQ(transform.divisor(r), plain.ring_pixels(r)) << r;
   // By hand: the eight neighbours, and the square ring of 12 pixels without corners.
-  EXPECT_EQ(transform.ring_pixels(1), 8);
-  EXPECT_EQ(transform.ring_pixels(2), 12);
+  EXPECT_EQ(transform.divisor(1), 8);
+  EXPECT_EQ(transform.divisor(2), 12);
 }
 
 TEST(HoughTransform, ACompleteRingAnswersOneAtItsCentre) {
@@ -186,7 +208,7 @@ TEST(HoughTransform, ACompleteRingAnswersOneAtItsCentre) {
         if (std::abs(std::hypot(x - 30, y - 22) - r) <= 0.5) transform.vote_ring<1>(x, y);
       }
     }
-    EXPECT_EQ(as_reference(transform.peak()), (ReferenceHough::Peak{30, 22, r, transform.ring_pixels(r)}));
+    EXPECT_EQ(as_reference(transform.peak()), (ReferenceHough::Peak{30, 22, r, transform.divisor(r)}));
     EXPECT_DOUBLE_EQ(transform.peak().response, 1.0);
   }
 }
