@@ -60,6 +60,7 @@ void describe(FieldVisitor& v, BallTrackerConfig& c) {
   v.real("arc_deg", c.arc_deg, {0.5, 90.0}, "half-width of an arc of votes");
   v.section(
       "flow", [&](FieldVisitor& w) { describe(w, c.flow); }, "plane-fit flow");
+  v.integer("burst_us", c.burst_us, {0, 1e6}, "pause from which on a pixel's event is a new edge");
   v.integer("edges_per_region", c.edges_per_region, {1, 256}, "kept of each 8 x 8 pixels");
   v.real("crossing_px", c.crossing_px, {0.5, 20.0}, "how far an edge moves on while it is kept");
   v.integer("longest_us", c.longest_us, {1e3, 1e7}, "for which an edge is kept at most");
@@ -71,6 +72,8 @@ BallTracker::BallTracker(const BallTrackerConfig& config, const PinholeCamera& c
       camera_(camera),
       sieve_(camera.size),
       flow_(config.flow, camera.size),
+      last_event_us_(2 * static_cast<std::size_t>(camera.size.pixels()),
+                     std::numeric_limits<std::int64_t>::min() / 2),
       edges_(camera.size, static_cast<int>(config.edges_per_region)),
       transform_(camera.size, static_cast<int>(config.radius_px[0]), static_cast<int>(config.radius_px[1]),
                  config.arc_deg * std::numbers::pi / 180.0),
@@ -172,11 +175,20 @@ Circle BallTracker::fit(Circle c, std::int64_t now_us) const {
   return c;
 }
 
+bool BallTracker::continues_burst(const Event& event) {
+  const int pixel = event.y * camera_.size.width + event.x;
+  std::int64_t& last_us = last_event_us_[static_cast<std::size_t>(2 * pixel + (event.on ? 1 : 0))];
+  const bool continues = event.t_us < last_us + config_.burst_us;
+  last_us = event.t_us;
+  return continues;
+}
+
 void BallTracker::process(std::span<const Event> events, const CameraMotion* motion) {
   know(motion);
   for (const Event& event : events) {
     if (!sieve_.accept(event)) continue;
     run_until(event.t_us, false);
+    if (continues_burst(event)) continue;
     flow_.add(event);
     const auto flow = flow_.at(event);
     if (!flow) continue;

@@ -19,19 +19,21 @@ struct BallTrackerConfig {
   double threshold = 0.25;                   ///< score from which on a circle is taken for the ball
   double arc_deg = 12.0;                     ///< half-width of an arc of directed votes
   PlaneFitFlowConfig flow;
+  /// An event that follows one of its pixel and polarity sooner than this is of the same edge.
+  std::int64_t burst_us = 500;
   std::int64_t edges_per_region = 24;  ///< kept of each 8 x 8 pixels
   double crossing_px = 2.5;            ///< an edge is kept while it moves on so far
   std::int64_t longest_us = 300'000;   ///< and no longer than this
   double hold_s = 3.0;                 ///< a circle that makes no events is held for so long
 };
 
-/// Keys: radius_px, threshold, arc_deg, flow, edges_per_region, crossing_px, longest_us, hold_s.
+/// Keys: radius_px, threshold, arc_deg, flow, burst_us, edges_per_region, crossing_px, longest_us, hold_s.
 void describe(FieldVisitor& v, BallTrackerConfig& config);
 
 /// Follows circles through the moving edges of the image and tells the one that has been the best circle for
 /// a while.
 ///
-/// 1. Events with a normal flow (plane fit) become edges, kept by region and for as long as they take to move
+/// 1. Events with a normal flow (plane fit), the first of each burst of a pixel, become edges, kept by region and for as long as they take to move
 ///    on by crossing_px (EdgeMap): thin outlines at any speed, whatever else moves.
 /// 2. Every few ms the edges, moved on to now, vote in the directed Hough transform. The strongest circles are
 ///    candidates, each fitted by least squares and worth what its outline shows: the share of its
@@ -86,6 +88,7 @@ class BallTracker final : public Detector {
   };
 
   void know(const CameraMotion* motion);
+  [[nodiscard]] bool continues_burst(const Event& event);
   [[nodiscard]] Eigen::Vector2d camera_flow_px_s(const Eigen::Vector2d& at_px) const;
   [[nodiscard]] Eigen::Vector2d now_at(const Edge& edge, std::int64_t now_us) const;
   template <class Function>
@@ -105,6 +108,7 @@ class BallTracker final : public Detector {
   PinholeCamera camera_;
   EventSieve sieve_;
   PlaneFitFlow flow_;
+  std::vector<std::int64_t> last_event_us_;  // of each pixel and polarity
   EdgeMap edges_;
   HoughTransform transform_;
   std::vector<Vote> votes_;  // of the last look; room for every edge

@@ -61,6 +61,27 @@ TEST(BallTracker, FollowsAFastBallToHalfAPixelWithoutLag) {
   EXPECT_NEAR(along[50], 0.0, 0.5);  // 1 ms of lag would be 0.52 px
 }
 
+TEST(BallTracker, TakesABurstOfAPixelForOneEdge) {
+  // Every pixel goes on for five more events, as under high contrast: they lie on no plane.
+  const streams::MovingDisc disc{20, 40, 500, 150, 12};
+  std::vector<Event> bursts;
+  for (const Event& first : disc.events(camera.size, 0.12)) {
+    for (int i = 0; i < 6; ++i) {
+      bursts.push_back(first);
+      bursts.back().t_us += i * 300;
+    }
+  }
+  std::stable_sort(bursts.begin(), bursts.end(),
+                   [](const Event& a, const Event& b) { return a.t_us < b.t_us; });
+  BallTracker plain(radii(6, 20), camera);
+  BallTracker burst(radii(6, 20), camera);
+  const Estimate expected = Player(plain, disc.events(camera.size, 0.12)).until(120'000);
+  const Estimate e = Player(burst, bursts).until(120'000);
+  EXPECT_EQ(e.circle.x_px, expected.circle.x_px);
+  EXPECT_EQ(e.circle.r_px, expected.circle.r_px);
+  EXPECT_EQ(e.score, expected.score);
+}
+
 TEST(BallTracker, HoldsABallThatStopsAndSaysSo) {
   const streams::MovingDisc disc{30, 60, 300, 0, 12};
   BallTracker tracker(radii(6, 20), camera);
