@@ -48,7 +48,7 @@ void add_convert_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<ConvertOptions>();
   CLI::App* command =
       app.add_subcommand("convert", "Copy a recording into another format (.aedat, .csv, .txt)");
-  add_read_options(*command, "in", *options);
+  add_read_options(*command, "in", "Event file", *options);
   command->add_option("out", options->out, "Event file to write")->required();
   command->callback([options, &action] { action = [options] { return convert(*options); }; });
 }

@@ -80,12 +80,44 @@ void play(ReplayRobot& robot, Loop& loop, DetectionRecorder& recorder, std::span
   }
 }
 
+/// What is played: a bare recording, or a run folder with its camera, joints and truth.
+struct Played {
+  std::filesystem::path events;
+  PinholeCamera camera;
+  std::optional<RecordedHead> head;
+  std::vector<TruthRow> truth;
+  Chances chances = Chances::annotated;
+};
+
+Played open_played(const DetectOptions& options) {
+  Played played;
+  played.events = options.recording;
+  std::filesystem::path truth = options.truth;
+  if (std::filesystem::is_directory(options.recording)) {
+    const Metrics metrics = read_metrics(options.recording / "metrics.json");
+    played.events = options.recording / metrics.events_file;
+    if (metrics.camera) played.camera = *metrics.camera;
+    const std::filesystem::path joints = options.recording / "joints.csv";
+    // Nobody commands the head, so nobody asks for its limits.
+    if (std::filesystem::exists(joints))
+      played.head.emplace(RecordedHead{TableReader<JointsRow>(joints), {}});
+    const std::filesystem::path own_truth = options.recording / "truth.csv";
+    if (truth.empty() && std::filesystem::exists(own_truth)) {
+      truth = own_truth;
+      if (metrics.seed) played.chances = Chances::simulated;
+    }
+  }
+  if (!truth.empty()) played.truth = read_table<TruthRow>(truth);
+  return played;
+}
+
 int detect(const DetectOptions& options) {
   const NamedDetectors named = read_detectors(options.config, options.assignments);
-  std::vector<TruthRow> truth;
-  if (!options.truth.empty()) truth = read_table<TruthRow>(options.truth);
-  ReplayRobot robot(open_event_file(options.recording, options.read));
-  PinholeCamera camera;
+  Played played = open_played(options);
+  const std::vector<TruthRow>& truth = played.truth;
+  const bool annotated = !truth.empty() && played.chances == Chances::annotated;
+  ReplayRobot robot(open_event_file(played.events, options.read), std::move(played.head));
+  PinholeCamera camera = played.camera;
   camera.size = robot.image_size();
 
   std::vector<LoopDetector> detectors;
@@ -97,7 +129,7 @@ int detect(const DetectOptions& options) {
   catch_interrupts();
   const std::int64_t start_us = robot.now_us();
   const auto begin = std::chrono::steady_clock::now();
-  play(robot, loop, recorder, truth);
+  play(robot, loop, recorder, annotated ? truth : std::vector<TruthRow>{});
   const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   const RejectedEvents rejected = robot.rejected();
   if (recorder.event_count() + rejected.back_in_time + rejected.outside_image == 0 && !interrupted()) {
@@ -107,15 +139,16 @@ int detect(const DetectOptions& options) {
 
   Metrics metrics;
   metrics.scenario = options.recording.filename().string();
+  if (robot.head() != nullptr) metrics.camera = camera;
   metrics.start_us = start_us;
   metrics.duration_s = static_cast<double>(robot.now_us() - start_us) * 1e-6;
   metrics.wall_s = wall_s;
   metrics.event_count = recorder.event_count();
-  metrics.events_file = std::filesystem::absolute(options.recording).string();
+  metrics.events_file = std::filesystem::absolute(played.events).string();
   metrics.image = camera.size;
   for (std::size_t i = 0; i < named.size(); ++i) {
     DetectorScore score = score_detector(truth, recorder.rows(), named[i].first,
-                                         loop.detectors()[i].detector->threshold(), Chances::annotated);
+                                         loop.detectors()[i].detector->threshold(), played.chances);
     if (truth.empty()) {
       score.observations = std::ranges::count_if(recorder.rows(), [&](const DetectionRow& row) {
         return row.detector == named[i].first && row.score >= score.threshold;
@@ -159,7 +192,7 @@ void add_detect_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<DetectOptions>();
   CLI::App* command =
       app.add_subcommand("detect", "The detectors on recorded events, scored when truth is given");
-  add_read_options(*command, "recording", *options);
+  add_read_options(*command, "recording", "Event file, or a run folder with its joints and truth", *options);
   command->add_option("--config", options->config,
                       "Detectors (YAML); those of the paper and `best` by default");
   command

@@ -49,7 +49,7 @@ int info(const ReadOptions& options) {
 void add_info_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<ReadOptions>();
   CLI::App* command = app.add_subcommand("info", "What a recording holds");
-  add_read_options(*command, "recording", *options);
+  add_read_options(*command, "recording", "Event file", *options);
   command->callback([options, &action] { action = [options] { return info(*options); }; });
 }
 

@@ -22,8 +22,8 @@ ImageSize parse_size(const std::string& text) {
 
 }  // namespace
 
-void add_read_options(CLI::App& command, const char* name, ReadOptions& options) {
-  command.add_option(name, options.recording, "Event file")->required();
+void add_read_options(CLI::App& command, const char* name, const char* meaning, ReadOptions& options) {
+  command.add_option(name, options.recording, meaning)->required();
   command.add_option_function<std::string>(
       "--size", [&options](const std::string& text) { options.read.image_size = parse_size(text); },
       "Image size WIDTHxHEIGHT, where the file does not tell it");

@@ -15,6 +15,6 @@ struct ReadOptions {
 };
 
 /// Adds the recording (positional, `name`), --size and --columns. Both must outlive the parsing.
-void add_read_options(CLI::App& command, const char* name, ReadOptions& options);
+void add_read_options(CLI::App& command, const char* name, const char* meaning, ReadOptions& options);
 
 }  // namespace saccade

@@ -7,7 +7,9 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "tests/recording/temp_folder.h"
 
@@ -110,7 +112,8 @@ TEST_F(Command, runsAreReportedTogetherByScenarioAndSettings) {
   ASSERT_EQ(report.status, 0) << report.text;
   EXPECT_THAT(bytes_of(folder_ / "all/report.html"), HasSubstr("lab.clutter"));
   const std::string means = bytes_of(folder_ / "all/figures/means.csv");
-  EXPECT_EQ(std::count(means.begin(), means.end(), '\n'), 5) << "a head line, two groups with two detectors each: " << means;
+  EXPECT_EQ(std::count(means.begin(), means.end(), '\n'), 5)
+      << "a head line, two groups with two detectors each: " << means;
   bool pictured = false;
   for (const auto& file : fs::directory_iterator(folder_ / "a/frames")) {
     pictured = pictured || file.path().filename().string().find("paper_directed_hough") != std::string::npos;
@@ -199,6 +202,36 @@ TEST_F(Command, aRunFolderIsARecordingThatDetectReadsBack) {
   const Outcome outcome = saccade("detect " + out("run/events.aedat") + " --out " + out("detect"));
   EXPECT_EQ(outcome.status, 0) << outcome.text;
   EXPECT_GT(bytes_of(folder_ / "detect/detections.csv").size(), 1000U);
+}
+
+TEST_F(Command, detectPlaysARunFolderWithItsJointsAndScoresItAgainstItsTruth) {
+  ASSERT_EQ(
+      saccade("run '" + short_scenario + "' --set run.duration_s=0.6 --set expect={} --out " + out("run"))
+          .status,
+      0);
+  const Outcome outcome = saccade("detect " + out("run") + " --out " + out("again"));
+  ASSERT_EQ(outcome.status, 0) << outcome.text;
+  // The same events at the same ticks: the same detections, but for the tick at which the joints begin.
+  const auto rows_of = [&](const std::string& file) {
+    std::vector<std::string> rows;
+    std::istringstream lines(bytes_of(folder_ / file));
+    for (std::string line; std::getline(lines, line);) {
+      if (line.find(",paper_directed,") != std::string::npos && !line.starts_with("1000,"))
+        rows.push_back(line);
+    }
+    return rows;
+  };
+  EXPECT_GT(rows_of("run/detections.csv").size(), 100U);
+  EXPECT_EQ(rows_of("again/detections.csv"), rows_of("run/detections.csv"));
+  const std::string metrics = bytes_of(folder_ / "again/metrics.json");
+  EXPECT_THAT(metrics, HasSubstr("\"best\""));
+  EXPECT_THAT(metrics, Not(HasSubstr("\"chances\": 0,")));
+  EXPECT_TRUE(fs::exists(folder_ / "again/report.html"));
+
+  fs::create_directory(folder_ / "empty");
+  const Outcome wrong = saccade("detect " + out("empty"));
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_THAT(wrong.text, HasSubstr("metrics.json"));
 }
 
 TEST_F(Command, aRecordingSurvivesConversionToTextAndBack) {
