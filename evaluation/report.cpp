@@ -335,7 +335,16 @@ std::string hough_figure(const Run& run) {
     for (const auto& [detector, response] : frame.responses) all.insert(detector);
   }
   std::vector<std::size_t> shown(all.begin(), all.end());
-  shown.resize(std::min(shown.size(), max_hough_detectors));
+  if (shown.size() > max_hough_detectors) {  // the first ones, and of the others the best
+    const auto last = shown.begin() + (max_hough_detectors - 1);
+    const auto precision = [&](std::size_t i) {
+      return run.metrics.detectors[i].second.average_precision.value_or(0.0);
+    };
+    std::iter_swap(last, std::max_element(last, shown.end(), [&](std::size_t a, std::size_t b) {
+                     return precision(a) < precision(b);
+                   }));
+    shown.resize(max_hough_detectors);
+  }
 
   const int scale = std::max(1, hough_picture_px / run.metrics.image.width);
   std::string html;

@@ -100,6 +100,26 @@ TEST_F(Report, ShowsTheHoughSpacesThatWereSavedAndHowStrongTheyAre) {
   EXPECT_THAT(html, Not(HasSubstr("stranger")));
 }
 
+TEST_F(Report, ShowsTheHoughSpacesOfThreeDetectorsAndOfTheBestOfTheOthers) {
+  write_synthetic_run(folder_, true);
+  Metrics metrics = read_metrics(folder_ / "metrics.json");
+  for (const auto& [name, average_precision] :
+       {std::pair("third", 0.2), {"fourth", 0.3}, {"best", 0.9}, {"sixth", 0.4}}) {
+    metrics.detectors.emplace_back(name, DetectorScore{});
+    metrics.detectors.back().second.average_precision = average_precision;
+    for (int t_ms = 500; t_ms <= 4000; t_ms += 500) {
+      const std::string start = (folder_ / "frames" / std::to_string(t_ms * 1000)).string();
+      fs::copy(start + "_paper_directed_hough_0.75.png", start + "_" + name + "_hough_3.png");
+    }
+  }
+  write_metrics(folder_ / "metrics.json", metrics);
+  write_report(folder_);
+  const std::string html = contents(folder_ / "report.html");
+  EXPECT_EQ(count(html, "Hough space of paper_directed at"), 4U);
+  EXPECT_EQ(count(html, "Hough space of best at"), 4U);
+  EXPECT_EQ(count(html, "Hough space of sixth at"), 0U);
+}
+
 TEST_F(Report, WritesTheNumbersOfEveryDrawnFigureBesideThePage) {
   write_synthetic_run(folder_, false);
   write_report(folder_);
