@@ -15,5 +15,6 @@ void add_detect_command(CLI::App& app, Action& action);
 void add_report_command(CLI::App& app, Action& action);
 void add_info_command(CLI::App& app, Action& action);
 void add_convert_command(CLI::App& app, Action& action);
+void add_emulate_command(CLI::App& app, Action& action);
 
 }  // namespace saccade

@@ -83,7 +83,7 @@ void play(ReplayRobot& robot, Loop& loop, DetectionRecorder& recorder, std::span
 /// What is played: a bare recording, or a run folder with its camera, joints and truth.
 struct Played {
   std::filesystem::path events;
-  PinholeCamera camera;
+  Camera camera = Camera{}.without_lens();  // nothing is known of the camera of a bare recording
   std::optional<RecordedHead> head;
   std::vector<TruthRow> truth;
   Chances chances = Chances::annotated;
@@ -117,7 +117,7 @@ int detect(const DetectOptions& options) {
   const std::vector<TruthRow>& truth = played.truth;
   const bool annotated = !truth.empty() && played.chances == Chances::annotated;
   ReplayRobot robot(open_event_file(played.events, options.read), std::move(played.head));
-  PinholeCamera camera = played.camera;
+  Camera camera = played.camera;
   camera.size = robot.image_size();
 
   std::vector<LoopDetector> detectors;

@@ -6,7 +6,7 @@
 
 namespace saccade {
 
-Loop::Loop(Clock& clock, EventSource& events, HeadPort* head, const PinholeCamera& camera,
+Loop::Loop(Clock& clock, EventSource& events, HeadPort* head, const Camera& camera,
            std::vector<LoopDetector> detectors, std::optional<LoopGaze> gaze)
     : clock_(clock),
       source_(events),

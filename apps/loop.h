@@ -61,7 +61,7 @@ class Loop {
  public:
   /// `head` may be null (a bare recording): then there is no gaze and no camera motion.
   /// `gaze` is absent where the head is not to be moved.
-  Loop(Clock& clock, EventSource& events, HeadPort* head, const PinholeCamera& camera,
+  Loop(Clock& clock, EventSource& events, HeadPort* head, const Camera& camera,
        std::vector<LoopDetector> detectors, std::optional<LoopGaze> gaze);
 
   /// Waits for t_us (later than the last one) and does one tick. `ended` when the world has no more: after
@@ -78,7 +78,7 @@ class Loop {
   Clock& clock_;
   EventSource& source_;
   HeadPort* head_;
-  PinholeCamera camera_;
+  Camera camera_;
   std::vector<LoopDetector> detectors_;
   std::optional<LoopGaze> gaze_;
   std::vector<Event> events_;

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include "apps/config/scenario.h"
 #include "apps/interrupt.h"
 #include "apps/loop.h"
+#include "apps/progress.h"
 #include "apps/run_folder.h"
 #include "apps/run_recorder.h"
 #include "apps/summary.h"
@@ -27,28 +27,6 @@ struct RunOptions {
   bool force = false;
 };
 
-/// Progress: one changing line on a terminal, a line every tenth of the run in a log.
-class Progress {
- public:
-  explicit Progress(double duration_s) : duration_s_(duration_s), terminal_(isatty(STDERR_FILENO) != 0) {}
-
-  void show(double t_s, double wall_s) {
-    const double step = terminal_ ? 0.01 : 0.1;
-    if (t_s < next_ * duration_s_) return;
-    next_ = std::floor(t_s / duration_s_ / step + 1.0) * step;
-    fmt::print(stderr, "{}{:6.2f} of {:.2f} s, {:.2f} x real time{}", terminal_ ? "\r" : "", t_s, duration_s_,
-               t_s / std::max(wall_s, 1e-9), terminal_ ? "" : "\n");
-  }
-  void done() const {
-    if (terminal_) fmt::print(stderr, "\n");
-  }
-
- private:
-  double duration_s_;
-  bool terminal_;
-  double next_ = 0.0;
-};
-
 std::optional<LoopGaze> make_gaze(const Scenario& scenario, const JointLimits& limits) {
   const GazeControllerConfig& config = scenario.gaze.controller;
   if (scenario.gaze.detector == "none" && config.controller != "script") return std::nullopt;
@@ -62,7 +40,7 @@ std::optional<LoopGaze> make_gaze(const Scenario& scenario, const JointLimits& l
   return gaze;
 }
 
-std::vector<LoopDetector> make_detectors(const NamedDetectors& named, const PinholeCamera& camera) {
+std::vector<LoopDetector> make_detectors(const NamedDetectors& named, const Camera& camera) {
   std::vector<LoopDetector> detectors;
   for (const auto& [name, config] : named) detectors.push_back({name, make_detector(config, camera)});
   return detectors;
@@ -112,7 +90,11 @@ int run(const RunOptions& options) {
   };
   for (std::int64_t t_us = World::tick_us; t_us <= end_us && !interrupted(); t_us += World::tick_us) {
     loop.tick(t_us, recorder);
-    progress.show(static_cast<double>(t_us) * 1e-6, wall_s());
+    const double t_s = static_cast<double>(t_us) * 1e-6;
+    progress.show(t_s, [&] {
+      return fmt::format("{:6.2f} of {:.2f} s, {:.2f} x real time", t_s, scenario.run.duration_s,
+                         t_s / std::max(wall_s(), 1e-9));
+    });
   }
   const double loop_s = wall_s();
   progress.done();

@@ -12,6 +12,8 @@ target_compile_options(saccade_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Woverloaded-virtual
   # The same scenario and seed give the same bytes: no fused multiply-add that depends on the compiler.
   -ffp-contract=off
+  # Nobody reads floating-point exceptions: the vectoriser need not keep them. Values stay the same.
+  -fno-trapping-math
   # GCC 12 warns of std::string's own operator+ (GCC bug 105651).
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
 if(SACCADE_WERROR)
@@ -31,8 +33,9 @@ function(saccade_room name)
   add_library(saccade_${name} STATIC ${ROOM_SOURCES})
   list(TRANSFORM ROOM_ROOMS PREPEND saccade_)
   target_link_libraries(saccade_${name} PUBLIC ${ROOM_ROOMS} ${ROOM_LIBRARIES}
-    PRIVATE saccade_flags ${ROOM_PRIVATE_LIBRARIES})
-  target_include_directories(saccade_${name} PUBLIC ${CMAKE_SOURCE_DIR})
+    PRIVATE $<BUILD_INTERFACE:saccade_flags> ${ROOM_PRIVATE_LIBRARIES})
+  target_compile_features(saccade_${name} PUBLIC cxx_std_20)
+  target_include_directories(saccade_${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}>)
 endfunction()
 
 # saccade_test(NAME SOURCES a_test.cpp ... ROOMS core ... LIBRARIES ...): one GoogleTest program per room,

@@ -17,7 +17,7 @@ class CountingGate : public GazeGate {
   [[nodiscard]] RejectedTargets rejected() const override { return rejected_; }
 
  protected:
-  std::optional<Eigen::Vector3d> locate(const Circle& circle, const PinholeCamera& camera,
+  std::optional<Eigen::Vector3d> locate(const Circle& circle, const Camera& camera,
                                         const Eigen::Isometry3d& root_from_cam) {
     const Target target = locator_.locate(circle, camera, root_from_cam);
     if (target.status == TargetStatus::ok) return target.point_m;
@@ -41,7 +41,7 @@ class OpenGate final : public CountingGate {
   using CountingGate::CountingGate;
 
   std::optional<Eigen::Vector3d> update(std::int64_t, const Estimate& estimate, double threshold,
-                                        const PinholeCamera& camera,
+                                        const Camera& camera,
                                         const Eigen::Isometry3d& root_from_cam) override {
     if (!detected(estimate, threshold)) return std::nullopt;
     return locate(estimate.circle, camera, root_from_cam);
@@ -54,7 +54,7 @@ class AuthorsGate final : public CountingGate {
       : CountingGate(target), config_(config), window_us_(std::llround(config.window_s * 1e6)) {}
 
   std::optional<Eigen::Vector3d> update(std::int64_t now_us, const Estimate& estimate, double threshold,
-                                        const PinholeCamera& camera,
+                                        const Camera& camera,
                                         const Eigen::Isometry3d& root_from_cam) override {
     while (size_ > 0 && now_us - at(0).t_us >= window_us_) drop_oldest();
     if (!detected(estimate, threshold) || estimate.held) return std::nullopt;
@@ -126,7 +126,7 @@ class ContinuityGate final : public CountingGate {
         forget_us_(std::llround(config.forget_s * 1e6)) {}
 
   std::optional<Eigen::Vector3d> update(std::int64_t now_us, const Estimate& estimate, double threshold,
-                                        const PinholeCamera& camera,
+                                        const Camera& camera,
                                         const Eigen::Isometry3d& root_from_cam) override {
     if (!detected(estimate, threshold)) return std::nullopt;
     const auto point_m = locate(estimate.circle, camera, root_from_cam);

@@ -29,7 +29,7 @@ class GazeGate {
   /// came and the detector declares nothing held). `now_us` never goes back.
   /// Gives a point to look at, m, root frame; none when there is no new one.
   virtual std::optional<Eigen::Vector3d> update(std::int64_t now_us, const Estimate& estimate,
-                                                double threshold, const PinholeCamera& camera,
+                                                double threshold, const Camera& camera,
                                                 const Eigen::Isometry3d& root_from_cam) = 0;
   [[nodiscard]] virtual RejectedTargets rejected() const = 0;
 };

@@ -1,7 +1,10 @@
 #include "control/target.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 namespace saccade {
 
@@ -11,13 +14,14 @@ void describe(FieldVisitor& v, TargetConfig& config) {
   v.real("min_distance_m", config.min_distance_m, {0.0, 10.0}, "a target nearer to the camera is refused");
 }
 
-Eigen::Vector3d sphere_from_circle(const Circle& circle, const PinholeCamera& camera, double radius_m) {
+namespace {
+
+/// The sphere whose outline on the plane at unit depth has the given centre and product of semi-axes ab.
+Eigen::Vector3d sphere_from_ellipse(const Eigen::Vector3d& ray, double ab, double radius_m) {
   // A sphere seen under the half-angle a at the angle t off the axis has, on the plane z = 1, an outline
   // with centre rho = sin t cos t / w and product of semi-axes ab = x sqrt(1 - x) / w^1.5, where
   // x = sin^2 a and w = cos^2 t - x. Eliminating t leaves w(x), then one equation in x.
-  const Eigen::Vector3d ray = camera.ray(circle.x_px, circle.y_px);
   const double rho2 = ray.head<2>().squaredNorm();
-  const double ab = circle.r_px * circle.r_px / (camera.fx_px * camera.fy_px);
   const auto root = [&](double x) { return std::sqrt(1.0 + 4.0 * rho2 * x * (1.0 - x)); };
   const auto w_of = [&](double x) { return (1.0 - 2.0 * x + root(x)) / (2.0 * (1.0 + rho2)); };
 
@@ -41,6 +45,43 @@ Eigen::Vector3d sphere_from_circle(const Circle& circle, const PinholeCamera& ca
   return direction * (radius_m / std::sqrt(x));
 }
 
+}  // namespace
+
+Eigen::Vector3d sphere_from_circle(const Circle& circle, const Camera& camera, double radius_m) {
+  // Exact without a lens; Newton from there with one. A place is (X / Z, Y / Z, ln Z).
+  const auto point_of = [](const Eigen::Vector3d& place) {
+    return Eigen::Vector3d(Eigen::Vector3d(place.x(), place.y(), 1.0) * std::exp(place.z()));
+  };
+  const auto seen_at = [&](const Eigen::Vector3d& place) -> std::optional<Eigen::Vector3d> {
+    const auto seen = camera.project_sphere(point_of(place), radius_m);
+    if (!seen) return std::nullopt;
+    return Eigen::Vector3d(seen->x_px, seen->y_px, seen->r_px);
+  };
+  constexpr int max_iterations = 20;
+  constexpr double close_px = 1e-9, aside = 1e-6, longest_step = 0.3;
+  const Eigen::Vector3d nowhere = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  const Eigen::Vector3d wanted(circle.x_px, circle.y_px, circle.r_px);
+  const Eigen::Vector3d start =
+      sphere_from_ellipse(camera.ray(circle.x_px, circle.y_px),
+                          circle.r_px * circle.r_px / (camera.fx_px * camera.fy_px), radius_m);
+  Eigen::Vector3d place(start.x() / start.z(), start.y() / start.z(), std::log(start.z()));
+  for (int i = 0; i < max_iterations; ++i) {
+    const auto seen = seen_at(place);
+    if (!seen) return nowhere;
+    const Eigen::Vector3d off = wanted - *seen;
+    if (off.norm() < close_px) return point_of(place);
+    Eigen::Matrix3d slope;
+    for (int k = 0; k < 3; ++k) {
+      const auto beside = seen_at(place + aside * Eigen::Vector3d::Unit(k));
+      if (!beside) return nowhere;
+      slope.col(k) = (*beside - *seen) / aside;
+    }
+    const Eigen::Vector3d step = slope.inverse() * off;
+    place += step * std::min(1.0, longest_step / step.norm());
+  }
+  return nowhere;
+}
+
 TargetLocator::TargetLocator(const TargetConfig& config)
     : pinhole_(config.depth == "pinhole"),
       ball_radius_m_(config.ball_diameter_m / 2),
@@ -48,7 +89,7 @@ TargetLocator::TargetLocator(const TargetConfig& config)
   check_config("target", config);
 }
 
-Target TargetLocator::locate(const Circle& circle, const PinholeCamera& camera,
+Target TargetLocator::locate(const Circle& circle, const Camera& camera,
                              const Eigen::Isometry3d& root_from_cam) const {
   const Eigen::Vector3d values(circle.x_px, circle.y_px, circle.r_px);
   if (!values.allFinite() || !root_from_cam.matrix().allFinite()) return {TargetStatus::not_finite, {}};

@@ -21,7 +21,7 @@ enum class TargetStatus {
 struct TargetConfig {
   std::string depth = "pinhole";   ///< how a circle's radius tells its depth: pinhole or authors_linear
   double ball_diameter_m = 0.095;  ///< pinhole only
-  double min_distance_m = 0.10;    ///< from the pinhole; a nearer target is refused
+  double min_distance_m = 0.10;    ///< from the camera; a nearer target is refused
 };
 
 /// Keys: depth, ball_diameter_m, min_distance_m.
@@ -33,9 +33,9 @@ struct Target {
 };
 
 /// The centre in the camera frame, m, of the sphere whose outline a circle stands for: the inverse of
-/// PinholeCamera::project_sphere, off the axis too. NaN where no sphere wholly in front has that outline.
-[[nodiscard]] Eigen::Vector3d sphere_from_circle(const Circle& circle, const PinholeCamera& camera,
-                                                 double radius_m);
+/// Camera::project_sphere, off the axis and through the lens too. NaN where no sphere wholly in front and in
+/// the lens's field has that outline.
+[[nodiscard]] Eigen::Vector3d sphere_from_circle(const Circle& circle, const Camera& camera, double radius_m);
 
 /// From a circle in the image to a point in the robot's root frame.
 ///
@@ -45,7 +45,7 @@ class TargetLocator {
  public:
   explicit TargetLocator(const TargetConfig& config);  ///< throws InputError
 
-  [[nodiscard]] Target locate(const Circle& circle, const PinholeCamera& camera,
+  [[nodiscard]] Target locate(const Circle& circle, const Camera& camera,
                               const Eigen::Isometry3d& root_from_cam) const;
 
  private:

@@ -67,7 +67,7 @@ void describe(FieldVisitor& v, BallTrackerConfig& c) {
   v.real("hold_s", c.hold_s, {0.0, 60.0}, "for which a circle without events is held");
 }
 
-BallTracker::BallTracker(const BallTrackerConfig& config, const PinholeCamera& camera)
+BallTracker::BallTracker(const BallTrackerConfig& config, const Camera& camera)
     : config_(checked(config)),
       camera_(camera),
       sieve_(camera.size),
@@ -79,6 +79,10 @@ BallTracker::BallTracker(const BallTrackerConfig& config, const PinholeCamera& c
                  config.arc_deg * std::numbers::pi / 180.0),
       now_us_(std::numeric_limits<std::int64_t>::min()),
       last_look_us_(std::numeric_limits<std::int64_t>::min() / 2) {
+  rays_.reserve(static_cast<std::size_t>(camera.size.pixels()));
+  for (int y = 0; y < camera.size.height; ++y) {
+    for (int x = 0; x < camera.size.width; ++x) rays_.push_back(camera.ray(x, y));
+  }
   votes_.reserve(edges_.room());
   candidates_.reserve(max_candidates);
 }
@@ -90,14 +94,24 @@ void BallTracker::know(const CameraMotion* motion) {
 
 Eigen::Vector2d BallTracker::camera_flow_px_s(const Eigen::Vector2d& at) const {
   if (!rotation_rad_s_) return Eigen::Vector2d::Zero();
-  return camera_.rotational_flow_px_s(at.x(), at.y(), *rotation_rad_s_);
+  // What is known of a lens ends with the image: further out as at its border.
+  const Eigen::Vector3d ray =
+      camera_.ray(std::clamp(at.x(), 0.0, static_cast<double>(camera_.size.width - 1)),
+                  std::clamp(at.y(), 0.0, static_cast<double>(camera_.size.height - 1)));
+  return camera_.rotational_flow_px_s(ray, *rotation_rad_s_);
+}
+
+Eigen::Vector2d BallTracker::camera_flow_px_s(const Edge& edge) const {
+  if (!rotation_rad_s_) return Eigen::Vector2d::Zero();
+  const Eigen::Vector3d& ray = rays_[static_cast<std::size_t>(edge.y * camera_.size.width + edge.x)];
+  return camera_.rotational_flow_px_s(ray, *rotation_rad_s_);
 }
 
 /// Where an edge has moved on to: with the image where the camera turns, along its own flow else.
 Eigen::Vector2d BallTracker::now_at(const Edge& edge, std::int64_t now_us) const {
   const Eigen::Vector2d at(edge.x, edge.y);
   const double age_us = static_cast<double>(now_us - edge.t_us);
-  const Eigen::Vector2d image = camera_flow_px_s(at);
+  const Eigen::Vector2d image = camera_flow_px_s(edge);
   if (image.norm() > camera_moves_px_s) return at + image * (age_us * 1e-6);
   return at + edge.gradient_us_px * (age_us / edge.gradient_us_px.squaredNorm());
 }

@@ -51,7 +51,7 @@ void describe(FieldVisitor& v, BallTrackerConfig& config);
 class BallTracker final : public Detector {
  public:
   /// Throws InputError for a configuration out of range.
-  BallTracker(const BallTrackerConfig& config, const PinholeCamera& camera);
+  BallTracker(const BallTrackerConfig& config, const Camera& camera);
 
   void process(std::span<const Event> events, const CameraMotion* motion) override;
   void advance_to(std::int64_t now_us, const CameraMotion* motion) override;
@@ -90,6 +90,7 @@ class BallTracker final : public Detector {
   void know(const CameraMotion* motion);
   [[nodiscard]] bool continues_burst(const Event& event);
   [[nodiscard]] Eigen::Vector2d camera_flow_px_s(const Eigen::Vector2d& at_px) const;
+  [[nodiscard]] Eigen::Vector2d camera_flow_px_s(const Edge& edge) const;
   [[nodiscard]] Eigen::Vector2d now_at(const Edge& edge, std::int64_t now_us) const;
   template <class Function>
   void for_each_on(const Circle& circle, double off_px, std::int64_t now_us, Function f) const;
@@ -105,7 +106,8 @@ class BallTracker final : public Detector {
   [[nodiscard]] const Followed* best() const;
 
   BallTrackerConfig config_;
-  PinholeCamera camera_;
+  Camera camera_;
+  std::vector<Eigen::Vector3d> rays_;  // of each pixel
   EventSieve sieve_;
   PlaneFitFlow flow_;
   std::vector<std::int64_t> last_event_us_;  // of each pixel and polarity

@@ -1,45 +1,142 @@
 #include "core/camera.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 namespace saccade {
+namespace {
 
-std::optional<Eigen::Vector2d> PinholeCamera::project(const Eigen::Vector3d& p) const {
+/// x' and y' of a point at unit depth.
+Eigen::Vector2d distort(const Camera& c, const Eigen::Vector2d& q) {
+  const double s = q.squaredNorm();
+  const double radial = 1.0 + s * (c.k1 + s * c.k2);
+  const double twice_xy = 2.0 * q.x() * q.y();
+  return {q.x() * radial + c.p1 * twice_xy + c.p2 * (s + 2.0 * q.x() * q.x()),
+          q.y() * radial + c.p2 * twice_xy + c.p1 * (s + 2.0 * q.y() * q.y())};
+}
+
+/// Its derivative by the point.
+Eigen::Matrix2d jacobian(const Camera& c, const Eigen::Vector2d& q) {
+  const double s = q.squaredNorm();
+  const double radial = 1.0 + s * (c.k1 + s * c.k2);
+  const double slope = 2.0 * (c.k1 + 2.0 * s * c.k2);
+  const double mixed = slope * q.x() * q.y() + 2.0 * (c.p1 * q.x() + c.p2 * q.y());
+  Eigen::Matrix2d j;
+  j << radial + slope * q.x() * q.x() + 2.0 * c.p1 * q.y() + 6.0 * c.p2 * q.x(), mixed,  //
+      mixed, radial + slope * q.y() * q.y() + 2.0 * c.p2 * q.x() + 6.0 * c.p1 * q.y();
+  return j;
+}
+
+/// The smallest s with 1 + 3 k1 s + 5 k2 s^2 = 0, where the lens ends.
+double lens_end(const Camera& c) {
+  const double root = 3.0 * c.k1;
+  const double discriminant = root * root - 20.0 * c.k2;
+  const double divisor = discriminant < 0.0 ? 0.0 : std::sqrt(discriminant) - root;
+  return divisor > 0.0 ? 2.0 / divisor : std::numeric_limits<double>::infinity();
+}
+
+bool is_invertible(const Camera& c) {
+  constexpr int steps = 16;
+  for (int i = 0; i <= steps; ++i) {
+    for (int k = 0; k <= steps; ++k) {
+      const Eigen::Vector3d ray = c.ray(c.size.width * i / static_cast<double>(steps) - 0.5,
+                                        c.size.height * k / static_cast<double>(steps) - 0.5);
+      if (!(jacobian(c, ray.head<2>()).determinant() > 0.0)) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+Camera Camera::without_lens() const {
+  Camera camera = *this;
+  camera.k1 = camera.k2 = camera.p1 = camera.p2 = 0.0;
+  return camera;
+}
+
+std::optional<Eigen::Vector2d> Camera::project(const Eigen::Vector3d& p) const {
   if (!(p.z() > 0.0)) return std::nullopt;
-  return Eigen::Vector2d(cx_px + fx_px * p.x() / p.z(), cy_px + fy_px * p.y() / p.z());
+  const Eigen::Vector2d q = p.head<2>() / p.z();
+  if (q.squaredNorm() >= lens_end(*this)) return std::nullopt;
+  const Eigen::Vector2d seen = distort(*this, q);
+  return Eigen::Vector2d(cx_px + fx_px * seen.x(), cy_px + fy_px * seen.y());
 }
 
-Eigen::Vector3d PinholeCamera::ray(double u_px, double v_px) const {
-  return {(u_px - cx_px) / fx_px, (v_px - cy_px) / fy_px, 1.0};
+Eigen::Vector3d Camera::ray(double u_px, double v_px) const {
+  constexpr int max_steps = 12;  // 5 or 6 are needed in the image's corners
+  constexpr double close = 1e-13;
+  const Eigen::Vector2d seen((u_px - cx_px) / fx_px, (v_px - cy_px) / fy_px);
+  if (!has_lens()) return seen.homogeneous();
+  Eigen::Vector2d q = seen;
+  for (int i = 0; i < max_steps; ++i) {
+    const Eigen::Vector2d missed = seen - distort(*this, q);
+    if (missed.squaredNorm() < close * close) {
+      if (q.squaredNorm() < lens_end(*this)) return q.homogeneous();
+      break;
+    }
+    q += jacobian(*this, q).inverse() * missed;
+  }
+  return Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
 }
 
-std::optional<Circle> PinholeCamera::project_sphere(const Eigen::Vector3d& d, double radius_m) const {
-  // Rays x that touch the sphere satisfy x' M x = 0 with M = d d' - (|d|^2 - R^2) I.
+std::optional<Circle> Camera::project_sphere(const Eigen::Vector3d& d, double radius_m) const {
   const double k = d.squaredNorm() - radius_m * radius_m;
   if (!(k > 0.0) || !(d.z() > radius_m)) return std::nullopt;
-  const Eigen::Matrix3d m = d * d.transpose() - k * Eigen::Matrix3d::Identity();
-  // On the plane z = 1 the conic is q' A q + 2 b'q + c = 0 with q = (x, y).
-  const Eigen::Matrix2d a = m.topLeftCorner<2, 2>();
-  const Eigen::Vector2d b = m.topRightCorner<2, 1>();
-  const double det = a.determinant();
-  if (!(det > 0.0)) return std::nullopt;  // not an ellipse
-  const Eigen::Vector2d centre = -a.inverse() * b;
-  const double level = m(2, 2) + b.dot(centre);                  // value of the conic at its centre
-  const double area_over_pi = std::abs(level) / std::sqrt(det);  // = product of the semi-axes
-  return Circle{cx_px + fx_px * centre.x(), cy_px + fy_px * centre.y(),
-                std::sqrt(area_over_pi * fx_px * fy_px)};
+  // On the plane z = 1 the cone cuts an ellipse; its longer axis points away from the optical axis.
+  const double e = d.z() * d.z() - radius_m * radius_m;
+  const double off_axis = d.head<2>().norm();
+  const Eigen::Vector2d outward =
+      off_axis > 0.0 ? Eigen::Vector2d(d.head<2>() / off_axis) : Eigen::Vector2d::UnitX();
+  return project_ellipse(d.head<2>() * (d.z() / e), outward * (radius_m * std::sqrt(k) / e),
+                         outward.unitOrthogonal() * (radius_m / std::sqrt(e)));
 }
 
-Eigen::Vector2d PinholeCamera::rotational_flow_px_s(double u_px, double v_px,
-                                                    const Eigen::Vector3d& w) const {
-  const double x = (u_px - cx_px) / fx_px;
-  const double y = (v_px - cy_px) / fy_px;
-  return {fx_px * (-w.y() * (1.0 + x * x) + w.x() * x * y + w.z() * y),
-          fy_px * (w.x() * (1.0 + y * y) - w.y() * x * y - w.z() * x)};
+std::optional<Circle> Camera::project_ellipse(const Eigen::Vector2d& centre, const Eigen::Vector2d& a,
+                                              const Eigen::Vector2d& b) const {
+  const auto circle = [&](const Eigen::Vector2d& at, double area_over_pi) {
+    return Circle{cx_px + fx_px * at.x(), cy_px + fy_px * at.y(),
+                  std::sqrt(std::abs(area_over_pi) * fx_px * fy_px)};
+  };
+  if (!has_lens()) return circle(centre, a.x() * b.y() - a.y() * b.x());
+
+  static const std::array<Eigen::Vector2d, 16> turn = [] {
+    std::array<Eigen::Vector2d, 16> points;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double t = 2.0 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(points.size());
+      points[i] = {std::cos(t), std::sin(t)};
+    }
+    return points;
+  }();
+  const double end = lens_end(*this);
+  const Eigen::Vector2d middle = distort(*this, centre);
+  double area = 0.0;                                 // the sum of x dy
+  Eigen::Vector2d moment = Eigen::Vector2d::Zero();  // of x^2 dy / 2 and -y^2 dx / 2
+  for (const Eigen::Vector2d& t : turn) {
+    const Eigen::Vector2d q = centre + a * t.x() + b * t.y();
+    if (!(q.squaredNorm() < end)) return std::nullopt;
+    const Eigen::Vector2d at = distort(*this, q) - middle;
+    const Eigen::Vector2d step = jacobian(*this, q) * (b * t.x() - a * t.y());
+    area += at.x() * step.y();
+    moment += Eigen::Vector2d(at.x() * at.x() * step.y(), -at.y() * at.y() * step.x()) / 2.0;
+  }
+  return circle(middle + moment / area, 2.0 * area / static_cast<double>(turn.size()));
 }
 
-void describe(FieldVisitor& v, PinholeCamera& camera) {
+Eigen::Vector2d Camera::rotational_flow_px_s(const Eigen::Vector3d& ray, const Eigen::Vector3d& w) const {
+  const double x = ray.x();
+  const double y = ray.y();
+  const Eigen::Vector2d flow(-w.y() * (1.0 + x * x) + w.x() * x * y + w.z() * y,
+                             w.x() * (1.0 + y * y) - w.y() * x * y - w.z() * x);
+  const Eigen::Vector2d seen = jacobian(*this, {x, y}) * flow;
+  return {fx_px * seen.x(), fy_px * seen.y()};
+}
+
+void describe(FieldVisitor& v, Camera& camera) {
   std::int64_t width = camera.size.width;
   std::int64_t height = camera.size.height;
   v.integer("width_px", width, {8, 2048}, "image width");
@@ -49,6 +146,14 @@ void describe(FieldVisitor& v, PinholeCamera& camera) {
   v.real("fy_px", camera.fy_px, {1.0, 1e5}, "focal length along y");
   v.real("cx_px", camera.cx_px, {-1e4, 1e4}, "principal point, x");
   v.real("cy_px", camera.cy_px, {-1e4, 1e4}, "principal point, y");
+  v.real("k1", camera.k1, {-10.0, 10.0}, "radial distortion, of r^2 (as OpenCV has it)");
+  v.real("k2", camera.k2, {-10.0, 10.0}, "radial distortion, of r^4");
+  v.real("p1", camera.p1, {-1.0, 1.0}, "tangential distortion, vertical");
+  v.real("p2", camera.p2, {-1.0, 1.0}, "tangential distortion, horizontal");
+  const bool focal = camera.fx_px > 0.0 && camera.fy_px > 0.0;
+  v.require(
+      !focal || is_invertible(camera), "k1", text_of(camera.k1),
+      "with k2, p1 and p2 a lens that can be inverted over the whole image (k1, k2, p1, p2 of 0: no lens)");
 }
 
 }  // namespace saccade

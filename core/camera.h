@@ -15,32 +15,55 @@ struct Circle {
   double r_px = 0.0;
 };
 
-/// A pinhole camera without distortion in OpenCV's convention: x right, y down, z forward; pixel (0, 0)
-/// is the centre of the top-left pixel. Defaults: left DVS128 of iCubGenova02 (icubEyes_DVS.ini, 2016).
-struct PinholeCamera {
+/// A pinhole behind a lens in OpenCV's convention: x right, y down, z forward; pixel (0, 0) is the centre of
+/// the top-left pixel. What lies at (x, y) at unit depth is seen at the pixel (cx + fx x', cy + fy y'), with
+/// s = x^2 + y^2 and
+///
+///     x' = x (1 + k1 s + k2 s^2) + 2 p1 x y + p2 (s + 2 x^2)
+///     y' = y (1 + k1 s + k2 s^2) + 2 p2 x y + p1 (s + 2 y^2)
+///
+/// The lens ends where x' would turn back towards the axis: from 1 + 3 k1 s + 5 k2 s^2 = 0 on it shows nothing.
+/// Defaults: left DVS128 of iCubGenova02 (icubEyes_DVS.ini, 2016).
+struct Camera {
   ImageSize size{128, 128};
   double fx_px = 99.45;
   double fy_px = 99.75;
   double cx_px = 64.00;
   double cy_px = 69.18;
+  double k1 = -0.207651;   ///< radial distortion
+  double k2 = 0.73946;     ///< radial distortion
+  double p1 = -0.0016571;  ///< tangential distortion
+  double p2 = -0.0059468;  ///< tangential distortion
 
-  /// Pixel of a point in the camera frame, m; none when it is not in front of the camera.
+  [[nodiscard]] bool has_lens() const { return k1 != 0.0 || k2 != 0.0 || p1 != 0.0 || p2 != 0.0; }
+  /// The same as an exact pinhole: k1, k2, p1 and p2 are 0.
+  [[nodiscard]] Camera without_lens() const;
+
+  /// Pixel of a point in the camera frame, m; none when it is not in front of the camera or where the lens
+  /// shows nothing.
   [[nodiscard]] std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point_m) const;
-  /// Point at unit depth along the ray through a pixel: ((u - cx) / fx, (v - cy) / fy, 1).
+  /// Point at unit depth along the ray through a pixel, the inverse of `project`: to 1e-12 over the image of a
+  /// camera that keeps what `describe` demands, and some way around it. NaN where no ray is found.
   [[nodiscard]] Eigen::Vector3d ray(double u_px, double v_px) const;
-  /// The circle that stands for a sphere's outline: centre and sqrt(ab) of the ellipse it projects to.
-  /// Off the axis that is neither the projected centre nor f R / Z. `centre_m` in the camera frame; none
-  /// when the sphere is not wholly in front of the camera.
+  /// The circle that stands for a sphere's outline: centroid and sqrt(area / pi) of what it is in the image.
+  /// Without a lens those are the centre and sqrt(ab) of an ellipse; off the axis that is neither the
+  /// projected centre nor f R / Z. `centre_m` in the camera frame; none when the sphere is not wholly in front
+  /// of the camera, or reaches where the lens shows nothing.
   /// Formula: the outline is the cone (d.x)^2 = (|d|^2 - R^2)|x|^2 cut with the image plane.
   [[nodiscard]] std::optional<Circle> project_sphere(const Eigen::Vector3d& centre_m, double radius_m) const;
-  /// How fast the image moves at a pixel, px/s, when the camera turns at angular_velocity_rad_s (its own frame)
-  /// and the world stands still; distance does not matter.
-  [[nodiscard]] Eigen::Vector2d rotational_flow_px_s(double u_px, double v_px,
+  /// The same for the ellipse centre + a cos t + b sin t on the plane at unit depth. Exact through the lens
+  /// too: Green's theorem over 16 points, for the integrands are trigonometric polynomials of degree 15.
+  [[nodiscard]] std::optional<Circle> project_ellipse(const Eigen::Vector2d& centre, const Eigen::Vector2d& a,
+                                                      const Eigen::Vector2d& b) const;
+  /// How fast the image moves where it shows `ray` (a point at unit depth), px/s, when the camera turns at
+  /// angular_velocity_rad_s (its own frame) and the world stands still; distance does not matter.
+  [[nodiscard]] Eigen::Vector2d rotational_flow_px_s(const Eigen::Vector3d& ray,
                                                      const Eigen::Vector3d& angular_velocity_rad_s) const;
-  friend bool operator==(const PinholeCamera&, const PinholeCamera&) = default;
+  friend bool operator==(const Camera&, const Camera&) = default;
 };
 
-/// Keys: width_px, height_px, fx_px, fy_px, cx_px, cy_px.
-void describe(FieldVisitor& v, PinholeCamera& camera);
+/// Keys: width_px, height_px, fx_px, fy_px, cx_px, cy_px, k1, k2, p1, p2. The lens must be invertible: every
+/// pixel up to the image's border has a ray, and around it the lens turns nothing inside out.
+void describe(FieldVisitor& v, Camera& camera);
 
 }  // namespace saccade

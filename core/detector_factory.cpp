@@ -39,19 +39,19 @@ const Preset* find(const std::string& name) {
   return it != presets().end() ? &*it : nullptr;
 }
 
-std::unique_ptr<Detector> make(const HoughDetectorConfig& config, const PinholeCamera& camera) {
+std::unique_ptr<Detector> make(const HoughDetectorConfig& config, const Camera& camera) {
   return std::make_unique<HoughDetector>(config, camera.size);
 }
-std::unique_ptr<Detector> make(const BallTrackerConfig& config, const PinholeCamera& camera) {
+std::unique_ptr<Detector> make(const BallTrackerConfig& config, const Camera& camera) {
   return std::make_unique<BallTracker>(config, camera);
 }
-std::unique_ptr<Detector> make(const Original2016Config& config, const PinholeCamera& camera) {
+std::unique_ptr<Detector> make(const Original2016Config& config, const Camera& camera) {
   return std::make_unique<Original2016>(config, camera.size);
 }
-std::unique_ptr<Detector> make(const ClusterConfig& config, const PinholeCamera& camera) {
+std::unique_ptr<Detector> make(const ClusterConfig& config, const Camera& camera) {
   return std::make_unique<ClusterDetector>(config, camera.size);
 }
-std::unique_ptr<Detector> make(const MultiKernelConfig& config, const PinholeCamera& camera) {
+std::unique_ptr<Detector> make(const MultiKernelConfig& config, const Camera& camera) {
   return std::make_unique<MultiKernelDetector>(config, camera.size);
 }
 
@@ -84,7 +84,7 @@ void describe(FieldVisitor& v, DetectorConfig& config) {
   std::visit([&](auto& detector) { describe(v, detector); }, config.detector);
 }
 
-std::unique_ptr<Detector> make_detector(const DetectorConfig& config, const PinholeCamera& camera) {
+std::unique_ptr<Detector> make_detector(const DetectorConfig& config, const Camera& camera) {
   return std::visit([&](const auto& detector) { return make(detector, camera); }, config.detector);
 }
 

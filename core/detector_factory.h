@@ -29,7 +29,6 @@ struct DetectorConfig {
 /// Keys: preset, then those of the detector.
 void describe(FieldVisitor& v, DetectorConfig& config);
 /// Throws InputError for a configuration out of range.
-[[nodiscard]] std::unique_ptr<Detector> make_detector(const DetectorConfig& config,
-                                                      const PinholeCamera& camera);
+[[nodiscard]] std::unique_ptr<Detector> make_detector(const DetectorConfig& config, const Camera& camera);
 
 }  // namespace saccade

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "core/portable_math.h"
+
 namespace saccade {
 
 RandomStream::RandomStream(std::uint64_t seed, std::string_view name) : key_(mix(seed)) {
@@ -22,8 +24,8 @@ double RandomStream::normal(std::uint64_t stream, std::uint64_t counter) const {
     return (((((c[0] * q + c[1]) * q + c[2]) * q + c[3]) * q + c[4]) * q + c[5]) /
            ((((d[0] * q + d[1]) * q + d[2]) * q + d[3]) * q + 1.0);
   };
-  if (p < 0.02425) return tail(std::sqrt(-2.0 * std::log(p)));
-  if (p > 1.0 - 0.02425) return -tail(std::sqrt(-2.0 * std::log(1.0 - p)));
+  if (p < 0.02425) return tail(std::sqrt(-2.0 * portable_log(p)));
+  if (p > 1.0 - 0.02425) return -tail(std::sqrt(-2.0 * portable_log(1.0 - p)));
   const double q = p - 0.5;
   const double r = q * q;
   return (((((a[0] * r + a[1]) * r + a[2]) * r + a[3]) * r + a[4]) * r + a[5]) * q /

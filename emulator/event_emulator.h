@@ -1,77 +1,79 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
-#include <string>
 #include <vector>
 
-#include "core/config.h"
 #include "core/event.h"
+#include "emulator/emulator_config.h"
 
 namespace saccade {
 
-/// The pixel of a dynamic vision sensor: it holds a reference log luminance and emits an event when log
-/// luminance has moved by its ON or OFF threshold from it (Lichtsteiner, Posch, Delbruck, JSSC 43(2), 2008).
-struct EmulatorConfig {
-  std::string preset = "dvs128";        ///< where the values below start from
-  double contrast_threshold_on = 0.2;   ///< rise of ln luminance per ON event
-  double contrast_threshold_off = 0.2;  ///< fall of ln luminance per OFF event
-  double threshold_mismatch = 0.021;    ///< relative standard deviation over pixels, fixed per pixel
-  std::int64_t refractory_us = 500;     ///< after an event the pixel is held in reset this long
-  double dark_current = 10.0;           ///< L = ln(luminance + dark_current); unit of the luminance
+/// Why an event was made.
+enum class EventCause : std::uint8_t { signal, leak, shot, hot };
+
+/// What the emulator knows of an event and no sensor tells. Truth: not for a detector.
+struct EventLabel {
+  EventCause cause =
+      EventCause::signal;   ///< leak where leakage was more than half of the way to the threshold
+  std::uint8_t object = 0;  ///< of the pixel, as process_image was told; 0 where it was not
+
+  friend bool operator==(const EventLabel&, const EventLabel&) = default;
 };
 
-/// Names that `preset` may take: ideal (no mismatch, no refractory period), dvs128.
-[[nodiscard]] const std::vector<std::string>& emulator_presets();
-/// The configuration of a preset. Throws InputError for an unknown name.
-[[nodiscard]] EmulatorConfig emulator_preset(const std::string& name);
-/// Keys: preset, contrast_threshold_on, contrast_threshold_off, threshold_mismatch, refractory_us,
-/// dark_current.
-void describe(FieldVisitor& v, EmulatorConfig& config);
+/// Of all events so far.
+struct EmulatorCounts {
+  std::int64_t on = 0;
+  std::int64_t off = 0;
+  std::int64_t by_cause[4] = {};  ///< in the order of EventCause
+  std::int64_t dropped = 0;       ///< lost because the readout's queue was full; not among the others
+  std::int64_t waiting = 0;       ///< made and not yet appended: later than the newest image
 
-/// Turns a sequence of luminance images into events, each stamped with its own crossing time.
+  [[nodiscard]] std::int64_t events() const { return on + off; }
+};
+
+/// Turns a sequence of luminance images into the events of a dynamic vision sensor (Lichtsteiner, Posch,
+/// Delbruck, JSSC 43(2), 2008), each stamped with its own crossing time. EmulatorConfig has the stages.
 ///
-/// Between two images the log luminance of a pixel is a straight line in time; a pixel emits wherever the
-/// line meets reference +- threshold, and the reference moves to that level. An event is stamped with the
-/// first whole microsecond at or after the crossing. A second crossing of one pixel within a microsecond is
-/// stamped one microsecond later, if need be after the next image (unless the light has turned back by
-/// then). With a refractory period the pixel is held in reset from its event for refractory_us, and the
-/// reference is the log luminance at the end of it. Thresholds differ from pixel to pixel by a fixed, seeded
-/// factor, not below 5 % of their nominal value.
+/// A pixel holds a reference level and emits when its photoreceptor's output has moved by a threshold from it;
+/// the reference is then the level where that happened, or, with a refractory period, the output at the end of
+/// it. Noise events reset the pixel like any other. An event is stamped with the first whole microsecond at or
+/// after the crossing, plus latency and readout; a second one of the same pixel within a tick comes a tick later.
 ///
-/// The number of events and their times do not depend on how finely a given luminance course is sampled.
+/// Events and their times do not depend on how finely a given course of light is sampled, on the number of
+/// threads, or on the compiler; they are a pure function of configuration, size, seed and images.
 class EventEmulator {
  public:
-  /// Throws InputError for a configuration out of range.
-  EventEmulator(const EmulatorConfig& config, ImageSize size, std::uint64_t seed);
+  /// `threads`: how many to use. Throws InputError for a configuration out of range.
+  EventEmulator(const EmulatorConfig& config, ImageSize size, std::uint64_t seed, int threads = 1);
+  ~EventEmulator();
+  EventEmulator(EventEmulator&&) noexcept;
+  EventEmulator& operator=(EventEmulator&&) noexcept;
 
-  /// Takes the image at t_us and appends the events in (previous t_us, t_us], sorted by time and, within a
-  /// microsecond, by row and column. The first image sets the references and makes no event.
+  /// Takes the image at t_us and appends the events with stamps in (previous t_us, t_us], sorted by time and,
+  /// within a microsecond, by row and column. The first image sets the references and makes no event. Intervals
+  /// between images may be of any length.
   /// `luminance`: size.height x size.width, row by row, linear light, >= 0.
+  /// `labels`: where given, one per appended event. `objects`: where given, the object at each pixel in this
+  /// image; an event takes the smaller number of the pixel in the images before and after it.
   /// Throws InputError when time does not advance or a value is negative or not finite (nothing is changed).
-  void process_image(std::span<const float> luminance, std::int64_t t_us, std::vector<Event>& events);
+  void process_image(std::span<const float> luminance, std::int64_t t_us, std::vector<Event>& events,
+                     std::vector<EventLabel>* labels = nullptr, std::span<const std::uint8_t> objects = {});
 
-  [[nodiscard]] std::int64_t event_count() const { return event_count_; }
+  /// Appends the events that are still on their way (latency, readout) after the last image.
+  void finish(std::vector<Event>& events, std::vector<EventLabel>* labels = nullptr);
 
-  /// The references and the newest log luminance, row by row, for tests that rebuild the image from events.
-  [[nodiscard]] std::span<const double> reference_log() const { return reference_; }
-  [[nodiscard]] std::span<const double> newest_log() const { return log_now_; }
+  [[nodiscard]] const EmulatorCounts& counts() const;
+
+  /// For tests that rebuild the image from events: a pixel's reference, and its photoreceptor's output at the
+  /// newest image, both as log luminance (without what has leaked).
+  [[nodiscard]] double reference_log(std::size_t pixel) const;
+  [[nodiscard]] double output_log(std::size_t pixel) const;
 
  private:
-  void emit_pixel(std::size_t pixel, std::int64_t t0, std::int64_t t1);
-  void sort_into(std::vector<Event>& events, std::int64_t t0, std::int64_t t1);
-
-  EmulatorConfig config_;
-  ImageSize size_;
-  bool started_ = false;
-  std::int64_t t_us_ = 0;
-  std::int64_t event_count_ = 0;
-  std::vector<double> log_before_, log_now_, reference_;
-  std::vector<double> threshold_on_, threshold_off_;
-  std::vector<std::int64_t> last_event_us_;   // stamp of the pixel's newest event
-  std::vector<std::int64_t> reset_until_us_;  // end of the pixel's refractory period
-  std::vector<Event> unsorted_;
-  std::vector<std::uint32_t> first_at_;  // counting sort by time
+  struct State;
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace saccade

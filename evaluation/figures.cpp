@@ -199,7 +199,7 @@ Figure gaze_path_figure(std::string_view name, std::span<const TruthRow> truth,
   return figure.draw();
 }
 
-Figure fixation_figure(std::string_view name, std::span<const TruthRow> truth, const PinholeCamera& camera,
+Figure fixation_figure(std::string_view name, std::span<const TruthRow> truth, const Camera& camera,
                        std::int64_t start_us) {
   const auto angle_deg = [&](const TruthRow& row) {
     const Eigen::Vector3d ray = camera.ray(row.circle.x_px, row.circle.y_px);

@@ -40,7 +40,7 @@ inline constexpr std::size_t max_figure_points = 1200;
 
 /// The angle between the ray to the true circle's centre and the optical axis over time, deg.
 [[nodiscard]] Figure fixation_figure(std::string_view name, std::span<const TruthRow> truth,
-                                     const PinholeCamera& camera, std::int64_t start_us);
+                                     const Camera& camera, std::int64_t start_us);
 
 /// Each head joint over time against its limits, deg.
 [[nodiscard]] Figure joints_figure(std::string_view name, std::span<const GazeRow> gaze,

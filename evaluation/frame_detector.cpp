@@ -56,14 +56,17 @@ void describe(FieldVisitor& v, FrameDetectorConfig& config) {
   v.real("threshold", config.threshold, {0.0, 1.0}, "least roundness of a spot that is taken for the ball");
 }
 
-PinholeCamera frame_camera_of(const PinholeCamera& event_camera) {
-  PinholeCamera camera;
+Camera frame_camera_of(const Camera& event_camera) {
+  const ImageSize size = event_camera.size;
+  const double middle_x = 0.5 * (size.width - 1);
+  const double top = event_camera.ray(middle_x, -0.5).y();
+  const double bottom = event_camera.ray(middle_x, size.height - 0.5).y();
+  Camera camera = event_camera.without_lens();
   camera.size = frame_size;
-  const double scale = static_cast<double>(frame_size.height) / event_camera.size.height;
-  camera.fy_px = camera.fx_px = scale * event_camera.fy_px;
-  camera.cy_px = scale * (event_camera.cy_px + 0.5) - 0.5;
-  const double off_middle = (event_camera.cx_px - 0.5 * (event_camera.size.width - 1)) / event_camera.fx_px;
-  camera.cx_px = 0.5 * (frame_size.width - 1) + off_middle * camera.fx_px;
+  camera.fx_px = camera.fy_px = frame_size.height / (bottom - top);
+  camera.cy_px = -0.5 - top * camera.fy_px;
+  const double off_axis = event_camera.ray(middle_x, 0.5 * (size.height - 1)).x();
+  camera.cx_px = 0.5 * (frame_size.width - 1) - off_axis * camera.fx_px;
   return camera;
 }
 
@@ -110,7 +113,7 @@ cv::Mat Shutter::develop() {
 }
 
 FrameDetector::FrameDetector(const FrameDetectorConfig& config, const std::vector<double>& ball_rgb,
-                             const PinholeCamera& event_camera)
+                             const Camera& event_camera)
     : config_(config), event_camera_(event_camera), camera_(frame_camera_of(event_camera)) {
   check_config(frame_detector_name, config);
   SACCADE_CHECK(ball_rgb.size() == 3);
@@ -148,7 +151,6 @@ Estimate FrameDetector::find(const cv::Mat& image) const {
                 image.rows == camera_.size.height);
   std::vector<std::vector<cv::Point>> outlines;
   cv::findContours(ball_coloured(image), outlines, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
-  const double event_px_per_px = std::sqrt(event_camera_.fx_px * event_camera_.fy_px) / camera_.fx_px;
   Estimate best;
   for (const std::vector<cv::Point>& outline : outlines) {
     std::vector<cv::Point> hull;
@@ -157,15 +159,16 @@ Estimate FrameDetector::find(const cv::Mat& image) const {
     float radius_px = 0.0F;
     cv::minEnclosingCircle(hull, centre, radius_px);
     // Through the centres of the outermost pixels: the spot reaches half a pixel further.
-    const double r_px = (static_cast<double>(radius_px) + 0.5) * event_px_per_px;
-    if (r_px < config_.radius_px[0] - 0.5 || r_px > config_.radius_px[1] + 0.5) continue;
-    const auto seen = event_camera_.project(camera_.ray(centre.x, centre.y));
-    if (!event_camera_.size.contains(static_cast<int>(std::lround(seen->x())),
-                                     static_cast<int>(std::lround(seen->y())))) {
+    const double radius = (static_cast<double>(radius_px) + 0.5) / camera_.fx_px;  // at unit depth
+    const auto seen = event_camera_.project_ellipse(camera_.ray(centre.x, centre.y).head<2>(), {radius, 0.0},
+                                                    {0.0, radius});
+    if (!seen || seen->r_px < config_.radius_px[0] - 0.5 || seen->r_px > config_.radius_px[1] + 0.5) continue;
+    if (!event_camera_.size.contains(static_cast<int>(std::lround(seen->x_px)),
+                                     static_cast<int>(std::lround(seen->y_px)))) {
       continue;
     }
     const double roundness = cv::contourArea(hull) / (std::numbers::pi * radius_px * radius_px);
-    if (roundness > best.score) best = {true, false, {seen->x(), seen->y(), r_px}, roundness};
+    if (roundness > best.score) best = {true, false, *seen, roundness};
   }
   return best;
 }

@@ -32,9 +32,10 @@ struct FrameDetectorConfig {
 /// Keys: exposure_ms, radius_px, colour_tolerance, threshold.
 void describe(FieldVisitor& v, FrameDetectorConfig& config);
 
-/// The camera of 320x240 pixels with the pinhole and the optical axis of an event camera: square pixels, the
-/// same field of view from top to bottom, the event camera's image in the middle of its own.
-[[nodiscard]] PinholeCamera frame_camera_of(const PinholeCamera& event_camera);
+/// The camera of 320x240 pixels with the pinhole and the optical axis of an event camera, but no lens: square
+/// pixels, the same field of view from top to bottom in its middle, the event camera's image in the middle of
+/// its own.
+[[nodiscard]] Camera frame_camera_of(const Camera& event_camera);
 
 /// Gathers light into images: 30 exposures per second, the first from time 0 on. An image is the mean of
 /// instants spread over the exposure, one per millisecond, in linear light, then 8 bit sRGB.
@@ -70,7 +71,7 @@ class FrameDetector {
  public:
   /// `ball_rgb`: the ball's linear reflectance. Throws InputError for a config out of range or a black ball.
   FrameDetector(const FrameDetectorConfig& config, const std::vector<double>& ball_rgb,
-                const PinholeCamera& event_camera);
+                const Camera& event_camera);
 
   /// The roundest spot in an image (CV_8UC3 sRGB, red first) as a circle in the event camera's image; its
   /// score is its roundness. Not valid where there is none of a size in the range whose centre the event
@@ -78,7 +79,7 @@ class FrameDetector {
   [[nodiscard]] Estimate find(const cv::Mat& image) const;
 
   /// Of the images.
-  [[nodiscard]] const PinholeCamera& camera() const { return camera_; }
+  [[nodiscard]] const Camera& camera() const { return camera_; }
   [[nodiscard]] double threshold() const { return config_.threshold; }
 
  private:
@@ -86,8 +87,8 @@ class FrameDetector {
 
   FrameDetectorConfig config_;
   cv::Vec3f ball_shares_;
-  PinholeCamera event_camera_;
-  PinholeCamera camera_;
+  Camera event_camera_;
+  Camera camera_;
 };
 
 }  // namespace saccade

@@ -148,13 +148,17 @@ GazeMetrics gaze_metrics(const Json& json) {
 
 Json camera_json(const Metrics& metrics) {
   Json json = {{"width_px", metrics.image.width}, {"height_px", metrics.image.height}};
-  const auto add = [&](const char* key, double PinholeCamera::*member) {
+  const auto add = [&](const char* key, double Camera::*member) {
     json[key] = metrics.camera ? Json((*metrics.camera).*member) : Json(nullptr);
   };
-  add("fx_px", &PinholeCamera::fx_px);
-  add("fy_px", &PinholeCamera::fy_px);
-  add("cx_px", &PinholeCamera::cx_px);
-  add("cy_px", &PinholeCamera::cy_px);
+  add("fx_px", &Camera::fx_px);
+  add("fy_px", &Camera::fy_px);
+  add("cx_px", &Camera::cx_px);
+  add("cy_px", &Camera::cy_px);
+  add("k1", &Camera::k1);
+  add("k2", &Camera::k2);
+  add("p1", &Camera::p1);
+  add("p2", &Camera::p2);
   return json;
 }
 
@@ -182,11 +186,15 @@ Metrics metrics_of(const Json& json) {
   const Json& camera = json.at("camera");
   metrics.image = {camera.at("width_px").get<int>(), camera.at("height_px").get<int>()};
   if (!camera.at("fx_px").is_null()) {
-    metrics.camera = PinholeCamera{.size = metrics.image,
-                                   .fx_px = camera.at("fx_px").get<double>(),
-                                   .fy_px = camera.at("fy_px").get<double>(),
-                                   .cx_px = camera.at("cx_px").get<double>(),
-                                   .cy_px = camera.at("cy_px").get<double>()};
+    metrics.camera = Camera{.size = metrics.image,
+                            .fx_px = camera.at("fx_px").get<double>(),
+                            .fy_px = camera.at("fy_px").get<double>(),
+                            .cx_px = camera.at("cx_px").get<double>(),
+                            .cy_px = camera.at("cy_px").get<double>(),
+                            .k1 = camera.value("k1", 0.0),  // runs of before there were lenses
+                            .k2 = camera.value("k2", 0.0),
+                            .p1 = camera.value("p1", 0.0),
+                            .p2 = camera.value("p2", 0.0)};
   }
   return metrics;
 }

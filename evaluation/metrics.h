@@ -39,7 +39,7 @@ struct Metrics {
   /// The events' file: relative to the run folder, or absolute when the recording lies elsewhere.
   std::string events_file;
   ImageSize image;
-  std::optional<PinholeCamera> camera;                           ///< where it is known
+  std::optional<Camera> camera;                                  ///< where it is known
   std::vector<std::pair<std::string, DetectorScore>> detectors;  ///< in the order of the scenario
   std::optional<GazeMetrics> gaze;
 };

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <string>
 
@@ -202,7 +203,6 @@ constexpr std::uint32_t red_weight = 2126;
 constexpr std::uint32_t green_weight = 7152;
 constexpr std::uint32_t blue_weight = 722;
 constexpr double hidden_by_m = 0.003;
-constexpr std::size_t group = 4;  // taps per unrolled step of the resampling
 
 /// The samples [first, last) along one image axis that the outline of a sphere spans: its tangent planes
 /// through the other axis meet z = 1 at u with (dx - u dz)^2 = R^2 (1 + u^2).
@@ -214,49 +214,132 @@ std::array<int, 2> outline_span(double dx, double dz, double radius, double foca
           static_cast<int>(std::ceil(centre + scale * (dx * dz + root)))};
 }
 
+/// A convex polygon of few corners.
+struct Polygon {
+  std::array<Eigen::Vector2d, 8> corners;
+  std::size_t count = 0;
+
+  void add(const Eigen::Vector2d& corner) { corners.at(count++) = corner; }
+  /// The part where sign * (coordinate - bound) >= 0.
+  [[nodiscard]] Polygon clipped(Eigen::Index axis, double bound, double sign) const {
+    Polygon part;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Eigen::Vector2d& from = corners.at(i);
+      const Eigen::Vector2d& to = corners.at((i + 1) % count);
+      const double begin = sign * (from[axis] - bound);
+      const double end = sign * (to[axis] - bound);
+      if (begin >= 0.0) part.add(from);
+      if ((begin < 0.0) != (end < 0.0)) part.add(from + (to - from) * (begin / (begin - end)));
+    }
+    return part;
+  }
+  [[nodiscard]] double area() const {
+    double twice = 0.0;
+    for (std::size_t i = 1; i + 1 < count; ++i) {
+      const Eigen::Vector2d a = corners.at(i) - corners[0];
+      const Eigen::Vector2d b = corners.at(i + 1) - corners[0];
+      twice += a.x() * b.y() - a.y() * b.x();
+    }
+    return 0.5 * std::abs(twice);
+  }
+  [[nodiscard]] std::array<int, 2> span(Eigen::Index axis) const {
+    double low = corners[0][axis];
+    double high = low;
+    for (std::size_t i = 1; i < count; ++i) {
+      low = std::min(low, corners.at(i)[axis]);
+      high = std::max(high, corners.at(i)[axis]);
+    }
+    return {static_cast<int>(std::floor(low)), static_cast<int>(std::ceil(high))};
+  }
+};
+
 }  // namespace
 
 void describe(FieldVisitor& v, EyeRenderConfig& config) {
   v.integer("supersampling", config.supersampling, {1, 8}, "samples per pixel and direction");
+  v.real("blur_px", config.blur_px, {0.0, 5.0}, "optics' point spread: standard deviation; 0: none");
   v.real("near_m", config.near_m, {0.001, 0.2}, "nothing nearer along the optical axis is drawn");
   v.real("far_m", config.far_m, {1.0, 1000.0}, "nothing farther along the optical axis is drawn");
 }
 
-EyeRenderer::EyeRenderer(const mjModel& model, GlContext& gl, const PinholeCamera& camera,
+EyeRenderer::EyeRenderer(const mjModel& model, GlContext& gl, const Camera& camera,
                          const EyeRenderConfig& config)
     : camera_(camera), config_(config), gl_(gl) {
   check_config("render", config);
   check_config("camera", camera);
-  const auto samples = static_cast<double>(config.supersampling);
-  const double stretch = camera.fy_px / camera.fx_px;  // drawn columns per sample of the wanted image
+  const double stretch = camera.fy_px / camera.fx_px;
   if (!(stretch > 0.5 && stretch < 2.0)) {
     throw InputError("camera.fx_px", text_of(camera.fx_px), "between fy / 2 and 2 fy");
   }
-  rows_ = static_cast<int>(config.supersampling) * camera.size.height;
-  columns_ = static_cast<int>(std::ceil(samples * stretch * camera.size.width - 1e-9));
-  focal_ = samples * camera.fy_px;
-  centre_x_ = samples * stretch * (camera.cx_px + 0.5);
-  centre_y_ = samples * (camera.cy_px + 0.5);
+  focal_ = static_cast<double>(config.supersampling) * camera.fy_px;
+  gather_samples();
+  drawer_ = std::make_unique<SceneDrawer>(model, gl, ImageSize{columns_, rows_}, SceneDrawer::Quality::fast);
+}
 
-  // A pixel is the mean of the drawn image over its area.
-  const double pitch = samples * stretch;
-  taps_ = static_cast<int>((static_cast<std::size_t>(std::ceil(pitch)) + group) / group * group);
-  const auto width = static_cast<std::size_t>(camera.size.width);
-  first_column_.resize(width);
-  tap_weights_.assign(width * static_cast<std::size_t>(taps_), 0.0F);
-  for (std::size_t x = 0; x < width; ++x) {
-    const double left = pitch * static_cast<double>(x);
-    first_column_[x] = std::min(static_cast<int>(left), columns_ - 1);
-    for (int tap = 0; tap < taps_; ++tap) {
-      const double column = first_column_[x] + tap;
-      const double covered = std::min(column + 1.0, left + pitch) - std::max(column, left);
-      tap_weights_[x * static_cast<std::size_t>(taps_) + static_cast<std::size_t>(tap)] =
-          static_cast<float>(std::max(covered, 0.0) / (pitch * samples * 10000.0));
+void EyeRenderer::gather_samples() {
+  const auto width = static_cast<std::size_t>(camera_.size.width);
+  const auto height = static_cast<std::size_t>(camera_.size.height);
+  // Where the corners of the pixels are in the drawn image.
+  std::vector<Eigen::Vector2d> corners;
+  corners.reserve((width + 1) * (height + 1));
+  Eigen::Vector2d low = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Vector2d high = -low;
+  for (std::size_t y = 0; y <= height; ++y) {
+    for (std::size_t x = 0; x <= width; ++x) {
+      const Eigen::Vector3d ray = camera_.ray(static_cast<double>(x) - 0.5, static_cast<double>(y) - 0.5);
+      corners.emplace_back(focal_ * ray.head<2>());
+      low = low.cwiseMin(corners.back());
+      high = high.cwiseMax(corners.back());
     }
   }
-  rgba_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
-  sums_.assign(static_cast<std::size_t>(columns_ + taps_), 0.0F);
-  drawer_ = std::make_unique<SceneDrawer>(model, gl, ImageSize{columns_, rows_}, SceneDrawer::Quality::fast);
+  for (Eigen::Vector2d& corner : corners) corner -= low;
+  constexpr double rounding = 1e-9;
+  columns_ = static_cast<int>(std::ceil(high.x() - low.x() - rounding));
+  rows_ = static_cast<int>(std::ceil(high.y() - low.y() - rounding));
+  centre_x_ = -low.x();
+  centre_y_ = -low.y();
+
+  const auto columns = static_cast<std::size_t>(columns_);
+  const std::size_t drawn = columns * static_cast<std::size_t>(rows_);
+  std::vector<double> covered(drawn, 0.0);  // of each sample by all pixels
+  for (std::size_t pixel = 0; pixel < width * height; ++pixel) {
+    const std::size_t corner = pixel + pixel / width;
+    Polygon footprint;
+    for (const std::size_t i : {corner, corner + 1, corner + width + 2, corner + width + 1}) {
+      footprint.add(corners[i]);
+    }
+    const double share = 1.0 / (footprint.area() * 10000.0);
+    const auto [top, bottom] = footprint.span(1);
+    for (int row = top; row < std::min(bottom, rows_); ++row) {
+      const Polygon strip = footprint.clipped(1, row, 1.0).clipped(1, row + 1, -1.0);
+      if (strip.area() < rounding) continue;
+      const auto [left, right] = strip.span(0);
+      for (int column = left; column < std::min(right, columns_); ++column) {
+        const double area = strip.clipped(0, column, 1.0).clipped(0, column + 1, -1.0).area();
+        const int in_group = (column - left) % 4;
+        const std::size_t sample =
+            static_cast<std::size_t>(rows_ - 1 - row) * columns + static_cast<std::size_t>(column);
+        if (in_group == 0) samples_.push_back({static_cast<std::uint32_t>(sample), {}});
+        samples_.back().weights.at(static_cast<std::size_t>(in_group)) = static_cast<float>(area * share);
+        covered[sample] += area;
+      }
+    }
+    samples_end_.push_back(static_cast<std::uint32_t>(samples_.size()));
+  }
+  is_inside_.resize(drawn);
+  std::ranges::transform(covered, is_inside_.begin(), [](double area) { return area >= 0.5 ? 1 : 0; });
+  rgba_.resize(drawn);
+  const double sigma = config_.blur_px * static_cast<double>(config_.supersampling);
+  if (sigma > 0.0) {
+    double sum = 0.0;
+    for (int k = 0; k <= static_cast<int>(std::ceil(3.0 * sigma)); ++k) {
+      blur_weights_.push_back(static_cast<float>(std::exp(-0.5 * k * k / (sigma * sigma))));
+      sum += static_cast<double>(blur_weights_.back()) * (k == 0 ? 1.0 : 2.0);
+    }
+    for (float& weight : blur_weights_) weight = static_cast<float>(static_cast<double>(weight) / sum);
+    blur_row_.resize(columns + 2 * blur_weights_.size());
+  }
+  drawn_.assign(drawn + 3, 0.0F);  // four at a time, past the end too
 }
 
 EyeRenderer::~EyeRenderer() { gl_.make_current(); }
@@ -302,35 +385,55 @@ void EyeRenderer::draw(mjData& data, int camera_id, const Eigen::Vector2d& shift
 }
 
 template <std::uint32_t red, std::uint32_t green, std::uint32_t blue>
-void EyeRenderer::resample(std::span<float> image) const {
-  const auto columns = static_cast<std::size_t>(columns_);
-  const auto samples = static_cast<std::size_t>(config_.supersampling);
-  const auto width = static_cast<std::size_t>(camera_.size.width);
-  const auto taps = static_cast<std::size_t>(taps_);
-  for (std::size_t y = 0; y < static_cast<std::size_t>(camera_.size.height); ++y) {
-    const std::uint32_t* row = rgba_.data() + (static_cast<std::size_t>(rows_) - (y + 1) * samples) * columns;
-    for (std::size_t c = 0; c < columns; ++c) {
-      std::uint32_t red_blue = 0;  // two sums of 16 bits
-      std::uint32_t sum_green = 0;
-      for (std::size_t s = 0; s < samples; ++s) {
-        const std::uint32_t rgba = row[s * columns + c];
-        red_blue += rgba & 0xff00ffU;
-        sum_green += (rgba >> 8U) & 0xffU;
-      }
-      // Signed, because that is what SSE converts.
-      sums_[c] = static_cast<float>(static_cast<std::int32_t>(red * (red_blue & 0xffffU) + green * sum_green +
-                                                              blue * (red_blue >> 16U)));
+void EyeRenderer::resample(std::span<float> image) {
+  for (std::size_t i = 0; i < rgba_.size(); ++i) {
+    const std::uint32_t rgba = rgba_[i];
+    // Signed, because that is what SSE converts.
+    drawn_[i] = static_cast<float>(static_cast<std::int32_t>(
+        red * (rgba & 0xffU) + green * ((rgba >> 8U) & 0xffU) + blue * ((rgba >> 16U) & 0xffU)));
+  }
+  blur();
+  const Samples* samples = samples_.data();
+  for (std::size_t pixel = 0; pixel < image.size(); ++pixel) {
+    std::array<float, 4> sums{};
+    for (const Samples* end = samples_.data() + samples_end_[pixel]; samples != end; ++samples) {
+      const float* from = drawn_.data() + samples->first;
+      for (std::size_t i = 0; i < 4; ++i) sums[i] += samples->weights[i] * from[i];
     }
-    for (std::size_t x = 0; x < width; ++x) {
-      const float* from = sums_.data() + first_column_[x];
-      const float* weight = tap_weights_.data() + x * taps;
-      float value = 0.0F;
-      for (std::size_t tap = 0; tap < taps; tap += group) {
-        for (std::size_t i = tap; i < tap + group; ++i) value += weight[i] * from[i];
-      }
-      image[y * width + x] = value;
+    image[pixel] = (sums[0] + sums[1]) + (sums[2] + sums[3]);
+  }
+}
+
+/// A Gaussian over the drawn image, rows first; what lies beyond its border is as the border is.
+void EyeRenderer::blur() {
+  if (blur_weights_.empty()) return;
+  const auto columns = static_cast<std::size_t>(columns_);
+  const auto rows = static_cast<std::size_t>(rows_);
+  const std::size_t reach = blur_weights_.size() - 1;
+  const auto add = [](float weight, const float* a, const float* b, float* sum, std::size_t n) {
+    for (std::size_t i = 0; i < n; ++i) sum[i] += weight * (a[i] + b[i]);
+  };
+  std::vector<float>& padded = blur_row_;
+  for (std::size_t row = 0; row < rows; ++row) {
+    float* const line = drawn_.data() + row * columns;
+    std::fill_n(padded.begin(), reach, line[0]);
+    std::copy_n(line, columns, padded.begin() + static_cast<std::ptrdiff_t>(reach));
+    std::fill_n(padded.begin() + static_cast<std::ptrdiff_t>(reach + columns), reach, line[columns - 1]);
+    for (std::size_t i = 0; i < columns; ++i) line[i] = blur_weights_[0] * padded[reach + i];
+    for (std::size_t k = 1; k <= reach; ++k) {
+      add(blur_weights_[k], padded.data() + reach - k, padded.data() + reach + k, line, columns);
     }
   }
+  blurred_.resize(drawn_.size());
+  for (std::size_t row = 0; row < rows; ++row) {
+    const auto line = [&](std::size_t of) { return drawn_.data() + std::min(of, rows - 1) * columns; };
+    float* const out = blurred_.data() + row * columns;
+    for (std::size_t i = 0; i < columns; ++i) out[i] = blur_weights_[0] * line(row)[i];
+    for (std::size_t k = 1; k <= reach; ++k) {
+      add(blur_weights_[k], line(row < k ? 0 : row - k), line(row + k), out, columns);
+    }
+  }
+  std::swap(drawn_, blurred_);
 }
 
 double EyeRenderer::visible_share(const Eigen::Vector3d& centre_m, double radius_m) {
@@ -352,6 +455,8 @@ double EyeRenderer::visible_share(const Eigen::Vector3d& centre_m, double radius
   for (int row = top; row < bottom; ++row) {
     const double ray_y = (row + 0.5 - centre_y_) / focal_;
     const bool row_inside = row >= 0 && row < rows_;
+    const std::uint8_t* is_inside_row =
+        is_inside_.data() + static_cast<std::ptrdiff_t>(rows_ - 1 - row) * columns_;
     const float* depth_row =
         depth_.data() + static_cast<std::ptrdiff_t>(rows_ - 1 - row - seen.bottom) * seen.width - seen.left;
     for (int column = left; column < right; ++column) {
@@ -361,7 +466,7 @@ double EyeRenderer::visible_share(const Eigen::Vector3d& centre_m, double radius
       const double root2 = along * along - ray2 * k;
       if (root2 < 0.0) continue;
       ++all;
-      if (!row_inside || column < 0 || column >= columns_) continue;
+      if (!row_inside || column < 0 || column >= columns_ || is_inside_row[column] == 0) continue;
       const double drawn_m =
           config_.near_m * config_.far_m / (config_.far_m - static_cast<double>(depth_row[column]) * span);
       if (drawn_m > (along - std::sqrt(root2)) / ray2 - hidden_by_m) ++visible;

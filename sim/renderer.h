@@ -3,6 +3,7 @@
 #include <mujoco/mujoco.h>
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -21,37 +22,38 @@ class SceneDrawer;
 
 struct EyeRenderConfig {
   std::int64_t supersampling = 2;  ///< samples per pixel and direction
+  double blur_px = 0.35;           ///< the optics' point spread, a Gaussian: its standard deviation; 0: none
   double near_m = 0.02;            ///< nothing nearer along the optical axis is drawn
   double far_m = 12.0;             ///< nor farther
 };
 
-/// Keys: supersampling, near_m, far_m.
+/// Keys: supersampling, blur_px, near_m, far_m.
 void describe(FieldVisitor& v, EyeRenderConfig& config);
 
-/// What an eye of the model sees, as linear luminance through an exact pinhole.
+/// What an eye of the model sees through its lens, as linear luminance.
 ///
 /// Draws geoms of groups 0 and 1 (the robot's own shell is group 2: no eye sees its head from inside),
 /// with the lights of the model, but no shadows, reflections or haze. Luminance is Rec. 709's of the
-/// drawn colours taken as linear reflectances, in units of one 8-bit grey level, 0 to 255, with fractions:
-/// the mean of supersampling^2 samples per pixel.
+/// drawn colours taken as linear reflectances, in units of one 8-bit grey level, 0 to 255, with fractions.
 ///
-/// MuJoCo 2.2.2 draws square pixels only: images are drawn with fy and columns resampled to fx. A sphere
-/// is drawn as a polyhedron whose outline has the area of the true one.
+/// MuJoCo 2.2.2 draws exact pinholes with square pixels only. The drawn image holds all that the lens shows,
+/// with supersampling^2 samples per pixel on the optical axis; a pixel is the mean of the drawn image over the
+/// pixel's area there, so that each sample counts by how much of it the pixel covers. A sphere is drawn as a
+/// polyhedron whose outline has the area of the true one.
 class EyeRenderer {
  public:
   /// `model` and `gl` must outlive it. Textures are uploaded here: paint them before.
   /// Throws InputError for a config or camera out of range, RunError when OpenGL fails.
-  EyeRenderer(const mjModel& model, GlContext& gl, const PinholeCamera& camera,
-              const EyeRenderConfig& config);
+  EyeRenderer(const mjModel& model, GlContext& gl, const Camera& camera, const EyeRenderConfig& config);
   ~EyeRenderer();
 
   /// Draws what the model's fixed camera `camera_id` sees at the state of `data` (kinematics computed;
-  /// not changed). `luminance` is row-major, height x width of the pinhole.
+  /// not changed). `luminance` is row-major, height x width of the camera.
   void render(mjData& data, int camera_id, std::span<float> luminance);
 
   /// The same in colour: linear red, green and blue, 0 to 255 with fractions, as three images one after the
-  /// other in `rgb`. Pixels lie `shift_px` further right and down than the pinhole has them, so that
-  /// several pictures can share out the samples of one.
+  /// other in `rgb`. Pixels lie `shift_px` further right and down than the camera has them (through a lens:
+  /// those on the optical axis), so that several pictures can share out the samples of one.
   void render_colour(mjData& data, int camera_id, const Eigen::Vector2d& shift_px, std::span<float> rgb);
 
   /// The share of a sphere's disc, in [0, 1], that is inside the last image and not hidden by anything
@@ -59,27 +61,38 @@ class EyeRenderer {
   /// that is not wholly in front of the camera.
   [[nodiscard]] double visible_share(const Eigen::Vector3d& centre_m, double radius_m);
 
-  [[nodiscard]] const PinholeCamera& camera() const { return camera_; }
+  [[nodiscard]] const Camera& camera() const { return camera_; }
 
  private:
   void draw(mjData& data, int camera_id, const Eigen::Vector2d& shift_px);
-  /// The drawn image's pixels, weighted by colour, in 1/10000.
+  void gather_samples();
+  void blur();
+  /// The drawn image's samples, weighted by colour in 1/10000, as seen by the pixels.
   template <std::uint32_t red, std::uint32_t green, std::uint32_t blue>
-  void resample(std::span<float> image) const;
+  void resample(std::span<float> image);
 
-  PinholeCamera camera_;
+  /// Samples side by side in the drawn image, and what they count in a pixel.
+  struct Samples {
+    std::uint32_t first;
+    std::array<float, 4> weights;
+  };
+
+  Camera camera_;
   EyeRenderConfig config_;
   GlContext& gl_;
-  int columns_ = 0;                  ///< of the drawn image
-  int rows_ = 0;                     ///< supersampling * height
-  double focal_ = 0.0;               ///< of the drawn image, samples
-  double centre_x_ = 0.0;            ///< principal point of the drawn image, samples from its left edge
-  double centre_y_ = 0.0;            ///< and from its top edge
-  int taps_ = 0;                     ///< of the filter that makes a pixel out of drawn columns, padded
-  std::vector<int> first_column_;    ///< per pixel column: the first drawn column that it covers
-  std::vector<float> tap_weights_;   ///< per pixel column: `taps_` weights
+  int columns_ = 0;               ///< of the drawn image
+  int rows_ = 0;                  ///< of the drawn image
+  double focal_ = 0.0;            ///< of the drawn image, samples
+  double centre_x_ = 0.0;         ///< principal point of the drawn image, samples from its left edge
+  double centre_y_ = 0.0;         ///< and from its top edge
+  std::vector<Samples> samples_;  ///< of all pixels, row by row
+  std::vector<std::uint32_t> samples_end_;  ///< per pixel: where its samples end
+  std::vector<std::uint8_t>
+      is_inside_;                    ///< per sample of the drawn image: at least half of it is in the image
   std::vector<std::uint32_t> rgba_;  ///< the drawn image, bottom row first
-  mutable std::vector<float> sums_;  ///< per drawn column: of one pixel row
+  std::vector<float> drawn_;         ///< its luminance or one colour
+  std::vector<float> blur_weights_;  ///< of a sample and those 1, 2 ... away from it; empty: none
+  std::vector<float> blur_row_, blurred_;
   std::vector<float> depth_;
   std::unique_ptr<detail::SceneDrawer> drawer_;
 };

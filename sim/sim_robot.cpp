@@ -10,33 +10,54 @@ SimRobot::SimRobot(const SimConfig& config, std::uint64_t seed)
     : config_(config),
       world_(config.world, lab_mjcf(config.lab, seed), seed),
       gl_(GlContext::create(config.gl)),
+      shown_(mj_makeData(&world_.model())),
+      sampler_(config.sampling, ImageMotion(world_.model(), world_.left_eye_camera(), config.camera)),
       emulator_(config.emulator, config.camera.size, seed),
       luminance_(static_cast<std::size_t>(config.camera.size.pixels())) {
+  if (!shown_) throw RunError("MuJoCo has no memory for a second picture of the world");
   paint_lab_textures(world_.model(), config.lab, seed);
   eye_ = std::make_unique<EyeRenderer>(world_.model(), *gl_, config.camera, config.render);
-  look();
+  take_image(world_.now_us());
+  note_truth();
 }
 
 PortStatus SimRobot::wait_until(std::int64_t t_us) {
+  const auto show = [this](std::int64_t at_us) -> const mjData& { return world_at(at_us); };
   while (world_.now_us() < t_us) {
+    const std::int64_t begin_us = world_.now_us();
     world_.step();
-    look();
+    while (const auto image_us = sampler_.next(begin_us, world_.now_us(), show)) take_image(*image_us);
+    note_truth();
   }
   return PortStatus::ok;
 }
 
-void SimRobot::look() {
-  const std::int64_t now_us = world_.now_us();
-  eye_->render(world_.data(), world_.left_eye_camera(), luminance_);
-  emulator_.process_image(luminance_, now_us, events_);
+mjData& SimRobot::world_at(std::int64_t t_us) {
+  if (t_us == world_.now_us()) return world_.data();
+  world_.show(t_us, *shown_);
+  return *shown_;
+}
 
-  truth_.t_us = now_us;
+void SimRobot::take_image(std::int64_t t_us) {
+  mjData& data = world_at(t_us);
+  sampler_.take(t_us, data);
+  eye_->render(data, world_.left_eye_camera(), luminance_);
+  emulator_.process_image(luminance_, t_us, events_);
+  const Eigen::Isometry3d root_from_cam = World::root_from_camera(data, world_.left_eye_camera());
+  truth_.visible =
+      eye_->visible_share(root_from_cam.inverse() * world_.ball_position_m(data), world_.ball_radius_m());
+  image_us_ = t_us;
+  ++images_;
+}
+
+void SimRobot::note_truth() {
+  truth_.t_us = world_.now_us();
   truth_.ball_m = world_.ball_position_m();
   truth_.root_from_left_cam = world_.root_from_left_cam();
   truth_.plant_position_rad = world_.head_state().position_rad;
   const Eigen::Vector3d ball_in_cam_m = truth_.root_from_left_cam.inverse() * truth_.ball_m;
   truth_.circle = config_.camera.project_sphere(ball_in_cam_m, world_.ball_radius_m());
-  truth_.visible = truth_.circle ? eye_->visible_share(ball_in_cam_m, world_.ball_radius_m()) : 0.0;
+  if (!truth_.circle) truth_.visible = 0.0;
 }
 
 PortStatus SimRobot::read_until(std::int64_t t_us, std::vector<Event>& events) {
@@ -68,17 +89,14 @@ void SimRobot::draw_scene(const SceneView& view, ImageSize size, std::span<std::
   scene_->render(world_.data(), view, rgb);
 }
 
-void SimRobot::draw_left_eye(std::int64_t t_us, const PinholeCamera& camera, const Eigen::Vector2d& shift_px,
+void SimRobot::draw_left_eye(std::int64_t t_us, const Camera& camera, const Eigen::Vector2d& shift_px,
                              std::span<float> rgb) {
   if (!colour_eye_ || colour_eye_->camera() != camera) {
     EyeRenderConfig single = config_.render;
     single.supersampling = 1;
     colour_eye_ = std::make_unique<EyeRenderer>(world_.model(), *gl_, camera, single);
   }
-  if (!shown_) shown_.reset(mj_makeData(&world_.model()));
-  if (!shown_) throw RunError("MuJoCo has no memory for a second picture of the world");
-  world_.show(t_us, *shown_);
-  colour_eye_->render_colour(*shown_, world_.left_eye_camera(), shift_px, rgb);
+  colour_eye_->render_colour(world_at(t_us), world_.left_eye_camera(), shift_px, rgb);
 }
 
 }  // namespace saccade

@@ -9,6 +9,7 @@
 #include "emulator/event_emulator.h"
 #include "robot/ports.h"
 #include "sim/gl_context.h"
+#include "sim/image_sampler.h"
 #include "sim/lab.h"
 #include "sim/mujoco_compat.h"
 #include "sim/renderer.h"
@@ -20,8 +21,9 @@ namespace saccade {
 struct SimConfig {
   LabConfig lab;
   WorldConfig world;
-  PinholeCamera camera;
+  Camera camera;
   EyeRenderConfig render;
+  SamplingConfig sampling;
   std::string gl = "auto";  ///< OpenGL backend: auto, osmesa, egl
   EmulatorConfig emulator;
 };
@@ -30,15 +32,17 @@ struct SimConfig {
 struct SimTruth {
   std::int64_t t_us = 0;
   std::optional<Circle> circle;  ///< the true circle in the left image; none when the ball is not in front
-  double visible = 0.0;          ///< share of its disc inside the image and not hidden
+  /// Share of its disc inside the image and not hidden, as of the newest image; nothing in it has moved by more
+  /// than SamplingConfig::max_displacement_px since then.
+  double visible = 0.0;
   Eigen::Vector3d ball_m = Eigen::Vector3d::Zero();  ///< ball centre, root frame
   Eigen::Isometry3d root_from_left_cam = Eigen::Isometry3d::Identity();
   JointVector plant_position_rad = JointVector::Zero();
 };
 
 /// The simulated robot behind the ports. Waiting for a time advances the world in ticks of 1 ms: the plant
-/// steps, the left eye's image is drawn, and the emulator turns it into events. It offers what the robot
-/// offers; the truth is a door of its own, which only a recorder opens.
+/// steps, the left eye's images are drawn, as many as motion asks for (ImageSampler), and the emulator turns
+/// them into events. Events after the newest image come with the next one. It offers what the robot offers; the truth is a door of its own, which only a recorder opens.
 class SimRobot final : public Clock, public EventSource, public HeadPort {
  public:
   /// Throws InputError for a configuration out of range, RunError where there is no OpenGL.
@@ -56,19 +60,25 @@ class SimRobot final : public Clock, public EventSource, public HeadPort {
 
   [[nodiscard]] const SimTruth& truth() const { return truth_; }
   [[nodiscard]] std::int64_t first_motion_us() const { return world_.first_motion_us(); }
-  /// The newest image of the left eye: linear luminance, grey levels 0..255, row by row.
+  /// The newest image of the left eye, drawn at image_us(): linear luminance, grey levels 0..255, row by row.
   [[nodiscard]] std::span<const float> left_image() const { return luminance_; }
+  [[nodiscard]] std::int64_t image_us() const { return image_us_; }
+  /// How many were drawn so far.
+  [[nodiscard]] std::int64_t images() const { return images_; }
   /// A picture of the scene from outside.
   void draw_scene(const SceneView& view, ImageSize size, std::span<std::uint8_t> rgb);
-  /// What a colour camera in the left eye's place sees at t_us within the last tick, (now - 1 ms, now]:
+  /// What a colour camera in the left eye's place sees at t_us within the last tick, [now - 1 ms, now]:
   /// linear red, green and blue, 0 to 255, three images one after the other, one sample per pixel. Pixels lie
   /// `shift_px` further right and down than the camera has them.
-  void draw_left_eye(std::int64_t t_us, const PinholeCamera& camera, const Eigen::Vector2d& shift_px,
+  void draw_left_eye(std::int64_t t_us, const Camera& camera, const Eigen::Vector2d& shift_px,
                      std::span<float> rgb);
   [[nodiscard]] const std::string& gl_description() const { return gl_->description(); }
 
  private:
-  void look();
+  void take_image(std::int64_t t_us);
+  void note_truth();
+  /// The world at an instant of the last tick; good until the next call or tick.
+  mjData& world_at(std::int64_t t_us);
 
   SimConfig config_;
   World world_;
@@ -76,9 +86,12 @@ class SimRobot final : public Clock, public EventSource, public HeadPort {
   std::unique_ptr<EyeRenderer> eye_;
   std::unique_ptr<SceneRenderer> scene_;
   std::unique_ptr<EyeRenderer> colour_eye_;
-  MjDataPtr shown_;  // the world between ticks, for colour_eye_
+  MjDataPtr shown_;  // the world between ticks
+  ImageSampler sampler_;
   EventEmulator emulator_;
   std::vector<float> luminance_;
+  std::int64_t image_us_ = 0;
+  std::int64_t images_ = 0;
   std::vector<Event> events_;  // not yet delivered
   std::size_t delivered_ = 0;
   SimTruth truth_;

@@ -234,8 +234,12 @@ Eigen::Isometry3d World::root_from_camera(const mjData& data, int camera_id) {
   return pose;
 }
 
+Eigen::Vector3d World::ball_position_m(const mjData& data) const {
+  return Eigen::Map<const Eigen::Vector3d>(data.mocap_pos + 3 * ball_mocap_);
+}
+
 void World::show(std::int64_t t_us, mjData& data) const {
-  SACCADE_CHECK(t_us > now_us_ - tick_us && t_us <= now_us_);
+  SACCADE_CHECK(t_us >= now_us_ - tick_us && t_us <= now_us_);
   const double tick_s = model_->opt.timestep;
   const double u = 1.0 - static_cast<double>(now_us_ - t_us) / static_cast<double>(tick_us);
   const double end = u * u * (3.0 - 2.0 * u);

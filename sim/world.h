@@ -66,7 +66,7 @@ class World {
   [[nodiscard]] const JointLimits& limits() const { return limits_; }
 
   /// Truth: ball centre now, root frame; start of its commanded motion.
-  [[nodiscard]] Eigen::Vector3d ball_position_m() const { return trajectory_.position_m(now_us_); }
+  [[nodiscard]] Eigen::Vector3d ball_position_m() const { return ball_position_m(*data_); }
   [[nodiscard]] double ball_radius_m() const { return ball_radius_m_; }
   [[nodiscard]] std::int64_t first_motion_us() const { return trajectory_.first_motion_us(); }
   /// Truth: the eyes' cameras now (x right, y down, z along the optical axis), from the plant's joints.
@@ -74,8 +74,9 @@ class World {
   [[nodiscard]] Eigen::Isometry3d root_from_right_cam() const { return root_from_camera(*data_, right_eye_); }
   /// The same for a state filled by show().
   [[nodiscard]] static Eigen::Isometry3d root_from_camera(const mjData& data, int camera_id);
+  [[nodiscard]] Eigen::Vector3d ball_position_m(const mjData& data) const;
 
-  /// Puts `data`, made with mj_makeData(&model()), to time t_us within the last tick, (now - tick, now]:
+  /// Puts `data`, made with mj_makeData(&model()), to time t_us within the last tick, [now - tick, now]:
   /// joints interpolated (cubic in position and speed), the ball where it was, all that is drawn derived.
   void show(std::int64_t t_us, mjData& data) const;
 

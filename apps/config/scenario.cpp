@@ -119,12 +119,13 @@ void describe(FieldVisitor& v, Scenario& s) {
       "lab", [&](FieldVisitor& w) { describe(w, s.sim.lab); }, "the room");
   describe(v, s.sim.world);
   v.section(
-      "camera", [&](FieldVisitor& w) { describe(w, s.sim.camera); }, "the left eye's pinhole");
+      "camera", [&](FieldVisitor& w) { describe(w, s.sim.camera); }, "the left eye: a pinhole behind a lens");
   v.section(
       "render",
       [&](FieldVisitor& w) {
         w.choice("backend", s.sim.gl, GlContext::backends(), "OpenGL without a window");
         describe(w, s.sim.render);
+        describe(w, s.sim.sampling);
       },
       "how the eye's images are drawn");
   v.section(
@@ -245,6 +246,27 @@ std::string resolved_detectors(NamedDetectors detectors) {
   YamlWriter writer;
   describe_detectors(writer, detectors);
   return writer.yaml();
+}
+
+EmulatorConfig read_emulator(const std::filesystem::path& path, const std::vector<std::string>& assignments) {
+  const std::string block = "emulator";
+  YamlTree tree = path.empty() ? YamlTree{} : read_yaml_file(path);
+  const bool in_block = tree.root.keys == std::vector<std::string>{block};
+  for (const std::string& assignment : assignments) {
+    const bool names_block = assignment.starts_with(block + ".");
+    const std::string key = names_block ? assignment.substr(block.size() + 1) : assignment;
+    set_value(tree, in_block ? block + "." + key : key);
+  }
+  YamlReader reader(tree);
+  EmulatorConfig config;
+  if (in_block) {
+    reader.section(
+        block, [&](FieldVisitor& v) { describe(v, config); }, "the event camera's pixels");
+  } else {
+    describe(reader, config);
+  }
+  reader.finish();
+  return config;
 }
 
 }  // namespace saccade

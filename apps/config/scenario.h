@@ -76,4 +76,10 @@ struct Scenario {
 /// The detectors with every default, as YAML that reads back the same.
 [[nodiscard]] std::string resolved_detectors(NamedDetectors detectors);
 
+/// Reads an event camera: the keys of a scenario's block `emulator`, at the file's top level or under the key
+/// `emulator` as its only one; the defaults where `path` is empty. Assignments are `key=value` or
+/// `emulator.key=value`. Throws InputError with everything that is wrong.
+[[nodiscard]] EmulatorConfig read_emulator(const std::filesystem::path& path,
+                                           const std::vector<std::string>& assignments);
+
 }  // namespace saccade

@@ -60,7 +60,7 @@ BENCHMARK(head_kinematics_with_fixation);
 
 void sphere_from_circle_over_the_image(benchmark::State& bench) {
   const RandomStream random(3, "bench");
-  const PinholeCamera camera;
+  const Camera camera;
   std::uint64_t i = 0;
   for (auto _ : bench) {
     const Circle circle{random.uniform(0, 127, 0, i), random.uniform(0, 127, 1, i),

@@ -1,4 +1,5 @@
-// One image of the left eye, 2x2 samples per pixel, in both labs; and one whole tick of the simulator.
+// One image of the left eye, 2x2 samples per pixel, in both labs; one whole tick of the simulator, with the images
+// that it takes; and what it costs to ask whether one is due.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -54,9 +55,25 @@ void simulated_tick(benchmark::State& state, const char* clutter) {
     robot.read_until(robot.now_us(), events);
     benchmark::DoNotOptimize(events.data());
   }
+  state.counters["images per tick"] =
+      benchmark::Counter(static_cast<double>(robot.images()), benchmark::Counter::kAvgIterations);
 }
 BENCHMARK_CAPTURE(simulated_tick, textured, "textured")->Unit(benchmark::kMicrosecond)->UseRealTime();
 BENCHMARK_CAPTURE(simulated_tick, rectilinear, "rectilinear")->Unit(benchmark::kMicrosecond)->UseRealTime();
+
+void image_motion(benchmark::State& state) {
+  const SimConfig config = lab("textured");
+  World world(config.world, "", 1);
+  ImageMotion motion(world.model(), world.left_eye_camera(), config.camera);
+  motion.start_from(world.data());
+  world.set_reference(sweep(1));
+  world.step();
+  for (auto _ : state) {
+    double moved_px = motion.displacement_px(world.data());
+    benchmark::DoNotOptimize(moved_px);
+  }
+}
+BENCHMARK(image_motion)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace saccade

@@ -11,7 +11,7 @@
 namespace saccade {
 namespace {
 
-const PinholeCamera camera;
+const Camera camera;
 constexpr double threshold = 0.5;
 
 /// A camera that looks ahead from the root's origin, upright.

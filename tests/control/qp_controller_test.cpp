@@ -364,7 +364,7 @@ TEST(QpController, StepsAndGatesDoNotAllocate) {
   const auto gate = make_gate({});
   JointLimiter limiter(motion_limits(genova02_limits(), {}));
   const RandomStream random(5, "targets");
-  const PinholeCamera camera;
+  const Camera camera;
   Plant plant;
   const long before = allocations.load();
   EXPECT_GT(before, 0);

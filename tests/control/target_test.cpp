@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "core/error.h"
@@ -14,7 +16,7 @@ const double nan = std::numeric_limits<double>::quiet_NaN();
 const double infinity = std::numeric_limits<double>::infinity();
 
 TEST(Target, InvertsTheOutlineOfASphereOverTheWholeImageAndBeyond) {
-  const PinholeCamera camera;
+  const Camera camera = Camera{}.without_lens();
   const RandomStream random(1, "target");
   double worst_m = 0.0;
   for (std::uint64_t i = 0; i < 20000; ++i) {
@@ -29,8 +31,55 @@ TEST(Target, InvertsTheOutlineOfASphereOverTheWholeImageAndBeyond) {
   EXPECT_LT(worst_m, 1e-9);
 }
 
+TEST(Target, InvertsTheOutlineOfASphereThroughTheLens) {
+  const Camera atis{{304, 240}, 198.516,  198.583,     155.675,     115.426,
+                    -0.326302,  0.101052, -0.00470766, -0.000842836};
+  for (const Camera& camera : {Camera{}, atis}) {
+    const RandomStream random(3, "target");
+    double worst_inside_m = 0.0;
+    double worst_m = 0.0;
+    int inside = 0;
+    for (std::uint64_t i = 0; i < 10000; ++i) {
+      const Eigen::Vector3d ray = camera.ray(random.uniform(-0.5, camera.size.width - 0.5, 1, i),
+                                             random.uniform(-0.5, camera.size.height - 0.5, 2, i));
+      const Eigen::Vector3d centre = ray.normalized() * random.uniform(0.25, 0.60, 3, i);
+      const auto circle = camera.project_sphere(centre, 0.0475);
+      ASSERT_TRUE(circle);
+      const double error_m = (sphere_from_circle(*circle, camera, 0.0475) - centre).norm();
+      ASSERT_TRUE(std::isfinite(error_m)) << circle->x_px << " " << circle->y_px << " " << circle->r_px;
+      worst_m = std::max(worst_m, error_m);
+      const bool is_inside = circle->x_px - circle->r_px > -0.5 && circle->y_px - circle->r_px > -0.5 &&
+                             circle->x_px + circle->r_px < camera.size.width - 0.5 &&
+                             circle->y_px + circle->r_px < camera.size.height - 0.5;
+      if (!is_inside) continue;
+      ++inside;
+      worst_inside_m = std::max(worst_inside_m, error_m);
+    }
+    std::printf("%dx%d: worst %.1e m of %d balls wholly inside, %.1e m of those partly\n", camera.size.width,
+                camera.size.height, worst_inside_m, inside, worst_m);
+    EXPECT_GT(inside, 4000);
+    EXPECT_LT(worst_inside_m, 1e-9);
+    EXPECT_LT(worst_m, 1e-9);
+  }
+}
+
+TEST(Target, PlacesEveryCircleThatADetectorMayFindThroughTheLens) {
+  const Camera camera;
+  const RandomStream random(4, "target");
+  for (std::uint64_t i = 0; i < 10000; ++i) {
+    const Circle circle{random.uniform(-0.5, 127.5, 0, i), random.uniform(-0.5, 127.5, 1, i),
+                        random.uniform(4.0, 35.0, 2, i)};
+    const Eigen::Vector3d sphere = sphere_from_circle(circle, camera, 0.0475);
+    ASSERT_TRUE(sphere.allFinite()) << circle.x_px << " " << circle.y_px << " " << circle.r_px;
+    const auto back = camera.project_sphere(sphere, 0.0475);
+    EXPECT_NEAR(back->x_px, circle.x_px, 1e-8);
+    EXPECT_NEAR(back->y_px, circle.y_px, 1e-8);
+    EXPECT_NEAR(back->r_px, circle.r_px, 1e-8);
+  }
+}
+
 TEST(Target, HoldsForAWideAnglePinholeWithUnequalFocalLengths) {
-  PinholeCamera camera;
+  Camera camera = Camera{}.without_lens();
   camera.fx_px = 40.0;
   camera.fy_px = 55.0;
   const RandomStream random(2, "target");
@@ -52,7 +101,7 @@ TEST(Target, TheAuthorsMapPutsTenPixelsAt45CentimetresAndSixteenAt30) {
   TargetConfig config;
   config.depth = "authors_linear";
   const TargetLocator locator(config);
-  const PinholeCamera camera;
+  const Camera camera;
   for (const auto& [r_px, z_m] : {std::pair{10.0, 0.45}, {16.0, 0.30}, {20.0, 0.20}}) {
     const Target target = locator.locate({90.0, 30.0, r_px}, camera, Eigen::Isometry3d::Identity());
     ASSERT_EQ(target.status, TargetStatus::ok);
@@ -69,7 +118,7 @@ TEST(Target, BothDepthModelsAgreeOnTheBallOf95MillimetresWithinThreeCentimetres)
   for (const double r_px : {10.0, 12.0, 14.0, 16.0}) {
     const Circle circle{64.0, 69.18, r_px};
     const auto z = [&](const TargetConfig& config) {
-      return TargetLocator(config).locate(circle, PinholeCamera{}, Eigen::Isometry3d::Identity()).point_m.z();
+      return TargetLocator(config).locate(circle, Camera{}, Eigen::Isometry3d::Identity()).point_m.z();
     };
     EXPECT_NEAR(z(TargetConfig{}), z(linear), 0.03);
   }
@@ -79,7 +128,7 @@ TEST(Target, IsGivenInTheRootFrame) {
   Eigen::Isometry3d root_from_cam = Eigen::Isometry3d::Identity();
   root_from_cam.linear() << 0, 0, -1, 1, 0, 0, 0, -1, 0;
   root_from_cam.translation() << -0.0564, -0.034, 0.34685;
-  const PinholeCamera camera;
+  const Camera camera;
   const Eigen::Vector3d ball_root(-0.5, 0.05, 0.30);
   const auto circle = camera.project_sphere(root_from_cam.inverse() * ball_root, 0.0475);
   const Target target = TargetLocator({}).locate(*circle, camera, root_from_cam);
@@ -88,7 +137,7 @@ TEST(Target, IsGivenInTheRootFrame) {
 }
 
 TEST(Target, RefusesWhatIsNoTargetAndSaysWhy) {
-  const PinholeCamera camera;
+  const Camera camera;
   const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
   TargetConfig linear;
   linear.depth = "authors_linear";
@@ -115,8 +164,7 @@ TEST(Target, ExtremeCirclesNeverGiveATargetThatIsNotFinite) {
   const TargetLocator locator({});
   for (const double r_px : {1e-300, 1e-9, 1e3, 1e9, 1e300}) {
     for (const double x_px : {-1e9, 64.0, 1e9, 1e300}) {
-      const Target target =
-          locator.locate({x_px, 60.0, r_px}, PinholeCamera{}, Eigen::Isometry3d::Identity());
+      const Target target = locator.locate({x_px, 60.0, r_px}, Camera{}, Eigen::Isometry3d::Identity());
       EXPECT_TRUE(target.status != TargetStatus::ok || target.point_m.allFinite());
     }
   }

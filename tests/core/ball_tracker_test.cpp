@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -14,7 +15,7 @@
 namespace saccade {
 namespace {
 
-const PinholeCamera camera;
+const Camera camera;
 
 BallTrackerConfig radii(double smallest, double largest) {
   BallTrackerConfig config;
@@ -134,15 +135,17 @@ TEST(BallTracker, IsCarriedAlongByTheCamerasRotationInSilence) {
   CameraMotion turning;
   turning.angular_velocity_rad_s = {0.0, 1.0, 0.0};
   const Circle after = player.until(210'000, &turning).circle;
-  const double angle = std::atan((before.x_px - camera.cx_px) / camera.fx_px) - 0.05;
-  EXPECT_NEAR(after.x_px, camera.cx_px + camera.fx_px * std::tan(angle), 0.5);
+  const Eigen::Vector2d expected = *camera.project(Eigen::AngleAxisd(-0.05, Eigen::Vector3d::UnitY()) *
+                                                   camera.ray(before.x_px, before.y_px));
+  EXPECT_NEAR(after.x_px, expected.x(), 0.5);
+  EXPECT_NEAR(after.y_px, expected.y(), 0.5);
 }
 
 TEST(BallTracker, PrefersWhatMovesByItselfWhenTheCameraTurns) {
   // Two discs: one is carried along as a thing in the room would be, the other stands still in the image, as
   // a ball does that the gaze follows.
   const double turn_rad_s = 0.6;
-  const auto flow = camera.rotational_flow_px_s(90, 90, {0.0, turn_rad_s, 0.0});
+  const auto flow = camera.rotational_flow_px_s(camera.ray(90, 90), {0.0, turn_rad_s, 0.0});
   const streams::MovingDisc room{90, 90, flow.x(), flow.y(), 12};
   // A still disc is silent: it sways by a few pixels.
   std::vector<Event> events = room.events(camera.size, 0.6);

@@ -4,8 +4,12 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
+#include <utility>
+#include <vector>
 
+#include "core/error.h"
 #include "core/random.h"
 
 namespace saccade {
@@ -22,7 +26,7 @@ struct Outline {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
   double radius_px = 0.0;  ///< sqrt(ab) = sqrt(area / pi)
 };
-Outline brute_outline(const PinholeCamera& camera, const Eigen::Vector3d& centre_m, double radius_m) {
+Outline brute_outline(const Camera& camera, const Eigen::Vector3d& centre_m, double radius_m) {
   const double sine = radius_m / centre_m.norm();
   const Eigen::Vector3d axis = centre_m.normalized();
   const Eigen::Vector3d u = axis.unitOrthogonal();
@@ -49,30 +53,93 @@ Outline brute_outline(const PinholeCamera& camera, const Eigen::Vector3d& centre
   return outline;
 }
 
-TEST(PinholeCamera, ProjectsARayBackToItsPixel) {
-  const PinholeCamera camera;
+/// As calibrated on the robot (iCubGenova02: icubEyes_DVS.ini, 2016; icubEyes.ini, 2017).
+const std::vector<std::pair<const char*, Camera>> calibrated{
+    {"DVS left", {}},
+    {"DVS right", {{128, 128}, 99.8, 99.8, 59.336, 63.761, -0.219021, 0.085382, -0.00071211, -0.00171136}},
+    {"ATIS left",
+     {{304, 240}, 198.516, 198.583, 155.675, 115.426, -0.326302, 0.101052, -0.00470766, -0.000842836}},
+    {"ATIS right",
+     {{304, 240}, 179.845, 180.251, 151.772, 117.758, -0.331165, 0.105876, -0.00359664, -0.00022332}}};
+
+TEST(Camera, ProjectsTheRayOfEveryPixelBackToIt) {
+  for (const auto& [name, camera] : calibrated) {
+    double worst_px = 0.0;
+    for (double v = -0.5; v <= camera.size.height; v += 0.5) {
+      for (double u = -0.5; u <= camera.size.width; u += 0.5) {
+        const Eigen::Vector3d ray = camera.ray(u, v);
+        EXPECT_EQ(ray.z(), 1.0);
+        const auto pixel = camera.project(2.0 * ray);
+        ASSERT_TRUE(pixel) << name << " " << u << " " << v;
+        worst_px = std::max(worst_px, (*pixel - Eigen::Vector2d(u, v)).norm());
+      }
+    }
+    std::printf("%s: worst %.1e px\n", name, worst_px);
+    EXPECT_LT(worst_px, 1e-9) << name;
+  }
+}
+
+TEST(Camera, IsTheExactPinholeWithoutALens) {
+  const Camera camera = Camera{}.without_lens();
+  EXPECT_FALSE(camera.has_lens());
+  EXPECT_TRUE(Camera{}.has_lens());
   const RandomStream random(1, "camera");
   for (std::uint64_t i = 0; i < 1000; ++i) {
     const Eigen::Vector3d point = random_point_m(random, i);
     const auto pixel = camera.project(point);
     ASSERT_TRUE(pixel);
-    const Eigen::Vector3d ray = camera.ray(pixel->x(), pixel->y());
-    EXPECT_EQ(ray.z(), 1.0);
-    EXPECT_LT((ray * point.z() - point).norm(), 1e-12);
+    EXPECT_NEAR(pixel->x(), 64.00 + 99.45 * point.x() / point.z(), 1e-10);
+    EXPECT_NEAR(pixel->y(), 69.18 + 99.75 * point.y() / point.z(), 1e-10);
+    EXPECT_EQ(camera.ray(pixel->x(), pixel->y()),
+              Eigen::Vector3d((pixel->x() - 64.00) / 99.45, (pixel->y() - 69.18) / 99.75, 1.0));
   }
 }
 
-TEST(PinholeCamera, SeesTheOpticalAxisAtThePrincipalPointAndXRightYDown) {
-  const PinholeCamera camera;
+TEST(Camera, SeesTheOpticalAxisAtThePrincipalPointAndXRightYDown) {
+  const Camera camera;
   EXPECT_EQ(*camera.project({0, 0, 3}), Eigen::Vector2d(64.00, 69.18));
   EXPECT_GT(camera.project({0.1, 0, 1})->x(), 64.0);
   EXPECT_GT(camera.project({0, 0.1, 1})->y(), 69.18);
-  EXPECT_NEAR(camera.project({1, 0, 1})->x(), 64.0 + 99.45, 1e-12);
-  EXPECT_NEAR(camera.project({0, 1, 1})->y(), 69.18 + 99.75, 1e-12);
+  // By hand: 1 + k1 + k2 = 1.531809 at (1, 0), and p2 three times along, p1 once across; (0, 1) likewise.
+  EXPECT_NEAR(camera.project({1, 0, 1})->x(), 64.0 + 99.45 * (1.531809 + 3.0 * -0.0059468), 1e-12);
+  EXPECT_NEAR(camera.project({1, 0, 1})->y(), 69.18 + 99.75 * -0.0016571, 1e-12);
+  EXPECT_NEAR(camera.project({0, 1, 1})->x(), 64.0 + 99.45 * -0.0059468, 1e-12);
+  EXPECT_NEAR(camera.project({0, 1, 1})->y(), 69.18 + 99.75 * (1.531809 + 3.0 * -0.0016571), 1e-12);
 }
 
-TEST(PinholeCamera, DoesNotProjectWhatIsNotInFront) {
-  const PinholeCamera camera;
+TEST(Camera, SeesNothingWhereTheLensWouldTurnBack) {
+  // Of k1 = -0.3 alone x (1 - 0.3 x^2) is largest, 0.703, at x = 1.054.
+  Camera camera = Camera{}.without_lens();
+  camera.k1 = -0.3;
+  EXPECT_TRUE(camera.project({1.05, 0, 1}));
+  EXPECT_FALSE(camera.project({1.06, 0, 1}));
+  EXPECT_FALSE(camera.project({1.7, 0, 1}));  // would be beside the principal point
+  EXPECT_TRUE(camera.project_sphere({0.9, 0, 1}, 0.1));
+  EXPECT_FALSE(camera.project_sphere({1.0, 0, 1}, 0.1));
+  EXPECT_NEAR(camera.ray(64.0 + 0.70 * 99.45, 69.18).x(), 1.0, 1e-9);
+  EXPECT_TRUE(std::isnan(camera.ray(64.0 + 0.71 * 99.45, 69.18).x()));
+}
+
+TEST(Camera, AcceptsTheLensesOfTheRobotAndRefusesOneThatFoldsTheImagesCorners) {
+  for (const auto& [name, camera] : calibrated) EXPECT_NO_THROW(check_config(name, camera));
+  EXPECT_NO_THROW(check_config("none", Camera{}.without_lens()));
+  Camera folded = Camera{}.without_lens();
+  folded.k1 = -0.3;  // reaches 70 px from the principal point; the farthest corner is 94 px away
+  try {
+    check_config("camera", folded);
+    FAIL() << "taken";
+  } catch (const InputError& error) {
+    ASSERT_EQ(error.problems().size(), 1U);
+    EXPECT_EQ(error.problems()[0].place, "camera.k1");
+    EXPECT_EQ(error.problems()[0].value, "-0.3");
+  }
+  folded.size = {64, 64};
+  folded.cx_px = folded.cy_px = 31.5;
+  EXPECT_NO_THROW(check_config("camera", folded));
+}
+
+TEST(Camera, DoesNotProjectWhatIsNotInFront) {
+  const Camera camera;
   EXPECT_FALSE(camera.project({0, 0, 0}));
   EXPECT_FALSE(camera.project({0.1, 0, -1}));
   EXPECT_FALSE(camera.project({0, 0, std::nan("")}));
@@ -82,29 +149,59 @@ TEST(PinholeCamera, DoesNotProjectWhatIsNotInFront) {
   EXPECT_TRUE(camera.project_sphere({0.5, 0, 0.06}, 0.05));
 }
 
-TEST(PinholeCamera, ProjectsASphereToItsOutline) {
-  const PinholeCamera camera;
+TEST(Camera, ProjectsASphereToItsOutlineWithAndWithoutALens) {
   const RandomStream random(2, "sphere");
-  double worst_px = 0.0;
-  for (std::uint64_t i = 0; i < 200; ++i) {
-    const Eigen::Vector3d centre = random_point_m(random, i);
-    const double radius = random.uniform(0.01, 0.15, 3, i);
-    const auto circle = camera.project_sphere(centre, radius);
-    ASSERT_TRUE(circle);
-    const Outline outline = brute_outline(camera, centre, radius);
-    // The polygon of 20,000 corners is short of the ellipse by 2e-8 of its size.
-    const double scale = 1.0 + outline.radius_px + outline.centre.norm();
-    worst_px = std::max({worst_px, std::abs(circle->x_px - outline.centre.x()) / scale,
-                         std::abs(circle->y_px - outline.centre.y()) / scale,
-                         std::abs(circle->r_px - outline.radius_px) / scale});
+  auto cameras = calibrated;
+  cameras.emplace_back("no lens", Camera{}.without_lens());
+  for (const auto& [name, camera] : cameras) {
+    double worst = 0.0;
+    int count = 0;
+    for (std::uint64_t i = 0; i < 60; ++i) {
+      const Eigen::Vector3d centre = random_point_m(random, i);
+      const double radius = random.uniform(0.01, 0.15, 3, i);
+      const auto circle = camera.project_sphere(centre, radius);
+      if (!circle) continue;
+      ++count;
+      const Outline outline = brute_outline(camera, centre, radius);
+      // The polygon of 20,000 corners is short of the outline by 2e-8 of its size.
+      const double scale = 1.0 + outline.radius_px + outline.centre.norm();
+      worst = std::max({worst, std::abs(circle->x_px - outline.centre.x()) / scale,
+                        std::abs(circle->y_px - outline.centre.y()) / scale,
+                        std::abs(circle->r_px - outline.radius_px) / scale});
+    }
+    std::printf("%s: worst difference from the brute-force outline of %d: %.2e of its size\n", name, count,
+                worst);
+    EXPECT_LT(worst, 1e-6) << name;
+    EXPECT_GT(count, 30) << name;
   }
-  std::printf("worst difference from the brute-force outline: %.2e of its size\n", worst_px);
-  EXPECT_LT(worst_px, 1e-6);
 }
 
-TEST(PinholeCamera, HoldsEveryPointOfTheSphereInsideTheOutlinesExtent) {
+TEST(Camera, ProjectsASphereToCentreAndSemiAxesOfAnEllipseWithoutALens) {
+  const Camera camera = Camera{}.without_lens();
+  const RandomStream random(3, "sphere");
+  for (std::uint64_t i = 0; i < 100; ++i) {
+    const Eigen::Vector3d d = random_point_m(random, i);
+    const double radius = random.uniform(0.01, 0.15, 3, i);
+    // Along x alone the outline spans from tan(angle - half) to tan(angle + half); turned there about z.
+    const double off_axis = std::atan2(d.head<2>().norm(), d.z());
+    const double half = std::asin(radius / d.norm());
+    const double far = std::tan(off_axis + half);
+    const double near = std::tan(off_axis - half);
+    const double a = 0.5 * (far - near);
+    // Across it the cone is cut at the ellipse's centre: b^2 = a^2 (1 - e^2), e = sin(off axis) / cos(half).
+    const double b = a * std::sqrt(1.0 - std::pow(std::sin(off_axis) / std::cos(half), 2));
+    const Eigen::Vector2d centre = 0.5 * (far + near) * d.head<2>().normalized();
+    const auto circle = camera.project_sphere(d, radius);
+    ASSERT_TRUE(circle);
+    EXPECT_NEAR(circle->x_px, 64.00 + 99.45 * centre.x(), 1e-9);
+    EXPECT_NEAR(circle->y_px, 69.18 + 99.75 * centre.y(), 1e-9);
+    EXPECT_NEAR(circle->r_px, std::sqrt(99.45 * 99.75 * a * b), 1e-9);
+  }
+}
+
+TEST(Camera, HoldsEveryPointOfTheSphereInsideTheOutlinesExtent) {
   // A second way, by the surface: the extremes of an ellipse lie symmetrically around its centre.
-  const PinholeCamera camera;
+  const Camera camera = Camera{}.without_lens();
   const Eigen::Vector3d centre(0.12, -0.08, 0.30);
   Eigen::Vector2d low(1e9, 1e9);
   Eigen::Vector2d high = -low;
@@ -125,9 +222,9 @@ TEST(PinholeCamera, HoldsEveryPointOfTheSphereInsideTheOutlinesExtent) {
   EXPECT_NEAR(circle->y_px, (low.y() + high.y()) / 2, 1e-3);
 }
 
-TEST(PinholeCamera, PutsTheOutlineOffTheProjectedCentreAwayFromTheAxis) {
+TEST(Camera, PutsTheOutlineOffTheProjectedCentreAwayFromTheAxis) {
   // The ball of 95 mm at 0.30 m and 28 deg: 1.8 px.
-  const PinholeCamera camera;
+  const Camera camera = Camera{}.without_lens();
   const Eigen::Vector3d centre = 0.30 * Eigen::Vector3d(std::sin(28 * degree), 0.0, std::cos(28 * degree));
   const auto circle = camera.project_sphere(centre, 0.0475);
   ASSERT_TRUE(circle);
@@ -143,16 +240,22 @@ TEST(PinholeCamera, PutsTheOutlineOffTheProjectedCentreAwayFromTheAxis) {
   EXPECT_NEAR(ahead->r_px, std::sqrt(99.45 * 99.75) * 0.0475 / std::sqrt(0.09 - 0.0475 * 0.0475), 1e-9);
 }
 
-TEST(PinholeCamera, RotationalFlowIsHowTheProjectionOfAStillPointMoves) {
+TEST(Camera, RotationalFlowIsHowTheProjectionOfAStillPointMoves) {
   const Eigen::Vector3d turn_rad_s(0.3, -0.7, 0.5);
-  const PinholeCamera camera;
   const double dt_s = 1e-6;
-  for (const auto& [u, v] : {std::pair{10.0, 20.0}, {64.0, 69.0}, {120.0, 100.0}}) {
-    const Eigen::Vector3d point = 2.0 * camera.ray(u, v);
-    // A still point turns the other way in the camera's frame.
-    const Eigen::Vector3d moved = point - turn_rad_s.cross(point) * dt_s;
-    const Eigen::Vector2d expected = (*camera.project(moved) - *camera.project(point)) / dt_s;
-    EXPECT_TRUE(camera.rotational_flow_px_s(u, v, turn_rad_s).isApprox(expected, 1e-4));
+  auto cameras = calibrated;
+  cameras.emplace_back("no lens", Camera{}.without_lens());
+  for (const auto& [name, camera] : cameras) {
+    for (const auto& [u, v] :
+         {std::pair{0.0, 0.0}, {10.0, 20.0}, {64.0, 69.0}, {120.0, 100.0}, {3.0, 127.0}}) {
+      const Eigen::Vector3d ray = camera.ray(u, v);
+      // A still point turns the other way in the camera's frame.
+      const Eigen::Vector3d before = 2.0 * (ray + turn_rad_s.cross(ray) * dt_s);
+      const Eigen::Vector3d after = 2.0 * (ray - turn_rad_s.cross(ray) * dt_s);
+      const Eigen::Vector2d expected = (*camera.project(after) - *camera.project(before)) / (2.0 * dt_s);
+      EXPECT_LT((camera.rotational_flow_px_s(ray, turn_rad_s) - expected).norm(), 1e-6 * expected.norm())
+          << name << " " << u << " " << v;
+    }
   }
 }
 

@@ -117,7 +117,7 @@ TEST(CheckConfig, LeavesTheConfigurationAlone) {
   const Everything e;
   check_config("thing", e);
   EXPECT_EQ(e.pair, Everything{}.pair);
-  PinholeCamera camera;
+  Camera camera;
   camera.size = {4, 128};
   EXPECT_THROW(check_config("camera", camera), InputError);
 }

@@ -28,7 +28,7 @@ namespace {
 constexpr ImageSize image{128, 128};
 
 std::unique_ptr<Detector> make(const std::string& preset) {
-  return make_detector(detector_preset(preset), PinholeCamera{});
+  return make_detector(detector_preset(preset), Camera{});
 }
 
 /// With a window that suits a ball alone: 400 events are about 7 px of motion of both edges of r = 23.
@@ -36,7 +36,7 @@ std::unique_ptr<Detector> make_for_ball_alone(const std::string& preset) {
   DetectorConfig config = detector_preset(preset);
   if (auto* hough = std::get_if<HoughDetectorConfig>(&config.detector)) hough->window.events = 400;
   if (auto* original = std::get_if<Original2016Config>(&config.detector)) original->window_events = 400;
-  return make_detector(config, PinholeCamera{});
+  return make_detector(config, Camera{});
 }
 
 class EveryDetector : public testing::TestWithParam<std::string> {};
@@ -186,10 +186,10 @@ TEST_P(EveryDetector, ShowsABallInItsHoughSpaceIfItHasOne) {
 TEST_P(EveryDetector, TakesARangeOfRadii) {
   DetectorConfig config = detector_preset(GetParam());
   std::visit([](auto& detector) { detector.radius_px = {4, 25}; }, config.detector);
-  EXPECT_NO_THROW(static_cast<void>(make_detector(config, PinholeCamera{})));
+  EXPECT_NO_THROW(static_cast<void>(make_detector(config, Camera{})));
   for (const auto& wrong : {std::vector<double>{25, 4}, {4}, {4.5, 25}, {0, 25}, {4, 256}}) {
     std::visit([&](auto& detector) { detector.radius_px = wrong; }, config.detector);
-    EXPECT_THROW(static_cast<void>(make_detector(config, PinholeCamera{})), InputError);
+    EXPECT_THROW(static_cast<void>(make_detector(config, Camera{})), InputError);
   }
 }
 

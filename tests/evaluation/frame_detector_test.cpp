@@ -12,7 +12,7 @@ namespace saccade {
 namespace {
 
 const std::vector<double> red = {0.65, 0.10, 0.07};
-const PinholeCamera event_camera;  // 128x128
+const Camera event_camera = Camera{}.without_lens();  // 128x128
 
 FrameDetectorConfig small_balls() {
   FrameDetectorConfig config;
@@ -29,7 +29,7 @@ struct Scene {
 };
 
 /// What the frame camera sees of a scene; truly sampled at the pixels' shifted centres.
-Shutter::Draw view_of(const Scene& scene, const PinholeCamera& camera) {
+Shutter::Draw view_of(const Scene& scene, const Camera& camera) {
   return [scene, camera](std::int64_t t_us, const Eigen::Vector2d& shift_px, std::span<float> rgb) {
     const Eigen::Vector2d centre = Eigen::Vector2d(scene.ball.x_px, scene.ball.y_px) +
                                    1e-6 * static_cast<double>(t_us) * scene.speed_px_s;
@@ -70,6 +70,38 @@ TEST(FrameDetector, FindsADiscOfTheBallsColourWithinAPixelWhereverItIs) {
   }
   std::printf("worst error %.2f px\n", worst_px);
   EXPECT_LT(worst_px, 1.0);
+}
+
+TEST(FrameDetector, TellsTheCircleAsTheEventCamerasLensShowsIt) {
+  const Camera behind_lens;
+  const FrameDetector detector(small_balls(), red, behind_lens);
+  const Camera& frame = detector.camera();
+  double worst_px = 0.0;
+  double most_moved_px = 0.0;
+  for (const Eigen::Vector2d& at : {Eigen::Vector2d(160, 120), {60, 20}, {255, 215}, {65, 220}, {250, 25}}) {
+    const double r_px = 13.0;
+    Shutter shutter(frame.size, 20.0);
+    const auto image = shutter.expose(33'000, [&](std::int64_t, const Eigen::Vector2d& shift_px, auto rgb) {
+      for (std::size_t i = 0; i < rgb.size(); ++i) {
+        const auto pixel = static_cast<int>(i % static_cast<std::size_t>(frame.size.pixels()));
+        const Eigen::Vector2d here(pixel % frame.size.width, pixel / frame.size.width);
+        const std::size_t colour = i / static_cast<std::size_t>(frame.size.pixels());
+        rgb[i] = (here + shift_px - at).norm() <= r_px ? static_cast<float>(255.0 * red[colour]) : 128.0F;
+      }
+    });
+    const Estimate found = detector.find(image.value());
+    ASSERT_TRUE(found.valid) << at.transpose();
+    const double radius = r_px / frame.fx_px;
+    const Eigen::Vector2d ray = frame.ray(at.x(), at.y()).head<2>();
+    const Circle seen = *behind_lens.project_ellipse(ray, {radius, 0.0}, {0.0, radius});
+    worst_px = std::max({worst_px, std::abs(found.circle.x_px - seen.x_px),
+                         std::abs(found.circle.y_px - seen.y_px), std::abs(found.circle.r_px - seen.r_px)});
+    const Circle unmoved = *behind_lens.without_lens().project_ellipse(ray, {radius, 0.0}, {0.0, radius});
+    most_moved_px = std::max(most_moved_px, std::hypot(seen.x_px - unmoved.x_px, seen.y_px - unmoved.y_px));
+  }
+  std::printf("worst error %.2f px, where the lens moves by up to %.2f px\n", worst_px, most_moved_px);
+  EXPECT_LT(worst_px, 1.0);
+  EXPECT_GT(most_moved_px, 3.0);
 }
 
 TEST(FrameDetector, FindsTheBallInShadowAndInBrightLight) {
@@ -128,12 +160,15 @@ TEST(FrameDetector, ConfigurationsOutOfRangeAndBlackBallsAreBadInput) {
 }
 
 TEST(FrameCamera, SeesFromTopToBottomWhatTheEventCameraSees) {
-  const PinholeCamera frame = frame_camera_of(event_camera);
-  EXPECT_EQ(frame.size, (ImageSize{320, 240}));
-  EXPECT_NEAR(frame.ray(0, -0.5).y(), event_camera.ray(0, -0.5).y(), 1e-12);
-  EXPECT_NEAR(frame.ray(0, 239.5).y(), event_camera.ray(0, 127.5).y(), 1e-12);
-  EXPECT_NEAR(frame.ray(159.5, 0).x(), event_camera.ray(63.5, 0).x(), 1e-12);
-  EXPECT_LT(frame.ray(-0.5, 0).x(), event_camera.ray(-0.5, 0).x());
+  for (const Camera& seen_by : {event_camera, Camera{}}) {
+    const Camera frame = frame_camera_of(seen_by);
+    EXPECT_EQ(frame.size, (ImageSize{320, 240}));
+    EXPECT_FALSE(frame.has_lens());
+    EXPECT_NEAR(frame.ray(0, -0.5).y(), seen_by.ray(63.5, -0.5).y(), 1e-12);
+    EXPECT_NEAR(frame.ray(0, 239.5).y(), seen_by.ray(63.5, 127.5).y(), 1e-12);
+    EXPECT_NEAR(frame.ray(159.5, 0).x(), seen_by.ray(63.5, 63.5).x(), 1e-12);
+    EXPECT_LT(frame.ray(-0.5, 0).x(), seen_by.ray(-0.5, 63.5).x());
+  }
 }
 
 TEST(Shutter, DeliversThirtyImagesPerSecondEachWhenItsExposureEnds) {

@@ -26,7 +26,7 @@ Metrics whole() {
   m.events_dropped = 2;
   m.events_file = "events.aedat";
   m.image = {128, 128};
-  m.camera = PinholeCamera{};
+  m.camera = Camera{};
   DetectorScore score;
   score.average_precision = 1.0 / 3.0;
   score.precision_at_recall[1] = 0.75;
@@ -104,7 +104,9 @@ TEST(Metrics, ReadsBackTheSame) {
   EXPECT_EQ(back.detectors[0].second.lag_ms, std::nullopt);
   EXPECT_EQ(back.gaze->score.acquire_s, 0.75);
   EXPECT_NEAR(back.gaze->limits.max_rad[eyes_tilt], 0.25, 1e-15);
-  EXPECT_EQ(back.camera->fy_px, 99.75);
+  EXPECT_EQ(back.camera, Camera{});
+  EXPECT_THAT(keys(Json::parse(text)["camera"]), ElementsAre("width_px", "height_px", "fx_px", "fy_px",
+                                                             "cx_px", "cy_px", "k1", "k2", "p1", "p2"));
   EXPECT_EQ(back.settings, whole().settings);
   EXPECT_EQ(back.detectors[0].second.rejected_events.has_value(), false);
   EXPECT_EQ(back.detectors[1].second.rejected_events->outside_image, 7);
@@ -130,6 +132,12 @@ TEST(Metrics, WritesWhatDoesNotApplyAsNull) {
   EXPECT_TRUE(best["lag_ms"].is_null());
   EXPECT_TRUE(best["rejected_events"].is_null());
   EXPECT_EQ(best["chances"], 0);
+}
+
+TEST(Metrics, WithoutDistortionAreThoseOfARunWithoutALens) {
+  Json json = Json::parse(metrics_to_json(whole()));
+  for (const char* key : {"k1", "k2", "p1", "p2"}) json["camera"].erase(key);
+  EXPECT_EQ(metrics_from_json(json.dump(), "here").camera, Camera{}.without_lens());
 }
 
 TEST(Metrics, WithoutSettingsAndRejectedEventsAreThoseOfARunThatDoesNotTellThem) {

@@ -27,7 +27,7 @@ inline Metrics write_synthetic_run(const std::filesystem::path& folder, bool pic
   fs::remove_all(folder);
   fs::create_directories(folder / "frames");
 
-  const PinholeCamera camera;
+  const Camera camera;
   GazeScoringConfig scoring;
   scoring.camera = camera;
   scoring.acquire_within_rad = 6.0 * rad;

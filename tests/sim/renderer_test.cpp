@@ -112,7 +112,7 @@ class Renderer : public ::testing::Test {
 
   static constexpr int the_ball = 0;  // mocap bodies
   static constexpr int the_screen = 1;
-  PinholeCamera camera_;
+  Camera camera_;
   std::unique_ptr<GlContext> gl_;
   MjModelPtr model_;
   MjDataPtr data_;
@@ -123,6 +123,7 @@ class Renderer : public ::testing::Test {
 // random: an area error uniform in +-1/8 px^2, lever up to 6 px. That is a standard deviation of 0.024 px
 // per axis of the centroid; 81 places stay below 4 of them, their mean below 4 / 9.
 TEST_F(Renderer, draws_a_sphere_where_the_pinhole_projects_it_over_the_whole_image) {
+  camera_ = camera_.without_lens();
   EyeRenderer eye = make_eye();
   place(the_ball, {0.0, 0.0, -1.0});
   draw(eye);
@@ -151,24 +152,90 @@ TEST_F(Renderer, draws_a_sphere_where_the_pinhole_projects_it_over_the_whole_ima
   std::printf("centroid: worst %.4f px, bias %.4f %.4f px\n", worst, sum_x / count, sum_y / count);
 }
 
-TEST_F(Renderer, gives_every_pixel_its_exact_place_when_samples_are_many) {
-  EyeRenderer eye = make_eye({.supersampling = 8});
+// Where the lens stretches the image, samples are fewer: 40 % as many in the corners.
+TEST_F(Renderer, draws_a_sphere_where_the_lens_shows_it_over_the_whole_image) {
+  EyeRenderer eye = make_eye();
   place(the_ball, {0.0, 0.0, -1.0});
   draw(eye);
   const std::vector<float> background = image_;
+  EXPECT_THAT(background, ::testing::Each(::testing::FloatNear(51.0F, 0.01F)));
+  set_ball_radius(0.03);
+  double worst = 0.0;
+  double worst_radius = 0.0;
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  int count = 0;
+  for (double y = 9.5; y < 120.0; y += 13.6) {
+    for (double x = 9.5; x < 120.0; x += 13.6) {
+      const Vector3d point = at_pixel(x, y, 0.5);
+      const Circle truth = *camera_.project_sphere(point, 0.03);
+      const Eigen::Vector2d from_middle(truth.x_px - 63.5, truth.y_px - 63.5);
+      if (from_middle.cwiseAbs().maxCoeff() + truth.r_px > 63.0) continue;
+      place(the_ball, point);
+      draw(eye);
+      const Blob blob = measure_ball(background);
+      const Eigen::Vector2d off(blob.x_px - truth.x_px, blob.y_px - truth.y_px);
+      worst = std::max(worst, off.norm());
+      worst_radius =
+          std::max(worst_radius, std::abs(std::sqrt(blob.area_px / std::numbers::pi) - truth.r_px));
+      sum += off;
+      ++count;
+    }
+  }
+  std::printf("centroid at %d places: worst %.4f px, bias %.4f %.4f px; radius: worst %.4f px\n", count,
+              worst, sum.x() / count, sum.y() / count, worst_radius);
+  EXPECT_GT(count, 60);
+  EXPECT_LT(worst, 0.15);
+  EXPECT_LT(worst_radius, 0.15);
+  EXPECT_LT(sum.norm() / count, 0.02) << "a bias over the image";
+}
+
+TEST_F(Renderer, gives_every_pixel_its_exact_place_when_samples_are_many) {
+  const Camera with_lens = camera_;
+  for (const Camera& camera : {with_lens.without_lens(), with_lens}) {
+    camera_ = camera;
+    EyeRenderer eye = make_eye({.supersampling = 8});
+    place(the_ball, {0.0, 0.0, -1.0});
+    draw(eye);
+    const std::vector<float> background = image_;
+    set_ball_radius(0.02);
+    double worst = 0.0;
+    for (const auto& [x, y] :
+         {std::pair{9.0, 9.0}, {118.5, 9.2}, {9.3, 118.0}, {118.1, 118.4}, {64.0, 69.18}}) {
+      const Vector3d point = at_pixel(x, y, 0.5);
+      place(the_ball, point);
+      draw(eye);
+      const Circle truth = *camera_.project_sphere(point, 0.02);
+      const Blob blob = measure_ball(background);
+      worst = std::max(worst, std::hypot(blob.x_px - truth.x_px, blob.y_px - truth.y_px));
+    }
+    EXPECT_LT(worst, 0.02);
+    std::printf("centroid, 8 x 8 samples, %s: worst %.4f px\n", camera.has_lens() ? "lens" : "pinhole",
+                worst);
+  }
+}
+
+TEST_F(Renderer, draws_the_image_of_a_lens_that_shows_more_than_the_pinhole) {
+  camera_ = {{304, 240}, 198.516, 198.583, 155.675, 115.426, -0.326302, 0.101052, -0.00470766, -0.000842836};
+  image_.resize(static_cast<std::size_t>(camera_.size.pixels()));
+  EyeRenderer eye = make_eye();
+  place(the_ball, {0.0, 0.0, -1.0});
+  draw(eye);
+  const std::vector<float> background = image_;
+  EXPECT_THAT(background, ::testing::Each(::testing::FloatNear(51.0F, 0.01F)));
   set_ball_radius(0.03);
   double worst = 0.0;
   for (const auto& [x, y] :
-       {std::pair{8.0, 8.0}, {119.5, 8.2}, {8.3, 119.0}, {119.1, 119.4}, {64.0, 69.18}}) {
+       {std::pair{14.0, 14.0}, {289.5, 13.2}, {14.3, 225.0}, {289.1, 225.4}, {155.6, 115.4}}) {
     const Vector3d point = at_pixel(x, y, 0.5);
     place(the_ball, point);
     draw(eye);
     const Circle truth = *camera_.project_sphere(point, 0.03);
     const Blob blob = measure_ball(background);
     worst = std::max(worst, std::hypot(blob.x_px - truth.x_px, blob.y_px - truth.y_px));
+    EXPECT_NEAR(std::sqrt(blob.area_px / std::numbers::pi), truth.r_px, 0.05);
   }
-  EXPECT_LT(worst, 0.02);
-  std::printf("centroid, 8 x 8 samples: worst %.4f px\n", worst);
+  EXPECT_LT(worst, 0.1);
+  std::printf("centroid, ATIS: worst %.4f px\n", worst);
 }
 
 // The polyhedron has the area of the true outline to 0.1 %, so the radius to 0.05 %.
@@ -194,6 +261,7 @@ TEST_F(Renderer, draws_a_sphere_as_large_as_its_outline) {
 }
 
 TEST_F(Renderer, resamples_columns_without_loss_for_any_ratio_of_focal_lengths) {
+  camera_ = camera_.without_lens();
   for (const double fx : {70.0, 99.45, 120.0}) {
     camera_.fx_px = fx;
     EyeRenderer eye = make_eye();
@@ -237,6 +305,41 @@ TEST_F(Renderer, sees_half_of_a_ball_half_out_of_the_image) {
     const double shift = std::hypot(circle.x_px - x, circle.y_px - y);
     EXPECT_NEAR(eye.visible_share(point, 0.05), 0.5, 0.02 + shift / circle.r_px) << x << " " << y;
   }
+}
+
+TEST_F(Renderer, counts_of_a_ball_what_the_lens_shows_inside_the_image) {
+  EyeRenderer eye = make_eye();
+  double worst = 0.0;
+  for (const auto& [x, y] : {std::pair{0.0, 0.0},
+                             {-4.0, 3.0},
+                             {127.0, 127.0},
+                             {125.0, 2.0},
+                             {1.0, 131.0},
+                             {4.0, 126.0},
+                             {64.0, 130.0},
+                             {-3.0, 60.0},
+                             {120.0, 9.0}}) {
+    const Vector3d point = at_pixel(x, y, 0.4);
+    place(the_ball, point);
+    draw(eye);
+    // The same count by rays of our own.
+    int all = 0;
+    int inside = 0;
+    for (double v = point.y() / point.z() - 0.4; v < point.y() / point.z() + 0.4; v += 0.002) {
+      for (double u = point.x() / point.z() - 0.4; u < point.x() / point.z() + 0.4; u += 0.002) {
+        const Vector3d ray(u, v, 1.0);
+        if (point.cross(ray).norm() > 0.05 * ray.norm()) continue;
+        ++all;
+        const auto pixel = camera_.project(ray);
+        inside += pixel && (pixel->array() > -0.5).all() && (pixel->array() < 127.5).all() ? 1 : 0;
+      }
+    }
+    const double expected = static_cast<double>(inside) / all;
+    const double share = eye.visible_share(point, 0.05);
+    EXPECT_NEAR(share, expected, 0.02) << x << " " << y;
+    worst = std::max(worst, std::abs(share - expected));
+  }
+  std::printf("share inside the image: worst difference %.4f\n", worst);
 }
 
 TEST_F(Renderer, does_not_see_the_part_of_a_ball_behind_something) {
@@ -384,8 +487,10 @@ TEST_F(RenderedLab, makes_no_event_when_pixels_flicker_by_one_grey_level) {
   EyeRenderer eye = make_eye();
   eye.render(*data_, 0, image_);
   const RandomStream random(1, "flicker");
-  EventEmulator on_lab(emulator_preset("dvs128"), camera_.size, 1);
-  EventEmulator in_the_dark(emulator_preset("dvs128"), camera_.size, 1);
+  EmulatorConfig noiseless = emulator_preset("dvs128");
+  noiseless.leak_rate_hz = noiseless.shot_noise_rate_hz = 0.0;
+  EventEmulator on_lab(noiseless, camera_.size, 1);
+  EventEmulator in_the_dark(noiseless, camera_.size, 1);
   std::vector<Event> events;
   std::vector<float> lab(image_.size());
   std::vector<float> dark(image_.size());

@@ -10,7 +10,7 @@ namespace {
 /// A coarse eye, so that many runs cost little, and a ball that moves fast.
 SimConfig small_world() {
   SimConfig config;
-  config.camera = PinholeCamera{{64, 64}, 50.0, 50.0, 31.5, 31.5};
+  config.camera = Camera{{64, 64}, 50.0, 50.0, 31.5, 31.5}.without_lens();
   config.render.supersampling = 1;
   config.world.ball.trajectory.kind = "circle";
   config.world.ball.trajectory.frequency_hz = 2.0;
@@ -21,6 +21,7 @@ SimConfig still_world() {
   SimConfig config = small_world();
   config.world.ball.trajectory = TrajectoryConfig{};
   config.world.ball.trajectory.sway_m = 0.0;
+  config.emulator = emulator_preset("ideal");
   return config;
 }
 
@@ -29,8 +30,8 @@ RobotUnderTest simulated() {
   return {robot, robot.get(), robot.get(), robot.get()};
 }
 
-INSTANTIATE_TEST_SUITE_P(Sim, PortConformance, testing::Values(PortBackend{"Sim", simulated}),
-                         name_of_backend);
+INSTANTIATE_TEST_SUITE_P(Sim, PortConformance,
+                         testing::Values(PortBackend{"Sim", simulated, true, false, 5000}), name_of_backend);
 
 TEST(SimRobot, AStillHeadBeforeAStillSceneSeesNoEvent) {
   SimRobot robot(still_world(), 3);
@@ -48,7 +49,7 @@ TEST(SimRobot, AStillHeadBeforeAStillSceneSeesNoEvent) {
 
 TEST(SimRobot, TruthIsTheProjectionOfTheBallThroughThePlantsEye) {
   SimRobot robot(small_world(), 1);
-  const PinholeCamera camera = small_world().camera;
+  const Camera camera = small_world().camera;
   for (std::int64_t t_us = 1000; t_us <= 400'000; t_us += 1000) {
     robot.wait_until(t_us);
     const SimTruth& truth = robot.truth();
@@ -64,7 +65,7 @@ TEST(SimRobot, TruthIsTheProjectionOfTheBallThroughThePlantsEye) {
 
 /// A colour picture at `t_us`, its pixels shifted.
 std::vector<float> colours_of(SimRobot& robot, std::int64_t t_us, const Eigen::Vector2d& shift_px) {
-  const PinholeCamera camera = small_world().camera;
+  const Camera camera = small_world().camera;
   std::vector<float> rgb(3 * static_cast<std::size_t>(camera.size.pixels()));
   robot.draw_left_eye(t_us, camera, shift_px, rgb);
   return rgb;
@@ -73,7 +74,9 @@ std::vector<float> colours_of(SimRobot& robot, std::int64_t t_us, const Eigen::V
 TEST(SimRobot, TheColourPictureOfTheLeftEyeHasTheLuminanceOfItsImage) {
   SimRobot robot(small_world(), 1);
   robot.wait_until(150'000);
-  const std::vector<float> rgb = colours_of(robot, robot.now_us(), {0, 0});
+  while (robot.now_us() - robot.image_us() > World::tick_us)
+    robot.wait_until(robot.now_us() + World::tick_us);
+  const std::vector<float> rgb = colours_of(robot, robot.image_us(), {0, 0});
   const std::span<const float> luminance = robot.left_image();
   for (std::size_t i = 0; i < luminance.size(); ++i) {
     const float sum =
@@ -131,6 +134,57 @@ TEST(SimRobot, EventsOfAMovingBallLieAtItsOutlineOrItsHand) {
   }
   std::printf("%d of %zu events within 3 px of the ball's disc\n", near, events.size());
   EXPECT_GT(near, static_cast<int>(events.size()) / 3);
+}
+
+TEST(SimRobot, EventsComeAtMostFiveMillisecondsLateAndTheirStampsNeverGoBack) {
+  SimConfig config = small_world();
+  config.world.ball.trajectory.frequency_hz = 0.3;
+  SimRobot robot(config, 1);
+  std::vector<Event> events;
+  std::int64_t latest_us = 0;
+  std::int64_t newest_us = 0;
+  std::int64_t count = 0;
+  for (std::int64_t t_us = 1000; t_us <= 600'000; t_us += 1000) {
+    robot.wait_until(t_us);
+    events.clear();
+    robot.read_until(t_us, events);
+    for (const Event& e : events) {
+      ASSERT_GE(e.t_us, newest_us);
+      newest_us = e.t_us;
+      latest_us = std::max(latest_us, t_us - e.t_us);
+    }
+    count += std::ssize(events);
+    ASSERT_LE(robot.now_us() - robot.image_us(), 4000);
+  }
+  std::printf("%lld events in %lld images, at most %.3f ms late\n", static_cast<long long>(count),
+              static_cast<long long>(robot.images()), 1e-3 * static_cast<double>(latest_us));
+  EXPECT_GT(count, 1000);
+  EXPECT_LT(latest_us, 5000);
+  EXPECT_LT(robot.images(), 500);
+}
+
+TEST(SimRobot, WhatIsVisibleOfTheBallIsTheSameHoweverOftenTheEyeLooks) {
+  SimConfig often = small_world();
+  SimConfig seldom = small_world();
+  often.world.ball.trajectory.radius_a_m = seldom.world.ball.trajectory.radius_a_m = {0.0, 0.35, 0.0};
+  often.sampling = {10.0, 1.0};
+  SimRobot a(often, 1);
+  SimRobot b(seldom, 1);
+  double largest = 0.0;
+  double least = 1.0;
+  for (std::int64_t t_us = 1000; t_us <= 500'000; t_us += 1000) {
+    a.wait_until(t_us);
+    b.wait_until(t_us);
+    ASSERT_EQ(a.truth().circle.has_value(), b.truth().circle.has_value());
+    if (a.truth().circle) {
+      ASSERT_EQ(a.truth().circle->x_px, b.truth().circle->x_px);
+    }
+    largest = std::max(largest, std::abs(a.truth().visible - b.truth().visible));
+    least = std::min(least, a.truth().visible);
+  }
+  std::printf("visible from %.2f on; differs by at most %.3f\n", least, largest);
+  EXPECT_LT(least, 0.6);     // it leaves the image
+  EXPECT_LT(largest, 0.12);  // half a pixel of a disc of 5 px radius, and one sample per pixel
 }
 
 }  // namespace

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/event.h"
+
+namespace saccade {
+
+/// What is known of a sequence before its images are read.
+struct ImageSequenceInfo {
+  ImageSize size;                      ///< of every image
+  std::int64_t count = 0;              ///< of images; 0 where a video does not tell
+  std::optional<double> images_per_s;  ///< of a video
+  bool linear = false;                 ///< the values are linear luminance as they are, of any unit
+  std::int64_t passed_over = 0;        ///< files and folders in the folder that are no images
+};
+
+/// Images as linear luminance, read one by one; memory does not depend on how many there are. name_of() and
+/// info() may be asked while another thread reads.
+///
+///   folder  .bmp .exr .jpeg .jpg .pgm .png .ppm .tif .tiff, sorted by name with numbers by value; or those
+///           that are named
+///   .npy    NumPy array (images, height, width) of float32, float64, uint8 or uint16, little-endian, C order
+///   video   whatever ffmpeg decodes, brought to 8 bit
+///
+/// Integer images and video are sRGB (IEC 61966-2-1): decoded to linear light and scaled so that their white is
+/// `white`. Float images and .npy arrays of any type are linear luminance as they are. Colour becomes luminance
+/// with the weights of Rec. 709 (0.2126, 0.7152, 0.0722) of linear red, green and blue; alpha is left out.
+class ImageSequence {
+ public:
+  virtual ~ImageSequence() = default;
+
+  /// Replaces `luminance` by the next image, row by row; false after the last one. The values are not
+  /// checked. Throws InputError for an image that cannot be decoded, or with another size or other numbers
+  /// (8 or 16 bit, float) than the first.
+  virtual bool read(std::vector<float>& luminance) = 0;
+  /// Of an image, counted from 0, for messages: "shots/f7.png, image 3", "ramp.npy, image 3".
+  [[nodiscard]] virtual std::string name_of(std::int64_t image) const = 0;
+  [[nodiscard]] const ImageSequenceInfo& info() const { return info_; }
+
+ protected:
+  ImageSequenceInfo info_;
+};
+
+/// When an image was taken.
+struct ImageTime {
+  std::int64_t t_us = 0;
+  std::string name;   ///< of its file; empty where none is told
+  std::string place;  ///< file and line, for messages
+};
+
+/// Reads times, one a line and increasing: a whole number is us, one with a decimal point seconds (one file
+/// keeps to one of them). A name may follow, apart by blanks or a comma; then every line has one. Lines that
+/// are empty or start with # are passed over.
+/// Throws InputError.
+[[nodiscard]] std::vector<ImageTime> read_image_times(const std::filesystem::path& path);
+
+/// Opens a folder, a .npy file or a video. `white`: luminance of white, where values are not linear.
+/// `named`: where their names are told, these files of the folder in this order.
+/// Throws InputError.
+[[nodiscard]] std::unique_ptr<ImageSequence> open_image_sequence(const std::filesystem::path& path,
+                                                                 double white,
+                                                                 std::span<const ImageTime> named = {});
+
+}  // namespace saccade

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+
+namespace saccade {
+
+/// Progress on standard error: one changing line on a terminal, a line every tenth of the way in a log.
+class Progress {
+ public:
+  /// `total`: how much there is to do, in any unit; 0 where nobody knows, then a line comes every 1000.
+  explicit Progress(double total)
+      : terminal_(isatty(STDERR_FILENO) != 0),
+        step_((total > 0.0 ? total : 1e4) * (terminal_ ? 0.01 : 0.1)) {}
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+  ~Progress() { done(); }
+
+  /// Shows what `line` returns, where `reached` of the total is a step further than what was shown.
+  template <class Line>
+  void show(double reached, const Line& line) {
+    if (reached < next_) return;
+    next_ = std::floor(reached / step_ + 1.0) * step_;
+    fmt::print(stderr, "{}{}{}", terminal_ ? "\r" : "", line(), terminal_ ? "" : "\n");
+    line_is_open_ = terminal_;
+  }
+  /// Leaves the changing line.
+  void done() {
+    if (line_is_open_) fmt::print(stderr, "\n");
+    line_is_open_ = false;
+  }
+
+ private:
+  bool terminal_;
+  bool line_is_open_ = false;
+  double step_;
+  double next_ = 0.0;
+};
+
+}  // namespace saccade

@@ -1,0 +1,141 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/random.h"
+#include "emulator/emulator_config.h"
+
+namespace saccade {
+
+/// An event that a pixel asks the readout to send.
+struct PixelEvent {
+  std::int64_t t_us = 0;
+  std::uint32_t pixel = 0;  ///< of the whole image, row by row
+  bool on = false;
+  std::uint8_t cause = 0;   ///< EventCause
+  std::uint8_t object = 0;  ///< EventLabel::object
+};
+
+/// Neighbouring pixels of the sensor from photoreceptor to comparators, as EmulatorConfig says; without
+/// latency and readout. What a pixel does depends on its number in the image, never on its neighbours.
+class PixelArray {
+ public:
+  /// Pixels [first, first + count) of the image. The config is checked already.
+  PixelArray(const EmulatorConfig& config, std::size_t first, std::size_t count, std::uint64_t seed);
+
+  /// Takes these pixels' luminance at t_us (all finite and not negative; time advances), and their objects where
+  /// known; replaces `events` by those in (previous t_us, t_us], ordered by pixel, and by time for each.
+  void process(std::span<const float> luminance, std::span<const std::uint8_t> objects, std::int64_t t_us,
+               std::vector<PixelEvent>& events);
+
+  [[nodiscard]] double reference_log(std::size_t index) const;
+  [[nodiscard]] double output_log(std::size_t index) const;
+
+ private:
+  static constexpr std::size_t block_size = 512;
+
+  /// What is needed only where something happens. Levels are "with leakage": what has leaked from the reference
+  /// since the first image is added to the photoreceptor's output instead, so that references stand still.
+  struct Pixel {
+    double reference;             // level
+    double noise_s;               // time of the next noise candidate, since the first image
+    std::int64_t last_event_us;   // its stamp
+    std::int64_t reset_until_us;  // end of the newest reset
+    float threshold_on, threshold_off;
+    float leak_per_us;          // level
+    float noise_rate_hz;        // candidates: shot noise in the dark and hot pixel together
+    std::uint32_t noise_count;  // candidates so far
+    bool hot;
+  };
+  /// A pixel that may do something in the interval.
+  struct Active {
+    std::uint32_t index;
+    float luminance_before, luminance_now;
+    float deviation_before, deviation_now;
+    double log_before, log_now;
+  };
+  struct Interval {
+    std::int64_t t0_us, t1_us;
+    double duration_us;
+    double before_us;  // t0 since the first image
+  };
+  /// Of the photoreceptor in an interval: fixed + per_luminance * luminance.
+  struct TimeConstants {
+    double fixed, per_luminance;
+  };
+  struct Moment {
+    double u_us;
+    double level;
+  };
+  /// The level within an interval: start + slope u + amplitude exp(-rate u), u in microseconds since its start.
+  struct Course {
+    double start, slope, amplitude, rate;
+    double level;        // at u = 0
+    double end_us, end;  // the interval's end and the level there
+
+    [[nodiscard]] double at(double u) const;
+    /// The turning point inside (from, end_us), or end_us.
+    [[nodiscard]] double turn_after(double from) const;
+    /// When `target` is met in (from, to], between which the course is monotone and passes it.
+    [[nodiscard]] double meets(double target, const Moment& from, const Moment& to) const;
+  };
+  struct Crossing {
+    Moment at;
+    bool on;
+  };
+
+  void start(std::span<const float> luminance, std::int64_t t_us);
+  /// Log luminances of as many pixels.
+  void respond(std::span<const float> luminance, double* log_level) const;
+  [[nodiscard]] double response(float luminance) const;
+  [[nodiscard]] TimeConstants time_constants(const Interval& interval) const;
+  void process_block(std::span<const float> luminance, std::size_t begin, const Interval& interval);
+  void respond_where_active();
+  // run_interval and run_course: false where the pixel still waits at the end, in reset or for a free microsecond.
+  void run_pixel(const Active& active, const Interval& interval, std::vector<PixelEvent>& events);
+  [[nodiscard]] bool run_interval(const Active& active, const Interval& interval,
+                                  std::vector<PixelEvent>& events);
+  [[nodiscard]] bool run_course(const Active& active, const Course& course, const Interval& interval,
+                                Moment& now, std::vector<PixelEvent>& events);
+  [[nodiscard]] Course course_of(const Active& active, const Interval& interval) const;
+  [[nodiscard]] static bool next_crossing(const Pixel& pixel, const Course& course, const Moment& now,
+                                          double to, Crossing& crossing);
+  [[nodiscard]] bool leave_reset(std::size_t index, const Course& course, const Interval& interval,
+                                 Moment& now);
+  void next_noise(std::size_t index);
+  [[nodiscard]] bool noise_fires(std::size_t index, double luminance, PixelEvent& event) const;
+  [[nodiscard]] std::uint8_t object_at(std::size_t index) const;
+  void set_bounds(std::size_t index, bool asleep);
+
+  EmulatorConfig config_;
+  RandomStream random_;
+  std::size_t first_;
+  std::size_t count_;
+  bool filtered_;
+  bool held_;
+  bool drops_;
+  bool in_luminance_;  // low_ and high_ are luminances, otherwise levels
+  bool started_ = false;
+  std::int64_t start_us_ = 0;
+  std::int64_t t_us_ = 0;
+  std::vector<float> luminance_;  // of the newest image
+  std::vector<float> deviation_;  // of the photoreceptor's output from the log luminance, at the newest image
+  std::vector<float> low_, high_;  // a pixel whose level stays between them does nothing
+  std::vector<float> leak_per_us_;
+  std::vector<std::int64_t> noise_due_us_;        // next noise candidate
+  std::vector<std::int64_t> block_noise_due_us_;  // the first of each block
+  std::vector<std::uint8_t> objects_;
+  std::span<const std::uint8_t> objects_now_;
+  std::vector<Pixel> pixels_;
+  std::vector<Active> active_;
+  // Of the block at hand.
+  std::array<double, block_size> log_{}, new_log_{};
+  std::array<float, block_size> rise_{}, new_log_float_{}, new_deviation_{};
+  std::array<std::uint32_t, block_size> quiet_{};
+};
+
+}  // namespace saccade

@@ -1,0 +1,104 @@
+#include "emulator/readout.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace saccade {
+namespace {
+
+constexpr std::int64_t never_us = std::numeric_limits<std::int64_t>::min();
+
+std::int64_t tick_at_or_after(std::int64_t t_us, std::int64_t tick_us) {
+  const std::int64_t into = ((t_us % tick_us) + tick_us) % tick_us;
+  return into == 0 ? t_us : t_us + tick_us - into;
+}
+
+/// Forgets the first `gone` elements when they are the larger part.
+template <class T>
+void forget(std::vector<T>& queue, std::size_t& gone) {
+  if (gone < 1024 || 2 * gone < queue.size()) return;
+  queue.erase(queue.begin(), queue.begin() + static_cast<std::ptrdiff_t>(gone));
+  gone = 0;
+}
+
+}  // namespace
+
+Readout::Readout(const EmulatorConfig& config, std::size_t pixels)
+    : config_(config),
+      service_us_(config.readout_rate_hz > 0.0 ? 1e6 / config.readout_rate_hz : 0.0),
+      transparent_(config.latency_us == 0 && service_us_ == 0.0 && config.timestamp_resolution_us == 1),
+      busy_since_us_(never_us) {
+  const auto tick_us = static_cast<double>(config.timestamp_resolution_us);
+  const bool apart = service_us_ == 0.0 ? tick_us == 1.0 : service_us_ >= tick_us;
+  if (!apart) last_stamp_us_.assign(pixels, never_us);
+}
+
+void Readout::process(std::span<const PixelEvent> requests, std::int64_t t_us,
+                      std::vector<PixelEvent>& events) {
+  if (transparent_) {
+    events.insert(events.end(), requests.begin(), requests.end());
+    return;
+  }
+  for (const PixelEvent& request : requests) stamp(request);
+  const auto begin = stamped_.begin() + static_cast<std::ptrdiff_t>(released_);
+  const auto end = std::upper_bound(begin, stamped_.end(), t_us,
+                                    [](std::int64_t t, const PixelEvent& e) { return t < e.t_us; });
+  release(static_cast<std::size_t>(end - begin), events);
+}
+
+void Readout::finish(std::vector<PixelEvent>& events) { release(stamped_.size() - released_, events); }
+
+void Readout::release(std::size_t count, std::vector<PixelEvent>& events) {
+  const auto begin = stamped_.begin() + static_cast<std::ptrdiff_t>(released_);
+  events.insert(events.end(), begin, begin + static_cast<std::ptrdiff_t>(count));
+  released_ += count;
+  forget(stamped_, released_);
+}
+
+std::optional<std::int64_t> Readout::serve(std::int64_t t_us) {
+  if (service_us_ == 0.0) return t_us;
+  while (departed_ < departures_us_.size() && departures_us_[departed_] <= t_us) ++departed_;
+  const auto in_queue = static_cast<std::int64_t>(departures_us_.size() - departed_);
+  if (config_.readout_queue_events > 0 && in_queue >= config_.readout_queue_events) return std::nullopt;
+  if (in_queue == 0) {
+    busy_since_us_ = t_us;
+    busy_events_ = 0;
+  }
+  ++busy_events_;
+  // A hair of rounding shall not cost a microsecond.
+  const double worked_us = std::ceil(static_cast<double>(busy_events_) * service_us_ - 1e-6);
+  return busy_since_us_ + static_cast<std::int64_t>(worked_us);
+}
+
+void Readout::stamp(PixelEvent request) {
+  const std::optional<std::int64_t> served_us = serve(request.t_us + config_.latency_us);
+  if (!served_us) {
+    ++dropped_;
+    return;
+  }
+  request.t_us = tick_at_or_after(*served_us, config_.timestamp_resolution_us);
+  std::int64_t departure_us = *served_us;
+  if (!last_stamp_us_.empty()) {
+    std::int64_t& last_us = last_stamp_us_[request.pixel];
+    if (request.t_us <= last_us) {
+      request.t_us = departure_us = last_us + config_.timestamp_resolution_us;
+      busy_since_us_ = departure_us;
+      busy_events_ = 0;
+    }
+    last_us = request.t_us;
+  }
+  if (service_us_ > 0.0) {
+    departures_us_.push_back(departure_us);
+    forget(departures_us_, departed_);
+  }
+  auto place = stamped_.end();
+  const auto waiting = stamped_.begin() + static_cast<std::ptrdiff_t>(released_);
+  if (waiting != stamped_.end() && stamped_.back().t_us > request.t_us) {  // one moved on by a tick
+    place = std::upper_bound(waiting, stamped_.end(), request.t_us,
+                             [](std::int64_t t, const PixelEvent& e) { return t < e.t_us; });
+  }
+  stamped_.insert(place, request);
+}
+
+}  // namespace saccade

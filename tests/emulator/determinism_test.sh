@@ -1,0 +1,39 @@
+#!/usr/bin/env bash
+# The emulator gives the same events from GCC and clang, with and without optimisation: the hashes of
+# emulator_hash.cpp, which change when the pixel model does.
+# usage: determinism_test.sh SOURCE_FOLDER WORK_FOLDER PROGRAM (emulator_hash as the build made it)
+set -euo pipefail
+
+source=$1
+work=$2
+expected="ideal b73cbff1bdc81433
+dvs128 5bba3e01f54fe00a
+noisy aeb6277fcc767bf3
+davis346 4a3d12ca44cb9eee
+atis 7794eb8c27062df9
+everything 5118d738088f2ca8"
+
+status=0
+compare() {
+  if [[ $2 == "$expected" ]]; then
+    echo "$1: as expected"
+  else
+    printf '%s differs; found:\n%s\nexpected:\n%s\n' "$1" "$2" "$expected"
+    status=1
+  fi
+}
+
+compare "this build" "$("$3")"
+mkdir -p "$work"
+files=("$source"/tests/emulator/emulator_hash.cpp "$source"/emulator/*.cpp "$source"/core/{config,error,random}.cpp)
+for way in "g++ -O0" "clang++ -O3"; do
+  read -r compiler level <<<"$way"
+  if ! command -v "$compiler" >/dev/null; then
+    echo "SKIPPED: no $compiler here, its events were not compared"
+    continue
+  fi
+  program=$work/hash_$compiler
+  "$compiler" -std=c++20 "$level" -ffp-contract=off -I"$source" "${files[@]}" -pthread -o "$program"
+  compare "$way" "$("$program")"
+done
+exit $status

@@ -1,0 +1,46 @@
+# Installs the library, moves it elsewhere, builds the example against it as a stranger would and compares what
+# it prints with the same program linked to the libraries of this build.
+#   cmake -D BUILD=... -D SOURCE=... -D WORK=... -D COMPILER=... -D TYPE=... -D FLAGS=... -D IN_TREE=... -P ...
+function(must)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE text ERROR_VARIABLE text)
+  if(NOT status EQUAL 0)
+    string(REPLACE ";" " " command "${ARGN}")
+    message(FATAL_ERROR "${command}\nended with ${status}:\n${text}")
+  endif()
+  set(text "${text}" PARENT_SCOPE)
+endfunction()
+
+file(REMOVE_RECURSE ${WORK})
+must(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/staged --component library)
+file(RENAME ${WORK}/staged ${WORK}/prefix)
+
+file(GLOB_RECURSE package ${WORK}/prefix/*.cmake)
+list(LENGTH package count)
+if(count LESS 3)
+  message(FATAL_ERROR "no CMake package was installed: ${package}")
+endif()
+foreach(file IN LISTS package)
+  file(READ ${file} text)
+  foreach(private ${SOURCE} ${BUILD} saccade_flags x86-64-v2 ffp-contract -Wall)
+    string(FIND "${text}" ${private} at)
+    if(NOT at EQUAL -1)
+      message(FATAL_ERROR "${file} speaks of ${private}")
+    endif()
+  endforeach()
+endforeach()
+if(EXISTS ${WORK}/prefix/bin)
+  message(FATAL_ERROR "a program was installed")
+endif()
+
+must(${CMAKE_COMMAND} -S ${SOURCE}/examples/emulator -B ${WORK}/build -G ${GENERATOR}
+  -D CMAKE_PREFIX_PATH=${WORK}/prefix -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_BUILD_TYPE=${TYPE}
+  -D CMAKE_CXX_FLAGS=${FLAGS})
+must(${CMAKE_COMMAND} --build ${WORK}/build)
+must(${WORK}/build/moving_bar)
+set(installed "${text}")
+must(${IN_TREE})
+if(NOT installed STREQUAL text)
+  message(FATAL_ERROR "the installed library says\n${installed}\nthat of this build\n${text}")
+endif()
+message(STATUS "${installed}")
+file(REMOVE_RECURSE ${WORK})
