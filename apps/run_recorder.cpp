@@ -199,7 +199,7 @@ Metrics RunRecorder::finish(double wall_s, std::vector<std::pair<std::string, st
   metrics.duration_s = static_cast<double>(now_us_) * 1e-6;
   metrics.wall_s = wall_s;
   metrics.event_count = event_count_;
-  metrics.events_dropped = 0;
+  metrics.events_dropped = robot_.emulator_counts().dropped;
   metrics.events_file = events_name_;
   metrics.image = scenario_.sim.camera.size;
   metrics.camera = scenario_.sim.camera;

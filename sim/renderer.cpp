@@ -257,7 +257,6 @@ struct Polygon {
 
 void describe(FieldVisitor& v, EyeRenderConfig& config) {
   v.integer("supersampling", config.supersampling, {1, 8}, "samples per pixel and direction");
-  v.real("blur_px", config.blur_px, {0.0, 5.0}, "optics' point spread: standard deviation; 0: none");
   v.real("near_m", config.near_m, {0.001, 0.2}, "nothing nearer along the optical axis is drawn");
   v.real("far_m", config.far_m, {1.0, 1000.0}, "nothing farther along the optical axis is drawn");
 }
@@ -329,16 +328,6 @@ void EyeRenderer::gather_samples() {
   is_inside_.resize(drawn);
   std::ranges::transform(covered, is_inside_.begin(), [](double area) { return area >= 0.5 ? 1 : 0; });
   rgba_.resize(drawn);
-  const double sigma = config_.blur_px * static_cast<double>(config_.supersampling);
-  if (sigma > 0.0) {
-    double sum = 0.0;
-    for (int k = 0; k <= static_cast<int>(std::ceil(3.0 * sigma)); ++k) {
-      blur_weights_.push_back(static_cast<float>(std::exp(-0.5 * k * k / (sigma * sigma))));
-      sum += static_cast<double>(blur_weights_.back()) * (k == 0 ? 1.0 : 2.0);
-    }
-    for (float& weight : blur_weights_) weight = static_cast<float>(static_cast<double>(weight) / sum);
-    blur_row_.resize(columns + 2 * blur_weights_.size());
-  }
   drawn_.assign(drawn + 3, 0.0F);  // four at a time, past the end too
 }
 
@@ -392,7 +381,6 @@ void EyeRenderer::resample(std::span<float> image) {
     drawn_[i] = static_cast<float>(static_cast<std::int32_t>(
         red * (rgba & 0xffU) + green * ((rgba >> 8U) & 0xffU) + blue * ((rgba >> 16U) & 0xffU)));
   }
-  blur();
   const Samples* samples = samples_.data();
   for (std::size_t pixel = 0; pixel < image.size(); ++pixel) {
     std::array<float, 4> sums{};
@@ -402,38 +390,6 @@ void EyeRenderer::resample(std::span<float> image) {
     }
     image[pixel] = (sums[0] + sums[1]) + (sums[2] + sums[3]);
   }
-}
-
-/// A Gaussian over the drawn image, rows first; what lies beyond its border is as the border is.
-void EyeRenderer::blur() {
-  if (blur_weights_.empty()) return;
-  const auto columns = static_cast<std::size_t>(columns_);
-  const auto rows = static_cast<std::size_t>(rows_);
-  const std::size_t reach = blur_weights_.size() - 1;
-  const auto add = [](float weight, const float* a, const float* b, float* sum, std::size_t n) {
-    for (std::size_t i = 0; i < n; ++i) sum[i] += weight * (a[i] + b[i]);
-  };
-  std::vector<float>& padded = blur_row_;
-  for (std::size_t row = 0; row < rows; ++row) {
-    float* const line = drawn_.data() + row * columns;
-    std::fill_n(padded.begin(), reach, line[0]);
-    std::copy_n(line, columns, padded.begin() + static_cast<std::ptrdiff_t>(reach));
-    std::fill_n(padded.begin() + static_cast<std::ptrdiff_t>(reach + columns), reach, line[columns - 1]);
-    for (std::size_t i = 0; i < columns; ++i) line[i] = blur_weights_[0] * padded[reach + i];
-    for (std::size_t k = 1; k <= reach; ++k) {
-      add(blur_weights_[k], padded.data() + reach - k, padded.data() + reach + k, line, columns);
-    }
-  }
-  blurred_.resize(drawn_.size());
-  for (std::size_t row = 0; row < rows; ++row) {
-    const auto line = [&](std::size_t of) { return drawn_.data() + std::min(of, rows - 1) * columns; };
-    float* const out = blurred_.data() + row * columns;
-    for (std::size_t i = 0; i < columns; ++i) out[i] = blur_weights_[0] * line(row)[i];
-    for (std::size_t k = 1; k <= reach; ++k) {
-      add(blur_weights_[k], line(row < k ? 0 : row - k), line(row + k), out, columns);
-    }
-  }
-  std::swap(drawn_, blurred_);
 }
 
 double EyeRenderer::visible_share(const Eigen::Vector3d& centre_m, double radius_m) {

@@ -22,12 +22,11 @@ class SceneDrawer;
 
 struct EyeRenderConfig {
   std::int64_t supersampling = 2;  ///< samples per pixel and direction
-  double blur_px = 0.35;           ///< the optics' point spread, a Gaussian: its standard deviation; 0: none
   double near_m = 0.02;            ///< nothing nearer along the optical axis is drawn
   double far_m = 12.0;             ///< nor farther
 };
 
-/// Keys: supersampling, blur_px, near_m, far_m.
+/// Keys: supersampling, near_m, far_m.
 void describe(FieldVisitor& v, EyeRenderConfig& config);
 
 /// What an eye of the model sees through its lens, as linear luminance.
@@ -66,7 +65,6 @@ class EyeRenderer {
  private:
   void draw(mjData& data, int camera_id, const Eigen::Vector2d& shift_px);
   void gather_samples();
-  void blur();
   /// The drawn image's samples, weighted by colour in 1/10000, as seen by the pixels.
   template <std::uint32_t red, std::uint32_t green, std::uint32_t blue>
   void resample(std::span<float> image);
@@ -91,8 +89,6 @@ class EyeRenderer {
       is_inside_;                    ///< per sample of the drawn image: at least half of it is in the image
   std::vector<std::uint32_t> rgba_;  ///< the drawn image, bottom row first
   std::vector<float> drawn_;         ///< its luminance or one colour
-  std::vector<float> blur_weights_;  ///< of a sample and those 1, 2 ... away from it; empty: none
-  std::vector<float> blur_row_, blurred_;
   std::vector<float> depth_;
   std::unique_ptr<detail::SceneDrawer> drawer_;
 };

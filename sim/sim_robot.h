@@ -60,6 +60,8 @@ class SimRobot final : public Clock, public EventSource, public HeadPort {
 
   [[nodiscard]] const SimTruth& truth() const { return truth_; }
   [[nodiscard]] std::int64_t first_motion_us() const { return world_.first_motion_us(); }
+  /// Of the event camera so far, those that wait to be delivered included.
+  [[nodiscard]] const EmulatorCounts& emulator_counts() const { return emulator_.counts(); }
   /// The newest image of the left eye, drawn at image_us(): linear luminance, grey levels 0..255, row by row.
   [[nodiscard]] std::span<const float> left_image() const { return luminance_; }
   [[nodiscard]] std::int64_t image_us() const { return image_us_; }
