@@ -28,6 +28,8 @@ SceneView profile() {
   return view;
 }
 
+constexpr std::array<std::string_view, 4> cause_names = {"signal", "leak", "shot", "hot"};  // as EventCause
+
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 GazeScoringConfig gaze_scoring(const Scenario& scenario, const JointLimits& limits) {
@@ -71,6 +73,7 @@ RunRecorder::RunRecorder(std::filesystem::path folder, const Scenario& scenario,
     picture_times_us_.push_back(wanted_us / World::tick_us * World::tick_us);
   }
   if (!picture_times_us_.empty()) std::filesystem::create_directories(folder_ / "frames");
+  if (scenario.sim.labels) label_table_.emplace(folder_ / "labels.csv");
   if (scenario.output.video) video_.emplace(folder_ / "video.mp4");
   if (const auto& frames = scenario.frame_30hz) {
     frame_detector_.emplace(*frames, scenario.sim.world.ball.rgb, scenario.sim.camera);
@@ -90,6 +93,7 @@ void RunRecorder::on_tick(const Tick& tick) {
 void RunRecorder::record_tables(const Tick& tick) {
   event_count_ += static_cast<std::int64_t>(tick.events.size());
   events_->write(tick.events);
+  if (label_table_) record_labels(tick.events);
   joints_.write({tick.t_us, tick.head->position_rad});
 
   const SimTruth& truth = robot_.truth();
@@ -113,6 +117,23 @@ void RunRecorder::record_tables(const Tick& tick) {
                      tick.head->position_rad});
   gaze_scorer_.add(
       {tick.t_us, truth.root_from_left_cam, truth.ball_m, tick.target_m, truth.plant_position_rad});
+}
+
+void RunRecorder::record_labels(std::span<const Event> events) {
+  const std::span<const EventLabel> labels = robot_.delivered_labels();
+  SACCADE_CHECK(labels.size() == events.size());
+  LabelRow row;
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    row.t_us = events[i].t_us;
+    row.x = events[i].x;
+    row.y = events[i].y;
+    row.on = events[i].on;
+    row.cause = cause_names.at(static_cast<std::size_t>(labels[i].cause));
+    row.object = scene_object_names.at(labels[i].object - 1U);
+    label_table_->write(row);
+    clutter_.add(row);
+  }
+  clutter_in_window_.push_back(clutter_.share_in_window());
 }
 
 EyePicture RunRecorder::eye_picture(const Tick& tick, const cv::Mat& grey) const {
@@ -190,6 +211,7 @@ Metrics RunRecorder::finish(double wall_s, std::vector<std::pair<std::string, st
   truth_table_.commit();
   detection_table_.commit();
   gaze_table_.commit();
+  if (label_table_) label_table_->commit();
   if (video_) video_->commit();
 
   Metrics metrics;
@@ -217,6 +239,13 @@ Metrics RunRecorder::finish(double wall_s, std::vector<std::pair<std::string, st
     metrics.detectors.emplace_back(frame_detector_name,
                                    score_detector(truth_, detections_, frame_detector_name,
                                                   frame_detector_->threshold(), Chances::simulated));
+  }
+  if (label_table_) {
+    metrics.clutter = clutter_.share();
+    for (auto& [name, score] : metrics.detectors) {
+      score.clutter = detector_clutter(truth_, clutter_in_window_, detections_, name, score.threshold,
+                                       clutter_.clutter_events(), score.inliers);
+    }
   }
   if (scenario_.gaze.detector != "none") {
     metrics.gaze = GazeMetrics{scenario_.gaze.detector, gaze_scorer_.score(), robot_.limits()};

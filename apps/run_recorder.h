@@ -7,6 +7,7 @@
 
 #include "apps/config/scenario.h"
 #include "apps/loop.h"
+#include "evaluation/clutter.h"
 #include "evaluation/frame_detector.h"
 #include "evaluation/gaze_scorer.h"
 #include "evaluation/metrics.h"
@@ -33,6 +34,7 @@ class RunRecorder final : public LoopObserver {
 
  private:
   void record_tables(const Tick& tick);
+  void record_labels(std::span<const Event> events);
   void take_pictures(const Tick& tick);
   void watch_frames(std::int64_t t_us);
   void save_hough_spaces(std::int64_t t_us) const;
@@ -48,7 +50,10 @@ class RunRecorder final : public LoopObserver {
   TableWriter<TruthRow> truth_table_;
   TableWriter<DetectionRow> detection_table_;
   TableWriter<GazeRow> gaze_table_;
+  std::optional<TableWriter<LabelRow>> label_table_;
   GazeScorer gaze_scorer_;
+  ClutterCounter clutter_;
+  std::vector<double> clutter_in_window_;  // per row of truth_; only with labels
   std::vector<TruthRow> truth_;
   std::vector<DetectionRow> detections_;
   std::vector<std::int64_t> detector_ns_;

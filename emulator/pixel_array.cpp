@@ -336,6 +336,7 @@ void PixelArray::process_block(std::span<const float> luminance, std::size_t beg
                          new_deviation_[k], log_[k], new_log_[k]});
 #if defined(__GNUC__)
       __builtin_prefetch(&pixels_[index], 1);
+      __builtin_prefetch(&noise_due_us_[index], 1);
 #endif
     }
   }

@@ -40,7 +40,7 @@ class PixelArray {
 
   /// What is needed only where something happens. Levels are "with leakage": what has leaked from the reference
   /// since the first image is added to the photoreceptor's output instead, so that references stand still.
-  struct Pixel {
+  struct alignas(64) Pixel {      // a cache line
     double reference;             // level
     double noise_s;               // time of the next noise candidate, since the first image
     std::int64_t last_event_us;   // its stamp

@@ -60,7 +60,14 @@ constexpr Quantity<DetectorScore> detector_quantities[] = {
     {"position_error_median_px", "position error,<br>median, px",
      [](const DetectorScore& s) { return s.position_error_px.median; }},
     {"lag_ms", "lag, ms", [](const DetectorScore& s) { return s.lag_ms; }},
+    {"clutter_in_window_detected", "clutter where<br>it detected",
+     [](const DetectorScore& s) { return s.clutter ? s.clutter->in_window_detected : std::nullopt; }},
+    {"clutter_in_window_missed", "clutter where<br>it did not",
+     [](const DetectorScore& s) { return s.clutter ? s.clutter->in_window_missed : std::nullopt; }},
+    {"clutter_per_detection", "clutter events<br>per inlier",
+     [](const DetectorScore& s) { return s.clutter ? s.clutter->per_detection : std::nullopt; }},
 };
+constexpr std::size_t clutter_quantities = 3;  // the last ones, of runs with labels
 
 constexpr Quantity<GazeScore> gaze_quantities[] = {
     {"acquire_s", "acquired<br>after, s", [](const GazeScore& s) { return s.acquire_s; }},
@@ -212,8 +219,18 @@ std::string table_row(const std::string& name, const std::vector<Score>& scores,
   return html + "</tr>\n";
 }
 
+/// What is told of detectors: of clutter only where a run has labels.
+std::span<const Quantity<DetectorScore>> quantities_of(std::span<const Group> groups) {
+  const auto has_labels = [](const Run* run) { return run->metrics.clutter.has_value(); };
+  const bool labels = std::any_of(groups.begin(), groups.end(), [&](const Group& group) {
+    return std::any_of(group.runs.begin(), group.runs.end(), has_labels);
+  });
+  const std::span<const Quantity<DetectorScore>> all(detector_quantities);
+  return labels ? all : all.first(all.size() - clutter_quantities);
+}
+
 std::string detector_table(const Group& group, std::size_t number) {
-  const std::span<const Quantity<DetectorScore>> quantities(detector_quantities);
+  const auto quantities = quantities_of({&group, 1});
   std::string html = table_head(fmt::format("group{}", number), "detector", quantities);
   for (const auto& [detector, scores] : group.detectors) {
     std::string name = colour_mark(detector.colour, detector.name);
@@ -273,7 +290,7 @@ std::string group_fields(const Group& group) {
 
 /// The tables' numbers: every run for itself, and the means.
 void write_tables(const std::vector<Group>& groups, const fs::path& out) {
-  const std::span<const Quantity<DetectorScore>> quantities(detector_quantities);
+  const auto quantities = quantities_of(groups);
   const std::span<const Quantity<GazeScore>> gaze(gaze_quantities);
   std::string runs = "run,scenario,settings,seed,detector" + csv_head(quantities, false);
   std::string means = "scenario,settings,detector,runs" + csv_head(quantities, true);

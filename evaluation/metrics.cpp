@@ -56,7 +56,7 @@ Json json_of(const DetectorScore& score) {
     curve.push_back(
         {{"threshold", point.threshold}, {"precision", point.precision}, {"recall", point.recall}});
   }
-  return {
+  Json json = {
       {"average_precision", json_of(score.average_precision)},
       {"precision_at_recall", std::move(at_recall)},
       {"pr_curve", std::move(curve)},
@@ -72,6 +72,30 @@ Json json_of(const DetectorScore& score) {
       {"observations", score.observations},
       {"inliers", score.inliers},
       {"rejected_events", json_of(score.rejected_events)}};
+  if (score.clutter) {
+    json["clutter_in_window"] = {{"detected", json_of(score.clutter->in_window_detected)},
+                                 {"missed", json_of(score.clutter->in_window_missed)}};
+    json["clutter_per_detection"] = json_of(score.clutter->per_detection);
+  }
+  return json;
+}
+
+Json json_of(const ClutterShare& clutter) {
+  Json json = {
+      {"share", json_of(clutter.share)}, {"by_object", Json::object()}, {"by_cause", Json::object()}};
+  for (const auto& [name, share] : clutter.by_object) json["by_object"][name] = json_of(share);
+  for (const auto& [name, share] : clutter.by_cause) json["by_cause"][name] = json_of(share);
+  return json;
+}
+
+ClutterShare clutter_share(const Json& json) {
+  ClutterShare clutter;
+  clutter.share = number(json.at("share"));
+  for (const auto& [name, share] : json.at("by_object").items())
+    clutter.by_object.emplace_back(name, number(share));
+  for (const auto& [name, share] : json.at("by_cause").items())
+    clutter.by_cause.emplace_back(name, number(share));
+  return clutter;
 }
 
 DetectorScore detector_score(const Json& json) {
@@ -100,6 +124,11 @@ DetectorScore detector_score(const Json& json) {
   if (const auto rejected = json.find("rejected_events"); rejected != json.end() && !rejected->is_null()) {
     score.rejected_events = {.outside_image = rejected->at("outside_image").get<std::int64_t>(),
                              .back_in_time = rejected->at("back_in_time").get<std::int64_t>()};
+  }
+  if (const auto window = json.find("clutter_in_window"); window != json.end()) {
+    score.clutter = {.in_window_detected = number(window->at("detected")),
+                     .in_window_missed = number(window->at("missed")),
+                     .per_detection = number(json.at("clutter_per_detection"))};
   }
   return score;
 }
@@ -183,6 +212,8 @@ Metrics metrics_of(const Json& json) {
   if (!json.at("gaze").is_null()) {
     metrics.gaze = gaze_metrics(json.at("gaze"));
   }
+  if (const auto clutter = json.find("clutter"); clutter != json.end())
+    metrics.clutter = clutter_share(*clutter);
   const Json& camera = json.at("camera");
   metrics.image = {camera.at("width_px").get<int>(), camera.at("height_px").get<int>()};
   if (!camera.at("fx_px").is_null()) {
@@ -213,7 +244,7 @@ std::string metrics_to_json(const Metrics& metrics) {
   for (const auto& [key, value] : metrics.settings) {
     settings[key] = value;
   }
-  const Json json = {
+  Json json = {
       {"schema", 1},
       {"scenario", metrics.scenario},
       {"seed", json_of(metrics.seed)},
@@ -230,6 +261,7 @@ std::string metrics_to_json(const Metrics& metrics) {
       {"camera", camera_json(metrics)},
       {"start_us", metrics.start_us},
       {"settings", std::move(settings)}};
+  if (metrics.clutter) json["clutter"] = json_of(*metrics.clutter);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

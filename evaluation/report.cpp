@@ -14,6 +14,7 @@
 
 #include "core/error.h"
 #include "evaluation/ball_speed.h"
+#include "evaluation/clutter.h"
 #include "evaluation/figures.h"
 #include "evaluation/html.h"
 #include "evaluation/metrics.h"
@@ -241,6 +242,34 @@ std::string gaze_table(const GazeScore& s) {
          row("moves", count_cell(s.moves)) + row("wrong moves", count_cell(s.wrong_moves)) +
          row("saccades", count_cell(s.saccades)) +
          row("joint limit violations", count_cell(s.limit_violations)) + "</tbody></table>\n";
+}
+
+std::string share_row(std::string_view what,
+                      const std::vector<std::pair<std::string, std::optional<double>>>& shares) {
+  std::string html = fmt::format("<tr><th>{}</th>", what);
+  for (const auto& [name, share] : shares) html += fmt::format("<th>{}</th>{}", escaped(name), cell(share));
+  return html + "</tr>\n";
+}
+
+/// Who made the events; empty where nobody knows.
+std::string clutter_tables(const Metrics& m) {
+  if (!m.clutter) return {};
+  std::string html = "<h2>Clutter</h2>\n<div class=\"wide\"><table id=\"clutter\"><tbody>\n" +
+                     share_row("share of the events, by object", m.clutter->by_object) +
+                     share_row("by cause", m.clutter->by_cause) + "</tbody></table></div>\n";
+  html += fmt::format(
+      "<div class=\"wide\"><table id=\"clutter_by_detector\"><thead><tr><th rowspan=\"2\">detector</th><th "
+      "colspan=\"2\">clutter among the newest {} events</th><th rowspan=\"2\">clutter events<br>per "
+      "inlier</th></tr><tr><th>where it detected</th><th>where it did not</th></tr></thead><tbody>\n",
+      ClutterCounter::window_events);
+  for (std::size_t i = 0; i < m.detectors.size(); ++i) {
+    const DetectorClutter clutter = m.detectors[i].second.clutter.value_or(DetectorClutter{});
+    html += fmt::format("<tr><th>{}</th>", detector_mark(m, i)) + cell(clutter.in_window_detected) +
+            cell(clutter.in_window_missed) + cell(clutter.per_detection) + "</tr>\n";
+  }
+  return html +
+         "</tbody></table></div>\n<p class=\"facts\">Clutter is every event that the ball did not make. "
+         "Where it did not: chances without an observation at or above the threshold.</p>\n";
 }
 
 std::string summary(const Metrics& m) {
@@ -525,6 +554,7 @@ std::string body(const Run& run) {
       "radius. – means that the figure does not apply.</p>\n";
   html += rejected_remark(m) + hough_figure(run) + detection_figures(run);
   if (run.event_counts || run.scored_every_ms()) html += rate_figures(run);
+  html += clutter_tables(m);
   return html;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/detector.h"
+#include "evaluation/clutter.h"
 #include "evaluation/statistics.h"
 #include "recording/run_files.h"
 
@@ -72,6 +73,8 @@ struct DetectorScore {
   std::optional<double> us_per_event;
   /// Events that the detector could not use; told by the detector, not here.
   std::optional<RejectedEvents> rejected_events;
+  /// Where the events have labels; from detector_clutter.
+  std::optional<DetectorClutter> clutter;
 };
 
 /// Scores one detector. `truth` and `detections` sorted by time; rows of other detectors are skipped. Throws

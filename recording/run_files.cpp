@@ -57,6 +57,12 @@ void visit_columns(Visitor& visit, Row& row) {
     visit_point(visit, "fixation_", row.fixation_m);
     visit_point(visit, "target_", row.target_m);
     visit_joints(visit, row.position_rad);
+  } else if constexpr (std::is_same_v<Table, LabelRow>) {
+    visit("x", row.x);
+    visit("y", row.y);
+    visit("p", row.on);
+    visit("cause", row.cause);
+    visit("object", row.object);
   } else {
     static_assert(std::is_same_v<Table, JointsRow>);
     visit_joints(visit, row.position_rad);
@@ -256,13 +262,16 @@ template class TableWriter<TruthRow>;
 template class TableWriter<DetectionRow>;
 template class TableWriter<GazeRow>;
 template class TableWriter<JointsRow>;
+template class TableWriter<LabelRow>;
 template class TableReader<TruthRow>;
 template class TableReader<DetectionRow>;
 template class TableReader<GazeRow>;
 template class TableReader<JointsRow>;
+template class TableReader<LabelRow>;
 template std::vector<TruthRow> read_table(const std::filesystem::path& path);
 template std::vector<DetectionRow> read_table(const std::filesystem::path& path);
 template std::vector<GazeRow> read_table(const std::filesystem::path& path);
 template std::vector<JointsRow> read_table(const std::filesystem::path& path);
+template std::vector<LabelRow> read_table(const std::filesystem::path& path);
 
 }  // namespace saccade

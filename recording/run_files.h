@@ -54,6 +54,17 @@ struct JointsRow {
   JointVector position_rad = JointVector::Zero();
 };
 
+/// labels.csv: t_us,x,y,p,cause,object. One row per event of the events' file, in its order. `p` is 1 for brighter;
+/// `cause` is signal, leak, shot or hot; `object` is ball, hand, arm, distractor or background. Truth.
+struct LabelRow {
+  std::int64_t t_us = 0;
+  std::int64_t x = 0;
+  std::int64_t y = 0;
+  bool on = false;
+  std::string cause;
+  std::string object;
+};
+
 /// Writes rows one by one (streaming: memory does not grow with the run); the file appears on commit().
 template <class Row>
 class TableWriter {
@@ -97,9 +108,11 @@ extern template class TableWriter<TruthRow>;
 extern template class TableWriter<DetectionRow>;
 extern template class TableWriter<GazeRow>;
 extern template class TableWriter<JointsRow>;
+extern template class TableWriter<LabelRow>;
 extern template class TableReader<TruthRow>;
 extern template class TableReader<DetectionRow>;
 extern template class TableReader<GazeRow>;
 extern template class TableReader<JointsRow>;
+extern template class TableReader<LabelRow>;
 
 }  // namespace saccade

@@ -60,8 +60,15 @@ class SceneDrawer {
   SceneDrawer(const SceneDrawer&) = delete;
   SceneDrawer& operator=(const SceneDrawer&) = delete;
 
-  void draw(mjData& data, const mjvGLCamera& camera, mjrRect viewport) {
+  /// Lit and painted; or, where `number_of_geom` is given, each geom flat in the colour (number, 0, 0).
+  void draw(mjData& data, const mjvGLCamera& camera, mjrRect viewport,
+            std::span<const std::uint8_t> number_of_geom = {}) {
     update(data);
+    const bool numbered = !number_of_geom.empty();
+    scene_.flags[mjRND_SEGMENT] = scene_.flags[mjRND_IDCOLOR] = numbered ? 1 : 0;
+    if (numbered) {
+      for (mjvGeom& geom : drawn()) geom.segid = number_of_geom[static_cast<std::size_t>(geom.objid)] - 1;
+    }
     if (quality_ == Quality::fast) {
       refine_spheres();
       leave_out_unseen(camera, viewport);
@@ -349,7 +356,26 @@ void EyeRenderer::render_colour(mjData& data, int camera_id, const Eigen::Vector
   resample<0, 0, 10000>(rgb.last(pixels));
 }
 
-void EyeRenderer::draw(mjData& data, int camera_id, const Eigen::Vector2d& shift_px) {
+void EyeRenderer::label(mjData& data, int camera_id, std::span<const std::uint8_t> number_of_geom,
+                        std::uint8_t nothing, std::span<std::uint8_t> numbers) {
+  SACCADE_CHECK(numbers.size() == static_cast<std::size_t>(camera_.size.pixels()));
+  draw(data, camera_id, Eigen::Vector2d::Zero(), number_of_geom);
+  const Samples* samples = samples_.data();
+  for (std::size_t pixel = 0; pixel < numbers.size(); ++pixel) {
+    std::uint32_t smallest = 255;
+    for (const Samples* end = samples_.data() + samples_end_[pixel]; samples != end; ++samples) {
+      for (std::size_t i = 0; i < 4; ++i) {
+        if (!(samples->weights[i] > 0.0F)) continue;
+        const std::uint32_t number = rgba_[samples->first + i] & 0xffU;
+        if (number > 0) smallest = std::min(smallest, number);
+      }
+    }
+    numbers[pixel] = smallest == 255 ? nothing : static_cast<std::uint8_t>(smallest);
+  }
+}
+
+void EyeRenderer::draw(mjData& data, int camera_id, const Eigen::Vector2d& shift_px,
+                       std::span<const std::uint8_t> number_of_geom) {
   const mjtNum* position = data.cam_xpos + 3 * camera_id;
   const mjtNum* axes = data.cam_xmat + 9 * camera_id;
   mjvGLCamera eye{};
@@ -369,7 +395,7 @@ void EyeRenderer::draw(mjData& data, int camera_id, const Eigen::Vector2d& shift
 
   gl_.make_current();
   const mjrRect whole{0, 0, columns_, rows_};
-  drawer_->draw(data, eye, whole);
+  drawer_->draw(data, eye, whole, number_of_geom);
   drawer_->read_rgba(whole, rgba_.data());
 }
 

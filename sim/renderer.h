@@ -55,6 +55,12 @@ class EyeRenderer {
   /// those on the optical axis), so that several pictures can share out the samples of one.
   void render_colour(mjData& data, int camera_id, const Eigen::Vector2d& shift_px, std::span<float> rgb);
 
+  /// What each pixel sees, as numbers: `number_of_geom` has one for each geom of the model, from 1 to 254 and
+  /// smaller for what is to count in front. A pixel has the smallest number among its samples, `nothing` where
+  /// none is drawn. Costs about as much as an image. `numbers`: row-major, height x width of the camera.
+  void label(mjData& data, int camera_id, std::span<const std::uint8_t> number_of_geom, std::uint8_t nothing,
+             std::span<std::uint8_t> numbers);
+
   /// The share of a sphere's disc, in [0, 1], that is inside the last image and not hidden by anything
   /// drawn more than 3 mm in front of the sphere. `centre_m` in the (OpenCV) camera frame. 0 for a sphere
   /// that is not wholly in front of the camera.
@@ -63,7 +69,9 @@ class EyeRenderer {
   [[nodiscard]] const Camera& camera() const { return camera_; }
 
  private:
-  void draw(mjData& data, int camera_id, const Eigen::Vector2d& shift_px);
+  /// With `number_of_geom` each geom flat in the colour (number, 0, 0).
+  void draw(mjData& data, int camera_id, const Eigen::Vector2d& shift_px,
+            std::span<const std::uint8_t> number_of_geom = {});
   void gather_samples();
   /// The drawn image's samples, weighted by colour in 1/10000, as seen by the pixels.
   template <std::uint32_t red, std::uint32_t green, std::uint32_t blue>

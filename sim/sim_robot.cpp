@@ -17,6 +17,10 @@ SimRobot::SimRobot(const SimConfig& config, std::uint64_t seed)
   if (!shown_) throw RunError("MuJoCo has no memory for a second picture of the world");
   paint_lab_textures(world_.model(), config.lab, seed);
   eye_ = std::make_unique<EyeRenderer>(world_.model(), *gl_, config.camera, config.render);
+  if (config.labels) {
+    object_of_geom_ = world_.scene_objects();
+    objects_.resize(luminance_.size());
+  }
   take_image(world_.now_us());
   note_truth();
 }
@@ -42,7 +46,11 @@ void SimRobot::take_image(std::int64_t t_us) {
   mjData& data = world_at(t_us);
   sampler_.take(t_us, data);
   eye_->render(data, world_.left_eye_camera(), luminance_);
-  emulator_.process_image(luminance_, t_us, events_);
+  if (config_.labels) {
+    eye_->label(data, world_.left_eye_camera(), object_of_geom_,
+                static_cast<std::uint8_t>(SceneObject::background), objects_);
+  }
+  emulator_.process_image(luminance_, t_us, events_, config_.labels ? &labels_ : nullptr, objects_);
   const Eigen::Isometry3d root_from_cam = World::root_from_camera(data, world_.left_eye_camera());
   truth_.visible =
       eye_->visible_share(root_from_cam.inverse() * world_.ball_position_m(data), world_.ball_radius_m());
@@ -65,9 +73,14 @@ PortStatus SimRobot::read_until(std::int64_t t_us, std::vector<Event>& events) {
   const auto end =
       std::upper_bound(begin, events_.end(), t_us, [](std::int64_t t, const Event& e) { return t < e.t_us; });
   events.insert(events.end(), begin, end);
+  if (config_.labels) {
+    delivered_labels_.assign(labels_.begin() + (begin - events_.begin()),
+                             labels_.begin() + (end - events_.begin()));
+  }
   delivered_ = static_cast<std::size_t>(end - events_.begin());
   if (delivered_ == events_.size()) {
     events_.clear();
+    labels_.clear();
     delivered_ = 0;
   }
   return PortStatus::ok;

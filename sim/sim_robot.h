@@ -26,6 +26,7 @@ struct SimConfig {
   SamplingConfig sampling;
   std::string gl = "auto";  ///< OpenGL backend: auto, osmesa, egl
   EmulatorConfig emulator;
+  bool labels = false;  ///< tell what made each event; costs a second drawing per image
 };
 
 /// What is really so at one instant; for recorders and scores, never for core or control.
@@ -60,6 +61,11 @@ class SimRobot final : public Clock, public EventSource, public HeadPort {
 
   [[nodiscard]] const SimTruth& truth() const { return truth_; }
   [[nodiscard]] std::int64_t first_motion_us() const { return world_.first_motion_us(); }
+  /// Truth: the cause of each event that the last read_until() delivered, in their order, and the SceneObject that
+  /// made it; empty unless SimConfig::labels.
+  [[nodiscard]] std::span<const EventLabel> delivered_labels() const { return delivered_labels_; }
+  /// Truth: what each pixel of left_image() sees, as SceneObject; empty unless SimConfig::labels.
+  [[nodiscard]] std::span<const std::uint8_t> left_objects() const { return objects_; }
   /// Of the event camera so far, those that wait to be delivered included.
   [[nodiscard]] const EmulatorCounts& emulator_counts() const { return emulator_.counts(); }
   /// The newest image of the left eye, drawn at image_us(): linear luminance, grey levels 0..255, row by row.
@@ -95,6 +101,11 @@ class SimRobot final : public Clock, public EventSource, public HeadPort {
   std::int64_t image_us_ = 0;
   std::int64_t images_ = 0;
   std::vector<Event> events_;  // not yet delivered
+  // These only with labels:
+  std::vector<std::uint8_t> object_of_geom_;
+  std::vector<std::uint8_t> objects_;
+  std::vector<EventLabel> labels_;  // of events_
+  std::vector<EventLabel> delivered_labels_;
   std::size_t delivered_ = 0;
   SimTruth truth_;
 };

@@ -169,6 +169,26 @@ void World::make_ball(const BallConfig& config) {
   mju_scl3(arm_pos, arm_pos, scale);
 }
 
+std::vector<std::uint8_t> World::scene_objects() const {
+  const mjModel& m = *model_;
+  const auto name_of = [&m](mjtObj type, int id) {
+    const char* name = mj_id2name(&m, type, id);
+    return std::string_view(name != nullptr ? name : "");
+  };
+  std::vector<std::uint8_t> objects;
+  for (int geom = 0; geom < m.ngeom; ++geom) {
+    const std::string_view name = name_of(mjOBJ_GEOM, geom);
+    const std::string_view body = name_of(mjOBJ_BODY, m.geom_bodyid[geom]);
+    SceneObject object = SceneObject::background;
+    if (name == "ball") object = SceneObject::ball;
+    if (body == "hand") object = SceneObject::hand;
+    if (body == "arm") object = SceneObject::arm;
+    if (name.starts_with("distractor") || body.starts_with("distractor")) object = SceneObject::distractor;
+    objects.push_back(static_cast<std::uint8_t>(object));
+  }
+  return objects;
+}
+
 void World::step() {
   remember();
   now_us_ += tick_us;

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/config.h"
@@ -34,6 +35,13 @@ struct WorldConfig {
 
 /// Keys: ball, initial_pose_deg.
 void describe(FieldVisitor& v, WorldConfig& config);
+
+/// What stands in the world, foremost in an eye first. By names in the model: the geom `ball`; geoms of the bodies
+/// `hand` and `arm`; geoms whose own name or whose body's begins with `distractor`; everything else is background.
+enum class SceneObject : std::uint8_t { ball = 1, hand, arm, distractor, background };
+/// In that order, from ball on.
+inline constexpr std::array<std::string_view, 5> scene_object_names = {"ball", "hand", "arm", "distractor",
+                                                                       "background"};
 
 /// Where the MJCF models of this build are.
 [[nodiscard]] std::filesystem::path models_directory();
@@ -84,6 +92,8 @@ class World {
   [[nodiscard]] mjModel& model() { return *model_; }
   [[nodiscard]] const mjModel& model() const { return *model_; }
   [[nodiscard]] mjData& data() { return *data_; }
+  /// The SceneObject of each geom of the model, as a number.
+  [[nodiscard]] std::vector<std::uint8_t> scene_objects() const;
   [[nodiscard]] int left_eye_camera() const { return left_eye_; }
   [[nodiscard]] int right_eye_camera() const { return right_eye_; }
 

@@ -75,6 +75,10 @@ nlohmann::json empty_metrics(const Scenario& scenario) {
   for (const auto& [name, config] : scenario.detectors) metrics.detectors.emplace_back(name, DetectorScore{});
   if (scenario.frame_30hz) metrics.detectors.emplace_back(frame_detector_name, DetectorScore{});
   if (scenario.gaze.detector != "none") metrics.gaze.emplace();
+  if (scenario.sim.labels) {
+    metrics.clutter = ClutterCounter().share();
+    for (auto& [name, score] : metrics.detectors) score.clutter.emplace();
+  }
   return nlohmann::json::parse(metrics_to_json(metrics));
 }
 
@@ -149,6 +153,7 @@ void describe(FieldVisitor& v, Scenario& s) {
       [&](FieldVisitor& w) {
         w.boolean("video", s.output.video, "video.mp4 in the run folder");
         w.choice("events", s.output.events, {"aedat", "csv"}, "format of the events' file");
+        w.boolean("labels", s.sim.labels, "labels.csv: what made each event");
         w.integer("pictures", s.output.pictures, {0, 60}, "instants shown as pictures in the report");
       },
       "what the run folder holds");

@@ -149,6 +149,22 @@ TEST(Metrics, WithoutSettingsAndRejectedEventsAreThoseOfARunThatDoesNotTellThem)
   EXPECT_FALSE(back.detectors[1].second.rejected_events.has_value());
 }
 
+TEST(Metrics, OfARunWithLabelsTellItsClutterAndReadBackTheSame) {
+  Metrics m = whole();
+  m.clutter = ClutterShare{0.75, {{"ball", 0.25}, {"background", 0.75}}, {{"signal", 1.0}}};
+  m.detectors[0].second.clutter = DetectorClutter{0.5, std::nullopt, 12.0};
+  const std::string text = metrics_to_json(m);
+  const Json json = Json::parse(text);
+  EXPECT_EQ(json["clutter"]["share"], 0.75);
+  EXPECT_EQ(json["clutter"]["by_object"]["ball"], 0.25);
+  EXPECT_EQ(json["clutter"]["by_cause"]["signal"], 1.0);
+  EXPECT_EQ(json["detectors"]["paper_full"]["clutter_in_window"]["detected"], 0.5);
+  EXPECT_TRUE(json["detectors"]["paper_full"]["clutter_in_window"]["missed"].is_null());
+  EXPECT_EQ(json["detectors"]["paper_full"]["clutter_per_detection"], 12.0);
+  EXPECT_FALSE(json["detectors"]["best"].contains("clutter_in_window"));
+  EXPECT_EQ(metrics_to_json(metrics_from_json(text, "here")), text);
+}
+
 TEST(Metrics, SaysWhereAFileIsWrong) {
   EXPECT_THROW(metrics_from_json("{", "here"), InputError);
   EXPECT_THROW(metrics_from_json("[]", "here"), InputError);

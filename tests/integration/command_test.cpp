@@ -236,6 +236,36 @@ TEST_F(Command, detectPlaysARunFolderWithItsJointsAndScoresItAgainstItsTruth) {
   EXPECT_THAT(wrong.text, HasSubstr("metrics.json"));
 }
 
+TEST_F(Command, labelsTellWhatMadeEachEventAndChangeNothingElse) {
+  const std::string run =
+      "run '" + short_scenario + "' --set run.duration_s=0.4 --set expect={} --set output.events=csv ";
+  ASSERT_EQ(saccade(run + "--out " + out("without")).status, 0);
+  ASSERT_EQ(saccade(run + "--set output.labels=true --out " + out("with")).status, 0);
+  const std::string events = bytes_of(folder_ / "with/events.csv");
+  EXPECT_EQ(events, bytes_of(folder_ / "without/events.csv"));
+  EXPECT_EQ(bytes_of(folder_ / "with/detections.csv"), bytes_of(folder_ / "without/detections.csv"));
+  EXPECT_FALSE(fs::exists(folder_ / "without/labels.csv"));
+  EXPECT_THAT(bytes_of(folder_ / "without/metrics.json"), Not(HasSubstr("clutter")));
+
+  const std::string labels = bytes_of(folder_ / "with/labels.csv");
+  std::istringstream event_lines(events);
+  std::istringstream label_lines(labels);
+  std::string event;
+  std::string label;
+  std::getline(label_lines, label);
+  EXPECT_EQ(label, "t_us,x,y,p,cause,object");
+  std::getline(event_lines, event);
+  int rows = 0;
+  for (; std::getline(event_lines, event); ++rows) {
+    ASSERT_TRUE(std::getline(label_lines, label));
+    ASSERT_TRUE(label.starts_with(event + ",")) << label;
+  }
+  EXPECT_FALSE(std::getline(label_lines, label));
+  EXPECT_GT(rows, 100);
+  EXPECT_THAT(bytes_of(folder_ / "with/metrics.json"), HasSubstr("\"clutter_per_detection\""));
+  EXPECT_THAT(bytes_of(folder_ / "with/report.html"), HasSubstr("clutter_by_detector"));
+}
+
 TEST_F(Command, aRecordingSurvivesConversionToTextAndBack) {
   ASSERT_EQ(
       saccade("run '" + short_scenario + "' --set run.duration_s=0.3 --set expect={} --out " + out("run"))

@@ -76,6 +76,24 @@ TEST(RunFiles, DetectionsReadBack) {
   EXPECT_FALSE(rows[0].held);
 }
 
+TEST(RunFiles, LabelsReadBack) {
+  TempFolder folder;
+  const auto path = write_table<LabelRow>(
+      folder / "labels.csv",
+      {{1000, 127, 0, true, "signal", "ball"}, {1000, 3, 99, false, "shot", "background"}});
+  EXPECT_EQ(bytes_of(path),
+            "t_us,x,y,p,cause,object\n"
+            "1000,127,0,1,signal,ball\n"
+            "1000,3,99,0,shot,background\n");
+  const auto rows = read_table<LabelRow>(path);
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[1].x, 3);
+  EXPECT_EQ(rows[1].y, 99);
+  EXPECT_FALSE(rows[1].on);
+  EXPECT_EQ(rows[1].cause, "shot");
+  EXPECT_EQ(rows[0].object, "ball");
+}
+
 TEST(RunFiles, GazeAndJointsReadBack) {
   TempFolder folder;
   Numbers numbers;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "tests/robot/port_conformance.h"
 
 namespace saccade {
@@ -185,6 +187,94 @@ TEST(SimRobot, WhatIsVisibleOfTheBallIsTheSameHoweverOftenTheEyeLooks) {
   std::printf("visible from %.2f on; differs by at most %.3f\n", least, largest);
   EXPECT_LT(least, 0.6);     // it leaves the image
   EXPECT_LT(largest, 0.12);  // half a pixel of a disc of 5 px radius, and one sample per pixel
+}
+
+/// A whole eye, whose head and sway are still, before a ball that goes round.
+SimConfig labelled_world() {
+  SimConfig config;
+  config.labels = true;
+  config.emulator = emulator_preset("ideal");
+  config.world.ball.trajectory.kind = "circle";
+  config.world.ball.trajectory.frequency_hz = 1.0;
+  return config;
+}
+
+TEST(SimRobot, PixelsLabelledBallAreThoseOfTheTrueCircle) {
+  SimConfig config = labelled_world();
+  config.sampling = {10.0, 1.0};  // an image at every tick
+  SimRobot robot(config, 1);
+  for (std::int64_t t_us = 100'000; t_us <= 900'000; t_us += 200'000) {
+    robot.wait_until(t_us);
+    const Circle ball = *robot.truth().circle;
+    int inside = 0;
+    int of_the_disc = 0;
+    int outside = 0;
+    for (int y = 0; y < config.camera.size.height; ++y) {
+      for (int x = 0; x < config.camera.size.width; ++x) {
+        const bool is_ball =
+            robot.left_objects()[static_cast<std::size_t>(y * config.camera.size.width + x)] ==
+            static_cast<std::uint8_t>(SceneObject::ball);
+        const double off_px = std::hypot(x - ball.x_px, y - ball.y_px) - ball.r_px;
+        if (off_px < -1.0) {
+          ++inside;
+          of_the_disc += is_ball ? 1 : 0;
+        }
+        if (off_px > 2.0 && is_ball) ++outside;
+      }
+    }
+    const double share = static_cast<double>(of_the_disc) / inside;
+    std::printf("%d of %d pixels of the disc are labelled ball, %.2f visible\n", of_the_disc, inside,
+                robot.truth().visible);
+    EXPECT_EQ(outside, 0);
+    EXPECT_NEAR(share, robot.truth().visible, 0.1);
+  }
+}
+
+/// How many events of each SceneObject a still eye sees of a moving ball.
+std::array<int, 6> events_by_object(const SimConfig& config) {
+  SimRobot robot(config, 1);
+  std::vector<Event> events;
+  robot.wait_until(100'000);  // the head sags a little while its servos take the load
+  robot.read_until(100'000, events);
+  std::array<int, 6> by_object{};
+  for (std::int64_t t_us = 101'000; t_us <= 400'000; t_us += 1000) {
+    robot.wait_until(t_us);
+    robot.read_until(t_us, events);
+    for (const EventLabel& label : robot.delivered_labels()) {
+      ++by_object.at(label.object);
+      EXPECT_EQ(label.cause, EventCause::signal);
+    }
+  }
+  std::printf("events of ball %d, hand %d, arm %d, distractor %d, background %d\n", by_object[1],
+              by_object[2], by_object[3], by_object[4], by_object[5]);
+  EXPECT_GT(by_object[1], 1000);
+  EXPECT_GT(by_object[2], 100);
+  EXPECT_EQ(by_object[0] + by_object[4], 0);
+  return by_object;
+}
+
+TEST(SimRobot, BeforeAStillEyeAllEventsAreOfWhatMoves) {
+  EXPECT_EQ(events_by_object(labelled_world())[5], 0);
+}
+
+TEST(SimRobot, EachEventHasALabelAndLabelsChangeNoEvent) {
+  SimConfig config = labelled_world();
+  SimRobot labelled(config, 1);
+  config.labels = false;
+  SimRobot plain(config, 1);
+  std::vector<Event> events;
+  std::vector<Event> plain_events;
+  for (std::int64_t t_us = 1000; t_us <= 150'000; t_us += 1000) {
+    labelled.wait_until(t_us);
+    plain.wait_until(t_us);
+    const auto before = std::ssize(events);
+    labelled.read_until(t_us - t_us % 3000, events);  // not always up to now
+    plain.read_until(t_us, plain_events);
+    ASSERT_EQ(std::ssize(labelled.delivered_labels()), std::ssize(events) - before);
+    ASSERT_TRUE(plain.delivered_labels().empty());
+  }
+  EXPECT_GT(events.size(), 1000U);
+  EXPECT_EQ(events, plain_events);
 }
 
 }  // namespace

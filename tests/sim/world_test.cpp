@@ -399,6 +399,24 @@ TEST(World, TakesALabIntoTheModel) {
   EXPECT_THROW(World(still_world(), "<worldbody><geom type='sausage'/></worldbody>", 1), RunError);
 }
 
+TEST(World, KnowsItsObjectsByTheirNames) {
+  World world(still_world(),
+              "<worldbody><geom name='wall' size='.1'/><geom name='distractor_1' size='.1'/>"
+              "<body name='distractor'><geom name='thing' size='.1'/></body></worldbody>",
+              1);
+  const std::vector<std::uint8_t> objects = world.scene_objects();
+  const auto object_of = [&](const char* name) {
+    const int geom = mj_name2id(&world.model(), mjOBJ_GEOM, name);
+    return static_cast<SceneObject>(objects.at(static_cast<std::size_t>(geom)));
+  };
+  EXPECT_EQ(object_of("ball"), SceneObject::ball);
+  EXPECT_EQ(object_of("hand_palm"), SceneObject::hand);
+  EXPECT_EQ(object_of("arm_sleeve"), SceneObject::arm);
+  EXPECT_EQ(object_of("distractor_1"), SceneObject::distractor);
+  EXPECT_EQ(object_of("thing"), SceneObject::distractor);
+  EXPECT_EQ(object_of("wall"), SceneObject::background);
+}
+
 TEST(World, NamesTheModelFileThatIsMissing) {
   try {
     const World world(still_world(), "", 1, "/nowhere/models");

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "recording/run_files.h"
+
+namespace saccade {
+
+/// Who made a run's events, from their labels. None = there are no events.
+struct ClutterShare {
+  std::optional<double> share;  ///< of the events that the ball did not make
+  /// Shares of all events, in the order of docs/run_folder.md; they sum up to 1.
+  std::vector<std::pair<std::string, std::optional<double>>> by_object;
+  std::vector<std::pair<std::string, std::optional<double>>> by_cause;
+};
+
+/// How much clutter a detector stood.
+struct DetectorClutter {
+  /// Mean share of clutter among the newest ClutterCounter::window_events events, over the chances at which the
+  /// detector had an observation at or above its threshold, and over those at which it had none.
+  std::optional<double> in_window_detected;
+  std::optional<double> in_window_missed;
+  std::optional<double> per_detection;  ///< events of the run that the ball did not make, per inlier
+};
+
+/// Counts labelled events as they come.
+class ClutterCounter {
+ public:
+  static constexpr std::size_t window_events = 1500;  ///< as many as the paper's window holds
+
+  ClutterCounter();
+  /// Throws InputError for a cause or an object that no label has.
+  void add(const LabelRow& label);
+  /// Of the newest events those that the ball did not make; NaN before the first one.
+  [[nodiscard]] double share_in_window() const;
+  [[nodiscard]] ClutterShare share() const;
+  [[nodiscard]] std::int64_t clutter_events() const { return events_ - by_object_[0]; }
+
+ private:
+  std::int64_t events_ = 0;
+  std::vector<std::int64_t> by_object_;
+  std::vector<std::int64_t> by_cause_;
+  std::deque<bool> window_;  // true for clutter
+  std::size_t clutter_in_window_ = 0;
+};
+
+/// `window_share`: share_in_window() at each row of simulated truth. `inliers`: DetectorScore::inliers.
+[[nodiscard]] DetectorClutter detector_clutter(std::span<const TruthRow> truth,
+                                               std::span<const double> window_share,
+                                               std::span<const DetectionRow> detections,
+                                               std::string_view detector, double threshold,
+                                               std::int64_t clutter_events, std::int64_t inliers);
+
+}  // namespace saccade
