@@ -51,8 +51,8 @@ class EventEmulator {
   EventEmulator(EventEmulator&&) noexcept;
   EventEmulator& operator=(EventEmulator&&) noexcept;
 
-  /// Takes the image at t_us and appends the events with stamps in (previous t_us, t_us], sorted by time and,
-  /// within a microsecond, by row and column. The first image sets the references and makes no event. Intervals
+  /// Takes the image at t_us and appends the events with stamps in (previous t_us, t_us], sorted by time and, within
+  /// a microsecond, in the order of the readout; without one by row and column. The first image sets the references and makes no event. Intervals
   /// between images may be of any length.
   /// `luminance`: size.height x size.width, row by row, linear light, >= 0.
   /// `labels`: where given, one per appended event. `objects`: where given, the object at each pixel in this

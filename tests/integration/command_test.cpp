@@ -1,16 +1,14 @@
 // The command as a user meets it: exit status, messages, what is in the run folder.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "tests/integration/run_shell.h"
 #include "tests/recording/temp_folder.h"
 
 namespace saccade {
@@ -23,21 +21,8 @@ using testing::Not;
 const std::string source = SACCADE_SOURCE_DIR;
 const std::string short_scenario = source + "/scenarios/look_at_ball.yaml";
 
-struct Outcome {
-  int status = -1;
-  std::string text;  // standard output and error
-};
-
 Outcome saccade(const std::string& arguments, const std::string& environment = "") {
-  const std::string command = environment + " '" SACCADE_BINARY "' " + arguments + " 2>&1";
-  FILE* const pipe = popen(command.c_str(), "r");
-  Outcome outcome;
-  std::array<char, 4096> buffer;
-  while (std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe))
-    outcome.text.append(buffer.data(), n);
-  const int status = pclose(pipe);
-  outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128;
-  return outcome;
+  return run_shell(environment + " '" SACCADE_BINARY "' " + arguments);
 }
 
 class Command : public testing::Test {

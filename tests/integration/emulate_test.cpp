@@ -1,7 +1,6 @@
 // `saccade emulate` as a user meets it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <algorithm>
 #include <array>
@@ -21,6 +20,7 @@
 #include "core/event.h"
 #include "core/random.h"
 #include "tests/apps/npy.h"
+#include "tests/integration/run_shell.h"
 #include "tests/recording/temp_folder.h"
 
 namespace saccade {
@@ -29,22 +29,6 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 using testing::Not;
-
-struct Outcome {
-  int status = -1;
-  std::string text;  // standard output and error
-};
-
-Outcome run_shell(const std::string& command) {
-  FILE* const pipe = popen(("{ " + command + " ; } 2>&1").c_str(), "r");
-  Outcome outcome;
-  std::array<char, 4096> buffer;
-  while (std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe))
-    outcome.text.append(buffer.data(), n);
-  const int status = pclose(pipe);
-  outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128;
-  return outcome;
-}
 
 Outcome saccade(const std::string& arguments) { return run_shell("'" SACCADE_BINARY "' " + arguments); }
 
