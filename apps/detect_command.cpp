@@ -83,7 +83,7 @@ void play(ReplayRobot& robot, Loop& loop, DetectionRecorder& recorder, std::span
 /// What is played: a bare recording, or a run folder with its camera, joints and truth.
 struct Played {
   std::filesystem::path events;
-  Camera camera = Camera{}.without_lens();  // nothing is known of the camera of a bare recording
+  MountedCamera camera{Camera{}.without_lens(), {}};  // nothing is known of the camera of a bare recording
   std::optional<RecordedHead> head;
   std::vector<TruthRow> truth;
   Chances chances = Chances::annotated;
@@ -96,7 +96,7 @@ Played open_played(const DetectOptions& options) {
   if (std::filesystem::is_directory(options.recording)) {
     const Metrics metrics = read_metrics(options.recording / "metrics.json");
     played.events = options.recording / metrics.events_file;
-    if (metrics.camera) played.camera = *metrics.camera;
+    if (metrics.camera) played.camera = metrics.calibration.value_or(MountedCamera{*metrics.camera, {}});
     const std::filesystem::path joints = options.recording / "joints.csv";
     // Nobody commands the head, so nobody asks for its limits.
     if (std::filesystem::exists(joints))
@@ -117,11 +117,11 @@ int detect(const DetectOptions& options) {
   const std::vector<TruthRow>& truth = played.truth;
   const bool annotated = !truth.empty() && played.chances == Chances::annotated;
   ReplayRobot robot(open_event_file(played.events, options.read), std::move(played.head));
-  Camera camera = played.camera;
-  camera.size = robot.image_size();
+  MountedCamera camera = played.camera;
+  camera.camera.size = robot.image_size();
 
   std::vector<LoopDetector> detectors;
-  for (const auto& [name, config] : named) detectors.push_back({name, make_detector(config, camera)});
+  for (const auto& [name, config] : named) detectors.push_back({name, make_detector(config, camera.camera)});
   Loop loop(robot, robot, robot.head(), camera, std::move(detectors), std::nullopt);
   DetectionRecorder recorder(loop);
   if (!options.out.empty()) prepare_run_folder(options.out, options.force);
@@ -139,13 +139,16 @@ int detect(const DetectOptions& options) {
 
   Metrics metrics;
   metrics.scenario = options.recording.filename().string();
-  if (robot.head() != nullptr) metrics.camera = camera;
+  if (robot.head() != nullptr) {
+    metrics.camera = camera.camera;
+    metrics.calibration = camera;
+  }
   metrics.start_us = start_us;
   metrics.duration_s = static_cast<double>(robot.now_us() - start_us) * 1e-6;
   metrics.wall_s = wall_s;
   metrics.event_count = recorder.event_count();
   metrics.events_file = std::filesystem::absolute(played.events).string();
-  metrics.image = camera.size;
+  metrics.image = camera.camera.size;
   for (std::size_t i = 0; i < named.size(); ++i) {
     DetectorScore score = score_detector(truth, recorder.rows(), named[i].first,
                                          loop.detectors()[i].detector->threshold(), played.chances);

@@ -6,12 +6,13 @@
 
 namespace saccade {
 
-Loop::Loop(Clock& clock, EventSource& events, HeadPort* head, const Camera& camera,
+Loop::Loop(Clock& clock, EventSource& events, HeadPort* head, const MountedCamera& camera,
            std::vector<LoopDetector> detectors, std::optional<LoopGaze> gaze)
     : clock_(clock),
       source_(events),
       head_(head),
-      camera_(camera),
+      camera_(camera.camera),
+      eye_from_camera_(camera.mount.eye_from_camera()),
       detectors_(std::move(detectors)),
       gaze_(std::move(gaze)),
       results_(detectors_.size()),
@@ -33,7 +34,7 @@ PortStatus Loop::tick(std::int64_t t_us, LoopObserver& observer) {
   CameraMotion motion;
   if (head_ != nullptr) {
     need(head_->read(tick.head.emplace()), "head");
-    motion = camera_motion(*tick.head);
+    motion = camera_motion(*tick.head, Eye::left, eye_from_camera_);
   }
   detect(t_us, head_ != nullptr ? &motion : nullptr);
   tick.events = events_;

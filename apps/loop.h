@@ -60,8 +60,9 @@ class LoopObserver {
 class Loop {
  public:
   /// `head` may be null (a bare recording): then there is no gaze and no camera motion.
+  /// `camera` is what is believed of the camera.
   /// `gaze` is absent where the head is not to be moved.
-  Loop(Clock& clock, EventSource& events, HeadPort* head, const Camera& camera,
+  Loop(Clock& clock, EventSource& events, HeadPort* head, const MountedCamera& camera,
        std::vector<LoopDetector> detectors, std::optional<LoopGaze> gaze);
 
   /// Waits for t_us (later than the last one) and does one tick. `ended` when the world has no more: after
@@ -79,6 +80,7 @@ class Loop {
   EventSource& source_;
   HeadPort* head_;
   Camera camera_;
+  Eigen::Isometry3d eye_from_camera_;
   std::vector<LoopDetector> detectors_;
   std::optional<LoopGaze> gaze_;
   std::vector<Event> events_;

@@ -76,8 +76,9 @@ int run(const RunOptions& options) {
                    resolved_scenario(scenario));
     resolved.commit();
   }
-  Loop loop(robot, robot, &robot, scenario.sim.camera,
-            make_detectors(scenario.detectors, scenario.sim.camera), make_gaze(scenario, robot.limits()));
+  Loop loop(robot, robot, &robot, scenario.calibration,
+            make_detectors(scenario.detectors, scenario.calibration.camera),
+            make_gaze(scenario, robot.limits()));
   RunRecorder recorder(folder, scenario, robot, loop);
 
   catch_interrupts();

@@ -225,6 +225,7 @@ Metrics RunRecorder::finish(double wall_s, std::vector<std::pair<std::string, st
   metrics.events_file = events_name_;
   metrics.image = scenario_.sim.camera.size;
   metrics.camera = scenario_.sim.camera;
+  metrics.calibration = scenario_.calibration;
   for (std::size_t i = 0; i < loop_.detectors().size(); ++i) {
     const LoopDetector& detector = loop_.detectors()[i];
     DetectorScore score = score_detector(truth_, detections_, detector.name, detector.detector->threshold(),

@@ -136,12 +136,14 @@ Eigen::Isometry3d root_from_right_cam(const JointVector& q) {
   return HeadKinematics(q).root_from_eye(Eye::right);
 }
 
-CameraMotion camera_motion(const HeadState& state, Eye eye) {
+CameraMotion camera_motion(const HeadState& state, Eye eye, const Eigen::Isometry3d& eye_from_camera) {
   const HeadKinematics head(state.position_rad);
-  const Eigen::Isometry3d& pose = head.root_from_eye(eye);
+  const Eigen::Isometry3d pose = head.root_from_eye(eye) * eye_from_camera;
   const EyeJacobian j = head.jacobian(eye);
-  return {pose, pose.linear().transpose() * (j.linear * state.velocity_rad_s),
-          pose.linear().transpose() * (j.angular * state.velocity_rad_s)};
+  const Eigen::Vector3d angular = j.angular * state.velocity_rad_s;
+  const Eigen::Vector3d arm_m = pose.translation() - head.root_from_eye(eye).translation();
+  const Eigen::Vector3d linear = j.linear * state.velocity_rad_s + angular.cross(arm_m);
+  return {pose, pose.linear().transpose() * linear, pose.linear().transpose() * angular};
 }
 
 }  // namespace saccade

@@ -28,7 +28,8 @@ struct EyeJacobian {
 /// eyes tilt, and one pan for each eye. Computed once for one configuration, then asked; never allocates.
 ///
 /// Frames: root at the waist, x backward, y right, z up; an eye is an OpenCV camera at the eye centre,
-/// z the optical axis, x right, y down. The pinhole is taken to sit at the eye centre, as iKin did in 2016.
+/// z the optical axis, x right, y down. The pinhole is taken to sit at the eye centre, as iKin did in 2016;
+/// where it does not, CameraMount tells.
 /// Source: iKinFwd.cpp (iKin, BSD-3), eye chain of versions 2.0 to 2.9.
 class HeadKinematics {
  public:
@@ -61,7 +62,10 @@ class HeadKinematics {
 [[nodiscard]] Eigen::Isometry3d root_from_left_cam(const JointVector& position_rad);
 [[nodiscard]] Eigen::Isometry3d root_from_right_cam(const JointVector& position_rad);
 
-/// Pose of an eye's camera and its velocity in its own frame, from positions and velocities of the joints.
-[[nodiscard]] CameraMotion camera_motion(const HeadState& state, Eye eye = Eye::left);
+/// Pose of an eye's camera and its velocity in its own frame, from positions and velocities of the joints and
+/// from where the camera sits in the eye.
+[[nodiscard]] CameraMotion camera_motion(
+    const HeadState& state, Eye eye = Eye::left,
+    const Eigen::Isometry3d& eye_from_camera = Eigen::Isometry3d::Identity());
 
 }  // namespace saccade

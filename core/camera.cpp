@@ -1,6 +1,5 @@
 #include "core/camera.h"
 
-#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <array>
 #include <cmath>
@@ -136,6 +135,16 @@ Eigen::Vector2d Camera::rotational_flow_px_s(const Eigen::Vector3d& ray, const E
   return {fx_px * seen.x(), fy_px * seen.y()};
 }
 
+Eigen::Isometry3d CameraMount::eye_from_camera() const {
+  constexpr double rad_per_deg = std::numbers::pi / 180.0;
+  const Eigen::Vector3d turn_rad = Eigen::Map<const Eigen::Vector3d>(rotation_deg.data()) * rad_per_deg;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  const double angle_rad = turn_rad.norm();
+  if (angle_rad > 0.0) pose.linear() = Eigen::AngleAxisd(angle_rad, turn_rad / angle_rad).toRotationMatrix();
+  pose.translation() = Eigen::Map<const Eigen::Vector3d>(translation_mm.data()) * 1e-3;
+  return pose;
+}
+
 void describe(FieldVisitor& v, Camera& camera) {
   std::int64_t width = camera.size.width;
   std::int64_t height = camera.size.height;
@@ -154,6 +163,18 @@ void describe(FieldVisitor& v, Camera& camera) {
   v.require(
       !focal || is_invertible(camera), "k1", text_of(camera.k1),
       "with k2, p1 and p2 a lens that can be inverted over the whole image (k1, k2, p1, p2 of 0: no lens)");
+}
+
+void describe(FieldVisitor& v, CameraMount& mount) {
+  v.reals("translation_mm", mount.translation_mm, 3, {-200.0, 200.0}, "of the camera in the eye's frame");
+  v.reals("rotation_deg", mount.rotation_deg, 3, {-180.0, 180.0}, "rotation vector, in the eye's frame");
+}
+
+void describe(FieldVisitor& v, MountedCamera& mounted) {
+  describe(v, mounted.camera);
+  v.section(
+      "eye_from_camera", [&](FieldVisitor& w) { describe(w, mounted.mount); },
+      "where the camera sits in the eye");
 }
 
 }  // namespace saccade

@@ -1,7 +1,8 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <optional>
+#include <vector>
 
 #include "core/config.h"
 #include "core/event.h"
@@ -65,5 +66,30 @@ struct Camera {
 /// Keys: width_px, height_px, fx_px, fy_px, cx_px, cy_px, k1, k2, p1, p2. The lens must be invertible: every
 /// pixel up to the image's border has a ray, and around it the lens turns nothing inside out.
 void describe(FieldVisitor& v, Camera& camera);
+
+/// Where a camera sits in its eye. The eye's frame is that of control/head_kinematics.h: at the eye's centre, axes as
+/// a camera has them. Default: the pinhole is the eye's centre and the optical axis the eye's (iCub heads of 2022
+/// have their event cameras at z = -10 mm).
+struct CameraMount {
+  std::vector<double> translation_mm = {0.0, 0.0, 0.0};  ///< of the pinhole, eye frame
+  std::vector<double> rotation_deg = {0.0, 0.0, 0.0};    ///< rotation vector: axis times angle, eye frame
+
+  [[nodiscard]] Eigen::Isometry3d eye_from_camera() const;
+  friend bool operator==(const CameraMount&, const CameraMount&) = default;
+};
+
+/// Keys: translation_mm, rotation_deg.
+void describe(FieldVisitor& v, CameraMount& mount);
+
+/// A camera in an eye: what is so of it, or what is believed of it.
+struct MountedCamera {
+  Camera camera;
+  CameraMount mount;
+
+  friend bool operator==(const MountedCamera&, const MountedCamera&) = default;
+};
+
+/// Keys: those of Camera, and eye_from_camera with those of CameraMount.
+void describe(FieldVisitor& v, MountedCamera& mounted);
 
 }  // namespace saccade

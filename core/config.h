@@ -71,6 +71,7 @@ class FieldChecker final : public FieldVisitor {
   void require(bool holds, std::string_view key, std::string_view found,
                std::string_view expectation) override;
 
+  [[nodiscard]] bool passed() const { return problems_.empty(); }
   void throw_if_any() const;
 
  private:

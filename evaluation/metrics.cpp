@@ -175,10 +175,10 @@ GazeMetrics gaze_metrics(const Json& json) {
   return gaze;
 }
 
-Json camera_json(const Metrics& metrics) {
-  Json json = {{"width_px", metrics.image.width}, {"height_px", metrics.image.height}};
+Json json_of(ImageSize size, const std::optional<Camera>& camera) {
+  Json json = {{"width_px", size.width}, {"height_px", size.height}};
   const auto add = [&](const char* key, double Camera::*member) {
-    json[key] = metrics.camera ? Json((*metrics.camera).*member) : Json(nullptr);
+    json[key] = camera ? Json((*camera).*member) : Json(nullptr);
   };
   add("fx_px", &Camera::fx_px);
   add("fy_px", &Camera::fy_px);
@@ -189,6 +189,36 @@ Json camera_json(const Metrics& metrics) {
   add("p1", &Camera::p1);
   add("p2", &Camera::p2);
   return json;
+}
+
+Json json_of(const MountedCamera& mounted) {
+  Json json = json_of(mounted.camera.size, mounted.camera);
+  json["eye_from_camera"] = {{"translation_mm", mounted.mount.translation_mm},
+                             {"rotation_deg", mounted.mount.rotation_deg}};
+  return json;
+}
+
+ImageSize image_size(const Json& camera) {
+  return {camera.at("width_px").get<int>(), camera.at("height_px").get<int>()};
+}
+
+Camera camera_of(const Json& camera) {
+  return {.size = image_size(camera),
+          .fx_px = camera.at("fx_px").get<double>(),
+          .fy_px = camera.at("fy_px").get<double>(),
+          .cx_px = camera.at("cx_px").get<double>(),
+          .cy_px = camera.at("cy_px").get<double>(),
+          .k1 = camera.value("k1", 0.0),  // runs of before there were lenses
+          .k2 = camera.value("k2", 0.0),
+          .p1 = camera.value("p1", 0.0),
+          .p2 = camera.value("p2", 0.0)};
+}
+
+MountedCamera mounted_camera(const Json& json) {
+  const Json& mount = json.at("eye_from_camera");
+  return {camera_of(json),
+          {mount.at("translation_mm").get<std::vector<double>>(),
+           mount.at("rotation_deg").get<std::vector<double>>()}};
 }
 
 Metrics metrics_of(const Json& json) {
@@ -215,18 +245,10 @@ Metrics metrics_of(const Json& json) {
   if (const auto clutter = json.find("clutter"); clutter != json.end())
     metrics.clutter = clutter_share(*clutter);
   const Json& camera = json.at("camera");
-  metrics.image = {camera.at("width_px").get<int>(), camera.at("height_px").get<int>()};
-  if (!camera.at("fx_px").is_null()) {
-    metrics.camera = Camera{.size = metrics.image,
-                            .fx_px = camera.at("fx_px").get<double>(),
-                            .fy_px = camera.at("fy_px").get<double>(),
-                            .cx_px = camera.at("cx_px").get<double>(),
-                            .cy_px = camera.at("cy_px").get<double>(),
-                            .k1 = camera.value("k1", 0.0),  // runs of before there were lenses
-                            .k2 = camera.value("k2", 0.0),
-                            .p1 = camera.value("p1", 0.0),
-                            .p2 = camera.value("p2", 0.0)};
-  }
+  metrics.image = image_size(camera);
+  if (!camera.at("fx_px").is_null()) metrics.camera = camera_of(camera);
+  if (const auto calibration = json.find("calibration"); calibration != json.end())
+    metrics.calibration = mounted_camera(*calibration);
   return metrics;
 }
 
@@ -258,9 +280,10 @@ std::string metrics_to_json(const Metrics& metrics) {
         {"file", metrics.events_file}}},
       {"detectors", std::move(detectors)},
       {"gaze", metrics.gaze ? json_of(*metrics.gaze) : Json(nullptr)},
-      {"camera", camera_json(metrics)},
+      {"camera", json_of(metrics.image, metrics.camera)},
       {"start_us", metrics.start_us},
       {"settings", std::move(settings)}};
+  if (metrics.calibration) json["calibration"] = json_of(*metrics.calibration);
   if (metrics.clutter) json["clutter"] = json_of(*metrics.clutter);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

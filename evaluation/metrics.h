@@ -24,7 +24,7 @@ struct GazeMetrics {
 
 /// metrics.json, schema 1. None is written as null: the figure does not apply. Keys beyond the contract:
 /// detectors.*.{observations,inliers,rejected_events}, gaze.{acquire_within_deg,joint_limits_rad} and
-/// `events.file`, `camera`, `start_us`, `settings`, which make a run folder readable without its scenario; and, of
+/// `events.file`, `camera`, `calibration`, `start_us`, `settings`, which make a run folder readable without its scenario; and, of
 /// a run with labels alone, `clutter` and detectors.*.{clutter_in_window,clutter_per_detection}.
 struct Metrics {
   std::string scenario;
@@ -41,6 +41,7 @@ struct Metrics {
   std::string events_file;
   ImageSize image;
   std::optional<Camera> camera;                                  ///< where it is known
+  std::optional<MountedCamera> calibration;                      ///< what the loop believed of it
   std::vector<std::pair<std::string, DetectorScore>> detectors;  ///< in the order of the scenario
   std::optional<GazeMetrics> gaze;
   std::optional<ClutterShare> clutter;  ///< where the events have labels
@@ -49,7 +50,7 @@ struct Metrics {
 /// Numbers are the shortest text that reads back as the same double; the same metrics give the same bytes.
 [[nodiscard]] std::string metrics_to_json(const Metrics& metrics);
 /// Throws InputError with `place` for text that is no JSON, another schema, or a key missing or of a wrong
-/// kind. `settings`, `rejected_events` and what is told of clutter may be absent.
+/// kind. `calibration`, `settings`, `rejected_events` and what is told of clutter may be absent.
 [[nodiscard]] Metrics metrics_from_json(std::string_view text, const std::string& place);
 
 /// Throws RunError when the disk does not take it.

@@ -15,6 +15,8 @@ SimRobot::SimRobot(const SimConfig& config, std::uint64_t seed)
       emulator_(config.emulator, config.camera.size, seed),
       luminance_(static_cast<std::size_t>(config.camera.size.pixels())) {
   if (!shown_) throw RunError("MuJoCo has no memory for a second picture of the world");
+  check_config("camera.eye_from_camera", config.mount);
+  world_.mount_left_camera(config.mount.eye_from_camera());
   paint_lab_textures(world_.model(), config.lab, seed);
   eye_ = std::make_unique<EyeRenderer>(world_.model(), *gl_, config.camera, config.render);
   if (config.labels) {

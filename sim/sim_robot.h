@@ -22,6 +22,7 @@ struct SimConfig {
   LabConfig lab;
   WorldConfig world;
   Camera camera;
+  CameraMount mount;  ///< of the camera in the left eye
   EyeRenderConfig render;
   SamplingConfig sampling;
   std::string gl = "auto";  ///< OpenGL backend: auto, osmesa, egl

@@ -254,6 +254,21 @@ Eigen::Isometry3d World::root_from_camera(const mjData& data, int camera_id) {
   return pose;
 }
 
+void World::mount_left_camera(const Eigen::Isometry3d& eye_from_camera) {
+  // MuJoCo's cameras have y up and look along -z; as the model has it, the camera is the eye's frame.
+  const Eigen::Vector3d to = eye_from_camera.translation().cwiseProduct(Eigen::Vector3d(1.0, -1.0, -1.0));
+  const Eigen::Quaterniond turn(eye_from_camera.linear());
+  const std::array<mjtNum, 4> quat = {turn.w(), turn.x(), -turn.y(), -turn.z()};
+  mjtNum* const camera_pos = model_->cam_pos + 3 * left_eye_;
+  mjtNum* const camera_quat = model_->cam_quat + 4 * left_eye_;
+  std::array<mjtNum, 3> moved{};
+  mju_rotVecQuat(moved.data(), to.data(), camera_quat);
+  mju_addTo3(camera_pos, moved.data());
+  const std::array<mjtNum, 4> before = {camera_quat[0], camera_quat[1], camera_quat[2], camera_quat[3]};
+  mju_mulQuat(camera_quat, before.data(), quat.data());
+  mj_camlight(model_.get(), data_.get());
+}
+
 Eigen::Vector3d World::ball_position_m(const mjData& data) const {
   return Eigen::Map<const Eigen::Vector3d>(data.mocap_pos + 3 * ball_mocap_);
 }

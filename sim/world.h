@@ -73,6 +73,9 @@ class World {
   bool set_reference(const HeadJointVector& reference_rad);
   [[nodiscard]] const JointLimits& limits() const { return limits_; }
 
+  /// Where the left eye's camera sits in the eye from now on; at the start it is the eye's frame.
+  void mount_left_camera(const Eigen::Isometry3d& eye_from_camera);
+
   /// Truth: ball centre now, root frame; start of its commanded motion.
   [[nodiscard]] Eigen::Vector3d ball_position_m() const { return ball_position_m(*data_); }
   [[nodiscard]] double ball_radius_m() const { return ball_radius_m_; }

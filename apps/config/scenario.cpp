@@ -107,6 +107,43 @@ void describe_frame_detector(FieldVisitor& v, Scenario& s) {
             "other names: this one is the frame camera's");
 }
 
+void describe_camera(FieldVisitor& v, SimConfig& sim) {
+  MountedCamera mounted{sim.camera, sim.mount};
+  describe(v, mounted);
+  sim.camera = mounted.camera;
+  sim.mount = mounted.mount;
+}
+
+/// What the block `calibration` starts from, before its own keys: its key `file`, which is taken out of the tree, or
+/// the block `camera`.
+MountedCamera calibration_default(YamlTree& tree, const std::filesystem::path& folder) {
+  const std::string key = "file";
+  const auto block = std::find(tree.root.keys.begin(), tree.root.keys.end(), "calibration");
+  if (block != tree.root.keys.end()) {
+    YamlNode& calibration = tree.root.items[static_cast<std::size_t>(block - tree.root.keys.begin())];
+    const auto at = std::find(calibration.keys.begin(), calibration.keys.end(), key);
+    if (at != calibration.keys.end()) {
+      const auto index = at - calibration.keys.begin();
+      const YamlNode file = calibration.items[static_cast<std::size_t>(index)];
+      if (file.kind != YamlNode::Kind::scalar || file.text.empty()) {
+        throw InputError(tree.place(file.mark, "calibration.file"), file.found(), "the name of a file");
+      }
+      calibration.keys.erase(at);
+      calibration.items.erase(calibration.items.begin() + index);
+      return read_calibration(file.mark.line == 0 ? std::filesystem::path(file.text) : folder / file.text);
+    }
+  }
+  SimConfig sim;
+  YamlReader reader(tree);
+  reader.section(
+      "camera", [&](FieldVisitor& w) { describe_camera(w, sim); }, "");
+  FieldChecker checker("camera");
+  describe(checker, sim.camera);
+  // A camera that is wrong is complained about where it stands.
+  if (!checker.passed()) sim.camera = Camera{.size = sim.camera.size}.without_lens();
+  return {sim.camera, sim.mount};
+}
+
 void describe(FieldVisitor& v, Scenario& s) {
   v.text("name", s.name, "of the scenario, in reports");
   v.text("description", s.description, "what happens, in a sentence");
@@ -123,7 +160,18 @@ void describe(FieldVisitor& v, Scenario& s) {
       "lab", [&](FieldVisitor& w) { describe(w, s.sim.lab); }, "the room");
   describe(v, s.sim.world);
   v.section(
-      "camera", [&](FieldVisitor& w) { describe(w, s.sim.camera); }, "the left eye: a pinhole behind a lens");
+      "camera", [&](FieldVisitor& w) { describe_camera(w, s.sim); }, "the left eye: a pinhole behind a lens");
+  v.section(
+      "calibration",
+      [&](FieldVisitor& w) {
+        describe(w, s.calibration);
+        const auto text = [](ImageSize size) {
+          return std::to_string(size.width) + " x " + std::to_string(size.height) + " pixels";
+        };
+        w.require(s.calibration.camera.size == s.sim.camera.size, "width_px", text(s.calibration.camera.size),
+                  "the camera's image, " + text(s.sim.camera.size));
+      },
+      "what detectors and gaze believe of the camera");
   v.section(
       "render",
       [&](FieldVisitor& w) {
@@ -173,6 +221,7 @@ Scenario read_scenario(const std::filesystem::path& path, const std::vector<std:
   scenario.detectors = named_in(tree, required);
   if (tree.root.find(frame_detector_name) != nullptr) scenario.frame_30hz.emplace();
   scenario.expect = expected_in(tree);
+  scenario.calibration = calibration_default(tree, path.parent_path());
   YamlReader reader(tree, std::move(required));
   describe(reader, scenario);
   reader.finish();
@@ -251,6 +300,22 @@ std::string resolved_detectors(NamedDetectors detectors) {
   YamlWriter writer;
   describe_detectors(writer, detectors);
   return writer.yaml();
+}
+
+MountedCamera read_calibration(const std::filesystem::path& path) {
+  const YamlTree tree = read_yaml_file(path);
+  const std::string block = "calibration";
+  std::vector<std::string> required = {block};
+  for (const char* key :
+       {"width_px", "height_px", "fx_px", "fy_px", "cx_px", "cy_px", "k1", "k2", "p1", "p2"}) {
+    required.push_back(block + "." + key);
+  }
+  YamlReader reader(tree, std::move(required));
+  MountedCamera mounted;
+  reader.section(
+      block, [&](FieldVisitor& v) { describe(v, mounted); }, "what is believed of a camera");
+  reader.finish();
+  return mounted;
 }
 
 EmulatorConfig read_emulator(const std::filesystem::path& path, const std::vector<std::string>& assignments) {

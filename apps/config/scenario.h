@@ -38,6 +38,7 @@ struct Scenario {
   } run;
 
   SimConfig sim;
+  MountedCamera calibration;  ///< what the loop believes of the camera; by default what is so
   NamedDetectors detectors;
   /// A conventional camera and its detector, to compare with; scored under the name `frame_30hz`.
   std::optional<FrameDetectorConfig> frame_30hz;
@@ -57,7 +58,9 @@ struct Scenario {
   std::vector<Expectation> expect;
 };
 
-/// Reads a scenario: `assignments` are the `key.path=value` of --set, `seed` that of --seed.
+/// Reads a scenario: `assignments` are the `key.path=value` of --set, `seed` that of --seed. The values of
+/// `calibration` start from the scenario's `camera`, or from the file that `calibration.file` names (as
+/// read_calibration reads it; relative to the scenario, from --set relative to the working directory).
 /// Throws InputError with everything that is wrong.
 [[nodiscard]] Scenario read_scenario(const std::filesystem::path& path,
                                      const std::vector<std::string>& assignments,
@@ -75,6 +78,10 @@ struct Scenario {
                                             const std::vector<std::string>& assignments);
 /// The detectors with every default, as YAML that reads back the same.
 [[nodiscard]] std::string resolved_detectors(NamedDetectors detectors);
+
+/// Reads what is believed of a camera: the block `calibration` of a file, with the keys of a scenario's; a key that
+/// is missing is an error. Throws InputError with everything that is wrong.
+[[nodiscard]] MountedCamera read_calibration(const std::filesystem::path& path);
 
 /// Reads an event camera: the keys of a scenario's block `emulator`, at the file's top level or under the key
 /// `emulator` as its only one; the defaults where `path` is empty. Assignments are `key=value` or

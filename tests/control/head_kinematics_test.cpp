@@ -180,11 +180,16 @@ TEST(HeadKinematics, CameraMotionIsThePosesDerivativeInItsOwnFrame) {
     for (int j = 0; j < joint_count; ++j) {
       state.velocity_rad_s[j] = random.uniform(-3.0, 3.0, static_cast<std::uint64_t>(50 + j), i);
     }
+    const bool off_centre = i % 2 == 1;
+    const CameraMount mount{{1.0, -2.0, -10.0}, {20.0, -30.0, 10.0}};
+    const Eigen::Isometry3d eye_from_camera = (off_centre ? mount : CameraMount{}).eye_from_camera();
     for (const Eye eye : both_eyes) {
-      const CameraMotion motion = camera_motion(state, eye);
+      const CameraMotion motion =
+          off_centre ? camera_motion(state, eye, eye_from_camera) : camera_motion(state, eye);
       const double h = 1e-5;
       const auto pose_at = [&](double t_s) {
-        return HeadKinematics(state.position_rad + t_s * state.velocity_rad_s).root_from_eye(eye);
+        return HeadKinematics(state.position_rad + t_s * state.velocity_rad_s).root_from_eye(eye) *
+               eye_from_camera;
       };
       const Eigen::Matrix3d cam_from_root = motion.root_from_camera.linear().transpose();
       const Eigen::Vector3d linear = (pose_at(h).translation() - pose_at(-h).translation()) / (2 * h);

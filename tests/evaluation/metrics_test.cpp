@@ -27,6 +27,7 @@ Metrics whole() {
   m.events_file = "events.aedat";
   m.image = {128, 128};
   m.camera = Camera{};
+  m.calibration = MountedCamera{Camera{}.without_lens(), {{0.0, 0.0, -10.0}, {0.5, -1.0, 1.5}}};
   DetectorScore score;
   score.average_precision = 1.0 / 3.0;
   score.precision_at_recall[1] = 0.75;
@@ -72,7 +73,7 @@ TEST(Metrics, HasEveryKeyOfTheContractInItsOrder) {
   const Json json = Json::parse(metrics_to_json(whole()));
   EXPECT_THAT(keys(json),
               ElementsAre("schema", "scenario", "seed", "duration_s", "wall_s", "real_time_factor", "events",
-                          "detectors", "gaze", "camera", "start_us", "settings"));
+                          "detectors", "gaze", "camera", "start_us", "settings", "calibration"));
   EXPECT_THAT(keys(json["events"]), ElementsAre("count", "rate_hz", "dropped", "file"));
   EXPECT_THAT(keys(json["detectors"]), ElementsAre("paper_full", "best"));
   for (const auto& detector : json["detectors"]) {
@@ -105,6 +106,7 @@ TEST(Metrics, ReadsBackTheSame) {
   EXPECT_EQ(back.gaze->score.acquire_s, 0.75);
   EXPECT_NEAR(back.gaze->limits.max_rad[eyes_tilt], 0.25, 1e-15);
   EXPECT_EQ(back.camera, Camera{});
+  EXPECT_EQ(back.calibration, whole().calibration);
   EXPECT_THAT(keys(Json::parse(text)["camera"]), ElementsAre("width_px", "height_px", "fx_px", "fy_px",
                                                              "cx_px", "cy_px", "k1", "k2", "p1", "p2"));
   EXPECT_EQ(back.settings, whole().settings);
@@ -143,6 +145,7 @@ TEST(Metrics, WithoutDistortionAreThoseOfARunWithoutALens) {
 TEST(Metrics, WithoutSettingsAndRejectedEventsAreThoseOfARunThatDoesNotTellThem) {
   Json json = Json::parse(metrics_to_json(whole()));
   json.erase("settings");
+  json.erase("calibration");
   json["detectors"]["best"].erase("rejected_events");
   const Metrics back = metrics_from_json(json.dump(), "here");
   EXPECT_TRUE(back.settings.empty());

@@ -147,6 +147,26 @@ TEST(Kinematics, TheEncodersAndTheControllersModelGiveTheTrueCamerasInMotion) {
   EXPECT_LT(error.angle_rad, 1e-9);
 }
 
+TEST(Kinematics, TheCameraIsWhereItIsMountedInTheEye) {
+  const CameraMount mount{{1.0, -2.0, -10.0}, {0.0, 0.0, 10.0}};
+  World world(WorldConfig{}, "", 1);
+  world.mount_left_camera(mount.eye_from_camera());
+  for (int i = 0; i < 50; ++i) {
+    const JointVector q = world.head_state().position_rad;
+    const Eigen::Isometry3d expected = root_from_left_cam(q) * mount.eye_from_camera();
+    ASSERT_LT((world.root_from_left_cam().matrix() - expected.matrix()).norm(), 1e-9);
+    ASSERT_LT((world.root_from_right_cam().matrix() - root_from_right_cam(q).matrix()).norm(), 1e-9);
+    ASSERT_TRUE(world.set_reference(HeadJointVector::Constant(0.1)));
+    world.step();
+  }
+  const Eigen::Isometry3d eye_from_camera =
+      root_from_left_cam(world.head_state().position_rad).inverse() * world.root_from_left_cam();
+  EXPECT_LT((eye_from_camera.translation() - Eigen::Vector3d(0.001, -0.002, -0.010)).norm(), 1e-9);
+  const double turn_rad = 10.0 * std::numbers::pi / 180.0;
+  EXPECT_NEAR(eye_from_camera.linear()(1, 0), std::sin(turn_rad),
+              1e-9);  // x goes down: clockwise in the image
+}
+
 TEST(Kinematics, TheCameraMotionFromEncodersIsThatOfThePlant) {
   World world(WorldConfig{}, "", 1);
   HeadJointVector reference;
