@@ -43,6 +43,20 @@ GazeScoringConfig gaze_scoring(const Scenario& scenario, const JointLimits& limi
   return config;
 }
 
+/// The events that a detector looks at; empty for one without a window of its own.
+std::string window_in_words(const DetectorConfig& config) {
+  if (const auto* hough = std::get_if<HoughDetectorConfig>(&config.detector)) {
+    const EventWindowConfig& window = hough->window;
+    if (window.kind == "count") return fmt::format("{} events", window.events);
+    if (window.kind == "time") return fmt::format("{} ms", static_cast<double>(window.duration_us) * 1e-3);
+    return window.kind;
+  }
+  if (const auto* original = std::get_if<Original2016Config>(&config.detector)) {
+    return fmt::format("{} events", original->window_events);
+  }
+  return {};
+}
+
 void write_png(const std::filesystem::path& path, const cv::Mat& picture) {
   std::vector<unsigned char> png;
   cv::imencode(".png", picture, png);
@@ -65,6 +79,7 @@ RunRecorder::RunRecorder(std::filesystem::path folder, const Scenario& scenario,
       truth_table_(folder_ / "truth.csv"),
       detection_table_(folder_ / "detections.csv"),
       gaze_table_(folder_ / "gaze.csv"),
+      eye_table_(folder_ / "eye.csv"),
       gaze_scorer_(gaze_scoring(scenario, robot.limits())),
       detector_ns_(scenario.detectors.size(), 0) {
   const auto duration_us = std::llround(scenario.run.duration_s * 1e6);
@@ -115,6 +130,7 @@ void RunRecorder::record_tables(const Tick& tick) {
   const Eigen::Vector3d none = Eigen::Vector3d::Constant(nan);
   gaze_table_.write({tick.t_us, fixation.valid ? fixation.point_m : none, tick.target_m.value_or(none),
                      tick.head->position_rad});
+  eye_table_.write(EyeRow::of(tick.t_us, truth.root_from_left_cam));
   gaze_scorer_.add(
       {tick.t_us, truth.root_from_left_cam, truth.ball_m, tick.target_m, truth.plant_position_rad});
 }
@@ -205,12 +221,33 @@ void RunRecorder::watch_frames(std::int64_t t_us) {
   detection_table_.write(detections_.back());
 }
 
+GazeMetrics RunRecorder::gaze_metrics(const Metrics& metrics) const {
+  GazeMetrics gaze;
+  gaze.detector = scenario_.gaze.detector;
+  gaze.controller = scenario_.gaze.controller.controller;
+  gaze.gate = scenario_.gaze.gate.gate;
+  for (const auto& [name, detector] : scenario_.detectors) {
+    if (name == gaze.detector) gaze.window = window_in_words(detector);
+  }
+  gaze.score = gaze_scorer_.score();
+  gaze.limits = robot_.limits();
+  const auto score = std::find_if(metrics.detectors.begin(), metrics.detectors.end(),
+                                  [&](const auto& d) { return d.first == gaze.detector; });
+  if (gaze.score.acquired_at_us && score != metrics.detectors.end()) {
+    gaze.following_rate_hz =
+        found_rate_hz(truth_, found_at_chances(truth_, detections_, gaze.detector, score->second.threshold),
+                      *gaze.score.acquired_at_us);
+  }
+  return gaze;
+}
+
 Metrics RunRecorder::finish(double wall_s, std::vector<std::pair<std::string, std::string>> settings) {
   events_->commit();
   joints_.commit();
   truth_table_.commit();
   detection_table_.commit();
   gaze_table_.commit();
+  eye_table_.commit();
   if (label_table_) label_table_->commit();
   if (video_) video_->commit();
 
@@ -249,7 +286,7 @@ Metrics RunRecorder::finish(double wall_s, std::vector<std::pair<std::string, st
     }
   }
   if (scenario_.gaze.detector != "none") {
-    metrics.gaze = GazeMetrics{scenario_.gaze.detector, gaze_scorer_.score(), robot_.limits()};
+    metrics.gaze = gaze_metrics(metrics);
   }
   write_metrics(folder_ / "metrics.json", metrics);
   return metrics;

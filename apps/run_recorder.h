@@ -37,6 +37,7 @@ class RunRecorder final : public LoopObserver {
   void record_labels(std::span<const Event> events);
   void take_pictures(const Tick& tick);
   void watch_frames(std::int64_t t_us);
+  [[nodiscard]] GazeMetrics gaze_metrics(const Metrics& metrics) const;
   void save_hough_spaces(std::int64_t t_us) const;
   [[nodiscard]] EyePicture eye_picture(const Tick& tick, const cv::Mat& grey) const;
 
@@ -50,6 +51,7 @@ class RunRecorder final : public LoopObserver {
   TableWriter<TruthRow> truth_table_;
   TableWriter<DetectionRow> detection_table_;
   TableWriter<GazeRow> gaze_table_;
+  TableWriter<EyeRow> eye_table_;
   std::optional<TableWriter<LabelRow>> label_table_;
   GazeScorer gaze_scorer_;
   ClutterCounter clutter_;

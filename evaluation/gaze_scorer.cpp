@@ -14,13 +14,7 @@ constexpr std::int64_t acquire_hold_us = 100'000;
 constexpr double ball_motion_m = 1e-4;
 constexpr double move_m = 1e-3;
 constexpr double wrong_move_px = 6.0;
-constexpr double saccade_speed_rad_s = 60.0 / deg_per_rad;
-constexpr std::int64_t saccade_us = 10'000;
 constexpr double limit_tolerance_rad = 0.01 / deg_per_rad;
-
-double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
 
 bool inside_image(const Eigen::Vector2d& pixel, ImageSize size) {
   return pixel.x() >= -0.5 && pixel.y() >= -0.5 && pixel.x() < size.width - 0.5 &&
@@ -41,7 +35,8 @@ void GazeScorer::add(const GazeSample& sample) {
   SACCADE_CHECK(!started_ || sample.t_us > last_t_us_);
   follow_ball(sample);
   follow_target(sample);
-  follow_eye(sample);
+  saccades_.add(sample.t_us, sample.root_from_left_cam.linear().col(2));
+  follow_joints(sample);
   started_ = true;
   last_t_us_ = sample.t_us;
 }
@@ -65,7 +60,7 @@ void GazeScorer::follow_ball(const GazeSample& sample) {
   }
 
   const Eigen::Vector3d ball_cam_m = sample.root_from_left_cam.inverse() * sample.ball_m;
-  fixation_error_rad_ = angle_between(Eigen::Vector3d::UnitZ(), ball_cam_m);
+  fixation_error_rad_ = angle_deg(Eigen::Vector3d::UnitZ(), ball_cam_m) / deg_per_rad;
   if (!acquired_ && fixation_error_rad_ > config_.acquire_within_rad) {
     restart(motion_start_us_);
     return;
@@ -93,17 +88,7 @@ void GazeScorer::follow_target(const GazeSample& sample) {
   target_errors_m_.push_back((*sample.target_m - sample.ball_m).norm());
 }
 
-void GazeScorer::follow_eye(const GazeSample& sample) {
-  const Eigen::Vector3d axis = sample.root_from_left_cam.linear().col(2);
-  if (started_) {
-    const std::int64_t step_us = sample.t_us - last_t_us_;
-    const double speed_rad_s = angle_between(last_axis_, axis) / (static_cast<double>(step_us) * 1e-6);
-    const std::int64_t before_us = fast_us_;
-    fast_us_ = speed_rad_s > saccade_speed_rad_s ? fast_us_ + step_us : 0;
-    saccades_ += before_us < saccade_us && fast_us_ >= saccade_us ? 1 : 0;
-  }
-  last_axis_ = axis;
-
+void GazeScorer::follow_joints(const GazeSample& sample) {
   const JointVector& q = sample.plant_position_rad;
   const bool outside = ((config_.limits.min_rad - q).array() > limit_tolerance_rad).any() ||
                        ((q - config_.limits.max_rad).array() > limit_tolerance_rad).any();
@@ -115,12 +100,13 @@ GazeScore GazeScorer::score() const {
   score.acquire_within_deg = std::round(config_.acquire_within_rad * deg_per_rad * 1e9) / 1e9;
   score.moves = static_cast<std::int64_t>(target_errors_m_.size());
   score.wrong_moves = wrong_moves_;
-  score.saccades = saccades_;
+  score.saccades = std::ssize(saccades_.saccades());
   score.limit_violations = limit_violations_;
   score.target_error_median_m = spread_of(target_errors_m_).median;
   if (acquired_) {
     const auto samples = static_cast<double>(errors_deg_.size());
     score.acquire_s = static_cast<double>(*hold_start_us_ - motion_start_us_) * 1e-6;
+    score.acquired_at_us = hold_start_us_;
     score.fixation_error_deg = spread_of(errors_deg_);
     score.on_target_ratio = static_cast<double>(on_target_) / samples;
     score.in_view_ratio = static_cast<double>(in_view_) / samples;

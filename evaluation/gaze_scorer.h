@@ -8,6 +8,7 @@
 
 #include "core/camera.h"
 #include "core/head_state.h"
+#include "evaluation/eye_movement.h"
 #include "evaluation/statistics.h"
 
 namespace saccade {
@@ -36,6 +37,7 @@ struct GazeScore {
   /// From the ball's first motion (from the first sample when it never moves) to the start of the first 100
   /// ms on end within acquire_within_deg.
   std::optional<double> acquire_s;
+  std::optional<std::int64_t> acquired_at_us;  ///< that start, in the clock of the samples
   /// From that start to the last sample: the angle at the left eye between its optical axis and the ball's
   /// centre, the share of samples below 2 deg, the share with the ball's centre inside the image.
   Spread fixation_error_deg;
@@ -46,13 +48,13 @@ struct GazeScore {
   /// that moment, or either is not in front of the camera.
   std::int64_t moves = 0;
   std::int64_t wrong_moves = 0;
-  std::int64_t saccades = 0;          ///< stretches of 10 ms or more with the optical axis above 60 deg/s
+  std::int64_t saccades = 0;          ///< see Saccade
   std::int64_t limit_violations = 0;  ///< samples with a joint more than 0.01 deg outside its limits
   /// Distance of a move's target from the ball's centre at that moment.
   std::optional<double> target_error_median_m;
 };
 
-/// Scores the gaze sample by sample while the run goes on. Memory: 8 bytes per sample and per move.
+/// Scores the gaze sample by sample while the run goes on. Memory: 8 bytes per sample and per move, 32 per saccade.
 class GazeScorer {
  public:
   /// Throws InputError for a camera that is none or acquire_within_rad outside (0, pi].
@@ -67,7 +69,7 @@ class GazeScorer {
  private:
   void follow_ball(const GazeSample& sample);
   void follow_target(const GazeSample& sample);
-  void follow_eye(const GazeSample& sample);
+  void follow_joints(const GazeSample& sample);
   void restart(std::int64_t t_us);
 
   GazeScoringConfig config_;
@@ -90,9 +92,7 @@ class GazeScorer {
   std::int64_t wrong_moves_ = 0;
 
   std::int64_t last_t_us_ = 0;
-  Eigen::Vector3d last_axis_ = Eigen::Vector3d::Zero();
-  std::int64_t fast_us_ = 0;  ///< how long the eye has been fast
-  std::int64_t saccades_ = 0;
+  SaccadeFinder saccades_;
   std::int64_t limit_violations_ = 0;
 };
 

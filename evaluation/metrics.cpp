@@ -133,6 +133,8 @@ DetectorScore detector_score(const Json& json) {
   return score;
 }
 
+Json name_or_null(const std::string& name) { return name.empty() ? Json(nullptr) : Json(name); }
+
 Json json_of(const GazeMetrics& gaze) {
   const GazeScore& score = gaze.score;
   Json limits = Json::object();
@@ -151,11 +153,26 @@ Json json_of(const GazeMetrics& gaze) {
           {"limit_violations", score.limit_violations},
           {"target_error_m", {{"median", json_of(score.target_error_median_m)}}},
           {"acquire_within_deg", score.acquire_within_deg},
-          {"joint_limits_rad", std::move(limits)}};
+          {"joint_limits_rad", std::move(limits)},
+          {"controller", name_or_null(gaze.controller)},
+          {"gate", name_or_null(gaze.gate)},
+          {"window", name_or_null(gaze.window)},
+          {"acquired_at_us", json_of(score.acquired_at_us)},
+          {"following_rate_hz", json_of(gaze.following_rate_hz)}};
 }
 
 GazeMetrics gaze_metrics(const Json& json) {
   GazeMetrics gaze;
+  const auto optional = [&](const char* key) { return json.value(key, Json(nullptr)); };
+  const auto name = [&](const char* key) {
+    const Json value = optional(key);
+    return value.is_null() ? std::string() : value.get<std::string>();
+  };
+  gaze.controller = name("controller");
+  gaze.gate = name("gate");
+  gaze.window = name("window");
+  gaze.score.acquired_at_us = integer(optional("acquired_at_us"));
+  gaze.following_rate_hz = number(optional("following_rate_hz"));
   gaze.detector = json.at("detector").get<std::string>();
   gaze.score.fixation_error_deg = spread(json.at("fixation_error_deg"));
   gaze.score.on_target_ratio = number(json.at("on_target_ratio"));

@@ -15,16 +15,22 @@
 
 namespace saccade {
 
-/// The gaze of a run and the detector that drove it.
+/// The gaze of a run and what drove it.
 struct GazeMetrics {
   std::string detector;
+  std::string controller;  ///< this and the next two empty where they are not known
+  std::string gate;
+  std::string window;  ///< of the detector's events, in words: "1500 events", "20 ms", "lifetime"
   GazeScore score;
+  /// How often per second the detector was right from acquisition on, see found_rate_hz.
+  std::optional<double> following_rate_hz;
   JointLimits limits;  ///< positions only, for the figures
 };
 
 /// metrics.json, schema 1. None is written as null: the figure does not apply. Keys beyond the contract:
-/// detectors.*.{observations,inliers,rejected_events}, gaze.{acquire_within_deg,joint_limits_rad} and
-/// `events.file`, `camera`, `calibration`, `start_us`, `settings`, which make a run folder readable without its scenario; and, of
+/// detectors.*.{observations,inliers,rejected_events}, gaze.{acquire_within_deg,joint_limits_rad,controller,gate,
+/// window,acquired_at_us,following_rate_hz} and `events.file`, `camera`, `calibration`, `start_us`, `settings`, which
+/// make a run folder readable without its scenario; and, of
 /// a run with labels alone, `clutter` and detectors.*.{clutter_in_window,clutter_per_detection}.
 struct Metrics {
   std::string scenario;
@@ -50,7 +56,8 @@ struct Metrics {
 /// Numbers are the shortest text that reads back as the same double; the same metrics give the same bytes.
 [[nodiscard]] std::string metrics_to_json(const Metrics& metrics);
 /// Throws InputError with `place` for text that is no JSON, another schema, or a key missing or of a wrong
-/// kind. `calibration`, `settings`, `rejected_events` and what is told of clutter may be absent.
+/// kind. `calibration`, `settings`, `rejected_events`, what is told of clutter and the last five of those of the gaze
+/// may be absent.
 [[nodiscard]] Metrics metrics_from_json(std::string_view text, const std::string& place);
 
 /// Throws RunError when the disk does not take it.

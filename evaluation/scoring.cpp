@@ -355,4 +355,18 @@ std::vector<std::optional<bool>> found_at_chances(std::span<const TruthRow> trut
   return found;
 }
 
+std::optional<double> found_rate_hz(std::span<const TruthRow> truth,
+                                    std::span<const std::optional<bool>> found, std::int64_t from_us) {
+  SACCADE_CHECK(truth.size() == found.size());
+  std::int64_t chances = 0;
+  std::int64_t right = 0;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    if (truth[i].t_us < from_us || !found[i]) continue;
+    ++chances;
+    right += *found[i] ? 1 : 0;
+  }
+  if (chances == 0) return std::nullopt;
+  return 1e3 * static_cast<double>(right) / static_cast<double>(chances);
+}
+
 }  // namespace saccade

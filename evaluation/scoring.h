@@ -89,4 +89,10 @@ struct DetectorScore {
                                                                 std::span<const DetectionRow> detections,
                                                                 std::string_view detector, double threshold);
 
+/// How often per second the detector was right from `from_us` on: 1000 times the share of the chances; none without
+/// any. `found` as found_at_chances tells it for `truth`.
+[[nodiscard]] std::optional<double> found_rate_hz(std::span<const TruthRow> truth,
+                                                  std::span<const std::optional<bool>> found,
+                                                  std::int64_t from_us);
+
 }  // namespace saccade

@@ -57,6 +57,12 @@ void visit_columns(Visitor& visit, Row& row) {
     visit_point(visit, "fixation_", row.fixation_m);
     visit_point(visit, "target_", row.target_m);
     visit_joints(visit, row.position_rad);
+  } else if constexpr (std::is_same_v<Table, EyeRow>) {
+    visit_point(visit, "", row.position_m);
+    visit("qw", row.turn_wxyz[0]);
+    visit("qx", row.turn_wxyz[1]);
+    visit("qy", row.turn_wxyz[2]);
+    visit("qz", row.turn_wxyz[3]);
   } else if constexpr (std::is_same_v<Table, LabelRow>) {
     visit("x", row.x);
     visit("y", row.y);
@@ -184,6 +190,16 @@ std::size_t check_header(const std::string& place, const std::string& header) {
 
 }  // namespace
 
+EyeRow EyeRow::of(std::int64_t t_us, const Eigen::Isometry3d& root_from_left_cam) {
+  const Eigen::Quaterniond turn(root_from_left_cam.linear());
+  return {t_us, root_from_left_cam.translation(), {turn.w(), turn.x(), turn.y(), turn.z()}};
+}
+
+Eigen::Isometry3d EyeRow::root_from_left_cam() const {
+  const Eigen::Quaterniond turn(turn_wxyz[0], turn_wxyz[1], turn_wxyz[2], turn_wxyz[3]);
+  return Eigen::Translation3d(position_m) * turn.normalized();
+}
+
 template <class Row>
 TableWriter<Row>::TableWriter(std::filesystem::path path) : file_(std::move(path)) {
   const std::vector<std::string> names = column_names<Row>();
@@ -262,16 +278,19 @@ template class TableWriter<TruthRow>;
 template class TableWriter<DetectionRow>;
 template class TableWriter<GazeRow>;
 template class TableWriter<JointsRow>;
+template class TableWriter<EyeRow>;
 template class TableWriter<LabelRow>;
 template class TableReader<TruthRow>;
 template class TableReader<DetectionRow>;
 template class TableReader<GazeRow>;
 template class TableReader<JointsRow>;
+template class TableReader<EyeRow>;
 template class TableReader<LabelRow>;
 template std::vector<TruthRow> read_table(const std::filesystem::path& path);
 template std::vector<DetectionRow> read_table(const std::filesystem::path& path);
 template std::vector<GazeRow> read_table(const std::filesystem::path& path);
 template std::vector<JointsRow> read_table(const std::filesystem::path& path);
+template std::vector<EyeRow> read_table(const std::filesystem::path& path);
 template std::vector<LabelRow> read_table(const std::filesystem::path& path);
 
 }  // namespace saccade

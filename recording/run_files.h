@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -46,6 +46,17 @@ struct GazeRow {
   Eigen::Vector3d fixation_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d target_m = Eigen::Vector3d::Zero();
   JointVector position_rad = JointVector::Zero();
+};
+
+/// eye.csv: t_us,x_m,y_m,z_m,qw,qx,qy,qz. Where the left camera truly is and looks (root_from_left_cam: its centre, and
+/// its turn as a unit quaternion). Truth; one row per tick.
+struct EyeRow {
+  std::int64_t t_us = 0;
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+  Eigen::Vector4d turn_wxyz = {1.0, 0.0, 0.0, 0.0};
+
+  [[nodiscard]] static EyeRow of(std::int64_t t_us, const Eigen::Isometry3d& root_from_left_cam);
+  [[nodiscard]] Eigen::Isometry3d root_from_left_cam() const;
 };
 
 /// joints.csv: t_us and the measured joint positions (rad), names as in core/head_state.h with _rad.
@@ -108,11 +119,13 @@ extern template class TableWriter<TruthRow>;
 extern template class TableWriter<DetectionRow>;
 extern template class TableWriter<GazeRow>;
 extern template class TableWriter<JointsRow>;
+extern template class TableWriter<EyeRow>;
 extern template class TableWriter<LabelRow>;
 extern template class TableReader<TruthRow>;
 extern template class TableReader<DetectionRow>;
 extern template class TableReader<GazeRow>;
 extern template class TableReader<JointsRow>;
+extern template class TableReader<EyeRow>;
 extern template class TableReader<LabelRow>;
 
 }  // namespace saccade

@@ -64,6 +64,7 @@ TEST(GazeScorer, CountsAcquisitionFromTheFirstMotionOfTheBall) {
   const auto gaze = [](int t_ms) { return (t_ms >= 340 && t_ms < 390) || t_ms >= 450 ? 19.0 : 0.0; };
   const GazeScore score = run(1000, gaze, ball);
   EXPECT_NEAR(*score.acquire_s, 0.150, 1e-9);
+  EXPECT_EQ(score.acquired_at_us, 450'000);
   EXPECT_NEAR(*score.fixation_error_deg.median, 1.0, 1e-9);
   EXPECT_EQ(score.on_target_ratio, 1.0);
   EXPECT_EQ(score.in_view_ratio, 1.0);

@@ -48,8 +48,12 @@ Metrics whole() {
   m.detectors = {{"paper_full", {}}, {"best", score}};
   m.gaze.emplace();
   m.gaze->detector = "best";
+  m.gaze->controller = "qp";
+  m.gaze->window = "1500 events";
+  m.gaze->following_rate_hz = 12.5;
   m.gaze->score = {.acquire_within_deg = 6.0,
                    .acquire_s = 0.75,
+                   .acquired_at_us = 1'250'000,
                    .fixation_error_deg = {2.0, 5.0},
                    .on_target_ratio = 0.9,
                    .in_view_ratio = 1.0,
@@ -88,13 +92,26 @@ TEST(Metrics, HasEveryKeyOfTheContractInItsOrder) {
   }
   EXPECT_THAT(keys(json["detectors"]["best"]["pr_curve"][0]),
               ElementsAre("threshold", "precision", "recall"));
-  EXPECT_THAT(keys(json["gaze"]),
-              ElementsAre("detector", "fixation_error_deg", "on_target_ratio", "in_view_ratio", "acquire_s",
-                          "moves", "wrong_moves", "saccades", "limit_violations", "target_error_m",
-                          "acquire_within_deg", "joint_limits_rad"));
+  EXPECT_THAT(
+      keys(json["gaze"]),
+      ElementsAre("detector", "fixation_error_deg", "on_target_ratio", "in_view_ratio", "acquire_s", "moves",
+                  "wrong_moves", "saccades", "limit_violations", "target_error_m", "acquire_within_deg",
+                  "joint_limits_rad", "controller", "gate", "window", "acquired_at_us", "following_rate_hz"));
   EXPECT_EQ(json["schema"], 1);
   EXPECT_EQ(json["real_time_factor"], 1.25);
   EXPECT_EQ(json["events"]["rate_hz"], 250.0);
+}
+
+TEST(Metrics, OfEarlierRunsAreReadWithoutWhatTheyDidNotTell) {
+  Json json = Json::parse(metrics_to_json(whole()));
+  for (const char* key : {"controller", "gate", "window", "acquired_at_us", "following_rate_hz"}) {
+    json["gaze"].erase(key);
+  }
+  const Metrics back = metrics_from_json(json.dump(), "here");
+  EXPECT_EQ(back.gaze->controller, "");
+  EXPECT_EQ(back.gaze->score.acquired_at_us, std::nullopt);
+  EXPECT_EQ(back.gaze->following_rate_hz, std::nullopt);
+  EXPECT_EQ(back.gaze->score.moves, 10);
 }
 
 TEST(Metrics, ReadsBackTheSame) {
@@ -104,6 +121,12 @@ TEST(Metrics, ReadsBackTheSame) {
   EXPECT_EQ(back.detectors[1].second.lag_ms, 12.3);
   EXPECT_EQ(back.detectors[0].second.lag_ms, std::nullopt);
   EXPECT_EQ(back.gaze->score.acquire_s, 0.75);
+  EXPECT_EQ(back.gaze->score.acquired_at_us, 1'250'000);
+  EXPECT_EQ(back.gaze->controller, "qp");
+  EXPECT_EQ(back.gaze->gate, "");
+  EXPECT_TRUE(Json::parse(text)["gaze"]["gate"].is_null());
+  EXPECT_EQ(back.gaze->window, "1500 events");
+  EXPECT_EQ(back.gaze->following_rate_hz, 12.5);
   EXPECT_NEAR(back.gaze->limits.max_rad[eyes_tilt], 0.25, 1e-15);
   EXPECT_EQ(back.camera, Camera{});
   EXPECT_EQ(back.calibration, whole().calibration);

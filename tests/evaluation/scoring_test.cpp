@@ -373,5 +373,18 @@ TEST(Scoring, LagIsLeftOutWhereAnnotationsAreTooFarApartToTellTheBallsPath) {
   }
 }
 
+TEST(FoundRate, IsTheShareOfTheChancesFromAnInstantOn) {
+  std::vector<TruthRow> truth;
+  std::vector<std::optional<bool>> found;
+  for (int i = 1; i <= 100; ++i) {
+    truth.push_back({.t_us = i * 1000, .circle = {64, 64, 20}, .visible = 1.0});
+    found.emplace_back(i <= 50 || i % 5 == 0);
+  }
+  for (int i = 90; i < 100; ++i) found[static_cast<std::size_t>(i)].reset();  // out of sight
+  EXPECT_NEAR(*found_rate_hz(truth, found, 51'000), 1000.0 * 8 / 40, 1e-9);
+  EXPECT_NEAR(*found_rate_hz(truth, found, 0), 1000.0 * 58 / 90, 1e-9);
+  EXPECT_EQ(found_rate_hz(truth, found, 95'000), std::nullopt);
+}
+
 }  // namespace
 }  // namespace saccade

@@ -40,6 +40,7 @@ inline Metrics write_synthetic_run(const std::filesystem::path& folder, bool pic
   TableWriter<TruthRow> truth_file(folder / "truth.csv");
   TableWriter<DetectionRow> detection_file(folder / "detections.csv");
   TableWriter<GazeRow> gaze_file(folder / "gaze.csv");
+  TableWriter<EyeRow> eye_file(folder / "eye.csv");
   const auto event_file = create_event_file(folder / "events.csv", camera.size);
   std::vector<TruthRow> truth;
   std::vector<DetectionRow> detections;
@@ -82,6 +83,7 @@ inline Metrics write_synthetic_run(const std::filesystem::path& folder, bool pic
     const Circle circle = *camera.project_sphere(sample.root_from_left_cam.inverse() * ball_m, ball_radius_m);
     truth.push_back({.t_us = sample.t_us, .circle = circle, .visible = 1.0, .position_m = ball_m});
     truth_file.write(truth.back());
+    eye_file.write(EyeRow::of(sample.t_us, sample.root_from_left_cam));
     gaze_file.write({.t_us = sample.t_us,
                      .fixation_m = eye_m + 0.45 * forward,
                      .target_m = target_m,
@@ -152,6 +154,7 @@ inline Metrics write_synthetic_run(const std::filesystem::path& folder, bool pic
   truth_file.commit();
   detection_file.commit();
   gaze_file.commit();
+  eye_file.commit();
   event_file->commit();
 
   Metrics metrics;
@@ -169,8 +172,13 @@ inline Metrics write_synthetic_run(const std::filesystem::path& folder, bool pic
     score.us_per_event = 0.31;
     metrics.detectors.emplace_back(name, std::move(score));
   }
-  metrics.gaze =
-      GazeMetrics{.detector = "paper_directed", .score = gaze_scorer.score(), .limits = scoring.limits};
+  metrics.gaze = GazeMetrics{.detector = "paper_directed",
+                             .controller = "qp",
+                             .gate = "authors",
+                             .window = "1500 events",
+                             .score = gaze_scorer.score(),
+                             .following_rate_hz = 630.0,
+                             .limits = scoring.limits};
   write_metrics(folder / "metrics.json", metrics);
   return metrics;
 }

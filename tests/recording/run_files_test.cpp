@@ -94,6 +94,16 @@ TEST(RunFiles, LabelsReadBack) {
   EXPECT_EQ(rows[0].object, "ball");
 }
 
+TEST(RunFiles, EyesReadBackAsTheSamePose) {
+  TempFolder folder;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = Eigen::AngleAxisd(2.5, Eigen::Vector3d(1, -2, 0.5).normalized()).toRotationMatrix();
+  pose.translation() = Eigen::Vector3d(-0.06, 0.03, 0.35);
+  const auto path = write_table<EyeRow>(folder / "eye.csv", {EyeRow::of(1000, pose)});
+  EXPECT_TRUE(bytes_of(path).starts_with("t_us,x_m,y_m,z_m,qw,qx,qy,qz\n1000,-0.06,0.03,0.35,"));
+  EXPECT_TRUE(read_table<EyeRow>(path).at(0).root_from_left_cam().isApprox(pose, 1e-12));
+}
+
 TEST(RunFiles, GazeAndJointsReadBack) {
   TempFolder folder;
   Numbers numbers;

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace saccade {
+
+/// A stretch of 10 ms or more in which the eye turns faster than 60 deg/s.
+struct Saccade {
+  static constexpr double fast_deg_s = 60.0;
+  static constexpr std::int64_t shortest_us = 10'000;
+
+  std::int64_t start_us = 0;
+  std::int64_t end_us = 0;
+  double amplitude_deg = 0.0;  ///< between where the eye looked at its start and at its end
+  double peak_deg_s = 0.0;
+};
+
+/// Finds saccades in where an eye looks, step by step.
+class SaccadeFinder {
+ public:
+  /// `axis`: the optical axis, root frame, unit length. Time goes forward.
+  void add(std::int64_t t_us, const Eigen::Vector3d& axis);
+  /// How fast the eye turned in the newest step; 0 before there is one.
+  [[nodiscard]] double speed_deg_s() const { return speed_deg_s_; }
+  /// All so far; one that has not ended is as long as it is now.
+  [[nodiscard]] std::span<const Saccade> saccades() const { return saccades_; }
+
+ private:
+  bool started_ = false;
+  std::int64_t last_t_us_ = 0;
+  Eigen::Vector3d last_axis_ = Eigen::Vector3d::Zero();
+  double speed_deg_s_ = 0.0;
+  Saccade stretch_;  // the fast stretch that goes on, or a start where none does
+  Eigen::Vector3d start_axis_ = Eigen::Vector3d::Zero();
+  bool counted_ = false;  // it is the last of saccades_
+  std::vector<Saccade> saccades_;
+};
+
+/// The angle between two directions of any length, deg.
+[[nodiscard]] double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
+
+}  // namespace saccade
