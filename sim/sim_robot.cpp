@@ -64,7 +64,7 @@ void SimRobot::note_truth() {
   truth_.t_us = world_.now_us();
   truth_.ball_m = world_.ball_position_m();
   truth_.root_from_left_cam = world_.root_from_left_cam();
-  truth_.plant_position_rad = world_.head_state().position_rad;
+  truth_.plant_position_rad = world_.joints_rad();
   const Eigen::Vector3d ball_in_cam_m = truth_.root_from_left_cam.inverse() * truth_.ball_m;
   truth_.circle = config_.camera.project_sphere(ball_in_cam_m, world_.ball_radius_m());
   if (!truth_.circle) truth_.visible = 0.0;

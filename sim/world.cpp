@@ -101,29 +101,36 @@ void describe(FieldVisitor& v, WorldConfig& c) {
       "ball", [&c](FieldVisitor& inner) { describe(inner, c.ball); }, "the ball in the hand");
   v.reals("initial_pose_deg", c.initial_pose_deg, joint_count, {-90.0, 90.0},
           "torso pitch, roll, yaw, neck pitch, roll, yaw, eyes tilt, version, vergence at the start");
+  v.section(
+      "plant", [&c](FieldVisitor& inner) { describe(inner, c.plant); }, "how the head is not as its model");
 }
 
 std::filesystem::path models_directory() { return SACCADE_MODELS_DIR; }
 
 World::World(const WorldConfig& config, const std::string& lab_mjcf, std::uint64_t seed,
              const std::filesystem::path& models)
-    : trajectory_(checked(config).ball.trajectory, seed) {
+    : trajectory_(checked(config).ball.trajectory, seed),
+      command_delay_us_(1000 * config.plant.command_delay_ms) {
   model_ = load_model(models, lab_mjcf);
   data_.reset(mj_makeData(model_.get()));
   if (!data_) throw RunError("MuJoCo has no memory for the world");
   find_parts();
   make_ball(config.ball);
+  make_drives(config.plant);
 
   const JointVector plant_rad = plant_from_joints(start_pose_rad(config.initial_pose_deg, limits_));
   for (std::size_t j = 0; j < joint_count; ++j) {
     data_->qpos[model_->jnt_qposadr[joint_[j]]] = plant_rad[static_cast<Eigen::Index>(j)];
     data_->ctrl[actuator_[j]] = plant_rad[static_cast<Eigen::Index>(j)];
   }
+  joint_rad_ = plant_rad;
   place_ball(0, *data_);
   mj_step1(model_.get(), data_.get());
   for (std::int64_t t_us = 0; t_us < settling_us; t_us += tick_us) advance();
   data_->time = 0.0;
   remember();
+  encoders_.emplace(config.plant.encoders, seed, motors().rad);
+  if (seen_) show(0, *seen_);
 }
 
 void World::find_parts() {
@@ -169,6 +176,25 @@ void World::make_ball(const BallConfig& config) {
   mju_scl3(arm_pos, arm_pos, scale);
 }
 
+void World::make_drives(const PlantConfig& config) {
+  mjModel& m = *model_;
+  if (config.axes == "cad") {
+    move_neck_axes_to_cad(m);
+    mj_setConst(&m, data_.get());
+    mj_resetData(&m, data_.get());
+  }
+  for (int j = torso_joint_count; j < joint_count; ++j) {
+    const DriveConfig& drive = j < eyes_tilt ? config.neck : config.eyes;
+    const int joint = joint_[static_cast<std::size_t>(j)];
+    const double largest_nm = m.actuator_forcerange[2 * actuator_[static_cast<std::size_t>(j)] + 1];
+    if (drive.friction_share > 0.0) set_friction(m, joint, drive.friction_share * largest_nm);
+    half_play_rad_[j] = 0.5 * drive.backlash_deg * rad_per_deg;
+  }
+  if (half_play_rad_.isZero(0.0)) return;
+  seen_.reset(mj_makeData(&m));
+  if (!seen_) throw RunError("MuJoCo has no memory for the joints behind their play");
+}
+
 std::vector<std::uint8_t> World::scene_objects() const {
   const mjModel& m = *model_;
   const auto name_of = [&m](mjtObj type, int id) {
@@ -190,13 +216,26 @@ std::vector<std::uint8_t> World::scene_objects() const {
 }
 
 void World::step() {
+  obey();
   remember();
   now_us_ += tick_us;
   place_ball(now_us_, *data_);
   advance();
+  const Motors now = motors();
+  encoders_->read(now.rad, now.rad_s);
+  if (seen_) show(now_us_, *seen_);
+}
+
+void World::obey() {
+  for (; !commands_.empty() && commands_.front().due_us <= now_us_; commands_.pop_front()) {
+    for (std::size_t j = torso_joint_count; j < joint_count; ++j) {
+      data_->ctrl[actuator_[j]] = commands_.front().motor_rad[static_cast<Eigen::Index>(j)];
+    }
+  }
 }
 
 void World::remember() {
+  last_joint_rad_ = joint_rad_;
   last_qpos_.assign(data_->qpos, data_->qpos + model_->nq);
   last_qvel_.assign(data_->qvel, data_->qvel + model_->nv);
 }
@@ -213,22 +252,28 @@ void World::advance() {
                      " us: " + mju_warningText(i, warning.lastinfo));
     }
   }
+  const JointVector motor_rad = motors().rad;
+  for (int j = 0; j < joint_count; ++j) {
+    joint_rad_[j] = behind_play(motor_rad[j], joint_rad_[j], half_play_rad_[j]);
+  }
+}
+
+World::Motors World::motors() const {
+  Motors motors;
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    const auto row = static_cast<Eigen::Index>(j);
+    motors.rad[row] = data_->qpos[model_->jnt_qposadr[joint_[j]]];
+    motors.rad_s[row] = data_->qvel[model_->jnt_dofadr[joint_[j]]];
+  }
+  return motors;
 }
 
 HeadState World::head_state() const {
-  HeadState state;
-  state.t_us = now_us_;
-  JointVector position_rad;
-  JointVector velocity_rad_s;
-  for (std::size_t j = 0; j < joint_count; ++j) {
-    const auto row = static_cast<Eigen::Index>(j);
-    position_rad[row] = data_->qpos[model_->jnt_qposadr[joint_[j]]];
-    velocity_rad_s[row] = data_->qvel[model_->jnt_dofadr[joint_[j]]];
-  }
-  state.position_rad = joints_from_plant(position_rad);
-  state.velocity_rad_s = joints_from_plant(velocity_rad_s);
-  return state;
+  return {now_us_, joints_from_plant(encoders_->position_rad()),
+          joints_from_plant(encoders_->velocity_rad_s())};
 }
+
+JointVector World::joints_rad() const { return joints_from_plant(joint_rad_); }
 
 bool World::set_reference(const HeadJointVector& reference_rad) {
   const auto min = limits_.min_rad.tail<head_joint_count>().array();
@@ -236,10 +281,7 @@ bool World::set_reference(const HeadJointVector& reference_rad) {
   if (!(reference_rad.array() >= min && reference_rad.array() <= max).all()) return false;
   JointVector joints = JointVector::Zero();
   joints.tail<head_joint_count>() = reference_rad;
-  const JointVector plant_rad = plant_from_joints(joints);
-  for (std::size_t j = torso_joint_count; j < joint_count; ++j) {
-    data_->ctrl[actuator_[j]] = plant_rad[static_cast<Eigen::Index>(j)];
-  }
+  commands_.push_back({now_us_ + command_delay_us_, plant_from_joints(joints)});
   return true;
 }
 
@@ -283,6 +325,11 @@ void World::show(std::int64_t t_us, mjData& data) const {
   for (std::size_t i = 0; i < last_qpos_.size(); ++i) {
     data.qpos[i] = (1.0 - end) * last_qpos_[i] + end * data_->qpos[i] + start_slope * last_qvel_[i] +
                    end_slope * data_->qvel[i];
+  }
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    const auto row = static_cast<Eigen::Index>(j);
+    mjtNum& q = data.qpos[model_->jnt_qposadr[joint_[j]]];
+    q = behind_play(q, last_joint_rad_[row], half_play_rad_[row]);
   }
   place_ball(t_us, data);
   mj_kinematics(model_.get(), &data);

@@ -5,7 +5,9 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,6 +15,7 @@
 #include "core/config.h"
 #include "core/head_state.h"
 #include "sim/mujoco_compat.h"
+#include "sim/plant.h"
 #include "sim/trajectory.h"
 
 namespace saccade {
@@ -31,9 +34,10 @@ struct WorldConfig {
   BallConfig ball;
   /// Where the joints are and are held at the start, in the order of Joint; the torso stays there.
   std::vector<double> initial_pose_deg = std::vector<double>(joint_count, 0.0);
+  PlantConfig plant;
 };
 
-/// Keys: ball, initial_pose_deg.
+/// Keys: ball, initial_pose_deg, plant.
 void describe(FieldVisitor& v, WorldConfig& config);
 
 /// What stands in the world, foremost in an eye first. By names in the model: the geom `ball`; geoms of the bodies
@@ -66,10 +70,12 @@ class World {
   void step();
   [[nodiscard]] std::int64_t now_us() const { return now_us_; }
 
-  /// What perfect encoders say now.
+  /// What the encoders say now.
   [[nodiscard]] HeadState head_state() const;
-  /// Position references of the head's joints, rad, from the next step on. False, and the last ones hold,
-  /// when one is not finite or outside limits().
+  /// Truth: where the joints are now. With encoders and drives that are perfect the same.
+  [[nodiscard]] JointVector joints_rad() const;
+  /// Position references of the head's joints, rad, from the next step on or as much later as the plant
+  /// delays commands. False, and the last ones hold, when one is not finite or outside limits().
   bool set_reference(const HeadJointVector& reference_rad);
   [[nodiscard]] const JointLimits& limits() const { return limits_; }
 
@@ -81,8 +87,8 @@ class World {
   [[nodiscard]] double ball_radius_m() const { return ball_radius_m_; }
   [[nodiscard]] std::int64_t first_motion_us() const { return trajectory_.first_motion_us(); }
   /// Truth: the eyes' cameras now (x right, y down, z along the optical axis), from the plant's joints.
-  [[nodiscard]] Eigen::Isometry3d root_from_left_cam() const { return root_from_camera(*data_, left_eye_); }
-  [[nodiscard]] Eigen::Isometry3d root_from_right_cam() const { return root_from_camera(*data_, right_eye_); }
+  [[nodiscard]] Eigen::Isometry3d root_from_left_cam() const { return root_from_camera(data(), left_eye_); }
+  [[nodiscard]] Eigen::Isometry3d root_from_right_cam() const { return root_from_camera(data(), right_eye_); }
   /// The same for a state filled by show().
   [[nodiscard]] static Eigen::Isometry3d root_from_camera(const mjData& data, int camera_id);
   [[nodiscard]] Eigen::Vector3d ball_position_m(const mjData& data) const;
@@ -94,7 +100,9 @@ class World {
   /// For the renderer; the model's colours and textures may be changed before the first picture.
   [[nodiscard]] mjModel& model() { return *model_; }
   [[nodiscard]] const mjModel& model() const { return *model_; }
-  [[nodiscard]] mjData& data() { return *data_; }
+  /// The world now, as it is seen.
+  [[nodiscard]] mjData& data() { return seen_ ? *seen_ : *data_; }
+  [[nodiscard]] const mjData& data() const { return seen_ ? *seen_ : *data_; }
   /// The SceneObject of each geom of the model, as a number.
   [[nodiscard]] std::vector<std::uint8_t> scene_objects() const;
   [[nodiscard]] int left_eye_camera() const { return left_eye_; }
@@ -102,13 +110,27 @@ class World {
 
  private:
   void find_parts();
-  void make_ball(const BallConfig& config);  // in the model: size, colour, the hand around it
+  void make_ball(const BallConfig& config);     // in the model: size, colour, the hand around it
+  void make_drives(const PlantConfig& config);  // in the model: axes, friction; and the play behind motors
   void place_ball(std::int64_t t_us, mjData& data) const;
+  void obey();
   void remember();
   void advance();
 
+  struct Motors {  ///< the last two those of the left and right eye's pan
+    JointVector rad;
+    JointVector rad_s;
+  };
+  [[nodiscard]] Motors motors() const;
+
+  struct Command {
+    std::int64_t due_us;
+    JointVector motor_rad;
+  };
+
   MjModelPtr model_;
-  MjDataPtr data_;
+  MjDataPtr data_;  ///< the motors: what they carry moves with them as if there were no play
+  MjDataPtr seen_;  ///< the joints behind them, where there is play
   Trajectory trajectory_;
   JointLimits limits_;
   double ball_radius_m_ = 0.0;
@@ -120,6 +142,12 @@ class World {
   std::int64_t now_us_ = 0;
   std::vector<mjtNum> last_qpos_;  ///< one tick ago, for show()
   std::vector<mjtNum> last_qvel_;
+  JointVector half_play_rad_ = JointVector::Zero();
+  JointVector joint_rad_;  ///< behind the play, in the order of Motors
+  JointVector last_joint_rad_;
+  std::optional<Encoders> encoders_;
+  std::int64_t command_delay_us_;
+  std::deque<Command> commands_;  ///< that are not due yet
 };
 
 }  // namespace saccade
