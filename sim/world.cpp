@@ -308,7 +308,7 @@ void World::mount_left_camera(const Eigen::Isometry3d& eye_from_camera) {
   mju_addTo3(camera_pos, moved.data());
   const std::array<mjtNum, 4> before = {camera_quat[0], camera_quat[1], camera_quat[2], camera_quat[3]};
   mju_mulQuat(camera_quat, before.data(), quat.data());
-  mj_camlight(model_.get(), data_.get());
+  mj_camlight(model_.get(), &data());
 }
 
 Eigen::Vector3d World::ball_position_m(const mjData& data) const {
