@@ -179,7 +179,7 @@ TEST(Plant, ShowsTheJointsNotTheMotorsInImagesAndTruth) {
     world.step();
     const double now = heading(world.root_from_left_cam());
     const JointVector q = world.joints_rad();
-    ASSERT_NEAR(now, q[neck_yaw] - q[eyes_version] - 0.5 * q[eyes_vergence], 2e-5);
+    ASSERT_NEAR(now, q[neck_yaw] - q[eyes_version] - 0.5 * q[eyes_vergence], 1e-4);
     world.show(world.now_us() - 500, *between);
     const double half = heading(World::root_from_camera(*between, world.left_eye_camera()));
     ASSERT_GE(half, last - 2e-5);
