@@ -18,6 +18,8 @@ Loop::Loop(Clock& clock, EventSource& events, HeadPort* head, const MountedCamer
       results_(detectors_.size()),
       last_t_us_(clock.now_us()) {
   SACCADE_CHECK(!gaze_ || (head_ != nullptr && gaze_->driver.value_or(0) < detectors_.size()));
+  if (gaze_) check_config("gaze", gaze_->lost);
+  if (gaze_ && gaze_->driver) phase_ = GazePhase::searching;
 }
 
 PortStatus Loop::tick(std::int64_t t_us, LoopObserver& observer) {
@@ -31,12 +33,13 @@ PortStatus Loop::tick(std::int64_t t_us, LoopObserver& observer) {
 
   Tick tick;
   tick.t_us = t_us;
-  CameraMotion motion;
+  std::optional<CameraMotion> known_motion;
   if (head_ != nullptr) {
     need(head_->read(tick.head.emplace()), "head");
-    motion = camera_motion(*tick.head, Eye::left, eye_from_camera_);
+    if (is_finite(*tick.head)) known_motion = camera_motion(*tick.head, Eye::left, eye_from_camera_);
   }
-  detect(t_us, head_ != nullptr ? &motion : nullptr);
+  const CameraMotion* motion = known_motion ? &*known_motion : nullptr;
+  detect(t_us, motion);
   tick.events = events_;
   tick.detectors = results_;
   if (gaze_) act(motion, static_cast<double>(t_us - last_t_us_) * 1e-6, tick);
@@ -58,21 +61,37 @@ void Loop::detect(std::int64_t t_us, const CameraMotion* motion) {
   }
 }
 
-void Loop::act(const CameraMotion& motion, double dt_s, Tick& tick) {
-  if (gaze_->driver) {
+void Loop::act(const CameraMotion* motion, double dt_s, Tick& tick) {
+  if (gaze_->driver && motion != nullptr) {
     const DetectorTick& seen = results_[*gaze_->driver];
     const double threshold = detectors_[*gaze_->driver].detector->threshold();
     tick.new_target_m = gaze_->gate->update(tick.t_us, seen.observed ? seen.estimate : Estimate{}, threshold,
-                                            camera_, motion.root_from_camera);
+                                            camera_, motion->root_from_camera);
   }
   const HeadJointVector wanted = gaze_->controller->step(*tick.head, tick.new_target_m, dt_s);
   tick.target_status = gaze_->controller->target_status();
-  if (tick.target_status == TargetStatus::ok) target_m_ = tick.new_target_m;
-  tick.target_m = target_m_;
+  watch_target(tick);
   tick.command = gaze_->limiter.apply(wanted, tick.head->head_position_rad(), dt_s);
   const HeadPort::CommandResult result = head_->command(tick.command.reference_rad);
   if (result.status == PortStatus::lost) throw RunError("lost the connection to the head");
   tick.command_refused = result.refused;
+}
+
+void Loop::watch_target(Tick& tick) {
+  if (tick.target_status == TargetStatus::ok) {
+    target_m_ = tick.new_target_m;
+    seen_us_ = tick.t_us;
+    phase_ = GazePhase::following;
+  } else if (phase_ == GazePhase::following &&
+             static_cast<double>(tick.t_us - seen_us_) * 1e-6 >= gaze_->lost.lost_after_s) {
+    const bool rest = gaze_->lost.lost == "rest";
+    if (rest) gaze_->controller->rest();
+    phase_ = rest ? GazePhase::resting : GazePhase::holding;
+  }
+  tick.target_m = target_m_;
+  tick.seen_us = seen_us_;
+  tick.phase = phase_;
+  tick.rejected = gaze_->gate->rejected();
 }
 
 }  // namespace saccade

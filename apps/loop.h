@@ -27,6 +27,16 @@ struct LoopGaze {
   std::unique_ptr<GazeGate> gate;     ///< of the driver
   std::unique_ptr<GazeController> controller;
   JointLimiter limiter;
+  LostTargetConfig lost;
+};
+
+/// What the gaze is about.
+enum class GazePhase {
+  none,       ///< nothing drives it
+  searching,  ///< no target yet
+  following,  ///< the newest target is not lost
+  holding,    ///< it is lost; the head keeps looking there
+  resting,    ///< it is lost; the head goes to its neutral pose
 };
 
 /// What one detector said in one tick.
@@ -41,12 +51,15 @@ struct Tick {
   std::int64_t t_us = 0;
   std::span<const Event> events;            ///< delivered in this tick
   std::span<const DetectorTick> detectors;  ///< in the order of the loop's detectors
-  std::optional<HeadState> head;
+  std::optional<HeadState> head;  ///< not finite where a sensor fails; then nothing is detected or followed
   std::optional<Eigen::Vector3d> new_target_m;      ///< handed to the controller in this tick, root frame
   std::optional<Eigen::Vector3d> target_m;          ///< the newest one so far
   TargetStatus target_status = TargetStatus::none;  ///< what the controller made of new_target_m
-  JointLimiter::Result command;                     ///< sent to the head, and which limits acted
-  bool command_refused = false;                     ///< by the head
+  RejectedTargets rejected;                         ///< by the gate so far
+  GazePhase phase = GazePhase::none;
+  std::int64_t seen_us = 0;      ///< when target_m came
+  JointLimiter::Result command;  ///< sent to the head, and which limits acted
+  bool command_refused = false;  ///< by the head
 };
 
 class LoopObserver {
@@ -74,7 +87,8 @@ class Loop {
 
  private:
   void detect(std::int64_t t_us, const CameraMotion* motion);
-  void act(const CameraMotion& motion, double dt_s, Tick& tick);
+  void act(const CameraMotion* motion, double dt_s, Tick& tick);
+  void watch_target(Tick& tick);
 
   Clock& clock_;
   EventSource& source_;
@@ -86,6 +100,8 @@ class Loop {
   std::vector<Event> events_;
   std::vector<DetectorTick> results_;
   std::optional<Eigen::Vector3d> target_m_;
+  std::int64_t seen_us_ = 0;
+  GazePhase phase_ = GazePhase::none;
   std::int64_t last_t_us_;
 };
 

@@ -12,6 +12,7 @@
 #include "apps/loop.h"
 #include "apps/progress.h"
 #include "apps/run_folder.h"
+#include "apps/run_log.h"
 #include "apps/run_recorder.h"
 #include "apps/summary.h"
 #include "evaluation/report.h"
@@ -33,7 +34,8 @@ std::optional<LoopGaze> make_gaze(const Scenario& scenario, const JointLimits& l
   LoopGaze gaze{{},
                 make_gate(scenario.gaze.gate),
                 make_gaze_controller(config, limits),
-                JointLimiter(motion_limits(limits, config.limits))};
+                JointLimiter(motion_limits(limits, config.limits)),
+                scenario.gaze.lost};
   for (std::size_t i = 0; i < scenario.detectors.size(); ++i) {
     if (scenario.detectors[i].first == scenario.gaze.detector) gaze.driver = i;
   }
@@ -60,6 +62,20 @@ std::vector<std::pair<std::string, std::string>> settings_of(const std::vector<s
   return {settings.begin(), settings.end()};
 }
 
+/// Tables and figures, and the log.
+class Observers final : public LoopObserver {
+ public:
+  Observers(RunRecorder& recorder, RunLog& log) : recorder_(recorder), log_(log) {}
+  void on_tick(const Tick& tick) override {
+    recorder_.on_tick(tick);
+    log_.on_tick(tick);
+  }
+
+ private:
+  RunRecorder& recorder_;
+  RunLog& log_;
+};
+
 int run(const RunOptions& options) {
   const Scenario scenario = read_scenario(options.scenario, options.assignments, options.seed);
   const std::filesystem::path folder =
@@ -83,6 +99,11 @@ int run(const RunOptions& options) {
 
   catch_interrupts();
   Progress progress(scenario.run.duration_s);
+  RunLog log(folder / "log.txt", [&progress](const std::string& line) {
+    progress.done();
+    fmt::print(stderr, "{}\n", line);
+  });
+  Observers observers(recorder, log);
   const std::int64_t end_us = std::llround(scenario.run.duration_s * 1e6);
   const auto begin = std::chrono::steady_clock::now();
   const auto wall_s = [&] {
@@ -90,7 +111,7 @@ int run(const RunOptions& options) {
            recorder.picture_wall_s();
   };
   for (std::int64_t t_us = World::tick_us; t_us <= end_us && !interrupted(); t_us += World::tick_us) {
-    loop.tick(t_us, recorder);
+    loop.tick(t_us, observers);
     const double t_s = static_cast<double>(t_us) * 1e-6;
     progress.show(t_s, [&] {
       return fmt::format("{:6.2f} of {:.2f} s, {:.2f} x real time", t_s, scenario.run.duration_s,
@@ -99,6 +120,7 @@ int run(const RunOptions& options) {
   }
   const double loop_s = wall_s();
   progress.done();
+  log.finish();
   const Metrics metrics = recorder.finish(loop_s, settings_of(options.assignments));
   write_report(folder);
   print_summary(metrics);

@@ -27,9 +27,20 @@ class GazeController {
   /// new point to look at, root frame, or none. dt_s > 0 is the time since the last step.
   virtual HeadJointVector step(const HeadState& state, const std::optional<Eigen::Vector3d>& target_m,
                                double dt_s) = 0;
+  /// Forgets the target: the head goes to its neutral pose, as before the first one.
+  virtual void rest() = 0;
   /// What became of the target of the last step: none, ok, or why it was ignored.
   [[nodiscard]] virtual TargetStatus target_status() const = 0;
 };
+
+/// What the head does when targets cease to come.
+struct LostTargetConfig {
+  std::string lost = "hold";  ///< hold: it keeps looking at the last target; rest: GazeController::rest
+  double lost_after_s = 1.0;  ///< without a target, the last one is lost
+};
+
+/// Keys, beside each other in a scenario's gaze section: lost, lost_after_s.
+void describe(FieldVisitor& v, LostTargetConfig& config);
 
 /// Whether the head may be asked to look at a point (root frame): not_finite, too_near (within 0.10 m of the
 /// left eye), behind (not before the chest: the plane through the neck's base, across chest_forward()).
@@ -50,6 +61,22 @@ struct QpConfig {
 /// max_lead_deg.
 void describe(FieldVisitor& v, QpConfig& config);
 
+/// The iCub's own gaze controller, see IkinGazeController.
+struct IkinGazeConfig {
+  std::string eyes = "both";  ///< both: they meet on the target; left: that one aims, vergence at rest
+  double neck_time_s = 0.75;  ///< of a neck's movement, MinimumJerkFilter's T
+  double eyes_time_s = 0.25;  ///< of the eyes'
+  bool saccades = true;
+  double saccade_angle_deg = 10.0;  ///< a target that the eyes have to turn further to is a saccade's
+  double saccade_interval_s = 0.2;  ///< from the start of one to that of the next at least
+  double min_tilt_deg = -12.0;      ///< of the eyes, where the head's own limits are wider
+  double max_tilt_deg = 15.0;
+};
+
+/// Keys: eyes, neck_time_s, eyes_time_s, saccades, saccade_angle_deg, saccade_interval_s, min_tilt_deg,
+/// max_tilt_deg.
+void describe(FieldVisitor& v, IkinGazeConfig& config);
+
 /// Eyes that go their own way, see ScriptController.
 struct ScriptConfig {
   /// Tilt (+ looks up) and version (+ looks right) to go to in turn, for ever.
@@ -62,13 +89,15 @@ struct ScriptConfig {
 void describe(FieldVisitor& v, ScriptConfig& config);
 
 struct GazeControllerConfig {
-  std::string controller = "qp";  ///< qp or script
+  std::string controller = "qp";  ///< qp, ikingaze or script
   QpConfig qp;
+  IkinGazeConfig ikingaze;
   ScriptConfig script;
   MotionLimitsConfig limits;
 };
 
-/// Keys, beside each other in a scenario's gaze section: controller, qp.* or script.*, limits.*.
+/// Keys, beside each other in a scenario's gaze section: controller, qp.* or ikingaze.* or script.*,
+/// limits.*.
 void describe(FieldVisitor& v, GazeControllerConfig& config);
 
 /// Throws InputError.

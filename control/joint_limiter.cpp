@@ -12,15 +12,6 @@ constexpr double rad_per_deg = std::numbers::pi / 180.0;
 constexpr int neck_count = 3;
 constexpr double arrived_rad = 1e-12;  // rounding
 
-/// The highest speed from which a reference that moves in steps of dt, losing at most a dt per step, stops
-/// within `distance`: d / (n dt) + a dt (n - 1) / 2 with the least n steps that suffice.
-double stoppable_speed(double distance, double acceleration, double dt) {
-  if (!(distance > 0.0)) return 0.0;
-  const double per_step = acceleration * dt * dt;
-  const double steps = std::max(1.0, std::ceil((std::sqrt(1.0 + 8.0 * distance / per_step) - 1.0) / 2));
-  return distance / (steps * dt) + acceleration * dt * (steps - 1.0) / 2;
-}
-
 }  // namespace
 
 void describe(FieldVisitor& v, MotionLimitsConfig& config) {
@@ -56,6 +47,14 @@ MotionLimits motion_limits(const JointLimits& hardware, const MotionLimitsConfig
   }
   if (!problems.empty()) throw InputError(problems);
   return limits;
+}
+
+// d / (n dt) + a dt (n - 1) / 2 with the least n steps that suffice.
+double stoppable_speed(double distance, double acceleration, double dt) {
+  if (!(distance > 0.0)) return 0.0;
+  const double per_step = acceleration * dt * dt;
+  const double steps = std::max(1.0, std::ceil((std::sqrt(1.0 + 8.0 * distance / per_step) - 1.0) / 2));
+  return distance / (steps * dt) + acceleration * dt * (steps - 1.0) / 2;
 }
 
 VelocityRange allowed_velocity(const MotionLimits& limits, int joint, double position, double velocity,

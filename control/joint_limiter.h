@@ -30,6 +30,10 @@ struct MotionLimits {
 /// Throws InputError for a bad configuration, and where the margin leaves a joint no range.
 [[nodiscard]] MotionLimits motion_limits(const JointLimits& hardware, const MotionLimitsConfig& config);
 
+/// The highest speed from which a reference that moves in steps of dt_s, losing at most acceleration * dt_s per
+/// step, stops within `distance_rad`; 0 for none. rad/s.
+[[nodiscard]] double stoppable_speed(double distance_rad, double acceleration_rad_s2, double dt_s);
+
 /// The velocities a reference at `position` that moves at `velocity` may take for the next dt_s such that it
 /// keeps the speed and acceleration limits and can always stop before min or max. Outside of these only
 /// inward. Never empty; where the limits contradict each other (a start at high speed near a stop) position

@@ -19,6 +19,7 @@ class ScriptController final : public GazeController {
 
   HeadJointVector step(const HeadState& state, const std::optional<Eigen::Vector3d>& target_m,
                        double dt_s) override;
+  void rest() override {}  // there is nothing to forget
   [[nodiscard]] TargetStatus target_status() const override { return TargetStatus::none; }
 
  private:

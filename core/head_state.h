@@ -43,6 +43,10 @@ struct HeadState {
   [[nodiscard]] HeadJointVector head_position_rad() const { return position_rad.tail<head_joint_count>(); }
 };
 
+[[nodiscard]] inline bool is_finite(const HeadState& state) {
+  return state.position_rad.allFinite() && state.velocity_rad_s.allFinite();
+}
+
 /// A joint's allowed positions and its highest speed.
 struct JointLimits {
   JointVector min_rad = JointVector::Zero();

@@ -60,7 +60,7 @@ class HeadPort {
  public:
   virtual ~HeadPort() = default;
   [[nodiscard]] virtual JointLimits limits() const = 0;
-  /// The newest encoder reading, finite; its stamp is never later than now and never goes back (how old it
+  /// The newest encoder reading, finite unless a sensor fails; its stamp is never later than now and never goes back (how old it
   /// may be is the caller's decision). With `ended` or `lost` the state is left as it was.
   virtual PortStatus read(HeadState& state) = 0;
   /// Takes effect at once and holds until the next command. A reference outside limits() or not finite

@@ -192,6 +192,7 @@ void describe(FieldVisitor& v, Scenario& s) {
         w.choice("detector", s.gaze.detector, drivers, "which of the detectors drives the head");
         describe(w, s.gaze.gate);
         describe(w, s.gaze.controller);
+        describe(w, s.gaze.lost);
         w.require(s.gaze.controller.controller != "script" || s.gaze.detector == "none", "detector",
                   s.gaze.detector, "none, for the controller `script` follows nothing");
       },

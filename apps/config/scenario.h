@@ -46,6 +46,7 @@ struct Scenario {
   struct Gaze {
     std::string detector = "paper_directed";  ///< which of the detectors drives; none: the head stays still
     GazeControllerConfig controller;
+    LostTargetConfig lost;
     GateConfig gate;
   } gaze;
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/error.h"
 
@@ -61,7 +62,12 @@ PortStatus FakeRobot::read_until(std::int64_t t_us, std::vector<Event>& events) 
 }
 
 PortStatus FakeRobot::read(HeadState& state) {
-  if (status_ == PortStatus::ok) state = encoders_;
+  if (status_ != PortStatus::ok) return status_;
+  state = encoders_;
+  const auto& fault_us = script_.nan_us;
+  if (fault_us && now_us_ >= fault_us->first && now_us_ < fault_us->second) {
+    state.position_rad[neck_yaw] = std::numeric_limits<double>::quiet_NaN();
+  }
   return status_;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "robot/ports.h"
@@ -16,6 +17,8 @@ struct FakeRobotScript {
   std::optional<std::int64_t> end_us;     ///< the world is over here, as at the end of a recording
   std::optional<std::int64_t> lost_us;    ///< every port is lost from here on
   std::optional<std::int64_t> freeze_us;  ///< the encoders say the same from here on, with that stamp
+  /// In [first, second) the encoder of the neck's yaw reads NaN.
+  std::optional<std::pair<std::int64_t, std::int64_t>> nan_us;
 
   JointLimits limits;
   JointVector start_rad = JointVector::Zero();

@@ -18,8 +18,10 @@ Eigen::Vector3d random_target(const RandomStream& random, std::uint64_t i) {
 }
 
 /// Closed loop with joints that lag by 20 ms, a new target every 100 ms. Counters: time per step, us.
-void qp_controller_step(benchmark::State& bench) {
-  const auto gaze = make_gaze_controller({}, genova02_limits());
+void gaze_step(benchmark::State& bench, const char* controller) {
+  GazeControllerConfig config;
+  config.controller = controller;
+  const auto gaze = make_gaze_controller(config, genova02_limits());
   const RandomStream random(1, "bench");
   HeadState state;
   std::vector<double> step_us;
@@ -46,7 +48,8 @@ void qp_controller_step(benchmark::State& bench) {
   bench.counters["p50_us"] = percentile(0.50);
   bench.counters["p99_us"] = percentile(0.99);
 }
-BENCHMARK(qp_controller_step)->UseManualTime();
+BENCHMARK_CAPTURE(gaze_step, qp, "qp")->UseManualTime();
+BENCHMARK_CAPTURE(gaze_step, ikingaze, "ikingaze")->UseManualTime();
 
 void head_kinematics_with_fixation(benchmark::State& bench) {
   const RandomStream random(2, "bench");
