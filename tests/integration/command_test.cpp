@@ -63,6 +63,7 @@ TEST_F(Command, aRunLeavesEveryFileOfTheRunFolderAndTheResolvedScenarioGivesTheS
                            "gaze.csv", "metrics.json", "report.html", "video.mp4"}) {
     EXPECT_GT(bytes_of(folder_ / "run" / file).size(), 100U) << file;
   }
+  EXPECT_THAT(bytes_of(folder_ / "run/log.txt"), HasSubstr(" s  ball ")) << "found, or never found";
   ASSERT_EQ(saccade("run " + out("run/scenario.yaml") + " --out " + out("again")).status, 0);
   EXPECT_EQ(bytes_of(folder_ / "run/events.aedat"), bytes_of(folder_ / "again/events.aedat"));
   EXPECT_EQ(bytes_of(folder_ / "run/gaze.csv"), bytes_of(folder_ / "again/gaze.csv"));
