@@ -31,21 +31,21 @@ double smooth_start(double u) {
 }  // namespace
 
 void describe(FieldVisitor& v, TrajectoryConfig& c) {
-  v.choice("kind", c.kind, {"hold", "waypoints", "circle"}, "how the ball is moved");
+  v.choice("kind", c.kind, {"hold", "waypoints", "circle"}, "how it is moved");
   v.real("sway_m", c.sway_m, {0.0, 0.05}, "rms of the hand's unsteadiness along each axis");
   if (c.kind == "circle") {
     v.reals("centre_m", c.centre_m, 3, metres, "centre of the circle, root frame");
-    v.reals("radius_a_m", c.radius_a_m, 3, metres, "from the centre to the ball at angle 0");
-    v.reals("radius_b_m", c.radius_b_m, 3, metres, "from the centre to the ball at angle 90 degrees");
+    v.reals("radius_a_m", c.radius_a_m, 3, metres, "from the centre to it at angle 0");
+    v.reals("radius_b_m", c.radius_b_m, 3, metres, "from the centre to it at angle 90 degrees");
     v.real("frequency_hz", c.frequency_hz, {0.0, 5.0}, "turns per second");
     v.real("phase_deg", c.phase_deg, {-360.0, 360.0}, "angle of the first position");
   } else {
-    v.points("points_m", c.points_m, 3, metres, "ball centres, root frame, x backward, y right, z up");
+    v.points("points_m", c.points_m, 3, metres, "its centres, root frame, x backward, y right, z up");
     const std::string found = std::to_string(c.points_m.size()) + " points";
     if (c.kind == "waypoints") {
       v.require(c.points_m.size() >= 2, "points_m", found, "at least two points");
     } else {
-      v.require(c.points_m.size() == 1, "points_m", found, "one point for a ball that is held");
+      v.require(c.points_m.size() == 1, "points_m", found, "one point for what is held");
     }
   }
   if (c.kind == "waypoints") {
@@ -58,7 +58,7 @@ void describe(FieldVisitor& v, TrajectoryConfig& c) {
                 "points that differ from the one before (dwell_s rests)");
     }
   }
-  if (c.kind != "hold") v.real("start_s", c.start_s, {0.0, 3600.0}, "when the ball begins to move");
+  if (c.kind != "hold") v.real("start_s", c.start_s, {0.0, 3600.0}, "when it begins to move");
   if (c.kind == "circle" || (c.kind == "waypoints" && c.profile == "constant_speed")) {
     v.real("ramp_s", c.ramp_s, {0.01, 10.0}, "time to reach full speed, and to stop");
   }

@@ -10,10 +10,10 @@
 
 namespace saccade {
 
-/// How the ball is moved. Points are ball centres in the root frame (x backward, y right, z up), m.
+/// How the ball or another thing is moved. Points are its centres in the root frame (x backward, y right, z up), m.
 struct TrajectoryConfig {
   std::string kind = "hold";  ///< `hold`, `waypoints` or `circle`
-  /// The commanded motion begins here; before it the ball is held at its first position.
+  /// The commanded motion begins here; before it the thing is held at its first position.
   double start_s = 0.0;
 
   // hold and waypoints
@@ -44,7 +44,7 @@ struct TrajectoryConfig {
 /// Keys as above; those that do not belong to `kind` and `profile` are not visited.
 void describe(FieldVisitor& v, TrajectoryConfig& config);
 
-/// Where the ball's centre is, as a function of time alone. Position, velocity and acceleration are
+/// Where the thing's centre is, as a function of time alone. Position, velocity and acceleration are
 /// continuous. The sway is a sum of seeded sinusoids of 0.5 to 3 Hz, slow ones larger, that grows from
 /// nothing in the first second.
 class Trajectory {
@@ -52,9 +52,9 @@ class Trajectory {
   /// Throws InputError where the configuration breaks its ranges.
   Trajectory(const TrajectoryConfig& config, std::uint64_t seed);
 
-  /// Ball centre, root frame, m. Times before 0 are those of 0.
+  /// The centre, root frame, m. Times before 0 are those of 0.
   [[nodiscard]] Eigen::Vector3d position_m(std::int64_t t_us) const;
-  /// Start of the commanded motion (sway does not count); 0 for a ball that is held.
+  /// Start of the commanded motion (sway does not count); 0 for a thing that is held.
   [[nodiscard]] std::int64_t first_motion_us() const;
 
  private:

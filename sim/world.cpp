@@ -99,6 +99,8 @@ void describe(FieldVisitor& v, BallConfig& c) {
 void describe(FieldVisitor& v, WorldConfig& c) {
   v.section(
       "ball", [&c](FieldVisitor& inner) { describe(inner, c.ball); }, "the ball in the hand");
+  v.section(
+      "things", [&c](FieldVisitor& inner) { describe(inner, c.things); }, "what else moves, by name");
   v.reals("initial_pose_deg", c.initial_pose_deg, joint_count, {-90.0, 90.0},
           "torso pitch, roll, yaw, neck pitch, roll, yaw, eyes tilt, version, vergence at the start");
   v.section(
@@ -111,12 +113,13 @@ World::World(const WorldConfig& config, const std::string& lab_mjcf, std::uint64
              const std::filesystem::path& models)
     : trajectory_(checked(config).ball.trajectory, seed),
       command_delay_us_(1000 * config.plant.command_delay_ms) {
-  model_ = load_model(models, lab_mjcf);
+  model_ = load_model(models, lab_mjcf + things_mjcf(config.things));
   data_.reset(mj_makeData(model_.get()));
   if (!data_) throw RunError("MuJoCo has no memory for the world");
   find_parts();
   make_ball(config.ball);
   make_drives(config.plant);
+  things_.emplace(config.things, seed, *model_);
 
   const JointVector plant_rad = plant_from_joints(start_pose_rad(config.initial_pose_deg, limits_));
   for (std::size_t j = 0; j < joint_count; ++j) {
@@ -124,7 +127,7 @@ World::World(const WorldConfig& config, const std::string& lab_mjcf, std::uint64
     data_->ctrl[actuator_[j]] = plant_rad[static_cast<Eigen::Index>(j)];
   }
   joint_rad_ = plant_rad;
-  place_ball(0, *data_);
+  place_objects(0, *data_);
   mj_step1(model_.get(), data_.get());
   for (std::int64_t t_us = 0; t_us < settling_us; t_us += tick_us) advance();
   data_->time = 0.0;
@@ -219,7 +222,7 @@ void World::step() {
   obey();
   remember();
   now_us_ += tick_us;
-  place_ball(now_us_, *data_);
+  place_objects(now_us_, *data_);
   advance();
   const Motors now = motors();
   encoders_->read(now.rad, now.rad_s);
@@ -331,14 +334,15 @@ void World::show(std::int64_t t_us, mjData& data) const {
     mjtNum& q = data.qpos[model_->jnt_qposadr[joint_[j]]];
     q = behind_play(q, last_joint_rad_[row], half_play_rad_[row]);
   }
-  place_ball(t_us, data);
+  place_objects(t_us, data);
   mj_kinematics(model_.get(), &data);
   mj_comPos(model_.get(), &data);
   mj_camlight(model_.get(), &data);
 }
 
-void World::place_ball(std::int64_t t_us, mjData& data) const {
+void World::place_objects(std::int64_t t_us, mjData& data) const {
   Eigen::Map<Eigen::Vector3d>(data.mocap_pos + 3 * ball_mocap_) = trajectory_.position_m(t_us);
+  things_->place(t_us, data);
 }
 
 }  // namespace saccade

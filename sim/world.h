@@ -16,6 +16,7 @@
 #include "core/head_state.h"
 #include "sim/mujoco_compat.h"
 #include "sim/plant.h"
+#include "sim/things.h"
 #include "sim/trajectory.h"
 
 namespace saccade {
@@ -32,12 +33,13 @@ void describe(FieldVisitor& v, BallConfig& config);
 
 struct WorldConfig {
   BallConfig ball;
+  NamedThings things;  ///< what else moves
   /// Where the joints are and are held at the start, in the order of Joint; the torso stays there.
   std::vector<double> initial_pose_deg = std::vector<double>(joint_count, 0.0);
   PlantConfig plant;
 };
 
-/// Keys: ball, initial_pose_deg, plant.
+/// Keys: ball, things, initial_pose_deg, plant.
 void describe(FieldVisitor& v, WorldConfig& config);
 
 /// What stands in the world, foremost in an eye first. By names in the model: the geom `ball`; geoms of the bodies
@@ -51,7 +53,7 @@ inline constexpr std::array<std::string_view, 5> scene_object_names = {"ball", "
 [[nodiscard]] std::filesystem::path models_directory();
 
 /// The simulated robot and what it looks at: an iCub torso and head as a dynamic plant with position
-/// servos, a ball in a moving hand, and a lab around them, in one MuJoCo model. Everything derived from
+/// servos, a ball in a moving hand, what else moves, and a lab around them, in one MuJoCo model. Everything derived from
 /// the joints (cameras, geoms) belongs to now_us() at any time. Same configuration, lab and seed: the same
 /// bytes.
 class World {
@@ -112,7 +114,7 @@ class World {
   void find_parts();
   void make_ball(const BallConfig& config);     // in the model: size, colour, the hand around it
   void make_drives(const PlantConfig& config);  // in the model: axes, friction; and the play behind motors
-  void place_ball(std::int64_t t_us, mjData& data) const;
+  void place_objects(std::int64_t t_us, mjData& data) const;
   void obey();
   void remember();
   void advance();
@@ -132,6 +134,7 @@ class World {
   MjDataPtr data_;  ///< the motors: what they carry moves with them as if there were no play
   MjDataPtr seen_;  ///< the joints behind them, where there is play
   Trajectory trajectory_;
+  std::optional<Things> things_;
   JointLimits limits_;
   double ball_radius_m_ = 0.0;
   std::array<int, joint_count> joint_{};     ///< MuJoCo joint; the last two are the left and right eye pan

@@ -48,6 +48,14 @@ std::string key_of(const std::string& assignment, const char* ends) {
   return assignment.substr(0, assignment.find_first_of(ends));
 }
 
+NamedThings things_in(const YamlTree& tree) {
+  NamedThings things;
+  if (const YamlNode* block = tree.root.find("things")) {
+    for (const std::string& name : block->keys) things.emplace_back(name, ThingConfig{});
+  }
+  return things;
+}
+
 std::vector<Expectation> expected_in(const YamlTree& tree) {
   std::vector<Expectation> expect;
   if (const YamlNode* block = tree.root.find("expect")) {
@@ -220,6 +228,7 @@ Scenario read_scenario(const std::filesystem::path& path, const std::vector<std:
                                        "detectors"};
   Scenario scenario;
   scenario.detectors = named_in(tree, required);
+  scenario.sim.world.things = things_in(tree);
   if (tree.root.find(frame_detector_name) != nullptr) scenario.frame_30hz.emplace();
   scenario.expect = expected_in(tree);
   scenario.calibration = calibration_default(tree, path.parent_path());

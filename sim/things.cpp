@@ -1,0 +1,130 @@
+#include "sim/things.h"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string_view>
+
+#include "core/error.h"
+
+namespace saccade {
+namespace {
+
+constexpr double stride_m = 1.3;  ///< a person's, of both legs
+constexpr double leg_swing_rad = 0.42;
+constexpr double arm_swing_rad = 0.35;
+
+/// A rigid piece of a thing; x the way the thing goes, y to its left, z up.
+struct Piece {
+  Eigen::Vector3d joint_m;
+  double swing_rad;
+  std::string geoms;
+};
+
+std::string geom(std::string_view shape, std::string_view attributes, std::string_view colour) {
+  return "<geom type=\"" + std::string(shape) + "\" " + std::string(attributes) + " " + std::string(colour) +
+         " contype=\"0\" conaffinity=\"0\"/>";
+}
+
+std::string rgba(const std::vector<double>& rgb) {
+  return "rgba=\"" + text_of(rgb[0]) + " " + text_of(rgb[1]) + " " + text_of(rgb[2]) + " 1\"";
+}
+
+std::vector<Piece> pieces_of(const ThingConfig& thing) {
+  const std::string colour = rgba(thing.rgb);
+  if (thing.shape != "person") {
+    const bool round = thing.shape == "cylinder";
+    std::string size = text_of(0.5 * thing.size_m[0]);
+    if (!round) size += " " + text_of(0.5 * thing.size_m[1]);
+    size += " " + text_of(0.5 * thing.size_m[2]);
+    return {{Eigen::Vector3d::Zero(), 0.0, geom(thing.shape, "size=\"" + size + "\"", colour)}};
+  }
+  const std::string skin = "material=\"person_skin\"";
+  const std::string trousers = "rgba=\"0.09 0.10 0.13 1\"";
+  std::vector<Piece> pieces = {{{0.0, 0.0, 1.15},
+                                0.0,
+                                geom("ellipsoid", "size=\"0.12 0.20 0.34\"", colour) +
+                                    geom("ellipsoid", "size=\"0.10 0.08 0.125\" pos=\"0 0 0.445\"", skin)}};
+  for (const double side : {-1.0, 1.0}) {
+    pieces.push_back({{0.0, 0.09 * side, 0.90},
+                      leg_swing_rad * side,
+                      geom("capsule", "size=\"0.075\" fromto=\"0 0 0  0 0 -0.82\"", trousers)});
+    pieces.push_back({{0.0, 0.23 * side, 1.38},
+                      -arm_swing_rad * side,
+                      geom("capsule", "size=\"0.045\" fromto=\"0 0 0  0 0 -0.58\"", colour)});
+  }
+  return pieces;
+}
+
+std::string body_name(std::size_t thing, std::size_t piece) {
+  return "distractor_" + std::to_string(thing) + "_" + std::to_string(piece);
+}
+
+/// The way a trajectory goes first, about z.
+double heading_rad(const TrajectoryConfig& trajectory) {
+  if (trajectory.kind != "waypoints") return std::numbers::pi / 2.0;
+  const std::vector<double>& from = trajectory.points_m[0];
+  const std::vector<double>& to = trajectory.points_m[1];
+  return std::atan2(to[1] - from[1], to[0] - from[0]);
+}
+
+}  // namespace
+
+void describe(FieldVisitor& v, ThingConfig& c) {
+  v.choice("shape", c.shape, {"box", "cylinder", "ellipsoid", "person"}, "what it looks like");
+  if (c.shape != "person") v.reals("size_m", c.size_m, 3, {0.001, 3.0}, "extent along x, y and z");
+  v.reals("rgb", c.rgb, 3, {0.0, 1.0}, "its colour (a person's shirt): linear reflectance");
+  v.section(
+      "trajectory", [&c](FieldVisitor& w) { describe(w, c.trajectory); }, "how it is moved");
+}
+
+void describe(FieldVisitor& v, NamedThings& things) {
+  for (auto& [name, thing] : things) {
+    v.section(
+        name, [&thing = thing](FieldVisitor& w) { describe(w, thing); }, "something that moves");
+  }
+}
+
+std::string things_mjcf(const NamedThings& things) {
+  std::string bodies;
+  for (std::size_t i = 0; i < things.size(); ++i) {
+    const std::vector<Piece> pieces = pieces_of(things[i].second);
+    for (std::size_t j = 0; j < pieces.size(); ++j) {
+      bodies += "<body name=\"" + body_name(i, j) + "\" mocap=\"true\">" + pieces[j].geoms + "</body>\n";
+    }
+  }
+  return bodies.empty() ? bodies : "<worldbody>\n" + bodies + "</worldbody>\n";
+}
+
+Things::Things(const NamedThings& things, std::uint64_t seed, const mjModel& model) {
+  for (std::size_t i = 0; i < things.size(); ++i) {
+    const ThingConfig& config = things[i].second;
+    const bool walks = config.shape == "person";
+    Thing thing{
+        Trajectory(config.trajectory, seed + i + 1), walks ? heading_rad(config.trajectory) : 0.0, {}};
+    const std::vector<Piece> pieces = pieces_of(config);
+    for (std::size_t j = 0; j < pieces.size(); ++j) {
+      const int body = mj_name2id(&model, mjOBJ_BODY, body_name(i, j).c_str());
+      SACCADE_CHECK(body >= 0);
+      thing.parts.push_back({model.body_mocapid[body], pieces[j].joint_m, pieces[j].swing_rad});
+    }
+    things_.push_back(std::move(thing));
+  }
+}
+
+void Things::place(std::int64_t t_us, mjData& data) const {
+  for (const Thing& thing : things_) {
+    const Eigen::Vector3d at_m = thing.trajectory.position_m(t_us);
+    const Eigen::AngleAxisd turn(thing.heading_rad, Eigen::Vector3d::UnitZ());
+    const double gone_m = (turn.inverse() * at_m).x();
+    const double phase = std::sin(2.0 * std::numbers::pi * gone_m / stride_m);
+    for (const Part& part : thing.parts) {
+      const Eigen::Quaterniond pose(turn *
+                                    Eigen::AngleAxisd(part.swing_rad * phase, Eigen::Vector3d::UnitY()));
+      Eigen::Map<Eigen::Vector3d>(data.mocap_pos + 3 * part.mocap) = at_m + turn * part.joint_m;
+      Eigen::Map<Eigen::Vector4d>(data.mocap_quat + 4 * part.mocap) << pose.w(), pose.vec();
+    }
+  }
+}
+
+}  // namespace saccade

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/config.h"
+#include "sim/trajectory.h"
+
+namespace saccade {
+
+/// Something else that moves before the robot: what draws attention, or hides the ball.
+struct ThingConfig {
+  std::string shape = "box";  ///< box, cylinder (upright), ellipsoid or person
+  /// Its extent along x, y, z (of a cylinder x is the diameter); a person is 1.72 m tall.
+  std::vector<double> size_m = {0.08, 0.08, 0.08};
+  std::vector<double> rgb = {0.10, 0.25, 0.60};  ///< reflectance, linear; of a person's shirt
+  /// Of its centre. Of a person the point on the floor between the feet; it walks the way it goes first (along
+  /// y, where it has no waypoints), as upright when it turns back.
+  TrajectoryConfig trajectory;
+};
+
+/// Keys: shape, size_m (not of a person), rgb, trajectory.
+void describe(FieldVisitor& v, ThingConfig& config);
+
+using NamedThings = std::vector<std::pair<std::string, ThingConfig>>;
+
+/// Each thing under its name.
+void describe(FieldVisitor& v, NamedThings& things);
+
+/// The things as MJCF elements for World: mocap bodies whose names begin with `distractor`; nothing where there
+/// are none.
+[[nodiscard]] std::string things_mjcf(const NamedThings& things);
+
+/// Moves the bodies of things_mjcf along the things' trajectories.
+class Things {
+ public:
+  /// `model` holds things_mjcf(things). Each thing has a sway of its own. Throws InputError.
+  Things(const NamedThings& things, std::uint64_t seed, const mjModel& model);
+
+  /// Puts the bodies to where they are at t_us; kinematics is the caller's.
+  void place(std::int64_t t_us, mjData& data) const;
+
+ private:
+  struct Part {
+    int mocap;
+    Eigen::Vector3d joint_m;  ///< where its origin is in the thing, x the way it goes
+    double swing_rad;         ///< largest angle about the thing's y axis
+  };
+  struct Thing {
+    Trajectory trajectory;
+    double heading_rad;  ///< about z
+    std::vector<Part> parts;
+  };
+  std::vector<Thing> things_;
+};
+
+}  // namespace saccade
