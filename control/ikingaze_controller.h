@@ -8,7 +8,7 @@
 
 namespace saccade {
 
-/// The gaze controller of the iCub as the paper's robot ran it: neck and eyes apart, by design slow and smooth,
+/// The iCub's own gaze controller, which the paper used: neck and eyes apart, by design slow and smooth,
 /// with saccades for what is far off.
 ///
 /// - Every 20 ms, neck: NeckSolver's pose for the newest target, where that is more than 2.5 deg off the cyclopean
