@@ -164,6 +164,10 @@ EyePicture RunRecorder::eye_picture(const Tick& tick, const cv::Mat& grey) const
     eye.detections.push_back({seen.estimate.circle, loop_.detectors()[i].name, detector_colour(i)});
   }
   eye.principal_px = Eigen::Vector2d(scenario_.sim.camera.cx_px, scenario_.sim.camera.cy_px);
+  if (tick.target_m) {
+    eye.target_px =
+        scenario_.sim.camera.project(robot_.truth().root_from_left_cam.inverse() * *tick.target_m);
+  }
   return eye;
 }
 

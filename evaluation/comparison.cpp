@@ -13,8 +13,10 @@
 
 #include "core/config.h"
 #include "core/error.h"
+#include "evaluation/ablation.h"
 #include "evaluation/ball_speed.h"
 #include "evaluation/figures.h"
+#include "evaluation/gaze_figures.h"
 #include "evaluation/html.h"
 #include "evaluation/metrics.h"
 #include "evaluation/report.h"
@@ -46,6 +48,8 @@ struct Quantity {
   std::optional<double> (*value)(const Score&);
 };
 
+constexpr std::size_t max_places = 6;  // in the figure of the robot's frame
+
 constexpr std::size_t recall_20_percent = 1;
 static_assert(reported_recalls[recall_20_percent] == 0.2);
 
@@ -69,19 +73,35 @@ constexpr Quantity<DetectorScore> detector_quantities[] = {
 };
 constexpr std::size_t clutter_quantities = 3;  // the last ones, of runs with labels
 
-constexpr Quantity<GazeScore> gaze_quantities[] = {
-    {"acquire_s", "acquired<br>after, s", [](const GazeScore& s) { return s.acquire_s; }},
+/// The gaze of one run.
+struct GazeRun {
+  GazeMetrics gaze;
+  double duration_s = 0.0;
+};
+
+constexpr Quantity<GazeRun> gaze_quantities[] = {
+    {"acquire_s", "acquired<br>after, s", [](const GazeRun& r) { return r.gaze.score.acquire_s; }},
     {"fixation_error_median_deg", "fixation error,<br>median, deg",
-     [](const GazeScore& s) { return s.fixation_error_deg.median; }},
+     [](const GazeRun& r) { return r.gaze.score.fixation_error_deg.median; }},
     {"fixation_error_p95_deg", "fixation error,<br>95 %, deg",
-     [](const GazeScore& s) { return s.fixation_error_deg.p95; }},
-    {"on_target_ratio", "on target,<br>share", [](const GazeScore& s) { return s.on_target_ratio; }},
-    {"in_view_ratio", "in view,<br>share", [](const GazeScore& s) { return s.in_view_ratio; }},
-    {"moves", "moves", [](const GazeScore& s) { return std::optional(static_cast<double>(s.moves)); }},
+     [](const GazeRun& r) { return r.gaze.score.fixation_error_deg.p95; }},
+    {"on_target_ratio", "on target,<br>share", [](const GazeRun& r) { return r.gaze.score.on_target_ratio; }},
+    {"in_view_ratio", "in view,<br>share", [](const GazeRun& r) { return r.gaze.score.in_view_ratio; }},
+    {"moves", "moves",
+     [](const GazeRun& r) { return std::optional(static_cast<double>(r.gaze.score.moves)); }},
     {"wrong_moves", "wrong<br>moves",
-     [](const GazeScore& s) { return std::optional(static_cast<double>(s.wrong_moves)); }},
+     [](const GazeRun& r) { return std::optional(static_cast<double>(r.gaze.score.wrong_moves)); }},
     {"limit_violations", "limit<br>violations",
-     [](const GazeScore& s) { return std::optional(static_cast<double>(s.limit_violations)); }},
+     [](const GazeRun& r) { return std::optional(static_cast<double>(r.gaze.score.limit_violations)); }},
+    {"following_rate_hz", "detected while<br>following, per s",
+     [](const GazeRun& r) { return r.gaze.following_rate_hz; }},
+    {"saccades", "saccades",
+     [](const GazeRun& r) { return std::optional(static_cast<double>(r.gaze.score.saccades)); }},
+    {"saccades_per_s", "saccades<br>per s",
+     [](const GazeRun& r) {
+       return r.duration_s > 0.0 ? std::optional(static_cast<double>(r.gaze.score.saccades) / r.duration_s)
+                                 : std::nullopt;
+     }},
 };
 
 template <class Score>
@@ -136,10 +156,14 @@ Entry& entry_of(std::vector<Entry>& entries, const DrawnDetector& detector) {
   return entries.back();
 }
 
+template <class Row>
+std::vector<Row> read_if_there(const fs::path& path) {
+  return fs::exists(path) ? read_table<Row>(path) : std::vector<Row>{};
+}
+
 /// Truth every millisecond, as a simulation has it; empty where the run has none.
 std::vector<TruthRow> dense_truth(const Run& run) {
-  if (!fs::exists(run.folder / "truth.csv")) return {};
-  std::vector<TruthRow> truth = read_table<TruthRow>(run.folder / "truth.csv");
+  std::vector<TruthRow> truth = read_if_there<TruthRow>(run.folder / "truth.csv");
   if (!truth.empty() && !std::isfinite(truth.front().position_m.x())) truth.clear();
   return truth;
 }
@@ -240,14 +264,14 @@ std::string detector_table(const Group& group, std::size_t number) {
   return html + "</tbody></table></div>\n";
 }
 
-std::vector<std::pair<std::string, std::vector<GazeScore>>> gazes_of(const Group& group) {
-  std::vector<std::pair<std::string, std::vector<GazeScore>>> gazes;
+std::vector<std::pair<std::string, std::vector<GazeRun>>> gazes_of(const Group& group) {
+  std::vector<std::pair<std::string, std::vector<GazeRun>>> gazes;
   for (const Run* run : group.runs) {
     if (!run->metrics.gaze) continue;
     const std::string& driver = run->metrics.gaze->detector;
     auto at = std::find_if(gazes.begin(), gazes.end(), [&](const auto& g) { return g.first == driver; });
     if (at == gazes.end()) at = gazes.insert(at, {driver, {}});
-    at->second.push_back(run->metrics.gaze->score);
+    at->second.push_back({*run->metrics.gaze, run->metrics.duration_s});
   }
   return gazes;
 }
@@ -255,7 +279,7 @@ std::vector<std::pair<std::string, std::vector<GazeScore>>> gazes_of(const Group
 std::string gaze_table(const Group& group, std::size_t number) {
   const auto gazes = gazes_of(group);
   if (gazes.empty()) return {};
-  const std::span<const Quantity<GazeScore>> quantities(gaze_quantities);
+  const std::span<const Quantity<GazeRun>> quantities(gaze_quantities);
   std::string html = table_head(fmt::format("gaze{}", number), "gaze driven by", quantities);
   for (const auto& [driver, scores] : gazes) html += table_row(escaped(driver), scores, quantities);
   return html + "</tbody></table></div>\n";
@@ -291,7 +315,7 @@ std::string group_fields(const Group& group) {
 /// The tables' numbers: every run for itself, and the means.
 void write_tables(const std::vector<Group>& groups, const fs::path& out) {
   const auto quantities = quantities_of(groups);
-  const std::span<const Quantity<GazeScore>> gaze(gaze_quantities);
+  const std::span<const Quantity<GazeRun>> gaze(gaze_quantities);
   std::string runs = "run,scenario,settings,seed,detector" + csv_head(quantities, false);
   std::string means = "scenario,settings,detector,runs" + csv_head(quantities, true);
   std::string gaze_means = "scenario,settings,detector,runs" + csv_head(gaze, true);
@@ -317,6 +341,50 @@ void write_tables(const std::vector<Group>& groups, const fs::path& out) {
   write_numbers(out, "runs", runs);
   write_numbers(out, "means", means);
   write_numbers(out, "gaze_means", gaze_means);
+}
+
+/// The first run of a group that has a gaze, and its tables.
+struct Place {
+  std::string label;
+  std::int64_t start_us = 0;
+  std::vector<TruthRow> truth;
+  std::vector<GazeRow> gaze;
+  std::vector<EyeRow> eye;
+};
+
+std::optional<Place> place_of(const Group& group) {
+  for (const Run* run : group.runs) {
+    if (!run->metrics.gaze || !fs::exists(run->folder / "gaze.csv")) continue;
+    std::string label =
+        group.label + (run->metrics.seed ? ", seed " + seed_text(run->metrics) : std::string());
+    return Place{std::move(label), run->metrics.start_us, dense_truth(*run),
+                 read_table<GazeRow>(run->folder / "gaze.csv"),
+                 read_if_there<EyeRow>(run->folder / "eye.csv")};
+  }
+  return std::nullopt;
+}
+
+/// Where the runs looked, one of each group; of many groups those alone that are the first of their scenario.
+std::string places_html(const std::vector<Group>& groups, const fs::path& out) {
+  std::set<std::string> scenarios;
+  std::vector<Place> places;
+  for (const Group& group : groups) {
+    if (groups.size() > max_places && scenarios.contains(group.runs.front()->metrics.scenario)) continue;
+    std::optional<Place> place = place_of(group);
+    if (!place || places.size() == max_places) continue;
+    scenarios.insert(group.runs.front()->metrics.scenario);
+    places.push_back(std::move(*place));
+  }
+  if (places.empty()) return {};
+  std::vector<GazePlace> drawn;
+  for (const Place& p : places)
+    drawn.push_back({p.label, {.truth = p.truth, .gaze = p.gaze, .eye = p.eye}, p.start_us});
+  return figure_html(
+      "Gaze in the robot's frame",
+      "One run of each group, all on the same scale. Left: the plane before the robot as it sees it; "
+      "right: seen from its right, with the depth. A gaze that follows well lays the blue line on the "
+      "ball's grey path; the dots are the detections that it was told to look at.",
+      gaze_places_figure("gaze_places", drawn), out);
 }
 
 std::string group_html(const Group& group, std::size_t number, const fs::path& out) {
@@ -357,12 +425,17 @@ void write_comparison(std::span<const fs::path> folders, const fs::path& out) {
       "that the figure does not apply. The tables as numbers: <a href=\"figures/means.csv\">means</a>, <a "
       "href=\"figures/runs.csv\">every run</a>, <a href=\"figures/gaze_means.csv\">gaze</a>.</p>\n";
   write_tables(groups, out);
+  std::vector<const Metrics*> metrics;
+  for (const Run& run : runs) metrics.push_back(&run.metrics);
+  const std::string ablation = ablation_html(metrics, out);
+  if (!ablation.empty()) html += "<p><a href=\"#ablation\">Ablation of the gaze</a></p>\n";
   std::vector<RunGroup> drawn;
   for (const Group& group : groups) drawn.push_back({group.label, group.detectors});
   html +=
       figure_html("Average precision",
                   "A dot for every run; the bar reaches one standard deviation to both sides of the mean.",
                   average_precision_figure("average_precision", drawn), out);
+  html += places_html(groups, out) + ablation;
   for (std::size_t i = 0; i < groups.size(); ++i) html += group_html(groups[i], i + 1, out);
   write_page(out, fmt::format("{} runs compared", runs.size()), html);
 }

@@ -2,8 +2,11 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
+
+#include "recording/run_files.h"
 
 namespace saccade {
 
@@ -38,6 +41,27 @@ class SaccadeFinder {
   bool counted_ = false;  // it is the last of saccades_
   std::vector<Saccade> saccades_;
 };
+
+[[nodiscard]] std::vector<Saccade> saccades_of(std::span<const EyeRow> eye);
+
+/// A gaze target more than 1 mm from the target of the last move (the first target is one).
+struct Move {
+  std::int64_t t_us = 0;
+  Eigen::Vector3d target_m = Eigen::Vector3d::Zero();  ///< root frame
+};
+[[nodiscard]] bool is_move(const std::optional<Eigen::Vector3d>& last_m, const Eigen::Vector3d& target_m);
+[[nodiscard]] std::vector<Move> moves_of(std::span<const GazeRow> gaze);
+
+/// A target far off the optical axis, and the eye's way there.
+struct GazeShift {
+  std::int64_t start_us = 0;  ///< of the move
+  /// When the axis first was within a quarter of that angle of the newest target, or nearest to it within 0.8 s.
+  std::int64_t end_us = 0;
+};
+/// The `count` moves whose targets lay farthest off the axis, at least 1 deg and half a second apart, in the order of
+/// their time. Moves without a row of `eye` at their time are left out.
+[[nodiscard]] std::vector<GazeShift> largest_gaze_shifts(std::span<const GazeRow> gaze,
+                                                         std::span<const EyeRow> eye, std::size_t count);
 
 /// The angle between two directions of any length, deg.
 [[nodiscard]] double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b);

@@ -5,67 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "core/error.h"
-#include "evaluation/gnuplot.h"
+#include "evaluation/figure_parts.h"
 
 namespace saccade {
-namespace {
 
-using Point = GnuplotFigure::Point;
-using Series = GnuplotFigure::Series;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double deg_per_rad = 180.0 / std::numbers::pi;
-constexpr std::string_view truth_style = "lines lw 1.4 lc rgb '#222222'";
-constexpr int width = 900;
-
-double seconds(std::int64_t t_us, std::int64_t start_us) {
-  return static_cast<double>(t_us - start_us) * 1e-6;
-}
-
-template <class Rows, class Value>
-std::vector<Point> over_time(const Rows& rows, std::int64_t start_us, Value value) {
-  std::vector<Point> points;
-  for (const auto& row : rows) points.push_back({.x = seconds(row.t_us, start_us), .y = value(row)});
-  return points;
-}
-
-std::vector<Point> in_space(const std::vector<Eigen::Vector3d>& path_m) {
-  std::vector<Point> points;
-  for (const Eigen::Vector3d& p : path_m) points.push_back({p.x(), p.y(), p.z()});
-  return points;
-}
-
-std::string line_style(std::string_view colour, double line_width = 1.6) {
-  return fmt::format("lines lw {} lc rgb '{}'", line_width, colour);
-}
-
-std::string dot_style(std::string_view colour, double size = 0.3) {
-  return fmt::format("points pt 7 ps {} lc rgb '{}'", size, colour);
-}
-
-/// Panels one above the other with a common time axis under the last.
-std::string stacked(int panels, double right = 0.985) {
-  return fmt::format("set multiplot layout {},1 margins 0.095,{},{},{} spacing 0.0,0.035\n", panels, right,
-                     panels > 2 ? 0.13 : 0.155, panels > 2 ? 0.94 : 0.97);
-}
-
-std::string time_range(double from_s, double to_s) {
-  return to_s > from_s ? fmt::format("set xrange [{:.6g}:{:.6g}]\n", from_s, to_s) : std::string();
-}
-
-constexpr std::string_view time_label = "time [s]";
-
-/// What a panel over time needs beside its labels.
-std::string axes(bool last, std::string_view y_range = "[*:*]") {
-  return fmt::format(
-      "set offsets 0, 0, graph 0.06, {}\nset yrange {}\n{}", y_range == "[*:*]" ? "graph 0.06" : "0", y_range,
-      last ? "set xlabel offset 0,0.4\nset format x '%g'\n" : "unset xlabel\nset format x ''\n");
-}
-
-}  // namespace
+using namespace figure_parts;
 
 std::string detector_colour(std::size_t index) {
   // Most are told apart also by those who do not see red and green alike (Okabe and Ito's palette first).
@@ -146,110 +92,6 @@ Figure precision_recall_figure(std::string_view name, const Metrics& metrics) {
                     .commands = std::string(precision_recall_axes),
                     .series = std::move(series)});
   return figure.draw();
-}
-
-Figure gaze_path_figure(std::string_view name, std::span<const TruthRow> truth,
-                        std::span<const GazeRow> gaze) {
-  // Right, ahead and up, as seen from behind the head.
-  const auto from_behind = [](const Eigen::Vector3d& root_m) {
-    return Eigen::Vector3d(root_m.y(), -root_m.x(), root_m.z());
-  };
-  std::vector<Eigen::Vector3d> ball;
-  for (const TruthRow& row : truth) ball.push_back(from_behind(row.position_m));
-  std::vector<Eigen::Vector3d> fixation;
-  std::vector<Eigen::Vector3d> targets;  // where it moves, not every tick on which it holds
-  for (const GazeRow& row : gaze) {
-    fixation.push_back(from_behind(row.fixation_m));
-    const Eigen::Vector3d target = from_behind(row.target_m);
-    if (target.allFinite() && (targets.empty() || (target - targets.back()).norm() > 1e-3)) {
-      targets.push_back(target);
-    }
-  }
-
-  // A cube that holds the ball's path and 8 cm around it; eyes that look far away fixate a point far away.
-  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
-  Eigen::Vector3d high = -low;
-  for (const Eigen::Vector3d& p : ball) {
-    if (!p.allFinite()) continue;
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  std::string ranges;
-  const double half_m = 0.5 * (high - low).maxCoeff() + 0.08;
-  for (int axis = 0; half_m > 0.0 && axis < 3; ++axis) {
-    const double middle_m = 0.5 * (low[axis] + high[axis]);
-    ranges += fmt::format("set {0}range [{1:.6g}:{2:.6g}]\nset {0}tics {3}\n", "xyz"[axis], middle_m - half_m,
-                          middle_m + half_m, half_m > 0.25 ? 0.2 : 0.1);
-  }
-
-  GnuplotFigure figure(name, width, 560);
-  figure.add_panel(
-      {.x_label = "y [m], right",
-       .y_label = "-x [m], ahead",
-       .z_label = "z [m], up",
-       .commands =
-           ranges +
-           "set ylabel offset 3,0\nset zlabel rotate parallel\nset view 65,20,1.1\nset view equal xyz\n"
-           "set xyplane relative 0\nset grid z\nset key at screen 0.98,0.96\nset border 127 lc rgb "
-           "'#bbbbbb'\n",
-       .series = {{.title = "ball", .style = line_style("#9a9a9a", 3.0), .points = in_space(ball)},
-                  {.title = "gaze targets", .style = dot_style("#d55e00", 0.35), .points = in_space(targets)},
-                  {.title = "fixation point", .style = line_style("#0072b2"), .points = in_space(fixation)}},
-       .three_d = true});
-  return figure.draw();
-}
-
-Figure fixation_figure(std::string_view name, std::span<const TruthRow> truth, const Camera& camera,
-                       std::int64_t start_us) {
-  const auto angle_deg = [&](const TruthRow& row) {
-    const Eigen::Vector3d ray = camera.ray(row.circle.x_px, row.circle.y_px);
-    return std::atan(ray.head<2>().norm()) * deg_per_rad;
-  };
-  const double end_s = truth.empty() ? 0.0 : seconds(truth.back().t_us, start_us);
-  GnuplotFigure figure(name, width, 260);
-  figure.add_panel({.x_label = std::string(time_label),
-                    .y_label = "fixation error [deg]",
-                    .z_label = "",
-                    .commands = axes(true, "[0:*]") + time_range(0.0, end_s),
-                    .series = {{.title = "ball off the optical axis",
-                                .style = line_style("#0072b2", 2.0),
-                                .points = over_time(truth, start_us, angle_deg)},
-                               {.title = "on target below 2 deg",
-                                .style = "lines lw 1.2 dt 2 lc rgb '#777777'",
-                                .points = {{.x = 0.0, .y = 2.0}, {.x = end_s, .y = 2.0}}}}});
-  return figure.draw();
-}
-
-Figure joints_figure(std::string_view name, std::span<const GazeRow> gaze, const JointLimits& limits,
-                     std::int64_t start_us) {
-  const double end_s = gaze.empty() ? 0.0 : seconds(gaze.back().t_us, start_us);
-  GnuplotFigure figure(name, width, 560);
-  for (int j = torso_joint_count; j < joint_count; ++j) {
-    const auto level = [&](double rad) {
-      return std::vector<Point>{{.x = 0.0, .y = rad * deg_per_rad}, {.x = end_s, .y = rad * deg_per_rad}};
-    };
-    const std::string limit_style = "lines lw 1.6 dt 2 lc rgb '#d55e00'";
-    std::string joint(joint_names[static_cast<std::size_t>(j)]);
-    std::replace(joint.begin(), joint.end(), '_', ' ');
-    const bool bottom = j >= joint_count - 2;
-    const double span_deg = 1e-9 + (limits.max_rad[j] - limits.min_rad[j]) * deg_per_rad;
-    const std::string range =
-        fmt::format("[{:.6g}:{:.6g}]", limits.min_rad[j] * deg_per_rad - 0.06 * span_deg,
-                    limits.max_rad[j] * deg_per_rad + 0.06 * span_deg);
-    figure.add_panel(
-        {.x_label = std::string(time_label),
-         .y_label = joint + " [deg]",
-         .z_label = "",
-         .commands = "unset key\n" + axes(bottom, range) + time_range(0.0, end_s),
-         .series = {
-             {.title = "measured",
-              .style = line_style("#0072b2", 2.0),
-              .points = over_time(gaze, start_us,
-                                  [&](const GazeRow& row) { return row.position_rad[j] * deg_per_rad; })},
-             {.title = "lower limit", .style = limit_style, .points = level(limits.min_rad[j])},
-             {.title = "upper limit", .style = limit_style, .points = level(limits.max_rad[j])}}});
-  }
-  return figure.draw("set multiplot layout 3,2 margins 0.085,0.985,0.12,0.97 spacing 0.10,0.04\n");
 }
 
 namespace {

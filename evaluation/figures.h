@@ -34,18 +34,6 @@ inline constexpr std::size_t max_figure_points = 1200;
 /// Precision over recall of every detector; a square where its threshold lies.
 [[nodiscard]] Figure precision_recall_figure(std::string_view name, const Metrics& metrics);
 
-/// Ball, gaze targets and fixation point in the root frame, m.
-[[nodiscard]] Figure gaze_path_figure(std::string_view name, std::span<const TruthRow> truth,
-                                      std::span<const GazeRow> gaze);
-
-/// The angle between the ray to the true circle's centre and the optical axis over time, deg.
-[[nodiscard]] Figure fixation_figure(std::string_view name, std::span<const TruthRow> truth,
-                                     const Camera& camera, std::int64_t start_us);
-
-/// Each head joint over time against its limits, deg.
-[[nodiscard]] Figure joints_figure(std::string_view name, std::span<const GazeRow> gaze,
-                                   const JointLimits& limits, std::int64_t start_us);
-
 /// Events of a run over time.
 struct EventCounts {
   std::int64_t start_us = 0;

@@ -12,7 +12,6 @@ constexpr double deg_per_rad = 180.0 / std::numbers::pi;
 constexpr double on_target_deg = 2.0;
 constexpr std::int64_t acquire_hold_us = 100'000;
 constexpr double ball_motion_m = 1e-4;
-constexpr double move_m = 1e-3;
 constexpr double wrong_move_px = 6.0;
 constexpr double limit_tolerance_rad = 0.01 / deg_per_rad;
 
@@ -22,6 +21,14 @@ bool inside_image(const Eigen::Vector2d& pixel, ImageSize size) {
 }
 
 }  // namespace
+
+bool is_wrong_move(const Camera& camera, const Eigen::Isometry3d& root_from_left_cam,
+                   const Eigen::Vector3d& target_m, const Eigen::Vector3d& ball_m) {
+  const Eigen::Isometry3d left_cam_from_root = root_from_left_cam.inverse();
+  const auto target_px = camera.project(left_cam_from_root * target_m);
+  const auto ball_px = camera.project(left_cam_from_root * ball_m);
+  return !target_px || !ball_px || (*target_px - *ball_px).norm() > wrong_move_px;
+}
 
 GazeScorer::GazeScorer(const GazeScoringConfig& config) : config_(config) {
   check_config("camera", config_.camera);
@@ -77,14 +84,10 @@ void GazeScorer::follow_ball(const GazeSample& sample) {
 }
 
 void GazeScorer::follow_target(const GazeSample& sample) {
-  if (!sample.target_m || (last_target_m_ && (*sample.target_m - *last_target_m_).norm() <= move_m)) {
-    return;
-  }
+  if (!sample.target_m || !is_move(last_target_m_, *sample.target_m)) return;
   last_target_m_ = sample.target_m;
-  const Eigen::Isometry3d left_cam_from_root = sample.root_from_left_cam.inverse();
-  const auto target_px = config_.camera.project(left_cam_from_root * *sample.target_m);
-  const auto ball_px = config_.camera.project(left_cam_from_root * sample.ball_m);
-  wrong_moves_ += target_px && ball_px && (*target_px - *ball_px).norm() <= wrong_move_px ? 0 : 1;
+  wrong_moves_ +=
+      is_wrong_move(config_.camera, sample.root_from_left_cam, *sample.target_m, sample.ball_m) ? 1 : 0;
   target_errors_m_.push_back((*sample.target_m - sample.ball_m).norm());
 }
 

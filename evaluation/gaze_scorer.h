@@ -43,9 +43,7 @@ struct GazeScore {
   Spread fixation_error_deg;
   std::optional<double> on_target_ratio;
   std::optional<double> in_view_ratio;
-  /// Over the whole run. A move is a target more than 1 mm from the target of the last move (the first target
-  /// is one); it is wrong when the true camera sees it more than 6 px from where it sees the ball's centre at
-  /// that moment, or either is not in front of the camera.
+  /// Over the whole run; see Move and is_wrong_move.
   std::int64_t moves = 0;
   std::int64_t wrong_moves = 0;
   std::int64_t saccades = 0;          ///< see Saccade
@@ -53,6 +51,11 @@ struct GazeScore {
   /// Distance of a move's target from the ball's centre at that moment.
   std::optional<double> target_error_median_m;
 };
+
+/// A move is wrong when the true camera sees its target more than 6 px from where it sees the ball's centre at that
+/// moment, or either is not in front of the camera. Points in the root frame.
+[[nodiscard]] bool is_wrong_move(const Camera& camera, const Eigen::Isometry3d& root_from_left_cam,
+                                 const Eigen::Vector3d& target_m, const Eigen::Vector3d& ball_m);
 
 /// Scores the gaze sample by sample while the run goes on. Memory: 8 bytes per sample and per move, 32 per saccade.
 class GazeScorer {

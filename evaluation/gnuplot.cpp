@@ -146,20 +146,18 @@ using Point = GnuplotFigure::Point;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-bool is_gap(const Point& point, bool three_d) {
-  return !std::isfinite(point.x + point.y + (three_d ? point.z : 0.0));
-}
+bool is_gap(const Point& point) { return !std::isfinite(point.x + point.y); }
 
-std::string data_block(const std::vector<Point>& points, bool three_d) {
+std::string data_block(const std::vector<Point>& points) {
   const std::size_t stride = (points.size() + max_figure_points - 1) / max_figure_points;
   std::string text;
   bool gap = true;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (is_gap(points[i], three_d)) {
+    if (is_gap(points[i])) {
       text += gap ? "" : "\n";
       gap = true;
     } else if (gap || i % stride == 0) {
-      text += fmt::format("{:.6g} {:.6g} {:.6g}\n", points[i].x, points[i].y, points[i].z);
+      text += fmt::format("{:.6g} {:.6g}\n", points[i].x, points[i].y);
       gap = false;
     }
   }
@@ -255,7 +253,7 @@ std::string GnuplotFigure::csv() const {
         const Point point = rows.panels[p] != nullptr ? (*rows.panels[p])[i] : Point{nan, nan, nan};
         values += "," + csv_number(point.y);
         if (!panels_[p].z_label.empty()) values += "," + csv_number(point.z);
-        empty &= is_gap(point, panels_[p].three_d);
+        empty &= is_gap(point);
       }
       if (!empty) text += csv_field(*rows.title) + "," + csv_number(any[i].x) + values + "\n";
     }
@@ -270,20 +268,18 @@ std::string GnuplotFigure::svg(std::string_view layout) const {
   for (const Panel& panel : panels_) {
     std::string plot;
     for (const Series& s : panel.series) {
-      const std::string block = data_block(s.points, panel.three_d);
+      const std::string block = data_block(s.points);
       if (block.empty()) continue;
       const std::string id = "$d" + std::to_string(blocks++);
       data += id + " << EOD\n" + block + "EOD\n";
-      plot += fmt::format("{}{} using {} {} with {}", plot.empty() ? "" : ", ", id,
-                          panel.three_d ? "1:2:3" : "1:2",
+      plot += fmt::format("{}{} using 1:2 {} with {}", plot.empty() ? "" : ", ", id,
                           s.in_key ? "title " + gnuplot_quoted(s.title) : "notitle", s.style);
     }
     // A panel without data still shows its axes: a line that lies outside them.
-    if (plot.empty()) plot = panel.three_d ? "[0:1][0:1][0:1] -1 notitle" : "[0:1][0:1] -1 notitle";
+    if (plot.empty()) plot = "[0:1][0:1] -1 notitle";
     plots += fmt::format("set xlabel {}\nset ylabel {}\n", gnuplot_quoted(panel.x_label),
                          gnuplot_quoted(panel.y_label));
-    if (panel.three_d) plots += fmt::format("set zlabel {}\n", gnuplot_quoted(panel.z_label));
-    plots += panel.commands + (panel.three_d ? "splot " : "plot ") + plot + "\n";
+    plots += panel.commands + "plot " + plot + "\n";
   }
   std::string text = with_merged_dots(run_gnuplot(terminal_ + data + std::string(layout) + plots));
   text.erase(0, text.find("<svg"));

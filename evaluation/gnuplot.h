@@ -24,7 +24,7 @@ class GnuplotFigure {
   struct Point {
     double x = 0.0;
     double y = 0.0;
-    double z = 0.0;  ///< drawn in 3D panels; elsewhere a number beside the point, where z_label is set
+    double z = 0.0;  ///< a number beside the point, not drawn, where z_label is set
   };
   struct Series {
     std::string title;
@@ -39,7 +39,6 @@ class GnuplotFigure {
     /// gnuplot's `set` lines for this panel, after the labels; from this program only, never from input.
     std::string commands;
     std::vector<Series> series;
-    bool three_d = false;
   };
 
   void add_panel(Panel panel) { panels_.push_back(std::move(panel)); }

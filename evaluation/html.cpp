@@ -31,6 +31,7 @@ thead th { font-weight: 600; color: #555; vertical-align: bottom; text-align: ce
 tbody th { text-align: left; font-weight: 500; white-space: nowrap; }
 small { color: #666; }
 .none { color: #999; }
+.best { font-weight: 600; background: #dff2e4; }
 .mark { white-space: nowrap; }
 .dot { display: inline-block; width: .7em; height: .7em; border-radius: 50%; margin-right: .45em; }
 figure { margin: 1.2rem 0; padding: 1rem; border: 1px solid #e2e2e2; border-radius: 8px; }

@@ -54,6 +54,15 @@ void lay_over(cv::Mat& image, const cv::Mat& response) {
   }
 }
 
+void draw_diamond(cv::Mat& picture, const Eigen::Vector2d& centre_px, int scale) {
+  const cv::Point centre(fixed(centre_px.x(), scale), fixed(centre_px.y(), scale));
+  const int arm = 3 * scale * (1 << fraction_bits);
+  const std::vector<cv::Point> corners = {centre + cv::Point(arm, 0), centre + cv::Point(0, arm),
+                                          centre - cv::Point(arm, 0), centre - cv::Point(0, arm)};
+  cv::polylines(picture, corners, true, {0, 0, 0}, 4, cv::LINE_AA, fraction_bits);
+  cv::polylines(picture, corners, true, bgr(std::string(gaze_target_colour)), 2, cv::LINE_AA, fraction_bits);
+}
+
 void draw_text(cv::Mat& picture, const std::string& text, cv::Point at, const cv::Scalar& colour,
                double size) {
   cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, size, cv::Scalar::all(255), 3, cv::LINE_AA);
@@ -121,6 +130,8 @@ cv::Mat draw_eye(const EyePicture& eye, int scale) {
   for (const LabelledCircle& found : eye.detections) {
     draw_circle(picture, found.circle, scale, bgr(found.colour), 2);
   }
+  if (eye.target_px && eye.target_px->cwiseAbs().maxCoeff() < 1e5)
+    draw_diamond(picture, *eye.target_px, scale);
   for (std::size_t i = 0; i < eye.detections.size(); ++i) {
     draw_label(picture, eye.detections[i], scale, static_cast<int>(i));
   }

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/camera.h"
@@ -17,6 +18,9 @@ class VideoWriter;
 }
 
 namespace saccade {
+
+/// Of gaze targets in pictures and figures, "#rrggbb".
+inline constexpr std::string_view gaze_target_colour = "#e69f00";
 
 /// A circle drawn into a picture, with its name beside it where it has one.
 struct LabelledCircle {
@@ -36,6 +40,7 @@ struct EyePicture {
   std::optional<Circle> truth;    ///< white with a dark rim
   std::vector<LabelledCircle> detections;
   std::optional<Eigen::Vector2d> principal_px;  ///< crosshair: where the eye points
+  std::optional<Eigen::Vector2d> target_px;     ///< diamond in gaze_target_colour: where it was told to look
 };
 
 /// A detector's response over the image as an 8-bit picture, 255 at its maximum; black where nothing is above

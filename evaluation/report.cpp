@@ -15,7 +15,9 @@
 #include "core/error.h"
 #include "evaluation/ball_speed.h"
 #include "evaluation/clutter.h"
+#include "evaluation/eye_movement.h"
 #include "evaluation/figures.h"
+#include "evaluation/gaze_figures.h"
 #include "evaluation/html.h"
 #include "evaluation/metrics.h"
 #include "evaluation/overlay.h"
@@ -29,6 +31,10 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t max_strip_frames = 12;
 constexpr std::size_t strip_frames_without_pictures = 8;
+constexpr std::size_t max_gaze_shifts = 4;
+constexpr std::size_t events_per_shift = 1'500;  // of the last shift_window_us at most
+constexpr std::int64_t shift_window_us = 100'000;
+constexpr std::size_t enough_saccades = 3;  // to be a figure
 constexpr std::int64_t picture_window_us = 10'000;
 constexpr double events_per_picture = 1'500.0;  // where there are no saved pictures, as the paper's window
 constexpr int eye_picture_px = 384;
@@ -59,7 +65,9 @@ struct Run {
   std::vector<TruthRow> truth;
   std::vector<DetectionRow> detections;
   std::vector<GazeRow> gaze;
+  std::vector<EyeRow> eye;
   std::vector<Frame> frames;
+  std::vector<Frame> shifts;  ///< two for each of the largest gaze shifts: where it starts and where it ends
   bool has_pictures = false;
   std::int64_t window_us = picture_window_us;
   std::optional<EventCounts> event_counts;
@@ -127,21 +135,39 @@ std::vector<Frame> saved_frames(const fs::path& folder, const Metrics& metrics) 
   return spread_out(sorted, max_strip_frames);
 }
 
+Frame frame_at(std::int64_t t_us) {
+  return {.t_us = t_us, .eye = {}, .scene = {}, .responses = {}, .events = {}};
+}
+
 std::vector<Frame> frames_without_pictures(const Run& run) {
   std::vector<Frame> frames;
   for (const TruthRow& row : run.truth) {
-    if (row.visible >= chance_visible_share)
-      frames.push_back({.t_us = row.t_us, .eye = {}, .scene = {}, .responses = {}, .events = {}});
+    if (row.visible >= chance_visible_share) frames.push_back(frame_at(row.t_us));
   }
   if (frames.empty()) {
     const auto end_us = static_cast<std::int64_t>(run.metrics.duration_s * 1e6);
     const std::int64_t step_us = end_us / (static_cast<std::int64_t>(strip_frames_without_pictures) + 1);
     for (std::int64_t t_us = step_us; step_us > 0 && t_us < end_us; t_us += step_us) {
-      frames.push_back(
-          {.t_us = run.metrics.start_us + t_us, .eye = {}, .scene = {}, .responses = {}, .events = {}});
+      frames.push_back(frame_at(run.metrics.start_us + t_us));
     }
   }
   return spread_out(frames, strip_frames_without_pictures);
+}
+
+/// The time in which a recording has as many events as the paper's window, on average.
+std::int64_t usual_window_us(const Metrics& metrics) {
+  const double mean_us = metrics.duration_s * 1e6 * events_per_picture /
+                         static_cast<double>(std::max<std::int64_t>(1, metrics.event_count));
+  return 1'000 * std::llround(std::clamp(mean_us, 1e3, 2e5) * 1e-3);
+}
+
+/// Adds an event to the frames, sorted by time, that it came at most `window_us` before.
+void show_event(std::vector<Frame>& frames, std::int64_t window_us, const Event& event) {
+  const auto later = [](const Frame& frame, std::int64_t t_us) { return frame.t_us < t_us; };
+  for (auto frame = std::lower_bound(frames.begin(), frames.end(), event.t_us, later);
+       frame != frames.end() && frame->t_us - window_us < event.t_us; ++frame) {
+    frame->events.push_back(event);
+  }
 }
 
 /// One pass over the recording: counts over time, and the events just before each frame.
@@ -159,11 +185,8 @@ void read_events(Run& run) {
     const std::int64_t bin = (event.t_us - counts.start_us) / counts.bin_us;
     if (event.t_us >= counts.start_us && bin < std::ssize(counts.counts))
       ++counts.counts[static_cast<std::size_t>(bin)];
-    const auto later = [](const Frame& frame, std::int64_t t_us) { return frame.t_us < t_us; };
-    for (auto frame = std::lower_bound(run.frames.begin(), run.frames.end(), event.t_us, later);
-         frame != run.frames.end() && frame->t_us - run.window_us < event.t_us; ++frame) {
-      frame->events.push_back(event);
-    }
+    show_event(run.frames, run.window_us, event);
+    show_event(run.shifts, shift_window_us, event);
   };
   try {
     const auto reader = open_event_file(run.folder / metrics.events_file);
@@ -176,6 +199,11 @@ void read_events(Run& run) {
   } catch (const InputError& error) {
     run.events_remark = error.what();
   }
+  for (Frame& frame : run.shifts) {
+    const auto surplus =
+        std::max<std::ptrdiff_t>(0, std::ssize(frame.events) - std::ptrdiff_t{events_per_shift});
+    frame.events.erase(frame.events.begin(), frame.events.begin() + surplus);
+  }
 }
 
 Run load(const fs::path& folder) {
@@ -185,13 +213,16 @@ Run load(const fs::path& folder) {
   run.truth = read_if_there<TruthRow>(folder / "truth.csv");
   run.detections = read_if_there<DetectionRow>(folder / "detections.csv");
   run.gaze = read_if_there<GazeRow>(folder / "gaze.csv");
+  run.eye = read_if_there<EyeRow>(folder / "eye.csv");
+  for (const GazeShift& shift : largest_gaze_shifts(run.gaze, run.eye, max_gaze_shifts)) {
+    run.shifts.push_back(frame_at(shift.start_us));
+    run.shifts.push_back(frame_at(shift.end_us));
+  }
   run.frames = saved_frames(folder / "frames", run.metrics);
   run.has_pictures = !run.frames.empty();
   if (!run.has_pictures) {
     run.frames = frames_without_pictures(run);
-    const double mean_us = run.metrics.duration_s * 1e6 * events_per_picture /
-                           static_cast<double>(std::max<std::int64_t>(1, run.metrics.event_count));
-    run.window_us = 1'000 * std::llround(std::clamp(mean_us, 1e3, 2e5) * 1e-3);
+    run.window_us = usual_window_us(run.metrics);
   }
   read_events(run);
   if (!run.truth.empty() && !run.sparse_truth()) {
@@ -228,7 +259,17 @@ std::string detector_table(const Metrics& metrics) {
   return html + "</tbody></table></div>\n";
 }
 
-std::string gaze_table(const GazeScore& s) {
+/// What the gaze was driven by.
+std::string gaze_facts(const GazeMetrics& gaze) {
+  std::string html = "<p class=\"facts\">driven by " + escaped(gaze.detector);
+  if (!gaze.window.empty()) html += " · window: " + escaped(gaze.window);
+  if (!gaze.gate.empty()) html += " · gate: " + escaped(gaze.gate);
+  if (!gaze.controller.empty()) html += " · controller: " + escaped(gaze.controller);
+  return html + "</p>\n";
+}
+
+std::string gaze_table(const GazeMetrics& gaze, double duration_s) {
+  const GazeScore& s = gaze.score;
   const auto row = [](std::string_view what, const std::string& value) {
     return fmt::format("<tr><th>{}</th>{}</tr>\n", what, value);
   };
@@ -238,9 +279,13 @@ std::string gaze_table(const GazeScore& s) {
          row("fixation error, 95 %, deg", cell(s.fixation_error_deg.p95)) +
          row("on target (below 2°), share of the time", cell(s.on_target_ratio)) +
          row("in view, share of the time", cell(s.in_view_ratio)) +
+         row("detected while following, per s", cell(gaze.following_rate_hz)) +
          row("target off the ball, median, mm", cell(s.target_error_median_m, 1e3)) +
          row("moves", count_cell(s.moves)) + row("wrong moves", count_cell(s.wrong_moves)) +
          row("saccades", count_cell(s.saccades)) +
+         row("saccades per s",
+             cell(duration_s > 0.0 ? std::optional(static_cast<double>(s.saccades) / duration_s)
+                                   : std::nullopt)) +
          row("joint limit violations", count_cell(s.limit_violations)) + "</tbody></table>\n";
 }
 
@@ -309,27 +354,39 @@ std::optional<Circle> truth_at(const Run& run, std::int64_t t_us) {
 }
 
 /// What the detector took for the ball last, in the time whose events are shown.
-std::optional<Circle> accepted_at(const Run& run, std::size_t detector, std::int64_t t_us) {
+std::optional<Circle> accepted_at(const Run& run, std::size_t detector, std::int64_t t_us,
+                                  std::int64_t window_us) {
   const auto& [name, score] = run.metrics.detectors[detector];
-  for (auto row = newest(run.detections, t_us);
-       row != run.detections.end() && t_us - row->t_us < run.window_us; --row) {
+  for (auto row = newest(run.detections, t_us); row != run.detections.end() && t_us - row->t_us < window_us;
+       --row) {
     if (row->detector == name && row->score >= score.threshold) return row->circle;
     if (row == run.detections.begin()) break;
   }
   return std::nullopt;
 }
 
-EyePicture eye_picture(const Run& run, const Frame& frame) {
+/// The newest gaze target as the eye truly saw it; none before the first or behind the eye.
+std::optional<Eigen::Vector2d> target_at(const Run& run, std::int64_t t_us) {
+  const auto gaze = newest(run.gaze, t_us);
+  const auto eye = newest(run.eye, t_us);
+  if (!run.metrics.camera || gaze == run.gaze.end() || eye == run.eye.end() || !gaze->target_m.allFinite()) {
+    return std::nullopt;
+  }
+  return run.metrics.camera->project(eye->root_from_left_cam().inverse() * gaze->target_m);
+}
+
+EyePicture eye_picture(const Run& run, const Frame& frame, std::int64_t window_us) {
   EyePicture eye;
   eye.size = run.metrics.image;
   if (!frame.eye.empty()) eye.grey = grey_picture(frame.eye, eye.size);
   eye.events = frame.events;
   eye.truth = truth_at(run, frame.t_us);
   for (std::size_t i = 0; i < run.metrics.detectors.size(); ++i) {
-    if (const auto circle = accepted_at(run, i, frame.t_us)) {
+    if (const auto circle = accepted_at(run, i, frame.t_us, window_us)) {
       eye.detections.push_back({*circle, "", detector_colour(i)});
     }
   }
+  eye.target_px = target_at(run, frame.t_us);
   if (run.metrics.camera)
     eye.principal_px = Eigen::Vector2d(run.metrics.camera->cx_px, run.metrics.camera->cy_px);
   return eye;
@@ -338,6 +395,8 @@ EyePicture eye_picture(const Run& run, const Frame& frame) {
 std::string moment(const Run& run, std::int64_t t_us) {
   return fmt::format("{:.2f} s", static_cast<double>(t_us - run.metrics.start_us) * 1e-6);
 }
+
+std::string target_mark() { return colour_mark(gaze_target_colour, "gaze target"); }
 
 std::string framed(const std::string& picture, const std::string& caption) {
   return fmt::format("<div class=\"frame\">{}<p>{}</p></div>\n", picture, caption);
@@ -393,7 +452,7 @@ std::string hough_figure(const Run& run) {
       EyePicture eye = image;
       eye.response = grey_picture(response->second.path, eye.size);
       eye.events = frame.events;
-      if (const auto circle = accepted_at(run, i, frame.t_us)) {
+      if (const auto circle = accepted_at(run, i, frame.t_us, run.window_us)) {
         eye.detections.push_back({*circle, "", detector_colour(i)});
       }
       html += framed(
@@ -418,7 +477,7 @@ std::string strip(const Run& run) {
   const int scale = std::max(1, eye_picture_px / run.metrics.image.width);
   std::string html = "<div class=\"strip\">\n";
   for (const Frame& frame : run.frames) {
-    const EyePicture eye = eye_picture(run, frame);
+    const EyePicture eye = eye_picture(run, frame, run.window_us);
     std::string caption = moment(run, frame.t_us);
     std::string pictures;
     if (!frame.scene.empty()) {
@@ -444,7 +503,38 @@ std::string strip(const Run& run) {
     reading += (i == 0 ? " " : ", ") + detector_mark(run.metrics, i);
   }
   reading += run.metrics.camera ? ". The cross marks where the eye points: a ball under it is fixated." : ".";
+  if (!run.eye.empty() && !run.gaze.empty())
+    reading += " The " + target_mark() + " is what it was last told to look at.";
   return figure_html("What happened", reading, html);
+}
+
+/// Detections that moved the gaze, and where it went (paper, Fig. 6).
+std::string shifts_figure(const Run& run) {
+  if (run.shifts.empty() || run.metrics.image.pixels() <= 0) return {};
+  const int scale = std::max(1, eye_picture_px / run.metrics.image.width);
+  std::string html = "<div class=\"strip\">\n";
+  for (std::size_t i = 0; i < run.shifts.size(); ++i) {
+    const Frame& frame = run.shifts[i];
+    const EyePicture eye = eye_picture(run, frame, picture_window_us);
+    std::string caption = fmt::format("({}) {}", static_cast<char>('a' + i), moment(run, frame.t_us));
+    if (eye.target_px) {
+      const Eigen::Vector3d ray = run.metrics.camera->ray(eye.target_px->x(), eye.target_px->y());
+      caption += fmt::format(" · target {:.1f}° off the axis", std::atan(ray.head<2>().norm()) * deg_per_rad);
+    }
+    html += framed(picture_html(draw_eye(eye, scale), "png", "gaze shift at " + moment(run, frame.t_us)),
+                   caption);
+  }
+  html += "</div>";
+  return figure_html("Gaze shifts",
+                     fmt::format("The largest ones in pairs: a detection becomes a {} away from the cross, "
+                                 "where the eye points (a, c, "
+                                 "...), and the eye has turned towards it (b, d, ...). The newest {} events "
+                                 "of the last {} ms: green where "
+                                 "it got brighter, magenta where it got darker; white with a dark rim is the "
+                                 "true circle, coloured the "
+                                 "detection.",
+                                 target_mark(), events_per_shift, shift_window_us / 1'000),
+                     html);
 }
 
 std::string detection_figures(const Run& run) {
@@ -519,19 +609,36 @@ std::string gaze_figures(const Run& run) {
   const Metrics& m = run.metrics;
   std::string html;
   if (!m.gaze || run.gaze.empty()) return html;
-  if (m.camera && !run.truth.empty()) {
-    html +=
-        figure_html("Gaze in angle",
-                    "How far the ball is from the left eye's optical axis: low is good, a sudden fall is a "
-                    "gaze shift that caught up, and gaps are times with the ball behind the camera.",
-                    fixation_figure("fixation", run.truth, *m.camera, m.start_us), run.folder);
+  const GazeTables tables{.truth = run.truth, .gaze = run.gaze, .eye = run.eye};
+  html += shifts_figure(run);
+  if (!run.eye.empty()) {
+    html += figure_html(
+        "Gaze over time",
+        "Above: how far the ball is from the left eye's optical axis, low is good, and when the gaze was "
+        "handed "
+        "a target; what it was before the ball was acquired may lie outside. Below: how fast the eye turns. "
+        "Bands are saccades, faster than 60°/s for 10 ms or more: a gaze that follows in jerks has many and "
+        "an "
+        "error like a saw's teeth between them.",
+        gaze_over_time_figure("gaze_over_time", tables, m.camera, m.gaze->score.acquired_at_us, m.start_us),
+        run.folder);
   }
-  html += figure_html(
-      "Gaze in space",
-      "Seen from behind the robot, in its root frame: a gaze that follows well lays the blue line "
-      "on the ball's grey path; orange dots are the points it was told to look at. What lies far "
-      "from the ball is outside the box.",
-      gaze_path_figure("gaze_path", run.truth, run.gaze), run.folder);
+  const std::vector<Saccade> saccades = saccades_of(run.eye);
+  if (saccades.size() >= enough_saccades) {
+    html +=
+        figure_html("Saccades",
+                    "Each saccade's peak speed over its size; eyes that move alike lie on one line through "
+                    "the origin or below it. When each began stands in the numbers.",
+                    main_sequence_figure("saccades", saccades, m.start_us), run.folder);
+  }
+  html += figure_html("Gaze in the robot's frame",
+                      "Left: the plane before the robot as it sees it; right: seen from its right, with the "
+                      "depth. A gaze that "
+                      "follows well lays the blue line on the ball's grey path; the dots are the detections "
+                      "that it was told to "
+                      "look at. What lies far from the ball is outside.",
+                      gaze_places_figure("gaze_places", std::vector<GazePlace>{{"", tables, m.start_us}}),
+                      run.folder);
   html += figure_html(
       "Joints and their limits",
       "Blue: joint angle, dashed: limits; where the line runs along a limit the head cannot turn further.",
@@ -547,7 +654,8 @@ std::string body(const Run& run) {
   }
   if (fs::exists(run.folder / "video.mp4")) html += "<p><a href=\"video.mp4\">The run as a film</a></p>\n";
   html += strip(run);
-  if (m.gaze) html += "<h2>Gaze</h2>\n" + gaze_table(m.gaze->score) + gaze_figures(run);
+  if (m.gaze)
+    html += "<h2>Gaze</h2>\n" + gaze_facts(*m.gaze) + gaze_table(*m.gaze, m.duration_s) + gaze_figures(run);
   html += "<h2>Detection</h2>\n" + detector_table(m);
   html +=
       "<p class=\"facts\">An observation is right within 6 px of the true centre and 2 px of the true "

@@ -111,6 +111,54 @@ TEST_F(Comparison, WritesTheTablesAsNumbers) {
   EXPECT_EQ(count(contents(root_ / "out/figures/gaze_means.csv"), "\n"), 1U + 2U);
 }
 
+TEST_F(Comparison, DrawsWhereTheGazeOfEachGroupWent) {
+  const std::string html = page();
+  EXPECT_EQ(count(html, "<h3>Gaze in the robot's frame"), 1U);
+  const std::string csv = contents(root_ / "out/figures/gaze_places.csv");
+  EXPECT_TRUE(csv.starts_with("series,place,time [s],x [m],y [m],z [m]\n"));
+  EXPECT_EQ(count(csv, "ball,\"synthetic square <45 cm>, seed 1\","), 1500U);
+  EXPECT_EQ(count(csv, "seed 2"), 0U) << "of a group the first run";
+  EXPECT_GT(count(csv, "lab.clutter=<rectilinear>, seed 3"), 3000U);
+}
+
+TEST_F(Comparison, ComparesCombinationsOfControllerWindowAndGateAndMarksTheBest) {
+  EXPECT_EQ(count(page(), "id=\"ablation\""), 0U) << "of one combination there is nothing to compare";
+  EXPECT_FALSE(fs::exists(root_ / "out/figures/ablation.csv"));
+
+  // Two seeds with one gate, one with another; a setting that makes no combination would set it apart.
+  metrics_[2].settings = {{"gaze.gate", "none"}, {"detectors.paper_directed.window.events", "700"}};
+  metrics_[2].gaze->gate = "none";
+  metrics_[2].gaze->window = "700 <events>";
+  for (std::size_t i = 0; i < 3; ++i) {
+    GazeMetrics& gaze = *metrics_[i].gaze;
+    gaze.score.fixation_error_deg.median = 1.0 + static_cast<double>(i);  // 1.5 against 3
+    gaze.following_rate_hz = 100.0 * static_cast<double>(i);              // 50 against 200
+    gaze.score.saccades = 3;
+    gaze.score.wrong_moves = 0;
+    write_metrics(folders_[i] / "metrics.json", metrics_[i]);
+  }
+  const std::string html = page();
+  const std::string section = html.substr(html.find("<h2 id=\"ablation\">"));
+  const std::string table = section.substr(0, section.find("</table>"));
+  EXPECT_THAT(html, HasSubstr("href=\"#ablation\""));
+  EXPECT_EQ(count(table, "<tr>"), 3U);
+  EXPECT_THAT(table, HasSubstr("<th>qp</th><th>paper_directed</th><th>1500 events</th><th>authors</th><td "
+                               "data-value=\"2\">2</td><td class=\"best\" data-value=\"1.5\""));
+  EXPECT_THAT(table, HasSubstr("<th>700 &lt;events&gt;</th><th>none</th><td data-value=\"1\">1</td><td "
+                               "data-value=\"3\">"));
+  EXPECT_THAT(table, HasSubstr("<td class=\"best\" data-value=\"200\""));
+  EXPECT_THAT(table, Not(HasSubstr("class=\"best\" data-value=\"0\""))) << "as many wrong moves everywhere";
+  EXPECT_THAT(table,
+              HasSubstr("<td data-value=\"2\" data-sd=\"0\">2 <small>± 0</small></td>"));  // saccades per s
+  const std::string csv = contents(root_ / "out/figures/ablation.csv");
+  EXPECT_THAT(csv, HasSubstr("\nsynthetic square <45 cm>,,qp,paper_directed,1500 events,authors,2,1.5,"));
+  EXPECT_EQ(count(csv, "\n"), 3U);
+
+  metrics_[2].settings.emplace_back("lab.clutter", "textured");
+  write_metrics(folders_[2] / "metrics.json", metrics_[2]);
+  EXPECT_EQ(count(page(), "id=\"ablation\""), 0U);
+}
+
 TEST_F(Comparison, LinksToEveryRunsOwnReportAndWritesTheMissingOnes) {
   fs::remove(folders_[1] / "report.html");
   const std::string html = page();
@@ -134,7 +182,7 @@ TEST_F(Comparison, HoldsEverythingItselfInFiguresThatAreWellFormedWithIdsOfTheir
       ids.push_back(svg.substr(id + 5, svg.find(svg[id + 4], id + 5) - id - 5));
     }
   }
-  EXPECT_EQ(figures, 1U + 2U * 2U);
+  EXPECT_EQ(figures, 2U + 2U * 2U);
   EXPECT_EQ(count(html, "<figcaption>"), figures);
   std::sort(ids.begin(), ids.end());
   EXPECT_EQ(std::adjacent_find(ids.begin(), ids.end()), ids.end());

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace saccade {
@@ -53,6 +54,65 @@ TEST(SaccadeFinder, HasTheOneThatGoesOnAsLongAsItIsNow) {
   EXPECT_EQ(finder.saccades().front().end_us, 31'000);
   EXPECT_NEAR(finder.saccades().front().amplitude_deg, 3.0, 1e-9);
   EXPECT_NEAR(finder.speed_deg_s(), 100.0, 1e-6);
+}
+
+TEST(Moves, AreTargetsMoreThanAMillimetreApart) {
+  std::vector<GazeRow> gaze(6);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double y_m[] = {nan, 0.1, 0.1, 0.1006, 0.1012, 0.1012};  // from the last move on, not from row to row
+  for (std::size_t i = 0; i < gaze.size(); ++i) {
+    gaze[i].t_us = 1000 * static_cast<std::int64_t>(i);
+    gaze[i].target_m = {-0.5, y_m[i], 0.3};
+  }
+  const std::vector<Move> moves = moves_of(gaze);
+  ASSERT_EQ(moves.size(), 2U);
+  EXPECT_EQ(moves[0].t_us, 1000);
+  EXPECT_EQ(moves[1].t_us, 4000);
+  EXPECT_EQ(moves[1].target_m.y(), 0.1012);
+}
+
+/// A point half a metre ahead of an eye at the root's origin, so many degrees to the right.
+Eigen::Vector3d ahead(double right_deg) {
+  const double angle = right_deg * std::numbers::pi / 180.0;
+  return 0.5 * Eigen::Vector3d(-std::cos(angle), std::sin(angle), 0.0);
+}
+
+TEST(GazeShifts, AreTheLargestFromTheTargetToWhereTheEyeArrives) {
+  // Targets at 1, 1.1, 3, 5 and 7 s; the eye goes a hundredth of what is left every millisecond.
+  const auto target_deg = [](int t_ms) {
+    return t_ms < 1100 ? 10.0 : t_ms < 3000 ? 9.0 : t_ms < 5000 ? 9.5 : t_ms < 7000 ? 4.5 : 8.0;
+  };
+  std::vector<GazeRow> gaze;
+  std::vector<EyeRow> eye;
+  double right_deg = 0.0;
+  for (int t_ms = 1; t_ms <= 8000; ++t_ms) {
+    if (t_ms > 1000) right_deg += 0.01 * (target_deg(t_ms) - right_deg);
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    const Eigen::Vector3d axis = ahead(right_deg).normalized();
+    pose.linear().col(0) = axis.cross(Eigen::Vector3d::UnitZ());
+    pose.linear().col(1) = -Eigen::Vector3d::UnitZ();
+    pose.linear().col(2) = axis;
+    eye.push_back(EyeRow::of(t_ms * 1000, pose));
+    GazeRow row;
+    row.t_us = t_ms * 1000;
+    row.target_m = ahead(target_deg(t_ms));
+    if (t_ms < 1000) row.target_m.setConstant(std::numeric_limits<double>::quiet_NaN());
+    gaze.push_back(row);
+  }
+  const auto shifts = largest_gaze_shifts(gaze, eye, 4);
+  // That at 1.1 s is too near to the first, that at 3 s too small.
+  ASSERT_EQ(shifts.size(), 3U);
+  EXPECT_EQ(shifts[0].start_us, 1'000'000);
+  EXPECT_EQ(shifts[1].start_us, 5'000'000);
+  EXPECT_EQ(shifts[2].start_us, 7'000'000);
+  // A quarter is left after 138 steps; of the first a little less, its newest target being nearer.
+  EXPECT_NEAR(static_cast<double>(shifts[1].end_us - shifts[1].start_us), 138e3, 1.5e3);
+  EXPECT_LT(shifts[0].end_us, 1'138'000);
+  EXPECT_GT(shifts[0].end_us, 1'110'000);
+  const auto largest = largest_gaze_shifts(gaze, eye, 1);
+  ASSERT_EQ(largest.size(), 1U);
+  EXPECT_EQ(largest[0].start_us, 1'000'000);
+  EXPECT_TRUE(largest_gaze_shifts(gaze, {}, 4).empty());
 }
 
 }  // namespace

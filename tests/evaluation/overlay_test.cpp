@@ -84,6 +84,21 @@ TEST(Overlay, AHoughSpaceIsWhitestWhereItIsStrongestAndShowsTheEventsWhereItIsNo
   EXPECT_NE(pixel(picture, 3, 5), pixel(picture, 4, 5));
 }
 
+TEST(Overlay, MarksTheGazeTargetWithADiamond) {
+  EyePicture eye;
+  eye.size = {32, 32};
+  eye.target_px = Eigen::Vector2d(16, 12);
+  const cv::Mat picture = draw_eye(eye, 4);
+  eye.target_px.reset();
+  const cv::Mat plain = draw_eye(eye, 4);
+  // A corner 3 px to the right of the target, its middle and a point of its box that lies outside of it.
+  EXPECT_NE(pixel(picture, 4 * 19 + 1, 4 * 12 + 1), pixel(plain, 4 * 19 + 1, 4 * 12 + 1));
+  EXPECT_EQ(pixel(picture, 4 * 16 + 1, 4 * 12 + 1), pixel(plain, 4 * 16 + 1, 4 * 12 + 1));
+  EXPECT_EQ(pixel(picture, 4 * 19 + 1, 4 * 15 + 1), pixel(plain, 4 * 19 + 1, 4 * 15 + 1));
+  eye.target_px = Eigen::Vector2d(1e12, -1e12);
+  EXPECT_EQ(cv::norm(draw_eye(eye, 4), plain), 0.0);
+}
+
 TEST(Overlay, TakesCirclesFarOutsideThePicture) {
   EyePicture eye;
   eye.size = {32, 32};

@@ -73,10 +73,10 @@ TEST_F(Report, HasAPictureOfEyeAndSceneForEveryFrameAndASentenceUnderEveryFigure
   write_synthetic_run(folder_, true);
   write_report(folder_);
   const std::string html = contents(folder_ / "report.html");
-  EXPECT_EQ(count(html, "data:image/png"), 8U);
+  EXPECT_EQ(count(html, "data:image/png"), 8U + 8U);   // eyes, and four gaze shifts
   EXPECT_EQ(count(html, "data:image/jpeg"), 8U + 8U);  // scenes, and four instants of image and Hough space
-  EXPECT_EQ(count(html, "<figure>"), 10U);
-  EXPECT_EQ(count(html, "<figcaption>"), 10U);
+  EXPECT_EQ(count(html, "<figure>"), 11U);
+  EXPECT_EQ(count(html, "<figcaption>"), 11U);
 }
 
 TEST_F(Report, ShowsTheHoughSpacesThatWereSavedAndHowStrongTheyAre) {
@@ -138,6 +138,32 @@ TEST_F(Report, WritesTheNumbersOfEveryDrawnFigureBesideThePage) {
     EXPECT_EQ(entry.path().extension(), ".csv");
   }
   EXPECT_TRUE(fs::exists(folder_ / "figures/track_paper_directed.csv"));
+}
+
+TEST_F(Report, ShowsGazeShiftsAsTheTargetWasHandedOverAndAsTheEyeArrived) {
+  write_synthetic_run(folder_, false);
+  write_report(folder_);
+  const std::string html = contents(folder_ / "report.html");
+  // The first target comes at 40 ms, while the eye still looks ahead: the ball is 0.1 m to the left and below.
+  EXPECT_THAT(html, HasSubstr("<p>(a) 0.04 s · target "));
+  const std::size_t first = html.find("target ", html.find("<p>(a) 0.04 s")) + 7;
+  EXPECT_NEAR(std::stod(html.substr(first)), 17.0, 1.5);
+  const std::size_t second = html.find("target ", html.find("<p>(b) 0.")) + 7;
+  EXPECT_LT(std::stod(html.substr(second)), 17.0 / 4.0 + 0.1);
+  EXPECT_EQ(count(html, "alt=\"gaze shift at"), 8U);
+  EXPECT_THAT(html, HasSubstr("window: 1500 events · gate: authors · controller: qp"));
+}
+
+TEST_F(Report, OfARunWithoutTheEyesPoseLeavesOutWhatNeedsIt) {
+  write_synthetic_run(folder_, false);
+  write_report(folder_);
+  EXPECT_THAT(contents(folder_ / "report.html"), HasSubstr("<h3>Gaze over time"));
+  fs::remove(folder_ / "eye.csv");
+  write_report(folder_);
+  const std::string html = contents(folder_ / "report.html");
+  EXPECT_THAT(html, Not(HasSubstr("<h3>Gaze over time")));
+  EXPECT_THAT(html, Not(HasSubstr("<h3>Gaze shifts")));
+  EXPECT_THAT(html, HasSubstr("<h3>Gaze in the robot's frame"));
 }
 
 TEST_F(Report, TellsRejectedEventsWhereThereWereAny) {
@@ -203,10 +229,12 @@ TEST_F(Report, ShowsTheNumbersOfTheMetrics) {
   EXPECT_EQ(row("error, 95"), value(gaze["fixation_error_deg"]["p95"]));
   EXPECT_EQ(row("on target"), value(gaze["on_target_ratio"]));
   EXPECT_EQ(row("in view"), value(gaze["in_view_ratio"]));
+  EXPECT_EQ(row("detected while following"), value(gaze["following_rate_hz"]));
   EXPECT_EQ(row("target off"), value(gaze["target_error_m"]["median"]));
   EXPECT_EQ(row(">moves"), value(gaze["moves"]));
   EXPECT_EQ(row("wrong moves"), value(gaze["wrong_moves"]));
   EXPECT_EQ(row("saccades"), value(gaze["saccades"]));
+  EXPECT_EQ(row("saccades per s"), gaze["saccades"].get<double>() / 4.0);
   EXPECT_EQ(row("violations"), value(gaze["limit_violations"]));
 }
 
