@@ -46,11 +46,10 @@ struct MadeUpRun {
           {.t_us = t_ms * 1000, .circle = {}, .visible = 1.0, .position_m = 0.5 * direction(10.0)});
       GazeRow row;
       row.t_us = t_ms * 1000;
-      row.fixation_m = converges && t_ms > 100 ? 0.45 * axis : Eigen::Vector3d::Constant(nan);
-      row.target_m = t_ms < 200   ? Eigen::Vector3d::Constant(nan)
-                     : t_ms < 600 ? 0.5 * direction(10.0)
-                     : t_ms < 700 ? 0.5 * direction(25.0)
-                                  : 0.5 * direction(10.0);
+      row.fixation_m.setConstant(nan);
+      if (converges && t_ms > 100) row.fixation_m = 0.45 * axis;
+      row.target_m.setConstant(nan);
+      if (t_ms >= 200) row.target_m = 0.5 * direction(t_ms >= 600 && t_ms < 700 ? 25.0 : 10.0);
       gaze.push_back(row);
     }
   }

@@ -144,12 +144,12 @@ TEST_F(Report, ShowsGazeShiftsAsTheTargetWasHandedOverAndAsTheEyeArrived) {
   write_synthetic_run(folder_, false);
   write_report(folder_);
   const std::string html = contents(folder_ / "report.html");
-  // The first target comes at 40 ms, while the eye still looks ahead: the ball is 0.1 m to the left and below.
+  // The first target comes at 40 ms: of the 17.4 deg to a ball 0.1 m to the left and below, 0.99^40 are left.
   EXPECT_THAT(html, HasSubstr("<p>(a) 0.04 s · target "));
   const std::size_t first = html.find("target ", html.find("<p>(a) 0.04 s")) + 7;
-  EXPECT_NEAR(std::stod(html.substr(first)), 17.0, 1.5);
+  EXPECT_NEAR(std::stod(html.substr(first)), 17.4 * 0.669, 0.4);
   const std::size_t second = html.find("target ", html.find("<p>(b) 0.")) + 7;
-  EXPECT_LT(std::stod(html.substr(second)), 17.0 / 4.0 + 0.1);
+  EXPECT_LT(std::stod(html.substr(second)), 17.4 * 0.669 / 4.0 + 0.1);
   EXPECT_EQ(count(html, "alt=\"gaze shift at"), 8U);
   EXPECT_THAT(html, HasSubstr("window: 1500 events · gate: authors · controller: qp"));
 }
