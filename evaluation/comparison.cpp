@@ -73,35 +73,24 @@ constexpr Quantity<DetectorScore> detector_quantities[] = {
 };
 constexpr std::size_t clutter_quantities = 3;  // the last ones, of runs with labels
 
-/// The gaze of one run.
-struct GazeRun {
-  GazeMetrics gaze;
-  double duration_s = 0.0;
-};
-
-constexpr Quantity<GazeRun> gaze_quantities[] = {
-    {"acquire_s", "acquired<br>after, s", [](const GazeRun& r) { return r.gaze.score.acquire_s; }},
+constexpr Quantity<GazeMetrics> gaze_quantities[] = {
+    {"acquire_s", "acquired<br>after, s", [](const GazeMetrics& g) { return g.score.acquire_s; }},
     {"fixation_error_median_deg", "fixation error,<br>median, deg",
-     [](const GazeRun& r) { return r.gaze.score.fixation_error_deg.median; }},
+     [](const GazeMetrics& g) { return g.score.fixation_error_deg.median; }},
     {"fixation_error_p95_deg", "fixation error,<br>95 %, deg",
-     [](const GazeRun& r) { return r.gaze.score.fixation_error_deg.p95; }},
-    {"on_target_ratio", "on target,<br>share", [](const GazeRun& r) { return r.gaze.score.on_target_ratio; }},
-    {"in_view_ratio", "in view,<br>share", [](const GazeRun& r) { return r.gaze.score.in_view_ratio; }},
+     [](const GazeMetrics& g) { return g.score.fixation_error_deg.p95; }},
+    {"on_target_ratio", "on target,<br>share", [](const GazeMetrics& g) { return g.score.on_target_ratio; }},
+    {"in_view_ratio", "in view,<br>share", [](const GazeMetrics& g) { return g.score.in_view_ratio; }},
     {"moves", "moves",
-     [](const GazeRun& r) { return std::optional(static_cast<double>(r.gaze.score.moves)); }},
+     [](const GazeMetrics& g) { return std::optional(static_cast<double>(g.score.moves)); }},
     {"wrong_moves", "wrong<br>moves",
-     [](const GazeRun& r) { return std::optional(static_cast<double>(r.gaze.score.wrong_moves)); }},
+     [](const GazeMetrics& g) { return std::optional(static_cast<double>(g.score.wrong_moves)); }},
     {"limit_violations", "limit<br>violations",
-     [](const GazeRun& r) { return std::optional(static_cast<double>(r.gaze.score.limit_violations)); }},
+     [](const GazeMetrics& g) { return std::optional(static_cast<double>(g.score.limit_violations)); }},
     {"following_rate_hz", "detected while<br>following, per s",
-     [](const GazeRun& r) { return r.gaze.following_rate_hz; }},
+     [](const GazeMetrics& g) { return g.following_rate_hz; }},
     {"saccades", "saccades",
-     [](const GazeRun& r) { return std::optional(static_cast<double>(r.gaze.score.saccades)); }},
-    {"saccades_per_s", "saccades<br>per s",
-     [](const GazeRun& r) {
-       return r.duration_s > 0.0 ? std::optional(static_cast<double>(r.gaze.score.saccades) / r.duration_s)
-                                 : std::nullopt;
-     }},
+     [](const GazeMetrics& g) { return std::optional(static_cast<double>(g.score.saccades)); }},
 };
 
 template <class Score>
@@ -264,14 +253,14 @@ std::string detector_table(const Group& group, std::size_t number) {
   return html + "</tbody></table></div>\n";
 }
 
-std::vector<std::pair<std::string, std::vector<GazeRun>>> gazes_of(const Group& group) {
-  std::vector<std::pair<std::string, std::vector<GazeRun>>> gazes;
+std::vector<std::pair<std::string, std::vector<GazeMetrics>>> gazes_of(const Group& group) {
+  std::vector<std::pair<std::string, std::vector<GazeMetrics>>> gazes;
   for (const Run* run : group.runs) {
     if (!run->metrics.gaze) continue;
     const std::string& driver = run->metrics.gaze->detector;
     auto at = std::find_if(gazes.begin(), gazes.end(), [&](const auto& g) { return g.first == driver; });
     if (at == gazes.end()) at = gazes.insert(at, {driver, {}});
-    at->second.push_back({*run->metrics.gaze, run->metrics.duration_s});
+    at->second.push_back(*run->metrics.gaze);
   }
   return gazes;
 }
@@ -279,7 +268,7 @@ std::vector<std::pair<std::string, std::vector<GazeRun>>> gazes_of(const Group& 
 std::string gaze_table(const Group& group, std::size_t number) {
   const auto gazes = gazes_of(group);
   if (gazes.empty()) return {};
-  const std::span<const Quantity<GazeRun>> quantities(gaze_quantities);
+  const std::span<const Quantity<GazeMetrics>> quantities(gaze_quantities);
   std::string html = table_head(fmt::format("gaze{}", number), "gaze driven by", quantities);
   for (const auto& [driver, scores] : gazes) html += table_row(escaped(driver), scores, quantities);
   return html + "</tbody></table></div>\n";
@@ -315,7 +304,7 @@ std::string group_fields(const Group& group) {
 /// The tables' numbers: every run for itself, and the means.
 void write_tables(const std::vector<Group>& groups, const fs::path& out) {
   const auto quantities = quantities_of(groups);
-  const std::span<const Quantity<GazeRun>> gaze(gaze_quantities);
+  const std::span<const Quantity<GazeMetrics>> gaze(gaze_quantities);
   std::string runs = "run,scenario,settings,seed,detector" + csv_head(quantities, false);
   std::string means = "scenario,settings,detector,runs" + csv_head(quantities, true);
   std::string gaze_means = "scenario,settings,detector,runs" + csv_head(gaze, true);

@@ -107,10 +107,10 @@ Figure gaze_over_time_figure(std::string_view name, const GazeTables& tables,
       {.x_label = std::string(time_label),
        .y_label = "fixation error [deg]",
        .z_label = "",
-       .commands = "set key horizontal outside top right\n" + marks +
+       .commands = "set key horizontal outside top right width -3 maxrows 1\n" + marks +
                    axes(false, fmt::format("[0:{:.6g}]", top_deg)) + time_range(0.0, end_s),
        .series = {
-           {.title = "ball off the eye's axis", .style = line_style(gaze_colour, 1.8), .points = error},
+           {.title = "fixation error", .style = line_style(gaze_colour, 1.8), .points = error},
            {.title = "on target below", .style = std::string(limit_style), .points = level(2.0, end_s)},
            {.title = "gaze targets",
             .style = dot_style(gaze_target_colour, 0.45),
@@ -249,7 +249,7 @@ Figure gaze_places_figure(std::string_view name, std::span<const GazePlace> plac
                (front ? fmt::format("set label 1 {} at graph 0, graph 1 left offset 0,0.8\n",
                                     gnuplot_quoted(places[i].label))
                       : std::string("unset label 1\n")) +
-               (i == 0 && front ? "set key horizontal at screen 0.985, screen 0.995 right top maxrows 1\n"
+               (i == 0 && front ? "set key horizontal at screen 0.985, screen 0.995 right top width -3 maxrows 1\n"
                                 : "unset key\n") +
                "set xlabel offset 0,0.4\n" + range('x', front ? middle_m.y() : -middle_m.x(), half_wide_m) +
                range('y', middle_m.z(), half_high_m),

@@ -24,10 +24,11 @@ h2 { font-size: 1.25rem; margin: 2.2rem 0 .5rem; overflow-wrap: anywhere; }
 h3 { font-size: 1.02rem; margin: 0 0 .5rem; }
 .facts { color: #555; margin: .4rem 0 1rem; }
 .wide { overflow-x: auto; }
+.wide + .wide { margin-top: 1rem; }
 table { border-collapse: collapse; font-size: .9rem; font-variant-numeric: tabular-nums; }
 th, td { padding: .3rem .65rem; border-bottom: 1px solid #e2e2e2; text-align: right; }
 td { white-space: nowrap; }
-thead th { font-weight: 600; color: #555; vertical-align: bottom; text-align: center; }
+thead th { font-weight: 600; color: #555; vertical-align: bottom; text-align: center; white-space: nowrap; }
 tbody th { text-align: left; font-weight: 500; white-space: nowrap; }
 small { color: #666; }
 .none { color: #999; }

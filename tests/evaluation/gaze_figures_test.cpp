@@ -74,7 +74,7 @@ TEST(GazeOverTime, TellsErrorSpeedTargetsAndWhichOfThemAreWrong) {
   const MadeUpRun run;
   const Figure figure = gaze_over_time_figure("a", run.tables(), Camera{}, 250'000, 0);
   EXPECT_EQ(nesting_problem(figure.svg), "");
-  const auto error = rows_of(figure.csv, "ball off the eye's axis,");
+  const auto error = rows_of(figure.csv, "fixation error,");
   ASSERT_EQ(error.size(), 1000U);
   EXPECT_NEAR(error[99][1], 10.0, 1e-6);
   EXPECT_NEAR(error[899][1], 1.0, 1e-6);
