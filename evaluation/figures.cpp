@@ -249,6 +249,7 @@ Figure rate_over_speed_figure(std::string_view name, std::span<const DetectorSpe
   const double bin_ratio = bounds[2] / bounds[1];
   std::vector<Series> series;
   double fastest = bounds[1];
+  double most_hz = frame_camera_hz;
   bool frames = false;
   for (const auto& [detector, counts] : detectors) {
     frames |= detector.name == frame_camera;
@@ -259,7 +260,9 @@ Figure rate_over_speed_figure(std::string_view name, std::span<const DetectorSpe
       const double to = bin + 1 < bounds.size() ? bounds[bin + 1] : bounds[bin] * bin_ratio;
       points.push_back(
           {std::sqrt(from * to), rate_hz.value_or(nan), static_cast<double>(counts.chances[bin]) * 1e-3});
-      if (rate_hz) fastest = std::max(fastest, to);
+      if (!rate_hz) continue;
+      fastest = std::max(fastest, to);
+      most_hz = std::max(most_hz, *rate_hz);
     }
     series.push_back({.title = detector.name,
                       .style = fmt::format("linespoints pt 7 ps 0.5 lw 2 lc rgb '{}'", detector.colour),
@@ -274,8 +277,8 @@ Figure rate_over_speed_figure(std::string_view name, std::span<const DetectorSpe
        .z_label = "time at that speed [s]",
        .commands = fmt::format(
            "set logscale x\nset xrange [{:.6g}:{:.6g}]\nset xtics ('below 10' {:.6g}, 20, 40, 80, "
-           "160, 320, 640, 1280)\nset yrange [0:1050]\nset key outside right top\n",
-           slowest, fastest, std::sqrt(slowest * bounds[1])),
+           "160, 320, 640, 1280)\nset yrange [0:{:.6g}]\nset key outside right top\n",
+           slowest, fastest, std::sqrt(slowest * bounds[1]), std::min(1050.0, 1.15 * most_hz)),
        .series = std::move(series)});
   return figure.draw();
 }

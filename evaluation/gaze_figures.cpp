@@ -206,7 +206,7 @@ Eigen::AlignedBox3d box_of(const std::vector<std::vector<Path>>& places) {
 constexpr int place_left_px = 66;
 constexpr int place_gap_px = 84;
 constexpr int place_panel_px = (width - place_left_px - place_gap_px - 14) / 2;
-constexpr int place_top_px = 52;
+constexpr int place_top_px = 78;
 constexpr int place_bottom_px = 64;
 constexpr int place_between_px = 92;
 constexpr double smallest_half_m = 0.15;
