@@ -5,7 +5,7 @@
 namespace saccade {
 
 /// Writes `report.html` and the numbers of its figures, `figures/NAME.csv`, into a run folder from what the
-/// folder holds: metrics.json (needed), truth.csv, detections.csv, gaze.csv, the events, and the pictures that
+/// folder holds: metrics.json (needed), truth.csv, detections.csv, gaze.csv, eye.csv, the events, and the pictures that
 /// the run saved as `frames/<t_us>_eye.png` (grey, of the camera's size), `frames/<t_us>_scene.png` (colour,
 /// third person) and `frames/<t_us>_<detector>_hough_<max>.png` (grey, of the camera's size, 255 standing for
 /// `max`). What is not there is left out of the page. Without saved pictures the strip shows the events alone
