@@ -26,8 +26,9 @@ Eigen::Vector3d direction(double right_deg) {
   return {-std::cos(angle), std::sin(angle), 0.0};
 }
 
-/// A ball half a metre before an eye at the root's origin, 10 deg to the right, that the eye looks at after a jump in 50
-/// ms at 200 ms; a right target then, one that is far from the ball at 600 ms, and the right one again.
+/// A ball half a metre before an eye at the root's origin, 10 deg to the right; the eye turns 9 deg to the right in
+/// the 50 ms from 200 ms on. A target on the ball from 200 ms on, one far from it at 600 ms, that on the ball again at
+/// 700 ms.
 struct MadeUpRun {
   std::vector<TruthRow> truth;
   std::vector<GazeRow> gaze;
