@@ -83,11 +83,23 @@ void play(ReplayRobot& robot, Loop& loop, DetectionRecorder& recorder, std::span
 /// What is played: a bare recording, or a run folder with its camera, joints and truth.
 struct Played {
   std::filesystem::path events;
+  Eye eye = Eye::left;
   MountedCamera camera{Camera{}.without_lens(), {}};  // nothing is known of the camera of a bare recording
   std::optional<RecordedHead> head;
   std::vector<TruthRow> truth;
   Chances chances = Chances::annotated;
 };
+
+/// The eye whose events the detectors get: as the option says, else the left one, but for a recording that begins
+/// with a block of the right one's alone.
+Eye played_eye(const DetectOptions& options, const std::filesystem::path& events) {
+  if (options.read.camera) return static_cast<Eye>(*options.read.camera);
+  std::vector<Event> block;
+  open_event_file(events, options.read)->read(block, 1 << 16);
+  const bool right =
+      !block.empty() && std::ranges::all_of(block, [](const Event& e) { return e.camera == 1; });
+  return right ? Eye::right : Eye::left;
+}
 
 Played open_played(const DetectOptions& options) {
   Played played;
@@ -96,16 +108,24 @@ Played open_played(const DetectOptions& options) {
   if (std::filesystem::is_directory(options.recording)) {
     const Metrics metrics = read_metrics(options.recording / "metrics.json");
     played.events = options.recording / metrics.events_file;
-    if (metrics.camera) played.camera = metrics.calibration.value_or(MountedCamera{*metrics.camera, {}});
+    played.eye = played_eye(options, played.events);
+    const bool right = played.eye == Eye::right;
+    if (right && metrics.right_eye) {
+      played.camera = metrics.right_eye->calibration;
+    } else if (metrics.camera) {
+      played.camera = metrics.calibration.value_or(MountedCamera{*metrics.camera, {}});
+    }
     const std::filesystem::path joints = options.recording / "joints.csv";
     // Nobody commands the head, so nobody asks for its limits.
     if (std::filesystem::exists(joints))
       played.head.emplace(RecordedHead{TableReader<JointsRow>(joints), {}});
-    const std::filesystem::path own_truth = options.recording / "truth.csv";
+    const std::filesystem::path own_truth = options.recording / (right ? "truth_right.csv" : "truth.csv");
     if (truth.empty() && std::filesystem::exists(own_truth)) {
       truth = own_truth;
       if (metrics.seed) played.chances = Chances::simulated;
     }
+  } else {
+    played.eye = played_eye(options, played.events);
   }
   if (!truth.empty()) played.truth = read_table<TruthRow>(truth);
   return played;
@@ -116,13 +136,15 @@ int detect(const DetectOptions& options) {
   Played played = open_played(options);
   const std::vector<TruthRow>& truth = played.truth;
   const bool annotated = !truth.empty() && played.chances == Chances::annotated;
-  ReplayRobot robot(open_event_file(played.events, options.read), std::move(played.head));
+  EventReadOptions read = options.read;
+  read.camera = static_cast<std::uint8_t>(played.eye);
+  ReplayRobot robot(open_event_file(played.events, read), std::move(played.head));
   MountedCamera camera = played.camera;
   camera.camera.size = robot.image_size();
 
   std::vector<LoopDetector> detectors;
   for (const auto& [name, config] : named) detectors.push_back({name, make_detector(config, camera.camera)});
-  Loop loop(robot, robot, robot.head(), camera, std::move(detectors), std::nullopt);
+  Loop loop(robot, robot, robot.head(), camera, std::move(detectors), std::nullopt, played.eye);
   DetectionRecorder recorder(loop);
   if (!options.out.empty()) prepare_run_folder(options.out, options.force);
 
@@ -148,6 +170,7 @@ int detect(const DetectOptions& options) {
   metrics.wall_s = wall_s;
   metrics.event_count = recorder.event_count();
   metrics.events_file = std::filesystem::absolute(played.events).string();
+  metrics.events_camera = read.camera;
   metrics.image = camera.camera.size;
   for (std::size_t i = 0; i < named.size(); ++i) {
     DetectorScore score = score_detector(truth, recorder.rows(), named[i].first,

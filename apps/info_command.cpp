@@ -12,13 +12,14 @@ namespace {
 int info(const ReadOptions& options) {
   const auto reader = open_event_file(options.recording, options.read);
   std::vector<Event> block;
-  std::int64_t count = 0, on = 0, back_in_time = 0, longest_gap_us = 0;
+  std::int64_t count = 0, right = 0, on = 0, back_in_time = 0, longest_gap_us = 0;
   Event first, last;
   int width = 0, height = 0;
   for (block.reserve(1 << 16); reader->read(block, 1 << 16) > 0; block.clear()) {
     for (const Event& event : block) {
       if (count == 0) first = last = event;
       on += event.on ? 1 : 0;
+      right += event.camera == 1 ? 1 : 0;
       back_in_time += event.t_us < last.t_us ? 1 : 0;
       longest_gap_us = std::max(longest_gap_us, event.t_us - last.t_us);
       width = std::max(width, event.x + 1);
@@ -33,6 +34,7 @@ int info(const ReadOptions& options) {
   fmt::print("image          {}\n", size ? fmt::format("{} x {}", size->width, size->height)
                                          : fmt::format("not told; events reach {} x {}", width, height));
   fmt::print("events         {}\n", count);
+  if (right > 0) fmt::print("left : right   {} : {}\n", count - right, right);
   if (!reader->passed_over().empty()) fmt::print("passed over    {}\n", reader->passed_over());
   if (count == 0) return 0;
   fmt::print("time           {} us to {} us, {:.6f} s\n", first.t_us, last.t_us, duration_s);

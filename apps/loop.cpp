@@ -1,22 +1,26 @@
 #include "apps/loop.h"
 
+#include <algorithm>
 #include <chrono>
+#include <iterator>
 
 #include "control/head_kinematics.h"
 
 namespace saccade {
 
 Loop::Loop(Clock& clock, EventSource& events, HeadPort* head, const MountedCamera& camera,
-           std::vector<LoopDetector> detectors, std::optional<LoopGaze> gaze)
+           std::vector<LoopDetector> detectors, std::optional<LoopGaze> gaze, Eye eye)
     : clock_(clock),
       source_(events),
       head_(head),
+      eye_(eye),
       camera_(camera.camera),
       eye_from_camera_(camera.mount.eye_from_camera()),
       detectors_(std::move(detectors)),
       gaze_(std::move(gaze)),
       results_(detectors_.size()),
       last_t_us_(clock.now_us()) {
+  SACCADE_CHECK(!gaze_ || eye_ == Eye::left);
   SACCADE_CHECK(!gaze_ || (head_ != nullptr && gaze_->driver.value_or(0) < detectors_.size()));
   if (gaze_) check_config("gaze", gaze_->lost);
   if (gaze_ && gaze_->driver) phase_ = GazePhase::searching;
@@ -30,13 +34,16 @@ PortStatus Loop::tick(std::int64_t t_us, LoopObserver& observer) {
   if (need(clock_.wait_until(t_us), "clock") == PortStatus::ended) return PortStatus::ended;
   events_.clear();
   const PortStatus status = need(source_.read_until(t_us, events_), "event camera");
+  seen_events_.clear();
+  std::ranges::copy_if(events_, std::back_inserter(seen_events_),
+                       [this](const Event& e) { return e.camera == static_cast<std::uint8_t>(eye_); });
 
   Tick tick;
   tick.t_us = t_us;
   std::optional<CameraMotion> known_motion;
   if (head_ != nullptr) {
     need(head_->read(tick.head.emplace()), "head");
-    if (is_finite(*tick.head)) known_motion = camera_motion(*tick.head, Eye::left, eye_from_camera_);
+    if (is_finite(*tick.head)) known_motion = camera_motion(*tick.head, eye_, eye_from_camera_);
   }
   const CameraMotion* motion = known_motion ? &*known_motion : nullptr;
   detect(t_us, motion);
@@ -52,11 +59,11 @@ void Loop::detect(std::int64_t t_us, const CameraMotion* motion) {
   for (std::size_t i = 0; i < detectors_.size(); ++i) {
     Detector& detector = *detectors_[i].detector;
     const auto begin = std::chrono::steady_clock::now();
-    detector.process(events_, motion);
+    detector.process(seen_events_, motion);
     detector.advance_to(t_us, motion);
     const Estimate estimate = detector.estimate();
     const auto end = std::chrono::steady_clock::now();
-    results_[i] = {estimate, estimate.valid && (!events_.empty() || estimate.held),
+    results_[i] = {estimate, estimate.valid && (!seen_events_.empty() || estimate.held),
                    std::chrono::duration_cast<std::chrono::nanoseconds>(end - begin).count()};
   }
 }

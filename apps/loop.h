@@ -15,7 +15,7 @@
 
 namespace saccade {
 
-/// A detector in the loop. All of them see the same events; one drives the gaze, the others shadow it.
+/// A detector in the loop. All of them see the events of the same eye; one drives the gaze, the others shadow it.
 struct LoopDetector {
   std::string name;
   std::unique_ptr<Detector> detector;
@@ -49,7 +49,7 @@ struct DetectorTick {
 /// Everything that happened in one tick; valid until the next one.
 struct Tick {
   std::int64_t t_us = 0;
-  std::span<const Event> events;            ///< delivered in this tick
+  std::span<const Event> events;            ///< delivered in this tick, of both eyes
   std::span<const DetectorTick> detectors;  ///< in the order of the loop's detectors
   std::optional<HeadState> head;  ///< not finite where a sensor fails; then nothing is detected or followed
   std::optional<Eigen::Vector3d> new_target_m;      ///< handed to the controller in this tick, root frame
@@ -73,10 +73,10 @@ class LoopObserver {
 class Loop {
  public:
   /// `head` may be null (a bare recording): then there is no gaze and no camera motion.
-  /// `camera` is what is believed of the camera.
+  /// Detectors look through `eye`, which gaze needs to be the left one; `camera` is what is believed of its camera.
   /// `gaze` is absent where the head is not to be moved.
   Loop(Clock& clock, EventSource& events, HeadPort* head, const MountedCamera& camera,
-       std::vector<LoopDetector> detectors, std::optional<LoopGaze> gaze);
+       std::vector<LoopDetector> detectors, std::optional<LoopGaze> gaze, Eye eye = Eye::left);
 
   /// Waits for t_us (later than the last one) and does one tick. `ended` when the world has no more: after
   /// the tick with the last events, or at once, without a tick.
@@ -93,11 +93,13 @@ class Loop {
   Clock& clock_;
   EventSource& source_;
   HeadPort* head_;
+  Eye eye_;
   Camera camera_;
   Eigen::Isometry3d eye_from_camera_;
   std::vector<LoopDetector> detectors_;
   std::optional<LoopGaze> gaze_;
   std::vector<Event> events_;
+  std::vector<Event> seen_events_;  // of them those of eye_
   std::vector<DetectorTick> results_;
   std::optional<Eigen::Vector3d> target_m_;
   std::int64_t seen_us_ = 0;

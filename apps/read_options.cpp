@@ -1,6 +1,7 @@
 #include "apps/read_options.h"
 
 #include <charconv>
+#include <map>
 
 #include "core/error.h"
 
@@ -27,8 +28,16 @@ void add_read_options(CLI::App& command, const char* name, const char* meaning, 
   command.add_option_function<std::string>(
       "--size", [&options](const std::string& text) { options.read.image_size = parse_size(text); },
       "Image size WIDTHxHEIGHT, where the file does not tell it");
-  command.add_option("--columns", options.read.columns, "Order of a text file's columns, out of t, x, y, p")
+  command
+      .add_option("--columns", options.read.columns,
+                  "Order of a text file's columns, out of t, x, y, p and c, the camera")
       ->capture_default_str();
+  const std::map<std::string, std::uint8_t> cameras = {{"left", 0}, {"right", 1}};
+  command
+      .add_option_function<std::string>(
+          "--camera", [&options, cameras](const std::string& eye) { options.read.camera = cameras.at(eye); },
+          "Of a recording of two cameras: left or right alone")
+      ->check(CLI::IsMember({"left", "right"}));
 }
 
 }  // namespace saccade

@@ -14,7 +14,7 @@ struct ReadOptions {
   EventReadOptions read;
 };
 
-/// Adds the recording (positional, `name`), --size and --columns. Both must outlive the parsing.
+/// Adds the recording (positional, `name`), --size, --columns and --camera. Both must outlive the parsing.
 void add_read_options(CLI::App& command, const char* name, const char* meaning, ReadOptions& options);
 
 }  // namespace saccade

@@ -32,9 +32,9 @@ constexpr std::array<std::string_view, 4> cause_names = {"signal", "leak", "shot
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-GazeScoringConfig gaze_scoring(const Scenario& scenario, const JointLimits& limits) {
+GazeScoringConfig gaze_scoring(const Scenario& scenario, const Camera& camera, const JointLimits& limits) {
   GazeScoringConfig config;
-  config.camera = scenario.sim.camera;
+  config.camera = camera;
   config.limits = limits;
   for (const auto& [name, detector] : scenario.detectors) {
     const bool paper = name == scenario.gaze.detector && detector.preset.starts_with("paper");
@@ -57,6 +57,18 @@ std::string window_in_words(const DetectorConfig& config) {
   return {};
 }
 
+/// The ball in an eye's image, as a row of its truth table.
+TruthRow truth_row(const SimTruth& truth, const EyeTruth& eye) {
+  return {truth.t_us, eye.circle.value_or(Circle{nan, nan, nan}), eye.visible, truth.ball_m};
+}
+
+cv::Mat grey_picture(const SimEye& eye) {
+  const ImageSize size = eye.camera().size;
+  cv::Mat grey;
+  cv::Mat(size.height, size.width, CV_32F, const_cast<float*>(eye.image().data())).convertTo(grey, CV_8U);
+  return grey;
+}
+
 void write_png(const std::filesystem::path& path, const cv::Mat& picture) {
   std::vector<unsigned char> png;
   cv::imencode(".png", picture, png);
@@ -74,13 +86,14 @@ RunRecorder::RunRecorder(std::filesystem::path folder, const Scenario& scenario,
       robot_(robot),
       loop_(loop),
       events_name_("events." + scenario.output.events),
-      events_(create_event_file(folder_ / events_name_, scenario.sim.camera.size)),
+      events_(create_event_file(folder_ / events_name_, scenario.sim.camera.size,
+                                scenario.sim.both_eyes() ? 2 : 1)),
       joints_(folder_ / "joints.csv"),
       truth_table_(folder_ / "truth.csv"),
       detection_table_(folder_ / "detections.csv"),
       gaze_table_(folder_ / "gaze.csv"),
       eye_table_(folder_ / "eye.csv"),
-      gaze_scorer_(gaze_scoring(scenario, robot.limits())),
+      gaze_scorer_(gaze_scoring(scenario, scenario.sim.camera, robot.limits())),
       detector_ns_(scenario.detectors.size(), 0) {
   const auto duration_us = std::llround(scenario.run.duration_s * 1e6);
   for (std::int64_t i = 0; i < scenario.output.pictures; ++i) {
@@ -89,6 +102,10 @@ RunRecorder::RunRecorder(std::filesystem::path folder, const Scenario& scenario,
   }
   if (!picture_times_us_.empty()) std::filesystem::create_directories(folder_ / "frames");
   if (scenario.sim.labels) label_table_.emplace(folder_ / "labels.csv");
+  if (scenario.sim.both_eyes()) {
+    right_eye_.emplace(folder_, gaze_scoring(scenario, scenario.sim.right.camera, robot.limits()));
+    if (scenario.sim.labels) right_eye_->label_table.emplace(folder_ / "labels_right.csv");
+  }
   if (scenario.output.video) video_.emplace(folder_ / "video.mp4");
   if (const auto& frames = scenario.frame_30hz) {
     frame_detector_.emplace(*frames, scenario.sim.world.ball.rgb, scenario.sim.camera);
@@ -112,9 +129,8 @@ void RunRecorder::record_tables(const Tick& tick) {
   joints_.write({tick.t_us, tick.head->position_rad});
 
   const SimTruth& truth = robot_.truth();
-  const TruthRow row{tick.t_us, truth.circle.value_or(Circle{nan, nan, nan}), truth.visible, truth.ball_m};
-  truth_table_.write(row);
-  truth_.push_back(row);
+  truth_.push_back(truth_row(truth, truth.left));
+  truth_table_.write(truth_.back());
 
   for (std::size_t i = 0; i < tick.detectors.size(); ++i) {
     const DetectorTick& seen = tick.detectors[i];
@@ -130,9 +146,20 @@ void RunRecorder::record_tables(const Tick& tick) {
   const Eigen::Vector3d none = Eigen::Vector3d::Constant(nan);
   gaze_table_.write({tick.t_us, fixation.valid ? fixation.point_m : none, tick.target_m.value_or(none),
                      tick.head->position_rad});
-  eye_table_.write(EyeRow::of(tick.t_us, truth.root_from_left_cam));
+  eye_table_.write(EyeRow::of(tick.t_us, truth.left.root_from_cam));
   gaze_scorer_.add(
-      {tick.t_us, truth.root_from_left_cam, truth.ball_m, tick.target_m, truth.plant_position_rad});
+      {tick.t_us, truth.left.root_from_cam, truth.ball_m, tick.target_m, truth.plant_position_rad});
+  if (right_eye_) record_right_eye(tick);
+}
+
+void RunRecorder::record_right_eye(const Tick& tick) {
+  RightEye& eye = *right_eye_;
+  const SimTruth& truth = robot_.truth();
+  eye.event_count += std::ranges::count_if(tick.events, [](const Event& e) { return e.camera == 1; });
+  eye.truth.push_back(truth_row(truth, *truth.right));
+  eye.truth_table.write(eye.truth.back());
+  eye.gaze_scorer.add(
+      {tick.t_us, truth.right->root_from_cam, truth.ball_m, tick.target_m, truth.plant_position_rad});
 }
 
 void RunRecorder::record_labels(std::span<const Event> events) {
@@ -146,6 +173,10 @@ void RunRecorder::record_labels(std::span<const Event> events) {
     row.on = events[i].on;
     row.cause = cause_names.at(static_cast<std::size_t>(labels[i].cause));
     row.object = scene_object_names.at(labels[i].object - 1U);
+    if (events[i].camera == 1) {
+      right_eye_->label_table->write(row);
+      continue;
+    }
     label_table_->write(row);
     clutter_.add(row);
   }
@@ -157,7 +188,8 @@ EyePicture RunRecorder::eye_picture(const Tick& tick, const cv::Mat& grey) const
   eye.size = scenario_.sim.camera.size;
   eye.grey = grey;
   eye.events = recent_events_;
-  if (robot_.truth().visible > 0.0) eye.truth = robot_.truth().circle;
+  const EyeTruth& truth = robot_.truth().left;
+  if (truth.visible > 0.0) eye.truth = truth.circle;
   for (std::size_t i = 0; i < tick.detectors.size(); ++i) {
     const DetectorTick& seen = tick.detectors[i];
     if (!seen.observed || seen.estimate.score < loop_.detectors()[i].detector->threshold()) continue;
@@ -165,8 +197,7 @@ EyePicture RunRecorder::eye_picture(const Tick& tick, const cv::Mat& grey) const
   }
   eye.principal_px = Eigen::Vector2d(scenario_.sim.camera.cx_px, scenario_.sim.camera.cy_px);
   if (tick.target_m) {
-    eye.target_px =
-        scenario_.sim.camera.project(robot_.truth().root_from_left_cam.inverse() * *tick.target_m);
+    eye.target_px = scenario_.sim.camera.project(truth.root_from_cam.inverse() * *tick.target_m);
   }
   return eye;
 }
@@ -187,21 +218,23 @@ void RunRecorder::take_pictures(const Tick& tick) {
   const bool still = std::binary_search(picture_times_us_.begin(), picture_times_us_.end(), tick.t_us);
   const bool film = video_ && video_->wants(tick.t_us);
   if (video_ || !picture_times_us_.empty()) {
-    recent_events_.insert(recent_events_.end(), tick.events.begin(), tick.events.end());
+    std::ranges::copy_if(tick.events, std::back_inserter(recent_events_),
+                         [](const Event& e) { return e.camera == 0; });
     std::erase_if(recent_events_, [&](const Event& e) { return e.t_us <= tick.t_us - picture_window_us; });
   }
   if (!still && !film) return;
 
-  const ImageSize size = scenario_.sim.camera.size;
-  cv::Mat grey;
-  cv::Mat(size.height, size.width, CV_32F, const_cast<float*>(robot_.left_image().data()))
-      .convertTo(grey, CV_8U);
+  const cv::Mat grey = grey_picture(robot_.left_eye());
   cv::Mat scene(scene_size.height, scene_size.width, CV_8UC3);
   robot_.draw_scene(profile(), scene_size,
                     std::span(scene.data, static_cast<std::size_t>(scene_size.pixels()) * 3));
   cv::cvtColor(scene, scene, cv::COLOR_RGB2BGR);
   if (still) {
     write_png(folder_ / "frames" / fmt::format("{:09}_eye.png", tick.t_us), grey);
+    if (right_eye_) {
+      write_png(folder_ / "frames" / fmt::format("{:09}_right_eye.png", tick.t_us),
+                grey_picture(*robot_.right_eye()));
+    }
     write_png(folder_ / "frames" / fmt::format("{:09}_scene.png", tick.t_us), scene);
     save_hough_spaces(tick.t_us);
   }
@@ -245,6 +278,21 @@ GazeMetrics RunRecorder::gaze_metrics(const Metrics& metrics) const {
   return gaze;
 }
 
+RightEyeMetrics RunRecorder::right_eye_metrics() const {
+  RightEyeMetrics eye;
+  eye.event_count = right_eye_->event_count;
+  eye.events_dropped = robot_.right_eye()->counts().dropped;
+  eye.camera = scenario_.sim.right.camera;
+  eye.calibration = scenario_.sim.right;
+  if (scenario_.gaze.detector != "none") {
+    const GazeScore score = right_eye_->gaze_scorer.score();
+    eye.fixation_error_deg = score.fixation_error_deg;
+    eye.on_target_ratio = score.on_target_ratio;
+    eye.in_view_ratio = score.in_view_ratio;
+  }
+  return eye;
+}
+
 Metrics RunRecorder::finish(double wall_s, std::vector<std::pair<std::string, std::string>> settings) {
   events_->commit();
   joints_.commit();
@@ -253,6 +301,10 @@ Metrics RunRecorder::finish(double wall_s, std::vector<std::pair<std::string, st
   gaze_table_.commit();
   eye_table_.commit();
   if (label_table_) label_table_->commit();
+  if (right_eye_) {
+    right_eye_->truth_table.commit();
+    if (right_eye_->label_table) right_eye_->label_table->commit();
+  }
   if (video_) video_->commit();
 
   Metrics metrics;
@@ -262,17 +314,18 @@ Metrics RunRecorder::finish(double wall_s, std::vector<std::pair<std::string, st
   metrics.duration_s = static_cast<double>(now_us_) * 1e-6;
   metrics.wall_s = wall_s;
   metrics.event_count = event_count_;
-  metrics.events_dropped = robot_.emulator_counts().dropped;
+  metrics.events_dropped = robot_.left_eye().counts().dropped;
   metrics.events_file = events_name_;
   metrics.image = scenario_.sim.camera.size;
   metrics.camera = scenario_.sim.camera;
   metrics.calibration = scenario_.calibration;
+  const std::int64_t left_events = event_count_ - (right_eye_ ? right_eye_->event_count : 0);
   for (std::size_t i = 0; i < loop_.detectors().size(); ++i) {
     const LoopDetector& detector = loop_.detectors()[i];
     DetectorScore score = score_detector(truth_, detections_, detector.name, detector.detector->threshold(),
                                          Chances::simulated);
-    if (event_count_ > 0) {
-      score.us_per_event = static_cast<double>(detector_ns_[i]) * 1e-3 / static_cast<double>(event_count_);
+    if (left_events > 0) {
+      score.us_per_event = static_cast<double>(detector_ns_[i]) * 1e-3 / static_cast<double>(left_events);
     }
     score.rejected_events = detector.detector->rejected();
     metrics.detectors.emplace_back(detector.name, std::move(score));
@@ -292,6 +345,7 @@ Metrics RunRecorder::finish(double wall_s, std::vector<std::pair<std::string, st
   if (scenario_.gaze.detector != "none") {
     metrics.gaze = gaze_metrics(metrics);
   }
+  if (right_eye_) metrics.right_eye = right_eye_metrics();
   write_metrics(folder_ / "metrics.json", metrics);
   return metrics;
 }

@@ -34,10 +34,12 @@ class RunRecorder final : public LoopObserver {
 
  private:
   void record_tables(const Tick& tick);
+  void record_right_eye(const Tick& tick);
   void record_labels(std::span<const Event> events);
   void take_pictures(const Tick& tick);
   void watch_frames(std::int64_t t_us);
   [[nodiscard]] GazeMetrics gaze_metrics(const Metrics& metrics) const;
+  [[nodiscard]] RightEyeMetrics right_eye_metrics() const;
   void save_hough_spaces(std::int64_t t_us) const;
   [[nodiscard]] EyePicture eye_picture(const Tick& tick, const cv::Mat& grey) const;
 
@@ -53,13 +55,24 @@ class RunRecorder final : public LoopObserver {
   TableWriter<GazeRow> gaze_table_;
   TableWriter<EyeRow> eye_table_;
   std::optional<TableWriter<LabelRow>> label_table_;
+  struct RightEye {
+    RightEye(const std::filesystem::path& folder, const GazeScoringConfig& scoring)
+        : truth_table(folder / "truth_right.csv"), gaze_scorer(scoring) {}
+
+    TableWriter<TruthRow> truth_table;
+    std::optional<TableWriter<LabelRow>> label_table;
+    GazeScorer gaze_scorer;
+    std::vector<TruthRow> truth;
+    std::int64_t event_count = 0;
+  };
+  std::optional<RightEye> right_eye_;  // where it sees
   GazeScorer gaze_scorer_;
   ClutterCounter clutter_;
   std::vector<double> clutter_in_window_;  // per row of truth_; only with labels
   std::vector<TruthRow> truth_;
   std::vector<DetectionRow> detections_;
   std::vector<std::int64_t> detector_ns_;
-  std::int64_t event_count_ = 0;
+  std::int64_t event_count_ = 0;  // of both eyes
   std::int64_t now_us_ = 0;
   std::vector<Event> recent_events_;  // of the last few ms, for pictures
   std::vector<std::int64_t> picture_times_us_;

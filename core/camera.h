@@ -63,6 +63,10 @@ struct Camera {
   friend bool operator==(const Camera&, const Camera&) = default;
 };
 
+/// Right DVS128 of iCubGenova02 (icubEyes_DVS.ini, 2016).
+inline constexpr Camera right_dvs128{{128, 128}, 99.8,     99.8,        59.336,     63.761,
+                                     -0.219021,  0.085382, -0.00071211, -0.00171136};
+
 /// Keys: width_px, height_px, fx_px, fy_px, cx_px, cy_px, k1, k2, p1, p2. The lens must be invertible: every
 /// pixel up to the image's border has a ray, and around it the lens turns nothing inside out.
 void describe(FieldVisitor& v, Camera& camera);

@@ -238,6 +238,40 @@ MountedCamera mounted_camera(const Json& json) {
            mount.at("rotation_deg").get<std::vector<double>>()}};
 }
 
+template <class Scores>
+Json json_of_all(const Scores& scores) {
+  Json detectors = Json::object();
+  for (const auto& [name, score] : scores) detectors[name] = json_of(score);
+  return detectors;
+}
+
+std::vector<std::pair<std::string, DetectorScore>> detector_scores(const Json& json) {
+  std::vector<std::pair<std::string, DetectorScore>> scores;
+  for (const auto& [name, score] : json.items()) scores.emplace_back(name, detector_score(score));
+  return scores;
+}
+
+Json json_of(const RightEyeMetrics& eye) {
+  return {{"events", {{"count", eye.event_count}, {"dropped", json_of(eye.events_dropped)}}},
+          {"camera", json_of(eye.camera.size, eye.camera)},
+          {"calibration", json_of(eye.calibration)},
+          {"fixation_error_deg", json_of(eye.fixation_error_deg)},
+          {"on_target_ratio", json_of(eye.on_target_ratio)},
+          {"in_view_ratio", json_of(eye.in_view_ratio)},
+          {"detectors", json_of_all(eye.detectors)}};
+}
+
+RightEyeMetrics right_eye_metrics(const Json& json) {
+  return {.event_count = json.at("events").at("count").get<std::int64_t>(),
+          .events_dropped = integer(json.at("events").at("dropped")),
+          .camera = camera_of(json.at("camera")),
+          .calibration = mounted_camera(json.at("calibration")),
+          .fixation_error_deg = spread(json.at("fixation_error_deg")),
+          .on_target_ratio = number(json.at("on_target_ratio")),
+          .in_view_ratio = number(json.at("in_view_ratio")),
+          .detectors = detector_scores(json.at("detectors"))};
+}
+
 Metrics metrics_of(const Json& json) {
   Metrics metrics;
   metrics.scenario = json.at("scenario").get<std::string>();
@@ -253,9 +287,9 @@ Metrics metrics_of(const Json& json) {
   metrics.event_count = events.at("count").get<std::int64_t>();
   metrics.events_dropped = integer(events.at("dropped"));
   metrics.events_file = events.at("file").get<std::string>();
-  for (const auto& [name, score] : json.at("detectors").items()) {
-    metrics.detectors.emplace_back(name, detector_score(score));
-  }
+  if (const auto camera = events.find("camera"); camera != events.end())
+    metrics.events_camera = *camera == "right" ? 1 : 0;
+  metrics.detectors = detector_scores(json.at("detectors"));
   if (!json.at("gaze").is_null()) {
     metrics.gaze = gaze_metrics(json.at("gaze"));
   }
@@ -266,6 +300,7 @@ Metrics metrics_of(const Json& json) {
   if (!camera.at("fx_px").is_null()) metrics.camera = camera_of(camera);
   if (const auto calibration = json.find("calibration"); calibration != json.end())
     metrics.calibration = mounted_camera(*calibration);
+  if (const auto eye = json.find("right_eye"); eye != json.end()) metrics.right_eye = right_eye_metrics(*eye);
   return metrics;
 }
 
@@ -275,10 +310,6 @@ std::string metrics_to_json(const Metrics& metrics) {
   const auto per_second = [](double value, double time_s) {
     return time_s > 0.0 ? std::optional(value / time_s) : std::nullopt;
   };
-  Json detectors = Json::object();
-  for (const auto& [name, score] : metrics.detectors) {
-    detectors[name] = json_of(score);
-  }
   Json settings = Json::object();
   for (const auto& [key, value] : metrics.settings) {
     settings[key] = value;
@@ -295,13 +326,15 @@ std::string metrics_to_json(const Metrics& metrics) {
         {"rate_hz", json_of(per_second(static_cast<double>(metrics.event_count), metrics.duration_s))},
         {"dropped", json_of(metrics.events_dropped)},
         {"file", metrics.events_file}}},
-      {"detectors", std::move(detectors)},
+      {"detectors", json_of_all(metrics.detectors)},
       {"gaze", metrics.gaze ? json_of(*metrics.gaze) : Json(nullptr)},
       {"camera", json_of(metrics.image, metrics.camera)},
       {"start_us", metrics.start_us},
       {"settings", std::move(settings)}};
+  if (metrics.events_camera) json["events"]["camera"] = *metrics.events_camera == 0 ? "left" : "right";
   if (metrics.calibration) json["calibration"] = json_of(*metrics.calibration);
   if (metrics.clutter) json["clutter"] = json_of(*metrics.clutter);
+  if (metrics.right_eye) json["right_eye"] = json_of(*metrics.right_eye);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -54,15 +54,18 @@ struct SavedResponse {
 struct Frame {
   std::int64_t t_us = 0;
   fs::path eye;  ///< empty where the run saved none
+  fs::path right_eye;
   fs::path scene;
   std::map<std::size_t, SavedResponse> responses;  ///< by the detector's index in the metrics
   std::vector<Event> events;
+  std::vector<Event> other_events;  ///< the other eye's, where there is one
 };
 
 struct Run {
   fs::path folder;
   Metrics metrics;
   std::vector<TruthRow> truth;
+  std::vector<TruthRow> right_truth;
   std::vector<DetectionRow> detections;
   std::vector<GazeRow> gaze;
   std::vector<EyeRow> eye;
@@ -109,7 +112,7 @@ std::optional<std::pair<std::size_t, double>> response_in(std::string_view kind,
   return std::nullopt;
 }
 
-/// Pictures saved as <t_us>_eye.png, <t_us>_scene.png and <t_us>_<detector>_hough_<max>.png.
+/// Pictures saved as <t_us>_eye.png, <t_us>_right_eye.png, <t_us>_scene.png and <t_us>_<detector>_hough_<max>.png.
 std::vector<Frame> saved_frames(const fs::path& folder, const Metrics& metrics) {
   std::map<std::int64_t, Frame> frames;
   if (fs::is_directory(folder)) {
@@ -120,13 +123,15 @@ std::vector<Frame> saved_frames(const fs::path& folder, const Metrics& metrics) 
       if (number.ec != std::errc{}) continue;
       const std::string_view kind(number.ptr, name.data() + name.size());
       const auto response = response_in(kind, metrics);
-      if (kind != "_eye.png" && kind != "_scene.png" && !response) continue;
+      const bool eye = kind == "_eye.png";
+      const bool right_eye = kind == "_right_eye.png";
+      if (!eye && !right_eye && kind != "_scene.png" && !response) continue;
       Frame& frame = frames[t_us];
       frame.t_us = t_us;
       if (response) {
         frame.responses[response->first] = {entry.path(), response->second};
       } else {
-        (kind == "_eye.png" ? frame.eye : frame.scene) = entry.path();
+        (eye ? frame.eye : right_eye ? frame.right_eye : frame.scene) = entry.path();
       }
     }
   }
@@ -136,7 +141,13 @@ std::vector<Frame> saved_frames(const fs::path& folder, const Metrics& metrics) 
 }
 
 Frame frame_at(std::int64_t t_us) {
-  return {.t_us = t_us, .eye = {}, .scene = {}, .responses = {}, .events = {}};
+  return {.t_us = t_us,
+          .eye = {},
+          .right_eye = {},
+          .scene = {},
+          .responses = {},
+          .events = {},
+          .other_events = {}};
 }
 
 std::vector<Frame> frames_without_pictures(const Run& run) {
@@ -161,12 +172,13 @@ std::int64_t usual_window_us(const Metrics& metrics) {
   return 1'000 * std::llround(std::clamp(mean_us, 1e3, 2e5) * 1e-3);
 }
 
-/// Adds an event to the frames, sorted by time, that it came at most `window_us` before.
-void show_event(std::vector<Frame>& frames, std::int64_t window_us, const Event& event) {
+/// Adds an event to the frames, sorted by time, that it came at most `window_us` before; `camera` is the one that
+/// they show first.
+void show_event(std::vector<Frame>& frames, std::int64_t window_us, const Event& event, std::uint8_t camera) {
   const auto later = [](const Frame& frame, std::int64_t t_us) { return frame.t_us < t_us; };
   for (auto frame = std::lower_bound(frames.begin(), frames.end(), event.t_us, later);
        frame != frames.end() && frame->t_us - window_us < event.t_us; ++frame) {
-    frame->events.push_back(event);
+    (event.camera == camera ? frame->events : frame->other_events).push_back(event);
   }
 }
 
@@ -180,13 +192,14 @@ void read_events(Run& run) {
       std::max<std::int64_t>(1'000, static_cast<std::int64_t>(metrics.duration_s * 1e6 / 1'000.0));
   counts.counts.resize(
       static_cast<std::size_t>(metrics.duration_s * 1e6 / static_cast<double>(counts.bin_us)) + 1);
+  const std::uint8_t camera = metrics.events_camera.value_or(0);
   const auto take = [&](const Event& event) {
-    if (event.camera != 0) return;
+    show_event(run.frames, run.window_us, event, camera);
+    if (event.camera != camera) return;
     const std::int64_t bin = (event.t_us - counts.start_us) / counts.bin_us;
     if (event.t_us >= counts.start_us && bin < std::ssize(counts.counts))
       ++counts.counts[static_cast<std::size_t>(bin)];
-    show_event(run.frames, run.window_us, event);
-    show_event(run.shifts, shift_window_us, event);
+    show_event(run.shifts, shift_window_us, event, camera);
   };
   try {
     const auto reader = open_event_file(run.folder / metrics.events_file);
@@ -211,6 +224,7 @@ Run load(const fs::path& folder) {
   run.folder = folder;
   run.metrics = read_metrics(folder / "metrics.json");
   run.truth = read_if_there<TruthRow>(folder / "truth.csv");
+  run.right_truth = read_if_there<TruthRow>(folder / "truth_right.csv");
   run.detections = read_if_there<DetectionRow>(folder / "detections.csv");
   run.gaze = read_if_there<GazeRow>(folder / "gaze.csv");
   run.eye = read_if_there<EyeRow>(folder / "eye.csv");
@@ -346,10 +360,10 @@ cv::Mat grey_picture(const fs::path& path, ImageSize size) {
   return grey;
 }
 
-std::optional<Circle> truth_at(const Run& run, std::int64_t t_us) {
-  const auto row = newest(run.truth, t_us);
-  const bool known = row != run.truth.end() && t_us - row->t_us < 1'000 && row->visible > 0.0 &&
-                     std::isfinite(row->circle.x_px);
+std::optional<Circle> truth_at(const std::vector<TruthRow>& truth, std::int64_t t_us) {
+  const auto row = newest(truth, t_us);
+  const bool known =
+      row != truth.end() && t_us - row->t_us < 1'000 && row->visible > 0.0 && std::isfinite(row->circle.x_px);
   return known ? std::optional(row->circle) : std::nullopt;
 }
 
@@ -380,7 +394,7 @@ EyePicture eye_picture(const Run& run, const Frame& frame, std::int64_t window_u
   eye.size = run.metrics.image;
   if (!frame.eye.empty()) eye.grey = grey_picture(frame.eye, eye.size);
   eye.events = frame.events;
-  eye.truth = truth_at(run, frame.t_us);
+  eye.truth = truth_at(run.truth, frame.t_us);
   for (std::size_t i = 0; i < run.metrics.detectors.size(); ++i) {
     if (const auto circle = accepted_at(run, i, frame.t_us, window_us)) {
       eye.detections.push_back({*circle, "", detector_colour(i)});
@@ -389,6 +403,17 @@ EyePicture eye_picture(const Run& run, const Frame& frame, std::int64_t window_u
   eye.target_px = target_at(run, frame.t_us);
   if (run.metrics.camera)
     eye.principal_px = Eigen::Vector2d(run.metrics.camera->cx_px, run.metrics.camera->cy_px);
+  return eye;
+}
+
+EyePicture right_eye_picture(const Run& run, const Frame& frame) {
+  EyePicture eye;
+  const Camera& camera = run.metrics.right_eye->camera;
+  eye.size = camera.size;
+  if (!frame.right_eye.empty()) eye.grey = grey_picture(frame.right_eye, eye.size);
+  eye.events = frame.other_events;
+  eye.truth = truth_at(run.right_truth, frame.t_us);
+  eye.principal_px = Eigen::Vector2d(camera.cx_px, camera.cy_px);
   return eye;
 }
 
@@ -409,7 +434,7 @@ std::vector<Frame> hough_frames(const Run& run) {
   for (const Frame& frame : run.frames) {
     if (frame.responses.empty()) continue;
     all.push_back(frame);
-    if (truth_at(run, frame.t_us) && !frame.events.empty()) with_ball.push_back(frame);
+    if (truth_at(run.truth, frame.t_us) && !frame.events.empty()) with_ball.push_back(frame);
   }
   return spread_out(with_ball.empty() ? all : with_ball, max_hough_frames);
 }
@@ -441,7 +466,7 @@ std::string hough_figure(const Run& run) {
     EyePicture image;
     image.size = run.metrics.image;
     if (!frame.eye.empty()) image.grey = grey_picture(frame.eye, image.size);
-    image.truth = truth_at(run, frame.t_us);
+    image.truth = truth_at(run.truth, frame.t_us);
     html += fmt::format("<div class=\"hough\" style=\"grid-template-columns:repeat({},minmax(0,18rem))\">\n",
                         shown.size() + 1);
     html += framed(picture_html(draw_eye(image, scale), "jpeg", "the image at " + when), when);
@@ -488,6 +513,10 @@ std::string strip(const Run& run) {
                                "the scene at " + caption);
     }
     pictures += picture_html(draw_eye(eye, scale), "png", "what the left eye sees at " + caption);
+    if (run.metrics.right_eye) {
+      pictures += picture_html(draw_eye(right_eye_picture(run, frame), scale), "png",
+                               "what the right eye sees at " + caption);
+    }
     if (run.metrics.gaze && run.metrics.camera && eye.truth) {
       const Eigen::Vector3d ray = run.metrics.camera->ray(eye.truth->x_px, eye.truth->y_px);
       caption += fmt::format(" · ball {:.1f}° off the axis", std::atan(ray.head<2>().norm()) * deg_per_rad);
@@ -505,6 +534,7 @@ std::string strip(const Run& run) {
   reading += run.metrics.camera ? ". The cross marks where the eye points: a ball under it is fixated." : ".";
   if (!run.eye.empty() && !run.gaze.empty())
     reading += " The " + target_mark() + " is what it was last told to look at.";
+  if (run.metrics.right_eye) reading += " The left eye's picture comes first, then the right one's.";
   return figure_html("What happened", reading, html);
 }
 

@@ -30,9 +30,10 @@ void put_big_endian(std::uint32_t value, char* bytes) {
   for (int i = 0; i < 4; ++i) bytes[i] = static_cast<char>(value >> (24 - 8 * i) & 0xff);
 }
 
-/// The two address layouts: where a pixel is, which records are no events.
+/// The address layouts: where a pixel is, which records are no events.
 struct Dvs128 {
   static constexpr std::uint32_t special = 1u << 15;
+  static std::uint8_t camera(std::uint32_t) { return 0; }
   static std::uint32_t x(std::uint32_t address) { return address >> 1 & 0x7f; }
   static std::uint32_t y(std::uint32_t address) { return address >> 8 & 0x7f; }
   static bool on(std::uint32_t address) { return (address & 1) == 0; }
@@ -40,8 +41,15 @@ struct Dvs128 {
     return y << 8 | x << 1 | (on ? 0u : 1u);
   }
 };
+/// jAER's DVS128StereoPair: two DVS128, bit 15 is the right eye's.
+struct StereoPair : Dvs128 {
+  static constexpr std::uint32_t right = 1u << 15;
+  static constexpr std::uint32_t special = 0;
+  static std::uint8_t camera(std::uint32_t address) { return (address & right) != 0 ? 1 : 0; }
+};
 struct Davis {
   static constexpr std::uint32_t special = 1u << 31 | 1u << 10;
+  static std::uint8_t camera(std::uint32_t) { return 0; }
   static std::uint32_t x(std::uint32_t address) { return address >> 12 & 0x3ff; }
   static std::uint32_t y(std::uint32_t address) { return address >> 22 & 0x1ff; }
   static bool on(std::uint32_t address) { return (address >> 11 & 1) != 0; }
@@ -92,7 +100,7 @@ std::string text_of(ImageSize size) { return std::to_string(size.width) + "x" + 
 
 /// What the header lines say of the sensor.
 struct Sensor {
-  std::string layout;  ///< "dvs128", "davis", or empty
+  std::string layout;  ///< "dvs128", "stereo", "davis", or empty
   std::optional<ImageSize> size;
 };
 
@@ -110,6 +118,7 @@ Sensor parse_chip(std::string_view name) {
   std::string chip(name);
   std::transform(chip.begin(), chip.end(), chip.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (chip.find("dvs128stereopair") != std::string::npos) return {"stereo", dvs128_size};
   if (chip.find("dvs128") != std::string::npos) return {"dvs128", dvs128_size};
   const std::size_t davis = chip.rfind("davis");
   if (davis == std::string::npos) return {};
@@ -130,11 +139,14 @@ class Aedat2Reader final : public EventReader {
     if (sensor.layout.empty()) sensor.layout = seen.wide ? "davis" : "dvs128";
     if (sensor.layout == "dvs128") {
       size_ = dvs128_size;
+    } else if (sensor.layout == "stereo") {
+      stereo_ = true;
+      size_ = dvs128_size;
     } else if (sensor.layout == "davis") {
       davis_ = true;
       size_ = sensor.size.value_or(options.image_size.value_or(seen.davis_size));
     } else {
-      throw InputError("aedat2_layout", sensor.layout, "one of auto, dvs128, davis");
+      throw InputError("aedat2_layout", sensor.layout, "one of auto, dvs128, stereo, davis");
     }
     if (!davis_largest.contains(size_.width - 1, size_.height - 1)) {
       throw InputError(file_.name(), "an image of " + text_of(size_), "at most " + text_of(davis_largest));
@@ -157,7 +169,9 @@ class Aedat2Reader final : public EventReader {
   }
 
   std::optional<ImageSize> image_size() const override { return size_; }
-  std::string format() const override { return davis_ ? "AEDAT 2.0 DAVIS" : "AEDAT 2.0 DVS128"; }
+  std::string format() const override {
+    return davis_ ? "AEDAT 2.0 DAVIS" : stereo_ ? "AEDAT 2.0 DVS128StereoPair" : "AEDAT 2.0 DVS128";
+  }
 
  private:
   /// What the first addresses of a file without a name for its sensor tell.
@@ -223,6 +237,7 @@ class Aedat2Reader final : public EventReader {
     const std::string_view ahead = file_.peek(record_bytes);
     const std::size_t records = std::min({ahead.size() / record_bytes, max_events, block_records});
     if (records == 0 && !ahead.empty()) fail("the end of the file inside a record", "records of 8 bytes");
+    if (stereo_) return decode<StereoPair>(ahead, records);
     return davis_ ? decode<Davis>(ahead, records) : decode<Dvs128>(ahead, records);
   }
 
@@ -241,7 +256,7 @@ class Aedat2Reader final : public EventReader {
       if (!special && (x > last_x || y > last_y)) break;
       const std::int64_t t_us = time_.extend(stamp);
       block_[count] = {t_us, static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y),
-                       Layout::on(address), 0};
+                       Layout::on(address), Layout::camera(address)};
       count += special ? 0 : 1;
     }
     file_.skip(i * record_bytes);
@@ -259,22 +274,23 @@ class Aedat2Reader final : public EventReader {
   InputFile file_;
   ImageSize size_;
   bool davis_ = false;
+  bool stereo_ = false;
   TimeUnwrapper time_;
   std::vector<Event> block_ = std::vector<Event>(block_records);
 };
 
 class Aedat2Writer final : public EventWriter {
  public:
-  Aedat2Writer(const std::filesystem::path& path, ImageSize size)
-      : file_(path), size_(size), davis_(size != dvs128_size) {
-    const std::string chip = davis_ ? "DAVIS " + text_of(size) : "DVS128";
+  Aedat2Writer(const std::filesystem::path& path, ImageSize size, int cameras)
+      : file_(path), size_(size), cameras_(cameras), davis_(size != dvs128_size) {
+    const std::string chip = davis_ ? "DAVIS " + text_of(size) : cameras_ > 1 ? "DVS128StereoPair" : "DVS128";
     file_.write("#!AER-DAT2.0\r\n# AEChip: " + chip +
                 "\r\n# int32 address, int32 time stamp in us, big-endian\r\n");
   }
 
   void write(std::span<const Event> events) override {
     for (const Event& event : events) {
-      check_writable(event, size_, file_.path());
+      check_writable(event, size_, cameras_, file_.path());
       const auto stamp = static_cast<std::uint32_t>(event.t_us & 0xffffffff);
       if (time_.extend(static_cast<std::int32_t>(stamp)) != event.t_us) {
         throw InputError(file_.path().string(), "an event at " + std::to_string(event.t_us) + " us",
@@ -283,8 +299,8 @@ class Aedat2Writer final : public EventWriter {
       const auto x = static_cast<std::uint32_t>(size_.width - 1 - event.x);
       const auto y = static_cast<std::uint32_t>(size_.height - 1 - event.y);
       std::array<char, record_bytes> record;
-      put_big_endian(davis_ ? Davis::address(x, y, event.on) : Dvs128::address(x, y, event.on),
-                     record.data());
+      const std::uint32_t address = davis_ ? Davis::address(x, y, event.on) : Dvs128::address(x, y, event.on);
+      put_big_endian(event.camera == 1 ? address | StereoPair::right : address, record.data());
       put_big_endian(stamp, record.data() + 4);
       file_.write(std::as_bytes(std::span(record)));
     }
@@ -295,6 +311,7 @@ class Aedat2Writer final : public EventWriter {
  private:
   OutputFile file_;
   ImageSize size_;
+  int cameras_;
   bool davis_;
   TimeUnwrapper time_;
 };
@@ -305,12 +322,17 @@ std::unique_ptr<EventReader> open_aedat2(InputFile file, const EventReadOptions&
   return std::make_unique<Aedat2Reader>(std::move(file), options);
 }
 
-std::unique_ptr<EventWriter> create_aedat2(const std::filesystem::path& path, ImageSize image_size) {
+std::unique_ptr<EventWriter> create_aedat2(const std::filesystem::path& path, ImageSize image_size,
+                                           int cameras) {
+  if (cameras > 1 && image_size != dvs128_size) {
+    throw InputError(path.string(), "two cameras of " + text_of(image_size),
+                     "128x128 for two cameras in AEDAT 2.0, or a .csv file");
+  }
   if (!davis_largest.contains(image_size.width - 1, image_size.height - 1)) {
     throw InputError(path.string(), "an image of " + text_of(image_size),
                      "at most " + text_of(davis_largest) + " for AEDAT 2.0");
   }
-  return std::make_unique<Aedat2Writer>(path, image_size);
+  return std::make_unique<Aedat2Writer>(path, image_size, cameras);
 }
 
 }  // namespace saccade

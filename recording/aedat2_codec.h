@@ -7,9 +7,10 @@ namespace saccade {
 
 /// AEDAT 2.0 (jAER): lines that start with #, then records of a big-endian u32 address and i32 time stamp.
 ///
-/// Two layouts of the address, told apart by the `AEChip` line of the header where there is one, else by
+/// Layouts of the address, told apart by the `AEChip` line of the header where there is one, else by
 /// the range of the first addresses, or by EventReadOptions::aedat2_layout:
 ///   DVS128  polarity bit 0 (0 = ON), x bits 1-7, y bits 8-14, bit 15 special
+///   stereo  jAER's DVS128StereoPair: as DVS128, but bit 15 is 1 for the right camera; only by header or option
 ///   DAVIS   polarity bit 11 (1 = ON), x bits 12-21, y bits 22-30, bits 10 and 31 special
 /// Special records (images, inertial samples, triggers) are passed over. jAER's origin is bottom left and
 /// it mirrors x of both layouts for display, so pixel (x, y) of an upright W x H image is stored as
@@ -20,10 +21,10 @@ namespace saccade {
 /// not a wrap is delivered as it is.
 [[nodiscard]] std::unique_ptr<EventReader> open_aedat2(InputFile file, const EventReadOptions& options);
 
-/// Writes the DVS128 layout for 128x128 and the DAVIS layout for other sizes up to 1024x512 (InputError
-/// for a larger one). Throws InputError for a time stamp that would not read back the same: a first one
+/// Writes the DVS128 layout for 128x128, of two cameras the stereo layout, and the DAVIS layout for other sizes up to
+/// 1024x512 (InputError for a larger one, and for two cameras). Throws InputError for a time stamp that would not read back the same: a first one
 /// outside i32, or a silence of more than 536 s across a wrap.
 [[nodiscard]] std::unique_ptr<EventWriter> create_aedat2(const std::filesystem::path& path,
-                                                         ImageSize image_size);
+                                                         ImageSize image_size, int cameras);
 
 }  // namespace saccade

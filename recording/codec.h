@@ -8,9 +8,9 @@
 
 namespace saccade {
 
-/// What every writer refuses, with an InputError that names the file: an event outside the image, and an
-/// event of the second camera (no format written so far can tell two cameras apart).
-void check_writable(const Event& event, ImageSize image_size, const std::filesystem::path& path);
+/// What every writer refuses, with an InputError that names the file: an event outside the image, and an event of
+/// another than the first `cameras`.
+void check_writable(const Event& event, ImageSize image_size, int cameras, const std::filesystem::path& path);
 
 /// What a message shows of a file: its first bytes, a dot for each one that is not printable ASCII.
 [[nodiscard]] std::string printable(std::string_view bytes);

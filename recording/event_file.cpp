@@ -24,10 +24,32 @@ bool is_text(std::string_view bytes) {
   });
 }
 
-}  // namespace
+/// One camera's events out of a recording.
+class OneCameraReader final : public EventReader {
+ public:
+  OneCameraReader(std::unique_ptr<EventReader> reader, std::uint8_t camera)
+      : reader_(std::move(reader)), camera_(camera) {}
 
-std::unique_ptr<EventReader> open_event_file(const std::filesystem::path& path,
-                                             const EventReadOptions& options) {
+  std::size_t read(std::vector<Event>& events, std::size_t max_events) override {
+    const std::size_t before = events.size();
+    while (events.size() == before) {
+      if (reader_->read(events, max_events) == 0) return 0;
+      const auto others = std::remove_if(events.begin() + static_cast<std::ptrdiff_t>(before), events.end(),
+                                         [&](const Event& e) { return e.camera != camera_; });
+      events.erase(others, events.end());
+    }
+    return events.size() - before;
+  }
+  std::optional<ImageSize> image_size() const override { return reader_->image_size(); }
+  std::string format() const override { return reader_->format(); }
+  std::string passed_over() const override { return reader_->passed_over(); }
+
+ private:
+  std::unique_ptr<EventReader> reader_;
+  std::uint8_t camera_;
+};
+
+std::unique_ptr<EventReader> open_all(const std::filesystem::path& path, const EventReadOptions& options) {
   InputFile file(path);
   const std::string_view start = file.peek(4096).substr(0, 4096);
   if (start.starts_with(aedat2_mark)) return open_aedat2(std::move(file), options);
@@ -41,23 +63,35 @@ std::unique_ptr<EventReader> open_event_file(const std::filesystem::path& path,
                    std::string(known_formats));
 }
 
-std::unique_ptr<EventWriter> create_event_file(const std::filesystem::path& path, ImageSize image_size) {
+}  // namespace
+
+std::unique_ptr<EventReader> open_event_file(const std::filesystem::path& path,
+                                             const EventReadOptions& options) {
+  std::unique_ptr<EventReader> reader = open_all(path, options);
+  if (!options.camera) return reader;
+  return std::make_unique<OneCameraReader>(std::move(reader), *options.camera);
+}
+
+std::unique_ptr<EventWriter> create_event_file(const std::filesystem::path& path, ImageSize image_size,
+                                               int cameras) {
+  SACCADE_CHECK(cameras == 1 || cameras == 2);
   const std::string extension = path.extension().string();
-  if (extension == ".csv" || extension == ".txt") return create_text(path, image_size);
-  if (extension == ".aedat") return create_aedat2(path, image_size);
+  if (extension == ".csv" || extension == ".txt") return create_text(path, image_size, cameras);
+  if (extension == ".aedat") return create_aedat2(path, image_size, cameras);
   throw InputError(path.string(), extension.empty() ? "no extension" : "the extension " + extension,
                    "one of .aedat, .csv, .txt");
 }
 
-void check_writable(const Event& event, ImageSize image_size, const std::filesystem::path& path) {
+void check_writable(const Event& event, ImageSize image_size, int cameras,
+                    const std::filesystem::path& path) {
   if (!image_size.contains(event.x, event.y)) {
     throw InputError(
         path.string(), "an event at " + std::to_string(event.x) + ", " + std::to_string(event.y),
         "pixels inside " + std::to_string(image_size.width) + "x" + std::to_string(image_size.height));
   }
-  if (event.camera != 0) {
+  if (event.camera >= cameras) {
     throw InputError(path.string(), "an event of camera " + std::to_string(event.camera),
-                     "events of one camera in this format");
+                     cameras == 1 ? "events of the left camera alone" : "events of camera 0 or 1");
   }
 }
 

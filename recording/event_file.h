@@ -32,12 +32,14 @@ class EventReader {
 
 /// What a file may leave open.
 struct EventReadOptions {
-  /// Order of the columns of text, by the letters t, x, y and p.
+  /// Order of the columns of text, by the letters t, x, y and p, and c where it tells the camera.
   std::string columns = "txyp";
   /// The sensor's size where the file does not say it.
   std::optional<ImageSize> image_size;
-  /// Address layout of AEDAT 2.0: auto, dvs128 or davis.
+  /// Address layout of AEDAT 2.0: auto, dvs128, stereo or davis.
   std::string aedat2_layout = "auto";
+  /// Only this one's events, by Event::camera; none: all.
+  std::optional<std::uint8_t> camera = std::nullopt;
 };
 
 /// Opens a recording. Throws InputError (missing, unreadable, empty, unknown format, broken header).
@@ -48,15 +50,16 @@ struct EventReadOptions {
 class EventWriter {
  public:
   virtual ~EventWriter() = default;
-  /// Throws InputError for an event that the format cannot hold exactly (outside the image, of the second
-  /// camera, a time out of range), and RunError when the disk does not take it.
+  /// Throws InputError for an event that the format cannot hold exactly (outside the image, of a camera that the
+  /// file has not, a time out of range), and RunError when the disk does not take it.
   virtual void write(std::span<const Event> events) = 0;
   virtual void commit() = 0;
 };
 
-/// The format follows the extension: .csv and .txt text (`t_us,x,y,p`), .aedat AEDAT 2.0. Throws InputError
-/// for another extension, or an image size the format cannot hold.
+/// The format follows the extension: .csv and .txt text (`t_us,x,y,p`, of two cameras `t_us,x,y,p,camera`), .aedat
+/// AEDAT 2.0. `cameras`: 1, or 2 where events of the right one may come. Throws InputError for another extension, or
+/// where the format cannot hold such images: AEDAT 2.0 has two cameras only of 128x128 pixels.
 [[nodiscard]] std::unique_ptr<EventWriter> create_event_file(const std::filesystem::path& path,
-                                                             ImageSize image_size);
+                                                             ImageSize image_size, int cameras = 1);
 
 }  // namespace saccade

@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::size_t longest_line = 4096;
 constexpr std::string_view default_columns = "txyp";
+constexpr std::string_view columns_with_camera = "txypc";
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
@@ -21,7 +22,7 @@ bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 /// The fields of one line; `count` goes on past the ones that are kept.
 struct Fields {
-  std::array<std::string_view, default_columns.size()> text;
+  std::array<std::string_view, columns_with_camera.size()> text;
   std::size_t count = 0;
 
   explicit Fields(std::string_view line) {
@@ -77,12 +78,17 @@ std::string sorted(std::string_view text) {
   return letters;
 }
 
+bool are_columns(std::string_view letters) {
+  return sorted(letters) == sorted(default_columns) || sorted(letters) == sorted(columns_with_camera);
+}
+
 class TextReader final : public EventReader {
  public:
   TextReader(InputFile file, const EventReadOptions& options)
       : file_(std::move(file)), columns_(options.columns), image_size_(options.image_size) {
-    if (sorted(columns_) != sorted(default_columns)) {
-      throw InputError("columns", columns_, "the letters t, x, y and p in the order of the file");
+    if (!are_columns(columns_)) {
+      throw InputError("columns", columns_,
+                       "the letters t, x, y and p, and c for the camera, in the file's order");
     }
   }
 
@@ -131,16 +137,19 @@ class TextReader final : public EventReader {
   }
 
   /// Whether the line names columns; throws where it names them in another order.
-  bool check_column_names() const {
+  bool check_column_names() {
     const Fields names(line_);
-    if (names.count != columns_.size()) return false;
+    if (names.count != columns_.size() && names.count != columns_.size() + 1) return false;
+    if (names.count > names.text.size()) return false;
     std::string order;
-    for (std::string_view name : names.text) {
+    for (std::string_view name : std::span(names.text).first(names.count)) {
       if (name.starts_with('"')) name.remove_prefix(1);
       if (name.empty() || !is_letter(name.front())) return false;
       order += static_cast<char>(name.front() | 0x20);  // lower case
     }
-    if (sorted(order) == sorted(default_columns) && order != columns_) {
+    if (order == columns_ + "c") columns_ = order;
+    if (names.count != columns_.size()) return false;
+    if (are_columns(order) && order != columns_) {
       fail("the column order " + order, columns_ + ", as the option columns says");
     }
     return true;
@@ -165,8 +174,11 @@ class TextReader final : public EventReader {
         case 'y':
           event.y = parse_coordinate(text, "y");
           break;
-        default:
+        case 'p':
           event.on = parse_polarity(text);
+          break;
+        default:
+          event.camera = parse_camera(text);
           break;
       }
     }
@@ -196,6 +208,11 @@ class TextReader final : public EventReader {
     return text == "1";
   }
 
+  std::uint8_t parse_camera(std::string_view text) const {
+    if (text != "0" && text != "1") fail(text, "0, the left camera, or 1, the right one", "camera");
+    return text == "1" ? 1 : 0;
+  }
+
   [[noreturn]] void fail(std::string_view value, std::string_view expectation,
                          std::string_view column = {}) const {
     std::string place = file_.name() + ":" + std::to_string(line_number_);
@@ -215,20 +232,23 @@ class TextReader final : public EventReader {
 
 class TextWriter final : public EventWriter {
  public:
-  TextWriter(const std::filesystem::path& path, ImageSize image_size) : file_(path), image_size_(image_size) {
-    file_.write("t_us,x,y,p\n");
+  TextWriter(const std::filesystem::path& path, ImageSize image_size, int cameras)
+      : file_(path), image_size_(image_size), cameras_(cameras) {
+    file_.write(cameras_ == 1 ? "t_us,x,y,p\n" : "t_us,x,y,p,camera\n");
   }
 
   void write(std::span<const Event> events) override {
     for (const Event& event : events) {
-      check_writable(event, image_size_, file_.path());
+      check_writable(event, image_size_, cameras_, file_.path());
       line_.clear();
       append_number(line_, event.t_us);
       line_ += ',';
       append_number(line_, event.x);
       line_ += ',';
       append_number(line_, event.y);
-      line_ += event.on ? ",1\n" : ",0\n";
+      line_ += event.on ? ",1" : ",0";
+      if (cameras_ > 1) line_ += event.camera == 1 ? ",1" : ",0";
+      line_ += '\n';
       file_.write(line_);
     }
   }
@@ -238,6 +258,7 @@ class TextWriter final : public EventWriter {
  private:
   OutputFile file_;
   ImageSize image_size_;
+  int cameras_;
   std::string line_;
 };
 
@@ -247,8 +268,9 @@ std::unique_ptr<EventReader> open_text(InputFile file, const EventReadOptions& o
   return std::make_unique<TextReader>(std::move(file), options);
 }
 
-std::unique_ptr<EventWriter> create_text(const std::filesystem::path& path, ImageSize image_size) {
-  return std::make_unique<TextWriter>(path, image_size);
+std::unique_ptr<EventWriter> create_text(const std::filesystem::path& path, ImageSize image_size,
+                                         int cameras) {
+  return std::make_unique<TextWriter>(path, image_size, cameras);
 }
 
 }  // namespace saccade

@@ -32,14 +32,14 @@ class Clock {
   virtual PortStatus wait_until(std::int64_t t_us) = 0;
 };
 
-/// An event camera.
+/// The event camera of the left eye, or those of both: Event::camera tells them apart, their images have one size.
 class EventSource {
  public:
   virtual ~EventSource() = default;
   [[nodiscard]] virtual ImageSize image_size() const = 0;
   /// Appends every event with time stamp <= t_us (t_us <= now) that was not delivered before, sorted by
   /// time and inside image_size(). Events may be late (stamps before the previous t_us, by at most 5 ms in
-  /// the simulator) but the stamps that one source delivers never go back. `ended` comes with the last
+  /// the simulator) but the stamps that one source delivers, of both cameras, never go back. `ended` comes with the last
   /// events or after them; `lost` appends nothing.
   virtual PortStatus read_until(std::int64_t t_us, std::vector<Event>& events) = 0;
 };

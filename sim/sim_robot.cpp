@@ -5,34 +5,36 @@
 #include "core/error.h"
 
 namespace saccade {
+namespace {
+
+std::string in_words(ImageSize size) {
+  return std::to_string(size.width) + " x " + std::to_string(size.height) + " pixels";
+}
+
+}  // namespace
 
 SimRobot::SimRobot(const SimConfig& config, std::uint64_t seed)
     : config_(config),
       world_(config.world, lab_mjcf(config.lab, seed), seed),
       gl_(GlContext::create(config.gl)),
-      shown_(mj_makeData(&world_.model())),
-      sampler_(config.sampling, ImageMotion(world_.model(), world_.left_eye_camera(), config.camera)),
-      emulator_(config.emulator, config.camera.size, seed),
-      luminance_(static_cast<std::size_t>(config.camera.size.pixels())) {
+      shown_(mj_makeData(&world_.model())) {
   if (!shown_) throw RunError("MuJoCo has no memory for a second picture of the world");
-  check_config("camera.eye_from_camera", config.mount);
-  world_.mount_left_camera(config.mount.eye_from_camera());
-  paint_lab_textures(world_.model(), config.lab, seed);
-  eye_ = std::make_unique<EyeRenderer>(world_.model(), *gl_, config.camera, config.render);
-  if (config.labels) {
-    object_of_geom_ = world_.scene_objects();
-    objects_.resize(luminance_.size());
+  if (config.both_eyes() && config.right.camera.size != config.camera.size) {
+    throw InputError("right_camera", in_words(config.right.camera.size),
+                     "the left camera's image, " + in_words(config.camera.size));
   }
-  take_image(world_.now_us());
+  paint_lab_textures(world_.model(), config.lab, seed);
+  eyes_.emplace_back(world_, *gl_, config_, 0, seed);
+  if (config.both_eyes()) eyes_.emplace_back(world_, *gl_, config_, 1, seed);
+  take_images(world_.now_us());
   note_truth();
 }
 
 PortStatus SimRobot::wait_until(std::int64_t t_us) {
-  const auto show = [this](std::int64_t at_us) -> const mjData& { return world_at(at_us); };
   while (world_.now_us() < t_us) {
     const std::int64_t begin_us = world_.now_us();
     world_.step();
-    while (const auto image_us = sampler_.next(begin_us, world_.now_us(), show)) take_image(*image_us);
+    while (const auto image_us = next_image(begin_us)) take_images(*image_us);
     note_truth();
   }
   return PortStatus::ok;
@@ -44,30 +46,41 @@ mjData& SimRobot::world_at(std::int64_t t_us) {
   return *shown_;
 }
 
-void SimRobot::take_image(std::int64_t t_us) {
-  mjData& data = world_at(t_us);
-  sampler_.take(t_us, data);
-  eye_->render(data, world_.left_eye_camera(), luminance_);
-  if (config_.labels) {
-    eye_->label(data, world_.left_eye_camera(), object_of_geom_,
-                static_cast<std::uint8_t>(SceneObject::background), objects_);
+std::optional<std::int64_t> SimRobot::next_image(std::int64_t begin_us) {
+  const auto show = [this](std::int64_t at_us) -> const mjData& { return world_at(at_us); };
+  std::optional<std::int64_t> next_us;
+  for (SimEye& eye : eyes_) {
+    const auto due_us = eye.next_image(begin_us, world_.now_us(), show);
+    if (due_us && (!next_us || *due_us < *next_us)) next_us = due_us;
   }
-  emulator_.process_image(luminance_, t_us, events_, config_.labels ? &labels_ : nullptr, objects_);
-  const Eigen::Isometry3d root_from_cam = World::root_from_camera(data, world_.left_eye_camera());
-  truth_.visible =
-      eye_->visible_share(root_from_cam.inverse() * world_.ball_position_m(data), world_.ball_radius_m());
+  return next_us;
+}
+
+void SimRobot::take_images(std::int64_t t_us) {
+  mjData& data = world_at(t_us);
+  for (SimEye& eye : eyes_) eye.take_image(t_us, data);
+  queue_events();
   image_us_ = t_us;
   ++images_;
 }
 
+void SimRobot::queue_events() {
+  const std::span<const Event> left = eyes_.front().events();
+  const std::span<const Event> right = eyes_.size() > 1 ? eyes_[1].events() : std::span<const Event>{};
+  for (std::size_t i = 0, j = 0; i < left.size() || j < right.size();) {
+    const bool is_left = j == right.size() || (i < left.size() && left[i].t_us <= right[j].t_us);
+    if (config_.labels) labels_.push_back(is_left ? eyes_[0].labels()[i] : eyes_[1].labels()[j]);
+    events_.push_back(is_left ? left[i++] : right[j++]);
+  }
+}
+
 void SimRobot::note_truth() {
+  for (SimEye& eye : eyes_) eye.note_truth();
   truth_.t_us = world_.now_us();
+  truth_.left = eyes_.front().truth();
+  if (eyes_.size() > 1) truth_.right = eyes_[1].truth();
   truth_.ball_m = world_.ball_position_m();
-  truth_.root_from_left_cam = world_.root_from_left_cam();
   truth_.plant_position_rad = world_.joints_rad();
-  const Eigen::Vector3d ball_in_cam_m = truth_.root_from_left_cam.inverse() * truth_.ball_m;
-  truth_.circle = config_.camera.project_sphere(ball_in_cam_m, world_.ball_radius_m());
-  if (!truth_.circle) truth_.visible = 0.0;
 }
 
 PortStatus SimRobot::read_until(std::int64_t t_us, std::vector<Event>& events) {

@@ -6,45 +6,29 @@
 #include <vector>
 
 #include "core/camera.h"
-#include "emulator/event_emulator.h"
 #include "robot/ports.h"
 #include "sim/gl_context.h"
-#include "sim/image_sampler.h"
-#include "sim/lab.h"
 #include "sim/mujoco_compat.h"
 #include "sim/renderer.h"
+#include "sim/sim_config.h"
+#include "sim/sim_eye.h"
 #include "sim/world.h"
 
 namespace saccade {
 
-/// Everything that makes the simulated world.
-struct SimConfig {
-  LabConfig lab;
-  WorldConfig world;
-  Camera camera;
-  CameraMount mount;  ///< of the camera in the left eye
-  EyeRenderConfig render;
-  SamplingConfig sampling;
-  std::string gl = "auto";  ///< OpenGL backend: auto, osmesa, egl
-  EmulatorConfig emulator;
-  bool labels = false;  ///< tell what made each event; costs a second drawing per image
-};
-
 /// What is really so at one instant; for recorders and scores, never for core or control.
 struct SimTruth {
   std::int64_t t_us = 0;
-  std::optional<Circle> circle;  ///< the true circle in the left image; none when the ball is not in front
-  /// Share of its disc inside the image and not hidden, as of the newest image; nothing in it has moved by more
-  /// than SamplingConfig::max_displacement_px since then.
-  double visible = 0.0;
+  EyeTruth left;
+  std::optional<EyeTruth> right;                     ///< where it sees
   Eigen::Vector3d ball_m = Eigen::Vector3d::Zero();  ///< ball centre, root frame
-  Eigen::Isometry3d root_from_left_cam = Eigen::Isometry3d::Identity();
   JointVector plant_position_rad = JointVector::Zero();
 };
 
 /// The simulated robot behind the ports. Waiting for a time advances the world in ticks of 1 ms: the plant
-/// steps, the left eye's images are drawn, as many as motion asks for (ImageSampler), and the emulator turns
-/// them into events. Events after the newest image come with the next one. It offers what the robot offers; the truth is a door of its own, which only a recorder opens.
+/// steps, images are drawn, as many as motion asks for (ImageSampler), and the event cameras turn them into events.
+/// Both eyes are drawn whenever one of them asks. Events after the newest image come with the next one. It offers
+/// what the robot offers; the truth is a door of its own, which only a recorder opens.
 class SimRobot final : public Clock, public EventSource, public HeadPort {
  public:
   /// Throws InputError for a configuration out of range, RunError where there is no OpenGL.
@@ -65,14 +49,12 @@ class SimRobot final : public Clock, public EventSource, public HeadPort {
   /// Truth: the cause of each event that the last read_until() delivered, in their order, and the SceneObject that
   /// made it; empty unless SimConfig::labels.
   [[nodiscard]] std::span<const EventLabel> delivered_labels() const { return delivered_labels_; }
-  /// Truth: what each pixel of left_image() sees, as SceneObject; empty unless SimConfig::labels.
-  [[nodiscard]] std::span<const std::uint8_t> left_objects() const { return objects_; }
-  /// Of the event camera so far, those that wait to be delivered included.
-  [[nodiscard]] const EmulatorCounts& emulator_counts() const { return emulator_.counts(); }
-  /// The newest image of the left eye, drawn at image_us(): linear luminance, grey levels 0..255, row by row.
-  [[nodiscard]] std::span<const float> left_image() const { return luminance_; }
+  /// Images, objects and counts of an eye; null for a right eye that does not see.
+  [[nodiscard]] const SimEye& left_eye() const { return eyes_.front(); }
+  [[nodiscard]] const SimEye* right_eye() const { return eyes_.size() > 1 ? &eyes_[1] : nullptr; }
+  /// When the newest image was drawn.
   [[nodiscard]] std::int64_t image_us() const { return image_us_; }
-  /// How many were drawn so far.
+  /// How many were drawn so far of each eye.
   [[nodiscard]] std::int64_t images() const { return images_; }
   /// A picture of the scene from outside.
   void draw_scene(const SceneView& view, ImageSize size, std::span<std::uint8_t> rgb);
@@ -84,7 +66,9 @@ class SimRobot final : public Clock, public EventSource, public HeadPort {
   [[nodiscard]] const std::string& gl_description() const { return gl_->description(); }
 
  private:
-  void take_image(std::int64_t t_us);
+  [[nodiscard]] std::optional<std::int64_t> next_image(std::int64_t begin_us);
+  void take_images(std::int64_t t_us);
+  void queue_events();
   void note_truth();
   /// The world at an instant of the last tick; good until the next call or tick.
   mjData& world_at(std::int64_t t_us);
@@ -92,20 +76,14 @@ class SimRobot final : public Clock, public EventSource, public HeadPort {
   SimConfig config_;
   World world_;
   std::unique_ptr<GlContext> gl_;
-  std::unique_ptr<EyeRenderer> eye_;
+  std::vector<SimEye> eyes_;  // left, right
   std::unique_ptr<SceneRenderer> scene_;
   std::unique_ptr<EyeRenderer> colour_eye_;
   MjDataPtr shown_;  // the world between ticks
-  ImageSampler sampler_;
-  EventEmulator emulator_;
-  std::vector<float> luminance_;
   std::int64_t image_us_ = 0;
   std::int64_t images_ = 0;
-  std::vector<Event> events_;  // not yet delivered
-  // These only with labels:
-  std::vector<std::uint8_t> object_of_geom_;
-  std::vector<std::uint8_t> objects_;
-  std::vector<EventLabel> labels_;  // of events_
+  std::vector<Event> events_;       // not yet delivered
+  std::vector<EventLabel> labels_;  // of events_; only with labels
   std::vector<EventLabel> delivered_labels_;
   std::size_t delivered_ = 0;
   SimTruth truth_;

@@ -299,13 +299,13 @@ Eigen::Isometry3d World::root_from_camera(const mjData& data, int camera_id) {
   return pose;
 }
 
-void World::mount_left_camera(const Eigen::Isometry3d& eye_from_camera) {
+void World::mount_camera(int camera_id, const Eigen::Isometry3d& eye_from_camera) {
   // MuJoCo's cameras have y up and look along -z; as the model has it, the camera is the eye's frame.
   const Eigen::Vector3d to = eye_from_camera.translation().cwiseProduct(Eigen::Vector3d(1.0, -1.0, -1.0));
   const Eigen::Quaterniond turn(eye_from_camera.linear());
   const std::array<mjtNum, 4> quat = {turn.w(), turn.x(), -turn.y(), -turn.z()};
-  mjtNum* const camera_pos = model_->cam_pos + 3 * left_eye_;
-  mjtNum* const camera_quat = model_->cam_quat + 4 * left_eye_;
+  mjtNum* const camera_pos = model_->cam_pos + 3 * camera_id;
+  mjtNum* const camera_quat = model_->cam_quat + 4 * camera_id;
   std::array<mjtNum, 3> moved{};
   mju_rotVecQuat(moved.data(), to.data(), camera_quat);
   mju_addTo3(camera_pos, moved.data());

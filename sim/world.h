@@ -81,8 +81,9 @@ class World {
   bool set_reference(const HeadJointVector& reference_rad);
   [[nodiscard]] const JointLimits& limits() const { return limits_; }
 
-  /// Where the left eye's camera sits in the eye from now on; at the start it is the eye's frame.
-  void mount_left_camera(const Eigen::Isometry3d& eye_from_camera);
+  /// Where an eye's camera (left_eye_camera() or right_eye_camera()) sits in the eye from now on; at the start it is
+  /// the eye's frame. Once for each.
+  void mount_camera(int camera_id, const Eigen::Isometry3d& eye_from_camera);
 
   /// Truth: ball centre now, root frame; start of its commanded motion.
   [[nodiscard]] Eigen::Vector3d ball_position_m() const { return ball_position_m(*data_); }

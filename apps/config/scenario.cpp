@@ -83,6 +83,7 @@ nlohmann::json empty_metrics(const Scenario& scenario) {
   for (const auto& [name, config] : scenario.detectors) metrics.detectors.emplace_back(name, DetectorScore{});
   if (scenario.frame_30hz) metrics.detectors.emplace_back(frame_detector_name, DetectorScore{});
   if (scenario.gaze.detector != "none") metrics.gaze.emplace();
+  if (scenario.sim.both_eyes()) metrics.right_eye.emplace();
   if (scenario.sim.labels) {
     metrics.clutter = ClutterCounter().share();
     for (auto& [name, score] : metrics.detectors) score.clutter.emplace();
@@ -115,7 +116,11 @@ void describe_frame_detector(FieldVisitor& v, Scenario& s) {
             "other names: this one is the frame camera's");
 }
 
-void describe_camera(FieldVisitor& v, SimConfig& sim) {
+std::string in_words(ImageSize size) {
+  return std::to_string(size.width) + " x " + std::to_string(size.height) + " pixels";
+}
+
+void describe_left_camera(FieldVisitor& v, SimConfig& sim) {
   MountedCamera mounted{sim.camera, sim.mount};
   describe(v, mounted);
   sim.camera = mounted.camera;
@@ -144,7 +149,7 @@ MountedCamera calibration_default(YamlTree& tree, const std::filesystem::path& f
   SimConfig sim;
   YamlReader reader(tree);
   reader.section(
-      "camera", [&](FieldVisitor& w) { describe_camera(w, sim); }, "");
+      "camera", [&](FieldVisitor& w) { describe_left_camera(w, sim); }, "");
   FieldChecker checker("camera");
   describe(checker, sim.camera);
   // A camera that is wrong is complained about where it stands.
@@ -167,17 +172,27 @@ void describe(FieldVisitor& v, Scenario& s) {
   v.section(
       "lab", [&](FieldVisitor& w) { describe(w, s.sim.lab); }, "the room");
   describe(v, s.sim.world);
+  v.choice("eyes", s.sim.eyes, {"left", "both"}, "which of them see");
   v.section(
-      "camera", [&](FieldVisitor& w) { describe_camera(w, s.sim); }, "the left eye: a pinhole behind a lens");
+      "camera", [&](FieldVisitor& w) { describe_left_camera(w, s.sim); },
+      "the left eye: a pinhole behind a lens");
+  if (s.sim.both_eyes()) {
+    v.section(
+        "right_camera",
+        [&](FieldVisitor& w) {
+          describe(w, s.sim.right);
+          w.require(s.sim.right.camera.size == s.sim.camera.size, "width_px",
+                    in_words(s.sim.right.camera.size),
+                    "the left camera's image, " + in_words(s.sim.camera.size));
+        },
+        "the right eye, with the keys of camera");
+  }
   v.section(
       "calibration",
       [&](FieldVisitor& w) {
         describe(w, s.calibration);
-        const auto text = [](ImageSize size) {
-          return std::to_string(size.width) + " x " + std::to_string(size.height) + " pixels";
-        };
-        w.require(s.calibration.camera.size == s.sim.camera.size, "width_px", text(s.calibration.camera.size),
-                  "the camera's image, " + text(s.sim.camera.size));
+        w.require(s.calibration.camera.size == s.sim.camera.size, "width_px",
+                  in_words(s.calibration.camera.size), "the camera's image, " + in_words(s.sim.camera.size));
       },
       "what detectors and gaze believe of the camera");
   v.section(
@@ -210,6 +225,9 @@ void describe(FieldVisitor& v, Scenario& s) {
       [&](FieldVisitor& w) {
         w.boolean("video", s.output.video, "video.mp4 in the run folder");
         w.choice("events", s.output.events, {"aedat", "csv"}, "format of the events' file");
+        w.require(!s.sim.both_eyes() || s.output.events == "csv" || s.sim.camera.size == ImageSize{128, 128},
+                  "events", s.output.events,
+                  "csv: of both eyes, aedat holds images of 128 x 128 pixels alone");
         w.boolean("labels", s.sim.labels, "labels.csv: what made each event");
         w.integer("pictures", s.output.pictures, {0, 60}, "instants shown as pictures in the report");
       },

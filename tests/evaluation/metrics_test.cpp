@@ -64,6 +64,16 @@ Metrics whole() {
                    .target_error_median_m = 0.01};
   m.gaze->limits.min_rad.setConstant(-0.5);
   m.gaze->limits.max_rad.setConstant(0.25);
+  RightEyeMetrics& right = m.right_eye.emplace();
+  right.event_count = 400;
+  right.events_dropped = 1;
+  right.camera = right_dvs128;
+  right.calibration.camera = right_dvs128;
+  right.calibration.mount.rotation_deg = {0.5, -1.0, 1.0};
+  right.fixation_error_deg = {1.5, 3.0};
+  right.on_target_ratio = 0.8;
+  right.in_view_ratio = 0.9;
+  right.detectors = {{"best", score}};
   return m;
 }
 
@@ -77,7 +87,7 @@ TEST(Metrics, HasEveryKeyOfTheContractInItsOrder) {
   const Json json = Json::parse(metrics_to_json(whole()));
   EXPECT_THAT(keys(json),
               ElementsAre("schema", "scenario", "seed", "duration_s", "wall_s", "real_time_factor", "events",
-                          "detectors", "gaze", "camera", "start_us", "settings", "calibration"));
+                          "detectors", "gaze", "camera", "start_us", "settings", "calibration", "right_eye"));
   EXPECT_THAT(keys(json["events"]), ElementsAre("count", "rate_hz", "dropped", "file"));
   EXPECT_THAT(keys(json["detectors"]), ElementsAre("paper_full", "best"));
   for (const auto& detector : json["detectors"]) {

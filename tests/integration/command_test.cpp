@@ -49,6 +49,27 @@ TEST_F(Command, theSameScenarioAndSeedGiveTheSameBytesWhateverTheNumberOfThreads
   }
 }
 
+TEST_F(Command, bothEyesAreRecordedWithTheSameBytesWhateverTheNumberOfThreads) {
+  const std::string run = "run '" + short_scenario +
+                          "' --set eyes=both --set run.duration_s=0.4 --set render.max_interval_ms=1 "
+                          "--set expect={} --seed 7 --set output.pictures=2 ";
+  ASSERT_EQ(saccade(run + "--set run.threads=1 --out " + out("one")).status, 0);
+  ASSERT_EQ(saccade(run + "--set run.threads=3 --out " + out("three")).status, 0);
+  for (const char* file : {"events.aedat", "detections.csv", "gaze.csv", "truth.csv", "truth_right.csv"}) {
+    const std::string first = bytes_of(folder_ / "one" / file);
+    EXPECT_GT(first.size(), 100U) << file;
+    EXPECT_TRUE(first == bytes_of(folder_ / "three" / file)) << file << " depends on the number of threads";
+  }
+  EXPECT_THAT(saccade("info " + out("one/events.aedat")).text, HasSubstr("left : right"));
+  EXPECT_THAT(saccade("info --camera left " + out("one/events.aedat")).text, Not(HasSubstr("left : right")));
+  EXPECT_THAT(bytes_of(folder_ / "one/report.html"), HasSubstr("what the right eye sees"));
+
+  ASSERT_EQ(saccade("detect " + out("one") + " --camera right --out " + out("right")).status, 0);
+  EXPECT_EQ(bytes_of(folder_ / "right/truth.csv"), bytes_of(folder_ / "one/truth_right.csv"));
+  ASSERT_EQ(saccade("detect " + out("one") + " --out " + out("left")).status, 0);
+  EXPECT_NE(bytes_of(folder_ / "left/detections.csv"), bytes_of(folder_ / "right/detections.csv"));
+}
+
 TEST_F(Command, anotherSeedGivesOtherEvents) {
   const std::string run = "run '" + short_scenario + "' --set run.duration_s=0.3 --set expect={} ";
   ASSERT_EQ(saccade(run + "--seed 1 --out " + out("a")).status, 0);

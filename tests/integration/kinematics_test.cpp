@@ -217,7 +217,7 @@ TEST(Kinematics, TheEncodersAndTheControllersModelGiveTheTrueCamerasInMotion) {
 TEST(Kinematics, TheCameraIsWhereItIsMountedInTheEye) {
   const CameraMount mount{{1.0, -2.0, -10.0}, {0.0, 0.0, 10.0}};
   World world(WorldConfig{}, "", 1);
-  world.mount_left_camera(mount.eye_from_camera());
+  world.mount_camera(world.left_eye_camera(), mount.eye_from_camera());
   for (int i = 0; i < 50; ++i) {
     const JointVector q = world.head_state().position_rad;
     const Eigen::Isometry3d expected = root_from_left_cam(q) * mount.eye_from_camera();

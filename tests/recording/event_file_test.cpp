@@ -148,6 +148,64 @@ INSTANTIATE_TEST_SUITE_P(EventFile, WrittenEvents,
 
 // ---- text ----------------------------------------------------------------------------------------
 
+// ---- two cameras ---------------------------------------------------------------------------------
+
+class TwoCameras : public testing::TestWithParam<const char*> {
+ protected:
+  TwoCameras() : events_(scattered_events({128, 128}, 1'000, 5000, 40)) {
+    for (std::size_t i = 0; i < events_.size(); ++i) events_[i].camera = i % 3 == 0 ? 1 : 0;
+  }
+
+  TempFolder folder_;
+  std::filesystem::path path_ = folder_ / GetParam();
+  std::vector<Event> events_;
+};
+INSTANTIATE_TEST_SUITE_P(, TwoCameras, testing::Values("e.aedat", "e.csv"));
+
+TEST_P(TwoCameras, AreReadBackExactlyTogetherAndEachAlone) {
+  const auto writer = create_event_file(path_, {128, 128}, 2);
+  writer->write(events_);
+  writer->commit();
+  EXPECT_EQ(read_all(*open_event_file(path_), 77), events_);
+  for (const std::uint8_t camera : std::initializer_list<std::uint8_t>{0, 1}) {
+    std::vector<Event> alone = events_;
+    std::erase_if(alone, [&](const Event& e) { return e.camera != camera; });
+    EXPECT_EQ(read_all(*open_event_file(path_, {.image_size = {}, .camera = camera}), 77), alone);
+  }
+}
+
+TEST_P(TwoCameras, AreRefusedByAFileOfOne) {
+  const auto writer = create_event_file(path_, {128, 128});
+  EXPECT_THROW(writer->write(events_), InputError);
+}
+
+TEST(Aedat2, HoldsTwoCamerasOf128x128Only) {
+  TempFolder folder;
+  EXPECT_THROW((void)create_event_file(folder / "e.aedat", {304, 240}, 2), InputError);
+}
+
+TEST(Aedat2, TheRightCameraOfAStereoPairHasBit15) {
+  TempFolder folder;
+  const std::string header =
+      "#!AER-DAT2.0\r\n# AEChip: ch.unizh.ini.jaer.chip.stereopsis.DVS128StereoPair\r\n";
+  const auto path =
+      folder.write("e.aedat", header + record(0, 10) + record(1u << 15 | 3u << 8 | 2u << 1 | 1u, 20));
+  const std::vector<Event> expected = {{10, 127, 127, true, 0}, {20, 125, 124, false, 1}};
+  EXPECT_EQ(read_all(*open_event_file(path), 10), expected);
+}
+
+TEST(TextEvents, TellTheirCameraInAFifthColumn) {
+  TempFolder folder;
+  const std::vector<Event> expected = {{5, 1, 2, true, 0}, {6, 3, 4, false, 1}};
+  const auto named = folder.write("named.csv", "t_us,x,y,p,camera\n5,1,2,1,0\n6,3,4,0,1\n");
+  EXPECT_EQ(read_all(*open_event_file(named), 10), expected);
+  const auto told = folder.write("told.txt", "0 1 2 5 1\n1 3 4 6 0\n");
+  EXPECT_EQ(read_all(*open_event_file(told, {.columns = "cxytp", .image_size = {}, .camera = {}}), 10),
+            expected);
+  const auto third = folder.write("third.csv", "t_us,x,y,p,camera\n5,1,2,1,2\n");
+  EXPECT_THROW((void)read_all(*open_event_file(third), 10), InputError);
+}
+
 TEST(TextEvents, MayBeApartByBlanksTabsOrCommasWithCommentsAndAHeader) {
   TempFolder folder;
   const std::vector<Event> events = {{10, 3, 4, true, 0}, {12, 65535, 0, false, 0}, {12, 5, 6, false, 0}};

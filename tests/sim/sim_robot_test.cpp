@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "core/error.h"
 #include "tests/robot/port_conformance.h"
 
 namespace saccade {
@@ -32,8 +33,22 @@ RobotUnderTest simulated() {
   return {robot, robot.get(), robot.get(), robot.get()};
 }
 
+SimConfig with_both_eyes(SimConfig config) {
+  config.eyes = "both";
+  config.right.camera = Camera{{64, 64}, 52.0, 52.0, 30.0, 33.0}.without_lens();
+  return config;
+}
+
+RobotUnderTest simulated_with_both_eyes() {
+  auto robot = std::make_shared<SimRobot>(with_both_eyes(small_world()), 1);
+  return {robot, robot.get(), robot.get(), robot.get()};
+}
+
 INSTANTIATE_TEST_SUITE_P(Sim, PortConformance,
-                         testing::Values(PortBackend{"Sim", simulated, true, false, 5000}), name_of_backend);
+                         testing::Values(PortBackend{"Sim", simulated, true, false, 5000},
+                                         PortBackend{"SimBothEyes", simulated_with_both_eyes, true, false,
+                                                     5000}),
+                         name_of_backend);
 
 TEST(SimRobot, AStillHeadBeforeAStillSceneSeesNoEvent) {
   SimRobot robot(still_world(), 3);
@@ -49,6 +64,55 @@ TEST(SimRobot, AStillHeadBeforeAStillSceneSeesNoEvent) {
   EXPECT_EQ(events.size(), 0U);
 }
 
+/// All events up to t_us, of one eye.
+std::vector<Event> events_of(const SimConfig& config, std::uint64_t seed, std::uint8_t camera,
+                             std::int64_t t_us) {
+  SimRobot robot(config, seed);
+  std::vector<Event> events;
+  robot.wait_until(t_us);
+  robot.read_until(t_us, events);
+  std::erase_if(events, [&](const Event& e) { return e.camera != camera; });
+  return events;
+}
+
+TEST(SimRobot, TheLeftEyeSeesTheSameWhetherTheRightOneSeesOrNot) {
+  SimConfig config = small_world();
+  config.sampling = {10.0, 1.0};  // an image at every tick, whatever moves
+  const std::vector<Event> alone = events_of(config, 1, 0, 200'000);
+  EXPECT_GT(alone.size(), 1000U);
+  EXPECT_EQ(alone, events_of(with_both_eyes(config), 1, 0, 200'000));
+}
+
+TEST(SimRobot, TheEyesNoiseIsTheirOwnAndFromTheSeed) {
+  SimConfig config = with_both_eyes(still_world());
+  config.right.camera = config.camera;
+  config.emulator.shot_noise_rate_hz = 5.0;
+  const std::vector<Event> left = events_of(config, 5, 0, 400'000);
+  std::vector<Event> right = events_of(config, 5, 1, 400'000);
+  EXPECT_EQ(right, events_of(config, 5, 1, 400'000));
+  EXPECT_NE(right, events_of(config, 6, 1, 400'000));
+  ASSERT_GT(left.size(), 1000U);
+  ASSERT_GT(right.size(), 1000U);
+  const auto same = [](const Event& a, const Event& b) {
+    return a.t_us == b.t_us && a.x == b.x && a.y == b.y;
+  };
+  int shared = 0;
+  for (std::size_t i = 0, j = 0; i < left.size(); ++i) {
+    while (j < right.size() && right[j].t_us < left[i].t_us) ++j;
+    for (std::size_t k = j; k < right.size() && right[k].t_us == left[i].t_us; ++k) {
+      shared += same(left[i], right[k]) ? 1 : 0;
+    }
+  }
+  std::printf("%zu events left, %zu right, %d the same\n", left.size(), right.size(), shared);
+  EXPECT_LT(shared, 5);  // were both of one stream it would be nearly all
+}
+
+TEST(SimRobot, EyesWithImagesOfDifferentSizesAreBadInput) {
+  SimConfig config = with_both_eyes(small_world());
+  config.right.camera.size = {64, 48};
+  EXPECT_THROW(SimRobot(config, 1), InputError);
+}
+
 TEST(SimRobot, TruthIsTheProjectionOfTheBallThroughThePlantsEye) {
   SimRobot robot(small_world(), 1);
   const Camera camera = small_world().camera;
@@ -56,12 +120,12 @@ TEST(SimRobot, TruthIsTheProjectionOfTheBallThroughThePlantsEye) {
     robot.wait_until(t_us);
     const SimTruth& truth = robot.truth();
     ASSERT_EQ(truth.t_us, t_us);
-    const Eigen::Vector3d in_cam_m = truth.root_from_left_cam.inverse() * truth.ball_m;
+    const Eigen::Vector3d in_cam_m = truth.left.root_from_cam.inverse() * truth.ball_m;
     const auto circle = camera.project_sphere(in_cam_m, 0.0475);
-    ASSERT_TRUE(circle && truth.circle);
-    EXPECT_NEAR(circle->x_px, truth.circle->x_px, 1e-12);
-    EXPECT_NEAR(circle->r_px, truth.circle->r_px, 1e-12);
-    EXPECT_GT(truth.visible, 0.8);
+    ASSERT_TRUE(circle && truth.left.circle);
+    EXPECT_NEAR(circle->x_px, truth.left.circle->x_px, 1e-12);
+    EXPECT_NEAR(circle->r_px, truth.left.circle->r_px, 1e-12);
+    EXPECT_GT(truth.left.visible, 0.8);
   }
 }
 
@@ -79,7 +143,7 @@ TEST(SimRobot, TheColourPictureOfTheLeftEyeHasTheLuminanceOfItsImage) {
   while (robot.now_us() - robot.image_us() > World::tick_us)
     robot.wait_until(robot.now_us() + World::tick_us);
   const std::vector<float> rgb = colours_of(robot, robot.image_us(), {0, 0});
-  const std::span<const float> luminance = robot.left_image();
+  const std::span<const float> luminance = robot.left_eye().image();
   for (std::size_t i = 0; i < luminance.size(); ++i) {
     const float sum =
         0.2126F * rgb[i] + 0.7152F * rgb[i + luminance.size()] + 0.0722F * rgb[i + 2 * luminance.size()];
@@ -128,7 +192,7 @@ TEST(SimRobot, EventsOfAMovingBallLieAtItsOutlineOrItsHand) {
   robot.wait_until(310'000);
   robot.read_until(310'000, events);
   ASSERT_GT(events.size(), 20U);
-  const Circle ball = *robot.truth().circle;
+  const Circle ball = *robot.truth().left.circle;
   int near = 0;
   for (const Event& e : events) {
     // Within the ball's disc and a margin for 10 ms of motion; the hand hangs below and to the sides.
@@ -177,12 +241,12 @@ TEST(SimRobot, WhatIsVisibleOfTheBallIsTheSameHoweverOftenTheEyeLooks) {
   for (std::int64_t t_us = 1000; t_us <= 500'000; t_us += 1000) {
     a.wait_until(t_us);
     b.wait_until(t_us);
-    ASSERT_EQ(a.truth().circle.has_value(), b.truth().circle.has_value());
-    if (a.truth().circle) {
-      ASSERT_EQ(a.truth().circle->x_px, b.truth().circle->x_px);
+    ASSERT_EQ(a.truth().left.circle.has_value(), b.truth().left.circle.has_value());
+    if (a.truth().left.circle) {
+      ASSERT_EQ(a.truth().left.circle->x_px, b.truth().left.circle->x_px);
     }
-    largest = std::max(largest, std::abs(a.truth().visible - b.truth().visible));
-    least = std::min(least, a.truth().visible);
+    largest = std::max(largest, std::abs(a.truth().left.visible - b.truth().left.visible));
+    least = std::min(least, a.truth().left.visible);
   }
   std::printf("visible from %.2f on; differs by at most %.3f\n", least, largest);
   EXPECT_LT(least, 0.6);     // it leaves the image
@@ -199,34 +263,42 @@ SimConfig labelled_world() {
   return config;
 }
 
-TEST(SimRobot, PixelsLabelledBallAreThoseOfTheTrueCircle) {
+/// The pixels that an eye labels ball are those of its true circle.
+void expect_the_ball_in_its_circle(const SimEye& eye) {
+  const EyeTruth& truth = eye.truth();
+  ASSERT_TRUE(truth.circle);
+  const ImageSize size = eye.camera().size;
+  int inside = 0;
+  int of_the_disc = 0;
+  int outside = 0;
+  for (int y = 0; y < size.height; ++y) {
+    for (int x = 0; x < size.width; ++x) {
+      const bool is_ball = eye.objects()[static_cast<std::size_t>(y * size.width + x)] ==
+                           static_cast<std::uint8_t>(SceneObject::ball);
+      const double off_px = std::hypot(x - truth.circle->x_px, y - truth.circle->y_px) - truth.circle->r_px;
+      if (off_px < -1.0) {
+        ++inside;
+        of_the_disc += is_ball ? 1 : 0;
+      }
+      if (off_px > 2.0 && is_ball) ++outside;
+    }
+  }
+  std::printf("circle at %.1f, %.1f: %d of %d pixels of the disc are labelled ball, %.2f visible\n",
+              truth.circle->x_px, truth.circle->y_px, of_the_disc, inside, truth.visible);
+  EXPECT_EQ(outside, 0);
+  EXPECT_NEAR(static_cast<double>(of_the_disc) / inside, truth.visible, 0.1);
+}
+
+TEST(SimRobot, PixelsLabelledBallAreThoseOfTheTrueCircleInEitherEye) {
   SimConfig config = labelled_world();
+  config.eyes = "both";
+  config.right.mount = {{0.0, 0.0, -10.0}, {0.0, 2.0, 5.0}};
   config.sampling = {10.0, 1.0};  // an image at every tick
   SimRobot robot(config, 1);
   for (std::int64_t t_us = 100'000; t_us <= 900'000; t_us += 200'000) {
     robot.wait_until(t_us);
-    const Circle ball = *robot.truth().circle;
-    int inside = 0;
-    int of_the_disc = 0;
-    int outside = 0;
-    for (int y = 0; y < config.camera.size.height; ++y) {
-      for (int x = 0; x < config.camera.size.width; ++x) {
-        const bool is_ball =
-            robot.left_objects()[static_cast<std::size_t>(y * config.camera.size.width + x)] ==
-            static_cast<std::uint8_t>(SceneObject::ball);
-        const double off_px = std::hypot(x - ball.x_px, y - ball.y_px) - ball.r_px;
-        if (off_px < -1.0) {
-          ++inside;
-          of_the_disc += is_ball ? 1 : 0;
-        }
-        if (off_px > 2.0 && is_ball) ++outside;
-      }
-    }
-    const double share = static_cast<double>(of_the_disc) / inside;
-    std::printf("%d of %d pixels of the disc are labelled ball, %.2f visible\n", of_the_disc, inside,
-                robot.truth().visible);
-    EXPECT_EQ(outside, 0);
-    EXPECT_NEAR(share, robot.truth().visible, 0.1);
+    expect_the_ball_in_its_circle(robot.left_eye());
+    expect_the_ball_in_its_circle(*robot.right_eye());
   }
 }
 
@@ -257,8 +329,9 @@ TEST(SimRobot, BeforeAStillEyeAllEventsAreOfWhatMoves) {
   EXPECT_EQ(events_by_object(labelled_world())[5], 0);
 }
 
-TEST(SimRobot, EachEventHasALabelAndLabelsChangeNoEvent) {
+TEST(SimRobot, EachEventOfEitherEyeHasALabelAndLabelsChangeNoEvent) {
   SimConfig config = labelled_world();
+  config.eyes = "both";
   SimRobot labelled(config, 1);
   config.labels = false;
   SimRobot plain(config, 1);
