@@ -1,8 +1,6 @@
 #include "apps/loop.h"
 
-#include <algorithm>
 #include <chrono>
-#include <iterator>
 
 #include "control/head_kinematics.h"
 
@@ -20,7 +18,7 @@ Loop::Loop(Clock& clock, EventSource& events, HeadPort* head, const MountedCamer
       gaze_(std::move(gaze)),
       results_(detectors_.size()),
       last_t_us_(clock.now_us()) {
-  SACCADE_CHECK(!gaze_ || eye_ == Eye::left);
+  SACCADE_CHECK(!gaze_ || (eye_ == Eye::left && (gaze_->driver || !gaze_->stereo)));
   SACCADE_CHECK(!gaze_ || (head_ != nullptr && gaze_->driver.value_or(0) < detectors_.size()));
   if (gaze_) check_config("gaze", gaze_->lost);
   if (gaze_ && gaze_->driver) phase_ = GazePhase::searching;
@@ -35,8 +33,10 @@ PortStatus Loop::tick(std::int64_t t_us, LoopObserver& observer) {
   events_.clear();
   const PortStatus status = need(source_.read_until(t_us, events_), "event camera");
   seen_events_.clear();
-  std::ranges::copy_if(events_, std::back_inserter(seen_events_),
-                       [this](const Event& e) { return e.camera == static_cast<std::uint8_t>(eye_); });
+  other_events_.clear();
+  for (const Event& event : events_) {
+    (event.camera == static_cast<std::uint8_t>(eye_) ? seen_events_ : other_events_).push_back(event);
+  }
 
   Tick tick;
   tick.t_us = t_us;
@@ -46,34 +46,52 @@ PortStatus Loop::tick(std::int64_t t_us, LoopObserver& observer) {
     if (is_finite(*tick.head)) known_motion = camera_motion(*tick.head, eye_, eye_from_camera_);
   }
   const CameraMotion* motion = known_motion ? &*known_motion : nullptr;
-  detect(t_us, motion);
+  for (std::size_t i = 0; i < detectors_.size(); ++i) {
+    results_[i] = ask(*detectors_[i].detector, seen_events_, t_us, motion);
+  }
+  std::optional<CameraMotion> right_motion;
+  if (gaze_ && gaze_->stereo) {
+    const LoopStereo& stereo = *gaze_->stereo;
+    if (motion != nullptr)
+      right_motion = camera_motion(*tick.head, Eye::right, stereo.camera.mount.eye_from_camera());
+    tick.right = ask(*stereo.detector, other_events_, t_us, right_motion ? &*right_motion : nullptr);
+  }
   tick.events = events_;
   tick.detectors = results_;
-  if (gaze_) act(motion, static_cast<double>(t_us - last_t_us_) * 1e-6, tick);
+  if (gaze_)
+    act(motion, right_motion ? &*right_motion : nullptr, static_cast<double>(t_us - last_t_us_) * 1e-6, tick);
   last_t_us_ = t_us;
   observer.on_tick(tick);
   return status;
 }
 
-void Loop::detect(std::int64_t t_us, const CameraMotion* motion) {
-  for (std::size_t i = 0; i < detectors_.size(); ++i) {
-    Detector& detector = *detectors_[i].detector;
-    const auto begin = std::chrono::steady_clock::now();
-    detector.process(seen_events_, motion);
-    detector.advance_to(t_us, motion);
-    const Estimate estimate = detector.estimate();
-    const auto end = std::chrono::steady_clock::now();
-    results_[i] = {estimate, estimate.valid && (!seen_events_.empty() || estimate.held),
-                   std::chrono::duration_cast<std::chrono::nanoseconds>(end - begin).count()};
-  }
+DetectorTick Loop::ask(Detector& detector, std::span<const Event> events, std::int64_t t_us,
+                       const CameraMotion* motion) {
+  const auto begin = std::chrono::steady_clock::now();
+  detector.process(events, motion);
+  detector.advance_to(t_us, motion);
+  const Estimate estimate = detector.estimate();
+  const auto end = std::chrono::steady_clock::now();
+  return {estimate, estimate.valid && (!events.empty() || estimate.held),
+          std::chrono::duration_cast<std::chrono::nanoseconds>(end - begin).count()};
 }
 
-void Loop::act(const CameraMotion* motion, double dt_s, Tick& tick) {
+void Loop::act(const CameraMotion* motion, const CameraMotion* right_motion, double dt_s, Tick& tick) {
   if (gaze_->driver && motion != nullptr) {
     const DetectorTick& seen = results_[*gaze_->driver];
     const double threshold = detectors_[*gaze_->driver].detector->threshold();
     tick.new_target_m = gaze_->gate->update(tick.t_us, seen.observed ? seen.estimate : Estimate{}, threshold,
                                             camera_, motion->root_from_camera);
+    const bool seen_by_both = tick.new_target_m && tick.right && right_motion != nullptr &&
+                              tick.right->observed &&
+                              tick.right->estimate.score >= gaze_->stereo->detector->threshold();
+    if (seen_by_both) {
+      const LoopStereo& stereo = *gaze_->stereo;
+      const auto met_m = stereo.locator.locate(*tick.new_target_m, motion->root_from_camera.translation(),
+                                               tick.right->estimate.circle, stereo.camera.camera,
+                                               right_motion->root_from_camera);
+      if (met_m) tick.new_target_m = met_m;
+    }
   }
   const HeadJointVector wanted = gaze_->controller->step(*tick.head, tick.new_target_m, dt_s);
   tick.target_status = gaze_->controller->target_status();

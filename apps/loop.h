@@ -21,6 +21,14 @@ struct LoopDetector {
   std::unique_ptr<Detector> detector;
 };
 
+/// The right eye's part in the gaze: a detector like the one that drives, which sees the right eye's events, and what
+/// makes a distance of both eyes' bearings.
+struct LoopStereo {
+  std::unique_ptr<Detector> detector;
+  MountedCamera camera;  ///< what is believed of the right eye's
+  StereoLocator locator;
+};
+
 /// What turns detections into gaze, all of one robot.
 struct LoopGaze {
   std::optional<std::size_t> driver;  ///< index of the detector that drives; none: no targets
@@ -28,6 +36,7 @@ struct LoopGaze {
   std::unique_ptr<GazeController> controller;
   JointLimiter limiter;
   LostTargetConfig lost;
+  std::optional<LoopStereo> stereo = std::nullopt;  ///< needs a driver
 };
 
 /// What the gaze is about.
@@ -51,6 +60,7 @@ struct Tick {
   std::int64_t t_us = 0;
   std::span<const Event> events;            ///< delivered in this tick, of both eyes
   std::span<const DetectorTick> detectors;  ///< in the order of the loop's detectors
+  std::optional<DetectorTick> right;        ///< what LoopStereo's detector said
   std::optional<HeadState> head;  ///< not finite where a sensor fails; then nothing is detected or followed
   std::optional<Eigen::Vector3d> new_target_m;      ///< handed to the controller in this tick, root frame
   std::optional<Eigen::Vector3d> target_m;          ///< the newest one so far
@@ -84,10 +94,15 @@ class Loop {
   PortStatus tick(std::int64_t t_us, LoopObserver& observer);
 
   [[nodiscard]] std::span<const LoopDetector> detectors() const { return detectors_; }
+  /// LoopStereo's; null where there is none.
+  [[nodiscard]] const Detector* right_detector() const {
+    return gaze_ && gaze_->stereo ? gaze_->stereo->detector.get() : nullptr;
+  }
 
  private:
-  void detect(std::int64_t t_us, const CameraMotion* motion);
-  void act(const CameraMotion* motion, double dt_s, Tick& tick);
+  [[nodiscard]] static DetectorTick ask(Detector& detector, std::span<const Event> events, std::int64_t t_us,
+                                        const CameraMotion* motion);
+  void act(const CameraMotion* motion, const CameraMotion* right_motion, double dt_s, Tick& tick);
   void watch_target(Tick& tick);
 
   Clock& clock_;
@@ -99,7 +114,8 @@ class Loop {
   std::vector<LoopDetector> detectors_;
   std::optional<LoopGaze> gaze_;
   std::vector<Event> events_;
-  std::vector<Event> seen_events_;  // of them those of eye_
+  std::vector<Event> seen_events_;   // of them those of eye_
+  std::vector<Event> other_events_;  // and those of the other eye
   std::vector<DetectorTick> results_;
   std::optional<Eigen::Vector3d> target_m_;
   std::int64_t seen_us_ = 0;

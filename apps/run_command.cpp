@@ -37,7 +37,14 @@ std::optional<LoopGaze> make_gaze(const Scenario& scenario, const JointLimits& l
                 JointLimiter(motion_limits(limits, config.limits)),
                 scenario.gaze.lost};
   for (std::size_t i = 0; i < scenario.detectors.size(); ++i) {
-    if (scenario.detectors[i].first == scenario.gaze.detector) gaze.driver = i;
+    const auto& [name, detector] = scenario.detectors[i];
+    if (name != scenario.gaze.detector) continue;
+    gaze.driver = i;
+    if (scenario.sim.both_eyes() && scenario.gaze.stereo) {
+      const MountedCamera& right = scenario.right_calibration;
+      gaze.stereo.emplace(
+          LoopStereo{make_detector(detector, right.camera), right, StereoLocator(scenario.gaze.gate.target)});
+    }
   }
   return gaze;
 }

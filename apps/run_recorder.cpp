@@ -104,6 +104,8 @@ RunRecorder::RunRecorder(std::filesystem::path folder, const Scenario& scenario,
   if (scenario.sim.labels) label_table_.emplace(folder_ / "labels.csv");
   if (scenario.sim.both_eyes()) {
     right_eye_.emplace(folder_, gaze_scoring(scenario, scenario.sim.right.camera, robot.limits()));
+    if (loop.right_detector() != nullptr)
+      right_eye_->detection_table.emplace(folder_ / "detections_right.csv");
     if (scenario.sim.labels) right_eye_->label_table.emplace(folder_ / "labels_right.csv");
   }
   if (scenario.output.video) video_.emplace(folder_ / "video.mp4");
@@ -160,6 +162,13 @@ void RunRecorder::record_right_eye(const Tick& tick) {
   eye.truth_table.write(eye.truth.back());
   eye.gaze_scorer.add(
       {tick.t_us, truth.right->root_from_cam, truth.ball_m, tick.target_m, truth.plant_position_rad});
+  if (!tick.right) return;
+  eye.detector_ns += tick.right->elapsed_ns;
+  if (!tick.right->observed) return;
+  const Estimate& estimate = tick.right->estimate;
+  eye.detections.push_back(
+      {tick.t_us, scenario_.gaze.detector, estimate.circle, estimate.score, estimate.held});
+  eye.detection_table->write(eye.detections.back());
 }
 
 void RunRecorder::record_labels(std::span<const Event> events) {
@@ -283,12 +292,22 @@ RightEyeMetrics RunRecorder::right_eye_metrics() const {
   eye.event_count = right_eye_->event_count;
   eye.events_dropped = robot_.right_eye()->counts().dropped;
   eye.camera = scenario_.sim.right.camera;
-  eye.calibration = scenario_.sim.right;
+  eye.calibration = scenario_.right_calibration;
   if (scenario_.gaze.detector != "none") {
     const GazeScore score = right_eye_->gaze_scorer.score();
     eye.fixation_error_deg = score.fixation_error_deg;
     eye.on_target_ratio = score.on_target_ratio;
     eye.in_view_ratio = score.in_view_ratio;
+  }
+  if (const Detector* detector = loop_.right_detector()) {
+    DetectorScore score = score_detector(right_eye_->truth, right_eye_->detections, scenario_.gaze.detector,
+                                         detector->threshold(), Chances::simulated);
+    if (eye.event_count > 0) {
+      score.us_per_event =
+          static_cast<double>(right_eye_->detector_ns) * 1e-3 / static_cast<double>(eye.event_count);
+    }
+    score.rejected_events = detector->rejected();
+    eye.detectors.emplace_back(scenario_.gaze.detector, std::move(score));
   }
   return eye;
 }
@@ -304,6 +323,7 @@ Metrics RunRecorder::finish(double wall_s, std::vector<std::pair<std::string, st
   if (right_eye_) {
     right_eye_->truth_table.commit();
     if (right_eye_->label_table) right_eye_->label_table->commit();
+    if (right_eye_->detection_table) right_eye_->detection_table->commit();
   }
   if (video_) video_->commit();
 

@@ -63,6 +63,9 @@ class RunRecorder final : public LoopObserver {
     std::optional<TableWriter<LabelRow>> label_table;
     GazeScorer gaze_scorer;
     std::vector<TruthRow> truth;
+    std::optional<TableWriter<DetectionRow>> detection_table;  // with a detector that looks through it
+    std::vector<DetectionRow> detections;
+    std::int64_t detector_ns = 0;
     std::int64_t event_count = 0;
   };
   std::optional<RightEye> right_eye_;  // where it sees

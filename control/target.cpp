@@ -103,4 +103,36 @@ Target TargetLocator::locate(const Circle& circle, const Camera& camera,
   return {TargetStatus::ok, root_from_cam * point};
 }
 
+std::optional<Eigen::Vector3d> triangulate(const Ray& left, const Ray& right, double min_convergence_rad,
+                                           double max_skew_rad) {
+  const Eigen::Vector3d a = left.direction.normalized();
+  const Eigen::Vector3d b = right.direction.normalized();
+  const Eigen::Vector3d baseline_m = right.origin_m - left.origin_m;
+  const Eigen::Vector3d across = a.cross(b);
+  if (!(across.norm() > std::sin(min_convergence_rad))) return std::nullopt;
+  const Eigen::Vector3d plane = baseline_m.cross(a).normalized();
+  if (!(std::abs(plane.dot(b)) <= std::sin(max_skew_rad))) return std::nullopt;
+  const double along_a_m = baseline_m.cross(b).dot(across) / across.squaredNorm();
+  const double along_b_m = baseline_m.cross(a).dot(across) / across.squaredNorm();
+  if (!(along_a_m > 0.0) || !(along_b_m > 0.0)) return std::nullopt;
+  return 0.5 * (left.origin_m + along_a_m * a + right.origin_m + along_b_m * b);
+}
+
+StereoLocator::StereoLocator(const TargetConfig& config)
+    : right_(config), min_distance_m_(config.min_distance_m) {}
+
+std::optional<Eigen::Vector3d> StereoLocator::locate(const Eigen::Vector3d& target_m,
+                                                     const Eigen::Vector3d& left_eye_m,
+                                                     const Circle& right_circle, const Camera& right_camera,
+                                                     const Eigen::Isometry3d& root_from_right_cam) const {
+  const Target right = right_.locate(right_circle, right_camera, root_from_right_cam);
+  if (right.status != TargetStatus::ok) return std::nullopt;
+  const Eigen::Vector3d right_eye_m = root_from_right_cam.translation();
+  const auto met_m =
+      triangulate({left_eye_m, target_m - left_eye_m}, {right_eye_m, right.point_m - right_eye_m},
+                  min_convergence_rad, max_skew_rad);
+  if (!met_m || (*met_m - left_eye_m).norm() < min_distance_m_) return std::nullopt;
+  return met_m;
+}
+
 }  // namespace saccade

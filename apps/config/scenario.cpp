@@ -127,11 +127,12 @@ void describe_left_camera(FieldVisitor& v, SimConfig& sim) {
   sim.mount = mounted.mount;
 }
 
-/// What the block `calibration` starts from, before its own keys: its key `file`, which is taken out of the tree, or
-/// the block `camera`.
-MountedCamera calibration_default(YamlTree& tree, const std::filesystem::path& folder) {
+/// What the block `name` of a calibration starts from, before its own keys: its key `file`, which is taken out of the
+/// tree, or the block of the camera, which has the defaults of `mounted`.
+MountedCamera calibration_default(YamlTree& tree, const std::filesystem::path& folder,
+                                  const std::string& name, const std::string& camera, MountedCamera mounted) {
   const std::string key = "file";
-  const auto block = std::find(tree.root.keys.begin(), tree.root.keys.end(), "calibration");
+  const auto block = std::find(tree.root.keys.begin(), tree.root.keys.end(), name);
   if (block != tree.root.keys.end()) {
     YamlNode& calibration = tree.root.items[static_cast<std::size_t>(block - tree.root.keys.begin())];
     const auto at = std::find(calibration.keys.begin(), calibration.keys.end(), key);
@@ -139,22 +140,27 @@ MountedCamera calibration_default(YamlTree& tree, const std::filesystem::path& f
       const auto index = at - calibration.keys.begin();
       const YamlNode file = calibration.items[static_cast<std::size_t>(index)];
       if (file.kind != YamlNode::Kind::scalar || file.text.empty()) {
-        throw InputError(tree.place(file.mark, "calibration.file"), file.found(), "the name of a file");
+        throw InputError(tree.place(file.mark, name + ".file"), file.found(), "the name of a file");
       }
       calibration.keys.erase(at);
       calibration.items.erase(calibration.items.begin() + index);
       return read_calibration(file.mark.line == 0 ? std::filesystem::path(file.text) : folder / file.text);
     }
   }
-  SimConfig sim;
   YamlReader reader(tree);
   reader.section(
-      "camera", [&](FieldVisitor& w) { describe_left_camera(w, sim); }, "");
-  FieldChecker checker("camera");
-  describe(checker, sim.camera);
+      camera, [&](FieldVisitor& w) { describe(w, mounted); }, "");
+  FieldChecker checker(camera);
+  describe(checker, mounted.camera);
   // A camera that is wrong is complained about where it stands.
-  if (!checker.passed()) sim.camera = Camera{.size = sim.camera.size}.without_lens();
-  return {sim.camera, sim.mount};
+  if (!checker.passed()) mounted.camera = Camera{.size = mounted.camera.size}.without_lens();
+  return mounted;
+}
+
+void describe_calibration(FieldVisitor& v, MountedCamera& calibration, ImageSize size) {
+  describe(v, calibration);
+  v.require(calibration.camera.size == size, "width_px", in_words(calibration.camera.size),
+            "the camera's image, " + in_words(size));
 }
 
 void describe(FieldVisitor& v, Scenario& s) {
@@ -188,13 +194,14 @@ void describe(FieldVisitor& v, Scenario& s) {
         "the right eye, with the keys of camera");
   }
   v.section(
-      "calibration",
-      [&](FieldVisitor& w) {
-        describe(w, s.calibration);
-        w.require(s.calibration.camera.size == s.sim.camera.size, "width_px",
-                  in_words(s.calibration.camera.size), "the camera's image, " + in_words(s.sim.camera.size));
-      },
+      "calibration", [&](FieldVisitor& w) { describe_calibration(w, s.calibration, s.sim.camera.size); },
       "what detectors and gaze believe of the camera");
+  if (s.sim.both_eyes()) {
+    v.section(
+        "right_calibration",
+        [&](FieldVisitor& w) { describe_calibration(w, s.right_calibration, s.sim.right.camera.size); },
+        "what they believe of the right one");
+  }
   v.section(
       "render",
       [&](FieldVisitor& w) {
@@ -216,6 +223,8 @@ void describe(FieldVisitor& v, Scenario& s) {
         describe(w, s.gaze.gate);
         describe(w, s.gaze.controller);
         describe(w, s.gaze.lost);
+        if (s.sim.both_eyes())
+          w.boolean("stereo", s.gaze.stereo, "the ball's distance by both eyes' bearings");
         w.require(s.gaze.controller.controller != "script" || s.gaze.detector == "none", "detector",
                   s.gaze.detector, "none, for the controller `script` follows nothing");
       },
@@ -249,7 +258,11 @@ Scenario read_scenario(const std::filesystem::path& path, const std::vector<std:
   scenario.sim.world.things = things_in(tree);
   if (tree.root.find(frame_detector_name) != nullptr) scenario.frame_30hz.emplace();
   scenario.expect = expected_in(tree);
-  scenario.calibration = calibration_default(tree, path.parent_path());
+  scenario.calibration = calibration_default(tree, path.parent_path(), "calibration", "camera", {});
+  if (const YamlNode* eyes = tree.root.find("eyes"); eyes != nullptr && eyes->text == "both") {
+    scenario.right_calibration = calibration_default(tree, path.parent_path(), "right_calibration",
+                                                     "right_camera", scenario.sim.right);
+  }
   YamlReader reader(tree, std::move(required));
   describe(reader, scenario);
   reader.finish();

@@ -38,7 +38,8 @@ struct Scenario {
   } run;
 
   SimConfig sim;
-  MountedCamera calibration;  ///< what the loop believes of the camera; by default what is so
+  MountedCamera calibration;        ///< what the loop believes of the camera; by default what is so
+  MountedCamera right_calibration;  ///< and of the right eye's
   NamedDetectors detectors;
   /// A conventional camera and its detector, to compare with; scored under the name `frame_30hz`.
   std::optional<FrameDetectorConfig> frame_30hz;
@@ -48,6 +49,7 @@ struct Scenario {
     GazeControllerConfig controller;
     LostTargetConfig lost;
     GateConfig gate;
+    bool stereo = false;  ///< the ball's distance by triangulation, where both eyes see it
   } gaze;
 
   struct Output {
@@ -61,7 +63,8 @@ struct Scenario {
 
 /// Reads a scenario: `assignments` are the `key.path=value` of --set, `seed` that of --seed. The values of
 /// `calibration` start from the scenario's `camera`, or from the file that `calibration.file` names (as
-/// read_calibration reads it; relative to the scenario, from --set relative to the working directory).
+/// read_calibration reads it; relative to the scenario, from --set relative to the working directory); those of
+/// `right_calibration` likewise from `right_camera`.
 /// Throws InputError with everything that is wrong.
 [[nodiscard]] Scenario read_scenario(const std::filesystem::path& path,
                                      const std::vector<std::string>& assignments,

@@ -238,5 +238,85 @@ TEST(RunLogTest, SaysNothingOfTargetsWhereNothingDrivesTheGaze) {
   EXPECT_EQ(bytes_of(folder / "log.txt"), "");
 }
 
+// ---- both eyes -----------------------------------------------------------------------------------
+
+/// Sees the ball through an eye's camera as if it were larger than it is, and counts events.
+class OneEyed final : public Detector {
+ public:
+  struct Seen {
+    int events = 0;
+    int of_the_other_eye = 0;
+  };
+
+  OneEyed(Eye eye, double radius_m, Seen& seen) : eye_(eye), radius_m_(radius_m), seen_(seen) {}
+  void process(std::span<const Event> events, const CameraMotion*) override {
+    for (const Event& event : events) {
+      ++seen_.events;
+      seen_.of_the_other_eye += event.camera == static_cast<std::uint8_t>(eye_) ? 0 : 1;
+    }
+  }
+  void advance_to(std::int64_t, const CameraMotion* motion) override {
+    if (motion == nullptr) return;
+    const Camera camera = eye_ == Eye::left ? Camera{} : right_dvs128;
+    const auto circle = camera.project_sphere(motion->root_from_camera.inverse() * ball_m, radius_m_);
+    estimate_ = circle ? Estimate{true, true, *circle, 1.0} : Estimate{};
+  }
+  [[nodiscard]] Estimate estimate() override { return estimate_; }
+  [[nodiscard]] double threshold() const override { return 0.5; }
+  [[nodiscard]] RejectedEvents rejected() const override { return {}; }
+
+ private:
+  Eye eye_;
+  double radius_m_;
+  Seen& seen_;
+  Estimate estimate_;
+};
+
+class Targets final : public LoopObserver {
+ public:
+  void on_tick(const Tick& tick) override {
+    ASSERT_TRUE(tick.target_m);
+    errors_m.push_back((*tick.target_m - ball_m).norm());
+  }
+  std::vector<double> errors_m;
+};
+
+TEST(BothEyes, EachDetectorGetsItsEyesEventsAndTheBallsDistanceComesFromBoth) {
+  for (const bool stereo : {false, true}) {
+    FakeRobotScript script;
+    script.limits = genova02_limits();
+    for (int i = 1; i <= 200; ++i) {
+      script.events.push_back({i * 500, 64, 64, true, static_cast<std::uint8_t>(i % 3 == 0 ? 1 : 0)});
+    }
+    FakeRobot fake(script);
+    OneEyed::Seen left, right;
+    const double radius_m = 0.06;  // of a ball of 0.0475: by its radius it is 0.1 m too near
+    std::vector<LoopDetector> detectors;
+    detectors.push_back({"left", std::make_unique<OneEyed>(Eye::left, radius_m, left)});
+    LoopGaze gaze{0,
+                  make_gate({.gate = "none", .authors = {}, .continuity = {}, .target = {}}),
+                  make_gaze_controller({}, script.limits),
+                  JointLimiter(motion_limits(script.limits, {})),
+                  {}};
+    if (stereo) {
+      gaze.stereo.emplace(LoopStereo{std::make_unique<OneEyed>(Eye::right, radius_m, right),
+                                     MountedCamera{right_dvs128, {}}, StereoLocator({})});
+    }
+    Loop loop(fake, fake, &fake, MountedCamera{}, std::move(detectors), std::move(gaze));
+    Targets targets;
+    for (std::int64_t t_us = 1000; t_us <= 100'000; t_us += 1000) loop.tick(t_us, targets);
+    EXPECT_EQ(left.events, 134);
+    EXPECT_EQ(right.events, stereo ? 66 : 0);
+    EXPECT_EQ(left.of_the_other_eye + right.of_the_other_eye, 0);
+    const double worst_m = *std::max_element(targets.errors_m.begin(), targets.errors_m.end());
+    std::printf("%s: targets up to %.2g m off\n", stereo ? "both eyes" : "left eye", worst_m);
+    if (stereo) {
+      EXPECT_LT(worst_m, 1e-9);
+    } else {
+      EXPECT_GT(worst_m, 0.05);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace saccade

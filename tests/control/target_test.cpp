@@ -182,5 +182,88 @@ TEST(Target, ABadConfigurationIsAnInputError) {
   }
 }
 
+// ---- both eyes -----------------------------------------------------------------------------------
+
+constexpr double baseline_m = 0.068;
+const Eigen::Vector3d left_eye_m(0.0, -baseline_m / 2, 0.0);
+const Eigen::Vector3d right_eye_m(0.0, baseline_m / 2, 0.0);
+
+std::optional<Eigen::Vector3d> triangulate_freely(const Eigen::Vector3d& left, const Eigen::Vector3d& right) {
+  return triangulate({left_eye_m, left}, {right_eye_m, right}, 1e-3, 0.1);
+}
+
+TEST(Triangulation, IsExactForExactBearingsWhateverTheirLength) {
+  const RandomStream random(4, "triangulation");
+  double worst_m = 0.0;
+  for (std::uint64_t i = 0; i < 1000; ++i) {
+    const Eigen::Vector3d point_m(-random.uniform(0.15, 2.0, 0, i), random.uniform(-0.3, 0.3, 1, i),
+                                  random.uniform(-0.3, 0.3, 2, i));
+    const auto met_m = triangulate_freely(random.uniform(0.1, 9.0, 3, i) * (point_m - left_eye_m),
+                                          random.uniform(0.1, 9.0, 4, i) * (point_m - right_eye_m));
+    ASSERT_TRUE(met_m);
+    worst_m = std::max(worst_m, (*met_m - point_m).norm());
+  }
+  std::printf("worst %.1e m\n", worst_m);
+  EXPECT_LT(worst_m, 1e-11);
+}
+
+TEST(Triangulation, ErrsByDistanceSquaredOverTheBaseline) {
+  const double noise_rad = 0.002;  // a fifth of a pixel, in each direction of each bearing
+  const RandomStream random(5, "triangulation");
+  for (const double distance_m : {0.25, 0.5, 1.0}) {
+    double squares = 0.0;
+    constexpr std::uint64_t trials = 4000;
+    for (std::uint64_t i = 0; i < trials; ++i) {
+      const Eigen::Vector3d point_m(-distance_m, 0.0, 0.0);
+      const auto blurred = [&](const Eigen::Vector3d& ray, std::uint64_t k) {
+        return Eigen::Vector3d(ray.normalized() + noise_rad * Eigen::Vector3d(0.0, random.normal(k, i),
+                                                                              random.normal(k + 1, i)));
+      };
+      const auto met_m =
+          triangulate_freely(blurred(point_m - left_eye_m, 0), blurred(point_m - right_eye_m, 2));
+      ASSERT_TRUE(met_m);
+      squares += std::pow(met_m->x() - point_m.x(), 2);
+    }
+    const double expected_m = std::sqrt(2.0) * noise_rad * distance_m * distance_m / baseline_m;
+    const double found_m = std::sqrt(squares / static_cast<double>(trials));
+    std::printf("%.2f m: distance errs by %.1f mm, expected %.1f mm\n", distance_m, 1e3 * found_m,
+                1e3 * expected_m);
+    EXPECT_NEAR(found_m / expected_m, 1.0, 0.1);
+  }
+}
+
+TEST(Triangulation, IsRefusedWhereTheRaysAreNearlyParallelPartOrMeetBehind) {
+  const Eigen::Vector3d ahead(-1.0, 0.0, 0.0);
+  EXPECT_FALSE(triangulate_freely(ahead, ahead));
+  EXPECT_FALSE(triangulate_freely(ahead, {-1.0, -0.0009, 0.0}));
+  EXPECT_TRUE(triangulate_freely(ahead, {-1.0, -0.0011, 0.0}));
+  EXPECT_FALSE(triangulate_freely({-1.0, -0.05, 0.0}, {-1.0, 0.05, 0.0})) << "they part: they meet behind";
+  const Eigen::Vector3d inwards(-1.0, -0.15, 0.0);
+  EXPECT_TRUE(triangulate_freely(ahead, {inwards.x(), inwards.y(), 0.09}));
+  EXPECT_FALSE(triangulate_freely(ahead, {inwards.x(), inwards.y(), 0.12})) << "they pass each other";
+  EXPECT_FALSE(triangulate_freely(ahead, {nan, 0.0, 0.0}));
+  EXPECT_FALSE(triangulate({left_eye_m, ahead}, {left_eye_m, inwards}, 1e-3, 0.1)) << "no baseline";
+}
+
+TEST(Stereo, MendsADistanceThatTheLeftEyesRadiusGotWrong) {
+  Eigen::Isometry3d root_from_right_cam = Eigen::Isometry3d::Identity();
+  root_from_right_cam.linear() << 0, 0, -1, 1, 0, 0, 0, -1, 0;
+  root_from_right_cam.translation() = right_eye_m;
+  const Eigen::Vector3d ball_m(-0.45, 0.05, 0.04);
+  const auto circle = right_dvs128.project_sphere(root_from_right_cam.inverse() * ball_m, 0.0475);
+  const Eigen::Vector3d wrong_m = left_eye_m + 1.3 * (ball_m - left_eye_m);
+  const auto mended_m =
+      StereoLocator({}).locate(wrong_m, left_eye_m, *circle, right_dvs128, root_from_right_cam);
+  ASSERT_TRUE(mended_m);
+  EXPECT_LT((*mended_m - ball_m).norm(), 1e-9);
+
+  Circle higher = *circle;
+  higher.y_px -= 5.0;
+  EXPECT_FALSE(StereoLocator({}).locate(wrong_m, left_eye_m, higher, right_dvs128, root_from_right_cam))
+      << "something else";
+  EXPECT_FALSE(
+      StereoLocator({}).locate(wrong_m, left_eye_m, {60, 60, -1}, right_dvs128, root_from_right_cam));
+}
+
 }  // namespace
 }  // namespace saccade
