@@ -70,6 +70,19 @@ TEST_F(Command, bothEyesAreRecordedWithTheSameBytesWhateverTheNumberOfThreads) {
   EXPECT_NE(bytes_of(folder_ / "left/detections.csv"), bytes_of(folder_ / "right/detections.csv"));
 }
 
+TEST_F(Command, bothEyesFixateTheBallAndStereoLooksThroughEach) {
+  const Outcome run = saccade(
+      "run '" + short_scenario +
+      "' --set eyes=both --set gaze.stereo=true --set gaze.detector=best --set 'detectors={best: {}}' "
+      "--set output.pictures=0 --set 'expect={gaze.fixation_error_deg.median: [0, 2], "
+      "right_eye.fixation_error_deg.median: [0, 2], right_eye.in_view_ratio: [1, 1]}' --out " +
+      out("run"));
+  EXPECT_EQ(run.status, 0) << run.text;
+  EXPECT_GT(bytes_of(folder_ / "run/detections_right.csv").size(), 1000U);
+  EXPECT_NE(bytes_of(folder_ / "run/detections_right.csv"), bytes_of(folder_ / "run/detections.csv"));
+  EXPECT_THAT(bytes_of(folder_ / "run/scenario.yaml"), HasSubstr("right_calibration:"));
+}
+
 TEST_F(Command, anotherSeedGivesOtherEvents) {
   const std::string run = "run '" + short_scenario + "' --set run.duration_s=0.3 --set expect={} ";
   ASSERT_EQ(saccade(run + "--seed 1 --out " + out("a")).status, 0);
