@@ -19,7 +19,7 @@ Loop::Loop(Clock& clock, EventSource& events, HeadPort* head, const MountedCamer
       results_(detectors_.size()),
       last_t_us_(clock.now_us()) {
   SACCADE_CHECK(!gaze_ || (eye_ == Eye::left && (gaze_->driver || !gaze_->stereo)));
-  SACCADE_CHECK(!gaze_ || (head_ != nullptr && gaze_->driver.value_or(0) < detectors_.size()));
+  SACCADE_CHECK(!gaze_ || (head_ != nullptr && (!gaze_->driver || *gaze_->driver < detectors_.size())));
   if (gaze_) check_config("gaze", gaze_->lost);
   if (gaze_ && gaze_->driver) phase_ = GazePhase::searching;
 }

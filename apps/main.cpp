@@ -45,6 +45,7 @@ int main(int argc, char** argv) {
   saccade::add_info_command(app, action);
   saccade::add_convert_command(app, action);
   saccade::add_emulate_command(app, action);
+  saccade::add_calibrate_command(app, action);
   try {
     app.parse(argc, argv);
     return action();

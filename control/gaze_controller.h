@@ -81,11 +81,13 @@ void describe(FieldVisitor& v, IkinGazeConfig& config);
 struct ScriptConfig {
   /// Tilt (+ looks up) and version (+ looks right) to go to in turn, for ever.
   std::vector<std::vector<double>> eyes_deg = {{-8, -8}, {8, -8}, {8, 8}, {-8, 8}};
+  /// Neck pitch, roll and yaw to go to at the same time: as many as points of the eyes, or none, and the neck stays.
+  std::vector<std::vector<double>> neck_deg;
   double speed_deg_s = 40.0;  ///< mean of a move; its peak is 1.875 times that
   double dwell_s = 0.25;      ///< rest at every point
 };
 
-/// Keys: eyes_deg, speed_deg_s, dwell_s.
+/// Keys: eyes_deg, neck_deg, speed_deg_s, dwell_s.
 void describe(FieldVisitor& v, ScriptConfig& config);
 
 struct GazeControllerConfig {

@@ -11,6 +11,7 @@ constexpr double rad_per_deg = std::numbers::pi / 180.0;
 constexpr int first_of_head = neck_pitch;
 constexpr int tilt = eyes_tilt - first_of_head;
 constexpr int version = eyes_version - first_of_head;
+constexpr std::size_t neck_joint_count = 3;
 
 /// 0 to 1 over u in [0, 1] with least jerk.
 double minimum_jerk(double u) { return u * u * u * (10.0 + u * (-15.0 + 6.0 * u)); }
@@ -29,11 +30,17 @@ HeadJointVector ScriptController::step(const HeadState& state, const std::option
   if (!reference_rad_) {
     if (!state.position_rad.allFinite()) return HeadJointVector::Zero().cwiseMax(min_rad_).cwiseMin(max_rad_);
     reference_rad_ = state.head_position_rad().cwiseMax(min_rad_).cwiseMin(max_rad_);
-    from_rad_ = {(*reference_rad_)[tilt], (*reference_rad_)[version]};
+    start_rad_ = from_rad_ = *reference_rad_;
     move_s_ = -config_.dwell_s;
   }
-  const auto point_rad = [&](std::size_t i) -> Eigen::Vector2d {
-    return Eigen::Vector2d(config_.eyes_deg[i][0], config_.eyes_deg[i][1]) * rad_per_deg;
+  const auto point_rad = [&](std::size_t i) {
+    HeadJointVector point = start_rad_;
+    point[tilt] = config_.eyes_deg[i][0] * rad_per_deg;
+    point[version] = config_.eyes_deg[i][1] * rad_per_deg;
+    for (std::size_t j = 0; !config_.neck_deg.empty() && j < neck_joint_count; ++j) {
+      point[static_cast<Eigen::Index>(j)] = config_.neck_deg[i][j] * rad_per_deg;
+    }
+    return point;
   };
   const auto duration_s = [&] {
     return (point_rad(next_) - from_rad_).norm() / (config_.speed_deg_s * rad_per_deg);
@@ -46,11 +53,9 @@ HeadJointVector ScriptController::step(const HeadState& state, const std::option
   }
   const double move_s = duration_s();
   const double share = move_s > 0.0 ? std::clamp(move_s_ / move_s, 0.0, 1.0) : 1.0;
-  const Eigen::Vector2d eyes_rad = from_rad_ + minimum_jerk(share) * (point_rad(next_) - from_rad_);
-  HeadJointVector& reference = *reference_rad_;
-  reference[tilt] = std::clamp(eyes_rad[0], min_rad_[tilt], max_rad_[tilt]);
-  reference[version] = std::clamp(eyes_rad[1], min_rad_[version], max_rad_[version]);
-  return reference;
+  const HeadJointVector wanted_rad = from_rad_ + minimum_jerk(share) * (point_rad(next_) - from_rad_);
+  reference_rad_ = wanted_rad.cwiseMax(min_rad_).cwiseMin(max_rad_);
+  return *reference_rad_;
 }
 
 }  // namespace saccade

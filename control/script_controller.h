@@ -7,11 +7,11 @@
 
 namespace saccade {
 
-/// Moves the eyes from point to point without looking, whatever a detector says: for scenes in which the
+/// Moves the eyes, and the neck where it is told to, from point to point without looking, whatever a detector says: for scenes in which the
 /// camera moves by itself, such as the paper's eye-move data set (section III-A).
 ///
-/// The eyes rest, go to the first point, rest, go to the next, and after the last to the first again. A move
-/// has minimum jerk. Neck and vergence stay where they are at the first step.
+/// They rest, go to the first point, rest, go to the next, and after the last to the first again. A move has
+/// minimum jerk. What has no points stays where it is at the first step: vergence, and the neck without neck_deg.
 class ScriptController final : public GazeController {
  public:
   /// Throws InputError for a configuration out of range.
@@ -26,9 +26,10 @@ class ScriptController final : public GazeController {
   ScriptConfig config_;
   HeadJointVector min_rad_, max_rad_;
   std::optional<HeadJointVector> reference_rad_;
-  Eigen::Vector2d from_rad_ = Eigen::Vector2d::Zero();  ///< tilt, version where the move began
-  std::size_t next_ = 0;                                ///< point that the eyes go to or rest at
-  double move_s_ = 0.0;                                 ///< since the move began; below 0 in the rest at the start
+  HeadJointVector start_rad_ = HeadJointVector::Zero();  ///< at the first step
+  HeadJointVector from_rad_ = HeadJointVector::Zero();   ///< where the move began
+  std::size_t next_ = 0;                                 ///< point that the eyes go to or rest at
+  double move_s_ = 0.0;  ///< since the move began; below 0 in the rest at the start
 };
 
 }  // namespace saccade

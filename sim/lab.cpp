@@ -12,6 +12,7 @@
 
 #include "core/error.h"
 #include "core/random.h"
+#include "sim/mujoco_compat.h"
 
 namespace saccade {
 namespace {
@@ -1050,12 +1051,7 @@ void paint_lab_textures(mjModel& model, const LabConfig& config, std::uint64_t s
   if (id < 0 || model.tex_width[id] != Lab::columns || model.tex_height[id] != lab.rows()) {
     throw RunError("the model does not hold this lab");
   }
-#if mjVERSION_HEADER >= 320
-  SACCADE_CHECK(model.tex_nchannel[id] == 3);
-  mjtByte* rgb = model.tex_data + model.tex_adr[id];
-#else
-  mjtByte* rgb = model.tex_rgb + model.tex_adr[id];
-#endif
+  mjtByte* const rgb = texture_rgb(model, id);
   for (std::size_t i = 0; i < lab.pictures().size(); ++i) lab.paint(i, rgb);
 }
 

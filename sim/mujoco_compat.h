@@ -6,6 +6,8 @@
 #include <memory>
 #include <string>
 
+#include "core/error.h"
+
 namespace saccade {
 
 struct MjDelete {
@@ -32,6 +34,16 @@ bool add_to_vfs(Vfs* vfs, const std::string& name, const std::string& text) {
     std::memcpy(vfs->filedata[mj_findFileVFS(vfs, name.c_str())], text.data(), text.size());
     return true;
   }
+}
+
+/// The colours of a texture of three channels: red, green, blue, row by row.
+inline mjtByte* texture_rgb(const mjModel& model, int texture) {
+#if mjVERSION_HEADER >= 320
+  SACCADE_CHECK(model.tex_nchannel[texture] == 3);
+  return model.tex_data + model.tex_adr[texture];
+#else
+  return model.tex_rgb + model.tex_adr[texture];
+#endif
 }
 
 }  // namespace saccade

@@ -101,6 +101,11 @@ void describe(FieldVisitor& v, WorldConfig& c) {
       "ball", [&c](FieldVisitor& inner) { describe(inner, c.ball); }, "the ball in the hand");
   v.section(
       "things", [&c](FieldVisitor& inner) { describe(inner, c.things); }, "what else moves, by name");
+  if (c.board) {
+    v.section(
+        "board", [&c](FieldVisitor& inner) { describe(inner, *c.board); },
+        "a grid of dots to calibrate with");
+  }
   v.reals("initial_pose_deg", c.initial_pose_deg, joint_count, {-90.0, 90.0},
           "torso pitch, roll, yaw, neck pitch, roll, yaw, eyes tilt, version, vergence at the start");
   v.section(
@@ -112,14 +117,20 @@ std::filesystem::path models_directory() { return SACCADE_MODELS_DIR; }
 World::World(const WorldConfig& config, const std::string& lab_mjcf, std::uint64_t seed,
              const std::filesystem::path& models)
     : trajectory_(checked(config).ball.trajectory, seed),
+      board_(config.board),
       command_delay_us_(1000 * config.plant.command_delay_ms) {
-  model_ = load_model(models, lab_mjcf + things_mjcf(config.things));
+  model_ = load_model(models,
+                      lab_mjcf + things_mjcf(config.things) + (board_ ? board_mjcf(*board_) : std::string()));
   data_.reset(mj_makeData(model_.get()));
   if (!data_) throw RunError("MuJoCo has no memory for the world");
   find_parts();
   make_ball(config.ball);
   make_drives(config.plant);
   things_.emplace(config.things, seed, *model_);
+  if (board_) {
+    board_mocap_ = model_->body_mocapid[find(*model_, mjOBJ_BODY, "board")];
+    paint_board(*model_, *board_);
+  }
 
   const JointVector plant_rad = plant_from_joints(start_pose_rad(config.initial_pose_deg, limits_));
   for (std::size_t j = 0; j < joint_count; ++j) {
@@ -343,6 +354,11 @@ void World::show(std::int64_t t_us, mjData& data) const {
 void World::place_objects(std::int64_t t_us, mjData& data) const {
   Eigen::Map<Eigen::Vector3d>(data.mocap_pos + 3 * ball_mocap_) = trajectory_.position_m(t_us);
   things_->place(t_us, data);
+  if (!board_) return;
+  const Eigen::Isometry3d board = root_from_board(*board_, t_us);
+  const Eigen::Quaterniond turn(board.linear());
+  Eigen::Map<Eigen::Vector3d>(data.mocap_pos + 3 * board_mocap_) = board.translation();
+  Eigen::Map<Eigen::Vector4d>(data.mocap_quat + 4 * board_mocap_) << turn.w(), turn.vec();
 }
 
 }  // namespace saccade

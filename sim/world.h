@@ -14,6 +14,7 @@
 
 #include "core/config.h"
 #include "core/head_state.h"
+#include "sim/board.h"
 #include "sim/mujoco_compat.h"
 #include "sim/plant.h"
 #include "sim/things.h"
@@ -33,13 +34,14 @@ void describe(FieldVisitor& v, BallConfig& config);
 
 struct WorldConfig {
   BallConfig ball;
-  NamedThings things;  ///< what else moves
+  NamedThings things;                ///< what else moves
+  std::optional<BoardConfig> board;  ///< to calibrate with, where a scenario asks for it
   /// Where the joints are and are held at the start, in the order of Joint; the torso stays there.
   std::vector<double> initial_pose_deg = std::vector<double>(joint_count, 0.0);
   PlantConfig plant;
 };
 
-/// Keys: ball, things, initial_pose_deg, plant.
+/// Keys: ball, things, board (where there is one), initial_pose_deg, plant.
 void describe(FieldVisitor& v, WorldConfig& config);
 
 /// What stands in the world, foremost in an eye first. By names in the model: the geom `ball`; geoms of the bodies
@@ -141,6 +143,8 @@ class World {
   std::array<int, joint_count> joint_{};     ///< MuJoCo joint; the last two are the left and right eye pan
   std::array<int, joint_count> actuator_{};  ///< its servo
   int ball_mocap_ = 0;
+  std::optional<BoardConfig> board_;
+  int board_mocap_ = 0;
   int left_eye_ = 0;
   int right_eye_ = 0;
   std::int64_t now_us_ = 0;

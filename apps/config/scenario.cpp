@@ -256,6 +256,7 @@ Scenario read_scenario(const std::filesystem::path& path, const std::vector<std:
   Scenario scenario;
   scenario.detectors = named_in(tree, required);
   scenario.sim.world.things = things_in(tree);
+  if (tree.root.find("board") != nullptr) scenario.sim.world.board.emplace();
   if (tree.root.find(frame_detector_name) != nullptr) scenario.frame_30hz.emplace();
   scenario.expect = expected_in(tree);
   scenario.calibration = calibration_default(tree, path.parent_path(), "calibration", "camera", {});
@@ -352,11 +353,16 @@ MountedCamera read_calibration(const std::filesystem::path& path) {
     required.push_back(block + "." + key);
   }
   YamlReader reader(tree, std::move(required));
-  MountedCamera mounted;
-  reader.section(
-      block, [&](FieldVisitor& v) { describe(v, mounted); }, "what is believed of a camera");
+  Calibration calibration;
+  describe(reader, calibration);
   reader.finish();
-  return mounted;
+  return calibration.camera;
+}
+
+std::string calibration_yaml(Calibration calibration) {
+  YamlWriter writer;
+  describe(writer, calibration);
+  return writer.yaml();
 }
 
 EmulatorConfig read_emulator(const std::filesystem::path& path, const std::vector<std::string>& assignments) {

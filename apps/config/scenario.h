@@ -11,6 +11,7 @@
 #include "control/gaze_controller.h"
 #include "control/gaze_gate.h"
 #include "core/detector_factory.h"
+#include "evaluation/calibration.h"
 #include "evaluation/frame_detector.h"
 #include "evaluation/metrics.h"
 #include "sim/sim_robot.h"
@@ -83,9 +84,12 @@ struct Scenario {
 /// The detectors with every default, as YAML that reads back the same.
 [[nodiscard]] std::string resolved_detectors(NamedDetectors detectors);
 
-/// Reads what is believed of a camera: the block `calibration` of a file, with the keys of a scenario's; a key that
-/// is missing is an error. Throws InputError with everything that is wrong.
+/// Reads what is believed of a camera: the block `calibration` of a file that `saccade calibrate` wrote or that has the
+/// same keys; a key of the lens that is missing is an error. Throws InputError with everything that is wrong.
 [[nodiscard]] MountedCamera read_calibration(const std::filesystem::path& path);
+
+/// A calibration as such a file.
+[[nodiscard]] std::string calibration_yaml(Calibration calibration);
 
 /// Reads an event camera: the keys of a scenario's block `emulator`, at the file's top level or under the key
 /// `emulator` as its only one; the defaults where `path` is empty. Assignments are `key=value` or
