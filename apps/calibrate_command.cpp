@@ -25,7 +25,9 @@ struct CalibrateOptions : ReadOptions {
   std::filesystem::path out;
   std::string grid = "4x7";
   std::optional<double> spacing_mm, dot_mm;
-  double window_ms = 700.0;
+  double window_ms = 1500.0;
+  std::optional<std::int64_t> refractory_us;
+  CalibrationLimits limits;
   std::string camera = "left";
   bool no_joints = false;
 };
@@ -53,6 +55,7 @@ struct Source {
   std::filesystem::path events;
   std::optional<RecordedHead> head;
   DotGrid grid;
+  std::int64_t refractory_us = 500;
 };
 
 Source open_source(const CalibrateOptions& options) {
@@ -66,12 +69,15 @@ Source open_source(const CalibrateOptions& options) {
       source.head.emplace(RecordedHead{TableReader<JointsRow>(joints), {}});
     const std::filesystem::path scenario = folder / "scenario.yaml";
     if (std::filesystem::exists(scenario)) {
-      if (const auto board = read_scenario(scenario, {}, std::nullopt).sim.world.board) {
+      const SimConfig sim = read_scenario(scenario, {}, std::nullopt).sim;
+      source.refractory_us = sim.emulator.refractory_us;
+      if (const auto& board = sim.world.board) {
         source.grid = {static_cast<int>(board->columns), static_cast<int>(board->rows),
                        board->spacing_mm * 1e-3, board->dot_diameter_mm * 1e-3};
       }
     }
   }
+  if (options.refractory_us) source.refractory_us = *options.refractory_us;
   if (options.spacing_mm)
     source.grid.spacing_m = in_range("--spacing_mm", *options.spacing_mm, {1.0, 1000.0}) * 1e-3;
   if (options.dot_mm)
@@ -81,16 +87,15 @@ Source open_source(const CalibrateOptions& options) {
 
 /// Speeds from one view to the next; a view without another right before or after it is taken for fast.
 void note_speeds(std::vector<CalibrationView>& views) {
-  const auto middle = [](const CalibrationView& view) {
-    cv::Point2d sum(0.0, 0.0);
-    for (const cv::Point2d& dot : view.grid.dots_px) sum += dot;
-    return sum / static_cast<double>(view.grid.dots_px.size());
-  };
-  const auto speed = [&](const CalibrationView& a, const CalibrationView& b) {
+  const auto speed = [](const CalibrationView& a, const CalibrationView& b) {
     const std::int64_t apart_us = b.grid.t_us - a.grid.t_us;
-    return apart_us > step_us ? 1e9 : cv::norm(middle(b) - middle(a)) * 1e6 / static_cast<double>(apart_us);
+    if (apart_us > step_us) return 1e9;
+    double farthest_px = 0.0;
+    for (std::size_t i = 0; i < a.grid.dots_px.size(); ++i) {
+      farthest_px = std::max(farthest_px, cv::norm(b.grid.dots_px[i] - a.grid.dots_px[i]));
+    }
+    return farthest_px * 1e6 / static_cast<double>(apart_us);
   };
-  for (CalibrationView& view : views) view.grid.speed_px_s = 0.0;
   for (std::size_t i = 0; i < views.size(); ++i) {
     const double before = i > 0 ? speed(views[i - 1], views[i]) : 1e9;
     const double after = i + 1 < views.size() ? speed(views[i], views[i + 1]) : 1e9;
@@ -104,7 +109,7 @@ std::vector<CalibrationView> find_views(ReplayRobot& robot, const Source& source
   const bool right = options.camera == "right";
   const auto window_us =
       static_cast<std::int64_t>(1e3 * in_range("--window_ms", options.window_ms, {10.0, 60'000.0}));
-  EventPicture picture(robot.image_size(), window_us);
+  EventPicture picture(robot.image_size(), window_us, source.refractory_us);
   std::vector<CalibrationView> views;
   std::vector<Event> events;
   const std::int64_t start_us = robot.now_us();
@@ -171,7 +176,8 @@ int calibrate_command(const CalibrateOptions& options) {
   catch_interrupts();
   const std::vector<CalibrationView> views = find_views(robot, source, options);
   if (interrupted()) throw RunError("interrupted");
-  const Calibration calibration = calibrate(views, source.grid, robot.image_size(), robot.head() != nullptr);
+  const Calibration calibration =
+      calibrate(views, source.grid, robot.image_size(), robot.head() != nullptr, options.limits);
   OutputFile file(options.out);
   file.write(calibration_yaml(calibration));
   file.commit();
@@ -199,6 +205,15 @@ void add_calibrate_command(CLI::App& app, Action& action) {
   command
       ->add_option("--window_ms", options->window_ms,
                    "A picture is made of so long: white passes every pixel of the board in it")
+      ->capture_default_str();
+  command
+      ->add_option("--refractory_us", options->refractory_us,
+                   "A pixel sees nothing for so long after an event; the run's camera, or 500")
+      ->check(CLI::Range(0, 100'000));
+  command
+      ->add_option("--max_speed_px_s", options->limits.max_speed_px_s,
+                   "Pictures in which a dot is faster do not count: events come late by some microseconds")
+      ->check(CLI::Range(0.1, 1e4))
       ->capture_default_str();
   command->add_option("--camera", options->camera, "left or right")
       ->check(CLI::IsMember({"left", "right"}))

@@ -60,7 +60,7 @@ struct Observation {
 };
 
 /// Which parameters are free.
-enum class Free { lens_and_boards, mount_and_boards };
+enum class Free { lens_and_boards, mount_and_boards, all };
 
 /// The centroid of a disc's image.
 std::optional<Eigen::Vector2d> disc_centroid(const Camera& camera, const Eigen::Isometry3d& camera_from_board,
@@ -87,8 +87,8 @@ class LeastSquares {
       : points_m_(grid.points_m()),
         radius_m_(0.5 * grid.dot_diameter_m),
         observations_(std::move(observations)),
-        free_(free),
-        shared_(free == Free::lens_and_boards ? lens_size : pose_size) {}
+        lens_(free == Free::mount_and_boards ? 0 : lens_size),
+        shared_(lens_ + (free == Free::lens_and_boards ? 0 : pose_size)) {}
 
   /// Levenberg-Marquardt from `model`.
   [[nodiscard]] Model solve(Model model) const {
@@ -188,10 +188,10 @@ class LeastSquares {
   /// The part with a step in one of the shared parameters or, after them, of the board's.
   [[nodiscard]] Part with_step(Part part, int parameter, double step) const {
     Eigen::Matrix<double, pose_size, 1> by = Eigen::Matrix<double, pose_size, 1>::Zero();
-    if (parameter < shared_ && free_ == Free::lens_and_boards) {
+    if (parameter < lens_) {
       part.camera.*lens_members[static_cast<std::size_t>(parameter)] += step;
     } else if (parameter < shared_) {
-      by[parameter] = step;
+      by[parameter - lens_] = step;
       part.eye_from_camera = changed(part.eye_from_camera, by);
     } else {
       by[parameter - shared_] = step;
@@ -201,11 +201,9 @@ class LeastSquares {
   }
   [[nodiscard]] Model stepped(const Model& model, const Eigen::VectorXd& by) const {
     Model next = model;
-    if (free_ == Free::mount_and_boards) {
-      next.eye_from_camera = changed(model.eye_from_camera, by.head<pose_size>());
-    } else {
-      for (std::size_t i = 0; i < lens_members.size(); ++i)
-        next.camera.*lens_members[i] += by[static_cast<Eigen::Index>(i)];
+    for (int i = 0; i < lens_; ++i) next.camera.*lens_members[static_cast<std::size_t>(i)] += by[i];
+    if (shared_ > lens_) {
+      next.eye_from_camera = changed(model.eye_from_camera, by.segment<pose_size>(lens_));
     }
     for (std::size_t i = 0; i < model.boards.size(); ++i) {
       next.boards[i] = changed(model.boards[i], by.segment<pose_size>(first_of(i)));
@@ -224,7 +222,7 @@ class LeastSquares {
       const Eigen::VectorXd r = residuals(part, o, radius_m_);
       Eigen::MatrixXd j(r.size(), shared_ + pose_size);
       for (int p = 0; p < shared_ + pose_size; ++p) {
-        const double h = free_ == Free::lens_and_boards && p < 4 ? 1e-3 : 1e-6;
+        const double h = p < lens_ && p < 4 ? 1e-3 : 1e-6;
         // A disc moves as its middle does.
         j.col(p) = (residuals(with_step(part, p, h), o, 0.0) - residuals(with_step(part, p, -h), o, 0.0)) /
                    (2.0 * h);
@@ -248,8 +246,8 @@ class LeastSquares {
   std::vector<cv::Point3d> points_m_;
   double radius_m_;
   std::vector<Observation> observations_;
-  Free free_;
-  int shared_;
+  int lens_;    ///< how many parameters of the lens are free
+  int shared_;  ///< and how many with the mount
 };
 
 // --------------------------------------------------------------------------------------- views
@@ -354,6 +352,19 @@ bool all_of(const std::vector<bool>& values) {
   return std::find(values.begin(), values.end(), false) == values.end();
 }
 
+void note_lens(const Eigen::VectorXd& deviations, CalibrationDeviations& to) {
+  for (auto [value, i] : {std::pair{&to.fx_px, 0},
+                          {&to.fy_px, 1},
+                          {&to.cx_px, 2},
+                          {&to.cy_px, 3},
+                          {&to.k1, 4},
+                          {&to.k2, 5},
+                          {&to.p1, 6},
+                          {&to.p2, 7}}) {
+    *value = deviations[i];
+  }
+}
+
 /// The lens, over the views that fit it; the others are left out of `views`.
 Model fit_lens(std::vector<CalibrationView>& views, const DotGrid& grid, ImageSize size,
                Calibration& result) {
@@ -369,18 +380,7 @@ Model fit_lens(std::vector<CalibrationView>& views, const DotGrid& grid, ImageSi
       continue;
     }
     result.quality.rms_px = problem.rms_px(model);
-    const Eigen::VectorXd d = problem.deviations(model);
-    CalibrationDeviations& to = result.deviations;
-    for (auto [value, i] : {std::pair{&to.fx_px, 0},
-                            {&to.fy_px, 1},
-                            {&to.cx_px, 2},
-                            {&to.cy_px, 3},
-                            {&to.k1, 4},
-                            {&to.k2, 5},
-                            {&to.p1, 6},
-                            {&to.p2, 7}}) {
-      *value = d[i];
-    }
+    note_lens(problem.deviations(model), result.deviations);
     return model;
   }
 }
@@ -439,9 +439,24 @@ void fit_mount(const std::vector<CalibrationView>& views, const DotGrid& grid,
     if (all_of(now_fit)) break;
     for (std::size_t i = 0; i < now_fit.size(); ++i) fits[view_of[i]] = now_fit[i];
   }
-  const LeastSquares problem(grid, std::move(observations), Free::mount_and_boards);
-  result.quality.rms_at_rest_px = problem.rms_px(model);
-  const Eigen::VectorXd d = problem.deviations(model);
+  // How the image turns with the eye says more of the lens than poses that are anything: where joints and pictures
+  // agree, both are taken together.
+  constexpr double agree = 1.5;
+  const LeastSquares together(grid, observations, Free::all);
+  const Model all = together.solve(model);
+  Eigen::VectorXd d;
+  if (together.rms_px(all) <= agree * result.quality.rms_px) {
+    model = all;
+    result.camera.camera = model.camera;
+    result.quality.rms_at_rest_px = together.rms_px(model);
+    d = together.deviations(model);
+    note_lens(d, result.deviations);
+    d = d.tail<pose_size>().eval();
+  } else {
+    const LeastSquares alone(grid, observations, Free::mount_and_boards);
+    result.quality.rms_at_rest_px = alone.rms_px(model);
+    d = alone.deviations(model);
+  }
   const Eigen::Vector3d turn_deg = rotation_vector(model.eye_from_camera.linear()) * deg_per_rad;
   for (int i = 0; i < 3; ++i) {
     const auto k = static_cast<std::size_t>(i);

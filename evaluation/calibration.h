@@ -21,7 +21,7 @@ struct CalibrationView {
 struct CalibrationLimits {
   std::size_t min_views = 15;
   std::size_t max_views = 100;   ///< of those found, the slowest and best spread
-  double max_speed_px_s = 10.0;  ///< of the grid's middle in a view that counts
+  double max_speed_px_s = 10.0;  ///< of the fastest dot in a view that counts
   double min_covered = 0.7;      ///< share of the cells of a 5 x 5 raster over the image with a dot in them
   double min_tilt_spread_deg = 20.0;  ///< largest angle between the board's normals in two views
   double max_rms_px = 0.5;            ///< of the distance between dots and their projection
@@ -67,9 +67,11 @@ void describe(FieldVisitor& v, Calibration& calibration);
 /// Camera and, where the views have the eye's pose and `with_mount`, its place in the eye.
 ///
 /// Lens: least squares over the dots of all views, each view with a pose of its own (started by
-/// cv::calibrateCamera); a dot is compared with the centroid of the projected disc. Mount: with that lens, least
-/// squares over mount and one pose of the board in the root frame for each rest, a run of views in which the board
-/// stays where it is. Deviations follow from the residuals, taken as common to the dots of a view (sandwich).
+/// cv::calibrateCamera); a dot is compared with the centroid of the projected disc. Mount: least squares over mount
+/// and one pose of the board in the root frame for each rest, a run of views in which the board stays where it is;
+/// first with that lens, then with the lens free too, which is the result where it fits the dots not much worse (1.5
+/// times) than poses of their own do. Deviations follow from the residuals, taken as common to the dots of a view
+/// (sandwich); what all views have in common, such as a lag of the events, is not in them.
 /// Throws RunError, which says what was found and what is missing, where a limit is not kept.
 [[nodiscard]] Calibration calibrate(const std::vector<CalibrationView>& views, const DotGrid& grid,
                                     ImageSize size, bool with_mount, const CalibrationLimits& limits = {});

@@ -10,11 +10,12 @@ namespace saccade {
 namespace {
 
 constexpr float threshold = 0.2F;  // log brightness per event; only the shape of edges depends on it
-constexpr std::int64_t support_us = 30'000;
+constexpr std::int64_t support_us = 150'000;
+constexpr std::int64_t burst_us = 20'000;
 constexpr int enlarged = 4;
 
-/// Darkness above that of white paper with its noise.
-constexpr double white_darkness = 0.3;
+/// Darker than what white keeps of a dot that has passed: noise, and what the pixel missed of a fast edge.
+constexpr double white_darkness = 0.5;
 
 /// The distance to the nearest other dot.
 double distance_to_next(const std::vector<cv::Point2f>& dots, std::size_t i) {
@@ -24,6 +25,9 @@ double distance_to_next(const std::vector<cv::Point2f>& dots, std::size_t i) {
   }
   return nearest;
 }
+
+/// A dot that white has not passed within the window is bright in its middle.
+constexpr double dark_middle = 0.4;
 
 /// Centroid of the darkness around a point; the disc around it reaches half way to the next dot.
 std::optional<cv::Point2d> darkness_centroid(const cv::Mat& picture, cv::Point2d at, double reach_px) {
@@ -44,7 +48,9 @@ std::optional<cv::Point2d> darkness_centroid(const cv::Mat& picture, cv::Point2d
     if (!(mass > 0.0)) return std::nullopt;
     at = sum / mass;
   }
-  return at;
+  const cv::Point pixel(cvRound(at.x), cvRound(at.y));
+  const double middle = cv::mean(picture(cv::Rect(pixel.x - 1, pixel.y - 1, 3, 3)))[0];
+  return middle < dark_middle ? std::optional(at) : std::nullopt;
 }
 
 }  // namespace
@@ -60,9 +66,10 @@ std::vector<cv::Point3d> DotGrid::points_m() const {
   return points;
 }
 
-EventPicture::EventPicture(ImageSize size, std::int64_t window_us)
+EventPicture::EventPicture(ImageSize size, std::int64_t window_us, std::int64_t refractory_us)
     : size_(size),
       window_us_(window_us),
+      refractory_us_(refractory_us),
       pixels_(static_cast<std::size_t>(size.pixels())),
       newest_us_(static_cast<std::size_t>((size.width + 2) * (size.height + 2)), -2 * support_us) {}
 
@@ -83,11 +90,17 @@ void EventPicture::add(std::span<const Event> events) {
     for (const std::ptrdiff_t other : {-row, row}) {
       neighbour_us = std::max({neighbour_us, newest[other - 1], newest[other], newest[other + 1]});
     }
+    const std::int64_t since_us = event.t_us - *newest;
     *newest = event.t_us;
     if (event.t_us - neighbour_us > support_us) continue;
     Pixel& pixel = pixels_[static_cast<std::size_t>(event.y * size_.width + event.x)];
     pixel = at_window(pixel, event.t_us / window_us_);
-    pixel.level += event.on ? threshold : -threshold;
+    // In a burst the pixel was blind for a part of the time since the event before, and light went on all the while.
+    const bool burst = since_us < burst_us && (pixel.ahead > 0.0F) == event.on;
+    const std::int64_t seen_us = std::max(since_us - refractory_us_, since_us / 3);
+    const float missed =
+        burst && seen_us > 0 ? static_cast<float>(since_us) / static_cast<float>(seen_us) : 1.0F;
+    pixel.level += missed * (event.on ? threshold : -threshold);
     pixel.ahead = event.on ? 0.5F * threshold : -0.5F * threshold;
     pixel.highest = std::max(pixel.highest, pixel.level);
   }

@@ -30,11 +30,12 @@ struct DotGrid {
 /// drift. Both cancel in the difference to the sum's largest value within the last window (to twice that): where
 /// the window is long enough for white to have passed, white is 1 and a dot is what it reflects against white.
 /// After an event the brightness has gone on the same way, by up to a threshold: half of one is added.
-/// Events without an event of a neighbour in the 30 ms before are taken for noise and left out.
+/// Events without an event of a neighbour in the 150 ms before are taken for noise and left out.
 class EventPicture {
  public:
-  /// `window_us`: in which white passes every pixel of the board.
-  EventPicture(ImageSize size, std::int64_t window_us);
+  /// `window_us`: in which white passes every pixel of the board. `refractory_us`: how long a pixel sees nothing
+  /// after an event; what it missed in a burst of events, as long as that takes, is added to the next one.
+  EventPicture(ImageSize size, std::int64_t window_us, std::int64_t refractory_us);
 
   /// Sorted by time, all inside the image.
   void add(std::span<const Event> events);
@@ -53,6 +54,7 @@ class EventPicture {
 
   ImageSize size_;
   std::int64_t window_us_;
+  std::int64_t refractory_us_;
   std::vector<Pixel> pixels_;
   std::vector<std::int64_t> newest_us_;  // with a border of one pixel
 };
@@ -61,10 +63,10 @@ class EventPicture {
 struct GridView {
   std::int64_t t_us = 0;
   std::vector<cv::Point2d> dots_px;  ///< centroids, in the order of DotGrid::points_m()
-  double speed_px_s = 0.0;           ///< of the grid's middle
+  double speed_px_s = 0.0;           ///< of the fastest dot
 };
 
-/// Finds all dots of the grid; none where one is missing. A dot is the centroid of its darkness.
+/// Finds all dots of the grid; none where one is missing or not dark throughout. A dot is the centroid of its darkness.
 [[nodiscard]] std::optional<std::vector<cv::Point2d>> find_grid(const cv::Mat& picture, const DotGrid& grid);
 
 }  // namespace saccade
