@@ -28,7 +28,6 @@ struct CalibrateOptions : ReadOptions {
   double window_ms = 1500.0;
   std::optional<std::int64_t> refractory_us;
   CalibrationLimits limits;
-  std::string camera = "left";
   bool no_joints = false;
 };
 
@@ -104,9 +103,8 @@ void note_speeds(std::vector<CalibrationView>& views) {
   }
 }
 
-std::vector<CalibrationView> find_views(ReplayRobot& robot, const Source& source,
+std::vector<CalibrationView> find_views(ReplayRobot& robot, const Source& source, Eye eye,
                                         const CalibrateOptions& options) {
-  const bool right = options.camera == "right";
   const auto window_us =
       static_cast<std::int64_t>(1e3 * in_range("--window_ms", options.window_ms, {10.0, 60'000.0}));
   EventPicture picture(robot.image_size(), window_us, source.refractory_us);
@@ -118,7 +116,6 @@ std::vector<CalibrationView> find_views(ReplayRobot& robot, const Source& source
     if (robot.wait_until(t_us) == PortStatus::ended) break;
     events.clear();
     const bool ended = robot.read_until(t_us, events) == PortStatus::ended;
-    std::erase_if(events, [&](const Event& e) { return (e.camera != 0) != right; });
     used += static_cast<std::int64_t>(events.size());
     picture.add(events);
     if (t_us - start_us >= window_us && !events.empty()) {
@@ -127,15 +124,14 @@ std::vector<CalibrationView> find_views(ReplayRobot& robot, const Source& source
         view.grid = {t_us, std::move(*dots), 0.0};
         HeadState head;
         if (robot.head() != nullptr && robot.head()->read(head) != PortStatus::lost) {
-          view.root_from_eye =
-              HeadKinematics(head.position_rad).root_from_eye(right ? Eye::right : Eye::left);
+          view.root_from_eye = HeadKinematics(head.position_rad).root_from_eye(eye);
         }
       }
     }
     if (ended) break;
   }
   if (used == 0) {
-    throw InputError(options.recording.string(), "no events of the " + options.camera + " camera",
+    throw InputError(options.recording.string(), "no events of the camera",
                      "a recording with some; saccade info tells what it holds");
   }
   note_speeds(views);
@@ -172,9 +168,12 @@ void print(const Calibration& calibration, std::size_t found) {
 
 int calibrate_command(const CalibrateOptions& options) {
   Source source = open_source(options);
-  ReplayRobot robot(open_event_file(source.events, options.read), std::move(source.head));
+  EventReadOptions read = options.read;
+  read.camera = read.camera.value_or(0);
+  ReplayRobot robot(open_event_file(source.events, read), std::move(source.head));
   catch_interrupts();
-  const std::vector<CalibrationView> views = find_views(robot, source, options);
+  const std::vector<CalibrationView> views =
+      find_views(robot, source, static_cast<Eye>(*read.camera), options);
   if (interrupted()) throw RunError("interrupted");
   const Calibration calibration =
       calibrate(views, source.grid, robot.image_size(), robot.head() != nullptr, options.limits);
@@ -214,9 +213,6 @@ void add_calibrate_command(CLI::App& app, Action& action) {
       ->add_option("--max_speed_px_s", options->limits.max_speed_px_s,
                    "Pictures in which a dot is faster do not count: events come late by some microseconds")
       ->check(CLI::Range(0.1, 1e4))
-      ->capture_default_str();
-  command->add_option("--camera", options->camera, "left or right")
-      ->check(CLI::IsMember({"left", "right"}))
       ->capture_default_str();
   command->add_flag("--no_joints", options->no_joints, "The lens alone, whatever a run knows of its head");
   command->callback([options, &action] { action = [options] { return calibrate_command(*options); }; });
