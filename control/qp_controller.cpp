@@ -14,15 +14,18 @@ using Row = Eigen::Matrix<double, 1, head_joint_count>;
 struct Bearing {
   double azimuth;
   double elevation;
+  double azimuth_rate;  ///< by the target's own velocity, rad/s
+  double elevation_rate;
   Row azimuth_row;
   Row elevation_row;
 };
 
-Bearing bearing(const HeadKinematics& head, Eye eye, const Eigen::Vector3d& target_m) {
+Bearing bearing(const HeadKinematics& head, Eye eye, const TargetTrack& target) {
   const Eigen::Isometry3d& pose = head.root_from_eye(eye);
   const EyeJacobian jacobian = head.jacobian(eye);
   const Eigen::Matrix3d eye_from_root = pose.linear().transpose();
-  const Eigen::Vector3d p = eye_from_root * (target_m - pose.translation());
+  const Eigen::Vector3d p = eye_from_root * (target.position_m() - pose.translation());
+  const Eigen::Vector3d velocity = eye_from_root * target.velocity_m_s();
   Eigen::Matrix<double, 3, head_joint_count> dp;
   for (int j = 0; j < head_joint_count; ++j) {
     const int joint = torso_joint_count + j;
@@ -35,7 +38,12 @@ Bearing bearing(const HeadKinematics& head, Eye eye, const Eigen::Vector3d& targ
   const Eigen::RowVector3d azimuth(p.z() / (across * range), 0.0, -p.x() / (across * range));
   const Eigen::RowVector3d elevation(-p.x() * p.y() / (across * range * range), across / (range * range),
                                      -p.z() * p.y() / (across * range * range));
-  return {std::atan2(p.x(), p.z()) * across / range, std::atan2(p.y(), across), azimuth * dp, elevation * dp};
+  return {std::atan2(p.x(), p.z()) * across / range,
+          std::atan2(p.y(), across),
+          azimuth.dot(velocity),
+          elevation.dot(velocity),
+          azimuth * dp,
+          elevation * dp};
 }
 
 }  // namespace
@@ -44,7 +52,8 @@ QpController::QpController(const QpConfig& config, const MotionLimits& limits)
     : config_(config),
       both_eyes_(config.eyes == "both"),
       max_lead_rad_(config.max_lead_deg * std::numbers::pi / 180.0),
-      limits_(limits) {
+      limits_(limits),
+      target_(config.target_time_constant_s) {
   check_config("gaze.qp", config);
 }
 
@@ -57,6 +66,7 @@ HeadJointVector QpController::step(const HeadState& state, const std::optional<E
     started_ = measured;
   }
   status_ = TargetStatus::none;
+  target_.advance(dt);
   if (!measured) {
     velocity_rad_s_.setZero();
     return reference_rad_;
@@ -65,9 +75,9 @@ HeadJointVector QpController::step(const HeadState& state, const std::optional<E
   const HeadJointVector q = state.head_position_rad();
   if (target) {
     status_ = check_gaze_target(*target, head);
-    if (status_ == TargetStatus::ok) target_m_ = target;
+    if (status_ == TargetStatus::ok) target_.observe(*target);
   }
-  integrate(target_m_ ? gaze_cost(head, q) : neutral_cost(q), q, dt);
+  integrate(target_.is_known() ? gaze_cost(head, q) : neutral_cost(q), q, dt);
   return reference_rad_;
 }
 
@@ -81,12 +91,12 @@ QpController::Cost QpController::gaze_cost(const HeadKinematics& head, const Hea
 
   Cost cost;
   cost.h.diagonal().setConstant(config_.damping);
-  const Bearing left = bearing(head, Eye::left, *target_m_);
-  cost.add(1.0, left.azimuth_row, -left.azimuth * per_eye_time);
-  cost.add(1.0, left.elevation_row, -left.elevation * per_eye_time);
+  const Bearing left = bearing(head, Eye::left, target_);
+  cost.add(1.0, left.azimuth_row, -left.azimuth * per_eye_time - left.azimuth_rate);
+  cost.add(1.0, left.elevation_row, -left.elevation * per_eye_time - left.elevation_rate);
   if (both_eyes_) {
-    const Bearing right = bearing(head, Eye::right, *target_m_);
-    cost.add(config_.right_eye_weight, right.azimuth_row, -right.azimuth * per_eye_time);
+    const Bearing right = bearing(head, Eye::right, target_);
+    cost.add(config_.right_eye_weight, right.azimuth_row, -right.azimuth * per_eye_time - right.azimuth_rate);
   } else {
     const double rest = std::clamp(0.0, limits_.min_rad[vergence], limits_.max_rad[vergence]);
     cost.add(config_.neck_weight, Row::Unit(vergence), (rest - q[vergence]) * per_neck_time);

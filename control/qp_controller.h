@@ -2,12 +2,14 @@
 
 #include "control/bounded_qp.h"
 #include "control/gaze_controller.h"
+#include "control/target_track.h"
 
 namespace saccade {
 
 /// Chooses, every step, the joint velocities v of neck and eyes that minimise
 ///
-///     |J v + e / T_eye|^2            left eye: bearing of the target to the optical axis, two rows
+///     |J v + e' + e / T_eye|^2       left eye: bearing e of the target to the optical axis, two rows; e' is
+///                                    what the target's own velocity makes of it (TargetTrack)
 ///   + w_right (...)^2                right eye: the target's azimuth, with `eyes: both`
 ///   + w_neck |w_head - eyes / T_neck|^2   the neck turns the head to where the eyes are turned, levels its
 ///   roll
@@ -55,7 +57,7 @@ class QpController final : public GazeController {
   Qp qp_;
   bool started_ = false;
   TargetStatus status_ = TargetStatus::none;
-  std::optional<Eigen::Vector3d> target_m_;
+  TargetTrack target_;
   HeadJointVector reference_rad_ = HeadJointVector::Zero();
   HeadJointVector velocity_rad_s_ = HeadJointVector::Zero();
 };

@@ -30,12 +30,18 @@ constexpr int min_sectors = 8, max_sectors = 32;
 constexpr double inner_penalty_px2 = 3.0;
 constexpr double clutter_per_px2 = 0.2;  // edges around a circle that hide it
 
+// Holes.
+constexpr double hole_slow_px_s = 40.0;    // faster through the image a ball shows by its own events
+constexpr double hole_least_sd_px = 0.35;  // of one look; looks share most of their events
+constexpr double following_hole = 0.4;
+
 // Scores.
 constexpr double rise_s = 0.06, fall_s = 0.5, lost_s = 0.02, forget_s = 1.0;
 constexpr double lost_quality = 0.12;
 constexpr double full_activity_per_px = 0.3;
 constexpr double silence_share = 0.93;
 constexpr double birth_quality = 0.25, birth_share = 0.6;
+constexpr double fit_sd_px = 0.7;  // of a fitted circle
 constexpr double better_by = 0.1, fit_clarity = 0.3;
 constexpr double in_the_room_share = 0.5;
 constexpr double anchor_s = 0.6, moved_begin_px = 2.0, moved_end_px = 6.0;
@@ -45,6 +51,11 @@ double distance_px(const Circle& a, const Circle& b) { return std::hypot(a.x_px 
 
 bool is_same(const Circle& a, const Circle& b, double px, double r_px) {
   return distance_px(a, b) < px && std::abs(a.r_px - b.r_px) < r_px;
+}
+
+/// How surely something moves by itself that is so far from where it would be if it stood in the room.
+double moved_share(double moved_px) {
+  return std::clamp((moved_px - moved_begin_px) / (moved_end_px - moved_begin_px), 0.0, 1.0);
 }
 
 BallTrackerConfig checked(const BallTrackerConfig& config) {
@@ -203,6 +214,13 @@ void BallTracker::process(std::span<const Event> events, const CameraMotion* mot
     if (!sieve_.accept(event)) continue;
     run_until(event.t_us, false);
     if (continues_burst(event)) continue;
+    for (Followed& f : followed_) {
+      if (!f.alive) continue;
+      const Eigen::Vector2d at(event.x, event.y);
+      if ((at - f.track.centre()).squaredNorm() > std::pow(f.track.circle().r_px + 6.0, 2)) continue;
+      f.track.predict(event.t_us, camera_flow_px_s(f.track.centre()));
+      f.silhouette.add(at, f.track.carried_px(), event.t_us);
+    }
     flow_.add(event);
     const auto flow = flow_.at(event);
     if (!flow) continue;
@@ -256,9 +274,11 @@ void BallTracker::tick(std::int64_t now_us) {
     f.anchor_px += camera_flow_px_s(f.anchor_px) * tick_s;
     f.track.predict(now_us, camera_flow_px_s(f.track.centre()));
     f.anchor_px += (f.track.centre() - f.anchor_px) * (tick_s / anchor_s);
-    if (f.track.rest_if_silent()) f.score *= silence_share;
+    const bool follows = f.hole > following_hole;
+    const Eigen::Vector2d image = follows ? camera_flow_px_s(f.track.centre()) : Eigen::Vector2d::Zero();
+    if (f.track.rest_if_silent(image)) f.score *= silence_share;
     f.track.bound(config_.radius_px[0], config_.radius_px[1]);
-    f.worth = worth_of(f.score, (f.track.centre() - f.anchor_px).norm());
+    f.worth = worth_of(f.score, f.moved_px());
     const Eigen::Vector2d at = f.track.centre();
     const bool inside =
         at.x() >= 0.0 && at.y() >= 0.0 && at.x() < camera_.size.width && at.y() < camera_.size.height;
@@ -311,9 +331,19 @@ void BallTracker::score_tracks(std::int64_t now_us, double dt_s) {
     if (!f.alive) continue;
     const Outline o = outline(f.track.circle(), now_us);
     f.clarity = o.clarity;
-    const double time_s = o.quality > f.score ? rise_s : o.quality > lost_quality ? fall_s : lost_s;
-    const double evidence = std::min(1.0, o.activity / full_activity_per_px) * o.calm;
-    f.score += (o.quality - f.score) * (1.0 - std::exp(-dt_s * (evidence / time_s + 1.0 / forget_s)));
+    f.hole = 0.0;
+    if (const auto hole = f.silhouette.fit(f.track.circle(), f.track.carried_px(), now_us)) {
+      const double speed = (f.track.speed_px_s() + camera_flow_px_s(f.track.centre())).norm();
+      const double slow = 1.0 / (1.0 + speed * speed / (hole_slow_px_s * hole_slow_px_s));
+      f.track.correct(hole->circle, hole->sd_px.cwiseMax(hole_least_sd_px) / slow);
+      const double shown = hole->seen * hole->emptiness * hole->emptiness;
+      f.hole = shown * shown * hole->tightness * slow * moved_share(f.moved_px());
+    }
+    const double quality = std::max(o.quality, f.hole);
+    const double time_s = quality > f.score ? rise_s : quality > lost_quality ? fall_s : lost_s;
+    const double evidence =
+        f.hole > o.quality ? 1.0 : std::min(1.0, o.activity / full_activity_per_px) * o.calm;
+    f.score += (quality - f.score) * (1.0 - std::exp(-dt_s * (evidence / time_s + 1.0 / forget_s)));
   }
 }
 
@@ -326,7 +356,8 @@ void BallTracker::take_candidates(std::int64_t now_us) {
       if (is_same(circle, candidate.circle, 6.0, 4.0) && candidate.clarity >= fit_clarity) {
         const Outline o = outline(circle, now_us);
         if (candidate.quality > o.quality * o.calm + better_by) {
-          f.track.correct(candidate.circle);
+          f.track.doubt();
+          f.track.correct(candidate.circle, Eigen::Vector3d::Constant(fit_sd_px));
           known = true;
           break;
         }
@@ -341,8 +372,14 @@ void BallTracker::take_candidates(std::int64_t now_us) {
     }
     const double score = birth_share * candidate.quality;
     if (weakest->alive && worth_of(score, 0.0) <= weakest->worth) continue;
-    *weakest = {true, CircleTrack(candidate.circle, now_us),         score, worth_of(score, 0.0),
-                1.0,  {candidate.circle.x_px, candidate.circle.y_px}};
+    weakest->alive = true;
+    weakest->track = CircleTrack(candidate.circle, now_us);
+    weakest->silhouette.clear();
+    weakest->score = score;
+    weakest->worth = worth_of(score, 0.0);
+    weakest->clarity = 1.0;
+    weakest->hole = 0.0;
+    weakest->anchor_px = {candidate.circle.x_px, candidate.circle.y_px};
     const Eigen::Vector2d image = camera_flow_px_s(weakest->anchor_px);
     // Its speed comes from the flow of the edges that are there.
     edges_.for_each_near(candidate.circle.x_px, candidate.circle.y_px,
@@ -361,8 +398,7 @@ void BallTracker::take_candidates(std::int64_t now_us) {
 
 double BallTracker::worth_of(double score, double moved_px) const {
   if (!rotation_rad_s_) return score;
-  const double moved = std::clamp((moved_px - moved_begin_px) / (moved_end_px - moved_begin_px), 0.0, 1.0);
-  return score * (in_the_room_share + (1.0 - in_the_room_share) * moved);
+  return score * (in_the_room_share + (1.0 - in_the_room_share) * moved_share(moved_px));
 }
 
 const BallTracker::Followed* BallTracker::best() const {

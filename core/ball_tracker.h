@@ -10,6 +10,7 @@
 #include "core/edge_map.h"
 #include "core/hough_transform.h"
 #include "core/plane_fit_flow.h"
+#include "core/silhouette.h"
 
 namespace saccade {
 
@@ -43,6 +44,8 @@ void describe(FieldVisitor& v, BallTrackerConfig& config);
 ///    then they coast, carried along by the camera's own rotation where joints tell it. Silence is no
 ///    evidence against a circle at rest: it is held.
 /// 4. Where the camera's rotation is known, what moves by itself is worth more than what stands in the room.
+/// 5. A ball that the gaze follows makes hardly any events while all around it does: the hole it leaves
+///    (Silhouette) tells where it is, and counts as much as an outline.
 ///
 /// Score: 0 to 1. Everything happens at instants of 1 ms of the stream's own time, so that the estimate does
 /// not depend on how events come in batches.
@@ -76,10 +79,13 @@ class BallTracker final : public Detector {
   struct Followed {
     bool alive = false;
     CircleTrack track;
+    Silhouette silhouette;
     double score = 0.0;
     double worth = 0.0;  ///< score, less what stands in the room
     double clarity = 1.0;
+    double hole = 0.0;  ///< 0 to 1: how surely its silhouette is one that the gaze follows
     Eigen::Vector2d anchor_px = Eigen::Vector2d::Zero();  ///< where it would be if it stood in the room
+    [[nodiscard]] double moved_px() const { return (track.centre() - anchor_px).norm(); }
   };
   struct Vote {
     std::uint16_t x, y;

@@ -11,7 +11,7 @@ constexpr double edge_sd_px = 1.0;
 constexpr double speed_sd_share = 1.0;  // of a single measured flow
 constexpr double speed_sd_px_s = 30.0;
 constexpr double outlier_sd = 3.0;
-constexpr double fit_sd_px = 0.7;  // of a fitted circle
+constexpr double apart_px_s = 10.0;  // circle and room differ enough in speed to tell their edges apart
 
 // How a ball in a hand moves: it may start at any time, and turn as tightly as on a circle of turn_px.
 constexpr double start_px_s2 = 80.0;
@@ -41,8 +41,10 @@ void CircleTrack::predict(std::int64_t t_us, const Eigen::Vector2d& camera_flow_
   const double dt = static_cast<double>(t_us - t_us_) * 1e-6;
   t_us_ = t_us;
   const double speed2 = state_.segment<2>(3).squaredNorm();
-  state_.head<3>() += state_.tail<3>() * dt;
-  state_.head<2>() += camera_flow_px_s * dt;
+  const Eigen::Vector2d carried = (state_.segment<2>(3) + camera_flow_px_s) * dt;
+  carried_px_ += carried;
+  state_.head<2>() += carried;
+  state_[2] += state_[5] * dt;
   const double decay = std::exp(-dt / growth_lasts_s);
   state_[5] *= decay;
   Covariance f = Covariance::Identity();
@@ -80,6 +82,12 @@ bool CircleTrack::measure(const Edge& edge, double clarity, Learn learn,
   const double alignment = edge.gradient_us_px.dot(normal) / slowness;
   if (std::abs(alignment) < min_alignment) return false;
 
+  // An edge that moves as the room behind it and not as the circle is not of its outline.
+  const double room = camera_flow_px_s.dot(normal);
+  const double own = room + state_.segment<2>(3).dot(normal);
+  const double seen = std::copysign(1e6 / slowness, alignment);
+  if (std::abs(own - room) > apart_px_s && std::abs(seen - room) < 0.5 * std::abs(seen - own)) return false;
+
   State place;
   place << -normal, -1.0, 0.0, 0.0, 0.0;
   const double place_variance = place.dot(covariance_ * place);
@@ -100,22 +108,26 @@ bool CircleTrack::measure(const Edge& edge, double clarity, Learn learn,
   return true;
 }
 
-void CircleTrack::correct(const Circle& circle) {
+void CircleTrack::doubt() {
+  for (int i = 0; i < 3; ++i) covariance_(i, i) = std::max(covariance_(i, i), 0.25);
+}
+
+void CircleTrack::correct(const Circle& circle, const Eigen::Vector3d& sd_px) {
   const double fitted[3] = {circle.x_px, circle.y_px, circle.r_px};
   for (int i = 0; i < 3; ++i) {
-    covariance_(i, i) = std::max(covariance_(i, i), 0.25);  // the outline was missed: it was surer than right
     State unit = State::Zero();
     unit[i] = 1.0;
-    update(unit, fitted[i] - state_[i], fit_sd_px * fit_sd_px);
+    update(unit, fitted[i] - state_[i], sd_px[i] * sd_px[i]);
   }
 }
 
-bool CircleTrack::rest_if_silent() {
-  const double speed = state_.segment<2>(3).norm();
+bool CircleTrack::rest_if_silent(const Eigen::Vector2d& camera_flow_px_s) {
+  const double speed = (state_.segment<2>(3) + camera_flow_px_s).norm();
   resting_ =
       resting_ || static_cast<double>(silent_us()) * 1e-6 > silent_s + silent_px / (speed + slowest_px_s);
   if (!resting_) return false;
-  state_.tail<3>() *= 0.8;
+  state_.segment<2>(3) += 0.2 * (-camera_flow_px_s - state_.segment<2>(3));
+  state_[5] *= 0.8;
   covariance_.bottomRows<3>() *= 0.9;
   covariance_.rightCols<3>() *= 0.9;
   return speed > jitter_px_s;

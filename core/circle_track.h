@@ -35,18 +35,24 @@ class CircleTrack {
 
   /// At another place with the same speed.
   void place(const Circle& circle) { state_.head<3>() << circle.x_px, circle.y_px, circle.r_px; }
+  /// The outline was missed: it is less sure than it seems.
+  void doubt();
   /// Takes a circle that was fitted to the same outline.
-  void correct(const Circle& circle);
+  void correct(const Circle& circle, const Eigen::Vector3d& sd_px);
+  /// How far its motion alone has carried the circle since it began: what correcting and measuring did left out.
+  [[nodiscard]] const Eigen::Vector2d& carried_px() const { return carried_px_; }
 
-  /// No edge came for so long that an outline moving at the speed of the state would have shown: it rests.
-  /// True where that speed was more than jitter, and so wrong.
-  bool rest_if_silent();
+  /// No edge came for so long that an outline moving through the image at the speed of the state would have shown:
+  /// it rests in the image, followed by the gaze or not. True where that speed was more than jitter, and so wrong.
+  bool rest_if_silent(const Eigen::Vector2d& camera_flow_px_s);
 
   /// Uncertainty within what silence leaves open, the radius within [r_min - 1/2, r_max + 1/2].
   void bound(double r_min_px, double r_max_px);
 
   [[nodiscard]] Circle circle() const { return {state_[0], state_[1], state_[2]}; }
   [[nodiscard]] Eigen::Vector2d centre() const { return state_.head<2>(); }
+  /// Of the centre, beside what the camera's rotation does.
+  [[nodiscard]] Eigen::Vector2d speed_px_s() const { return state_.segment<2>(3); }
   /// Where the circle will be, or was, at t_us by its speed.
   [[nodiscard]] Circle circle_at(std::int64_t t_us, const Eigen::Vector2d& camera_flow_px_s) const;
   /// Since the last edge that was no outlier.
@@ -60,6 +66,7 @@ class CircleTrack {
 
   State state_ = State::Zero();
   Covariance covariance_ = Covariance::Zero();
+  Eigen::Vector2d carried_px_ = Eigen::Vector2d::Zero();
   std::int64_t t_us_ = 0;
   std::int64_t last_edge_us_ = 0;
   bool resting_ = false;  // until the next edge

@@ -1,0 +1,28 @@
+#include "control/target_track.h"
+
+#include <cmath>
+
+namespace saccade {
+
+void TargetTrack::advance(double dt_s) {
+  since_s_ += dt_s;
+  if (!known_ || time_constant_s_ == 0.0) return;
+  position_m_ += velocity_m_s_ * dt_s;
+  if (since_s_ > time_constant_s_) velocity_m_s_ *= std::exp(-dt_s / time_constant_s_);
+}
+
+void TargetTrack::observe(const Eigen::Vector3d& target_m) {
+  if (!known_ || since_s_ > forget_s || time_constant_s_ == 0.0) {
+    known_ = true;
+    position_m_ = target_m;
+    velocity_m_s_.setZero();
+  } else if (since_s_ > 0.0) {
+    const double kept = std::exp(-since_s_ / time_constant_s_);
+    const Eigen::Vector3d innovation = target_m - position_m_;
+    position_m_ += (1.0 - kept * kept) * innovation;
+    velocity_m_s_ += (1.0 - kept) * (1.0 - kept) / since_s_ * innovation;
+  }
+  since_s_ = 0.0;
+}
+
+}  // namespace saccade
