@@ -1,10 +1,17 @@
 #include "apps/loop.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "control/head_kinematics.h"
 
 namespace saccade {
+namespace {
+
+constexpr std::int64_t slice_us = 1'000;
+
+}  // namespace
 
 Loop::Loop(Clock& clock, EventSource& events, HeadPort* head, const MountedCamera& camera,
            std::vector<LoopDetector> detectors, std::optional<LoopGaze> gaze, Eye eye)
@@ -20,7 +27,8 @@ Loop::Loop(Clock& clock, EventSource& events, HeadPort* head, const MountedCamer
       last_t_us_(clock.now_us()) {
   SACCADE_CHECK(!gaze_ || (eye_ == Eye::left && (gaze_->driver || !gaze_->stereo)));
   SACCADE_CHECK(!gaze_ || (head_ != nullptr && (!gaze_->driver || *gaze_->driver < detectors_.size())));
-  if (gaze_) check_config("gaze", gaze_->lost);
+  if (gaze_) check_config("gaze", gaze_->follow);
+  if (gaze_) start_us_ = last_t_us_ + std::llround(gaze_->follow.start_s * 1e6);
   if (gaze_ && gaze_->driver) phase_ = GazePhase::searching;
 }
 
@@ -47,52 +55,72 @@ PortStatus Loop::tick(std::int64_t t_us, LoopObserver& observer) {
   }
   const CameraMotion* motion = known_motion ? &*known_motion : nullptr;
   for (std::size_t i = 0; i < detectors_.size(); ++i) {
-    results_[i] = ask(*detectors_[i].detector, seen_events_, t_us, motion);
+    if (gaze_ && gaze_->driver == i && motion != nullptr && t_us > start_us_) {
+      drive(t_us, *motion, tick);
+    } else {
+      results_[i] = ask(*detectors_[i].detector, seen_events_, t_us, motion);
+    }
   }
-  std::optional<CameraMotion> right_motion;
-  if (gaze_ && gaze_->stereo) {
-    const LoopStereo& stereo = *gaze_->stereo;
-    if (motion != nullptr)
-      right_motion = camera_motion(*tick.head, Eye::right, stereo.camera.mount.eye_from_camera());
-    tick.right = ask(*stereo.detector, other_events_, t_us, right_motion ? &*right_motion : nullptr);
-  }
+  if (gaze_ && gaze_->stereo) see_with_both_eyes(t_us, motion, tick);
   tick.events = events_;
   tick.detectors = results_;
-  if (gaze_)
-    act(motion, right_motion ? &*right_motion : nullptr, static_cast<double>(t_us - last_t_us_) * 1e-6, tick);
+  if (gaze_) act(static_cast<double>(t_us - last_t_us_) * 1e-6, tick);
   last_t_us_ = t_us;
   observer.on_tick(tick);
   return status;
 }
 
-DetectorTick Loop::ask(Detector& detector, std::span<const Event> events, std::int64_t t_us,
+DetectorTick Loop::ask(Detector& detector, std::span<const Event> events, std::optional<std::int64_t> now_us,
                        const CameraMotion* motion) {
   const auto begin = std::chrono::steady_clock::now();
   detector.process(events, motion);
-  detector.advance_to(t_us, motion);
+  if (now_us) detector.advance_to(*now_us, motion);
   const Estimate estimate = detector.estimate();
   const auto end = std::chrono::steady_clock::now();
   return {estimate, estimate.valid && (!events.empty() || estimate.held),
           std::chrono::duration_cast<std::chrono::nanoseconds>(end - begin).count()};
 }
 
-void Loop::act(const CameraMotion* motion, const CameraMotion* right_motion, double dt_s, Tick& tick) {
-  if (gaze_->driver && motion != nullptr) {
-    const DetectorTick& seen = results_[*gaze_->driver];
-    const double threshold = detectors_[*gaze_->driver].detector->threshold();
-    tick.new_target_m = gaze_->gate->update(tick.t_us, seen.observed ? seen.estimate : Estimate{}, threshold,
-                                            camera_, motion->root_from_camera);
-    const bool seen_by_both = tick.new_target_m && tick.right && right_motion != nullptr &&
-                              tick.right->observed &&
-                              tick.right->estimate.score >= gaze_->stereo->detector->threshold();
-    if (seen_by_both) {
-      const LoopStereo& stereo = *gaze_->stereo;
-      const auto met_m = stereo.locator.locate(*tick.new_target_m, motion->root_from_camera.translation(),
-                                               tick.right->estimate.circle, stereo.camera.camera,
-                                               right_motion->root_from_camera);
-      if (met_m) tick.new_target_m = met_m;
-    }
+void Loop::drive(std::int64_t t_us, const CameraMotion& motion, Tick& tick) {
+  Detector& detector = *detectors_[*gaze_->driver].detector;
+  std::int64_t elapsed_ns = 0;
+  const auto look = [&](std::span<const Event> events, std::optional<std::int64_t> now_us) {
+    const DetectorTick seen = ask(detector, events, now_us, &motion);
+    elapsed_ns += seen.elapsed_ns;
+    const auto target_m = gaze_->gate->update(t_us, seen.observed ? seen.estimate : Estimate{},
+                                              detector.threshold(), camera_, motion.root_from_camera);
+    if (target_m) tick.new_target_m = target_m;
+    return seen.estimate;
+  };
+  std::span<const Event> left = seen_events_;
+  while (!left.empty() && left.front().t_us <= t_us - slice_us) {
+    const std::int64_t until_us = t_us - (t_us - left.front().t_us) / slice_us * slice_us;
+    const auto slice_end = std::ranges::upper_bound(left, until_us, {}, &Event::t_us);
+    const auto slice = left.first(static_cast<std::size_t>(slice_end - left.begin()));
+    look(slice, std::nullopt);
+    left = left.subspan(slice.size());
   }
+  const Estimate estimate = look(left, t_us);
+  results_[*gaze_->driver] = {estimate, estimate.valid && (!seen_events_.empty() || estimate.held),
+                              elapsed_ns};
+}
+
+void Loop::see_with_both_eyes(std::int64_t t_us, const CameraMotion* motion, Tick& tick) {
+  const LoopStereo& stereo = *gaze_->stereo;
+  std::optional<CameraMotion> right_motion;
+  if (motion != nullptr)
+    right_motion = camera_motion(*tick.head, Eye::right, stereo.camera.mount.eye_from_camera());
+  tick.right = ask(*stereo.detector, other_events_, t_us, right_motion ? &*right_motion : nullptr);
+  const bool seen_by_both = tick.new_target_m && right_motion && tick.right->observed &&
+                            tick.right->estimate.score >= stereo.detector->threshold();
+  if (!seen_by_both) return;
+  const auto met_m = stereo.locator.locate(*tick.new_target_m, motion->root_from_camera.translation(),
+                                           tick.right->estimate.circle, stereo.camera.camera,
+                                           right_motion->root_from_camera);
+  if (met_m) tick.new_target_m = met_m;
+}
+
+void Loop::act(double dt_s, Tick& tick) {
   const HeadJointVector wanted = gaze_->controller->step(*tick.head, tick.new_target_m, dt_s);
   tick.target_status = gaze_->controller->target_status();
   watch_target(tick);
@@ -108,8 +136,8 @@ void Loop::watch_target(Tick& tick) {
     seen_us_ = tick.t_us;
     phase_ = GazePhase::following;
   } else if (phase_ == GazePhase::following &&
-             static_cast<double>(tick.t_us - seen_us_) * 1e-6 >= gaze_->lost.lost_after_s) {
-    const bool rest = gaze_->lost.lost == "rest";
+             static_cast<double>(tick.t_us - seen_us_) * 1e-6 >= gaze_->follow.lost_after_s) {
+    const bool rest = gaze_->follow.lost == "rest";
     if (rest) gaze_->controller->rest();
     phase_ = rest ? GazePhase::resting : GazePhase::holding;
   }

@@ -35,7 +35,7 @@ struct LoopGaze {
   std::unique_ptr<GazeGate> gate;     ///< of the driver
   std::unique_ptr<GazeController> controller;
   JointLimiter limiter;
-  LostTargetConfig lost;
+  FollowConfig follow;
   std::optional<LoopStereo> stereo = std::nullopt;  ///< needs a driver
 };
 
@@ -80,6 +80,9 @@ class LoopObserver {
 
 /// The loop: every tick it asks the world for events and joints, thinks, and acts. The same for the
 /// simulator, a recording and the robot; it knows only the ports.
+///
+/// Events may come in packets that span several milliseconds. The driving detector gets them in slices of 1 ms, and
+/// the gate what it says after each, so that what a gate counts does not depend on how events were packed.
 class Loop {
  public:
   /// `head` may be null (a bare recording): then there is no gaze and no camera motion.
@@ -100,9 +103,12 @@ class Loop {
   }
 
  private:
-  [[nodiscard]] static DetectorTick ask(Detector& detector, std::span<const Event> events, std::int64_t t_us,
-                                        const CameraMotion* motion);
-  void act(const CameraMotion* motion, const CameraMotion* right_motion, double dt_s, Tick& tick);
+  /// What a detector makes of events; time comes to now_us where it is given.
+  [[nodiscard]] static DetectorTick ask(Detector& detector, std::span<const Event> events,
+                                        std::optional<std::int64_t> now_us, const CameraMotion* motion);
+  void drive(std::int64_t t_us, const CameraMotion& motion, Tick& tick);
+  void see_with_both_eyes(std::int64_t t_us, const CameraMotion* motion, Tick& tick);
+  void act(double dt_s, Tick& tick);
   void watch_target(Tick& tick);
 
   Clock& clock_;
@@ -121,6 +127,7 @@ class Loop {
   std::int64_t seen_us_ = 0;
   GazePhase phase_ = GazePhase::none;
   std::int64_t last_t_us_;
+  std::int64_t start_us_ = 0;  // of the gaze
 };
 
 }  // namespace saccade

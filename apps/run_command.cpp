@@ -35,7 +35,7 @@ std::optional<LoopGaze> make_gaze(const Scenario& scenario, const JointLimits& l
                 make_gate(scenario.gaze.gate),
                 make_gaze_controller(config, limits),
                 JointLimiter(motion_limits(limits, config.limits)),
-                scenario.gaze.lost};
+                scenario.gaze.follow};
   for (std::size_t i = 0; i < scenario.detectors.size(); ++i) {
     const auto& [name, detector] = scenario.detectors[i];
     if (name != scenario.gaze.detector) continue;

@@ -33,14 +33,15 @@ class GazeController {
   [[nodiscard]] virtual TargetStatus target_status() const = 0;
 };
 
-/// What the head does when targets cease to come.
-struct LostTargetConfig {
+/// From when on the head follows targets, and what it does when they cease to come.
+struct FollowConfig {
+  double start_s = 0.5;       ///< before it, camera and detector run in while the head keeps still
   std::string lost = "hold";  ///< hold: it keeps looking at the last target; rest: GazeController::rest
   double lost_after_s = 1.0;  ///< without a target, the last one is lost
 };
 
-/// Keys, beside each other in a scenario's gaze section: lost, lost_after_s.
-void describe(FieldVisitor& v, LostTargetConfig& config);
+/// Keys, beside each other in a scenario's gaze section: start_s, lost, lost_after_s.
+void describe(FieldVisitor& v, FollowConfig& config);
 
 /// Whether the head may be asked to look at a point (root frame): not_finite, too_near (within 0.10 m of the
 /// left eye), behind (not before the chest: the plane through the neck's base, across chest_forward()).

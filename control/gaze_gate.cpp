@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <span>
 
 namespace saccade {
@@ -63,18 +64,32 @@ class AuthorsGate final : public CountingGate {
       count(TargetStatus::not_finite);
       return std::nullopt;
     }
+    const Eigen::Vector3d ray = camera.ray(c.x_px, c.y_px);
+    if (!ray.allFinite()) {
+      count(TargetStatus::not_finite);
+      return std::nullopt;
+    }
     if (size_ == capacity) drop_oldest();
-    ring_[(first_ + size_++) % capacity] = {now_us, c};
+    ring_[(first_ + size_++) % capacity] = {now_us, root_from_cam.linear() * ray, c.r_px};
     if (size_ < static_cast<std::size_t>(config_.min_detections)) return std::nullopt;
 
-    const Spread x = spread(&Circle::x_px);
-    const Spread y = spread(&Circle::y_px);
+    const Eigen::Matrix3d cam_from_root = root_from_cam.linear().transpose();
+    double r_px = 0.0;
+    std::size_t seen = 0;
+    for (std::size_t i = 0; i < size_; ++i) {
+      const auto at_px = camera.project(cam_from_root * at(i).ray);
+      if (!at_px) continue;
+      x_px_[seen] = at_px->x();
+      y_px_[seen++] = at_px->y();
+      r_px = std::max(r_px, at(i).r_px);
+    }
+    if (seen < static_cast<std::size_t>(config_.min_detections)) return std::nullopt;
+    const Spread x = spread(std::span(x_px_).first(seen));
+    const Spread y = spread(std::span(y_px_).first(seen));
     if (!(x.deviation < config_.max_spread_px) || !(y.deviation < config_.max_spread_px)) return std::nullopt;
     if (std::abs(c.x_px - x.median) > x.deviation || std::abs(c.y_px - y.median) > y.deviation) {
       return std::nullopt;
     }
-    double r_px = 0.0;
-    for (std::size_t i = 0; i < size_; ++i) r_px = std::max(r_px, at(i).circle.r_px);
     std::optional<Eigen::Vector3d> target =
         locate({x.median, y.median, std::min(r_px, config_.max_radius_px)}, camera, root_from_cam);
     if (target) target->x() = std::min(target->x(), config_.max_target_x_m);
@@ -84,7 +99,8 @@ class AuthorsGate final : public CountingGate {
  private:
   struct Detection {
     std::int64_t t_us = 0;
-    Circle circle;
+    Eigen::Vector3d ray = Eigen::Vector3d::Zero();  ///< root frame, through its centre
+    double r_px = 0.0;
   };
   struct Spread {
     double median;
@@ -97,16 +113,15 @@ class AuthorsGate final : public CountingGate {
     first_ = (first_ + 1) % capacity;
     --size_;
   }
-  /// Upper median and standard deviation of one coordinate over the window.
-  Spread spread(double Circle::*coordinate) {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < size_; ++i) sum += sorted_[i] = at(i).circle.*coordinate;
-    const double mean = sum / static_cast<double>(size_);
+  /// Upper median and standard deviation; leaves the values in another order.
+  static Spread spread(std::span<double> values) {
+    const auto count = static_cast<double>(values.size());
+    const double mean = std::accumulate(values.begin(), values.end(), 0.0) / count;
     double squares = 0.0;
-    for (const double value : std::span(sorted_).first(size_)) squares += (value - mean) * (value - mean);
-    const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(size_ / 2);
-    std::nth_element(sorted_.begin(), middle, sorted_.begin() + static_cast<std::ptrdiff_t>(size_));
-    return {*middle, std::sqrt(squares / static_cast<double>(size_))};
+    for (const double value : values) squares += (value - mean) * (value - mean);
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::ranges::nth_element(values, middle);
+    return {*middle, std::sqrt(squares / count)};
   }
 
   AuthorsGateConfig config_;
@@ -114,7 +129,7 @@ class AuthorsGate final : public CountingGate {
   std::array<Detection, capacity> ring_{};
   std::size_t first_ = 0;
   std::size_t size_ = 0;
-  std::array<double, capacity> sorted_{};
+  std::array<double, capacity> x_px_{}, y_px_{};  // where the image of now shows them
 };
 
 class ContinuityGate final : public CountingGate {

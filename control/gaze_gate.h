@@ -25,7 +25,7 @@ struct RejectedTargets {
 class GazeGate {
  public:
   virtual ~GazeGate() = default;
-  /// Called once per tick with what was observed at now_us: an invalid estimate when nothing was (no event
+  /// Called at least once per tick with what was observed: an invalid estimate when nothing was (no event
   /// came and the detector declares nothing held). `now_us` never goes back.
   /// Gives a point to look at, m, root frame; none when there is no new one.
   virtual std::optional<Eigen::Vector3d> update(std::int64_t now_us, const Estimate& estimate,
@@ -35,7 +35,9 @@ class GazeGate {
 };
 
 /// The gate of the authors' own demo (2016): the median of the detections of the last quarter of a second,
-/// and only while they are many and agree.
+/// and only while they are many and agree. Detections are compared in the image of now: those from before the
+/// camera turned are moved to where it shows them now. (The demo left them where they were, so that for a
+/// quarter of a second after a saccade the median lay between two images.)
 struct AuthorsGateConfig {
   double window_s = 0.25;
   std::int64_t min_detections = 81;  ///< in the window ("more than 80")

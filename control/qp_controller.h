@@ -29,7 +29,7 @@ class QpController final : public GazeController {
 
   HeadJointVector step(const HeadState& state, const std::optional<Eigen::Vector3d>& target_m,
                        double dt_s) override;
-  void rest() override { target_m_.reset(); }
+  void rest() override { target_.forget(); }
   [[nodiscard]] TargetStatus target_status() const override { return status_; }
 
  private:

@@ -222,7 +222,7 @@ void describe(FieldVisitor& v, Scenario& s) {
         w.choice("detector", s.gaze.detector, drivers, "which of the detectors drives the head");
         describe(w, s.gaze.gate);
         describe(w, s.gaze.controller);
-        describe(w, s.gaze.lost);
+        describe(w, s.gaze.follow);
         if (s.sim.both_eyes())
           w.boolean("stereo", s.gaze.stereo, "the ball's distance by both eyes' bearings");
         w.require(s.gaze.controller.controller != "script" || s.gaze.detector == "none", "detector",

@@ -48,7 +48,7 @@ struct Scenario {
   struct Gaze {
     std::string detector = "paper_directed";  ///< which of the detectors drives; none: the head stays still
     GazeControllerConfig controller;
-    LostTargetConfig lost;
+    FollowConfig follow;
     GateConfig gate;
     bool stereo = false;  ///< the ball's distance by triangulation, where both eyes see it
   } gaze;

@@ -69,7 +69,7 @@ struct Trial {
     return t_us <= 1'000'000 ? std::optional(ball_m) : std::optional<Eigen::Vector3d>();
   };
   std::unique_ptr<GazeGate> gate;
-  LostTargetConfig lost;
+  FollowConfig follow{0.0, "hold", 1.0};
   FakeRobotScript robot;
   HeadCommand limit_margin_rad = HeadCommand::Zero();  ///< the head's own limits lie that much further in
 
@@ -90,7 +90,7 @@ struct Trial {
     detectors.push_back({"seer", std::make_unique<BallSeer>(ball)});
     Loop loop(fake, fake, &fake, MountedCamera{}, std::move(detectors),
               LoopGaze{0, std::move(gate), make_gaze_controller(config, limits),
-                       JointLimiter(motion_limits(limits, config.limits)), lost});
+                       JointLimiter(motion_limits(limits, config.limits)), follow});
     TempFolder folder;
     RunLog run_log(folder / "log.txt", [&](const std::string& line) { log.push_back(line); });
     for (std::int64_t t_us = 1000; t_us <= std::llround(duration_s * 1e6); t_us += 1000) {
@@ -130,7 +130,7 @@ TEST_P(LostTargets, TheHeadHoldsWhereItSawTheBallLast) {
 
 TEST_P(LostTargets, TheHeadReturnsToRestAndFindsTheBallAgain) {
   Trial trial;
-  trial.lost = {"rest", 0.5};
+  trial.follow = {0.0, "rest", 0.5};
   trial.run(GetParam(), 6.0);
   EXPECT_LT(trial.furthest_from_neutral_deg(), 0.2);
   EXPECT_THAT(trial.log,
@@ -138,7 +138,7 @@ TEST_P(LostTargets, TheHeadReturnsToRestAndFindsTheBallAgain) {
                           "     1.500 s  target lost, last seen at 1.000 s: the head returns to rest"));
 
   Trial again;
-  again.lost = {"rest", 0.5};
+  again.follow = {0.0, "rest", 0.5};
   again.ball = [](std::int64_t t_us) {
     return t_us <= 1'000'000 || t_us > 2'000'000 ? std::optional(ball_m) : std::optional<Eigen::Vector3d>();
   };
@@ -192,7 +192,7 @@ TEST_P(LostTargets, TheHeadHoldsWhileAnEncoderReadsNanAndGoesOnAfterwards) {
   Trial trial;
   trial.ball = [](std::int64_t) { return std::optional(ball_m); };
   trial.robot.nan_us = {100'000, 300'000};
-  trial.lost.lost_after_s = 0.15;
+  trial.follow.lost_after_s = 0.15;
   trial.run(GetParam(), 4.0);
   for (std::size_t ms = 200; ms < 299; ++ms) {  // a neck at 80 deg/s has braked after 80 ms
     ASSERT_EQ(trial.references_rad[ms], trial.references_rad[199]) << ms;
