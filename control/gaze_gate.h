@@ -53,7 +53,7 @@ struct AuthorsGateConfig {
 struct ContinuityGateConfig {
   double tolerance_deg = 3.0;      ///< detections this close in bearing agree ...
   double depth_ratio = 1.4;        ///< ... if their distances differ by less than this factor
-  double growth_deg_s = 15.0;      ///< the tolerance around the last one grows by this while none came
+  double growth_deg_s = 60.0;      ///< the tolerance around the last one grows by this while none came
   double window_s = 0.20;          ///< how far back a confirmation may lie
   std::int64_t min_agreeing = 60;  ///< in the window, for the ball to be found
   double forget_s = 2.0;           ///< after so long without a detection near by the ball is lost

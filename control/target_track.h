@@ -4,12 +4,12 @@
 
 namespace saccade {
 
-/// Where a gaze target is and how it moves, from the targets so far: a filter of second order with fading
-/// memory. It has no lag behind a target of constant velocity and rejects noise faster than its time constant.
+/// Where a gaze target is and how it moves, from the targets so far: a filter of third order with fading memory.
+/// Behind a target of constant acceleration it has no lag.
 ///
-/// Between targets the point goes on with its velocity, which fades out within that time too: a target that
-/// comes no more stays where it was last. After `forget_s` without one the next starts anew, at rest.
-/// Source: Brookner, Tracking and Kalman Filtering Made Easy, 1.2.6 (critically damped g-h filter).
+/// Between targets the point goes on as it moved; after time_constant_s without one its motion fades out within that
+/// time: a target that comes no more stays where it was last. After `forget_s` the next starts anew, at rest.
+/// Source: Brookner, Tracking and Kalman Filtering Made Easy, section 1.3 (critically damped g-h-k filter).
 class TargetTrack {
  public:
   static constexpr double forget_s = 0.5;
@@ -32,6 +32,7 @@ class TargetTrack {
   double since_s_ = 0.0;  ///< since the newest target
   Eigen::Vector3d position_m_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_m_s_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d acceleration_m_s2_ = Eigen::Vector3d::Zero();
 };
 
 }  // namespace saccade
