@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <limits>
+#include <numbers>
 
 #include "core/error.h"
 #include "core/random.h"
@@ -13,6 +14,7 @@ namespace {
 
 const Camera camera;
 constexpr double threshold = 0.5;
+constexpr double rad_per_deg = std::numbers::pi / 180.0;
 
 /// A camera that looks ahead from the root's origin, upright.
 Eigen::Isometry3d looking_ahead() {
@@ -225,6 +227,23 @@ TEST(ContinuityGate, BeginsOnlyWhenEnoughDetectionsAgreeThenPassesEachAtOnce) {
   EXPECT_TRUE(update(*g, enough * 1000 + 1000, sure(62, 61, 12)));
 }
 
+TEST(AuthorsGate, TakesTheMedianInTheImageOfNowWhenTheCameraHasTurned) {
+  // A ball at rest, found 100 times; then the camera turns by 10 deg and sees it elsewhere.
+  const auto g = gate("authors");
+  const Eigen::Vector3d ball_m(-0.45, 0.02, 0.03);
+  Eigen::Isometry3d pose = looking_ahead();
+  std::optional<Eigen::Vector3d> target_m;
+  for (int i = 1; i <= 120; ++i) {
+    if (i == 101) pose.rotate(Eigen::AngleAxisd(10.0 * rad_per_deg, Eigen::Vector3d::UnitY()));
+    const auto at_px = camera.project(pose.inverse() * ball_m).value();
+    target_m = g->update(i * 1000, sure(at_px.x(), at_px.y(), 10.6), threshold, camera, pose);
+    if (i <= 100) continue;
+    ASSERT_TRUE(target_m) << i;
+    const double off_deg = std::acos(target_m->normalized().dot(ball_m.normalized())) / rad_per_deg;
+    EXPECT_LT(off_deg, 0.1) << "a median of pixels of both images would be up to 10 deg off";
+  }
+}
+
 TEST(ContinuityGate, DoesNotBeginOnDetectionsThatAreEverywhere) {
   const auto g = gate("continuity");
   const RandomStream random(3, "gate");
@@ -236,8 +255,11 @@ TEST(ContinuityGate, DoesNotBeginOnDetectionsThatAreEverywhere) {
 }
 
 TEST(ContinuityGate, RefusesDetectionsElsewhereUntilTheBallIsLostThenAsksForConfirmation) {
-  const ContinuityGateConfig config;
-  const auto g = gate("continuity");
+  GateConfig slow;
+  slow.gate = "continuity";
+  slow.continuity.growth_deg_s = 15.0;
+  const ContinuityGateConfig config = slow.continuity;
+  const auto g = make_gate(slow);
   ASSERT_TRUE(feed(*g, 100, [](int) { return sure(20, 20, 12); }));
   // The far corner, 49 deg away: beyond the tolerance at any time before the ball counts as lost.
   const auto lost_ms = static_cast<int>(config.forget_s * 1000);
@@ -256,7 +278,7 @@ TEST(ContinuityGate, ADetectionFarBehindInDepthIsAnotherPlaceToo) {
 TEST(ContinuityGate, FollowsABallFromOneDetectionToTheNextAfterAGapAsFarAsItCanHaveMoved) {
   const auto g = gate("continuity");
   ASSERT_TRUE(feed(*g, 100, [](int) { return sure(60, 60, 12); }));
-  // 13 px are 7.4 deg: too far after a millisecond, not after half a second (3 deg + 15 deg/s).
+  // 13 px are 7.4 deg: too far after a millisecond, not after half a second (3 deg + 60 deg/s).
   EXPECT_FALSE(update(*g, 101'000, sure(73, 60, 12)));
   EXPECT_TRUE(update(*g, 600'000, sure(73, 60, 12)));
   // Lost after forget_s: one detection does not find it again.
