@@ -315,7 +315,7 @@ TEST(QpController, StepsAndGatesDoNotAllocate) {
     const Estimate estimate{true, false, {camera.cx_px + random.normal(9, i), camera.cy_px, 12.0}, 1.0};
     auto target = gate->update(plant.state.t_us, estimate, 0.0, camera, motion.root_from_camera);
     targets += target.has_value();
-    if (i % 100 == 0) target = random_target(random, i);
+    if (i % 500 == 0) target = random_target(random, i);
     const HeadJointVector reference = gaze->step(plant.state, target, dt);
     plant.follow(limiter.apply(reference, plant.state.head_position_rad(), dt).reference_rad);
   }
