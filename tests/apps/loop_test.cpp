@@ -297,7 +297,7 @@ TEST(BothEyes, EachDetectorGetsItsEyesEventsAndTheBallsDistanceComesFromBoth) {
                   make_gate({.gate = "none", .authors = {}, .continuity = {}, .target = {}}),
                   make_gaze_controller({}, script.limits),
                   JointLimiter(motion_limits(script.limits, {})),
-                  {}};
+                  {.start_s = 0.0}};
     if (stereo) {
       gaze.stereo.emplace(LoopStereo{std::make_unique<OneEyed>(Eye::right, radius_m, right),
                                      MountedCamera{right_dvs128, {}}, StereoLocator({})});
