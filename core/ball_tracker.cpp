@@ -16,6 +16,8 @@ constexpr std::int64_t look_searching_us = 2'000;
 constexpr double following_score = 0.1;
 constexpr std::size_t max_candidates = 4;
 
+constexpr double near_px = 6.0;  // of a circle: what comes further outside does not concern it
+
 // Edges.
 constexpr double fastest_us_px = 10.0;  // steeper flows are noise
 constexpr double shortest_life_us = 1'000.0;
@@ -217,7 +219,7 @@ void BallTracker::process(std::span<const Event> events, const CameraMotion* mot
     for (Followed& f : followed_) {
       if (!f.alive) continue;
       const Eigen::Vector2d at(event.x, event.y);
-      if ((at - f.track.centre()).squaredNorm() > std::pow(f.track.circle().r_px + 6.0, 2)) continue;
+      if ((at - f.track.centre()).norm() - f.track.circle().r_px > near_px) continue;
       f.track.predict(event.t_us, camera_flow_px_s(f.track.centre()));
       f.silhouette.add(at, f.track.carried_px(), event.t_us);
     }
@@ -237,10 +239,8 @@ void BallTracker::process(std::span<const Event> events, const CameraMotion* mot
     for (Followed& f : followed_) {
       if (!f.alive) continue;
       const Circle c = f.track.circle();
-      if (std::abs(std::hypot(edge.x - c.x_px, edge.y - c.y_px) - c.r_px) > 6.0) continue;
-      const Eigen::Vector2d image = camera_flow_px_s(f.track.centre());
-      f.track.predict(event.t_us, image);
-      f.track.measure(edge, f.clarity, CircleTrack::Learn::place, image);
+      if (std::abs(std::hypot(edge.x - c.x_px, edge.y - c.y_px) - c.r_px) > near_px) continue;
+      f.track.measure(edge, f.clarity, CircleTrack::Learn::place, camera_flow_px_s(f.track.centre()));
     }
   }
 }
