@@ -9,7 +9,7 @@
 namespace saccade {
 
 /// The seam between the loop and the world: what a robot offers, and nothing more. Backends: sim/ (the
-/// MuJoCo head), robot/replay (a recording), robot/fake (tests). tests/robot/port_conformance.h holds
+/// MuJoCo head), robot/replay (a recording), robot/yarp (the iCub), robot/fake (tests). tests/robot/port_conformance.h holds
 /// what is promised here for every backend. A backend is used from one thread.
 
 /// `ended` and `lost` are for good: each later call on that port says the same and changes nothing. A
@@ -32,6 +32,14 @@ class Clock {
   virtual PortStatus wait_until(std::int64_t t_us) = 0;
 };
 
+/// What came from a camera so far. A simulator and a recording have no packets and nothing waits in them: all zero
+/// there but `dropped`, which is what the backend had to leave out.
+struct EventTraffic {
+  std::int64_t packets = 0;
+  std::int64_t queued = 0;   ///< events that have come and were not read yet, now
+  std::int64_t dropped = 0;  ///< events left out: the queue was full, outside the image, or back in time
+};
+
 /// The event camera of the left eye, or those of both: Event::camera tells them apart, their images have one size.
 class EventSource {
  public:
@@ -42,6 +50,10 @@ class EventSource {
   /// the simulator) but the stamps that one source delivers, of both cameras, never go back. `ended` comes with the last
   /// events or after them; `lost` appends nothing.
   virtual PortStatus read_until(std::int64_t t_us, std::vector<Event>& events) = 0;
+  /// When the camera was last heard, in the clock's time: a packet, even an empty one (a still scene is silent).
+  /// Where nothing can fall silent, now.
+  [[nodiscard]] virtual std::int64_t heard_us() const = 0;
+  [[nodiscard]] virtual EventTraffic traffic() const = 0;
 };
 
 /// Where the six head joints shall go now: position references, as in YARP's position-direct mode.
@@ -71,6 +83,19 @@ class HeadPort {
     bool refused = false;
   };
   virtual CommandResult command(const HeadCommand& reference_rad) = 0;
+  /// The head stops where it is and holds there until the next command. May be called at any time and more than once.
+  virtual PortStatus stop() = 0;
+};
+
+/// A gaze controller on the robot's side (iKinGazeCtrl), which moves the head by itself: it gets fixation points
+/// instead of the head getting references.
+class GazePort {
+ public:
+  virtual ~GazePort() = default;
+  /// The point to fixate from now on: root frame, m, finite.
+  virtual PortStatus look_at(const Eigen::Vector3d& target_m) = 0;
+  /// The head stops where it is and holds there until the next look_at. May be called at any time and more than once.
+  virtual PortStatus stop() = 0;
 };
 
 }  // namespace saccade

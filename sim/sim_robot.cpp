@@ -110,6 +110,16 @@ HeadPort::CommandResult SimRobot::command(const HeadCommand& reference_rad) {
   return {PortStatus::ok, !world_.set_reference(reference_rad)};
 }
 
+PortStatus SimRobot::stop() {
+  HeadState state;
+  read(state);
+  const JointLimits bounds = limits();
+  world_.set_reference(state.head_position_rad()
+                           .cwiseMax(bounds.min_rad.tail<head_joint_count>())
+                           .cwiseMin(bounds.max_rad.tail<head_joint_count>()));
+  return PortStatus::ok;
+}
+
 void SimRobot::draw_scene(const SceneView& view, ImageSize size, std::span<std::uint8_t> rgb) {
   if (!scene_ || scene_->image_size() != size) {
     scene_ = std::make_unique<SceneRenderer>(world_.model(), *gl_, size);

@@ -39,10 +39,13 @@ class SimRobot final : public Clock, public EventSource, public HeadPort {
 
   [[nodiscard]] ImageSize image_size() const override { return config_.camera.size; }
   PortStatus read_until(std::int64_t t_us, std::vector<Event>& events) override;
+  [[nodiscard]] std::int64_t heard_us() const override { return now_us(); }
+  [[nodiscard]] EventTraffic traffic() const override { return {}; }
 
   [[nodiscard]] JointLimits limits() const override { return world_.limits(); }
   PortStatus read(HeadState& state) override;
   CommandResult command(const HeadCommand& reference_rad) override;
+  PortStatus stop() override;
 
   [[nodiscard]] const SimTruth& truth() const { return truth_; }
   [[nodiscard]] std::int64_t first_motion_us() const { return world_.first_motion_us(); }

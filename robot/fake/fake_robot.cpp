@@ -56,10 +56,13 @@ PortStatus FakeRobot::read_until(std::int64_t t_us, std::vector<Event>& events) 
   for (; next_event_ < script_.events.size(); ++next_event_) {
     const Event& event = script_.events[next_event_];
     if (event.t_us > end_us || event.t_us + script_.lateness_us > t_us) break;
+    if (script_.silent_us && event.t_us >= *script_.silent_us) continue;
     events.push_back(event);
   }
   return is_over() ? PortStatus::ended : PortStatus::ok;
 }
+
+std::int64_t FakeRobot::heard_us() const { return std::min(now_us_, script_.silent_us.value_or(now_us_)); }
 
 PortStatus FakeRobot::read(HeadState& state) {
   if (status_ != PortStatus::ok) return status_;
@@ -75,6 +78,11 @@ HeadPort::CommandResult FakeRobot::command(const HeadCommand& reference_rad) {
   const bool refused = !is_allowed(reference_rad, script_.limits);
   if (status_ == PortStatus::ok && !refused) reference_rad_ = reference_rad;
   return {status_, refused};
+}
+
+PortStatus FakeRobot::stop() {
+  if (status_ == PortStatus::ok) reference_rad_ = head_.head_position_rad();
+  return status_;
 }
 
 }  // namespace saccade

@@ -14,8 +14,10 @@ struct FakeRobotScript {
   std::vector<Event> events;     ///< sorted by time, inside the image
   std::int64_t lateness_us = 0;  ///< an event is delivered this long after its stamp
   std::int64_t start_us = 0;
-  std::optional<std::int64_t> end_us;     ///< the world is over here, as at the end of a recording
-  std::optional<std::int64_t> lost_us;    ///< every port is lost from here on
+  std::optional<std::int64_t> end_us;   ///< the world is over here, as at the end of a recording
+  std::optional<std::int64_t> lost_us;  ///< every port is lost from here on
+  std::optional<std::int64_t>
+      silent_us;  ///< nothing comes from the camera from here on, no empty packet either
   std::optional<std::int64_t> freeze_us;  ///< the encoders say the same from here on, with that stamp
   /// In [first, second) the encoder of the neck's yaw reads NaN.
   std::optional<std::pair<std::int64_t, std::int64_t>> nan_us;
@@ -37,10 +39,13 @@ class FakeRobot final : public Clock, public EventSource, public HeadPort {
 
   [[nodiscard]] ImageSize image_size() const override { return script_.image_size; }
   PortStatus read_until(std::int64_t t_us, std::vector<Event>& events) override;
+  [[nodiscard]] std::int64_t heard_us() const override;
+  [[nodiscard]] EventTraffic traffic() const override { return {}; }
 
   [[nodiscard]] JointLimits limits() const override { return script_.limits; }
   PortStatus read(HeadState& state) override;
   CommandResult command(const HeadCommand& reference_rad) override;
+  PortStatus stop() override;
 
   /// The reference that holds now; where the head started, before the first command.
   [[nodiscard]] const HeadCommand& reference_rad() const { return reference_rad_; }

@@ -87,6 +87,12 @@ PortStatus ReplayRobot::wait_until(std::int64_t t_us) {
   return PortStatus::ok;
 }
 
+EventTraffic ReplayRobot::traffic() const {
+  EventTraffic traffic;
+  traffic.dropped = rejected_.outside_image + rejected_.back_in_time;
+  return traffic;
+}
+
 PortStatus ReplayRobot::read_until(std::int64_t t_us, std::vector<Event>& events) {
   if (ended_) return PortStatus::ended;
   SACCADE_CHECK(t_us <= now_us_);

@@ -27,6 +27,7 @@ class ReplayHead final : public HeadPort {
   [[nodiscard]] JointLimits limits() const override { return recording_.limits; }
   PortStatus read(HeadState& state) override;
   CommandResult command(const HeadCommand& reference_rad) override;
+  PortStatus stop() override { return status_; }
 
   void advance_to(std::int64_t now_us);
   void end() { status_ = PortStatus::ended; }
@@ -56,6 +57,8 @@ class ReplayRobot final : public Clock, public EventSource {
 
   [[nodiscard]] ImageSize image_size() const override { return image_size_; }
   PortStatus read_until(std::int64_t t_us, std::vector<Event>& events) override;
+  [[nodiscard]] std::int64_t heard_us() const override { return now_us_; }
+  [[nodiscard]] EventTraffic traffic() const override;
 
   /// Null on a recording without joints.
   [[nodiscard]] HeadPort* head() { return head_ ? &*head_ : nullptr; }

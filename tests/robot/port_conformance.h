@@ -239,6 +239,44 @@ TEST_P(PortConformance, AHeadThatIsCommandedGoesThereAndARecordedOneMovesAsItDid
   }
 }
 
+TEST_P(PortConformance, AHeadThatIsToldToStopRestsWithinATenthOfASecondShortOfItsReference) {
+  if (!GetParam().moves_as_commanded) GTEST_SKIP() << "a recorded head moves as it did";
+  const RobotUnderTest robot = make_with_head();
+  if (IsSkipped()) return;
+  HeadState before;
+  robot.head->read(before);
+  const HeadCommand way = inside_limits(*robot.head, 0.8) - before.head_position_rad();
+  ASSERT_FALSE(robot.head->command(before.head_position_rad() + way).refused);
+  const std::int64_t start_us = robot.clock->now_us();
+  robot.clock->wait_until(start_us + 20 * tick_us);
+  EXPECT_EQ(robot.head->stop(), PortStatus::ok);
+  EXPECT_EQ(robot.head->stop(), PortStatus::ok) << "a second time";
+  robot.clock->wait_until(start_us + 120 * tick_us);
+  HeadState stopped;
+  robot.head->read(stopped);
+  robot.clock->wait_until(start_us + 220 * tick_us);
+  HeadState later;
+  robot.head->read(later);
+  for (int joint = 0; joint < head_joint_count; ++joint) {
+    const double left =
+        std::abs(before.head_position_rad()[joint] + way[joint] - later.head_position_rad()[joint]);
+    const double drift = std::abs(later.head_position_rad()[joint] - stopped.head_position_rad()[joint]);
+    EXPECT_LT(drift, 0.05 * std::abs(way[joint]) + 1e-3) << "joint " << joint;
+    if (std::abs(way[joint]) > 0.05) {
+      EXPECT_GT(left, 0.2 * std::abs(way[joint])) << "joint " << joint;
+    }
+  }
+}
+
+TEST_P(PortConformance, TheCameraIsHeardAndNeverInTheFuture) {
+  const RobotUnderTest robot = make();
+  const std::int64_t start_us = robot.clock->now_us();
+  run(robot);
+  EXPECT_LE(robot.events->heard_us(), robot.clock->now_us());
+  EXPECT_GT(robot.events->heard_us(), start_us);
+  EXPECT_EQ(robot.events->traffic().dropped, 0);
+}
+
 TEST_P(PortConformance, TheEndComesAfterTheLastEventAndIsForGood) {
   if (!GetParam().ends) GTEST_SKIP() << "this backend does not end";
   const RobotUnderTest robot = make();
