@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "recording/address_event.h"
 #include "recording/codec.h"
 #include "recording/number_text.h"
 
@@ -15,21 +16,10 @@ constexpr ImageSize atis_size{304, 240};
 constexpr std::size_t longest_word = 64;
 constexpr double ticks_per_s = 12.5e6;
 constexpr std::string_view vision_type = "AE";
-constexpr std::int64_t skin_bit = 1 << 24;
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 bool is_digit(std::optional<char> c) { return c >= '0' && c <= '9'; }
 bool ends_word(char c) { return is_blank(c) || c == '\n' || c == '(' || c == ')'; }
-
-Event decode(std::int64_t ticks, std::int64_t address) {
-  Event event;
-  event.t_us = (ticks * 4 + 25) / 50;  // 80 ns each, to the nearest us
-  event.on = (address & 1) == 0;
-  event.x = static_cast<std::uint16_t>(address >> 1 & 0x3ff);
-  event.y = static_cast<std::uint16_t>(address >> 12 & 0x1ff);
-  event.camera = static_cast<std::uint8_t>(address >> 22 & 1);
-  return event;
-}
 
 /// Continues time stamps over the wraps of a counter of unknown width.
 class StampUnwrapper {
@@ -85,12 +75,15 @@ class YarpLogReader final : public EventReader {
       while (count < max_events && !failure_ && find_pair()) {
         const std::int64_t stamp = integer("a time stamp of 0 to 2^31 - 1");
         const std::int64_t address = integer("an address of 0 to 2^31 - 1");
-        if ((address & skin_bit) != 0) {
+        std::optional<Event> event =
+            decode_address(static_cast<std::uint32_t>(address), AddressCodec::atis_24);
+        if (!event) {
           ++skin_events_;
-        } else {
-          events.push_back(decode(time_.extend(stamp, host_s_), address));
-          ++count;
+          continue;
         }
+        event->t_us = us_from_ticks(time_.extend(stamp, host_s_), tick_ns(AddressCodec::atis_24));
+        events.push_back(*event);
+        ++count;
       }
     } catch (const InputError& error) {
       failure_ = error;
