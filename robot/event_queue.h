@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "core/event.h"
+
+namespace saccade {
+
+/// A queue of events from a thread that receives them to the one that reads: it never grows. When it is full the
+/// oldest events make room, since what gaze needs is the newest. Its storage is there from the start.
+class EventQueue {
+ public:
+  /// capacity >= 1, events.
+  explicit EventQueue(std::size_t capacity);
+
+  /// Events in order of time.
+  void push(std::span<const Event> events);
+  /// Appends the events with time stamps <= t_us.
+  void pop_until(std::int64_t t_us, std::vector<Event>& events);
+  [[nodiscard]] std::int64_t size() const;
+  /// Events that had to make room so far.
+  [[nodiscard]] std::int64_t dropped() const;
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<Event> ring_;
+  std::size_t first_ = 0;
+  std::size_t count_ = 0;
+  std::int64_t dropped_ = 0;
+};
+
+}  // namespace saccade
