@@ -14,6 +14,7 @@
 #include "apps/run_folder.h"
 #include "apps/run_log.h"
 #include "apps/run_recorder.h"
+#include "apps/scenario_loop.h"
 #include "apps/summary.h"
 #include "evaluation/report.h"
 
@@ -27,33 +28,6 @@ struct RunOptions {
   std::optional<std::int64_t> seed;
   bool force = false;
 };
-
-std::optional<LoopGaze> make_gaze(const Scenario& scenario, const JointLimits& limits) {
-  const GazeControllerConfig& config = scenario.gaze.controller;
-  if (scenario.gaze.detector == "none" && config.controller != "script") return std::nullopt;
-  LoopGaze gaze{{},
-                make_gate(scenario.gaze.gate),
-                make_gaze_controller(config, limits),
-                JointLimiter(motion_limits(limits, config.limits)),
-                scenario.gaze.follow};
-  for (std::size_t i = 0; i < scenario.detectors.size(); ++i) {
-    const auto& [name, detector] = scenario.detectors[i];
-    if (name != scenario.gaze.detector) continue;
-    gaze.driver = i;
-    if (scenario.sim.both_eyes() && scenario.gaze.stereo) {
-      const MountedCamera& right = scenario.right_calibration;
-      gaze.stereo.emplace(
-          LoopStereo{make_detector(detector, right.camera), right, StereoLocator(scenario.gaze.gate.target)});
-    }
-  }
-  return gaze;
-}
-
-std::vector<LoopDetector> make_detectors(const NamedDetectors& named, const Camera& camera) {
-  std::vector<LoopDetector> detectors;
-  for (const auto& [name, config] : named) detectors.push_back({name, make_detector(config, camera)});
-  return detectors;
-}
 
 /// What was set that can change what is scored, by key; of several for one key the last. The duration belongs
 /// to the run, the seed has a place of its own.

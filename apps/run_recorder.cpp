@@ -57,6 +57,8 @@ std::string window_in_words(const DetectorConfig& config) {
   return {};
 }
 
+std::string events_name(const Scenario& scenario) { return "events." + scenario.output.events; }
+
 /// The ball in an eye's image, as a row of its truth table.
 TruthRow truth_row(const SimTruth& truth, const EyeTruth& eye) {
   return {truth.t_us, eye.circle.value_or(Circle{nan, nan, nan}), eye.visible, truth.ball_m};
@@ -79,40 +81,58 @@ void write_png(const std::filesystem::path& path, const cv::Mat& picture) {
 
 }  // namespace
 
-RunRecorder::RunRecorder(std::filesystem::path folder, const Scenario& scenario, SimRobot& robot,
-                         const Loop& loop)
+RunRecorder::Tables::Tables(const std::filesystem::path& folder, const Scenario& scenario, bool stereo)
+    : events(create_event_file(folder / events_name(scenario), scenario.sim.camera.size,
+                               scenario.sim.both_eyes() ? 2 : 1)),
+      joints(folder / "joints.csv"),
+      truth(folder / "truth.csv"),
+      detections(folder / "detections.csv"),
+      gaze(folder / "gaze.csv"),
+      eye(folder / "eye.csv") {
+  if (scenario.sim.labels) labels.emplace(folder / "labels.csv");
+  if (!scenario.sim.both_eyes()) return;
+  truth_right.emplace(folder / "truth_right.csv");
+  if (stereo) detections_right.emplace(folder / "detections_right.csv");
+  if (scenario.sim.labels) labels_right.emplace(folder / "labels_right.csv");
+}
+
+void RunRecorder::Tables::commit() {
+  events->commit();
+  joints.commit();
+  truth.commit();
+  detections.commit();
+  gaze.commit();
+  eye.commit();
+  if (labels) labels->commit();
+  if (truth_right) truth_right->commit();
+  if (labels_right) labels_right->commit();
+  if (detections_right) detections_right->commit();
+}
+
+RunRecorder::RunRecorder(std::optional<std::filesystem::path> folder, const Scenario& scenario,
+                         SimRobot& robot, const Loop& loop)
     : folder_(std::move(folder)),
       scenario_(scenario),
       robot_(robot),
       loop_(loop),
-      events_name_("events." + scenario.output.events),
-      events_(create_event_file(folder_ / events_name_, scenario.sim.camera.size,
-                                scenario.sim.both_eyes() ? 2 : 1)),
-      joints_(folder_ / "joints.csv"),
-      truth_table_(folder_ / "truth.csv"),
-      detection_table_(folder_ / "detections.csv"),
-      gaze_table_(folder_ / "gaze.csv"),
-      eye_table_(folder_ / "eye.csv"),
       gaze_scorer_(gaze_scoring(scenario, scenario.sim.camera, robot.limits())),
       detector_ns_(scenario.detectors.size(), 0) {
+  if (scenario.sim.both_eyes()) {
+    right_eye_.emplace(gaze_scoring(scenario, scenario.sim.right.camera, robot.limits()));
+  }
+  if (const auto& frames = scenario.frame_30hz) {
+    frame_detector_.emplace(*frames, scenario.sim.world.ball.rgb, scenario.sim.camera);
+    shutter_.emplace(frame_detector_->camera().size, frames->exposure_ms);
+  }
+  if (!folder_) return;
+  tables_.emplace(*folder_, scenario, loop.right_detector() != nullptr);
   const auto duration_us = std::llround(scenario.run.duration_s * 1e6);
   for (std::int64_t i = 0; i < scenario.output.pictures; ++i) {
     const std::int64_t wanted_us = duration_us * (2 * i + 1) / (2 * scenario.output.pictures);
     picture_times_us_.push_back(wanted_us / World::tick_us * World::tick_us);
   }
-  if (!picture_times_us_.empty()) std::filesystem::create_directories(folder_ / "frames");
-  if (scenario.sim.labels) label_table_.emplace(folder_ / "labels.csv");
-  if (scenario.sim.both_eyes()) {
-    right_eye_.emplace(folder_, gaze_scoring(scenario, scenario.sim.right.camera, robot.limits()));
-    if (loop.right_detector() != nullptr)
-      right_eye_->detection_table.emplace(folder_ / "detections_right.csv");
-    if (scenario.sim.labels) right_eye_->label_table.emplace(folder_ / "labels_right.csv");
-  }
-  if (scenario.output.video) video_.emplace(folder_ / "video.mp4");
-  if (const auto& frames = scenario.frame_30hz) {
-    frame_detector_.emplace(*frames, scenario.sim.world.ball.rgb, scenario.sim.camera);
-    shutter_.emplace(frame_detector_->camera().size, frames->exposure_ms);
-  }
+  if (!picture_times_us_.empty()) std::filesystem::create_directories(*folder_ / "frames");
+  if (scenario.output.video) video_.emplace(*folder_ / "video.mp4");
 }
 
 void RunRecorder::on_tick(const Tick& tick) {
@@ -126,13 +146,11 @@ void RunRecorder::on_tick(const Tick& tick) {
 
 void RunRecorder::record_tables(const Tick& tick) {
   event_count_ += static_cast<std::int64_t>(tick.events.size());
-  events_->write(tick.events);
-  if (label_table_) record_labels(tick.events);
-  joints_.write({tick.t_us, tick.head->position_rad});
+  if (tables_) tables_->events->write(tick.events);
+  if (scenario_.sim.labels) record_labels(tick.events);
 
   const SimTruth& truth = robot_.truth();
   truth_.push_back(truth_row(truth, truth.left));
-  truth_table_.write(truth_.back());
 
   for (std::size_t i = 0; i < tick.detectors.size(); ++i) {
     const DetectorTick& seen = tick.detectors[i];
@@ -140,18 +158,21 @@ void RunRecorder::record_tables(const Tick& tick) {
     if (!seen.observed) continue;
     detections_.push_back({tick.t_us, loop_.detectors()[i].name, seen.estimate.circle, seen.estimate.score,
                            seen.estimate.held});
-    detection_table_.write(detections_.back());
+    if (tables_) tables_->detections.write(detections_.back());
   }
+  gaze_scorer_.add(
+      {tick.t_us, truth.left.root_from_cam, truth.ball_m, tick.target_m, truth.plant_position_rad});
+  if (right_eye_) record_right_eye(tick);
+  if (!tables_) return;
 
   const HeadKinematics kinematics(tick.head->position_rad);
   const FixationPoint fixation = kinematics.fixation();
   const Eigen::Vector3d none = Eigen::Vector3d::Constant(nan);
-  gaze_table_.write({tick.t_us, fixation.valid ? fixation.point_m : none, tick.target_m.value_or(none),
-                     tick.head->position_rad});
-  eye_table_.write(EyeRow::of(tick.t_us, truth.left.root_from_cam));
-  gaze_scorer_.add(
-      {tick.t_us, truth.left.root_from_cam, truth.ball_m, tick.target_m, truth.plant_position_rad});
-  if (right_eye_) record_right_eye(tick);
+  tables_->joints.write({tick.t_us, tick.head->position_rad});
+  tables_->truth.write(truth_.back());
+  tables_->gaze.write({tick.t_us, fixation.valid ? fixation.point_m : none, tick.target_m.value_or(none),
+                       tick.head->position_rad});
+  tables_->eye.write(EyeRow::of(tick.t_us, truth.left.root_from_cam));
 }
 
 void RunRecorder::record_right_eye(const Tick& tick) {
@@ -159,7 +180,7 @@ void RunRecorder::record_right_eye(const Tick& tick) {
   const SimTruth& truth = robot_.truth();
   eye.event_count += std::ranges::count_if(tick.events, [](const Event& e) { return e.camera == 1; });
   eye.truth.push_back(truth_row(truth, *truth.right));
-  eye.truth_table.write(eye.truth.back());
+  if (tables_) tables_->truth_right->write(eye.truth.back());
   eye.gaze_scorer.add(
       {tick.t_us, truth.right->root_from_cam, truth.ball_m, tick.target_m, truth.plant_position_rad});
   if (!tick.right) return;
@@ -168,7 +189,7 @@ void RunRecorder::record_right_eye(const Tick& tick) {
   const Estimate& estimate = tick.right->estimate;
   eye.detections.push_back(
       {tick.t_us, scenario_.gaze.detector, estimate.circle, estimate.score, estimate.held});
-  eye.detection_table->write(eye.detections.back());
+  if (tables_) tables_->detections_right->write(eye.detections.back());
 }
 
 void RunRecorder::record_labels(std::span<const Event> events) {
@@ -183,10 +204,10 @@ void RunRecorder::record_labels(std::span<const Event> events) {
     row.cause = cause_names.at(static_cast<std::size_t>(labels[i].cause));
     row.object = scene_object_names.at(labels[i].object - 1U);
     if (events[i].camera == 1) {
-      right_eye_->label_table->write(row);
+      if (tables_) tables_->labels_right->write(row);
       continue;
     }
-    label_table_->write(row);
+    if (tables_) tables_->labels->write(row);
     clutter_.add(row);
   }
   clutter_in_window_.push_back(clutter_.share_in_window());
@@ -217,7 +238,7 @@ void RunRecorder::save_hough_spaces(std::int64_t t_us) const {
   for (const LoopDetector& detector : loop_.detectors()) {
     if (!detector.detector->hough_space(response)) continue;
     const float strongest = *std::max_element(response.begin(), response.end());
-    write_png(folder_ / "frames" /
+    write_png(*folder_ / "frames" /
                   fmt::format("{:09}_{}_hough_{:.4g}.png", t_us, file_part(detector.name), strongest),
               response_picture(response, size));
   }
@@ -239,12 +260,12 @@ void RunRecorder::take_pictures(const Tick& tick) {
                     std::span(scene.data, static_cast<std::size_t>(scene_size.pixels()) * 3));
   cv::cvtColor(scene, scene, cv::COLOR_RGB2BGR);
   if (still) {
-    write_png(folder_ / "frames" / fmt::format("{:09}_eye.png", tick.t_us), grey);
+    write_png(*folder_ / "frames" / fmt::format("{:09}_eye.png", tick.t_us), grey);
     if (right_eye_) {
-      write_png(folder_ / "frames" / fmt::format("{:09}_right_eye.png", tick.t_us),
+      write_png(*folder_ / "frames" / fmt::format("{:09}_right_eye.png", tick.t_us),
                 grey_picture(*robot_.right_eye()));
     }
-    write_png(folder_ / "frames" / fmt::format("{:09}_scene.png", tick.t_us), scene);
+    write_png(*folder_ / "frames" / fmt::format("{:09}_scene.png", tick.t_us), scene);
     save_hough_spaces(tick.t_us);
   }
   if (film) {
@@ -264,7 +285,7 @@ void RunRecorder::watch_frames(std::int64_t t_us) {
   const Estimate ball = frame_detector_->find(*image);
   if (!ball.valid) return;
   detections_.push_back({t_us, std::string(frame_detector_name), ball.circle, ball.score, false});
-  detection_table_.write(detections_.back());
+  if (tables_) tables_->detections.write(detections_.back());
 }
 
 GazeMetrics RunRecorder::gaze_metrics(const Metrics& metrics) const {
@@ -313,18 +334,7 @@ RightEyeMetrics RunRecorder::right_eye_metrics() const {
 }
 
 Metrics RunRecorder::finish(double wall_s, std::vector<std::pair<std::string, std::string>> settings) {
-  events_->commit();
-  joints_.commit();
-  truth_table_.commit();
-  detection_table_.commit();
-  gaze_table_.commit();
-  eye_table_.commit();
-  if (label_table_) label_table_->commit();
-  if (right_eye_) {
-    right_eye_->truth_table.commit();
-    if (right_eye_->label_table) right_eye_->label_table->commit();
-    if (right_eye_->detection_table) right_eye_->detection_table->commit();
-  }
+  if (tables_) tables_->commit();
   if (video_) video_->commit();
 
   Metrics metrics;
@@ -335,7 +345,7 @@ Metrics RunRecorder::finish(double wall_s, std::vector<std::pair<std::string, st
   metrics.wall_s = wall_s;
   metrics.event_count = event_count_;
   metrics.events_dropped = robot_.left_eye().counts().dropped;
-  metrics.events_file = events_name_;
+  if (folder_) metrics.events_file = events_name(scenario_);
   metrics.image = scenario_.sim.camera.size;
   metrics.camera = scenario_.sim.camera;
   metrics.calibration = scenario_.calibration;
@@ -355,7 +365,7 @@ Metrics RunRecorder::finish(double wall_s, std::vector<std::pair<std::string, st
                                    score_detector(truth_, detections_, frame_detector_name,
                                                   frame_detector_->threshold(), Chances::simulated));
   }
-  if (label_table_) {
+  if (scenario_.sim.labels) {
     metrics.clutter = clutter_.share();
     for (auto& [name, score] : metrics.detectors) {
       score.clutter = detector_clutter(truth_, clutter_in_window_, detections_, name, score.threshold,
@@ -366,7 +376,7 @@ Metrics RunRecorder::finish(double wall_s, std::vector<std::pair<std::string, st
     metrics.gaze = gaze_metrics(metrics);
   }
   if (right_eye_) metrics.right_eye = right_eye_metrics();
-  write_metrics(folder_ / "metrics.json", metrics);
+  if (folder_) write_metrics(*folder_ / "metrics.json", metrics);
   return metrics;
 }
 

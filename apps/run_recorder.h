@@ -22,8 +22,9 @@ namespace saccade {
 /// the loop's ticks and the simulator's truth meet.
 class RunRecorder final : public LoopObserver {
  public:
-  /// `robot` and `loop` outlive it. The folder exists.
-  RunRecorder(std::filesystem::path folder, const Scenario& scenario, SimRobot& robot, const Loop& loop);
+  /// `robot` and `loop` outlive it. The folder exists; without one the run is scored and nothing is written.
+  RunRecorder(std::optional<std::filesystem::path> folder, const Scenario& scenario, SimRobot& robot,
+              const Loop& loop);
 
   void on_tick(const Tick& tick) override;
   /// Time spent here on pictures, video and the frame camera, which is not the loop's.
@@ -43,27 +44,33 @@ class RunRecorder final : public LoopObserver {
   void save_hough_spaces(std::int64_t t_us) const;
   [[nodiscard]] EyePicture eye_picture(const Tick& tick, const cv::Mat& grey) const;
 
-  std::filesystem::path folder_;
+  /// The files that grow with the run.
+  struct Tables {
+    Tables(const std::filesystem::path& folder, const Scenario& scenario, bool stereo);
+    void commit();
+
+    std::unique_ptr<EventWriter> events;
+    TableWriter<JointsRow> joints;
+    TableWriter<TruthRow> truth;
+    TableWriter<DetectionRow> detections;
+    TableWriter<GazeRow> gaze;
+    TableWriter<EyeRow> eye;
+    std::optional<TableWriter<LabelRow>> labels;
+    std::optional<TableWriter<TruthRow>> truth_right;  // where the right eye sees, like those below
+    std::optional<TableWriter<LabelRow>> labels_right;
+    std::optional<TableWriter<DetectionRow>> detections_right;  // with a detector that looks through it
+  };
+
+  std::optional<std::filesystem::path> folder_;
   const Scenario& scenario_;
   SimRobot& robot_;
   const Loop& loop_;
-  std::string events_name_;
-  std::unique_ptr<EventWriter> events_;
-  TableWriter<JointsRow> joints_;
-  TableWriter<TruthRow> truth_table_;
-  TableWriter<DetectionRow> detection_table_;
-  TableWriter<GazeRow> gaze_table_;
-  TableWriter<EyeRow> eye_table_;
-  std::optional<TableWriter<LabelRow>> label_table_;
+  std::optional<Tables> tables_;  // with a folder
   struct RightEye {
-    RightEye(const std::filesystem::path& folder, const GazeScoringConfig& scoring)
-        : truth_table(folder / "truth_right.csv"), gaze_scorer(scoring) {}
+    explicit RightEye(const GazeScoringConfig& scoring) : gaze_scorer(scoring) {}
 
-    TableWriter<TruthRow> truth_table;
-    std::optional<TableWriter<LabelRow>> label_table;
     GazeScorer gaze_scorer;
     std::vector<TruthRow> truth;
-    std::optional<TableWriter<DetectionRow>> detection_table;  // with a detector that looks through it
     std::vector<DetectionRow> detections;
     std::int64_t detector_ns = 0;
     std::int64_t event_count = 0;

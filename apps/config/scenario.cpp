@@ -251,6 +251,10 @@ Scenario read_scenario(const std::filesystem::path& path, const std::vector<std:
   YamlTree tree = read_yaml_file(path);
   for (const std::string& assignment : assignments) set_value(tree, assignment);
   if (seed) set_value(tree, "seed=" + std::to_string(*seed));
+  return read_scenario(std::move(tree), path.parent_path());
+}
+
+Scenario read_scenario(YamlTree tree, const std::filesystem::path& folder) {
   std::vector<std::string> required = {"name",     "run", "run.duration_s", "ball", "ball.trajectory",
                                        "detectors"};
   Scenario scenario;
@@ -259,10 +263,10 @@ Scenario read_scenario(const std::filesystem::path& path, const std::vector<std:
   if (tree.root.find("board") != nullptr) scenario.sim.world.board.emplace();
   if (tree.root.find(frame_detector_name) != nullptr) scenario.frame_30hz.emplace();
   scenario.expect = expected_in(tree);
-  scenario.calibration = calibration_default(tree, path.parent_path(), "calibration", "camera", {});
+  scenario.calibration = calibration_default(tree, folder, "calibration", "camera", {});
   if (const YamlNode* eyes = tree.root.find("eyes"); eyes != nullptr && eyes->text == "both") {
-    scenario.right_calibration = calibration_default(tree, path.parent_path(), "right_calibration",
-                                                     "right_camera", scenario.sim.right);
+    scenario.right_calibration =
+        calibration_default(tree, folder, "right_calibration", "right_camera", scenario.sim.right);
   }
   YamlReader reader(tree, std::move(required));
   describe(reader, scenario);
@@ -275,6 +279,10 @@ std::string resolved_scenario(const Scenario& scenario) {
   YamlWriter writer;
   describe(writer, copy);
   return writer.yaml();
+}
+
+bool has_figure(const Scenario& scenario, const std::string& path) {
+  return find_figure(empty_metrics(scenario), path) != nullptr;
 }
 
 std::vector<std::string> unmet_expectations(const Scenario& scenario, const Metrics& metrics) {

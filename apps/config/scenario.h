@@ -70,8 +70,13 @@ struct Scenario {
 [[nodiscard]] Scenario read_scenario(const std::filesystem::path& path,
                                      const std::vector<std::string>& assignments,
                                      std::optional<std::int64_t> seed);
+/// The same of a tree whose file lies in `folder`.
+[[nodiscard]] Scenario read_scenario(YamlTree tree, const std::filesystem::path& folder);
 /// The scenario with every default, as YAML that reads back the same.
 [[nodiscard]] std::string resolved_scenario(const Scenario& scenario);
+
+/// Whether `path`, such as gaze.in_view_ratio, is a number in metrics.json of a run of this scenario.
+[[nodiscard]] bool has_figure(const Scenario& scenario, const std::string& path);
 
 /// What of `expect` the metrics do not keep, one line each; empty when all is well.
 [[nodiscard]] std::vector<std::string> unmet_expectations(const Scenario& scenario, const Metrics& metrics);

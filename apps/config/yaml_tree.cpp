@@ -239,6 +239,33 @@ std::vector<std::string> split_path(std::string_view path) {
   return keys;
 }
 
+/// Puts `value` at `path`, with the maps on the way to it.
+void place_value(YamlNode& root, const std::vector<std::string>& keys, const std::string& path,
+                 YamlNode value, std::vector<MarkedProblem>& problems) {
+  YamlNode* node = &root;
+  std::string walked;
+  for (const std::string& key : keys) {
+    if (node->kind != YamlNode::Kind::map) break;
+    const auto at = std::find(node->keys.begin(), node->keys.end(), key) - node->keys.begin();
+    if (at == std::ssize(node->keys)) {
+      node->keys.push_back(key);
+      node->items.push_back(YamlNode::of(YamlNode::Kind::map));
+    }
+    node = &node->items[static_cast<std::size_t>(at)];
+    walked = joined(walked, key);
+  }
+  if (walked == path) {
+    *node = std::move(value);
+  } else {
+    problems.push_back({{}, {"--set " + path, node->found() + " at " + walked, "a block of keys there"}});
+  }
+}
+
+void forget_marks(YamlNode& node) {
+  node.mark = {};
+  for (YamlNode& item : node.items) forget_marks(item);
+}
+
 }  // namespace
 
 YamlNode YamlNode::of(Kind kind, TextMark mark) {
@@ -281,6 +308,24 @@ std::string YamlNode::found() const {
     shown = shown.substr(0, end) + "...";
   }
   return shown;
+}
+
+std::string YamlNode::one_line() const {
+  std::string line;
+  switch (kind) {
+    case Kind::scalar:
+      return quoted ? quote_yaml(text) : text;
+    case Kind::list:
+      for (const YamlNode& item : items) line += (line.empty() ? "" : ", ") + item.one_line();
+      return "[" + line + "]";
+    case Kind::map:
+      for (std::size_t i = 0; i < keys.size(); ++i) {
+        line += (i == 0 ? "" : ", ") + keys[i] + ": " + items[i].one_line();
+      }
+      return "{" + line + "}";
+    default:
+      return "null";
+  }
 }
 
 std::string YamlTree::place(TextMark mark, std::string_view path) const {
@@ -329,30 +374,18 @@ void set_value(YamlTree& tree, std::string_view assignment) {
   }
   YamlTree parsed;
   try {
-    YamlNode value = parse_document(parsed, assignment.substr(equals + 1), true, path);
-    YamlNode* node = &tree.root;
-    std::string walked;
-    for (const std::string& key : keys) {
-      if (node->kind != YamlNode::Kind::map) break;
-      const auto at = std::find(node->keys.begin(), node->keys.end(), key) - node->keys.begin();
-      if (at == std::ssize(node->keys)) {
-        node->keys.push_back(key);
-        node->items.push_back(YamlNode::of(YamlNode::Kind::map));
-      }
-      node = &node->items[static_cast<std::size_t>(at)];
-      walked = joined(walked, key);
-    }
-    if (walked == path) {
-      *node = std::move(value);
-    } else {
-      parsed.problems.push_back(
-          {{}, {"--set " + path, node->found() + " at " + walked, "a block of keys there"}});
-    }
+    place_value(tree.root, keys, path, parse_document(parsed, assignment.substr(equals + 1), true, path),
+                parsed.problems);
   } catch (const InputError& error) {
     parsed.problems.clear();
     for (const Problem& problem : error.problems()) parsed.problems.push_back({{}, problem});
   }
   tree.problems.insert(tree.problems.end(), parsed.problems.begin(), parsed.problems.end());
+}
+
+void set_node(YamlTree& tree, std::string_view path, YamlNode value) {
+  forget_marks(value);
+  place_value(tree.root, split_path(path), std::string(path), std::move(value), tree.problems);
 }
 
 void throw_if_any(std::vector<MarkedProblem> problems) {

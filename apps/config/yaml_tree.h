@@ -42,6 +42,8 @@ struct YamlNode {
   [[nodiscard]] const YamlNode* find(std::string_view path) const;
   /// For messages: the scalar as written, or "a list", "a block of keys", "nothing".
   [[nodiscard]] std::string found() const;
+  /// The value on one line, as YAML that reads back the same: 0.5, [1, 2], {a: 1, b: "2"}.
+  [[nodiscard]] std::string one_line() const;
 };
 
 /// Where a problem is, for sorting, and what it is.
@@ -71,6 +73,9 @@ struct YamlTree {
 /// The value is YAML: a number, true, a [list], a {map: 1}, text. The last of several for one path wins. What
 /// is wrong with it is added to tree.problems.
 void set_value(YamlTree& tree, std::string_view assignment);
+
+/// The same with a value that is there already, such as one from another file; messages speak of it as of `--set`.
+void set_node(YamlTree& tree, std::string_view path, YamlNode value);
 
 /// Throws InputError with the problems in file order, those of `--set` last, when there are any.
 void throw_if_any(std::vector<MarkedProblem> problems);
