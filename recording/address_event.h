@@ -27,13 +27,15 @@ enum class AddressCodec {
 
 /// One tick of the clock that stamps such events: 128 ns with dvs_128, else 80.
 [[nodiscard]] std::int64_t tick_ns(AddressCodec codec);
-/// Ticks (>= 0) to the nearest us.
+/// Ticks to the nearest us.
 [[nodiscard]] inline std::int64_t us_from_ticks(std::int64_t ticks, std::int64_t ns_per_tick) {
-  return (ticks * ns_per_tick + 500) / 1000;
+  const std::int64_t ns = ticks * ns_per_tick + 500;
+  return ns / 1000 - (ns % 1000 < 0 ? 1 : 0);
 }
-/// Microseconds (>= 0) to the nearest tick, which us_from_ticks takes back to the same microsecond.
+/// Microseconds to the nearest tick, which us_from_ticks takes back to the same microsecond.
 [[nodiscard]] inline std::int64_t ticks_from_us(std::int64_t t_us, std::int64_t ns_per_tick) {
-  return (t_us * 1000 + ns_per_tick / 2) / ns_per_tick;
+  const std::int64_t ns = t_us * 1000 + ns_per_tick / 2;
+  return ns / ns_per_tick - (ns % ns_per_tick < 0 ? 1 : 0);
 }
 
 /// The event in a word, without its time; nothing where a touch of the skin is in it.

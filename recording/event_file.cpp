@@ -16,7 +16,7 @@ constexpr std::string_view aedat_mark = "#!AER-DAT";
 constexpr std::string_view aedat2_mark = "#!AER-DAT2.0";
 constexpr std::string_view aedat4_mark = "#!AER-DAT4.0";
 constexpr std::string_view known_formats =
-    "a recording in a known format (AEDAT 2.0 or 4.0, an event-driven text log, or text: t x y p)";
+    "a recording in a known format (AEDAT 2.0 or 4.0, an event-driven log, or text: t x y p)";
 
 bool is_text(std::string_view bytes) {
   return std::all_of(bytes.begin(), bytes.end(), [](char c) {
@@ -49,8 +49,19 @@ class OneCameraReader final : public EventReader {
   std::uint8_t camera_;
 };
 
+/// Of a folder as YARP's dumpers leave it the log in it.
+std::filesystem::path log_in(const std::filesystem::path& path) {
+  for (const char* name : {"data.log", "binaryevents.log"}) {
+    std::error_code error;
+    if (std::filesystem::is_directory(path, error) && std::filesystem::exists(path / name, error))
+      return path / name;
+  }
+  return path;
+}
+
 std::unique_ptr<EventReader> open_all(const std::filesystem::path& path, const EventReadOptions& options) {
   InputFile file(path);
+  if (is_yarp_binary(path)) return open_yarp_binary(std::move(file), options);
   const std::string_view start = file.peek(4096).substr(0, 4096);
   if (start.starts_with(aedat2_mark)) return open_aedat2(std::move(file), options);
   if (start.starts_with(aedat4_mark)) return open_aedat4(std::move(file), options);
@@ -67,7 +78,7 @@ std::unique_ptr<EventReader> open_all(const std::filesystem::path& path, const E
 
 std::unique_ptr<EventReader> open_event_file(const std::filesystem::path& path,
                                              const EventReadOptions& options) {
-  std::unique_ptr<EventReader> reader = open_all(path, options);
+  std::unique_ptr<EventReader> reader = open_all(log_in(path), options);
   if (!options.camera) return reader;
   return std::make_unique<OneCameraReader>(std::move(reader), *options.camera);
 }
@@ -78,8 +89,9 @@ std::unique_ptr<EventWriter> create_event_file(const std::filesystem::path& path
   const std::string extension = path.extension().string();
   if (extension == ".csv" || extension == ".txt") return create_text(path, image_size, cameras);
   if (extension == ".aedat") return create_aedat2(path, image_size, cameras);
+  if (extension == ".log") return create_yarp_log(path, image_size, cameras);
   throw InputError(path.string(), extension.empty() ? "no extension" : "the extension " + extension,
-                   "one of .aedat, .csv, .txt");
+                   "one of .aedat, .csv, .log, .txt");
 }
 
 void check_writable(const Event& event, ImageSize image_size, int cameras,

@@ -18,7 +18,6 @@ constexpr std::string_view columns_with_camera = "txypc";
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 /// The fields of one line; `count` goes on past the ones that are kept.
 struct Fields {
@@ -42,35 +41,6 @@ struct Fields {
     }
   }
 };
-
-/// Seconds with a decimal point, to the nearest us, exactly: no double on the way unless there is an
-/// exponent.
-bool parse_seconds(std::string_view text, std::int64_t& t_us) {
-  constexpr double longest_s = 9e12;
-  if (text.find_first_of("eE") != std::string_view::npos) {
-    double seconds = 0.0;
-    if (!parse_number(text, seconds) || !(std::abs(seconds) < longest_s)) return false;
-    t_us = std::llround(seconds * 1e6);
-    return true;
-  }
-  const bool negative = text.starts_with('-');
-  if (negative) text.remove_prefix(1);
-  const std::size_t point = text.find('.');
-  const std::string_view whole = text.substr(0, point);
-  const std::string_view fraction = text.substr(point + 1);
-  if (whole.empty() && fraction.empty()) return false;
-  if (!std::all_of(whole.begin(), whole.end(), is_digit)) return false;
-  if (!std::all_of(fraction.begin(), fraction.end(), is_digit)) return false;
-  std::int64_t seconds = 0;
-  if (!whole.empty() && !parse_number(whole, seconds)) return false;
-  if (static_cast<double>(seconds) >= longest_s) return false;
-  std::int64_t micros = 0;
-  for (std::size_t i = 0; i < 6; ++i) micros = micros * 10 + (i < fraction.size() ? fraction[i] - '0' : 0);
-  if (fraction.size() > 6 && fraction[6] >= '5') ++micros;
-  t_us = seconds * 1'000'000 + micros;
-  if (negative) t_us = -t_us;
-  return true;
-}
 
 std::string sorted(std::string_view text) {
   std::string letters(text);

@@ -58,7 +58,7 @@ TEST(AddressEvent, ATouchOfTheSkinIsNoEventAndACornerIsOne) {
 
 TEST(AddressEvent, MicrosecondsSurviveTheWayThroughTicks) {
   for (const std::int64_t ns : {80, 128}) {
-    for (std::int64_t t_us = 0; t_us < 10'000; ++t_us) {
+    for (std::int64_t t_us = -10'000; t_us < 10'000; ++t_us) {
       ASSERT_EQ(us_from_ticks(ticks_from_us(t_us, ns), ns), t_us);
     }
     const std::int64_t late_us = 1'234'567'890'123;

@@ -75,7 +75,7 @@ TEST(EventFile, SaysWhatIsWrongWithAFileItCannotOpen) {
   EXPECT_THAT(message(folder / ""), HasSubstr("a directory"));
   EXPECT_THAT(message(folder.write("empty", "")), HasSubstr("an empty file"));
   EXPECT_THAT(message(folder.write("png", "\x89PNG\r\n\x1a\n")),
-              HasSubstr("AEDAT 2.0 or 4.0, an event-driven text log, or text"));
+              HasSubstr("AEDAT 2.0 or 4.0, an event-driven log, or text"));
   EXPECT_THAT(message(folder.write("v3", "#!AER-DAT3.1\r\n")), HasSubstr("starts with #!AER-DAT3.1..,"));
   EXPECT_THAT(message(folder.write("cut", "#!AER-DA")), HasSubstr("cut off"));
 }
