@@ -9,6 +9,7 @@ find_package(OpenCV 4.6 REQUIRED COMPONENTS calib3d core features2d imgproc imgc
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(lz4 REQUIRED IMPORTED_TARGET liblz4)
 pkg_check_modules(zstd REQUIRED IMPORTED_TARGET libzstd)
+find_path(FLATBUFFERS_HEADERS flatbuffers/flatbuffers.h REQUIRED)  # its builder is headers alone
 find_package(mujoco REQUIRED)
 # Debian's package names a folder of a library that it does not depend on (/usr/include/libqhull_r).
 get_target_property(mujoco_includes mujoco::mujoco INTERFACE_INCLUDE_DIRECTORIES)

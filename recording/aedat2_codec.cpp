@@ -2,30 +2,23 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
-#include <charconv>
 
 #include "core/error.h"
+#include "recording/aedat_chip.h"
+#include "recording/block_reader.h"
+#include "recording/byte_order.h"
 #include "recording/codec.h"
 #include "recording/output_file.h"
+#include "recording/wrapping_time.h"
 
 namespace saccade {
 namespace {
 
 constexpr std::size_t record_bytes = 8;
 constexpr std::size_t longest_header_line = 4096;
-constexpr std::size_t block_records = 4096;
 
-constexpr ImageSize dvs128_size{128, 128};
+constexpr ImageSize dvs128_size = aedat_dvs128_size;
 constexpr ImageSize davis_largest{1024, 512};
-constexpr std::array<ImageSize, 3> davis_family{{{240, 180}, {346, 260}, {640, 480}}};
-
-std::uint32_t big_endian_u32(const char* bytes) {
-  std::uint32_t value = 0;
-  for (int i = 0; i < 4; ++i) value = value << 8 | static_cast<unsigned char>(bytes[i]);
-  return value;
-}
-
 void put_big_endian(std::uint32_t value, char* bytes) {
   for (int i = 0; i < 4; ++i) bytes[i] = static_cast<char>(value >> (24 - 8 * i) & 0xff);
 }
@@ -58,126 +51,75 @@ struct Davis {
   }
 };
 
-/// Continues 32-bit time stamps over their wraps: from the last `silence` of the range to the first one,
-/// and back over a wrap for an event that comes up to `lateness` late.
-class TimeUnwrapper {
- public:
-  std::int64_t extend(std::int32_t stamp) {
-    if (!started_) last_ = stamp;
-    started_ = true;
-    const std::int64_t step = stamp - last_;
-    if (step < -silence || step > silence) jump(stamp);
-    last_ = stamp;
-    return offset_ + stamp;
-  }
-
- private:
-  static constexpr std::int64_t half = std::int64_t{1} << 31;
-  static constexpr std::int64_t silence = std::int64_t{1} << 29;
-  static constexpr std::int64_t lateness = std::int64_t{1} << 24;
-
-  /// Whether `before` ends a range of which `after` begins the next one, each within `margin`.
-  static bool wraps_32(std::int64_t before, std::int64_t after, std::int64_t margin) {
-    return before >= half - margin && after < -half + margin;
-  }
-  static bool wraps_31(std::int64_t before, std::int64_t after, std::int64_t margin) {
-    return before >= half - margin && after >= 0 && after < margin;
-  }
-
-  void jump(std::int64_t stamp) {
-    if (wraps_32(last_, stamp, silence)) offset_ += 2 * half;
-    if (wraps_31(last_, stamp, silence)) offset_ += half;
-    if (wraps_32(stamp, last_, lateness) && offset_ >= 2 * half) offset_ -= 2 * half;
-    if (wraps_31(stamp, last_, lateness) && offset_ >= half) offset_ -= half;
-  }
-
-  bool started_ = false;
-  std::int64_t last_ = 0;
-  std::int64_t offset_ = 0;
-};
-
-std::string text_of(ImageSize size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
-
-/// What the header lines say of the sensor.
-struct Sensor {
-  std::string layout;  ///< "dvs128", "stereo", "davis", or empty
-  std::optional<ImageSize> size;
-};
-
-std::optional<ImageSize> parse_size(std::string_view text) {
-  ImageSize size;
-  const char* end = text.data() + text.size();
-  const auto width = std::from_chars(text.data(), end, size.width);
-  if (width.ec != std::errc() || width.ptr == end || *width.ptr != 'x') return std::nullopt;
-  if (std::from_chars(width.ptr + 1, end, size.height).ec != std::errc()) return std::nullopt;
-  return size;
+/// AEDAT 2.0 has 32-bit times that wrap at 2^32, or at 2^31 as some writers do.
+WrappingTime signed_time() {
+  return {{{-(std::int64_t{1} << 31), std::int64_t{1} << 32}, {0, std::int64_t{1} << 31}},
+          std::int64_t{1} << 29,
+          std::int64_t{1} << 24};
+}
+WrappingTime unsigned_time() {
+  return {{{0, std::int64_t{1} << 32}}, std::int64_t{1} << 29, std::int64_t{1} << 24};
 }
 
-/// jAER's `# AEChip: eu.seebetter.ini.chips.davis.DAVIS240C`, and our own `# AEChip: DAVIS 304x240`.
-Sensor parse_chip(std::string_view name) {
-  std::string chip(name);
-  std::transform(chip.begin(), chip.end(), chip.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (chip.find("dvs128stereopair") != std::string::npos) return {"stereo", dvs128_size};
-  if (chip.find("dvs128") != std::string::npos) return {"dvs128", dvs128_size};
-  const std::size_t davis = chip.rfind("davis");
-  if (davis == std::string::npos) return {};
-  const std::string model = chip.substr(davis + 5);
-  if (model.starts_with(' ')) return {"davis", parse_size(std::string_view(model).substr(1))};
-  for (const ImageSize size : davis_family) {
-    if (model.starts_with(std::to_string(size.width))) return {"davis", size};
-  }
-  return {"davis", std::nullopt};
-}
+/// The two records: an address, then the time.
+struct Record1 {
+  static constexpr std::size_t bytes = 6;
+  static std::uint32_t address(const char* record) { return load_big<std::uint16_t>(record); }
+  static std::int64_t stamp(const char* record) { return load_big<std::uint32_t>(record + 2); }
+};
+struct Record2 {
+  static constexpr std::size_t bytes = 8;
+  static std::uint32_t address(const char* record) { return load_big<std::uint32_t>(record); }
+  static std::int64_t stamp(const char* record) { return load_big<std::int32_t>(record + 4); }
+};
 
-class Aedat2Reader final : public EventReader {
+class Aedat2Reader final : public BlockReader {
  public:
-  Aedat2Reader(InputFile file, const EventReadOptions& options) : file_(std::move(file)) {
-    Sensor sensor = read_header(options.aedat2_layout != "auto");
-    if (options.aedat2_layout != "auto") sensor.layout = options.aedat2_layout;
-    const Range seen = first_addresses();
-    if (sensor.layout.empty()) sensor.layout = seen.wide ? "davis" : "dvs128";
-    if (sensor.layout == "dvs128") {
+  Aedat2Reader(InputFile file, const EventReadOptions& options, int version)
+      : BlockReader(std::move(file)),
+        version_(version),
+        time_(version == 1 ? unsigned_time() : signed_time()) {
+    AedatChip chip = read_header(options.aedat2_layout != "auto");
+    if (options.aedat2_layout != "auto") chip.layout = options.aedat2_layout;
+    const Range seen = version == 1 ? Range{} : first_addresses();
+    if (chip.layout.empty()) chip.layout = seen.wide ? "davis" : "dvs128";
+    if (chip.layout == "dvs128") {
       size_ = dvs128_size;
-    } else if (sensor.layout == "stereo") {
+    } else if (chip.layout == "stereo") {
       stereo_ = true;
       size_ = dvs128_size;
-    } else if (sensor.layout == "davis") {
+    } else if (chip.layout == "davis" && version > 1) {
       davis_ = true;
-      size_ = sensor.size.value_or(options.image_size.value_or(seen.davis_size));
+      size_ = chip.size.value_or(options.image_size.value_or(seen.davis_size));
+    } else if (chip.layout == "davis") {
+      throw InputError(file_.name(), "the layout of a DAVIS", "one of 16 bits in AEDAT 1.0");
     } else {
-      throw InputError("aedat2_layout", sensor.layout, "one of auto, dvs128, stereo, davis");
+      throw InputError("aedat2_layout", chip.layout, "one of auto, dvs128, stereo, davis");
     }
     if (!davis_largest.contains(size_.width - 1, size_.height - 1)) {
       throw InputError(file_.name(), "an image of " + text_of(size_), "at most " + text_of(davis_largest));
     }
   }
 
-  std::size_t read(std::vector<Event>& events, std::size_t max_events) override {
-    std::size_t count = 0;
-    try {
-      while (count < max_events) {
-        const std::size_t more = read_block(max_events - count);
-        if (more == 0 && file_.peek(1).empty()) break;
-        events.insert(events.end(), block_.begin(), block_.begin() + static_cast<std::ptrdiff_t>(more));
-        count += more;
-      }
-    } catch (const InputError&) {
-      if (count == 0) throw;  // else the broken record is met again, and told, by the next call
-    }
-    return count;
-  }
-
   std::optional<ImageSize> image_size() const override { return size_; }
   std::string format() const override {
-    return davis_ ? "AEDAT 2.0 DAVIS" : stereo_ ? "AEDAT 2.0 DVS128StereoPair" : "AEDAT 2.0 DVS128";
+    const std::string chip = davis_ ? "DAVIS" : stereo_ ? "DVS128StereoPair" : "DVS128";
+    return "AEDAT " + std::to_string(version_) + ".0 " + chip;
+  }
+
+ protected:
+  bool decode(std::span<Event> block, std::size_t& count) override {
+    if (version_ > 1 && davis_) return decode_as<Davis, Record2>(block, count);
+    if (version_ > 1 && stereo_) return decode_as<StereoPair, Record2>(block, count);
+    if (version_ > 1) return decode_as<Dvs128, Record2>(block, count);
+    return stereo_ ? decode_as<StereoPair, Record1>(block, count) : decode_as<Dvs128, Record1>(block, count);
   }
 
  private:
   /// What the first addresses of a file without a name for its sensor tell.
   struct Range {
     bool wide = false;  ///< more than the 16 bits of a DVS128
-    ImageSize davis_size = davis_family.front();
+    ImageSize davis_size = aedat_davis_sizes.front();
   };
 
   /// The length of the header line ahead with its end, 0 where the records begin. A record can begin with
@@ -190,93 +132,84 @@ class Aedat2Reader final : public EventReader {
     const auto length = static_cast<std::size_t>(control - ahead.begin());
     if (ahead.substr(length).starts_with(line_end)) return length + line_end.size();
     const bool cut = length == ahead.size() || (ahead[length] == '\r' && length + 1 == ahead.size());
-    if (cut && ahead.size() < longest_header_line) fail("the end of the file", "the rest of the header");
+    if (cut && ahead.size() < longest_header_line)
+      file_.fail("the end of the file", "the rest of the header");
     return 0;
   }
 
-  Sensor read_header(bool layout_given) {
+  AedatChip read_header(bool layout_given) {
     const std::string_view first = file_.peek(longest_header_line).substr(0, longest_header_line);
     const std::size_t newline = first.find('\n');
     const std::string_view line_end =
         newline != std::string_view::npos && newline > 0 && first[newline - 1] == '\r' ? "\r\n" : "\n";
-    Sensor sensor;
+    AedatChip chip;
     constexpr std::string_view chip_key = "# AEChip: ";
     while (const std::size_t length = header_line(line_end)) {
       const std::string_view line = file_.peek(length).substr(0, length - line_end.size());
       if (line.starts_with(chip_key)) {
-        sensor = parse_chip(line.substr(chip_key.size()));
-        if (sensor.layout.empty() && !layout_given) {
-          fail("the chip " + printable(line.substr(chip_key.size())),
-               "DVS128 or a DAVIS, or the option aedat2_layout");
+        chip = parse_aedat_chip(line.substr(chip_key.size()));
+        if (chip.layout.empty() && !layout_given) {
+          file_.fail("the chip " + printable(line.substr(chip_key.size())),
+                     "DVS128 or a DAVIS, or the option aedat2_layout");
         }
       }
       file_.skip(length);
     }
-    return sensor;
+    return chip;
   }
 
   Range first_addresses() {
     Range range;
-    const std::string_view ahead = file_.peek(block_records * record_bytes);
+    const std::string_view ahead = file_.peek(block_events * record_bytes);
     ImageSize needed{1, 1};
     for (std::size_t i = 0; i + record_bytes <= ahead.size(); i += record_bytes) {
-      const std::uint32_t address = big_endian_u32(ahead.data() + i);
+      const std::uint32_t address = load_big<std::uint32_t>(ahead.data() + i);
       range.wide = range.wide || address > 0xffff;
       if ((address & Davis::special) != 0) continue;
       needed.width = std::max(needed.width, static_cast<int>(Davis::x(address)) + 1);
       needed.height = std::max(needed.height, static_cast<int>(Davis::y(address)) + 1);
     }
     const auto fits = [&](ImageSize size) { return size.contains(needed.width - 1, needed.height - 1); };
-    const auto sensor = std::find_if(davis_family.begin(), davis_family.end(), fits);
-    range.davis_size = sensor != davis_family.end() ? *sensor : davis_largest;
+    const auto sensor = std::find_if(aedat_davis_sizes.begin(), aedat_davis_sizes.end(), fits);
+    range.davis_size = sensor != aedat_davis_sizes.end() ? *sensor : davis_largest;
     return range;
   }
 
-  /// Decodes up to `max_events` events into block_; 0 at the end, or where there were only special records.
-  std::size_t read_block(std::size_t max_events) {
-    const std::string_view ahead = file_.peek(record_bytes);
-    const std::size_t records = std::min({ahead.size() / record_bytes, max_events, block_records});
-    if (records == 0 && !ahead.empty()) fail("the end of the file inside a record", "records of 8 bytes");
-    if (stereo_) return decode<StereoPair>(ahead, records);
-    return davis_ ? decode<Davis>(ahead, records) : decode<Dvs128>(ahead, records);
-  }
-
-  template <class Layout>
-  std::size_t decode(std::string_view bytes, std::size_t records) {
+  template <class Layout, class Record>
+  bool decode_as(std::span<Event> block, std::size_t& count) {
+    const std::string_view ahead = file_.peek(Record::bytes);
+    if (ahead.empty()) return false;
+    const std::size_t records = std::min(ahead.size() / Record::bytes, block.size());
+    if (records == 0) {
+      file_.fail("the end of the file inside a record",
+                 "records of " + std::to_string(Record::bytes) + " bytes");
+    }
     const auto last_x = static_cast<std::uint32_t>(size_.width - 1);
     const auto last_y = static_cast<std::uint32_t>(size_.height - 1);
-    std::size_t count = 0;
-    std::size_t i = 0;
-    for (; i < records; ++i) {
-      const std::uint32_t address = big_endian_u32(bytes.data() + i * record_bytes);
-      const auto stamp = static_cast<std::int32_t>(big_endian_u32(bytes.data() + i * record_bytes + 4));
+    for (std::size_t i = 0; i < records; ++i) {
+      const char* record = ahead.data() + i * Record::bytes;
+      const std::uint32_t address = Record::address(record);
       const std::uint32_t x = last_x - Layout::x(address);
       const std::uint32_t y = last_y - Layout::y(address);
       const bool special = (address & Layout::special) != 0;
-      if (!special && (x > last_x || y > last_y)) break;
-      const std::int64_t t_us = time_.extend(stamp);
-      block_[count] = {t_us, static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y),
-                       Layout::on(address), Layout::camera(address)};
+      if (!special && (x > last_x || y > last_y)) {
+        file_.skip(i * Record::bytes);
+        file_.fail("a pixel outside the image of " + text_of(size_),
+                   "pixels inside it, or another image size");
+      }
+      block[count] = {time_.extend(Record::stamp(record)), static_cast<std::uint16_t>(x),
+                      static_cast<std::uint16_t>(y), Layout::on(address), Layout::camera(address)};
       count += special ? 0 : 1;
     }
-    file_.skip(i * record_bytes);
-    if (i < records && count == 0) {
-      fail("a pixel outside the image of " + text_of(size_), "pixels inside it, or another image size");
-    }
-    return count;
+    file_.skip(records * Record::bytes);
+    return true;
   }
 
-  [[noreturn]] void fail(std::string value, std::string expectation) const {
-    throw InputError(file_.name() + ": byte " + std::to_string(file_.offset()), std::move(value),
-                     std::move(expectation));
-  }
-
-  InputFile file_;
+  int version_;
   ImageSize size_;
   bool davis_ = false;
   bool stereo_ = false;
-  TimeUnwrapper time_;
-  std::vector<Event> block_ = std::vector<Event>(block_records);
+  WrappingTime time_;
 };
 
 class Aedat2Writer final : public EventWriter {
@@ -313,13 +246,17 @@ class Aedat2Writer final : public EventWriter {
   ImageSize size_;
   int cameras_;
   bool davis_;
-  TimeUnwrapper time_;
+  WrappingTime time_ = signed_time();
 };
 
 }  // namespace
 
+std::unique_ptr<EventReader> open_aedat1(InputFile file, const EventReadOptions& options) {
+  return std::make_unique<Aedat2Reader>(std::move(file), options, 1);
+}
+
 std::unique_ptr<EventReader> open_aedat2(InputFile file, const EventReadOptions& options) {
-  return std::make_unique<Aedat2Reader>(std::move(file), options);
+  return std::make_unique<Aedat2Reader>(std::move(file), options, 2);
 }
 
 std::unique_ptr<EventWriter> create_aedat2(const std::filesystem::path& path, ImageSize image_size,

@@ -21,6 +21,10 @@ namespace saccade {
 /// not a wrap is delivered as it is.
 [[nodiscard]] std::unique_ptr<EventReader> open_aedat2(InputFile file, const EventReadOptions& options);
 
+/// AEDAT 1.0 (jAER): the same with records of a big-endian u16 address, of a DVS128 or a stereo pair, and a u32 time
+/// stamp that wraps at 2^32.
+[[nodiscard]] std::unique_ptr<EventReader> open_aedat1(InputFile file, const EventReadOptions& options);
+
 /// Writes the DVS128 layout for 128x128, of two cameras the stereo layout, and the DAVIS layout for other sizes up to
 /// 1024x512 (InputError for a larger one, and for two cameras). Throws InputError for a time stamp that would not read back the same: a first one
 /// outside i32, or a silence of more than 536 s across a wrap.

@@ -80,7 +80,7 @@ class FlatTable {
 };
 
 struct Stream {
-  std::string_view type;
+  std::string type;
   ImageSize size;
 };
 
@@ -140,6 +140,16 @@ class Aedat4Reader final : public EventReader {
 
   std::optional<ImageSize> image_size() const override { return image_size_; }
   std::string format() const override { return "AEDAT 4.0" + compression_; }
+  std::string passed_over() const override {
+    std::string text;
+    for (const auto& [number, packets] : other_packets_) {
+      const auto known = streams_.find(number);
+      append_count(text, packets,
+                   "packets of stream " + std::to_string(number) +
+                       (known == streams_.end() ? "" : " (" + printable(known->second.type) + ")"));
+    }
+    return text;
+  }
 
  private:
   void read_header() {
@@ -158,7 +168,8 @@ class Aedat4Reader final : public EventReader {
     choose_decompressor(header.number<std::int32_t>(0, 0));
     const auto end = header.number<std::int64_t>(1, -1);
     if (end >= 0) packets_end_ = static_cast<std::uint64_t>(end);
-    choose_stream(parse_streams(header.text(2)));
+    streams_ = parse_streams(header.text(2));
+    choose_stream();
     file_.skip(size);
     if (packets_end_ < file_.offset()) {
       fail("a table of packets at byte " + std::to_string(packets_end_), "one behind the header");
@@ -179,10 +190,10 @@ class Aedat4Reader final : public EventReader {
     }
   }
 
-  void choose_stream(const std::map<std::int32_t, Stream>& streams) {
+  void choose_stream() {
     const auto is_events = [](const auto& entry) { return entry.second.type == "EVTS"; };
-    const auto found = std::find_if(streams.begin(), streams.end(), is_events);
-    if (found == streams.end()) fail("no stream of events", "a stream of type EVTS in the header");
+    const auto found = std::find_if(streams_.begin(), streams_.end(), is_events);
+    if (found == streams_.end()) fail("no stream of events", "a stream of type EVTS in the header");
     stream_ = found->first;
     const ImageSize size = found->second.size;
     const auto is_length = [](int length_px) { return length_px > 0 && length_px <= largest_length_px; };
@@ -239,22 +250,14 @@ class Aedat4Reader final : public EventReader {
       fail("a packet of " + std::to_string(size) + " bytes", "one that ends before the table of packets");
     }
     file_.skip(8);
-    packet_left_ = static_cast<std::size_t>(size);
     if (stream != stream_) {
-      skip_packet();
+      if (!file_.pass_over(static_cast<std::uint64_t>(size))) fail_cut("the rest of a packet");
+      ++other_packets_[stream];
     } else {
+      packet_left_ = static_cast<std::size_t>(size);
       open_packet();
     }
     return true;
-  }
-
-  void skip_packet() {
-    while (packet_left_ > 0) {
-      const std::size_t count = std::min(packet_left_, file_.peek(1).size());
-      if (count == 0) fail_cut("the rest of a packet");
-      file_.skip(count);
-      packet_left_ -= count;
-    }
   }
 
   void open_packet() {
@@ -308,8 +311,7 @@ class Aedat4Reader final : public EventReader {
   }
 
   [[noreturn]] void fail(std::string value, std::string expectation) const {
-    throw InputError(file_.name() + ": byte " + std::to_string(file_.offset()), std::move(value),
-                     std::move(expectation));
+    file_.fail(std::move(value), std::move(expectation));
   }
   [[noreturn]] void fail_cut(std::string expectation) const {
     fail("the end of the file", std::move(expectation));
@@ -321,6 +323,8 @@ class Aedat4Reader final : public EventReader {
   std::optional<ImageSize> image_size_;
   std::string compression_;
   std::unique_ptr<Decompressor> decompressor_;
+  std::map<std::int32_t, Stream> streams_;
+  std::map<std::int32_t, std::int64_t> other_packets_;  ///< of streams that are passed over
   std::int32_t stream_ = 0;
   std::uint64_t packets_end_ = no_end;
   std::size_t packet_left_ = 0;  ///< bytes of the packet still in the file

@@ -10,7 +10,7 @@ namespace saccade {
 /// then packets of any stream: i32 stream, i32 size, and `size` bytes that are a size-prefixed table, raw or
 /// as a frame of LZ4 or ZSTD. All numbers are little-endian.
 ///
-/// Events are those of the stream of type EVTS with the lowest number; other streams are passed over. An
+/// Events are those of the stream of type EVTS with the lowest number; packets of other streams (images, inertial samples, triggers, further events) are passed over and counted. An
 /// event has 16 bytes: i64 time in us, i16 x, i16 y, u8 polarity (1 = ON), 3 unused; the origin is top left.
 /// The image size is in the XML, else in EventReadOptions::image_size; pixels are not checked against it.
 ///
@@ -18,5 +18,11 @@ namespace saccade {
 /// table of packets; one that never got its table (a recording that was broken off) ends with its last
 /// packet.
 [[nodiscard]] std::unique_ptr<EventReader> open_aedat4(InputFile file, const EventReadOptions& options);
+
+/// Writes one stream of events, number 0, in packets of up to 8192 events with LZ4, with the table of packets at the end
+/// that other readers seek by. Times are whatever i64 holds. Throws InputError for two cameras and for an image larger
+/// than 32767 pixels.
+[[nodiscard]] std::unique_ptr<EventWriter> create_aedat4(const std::filesystem::path& path,
+                                                         ImageSize image_size, int cameras);
 
 }  // namespace saccade

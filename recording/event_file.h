@@ -36,7 +36,7 @@ struct EventReadOptions {
   std::string columns = "txyp";
   /// The sensor's size where the file does not say it.
   std::optional<ImageSize> image_size;
-  /// Address layout of AEDAT 2.0: auto, dvs_128, stereo or davis.
+  /// Address layout of AEDAT 1.0 and 2.0: auto, dvs128, stereo or davis.
   std::string aedat2_layout = "auto";
   /// Only this one's events, by Event::camera; none: all.
   std::optional<std::uint8_t> camera = std::nullopt;
@@ -59,8 +59,9 @@ class EventWriter {
 };
 
 /// The format follows the extension: .csv and .txt text (`t_us,x,y,p`, of two cameras `t_us,x,y,p,camera`), .aedat
-/// AEDAT 2.0, .log an event-driven log with its info file beside it. `cameras`: 1, or 2 where events of the right one may come. Throws InputError for another extension, or
-/// where the format cannot hold such images: AEDAT 2.0 has two cameras only of 128x128 pixels.
+/// AEDAT 2.0, .aedat4 AEDAT 4.0 with LZ4, .raw EVT3, .log an event-driven log with its info file beside it. `cameras`: 1,
+/// or 2 where events of the right one may come. Throws InputError for another extension, or where the format cannot hold
+/// such images: AEDAT 2.0 has two cameras only of 128x128 pixels, AEDAT 4.0 and EVT3 have one.
 [[nodiscard]] std::unique_ptr<EventWriter> create_event_file(const std::filesystem::path& path,
                                                              ImageSize image_size, int cameras = 1);
 

@@ -1,5 +1,6 @@
 #include "recording/input_file.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <system_error>
@@ -13,7 +14,7 @@ constexpr std::size_t buffer_bytes = 1 << 20;
 
 }  // namespace
 
-InputFile::InputFile(std::filesystem::path path) : path_(std::move(path)), buffer_(buffer_bytes) {
+InputFile::InputFile(std::filesystem::path path) : path_(std::move(path)), buffer_(new char[buffer_bytes]) {
   const std::string expectation = "a recording";
   std::error_code error;
   if (std::filesystem::is_directory(path_, error)) throw InputError(name(), "a directory", expectation);
@@ -24,24 +25,39 @@ InputFile::InputFile(std::filesystem::path path) : path_(std::move(path)), buffe
 }
 
 std::string_view InputFile::peek(std::size_t wanted) {
-  SACCADE_CHECK(wanted <= buffer_.size());
+  SACCADE_CHECK(wanted <= buffer_bytes);
   if (end_ - begin_ < wanted) {
-    std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
+    std::memmove(buffer_.get(), buffer_.get() + begin_, end_ - begin_);
     end_ -= begin_;
     begin_ = 0;
-    end_ += std::fread(buffer_.data() + end_, 1, buffer_.size() - end_, file_.get());
+    end_ += std::fread(buffer_.get() + end_, 1, buffer_bytes - end_, file_.get());
     if (std::ferror(file_.get()) != 0) {
       throw InputError(name() + ": byte " + std::to_string(offset_ + end_), "a read error",
                        "a readable file");
     }
   }
-  return {buffer_.data() + begin_, end_ - begin_};
+  return {buffer_.get() + begin_, end_ - begin_};
 }
 
 void InputFile::skip(std::size_t count) {
   SACCADE_CHECK(count <= end_ - begin_);
   begin_ += count;
   offset_ += count;
+}
+
+bool InputFile::pass_over(std::uint64_t count) {
+  while (count > 0) {
+    const std::size_t ahead = peek(1).size();
+    if (ahead == 0) return false;
+    const auto step = static_cast<std::size_t>(std::min<std::uint64_t>(count, ahead));
+    skip(step);
+    count -= step;
+  }
+  return true;
+}
+
+void InputFile::fail(std::string value, std::string expectation) const {
+  throw InputError(name() + ": byte " + std::to_string(offset_), std::move(value), std::move(expectation));
 }
 
 }  // namespace saccade

@@ -7,7 +7,6 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace saccade {
 
@@ -22,9 +21,15 @@ class InputFile {
   [[nodiscard]] std::string_view peek(std::size_t wanted);
   /// Leaves behind the first `count` of the bytes that peek() showed.
   void skip(std::size_t count);
+  /// Leaves behind `count` bytes, or all that there are; whether there were so many.
+  [[nodiscard]] bool pass_over(std::uint64_t count);
 
   [[nodiscard]] std::uint64_t offset() const { return offset_; }  ///< bytes left behind so far
   [[nodiscard]] std::string name() const { return path_.string(); }
+  [[nodiscard]] std::filesystem::path extension() const { return path_.extension(); }
+
+  /// Throws the InputError of what is wrong at the byte ahead.
+  [[noreturn]] void fail(std::string value, std::string expectation) const;
 
  private:
   struct Close {
@@ -33,7 +38,7 @@ class InputFile {
 
   std::filesystem::path path_;
   std::unique_ptr<std::FILE, Close> file_;
-  std::vector<char> buffer_;
+  std::unique_ptr<char[]> buffer_;
   std::size_t begin_ = 0;
   std::size_t end_ = 0;
   std::uint64_t offset_ = 0;

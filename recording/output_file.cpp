@@ -35,6 +35,13 @@ void OutputFile::write(std::span<const std::byte> bytes) {
 
 void OutputFile::write(std::string_view text) { write(std::as_bytes(std::span(text))); }
 
+void OutputFile::overwrite(std::int64_t offset, std::span<const std::byte> bytes) {
+  SACCADE_CHECK(file_ != nullptr);
+  if (::fseeko(file_, offset, SEEK_SET) != 0) fail(path_, "cannot be written");
+  write(bytes);
+  if (::fseeko(file_, 0, SEEK_END) != 0) fail(path_, "cannot be written");
+}
+
 void OutputFile::commit() {
   SACCADE_CHECK(file_ != nullptr);
   if (std::fflush(file_) != 0 || ::fsync(::fileno(file_)) != 0) fail(path_, "cannot be written");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <span>
@@ -20,6 +21,8 @@ class OutputFile {
 
   void write(std::span<const std::byte> bytes);
   void write(std::string_view text);
+  /// Bytes in place of ones that were written before.
+  void overwrite(std::int64_t offset, std::span<const std::byte> bytes);
   void commit();
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }

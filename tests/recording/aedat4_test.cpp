@@ -5,6 +5,7 @@
 
 #include "core/random.h"
 #include "tests/recording/read_events.h"
+#include "tests/recording/small_files.h"
 
 namespace saccade {
 namespace {
@@ -12,13 +13,6 @@ namespace {
 enum Compression { none = 0, lz4 = 1, zstd = 3 };
 
 const std::string mark = "#!AER-DAT4.0\r\n";
-
-template <class T>
-std::string little_endian(T value) {
-  std::string bytes(sizeof value, '\0');
-  std::memcpy(bytes.data(), &value, sizeof value);
-  return bytes;
-}
 
 /// What a table has in front of it: its own size, the table's size and where the fields are in that.
 std::string field_places(std::initializer_list<std::uint16_t> places) {
@@ -278,35 +272,6 @@ TEST(Aedat4File, TakesTheImageSizeFromTheOptionOnlyWhereTheHeaderHasNone) {
   EXPECT_EQ(told("", options), (ImageSize{100, 90}));
   EXPECT_EQ(told(size_info(-2147483647 - 1, 240), options), (ImageSize{100, 90}));
   EXPECT_EQ(told("", {}), std::nullopt);
-}
-
-TEST_F(RealRecording, TheWavingHandHasItsCountAndItsFirstAndLastEvents) {
-  const auto reader = open_event_file(path_of("hand_wave_dvs128_lz4.aedat4"));
-  EXPECT_EQ(reader->format(), "AEDAT 4.0 LZ4");
-  EXPECT_EQ(reader->image_size(), (ImageSize{128, 128}));
-  const auto events = read_all(*reader);
-  ASSERT_EQ(events.size(), 348461u);
-  EXPECT_EQ(std::vector<Event>(events.begin(), events.begin() + 5),
-            (std::vector<Event>{{1718924384950507, 37, 96, true, 0},
-                                {1718924384950510, 25, 20, true, 0},
-                                {1718924384950529, 44, 56, true, 0},
-                                {1718924384950556, 46, 44, false, 0},
-                                {1718924384950614, 23, 107, false, 0}}));
-  EXPECT_EQ(events.back(), (Event{1718924390340512, 15, 76, false, 0}));
-}
-
-TEST_F(RealRecording, TheHeadHasItsCountAndItsFirstAndLastEvents) {
-  const auto reader = open_event_file(path_of("head_dvxplorer320x240_lz4.aedat4"));
-  EXPECT_EQ(reader->image_size(), (ImageSize{320, 240}));
-  const auto events = read_all(*reader);
-  ASSERT_EQ(events.size(), 111954u);
-  EXPECT_EQ(std::vector<Event>(events.begin(), events.begin() + 5),
-            (std::vector<Event>{{1605537493718345, 154, 204, false, 0},
-                                {1605537493718348, 149, 206, false, 0},
-                                {1605537493718349, 148, 199, true, 0},
-                                {1605537493718354, 139, 30, false, 0},
-                                {1605537493718360, 130, 181, true, 0}}));
-  EXPECT_EQ(events.back(), (Event{1605537494308262, 88, 237, true, 0}));
 }
 
 TEST_F(RealRecording, CutInTheMiddleGivesABeginningOfTheWhole) {

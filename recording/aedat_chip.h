@@ -1,0 +1,26 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "core/event.h"
+
+namespace saccade {
+
+inline constexpr ImageSize aedat_dvs128_size{128, 128};
+/// Of the DAVIS family, the smallest first.
+inline constexpr std::array<ImageSize, 3> aedat_davis_sizes{{{240, 180}, {346, 260}, {640, 480}}};
+
+/// What the name of a sensor says, as iniVation's programs write it into headers.
+struct AedatChip {
+  std::string
+      layout;  ///< of AEDAT 2.0's addresses: "dvs128", "stereo", "davis", or empty where it is none of them
+  std::optional<ImageSize> size;
+};
+
+/// jAER's `eu.seebetter.ini.chips.davis.DAVIS240C`, libcaer's `DAVIS346`, and our own `DAVIS 304x240`.
+[[nodiscard]] AedatChip parse_aedat_chip(std::string_view name);
+
+}  // namespace saccade

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/error.h"
+#include "recording/event_file.h"
+#include "recording/input_file.h"
+
+namespace saccade {
+
+/// What readers of binary files have in common: they decode block by block, and what is wrong with the file is told
+/// after the events before it.
+class BlockReader : public EventReader {
+ public:
+  explicit BlockReader(InputFile file) : file_(std::move(file)), block_(block_events) {}
+
+  std::size_t read(std::vector<Event>& events, std::size_t max_events) final;
+
+ protected:
+  static constexpr std::size_t block_events = 4096;
+
+  /// Takes bytes from file_ and puts the events that they are into `block`, which has room for block_events; `count`
+  /// is 0 before and how many there are afterwards, also where it throws. False at the end of the file. Throws
+  /// InputError where the content is broken; it is not called again then.
+  virtual bool decode(std::span<Event> block, std::size_t& count) = 0;
+
+  InputFile file_;
+
+ private:
+  std::vector<Event> block_;  ///< those in [begin_, end_) not yet read
+  std::size_t begin_ = 0;
+  std::size_t end_ = 0;
+  bool over_ = false;
+  std::optional<InputError> failure_;
+};
+
+}  // namespace saccade

@@ -1,0 +1,81 @@
+#include "recording/event_stream_codec.h"
+
+#include "recording/block_reader.h"
+#include "recording/byte_order.h"
+#include "recording/codec.h"
+
+namespace saccade {
+namespace {
+
+constexpr std::size_t mark_bytes = 12;
+constexpr std::size_t header_bytes = 20;
+constexpr std::size_t event_bytes = 5;
+constexpr unsigned char overflow = 0xff;
+constexpr unsigned char reset = 0xfe;
+
+class EventStreamReader final : public BlockReader {
+ public:
+  explicit EventStreamReader(InputFile file) : BlockReader(std::move(file)) {
+    const std::string_view head = file_.peek(header_bytes);
+    if (head.size() < mark_bytes + 4) file_.fail("the end of the file", "version and type");
+    const int major = static_cast<unsigned char>(head[mark_bytes]);
+    if (major != 2) file_.fail("Event Stream " + std::to_string(major), "version 2");
+    const int type = static_cast<unsigned char>(head[mark_bytes + 3]);
+    if (type != 1) {
+      file_.fail("events of type " + std::to_string(type),
+                 "1, those of a DVS (0 generic, 2 ATIS and 4 colour are not read)");
+    }
+    if (head.size() < header_bytes) file_.fail("the end of the file", "width and height");
+    image_size_ = {load_little<std::uint16_t>(head.data() + mark_bytes + 4),
+                   load_little<std::uint16_t>(head.data() + mark_bytes + 6)};
+    if (image_size_.width == 0 || image_size_.height == 0) {
+      file_.fail("an image of " + text_of(image_size_), "at least one pixel");
+    }
+    file_.skip(header_bytes);
+  }
+
+  std::optional<ImageSize> image_size() const override { return image_size_; }
+  std::string format() const override { return "Event Stream 2 DVS (y up)"; }
+  std::string passed_over() const override {
+    std::string text;
+    append_count(text, resets_, "resets");
+    return text;
+  }
+
+ protected:
+  bool decode(std::span<Event> block, std::size_t& count) override {
+    const std::string_view ahead = file_.peek(event_bytes);
+    if (ahead.empty()) return false;
+    std::size_t i = 0;
+    while (i < ahead.size() && count < block.size()) {
+      const auto first = static_cast<unsigned char>(ahead[i]);
+      if (first == overflow) t_us_ += 127;
+      if (first == reset) ++resets_;
+      if (first >= reset) {
+        ++i;
+        continue;
+      }
+      if (ahead.size() - i < event_bytes) break;
+      t_us_ += first >> 1;
+      block[count++] = {t_us_, load_little<std::uint16_t>(ahead.data() + i + 1),
+                        load_little<std::uint16_t>(ahead.data() + i + 3), (first & 1) != 0, 0};
+      i += event_bytes;
+    }
+    file_.skip(i);
+    if (i == 0) file_.fail("the end of the file inside an event", "events of 5 bytes");
+    return true;
+  }
+
+ private:
+  ImageSize image_size_;
+  std::int64_t t_us_ = 0;
+  std::int64_t resets_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<EventReader> open_event_stream(InputFile file) {
+  return std::make_unique<EventStreamReader>(std::move(file));
+}
+
+}  // namespace saccade

@@ -1,0 +1,363 @@
+#include "recording/evt_codec.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "recording/block_reader.h"
+#include "recording/byte_order.h"
+#include "recording/codec.h"
+#include "recording/number_text.h"
+#include "recording/output_file.h"
+#include "recording/prophesee_header.h"
+#include "recording/wrapping_time.h"
+
+namespace saccade {
+namespace {
+
+std::string hex_digit(unsigned value) { return std::string(1, "0123456789ABCDEF"[value & 0xf]); }
+
+/// What both encodings share: the image size and what is passed over.
+class EvtReader : public BlockReader {
+ public:
+  EvtReader(InputFile file, const PropheseeHeader& header, const EventReadOptions& options)
+      : BlockReader(std::move(file)) {
+    const std::optional<ImageSize> size = header.image_size();
+    image_size_ = size ? size : options.image_size;
+    const std::string offset = header.value("time_offset_us");
+    if (!offset.empty() && (!parse_number(offset, offset_us_) || offset_us_ > largest_offset_us ||
+                            offset_us_ < -largest_offset_us)) {
+      file_.fail("the time_offset_us " + printable(offset), "whole us within 2^62");
+    }
+  }
+
+  std::optional<ImageSize> image_size() const override { return image_size_; }
+  std::string passed_over() const override {
+    std::string text;
+    append_count(text, events_without_time_, "events before the first time stamp");
+    append_count(text, triggers_, "triggers");
+    append_count(text, other_words_, "words that are no events");
+    return text;
+  }
+
+ protected:
+  static constexpr std::int64_t largest_offset_us = std::int64_t{1} << 62;
+
+  std::int64_t offset_us_ = 0;
+  std::int64_t events_without_time_ = 0;
+  std::int64_t triggers_ = 0;
+  std::int64_t other_words_ = 0;
+
+ private:
+  std::optional<ImageSize> image_size_;
+};
+
+class Evt2Reader final : public EvtReader {
+ public:
+  using EvtReader::EvtReader;
+  std::string format() const override { return "EVT2"; }
+
+ protected:
+  bool decode(std::span<Event> block, std::size_t& count) override {
+    const std::string_view ahead = file_.peek(word_bytes);
+    if (ahead.empty()) return false;
+    const std::size_t words = std::min(ahead.size() / word_bytes, block.size());
+    if (words == 0) file_.fail("the end of the file inside a word", "words of 4 bytes");
+    for (std::size_t i = 0; i < words; ++i) {
+      const auto word = load_little<std::uint32_t>(ahead.data() + i * word_bytes);
+      const std::uint32_t type = word >> 28;
+      if (type <= 1) {
+        block[count] = {t_us_ + (word >> 22 & 0x3f), static_cast<std::uint16_t>(word >> 11 & 0x7ff),
+                        static_cast<std::uint16_t>(word & 0x7ff), type == 1, 0};
+        count += timed_;
+        events_without_time_ += 1 - timed_;
+      } else if (type == 0x8) {
+        timed_ = 1;
+        t_us_ = (high_.extend(word & 0xfffffff) << 6) + offset_us_;
+      } else if (type == 0xa) {
+        ++triggers_;
+      } else if (type >= 0xd) {
+        ++other_words_;
+      } else {
+        file_.skip(i * word_bytes);
+        file_.fail("a word of type " + hex_digit(type), "EVT2's types 0, 1, 8, A, D, E or F");
+      }
+    }
+    file_.skip(words * word_bytes);
+    return true;
+  }
+
+ private:
+  static constexpr std::size_t word_bytes = 4;
+
+  unsigned timed_ = 0;     ///< 1 from the first time on
+  std::int64_t t_us_ = 0;  ///< without the lower 6 bits
+  WrappingTime high_{{{0, std::int64_t{1} << 28}}, std::int64_t{1} << 26, std::int64_t{1} << 16};
+};
+
+/// EVT3's types.
+enum Evt3 : std::uint16_t {
+  addr_y = 0x0,
+  addr_x = 0x2,
+  vect_base_x = 0x3,
+  vect_12 = 0x4,
+  vect_8 = 0x5,
+  time_low = 0x6,
+  continued_4 = 0x7,
+  time_high = 0x8,
+  trigger = 0xa,
+  others = 0xe,
+  continued_12 = 0xf
+};
+/// Upper parts of the time are 12 bits. A sensor sends one every 4 ms or sooner, so that half of the range is enough
+/// to tell a wrap.
+WrappingTime evt3_high() { return {{{0, 4096}}, 2048, 1024}; }
+
+class Evt3Reader final : public EvtReader {
+ public:
+  using EvtReader::EvtReader;
+  std::string format() const override { return "EVT3"; }
+
+ protected:
+  bool decode(std::span<Event> block, std::size_t& count) override {
+    const std::string_view ahead = file_.peek(word_bytes);
+    if (ahead.empty()) return false;
+    const std::size_t words = ahead.size() / word_bytes;
+    if (words == 0) file_.fail("the end of the file inside a word", "words of 2 bytes");
+    const std::size_t enough = block.size() - 12;
+    std::size_t n = 0;
+    std::size_t i = 0;
+    for (; i < words && n <= enough; ++i) {
+      const auto word = load_little<std::uint16_t>(ahead.data() + i * word_bytes);
+      switch (word >> 12) {
+        case addr_y:
+          y_ = word & 0x7ff;
+          begun_ = timed_;
+          break;
+        case addr_x:
+          block[n++] = {t_us_, static_cast<std::uint16_t>(word & 0x7ff), y_, (word & 0x800) != 0, 0};
+          break;
+        case vect_base_x:
+          base_x_ = word & 0x7ff;
+          base_on_ = (word & 0x800) != 0;
+          break;
+        case vect_12:
+          n = put_vector(block, n, word & 0xfffu, 12);
+          break;
+        case vect_8:
+          n = put_vector(block, n, word & 0xffu, 8);
+          break;
+        case time_low:
+          low_ = word & 0xfff;
+          t_us_ = high_us_ + low_;
+          break;
+        case time_high:
+          set_high(word & 0xfff);
+          break;
+        case trigger:
+          ++triggers_;
+          break;
+        case continued_4:
+        case others:
+        case continued_12:
+          ++other_words_;
+          break;
+        default:
+          count = n;
+          file_.skip(i * word_bytes);
+          file_.fail("a word of type " + hex_digit(word >> 12u), "EVT3's types 0, 2 to 8, A, E or F");
+      }
+      if (!begun_) {
+        events_without_time_ += static_cast<std::int64_t>(n);
+        n = 0;
+      }
+    }
+    count = n;
+    file_.skip(i * word_bytes);
+    return true;
+  }
+
+ private:
+  static constexpr std::size_t word_bytes = 2;
+
+  std::size_t put_vector(std::span<Event> block, std::size_t n, unsigned pixels, unsigned length) {
+    for (; pixels != 0; pixels &= pixels - 1) {
+      const auto x = static_cast<std::uint16_t>(base_x_ + std::countr_zero(pixels));
+      block[n++] = {t_us_, x, y_, base_on_, 0};
+    }
+    base_x_ = static_cast<std::uint16_t>(base_x_ + length);
+    return n;
+  }
+
+  void set_high(std::int64_t value) {
+    const std::int64_t high_us = (high_.extend(value) << 12) + offset_us_;
+    if (high_us != high_us_) low_ = 0;
+    timed_ = true;
+    high_us_ = high_us;
+    t_us_ = high_us_ + low_;
+  }
+
+  bool timed_ = false;
+  bool begun_ = false;  ///< from the first row after the first time on
+  std::int64_t t_us_ = 0;
+  std::int64_t high_us_ = 0;
+  std::int64_t low_ = 0;
+  std::uint16_t y_ = 0;
+  std::uint16_t base_x_ = 0;
+  bool base_on_ = false;
+  WrappingTime high_ = evt3_high();
+};
+
+class Evt3Writer final : public EventWriter {
+ public:
+  Evt3Writer(const std::filesystem::path& path, ImageSize image_size)
+      : file_(path), image_size_(image_size) {}
+
+  void write(std::span<const Event> events) override {
+    for (const Event& event : events) check_writable(event, image_size_, 1, file_.path());
+    if (!begun_ && !events.empty()) begin(events.front().t_us);
+    while (!events.empty()) {
+      put_time(events.front().t_us);
+      if (events.front().y != y_) put(addr_y, events.front().y);
+      y_ = events.front().y;
+      const std::size_t length = run_length(events);
+      put_run(events.first(length));
+      events = events.subspan(length);
+    }
+    file_.write(words_);
+    words_.clear();
+  }
+
+  void commit() override {
+    if (!begun_) begin(0);
+    file_.commit();
+  }
+
+ private:
+  static constexpr std::int64_t loop_us = std::int64_t{1} << 24;
+  static constexpr std::int64_t longest_silence_us = std::int64_t{1} << 36;
+  static constexpr std::int64_t bridge = 1024;  ///< upper parts of the time that a jump is cut into
+  static constexpr std::size_t group = 32;      ///< pixels of three vectors
+
+  void begin(std::int64_t first_us) {
+    offset_us_ = first_us & ~(loop_us - 1);
+    std::string header = "% evt 3.0\n% format EVT3;height=" + std::to_string(image_size_.height) +
+                         ";width=" + std::to_string(image_size_.width) + "\n% geometry " +
+                         text_of(image_size_) + "\n";
+    if (offset_us_ != 0) header += "% time_offset_us " + std::to_string(offset_us_) + "\n";
+    file_.write(header + "% end\n");
+    begun_ = true;
+  }
+
+  void put(Evt3 type, unsigned value) {
+    append_little(words_, static_cast<std::uint16_t>(static_cast<unsigned>(type) << 12 | value));
+  }
+
+  void put_time(std::int64_t t_us) {
+    if (t_us == t_us_) return;
+    const std::int64_t high = (t_us - offset_us_) >> 12;
+    if (!t_us_ || high != high_) {
+      if (!t_us_) high_ = high;
+      if ((high - high_) << 12 > longest_silence_us) refuse(t_us);
+      while (high - high_ > bridge) put_high(high_ += bridge);
+      if (put_high(high) != high) refuse(t_us);
+      high_ = high;
+    }
+    put(time_low, static_cast<unsigned>(t_us & 0xfff));
+    t_us_ = t_us;
+  }
+
+  /// What a reader takes it for.
+  std::int64_t put_high(std::int64_t high) {
+    put(time_high, static_cast<unsigned>(high & 0xfff));
+    return read_back_.extend(high & 0xfff);
+  }
+
+  [[noreturn]] void refuse(std::int64_t t_us) const {
+    throw InputError(file_.path().string(), "an event at " + std::to_string(t_us) + " us",
+                     "times that EVT3 holds: back by less than 4 s, silences of less than 19 h");
+  }
+
+  /// How many events are of the first one's time, row and polarity, with x ascending.
+  static std::size_t run_length(std::span<const Event> events) {
+    std::size_t n = 1;
+    while (n < events.size() && events[n].t_us == events[0].t_us && events[n].y == events[0].y &&
+           events[n].on == events[0].on && events[n].x > events[n - 1].x)
+      ++n;
+    return n;
+  }
+
+  void put_run(std::span<const Event> run) {
+    const unsigned on = run.front().on ? 0x800 : 0;
+    const auto pixels_from = [&](std::size_t x) {
+      const auto behind = [&](const Event& event) { return event.x >= x + group; };
+      return static_cast<std::size_t>(std::find_if(run.begin(), run.end(), behind) - run.begin());
+    };
+    std::size_t next_x = 0;
+    bool continued = false;
+    while (!run.empty()) {
+      // A group of vectors is three words, four with its base; an event of its own is one.
+      if (continued && pixels_from(next_x) < 4) continued = false;
+      if (!continued && pixels_from(run.front().x) < 5) {
+        put(addr_x, on | run.front().x);
+        run = run.subspan(1);
+        continue;
+      }
+      if (!continued) {
+        next_x = run.front().x;
+        put(vect_base_x, on | run.front().x);
+      }
+      std::uint32_t bits = 0;
+      const std::size_t count = pixels_from(next_x);
+      for (const Event& event : run.first(count)) bits |= 1u << (event.x - next_x);
+      put(vect_12, bits & 0xfff);
+      put(vect_12, bits >> 12 & 0xfff);
+      put(vect_8, bits >> 24);
+      run = run.subspan(count);
+      next_x += group;
+      continued = true;
+    }
+  }
+
+  OutputFile file_;
+  ImageSize image_size_;
+  bool begun_ = false;
+  std::int64_t offset_us_ = 0;
+  std::optional<std::int64_t> t_us_;
+  std::int64_t high_ = 0;
+  std::optional<std::uint16_t> y_;
+  WrappingTime read_back_ = evt3_high();
+  std::string words_;
+};
+
+}  // namespace
+
+std::unique_ptr<EventReader> open_evt(InputFile file, const EventReadOptions& options) {
+  const PropheseeHeader header(file);
+  const std::string format = header.value("format");
+  const std::string version = header.value("evt");
+  const std::string encoding = format.substr(0, format.find(';'));
+  if (encoding == "EVT3" || (encoding.empty() && version == "3.0")) {
+    return std::make_unique<Evt3Reader>(std::move(file), header, options);
+  }
+  if (encoding == "EVT2" || (encoding.empty() && version == "2.0")) {
+    return std::make_unique<Evt2Reader>(std::move(file), header, options);
+  }
+  throw InputError(
+      file.name(),
+      encoding.empty() ? "the encoding " + printable(version) : "the format " + printable(encoding),
+      "EVT2 or EVT3");
+}
+
+std::unique_ptr<EventWriter> create_evt3(const std::filesystem::path& path, ImageSize image_size,
+                                         int cameras) {
+  constexpr ImageSize largest{2048, 2048};
+  if (cameras > 1) {
+    throw InputError(path.string(), "two cameras", "one camera in EVT3, or a .csv file");
+  }
+  if (!largest.contains(image_size.width - 1, image_size.height - 1)) {
+    throw InputError(path.string(), "an image of " + text_of(image_size), "at most 2048x2048 for EVT3");
+  }
+  return std::make_unique<Evt3Writer>(path, image_size);
+}
+
+}  // namespace saccade

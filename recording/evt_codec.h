@@ -1,0 +1,32 @@
+#pragma once
+
+#include "recording/event_file.h"
+#include "recording/input_file.h"
+
+namespace saccade {
+
+/// Prophesee's RAW files: lines `% key value` (prophesee_header.h), then little-endian words in the encoding that
+/// `% evt 3.0` or `% format EVT3` names. The origin is top left, 1 is ON.
+///
+/// EVT2, 32 bits from the top: type 4, time 6, x 11, y 11. Types 0 OFF and 1 ON; 8 has the time's upper 28 bits, which
+/// wrap at 2^34 us.
+/// EVT3, 16 bits: type 4 and, by type: 0 y (11 bits); 2 an event at x (11) of polarity bit 11; 3 the x (11) and polarity
+/// (bit 11) where vectors begin; 4 and 5 vectors, a bit for each of the next 12 or 8 pixels, from the lowest;
+/// 6 the lower and 8 the upper 12 bits of the time, which wraps at 2^24 us. The time is upper << 12 | lower: where the
+/// lower part falls without a new upper one, the time goes back.
+///
+/// Events before the first time, or in EVT3 the first row, are passed over and counted, as are triggers and words of
+/// other known types (EVT2: D, E, F; EVT3: 7, E, F); a word of any other type is an InputError. Without a line on
+/// geometry the image size is EventReadOptions::image_size; pixels are not checked against it. A line
+/// `% time_offset_us N`, which our writer makes, is added to the times.
+[[nodiscard]] std::unique_ptr<EventReader> open_evt(InputFile file, const EventReadOptions& options);
+
+/// Writes EVT3 of an image of up to 2048 x 2048. Pixels that are next to each other in a row at one time become vectors,
+/// in the sensor's groups of 12, 12 and 8, where that is shorter. Where the first event is not in the counter's first
+/// 16.8 s, the multiple of 2^24 us before it goes into the header as `% time_offset_us N`: other readers do not know the line
+/// and have times from 0 to 16.8 s on. Silences are bridged by words of time. Throws InputError for times that would not
+/// read back the same: those that go back by more than 4.2 s or before the offset, and silences of more than 19 h.
+[[nodiscard]] std::unique_ptr<EventWriter> create_evt3(const std::filesystem::path& path,
+                                                       ImageSize image_size, int cameras);
+
+}  // namespace saccade

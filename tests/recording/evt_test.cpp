@@ -1,0 +1,205 @@
+#include "core/random.h"
+#include "tests/recording/read_events.h"
+#include "tests/recording/small_files.h"
+
+namespace saccade {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr std::int64_t loop_us = std::int64_t{1} << 24;
+const std::string evt2_header = "% evt 2.0\n% end\n";
+const std::string evt3_header = "% evt 3.0\n% end\n";
+
+std::string evt2(std::initializer_list<std::uint32_t> words) {
+  return evt2_header + little_endian_words<std::uint32_t>(words);
+}
+std::string evt3(std::initializer_list<std::uint16_t> words) {
+  return evt3_header + little_endian_words<std::uint16_t>(words);
+}
+
+class Evt : public testing::Test {
+ protected:
+  std::vector<std::int64_t> times_of(const std::string& content) {
+    std::vector<std::int64_t> t_us;
+    for (const Event& event : read_file(folder_.write("a.raw", content))) t_us.push_back(event.t_us);
+    return t_us;
+  }
+  std::optional<ImageSize> size_of(const std::string& header) {
+    return open_event_file(folder_.write("a.raw", header))->image_size();
+  }
+  std::string passed_over(const std::string& content) {
+    const auto reader = open_event_file(folder_.write("a.raw", content));
+    (void)read_all(*reader);
+    return reader->passed_over();
+  }
+  void write(const std::vector<Event>& events, ImageSize size = {1280, 720}) {
+    const auto writer = create_event_file(folder_ / "w.raw", size);
+    writer->write(events);
+    writer->commit();
+  }
+
+  TempFolder folder_;
+};
+
+TEST_F(Evt, GeometryIsReadInEverySpelling) {
+  EXPECT_EQ(size_of("% evt 3.0\n% geometry 1280x720\n"), (ImageSize{1280, 720}));
+  EXPECT_EQ(size_of("% format EVT3;height=720;width=1280\n% end\n"), (ImageSize{1280, 720}));
+  EXPECT_EQ(size_of("% format EVT2;width=640;height=480\r\n% end\r\n"), (ImageSize{640, 480}));
+  EXPECT_EQ(size_of("% evt 2.0\n% Width 304\n% Height 240\n% end\n"), (ImageSize{304, 240}));
+  EXPECT_EQ(size_of("% evt 2.0\n"), std::nullopt);
+  EXPECT_EQ(size_of("% evt 2.0\n% geometry 0x0\n"), std::nullopt);
+  EventReadOptions options;
+  options.image_size = ImageSize{320, 240};
+  EXPECT_EQ(open_event_file(folder_.write("a.raw", "% evt 2.0\n"), options)->image_size(),
+            options.image_size);
+}
+
+TEST_F(Evt, OfAnotherEncodingOrNoneIsNotOpened) {
+  const auto message = [&](const std::string& header) -> std::string {
+    try {
+      (void)open_event_file(folder_.write("a.raw", header));
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "opened";
+  };
+  EXPECT_THAT(message("% evt 4.0\n% end\n"), HasSubstr("the encoding 4.0, expected EVT2 or EVT3"));
+  EXPECT_THAT(message("% evt 2.1\n% format EVT21;height=720;width=1280\n"), HasSubstr("the format EVT21"));
+  EXPECT_THAT(message("% Date 2020-09-25\n% end\n"), HasSubstr("names no encoding"));
+  EXPECT_THAT(message("% evt 3.0\n% a line without"), HasSubstr("the end of the file"));
+  EXPECT_THAT(message("% evt 3.0\n% time_offset_us -9223372036854775808\n"), HasSubstr("time_offset_us"));
+}
+
+TEST_F(Evt, WordsOfEvt3MakeEventsWithTheStateBeforeThem) {
+  const auto path = folder_.write("a.raw", evt3({0x8b2d, 0x6001, 200, 0x236a, 0x2b26, 201, 0x3c00, 0x4fff,
+                                                 0x4000, 0x5081, 0x4001, 0x2005}));
+  const std::int64_t t = (0xb2d << 12) + 1;
+  std::vector<Event> expected = {{t, 0x36a, 200, false, 0}, {t, 0x326, 200, true, 0}};
+  for (std::uint16_t x = 0x400; x < 0x40c; ++x) expected.push_back({t, x, 201, true, 0});
+  expected.push_back({t, 0x418, 201, true, 0});
+  expected.push_back({t, 0x41f, 201, true, 0});
+  expected.push_back({t, 0x420, 201, true, 0});
+  expected.push_back({t, 5, 201, false, 0});
+  EXPECT_EQ(read_file(path), expected);
+}
+
+TEST_F(Evt, TimeOfEvt3IsUpperAndLowerPartAndAStrayLowerPartDoesNotCount) {
+  EXPECT_THAT(times_of(evt3({0x8b2d, 0x6000, 1, 0x2001, 0x8b2d, 0x632b, 0x6320, 0x2001, 0x6321, 0x2001,
+                             0x8b2e, 0x2001, 0x8b2e, 0x6001, 0x2001})),
+              ElementsAre(0xb2d000, 0xb2d320, 0xb2d321, 0xb2e000, 0xb2e001));
+}
+
+TEST_F(Evt, TimeOfEvt3GoesOnAcrossItsWrapsAndBackOverThemForLateEvents) {
+  EXPECT_THAT(times_of(evt3({0x8fff, 0x6fff, 1, 0x2001, 0x8000, 0x6000, 0x2001, 0x8fff, 0x2001, 0x8001,
+                             0x2001, 0x8800, 0x2001, 0x8fff, 0x2001, 0x8000, 0x2001})),
+              ElementsAre(loop_us - 1, loop_us, loop_us - 0x1000, loop_us + 0x1000, loop_us + 0x800000,
+                          2 * loop_us - 0x1000, 2 * loop_us));
+}
+
+TEST_F(Evt, TimeOfEvt2GoesOnAcrossItsWraps) {
+  const std::uint32_t high = 8u << 28;
+  const std::int64_t range = std::int64_t{1} << 34;
+  EXPECT_THAT(times_of(evt2({high | 0xfffffffu, 63u << 22, high | 0u, 1u << 28, high | 5u, 1u << 28,
+                             high | 0x3ffffffu, 0u})),
+              ElementsAre(range - 1, range, range + 5 * 64, range + 0x3ffffff * std::int64_t{64}));
+  // Past 2^32 us, half of the range.
+  EXPECT_THAT(times_of(evt2({high | 0x4000000u, 7u << 22})), ElementsAre((std::int64_t{1} << 32) + 7));
+}
+
+TEST_F(Evt, WhatIsNoEventIsCounted) {
+  EXPECT_EQ(passed_over(evt3({3, 0x2001, 0x8000, 0x2001, 0x6000, 0x3001, 0x400f, 4, 0x2001, 0xa001, 0xe123,
+                              0x7001, 0xf001})),
+            "6 events before the first time stamp, 1 triggers, 3 words that are no events");
+  EXPECT_EQ(passed_over(evt2({1u << 28, 8u << 28, 1u << 28, 0xau << 28, 0xfu << 28})),
+            "1 events before the first time stamp, 1 triggers, 1 words that are no events");
+  EXPECT_EQ(passed_over(evt2({8u << 28, 1u << 28})), "");
+}
+
+TEST_F(Evt, AWordOfAnUnknownTypeIsToldAfterTheEventsBeforeIt) {
+  const auto place = [](const std::string& header, int bytes) {
+    return "byte " + std::to_string(header.size() + static_cast<std::size_t>(bytes));
+  };
+  expect_events_then_error(folder_.write("a.raw", evt3({0x8000, 1, 0x2001, 0x9000, 0x2001})),
+                           {{0, 1, 1, false, 0}},
+                           place(evt3_header, 6) + ": found a word of type 9, expected EVT3's types");
+  expect_events_then_error(folder_.write("a.raw", evt2({8u << 28, 1u << 28, 7u << 28})), {{0, 0, 0, true, 0}},
+                           place(evt2_header, 8) + ": found a word of type 7, expected EVT2's types");
+}
+
+/// Rows of pixels of one time and polarity, dense and thin, as edges make them.
+std::vector<Event> rows_of_events(std::size_t count, std::uint64_t seed) {
+  const RandomStream random(seed, "evt_test");
+  std::vector<Event> events;
+  std::int64_t t_us = 1000;
+  for (std::uint64_t row = 0; events.size() < count; ++row) {
+    t_us += static_cast<std::int64_t>(random.bits(0, row) % 3);
+    const auto y = static_cast<std::uint16_t>(random.bits(1, row) % 720);
+    const bool on = (random.bits(2, row) & 1) != 0;
+    const std::uint64_t step = 1 + random.bits(3, row) % 9;
+    std::uint64_t x = random.bits(4, row) % 1280;
+    for (std::uint64_t i = 0; i < 60 && x < 1280; ++i) {
+      events.push_back({t_us, static_cast<std::uint16_t>(x), y, on, 0});
+      x += 1 + random.bits(5, 100 * row + i) % step;
+    }
+  }
+  return events;
+}
+
+TEST_F(Evt, RowsAreWrittenAsVectorsWhereThatIsShorterAndReadBackExactly) {
+  const auto events = rows_of_events(50'000, 3);
+  write(events);
+  EXPECT_EQ(read_file(folder_ / "w.raw"), events);
+  const std::size_t with_vectors = std::filesystem::file_size(folder_ / "w.raw");
+  // Without them every event is at least one word.
+  EXPECT_LT(with_vectors, 2 * events.size());
+  std::printf("%.2f bytes per event in rows\n",
+              static_cast<double>(with_vectors) / static_cast<double>(events.size()));
+
+  std::vector<Event> full;
+  for (std::uint16_t x = 0; x < 1280; ++x) full.push_back({5, x, 7, true, 0});
+  write(full);
+  EXPECT_EQ(read_file(folder_ / "w.raw"), full);
+  // A row of 1280 is 40 groups of three words behind times, row and base.
+  const std::string header = "% evt 3.0\n% format EVT3;height=720;width=1280\n% geometry 1280x720\n% end\n";
+  EXPECT_EQ(bytes_of(folder_ / "w.raw").size(), header.size() + 2 * (4 + 40 * 3));
+}
+
+TEST_F(Evt, TimesOfAnyAgeAreWrittenSoThatTheyReadBack) {
+  // Across wraps with silences of up to 19 h, and late by up to 4 s, within and across a wrap.
+  std::vector<Event> events;
+  for (const std::int64_t t_us :
+       {std::int64_t{1605537493718345}, std::int64_t{1605537493718345} + 3, std::int64_t{1605537503718345},
+        std::int64_t{1605537500000000}, std::int64_t{1605540000000000}, std::int64_t{1605540009000000},
+        std::int64_t{1605608000000000}}) {
+    events.push_back({t_us, 3, 4, true, 0});
+  }
+  const std::int64_t wrap = 1605608000000000 / loop_us * loop_us + loop_us;
+  for (const std::int64_t t_us : {wrap - 2'000'000, wrap + 1, wrap - 1'900'000, wrap + 2}) {
+    events.push_back({t_us, 3, 4, true, 0});
+  }
+  write(events);
+  EXPECT_EQ(read_file(folder_ / "w.raw"), events);
+  EXPECT_THAT(bytes_of(folder_ / "w.raw"),
+              HasSubstr("\n% time_offset_us " + std::to_string(events[0].t_us / loop_us * loop_us)));
+  write({{-5, 1, 1, true, 0}, {5, 1, 1, true, 0}});
+  EXPECT_THAT(read_file(folder_ / "w.raw"), ElementsAre(Event{-5, 1, 1, true, 0}, Event{5, 1, 1, true, 0}));
+  // In the counter's first round there is nothing to add.
+  write({{loop_us - 1, 1, 1, true, 0}});
+  EXPECT_THAT(bytes_of(folder_ / "w.raw"), testing::Not(HasSubstr("time_offset_us")));
+}
+
+TEST_F(Evt, TimesThatWouldNotReadBackAreRefused) {
+  for (const std::int64_t t_us : {std::int64_t{99'000'000} - 5'000'000 - (loop_us >> 1),
+                                  std::int64_t{99'000'000} + (std::int64_t{1} << 37)}) {
+    EXPECT_THAT(
+        [&] {
+          write({{99'000'000, 1, 1, true, 0}, {t_us, 1, 1, true, 0}});
+        },
+        testing::ThrowsMessage<InputError>(HasSubstr("an event at " + std::to_string(t_us) + " us")));
+  }
+}
+
+}  // namespace
+}  // namespace saccade
