@@ -20,6 +20,8 @@ foreach(folder IN LISTS mujoco_includes)
 endforeach()
 set_target_properties(mujoco::mujoco PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${mujoco_includes}")
 find_package(GTest REQUIRED)
+# Only robot/yarp needs it, and is not built without. In no Debian package; CMAKE_PREFIX_PATH tells where it is.
+find_package(YARP 3.8 QUIET COMPONENTS os dev)
 if(SACCADE_BENCHMARKS)
   find_package(benchmark REQUIRED)
 endif()

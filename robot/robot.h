@@ -35,6 +35,9 @@ class Robot {
   /// Stops the head and gives the joints back as they were found. Does what it can on a lost connection; may be
   /// called more than once.
   virtual void release() = 0;
+  /// What is worth telling and stops nothing (the name server is gone), a line each, since the last call. Allocates only
+  /// where there is something.
+  virtual std::vector<std::string> news() { return {}; }
 };
 
 }  // namespace saccade

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <yarp/os/Port.h>
+#include <yarp/os/PortReader.h>
+#include <yarp/os/PortReport.h>
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "robot/event_queue.h"
+#include "robot/event_timeline.h"
+#include "robot/ports.h"
+#include "robot/steady_clock.h"
+#include "robot/yarp/yarp_config.h"
+
+namespace saccade {
+
+/// One event port of the robot, read in YARP's threads.
+class EventInput final : private yarp::os::PortReader, private yarp::os::PortReport {
+ public:
+  /// Opens `local` and connects `remote` to it. Throws RunError where `local` cannot be opened.
+  EventInput(const std::string& local, std::string remote, const std::string& carrier, double timeout_s,
+             const EventTimelineConfig& config, std::size_t capacity, const SteadyClock& clock);
+  ~EventInput() override;
+  EventInput(const EventInput&) = delete;
+  EventInput& operator=(const EventInput&) = delete;
+
+  [[nodiscard]] const std::string& remote() const { return remote_; }
+  void pop_until(std::int64_t t_us, std::vector<Event>& events) { queue_.pop_until(t_us, events); }
+  /// The connection never was, or closed.
+  [[nodiscard]] bool lost() const { return lost_; }
+  /// When the last message came that could be read; before the first, when the robot was made.
+  [[nodiscard]] std::int64_t heard_us() const { return heard_us_; }
+  [[nodiscard]] EventTraffic traffic() const;
+  /// Messages that could not be read so far, and why the last one could not.
+  [[nodiscard]] std::int64_t unreadable() const { return unreadable_; }
+  [[nodiscard]] std::string problem() const;
+
+ private:
+  bool read(yarp::os::ConnectionReader& reader) override;
+  void report(const yarp::os::PortInfo& info) override;
+
+  std::string remote_;
+  PacketFormat format_;
+  const SteadyClock& clock_;
+  yarp::os::Port port_;
+  EventQueue queue_;
+  std::atomic<bool> lost_ = false;
+  std::atomic<std::int64_t> heard_us_ = 0;
+  std::atomic<std::int64_t> packets_ = 0;
+  std::atomic<std::int64_t> dropped_ = 0;
+  std::atomic<std::int64_t> unreadable_ = 0;
+  mutable std::mutex mutex_;  // of what follows
+  EventTimeline timeline_;
+  std::vector<std::byte> message_;
+  EventPacket packet_;
+  std::vector<Event> events_;
+  std::string_view problem_;
+};
+
+/// The camera of the left eye, or those of both. Events of two ports are merged; one that is up to 5 ms behind what was
+/// delivered gets the newest time, one that is more is dropped.
+class YarpCamera final : public EventSource {
+ public:
+  YarpCamera(const YarpConfig& config, const SteadyClock& clock);
+
+  [[nodiscard]] ImageSize image_size() const override { return image_size_; }
+  PortStatus read_until(std::int64_t t_us, std::vector<Event>& events) override;
+  /// Of the port that is silent for longer.
+  [[nodiscard]] std::int64_t heard_us() const override;
+  [[nodiscard]] EventTraffic traffic() const override;
+
+  [[nodiscard]] const std::vector<std::unique_ptr<EventInput>>& inputs() const { return inputs_; }
+
+ private:
+  ImageSize image_size_;
+  std::vector<std::unique_ptr<EventInput>> inputs_;
+  std::array<std::vector<Event>, 2> came_;  // from each port, where there are two
+  ForwardOnly forward_;
+  std::int64_t dropped_ = 0;
+  bool lost_ = false;
+};
+
+}  // namespace saccade

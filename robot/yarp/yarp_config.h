@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "core/config.h"
+#include "robot/event_timeline.h"
+
+namespace saccade {
+
+/// The event port of the camera, or those of both.
+struct YarpCameraConfig {
+  std::string port = "/zynqGrabber/AE:o";
+  std::string right_port;
+  std::string carrier = "fast_tcp";
+  std::string format = "packet";
+  std::string codec = "ev2";
+  std::int64_t stamp_bits = 30;
+  std::int64_t width_px = 128;
+  std::int64_t height_px = 128;
+  bool swap_xy = false;
+  bool flip_x = false;
+  bool flip_y = false;
+  std::int64_t queue_events = 100'000;
+};
+
+/// Who moves the head.
+struct YarpHeadConfig {
+  std::string control = "joints";
+  std::string part = "/icub/head";
+  std::string torso_part;
+  std::string carrier = "fast_tcp";
+};
+
+/// The gaze controller on the robot's side, and how it is set while we use it. The defaults are what users of heads
+/// that oscillate came to.
+struct YarpGazeConfig {
+  std::string name = "/iKinGazeCtrl";
+  double target_interval_ms = 75.0;
+  double neck_time_s = 0.8;
+  double eyes_time_s = 0.4;
+  bool tracking = false;
+  bool saccades = false;
+  bool bind_roll = true;
+};
+
+/// A robot that is on a YARP network. Where its name server is, YARP itself knows (`yarp conf`).
+struct YarpConfig {
+  std::string local = "/saccade";
+  double timeout_s = 2.0;
+  YarpCameraConfig camera;
+  YarpHeadConfig head;
+  YarpGazeConfig gaze_server;
+};
+
+/// Keys: local, timeout_s, camera.{port, right_port, carrier, format, codec, stamp_bits, width_px, height_px, swap_xy,
+/// flip_x, flip_y, queue_events}, head.{control, part, torso_part, carrier}, gaze_server.{name, target_interval_ms,
+/// neck_time_s, eyes_time_s, tracking, saccades, bind_roll}.
+void describe(FieldVisitor& v, YarpConfig& config);
+
+[[nodiscard]] EventTimelineConfig timeline_config(const YarpCameraConfig& config);
+
+}  // namespace saccade

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <yarp/os/Bottle.h>
+#include <yarp/os/BufferedPort.h>
+#include <yarp/os/PortReport.h>
+#include <yarp/os/RpcClient.h>
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "robot/robot.h"
+#include "robot/steady_clock.h"
+#include "robot/yarp/state_input.h"
+#include "robot/yarp/yarp_config.h"
+
+namespace saccade {
+
+/// iKinGazeCtrl, or what speaks like it: targets go to it, and the joints that it streams are the head's state.
+class YarpGaze final : public GazePort, public HeadPort, private yarp::os::PortReport {
+ public:
+  YarpGaze(const YarpConfig& config, const JointLimits& limits, const SteadyClock& clock);
+  ~YarpGaze() override;
+
+  PortStatus look_at(const Eigen::Vector3d& target_m) override;
+  /// As a gaze port and as a head: asks for it in a thread of its own.
+  PortStatus stop() override;
+  /// Sends the newest target where it had to wait. Once per tick.
+  void flush();
+
+  [[nodiscard]] JointLimits limits() const override { return limits_; }
+  PortStatus read(HeadState& state) override;
+  /// Refused: the joints are the gaze controller's.
+  CommandResult command(const HeadCommand& reference_rad) override;
+
+  [[nodiscard]] std::vector<StartUpCheck> check();
+  void activate();
+  void release();
+
+ private:
+  /// [ack] ... without the [ack]; nothing for [nack] or without an answer in time.
+  [[nodiscard]] std::optional<yarp::os::Bottle> ask(const std::string& request);
+  [[nodiscard]] std::string settings_refused();
+  [[nodiscard]] bool is_lost();
+  void report(const yarp::os::PortInfo& info) override;
+  void stop_when_told();
+
+  YarpGazeConfig config_;
+  const SteadyClock& clock_;
+  JointLimits limits_;
+  StateInput joints_;
+  yarp::os::BufferedPort<yarp::os::Bottle> targets_;
+  yarp::os::RpcClient requests_;
+  std::atomic<bool> lost_ = false;
+  bool active_ = false;
+  std::optional<std::int64_t> context_;  // what the settings were
+  std::optional<Eigen::Vector3d> waiting_m_;
+  std::int64_t sent_us_;
+  std::mutex ask_mutex_;  // one request at a time
+  std::mutex mutex_;      // of what follows
+  std::condition_variable wake_;
+  bool stop_wanted_ = false;
+  bool ending_ = false;
+  std::thread stopper_;
+};
+
+}  // namespace saccade

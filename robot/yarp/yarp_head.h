@@ -1,0 +1,93 @@
+#pragma once
+
+#include <yarp/dev/IControlLimits.h>
+#include <yarp/dev/IControlMode.h>
+#include <yarp/dev/IEncodersTimed.h>
+#include <yarp/dev/IPositionDirect.h>
+#include <yarp/dev/PolyDriver.h>
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "robot/robot.h"
+#include "robot/steady_clock.h"
+#include "robot/yarp/state_input.h"
+#include "robot/yarp/yarp_config.h"
+#include "robot/yarp/yarp_network.h"
+
+namespace saccade {
+
+/// Asks a board something that may never be answered: `ask` goes on in a thread of its own and true is returned when it
+/// was done in time and said true. What `ask` uses has to live on by itself.
+[[nodiscard]] bool answered_within(double timeout_s, std::function<bool()> ask);
+
+/// The torso's three joints as state:o of its board has them (yaw, roll, pitch, deg), in the order of Joint; upright
+/// where there is no board. Nothing where they did not come yet.
+class TorsoInput {
+ public:
+  TorsoInput(const YarpConfig& config, const SteadyClock& clock);
+  /// Fills the torso's part of a state. Its time becomes that of the older reading.
+  void read(HeadState& state) const;
+  [[nodiscard]] bool lost() const { return input_ != nullptr && input_->lost(); }
+  [[nodiscard]] std::vector<StartUpCheck> check() const;
+
+ private:
+  std::unique_ptr<StateInput> input_;
+};
+
+/// The head's six joints by way of their control board. Degrees are here alone.
+class YarpHead final : public HeadPort {
+ public:
+  YarpHead(const YarpConfig& config, const JointLimits& limits, const SteadyClock& clock);
+  ~YarpHead() override;
+
+  [[nodiscard]] JointLimits limits() const override { return limits_; }
+  PortStatus read(HeadState& state) override;
+  CommandResult command(const HeadCommand& reference_rad) override;
+  PortStatus stop() override;
+
+  [[nodiscard]] std::vector<StartUpCheck> check();
+  void activate();
+  void release();
+
+ private:
+  using Modes = std::array<int, head_joint_count>;
+  using Degrees = std::array<double, head_joint_count>;
+
+  /// What requests in threads of their own share.
+  struct Board {
+    yarp::dev::PolyDriver driver;
+    yarp::dev::IEncodersTimed* encoders = nullptr;
+    yarp::dev::IControlLimits* limits = nullptr;
+    yarp::dev::IControlMode* modes = nullptr;
+    yarp::dev::IPositionDirect* references = nullptr;
+    int axes = 0;
+    std::array<Degrees, 2> limits_deg{};
+  };
+
+  [[nodiscard]] bool open_board(const YarpConfig& config);
+  [[nodiscard]] bool is_lost();
+  [[nodiscard]] std::optional<Modes> modes() const;
+  [[nodiscard]] bool set_modes(const Modes& modes) const;
+  void send(const HeadCommand& reference_rad);
+  [[nodiscard]] StartUpCheck limits_check() const;
+
+  std::string part_;
+  double timeout_s_;
+  const SteadyClock& clock_;
+  JointLimits ours_;
+  JointLimits limits_;
+  StateInput state_input_;
+  TorsoInput torso_;
+  std::shared_ptr<Board> board_;  // null where it cannot be opened
+  std::unique_ptr<YarpWatch> watch_;
+  Modes found_modes_{};
+  bool active_ = false;
+  bool lost_ = false;
+};
+
+}  // namespace saccade

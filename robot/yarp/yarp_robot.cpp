@@ -1,0 +1,134 @@
+#include "robot/yarp/yarp_robot.h"
+
+#include <chrono>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "core/error.h"
+#include "robot/steady_clock.h"
+#include "robot/yarp/yarp_camera.h"
+#include "robot/yarp/yarp_gaze.h"
+#include "robot/yarp/yarp_head.h"
+#include "robot/yarp/yarp_network.h"
+
+namespace saccade {
+namespace {
+
+constexpr std::int64_t first_packet_us = 1'000'000;
+
+/// What the network needs, before anything is opened on it.
+const YarpConfig& checked(const YarpConfig& config) {
+  check_config("yarp", config);
+  return config;
+}
+
+/// The robot's clock: while it waits, a target that is due goes out.
+class TickClock final : public Clock {
+ public:
+  TickClock(SteadyClock& clock, YarpGaze* gaze) : clock_(clock), gaze_(gaze) {}
+  [[nodiscard]] std::int64_t now_us() const override { return clock_.now_us(); }
+  PortStatus wait_until(std::int64_t t_us) override {
+    if (gaze_ != nullptr) gaze_->flush();
+    return clock_.wait_until(t_us);
+  }
+
+ private:
+  SteadyClock& clock_;
+  YarpGaze* gaze_;
+};
+
+}  // namespace
+
+struct YarpRobot::Parts {
+  Parts(const YarpConfig& config, const JointLimits& limits)
+      : network(checked(config).timeout_s), watch({}, config.timeout_s) {
+    if (port_answers(config.local + "/AE:i", config.timeout_s)) {
+      throw RunError("another robot is connected as " + config.local +
+                     " already: end it, or choose another yarp.local");
+    }
+    camera.emplace(config, steady);
+    if (config.head.control == "joints") head.emplace(config, limits, steady);
+    if (config.head.control == "gaze") gaze.emplace(config, limits, steady);
+    clock.emplace(steady, gaze ? &*gaze : nullptr);
+  }
+
+  YarpNetwork network;
+  SteadyClock steady;
+  YarpWatch watch;
+  std::optional<YarpCamera> camera;
+  std::optional<YarpHead> head;
+  std::optional<YarpGaze> gaze;
+  std::optional<TickClock> clock;
+  bool told_gone = false;
+  std::int64_t told_unreadable = 0;
+};
+
+YarpRobot::YarpRobot(const YarpConfig& config, const JointLimits& limits)
+    : parts_(std::make_unique<Parts>(config, limits)) {}
+
+YarpRobot::~YarpRobot() = default;
+
+Clock& YarpRobot::clock() { return *parts_->clock; }
+EventSource& YarpRobot::events() { return *parts_->camera; }
+
+HeadPort* YarpRobot::head() {
+  if (parts_->head) return &*parts_->head;
+  return parts_->gaze ? &*parts_->gaze : nullptr;
+}
+
+GazePort* YarpRobot::gaze() { return parts_->gaze ? &*parts_->gaze : nullptr; }
+
+std::vector<StartUpCheck> YarpRobot::check() {
+  std::vector<StartUpCheck> checks;
+  const auto took_us = parts_->steady.now_us();
+  for (const auto& input : parts_->camera->inputs()) {
+    while (input->traffic().packets == 0 && !input->lost() && input->unreadable() == 0 &&
+           parts_->steady.now_us() < took_us + first_packet_us) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    const bool heard = input->traffic().packets > 0 && !input->lost();
+    std::string found = heard ? std::to_string(input->traffic().packets) + " packets so far"
+                              : "connected, but no packet within 1 s";
+    if (input->unreadable() > 0) found = "a message that cannot be read: " + input->problem();
+    if (input->lost()) found = "not connected";
+    checks.push_back({"event port " + input->remote(), heard && input->unreadable() == 0, found});
+  }
+  std::vector<StartUpCheck> more;
+  if (parts_->head) more = parts_->head->check();
+  if (parts_->gaze) more = parts_->gaze->check();
+  for (StartUpCheck& check : more) checks.push_back(std::move(check));
+  return checks;
+}
+
+void YarpRobot::activate() {
+  if (parts_->head) parts_->head->activate();
+  if (parts_->gaze) parts_->gaze->activate();
+}
+
+void YarpRobot::release() {
+  if (parts_->head) parts_->head->release();
+  if (parts_->gaze) parts_->gaze->release();
+}
+
+std::vector<std::string> YarpRobot::news() {
+  std::vector<std::string> news;
+  const bool gone = !parts_->watch.has_name_server();
+  if (gone != parts_->told_gone) {
+    news.emplace_back(gone ? "the YARP name server is gone; what is connected lives on"
+                           : "the YARP name server is back");
+    parts_->told_gone = gone;
+  }
+  std::int64_t unreadable = 0;
+  for (const auto& input : parts_->camera->inputs()) unreadable += input->unreadable();
+  if (parts_->told_unreadable == 0 && unreadable > 0) {
+    for (const auto& input : parts_->camera->inputs()) {
+      if (input->unreadable() > 0)
+        news.push_back(input->remote() + " sends messages that cannot be read: " + input->problem());
+    }
+  }
+  parts_->told_unreadable = unreadable;
+  return news;
+}
+
+}  // namespace saccade
