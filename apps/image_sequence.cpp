@@ -28,10 +28,6 @@ constexpr std::string_view npy_magic = "\x93NUMPY";
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
-std::string text_of(ImageSize size) {
-  return std::to_string(size.width) + " x " + std::to_string(size.height);
-}
-
 [[nodiscard]] bool is_possible(ImageSize size) {
   return size.width >= 1 && size.height >= 1 && size.width <= longest_side && size.height <= longest_side;
 }

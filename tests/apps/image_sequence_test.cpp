@@ -204,7 +204,7 @@ TEST_F(Images, ImagesThatDoNotFitTogetherAreTold) {
   save("size/1.png", CV_8U, 1);
   save("size/2.png", CV_8U, 1, {4, 2});
   EXPECT_EQ(complaint_of("size"),
-            path("size/2.png") + ", image 1: found an image of 4 x 2, expected 3 x 2, as the first one");
+            path("size/2.png") + ", image 1: found an image of 4x2, expected 3x2, as the first one");
   save("kind/1.png", CV_16U, 1);
   save("kind/2.tiff", CV_32F, 1);
   EXPECT_EQ(complaint_of("kind"),

@@ -385,7 +385,7 @@ TEST_F(Emulate, ImagesThatCannotBeUsedAreRefusedAndNothingIsWritten) {
   save("sizes/a3.png", 5);
   expect_refused(
       path("sizes") + " --fps 30",
-      path("sizes/a3.png") + ", image 2: found an image of 5 x 3, expected 4 x 3, as the first one");
+      path("sizes/a3.png") + ", image 2: found an image of 5x3, expected 4x3, as the first one");
   save("one/a1.png", 4);
   expect_refused(path("one") + " --fps 30", path("one") + ": found one image, expected at least two");
   fs::create_directory(path("empty"));
