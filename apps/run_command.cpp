@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <map>
 
 #include "apps/commands.h"
 #include "apps/config/scenario.h"
@@ -28,20 +27,6 @@ struct RunOptions {
   std::optional<std::int64_t> seed;
   bool force = false;
 };
-
-/// What was set that can change what is scored, by key; of several for one key the last. The duration belongs
-/// to the run, the seed has a place of its own.
-std::vector<std::pair<std::string, std::string>> settings_of(const std::vector<std::string>& assignments) {
-  std::map<std::string, std::string> settings;
-  for (const std::string& assignment : assignments) {
-    const std::size_t equals = assignment.find('=');
-    const std::string key = assignment.substr(0, equals);
-    const std::string section = key.substr(0, key.find('.'));
-    if (section == "output" || section == "run" || section == "seed" || section == "expect") continue;
-    settings[key] = assignment.substr(equals + 1);
-  }
-  return {settings.begin(), settings.end()};
-}
 
 /// Tables and figures, and the log.
 class Observers final : public LoopObserver {

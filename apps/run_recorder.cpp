@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -378,6 +379,18 @@ Metrics RunRecorder::finish(double wall_s, std::vector<std::pair<std::string, st
   if (right_eye_) metrics.right_eye = right_eye_metrics();
   if (folder_) write_metrics(*folder_ / "metrics.json", metrics);
   return metrics;
+}
+
+std::vector<std::pair<std::string, std::string>> settings_of(const std::vector<std::string>& assignments) {
+  std::map<std::string, std::string> settings;
+  for (const std::string& assignment : assignments) {
+    const std::size_t equals = assignment.find('=');
+    const std::string key = assignment.substr(0, equals);
+    const std::string section = key.substr(0, key.find('.'));
+    if (section == "output" || section == "run" || section == "seed" || section == "expect") continue;
+    settings[key] = assignment.substr(equals + 1);
+  }
+  return {settings.begin(), settings.end()};
 }
 
 }  // namespace saccade

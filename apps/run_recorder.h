@@ -92,4 +92,9 @@ class RunRecorder final : public LoopObserver {
   double picture_wall_s_ = 0.0;
 };
 
+/// What was set that can change what is scored, by key; of several for one key the last. The duration belongs
+/// to the run, the seed has a place of its own.
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> settings_of(
+    const std::vector<std::string>& assignments);
+
 }  // namespace saccade

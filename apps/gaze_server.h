@@ -1,0 +1,101 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "control/gaze_controller.h"
+#include "control/head_kinematics.h"
+#include "core/camera.h"
+
+namespace saccade {
+
+/// A gaze controller as others ask for it: the requests of iKinGazeCtrl, answered by IkinGazeController. It knows no
+/// network: a request and its reply are text as YARP writes a message, words, numbers and lists in brackets; where the
+/// brackets are does not matter. Angles are degrees here, lengths m, points in the root frame, pixels as the events have
+/// them without distortion (iKinGazeCtrl knows none).
+///
+///     look 3D (x y z)                     [ack], [nack] where the head may not look there
+///     look mono (left|right u v z)        z: depth along that eye's axis
+///     look stereo (ul vl ur vr)
+///     look ang (abs|rel azi ele ver)      azimuth + right, elevation + up; abs: from the head with the neck at 0
+///     get x | q | angles | done           [ack] (x y z) | (torso, head) | (azi ele ver) | 0 or 1
+///     get 3D mono|stereo|ang (...)        [ack] (x y z), what look would look at
+///     get 2D (left|right x y z)           [ack] (u v)
+///     get pose left|right|head            [ack] (x y z and axis, angle in rad)
+///     set|get Tneck|Teyes|sacc|sact|sinh  times s, saccades 0 or 1, their least angle deg, least interval s
+///     set|get track|ntol|vor|ocr|stab     kept and told, without effect
+///     bind pitch|roll|yaw min max, bind eyes ver, clear pitch|roll|yaw|eyes, get pitch|roll|yaw
+///     stop | susp | run | status | get info | stor | rest id | dele id | help
+///
+/// Anything else is answered [nack]. Before the first target, after `stop` and while suspended it leaves the head alone;
+/// otherwise it keeps looking at the newest target, whoever gave it and whether or not he is still there, as
+/// iKinGazeCtrl does. A change of a setting starts the controller anew from where the head is.
+///
+/// May be called from several threads.
+class GazeServer {
+ public:
+  /// Throws InputError for a bad configuration. The head starts at `position_rad`.
+  GazeServer(const GazeControllerConfig& config, const JointLimits& limits, const Camera& left,
+             const Camera& right, const JointVector& position_rad);
+
+  [[nodiscard]] std::string answer(const std::string& request);
+
+  /// Once per control period: what the head shall do now, rad; none: it is left alone.
+  [[nodiscard]] std::optional<HeadJointVector> step(const HeadState& state, double dt_s);
+
+  /// What it tells unasked.
+  struct Report {
+    std::optional<Eigen::Vector3d> fixation_m;  ///< none where the eyes' axes do not meet
+    JointVector position_rad;
+    Eigen::Vector3d angles_deg;               ///< azimuth, elevation, vergence
+    std::optional<Eigen::Vector3d> target_m;  ///< what it looks at
+    std::vector<std::string> events;          ///< since the last report: motion-onset, motion-done
+    std::int64_t orders = 0;                  ///< requests that move the head or set something, so far
+  };
+  [[nodiscard]] Report report();
+
+ private:
+  struct Settings {
+    IkinGazeConfig gaze;
+    JointLimits limits;                                ///< bindings included
+    std::vector<std::pair<std::string, double>> kept;  ///< without effect
+  };
+  class Words;
+
+  void restart();
+  [[nodiscard]] std::string look(Words& words);
+  [[nodiscard]] std::string get(Words& words) const;
+  [[nodiscard]] std::string set(Words& words);
+  [[nodiscard]] std::string bind(Words& words);
+  [[nodiscard]] std::string clear(Words& words);
+  [[nodiscard]] std::string contexts(const std::string& what, Words& words);
+  [[nodiscard]] std::string adopt(Settings settings);
+  [[nodiscard]] std::optional<Eigen::Vector3d> point(const std::string& kind, Words& words) const;
+  [[nodiscard]] Eigen::Vector3d angles_deg() const;
+
+  std::mutex mutex_;
+  GazeControllerConfig config_;
+  JointLimits limits_;
+  Camera cameras_[2];
+  Settings settings_;
+  std::vector<std::pair<std::int64_t, Settings>> contexts_;
+  std::int64_t next_context_ = 1;
+  std::unique_ptr<GazeController> controller_;
+  std::unique_ptr<JointLimiter> limiter_;
+  HeadState state_;
+  std::optional<Eigen::Vector3d> target_m_;
+  bool target_is_new_ = false;
+  bool suspended_ = false;
+  bool stop_ = false;  ///< the head has to be told to
+  double still_s_ = 0.0;
+  bool done_ = true;
+  std::vector<std::string> events_;
+  std::int64_t orders_ = 0;
+};
+
+}  // namespace saccade
