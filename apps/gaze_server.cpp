@@ -185,7 +185,7 @@ std::optional<Eigen::Vector3d> GazeServer::point(const std::string& kind, Words&
     };
     return triangulate(ray(Eye::left, (*values)[0], (*values)[1]),
                        ray(Eye::right, (*values)[2], (*values)[3]), least_vergence_deg / deg_per_rad,
-                       std::numbers::pi);
+                       std::numbers::pi / 2);
   } else if (kind == "ang") {
     const std::string mode = words.next();
     const auto values = words.numbers(3);
