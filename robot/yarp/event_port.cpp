@@ -1,0 +1,93 @@
+#include "robot/yarp/event_port.h"
+
+#include <yarp/os/BufferedPort.h>
+#include <yarp/os/ConnectionReader.h>
+#include <yarp/os/ConnectionWriter.h>
+#include <yarp/os/Portable.h>
+#include <yarp/os/Stamp.h>
+#include <yarp/os/Time.h>
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "robot/yarp/yarp_network.h"
+
+namespace saccade {
+namespace {
+
+constexpr std::int64_t least_duration_us = 1'000;  // a packet has to have one
+constexpr double name_server_timeout_s = 2.0;
+constexpr std::uint32_t stamp_mask = (1U << 30) - 1;
+
+/// A whole message as it goes over the wire.
+class Message final : public yarp::os::Portable {
+ public:
+  std::vector<std::byte> bytes;
+
+  bool read(yarp::os::ConnectionReader&) override { return false; }
+  bool write(yarp::os::ConnectionWriter& writer) const override {
+    writer.appendBlock(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    writer.convertTextMode();  // for who reads text
+    return !writer.isError();
+  }
+};
+
+}  // namespace
+
+struct YarpEventPort::Port {
+  YarpNetwork network{name_server_timeout_s};
+  yarp::os::BufferedPort<Message> port;
+  yarp::os::Stamp stamp;
+};
+
+YarpEventPort::YarpEventPort(const Config& config) : config_(config), port_(std::make_unique<Port>()) {
+  port_->port.setOutputMode(true);
+  port_->port.setInputMode(false);
+  if (!port_->port.open(config.name)) {
+    throw RunError("YARP opens no port " + config.name + ": is the name free?");
+  }
+}
+
+YarpEventPort::~YarpEventPort() {
+  port_->port.interrupt();
+  port_->port.close();
+}
+
+int YarpEventPort::readers() const { return port_->port.getOutputCount(); }
+
+void YarpEventPort::send(std::span<const Event> events, std::int64_t now_us) {
+  if (readers() == 0) {
+    waiting_.clear();
+    sent_us_ = now_us;
+  } else {
+    waiting_.insert(waiting_.end(), events.begin(), events.end());
+  }
+  if (port_->port.isWriting()) {
+    if (waiting_.size() > config_.max_waiting) {
+      const std::size_t excess = waiting_.size() - config_.max_waiting;
+      dropped_ += static_cast<std::int64_t>(excess);
+      waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(excess));
+    }
+    return;
+  }
+  // Events may be older than the last message: what the message covers begins with its first event.
+  const std::int64_t begin_us = waiting_.empty() ? sent_us_ : std::min(sent_us_, waiting_.front().t_us);
+  packet_.duration_us = std::max(now_us - begin_us, least_duration_us);
+  packet_.events.clear();
+  const std::int64_t ns = tick_ns(config_.codec);
+  for (const Event& event : waiting_) {
+    const auto ticks = static_cast<std::uint64_t>(ticks_from_us(event.t_us, ns));
+    packet_.events.push_back(
+        {has_stamps(config_.format) ? static_cast<std::uint32_t>(ticks & stamp_mask) : 0U,
+         encode_address(event, config_.codec)});
+  }
+  waiting_.clear();
+  write_packet(packet_, config_.format, port_->port.prepare().bytes);
+  port_->stamp.update(yarp::os::Time::now());
+  port_->port.setEnvelope(port_->stamp);
+  port_->port.write();
+  sent_us_ = now_us;
+  ++messages_;
+}
+
+}  // namespace saccade

@@ -1,0 +1,133 @@
+#include "robot/yarp/gaze_ports.h"
+
+#include <yarp/os/Bottle.h>
+#include <yarp/os/BufferedPort.h>
+#include <yarp/os/ConnectionReader.h>
+#include <yarp/os/ConnectionWriter.h>
+#include <yarp/os/PortReader.h>
+#include <yarp/os/RpcServer.h>
+#include <yarp/os/Stamp.h>
+#include <yarp/os/Time.h>
+
+#include <array>
+#include <numbers>
+
+#include "core/error.h"
+#include "robot/yarp/yarp_network.h"
+
+namespace saccade {
+namespace {
+
+constexpr double name_server_timeout_s = 2.0;
+constexpr double deg_per_rad = 180.0 / std::numbers::pi;
+
+/// What a port says, as the request that means the same.
+class Look final : public yarp::os::TypedReaderCallback<yarp::os::Bottle> {
+ public:
+  Look(const char* kind, const YarpGazePorts::Answer& answer) : kind_(kind), answer_(answer) {}
+  using yarp::os::TypedReaderCallback<yarp::os::Bottle>::onRead;
+  void onRead(yarp::os::Bottle& message) override {
+    answer_("look " + kind_ + " (" + message.toString() + ")");
+  }
+
+ private:
+  std::string kind_;
+  const YarpGazePorts::Answer& answer_;
+};
+
+class Rpc final : public yarp::os::PortReader {
+ public:
+  explicit Rpc(const YarpGazePorts::Answer& answer) : answer_(answer) {}
+  bool read(yarp::os::ConnectionReader& reader) override {
+    yarp::os::Bottle request;
+    if (!request.read(reader)) return false;
+    yarp::os::Bottle reply(answer_(request.toString()));
+    if (yarp::os::ConnectionWriter* writer = reader.getWriter()) reply.write(*writer);
+    return true;
+  }
+
+ private:
+  const YarpGazePorts::Answer& answer_;
+};
+
+template <class Values>
+void write(yarp::os::BufferedPort<yarp::os::Bottle>& port, const Values& values, yarp::os::Stamp& stamp) {
+  if (port.getOutputCount() == 0) return;
+  yarp::os::Bottle& message = port.prepare();
+  message.clear();
+  for (const double value : values) message.addFloat64(value);
+  port.setEnvelope(stamp);
+  port.write();
+}
+
+}  // namespace
+
+struct YarpGazePorts::Ports {
+  using Port = yarp::os::BufferedPort<yarp::os::Bottle>;
+
+  explicit Ports(Answer given) : answer(std::move(given)) {}
+  ~Ports() {
+    rpc.interrupt();
+    rpc.close();
+    for (Port* port : {&xd, &mono, &stereo, &angles_in, &x, &q, &angles_out, &events}) {
+      port->interrupt();
+      port->close();
+    }
+  }
+
+  YarpNetwork network{name_server_timeout_s};
+  Answer answer;
+  Look look_3d{"3D", answer}, look_mono{"mono", answer}, look_stereo{"stereo", answer},
+      look_ang{"ang", answer};
+  Rpc reader{answer};
+  Port xd, mono, stereo, angles_in;
+  Port x, q, angles_out, events;
+  yarp::os::RpcServer rpc;
+  yarp::os::Stamp stamp;
+};
+
+YarpGazePorts::YarpGazePorts(const std::string& name, Answer answer)
+    : ports_(std::make_unique<Ports>(std::move(answer))) {
+  Ports& ports = *ports_;
+  const auto open = [&](auto& port, const char* end) {
+    if (!port.open(name + end)) {
+      throw RunError("YARP opens no port " + name + end + ": is the name free?");
+    }
+  };
+  ports.xd.useCallback(ports.look_3d);
+  ports.mono.useCallback(ports.look_mono);
+  ports.stereo.useCallback(ports.look_stereo);
+  ports.angles_in.useCallback(ports.look_ang);
+  ports.rpc.setReader(ports.reader);
+  open(ports.xd, "/xd:i");
+  open(ports.mono, "/mono:i");
+  open(ports.stereo, "/stereo:i");
+  open(ports.angles_in, "/angles:i");
+  open(ports.x, "/x:o");
+  open(ports.q, "/q:o");
+  open(ports.angles_out, "/angles:o");
+  open(ports.events, "/events:o");
+  open(ports.rpc, "/rpc");
+}
+
+YarpGazePorts::~YarpGazePorts() = default;
+
+void YarpGazePorts::send(const std::optional<Eigen::Vector3d>& fixation_m, const JointVector& position_rad,
+                         const Eigen::Vector3d& angles_deg, const std::vector<std::string>& events) {
+  Ports& ports = *ports_;
+  ports.stamp.update(yarp::os::Time::now());
+  if (fixation_m) write(ports.x, *fixation_m, ports.stamp);
+  write(ports.q, JointVector(position_rad * deg_per_rad), ports.stamp);
+  write(ports.angles_out, angles_deg, ports.stamp);
+  for (const std::string& event : events) {
+    if (ports.events.getOutputCount() == 0) break;
+    yarp::os::Bottle& message = ports.events.prepare();
+    message.clear();
+    message.addString(event);
+    message.addFloat64(ports.stamp.getTime());
+    ports.events.setEnvelope(ports.stamp);
+    ports.events.writeStrict();
+  }
+}
+
+}  // namespace saccade
