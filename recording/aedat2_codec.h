@@ -22,7 +22,7 @@ namespace saccade {
 [[nodiscard]] std::unique_ptr<EventReader> open_aedat2(InputFile file, const EventReadOptions& options);
 
 /// AEDAT 1.0 (jAER): the same with records of a big-endian u16 address, of a DVS128 or a stereo pair, and a u32 time
-/// stamp that wraps at 2^32.
+/// stamp that wraps at 2^32. Its lines need not say the version.
 [[nodiscard]] std::unique_ptr<EventReader> open_aedat1(InputFile file, const EventReadOptions& options);
 
 /// Writes the DVS128 layout for 128x128, of two cameras the stereo layout, and the DAVIS layout for other sizes up to

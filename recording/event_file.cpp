@@ -94,6 +94,10 @@ std::unique_ptr<EventReader> open_all(const std::filesystem::path& path, const E
       is_cut(event_stream_mark)) {
     throw InputError(file.name(), "a file cut off inside its first line", std::string(known_formats));
   }
+  const bool names_version = start.substr(0, start.find('\n')).find("AER-DAT") != std::string_view::npos;
+  if (start.starts_with("# ") && !names_version && !is_text(start)) {
+    return open_aedat1(std::move(file), options);
+  }
   if (looks_like_yarp_log(start)) return open_yarp_log(std::move(file), options);
   if (!start.starts_with(aedat_mark) && is_text(start)) return open_text(std::move(file), options);
   throw InputError(file.name(), "a file that starts with " + printable(start.substr(0, 16)),

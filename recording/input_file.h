@@ -26,7 +26,6 @@ class InputFile {
 
   [[nodiscard]] std::uint64_t offset() const { return offset_; }  ///< bytes left behind so far
   [[nodiscard]] std::string name() const { return path_.string(); }
-  [[nodiscard]] std::filesystem::path extension() const { return path_.extension(); }
 
   /// Throws the InputError of what is wrong at the byte ahead.
   [[noreturn]] void fail(std::string value, std::string expectation) const;

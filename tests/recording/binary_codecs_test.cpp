@@ -44,6 +44,14 @@ TEST(Aedat1, TimeGoesOnAcrossItsWrapAt32Bits) {
       ElementsAre(wrap - 16, wrap + 5, wrap - 1, wrap + 0x10000000, wrap + 0x7fffffff, wrap + 0x80000000));
 }
 
+TEST(Aedat1, MayHaveLinesThatDoNotSayTheVersion) {
+  const TempFolder folder;
+  const std::string record = big_endian(std::uint16_t{51 << 8 | 46 << 1}) + big_endian(5u);
+  const auto reader = open_event_file(folder.write("a.dat", "# This is a raw AE data file\r\n" + record));
+  EXPECT_EQ(reader->format(), "AEDAT 1.0 DVS128");
+  EXPECT_THAT(read_all(*reader), ElementsAre(Event{5, 81, 76, true, 0}));
+}
+
 TEST(Aedat1, OfAStereoPairHasTwoCamerasAndOfADavisIsAnError) {
   const TempFolder folder;
   const std::string start = "#!AER-DAT1.0\r\n# AEChip: ";

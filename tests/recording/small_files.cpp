@@ -1,6 +1,7 @@
 #include "tests/recording/small_files.h"
 
 #include <lz4frame.h>
+#include <zstd.h>
 
 namespace saccade {
 namespace {
@@ -21,8 +22,11 @@ std::string aedat3_head(std::int16_t type, std::int16_t source, std::int32_t siz
 
 std::string text(std::string_view bytes) { return std::string(bytes); }
 
+/// AEDAT 4's numbers of what packets are compressed with.
+enum Compression { none = 0, lz4 = 1, zstd = 3 };
+
 /// A packet of AEDAT 4: stream, size, and a size-prefixed table of events that begins at byte 32.
-std::string aedat4_packet(bool lz4, const std::vector<Event>& events) {
+std::string aedat4_packet(int compression, const std::vector<Event>& events) {
   std::string table = little_endian<std::uint32_t>(16) + "EVTS" + std::string(2, '\0') +
                       little_endian_words<std::uint16_t>({6, 8, 4}) +
                       little_endian_words<std::uint32_t>({6, 4, static_cast<std::uint32_t>(events.size())});
@@ -32,9 +36,12 @@ std::string aedat4_packet(bool lz4, const std::vector<Event>& events) {
   }
   table = little_endian(static_cast<std::uint32_t>(table.size())) + table;
   std::string packed = table;
-  if (lz4) {
+  if (compression == lz4) {
     packed.resize(LZ4F_compressFrameBound(table.size(), nullptr));
     packed.resize(LZ4F_compressFrame(packed.data(), packed.size(), table.data(), table.size(), nullptr));
+  } else if (compression == zstd) {
+    packed.resize(ZSTD_compressBound(table.size()));
+    packed.resize(ZSTD_compress(packed.data(), packed.size(), table.data(), table.size(), 1));
   }
   return little_endian(0) + little_endian(static_cast<std::int32_t>(packed.size())) + packed;
 }
@@ -52,18 +59,18 @@ std::string aedat4_header(int compression, std::int64_t table_place) {
   return "#!AER-DAT4.0\r\n" + little_endian(static_cast<std::uint32_t>(table.size())) + table;
 }
 
-SmallFile aedat4(const std::string& name, bool lz4, bool with_table) {
+SmallFile aedat4(const std::string& name, Compression compression, bool with_table) {
   const std::vector<Event> one = {{1605537493718345, 3, 4, true, 0}, {1605537493718350, 19, 0, false, 0}};
   const std::vector<Event> two = {{1605537493718360, 0, 9, true, 0}};
   const std::string imu = little_endian(2) + little_endian(3) + "imu";
-  std::vector<SmallFile::Piece> pieces = {{aedat4_header(lz4 ? 1 : 0, -1), {}, !with_table},
-                                          {aedat4_packet(lz4, one), one, !with_table},
+  std::vector<SmallFile::Piece> pieces = {{aedat4_header(compression, -1), {}, !with_table},
+                                          {aedat4_packet(compression, one), one, !with_table},
                                           {imu, {}, !with_table},
-                                          {aedat4_packet(lz4, two), two, true}};
+                                          {aedat4_packet(compression, two), two, true}};
   if (with_table) {
     std::size_t end = 0;
     for (const auto& piece : pieces) end += piece.bytes.size();
-    pieces[0].bytes = aedat4_header(lz4 ? 1 : 0, static_cast<std::int64_t>(end));
+    pieces[0].bytes = aedat4_header(compression, static_cast<std::int64_t>(end));
   }
   return {name, pieces};
 }
@@ -102,9 +109,9 @@ std::vector<SmallFile> small_files() {
         {aedat3_head(3, 1, 5, 0, 2) + "inertial..", {}},
         {aedat3_head(1, 1, 8, 1, 1), {}, false},
         {little_endian_words<std::uint32_t>({1u, 2}), {{(std::int64_t{1} << 31) + 2, 0, 0, false, 0}}}}});
-  files.push_back(aedat4("none.aedat4", false, false));
-  files.push_back(aedat4("lz4.aedat4", true, false));
-  files.push_back(aedat4("with_table.aedat4", true, true));
+  files.push_back(aedat4("none.aedat4", none, false));
+  files.push_back(aedat4("lz4.aedat4", lz4, false));
+  files.push_back(aedat4("zstd.aedat4", zstd, true));
   files.push_back({"evt2.raw",
                    {{"% evt 2.0\n", {}},
                     {"% geometry 640x480\n", {}},
@@ -143,6 +150,11 @@ std::vector<SmallFile> small_files() {
         {"\xff", {}},
         {"\xfe", {}},
         {"\x02" + little_endian_words<std::uint16_t>({1, 2}), {{131, 1, 2, false, 0}}}}});
+  files.push_back({"events.txt",
+                   {{"10 3 4 1", {{10, 3, 4, true, 0}}},
+                    {"\n", {}},
+                    {"-12,65535,0,0", {{-12, 65535, 0, false, 0}}},
+                    {"\n", {}}}});
   return files;
 }
 
