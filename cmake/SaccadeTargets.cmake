@@ -15,7 +15,9 @@ target_compile_options(saccade_flags INTERFACE
   # Nobody reads floating-point exceptions: the vectoriser need not keep them. Values stay the same.
   -fno-trapping-math
   # GCC 12 warns of std::string's own operator+ (GCC bug 105651).
-  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
+  # Clang's -Wconversion has it, GCC's has not.
+  $<$<CXX_COMPILER_ID:Clang>:-Wno-sign-conversion>)
 if(SACCADE_WERROR)
   target_compile_options(saccade_flags INTERFACE -Werror)
 endif()
@@ -25,6 +27,10 @@ endif()
 if(SACCADE_SANITIZE)
   target_compile_options(saccade_flags INTERFACE -fsanitize=${SACCADE_SANITIZE} -fno-omit-frame-pointer)
   target_link_options(saccade_flags INTERFACE -fsanitize=${SACCADE_SANITIZE})
+endif()
+if(SACCADE_FUZZ)
+  target_compile_options(saccade_flags INTERFACE -fsanitize=fuzzer-no-link)
+  target_link_options(saccade_flags INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
 # saccade_room(NAME SOURCES a.cpp ... ROOMS core ... LIBRARIES Eigen3::Eigen ...)

@@ -37,7 +37,7 @@ void describe_detectors(FieldVisitor& v, NamedDetectors& detectors) {
       [&](FieldVisitor& block) {
         for (auto& [name, config] : detectors) {
           block.section(
-              name, [&](FieldVisitor& w) { describe(w, config); }, "a detector");
+              name, [&config = config](FieldVisitor& w) { describe(w, config); }, "a detector");
         }
       },
       "detectors that see the events, by name");
