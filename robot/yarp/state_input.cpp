@@ -22,7 +22,7 @@ std::optional<std::int64_t> sent_us(yarp::os::ConnectionReader& reader) {
   text.remove_prefix(std::min(text.find_first_not_of(' ', space), text.size()));
   double time_s = 0.0;
   const auto result = std::from_chars(text.data(), text.data() + text.size(), time_s);
-  if (result.ec != std::errc() || !(std::abs(time_s) < 1e12)) return std::nullopt;
+  if (result.ec != std::errc() || !(time_s > 0.0 && time_s < 1e12)) return std::nullopt;
   return std::llround(time_s * 1e6);
 }
 
@@ -70,7 +70,8 @@ bool StateInput::read(yarp::os::ConnectionReader& reader) {
 }
 
 void StateInput::report(const yarp::os::PortInfo& info) {
-  if (info.tag == yarp::os::PortInfo::PORTINFO_CONNECTION && info.incoming && !info.created) lost_ = true;
+  const bool closed = info.tag == yarp::os::PortInfo::PORTINFO_CONNECTION && info.incoming && !info.created;
+  if (closed && info.sourceName == remote_) lost_ = true;
 }
 
 }  // namespace saccade

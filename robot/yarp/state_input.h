@@ -17,7 +17,8 @@
 
 namespace saccade {
 
-/// The envelope of the message that is being read: when it was sent, us on the sender's clock; none where it has none.
+/// The envelope of the message that is being read: when it was sent, us on the sender's clock. None where it has none or
+/// says 0, as devices without a clock do.
 [[nodiscard]] std::optional<std::int64_t> sent_us(yarp::os::ConnectionReader& reader);
 
 /// A port of ours that one of the robot's streams a few numbers to, and what came last.

@@ -73,7 +73,8 @@ bool EventInput::read(yarp::os::ConnectionReader& reader) {
 }
 
 void EventInput::report(const yarp::os::PortInfo& info) {
-  if (info.tag == yarp::os::PortInfo::PORTINFO_CONNECTION && info.incoming && !info.created) lost_ = true;
+  const bool closed = info.tag == yarp::os::PortInfo::PORTINFO_CONNECTION && info.incoming && !info.created;
+  if (closed && info.sourceName == remote_) lost_ = true;
 }
 
 YarpCamera::YarpCamera(const YarpConfig& config, const SteadyClock& clock) {

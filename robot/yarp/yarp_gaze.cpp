@@ -63,7 +63,8 @@ bool YarpGaze::is_lost() {
 }
 
 void YarpGaze::report(const yarp::os::PortInfo& info) {
-  if (info.tag == yarp::os::PortInfo::PORTINFO_CONNECTION && !info.incoming && !info.created) lost_ = true;
+  const bool closed = info.tag == yarp::os::PortInfo::PORTINFO_CONNECTION && !info.incoming && !info.created;
+  if (closed && info.targetName == config_.name + "/xd:i") lost_ = true;
 }
 
 PortStatus YarpGaze::look_at(const Eigen::Vector3d& target_m) {

@@ -20,6 +20,7 @@ namespace {
 constexpr double rad_per_deg = 3.14159265358979323846 / 180.0;
 constexpr double limit_tolerance_deg = 0.01;
 constexpr std::int64_t fresh_us = 200'000;
+constexpr int longest_first_state_ms = 1000;
 
 constexpr std::array<int, head_joint_count> axes = {0, 1, 2, 3, 4, 5};
 
@@ -106,9 +107,7 @@ YarpHead::YarpHead(const YarpConfig& config, const JointLimits& limits, const St
     min_rad = std::max(min_rad, board_->limits_deg[0][at] * rad_per_deg);
     max_rad = std::min(max_rad, board_->limits_deg[1][at] * rad_per_deg);
   }
-  watch_ = std::make_unique<YarpWatch>(
-      std::vector<YarpWatch::Output>{{config.local + "/head/command:o", part_ + "/command:i"}},
-      config.timeout_s);
+  commands_ = std::make_unique<OutputWatch>(config.local + "/head/command:o", part_ + "/command:i");
   const std::int64_t until_us = clock_.now_us() + std::llround(config.timeout_s * 1e6);
   while (state_input_.state().count == 0 && clock_.now_us() < until_us) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -136,12 +135,17 @@ bool YarpHead::open_board(const YarpConfig& config) {
       const auto at = static_cast<std::size_t>(i);
       if (!b.limits->getLimits(i, &b.limits_deg[0][at], &b.limits_deg[1][at])) return false;
     }
+    int mode = 0;  // it comes with the stream of speeds and modes
+    for (int i = 0; !b.modes->getControlMode(0, &mode); ++i) {
+      if (i == longest_first_state_ms) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
     return true;
   });
 }
 
 bool YarpHead::is_lost() {
-  lost_ = lost_ || state_input_.lost() || torso_.lost() || (watch_ != nullptr && watch_->lost());
+  lost_ = lost_ || state_input_.lost() || torso_.lost() || (commands_ != nullptr && commands_->lost());
   return lost_;
 }
 
@@ -192,15 +196,11 @@ PortStatus YarpHead::stop() {
 }
 
 std::optional<YarpHead::Modes> YarpHead::modes() const {
-  const auto modes = std::make_shared<Modes>();
-  const bool known = board_ != nullptr && answered_within(timeout_s_, [board = board_, modes] {
-                       for (int i = 0; i < head_joint_count; ++i) {
-                         if (!board->modes->getControlMode(i, &(*modes)[static_cast<std::size_t>(i)]))
-                           return false;
-                       }
-                       return true;
-                     });
-  return known ? std::optional(*modes) : std::nullopt;
+  Modes modes;
+  for (std::size_t i = 0; i < modes.size(); ++i) {
+    if (!board_->modes->getControlMode(static_cast<int>(i), &modes[i])) return std::nullopt;
+  }
+  return modes;
 }
 
 bool YarpHead::set_modes(const Modes& modes) const {
@@ -265,10 +265,12 @@ StartUpCheck YarpHead::limits_check() const {
 std::vector<StartUpCheck> YarpHead::check() {
   std::vector<StartUpCheck> checks;
   const bool connected = board_ != nullptr && !is_lost();
-  checks.push_back({"head " + part_, connected && board_->axes == head_joint_count,
-                    board_ == nullptr ? "no control board answers"
-                    : !connected      ? "connected once, now lost"
-                                      : std::to_string(board_->axes) + " joints, 6 expected"});
+  checks.push_back(
+      {"head " + part_, connected && board_->axes == head_joint_count,
+       board_ == nullptr
+           ? "no control board answers, or YARP does not find remote_controlboard (YARP_DATA_DIRS)"
+       : !connected ? "connected once, now lost"
+                    : std::to_string(board_->axes) + " joints, 6 expected"});
   if (connected) {
     const auto found = modes();
     checks.push_back({"joints held by their board", found && std::all_of(found->begin(), found->end(), holds),

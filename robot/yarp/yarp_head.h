@@ -58,8 +58,9 @@ class YarpHead final : public HeadPort {
   using Modes = std::array<int, head_joint_count>;
   using Degrees = std::array<double, head_joint_count>;
 
-  /// What requests in threads of their own share.
+  /// What requests in threads of their own share; it keeps YARP going as long as one of them lives.
   struct Board {
+    yarp::os::Network network;
     yarp::dev::PolyDriver driver;
     yarp::dev::IEncodersTimed* encoders = nullptr;
     yarp::dev::IControlLimits* limits = nullptr;
@@ -71,6 +72,7 @@ class YarpHead final : public HeadPort {
 
   [[nodiscard]] bool open_board(const YarpConfig& config);
   [[nodiscard]] bool is_lost();
+  /// As the board streams them; none while it does not.
   [[nodiscard]] std::optional<Modes> modes() const;
   [[nodiscard]] bool set_modes(const Modes& modes) const;
   void send(const HeadCommand& reference_rad);
@@ -84,7 +86,7 @@ class YarpHead final : public HeadPort {
   StateInput state_input_;
   TorsoInput torso_;
   std::shared_ptr<Board> board_;  // null where it cannot be opened
-  std::unique_ptr<YarpWatch> watch_;
+  std::unique_ptr<OutputWatch> commands_;
   Modes found_modes_{};
   bool active_ = false;
   bool lost_ = false;

@@ -4,14 +4,13 @@
 #include <yarp/os/Network.h>
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
-#include <cstdint>
 #include <functional>
 #include <mutex>
 #include <string>
 #include <thread>
 #include <utility>
-#include <vector>
 
 namespace saccade {
 
@@ -25,35 +24,39 @@ class YarpNetwork {
   yarp::os::Network network_;
 };
 
-/// A thread that looks after what YARP tells nobody: whether the name server answers, once a second, and whether ports
-/// of ours that others opened for us still have their connection, 20 times a second.
-class YarpWatch {
+/// Does something again and again in a thread of its own, as long as it lives.
+class Periodic {
  public:
-  /// A port of ours, and the one that it has to be connected to.
-  struct Output {
-    std::string from;
-    std::string to;
-  };
-  YarpWatch(const std::vector<Output>& outputs, double timeout_s);
-  ~YarpWatch();
-
-  [[nodiscard]] bool has_name_server() const { return has_name_server_; }
-  /// One of the outputs is gone, for good.
-  [[nodiscard]] bool lost() const { return lost_; }
+  Periodic(std::chrono::milliseconds period, std::function<void()> work);
+  ~Periodic();
+  Periodic(const Periodic&) = delete;
+  Periodic& operator=(const Periodic&) = delete;
 
  private:
-  void run(double timeout_s);
-  [[nodiscard]] bool outputs_stand() const;
-
-  std::vector<std::pair<yarp::os::Contact, std::string>> outputs_;
-  std::atomic<bool> has_name_server_ = true;
-  std::atomic<bool> lost_ = false;
   std::mutex mutex_;
   std::condition_variable wake_;
   bool ending_ = false;
   std::thread thread_;
 };
 
+/// Looks 25 times a second whether a port of ours that somebody else opened for us (remote_controlboard) still has its
+/// connection, which YARP tells nobody but him.
+class OutputWatch {
+ public:
+  OutputWatch(const std::string& from, std::string to);
+  /// The connection is gone, for good.
+  [[nodiscard]] bool lost() const { return lost_; }
+
+ private:
+  [[nodiscard]] bool stands() const;
+
+  yarp::os::Contact from_;
+  std::string to_;
+  std::atomic<bool> lost_ = false;
+  Periodic watch_;
+};
+
+[[nodiscard]] bool name_server_answers(double timeout_s);
 /// Whether somebody answers under that name.
 [[nodiscard]] bool port_answers(const std::string& name, double timeout_s);
 /// Connects two ports; false where it does not work out.

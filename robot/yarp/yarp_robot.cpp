@@ -1,5 +1,6 @@
 #include "robot/yarp/yarp_robot.h"
 
+#include <atomic>
 #include <chrono>
 #include <optional>
 #include <thread>
@@ -16,6 +17,7 @@ namespace saccade {
 namespace {
 
 constexpr std::int64_t first_packet_us = 1'000'000;
+constexpr auto name_server_period = std::chrono::milliseconds(1000);
 
 /// What the network needs, before anything is opened on it.
 const YarpConfig& checked(const YarpConfig& config) {
@@ -42,7 +44,9 @@ class TickClock final : public Clock {
 
 struct YarpRobot::Parts {
   Parts(const YarpConfig& config, const JointLimits& limits)
-      : network(checked(config).timeout_s), watch({}, config.timeout_s) {
+      : network(checked(config).timeout_s), watch(name_server_period, [this, timeout_s = config.timeout_s] {
+          has_name_server = name_server_answers(timeout_s);
+        }) {
     if (port_answers(config.local + "/AE:i", config.timeout_s)) {
       throw RunError("another robot is connected as " + config.local +
                      " already: end it, or choose another yarp.local");
@@ -55,11 +59,12 @@ struct YarpRobot::Parts {
 
   YarpNetwork network;
   SteadyClock steady;
-  YarpWatch watch;
   std::optional<YarpCamera> camera;
   std::optional<YarpHead> head;
   std::optional<YarpGaze> gaze;
   std::optional<TickClock> clock;
+  std::atomic<bool> has_name_server = true;
+  Periodic watch;
   bool told_gone = false;
   std::int64_t told_unreadable = 0;
 };
@@ -81,10 +86,10 @@ GazePort* YarpRobot::gaze() { return parts_->gaze ? &*parts_->gaze : nullptr; }
 
 std::vector<StartUpCheck> YarpRobot::check() {
   std::vector<StartUpCheck> checks;
-  const auto took_us = parts_->steady.now_us();
+  const std::int64_t until_us = parts_->steady.now_us() + first_packet_us;
   for (const auto& input : parts_->camera->inputs()) {
     while (input->traffic().packets == 0 && !input->lost() && input->unreadable() == 0 &&
-           parts_->steady.now_us() < took_us + first_packet_us) {
+           parts_->steady.now_us() < until_us) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     const bool heard = input->traffic().packets > 0 && !input->lost();
@@ -113,7 +118,7 @@ void YarpRobot::release() {
 
 std::vector<std::string> YarpRobot::news() {
   std::vector<std::string> news;
-  const bool gone = !parts_->watch.has_name_server();
+  const bool gone = !parts_->has_name_server;
   if (gone != parts_->told_gone) {
     news.emplace_back(gone ? "the YARP name server is gone; what is connected lives on"
                            : "the YARP name server is back");

@@ -1,0 +1,603 @@
+#include "robot/yarp/yarp_robot.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <yarp/dev/ControlBoardVocabs.h>
+#include <yarp/dev/IControlMode.h>
+#include <yarp/dev/IEncoders.h>
+#include <yarp/dev/PolyDriver.h>
+#include <yarp/os/Property.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "tests/robot/port_conformance.h"
+#include "tests/robot/yarp/peers.h"
+#include "tests/robot/yarp/yarp_world.h"
+
+namespace saccade {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::StartsWith;
+
+constexpr double deg = 3.14159265358979323846 / 180.0;
+constexpr const char* robot_limits_deg[2] = {"-29 -19 -44 -29 -29 1", "16 19 44 29 29 49"};
+
+JointLimits our_limits() {
+  JointLimits limits;
+  limits.min_rad << -90, -90, -90, -30, -20, -45, -30, -30, 0;
+  limits.max_rad << 90, 90, 90, 17, 20, 45, 30, 30, 50;
+  limits.min_rad *= deg;
+  limits.max_rad *= deg;
+  limits.max_speed_rad_s.setConstant(5.0);
+  return limits;
+}
+
+/// Arguments that make YARP's motion control device of six joints, which obeys at once, served as a control board.
+std::string board_arguments(const std::string& part) {
+  const std::string six = "100 100 100 100 100 100";
+  std::string text = "(device controlBoard_nws_yarp) (name " + part +
+                     ") (subdevice fakeMotionControl) (period 0.01) (GENERAL (Joints 6)) (LIMITS";
+  for (const char* name : {"OverloadCurrents", "MotorNominalCurrents", "MotorPeakCurrents", "RotorMax",
+                           "JntVelocityMax", "RotorMin", "MotorPwmLimit"}) {
+    text += std::string(" (") + name + " " + six + ")";
+  }
+  return text + " (Min " + robot_limits_deg[0] + ") (Max " + robot_limits_deg[1] + "))";
+}
+
+/// A head's control board in this process.
+class Board {
+ public:
+  explicit Board(const std::string& part) {
+    yarp::os::Property options;
+    options.fromString(board_arguments(part));
+    EXPECT_TRUE(served_.open(options)) << "no device controlBoard_nws_yarp with fakeMotionControl";
+    yarp::os::Property client;
+    client.put("device", yarp::os::Value("remote_controlboard"));
+    client.put("remote", yarp::os::Value(part));
+    client.put("local", yarp::os::Value("/other" + part));
+    EXPECT_TRUE(client_.open(client) && client_.view(modes_) && client_.view(encoders_));
+  }
+
+  std::vector<int> modes() {
+    std::vector<int> modes(6);
+    EXPECT_TRUE(modes_->getControlModes(modes.data()));
+    return modes;
+  }
+  /// Returns when everybody who is streamed the modes knows.
+  void set_mode(int joint, int mode) {
+    EXPECT_TRUE(modes_->setControlMode(joint, mode));
+    EXPECT_TRUE(eventually(1.0, [&] { return modes().at(static_cast<std::size_t>(joint)) == mode; }));
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  std::vector<double> positions_deg() {
+    std::vector<double> positions(6);
+    encoders_->getEncoders(positions.data());
+    return positions;
+  }
+
+ private:
+  yarp::dev::PolyDriver served_;
+  yarp::dev::PolyDriver client_;
+  yarp::dev::IControlMode* modes_ = nullptr;
+  yarp::dev::IEncoders* encoders_ = nullptr;
+};
+
+/// Names of its own for each robot's world, so that no test meets what another left.
+std::string unique_name(const std::string& base) {
+  static int count = 0;
+  return base + std::to_string(++count);
+}
+
+YarpConfig config_for(const std::string& robot, const std::string& control = "joints") {
+  YarpConfig config;
+  config.local = "/saccade" + robot;
+  config.timeout_s = 2.0;
+  config.camera.port = robot + "/AE:o";
+  config.head.control = control;
+  config.head.part = robot + "/head";
+  config.gaze_server.name = robot + "/gaze";
+  return config;
+}
+
+/// A camera, a control board, and the robot connected to both.
+struct JointsWorld {
+  std::string name;
+  CountingGrabber grabber;
+  Board board;
+  YarpRobot robot;
+
+  explicit JointsWorld(std::string robot_name = unique_name("/icub"))
+      : name(std::move(robot_name)),
+        grabber(name + "/AE:o"),
+        board(name + "/head"),
+        robot(config_for(name), our_limits()) {}
+};
+
+/// A gaze controller instead of the board.
+struct GazeWorld {
+  std::string name = unique_name("/icub");
+  CountingGrabber grabber{name + "/AE:o"};
+  GazeController controller{name + "/gaze"};
+  YarpRobot robot{config_for(name, "gaze"), our_limits()};
+};
+
+std::vector<StartUpCheck> failed(const std::vector<StartUpCheck>& checks) {
+  std::vector<StartUpCheck> failed;
+  std::copy_if(checks.begin(), checks.end(), std::back_inserter(failed),
+               [](const auto& c) { return !c.passed; });
+  return failed;
+}
+
+std::string text(const std::vector<StartUpCheck>& checks) {
+  std::string text;
+  for (const StartUpCheck& check : checks)
+    text += check.what + ": " + check.found + (check.passed ? "\n" : " FAILED\n");
+  return text;
+}
+
+double ms_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+}
+
+/// Whether something takes less than a tenth of a second: on a busy machine in one of three attempts.
+bool within_a_tenth_of_a_second(const std::function<double()>& attempt_ms) {
+  for (int i = 0; i < 3; ++i) {
+    const double ms = attempt_ms();
+    std::cout << "lost after " << ms << " ms\n";
+    if (ms < 100.0) return true;
+  }
+  return false;
+}
+
+class Yarp : public testing::Test {
+ protected:
+  Yarp() { YarpWorld::get(); }
+};
+
+PortBackend joints_backend() {
+  PortBackend backend{
+      "Yarp", [] {
+        YarpWorld::get();
+        const auto world = std::make_shared<JointsWorld>();
+        world->robot.activate();
+        return RobotUnderTest{world, &world->robot.clock(), &world->robot.events(), world->robot.head()};
+      }};
+  backend.is_real_time = true;
+  backend.obeys_at_once = true;
+  backend.lateness_us = 500'000;
+  return backend;
+}
+
+PortBackend gaze_backend() {
+  PortBackend backend{
+      "YarpGaze", [] {
+        YarpWorld::get();
+        const auto world = std::make_shared<GazeWorld>();
+        return RobotUnderTest{world, &world->robot.clock(), &world->robot.events(), world->robot.head()};
+      }};
+  backend.is_real_time = true;
+  backend.takes_commands = false;
+  backend.moves_as_commanded = false;
+  backend.lateness_us = 500'000;
+  return backend;
+}
+
+INSTANTIATE_TEST_SUITE_P(Robot, PortConformance, testing::Values(joints_backend(), gaze_backend()),
+                         name_of_backend);
+
+// ---- The camera
+
+TEST_F(Yarp, EachEventOfARunningCameraComesOnceHoweverSeldomTheyAreRead) {
+  for (const int stride : {1, 20}) {
+    JointsWorld world;
+    std::vector<Event> events;
+    for (int i = 1; i <= 300; ++i) {
+      world.robot.clock().wait_until(world.robot.clock().now_us() + 1000);
+      if (i % stride == 0) world.robot.events().read_until(world.robot.clock().now_us(), events);
+    }
+    ASSERT_GT(events.size(), 500u);
+    std::int64_t n = events[0].x + 128 * events[0].y + (events[0].on ? 0 : 16384);
+    for (const Event& event : events) {
+      const Event expected = counted_event(n++);
+      ASSERT_TRUE(event.x == expected.x && event.y == expected.y && event.on == expected.on)
+          << "a gap at " << n;
+    }
+    EXPECT_EQ(world.robot.events().traffic().dropped, 0);
+  }
+}
+
+class YarpWire : public testing::TestWithParam<const char*> {};
+
+TEST_P(YarpWire, CarriesEveryEventInOrderAndAtItsTime) {
+  YarpWorld::get();
+  const auto& names = packet_format_names();
+  const auto format =
+      static_cast<PacketFormat>(std::find(names.begin(), names.end(), GetParam()) - names.begin());
+  for (const char* carrier : {"tcp", "fast_tcp"}) {
+    const std::string name = unique_name("/wire");
+    Grabber grabber(name + "/AE:o", format);
+    YarpConfig config = config_for(name, "none");
+    config.camera.format = GetParam();
+    config.camera.carrier = carrier;
+    YarpRobot robot(config, our_limits());
+    ASSERT_TRUE(eventually(2.0, [&] { return grabber.readers() == 1; }));
+    std::int64_t n = 0;
+    std::int64_t sent_us = 1'000'000;  // on the camera's clock
+    for (int message = 0; message < 50; ++message) {
+      EventPacket packet{2000, {}};
+      for (int i = 0; i < 8; ++i) {
+        sent_us += 250;
+        packet.events.push_back({has_stamps(format) ? static_cast<std::uint32_t>(sent_us * 25 / 2) : 0,
+                                 encode_address(counted_event(n++), AddressCodec::ev2)});
+      }
+      grabber.send(packet, 1e-6 * static_cast<double>(sent_us));
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    ASSERT_TRUE(eventually(2.0, [&] { return robot.events().traffic().packets == 50; })) << carrier;
+    std::vector<Event> events;
+    EXPECT_EQ(robot.events().read_until(robot.clock().now_us(), events), PortStatus::ok);
+    ASSERT_EQ(events.size(), static_cast<std::size_t>(n));
+    int apart = 0;
+    for (std::size_t i = 0; i < events.size(); ++i) {
+      Event expected = counted_event(static_cast<std::int64_t>(i));
+      expected.t_us = events[i].t_us;
+      ASSERT_EQ(events[i], expected) << i;
+      if (i > 0 && events[i].t_us - events[i - 1].t_us == 250) ++apart;
+    }
+    std::cout << carrier << ": " << apart << " of " << events.size() - 1 << " distances are kept\n";
+    EXPECT_GT(apart, 300) << "all but those where a message with less delay came";
+    EXPECT_EQ(robot.events().traffic().dropped, 0);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Yarp, YarpWire, testing::Values("packet", "stamped_packet", "vbottle"),
+                         [](const auto& wire) { return std::string(wire.param); });
+
+TEST_F(Yarp, AnEmptyPacketIsHeardAndBringsNothing) {
+  const std::string name = unique_name("/icub");
+  Grabber grabber(name + "/AE:o", PacketFormat::packet);
+  YarpRobot robot(config_for(name, "none"), our_limits());
+  ASSERT_TRUE(eventually(2.0, [&] { return grabber.readers() == 1; }));
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  const std::int64_t before_us = robot.clock().now_us();
+  EXPECT_LT(robot.events().heard_us(), before_us);
+  grabber.send({1000, {}});
+  EXPECT_TRUE(eventually(1.0, [&] { return robot.events().heard_us() >= before_us; }));
+  std::vector<Event> events;
+  EXPECT_EQ(robot.events().read_until(robot.clock().now_us(), events), PortStatus::ok);
+  EXPECT_THAT(events, IsEmpty());
+}
+
+TEST_F(Yarp, AMessageOfAnotherFormatIsToldAndHeardAsNothing) {
+  const std::string name = unique_name("/icub");
+  Grabber grabber(name + "/AE:o", PacketFormat::vbottle);
+  YarpRobot robot(config_for(name, "none"), our_limits());
+  ASSERT_TRUE(eventually(2.0, [&] { return grabber.readers() == 1; }));
+  grabber.send({0, {{1, 2}}});
+  std::vector<std::string> news;
+  EXPECT_TRUE(eventually(1.0, [&] { return !(news = robot.news()).empty(); }));
+  EXPECT_THAT(news, ElementsAre(HasSubstr("not an ev::packet")));
+  EXPECT_THAT(robot.news(), IsEmpty()) << "it is told once";
+  EXPECT_EQ(robot.events().traffic().packets, 0);
+  EXPECT_THAT(text(failed(robot.check())), HasSubstr("cannot be read"));
+}
+
+TEST_F(Yarp, TwoPortsAreTwoEyesInOneStream) {
+  const std::string name = unique_name("/icub");
+  Grabber left(name + "/AE:o", PacketFormat::packet);
+  Grabber right(name + "/right:o", PacketFormat::packet);
+  YarpConfig config = config_for(name, "none");
+  config.camera.right_port = name + "/right:o";
+  YarpRobot robot(config, our_limits());
+  ASSERT_TRUE(eventually(2.0, [&] { return left.readers() == 1 && right.readers() == 1; }));
+  const EventPacket packet{
+      1000, std::vector<WireEvent>(10, {0, encode_address({0, 3, 4, true, 0}, AddressCodec::ev2)})};
+  std::vector<Event> events;
+  for (int i = 0; i < 20; ++i) {
+    left.send(packet, 1.0 + 1e-3 * i);
+    right.send(packet, 2.0 + 1e-3 * i);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    robot.events().read_until(robot.clock().now_us(), events);
+  }
+  ASSERT_TRUE(eventually(2.0, [&] { return robot.events().traffic().packets == 40; }));
+  robot.events().read_until(robot.clock().now_us(), events);
+  EXPECT_TRUE(std::is_sorted(events.begin(), events.end(),
+                             [](const Event& a, const Event& b) { return a.t_us < b.t_us; }));
+  const auto of_right =
+      std::count_if(events.begin(), events.end(), [](const Event& e) { return e.camera == 1; });
+  EXPECT_EQ(of_right + robot.events().traffic().dropped, 200);
+  EXPECT_EQ(events.size(), 400u - static_cast<std::size_t>(robot.events().traffic().dropped));
+}
+
+// ---- The control board
+
+TEST_F(Yarp, EverythingIsCheckedAndListed) {
+  JointsWorld world;
+  const std::vector<StartUpCheck> checks = world.robot.check();
+  EXPECT_THAT(failed(checks), IsEmpty()) << text(checks);
+  EXPECT_EQ(checks.size(), 5u) << text(checks);
+  std::cout << text(checks);
+}
+
+TEST_F(Yarp, WhatIsNotThereIsListedAllAtOnce) {
+  YarpConfig config = config_for(unique_name("/nobody"));
+  config.head.torso_part = "/nobody/torso";
+  YarpRobot robot(config, our_limits());
+  const std::vector<StartUpCheck> checks = robot.check();
+  EXPECT_EQ(failed(checks).size(), 3u) << text(checks);
+  std::vector<Event> events;
+  EXPECT_EQ(robot.events().read_until(0, events), PortStatus::lost);
+  HeadState state;
+  EXPECT_EQ(robot.head()->read(state), PortStatus::lost);
+  EXPECT_THROW(robot.activate(), RunError);
+}
+
+TEST_F(Yarp, LimitsAreTheTightestOfBoth) {
+  JointsWorld world;
+  const JointLimits limits = world.robot.head()->limits();
+  EXPECT_NEAR(limits.max_rad[neck_pitch], 16 * deg, 1e-9);
+  EXPECT_NEAR(limits.min_rad[eyes_vergence], 1 * deg, 1e-9);
+  JointLimits tight = our_limits();
+  tight.max_rad[neck_pitch] = 10 * deg;
+  YarpConfig config = config_for(world.name);
+  config.local = unique_name("/tight");
+  YarpRobot robot(config, tight);
+  EXPECT_NEAR(robot.head()->limits().max_rad[neck_pitch], 10 * deg, 1e-9);
+  EXPECT_THAT(text(failed(robot.check())), HasSubstr("neck_pitch -29 to 16, ours -30 to 10"));
+}
+
+TEST_F(Yarp, JointsAreTakenOverAndGivenBackAsTheyWere) {
+  JointsWorld world;
+  HeadPort& head = *world.robot.head();
+  const HeadCommand reference = HeadCommand::Constant(5 * deg);
+  EXPECT_TRUE(head.command(reference).refused) << "before activate()";
+  world.board.set_mode(2, VOCAB_CM_VELOCITY);
+  const std::vector<int> found = world.board.modes();
+  world.robot.activate();
+  EXPECT_TRUE(
+      eventually(1.0, [&] { return world.board.modes() == std::vector<int>(6, VOCAB_CM_POSITION_DIRECT); }));
+  EXPECT_FALSE(head.command(reference).refused);
+  HeadState state;
+  EXPECT_TRUE(eventually(1.0, [&] {
+    head.read(state);
+    return (state.head_position_rad() - reference).norm() < 1e-6;
+  }));
+  EXPECT_NEAR(world.board.positions_deg().at(4), 5.0, 1e-6) << "degrees on the wire";
+  EXPECT_TRUE(state.position_rad.head<torso_joint_count>().isZero());
+  world.robot.release();
+  world.robot.release();
+  EXPECT_TRUE(eventually(1.0, [&] { return world.board.modes() == found; }));
+  EXPECT_TRUE(head.command(reference).refused) << "after release()";
+  EXPECT_EQ(head.read(state), PortStatus::ok) << "joints are read throughout";
+}
+
+TEST_F(Yarp, AnIdleOrFaultyJointIsNotTakenOver) {
+  JointsWorld world;
+  for (const int mode : {VOCAB_CM_IDLE, VOCAB_CM_HW_FAULT}) {
+    world.board.set_mode(1, mode);
+    EXPECT_THROW(world.robot.activate(), RunError);
+    EXPECT_EQ(world.board.modes().at(1), mode);
+    EXPECT_EQ(world.board.modes().at(0), VOCAB_CM_POSITION);
+    EXPECT_THAT(text(failed(world.robot.check())), HasSubstr("joints held by their board"));
+  }
+}
+
+TEST_F(Yarp, TheTorsoIsReadInTheOrderOfTheChain) {
+  const std::string name = unique_name("/icub");
+  const CountingGrabber grabber(name + "/AE:o");
+  const Board board(name + "/head");
+  yarp::os::Port torso;
+  torso.open(name + "/torso/state:o");
+  YarpConfig config = config_for(name);
+  config.head.torso_part = name + "/torso";
+  YarpRobot robot(config, our_limits());
+  yarp::os::Bottle yaw_roll_pitch("10.0 20.0 30.0");
+  torso.write(yaw_roll_pitch);
+  HeadState state;
+  EXPECT_TRUE(eventually(1.0, [&] {
+    robot.head()->read(state);
+    return state.position_rad[torso_pitch] != 0.0;
+  }));
+  EXPECT_NEAR(state.position_rad[torso_pitch], 30 * deg, 1e-9);
+  EXPECT_NEAR(state.position_rad[torso_roll], 20 * deg, 1e-9);
+  EXPECT_NEAR(state.position_rad[torso_yaw], 10 * deg, 1e-9);
+}
+
+// ---- The gaze controller
+
+TEST_F(Yarp, TargetsGoToTheGazeControllerNoOftenerThanItsInterval) {
+  GazeWorld world;
+  world.robot.gaze()->look_at({-0.4, 0.0, 0.3});
+  world.robot.activate();
+  const auto begin = std::chrono::steady_clock::now();
+  for (int i = 0; i < 300; ++i) {
+    world.robot.clock().wait_until(world.robot.clock().now_us() + 1000);
+    if (i < 250) world.robot.gaze()->look_at({-0.5, 0.001 * i, 0.35});
+  }
+  ASSERT_TRUE(eventually(1.0, [&] { return !world.controller.targets().empty(); }));
+  const double passed_ms = ms_since(begin);
+  const auto targets = world.controller.targets();
+  EXPECT_GE(targets.size(), 4u);
+  EXPECT_LE(static_cast<double>(targets.size()), passed_ms / 75.0 + 2.0);
+  EXPECT_EQ(targets.front().y, 0.0) << "nothing was sent before activate()";
+  EXPECT_NEAR(targets.back().y, 0.249, 1e-12) << "the newest target is sent although it had to wait";
+  EXPECT_EQ(targets.back().x, -0.5);
+  EXPECT_EQ(targets.back().z, 0.35);
+}
+
+TEST_F(Yarp, SettingsAreSentBeforeAndPutBackAfter) {
+  GazeWorld world;
+  world.robot.activate();
+  EXPECT_THAT(world.controller.requests(),
+              ElementsAre("stor", StartsWith("set Tneck 0.8"), StartsWith("set Teyes 0.4"), "set track 0",
+                          "set sacc 0", "bind roll 0.0 0.0", "run"));
+  EXPECT_EQ(world.robot.gaze()->stop(), PortStatus::ok);
+  EXPECT_TRUE(eventually(1.0, [&] { return world.controller.requests().back() == "stop"; }));
+  world.robot.release();
+  const std::vector<std::string> requests = world.controller.requests();
+  EXPECT_THAT(std::vector<std::string>(requests.end() - 3, requests.end()),
+              ElementsAre("stop", "rest 7", "dele 7"));
+}
+
+TEST_F(Yarp, AGazeControllerThatRefusesASettingGetsItsOwnBack) {
+  GazeWorld world;
+  world.controller.refuse("set Teyes");
+  EXPECT_THROW(world.robot.activate(), RunError);
+  EXPECT_THAT(world.controller.requests(), Contains("rest 7"));
+}
+
+TEST_F(Yarp, TheGazeControllersJointsAreTheHeadsState) {
+  GazeWorld world;
+  EXPECT_THAT(failed(world.robot.check()), IsEmpty()) << text(world.robot.check());
+  HeadState state;
+  ASSERT_TRUE(eventually(1.0, [&] {
+    world.robot.head()->read(state);
+    return state.velocity_rad_s[0] != 0.0;
+  }));
+  for (int i = 0; i < joint_count; ++i) {
+    EXPECT_NEAR(state.velocity_rad_s[i], 1.0 * deg, 1e-6);
+    EXPECT_NEAR(state.position_rad[i] - state.position_rad[0], i * deg, 1e-9);
+  }
+  EXPECT_TRUE(world.robot.head()->command(HeadCommand::Zero()).refused);
+}
+
+// ---- What goes wrong
+
+TEST_F(Yarp, ACameraThatIsKilledIsLostAndBothStartAgainUnderTheSameNames) {
+  const std::string name = unique_name("/icub");
+  EXPECT_TRUE(within_a_tenth_of_a_second([&] {
+    Child grabber({SACCADE_YARP_GRABBER, name + "/AE:o"}, YarpWorld::get() / "grabber.log");
+    EXPECT_TRUE(eventually(5.0, [&] { return yarp::os::Network::exists(name + "/AE:o"); }));
+    YarpRobot robot(config_for(name, "none"), our_limits());
+    EXPECT_THAT(failed(robot.check()), IsEmpty()) << text(robot.check());
+    std::vector<Event> events;
+    const auto killed = std::chrono::steady_clock::now();
+    grabber.kill();
+    EXPECT_TRUE(eventually(1.0, [&] { return robot.events().read_until(0, events) == PortStatus::lost; }));
+    const double ms = ms_since(killed);
+    EXPECT_EQ(robot.events().read_until(robot.clock().now_us(), events), PortStatus::lost) << "for good";
+    return ms;
+  }));
+  const CountingGrabber grabber(name + "/AE:o");
+  YarpRobot robot(config_for(name, "none"), our_limits());
+  EXPECT_THAT(failed(robot.check()), IsEmpty()) << text(robot.check());
+}
+
+TEST_F(Yarp, AControlBoardThatIsKilledIsLost) {
+  const std::string name = unique_name("/icub");
+  const CountingGrabber grabber(name + "/AE:o");
+  const std::filesystem::path ini = YarpWorld::get() / "board.ini";
+  std::ofstream(ini) << "device controlBoard_nws_yarp\nsubdevice fakeMotionControl\nperiod 0.01\nname "
+                     << name << "/head\n[GENERAL]\nJoints 6\n";
+  EXPECT_TRUE(within_a_tenth_of_a_second([&] {
+    Child board({SACCADE_YARP_BIN "/yarpdev", "--from", ini.string()}, YarpWorld::get() / "board.log");
+    EXPECT_TRUE(eventually(10.0, [&] { return yarp::os::Network::exists(name + "/head/stateExt:o"); }));
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));  // its device is attached after its ports
+    YarpRobot robot(config_for(name), our_limits());
+    robot.activate();
+    HeadState state;
+    EXPECT_EQ(robot.head()->read(state), PortStatus::ok);
+    const auto killed = std::chrono::steady_clock::now();
+    board.kill();
+    EXPECT_TRUE(eventually(1.0, [&] { return robot.head()->read(state) == PortStatus::lost; }));
+    const double ms = ms_since(killed);
+    EXPECT_EQ(robot.head()->command(HeadCommand::Zero()).status, PortStatus::lost);
+    robot.release();
+    return ms;
+  }));
+}
+
+class YarpCut : public testing::TestWithParam<const char*> {};
+
+TEST_P(YarpCut, ConnectionIsLost) {
+  YarpWorld::get();
+  const std::string cut = GetParam();
+  EXPECT_TRUE(within_a_tenth_of_a_second([&] {
+    JointsWorld world;
+    world.robot.activate();
+    HeadState state;
+    std::vector<Event> events;
+    const auto lost = [&] {
+      return world.robot.head()->read(state) == PortStatus::lost ||
+             world.robot.events().read_until(world.robot.clock().now_us(), events) == PortStatus::lost;
+    };
+    EXPECT_FALSE(lost());
+    const std::string local = "/saccade" + world.name;
+    const auto begin = std::chrono::steady_clock::now();
+    bool done = false;
+    if (cut == "commands") {
+      done = yarp::os::Network::disconnect(local + "/head/command:o", world.name + "/head/command:i", true);
+    } else if (cut == "state") {
+      done = yarp::os::Network::disconnect(world.name + "/head/state:o", local + "/head/state:i", true);
+    } else {
+      done = yarp::os::Network::disconnect(world.name + "/AE:o", local + "/AE:i", true);
+    }
+    EXPECT_TRUE(done);
+    EXPECT_TRUE(eventually(1.0, lost));
+    return ms_since(begin);
+  }));
+}
+
+INSTANTIATE_TEST_SUITE_P(Yarp, YarpCut, testing::Values("commands", "state", "events"),
+                         [](const auto& cut) { return std::string(cut.param); });
+
+TEST_F(Yarp, AGazeControllerThatIsGoneIsLost) {
+  const std::string name = unique_name("/icub");
+  const CountingGrabber grabber(name + "/AE:o");
+  auto controller = std::make_unique<GazeController>(name + "/gaze");
+  YarpRobot robot(config_for(name, "gaze"), our_limits());
+  robot.activate();
+  EXPECT_EQ(robot.gaze()->look_at({-0.5, 0.0, 0.3}), PortStatus::ok);
+  controller.reset();
+  EXPECT_TRUE(eventually(1.0, [&] { return robot.gaze()->look_at({-0.5, 0.0, 0.3}) == PortStatus::lost; }));
+  HeadState state;
+  EXPECT_EQ(robot.head()->read(state), PortStatus::lost);
+  EXPECT_EQ(robot.gaze()->stop(), PortStatus::lost);
+  robot.release();
+}
+
+TEST_F(Yarp, ALostNameServerIsToldAndOpenConnectionsLiveOn) {
+  JointsWorld world;
+  world.robot.activate();
+  EXPECT_THAT(world.robot.news(), IsEmpty());
+  YarpWorld::get().kill_name_server();
+  std::vector<std::string> news;
+  EXPECT_TRUE(eventually(5.0, [&] { return !(news = world.robot.news()).empty(); }));
+  EXPECT_THAT(news, ElementsAre(HasSubstr("name server is gone")));
+  std::vector<Event> events;
+  world.robot.events().read_until(world.robot.clock().now_us(), events);
+  events.clear();
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_EQ(world.robot.events().read_until(world.robot.clock().now_us(), events), PortStatus::ok);
+  EXPECT_GT(events.size(), 100u);
+  const HeadCommand reference = HeadCommand::Constant(7 * deg);
+  EXPECT_FALSE(world.robot.head()->command(reference).refused);
+  HeadState state;
+  EXPECT_TRUE(eventually(1.0, [&] {
+    return world.robot.head()->read(state) == PortStatus::ok &&
+           (state.head_position_rad() - reference).norm() < 1e-6;
+  }));
+  YarpWorld::get().start_name_server();
+  EXPECT_TRUE(eventually(5.0, [&] { return !(news = world.robot.news()).empty(); }));
+  EXPECT_THAT(news, ElementsAre(HasSubstr("is back")));
+}
+
+TEST_F(Yarp, ASecondRobotOfTheSameNameIsRefused) {
+  const JointsWorld world;
+  EXPECT_THROW(YarpRobot(config_for(world.name), our_limits()), RunError);
+}
+
+TEST_F(Yarp, WithoutANameServerThereIsNoRobot) {
+  YarpWorld::get().kill_name_server();
+  EXPECT_THROW(YarpRobot(config_for("/icub"), our_limits()), RunError);
+  YarpWorld::get().start_name_server();
+}
+
+}  // namespace
+}  // namespace saccade
