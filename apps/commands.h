@@ -18,5 +18,6 @@ void add_convert_command(CLI::App& app, Action& action);
 void add_emulate_command(CLI::App& app, Action& action);
 void add_calibrate_command(CLI::App& app, Action& action);
 void add_serve_command(CLI::App& app, Action& action);
+void add_deploy_command(CLI::App& app, Action& action);
 
 }  // namespace saccade

@@ -63,7 +63,7 @@ class DetectionRecorder final : public LoopObserver {
 void play(ReplayRobot& robot, Loop& loop, DetectionRecorder& recorder, std::span<const TruthRow> truth) {
   if (truth.empty()) {
     for (std::int64_t t_us = robot.now_us() + tick_us; !interrupted(); t_us += tick_us) {
-      if (loop.tick(t_us, recorder) == PortStatus::ended) return;
+      if (loop.tick(t_us, recorder) != PortStatus::ok) return;
     }
     return;
   }

@@ -10,11 +10,13 @@ namespace saccade {
 namespace {
 
 constexpr std::int64_t slice_us = 1'000;
+constexpr std::size_t event_capacity = 1 << 16;  // a tick with more of them allocates
 
 }  // namespace
 
 Loop::Loop(Clock& clock, EventSource& events, HeadPort* head, const MountedCamera& camera,
-           std::vector<LoopDetector> detectors, std::optional<LoopGaze> gaze, Eye eye)
+           std::vector<LoopDetector> detectors, std::optional<LoopGaze> gaze, Eye eye,
+           std::optional<LoopBudget> budget)
     : clock_(clock),
       source_(events),
       head_(head),
@@ -23,48 +25,80 @@ Loop::Loop(Clock& clock, EventSource& events, HeadPort* head, const MountedCamer
       eye_from_camera_(camera.mount.eye_from_camera()),
       detectors_(std::move(detectors)),
       gaze_(std::move(gaze)),
+      budget_(budget),
       results_(detectors_.size()),
-      last_t_us_(clock.now_us()) {
+      last_t_us_(clock.now_us()),
+      took_over_us_(last_t_us_) {
   SACCADE_CHECK(!gaze_ || (eye_ == Eye::left && (gaze_->driver || !gaze_->stereo)));
   SACCADE_CHECK(!gaze_ || (head_ != nullptr && (!gaze_->driver || *gaze_->driver < detectors_.size())));
   if (gaze_) check_config("gaze", gaze_->follow);
   if (gaze_) start_us_ = last_t_us_ + std::llround(gaze_->follow.start_s * 1e6);
   if (gaze_ && gaze_->driver) phase_ = GazePhase::searching;
+  for (std::vector<Event>* const room : {&events_, &seen_events_, &other_events_})
+    room->reserve(event_capacity);
+}
+
+void Loop::take_over(LoopMotion motion) {
+  SACCADE_CHECK(gaze_ && (motion.controller != nullptr) == motion.limiter.has_value() &&
+                (motion.controller == nullptr) == (motion.port != nullptr));
+  gaze_->motion = std::move(motion);
+  took_over_us_ = last_t_us_;
+}
+
+void Loop::let_go() {
+  if (gaze_) gaze_->motion.reset();
+}
+
+PortStatus Loop::note_lost(PortStatus status, std::string_view what) {
+  if (status == PortStatus::lost) lost_ = what;
+  return status;
 }
 
 PortStatus Loop::tick(std::int64_t t_us, LoopObserver& observer) {
-  const auto need = [](PortStatus status, const char* what) {
-    if (status == PortStatus::lost) throw RunError(std::string("lost the connection to the ") + what);
-    return status;
-  };
-  if (need(clock_.wait_until(t_us), "clock") == PortStatus::ended) return PortStatus::ended;
+  const PortStatus time = note_lost(clock_.wait_until(t_us), "clock");
+  if (time != PortStatus::ok) return time;
   events_.clear();
-  const PortStatus status = need(source_.read_until(t_us, events_), "event camera");
-  seen_events_.clear();
-  other_events_.clear();
-  for (const Event& event : events_) {
-    (event.camera == static_cast<std::uint8_t>(eye_) ? seen_events_ : other_events_).push_back(event);
-  }
+  const PortStatus status = note_lost(source_.read_until(t_us, events_), "event camera");
+  if (status == PortStatus::lost) return status;
 
   Tick tick;
   tick.t_us = t_us;
+  tick.events = events_;
+  tick.detectors = results_;
+  if (budget_ && events_.size() > budget_->max_events)
+    tick.events_left_out = events_.size() - budget_->max_events;
+  seen_events_.clear();
+  other_events_.clear();
+  for (const Event& event : tick.events.subspan(tick.events_left_out)) {
+    (event.camera == static_cast<std::uint8_t>(eye_) ? seen_events_ : other_events_).push_back(event);
+  }
+
   std::optional<CameraMotion> known_motion;
   if (head_ != nullptr) {
-    need(head_->read(tick.head.emplace()), "head");
+    const PortStatus read = note_lost(head_->read(tick.head.emplace()), "head");
+    if (read == PortStatus::lost) return read;
     if (is_finite(*tick.head)) known_motion = camera_motion(*tick.head, eye_, eye_from_camera_);
   }
   const CameraMotion* motion = known_motion ? &*known_motion : nullptr;
-  for (std::size_t i = 0; i < detectors_.size(); ++i) {
-    if (gaze_ && gaze_->driver == i && motion != nullptr && t_us > start_us_) {
-      drive(t_us, *motion, tick);
-    } else {
-      results_[i] = ask(*detectors_[i].detector, seen_events_, t_us, motion);
-    }
+  const std::size_t nobody = detectors_.size();
+  const std::size_t driver = gaze_ ? gaze_->driver.value_or(nobody) : nobody;
+  if (driver != nobody && motion != nullptr && t_us > start_us_) {
+    drive(t_us, *motion, tick);
+  } else if (driver != nobody) {
+    results_[driver] = ask(*detectors_[driver].detector, seen_events_, t_us, motion);
   }
   if (gaze_ && gaze_->stereo) see_with_both_eyes(t_us, motion, tick);
-  tick.events = events_;
-  tick.detectors = results_;
-  if (gaze_) act(static_cast<double>(t_us - last_t_us_) * 1e-6, tick);
+  if (gaze_) {
+    const PortStatus acted = act(static_cast<double>(t_us - last_t_us_) * 1e-6, tick);
+    if (acted == PortStatus::lost) return acted;
+  }
+  tick.acted_us = clock_.now_us();
+  for (std::size_t i = 0; i < detectors_.size(); ++i) {
+    if (driver == i) continue;
+    results_[i] = {};
+    results_[i].skipped = budget_ && clock_.now_us() - t_us >= budget_->shadows_until_us;
+    if (!results_[i].skipped) results_[i] = ask(*detectors_[i].detector, seen_events_, t_us, motion);
+  }
   last_t_us_ = t_us;
   observer.on_tick(tick);
   return status;
@@ -77,7 +111,7 @@ DetectorTick Loop::ask(Detector& detector, std::span<const Event> events, std::o
   if (now_us) detector.advance_to(*now_us, motion);
   const Estimate estimate = detector.estimate();
   const auto end = std::chrono::steady_clock::now();
-  return {estimate, estimate.valid && (!events.empty() || estimate.held),
+  return {estimate, estimate.valid && (!events.empty() || estimate.held), false,
           std::chrono::duration_cast<std::chrono::nanoseconds>(end - begin).count()};
 }
 
@@ -101,7 +135,7 @@ void Loop::drive(std::int64_t t_us, const CameraMotion& motion, Tick& tick) {
     left = left.subspan(slice.size());
   }
   const Estimate estimate = look(left, t_us);
-  results_[*gaze_->driver] = {estimate, estimate.valid && (!seen_events_.empty() || estimate.held),
+  results_[*gaze_->driver] = {estimate, estimate.valid && (!seen_events_.empty() || estimate.held), false,
                               elapsed_ns};
 }
 
@@ -120,14 +154,34 @@ void Loop::see_with_both_eyes(std::int64_t t_us, const CameraMotion* motion, Tic
   if (met_m) tick.new_target_m = met_m;
 }
 
-void Loop::act(double dt_s, Tick& tick) {
-  const HeadJointVector wanted = gaze_->controller->step(*tick.head, tick.new_target_m, dt_s);
-  tick.target_status = gaze_->controller->target_status();
+PortStatus Loop::act(double dt_s, Tick& tick) {
+  std::optional<LoopMotion>& motion = gaze_->motion;
+  HeadJointVector wanted = HeadJointVector::Zero();
+  if (motion && motion->controller) {
+    wanted = motion->controller->step(*tick.head, tick.new_target_m, dt_s);
+    tick.target_status = motion->controller->target_status();
+  } else {
+    tick.target_status = judge_target(tick);
+  }
   watch_target(tick);
-  tick.command = gaze_->limiter.apply(wanted, tick.head->head_position_rad(), dt_s);
+  if (!motion) return PortStatus::ok;
+  const double since_s = static_cast<double>(tick.t_us - took_over_us_) * 1e-6;
+  if (motion->port != nullptr) {
+    const bool hand_over = tick.target_status == TargetStatus::ok && since_s >= motion->ramp_in_s;
+    return hand_over ? note_lost(motion->port->look_at(*tick.new_target_m), "gaze controller")
+                     : PortStatus::ok;
+  }
+  const double speed_share = since_s < motion->ramp_in_s ? since_s / motion->ramp_in_s : 1.0;
+  tick.command = motion->limiter->apply(wanted, tick.head->head_position_rad(), dt_s, speed_share);
   const HeadPort::CommandResult result = head_->command(tick.command.reference_rad);
-  if (result.status == PortStatus::lost) throw RunError("lost the connection to the head");
   tick.command_refused = result.refused;
+  return note_lost(result.status, "head");
+}
+
+/// Targets come only while the head's state is finite.
+TargetStatus Loop::judge_target(const Tick& tick) {
+  if (!tick.new_target_m) return TargetStatus::none;
+  return check_gaze_target(*tick.new_target_m, HeadKinematics(tick.head->position_rad));
 }
 
 void Loop::watch_target(Tick& tick) {
@@ -138,7 +192,7 @@ void Loop::watch_target(Tick& tick) {
   } else if (phase_ == GazePhase::following &&
              static_cast<double>(tick.t_us - seen_us_) * 1e-6 >= gaze_->follow.lost_after_s) {
     const bool rest = gaze_->follow.lost == "rest";
-    if (rest) gaze_->controller->rest();
+    if (rest && gaze_->motion && gaze_->motion->controller) gaze_->motion->controller->rest();
     phase_ = rest ? GazePhase::resting : GazePhase::holding;
   }
   tick.target_m = target_m_;

@@ -47,6 +47,7 @@ int main(int argc, char** argv) {
   saccade::add_emulate_command(app, action);
   saccade::add_calibrate_command(app, action);
   saccade::add_serve_command(app, action);
+  saccade::add_deploy_command(app, action);
   try {
     app.parse(argc, argv);
     return action();

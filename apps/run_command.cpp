@@ -77,7 +77,8 @@ int run(const RunOptions& options) {
            recorder.picture_wall_s();
   };
   for (std::int64_t t_us = World::tick_us; t_us <= end_us && !interrupted(); t_us += World::tick_us) {
-    loop.tick(t_us, observers);
+    if (loop.tick(t_us, observers) == PortStatus::lost)
+      throw RunError("lost the connection to the " + std::string(loop.lost()));
     const double t_s = static_cast<double>(t_us) * 1e-6;
     progress.show(t_s, [&] {
       return fmt::format("{:6.2f} of {:.2f} s, {:.2f} x real time", t_s, scenario.run.duration_s,

@@ -27,6 +27,8 @@ class RunLog final : public LoopObserver {
   RunLog(const std::filesystem::path& file, std::function<void(const std::string&)> echo);
 
   void on_tick(const Tick& tick) override;
+  /// A line that is not of a tick.
+  void note(std::int64_t t_us, const std::string& text) { write(t_us, text); }
   /// Says what is still to be said and gives the file its name.
   void finish();
 

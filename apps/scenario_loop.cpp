@@ -5,11 +5,11 @@ namespace saccade {
 std::optional<LoopGaze> make_gaze(const Scenario& scenario, const JointLimits& limits) {
   const GazeControllerConfig& config = scenario.gaze.controller;
   if (scenario.gaze.detector == "none" && config.controller != "script") return std::nullopt;
-  LoopGaze gaze{{},
-                make_gate(scenario.gaze.gate),
-                make_gaze_controller(config, limits),
-                JointLimiter(motion_limits(limits, config.limits)),
-                scenario.gaze.follow};
+  LoopGaze gaze{
+      {},
+      make_gate(scenario.gaze.gate),
+      LoopMotion{make_gaze_controller(config, limits), JointLimiter(motion_limits(limits, config.limits))},
+      scenario.gaze.follow};
   for (std::size_t i = 0; i < scenario.detectors.size(); ++i) {
     const auto& [name, detector] = scenario.detectors[i];
     if (name != scenario.gaze.detector) continue;

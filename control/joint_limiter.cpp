@@ -58,11 +58,11 @@ double stoppable_speed(double distance, double acceleration, double dt) {
 }
 
 VelocityRange allowed_velocity(const MotionLimits& limits, int joint, double position, double velocity,
-                               double dt) {
+                               double dt, double speed_share) {
   const double a = limits.acceleration_rad_s2[joint];
   const double up = stoppable_speed(limits.max_rad[joint] - position, a, dt);
   const double down = -stoppable_speed(position - limits.min_rad[joint], a, dt);
-  const double speed = limits.speed_rad_s[joint];
+  const double speed = speed_share * limits.speed_rad_s[joint];
   const double fastest =
       std::clamp(std::max(std::min(speed, velocity + a * dt), velocity - a * dt), down, up);
   const double slowest =
@@ -71,8 +71,8 @@ VelocityRange allowed_velocity(const MotionLimits& limits, int joint, double pos
 }
 
 JointLimiter::Result JointLimiter::apply(const HeadJointVector& command, const HeadJointVector& measured,
-                                         double dt) {
-  SACCADE_CHECK(dt > 0.0);
+                                         double dt, double speed_share) {
+  SACCADE_CHECK(dt > 0.0 && speed_share >= 0.0 && speed_share <= 1.0);
   if (!started_) {
     reference_rad_ = inside_hardware(limits_, measured);
     command_rad_ = reference_rad_;
@@ -91,11 +91,13 @@ JointLimiter::Result JointLimiter::apply(const HeadJointVector& command, const H
     const double close =
         std::copysign(stoppable_speed(std::abs(lag), limits_.acceleration_rad_s2[j], dt), lag);
     const double wanted = (goal - command_rad_[j]) / dt + close;
-    const VelocityRange range = allowed_velocity(limits_, j, reference_rad_[j], velocity_rad_s_[j], dt);
+    const VelocityRange range =
+        allowed_velocity(limits_, j, reference_rad_[j], velocity_rad_s_[j], dt, speed_share);
+    const double speed = speed_share * limits_.speed_rad_s[j];
     double velocity = wanted;
-    if (std::abs(velocity) > limits_.speed_rad_s[j] * (1.0 + 1e-9)) {
+    if (std::abs(velocity) > speed * (1.0 + 1e-9)) {
       result.speed.set(bit);
-      velocity = std::copysign(limits_.speed_rad_s[j], velocity);
+      velocity = std::copysign(speed, velocity);
     }
     const double slack = 1e-9 * limits_.acceleration_rad_s2[j] * dt;  // what rounding makes of a fair command
     if (velocity < range.min - slack || velocity > range.max + slack) {

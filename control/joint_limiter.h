@@ -37,13 +37,13 @@ struct MotionLimits {
 /// The velocities a reference at `position` that moves at `velocity` may take for the next dt_s such that it
 /// keeps the speed and acceleration limits and can always stop before min or max. Outside of these only
 /// inward. Never empty; where the limits contradict each other (a start at high speed near a stop) position
-/// comes first, then acceleration.
+/// comes first, then acceleration. `speed_share` in [0, 1] of the speed limits is allowed.
 struct VelocityRange {
   double min;
   double max;
 };
 [[nodiscard]] VelocityRange allowed_velocity(const MotionLimits& limits, int joint, double position_rad,
-                                             double velocity_rad_s, double dt_s);
+                                             double velocity_rad_s, double dt_s, double speed_share = 1.0);
 
 using JointMask = std::bitset<head_joint_count>;  ///< bit j: head joint j, neck pitch first
 
@@ -66,8 +66,10 @@ class JointLimiter {
 
   explicit JointLimiter(const MotionLimits& limits) : limits_(limits) {}
 
-  /// `measured_rad` is looked at in the first call only; dt_s > 0 is the time since the last call.
-  Result apply(const HeadJointVector& command_rad, const HeadJointVector& measured_rad, double dt_s);
+  /// `measured_rad` is looked at in the first call only; dt_s > 0 is the time since the last call. `speed_share` in
+  /// [0, 1]: of the speed limits, for a head that shall start slowly.
+  Result apply(const HeadJointVector& command_rad, const HeadJointVector& measured_rad, double dt_s,
+               double speed_share = 1.0);
 
  private:
   MotionLimits limits_;

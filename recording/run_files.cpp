@@ -69,6 +69,20 @@ void visit_columns(Visitor& visit, Row& row) {
     visit("p", row.on);
     visit("cause", row.cause);
     visit("object", row.object);
+  } else if constexpr (std::is_same_v<Table, TimingRow>) {
+    visit("state", row.state);
+    visit("ticks", row.ticks);
+    visit("missed", row.missed);
+    visit("late_max_us", row.late_max_us);
+    visit("tick_mean_us", row.tick_mean_us);
+    visit("tick_max_us", row.tick_max_us);
+    visit("latency_mean_us", row.latency_mean_us);
+    visit("latency_max_us", row.latency_max_us);
+    visit("events", row.events);
+    visit("events_left_out", row.events_left_out);
+    visit("skipped", row.skipped);
+    visit("queued", row.queued);
+    visit("dropped", row.dropped);
   } else {
     static_assert(std::is_same_v<Table, JointsRow>);
     visit_joints(visit, row.position_rad);
@@ -280,17 +294,20 @@ template class TableWriter<GazeRow>;
 template class TableWriter<JointsRow>;
 template class TableWriter<EyeRow>;
 template class TableWriter<LabelRow>;
+template class TableWriter<TimingRow>;
 template class TableReader<TruthRow>;
 template class TableReader<DetectionRow>;
 template class TableReader<GazeRow>;
 template class TableReader<JointsRow>;
 template class TableReader<EyeRow>;
 template class TableReader<LabelRow>;
+template class TableReader<TimingRow>;
 template std::vector<TruthRow> read_table(const std::filesystem::path& path);
 template std::vector<DetectionRow> read_table(const std::filesystem::path& path);
 template std::vector<GazeRow> read_table(const std::filesystem::path& path);
 template std::vector<JointsRow> read_table(const std::filesystem::path& path);
 template std::vector<EyeRow> read_table(const std::filesystem::path& path);
 template std::vector<LabelRow> read_table(const std::filesystem::path& path);
+template std::vector<TimingRow> read_table(const std::filesystem::path& path);
 
 }  // namespace saccade

@@ -65,6 +65,27 @@ struct JointsRow {
   JointVector position_rad = JointVector::Zero();
 };
 
+/// timing.csv: what a stretch of a deployed run's ticks took and left out; columns named as the members. `state` as
+/// DeployState has it at the end; largest lateness of a tick; time in it and from the newest event to the command, mean
+/// and largest, empty where there was none; events that came and of them left out, evaluations of detectors left out,
+/// events that waited at the end, and those that the camera's connection dropped.
+struct TimingRow {
+  std::int64_t t_us = 0;
+  std::string state;
+  std::int64_t ticks = 0;
+  std::int64_t missed = 0;
+  std::int64_t late_max_us = 0;
+  double tick_mean_us = 0.0;
+  std::int64_t tick_max_us = 0;
+  double latency_mean_us = 0.0;
+  double latency_max_us = 0.0;
+  std::int64_t events = 0;
+  std::int64_t events_left_out = 0;
+  std::int64_t skipped = 0;
+  std::int64_t queued = 0;
+  std::int64_t dropped = 0;
+};
+
 /// labels.csv: t_us,x,y,p,cause,object. One row per event of the events' file, in its order. `p` is 1 for brighter;
 /// `cause` is signal, leak, shot or hot; `object` is ball, hand, arm, distractor or background. Truth.
 struct LabelRow {
@@ -121,11 +142,13 @@ extern template class TableWriter<GazeRow>;
 extern template class TableWriter<JointsRow>;
 extern template class TableWriter<EyeRow>;
 extern template class TableWriter<LabelRow>;
+extern template class TableWriter<TimingRow>;
 extern template class TableReader<TruthRow>;
 extern template class TableReader<DetectionRow>;
 extern template class TableReader<GazeRow>;
 extern template class TableReader<JointsRow>;
 extern template class TableReader<EyeRow>;
 extern template class TableReader<LabelRow>;
+extern template class TableReader<TimingRow>;
 
 }  // namespace saccade

@@ -10,39 +10,6 @@
 namespace saccade {
 namespace {
 
-bool is_known(const std::string& preset) {
-  const auto& known = detector_presets();
-  return std::find(known.begin(), known.end(), preset) != known.end();
-}
-
-/// The detectors that the block `detectors` names, with their presets' values; a name that is no preset needs
-/// the key `preset`, which is added to `required`.
-NamedDetectors named_in(const YamlTree& tree, std::vector<std::string>& required) {
-  NamedDetectors detectors;
-  const YamlNode* block = tree.root.find("detectors");
-  if (block == nullptr) return detectors;
-  for (std::size_t i = 0; i < block->keys.size(); ++i) {
-    const std::string& name = block->keys[i];
-    const YamlNode* preset = block->items[i].find("preset");
-    if (preset == nullptr && !is_known(name)) required.push_back("detectors." + name + ".preset");
-    const std::string& start = preset != nullptr ? preset->text : name;
-    detectors.emplace_back(name, is_known(start) ? detector_preset(start) : DetectorConfig{});
-  }
-  return detectors;
-}
-
-void describe_detectors(FieldVisitor& v, NamedDetectors& detectors) {
-  v.section(
-      "detectors",
-      [&](FieldVisitor& block) {
-        for (auto& [name, config] : detectors) {
-          block.section(
-              name, [&config = config](FieldVisitor& w) { describe(w, config); }, "a detector");
-        }
-      },
-      "detectors that see the events, by name");
-}
-
 /// The words of `key.path=value` before any of `ends`.
 std::string key_of(const std::string& assignment, const char* ends) {
   return assignment.substr(0, assignment.find_first_of(ends));
@@ -131,22 +98,7 @@ void describe_left_camera(FieldVisitor& v, SimConfig& sim) {
 /// tree, or the block of the camera, which has the defaults of `mounted`.
 MountedCamera calibration_default(YamlTree& tree, const std::filesystem::path& folder,
                                   const std::string& name, const std::string& camera, MountedCamera mounted) {
-  const std::string key = "file";
-  const auto block = std::find(tree.root.keys.begin(), tree.root.keys.end(), name);
-  if (block != tree.root.keys.end()) {
-    YamlNode& calibration = tree.root.items[static_cast<std::size_t>(block - tree.root.keys.begin())];
-    const auto at = std::find(calibration.keys.begin(), calibration.keys.end(), key);
-    if (at != calibration.keys.end()) {
-      const auto index = at - calibration.keys.begin();
-      const YamlNode file = calibration.items[static_cast<std::size_t>(index)];
-      if (file.kind != YamlNode::Kind::scalar || file.text.empty()) {
-        throw InputError(tree.place(file.mark, name + ".file"), file.found(), "the name of a file");
-      }
-      calibration.keys.erase(at);
-      calibration.items.erase(calibration.items.begin() + index);
-      return read_calibration(file.mark.line == 0 ? std::filesystem::path(file.text) : folder / file.text);
-    }
-  }
+  if (const auto read = calibration_from_file(tree, folder, name)) return *read;
   YamlReader reader(tree);
   reader.section(
       camera, [&](FieldVisitor& w) { describe(w, mounted); }, "");
@@ -258,7 +210,7 @@ Scenario read_scenario(YamlTree tree, const std::filesystem::path& folder) {
   std::vector<std::string> required = {"name",     "run", "run.duration_s", "ball", "ball.trajectory",
                                        "detectors"};
   Scenario scenario;
-  scenario.detectors = named_in(tree, required);
+  scenario.detectors = named_detectors_in(tree, required);
   scenario.sim.world.things = things_in(tree);
   if (tree.root.find("board") != nullptr) scenario.sim.world.board.emplace();
   if (tree.root.find(frame_detector_name) != nullptr) scenario.frame_30hz.emplace();
@@ -327,7 +279,7 @@ NamedDetectors read_detectors(const std::filesystem::path& path,
   // Which keys a detector has may depend on what is set, so they are known once everything is.
   const YamlTree everything = with_sets([](const auto&...) { return true; });
   std::vector<std::string> required = {"detectors"};
-  NamedDetectors detectors = named_in(everything, required);
+  NamedDetectors detectors = named_detectors_in(everything, required);
   YamlReader first(everything);
   describe_detectors(first, detectors);
   const YamlTree keys = parse_yaml(resolved_detectors(detectors), "");
@@ -339,7 +291,7 @@ NamedDetectors read_detectors(const std::filesystem::path& path,
     return has(name, assignment) || std::none_of(names.begin(), names.end(), has_it);
   });
   required = {"detectors"};
-  detectors = named_in(tree, required);
+  detectors = named_detectors_in(tree, required);
   YamlReader reader(tree, std::move(required));
   describe_detectors(reader, detectors);
   reader.finish();

@@ -4,22 +4,17 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "apps/config/yaml_tree.h"
+#include "apps/config/sections.h"
 #include "control/gaze_controller.h"
 #include "control/gaze_gate.h"
-#include "core/detector_factory.h"
 #include "evaluation/calibration.h"
 #include "evaluation/frame_detector.h"
 #include "evaluation/metrics.h"
 #include "sim/sim_robot.h"
 
 namespace saccade {
-
-/// Detectors by the name they have in a run, in file order.
-using NamedDetectors = std::vector<std::pair<std::string, DetectorConfig>>;
 
 /// The range that a figure of metrics.json must lie in, e.g. gaze.in_view_ratio in [0.98, 1].
 struct Expectation {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <utility>
 
 #include "core/error.h"
 
@@ -38,6 +40,8 @@ void FakeRobot::move_head(std::int64_t t_us) {
 PortStatus FakeRobot::wait_until(std::int64_t t_us) {
   if (status_ != PortStatus::ok) return status_;
   if (t_us <= now_us_) return status_;
+  if (script_.late_us && t_us >= script_.late_us->first)
+    t_us += std::exchange(script_.late_us, std::nullopt)->second;
   if (is_over()) return status_ = PortStatus::ended;
   if (script_.lost_us && t_us >= *script_.lost_us) return status_ = PortStatus::lost;
   if (!script_.freeze_us || now_us_ < *script_.freeze_us) {
@@ -70,6 +74,9 @@ PortStatus FakeRobot::read(HeadState& state) {
   const auto& fault_us = script_.nan_us;
   if (fault_us && now_us_ >= fault_us->first && now_us_ < fault_us->second) {
     state.position_rad[neck_yaw] = std::numeric_limits<double>::quiet_NaN();
+  }
+  if (script_.outside_us && now_us_ >= *script_.outside_us) {
+    state.position_rad[neck_yaw] = script_.limits.max_rad[neck_yaw] + 2.0 * std::numbers::pi / 180.0;
   }
   return status_;
 }

@@ -21,6 +21,9 @@ struct FakeRobotScript {
   std::optional<std::int64_t> freeze_us;  ///< the encoders say the same from here on, with that stamp
   /// In [first, second) the encoder of the neck's yaw reads NaN.
   std::optional<std::pair<std::int64_t, std::int64_t>> nan_us;
+  std::optional<std::int64_t> outside_us;  ///< from here on it reads 2 deg beyond its upper limit
+  /// The first wait that would end at `first` or later ends `second` later than that.
+  std::optional<std::pair<std::int64_t, std::int64_t>> late_us;
 
   JointLimits limits;
   JointVector start_rad = JointVector::Zero();

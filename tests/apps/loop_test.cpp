@@ -89,8 +89,10 @@ struct Trial {
     std::vector<LoopDetector> detectors;
     detectors.push_back({"seer", std::make_unique<BallSeer>(ball)});
     Loop loop(fake, fake, &fake, MountedCamera{}, std::move(detectors),
-              LoopGaze{0, std::move(gate), make_gaze_controller(config, limits),
-                       JointLimiter(motion_limits(limits, config.limits)), follow});
+              LoopGaze{0, std::move(gate),
+                       LoopMotion{make_gaze_controller(config, limits),
+                                  JointLimiter(motion_limits(limits, config.limits))},
+                       follow});
     TempFolder folder;
     RunLog run_log(folder / "log.txt", [&](const std::string& line) { log.push_back(line); });
     for (std::int64_t t_us = 1000; t_us <= std::llround(duration_s * 1e6); t_us += 1000) {
@@ -293,11 +295,11 @@ TEST(BothEyes, EachDetectorGetsItsEyesEventsAndTheBallsDistanceComesFromBoth) {
     const double radius_m = 0.06;  // of a ball of 0.0475: by its radius it is 0.1 m too near
     std::vector<LoopDetector> detectors;
     detectors.push_back({"left", std::make_unique<OneEyed>(Eye::left, radius_m, left)});
-    LoopGaze gaze{0,
-                  make_gate({.gate = "none", .authors = {}, .continuity = {}, .target = {}}),
-                  make_gaze_controller({}, script.limits),
-                  JointLimiter(motion_limits(script.limits, {})),
-                  {.start_s = 0.0}};
+    LoopGaze gaze{
+        0,
+        make_gate({.gate = "none", .authors = {}, .continuity = {}, .target = {}}),
+        LoopMotion{make_gaze_controller({}, script.limits), JointLimiter(motion_limits(script.limits, {}))},
+        {.start_s = 0.0}};
     if (stereo) {
       gaze.stereo.emplace(LoopStereo{std::make_unique<OneEyed>(Eye::right, radius_m, right),
                                      MountedCamera{right_dvs128, {}}, StereoLocator({})});

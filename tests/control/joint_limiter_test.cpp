@@ -53,6 +53,22 @@ TEST(JointLimiter, PassesAGentleStreamUnchanged) {
   }
 }
 
+TEST(JointLimiter, HoldsTheShareOfTheSpeedThatItIsAllowed) {
+  for (const double share : {0.0, 0.1, 0.5}) {
+    JointLimiter limiter(limits());
+    const HeadJointVector goal = middle() + all(10.0 * rad_per_deg);
+    HeadJointVector before = middle();
+    HeadJointVector fastest = HeadJointVector::Zero();
+    for (int i = 0; i < 500; ++i) {
+      const HeadJointVector reference = limiter.apply(goal, middle(), dt, share).reference_rad;
+      fastest = fastest.cwiseMax((reference - before).cwiseAbs() / dt);
+      before = reference;
+    }
+    EXPECT_TRUE((fastest.array() <= share * limits().speed_rad_s.array() + rounding).all()) << share;
+    EXPECT_TRUE((fastest.array() >= share * limits().speed_rad_s.array() - rounding).all()) << share;
+  }
+}
+
 TEST(JointLimiter, AJumpBecomesASwiftMoveWithoutOvershoot) {
   JointLimiter limiter(limits());
   Watch watch(middle());

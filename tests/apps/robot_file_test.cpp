@@ -1,0 +1,94 @@
+#include "apps/config/robot_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/control/genova02.h"
+#include "tests/recording/temp_folder.h"
+
+namespace saccade {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+const fs::path robots = fs::path(SACCADE_SOURCE_DIR) / "scenarios" / "robots";
+
+/// A whole robot file with the least in it.
+const std::string least = R"(name: mine
+backend: recording
+recording: {path: some/run}
+calibration: {width_px: 128, height_px: 128, fx_px: 99, fy_px: 99, cx_px: 64, cy_px: 69, k1: 0, k2: 0, p1: 0, p2: 0}
+detectors: {best: {}}
+)";
+
+std::string complaint(const fs::path& path, const std::vector<std::string>& sets = {}) {
+  try {
+    static_cast<void>(read_robot_file(path, sets));
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "nothing";
+}
+
+TEST(RobotFile, TheExamplesReadAndReadBackTheSame) {
+  int count = 0;
+  for (const auto& entry : fs::directory_iterator(robots)) {
+    SCOPED_TRACE(entry.path());
+    const RobotFile robot = read_robot_file(entry.path(), {});
+    TempFolder folder;
+    const std::string resolved = resolved_robot_file(robot);
+    EXPECT_EQ(resolved_robot_file(read_robot_file(folder.write("robot.yaml", resolved), {})), resolved);
+    EXPECT_NE(robot.gaze.detector, "none");
+    ++count;
+  }
+  EXPECT_GE(count, 1);
+}
+
+TEST(RobotFile, PathsAreRelativeToTheFileAndThoseOfSetToTheWorkingFolder) {
+  TempFolder folder;
+  const fs::path file = folder.write("robot.yaml", least);
+  EXPECT_EQ(read_robot_file(file, {}).recording.path, folder / "some/run");
+  EXPECT_EQ(read_robot_file(file, {"recording.path=other"}).recording.path, fs::current_path() / "other");
+}
+
+TEST(RobotFile, WithoutACalibrationThereIsNoRobot) {
+  TempFolder folder;
+  const std::string without = least.substr(0, least.find("calibration")) + "detectors: {best: {}}\n";
+  EXPECT_THAT(complaint(folder.write("robot.yaml", without)),
+              HasSubstr("calibration: found no such key, expected a block of keys"));
+  EXPECT_THAT(complaint(folder.write("robot.yaml", without + "calibration: {width_px: 128, k1: 0}\n")),
+              AllOf(HasSubstr("calibration.fx_px: found no such key"), HasSubstr("calibration.p2")));
+  folder.write(
+      "left.yaml",
+      "calibration: {width_px: 128, height_px: 128, fx_px: 77, fy_px: 99, cx_px: 64, cy_px: 69, k1: 0, k2: "
+      "0, p1: 0, p2: 0}\n");
+  const fs::path file = folder.write("robot.yaml", without + "calibration: {file: left.yaml}\n");
+  EXPECT_EQ(read_robot_file(file, {}).calibration.camera.fx_px, 77.0);
+}
+
+TEST(RobotFile, EverythingThatIsWrongIsToldAtOnce) {
+  TempFolder folder;
+  const fs::path file =
+      folder.write("robot.yaml", least + R"(limits: {neck_yaw_deg: [45, -45], neck_jaw_deg: [0, 1]}
+gaze: {detector: worst, controller: script}
+deploy: {watchdog: {camera_silent_ms: 95}, ramp_in: 2}
+)");
+  const std::string text = complaint(file, {"backend=toaster"});
+  for (const char* expected :
+       {"--set backend: found toaster", "robot.yaml:6: limits.neck_yaw_deg: found [45, -45]",
+        "did you mean neck_yaw_deg?", "gaze.detector: found worst",
+        "deploy.watchdog.safe_within_ms: found 100, expected at least 115", "deploy.ramp_in"})
+    EXPECT_THAT(text, HasSubstr(expected));
+}
+
+TEST(RobotFile, OurLimitsAreTheRobotsOf2016UnlessTheFileSaysOtherwise) {
+  const JointLimits ours = joint_limits({});
+  const JointLimits genova = genova02_limits();
+  EXPECT_TRUE(ours.min_rad.tail<head_joint_count>().isApprox(genova.min_rad.tail<head_joint_count>()));
+  EXPECT_TRUE(ours.max_rad.tail<head_joint_count>().isApprox(genova.max_rad.tail<head_joint_count>()));
+}
+
+}  // namespace
+}  // namespace saccade

@@ -1,0 +1,167 @@
+// saccade deploy as a user meets it, on a recording that passes in real time.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "recording/event_file.h"
+#include "recording/run_files.h"
+#include "tests/integration/run_shell.h"
+#include "tests/recording/temp_folder.h"
+
+namespace saccade {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+const std::string source = SACCADE_SOURCE_DIR;
+// This machine may have other things to do, and that is not what is tested here.
+const std::string patient =
+    " --set deploy.watchdog.safe_within_ms=1000 --set deploy.watchdog.tick_late_ms=500 --set "
+    "deploy.watchdog.camera_silent_ms=500 --set deploy.watchdog.joints_stale_ms=500 ";
+
+std::vector<Event> events_of(const fs::path& file) {
+  std::vector<Event> events;
+  const auto reader = open_event_file(file);
+  while (reader->read(events, 1 << 16) > 0) {
+  }
+  return events;
+}
+
+class Deploy : public testing::Test {
+ protected:
+  /// A run of the simulated head, 0.8 s of it.
+  static void SetUpTestSuite() {
+    recorded = std::make_unique<TempFolder>();
+    const Outcome run =
+        run_shell("'" SACCADE_BINARY "' run '" + source +
+                  "/scenarios/look_at_ball.yaml' --set run.duration_s=0.8 --set expect={} --set "
+                  "output.pictures=0 --set 'detectors={best: {}}' --set gaze.detector=best --out " +
+                  path("run"));
+    ASSERT_EQ(run.status, 0) << run.text;
+  }
+  static void TearDownTestSuite() { recorded.reset(); }
+  static std::string path(const std::string& name) { return (*recorded / name).string(); }
+
+  [[nodiscard]] std::string out(const std::string& name = "out") const { return (folder_ / name).string(); }
+  [[nodiscard]] std::string command(const std::string& options) const {
+    return "'" SACCADE_BINARY "' deploy '" + source +
+           "/scenarios/robots/recording.yaml' --set recording.path=" + path("run") + patient + options;
+  }
+
+  static inline std::unique_ptr<TempFolder> recorded;
+  TempFolder folder_;
+};
+
+TEST_F(Deploy, aRecordingPassesInRealTimeIntoARunFolderThatHoldsWhatItSaw) {
+  const Outcome deployed = run_shell(command("--activate --record --out " + out()));
+  ASSERT_EQ(deployed.status, 0) << deployed.text;
+  EXPECT_THAT(deployed.text, AllOf(HasSubstr("ok    recording run: images of 128 x 128 pixels, with joints"),
+                                   HasSubstr("ball found at"), HasSubstr("stopped: the run is over")));
+  const std::vector<Event> events = events_of(out("out/events.aedat4"));
+  const std::vector<Event> played = events_of(path("run/events.aedat"));
+  ASSERT_LE(played.size(), events.size() + 100) << "but for those before the first reading of the joints";
+  EXPECT_TRUE(std::equal(events.rbegin(), events.rend(), played.rbegin()));
+  const auto joints = read_table<JointsRow>(out("out/joints.csv"));
+  EXPECT_GT(joints.size(), 700u);
+  EXPECT_FALSE(read_table<DetectionRow>(out("out/detections.csv")).empty());
+  const auto gaze = read_table<GazeRow>(out("out/gaze.csv"));
+  ASSERT_FALSE(gaze.empty());
+  EXPECT_TRUE(gaze.back().target_m.allFinite());
+  std::int64_t ticks = 0;
+  for (const TimingRow& row : read_table<TimingRow>(out("out/timing.csv"))) {
+    EXPECT_EQ(row.state, "active");
+    ticks += row.ticks + row.missed;
+  }
+  EXPECT_NEAR(static_cast<double>(ticks), 800.0, 5.0);
+  EXPECT_THAT(bytes_of(out("out/deploy.json")),
+              AllOf(HasSubstr("\"checks\""), HasSubstr("\"state\": \"active\"")));
+  EXPECT_THAT(bytes_of(out("out/log.txt")), AllOf(HasSubstr("ready"), HasSubstr("stopped: the run is over")));
+  EXPECT_TRUE(fs::exists(out("out/report.html")));
+
+  const Outcome again = run_shell("'" SACCADE_BINARY "' detect " + out());
+  EXPECT_EQ(again.status, 0) << "what was recorded plays: " << again.text;
+  const Outcome resolved = run_shell("'" SACCADE_BINARY "' deploy " + out("out/robot.yaml") +
+                                     " --duration 0.1 --out " + out("resolved"));
+  EXPECT_EQ(resolved.status, 0) << resolved.text;
+}
+
+TEST_F(Deploy, nobodyActivatesItWithoutATerminalAndADryRunActivatesItself) {
+  const Outcome watched = run_shell(command("--duration 0.3 --out " + out("watched") + " </dev/null"));
+  EXPECT_EQ(watched.status, 0) << watched.text;
+  EXPECT_THAT(bytes_of(out("watched/deploy.json")), Not(HasSubstr("\"active\"")));
+  const Outcome dry = run_shell(command("--dry-run --duration 0.3 --out " + out("dry") + " </dev/null"));
+  EXPECT_EQ(dry.status, 0) << dry.text;
+  EXPECT_THAT(bytes_of(out("dry/deploy.json")),
+              AllOf(HasSubstr("\"active\""), HasSubstr("\"dry_run\": true")));
+}
+
+TEST_F(Deploy, aSignalStopsTheHeadAndLeavesAWholeRunFolder) {
+  for (const std::string signal : {"INT", "TERM"}) {
+    const Outcome stopped = run_shell("timeout --foreground --preserve-status -s " + signal + " 0.5 " +
+                                      command("--activate --set recording.speed=0.1 --out " + out(signal)));
+    EXPECT_EQ(stopped.status, 0) << stopped.text;
+    EXPECT_THAT(bytes_of(out(signal + "/log.txt")), HasSubstr("stopped: by a signal"));
+    EXPECT_TRUE(fs::exists(out(signal + "/report.html")));
+  }
+}
+
+TEST_F(Deploy, whatIsKilledLeavesNoFileThatLooksWhole) {
+  run_shell("timeout -s KILL 0.5 " + command("--activate --record --set recording.speed=0.1 --out " + out()));
+  int unfinished = 0;
+  for (const auto& entry : fs::directory_iterator(out())) {
+    if (entry.path().filename() == "robot.yaml") continue;
+    EXPECT_EQ(entry.path().extension(), ".part") << entry.path();
+    ++unfinished;
+  }
+  EXPECT_GE(unfinished, 5);
+  EXPECT_EQ(run_shell(command("--duration 0.1 --force --out " + out())).status, 0)
+      << "and the next one starts";
+}
+
+TEST_F(Deploy, everyCheckThatFailsIsToldAndKeepsItFromStarting) {
+  const Outcome refused =
+      run_shell(command("--set calibration.width_px=130 --set recording.path=" + path("run/events.aedat") +
+                        " --activate --out " + out()));
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(
+      refused.text,
+      AllOf(HasSubstr("FAIL  calibration is of this camera: events of 128 x 128 pixels, calibration of 130"),
+            HasSubstr("FAIL  a head, where gaze.detector drives one: none"), HasSubstr("not ready")));
+  EXPECT_FALSE(fs::exists(out()));
+}
+
+TEST_F(Deploy, badInputIsStatusTwo) {
+  const Outcome refused = run_shell(command("--set deploy.tick=1 --set gaze.detector=worst --out " + out()));
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.text, AllOf(HasSubstr("deploy.tick"), HasSubstr("gaze.detector: found worst")));
+  EXPECT_EQ(run_shell(command("--set recording.path=/nowhere --out " + out())).status, 2);
+}
+
+TEST_F(Deploy, moreThanItCanDoIsLeftOutAndCountedAndTheRunEndsInTime) {
+  const Outcome busy =
+      run_shell(command("--activate --set recording.speed=20 --set deploy.max_events_per_tick=50 --set "
+                        "deploy.shadows_until_ms=0 --out " +
+                        out()));
+  EXPECT_EQ(busy.status, 0) << busy.text;
+  std::int64_t left_out = 0;
+  std::int64_t skipped = 0;
+  std::int64_t missed = 0;
+  for (const TimingRow& row : read_table<TimingRow>(out("out/timing.csv"))) {
+    left_out += row.events_left_out;
+    skipped += row.skipped;
+    missed += row.missed;
+  }
+  std::printf("left out %ld events, skipped %ld evaluations, missed %ld ticks\n", left_out, skipped, missed);
+  EXPECT_GT(left_out, 0);
+  EXPECT_GT(skipped, 0);
+}
+
+}  // namespace
+}  // namespace saccade
