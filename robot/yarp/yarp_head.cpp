@@ -21,6 +21,9 @@ constexpr double rad_per_deg = 3.14159265358979323846 / 180.0;
 constexpr double limit_tolerance_deg = 0.01;
 constexpr std::int64_t fresh_us = 200'000;
 constexpr int longest_first_state_ms = 1000;
+constexpr int repeats = 3;
+constexpr std::int64_t repeat_after_us = 3'000;
+constexpr auto repeat_period = std::chrono::milliseconds(3);
 
 constexpr std::array<int, head_joint_count> axes = {0, 1, 2, 3, 4, 5};
 
@@ -113,6 +116,7 @@ YarpHead::YarpHead(const YarpConfig& config, const JointLimits& limits, const St
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   if (state_input_.state().count < head_joint_count) lost_ = true;
+  repeater_ = std::make_unique<Periodic>(repeat_period, [this] { send_again(); });
 }
 
 YarpHead::~YarpHead() { release(); }
@@ -169,11 +173,20 @@ PortStatus YarpHead::read(HeadState& state) {
 }
 
 void YarpHead::send(const HeadCommand& reference_rad) {
-  Degrees reference_deg{};
+  const std::lock_guard lock(send_mutex_);
   for (int i = 0; i < head_joint_count; ++i) {
-    reference_deg[static_cast<std::size_t>(i)] = reference_rad[i] / rad_per_deg;
+    sent_deg_[static_cast<std::size_t>(i)] = reference_rad[i] / rad_per_deg;
   }
-  board_->references->setPositions(head_joint_count, axes.data(), reference_deg.data());
+  board_->references->setPositions(head_joint_count, axes.data(), sent_deg_.data());
+  sent_us_ = clock_.now_us();
+  repeats_left_ = repeats;
+}
+
+void YarpHead::send_again() {
+  const std::lock_guard lock(send_mutex_);
+  if (repeats_left_ == 0 || clock_.now_us() < sent_us_ + repeat_after_us) return;
+  board_->references->setPositions(head_joint_count, axes.data(), sent_deg_.data());
+  --repeats_left_;
 }
 
 HeadPort::CommandResult YarpHead::command(const HeadCommand& reference_rad) {
@@ -239,6 +252,10 @@ void YarpHead::release() {
   if (!active_) return;
   stop();
   active_ = false;
+  {
+    const std::lock_guard lock(send_mutex_);
+    repeats_left_ = 0;
+  }
   if (!state_input_.lost()) (void)set_modes(found_modes_);
 }
 

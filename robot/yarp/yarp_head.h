@@ -7,8 +7,10 @@
 #include <yarp/dev/PolyDriver.h>
 
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,6 +42,9 @@ class TorsoInput {
 };
 
 /// The head's six joints by way of their control board. Degrees are here alone.
+///
+/// YARP leaves a message out where the one before is still on its way, and tells nobody. So the last of the references,
+/// when no other has come for 3 ms, is sent three times more: what was said last, to stop for instance, arrives.
 class YarpHead final : public HeadPort {
  public:
   YarpHead(const YarpConfig& config, const JointLimits& limits, const SteadyClock& clock);
@@ -76,6 +81,7 @@ class YarpHead final : public HeadPort {
   [[nodiscard]] std::optional<Modes> modes() const;
   [[nodiscard]] bool set_modes(const Modes& modes) const;
   void send(const HeadCommand& reference_rad);
+  void send_again();
   [[nodiscard]] StartUpCheck limits_check() const;
 
   std::string part_;
@@ -87,9 +93,14 @@ class YarpHead final : public HeadPort {
   TorsoInput torso_;
   std::shared_ptr<Board> board_;  // null where it cannot be opened
   std::unique_ptr<OutputWatch> commands_;
+  std::mutex send_mutex_;  // of the three that follow
+  Degrees sent_deg_{};
+  std::int64_t sent_us_ = 0;
+  int repeats_left_ = 0;
   Modes found_modes_{};
   bool active_ = false;
   bool lost_ = false;
+  std::unique_ptr<Periodic> repeater_;
 };
 
 }  // namespace saccade

@@ -27,7 +27,8 @@ namespace saccade {
 /// - Losing the name server stops nothing: connections that are open live on. It is told by news().
 ///
 /// A command costs the tick what YARP does to hand a message to the connection's own thread: it locks, copies and
-/// allocates a little; it waits for nobody (a message that the last one still blocks is left out).
+/// allocates a little; it waits for nobody (a message that the last one still blocks is left out; YarpHead sends the last
+/// one again).
 ///
 /// All names of ours begin with `local` and are gone when the robot is; those of a process that was killed do not stand
 /// in the way of the next.
