@@ -7,6 +7,7 @@ find_package(CLI11 2.1 REQUIRED)
 find_package(fmt REQUIRED)
 find_package(OpenCV 4.6 REQUIRED COMPONENTS calib3d core features2d imgproc imgcodecs videoio)
 find_package(PkgConfig REQUIRED)
+pkg_check_modules(hdf5 REQUIRED IMPORTED_TARGET hdf5-serial)
 pkg_check_modules(lz4 REQUIRED IMPORTED_TARGET liblz4)
 pkg_check_modules(zstd REQUIRED IMPORTED_TARGET libzstd)
 find_path(FLATBUFFERS_HEADERS flatbuffers/flatbuffers.h REQUIRED)  # its builder is headers alone

@@ -11,6 +11,7 @@
 #include "recording/dat_codec.h"
 #include "recording/event_stream_codec.h"
 #include "recording/evt_codec.h"
+#include "recording/hdf5_codec.h"
 #include "recording/text_codec.h"
 #include "recording/yarp_log_codec.h"
 
@@ -23,9 +24,11 @@ constexpr std::string_view aedat2_mark = "#!AER-DAT2.0";
 constexpr std::string_view aedat3_mark = "#!AER-DAT3.1";
 constexpr std::string_view aedat4_mark = "#!AER-DAT4.0";
 constexpr std::string_view event_stream_mark = "Event Stream";
+constexpr std::string_view hdf5_mark = "\x89HDF\r\n\x1a\n";
 constexpr std::string_view known_formats =
-    "a recording in a known format (AEDAT 1.0, 2.0, 3.1 or 4.0, RAW of EVT2 or EVT3, DAT, Event Stream, an "
-    "event-driven log, or text: t x y p)";
+    "a recording in a known format (AEDAT 1.0, 2.0, 3.1 or 4.0, RAW of EVT2 or EVT3, DAT, Event Stream, "
+    "HDF5, "
+    "an event-driven log, or text: t x y p)";
 
 bool is_text(std::string_view bytes) {
   return std::all_of(bytes.begin(), bytes.end(), [](char c) {
@@ -60,10 +63,10 @@ class OneCameraReader final : public EventReader {
 
 /// Of a folder as YARP's dumpers leave it the log in it.
 std::filesystem::path log_in(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(path, error)) return path;
   for (const char* name : {"data.log", "binaryevents.log"}) {
-    std::error_code error;
-    if (std::filesystem::is_directory(path, error) && std::filesystem::exists(path / name, error))
-      return path / name;
+    if (std::filesystem::exists(path / name, error)) return path / name;
   }
   return path;
 }
@@ -88,6 +91,7 @@ std::unique_ptr<EventReader> open_all(const std::filesystem::path& path, const E
   if (start.starts_with(aedat3_mark)) return open_aedat3(std::move(file), options);
   if (start.starts_with(aedat4_mark)) return open_aedat4(std::move(file), options);
   if (start.starts_with(event_stream_mark)) return open_event_stream(std::move(file));
+  if (start.starts_with(hdf5_mark)) return open_hdf5(path, options);
   if (start.starts_with('%')) return open_prophesee(std::move(file), start, options);
   const auto is_cut = [&](std::string_view mark) { return mark.starts_with(start); };
   if (is_cut(aedat1_mark) || is_cut(aedat2_mark) || is_cut(aedat3_mark) || is_cut(aedat4_mark) ||
@@ -106,6 +110,10 @@ std::unique_ptr<EventReader> open_all(const std::filesystem::path& path, const E
 
 }  // namespace
 
+bool is_log_folder(const std::filesystem::path& path) { return log_in(path) != path; }
+
+std::string writable_formats() { return ".aedat, .aedat4, .csv, .h5, .hdf5, .log, .raw, .txt"; }
+
 std::unique_ptr<EventReader> open_event_file(const std::filesystem::path& path,
                                              const EventReadOptions& options) {
   std::unique_ptr<EventReader> reader = open_all(log_in(path), options);
@@ -120,10 +128,11 @@ std::unique_ptr<EventWriter> create_event_file(const std::filesystem::path& path
   if (extension == ".csv" || extension == ".txt") return create_text(path, image_size, cameras);
   if (extension == ".aedat") return create_aedat2(path, image_size, cameras);
   if (extension == ".aedat4") return create_aedat4(path, image_size, cameras);
+  if (extension == ".h5" || extension == ".hdf5") return create_hdf5(path, image_size, cameras);
   if (extension == ".log") return create_yarp_log(path, image_size, cameras);
   if (extension == ".raw") return create_evt3(path, image_size, cameras);
   throw InputError(path.string(), extension.empty() ? "no extension" : "the extension " + extension,
-                   "one of .aedat, .aedat4, .csv, .log, .raw, .txt");
+                   "one of " + writable_formats());
 }
 
 void check_writable(const Event& event, ImageSize image_size, int cameras,

@@ -48,6 +48,9 @@ struct EventReadOptions {
 [[nodiscard]] std::unique_ptr<EventReader> open_event_file(const std::filesystem::path& path,
                                                            const EventReadOptions& options = {});
 
+/// Whether a folder is a recording: one that event-driven's or YARP's dumper left, with its log.
+[[nodiscard]] bool is_log_folder(const std::filesystem::path& path);
+
 /// Writes events in the order given; the file appears under its name on commit() only.
 class EventWriter {
  public:
@@ -59,10 +62,12 @@ class EventWriter {
 };
 
 /// The format follows the extension: .csv and .txt text (`t_us,x,y,p`, of two cameras `t_us,x,y,p,camera`), .aedat
-/// AEDAT 2.0, .aedat4 AEDAT 4.0 with LZ4, .raw EVT3, .log an event-driven log with its info file beside it. `cameras`: 1,
+/// AEDAT 2.0, .aedat4 AEDAT 4.0 with LZ4, .raw EVT3, .h5 and .hdf5 HDF5 as DSEC has it, .log an event-driven log with its info file beside it. `cameras`: 1,
 /// or 2 where events of the right one may come. Throws InputError for another extension, or where the format cannot hold
-/// such images: AEDAT 2.0 has two cameras only of 128x128 pixels, AEDAT 4.0 and EVT3 have one.
+/// such images: AEDAT 2.0 has two cameras only of 128x128 pixels, AEDAT 4.0, EVT3 and HDF5 have one.
 [[nodiscard]] std::unique_ptr<EventWriter> create_event_file(const std::filesystem::path& path,
                                                              ImageSize image_size, int cameras = 1);
+/// The extensions that it takes, for help and messages.
+[[nodiscard]] std::string writable_formats();
 
 }  // namespace saccade

@@ -26,6 +26,8 @@ class OutputFile {
   void commit();
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  /// Where the bytes are until then, for a library that writes a file by its name.
+  [[nodiscard]] const std::filesystem::path& part() const { return part_; }
 
  private:
   std::filesystem::path path_;

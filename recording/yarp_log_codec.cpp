@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "recording/byte_order.h"
 #include "recording/codec.h"
 #include "recording/number_text.h"
 #include "recording/output_file.h"
@@ -18,6 +19,8 @@ constexpr std::size_t longest_word = 64;
 /// A list of more is taken in pieces.
 constexpr std::size_t most_words = 1 << 14;
 constexpr std::size_t most_bytes = 64 << 20;
+/// Of the host's clock, in 2096: in 64 bits there is room for ns of that.
+constexpr double latest_s = 4e9;
 /// How much of a log is looked at to guess its codec.
 constexpr std::size_t sample_words = 1 << 12;
 constexpr std::size_t sample_packets = 256;
@@ -28,12 +31,6 @@ constexpr std::string_view type_key = "Type: ", codec_key = "Codec: ", size_key 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 bool is_digit(std::optional<char> c) { return c >= '0' && c <= '9'; }
 bool ends_word(char c) { return is_blank(c) || c == '\n' || c == '(' || c == ')'; }
-
-std::uint32_t little_endian_u32(const char* bytes) {
-  std::uint32_t value = 0;
-  for (int i = 3; i >= 0; --i) value = value << 8 | static_cast<unsigned char>(bytes[i]);
-  return value;
-}
 
 // ---- the info file -------------------------------------------------------------------------------
 
@@ -73,10 +70,8 @@ std::int64_t number_from_info(const std::filesystem::path& log, std::string_view
 std::optional<ImageSize> size_from_info(const std::filesystem::path& log) {
   const std::string text = info_of(log, size_key);
   if (text.empty()) return std::nullopt;
-  const std::size_t x = text.find('x');
-  ImageSize size;
-  if (x == std::string::npos || !parse_number(std::string_view(text).substr(0, x), size.width) ||
-      !parse_number(std::string_view(text).substr(x + 1), size.height) || size.width < 1 || size.height < 1) {
+  const std::optional<ImageSize> size = parse_size(text);
+  if (!size || size->width < 1 || size->height < 1) {
     throw InputError(info_file_of(log).string(), std::string(size_key) + printable(text), "WIDTHxHEIGHT");
   }
   return size;
@@ -156,8 +151,10 @@ class TextPackets final : public PacketSource {
     (void)integer("the number of a packet");
     do {
       const std::string_view text = word();
-      if (!parse_number(text, host_s_) || !std::isfinite(host_s_)) fail(text, "a time in s");
-      if (!parse_seconds(text, host_us_)) fail(text, "a time in s");
+      if (!parse_number(text, host_s_) || !parse_seconds(text, host_us_) ||
+          !(host_s_ >= 0.0 && host_s_ < latest_s)) {
+        fail(text, "a time in s");
+      }
     } while (is_digit(look()));
     before_line_ = false;
     line_is_empty_ = true;
@@ -236,7 +233,8 @@ class TextPackets final : public PacketSource {
     if (bytes_.size() % 4 != 0) {
       fail(std::to_string(bytes_.size()) + " bytes in quotes", "words of 4 bytes");
     }
-    for (std::size_t i = 0; i < bytes_.size(); i += 4) words.push_back(little_endian_u32(bytes_.data() + i));
+    for (std::size_t i = 0; i < bytes_.size(); i += 4)
+      words.push_back(load_little<std::uint32_t>(bytes_.data() + i));
   }
 
   std::int64_t integer(std::string_view expectation, std::int64_t smallest = 0) {
@@ -311,7 +309,7 @@ class BinaryPackets final : public PacketSource {
     packet.words.clear();
     packet.host_s = std::numeric_limits<double>::quiet_NaN();
     for (std::size_t i = 0; i < 2 * pairs; ++i)
-      packet.words.push_back(little_endian_u32(ahead.data() + 4 * i));
+      packet.words.push_back(load_little<std::uint32_t>(ahead.data() + 4 * i));
     file_.skip(pairs * pair_bytes);
     return pairs > 0;
   }
@@ -476,9 +474,9 @@ class YarpLogWriter final : public EventWriter {
   void write(std::span<const Event> events) override {
     for (const Event& event : events) {
       check_writable(event, size_, cameras_, file_.path());
-      if (event.t_us < 0) {
+      if (event.t_us < 0 || static_cast<double>(event.t_us) >= latest_s * 1e6) {
         throw InputError(file_.path().string(), "an event at " + std::to_string(event.t_us) + " us",
-                         "times from 0 us on");
+                         "times from 0 to 4e15 us");
       }
       if (!origin_us_) origin_us_ = event.t_us < counter_us ? 0 : event.t_us;
       if (!packet_.empty() &&
@@ -497,7 +495,7 @@ class YarpLogWriter final : public EventWriter {
       info.append(key).append(value).append(";\n");
     };
     tell(codec_key, codec_.name);
-    tell(size_key, std::to_string(size_.width) + "x" + std::to_string(size_.height));
+    tell(size_key, text_of(size_));
     tell(bits_key, std::to_string(stamp_bits));
     tell(origin_key, std::to_string(origin_us_.value_or(0)));
     info_.write(info);
@@ -583,10 +581,8 @@ std::unique_ptr<EventReader> open_yarp_binary(InputFile file, const EventReadOpt
 std::unique_ptr<EventWriter> create_yarp_log(const std::filesystem::path& path, ImageSize image_size,
                                              int cameras) {
   if (!is_encodable(image_size, AddressCodec::ev2)) {
-    throw InputError(
-        path.string(),
-        "an image of " + std::to_string(image_size.width) + "x" + std::to_string(image_size.height),
-        "at most 2048x1024 for an event-driven log");
+    throw InputError(path.string(), "an image of " + text_of(image_size),
+                     "at most 2048x1024 for an event-driven log");
   }
   return std::make_unique<YarpLogWriter>(path, image_size, cameras);
 }

@@ -44,7 +44,7 @@ namespace saccade {
 /// Writes version 2 with the codec ev2_ts and 31 bits of time, and the info file beside it: besides what YARP's data
 /// player reads there, codec, image size, width of the counter and when it was 0 (`Origin: us;`), so that every time
 /// reads back the same. Packets end after 1 ms or 4096 events; the host's time of a packet is its last event's.
-/// Throws InputError for an image of more than 2048x1024 and for times before 0.
+/// Throws InputError for an image of more than 2048x1024 and for times before 0 or after 4e15 us.
 [[nodiscard]] std::unique_ptr<EventWriter> create_yarp_log(const std::filesystem::path& path,
                                                            ImageSize image_size, int cameras);
 

@@ -89,7 +89,7 @@ TEST(EventFile, RefusesToWriteAFormatItDoesNotHaveOrAnImageThatDoesNotFit) {
 
 TEST(EventFile, RefusesEventsThatTheFormatCannotHold) {
   TempFolder folder;
-  for (const char* name : {"a.csv", "a.aedat", "a.aedat4", "a.raw"}) {
+  for (const char* name : {"a.csv", "a.aedat", "a.aedat4", "a.raw", "a.log", "a.h5"}) {
     const auto writer = create_event_file(folder / name, {128, 128});
     EXPECT_THROW(writer->write(std::vector<Event>{{0, 128, 0, true, 0}}), InputError) << name;
     EXPECT_THROW(writer->write(std::vector<Event>{{0, 0, 128, true, 0}}), InputError) << name;
@@ -431,7 +431,7 @@ TEST_F(RealRecording, TheShapesHaveTheirCountAndTheirFirstAndLastEvents) {
 TEST_F(RealRecording, SurvivesTheWayThroughOurWritersUnchanged) {
   const auto events = read_real("ball_looming_dvs128_aedat2.aedat");
   TempFolder folder;
-  for (const char* name : {"a.aedat", "a.aedat4", "a.csv", "a.raw"}) {
+  for (const char* name : {"a.aedat", "a.aedat4", "a.csv", "a.raw", "a.log", "a.h5"}) {
     write_file(folder / name, {128, 128}, events);
     EXPECT_EQ(read_file(folder / name), events) << name;
   }

@@ -30,7 +30,7 @@ TEST_P(KnownRecording, SurvivesTheWayThroughTheWritersThatHoldAnyImage) {
   const ImageSize size = reader->image_size().value_or(ImageSize{1280, 720});
   const auto events = read_all(*reader);
   const TempFolder folder;
-  for (const char* name : {"a.aedat4", "a.raw"}) {
+  for (const char* name : {"a.aedat4", "a.raw", "a.log"}) {
     const auto writer = create_event_file(folder / name, size);
     writer->write(events);
     writer->commit();

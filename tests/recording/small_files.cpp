@@ -155,6 +155,35 @@ std::vector<SmallFile> small_files() {
                     {"\n", {}},
                     {"-12,65535,0,0", {{-12, 65535, 0, false, 0}}},
                     {"\n", {}}}});
+  // Two words of event-driven, 1 x 2 off on the right and 303 x 239 on on the left.
+  const std::uint32_t off = 1u << 22 | 2u << 12 | 1u << 1 | 1u;
+  const std::uint32_t on = 239u << 12 | 303u << 1;
+  files.push_back({"lists.log",
+                   {{"1 1.5 AE (100 " + std::to_string(on), {}, false},
+                    {" 125 " + std::to_string(off), {{8, 303, 239, true, 0}}, false},
+                    {")", {{10, 1, 2, false, 1}}},
+                    {"\n", {}},
+                    {"2 1.6 FLOW (7 8 9)", {}},
+                    {"\n", {}}}});
+  // A stamp that is no address tells that there are stamps.
+  const std::int64_t ticks = 0x7f030201;
+  const auto packet = [&](std::uint32_t more) {
+    std::string bytes;
+    for (const char c :
+         little_endian_words<std::uint32_t>({0x7f030201 + more, on, 0x7f030201 + more + 25, off}))
+      bytes += c == '\0' ? std::string("\\0") : c == '\n' ? std::string("\\n") : std::string(1, c);
+    return "AE 2 \"" + bytes + "\"";
+  };
+  const auto us = [](std::int64_t count) { return (count * 80 + 500) / 1000; };
+  files.push_back(
+      {"packets.log",
+       {{"0 170.5 " + packet(0), {{us(ticks), 303, 239, true, 0}, {us(ticks + 25), 1, 2, false, 1}}},
+        {"\n", {}},
+        {"1 170.6 " + packet(50), {{us(ticks + 50), 303, 239, true, 0}, {us(ticks + 75), 1, 2, false, 1}}},
+        {"\n", {}}}});
+  files.push_back({"binaryevents.log",
+                   {{little_endian_words<std::uint32_t>({100, on}), {{8, 303, 239, true, 0}}},
+                    {little_endian_words<std::uint32_t>({125, off}), {{10, 1, 2, false, 1}}}}});
   return files;
 }
 

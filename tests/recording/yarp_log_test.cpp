@@ -141,6 +141,7 @@ INSTANTIATE_TEST_SUITE_P(
         BrokenLog{"NoNumber", "AE (1 2)", "AE, expected the number"},
         BrokenLog{"NoTime", "3 AE (1 2)", "AE, expected a time"},
         BrokenLog{"NotATime", "3 nan AE (1 2)", "nan, expected a time"},
+        BrokenLog{"TimeTooLate", "3 4000000000.5 AE (1 2)", "4000000000.5, expected a time"},
         BrokenLog{"NoList", "3 1.5 AE FLOW", "F, expected a list"},
         BrokenLog{"NoBytes", "3 1.5 AE 1000", "the end of the line, expected a packet's bytes"},
         BrokenLog{"BytesNotInWords", "3 1.5 AE 1000 \"abc\"", "3 bytes in quotes, expected words"},
@@ -343,7 +344,8 @@ TEST(YarpLog2, IsReadBackExactlyAcrossItsWrapsSilencesAndFarFromZero) {
 TEST(YarpLog2, RefusesWhatItCannotHoldAndLeavesNothing) {
   const TempFolder folder;
   EXPECT_THROW((void)create_event_file(folder / "data.log", {2049, 10}), InputError);
-  for (const Event& event : {Event{-1, 0, 0, true, 0}, Event{0, 0, 0, true, 1}, Event{0, 640, 0, true, 0}}) {
+  for (const Event& event : {Event{-1, 0, 0, true, 0}, Event{4'000'000'000'000'000, 0, 0, true, 0},
+                             Event{0, 0, 0, true, 1}, Event{0, 640, 0, true, 0}}) {
     const auto writer = create_event_file(folder / "data.log", {640, 480});
     EXPECT_THROW(writer->write(std::span(&event, 1)), InputError);
   }
