@@ -105,7 +105,7 @@ Played open_played(const DetectOptions& options) {
   Played played;
   played.events = options.recording;
   std::filesystem::path truth = options.truth;
-  if (std::filesystem::is_directory(options.recording)) {
+  if (is_run_folder(options.recording)) {
     const Metrics metrics = read_metrics(options.recording / "metrics.json");
     played.events = options.recording / metrics.events_file;
     played.eye = played_eye(options, played.events);

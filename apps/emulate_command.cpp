@@ -282,7 +282,7 @@ void add_emulate_command(CLI::App& app, Action& action) {
       app.add_subcommand("emulate", "The event camera alone: images or a video in, an event file out");
   command->add_option("images", options->images, "Folder of images, video, or NumPy array (.npy)")
       ->required();
-  command->add_option("--out", options->out, "Event file to write (.aedat, .aedat4, .csv, .raw, .txt)")->required();
+  command->add_option("--out", options->out, "Event file to write: " + writable_formats())->required();
   command->add_option("--preset", options->preset, "Event camera, as --set preset=NAME");
   command->add_option("--config", options->config, "Event camera (YAML), as a scenario's block `emulator`");
   command->add_option("--set", options->assignments, "key=value of the event camera")

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "core/error.h"
+#include "evaluation/metrics.h"
 
 namespace saccade {
 namespace {
@@ -38,6 +39,26 @@ void add_read_options(CLI::App& command, const char* name, const char* meaning, 
           "--camera", [&options, cameras](const std::string& eye) { options.read.camera = cameras.at(eye); },
           "Of a recording of two cameras: left or right alone")
       ->check(CLI::IsMember({"left", "right"}));
+  command
+      .add_option(
+          "--codec", options.read.yarp_codec,
+          "What an event-driven log's words are: dvs_128, dvs_128_upright, atis_20, atis_24, ev2 or ev2_ts; "
+          "auto: as its info file says, else guessed")
+      ->capture_default_str();
+  command
+      .add_option("--layout", options.read.aedat2_layout,
+                  "What an AEDAT 2.0 file's addresses are, where it does not tell: dvs128, stereo or davis")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"auto", "dvs128", "stereo", "davis"}));
+}
+
+bool is_run_folder(const std::filesystem::path& recording) {
+  return std::filesystem::is_directory(recording) && !is_log_folder(recording);
+}
+
+std::filesystem::path events_of(const std::filesystem::path& recording) {
+  if (!is_run_folder(recording)) return recording;
+  return recording / read_metrics(recording / "metrics.json").events_file;
 }
 
 }  // namespace saccade

@@ -10,12 +10,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 25> names_of_a_run = {
-    "scenario.yaml", "detectors.yaml", "events.aedat",    "events.csv",       "events.aedat4",
-    "events.raw",    "joints.csv",     "truth.csv",       "detections.csv",   "gaze.csv",
-    "metrics.json",  "report.html",    "video.mp4",       "video.part.mp4",   "frames",
-    "figures",       "log.txt",        "robot.yaml",      "timing.csv",       "deploy.json",
-    "eye.csv",       "labels.csv",     "truth_right.csv", "labels_right.csv", "detections_right.csv"};
+constexpr std::array<std::string_view, 28> names_of_a_run = {
+    "scenario.yaml",  "detectors.yaml",  "events.aedat",     "events.aedat4",
+    "events.csv",     "events.h5",       "events.log",       "events.info.log",
+    "events.raw",     "joints.csv",      "truth.csv",        "detections.csv",
+    "gaze.csv",       "metrics.json",    "report.html",      "video.mp4",
+    "video.part.mp4", "frames",          "figures",          "log.txt",
+    "robot.yaml",     "timing.csv",      "deploy.json",      "eye.csv",
+    "labels.csv",     "truth_right.csv", "labels_right.csv", "detections_right.csv"};
 
 }  // namespace
 

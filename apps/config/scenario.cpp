@@ -185,10 +185,12 @@ void describe(FieldVisitor& v, Scenario& s) {
       "output",
       [&](FieldVisitor& w) {
         w.boolean("video", s.output.video, "video.mp4 in the run folder");
-        w.choice("events", s.output.events, {"aedat", "csv"}, "format of the events' file");
-        w.require(!s.sim.both_eyes() || s.output.events == "csv" || s.sim.camera.size == ImageSize{128, 128},
-                  "events", s.output.events,
-                  "csv: of both eyes, aedat holds images of 128 x 128 pixels alone");
+        w.choice("events", s.output.events, {"aedat", "aedat4", "csv", "h5", "log", "raw"},
+                 "format of the events' file");
+        const bool holds_both = s.output.events == "csv" || s.output.events == "log" ||
+                                (s.output.events == "aedat" && s.sim.camera.size == ImageSize{128, 128});
+        w.require(!s.sim.both_eyes() || holds_both, "events", s.output.events,
+                  "csv or log: of both eyes, aedat holds images of 128 x 128 pixels alone, the others none");
         w.boolean("labels", s.sim.labels, "labels.csv: what made each event");
         w.integer("pictures", s.output.pictures, {0, 60}, "instants shown as pictures in the report");
       },

@@ -60,8 +60,8 @@ TEST_F(Command, bothEyesAreRecordedWithTheSameBytesWhateverTheNumberOfThreads) {
     EXPECT_GT(first.size(), 100U) << file;
     EXPECT_TRUE(first == bytes_of(folder_ / "three" / file)) << file << " depends on the number of threads";
   }
-  EXPECT_THAT(saccade("info " + out("one/events.aedat")).text, HasSubstr("left : right"));
-  EXPECT_THAT(saccade("info --camera left " + out("one/events.aedat")).text, Not(HasSubstr("left : right")));
+  EXPECT_THAT(saccade("info " + out("one")).text, testing::ContainsRegex("both +left +right"));
+  EXPECT_THAT(saccade("info --camera left " + out("one/events.aedat")).text, Not(HasSubstr("both")));
   EXPECT_THAT(bytes_of(folder_ / "one/report.html"), HasSubstr("what the right eye sees"));
 
   ASSERT_EQ(saccade("detect " + out("one") + " --camera right --out " + out("right")).status, 0);
@@ -293,8 +293,12 @@ TEST_F(Command, aRecordingSurvivesConversionToTextAndBack) {
       0);
   ASSERT_EQ(saccade("convert " + out("run/events.aedat") + " " + out("e.csv")).status, 0);
   ASSERT_EQ(saccade("convert " + out("e.csv") + " " + out("e.aedat") + " --size 128x128").status, 0);
-  const std::string first = saccade("info " + out("run/events.aedat")).text;
-  EXPECT_EQ(first, saccade("info " + out("e.aedat")).text);
+  const auto info = [&](const std::string& name) {
+    const std::string text = saccade("info " + out(name)).text;
+    return text.substr(text.find('\n'));  // behind the name of the file
+  };
+  const std::string first = info("run/events.aedat");
+  EXPECT_EQ(first, info("e.aedat"));
   EXPECT_THAT(first, HasSubstr("events"));
 }
 

@@ -1,0 +1,169 @@
+// info, convert and detect on recordings, as a user meets them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/integration/run_shell.h"
+#include "tests/recording/read_events.h"
+#include "tests/recording/temp_folder.h"
+
+namespace saccade {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+Outcome saccade(const std::string& arguments) { return run_shell("'" SACCADE_BINARY "' " + arguments); }
+
+class Recordings : public testing::Test {
+ protected:
+  [[nodiscard]] std::string at(const std::string& name) const { return (folder_ / name).string(); }
+  std::filesystem::path write(const std::string& name, ImageSize size, const std::vector<Event>& events,
+                              int cameras = 1) const {
+    const auto writer = create_event_file(folder_ / name, size, cameras);
+    writer->write(events);
+    writer->commit();
+    return folder_ / name;
+  }
+
+  TempFolder folder_;
+  // x, y and polarity that no flip or swap leaves as they are.
+  const std::vector<Event> few_ = {{1'000'000, 1, 2, true, 0},
+                                   {1'400'000, 10, 20, false, 0},
+                                   {1'500'000, 30, 5, true, 0},
+                                   {2'000'000, 39, 29, false, 0}};
+  const ImageSize size_{40, 30};
+};
+
+TEST_F(Recordings, infoTellsWhatIsThereAndWhatIsOdd) {
+  folder_.write("odd.csv", "t_us,x,y,p\n1000,3,4,1\n1500,200,4,0\n1400,3,4,1\n501500,3,4,1\n");
+  const Outcome outcome = saccade("info --size 128x128 " + at("odd.csv"));
+  ASSERT_EQ(outcome.status, 0) << outcome.text;
+  for (const char* line :
+       {"format                text\n", "image                 128 x 128\n",
+        "events reach          201 x 5\n", "outside the image     1\n", "events                4\n",
+        "duration, s           0.500500\n", "mean rate, events/s   8\n", "peak rate in 100 ms   30\n",
+        "peak rate in 1 ms     3000\n", "ON : OFF              3 : 1 (75.0 % ON)\n",
+        "longest gap, us       500000 at 1500\n", "gaps above 100 ms     1\n",
+        "back in time          1 by up to 100 us\n"}) {
+    EXPECT_THAT(outcome.text, HasSubstr(line));
+  }
+  EXPECT_THAT(saccade("info --gap 600 " + at("odd.csv")).text, HasSubstr("gaps above 600 ms     0\n"));
+
+  const auto json = nlohmann::json::parse(saccade("info --json " + at("odd.csv")).text);
+  EXPECT_EQ(json["events"], 4);
+  EXPECT_EQ(json["image"], nullptr);
+  EXPECT_EQ(json["outside_image"], nullptr);
+  EXPECT_EQ(json["reach"]["width"], 201);
+  EXPECT_EQ(json["peak_rate_hz_in_1ms"], 3000);
+  EXPECT_DOUBLE_EQ(json["mean_rate_hz"].get<double>(), 4 / 0.5005);
+}
+
+TEST_F(Recordings, infoTellsOfEachCamera) {
+  write("two.log", {304, 240}, {{10, 1, 1, true, 0}, {20, 1, 1, false, 1}, {1020, 1, 1, true, 1}}, 2);
+  const Outcome outcome = saccade("info " + at("two.log"));
+  EXPECT_THAT(outcome.text, testing::ContainsRegex("\n +both +left +right\nevents +3 +1 +2\n"))
+      << outcome.text;
+  EXPECT_THAT(saccade("info --camera right " + at("two.log")).text, Not(HasSubstr("both")));
+  const auto json = nlohmann::json::parse(saccade("info --json " + at("two.log")).text);
+  EXPECT_EQ(json["cameras"]["left"]["events"], 1);
+  EXPECT_EQ(json["cameras"]["right"]["longest_gap_us"], 1000);
+}
+
+TEST_F(Recordings, convertKeepsEveryEventFromFormatToFormat) {
+  write("0.csv", size_, few_);
+  const std::vector<std::string> names = {"0.csv", "1.h5",    "2.aedat4", "3.log",
+                                          "4.raw", "5.aedat", "6.hdf5",   "7.txt"};
+  for (std::size_t i = 1; i < names.size(); ++i) {
+    const Outcome outcome = saccade("convert --size 40x30 " + at(names[i - 1]) + " " + at(names[i]));
+    ASSERT_EQ(outcome.status, 0) << outcome.text;
+    EXPECT_THAT(outcome.text, HasSubstr(names[i] + ": 4 events\n"));
+    EXPECT_EQ(read_file(at(names[i])), few_) << names[i];
+  }
+  EXPECT_EQ(bytes_of(at("7.txt")), bytes_of(at("0.csv")));
+}
+
+TEST_F(Recordings, convertTakesPartsAndTurnsThem) {
+  write("in.csv", size_, few_);
+  const auto convert = [&](const std::string& options) {
+    const Outcome outcome =
+        saccade("convert --size 40x30 " + at("in.csv") + " " + at("out.h5") + " " + options);
+    EXPECT_EQ(outcome.status, 0) << outcome.text;
+    return read_file(at("out.h5"));
+  };
+  const auto picked = [&](std::initializer_list<std::size_t> which) {
+    std::vector<Event> events;
+    for (const std::size_t i : which) events.push_back(few_[i]);
+    return events;
+  };
+  EXPECT_EQ(convert("--from 0.4 --until 1"), picked({1, 2})) << "from is in, until is out";
+  EXPECT_EQ(convert("--polarity off"), picked({1, 3}));
+  EXPECT_EQ(convert("--region 10,5,29,16"), picked({1, 2}));
+  EXPECT_EQ(open_event_file(at("out.h5"))->image_size(), size_);
+  EXPECT_EQ(convert("--region 10,5,29,16 --crop --zero-time --invert"),
+            (std::vector<Event>{{0, 0, 15, true, 0}, {100'000, 20, 0, false, 0}}));
+  EXPECT_EQ(open_event_file(at("out.h5"))->image_size(), (ImageSize{29, 16}));
+  EXPECT_EQ(convert("--polarity on --flip-x --flip-y"),
+            (std::vector<Event>{{1'000'000, 38, 27, true, 0}, {1'500'000, 9, 24, true, 0}}));
+  // By 90 degrees clockwise the pixel at the top left goes to the top right.
+  EXPECT_EQ(convert("--polarity on --swap-xy --flip-x"),
+            (std::vector<Event>{{1'000'000, 27, 1, true, 0}, {1'500'000, 24, 30, true, 0}}));
+  EXPECT_EQ(open_event_file(at("out.h5"))->image_size(), (ImageSize{30, 40}));
+  const Outcome outcome = saccade("convert " + at("in.csv") + " " + at("out.csv") +
+                                  " --from 0.1 --region 0,0,35,30 --polarity on");
+  EXPECT_EQ(outcome.text, at("out.csv") +
+                              ": 1 events\nleft out: 1 outside the time\nleft out: 1 outside the region\n"
+                              "left out: 1 of the other polarity\n");
+}
+
+TEST_F(Recordings, convertRefusesWhatItCannotDoAndLeavesNothing) {
+  write("two.csv", size_, {{10, 1, 1, true, 0}, {20, 1, 1, false, 1}}, 2);
+  write("back.csv", size_, {{20, 1, 1, true, 0}, {10, 1, 1, false, 0}});
+  folder_.write("cut.csv", "1,2,3,1\n2,2,3");
+  folder_.write("wide.csv", "1,2,3,1\n2,200,3,1\n");
+  const auto refused = [&](const std::string& arguments, const std::string& message) {
+    const Outcome outcome = saccade("convert " + arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    EXPECT_THAT(outcome.text, HasSubstr(message)) << arguments;
+  };
+  refused(at("two.csv") + " " + at("out.h5"), "found two cameras, expected one camera");
+  refused(at("back.csv") + " " + at("out.h5"), "expected events sorted by time");
+  refused(at("cut.csv") + " " + at("out.h5"), "cut.csv:2: found 3 fields");
+  refused(at("wide.csv") + " " + at("out.log") + " --size 128x128", "an event at 200, 3");
+  refused(at("wide.csv") + " " + at("out.log") + " --size 128x128 --flip-x", "--region leaves others out");
+  refused(at("two.csv") + " " + at("out.mp4"), "the extension .mp4, expected one of .aedat");
+  refused(at("two.csv") + " " + at("out.csv") + " --region 1,2,3",
+          "--region: found 1,2,3, expected X,Y,WIDTH,HEIGHT");
+  refused(at("two.csv") + " " + at("out.csv") + " --crop", "--crop: ");
+  refused(at("two.csv") + " " + at("out.csv") + " --from 2 --until 1", "--until: found 1");
+  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "")) {
+    EXPECT_EQ(entry.path().filename().string().find("out"), std::string::npos) << entry.path();
+  }
+  EXPECT_EQ(saccade("convert " + at("two.csv") + " " + at("right.h5") + " --camera right").status, 0);
+  EXPECT_EQ(read_file(at("right.h5")), (std::vector<Event>{{20, 1, 1, false, 0}}));
+}
+
+TEST_F(Recordings, ofAnHdf5FileThatLibhdf5DoesNotSurviveIsBadInput) {
+  std::string bytes = bytes_of(write("whole.h5", size_, few_));
+  folder_.write("cut.h5", bytes.substr(0, bytes.size() / 2));
+  const Outcome outcome = saccade("info " + at("cut.h5"));
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.text, HasSubstr("cut.h5: found what libhdf5 cannot open"));
+}
+
+TEST_F(Recordings, aFolderWithALogAndTheFolderOfARunAreReadAsTheyAre) {
+  std::filesystem::create_directory(folder_ / "left");
+  write("left/data.log", {304, 240}, few_);
+  EXPECT_THAT(saccade("info " + at("left")).text, HasSubstr("event-driven log, codec ev2_ts"));
+  EXPECT_EQ(saccade("detect " + at("left") + " --out " + at("run")).status, 0);
+  EXPECT_EQ(saccade("convert " + at("run") + " " + at("out.csv")).status, 0) << "the run names its events";
+  EXPECT_EQ(read_file(at("out.csv")), few_);
+}
+
+}  // namespace
+}  // namespace saccade
