@@ -22,6 +22,7 @@ DeploySession::DeploySession(Robot& robot, Loop& loop, MakeMotion make_motion, O
 
 void DeploySession::set_ready() {
   SACCADE_CHECK(state_ == DeployState::unconfigured);
+  due_us_ = last_begin_us_ = robot_.clock().now_us();
   change(DeployState::ready, std::nullopt, 0, {});
 }
 

@@ -88,7 +88,7 @@ class DeploySession {
   DeploySession(Robot& robot, Loop& loop, MakeMotion make_motion, Operator& wishes, DeployObserver& observer,
                 const DeploySessionConfig& config);
 
-  /// Every start-up check has passed.
+  /// Every start-up check has passed; ticks are due from now on.
   void set_ready();
   /// One tick; false when the session is over: the operator quit, the recording ended, the connection was lost.
   bool tick();
