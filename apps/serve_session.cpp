@@ -285,6 +285,7 @@ int serve(const ServeOptions& options) {
       pace.wait();
       served.wait();
     }
+    if (interrupted()) throw RunError("interrupted before a client came");
     pace.restart();
   }
   const std::int64_t end_us = options.endless ? INT64_MAX : std::llround(scenario.run.duration_s * 1e6);

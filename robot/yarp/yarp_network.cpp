@@ -20,10 +20,19 @@ yarp::os::ContactStyle style(double timeout_s) {
   return style;
 }
 
+/// Of what YARP says only errors; it tells of every port that opens and closes otherwise.
+void print_errors(yarp::os::Log::LogType type, const char* text, const char* file, const unsigned int line,
+                  const char* function, double system_s, double network_s, double external_s,
+                  const char* component, const char* id) {
+  if (type != yarp::os::Log::ErrorType && type != yarp::os::Log::FatalType) return;
+  yarp::os::Log::defaultPrintCallback()(type, text, file, line, function, system_s, network_s, external_s,
+                                        component, id);
+}
+
 }  // namespace
 
 YarpNetwork::YarpNetwork(double timeout_s) {
-  yarp::os::Log::setMinimumPrintLevel(yarp::os::Log::ErrorType);
+  yarp::os::Log::setPrintCallback(print_errors);
   if (!name_server_answers(timeout_s)) {
     const yarp::os::Contact server = NetworkBase::getNameServerContact();
     throw RunError("no YARP name server answers at " + server.getHost() + ":" +
