@@ -29,7 +29,8 @@ using SteadyClock = std::chrono::steady_clock;
 using std::chrono::microseconds;
 
 constexpr std::int64_t catch_up_us = 20'000;
-constexpr int gaze_report_ticks = 10;              // of iKinGazeCtrl's ports: 10 ms
+constexpr double least_interval_ms = 1.0;  // from one image to the next: more cannot be drawn in real time
+constexpr int gaze_report_ticks = 10;      // of iKinGazeCtrl's ports: 10 ms
 constexpr std::int64_t commands_end_us = 100'000;  // a stream of commands that paused for so long has ended
 
 /// Which of the names in a list this one is.
@@ -253,7 +254,10 @@ class Observers final : public LoopObserver {
 }  // namespace
 
 int serve(const ServeOptions& options) {
-  const Scenario scenario = read_scenario(options.scenario, options.assignments, options.seed);
+  Scenario scenario = read_scenario(options.scenario, options.assignments, options.seed);
+  SamplingConfig& sampling = scenario.sim.sampling;
+  sampling.min_interval_ms =
+      std::min(std::max(sampling.min_interval_ms, least_interval_ms), sampling.max_interval_ms);
   const std::filesystem::path folder =
       options.out.empty() ? std::filesystem::path("runs") / (scenario.name + "_served") : options.out;
   // llvmpipe reads this when OpenGL starts: 0 draws in the calling thread.

@@ -11,7 +11,6 @@ namespace {
 
 constexpr int grid_side = 5;
 constexpr double margin_px = 4.0;
-constexpr std::int64_t shortest_us = 20;
 constexpr double kept_share = 0.98;    // of the bound: what is seen between the points moves a little more
 constexpr double close_share = 0.998;  // of the way to the bound, so that it is not missed by rounding
 constexpr int drawn_groups = 2;        // as EyeRenderer draws
@@ -40,6 +39,9 @@ void describe(FieldVisitor& v, SamplingConfig& c) {
   v.real("max_displacement_px", c.max_displacement_px, {0.05, 10.0},
          "an image is drawn before anything in it has moved farther");
   v.real("max_interval_ms", c.max_interval_ms, {0.05, 5.0}, "and when the last one is that old");
+  v.real("min_interval_ms", c.min_interval_ms, {0.02, 5.0}, "but none before the last one is that old");
+  v.require(c.min_interval_ms <= c.max_interval_ms, "min_interval_ms", text_of(c.min_interval_ms),
+            "at most max_interval_ms");
 }
 
 ImageMotion::ImageMotion(const mjModel& model, int camera_id, const Camera& camera)
@@ -107,6 +109,7 @@ double ImageMotion::displacement_px(const mjData& data) const {
 ImageSampler::ImageSampler(const SamplingConfig& config, ImageMotion motion)
     : config_(config),
       max_interval_us_(std::llround(config.max_interval_ms * 1e3)),
+      min_interval_us_(std::llround(config.min_interval_ms * 1e3)),
       motion_(std::move(motion)) {
   check_config("render", config);
 }
@@ -121,11 +124,12 @@ std::optional<std::int64_t> ImageSampler::next(std::int64_t begin_us, std::int64
   if (last_us_ == end_us) return std::nullopt;
   const double bound_px = kept_share * config_.max_displacement_px;
   const std::int64_t earliest_us = std::max(begin_us, last_us_);
-  const std::int64_t soonest_us = std::max(begin_us, last_us_ + shortest_us);
+  const std::int64_t soonest_us = std::max(begin_us, last_us_ + min_interval_us_);
   const std::int64_t latest_us = std::min(end_us, last_us_ + max_interval_us_);
   const double latest_px = motion_.displacement_px(show(latest_us));
   if (latest_px > bound_px && latest_us > soonest_us) {
     // Between an instant within the bound and one beyond it. In a tick motion is nearly even.
+    if (moved_px_ >= bound_px) return soonest_us;
     std::int64_t t_us = latest_us;
     for (double px = latest_px; px > bound_px && t_us > soonest_us;) {
       const double share = close_share * (bound_px - moved_px_) / (px - moved_px_);

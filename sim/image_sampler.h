@@ -17,9 +17,10 @@ namespace saccade {
 struct SamplingConfig {
   double max_displacement_px = 0.5;  ///< of anything seen, from one image to the next
   double max_interval_ms = 5.0;      ///< from one image to the next; events come late by at most this
+  double min_interval_ms = 0.02;     ///< whatever moves; what may be drawn in real time
 };
 
-/// Keys: max_displacement_px, max_interval_ms.
+/// Keys: max_displacement_px, max_interval_ms, min_interval_ms.
 void describe(FieldVisitor& v, SamplingConfig& config);
 
 /// How far things move in an eye's image between two states of the world: the largest displacement of
@@ -59,7 +60,7 @@ class ImageMotion {
 };
 
 /// Chooses the instants of an eye's images, tick by tick of the world: whole microseconds, as late as the bound on
-/// motion allows (but not sooner than 20 us after the last image), and the end of a tick where the last image would
+/// motion allows (but not sooner than min_interval_ms after the last image), and the end of a tick where the last image would
 /// be older than max_interval_ms by the end of the next one; within a tick where that is shorter than a tick.
 /// Motion that is left at the end of a tick counts on in the next.
 class ImageSampler {
@@ -80,6 +81,7 @@ class ImageSampler {
  private:
   SamplingConfig config_;
   std::int64_t max_interval_us_;
+  std::int64_t min_interval_us_;
   ImageMotion motion_;
   std::int64_t last_us_ = 0;  // the newest image
   double moved_px_ = 0.0;     // since then, at the end of the last tick or at the image itself

@@ -41,6 +41,8 @@ class Saccade {
     options.insert(options.begin(), SACCADE_BINARY);
     options.insert(options.end(), {"--force", "--out", folder_.string()});
     std::filesystem::remove(log_);
+    std::filesystem::remove_all(folder_);
+    std::fflush(stdout);  // or the child has it too
     process_.emplace(options, log_);
   }
   void kill() { process_.reset(); }
@@ -139,7 +141,7 @@ TEST_F(ServeAndDeploy, theHeadHoldsWhenTheOneWhoMovesItIsKilled) {
   EXPECT_TRUE(served.says("no command for the head's joints", 2.0)) << served.said();
   // Another one starts where it ended.
   Saccade again = deploy("joints");
-  EXPECT_TRUE(again.says("active", 20.0)) << again.said();
+  EXPECT_TRUE(again.says(" s  active", 20.0)) << again.said();
   again.kill();
   std::this_thread::sleep_for(std::chrono::milliseconds(800));
   served.send_signal(SIGINT);
@@ -154,7 +156,7 @@ TEST_F(ServeAndDeploy, deployStopsWhenTheRobotIsGone) {
     Saccade served = serve({"--endless"});
     ASSERT_TRUE(served.says("are there", 20.0)) << served.said();
     Saccade deployed = deploy(control);
-    ASSERT_TRUE(deployed.says("active", 20.0)) << deployed.said();
+    ASSERT_TRUE(deployed.says(" s  active", 20.0)) << deployed.said();
     std::this_thread::sleep_for(std::chrono::milliseconds(700));
     const auto begin = std::chrono::steady_clock::now();
     served.kill();
@@ -169,7 +171,7 @@ TEST_F(ServeAndDeploy, deployStopsWhenAConnectionIsCut) {
   Saccade served = serve({"--endless"});
   ASSERT_TRUE(served.says("are there", 20.0)) << served.said();
   Saccade deployed = deploy("joints");
-  ASSERT_TRUE(deployed.says("active", 20.0)) << deployed.said();
+  ASSERT_TRUE(deployed.says(" s  active", 20.0)) << deployed.said();
   ASSERT_TRUE(yarp::os::NetworkBase::disconnect("/zynqGrabber/AE:o", "/saccade/AE:i"));
   EXPECT_TRUE(deployed.says("stopped", 5.0)) << deployed.said();
 }
@@ -178,7 +180,7 @@ TEST_F(ServeAndDeploy, losingTheNameServerIsToldAndStopsNothing) {
   Saccade served = serve({"--endless"});
   ASSERT_TRUE(served.says("are there", 20.0)) << served.said();
   Saccade deployed = deploy("joints");
-  ASSERT_TRUE(deployed.says("active", 20.0)) << deployed.said();
+  ASSERT_TRUE(deployed.says(" s  active", 20.0)) << deployed.said();
   YarpWorld::get().kill_name_server();
   EXPECT_TRUE(deployed.says("name server", 8.0)) << deployed.said();
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
