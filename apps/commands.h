@@ -19,5 +19,7 @@ void add_emulate_command(CLI::App& app, Action& action);
 void add_calibrate_command(CLI::App& app, Action& action);
 void add_serve_command(CLI::App& app, Action& action);
 void add_deploy_command(CLI::App& app, Action& action);
+void add_sweep_command(CLI::App& app, Action& action);
+void add_sweep_task_command(CLI::App& app, Action& action);
 
 }  // namespace saccade

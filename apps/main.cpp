@@ -48,6 +48,8 @@ int main(int argc, char** argv) {
   saccade::add_calibrate_command(app, action);
   saccade::add_serve_command(app, action);
   saccade::add_deploy_command(app, action);
+  saccade::add_sweep_command(app, action);
+  saccade::add_sweep_task_command(app, action);
   try {
     app.parse(argc, argv);
     return action();

@@ -5,8 +5,11 @@
 #include <vector>
 
 #include "apps/commands.h"
+#include "apps/sweep/sweep_folder.h"
+#include "apps/sweep/sweep_store.h"
 #include "evaluation/comparison.h"
 #include "evaluation/report.h"
+#include "evaluation/sweep_report.h"
 
 namespace saccade {
 namespace {
@@ -18,7 +21,11 @@ struct ReportOptions {
 
 int report(const ReportOptions& options) {
   std::filesystem::path folder = options.out;
-  if (options.runs.size() == 1 && folder.empty()) {
+  const SweepFolder sweep(options.runs.front());
+  if (options.runs.size() == 1 && folder.empty() && std::filesystem::exists(sweep.table())) {
+    folder = sweep.path();
+    write_sweep_report(SweepStore(sweep).table(), folder);
+  } else if (options.runs.size() == 1 && folder.empty()) {
     folder = options.runs.front();
     write_report(folder);
   } else {
@@ -34,9 +41,13 @@ int report(const ReportOptions& options) {
 void add_report_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<ReportOptions>();
   CLI::App* command = app.add_subcommand(
-      "report", "Draw what run folders hold: RUN/report.html of one run, or one page over several");
+      "report",
+      "Draw what folders hold: report.html of one run or of a sweep, in its folder, or one page over "
+      "several runs");
   command
-      ->add_option("run", options->runs, "Run folders; seeds of the same scenario and settings go together")
+      ->add_option(
+          "run", options->runs,
+          "Run folders; seeds of the same scenario and settings go together. Or the folder of a sweep")
       ->required();
   command->add_option("--out", options->out,
                       "Folder for the page over several runs and its numbers; `report` by default");

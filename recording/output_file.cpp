@@ -3,15 +3,17 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <string>
 #include <system_error>
-
-#include "core/error.h"
 
 namespace saccade {
 namespace {
 
 [[noreturn]] void fail(const std::filesystem::path& path, const char* what) {
-  throw RunError(path.string() + ": " + what + ": " + std::generic_category().message(errno));
+  const int cause = errno;
+  const std::string message = path.string() + ": " + what + ": " + std::generic_category().message(cause);
+  if (cause == ENOSPC || cause == EDQUOT || cause == EFBIG) throw DiskFull(message);
+  throw RunError(message);
 }
 
 }  // namespace

@@ -6,12 +6,21 @@
 #include <span>
 #include <string_view>
 
+#include "core/error.h"
+
 namespace saccade {
+
+/// The disk, a quota or a limit on files' size leaves no room.
+class DiskFull : public RunError {
+ public:
+  using RunError::RunError;
+};
 
 /// A file that appears under its name only when it is whole: bytes go to `<path>.part`, commit() flushes,
 /// syncs and renames. Without commit() the `.part` file is removed by the destructor (and left behind,
 /// under that name, by a crash).
-/// Every member but the destructor throws RunError naming the file when the disk does not take the bytes.
+/// Every member but the destructor throws RunError naming the file when the disk does not take the bytes, DiskFull
+/// where there is no room for them.
 class OutputFile {
  public:
   explicit OutputFile(std::filesystem::path path);

@@ -388,6 +388,21 @@ void set_node(YamlTree& tree, std::string_view path, YamlNode value) {
   place_value(tree.root, split_path(path), std::string(path), std::move(value), tree.problems);
 }
 
+void remove_node(YamlTree& tree, std::string_view path) {
+  const std::vector<std::string> keys = split_path(path);
+  YamlNode* node = &tree.root;
+  for (const std::string& key : keys) {
+    const auto at = std::find(node->keys.begin(), node->keys.end(), key) - node->keys.begin();
+    if (at == std::ssize(node->keys)) return;
+    if (&key == &keys.back()) {
+      node->keys.erase(node->keys.begin() + at);
+      node->items.erase(node->items.begin() + at);
+      return;
+    }
+    node = &node->items[static_cast<std::size_t>(at)];
+  }
+}
+
 void throw_if_any(std::vector<MarkedProblem> problems) {
   if (problems.empty()) return;
   const auto order = [](const MarkedProblem& p) {

@@ -77,6 +77,9 @@ void set_value(YamlTree& tree, std::string_view assignment);
 /// The same with a value that is there already, such as one from another file; messages speak of it as of `--set`.
 void set_node(YamlTree& tree, std::string_view path, YamlNode value);
 
+/// Takes a key and what is below it out of the tree, where it is there.
+void remove_node(YamlTree& tree, std::string_view path);
+
 /// Throws InputError with the problems in file order, those of `--set` last, when there are any.
 void throw_if_any(std::vector<MarkedProblem> problems);
 

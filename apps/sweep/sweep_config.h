@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apps/config/yaml_tree.h"
+
+namespace saccade {
+
+/// A value for a key of the scenario.
+struct SweepSetting {
+  std::string key;    ///< its path, such as ball.diameter_m
+  YamlNode value;     ///< null: the key is taken out
+  std::string place;  ///< where it was written, for messages
+};
+
+/// One point of an axis.
+struct SweepValue {
+  std::string text;  ///< in tables: a number, a word, [1, 2] ...
+  std::vector<SweepSetting> settings;
+};
+
+/// Something that is varied. Axes are crossed with one another; those that are `sampled` take their i-th value
+/// together.
+struct SweepAxis {
+  std::string key;  ///< of the scenario, or the name of its `cases`
+  std::string place;
+  bool sampled = false;
+  std::vector<SweepValue> values;
+};
+
+/// What a combination must be like for a rule to hold of it: all conditions at once.
+struct SweepCondition {
+  std::size_t axis = 0;
+  std::string relation;  ///< one_of, not, below, above, at_least, at_most
+  std::vector<std::string> operands;
+  std::optional<std::size_t> other;  ///< an axis to compare with instead of operands
+};
+using SweepRule = std::vector<SweepCondition>;
+
+/// Many runs of one scenario, as a sweep file describes them.
+///
+///     name: ball_speed
+///     scenario: ../hand_move.yaml           # relative to this file
+///     set: {run.duration_s: 2}              # for all runs
+///     axes:
+///       ball.trajectory.frequency_hz: {log_range: [0.5, 4], steps: 4}
+///       lab.clutter: [textured, rectilinear]
+///       seed: {seeds: 3}
+///     except: [{lab.clutter: rectilinear, ball.trajectory.frequency_hz: {above: 2}}]
+///     report: {metrics: [detectors.best.recall], worst: 3}
+struct SweepConfig {
+  std::string name;
+  std::string description;
+  std::filesystem::path scenario;
+  std::vector<SweepSetting> set;
+  std::vector<SweepAxis> axes;  ///< the first one turns slowest
+  std::int64_t samples = 0;     ///< of the sampled axes
+  std::int64_t sample_seed = 1;
+  std::vector<SweepRule> except;  ///< combinations of which any holds are left out
+  std::vector<SweepRule> only;    ///< if there are any: combinations of which none holds are left out
+
+  struct Report {
+    /// Paths of numbers in metrics.json, the main one first.
+    std::vector<SweepSetting> metrics;
+    std::int64_t worst = 3;  ///< so many of the worst runs are run once more, with a report of their own
+    std::string worst_is = "lowest";  ///< or highest: which values of the first metric are bad
+  } report;
+};
+
+/// Reads a sweep file; `assignments` are the `key=value` of --set, which take the place of what `set` has for that key.
+/// The scenario is not read. Throws InputError with everything that is wrong.
+[[nodiscard]] SweepConfig read_sweep(const std::filesystem::path& path,
+                                     const std::vector<std::string>& assignments);
+
+/// The value as a number, where the whole text is one.
+[[nodiscard]] std::optional<double> number_in(const std::string& text);
+
+}  // namespace saccade
