@@ -213,6 +213,13 @@ std::vector<Facet> facets_of(const std::vector<Axis>& axes, const Axis& shown, c
   return facets;
 }
 
+/// Whether an axis of words is there as the panels of the figures over an axis of numbers.
+bool is_told_by_panels(const Axis& axis, const std::vector<Axis>& axes, const Rows& rows) {
+  return !axis.numeric && std::any_of(axes.begin(), axes.end(), [&](const Axis& other) {
+    return other.numeric && facets_of(axes, other, rows).size() > 1;
+  });
+}
+
 /// What an axis needs below the panel: its scale, or the names of its values.
 std::string x_axis_commands(const Axis& axis) {
   if (axis.numeric) {
@@ -225,11 +232,20 @@ std::string x_axis_commands(const Axis& axis) {
                  : fmt::format("unset logscale x\nset xrange [{:.6g}:{:.6g}]\n", low - margin * (high - low),
                                high + margin * (high - low));
     if (axis.binned) return commands + "set xtics auto\n";
+    // A label for every value that does not run into the one before it.
+    constexpr double label_share = 0.09;
+    const auto place = [&](double x) {
+      return axis.log ? std::log(x / low) / std::log(high / low) : (x - low) / (high - low);
+    };
     std::string tics;
-    for (const Bin& bin : axis.bins)
-      tics +=
-          fmt::format("{}{} {:.10g}", tics.empty() ? "" : ", ", gnuplot_quoted(short_number(bin.x)), bin.x);
-    return commands + (axis.bins.size() <= 8 ? "set xtics (" + tics + ")\n" : "set xtics auto\n");
+    double labelled = -1.0;
+    for (const Bin& bin : axis.bins) {
+      const bool fits = place(bin.x) - labelled >= label_share;
+      tics += fmt::format("{}{} {:.10g}", tics.empty() ? "" : ", ",
+                          gnuplot_quoted(fits ? short_number(bin.x) : ""), bin.x);
+      if (fits) labelled = place(bin.x);
+    }
+    return commands + "set xtics (" + tics + ")\n";
   }
   std::string tics;
   for (const Bin& bin : axis.bins)
@@ -654,8 +670,12 @@ void write_sweep_report(const SweepTable& table, const fs::path& folder) {
   html += axes_html(table);
   write_runs(table, folder);
   std::string curves;
-  for (const Quantity& quantity : quantities_of(table))
-    for (const Axis& axis : axes) curves += curves_html(quantity, axis, axes, rows, detectors, folder);
+  for (const Quantity& quantity : quantities_of(table)) {
+    for (const Axis& axis : axes) {
+      if (!is_told_by_panels(axis, axes, rows))
+        curves += curves_html(quantity, axis, axes, rows, detectors, folder);
+    }
+  }
   if (!curves.empty()) html += "<h2>Over one axis</h2>\n" + curves;
   if (const std::string maps = maps_html(table, axes, folder); !maps.empty())
     html += "<h2>Over two axes</h2>\n" + maps;

@@ -41,8 +41,12 @@ class LocalEngine final : public SweepEngine {
  public:
   LocalEngine(const SweepEngineConfig& config, fs::path folder)
       : config_(config), folder_(std::move(folder)) {}
+  LocalEngine(const LocalEngine&) = delete;
+  LocalEngine& operator=(const LocalEngine&) = delete;
+  ~LocalEngine() override { LocalEngine::stop(); }
 
   void start(const std::vector<std::string>& command, const std::vector<std::string>& ids) override {
+    if (child_ != 0) ::waitpid(child_, nullptr, 0);  // its last run is over, or soon will be
     const auto jobs = static_cast<std::size_t>(config_.jobs);
     constexpr std::size_t most = 16;
     write_batches(folder_ / "batches.txt", ids, [&](std::size_t remaining) {

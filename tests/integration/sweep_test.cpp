@@ -46,18 +46,18 @@ class SweepCommand : public testing::Test {
 };
 
 TEST_F(SweepCommand, aSweepKilledAtAnyMomentEndsWithTheTableOfAnUndisturbedOne) {
-  const std::string file = sweep_file("  lab.clutter: [textured, rectilinear]\n  seed: {seeds: 4}\n", 1);
+  const std::string file = sweep_file("  lab.clutter: [textured, rectilinear]\n  seed: {seeds: 3}\n", 1);
   const Outcome whole = sweep(file, "whole");
   ASSERT_EQ(whole.status, 0) << whole.text;
-  EXPECT_EQ(std::ranges::count(table("whole"), '\n'), 9);
+  EXPECT_EQ(std::ranges::count(table("whole"), '\n'), 7);
   const std::string page = bytes_of(folder_ / "whole/report.html");
-  EXPECT_THAT(page, HasSubstr("8 runs of look_at_ball.yaml: 8 done"));
+  EXPECT_THAT(page, HasSubstr("6 runs of look_at_ball.yaml: 6 done"));
 
   // The process and its children, and later a run alone.
   EXPECT_NE(sweep(file, "killed", "", "timeout --signal=KILL 0.9 ").status, 0);
   const Outcome status = run_shell(binary + "sweep --status " + out("killed"));
   EXPECT_EQ(status.status, 0) << status.text;
-  EXPECT_THAT(status.text, HasSubstr("of 8 done"));
+  EXPECT_THAT(status.text, HasSubstr("of 6 done"));
   EXPECT_THAT(status.text, HasSubstr("starting it goes on"));
   EXPECT_NE(sweep(file, "killed", "", "timeout --signal=KILL 1.3 ").status, 0);
   EXPECT_EQ(sweep(file, "killed").status, 0);
@@ -65,7 +65,7 @@ TEST_F(SweepCommand, aSweepKilledAtAnyMomentEndsWithTheTableOfAnUndisturbedOne) 
 
   const Outcome again = sweep(file, "whole");
   EXPECT_EQ(again.status, 0);
-  EXPECT_THAT(again.text, HasSubstr("8 of them different; 8 are there")) << "nothing is run twice";
+  EXPECT_THAT(again.text, HasSubstr("6 of them different; 6 are there")) << "nothing is run twice";
 }
 
 TEST_F(SweepCommand, aFailingRunIsKeptWithItsLogAndDoesNotStopTheOthers) {
