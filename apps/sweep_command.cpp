@@ -214,7 +214,6 @@ class Coordinator {
       const auto begin = Clock::now();
       collect();
       show();
-      if (missing_.empty()) return;
       const double cost_s = std::chrono::duration<double>(Clock::now() - begin).count();
       if (busy) pause(std::max(0.2, 20.0 * cost_s));
     }

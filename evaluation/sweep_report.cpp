@@ -500,7 +500,7 @@ std::string precision_recall_html(const Axis& axis, const std::vector<std::strin
                       .commands = fmt::format(
                           "set xrange [0:1.01]\nset yrange [0:1.03]\nset title {} font ',11'\nset key bottom "
                           "left title {} font ',11'\n",
-                          gnuplot_quoted(detector), gnuplot_quoted(axis.key)),
+                          gnuplot_quoted(detector), gnuplot_quoted(panels.empty() ? axis.key : "")),
                       .series = std::move(series)});
   }
   if (panels.empty()) return {};
