@@ -9,7 +9,7 @@
 #include "apps/config/scenario.h"
 #include "apps/interrupt.h"
 #include "apps/loop.h"
-#include "apps/read_options.h"
+#include "apps/played.h"
 #include "apps/run_folder.h"
 #include "apps/summary.h"
 #include "core/error.h"
@@ -80,64 +80,12 @@ void play(ReplayRobot& robot, Loop& loop, DetectionRecorder& recorder, std::span
   }
 }
 
-/// What is played: a bare recording, or a run folder with its camera, joints and truth.
-struct Played {
-  std::filesystem::path events;
-  Eye eye = Eye::left;
-  MountedCamera camera{Camera{}.without_lens(), {}};  // nothing is known of the camera of a bare recording
-  std::optional<RecordedHead> head;
-  std::vector<TruthRow> truth;
-  Chances chances = Chances::annotated;
-};
-
-/// The eye whose events the detectors get: as the option says, else the left one, but for a recording that begins
-/// with a block of the right one's alone.
-Eye played_eye(const DetectOptions& options, const std::filesystem::path& events) {
-  if (options.read.camera) return static_cast<Eye>(*options.read.camera);
-  std::vector<Event> block;
-  open_event_file(events, options.read)->read(block, 1 << 16);
-  const bool right =
-      !block.empty() && std::ranges::all_of(block, [](const Event& e) { return e.camera == 1; });
-  return right ? Eye::right : Eye::left;
-}
-
-Played open_played(const DetectOptions& options) {
-  Played played;
-  played.events = options.recording;
-  std::filesystem::path truth = options.truth;
-  if (is_run_folder(options.recording)) {
-    const Metrics metrics = read_metrics(options.recording / "metrics.json");
-    played.events = options.recording / metrics.events_file;
-    played.eye = played_eye(options, played.events);
-    const bool right = played.eye == Eye::right;
-    if (right && metrics.right_eye) {
-      played.camera = metrics.right_eye->calibration;
-    } else if (metrics.camera) {
-      played.camera = metrics.calibration.value_or(MountedCamera{*metrics.camera, {}});
-    }
-    const std::filesystem::path joints = options.recording / "joints.csv";
-    // Nobody commands the head, so nobody asks for its limits.
-    if (std::filesystem::exists(joints))
-      played.head.emplace(RecordedHead{TableReader<JointsRow>(joints), {}});
-    const std::filesystem::path own_truth = options.recording / (right ? "truth_right.csv" : "truth.csv");
-    if (truth.empty() && std::filesystem::exists(own_truth)) {
-      truth = own_truth;
-      if (metrics.seed) played.chances = Chances::simulated;
-    }
-  } else {
-    played.eye = played_eye(options, played.events);
-  }
-  if (!truth.empty()) played.truth = read_table<TruthRow>(truth);
-  return played;
-}
-
 int detect(const DetectOptions& options) {
   const NamedDetectors named = read_detectors(options.config, options.assignments);
-  Played played = open_played(options);
+  Played played = open_played(options, options.truth);
   const std::vector<TruthRow>& truth = played.truth;
   const bool annotated = !truth.empty() && played.chances == Chances::annotated;
-  EventReadOptions read = options.read;
-  read.camera = static_cast<std::uint8_t>(played.eye);
+  const EventReadOptions& read = played.read;
   ReplayRobot robot(open_event_file(played.events, read), std::move(played.head));
   MountedCamera camera = played.camera;
   camera.camera.size = robot.image_size();

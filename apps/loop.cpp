@@ -54,6 +54,25 @@ PortStatus Loop::note_lost(PortStatus status, std::string_view what) {
   return status;
 }
 
+void Loop::set_detectors(std::vector<LoopDetector> detectors, std::optional<std::size_t> driver) {
+  SACCADE_CHECK(!driver || *driver < detectors.size());
+  SACCADE_CHECK(!gaze_ || gaze_->driver.has_value() == driver.has_value());
+  detectors_ = std::move(detectors);
+  results_.assign(detectors_.size(), {});
+  if (gaze_) gaze_->driver = driver;
+}
+
+void Loop::set_gate(std::unique_ptr<GazeGate> gate) {
+  SACCADE_CHECK(gaze_ && gate);
+  gaze_->gate = std::move(gate);
+}
+
+void Loop::set_controller(std::unique_ptr<GazeController> controller) {
+  SACCADE_CHECK(gaze_ && gaze_->motion && gaze_->motion->controller && controller);
+  gaze_->motion->controller = std::move(controller);
+  retell_target_ = phase_ == GazePhase::following || phase_ == GazePhase::holding;
+}
+
 PortStatus Loop::tick(std::int64_t t_us, LoopObserver& observer) {
   const PortStatus time = note_lost(clock_.wait_until(t_us), "clock");
   if (time != PortStatus::ok) return time;
@@ -158,8 +177,10 @@ PortStatus Loop::act(double dt_s, Tick& tick) {
   std::optional<LoopMotion>& motion = gaze_->motion;
   HeadJointVector wanted = HeadJointVector::Zero();
   if (motion && motion->controller) {
-    wanted = motion->controller->step(*tick.head, tick.new_target_m, dt_s);
-    tick.target_status = motion->controller->target_status();
+    const bool retell = retell_target_ && !tick.new_target_m;
+    retell_target_ = false;
+    wanted = motion->controller->step(*tick.head, retell ? target_m_ : tick.new_target_m, dt_s);
+    tick.target_status = retell ? TargetStatus::none : motion->controller->target_status();
   } else {
     tick.target_status = judge_target(tick);
   }

@@ -126,6 +126,13 @@ class Loop {
   /// From now on nothing is sent to the head; detectors and gate go on.
   void let_go();
 
+  /// For a person who tries things while it runs, from the next tick on. Whatever is not said stays as it is: the
+  /// head's motion goes on from where it is, and a new controller is told the target that the last one follows.
+  void set_detectors(std::vector<LoopDetector> detectors, std::optional<std::size_t> driver);
+  void set_gate(std::unique_ptr<GazeGate> gate);
+  /// Only where a controller of ours moves the head.
+  void set_controller(std::unique_ptr<GazeController> controller);
+
   [[nodiscard]] std::span<const LoopDetector> detectors() const { return detectors_; }
   /// LoopStereo's; null where there is none.
   [[nodiscard]] const Detector* right_detector() const {
@@ -163,6 +170,7 @@ class Loop {
   std::int64_t last_t_us_;
   std::int64_t start_us_ = 0;      // of the gaze
   std::int64_t took_over_us_ = 0;  // the head
+  bool retell_target_ = false;     // to a controller that is new
 };
 
 }  // namespace saccade

@@ -50,6 +50,7 @@ int main(int argc, char** argv) {
   saccade::add_deploy_command(app, action);
   saccade::add_sweep_command(app, action);
   saccade::add_sweep_task_command(app, action);
+  saccade::add_view_command(app, action);
   try {
     app.parse(argc, argv);
     return action();

@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 
 #include "apps/commands.h"
@@ -15,6 +14,7 @@
 #include "apps/run_recorder.h"
 #include "apps/scenario_loop.h"
 #include "apps/summary.h"
+#include "apps/view/view.h"
 #include "evaluation/report.h"
 
 namespace saccade {
@@ -26,29 +26,30 @@ struct RunOptions {
   std::vector<std::string> assignments;
   std::optional<std::int64_t> seed;
   bool force = false;
+  bool view = false;
 };
 
-/// Tables and figures, and the log.
+/// Tables and figures, the log, and the window where there is one.
 class Observers final : public LoopObserver {
  public:
-  Observers(RunRecorder& recorder, RunLog& log) : recorder_(recorder), log_(log) {}
+  Observers(RunRecorder& recorder, RunLog& log, std::function<void(const Tick&)> show)
+      : recorder_(recorder), log_(log), show_(std::move(show)) {}
   void on_tick(const Tick& tick) override {
     recorder_.on_tick(tick);
     log_.on_tick(tick);
+    if (show_) show_(tick);
   }
 
  private:
   RunRecorder& recorder_;
   RunLog& log_;
+  std::function<void(const Tick&)> show_;
 };
 
-int run(const RunOptions& options) {
-  const Scenario scenario = read_scenario(options.scenario, options.assignments, options.seed);
+/// `feed`: to the window; null where there is none.
+int run_scenario(const RunOptions& options, const Scenario& scenario, View::Feed* feed) {
   const std::filesystem::path folder =
       options.out.empty() ? std::filesystem::path("runs") / scenario.name : options.out;
-  // llvmpipe reads this when OpenGL starts: 0 draws in the calling thread.
-  const std::string rasterisers = scenario.run.threads == 1 ? "0" : std::to_string(scenario.run.threads);
-  setenv("LP_NUM_THREADS", rasterisers.c_str(), 1);
   const auto seed = static_cast<std::uint64_t>(scenario.seed);
   SimRobot robot(scenario.sim, seed);
   prepare_run_folder(folder, options.force);
@@ -58,9 +59,7 @@ int run(const RunOptions& options) {
                    resolved_scenario(scenario));
     resolved.commit();
   }
-  Loop loop(robot, robot, &robot, scenario.calibration,
-            make_detectors(scenario.detectors, scenario.calibration.camera),
-            make_gaze(scenario, robot.limits()));
+  Loop loop = make_loop(scenario, robot);
   RunRecorder recorder(folder, scenario, robot, loop);
 
   catch_interrupts();
@@ -69,7 +68,9 @@ int run(const RunOptions& options) {
     progress.done();
     fmt::print(stderr, "{}\n", line);
   });
-  Observers observers(recorder, log);
+  std::function<void(const Tick&)> show;
+  if (feed != nullptr) show = [&](const Tick& tick) { feed->see(tick, robot, loop); };
+  Observers observers(recorder, log, std::move(show));
   const std::int64_t end_us = std::llround(scenario.run.duration_s * 1e6);
   const auto begin = std::chrono::steady_clock::now();
   const auto wall_s = [&] {
@@ -86,6 +87,7 @@ int run(const RunOptions& options) {
     });
   }
   const double loop_s = wall_s();
+  if (feed != nullptr) feed->close();
   progress.done();
   log.finish();
   const Metrics metrics = recorder.finish(loop_s, settings_of(options.assignments));
@@ -96,6 +98,18 @@ int run(const RunOptions& options) {
   const std::vector<std::string> unmet = unmet_expectations(scenario, metrics);
   for (const std::string& line : unmet) fmt::print(stderr, "saccade: {}\n", line);
   return unmet.empty() ? 0 : 3;
+}
+
+int run(const RunOptions& options) {
+  const Scenario scenario = read_scenario(options.scenario, options.assignments, options.seed);
+  std::optional<View> view;
+  if (options.view) {
+    set_rasterisers(1);
+    view.emplace(scenario.name, options.out.empty() ? "." : options.out.parent_path());
+  }
+  set_rasterisers(scenario.run.threads);
+  if (!view) return run_scenario(options, scenario, nullptr);
+  return view->show_run(scenario, [&](View::Feed& feed) { return run_scenario(options, scenario, &feed); });
 }
 
 }  // namespace
@@ -109,6 +123,7 @@ void add_run_command(CLI::App& app, Action& action) {
   command->add_option("--set", options->assignments, "key.path=value, instead of the scenario's")
       ->allow_extra_args(false);
   command->add_flag("--force", options->force, "Replace an earlier run in that folder");
+  command->add_flag("--view", options->view, "Show it in a window as it goes");
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }
 

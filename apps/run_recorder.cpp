@@ -19,16 +19,6 @@ namespace {
 constexpr std::int64_t picture_window_us = 10'000;  ///< events shown in a picture
 constexpr ImageSize scene_size{640, 480};
 
-/// Head and ball in profile, from the robot's left, before the lab.
-SceneView profile() {
-  SceneView view;
-  view.look_at_m = {-0.32, 0.0, 0.27};
-  view.distance_m = 1.15;
-  view.azimuth_rad = 95.0 * std::numbers::pi / 180.0;
-  view.elevation_rad = -0.12;
-  return view;
-}
-
 constexpr std::array<std::string_view, 4> cause_names = {"signal", "leak", "shot", "hot"};  // as EventCause
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -257,7 +247,7 @@ void RunRecorder::take_pictures(const Tick& tick) {
 
   const cv::Mat grey = grey_picture(robot_.left_eye());
   cv::Mat scene(scene_size.height, scene_size.width, CV_8UC3);
-  robot_.draw_scene(profile(), scene_size,
+  robot_.draw_scene(profile_view(), scene_size,
                     std::span(scene.data, static_cast<std::size_t>(scene_size.pixels()) * 3));
   cv::cvtColor(scene, scene, cv::COLOR_RGB2BGR);
   if (still) {

@@ -1,5 +1,8 @@
 #include "apps/scenario_loop.h"
 
+#include <cstdlib>
+#include <string>
+
 namespace saccade {
 
 std::optional<LoopGaze> make_gaze(const Scenario& scenario, const JointLimits& limits) {
@@ -27,6 +30,17 @@ std::vector<LoopDetector> make_detectors(const NamedDetectors& named, const Came
   std::vector<LoopDetector> detectors;
   for (const auto& [name, config] : named) detectors.push_back({name, make_detector(config, camera)});
   return detectors;
+}
+
+Loop make_loop(const Scenario& scenario, SimRobot& robot) {
+  return Loop(robot, robot, &robot, scenario.calibration,
+              make_detectors(scenario.detectors, scenario.calibration.camera),
+              make_gaze(scenario, robot.limits()));
+}
+
+void set_rasterisers(std::int64_t threads) {
+  // Read by llvmpipe; 0 draws in the calling thread.
+  setenv("LP_NUM_THREADS", threads == 1 ? "0" : std::to_string(threads).c_str(), 1);
 }
 
 }  // namespace saccade

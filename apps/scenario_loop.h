@@ -15,4 +15,11 @@ namespace saccade {
 /// None where nothing moves the head. `limits` are the head's.
 [[nodiscard]] std::optional<LoopGaze> make_gaze(const Scenario& scenario, const JointLimits& limits);
 
+/// The whole of it, around its robot, which outlives it.
+[[nodiscard]] Loop make_loop(const Scenario& scenario, SimRobot& robot);
+
+/// How many threads OpenGL's software renderer may draw with, 1 the calling one alone: what the next GlContext that is
+/// the first of its kind goes by. No other thread may be running.
+void set_rasterisers(std::int64_t threads);
+
 }  // namespace saccade

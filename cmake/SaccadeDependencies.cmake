@@ -12,6 +12,8 @@ pkg_check_modules(hdf5 REQUIRED IMPORTED_TARGET hdf5-serial)
 pkg_check_modules(lz4 REQUIRED IMPORTED_TARGET liblz4)
 pkg_check_modules(zstd REQUIRED IMPORTED_TARGET libzstd)
 find_path(FLATBUFFERS_HEADERS flatbuffers/flatbuffers.h REQUIRED)  # its builder is headers alone
+pkg_check_modules(glfw REQUIRED IMPORTED_TARGET glfw3)
+pkg_check_modules(imgui REQUIRED IMPORTED_TARGET imgui)
 find_package(mujoco REQUIRED)
 # Debian's package names a folder of a library that it does not depend on (/usr/include/libqhull_r).
 get_target_property(mujoco_includes mujoco::mujoco INTERFACE_INCLUDE_DIRECTORIES)

@@ -62,6 +62,9 @@ class BallTracker final : public Detector {
   [[nodiscard]] double threshold() const override { return config_.threshold; }
   [[nodiscard]] RejectedEvents rejected() const override { return sieve_.rejected(); }
   [[nodiscard]] bool hough_space(std::span<float> response) const override;
+  [[nodiscard]] std::unique_ptr<Detector> copy() const override {
+    return std::make_unique<BallTracker>(*this);
+  }
 
  private:
   /// What the edges show of a circle's outline.

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <memory>
 #include <span>
 
 #include "core/camera.h"
@@ -56,6 +57,8 @@ class Detector {
   /// For pictures: the largest response over all radii at each pixel as of the last estimate(), row by row;
   /// `response` has room for the image. False, and nothing is written, where a detector has no such space.
   [[nodiscard]] virtual bool hough_space(std::span<float> /*response*/) const { return false; }
+  /// One in the same state, which goes on from there as this one would. Allocates: not for the tick.
+  [[nodiscard]] virtual std::unique_ptr<Detector> copy() const = 0;
 };
 
 }  // namespace saccade

@@ -43,6 +43,9 @@ class HoughDetector final : public Detector {
   [[nodiscard]] double threshold() const override { return config_.threshold; }
   [[nodiscard]] RejectedEvents rejected() const override { return sieve_.rejected(); }
   [[nodiscard]] bool hough_space(std::span<float> response) const override;
+  [[nodiscard]] std::unique_ptr<Detector> copy() const override {
+    return std::make_unique<HoughDetector>(*this);
+  }
 
   /// The accumulator as of the last estimate().
   [[nodiscard]] const HoughTransform& transform() const { return transform_; }

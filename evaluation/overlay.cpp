@@ -151,21 +151,22 @@ cv::Mat fit_into(const cv::Mat& picture, int width, int height) {
   return canvas;
 }
 
-VideoComposer::VideoComposer(std::filesystem::path path) : path_(std::move(path)), part_(path_) {
+VideoFile::VideoFile(std::filesystem::path path, ImageSize image, int pictures_hz)
+    : path_(std::move(path)), part_(path_), size_(image) {
   part_.replace_extension(".part.mp4");  // ffmpeg chooses the container by the last extension
-  const cv::Size size(scene_width + eye_width, panel_height + caption_height);
+  const cv::Size size(image.width, image.height);
   const auto level = cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   for (const char* codec : {"avc1", "mp4v"}) {
     writer_ = std::make_unique<cv::VideoWriter>(
         part_.string(), cv::CAP_FFMPEG, cv::VideoWriter::fourcc(codec[0], codec[1], codec[2], codec[3]),
-        frame_hz, size);
+        pictures_hz, size);
     if (writer_->isOpened()) break;
   }
   cv::utils::logging::setLogLevel(level);
   if (!writer_->isOpened()) throw RunError("video: cannot write " + part_.string());
 }
 
-VideoComposer::~VideoComposer() {
+VideoFile::~VideoFile() {
   if (writer_) {
     writer_->release();
     std::error_code ignored;
@@ -173,22 +174,15 @@ VideoComposer::~VideoComposer() {
   }
 }
 
-void VideoComposer::add(const cv::Mat& scene, const EyePicture& eye, const std::string& caption) {
+void VideoFile::add(const cv::Mat& picture) {
   SACCADE_CHECK(writer_ != nullptr);
-  cv::Mat frame(panel_height + caption_height, scene_width + eye_width, CV_8UC3, ground);
-  const int scale = std::max(1, std::min(eye_width / eye.size.width, panel_height / eye.size.height));
-  fit_into(scene, scene_width, panel_height).copyTo(frame({0, 0, scene_width, panel_height}));
-  fit_into(draw_eye(eye, scale), eye_width, panel_height)
-      .copyTo(frame({scene_width, 0, eye_width, panel_height}));
-  cv::putText(frame, caption, {16, panel_height + 31}, cv::FONT_HERSHEY_SIMPLEX, 0.65, {240, 240, 240}, 1,
-              cv::LINE_AA);
-  writer_->write(frame);
-  ++frames_;
+  writer_->write(picture);
+  ++pictures_;
 }
 
-void VideoComposer::commit() {
+void VideoFile::commit() {
   SACCADE_CHECK(writer_ != nullptr);
-  if (frames_ == 0) throw RunError("video: no picture for " + path_.string());
+  if (pictures_ == 0) throw RunError("video: no picture for " + path_.string());
   writer_->release();
   std::error_code error;
   if (std::filesystem::file_size(part_, error) == 0 || error)
@@ -196,6 +190,20 @@ void VideoComposer::commit() {
   std::filesystem::rename(part_, path_, error);
   if (error) throw RunError("video: cannot rename " + part_.string() + ": " + error.message());
   writer_.reset();
+}
+
+VideoComposer::VideoComposer(std::filesystem::path path)
+    : file_(std::move(path), {scene_width + eye_width, panel_height + caption_height}, frame_hz) {}
+
+void VideoComposer::add(const cv::Mat& scene, const EyePicture& eye, const std::string& caption) {
+  cv::Mat frame(panel_height + caption_height, scene_width + eye_width, CV_8UC3, ground);
+  const int scale = std::max(1, std::min(eye_width / eye.size.width, panel_height / eye.size.height));
+  fit_into(scene, scene_width, panel_height).copyTo(frame({0, 0, scene_width, panel_height}));
+  fit_into(draw_eye(eye, scale), eye_width, panel_height)
+      .copyTo(frame({scene_width, 0, eye_width, panel_height}));
+  cv::putText(frame, caption, {16, panel_height + 31}, cv::FONT_HERSHEY_SIMPLEX, 0.65, {240, 240, 240}, 1,
+              cv::LINE_AA);
+  file_.add(frame);
 }
 
 }  // namespace saccade

@@ -53,29 +53,47 @@ struct EyePicture {
 /// Fits `picture` (BGR) into width x height with its shape kept, on a dark ground.
 [[nodiscard]] cv::Mat fit_into(const cv::Mat& picture, int width, int height);
 
-/// Writes an mp4 that plays in browsers: the scene on the left, the eye on the right, a line of text below.
-/// The file appears under its name on commit() only (until then `NAME.part.mp4`). H.264 where the system's
-/// ffmpeg can encode it, else MPEG-4 part 2. Every member but the destructor throws RunError.
+/// Writes an mp4 that plays in browsers. It appears under its name on commit() only (until then `NAME.part.mp4`).
+/// H.264 where the system's ffmpeg can encode it, else MPEG-4 part 2. Every member but the destructor throws RunError.
+class VideoFile {
+ public:
+  VideoFile(std::filesystem::path path, ImageSize size, int pictures_hz);
+  VideoFile(const VideoFile&) = delete;
+  VideoFile& operator=(const VideoFile&) = delete;
+  ~VideoFile();
+
+  /// BGR, of the file's size.
+  void add(const cv::Mat& picture);
+  void commit();
+  [[nodiscard]] std::int64_t pictures() const { return pictures_; }
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  [[nodiscard]] ImageSize size() const { return size_; }
+
+ private:
+  std::filesystem::path path_;
+  std::filesystem::path part_;
+  ImageSize size_;
+  std::unique_ptr<cv::VideoWriter> writer_;
+  std::int64_t pictures_ = 0;
+};
+
+/// A film of a run: the scene on the left, the eye on the right, a line of text below. Throws as VideoFile does.
 class VideoComposer {
  public:
   static constexpr int frame_hz = 25;
 
   explicit VideoComposer(std::filesystem::path path);
-  VideoComposer(const VideoComposer&) = delete;
-  VideoComposer& operator=(const VideoComposer&) = delete;
-  ~VideoComposer();
 
   /// True when the film, played in real time, needs a picture for `t_us`, counted from the run's start.
-  [[nodiscard]] bool wants(std::int64_t t_us) const { return t_us * frame_hz >= frames_ * 1'000'000; }
+  [[nodiscard]] bool wants(std::int64_t t_us) const {
+    return t_us * frame_hz >= file_.pictures() * 1'000'000;
+  }
   /// One film picture. `scene` BGR of any size; the caption is drawn as it stands.
   void add(const cv::Mat& scene, const EyePicture& eye, const std::string& caption);
-  void commit();
+  void commit() { file_.commit(); }
 
  private:
-  std::filesystem::path path_;
-  std::filesystem::path part_;
-  std::unique_ptr<cv::VideoWriter> writer_;
-  std::int64_t frames_ = 0;
+  VideoFile file_;
 };
 
 }  // namespace saccade

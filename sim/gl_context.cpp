@@ -201,7 +201,9 @@ void GlContext::identify(std::string_view backend) {
 }  // namespace saccade
 
 #if defined(__SANITIZE_ADDRESS__)
-// Mesa keeps some 100 bytes for each OSMesa context that it destroys; read by the leak sanitizer.
+// Mesa keeps some 100 bytes for each OSMesa context that it destroys, and more for windows; read by the leak sanitizer.
 extern "C" const char* __lsan_default_suppressions();
-extern "C" const char* __lsan_default_suppressions() { return "leak:libOSMesa.so\n"; }
+extern "C" const char* __lsan_default_suppressions() {
+  return "leak:libOSMesa.so\nleak:libGLX\nleak:swrast_dri.so\n";
+}
 #endif

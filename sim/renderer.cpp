@@ -62,8 +62,9 @@ class SceneDrawer {
 
   /// Lit and painted; or, where `number_of_geom` is given, each geom flat in the colour (number, 0, 0).
   void draw(mjData& data, const mjvGLCamera& camera, mjrRect viewport,
-            std::span<const std::uint8_t> number_of_geom = {}) {
+            std::span<const std::uint8_t> number_of_geom = {}, std::span<const SceneMark> marks = {}) {
     update(data);
+    for (const SceneMark& mark : marks) add(mark);
     const bool numbered = !number_of_geom.empty();
     scene_.flags[mjRND_SEGMENT] = scene_.flags[mjRND_IDCOLOR] = numbered ? 1 : 0;
     if (numbered) {
@@ -150,6 +151,19 @@ class SceneDrawer {
     const std::span geoms = drawn();
     std::stable_partition(geoms.begin(), geoms.end(),
                           [this](const mjvGeom& geom) { return model_.geom_bodyid[geom.objid] != 0; });
+  }
+
+  void add(const SceneMark& mark) {
+    SACCADE_CHECK(scene_.ngeom < scene_.maxgeom);
+    const Eigen::Vector3d along = mark.to_m - mark.from_m;
+    const Eigen::Vector3d middle = 0.5 * (mark.from_m + mark.to_m);
+    const std::array<mjtNum, 3> size = {mark.radius_m, 0.5 * along.norm(), 0.0};
+    using RowMajor = Eigen::Matrix<mjtNum, 3, 3, Eigen::RowMajor>;
+    const RowMajor turn =
+        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), along).toRotationMatrix();
+    mjvGeom& geom = scene_.geoms[scene_.ngeom++];
+    mjv_initGeom(&geom, mjGEOM_CAPSULE, size.data(), middle.data(), turn.data(), mark.rgba.data());
+    geom.emission = 1.0F;
   }
 
   std::span<mjvGeom> drawn() { return {scene_.geoms, static_cast<std::size_t>(scene_.ngeom)}; }
@@ -457,6 +471,15 @@ double EyeRenderer::visible_share(const Eigen::Vector3d& centre_m, double radius
   return all == 0 ? 0.0 : static_cast<double>(visible) / static_cast<double>(all);
 }
 
+SceneView profile_view() {
+  SceneView view;
+  view.look_at_m = {-0.32, 0.0, 0.27};
+  view.distance_m = 1.15;
+  view.azimuth_rad = 95.0 * std::numbers::pi / 180.0;
+  view.elevation_rad = -0.12;
+  return view;
+}
+
 SceneRenderer::SceneRenderer(const mjModel& model, GlContext& gl, ImageSize size) : size_(size), gl_(gl) {
   if (size.width < 8 || size.height < 8 || size.width > 4096 || size.height > 4096) {
     throw InputError("picture size", std::to_string(size.width) + "x" + std::to_string(size.height),
@@ -467,7 +490,8 @@ SceneRenderer::SceneRenderer(const mjModel& model, GlContext& gl, ImageSize size
 
 SceneRenderer::~SceneRenderer() { gl_.make_current(); }
 
-void SceneRenderer::render(mjData& data, const SceneView& view, std::span<std::uint8_t> rgb) {
+void SceneRenderer::render(mjData& data, const SceneView& view, std::span<std::uint8_t> rgb,
+                           std::span<const SceneMark> marks) {
   const auto row_bytes = 3 * static_cast<std::size_t>(size_.width);
   SACCADE_CHECK(rgb.size() == row_bytes * static_cast<std::size_t>(size_.height));
   const Eigen::Vector3d forward(std::cos(view.elevation_rad) * std::cos(view.azimuth_rad),
@@ -487,7 +511,7 @@ void SceneRenderer::render(mjData& data, const SceneView& view, std::span<std::u
 
   gl_.make_current();
   const mjrRect whole{0, 0, size_.width, size_.height};
-  drawer_->draw(data, camera, whole);
+  drawer_->draw(data, camera, whole, {}, marks);
   drawer_->read_rgb(whole, rgb.data());
   for (std::size_t top = 0, bottom = static_cast<std::size_t>(size_.height) - 1; top < bottom;
        ++top, --bottom) {

@@ -109,6 +109,17 @@ struct SceneView {
   double elevation_rad = -0.3;  ///< of the view: negative looks down
 };
 
+/// Head and ball in profile, from the robot's left, before the lab.
+[[nodiscard]] SceneView profile_view();
+
+/// A stick in a picture of the scene that is not in the world: a ray, an edge of a frustum. Root frame.
+struct SceneMark {
+  Eigen::Vector3d from_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d to_m = Eigen::Vector3d::Zero();
+  double radius_m = 0.002;
+  std::array<float, 4> rgba = {1.0F, 1.0F, 1.0F, 1.0F};  ///< linear; it glows
+};
+
 /// Third-person pictures for reports and videos: everything in the model, finely drawn.
 class SceneRenderer {
  public:
@@ -116,8 +127,9 @@ class SceneRenderer {
   SceneRenderer(const mjModel& model, GlContext& gl, ImageSize size);
   ~SceneRenderer();
 
-  /// `rgb` is row-major, height x width x 3, top row first, sRGB.
-  void render(mjData& data, const SceneView& view, std::span<std::uint8_t> rgb);
+  /// `rgb` is row-major, height x width x 3, top row first, sRGB. At most 100 marks.
+  void render(mjData& data, const SceneView& view, std::span<std::uint8_t> rgb,
+              std::span<const SceneMark> marks = {});
 
   [[nodiscard]] ImageSize image_size() const { return size_; }
 

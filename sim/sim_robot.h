@@ -48,6 +48,7 @@ class SimRobot final : public Clock, public EventSource, public HeadPort {
   PortStatus stop() override;
 
   [[nodiscard]] const SimTruth& truth() const { return truth_; }
+  [[nodiscard]] const World& world() const { return world_; }
   [[nodiscard]] std::int64_t first_motion_us() const { return world_.first_motion_us(); }
   /// Truth: the cause of each event that the last read_until() delivered, in their order, and the SceneObject that
   /// made it; empty unless SimConfig::labels.

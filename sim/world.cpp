@@ -351,6 +351,17 @@ void World::show(std::int64_t t_us, mjData& data) const {
   mj_camlight(model_.get(), &data);
 }
 
+void World::pose(std::int64_t t_us, const JointVector& position_rad, mjData& data) const {
+  const JointVector joints = plant_from_joints(position_rad);
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    data.qpos[model_->jnt_qposadr[joint_[j]]] = joints[static_cast<Eigen::Index>(j)];
+  }
+  place_objects(t_us, data);
+  mj_kinematics(model_.get(), &data);
+  mj_comPos(model_.get(), &data);
+  mj_camlight(model_.get(), &data);
+}
+
 void World::place_objects(std::int64_t t_us, mjData& data) const {
   Eigen::Map<Eigen::Vector3d>(data.mocap_pos + 3 * ball_mocap_) = trajectory_.position_m(t_us);
   things_->place(t_us, data);

@@ -102,6 +102,10 @@ class World {
   /// joints interpolated (cubic in position and speed), the ball where it was, all that is drawn derived.
   void show(std::int64_t t_us, mjData& data) const;
 
+  /// Puts `data` to what a recording tells: these joints (order of Joint) and everything else where it is at t_us,
+  /// whatever the world's own time.
+  void pose(std::int64_t t_us, const JointVector& position_rad, mjData& data) const;
+
   /// For the renderer; the model's colours and textures may be changed before the first picture.
   [[nodiscard]] mjModel& model() { return *model_; }
   [[nodiscard]] const mjModel& model() const { return *model_; }

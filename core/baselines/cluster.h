@@ -36,6 +36,9 @@ class ClusterDetector final : public Detector {
   [[nodiscard]] Estimate estimate() override;
   [[nodiscard]] double threshold() const override { return config_.threshold; }
   [[nodiscard]] RejectedEvents rejected() const override { return sieve_.rejected(); }
+  [[nodiscard]] std::unique_ptr<Detector> copy() const override {
+    return std::make_unique<ClusterDetector>(*this);
+  }
 
  private:
   struct Cluster {

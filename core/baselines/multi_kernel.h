@@ -36,6 +36,9 @@ class MultiKernelDetector final : public Detector {
   [[nodiscard]] Estimate estimate() override;
   [[nodiscard]] double threshold() const override { return config_.threshold; }
   [[nodiscard]] RejectedEvents rejected() const override { return sieve_.rejected(); }
+  [[nodiscard]] std::unique_ptr<Detector> copy() const override {
+    return std::make_unique<MultiKernelDetector>(*this);
+  }
 
  private:
   struct Tracker {

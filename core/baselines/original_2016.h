@@ -45,6 +45,9 @@ class Original2016 final : public Detector {
   [[nodiscard]] double threshold() const override { return config_.threshold; }
   [[nodiscard]] RejectedEvents rejected() const override { return sieve_.rejected(); }
   [[nodiscard]] bool hough_space(std::span<float> response) const override;
+  [[nodiscard]] std::unique_ptr<Detector> copy() const override {
+    return std::make_unique<Original2016>(*this);
+  }
 
  private:
   static constexpr int direction_count = 180;  // steps of a degree, modulo a half turn

@@ -40,6 +40,7 @@ class BallSeer final : public Detector {
   [[nodiscard]] Estimate estimate() override { return estimate_; }
   [[nodiscard]] double threshold() const override { return 0.5; }
   [[nodiscard]] RejectedEvents rejected() const override { return {}; }
+  [[nodiscard]] std::unique_ptr<Detector> copy() const override { return std::make_unique<BallSeer>(*this); }
 
  private:
   Script ball_m_;
@@ -72,6 +73,9 @@ struct Trial {
   FollowConfig follow{0.0, "hold", 1.0};
   FakeRobotScript robot;
   HeadCommand limit_margin_rad = HeadCommand::Zero();  ///< the head's own limits lie that much further in
+  /// After this tick a new controller takes over, or a second detector where it is given.
+  std::int64_t take_over_us = 0;
+  Script ball_of_the_other;
 
   std::vector<std::string> log;
   std::vector<HeadCommand> references_rad;  ///< of every millisecond
@@ -99,6 +103,15 @@ struct Trial {
       loop.tick(t_us, run_log);
       references_rad.push_back(fake.reference_rad());
       ASSERT_TRUE(is_allowed(references_rad.back(), robot.limits));
+      if (t_us != take_over_us) continue;
+      if (!ball_of_the_other) {
+        loop.set_controller(make_gaze_controller(config, limits));
+        continue;
+      }
+      std::vector<LoopDetector> others;
+      others.push_back({"seer", std::make_unique<BallSeer>(ball)});
+      others.push_back({"other", std::make_unique<BallSeer>(ball_of_the_other)});
+      loop.set_detectors(std::move(others), 1);
     }
     run_log.finish();
     std::string written;
@@ -148,6 +161,25 @@ TEST_P(LostTargets, TheHeadReturnsToRestAndFindsTheBallAgain) {
   EXPECT_LT(again.error_deg(ball_m), 0.1);
   ASSERT_EQ(again.log.size(), 3u);
   EXPECT_EQ(again.log[2], "     2.001 s  ball found again at (-0.500, 0.150, 0.400) m");
+}
+
+TEST_P(LostTargets, AControllerThatTakesOverGoesOnLookingAtTheTargetOfTheLastOne) {
+  Trial trial;
+  trial.take_over_us = 2'000'000;
+  trial.run(GetParam(), 4.0);
+  EXPECT_LT(trial.error_deg(ball_m), 0.1);
+  const double step_rad = (trial.references_rad[2000] - trial.references_rad[1999]).cwiseAbs().maxCoeff();
+  EXPECT_LT(step_rad, 0.05 * rad_per_deg);
+}
+
+TEST_P(LostTargets, ADetectorThatTakesOverDrivesTheHead) {
+  Trial trial;
+  trial.ball = no_ball;
+  trial.take_over_us = 1'000'000;
+  trial.ball_of_the_other = [](std::int64_t) { return std::optional(ball_m); };
+  trial.run(GetParam(), 4.0);
+  EXPECT_LT(trial.error_deg(ball_m), 0.1);
+  EXPECT_THAT(trial.log, ElementsAre("     1.001 s  ball found at (-0.500, 0.150, 0.400) m"));
 }
 
 TEST_P(LostTargets, AHeadThatNeverSeesABallStaysAtRest) {
@@ -266,6 +298,7 @@ class OneEyed final : public Detector {
   [[nodiscard]] Estimate estimate() override { return estimate_; }
   [[nodiscard]] double threshold() const override { return 0.5; }
   [[nodiscard]] RejectedEvents rejected() const override { return {}; }
+  [[nodiscard]] std::unique_ptr<Detector> copy() const override { return std::make_unique<OneEyed>(*this); }
 
  private:
   Eye eye_;

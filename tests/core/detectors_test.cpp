@@ -92,6 +92,26 @@ TEST_P(EveryDetector, SaysTheSameHoweverItsEventsComeInBatches) {
   }
 }
 
+TEST_P(EveryDetector, GoesOnInACopyAsItWouldHave) {
+  const std::vector<Event> events = streams::cluttered(image, 6000, 0.4, 2);
+  const auto detector = make(GetParam());
+  detector->process(std::span(events).first(3000), nullptr);
+  detector->advance_to(events[2999].t_us, nullptr);
+  static_cast<void>(detector->estimate());
+  const auto copy = detector->copy();
+  int compared = 0;
+  for (std::size_t i = 3000; i < events.size(); i += 300) {
+    for (Detector* each : {detector.get(), copy.get()}) {
+      each->process(std::span(events).subspan(i, 300), nullptr);
+      each->advance_to(events[i + 299].t_us, nullptr);
+    }
+    const Estimate expected = detector->estimate();
+    EXPECT_EQ(copy->estimate(), expected) << i;
+    compared += expected.valid ? 1 : 0;
+  }
+  EXPECT_GT(compared, 5);
+}
+
 TEST_P(EveryDetector, CountsEventsItCannotUseAndIsNotChangedByThem) {
   const auto clean = make(GetParam());
   const auto soiled = make(GetParam());

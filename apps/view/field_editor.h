@@ -1,0 +1,52 @@
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+
+#include "core/config.h"
+
+namespace saccade {
+
+/// Widgets for every key that a config's `describe` tells of: a slider over what is sensible of its range (four times
+/// where it was first, typed with Ctrl-click beyond that), a box, a list of words. Hovering tells what a key means.
+class FieldEditor final : public FieldVisitor {
+ public:
+  /// Draws the widgets of `config`, which they change; true when one of them did. `name` tells apart what has the same
+  /// keys; `hidden` keys are left out.
+  template <class Config>
+  bool edit(const std::string& name, Config& config, const std::set<std::string>& hidden = {}) {
+    begin(name, hidden);
+    describe(*this, config);
+    return end();
+  }
+
+  void real(std::string_view key, double& value, Range range, std::string_view doc) override;
+  void integer(std::string_view key, std::int64_t& value, Range range, std::string_view doc) override;
+  void boolean(std::string_view key, bool& value, std::string_view doc) override;
+  void text(std::string_view, std::string&, std::string_view) override {}
+  void choice(std::string_view key, std::string& value, const std::vector<std::string>& options,
+              std::string_view doc) override;
+  void reals(std::string_view key, std::vector<double>& value, std::size_t size, Range range,
+             std::string_view doc) override;
+  void points(std::string_view, std::vector<std::vector<double>>&, std::size_t, Range,
+              std::string_view) override {}
+  void section(std::string_view key, const std::function<void(FieldVisitor&)>& describe_section,
+               std::string_view doc) override;
+  void require(bool, std::string_view, std::string_view, std::string_view) override {}
+
+ private:
+  void begin(const std::string& name, const std::set<std::string>& hidden);
+  bool end();
+  [[nodiscard]] bool is_hidden(std::string_view key) const { return hidden_.contains(std::string(key)); }
+  /// Its name at the left, room for the widget at the right.
+  void label(std::string_view key, std::string_view doc);
+  [[nodiscard]] Range sensible(std::string_view key, double value, Range range);
+
+  std::string path_;
+  std::set<std::string> hidden_;
+  std::map<std::string, double> first_;  // values, by path
+  bool changed_ = false;
+};
+
+}  // namespace saccade

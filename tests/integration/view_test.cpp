@@ -1,0 +1,321 @@
+// The window on a virtual display, driven by keyboard and mouse, and what it shows then.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/videoio.hpp>
+#include <optional>
+#include <set>
+#include <thread>
+
+#include "apps/view/layout.h"
+#include "recording/run_files.h"
+#include "tests/integration/run_shell.h"
+#include "tests/recording/temp_folder.h"
+
+namespace saccade {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+const std::string binary = SACCADE_BINARY;
+const std::string scenarios = std::string(SACCADE_SOURCE_DIR) + "/scenarios/";
+constexpr ImageSize image{128, 128};
+const ViewLayout layout(1280, 720);
+
+bool until(const std::function<bool()>& holds, double seconds = 60.0) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  while (std::chrono::steady_clock::now() < end) {
+    if (holds()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return false;
+}
+
+pid_t start(const std::string& command) {
+  const pid_t child = fork();
+  if (child == 0) {
+    execl("/bin/sh", "sh", "-c", ("exec " + command).c_str(), static_cast<char*>(nullptr));
+    _exit(127);
+  }
+  return child;
+}
+
+int end_of(pid_t child) {
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+}
+
+/// A display that nobody sees, of the size of the window.
+class Display {
+ public:
+  explicit Display(const fs::path& folder) {
+    const fs::path number = folder / "display";
+    server_ = start("Xvfb -displayfd 3 -screen 0 1280x720x24 -nolisten tcp 3>'" + number.string() +
+                    "' >/dev/null 2>&1");
+    if (until([&] { return bytes_of(number).ends_with('\n'); })) {
+      name_ = ":" + bytes_of(number);
+      name_.pop_back();
+    }
+  }
+  ~Display() {
+    kill(server_, SIGTERM);
+    waitpid(server_, nullptr, 0);
+  }
+  Display(const Display&) = delete;
+  Display& operator=(const Display&) = delete;
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] std::string in_shell(const std::string& command) const {
+    return "DISPLAY=" + name_ + " " + command;
+  }
+
+ private:
+  pid_t server_ = 0;
+  std::string name_;
+};
+
+class ViewWindow : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (run_shell("command -v Xvfb && command -v xdotool").status != 0)
+      GTEST_SKIP() << "NOT TESTED: the window, for want of Xvfb and xdotool (packages xvfb, xdotool)";
+    display_.emplace(folder_ / "");
+    ASSERT_FALSE(display_->name().empty()) << "Xvfb does not start";
+  }
+  void TearDown() override {
+    if (child_ > 0) {
+      kill(child_, SIGKILL);
+      waitpid(child_, nullptr, 0);
+    }
+  }
+
+  [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  /// Starts saccade and waits for its window.
+  void open(const std::string& arguments) {
+    child_ =
+        start("env " + display_->in_shell("'" + binary + "' " + arguments + " >'" + path("said") + "' 2>&1"));
+    ASSERT_TRUE(until([&] { return xdotool("search --name 'saccade view' windowfocus").status == 0; }))
+        << bytes_of(path("said"));
+  }
+  Outcome xdotool(const std::string& what) const { return run_shell(display_->in_shell("xdotool " + what)); }
+  void press(const std::string& keys) const { xdotool("key --delay 20 " + keys); }
+  /// Where the timeline stands for that share of the recording.
+  void click_time(double share) const {
+    const Area strip = layout.time_strip();
+    xdotool("mousemove " + std::to_string(std::lround(strip.x + share * strip.width)) + " " +
+            std::to_string(std::lround(strip.y + strip.height / 2)) + " sleep 0.1 click 1");
+  }
+  /// What the window shows once it knows of all that was done before; BGR.
+  cv::Mat screenshot() {
+    press("s");
+    const fs::path folder = path("pictures");
+    std::vector<fs::path> files;
+    EXPECT_TRUE(until([&] {
+      files.clear();
+      std::error_code none_yet;
+      for (const auto& entry : fs::directory_iterator(folder, none_yet)) {
+        if (entry.path().extension() == ".png" && !shots_.contains(entry.path()))
+          files.push_back(entry.path());
+      }
+      return !files.empty();
+    })) << "no screenshot; said: "
+        << bytes_of(path("said"));
+    if (files.empty()) return cv::Mat(720, 1280, CV_8UC3, cv::Scalar::all(0));
+    shots_.insert(files.front());
+    newest_shot_ = files.front();
+    return cv::imread(files.front().string());
+  }
+  /// Of the newest screenshot, which its name tells.
+  [[nodiscard]] std::int64_t shot_us() const {
+    const std::string name = newest_shot_.filename().string();
+    const std::size_t end = name.rfind("ms");
+    return 1000 * std::stoll(name.substr(end - 6, 6));
+  }
+  void quit() {
+    press("q");
+    EXPECT_EQ(end_of(child_), 0) << bytes_of(path("said"));
+    child_ = 0;
+  }
+
+  TempFolder folder_;
+  std::optional<Display> display_;
+  pid_t child_ = 0;
+  std::set<fs::path> shots_;
+  fs::path newest_shot_;
+};
+
+cv::Mat cut(const cv::Mat& shot, const Area& area) {
+  return shot({static_cast<int>(area.x), static_cast<int>(area.y), static_cast<int>(area.width),
+               static_cast<int>(area.height)});
+}
+
+bool same(const cv::Mat& a, const cv::Mat& b, const Area& area) {
+  return cv::norm(cut(a, area), cut(b, area), cv::NORM_INF) == 0.0;
+}
+
+/// All that a moment determines: every panel but the bar and the timeline, which tell what was written last.
+bool same_moment(const cv::Mat& a, const cv::Mat& b) {
+  for (const Area& area : {layout.scene, layout.eye, layout.hough, layout.detectors, layout.plots}) {
+    if (!same(a, b, area)) return false;
+  }
+  return true;
+}
+
+bool is_event(const cv::Vec3b& bgr) { return std::abs(bgr[2] - bgr[0]) > 60; }
+
+/// The share of pixels around a circle's outline that show events; of all pixels where `circle` is none.
+double share_of_events(const cv::Mat& shot, const std::optional<Circle>& circle) {
+  const Area at = ViewLayout::fit(layout.eye, image);
+  const float scale = at.width / static_cast<float>(image.width);
+  int all = 0;
+  int events = 0;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      if (circle && std::abs(std::hypot(x - circle->x_px, y - circle->y_px) - circle->r_px) > 1.5) continue;
+      const auto pixel = shot.at<cv::Vec3b>(static_cast<int>(at.y + scale * (static_cast<float>(y) + 0.5F)),
+                                            static_cast<int>(at.x + scale * (static_cast<float>(x) + 0.5F)));
+      ++all;
+      events += is_event(pixel) ? 1 : 0;
+    }
+  }
+  return static_cast<double>(events) / all;
+}
+
+/// How many pixels of the eye's picture have the first detector's colour.
+int pixels_of_first_detector(const cv::Mat& shot) {
+  const cv::Mat eye = cut(shot, ViewLayout::fit(layout.eye, image));
+  int count = 0;
+  for (auto it = eye.begin<cv::Vec3b>(); it != eye.end<cv::Vec3b>(); ++it)
+    count += *it == cv::Vec3b(201, 156, 76) ? 1 : 0;
+  return count;
+}
+
+TEST_F(ViewWindow, showsARecordedRunGoesToAndFroInItAndObeys) {
+  ASSERT_EQ(run_shell("'" + binary + "' run '" + scenarios +
+                      "hand_move.yaml' --set run.duration_s=0.8 --set output.pictures=0 --set expect={} "
+                      "--set 'detectors={best: {radius_px: [4, 14]}, paper_directed: {radius_px: [4, 14]}}' "
+                      "--set frame_30hz.exposure_ms=20 --set render.max_interval_ms=5 "
+                      "--out " +
+                      path("run"))
+                .status,
+            0);
+  const auto truth = read_table<TruthRow>(path("run") + "/truth.csv");
+  open("view '" + path("run") + "' --paused --pictures '" + path("pictures") + "'");
+
+  EXPECT_EQ(screenshot().size(), cv::Size(1280, 720));  // it is there
+  click_time(0.75);
+  press("c");
+  const cv::Mat bare = screenshot();
+  ASSERT_EQ(bare.size(), cv::Size(1280, 720));
+  const auto now = std::ranges::find(truth, shot_us(), &TruthRow::t_us);
+  ASSERT_NE(now, truth.end()) << newest_shot_;
+  EXPECT_NEAR(static_cast<double>(shot_us()), 0.75 * 0.8e6, 5e3);
+  Circle elsewhere = now->circle;
+  elsewhere.x_px += elsewhere.x_px < 64 ? 40 : -40;
+  const double on_outline = share_of_events(bare, now->circle);
+  std::printf("events on the ball's outline: %.2f of its pixels; in the whole image %.2f, elsewhere %.2f\n",
+              on_outline, share_of_events(bare, std::nullopt), share_of_events(bare, elsewhere));
+  EXPECT_GT(on_outline, 0.3);
+  EXPECT_GT(on_outline, 2.0 * share_of_events(bare, std::nullopt));
+  EXPECT_GT(on_outline, 2.0 * share_of_events(bare, elsewhere));
+
+  press("c");
+  const cv::Mat first = screenshot();
+  EXPECT_GT(pixels_of_first_detector(first), 30) << "the circle that was found";
+  EXPECT_EQ(pixels_of_first_detector(bare), 0);
+
+  press("shift+Right shift+Right Right");
+  const std::int64_t before_us = shot_us();
+  const cv::Mat later = screenshot();
+  EXPECT_EQ(shot_us(), before_us + 21'000);
+  EXPECT_FALSE(same(first, later, layout.eye));
+  EXPECT_FALSE(same(first, later, layout.plots));
+  press("Left shift+Left shift+Left");
+  EXPECT_TRUE(same_moment(first, screenshot())) << "stepped back";
+  click_time(0.2);
+  EXPECT_FALSE(same(first, screenshot(), layout.scene)) << "the hand was elsewhere";
+  click_time(0.75);
+  EXPECT_TRUE(same_moment(first, screenshot())) << "scrubbed back and forth";
+
+  std::string up;
+  for (int i = 0; i < 30; ++i) up += "bracketright ";
+  press(up);
+  const cv::Mat strict = screenshot();
+  EXPECT_EQ(pixels_of_first_detector(strict), 0) << "no score reaches the threshold";
+  EXPECT_FALSE(same(first, strict, layout.settings)) << "the slider went along";
+
+  press("2");
+  const cv::Mat other = screenshot();
+  EXPECT_FALSE(same(strict, other, layout.hough)) << "the other detector's Hough space";
+  EXPECT_TRUE(same(strict, other, layout.scene));
+  quit();
+  EXPECT_THAT(bytes_of(path("said")), HasSubstr("pictures in"));
+}
+
+TEST_F(ViewWindow, playsAScenarioAndFilmsIt) {
+  open("view '" + scenarios + "look_at_ball.yaml' --paused --pictures '" + path("pictures") + "'");
+  press("shift+Right");
+  const cv::Mat start = screenshot();
+  press("v");
+  press("space");
+  std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+  press("space");
+  press("v");
+  const cv::Mat later = screenshot();
+  EXPECT_GT(shot_us(), 10'000);
+  EXPECT_FALSE(same(start, later, layout.eye));
+  EXPECT_FALSE(same(start, later, layout.plots));
+  quit();
+  cv::VideoCapture film(path("pictures/look_at_ball.mp4"));
+  ASSERT_TRUE(film.isOpened());
+  EXPECT_GE(film.get(cv::CAP_PROP_FRAME_COUNT), 5);
+  cv::Mat frame;
+  ASSERT_TRUE(film.read(frame));
+  EXPECT_EQ(frame.size(), cv::Size(1280, 720));
+  EXPECT_GT(cv::mean(frame)[0], 10.0);
+}
+
+TEST_F(ViewWindow, aRunThatIsWatchedHasTheSameBytesAndOutlivesItsWindow) {
+  const std::string run =
+      "'" + scenarios +
+      "look_at_ball.yaml' --set run.duration_s=1.5 --set output.pictures=0 --set expect={} "
+      "--seed 3 --out ";
+  ASSERT_EQ(run_shell(display_->in_shell("'" + binary + "' run " + run + path("alone"))).status, 0);
+  open("run --view " + run + path("watched"));
+  press("q");
+  EXPECT_TRUE(until([&] { return xdotool("search --name 'saccade view'").status != 0; })) << "it closes";
+  EXPECT_EQ(end_of(child_), 0) << bytes_of(path("said"));
+  child_ = 0;
+  for (const char* file :
+       {"events.aedat", "detections.csv", "gaze.csv", "truth.csv", "joints.csv", "eye.csv"}) {
+    const std::string alone = bytes_of(folder_ / "alone" / file);
+    EXPECT_GT(alone.size(), 100U) << file;
+    EXPECT_TRUE(alone == bytes_of(folder_ / "watched" / file)) << file << " differs";
+  }
+  EXPECT_TRUE(fs::exists(path("watched/report.html")));
+}
+
+TEST(ViewCommand, saysWhatIsMissingWhereThereIsNoDisplay) {
+  for (const std::string what : {"view ", "run --view "}) {
+    const Outcome outcome = run_shell("env -u DISPLAY -u WAYLAND_DISPLAY '" + binary + "' " + what + "'" +
+                                      scenarios + "look_at_ball.yaml'");
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_THAT(outcome.text, HasSubstr("DISPLAY: found not set"));
+    EXPECT_THAT(outcome.text, HasSubstr("xvfb-run"));
+  }
+}
+
+}  // namespace
+}  // namespace saccade
