@@ -44,10 +44,13 @@ function(saccade_room name)
   target_include_directories(saccade_${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}>)
 endfunction()
 
-# saccade_test(NAME SOURCES a_test.cpp ... ROOMS core ... LIBRARIES ...): one GoogleTest program per room,
-# each of its tests a CTest test.
+# saccade_test(NAME SOURCES a_test.cpp ... ROOMS core ... LIBRARIES ... [SERIAL]): one GoogleTest program per room,
+# each of its tests a CTest test. SERIAL: nothing else is tested beside them, since they need the machine's time.
 function(saccade_test name)
-  cmake_parse_arguments(TEST "" "" "SOURCES;ROOMS;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(TEST "SERIAL" "" "SOURCES;ROOMS;LIBRARIES" ${ARGN})
+  if(TEST_SERIAL)
+    set(serial PROPERTIES RUN_SERIAL TRUE)
+  endif()
   add_executable(saccade_${name}_tests ${TEST_SOURCES})
   list(TRANSFORM TEST_ROOMS PREPEND saccade_)
   target_link_libraries(saccade_${name}_tests PRIVATE saccade_flags ${TEST_ROOMS} ${TEST_LIBRARIES}
@@ -55,5 +58,5 @@ function(saccade_test name)
   target_compile_definitions(saccade_${name}_tests PRIVATE
     SACCADE_SOURCE_DIR="${CMAKE_SOURCE_DIR}" SACCADE_SHARED_DATA="${CMAKE_SOURCE_DIR}/../shared/data")
   gtest_discover_tests(saccade_${name}_tests TEST_PREFIX "${name}." DISCOVERY_MODE PRE_TEST
-    NO_PRETTY_VALUES)
+    NO_PRETTY_VALUES ${serial})
 endfunction()

@@ -323,7 +323,14 @@ std::string View::Parts::speed_text() const {
 }
 
 void View::Parts::scale_threshold(double factor) {
-  *threshold_of(settings.detectors[settings.driver].config) *= factor;
+  DetectorConfig scaled = settings.detectors[settings.driver].config;
+  *threshold_of(scaled) *= factor;
+  try {
+    std::visit([](const auto& config) { check_config("detector", config); }, scaled.detector);
+  } catch (const InputError&) {
+    return;  // as far as it goes
+  }
+  settings.detectors[settings.driver].config = scaled;
   player->set(settings);
 }
 

@@ -383,9 +383,8 @@ TEST_F(Emulate, ImagesThatCannotBeUsedAreRefusedAndNothingIsWritten) {
   save("sizes/a1.png", 4);
   save("sizes/a2.png", 4);
   save("sizes/a3.png", 5);
-  expect_refused(
-      path("sizes") + " --fps 30",
-      path("sizes/a3.png") + ", image 2: found an image of 5x3, expected 4x3, as the first one");
+  expect_refused(path("sizes") + " --fps 30",
+                 path("sizes/a3.png") + ", image 2: found an image of 5x3, expected 4x3, as the first one");
   save("one/a1.png", 4);
   expect_refused(path("one") + " --fps 30", path("one") + ": found one image, expected at least two");
   fs::create_directory(path("empty"));
@@ -478,7 +477,8 @@ TEST_F(Emulate, AnOutputThatCannotBeIsRefused) {
   EXPECT_THAT(saccade(run + "--out " + path("e.csv") + " --labels " + path("e.csv")).text,
               HasSubstr("expected another file than the events'"));
   EXPECT_THAT(saccade(run + "--out " + path("e.mp4")).text,
-              HasSubstr(path("e.mp4") + ": found the extension .mp4, expected one of .aedat, .csv, .txt\n"));
+              HasSubstr(path("e.mp4") + ": found the extension .mp4, expected one of .aedat, .aedat4, .csv, "
+                                        ".h5, .hdf5, .log, .raw, .txt\n"));
   EXPECT_EQ(saccade(run + "--out " + path("no/such/e.csv")).status, 1);
 }
 

@@ -67,6 +67,8 @@ constexpr double duration_s = 4.0;
 std::vector<std::string> scenario(const std::string& command, const std::string& controller) {
   return {command, SACCADE_SOURCE_DIR "/scenarios/gaze_square_45cm.yaml", "--set",
           "run.duration_s=" + std::to_string(duration_s), "--set", "gaze.controller=" + controller,
+          // Images that two cores have time for beside a detector.
+          "--set", "render.min_interval_ms=2", "--set", "render.supersampling=1",
           // As deploy's file for a gaze controller has it.
           "--set",
           controller == "ikingaze" ? "gaze.ikingaze={neck_time_s: 0.8, eyes_time_s: 0.4, saccades: false}"
@@ -101,6 +103,12 @@ double last_motion_deg(const std::filesystem::path& folder, double span_s) {
   return most_rad * 180.0 / 3.14159265358979323846;
 }
 
+/// Of a run folder; 0 where the ball was never acquired.
+double on_target(const std::filesystem::path& folder) {
+  const auto ratio = metrics_of(folder)["gaze"]["on_target_ratio"];
+  return ratio.is_null() ? 0.0 : ratio.get<double>();
+}
+
 class ServeAndDeploy : public testing::Test {
  protected:
   static void SetUpTestSuite() { YarpWorld::get(); }
@@ -114,8 +122,8 @@ TEST_F(ServeAndDeploy, theGazeIsAsGoodAsInOneProcess) {
     ASSERT_TRUE(served.has_ended(60.0)) << served.said() << deployed.said();
     Saccade alone("alone", scenario("run", control == "joints" ? "qp" : "ikingaze"));
     ASSERT_TRUE(alone.has_ended(60.0)) << alone.said();
-    const double over_yarp = metrics_of(served.folder())["gaze"]["on_target_ratio"];
-    const double in_process = metrics_of(alone.folder())["gaze"]["on_target_ratio"];
+    const double over_yarp = on_target(served.folder());
+    const double in_process = on_target(alone.folder());
     std::smatch slip;
     const std::string log = served.said();
     ASSERT_TRUE(std::regex_search(log, slip, std::regex("slipped by ([0-9.]+) s")));
