@@ -321,9 +321,6 @@ void BallTracker::find_candidates(std::int64_t now_us) {
       transform_.vote_arcs<-1>(vote.x, vote.y, vote.direction);
     }
   }
-  for (const Vote& vote : votes_) {
-    if (vote.explained) transform_.vote_arcs<1>(vote.x, vote.y, vote.direction);
-  }
 }
 
 void BallTracker::score_tracks(std::int64_t now_us, double dt_s) {
@@ -419,7 +416,11 @@ Estimate BallTracker::estimate() {
 }
 
 bool BallTracker::hough_space(std::span<float> response) const {
-  largest_response(transform_, response);
+  HoughTransform whole = transform_;  // which lacks what the last look has explained
+  for (const Vote& vote : votes_) {
+    if (vote.explained) whole.vote_arcs<1>(vote.x, vote.y, vote.direction);
+  }
+  largest_response(whole, response);
   return true;
 }
 

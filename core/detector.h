@@ -55,7 +55,8 @@ class Detector {
   [[nodiscard]] virtual double threshold() const = 0;
   [[nodiscard]] virtual RejectedEvents rejected() const = 0;
   /// For pictures: the largest response over all radii at each pixel as of the last estimate(), row by row;
-  /// `response` has room for the image. False, and nothing is written, where a detector has no such space.
+  /// `response` has room for the image. False, and nothing is written, where a detector has no such space. May
+  /// allocate: not for the tick.
   [[nodiscard]] virtual bool hough_space(std::span<float> /*response*/) const { return false; }
   /// One in the same state, which goes on from there as this one would. Allocates: not for the tick.
   [[nodiscard]] virtual std::unique_ptr<Detector> copy() const = 0;
