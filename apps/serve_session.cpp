@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <thread>
 
 #include "apps/config/scenario.h"
@@ -15,6 +14,7 @@
 #include "apps/progress.h"
 #include "apps/run_folder.h"
 #include "apps/run_recorder.h"
+#include "apps/scenario_loop.h"
 #include "apps/summary.h"
 #include "evaluation/report.h"
 #include "recording/output_file.h"
@@ -260,9 +260,7 @@ int serve(const ServeOptions& options) {
       std::min(std::max(sampling.min_interval_ms, least_interval_ms), sampling.max_interval_ms);
   const std::filesystem::path folder =
       options.out.empty() ? std::filesystem::path("runs") / (scenario.name + "_served") : options.out;
-  // llvmpipe reads this when OpenGL starts: 0 draws in the calling thread.
-  const std::string rasterisers = scenario.run.threads == 1 ? "0" : std::to_string(scenario.run.threads);
-  setenv("LP_NUM_THREADS", rasterisers.c_str(), 1);
+  set_rasterisers(scenario.run.threads);
   SimRobot robot(scenario.sim, static_cast<std::uint64_t>(scenario.seed));
   prepare_run_folder(folder, options.force);
   {

@@ -41,12 +41,9 @@ struct TaskOptions {
 /// Makes the run in `folder`/scenario.yaml and leaves `folder`/metrics.json.
 void make_run(const fs::path& folder) {
   const Scenario scenario = read_scenario(folder / "scenario.yaml", {}, std::nullopt);
-  // llvmpipe reads this when OpenGL starts: 0 draws in the calling thread.
-  setenv("LP_NUM_THREADS", scenario.run.threads == 1 ? "0" : std::to_string(scenario.run.threads).c_str(), 1);
+  set_rasterisers(scenario.run.threads);
   SimRobot robot(scenario.sim, static_cast<std::uint64_t>(scenario.seed));
-  Loop loop(robot, robot, &robot, scenario.calibration,
-            make_detectors(scenario.detectors, scenario.calibration.camera),
-            make_gaze(scenario, robot.limits()));
+  Loop loop = make_loop(scenario, robot);
   RunRecorder recorder(std::nullopt, scenario, robot, loop);
   const std::int64_t end_us = std::llround(scenario.run.duration_s * 1e6);
   const auto begin = std::chrono::steady_clock::now();

@@ -6,25 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <sstream>
 
 #include "control/head_kinematics.h"
+#include "tests/control/genova02.h"
 
 namespace saccade {
 namespace {
-
-constexpr double rad_per_deg = std::numbers::pi / 180.0;
-
-JointLimits head_limits() {
-  JointLimits limits;
-  limits.min_rad << -20, -30, -50, -30, -20, -45, -30, -30, 0;
-  limits.max_rad << 70, 30, 50, 17, 20, 45, 30, 30, 50;
-  limits.min_rad *= rad_per_deg;
-  limits.max_rad *= rad_per_deg;
-  limits.max_speed_rad_s.setConstant(1000 * rad_per_deg);
-  return limits;
-}
 
 /// A head that is where it was told to be a tick ago.
 class Head {
@@ -57,7 +45,7 @@ class Head {
   }
 
   HeadState state;
-  GazeServer server{{}, head_limits(), Camera{}, Camera{}, JointVector::Zero()};
+  GazeServer server{{}, genova02_limits(), Camera{}, Camera{}, JointVector::Zero()};
 };
 
 TEST(GazeServer, leavesTheHeadAloneUntilItHasATarget) {
