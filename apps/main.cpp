@@ -4,7 +4,8 @@
 #include <exception>
 #include <string>
 
-#include "apps/commands.h"
+#include "apps/cli/commands.h"
+#include "apps/session/version.h"
 #include "core/error.h"
 #include "sim/gl_context.h"
 
@@ -12,8 +13,8 @@ namespace {
 
 /// Version, commit, MuJoCo and OpenGL, one a line.
 std::string version_text() {
-  std::string text =
-      "saccade " SACCADE_VERSION " (" SACCADE_COMMIT ")\nMuJoCo " + std::string(mj_versionString());
+  std::string text = "saccade " + std::string(saccade::version()) + " (" + std::string(saccade::commit()) +
+                     ")\nMuJoCo " + std::string(mj_versionString());
   try {
     text += "\nOpenGL " + saccade::GlContext::create("auto")->description();
   } catch (const saccade::RunError& error) {

@@ -4,9 +4,9 @@ include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 set(SACCADE_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/saccade)
 
-foreach(room core emulator)
-  set_target_properties(saccade_${room} PROPERTIES EXPORT_NAME ${room})
-  target_include_directories(saccade_${room} INTERFACE
+foreach(layer core emulator)
+  set_target_properties(saccade_${layer} PROPERTIES EXPORT_NAME ${layer})
+  target_include_directories(saccade_${layer} INTERFACE
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/saccade>)
 endforeach()
 install(TARGETS saccade_core saccade_emulator EXPORT saccadeTargets

@@ -49,14 +49,14 @@ void describe(FieldVisitor& v, FollowConfig& config);
 
 /// Bounded velocity inverse kinematics, see QpController.
 struct QpConfig {
-  std::string eyes = "both";             ///< both: vergence on the target; left: vergence at rest
-  double eye_time_constant_s = 0.08;     ///< in which the error of the gaze falls to 1 / e
-  double neck_time_constant_s = 0.40;    ///< in which the neck takes over what the eyes are turned
-  double right_eye_weight = 0.01;        ///< of the right eye's error against the left eye's
-  double neck_weight = 1e-3;             ///< of the neck's own motion against the left eye's error
-  double damping = 1e-5;                 ///< of every joint's velocity against the left eye's error
+  std::string eyes = "both";              ///< both: vergence on the target; left: vergence at rest
+  double eye_time_constant_s = 0.08;      ///< in which the error of the gaze falls to 1 / e
+  double neck_time_constant_s = 0.40;     ///< in which the neck takes over what the eyes are turned
+  double right_eye_weight = 0.01;         ///< of the right eye's error against the left eye's
+  double neck_weight = 1e-3;              ///< of the neck's own motion against the left eye's error
+  double damping = 1e-5;                  ///< of every joint's velocity against the left eye's error
   double target_time_constant_s = 0.045;  ///< of what is known of the target's motion, see TargetTrack
-  double max_lead_deg = 10.0;            ///< a reference runs no further ahead of the measured joint
+  double max_lead_deg = 10.0;             ///< a reference runs no further ahead of the measured joint
 };
 
 /// Keys: eyes, eye_time_constant_s, neck_time_constant_s, right_eye_weight, neck_weight, damping,

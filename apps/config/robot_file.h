@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "apps/config/sections.h"
-#include "apps/supervisor.h"
 #include "control/gaze_controller.h"
 #include "control/gaze_gate.h"
+#include "loop/supervisor.h"
 #include "robot/head_limits.h"
 #include "robot/yarp/yarp_config.h"
 

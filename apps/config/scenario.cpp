@@ -5,7 +5,7 @@
 
 #include "apps/config/yaml_reader.h"
 #include "apps/config/yaml_writer.h"
-#include "evaluation/metrics.h"
+#include "evaluation/scoring/metrics.h"
 
 namespace saccade {
 namespace {

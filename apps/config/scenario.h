@@ -9,9 +9,9 @@
 #include "apps/config/sections.h"
 #include "control/gaze_controller.h"
 #include "control/gaze_gate.h"
-#include "evaluation/calibration.h"
-#include "evaluation/frame_detector.h"
-#include "evaluation/metrics.h"
+#include "evaluation/calibration/calibration.h"
+#include "evaluation/frame_camera/frame_detector.h"
+#include "evaluation/scoring/metrics.h"
 #include "sim/sim_robot.h"
 
 namespace saccade {

@@ -15,7 +15,7 @@
 
 #include "core/config.h"
 #include "core/error.h"
-#include "evaluation/gnuplot.h"
+#include "evaluation/report/gnuplot.h"
 #include "recording/output_file.h"
 
 namespace saccade {

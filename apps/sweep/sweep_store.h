@@ -8,7 +8,7 @@
 
 #include "apps/sweep/sweep_folder.h"
 #include "apps/sweep/sweep_plan.h"
-#include "evaluation/sweep_report.h"
+#include "evaluation/report/sweep_report.h"
 
 namespace SQLite {
 class Database;

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "apps/loop.h"
 #include "core/camera.h"
 #include "core/detector_factory.h"
+#include "loop/loop.h"
 #include "sim/mujoco_compat.h"
 
 namespace saccade {

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "apps/config/scenario.h"
-#include "apps/scenario_loop.h"
+#include "apps/session/scenario_loop.h"
 #include "sim/lab.h"
 
 namespace saccade {

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "apps/config/scenario.h"
-#include "apps/played.h"
+#include "apps/session/played.h"
 #include "apps/view/picture.h"
 #include "sim/sim_robot.h"
 

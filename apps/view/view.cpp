@@ -12,15 +12,15 @@
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
 
-#include "apps/interrupt.h"
+#include "apps/session/interrupt.h"
 #include "apps/view/field_editor.h"
 #include "apps/view/layout.h"
 #include "apps/view/pixels.h"
 #include "apps/view/plot.h"
 #include "apps/view/window.h"
-#include "evaluation/figures.h"
-#include "evaluation/overlay.h"
-#include "evaluation/statistics.h"
+#include "evaluation/report/figures.h"
+#include "evaluation/report/overlay.h"
+#include "evaluation/scoring/statistics.h"
 
 namespace saccade {
 namespace {

@@ -1,4 +1,4 @@
-// Holds the table of rooms in docs/architecture.md: what each folder includes, links and reaches.
+// Holds the table of layers in docs/architecture.md: what each folder includes, links and reaches.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -24,12 +24,12 @@ using testing::IsEmpty;
 
 using Words = std::vector<std::string>;
 
-struct Room {
+struct Layer {
   Words may_include;
   Words may_link;
   Words must_not_reach;
 };
-using Table = std::map<std::string, Room>;  // by folder, "core/"
+using Table = std::map<std::string, Layer>;  // by folder, "core/"
 
 std::string read_text(const fs::path& path) {
   std::ifstream stream(path, std::ios::binary);
@@ -112,33 +112,33 @@ class Checker {
 
  private:
   /// The row of the deepest folder that holds the file.
-  [[nodiscard]] const Room* room_of(const std::string& path) const {
-    const Room* room = nullptr;
+  [[nodiscard]] const Layer* layer_of(const std::string& path) const {
+    const Layer* layer = nullptr;
     std::size_t deepest = 0;
     for (const auto& [folder, candidate] : table_) {
       if (path.starts_with(folder) && folder.size() > deepest) {
         deepest = folder.size();
-        room = &candidate;
+        layer = &candidate;
       }
     }
-    return room;
+    return layer;
   }
 
   void check(const Source& source) {
-    const Room* room = room_of(source.path);
-    if (room == nullptr) {
+    const Layer* layer = layer_of(source.path);
+    if (layer == nullptr) {
       violations_.push_back(source.path + ": in no folder of the table");
     } else if (source.path.ends_with("CMakeLists.txt")) {
-      check_links(source, *room);
+      check_links(source, *layer);
     } else {
-      check_includes(source, *room);
+      check_includes(source, *layer);
     }
   }
 
-  void check_includes(const Source& source, const Room& room) {
+  void check_includes(const Source& source, const Layer& layer) {
     for (const std::string& header : includes_.at(source.path)) {
       const bool standard = header.find_first_of("/.") == std::string::npos;
-      if (!standard && !is_in(room.may_include, header)) {
+      if (!standard && !is_in(layer.may_include, header)) {
         violations_.push_back(source.path + ": may not include " + header);
       }
     }
@@ -146,44 +146,44 @@ class Checker {
       violations_.push_back(source.path + ": an include by macro, which nobody can check");
     }
     std::set<std::string> seen;
-    check_reach(source.path, source.path, room, seen);
+    check_reach(source.path, source.path, layer, seen);
   }
 
-  void check_reach(const std::string& start, const std::string& path, const Room& room,
+  void check_reach(const std::string& start, const std::string& path, const Layer& layer,
                    std::set<std::string>& seen) {
     if (!seen.insert(path).second) return;
     const auto includes = includes_.find(path);
     if (includes == includes_.end()) return;  // a header from elsewhere
     for (const std::string& header : includes->second) {
-      if (is_in(room.must_not_reach, header)) {
+      if (is_in(layer.must_not_reach, header)) {
         violations_.push_back(start + ": must not reach " + header + " (by way of " + path + ")");
       }
-      check_reach(start, header, room, seen);
+      check_reach(start, header, layer, seen);
     }
   }
 
-  void check_links(const Source& source, const Room& room) {
+  void check_links(const Source& source, const Layer& layer) {
     const std::string text = std::regex_replace(source.text, std::regex("#[^\\n]*"), "");
-    for (const std::string& call : matches(text, "saccade_room\\s*\\(([^)]*)\\)")) {
+    for (const std::string& call : matches(text, "saccade_layer\\s*\\(([^)]*)\\)")) {
       std::string keyword;
       for (const std::string& word : matches(call, "([^\\s\"]+)")) {
-        const bool is_keyword = !matches(word, "^(SOURCES|ROOMS|LIBRARIES|PRIVATE_LIBRARIES)$").empty();
+        const bool is_keyword = !matches(word, "^(SOURCES|LAYERS|LIBRARIES|PRIVATE_LIBRARIES)$").empty();
         if (is_keyword) keyword = word;
         if (is_keyword || keyword.empty() || keyword == "SOURCES") continue;
-        check_link(source, room, keyword == "ROOMS" ? "saccade_" + word : word);
+        check_link(source, layer, keyword == "LAYERS" ? "saccade_" + word : word);
       }
     }
     for (const std::string& call : matches(text, "link_libraries\\s*\\(([^)]*)\\)")) {
       Words words = matches(call, "([^\\s\"]+)");
       if (!words.empty()) words.erase(words.begin());  // the target
       for (const std::string& word : words) {
-        if (word != "PUBLIC" && word != "PRIVATE" && word != "INTERFACE") check_link(source, room, word);
+        if (word != "PUBLIC" && word != "PRIVATE" && word != "INTERFACE") check_link(source, layer, word);
       }
     }
   }
 
-  void check_link(const Source& source, const Room& room, const std::string& library) {
-    if (!is_in(room.may_link, library)) violations_.push_back(source.path + ": may not link " + library);
+  void check_link(const Source& source, const Layer& layer, const std::string& library) {
+    if (!is_in(layer.may_link, library)) violations_.push_back(source.path + ": may not link " + library);
   }
 
   Table table_;
@@ -192,17 +192,17 @@ class Checker {
   Words violations_;
 };
 
-TEST(Architecture, everyIncludeAndLinkKeepsToTheTableOfRooms) {
+TEST(Architecture, everyIncludeAndLinkKeepsToTheTableOfLayers) {
   const Checker checker(SACCADE_SOURCE_DIR);
   EXPECT_THAT(checker.violations(), IsEmpty());
   EXPECT_GT(checker.file_count(), 20u);  // it did look at something
 }
 
-TEST(Architecture, theTableHasARowForEveryRoom) {
+TEST(Architecture, theTableHasARowForEveryLayer) {
   const Checker checker(SACCADE_SOURCE_DIR);
-  for (const char* room :
-       {"core/", "control/", "emulator/", "recording/", "robot/", "sim/", "evaluation/", "apps/"}) {
-    EXPECT_TRUE(checker.table().contains(room)) << room;
+  for (const char* layer : {"core/", "control/", "emulator/", "recording/", "robot/", "loop/", "sim/",
+                            "evaluation/scoring/", "apps/"}) {
+    EXPECT_TRUE(checker.table().contains(layer)) << layer;
   }
 }
 
@@ -218,7 +218,7 @@ class SmallTree {
     write("robot/fake/fake.h", "#include \"robot/ports.h\"\n");
     write("sim/world.cpp", "#include <mujoco/mujoco.h>\n#include \"robot/ports.h\"\n");
     write("core/CMakeLists.txt",
-          "saccade_room(core\n  SOURCES a.cpp # not LIBRARIES mujoco\n  LIBRARIES Eigen3::Eigen)\n");
+          "saccade_layer(core\n  SOURCES a.cpp # not LIBRARIES mujoco\n  LIBRARIES Eigen3::Eigen)\n");
   }
   SmallTree(const SmallTree&) = delete;
   SmallTree& operator=(const SmallTree&) = delete;
@@ -263,7 +263,7 @@ INSTANTIATE_TEST_SUITE_P(
         Plant{"clockInCore", "core/a.cpp", "#include <chrono>\n", "core/a.cpp: must not reach chrono"},
         Plant{"fileInControl", "control/a.cpp", "#include <fstream>\n",
               "control/a.cpp: must not reach fstream"},
-        Plant{"roomInAngles", "core/a.cpp", "#include <control/target.h>\n",
+        Plant{"layerInAngles", "core/a.cpp", "#include <control/target.h>\n",
               "core/a.cpp: may not include control/target.h"},
         Plant{"pathUpwards", "emulator/a.cpp", "#include \"../sim/world.h\"\n",
               "emulator/a.cpp: may not include ../sim/world.h"},
@@ -276,15 +276,15 @@ INSTANTIATE_TEST_SUITE_P(
               "sim/a.cpp: must not reach core/detector.h"},
         Plant{"detectorInEmulatorByWayOfAnother", "core/event.h", "#include \"core/detector.h\"\n",
               "sim/world.cpp: must not reach core/detector.h (by way of core/event.h)"},
-        Plant{"mujocoInEvaluation", "evaluation/a.cpp", "#include <mujoco/mujoco.h>\n",
-              "evaluation/a.cpp: may not include mujoco/mujoco.h"},
+        Plant{"mujocoInScoring", "evaluation/scoring/a.cpp", "#include <mujoco/mujoco.h>\n",
+              "evaluation/scoring/a.cpp: may not include mujoco/mujoco.h"},
         Plant{"yamlInACommand", "apps/run.cpp", "#include <yaml-cpp/yaml.h>\n",
               "apps/run.cpp: must not reach yaml-cpp/yaml.h"},
         Plant{"folderWithoutARow", "tools/a.cpp", "int a;\n", "tools/a.cpp: in no folder of the table"},
-        Plant{"roomLinked", "core/CMakeLists.txt", "saccade_room(core SOURCES a.cpp ROOMS control)",
+        Plant{"layerLinked", "core/CMakeLists.txt", "saccade_layer(core SOURCES a.cpp LAYERS control)",
               "core/CMakeLists.txt: may not link saccade_control"},
         Plant{"libraryLinked", "control/CMakeLists.txt",
-              "saccade_room(control SOURCES a.cpp\n ROOMS core\n PRIVATE_LIBRARIES mujoco::mujoco)",
+              "saccade_layer(control SOURCES a.cpp\n LAYERS core\n PRIVATE_LIBRARIES mujoco::mujoco)",
               "control/CMakeLists.txt: may not link mujoco::mujoco"},
         Plant{"linkedByTheSide", "robot/CMakeLists.txt",
               "target_link_libraries(saccade_robot PRIVATE saccade_sim)",

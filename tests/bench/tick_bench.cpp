@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "apps/deploy_session.h"
+#include "apps/deploy/deploy_session.h"
 #include "control/head_kinematics.h"
 #include "core/detector_factory.h"
 #include "robot/fake/fake_robot.h"

@@ -19,7 +19,7 @@
 
 #include "core/event.h"
 #include "core/random.h"
-#include "tests/apps/npy.h"
+#include "tests/images/npy.h"
 #include "tests/integration/run_shell.h"
 #include "tests/recording/temp_folder.h"
 

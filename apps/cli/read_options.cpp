@@ -1,0 +1,54 @@
+#include "apps/cli/read_options.h"
+
+#include <charconv>
+#include <map>
+
+#include "core/error.h"
+
+namespace saccade {
+namespace {
+
+/// "640x480"
+ImageSize parse_size(const std::string& text) {
+  ImageSize size;
+  const char* const end = text.data() + text.size();
+  const auto width = std::from_chars(text.data(), end, size.width);
+  if (width.ec == std::errc() && width.ptr != end && *width.ptr == 'x') {
+    const auto height = std::from_chars(width.ptr + 1, end, size.height);
+    const bool in_range = size.width >= 8 && size.height >= 8 && size.width <= 2048 && size.height <= 2048;
+    if (height.ec == std::errc() && height.ptr == end && in_range) return size;
+  }
+  throw InputError("--size", text, "WIDTHxHEIGHT, each 8 to 2048, such as 128x128");
+}
+
+}  // namespace
+
+void add_read_options(CLI::App& command, const char* name, const char* meaning, ReadOptions& options) {
+  command.add_option(name, options.recording, meaning)->required();
+  command.add_option_function<std::string>(
+      "--size", [&options](const std::string& text) { options.read.image_size = parse_size(text); },
+      "Image size WIDTHxHEIGHT, where the file does not tell it");
+  command
+      .add_option("--columns", options.read.columns,
+                  "Order of a text file's columns, out of t, x, y, p and c, the camera")
+      ->capture_default_str();
+  const std::map<std::string, std::uint8_t> cameras = {{"left", 0}, {"right", 1}};
+  command
+      .add_option_function<std::string>(
+          "--camera", [&options, cameras](const std::string& eye) { options.read.camera = cameras.at(eye); },
+          "Of a recording of two cameras: left or right alone")
+      ->check(CLI::IsMember({"left", "right"}));
+  command
+      .add_option(
+          "--codec", options.read.yarp_codec,
+          "What an event-driven log's words are: dvs_128, dvs_128_upright, atis_20, atis_24, ev2 or ev2_ts; "
+          "auto: as its info file says, else guessed")
+      ->capture_default_str();
+  command
+      .add_option("--layout", options.read.aedat2_layout,
+                  "What an AEDAT 2.0 file's addresses are, where it does not tell: dvs128, stereo or davis")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"auto", "dvs128", "stereo", "davis"}));
+}
+
+}  // namespace saccade

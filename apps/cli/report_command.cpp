@@ -1,0 +1,57 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "apps/cli/commands.h"
+#include "apps/sweep/sweep_folder.h"
+#include "apps/sweep/sweep_store.h"
+#include "evaluation/report/comparison.h"
+#include "evaluation/report/report.h"
+#include "evaluation/report/sweep_report.h"
+
+namespace saccade {
+namespace {
+
+struct ReportOptions {
+  std::vector<std::filesystem::path> runs;
+  std::filesystem::path out;
+};
+
+int report(const ReportOptions& options) {
+  std::filesystem::path folder = options.out;
+  const SweepFolder sweep(options.runs.front());
+  if (options.runs.size() == 1 && folder.empty() && std::filesystem::exists(sweep.table())) {
+    folder = sweep.path();
+    write_sweep_report(SweepStore(sweep).table(), folder);
+  } else if (options.runs.size() == 1 && folder.empty()) {
+    folder = options.runs.front();
+    write_report(folder);
+  } else {
+    if (folder.empty()) folder = "report";
+    write_comparison(options.runs, folder);
+  }
+  fmt::print("{}\n", (folder / "report.html").string());
+  return 0;
+}
+
+}  // namespace
+
+void add_report_command(CLI::App& app, Action& action) {
+  auto options = std::make_shared<ReportOptions>();
+  CLI::App* command = app.add_subcommand(
+      "report",
+      "Draw what folders hold: report.html of one run or of a sweep, in its folder, or one page over "
+      "several runs");
+  command
+      ->add_option(
+          "run", options->runs,
+          "Run folders; seeds of the same scenario and settings go together. Or the folder of a sweep")
+      ->required();
+  command->add_option("--out", options->out,
+                      "Folder for the page over several runs and its numbers; `report` by default");
+  command->callback([options, &action] { action = [options] { return report(*options); }; });
+}
+
+}  // namespace saccade

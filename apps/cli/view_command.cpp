@@ -1,0 +1,77 @@
+#include <filesystem>
+#include <memory>
+
+#include "apps/cli/commands.h"
+#include "apps/cli/read_options.h"
+#include "apps/config/scenario.h"
+#include "apps/session/interrupt.h"
+#include "apps/session/scenario_loop.h"
+#include "apps/view/view.h"
+
+namespace saccade {
+namespace {
+
+struct ViewOptions : ReadOptions {
+  std::filesystem::path config, truth;
+  std::filesystem::path pictures = ".";
+  std::vector<std::string> assignments;
+  std::optional<std::int64_t> seed;
+  bool paused = false;
+};
+
+int view_scenario(const ViewOptions& options) {
+  const Scenario scenario = read_scenario(options.recording, options.assignments, options.seed);
+  set_rasterisers(1);
+  View view(scenario.name, options.pictures);
+  set_rasterisers(scenario.run.threads);
+  Player player([&] { return play_scenario(scenario); }, !options.paused);
+  view.show(player);
+  return 0;
+}
+
+int view_recording(const ViewOptions& options) {
+  NamedDetectors named;
+  std::string driver = "best";
+  const std::filesystem::path own = options.recording / "scenario.yaml";
+  if (options.config.empty() && options.assignments.empty() && std::filesystem::exists(own)) {
+    const Scenario scenario = read_scenario(own, {}, std::nullopt);
+    named = scenario.detectors;
+    driver = scenario.gaze.detector;
+  } else {
+    named = read_detectors(options.config, options.assignments);
+  }
+  std::filesystem::path name = std::filesystem::absolute(options.recording).lexically_normal();
+  if (!name.has_filename()) name = name.parent_path();
+  set_rasterisers(1);
+  View view(std::filesystem::is_directory(name) ? name.filename() : name.stem(), options.pictures);
+  Player player([&] { return play_recording(options, options.truth, named, driver); }, !options.paused);
+  view.show(player);
+  return 0;
+}
+
+int view(const ViewOptions& options) {
+  catch_interrupts();
+  const std::filesystem::path extension = options.recording.extension();
+  return extension == ".yaml" || extension == ".yml" ? view_scenario(options) : view_recording(options);
+}
+
+}  // namespace
+
+void add_view_command(CLI::App& app, Action& action) {
+  auto options = std::make_shared<ViewOptions>();
+  CLI::App* command = app.add_subcommand("view", "A live window on a scenario, a run folder or a recording");
+  add_read_options(*command, "what", "Scenario (YAML), run folder or event file", *options);
+  command->add_option("--config", options->config, "Detectors (YAML) for a recording");
+  command->add_option("--truth", options->truth, "True circles of a recording, t_us,x_px,y_px,r_px (CSV)");
+  command
+      ->add_option("--set", options->assignments,
+                   "key.path=value of a scenario; key=value or DETECTOR.key=value for a recording")
+      ->allow_extra_args(false);
+  command->add_option("--seed", options->seed, "Seed, instead of the scenario's");
+  command->add_option("--pictures", options->pictures, "Folder for screenshots and videos; . by default");
+  command->add_flag("--paused", options->paused, "Do not play before told to");
+  command->footer("The window shows its keys (H). It needs an X display; without a screen: xvfb-run.");
+  command->callback([options, &action] { action = [options] { return view(*options); }; });
+}
+
+}  // namespace saccade

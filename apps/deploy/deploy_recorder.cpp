@@ -1,0 +1,377 @@
+#include "apps/deploy/deploy_recorder.h"
+
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "control/head_kinematics.h"
+#include "core/error.h"
+#include "evaluation/scoring/metrics.h"
+
+namespace saccade {
+namespace {
+
+constexpr std::size_t tick_slots = 4096;
+constexpr std::size_t event_slots = std::size_t{1} << 19;
+constexpr std::chrono::milliseconds pause(5);
+constexpr std::int64_t timing_us = 100'000;
+constexpr std::int64_t terminal_status_us = 200'000;
+constexpr std::int64_t log_status_us = 1'000'000;
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+double ms(std::int64_t us) { return static_cast<double>(us) * 1e-3; }
+
+double mean(std::int64_t sum, std::int64_t count) {
+  return count > 0 ? static_cast<double>(sum) / static_cast<double>(count) : nan;
+}
+
+std::size_t terminal_width() {
+  winsize size{};
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1 ? size.ws_col - 1U : 79U;
+}
+
+std::string in_words(const DeployChange& change) {
+  if (!change.refused.empty()) return "not activated: " + change.refused;
+  if (change.stop) {
+    return fmt::format("stopped: {}; the head was told to stop after {:.1f} ms", change.stop->in_words(),
+                       ms(change.took_us));
+  }
+  return std::string(name_of(change.state));
+}
+
+nlohmann::json json_of(const TimeFigures& figures) {
+  if (figures.count() == 0) return {{"p50", nullptr}, {"p99", nullptr}, {"max", nullptr}};
+  return {{"p50", figures.quantile_us(0.5)}, {"p99", figures.quantile_us(0.99)}, {"max", figures.max_us()}};
+}
+
+}  // namespace
+
+void DeployRecorder::Figures::add(const Slot& slot) {
+  const TickTiming& timing = slot.timing;
+  late.add(timing.begin_us - timing.due_us);
+  tick.add(timing.end_us - timing.begin_us);
+  tick_sum_us += timing.end_us - timing.begin_us;
+  if (timing.latency_us) {
+    latency.add(*timing.latency_us);
+    latency_sum_us += *timing.latency_us;
+  }
+  missed += timing.missed;
+  events += static_cast<std::int64_t>(slot.tick.events.size());
+  left_out += static_cast<std::int64_t>(slot.tick.events_left_out);
+  for (const DetectorTick& detector : slot.detectors) skipped += detector.skipped ? 1 : 0;
+}
+
+DeployRecorder::DeployRecorder(std::filesystem::path folder, const RobotFile& robot, const Loop& loop,
+                               ImageSize image, DeployFacts facts)
+    : folder_(std::move(folder)),
+      robot_(robot),
+      loop_(loop),
+      image_(image),
+      facts_(std::move(facts)),
+      ticks_(tick_slots, Slot{{}, {}, std::vector<DetectorTick>(loop.detectors().size()), 0}),
+      event_ring_(facts_.record ? event_slots : 0),
+      terminal_(isatty(STDERR_FILENO) != 0),
+      log_(folder_ / "log.txt", [this](const std::string& line) { say(line); }),
+      detections_(folder_ / "detections.csv"),
+      gaze_(folder_ / "gaze.csv"),
+      timing_(folder_ / "timing.csv"),
+      seen_(loop.detectors().size()),
+      last_joints_us_(std::numeric_limits<std::int64_t>::min()) {
+  if (facts_.record) {
+    events_ = create_event_file(folder_ / ("events." + robot.output.events), image_);
+    joints_.emplace(folder_ / "joints.csv");
+  }
+  writer_ = std::thread([this] { work(); });
+}
+
+DeployRecorder::~DeployRecorder() {
+  over_ = true;
+  if (writer_.joinable()) writer_.join();
+}
+
+void DeployRecorder::on_tick(const Tick& tick, const TickTiming& timing) {
+  Slot* const slot = ticks_.claim();
+  if (slot == nullptr) {
+    lost_ticks_.fetch_add(1, std::memory_order_relaxed);
+    return;
+  }
+  slot->tick = tick;
+  slot->timing = timing;
+  slot->detectors.assign(tick.detectors.begin(), tick.detectors.end());
+  slot->events = 0;
+  if (facts_.record) {
+    if (tick.events.size() > event_ring_.room()) {
+      lost_events_.fetch_add(static_cast<std::int64_t>(tick.events.size()), std::memory_order_relaxed);
+    } else {
+      for (const Event& event : tick.events) {
+        *event_ring_.claim() = event;
+        event_ring_.publish();
+      }
+      slot->events = tick.events.size();
+    }
+  }
+  ticks_.publish();
+}
+
+void DeployRecorder::on_change(const DeployChange& change) {
+  const std::lock_guard lock(changes_mutex_);
+  changes_.push_back(change);
+  new_lines_.emplace_back(change.t_us, in_words(change));
+}
+
+void DeployRecorder::on_news(std::int64_t t_us, const std::string& line) {
+  const std::lock_guard lock(changes_mutex_);
+  new_lines_.emplace_back(t_us, line);
+}
+
+void DeployRecorder::work() {
+  for (;;) {
+    const bool last = over_;  // asked before the rings are looked at
+    try {
+      const bool found = drain();
+      if (!found && last) return;
+      if (found) continue;
+    } catch (const std::exception& error) {
+      if (failure_.empty()) say(std::string("the recording ended: ") + error.what());
+      failure_ = error.what();
+    }
+    std::this_thread::sleep_for(pause);
+  }
+}
+
+/// Whether there was anything.
+bool DeployRecorder::drain() {
+  std::vector<std::pair<std::int64_t, std::string>> lines;
+  {
+    const std::lock_guard lock(changes_mutex_);
+    lines.swap(new_lines_);
+  }
+  for (const auto& [t_us, line] : lines) {
+    if (failure_.empty()) log_.note(t_us, line);
+  }
+  Slot* const slot = ticks_.front();
+  if (slot == nullptr) return !lines.empty();
+  tick_events_.clear();
+  for (std::size_t i = 0; i < slot->events; ++i) {
+    tick_events_.push_back(*event_ring_.front());
+    event_ring_.pop();
+  }
+  try {
+    write(*slot);
+  } catch (...) {
+    ticks_.pop();
+    throw;
+  }
+  ticks_.pop();
+  return true;
+}
+
+void DeployRecorder::write(Slot& slot) {
+  const Tick& tick = slot.tick;
+  if (!start_us_) {
+    start_us_ = tick.t_us;
+    next_timing_us_ = tick.t_us + timing_us;
+    next_status_us_ = tick.t_us + (terminal_ ? terminal_status_us : log_status_us);
+  }
+  last_ = slot.timing;
+  target_m_ = tick.target_m;
+  phase_ = tick.phase;
+  queued_most_ = std::max(queued_most_, slot.timing.traffic.queued);
+  for (Figures* const figures : {&whole_, &timing_window_, &status_window_}) figures->add(slot);
+  ++ticks_in_window_;
+  for (std::size_t i = 0; i < slot.detectors.size(); ++i) {
+    const DetectorTick& detector = slot.detectors[i];
+    const bool sure =
+        detector.observed && detector.estimate.score >= loop_.detectors()[i].detector->threshold();
+    seen_[i].sure += sure ? 1 : 0;
+    seen_[i].sure_in_window += sure ? 1 : 0;
+    seen_[i].skipped += detector.skipped ? 1 : 0;
+    seen_[i].elapsed_ns += detector.elapsed_ns;
+  }
+  if (tick.t_us >= next_status_us_) {
+    show_status();
+    next_status_us_ = tick.t_us + (terminal_ ? terminal_status_us : log_status_us);
+  }
+  if (!failure_.empty()) return;
+
+  log_.on_tick(tick);
+  for (std::size_t i = 0; i < slot.detectors.size(); ++i) {
+    const DetectorTick& seen = slot.detectors[i];
+    if (!seen.observed) continue;
+    detections_.write({tick.t_us, loop_.detectors()[i].name, seen.estimate.circle, seen.estimate.score,
+                       seen.estimate.held});
+  }
+  if (tick.head && is_finite(*tick.head)) {
+    const Eigen::Vector3d none = Eigen::Vector3d::Constant(nan);
+    const FixationPoint fixation = HeadKinematics(tick.head->position_rad).fixation();
+    gaze_.write({tick.t_us, fixation.valid ? fixation.point_m : none, tick.target_m.value_or(none),
+                 tick.head->position_rad});
+    if (joints_ && tick.head->t_us > last_joints_us_) {
+      last_joints_us_ = tick.head->t_us;
+      joints_->write({tick.head->t_us, tick.head->position_rad});
+    }
+  }
+  if (events_) events_->write(tick_events_);
+  if (tick.t_us >= next_timing_us_) {
+    write_timing();
+    next_timing_us_ += (tick.t_us - next_timing_us_) / timing_us * timing_us + timing_us;
+  }
+}
+
+void DeployRecorder::write_timing() {
+  const Figures& f = timing_window_;
+  const std::int64_t ticks = f.tick.count();
+  if (ticks == 0) return;
+  TimingRow row;
+  row.t_us = last_.due_us;
+  row.state = name_of(last_.state);
+  row.ticks = ticks;
+  row.missed = f.missed;
+  row.late_max_us = f.late.max_us();
+  row.tick_mean_us = mean(f.tick_sum_us, ticks);
+  row.tick_max_us = f.tick.max_us();
+  row.latency_mean_us = mean(f.latency_sum_us, f.latency.count());
+  row.latency_max_us = f.latency.count() > 0 ? static_cast<double>(f.latency.max_us()) : nan;
+  row.events = f.events;
+  row.events_left_out = f.left_out;
+  row.skipped = f.skipped;
+  row.queued = last_.traffic.queued;
+  row.dropped = last_.traffic.dropped;
+  timing_.write(row);
+  timing_window_ = {};
+}
+
+void DeployRecorder::show_status() {
+  const Figures& f = status_window_;
+  const double seconds = 1e-6 * static_cast<double>(last_.due_us - *start_us_);
+  const double window_s = 1e-3 * robot_.deploy.tick_ms * static_cast<double>(ticks_in_window_ + f.missed);
+  std::string line = fmt::format("{:<7} {:7.1f} s", name_of(last_.state), seconds);
+  for (std::size_t i = 0; i < seen_.size(); ++i) {
+    line += fmt::format("  {} {:3.0f} %", loop_.detectors()[i].name,
+                        100.0 * mean(seen_[i].sure_in_window, ticks_in_window_));
+    seen_[i].sure_in_window = 0;
+  }
+  if (phase_ == GazePhase::following && target_m_)
+    line += fmt::format("  ball ({:.2f}, {:.2f}, {:.2f}) m", target_m_->x(), target_m_->y(), target_m_->z());
+  line += fmt::format("  tick {:.2f} (99 %: {:.2f}, max {:.2f}) late {:.2f} (max {:.2f})",
+                      ms(f.tick.quantile_us(0.5)), ms(f.tick.quantile_us(0.99)), ms(f.tick.max_us()),
+                      ms(f.late.quantile_us(0.5)), ms(f.late.max_us()));
+  if (f.latency.count() > 0)
+    line +=
+        fmt::format(" latency {:.2f} (max {:.2f})", ms(f.latency.quantile_us(0.5)), ms(f.latency.max_us()));
+  line += fmt::format(" ms  {:.1f} kevent/s  queue {}  dropped {}  left out {}  skipped {}",
+                      window_s > 0.0 ? 1e-3 * static_cast<double>(f.events) / window_s : 0.0,
+                      last_.traffic.queued, last_.traffic.dropped, whole_.left_out, whole_.skipped);
+  status_window_ = {};
+  ticks_in_window_ = 0;
+  if (terminal_) {
+    line.resize(std::min(line.size(), terminal_width()));
+    fmt::print(stderr, "\r\033[K{}", line);
+    std::fflush(stderr);
+    line_is_open_ = true;
+  } else {
+    fmt::print(stderr, "{}\n", line);
+  }
+}
+
+void DeployRecorder::say(const std::string& line) {
+  fmt::print(stderr, "{}{}\n", line_is_open_ ? "\r\033[K" : "", line);
+  line_is_open_ = false;
+}
+
+void DeployRecorder::finish() {
+  over_ = true;
+  writer_.join();
+  if (line_is_open_) fmt::print(stderr, "\n");
+  line_is_open_ = false;
+  if (!failure_.empty()) throw RunError(failure_);
+  write_timing();
+  log_.finish();
+  detections_.commit();
+  gaze_.commit();
+  timing_.commit();
+  if (events_) events_->commit();
+  if (joints_) joints_->commit();
+  write_summary();
+}
+
+void DeployRecorder::write_summary() const {
+  Metrics metrics;
+  metrics.scenario = robot_.name;
+  metrics.start_us = start_us_.value_or(0);
+  metrics.duration_s = start_us_ ? 1e-6 * static_cast<double>(last_.due_us - *start_us_) : 0.0;
+  metrics.event_count = whole_.events;
+  metrics.events_dropped = last_.traffic.dropped + whole_.left_out;
+  if (facts_.record) metrics.events_file = "events." + robot_.output.events;
+  metrics.image = image_;
+  metrics.camera = robot_.calibration.camera;
+  metrics.calibration = robot_.calibration;
+  for (std::size_t i = 0; i < seen_.size(); ++i) {
+    const LoopDetector& detector = loop_.detectors()[i];
+    DetectorScore score;
+    score.threshold = detector.detector->threshold();
+    score.observations = seen_[i].sure;
+    if (whole_.events > 0)
+      score.us_per_event =
+          1e-3 * static_cast<double>(seen_[i].elapsed_ns) / static_cast<double>(whole_.events);
+    score.rejected_events = detector.detector->rejected();
+    metrics.detectors.emplace_back(detector.name, std::move(score));
+  }
+  write_metrics(folder_ / "metrics.json", metrics);
+  const auto in_ms = [](const TimeFigures& f) {
+    return fmt::format("{:.3f} ms in the median, {:.3f} in 99 %, {:.3f} at most", ms(f.quantile_us(0.5)),
+                       ms(f.quantile_us(0.99)), ms(f.max_us()));
+  };
+  fmt::print("{} ticks, {} missed\n  in a tick: {}\n  late: {}\n", whole_.tick.count(), whole_.missed,
+             in_ms(whole_.tick), in_ms(whole_.late));
+  if (whole_.latency.count() > 0) fmt::print("  from event to command: {}\n", in_ms(whole_.latency));
+  fmt::print("{} events, {} dropped, {} left out; {} evaluations skipped\n", whole_.events,
+             last_.traffic.dropped, whole_.left_out, whole_.skipped);
+
+  using Json = nlohmann::json;
+  Json json = {{"schema", 1},
+               {"robot", robot_.name},
+               {"backend", robot_.backend},
+               {"dry_run", facts_.dry_run},
+               {"scheduling", scheduling_},
+               {"ticks",
+                {{"count", whole_.tick.count()},
+                 {"missed", whole_.missed},
+                 {"us", json_of(whole_.tick)},
+                 {"late_us", json_of(whole_.late)}}},
+               {"latency_us", json_of(whole_.latency)},
+               {"events",
+                {{"count", whole_.events},
+                 {"packets", last_.traffic.packets},
+                 {"queued_most", queued_most_},
+                 {"dropped", last_.traffic.dropped},
+                 {"left_out", whole_.left_out}}},
+               {"skipped", Json::object()},
+               {"not_recorded", {{"ticks", lost_ticks_.load()}, {"events", lost_events_.load()}}},
+               {"checks", Json::array()},
+               {"states", Json::array()}};
+  for (std::size_t i = 0; i < seen_.size(); ++i)
+    json["skipped"][loop_.detectors()[i].name] = seen_[i].skipped;
+  for (const StartUpCheck& check : facts_.checks)
+    json["checks"].push_back({{"what", check.what}, {"passed", check.passed}, {"found", check.found}});
+  for (const DeployChange& change : changes_) {
+    Json state = {{"t_us", change.t_us}, {"state", name_of(change.state)}};
+    if (!change.refused.empty()) state["refused"] = change.refused;
+    if (change.stop) {
+      state["cause"] = change.stop->in_words();
+      state["fault"] = is_fault(change.stop->cause);
+      state["since_us"] = change.stop->since_us;
+      state["took_ms"] = ms(change.took_us);
+    }
+    json["states"].push_back(std::move(state));
+  }
+  OutputFile file(folder_ / "deploy.json");
+  file.write(json.dump(2) + "\n");
+  file.commit();
+}
+
+}  // namespace saccade

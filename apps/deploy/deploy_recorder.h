@@ -1,0 +1,127 @@
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "apps/config/robot_file.h"
+#include "apps/deploy/deploy_session.h"
+#include "apps/deploy/spsc_ring.h"
+#include "apps/deploy/time_figures.h"
+#include "loop/run_log.h"
+#include "recording/event_file.h"
+#include "recording/run_files.h"
+
+namespace saccade {
+
+/// What a deployed run is, beside its ticks, for its summary.
+struct DeployFacts {
+  std::vector<StartUpCheck> checks;
+  bool dry_run = false;
+  bool record = false;  ///< events and joints too
+};
+
+/// Writes the run folder of a deployed run while it goes on, and its log and figures to standard error: one changing
+/// line on a terminal, five times a second, else a line every second.
+///
+/// Files and terminal are the business of a thread of its own. The ticks hand over what happened in them through rings
+/// of fixed size (4096 ticks, 2^19 events); where that thread is so late that a ring is full, ticks or events are left
+/// out of the files and counted. A file that cannot be written ends the recording, not the run: finish() then throws.
+class DeployRecorder final : public DeployObserver {
+ public:
+  /// `robot` and `loop` outlive it. The folder exists.
+  DeployRecorder(std::filesystem::path folder, const RobotFile& robot, const Loop& loop, ImageSize image,
+                 DeployFacts facts);
+  DeployRecorder(const DeployRecorder&) = delete;
+  DeployRecorder& operator=(const DeployRecorder&) = delete;
+  ~DeployRecorder() override;
+
+  void on_tick(const Tick& tick, const TickTiming& timing) override;
+  void on_change(const DeployChange& change) override;
+  void on_news(std::int64_t t_us, const std::string& line) override;
+  /// How the operating system was told to keep time, for the summary.
+  void set_scheduling(std::string told) { scheduling_ = std::move(told); }
+  /// After the last tick: writes what is left, metrics.json and deploy.json. Throws RunError, InputError.
+  void finish();
+
+ private:
+  struct Slot {
+    Tick tick;
+    TickTiming timing;
+    std::vector<DetectorTick> detectors;
+    std::size_t events = 0;  ///< of the tick, in the ring of events
+  };
+  struct Detections {
+    std::int64_t sure = 0;  ///< observations at or above the threshold
+    std::int64_t skipped = 0;
+    std::int64_t elapsed_ns = 0;
+    std::int64_t sure_in_window = 0;  ///< of the status line
+  };
+  struct Figures {
+    TimeFigures late, tick, latency;
+    std::int64_t tick_sum_us = 0;
+    std::int64_t latency_sum_us = 0;
+    std::int64_t missed = 0;
+    std::int64_t events = 0;
+    std::int64_t left_out = 0;
+    std::int64_t skipped = 0;
+
+    void add(const Slot& slot);
+  };
+
+  void work();
+  bool drain();
+  void write(Slot& slot);
+  void write_timing();
+  void show_status();
+  void say(const std::string& line);
+  void write_summary() const;
+
+  std::filesystem::path folder_;
+  const RobotFile& robot_;
+  const Loop& loop_;
+  ImageSize image_;
+  DeployFacts facts_;
+  std::string scheduling_;
+
+  SpscRing<Slot> ticks_;
+  SpscRing<Event> event_ring_;
+  std::atomic<std::int64_t> lost_ticks_ = 0;
+  std::atomic<std::int64_t> lost_events_ = 0;
+  std::mutex changes_mutex_;
+  std::vector<DeployChange> changes_;
+  std::vector<std::pair<std::int64_t, std::string>> new_lines_;
+  std::atomic<bool> over_ = false;
+
+  // The writer's from here on, until it is joined.
+  bool terminal_;
+  bool line_is_open_ = false;
+  RunLog log_;
+  TableWriter<DetectionRow> detections_;
+  TableWriter<GazeRow> gaze_;
+  TableWriter<TimingRow> timing_;
+  std::unique_ptr<EventWriter> events_;
+  std::optional<TableWriter<JointsRow>> joints_;
+  std::vector<Event> tick_events_;
+  std::vector<Detections> seen_;
+  Figures whole_, timing_window_, status_window_;
+  std::int64_t ticks_in_window_ = 0;  // of the status line
+  TickTiming last_;
+  std::optional<Eigen::Vector3d> target_m_;
+  GazePhase phase_ = GazePhase::none;
+  std::int64_t queued_most_ = 0;
+  std::int64_t last_joints_us_;
+  std::optional<std::int64_t> start_us_;
+  std::int64_t next_timing_us_ = 0;
+  std::int64_t next_status_us_ = 0;
+  std::string failure_;
+  std::thread writer_;
+};
+
+}  // namespace saccade

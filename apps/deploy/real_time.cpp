@@ -1,0 +1,41 @@
+#include "apps/deploy/real_time.h"
+
+#include <pthread.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+
+#include <cerrno>
+#include <system_error>
+
+namespace saccade {
+namespace {
+
+constexpr int priority = 50;  // the middle: below what drives the hardware
+
+std::string reason(int error) { return std::generic_category().message(error); }
+
+}  // namespace
+
+RealTime::RealTime() {
+  sched_param wanted{};
+  wanted.sched_priority = priority;
+  const int refused = pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
+  told_ = refused == 0 ? "real-time priority " + std::to_string(priority)
+                       : "no real-time priority (" + reason(refused) + ")";
+  rlimit most{};
+  // Where memory is limited, locking what is still to come would make later allocations fail.
+  const bool unlimited = getrlimit(RLIMIT_MEMLOCK, &most) == 0 && most.rlim_cur == RLIM_INFINITY;
+  if (mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0) {
+    told_ += ", memory locked";
+  } else {
+    told_ += ", memory not locked (" + reason(errno) + ")";
+  }
+}
+
+RealTime::~RealTime() {
+  const sched_param ordinary{};
+  pthread_setschedparam(pthread_self(), SCHED_OTHER, &ordinary);
+  munlockall();
+}
+
+}  // namespace saccade

@@ -1,0 +1,412 @@
+#include "apps/serve/gaze_server.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "control/neck_solver.h"
+#include "control/target.h"
+#include "core/error.h"
+
+namespace saccade {
+namespace {
+
+constexpr double deg_per_rad = 180.0 / std::numbers::pi;
+constexpr double least_vergence_deg = 0.5;
+constexpr double bound_slack_rad = 0.1 / deg_per_rad;  // around a joint that is bound to one value
+constexpr double still_rad_s = 0.5 / deg_per_rad;
+constexpr double still_for_s = 0.1;  // until a movement counts as done
+constexpr std::string_view ack = "[ack]";
+constexpr std::string_view nack = "[nack]";
+
+std::string acknowledged(std::span<const double> values) {
+  std::string text = "[ack] (";
+  for (const double value : values) text += fmt::format("{}{:.9g}", text.ends_with('(') ? "" : " ", value);
+  return text + ")";
+}
+
+std::string acknowledged(const Eigen::VectorXd& values) {
+  return acknowledged(std::span(values.data(), static_cast<std::size_t>(values.size())));
+}
+
+std::string acknowledged(double value) { return fmt::format("[ack] {:.9g}", value); }
+
+std::optional<Joint> neck_joint(const std::string& name) {
+  if (name == "pitch") return neck_pitch;
+  if (name == "roll") return neck_roll;
+  if (name == "yaw") return neck_yaw;
+  return std::nullopt;
+}
+
+/// The range of a joint inside the hardware's; around the middle of what is left where that is hardly a range.
+void bind_joint(JointLimits& limits, const JointLimits& hardware, Joint joint, double min_rad,
+                double max_rad) {
+  double min = std::clamp(min_rad, hardware.min_rad[joint], hardware.max_rad[joint]);
+  double max = std::clamp(max_rad, hardware.min_rad[joint], hardware.max_rad[joint]);
+  if (max - min < 2 * bound_slack_rad) {
+    const double middle = std::clamp((min + max) / 2, hardware.min_rad[joint] + bound_slack_rad,
+                                     hardware.max_rad[joint] - bound_slack_rad);
+    min = middle - bound_slack_rad;
+    max = middle + bound_slack_rad;
+  }
+  limits.min_rad[joint] = min;
+  limits.max_rad[joint] = max;
+}
+
+/// On the axis through a pixel of a pinhole camera, at this depth; eye frame.
+Eigen::Vector3d through_pixel(const Camera& camera, double u_px, double v_px, double z_m) {
+  return z_m *
+         Eigen::Vector3d((u_px - camera.cx_px) / camera.fx_px, (v_px - camera.cy_px) / camera.fy_px, 1.0);
+}
+
+}  // namespace
+
+/// A request word by word.
+class GazeServer::Words {
+ public:
+  explicit Words(const std::string& text) {
+    std::string word;
+    for (const char c : text + " ") {
+      if (std::string_view(" \t\r\n()[]\",").find(c) == std::string_view::npos) {
+        word += c;
+      } else if (!word.empty()) {
+        words_.push_back(std::move(word));
+        word.clear();
+      }
+    }
+  }
+  std::string next() { return at_ < words_.size() ? words_[at_++] : std::string(); }
+  /// All that is left as numbers; none where that are not exactly so many finite ones.
+  std::optional<Eigen::VectorXd> numbers(int count) {
+    Eigen::VectorXd values(count);
+    for (int i = 0; i < count; ++i) {
+      const std::string word = next();
+      const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), values[i]);
+      if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(values[i])) return {};
+    }
+    if (at_ != words_.size()) return {};
+    return values;
+  }
+
+ private:
+  std::vector<std::string> words_;
+  std::size_t at_ = 0;
+};
+
+GazeServer::GazeServer(const GazeControllerConfig& config, const JointLimits& limits, const Camera& left,
+                       const Camera& right, const JointVector& position_rad)
+    : config_(config),
+      limits_(limits),
+      cameras_{left, right},
+      settings_{config.ikingaze, limits, {{"track", 0}, {"ntol", 0}, {"vor", 0}, {"ocr", 1}, {"stab", 0}}} {
+  config_.controller = "ikingaze";
+  state_.position_rad = position_rad;
+  restart();
+}
+
+void GazeServer::restart() {
+  config_.ikingaze = settings_.gaze;
+  controller_ = make_gaze_controller(config_, settings_.limits);
+  limiter_ = std::make_unique<JointLimiter>(motion_limits(limits_, config_.limits));
+  target_is_new_ = target_m_.has_value();
+}
+
+std::string GazeServer::answer(const std::string& request) {
+  const std::scoped_lock lock(mutex_);
+  Words words(request);
+  const std::string what = words.next();
+  if (what == "look") return look(words);
+  if (what == "get") return get(words);
+  if (what == "set") return set(words);
+  if (what == "bind") return bind(words);
+  if (what == "clear") return clear(words);
+  if (what == "stor" || what == "rest" || what == "dele") return contexts(what, words);
+  if (what == "status") return fmt::format("{} {}", ack, suspended_ ? "suspended" : "running");
+  if (what == "help") {
+    return fmt::format(
+        "{} (\"look 3D|mono|stereo|ang (...)\" \"get "
+        "x|q|angles|done|info|3D|2D|pose|Tneck|Teyes|sacc|sact|sinh|pitch|"
+        "roll|yaw\" \"set Tneck|Teyes|sacc|sact|sinh|track|ntol|vor|ocr|stab VALUE\" \"bind pitch|roll|yaw "
+        "MIN MAX\" "
+        "\"bind eyes VERGENCE\" \"clear pitch|roll|yaw|eyes\" \"stop\" \"susp\" \"run\" \"status\" \"stor\" "
+        "\"rest ID\" "
+        "\"dele ID\")",
+        ack);
+  }
+  if (what != "stop" && what != "susp" && what != "run") return std::string(nack);
+  ++orders_;
+  if (what != "run") {
+    stop_ = stop_ || target_m_.has_value();
+    target_m_.reset();
+  }
+  if (what != "stop") suspended_ = what == "susp";
+  return std::string(ack);
+}
+
+std::string GazeServer::look(Words& words) {
+  const std::string kind = words.next();
+  const std::optional<Eigen::Vector3d> target_m = point(kind, words);
+  if (!target_m || suspended_ ||
+      check_gaze_target(*target_m, HeadKinematics(state_.position_rad)) != TargetStatus::ok) {
+    return std::string(nack);
+  }
+  ++orders_;
+  if (!target_m_) restart();
+  target_m_ = target_m;
+  target_is_new_ = true;
+  stop_ = false;
+  return std::string(ack);
+}
+
+std::optional<Eigen::Vector3d> GazeServer::point(const std::string& kind, Words& words) const {
+  const JointVector& q = state_.position_rad;
+  const HeadKinematics head(q);
+  if (kind == "3D") {
+    const auto values = words.numbers(3);
+    if (values) return Eigen::Vector3d(*values);
+  } else if (kind == "mono") {
+    const std::string eye = words.next();
+    const auto values = words.numbers(3);
+    if (!values || (eye != "left" && eye != "right") || (*values)[2] <= 0.0) return {};
+    const Eye which = eye == "left" ? Eye::left : Eye::right;
+    return head.root_from_eye(which) *
+           through_pixel(cameras_[static_cast<std::size_t>(which)], (*values)[0], (*values)[1], (*values)[2]);
+  } else if (kind == "stereo") {
+    const auto values = words.numbers(4);
+    if (!values) return {};
+    const auto ray = [&](Eye eye, double u_px, double v_px) {
+      const Eigen::Isometry3d& pose = head.root_from_eye(eye);
+      return Ray{pose.translation(),
+                 pose.linear() * through_pixel(cameras_[static_cast<std::size_t>(eye)], u_px, v_px, 1.0)};
+    };
+    return triangulate(ray(Eye::left, (*values)[0], (*values)[1]),
+                       ray(Eye::right, (*values)[2], (*values)[3]), least_vergence_deg / deg_per_rad,
+                       std::numbers::pi / 2);
+  } else if (kind == "ang") {
+    const std::string mode = words.next();
+    const auto values = words.numbers(3);
+    if (!values || (mode != "abs" && mode != "rel")) return {};
+    const Eigen::Vector3d angles =
+        (mode == "rel" ? angles_deg() : Eigen::Vector3d(Eigen::Vector3d::Zero())) + Eigen::Vector3d(*values);
+    const double azimuth = angles[0] / deg_per_rad;
+    const double elevation = angles[1] / deg_per_rad;
+    const double vergence = std::max(angles[2], least_vergence_deg) / deg_per_rad;
+    JointVector upright = q;
+    upright.tail<head_joint_count>().setZero();
+    const CyclopeanEye eye(upright);
+    const Eigen::Vector3d direction(std::sin(azimuth) * std::cos(elevation), -std::sin(elevation),
+                                    std::cos(azimuth) * std::cos(elevation));
+    return eye.root_from_eye() * Eigen::Vector3d(eye.half_baseline_m() / std::tan(vergence / 2) * direction);
+  }
+  return {};
+}
+
+Eigen::Vector3d GazeServer::angles_deg() const {
+  const JointVector& q = state_.position_rad;
+  JointVector upright = q;
+  upright.tail<head_joint_count>().setZero();
+  const CyclopeanEye eye(upright);
+  const HeadKinematics head(q);
+  const FixationPoint fixation = head.fixation();
+  // Where the axes do not meet, far along the left one.
+  const Eigen::Vector3d seen =
+      eye.see(fixation.valid ? fixation.point_m : head.root_from_eye(Eye::left) * Eigen::Vector3d(0, 0, 10));
+  return Eigen::Vector3d(std::atan2(seen.x(), seen.z()),
+                         -std::atan2(seen.y(), std::hypot(seen.x(), seen.z())), q[eyes_vergence]) *
+         deg_per_rad;
+}
+
+std::string GazeServer::get(Words& words) const {
+  const std::string what = words.next();
+  const JointVector& q = state_.position_rad;
+  const HeadKinematics head(q);
+  if (what == "x") {
+    const FixationPoint fixation = head.fixation();
+    return fixation.valid ? acknowledged(fixation.point_m) : std::string(nack);
+  }
+  if (what == "q") return acknowledged(q * deg_per_rad);
+  if (what == "angles") return acknowledged(angles_deg());
+  if (what == "done") return acknowledged(done_ ? 1.0 : 0.0);
+  if (what == "info")
+    return fmt::format("{} ((head_version 2.0) (min_allowed_vergence {}))", ack, least_vergence_deg);
+  if (what == "3D") {
+    const std::string kind = words.next();
+    const auto found = kind == "3D" ? std::nullopt : point(kind, words);
+    return found ? acknowledged(*found) : std::string(nack);
+  }
+  if (what == "2D" || what == "pose") {
+    const std::string name = words.next();
+    const bool is_eye = name == "left" || name == "right";
+    const Eye eye = name == "right" ? Eye::right : Eye::left;
+    if (what == "2D") {
+      const auto values = words.numbers(3);
+      if (!values || !is_eye) return std::string(nack);
+      const Eigen::Vector3d seen = head.root_from_eye(eye).inverse() * Eigen::Vector3d(*values);
+      const Camera& camera = cameras_[static_cast<std::size_t>(eye)];
+      if (seen.z() <= 0.0) return std::string(nack);
+      return acknowledged(Eigen::Vector2d(camera.fx_px * seen.x() / seen.z() + camera.cx_px,
+                                          camera.fy_px * seen.y() / seen.z() + camera.cy_px));
+    }
+    if (!is_eye && name != "head") return std::string(nack);
+    const Eigen::Isometry3d pose = is_eye ? head.root_from_eye(eye) : CyclopeanEye(q).root_from_eye();
+    const Eigen::AngleAxisd turn(pose.linear());
+    Eigen::VectorXd values(7);
+    values << pose.translation(), turn.axis(), turn.angle();
+    return acknowledged(values);
+  }
+  if (const auto joint = neck_joint(what)) {
+    return acknowledged(Eigen::Vector2d(settings_.limits.min_rad[*joint], settings_.limits.max_rad[*joint]) *
+                        deg_per_rad);
+  }
+  const IkinGazeConfig& gaze = settings_.gaze;
+  if (what == "Tneck") return acknowledged(gaze.neck_time_s);
+  if (what == "Teyes") return acknowledged(gaze.eyes_time_s);
+  if (what == "sacc") return acknowledged(gaze.saccades ? 1.0 : 0.0);
+  if (what == "sact") return acknowledged(gaze.saccade_angle_deg);
+  if (what == "sinh") return acknowledged(gaze.saccade_interval_s);
+  for (const auto& [name, value] : settings_.kept) {
+    if (what == name) return acknowledged(value);
+  }
+  return std::string(nack);
+}
+
+/// Settings become the controller's, or stay what they were where it refuses them.
+std::string GazeServer::adopt(Settings settings) {
+  std::swap(settings_, settings);
+  try {
+    restart();
+  } catch (const InputError&) {
+    settings_ = std::move(settings);
+    restart();
+    return std::string(nack);
+  }
+  ++orders_;
+  return std::string(ack);
+}
+
+std::string GazeServer::set(Words& words) {
+  const std::string what = words.next();
+  const auto values = words.numbers(1);
+  if (!values) return std::string(nack);
+  const double value = (*values)[0];
+  Settings settings = settings_;
+  IkinGazeConfig& gaze = settings.gaze;
+  // As iKinGazeCtrl: the eyes take 0.1 s at least, the neck 0.2 s more than the eyes.
+  if (what == "Teyes") {
+    gaze.eyes_time_s = std::max(value, 0.1);
+    gaze.neck_time_s = std::max(gaze.neck_time_s, gaze.eyes_time_s + 0.2);
+  } else if (what == "Tneck") {
+    gaze.neck_time_s = std::max(value, gaze.eyes_time_s + 0.2);
+  } else if (what == "sacc") {
+    gaze.saccades = value != 0.0;
+  } else if (what == "sact") {
+    gaze.saccade_angle_deg = value;
+  } else if (what == "sinh") {
+    gaze.saccade_interval_s = value;
+  } else {
+    const auto kept = std::ranges::find(settings.kept, what, &std::pair<std::string, double>::first);
+    if (kept == settings.kept.end()) return std::string(nack);
+    kept->second = value;
+    settings_ = std::move(settings);
+    ++orders_;
+    return std::string(ack);
+  }
+  return adopt(std::move(settings));
+}
+
+std::string GazeServer::bind(Words& words) {
+  const std::string what = words.next();
+  Settings settings = settings_;
+  if (what == "eyes") {
+    const auto values = words.numbers(1);
+    if (!values) return std::string(nack);
+    bind_joint(settings.limits, limits_, eyes_tilt, 0.0, 0.0);
+    bind_joint(settings.limits, limits_, eyes_version, 0.0, 0.0);
+    const double vergence = (*values)[0] / deg_per_rad;
+    bind_joint(settings.limits, limits_, eyes_vergence, vergence, vergence);
+    return adopt(std::move(settings));
+  }
+  const auto joint = neck_joint(what);
+  const auto values = words.numbers(2);
+  if (!joint || !values || (*values)[0] > (*values)[1]) return std::string(nack);
+  bind_joint(settings.limits, limits_, *joint, (*values)[0] / deg_per_rad, (*values)[1] / deg_per_rad);
+  return adopt(std::move(settings));
+}
+
+std::string GazeServer::clear(Words& words) {
+  const std::string what = words.next();
+  Settings settings = settings_;
+  const auto free = [&](Joint joint) {
+    settings.limits.min_rad[joint] = limits_.min_rad[joint];
+    settings.limits.max_rad[joint] = limits_.max_rad[joint];
+  };
+  if (const auto joint = neck_joint(what)) {
+    free(*joint);
+  } else if (what == "eyes") {
+    for (const Joint eye : {eyes_tilt, eyes_version, eyes_vergence}) free(eye);
+  } else {
+    return std::string(nack);
+  }
+  return adopt(std::move(settings));
+}
+
+std::string GazeServer::contexts(const std::string& what, Words& words) {
+  if (what == "stor") {
+    contexts_.emplace_back(next_context_, settings_);
+    return acknowledged(static_cast<double>(next_context_++));
+  }
+  const auto id = words.numbers(1);
+  if (!id) return std::string(nack);
+  const auto context = std::ranges::find_if(
+      contexts_, [&](const auto& stored) { return static_cast<double>(stored.first) == (*id)[0]; });
+  if (context == contexts_.end()) return std::string(nack);
+  if (what == "rest") return adopt(context->second);
+  contexts_.erase(context);
+  return std::string(ack);
+}
+
+std::optional<HeadJointVector> GazeServer::step(const HeadState& state, double dt_s) {
+  const std::scoped_lock lock(mutex_);
+  if (is_finite(state)) state_ = state;
+  const auto become = [&](bool done) {
+    if (done != done_) events_.emplace_back(done ? "motion-done" : "motion-onset");
+    done_ = done;
+  };
+  if (!target_m_) {
+    become(true);
+    if (!stop_) return {};
+    stop_ = false;
+    return state_.head_position_rad()
+        .cwiseMax(limits_.min_rad.tail<head_joint_count>())
+        .cwiseMin(limits_.max_rad.tail<head_joint_count>());
+  }
+  if (target_is_new_) {
+    still_s_ = 0.0;
+    become(false);
+  }
+  const bool still = state_.velocity_rad_s.tail<head_joint_count>().cwiseAbs().maxCoeff() < still_rad_s;
+  still_s_ = still ? still_s_ + dt_s : 0.0;
+  if (still_s_ >= still_for_s) become(true);
+  const HeadJointVector wanted = controller_->step(state, target_is_new_ ? target_m_ : std::nullopt, dt_s);
+  target_is_new_ = false;
+  return limiter_->apply(wanted, state_.head_position_rad(), dt_s).reference_rad;
+}
+
+GazeServer::Report GazeServer::report() {
+  const std::scoped_lock lock(mutex_);
+  Report report;
+  const FixationPoint fixation = HeadKinematics(state_.position_rad).fixation();
+  if (fixation.valid) report.fixation_m = fixation.point_m;
+  report.position_rad = state_.position_rad;
+  report.angles_deg = angles_deg();
+  report.target_m = target_m_;
+  report.events = std::exchange(events_, {});
+  report.orders = orders_;
+  return report;
+}
+
+}  // namespace saccade

@@ -1,0 +1,50 @@
+#include "apps/session/run_folder.h"
+
+#include <array>
+#include <string_view>
+
+#include "core/error.h"
+
+namespace saccade {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 28> names_of_a_run = {
+    "scenario.yaml",  "detectors.yaml",  "events.aedat",     "events.aedat4",
+    "events.csv",     "events.h5",       "events.log",       "events.info.log",
+    "events.raw",     "joints.csv",      "truth.csv",        "detections.csv",
+    "gaze.csv",       "metrics.json",    "report.html",      "video.mp4",
+    "video.part.mp4", "frames",          "figures",          "log.txt",
+    "robot.yaml",     "timing.csv",      "deploy.json",      "eye.csv",
+    "labels.csv",     "truth_right.csv", "labels_right.csv", "detections_right.csv"};
+
+}  // namespace
+
+void prepare_run_folder(const fs::path& folder, bool force) {
+  std::error_code error;
+  if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
+    throw InputError(folder.string(), "a file", "a folder for the run");
+  }
+  if (fs::exists(folder, error) && !fs::is_empty(folder, error)) {
+    if (!force) throw InputError(folder.string(), "a folder that is not empty", "a new one, or --force");
+    bool holds_a_run = false;
+    for (const std::string_view name : names_of_a_run) holds_a_run |= fs::exists(folder / name, error);
+    if (!holds_a_run) {
+      for (const auto& entry : fs::directory_iterator(folder)) {
+        holds_a_run |= entry.path().extension() == ".part";
+      }
+    }
+    if (!holds_a_run) {
+      throw InputError(folder.string(), "a folder with other files in it", "a new folder, or that of a run");
+    }
+    for (const std::string_view name : names_of_a_run) {
+      fs::remove_all(folder / name, error);
+      fs::remove(folder / (std::string(name) + ".part"), error);
+    }
+  }
+  fs::create_directories(folder, error);
+  if (error) throw RunError(folder.string() + ": cannot make the folder: " + error.message());
+}
+
+}  // namespace saccade

@@ -1,0 +1,46 @@
+#include "apps/session/scenario_loop.h"
+
+#include <cstdlib>
+#include <string>
+
+namespace saccade {
+
+std::optional<LoopGaze> make_gaze(const Scenario& scenario, const JointLimits& limits) {
+  const GazeControllerConfig& config = scenario.gaze.controller;
+  if (scenario.gaze.detector == "none" && config.controller != "script") return std::nullopt;
+  LoopGaze gaze{
+      {},
+      make_gate(scenario.gaze.gate),
+      LoopMotion{make_gaze_controller(config, limits), JointLimiter(motion_limits(limits, config.limits))},
+      scenario.gaze.follow};
+  for (std::size_t i = 0; i < scenario.detectors.size(); ++i) {
+    const auto& [name, detector] = scenario.detectors[i];
+    if (name != scenario.gaze.detector) continue;
+    gaze.driver = i;
+    if (scenario.sim.both_eyes() && scenario.gaze.stereo) {
+      const MountedCamera& right = scenario.right_calibration;
+      gaze.stereo.emplace(
+          LoopStereo{make_detector(detector, right.camera), right, StereoLocator(scenario.gaze.gate.target)});
+    }
+  }
+  return gaze;
+}
+
+std::vector<LoopDetector> make_detectors(const NamedDetectors& named, const Camera& camera) {
+  std::vector<LoopDetector> detectors;
+  for (const auto& [name, config] : named) detectors.push_back({name, make_detector(config, camera)});
+  return detectors;
+}
+
+Loop make_loop(const Scenario& scenario, SimRobot& robot) {
+  return Loop(robot, robot, &robot, scenario.calibration,
+              make_detectors(scenario.detectors, scenario.calibration.camera),
+              make_gaze(scenario, robot.limits()));
+}
+
+void set_rasterisers(std::int64_t threads) {
+  // Read by llvmpipe; 0 draws in the calling thread.
+  setenv("LP_NUM_THREADS", threads == 1 ? "0" : std::to_string(threads).c_str(), 1);
+}
+
+}  // namespace saccade

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "evaluation/scoring/metrics.h"
+
+namespace saccade {
+
+/// The key figures of a run on standard output, a line per detector and one for the gaze.
+void print_summary(const Metrics& metrics);
+
+}  // namespace saccade

@@ -1,0 +1,12 @@
+#include "apps/session/version.h"
+
+namespace saccade {
+
+std::string_view version() { return SACCADE_VERSION; }
+std::string_view commit() { return SACCADE_COMMIT; }
+
+std::string version_line() {
+  return "# saccade " + std::string(version()) + " (" + std::string(commit()) + ")";
+}
+
+}  // namespace saccade

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace saccade {
+
+/// The program's version, "0.1.0".
+[[nodiscard]] std::string_view version();
+/// The commit it was built from, "9b6774e", with "-dirty" where files differed from it; "unknown" outside a checkout.
+[[nodiscard]] std::string_view commit();
+
+/// "# saccade VERSION (COMMIT)", the first line of resolved files in a run folder.
+[[nodiscard]] std::string version_line();
+
+}  // namespace saccade

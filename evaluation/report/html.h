@@ -1,0 +1,50 @@
+#pragma once
+
+#include <filesystem>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "evaluation/report/gnuplot.h"
+#include "evaluation/scoring/statistics.h"
+
+namespace saccade {
+
+/// The pieces that report pages are made of. A page needs no other file, no script and no network.
+
+[[nodiscard]] std::string escaped(std::string_view text);
+
+/// A number as people read it: three figures, none after the point from 100 on.
+[[nodiscard]] std::string short_number(double value);
+
+/// A table's cell: short for people, times `factor`, and in full (data-value, without the factor) for
+/// machines; a dash where there is no value.
+[[nodiscard]] std::string cell(const std::optional<double>& value, double factor = 1.0);
+[[nodiscard]] std::string count_cell(std::int64_t value);
+/// Mean and standard deviation (data-value, data-sd) over `runs` runs; says how many have a value where not
+/// all have.
+[[nodiscard]] std::string cell(const MeanSd& value, std::size_t runs, double factor = 1.0);
+
+/// A name with its colour beside it.
+[[nodiscard]] std::string colour_mark(std::string_view colour, std::string_view name);
+
+/// `format` is png or jpeg.
+[[nodiscard]] std::string picture_html(const cv::Mat& picture, std::string_view format, std::string_view alt);
+
+/// `title` is plain text, `reading` (how to read it) and `content` are HTML.
+[[nodiscard]] std::string figure_html(std::string_view title, std::string_view reading,
+                                      std::string_view content);
+
+/// A drawing as a figure of the page in `folder`, whose numbers are written to `folder`/figures/NAME.csv.
+/// Throws RunError.
+[[nodiscard]] std::string figure_html(std::string_view title, std::string_view reading, const Figure& figure,
+                                      const std::filesystem::path& folder);
+
+/// Writes `folder`/figures/NAME.csv. Throws RunError.
+void write_numbers(const std::filesystem::path& folder, std::string_view name, std::string_view csv);
+
+/// Writes `folder`/report.html. Throws RunError.
+void write_page(const std::filesystem::path& folder, std::string_view title, std::string_view body);
+
+}  // namespace saccade

@@ -1,0 +1,368 @@
+#include "evaluation/scoring/metrics.h"
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "core/config.h"
+#include "core/error.h"
+#include "recording/output_file.h"
+
+namespace saccade {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+template <class T>
+Json json_of(const std::optional<T>& value) {
+  if constexpr (std::is_floating_point_v<T>) {
+    return value ? json_of(*value) : Json(nullptr);
+  } else {
+    return value ? Json(*value) : Json(nullptr);
+  }
+}
+
+Json json_of(const Spread& spread) {
+  return {{"median", json_of(spread.median)}, {"p95", json_of(spread.p95)}};
+}
+
+Json json_of(const std::optional<RejectedEvents>& rejected) {
+  if (!rejected) return nullptr;
+  return {{"outside_image", rejected->outside_image}, {"back_in_time", rejected->back_in_time}};
+}
+
+std::optional<double> number(const Json& json) {
+  return json.is_null() ? std::nullopt : std::optional<double>(json.get<double>());
+}
+
+std::optional<std::int64_t> integer(const Json& json) {
+  return json.is_null() ? std::nullopt : std::optional<std::int64_t>(json.get<std::int64_t>());
+}
+
+Spread spread(const Json& json) {
+  return {.median = number(json.at("median")), .p95 = number(json.at("p95"))};
+}
+
+Json json_of(const DetectorScore& score) {
+  Json at_recall = Json::object();
+  for (std::size_t i = 0; i < reported_recalls.size(); ++i) {
+    at_recall[text_of(reported_recalls[i])] = json_of(score.precision_at_recall[i]);
+  }
+  Json curve = Json::array();
+  for (const CurvePoint& point : score.pr_curve) {
+    curve.push_back(
+        {{"threshold", point.threshold}, {"precision", point.precision}, {"recall", point.recall}});
+  }
+  Json json = {
+      {"average_precision", json_of(score.average_precision)},
+      {"precision_at_recall", std::move(at_recall)},
+      {"pr_curve", std::move(curve)},
+      {"chances", score.chances},
+      {"threshold", json_of(score.threshold)},
+      {"precision", json_of(score.precision)},
+      {"recall", json_of(score.recall)},
+      {"detection_rate_hz", {{"mean", json_of(score.mean_rate_hz)}, {"peak", json_of(score.peak_rate_hz)}}},
+      {"position_error_px", json_of(score.position_error_px)},
+      {"radius_error_px", json_of(score.radius_error_px)},
+      {"lag_ms", json_of(score.lag_ms)},
+      {"us_per_event", json_of(score.us_per_event)},
+      {"observations", score.observations},
+      {"inliers", score.inliers},
+      {"rejected_events", json_of(score.rejected_events)}};
+  if (score.clutter) {
+    json["clutter_in_window"] = {{"detected", json_of(score.clutter->in_window_detected)},
+                                 {"missed", json_of(score.clutter->in_window_missed)}};
+    json["clutter_per_detection"] = json_of(score.clutter->per_detection);
+  }
+  return json;
+}
+
+Json json_of(const ClutterShare& clutter) {
+  Json json = {
+      {"share", json_of(clutter.share)}, {"by_object", Json::object()}, {"by_cause", Json::object()}};
+  for (const auto& [name, share] : clutter.by_object) json["by_object"][name] = json_of(share);
+  for (const auto& [name, share] : clutter.by_cause) json["by_cause"][name] = json_of(share);
+  return json;
+}
+
+ClutterShare clutter_share(const Json& json) {
+  ClutterShare clutter;
+  clutter.share = number(json.at("share"));
+  for (const auto& [name, share] : json.at("by_object").items())
+    clutter.by_object.emplace_back(name, number(share));
+  for (const auto& [name, share] : json.at("by_cause").items())
+    clutter.by_cause.emplace_back(name, number(share));
+  return clutter;
+}
+
+DetectorScore detector_score(const Json& json) {
+  DetectorScore score;
+  score.average_precision = number(json.at("average_precision"));
+  for (std::size_t i = 0; i < reported_recalls.size(); ++i) {
+    score.precision_at_recall[i] = number(json.at("precision_at_recall").at(text_of(reported_recalls[i])));
+  }
+  for (const Json& point : json.at("pr_curve")) {
+    score.pr_curve.push_back({.threshold = point.at("threshold").get<double>(),
+                              .precision = point.at("precision").get<double>(),
+                              .recall = point.at("recall").get<double>()});
+  }
+  score.chances = json.at("chances").get<std::int64_t>();
+  score.threshold = json.at("threshold").get<double>();
+  score.observations = json.at("observations").get<std::int64_t>();
+  score.inliers = json.at("inliers").get<std::int64_t>();
+  score.precision = number(json.at("precision"));
+  score.recall = number(json.at("recall"));
+  score.mean_rate_hz = number(json.at("detection_rate_hz").at("mean"));
+  score.peak_rate_hz = number(json.at("detection_rate_hz").at("peak"));
+  score.position_error_px = spread(json.at("position_error_px"));
+  score.radius_error_px = spread(json.at("radius_error_px"));
+  score.lag_ms = number(json.at("lag_ms"));
+  score.us_per_event = number(json.at("us_per_event"));
+  if (const auto rejected = json.find("rejected_events"); rejected != json.end() && !rejected->is_null()) {
+    score.rejected_events = {.outside_image = rejected->at("outside_image").get<std::int64_t>(),
+                             .back_in_time = rejected->at("back_in_time").get<std::int64_t>()};
+  }
+  if (const auto window = json.find("clutter_in_window"); window != json.end()) {
+    score.clutter = {.in_window_detected = number(window->at("detected")),
+                     .in_window_missed = number(window->at("missed")),
+                     .per_detection = number(json.at("clutter_per_detection"))};
+  }
+  return score;
+}
+
+Json name_or_null(const std::string& name) { return name.empty() ? Json(nullptr) : Json(name); }
+
+Json json_of(const GazeMetrics& gaze) {
+  const GazeScore& score = gaze.score;
+  Json limits = Json::object();
+  for (std::size_t j = 0; j < joint_names.size(); ++j) {
+    const auto i = static_cast<Eigen::Index>(j);
+    limits[std::string(joint_names[j])] = {gaze.limits.min_rad[i], gaze.limits.max_rad[i]};
+  }
+  return {{"detector", gaze.detector},
+          {"fixation_error_deg", json_of(score.fixation_error_deg)},
+          {"on_target_ratio", json_of(score.on_target_ratio)},
+          {"in_view_ratio", json_of(score.in_view_ratio)},
+          {"acquire_s", json_of(score.acquire_s)},
+          {"moves", score.moves},
+          {"wrong_moves", score.wrong_moves},
+          {"saccades", score.saccades},
+          {"limit_violations", score.limit_violations},
+          {"target_error_m", {{"median", json_of(score.target_error_median_m)}}},
+          {"acquire_within_deg", score.acquire_within_deg},
+          {"joint_limits_rad", std::move(limits)},
+          {"controller", name_or_null(gaze.controller)},
+          {"gate", name_or_null(gaze.gate)},
+          {"window", name_or_null(gaze.window)},
+          {"acquired_at_us", json_of(score.acquired_at_us)},
+          {"following_rate_hz", json_of(gaze.following_rate_hz)}};
+}
+
+GazeMetrics gaze_metrics(const Json& json) {
+  GazeMetrics gaze;
+  const auto optional = [&](const char* key) { return json.value(key, Json(nullptr)); };
+  const auto name = [&](const char* key) {
+    const Json value = optional(key);
+    return value.is_null() ? std::string() : value.get<std::string>();
+  };
+  gaze.controller = name("controller");
+  gaze.gate = name("gate");
+  gaze.window = name("window");
+  gaze.score.acquired_at_us = integer(optional("acquired_at_us"));
+  gaze.following_rate_hz = number(optional("following_rate_hz"));
+  gaze.detector = json.at("detector").get<std::string>();
+  gaze.score.fixation_error_deg = spread(json.at("fixation_error_deg"));
+  gaze.score.on_target_ratio = number(json.at("on_target_ratio"));
+  gaze.score.in_view_ratio = number(json.at("in_view_ratio"));
+  gaze.score.acquire_s = number(json.at("acquire_s"));
+  gaze.score.moves = json.at("moves").get<std::int64_t>();
+  gaze.score.wrong_moves = json.at("wrong_moves").get<std::int64_t>();
+  gaze.score.saccades = json.at("saccades").get<std::int64_t>();
+  gaze.score.limit_violations = json.at("limit_violations").get<std::int64_t>();
+  gaze.score.target_error_median_m = number(json.at("target_error_m").at("median"));
+  gaze.score.acquire_within_deg = json.at("acquire_within_deg").get<double>();
+  for (std::size_t j = 0; j < joint_names.size(); ++j) {
+    const Json& limits = json.at("joint_limits_rad").at(std::string(joint_names[j]));
+    gaze.limits.min_rad[static_cast<Eigen::Index>(j)] = limits.at(0).get<double>();
+    gaze.limits.max_rad[static_cast<Eigen::Index>(j)] = limits.at(1).get<double>();
+  }
+  return gaze;
+}
+
+Json json_of(ImageSize size, const std::optional<Camera>& camera) {
+  Json json = {{"width_px", size.width}, {"height_px", size.height}};
+  const auto add = [&](const char* key, double Camera::*member) {
+    json[key] = camera ? Json((*camera).*member) : Json(nullptr);
+  };
+  add("fx_px", &Camera::fx_px);
+  add("fy_px", &Camera::fy_px);
+  add("cx_px", &Camera::cx_px);
+  add("cy_px", &Camera::cy_px);
+  add("k1", &Camera::k1);
+  add("k2", &Camera::k2);
+  add("p1", &Camera::p1);
+  add("p2", &Camera::p2);
+  return json;
+}
+
+Json json_of(const MountedCamera& mounted) {
+  Json json = json_of(mounted.camera.size, mounted.camera);
+  json["eye_from_camera"] = {{"translation_mm", mounted.mount.translation_mm},
+                             {"rotation_deg", mounted.mount.rotation_deg}};
+  return json;
+}
+
+ImageSize image_size(const Json& camera) {
+  return {camera.at("width_px").get<int>(), camera.at("height_px").get<int>()};
+}
+
+Camera camera_of(const Json& camera) {
+  return {.size = image_size(camera),
+          .fx_px = camera.at("fx_px").get<double>(),
+          .fy_px = camera.at("fy_px").get<double>(),
+          .cx_px = camera.at("cx_px").get<double>(),
+          .cy_px = camera.at("cy_px").get<double>(),
+          .k1 = camera.value("k1", 0.0),  // runs of before there were lenses
+          .k2 = camera.value("k2", 0.0),
+          .p1 = camera.value("p1", 0.0),
+          .p2 = camera.value("p2", 0.0)};
+}
+
+MountedCamera mounted_camera(const Json& json) {
+  const Json& mount = json.at("eye_from_camera");
+  return {camera_of(json),
+          {mount.at("translation_mm").get<std::vector<double>>(),
+           mount.at("rotation_deg").get<std::vector<double>>()}};
+}
+
+template <class Scores>
+Json json_of_all(const Scores& scores) {
+  Json detectors = Json::object();
+  for (const auto& [name, score] : scores) detectors[name] = json_of(score);
+  return detectors;
+}
+
+std::vector<std::pair<std::string, DetectorScore>> detector_scores(const Json& json) {
+  std::vector<std::pair<std::string, DetectorScore>> scores;
+  for (const auto& [name, score] : json.items()) scores.emplace_back(name, detector_score(score));
+  return scores;
+}
+
+Json json_of(const RightEyeMetrics& eye) {
+  return {{"events", {{"count", eye.event_count}, {"dropped", json_of(eye.events_dropped)}}},
+          {"camera", json_of(eye.camera.size, eye.camera)},
+          {"calibration", json_of(eye.calibration)},
+          {"fixation_error_deg", json_of(eye.fixation_error_deg)},
+          {"on_target_ratio", json_of(eye.on_target_ratio)},
+          {"in_view_ratio", json_of(eye.in_view_ratio)},
+          {"detectors", json_of_all(eye.detectors)}};
+}
+
+RightEyeMetrics right_eye_metrics(const Json& json) {
+  return {.event_count = json.at("events").at("count").get<std::int64_t>(),
+          .events_dropped = integer(json.at("events").at("dropped")),
+          .camera = camera_of(json.at("camera")),
+          .calibration = mounted_camera(json.at("calibration")),
+          .fixation_error_deg = spread(json.at("fixation_error_deg")),
+          .on_target_ratio = number(json.at("on_target_ratio")),
+          .in_view_ratio = number(json.at("in_view_ratio")),
+          .detectors = detector_scores(json.at("detectors"))};
+}
+
+Metrics metrics_of(const Json& json) {
+  Metrics metrics;
+  metrics.scenario = json.at("scenario").get<std::string>();
+  metrics.seed = integer(json.at("seed"));
+  const Json settings = json.value("settings", Json::object());
+  for (const auto& [key, value] : settings.items()) {
+    metrics.settings.emplace_back(key, value.get<std::string>());
+  }
+  metrics.start_us = json.at("start_us").get<std::int64_t>();
+  metrics.duration_s = json.at("duration_s").get<double>();
+  metrics.wall_s = number(json.at("wall_s"));
+  const Json& events = json.at("events");
+  metrics.event_count = events.at("count").get<std::int64_t>();
+  metrics.events_dropped = integer(events.at("dropped"));
+  metrics.events_file = events.at("file").get<std::string>();
+  if (const auto camera = events.find("camera"); camera != events.end())
+    metrics.events_camera = *camera == "right" ? 1 : 0;
+  metrics.detectors = detector_scores(json.at("detectors"));
+  if (!json.at("gaze").is_null()) {
+    metrics.gaze = gaze_metrics(json.at("gaze"));
+  }
+  if (const auto clutter = json.find("clutter"); clutter != json.end())
+    metrics.clutter = clutter_share(*clutter);
+  const Json& camera = json.at("camera");
+  metrics.image = image_size(camera);
+  if (!camera.at("fx_px").is_null()) metrics.camera = camera_of(camera);
+  if (const auto calibration = json.find("calibration"); calibration != json.end())
+    metrics.calibration = mounted_camera(*calibration);
+  if (const auto eye = json.find("right_eye"); eye != json.end()) metrics.right_eye = right_eye_metrics(*eye);
+  return metrics;
+}
+
+}  // namespace
+
+std::string metrics_to_json(const Metrics& metrics) {
+  const auto per_second = [](double value, double time_s) {
+    return time_s > 0.0 ? std::optional(value / time_s) : std::nullopt;
+  };
+  Json settings = Json::object();
+  for (const auto& [key, value] : metrics.settings) {
+    settings[key] = value;
+  }
+  Json json = {
+      {"schema", 1},
+      {"scenario", metrics.scenario},
+      {"seed", json_of(metrics.seed)},
+      {"duration_s", json_of(metrics.duration_s)},
+      {"wall_s", json_of(metrics.wall_s)},
+      {"real_time_factor", json_of(per_second(metrics.duration_s, metrics.wall_s.value_or(0.0)))},
+      {"events",
+       {{"count", metrics.event_count},
+        {"rate_hz", json_of(per_second(static_cast<double>(metrics.event_count), metrics.duration_s))},
+        {"dropped", json_of(metrics.events_dropped)},
+        {"file", metrics.events_file}}},
+      {"detectors", json_of_all(metrics.detectors)},
+      {"gaze", metrics.gaze ? json_of(*metrics.gaze) : Json(nullptr)},
+      {"camera", json_of(metrics.image, metrics.camera)},
+      {"start_us", metrics.start_us},
+      {"settings", std::move(settings)}};
+  if (metrics.events_camera) json["events"]["camera"] = *metrics.events_camera == 0 ? "left" : "right";
+  if (metrics.calibration) json["calibration"] = json_of(*metrics.calibration);
+  if (metrics.clutter) json["clutter"] = json_of(*metrics.clutter);
+  if (metrics.right_eye) json["right_eye"] = json_of(*metrics.right_eye);
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Metrics metrics_from_json(std::string_view text, const std::string& place) {
+  try {
+    const Json json = Json::parse(text);
+    if (json.at("schema") != 1) {
+      throw InputError(place + ": schema", json.at("schema").dump(), "1");
+    }
+    return metrics_of(json);
+  } catch (const Json::exception& error) {
+    throw InputError(place, error.what(), "metrics.json of schema 1");
+  }
+}
+
+void write_metrics(const std::filesystem::path& path, const Metrics& metrics) {
+  OutputFile file(path);
+  file.write(metrics_to_json(metrics));
+  file.commit();
+}
+
+Metrics read_metrics(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (!file) {
+    throw InputError(path.string(), "no readable file", "the metrics.json of a run");
+  }
+  return metrics_from_json(text, path.string());
+}
+
+}  // namespace saccade

@@ -1,0 +1,90 @@
+#include "loop/supervisor.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace saccade {
+namespace {
+
+constexpr double deg_per_rad = 180.0 / std::numbers::pi;
+
+double ms(std::int64_t us) { return static_cast<double>(us) * 1e-3; }
+
+}  // namespace
+
+std::string_view name_of(DeployState state) {
+  constexpr std::array<std::string_view, 4> names = {"unconfigured", "ready", "active", "stopped"};
+  return names.at(static_cast<std::size_t>(state));
+}
+
+void describe(FieldVisitor& v, WatchdogConfig& config) {
+  v.real("safe_within_ms", config.safe_within_ms, {1.0, 1000.0}, "from whatever goes wrong to the stop");
+  v.real("tick_late_ms", config.tick_late_ms, {1.0, 1000.0}, "after its time a tick is too late");
+  v.real("camera_silent_ms", config.camera_silent_ms, {2.0, 1000.0}, "without any packet of the camera");
+  v.real("joints_stale_ms", config.joints_stale_ms, {2.0, 1000.0}, "age of the newest reading of the joints");
+  v.real("joint_outside_deg", config.joint_outside_deg, {0.0, 10.0}, "a joint beyond its limits");
+  const double longest = std::max(config.camera_silent_ms, config.joints_stale_ms) + config.tick_late_ms;
+  v.require(
+      longest <= config.safe_within_ms, "safe_within_ms", text_of(config.safe_within_ms),
+      "at least " + text_of(longest) +
+          ": the longer of camera_silent_ms and joints_stale_ms, seen by a tick that is tick_late_ms late");
+}
+
+std::string Fault::in_words() const {
+  switch (cause) {
+    case StopCause::operator_stop:
+      return "by the operator";
+    case StopCause::interrupted:
+      return "by a signal";
+    case StopCause::ended:
+      return "the run is over";
+    case StopCause::lost:
+      return fmt::format("lost the connection to the {}", part);
+    case StopCause::camera_silent:
+      return fmt::format("no packet from the camera for {:.1f} ms", amount);
+    case StopCause::joints_stale:
+      return fmt::format("no reading of the joints for {:.1f} ms", amount);
+    case StopCause::joints_not_finite:
+      return fmt::format("{} is not a number", part);
+    case StopCause::joint_outside:
+      return fmt::format("{} is {:.1f} deg outside its limits", part, amount);
+    case StopCause::tick_late:
+      return fmt::format("a tick came {:.1f} ms late", amount);
+  }
+  return {};
+}
+
+Watchdog::Watchdog(const WatchdogConfig& config, const JointLimits& limits)
+    : config_(config), limits_(limits) {
+  check_config("watchdog", config);
+}
+
+std::optional<Fault> Watchdog::look(const TickFacts& facts) const {
+  const double silent_ms = ms(facts.now_us - facts.heard_us);
+  if (silent_ms > config_.camera_silent_ms)
+    return Fault{StopCause::camera_silent, facts.heard_us, {}, silent_ms};
+  if (facts.head) {
+    const HeadState& head = *facts.head;
+    const double stale_ms = ms(facts.now_us - head.t_us);
+    if (stale_ms > config_.joints_stale_ms) return Fault{StopCause::joints_stale, head.t_us, {}, stale_ms};
+    for (Eigen::Index j = 0; j < joint_count; ++j) {
+      const std::string_view name = joint_names[static_cast<std::size_t>(j)];
+      if (!std::isfinite(head.position_rad[j]) || !std::isfinite(head.velocity_rad_s[j]))
+        return Fault{StopCause::joints_not_finite, head.t_us, name, 0.0};
+      if (j < torso_joint_count) continue;
+      const double outside_deg = deg_per_rad * std::max(limits_.min_rad[j] - head.position_rad[j],
+                                                        head.position_rad[j] - limits_.max_rad[j]);
+      if (outside_deg > config_.joint_outside_deg)
+        return Fault{StopCause::joint_outside, head.t_us, name, outside_deg};
+    }
+  }
+  const double late_ms = ms(facts.now_us - facts.due_us);
+  if (late_ms > config_.tick_late_ms) return Fault{StopCause::tick_late, facts.due_us, {}, late_ms};
+  return std::nullopt;
+}
+
+}  // namespace saccade

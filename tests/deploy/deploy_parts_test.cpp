@@ -1,0 +1,93 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <thread>
+#include <vector>
+
+#include "apps/deploy/spsc_ring.h"
+#include "apps/deploy/time_figures.h"
+#include "core/random.h"
+
+namespace saccade {
+namespace {
+
+TEST(TimeFigures, QuantilesAreNeverTooShortAndAtMostASixteenthTooLong) {
+  const RandomStream random(1, "times");
+  TimeFigures figures;
+  std::vector<std::int64_t> times;
+  for (std::uint64_t i = 0; i < 20'000; ++i) {
+    times.push_back(static_cast<std::int64_t>(std::exp2(random.uniform(0.0, 22.0, 0, i))));
+    figures.add(times.back());
+  }
+  std::sort(times.begin(), times.end());
+  for (const double share : {0.001, 0.1, 0.5, 0.9, 0.99, 0.999, 1.0}) {
+    const auto at = static_cast<std::size_t>(std::ceil(share * static_cast<double>(times.size()))) - 1;
+    const std::int64_t found = figures.quantile_us(share);
+    EXPECT_GE(found, times[at]) << share;
+    EXPECT_LE(static_cast<double>(found), 1.0626 * static_cast<double>(times[at]) + 1) << share;
+  }
+  EXPECT_EQ(figures.max_us(), times.back());
+  EXPECT_EQ(figures.count(), 20'000);
+}
+
+TEST(TimeFigures, ShortTimesAreExactAndTimesBeyondAllMeasureAreKept) {
+  TimeFigures figures;
+  EXPECT_EQ(figures.quantile_us(0.5), 0);
+  for (std::int64_t us = 0; us <= 31; ++us) {
+    figures.clear();
+    figures.add(us);
+    figures.add(1'000);
+    EXPECT_EQ(figures.quantile_us(0.5), us);
+  }
+  figures.add(-5);
+  EXPECT_EQ(figures.quantile_us(0.3), 0);
+  figures.add(std::int64_t{1} << 60);
+  EXPECT_GT(figures.max_us(), 3600'000'000LL);
+}
+
+TEST(SpscRing, EverythingComesOnceInOrderBetweenTwoThreads) {
+  SpscRing<int> ring(7);
+  constexpr int count = 20'000;
+  std::thread sender([&] {
+    for (int i = 0; i < count;) {
+      if (int* const slot = ring.claim()) {
+        *slot = i++;
+        ring.publish();
+      } else {
+        std::this_thread::yield();
+      }
+    }
+  });
+  int received = 0;
+  while (received < count) {
+    const int* const slot = ring.front();
+    if (slot == nullptr) {
+      std::this_thread::yield();
+      continue;
+    }
+    ASSERT_EQ(*slot, received);
+    ++received;
+    ring.pop();
+  }
+  sender.join();
+  EXPECT_EQ(ring.front(), nullptr);
+}
+
+TEST(SpscRing, AFullOneTakesNoMore) {
+  SpscRing<int> ring(3);
+  EXPECT_EQ(ring.room(), 3u);
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_NE(ring.claim(), nullptr);
+    ring.publish();
+  }
+  EXPECT_EQ(ring.room(), 0u);
+  EXPECT_EQ(ring.claim(), nullptr);
+  ring.pop();
+  EXPECT_EQ(ring.room(), 1u);
+  EXPECT_NE(ring.claim(), nullptr);
+  const SpscRing<int> none(0);
+  EXPECT_EQ(none.room(), 0u);
+}
+
+}  // namespace
+}  // namespace saccade

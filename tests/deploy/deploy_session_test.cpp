@@ -1,0 +1,513 @@
+// A head that is moved by a person's robot, and everything that may go wrong with it.
+#include "apps/deploy/deploy_session.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "control/head_kinematics.h"
+#include "core/detector_factory.h"
+#include "core/error.h"
+#include "robot/dry_robot.h"
+#include "robot/fake/fake_robot.h"
+#include "tests/control/genova02.h"
+#include "tests/control/malloc_count.h"
+
+namespace saccade {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr std::int64_t tick_us = 1000;
+constexpr std::int64_t fault_us = 500'000;
+const Eigen::Vector3d ball_m(-0.5, 0.15, 0.40);
+
+/// A fake head as a robot: refuses commands before activate() and after release(). With `with_gaze` it has a gaze
+/// controller of its own.
+class FakeDeployed final : public Robot, private HeadPort, private GazePort {
+ public:
+  FakeDeployed(FakeRobotScript script, bool with_gaze) : world(std::move(script)), with_gaze_(with_gaze) {}
+
+  Clock& clock() override { return world; }
+  EventSource& events() override { return world; }
+  HeadPort* head() override { return this; }
+  GazePort* gaze() override { return with_gaze_ ? this : nullptr; }
+  std::vector<StartUpCheck> check() override { return {}; }
+  void activate() override {
+    if (refuse_activation) throw RunError("neck_yaw is in HW_FAULT");
+    is_active = true;
+    world.wait_until(world.now_us() + activation_us);
+  }
+  void release() override {
+    is_active = false;
+    ++released;
+  }
+
+  FakeRobot world;
+  bool refuse_activation = false;
+  bool is_active = false;
+  std::int64_t activation_us = 0;
+  int released = 0;
+  int stops = 0;
+  std::int64_t first_stop_us = 0;
+  int commands = 0;
+  int commands_while_not_active = 0;
+  std::vector<std::pair<std::int64_t, Eigen::Vector3d>> targets;
+
+ private:
+  [[nodiscard]] JointLimits limits() const override { return world.limits(); }
+  PortStatus read(HeadState& state) override { return world.read(state); }
+  CommandResult command(const HeadCommand& reference_rad) override {
+    ++commands;
+    commands_while_not_active += is_active ? 0 : 1;
+    return world.command(reference_rad);
+  }
+  PortStatus stop() override {
+    if (stops++ == 0) first_stop_us = world.now_us();
+    return world.stop();
+  }
+  PortStatus look_at(const Eigen::Vector3d& target_m) override {
+    commands_while_not_active += is_active ? 0 : 1;
+    targets.emplace_back(world.now_us(), target_m);
+    return PortStatus::ok;
+  }
+
+  bool with_gaze_;
+};
+
+/// Sees the ball through the left eye, exactly; each look takes `cost_us` of the robot's time.
+class Seer final : public Detector {
+ public:
+  struct Work {
+    std::int64_t events = 0;
+    std::int64_t looks = 0;
+    std::int64_t first_event_us = 0;
+  };
+  Seer(Work* work = nullptr, FakeRobot* world = nullptr, std::int64_t cost_us = 0)
+      : work_(work), world_(world), cost_us_(cost_us) {}
+
+  void process(std::span<const Event> events, const CameraMotion*) override {
+    if (work_ == nullptr) return;
+    if (work_->events == 0 && !events.empty()) work_->first_event_us = events.front().t_us;
+    work_->events += static_cast<std::int64_t>(events.size());
+  }
+  void advance_to(std::int64_t, const CameraMotion* motion) override {
+    if (work_ != nullptr) ++work_->looks;
+    if (world_ != nullptr && cost_us_ > 0) world_->wait_until(world_->now_us() + cost_us_);
+    estimate_ = {};
+    if (motion == nullptr) return;
+    const auto circle = Camera{}.project_sphere(motion->root_from_camera.inverse() * ball_m, 0.0475);
+    if (circle) estimate_ = {true, true, *circle, 1.0};
+  }
+  [[nodiscard]] Estimate estimate() override { return estimate_; }
+  [[nodiscard]] double threshold() const override { return 0.5; }
+  [[nodiscard]] RejectedEvents rejected() const override { return {}; }
+  [[nodiscard]] std::unique_ptr<Detector> copy() const override { return std::make_unique<Seer>(*this); }
+
+ private:
+  Work* work_;
+  FakeRobot* world_;
+  std::int64_t cost_us_;
+  Estimate estimate_;
+};
+
+/// Keeps what it hears; ticks in memory that is there from the start.
+class Notes final : public DeployObserver {
+ public:
+  Notes() { ticks.reserve(10'000); }
+  void on_tick(const Tick& tick, const TickTiming& timing) override {
+    ticks.push_back({tick.t_us, timing, tick.events_left_out, tick.command,
+                     tick.detectors.size() > 1 && tick.detectors[1].skipped});
+  }
+  void on_change(const DeployChange& change) override { changes.push_back(change); }
+  void on_news(std::int64_t, const std::string&) override {}
+
+  struct Seen {
+    std::int64_t t_us;
+    TickTiming timing;
+    std::size_t left_out;
+    JointLimiter::Result command;
+    bool shadow_skipped;
+  };
+  std::vector<Seen> ticks;
+  std::vector<DeployChange> changes;
+};
+
+/// One session in fake time, ready, with a ball before it.
+class Trial {
+ public:
+  struct Options {
+    bool with_gaze = false;
+    double ramp_in_s = 0.0;
+    bool dry = false;
+    std::optional<LoopBudget> budget = std::nullopt;
+    std::int64_t driver_us = 0, shadow_us = 0;  ///< what a look costs
+    bool shadow = false;
+  };
+  explicit Trial(FakeRobotScript script = {}) : Trial(std::move(script), Options()) {}
+  Trial(FakeRobotScript script, const Options& options) {
+    script.limits = genova02_limits();
+    script.lag_s = 0.02;
+    auto owned = std::make_unique<FakeDeployed>(script, options.with_gaze);
+    fake = owned.get();
+    robot = std::move(owned);
+    if (options.dry) robot = std::make_unique<DryRobot>(std::move(robot));
+    std::vector<LoopDetector> detectors;
+    detectors.push_back({"seer", std::make_unique<Seer>(&driver, &fake->world, options.driver_us)});
+    if (options.shadow)
+      detectors.push_back({"shadow", std::make_unique<Seer>(&shadow, &fake->world, options.shadow_us)});
+    loop.emplace(robot->clock(), robot->events(), robot->head(), MountedCamera{}, std::move(detectors),
+                 LoopGaze{0, make_gate({.gate = "none", .authors = {}, .continuity = {}, .target = {}}),
+                          std::nullopt, FollowConfig{.start_s = 0.0}},
+                 Eye::left, options.budget);
+    const auto motion = [this, options] {
+      const JointLimits limits = robot->head()->limits();
+      LoopMotion made;
+      made.ramp_in_s = options.ramp_in_s;
+      if (robot->gaze() != nullptr) {
+        made.port = robot->gaze();
+      } else {
+        made.controller = make_gaze_controller({}, limits);
+        made.limiter.emplace(motion_limits(limits, {}));
+      }
+      return made;
+    };
+    session.emplace(*robot, *loop, motion, wishes, notes, DeploySessionConfig{tick_us, {}});
+  }
+  /// Ready, and activated at once.
+  void activate() {
+    session->set_ready();
+    wishes.activate();
+  }
+  /// Ticks until the robot's clock says so, or the session is over (then false).
+  bool run_until(std::int64_t t_us) {
+    while (robot->clock().now_us() < t_us) {
+      if (!session->tick()) return false;
+    }
+    return true;
+  }
+  [[nodiscard]] std::vector<DeployState> states() const {
+    std::vector<DeployState> states;
+    for (const DeployChange& change : notes.changes) states.push_back(change.state);
+    return states;
+  }
+
+  FakeDeployed* fake = nullptr;
+  std::unique_ptr<Robot> robot;
+  Seer::Work driver, shadow;
+  std::optional<Loop> loop;
+  Operator wishes;
+  Notes notes;
+  std::optional<DeploySession> session;
+};
+
+// ---- what an operator does -----------------------------------------------------------------------
+
+TEST(DeploySession, NothingIsSentToTheHeadBeforeTheOperatorActivates) {
+  Trial trial;
+  EXPECT_EQ(trial.session->state(), DeployState::unconfigured);
+  trial.session->set_ready();
+  ASSERT_TRUE(trial.run_until(1'000'000));
+  EXPECT_EQ(trial.session->state(), DeployState::ready);
+  EXPECT_EQ(trial.fake->commands, 0);
+  EXPECT_FALSE(trial.fake->is_active);
+  EXPECT_EQ(trial.driver.looks, 1000) << "the detector works before";
+
+  trial.wishes.activate();
+  ASSERT_TRUE(trial.run_until(3'000'000));
+  EXPECT_EQ(trial.session->state(), DeployState::active);
+  EXPECT_EQ(trial.fake->commands, 2000);
+  EXPECT_EQ(trial.fake->commands_while_not_active, 0);
+  HeadState head;
+  trial.fake->world.read(head);
+  const Eigen::Isometry3d eye = root_from_left_cam(head.position_rad);
+  const Eigen::Vector3d to_ball = (ball_m - eye.translation()).normalized();
+  EXPECT_GT(eye.linear().col(2).dot(to_ball), std::cos(0.1 * rad_per_deg)) << "it looks at the ball";
+
+  trial.wishes.stop();
+  ASSERT_TRUE(trial.run_until(3'500'000));
+  EXPECT_EQ(trial.fake->commands, 2000);
+  EXPECT_EQ(trial.fake->stops, 1);
+  EXPECT_FALSE(trial.fake->is_active);
+  EXPECT_THAT(trial.states(), ElementsAre(DeployState::ready, DeployState::active, DeployState::stopped));
+}
+
+TEST(DeploySession, WithoutItsStartUpChecksItIsNotActivated) {
+  Trial trial;
+  trial.wishes.activate();
+  ASSERT_TRUE(trial.run_until(100'000));
+  EXPECT_EQ(trial.session->state(), DeployState::unconfigured);
+  ASSERT_EQ(trial.notes.changes.size(), 1u);
+  EXPECT_THAT(trial.notes.changes[0].refused, HasSubstr("start-up check"));
+  EXPECT_EQ(trial.fake->commands, 0);
+}
+
+TEST(DeploySession, ARobotThatRefusesIsNotActiveAndMayBeAskedAgain) {
+  Trial trial;
+  trial.fake->refuse_activation = true;
+  trial.activate();
+  ASSERT_TRUE(trial.run_until(100'000));
+  EXPECT_EQ(trial.session->state(), DeployState::ready);
+  EXPECT_EQ(trial.notes.changes.back().refused, "neck_yaw is in HW_FAULT");
+  trial.fake->refuse_activation = false;
+  trial.wishes.activate();
+  ASSERT_TRUE(trial.run_until(200'000));
+  EXPECT_EQ(trial.session->state(), DeployState::active);
+}
+
+TEST(DeploySession, ASlowActivationIsNoLateTick) {
+  Trial trial;
+  trial.fake->activation_us = 400'000;
+  trial.activate();
+  ASSERT_TRUE(trial.run_until(1'000'000));
+  EXPECT_EQ(trial.session->state(), DeployState::active);
+}
+
+TEST(DeploySession, QuittingStopsTheHeadFirst) {
+  Trial trial;
+  trial.activate();
+  ASSERT_TRUE(trial.run_until(500'000));
+  trial.wishes.quit(StopCause::interrupted);
+  EXPECT_FALSE(trial.session->tick());
+  EXPECT_EQ(trial.fake->stops, 1);
+  EXPECT_FALSE(trial.fake->is_active);
+  ASSERT_TRUE(trial.session->last_stop());
+  EXPECT_EQ(trial.session->last_stop()->cause, StopCause::interrupted);
+}
+
+TEST(DeploySession, TheEndOfARecordingStopsTheHeadAndIsNoFault) {
+  FakeRobotScript script;
+  script.end_us = fault_us;
+  Trial trial(script);
+  trial.activate();
+  EXPECT_FALSE(trial.run_until(1'000'000));
+  EXPECT_EQ(trial.session->state(), DeployState::stopped);
+  EXPECT_EQ(trial.session->last_stop()->cause, StopCause::ended);
+  EXPECT_FALSE(is_fault(trial.session->last_stop()->cause));
+}
+
+TEST(DeploySession, ADryRunThinksAndSendsNothing) {
+  Trial trial({}, {.dry = true});
+  trial.activate();
+  ASSERT_TRUE(trial.run_until(1'000'000));
+  EXPECT_EQ(trial.session->state(), DeployState::active);
+  EXPECT_FALSE(trial.notes.ticks.back().command.reference_rad.isZero()) << "there was a command to send";
+  trial.wishes.stop();
+  ASSERT_TRUE(trial.run_until(1'100'000));
+  EXPECT_EQ(trial.fake->commands + trial.fake->stops + trial.fake->released, 0);
+  EXPECT_FALSE(trial.fake->is_active);
+}
+
+// ---- a head that starts slowly -------------------------------------------------------------------
+
+TEST(DeploySession, TheSpeedLimitGrowsOverTheRampIn) {
+  Trial trial({}, {.ramp_in_s = 1.0});
+  trial.activate();
+  ASSERT_TRUE(trial.run_until(2'000'000));
+  const MotionLimits limits = motion_limits(genova02_limits(), {});
+  HeadJointVector before = HeadJointVector::Zero();
+  double fastest = 0.0;
+  for (const auto& seen : trial.notes.ticks) {
+    const HeadJointVector speed = (seen.command.reference_rad - before).cwiseAbs() / 1e-3;
+    const double share = std::min(1.0, 1e-6 * static_cast<double>(seen.t_us - tick_us + tick_us));
+    ASSERT_TRUE((speed.array() <= share * limits.speed_rad_s.array() + 1e-9).all()) << seen.t_us;
+    fastest = std::max(fastest, (speed.array() / limits.speed_rad_s.array()).maxCoeff());
+    before = seen.command.reference_rad;
+  }
+  std::printf("fastest: %.2f of the speed limit\n", fastest);
+  EXPECT_GT(fastest, 0.05);
+}
+
+TEST(DeploySession, ARobotsOwnGazeControllerGetsTargetsAfterTheRampInAndIsToldToStop) {
+  Trial trial({}, {.with_gaze = true, .ramp_in_s = 0.3});
+  trial.activate();
+  ASSERT_TRUE(trial.run_until(1'000'000));
+  EXPECT_EQ(trial.fake->commands, 0) << "the head itself is only read";
+  ASSERT_FALSE(trial.fake->targets.empty());
+  EXPECT_GE(trial.fake->targets.front().first, 300'000);
+  EXPECT_LT(trial.fake->targets.front().first, 303'000);
+  EXPECT_LT((trial.fake->targets.back().second - ball_m).norm(), 1e-6);
+  const std::size_t count = trial.fake->targets.size();
+  trial.wishes.stop();
+  ASSERT_TRUE(trial.run_until(1'100'000));
+  EXPECT_EQ(trial.fake->stops, 1);
+  EXPECT_EQ(trial.fake->targets.size(), count);
+  EXPECT_EQ(trial.fake->commands_while_not_active, 0);
+}
+
+// ---- faults --------------------------------------------------------------------------------------
+
+struct FaultCase {
+  std::string name;
+  std::function<void(FakeRobotScript&)> happens;  ///< at fault_us
+  StopCause cause;
+  std::string words;
+  bool passes = false;  ///< after 50 ms all is well again
+  bool over = false;    ///< and the session is
+};
+void PrintTo(const FaultCase& fault, std::ostream* out) { *out << fault.name; }
+
+class DeployFaults : public testing::TestWithParam<FaultCase> {};
+INSTANTIATE_TEST_SUITE_P(
+    , DeployFaults,
+    testing::Values(FaultCase{"SilentCamera", [](auto& s) { s.silent_us = fault_us; },
+                              StopCause::camera_silent, "no packet from the camera for 61.0 ms"},
+                    FaultCase{"FrozenEncoders", [](auto& s) { s.freeze_us = fault_us; },
+                              StopCause::joints_stale, "no reading of the joints for 61.0 ms"},
+                    FaultCase{"LostConnection", [](auto& s) { s.lost_us = fault_us; }, StopCause::lost,
+                              "lost the connection to the clock", false, true},
+                    FaultCase{"EncoderReadsNan",
+                              [](auto& s) {
+                                s.nan_us = {fault_us, fault_us + 50'000};
+                              },
+                              StopCause::joints_not_finite, "neck_yaw is not a number", true},
+                    FaultCase{"JointOutside", [](auto& s) { s.outside_us = fault_us; },
+                              StopCause::joint_outside, "neck_yaw is 2.0 deg outside its limits"},
+                    FaultCase{"LateTick",
+                              [](auto& s) {
+                                s.late_us = {fault_us, 30'000};
+                              },
+                              StopCause::tick_late, "a tick came 30.0 ms late", true}),
+    [](const auto& fault) { return fault.param.name; });
+
+TEST_P(DeployFaults, StopTheHeadWithinTheNamedTimeAndItStaysStoppedUntilTheOperatorActivates) {
+  for (const bool with_gaze : {false, true}) {
+    FakeRobotScript script;
+    GetParam().happens(script);
+    Trial trial(script, {.with_gaze = with_gaze});
+    trial.activate();
+    EXPECT_EQ(trial.run_until(1'000'000), !GetParam().over);
+    EXPECT_EQ(trial.session->state(), DeployState::stopped);
+    ASSERT_TRUE(trial.session->last_stop());
+    EXPECT_EQ(trial.session->last_stop()->cause, GetParam().cause);
+    EXPECT_EQ(trial.session->last_stop()->in_words(), GetParam().words);
+    EXPECT_THAT(trial.states(), ElementsAre(DeployState::ready, DeployState::active, DeployState::stopped));
+    EXPECT_EQ(trial.fake->stops, 1);
+    EXPECT_GE(trial.fake->released, 1);
+    EXPECT_EQ(trial.fake->commands_while_not_active, 0);
+    const double after_ms = 1e-3 * static_cast<double>(trial.fake->first_stop_us - fault_us);
+    const double took_ms = 1e-3 * static_cast<double>(trial.notes.changes.back().took_us);
+    std::printf("%s: stopped %.1f ms after it happened, %.1f ms after its fact\n", GetParam().name.c_str(),
+                after_ms, took_ms);
+    EXPECT_LE(after_ms, WatchdogConfig{}.safe_within_ms);
+    EXPECT_LE(took_ms, WatchdogConfig{}.safe_within_ms);
+    EXPECT_GE(took_ms, after_ms - 1.0);
+
+    if (GetParam().over) continue;
+    trial.wishes.activate();
+    trial.run_until(1'100'000);
+    EXPECT_EQ(trial.session->state(), GetParam().passes ? DeployState::active : DeployState::stopped)
+        << "a fault that is still there keeps it from being activated";
+  }
+}
+
+TEST(Watchdog, BoundsThatDoNotKeepTheNamedTimeAreRefused) {
+  WatchdogConfig config;
+  config.camera_silent_ms = 90.0;
+  try {
+    const Watchdog watchdog(config);
+    FAIL() << "not refused";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("safe_within_ms: found 100, expected at least 110"));
+  }
+}
+
+TEST(Watchdog, SaysNothingOfASingleSlowPacketAndReading) {
+  const Watchdog watchdog({}, genova02_limits());
+  HeadState head;
+  head.t_us = 1'000'000 - 60'000;
+  EXPECT_FALSE(watchdog.look({1'000'000 - 20'000, 1'000'000, 1'000'000 - 60'000, head}));
+}
+
+// ---- too much to do ------------------------------------------------------------------------------
+
+TEST(DeployOverload, TicksThatAreMissedAreLeftOutAndNotMadeUpFor) {
+  Trial trial({}, {.driver_us = 2'600});
+  trial.activate();
+  ASSERT_TRUE(trial.run_until(1'000'000));
+  EXPECT_EQ(trial.session->state(), DeployState::active);
+  std::int64_t missed = 0;
+  for (std::size_t i = 0; i < trial.notes.ticks.size(); ++i) {
+    const auto& seen = trial.notes.ticks[i];
+    missed += seen.timing.missed;
+    EXPECT_EQ(seen.t_us % tick_us, 0) << "on the grid of ticks";
+    EXPECT_LE(seen.timing.begin_us - seen.t_us, tick_us) << "the newest one that is due";
+  }
+  EXPECT_EQ(static_cast<std::int64_t>(trial.notes.ticks.size()) + missed,
+            trial.notes.ticks.back().t_us / tick_us);
+  EXPECT_NEAR(static_cast<double>(trial.notes.ticks.size()), 1e6 / 2'600, 5);
+}
+
+TEST(DeployOverload, TheNewestEventsGoToTheDetectorsAndNoQueueGrows) {
+  FakeRobotScript script;
+  for (std::int64_t i = 0; i < 50'000; ++i) script.events.push_back({100'000 + i / 10, 5, 5, true, 0});
+  Trial trial(script, {.budget = LoopBudget{2'000, 500}});
+  trial.activate();
+  ASSERT_TRUE(trial.run_until(110'000));
+  EXPECT_EQ(trial.driver.events, 5 * 2'000 + 10) << "10 events per us for 5 ms, at most 2000 in a tick";
+  EXPECT_EQ(trial.driver.first_event_us, 100'000);
+  std::size_t left_out = 0;
+  for (const auto& seen : trial.notes.ticks) left_out += seen.left_out;
+  EXPECT_EQ(static_cast<std::int64_t>(left_out), 50'000 - trial.driver.events);
+}
+
+TEST(DeployOverload, DetectorsThatDoNotDriveAreSkippedFirstAndTheCommandDoesNotWaitForThem) {
+  for (const std::int64_t driver_us : {200, 600}) {
+    Trial trial({},
+                {.budget = LoopBudget{2'000, 500}, .driver_us = driver_us, .shadow_us = 100, .shadow = true});
+    trial.activate();
+    ASSERT_TRUE(trial.run_until(200'000));
+    const std::int64_t ticks = static_cast<std::int64_t>(trial.notes.ticks.size());
+    EXPECT_EQ(ticks, 200);
+    EXPECT_EQ(trial.driver.looks, ticks) << "the one that drives never is";
+    EXPECT_EQ(trial.shadow.looks, driver_us < 500 ? ticks : 0);
+    EXPECT_EQ(trial.notes.ticks.back().shadow_skipped, driver_us > 500);
+    EXPECT_EQ(trial.fake->commands, ticks);
+  }
+}
+
+// ---- memory --------------------------------------------------------------------------------------
+
+TEST(DeploySession, ATickDoesNotAllocate) {
+  if (!malloc_is_counted()) GTEST_SKIP() << "a sanitizer owns malloc";
+  for (const char* preset : {"best", "paper_directed"}) {
+    for (const bool with_gaze : {false, true}) {
+      FakeRobotScript script;
+      script.limits = genova02_limits();
+      const RandomStream random(5, "events");
+      for (std::uint64_t i = 0; i < 200'000; ++i) {
+        script.events.push_back(
+            {static_cast<std::int64_t>(i * 10), static_cast<std::uint16_t>(random.bits(0, i) % 128),
+             static_cast<std::uint16_t>(random.bits(1, i) % 128), random.bits(2, i) % 2 == 0, 0});
+      }
+      FakeDeployed robot(script, with_gaze);
+      std::vector<LoopDetector> detectors;
+      detectors.push_back({"seer", std::make_unique<Seer>()});
+      detectors.push_back({preset, make_detector(detector_preset(preset), Camera{})});
+      Loop loop(robot.clock(), robot.events(), robot.head(), MountedCamera{}, std::move(detectors),
+                LoopGaze{0, make_gate({}), std::nullopt, FollowConfig{.start_s = 0.0}}, Eye::left,
+                LoopBudget{2'000, 500});
+      const auto motion = [&] {
+        if (robot.gaze() != nullptr) return LoopMotion{nullptr, std::nullopt, robot.gaze()};
+        return LoopMotion{make_gaze_controller({}, script.limits),
+                          JointLimiter(motion_limits(script.limits, {}))};
+      };
+      Operator wishes;
+      Notes notes;
+      robot.targets.reserve(10'000);
+      DeploySession session(robot, loop, motion, wishes, notes, {});
+      session.set_ready();
+      wishes.activate();
+      for (int i = 0; i < 50; ++i) ASSERT_TRUE(session.tick());  // activation may allocate
+      const long before = malloc_count();
+      for (int i = 0; i < 500; ++i) ASSERT_TRUE(session.tick());
+      EXPECT_EQ(malloc_count(), before) << preset << " with 100 events a tick";
+      EXPECT_EQ(session.state(), DeployState::active);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace saccade

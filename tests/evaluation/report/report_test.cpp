@@ -1,0 +1,285 @@
+#include "evaluation/report/report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <charconv>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "core/config.h"
+#include "core/error.h"
+#include "tests/evaluation/report/svg_check.h"
+#include "tests/evaluation/report/synthetic_run.h"
+
+namespace saccade {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::Not;
+
+std::string contents(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::size_t count(std::string_view text, std::string_view part) {
+  std::size_t n = 0;
+  for (std::size_t at = 0; (at = text.find(part, at)) != std::string_view::npos; at += part.size()) ++n;
+  return n;
+}
+
+/// The numbers in a table's row whose heading holds `name`; none for a dash.
+std::vector<std::optional<double>> numbers_of(const std::string& html, const std::string& table,
+                                              const std::string& name) {
+  const std::size_t start = html.find(name, html.find("<tbody>", html.find("<table id=\"" + table + "\">")));
+  const std::string row = html.substr(start, html.find("</tr>", start) - start);
+  std::vector<std::optional<double>> numbers;
+  for (std::size_t at = 0; (at = row.find("<td", at)) != std::string::npos; ++at) {
+    const std::string cell = row.substr(at, row.find('>', at) - at);
+    const std::size_t value = cell.find("data-value=\"");
+    numbers.push_back(value == std::string::npos ? std::nullopt
+                                                 : std::optional(std::stod(cell.substr(value + 12))));
+  }
+  return numbers;
+}
+
+class Report : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) / (std::string("saccade_report_") +
+                                              testing::UnitTest::GetInstance()->current_test_info()->name());
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  fs::path folder_;
+};
+
+TEST_F(Report, HoldsEverythingItselfAndNoAddress) {
+  write_synthetic_run(folder_, true);
+  write_report(folder_);
+  const std::string html = contents(folder_ / "report.html");
+  for (const char* outside :
+       {"http:", "https:", "//www", "<script", "<link", "<iframe", "@import", "file:"}) {
+    EXPECT_THAT(html, Not(HasSubstr(outside)));
+  }
+  EXPECT_EQ(count(html, "src=\""), count(html, "src=\"data:image/"));
+  EXPECT_LT(html.size(), 5'000'000U);
+  EXPECT_THAT(html, HasSubstr("synthetic square &lt;45 cm&gt;"));
+}
+
+TEST_F(Report, HasAPictureOfEyeAndSceneForEveryFrameAndASentenceUnderEveryFigure) {
+  write_synthetic_run(folder_, true);
+  write_report(folder_);
+  const std::string html = contents(folder_ / "report.html");
+  EXPECT_EQ(count(html, "data:image/png"), 8U + 8U);   // eyes, and four gaze shifts
+  EXPECT_EQ(count(html, "data:image/jpeg"), 8U + 8U);  // scenes, and four instants of image and Hough space
+  EXPECT_EQ(count(html, "<figure>"), 11U);
+  EXPECT_EQ(count(html, "<figcaption>"), 11U);
+}
+
+TEST_F(Report, ShowsTheHoughSpacesThatWereSavedAndHowStrongTheyAre) {
+  write_synthetic_run(folder_, true);
+  write_report(folder_);
+  std::string html = contents(folder_ / "report.html");
+  EXPECT_EQ(count(html, "alt=\"Hough space of paper_directed at"), 4U);
+  EXPECT_EQ(count(html, "strongest 0.75, threshold 0.45"), 4U);
+  EXPECT_EQ(count(html, "Hough space of paper_full"), 0U);
+
+  // A maximum without a point in its number, and a picture of a detector that was not in the run.
+  for (int t_ms = 500; t_ms <= 4000; t_ms += 500) {
+    const std::string start = (folder_ / "frames" / std::to_string(t_ms * 1000)).string();
+    fs::copy(start + "_paper_directed_hough_0.75.png", start + "_paper_full_hough_3.png");
+    fs::copy(start + "_paper_directed_hough_0.75.png", start + "_stranger_hough_3.png");
+  }
+  write_report(folder_);
+  html = contents(folder_ / "report.html");
+  EXPECT_EQ(count(html, "alt=\"Hough space of paper_full at"), 4U);
+  EXPECT_EQ(count(html, "strongest 3, threshold 0.45"), 4U);
+  EXPECT_THAT(html, Not(HasSubstr("stranger")));
+}
+
+TEST_F(Report, ShowsTheHoughSpacesOfThreeDetectorsAndOfTheBestOfTheOthers) {
+  write_synthetic_run(folder_, true);
+  Metrics metrics = read_metrics(folder_ / "metrics.json");
+  for (const auto& [name, average_precision] :
+       {std::pair("third", 0.2), {"fourth", 0.3}, {"best", 0.9}, {"sixth", 0.4}}) {
+    metrics.detectors.emplace_back(name, DetectorScore{});
+    metrics.detectors.back().second.average_precision = average_precision;
+    for (int t_ms = 500; t_ms <= 4000; t_ms += 500) {
+      const std::string start = (folder_ / "frames" / std::to_string(t_ms * 1000)).string();
+      fs::copy(start + "_paper_directed_hough_0.75.png", start + "_" + name + "_hough_3.png");
+    }
+  }
+  write_metrics(folder_ / "metrics.json", metrics);
+  write_report(folder_);
+  const std::string html = contents(folder_ / "report.html");
+  EXPECT_EQ(count(html, "Hough space of paper_directed at"), 4U);
+  EXPECT_EQ(count(html, "Hough space of best at"), 4U);
+  EXPECT_EQ(count(html, "Hough space of sixth at"), 0U);
+}
+
+TEST_F(Report, WritesTheNumbersOfEveryDrawnFigureBesideThePage) {
+  write_synthetic_run(folder_, false);
+  write_report(folder_);
+  const std::string html = contents(folder_ / "report.html");
+  std::size_t linked = 0;
+  const std::string mark = "href=\"figures/";
+  for (std::size_t at = 0; (at = html.find(mark, at)) != std::string::npos; ++at, ++linked) {
+    const std::string name =
+        html.substr(at + mark.size(), html.find('"', at + mark.size()) - at - mark.size());
+    const std::string csv = contents(folder_ / "figures" / name);
+    EXPECT_TRUE(csv.starts_with("series,")) << name;
+    EXPECT_GT(count(csv, "\n"), 2U) << name;
+  }
+  EXPECT_EQ(linked, count(html, "<svg"));
+  for (const auto& entry : fs::directory_iterator(folder_ / "figures")) {
+    EXPECT_EQ(entry.path().extension(), ".csv");
+  }
+  EXPECT_TRUE(fs::exists(folder_ / "figures/track_paper_directed.csv"));
+}
+
+TEST_F(Report, ShowsGazeShiftsAsTheTargetWasHandedOverAndAsTheEyeArrived) {
+  write_synthetic_run(folder_, false);
+  write_report(folder_);
+  const std::string html = contents(folder_ / "report.html");
+  // The first target comes at 40 ms: of the 17.4 deg to a ball 0.1 m to the left and below, 0.99^40 are left.
+  EXPECT_THAT(html, HasSubstr("<p>(a) 0.04 s · target "));
+  const std::size_t first = html.find("target ", html.find("<p>(a) 0.04 s")) + 7;
+  EXPECT_NEAR(std::stod(html.substr(first)), 17.4 * 0.669, 0.4);
+  const std::size_t second = html.find("target ", html.find("<p>(b) 0.")) + 7;
+  EXPECT_LT(std::stod(html.substr(second)), 17.4 * 0.669 / 4.0 + 0.1);
+  EXPECT_EQ(count(html, "alt=\"gaze shift at"), 8U);
+  EXPECT_THAT(html, HasSubstr("window: 1500 events · gate: authors · controller: qp"));
+}
+
+TEST_F(Report, OfARunWithoutTheEyesPoseLeavesOutWhatNeedsIt) {
+  write_synthetic_run(folder_, false);
+  write_report(folder_);
+  EXPECT_THAT(contents(folder_ / "report.html"), HasSubstr("<h3>Gaze over time"));
+  fs::remove(folder_ / "eye.csv");
+  write_report(folder_);
+  const std::string html = contents(folder_ / "report.html");
+  EXPECT_THAT(html, Not(HasSubstr("<h3>Gaze over time")));
+  EXPECT_THAT(html, Not(HasSubstr("<h3>Gaze shifts")));
+  EXPECT_THAT(html, HasSubstr("<h3>Gaze in the robot's frame"));
+}
+
+TEST_F(Report, TellsRejectedEventsWhereThereWereAny) {
+  Metrics metrics = write_synthetic_run(folder_, false);
+  metrics.detectors[0].second.rejected_events = RejectedEvents{};
+  write_metrics(folder_ / "metrics.json", metrics);
+  write_report(folder_);
+  EXPECT_THAT(contents(folder_ / "report.html"), Not(HasSubstr("back in time")));
+  metrics.detectors[0].second.rejected_events = {.outside_image = 12, .back_in_time = 3};
+  write_metrics(folder_ / "metrics.json", metrics);
+  write_report(folder_);
+  EXPECT_THAT(contents(folder_ / "report.html"),
+              HasSubstr("paper_full left out 12 events outside the image and 3 that go back in time"));
+}
+
+TEST_F(Report, DrawsFiguresThatAreWellFormedWithIdsOfTheirOwn) {
+  write_synthetic_run(folder_, true);
+  write_report(folder_);
+  const std::string html = contents(folder_ / "report.html");
+  std::size_t figures = 0;
+  std::vector<std::string> ids;
+  for (std::size_t at = 0; (at = html.find("<svg", at)) != std::string::npos; ++at) {
+    const std::string svg = html.substr(at, html.find("</svg>", at) + 6 - at);
+    EXPECT_EQ(nesting_problem(svg), "");
+    ++figures;
+    for (std::size_t id = 0; (id = svg.find(" id=", id)) != std::string::npos; ++id) {
+      ids.push_back(svg.substr(id + 5, svg.find(svg[id + 4], id + 5) - id - 5));
+    }
+  }
+  EXPECT_EQ(figures, 8U);
+  std::sort(ids.begin(), ids.end());
+  EXPECT_EQ(std::adjacent_find(ids.begin(), ids.end()), ids.end());
+}
+
+TEST_F(Report, ShowsTheNumbersOfTheMetrics) {
+  write_synthetic_run(folder_, false);
+  write_report(folder_);
+  const std::string html = contents(folder_ / "report.html");
+  const auto json = nlohmann::json::parse(contents(folder_ / "metrics.json"));
+  const auto value = [](const nlohmann::json& j) {
+    return j.is_null() ? std::nullopt : std::optional(j.get<double>());
+  };
+  for (const char* name : {"paper_full", "paper_directed"}) {
+    const auto& d = json["detectors"][name];
+    const std::vector<std::optional<double>> expected = {value(d["average_precision"]),
+                                                         value(d["threshold"]),
+                                                         value(d["precision"]),
+                                                         value(d["recall"]),
+                                                         value(d["detection_rate_hz"]["mean"]),
+                                                         value(d["detection_rate_hz"]["peak"]),
+                                                         value(d["position_error_px"]["median"]),
+                                                         value(d["position_error_px"]["p95"]),
+                                                         value(d["radius_error_px"]["median"]),
+                                                         value(d["radius_error_px"]["p95"]),
+                                                         value(d["lag_ms"]),
+                                                         value(d["us_per_event"])};
+    EXPECT_EQ(numbers_of(html, "detectors", name), expected);
+  }
+  const auto& gaze = json["gaze"];
+  const auto row = [&](const char* name) { return numbers_of(html, "gaze", name).at(0); };
+  EXPECT_EQ(row("acquired"), value(gaze["acquire_s"]));
+  EXPECT_EQ(row("error, median"), value(gaze["fixation_error_deg"]["median"]));
+  EXPECT_EQ(row("error, 95"), value(gaze["fixation_error_deg"]["p95"]));
+  EXPECT_EQ(row("on target"), value(gaze["on_target_ratio"]));
+  EXPECT_EQ(row("in view"), value(gaze["in_view_ratio"]));
+  EXPECT_EQ(row("detected while following"), value(gaze["following_rate_hz"]));
+  EXPECT_EQ(row("target off"), value(gaze["target_error_m"]["median"]));
+  EXPECT_EQ(row(">moves"), value(gaze["moves"]));
+  EXPECT_EQ(row("wrong moves"), value(gaze["wrong_moves"]));
+  EXPECT_EQ(row("saccades"), value(gaze["saccades"]));
+  EXPECT_EQ(row("saccades per s"), gaze["saccades"].get<double>() / 4.0);
+  EXPECT_EQ(row("violations"), value(gaze["limit_violations"]));
+}
+
+TEST_F(Report, OfARecordingShowsWhatThereIs) {
+  Metrics metrics = write_synthetic_run(folder_, false);
+  fs::remove(folder_ / "gaze.csv");
+  metrics.gaze.reset();
+  metrics.camera.reset();
+  metrics.seed.reset();
+  write_metrics(folder_ / "metrics.json", metrics);
+  write_report(folder_);
+  std::string html = contents(folder_ / "report.html");
+  EXPECT_EQ(count(html, "<svg"), 5U);  // two detectors, precision and recall, rates over time and speed
+  EXPECT_EQ(count(html, "data:image/png"), 8U);
+  EXPECT_THAT(html, Not(HasSubstr("<h2>Gaze")));
+
+  fs::remove(folder_ / "truth.csv");
+  fs::remove(folder_ / "events.csv");
+  for (auto& [name, score] : metrics.detectors) {
+    score = {};
+    score.threshold = 0.45;
+  }
+  write_metrics(folder_ / "metrics.json", metrics);
+  write_report(folder_);
+  html = contents(folder_ / "report.html");
+  EXPECT_EQ(count(html, "<svg"), 2U);
+  EXPECT_THAT(html, HasSubstr("Events are not shown"));
+}
+
+TEST_F(Report, IsTheSameForTheSameFolder) {
+  write_synthetic_run(folder_, true);
+  write_report(folder_);
+  const std::string first = contents(folder_ / "report.html");
+  write_report(folder_);
+  EXPECT_EQ(first, contents(folder_ / "report.html"));
+}
+
+TEST_F(Report, NeedsMetricsAndPicturesOfTheCamerasSize) {
+  write_synthetic_run(folder_, true);
+  cv::imwrite((folder_ / "frames" / "500000_eye.png").string(), cv::Mat(12, 12, CV_8UC1, cv::Scalar(0)));
+  EXPECT_THROW(write_report(folder_), InputError);
+  fs::remove(folder_ / "metrics.json");
+  EXPECT_THROW(write_report(folder_), InputError);
+  EXPECT_FALSE(fs::exists(folder_ / "report.html"));
+}
+
+}  // namespace
+}  // namespace saccade

@@ -1,0 +1,223 @@
+#include "evaluation/scoring/metrics.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+
+namespace saccade {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using testing::ElementsAre;
+
+Metrics whole() {
+  Metrics m;
+  m.scenario = "gaze_square_45cm \"quoted\"";
+  m.seed = 3;
+  m.settings = {{"lab.clutter", "rectilinear"}, {"ball.diameter_m", "0.07"}};
+  m.start_us = 5;
+  m.duration_s = 4.0;
+  m.wall_s = 3.2;
+  m.event_count = 1000;
+  m.events_dropped = 2;
+  m.events_file = "events.aedat";
+  m.image = {128, 128};
+  m.camera = Camera{};
+  m.calibration = MountedCamera{Camera{}.without_lens(), {{0.0, 0.0, -10.0}, {0.5, -1.0, 1.5}}};
+  DetectorScore score;
+  score.average_precision = 1.0 / 3.0;
+  score.precision_at_recall[1] = 0.75;
+  score.pr_curve = {{0.5, 0.9, 0.1}, {0.4, 0.8, 0.2}};
+  score.chances = 4000;
+  score.threshold = 0.45;
+  score.observations = 900;
+  score.inliers = 800;
+  score.precision = 0.8;
+  score.recall = 0.2;
+  score.mean_rate_hz = 200.0;
+  score.peak_rate_hz = 550.0;
+  score.position_error_px = {1.5, 4.5};
+  score.radius_error_px = {0.5, 1.5};
+  score.lag_ms = 12.3;
+  score.us_per_event = 0.4;
+  score.rejected_events = {.outside_image = 7, .back_in_time = 2};
+  m.detectors = {{"paper_full", {}}, {"best", score}};
+  m.gaze.emplace();
+  m.gaze->detector = "best";
+  m.gaze->controller = "qp";
+  m.gaze->window = "1500 events";
+  m.gaze->following_rate_hz = 12.5;
+  m.gaze->score = {.acquire_within_deg = 6.0,
+                   .acquire_s = 0.75,
+                   .acquired_at_us = 1'250'000,
+                   .fixation_error_deg = {2.0, 5.0},
+                   .on_target_ratio = 0.9,
+                   .in_view_ratio = 1.0,
+                   .moves = 10,
+                   .wrong_moves = 1,
+                   .saccades = 3,
+                   .limit_violations = 4,
+                   .target_error_median_m = 0.01};
+  m.gaze->limits.min_rad.setConstant(-0.5);
+  m.gaze->limits.max_rad.setConstant(0.25);
+  RightEyeMetrics& right = m.right_eye.emplace();
+  right.event_count = 400;
+  right.events_dropped = 1;
+  right.camera = right_dvs128;
+  right.calibration.camera = right_dvs128;
+  right.calibration.mount.rotation_deg = {0.5, -1.0, 1.0};
+  right.fixation_error_deg = {1.5, 3.0};
+  right.on_target_ratio = 0.8;
+  right.in_view_ratio = 0.9;
+  right.detectors = {{"best", score}};
+  return m;
+}
+
+std::vector<std::string> keys(const Json& json) {
+  std::vector<std::string> names;
+  for (const auto& item : json.items()) names.push_back(item.key());
+  return names;
+}
+
+TEST(Metrics, HasEveryKeyOfTheContractInItsOrder) {
+  const Json json = Json::parse(metrics_to_json(whole()));
+  EXPECT_THAT(keys(json),
+              ElementsAre("schema", "scenario", "seed", "duration_s", "wall_s", "real_time_factor", "events",
+                          "detectors", "gaze", "camera", "start_us", "settings", "calibration", "right_eye"));
+  EXPECT_THAT(keys(json["events"]), ElementsAre("count", "rate_hz", "dropped", "file"));
+  EXPECT_THAT(keys(json["detectors"]), ElementsAre("paper_full", "best"));
+  for (const auto& detector : json["detectors"]) {
+    EXPECT_THAT(keys(detector), ElementsAre("average_precision", "precision_at_recall", "pr_curve", "chances",
+                                            "threshold", "precision", "recall", "detection_rate_hz",
+                                            "position_error_px", "radius_error_px", "lag_ms", "us_per_event",
+                                            "observations", "inliers", "rejected_events"));
+    EXPECT_THAT(keys(detector["precision_at_recall"]), ElementsAre("0.1", "0.2", "0.3", "0.5", "0.7", "0.9"));
+    EXPECT_THAT(keys(detector["detection_rate_hz"]), ElementsAre("mean", "peak"));
+    EXPECT_THAT(keys(detector["position_error_px"]), ElementsAre("median", "p95"));
+    EXPECT_THAT(keys(detector["radius_error_px"]), ElementsAre("median", "p95"));
+  }
+  EXPECT_THAT(keys(json["detectors"]["best"]["pr_curve"][0]),
+              ElementsAre("threshold", "precision", "recall"));
+  EXPECT_THAT(
+      keys(json["gaze"]),
+      ElementsAre("detector", "fixation_error_deg", "on_target_ratio", "in_view_ratio", "acquire_s", "moves",
+                  "wrong_moves", "saccades", "limit_violations", "target_error_m", "acquire_within_deg",
+                  "joint_limits_rad", "controller", "gate", "window", "acquired_at_us", "following_rate_hz"));
+  EXPECT_EQ(json["schema"], 1);
+  EXPECT_EQ(json["real_time_factor"], 1.25);
+  EXPECT_EQ(json["events"]["rate_hz"], 250.0);
+}
+
+TEST(Metrics, OfEarlierRunsAreReadWithoutWhatTheyDidNotTell) {
+  Json json = Json::parse(metrics_to_json(whole()));
+  for (const char* key : {"controller", "gate", "window", "acquired_at_us", "following_rate_hz"}) {
+    json["gaze"].erase(key);
+  }
+  const Metrics back = metrics_from_json(json.dump(), "here");
+  EXPECT_EQ(back.gaze->controller, "");
+  EXPECT_EQ(back.gaze->score.acquired_at_us, std::nullopt);
+  EXPECT_EQ(back.gaze->following_rate_hz, std::nullopt);
+  EXPECT_EQ(back.gaze->score.moves, 10);
+}
+
+TEST(Metrics, ReadsBackTheSame) {
+  const std::string text = metrics_to_json(whole());
+  const Metrics back = metrics_from_json(text, "here");
+  EXPECT_EQ(metrics_to_json(back), text);
+  EXPECT_EQ(back.detectors[1].second.lag_ms, 12.3);
+  EXPECT_EQ(back.detectors[0].second.lag_ms, std::nullopt);
+  EXPECT_EQ(back.gaze->score.acquire_s, 0.75);
+  EXPECT_EQ(back.gaze->score.acquired_at_us, 1'250'000);
+  EXPECT_EQ(back.gaze->controller, "qp");
+  EXPECT_EQ(back.gaze->gate, "");
+  EXPECT_TRUE(Json::parse(text)["gaze"]["gate"].is_null());
+  EXPECT_EQ(back.gaze->window, "1500 events");
+  EXPECT_EQ(back.gaze->following_rate_hz, 12.5);
+  EXPECT_NEAR(back.gaze->limits.max_rad[eyes_tilt], 0.25, 1e-15);
+  EXPECT_EQ(back.camera, Camera{});
+  EXPECT_EQ(back.calibration, whole().calibration);
+  EXPECT_THAT(keys(Json::parse(text)["camera"]), ElementsAre("width_px", "height_px", "fx_px", "fy_px",
+                                                             "cx_px", "cy_px", "k1", "k2", "p1", "p2"));
+  EXPECT_EQ(back.settings, whole().settings);
+  EXPECT_EQ(back.detectors[0].second.rejected_events.has_value(), false);
+  EXPECT_EQ(back.detectors[1].second.rejected_events->outside_image, 7);
+  EXPECT_EQ(back.detectors[1].second.rejected_events->back_in_time, 2);
+}
+
+TEST(Metrics, WritesWhatDoesNotApplyAsNull) {
+  Metrics m;
+  m.scenario = "recording.aedat";
+  m.duration_s = std::numeric_limits<double>::quiet_NaN();
+  m.detectors = {{"best", {}}};
+  const std::string text = metrics_to_json(m);
+  const Json json = Json::parse(text);
+  for (const char* key : {"seed", "wall_s", "real_time_factor", "gaze", "duration_s"}) {
+    EXPECT_TRUE(json[key].is_null()) << key;
+  }
+  EXPECT_TRUE(json["events"]["rate_hz"].is_null());
+  EXPECT_TRUE(json["events"]["dropped"].is_null());
+  const Json& best = json["detectors"]["best"];
+  EXPECT_TRUE(best["average_precision"].is_null());
+  EXPECT_TRUE(best["precision_at_recall"]["0.9"].is_null());
+  EXPECT_TRUE(best["detection_rate_hz"]["peak"].is_null());
+  EXPECT_TRUE(best["lag_ms"].is_null());
+  EXPECT_TRUE(best["rejected_events"].is_null());
+  EXPECT_EQ(best["chances"], 0);
+}
+
+TEST(Metrics, WithoutDistortionAreThoseOfARunWithoutALens) {
+  Json json = Json::parse(metrics_to_json(whole()));
+  for (const char* key : {"k1", "k2", "p1", "p2"}) json["camera"].erase(key);
+  EXPECT_EQ(metrics_from_json(json.dump(), "here").camera, Camera{}.without_lens());
+}
+
+TEST(Metrics, WithoutSettingsAndRejectedEventsAreThoseOfARunThatDoesNotTellThem) {
+  Json json = Json::parse(metrics_to_json(whole()));
+  json.erase("settings");
+  json.erase("calibration");
+  json["detectors"]["best"].erase("rejected_events");
+  const Metrics back = metrics_from_json(json.dump(), "here");
+  EXPECT_TRUE(back.settings.empty());
+  EXPECT_FALSE(back.detectors[1].second.rejected_events.has_value());
+}
+
+TEST(Metrics, OfARunWithLabelsTellItsClutterAndReadBackTheSame) {
+  Metrics m = whole();
+  m.clutter = ClutterShare{0.75, {{"ball", 0.25}, {"background", 0.75}}, {{"signal", 1.0}}};
+  m.detectors[0].second.clutter = DetectorClutter{0.5, std::nullopt, 12.0};
+  const std::string text = metrics_to_json(m);
+  const Json json = Json::parse(text);
+  EXPECT_EQ(json["clutter"]["share"], 0.75);
+  EXPECT_EQ(json["clutter"]["by_object"]["ball"], 0.25);
+  EXPECT_EQ(json["clutter"]["by_cause"]["signal"], 1.0);
+  EXPECT_EQ(json["detectors"]["paper_full"]["clutter_in_window"]["detected"], 0.5);
+  EXPECT_TRUE(json["detectors"]["paper_full"]["clutter_in_window"]["missed"].is_null());
+  EXPECT_EQ(json["detectors"]["paper_full"]["clutter_per_detection"], 12.0);
+  EXPECT_FALSE(json["detectors"]["best"].contains("clutter_in_window"));
+  EXPECT_EQ(metrics_to_json(metrics_from_json(text, "here")), text);
+}
+
+TEST(Metrics, SaysWhereAFileIsWrong) {
+  EXPECT_THROW(metrics_from_json("{", "here"), InputError);
+  EXPECT_THROW(metrics_from_json("[]", "here"), InputError);
+  Json json = Json::parse(metrics_to_json(whole()));
+  json["schema"] = 2;
+  EXPECT_THROW(metrics_from_json(json.dump(), "here"), InputError);
+  json["schema"] = 1;
+  json["detectors"]["best"].erase("lag_ms");
+  try {
+    static_cast<void>(metrics_from_json(json.dump(), "run/metrics.json"));
+    FAIL() << "a missing key was taken";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(),
+                testing::AllOf(testing::HasSubstr("run/metrics.json"), testing::HasSubstr("lag_ms")));
+  }
+  EXPECT_THROW(read_metrics("/nonexistent/metrics.json"), InputError);
+}
+
+}  // namespace
+}  // namespace saccade

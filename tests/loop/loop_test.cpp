@@ -1,0 +1,357 @@
+// What the head does, and what the log says of it, when targets go wrong.
+#include "loop/loop.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <sstream>
+
+#include "control/head_kinematics.h"
+#include "loop/run_log.h"
+#include "robot/fake/fake_robot.h"
+#include "tests/control/genova02.h"
+#include "tests/recording/temp_folder.h"
+
+namespace saccade {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::EndsWith;
+using testing::HasSubstr;
+
+using Script = std::function<std::optional<Eigen::Vector3d>(std::int64_t t_us)>;
+
+/// Sees a ball where the script has it, through the left eye, exactly.
+class BallSeer final : public Detector {
+ public:
+  explicit BallSeer(Script ball_m) : ball_m_(std::move(ball_m)) {}
+  void process(std::span<const Event>, const CameraMotion*) override {}
+  void advance_to(std::int64_t now_us, const CameraMotion* motion) override {
+    estimate_ = {};
+    const auto ball_m = ball_m_(now_us);
+    if (!ball_m || motion == nullptr) return;
+    const auto circle = Camera{}.project_sphere(motion->root_from_camera.inverse() * *ball_m, 0.0475);
+    if (circle) estimate_ = {true, true, *circle, 1.0};
+  }
+  [[nodiscard]] Estimate estimate() override { return estimate_; }
+  [[nodiscard]] double threshold() const override { return 0.5; }
+  [[nodiscard]] RejectedEvents rejected() const override { return {}; }
+  [[nodiscard]] std::unique_ptr<Detector> copy() const override { return std::make_unique<BallSeer>(*this); }
+
+ private:
+  Script ball_m_;
+  Estimate estimate_;
+};
+
+/// Hands over what the script says, whatever was seen.
+class ScriptedGate final : public GazeGate {
+ public:
+  explicit ScriptedGate(Script target_m) : target_m_(std::move(target_m)) {}
+  std::optional<Eigen::Vector3d> update(std::int64_t now_us, const Estimate&, double, const Camera&,
+                                        const Eigen::Isometry3d&) override {
+    return target_m_(now_us);
+  }
+  [[nodiscard]] RejectedTargets rejected() const override { return {}; }
+
+ private:
+  Script target_m_;
+};
+
+const Eigen::Vector3d ball_m(-0.5, 0.15, 0.40);
+std::optional<Eigen::Vector3d> no_ball(std::int64_t) { return std::nullopt; }
+
+/// A fake head that sees, by default a ball at ball_m in the first second, and what became of it.
+struct Trial {
+  Script ball = [](std::int64_t t_us) {
+    return t_us <= 1'000'000 ? std::optional(ball_m) : std::optional<Eigen::Vector3d>();
+  };
+  std::unique_ptr<GazeGate> gate;
+  FollowConfig follow{0.0, "hold", 1.0};
+  FakeRobotScript robot;
+  HeadCommand limit_margin_rad = HeadCommand::Zero();  ///< the head's own limits lie that much further in
+  /// After this tick a new controller takes over, or a second detector where it is given.
+  std::int64_t take_over_us = 0;
+  Script ball_of_the_other;
+
+  std::vector<std::string> log;
+  std::vector<HeadCommand> references_rad;  ///< of every millisecond
+  HeadState head;                           ///< at the end
+
+  void run(const std::string& controller, double duration_s) {
+    GazeControllerConfig config;
+    config.controller = controller;
+    const JointLimits limits = genova02_limits();
+    robot.limits = limits;
+    robot.limits.max_rad.tail<head_joint_count>() -= limit_margin_rad;
+    robot.lag_s = 0.02;
+    FakeRobot fake(robot);
+    if (!gate) gate = make_gate({.gate = "none", .authors = {}, .continuity = {}, .target = {}});
+    std::vector<LoopDetector> detectors;
+    detectors.push_back({"seer", std::make_unique<BallSeer>(ball)});
+    Loop loop(fake, fake, &fake, MountedCamera{}, std::move(detectors),
+              LoopGaze{0, std::move(gate),
+                       LoopMotion{make_gaze_controller(config, limits),
+                                  JointLimiter(motion_limits(limits, config.limits))},
+                       follow});
+    TempFolder folder;
+    RunLog run_log(folder / "log.txt", [&](const std::string& line) { log.push_back(line); });
+    for (std::int64_t t_us = 1000; t_us <= std::llround(duration_s * 1e6); t_us += 1000) {
+      loop.tick(t_us, run_log);
+      references_rad.push_back(fake.reference_rad());
+      ASSERT_TRUE(is_allowed(references_rad.back(), robot.limits));
+      if (t_us != take_over_us) continue;
+      if (!ball_of_the_other) {
+        loop.set_controller(make_gaze_controller(config, limits));
+        continue;
+      }
+      std::vector<LoopDetector> others;
+      others.push_back({"seer", std::make_unique<BallSeer>(ball)});
+      others.push_back({"other", std::make_unique<BallSeer>(ball_of_the_other)});
+      loop.set_detectors(std::move(others), 1);
+    }
+    run_log.finish();
+    std::string written;
+    for (const std::string& line : log) written += line + "\n";
+    EXPECT_EQ(bytes_of(folder / "log.txt"), written);
+    robot.nan_us.reset();
+    fake.read(head);
+  }
+  [[nodiscard]] double error_deg(const Eigen::Vector3d& target_m) const {
+    const Eigen::Isometry3d eye = root_from_left_cam(head.position_rad);
+    const Eigen::Vector3d to_target = target_m - eye.translation();
+    return std::atan2(eye.linear().col(2).cross(to_target).norm(), eye.linear().col(2).dot(to_target)) /
+           rad_per_deg;
+  }
+  [[nodiscard]] double furthest_from_neutral_deg() const {
+    return head.head_position_rad().cwiseAbs().maxCoeff() / rad_per_deg;
+  }
+};
+
+class LostTargets : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(, LostTargets, testing::Values("qp", "ikingaze"),
+                         [](const auto& name) { return name.param; });
+
+TEST_P(LostTargets, TheHeadHoldsWhereItSawTheBallLast) {
+  Trial trial;
+  trial.run(GetParam(), 4.0);
+  EXPECT_LT(trial.error_deg(ball_m), 0.1);
+  EXPECT_THAT(trial.log, ElementsAre("     0.001 s  ball found at (-0.500, 0.150, 0.400) m",
+                                     "     2.000 s  target lost, last seen at 1.000 s: the head holds"));
+}
+
+TEST_P(LostTargets, TheHeadReturnsToRestAndFindsTheBallAgain) {
+  Trial trial;
+  trial.follow = {0.0, "rest", 0.5};
+  trial.run(GetParam(), 6.0);
+  EXPECT_LT(trial.furthest_from_neutral_deg(), 0.2);
+  EXPECT_THAT(trial.log,
+              ElementsAre(HasSubstr("ball found"),
+                          "     1.500 s  target lost, last seen at 1.000 s: the head returns to rest"));
+
+  Trial again;
+  again.follow = {0.0, "rest", 0.5};
+  again.ball = [](std::int64_t t_us) {
+    return t_us <= 1'000'000 || t_us > 2'000'000 ? std::optional(ball_m) : std::optional<Eigen::Vector3d>();
+  };
+  again.run(GetParam(), 5.0);
+  EXPECT_LT(again.error_deg(ball_m), 0.1);
+  ASSERT_EQ(again.log.size(), 3u);
+  EXPECT_EQ(again.log[2], "     2.001 s  ball found again at (-0.500, 0.150, 0.400) m");
+}
+
+TEST_P(LostTargets, AControllerThatTakesOverGoesOnLookingAtTheTargetOfTheLastOne) {
+  Trial trial;
+  trial.take_over_us = 2'000'000;
+  trial.run(GetParam(), 4.0);
+  EXPECT_LT(trial.error_deg(ball_m), 0.1);
+  const double step_rad = (trial.references_rad[2000] - trial.references_rad[1999]).cwiseAbs().maxCoeff();
+  EXPECT_LT(step_rad, 0.05 * rad_per_deg);
+}
+
+TEST_P(LostTargets, ADetectorThatTakesOverDrivesTheHead) {
+  Trial trial;
+  trial.ball = no_ball;
+  trial.take_over_us = 1'000'000;
+  trial.ball_of_the_other = [](std::int64_t) { return std::optional(ball_m); };
+  trial.run(GetParam(), 4.0);
+  EXPECT_LT(trial.error_deg(ball_m), 0.1);
+  EXPECT_THAT(trial.log, ElementsAre("     1.001 s  ball found at (-0.500, 0.150, 0.400) m"));
+}
+
+TEST_P(LostTargets, AHeadThatNeverSeesABallStaysAtRest) {
+  Trial trial;
+  trial.ball = no_ball;
+  trial.run(GetParam(), 2.0);
+  EXPECT_LT(trial.furthest_from_neutral_deg(), 0.1);
+  EXPECT_THAT(trial.log, ElementsAre("     2.000 s  ball never found"));
+}
+
+TEST_P(LostTargets, ATargetBehindTheHeadTooNearOrNotFiniteIsRefusedAndTheHeadHolds) {
+  const Eigen::Vector3d nan = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  for (const auto& [bad, why] : {std::pair{Eigen::Vector3d(0.5, 0.1, 0.4), "behind the head"},
+                                 {Eigen::Vector3d(-0.12, -0.03, 0.34), "too near"},
+                                 {nan, "not finite"}}) {
+    Trial trial;
+    trial.gate =
+        std::make_unique<ScriptedGate>([bad = bad](std::int64_t t_us) -> std::optional<Eigen::Vector3d> {
+          if (t_us <= 1'000'000) return ball_m;
+          if (t_us > 2'000'000 && t_us <= 2'500'000) return bad;
+          if (t_us == 3'000'000) return bad;
+          return std::nullopt;
+        });
+    trial.run(GetParam(), 4.0);
+    EXPECT_LT(trial.error_deg(ball_m), 0.1);
+    EXPECT_THAT(trial.log, ElementsAre(HasSubstr("ball found"), HasSubstr("the head holds"),
+                                       AllOf(HasSubstr(std::string("target refused, ") + why),
+                                             EndsWith(": 500 times from 2.001 to 2.500 s")),
+                                       AllOf(HasSubstr(why), EndsWith(": once from 3.000 to 3.000 s"))));
+  }
+}
+
+TEST_P(LostTargets, ABallCloserThanTenCentimetresIsRefusedByTheGate) {
+  Trial trial;
+  trial.ball = [](std::int64_t) { return std::optional(Eigen::Vector3d(-0.145, -0.034, 0.347)); };
+  trial.run(GetParam(), 0.5);
+  EXPECT_LT(trial.furthest_from_neutral_deg(), 0.1);
+  EXPECT_THAT(trial.log,
+              ElementsAre("     0.500 s  target refused, too near: 500 times from 0.001 to 0.500 s",
+                          "     0.500 s  ball never found"));
+}
+
+TEST_P(LostTargets, TheHeadHoldsWhileAnEncoderReadsNanAndGoesOnAfterwards) {
+  Trial trial;
+  trial.ball = [](std::int64_t) { return std::optional(ball_m); };
+  trial.robot.nan_us = {100'000, 300'000};
+  trial.follow.lost_after_s = 0.15;
+  trial.run(GetParam(), 4.0);
+  for (std::size_t ms = 200; ms < 299; ++ms) {  // a neck at 80 deg/s has braked after 80 ms
+    ASSERT_EQ(trial.references_rad[ms], trial.references_rad[199]) << ms;
+  }
+  EXPECT_NE(trial.references_rad[60], trial.references_rad[199]);
+  EXPECT_LT(trial.error_deg(ball_m), 0.1);
+  EXPECT_THAT(trial.log, ElementsAre(HasSubstr("ball found"),
+                                     "     0.100 s  the head's state is not finite: the head holds",
+                                     HasSubstr("0.249 s  target lost"),
+                                     "     0.300 s  the head's state is finite again, after 200 ticks",
+                                     HasSubstr("0.300 s  ball found again")));
+}
+
+TEST_P(LostTargets, AnEncoderThatReadsNanFromTheStartLeavesTheHeadAtItsNeutralPose) {
+  Trial trial;
+  trial.robot.nan_us = {0, 10'000'000};
+  trial.run(GetParam(), 0.5);
+  EXPECT_LT(trial.references_rad.back().cwiseAbs().maxCoeff(), 0.1 * rad_per_deg);
+  EXPECT_THAT(trial.log, ElementsAre(HasSubstr("not finite"), HasSubstr("never found")));
+}
+
+TEST_P(LostTargets, CommandsThatTheHeadRefusesAreOneLine) {
+  Trial trial;
+  trial.limit_margin_rad[eyes_version - torso_joint_count] = 25.0 * rad_per_deg;  // the head's ends at 5 deg
+  trial.ball = [](std::int64_t t_us) {
+    return std::optional(t_us < 1'000'000 ? ball_m : Eigen::Vector3d(-0.5, 0.0, 0.35));
+  };
+  trial.run(GetParam(), 2.0);
+  ASSERT_EQ(trial.log.size(), 3u);
+  EXPECT_THAT(trial.log[1], HasSubstr("command refused by the head"));
+  EXPECT_THAT(trial.log[2], HasSubstr("the head takes commands again, after"));
+}
+
+TEST(RunLogTest, SaysNothingOfTargetsWhereNothingDrivesTheGaze) {
+  TempFolder folder;
+  std::vector<std::string> lines;
+  RunLog log(folder / "log.txt", [&](const std::string& line) { lines.push_back(line); });
+  Tick tick;
+  for (tick.t_us = 1000; tick.t_us < 5000; tick.t_us += 1000) log.on_tick(tick);
+  EXPECT_FALSE(std::filesystem::exists(folder / "log.txt"));
+  log.finish();
+  EXPECT_TRUE(lines.empty());
+  EXPECT_EQ(bytes_of(folder / "log.txt"), "");
+}
+
+// ---- both eyes -----------------------------------------------------------------------------------
+
+/// Sees the ball through an eye's camera as if it were larger than it is, and counts events.
+class OneEyed final : public Detector {
+ public:
+  struct Seen {
+    int events = 0;
+    int of_the_other_eye = 0;
+  };
+
+  OneEyed(Eye eye, double radius_m, Seen& seen) : eye_(eye), radius_m_(radius_m), seen_(seen) {}
+  void process(std::span<const Event> events, const CameraMotion*) override {
+    for (const Event& event : events) {
+      ++seen_.events;
+      seen_.of_the_other_eye += event.camera == static_cast<std::uint8_t>(eye_) ? 0 : 1;
+    }
+  }
+  void advance_to(std::int64_t, const CameraMotion* motion) override {
+    if (motion == nullptr) return;
+    const Camera camera = eye_ == Eye::left ? Camera{} : right_dvs128;
+    const auto circle = camera.project_sphere(motion->root_from_camera.inverse() * ball_m, radius_m_);
+    estimate_ = circle ? Estimate{true, true, *circle, 1.0} : Estimate{};
+  }
+  [[nodiscard]] Estimate estimate() override { return estimate_; }
+  [[nodiscard]] double threshold() const override { return 0.5; }
+  [[nodiscard]] RejectedEvents rejected() const override { return {}; }
+  [[nodiscard]] std::unique_ptr<Detector> copy() const override { return std::make_unique<OneEyed>(*this); }
+
+ private:
+  Eye eye_;
+  double radius_m_;
+  Seen& seen_;
+  Estimate estimate_;
+};
+
+class Targets final : public LoopObserver {
+ public:
+  void on_tick(const Tick& tick) override {
+    ASSERT_TRUE(tick.target_m);
+    errors_m.push_back((*tick.target_m - ball_m).norm());
+  }
+  std::vector<double> errors_m;
+};
+
+TEST(BothEyes, EachDetectorGetsItsEyesEventsAndTheBallsDistanceComesFromBoth) {
+  for (const bool stereo : {false, true}) {
+    FakeRobotScript script;
+    script.limits = genova02_limits();
+    for (int i = 1; i <= 200; ++i) {
+      script.events.push_back({i * 500, 64, 64, true, static_cast<std::uint8_t>(i % 3 == 0 ? 1 : 0)});
+    }
+    FakeRobot fake(script);
+    OneEyed::Seen left, right;
+    const double radius_m = 0.06;  // of a ball of 0.0475: by its radius it is 0.1 m too near
+    std::vector<LoopDetector> detectors;
+    detectors.push_back({"left", std::make_unique<OneEyed>(Eye::left, radius_m, left)});
+    LoopGaze gaze{
+        0,
+        make_gate({.gate = "none", .authors = {}, .continuity = {}, .target = {}}),
+        LoopMotion{make_gaze_controller({}, script.limits), JointLimiter(motion_limits(script.limits, {}))},
+        {.start_s = 0.0}};
+    if (stereo) {
+      gaze.stereo.emplace(LoopStereo{std::make_unique<OneEyed>(Eye::right, radius_m, right),
+                                     MountedCamera{right_dvs128, {}}, StereoLocator({})});
+    }
+    Loop loop(fake, fake, &fake, MountedCamera{}, std::move(detectors), std::move(gaze));
+    Targets targets;
+    for (std::int64_t t_us = 1000; t_us <= 100'000; t_us += 1000) loop.tick(t_us, targets);
+    EXPECT_EQ(left.events, 134);
+    EXPECT_EQ(right.events, stereo ? 66 : 0);
+    EXPECT_EQ(left.of_the_other_eye + right.of_the_other_eye, 0);
+    const double worst_m = *std::max_element(targets.errors_m.begin(), targets.errors_m.end());
+    std::printf("%s: targets up to %.2g m off\n", stereo ? "both eyes" : "left eye", worst_m);
+    if (stereo) {
+      EXPECT_LT(worst_m, 1e-9);
+    } else {
+      EXPECT_GT(worst_m, 0.05);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace saccade

@@ -1,0 +1,223 @@
+#include "apps/serve/gaze_server.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <sstream>
+
+#include "control/head_kinematics.h"
+#include "tests/control/genova02.h"
+
+namespace saccade {
+namespace {
+
+/// A head that is where it was told to be a tick ago.
+class Head {
+ public:
+  void run(double duration_s) {
+    constexpr double dt_s = 0.001;
+    for (int i = 0; i < std::lround(duration_s / dt_s); ++i) {
+      const auto reference_rad = server.step(state, dt_s);
+      state.velocity_rad_s.setZero();
+      if (!reference_rad) continue;
+      state.velocity_rad_s.tail<head_joint_count>() = (*reference_rad - state.head_position_rad()) / dt_s;
+      state.position_rad.tail<head_joint_count>() = *reference_rad;
+    }
+  }
+  [[nodiscard]] double miss_deg(Eye eye, const Eigen::Vector3d& point_m) const {
+    const Eigen::Vector3d seen = HeadKinematics(state.position_rad).root_from_eye(eye).inverse() * point_m;
+    return std::atan2(seen.head<2>().norm(), seen.z()) / rad_per_deg;
+  }
+  /// The numbers of a reply `[ack] (...)`.
+  [[nodiscard]] std::vector<double> ask(const std::string& request) {
+    std::string reply = server.answer(request);
+    EXPECT_TRUE(reply.starts_with("[ack]")) << request << ": " << reply;
+    reply.erase(0, 5);
+    std::ranges::replace_if(
+        reply, [](char c) { return c == '(' || c == ')'; }, ' ');
+    std::istringstream stream(reply);
+    std::vector<double> values;
+    for (double value; stream >> value;) values.push_back(value);
+    return values;
+  }
+
+  HeadState state;
+  GazeServer server{{}, genova02_limits(), Camera{}, Camera{}, JointVector::Zero()};
+};
+
+TEST(GazeServer, leavesTheHeadAloneUntilItHasATarget) {
+  Head head;
+  EXPECT_FALSE(head.server.step(head.state, 0.001));
+  EXPECT_EQ(head.server.answer("set Tneck 0.8"), "[ack]");
+  EXPECT_FALSE(head.server.step(head.state, 0.001));
+}
+
+TEST(GazeServer, looksAtAPointWithBothEyes) {
+  Head head;
+  const Eigen::Vector3d point_m(-0.5, 0.1, 0.4);
+  EXPECT_EQ(head.server.answer("look 3D (-0.5 0.1 0.4)"), "[ack]");
+  EXPECT_EQ(head.ask("get done"), std::vector{1.0});  // not stepped yet
+  head.run(0.1);
+  EXPECT_EQ(head.ask("get done"), std::vector{0.0});
+  head.run(3.0);
+  std::printf("misses: left %.4f, right %.4f deg\n", head.miss_deg(Eye::left, point_m),
+              head.miss_deg(Eye::right, point_m));
+  EXPECT_LT(head.miss_deg(Eye::left, point_m), 0.1);
+  EXPECT_LT(head.miss_deg(Eye::right, point_m), 0.1);
+  EXPECT_EQ(head.ask("get done"), std::vector{1.0});
+  EXPECT_THAT(head.ask("get x"), testing::Pointwise(testing::DoubleNear(1e-3), {-0.5, 0.1, 0.4}));
+}
+
+TEST(GazeServer, tellsOfTheBeginAndTheEndOfAMovement) {
+  Head head;
+  EXPECT_EQ(head.server.answer("look 3D -0.5 0.1 0.4"), "[ack]");
+  head.run(3.0);
+  EXPECT_THAT(head.server.report().events, testing::ElementsAre("motion-onset", "motion-done"));
+  EXPECT_TRUE(head.server.report().events.empty());
+}
+
+TEST(GazeServer, keepsTheHeadWhereItIsAfterAStop) {
+  Head head;
+  EXPECT_EQ(head.server.answer("look 3D (-0.5 0.2 0.4)"), "[ack]");
+  head.run(0.3);
+  const JointVector there = head.state.position_rad;
+  EXPECT_EQ(head.server.answer("stop"), "[ack]");
+  head.run(0.5);
+  EXPECT_EQ(head.state.position_rad, there);
+  EXPECT_EQ(head.server.answer("look 3D (-0.5 0.0 0.4)"), "[ack]");
+  head.run(0.3);
+  EXPECT_NE(head.state.position_rad, there);
+}
+
+TEST(GazeServer, takesNoTargetWhileSuspended) {
+  Head head;
+  EXPECT_EQ(head.server.answer("susp"), "[ack]");
+  EXPECT_EQ(head.server.answer("status"), "[ack] suspended");
+  EXPECT_EQ(head.server.answer("look 3D (-0.5 0.2 0.4)"), "[nack]");
+  EXPECT_EQ(head.server.answer("run"), "[ack]");
+  EXPECT_EQ(head.server.answer("status"), "[ack] running");
+  EXPECT_EQ(head.server.answer("look 3D (-0.5 0.2 0.4)"), "[ack]");
+}
+
+TEST(GazeServer, refusesWhatItDoesNotUnderstandAndWhereTheHeadMayNotLook) {
+  Head head;
+  for (const char* request : {"",
+                              "look",
+                              "look 3D",
+                              "look 3D (-0.5 0.1)",
+                              "look 3D (-0.5 0.1 0.4 7)",
+                              "look 3D (-0.5 nan 0.4)",
+                              "look 3D (0.5 0 0.4)",
+                              "look mono (up 64 64 0.4)",
+                              "look mono (left 64 64 -1)",
+                              "look ang (abs 1 2)",
+                              "look ang (sideways 1 2 3)",
+                              "get",
+                              "get nothing",
+                              "get 3D 3D (1 2 3)",
+                              "set Tneck",
+                              "set Tneck fast",
+                              "set sinh -1",
+                              "set nothing 1",
+                              "bind roll 5",
+                              "bind roll 5 -5",
+                              "bind ears 0",
+                              "clear ears",
+                              "rest 9",
+                              "dele 9",
+                              "quit",
+                              "\"",
+                              "((((",
+                              "look 3D (1e999 0 0)"}) {
+    EXPECT_EQ(head.server.answer(request), "[nack]") << request;
+  }
+  EXPECT_EQ(head.server.report().orders, 0);
+  EXPECT_FALSE(head.server.step(head.state, 0.001));
+}
+
+TEST(GazeServer, knowsWhereThePixelsOfAnEyeLie) {
+  Head head;
+  head.state.position_rad << 0, 0, 0, 0.1, -0.05, 0.2, -0.1, 0.15, 0.12;
+  head.run(0.001);
+  const Camera camera;
+  for (const char* eye : {"left", "right"}) {
+    const auto pixel = head.ask(std::string("get 2D (") + eye + " -0.5 0.05 0.3)");
+    const Eigen::Vector3d seen = HeadKinematics(head.state.position_rad)
+                                     .root_from_eye(eye == std::string("left") ? Eye::left : Eye::right)
+                                     .inverse() *
+                                 Eigen::Vector3d(-0.5, 0.05, 0.3);
+    std::ostringstream request;
+    request.precision(12);
+    request << "get 3D mono (" << eye << " " << pixel.at(0) << " " << pixel.at(1) << " " << seen.z() << ")";
+    EXPECT_THAT(head.ask(request.str()), testing::Pointwise(testing::DoubleNear(1e-6), {-0.5, 0.05, 0.3}));
+    EXPECT_NEAR(pixel.at(0), camera.fx_px * seen.x() / seen.z() + camera.cx_px, 1e-5);
+  }
+  const auto left = head.ask("get 2D (left -0.5 0.05 0.3)");
+  const auto right = head.ask("get 2D (right -0.5 0.05 0.3)");
+  std::ostringstream request;
+  request.precision(12);
+  request << "get 3D stereo (" << left[0] << " " << left[1] << " " << right[0] << " " << right[1] << ")";
+  EXPECT_THAT(head.ask(request.str()), testing::Pointwise(testing::DoubleNear(1e-5), {-0.5, 0.05, 0.3}));
+}
+
+TEST(GazeServer, anglesAreToTheRightAndUpOfTheHeadAtRest) {
+  Head head;
+  const auto ahead = head.ask("get 3D ang (abs 0 0 8)");
+  const auto aside = head.ask("get 3D ang (abs 20 0 8)");
+  const auto above = head.ask("get 3D ang (abs 0 10 8)");
+  EXPECT_GT(aside[1], ahead[1] + 0.1);  // y is to the right
+  EXPECT_GT(above[2], ahead[2] + 0.05);
+  EXPECT_EQ(head.server.answer("look ang (abs 20 10 8)"), "[ack]");
+  head.run(3.0);
+  EXPECT_THAT(head.ask("get angles"), testing::Pointwise(testing::DoubleNear(0.7), {20.0, 10.0, 8.0}));
+  EXPECT_EQ(head.server.answer("look ang (rel -5 0 0)"), "[ack]");
+  head.run(3.0);
+  EXPECT_THAT(head.ask("get angles"), testing::Pointwise(testing::DoubleNear(0.9), {15.0, 10.0, 8.0}));
+}
+
+TEST(GazeServer, keepsAJointWhereItIsBound) {
+  Head head;
+  EXPECT_EQ(head.server.answer("bind roll 0 0"), "[ack]");
+  EXPECT_EQ(head.server.answer("bind yaw -5 5"), "[ack]");
+  EXPECT_THAT(head.ask("get yaw"), testing::Pointwise(testing::DoubleNear(1e-6), {-5.0, 5.0}));
+  EXPECT_EQ(head.server.answer("look 3D (-0.4 0.25 0.25)"), "[ack]");
+  head.run(3.0);
+  EXPECT_LT(std::abs(head.state.position_rad[neck_roll]), 0.11 * rad_per_deg);
+  EXPECT_LT(std::abs(head.state.position_rad[neck_yaw]), 5.0 * rad_per_deg);
+  EXPECT_EQ(head.server.answer("clear yaw"), "[ack]");
+  EXPECT_EQ(head.server.answer("look 3D (-0.4 0.25 0.25)"), "[ack]");
+  head.run(3.0);
+  EXPECT_GT(std::abs(head.state.position_rad[neck_yaw]), 10.0 * rad_per_deg);
+}
+
+TEST(GazeServer, settingsAreToldAsTheyAreAndStoredAndBroughtBack) {
+  Head head;
+  EXPECT_EQ(head.server.answer("set Teyes 0.01"), "[ack]");
+  EXPECT_EQ(head.ask("get Teyes"), std::vector{0.1});  // as fast as iKinGazeCtrl lets it be
+  EXPECT_EQ(head.server.answer("set Tneck 0.8"), "[ack]");
+  EXPECT_EQ(head.server.answer("set sacc 0"), "[ack]");
+  EXPECT_EQ(head.server.answer("set track 1"), "[ack]");
+  const auto id = head.ask("stor");
+  EXPECT_EQ(head.server.answer("set Tneck 1.2"), "[ack]");
+  EXPECT_EQ(head.ask("get Tneck"), std::vector{1.2});
+  EXPECT_EQ(head.server.answer("rest " + std::to_string(static_cast<int>(id.at(0)))), "[ack]");
+  EXPECT_EQ(head.ask("get Tneck"), std::vector{0.8});
+  EXPECT_EQ(head.ask("get sacc"), std::vector{0.0});
+  EXPECT_EQ(head.ask("get track"), std::vector{1.0});
+}
+
+TEST(GazeServer, aSettingDoesNotMakeTheHeadJump) {
+  Head head;
+  EXPECT_EQ(head.server.answer("look 3D (-0.5 0.2 0.4)"), "[ack]");
+  head.run(0.2);
+  const JointVector there = head.state.position_rad;
+  EXPECT_EQ(head.server.answer("bind pitch -1 1"), "[ack]");
+  head.run(0.002);
+  EXPECT_LT((head.state.position_rad - there).cwiseAbs().maxCoeff(), 1.0 * rad_per_deg);
+}
+
+}  // namespace
+}  // namespace saccade
