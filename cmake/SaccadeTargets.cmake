@@ -15,8 +15,8 @@ target_compile_options(saccade_flags INTERFACE
   -ffp-contract=off
   # Nobody reads floating-point exceptions: the vectoriser need not keep them. Values stay the same.
   -fno-trapping-math
-  # GCC 12 warns of std::string's own operator+ (GCC bug 105651).
-  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
+  # GCC 12 warns of std::string's own operator+ (GCC bugs 105651 and 105329).
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict;-Wno-stringop-overflow;-Wno-array-bounds>
   # What GCC has to write for ccache where a precompiled header is used.
   $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>
   # Clang's -Wconversion has it, GCC's has not.
@@ -47,8 +47,15 @@ target_precompile_headers(saccade_layers_pch PRIVATE
 # saccade_layer(NAME SOURCES a.cpp ... LAYERS core ... LIBRARIES Eigen3::Eigen ... PRIVATE_LIBRARIES ...)
 function(saccade_layer name)
   cmake_parse_arguments(LAYER "" "" "SOURCES;LAYERS;LIBRARIES;PRIVATE_LIBRARIES" ${ARGN})
-  add_library(saccade_${name} STATIC ${LAYER_SOURCES})
   list(TRANSFORM LAYER_LAYERS PREPEND saccade_)
+  if(NOT LAYER_SOURCES)  # headers alone
+    add_library(saccade_${name} INTERFACE)
+    target_link_libraries(saccade_${name} INTERFACE ${LAYER_LAYERS} ${LAYER_LIBRARIES})
+    target_compile_features(saccade_${name} INTERFACE cxx_std_20)
+    target_include_directories(saccade_${name} INTERFACE $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}>)
+    return()
+  endif()
+  add_library(saccade_${name} STATIC ${LAYER_SOURCES})
   target_link_libraries(saccade_${name} PUBLIC ${LAYER_LAYERS} ${LAYER_LIBRARIES}
     PRIVATE $<BUILD_INTERFACE:saccade_flags> ${LAYER_PRIVATE_LIBRARIES})
   target_compile_features(saccade_${name} PUBLIC cxx_std_20)

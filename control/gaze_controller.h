@@ -10,7 +10,7 @@
 #include "control/joint_limiter.h"
 #include "control/target.h"
 #include "core/config.h"
-#include "core/head_state.h"
+#include "head/head_state.h"
 
 namespace saccade {
 

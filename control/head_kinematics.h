@@ -4,7 +4,7 @@
 #include <array>
 
 #include "core/detector.h"
-#include "core/head_state.h"
+#include "head/head_state.h"
 
 namespace saccade {
 

@@ -3,7 +3,7 @@
 #include <bitset>
 
 #include "core/config.h"
-#include "core/head_state.h"
+#include "head/head_state.h"
 
 namespace saccade {
 

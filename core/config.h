@@ -21,7 +21,7 @@ struct Range {
 
 /// How a module tells the keys, units, ranges and meaning of its configuration, once, in a function
 ///
-///     void describe(FieldVisitor& v, ThingConfig& config);
+///     void describe(FieldVisitor& v, ObjectConfig& config);
 ///
 /// beside its plain config struct. Reading a scenario, writing the resolved one, checking in a
 /// constructor and printing help are visitors; no module knows YAML. Keys end in their unit.

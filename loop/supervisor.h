@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "core/config.h"
-#include "core/head_state.h"
+#include "head/head_state.h"
 
 namespace saccade {
 

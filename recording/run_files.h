@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/camera.h"
-#include "core/head_state.h"
+#include "head/head_state.h"
 #include "recording/output_file.h"
 
 namespace saccade {
@@ -38,7 +38,7 @@ struct DetectionRow {
 };
 
 /// gaze.csv: t_us, fixation point and target (m, root frame; empty when there is none), joint angles (rad)
-/// under the names of core/head_state.h with the suffix _rad.
+/// under the names of head/head_state.h with the suffix _rad.
 /// Columns: t_us,fixation_x_m,fixation_y_m,fixation_z_m,target_x_m,target_y_m,target_z_m,torso_pitch_rad,...,
 /// eyes_vergence_rad. One row per tick.
 struct GazeRow {
@@ -59,7 +59,7 @@ struct EyeRow {
   [[nodiscard]] Eigen::Isometry3d root_from_left_cam() const;
 };
 
-/// joints.csv: t_us and the measured joint positions (rad), names as in core/head_state.h with _rad.
+/// joints.csv: t_us and the measured joint positions (rad), names as in head/head_state.h with _rad.
 struct JointsRow {
   std::int64_t t_us = 0;
   JointVector position_rad = JointVector::Zero();

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/config.h"
-#include "core/head_state.h"
+#include "head/head_state.h"
 
 namespace saccade {
 

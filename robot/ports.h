@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/event.h"
-#include "core/head_state.h"
+#include "head/head_state.h"
 
 namespace saccade {
 

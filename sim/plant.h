@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/config.h"
-#include "core/head_state.h"
 #include "core/random.h"
+#include "head/head_state.h"
 
 namespace saccade {
 

@@ -100,7 +100,7 @@ void describe(FieldVisitor& v, WorldConfig& c) {
   v.section(
       "ball", [&c](FieldVisitor& inner) { describe(inner, c.ball); }, "the ball in the hand");
   v.section(
-      "things", [&c](FieldVisitor& inner) { describe(inner, c.things); }, "what else moves, by name");
+      "objects", [&c](FieldVisitor& inner) { describe(inner, c.objects); }, "what else moves, by name");
   if (c.board) {
     v.section(
         "board", [&c](FieldVisitor& inner) { describe(inner, *c.board); },
@@ -119,14 +119,14 @@ World::World(const WorldConfig& config, const std::string& lab_mjcf, std::uint64
     : trajectory_(checked(config).ball.trajectory, seed),
       board_(config.board),
       command_delay_us_(1000 * config.plant.command_delay_ms) {
-  model_ = load_model(models,
-                      lab_mjcf + things_mjcf(config.things) + (board_ ? board_mjcf(*board_) : std::string()));
+  model_ = load_model(
+      models, lab_mjcf + objects_mjcf(config.objects) + (board_ ? board_mjcf(*board_) : std::string()));
   data_.reset(mj_makeData(model_.get()));
   if (!data_) throw RunError("MuJoCo has no memory for the world");
   find_parts();
   make_ball(config.ball);
   make_drives(config.plant);
-  things_.emplace(config.things, seed, *model_);
+  objects_.emplace(config.objects, seed, *model_);
   if (board_) {
     board_mocap_ = model_->body_mocapid[find(*model_, mjOBJ_BODY, "board")];
     paint_board(*model_, *board_);
@@ -364,7 +364,7 @@ void World::pose(std::int64_t t_us, const JointVector& position_rad, mjData& dat
 
 void World::place_objects(std::int64_t t_us, mjData& data) const {
   Eigen::Map<Eigen::Vector3d>(data.mocap_pos + 3 * ball_mocap_) = trajectory_.position_m(t_us);
-  things_->place(t_us, data);
+  objects_->place(t_us, data);
   if (!board_) return;
   const Eigen::Isometry3d board = root_from_board(*board_, t_us);
   const Eigen::Quaterniond turn(board.linear());

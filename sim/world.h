@@ -13,11 +13,11 @@
 #include <vector>
 
 #include "core/config.h"
-#include "core/head_state.h"
+#include "head/head_state.h"
 #include "sim/board.h"
 #include "sim/mujoco_compat.h"
+#include "sim/objects.h"
 #include "sim/plant.h"
-#include "sim/things.h"
 #include "sim/trajectory.h"
 
 namespace saccade {
@@ -34,14 +34,14 @@ void describe(FieldVisitor& v, BallConfig& config);
 
 struct WorldConfig {
   BallConfig ball;
-  NamedThings things;                ///< what else moves
+  NamedObjects objects;              ///< what else moves
   std::optional<BoardConfig> board;  ///< to calibrate with, where a scenario asks for it
   /// Where the joints are and are held at the start, in the order of Joint; the torso stays there.
   std::vector<double> initial_pose_deg = std::vector<double>(joint_count, 0.0);
   PlantConfig plant;
 };
 
-/// Keys: ball, things, board (where there is one), initial_pose_deg, plant.
+/// Keys: ball, objects, board (where there is one), initial_pose_deg, plant.
 void describe(FieldVisitor& v, WorldConfig& config);
 
 /// What stands in the world, foremost in an eye first. By names in the model: the geom `ball`; geoms of the bodies
@@ -141,7 +141,7 @@ class World {
   MjDataPtr data_;  ///< the motors: what they carry moves with them as if there were no play
   MjDataPtr seen_;  ///< the joints behind them, where there is play
   Trajectory trajectory_;
-  std::optional<Things> things_;
+  std::optional<Objects> objects_;
   JointLimits limits_;
   double ball_radius_m_ = 0.0;
   std::array<int, joint_count> joint_{};     ///< MuJoCo joint; the last two are the left and right eye pan

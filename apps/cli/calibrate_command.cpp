@@ -187,35 +187,33 @@ int calibrate_command(const CalibrateOptions& options) {
 
 }  // namespace
 
-void add_calibrate_command(CLI::App& app, Action& action) {
+void add_calibrate_command(CommandLine& line) {
   auto options = std::make_shared<CalibrateOptions>();
-  CLI::App* command = app.add_subcommand(
+  Command command = line.add_command(
       "calibrate", "A camera's lens, and its place in the eye, from events of an asymmetric grid of dots");
-  add_read_options(*command, "recording", "Event file, or a run folder with its joints", *options);
-  command->add_option("--out", options->out, "The calibration (YAML), for a scenario's calibration.file")
-      ->required();
+  add_read_options(command, "recording", "Event file, or a run folder with its joints", *options);
+  command.option("--out", options->out, "The calibration (YAML), for a scenario's calibration.file")
+      .required();
+  command.option("--grid", options->grid, "Dots in a row x rows, rows odd; a run with a board tells its own")
+      .show_default();
+  command.option("--spacing_mm", options->spacing_mm,
+                 "From row to row, and half the way between dots of a row; the run's board, or 25");
+  command.option("--dot_mm", options->dot_mm, "Diameter of a dot; the run's board, or 21");
   command
-      ->add_option("--grid", options->grid,
-                   "Dots in a row x rows, rows odd; a run with a board tells its own")
-      ->capture_default_str();
-  command->add_option("--spacing_mm", options->spacing_mm,
-                      "From row to row, and half the way between dots of a row; the run's board, or 25");
-  command->add_option("--dot_mm", options->dot_mm, "Diameter of a dot; the run's board, or 21");
+      .option("--window_ms", options->window_ms,
+              "A picture is made of so long: white passes every pixel of the board in it")
+      .show_default();
   command
-      ->add_option("--window_ms", options->window_ms,
-                   "A picture is made of so long: white passes every pixel of the board in it")
-      ->capture_default_str();
+      .option("--refractory_us", options->refractory_us,
+              "A pixel sees nothing for so long after an event; the run's camera, or 500")
+      .in_range(0, 100'000);
   command
-      ->add_option("--refractory_us", options->refractory_us,
-                   "A pixel sees nothing for so long after an event; the run's camera, or 500")
-      ->check(CLI::Range(0, 100'000));
-  command
-      ->add_option("--max_speed_px_s", options->limits.max_speed_px_s,
-                   "Pictures in which a dot is faster do not count: events come late by some microseconds")
-      ->check(CLI::Range(0.1, 1e4))
-      ->capture_default_str();
-  command->add_flag("--no_joints", options->no_joints, "The lens alone, whatever a run knows of its head");
-  command->callback([options, &action] { action = [options] { return calibrate_command(*options); }; });
+      .option("--max_speed_px_s", options->limits.max_speed_px_s,
+              "Pictures in which a dot is faster do not count: events come late by some microseconds")
+      .in_range(0.1, 1e4)
+      .show_default();
+  command.flag("--no_joints", options->no_joints, "The lens alone, whatever a run knows of its head");
+  command.action([options] { return calibrate_command(*options); });
 }
 
 }  // namespace saccade

@@ -212,37 +212,36 @@ Region parse_region(const std::string& text) {
 
 }  // namespace
 
-void add_convert_command(CLI::App& app, Action& action) {
+void add_convert_command(CommandLine& line) {
   auto options = std::make_shared<ConvertOptions>();
-  CLI::App* command = app.add_subcommand("convert", "Copy a recording into another format, or a part of it");
-  add_read_options(*command, "in", "Event file, a folder with data.log, or a run folder", *options);
+  Command command = line.add_command("convert", "Copy a recording into another format, or a part of it");
+  add_read_options(command, "in", "Event file, a folder with data.log, or a run folder", *options);
   command
-      ->add_option("out", options->out,
-                   "Event file to write; the extension tells the format: " + writable_formats())
-      ->required();
-  command->add_option("--from", options->from_s, "Leave out what comes before, s after the first event")
-      ->check(CLI::Range(0.0, 1e9));
-  command
-      ->add_option("--until", options->until_s, "Leave out what comes then or later, s after the first event")
-      ->check(CLI::Range(0.0, 1e9));
-  command->add_flag("--zero-time", options->zero_time, "The first event written is at 0 us");
-  command->add_option_function<std::string>(
+      .option("out", options->out,
+              "Event file to write; the extension tells the format: " + writable_formats())
+      .required();
+  command.option("--from", options->from_s, "Leave out what comes before, s after the first event")
+      .in_range(0.0, 1e9);
+  command.option("--until", options->until_s, "Leave out what comes then or later, s after the first event")
+      .in_range(0.0, 1e9);
+  command.flag("--zero-time", options->zero_time, "The first event written is at 0 us");
+  command.option(
       "--region", [options](const std::string& text) { options->region = parse_region(text); },
       "X,Y,WIDTH,HEIGHT: leave out what is outside, px; in the pixels of the recording");
-  command->add_flag("--crop", options->crop, "The region becomes the image, its corner pixel 0, 0");
-  command->add_option("--polarity", options->polarity, "Only on or off events")
-      ->check(CLI::IsMember({"both", "on", "off"}))
-      ->capture_default_str();
-  command->add_flag("--invert", options->invert, "ON becomes OFF and OFF becomes ON");
-  command->add_flag("--swap-xy", options->swap_xy, "Exchange x and y, behind the region");
-  command->add_flag("--flip-x", options->flip_x, "Mirror left and right, behind --swap-xy");
-  command->add_flag("--flip-y", options->flip_y, "Mirror top and bottom, behind --swap-xy");
-  command->footer(
+  command.flag("--crop", options->crop, "The region becomes the image, its corner pixel 0, 0");
+  command.option("--polarity", options->polarity, "Only on or off events")
+      .one_of({"both", "on", "off"})
+      .show_default();
+  command.flag("--invert", options->invert, "ON becomes OFF and OFF becomes ON");
+  command.flag("--swap-xy", options->swap_xy, "Exchange x and y, behind the region");
+  command.flag("--flip-x", options->flip_x, "Mirror left and right, behind --swap-xy");
+  command.flag("--flip-y", options->flip_y, "Mirror top and bottom, behind --swap-xy");
+  command.footer(
       "--swap-xy --flip-x turns by 90 degrees clockwise, --flip-x --flip-y by 180.\n"
       "Events of the right camera need a format of two cameras (.csv, .txt, .log, of 128 x 128 .aedat), or "
       "--camera.\n"
       "The recording is read twice. What the format cannot hold is an error, and nothing is written.");
-  command->callback([options, &action] { action = [options] { return convert(*options); }; });
+  command.action([options] { return convert(*options); });
 }
 
 }  // namespace saccade

@@ -169,24 +169,23 @@ int deploy(const DeployOptions& options) {
 
 }  // namespace
 
-void add_deploy_command(CLI::App& app, Action& action) {
+void add_deploy_command(CommandLine& line) {
   auto options = std::make_shared<DeployOptions>();
-  CLI::App* command = app.add_subcommand("deploy", "The loop in real time on a robot, into a run folder");
-  command->add_option("robot", options->robot, "Robot file (YAML)")->required();
-  command->add_option("--out", options->out, "Run folder; runs/NAME by default");
-  command->add_option("--set", options->assignments, "key.path=value, instead of the robot file's")
-      ->allow_extra_args(false);
-  command->add_option("--duration", options->duration_s, "Ends after so many seconds")
-      ->check(CLI::PositiveNumber);
-  command->add_flag("--dry-run", options->dry_run, "Everything but commands: nothing is sent to the head");
-  command->add_flag("--record", options->record, "Events and joints into the run folder, too");
-  command->add_flag("--activate", options->activate, "Moves the head as soon as it is ready, without a key");
-  command->add_flag("--force", options->force, "Replace an earlier run in that folder");
-  command->footer(
+  Command command = line.add_command("deploy", "The loop in real time on a robot, into a run folder");
+  command.option("robot", options->robot, "Robot file (YAML)").required();
+  command.option("--out", options->out, "Run folder; runs/NAME by default");
+  command.option("--set", options->assignments, "key.path=value, instead of the robot file's")
+      .one_value_each();
+  command.option("--duration", options->duration_s, "Ends after so many seconds").positive();
+  command.flag("--dry-run", options->dry_run, "Everything but commands: nothing is sent to the head");
+  command.flag("--record", options->record, "Events and joints into the run folder, too");
+  command.flag("--activate", options->activate, "Moves the head as soon as it is ready, without a key");
+  command.flag("--force", options->force, "Replace an earlier run in that folder");
+  command.footer(
       "Keys: enter activates, space stops, q stops and quits, as Ctrl-C does. Exit status 1 where the head "
       "was "
       "stopped by a fault and stayed so. docs/robot.md has the checklist before motors move.");
-  command->callback([options, &action] { action = [options] { return deploy(*options); }; });
+  command.action([options] { return deploy(*options); });
 }
 
 }  // namespace saccade

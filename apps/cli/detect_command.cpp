@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "apps/cli/commands.h"
+#include "apps/cli/read_options.h"
 #include "apps/config/scenario.h"
 #include "apps/session/interrupt.h"
 #include "apps/session/played.h"
@@ -162,21 +163,20 @@ int detect(const DetectOptions& options) {
 
 }  // namespace
 
-void add_detect_command(CLI::App& app, Action& action) {
+void add_detect_command(CommandLine& line) {
   auto options = std::make_shared<DetectOptions>();
-  CLI::App* command =
-      app.add_subcommand("detect", "The detectors on recorded events, scored when truth is given");
-  add_read_options(*command, "recording", "Event file, or a run folder with its joints and truth", *options);
-  command->add_option("--config", options->config,
-                      "Detectors (YAML); those of the paper and `best` by default");
+  Command command =
+      line.add_command("detect", "The detectors on recorded events, scored when truth is given");
+  add_read_options(command, "recording", "Event file, or a run folder with its joints and truth", *options);
+  command.option("--config", options->config, "Detectors (YAML); those of the paper and `best` by default");
   command
-      ->add_option("--set", options->assignments,
-                   "key=value for every detector, DETECTOR.key=value for one; e.g. radius_px=[4,25]")
-      ->allow_extra_args(false);
-  command->add_option("--truth", options->truth, "True circles, t_us,x_px,y_px,r_px (CSV)");
-  command->add_option("--out", options->out, "Folder for detections, scores and report");
-  command->add_flag("--force", options->force, "Replace an earlier run in that folder");
-  command->callback([options, &action] { action = [options] { return detect(*options); }; });
+      .option("--set", options->assignments,
+              "key=value for every detector, DETECTOR.key=value for one; e.g. radius_px=[4,25]")
+      .one_value_each();
+  command.option("--truth", options->truth, "True circles, t_us,x_px,y_px,r_px (CSV)");
+  command.option("--out", options->out, "Folder for detections, scores and report");
+  command.flag("--force", options->force, "Replace an earlier run in that folder");
+  command.action([options] { return detect(*options); });
 }
 
 }  // namespace saccade

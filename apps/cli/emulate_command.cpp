@@ -276,32 +276,29 @@ int emulate(const EmulateOptions& options) {
 
 }  // namespace
 
-void add_emulate_command(CLI::App& app, Action& action) {
+void add_emulate_command(CommandLine& line) {
   auto options = std::make_shared<EmulateOptions>();
-  CLI::App* command =
-      app.add_subcommand("emulate", "The event camera alone: images or a video in, an event file out");
-  command->add_option("images", options->images, "Folder of images, video, or NumPy array (.npy)")
-      ->required();
-  command->add_option("--out", options->out, "Event file to write: " + writable_formats())->required();
-  command->add_option("--preset", options->preset, "Event camera, as --set preset=NAME");
-  command->add_option("--config", options->config, "Event camera (YAML), as a scenario's block `emulator`");
-  command->add_option("--set", options->assignments, "key=value of the event camera")
-      ->allow_extra_args(false);
-  CLI::Option* const fps = command->add_option(
+  Command command =
+      line.add_command("emulate", "The event camera alone: images or a video in, an event file out");
+  command.option("images", options->images, "Folder of images, video, or NumPy array (.npy)").required();
+  command.option("--out", options->out, "Event file to write: " + writable_formats()).required();
+  command.option("--preset", options->preset, "Event camera, as --set preset=NAME");
+  command.option("--config", options->config, "Event camera (YAML), as a scenario's block `emulator`");
+  command.option("--set", options->assignments, "key=value of the event camera").one_value_each();
+  const Option fps = command.option(
       "--fps", options->images_per_s,
       "Images per second; needed where there are no --timestamps, and a video's own by default");
   command
-      ->add_option("--timestamps", options->timestamps,
-                   "Times, one a line: us, or seconds with a decimal point; an image's name may follow")
-      ->excludes(fps);
-  command->add_option("--seed", options->seed, "Of everything random in the camera")->capture_default_str();
-  command->add_option("--labels", options->labels, "What caused each event, t_us,x,y,p,cause (CSV)");
-  command
-      ->add_option("--threads", options->threads, "Processor cores to use; the result does not depend on it")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
-  command->add_flag("--force", options->force, "Replace files that hold something else");
-  command->callback([options, &action] { action = [options] { return emulate(*options); }; });
+      .option("--timestamps", options->timestamps,
+              "Times, one a line: us, or seconds with a decimal point; an image's name may follow")
+      .excludes(fps);
+  command.option("--seed", options->seed, "Of everything random in the camera").show_default();
+  command.option("--labels", options->labels, "What caused each event, t_us,x,y,p,cause (CSV)");
+  command.option("--threads", options->threads, "Processor cores to use; the result does not depend on it")
+      .in_range(1, 64)
+      .show_default();
+  command.flag("--force", options->force, "Replace files that hold something else");
+  command.action([options] { return emulate(*options); });
 }
 
 }  // namespace saccade

@@ -166,18 +166,18 @@ int info(const InfoOptions& options) {
 
 }  // namespace
 
-void add_info_command(CLI::App& app, Action& action) {
+void add_info_command(CommandLine& line) {
   auto options = std::make_shared<InfoOptions>();
-  CLI::App* command = app.add_subcommand(
+  Command command = line.add_command(
       "info", "What a recording holds: format, image, count, duration, rates, ON and OFF, gaps, what is odd");
-  add_read_options(*command, "recording", "Event file, a folder with data.log, or a run folder", *options);
-  command->add_option("--gap", options->gap_ms, "How long nothing has to come to count as a gap, ms")
-      ->check(CLI::Range(0.001, 1e9))
-      ->capture_default_str();
-  command->add_flag("--json", options->json, "As JSON");
-  command->footer(
+  add_read_options(command, "recording", "Event file, a folder with data.log, or a run folder", *options);
+  command.option("--gap", options->gap_ms, "How long nothing has to come to count as a gap, ms")
+      .in_range(0.001, 1e9)
+      .show_default();
+  command.flag("--json", options->json, "As JSON");
+  command.footer(
       "Peak rates are those of the fullest bin of 100 ms and of 1 ms; bins begin at the first event.");
-  command->callback([options, &action] { action = [options] { return info(*options); }; });
+  command.action([options] { return info(*options); });
 }
 
 }  // namespace saccade

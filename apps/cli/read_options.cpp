@@ -23,32 +23,32 @@ ImageSize parse_size(const std::string& text) {
 
 }  // namespace
 
-void add_read_options(CLI::App& command, const char* name, const char* meaning, ReadOptions& options) {
-  command.add_option(name, options.recording, meaning)->required();
-  command.add_option_function<std::string>(
+void add_read_options(Command& command, const char* name, const char* meaning, ReadOptions& options) {
+  command.option(name, options.recording, meaning).required();
+  command.option(
       "--size", [&options](const std::string& text) { options.read.image_size = parse_size(text); },
       "Image size WIDTHxHEIGHT, where the file does not tell it");
   command
-      .add_option("--columns", options.read.columns,
-                  "Order of a text file's columns, out of t, x, y, p and c, the camera")
-      ->capture_default_str();
+      .option("--columns", options.read.columns,
+              "Order of a text file's columns, out of t, x, y, p and c, the camera")
+      .show_default();
   const std::map<std::string, std::uint8_t> cameras = {{"left", 0}, {"right", 1}};
   command
-      .add_option_function<std::string>(
+      .option(
           "--camera", [&options, cameras](const std::string& eye) { options.read.camera = cameras.at(eye); },
           "Of a recording of two cameras: left or right alone")
-      ->check(CLI::IsMember({"left", "right"}));
+      .one_of({"left", "right"});
   command
-      .add_option(
+      .option(
           "--codec", options.read.yarp_codec,
           "What an event-driven log's words are: dvs_128, dvs_128_upright, atis_20, atis_24, ev2 or ev2_ts; "
           "auto: as its info file says, else guessed")
-      ->capture_default_str();
+      .show_default();
   command
-      .add_option("--layout", options.read.aedat2_layout,
-                  "What an AEDAT 2.0 file's addresses are, where it does not tell: dvs128, stereo or davis")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"auto", "dvs128", "stereo", "davis"}));
+      .option("--layout", options.read.aedat2_layout,
+              "What an AEDAT 2.0 file's addresses are, where it does not tell: dvs128, stereo or davis")
+      .show_default()
+      .one_of({"auto", "dvs128", "stereo", "davis"});
 }
 
 }  // namespace saccade

@@ -38,20 +38,19 @@ int report(const ReportOptions& options) {
 
 }  // namespace
 
-void add_report_command(CLI::App& app, Action& action) {
+void add_report_command(CommandLine& line) {
   auto options = std::make_shared<ReportOptions>();
-  CLI::App* command = app.add_subcommand(
+  Command command = line.add_command(
       "report",
       "Draw what folders hold: report.html of one run or of a sweep, in its folder, or one page over "
       "several runs");
   command
-      ->add_option(
-          "run", options->runs,
-          "Run folders; seeds of the same scenario and settings go together. Or the folder of a sweep")
-      ->required();
-  command->add_option("--out", options->out,
-                      "Folder for the page over several runs and its numbers; `report` by default");
-  command->callback([options, &action] { action = [options] { return report(*options); }; });
+      .option("run", options->runs,
+              "Run folders; seeds of the same scenario and settings go together. Or the folder of a sweep")
+      .required();
+  command.option("--out", options->out,
+                 "Folder for the page over several runs and its numbers; `report` by default");
+  command.action([options] { return report(*options); });
 }
 
 }  // namespace saccade

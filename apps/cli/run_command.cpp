@@ -114,17 +114,16 @@ int run(const RunOptions& options) {
 
 }  // namespace
 
-void add_run_command(CLI::App& app, Action& action) {
+void add_run_command(CommandLine& line) {
   auto options = std::make_shared<RunOptions>();
-  CLI::App* command = app.add_subcommand("run", "One closed-loop run of a scenario, into a run folder");
-  command->add_option("scenario", options->scenario, "Scenario file (YAML)")->required();
-  command->add_option("--out", options->out, "Run folder; runs/NAME by default");
-  command->add_option("--seed", options->seed, "Seed, instead of the scenario's");
-  command->add_option("--set", options->assignments, "key.path=value, instead of the scenario's")
-      ->allow_extra_args(false);
-  command->add_flag("--force", options->force, "Replace an earlier run in that folder");
-  command->add_flag("--view", options->view, "Show it in a window as it goes");
-  command->callback([options, &action] { action = [options] { return run(*options); }; });
+  Command command = line.add_command("run", "One closed-loop run of a scenario, into a run folder");
+  command.option("scenario", options->scenario, "Scenario file (YAML)").required();
+  command.option("--out", options->out, "Run folder; runs/NAME by default");
+  command.option("--seed", options->seed, "Seed, instead of the scenario's");
+  command.option("--set", options->assignments, "key.path=value, instead of the scenario's").one_value_each();
+  command.flag("--force", options->force, "Replace an earlier run in that folder");
+  command.flag("--view", options->view, "Show it in a window as it goes");
+  command.action([options] { return run(*options); });
 }
 
 }  // namespace saccade

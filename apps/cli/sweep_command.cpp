@@ -321,32 +321,31 @@ int tell_status(const fs::path& path) {
 
 }  // namespace
 
-void add_sweep_command(CLI::App& app, Action& action) {
+void add_sweep_command(CommandLine& line) {
   auto options = std::make_shared<SweepOptions>();
-  CLI::App* command = app.add_subcommand(
+  Command command = line.add_command(
       "sweep", "Many runs of a scenario, on this machine or a Slurm cluster; started again it goes on");
-  auto* file = command->add_option("sweep", options->sweep, "Sweep file (YAML)");
-  auto* status = command->add_option("--status", options->status, "Tell how far the sweep in this folder is");
-  status->excludes(file);
-  command->add_option("--out", options->out, "Folder of the sweep; sweeps/NAME by default");
-  command->add_option("--set", options->assignments, "key.path=value for the scenario of all runs")
-      ->allow_extra_args(false);
-  command->add_option("--engine", options->engine.engine, "local (xargs) or slurm (sbatch)")
-      ->capture_default_str();
+  Option file = command.option("sweep", options->sweep, "Sweep file (YAML)");
+  Option status = command.option("--status", options->status, "Tell how far the sweep in this folder is");
+  status.excludes(file);
+  command.option("--out", options->out, "Folder of the sweep; sweeps/NAME by default");
+  command.option("--set", options->assignments, "key.path=value for the scenario of all runs")
+      .one_value_each();
+  command.option("--engine", options->engine.engine, "local (xargs) or slurm (sbatch)").show_default();
   command
-      ->add_option("--jobs", options->engine.jobs,
-                   "Runs at the same time; by default one per processor, for slurm as many as it likes")
-      ->check(CLI::Range(1, 100000));
-  command->add_option("--batch", options->engine.batch, "Runs in a row in one job or process")
-      ->check(CLI::Range(1, 100000));
-  command->add_option("--sbatch", options->engine.sbatch_options,
-                      "Further options for sbatch, such as \"--partition=short --time=1:00:00\"");
-  command->add_option("--csv", options->csv, "Write the table here, too");
-  command->add_flag("--times", options->times, "With the columns that depend on the clock");
-  command->add_flag("--retry", options->retry, "Make the failed runs again");
-  command->callback([options, &action] {
-    if (options->sweep.empty() && options->status.empty()) throw CLI::RequiredError("sweep");
-    action = [options] { return options->status.empty() ? sweep(*options) : tell_status(options->status); };
+      .option("--jobs", options->engine.jobs,
+              "Runs at the same time; by default one per processor, for slurm as many as it likes")
+      .in_range(1, 100000);
+  command.option("--batch", options->engine.batch, "Runs in a row in one job or process").in_range(1, 100000);
+  command.option("--sbatch", options->engine.sbatch_options,
+                 "Further options for sbatch, such as \"--partition=short --time=1:00:00\"");
+  command.option("--csv", options->csv, "Write the table here, too");
+  command.flag("--times", options->times, "With the columns that depend on the clock");
+  command.flag("--retry", options->retry, "Make the failed runs again");
+  command.action([options] {
+    if (options->sweep.empty() && options->status.empty())
+      throw InputError("sweep", "neither a sweep file nor --status", "one of them");
+    return options->status.empty() ? sweep(*options) : tell_status(options->status);
   });
 }
 

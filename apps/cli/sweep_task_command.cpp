@@ -168,15 +168,14 @@ int run_tasks(const TaskOptions& options) {
 
 }  // namespace
 
-void add_sweep_task_command(CLI::App& app, Action& action) {
+void add_sweep_task_command(CommandLine& line) {
   auto options = std::make_shared<TaskOptions>();
-  CLI::App* command =
-      app.add_subcommand("sweep-task", "What the engines of `sweep` start: runs of its folder");
-  command->group("");
-  command->add_option("folder", options->folder)->required();
-  command->add_option("ids", options->ids)->required();
-  command->add_flag("--worst", options->worst);
-  command->callback([options, &action] { action = [options] { return run_tasks(*options); }; });
+  Command command = line.add_command("sweep-task", "What the engines of `sweep` start: runs of its folder");
+  command.hide();
+  command.option("folder", options->folder, "Folder of the sweep").required();
+  command.option("ids", options->ids, "Runs of it").required();
+  command.flag("--worst", options->worst, "Make them again, with pictures and a report");
+  command.action([options] { return run_tasks(*options); });
 }
 
 }  // namespace saccade

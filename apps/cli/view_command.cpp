@@ -57,21 +57,21 @@ int view(const ViewOptions& options) {
 
 }  // namespace
 
-void add_view_command(CLI::App& app, Action& action) {
+void add_view_command(CommandLine& line) {
   auto options = std::make_shared<ViewOptions>();
-  CLI::App* command = app.add_subcommand("view", "A live window on a scenario, a run folder or a recording");
-  add_read_options(*command, "what", "Scenario (YAML), run folder or event file", *options);
-  command->add_option("--config", options->config, "Detectors (YAML) for a recording");
-  command->add_option("--truth", options->truth, "True circles of a recording, t_us,x_px,y_px,r_px (CSV)");
+  Command command = line.add_command("view", "A live window on a scenario, a run folder or a recording");
+  add_read_options(command, "what", "Scenario (YAML), run folder or event file", *options);
+  command.option("--config", options->config, "Detectors (YAML) for a recording");
+  command.option("--truth", options->truth, "True circles of a recording, t_us,x_px,y_px,r_px (CSV)");
   command
-      ->add_option("--set", options->assignments,
-                   "key.path=value of a scenario; key=value or DETECTOR.key=value for a recording")
-      ->allow_extra_args(false);
-  command->add_option("--seed", options->seed, "Seed, instead of the scenario's");
-  command->add_option("--pictures", options->pictures, "Folder for screenshots and videos; . by default");
-  command->add_flag("--paused", options->paused, "Do not play before told to");
-  command->footer("The window shows its keys (H). It needs an X display; without a screen: xvfb-run.");
-  command->callback([options, &action] { action = [options] { return view(*options); }; });
+      .option("--set", options->assignments,
+              "key.path=value of a scenario; key=value or DETECTOR.key=value for a recording")
+      .one_value_each();
+  command.option("--seed", options->seed, "Seed, instead of the scenario's");
+  command.option("--pictures", options->pictures, "Folder for screenshots and videos; . by default");
+  command.flag("--paused", options->paused, "Do not play before told to");
+  command.footer("The window shows its keys (H). It needs an X display; without a screen: xvfb-run.");
+  command.action([options] { return view(*options); });
 }
 
 }  // namespace saccade

@@ -15,12 +15,12 @@ std::string key_of(const std::string& assignment, const char* ends) {
   return assignment.substr(0, assignment.find_first_of(ends));
 }
 
-NamedThings things_in(const YamlTree& tree) {
-  NamedThings things;
-  if (const YamlNode* block = tree.root.find("things")) {
-    for (const std::string& name : block->keys) things.emplace_back(name, ThingConfig{});
+NamedObjects objects_in(const YamlTree& tree) {
+  NamedObjects objects;
+  if (const YamlNode* block = tree.root.find("objects")) {
+    for (const std::string& name : block->keys) objects.emplace_back(name, ObjectConfig{});
   }
-  return things;
+  return objects;
 }
 
 std::vector<Expectation> expected_in(const YamlTree& tree) {
@@ -213,7 +213,7 @@ Scenario read_scenario(YamlTree tree, const std::filesystem::path& folder) {
                                        "detectors"};
   Scenario scenario;
   scenario.detectors = named_detectors_in(tree, required);
-  scenario.sim.world.things = things_in(tree);
+  scenario.sim.world.objects = objects_in(tree);
   if (tree.root.find("board") != nullptr) scenario.sim.world.board.emplace();
   if (tree.root.find(frame_detector_name) != nullptr) scenario.frame_30hz.emplace();
   scenario.expect = expected_in(tree);

@@ -7,9 +7,9 @@
 #include <string_view>
 
 #include "core/camera.h"
-#include "core/head_state.h"
 #include "evaluation/report/gnuplot.h"
 #include "evaluation/scoring/eye_movement.h"
+#include "head/head_state.h"
 #include "recording/run_files.h"
 
 namespace saccade {

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "core/camera.h"
-#include "core/head_state.h"
 #include "evaluation/scoring/eye_movement.h"
 #include "evaluation/scoring/statistics.h"
+#include "head/head_state.h"
 
 namespace saccade {
 

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "core/camera.h"
-#include "core/head_state.h"
 #include "evaluation/scoring/gaze_scorer.h"
 #include "evaluation/scoring/scoring.h"
+#include "head/head_state.h"
 
 namespace saccade {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/head_state.h"
+#include "head/head_state.h"
 
 namespace saccade {
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/head_state.h"
 #include "core/random.h"
+#include "head/head_state.h"
 
 namespace saccade {
 

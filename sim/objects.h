@@ -14,7 +14,7 @@
 namespace saccade {
 
 /// Something else that moves before the robot: what draws attention, or hides the ball.
-struct ThingConfig {
+struct ObjectConfig {
   std::string shape = "box";  ///< box, cylinder (upright), ellipsoid or person
   /// Its extent along x, y, z (of a cylinder x is the diameter); a person is 1.72 m tall.
   std::vector<double> size_m = {0.08, 0.08, 0.08};
@@ -25,22 +25,22 @@ struct ThingConfig {
 };
 
 /// Keys: shape, size_m (not of a person), rgb, trajectory.
-void describe(FieldVisitor& v, ThingConfig& config);
+void describe(FieldVisitor& v, ObjectConfig& config);
 
-using NamedThings = std::vector<std::pair<std::string, ThingConfig>>;
+using NamedObjects = std::vector<std::pair<std::string, ObjectConfig>>;
 
-/// Each thing under its name.
-void describe(FieldVisitor& v, NamedThings& things);
+/// Each object under its name.
+void describe(FieldVisitor& v, NamedObjects& objects);
 
-/// The things as MJCF elements for World: mocap bodies whose names begin with `distractor`; nothing where there
+/// The objects as MJCF elements for World: mocap bodies whose names begin with `distractor`; nothing where there
 /// are none.
-[[nodiscard]] std::string things_mjcf(const NamedThings& things);
+[[nodiscard]] std::string objects_mjcf(const NamedObjects& objects);
 
-/// Moves the bodies of things_mjcf along the things' trajectories.
-class Things {
+/// Moves the bodies of objects_mjcf along the objects' trajectories.
+class Objects {
  public:
-  /// `model` holds things_mjcf(things). Each thing has a sway of its own. Throws InputError.
-  Things(const NamedThings& things, std::uint64_t seed, const mjModel& model);
+  /// `model` holds objects_mjcf(objects). Each object has a sway of its own. Throws InputError.
+  Objects(const NamedObjects& objects, std::uint64_t seed, const mjModel& model);
 
   /// Puts the bodies to where they are at t_us; kinematics is the caller's.
   void place(std::int64_t t_us, mjData& data) const;
@@ -48,15 +48,15 @@ class Things {
  private:
   struct Part {
     int mocap;
-    Eigen::Vector3d joint_m;  ///< where its origin is in the thing, x the way it goes
-    double swing_rad;         ///< largest angle about the thing's y axis
+    Eigen::Vector3d joint_m;  ///< where its origin is in the object, x the way it goes
+    double swing_rad;         ///< largest angle about the object's y axis
   };
-  struct Thing {
+  struct Object {
     Trajectory trajectory;
     double heading_rad;  ///< about z
     std::vector<Part> parts;
   };
-  std::vector<Thing> things_;
+  std::vector<Object> objects_;
 };
 
 }  // namespace saccade

@@ -1,4 +1,4 @@
-#include "sim/things.h"
+#include "sim/objects.h"
 
 #include <gtest/gtest.h>
 
@@ -14,8 +14,8 @@ namespace {
 
 constexpr double floor_m = -0.62;
 
-ThingConfig tin() {
-  ThingConfig tin;
+ObjectConfig tin() {
+  ObjectConfig tin;
   tin.shape = "cylinder";
   tin.size_m = {0.07, 0.07, 0.12};
   tin.trajectory.kind = "circle";
@@ -24,8 +24,8 @@ ThingConfig tin() {
   return tin;
 }
 
-ThingConfig walker() {
-  ThingConfig walker;
+ObjectConfig walker() {
+  ObjectConfig walker;
   walker.shape = "person";
   walker.trajectory.kind = "waypoints";
   walker.trajectory.points_m = {{-1.4, -1.0, floor_m}, {-1.4, 1.0, floor_m}};
@@ -34,10 +34,10 @@ ThingConfig walker() {
   return walker;
 }
 
-WorldConfig world_with(const NamedThings& things) {
+WorldConfig world_with(const NamedObjects& objects) {
   WorldConfig config;
   config.ball.trajectory.sway_m = 0.0;
-  config.things = things;
+  config.objects = objects;
   return config;
 }
 
@@ -45,17 +45,17 @@ Eigen::Vector3d body_m(const World& world, const mjData& data, const char* name)
   return Eigen::Map<const Eigen::Vector3d>(data.xpos + 3 * mj_name2id(&world.model(), mjOBJ_BODY, name));
 }
 
-TEST(Things, AreNotThereUnlessAskedFor) {
+TEST(Objects, AreNotThereUnlessAskedFor) {
   const World without(world_with({}), "", 1);
   const World with(world_with({{"tin", tin()}, {"walker", walker()}}), "", 1);
-  EXPECT_EQ(things_mjcf({}), "");
+  EXPECT_EQ(objects_mjcf({}), "");
   EXPECT_EQ(with.model().ngeom, without.model().ngeom + 1 + 6);
   for (const std::uint8_t object : without.scene_objects()) {
     EXPECT_NE(object, static_cast<std::uint8_t>(SceneObject::distractor));
   }
 }
 
-TEST(Things, GoTheirOwnWayBetweenTicksToo) {
+TEST(Objects, GoTheirOwnWayBetweenTicksToo) {
   World world(world_with({{"tin", tin()}, {"other", tin()}}), "", 5);
   const MjDataPtr between(mj_makeData(&world.model()));
   const Trajectory trajectory(tin().trajectory, 6);
@@ -75,14 +75,14 @@ TEST(Things, GoTheirOwnWayBetweenTicksToo) {
   EXPECT_LT(apart_m, 0.02);
 }
 
-TEST(Things, AreDistractorsInTheLabels) {
+TEST(Objects, AreDistractorsInTheLabels) {
   const World world(world_with({{"tin", tin()}, {"walker", walker()}}), "", 1);
   const auto objects = world.scene_objects();
   EXPECT_EQ(std::ranges::count(objects, static_cast<std::uint8_t>(SceneObject::distractor)), 7);
 }
 
-TEST(Things, HaveTheSizeTheyAreGiven) {
-  ThingConfig box;
+TEST(Objects, HaveTheSizeTheyAreGiven) {
+  ObjectConfig box;
   box.size_m = {0.1, 0.2, 0.3};
   const World world(world_with({{"box", box}, {"tin", tin()}}), "", 1);
   const mjModel& m = world.model();
@@ -95,7 +95,7 @@ TEST(Things, HaveTheSizeTheyAreGiven) {
   EXPECT_DOUBLE_EQ(tin_half[1], 0.06);
 }
 
-TEST(Things, APersonWalksOnTheFloorWithOneLegForward) {
+TEST(Objects, APersonWalksOnTheFloorWithOneLegForward) {
   World world(world_with({{"walker", walker()}}), "", 1);
   const auto foot_m = [&world](const char* leg) {
     const mjModel& m = world.model();
@@ -127,15 +127,15 @@ TEST(Things, APersonWalksOnTheFloorWithOneLegForward) {
   EXPECT_LT(widest_m, 0.9);
 }
 
-TEST(Things, CountInHowFarAnImageHasMoved) {
-  NamedThings things = {{"tin", tin()}};
-  things[0].second.trajectory.kind = "waypoints";
-  things[0].second.trajectory.points_m = {{-0.5564, -0.034, 0.347}, {-0.5564, 0.5, 0.347}};
-  things[0].second.trajectory.profile = "constant_speed";
-  things[0].second.trajectory.ramp_s = 0.01;
-  things[0].second.trajectory.speed_m_s = 0.5;
-  things[0].second.trajectory.sway_m = 0.0;
-  World world(world_with(things), "", 1);
+TEST(Objects, CountInHowFarAnImageHasMoved) {
+  NamedObjects objects = {{"tin", tin()}};
+  objects[0].second.trajectory.kind = "waypoints";
+  objects[0].second.trajectory.points_m = {{-0.5564, -0.034, 0.347}, {-0.5564, 0.5, 0.347}};
+  objects[0].second.trajectory.profile = "constant_speed";
+  objects[0].second.trajectory.ramp_s = 0.01;
+  objects[0].second.trajectory.speed_m_s = 0.5;
+  objects[0].second.trajectory.sway_m = 0.0;
+  World world(world_with(objects), "", 1);
   Camera camera;
   ImageMotion motion(world.model(), world.left_eye_camera(), camera);
   motion.start_from(world.data());
@@ -146,14 +146,14 @@ TEST(Things, CountInHowFarAnImageHasMoved) {
   EXPECT_LT(seen_px, 1.2 * camera.fx_px * 0.0225 / 0.5);
 }
 
-TEST(Things, AreCheckedUnderTheirNames) {
-  NamedThings things = {{"tin", tin()}};
-  things[0].second.size_m = {0.07, 0.07, 5.0};
+TEST(Objects, AreCheckedUnderTheirNames) {
+  NamedObjects objects = {{"tin", tin()}};
+  objects[0].second.size_m = {0.07, 0.07, 5.0};
   try {
-    const World world(world_with(things), "", 1);
+    const World world(world_with(objects), "", 1);
     FAIL() << "took a tin of 5 m";
   } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("world.things.tin.size_m"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("world.objects.tin.size_m"), std::string::npos) << error.what();
   }
 }
 

@@ -1,4 +1,4 @@
-#include "sim/things.h"
+#include "sim/objects.h"
 
 #include <array>
 #include <cmath>
@@ -14,7 +14,7 @@ constexpr double stride_m = 1.3;  ///< a person's, of both legs
 constexpr double leg_swing_rad = 0.42;
 constexpr double arm_swing_rad = 0.35;
 
-/// A rigid piece of a thing; x the way the thing goes, y to its left, z up.
+/// A rigid piece of a object; x the way the object goes, y to its left, z up.
 struct Piece {
   Eigen::Vector3d joint_m;
   double swing_rad;
@@ -30,14 +30,14 @@ std::string rgba(const std::vector<double>& rgb) {
   return "rgba=\"" + text_of(rgb[0]) + " " + text_of(rgb[1]) + " " + text_of(rgb[2]) + " 1\"";
 }
 
-std::vector<Piece> pieces_of(const ThingConfig& thing) {
-  const std::string colour = rgba(thing.rgb);
-  if (thing.shape != "person") {
-    const bool round = thing.shape == "cylinder";
-    std::string size = text_of(0.5 * thing.size_m[0]);
-    if (!round) size += " " + text_of(0.5 * thing.size_m[1]);
-    size += " " + text_of(0.5 * thing.size_m[2]);
-    return {{Eigen::Vector3d::Zero(), 0.0, geom(thing.shape, "size=\"" + size + "\"", colour)}};
+std::vector<Piece> pieces_of(const ObjectConfig& object) {
+  const std::string colour = rgba(object.rgb);
+  if (object.shape != "person") {
+    const bool round = object.shape == "cylinder";
+    std::string size = text_of(0.5 * object.size_m[0]);
+    if (!round) size += " " + text_of(0.5 * object.size_m[1]);
+    size += " " + text_of(0.5 * object.size_m[2]);
+    return {{Eigen::Vector3d::Zero(), 0.0, geom(object.shape, "size=\"" + size + "\"", colour)}};
   }
   const std::string skin = "material=\"person_skin\"";
   const std::string trousers = "rgba=\"0.09 0.10 0.13 1\"";
@@ -56,8 +56,8 @@ std::vector<Piece> pieces_of(const ThingConfig& thing) {
   return pieces;
 }
 
-std::string body_name(std::size_t thing, std::size_t piece) {
-  return "distractor_" + std::to_string(thing) + "_" + std::to_string(piece);
+std::string body_name(std::size_t object, std::size_t piece) {
+  return "distractor_" + std::to_string(object) + "_" + std::to_string(piece);
 }
 
 /// The way a trajectory goes first, about z.
@@ -70,7 +70,7 @@ double heading_rad(const TrajectoryConfig& trajectory) {
 
 }  // namespace
 
-void describe(FieldVisitor& v, ThingConfig& c) {
+void describe(FieldVisitor& v, ObjectConfig& c) {
   v.choice("shape", c.shape, {"box", "cylinder", "ellipsoid", "person"}, "what it looks like");
   if (c.shape != "person") v.reals("size_m", c.size_m, 3, {0.001, 3.0}, "extent along x, y and z");
   v.reals("rgb", c.rgb, 3, {0.0, 1.0}, "its colour (a person's shirt): linear reflectance");
@@ -78,17 +78,17 @@ void describe(FieldVisitor& v, ThingConfig& c) {
       "trajectory", [&c](FieldVisitor& w) { describe(w, c.trajectory); }, "how it is moved");
 }
 
-void describe(FieldVisitor& v, NamedThings& things) {
-  for (auto& [name, thing] : things) {
+void describe(FieldVisitor& v, NamedObjects& objects) {
+  for (auto& [name, object] : objects) {
     v.section(
-        name, [&thing = thing](FieldVisitor& w) { describe(w, thing); }, "something that moves");
+        name, [&object = object](FieldVisitor& w) { describe(w, object); }, "something that moves");
   }
 }
 
-std::string things_mjcf(const NamedThings& things) {
+std::string objects_mjcf(const NamedObjects& objects) {
   std::string bodies;
-  for (std::size_t i = 0; i < things.size(); ++i) {
-    const std::vector<Piece> pieces = pieces_of(things[i].second);
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const std::vector<Piece> pieces = pieces_of(objects[i].second);
     for (std::size_t j = 0; j < pieces.size(); ++j) {
       bodies += "<body name=\"" + body_name(i, j) + "\" mocap=\"true\">" + pieces[j].geoms + "</body>\n";
     }
@@ -96,29 +96,29 @@ std::string things_mjcf(const NamedThings& things) {
   return bodies.empty() ? bodies : "<worldbody>\n" + bodies + "</worldbody>\n";
 }
 
-Things::Things(const NamedThings& things, std::uint64_t seed, const mjModel& model) {
-  for (std::size_t i = 0; i < things.size(); ++i) {
-    const ThingConfig& config = things[i].second;
+Objects::Objects(const NamedObjects& objects, std::uint64_t seed, const mjModel& model) {
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const ObjectConfig& config = objects[i].second;
     const bool walks = config.shape == "person";
-    Thing thing{
+    Object object{
         Trajectory(config.trajectory, seed + i + 1), walks ? heading_rad(config.trajectory) : 0.0, {}};
     const std::vector<Piece> pieces = pieces_of(config);
     for (std::size_t j = 0; j < pieces.size(); ++j) {
       const int body = mj_name2id(&model, mjOBJ_BODY, body_name(i, j).c_str());
       SACCADE_CHECK(body >= 0);
-      thing.parts.push_back({model.body_mocapid[body], pieces[j].joint_m, pieces[j].swing_rad});
+      object.parts.push_back({model.body_mocapid[body], pieces[j].joint_m, pieces[j].swing_rad});
     }
-    things_.push_back(std::move(thing));
+    objects_.push_back(std::move(object));
   }
 }
 
-void Things::place(std::int64_t t_us, mjData& data) const {
-  for (const Thing& thing : things_) {
-    const Eigen::Vector3d at_m = thing.trajectory.position_m(t_us);
-    const Eigen::AngleAxisd turn(thing.heading_rad, Eigen::Vector3d::UnitZ());
+void Objects::place(std::int64_t t_us, mjData& data) const {
+  for (const Object& object : objects_) {
+    const Eigen::Vector3d at_m = object.trajectory.position_m(t_us);
+    const Eigen::AngleAxisd turn(object.heading_rad, Eigen::Vector3d::UnitZ());
     const double gone_m = (turn.inverse() * at_m).x();
     const double phase = std::sin(2.0 * std::numbers::pi * gone_m / stride_m);
-    for (const Part& part : thing.parts) {
+    for (const Part& part : object.parts) {
       const Eigen::Quaterniond pose(turn *
                                     Eigen::AngleAxisd(part.swing_rad * phase, Eigen::Vector3d::UnitY()));
       Eigen::Map<Eigen::Vector3d>(data.mocap_pos + 3 * part.mocap) = at_m + turn * part.joint_m;

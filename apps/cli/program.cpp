@@ -1,0 +1,49 @@
+#include "apps/cli/program.h"
+
+#include <mujoco/mujoco.h>
+
+#include <string>
+
+#include "apps/cli/commands.h"
+#include "apps/session/version.h"
+#include "core/error.h"
+#include "sim/gl_context.h"
+
+namespace saccade {
+namespace {
+
+/// Version, commit, MuJoCo and OpenGL, one a line.
+std::string version_text() {
+  std::string text =
+      "saccade " + std::string(version()) + " (" + std::string(commit()) + ")\nMuJoCo " + mj_versionString();
+  try {
+    text += "\nOpenGL " + GlContext::create("auto")->description();
+  } catch (const RunError& error) {
+    text += std::string("\nOpenGL none: ") + error.what();
+  }
+  return text;
+}
+
+}  // namespace
+
+int program(int argc, const char* const* argv) {
+  CommandLine line(
+      "saccade", "Closed-loop testbench for event-driven ball detection and gaze fixation on the iCub.",
+      "Exit status: 0 fine, 1 the run failed, 2 bad input or usage, 3 an `expect:` was not met.");
+  line.add_version(version_text);
+  add_run_command(line);
+  add_detect_command(line);
+  add_report_command(line);
+  add_info_command(line);
+  add_convert_command(line);
+  add_emulate_command(line);
+  add_calibrate_command(line);
+  add_serve_command(line);
+  add_deploy_command(line);
+  add_sweep_command(line);
+  add_sweep_task_command(line);
+  add_view_command(line);
+  return line.run(argc, argv);
+}
+
+}  // namespace saccade
