@@ -16,7 +16,7 @@ target_compile_options(saccade_flags INTERFACE
   # Nobody reads floating-point exceptions: the vectoriser need not keep them. Values stay the same.
   -fno-trapping-math
   # GCC 12 warns of std::string's own operator+ (GCC bugs 105651 and 105329).
-  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict;-Wno-stringop-overflow;-Wno-array-bounds>
+  "$<$<CXX_COMPILER_ID:GNU>:-Wno-restrict;-Wno-stringop-overflow;-Wno-array-bounds>"
   # What GCC has to write for ccache where a precompiled header is used.
   $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>
   # Clang's -Wconversion has it, GCC's has not.
