@@ -14,12 +14,11 @@ constexpr std::size_t event_capacity = 1 << 16;  // a tick with more of them all
 
 }  // namespace
 
-Loop::Loop(Clock& clock, EventSource& events, HeadPort* head, const MountedCamera& camera,
-           std::vector<LoopDetector> detectors, std::optional<LoopGaze> gaze, Eye eye,
-           std::optional<LoopBudget> budget)
-    : clock_(clock),
-      source_(events),
-      head_(head),
+Loop::Loop(Robot& robot, const MountedCamera& camera, std::vector<LoopDetector> detectors,
+           std::optional<LoopGaze> gaze, Eye eye, std::optional<LoopBudget> budget)
+    : clock_(robot.clock()),
+      source_(robot.events()),
+      head_(robot.head()),
       eye_(eye),
       camera_(camera.camera),
       eye_from_camera_(camera.mount.eye_from_camera()),
@@ -27,30 +26,30 @@ Loop::Loop(Clock& clock, EventSource& events, HeadPort* head, const MountedCamer
       gaze_(std::move(gaze)),
       budget_(budget),
       results_(detectors_.size()),
-      last_t_us_(clock.now_us()),
-      took_over_us_(last_t_us_) {
+      last_t_us_(clock_.now_us()),
+      motion_us_(last_t_us_) {
   SACCADE_CHECK(!gaze_ || (eye_ == Eye::left && (gaze_->driver || !gaze_->stereo)));
   SACCADE_CHECK(!gaze_ || (head_ != nullptr && (!gaze_->driver || *gaze_->driver < detectors_.size())));
   if (gaze_) check_config("gaze", gaze_->follow);
   if (gaze_) start_us_ = last_t_us_ + std::llround(gaze_->follow.start_s * 1e6);
   if (gaze_ && gaze_->driver) phase_ = GazePhase::searching;
-  for (std::vector<Event>* const room : {&events_, &seen_events_, &other_events_})
-    room->reserve(event_capacity);
+  for (std::vector<Event>* const buffer : {&events_, &eye_events_, &other_events_})
+    buffer->reserve(event_capacity);
 }
 
-void Loop::take_over(LoopMotion motion) {
+void Loop::set_motion(LoopMotion motion) {
   SACCADE_CHECK(gaze_ && (motion.controller != nullptr) == motion.limiter.has_value() &&
                 (motion.controller == nullptr) == (motion.port != nullptr));
   gaze_->motion = std::move(motion);
-  took_over_us_ = last_t_us_;
+  motion_us_ = last_t_us_;
 }
 
-void Loop::let_go() {
+void Loop::clear_motion() {
   if (gaze_) gaze_->motion.reset();
 }
 
-PortStatus Loop::note_lost(PortStatus status, std::string_view what) {
-  if (status == PortStatus::lost) lost_ = what;
+PortStatus Loop::note_lost(PortStatus status, std::string_view port) {
+  if (status == PortStatus::lost) lost_ = port;
   return status;
 }
 
@@ -70,7 +69,7 @@ void Loop::set_gate(std::unique_ptr<GazeGate> gate) {
 void Loop::set_controller(std::unique_ptr<GazeController> controller) {
   SACCADE_CHECK(gaze_ && gaze_->motion && gaze_->motion->controller && controller);
   gaze_->motion->controller = std::move(controller);
-  retell_target_ = phase_ == GazePhase::following || phase_ == GazePhase::holding;
+  resend_target_ = phase_ == GazePhase::following || phase_ == GazePhase::holding;
 }
 
 PortStatus Loop::tick(std::int64_t t_us, LoopObserver& observer) {
@@ -84,14 +83,7 @@ PortStatus Loop::tick(std::int64_t t_us, LoopObserver& observer) {
   tick.t_us = t_us;
   tick.events = events_;
   tick.detectors = results_;
-  if (budget_ && events_.size() > budget_->max_events)
-    tick.events_left_out = events_.size() - budget_->max_events;
-  seen_events_.clear();
-  other_events_.clear();
-  for (const Event& event : tick.events.subspan(tick.events_left_out)) {
-    (event.camera == static_cast<std::uint8_t>(eye_) ? seen_events_ : other_events_).push_back(event);
-  }
-
+  select_events(tick);
   std::optional<CameraMotion> known_motion;
   if (head_ != nullptr) {
     const PortStatus read = note_lost(head_->read(tick.head.emplace()), "head");
@@ -99,32 +91,36 @@ PortStatus Loop::tick(std::int64_t t_us, LoopObserver& observer) {
     if (is_finite(*tick.head)) known_motion = camera_motion(*tick.head, eye_, eye_from_camera_);
   }
   const CameraMotion* motion = known_motion ? &*known_motion : nullptr;
-  const std::size_t nobody = detectors_.size();
-  const std::size_t driver = gaze_ ? gaze_->driver.value_or(nobody) : nobody;
-  if (driver != nobody && motion != nullptr && t_us > start_us_) {
-    drive(t_us, *motion, tick);
-  } else if (driver != nobody) {
-    results_[driver] = ask(*detectors_[driver].detector, seen_events_, t_us, motion);
+  const bool detects = head_ == nullptr || motion != nullptr;
+  std::ranges::fill(results_, DetectorTick{});
+  if (detects) {
+    run_driver(t_us, motion, tick);
+    if (gaze_ && gaze_->stereo) run_stereo(t_us, motion, tick);
   }
-  if (gaze_ && gaze_->stereo) see_with_both_eyes(t_us, motion, tick);
   if (gaze_) {
-    const PortStatus acted = act(static_cast<double>(t_us - last_t_us_) * 1e-6, tick);
-    if (acted == PortStatus::lost) return acted;
+    const PortStatus moved = move_head(static_cast<double>(t_us - last_t_us_) * 1e-6, tick);
+    if (moved == PortStatus::lost) return moved;
   }
   tick.acted_us = clock_.now_us();
-  for (std::size_t i = 0; i < detectors_.size(); ++i) {
-    if (driver == i) continue;
-    results_[i] = {};
-    results_[i].skipped = budget_ && clock_.now_us() - t_us >= budget_->shadows_until_us;
-    if (!results_[i].skipped) results_[i] = ask(*detectors_[i].detector, seen_events_, t_us, motion);
-  }
+  if (detects) run_shadows(t_us, motion);
   last_t_us_ = t_us;
   observer.on_tick(tick);
   return status;
 }
 
-DetectorTick Loop::ask(Detector& detector, std::span<const Event> events, std::optional<std::int64_t> now_us,
-                       const CameraMotion* motion) {
+/// Splits the newest events of the tick by eye.
+void Loop::select_events(Tick& tick) {
+  if (budget_ && events_.size() > budget_->max_events)
+    tick.events_left_out = events_.size() - budget_->max_events;
+  eye_events_.clear();
+  other_events_.clear();
+  for (const Event& event : tick.events.subspan(tick.events_left_out)) {
+    (event.camera == static_cast<std::uint8_t>(eye_) ? eye_events_ : other_events_).push_back(event);
+  }
+}
+
+DetectorTick Loop::run_detector(Detector& detector, std::span<const Event> events,
+                                std::optional<std::int64_t> now_us, const CameraMotion* motion) {
   const auto begin = std::chrono::steady_clock::now();
   detector.process(events, motion);
   if (now_us) detector.advance_to(*now_us, motion);
@@ -134,90 +130,106 @@ DetectorTick Loop::ask(Detector& detector, std::span<const Event> events, std::o
           std::chrono::duration_cast<std::chrono::nanoseconds>(end - begin).count()};
 }
 
-void Loop::drive(std::int64_t t_us, const CameraMotion& motion, Tick& tick) {
+void Loop::run_driver(std::int64_t t_us, const CameraMotion* motion, Tick& tick) {
+  if (!gaze_ || !gaze_->driver) return;
+  if (motion != nullptr && t_us > start_us_) {
+    run_driver_and_gate(t_us, *motion, tick);
+  } else {
+    results_[*gaze_->driver] = run_detector(*detectors_[*gaze_->driver].detector, eye_events_, t_us, motion);
+  }
+}
+
+void Loop::run_driver_and_gate(std::int64_t t_us, const CameraMotion& motion, Tick& tick) {
   Detector& detector = *detectors_[*gaze_->driver].detector;
   std::int64_t elapsed_ns = 0;
-  const auto look = [&](std::span<const Event> events, std::optional<std::int64_t> now_us) {
-    const DetectorTick seen = ask(detector, events, now_us, &motion);
-    elapsed_ns += seen.elapsed_ns;
-    const auto target_m = gaze_->gate->update(t_us, seen.observed ? seen.estimate : Estimate{},
+  const auto run = [&](std::span<const Event> events, std::optional<std::int64_t> now_us) {
+    const DetectorTick result = run_detector(detector, events, now_us, &motion);
+    elapsed_ns += result.elapsed_ns;
+    const auto target_m = gaze_->gate->update(t_us, result.observed ? result.estimate : Estimate{},
                                               detector.threshold(), camera_, motion.root_from_camera);
     if (target_m) tick.new_target_m = target_m;
-    return seen.estimate;
+    return result.estimate;
   };
-  std::span<const Event> left = seen_events_;
+  std::span<const Event> left = eye_events_;
   while (!left.empty() && left.front().t_us <= t_us - slice_us) {
     const std::int64_t until_us = t_us - (t_us - left.front().t_us) / slice_us * slice_us;
     const auto slice_end = std::ranges::upper_bound(left, until_us, {}, &Event::t_us);
     const auto slice = left.first(static_cast<std::size_t>(slice_end - left.begin()));
-    look(slice, std::nullopt);
+    run(slice, std::nullopt);
     left = left.subspan(slice.size());
   }
-  const Estimate estimate = look(left, t_us);
-  results_[*gaze_->driver] = {estimate, estimate.valid && (!seen_events_.empty() || estimate.held), false,
+  const Estimate estimate = run(left, t_us);
+  results_[*gaze_->driver] = {estimate, estimate.valid && (!eye_events_.empty() || estimate.held), false,
                               elapsed_ns};
 }
 
-void Loop::see_with_both_eyes(std::int64_t t_us, const CameraMotion* motion, Tick& tick) {
+void Loop::run_stereo(std::int64_t t_us, const CameraMotion* motion, Tick& tick) {
   const LoopStereo& stereo = *gaze_->stereo;
   std::optional<CameraMotion> right_motion;
   if (motion != nullptr)
     right_motion = camera_motion(*tick.head, Eye::right, stereo.camera.mount.eye_from_camera());
-  tick.right = ask(*stereo.detector, other_events_, t_us, right_motion ? &*right_motion : nullptr);
-  const bool seen_by_both = tick.new_target_m && right_motion && tick.right->observed &&
+  tick.right = run_detector(*stereo.detector, other_events_, t_us, right_motion ? &*right_motion : nullptr);
+  const bool in_both_eyes = tick.new_target_m && right_motion && tick.right->observed &&
                             tick.right->estimate.score >= stereo.detector->threshold();
-  if (!seen_by_both) return;
+  if (!in_both_eyes) return;
   const auto met_m = stereo.locator.locate(*tick.new_target_m, motion->root_from_camera.translation(),
                                            tick.right->estimate.circle, stereo.camera.camera,
                                            right_motion->root_from_camera);
   if (met_m) tick.new_target_m = met_m;
 }
 
-PortStatus Loop::act(double dt_s, Tick& tick) {
-  std::optional<LoopMotion>& motion = gaze_->motion;
-  HeadJointVector wanted = HeadJointVector::Zero();
-  if (motion && motion->controller) {
-    const bool retell = retell_target_ && !tick.new_target_m;
-    retell_target_ = false;
-    wanted = motion->controller->step(*tick.head, retell ? target_m_ : tick.new_target_m, dt_s);
-    tick.target_status = retell ? TargetStatus::none : motion->controller->target_status();
-  } else {
-    tick.target_status = judge_target(tick);
+void Loop::run_shadows(std::int64_t t_us, const CameraMotion* motion) {
+  for (std::size_t i = 0; i < detectors_.size(); ++i) {
+    if (gaze_ && gaze_->driver == i) continue;
+    results_[i].skipped = budget_ && clock_.now_us() - t_us >= budget_->shadows_until_us;
+    if (!results_[i].skipped) results_[i] = run_detector(*detectors_[i].detector, eye_events_, t_us, motion);
   }
-  watch_target(tick);
+}
+
+PortStatus Loop::move_head(double dt_s, Tick& tick) {
+  std::optional<LoopMotion>& motion = gaze_->motion;
+  HeadJointVector reference_rad = HeadJointVector::Zero();
+  if (motion && motion->controller) {
+    const bool resend = resend_target_ && !tick.new_target_m;
+    resend_target_ = false;
+    reference_rad = motion->controller->step(*tick.head, resend ? target_m_ : tick.new_target_m, dt_s);
+    tick.target_status = resend ? TargetStatus::none : motion->controller->target_status();
+  } else {
+    tick.target_status = check_target(tick);
+  }
+  update_target(tick);
   if (!motion) return PortStatus::ok;
-  const double since_s = static_cast<double>(tick.t_us - took_over_us_) * 1e-6;
+  const double since_s = static_cast<double>(tick.t_us - motion_us_) * 1e-6;
   if (motion->port != nullptr) {
-    const bool hand_over = tick.target_status == TargetStatus::ok && since_s >= motion->ramp_in_s;
-    return hand_over ? note_lost(motion->port->look_at(*tick.new_target_m), "gaze controller")
-                     : PortStatus::ok;
+    const bool send = tick.target_status == TargetStatus::ok && since_s >= motion->ramp_in_s;
+    return send ? note_lost(motion->port->look_at(*tick.new_target_m), "gaze controller") : PortStatus::ok;
   }
   const double speed_share = since_s < motion->ramp_in_s ? since_s / motion->ramp_in_s : 1.0;
-  tick.command = motion->limiter->apply(wanted, tick.head->head_position_rad(), dt_s, speed_share);
+  tick.command = motion->limiter->apply(reference_rad, tick.head->head_position_rad(), dt_s, speed_share);
   const HeadPort::CommandResult result = head_->command(tick.command.reference_rad);
-  tick.command_refused = result.refused;
+  tick.command_rejected = result.rejected;
   return note_lost(result.status, "head");
 }
 
 /// Targets come only while the head's state is finite.
-TargetStatus Loop::judge_target(const Tick& tick) {
+TargetStatus Loop::check_target(const Tick& tick) {
   if (!tick.new_target_m) return TargetStatus::none;
   return check_gaze_target(*tick.new_target_m, HeadKinematics(tick.head->position_rad));
 }
 
-void Loop::watch_target(Tick& tick) {
+void Loop::update_target(Tick& tick) {
   if (tick.target_status == TargetStatus::ok) {
     target_m_ = tick.new_target_m;
-    seen_us_ = tick.t_us;
+    target_us_ = tick.t_us;
     phase_ = GazePhase::following;
   } else if (phase_ == GazePhase::following &&
-             static_cast<double>(tick.t_us - seen_us_) * 1e-6 >= gaze_->follow.lost_after_s) {
+             static_cast<double>(tick.t_us - target_us_) * 1e-6 >= gaze_->follow.lost_after_s) {
     const bool rest = gaze_->follow.lost == "rest";
     if (rest && gaze_->motion && gaze_->motion->controller) gaze_->motion->controller->rest();
     phase_ = rest ? GazePhase::resting : GazePhase::holding;
   }
   tick.target_m = target_m_;
-  tick.seen_us = seen_us_;
+  tick.target_us = target_us_;
   tick.phase = phase_;
   tick.rejected = gaze_->gate->rejected();
 }

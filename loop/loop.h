@@ -12,87 +12,88 @@
 #include "control/gaze_gate.h"
 #include "control/joint_limiter.h"
 #include "core/detector.h"
-#include "robot/ports.h"
+#include "robot/robot.h"
 
 namespace saccade {
 
-/// A detector in the loop. All of them see the events of the same eye; one drives the gaze, the others shadow it.
+/// A detector in the loop. All detectors get the events of the same eye; the driving one supplies the gaze targets, the
+/// others (shadow detectors) run for comparison.
 struct LoopDetector {
   std::string name;
   std::unique_ptr<Detector> detector;
 };
 
-/// The right eye's part in the gaze: a detector like the one that drives, which sees the right eye's events, and what
-/// makes a distance of both eyes' bearings.
+/// Stereo: a second instance of the driving detector on the right eye's events, and the triangulation of both.
 struct LoopStereo {
   std::unique_ptr<Detector> detector;
-  MountedCamera camera;  ///< what is believed of the right eye's
+  MountedCamera camera;  ///< assumed calibration of the right eye
   StereoLocator locator;
 };
 
-/// What moves the head: a controller of ours and the limits of its commands, or the robot's own one behind `port`.
+/// Source of head motion: a gaze controller with its limiter, or the robot's own controller behind `port`.
 struct LoopMotion {
   std::unique_ptr<GazeController> controller;
-  std::optional<JointLimiter> limiter;  ///< of its commands
-  GazePort* port = nullptr;             ///< instead of both: gets the targets
-  /// From the start on the limit of speed grows from 0 to its full value for so long; a port gets no target.
+  std::optional<JointLimiter> limiter;  ///< of the controller's references
+  GazePort* port = nullptr;             ///< instead of controller and limiter: receives the targets
+  /// Duration over which the speed limit grows linearly from 0 to its full value; a port gets no target during it.
   double ramp_in_s = 0.0;
 };
 
-/// What turns detections into gaze, all of one robot.
+/// Everything between detections and head motion.
 struct LoopGaze {
-  std::optional<std::size_t> driver;  ///< index of the detector that drives; none: no targets
-  std::unique_ptr<GazeGate> gate;     ///< of the driver
-  std::optional<LoopMotion> motion;   ///< none: nothing is sent to the head before Loop::take_over
+  std::optional<std::size_t> driver;  ///< index of the driving detector; none: no targets
+  std::unique_ptr<GazeGate> gate;     ///< turns the driving detector's estimates into targets
+  std::optional<LoopMotion> motion;   ///< none: the loop sends nothing until Loop::set_motion
   FollowConfig follow;
   std::optional<LoopStereo> stereo = std::nullopt;  ///< needs a driver
 };
 
-/// What is left out of a tick that has too much to do, so that no queue grows. Deterministic for a given clock.
+/// Limits of the work in one tick, so that no queue grows under overload. Deterministic for a given clock.
 ///
-///   1. Of the events that wait the newest `max_events` go to the detectors; older ones are recorded and left out.
-///   2. The detector that drives comes first, and the head's command right after it.
-///   3. The others come after that, in their order, while the tick is younger than `shadows_until_us`. One that is left
-///      out misses the tick's events.
+///   1. Detectors get the newest `max_events` of the waiting events; older ones are recorded and not detected on.
+///   2. The driving detector runs first, the command to the head follows at once.
+///   3. Shadow detectors run afterwards, in their order, while the tick is younger than `shadows_until_us`. A skipped
+///      detector never gets the events of that tick.
 struct LoopBudget {
   std::size_t max_events = 0;
   std::int64_t shadows_until_us = 0;
 };
 
-/// What the gaze is about.
+/// State of the gaze.
 enum class GazePhase {
-  none,       ///< nothing drives it
-  searching,  ///< no target yet
+  none,       ///< no driving detector
+  searching,  ///< no target so far
   following,  ///< the newest target is not lost
-  holding,    ///< it is lost; the head keeps looking there
-  resting,    ///< it is lost; the head goes to its neutral pose
+  holding,    ///< target lost; the head keeps looking at its last position
+  resting,    ///< target lost; the head moves to its neutral pose
 };
 
-/// What one detector said in one tick.
+/// Result of one detector in one tick.
 struct DetectorTick {
   Estimate estimate;
-  bool observed = false;  ///< an observation after design.md section 7: events came, or the estimate is held
-  bool skipped = false;   ///< it was not asked, LoopBudget
+  bool observed = false;  ///< the estimate is valid, and events came or it is held or predicted
+  bool skipped = false;   ///< the detector did not run, see LoopBudget
   std::int64_t elapsed_ns = 0;
 };
 
-/// Everything that happened in one tick; valid until the next one.
+/// Result of one tick; valid until the next one.
 struct Tick {
   std::int64_t t_us = 0;
-  std::span<const Event> events;            ///< delivered in this tick, of both eyes
-  std::size_t events_left_out = 0;          ///< the first of them, which no detector got (LoopBudget)
-  std::span<const DetectorTick> detectors;  ///< in the order of the loop's detectors
-  std::optional<DetectorTick> right;        ///< what LoopStereo's detector said
-  std::optional<HeadState> head;  ///< not finite where a sensor fails; then nothing is detected or followed
-  std::optional<Eigen::Vector3d> new_target_m;      ///< handed to the controller in this tick, root frame
-  std::optional<Eigen::Vector3d> target_m;          ///< the newest one so far
-  TargetStatus target_status = TargetStatus::none;  ///< what the controller made of new_target_m
+  std::span<const Event> events;    ///< delivered in this tick, of both eyes
+  std::size_t events_left_out = 0;  ///< how many of them, from the first on, no detector got (LoopBudget)
+  std::span<const DetectorTick> detectors;  ///< in the order of Loop::detectors()
+  std::optional<DetectorTick> right;        ///< of LoopStereo's detector
+  /// Encoder reading. While it is not finite no detector runs, nothing is followed and the head holds.
+  std::optional<HeadState> head;
+  std::optional<Eigen::Vector3d> new_target_m;      ///< target of this tick, root frame
+  std::optional<Eigen::Vector3d> target_m;          ///< newest accepted target so far, root frame
+  TargetStatus target_status = TargetStatus::none;  ///< whether new_target_m was accepted
   RejectedTargets rejected;                         ///< by the gate so far
   GazePhase phase = GazePhase::none;
-  std::int64_t seen_us = 0;      ///< when target_m came
-  JointLimiter::Result command;  ///< sent to the head, and which limits acted
-  bool command_refused = false;  ///< by the head
-  std::int64_t acted_us = 0;     ///< what the clock said when command or target had been sent
+  std::int64_t target_us = 0;     ///< time of target_m
+  JointLimiter::Result command;   ///< reference sent to the head, and which limits acted
+  bool command_rejected = false;  ///< by the head
+  std::int64_t acted_us = 0;      ///< clock after the command or target was sent
 };
 
 class LoopObserver {
@@ -101,54 +102,57 @@ class LoopObserver {
   virtual void on_tick(const Tick& tick) = 0;
 };
 
-/// The loop: every tick it asks the world for events and joints, thinks, and acts. The same for the
-/// simulator, a recording and the robot; it knows only the ports.
+/// The closed loop: each tick reads events and joints, runs the detectors, and sends a command to the head. It works
+/// through the ports of a Robot alone, so it is the same for the simulator, a recording and a real robot.
 ///
-/// Events may come in packets that span several milliseconds. The driving detector gets them in slices of 1 ms, and
-/// the gate what it says after each, so that what a gate counts does not depend on how events were packed.
+/// Events may arrive in packets that span several milliseconds. The driving detector gets them in slices of 1 ms and the
+/// gate gets the estimate after each slice, so that results do not depend on how events were packed.
 class Loop {
  public:
-  /// `head` may be null (a bare recording): then there is no gaze and no camera motion.
-  /// Detectors look through `eye`, which gaze needs to be the left one; `camera` is what is believed of its camera.
-  /// `gaze` is absent where the head is not to be moved. Without `budget` nothing is left out.
-  Loop(Clock& clock, EventSource& events, HeadPort* head, const MountedCamera& camera,
-       std::vector<LoopDetector> detectors, std::optional<LoopGaze> gaze, Eye eye = Eye::left,
-       std::optional<LoopBudget> budget = std::nullopt);
+  /// `robot` outlives the loop; without a head (a bare recording) there is no gaze and no camera motion.
+  /// Detectors get the events of `eye`, which must be the left one if there is a gaze; `camera` is its assumed
+  /// calibration. Without `gaze` the loop never moves the head. Without `budget` a tick has no limit of work.
+  Loop(Robot& robot, const MountedCamera& camera, std::vector<LoopDetector> detectors,
+       std::optional<LoopGaze> gaze, Eye eye = Eye::left, std::optional<LoopBudget> budget = std::nullopt);
 
-  /// Waits for t_us (later than the last one) and does one tick. `ended` when the world has no more: after
-  /// the tick with the last events, or at once, without a tick. `lost` ends the tick where it is met; lost() names what.
+  /// Waits for t_us, which is later than the last tick, then does one tick and calls `observer`. Returns `ended` if
+  /// no more data will come: after the tick with the last events, or without a tick. On `lost` the tick is incomplete
+  /// and not observed; lost() names the port.
   PortStatus tick(std::int64_t t_us, LoopObserver& observer);
-  /// "clock", "event camera", "head" or "gaze controller" once the connection to it is lost; empty before.
+  /// "clock", "event camera", "head" or "gaze controller" after the connection to it was lost; empty before.
   [[nodiscard]] std::string_view lost() const { return lost_; }
 
   /// From the next tick on `motion` moves the head. Only with a gaze.
-  void take_over(LoopMotion motion);
-  /// From now on nothing is sent to the head; detectors and gate go on.
-  void let_go();
+  void set_motion(LoopMotion motion);
+  /// From the next tick on nothing is sent to the head; detectors and gate continue.
+  void clear_motion();
 
-  /// For a person who tries things while it runs, from the next tick on. Whatever is not said stays as it is: the
-  /// head's motion goes on from where it is, and a new controller is told the target that the last one follows.
+  /// These replace parts of the running loop from the next tick on; all other state stays. A new controller receives
+  /// the target that the old one follows.
   void set_detectors(std::vector<LoopDetector> detectors, std::optional<std::size_t> driver);
   void set_gate(std::unique_ptr<GazeGate> gate);
-  /// Only where a controller of ours moves the head.
+  /// Only while LoopMotion::controller moves the head.
   void set_controller(std::unique_ptr<GazeController> controller);
 
   [[nodiscard]] std::span<const LoopDetector> detectors() const { return detectors_; }
-  /// LoopStereo's; null where there is none.
+  /// LoopStereo's detector; null without stereo.
   [[nodiscard]] const Detector* right_detector() const {
     return gaze_ && gaze_->stereo ? gaze_->stereo->detector.get() : nullptr;
   }
 
  private:
-  /// What a detector makes of events; time comes to now_us where it is given.
-  [[nodiscard]] static DetectorTick ask(Detector& detector, std::span<const Event> events,
-                                        std::optional<std::int64_t> now_us, const CameraMotion* motion);
-  void drive(std::int64_t t_us, const CameraMotion& motion, Tick& tick);
-  void see_with_both_eyes(std::int64_t t_us, const CameraMotion* motion, Tick& tick);
-  PortStatus act(double dt_s, Tick& tick);
-  [[nodiscard]] static TargetStatus judge_target(const Tick& tick);
-  void watch_target(Tick& tick);
-  PortStatus note_lost(PortStatus status, std::string_view what);
+  [[nodiscard]] static DetectorTick run_detector(Detector& detector, std::span<const Event> events,
+                                                 std::optional<std::int64_t> now_us,
+                                                 const CameraMotion* motion);
+  void select_events(Tick& tick);
+  void run_driver(std::int64_t t_us, const CameraMotion* motion, Tick& tick);
+  void run_driver_and_gate(std::int64_t t_us, const CameraMotion& motion, Tick& tick);
+  void run_stereo(std::int64_t t_us, const CameraMotion* motion, Tick& tick);
+  void run_shadows(std::int64_t t_us, const CameraMotion* motion);
+  PortStatus move_head(double dt_s, Tick& tick);
+  [[nodiscard]] static TargetStatus check_target(const Tick& tick);
+  void update_target(Tick& tick);
+  PortStatus note_lost(PortStatus status, std::string_view port);
 
   Clock& clock_;
   EventSource& source_;
@@ -161,16 +165,16 @@ class Loop {
   std::optional<LoopBudget> budget_;
   std::string_view lost_;
   std::vector<Event> events_;
-  std::vector<Event> seen_events_;   // of them those of eye_
+  std::vector<Event> eye_events_;    // of them those of eye_
   std::vector<Event> other_events_;  // and those of the other eye
   std::vector<DetectorTick> results_;
   std::optional<Eigen::Vector3d> target_m_;
-  std::int64_t seen_us_ = 0;
+  std::int64_t target_us_ = 0;
   GazePhase phase_ = GazePhase::none;
   std::int64_t last_t_us_;
-  std::int64_t start_us_ = 0;      // of the gaze
-  std::int64_t took_over_us_ = 0;  // the head
-  bool retell_target_ = false;     // to a controller that is new
+  std::int64_t start_us_ = 0;   // of the gaze
+  std::int64_t motion_us_ = 0;  // of the motion
+  bool resend_target_ = false;  // to a new controller
 };
 
 }  // namespace saccade

@@ -8,14 +8,14 @@
 namespace saccade {
 namespace {
 
-struct Refusal {
+struct Rejection {
   TargetStatus status;
   std::string_view why;
 };
-constexpr std::array<Refusal, 4> refusals = {{{TargetStatus::not_finite, "not finite"},
-                                              {TargetStatus::bad_radius, "no sphere has that outline"},
-                                              {TargetStatus::too_near, "too near"},
-                                              {TargetStatus::behind, "behind the head"}}};
+constexpr std::array<Rejection, 4> rejections = {{{TargetStatus::not_finite, "not finite"},
+                                                  {TargetStatus::bad_radius, "no sphere has that outline"},
+                                                  {TargetStatus::too_near, "too near"},
+                                                  {TargetStatus::behind, "behind the head"}}};
 
 double seconds(std::int64_t t_us) { return static_cast<double>(t_us) * 1e-6; }
 
@@ -27,39 +27,36 @@ void RunLog::Burst::add(std::int64_t more, std::int64_t t_us) {
   last_us = t_us;
 }
 
-RunLog::RunLog(const std::filesystem::path& file, std::function<void(const std::string&)> echo)
-    : file_(file), echo_(std::move(echo)) {
-  static_assert(refusals.size() == refusal_count);
-}
+RunLog::RunLog(Sink sink) : sink_(std::move(sink)) { static_assert(rejections.size() == rejection_count); }
 
 void RunLog::on_tick(const Tick& tick) {
   now_us_ = tick.t_us;
-  follow_head(tick);
-  follow_refusals(tick);
-  follow_phase(tick);
+  log_head(tick);
+  log_rejections(tick);
+  log_phase(tick);
 }
 
-void RunLog::follow_phase(const Tick& tick) {
+void RunLog::log_phase(const Tick& tick) {
   const GazePhase before = phase_;
   phase_ = tick.phase;
   if (phase_ == before) return;
   if (phase_ == GazePhase::following) {
     const Eigen::Vector3d& at = *tick.target_m;
     const bool again = before == GazePhase::holding || before == GazePhase::resting;
-    write(tick.t_us, fmt::format("ball found{} at ({:.3f}, {:.3f}, {:.3f}) m", again ? " again" : "", at.x(),
+    sink_(tick.t_us, fmt::format("ball found{} at ({:.3f}, {:.3f}, {:.3f}) m", again ? " again" : "", at.x(),
                                  at.y(), at.z()));
   } else if (phase_ == GazePhase::holding || phase_ == GazePhase::resting) {
-    write(tick.t_us, fmt::format("target lost, last seen at {:.3f} s: the head {}", seconds(tick.seen_us),
+    sink_(tick.t_us, fmt::format("target lost, last seen at {:.3f} s: the head {}", seconds(tick.target_us),
                                  phase_ == GazePhase::holding ? "holds" : "returns to rest"));
   }
 }
 
-void RunLog::follow_refusals(const Tick& tick) {
-  const std::array<std::int64_t, refusal_count> rejected = {
+void RunLog::log_rejections(const Tick& tick) {
+  const std::array<std::int64_t, rejection_count> rejected = {
       tick.rejected.not_finite, tick.rejected.bad_radius, tick.rejected.too_near, tick.rejected.behind};
-  for (std::size_t kind = 0; kind < refusal_count; ++kind) {
+  for (std::size_t kind = 0; kind < rejection_count; ++kind) {
     const std::int64_t more =
-        rejected[kind] - rejected_[kind] + (tick.target_status == refusals[kind].status ? 1 : 0);
+        rejected[kind] - rejected_[kind] + (tick.target_status == rejections[kind].status ? 1 : 0);
     if (bursts_[kind].count > 0 && tick.t_us - bursts_[kind].last_us > burst_gap_us) end_burst(kind);
     if (more > 0) bursts_[kind].add(more, tick.t_us);
   }
@@ -69,39 +66,34 @@ void RunLog::follow_refusals(const Tick& tick) {
 void RunLog::end_burst(std::size_t kind) {
   Burst& burst = bursts_[kind];
   if (burst.count == 0) return;
-  write(now_us_, fmt::format("target refused, {}: {} from {:.3f} to {:.3f} s", refusals[kind].why,
+  sink_(now_us_, fmt::format("target rejected, {}: {} from {:.3f} to {:.3f} s", rejections[kind].why,
                              burst.count == 1 ? "once" : fmt::format("{} times", burst.count),
                              seconds(burst.first_us), seconds(burst.last_us)));
   burst = {};
 }
 
-void RunLog::follow_head(const Tick& tick) {
+void RunLog::log_head(const Tick& tick) {
   if (tick.head && !is_finite(*tick.head)) {
-    if (not_finite_.count == 0) write(tick.t_us, "the head's state is not finite: the head holds");
+    if (not_finite_.count == 0) sink_(tick.t_us, "head state not finite: the head holds");
     not_finite_.add(1, tick.t_us);
   } else if (not_finite_.count > 0) {
-    write(tick.t_us, fmt::format("the head's state is finite again, after {} ticks", not_finite_.count));
+    sink_(tick.t_us, fmt::format("head state finite again, after {} ticks", not_finite_.count));
     not_finite_ = {};
   }
-  if (tick.command_refused) {
-    if (refused_.count == 0) write(tick.t_us, "command refused by the head: its last one holds");
-    refused_.add(1, tick.t_us);
-  } else if (refused_.count > 0) {
-    write(tick.t_us, fmt::format("the head takes commands again, after {} refused", refused_.count));
-    refused_ = {};
+  if (tick.command_rejected) {
+    if (rejected_commands_.count == 0)
+      sink_(tick.t_us, "command rejected by the head: its last reference holds");
+    rejected_commands_.add(1, tick.t_us);
+  } else if (rejected_commands_.count > 0) {
+    sink_(tick.t_us,
+          fmt::format("the head accepts commands again, after {} rejected", rejected_commands_.count));
+    rejected_commands_ = {};
   }
 }
 
 void RunLog::finish() {
-  for (std::size_t kind = 0; kind < refusal_count; ++kind) end_burst(kind);
-  if (phase_ == GazePhase::searching) write(now_us_, "ball never found");
-  file_.commit();
-}
-
-void RunLog::write(std::int64_t t_us, const std::string& text) {
-  const std::string line = fmt::format("{:10.3f} s  {}", seconds(t_us), text);
-  file_.write(line + "\n");
-  echo_(line);
+  for (std::size_t kind = 0; kind < rejection_count; ++kind) end_burst(kind);
+  if (phase_ == GazePhase::searching) sink_(now_us_, "ball never found");
 }
 
 }  // namespace saccade

@@ -2,38 +2,34 @@
 
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <string>
 
 #include "loop/loop.h"
-#include "recording/output_file.h"
 
 namespace saccade {
 
-/// The log of a run, `log.txt`: one line, with its time, for every change of state and none for a tick that
-/// is like the last one.
+/// Messages of a run for people: one for every change of state, none for a tick that changes nothing.
 ///
-///     the ball found, found again, lost (since when; whether the head holds or returns to rest), never found
-///     targets refused and why, by gate or controller; a burst of them is one line with a count, at its end
-///     the head's state not finite (the head holds), and finite again
-///     commands refused by the head, and taken again
+///     ball found, found again, lost (and whether the head holds or returns to rest), never found
+///     targets rejected by gate or controller, with the reason; a burst of them is one message with a count, at its end
+///     head state not finite (the head holds), and finite again
+///     commands rejected by the head, and accepted again
 ///
-/// Of a run in which nothing drives the gaze only the head's lines.
+/// Without a driving detector only the messages about the head.
 class RunLog final : public LoopObserver {
  public:
-  /// `echo` gets each line too, without its end, as soon as it is written. Throws RunError where the file
-  /// cannot be written, as do the others.
-  RunLog(const std::filesystem::path& file, std::function<void(const std::string&)> echo);
+  /// `sink` receives each message, without line end, with its time; it is called inside on_tick and finish.
+  using Sink = std::function<void(std::int64_t t_us, const std::string& text)>;
+
+  explicit RunLog(Sink sink);
 
   void on_tick(const Tick& tick) override;
-  /// A line that is not of a tick.
-  void note(std::int64_t t_us, const std::string& text) { write(t_us, text); }
-  /// Says what is still to be said and gives the file its name.
+  /// Sends the messages that are still open at the end of a run.
   void finish();
 
  private:
-  /// Refusals of one kind, none of them more than burst_gap_us after the one before.
+  /// Rejections of one kind, at most burst_gap_us apart.
   struct Burst {
     std::int64_t count = 0;
     std::int64_t first_us = 0;
@@ -42,22 +38,20 @@ class RunLog final : public LoopObserver {
     void add(std::int64_t more, std::int64_t t_us);
   };
   static constexpr std::int64_t burst_gap_us = 250'000;
-  static constexpr std::size_t refusal_count = 4;
+  static constexpr std::size_t rejection_count = 4;
 
-  void write(std::int64_t t_us, const std::string& text);
-  void follow_phase(const Tick& tick);
-  void follow_refusals(const Tick& tick);
-  void follow_head(const Tick& tick);
+  void log_phase(const Tick& tick);
+  void log_rejections(const Tick& tick);
+  void log_head(const Tick& tick);
   void end_burst(std::size_t kind);
 
-  OutputFile file_;
-  std::function<void(const std::string&)> echo_;
+  Sink sink_;
   std::int64_t now_us_ = 0;
   GazePhase phase_ = GazePhase::none;
-  std::array<std::int64_t, refusal_count> rejected_{};  ///< by the gate, of the last tick
-  std::array<Burst, refusal_count> bursts_;
-  Burst not_finite_;  ///< ticks in which the head's state was not finite, until it is again
-  Burst refused_;     ///< commands that the head refused, until it takes one
+  std::array<std::int64_t, rejection_count> rejected_{};  ///< by the gate, up to the last tick
+  std::array<Burst, rejection_count> bursts_;
+  Burst not_finite_;         ///< ticks with a head state that is not finite, until it is finite again
+  Burst rejected_commands_;  ///< until the head accepts one
 };
 
 }  // namespace saccade

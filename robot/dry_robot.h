@@ -6,8 +6,8 @@
 
 namespace saccade {
 
-/// A robot that is looked at and never moved: everything passes but commands, targets, stops, activate() and
-/// release(). A command that the head would refuse is refused.
+/// Wraps a robot and never moves it: everything passes through but commands, targets, stops, activate() and release().
+/// A command that the head would reject is rejected.
 class DryRobot final : public Robot {
  public:
   explicit DryRobot(std::unique_ptr<Robot> robot);

@@ -7,36 +7,40 @@
 
 namespace saccade {
 
-/// One thing that was looked at before motors move.
+/// Result of one check before motors move.
 struct StartUpCheck {
   std::string what;  ///< "event port /zynqGrabber/AE:o"
   bool passed = false;
-  std::string found;  ///< what is there, and what was expected where it did not pass
+  std::string found;  ///< what was found; where the check failed, also what was expected
 };
 
-/// A robot that deploy mode works with: its ports, and the steps from its being there to its being moved. Time in it
-/// passes by itself: Clock::wait_until waits.
+/// A robot as the loop uses it: clock, event camera and head, and the steps that start and end the control of its
+/// motors. A simulator, a recording, the real robot and the robot of the tests implement it, so that a session runs on
+/// any of them.
 ///
 ///     connected --check()--> activate() --> ports move the head --> release()
 ///
-/// Until activate(), and after release(), commands and targets are refused; events and joints are read throughout.
+/// A real robot rejects commands and targets before activate() and after release(); events and joints are read
+/// throughout. A simulator and a recording need neither call: there both do nothing.
 class Robot {
  public:
   virtual ~Robot() = default;
 
   virtual Clock& clock() = 0;
   virtual EventSource& events() = 0;
-  virtual HeadPort* head() = 0;  ///< null where there are no joints (a bare recording)
-  virtual GazePort* gaze() = 0;  ///< null where the head gets references; else `head` is only read
-  /// Looks at everything that has to be right before motors move, and lists it all. Moves nothing.
-  virtual std::vector<StartUpCheck> check() = 0;
-  /// Takes the joints over. Throws RunError where the robot refuses, and then has given back what it took.
-  virtual void activate() = 0;
-  /// Stops the head and gives the joints back as they were found. Does what it can on a lost connection; may be
-  /// called more than once.
-  virtual void release() = 0;
-  /// What is worth telling and stops nothing (the name server is gone), a line each, since the last call. Allocates only
-  /// where there is something.
+  virtual HeadPort* head() = 0;  ///< null without joints (a bare recording)
+  virtual GazePort* gaze() {
+    return nullptr;
+  }  ///< null if the head takes references; else `head` is only read
+  /// Checks every condition for moving the motors and lists all results. Moves nothing.
+  virtual std::vector<StartUpCheck> check() { return {}; }
+  /// Takes control of the joints. Throws RunError if the robot refuses; the joints are then as before.
+  virtual void activate() {}
+  /// Stops the head and restores the joints' previous control modes, as far as the connection permits. May be called
+  /// more than once.
+  virtual void release() {}
+  /// Messages since the last call that do not stop the run ("the name server is gone"), one per line. Allocates only if
+  /// there are any.
   virtual std::vector<std::string> news() { return {}; }
 };
 

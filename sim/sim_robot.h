@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/camera.h"
-#include "robot/ports.h"
+#include "robot/robot.h"
 #include "sim/gl_context.h"
 #include "sim/mujoco_compat.h"
 #include "sim/renderer.h"
@@ -29,10 +29,14 @@ struct SimTruth {
 /// steps, images are drawn, as many as motion asks for (ImageSampler), and the event cameras turn them into events.
 /// Both eyes are drawn whenever one of them asks. Events after the newest image come with the next one. It offers
 /// what the robot offers; the truth is a door of its own, which only a recorder opens.
-class SimRobot final : public Clock, public EventSource, public HeadPort {
+class SimRobot final : public Robot, public Clock, public EventSource, public HeadPort {
  public:
   /// Throws InputError for a configuration out of range, RunError where there is no OpenGL.
   SimRobot(const SimConfig& config, std::uint64_t seed);
+
+  Clock& clock() override { return *this; }
+  EventSource& events() override { return *this; }
+  HeadPort* head() override { return this; }
 
   [[nodiscard]] std::int64_t now_us() const override { return world_.now_us(); }
   PortStatus wait_until(std::int64_t t_us) override;

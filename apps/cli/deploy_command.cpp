@@ -89,8 +89,8 @@ Loop make_loop(Robot& robot, const RobotFile& file) {
     gaze.emplace(LoopGaze{driver, make_gate(file.gaze.gate), std::nullopt, file.gaze.follow});
   const LoopBudget budget{static_cast<std::size_t>(file.deploy.max_events_per_tick),
                           std::llround(file.deploy.shadows_until_ms * 1e3)};
-  return Loop(robot.clock(), robot.events(), robot.head(), file.calibration,
-              make_detectors(file.detectors, file.calibration.camera), std::move(gaze), Eye::left, budget);
+  return Loop(robot, file.calibration, make_detectors(file.detectors, file.calibration.camera),
+              std::move(gaze), Eye::left, budget);
 }
 
 /// Gives the joints back however the run ends.
@@ -163,7 +163,7 @@ int deploy(const DeployOptions& options) {
   recorder.finish();
   write_report(folder);
   fmt::print("{}\n", (folder / "report.html").string());
-  if (stopped_by_fault) throw RunError("the head was stopped: " + session.last_stop()->in_words());
+  if (stopped_by_fault) throw RunError("the head was stopped: " + session.last_stop()->description());
   return 0;
 }
 

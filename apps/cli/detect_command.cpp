@@ -93,7 +93,7 @@ int detect(const DetectOptions& options) {
 
   std::vector<LoopDetector> detectors;
   for (const auto& [name, config] : named) detectors.push_back({name, make_detector(config, camera.camera)});
-  Loop loop(robot, robot, robot.head(), camera, std::move(detectors), std::nullopt, played.eye);
+  Loop loop(robot, camera, std::move(detectors), std::nullopt, played.eye);
   DetectionRecorder recorder(loop);
   if (!options.out.empty()) prepare_run_folder(options.out, options.force);
 

@@ -7,6 +7,7 @@
 #include "apps/cli/commands.h"
 #include "apps/config/scenario.h"
 #include "apps/session/interrupt.h"
+#include "apps/session/log_file.h"
 #include "apps/session/progress.h"
 #include "apps/session/run_folder.h"
 #include "apps/session/run_recorder.h"
@@ -64,10 +65,11 @@ int run_scenario(const RunOptions& options, const Scenario& scenario, View::Feed
 
   catch_interrupts();
   Progress progress(scenario.run.duration_s);
-  RunLog log(folder / "log.txt", [&progress](const std::string& line) {
+  LogFile log_file(folder / "log.txt", [&progress](const std::string& line) {
     progress.done();
     fmt::print(stderr, "{}\n", line);
   });
+  RunLog log([&](std::int64_t t_us, const std::string& text) { log_file.write(t_us, text); });
   std::function<void(const Tick&)> show;
   if (feed != nullptr) show = [&](const Tick& tick) { feed->see(tick, robot, loop); };
   Observers observers(recorder, log, std::move(show));
@@ -90,6 +92,7 @@ int run_scenario(const RunOptions& options, const Scenario& scenario, View::Feed
   if (feed != nullptr) feed->close();
   progress.done();
   log.finish();
+  log_file.commit();
   const Metrics metrics = recorder.finish(loop_s, settings_of(options.assignments));
   write_report(folder);
   print_summary(metrics);

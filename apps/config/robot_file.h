@@ -8,7 +8,7 @@
 #include "apps/config/sections.h"
 #include "control/gaze_controller.h"
 #include "control/gaze_gate.h"
-#include "loop/supervisor.h"
+#include "loop/watchdog.h"
 #include "robot/head_limits.h"
 #include "robot/yarp/yarp_config.h"
 

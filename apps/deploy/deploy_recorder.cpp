@@ -37,7 +37,7 @@ std::size_t terminal_width() {
 std::string in_words(const DeployChange& change) {
   if (!change.refused.empty()) return "not activated: " + change.refused;
   if (change.stop) {
-    return fmt::format("stopped: {}; the head was told to stop after {:.1f} ms", change.stop->in_words(),
+    return fmt::format("stopped: {}; the head was told to stop after {:.1f} ms", change.stop->description(),
                        ms(change.took_us));
   }
   return std::string(name_of(change.state));
@@ -75,7 +75,8 @@ DeployRecorder::DeployRecorder(std::filesystem::path folder, const RobotFile& ro
       ticks_(tick_slots, Slot{{}, {}, std::vector<DetectorTick>(loop.detectors().size()), 0}),
       event_ring_(facts_.record ? event_slots : 0),
       terminal_(isatty(STDERR_FILENO) != 0),
-      log_(folder_ / "log.txt", [this](const std::string& line) { say(line); }),
+      log_file_(folder_ / "log.txt", [this](const std::string& line) { say(line); }),
+      log_([this](std::int64_t t_us, const std::string& text) { log_file_.write(t_us, text); }),
       detections_(folder_ / "detections.csv"),
       gaze_(folder_ / "gaze.csv"),
       timing_(folder_ / "timing.csv"),
@@ -151,7 +152,7 @@ bool DeployRecorder::drain() {
     lines.swap(new_lines_);
   }
   for (const auto& [t_us, line] : lines) {
-    if (failure_.empty()) log_.note(t_us, line);
+    if (failure_.empty()) log_file_.write(t_us, line);
   }
   Slot* const slot = ticks_.front();
   if (slot == nullptr) return !lines.empty();
@@ -291,6 +292,7 @@ void DeployRecorder::finish() {
   if (!failure_.empty()) throw RunError(failure_);
   write_timing();
   log_.finish();
+  log_file_.commit();
   detections_.commit();
   gaze_.commit();
   timing_.commit();
@@ -362,7 +364,7 @@ void DeployRecorder::write_summary() const {
     Json state = {{"t_us", change.t_us}, {"state", name_of(change.state)}};
     if (!change.refused.empty()) state["refused"] = change.refused;
     if (change.stop) {
-      state["cause"] = change.stop->in_words();
+      state["cause"] = change.stop->description();
       state["fault"] = is_fault(change.stop->cause);
       state["since_us"] = change.stop->since_us;
       state["took_ms"] = ms(change.took_us);

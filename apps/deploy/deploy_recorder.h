@@ -14,6 +14,7 @@
 #include "apps/deploy/deploy_session.h"
 #include "apps/deploy/spsc_ring.h"
 #include "apps/deploy/time_figures.h"
+#include "apps/session/log_file.h"
 #include "loop/run_log.h"
 #include "recording/event_file.h"
 #include "recording/run_files.h"
@@ -102,6 +103,7 @@ class DeployRecorder final : public DeployObserver {
   // The writer's from here on, until it is joined.
   bool terminal_;
   bool line_is_open_ = false;
+  LogFile log_file_;
   RunLog log_;
   TableWriter<DetectionRow> detections_;
   TableWriter<GazeRow> gaze_;

@@ -1,10 +1,16 @@
 #include "apps/deploy/deploy_session.h"
 
 #include <algorithm>
+#include <array>
 
 #include "core/error.h"
 
 namespace saccade {
+
+std::string_view name_of(DeployState state) {
+  constexpr std::array<std::string_view, 4> names = {"unconfigured", "ready", "active", "stopped"};
+  return names.at(static_cast<std::size_t>(state));
+}
 
 DeploySession::DeploySession(Robot& robot, Loop& loop, MakeMotion make_motion, Operator& wishes,
                              DeployObserver& observer, const DeploySessionConfig& config)
@@ -50,7 +56,7 @@ bool DeploySession::tick() {
   const Operator::Wish wish = wishes_.wish_.exchange(Operator::Wish::none);
   const bool quit = wishes_.quit_;
   if (state_ == DeployState::active) {
-    if (const auto fault = watchdog_.look(facts)) {
+    if (const auto fault = watchdog_.check(facts)) {
       stop(*fault);
     } else if (quit || wish == Operator::Wish::stop) {
       stop({quit ? wishes_.quit_cause_.load() : StopCause::operator_stop, facts.now_us});
@@ -99,19 +105,19 @@ void DeploySession::activate(const TickFacts& facts) {
     return change(state_, std::nullopt, 0, "not every start-up check has passed");
   TickFacts now = facts;
   now.due_us = now.now_us;  // nobody was waiting for this tick
-  if (const auto fault = watchdog_.look(now)) return change(state_, std::nullopt, 0, fault->in_words());
+  if (const auto fault = watchdog_.check(now)) return change(state_, std::nullopt, 0, fault->description());
   try {
     robot_.activate();
   } catch (const RunError& error) {
     return change(state_, std::nullopt, 0, error.what());
   }
-  loop_.take_over(make_motion_());
+  loop_.set_motion(make_motion_());
   due_us_ += (robot_.clock().now_us() - due_us_) / tick_us_ * tick_us_;  // it may have taken a while
   change(DeployState::active, std::nullopt, 0, {});
 }
 
 void DeploySession::stop(const Fault& fault) {
-  loop_.let_go();
+  loop_.clear_motion();
   if (GazePort* const gaze = robot_.gaze()) {
     gaze->stop();
   } else if (HeadPort* const head = robot_.head()) {

@@ -5,13 +5,24 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "loop/loop.h"
-#include "loop/supervisor.h"
+#include "loop/watchdog.h"
 #include "robot/robot.h"
 
 namespace saccade {
+
+/// Control of a robot's motors:
+///
+///     unconfigured --all checks passed--> ready --operator--> active --operator or fault--> stopped
+///                                                               ^---------operator---------'
+///
+/// The head moves only in `active`. `stopped` is the safe state: the head was stopped and its joints released, nothing
+/// is sent to it, until the operator activates it again.
+enum class DeployState { unconfigured, ready, active, stopped };
+[[nodiscard]] std::string_view name_of(DeployState state);
 
 /// A change of the session's state, or an activation that was refused (`state` is then what it stays).
 struct DeployChange {

@@ -274,7 +274,7 @@ int serve(const ServeOptions& options) {
   ServeLog log(folder / "log.txt", progress);
   catch_interrupts();
   ServedRobot served(options, scenario, robot, log);
-  Loop loop(robot, robot, &robot, scenario.calibration, {}, std::nullopt);
+  Loop loop(robot, scenario.calibration, {}, std::nullopt);
   const Scenario recorded = as_served(scenario);
   RunRecorder recorder(folder, recorded, robot, loop);
   Observers observers(served, recorder);

@@ -33,8 +33,7 @@ std::vector<LoopDetector> make_detectors(const NamedDetectors& named, const Came
 }
 
 Loop make_loop(const Scenario& scenario, SimRobot& robot) {
-  return Loop(robot, robot, &robot, scenario.calibration,
-              make_detectors(scenario.detectors, scenario.calibration.camera),
+  return Loop(robot, scenario.calibration, make_detectors(scenario.detectors, scenario.calibration.camera),
               make_gaze(scenario, robot.limits()));
 }
 

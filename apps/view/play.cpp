@@ -409,7 +409,7 @@ class RecordingPlay final : public Play, private LoopObserver {
         if (named.on) detectors.push_back({named.name, make_detector(named.config, camera_.camera)});
       }
     }
-    loop_.emplace(*robot_, *robot_, robot_->head(), camera_, std::move(detectors), std::nullopt, eye_);
+    loop_.emplace(*robot_, camera_, std::move(detectors), std::nullopt, eye_);
     fresh_ = true;
   }
 

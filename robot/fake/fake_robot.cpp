@@ -82,9 +82,9 @@ PortStatus FakeRobot::read(HeadState& state) {
 }
 
 HeadPort::CommandResult FakeRobot::command(const HeadCommand& reference_rad) {
-  const bool refused = !is_allowed(reference_rad, script_.limits);
-  if (status_ == PortStatus::ok && !refused) reference_rad_ = reference_rad;
-  return {status_, refused};
+  const bool rejected = !is_allowed(reference_rad, script_.limits);
+  if (status_ == PortStatus::ok && !rejected) reference_rad_ = reference_rad;
+  return {status_, rejected};
 }
 
 PortStatus FakeRobot::stop() {

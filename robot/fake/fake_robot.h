@@ -4,25 +4,25 @@
 #include <utility>
 #include <vector>
 
-#include "robot/ports.h"
+#include "robot/robot.h"
 
 namespace saccade {
 
-/// What a FakeRobot shall do. Instants are in its own clock, us.
+/// Script of a FakeRobot: its events, faults and head. Times in us of its own clock.
 struct FakeRobotScript {
   ImageSize image_size{128, 128};
   std::vector<Event> events;     ///< sorted by time, inside the image
-  std::int64_t lateness_us = 0;  ///< an event is delivered this long after its stamp
+  std::int64_t lateness_us = 0;  ///< delay from an event's time stamp to its delivery
   std::int64_t start_us = 0;
-  std::optional<std::int64_t> end_us;   ///< the world is over here, as at the end of a recording
-  std::optional<std::int64_t> lost_us;  ///< every port is lost from here on
+  std::optional<std::int64_t> end_us;     ///< time ends here, as at the end of a recording
+  std::optional<std::int64_t> lost_us;    ///< every port is lost from here on
+  std::optional<std::int64_t> silent_us;  ///< the camera sends nothing from here on, not even empty packets
   std::optional<std::int64_t>
-      silent_us;  ///< nothing comes from the camera from here on, no empty packet either
-  std::optional<std::int64_t> freeze_us;  ///< the encoders say the same from here on, with that stamp
-  /// In [first, second) the encoder of the neck's yaw reads NaN.
+      freeze_us;  ///< the encoders repeat the reading of this time, with its time stamp
+  /// In [first, second) the encoder of neck yaw reads NaN.
   std::optional<std::pair<std::int64_t, std::int64_t>> nan_us;
-  std::optional<std::int64_t> outside_us;  ///< from here on it reads 2 deg beyond its upper limit
-  /// The first wait that would end at `first` or later ends `second` later than that.
+  std::optional<std::int64_t> outside_us;  ///< from here on neck yaw reads 2 deg above its upper limit
+  /// The first wait that would end at `first` or later ends later by `second`.
   std::optional<std::pair<std::int64_t, std::int64_t>> late_us;
 
   JointLimits limits;
@@ -30,12 +30,16 @@ struct FakeRobotScript {
   double lag_s = 0.05;  ///< time constant with which the head follows its reference, > 0
 };
 
-/// A robot for tests, without noise: scripted events, and a head whose neck and eyes follow each reference
-/// with a first-order lag, exactly (x += (reference - x)(1 - exp(-dt / lag)), whatever the steps). It does
-/// not hold limits().max_speed_rad_s. The torso stays.
-class FakeRobot final : public Clock, public EventSource, public HeadPort {
+/// A robot for tests without noise: scripted events, and a head whose neck and eyes follow each reference with a
+/// first-order lag. The lag is exact for any step: x += (reference - x)(1 - exp(-dt / lag)). Speed is not limited to
+/// limits().max_speed_rad_s. The torso does not move.
+class FakeRobot final : public Robot, public Clock, public EventSource, public HeadPort {
  public:
   explicit FakeRobot(FakeRobotScript script);
+
+  Clock& clock() override { return *this; }
+  EventSource& events() override { return *this; }
+  HeadPort* head() override { return this; }
 
   [[nodiscard]] std::int64_t now_us() const override { return now_us_; }
   PortStatus wait_until(std::int64_t t_us) override;
@@ -50,7 +54,7 @@ class FakeRobot final : public Clock, public EventSource, public HeadPort {
   CommandResult command(const HeadCommand& reference_rad) override;
   PortStatus stop() override;
 
-  /// The reference that holds now; where the head started, before the first command.
+  /// The newest reference, rad; before the first command the start position.
   [[nodiscard]] const HeadCommand& reference_rad() const { return reference_rad_; }
 
  private:

@@ -8,23 +8,19 @@
 
 namespace saccade {
 
-/// A recording that passes in real time, as a robot's world does. Its head, where it has joints, takes commands and
-/// moves as it did.
+/// A recording replayed in real time, as a robot delivers it. If it has joints, its head accepts commands and moves as
+/// recorded.
 class PacedReplay final : public Robot, public Clock {
  public:
-  /// `speed` seconds of the recording pass in one of ours, > 0. `name` is told in check(). Time starts to pass with the
-  /// first wait_until.
-  /// Throws InputError as ReplayRobot does.
+  /// `speed`: seconds of the recording per second of the clock, > 0. `name` appears in check(). Time starts with the
+  /// first wait_until. Throws InputError as ReplayRobot does.
   PacedReplay(std::string name, std::unique_ptr<EventReader> events, std::optional<RecordedHead> head,
               double speed);
 
   Clock& clock() override { return *this; }
   EventSource& events() override { return replay_; }
   HeadPort* head() override { return replay_.head(); }
-  GazePort* gaze() override { return nullptr; }
   std::vector<StartUpCheck> check() override;
-  void activate() override {}
-  void release() override {}
 
   /// By the steady clock; events and joints are those of the last wait_until.
   [[nodiscard]] std::int64_t now_us() const override;

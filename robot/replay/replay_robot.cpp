@@ -18,7 +18,7 @@ ImageSize known_size(const EventReader& reader) {
 
 ReplayHead::ReplayHead(RecordedHead recording)
     : recording_(std::move(recording)), next_(recording_.joints.next()) {
-  if (!next_) throw InputError("joints", "a table without rows", "a row at least");
+  if (!next_) throw InputError("joints", "a table without rows", "at least one row");
   state_.t_us = next_->t_us;
   advance_to(state_.t_us);
   state_.velocity_rad_s.setZero();
@@ -57,7 +57,7 @@ ReplayRobot::ReplayRobot(std::unique_ptr<EventReader> events, std::optional<Reco
   }
 }
 
-/// The next event to pass on; null at the end.
+/// The next event to deliver; null at the end.
 const Event* ReplayRobot::next() {
   for (;; ++position_) {
     if (position_ == block_.size()) {
@@ -68,7 +68,11 @@ const Event* ReplayRobot::next() {
     const Event& event = block_[position_];
     const bool back_in_time = event.t_us < last_us_;
     if (!back_in_time && image_size_.contains(event.x, event.y)) return &event;
-    ++(back_in_time ? rejected_.back_in_time : rejected_.outside_image);
+    if (back_in_time && !delivered_) {
+      ++events_before_start_;
+    } else {
+      ++(back_in_time ? rejected_.back_in_time : rejected_.outside_image);
+    }
   }
 }
 
@@ -99,6 +103,7 @@ PortStatus ReplayRobot::read_until(std::int64_t t_us, std::vector<Event>& events
   for (const Event* event = next(); event != nullptr && event->t_us <= t_us; event = next()) {
     events.push_back(*event);
     last_us_ = event->t_us;
+    delivered_ = true;
     ++position_;
   }
   return is_over() ? PortStatus::ended : PortStatus::ok;

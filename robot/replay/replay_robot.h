@@ -7,18 +7,18 @@
 #include "core/detector.h"
 #include "recording/event_file.h"
 #include "recording/run_files.h"
-#include "robot/ports.h"
+#include "robot/robot.h"
 
 namespace saccade {
 
-/// The joints of a recording (joints.csv of a run folder) and the limits of the head that moved them.
+/// Joints of a recording (joints.csv of a run folder) and the limits of its head.
 struct RecordedHead {
   TableReader<JointsRow> joints;
   JointLimits limits;
 };
 
-/// A head that moves as it did: read() gives the newest row up to now, with the speed between the last two
-/// rows; commands are checked against the limits, taken, and change nothing.
+/// A head that moves as recorded: read() returns the newest row up to now, with the velocity between the last two rows.
+/// Commands are checked against the limits, accepted, and have no effect.
 class ReplayHead final : public HeadPort {
  public:
   /// Throws InputError for a table without rows.
@@ -41,16 +41,21 @@ class ReplayHead final : public HeadPort {
   PortStatus status_ = PortStatus::ok;
 };
 
-/// Plays a recording as if it were a robot, in fixed memory. Time jumps where the loop wants it.
+/// Replays a recording as a robot, in fixed memory. Its clock jumps to any later time at once.
 ///
-/// The clock starts at the first event, or with joints at their first row. A tick that reaches beyond the
-/// last event (and the last row) still comes; after it, everything has ended. Events that come before an
-/// earlier one in the file or before the start, and events outside the image, are left out and counted.
-/// Throws InputError where the recording does; the events before that place have been appended by then.
-class ReplayRobot final : public Clock, public EventSource {
+/// The clock starts at the first event, or with joints at their first row. One tick may reach beyond the last event (and
+/// the last row); after it all ports have ended. Events that go back in time, lie outside the image, or come before the
+/// first row of joints are left out and counted. Throws InputError where the recording does; the events before that place
+/// are delivered first.
+class ReplayRobot final : public Robot, public Clock, public EventSource {
  public:
-  /// Throws InputError where `events` does not know its image size.
+  /// Throws InputError if `events` has no image size.
   explicit ReplayRobot(std::unique_ptr<EventReader> events, std::optional<RecordedHead> head = std::nullopt);
+
+  Clock& clock() override { return *this; }
+  EventSource& events() override { return *this; }
+  /// Null on a recording without joints.
+  HeadPort* head() override { return head_ ? &*head_ : nullptr; }
 
   [[nodiscard]] std::int64_t now_us() const override { return now_us_; }
   PortStatus wait_until(std::int64_t t_us) override;
@@ -60,9 +65,10 @@ class ReplayRobot final : public Clock, public EventSource {
   [[nodiscard]] std::int64_t heard_us() const override { return now_us_; }
   [[nodiscard]] EventTraffic traffic() const override;
 
-  /// Null on a recording without joints.
-  [[nodiscard]] HeadPort* head() { return head_ ? &*head_ : nullptr; }
+  /// Events that go back in time or lie outside the image.
   [[nodiscard]] RejectedEvents rejected() const { return rejected_; }
+  /// Events before the first row of joints, which are not among rejected().
+  [[nodiscard]] std::int64_t events_before_start() const { return events_before_start_; }
 
  private:
   const Event* next();
@@ -76,7 +82,9 @@ class ReplayRobot final : public Clock, public EventSource {
   std::int64_t now_us_ = 0;
   std::int64_t last_us_;  ///< stamp of the last event that was passed on
   bool ended_ = false;
+  bool delivered_ = false;  ///< an event
   RejectedEvents rejected_;
+  std::int64_t events_before_start_ = 0;
 };
 
 }  // namespace saccade

@@ -71,7 +71,7 @@ void tick(benchmark::State& bench, const char* preset, const char* controller) {
   FakeActive robot(std::move(script));
   std::vector<LoopDetector> detectors;
   detectors.push_back({preset, make_detector(detector_preset(preset), Camera{})});
-  Loop loop(robot.clock(), robot.events(), robot.head(), MountedCamera{}, std::move(detectors),
+  Loop loop(robot, MountedCamera{}, std::move(detectors),
             LoopGaze{0, make_gate({}), std::nullopt, FollowConfig{.start_s = 0.0}}, Eye::left,
             LoopBudget{2'000, 500});
   GazeControllerConfig config;

@@ -158,7 +158,7 @@ class Trial {
     detectors.push_back({"seer", std::make_unique<Seer>(&driver, &fake->world, options.driver_us)});
     if (options.shadow)
       detectors.push_back({"shadow", std::make_unique<Seer>(&shadow, &fake->world, options.shadow_us)});
-    loop.emplace(robot->clock(), robot->events(), robot->head(), MountedCamera{}, std::move(detectors),
+    loop.emplace(*robot, MountedCamera{}, std::move(detectors),
                  LoopGaze{0, make_gate({.gate = "none", .authors = {}, .continuity = {}, .target = {}}),
                           std::nullopt, FollowConfig{.start_s = 0.0}},
                  Eye::left, options.budget);
@@ -382,7 +382,7 @@ TEST_P(DeployFaults, StopTheHeadWithinTheNamedTimeAndItStaysStoppedUntilTheOpera
     EXPECT_EQ(trial.session->state(), DeployState::stopped);
     ASSERT_TRUE(trial.session->last_stop());
     EXPECT_EQ(trial.session->last_stop()->cause, GetParam().cause);
-    EXPECT_EQ(trial.session->last_stop()->in_words(), GetParam().words);
+    EXPECT_EQ(trial.session->last_stop()->description(), GetParam().words);
     EXPECT_THAT(trial.states(), ElementsAre(DeployState::ready, DeployState::active, DeployState::stopped));
     EXPECT_EQ(trial.fake->stops, 1);
     EXPECT_GE(trial.fake->released, 1);
@@ -418,7 +418,7 @@ TEST(Watchdog, SaysNothingOfASingleSlowPacketAndReading) {
   const Watchdog watchdog({}, genova02_limits());
   HeadState head;
   head.t_us = 1'000'000 - 60'000;
-  EXPECT_FALSE(watchdog.look({1'000'000 - 20'000, 1'000'000, 1'000'000 - 60'000, head}));
+  EXPECT_FALSE(watchdog.check({1'000'000 - 20'000, 1'000'000, 1'000'000 - 60'000, head}));
 }
 
 // ---- too much to do ------------------------------------------------------------------------------
@@ -486,7 +486,7 @@ TEST(DeploySession, ATickDoesNotAllocate) {
       std::vector<LoopDetector> detectors;
       detectors.push_back({"seer", std::make_unique<Seer>()});
       detectors.push_back({preset, make_detector(detector_preset(preset), Camera{})});
-      Loop loop(robot.clock(), robot.events(), robot.head(), MountedCamera{}, std::move(detectors),
+      Loop loop(robot, MountedCamera{}, std::move(detectors),
                 LoopGaze{0, make_gate({}), std::nullopt, FollowConfig{.start_s = 0.0}}, Eye::left,
                 LoopBudget{2'000, 500});
       const auto motion = [&] {

@@ -183,7 +183,7 @@ TEST_P(PortConformance, ReferencesInsideTheLimitsAreTaken) {
   for (const double share : {0.0, 0.5, 1.0, -1.0}) {
     const auto result = robot.head->command(inside_limits(*robot.head, share));
     EXPECT_EQ(result.status, PortStatus::ok);
-    EXPECT_FALSE(result.refused) << share;
+    EXPECT_FALSE(result.rejected) << share;
   }
 }
 
@@ -201,7 +201,7 @@ TEST_P(PortConformance, AReferenceOutsideTheLimitsOrNotFiniteIsRefusedWholeAndTh
       command[joint] = bad;
       const auto result = robot.head->command(command);
       EXPECT_EQ(result.status, PortStatus::ok);
-      EXPECT_TRUE(result.refused) << "joint " << joint << " at " << bad;
+      EXPECT_TRUE(result.rejected) << "joint " << joint << " at " << bad;
     }
   }
   const std::int64_t wait_us = 100 * tick_us;
@@ -231,7 +231,7 @@ TEST_P(PortConformance, AHeadThatIsCommandedGoesThereAndARecordedOneMovesAsItDid
   robot.head->read(before);
   const HeadCommand towards = inside_limits(*robot.head, 0.1);
   const HeadCommand reference = before.head_position_rad() + 0.2 * (towards - before.head_position_rad());
-  ASSERT_FALSE(robot.head->command(reference).refused);
+  ASSERT_FALSE(robot.head->command(reference).rejected);
   robot.clock->wait_until(robot.clock->now_us() + ticks * tick_us);
   HeadState after;
   robot.head->read(after);
@@ -260,7 +260,7 @@ TEST_P(PortConformance, AHeadThatIsToldToStopRestsWithinATenthOfASecondShortOfIt
   HeadState before;
   robot.head->read(before);
   const HeadCommand way = inside_limits(*robot.head, 0.8) - before.head_position_rad();
-  ASSERT_FALSE(robot.head->command(before.head_position_rad() + way).refused);
+  ASSERT_FALSE(robot.head->command(before.head_position_rad() + way).rejected);
   const std::int64_t start_us = robot.clock->now_us();
   robot.clock->wait_until(start_us + 20 * tick_us);
   EXPECT_EQ(robot.head->stop(), PortStatus::ok);

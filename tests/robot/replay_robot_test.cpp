@@ -60,7 +60,7 @@ TEST(ReplayRobot, StartsItsClockAtTheFirstEvent) {
   EXPECT_THAT(stamps(events), testing::ElementsAre(700));
 }
 
-TEST(ReplayRobot, LeavesOutAndCountsEventsThatGoBackInTimeOrLieOutsideTheImage) {
+TEST(ReplayRobot, CountsEventsThatGoBackInTimeOrLieOutsideTheImageAndLeavesThemOut) {
   ReplayRobot robot(std::make_unique<ListReader>(std::vector{
       event_at(5), event_at(7), event_at(6), event_at(7), event_at(8, 10), event_at(2), event_at(9)}));
   std::vector<Event> events;
@@ -71,14 +71,14 @@ TEST(ReplayRobot, LeavesOutAndCountsEventsThatGoBackInTimeOrLieOutsideTheImage) 
   EXPECT_EQ(robot.rejected().outside_image, 1);
 }
 
-TEST(ReplayRobot, WithoutAnyEventHasEndedAtOnce) {
+TEST(ReplayRobot, EndsAtOnceWithoutEvents) {
   ReplayRobot robot(std::make_unique<ListReader>(std::vector<Event>{}));
   std::vector<Event> events;
   EXPECT_EQ(robot.read_until(robot.now_us(), events), PortStatus::ended);
   EXPECT_EQ(robot.wait_until(robot.now_us() + 1), PortStatus::ended);
 }
 
-TEST(ReplayRobot, PassesOnWhatCameBeforeABrokenPlaceAndThenItsError) {
+TEST(ReplayRobot, DeliversTheEventsBeforeABrokenPlaceAndThenThrows) {
   ReplayRobot robot(std::make_unique<ListReader>(std::vector{event_at(1), event_at(2), event_at(3)}, true));
   std::vector<Event> events;
   robot.wait_until(10);
@@ -103,13 +103,14 @@ TEST(ReplayRobot, WithJointsStartsAtTheirFirstRowAndEndsAfterTheirLast) {
   EXPECT_EQ(robot.wait_until(2000), PortStatus::ok);
   EXPECT_EQ(robot.read_until(2000, events), PortStatus::ok) << "the head goes on";
   EXPECT_THAT(stamps(events), testing::ElementsAre(1000, 1500));
-  EXPECT_EQ(robot.rejected().back_in_time, 1) << "the event before the joints";
+  EXPECT_EQ(robot.events_before_start(), 1);
+  EXPECT_EQ(robot.rejected().back_in_time, 0) << "an event before the joints does not go back in time";
   EXPECT_EQ(robot.wait_until(3000), PortStatus::ok);
   EXPECT_EQ(robot.read_until(3000, events), PortStatus::ended);
   EXPECT_EQ(robot.wait_until(3001), PortStatus::ended);
 }
 
-TEST(ReplayRobot, ItsHeadSaysTheNewestRowAndTheSpeedBetweenTheLastTwo) {
+TEST(ReplayRobot, HeadReturnsTheNewestRowAndTheVelocityBetweenTheLastTwo) {
   TempFolder folder;
   ReplayRobot robot(std::make_unique<ListReader>(std::vector{event_at(0), event_at(9000)}),
                     recorded_head(folder,
@@ -132,13 +133,13 @@ TEST(ReplayRobot, ItsHeadSaysTheNewestRowAndTheSpeedBetweenTheLastTwo) {
   EXPECT_NEAR(state.velocity_rad_s[eyes_vergence], -100.0, 1e-9);
 }
 
-TEST(ReplayRobot, RefusesAJointTableWithoutRows) {
+TEST(ReplayRobot, RejectsAJointTableWithoutRows) {
   TempFolder folder;
   EXPECT_THROW(ReplayRobot(std::make_unique<ListReader>(std::vector{event_at(1)}), recorded_head(folder, "")),
                InputError);
 }
 
-TEST(ReplayRobot, PlaysTheLoomingBallWhole) {
+TEST(ReplayRobot, ReplaysEveryEventOfTheLoomingBall) {
   const std::filesystem::path path =
       std::filesystem::path(SACCADE_SHARED_DATA) / "ball_looming_dvs128_aedat2.aedat";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "SKIPPED: the real recordings are absent: " << path;

@@ -356,13 +356,13 @@ TEST_F(Yarp, JointsAreTakenOverAndGivenBackAsTheyWere) {
   JointsWorld world;
   HeadPort& head = *world.robot.head();
   const HeadCommand reference = HeadCommand::Constant(5 * deg);
-  EXPECT_TRUE(head.command(reference).refused) << "before activate()";
+  EXPECT_TRUE(head.command(reference).rejected) << "before activate()";
   world.board.set_mode(2, VOCAB_CM_VELOCITY);
   const std::vector<int> found = world.board.modes();
   world.robot.activate();
   EXPECT_TRUE(
       eventually(1.0, [&] { return world.board.modes() == std::vector<int>(6, VOCAB_CM_POSITION_DIRECT); }));
-  EXPECT_FALSE(head.command(reference).refused);
+  EXPECT_FALSE(head.command(reference).rejected);
   HeadState state;
   EXPECT_TRUE(eventually(1.0, [&] {
     head.read(state);
@@ -374,7 +374,7 @@ TEST_F(Yarp, JointsAreTakenOverAndGivenBackAsTheyWere) {
   world.robot.release();
   world.robot.release();
   EXPECT_TRUE(eventually(1.0, [&] { return world.board.modes() == found; }));
-  EXPECT_TRUE(head.command(reference).refused) << "after release()";
+  EXPECT_TRUE(head.command(reference).rejected) << "after release()";
   EXPECT_EQ(head.read(state), PortStatus::ok) << "joints are read throughout";
 }
 
@@ -465,7 +465,7 @@ TEST_F(Yarp, TheGazeControllersJointsAreTheHeadsState) {
     EXPECT_NEAR(state.velocity_rad_s[i], 1.0 * deg, 1e-6);
     EXPECT_NEAR(state.position_rad[i] - state.position_rad[0], i * deg, 1e-9);
   }
-  EXPECT_TRUE(world.robot.head()->command(HeadCommand::Zero()).refused);
+  EXPECT_TRUE(world.robot.head()->command(HeadCommand::Zero()).rejected);
 }
 
 // ---- What goes wrong
@@ -578,7 +578,7 @@ TEST_F(Yarp, ALostNameServerIsToldAndOpenConnectionsLiveOn) {
   EXPECT_EQ(world.robot.events().read_until(world.robot.clock().now_us(), events), PortStatus::ok);
   EXPECT_GT(events.size(), 100u);
   const HeadCommand reference = HeadCommand::Constant(7 * deg);
-  EXPECT_FALSE(world.robot.head()->command(reference).refused);
+  EXPECT_FALSE(world.robot.head()->command(reference).rejected);
   HeadState state;
   EXPECT_TRUE(eventually(1.0, [&] {
     return world.robot.head()->read(state) == PortStatus::ok &&

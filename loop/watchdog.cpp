@@ -1,9 +1,8 @@
-#include "loop/supervisor.h"
+#include "loop/watchdog.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -16,17 +15,14 @@ double ms(std::int64_t us) { return static_cast<double>(us) * 1e-3; }
 
 }  // namespace
 
-std::string_view name_of(DeployState state) {
-  constexpr std::array<std::string_view, 4> names = {"unconfigured", "ready", "active", "stopped"};
-  return names.at(static_cast<std::size_t>(state));
-}
-
 void describe(FieldVisitor& v, WatchdogConfig& config) {
-  v.real("safe_within_ms", config.safe_within_ms, {1.0, 1000.0}, "from whatever goes wrong to the stop");
-  v.real("tick_late_ms", config.tick_late_ms, {1.0, 1000.0}, "after its time a tick is too late");
-  v.real("camera_silent_ms", config.camera_silent_ms, {2.0, 1000.0}, "without any packet of the camera");
+  v.real("safe_within_ms", config.safe_within_ms, {1.0, 1000.0},
+         "from a fault to the stop of the head, at most");
+  v.real("tick_late_ms", config.tick_late_ms, {1.0, 1000.0}, "delay of a tick that stops the head");
+  v.real("camera_silent_ms", config.camera_silent_ms, {2.0, 1000.0},
+         "time without any packet from the camera");
   v.real("joints_stale_ms", config.joints_stale_ms, {2.0, 1000.0}, "age of the newest reading of the joints");
-  v.real("joint_outside_deg", config.joint_outside_deg, {0.0, 10.0}, "a joint beyond its limits");
+  v.real("joint_outside_deg", config.joint_outside_deg, {0.0, 10.0}, "excess of a joint over its limits");
   const double longest = std::max(config.camera_silent_ms, config.joints_stale_ms) + config.tick_late_ms;
   v.require(
       longest <= config.safe_within_ms, "safe_within_ms", text_of(config.safe_within_ms),
@@ -34,7 +30,7 @@ void describe(FieldVisitor& v, WatchdogConfig& config) {
           ": the longer of camera_silent_ms and joints_stale_ms, seen by a tick that is tick_late_ms late");
 }
 
-std::string Fault::in_words() const {
+std::string Fault::description() const {
   switch (cause) {
     case StopCause::operator_stop:
       return "by the operator";
@@ -63,7 +59,7 @@ Watchdog::Watchdog(const WatchdogConfig& config, const JointLimits& limits)
   check_config("watchdog", config);
 }
 
-std::optional<Fault> Watchdog::look(const TickFacts& facts) const {
+std::optional<Fault> Watchdog::check(const TickFacts& facts) const {
   const double silent_ms = ms(facts.now_us - facts.heard_us);
   if (silent_ms > config_.camera_silent_ms)
     return Fault{StopCause::camera_silent, facts.heard_us, {}, silent_ms};
