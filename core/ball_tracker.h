@@ -16,7 +16,7 @@ namespace saccade {
 
 /// The detector to use: `best`.
 struct BallTrackerConfig {
-  std::vector<double> radius_px = {10, 35};  ///< smallest and largest radius, whole numbers
+  std::array<double, 2> radius_px = {10, 35};  ///< smallest and largest radius, whole numbers
   double threshold = 0.25;                   ///< score from which on a circle is taken for the ball
   double arc_deg = 12.0;                     ///< half-width of an arc of directed votes
   PlaneFitFlowConfig flow;

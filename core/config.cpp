@@ -30,6 +30,18 @@ std::string expectation_of(const std::vector<std::string>& options) {
   return text;
 }
 
+bool is_name(std::string_view text) {
+  constexpr std::size_t longest = 64;
+  const auto is_part = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+  };
+  return !text.empty() && text.size() <= longest && std::all_of(text.begin(), text.end(), is_part);
+}
+
+void FieldVisitor::when(bool holds, std::string_view, const std::function<void()>& describe_keys) {
+  if (holds) describe_keys();
+}
+
 void FieldChecker::add(std::string_view key, std::string value, std::string expectation) {
   problems_.push_back({name_ + "." + std::string(key), std::move(value), std::move(expectation)});
 }
@@ -51,6 +63,15 @@ void FieldChecker::choice(std::string_view key, std::string& value, const std::v
   if (std::find(options.begin(), options.end(), value) == options.end()) {
     add(key, value.empty() ? "nothing" : value, expectation_of(options));
   }
+}
+
+void FieldChecker::numbers(std::string_view key, std::span<double> values, Range range, std::string_view) {
+  for (double& value : values) real(key, value, range, {});
+}
+
+void FieldChecker::point_list(std::string_view key, std::vector<double>& values, std::size_t, Range range,
+                              std::string_view) {
+  numbers(key, values, range, {});
 }
 
 void FieldChecker::reals(std::string_view key, std::vector<double>& value, std::size_t size, Range range,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <limits>
 #include <vector>
 
@@ -10,7 +11,7 @@
 namespace saccade {
 
 /// The key radius_px that every detector has: smallest and largest radius, whole pixels in [1, 255].
-void describe_radius_px(FieldVisitor& v, std::vector<double>& radius_px);
+void describe_radius_px(FieldVisitor& v, std::array<double, 2>& radius_px);
 
 /// The Hough space seen from above: the largest response over all radii at each pixel, row by row. `response`
 /// has one element for each pixel.

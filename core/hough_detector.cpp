@@ -25,7 +25,7 @@ HoughDetectorConfig checked(HoughDetectorConfig config) {
   if (!config.directed) config.arc_deg = HoughDetectorConfig{}.arc_deg;
   if (!uses_flow(config)) config.flow = {};
   if (config.single_radius) {
-    config.radius_px.assign(2, std::round((config.radius_px[0] + config.radius_px[1]) / 2));
+    config.radius_px.fill(std::round((config.radius_px[0] + config.radius_px[1]) / 2));
   }
   return config;
 }

@@ -16,7 +16,7 @@ struct HoughDetectorConfig {
   bool directed = true;
   /// Looks for one radius, the middle of radius_px (rounded up), as a tracker of known particles does.
   bool single_radius = false;
-  std::vector<double> radius_px = {10, 35};  ///< smallest and largest radius, whole numbers
+  std::array<double, 2> radius_px = {10, 35};  ///< smallest and largest radius, whole numbers
   EventWindowConfig window;
   std::string normalisation = "ring";  ///< of the votes: ring, perimeter or none, see HoughTransform
   double arc_deg = 10.0;               ///< half-width of an arc of directed votes

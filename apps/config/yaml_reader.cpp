@@ -117,8 +117,8 @@ std::string one_or_list(std::size_t size, const std::string& of, Range range) {
 
 }  // namespace
 
-YamlReader::YamlReader(const YamlTree& tree, std::vector<std::string> required)
-    : tree_(tree), required_(std::move(required)), problems_(tree.problems) {
+YamlReader::YamlReader(const YamlTree& tree, std::vector<std::string> required, std::string folder)
+    : tree_(tree), folder_(std::move(folder)), required_(std::move(required)), problems_(tree.problems) {
   block_ = {&tree.root, tree.root.mark, "", {}, problems_.size()};
 }
 
@@ -159,8 +159,8 @@ std::optional<double> YamlReader::number(const YamlNode& node, std::string_view 
   return value;
 }
 
-std::optional<std::vector<double>> YamlReader::numbers(const YamlNode& node, std::string_view path,
-                                                       std::size_t size, Range range) {
+std::optional<std::vector<double>> YamlReader::list(const YamlNode& node, std::string_view path,
+                                                    std::size_t size, Range range) {
   if (node.kind != Kind::list) {
     refuse(node, path, one_or_list(size, "finite numbers", range));
     return std::nullopt;
@@ -236,11 +236,52 @@ void YamlReader::choice(std::string_view key, std::string& value, const std::vec
   }
 }
 
+void YamlReader::numbers(std::string_view key, std::span<double> values, Range range, std::string_view) {
+  const YamlNode* node = take(key, one_or_list(values.size(), "finite numbers", range));
+  if (node == nullptr) return;
+  if (const auto read = list(*node, path_of(key), values.size(), range)) {
+    std::copy(read->begin(), read->end(), values.begin());
+  }
+}
+
+void YamlReader::point_list(std::string_view key, std::vector<double>& values, std::size_t dimension,
+                            Range range, std::string_view doc) {
+  std::vector<std::vector<double>> read;
+  for (std::size_t i = 0; i < values.size(); i += dimension) {
+    read.emplace_back(values.data() + i, values.data() + i + dimension);
+  }
+  points(key, read, dimension, range, doc);
+  values.clear();
+  for (const auto& point : read) values.insert(values.end(), point.begin(), point.end());
+}
+
+std::vector<std::string> YamlReader::section_keys(std::vector<std::string> current) {
+  return block_.node != nullptr ? block_.node->keys : current;
+}
+
+bool YamlReader::has_section(std::string_view key, bool present) {
+  const bool given = block_.node != nullptr && block_.node->entry(key) != nullptr;
+  if (!given && !present) block_.known.emplace_back(key);
+  return given || present;
+}
+
+std::optional<std::string> YamlReader::file(std::string_view key, std::string_view) {
+  constexpr std::string_view expectation = "the name of a file";
+  const YamlNode* node = take(key, std::string(expectation));
+  if (node == nullptr) return std::nullopt;
+  if (node->kind != Kind::scalar || node->text.empty()) {
+    refuse(*node, path_of(key), std::string(expectation));
+    return std::nullopt;
+  }
+  if (node->mark.line == 0 || folder_.empty() || node->text.front() == '/') return node->text;
+  return folder_ + "/" + node->text;
+}
+
 void YamlReader::reals(std::string_view key, std::vector<double>& value, std::size_t size, Range range,
                        std::string_view) {
   const YamlNode* node = take(key, one_or_list(size, "finite numbers", range));
   if (node == nullptr) return;
-  if (auto values = numbers(*node, path_of(key), size, range)) value = std::move(*values);
+  if (auto values = list(*node, path_of(key), size, range)) value = std::move(*values);
 }
 
 void YamlReader::points(std::string_view key, std::vector<std::vector<double>>& value, std::size_t dimension,
@@ -256,7 +297,7 @@ void YamlReader::points(std::string_view key, std::vector<std::vector<double>>& 
   std::vector<std::vector<double>> values;
   for (std::size_t i = 0; i < node->items.size(); ++i) {
     const std::string path = path_of(key) + "[" + std::to_string(i) + "]";
-    if (auto point = numbers(node->items[i], path, dimension, range)) values.push_back(std::move(*point));
+    if (auto point = list(node->items[i], path, dimension, range)) values.push_back(std::move(*point));
   }
   if (values.size() == node->items.size()) value = std::move(values);
 }

@@ -19,16 +19,17 @@ namespace saccade {
 ///   numbers    decimal, finite, in range, no leading zero, not in quotes; whole ones are digits alone
 ///   booleans   true or false
 ///   text       in quotes where it would read as a number, a boolean or null
-/// A field with a problem keeps its default. `require` is not asked in a block in which a value was refused:
-/// its answer would speak of the default.
+/// A field with a problem keeps its default. `require` is not evaluated in a block with a refused value, whose default
+/// it would judge.
 ///
 ///     YamlReader reader(tree, {"name", "ball.trajectory"});
 ///     describe(reader, scenario);
 ///     reader.finish();
 class YamlReader final : public FieldVisitor {
  public:
-  /// `tree` must outlive the reader. `required`: paths of keys that have no default.
-  explicit YamlReader(const YamlTree& tree, std::vector<std::string> required = {});
+  /// `tree` must outlive the reader. `required`: paths of keys that have no default. Files that the tree names are
+  /// relative to `folder`, those of --set to the working directory.
+  explicit YamlReader(const YamlTree& tree, std::vector<std::string> required = {}, std::string folder = {});
 
   void real(std::string_view key, double& value, Range range, std::string_view doc) override;
   void integer(std::string_view key, std::int64_t& value, Range range, std::string_view doc) override;
@@ -36,6 +37,13 @@ class YamlReader final : public FieldVisitor {
   void text(std::string_view key, std::string& value, std::string_view doc) override;
   void choice(std::string_view key, std::string& value, const std::vector<std::string>& options,
               std::string_view doc) override;
+  void numbers(std::string_view key, std::span<double> values, Range range, std::string_view doc) override;
+  void point_list(std::string_view key, std::vector<double>& values, std::size_t dimension, Range range,
+                  std::string_view doc) override;
+  std::vector<std::string> section_keys(std::vector<std::string> current) override;
+  bool has_section(std::string_view key, bool present) override;
+  [[nodiscard]] bool fills_defaults() const override { return true; }
+  std::optional<std::string> file(std::string_view key, std::string_view doc) override;
   void reals(std::string_view key, std::vector<double>& value, std::size_t size, Range range,
              std::string_view doc) override;
   void points(std::string_view key, std::vector<std::vector<double>>& value, std::size_t dimension,
@@ -63,11 +71,12 @@ class YamlReader final : public FieldVisitor {
   void refuse(const YamlNode& node, std::string_view path, std::string expectation,
               std::string_view note = {});
   std::optional<double> number(const YamlNode& node, std::string_view path, Range range);
-  std::optional<std::vector<double>> numbers(const YamlNode& node, std::string_view path, std::size_t size,
-                                             Range range);
+  std::optional<std::vector<double>> list(const YamlNode& node, std::string_view path, std::size_t size,
+                                          Range range);
   void report_unknown();
 
   const YamlTree& tree_;
+  std::string folder_;
   std::vector<std::string> required_;
   Block block_;
   std::vector<MarkedProblem> problems_;

@@ -30,7 +30,7 @@ std::string number(double value) {
   return text_of(value);
 }
 
-std::string list(const std::vector<double>& values) {
+std::string list(std::span<const double> values) {
   std::string text;
   for (const double value : values) text += (text.empty() ? "" : ", ") + number(value);
   return "[" + text + "]";
@@ -68,6 +68,22 @@ void YamlWriter::text(std::string_view key, std::string& value, std::string_view
 void YamlWriter::choice(std::string_view key, std::string& value, const std::vector<std::string>& options,
                         std::string_view doc) {
   line(key, scalar(value), doc, expectation_of(options));
+}
+
+void YamlWriter::numbers(std::string_view key, std::span<double> values, Range range, std::string_view doc) {
+  line(key, list(values), doc,
+       expectation_of(range, "a list of " + std::to_string(values.size()) + " numbers"));
+}
+
+void YamlWriter::point_list(std::string_view key, std::vector<double>& values, std::size_t dimension,
+                            Range range, std::string_view doc) {
+  const std::string takes =
+      expectation_of(range, "a list of points, each of " + std::to_string(dimension) + " numbers");
+  line(key, values.empty() ? "[]" : "", doc, takes);
+  for (std::size_t i = 0; i < values.size(); i += dimension) {
+    yaml_ += std::string(2 * (depth_ + 1), ' ') + "- " +
+             list(std::span<const double>(values).subspan(i, dimension)) + "\n";
+  }
 }
 
 void YamlWriter::reals(std::string_view key, std::vector<double>& value, std::size_t size, Range range,

@@ -27,6 +27,9 @@ class YamlWriter final : public FieldVisitor {
   void text(std::string_view key, std::string& value, std::string_view doc) override;
   void choice(std::string_view key, std::string& value, const std::vector<std::string>& options,
               std::string_view doc) override;
+  void numbers(std::string_view key, std::span<double> values, Range range, std::string_view doc) override;
+  void point_list(std::string_view key, std::vector<double>& values, std::size_t dimension, Range range,
+                  std::string_view doc) override;
   void reals(std::string_view key, std::vector<double>& value, std::size_t size, Range range,
              std::string_view doc) override;
   void points(std::string_view key, std::vector<std::vector<double>>& value, std::size_t dimension,

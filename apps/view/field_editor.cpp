@@ -100,21 +100,25 @@ void FieldEditor::choice(std::string_view key, std::string& value, const std::ve
   ImGui::EndCombo();
 }
 
-void FieldEditor::reals(std::string_view key, std::vector<double>& value, std::size_t, Range range,
-                        std::string_view doc) {
-  if (is_hidden(key) || value.empty()) return;
+void FieldEditor::numbers(std::string_view key, std::span<double> values, Range range, std::string_view doc) {
+  if (is_hidden(key) || values.empty()) return;
   label(key, doc);
-  std::vector<double> wanted = value;
-  const auto speed = static_cast<float>(0.02 * std::max(1.0, std::abs(value.back())));
+  std::vector<double> wanted(values.begin(), values.end());
+  const auto speed = static_cast<float>(0.02 * std::max(1.0, std::abs(values.back())));
   if (ImGui::DragScalarN(("##" + std::string(key)).c_str(), ImGuiDataType_Double, wanted.data(),
                          static_cast<int>(wanted.size()), speed, &range.min, &range.max, "%.0f")) {
     for (double& number : wanted) number = std::round(number);
-    if (wanted != value && std::ranges::is_sorted(wanted)) {
-      value = wanted;
+    if (!std::ranges::equal(wanted, values) && std::ranges::is_sorted(wanted)) {
+      std::ranges::copy(wanted, values.begin());
       changed_ = true;
     }
   }
   explain(doc);
+}
+
+void FieldEditor::reals(std::string_view key, std::vector<double>& value, std::size_t, Range range,
+                        std::string_view doc) {
+  numbers(key, value, range, doc);
 }
 
 void FieldEditor::section(std::string_view key, const std::function<void(FieldVisitor&)>& describe_section,

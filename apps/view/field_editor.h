@@ -27,6 +27,8 @@ class FieldEditor final : public FieldVisitor {
   void text(std::string_view, std::string&, std::string_view) override {}
   void choice(std::string_view key, std::string& value, const std::vector<std::string>& options,
               std::string_view doc) override;
+  void numbers(std::string_view key, std::span<double> values, Range range, std::string_view doc) override;
+  void point_list(std::string_view, std::vector<double>&, std::size_t, Range, std::string_view) override {}
   void reals(std::string_view key, std::vector<double>& value, std::size_t size, Range range,
              std::string_view doc) override;
   void points(std::string_view, std::vector<std::vector<double>>&, std::size_t, Range,

@@ -10,7 +10,7 @@ namespace saccade {
 /// Cluster tracker (Delbruck and Lang, Frontiers in Neuroscience 7:223, 2013), which the robot goalie follows
 /// its balls with.
 struct ClusterConfig {
-  std::vector<double> radius_px = {10, 35};  ///< smallest and largest size of a cluster
+  std::array<double, 2> radius_px = {10, 35};  ///< smallest and largest size of a cluster
   std::int64_t clusters = 20;                ///< most at a time
   double mixing = 0.01;                      ///< weight of an event against all those before it
   double surround = 2.0;                     ///< reach of a cluster in its own radii

@@ -9,7 +9,7 @@ namespace saccade {
 
 /// Multi-kernel tracker (Lagorce et al., TNNLS 26(8), 2015) with rings as the kernels.
 struct MultiKernelConfig {
-  std::vector<double> radius_px = {10, 35};  ///< smallest and largest radius
+  std::array<double, 2> radius_px = {10, 35};  ///< smallest and largest radius
   double radius_step_px = 2.0;               ///< from one kernel of a tracker to the next
   double ring_px = 3.0;                      ///< half-width of a ring
   double spacing_px = 25.0;                  ///< between the homes of trackers, on a grid over the image

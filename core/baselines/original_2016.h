@@ -14,7 +14,7 @@ namespace saccade {
 /// What the circle detector of the event-driven project did when the paper came out (vCircle, February and
 /// March 2016), where that differs from what the paper says.
 struct Original2016Config {
-  std::vector<double> radius_px = {10, 35};  ///< smallest and largest radius, whole numbers
+  std::array<double, 2> radius_px = {10, 35};  ///< smallest and largest radius, whole numbers
   std::int64_t window_events = 1000;
   double arc_deg = 15.0;               ///< half-width of an arc
   std::int64_t min_inliers = 5;        ///< of the nine events of a patch that must lie on its plane

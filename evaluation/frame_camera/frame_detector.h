@@ -23,7 +23,7 @@ inline constexpr std::string_view frame_detector_name = "frame_30hz";
 
 struct FrameDetectorConfig {
   double exposure_ms = 20.0;                 ///< light is gathered this long for an image
-  std::vector<double> radius_px = {10, 35};  ///< smallest and largest radius in the event camera's image
+  std::array<double, 2> radius_px = {10, 35};  ///< smallest and largest radius in the event camera's image
   double colour_tolerance = 0.2;  ///< distance from the ball's shares of linear red, green and blue
   /// Least roundness: the area of a spot over that of its enclosing circle; of an ellipse, the ratio of its axes.
   double threshold = 0.75;

@@ -205,7 +205,7 @@ TEST_P(EveryDetector, TakesARangeOfRadii) {
   DetectorConfig config = detector_preset(GetParam());
   std::visit([](auto& detector) { detector.radius_px = {4, 25}; }, config.detector);
   EXPECT_NO_THROW(static_cast<void>(make_detector(config, Camera{})));
-  for (const auto& wrong : {std::vector<double>{25, 4}, {4}, {4.5, 25}, {0, 25}, {4, 256}}) {
+  for (const auto& wrong : {std::array<double, 2>{25, 4}, {4.5, 25}, {0, 25}, {4, 256}}) {
     std::visit([&](auto& detector) { detector.radius_px = wrong; }, config.detector);
     EXPECT_THROW(static_cast<void>(make_detector(config, Camera{})), InputError);
   }

@@ -319,7 +319,6 @@ TEST(HoughDetector, NamesTheKeysOfABadConfiguration) {
                 c.radius_px = {10.5, 20};
               }),
               HasSubstr("detector.radius_px: found [10.5, 20]"));
-  EXPECT_THAT(message([](auto& c) { c.radius_px = {10}; }), HasSubstr("expected 2 numbers"));
   EXPECT_EQ(message([](auto& c) {
               c.radius_px = {0, 10};
             }),
