@@ -48,8 +48,8 @@ class Observers final : public LoopObserver {
   std::function<void(const Tick&)> show_;
 };
 
-/// `feed`: to the window; null where there is none.
-int run_scenario(const RunOptions& options, const Scenario& scenario, View::Feed* feed) {
+/// `feed`: to the window; null without one.
+int run_scenario(const RunOptions& options, const Scenario& scenario, RunFeed* feed) {
   const std::filesystem::path folder =
       options.out.empty() ? std::filesystem::path("runs") / scenario.name : options.out;
   const auto seed = static_cast<std::uint64_t>(scenario.seed);
@@ -71,7 +71,7 @@ int run_scenario(const RunOptions& options, const Scenario& scenario, View::Feed
   });
   RunLog log([&](std::int64_t t_us, const std::string& text) { log_file.write(t_us, text); });
   std::function<void(const Tick&)> show;
-  if (feed != nullptr) show = [&](const Tick& tick) { feed->see(tick, robot, loop); };
+  if (feed != nullptr) show = [&](const Tick& tick) { feed->record(tick, robot, loop); };
   Observers observers(recorder, log, std::move(show));
   const std::int64_t end_us = std::llround(scenario.run.duration_s * 1e6);
   const auto begin = std::chrono::steady_clock::now();
@@ -112,7 +112,7 @@ int run(const RunOptions& options) {
   }
   set_rasterisers(scenario.run.threads);
   if (!view) return run_scenario(options, scenario, nullptr);
-  return view->show_run(scenario, [&](View::Feed& feed) { return run_scenario(options, scenario, &feed); });
+  return view->show_run(scenario, [&](RunFeed& feed) { return run_scenario(options, scenario, &feed); });
 }
 
 }  // namespace
@@ -125,7 +125,7 @@ void add_run_command(CommandLine& line) {
   command.option("--seed", options->seed, "Seed, instead of the scenario's");
   command.option("--set", options->assignments, "key.path=value, instead of the scenario's").one_value_each();
   command.flag("--force", options->force, "Replace an earlier run in that folder");
-  command.flag("--view", options->view, "Show it in a window as it goes");
+  command.flag("--view", options->view, "Show the run in a window");
   command.action([options] { return run(*options); });
 }
 

@@ -24,27 +24,28 @@ int view_scenario(const ViewOptions& options) {
   set_rasterisers(1);
   View view(scenario.name, options.pictures);
   set_rasterisers(scenario.run.threads);
-  Player player([&] { return play_scenario(scenario); }, !options.paused);
+  PlayerThread player([&] { return make_scenario_playback(scenario); }, !options.paused);
   view.show(player);
   return 0;
 }
 
 int view_recording(const ViewOptions& options) {
-  NamedDetectors named;
-  std::string driver = "best";
+  NamedDetectors detectors;
+  std::string selected = "best";
   const std::filesystem::path own = options.recording / "scenario.yaml";
   if (options.config.empty() && options.assignments.empty() && std::filesystem::exists(own)) {
     const Scenario scenario = read_scenario(own, {}, std::nullopt);
-    named = scenario.detectors;
-    driver = scenario.gaze.detector;
+    detectors = scenario.detectors;
+    selected = scenario.gaze.detector;
   } else {
-    named = read_detectors(options.config, options.assignments);
+    detectors = read_detectors(options.config, options.assignments);
   }
   std::filesystem::path name = std::filesystem::absolute(options.recording).lexically_normal();
   if (!name.has_filename()) name = name.parent_path();
   set_rasterisers(1);
   View view(std::filesystem::is_directory(name) ? name.filename() : name.stem(), options.pictures);
-  Player player([&] { return play_recording(options, options.truth, named, driver); }, !options.paused);
+  PlayerThread player([&] { return make_recording_playback(options, options.truth, detectors, selected); },
+                      !options.paused);
   view.show(player);
   return 0;
 }
@@ -59,7 +60,7 @@ int view(const ViewOptions& options) {
 
 void add_view_command(CommandLine& line) {
   auto options = std::make_shared<ViewOptions>();
-  Command command = line.add_command("view", "A live window on a scenario, a run folder or a recording");
+  Command command = line.add_command("view", "Show a scenario, a run folder or a recording in a window");
   add_read_options(command, "what", "Scenario (YAML), run folder or event file", *options);
   command.option("--config", options->config, "Detectors (YAML) for a recording");
   command.option("--truth", options->truth, "True circles of a recording, t_us,x_px,y_px,r_px (CSV)");
@@ -69,8 +70,8 @@ void add_view_command(CommandLine& line) {
       .one_value_each();
   command.option("--seed", options->seed, "Seed, instead of the scenario's");
   command.option("--pictures", options->pictures, "Folder for screenshots and videos; . by default");
-  command.flag("--paused", options->paused, "Do not play before told to");
-  command.footer("The window shows its keys (H). It needs an X display; without a screen: xvfb-run.");
+  command.flag("--paused", options->paused, "Start paused");
+  command.footer("H in the window lists its keys. It needs an X display; without a screen use xvfb-run.");
   command.action([options] { return view(*options); });
 }
 

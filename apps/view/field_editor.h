@@ -8,12 +8,12 @@
 
 namespace saccade {
 
-/// Widgets for every key that a config's `describe` tells of: a slider over what is sensible of its range (four times
-/// where it was first, typed with Ctrl-click beyond that), a box, a list of words. Hovering tells what a key means.
+/// Widgets for every key of a config's `describe`: a slider, a box or a list of choices. A slider covers four times the
+/// first value; Ctrl-click types a number beyond that. The tooltip explains the key.
 class FieldEditor final : public FieldVisitor {
  public:
-  /// Draws the widgets of `config`, which they change; true when one of them did. `name` tells apart what has the same
-  /// keys; `hidden` keys are left out.
+  /// Draws the widgets of `config`; true when one of them changed it. `name` identifies the config. `hidden` keys are
+  /// left out.
   template <class Config>
   bool edit(const std::string& name, Config& config, const std::set<std::string>& hidden = {}) {
     begin(name, hidden);
@@ -41,13 +41,13 @@ class FieldEditor final : public FieldVisitor {
   void begin(const std::string& name, const std::set<std::string>& hidden);
   bool end();
   [[nodiscard]] bool is_hidden(std::string_view key) const { return hidden_.contains(std::string(key)); }
-  /// Its name at the left, room for the widget at the right.
+  /// Draws the key at the left and leaves space for the widget at the right.
   void label(std::string_view key, std::string_view doc);
   [[nodiscard]] Range sensible(std::string_view key, double value, Range range);
 
   std::string path_;
   std::set<std::string> hidden_;
-  std::map<std::string, double> first_;  // values, by path
+  std::map<std::string, double> first_;  // first values, by path
   bool changed_ = false;
 };
 

@@ -7,15 +7,15 @@
 
 namespace saccade {
 
-/// A part of the window, px, from its top left corner.
+/// A rectangle in the window, px from its top left corner.
 struct Area {
   float x = 0.0F, y = 0.0F, width = 0.0F, height = 0.0F;
 };
 
-/// Where what is in a window of width x height. Made for 1280 x 720; what is larger goes to pictures and plots.
+/// The places of the panels in a window of width x height px. Designed for 1280 x 720; images and plots get the rest.
 struct ViewLayout {
   static constexpr float gap = 6.0F;
-  static constexpr float caption = 24.0F;  ///< of a panel, above what it shows
+  static constexpr float caption = 24.0F;  ///< height of a panel's caption
   Area bar, scene, eye, hough, detectors, settings, plots, timeline;
 
   ViewLayout(int width, int height) {
@@ -25,9 +25,9 @@ struct ViewLayout {
     bar = {gap, gap, w - 2 * gap, 38.0F};
     timeline = {gap, h - 56.0F - gap, w - 2 * gap, 56.0F};
     const float top = bar.y + bar.height + gap;
-    const float room = timeline.y - gap - top;
-    const float row = std::round(0.66F * room);
-    const float left = w - side - 3 * gap;  // everything but the settings
+    const float height_left = timeline.y - gap - top;
+    const float row = std::round(0.66F * height_left);
+    const float left = w - side - 3 * gap;  // width of all but the settings
     const float eye_side = std::min(row - caption, 0.4F * left);
     const float hough_side = std::clamp(0.6F * eye_side, 200.0F, std::max(200.0F, row - caption - 130.0F));
     const float scene_side = left - eye_side - hough_side - 2 * gap;
@@ -36,11 +36,11 @@ struct ViewLayout {
     const float third = eye.x + eye.width + gap;
     hough = {third, top, hough_side, hough_side + caption};
     detectors = {third, top + hough.height + gap, hough_side, row - hough.height - gap};
-    settings = {third + hough_side + gap, top, side, room};
-    plots = {gap, top + row + gap, left, room - row - gap};
+    settings = {third + hough_side + gap, top, side, height_left};
+    plots = {gap, top + row + gap, left, height_left - row - gap};
   }
 
-  /// Where a picture of that shape lies in a panel: below its caption, as large as it can be, in the middle.
+  /// The place of an image of that size in a panel: below the caption, as large as possible, centred.
   [[nodiscard]] static Area fit(const Area& panel, ImageSize shape) {
     const float height = panel.height - caption;
     const float scale =
@@ -49,7 +49,7 @@ struct ViewLayout {
     const float h = scale * static_cast<float>(shape.height);
     return {panel.x + 0.5F * (panel.width - w), panel.y + caption + 0.5F * (height - h), w, h};
   }
-  /// The part of the timeline that stands for time, from start to end.
+  /// The part of the timeline that shows time from start to end.
   [[nodiscard]] Area time_strip() const {
     return {timeline.x + 8.0F, timeline.y + 6.0F, timeline.width - 16.0F, timeline.height - 26.0F};
   }

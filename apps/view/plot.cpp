@@ -23,14 +23,14 @@ double round_step(double least) {
   return 10.0 * power;
 }
 
-/// A curve's values at the pixel columns of a plot; NaN where there is none.
-std::vector<float> columns_of(const PlotCurve& curve, const Picture& picture, std::size_t count) {
+/// The values of a curve at the pixel columns of a plot; NaN where there is none.
+std::vector<float> columns_of(const PlotCurve& curve, const Snapshot& snapshot, std::size_t count) {
   std::vector<float> values(count, PlotSample::none);
   std::vector<float> sums(count, 0.0F);
   std::vector<int> numbers(count, 0);
-  const double per_us = static_cast<double>(count) / static_cast<double>(Picture::plot_us);
-  const std::int64_t begin_us = picture.now_us - Picture::plot_us;
-  for (const PlotSample& sample : picture.samples) {
+  const double per_us = static_cast<double>(count) / static_cast<double>(Snapshot::plot_us);
+  const std::int64_t begin_us = snapshot.now_us - Snapshot::plot_us;
+  for (const PlotSample& sample : snapshot.samples) {
     const auto column = std::min(
         static_cast<std::size_t>(std::max(0.0, static_cast<double>(sample.t_us - begin_us) * per_us)),
         count - 1);
@@ -54,7 +54,7 @@ cv::Scalar scalar(ImU32 colour) {
 
 }  // namespace
 
-void draw_plot(const Plot& plot, const Area& area, const Picture& picture, cv::Mat& canvas,
+void draw_plot(const Plot& plot, const Area& area, const Snapshot& snapshot, cv::Mat& canvas,
                const Area& origin) {
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   const float font = ImGui::GetFontSize();
@@ -67,7 +67,7 @@ void draw_plot(const Plot& plot, const Area& area, const Picture& picture, cv::M
   double high = plot.high;
   std::vector<std::vector<float>> curves;
   for (const PlotCurve& curve : plot.curves) {
-    curves.push_back(columns_of(curve, picture, count));
+    curves.push_back(columns_of(curve, snapshot, count));
     if (plot.fixed) continue;
     for (const float value : curves.back()) {
       if (std::isfinite(value)) {
@@ -107,8 +107,8 @@ void draw_plot(const Plot& plot, const Area& area, const Picture& picture, cv::M
     const float text_y = std::clamp(y - 0.5F * size.y, box.y - 3.0F, box.y + box.height - size.y + 3.0F);
     draw.AddText({box.x - size.x - 4.0F, text_y}, dim, text.c_str());
   }
-  const double now_s = static_cast<double>(picture.now_us - picture.start_us) * 1e-6;
-  const double span_s = static_cast<double>(Picture::plot_us) * 1e-6;
+  const double now_s = static_cast<double>(snapshot.now_us - snapshot.start_us) * 1e-6;
+  const double span_s = static_cast<double>(Snapshot::plot_us) * 1e-6;
   const auto x_of = [&](double t_s) {
     return box.x + box.width * static_cast<float>(1.0 - (now_s - t_s) / span_s);
   };
@@ -150,7 +150,7 @@ void draw_plot(const Plot& plot, const Area& area, const Picture& picture, cv::M
     flush();
   }
 
-  // Beside the title, or where there is no room inside the plot.
+  // The legend: beside the title, or inside the plot where there is no room.
   constexpr float between = 7.0F;
   float width = 0.0F;
   for (const PlotCurve& curve : plot.curves) {

@@ -7,36 +7,36 @@
 #include <vector>
 
 #include "apps/view/layout.h"
-#include "apps/view/picture.h"
+#include "apps/view/snapshot.h"
 
 namespace saccade {
 
-/// A curve of a plot over the last Picture::plot_us.
+/// A curve over the last Snapshot::plot_us.
 struct PlotCurve {
   enum class Style {
-    line,  ///< broken where there is nothing
+    line,  ///< interrupted at NaN
     dots,
-    mean,  ///< a line through the mean over the time that a pixel stands for
+    mean,  ///< a line through the mean of each pixel column
   };
-  std::string name;         ///< in the plot's legend; empty: not in it
+  std::string name;         ///< in the legend; empty: not there
   unsigned int colour = 0;  ///< ImU32
   Style style = Style::line;
-  std::function<float(const PlotSample&)> value;  ///< NaN: nothing
+  std::function<float(const PlotSample&)> value;  ///< NaN: no value
 };
 
 struct Plot {
   std::string title;  ///< with the unit
-  double low = 0.0;   ///< of the axis; wider where a curve leaves it and `fixed` is not set
+  double low = 0.0;   ///< of the axis; extended to the curves unless `fixed`
   double high = 1.0;
   bool fixed = false;
-  bool downward = false;  ///< low is at the top, as in an image
+  bool downward = false;  ///< low at the top, as in an image
   std::vector<PlotCurve> curves;
 };
 
-/// Draws words into the current ImGui window, and paper, grid and curves into `canvas` (RGB), whose top left corner is
-/// at `origin` in the window: thousands of short lines would cost a software renderer more than everything else.
-/// Time runs from now - Picture::plot_us to now, its labels from the start.
-void draw_plot(const Plot& plot, const Area& area, const Picture& picture, cv::Mat& canvas,
+/// Draws a plot: text into the current ImGui window, grid and curves into `canvas` (RGB), whose top left corner is at
+/// `origin` in the window. (A software renderer draws thousands of short lines slowly.) Time runs from
+/// now - Snapshot::plot_us to now; its labels count from the start.
+void draw_plot(const Plot& plot, const Area& area, const Snapshot& snapshot, cv::Mat& canvas,
                const Area& origin);
 
 }  // namespace saccade

@@ -92,7 +92,7 @@ Window::Window(const std::string& title, int width, int height) {
   const char* display = std::getenv("DISPLAY");
   const std::string found = display == nullptr || *display == '\0' ? "not set" : display;
   if (glfwInit() != GLFW_TRUE) throw InputError("DISPLAY", found, no_display);
-  // Nothing here is drawn with depth; less to clear and to keep.
+  // The window itself is drawn without depth, stencil and alpha.
   for (const int bits : {GLFW_DEPTH_BITS, GLFW_STENCIL_BITS, GLFW_ALPHA_BITS}) glfwWindowHint(bits, 0);
   window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
   if (window_ == nullptr) {
@@ -109,13 +109,13 @@ Window::Window(const std::string& title, int width, int height) {
   gl_ = std::make_unique<Functions>(*this);
   ImGui::CreateContext();
   ImGuiIO& io = ImGui::GetIO();
-  io.IniFilename = nullptr;  // where its panels are is told each time
+  io.IniFilename = nullptr;  // the places of the panels are set each time
   io.ConfigFlags |= ImGuiConfigFlags_NoMouseCursorChange;
   const std::string font = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
   static const ImWchar glyphs[] = {0x20, 0xff, 0x2013, 0x2026, 0x2190, 0x2193, 0};
   if (std::filesystem::exists(font)) io.Fonts->AddFontFromFileTTF(font.c_str(), 14.0F, nullptr, glyphs);
   set_style();
-  // ImGui hands on to callbacks that were there before its own.
+  // ImGui calls the callbacks that were set before its own.
   glfwSetWindowUserPointer(window_, this);
   glfwSetKeyCallback(window_, [](GLFWwindow* window, int code, int, int action, int mods) {
     if (action == GLFW_RELEASE) return;
@@ -148,6 +148,10 @@ void Window::publish() {
 
 bool Window::closed() const { return glfwWindowShouldClose(window_) == GLFW_TRUE; }
 void Window::close() { glfwSetWindowShouldClose(window_, GLFW_TRUE); }
+void Window::hide() {
+  glfwHideWindow(window_);
+  glfwPollEvents();
+}
 
 int Window::width() const {
   int width = 0;
@@ -178,11 +182,11 @@ void Window::end(cv::Mat* grab) {
   ImGui::Render();
   glfwMakeContextCurrent(window_);
   gl_->bind_framebuffer(GL_FRAMEBUFFER, 0);
-  // What MuJoCo leaves switched on.
+  // MuJoCo leaves these enabled.
   gl_->disable(GL_LIGHTING);
   gl_->disable(GL_SCISSOR_TEST);
   gl_->viewport(0, 0, width(), height());
-  gl_->clear_color(0.125F, 0.125F, 0.1325F, 1.0F);  // the panels' ground
+  gl_->clear_color(0.125F, 0.125F, 0.1325F, 1.0F);  // ground of the panels
   gl_->clear(GL_COLOR_BUFFER_BIT);
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   if (grab != nullptr) {

@@ -14,8 +14,8 @@ struct GLFWwindow;
 
 namespace saccade {
 
-/// A window with Dear ImGui in it, and its OpenGL context, which other drawers may use. Its keyboard, mouse and
-/// pictures belong to the thread that made it.
+/// A window with Dear ImGui in it, and its OpenGL context, which other renderers may use. Used from the thread that made
+/// it alone.
 class Window final : public GlContext {
  public:
   /// Throws InputError where there is no display, RunError where it gives no window or no OpenGL.
@@ -24,29 +24,32 @@ class Window final : public GlContext {
 
   void make_current() override;
   [[nodiscard]] void* function(const char* name) const override;
-  /// Before MuJoCo draws here: shows it where OpenGL is, if nothing in the program did.
+  /// Loads libGL so that MuJoCo finds its functions, unless another OpenGL library is loaded. Call it before MuJoCo
+  /// draws here. Throws RunError where there is none.
   void publish();
 
   [[nodiscard]] bool closed() const;
   void close();
+  /// Takes the window off the screen; it stays usable.
+  void hide();
   [[nodiscard]] int width() const;
   [[nodiscard]] int height() const;
 
-  /// A key went down, or was held so long that it repeats.
+  /// A key that was pressed, or that repeats because it is held.
   struct Key {
     int code = 0;  ///< as GLFW numbers keys
     bool shift = false;
     bool repeated = false;
   };
 
-  /// Takes what keyboard and mouse did, having waited for it `timeout_s` at most; then panels may be drawn.
+  /// Reads keyboard and mouse, after waiting up to `timeout_s` for them, and begins a drawing.
   void begin(double timeout_s);
-  /// Pressed since the begin() before, however shortly; none that are typed into a field.
+  /// The keys pressed between the last two begin(), without those typed into a field.
   [[nodiscard]] const std::vector<Key>& keys() const { return keys_; }
-  /// Draws what was made since begin(), shows it, and gives what the window shows now where `grab` is not null: BGR.
+  /// Ends the drawing and shows it. `grab`: receives what the window shows, BGR; may be null.
   void end(cv::Mat* grab);
 
-  /// A picture to be used by ImGui.
+  /// An image for ImGui.
   class Texture {
    public:
     Texture(Window& window, bool smooth);

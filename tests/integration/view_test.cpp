@@ -1,4 +1,4 @@
-// The window on a virtual display, driven by keyboard and mouse, and what it shows then.
+// The window on a virtual display, driven by keyboard and mouse, and its screenshots.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
+#include <future>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 #include <optional>
@@ -17,6 +18,7 @@
 #include <thread>
 
 #include "apps/view/layout.h"
+#include "apps/view/view.h"
 #include "recording/run_files.h"
 #include "tests/integration/run_shell.h"
 #include "tests/recording/temp_folder.h"
@@ -56,7 +58,7 @@ int end_of(pid_t child) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
 }
 
-/// A display that nobody sees, of the size of the window.
+/// A virtual display of the size of the window.
 class Display {
  public:
   explicit Display(const fs::path& folder) {
@@ -104,20 +106,20 @@ class ViewWindow : public testing::Test {
 
   /// Starts saccade and waits for its window.
   void open(const std::string& arguments) {
-    child_ =
-        start("env " + display_->in_shell("'" + binary + "' " + arguments + " >'" + path("said") + "' 2>&1"));
+    child_ = start("env " +
+                   display_->in_shell("'" + binary + "' " + arguments + " >'" + path("output") + "' 2>&1"));
     ASSERT_TRUE(until([&] { return xdotool("search --name 'saccade view' windowfocus").status == 0; }))
-        << bytes_of(path("said"));
+        << bytes_of(path("output"));
   }
   Outcome xdotool(const std::string& what) const { return run_shell(display_->in_shell("xdotool " + what)); }
   void press(const std::string& keys) const { xdotool("key --delay 20 " + keys); }
-  /// Where the timeline stands for that share of the recording.
+  /// Clicks on the timeline at a share of the recording's time.
   void click_time(double share) const {
     const Area strip = layout.time_strip();
     xdotool("mousemove " + std::to_string(std::lround(strip.x + share * strip.width)) + " " +
             std::to_string(std::lround(strip.y + strip.height / 2)) + " sleep 0.1 click 1");
   }
-  /// What the window shows once it knows of all that was done before; BGR.
+  /// What the window shows after all input so far has taken effect; BGR.
   cv::Mat screenshot() {
     press("s");
     const fs::path folder = path("pictures");
@@ -130,14 +132,14 @@ class ViewWindow : public testing::Test {
           files.push_back(entry.path());
       }
       return !files.empty();
-    })) << "no screenshot; said: "
-        << bytes_of(path("said"));
+    })) << "no screenshot; output: "
+        << bytes_of(path("output"));
     if (files.empty()) return cv::Mat(720, 1280, CV_8UC3, cv::Scalar::all(0));
     shots_.insert(files.front());
     newest_shot_ = files.front();
     return cv::imread(files.front().string());
   }
-  /// Of the newest screenshot, which its name tells.
+  /// Time of the newest screenshot, from its name.
   [[nodiscard]] std::int64_t shot_us() const {
     const std::string name = newest_shot_.filename().string();
     const std::size_t end = name.rfind("ms");
@@ -145,7 +147,7 @@ class ViewWindow : public testing::Test {
   }
   void quit() {
     press("q");
-    EXPECT_EQ(end_of(child_), 0) << bytes_of(path("said"));
+    EXPECT_EQ(end_of(child_), 0) << bytes_of(path("output"));
     child_ = 0;
   }
 
@@ -165,7 +167,7 @@ bool same(const cv::Mat& a, const cv::Mat& b, const Area& area) {
   return cv::norm(cut(a, area), cut(b, area), cv::NORM_INF) == 0.0;
 }
 
-/// All that a moment determines: every panel but the bar and the timeline, which tell what was written last.
+/// Compares every panel but the bar and the timeline, which also show the name of the last file.
 bool same_moment(const cv::Mat& a, const cv::Mat& b) {
   for (const Area& area : {layout.scene, layout.eye, layout.hough, layout.detectors, layout.plots}) {
     if (!same(a, b, area)) return false;
@@ -175,7 +177,7 @@ bool same_moment(const cv::Mat& a, const cv::Mat& b) {
 
 bool is_event(const cv::Vec3b& bgr) { return std::abs(bgr[2] - bgr[0]) > 60; }
 
-/// The share of pixels around a circle's outline that show events; of all pixels where `circle` is none.
+/// The share of the pixels on a circle's outline that show events; of all pixels without a circle.
 double share_of_events(const cv::Mat& shot, const std::optional<Circle>& circle) {
   const Area at = ViewLayout::fit(layout.eye, image);
   const float scale = at.width / static_cast<float>(image.width);
@@ -193,7 +195,7 @@ double share_of_events(const cv::Mat& shot, const std::optional<Circle>& circle)
   return static_cast<double>(events) / all;
 }
 
-/// How many pixels of the eye's picture have the first detector's colour.
+/// Number of pixels in the eye panel with the first detector's colour.
 int pixels_of_first_detector(const cv::Mat& shot) {
   const cv::Mat eye = cut(shot, ViewLayout::fit(layout.eye, image));
   int count = 0;
@@ -202,7 +204,7 @@ int pixels_of_first_detector(const cv::Mat& shot) {
   return count;
 }
 
-TEST_F(ViewWindow, showsARecordedRunGoesToAndFroInItAndObeys) {
+TEST_F(ViewWindow, showsARecordedRunSeeksInItAndAppliesSettings) {
   ASSERT_EQ(run_shell("'" + binary + "' run '" + scenarios +
                       "hand_move.yaml' --set run.duration_s=0.8 --set output.pictures=0 --set expect={} "
                       "--set 'detectors={best: {radius_px: [4, 14]}, paper_directed: {radius_px: [4, 14]}}' "
@@ -245,36 +247,41 @@ TEST_F(ViewWindow, showsARecordedRunGoesToAndFroInItAndObeys) {
   press("Left shift+Left shift+Left");
   EXPECT_TRUE(same_moment(first, screenshot())) << "stepped back";
   click_time(0.2);
-  EXPECT_FALSE(same(first, screenshot(), layout.scene)) << "the hand was elsewhere";
+  EXPECT_FALSE(same(first, screenshot(), layout.scene)) << "the hand is elsewhere";
   click_time(0.75);
-  EXPECT_TRUE(same_moment(first, screenshot())) << "scrubbed back and forth";
+  EXPECT_TRUE(same_moment(first, screenshot())) << "sought back and forth";
 
   std::string up;
   for (int i = 0; i < 30; ++i) up += "bracketright ";
   press(up);
   const cv::Mat strict = screenshot();
   EXPECT_EQ(pixels_of_first_detector(strict), 0) << "no score reaches the threshold";
-  EXPECT_FALSE(same(first, strict, layout.settings)) << "the slider went along";
+  EXPECT_FALSE(same(first, strict, layout.settings)) << "the slider follows";
 
   press("2");
   const cv::Mat other = screenshot();
   EXPECT_FALSE(same(strict, other, layout.hough)) << "the other detector's Hough space";
   EXPECT_TRUE(same(strict, other, layout.scene));
   quit();
-  EXPECT_THAT(bytes_of(path("said")), HasSubstr("pictures in"));
+  EXPECT_THAT(bytes_of(path("output")), HasSubstr("drew the window"));
 }
 
-TEST_F(ViewWindow, playsAScenarioAndFilmsIt) {
+TEST_F(ViewWindow, playsAScenarioAndWritesAVideo) {
   open("view '" + scenarios + "look_at_ball.yaml' --paused --pictures '" + path("pictures") + "'");
   press("shift+Right");
   const cv::Mat start = screenshot();
   press("v");
   press("space");
-  std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+  cv::Mat later;
+  // Until the playback has moved on and 5 images of the video are due.
+  const auto filming = std::chrono::steady_clock::now();
+  ASSERT_TRUE(until([&] {
+    later = screenshot();
+    return shot_us() > 10'000 && std::chrono::steady_clock::now() - filming > std::chrono::milliseconds(400);
+  }));
   press("space");
   press("v");
-  const cv::Mat later = screenshot();
-  EXPECT_GT(shot_us(), 10'000);
+  later = screenshot();
   EXPECT_FALSE(same(start, later, layout.eye));
   EXPECT_FALSE(same(start, later, layout.plots));
   quit();
@@ -287,27 +294,79 @@ TEST_F(ViewWindow, playsAScenarioAndFilmsIt) {
   EXPECT_GT(cv::mean(frame)[0], 10.0);
 }
 
-TEST_F(ViewWindow, aRunThatIsWatchedHasTheSameBytesAndOutlivesItsWindow) {
+TEST_F(ViewWindow, aRunBesideTheWindowWritesTheSameFilesAndOutlivesTheWindow) {
   const std::string run =
       "'" + scenarios +
       "look_at_ball.yaml' --set run.duration_s=1.5 --set output.pictures=0 --set expect={} "
       "--seed 3 --out ";
   ASSERT_EQ(run_shell(display_->in_shell("'" + binary + "' run " + run + path("alone"))).status, 0);
-  open("run --view " + run + path("watched"));
+  open("run --view " + run + path("viewed"));
   press("q");
   EXPECT_TRUE(until([&] { return xdotool("search --name 'saccade view'").status != 0; })) << "it closes";
-  EXPECT_EQ(end_of(child_), 0) << bytes_of(path("said"));
+  EXPECT_EQ(end_of(child_), 0) << bytes_of(path("output"));
   child_ = 0;
   for (const char* file :
        {"events.aedat", "detections.csv", "gaze.csv", "truth.csv", "joints.csv", "eye.csv"}) {
     const std::string alone = bytes_of(folder_ / "alone" / file);
     EXPECT_GT(alone.size(), 100U) << file;
-    EXPECT_TRUE(alone == bytes_of(folder_ / "watched" / file)) << file << " differs";
+    EXPECT_TRUE(alone == bytes_of(folder_ / "viewed" / file)) << file << " differs";
   }
-  EXPECT_TRUE(fs::exists(path("watched/report.html")));
+  EXPECT_TRUE(fs::exists(path("viewed/report.html")));
 }
 
-TEST(ViewCommand, saysWhatIsMissingWhereThereIsNoDisplay) {
+TEST_F(ViewWindow, theShippedScenarioWithoutDetectorsOpensAndAcceptsEveryKey) {
+  open("view '" + scenarios + "calibrate_left.yaml' --paused --pictures '" + path("pictures") + "'");
+  press("shift+Right bracketright bracketleft 1 2 c i h h");
+  EXPECT_EQ(screenshot().size(), cv::Size(1280, 720));
+  quit();
+}
+
+TEST_F(ViewWindow, aResizedWindowShowsAScenarioAfterTwoRestarts) {
+  open("view '" + scenarios + "look_at_ball.yaml' --paused --set render.supersampling=1 --pictures '" +
+       path("pictures") + "'");
+  for (int i = 0; i < 3; ++i) {
+    press("shift+Right");
+    screenshot();
+    press("Home");
+    screenshot();
+  }
+  ASSERT_EQ(xdotool("search --name 'saccade view' windowsize --sync 1100 660").status, 0);
+  ASSERT_TRUE(until([&] { return screenshot().size() == cv::Size(1100, 660); }));
+  quit();
+}
+
+TEST_F(ViewWindow, aRunThatFailsClosesItsWindowAndReportsTheError) {
+  // A file may have 64 blocks of 1024 bytes; writing more fails.
+  const std::string command = "run --view '" + scenarios +
+                              "look_at_ball.yaml' --set expect={} --set output.pictures=0 "
+                              "--set render.supersampling=1 --out '" +
+                              path("run") + "'";
+  child_ = start("bash -c \"trap '' XFSZ; ulimit -f 64; exec env " +
+                 display_->in_shell("'" + binary + "' " + command) + " >'" + path("output") + "' 2>&1\"");
+  EXPECT_EQ(end_of(child_), 1) << bytes_of(path("output"));
+  child_ = 0;
+  EXPECT_THAT(bytes_of(path("output")), HasSubstr("saccade: "));
+}
+
+TEST_F(ViewWindow, theWindowCanBeClosedBeforeThePlaybackHasBeenMade) {
+  setenv("DISPLAY", display_->name().c_str(), 1);
+  std::promise<void> closed;
+  View view("slow", path("pictures"));
+  PlayerThread player(
+      [&]() -> std::unique_ptr<Playback> {
+        closed.get_future().wait();
+        throw InputError("recording", "this one", "another one");
+      },
+      true);
+  std::thread user([&] {
+    EXPECT_TRUE(until([&] { return xdotool("search --name 'saccade view' windowfocus key q").status == 0; }));
+  });
+  view.show(player);  // returns although the playback is still being made
+  user.join();
+  closed.set_value();
+}
+
+TEST(ViewCommand, withoutADisplayTheErrorNamesTheRemedy) {
   for (const std::string what : {"view ", "run --view "}) {
     const Outcome outcome = run_shell("env -u DISPLAY -u WAYLAND_DISPLAY '" + binary + "' " + what + "'" +
                                       scenarios + "look_at_ball.yaml'");

@@ -1,4 +1,4 @@
-#include "apps/view/pixels.h"
+#include "apps/view/images.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,12 +13,12 @@ std::uint8_t mix(std::uint8_t from, std::uint8_t to, double share) {
   return static_cast<std::uint8_t>(std::lround(from + share * (to - from)));
 }
 
-std::span<const Event> newest(const Picture& picture, std::int64_t span_us) {
-  const auto begin = std::ranges::upper_bound(picture.events, picture.now_us - span_us, {}, &Event::t_us);
-  return {begin, picture.events.end()};
+std::span<const Event> newest(const Snapshot& snapshot, std::int64_t span_us) {
+  const auto begin = std::ranges::upper_bound(snapshot.events, snapshot.now_us - span_us, {}, &Event::t_us);
+  return {begin, snapshot.events.end()};
 }
 
-/// The camera of the box of events, which stands at the origin with sides from -1 to 1.
+/// Projects the box of events, which is centred at the origin with sides from -1 to 1.
 class BoxView {
  public:
   BoxView(double azimuth_rad, double elevation_rad, ImageSize size, double aspect)
@@ -49,37 +49,36 @@ class BoxView {
 
 }  // namespace
 
-void paint_eye(const Picture& picture, std::int64_t fade_us, bool with_image, RgbImage& rgb) {
-  const auto pixels = static_cast<std::size_t>(picture.camera.size.pixels());
+void paint_eye(const Snapshot& snapshot, std::int64_t fade_us, bool with_image, RgbImage& rgb) {
+  const auto pixels = static_cast<std::size_t>(snapshot.camera.size.pixels());
   rgb.resize(3 * pixels);
-  const bool image = with_image && picture.grey.size() == pixels;
+  const bool image = with_image && snapshot.grey.size() == pixels;
   for (std::size_t i = 0; i < pixels; ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
-      // Linear luminance, brought to what a screen shows, and darkened.
-      rgb[3 * i + c] = image ? static_cast<std::uint8_t>(8.5 * std::sqrt(picture.grey[i])) : ground[c];
+      // From linear luminance to screen values, darkened.
+      rgb[3 * i + c] = image ? static_cast<std::uint8_t>(8.5 * std::sqrt(snapshot.grey[i])) : ground[c];
     }
   }
-  for (const Event& event : newest(picture, fade_us)) {
-    if (!picture.camera.size.contains(event.x, event.y)) continue;
-    const double age = static_cast<double>(picture.now_us - event.t_us) / static_cast<double>(fade_us);
+  for (const Event& event : newest(snapshot, fade_us)) {
+    if (!snapshot.camera.size.contains(event.x, event.y)) continue;
+    const double age = static_cast<double>(snapshot.now_us - event.t_us) / static_cast<double>(fade_us);
     const Rgb& colour = event.on ? on_rgb : off_rgb;
-    std::uint8_t* pixel = rgb.data() + 3 * (event.y * picture.camera.size.width + event.x);
-    const bool lit = image;
+    std::uint8_t* pixel = rgb.data() + 3 * (event.y * snapshot.camera.size.width + event.x);
     for (std::size_t c = 0; c < 3; ++c)
-      pixel[c] = mix(lit ? 40 : ground[c], colour[c], 1.0 - 0.88 * std::max(age, 0.0));
+      pixel[c] = mix(image ? 40 : ground[c], colour[c], 1.0 - 0.88 * std::max(age, 0.0));
   }
 }
 
-void paint_hough(const Picture& picture, RgbImage& rgb) {
-  const auto pixels = static_cast<std::size_t>(picture.camera.size.pixels());
+void paint_hough(const Snapshot& snapshot, RgbImage& rgb) {
+  const auto pixels = static_cast<std::size_t>(snapshot.camera.size.pixels());
   rgb.assign(3 * pixels, 0);
-  if (picture.hough.size() != pixels) return;
-  const float strongest = *std::ranges::max_element(picture.hough);
+  if (snapshot.hough.size() != pixels) return;
+  const float strongest = *std::ranges::max_element(snapshot.hough);
   if (!(strongest > 0.0F)) return;
   cv::Mat grey(1, static_cast<int>(pixels), CV_8UC1);
   for (std::size_t i = 0; i < pixels; ++i)
     grey.data[i] =
-        static_cast<std::uint8_t>(std::lround(255.0F * std::max(0.0F, picture.hough[i]) / strongest));
+        static_cast<std::uint8_t>(std::lround(255.0F * std::max(0.0F, snapshot.hough[i]) / strongest));
   cv::Mat heat;
   cv::applyColorMap(grey, heat, cv::COLORMAP_INFERNO);
   for (std::size_t i = 0; i < pixels; ++i) {
@@ -87,31 +86,31 @@ void paint_hough(const Picture& picture, RgbImage& rgb) {
   }
 }
 
-void paint_overview(std::span<const float> parts, ImageSize size, RgbImage& rgb) {
+void paint_event_counts(std::span<const float> counts, ImageSize size, RgbImage& rgb) {
   rgb.resize(3 * static_cast<std::size_t>(size.pixels()));
   cv::Mat canvas(size.height, size.width, CV_8UC3, rgb.data());
   canvas = cv::Scalar(22, 22, 24);
-  const float most = std::max(1.0F, *std::ranges::max_element(parts));
+  const float most = std::max(1.0F, *std::ranges::max_element(counts));
   for (int x = 0; x < size.width; ++x) {
     const std::size_t part =
-        static_cast<std::size_t>(x) * parts.size() / static_cast<std::size_t>(size.width);
-    const int height = static_cast<int>(std::lround(static_cast<float>(size.height) * parts[part] / most));
+        static_cast<std::size_t>(x) * counts.size() / static_cast<std::size_t>(size.width);
+    const int height = static_cast<int>(std::lround(static_cast<float>(size.height) * counts[part] / most));
     if (height > 0) canvas(cv::Rect(x, size.height - height, 1, height)) = cv::Scalar(112, 116, 122);
   }
 }
 
-void paint_cloud(const Picture& picture, std::int64_t span_us, double azimuth_rad, double elevation_rad,
-                 ImageSize size, RgbImage& rgb) {
+void paint_event_cloud(const Snapshot& snapshot, std::int64_t span_us, double azimuth_rad,
+                       double elevation_rad, ImageSize size, RgbImage& rgb) {
   rgb.resize(3 * static_cast<std::size_t>(size.pixels()));
   cv::Mat canvas(size.height, size.width, CV_8UC3, rgb.data());
   canvas = cv::Scalar(ground[0], ground[1], ground[2]);
-  const ImageSize image = picture.camera.size;
+  const ImageSize image = snapshot.camera.size;
   const BoxView view(azimuth_rad, elevation_rad, size, static_cast<double>(image.width) / image.height);
-  const std::span<const Event> events = newest(picture, span_us);
+  const std::span<const Event> events = newest(snapshot, span_us);
   const std::size_t stride = std::max<std::size_t>(1, events.size() / 30'000);
   for (std::size_t i = 0; i < events.size(); i += stride) {
     const Event& event = events[i];
-    const double age = static_cast<double>(picture.now_us - event.t_us) / static_cast<double>(span_us);
+    const double age = static_cast<double>(snapshot.now_us - event.t_us) / static_cast<double>(span_us);
     const cv::Point2d at =
         view.place(2.0 * event.x / image.width - 1.0, 2.0 * event.y / image.height - 1.0, 1.0 - 2.0 * age);
     const int x = static_cast<int>(at.x);

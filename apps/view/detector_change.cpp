@@ -1,0 +1,65 @@
+#include "apps/view/detector_change.h"
+
+#include <algorithm>
+
+#include "core/error.h"
+
+namespace saccade {
+namespace {
+
+bool same_config(const DetectorConfig& a, const DetectorConfig& b) {
+  return resolved_detectors({{"", a}}) == resolved_detectors({{"", b}});
+}
+
+/// Processes the inputs of the history.
+DetectorOutput warm_up(const std::string& name, Detector& detector, const LoopHistory& history,
+                       const MountedCamera& camera, Eye eye) {
+  DetectorOutput output{name, {}, detector.threshold()};
+  for (const auto& input : history.inputs()) {
+    std::optional<CameraMotion> motion;
+    if (input->head && is_finite(*input->head))
+      motion = camera_motion(*input->head, eye, camera.mount.eye_from_camera());
+    detector.process(input->events, motion ? &*motion : nullptr);
+    detector.advance_to(input->t_us, motion ? &*motion : nullptr);
+    output.tick.estimate = detector.estimate();
+    output.tick.observed =
+        output.tick.estimate.valid && (!input->events.empty() || output.tick.estimate.held);
+  }
+  return output;
+}
+
+}  // namespace
+
+std::vector<LoopDetector> copies(std::span<const LoopDetector> detectors) {
+  std::vector<LoopDetector> copied;
+  for (const LoopDetector& detector : detectors) copied.push_back({detector.name, detector.detector->copy()});
+  return copied;
+}
+
+ChangedDetectors change_detectors(const ViewSettings& settings, const ViewSettings& before, const Loop& loop,
+                                  const LoopHistory& history, const MountedCamera& camera, Eye eye) {
+  ChangedDetectors changed;
+  for (const ViewDetector& wanted : settings.detectors) {
+    if (!wanted.enabled) continue;
+    const auto has_name = [&](const auto& other) { return other.name == wanted.name; };
+    const bool unchanged = std::ranges::any_of(before.detectors, [&](const ViewDetector& other) {
+      return other.enabled && has_name(other) && same_config(other.config, wanted.config);
+    });
+    if (unchanged) {
+      const auto it = std::ranges::find_if(loop.detectors(), has_name);
+      SACCADE_CHECK(it != loop.detectors().end());
+      changed.detectors.push_back({wanted.name, it->detector->copy()});
+      const auto output = std::ranges::find_if(history.outputs(), has_name);
+      changed.outputs.push_back(output != history.outputs().end()
+                                    ? *output
+                                    : DetectorOutput{wanted.name, {}, it->detector->threshold()});
+      continue;
+    }
+    auto detector = make_detector(wanted.config, camera.camera);
+    changed.outputs.push_back(warm_up(wanted.name, *detector, history, camera, eye));
+    changed.detectors.push_back({wanted.name, std::move(detector)});
+  }
+  return changed;
+}
+
+}  // namespace saccade

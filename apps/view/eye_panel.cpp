@@ -1,0 +1,65 @@
+#include <fmt/format.h>
+
+#include "apps/view/colours.h"
+#include "apps/view/panel.h"
+#include "apps/view/panels.h"
+
+namespace saccade {
+namespace {
+
+/// Circles, gaze target and optical axis over the eye's image at `at`.
+void draw_marks(const Area& at, const Snapshot& snapshot, const ViewState& state) {
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  draw.PushClipRect({at.x, at.y}, {at.x + at.width, at.y + at.height}, true);
+  const float scale = at.width / static_cast<float>(snapshot.camera.size.width);
+  const auto place = [&](double x_px, double y_px) {
+    return ImVec2(at.x + scale * static_cast<float>(x_px + 0.5),
+                  at.y + scale * static_cast<float>(y_px + 0.5));
+  };
+  const auto circle = [&](const Circle& c, ImU32 colour, float width) {
+    draw.AddCircle(place(c.x_px, c.y_px), scale * static_cast<float>(c.r_px), colour, 64, width);
+  };
+  if (snapshot.truth && snapshot.truth->circle) {
+    circle(*snapshot.truth->circle, colours::rim, 4.0F);
+    circle(*snapshot.truth->circle, colours::truth, 1.6F);
+  }
+  for (const DetectorOutput& output : snapshot.outputs) {
+    if (!state.with_circles || !output.tick.observed || output.tick.estimate.score < output.threshold)
+      continue;
+    circle(output.tick.estimate.circle, colours::detector(state.settings, output.name),
+           &output == snapshot.selected_output() ? 2.6F : 1.4F);
+  }
+  if (snapshot.truth && snapshot.truth->target_px) {
+    const ImVec2 c = place(snapshot.truth->target_px->x(), snapshot.truth->target_px->y());
+    for (const auto& [colour, width] : {std::pair{colours::rim, 4.0F}, {colours::target, 2.0F}})
+      draw.AddQuad({c.x - 7, c.y}, {c.x, c.y - 7}, {c.x + 7, c.y}, {c.x, c.y + 7}, colour, width);
+  }
+  if (snapshot.truth && snapshot.truth->root_from_cam) {
+    const ImVec2 c = place(snapshot.camera.cx_px, snapshot.camera.cy_px);
+    for (const auto& [colour, width] : {std::pair{colours::rim, 3.0F}, {colours::gaze, 1.2F}}) {
+      draw.AddLine({c.x - 6, c.y}, {c.x + 6, c.y}, colour, width);
+      draw.AddLine({c.x, c.y - 6}, {c.x, c.y + 6}, colour, width);
+    }
+  }
+  draw.PopClipRect();
+}
+
+}  // namespace
+
+void EyePanel::draw(const Area& area, const Snapshot& snapshot, ViewState& state) {
+  paint_eye(snapshot, state.fade_ms * 1000, state.with_image, rgb_);
+  texture_.set(snapshot.camera.size, rgb_);
+  const Panel panel("eye", area);
+  draw_caption(area, fmt::format("Eye, events of {} ms", state.fade_ms));
+  Legend legend(area);
+  if (snapshot.truth && snapshot.truth->target_px)
+    legend.add("target", colours::target, Legend::Mark::diamond);
+  if (snapshot.truth && snapshot.truth->circle) legend.add("truth", colours::truth, Legend::Mark::circle);
+  legend.add("OFF", colours::of_rgb(off_rgb), Legend::Mark::square);
+  legend.add("ON", colours::of_rgb(on_rgb), Legend::Mark::square);
+  const Area at = ViewLayout::fit(area, snapshot.camera.size);
+  draw_texture(texture_, at);
+  draw_marks(at, snapshot, state);
+}
+
+}  // namespace saccade

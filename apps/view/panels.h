@@ -1,0 +1,67 @@
+#pragma once
+
+#include "apps/view/images.h"
+#include "apps/view/layout.h"
+#include "apps/view/snapshot.h"
+#include "apps/view/view_state.h"
+#include "apps/view/window.h"
+
+namespace saccade {
+
+/// The panels of the window. Each draws a snapshot and the state, changes the state where a user edits it, and appends
+/// the actions that he asks for. Those with images own a texture.
+
+/// Buttons, speed, time, phase of the gaze. In bar_panel.cpp.
+void draw_bar_panel(const Area& area, const Snapshot& snapshot, ViewState& state);
+
+/// Names, scores and colours of the detectors. In detectors_panel.cpp.
+void draw_detectors_panel(const Area& area, const Snapshot& snapshot, ViewState& state);
+
+/// The list of keys, where ViewState::help is set, in the middle of a window of width x height. In help_panel.cpp.
+void draw_help(int width, int height, ViewState& state);
+
+/// Events, camera image, circles and target. In eye_panel.cpp.
+class EyePanel {
+ public:
+  explicit EyePanel(Window& window) : texture_(window, false) {}
+  void draw(const Area& area, const Snapshot& snapshot, ViewState& state);
+
+ private:
+  Window::Texture texture_;
+  RgbImage rgb_;
+};
+
+/// The Hough space of the selected detector. In hough_panel.cpp.
+class HoughPanel {
+ public:
+  explicit HoughPanel(Window& window) : texture_(window, false) {}
+  void draw(const Area& area, const Snapshot& snapshot);
+
+ private:
+  Window::Texture texture_;
+  RgbImage rgb_;
+};
+
+/// Curves of the last seconds. In plots_panel.cpp.
+class PlotsPanel {
+ public:
+  explicit PlotsPanel(Window& window) : texture_(window, false) {}
+  void draw(const Area& area, const Snapshot& snapshot, const ViewState& state);
+
+ private:
+  Window::Texture texture_;
+};
+
+/// Time and events of the recording; a drag seeks. In timeline_panel.cpp.
+class TimelinePanel {
+ public:
+  explicit TimelinePanel(Window& window) : texture_(window, false) {}
+  void draw(const ViewLayout& layout, const Snapshot& snapshot, ViewState& state);
+
+ private:
+  Window::Texture texture_;
+  ImageSize size_;
+  RgbImage rgb_;
+};
+
+}  // namespace saccade

@@ -1,0 +1,122 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <utility>
+
+#include "apps/view/colours.h"
+#include "apps/view/panel.h"
+#include "apps/view/panels.h"
+#include "apps/view/plot.h"
+
+namespace saccade {
+namespace {
+
+using enum PlotCurve::Style;
+
+Plot position_plot(std::size_t axis, const Snapshot& snapshot, ImU32 detected, bool truth) {
+  Plot plot;
+  plot.title = axis == 0 ? "x, px" : "y, px";
+  plot.high = axis == 0 ? snapshot.camera.size.width : snapshot.camera.size.height;
+  plot.fixed = true;
+  plot.downward = axis == 1;
+  if (truth)
+    plot.curves.push_back(
+        {"truth", colours::truth, line, [axis](const PlotSample& s) { return s.truth_px[axis]; }});
+  plot.curves.push_back(
+      {"detected", detected, dots, [axis](const PlotSample& s) { return s.detected_px[axis]; }});
+  return plot;
+}
+
+Plot score_plot(ImU32 detected) {
+  Plot plot;
+  plot.title = "score";
+  plot.high = 0.1;
+  plot.curves = {{"threshold", colours::threshold, line, [](const PlotSample& s) { return s.threshold; }},
+                 {"", detected, dots, [](const PlotSample& s) { return s.score; }}};
+  return plot;
+}
+
+Plot event_rate_plot() {
+  Plot plot;
+  plot.title = "events, 1000/s";
+  plot.high = 10.0;
+  plot.curves = {{"", IM_COL32(190, 190, 196, 255), mean, [](const PlotSample& s) { return s.events; }}};
+  return plot;
+}
+
+Plot gaze_error_plot() {
+  Plot plot;
+  plot.title = "gaze error, deg";
+  plot.high = 4.0;
+  plot.curves = {{"", colours::gaze, line, [](const PlotSample& s) { return s.gaze_error_deg; }},
+                 {"2", colours::dim, line, [](const PlotSample&) { return 2.0F; }}};
+  return plot;
+}
+
+Plot joints_plot() {
+  Plot plot;
+  plot.title = "joints, deg";
+  plot.low = -10.0;
+  plot.high = 10.0;
+  const std::array<std::pair<const char*, ImU32>, 6> shown = {{{"pitch", IM_COL32(230, 120, 110, 255)},
+                                                               {"", IM_COL32(200, 130, 200, 255)},
+                                                               {"yaw", IM_COL32(230, 190, 90, 255)},
+                                                               {"tilt", IM_COL32(110, 200, 130, 255)},
+                                                               {"pan", IM_COL32(100, 180, 250, 255)},
+                                                               {"", IM_COL32(150, 150, 230, 255)}}};
+  for (std::size_t j = 0; j < shown.size(); ++j) {
+    const std::size_t joint = torso_joint_count + j;
+    plot.curves.push_back({shown[j].first, shown[j].second, line,
+                           [joint](const PlotSample& s) { return s.joints_deg[joint]; }});
+  }
+  return plot;
+}
+
+/// The plots that have values.
+std::vector<Plot> plots_of(const Snapshot& snapshot, const ViewState& state) {
+  const auto has = [&](const auto& value) {
+    return std::ranges::any_of(snapshot.samples,
+                               [&](const PlotSample& s) { return std::isfinite(value(s)); });
+  };
+  const bool truth = has([](const PlotSample& s) { return s.truth_px[0]; });
+  const ImU32 detected = snapshot.selected_output() != nullptr
+                             ? colours::detector(state.settings, snapshot.selected_output()->name)
+                             : colours::white;
+  std::vector<Plot> plots;
+  for (const std::size_t axis : {0U, 1U}) plots.push_back(position_plot(axis, snapshot, detected, truth));
+  plots.push_back(score_plot(detected));
+  plots.push_back(event_rate_plot());
+  if (has([](const PlotSample& s) { return s.gaze_error_deg; })) plots.push_back(gaze_error_plot());
+  if (!snapshot.samples.empty() && std::isfinite(snapshot.samples.back().joints_deg[0]))
+    plots.push_back(joints_plot());
+  return plots;
+}
+
+}  // namespace
+
+void PlotsPanel::draw(const Area& area, const Snapshot& snapshot, const ViewState& state) {
+  const Panel panel("plots", area);
+  const std::vector<Plot> plots = plots_of(snapshot, state);
+  // Text over the curves.
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  draw.ChannelsSplit(2);
+  draw.ChannelsSetCurrent(1);
+  const ImageSize size{static_cast<int>(area.width) - 8, static_cast<int>(area.height) - 8};
+  const Area inside = {area.x + 4.0F, area.y + 4.0F, static_cast<float>(size.width),
+                       static_cast<float>(size.height)};
+  cv::Mat canvas(size.height, size.width, CV_8UC3, cv::Scalar(32, 32, 34));
+  const auto count = static_cast<float>(plots.size());
+  const float gap = 10.0F;
+  const float width = (inside.width - 8.0F - gap * (count - 1.0F)) / count;
+  for (std::size_t i = 0; i < plots.size(); ++i) {
+    const float x = inside.x + 4.0F + static_cast<float>(i) * (width + gap);
+    draw_plot(plots[i], {x, inside.y, width, inside.height}, snapshot, canvas, inside);
+  }
+  texture_.set(size, std::span(canvas.data, canvas.total() * 3));
+  draw.ChannelsSetCurrent(0);
+  draw_texture(texture_, inside);
+  draw.ChannelsMerge();
+}
+
+}  // namespace saccade

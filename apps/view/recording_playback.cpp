@@ -1,0 +1,171 @@
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+
+#include "apps/config/scenario.h"
+#include "apps/session/scenario_loop.h"
+#include "apps/view/checkpoints.h"
+#include "apps/view/detector_change.h"
+#include "apps/view/memory_reader.h"
+#include "apps/view/playback.h"
+#include "apps/view/recorded_truth.h"
+#include "sim/lab.h"
+
+namespace saccade {
+namespace {
+
+/// The world of a run folder; null where its scenario is missing or of another version.
+std::unique_ptr<World> world_of(const std::filesystem::path& folder) {
+  if (!std::filesystem::exists(folder / "scenario.yaml")) return nullptr;
+  try {
+    const Scenario scenario = read_scenario(folder / "scenario.yaml", {}, std::nullopt);
+    const auto seed = static_cast<std::uint64_t>(scenario.seed);
+    auto world = std::make_unique<World>(scenario.sim.world, lab_mjcf(scenario.sim.lab, seed), seed);
+    paint_lab_textures(world->model(), scenario.sim.lab, seed);
+    return world;
+  } catch (const InputError&) {
+    return nullptr;
+  }
+}
+
+class RecordingPlayback final : public Playback, private LoopObserver {
+ public:
+  RecordingPlayback(const ReadOptions& options, const std::filesystem::path& truth,
+                    const NamedDetectors& detectors, const std::string& selected)
+      : settings_(view_settings(detectors, selected)) {
+    Played played = open_played(options, truth);
+    eye_ = played.eye;
+    camera_ = played.camera;
+    std::int64_t start_us = 0;
+    {
+      ReplayRobot robot(open_event_file(played.events, played.read), std::move(played.head));
+      start_us = robot.now_us();
+      camera_.camera.size = robot.image_size();
+      has_head_ = robot.head() != nullptr;
+      if (has_head_) start_us -= tick_us;  // the first row is of a run's first tick
+      for (std::int64_t t_us = robot.now_us(); robot.wait_until(t_us) == PortStatus::ok; t_us += 100'000) {
+        if (robot.read_until(t_us, events_) == PortStatus::ended) break;
+      }
+    }
+    if (events_.empty()) {
+      throw InputError(options.recording.string(), "no events of the chosen eye",
+                       "a recording with events; saccade info lists what it holds");
+    }
+    truth_ = RecordedTruth(std::move(played.truth), played.chances == Chances::annotated, camera_.camera);
+    std::int64_t last_us = events_.back().t_us;
+    if (is_run_folder(options.recording)) {
+      folder_ = options.recording;
+      if (eye_ == Eye::left) truth_.read_gaze(folder_);
+      last_us = std::max(last_us, truth_.last_us().value_or(last_us));
+      if (has_head_) world_ = world_of(folder_);
+      if (world_) model_ = {world_, &world_->model()};
+    }
+    const std::int64_t ticks = std::max<std::int64_t>(1, (last_us - start_us + tick_us - 1) / tick_us);
+    history_ = LoopHistory(camera_.camera, eye_, start_us, start_us + ticks * tick_us);
+    checkpoints_.emplace(history_);
+    restore(checkpoints_->start());
+  }
+
+  [[nodiscard]] const LoopHistory& history() const override { return history_; }
+
+  bool tick() override {
+    const std::int64_t t_us = history_.now_us() + tick_us;
+    if (t_us > history_.end_us()) return false;
+    loop_->tick(t_us, *this);
+    if (history_.now_us() != t_us) return false;
+    if (reproducible_ && checkpoints_->due(t_us)) checkpoints_->add(history_, loop_->detectors());
+    return true;
+  }
+
+  void restore_before(std::int64_t t_us) override {
+    const Checkpoint& best = checkpoints_->latest_before(t_us);
+    if (history_.now_us() < t_us && history_.now_us() >= best.history.now_us()) return;
+    restore(best);
+  }
+
+  void apply(const ViewSettings& settings) override {
+    ChangedDetectors changed = change_detectors(settings, settings_, *loop_, history_, camera_, eye_);
+    loop_->set_detectors(std::move(changed.detectors), std::nullopt);
+    history_.replace_outputs(std::move(changed.outputs), settings.selected_in_loop());
+    const bool same_detectors =
+        resolved_detectors(settings.enabled()) == resolved_detectors(settings_.enabled());
+    settings_ = settings;
+    if (same_detectors) return;
+    checkpoints_->clear();
+    reproducible_ = false;
+  }
+
+  void fill(Snapshot& snapshot) override {
+    history_.fill(snapshot, *loop_);
+    snapshot.grey.clear();
+    if (!world_) return;
+    snapshot.use_model(model_);
+    JointVector joints = JointVector::Zero();
+    if (!history_.inputs().empty() && history_.inputs().back()->head)
+      joints = history_.inputs().back()->head->position_rad;
+    world_->pose(history_.now_us(), joints, *snapshot.scene);
+  }
+
+  [[nodiscard]] const ViewSettings& settings() const override { return settings_; }
+  [[nodiscard]] std::vector<float> event_counts() const override {
+    std::vector<float> parts(600, 0.0F);
+    const auto start_us = static_cast<double>(history_.start_us());
+    const double span_us = static_cast<double>(history_.end_us()) - start_us;
+    for (const Event& event : events_) {
+      const double share = (static_cast<double>(event.t_us) - start_us) / span_us;
+      const auto part = static_cast<std::size_t>(share * static_cast<double>(parts.size()));
+      parts[std::min(part, parts.size() - 1)] += 1.0F;
+    }
+    return parts;
+  }
+
+ private:
+  void on_tick(const Tick& tick) override {
+    history_.record(tick, truth_.at(tick.t_us), *loop_, settings_.selected_in_loop());
+  }
+
+  void restore(const Checkpoint& checkpoint) {
+    loop_.reset();
+    history_ = checkpoint.history;
+    const std::int64_t now_us = history_.now_us();
+    const auto next = now_us == history_.start_us()
+                          ? events_.begin()
+                          : std::ranges::upper_bound(events_, now_us, {}, &Event::t_us);
+    std::optional<RecordedHead> head;
+    if (has_head_) head.emplace(RecordedHead{TableReader<JointsRow>(folder_ / "joints.csv"), {}});
+    robot_ = std::make_unique<ReplayRobot>(
+        std::make_unique<MemoryReader>(std::span<const Event>(next, events_.end()), camera_.camera.size),
+        std::move(head));
+    robot_->wait_until(now_us);
+    std::vector<LoopDetector> detectors = copies(checkpoint.detectors);
+    if (detectors.empty()) detectors = make_detectors(settings_.enabled(), camera_.camera);
+    loop_.emplace(*robot_, camera_, std::move(detectors), std::nullopt, eye_);
+    reproducible_ = true;
+  }
+
+  ViewSettings settings_;
+  std::filesystem::path folder_;  // of a run; empty for a bare recording
+  Eye eye_ = Eye::left;
+  MountedCamera camera_;
+  bool has_head_ = false;
+  std::vector<Event> events_;
+  RecordedTruth truth_;
+  std::shared_ptr<World> world_;
+  std::shared_ptr<const mjModel> model_;  // of world_
+  LoopHistory history_{Camera{}, Eye::left, 0, 0};
+  std::optional<Checkpoints> checkpoints_;
+  bool reproducible_ = true;  // the detectors are in the state that a run from the start leads to
+  std::unique_ptr<ReplayRobot> robot_;
+  std::optional<Loop> loop_;
+};
+
+}  // namespace
+
+std::unique_ptr<Playback> make_recording_playback(const ReadOptions& options,
+                                                  const std::filesystem::path& truth,
+                                                  const NamedDetectors& detectors,
+                                                  const std::string& selected) {
+  return std::make_unique<RecordingPlayback>(options, truth, detectors, selected);
+}
+
+}  // namespace saccade

@@ -1,0 +1,91 @@
+#include "apps/view/settings_panel.h"
+
+#include <algorithm>
+
+#include "apps/view/panel.h"
+
+namespace saccade {
+namespace {
+
+void draw_display_settings(const Snapshot& snapshot, ViewState& state) {
+  ImGui::TextUnformatted("Display");
+  ImGui::Separator();
+  const auto label = [](const char* text) {
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextUnformatted(text);
+    ImGui::SameLine(124.0F);
+    ImGui::SetNextItemWidth(-1.0F);
+  };
+  label("events");
+  ImGui::SliderInt("##fade", &state.fade_ms, 1, static_cast<int>(Snapshot::events_us / 1000), "%d ms",
+                   ImGuiSliderFlags_Logarithmic);
+  if (!snapshot.grey.empty()) {
+    label("camera image");
+    ImGui::Checkbox("##image", &state.with_image);
+  }
+  label("circles");
+  ImGui::Checkbox("##circles", &state.with_circles);
+}
+
+/// The list of detectors and presets to select from.
+void draw_detector_choice(ViewState& state) {
+  ViewSettings& settings = state.settings;
+  ImGui::SetNextItemWidth(-1.0F);
+  if (!ImGui::BeginCombo("##detector", settings.selected_name().c_str(), ImGuiComboFlags_HeightLarge)) return;
+  for (std::size_t i = 0; i < settings.detectors.size(); ++i) {
+    if (ImGui::Selectable(settings.detectors[i].name.c_str(), i == settings.selected))
+      state.act(Action::Type::select_detector, static_cast<std::int64_t>(i));
+  }
+  ImGui::Separator();
+  for (const std::string& preset : detector_presets()) {
+    if (std::ranges::find(settings.detectors, preset, &ViewDetector::name) != settings.detectors.end())
+      continue;
+    if (!ImGui::Selectable(("add " + preset).c_str())) continue;
+    settings.detectors.push_back({preset, detector_preset(preset), true});
+    state.act(Action::Type::select_detector, static_cast<std::int64_t>(settings.detectors.size()) - 1);
+  }
+  ImGui::EndCombo();
+}
+
+}  // namespace
+
+void SettingsPanel::draw(const Area& area, const Snapshot& snapshot, ViewState& state) {
+  const Panel panel("settings", area, true);
+  if (!state.with_playback) {
+    ImGui::TextWrapped("The window shows a run. Closing it does not stop the run.");
+    ImGui::Dummy({0.0F, 6.0F});
+    draw_display_settings(snapshot, state);
+    return;
+  }
+  draw_configuration(state);
+  ImGui::Dummy({0.0F, 4.0F});
+  draw_display_settings(snapshot, state);
+  if (!snapshot.problem.empty()) {
+    ImGui::Dummy({0.0F, 4.0F});
+    ImGui::PushStyleColor(ImGuiCol_Text, {1.0F, 0.5F, 0.42F, 1.0F});
+    ImGui::TextWrapped("Rejected: %s", snapshot.problem.c_str());
+    ImGui::PopStyleColor();
+  }
+}
+
+void SettingsPanel::draw_configuration(ViewState& state) {
+  ViewSettings& settings = state.settings;
+  ImGui::TextUnformatted(settings.gate ? "Detector that drives the gaze" : "Selected detector");
+  ImGui::Separator();
+  draw_detector_choice(state);
+  bool changed = false;
+  ImGui::PushStyleVar(ImGuiStyleVar_IndentSpacing, 8.0F);
+  if (ViewDetector* selected = settings.selected_detector())
+    changed = editor_.edit(selected->name, selected->config, {"preset"}) || changed;
+  if (settings.controller) {
+    ImGui::Dummy({0.0F, 4.0F});
+    ImGui::TextUnformatted("Gaze");
+    ImGui::Separator();
+    changed = editor_.edit("controller", *settings.controller, {"limits", "script"}) || changed;
+    if (settings.gate) changed = editor_.edit("gate", *settings.gate) || changed;
+  }
+  ImGui::PopStyleVar();
+  if (changed) state.act(Action::Type::apply_settings);
+}
+
+}  // namespace saccade

@@ -1,0 +1,68 @@
+// The table of key bindings, and the documentation of it.
+#include "apps/view/key_bindings.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <set>
+#include <sstream>
+
+namespace saccade {
+namespace {
+
+using Scope = KeyBinding::Scope;
+
+TEST(KeyBindings, noKeyHasTwoActions) {
+  for (const bool with_playback : {false, true}) {
+    std::set<std::pair<int, bool>> taken;
+    for (const KeyBinding& binding : key_bindings()) {
+      if (!binding.holds(with_playback)) continue;
+      for (const KeyAction& key : binding.actions) {
+        for (const bool shift : {false, true}) {
+          if (key.shift.value_or(shift) != shift) continue;
+          EXPECT_TRUE(taken.emplace(key.code, shift).second) << key.name;
+          EXPECT_EQ(action_of_key(key.code, shift, false, with_playback), key.action) << key.name;
+        }
+      }
+    }
+  }
+}
+
+TEST(KeyBindings, aHeldKeyRepeatsOnlyWhereItsBindingSaysSo) {
+  for (const KeyBinding& binding : key_bindings()) {
+    for (const KeyAction& key : binding.actions) {
+      const bool repeats = action_of_key(key.code, key.shift.value_or(false), true, true).has_value();
+      EXPECT_EQ(repeats, binding.repeats && binding.holds(true)) << key.name;
+    }
+  }
+}
+
+TEST(KeyBindings, besideARunThereAreNoKeysOfPlayback) {
+  for (const KeyBinding& binding : key_bindings()) {
+    if (binding.scope != Scope::playback || binding.keys == "Q, Esc") continue;
+    for (const KeyAction& key : binding.actions)
+      EXPECT_FALSE(action_of_key(key.code, key.shift.value_or(false), false, false)) << key.name;
+  }
+}
+
+TEST(KeyBindings, theLineBelowTheTimelineNamesTheKeysOfItsScope) {
+  EXPECT_THAT(key_hints(true), testing::HasSubstr("Space play"));
+  EXPECT_THAT(key_hints(true), testing::HasSubstr("Q quit"));
+  EXPECT_THAT(key_hints(false), testing::Not(testing::HasSubstr("Space")));
+  EXPECT_THAT(key_hints(false), testing::HasSubstr("Q close the window"));
+}
+
+TEST(KeyBindings, theDocumentListsExactlyTheKeysOfTheTable) {
+  std::ifstream file(std::string(SACCADE_SOURCE_DIR) + "/docs/view.md");
+  std::stringstream text;
+  text << file.rdbuf();
+  std::string expected = "| key | action |\n|---|---|\n";
+  for (const KeyBinding& binding : key_bindings())
+    expected += "| " + binding.keys + " | " + binding.meaning +
+                (binding.scope == Scope::run ? " (`run --view`)" : "") + " |\n";
+  EXPECT_THAT(text.str(), testing::HasSubstr(expected));
+}
+
+}  // namespace
+}  // namespace saccade
