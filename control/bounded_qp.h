@@ -1,12 +1,12 @@
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cstdint>
 
 #include "core/error.h"
+#include "core/small_solve.h"
 
 namespace saccade {
 
@@ -66,7 +66,7 @@ class BoundedQp {
         if (is_free(j)) reduced(i, j) = h(i, j);
       }
     }
-    return reduced.llt().solve(right);
+    return cholesky_solution<N>(reduced, right);
   }
 
   /// Goes along `step` up to the first bound, which becomes active. True when there was one.

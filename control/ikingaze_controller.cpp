@@ -1,9 +1,10 @@
 #include "control/ikingaze_controller.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "core/small_solve.h"
 
 namespace saccade {
 namespace {
@@ -194,8 +195,7 @@ IkinGazeController::EyeMotion IkinGazeController::both_eyes(const JointVector& q
   now[eyes_vergence] = std::max(now[eyes_vergence], least_vergence_rad);
   const PointJacobian here = HeadKinematics(now).fixation_jacobian();
   const auto by_eyes = [](const PointJacobian& jacobian, const Eigen::Vector3d& velocity_m_s) -> Eyes {
-    const Eigen::Matrix3d eyes = jacobian.rightCols<3>();
-    return eyes.completeOrthogonalDecomposition().solve(velocity_m_s);
+    return least_norm_solution(Eigen::Matrix3d(jacobian.rightCols<3>()), velocity_m_s);
   };
   return {by_eyes(there.fixation_jacobian(), eye_gain_per_s * (*target_m_ - fixation.point_m)),
           -by_eyes(here, here.middleCols<neck_count>(neck_pitch) * velocity_rad_s_.head<neck_count>())};
@@ -208,7 +208,7 @@ IkinGazeController::EyeMotion IkinGazeController::left_eye(const JointVector& q)
     const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - axis * axis.transpose();
     Eigen::Matrix<double, 3, 2> joints;
     joints << across * head.axis(eyes_tilt), across * head.axis(eyes_version);
-    return joints.completeOrthogonalDecomposition().solve(across * turn);
+    return least_norm_solution(joints, across * turn);
   };
   JointVector planned = q;
   planned.tail<3>() = goal_rad_.tail<3>();
