@@ -1,16 +1,20 @@
 #include "core/ball_tracker.h"
 
-#include <Eigen/Cholesky>
 #include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
+
+#include "core/small_solve.h"
+#include "core/time_stamp.h"
 
 namespace saccade {
 namespace {
 
 constexpr std::int64_t tick_us = 1'000;
 constexpr double tick_s = 1e-3;
+constexpr std::int64_t never_us = std::numeric_limits<std::int64_t>::min();
+constexpr std::int64_t latest_us = std::numeric_limits<std::int64_t>::max();
 constexpr std::int64_t look_following_us = 5'000;
 constexpr std::int64_t look_searching_us = 2'000;
 constexpr double following_score = 0.1;
@@ -85,18 +89,17 @@ BallTracker::BallTracker(const BallTrackerConfig& config, const Camera& camera)
       camera_(camera),
       sieve_(camera.size),
       flow_(config.flow, camera.size),
-      last_event_us_(2 * static_cast<std::size_t>(camera.size.pixels()),
-                     std::numeric_limits<std::int64_t>::min() / 2),
+      last_event_us_(2 * static_cast<std::size_t>(camera.size.pixels()), never_us),
       edges_(camera.size, static_cast<int>(config.edges_per_region)),
       transform_(camera.size, static_cast<int>(config.radius_px[0]), static_cast<int>(config.radius_px[1]),
                  config.arc_deg * std::numbers::pi / 180.0),
-      now_us_(std::numeric_limits<std::int64_t>::min()),
-      last_look_us_(std::numeric_limits<std::int64_t>::min() / 2) {
+      now_us_(never_us),
+      last_look_us_(never_us) {
   rays_.reserve(static_cast<std::size_t>(camera.size.pixels()));
   for (int y = 0; y < camera.size.height; ++y) {
     for (int x = 0; x < camera.size.width; ++x) rays_.push_back(camera.ray(x, y));
   }
-  votes_.reserve(edges_.room());
+  votes_.reserve(edges_.capacity());
   candidates_.reserve(max_candidates);
 }
 
@@ -193,7 +196,7 @@ Circle BallTracker::fit(Circle c, std::int64_t now_us) const {
       ++used;
     });
     if (used < 5) return c;
-    const Eigen::Vector3d step = normal.ldlt().solve(right);
+    const Eigen::Vector3d step = ldlt_solution(normal, right);
     c.x_px += std::clamp(step[0], -1.5, 1.5);
     c.y_px += std::clamp(step[1], -1.5, 1.5);
     c.r_px = std::clamp(c.r_px + std::clamp(step[2], -1.0, 1.0), config_.radius_px[0] - 0.5,
@@ -205,7 +208,7 @@ Circle BallTracker::fit(Circle c, std::int64_t now_us) const {
 bool BallTracker::continues_burst(const Event& event) {
   const int pixel = event.y * camera_.size.width + event.x;
   std::int64_t& last_us = last_event_us_[static_cast<std::size_t>(2 * pixel + (event.on ? 1 : 0))];
-  const bool continues = event.t_us < last_us + config_.burst_us;
+  const bool continues = last_us != never_us && saturated_difference(event.t_us, last_us) < config_.burst_us;
   last_us = event.t_us;
   return continues;
 }
@@ -232,7 +235,7 @@ void BallTracker::process(std::span<const Event> events, const CameraMotion* mot
     const double life_us = std::clamp(config_.crossing_px * slowness, shortest_life_us,
                                       std::max(shortest_life_us, static_cast<double>(config_.longest_us)));
     const Edge edge{
-        event.t_us, event.t_us + static_cast<std::int64_t>(life_us),
+        event.t_us, saturated_sum(event.t_us, static_cast<std::int64_t>(life_us)),
         gradient,   event.x,
         event.y,    static_cast<std::int16_t>(HoughTransform::direction_of(gradient.x(), gradient.y()))};
     edges_.add(edge);
@@ -254,16 +257,20 @@ void BallTracker::advance_to(std::int64_t now_us, const CameraMotion* motion) {
 void BallTracker::run_until(std::int64_t t_us, bool inclusive) {
   if (t_us < now_us_) return;
   now_us_ = t_us;
-  const auto first_tick = [&] { return (t_us / tick_us + 1) * tick_us; };
+  // Ticks are at whole ms. Beyond the latest time stamp that 64 bits hold there is none.
+  const auto first_tick = [&] {
+    const std::int64_t since_tick_us = (t_us % tick_us + tick_us) % tick_us;
+    return saturated_sum(t_us, tick_us - since_tick_us);
+  };
   if (!next_tick_us_) next_tick_us_ = first_tick();
-  while (*next_tick_us_ < t_us + (inclusive ? 1 : 0)) {
+  while (*next_tick_us_ != latest_us && (*next_tick_us_ < t_us || (inclusive && *next_tick_us_ == t_us))) {
     const bool idle = best() == nullptr && edges_.last_dies_us() < *next_tick_us_;
     if (idle && candidates_.empty()) {
       next_tick_us_ = first_tick();
       return;
     }
     tick(*next_tick_us_);
-    *next_tick_us_ += tick_us;
+    *next_tick_us_ = saturated_sum(*next_tick_us_, tick_us);
   }
 }
 
@@ -285,7 +292,8 @@ void BallTracker::tick(std::int64_t now_us) {
     f.alive = inside && static_cast<double>(f.track.silent_us()) <= config_.hold_s * 1e6;
     following = following || (f.alive && f.score > following_score);
   }
-  const std::int64_t since_us = now_us - last_look_us_;
+  const std::int64_t since_us =
+      last_look_us_ == never_us ? latest_us : saturated_difference(now_us, last_look_us_);
   if (since_us < (following ? look_following_us : look_searching_us)) return;
   last_look_us_ = now_us;
   find_candidates(now_us);

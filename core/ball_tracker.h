@@ -14,7 +14,7 @@
 
 namespace saccade {
 
-/// The detector to use: `best`.
+/// Configuration of the recommended detector, `best`.
 struct BallTrackerConfig {
   std::array<double, 2> radius_px = {10, 35};  ///< smallest and largest radius, whole numbers
   double threshold = 0.25;                   ///< score from which on a circle is taken for the ball
@@ -31,8 +31,8 @@ struct BallTrackerConfig {
 /// Keys: radius_px, threshold, arc_deg, flow, burst_us, edges_per_region, crossing_px, longest_us, hold_s.
 void describe(FieldVisitor& v, BallTrackerConfig& config);
 
-/// Follows circles through the moving edges of the image and tells the one that has been the best circle for
-/// a while.
+/// The recommended detector: tracks up to four circles on the moving edges of the image and returns the one with the
+/// highest score.
 ///
 /// 1. Events with a normal flow (plane fit), the first of each burst of a pixel, become edges, kept by region and for as long as they take to move
 ///    on by crossing_px (EdgeMap): thin outlines at any speed, whatever else moves.

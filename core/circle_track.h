@@ -8,8 +8,8 @@
 
 namespace saccade {
 
-/// One circle that is followed: an extended Kalman filter that takes every edge on its outline as a
-/// measurement when it comes (the paper's section V asks for an event-driven filter with outlier rejection).
+/// An extended Kalman filter of one circle. Every edge on the outline is a measurement at its own time (paper, section
+/// V: an event-driven filter with outlier rejection).
 ///
 /// State: centre and radius, px, and their speeds, px/s. The centre's speed is what is left beside the image
 /// motion that the camera's own rotation makes, so that a camera that turns carries the circle along.

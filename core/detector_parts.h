@@ -10,15 +10,14 @@
 
 namespace saccade {
 
-/// The key radius_px that every detector has: smallest and largest radius, whole pixels in [1, 255].
+/// Describes the key radius_px of a detector: smallest and largest radius, whole pixels in [1, 255].
 void describe_radius_px(FieldVisitor& v, std::array<double, 2>& radius_px);
 
-/// The Hough space seen from above: the largest response over all radii at each pixel, row by row. `response`
-/// has one element for each pixel.
+/// Writes the largest response over all radii at each pixel, row by row. `response` has one element for each pixel.
 void largest_response(const HoughTransform& transform, std::span<float> response);
 
-/// Lets through the events that a detector can use, and counts the others: those outside the image, and those
-/// earlier than one let through before. A repeated time stamp is fine.
+/// Accepts the events that a detector can use and counts the others: events outside the image, and events earlier than
+/// the newest accepted one. Equal time stamps are accepted.
 class EventSieve {
  public:
   explicit EventSieve(ImageSize size) : size_(size) {}
@@ -36,10 +35,10 @@ class EventSieve {
     return true;
   }
 
-  /// What accept() would let through of a batch, without counting anything.
+  /// What accept() would accept of a batch. Does not change the counts.
   struct Preview {
     std::int64_t count = 0;
-    std::int64_t newest_us = 0;  ///< of everything so far
+    std::int64_t newest_us = 0;  ///< newest accepted time stamp, earlier batches included
   };
   [[nodiscard]] Preview preview(std::span<const Event> events) const {
     Preview seen{0, newest_us_};

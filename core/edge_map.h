@@ -3,25 +3,26 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "core/event.h"
 
 namespace saccade {
 
-/// An event with the normal flow measured at it: a piece of a moving edge.
+/// A point of a moving edge: an event with the normal flow measured at it.
 struct Edge {
   std::int64_t t_us = 0;
-  std::int64_t dies_us = 0;          ///< by then its edge will have moved on
+  std::int64_t dies_us = 0;          ///< the end of its lifetime: its edge has moved on by then
   Eigen::Vector2d gradient_us_px{};  ///< (dt/dx, dt/dy): along the motion, 1 / speed long
   std::uint16_t x = 0, y = 0;
   std::int16_t direction = 0;  ///< of the gradient, see HoughTransform::direction_of()
 };
 
-/// The moving edges of an image, kept region by region: squares of `region_px` pixels that hold the newest
-/// `capacity` edges each, for as long as these live. What is known of one place does not depend on how many
-/// events the rest of the scene makes, which is what starves a first-in, first-out window while the gaze
-/// follows (paper, section V). Nothing allocates after construction.
+/// The newest edges of each region of the image. Regions are squares of `region_px` pixels. Each holds its newest
+/// `capacity` edges until the end of their lifetimes, so a region is independent of the event rate elsewhere. (A
+/// first-in, first-out window over the whole image loses a ball that moves slowly in the image; paper, section V.)
+/// Does not allocate after construction.
 class EdgeMap {
  public:
   static constexpr int region_px = 8;
@@ -33,18 +34,18 @@ class EdgeMap {
         edges_(static_cast<std::size_t>(columns_ * rows_) * capacity_),
         counts_(static_cast<std::size_t>(columns_ * rows_), 0) {}
 
-  /// (x, y) inside the image.
+  /// The edge lies inside the image.
   void add(const Edge& edge) {
     const std::size_t region = index(edge.x / region_px, edge.y / region_px);
     edges_[region * capacity_ + counts_[region]++ % capacity_] = edge;
     last_dies_us_ = std::max(last_dies_us_, edge.dies_us);
   }
-  /// No edge lives after this instant.
+  /// The end of the last lifetime of all edges added so far, us.
   [[nodiscard]] std::int64_t last_dies_us() const { return last_dies_us_; }
-  /// How many edges it can hold.
-  [[nodiscard]] std::size_t room() const { return edges_.size(); }
+  /// The largest number of edges that the map can hold.
+  [[nodiscard]] std::size_t capacity() const { return edges_.size(); }
 
-  /// Calls f(const Edge&) for every edge that lives at now_us; by regions, row by row.
+  /// Calls f(const Edge&) for every edge whose lifetime has not ended at now_us, region by region in rows.
   template <class Function>
   void for_each(std::int64_t now_us, Function f) const {
     for (std::size_t region = 0; region < counts_.size(); ++region) visit(region, now_us, f);
@@ -79,7 +80,7 @@ class EdgeMap {
   std::size_t capacity_;
   std::vector<Edge> edges_;  // regions x capacity
   std::vector<std::size_t> counts_;
-  std::int64_t last_dies_us_ = 0;
+  std::int64_t last_dies_us_ = std::numeric_limits<std::int64_t>::min();
 };
 
 }  // namespace saccade

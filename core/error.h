@@ -6,17 +6,17 @@
 
 namespace saccade {
 
-/// One thing that is wrong with what a user gave us.
+/// One problem in the input.
 struct Problem {
   std::string place;        ///< file, line and key, or file and byte offset
-  std::string value;        ///< what was found there; empty where nothing was
-  std::string expectation;  ///< what would have been right
+  std::string value;        ///< what was found there; empty if the input is missing
+  std::string expectation;  ///< what was expected instead
 
   /// "place: found VALUE, expected EXPECTATION"
   [[nodiscard]] std::string text() const;
 };
 
-/// Bad input or usage, with every problem found at once. The command ends with status 2.
+/// Bad input or usage, with every problem that was found.
 class InputError : public std::runtime_error {
  public:
   explicit InputError(std::vector<Problem> problems);
@@ -28,7 +28,7 @@ class InputError : public std::runtime_error {
   std::vector<Problem> problems_;
 };
 
-/// The run itself failed (no OpenGL, a full disk, an unstable simulation). The command ends with status 1.
+/// The run cannot continue: no OpenGL, a full disk, an unstable simulation.
 class RunError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -38,6 +38,6 @@ class RunError : public std::runtime_error {
 
 }  // namespace saccade
 
-/// A promise inside the program: checked in every build, aborts with the place when broken.
+/// Checks an invariant in every build. Aborts with file and line if it does not hold.
 #define SACCADE_CHECK(condition) \
   (static_cast<bool>(condition) ? void(0) : ::saccade::abort_broken_invariant(#condition, __FILE__, __LINE__))

@@ -8,8 +8,8 @@ namespace saccade {
 /// One brightness change at one pixel of an event camera (paper, section II-A).
 ///
 /// Time is absolute in the stream's own clock. Pixel (0, 0) is the centre of the top-left pixel, x to
-/// the right, y down. Polarity is ON = brighter = true; formats and wires that invert it are converted
-/// where they are read.
+/// the right, y down. Polarity is ON = brighter = true; readers of formats that invert it
+/// convert it.
 struct Event {
   std::int64_t t_us = 0;
   std::uint16_t x = 0;

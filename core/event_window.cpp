@@ -7,10 +7,9 @@
 namespace saccade {
 namespace {
 
-constexpr std::int64_t forever_us = std::numeric_limits<std::int64_t>::max();
-
+/// The longest lifetime; the largest number where time does not matter.
 std::int64_t longest_us_of(const EventWindowConfig& config) {
-  if (config.kind == "count") return forever_us;
+  if (config.kind == "count") return std::numeric_limits<std::int64_t>::max();
   return config.kind == "time" ? config.duration_us : config.longest_us;
 }
 
@@ -66,7 +65,7 @@ void EventWindow::let_leave(std::int64_t oldest, std::int64_t now_us) {
   for (std::int64_t i = first_; i < seen_ && !(stays && in_order_); ++i) {
     Slot& s = slot(i);
     if (!s.inside) continue;
-    if (i >= oldest && s.until_us > now_us) {
+    if (i >= oldest && is_inside(s.until_us, now_us)) {
       if (!stays) first_ = i;
       stays = true;
       continue;
@@ -92,7 +91,7 @@ EventWindow::Change EventWindow::update(std::int64_t now_us) {
   if (inside_ == 0) first_ = std::max(oldest, seen_);
   for (std::int64_t i = std::max(oldest, seen_); i < received_; ++i) {
     Slot& s = slot(i);
-    if (s.until_us <= now_us) continue;
+    if (!is_inside(s.until_us, now_us)) continue;
     s.inside = true;
     ++inside_;
     entered_.push_back(s.event);

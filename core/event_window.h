@@ -9,6 +9,7 @@
 
 #include "core/config.h"
 #include "core/plane_fit_flow.h"
+#include "core/time_stamp.h"
 
 namespace saccade {
 
@@ -31,52 +32,56 @@ struct EventWindowConfig {
 /// Keys: kind, events; time: duration_us; lifetime: crossing_px, shortest_us, longest_us.
 void describe(FieldVisitor& v, EventWindowConfig& config);
 
-/// An event as it votes.
+/// What a window stores of an event.
 struct WindowEvent {
   std::uint16_t x = 0, y = 0;
-  std::int16_t direction = 0;  ///< for the voter's own use
+  std::int16_t direction = 0;  ///< set and used by the owner of the window
 };
 
-/// Keeps what a lazy voter needs: the events of the window now, as the difference from those at the last
-/// time it asked. An event is inside while fewer than `events` came after it and its lifetime is not over,
-/// which depends on the stream and the time alone, not on when anybody asked: events that came and went in
-/// between cost next to nothing. Nothing allocates after construction.
+/// A sliding window over events. update() returns which events entered and left since the last update().
+///
+/// An event is inside while fewer than `events` newer ones were pushed and its lifetime has not ended. This depends on
+/// the stream and the time only, not on when update() is called. An event that enters and leaves between two updates
+/// is never returned and costs almost nothing. Does not allocate after construction.
 class EventWindow {
  public:
   /// Throws InputError for a configuration out of range.
   explicit EventWindow(const EventWindowConfig& config);
 
   [[nodiscard]] bool needs_flow() const { return config_.kind == "lifetime"; }
-  /// How long an event with this flow stays; 0: it does not enter.
+  /// The lifetime of an event with this flow, us; 0: the event does not enter.
   [[nodiscard]] std::int64_t lifetime_us(const std::optional<NormalFlow>& flow) const;
-  /// True for an event that has left once `newer` more have come and time is `now_us`, whatever its flow.
+  /// True if an event is outside after `newer` more events at `now_us`, whatever its flow.
   [[nodiscard]] bool outlived(std::int64_t t_us, std::int64_t newer, std::int64_t now_us) const {
-    return newer >= config_.events || end_of_stay_us(t_us, longest_us_) <= now_us;
+    return newer >= config_.events || !is_inside(end_of_stay_us(t_us, longest_us_), now_us);
   }
 
-  /// The next event; its time must not be earlier than the last one's. It counts among `events` even where
-  /// its lifetime is 0 and it never enters.
+  /// Adds the next event, not earlier than the last one. An event with a lifetime of 0 never enters, but counts among
+  /// the newest `events`.
   void push(std::int64_t t_us, const WindowEvent& event, std::int64_t lifetime_us);
 
   struct Change {
-    bool all_left = false;              ///< none of those inside before is inside now; then `left` is empty
-    std::span<const WindowEvent> left;  ///< since the last update()
+    bool all_left = false;                 ///< every event that was inside has left; `left` is empty then
+    std::span<const WindowEvent> left;     ///< since the last update()
     std::span<const WindowEvent> entered;  ///< since the last update(), and still inside
     [[nodiscard]] bool none() const { return !all_left && left.empty() && entered.empty(); }
   };
-  /// Brings the window to `now_us`, not earlier than at the last update() nor than any event.
-  /// What it returns is valid until the next one.
+  /// Advances the window to `now_us`, which is not earlier than the last update() and any event. The returned spans are
+  /// valid until the next update().
   [[nodiscard]] Change update(std::int64_t now_us);
 
  private:
+  static constexpr std::int64_t forever_us = std::numeric_limits<std::int64_t>::max();
   struct Slot {
     std::int64_t until_us;  // inside before this instant
     WindowEvent event;
     bool inside;  // as of the last update
   };
   [[nodiscard]] static std::int64_t end_of_stay_us(std::int64_t t_us, std::int64_t lifetime_us) {
-    constexpr std::int64_t last_us = std::numeric_limits<std::int64_t>::max();
-    return t_us > last_us - lifetime_us ? last_us : t_us + lifetime_us;
+    return lifetime_us == forever_us ? forever_us : saturated_sum(t_us, lifetime_us);
+  }
+  [[nodiscard]] static bool is_inside(std::int64_t until_us, std::int64_t now_us) {
+    return until_us > now_us || until_us == forever_us;
   }
   [[nodiscard]] Slot& slot(std::int64_t number) {
     return ring_[static_cast<std::size_t>(number % static_cast<std::int64_t>(ring_.size()))];

@@ -27,11 +27,12 @@ struct HoughDetectorConfig {
 /// Keys: radius_px, window, normalisation, threshold; directed also: arc_deg; directed or with a window by lifetime: flow.
 void describe(FieldVisitor& v, HoughDetectorConfig& config);
 
-/// Every event enters the window, one without flow in the directed detector as well: it takes its place and
-/// does not vote. The estimate is the true maximum of the response over the window at the asked instant,
-/// exactly as if every event had been voted when it came and taken out when it left: votes are cast when an
-/// estimate is asked for, so that events that came and went in between cost next to nothing. Where nothing
-/// votes there is no estimate.
+/// The detectors of the paper: a full or a directed circular Hough transform over a window of events.
+///
+/// Every event enters the window. In the directed detector an event without flow occupies a place and does not vote.
+/// estimate() returns the exact maximum of the response over the events in the window at that instant; it is not valid
+/// if no event votes. Votes are added and removed in estimate() only, so an event that enters and leaves between two
+/// calls costs almost nothing.
 class HoughDetector final : public Detector {
  public:
   /// Throws InputError for a configuration out of range.
@@ -47,7 +48,7 @@ class HoughDetector final : public Detector {
     return std::make_unique<HoughDetector>(*this);
   }
 
-  /// The accumulator as of the last estimate().
+  /// The accumulator at the last estimate().
   [[nodiscard]] const HoughTransform& transform() const { return transform_; }
 
  private:

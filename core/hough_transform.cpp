@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <numbers>
+#include <string>
 #include <tuple>
 #include <utility>
 
@@ -19,8 +21,9 @@ constexpr double edge_rad = 1e-9;
 constexpr int patch_columns = 4;
 constexpr std::size_t patch_cells = 16;
 constexpr int block_rows = 8;
-/// Columns are divided by a block's with a multiplication by 2^40 / block, rounded up: exact below 2^40 / block.
-constexpr int reciprocal_bits = 40;
+/// Columns are divided by the columns of a block with a multiplication by 2^48 / block, rounded up: exact below
+/// 2^48 / block, and the product fits into 64 bits.
+constexpr int reciprocal_bits = 48;
 
 using HalfPatch [[gnu::vector_size(16)]] = std::uint16_t;
 using WholePatch [[gnu::vector_size(32)]] = std::uint16_t;  // only where AVX2 is, and never by value
@@ -115,6 +118,7 @@ int HoughTransform::direction_of(double x, double y) {
   }();
   const double along = std::abs(x);
   const double across = std::abs(y);
+  if (along == 0.0 && across == 0.0) return 0;
   const double tangent = std::min(along, across) / std::max(along, across);
   const int from = table.step_from[static_cast<std::size_t>(tangent * places)];
   const int eighth = from + (tangent >= table.end[static_cast<std::size_t>(from)] ? 1 : 0);
@@ -156,7 +160,14 @@ HoughTransform::HoughTransform(ImageSize size, int r_min, int r_max, double arc_
   margin_ = static_cast<std::size_t>(blocks_of_rows(r_max + 1 + 2)) * block_size_;
   plane_size_ = margin_ + static_cast<std::size_t>(image_blocks_) * block_size_;
   const std::size_t columns = (divisor_.size() + 1) / 2 * plane_size_ + margin_;
-  SACCADE_CHECK(columns < (std::uint64_t{1} << reciprocal_bits) / block_size_);
+  constexpr auto largest_offset = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
+  if (columns >
+      std::min<std::uint64_t>({largest_offset, (std::uint64_t{1} << reciprocal_bits) / block_size_ - 1,
+                               std::numeric_limits<std::uint64_t>::max() / block_reciprocal_})) {
+    throw InputError("radius_px", "[" + std::to_string(r_min) + ", " + std::to_string(r_max) + "]",
+                     "fewer radii: for an image of " + std::to_string(size.width) + " x " +
+                         std::to_string(size.height) + " pixels the Hough space is too large");
+  }
   accumulator_.assign(4 * columns, 0);
   blocks_.resize(columns / block_size_);
   for (Block& block : blocks_) block.limit.fill(0xffff);  // no peak outside the image

@@ -14,31 +14,32 @@ namespace saccade {
 /// The multi-radius circular Hough transform of the paper (section II-B and II-C), one accumulator plane per
 /// radius, bins of one pixel, centres inside the image.
 ///
-/// An event votes for every centre it could lie on the circle of: the pixels (dx, dy) from it with
-/// |sqrt(dx^2 + dy^2) - r| <= 1/2 (half-pixel ring). A directed vote takes of that ring only the two arcs
-/// within +-`arc_rad` of the direction of the flow and of its opposite (Eq. 2). The response at a centre is
-/// votes / (number of pixels of the ring), so that large circles have no advantage.
+/// An event votes for the centres of all circles that it can lie on: the pixels (dx, dy) from it with
+/// |sqrt(dx^2 + dy^2) - r| <= 1/2 (half-pixel ring). A directed vote is restricted to the two arcs of that ring within
+/// +-`arc_rad` of the flow direction and of its opposite (Eq. 2). The response at a centre is votes / (number of pixels
+/// of the ring), so that it does not grow with the radius.
 ///
-/// Voting is a walk through a table of patches of 4 x 2 cells of two neighbouring radii that are added as one:
-/// no trigonometry, no bounds check, no allocation. The walk also notes what it needs to know the maximum
-/// without looking for it (see peak()). With AVX2 a patch is one instruction, without it two: same result.
+/// A vote adds precomputed patches of 4 x 2 cells of two neighbouring radii: no trigonometry, no bounds check, no
+/// allocation. Voting also updates the bounds by which peak() avoids a search. A patch takes one instruction with AVX2
+/// and two without, with the same result.
 class HoughTransform {
  public:
   /// Directions are counted in steps of half a degree, modulo a half turn: an arc and its opposite are one.
   static constexpr int direction_count = 360;
-  /// The direction step nearest to that of the vector (x, y), which is not zero.
+  /// The direction step nearest to the direction of the vector (x, y); 0 for the zero vector.
   [[nodiscard]] static int direction_of(double x, double y);
 
-  /// What the votes for a circle are divided by: the pixels of its half-pixel ring (the paper's choice), its
-  /// perimeter (rounded; the paper finds it inaccurate for small circles), or 1.
+  /// The divisor of the votes for a circle: the pixels of its half-pixel ring (as in the paper), its perimeter
+  /// (rounded; inaccurate for small circles according to the paper), or 1.
   enum class Normalisation { ring, perimeter, none };
 
-  /// Radii r_min..r_max in steps of 1 px, 1 <= r_min <= r_max <= 255; arc_rad in (0, pi/2].
+  /// Radii r_min..r_max in steps of 1 px, 1 <= r_min <= r_max <= 255; arc_rad in (0, pi/2]. Throws InputError where
+  /// image and radii need more than about 2^33 cells.
   HoughTransform(ImageSize size, int r_min, int r_max, double arc_rad,
                  Normalisation normalisation = Normalisation::ring);
 
-  /// One vote per centre, `sign` +1 to add an event and -1 to take the same event out again. An event stands
-  /// at most 65535 times in a plane. (x, y) inside the image; direction in [0, direction_count).
+  /// Adds (`sign` +1) or removes (-1) the votes of an event, one per centre. A cell holds at most 65535 votes. (x, y) is
+  /// inside the image; direction in [0, direction_count).
   template <int sign>
   void vote_ring(int x, int y);
   template <int sign>
@@ -50,14 +51,13 @@ class HoughTransform {
     int votes = 0;
     double response = 0.0;  ///< votes / divisor(r)
   };
-  /// The largest response; ties go to the smaller r, then y, then x. r_min, (0, 0), 0 votes when empty.
-  /// Exact. While the last peak keeps its votes and no vote has made another cell as good, it is the answer.
-  /// Otherwise blocks of rows are searched in the order of their upper bounds, which become exact by that,
-  /// until one holds what its bound says.
+  /// The cell with the largest response, exactly; ties go to the smaller r, then y, then x. Empty: r_min, (0, 0) and 0
+  /// votes. Without a search if the last peak has kept its votes and no other cell has reached its response; otherwise
+  /// blocks of rows are searched by falling upper bound until a cell reaches the bound of its block.
   [[nodiscard]] Peak peak() const;
 
   [[nodiscard]] int votes(int x, int y, int r) const;
-  /// By what the votes of a radius are divided.
+  /// The divisor of the votes for radius r.
   [[nodiscard]] int divisor(int r) const { return divisor_[static_cast<std::size_t>(r - r_min_)]; }
   [[nodiscard]] int r_min() const { return r_min_; }
   [[nodiscard]] int r_max() const { return r_min_ + static_cast<int>(divisor_.size()) - 1; }
@@ -107,7 +107,7 @@ class HoughTransform {
   std::vector<Patch> voted_;                // all bits of a cell that gets a vote
   std::vector<Votes> accumulator_;
   mutable std::vector<Block> blocks_;
-  mutable Peak peak_;          // when last asked
+  mutable Peak peak_;          // at the last peak()
   mutable bool above_ = true;  // a cell has had more votes than its limit since
 };
 

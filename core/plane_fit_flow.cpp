@@ -5,12 +5,14 @@
 #include <cmath>
 #include <limits>
 
+#include "core/time_stamp.h"
+
 namespace saccade {
 namespace {
 
 constexpr int max_half_width = 5;
 constexpr std::size_t max_points = (2 * max_half_width + 1) * (2 * max_half_width + 1);
-constexpr std::int64_t never_us = std::numeric_limits<std::int64_t>::min() / 2;
+constexpr std::int64_t never_us = std::numeric_limits<std::int64_t>::min();  // a pixel without an event
 constexpr std::int64_t own_edge_px = 4;
 
 /// Neighbours of an event, whole numbers from it: pixels, and us <= 0. Arrays and masks, so that nothing
@@ -111,9 +113,10 @@ std::optional<NormalFlow> PlaneFitFlow::at(const Event& event) const {
   const int half = static_cast<int>(config_.half_width_px);
   const std::int64_t* centre = surface_.data() + index(event);
   const std::int64_t next_age_us =
-      event.t_us - fourth_newest_around(centre, static_cast<std::ptrdiff_t>(stride_));
-  const std::int64_t oldest =
-      event.t_us - std::min(config_.max_age_us, own_edge_px * std::min(config_.max_age_us, next_age_us));
+      saturated_difference(event.t_us, fourth_newest_around(centre, static_cast<std::ptrdiff_t>(stride_)));
+  const std::int64_t span_us =
+      std::min(config_.max_age_us, own_edge_px * std::min(config_.max_age_us, next_age_us));
+  const std::int64_t oldest = std::max(saturated_difference(event.t_us, span_us), never_us + 1);
   Neighbours near;
   for (int dy = -half; dy <= half; ++dy) {
     const std::int64_t* row = centre + dy * static_cast<std::ptrdiff_t>(stride_);
@@ -121,7 +124,9 @@ std::optional<NormalFlow> PlaneFitFlow::at(const Event& event) const {
       const auto i = static_cast<std::size_t>(near.count);
       near.x[i] = dx;
       near.y[i] = dy;
-      near.t[i] = static_cast<std::int32_t>(row[dx] - event.t_us);
+      // Modulo 2^32, which is exact for the neighbours that count; the others are overwritten.
+      near.t[i] = static_cast<std::int32_t>(static_cast<std::uint64_t>(row[dx]) -
+                                            static_cast<std::uint64_t>(event.t_us));
       near.taken[i] = -1;
       near.count += row[dx] >= oldest ? 1 : 0;
     }

@@ -19,7 +19,7 @@ struct PlaneFitFlowConfig {
 /// Keys: half_width_px, max_age_us, min_inliers, inlier_px.
 void describe(FieldVisitor& v, PlaneFitFlowConfig& config);
 
-/// Slope of the surface of active events at one event.
+/// Slope of the surface of active events at one event: the inverse of the normal flow.
 struct NormalFlow {
   double dt_dx_us_px = 0.0;
   double dt_dy_us_px = 0.0;
@@ -30,18 +30,18 @@ struct NormalFlow {
 /// neighbours that lie further than `inlier_px` from it are left out, and the plane is fitted again. The
 /// slope (a, b) points along the edge's motion, with 1 / |(a, b)| the speed.
 ///
-/// Ahead of an edge are the stamps of those before it, which would spoil the first fit. Of the eight pixels next
-/// to the event an edge has passed at least four, in about the time it needs for a pixel: stamps older than four
-/// times the age of the fourth newest of them are not its own and are left out from the start.
+/// Time stamps of earlier edges are excluded from the first fit. An edge has passed at least four of the eight pixels
+/// around the event in about the time that it needs for one pixel. So stamps older than four times the age of the fourth
+/// newest of these eight belong to earlier edges.
 class PlaneFitFlow {
  public:
   PlaneFitFlow(const PlaneFitFlowConfig& config, ImageSize size);
 
-  /// Puts an event on the surface of active events. It must lie inside the image.
+  /// Adds an event to the surface of active events. It lies inside the image.
   void add(const Event& event) { surface_[index(event)] = event.t_us; }
 
-  /// The flow at an event that was just added; none where too few neighbours lie on a plane, or the plane
-  /// is level.
+  /// The flow at the event that was added last; none if fewer than `min_inliers` neighbours lie on a plane or the
+  /// plane is level.
   [[nodiscard]] std::optional<NormalFlow> at(const Event& event) const;
 
  private:

@@ -10,7 +10,7 @@ namespace saccade {
 /// SplitMix64 (Steele, Lea, Flood, OOPSLA 2014), applied to each of the three words in turn.
 class RandomStream {
  public:
-  /// A generator for one module: `name` keeps modules with the same seed independent.
+  /// The generator of one module. Generators with the same seed and different names are independent.
   RandomStream(std::uint64_t seed, std::string_view name);
 
   /// 64 uniform bits for element `stream` (say, a pixel) at step `counter`.

@@ -10,9 +10,8 @@
 
 namespace saccade {
 
-/// A thing that the gaze follows makes next to no events while everything around it does: it shows as a hole in the
-/// events. This is the hole of one circle: the events near it, carried along with it, and the circle that parts the
-/// few inside from the many outside best.
+/// The silhouette of one tracked circle: the region almost without events that an object leaves in the events of the
+/// background while the gaze follows it. Fits the circle of maximum likelihood to the events near the tracked one.
 ///
 /// Around the circle events are taken for Poisson distributed in the plane, with one density inside and one for each
 /// sector outside; sectors where as little happens outside as inside (the hand that holds the ball) say nothing. The

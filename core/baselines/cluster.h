@@ -21,11 +21,12 @@ struct ClusterConfig {
 /// Keys: radius_px, clusters, mixing, surround, decay_us, threshold.
 void describe(FieldVisitor& v, ClusterConfig& config);
 
-/// An event goes to the nearest cluster that reaches it, pulls its centre, makes it grow or shrink towards
-/// the mean distance of its events (which lie on the outline), and supports it by one. An event that no
-/// cluster reaches seeds one. Support fades with time; where less than half an event is left the cluster dies.
-/// Clusters that overlap become one. The ball is the cluster with the most support. (Without the prediction by
-/// velocity of the original.)
+/// The cluster tracker of Delbruck and Lang 2013, without the velocity prediction of the original.
+///
+/// An event is assigned to the nearest cluster within reach. It moves the centre of the cluster towards itself and the
+/// radius towards the mean distance of the events (which lie on the outline), and adds 1 to its support. An event
+/// without a cluster in reach starts a new one. Support decays with time; a cluster with less than half an event is
+/// removed. Overlapping clusters are merged. The estimate is the cluster with the most support.
 class ClusterDetector final : public Detector {
  public:
   /// Throws InputError for a configuration out of range.

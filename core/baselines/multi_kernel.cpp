@@ -10,8 +10,8 @@ namespace {
 constexpr int steps_per_px = 8;
 constexpr double reach = 6.0;  // of the profile, in half-widths of the ring
 constexpr double least_activity = 0.5;
-/// Of its ring, how far from itself a tracker wants an event: a little less, or a ring that is too large would
-/// rest where it touches the circle from outside.
+/// The radius at which a tracker aims to hold an event, as a share of its ring. Below 1, because a ring that is too
+/// large would otherwise stay where it touches the circle from outside.
 constexpr double aim = 0.9;
 
 }  // namespace
@@ -44,7 +44,7 @@ MultiKernelDetector::MultiKernelDetector(const MultiKernelConfig& config, ImageS
     tracker.home_x_px = (i % columns + 0.5) * size.width / columns - 0.5;
     tracker.home_y_px = (i / columns + 0.5) * size.height / rows - 0.5;
     tracker.activity.resize(radii_px_.size(), 0.0);
-    go_home(tracker);
+    return_to_grid(tracker);
     trackers_.push_back(std::move(tracker));
   }
 }
@@ -54,7 +54,7 @@ double MultiKernelDetector::kernel(double off_px) const {
   return step < profile_.size() ? profile_[step] : 0.0;
 }
 
-void MultiKernelDetector::go_home(Tracker& tracker) {
+void MultiKernelDetector::return_to_grid(Tracker& tracker) {
   tracker.x_px = tracker.home_x_px;
   tracker.y_px = tracker.home_y_px;
 }
@@ -69,22 +69,22 @@ void MultiKernelDetector::excite(Tracker& tracker, const Event& event, double fa
   }
   tracker.best = best;
   const double off = (distance_px - radii_px_[best]) / config_.ring_px;
-  tracker.liking = best_activity(tracker) * std::exp(-off * off / 8);
+  tracker.response = best_activity(tracker) * std::exp(-off * off / 8);
 }
 
 void MultiKernelDetector::move(Tracker& tracker, const Event& event) {
   const double dx = event.x - tracker.x_px;
   const double dy = event.y - tracker.y_px;
-  const double likes = tracker.liking / best_activity(tracker);
+  const double share = tracker.response / best_activity(tracker);
   const double nearer = 1.0 - aim * radii_px_[tracker.best] / std::max(1.0, std::hypot(dx, dy));
-  tracker.x_px += config_.pull * likes * nearer * dx;
-  tracker.y_px += config_.pull * likes * nearer * dy;
+  tracker.x_px += config_.pull * share * nearer * dx;
+  tracker.y_px += config_.pull * share * nearer * dy;
   for (Tracker& other : trackers_) {
     const double apart_px = std::hypot(other.x_px - tracker.x_px, other.y_px - tracker.y_px);
     if (&other == &tracker || apart_px >= radii_px_[tracker.best]) continue;
     Tracker& weaker = best_activity(other) < best_activity(tracker) ? other : tracker;
     std::fill(weaker.activity.begin(), weaker.activity.end(), 0.0);
-    go_home(weaker);
+    return_to_grid(weaker);
   }
 }
 
@@ -97,11 +97,11 @@ void MultiKernelDetector::process(std::span<const Event> events, const CameraMot
     now_us_ = std::max(now_us_, event.t_us);
     for (Tracker& tracker : trackers_) {
       excite(tracker, event, fading);
-      if (best_activity(tracker) < least_activity) go_home(tracker);
+      if (best_activity(tracker) < least_activity) return_to_grid(tracker);
     }
     Tracker& winner = *std::max_element(trackers_.begin(), trackers_.end(),
-                                        [](const auto& a, const auto& b) { return a.liking < b.liking; });
-    if (winner.liking > 0.0 && best_activity(winner) >= least_activity) move(winner, event);
+                                        [](const auto& a, const auto& b) { return a.response < b.response; });
+    if (winner.response > 0.0 && best_activity(winner) >= least_activity) move(winner, event);
   }
 }
 

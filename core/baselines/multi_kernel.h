@@ -21,11 +21,13 @@ struct MultiKernelConfig {
 /// Keys: radius_px, radius_step_px, ring_px, spacing_px, pull, decay_us, threshold.
 void describe(FieldVisitor& v, MultiKernelConfig& config);
 
-/// Trackers wait at their homes. Each has one kernel for every radius: a ring that excites, with flanks that
-/// inhibit as much, so that evenly spread events leave it at rest, and of unit energy. Every event adds to the
-/// activity of every kernel what the kernel holds there, and activity fades with time. An event moves one tracker,
-/// the most active of those whose best ring is near, so that the ring comes nearer to it. A tracker that loses
-/// its activity, or comes close to a more active one, goes home. The ball is the most active kernel.
+/// The multi-kernel tracker of Lagorce et al. 2015 with ring-shaped kernels.
+///
+/// Trackers start at fixed positions on a grid. Each has one kernel per radius: a positive ring with negative flanks, of
+/// zero mean and unit energy. Every event adds the value of the kernel at its place to the activity of the kernel;
+/// activity decays with time. An event moves one tracker towards its ring: the most active of those whose best ring is
+/// near. A tracker returns to its grid position if its activity is too low or a more active tracker is close. The
+/// estimate is the most active kernel.
 class MultiKernelDetector final : public Detector {
  public:
   /// Throws InputError for a configuration out of range.
@@ -46,11 +48,11 @@ class MultiKernelDetector final : public Detector {
     double x_px = 0.0, y_px = 0.0;
     std::vector<double> activity;  // per kernel, as of last_us_
     std::size_t best = 0;          // the most active kernel
-    double liking = 0.0;           // its response to the last event
+    double response = 0.0;         // to the last event
   };
   [[nodiscard]] double kernel(double off_px) const;
   [[nodiscard]] double best_activity(const Tracker& t) const { return t.activity[t.best]; }
-  static void go_home(Tracker& tracker);
+  static void return_to_grid(Tracker& tracker);
   void excite(Tracker& tracker, const Event& event, double fading) const;
   void move(Tracker& tracker, const Event& event);
 

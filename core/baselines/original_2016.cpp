@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/time_stamp.h"
+
 namespace saccade {
 namespace {
 
@@ -68,8 +70,8 @@ std::optional<NormalFlow> Original2016::flow_at(const Event& event) const {
   int best_x = 0, best_y = 0;
   NormalFlow best;
   const auto dt_us = [&](int x, int y) {
-    return static_cast<double>(surface[static_cast<std::size_t>(pixel(x, y))]) -
-           static_cast<double>(event.t_us);
+    return static_cast<double>(
+        saturated_difference(surface[static_cast<std::size_t>(pixel(x, y))], event.t_us));
   };
   for (int cy = event.y - 1; cy <= event.y + 1; ++cy) {
     for (int cx = event.x - 1; cx <= event.x + 1; ++cx) {

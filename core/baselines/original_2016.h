@@ -25,15 +25,14 @@ struct Original2016Config {
 /// Keys: radius_px, window.events, arc_deg, flow.min_inliers, maximum, threshold.
 void describe(FieldVisitor& v, Original2016Config& config);
 
-/// Directed Hough transform, event by event:
-///  - flow from nine shifted patches of 3 x 3 pixels of one polarity around the event; those completely filled
-///    compete, the freshest wins; an inlier is off the event's time by what the slope says, give or take half
-///    the slope;
-///  - only events with flow enter the window, and a new one first evicts an older one at the same pixel;
-///  - a vote falls on the pixels of a look-up ring (up to 0.4 px outside the radius), and the response is
-///    divided by how many these are;
-///  - each radius remembers its best cell, which gives way only to a cell that a vote has just lifted above
-///    it: when votes are taken out, nothing looks for a better one (unless `maximum` is exact).
+/// The directed Hough transform of the authors' code of 2016, event by event:
+///  - Flow comes from nine shifted patches of 3 x 3 pixels of one polarity around the event. Of the completely filled
+///    patches the newest is used. An inlier differs from the time that the slope predicts by at most half the slope.
+///  - Only events with flow enter the window. A new event first removes an older one at the same pixel.
+///  - A vote falls on the pixels of a look-up ring (up to 0.4 px outside the radius). The response is votes divided by
+///    the number of these pixels.
+///  - Each radius stores its best cell. Another cell replaces it only when a vote has just raised that cell above it;
+///    removing votes does not start a new search (unless `maximum` is exact).
 class Original2016 final : public Detector {
  public:
   /// Throws InputError for a configuration out of range.

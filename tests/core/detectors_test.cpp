@@ -92,6 +92,37 @@ TEST_P(EveryDetector, SaysTheSameHoweverItsEventsComeInBatches) {
   }
 }
 
+TEST_P(EveryDetector, AcceptsTheEarliestAndTheLatestTimeStamps) {
+  const std::vector<Event> events = streams::cluttered(image, 6000, 0.4, 2);
+  for (const std::int64_t shift_us : streams::shifts_to_the_ends_of_time(events.back().t_us)) {
+    const auto detector = make(GetParam());
+    for (const Event& e : streams::shifted(events, shift_us)) detector->process({&e, 1}, nullptr);
+    EXPECT_TRUE(detector->estimate().valid) << shift_us;
+    EXPECT_EQ(detector->rejected().back_in_time, 0);
+    // The jump to the end takes no longer than any other.
+    detector->advance_to(std::numeric_limits<std::int64_t>::max(), nullptr);
+    static_cast<void>(detector->estimate());
+  }
+}
+
+TEST_P(EveryDetector, GivesTheSameEstimatesAtTheEarliestAndTheLatestTimeStamps) {
+  if (GetParam() == "cluster" || GetParam() == "multi_kernel") {
+    GTEST_SKIP() << "this detector keeps time in floating point";
+  }
+  const std::vector<Event> events = streams::cluttered(image, 6000, 0.4, 2);
+  for (const std::int64_t shift_us : streams::shifts_to_the_ends_of_time(events.back().t_us)) {
+    const auto original = make(GetParam());
+    const auto shifted = make(GetParam());
+    const std::vector<Event> shifted_events = streams::shifted(events, shift_us);
+    for (std::size_t i = 0; i < events.size(); i += 100) {
+      original->process(std::span(events).subspan(i, 100), nullptr);
+      shifted->process(std::span(shifted_events).subspan(i, 100), nullptr);
+      ASSERT_EQ(shifted->estimate(), original->estimate())
+          << "event " << i << ", shift " << shift_us << " us";
+    }
+  }
+}
+
 TEST_P(EveryDetector, GoesOnInACopyAsItWouldHave) {
   const std::vector<Event> events = streams::cluttered(image, 6000, 0.4, 2);
   const auto detector = make(GetParam());

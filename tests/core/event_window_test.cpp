@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <set>
 #include <utility>
 #include <vector>
@@ -45,6 +46,24 @@ class Follower {
   EventWindow window_;
   std::multiset<int> inside_;
 };
+
+TEST(EventWindow, KeepsTheNewestEventsAtAnyTimeStamp) {
+  constexpr std::int64_t earliest = std::numeric_limits<std::int64_t>::min();
+  constexpr std::int64_t latest = std::numeric_limits<std::int64_t>::max();
+  EventWindowConfig config;
+  config.events = 2;
+  Follower follower(config);
+  EventWindow& window = follower.window();
+  const std::int64_t lifetime_us = window.lifetime_us({});
+  window.push(earliest, {1, 0, 0}, lifetime_us);
+  window.push(earliest + 1, {2, 0, 0}, lifetime_us);
+  EXPECT_THAT(follower.inside(earliest + 1), testing::ElementsAre(1, 2));
+  EXPECT_THAT(follower.inside(0), testing::ElementsAre(1, 2));
+  window.push(latest, {3, 0, 0}, lifetime_us);
+  EXPECT_THAT(follower.inside(latest), testing::ElementsAre(2, 3));
+  EXPECT_FALSE(window.outlived(earliest, 1, latest));
+  EXPECT_TRUE(window.outlived(earliest, 2, latest));
+}
 
 TEST(EventWindow, HoldsByDefinitionTheNewestEventsWhoseLifetimeIsNotOverWheneverAsked) {
   for (const std::string kind : {"count", "time", "lifetime"}) {

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <string>
 
+#include "core/error.h"
 #include "core/plane_fit_flow.h"
 #include "tests/core/reference_hough.h"
 #include "tests/core/streams.h"
@@ -169,6 +170,33 @@ TEST_F(RecordedHoughTransform, EqualsTheReferenceOnARecordedBall) {
   }
 }
 
+TEST(HoughTransform, FindsACircleInALongImageWithManyRadii) {
+  // As many cells for each row of blocks as 2048 x 2048 pixels with radii from 10 to 130, in a hundredth of the memory.
+  HoughTransform transform({65535, 8}, 1, 16, 10 * degree);
+  transform.vote_ring<1>(65'000, 4);
+  transform.vote_ring<1>(65'000 + 2 * 7, 4);
+  const HoughTransform::Peak peak = transform.peak();
+  EXPECT_EQ(peak.r, 1);
+  EXPECT_EQ(peak.votes, 1);
+  EXPECT_EQ(peak.x, 64'999);
+  EXPECT_EQ(transform.votes(65'007, 4, 7), 2);
+  transform.vote_ring<-1>(65'000, 4);
+  transform.vote_ring<-1>(65'000 + 2 * 7, 4);
+  EXPECT_EQ(transform.peak().votes, 0);
+}
+
+TEST(HoughTransform, RefusesAnImageAndRadiiThatNeedTooManyCells) {
+  try {
+    const HoughTransform transform({65535, 65535}, 1, 255, 10 * degree);
+    FAIL() << "65535 x 65535 pixels with 255 radii were accepted";
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()),
+              "radius_px: found [1, 255], expected fewer radii: for an image of 65535 x 65535 pixels the "
+              "Hough space "
+              "is too large");
+  }
+}
+
 TEST(HoughTransform, DividesByThePerimeterOrNotAtAllWhenAsked) {
   HoughTransform perimeter({64, 64}, 5, 12, 1.0, HoughTransform::Normalisation::perimeter);
   HoughTransform plain({64, 64}, 5, 12, 1.0, HoughTransform::Normalisation::none);
@@ -262,6 +290,11 @@ TEST(HoughTransform, CountsBeyondEightBits) {
   for (int i = 0; i < 60'000; ++i) transform.vote_ring<1>(16, 16);
   EXPECT_EQ(transform.peak().votes, 60'000);
   EXPECT_EQ(transform.votes(19, 16, 3), 60'000);
+}
+
+TEST(HoughTransform, GivesTheZeroVectorTheDirectionZero) {
+  EXPECT_EQ(HoughTransform::direction_of(0.0, 0.0), 0);
+  EXPECT_EQ(HoughTransform::direction_of(-0.0, 0.0), 0);
 }
 
 TEST(HoughTransform, QuantisesDirectionsToHalfADegreeModuloAHalfTurn) {

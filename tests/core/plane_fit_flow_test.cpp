@@ -73,6 +73,29 @@ TEST(PlaneFitFlow, EqualsADenseLeastSquaresFit) {
   EXPECT_GT(with_flow, 1'500U);
 }
 
+TEST(PlaneFitFlow, IsTheSameAtTheEarliestAndTheLatestTimeStamps) {
+  const std::vector<Event> events = streams::named("clustered", {24, 18}, 2000, 21);
+  for (const std::int64_t shift_us : streams::shifts_to_the_ends_of_time(events.back().t_us)) {
+    PlaneFitFlow original({}, {24, 18});
+    PlaneFitFlow shifted({}, {24, 18});
+    int with_flow = 0;
+    for (const Event& e : events) {
+      Event moved = e;
+      moved.t_us += shift_us;
+      original.add(e);
+      shifted.add(moved);
+      const auto expected = original.at(e);
+      const auto flow = shifted.at(moved);
+      ASSERT_EQ(flow.has_value(), expected.has_value()) << "at " << e.t_us << " us, shift " << shift_us;
+      if (!flow) continue;
+      ++with_flow;
+      ASSERT_EQ(flow->dt_dx_us_px, expected->dt_dx_us_px);
+      ASSERT_EQ(flow->dt_dy_us_px, expected->dt_dy_us_px);
+    }
+    EXPECT_GT(with_flow, 100);
+  }
+}
+
 TEST(PlaneFitFlow, MeasuresDirectionAndSpeedOfStraightEdges) {
   // Stamps are whole microseconds: at 5000 px/s 5 pixels are 1000 us, so rounding is below 0.1 %.
   double worst_direction_deg = 0.0;

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <string>
 #include <string_view>
@@ -21,6 +23,19 @@ inline void sort_by_time(std::vector<Event>& events) {
 
 inline Event event_at(std::int64_t t_us, int x, int y, bool on) {
   return {t_us, static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y), on, 0};
+}
+
+/// Shifts of time, in whole ms, that take a stream of at most `duration_us` from 0 to the earliest and to the latest
+/// time stamps that 64 bits hold.
+inline std::array<std::int64_t, 2> shifts_to_the_ends_of_time(std::int64_t duration_us) {
+  constexpr std::int64_t ms = 1'000;
+  return {std::numeric_limits<std::int64_t>::min() / ms * ms,
+          (std::numeric_limits<std::int64_t>::max() / ms - duration_us / ms - 1) * ms};
+}
+
+inline std::vector<Event> shifted(std::vector<Event> events, std::int64_t by_us) {
+  for (Event& e : events) e.t_us += by_us;
+  return events;
 }
 
 /// Events anywhere in the image, 0 to 7 us apart.
