@@ -11,8 +11,8 @@
 namespace saccade {
 
 /// Minimises 1/2 x'Hx - g'x subject to lower <= x <= upper, N <= 8, H symmetric and positive definite (for
-/// least squares |Ax - b|^2: H = A'A, g = A'b). Primal active set: every iterate obeys the bounds exactly.
-/// Keeps its solution and active set as the next start. Work is bounded, nothing allocates.
+/// least squares |Ax - b|^2: H = A'A, g = A'b). Primal active set method: every iterate is exactly within the bounds.
+/// The next call starts from the last solution and active set. At most max_iterations; does not allocate.
 template <int N>
 class BoundedQp {
   static_assert(N >= 1 && N <= 8);
@@ -24,7 +24,7 @@ class BoundedQp {
   struct Solution {
     Vector x = Vector::Zero();
     int iterations = 0;
-    bool optimal = false;  ///< false: stopped at max_iterations; x obeys the bounds and is the best so far
+    bool optimal = false;  ///< false: stopped at max_iterations; x is within the bounds and the best so far
   };
   static constexpr int max_iterations = 10 * N;
 

@@ -14,22 +14,22 @@
 
 namespace saccade {
 
-/// Moves the six joints of neck and eyes such that the eyes look at a point. Its step neither allocates,
+/// Computes the references of the six neck and eye joints that turn the eyes to a point. step() neither allocates,
 /// throws nor logs.
 ///
-/// Before the first target the head goes to its neutral pose (all joints 0 or as near as limits allow);
-/// when targets cease it keeps looking at the last one.
+/// Before the first target the head moves to its neutral pose: all joints at 0, or as near to it as the limits allow.
+/// Without new targets the eyes stay on the last one.
 class GazeController {
  public:
   virtual ~GazeController() = default;
-  /// Position references, rad, neck pitch to eyes vergence: always finite and within the hardware's limits.
-  /// `state` is the newest encoder reading; where it is not finite the last reference holds. `target_m` is a
-  /// new point to look at, root frame, or none. dt_s > 0 is the time since the last step.
+  /// Returns the position references, rad, from neck pitch to eyes vergence: always finite and within the limits of the
+  /// hardware. `state`: the newest encoder reading; if it is not finite, the last references are kept. `target_m`: a new
+  /// point to look at, root frame, or none. dt_s: time since the last step, above 0.
   virtual HeadJointVector step(const HeadState& state, const std::optional<Eigen::Vector3d>& target_m,
                                double dt_s) = 0;
-  /// Forgets the target: the head goes to its neutral pose, as before the first one.
+  /// Discards the target: the head moves to its neutral pose, as before the first target.
   virtual void rest() = 0;
-  /// What became of the target of the last step: none, ok, or why it was ignored.
+  /// The status of the target of the last step: none, ok, or why it was rejected.
   [[nodiscard]] virtual TargetStatus target_status() const = 0;
 };
 
@@ -43,8 +43,8 @@ struct FollowConfig {
 /// Keys, beside each other in a scenario's gaze section: start_s, lost, lost_after_s.
 void describe(FieldVisitor& v, FollowConfig& config);
 
-/// Whether the head may be asked to look at a point (root frame): not_finite, too_near (within 0.10 m of the
-/// left eye), behind (not before the chest: the plane through the neck's base, across chest_forward()).
+/// Checks whether the head can look at a point (root frame). Returns not_finite, too_near (within 0.10 m of the left
+/// eye), behind (not in front of the plane through the base of the neck normal to chest_forward()), or ok.
 [[nodiscard]] TargetStatus check_gaze_target(const Eigen::Vector3d& target_m, const HeadKinematics& head);
 
 /// Bounded velocity inverse kinematics, see QpController.

@@ -13,7 +13,7 @@
 
 namespace saccade {
 
-/// What a gate refused although the detector was sure, by reason.
+/// How many detections at or above the threshold a gate rejected, by reason.
 struct RejectedTargets {
   std::int64_t not_finite = 0;
   std::int64_t bad_radius = 0;
@@ -25,9 +25,8 @@ struct RejectedTargets {
 class GazeGate {
  public:
   virtual ~GazeGate() = default;
-  /// Called at least once per tick with what was observed: an invalid estimate when nothing was (no event
-  /// came and the detector declares nothing held). `now_us` never goes back.
-  /// Gives a point to look at, m, root frame; none when there is no new one.
+  /// Called at least once per tick with the observation of the tick, or an invalid estimate if there is none (no event,
+  /// and no held estimate). `now_us` never decreases. Returns a new point to look at, m, root frame, or none.
   virtual std::optional<Eigen::Vector3d> update(std::int64_t now_us, const Estimate& estimate,
                                                 double threshold, const Camera& camera,
                                                 const Eigen::Isometry3d& root_from_cam) = 0;
@@ -69,11 +68,12 @@ struct GateConfig {
 /// Keys, beside each other in a scenario's gaze section: gate, authors_gate.*, continuity_gate.*, target.*.
 void describe(FieldVisitor& v, GateConfig& config);
 
-/// `none`: every estimate at or above the threshold, held ones too, becomes a target.
-/// `authors`: the estimates at or above the threshold, held ones not, enter the window; the newest of them
-/// gives a target when it lies within one standard deviation of the median, in x and in y.
-/// `continuity`: the estimates at or above the threshold that lie where the ball can be become targets.
-/// Throws InputError.
+/// Makes the gate that `config` names.
+/// `none`: every estimate at or above the threshold becomes a target, held ones included.
+/// `authors`: estimates at or above the threshold enter the window, except held ones. The newest becomes a target if it
+/// lies within one standard deviation of the median in x and in y.
+/// `continuity`: estimates at or above the threshold become targets if the ball can have moved there.
+/// Throws InputError for a configuration out of range.
 [[nodiscard]] std::unique_ptr<GazeGate> make_gate(const GateConfig& config);
 
 }  // namespace saccade

@@ -8,24 +8,24 @@
 
 namespace saccade {
 
-/// The iCub's own gaze controller, which the paper used: neck and eyes apart, by design slow and smooth,
-/// with saccades for what is far off.
+/// The gaze controller of the iCub (iKinGazeCtrl), which the paper used: slow, smooth movements of neck and eyes, and
+/// saccades to distant targets.
 ///
-/// - Every 20 ms, neck: NeckSolver's pose for the newest target, where that is more than 2.5 deg off the cyclopean
-///   axis. A target within 5 deg waits for 0.25 s first; what comes meanwhile takes its place.
+/// - Every 20 ms, neck: the pose of NeckSolver for the newest target, if that is more than 2.5 deg off the cyclopean
+///   axis. A target within 5 deg is applied after 0.25 s; a newer target replaces it meanwhile.
 /// - Every 20 ms, eyes: v = 12.5/s pinv(J) (target - fixation point) over tilt, version and vergence, integrated
-///   within limits into the eyes' reference; the fixation point is that of the reference. Vergence keeps 0.5 deg
-///   from parallel. With `eyes: left`, the same for the left eye's axis alone, and vergence goes to rest.
-/// - What the neck's motion would do to the gaze, by its commanded velocity, the eyes undo (there is no inertial
-///   sensor): -pinv(J) J_neck v_neck, added to reference and command.
-/// - Every 10 ms: a MinimumJerkFilter per joint turns reference - encoder into a velocity, which is integrated
-///   into the position reference that goes out, within MotionLimits.
-/// - Saccade: a new target whose eye pose is more than 10 deg from where the eyes look, not within 0.2 s of the
-///   last one: the eyes go straight to tilt, version and vergence of the target, as fast as MotionLimits let them.
-///   Then the eyes' controller starts again from the encoders.
+///   within limits into the reference of the eyes; the fixation point is that of the reference. Vergence is at least 0.5
+///   deg. With `eyes: left`, the same for the axis of the left eye only, and vergence moves to its rest position.
+/// - The eyes compensate the commanded motion of the neck (there is no inertial sensor): -pinv(J) J_neck v_neck is added
+///   to reference and command.
+/// - Every 10 ms: a MinimumJerkFilter per joint turns reference - encoder into a velocity. Its integral, within
+///   MotionLimits, is the position reference that step() returns.
+/// - Saccade: if the eye pose for a new target is more than 10 deg from the current one, and at least 0.2 s after the
+///   last saccade, the eyes move to tilt, version and vergence of the target as fast as MotionLimits allow. Then the
+///   controller of the eyes restarts from the encoders.
 ///
-/// Inner rates come from the time that has passed, so steps may have any length. A target that does not move is
-/// looked at until it is exact; the original stops once neck and eyes are within 0.5 and 0.1 deg.
+/// Periods are measured in the time that the caller passes, so steps can have any length. The error for a resting target
+/// converges to 0; the original stops when neck and eyes are within 0.5 and 0.1 deg.
 /// Source: formulas and constants of iKinGazeCtrl (icub-main, as of 2016).
 class IkinGazeController final : public GazeController {
  public:
@@ -69,16 +69,17 @@ class IkinGazeController final : public GazeController {
   double until_control_s_ = 0.0;  ///< of the next period of the filters
   bool plan_now_ = true;          ///< every other period
 
-  HeadJointVector goal_rad_ = HeadJointVector::Zero();  ///< what the filters go to
+  HeadJointVector goal_rad_ = HeadJointVector::Zero();  ///< goal of the filters
   HeadJointVector goal_velocity_rad_s_ = HeadJointVector::Zero();
   HeadJointVector counter_rad_s_ = HeadJointVector::Zero();   ///< against the neck's motion
   HeadJointVector wanted_rad_s_ = HeadJointVector::Zero();    ///< held for a period
-  HeadJointVector reference_rad_ = HeadJointVector::Zero();   ///< what goes out
+  HeadJointVector reference_rad_ = HeadJointVector::Zero();   ///< the reference that step() returns
   HeadJointVector velocity_rad_s_ = HeadJointVector::Zero();  ///< of it
 
-  std::optional<double> neck_waits_since_s_;      ///< a target has come that the neck does not yet know
-  std::optional<Eigen::Vector3d> neck_target_m_;  ///< one it knows and has not yet been turned to
-  bool target_is_new_ = false;                    ///< no saccade has been considered for it
+  std::optional<double> neck_waits_since_s_;  ///< a target has come that the neck does not follow yet
+  std::optional<Eigen::Vector3d>
+      neck_target_m_;           ///< a target that the neck has accepted and not yet moved to
+  bool target_is_new_ = false;  ///< no saccade has been considered for it
   bool saccade_ = false;
   double saccade_start_s_;
 };

@@ -19,25 +19,25 @@ struct MotionLimitsConfig {
 /// Keys: margin_deg, neck_speed_deg_s, eye_speed_deg_s, neck_acceleration_deg_s2, eye_acceleration_deg_s2.
 void describe(FieldVisitor& v, MotionLimitsConfig& config);
 
-/// What a reference of the six head joints may be and do.
+/// Limits of position, speed and acceleration for the references of the six head joints.
 struct MotionLimits {
-  HeadJointVector min_rad, max_rad;  ///< where references go: inside the hardware by the margin
+  HeadJointVector min_rad, max_rad;  ///< range of references: that of the hardware less the margin
   HeadJointVector hardware_min_rad, hardware_max_rad;
   HeadJointVector speed_rad_s;  ///< the smaller of the configuration's and the hardware's
   HeadJointVector acceleration_rad_s2;
 };
 
-/// Throws InputError for a bad configuration, and where the margin leaves a joint no range.
+/// Throws InputError for a configuration out of range, or if the margin leaves a joint no range.
 [[nodiscard]] MotionLimits motion_limits(const JointLimits& hardware, const MotionLimitsConfig& config);
 
 /// The highest speed from which a reference that moves in steps of dt_s, losing at most acceleration * dt_s per
 /// step, stops within `distance_rad`; 0 for none. rad/s.
 [[nodiscard]] double stoppable_speed(double distance_rad, double acceleration_rad_s2, double dt_s);
 
-/// The velocities a reference at `position` that moves at `velocity` may take for the next dt_s such that it
-/// keeps the speed and acceleration limits and can always stop before min or max. Outside of these only
-/// inward. Never empty; where the limits contradict each other (a start at high speed near a stop) position
-/// comes first, then acceleration. `speed_share` in [0, 1] of the speed limits is allowed.
+/// The velocities for the next dt_s of a reference at `position` that moves at `velocity`, within the limits of speed and
+/// acceleration and such that it can stop before min and max. Outside of min and max only inward velocities are allowed.
+/// Never empty: if limits contradict each other (high speed near a limit), position has priority, then acceleration.
+/// `speed_share` in [0, 1] scales the limits of speed.
 struct VelocityRange {
   double min;
   double max;
@@ -47,27 +47,28 @@ struct VelocityRange {
 
 using JointMask = std::bitset<head_joint_count>;  ///< bit j: head joint j, neck pitch first
 
-/// The last stage before the robot, whoever commands: holds any stream of references within the limits of
-/// position, speed and acceleration, and says which limit acted on which joint.
+/// Restricts any stream of references to the limits of position, speed and acceleration. It is the last stage before the
+/// robot, and reports which limit acted on which joint.
 ///
-/// A stream within the limits passes unchanged. A jump becomes a swift move that stops at its end without
-/// overshoot. Starts at the measured joints, moved into the hardware's limits where they are outside, and
-/// goes from there to the range of MotionLimits under the same limits of speed and acceleration.
+/// A stream within the limits passes unchanged. A step becomes a move at the limits, without overshoot. The first
+/// reference starts at the measured joints, clamped to the limits of the hardware, and moves from there into the range of
+/// MotionLimits.
 class JointLimiter {
  public:
   struct Result {
     HeadJointVector reference_rad =
         HeadJointVector::Zero();  ///< always finite and within the hardware's limits
     JointMask position;           ///< the command was outside the position limits
-    JointMask speed;              ///< it asked for more speed
-    JointMask acceleration;       ///< it asked for more acceleration, braking before a limit included
-    bool not_finite = false;      ///< NaN or infinite somewhere: the last finite command holds for all joints
+    JointMask speed;              ///< the command exceeded the speed limit
+    JointMask acceleration;       ///< or the acceleration limit, braking before a position limit included
+    bool not_finite =
+        false;  ///< an element is NaN or infinite: the last finite command is kept for all joints
   };
 
   explicit JointLimiter(const MotionLimits& limits) : limits_(limits) {}
 
-  /// `measured_rad` is looked at in the first call only; dt_s > 0 is the time since the last call. `speed_share` in
-  /// [0, 1]: of the speed limits, for a head that shall start slowly.
+  /// `measured_rad` is used in the first call only. dt_s: time since the last call, above 0. `speed_share` in [0, 1]
+  /// scales the limits of speed, for a slow start.
   Result apply(const HeadJointVector& command_rad, const HeadJointVector& measured_rad, double dt_s,
                double speed_share = 1.0);
 
@@ -79,7 +80,7 @@ class JointLimiter {
   HeadJointVector velocity_rad_s_ = HeadJointVector::Zero();
 };
 
-/// `q` where it is finite, moved into the hardware's limits; the value nearest to 0 in there where it is not.
+/// Clamps `q` to the limits of the hardware. An element that is not finite becomes the allowed value nearest to 0.
 [[nodiscard]] HeadJointVector inside_hardware(const MotionLimits& limits, const HeadJointVector& q);
 
 }  // namespace saccade

@@ -2,15 +2,15 @@
 
 namespace saccade {
 
-/// Gives a joint the velocity with which it approaches its reference almost as a movement of least jerk, whose
-/// duration is about time_s: velocity = F(s) (reference - position), F = a / (s^2 + c s + b).
+/// Velocity of a joint that approaches its reference approximately as a minimum-jerk movement of duration time_s:
+/// velocity = F(s) (reference - position), F = a / (s^2 + c s + b).
 ///
 /// With the joint as an integrator that is a triple pole at -5.322 / T. A step is half done after 0.50 T, 90 %
 /// after 1.00 T, 99 % after 1.58 T, without overshoot; a ramp is followed 0.564 T late.
 ///
-/// Runs once per period, discretised by Tustin's rule; the caller holds the velocity until the next call. What
-/// that costs, half a period, is made good: the error is that of the middle of the coming period, told from the
-/// velocities. Without it a T of 25 periods would be at 99 % after 1.38 T.
+/// Called once per period, discretised by Tustin's rule; the caller holds the velocity until the next call. That would
+/// delay the response by half a period, so the error is predicted for the middle of the coming period. Without this
+/// prediction a step with T of 25 periods would be 99 % done after 1.38 T.
 /// Source: iKinGazeCtrl's controller (constants a, b, c).
 class MinimumJerkFilter {
  public:
@@ -26,8 +26,8 @@ class MinimumJerkFilter {
     back_2_ = (k * k - c * k + b) * scale;
   }
 
-  /// The velocity for the coming period. `reference_velocity` is how the reference is about to move: 0 for one
-  /// that stays or jumps.
+  /// Returns the velocity for the coming period. `reference_velocity`: velocity of the reference in that period; 0 for a
+  /// reference that rests or jumps.
   double step(double reference, double reference_velocity, double position) {
     const double error = reference - position + half_period_s_ * (reference_velocity - velocity_);
     const double velocity =
@@ -38,7 +38,7 @@ class MinimumJerkFilter {
     velocity_ = velocity;
     return velocity;
   }
-  /// At rest, without a memory of what was.
+  /// Resets the state of the filter to rest.
   void reset() { error_ = error_before_ = velocity_ = velocity_before_ = 0.0; }
 
  private:

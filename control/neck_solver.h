@@ -9,18 +9,17 @@ namespace saccade {
 /// Pitch, roll, yaw of the neck, rad.
 using NeckVector = Eigen::Vector3d;
 
-/// The eye that sits between the eyes and looks where the head does: left camera's axes with tilt, version and
-/// vergence at 0.
+/// A virtual eye midway between both eyes. Its axes are those of the left eye with tilt, version and vergence at 0.
 class CyclopeanEye {
  public:
-  /// Only torso and neck of `position_rad` matter.
+  /// Uses torso and neck of `position_rad` only.
   explicit CyclopeanEye(const JointVector& position_rad);
 
-  /// Of a point (root frame), in this eye's frame: x right, y down, z forward.
+  /// Transforms a point from the root frame to the frame of this eye: x right, y down, z forward.
   [[nodiscard]] Eigen::Vector3d see(const Eigen::Vector3d& target_m) const {
     return root_from_eye_.inverse() * target_m;
   }
-  /// Between this eye's axis and a point, rad.
+  /// The angle between the axis of this eye and a point, rad.
   [[nodiscard]] double angle_to(const Eigen::Vector3d& target_m) const;
   /// Half of the distance between left and right eye, m.
   [[nodiscard]] double half_baseline_m() const { return half_baseline_m_; }
@@ -33,20 +32,19 @@ class CyclopeanEye {
   double half_baseline_m_;
 };
 
-/// The neck pose that turns the head to a target: the cyclopean axis exactly on it and, of the poses that do
-/// that, the one nearest to rest, which levels the head to gravity and has yaw 0.
+/// Computes the neck pose that points the cyclopean axis at a target. Of all such poses it is the one nearest to the rest
+/// pose, in which the head is level and yaw is 0.
 ///
 ///     minimise 1/2 |x - x_rest|^2   subject to   axis on target,   limits,
 ///     (roll_min - roll_rest) f(pitch) <= roll - roll_rest <= (roll_max - roll_rest) f(pitch)
 ///
-/// f = (1 + tanh(c (pitch - pitch_min - 5.5 deg))) / 2, c = 10 / deg, is the roll guard: with the head down,
-/// within 5.5 deg of the lowest pitch, roll stays at rest. A target that the limits keep off the axis gets the
-/// pose with the least angle left.
+/// f = (1 + tanh(c (pitch - pitch_min - 5.5 deg))) / 2, c = 10 / deg, restricts roll: within 5.5 deg of the lowest pitch
+/// roll stays at rest. For a target outside the workspace the pose has the least remaining angle.
 ///
-/// Gauss-Newton steps, each a bounded QP, over (pitch, roll / f, yaw), in which limits and guard are a box; the
-/// distance to rest counts 1e-5 of the angle left, which that costs less than 0.001 deg. A local optimum from
-/// where it starts: near the guard, and for a target above what the pitch can reach, there may be another one.
-/// Problem: iKinGazeCtrl's neck optimisation; there IPOPT often stops early, here it converges.
+/// Method: Gauss-Newton steps, each a bounded QP, over (pitch, roll / f, yaw), in which limits and guard are a box. The
+/// distance to rest has the weight 1e-5 relative to the angle, which costs less than 0.001 deg. The result is a local
+/// optimum; near the guard, and for a target above the range of the pitch, other optima can exist.
+/// Source: the neck optimisation of iKinGazeCtrl, where IPOPT often stops before it converges.
 class NeckSolver {
  public:
   /// Limits of pitch, roll, yaw, rad, min < max.
@@ -59,12 +57,12 @@ class NeckSolver {
   };
   static constexpr int max_iterations = 50;
 
-  /// `position_rad` gives the torso; the search starts at `start_rad`. The target is finite. Never allocates.
+  /// `position_rad`: its torso joints are used. `start_rad`: initial pose. The target is finite. Does not allocate.
   [[nodiscard]] Pose solve(const JointVector& position_rad, const Eigen::Vector3d& target_m,
                            const NeckVector& start_rad) const;
-  /// What the guard leaves of the way between rest and a limit of roll, 0 to 1.
+  /// The allowed share of the roll range at a pitch, 0 to 1: f above.
   [[nodiscard]] double guard(double pitch_rad) const;
-  /// Levels the head to gravity, as far as limits allow.
+  /// The rest pose: the head level with respect to gravity as far as the limits allow, and yaw 0.
   [[nodiscard]] NeckVector rest(const JointVector& position_rad) const;
 
  private:

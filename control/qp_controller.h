@@ -6,22 +6,21 @@
 
 namespace saccade {
 
-/// Chooses, every step, the joint velocities v of neck and eyes that minimise
+/// Bounded velocity inverse kinematics. Every step computes the joint velocities v of neck and eyes that minimise
 ///
-///     |J v + e' + e / T_eye|^2       left eye: bearing e of the target to the optical axis, two rows; e' is
-///                                    what the target's own velocity makes of it (TargetTrack)
+///     |J v + e' + e / T_eye|^2       left eye: bearing e of the target relative to the optical axis, two rows; e' is
+///                                    its rate caused by the velocity of the target (TargetTrack)
 ///   + w_right (...)^2                right eye: the target's azimuth, with `eyes: both`
-///   + w_neck |w_head - eyes / T_neck|^2   the neck turns the head to where the eyes are turned, levels its
-///   roll
+///   + w_neck |w_head - eyes / T_neck|^2   the neck turns the head towards the direction of the eyes and levels it
 ///   + damping |v|^2
 ///
-/// within the velocities that MotionLimits allow (position, speed, acceleration, braking), exactly. The eyes
-/// are cheap, so they jump to the target; the neck follows with a slower time constant while the eyes
-/// counter-turn; where the eyes meet a limit the first term recruits the neck. At rest no term pulls against
-/// the first one, so the left eye has no steady error for a target it can reach.
+/// exactly within the velocities that MotionLimits allow (position, speed, acceleration, braking). Eye motion has a low
+/// cost, so the eyes move to the target first; the neck follows with a longer time constant while the eyes turn back. If
+/// the eyes are at a limit, the first term moves the neck. At rest all other terms vanish, so the left eye has no
+/// steady-state error for a target within reach.
 ///
-/// Errors and Jacobians are of the measured joints, velocities are integrated into references: a joint that
-/// sags under a load is lifted until the gaze is right. A reference waits for its joint at max_lead_deg.
+/// Errors and Jacobians use the measured joints, and velocities are integrated into references. So the controller
+/// compensates a steady position error of a joint. A reference leads its joint by max_lead_deg at most.
 class QpController final : public GazeController {
  public:
   /// Throws InputError.

@@ -7,11 +7,11 @@
 
 namespace saccade {
 
-/// Moves the eyes, and the neck where it is told to, from point to point without looking, whatever a detector says: for scenes in which the
-/// camera moves by itself, such as the paper's eye-move data set (section III-A).
+/// Moves the eyes, and optionally the neck, through a list of points and ignores all targets. For scenes with a camera
+/// that moves by itself, such as the eye-move data set of the paper (section III-A).
 ///
-/// They rest, go to the first point, rest, go to the next, and after the last to the first again. A move has
-/// minimum jerk. What has no points stays where it is at the first step: vergence, and the neck without neck_deg.
+/// The joints rest for dwell_s, move to the first point with minimum jerk, rest, move to the next point, and after the
+/// last one to the first. Vergence, and the neck without neck_deg, keep their positions of the first step.
 class ScriptController final : public GazeController {
  public:
   /// Throws InputError for a configuration out of range.
@@ -19,7 +19,7 @@ class ScriptController final : public GazeController {
 
   HeadJointVector step(const HeadState& state, const std::optional<Eigen::Vector3d>& target_m,
                        double dt_s) override;
-  void rest() override {}  // there is nothing to forget
+  void rest() override {}
   [[nodiscard]] TargetStatus target_status() const override { return TargetStatus::none; }
 
  private:
@@ -28,8 +28,8 @@ class ScriptController final : public GazeController {
   std::optional<HeadJointVector> reference_rad_;
   HeadJointVector start_rad_ = HeadJointVector::Zero();  ///< at the first step
   HeadJointVector from_rad_ = HeadJointVector::Zero();   ///< where the move began
-  std::size_t next_ = 0;                                 ///< point that the eyes go to or rest at
-  double move_s_ = 0.0;  ///< since the move began; below 0 in the rest at the start
+  std::size_t next_ = 0;  ///< point to which the eyes move, or at which they rest
+  double move_s_ = 0.0;   ///< since the move began; below 0 in the rest at the start
 };
 
 }  // namespace saccade

@@ -34,7 +34,7 @@ inline constexpr std::array<std::string_view, joint_count> joint_names = {
 using JointVector = Eigen::Matrix<double, joint_count, 1>;
 using HeadJointVector = Eigen::Matrix<double, head_joint_count, 1>;
 
-/// What the encoders say at one instant.
+/// Positions and velocities of all joints at one instant, from the encoders.
 struct HeadState {
   std::int64_t t_us = 0;
   JointVector position_rad = JointVector::Zero();
@@ -47,7 +47,7 @@ struct HeadState {
   return state.position_rad.allFinite() && state.velocity_rad_s.allFinite();
 }
 
-/// A joint's allowed positions and its highest speed.
+/// Position range and maximum speed of every joint.
 struct JointLimits {
   JointVector min_rad = JointVector::Zero();
   JointVector max_rad = JointVector::Zero();

@@ -6,8 +6,8 @@
 
 namespace saccade {
 
-/// Wraps a robot and never moves it: everything passes through but commands, targets, stops, activate() and release().
-/// A command that the head would reject is rejected.
+/// Wraps a robot without moving it: forwards everything except commands, targets, stops, activate() and release(). Rejects
+/// the commands that the head would reject.
 class DryRobot final : public Robot {
  public:
   explicit DryRobot(std::unique_ptr<Robot> robot);

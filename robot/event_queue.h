@@ -9,19 +9,19 @@
 
 namespace saccade {
 
-/// A queue of events from a thread that receives them to the one that reads: it never grows. When it is full the
-/// oldest events make room, since what gaze needs is the newest. Its storage is there from the start.
+/// A queue of events of fixed capacity between a receiving and a reading thread. If it is full, the oldest events are
+/// dropped, because gaze control needs the newest ones. Does not allocate after construction.
 class EventQueue {
  public:
   /// capacity >= 1, events.
   explicit EventQueue(std::size_t capacity);
 
-  /// Events in order of time.
+  /// Adds events, sorted by time.
   void push(std::span<const Event> events);
   /// Appends the events with time stamps <= t_us.
   void pop_until(std::int64_t t_us, std::vector<Event>& events);
   [[nodiscard]] std::int64_t size() const;
-  /// Events that had to make room so far.
+  /// Events dropped so far.
   [[nodiscard]] std::int64_t dropped() const;
 
  private:

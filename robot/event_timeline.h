@@ -11,23 +11,23 @@
 
 namespace saccade {
 
-/// What the events of one port are.
+/// The format of the events of one port.
 struct EventTimelineConfig {
-  ImageSize image_size;  ///< after the axes were turned
+  ImageSize image_size;  ///< after swap_xy
   AddressCodec codec = AddressCodec::ev2;
   PacketFormat format = PacketFormat::packet;
-  int stamp_bits = 30;  ///< 24 to 32; looked at where the format has stamps
+  int stamp_bits = 30;  ///< 24 to 32; used if the format has stamps
   bool swap_xy = false;
   bool flip_x = false;  ///< after swap_xy
   bool flip_y = false;
-  std::optional<std::uint8_t> camera;       ///< of all events; else each word's own channel
+  std::optional<std::uint8_t> camera;       ///< of all events; none: the channel in each address word
   std::int64_t longest_spread_us = 10'000;  ///< > 0
 };
 
-/// Lets stamps go forward only: an event a little behind the newest one gets its time.
+/// Makes time stamps non-decreasing: an event up to 5 ms behind the newest one gets the newest time stamp.
 class ForwardOnly {
  public:
-  /// False, and the event is to be dropped, where it is more than `latest_us` behind.
+  /// Returns false if the event is more than `latest_us` behind the newest one and must be dropped.
   bool admit(Event& event) {
     if (event.t_us < newest_us_ - latest_us) return false;
     if (event.t_us < newest_us_) event.t_us = newest_us_;
@@ -40,25 +40,25 @@ class ForwardOnly {
   std::int64_t newest_us_ = INT64_MIN / 2;
 };
 
-/// Makes events of the messages of one port: pixel and polarity as here, times on the receiver's clock, sorted, never
-/// later than the message came.
+/// Converts the messages of one port to events: pixel and polarity as in Event, time stamps on the clock of the receiver,
+/// sorted, and not later than the arrival of the message.
 ///
-/// Without stamps in the message its events are spread evenly over its duration, up to the time in its envelope (where
-/// it has none, up to its arrival), but over the last `longest_spread_us` at most: a camera that was still for long
-/// says so with a long duration, and what ended the silence came last. With stamps the newest is taken to be the
-/// message's time, and the others keep their distance from it.
+/// Without stamps in the message its events are spread evenly over its duration, which ends at the time in its envelope
+/// (without one: at its arrival), but over the last `longest_spread_us` at most: after a pause the duration is long, and
+/// its events are at its end. With stamps the newest stamp is the time of the message; the others keep their distance
+/// from it.
 class EventTimeline {
  public:
   explicit EventTimeline(const EventTimelineConfig& config);
 
-  /// Appends the events of a message that came at `arrival_us` (never goes back) and says it was sent at `sent_us` on
-  /// the sender's clock.
+  /// Appends the events of a message that arrived at `arrival_us` (never decreases) and was sent at `sent_us` on the clock
+  /// of the sender.
   void add(const EventPacket& packet, std::optional<std::int64_t> sent_us, std::int64_t arrival_us,
            std::vector<Event>& events);
-  /// The sender is another one from now on: its clocks are unknown.
+  /// Resets the clocks, for a new sender.
   void restart();
 
-  /// Events left out so far: outside the image, touches of the skin, or more than 5 ms behind those before.
+  /// Events dropped so far: outside the image, from the skin sensors, or more than 5 ms behind earlier ones.
   [[nodiscard]] std::int64_t dropped() const { return dropped_; }
 
  private:

@@ -7,8 +7,7 @@
 
 namespace saccade {
 
-/// The limits that we hold the head's joints to, whatever its own are: lowest and highest position, deg. The defaults
-/// are those of iCubGenova02.
+/// Position limits of the head joints, deg, which apply in addition to the limits of the robot. Defaults: iCubGenova02.
 struct HeadLimitsConfig {
   std::vector<double> neck_pitch_deg = {-30.0, 17.0};
   std::vector<double> neck_roll_deg = {-20.0, 20.0};
@@ -21,7 +20,8 @@ struct HeadLimitsConfig {
 /// Keys: neck_pitch_deg, neck_roll_deg, neck_yaw_deg, eyes_tilt_deg, eyes_version_deg, eyes_vergence_deg.
 void describe(FieldVisitor& v, HeadLimitsConfig& config);
 
-/// The torso's, which is not commanded, are wide open; speeds are not limited here. Throws InputError.
+/// Limits in radians. Those of the torso, which is not commanded, and of the speeds are infinite. Throws InputError for a
+/// configuration out of range.
 [[nodiscard]] JointLimits joint_limits(const HeadLimitsConfig& config);
 
 }  // namespace saccade

@@ -5,20 +5,20 @@
 
 namespace saccade {
 
-/// How a joint takes what it is told; the control modes of the iCub's boards that a served head has.
+/// The control mode of a joint: the modes of the iCub's control boards that saccade serve supports.
 enum class JointMode {
-  idle,      ///< takes nothing. A simulated joint has no motor to switch off: it holds where it is
-  position,  ///< goes to a position at its reference speed, with minimum jerk
-  direct,    ///< its reference is what it is told, at once
-  velocity,  ///< its reference moves at what it is told
+  idle,      ///< rejects commands. A simulated joint has no motor to switch off: it holds its position
+  position,  ///< moves to a position at its reference speed, with minimum jerk
+  direct,    ///< the command is the reference
+  velocity,  ///< the reference moves at the commanded velocity
 };
 
-/// What a board does with the commands that it gets: the part of a motor controller between a control board's
-/// interface and the position servos. Any number of joints, each in a mode of its own. rad, rad/s, s.
+/// Converts the commands of a control board to references of the position servos. Any number of joints, each in its own
+/// mode. rad, rad/s, s.
 ///
-/// As on the iCub: a command of another mode than the joint's is refused; a position outside the limits and a speed above
-/// the highest are moved to the limit; a velocity holds for velocity_timeout_s after its last command and is 0 then; a
-/// direct reference holds for good. After a change of mode a joint holds where it was measured.
+/// As on the iCub: a command for another mode than that of the joint is rejected; positions and speeds are clamped to the
+/// limits; a velocity is 0 from velocity_timeout_s after the last command on; a direct reference holds without limit.
+/// After a change of mode a joint holds its measured position.
 class JointBoard {
  public:
   struct Joint {
@@ -30,21 +30,21 @@ class JointBoard {
   static constexpr double default_speed_rad_s = 0.174532925199432958;         ///< 10 deg/s
   static constexpr double default_acceleration_rad_s2 = 17.4532925199432958;  ///< 1000 deg/s^2, of velocities
 
-  /// All start at `position_rad` in position mode, as after calibration. `movable` false: they are idle for good.
+  /// All joints start at `position_rad` in position mode, as after calibration. `movable` false: they stay idle.
   JointBoard(const std::vector<Joint>& joints, const Eigen::VectorXd& position_rad, bool movable);
 
   [[nodiscard]] int size() const { return static_cast<int>(axes_.size()); }
   [[nodiscard]] const Joint& joint(int j) const { return at(j).joint; }
 
   [[nodiscard]] JointMode mode(int j) const { return at(j).mode; }
-  bool set_mode(int j, JointMode mode);  ///< false: refused
+  bool set_mode(int j, JointMode mode);  ///< false: rejected
 
   bool move_to(int j, double position_rad);                  ///< position mode
   bool set_speed(int j, double speed_rad_s);                 ///< of move_to, above 0; any mode
   bool set_reference(int j, double position_rad);            ///< direct mode
   bool set_velocity(int j, double velocity_rad_s);           ///< velocity mode
   bool set_acceleration(int j, double acceleration_rad_s2);  ///< of set_velocity, above 0; any mode
-  void stop(int j);                                          ///< it holds where it is measured
+  void stop(int j);                                          ///< the joint holds its measured position
 
   [[nodiscard]] double speed_rad_s(int j) const { return at(j).speed_rad_s; }
   [[nodiscard]] double acceleration_rad_s2(int j) const { return at(j).acceleration_rad_s2; }
@@ -55,7 +55,7 @@ class JointBoard {
   }                                                                ///< of the last set_velocity
   [[nodiscard]] bool moving(int j) const { return at(j).moving; }  ///< a move_to is under way
 
-  /// Where the joints are; they were stepped dt_s ago. Gives the references that hold from now on.
+  /// Advances by dt_s. `measured_rad`: the current joint positions. Returns the references from now on.
   const Eigen::VectorXd& step(const Eigen::VectorXd& measured_rad, double dt_s);
 
  private:

@@ -5,14 +5,14 @@
 
 namespace saccade {
 
-/// Puts the times of a sender, whose clock started whenever, onto the receiver's clock. The offset between both is
-/// that of the message with the least delay of the last 8 to 10 s, so that what the network adds now and then does not
-/// shake the times, and clocks that drift apart are followed. What every message is delayed by cannot be seen: times
-/// come out later by it. A sender whose clock jumps by more than 1 s starts anew.
+/// Converts time stamps from the clock of a sender to the clock of the receiver. The offset is that of the message with
+/// the least delay of the last 8 to 10 s, so that variations of the network delay have no effect and clock drift is
+/// compensated. The constant part of the delay is not observable: converted times are late by it. A jump of the sender's
+/// clock by more than 1 s resets the offset.
 class SenderClock {
  public:
-  /// When on the receiver's clock the sender's `sent_us` was, from a message that came at `arrival_us` (never goes
-  /// back). Never after arrival_us.
+  /// The time `sent_us` of the sender on the clock of the receiver, for a message that arrived at `arrival_us` (never
+  /// decreases). Not after arrival_us.
   std::int64_t to_local(std::int64_t sent_us, std::int64_t arrival_us);
   void restart() { started_ = false; }
 
@@ -27,15 +27,15 @@ class SenderClock {
   std::array<std::int64_t, 5> delays_us_ = {};  // the least of each bucket, by its number modulo their count
 };
 
-/// Continues a counter of `bits` bits that wraps.
+/// Unwraps a counter of `bits` bits.
 class StampCounter {
  public:
   /// 1 to 32 bits.
   explicit StampCounter(int bits);
-  /// The first stamp of a message in ticks that do not wrap, `elapsed_ticks` after the one before: of all times with
-  /// these bits the nearest to what has passed, so that a long silence is no riddle.
+  /// The first stamp of a message, unwrapped, about `elapsed_ticks` after the one before: of all times with these bits the
+  /// nearest one, so that time stamps are unwrapped correctly after a long pause.
   std::int64_t begin(std::uint32_t stamp, std::int64_t elapsed_ticks);
-  /// One more stamp of the same message, the nearest to the one before.
+  /// The next stamp of the same message, unwrapped to the time nearest to the one before.
   std::int64_t next(std::uint32_t stamp) { return begin(stamp, 0); }
 
  private:

@@ -8,7 +8,7 @@
 
 namespace saccade {
 
-/// The machine's steady clock, 0 when it was made: it runs by itself, and waiting for a time is waiting.
+/// The steady clock of the machine, 0 at construction.
 class SteadyClock final : public Clock {
  public:
   [[nodiscard]] std::int64_t now_us() const override {

@@ -54,14 +54,14 @@ TEST(OpenGate, TurnsEveryEstimateAtTheThresholdIntoItsPoint) {
   }
 }
 
-TEST(OpenGate, GivesNothingForAnUnsureOrAbsentEstimate) {
+TEST(OpenGate, GivesNoTargetForAnEstimateBelowTheThresholdOrNone) {
   const auto g = gate("none");
   EXPECT_FALSE(update(*g, 1000, {true, false, {60, 60, 12}, 0.499}));
   EXPECT_FALSE(update(*g, 2000, {false, false, {60, 60, 12}, 1.0}));
   EXPECT_FALSE(update(*g, 3000, {true, false, {60, 60, 12}, std::numeric_limits<double>::quiet_NaN()}));
 }
 
-TEST(Gates, CountWhatTheyRefuseByReason) {
+TEST(Gates, CountRejectedTargetsByReason) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const char* name : {"none", "authors", "continuity"}) {
     GateConfig config;
@@ -87,7 +87,7 @@ TEST(AuthorsGate, WaitsForMoreThanEightyDetections) {
   EXPECT_TRUE(update(*g, 81000, sure(60, 60, 12)));
 }
 
-TEST(AuthorsGate, ForgetsWhatIsOlderThanAQuarterOfASecond) {
+TEST(AuthorsGate, IgnoresDetectionsOlderThanAQuarterOfASecond) {
   const auto g = gate("authors");
   EXPECT_TRUE(feed(*g, 81, [](int) { return sure(60, 60, 12); }));
   // At 251 ms the detection of 1 ms is out: the 80 others and this one are 81 still.
@@ -96,7 +96,7 @@ TEST(AuthorsGate, ForgetsWhatIsOlderThanAQuarterOfASecond) {
   EXPECT_FALSE(update(*g, 260000, sure(60, 60, 12)));
 }
 
-TEST(AuthorsGate, NeitherUnsureNorHeldEstimatesCount) {
+TEST(AuthorsGate, IgnoresEstimatesBelowTheThresholdAndHeldOnes) {
   const auto g = gate("authors");
   EXPECT_FALSE(feed(*g, 200, [](int i) {
     Estimate e = sure(60, 60, 12);
@@ -106,7 +106,7 @@ TEST(AuthorsGate, NeitherUnsureNorHeldEstimatesCount) {
   }));
 }
 
-TEST(AuthorsGate, LooksAtTheMedianNotAtTheOutliers) {
+TEST(AuthorsGate, TargetsTheMedianAndIgnoresOutliers) {
   const auto g = gate("authors", "authors_linear");
   // A fifth of the detections is far off; the newest is good.
   const auto target = feed(*g, 201, [](int i) { return i % 5 == 0 ? sure(90, 95, 10) : sure(60, 62, 10); });
@@ -116,14 +116,14 @@ TEST(AuthorsGate, LooksAtTheMedianNotAtTheOutliers) {
   EXPECT_NEAR(pixel.y(), 62, 1e-9);
 }
 
-TEST(AuthorsGate, StaysWhenTheNewestIsAnOutlier) {
+TEST(AuthorsGate, GivesNoTargetIfTheNewestDetectionIsAnOutlier) {
   const auto g = gate("authors");
   EXPECT_TRUE(feed(*g, 202, [](int i) { return sure(60 + i % 3, 62, 12); }));
   EXPECT_FALSE(update(*g, 203000, sure(75, 62, 12)));
   EXPECT_FALSE(update(*g, 204000, sure(61, 80, 12)));
 }
 
-TEST(AuthorsGate, StaysWhenTheDetectionsSpread) {
+TEST(AuthorsGate, GivesNoTargetIfTheDetectionsAreSpread) {
   // Three values at -w, 0, w have a standard deviation of 0.816 w; the last detection is the median.
   const auto spread_over = [](double w_px, double Circle::*coordinate) {
     const auto g = gate("authors");
@@ -139,7 +139,7 @@ TEST(AuthorsGate, StaysWhenTheDetectionsSpread) {
   }
 }
 
-TEST(AuthorsGate, TakesTheLargestRadiusUpToSixteen) {
+TEST(AuthorsGate, UsesTheLargestRadiusUpToSixteen) {
   const auto depth = [](double largest_px) {
     const auto g = gate("authors", "authors_linear");
     const auto target = feed(*g, 150, [&](int i) { return sure(60, 60, i == 100 ? largest_px : 10.0); });
@@ -149,7 +149,7 @@ TEST(AuthorsGate, TakesTheLargestRadiusUpToSixteen) {
   EXPECT_NEAR(depth(24.0), 0.30, 1e-12);
 }
 
-TEST(AuthorsGate, KeepsTheTargetTenCentimetresBeforeTheWaist) {
+TEST(AuthorsGate, KeepsTheTargetTenCentimetresInFrontOfTheWaist) {
   const auto g = gate("authors");
   Eigen::Isometry3d behind_the_waist = looking_ahead();
   behind_the_waist.translation().x() = 0.5;
@@ -219,7 +219,7 @@ TEST(Gates, ABadConfigurationIsAnInputError) {
   }
 }
 
-TEST(ContinuityGate, BeginsOnlyWhenEnoughDetectionsAgreeThenPassesEachAtOnce) {
+TEST(ContinuityGate, StartsWhenEnoughDetectionsAgreeAndThenPassesEachAtOnce) {
   const auto g = gate("continuity");
   const auto enough = static_cast<int>(ContinuityGateConfig{}.min_agreeing);
   EXPECT_FALSE(feed(*g, enough - 1, [](int) { return sure(60, 60, 12); }));
@@ -227,7 +227,7 @@ TEST(ContinuityGate, BeginsOnlyWhenEnoughDetectionsAgreeThenPassesEachAtOnce) {
   EXPECT_TRUE(update(*g, enough * 1000 + 1000, sure(62, 61, 12)));
 }
 
-TEST(AuthorsGate, TakesTheMedianInTheImageOfNowWhenTheCameraHasTurned) {
+TEST(AuthorsGate, UsesTheMedianInTheCurrentImageAfterTheCameraHasTurned) {
   // A ball at rest, found 100 times; then the camera turns by 10 deg and sees it elsewhere.
   const auto g = gate("authors");
   const Eigen::Vector3d ball_m(-0.45, 0.02, 0.03);
@@ -244,7 +244,7 @@ TEST(AuthorsGate, TakesTheMedianInTheImageOfNowWhenTheCameraHasTurned) {
   }
 }
 
-TEST(ContinuityGate, DoesNotBeginOnDetectionsThatAreEverywhere) {
+TEST(ContinuityGate, DoesNotStartOnScatteredDetections) {
   const auto g = gate("continuity");
   const RandomStream random(3, "gate");
   const auto anywhere = [&](int i) {
@@ -254,7 +254,7 @@ TEST(ContinuityGate, DoesNotBeginOnDetectionsThatAreEverywhere) {
   for (int i = 1; i <= 2000; ++i) EXPECT_FALSE(update(*g, i * 1000, anywhere(i))) << i;
 }
 
-TEST(ContinuityGate, RefusesDetectionsElsewhereUntilTheBallIsLostThenAsksForConfirmation) {
+TEST(ContinuityGate, RejectsDetectionsElsewhereUntilTheBallIsLostAndThenNeedsConfirmation) {
   GateConfig slow;
   slow.gate = "continuity";
   slow.continuity.growth_deg_s = 15.0;
@@ -268,14 +268,14 @@ TEST(ContinuityGate, RefusesDetectionsElsewhereUntilTheBallIsLostThenAsksForConf
   EXPECT_TRUE(update(*g, (100 + lost_ms + 1) * 1000, sure(110, 110, 12)));
 }
 
-TEST(ContinuityGate, ADetectionFarBehindInDepthIsAnotherPlaceToo) {
+TEST(ContinuityGate, RejectsADetectionAtAnotherDepth) {
   const auto g = gate("continuity");
   ASSERT_TRUE(feed(*g, 100, [](int) { return sure(60, 60, 12); }));
   EXPECT_FALSE(update(*g, 101'000, sure(60, 60, 24)));
   EXPECT_TRUE(update(*g, 102'000, sure(60, 60, 13)));
 }
 
-TEST(ContinuityGate, FollowsABallFromOneDetectionToTheNextAfterAGapAsFarAsItCanHaveMoved) {
+TEST(ContinuityGate, AfterAGapAcceptsDetectionsAsFarAsTheBallCanHaveMoved) {
   const auto g = gate("continuity");
   ASSERT_TRUE(feed(*g, 100, [](int) { return sure(60, 60, 12); }));
   // 13 px are 7.4 deg: too far after a millisecond, not after half a second (3 deg + 60 deg/s).
@@ -285,7 +285,7 @@ TEST(ContinuityGate, FollowsABallFromOneDetectionToTheNextAfterAGapAsFarAsItCanH
   EXPECT_FALSE(update(*g, 3'000'000, sure(73, 60, 12)));
 }
 
-TEST(ContinuityGate, LivesInTheRootFrameSoTheHeadsOwnMotionDoesNotMatter) {
+TEST(ContinuityGate, UsesTheRootFrameSoThatHeadMotionHasNoEffect) {
   const auto g = gate("continuity");
   const Eigen::Vector3d ball(-0.45, 0.0, 0.0);
   int passed = 0;

@@ -29,7 +29,7 @@ Eigen::Vector3d derivative(const Function& f, const JointVector& q, int joint, d
          h;
 }
 
-TEST(HeadKinematics, PutsTheEyesWhereTheV2HeadHasThemAtZero) {
+TEST(HeadKinematics, PlacesTheEyesOfTheV2HeadAtZero) {
   const Eigen::Isometry3d left = root_from_left_cam(JointVector::Zero());
   const Eigen::Isometry3d right = root_from_right_cam(JointVector::Zero());
   EXPECT_LT((left.translation() - Eigen::Vector3d(-0.0564, -0.034, 0.34685)).norm(), 1e-12);
@@ -116,7 +116,7 @@ TEST(HeadKinematics, JacobianOfAnEyeEqualsFiniteDifferences) {
   }
 }
 
-TEST(HeadKinematics, FixationPointIsWhereBothAxesMeet) {
+TEST(HeadKinematics, FixationPointIsTheIntersectionOfBothAxes) {
   const RandomStream random(3, "kinematics");
   int seen = 0;
   for (std::uint64_t i = 0; i < 500; ++i) {
@@ -148,7 +148,7 @@ TEST(HeadKinematics, VergenceGivesTheTabulatedDistance) {
   }
 }
 
-TEST(HeadKinematics, FixationIsInvalidWhereTheAxesAreParallelOrMeetBehind) {
+TEST(HeadKinematics, FixationIsInvalidIfTheAxesAreParallelOrIntersectBehind) {
   JointVector q = JointVector::Zero();
   EXPECT_FALSE(HeadKinematics(q).fixation().valid);
   q[eyes_vergence] = 0.05 * rad_per_deg;
@@ -172,7 +172,7 @@ TEST(HeadKinematics, JacobianOfTheFixationPointEqualsFiniteDifferences) {
   }
 }
 
-TEST(HeadKinematics, CameraMotionIsThePosesDerivativeInItsOwnFrame) {
+TEST(HeadKinematics, CameraMotionIsTheDerivativeOfThePoseInItsOwnFrame) {
   const RandomStream random(5, "kinematics");
   for (std::uint64_t i = 0; i < 100; ++i) {
     HeadState state;
@@ -225,7 +225,7 @@ TEST(HeadKinematics, ReachesTheReferencePosesOfTheNeck) {
   }
 }
 
-TEST(HeadKinematics, NeckAtItsUpperStopMissesAHighTarget) {
+TEST(HeadKinematics, TheNeckAtItsUpperLimitMissesAHighTarget) {
   // (-0.5, 0, 0.55) leaves 5.1 deg of elevation with neck pitch at its 17 deg.
   JointVector q = JointVector::Zero();
   q[neck_pitch] = 17.0 * rad_per_deg;

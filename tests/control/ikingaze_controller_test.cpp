@@ -37,7 +37,7 @@ double neck_error_deg(const JointVector& q, const Eigen::Vector3d& target_m) {
   return CyclopeanEye(q).angle_to(target_m) / rad_per_deg;
 }
 
-TEST(IkinGazeController, BothEyesMeetOnEveryTargetWithinReach) {
+TEST(IkinGazeController, BothEyesFixateEveryTargetWithinReach) {
   const RandomStream random(1, "targets");
   const auto gaze = controller(ikingaze());
   Plant plant;  // one head goes from target to target
@@ -74,7 +74,7 @@ TEST(IkinGazeController, TheLeftEyeAloneLeavesVergenceAtRest) {
   }
 }
 
-TEST(IkinGazeController, TheNeckMovesByItsTransferFunctionIntoTheReferencePoses) {
+TEST(IkinGazeController, TheNeckMovesWithItsTransferFunctionToTheReferencePoses) {
   const std::vector<std::pair<Eigen::Vector3d, NeckVector>> poses = {
       {{-0.5, 0.15, 0.25}, {-9.7, 5.2, -16.3}},
       {{-0.5, 0.15, 0.45}, {11.4, -0.7, -16.1}},
@@ -103,7 +103,7 @@ TEST(IkinGazeController, TheNeckMovesByItsTransferFunctionIntoTheReferencePoses)
   }
 }
 
-TEST(IkinGazeController, TheEyesFollowASmallStepByTheirLoopAndTheirFilter) {
+TEST(IkinGazeController, TheEyesFollowASmallStepWithTheDynamicsOfLoopAndFilter) {
   // Within the neck's activation angle it stays; the eyes' reference closes in with 12.5 / s, a velocity that holds
   // for 20 ms, then comes the filter with three poles at -5.322 / T.
   const auto gaze = controller(ikingaze());
@@ -139,7 +139,7 @@ TEST(IkinGazeController, TheEyesFollowASmallStepByTheirLoopAndTheirFilter) {
   EXPECT_LT(worst, 0.02);
 }
 
-TEST(IkinGazeController, ARampIsFollowedAsLateAsFilterAndLoopAre) {
+TEST(IkinGazeController, ARampIsFollowedWithTheLagOfFilterAndLoop) {
   const auto gaze = controller(ikingaze("both", false));
   Plant plant(0.0);
   // A target that circles the eyes in the plane of their axes at 5 deg/s: 0.141 s for the filter, 0.080 s for the
@@ -160,7 +160,7 @@ TEST(IkinGazeController, ARampIsFollowedAsLateAsFilterAndLoopAre) {
   EXPECT_NEAR(lag_s, 0.141 + 0.080, 0.005);
 }
 
-TEST(IkinGazeController, ASaccadeGoesStraightToWhatIsMoreThanTenDegreesOff) {
+TEST(IkinGazeController, ASaccadeMovesToATargetMoreThanTenDegreesAway) {
   const auto reached_deg = [](const GazeControllerConfig& config, double azimuth_deg, double after_s) {
     const auto gaze = controller(config);
     Plant plant;
@@ -205,7 +205,7 @@ TEST(IkinGazeController, SaccadesKeepTheirInterval) {
   }
 }
 
-TEST(IkinGazeController, TheNeckWaitsForSmallTargetsAndLeavesTheSmallestToTheEyes) {
+TEST(IkinGazeController, TheNeckFollowsSmallChangesLateAndTheSmallestNotAtAll) {
   const auto neck_starts_s = [](double azimuth_deg) {
     const auto gaze = controller(ikingaze());
     Plant plant(0.0);
@@ -243,7 +243,7 @@ TEST(IkinGazeController, KeepsTheGazeWhileTheNeckTurns) {
   }
 }
 
-TEST(IkinGazeController, StepsOfAnyLengthDoTheSame) {
+TEST(IkinGazeController, StepsOfAnyLengthGiveTheSameMotion) {
   const Eigen::Vector3d target_m = seen_at(18, 9, 0.45);
   const auto after = [&](double step_s) {
     const auto gaze = controller(ikingaze());
@@ -263,7 +263,7 @@ TEST(IkinGazeController, StepsOfAnyLengthDoTheSame) {
   }
 }
 
-TEST(IkinGazeController, TiltKeepsWithinItsOwnLimits) {
+TEST(IkinGazeController, TiltStaysWithinItsOwnLimits) {
   GazeControllerConfig config = ikingaze();
   for (const auto& [min_deg, max_deg] : {std::pair{-12.0, 15.0}, {-20.0, 4.0}}) {
     config.ikingaze.min_tilt_deg = min_deg;
@@ -284,7 +284,7 @@ TEST(IkinGazeController, TiltKeepsWithinItsOwnLimits) {
   }
 }
 
-TEST(IkinGazeController, LooksAtTheTargetThroughALoadThatSags) {
+TEST(IkinGazeController, CompensatesASteadyPositionErrorOfAJoint) {
   const auto gaze = controller(ikingaze());
   Plant plant;
   plant.sag_rad << -3, 1, 0.5, -1, 0.5, 0.5;
@@ -294,7 +294,7 @@ TEST(IkinGazeController, LooksAtTheTargetThroughALoadThatSags) {
   EXPECT_LT(angle_deg(Eye::left, plant.state.position_rad, target_m), 0.02);
 }
 
-TEST(IkinGazeController, AReferenceWaitsForAJointThatDoesNotMove) {
+TEST(IkinGazeController, AReferenceLeadsABlockedJointByTheMaximumOnly) {
   const auto gaze = controller(ikingaze("both", false));
   const HeadState stuck;
   HeadJointVector reference;
@@ -303,7 +303,7 @@ TEST(IkinGazeController, AReferenceWaitsForAJointThatDoesNotMove) {
   EXPECT_LT(reference.cwiseAbs().maxCoeff(), 14.2 * rad_per_deg);
 }
 
-TEST(IkinGazeController, HoldsTheNeutralPoseUntilATargetComesAndReturnsToItAtRest) {
+TEST(IkinGazeController, HoldsTheNeutralPoseBeforeTheFirstTargetAndReturnsToItOnRest) {
   Plant turned;
   turned.state.position_rad.tail<head_joint_count>() << 0.1, -0.2, 0.5, 0.2, -0.3, 0.4;
   run(*controller(ikingaze()), turned, std::nullopt, 4.0);

@@ -53,7 +53,7 @@ TEST(JointLimiter, PassesAGentleStreamUnchanged) {
   }
 }
 
-TEST(JointLimiter, HoldsTheShareOfTheSpeedThatItIsAllowed) {
+TEST(JointLimiter, KeepsTheSpeedBelowTheAllowedShare) {
   for (const double share : {0.0, 0.1, 0.5}) {
     JointLimiter limiter(limits());
     const HeadJointVector goal = middle() + all(10.0 * rad_per_deg);
@@ -69,7 +69,7 @@ TEST(JointLimiter, HoldsTheShareOfTheSpeedThatItIsAllowed) {
   }
 }
 
-TEST(JointLimiter, AJumpBecomesASwiftMoveWithoutOvershoot) {
+TEST(JointLimiter, AStepBecomesAMoveAtTheLimitsWithoutOvershoot) {
   JointLimiter limiter(limits());
   Watch watch(middle());
   const HeadJointVector goal = middle() + all(10.0 * rad_per_deg);
@@ -84,7 +84,7 @@ TEST(JointLimiter, AJumpBecomesASwiftMoveWithoutOvershoot) {
   EXPECT_NEAR(arrived, 205, 4);
 }
 
-TEST(JointLimiter, HoldsAnyStreamWithinEveryLimit) {
+TEST(JointLimiter, KeepsAnyStreamWithinEveryLimit) {
   const RandomStream random(1, "limiter");
   JointLimiter limiter(limits());
   Watch watch(middle());
@@ -99,7 +99,7 @@ TEST(JointLimiter, HoldsAnyStreamWithinEveryLimit) {
   }
 }
 
-TEST(JointLimiter, SaysWhichLimitActedOnWhichJoint) {
+TEST(JointLimiter, ReportsWhichLimitActedOnWhichJoint) {
   const int yaw = neck_yaw - torso_joint_count;
   const int tilt = eyes_tilt - torso_joint_count;
   const auto only = [](int joint) { return JointMask().set(static_cast<std::size_t>(joint)); };
@@ -122,7 +122,7 @@ TEST(JointLimiter, SaysWhichLimitActedOnWhichJoint) {
   EXPECT_EQ(result.acceleration, only(yaw));
 }
 
-TEST(JointLimiter, HoldsTheLastCommandWhereOneIsNotFinite) {
+TEST(JointLimiter, KeepsTheLastCommandIfOneIsNotFinite) {
   for (const double bad :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     JointLimiter limiter(limits());
@@ -140,7 +140,7 @@ TEST(JointLimiter, HoldsTheLastCommandWhereOneIsNotFinite) {
   }
 }
 
-TEST(JointLimiter, BringsAHeadThatStartsOutsideBackSmoothly) {
+TEST(JointLimiter, MovesAHeadThatStartsOutsideItsLimitsBackSmoothly) {
   const MotionLimits l = limits();
   for (const double beyond_deg : {0.03, -0.03, 5.0, -5.0}) {
     // 0.03 deg: in the margin; 5 deg: outside of what the hardware allows.
@@ -164,14 +164,14 @@ TEST(JointLimiter, BringsAHeadThatStartsOutsideBackSmoothly) {
   }
 }
 
-TEST(JointLimiter, SurvivesANotFiniteStart) {
+TEST(JointLimiter, StartsFromJointsThatAreNotFinite) {
   JointLimiter limiter(limits());
   const HeadJointVector nan = all(std::numeric_limits<double>::quiet_NaN());
   const JointLimiter::Result result = limiter.apply(nan, nan, dt);
   EXPECT_TRUE(result.reference_rad.allFinite());
 }
 
-TEST(AllowedVelocity, AlwaysLeavesAWayToStop) {
+TEST(AllowedVelocity, AlwaysAllowsToStopBeforeALimit) {
   // Takes the fastest allowed velocity every step, both ways, at several periods.
   const MotionLimits l = limits();
   for (const double step_s : {0.5e-3, 1e-3, 7e-3, 20e-3}) {

@@ -72,7 +72,7 @@ TEST(MinimumJerkFilter, ARampIsFollowedLate) {
   }
 }
 
-TEST(MinimumJerkFilter, ForgetsWhenReset) {
+TEST(MinimumJerkFilter, ResetClearsTheState) {
   MinimumJerkFilter used(0.25, period_s), fresh(0.25, period_s);
   for (int i = 0; i < 7; ++i) (void)used.step(1.0, 0.2, 0.1 * i);
   used.reset();

@@ -45,7 +45,7 @@ TEST(NeckSolver, FindsTheReferencePosesOnBothSides) {
   }
 }
 
-TEST(NeckSolver, AtTheUpperEdgeTheHeadRollsAndInTheMiddleItFallsShort) {
+TEST(NeckSolver, AtTheUpperLimitTheHeadRollsAndInTheMiddleDoesNotReachTheTarget) {
   for (const double side : {1.0, -1.0}) {
     const Eigen::Vector3d target_m(-0.5, side * 0.15, 0.55);
     const NeckVector neck_deg = solve_deg(target_m);
@@ -63,7 +63,7 @@ TEST(NeckSolver, AtTheUpperEdgeTheHeadRollsAndInTheMiddleItFallsShort) {
   }
 }
 
-TEST(NeckSolver, CrossingTheUpperEdgeTheRollFlipsOverWithTheHeadLowered) {
+TEST(NeckSolver, AcrossTheMiddleOfTheUpperLimitTheRollChangesSignWithTheHeadLowered) {
   // As a ball moves from right to left along the edge, each pose the start of the next search.
   NeckVector neck_deg = solve_deg({-0.5, 0.15, 0.55});
   const double first_roll_deg = neck_deg[1];
@@ -93,7 +93,7 @@ TEST(NeckSolver, WithTheHeadDownTheRollStaysAtRest) {
   }
 }
 
-TEST(NeckSolver, IsExactWhereLimitsAndGuardAllowAndNeverLeavesThem) {
+TEST(NeckSolver, IsExactWithinLimitsAndGuardAndNeverViolatesThem) {
   const NeckSolver neck = genova02_neck();
   const JointLimits limits = genova02_limits();
   const RandomStream random(1, "targets");
@@ -125,7 +125,7 @@ TEST(NeckSolver, IsExactWhereLimitsAndGuardAllowAndNeverLeavesThem) {
               unsettled);
 }
 
-TEST(NeckSolver, OfThePosesThatAimItTakesTheOneNearestToRest) {
+TEST(NeckSolver, OfTheExactPosesItGivesTheOneNearestToRest) {
   // Turning on along the line of poses that keep the axis on the target leads away from rest on both sides.
   const Eigen::Vector3d target_m(-0.5, 0.15, 0.25);
   const NeckVector best_deg = solve_deg(target_m);
@@ -142,7 +142,7 @@ TEST(NeckSolver, OfThePosesThatAimItTakesTheOneNearestToRest) {
   }
 }
 
-TEST(NeckSolver, RestLevelsTheHeadWhateverTheTorsoDoes) {
+TEST(NeckSolver, TheRestPoseLevelsTheHeadForAnyTorsoPose) {
   JointVector q = JointVector::Zero();
   EXPECT_LT(genova02_neck().rest(q).norm(), 1e-12);
   q.head<3>() << 10 * rad_per_deg, -8 * rad_per_deg, 20 * rad_per_deg;

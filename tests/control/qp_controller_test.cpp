@@ -36,7 +36,7 @@ TEST(QpController, ReachesEveryReachableTargetWithBothEyes) {
               worst_right_deg, worst_fixation_m);
 }
 
-TEST(QpController, IsWithinAPixelInAThirdOfASecond) {
+TEST(QpController, IsWithinAPixelAfterAThirdOfASecond) {
   const RandomStream random(2, "targets");
   std::vector<double> times_s;
   for (std::uint64_t i = 0; i < 101; ++i) {
@@ -55,7 +55,7 @@ TEST(QpController, IsWithinAPixelInAThirdOfASecond) {
   std::printf("within 0.576 deg after %.3f s in the middle, %.3f s at worst\n", times_s[50], times_s.back());
 }
 
-TEST(QpController, NeverLeavesTheLimitsReachableOrNot) {
+TEST(QpController, NeverViolatesLimitsForTargetsWithinAndOutOfReach) {
   const RandomStream random(3, "targets");
   const auto gaze = controller();
   Plant plant;
@@ -89,7 +89,7 @@ TEST(QpController, NeverLeavesTheLimitsReachableOrNot) {
   EXPECT_EQ(limited, 0);  // the controller keeps the limits by itself
 }
 
-TEST(QpController, GoesAsNearAsLimitsAllowToATargetOutOfReach) {
+TEST(QpController, ApproachesATargetOutOfReachAsFarAsTheLimitsAllow) {
   // Compared with the best that coordinate descent finds from every corner of the box of joint angles.
   const MotionLimits l = motion_limits(genova02_limits(), {});
   for (const Eigen::Vector3d& target :
@@ -133,7 +133,7 @@ TEST(QpController, GoesAsNearAsLimitsAllowToATargetOutOfReach) {
   }
 }
 
-TEST(QpController, TheNeckTakesOverAndTheEyesComeBackToTheMiddle) {
+TEST(QpController, TheNeckFollowsAndTheEyesReturnToTheMiddle) {
   const auto gaze = controller();
   Plant plant;
   const Eigen::Vector3d target = seen_at(25, 10, 0.45);
@@ -149,7 +149,7 @@ TEST(QpController, TheNeckTakesOverAndTheEyesComeBackToTheMiddle) {
   EXPECT_LT(angle_deg(Eye::left, late, target), 0.01);
 }
 
-TEST(QpController, KeepsTheGazeWhileTheNeckTakesOver) {
+TEST(QpController, KeepsTheGazeWhileTheNeckFollows) {
   const auto gaze = controller();
   Plant plant;
   const Eigen::Vector3d target = seen_at(-28, 12, 0.45);
@@ -162,7 +162,7 @@ TEST(QpController, KeepsTheGazeWhileTheNeckTakesOver) {
   EXPECT_LT(worst_deg, 0.576);  // a pixel
 }
 
-TEST(QpController, TheNeckAtItsStopLeavesTheRestToTheEyes) {
+TEST(QpController, TheEyesCoverTheRemainingAngleIfTheNeckIsAtItsLimit) {
   const auto gaze = controller();
   Plant plant;
   const Eigen::Vector3d target(-0.5, 0.0, 0.55);  // the neck alone misses it by 5.1 deg
@@ -172,7 +172,7 @@ TEST(QpController, TheNeckAtItsStopLeavesTheRestToTheEyes) {
   EXPECT_GT(plant.state.position_rad[eyes_tilt], 3.0 * rad_per_deg);
 }
 
-TEST(QpController, LooksAtTheTargetThroughALoadThatSags) {
+TEST(QpController, CompensatesASteadyPositionErrorOfAJoint) {
   const auto gaze = controller();
   Plant plant;
   plant.sag_rad << -3, 1, 0.5, -1, 0.5, 0.5;
@@ -182,7 +182,7 @@ TEST(QpController, LooksAtTheTargetThroughALoadThatSags) {
   EXPECT_LT(angle_deg(Eye::left, plant.state.position_rad, target), 0.01);
 }
 
-TEST(QpController, AReferenceWaitsForAJointThatDoesNotMove) {
+TEST(QpController, AReferenceLeadsABlockedJointByTheMaximumOnly) {
   const auto gaze = controller();
   Plant plant;
   const Eigen::Vector3d target = seen_at(-40, 15, 0.45);
@@ -210,7 +210,7 @@ TEST(QpController, FollowsTheTargetThroughACommandDelay) {
   EXPECT_LT(late_deg, 0.05);
 }
 
-TEST(QpController, HoldsTheNeutralPoseUntilATargetComes) {
+TEST(QpController, HoldsTheNeutralPoseBeforeTheFirstTarget) {
   const auto gaze = controller();
   Plant plant;
   run(*gaze, plant, std::nullopt, 1.0);
@@ -223,7 +223,7 @@ TEST(QpController, HoldsTheNeutralPoseUntilATargetComes) {
   EXPECT_LT(turned.state.position_rad.cwiseAbs().maxCoeff(), 0.1 * rad_per_deg);
 }
 
-TEST(QpController, KeepsLookingAtTheLastTargetWhenTargetsCease) {
+TEST(QpController, KeepsLookingAtTheLastTargetWithoutNewOnes) {
   const auto gaze = controller();
   Plant plant;
   const Eigen::Vector3d target = seen_at(20, -10, 0.4);
@@ -232,7 +232,7 @@ TEST(QpController, KeepsLookingAtTheLastTargetWhenTargetsCease) {
   EXPECT_LT(angle_deg(Eye::left, plant.state.position_rad, target), 0.01);
 }
 
-TEST(QpController, IgnoresWhatCannotBeLookedAtAndSaysWhy) {
+TEST(QpController, IgnoresImpossibleTargetsAndReportsWhy) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto gaze = controller();
   Plant plant;
@@ -271,7 +271,7 @@ TEST(QpController, HoldsItsReferenceWhileAnEncoderReadsNan) {
   EXPECT_LT(angle_deg(Eye::left, plant.state.position_rad, seen_at(20, 0, 0.4)), 0.1);
 }
 
-TEST(QpController, FollowsATargetOnACircleOfHalfAHertzWithHardlyALag) {
+TEST(QpController, FollowsATargetOnACircleOfHalfAHertzWithLittleLag) {
   // 7 cm in radius at 45 cm: 28 deg/s. Without knowing the target's motion the eye would trail by
   // eye_time_constant_s, 1.4 deg.
   const auto gaze = controller();

@@ -25,7 +25,7 @@ INSTANTIATE_TEST_SUITE_P(, RandomTargets,
                            return std::get<0>(name.param) + "_with_" + std::get<1>(name.param);
                          });
 
-TEST_P(RandomTargets, AThousandOfThemReachableOrNotNeverLeadOutOfTheLimits) {
+TEST_P(RandomTargets, AThousandTargetsNeverViolateTheLimits) {
   const RandomStream random(11, "targets");
   const auto gaze = controller(config());
   const MotionLimits limits = motion_limits(genova02_limits(), {});
@@ -57,7 +57,7 @@ TEST_P(RandomTargets, AThousandOfThemReachableOrNotNeverLeadOutOfTheLimits) {
   EXPECT_LT(refused, 700);
 }
 
-TEST_P(RandomTargets, TheLeftEyeReachesWhatCanBeReached) {
+TEST_P(RandomTargets, TheLeftEyeFixatesEveryTargetWithinReach) {
   const RandomStream random(12, "targets");
   const auto gaze = controller(config());
   Plant plant(0.0);

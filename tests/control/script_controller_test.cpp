@@ -34,7 +34,7 @@ std::vector<Eigen::Vector2d> play(ScriptController& controller, HeadState& state
   return eyes_deg;
 }
 
-TEST(ScriptController, RestsThenGoesFromPointToPointAndRoundAgain) {
+TEST(ScriptController, RestsAndMovesThroughThePointsInACycle) {
   ScriptController controller(two_points(), genova02_limits());
   HeadState state;
   const auto eyes = play(controller, state, 2000);
@@ -48,7 +48,7 @@ TEST(ScriptController, RestsThenGoesFromPointToPointAndRoundAgain) {
   EXPECT_TRUE(eyes[1560].isApprox(Eigen::Vector2d(10, -12), 1e-6));
 }
 
-TEST(ScriptController, MovesWithoutJerksAtNoMoreThanLeastJerkDoes) {
+TEST(ScriptController, MovesWithThePeakSpeedOfMinimumJerk) {
   ScriptController controller(two_points(), genova02_limits());
   HeadState state;
   const auto eyes = play(controller, state, 1000);
@@ -59,7 +59,7 @@ TEST(ScriptController, MovesWithoutJerksAtNoMoreThanLeastJerkDoes) {
   EXPECT_NEAR(fastest_deg_s, 1.875 * 40, 0.5);
 }
 
-TEST(ScriptController, LeavesNeckAndVergenceWhereTheyAre) {
+TEST(ScriptController, KeepsNeckAndVergenceAtTheirPositions) {
   ScriptController controller(two_points(), genova02_limits());
   HeadState state;
   state.position_rad[neck_pitch] = -7 * rad_per_deg;
@@ -97,7 +97,7 @@ TEST(ScriptController, WaitsForReadableEncoders) {
   EXPECT_DOUBLE_EQ(controller.step(state, std::nullopt, dt_s)[neck_roll - neck_pitch], 3 * rad_per_deg);
 }
 
-TEST(ScriptController, RefusesAnEmptyScript) {
+TEST(ScriptController, RejectsAnEmptyScript) {
   ScriptConfig config;
   config.eyes_deg.clear();
   try {

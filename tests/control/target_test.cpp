@@ -63,7 +63,7 @@ TEST(Target, InvertsTheOutlineOfASphereThroughTheLens) {
   }
 }
 
-TEST(Target, PlacesEveryCircleThatADetectorMayFindThroughTheLens) {
+TEST(Target, LocatesEveryCircleThatADetectorCanFindThroughTheLens) {
   const Camera camera;
   const RandomStream random(4, "target");
   for (std::uint64_t i = 0; i < 10000; ++i) {
@@ -78,7 +78,7 @@ TEST(Target, PlacesEveryCircleThatADetectorMayFindThroughTheLens) {
   }
 }
 
-TEST(Target, HoldsForAWideAnglePinholeWithUnequalFocalLengths) {
+TEST(Target, IsExactForAWideAnglePinholeWithUnequalFocalLengths) {
   Camera camera = Camera{}.without_lens();
   camera.fx_px = 40.0;
   camera.fy_px = 55.0;
@@ -97,7 +97,7 @@ TEST(Target, HoldsForAWideAnglePinholeWithUnequalFocalLengths) {
   EXPECT_GT(seen, 3000);
 }
 
-TEST(Target, TheAuthorsMapPutsTenPixelsAt45CentimetresAndSixteenAt30) {
+TEST(Target, TheAuthorsMapGives45CentimetresForTenPixelsAnd30ForSixteen) {
   TargetConfig config;
   config.depth = "authors_linear";
   const TargetLocator locator(config);
@@ -136,7 +136,7 @@ TEST(Target, IsGivenInTheRootFrame) {
   EXPECT_LT((target.point_m - ball_root).norm(), 1e-9);
 }
 
-TEST(Target, RefusesWhatIsNoTargetAndSaysWhy) {
+TEST(Target, RejectsInvalidCirclesAndReportsWhy) {
   const Camera camera;
   const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
   TargetConfig linear;
@@ -232,7 +232,7 @@ TEST(Triangulation, ErrsByDistanceSquaredOverTheBaseline) {
   }
 }
 
-TEST(Triangulation, IsRefusedWhereTheRaysAreNearlyParallelPartOrMeetBehind) {
+TEST(Triangulation, HasNoPointIfTheRaysAreNearlyParallelSkewOrIntersectBehind) {
   const Eigen::Vector3d ahead(-1.0, 0.0, 0.0);
   EXPECT_FALSE(triangulate_freely(ahead, ahead));
   EXPECT_FALSE(triangulate_freely(ahead, {-1.0, -0.0009, 0.0}));
@@ -245,7 +245,7 @@ TEST(Triangulation, IsRefusedWhereTheRaysAreNearlyParallelPartOrMeetBehind) {
   EXPECT_FALSE(triangulate({left_eye_m, ahead}, {left_eye_m, inwards}, 1e-3, 0.1)) << "no baseline";
 }
 
-TEST(Stereo, MendsADistanceThatTheLeftEyesRadiusGotWrong) {
+TEST(Stereo, CorrectsADistanceErrorFromTheRadiusInTheLeftEye) {
   Eigen::Isometry3d root_from_right_cam = Eigen::Isometry3d::Identity();
   root_from_right_cam.linear() << 0, 0, -1, 1, 0, 0, 0, -1, 0;
   root_from_right_cam.translation() = right_eye_m;

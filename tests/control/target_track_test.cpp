@@ -25,7 +25,7 @@ TEST(TargetTrack, HasNoLagBehindATargetOfConstantAcceleration) {
   EXPECT_LT((track.velocity_m_s() - Eigen::Vector3d(0.0, 0.6, -0.1)).norm(), 1e-6);
 }
 
-TEST(TargetTrack, DoesNotCareHowOftenTargetsCome) {
+TEST(TargetTrack, IsIndependentOfTheRateOfTargets) {
   TargetTrack track(0.03);
   for (int i = 0; i <= 1000; ++i) {
     track.advance(dt);
@@ -64,7 +64,7 @@ TEST(TargetTrack, StopsSoonAfterTheLastTarget) {
   EXPECT_LT(track.velocity_m_s().norm(), 1e-4);
 }
 
-TEST(TargetTrack, StartsAnewAtRestAfterALongPause) {
+TEST(TargetTrack, RestartsAtRestAfterALongPause) {
   TargetTrack track(0.03);
   for (int i = 0; i <= 500; ++i) {
     track.advance(dt);

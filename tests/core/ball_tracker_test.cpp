@@ -62,7 +62,7 @@ TEST(BallTracker, FollowsAFastBallToHalfAPixelWithoutLag) {
   EXPECT_NEAR(along[50], 0.0, 0.5);  // 1 ms of lag would be 0.52 px
 }
 
-TEST(BallTracker, TakesABurstOfAPixelForOneEdge) {
+TEST(BallTracker, CountsABurstOfAPixelAsOneEdge) {
   // Every pixel goes on for five more events, as under high contrast: they lie on no plane.
   const streams::MovingDisc disc{20, 40, 500, 150, 12};
   std::vector<Event> bursts;
@@ -83,7 +83,7 @@ TEST(BallTracker, TakesABurstOfAPixelForOneEdge) {
   EXPECT_EQ(e.score, expected.score);
 }
 
-TEST(BallTracker, HoldsABallThatStopsAndSaysSo) {
+TEST(BallTracker, HoldsABallThatStopsAndDeclaresTheEstimateHeld) {
   const streams::MovingDisc disc{30, 60, 300, 0, 12};
   BallTracker tracker(radii(6, 20), camera);
   Player player(tracker, disc.events(camera.size, 0.1));
@@ -98,7 +98,7 @@ TEST(BallTracker, HoldsABallThatStopsAndSaysSo) {
   EXPECT_FALSE(player.until(4'000'000).valid) << "not for ever";
 }
 
-TEST(BallTracker, SaysNothingOfABallThatLeftTheImage) {
+TEST(BallTracker, HasNoEstimateAfterTheBallLeftTheImage) {
   const streams::MovingDisc disc{60, 60, 600, 0, 10};
   BallTracker tracker(radii(6, 20), camera);
   Player player(tracker, disc.events(camera.size, 0.2));
@@ -107,7 +107,7 @@ TEST(BallTracker, SaysNothingOfABallThatLeftTheImage) {
   EXPECT_TRUE(!e.valid || e.score < tracker.threshold());
 }
 
-TEST(BallTracker, CallsNoiseNoBall) {
+TEST(BallTracker, DoesNotDetectABallInNoise) {
   BallTracker tracker(radii(6, 20), camera);
   const RandomStream random(3, "noise");
   std::vector<Event> events;
@@ -124,7 +124,7 @@ TEST(BallTracker, CallsNoiseNoBall) {
   }
 }
 
-TEST(BallTracker, IsCarriedAlongByTheCamerasRotationInSilence) {
+TEST(BallTracker, MovesTheEstimateWithTheCamerasRotationWithoutEvents) {
   // The ball stops in the room; then the camera turns to the right at 1 rad/s with nothing to be seen.
   const streams::MovingDisc disc{50, 60, 300, 0, 12};
   BallTracker tracker(radii(6, 20), camera);
@@ -141,7 +141,7 @@ TEST(BallTracker, IsCarriedAlongByTheCamerasRotationInSilence) {
   EXPECT_NEAR(after.y_px, expected.y(), 0.5);
 }
 
-TEST(BallTracker, PrefersWhatMovesByItselfWhenTheCameraTurns) {
+TEST(BallTracker, PrefersAnObjectThatMovesByItselfWhileTheCameraTurns) {
   // Two discs: one is carried along as a thing in the room would be, the other stands still in the image, as
   // a ball does that the gaze follows.
   const double turn_rad_s = 0.6;
@@ -168,7 +168,7 @@ TEST(BallTracker, PrefersWhatMovesByItselfWhenTheCameraTurns) {
   EXPECT_NEAR(e.circle.y_px, 40, 3);
 }
 
-TEST(BallTracker, SaysTheSameWhetherAskedEveryMillisecondOrOnce) {
+TEST(BallTracker, GivesTheSameEstimateWithOneCallOrACallPerMillisecond) {
   const std::vector<Event> events = streams::MovingDisc{30, 40, 400, 200, 15}.events(camera.size, 0.15);
   BallTracker asked(radii(6, 20), camera);
   BallTracker once(radii(6, 20), camera);
@@ -182,7 +182,7 @@ TEST(BallTracker, SaysTheSameWhetherAskedEveryMillisecondOrOnce) {
   EXPECT_EQ(a.score, b.score);
 }
 
-TEST(BallTracker, RefusesWhatIsOutOfRange) {
+TEST(BallTracker, RejectsAConfigurationOutOfRange) {
   BallTrackerConfig config = radii(20, 6);
   config.threshold = 2.0;
   config.crossing_px = 0.0;

@@ -36,7 +36,7 @@ std::vector<Event> sweep(std::int64_t t_us) {
   return events;
 }
 
-TEST(Original2016, AnEventEvictsTheOneBeforeItAtItsPixel) {
+TEST(Original2016, AnEventReplacesTheOneBeforeAtItsPixel) {
   Original2016Config config;
   config.radius_px = {8, 8};
   config.window_events = 60'000;
@@ -60,7 +60,7 @@ TEST(Original2016, AnEventEvictsTheOneBeforeItAtItsPixel) {
   EXPECT_GT(sum(space_of(keeps_all)), 4.0 * one_pass);
 }
 
-TEST(Original2016, EventsWithoutFlowDoNotPushOthersOutOfTheWindow) {
+TEST(Original2016, EventsWithoutFlowDoNotDisplaceOthersFromTheWindow) {
   Original2016Config config;
   config.radius_px = {8, 8};
   config.window_events = 400;
@@ -76,7 +76,7 @@ TEST(Original2016, EventsWithoutFlowDoNotPushOthersOutOfTheWindow) {
   EXPECT_EQ(space_of(detector), before);
 }
 
-TEST(Original2016, ItsRememberedMaximumFallsBelowTheTrueOneAndNeverExceedsIt) {
+TEST(Original2016, TheRememberedMaximumIsAtMostTheTrueOne) {
   Original2016Config config;
   config.window_events = 300;
   const ImageSize size{128, 128};
@@ -102,7 +102,7 @@ TEST(Original2016, ItsRememberedMaximumFallsBelowTheTrueOneAndNeverExceedsIt) {
   EXPECT_LT(below, asked / 2);
 }
 
-TEST(Original2016, AnEmptiedWindowLeavesNoVotes) {
+TEST(Original2016, AnEmptyWindowHasNoVotes) {
   Original2016Config config;
   config.radius_px = {5, 12};
   config.window_events = 1;
@@ -139,7 +139,7 @@ TEST(Trackers, PreferTheRingWithMoreEvents) {
   }
 }
 
-TEST(Trackers, ForgetWithTimeAlone) {
+TEST(Trackers, LoseTheirScoreWithTimeWithoutEvents) {
   const ImageSize size{240, 128};
   ClusterDetector cluster({}, size);
   MultiKernelDetector multi_kernel({}, size);
@@ -155,7 +155,7 @@ TEST(Trackers, ForgetWithTimeAlone) {
   }
 }
 
-TEST(MultiKernel, EvenlySpreadEventsExciteItLessThanARing) {
+TEST(MultiKernel, UniformEventsGiveLessActivityThanARing) {
   const ImageSize size{128, 128};
   MultiKernelDetector ring({}, size);
   MultiKernelDetector spread({}, size);

@@ -95,7 +95,7 @@ TEST(Camera, IsTheExactPinholeWithoutALens) {
   }
 }
 
-TEST(Camera, SeesTheOpticalAxisAtThePrincipalPointAndXRightYDown) {
+TEST(Camera, ProjectsTheOpticalAxisToThePrincipalPointWithXRightAndYDown) {
   const Camera camera;
   EXPECT_EQ(*camera.project({0, 0, 3}), Eigen::Vector2d(64.00, 69.18));
   EXPECT_GT(camera.project({0.1, 0, 1})->x(), 64.0);
@@ -107,7 +107,7 @@ TEST(Camera, SeesTheOpticalAxisAtThePrincipalPointAndXRightYDown) {
   EXPECT_NEAR(camera.project({0, 1, 1})->y(), 69.18 + 99.75 * (1.531809 + 3.0 * -0.0016571), 1e-12);
 }
 
-TEST(Camera, SeesNothingWhereTheLensWouldTurnBack) {
+TEST(Camera, ProjectsNoPointOutsideTheFieldOfTheLens) {
   // Of k1 = -0.3 alone x (1 - 0.3 x^2) is largest, 0.703, at x = 1.054.
   Camera camera = Camera{}.without_lens();
   camera.k1 = -0.3;
@@ -120,7 +120,7 @@ TEST(Camera, SeesNothingWhereTheLensWouldTurnBack) {
   EXPECT_TRUE(std::isnan(camera.ray(64.0 + 0.71 * 99.45, 69.18).x()));
 }
 
-TEST(Camera, AcceptsTheLensesOfTheRobotAndRefusesOneThatFoldsTheImagesCorners) {
+TEST(Camera, AcceptsTheLensesOfTheRobotAndRejectsOneThatIsNotInvertibleInTheCorners) {
   for (const auto& [name, camera] : calibrated) EXPECT_NO_THROW(check_config(name, camera));
   EXPECT_NO_THROW(check_config("none", Camera{}.without_lens()));
   Camera folded = Camera{}.without_lens();
@@ -138,7 +138,7 @@ TEST(Camera, AcceptsTheLensesOfTheRobotAndRefusesOneThatFoldsTheImagesCorners) {
   EXPECT_NO_THROW(check_config("camera", folded));
 }
 
-TEST(Camera, DoesNotProjectWhatIsNotInFront) {
+TEST(Camera, ProjectsNoPointBehindTheCamera) {
   const Camera camera;
   EXPECT_FALSE(camera.project({0, 0, 0}));
   EXPECT_FALSE(camera.project({0.1, 0, -1}));
@@ -199,7 +199,7 @@ TEST(Camera, ProjectsASphereToCentreAndSemiAxesOfAnEllipseWithoutALens) {
   }
 }
 
-TEST(Camera, HoldsEveryPointOfTheSphereInsideTheOutlinesExtent) {
+TEST(Camera, ProjectsEveryPointOfTheSphereInsideTheOutline) {
   // A second way, by the surface: the extremes of an ellipse lie symmetrically around its centre.
   const Camera camera = Camera{}.without_lens();
   const Eigen::Vector3d centre(0.12, -0.08, 0.30);
@@ -222,7 +222,7 @@ TEST(Camera, HoldsEveryPointOfTheSphereInsideTheOutlinesExtent) {
   EXPECT_NEAR(circle->y_px, (low.y() + high.y()) / 2, 1e-3);
 }
 
-TEST(Camera, PutsTheOutlineOffTheProjectedCentreAwayFromTheAxis) {
+TEST(Camera, TheOutlineIsFurtherFromTheAxisThanTheProjectedCentre) {
   // The ball of 95 mm at 0.30 m and 28 deg: 1.8 px.
   const Camera camera = Camera{}.without_lens();
   const Eigen::Vector3d centre = 0.30 * Eigen::Vector3d(std::sin(28 * degree), 0.0, std::cos(28 * degree));
@@ -240,7 +240,7 @@ TEST(Camera, PutsTheOutlineOffTheProjectedCentreAwayFromTheAxis) {
   EXPECT_NEAR(ahead->r_px, std::sqrt(99.45 * 99.75) * 0.0475 / std::sqrt(0.09 - 0.0475 * 0.0475), 1e-9);
 }
 
-TEST(Camera, RotationalFlowIsHowTheProjectionOfAStillPointMoves) {
+TEST(Camera, RotationalFlowIsTheImageVelocityOfARestingPoint) {
   const Eigen::Vector3d turn_rad_s(0.3, -0.7, 0.5);
   const double dt_s = 1e-6;
   auto cameras = calibrated;

@@ -113,7 +113,7 @@ TEST(CheckConfig, ReportsEveryProblemAtOnce) {
   }
 }
 
-TEST(CheckConfig, LeavesTheConfigurationAlone) {
+TEST(CheckConfig, DoesNotChangeTheConfiguration) {
   const Everything e;
   check_config("thing", e);
   EXPECT_EQ(e.pair, Everything{}.pair);
@@ -132,7 +132,7 @@ TEST(TextOf, IsTheShortestTextThatReadsBack) {
   }
 }
 
-TEST(InputError, SaysWhereWhatAndWhatWasExpected) {
+TEST(InputError, NamesPlaceValueAndExpectation) {
   EXPECT_EQ(std::string(InputError("a.yaml:3: ball.r_m", "-1", "a number of at least 0").what()),
             "a.yaml:3: ball.r_m: found -1, expected a number of at least 0");
   EXPECT_EQ(std::string(InputError("a.yaml: ball", "", "this key").what()),

@@ -72,7 +72,7 @@ TEST_P(EveryDetector, FindsAMovingBall) {
   EXPECT_LT(worst_r_px, 2.0);
 }
 
-TEST_P(EveryDetector, SaysTheSameHoweverItsEventsComeInBatches) {
+TEST_P(EveryDetector, GivesTheSameEstimatesForAnyBatchSize) {
   const std::vector<Event> events = streams::cluttered(image, 6000, 0.4, 2);
   const auto at_once = make(GetParam());
   const auto one_by_one = make(GetParam());
@@ -123,7 +123,7 @@ TEST_P(EveryDetector, GivesTheSameEstimatesAtTheEarliestAndTheLatestTimeStamps) 
   }
 }
 
-TEST_P(EveryDetector, GoesOnInACopyAsItWouldHave) {
+TEST_P(EveryDetector, ACopyContinuesLikeTheOriginal) {
   const std::vector<Event> events = streams::cluttered(image, 6000, 0.4, 2);
   const auto detector = make(GetParam());
   detector->process(std::span(events).first(3000), nullptr);
@@ -143,7 +143,7 @@ TEST_P(EveryDetector, GoesOnInACopyAsItWouldHave) {
   EXPECT_GT(compared, 5);
 }
 
-TEST_P(EveryDetector, CountsEventsItCannotUseAndIsNotChangedByThem) {
+TEST_P(EveryDetector, CountsRejectedEventsAndIsNotChangedByThem) {
   const auto clean = make(GetParam());
   const auto soiled = make(GetParam());
   std::int64_t strays = 0;
@@ -162,7 +162,7 @@ TEST_P(EveryDetector, CountsEventsItCannotUseAndIsNotChangedByThem) {
   EXPECT_EQ(clean->rejected().back_in_time, 0);
 }
 
-TEST_P(EveryDetector, SurvivesAnyStreamAndGoesOn) {
+TEST_P(EveryDetector, WorksAfterAnyStreamOfEvents) {
   // Repeated, backward and far-ahead stamps, pixels inside and far outside.
   const auto detector = make_for_ball_alone(GetParam());
   const RandomStream random(8, "wild");
@@ -232,7 +232,7 @@ TEST_P(EveryDetector, ShowsABallInItsHoughSpaceIfItHasOne) {
             4.0);
 }
 
-TEST_P(EveryDetector, TakesARangeOfRadii) {
+TEST_P(EveryDetector, AcceptsARangeOfRadii) {
   DetectorConfig config = detector_preset(GetParam());
   std::visit([](auto& detector) { detector.radius_px = {4, 25}; }, config.detector);
   EXPECT_NO_THROW(static_cast<void>(make_detector(config, Camera{})));
@@ -242,7 +242,7 @@ TEST_P(EveryDetector, TakesARangeOfRadii) {
   }
 }
 
-TEST(DetectorFactory, KnowsEachPresetByItsName) {
+TEST(DetectorFactory, MakesEachPresetByName) {
   EXPECT_THAT(detector_presets(),
               testing::ElementsAre("paper_full", "paper_directed", "best", "lifetime", "single_radius",
                                    "original_2016", "cluster", "multi_kernel"));

@@ -65,7 +65,7 @@ TEST(EventWindow, KeepsTheNewestEventsAtAnyTimeStamp) {
   EXPECT_TRUE(window.outlived(earliest, 2, latest));
 }
 
-TEST(EventWindow, HoldsByDefinitionTheNewestEventsWhoseLifetimeIsNotOverWheneverAsked) {
+TEST(EventWindow, ContainsTheNewestEventsWithinTheirLifetimeAtEveryUpdate) {
   for (const std::string kind : {"count", "time", "lifetime"}) {
     for (const std::int64_t most : {1, 5, 100}) {
       EventWindowConfig config = event_window(kind);
@@ -109,7 +109,7 @@ TEST(EventWindow, HoldsByDefinitionTheNewestEventsWhoseLifetimeIsNotOverWhenever
   }
 }
 
-TEST(EventWindow, KnowsWhichEventsWillHaveLeftWhateverTheirFlow) {
+TEST(EventWindow, PredictsWhichEventsWillBeOutsideWhateverTheirFlow) {
   EventWindowConfig config = event_window("lifetime");
   config.events = 10;
   config.longest_us = 5'000;

@@ -75,7 +75,7 @@ class PlainDetector {
   ReferenceHough hough_;
 };
 
-TEST(HoughDetector, EqualsTheReferenceHoweverOftenItIsAsked) {
+TEST(HoughDetector, EqualsTheReferenceForAnyIntervalBetweenEstimates) {
   const ImageSize size{29, 22};
   for (const bool directed : {false, true}) {
     std::int64_t with_flow = 0;
@@ -113,7 +113,7 @@ TEST(HoughDetector, EqualsTheReferenceHoweverOftenItIsAsked) {
   }
 }
 
-TEST(HoughDetector, GivesTheSameAnswerAskedRarelyInOneBatchOrInMany) {
+TEST(HoughDetector, GivesTheSameEstimateForAnyIntervalAndBatchSize) {
   // A real size, and batches whose rejected events must not shift the window.
   const ImageSize size{128, 128};
   for (const bool directed : {false, true}) {
@@ -154,7 +154,7 @@ TEST(HoughDetector, GivesTheSameAnswerAskedRarelyInOneBatchOrInMany) {
   }
 }
 
-TEST(HoughDetector, TakesEventsThatRepeatATime) {
+TEST(HoughDetector, AcceptsEqualTimeStamps) {
   HoughDetector detector(config_of(false, 3, 6, 50), {32, 32});
   const std::vector<Event> events(80, streams::event_at(5, 16, 16, true));
   detector.process(events, nullptr);
@@ -196,7 +196,7 @@ Estimate from_scratch(const HoughDetectorConfig& config, ImageSize size, std::sp
           peak.response};
 }
 
-TEST(HoughDetector, IsMadeOfTheEventsInsideAnyWindowAndLosesThemAsTimePasses) {
+TEST(HoughDetector, VotesWithTheEventsInsideTheWindowAsTimePasses) {
   const ImageSize size{48, 40};
   const std::vector<Event> events = streams::cluttered(size, 1500, 0.4, 5);
   for (const bool directed : {false, true}) {
@@ -291,7 +291,7 @@ TEST(HoughDetector, ShowsTheLargestResponseAtEachPixel) {
   }
 }
 
-TEST(HoughDetector, SaysTheSameUntilMoreIsProcessed) {
+TEST(HoughDetector, GivesTheSameEstimateUntilMoreEventsAreProcessed) {
   HoughDetector detector(config_of(true, 5, 9, 100), {64, 64});
   detector.process(streams::random({64, 64}, 300, 4), nullptr);
   const Estimate before = detector.estimate();

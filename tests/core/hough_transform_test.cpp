@@ -114,7 +114,7 @@ TEST(HoughTransform, FindsACircleInEveryRowAtTheBorders) {
   }
 }
 
-TEST(HoughTransform, GivesTheSamePeakHoweverOftenItIsAsked) {
+TEST(HoughTransform, GivesTheSamePeakForAnyIntervalBetweenCalls) {
   for (const std::string_view kind : {"random", "clustered", "border_hugging"}) {
     HoughTransform often({40, 33}, 6, 11, 15 * degree);
     HoughTransform rarely({40, 33}, 6, 11, 15 * degree);
@@ -185,7 +185,7 @@ TEST(HoughTransform, FindsACircleInALongImageWithManyRadii) {
   EXPECT_EQ(transform.peak().votes, 0);
 }
 
-TEST(HoughTransform, RefusesAnImageAndRadiiThatNeedTooManyCells) {
+TEST(HoughTransform, RejectsAnImageAndRadiiThatNeedTooManyCells) {
   try {
     const HoughTransform transform({65535, 65535}, 1, 255, 10 * degree);
     FAIL() << "65535 x 65535 pixels with 255 radii were accepted";
@@ -197,7 +197,7 @@ TEST(HoughTransform, RefusesAnImageAndRadiiThatNeedTooManyCells) {
   }
 }
 
-TEST(HoughTransform, DividesByThePerimeterOrNotAtAllWhenAsked) {
+TEST(HoughTransform, DividesByThePerimeterOrNotAtAllIfConfigured) {
   HoughTransform perimeter({64, 64}, 5, 12, 1.0, HoughTransform::Normalisation::perimeter);
   HoughTransform plain({64, 64}, 5, 12, 1.0, HoughTransform::Normalisation::none);
   for (HoughTransform* transform : {&perimeter, &plain}) {
@@ -228,7 +228,7 @@ TEST(HoughTransform, NormalisesByTheCountedPixelsOfTheHalfPixelRing) {
   EXPECT_EQ(transform.divisor(2), 12);
 }
 
-TEST(HoughTransform, ACompleteRingAnswersOneAtItsCentre) {
+TEST(HoughTransform, ACompleteRingHasTheResponseOneAtItsCentre) {
   for (const int r : {3, 10, 17}) {
     HoughTransform transform({64, 48}, 2, 20, 10 * degree);
     for (int y = 0; y < 48; ++y) {
@@ -262,7 +262,7 @@ TEST(HoughTransform, BreaksTiesBySmallerRadiusThenRowThenColumn) {
   EXPECT_EQ(as_reference(two.peak()), (ReferenceHough::Peak{17, 8, 3, 1}));
 }
 
-TEST(HoughTransform, IsEmptyAgainWhenEveryVoteIsTakenBackOrCleared) {
+TEST(HoughTransform, IsEmptyAfterEveryVoteIsRemovedOrCleared) {
   const ImageSize size{50, 40};
   HoughTransform transform(size, 5, 12, 10 * degree);
   const HoughTransform::Peak empty{0, 0, 5, 0, 0.0};
@@ -285,7 +285,7 @@ TEST(HoughTransform, IsEmptyAgainWhenEveryVoteIsTakenBackOrCleared) {
   EXPECT_EQ(transform.peak().votes, 1);
 }
 
-TEST(HoughTransform, CountsBeyondEightBits) {
+TEST(HoughTransform, CountsMoreThan255Votes) {
   HoughTransform transform({32, 32}, 3, 6, 10 * degree);
   for (int i = 0; i < 60'000; ++i) transform.vote_ring<1>(16, 16);
   EXPECT_EQ(transform.peak().votes, 60'000);

@@ -187,7 +187,7 @@ TEST(PlaneFitFlow, NeedsTheConfiguredNumberOfInliers) {
   EXPECT_FALSE(flow_after({events.back()}));
 }
 
-TEST(PlaneFitFlow, LeavesOutNeighboursThatAreOffThePlane) {
+TEST(PlaneFitFlow, ExcludesNeighboursOffThePlane) {
   std::vector<Event> events = swept_patch(60, 60);
   events.insert(events.begin(), streams::event_at(9'000, 62, 58, true));  // 3 px off this plane
   const auto flow = flow_after(events);
@@ -196,7 +196,7 @@ TEST(PlaneFitFlow, LeavesOutNeighboursThatAreOffThePlane) {
   EXPECT_NEAR(flow->dt_dy_us_px, 0.0, 1e-9);
 }
 
-TEST(PlaneFitFlow, IsNotSpoiltByTheEdgeBefore) {
+TEST(PlaneFitFlow, IsNotAffectedByAnEarlierEdge) {
   // Another edge left its stamps ahead of this one, too young for the maximum age, sloping another way: ten of
   // 25 neighbours, which alone would turn the first fit far round.
   for (const std::int64_t ago_us : {8'000, 20'000, 90'000}) {
@@ -213,7 +213,7 @@ TEST(PlaneFitFlow, IsNotSpoiltByTheEdgeBefore) {
   }
 }
 
-TEST(PlaneFitFlow, SeesOnePolarityOnly) {
+TEST(PlaneFitFlow, UsesOnePolarityOnly) {
   std::vector<Event> events = swept_patch(60, 60, true);
   const Event last = events.back();
   events.pop_back();

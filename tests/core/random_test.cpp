@@ -15,7 +15,7 @@ namespace {
 
 constexpr int samples = 100'000;
 
-TEST(RandomStream, GivesTheSameNumbersEverywhere) {
+TEST(RandomStream, GivesTheSameNumbersOnEveryMachine) {
   const RandomStream random(42, "golden");
   EXPECT_EQ(random.bits(0, 0), 0x1de7135295985275ULL);
   EXPECT_EQ(random.bits(7, 123), 0x6bd25d0107ce84c7ULL);
@@ -56,7 +56,7 @@ TEST(RandomStream, IsUniform) {
   }
 }
 
-TEST(RandomStream, FlipsHalfOfTheBitsWhenAnythingChanges) {
+TEST(RandomStream, FlipsHalfOfTheBitsWhenAnyInputChanges) {
   int flipped[4] = {};
   for (std::uint64_t i = 0; i < 2000; ++i) {
     const std::uint64_t bits = RandomStream(i, "a").bits(i, i);

@@ -38,7 +38,7 @@ Silhouette seen(const Scene& scene, std::uint64_t seed) {
   return silhouette;
 }
 
-TEST(Silhouette, FindsTheHoleFromAPixelAndAHalfAway) {
+TEST(Silhouette, FindsTheOutlineFromAPixelAndAHalfAway) {
   double squares = 0.0;
   int found = 0;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
@@ -61,7 +61,7 @@ TEST(Silhouette, FindsTheHoleFromAPixelAndAHalfAway) {
   EXPECT_LT(rms_px, 0.8);
 }
 
-TEST(Silhouette, IsNotPulledToWhereNothingHappensOutside) {
+TEST(Silhouette, IgnoresDirectionsWithoutEventsOutside) {
   // The hand: a third of the surroundings is as silent as the ball.
   double y_px = 0.0;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
@@ -75,7 +75,7 @@ TEST(Silhouette, IsNotPulledToWhereNothingHappensOutside) {
   EXPECT_LT(std::abs(y_px), 0.5);
 }
 
-TEST(Silhouette, SaysNothingWhereInsideAndOutsideAreAlike) {
+TEST(Silhouette, HasNoFitIfInsideAndOutsideHaveTheSameDensity) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     Scene scene;
     scene.inside_per_px2 = scene.outside_per_px2;
@@ -86,20 +86,20 @@ TEST(Silhouette, SaysNothingWhereInsideAndOutsideAreAlike) {
   }
 }
 
-TEST(Silhouette, SaysNothingOfASilentScene) {
+TEST(Silhouette, HasNoFitWithoutEvents) {
   Scene scene;
   scene.outside_per_px2 = scene.inside_per_px2;
   EXPECT_FALSE(seen(scene, 1).fit(scene.hole, Eigen::Vector2d::Zero(), 1000));
 }
 
-TEST(Silhouette, ForgetsWhatIsOld) {
+TEST(Silhouette, IgnoresOldEvents) {
   const Scene scene;
   const Silhouette silhouette = seen(scene, 1);
   EXPECT_TRUE(silhouette.fit(scene.hole, Eigen::Vector2d::Zero(), 49'000));
   EXPECT_FALSE(silhouette.fit(scene.hole, Eigen::Vector2d::Zero(), 51'000));
 }
 
-TEST(Silhouette, GoesAlongWithTheCircle) {
+TEST(Silhouette, MovesWithTheCircle) {
   const Scene scene;
   const Silhouette silhouette = seen(scene, 1);
   const Eigen::Vector2d carried(7.0, -4.0);

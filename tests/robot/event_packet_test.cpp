@@ -47,7 +47,7 @@ EventPacket some_packet(PacketFormat format) {
   return packet;
 }
 
-TEST(EventPacket, AMessageIsTheBytesOfTheOriginal) {
+TEST(EventPacket, AMessageHasTheBytesOfTheOriginalSoftware) {
   std::vector<std::byte> written;
   write_packet({1000, {{0, 0x00014014}}}, PacketFormat::packet, written);
   EXPECT_EQ(written, message({256, 3, 4, 2, "AE", 1, 1000, 4, 4, 0x00014014}));
@@ -58,7 +58,7 @@ TEST(EventPacket, AMessageIsTheBytesOfTheOriginal) {
   EXPECT_EQ(written, message({256, 2, 4, 2, "AE", 257, 2, 123, 0x0040700b}));
 }
 
-TEST(EventPacket, WhatIsWrittenIsRead) {
+TEST(EventPacket, ReadsWhatItHasWritten) {
   std::vector<std::byte> written;
   EventPacket read;
   for (const PacketFormat format : all) {
@@ -78,7 +78,7 @@ TEST(EventPacket, AnEmptyListIsAPacketWithoutEvents) {
   for (const PacketFormat format : all) EXPECT_EQ(read_packet(message({256, 0}), format, read), "");
 }
 
-TEST(EventPacket, AVBottleMayHoldOtherListsAndIntegersWithATypeEach) {
+TEST(EventPacket, AVBottleCanContainOtherListsAndIntegersWithTypes) {
   EventPacket read;
   EXPECT_EQ(read_packet(message({256, 8,                                                   //
                                  4,   3, "IMU", 257, 2, 5,  6,                             //
@@ -90,7 +90,7 @@ TEST(EventPacket, AVBottleMayHoldOtherListsAndIntegersWithATypeEach) {
   EXPECT_THAT(read.events, ElementsAre(WireEvent{10, 20}, WireEvent{30, 40}));
 }
 
-TEST(EventPacket, AnotherFormatIsNotMistakenForTheOneExpected) {
+TEST(EventPacket, AMessageOfAnotherFormatIsRejected) {
   std::vector<std::byte> written;
   EventPacket read;
   write_packet(some_packet(PacketFormat::vbottle), PacketFormat::vbottle, written);
@@ -106,7 +106,7 @@ TEST(EventPacket, AnotherFormatIsNotMistakenForTheOneExpected) {
               HasSubstr("inside an event"));
 }
 
-TEST(EventPacket, NoTruncationAndNoBrokenByteIsReadBeyondItsEnd) {
+TEST(EventPacket, TruncatedAndCorruptMessagesAreNotReadBeyondTheirEnd) {
   std::vector<std::byte> written;
   EventPacket read;
   for (const PacketFormat format : all) {
@@ -128,7 +128,7 @@ TEST(EventPacket, NoTruncationAndNoBrokenByteIsReadBeyondItsEnd) {
   }
 }
 
-TEST(EventPacket, ListsWithoutEndAreRefused) {
+TEST(EventPacket, ListsWithoutEndAreRejected) {
   EventPacket read;
   EXPECT_NE(read_packet(message({256, 2, 4, 2, "AE", 257, 0x7ffffffe}), PacketFormat::vbottle, read), "");
   EXPECT_NE(read_packet(message({256, 2, 4, 2, "AE", 257, -2}), PacketFormat::vbottle, read), "");

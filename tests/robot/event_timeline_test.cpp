@@ -51,7 +51,7 @@ TEST(SenderClock, TheMessageWithTheLeastDelaySetsTheOffset) {
   EXPECT_EQ(clock.to_local(5'003'000, 3'300), 3'200);
 }
 
-TEST(SenderClock, AClockThatDriftsIsFollowed) {
+TEST(SenderClock, ClockDriftIsCompensated) {
   SenderClock clock;
   const RandomStream random(1, "drift");
   double worst_us = 0.0;
@@ -66,7 +66,7 @@ TEST(SenderClock, AClockThatDriftsIsFollowed) {
   EXPECT_LT(worst_us, 600.0) << "50 ppm of 10 s are 500 us";
 }
 
-TEST(SenderClock, AClockThatJumpsStartsAnew) {
+TEST(SenderClock, AJumpOfTheClockResetsTheOffset) {
   SenderClock clock;
   clock.to_local(5'000'000, 1'000'000);
   EXPECT_EQ(clock.to_local(1'000, 2'000'000), 2'000'000) << "the sender started again";
@@ -74,7 +74,7 @@ TEST(SenderClock, AClockThatJumpsStartsAnew) {
   EXPECT_EQ(clock.to_local(90'001'000, 2'002'000), 2'002'000);
 }
 
-TEST(StampCounter, CountsOverEveryWrapAndLongSilence) {
+TEST(StampCounter, UnwrapsTheCounterAlsoAfterALongPause) {
   for (const int bits : {24, 30, 31, 32}) {
     StampCounter counter(bits);
     std::int64_t ticks = (std::int64_t{1} << bits) - 3000;
@@ -106,7 +106,7 @@ TEST(EventTimeline, EventsWithoutStampsAreSpreadOverTheDurationUpToTheEnvelope) 
       << "without an envelope";
 }
 
-TEST(EventTimeline, WhatEndsALongSilenceCameLast) {
+TEST(EventTimeline, EventsAfterALongPauseAreAtTheEndOfTheDuration) {
   EventTimeline timeline(config(PacketFormat::packet));
   const EventPacket packet{3'000'000, {wire(1, 2), wire(3, 4)}};
   EXPECT_THAT(times(add(timeline, packet, std::nullopt, 5'000'000)), ElementsAre(4'995'000, 5'000'000));
@@ -138,7 +138,7 @@ TEST(EventTimeline, EventsWithStampsKeepTheirDistances) {
   }
 }
 
-TEST(EventTimeline, ASilenceLongerThanTheCounterIsBridged) {
+TEST(EventTimeline, UnwrapsStampsAfterAPauseLongerThanTheCounter) {
   EventTimeline timeline(config(PacketFormat::vbottle, 24));  // wraps every 1.34 s
   add(timeline, {0, {wire(1, 1, 1000, 24)}}, std::nullopt, 10'000);
   const std::int64_t pause_us = 5'000'000;
@@ -157,7 +157,7 @@ TEST(EventTimeline, ATickIs128NanosecondsWithDvs128) {
       << "bit 31 is no time";
 }
 
-TEST(EventTimeline, StampsNeverGoBack) {
+TEST(EventTimeline, TimeStampsNeverDecrease) {
   EventTimeline timeline(config(PacketFormat::stamped_packet));
   const auto ticks = [](std::int64_t t_us) { return t_us * 25 / 2; };
   const std::vector<Event> events =
@@ -176,7 +176,7 @@ TEST(EventTimeline, StampsNeverGoBack) {
   EXPECT_EQ(timeline.dropped(), 1) << "11 ms behind";
 }
 
-TEST(EventTimeline, EventsOutsideTheImageAndTouchesAreDroppedAndCounted) {
+TEST(EventTimeline, EventsOutsideTheImageAndOfTheSkinAreDroppedAndCounted) {
   EventTimeline timeline(config(PacketFormat::packet));
   EventPacket packet{1000, {wire(128, 5), wire(5, 128), wire(127, 127), wire(1, 1)}};
   packet.events[3].address |= 1U << 24;
@@ -184,7 +184,7 @@ TEST(EventTimeline, EventsOutsideTheImageAndTouchesAreDroppedAndCounted) {
   EXPECT_EQ(timeline.dropped(), 3);
 }
 
-TEST(EventTimeline, AxesAreTurnedAsTheCameraIsMounted) {
+TEST(EventTimeline, SwapsAndFlipsAxesAsConfigured) {
   EventTimelineConfig dvs_2016 = config(PacketFormat::packet);
   dvs_2016.image_size = {128, 100};
   dvs_2016.swap_xy = true;
@@ -201,14 +201,14 @@ TEST(EventTimeline, AxesAreTurnedAsTheCameraIsMounted) {
             (Event{5'000, 117, 120, true, 1}));
 }
 
-TEST(EventTimeline, AnEmptyPacketIsNothing) {
+TEST(EventTimeline, AnEmptyPacketHasNoEvents) {
   EventTimeline timeline(config(PacketFormat::stamped_packet));
   EXPECT_THAT(add(timeline, {1000, {}}, 5, 5'000), IsEmpty());
 }
 
 Event at(std::int64_t t_us) { return {t_us, 0, 0, false, 0}; }
 
-TEST(EventQueue, GivesEachEventOnceUpToTheTimeAskedFor) {
+TEST(EventQueue, GivesEachEventOnceUpToTheRequestedTime) {
   EventQueue queue(10);
   const std::vector<Event> pushed = {at(1), at(2), at(2), at(5)};
   queue.push(pushed);
@@ -223,7 +223,7 @@ TEST(EventQueue, GivesEachEventOnceUpToTheTimeAskedFor) {
   EXPECT_EQ(queue.dropped(), 0);
 }
 
-TEST(EventQueue, NeverGrowsAndTheOldestMakeRoom) {
+TEST(EventQueue, DropsTheOldestEventsIfItIsFull) {
   EventQueue queue(4);
   std::vector<Event> events;
   queue.push(std::vector<Event>{at(1), at(2), at(3)});

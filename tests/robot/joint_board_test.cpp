@@ -23,7 +23,7 @@ class Board {
   JointBoard board;
 };
 
-TEST(JointBoard, holdsWhereItIsAndRefusesEverythingWhileIdle) {
+TEST(JointBoard, HoldsItsPositionAndRejectsCommandsWhileIdle) {
   Board b;
   ASSERT_TRUE(b.board.set_mode(0, JointMode::idle));
   EXPECT_FALSE(b.board.set_reference(0, 0.2));
@@ -33,7 +33,7 @@ TEST(JointBoard, holdsWhereItIsAndRefusesEverythingWhileIdle) {
   EXPECT_EQ(b.measured_rad, Eigen::Vector2d(0.1, -0.2));
 }
 
-TEST(JointBoard, takesOnlyCommandsOfTheModeOfTheJoint) {
+TEST(JointBoard, AcceptsOnlyCommandsForTheModeOfTheJoint) {
   Board b;
   ASSERT_TRUE(b.board.set_mode(0, JointMode::direct));
   ASSERT_TRUE(b.board.set_mode(1, JointMode::position));
@@ -43,7 +43,7 @@ TEST(JointBoard, takesOnlyCommandsOfTheModeOfTheJoint) {
   EXPECT_FALSE(b.board.set_reference(1, 0.2));
 }
 
-TEST(JointBoard, movesReferencesOutsideTheLimitsToTheLimit) {
+TEST(JointBoard, ClampsReferencesToTheLimits) {
   Board b;
   b.board.set_mode(0, JointMode::direct);
   EXPECT_TRUE(b.board.set_reference(0, 0.8));
@@ -54,7 +54,7 @@ TEST(JointBoard, movesReferencesOutsideTheLimitsToTheLimit) {
   EXPECT_EQ(b.board.step(b.measured_rad, dt_s)[0], -0.5);
 }
 
-TEST(JointBoard, aPositionMoveTakesDistanceBySpeedAndEndsAtItsTargetWithoutOvershoot) {
+TEST(JointBoard, APositionMoveTakesDistanceBySpeedAndDoesNotOvershoot) {
   Board b;
   b.board.set_mode(1, JointMode::position);
   b.board.set_speed(1, 0.5);
@@ -73,7 +73,7 @@ TEST(JointBoard, aPositionMoveTakesDistanceBySpeedAndEndsAtItsTargetWithoutOvers
   EXPECT_NEAR(fastest_rad_s, 1.875 * 0.5, 0.01);  // of a minimum-jerk move
 }
 
-TEST(JointBoard, aVelocityMovesTheJointAndEndsAtTheLimit) {
+TEST(JointBoard, AVelocityMovesTheJointUpToTheLimit) {
   Board b;
   b.board.set_mode(0, JointMode::velocity);
   b.board.set_velocity(0, 1.0);
@@ -86,7 +86,7 @@ TEST(JointBoard, aVelocityMovesTheJointAndEndsAtTheLimit) {
   EXPECT_EQ(b.measured_rad[0], 0.3);
 }
 
-TEST(JointBoard, aVelocityThatIsNotRepeatedEndsAfterItsTimeout) {
+TEST(JointBoard, AVelocityThatIsNotRepeatedEndsAfterTheTimeout) {
   Board b;
   b.board.set_mode(1, JointMode::velocity);
   b.board.set_acceleration(1, 1e6);
@@ -95,7 +95,7 @@ TEST(JointBoard, aVelocityThatIsNotRepeatedEndsAfterItsTimeout) {
   EXPECT_NEAR(b.measured_rad[1], -0.2 + JointBoard::velocity_timeout_s, 2e-3);
 }
 
-TEST(JointBoard, holdsWhereItWasMeasuredAfterAStopAndAChangeOfMode) {
+TEST(JointBoard, HoldsTheMeasuredPositionAfterAStopAndAChangeOfMode) {
   Board b;
   b.board.set_mode(1, JointMode::position);
   b.board.set_speed(1, 0.5);
@@ -113,7 +113,7 @@ TEST(JointBoard, holdsWhereItWasMeasuredAfterAStopAndAChangeOfMode) {
   EXPECT_NEAR(b.measured_rad[1], then, 1e-3);
 }
 
-TEST(JointBoard, jointsThatCannotBeMovedStayIdle) {
+TEST(JointBoard, JointsThatAreNotMovableStayIdle) {
   Board b(false);
   EXPECT_FALSE(b.board.set_mode(0, JointMode::direct));
   EXPECT_TRUE(b.board.set_mode(0, JointMode::idle));

@@ -83,7 +83,7 @@ class PortConformance : public testing::TestWithParam<PortBackend> {
   static void skip_headless() { GTEST_SKIP() << "this backend has no head"; }
 };
 
-TEST_P(PortConformance, TheClockReachesEveryTimeItIsAskedForAndNeverGoesBack) {
+TEST_P(PortConformance, TheClockReachesEveryRequestedTimeAndNeverGoesBack) {
   const RobotUnderTest robot = make();
   std::int64_t last_us = robot.clock->now_us();
   for (const std::int64_t step_us : {1000, 1, 7000, 1000, 20000}) {
@@ -123,7 +123,7 @@ TEST_P(PortConformance, EventsAreSortedInsideTheImageAndNeverFromTheFuture) {
   EXPECT_GT(count, 0u) << "nothing was seen, nothing was tested";
 }
 
-TEST_P(PortConformance, EachEventComesOnceHoweverSeldomTheyAreRead) {
+TEST_P(PortConformance, EachEventIsDeliveredOnceForAnyReadInterval) {
   if (GetParam().is_real_time) GTEST_SKIP() << "no two runs are alike";
   const std::vector<Event> often = run(make(), 1);
   EXPECT_FALSE(often.empty());
@@ -131,7 +131,7 @@ TEST_P(PortConformance, EachEventComesOnceHoweverSeldomTheyAreRead) {
   EXPECT_EQ(run(make(), ticks), often);
 }
 
-TEST_P(PortConformance, AnEarlierReadTakesOnlyTheEventsUpToItsTime) {
+TEST_P(PortConformance, AReadReturnsOnlyEventsUpToItsTime) {
   const RobotUnderTest robot = make();
   const std::int64_t start_us = robot.clock->now_us();
   ASSERT_EQ(robot.clock->wait_until(start_us + ticks * tick_us), PortStatus::ok);
@@ -176,7 +176,7 @@ TEST_P(PortConformance, EncodersAreFiniteNeverFromTheFutureAndNeverGoBackInTime)
   EXPECT_GT(last.t_us, start_us) << "the encoders are read again and again";
 }
 
-TEST_P(PortConformance, ReferencesInsideTheLimitsAreTaken) {
+TEST_P(PortConformance, ReferencesInsideTheLimitsAreAccepted) {
   if (!GetParam().takes_commands) GTEST_SKIP() << "another controller has the joints";
   const RobotUnderTest robot = make_with_head();
   if (IsSkipped()) return;
@@ -187,7 +187,7 @@ TEST_P(PortConformance, ReferencesInsideTheLimitsAreTaken) {
   }
 }
 
-TEST_P(PortConformance, AReferenceOutsideTheLimitsOrNotFiniteIsRefusedWholeAndTheLastOneHolds) {
+TEST_P(PortConformance, AReferenceOutsideTheLimitsOrNotFiniteIsRejectedAndTheLastOneHolds) {
   const RobotUnderTest robot = make_with_head();
   if (IsSkipped()) return;
   const HeadCommand good = inside_limits(*robot.head, 0.3);
@@ -223,7 +223,7 @@ TEST_P(PortConformance, AReferenceOutsideTheLimitsOrNotFiniteIsRefusedWholeAndTh
   EXPECT_EQ(state.position_rad, twin_state.position_rad);
 }
 
-TEST_P(PortConformance, AHeadThatIsCommandedGoesThereAndARecordedOneMovesAsItDid) {
+TEST_P(PortConformance, ACommandedHeadFollowsAndARecordedHeadReplaysItsMotion) {
   if (!GetParam().takes_commands) GTEST_SKIP() << "another controller has the joints";
   const RobotUnderTest robot = make_with_head();
   if (IsSkipped()) return;
@@ -253,7 +253,7 @@ TEST_P(PortConformance, AHeadThatIsCommandedGoesThereAndARecordedOneMovesAsItDid
   }
 }
 
-TEST_P(PortConformance, AHeadThatIsToldToStopRestsWithinATenthOfASecondShortOfItsReference) {
+TEST_P(PortConformance, AStoppedHeadRestsWithinATenthOfASecondBeforeItsReference) {
   if (!GetParam().moves_as_commanded) GTEST_SKIP() << "a recorded head moves as it did";
   const RobotUnderTest robot = make_with_head();
   if (IsSkipped()) return;
@@ -282,7 +282,7 @@ TEST_P(PortConformance, AHeadThatIsToldToStopRestsWithinATenthOfASecondShortOfIt
   }
 }
 
-TEST_P(PortConformance, TheCameraIsHeardAndNeverInTheFuture) {
+TEST_P(PortConformance, TheLastPacketOfTheCameraIsNeverInTheFuture) {
   const RobotUnderTest robot = make();
   const std::int64_t start_us = robot.clock->now_us();
   run(robot);
@@ -291,7 +291,7 @@ TEST_P(PortConformance, TheCameraIsHeardAndNeverInTheFuture) {
   EXPECT_EQ(robot.events->traffic().dropped, 0);
 }
 
-TEST_P(PortConformance, TheEndComesAfterTheLastEventAndIsForGood) {
+TEST_P(PortConformance, TheEndComesAfterTheLastEventAndIsPermanent) {
   if (!GetParam().ends) GTEST_SKIP() << "this backend does not end";
   const RobotUnderTest robot = make();
   std::vector<Event> events;

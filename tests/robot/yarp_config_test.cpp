@@ -23,7 +23,7 @@ std::string problem_of(const std::function<void(YarpConfig&)>& change) {
   return "";
 }
 
-TEST(YarpConfig, TheDefaultsAreRight) {
+TEST(YarpConfig, TheDefaultsAreValid) {
   EXPECT_EQ(problem_of([](YarpConfig&) {}), "");
   const EventTimelineConfig timeline = timeline_config(YarpCameraConfig{});
   EXPECT_EQ(timeline.image_size, (ImageSize{128, 128}));
@@ -31,7 +31,7 @@ TEST(YarpConfig, TheDefaultsAreRight) {
   EXPECT_EQ(timeline.format, PacketFormat::packet);
 }
 
-TEST(YarpConfig, ANameIsAPathWithoutSpacesAndOnlySomeMayBeMissing) {
+TEST(YarpConfig, ANameIsAPathWithoutSpacesAndOnlyOptionalOnesCanBeMissing) {
   EXPECT_THAT(problem_of([](YarpConfig& c) { c.camera.port = "AE:o"; }), HasSubstr("yarp.camera.port"));
   EXPECT_THAT(problem_of([](YarpConfig& c) { c.camera.port = ""; }), HasSubstr("yarp.camera.port"));
   EXPECT_THAT(problem_of([](YarpConfig& c) { c.local = "/my robot"; }), HasSubstr("yarp.local"));
@@ -39,7 +39,7 @@ TEST(YarpConfig, ANameIsAPathWithoutSpacesAndOnlySomeMayBeMissing) {
   EXPECT_EQ(problem_of([](YarpConfig& c) { c.head.torso_part = ""; }), "");
 }
 
-TEST(YarpConfig, ACodecNeedsRoomForTheImageAsItIsSent) {
+TEST(YarpConfig, ACodecNeedsEnoughBitsForTheImage) {
   const auto size = [](int width, int height, const char* codec, bool swapped) {
     return problem_of([=](YarpConfig& c) {
       c.camera.width_px = width;
@@ -54,7 +54,7 @@ TEST(YarpConfig, ACodecNeedsRoomForTheImageAsItIsSent) {
   EXPECT_EQ(size(1280, 720, "ev2", false), "");
 }
 
-TEST(YarpConfig, WhatTheFileSaysIsWhatTheEventsAreReadWith) {
+TEST(YarpConfig, TheEventReaderUsesTheConfiguredFormat) {
   YarpCameraConfig camera;
   camera.format = "vbottle";
   camera.codec = "dvs_128";

@@ -193,7 +193,7 @@ INSTANTIATE_TEST_SUITE_P(Robot, PortConformance, testing::Values(joints_backend(
 
 // ---- The camera
 
-TEST_F(Yarp, EachEventOfARunningCameraComesOnceHoweverSeldomTheyAreRead) {
+TEST_F(Yarp, EachEventOfARunningCameraIsDeliveredOnceForAnyReadInterval) {
   for (const int stride : {1, 20}) {
     JointsWorld world;
     std::vector<Event> events;
@@ -259,7 +259,7 @@ TEST_P(YarpWire, CarriesEveryEventInOrderAndAtItsTime) {
 INSTANTIATE_TEST_SUITE_P(Yarp, YarpWire, testing::Values("packet", "stamped_packet", "vbottle"),
                          [](const auto& wire) { return std::string(wire.param); });
 
-TEST_F(Yarp, AnEmptyPacketIsHeardAndBringsNothing) {
+TEST_F(Yarp, AnEmptyPacketUpdatesTheLastPacketTimeWithoutEvents) {
   const std::string name = unique_name("/icub");
   Grabber grabber(name + "/AE:o", PacketFormat::packet);
   YarpRobot robot(config_for(name, "none"), our_limits());
@@ -274,7 +274,7 @@ TEST_F(Yarp, AnEmptyPacketIsHeardAndBringsNothing) {
   EXPECT_THAT(events, IsEmpty());
 }
 
-TEST_F(Yarp, AMessageOfAnotherFormatIsToldAndHeardAsNothing) {
+TEST_F(Yarp, AMessageOfAnotherFormatIsReportedAndIgnored) {
   const std::string name = unique_name("/icub");
   Grabber grabber(name + "/AE:o", PacketFormat::vbottle);
   YarpRobot robot(config_for(name, "none"), our_limits());
@@ -288,7 +288,7 @@ TEST_F(Yarp, AMessageOfAnotherFormatIsToldAndHeardAsNothing) {
   EXPECT_THAT(text(failed(robot.check())), HasSubstr("cannot be read"));
 }
 
-TEST_F(Yarp, TwoPortsAreTwoEyesInOneStream) {
+TEST_F(Yarp, EventsOfTwoPortsAreMergedIntoOneStream) {
   const std::string name = unique_name("/icub");
   Grabber left(name + "/AE:o", PacketFormat::packet);
   Grabber right(name + "/right:o", PacketFormat::packet);
@@ -317,7 +317,7 @@ TEST_F(Yarp, TwoPortsAreTwoEyesInOneStream) {
 
 // ---- The control board
 
-TEST_F(Yarp, EverythingIsCheckedAndListed) {
+TEST_F(Yarp, EveryCheckIsListed) {
   JointsWorld world;
   const std::vector<StartUpCheck> checks = world.robot.check();
   EXPECT_THAT(failed(checks), IsEmpty()) << text(checks);
@@ -325,7 +325,7 @@ TEST_F(Yarp, EverythingIsCheckedAndListed) {
   std::cout << text(checks);
 }
 
-TEST_F(Yarp, WhatIsNotThereIsListedAllAtOnce) {
+TEST_F(Yarp, EveryMissingConnectionIsListed) {
   YarpConfig config = config_for(unique_name("/nobody"));
   config.head.torso_part = "/nobody/torso";
   YarpRobot robot(config, our_limits());
@@ -338,7 +338,7 @@ TEST_F(Yarp, WhatIsNotThereIsListedAllAtOnce) {
   EXPECT_THROW(robot.activate(), RunError);
 }
 
-TEST_F(Yarp, LimitsAreTheTightestOfBoth) {
+TEST_F(Yarp, LimitsAreTheTighterOnesOfRobotAndFile) {
   JointsWorld world;
   const JointLimits limits = world.robot.head()->limits();
   EXPECT_NEAR(limits.max_rad[neck_pitch], 16 * deg, 1e-9);
@@ -352,7 +352,7 @@ TEST_F(Yarp, LimitsAreTheTightestOfBoth) {
   EXPECT_THAT(text(failed(robot.check())), HasSubstr("neck_pitch -29 to 16, ours -30 to 10"));
 }
 
-TEST_F(Yarp, JointsAreTakenOverAndGivenBackAsTheyWere) {
+TEST_F(Yarp, ReleaseRestoresTheModesOfTheJoints) {
   JointsWorld world;
   HeadPort& head = *world.robot.head();
   const HeadCommand reference = HeadCommand::Constant(5 * deg);
@@ -378,7 +378,7 @@ TEST_F(Yarp, JointsAreTakenOverAndGivenBackAsTheyWere) {
   EXPECT_EQ(head.read(state), PortStatus::ok) << "joints are read throughout";
 }
 
-TEST_F(Yarp, AnIdleOrFaultyJointIsNotTakenOver) {
+TEST_F(Yarp, IdleAndFaultyJointsAreNotActivated) {
   JointsWorld world;
   for (const int mode : {VOCAB_CM_IDLE, VOCAB_CM_HW_FAULT}) {
     world.board.set_mode(1, mode);
@@ -412,7 +412,7 @@ TEST_F(Yarp, TheTorsoIsReadInTheOrderOfTheChain) {
 
 // ---- The gaze controller
 
-TEST_F(Yarp, TargetsGoToTheGazeControllerNoOftenerThanItsInterval) {
+TEST_F(Yarp, TargetsAreSentAtMostOncePerInterval) {
   GazeWorld world;
   world.robot.gaze()->look_at({-0.4, 0.0, 0.3});
   world.robot.activate();
@@ -432,7 +432,7 @@ TEST_F(Yarp, TargetsGoToTheGazeControllerNoOftenerThanItsInterval) {
   EXPECT_EQ(targets.back().z, 0.35);
 }
 
-TEST_F(Yarp, SettingsAreSentBeforeAndPutBackAfter) {
+TEST_F(Yarp, SettingsAreSentOnActivationAndRestoredOnRelease) {
   GazeWorld world;
   world.robot.activate();
   EXPECT_THAT(world.controller.requests(),
@@ -446,14 +446,14 @@ TEST_F(Yarp, SettingsAreSentBeforeAndPutBackAfter) {
               ElementsAre("stop", "rest 7", "dele 7"));
 }
 
-TEST_F(Yarp, AGazeControllerThatRefusesASettingGetsItsOwnBack) {
+TEST_F(Yarp, ARejectedSettingRestoresTheSettingsOfTheGazeController) {
   GazeWorld world;
   world.controller.refuse("set Teyes");
   EXPECT_THROW(world.robot.activate(), RunError);
   EXPECT_THAT(world.controller.requests(), Contains("rest 7"));
 }
 
-TEST_F(Yarp, TheGazeControllersJointsAreTheHeadsState) {
+TEST_F(Yarp, TheJointsOfTheGazeControllerAreTheHeadState) {
   GazeWorld world;
   EXPECT_THAT(failed(world.robot.check()), IsEmpty()) << text(world.robot.check());
   HeadState state;
@@ -470,7 +470,7 @@ TEST_F(Yarp, TheGazeControllersJointsAreTheHeadsState) {
 
 // ---- What goes wrong
 
-TEST_F(Yarp, ACameraThatIsKilledIsLostAndBothStartAgainUnderTheSameNames) {
+TEST_F(Yarp, AKilledCameraIsLostAndCanRestartUnderTheSameName) {
   const std::string name = unique_name("/icub");
   EXPECT_TRUE(within_a_tenth_of_a_second([&] {
     Child grabber({SACCADE_YARP_GRABBER, name + "/AE:o"}, YarpWorld::get() / "grabber.log");
@@ -490,7 +490,7 @@ TEST_F(Yarp, ACameraThatIsKilledIsLostAndBothStartAgainUnderTheSameNames) {
   EXPECT_THAT(failed(robot.check()), IsEmpty()) << text(robot.check());
 }
 
-TEST_F(Yarp, AControlBoardThatIsKilledIsLost) {
+TEST_F(Yarp, AKilledControlBoardIsLost) {
   const std::string name = unique_name("/icub");
   const CountingGrabber grabber(name + "/AE:o");
   const std::filesystem::path ini = YarpWorld::get() / "board.ini";
@@ -548,7 +548,7 @@ TEST_P(YarpCut, ConnectionIsLost) {
 INSTANTIATE_TEST_SUITE_P(Yarp, YarpCut, testing::Values("commands", "state", "events"),
                          [](const auto& cut) { return std::string(cut.param); });
 
-TEST_F(Yarp, AGazeControllerThatIsGoneIsLost) {
+TEST_F(Yarp, AKilledGazeControllerIsLost) {
   const std::string name = unique_name("/icub");
   const CountingGrabber grabber(name + "/AE:o");
   auto controller = std::make_unique<GazeController>(name + "/gaze");
@@ -563,7 +563,7 @@ TEST_F(Yarp, AGazeControllerThatIsGoneIsLost) {
   robot.release();
 }
 
-TEST_F(Yarp, ALostNameServerIsToldAndOpenConnectionsLiveOn) {
+TEST_F(Yarp, ALostNameServerIsReportedAndOpenConnectionsContinue) {
   JointsWorld world;
   world.robot.activate();
   EXPECT_THAT(world.robot.news(), IsEmpty());
@@ -589,7 +589,7 @@ TEST_F(Yarp, ALostNameServerIsToldAndOpenConnectionsLiveOn) {
   EXPECT_THAT(news, ElementsAre(HasSubstr("is back")));
 }
 
-TEST_F(Yarp, ASecondRobotOfTheSameNameIsRefused) {
+TEST_F(Yarp, ASecondRobotOfTheSameNameIsRejected) {
   const JointsWorld world;
   EXPECT_THROW(YarpRobot(config_for(world.name), our_limits()), RunError);
 }
