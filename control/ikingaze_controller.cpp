@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "core/small_solve.h"
+#include "core/units.h"
 
 namespace saccade {
 namespace {
 
-constexpr double rad_per_deg = std::numbers::pi / 180.0;
 constexpr int neck_count = 3;
 constexpr int tilt = eyes_tilt - torso_joint_count;
 constexpr int vergence = eyes_vergence - torso_joint_count;

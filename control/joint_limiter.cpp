@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
+
+#include "core/units.h"
 
 namespace saccade {
 namespace {
 
-constexpr double rad_per_deg = std::numbers::pi / 180.0;
 constexpr int neck_count = 3;
 constexpr double arrived_rad = 1e-12;  // rounding
 

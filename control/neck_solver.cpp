@@ -2,29 +2,28 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "control/bearing.h"
 #include "control/bounded_qp.h"
+#include "core/units.h"
 
 namespace saccade {
 namespace {
 
-constexpr double rad_per_deg = std::numbers::pi / 180.0;
 constexpr double guard_rad = 5.5 * rad_per_deg;       // above the lowest pitch
 constexpr double guard_per_rad = 10.0 / rad_per_deg;  // steepness
 constexpr double rest_weight = 1e-5;                  // of the distance to rest, against the angle left
 constexpr double ridge = 1e-9;                        // where the guard leaves roll no effect
 constexpr double longest_step_rad = 0.3;
 constexpr double converged_rad = 1e-6;
-constexpr double nearest_m = 1e-6;  // keeps the rows finite in the eye and straight above it
 
-/// Where the target is off the cyclopean axis, azimuth and elevation (down), rad, and what the neck does to it.
-struct Bearing {
+/// The bearing of the target relative to the cyclopean axis, rad, and its Jacobian by the neck joints.
+struct NeckError {
   Eigen::Vector2d error;
   Eigen::Matrix<double, 2, 3> jacobian;
 };
 
-Bearing bearing(const CyclopeanEye& eye, const Eigen::Vector3d& target_m) {
+NeckError neck_error(const CyclopeanEye& eye, const Eigen::Vector3d& target_m) {
   const Eigen::Matrix3d eye_from_root = eye.root_from_eye().linear().transpose();
   const Eigen::Vector3d centre_m = eye.root_from_eye().translation();
   const Eigen::Vector3d p = eye.see(target_m);
@@ -35,15 +34,11 @@ Bearing bearing(const CyclopeanEye& eye, const Eigen::Vector3d& target_m) {
     const Eigen::Vector3d centre_velocity = axis.cross(centre_m - eye.head().point_on_axis(joint));
     dp.col(j) = -(eye_from_root * centre_velocity) - (eye_from_root * axis).cross(p);
   }
-  const double across = std::max(std::hypot(p.x(), p.z()), nearest_m);
-  const double range = std::max(p.norm(), nearest_m);
-  const Eigen::RowVector3d azimuth(p.z() / (across * range), 0.0, -p.x() / (across * range));
-  const Eigen::RowVector3d elevation(-p.x() * p.y() / (across * range * range), across / (range * range),
-                                     -p.z() * p.y() / (across * range * range));
-  Bearing b;
-  b.error << std::atan2(p.x(), p.z()) * across / range, std::atan2(p.y(), across);
-  b.jacobian << azimuth * dp, elevation * dp;
-  return b;
+  const Bearing bearing = bearing_of(p);
+  NeckError e;
+  e.error << bearing.azimuth_rad, bearing.elevation_rad;
+  e.jacobian << bearing.azimuth_by_point * dp, bearing.elevation_by_point * dp;
+  return e;
 }
 
 }  // namespace
@@ -94,9 +89,9 @@ NeckSolver::Pose NeckSolver::solve(const JointVector& position_rad, const Eigen:
   };
   const auto see = [&](const NeckVector& neck_rad) {
     q.segment<3>(neck_pitch) = neck_rad;
-    return bearing(CyclopeanEye(q), target_m);
+    return neck_error(CyclopeanEye(q), target_m);
   };
-  const auto cost_of = [&](const Bearing& b, const NeckVector& neck_rad) {
+  const auto cost_of = [&](const NeckError& b, const NeckVector& neck_rad) {
     return b.error.squaredNorm() + rest_weight * (neck_rad - rest_rad).squaredNorm();
   };
   NeckVector lower = min_rad_, upper = max_rad_;
@@ -106,7 +101,7 @@ NeckSolver::Pose NeckSolver::solve(const JointVector& position_rad, const Eigen:
   NeckVector u = start_rad.cwiseMax(min_rad_).cwiseMin(max_rad_);
   u[1] -= rest_rad[1];
   NeckVector neck_rad = neck_of(u);
-  Bearing here = see(neck_rad);
+  NeckError here = see(neck_rad);
   double cost = cost_of(here, neck_rad);
   Pose pose;
   while (!pose.converged && pose.iterations < max_iterations) {
@@ -128,7 +123,7 @@ NeckSolver::Pose NeckSolver::solve(const JointVector& position_rad, const Eigen:
       pose.converged = step.cwiseAbs().maxCoeff() < converged_rad;
       const NeckVector next = (u + step).cwiseMax(lower).cwiseMin(upper);
       const NeckVector next_rad = neck_of(next);
-      const Bearing there = see(next_rad);
+      const NeckError there = see(next_rad);
       const double next_cost = cost_of(there, next_rad);
       if (next_cost <= cost) {
         u = next;

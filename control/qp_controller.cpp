@@ -2,25 +2,26 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "control/bearing.h"
+#include "core/units.h"
 
 namespace saccade {
 namespace {
 
 using Row = Eigen::Matrix<double, 1, head_joint_count>;
 
-/// Where a target is in an eye: azimuth (to the right, as an angle on the great circle through the target)
-/// and elevation (down), rad, both 0 on the optical axis, and what the head joints do to them.
-struct Bearing {
+/// The bearing of a target in an eye, rad, its rate and its Jacobian by the head joints.
+struct EyeError {
   double azimuth;
   double elevation;
-  double azimuth_rate;  ///< by the target's own velocity, rad/s
+  double azimuth_rate;  ///< from the velocity of the target, rad/s
   double elevation_rate;
   Row azimuth_row;
   Row elevation_row;
 };
 
-Bearing bearing(const HeadKinematics& head, Eye eye, const TargetTrack& target) {
+EyeError eye_error(const HeadKinematics& head, Eye eye, const TargetTrack& target) {
   const Eigen::Isometry3d& pose = head.root_from_eye(eye);
   const EyeJacobian jacobian = head.jacobian(eye);
   const Eigen::Matrix3d eye_from_root = pose.linear().transpose();
@@ -32,18 +33,13 @@ Bearing bearing(const HeadKinematics& head, Eye eye, const TargetTrack& target) 
     dp.col(j) = -(eye_from_root * jacobian.linear.col(joint)) -
                 (eye_from_root * jacobian.angular.col(joint)).cross(p);
   }
-  constexpr double nearest_m = 1e-6;  // keeps the rows finite in the eye and straight above it
-  const double across = std::max(std::hypot(p.x(), p.z()), nearest_m);
-  const double range = std::max(p.norm(), nearest_m);
-  const Eigen::RowVector3d azimuth(p.z() / (across * range), 0.0, -p.x() / (across * range));
-  const Eigen::RowVector3d elevation(-p.x() * p.y() / (across * range * range), across / (range * range),
-                                     -p.z() * p.y() / (across * range * range));
-  return {std::atan2(p.x(), p.z()) * across / range,
-          std::atan2(p.y(), across),
-          azimuth.dot(velocity),
-          elevation.dot(velocity),
-          azimuth * dp,
-          elevation * dp};
+  const Bearing bearing = bearing_of(p);
+  return {bearing.azimuth_rad,
+          bearing.elevation_rad,
+          bearing.azimuth_by_point.dot(velocity),
+          bearing.elevation_by_point.dot(velocity),
+          bearing.azimuth_by_point * dp,
+          bearing.elevation_by_point * dp};
 }
 
 }  // namespace
@@ -51,7 +47,7 @@ Bearing bearing(const HeadKinematics& head, Eye eye, const TargetTrack& target) 
 QpController::QpController(const QpConfig& config, const MotionLimits& limits)
     : config_(config),
       both_eyes_(config.eyes == "both"),
-      max_lead_rad_(config.max_lead_deg * std::numbers::pi / 180.0),
+      max_lead_rad_(config.max_lead_deg * rad_per_deg),
       limits_(limits),
       target_(config.target_time_constant_s) {
   check_config("gaze.qp", config);
@@ -91,11 +87,11 @@ QpController::Cost QpController::gaze_cost(const HeadKinematics& head, const Hea
 
   Cost cost;
   cost.h.diagonal().setConstant(config_.damping);
-  const Bearing left = bearing(head, Eye::left, target_);
+  const EyeError left = eye_error(head, Eye::left, target_);
   cost.add(1.0, left.azimuth_row, -left.azimuth * per_eye_time - left.azimuth_rate);
   cost.add(1.0, left.elevation_row, -left.elevation * per_eye_time - left.elevation_rate);
   if (both_eyes_) {
-    const Bearing right = bearing(head, Eye::right, target_);
+    const EyeError right = eye_error(head, Eye::right, target_);
     cost.add(config_.right_eye_weight, right.azimuth_row, -right.azimuth * per_eye_time - right.azimuth_rate);
   } else {
     const double rest = std::clamp(0.0, limits_.min_rad[vergence], limits_.max_rad[vergence]);

@@ -2,19 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "core/minimum_jerk.h"
+#include "core/units.h"
 
 namespace saccade {
 namespace {
 
-constexpr double rad_per_deg = std::numbers::pi / 180.0;
 constexpr int first_of_head = neck_pitch;
 constexpr int tilt = eyes_tilt - first_of_head;
 constexpr int version = eyes_version - first_of_head;
 constexpr std::size_t neck_joint_count = 3;
-
-/// 0 to 1 over u in [0, 1] with least jerk.
-double minimum_jerk(double u) { return u * u * u * (10.0 + u * (-15.0 + 6.0 * u)); }
 
 }  // namespace
 

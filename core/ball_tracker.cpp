@@ -7,6 +7,7 @@
 
 #include "core/small_solve.h"
 #include "core/time_stamp.h"
+#include "core/units.h"
 
 namespace saccade {
 namespace {
@@ -92,7 +93,7 @@ BallTracker::BallTracker(const BallTrackerConfig& config, const Camera& camera)
       last_event_us_(2 * static_cast<std::size_t>(camera.size.pixels()), never_us),
       edges_(camera.size, static_cast<int>(config.edges_per_region)),
       transform_(camera.size, static_cast<int>(config.radius_px[0]), static_cast<int>(config.radius_px[1]),
-                 config.arc_deg * std::numbers::pi / 180.0),
+                 config.arc_deg * rad_per_deg),
       now_us_(never_us),
       last_look_us_(never_us) {
   rays_.reserve(static_cast<std::size_t>(camera.size.pixels()));

@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "core/units.h"
+
 namespace saccade {
 namespace {
 
@@ -136,7 +138,6 @@ Eigen::Vector2d Camera::rotational_flow_px_s(const Eigen::Vector3d& ray, const E
 }
 
 Eigen::Isometry3d CameraMount::eye_from_camera() const {
-  constexpr double rad_per_deg = std::numbers::pi / 180.0;
   const Eigen::Vector3d turn_rad = Eigen::Map<const Eigen::Vector3d>(rotation_deg.data()) * rad_per_deg;
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   const double angle_rad = turn_rad.norm();

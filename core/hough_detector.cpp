@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
+
+#include "core/units.h"
 
 namespace saccade {
 namespace {
@@ -51,7 +52,7 @@ HoughDetector::HoughDetector(const HoughDetectorConfig& config, ImageSize size)
       flow_(config_.flow, size),
       window_(config_.window),
       transform_(size, static_cast<int>(config_.radius_px[0]), static_cast<int>(config_.radius_px[1]),
-                 config_.arc_deg * std::numbers::pi / 180.0, normalisation(config_)),
+                 config_.arc_deg * rad_per_deg, normalisation(config_)),
       now_us_(std::numeric_limits<std::int64_t>::min()) {}
 
 void HoughDetector::process(std::span<const Event> events, const CameraMotion*) {

@@ -5,10 +5,11 @@
 #include <numbers>
 #include <string>
 
+#include "core/units.h"
+
 namespace saccade {
 namespace {
 
-constexpr double rad_per_deg = std::numbers::pi / 180.0;
 using HeadRanges = std::array<std::vector<double>*, head_joint_count>;
 
 HeadRanges ranges_of(HeadLimitsConfig& config) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/minimum_jerk.h"
 
 namespace saccade {
 
@@ -39,7 +40,7 @@ void JointBoard::Axis::step(double dt_s) {
   if (moving) {
     moved_s += dt_s;
     const double s = move_s > 0.0 ? std::min(moved_s / move_s, 1.0) : 1.0;
-    reference_rad = from_rad + (target_rad - from_rad) * s * s * s * (10.0 + s * (6.0 * s - 15.0));
+    reference_rad = from_rad + minimum_jerk(s) * (target_rad - from_rad);
     moving = s < 1.0;
   }
   if (mode == JointMode::velocity) {

@@ -16,16 +16,15 @@
 #include <yarp/os/Time.h>
 
 #include <mutex>
-#include <numbers>
 
 #include "core/error.h"
+#include "core/units.h"
 #include "robot/yarp/yarp_network.h"
 
 namespace saccade {
 namespace {
 
 constexpr double name_server_timeout_s = 2.0;
-constexpr double rad_per_deg = std::numbers::pi / 180.0;
 
 int vocab_of(JointMode mode) {
   switch (mode) {

@@ -10,16 +10,15 @@
 #include <yarp/os/Time.h>
 
 #include <array>
-#include <numbers>
 
 #include "core/error.h"
+#include "core/units.h"
 #include "robot/yarp/yarp_network.h"
 
 namespace saccade {
 namespace {
 
 constexpr double name_server_timeout_s = 2.0;
-constexpr double deg_per_rad = 180.0 / std::numbers::pi;
 
 /// What a port says, as the request that means the same.
 class Look final : public yarp::os::TypedReaderCallback<yarp::os::Bottle> {

@@ -9,12 +9,12 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/units.h"
 #include "robot/yarp/yarp_network.h"
 
 namespace saccade {
 namespace {
 
-constexpr double rad_per_deg = 3.14159265358979323846 / 180.0;
 constexpr std::int64_t fresh_us = 200'000;
 
 }  // namespace

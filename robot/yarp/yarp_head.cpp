@@ -13,11 +13,11 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/units.h"
 
 namespace saccade {
 namespace {
 
-constexpr double rad_per_deg = 3.14159265358979323846 / 180.0;
 constexpr double limit_tolerance_deg = 0.01;
 constexpr std::int64_t fresh_us = 200'000;
 constexpr int longest_first_state_ms = 1000;
