@@ -441,12 +441,12 @@ YarpControlBoard::YarpControlBoard(const Config& config, const JointBoard& board
   options.put("period", yarp::os::Value(config.state_period_s));
   yarp::dev::IWrapper* wrapper = nullptr;
   if (!ports_->wrapper.open(options) || !ports_->wrapper.view(wrapper)) {
-    throw RunError("YARP opens no control board " + config.part +
-                   ": is the name free, and is YARP's plugin controlBoard_nws_yarp found "
+    throw RunError("YARP cannot open the control board " + config.part +
+                   ": is the name in use, or YARP's plugin controlBoard_nws_yarp not found "
                    "(YARP_DATA_DIRS)?");
   }
   ports_->device.give(device_.get(), false);
-  if (!wrapper->attach(&ports_->device)) throw RunError("YARP attaches nothing to " + config.part);
+  if (!wrapper->attach(&ports_->device)) throw RunError("YARP cannot attach a device to " + config.part);
   ports_->attached = wrapper;
 }
 

@@ -10,12 +10,12 @@
 
 namespace saccade {
 
-/// A part of the iCub as its control board offers it on YARP: `PART/rpc:i`, `PART/command:i`, `PART/state:o` and
-/// `PART/stateExt:o`, degrees on the wire, behind a JointBoard. Any YARP program that moves an iCub's part
-/// (`remote_controlboard`, yarpmotorgui, iKinGazeCtrl) can move this one. Positions, speeds, modes and limits are served;
-/// motors, torques, currents and gains are not. Limits cannot be changed from outside.
+/// Serves a JointBoard on YARP with the interface of an iCub control board: `PART/rpc:i`, `PART/command:i`, `PART/state:o`
+/// and `PART/stateExt:o`, in degrees. Any YARP program that moves a part of an iCub (`remote_controlboard`, yarpmotorgui,
+/// iKinGazeCtrl) can use it. It supports positions, speeds, modes and limits, but no motors, torques, currents or gains.
+/// Clients cannot change limits.
 ///
-/// The ports are YARP's own (controlBoard_nws_yarp) and served from its threads; what is here is called from one thread.
+/// The ports belong to YARP (controlBoard_nws_yarp) and run in its threads. Call the functions below from one thread.
 class YarpControlBoard {
  public:
   struct Config {
@@ -23,24 +23,24 @@ class YarpControlBoard {
     std::vector<std::string> names;  ///< of the joints
     double state_period_s = 0.01;    ///< of both state ports
   };
-  /// Throws RunError where YARP opens no ports under that name: no name server, or the name is taken.
+  /// Throws RunError if YARP cannot open the ports: no name server, or the name is in use.
   YarpControlBoard(const Config& config, const JointBoard& board);
   ~YarpControlBoard();
 
-  /// Where the joints are now, rad and rad/s, dt_s after the last call; 0 while the world stands still. The encoders'
-  /// stamps are the time of this call. Gives the references that hold from now on.
+  /// Advances by dt_s (0 while the simulation is paused). `position_rad` and `velocity_rad_s`: the current joint state. The
+  /// time stamp of the encoders is the time of this call. Returns the references from now on.
   Eigen::VectorXd step(const Eigen::VectorXd& position_rad, const Eigen::VectorXd& velocity_rad_s,
                        double dt_s);
 
-  /// What clients asked for so far.
+  /// Counts of the requests of clients so far.
   struct Use {
     std::int64_t modes = 0;     ///< changes of a joint's mode to position-direct or velocity
-    std::int64_t commands = 0;  ///< positions, references and velocities taken
-    std::int64_t refused = 0;   ///< of another mode than the joint's, or not finite
+    std::int64_t commands = 0;  ///< positions, references and velocities accepted
+    std::int64_t refused = 0;   ///< rejected: for another mode than that of the joint, or not finite
   };
   [[nodiscard]] Use use() const;
 
-  /// Another controller of the same robot moves the joints, in position-direct mode; not counted in use().
+  /// Sets references in position-direct mode on behalf of another controller of the same robot. Not counted in use().
   void drive(const Eigen::VectorXd& reference_rad);
   void stop();
 

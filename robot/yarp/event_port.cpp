@@ -44,7 +44,7 @@ YarpEventPort::YarpEventPort(const Config& config) : config_(config), port_(std:
   port_->port.setOutputMode(true);
   port_->port.setInputMode(false);
   if (!port_->port.open(config.name)) {
-    throw RunError("YARP opens no port " + config.name + ": is the name free?");
+    throw RunError("YARP cannot open the port " + config.name + ": is the name in use?");
   }
 }
 

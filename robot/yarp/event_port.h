@@ -12,12 +12,12 @@
 
 namespace saccade {
 
-/// An event camera as event-driven's grabber offers it: a port that sends what came since the last message, in the words
-/// of PacketFormat, with the time of sending in the envelope. A message without events is a message too: who reads knows
-/// that the camera is there.
+/// Serves an event camera on YARP like the grabber of event-driven: a port that sends the events since the last message in
+/// a PacketFormat, with the time of sending in the envelope. Messages without events are sent too, so that readers can see
+/// that the camera is connected.
 ///
-/// A reader who is slower than the camera delays nobody: events wait for the next message, and above max_waiting the
-/// oldest are left out and counted. Used from one thread.
+/// A slow reader does not delay the sender: events wait for the next message, and above max_waiting the oldest are dropped
+/// and counted. Call it from one thread.
 class YarpEventPort {
  public:
   struct Config {
@@ -26,18 +26,18 @@ class YarpEventPort {
     AddressCodec codec = AddressCodec::ev2;
     std::size_t max_waiting = 100'000;  ///< events
   };
-  /// Throws RunError where YARP opens no port of that name: no name server, or the name is taken.
+  /// Throws RunError if YARP cannot open the port: no name server, or the name is in use.
   explicit YarpEventPort(const Config& config);
   ~YarpEventPort();
 
-  /// The events that came since the last call, sorted by time, now_us on their clock.
+  /// Sends the events since the last call, sorted by time; now_us is on their clock.
   void send(std::span<const Event> events, std::int64_t now_us);
 
   [[nodiscard]] int readers() const;
   [[nodiscard]] std::int64_t messages() const {
     return messages_;
   }                                                                ///< sent so far, with a reader or without
-  [[nodiscard]] std::int64_t dropped() const { return dropped_; }  ///< events left out so far
+  [[nodiscard]] std::int64_t dropped() const { return dropped_; }  ///< events dropped so far
 
  private:
   struct Port;

@@ -90,7 +90,7 @@ YarpGazePorts::YarpGazePorts(const std::string& name, Answer answer)
   Ports& ports = *ports_;
   const auto open = [&](auto& port, const char* end) {
     if (!port.open(name + end)) {
-      throw RunError("YARP opens no port " + name + end + ": is the name free?");
+      throw RunError("YARP cannot open the port " + name + end + ": is the name in use?");
     }
   };
   ports.xd.useCallback(ports.look_3d);

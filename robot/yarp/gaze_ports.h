@@ -11,20 +11,20 @@
 
 namespace saccade {
 
-/// The ports of iKinGazeCtrl without what is behind them: in NAME/xd:i, NAME/mono:i, NAME/stereo:i, NAME/angles:i and
-/// NAME/rpc, out NAME/x:o, NAME/q:o, NAME/angles:o and NAME/events:o. What comes in is handed on as text, as YARP writes
-/// a message: what a port of its own says is the request `look ...` of the same meaning.
+/// The ports of iKinGazeCtrl: inputs NAME/xd:i, NAME/mono:i, NAME/stereo:i, NAME/angles:i and NAME/rpc, outputs NAME/x:o,
+/// NAME/q:o, NAME/angles:o and NAME/events:o. Requests are passed on as text in the notation of YARP; a message on one of
+/// the other input ports becomes the equivalent request `look ...`.
 class YarpGazePorts {
  public:
-  /// A request's reply. Called from YARP's threads, several at a time.
+  /// Returns the reply to a request. Called from several threads of YARP at the same time.
   using Answer = std::function<std::string(const std::string& request)>;
 
-  /// Throws RunError where YARP opens no ports under that name: no name server, or the name is taken.
+  /// Throws RunError if YARP cannot open the ports: no name server, or the name is in use.
   YarpGazePorts(const std::string& name, Answer answer);
   ~YarpGazePorts();
 
-  /// Sends what the robot does now, rad; a fixation point that there is none of is not sent. Whoever reads slowly
-  /// misses some.
+  /// Sends the current state of the robot. No fixation point is sent while the optical axes have none. Slow readers miss
+  /// messages.
   void send(const std::optional<Eigen::Vector3d>& fixation_m, const JointVector& position_rad,
             const Eigen::Vector3d& angles_deg, const std::vector<std::string>& events);
 

@@ -17,24 +17,24 @@
 
 namespace saccade {
 
-/// The envelope of the message that is being read: when it was sent, us on the sender's clock. None where it has none or
-/// says 0, as devices without a clock do.
+/// The time of sending from the envelope of the current message, us on the clock of the sender. None without an envelope,
+/// or if the time is 0, as from devices without a clock.
 [[nodiscard]] std::optional<std::int64_t> sent_us(yarp::os::ConnectionReader& reader);
 
-/// A port of ours that one of the robot's streams a few numbers to, and what came last.
+/// An input port for a stream of a few numbers from the robot. Stores the newest message.
 class StateInput final : private yarp::os::PortReader, private yarp::os::PortReport {
  public:
   static constexpr int most_values = 12;
 
-  /// What came last. Not finite where nothing came.
+  /// The newest message. Values are not finite where none was received.
   struct State {
-    std::int64_t t_us = 0;  ///< on our clock
-    int count = 0;          ///< how many numbers there were
+    std::int64_t t_us = 0;  ///< on the local clock
+    int count = 0;          ///< of numbers in the message
     std::array<double, most_values> value{};
     std::array<double, most_values> rate{};  ///< per second, from the last two messages
   };
 
-  /// Opens `local` and connects `remote` to it. Throws RunError where `local` cannot be opened.
+  /// Opens `local` and connects `remote` to it. Throws RunError if `local` cannot be opened.
   StateInput(const std::string& local, std::string remote, const std::string& carrier, double timeout_s,
              const SteadyClock& clock);
   ~StateInput() override;
@@ -42,9 +42,9 @@ class StateInput final : private yarp::os::PortReader, private yarp::os::PortRep
   StateInput& operator=(const StateInput&) = delete;
 
   [[nodiscard]] const std::string& remote() const { return remote_; }
-  /// Nothing came so far: count is 0.
+  /// The newest message; count is 0 before the first.
   [[nodiscard]] State state() const;
-  /// The connection never was, or closed.
+  /// True if the connection was never made, or is closed.
   [[nodiscard]] bool lost() const { return lost_; }
 
  private:

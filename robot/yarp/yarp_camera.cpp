@@ -29,7 +29,7 @@ EventInput::EventInput(const std::string& local, std::string remote, const std::
       timeline_(config) {
   port_.setReader(*this);
   port_.setReporter(*this);
-  if (!port_.open(local)) throw RunError("YARP does not open the port " + local);
+  if (!port_.open(local)) throw RunError("YARP cannot open the port " + local);
   if (!connect_ports(remote_, port_.getName(), carrier, timeout_s)) lost_ = true;
 }
 

@@ -20,10 +20,10 @@
 
 namespace saccade {
 
-/// One event port of the robot, read in YARP's threads.
+/// Reads one event port of the robot in threads of YARP.
 class EventInput final : private yarp::os::PortReader, private yarp::os::PortReport {
  public:
-  /// Opens `local` and connects `remote` to it. Throws RunError where `local` cannot be opened.
+  /// Opens `local` and connects `remote` to it. Throws RunError if `local` cannot be opened.
   EventInput(const std::string& local, std::string remote, const std::string& carrier, double timeout_s,
              const EventTimelineConfig& config, std::size_t capacity, const SteadyClock& clock);
   ~EventInput() override;
@@ -32,12 +32,12 @@ class EventInput final : private yarp::os::PortReader, private yarp::os::PortRep
 
   [[nodiscard]] const std::string& remote() const { return remote_; }
   void pop_until(std::int64_t t_us, std::vector<Event>& events) { queue_.pop_until(t_us, events); }
-  /// The connection never was, or closed.
+  /// True if the connection was never made, or is closed.
   [[nodiscard]] bool lost() const { return lost_; }
-  /// When the last message came that could be read; before the first, when the robot was made.
+  /// Arrival time of the last readable message; before the first, the time of construction of the robot.
   [[nodiscard]] std::int64_t heard_us() const { return heard_us_; }
   [[nodiscard]] EventTraffic traffic() const;
-  /// Messages that could not be read so far, and why the last one could not.
+  /// Number of unreadable messages so far, and the error in the last one.
   [[nodiscard]] std::int64_t unreadable() const { return unreadable_; }
   [[nodiscard]] std::string problem() const;
 
@@ -63,15 +63,15 @@ class EventInput final : private yarp::os::PortReader, private yarp::os::PortRep
   std::string_view problem_;
 };
 
-/// The camera of the left eye, or those of both. Events of two ports are merged; one that is up to 5 ms behind what was
-/// delivered gets the newest time, one that is more is dropped.
+/// The event camera of the left eye, or of both eyes. Events of two ports are merged. An event up to 5 ms behind the
+/// newest delivered one gets its time stamp; an older one is dropped.
 class YarpCamera final : public EventSource {
  public:
   YarpCamera(const YarpConfig& config, const SteadyClock& clock);
 
   [[nodiscard]] ImageSize image_size() const override { return image_size_; }
   PortStatus read_until(std::int64_t t_us, std::vector<Event>& events) override;
-  /// Of the port that is silent for longer.
+  /// Of the port with the older last message.
   [[nodiscard]] std::int64_t heard_us() const override;
   [[nodiscard]] EventTraffic traffic() const override;
 

@@ -8,7 +8,7 @@
 
 namespace saccade {
 
-/// The event port of the camera, or those of both.
+/// The event ports of one or both cameras.
 struct YarpCameraConfig {
   std::string port = "/zynqGrabber/AE:o";
   std::string right_port;
@@ -24,7 +24,7 @@ struct YarpCameraConfig {
   std::int64_t queue_events = 100'000;
 };
 
-/// Who moves the head.
+/// The control of the head.
 struct YarpHeadConfig {
   std::string control = "joints";
   std::string part = "/icub/head";
@@ -32,8 +32,8 @@ struct YarpHeadConfig {
   std::string carrier = "fast_tcp";
 };
 
-/// The gaze controller on the robot's side, and how it is set while we use it. The defaults are what users of heads
-/// that oscillate came to.
+/// The gaze controller of the robot and its settings while it is in use. The defaults are those recommended for heads that
+/// oscillate.
 struct YarpGazeConfig {
   std::string name = "/iKinGazeCtrl";
   double target_interval_ms = 75.0;
@@ -44,7 +44,7 @@ struct YarpGazeConfig {
   bool bind_roll = true;
 };
 
-/// A robot that is on a YARP network. Where its name server is, YARP itself knows (`yarp conf`).
+/// A robot on a YARP network. The address of the name server is configured in YARP (`yarp conf`).
 struct YarpConfig {
   std::string local = "/saccade";
   double timeout_s = 2.0;

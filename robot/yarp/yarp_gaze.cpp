@@ -28,7 +28,7 @@ YarpGaze::YarpGaze(const YarpConfig& config, const JointLimits& limits, const St
       sent_us_(clock.now_us() - 1'000'000) {
   const std::string prefix = config.local + "/gaze";
   if (!targets_.open(prefix + "/xd:o") || !requests_.open(prefix + "/rpc:o")) {
-    throw RunError("YARP does not open the ports " + prefix + "/xd:o and rpc:o");
+    throw RunError("YARP cannot open the ports " + prefix + "/xd:o and rpc:o");
   }
   requests_.asPort().setTimeout(static_cast<float>(config.timeout_s));
   lost_ = joints_.lost() ||
@@ -162,7 +162,7 @@ void YarpGaze::activate() {
   const std::string refused = settings_refused();
   if (refused.empty()) return;
   release();
-  throw RunError("the gaze controller " + config_.name + " refuses \"" + refused + "\"");
+  throw RunError("the gaze controller " + config_.name + " rejects \"" + refused + "\"");
 }
 
 void YarpGaze::release() {
@@ -178,7 +178,7 @@ void YarpGaze::release() {
 
 std::vector<StartUpCheck> YarpGaze::check() {
   const std::string what = "gaze controller " + config_.name;
-  if (is_lost()) return {{what, false, "not connected, or it streams no joints"}};
+  if (is_lost()) return {{what, false, "not connected, or it does not stream joints"}};
   const auto status = ask("status");
   std::vector<StartUpCheck> checks = {
       {what, status.has_value(), status ? "it answers: " + status->toString() : "it does not answer"}};

@@ -22,21 +22,22 @@
 
 namespace saccade {
 
-/// iKinGazeCtrl, or what speaks like it: targets go to it, and the joints that it streams are the head's state.
+/// The client of iKinGazeCtrl or of a server with its interface: sends targets, and reads the head state from the joints
+/// that the server streams.
 class YarpGaze final : public GazePort, public HeadPort, private yarp::os::PortReport {
  public:
   YarpGaze(const YarpConfig& config, const JointLimits& limits, const SteadyClock& clock);
   ~YarpGaze() override;
 
   PortStatus look_at(const Eigen::Vector3d& target_m) override;
-  /// As a gaze port and as a head: asks for it in a thread of its own.
+  /// Stops gaze and head. The request is sent in a separate thread.
   PortStatus stop() override;
-  /// Sends the newest target where it had to wait. Once per tick.
+  /// Sends the newest target if it had to wait. Call once per tick.
   void flush();
 
   [[nodiscard]] JointLimits limits() const override { return limits_; }
   PortStatus read(HeadState& state) override;
-  /// Refused: the joints are the gaze controller's.
+  /// Always rejected: the gaze controller commands the joints.
   CommandResult command(const HeadCommand& reference_rad) override;
 
   [[nodiscard]] std::vector<StartUpCheck> check();
@@ -44,7 +45,7 @@ class YarpGaze final : public GazePort, public HeadPort, private yarp::os::PortR
   void release();
 
  private:
-  /// [ack] ... without the [ack]; nothing for [nack] or without an answer in time.
+  /// The answer after [ack]; none for [nack] or without an answer in time.
   [[nodiscard]] std::optional<yarp::os::Bottle> ask(const std::string& request);
   [[nodiscard]] std::string settings_refused();
   [[nodiscard]] bool is_lost();

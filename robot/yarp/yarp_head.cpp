@@ -233,7 +233,7 @@ void YarpHead::activate() {
   if (active_) return;
   if (is_lost()) throw RunError("the head " + part_ + " is not connected");
   const auto found = modes();
-  if (!found) throw RunError("the head " + part_ + " does not tell its joints' modes");
+  if (!found) throw RunError("the head " + part_ + " does not report the modes of its joints");
   if (!std::all_of(found->begin(), found->end(), holds)) {
     throw RunError("the head " + part_ + " has joints in modes that do not hold them: " + text(*found));
   }
@@ -242,7 +242,7 @@ void YarpHead::activate() {
   direct.fill(VOCAB_CM_POSITION_DIRECT);
   if (!set_modes(direct)) {
     (void)set_modes(found_modes_);
-    throw RunError("the head " + part_ + " does not go into position-direct mode");
+    throw RunError("the head " + part_ + " does not change to position-direct mode");
   }
   active_ = true;
   stop();
@@ -276,7 +276,7 @@ StartUpCheck YarpHead::limits_check() const {
              text(robot_deg[0]) + " to " + text(robot_deg[1]) + ", ours " + text(ours_deg[0]) + " to " +
              text(ours_deg[1]);
   }
-  return {"limits of the robot at least as tight as ours, deg", passed, passed ? "they are" : found};
+  return {"limits of the robot within the configured ones, deg", passed, passed ? "they are" : found};
 }
 
 std::vector<StartUpCheck> YarpHead::check() {
@@ -291,7 +291,7 @@ std::vector<StartUpCheck> YarpHead::check() {
   if (connected) {
     const auto found = modes();
     checks.push_back({"joints held by their board", found && std::all_of(found->begin(), found->end(), holds),
-                      found ? text(*found) : "the board does not tell their modes"});
+                      found ? text(*found) : "the board does not report their modes"});
     HeadState state;
     const bool read_it = read(state) == PortStatus::ok;
     const std::int64_t age_us = clock_.now_us() - state_input_.state().t_us;

@@ -23,16 +23,16 @@
 
 namespace saccade {
 
-/// Asks a board something that may never be answered: `ask` goes on in a thread of its own and true is returned when it
-/// was done in time and said true. What `ask` uses has to live on by itself.
+/// Runs a request that can block in a separate thread. Returns true if `ask` returned true in time. `ask` can outlive the
+/// call, so it must own what it uses.
 [[nodiscard]] bool answered_within(double timeout_s, std::function<bool()> ask);
 
-/// The torso's three joints as state:o of its board has them (yaw, roll, pitch, deg), in the order of Joint; upright
-/// where there is no board. Nothing where they did not come yet.
+/// Reads the three torso joints from state:o of their board (yaw, roll, pitch, deg) in the order of Joint. Without a board
+/// the torso is upright.
 class TorsoInput {
  public:
   TorsoInput(const YarpConfig& config, const SteadyClock& clock);
-  /// Fills the torso's part of a state. Its time becomes that of the older reading.
+  /// Fills the torso joints of a state. The time of the state becomes that of the older reading.
   void read(HeadState& state) const;
   [[nodiscard]] bool lost() const { return input_ != nullptr && input_->lost(); }
   [[nodiscard]] std::vector<StartUpCheck> check() const;
@@ -41,10 +41,10 @@ class TorsoInput {
   std::unique_ptr<StateInput> input_;
 };
 
-/// The head's six joints by way of their control board. Degrees are here alone.
+/// Controls the six head joints through their control board. Converts between degrees and radians.
 ///
-/// YARP leaves a message out where the one before is still on its way, and tells nobody. So the last of the references,
-/// when no other has come for 3 ms, is sent three times more: what was said last, to stop for instance, arrives.
+/// YARP drops a message without notice while the previous one is still being sent. So the last references are sent three
+/// more times if no others follow within 3 ms. This way a stop command arrives.
 class YarpHead final : public HeadPort {
  public:
   YarpHead(const YarpConfig& config, const JointLimits& limits, const SteadyClock& clock);
@@ -63,7 +63,7 @@ class YarpHead final : public HeadPort {
   using Modes = std::array<int, head_joint_count>;
   using Degrees = std::array<double, head_joint_count>;
 
-  /// What requests in threads of their own share; it keeps YARP going as long as one of them lives.
+  /// The state that request threads share. It keeps YARP initialised until the last of them ends.
   struct Board {
     yarp::os::Network network;
     yarp::dev::PolyDriver driver;
@@ -77,7 +77,7 @@ class YarpHead final : public HeadPort {
 
   [[nodiscard]] bool open_board(const YarpConfig& config);
   [[nodiscard]] bool is_lost();
-  /// As the board streams them; none while it does not.
+  /// The modes as the board streams them; none if it does not.
   [[nodiscard]] std::optional<Modes> modes() const;
   [[nodiscard]] bool set_modes(const Modes& modes) const;
   void send(const HeadCommand& reference_rad);

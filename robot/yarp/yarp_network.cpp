@@ -36,7 +36,7 @@ YarpNetwork::YarpNetwork(double timeout_s) {
   if (!name_server_answers(timeout_s)) {
     const yarp::os::Contact server = NetworkBase::getNameServerContact();
     throw RunError("no YARP name server answers at " + server.getHost() + ":" +
-                   std::to_string(server.getPort()) + " (`yarp conf` tells where it is looked for)");
+                   std::to_string(server.getPort()) + " (`yarp conf` prints the configured address)");
   }
 }
 

@@ -14,17 +14,17 @@
 
 namespace saccade {
 
-/// Our being on the YARP network. Nothing of YARP works without one.
+/// The connection to the YARP network, which all YARP calls need.
 class YarpNetwork {
  public:
-  /// Throws RunError where no name server answers within timeout_s.
+  /// Throws RunError if no name server answers within timeout_s.
   explicit YarpNetwork(double timeout_s);
 
  private:
   yarp::os::Network network_;
 };
 
-/// Does something again and again in a thread of its own, as long as it lives.
+/// Calls a function periodically in a separate thread until it is destroyed.
 class Periodic {
  public:
   Periodic(std::chrono::milliseconds period, std::function<void()> work);
@@ -39,12 +39,12 @@ class Periodic {
   std::thread thread_;
 };
 
-/// Looks 25 times a second whether a port of ours that somebody else opened for us (remote_controlboard) still has its
-/// connection, which YARP tells nobody but him.
+/// Checks 25 times per second whether a port that another component opened (remote_controlboard) is still connected. YARP
+/// reports that to the component that opened the port only.
 class OutputWatch {
  public:
   OutputWatch(const std::string& from, std::string to);
-  /// The connection is gone, for good.
+  /// True if the connection is lost; it does not return.
   [[nodiscard]] bool lost() const { return lost_; }
 
  private:
@@ -57,9 +57,9 @@ class OutputWatch {
 };
 
 [[nodiscard]] bool name_server_answers(double timeout_s);
-/// Whether somebody answers under that name.
+/// Whether a port of that name answers.
 [[nodiscard]] bool port_answers(const std::string& name, double timeout_s);
-/// Connects two ports; false where it does not work out.
+/// Connects two ports; returns false on failure.
 [[nodiscard]] bool connect_ports(const std::string& from, const std::string& to, const std::string& carrier,
                                  double timeout_s);
 

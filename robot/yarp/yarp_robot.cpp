@@ -49,7 +49,7 @@ struct YarpRobot::Parts {
         }) {
     if (port_answers(config.local + "/AE:i", config.timeout_s)) {
       throw RunError("another robot is connected as " + config.local +
-                     " already: end it, or choose another yarp.local");
+                     " already: stop it, or set another yarp.local");
     }
     camera.emplace(config, steady);
     if (config.head.control == "joints") head.emplace(config, limits, steady);
@@ -95,7 +95,7 @@ std::vector<StartUpCheck> YarpRobot::check() {
     const bool heard = input->traffic().packets > 0 && !input->lost();
     std::string found = heard ? std::to_string(input->traffic().packets) + " packets so far"
                               : "connected, but no packet within 1 s";
-    if (input->unreadable() > 0) found = "a message that cannot be read: " + input->problem();
+    if (input->unreadable() > 0) found = "an unreadable message: " + input->problem();
     if (input->lost()) found = "not connected";
     checks.push_back({"event port " + input->remote(), heard && input->unreadable() == 0, found});
   }
@@ -120,7 +120,7 @@ std::vector<std::string> YarpRobot::news() {
   std::vector<std::string> news;
   const bool gone = !parts_->has_name_server;
   if (gone != parts_->told_gone) {
-    news.emplace_back(gone ? "the YARP name server is gone; what is connected lives on"
+    news.emplace_back(gone ? "the YARP name server is lost; open connections continue"
                            : "the YARP name server is back");
     parts_->told_gone = gone;
   }
@@ -129,7 +129,7 @@ std::vector<std::string> YarpRobot::news() {
   if (parts_->told_unreadable == 0 && unreadable > 0) {
     for (const auto& input : parts_->camera->inputs()) {
       if (input->unreadable() > 0)
-        news.push_back(input->remote() + " sends messages that cannot be read: " + input->problem());
+        news.push_back(input->remote() + " sends unreadable messages: " + input->problem());
     }
   }
   parts_->told_unreadable = unreadable;

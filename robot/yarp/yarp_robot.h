@@ -9,33 +9,35 @@
 
 namespace saccade {
 
-/// The iCub on a YARP network, or what behaves like one. Built where CMake finds YARP; then SACCADE_YARP is defined for
-/// whoever links saccade_yarp.
+/// An iCub on a YARP network, or a server with its interface. Built if CMake finds YARP; targets that link saccade_yarp
+/// then have SACCADE_YARP defined.
 ///
-/// - Clock: the machine's steady clock, 0 when the robot was made.
+/// - Clock: the steady clock of the machine, 0 at construction.
 /// - Events: from `camera.port`, in YARP's threads through EventTimeline into an EventQueue. `lost` when its connection
-///   (with right_port, one of both) closes.
+///   (with right_port, one of the two) closes.
 /// - Head, `control: joints`: references in position-direct mode through remote_controlboard, positions and their times
-///   from PART/state:o, speeds as the board estimates them. limits() are the tightest of the robot's and ours. activate()
-///   takes all six joints over, which needs them to be in a mode that holds them (not idle, not in fault); release()
-///   stops them and sets the modes that were found. A connection that closes is `lost`; one that hangs shows as a state
-///   that gets old.
+///   from PART/state:o, speeds as the board estimates them. limits() are the tighter ones of the robot's and the configured ones.
+///   activate() sets the mode of all six joints and requires that each is in a mode that holds it (not idle, not in
+///   fault); release() stops them and restores their modes. A closed connection is `lost`; with a blocked one the state
+///   gets old.
 /// - Head, `control: gaze`: targets to NAME/xd:i, never more often than target_interval_ms (the newest waits);
-///   NAME/mono:i is not used, since a target here is a point already. Settings go over NAME/rpc at activate() and are put
-///   back (`stor`, `rest`) at release(). Positions come from NAME/q:o, speeds are their differences; limits() are ours.
-/// - The torso, where it is not told: upright and at rest.
-/// - Losing the name server stops nothing: connections that are open live on. It is told by news().
+///   NAME/mono:i is not used, because targets are points. Settings are sent over NAME/rpc at activate() and restored
+///   (`stor`, `rest`) at release(). Positions come from NAME/q:o, speeds are their differences; limits() are the configured
+///   ones.
+/// - Torso: upright and at rest if no part is configured for it.
+/// - Loss of the name server: open connections continue; news() reports it.
 ///
-/// A command costs the tick what YARP does to hand a message to the connection's own thread: it locks, copies and
-/// allocates a little; it waits for nobody (a message that the last one still blocks is left out; YarpHead sends the last
-/// one again).
+/// Sending a command takes the time in which YARP passes a message to the thread of the connection: it locks, copies and
+/// allocates a little, but does not block (while the previous message is being sent, the new one is dropped; YarpHead
+/// repeats the last one).
 ///
-/// All names of ours begin with `local` and are gone when the robot is; those of a process that was killed do not stand
-/// in the way of the next.
+/// The names of all local ports begin with `local` and are unregistered by the destructor. Names left over from a killed
+/// process are reused.
 class YarpRobot final : public Robot {
  public:
-  /// Opens our ports and connects them; what is not there is found by check(), and its port says `lost`. `limits` are
-  /// ours, rad. Throws InputError for a bad configuration, RunError without a name server or where `local` is in use.
+  /// Opens the local ports and connects them. A missing connection is reported by check(), and its port is `lost`.
+  /// `limits`: rad, in addition to those of the robot. Throws InputError for a configuration out of range, RunError
+  /// without a name server or if `local` is in use.
   YarpRobot(const YarpConfig& config, const JointLimits& limits);
   ~YarpRobot() override;
 
@@ -43,7 +45,7 @@ class YarpRobot final : public Robot {
   EventSource& events() override;
   HeadPort* head() override;
   GazePort* gaze() override;
-  /// Takes up to `timeout_s` per part that does not answer, and 1 s for the camera where it is silent.
+  /// Takes up to `timeout_s` for each part that does not answer, and 1 s for a camera that sends nothing.
   std::vector<StartUpCheck> check() override;
   void activate() override;
   void release() override;

@@ -285,7 +285,7 @@ TEST_F(Yarp, AMessageOfAnotherFormatIsReportedAndIgnored) {
   EXPECT_THAT(news, ElementsAre(HasSubstr("not an ev::packet")));
   EXPECT_THAT(robot.news(), IsEmpty()) << "it is told once";
   EXPECT_EQ(robot.events().traffic().packets, 0);
-  EXPECT_THAT(text(failed(robot.check())), HasSubstr("cannot be read"));
+  EXPECT_THAT(text(failed(robot.check())), HasSubstr("unreadable message"));
 }
 
 TEST_F(Yarp, EventsOfTwoPortsAreMergedIntoOneStream) {
@@ -570,7 +570,7 @@ TEST_F(Yarp, ALostNameServerIsReportedAndOpenConnectionsContinue) {
   YarpWorld::get().kill_name_server();
   std::vector<std::string> news;
   EXPECT_TRUE(eventually(5.0, [&] { return !(news = world.robot.news()).empty(); }));
-  EXPECT_THAT(news, ElementsAre(HasSubstr("name server is gone")));
+  EXPECT_THAT(news, ElementsAre(HasSubstr("name server is lost")));
   std::vector<Event> events;
   world.robot.events().read_until(world.robot.clock().now_us(), events);
   events.clear();
