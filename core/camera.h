@@ -17,7 +17,7 @@ struct Circle {
 };
 
 /// A pinhole behind a lens in OpenCV's convention: x right, y down, z forward; pixel (0, 0) is the centre of
-/// the top-left pixel. What lies at (x, y) at unit depth is seen at the pixel (cx + fx x', cy + fy y'), with
+/// the top-left pixel. A point (x, y) at unit depth is projected to the pixel (cx + fx x', cy + fy y'), with
 /// s = x^2 + y^2 and
 ///
 ///     x' = x (1 + k1 s + k2 s^2) + 2 p1 x y + p2 (s + 2 x^2)
@@ -46,7 +46,7 @@ struct Camera {
   /// Point at unit depth along the ray through a pixel, the inverse of `project`: to 1e-12 over the image of a
   /// camera that keeps what `describe` demands, and some way around it. NaN where no ray is found.
   [[nodiscard]] Eigen::Vector3d ray(double u_px, double v_px) const;
-  /// The circle that stands for a sphere's outline: centroid and sqrt(area / pi) of what it is in the image.
+  /// The circle that stands for the outline of a sphere: centroid and sqrt(area / pi) of the outline in the image.
   /// Without a lens those are the centre and sqrt(ab) of an ellipse; off the axis that is neither the
   /// projected centre nor f R / Z. `centre_m` in the camera frame; none when the sphere is not wholly in front
   /// of the camera, or reaches where the lens shows nothing.
@@ -56,8 +56,8 @@ struct Camera {
   /// too: Green's theorem over 16 points, for the integrands are trigonometric polynomials of degree 15.
   [[nodiscard]] std::optional<Circle> project_ellipse(const Eigen::Vector2d& centre, const Eigen::Vector2d& a,
                                                       const Eigen::Vector2d& b) const;
-  /// How fast the image moves where it shows `ray` (a point at unit depth), px/s, when the camera turns at
-  /// angular_velocity_rad_s (its own frame) and the world stands still; distance does not matter.
+  /// Image velocity, px/s, of a resting point on `ray` (a point at unit depth) while the camera turns at
+  /// angular_velocity_rad_s (its own frame). It does not depend on the distance of the point.
   [[nodiscard]] Eigen::Vector2d rotational_flow_px_s(const Eigen::Vector3d& ray,
                                                      const Eigen::Vector3d& angular_velocity_rad_s) const;
   friend bool operator==(const Camera&, const Camera&) = default;
@@ -85,7 +85,8 @@ struct CameraMount {
 /// Keys: translation_mm, rotation_deg.
 void describe(FieldVisitor& v, CameraMount& mount);
 
-/// A camera in an eye: what is so of it, or what is believed of it.
+/// A camera mounted in an eye: its intrinsics, distortion and pose in the eye frame. The simulator uses the true values,
+/// detectors and controllers the assumed ones.
 struct MountedCamera {
   Camera camera;
   CameraMount mount;

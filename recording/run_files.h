@@ -19,7 +19,7 @@ namespace saccade {
 /// are written as the shortest decimal text that reads back as the same double, so the same run gives the
 /// same bytes. A field that does not apply is empty in the file and NaN in the struct.
 
-/// truth.csv: t_us,x_px,y_px,r_px,visible,x_m,y_m,z_m. The true circle (design.md section 7), the share of
+/// truth.csv: t_us,x_px,y_px,r_px,visible,x_m,y_m,z_m. The true circle (docs/scoring.md), the share of
 /// the ball's disc that is inside the image and not hidden, and the ball's centre in the root frame.
 struct TruthRow {
   std::int64_t t_us = 0;

@@ -61,7 +61,7 @@ class Original2016 final : public Detector {
     std::size_t best = 0;  // index of the remembered cell
   };
   static constexpr int none = -1;
-  /// One event at most stands at a pixel: the window is a list of pixels from the oldest to the newest.
+  /// The window contains at most one event per pixel: it is a list of pixels from the oldest to the newest event.
   struct Member {
     int older = none, newer = none;
     int direction = none;  // none: not in the window

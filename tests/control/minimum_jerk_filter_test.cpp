@@ -15,7 +15,7 @@ constexpr double period_s = 0.01;
 constexpr int ticks_per_period = 10;
 constexpr double tick_s = period_s / ticks_per_period;
 
-/// Closed loop with a joint that does what it is told: its position after every tick.
+/// The position after every tick of a joint that follows its velocity command exactly.
 std::vector<double> closed_loop(double time_s, double duration_s,
                                 const std::function<double(double)>& reference,
                                 double reference_velocity = 0.0) {

@@ -41,7 +41,7 @@ void describe(FieldVisitor& v, Everything& e) {
   v.require(e.pair.size() != 2 || e.pair[0] < e.pair[1], "pair", "two in the wrong order", "a rising pair");
 }
 
-/// What check_config says about a change of the defaults; empty when it is content.
+/// The message of check_config for a change of the defaults; empty if it is valid.
 template <class Change>
 std::string complaint(Change change) {
   Everything e;

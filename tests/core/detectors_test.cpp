@@ -46,7 +46,7 @@ INSTANTIATE_TEST_SUITE_P(Presets, EveryDetector, testing::ValuesIn(detector_pres
 TEST_P(EveryDetector, FindsAMovingBall) {
   const auto detector = make_for_ball_alone(GetParam());
   EXPECT_FALSE(detector->estimate().valid);
-  // single_radius knows 23 px alone.
+  // single_radius finds 23 px only.
   const streams::MovingDisc disc{35, 50, 400, 200, 22.5};
   const std::vector<Event> events = disc.events(image, 0.12);
   std::size_t next = 0;

@@ -162,7 +162,7 @@ TEST(HoughDetector, AcceptsEqualTimeStamps) {
   EXPECT_EQ(detector.estimate().score, 50.0 / HoughTransform({32, 32}, 3, 3, 1.0).divisor(3));
 }
 
-/// What the detector must say now, from nothing but the events so far: those inside the window, voted afresh.
+/// The expected estimate: a new transform of the events inside the window.
 Estimate from_scratch(const HoughDetectorConfig& config, ImageSize size, std::span<const Event> events,
                       std::int64_t now_us) {
   const EventWindowConfig& window = config.window;

@@ -11,8 +11,8 @@
 
 namespace saccade {
 
-/// The paper's transform written down as section II-B and II-C say it, slowly: for one event, look at every
-/// radius and every pixel of the image and ask by geometry whether it is a centre the event votes for. The
+/// A slow reference implementation of the transform of the paper, sections II-B and II-C: for one event, it tests every
+/// radius and every pixel of the image by geometry for being a centre that the event votes for. The
 /// oracle of HoughTransform and HoughDetector.
 class ReferenceHough {
  public:

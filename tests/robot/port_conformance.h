@@ -13,13 +13,13 @@
 
 #include "robot/ports.h"
 
-/// What robot/ports.h promises, tried on any backend. A test program includes this file once and says
+/// Tests of the contract of robot/ports.h for any backend. A test program includes this file once and instantiates it:
 ///
 ///     INSTANTIATE_TEST_SUITE_P(Sim, PortConformance, testing::Values(backend), name_of_backend);
 
 namespace saccade {
 
-/// The ports of one robot and what keeps them alive. `head` is null where there is none.
+/// The ports of one robot and their owner. `head` is null if the robot has none.
 struct RobotUnderTest {
   std::shared_ptr<void> owner;
   Clock* clock = nullptr;
@@ -29,16 +29,17 @@ struct RobotUnderTest {
 
 struct PortBackend {
   std::string name;
-  /// A new robot, activated, always in the same world, that lives for 0.4 s at least and sees something in the first
-  /// 0.3 s. Nothing random from one to the next, so that two of them can be compared.
+  /// Makes a new, activated robot, always in the same scene. It runs for at least 0.4 s and has events in the first
+  /// 0.3 s. Two robots behave the same, so that they can be compared.
   std::function<RobotUnderTest()> make;
   bool moves_as_commanded = true;  ///< false for a recorded head
-  bool ends = false;               ///< the world is over within 60 s
-  std::int64_t lateness_us = 0;    ///< how long after its stamp an event may come
-  /// Time passes by itself, so that no two of them are alike; what needs two that are is not tried.
+  bool ends = false;               ///< the run ends within 60 s
+  std::int64_t lateness_us = 0;    ///< longest time between the time stamp of an event and its delivery
+  /// Time passes by itself, so two robots differ. Tests that compare two robots are skipped.
   bool is_real_time = false;
-  bool takes_commands = true;  ///< false where another controller has the joints: all commands are refused
-  bool obeys_at_once = false;  ///< the head is where it was told to be before it could be stopped
+  bool accepts_commands =
+      true;  ///< false if another controller commands the joints: all commands are rejected
+  bool moves_instantly = false;  ///< the head reaches a reference before it can be stopped
 };
 
 inline std::string name_of_backend(const testing::TestParamInfo<PortBackend>& backend) {
@@ -53,7 +54,7 @@ class PortConformance : public testing::TestWithParam<PortBackend> {
 
   RobotUnderTest make() const { return GetParam().make(); }
 
-  /// As make(), or skips the test where the backend has no head.
+  /// As make(), or skips the test if the backend has no head.
   RobotUnderTest make_with_head() const {
     RobotUnderTest robot = make();
     if (robot.head == nullptr) skip_headless();
@@ -120,7 +121,7 @@ TEST_P(PortConformance, EventsAreSortedInsideTheImageAndNeverFromTheFuture) {
     }
     count += events.size();
   }
-  EXPECT_GT(count, 0u) << "nothing was seen, nothing was tested";
+  EXPECT_GT(count, 0u) << "no events, so nothing was tested";
 }
 
 TEST_P(PortConformance, EachEventIsDeliveredOnceForAnyReadInterval) {
@@ -177,7 +178,7 @@ TEST_P(PortConformance, EncodersAreFiniteNeverFromTheFutureAndNeverGoBackInTime)
 }
 
 TEST_P(PortConformance, ReferencesInsideTheLimitsAreAccepted) {
-  if (!GetParam().takes_commands) GTEST_SKIP() << "another controller has the joints";
+  if (!GetParam().accepts_commands) GTEST_SKIP() << "another controller has the joints";
   const RobotUnderTest robot = make_with_head();
   if (IsSkipped()) return;
   for (const double share : {0.0, 0.5, 1.0, -1.0}) {
@@ -224,7 +225,7 @@ TEST_P(PortConformance, AReferenceOutsideTheLimitsOrNotFiniteIsRejectedAndTheLas
 }
 
 TEST_P(PortConformance, ACommandedHeadFollowsAndARecordedHeadReplaysItsMotion) {
-  if (!GetParam().takes_commands) GTEST_SKIP() << "another controller has the joints";
+  if (!GetParam().accepts_commands) GTEST_SKIP() << "another controller has the joints";
   const RobotUnderTest robot = make_with_head();
   if (IsSkipped()) return;
   HeadState before;
@@ -276,7 +277,7 @@ TEST_P(PortConformance, AStoppedHeadRestsWithinATenthOfASecondBeforeItsReference
         std::abs(before.head_position_rad()[joint] + way[joint] - later.head_position_rad()[joint]);
     const double drift = std::abs(later.head_position_rad()[joint] - stopped.head_position_rad()[joint]);
     EXPECT_LT(drift, 0.05 * std::abs(way[joint]) + 1e-3) << "joint " << joint;
-    if (!GetParam().obeys_at_once && std::abs(way[joint]) > 0.05) {
+    if (!GetParam().moves_instantly && std::abs(way[joint]) > 0.05) {
       EXPECT_GT(left, 0.2 * std::abs(way[joint])) << "joint " << joint;
     }
   }

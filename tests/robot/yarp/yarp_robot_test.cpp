@@ -169,7 +169,7 @@ PortBackend joints_backend() {
         return RobotUnderTest{world, &world->robot.clock(), &world->robot.events(), world->robot.head()};
       }};
   backend.is_real_time = true;
-  backend.obeys_at_once = true;
+  backend.moves_instantly = true;
   backend.lateness_us = 500'000;
   return backend;
 }
@@ -182,7 +182,7 @@ PortBackend gaze_backend() {
         return RobotUnderTest{world, &world->robot.clock(), &world->robot.events(), world->robot.head()};
       }};
   backend.is_real_time = true;
-  backend.takes_commands = false;
+  backend.accepts_commands = false;
   backend.moves_as_commanded = false;
   backend.lateness_us = 500'000;
   return backend;
