@@ -1,3 +1,3 @@
 #include "apps/cli/program.h"
 
-int main(int argc, char** argv) { return saccade::program(argc, argv); }
+int main(int argc, char** argv) { return saccade::program(argc, argv, saccade::built_in_registry()); }

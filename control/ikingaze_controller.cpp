@@ -45,6 +45,19 @@ double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 
 }  // namespace
 
+void describe(FieldVisitor& v, IkinGazeConfig& config) {
+  v.choice("eyes", config.eyes, {"both", "left"}, "whose optical axes go to the target");
+  v.real("neck_time_s", config.neck_time_s, {0.3, 20.0}, "how long the neck takes to the target");
+  v.real("eyes_time_s", config.eyes_time_s, {0.1, 20.0}, "how long the eyes take");
+  v.require(config.neck_time_s >= config.eyes_time_s + 0.2, "neck_time_s", text_of(config.neck_time_s),
+            "at least 0.2 s more than eyes_time_s");
+  v.boolean("saccades", config.saccades, "whether the eyes jump to what is far off");
+  v.real("saccade_angle_deg", config.saccade_angle_deg, {1.0, 90.0}, "how far that is");
+  v.real("saccade_interval_s", config.saccade_interval_s, {0.05, 60.0}, "between the starts of two jumps");
+  v.real("min_tilt_deg", config.min_tilt_deg, {-90.0, 0.0}, "lowest tilt of the eyes");
+  v.real("max_tilt_deg", config.max_tilt_deg, {0.0, 90.0}, "highest tilt of the eyes");
+}
+
 IkinGazeController::IkinGazeController(const IkinGazeConfig& config, const MotionLimits& limits)
     : config_((check_config("gaze.ikingaze", config), config)),
       both_eyes_(config.eyes == "both"),

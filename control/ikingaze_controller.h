@@ -1,12 +1,30 @@
 #pragma once
 
 #include <array>
+#include <string>
 
 #include "control/gaze_controller.h"
+#include "control/joint_limiter.h"
 #include "control/minimum_jerk_filter.h"
 #include "control/neck_solver.h"
 
 namespace saccade {
+
+/// Configuration of IkinGazeController.
+struct IkinGazeConfig {
+  std::string eyes = "both";  ///< both: they meet on the target; left: the left one aims, vergence at rest
+  double neck_time_s = 0.75;  ///< duration of a neck movement, T of MinimumJerkFilter
+  double eyes_time_s = 0.25;  ///< duration of an eye movement
+  bool saccades = true;
+  double saccade_angle_deg = 10.0;  ///< a target further from the current eye pose starts a saccade
+  double saccade_interval_s = 0.2;  ///< least time between the starts of two saccades
+  double min_tilt_deg = -12.0;      ///< of the eyes, where the head's own limits are wider
+  double max_tilt_deg = 15.0;
+};
+
+/// Keys: eyes, neck_time_s, eyes_time_s, saccades, saccade_angle_deg, saccade_interval_s, min_tilt_deg,
+/// max_tilt_deg.
+void describe(FieldVisitor& v, IkinGazeConfig& config);
 
 /// The gaze controller of the iCub (iKinGazeCtrl), which the paper used: slow, smooth movements of neck and eyes, and
 /// saccades to distant targets.

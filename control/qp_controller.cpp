@@ -44,6 +44,18 @@ EyeError eye_error(const HeadKinematics& head, Eye eye, const TargetTrack& targe
 
 }  // namespace
 
+void describe(FieldVisitor& v, QpConfig& config) {
+  v.choice("eyes", config.eyes, {"both", "left"}, "whose optical axes go to the target");
+  v.real("eye_time_constant_s", config.eye_time_constant_s, {0.005, 5.0}, "how fast the gaze error falls");
+  v.real("neck_time_constant_s", config.neck_time_constant_s, {0.02, 20.0}, "how fast the neck takes over");
+  v.real("right_eye_weight", config.right_eye_weight, {1e-4, 1.0}, "against the left eye's error");
+  v.real("neck_weight", config.neck_weight, {1e-6, 1.0}, "of the neck's own motion");
+  v.real("damping", config.damping, {1e-9, 1e-2}, "of every joint's velocity");
+  v.real("target_time_constant_s", config.target_time_constant_s, {0.0, 2.0},
+         "memory of the target's motion; 0: none, it is followed with a lag");
+  v.real("max_lead_deg", config.max_lead_deg, {0.1, 60.0}, "reference ahead of the measured joint at most");
+}
+
 QpController::QpController(const QpConfig& config, const MotionLimits& limits)
     : config_(config),
       both_eyes_(config.eyes == "both"),

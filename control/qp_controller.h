@@ -1,10 +1,29 @@
 #pragma once
 
+#include <string>
+
 #include "control/bounded_qp.h"
 #include "control/gaze_controller.h"
+#include "control/joint_limiter.h"
 #include "control/target_track.h"
 
 namespace saccade {
+
+/// Configuration of QpController.
+struct QpConfig {
+  std::string eyes = "both";              ///< both: vergence on the target; left: vergence at rest
+  double eye_time_constant_s = 0.08;      ///< in which the gaze error falls to 1 / e
+  double neck_time_constant_s = 0.40;     ///< in which the neck takes over the rotation of the eyes
+  double right_eye_weight = 0.01;         ///< of the right eye's error relative to the left eye's
+  double neck_weight = 1e-3;              ///< of the neck's motion relative to the left eye's error
+  double damping = 1e-5;                  ///< of every joint's velocity relative to the left eye's error
+  double target_time_constant_s = 0.045;  ///< of the estimate of the target's velocity, see TargetTrack
+  double max_lead_deg = 10.0;             ///< largest distance from the measured joint to its reference
+};
+
+/// Keys: eyes, eye_time_constant_s, neck_time_constant_s, right_eye_weight, neck_weight, damping,
+/// target_time_constant_s, max_lead_deg.
+void describe(FieldVisitor& v, QpConfig& config);
 
 /// Bounded velocity inverse kinematics. Every step computes the joint velocities v of neck and eyes that minimise
 ///

@@ -16,10 +16,21 @@ constexpr std::size_t neck_joint_count = 3;
 
 }  // namespace
 
-ScriptController::ScriptController(const ScriptConfig& config, const JointLimits& limits)
-    : config_(config),
-      min_rad_(limits.min_rad.tail<head_joint_count>()),
-      max_rad_(limits.max_rad.tail<head_joint_count>()) {
+void describe(FieldVisitor& v, ScriptConfig& config) {
+  v.points("eyes_deg", config.eyes_deg, 2, {-45.0, 45.0}, "tilt and version to go to in turn, for ever");
+  v.require(!config.eyes_deg.empty(), "eyes_deg", "[]", "at least one point");
+  v.points("neck_deg", config.neck_deg, 3, {-60.0, 60.0},
+           "neck pitch, roll and yaw at the same time; none: the neck stays");
+  v.require(config.neck_deg.empty() || config.neck_deg.size() == config.eyes_deg.size(), "neck_deg",
+            std::to_string(config.neck_deg.size()) + " points",
+            "none, or one for each of the " + std::to_string(config.eyes_deg.size()) + " points in eyes_deg");
+  v.real("speed_deg_s", config.speed_deg_s, {0.1, 500.0},
+         "mean speed of a move of least jerk, over all joints together");
+  v.real("dwell_s", config.dwell_s, {0.001, 3600.0}, "rest at every point");
+}
+
+ScriptController::ScriptController(const ScriptConfig& config, const MotionLimits& limits)
+    : config_(config), min_rad_(limits.hardware_min_rad), max_rad_(limits.hardware_max_rad) {
   check_config("script", config);
 }
 

@@ -4,8 +4,22 @@
 #include <vector>
 
 #include "control/gaze_controller.h"
+#include "control/joint_limiter.h"
 
 namespace saccade {
+
+/// Configuration of ScriptController.
+struct ScriptConfig {
+  /// Tilt (+ up) and version (+ right) of each point; after the last one the first follows.
+  std::vector<std::vector<double>> eyes_deg = {{-8, -8}, {8, -8}, {8, 8}, {-8, 8}};
+  /// Neck pitch, roll and yaw of each point: as many as in eyes_deg, or none, and the neck stays.
+  std::vector<std::vector<double>> neck_deg;
+  double speed_deg_s = 40.0;  ///< mean speed of a move; its peak is 1.875 times that
+  double dwell_s = 0.25;      ///< rest at every point
+};
+
+/// Keys: eyes_deg, neck_deg, speed_deg_s, dwell_s.
+void describe(FieldVisitor& v, ScriptConfig& config);
 
 /// Moves the eyes, and optionally the neck, through a list of points and ignores all targets. For scenes with a camera
 /// that moves by itself, such as the eye-move data set of the paper (section III-A).
@@ -15,7 +29,7 @@ namespace saccade {
 class ScriptController final : public GazeController {
  public:
   /// Throws InputError for a configuration out of range.
-  ScriptController(const ScriptConfig& config, const JointLimits& limits);
+  ScriptController(const ScriptConfig& config, const MotionLimits& limits);
 
   HeadJointVector step(const HeadState& state, const std::optional<Eigen::Vector3d>& target_m,
                        double dt_s) override;

@@ -46,6 +46,13 @@ void describe(FieldVisitor& v, HoughDetectorConfig& config) {
   v.real("threshold", config.threshold, {0.0, 1e6}, "response taken for the ball");
 }
 
+std::string window_text(const HoughDetectorConfig& config) {
+  const EventWindowConfig& window = config.window;
+  if (window.kind == "count") return std::to_string(window.events) + " events";
+  if (window.kind == "time") return text_of(static_cast<double>(window.duration_us) * 1e-3) + " ms";
+  return window.kind;
+}
+
 HoughDetector::HoughDetector(const HoughDetectorConfig& config, ImageSize size)
     : config_(checked(config)),
       sieve_(size),

@@ -26,6 +26,8 @@ struct HoughDetectorConfig {
 
 /// Keys: radius_px, window, normalisation, threshold; directed also: arc_deg; directed or with a window by lifetime: flow.
 void describe(FieldVisitor& v, HoughDetectorConfig& config);
+/// The events that the response is made of: "1500 events", "20 ms" or "lifetime".
+[[nodiscard]] std::string window_text(const HoughDetectorConfig& config);
 
 /// The detectors of the paper: a full or a directed circular Hough transform over a window of events.
 ///

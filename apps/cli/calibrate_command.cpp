@@ -57,7 +57,7 @@ struct Source {
   std::int64_t refractory_us = 500;
 };
 
-Source open_source(const CalibrateOptions& options) {
+Source open_source(const CalibrateOptions& options, const Registry& registry) {
   Source source{options.recording, {}, {}};
   parse_grid(options.grid, source.grid);
   if (std::filesystem::is_directory(options.recording)) {
@@ -68,7 +68,7 @@ Source open_source(const CalibrateOptions& options) {
       source.head.emplace(RecordedHead{TableReader<JointsRow>(joints), {}});
     const std::filesystem::path scenario = folder / "scenario.yaml";
     if (std::filesystem::exists(scenario)) {
-      const SimConfig sim = read_scenario(scenario, {}, std::nullopt).sim;
+      const SimConfig sim = read_scenario(scenario, {}, std::nullopt, registry).sim;
       source.refractory_us = sim.emulator.refractory_us;
       if (const auto& board = sim.world.board) {
         source.grid = {static_cast<int>(board->columns), static_cast<int>(board->rows),
@@ -166,8 +166,8 @@ void print(const Calibration& calibration, std::size_t found) {
   fmt::print("rotation     {} deg\n", three(calibration.camera.mount.rotation_deg, d.rotation_deg));
 }
 
-int calibrate_command(const CalibrateOptions& options) {
-  Source source = open_source(options);
+int calibrate_command(const CalibrateOptions& options, const Registry& registry) {
+  Source source = open_source(options, registry);
   EventReadOptions read = options.read;
   read.camera = read.camera.value_or(0);
   ReplayRobot robot(open_event_file(source.events, read), std::move(source.head));
@@ -187,7 +187,7 @@ int calibrate_command(const CalibrateOptions& options) {
 
 }  // namespace
 
-void add_calibrate_command(CommandLine& line) {
+void add_calibrate_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<CalibrateOptions>();
   Command command = line.add_command(
       "calibrate", "A camera's lens, and its place in the eye, from events of an asymmetric grid of dots");
@@ -213,7 +213,7 @@ void add_calibrate_command(CommandLine& line) {
       .in_range(0.1, 1e4)
       .show_default();
   command.flag("--no_joints", options->no_joints, "The lens alone, whatever a run knows of its head");
-  command.action([options] { return calibrate_command(*options); });
+  command.action([options, &registry] { return calibrate_command(*options, registry); });
 }
 
 }  // namespace saccade

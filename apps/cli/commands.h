@@ -1,21 +1,22 @@
 #pragma once
 
 #include "apps/cli/command_line.h"
+#include "apps/config/registry.h"
 
 namespace saccade {
 
-/// One function per subcommand, which adds it to the command line.
-void add_calibrate_command(CommandLine& line);
+/// One function per subcommand, which adds it to the command line. The registry must outlive the command line.
+void add_calibrate_command(CommandLine& line, const Registry& registry);
 void add_convert_command(CommandLine& line);
-void add_deploy_command(CommandLine& line);
-void add_detect_command(CommandLine& line);
+void add_deploy_command(CommandLine& line, const Registry& registry);
+void add_detect_command(CommandLine& line, const Registry& registry);
 void add_emulate_command(CommandLine& line);
 void add_info_command(CommandLine& line);
 void add_report_command(CommandLine& line);
-void add_run_command(CommandLine& line);
-void add_serve_command(CommandLine& line);
-void add_sweep_command(CommandLine& line);
-void add_sweep_task_command(CommandLine& line);
-void add_view_command(CommandLine& line);
+void add_run_command(CommandLine& line, const Registry& registry);
+void add_serve_command(CommandLine& line, const Registry& registry);
+void add_sweep_command(CommandLine& line, const Registry& registry);
+void add_sweep_task_command(CommandLine& line, const Registry& registry);
+void add_view_command(CommandLine& line, const Registry& registry);
 
 }  // namespace saccade

@@ -105,8 +105,8 @@ class ReleaseAtEnd {
   Robot& robot_;
 };
 
-int deploy(const DeployOptions& options) {
-  const RobotFile file = read_robot_file(options.robot, options.assignments);
+int deploy(const DeployOptions& options, const Registry& registry) {
+  const RobotFile file = read_robot_file(options.robot, options.assignments, registry);
   catch_interrupts();
   std::unique_ptr<Robot> robot = open_robot(file);
   if (options.dry_run) robot = std::make_unique<DryRobot>(std::move(robot));
@@ -169,7 +169,7 @@ int deploy(const DeployOptions& options) {
 
 }  // namespace
 
-void add_deploy_command(CommandLine& line) {
+void add_deploy_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<DeployOptions>();
   Command command = line.add_command("deploy", "The loop in real time on a robot, into a run folder");
   command.option("robot", options->robot, "Robot file (YAML)").required();
@@ -185,7 +185,7 @@ void add_deploy_command(CommandLine& line) {
       "Keys: enter activates, space stops, q stops and quits, as Ctrl-C does. Exit status 1 where the head "
       "was "
       "stopped by a fault and stayed so. docs/robot.md has the checklist before motors move.");
-  command.action([options] { return deploy(*options); });
+  command.action([options, &registry] { return deploy(*options, registry); });
 }
 
 }  // namespace saccade

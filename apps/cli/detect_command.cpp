@@ -81,8 +81,8 @@ void play(ReplayRobot& robot, Loop& loop, DetectionRecorder& recorder, std::span
   }
 }
 
-int detect(const DetectOptions& options) {
-  const NamedDetectors named = read_detectors(options.config, options.assignments);
+int detect(const DetectOptions& options, const Registry& registry) {
+  const NamedDetectors named = read_detectors(options.config, options.assignments, registry.detectors);
   Played played = open_played(options, options.truth);
   const std::vector<TruthRow>& truth = played.truth;
   const bool annotated = !truth.empty() && played.chances == Chances::annotated;
@@ -163,7 +163,7 @@ int detect(const DetectOptions& options) {
 
 }  // namespace
 
-void add_detect_command(CommandLine& line) {
+void add_detect_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<DetectOptions>();
   Command command =
       line.add_command("detect", "The detectors on recorded events, scored when truth is given");
@@ -176,7 +176,7 @@ void add_detect_command(CommandLine& line) {
   command.option("--truth", options->truth, "True circles, t_us,x_px,y_px,r_px (CSV)");
   command.option("--out", options->out, "Folder for detections, scores and report");
   command.flag("--force", options->force, "Replace an earlier run in that folder");
-  command.action([options] { return detect(*options); });
+  command.action([options, &registry] { return detect(*options, registry); });
 }
 
 }  // namespace saccade

@@ -26,23 +26,25 @@ std::string version_text() {
 
 }  // namespace
 
-int program(int argc, const char* const* argv) {
+Registry built_in_registry() { return {built_in_detectors(), built_in_controllers(), built_in_gates()}; }
+
+int program(int argc, const char* const* argv, const Registry& registry) {
   CommandLine line(
       "saccade", "Closed-loop testbench for event-driven ball detection and gaze fixation on the iCub.",
       "Exit status: 0 fine, 1 the run failed, 2 bad input or usage, 3 an `expect:` was not met.");
   line.add_version(version_text);
-  add_run_command(line);
-  add_detect_command(line);
+  add_run_command(line, registry);
+  add_detect_command(line, registry);
   add_report_command(line);
   add_info_command(line);
   add_convert_command(line);
   add_emulate_command(line);
-  add_calibrate_command(line);
-  add_serve_command(line);
-  add_deploy_command(line);
-  add_sweep_command(line);
-  add_sweep_task_command(line);
-  add_view_command(line);
+  add_calibrate_command(line, registry);
+  add_serve_command(line, registry);
+  add_deploy_command(line, registry);
+  add_sweep_command(line, registry);
+  add_sweep_task_command(line, registry);
+  add_view_command(line, registry);
   return line.run(argc, argv);
 }
 

@@ -103,12 +103,12 @@ int run_scenario(const RunOptions& options, const Scenario& scenario, RunFeed* f
   return unmet.empty() ? 0 : 3;
 }
 
-int run(const RunOptions& options) {
-  const Scenario scenario = read_scenario(options.scenario, options.assignments, options.seed);
+int run(const RunOptions& options, const Registry& registry) {
+  const Scenario scenario = read_scenario(options.scenario, options.assignments, options.seed, registry);
   std::optional<View> view;
   if (options.view) {
     set_rasterisers(1);
-    view.emplace(scenario.name, options.out.empty() ? "." : options.out.parent_path());
+    view.emplace(scenario.name, options.out.empty() ? "." : options.out.parent_path(), registry.detectors);
   }
   set_rasterisers(scenario.run.threads);
   if (!view) return run_scenario(options, scenario, nullptr);
@@ -117,7 +117,7 @@ int run(const RunOptions& options) {
 
 }  // namespace
 
-void add_run_command(CommandLine& line) {
+void add_run_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<RunOptions>();
   Command command = line.add_command("run", "One closed-loop run of a scenario, into a run folder");
   command.option("scenario", options->scenario, "Scenario file (YAML)").required();
@@ -126,7 +126,7 @@ void add_run_command(CommandLine& line) {
   command.option("--set", options->assignments, "key.path=value, instead of the scenario's").one_value_each();
   command.flag("--force", options->force, "Replace an earlier run in that folder");
   command.flag("--view", options->view, "Show the run in a window");
-  command.action([options] { return run(*options); });
+  command.action([options, &registry] { return run(*options, registry); });
 }
 
 }  // namespace saccade

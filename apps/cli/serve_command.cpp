@@ -4,7 +4,7 @@
 
 namespace saccade {
 
-void add_serve_command(CommandLine& line) {
+void add_serve_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<ServeOptions>();
   Command command = line.add_command(
       "serve", "The simulated robot of a scenario on YARP, in real time, as if it were the iCub");
@@ -26,9 +26,9 @@ void add_serve_command(CommandLine& line) {
   command.option("--state-period", options->state_period_ms, "Of the head's state ports, ms")
       .in_range(1.0, 100.0)
       .show_default();
-  command.action([options]() -> int {
+  command.action([options, &registry]() -> int {
 #ifdef SACCADE_YARP
-    return serve(*options);
+    return serve(*options, registry);
 #else
     throw InputError("serve", "a saccade built without YARP",
                      "one built where CMake finds YARP 3.8 or newer");

@@ -81,7 +81,7 @@ std::string duration_text(double s) {
 }
 
 /// Bad usage and a bad sweep file, all at once.
-SweepPlan checked_plan(const SweepOptions& options) {
+SweepPlan checked_plan(const SweepOptions& options, const Registry& registry) {
   std::vector<Problem> problems;
   const auto collect = [&](const auto& work) {
     try {
@@ -92,7 +92,9 @@ SweepPlan checked_plan(const SweepOptions& options) {
   };
   SweepPlan plan;
   collect([&] { check_engine(options.engine); });
-  collect([&] { plan = plan_sweep(read_sweep(options.sweep, options.assignments), version_of_program()); });
+  collect([&] {
+    plan = plan_sweep(read_sweep(options.sweep, options.assignments), version_of_program(), registry);
+  });
   if (!problems.empty()) throw InputError(std::move(problems));
   return plan;
 }
@@ -254,8 +256,8 @@ class Coordinator {
   std::size_t distinct_ = 0;
 };
 
-int sweep(const SweepOptions& options) {
-  const SweepPlan plan = checked_plan(options);
+int sweep(const SweepOptions& options, const Registry& registry) {
+  const SweepPlan plan = checked_plan(options, registry);
   const fs::path out = options.out.empty() ? fs::path("sweeps") / plan.config.name : options.out;
   const SweepFolder folder(fs::weakly_canonical(fs::absolute(out)));
   prepare_folder(folder, plan);
@@ -321,7 +323,7 @@ int tell_status(const fs::path& path) {
 
 }  // namespace
 
-void add_sweep_command(CommandLine& line) {
+void add_sweep_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<SweepOptions>();
   Command command = line.add_command(
       "sweep", "Many runs of a scenario, on this machine or a Slurm cluster; started again it goes on");
@@ -342,10 +344,10 @@ void add_sweep_command(CommandLine& line) {
   command.option("--csv", options->csv, "Write the table here, too");
   command.flag("--times", options->times, "With the columns that depend on the clock");
   command.flag("--retry", options->retry, "Make the failed runs again");
-  command.action([options] {
+  command.action([options, &registry] {
     if (options->sweep.empty() && options->status.empty())
       throw InputError("sweep", "neither a sweep file nor --status", "one of them");
-    return options->status.empty() ? sweep(*options) : tell_status(options->status);
+    return options->status.empty() ? sweep(*options, registry) : tell_status(options->status);
   });
 }
 

@@ -39,8 +39,8 @@ struct TaskOptions {
 };
 
 /// Makes the run in `folder`/scenario.yaml and leaves `folder`/metrics.json.
-void make_run(const fs::path& folder) {
-  const Scenario scenario = read_scenario(folder / "scenario.yaml", {}, std::nullopt);
+void make_run(const fs::path& folder, const Registry& registry) {
+  const Scenario scenario = read_scenario(folder / "scenario.yaml", {}, std::nullopt, registry);
   set_rasterisers(scenario.run.threads);
   SimRobot robot(scenario.sim, static_cast<std::uint64_t>(scenario.seed));
   Loop loop = make_loop(scenario, robot);
@@ -62,9 +62,9 @@ std::string last_line(const fs::path& log) {
 }
 
 /// The status that the run's own process is to end with.
-int run_in_child(const fs::path& folder) {
+int run_in_child(const fs::path& folder, const Registry& registry) {
   try {
-    make_run(folder);
+    make_run(folder, registry);
     return 0;
   } catch (const DiskFull& error) {
     fmt::print(stderr, "{}\n", error.what());
@@ -92,7 +92,7 @@ bool was_killed(int signal_number) {
 
 /// Makes a run in a process of its own, unless it has a result or another process makes it; notes a failure.
 /// Throws DiskFull.
-void make_run_apart(const SweepFolder& sweep, const std::string& id) {
+void make_run_apart(const SweepFolder& sweep, const std::string& id, const Registry& registry) {
   const fs::path folder = sweep.run(id);
   if (sweep.has_result(id)) return;
   const fs::path log = folder / "log.txt";
@@ -107,7 +107,7 @@ void make_run_apart(const SweepFolder& sweep, const std::string& id) {
     die_with_parent(parent);
     ::dup2(lock.file(), STDOUT_FILENO);
     ::dup2(lock.file(), STDERR_FILENO);
-    const int status = run_in_child(folder);
+    const int status = run_in_child(folder, registry);
     std::fflush(nullptr);
     ::_exit(status);
   }
@@ -148,7 +148,7 @@ void make_worst(const SweepFolder& sweep, const std::string& id, const std::stri
   ::waitpid(child, nullptr, 0);
 }
 
-int run_tasks(const TaskOptions& options) {
+int run_tasks(const TaskOptions& options, const Registry& registry) {
   const SweepFolder sweep(options.folder);
   die_with_parent(::getppid());
   try {
@@ -156,7 +156,7 @@ int run_tasks(const TaskOptions& options) {
       if (options.worst) {
         make_worst(sweep, id, fs::read_symlink("/proc/self/exe").string());
       } else {
-        make_run_apart(sweep, id);
+        make_run_apart(sweep, id, registry);
       }
     }
   } catch (const DiskFull& error) {
@@ -168,14 +168,14 @@ int run_tasks(const TaskOptions& options) {
 
 }  // namespace
 
-void add_sweep_task_command(CommandLine& line) {
+void add_sweep_task_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<TaskOptions>();
   Command command = line.add_command("sweep-task", "What the engines of `sweep` start: runs of its folder");
   command.hide();
   command.option("folder", options->folder, "Folder of the sweep").required();
   command.option("ids", options->ids, "Runs of it").required();
   command.flag("--worst", options->worst, "Make them again, with pictures and a report");
-  command.action([options] { return run_tasks(*options); });
+  command.action([options, &registry] { return run_tasks(*options, registry); });
 }
 
 }  // namespace saccade

@@ -19,46 +19,49 @@ struct ViewOptions : ReadOptions {
   bool paused = false;
 };
 
-int view_scenario(const ViewOptions& options) {
-  const Scenario scenario = read_scenario(options.recording, options.assignments, options.seed);
+int view_scenario(const ViewOptions& options, const Registry& registry) {
+  const Scenario scenario = read_scenario(options.recording, options.assignments, options.seed, registry);
   set_rasterisers(1);
-  View view(scenario.name, options.pictures);
+  View view(scenario.name, options.pictures, registry.detectors);
   set_rasterisers(scenario.run.threads);
   PlayerThread player([&] { return make_scenario_playback(scenario); }, !options.paused);
   view.show(player);
   return 0;
 }
 
-int view_recording(const ViewOptions& options) {
+int view_recording(const ViewOptions& options, const Registry& registry) {
   NamedDetectors detectors;
   std::string selected = "best";
   const std::filesystem::path own = options.recording / "scenario.yaml";
   if (options.config.empty() && options.assignments.empty() && std::filesystem::exists(own)) {
-    const Scenario scenario = read_scenario(own, {}, std::nullopt);
+    const Scenario scenario = read_scenario(own, {}, std::nullopt, registry);
     detectors = scenario.detectors;
     selected = scenario.gaze.detector;
   } else {
-    detectors = read_detectors(options.config, options.assignments);
+    detectors = read_detectors(options.config, options.assignments, registry.detectors);
   }
   std::filesystem::path name = std::filesystem::absolute(options.recording).lexically_normal();
   if (!name.has_filename()) name = name.parent_path();
   set_rasterisers(1);
-  View view(std::filesystem::is_directory(name) ? name.filename() : name.stem(), options.pictures);
-  PlayerThread player([&] { return make_recording_playback(options, options.truth, detectors, selected); },
-                      !options.paused);
+  View view(std::filesystem::is_directory(name) ? name.filename() : name.stem(), options.pictures,
+            registry.detectors);
+  PlayerThread player(
+      [&] { return make_recording_playback(options, options.truth, detectors, selected, registry); },
+      !options.paused);
   view.show(player);
   return 0;
 }
 
-int view(const ViewOptions& options) {
+int view(const ViewOptions& options, const Registry& registry) {
   catch_interrupts();
   const std::filesystem::path extension = options.recording.extension();
-  return extension == ".yaml" || extension == ".yml" ? view_scenario(options) : view_recording(options);
+  return extension == ".yaml" || extension == ".yml" ? view_scenario(options, registry)
+                                                     : view_recording(options, registry);
 }
 
 }  // namespace
 
-void add_view_command(CommandLine& line) {
+void add_view_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<ViewOptions>();
   Command command = line.add_command("view", "Show a scenario, a run folder or a recording in a window");
   add_read_options(command, "what", "Scenario (YAML), run folder or event file", *options);
@@ -72,7 +75,7 @@ void add_view_command(CommandLine& line) {
   command.option("--pictures", options->pictures, "Folder for screenshots and videos; . by default");
   command.flag("--paused", options->paused, "Start paused");
   command.footer("H in the window lists its keys. It needs an X display; without a screen use xvfb-run.");
-  command.action([options] { return view(*options); });
+  command.action([options, &registry] { return view(*options, registry); });
 }
 
 }  // namespace saccade

@@ -58,7 +58,7 @@ void describe(FieldVisitor& v, RobotFile& r) {
           return;
         }
         saccade::describe(w, r.gaze.controller);
-        w.require(r.gaze.controller.controller != "script", "controller", "script",
+        w.require(r.gaze.controller.follows_targets(), "controller", r.gaze.controller.controller,
                   "qp or ikingaze, which follow the ball");
       },
       "from detections to gaze");
@@ -83,14 +83,17 @@ std::string resolved_path(const YamlTree& tree, const std::filesystem::path& fol
 
 }  // namespace
 
-RobotFile read_robot_file(const std::filesystem::path& path, const std::vector<std::string>& assignments) {
+RobotFile read_robot_file(const std::filesystem::path& path, const std::vector<std::string>& assignments,
+                          const Registry& registry) {
   YamlTree tree = read_yaml_file(path);
   for (const std::string& assignment : assignments) set_value(tree, assignment);
   std::vector<std::string> required = {"name", "backend", "calibration", "detectors"};
   if (const YamlNode* backend = tree.root.find("backend"); backend != nullptr && backend->text == "recording")
     required.insert(required.end(), {"recording", "recording.path"});
   RobotFile robot;
-  robot.detectors = named_detectors_in(tree, required);
+  robot.gaze.controller = registry.controllers.config();
+  robot.gaze.gate = registry.gates.config();
+  robot.detectors = named_detectors_in(tree, registry.detectors, required);
   if (const auto calibration = calibration_from_file(tree, path.parent_path(), "calibration")) {
     robot.calibration = *calibration;
   } else {

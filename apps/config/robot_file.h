@@ -5,9 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "apps/config/registry.h"
 #include "apps/config/sections.h"
+#include "control/controller_registry.h"
+#include "control/gate_registry.h"
 #include "control/gaze_controller.h"
-#include "control/gaze_gate.h"
 #include "loop/watchdog.h"
 #include "robot/head_limits.h"
 #include "robot/yarp/yarp_config.h"
@@ -58,7 +60,8 @@ struct RobotFile {
 /// read_calibration reads it) or every value of the lens. Paths are relative to the file, from --set relative to the
 /// working directory. Throws InputError with everything that is wrong.
 [[nodiscard]] RobotFile read_robot_file(const std::filesystem::path& path,
-                                        const std::vector<std::string>& assignments);
+                                        const std::vector<std::string>& assignments,
+                                        const Registry& registry);
 /// The robot file with every default, as YAML that reads back the same.
 [[nodiscard]] std::string resolved_robot_file(const RobotFile& robot);
 

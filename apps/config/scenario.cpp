@@ -177,8 +177,9 @@ void describe(FieldVisitor& v, Scenario& s) {
         describe(w, s.gaze.follow);
         if (s.sim.both_eyes())
           w.boolean("stereo", s.gaze.stereo, "the ball's distance by both eyes' bearings");
-        w.require(s.gaze.controller.controller != "script" || s.gaze.detector == "none", "detector",
-                  s.gaze.detector, "none, for the controller `script` follows nothing");
+        w.require(s.gaze.controller.follows_targets() || s.gaze.detector == "none", "detector",
+                  s.gaze.detector,
+                  "none, for the controller `" + s.gaze.controller.controller + "` follows nothing");
       },
       "from detections to gaze");
   v.section(
@@ -201,18 +202,20 @@ void describe(FieldVisitor& v, Scenario& s) {
 }  // namespace
 
 Scenario read_scenario(const std::filesystem::path& path, const std::vector<std::string>& assignments,
-                       std::optional<std::int64_t> seed) {
+                       std::optional<std::int64_t> seed, const Registry& registry) {
   YamlTree tree = read_yaml_file(path);
   for (const std::string& assignment : assignments) set_value(tree, assignment);
   if (seed) set_value(tree, "seed=" + std::to_string(*seed));
-  return read_scenario(std::move(tree), path.parent_path());
+  return read_scenario(std::move(tree), path.parent_path(), registry);
 }
 
-Scenario read_scenario(YamlTree tree, const std::filesystem::path& folder) {
+Scenario read_scenario(YamlTree tree, const std::filesystem::path& folder, const Registry& registry) {
   std::vector<std::string> required = {"name",     "run", "run.duration_s", "ball", "ball.trajectory",
                                        "detectors"};
   Scenario scenario;
-  scenario.detectors = named_detectors_in(tree, required);
+  scenario.gaze.controller = registry.controllers.config();
+  scenario.gaze.gate = registry.gates.config();
+  scenario.detectors = named_detectors_in(tree, registry.detectors, required);
   scenario.sim.world.objects = objects_in(tree);
   if (tree.root.find("board") != nullptr) scenario.sim.world.board.emplace();
   if (tree.root.find(frame_detector_name) != nullptr) scenario.frame_30hz.emplace();
@@ -252,13 +255,13 @@ std::vector<std::string> unmet_expectations(const Scenario& scenario, const Metr
   return unmet;
 }
 
-NamedDetectors read_detectors(const std::filesystem::path& path,
-                              const std::vector<std::string>& assignments) {
+NamedDetectors read_detectors(const std::filesystem::path& path, const std::vector<std::string>& assignments,
+                              const DetectorRegistry& registry) {
   YamlTree file;
   if (!path.empty()) {
     file = read_yaml_file(path);
   } else {
-    for (const std::string& name : default_detectors()) set_value(file, "detectors." + name + "={}");
+    for (const std::string& name : registry.defaults) set_value(file, "detectors." + name + "={}");
   }
   const YamlNode* block = file.root.find("detectors");
   const std::vector<std::string> names = block != nullptr ? block->keys : std::vector<std::string>{};
@@ -281,7 +284,7 @@ NamedDetectors read_detectors(const std::filesystem::path& path,
   // Which keys a detector has may depend on what is set, so they are known once everything is.
   const YamlTree everything = with_sets([](const auto&...) { return true; });
   std::vector<std::string> required = {"detectors"};
-  NamedDetectors detectors = named_detectors_in(everything, required);
+  NamedDetectors detectors = named_detectors_in(everything, registry, required);
   YamlReader first(everything);
   describe_detectors(first, detectors);
   const YamlTree keys = parse_yaml(resolved_detectors(detectors), "");
@@ -293,7 +296,7 @@ NamedDetectors read_detectors(const std::filesystem::path& path,
     return has(name, assignment) || std::none_of(names.begin(), names.end(), has_it);
   });
   required = {"detectors"};
-  detectors = named_detectors_in(tree, required);
+  detectors = named_detectors_in(tree, registry, required);
   YamlReader reader(tree, std::move(required));
   describe_detectors(reader, detectors);
   reader.finish();

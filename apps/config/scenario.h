@@ -6,9 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "apps/config/registry.h"
 #include "apps/config/sections.h"
+#include "control/controller_registry.h"
+#include "control/gate_registry.h"
 #include "control/gaze_controller.h"
-#include "control/gaze_gate.h"
 #include "evaluation/calibration/calibration.h"
 #include "evaluation/frame_camera/frame_detector.h"
 #include "evaluation/scoring/metrics.h"
@@ -64,9 +66,10 @@ struct Scenario {
 /// Throws InputError with everything that is wrong.
 [[nodiscard]] Scenario read_scenario(const std::filesystem::path& path,
                                      const std::vector<std::string>& assignments,
-                                     std::optional<std::int64_t> seed);
+                                     std::optional<std::int64_t> seed, const Registry& registry);
 /// The same of a tree whose file lies in `folder`.
-[[nodiscard]] Scenario read_scenario(YamlTree tree, const std::filesystem::path& folder);
+[[nodiscard]] Scenario read_scenario(YamlTree tree, const std::filesystem::path& folder,
+                                     const Registry& registry);
 /// The scenario with every default, as YAML that reads back the same.
 [[nodiscard]] std::string resolved_scenario(const Scenario& scenario);
 
@@ -76,11 +79,12 @@ struct Scenario {
 /// What of `expect` the metrics do not keep, one line each; empty when all is well.
 [[nodiscard]] std::vector<std::string> unmet_expectations(const Scenario& scenario, const Metrics& metrics);
 
-/// Reads a file of detectors (key `detectors`), or default_detectors() where `path` is empty. An assignment whose
+/// Reads a file of detectors (key `detectors`), or the registry's defaults where `path` is empty. An assignment whose
 /// first word is the name of a detector holds for that one, any other for all that have the key.
 /// Throws InputError with everything that is wrong, a key that none of them has included.
 [[nodiscard]] NamedDetectors read_detectors(const std::filesystem::path& path,
-                                            const std::vector<std::string>& assignments);
+                                            const std::vector<std::string>& assignments,
+                                            const DetectorRegistry& registry);
 /// The detectors with every default, as YAML that reads back the same.
 [[nodiscard]] std::string resolved_detectors(NamedDetectors detectors);
 

@@ -5,25 +5,17 @@
 #include "apps/config/scenario.h"
 
 namespace saccade {
-namespace {
-
-bool is_known(const std::string& preset) {
-  const auto& known = detector_presets();
-  return std::find(known.begin(), known.end(), preset) != known.end();
-}
-
-}  // namespace
-
-NamedDetectors named_detectors_in(const YamlTree& tree, std::vector<std::string>& required) {
+NamedDetectors named_detectors_in(const YamlTree& tree, const DetectorRegistry& registry,
+                                  std::vector<std::string>& required) {
   NamedDetectors detectors;
   const YamlNode* block = tree.root.find("detectors");
   if (block == nullptr) return detectors;
   for (std::size_t i = 0; i < block->keys.size(); ++i) {
     const std::string& name = block->keys[i];
     const YamlNode* preset = block->items[i].find("preset");
-    if (preset == nullptr && !is_known(name)) required.push_back("detectors." + name + ".preset");
+    if (preset == nullptr && !registry.has(name)) required.push_back("detectors." + name + ".preset");
     const std::string& start = preset != nullptr ? preset->text : name;
-    detectors.emplace_back(name, is_known(start) ? detector_preset(start) : DetectorConfig{});
+    detectors.emplace_back(name, registry.config(registry.has(start) ? start : registry.names().front()));
   }
   return detectors;
 }

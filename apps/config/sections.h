@@ -8,7 +8,7 @@
 
 #include "apps/config/yaml_tree.h"
 #include "core/camera.h"
-#include "core/detector_factory.h"
+#include "core/detector_registry.h"
 
 namespace saccade {
 
@@ -19,7 +19,8 @@ using NamedDetectors = std::vector<std::pair<std::string, DetectorConfig>>;
 
 /// The detectors that the block `detectors` names, with their presets' values; a name that is no preset needs
 /// the key `preset`, which is added to `required`.
-[[nodiscard]] NamedDetectors named_detectors_in(const YamlTree& tree, std::vector<std::string>& required);
+[[nodiscard]] NamedDetectors named_detectors_in(const YamlTree& tree, const DetectorRegistry& registry,
+                                                std::vector<std::string>& required);
 /// The block `detectors`.
 void describe_detectors(FieldVisitor& v, NamedDetectors& detectors);
 

@@ -97,21 +97,21 @@ class GazeServer::Words {
   std::size_t at_ = 0;
 };
 
-GazeServer::GazeServer(const GazeControllerConfig& config, const JointLimits& limits, const Camera& left,
-                       const Camera& right, const JointVector& position_rad)
-    : config_(config),
+GazeServer::GazeServer(const IkinGazeConfig& gaze, const MotionLimitsConfig& motion,
+                       const JointLimits& limits, const Camera& left, const Camera& right,
+                       const JointVector& position_rad)
+    : motion_(motion),
       limits_(limits),
       cameras_{left, right},
-      settings_{config.ikingaze, limits, {{"track", 0}, {"ntol", 0}, {"vor", 0}, {"ocr", 1}, {"stab", 0}}} {
-  config_.controller = "ikingaze";
+      settings_{gaze, limits, {{"track", 0}, {"ntol", 0}, {"vor", 0}, {"ocr", 1}, {"stab", 0}}} {
   state_.position_rad = position_rad;
   restart();
 }
 
 void GazeServer::restart() {
-  config_.ikingaze = settings_.gaze;
-  controller_ = make_gaze_controller(config_, settings_.limits);
-  limiter_ = std::make_unique<JointLimiter>(motion_limits(limits_, config_.limits));
+  controller_ =
+      std::make_unique<IkinGazeController>(settings_.gaze, motion_limits(settings_.limits, motion_));
+  limiter_ = std::make_unique<JointLimiter>(motion_limits(limits_, motion_));
   target_is_new_ = target_m_.has_value();
 }
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "control/gaze_controller.h"
 #include "control/head_kinematics.h"
+#include "control/ikingaze_controller.h"
 #include "core/camera.h"
 
 namespace saccade {
@@ -40,8 +40,8 @@ namespace saccade {
 class GazeServer {
  public:
   /// Throws InputError for a bad configuration. The head starts at `position_rad`.
-  GazeServer(const GazeControllerConfig& config, const JointLimits& limits, const Camera& left,
-             const Camera& right, const JointVector& position_rad);
+  GazeServer(const IkinGazeConfig& gaze, const MotionLimitsConfig& motion, const JointLimits& limits,
+             const Camera& left, const Camera& right, const JointVector& position_rad);
 
   [[nodiscard]] std::string answer(const std::string& request);
 
@@ -79,7 +79,7 @@ class GazeServer {
   [[nodiscard]] Eigen::Vector3d angles_deg() const;
 
   std::mutex mutex_;
-  GazeControllerConfig config_;
+  MotionLimitsConfig motion_;
   JointLimits limits_;
   Camera cameras_[2];
   Settings settings_;

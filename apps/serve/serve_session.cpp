@@ -85,7 +85,8 @@ class ServedRobot final : public LoopObserver {
   ServedRobot(const ServeOptions& options, const Scenario& scenario, SimRobot& robot, ServeLog& log)
       : robot_(robot),
         log_(log),
-        gaze_(scenario.gaze.controller, robot.limits(), scenario.calibration.camera,
+        gaze_(ikingaze_of(scenario.gaze.controller), scenario.gaze.controller.limits, robot.limits(),
+              scenario.calibration.camera,
               scenario.sim.both_eyes() ? scenario.right_calibration.camera : scenario.calibration.camera,
               start_of(robot).position_rad),
         camera_({options.camera, choice<PacketFormat>("--format", options.format, packet_format_names()),
@@ -132,6 +133,10 @@ class ServedRobot final : public LoopObserver {
   }
 
  private:
+  static IkinGazeConfig ikingaze_of(GazeControllerConfig config) {
+    const IkinGazeConfig* const ikingaze = config.configs.get_if<IkinGazeConfig>();
+    return ikingaze != nullptr ? *ikingaze : IkinGazeConfig{};
+  }
   static HeadState start_of(SimRobot& robot) {
     HeadState state;
     robot.read(state);
@@ -254,8 +259,8 @@ class Observers final : public LoopObserver {
 
 }  // namespace
 
-int serve(const ServeOptions& options) {
-  Scenario scenario = read_scenario(options.scenario, options.assignments, options.seed);
+int serve(const ServeOptions& options, const Registry& registry) {
+  Scenario scenario = read_scenario(options.scenario, options.assignments, options.seed, registry);
   SamplingConfig& sampling = scenario.sim.sampling;
   sampling.min_interval_ms =
       std::min(std::max(sampling.min_interval_ms, least_interval_ms), sampling.max_interval_ms);

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "apps/config/registry.h"
+
 namespace saccade {
 
 struct ServeOptions {
@@ -36,6 +38,6 @@ struct ServeOptions {
 /// after 100 ms (JointBoard), and the gaze controller keeps looking at the last target, as the iCub's do.
 ///
 /// Returns the exit status. Throws InputError, RunError.
-int serve(const ServeOptions& options);
+int serve(const ServeOptions& options, const Registry& registry);
 
 }  // namespace saccade

@@ -28,24 +28,10 @@ GazeScoringConfig gaze_scoring(const Scenario& scenario, const Camera& camera, c
   config.camera = camera;
   config.limits = limits;
   for (const auto& [name, detector] : scenario.detectors) {
-    const bool paper = name == scenario.gaze.detector && detector.preset.starts_with("paper");
+    const bool paper = name == scenario.gaze.detector && detector.preset().starts_with("paper");
     if (paper) config.acquire_within_rad = 6.0 * std::numbers::pi / 180.0;
   }
   return config;
-}
-
-/// The events that a detector looks at; empty for one without a window of its own.
-std::string window_in_words(const DetectorConfig& config) {
-  if (const auto* hough = std::get_if<HoughDetectorConfig>(&config.detector)) {
-    const EventWindowConfig& window = hough->window;
-    if (window.kind == "count") return fmt::format("{} events", window.events);
-    if (window.kind == "time") return fmt::format("{} ms", static_cast<double>(window.duration_us) * 1e-3);
-    return window.kind;
-  }
-  if (const auto* original = std::get_if<Original2016Config>(&config.detector)) {
-    return fmt::format("{} events", original->window_events);
-  }
-  return {};
 }
 
 std::string events_name(const Scenario& scenario) { return "events." + scenario.output.events; }
@@ -285,7 +271,7 @@ GazeMetrics RunRecorder::gaze_metrics(const Metrics& metrics) const {
   gaze.controller = scenario_.gaze.controller.controller;
   gaze.gate = scenario_.gaze.gate.gate;
   for (const auto& [name, detector] : scenario_.detectors) {
-    if (name == gaze.detector) gaze.window = window_in_words(detector);
+    if (name == gaze.detector) gaze.window = detector.window();
   }
   gaze.score = gaze_scorer_.score();
   gaze.limits = robot_.limits();

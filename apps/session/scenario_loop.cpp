@@ -7,7 +7,7 @@ namespace saccade {
 
 std::optional<LoopGaze> make_gaze(const Scenario& scenario, const JointLimits& limits) {
   const GazeControllerConfig& config = scenario.gaze.controller;
-  if (scenario.gaze.detector == "none" && config.controller != "script") return std::nullopt;
+  if (scenario.gaze.detector == "none" && config.follows_targets()) return std::nullopt;
   LoopGaze gaze{
       {},
       make_gate(scenario.gaze.gate),

@@ -119,8 +119,11 @@ void lay_over(YamlTree& tree, const SweepSetting& setting) {
 /// Reads the scenarios of a sweep's combinations, and tells problems where the sweep's file has their cause.
 class Resolver {
  public:
-  explicit Resolver(const SweepConfig& config)
-      : config_(config), base_(read_yaml_file(config.scenario)), folder_(config.scenario.parent_path()) {
+  Resolver(const SweepConfig& config, const Registry& registry)
+      : config_(config),
+        registry_(registry),
+        base_(read_yaml_file(config.scenario)),
+        folder_(config.scenario.parent_path()) {
     for (const SweepSetting& setting : quiet_settings()) lay_over(base_, setting);
     for (const SweepSetting& setting : config.set) lay_over(base_, setting);
   }
@@ -137,7 +140,7 @@ class Resolver {
       }
     }
     try {
-      return read_scenario(std::move(tree), folder_);
+      return read_scenario(std::move(tree), folder_, registry_);
     } catch (const InputError& error) {
       for (Problem problem : error.problems()) {
         problem.place = place_of(problem.place, settings);
@@ -176,6 +179,7 @@ class Resolver {
   }
 
   const SweepConfig& config_;
+  const Registry& registry_;
   YamlTree base_;
   std::filesystem::path folder_;
   std::set<std::string> texts_;
@@ -195,9 +199,9 @@ void add_usual_metrics(const Scenario& scenario, std::vector<std::string>& metri
 
 }  // namespace
 
-SweepPlan plan_sweep(SweepConfig config, std::string version) {
+SweepPlan plan_sweep(SweepConfig config, std::string version, const Registry& registry) {
   SweepPlan plan;
-  Resolver resolver(config);
+  Resolver resolver(config, registry);
   std::vector<SweepSetting> unknown = config.report.metrics;
   for (std::vector<std::size_t>& values : combinations(config)) {
     const std::optional<Scenario> scenario = resolver.resolve(values);

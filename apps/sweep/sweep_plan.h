@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/config/registry.h"
 #include "apps/sweep/sweep_config.h"
 
 namespace saccade {
@@ -30,7 +31,7 @@ struct SweepPlan {
 /// is that of the file, the first axis turning slowest. Unless the sweep sets them, a run has no pictures, no
 /// video, no `expect` and one thread.
 /// `version` says what makes the same scenario give the same result. Throws InputError with everything that is wrong.
-[[nodiscard]] SweepPlan plan_sweep(SweepConfig config, std::string version);
+[[nodiscard]] SweepPlan plan_sweep(SweepConfig config, std::string version, const Registry& registry);
 
 /// 16 hexadecimal digits that stand for the bytes (FNV-1a, 64 bits).
 [[nodiscard]] std::string digest(std::string_view bytes);

@@ -6,10 +6,6 @@
 namespace saccade {
 namespace {
 
-double& threshold_of(DetectorConfig& config) {
-  return std::visit([](auto& detector) -> double& { return detector.threshold; }, config.detector);
-}
-
 void change_speed_to(int exponent, ViewState& state, PlayerThread& player) {
   state.speed_exponent = std::clamp(exponent, SpeedRange::slowest, SpeedRange::unlimited);
   player.set_speed(state.speed_exponent > SpeedRange::fastest ? PlayerThread::unlimited_speed
@@ -19,15 +15,7 @@ void change_speed_to(int exponent, ViewState& state, PlayerThread& player) {
 /// Where the threshold would leave its range it stays as it is.
 void scale_selected_threshold(double factor, ViewState& state, PlayerThread& player) {
   ViewDetector* detector = state.settings.selected_detector();
-  if (detector == nullptr) return;
-  DetectorConfig scaled = detector->config;
-  threshold_of(scaled) *= factor;
-  try {
-    std::visit([](const auto& config) { check_config("detector", config); }, scaled.detector);
-  } catch (const InputError&) {
-    return;
-  }
-  detector->config = scaled;
+  if (detector == nullptr || !detector->config.scale_threshold(factor)) return;
   player.apply(state.settings);
 }
 

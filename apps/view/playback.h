@@ -45,6 +45,7 @@ class Playback {
 [[nodiscard]] std::unique_ptr<Playback> make_recording_playback(const ReadOptions& options,
                                                                 const std::filesystem::path& truth,
                                                                 const NamedDetectors& detectors,
-                                                                const std::string& selected);
+                                                                const std::string& selected,
+                                                                const Registry& registry);
 
 }  // namespace saccade

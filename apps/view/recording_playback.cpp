@@ -15,10 +15,10 @@ namespace saccade {
 namespace {
 
 /// The world of a run folder; null where its scenario is missing or of another version.
-std::unique_ptr<World> world_of(const std::filesystem::path& folder) {
+std::unique_ptr<World> world_of(const std::filesystem::path& folder, const Registry& registry) {
   if (!std::filesystem::exists(folder / "scenario.yaml")) return nullptr;
   try {
-    const Scenario scenario = read_scenario(folder / "scenario.yaml", {}, std::nullopt);
+    const Scenario scenario = read_scenario(folder / "scenario.yaml", {}, std::nullopt, registry);
     const auto seed = static_cast<std::uint64_t>(scenario.seed);
     auto world = std::make_unique<World>(scenario.sim.world, lab_mjcf(scenario.sim.lab, seed), seed);
     paint_lab_textures(world->model(), scenario.sim.lab, seed);
@@ -31,7 +31,7 @@ std::unique_ptr<World> world_of(const std::filesystem::path& folder) {
 class RecordingPlayback final : public Playback, private LoopObserver {
  public:
   RecordingPlayback(const ReadOptions& options, const std::filesystem::path& truth,
-                    const NamedDetectors& detectors, const std::string& selected)
+                    const NamedDetectors& detectors, const std::string& selected, const Registry& registry)
       : settings_(view_settings(detectors, selected)) {
     Played played = open_played(options, truth);
     eye_ = played.eye;
@@ -57,7 +57,7 @@ class RecordingPlayback final : public Playback, private LoopObserver {
       folder_ = options.recording;
       if (eye_ == Eye::left) truth_.read_gaze(folder_);
       last_us = std::max(last_us, truth_.last_us().value_or(last_us));
-      if (has_head_) world_ = world_of(folder_);
+      if (has_head_) world_ = world_of(folder_, registry);
       if (world_) model_ = {world_, &world_->model()};
     }
     const std::int64_t ticks = std::max<std::int64_t>(1, (last_us - start_us + tick_us - 1) / tick_us);
@@ -164,8 +164,8 @@ class RecordingPlayback final : public Playback, private LoopObserver {
 std::unique_ptr<Playback> make_recording_playback(const ReadOptions& options,
                                                   const std::filesystem::path& truth,
                                                   const NamedDetectors& detectors,
-                                                  const std::string& selected) {
-  return std::make_unique<RecordingPlayback>(options, truth, detectors, selected);
+                                                  const std::string& selected, const Registry& registry) {
+  return std::make_unique<RecordingPlayback>(options, truth, detectors, selected, registry);
 }
 
 }  // namespace saccade

@@ -73,7 +73,7 @@ class ScenarioPlayback final : public Playback, private LoopObserver {
 
   [[nodiscard]] bool has_driver() const { return scenario_.gaze.detector != "none"; }
   [[nodiscard]] bool moves_head() const {
-    return has_driver() || scenario_.gaze.controller.controller == "script";
+    return has_driver() || !scenario_.gaze.controller.follows_targets();
   }
   [[nodiscard]] LoopHistory empty_history() const {
     return {scenario_.sim.camera, Eye::left, 0, std::llround(scenario_.run.duration_s * 1e3) * tick_us};

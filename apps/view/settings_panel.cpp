@@ -28,7 +28,7 @@ void draw_display_settings(const Snapshot& snapshot, ViewState& state) {
 }
 
 /// The list of detectors and presets to select from.
-void draw_detector_choice(ViewState& state) {
+void draw_detector_choice(const DetectorRegistry& detectors, ViewState& state) {
   ViewSettings& settings = state.settings;
   ImGui::SetNextItemWidth(-1.0F);
   if (!ImGui::BeginCombo("##detector", settings.selected_name().c_str(), ImGuiComboFlags_HeightLarge)) return;
@@ -37,11 +37,11 @@ void draw_detector_choice(ViewState& state) {
       state.act(Action::Type::select_detector, static_cast<std::int64_t>(i));
   }
   ImGui::Separator();
-  for (const std::string& preset : detector_presets()) {
+  for (const std::string& preset : detectors.names()) {
     if (std::ranges::find(settings.detectors, preset, &ViewDetector::name) != settings.detectors.end())
       continue;
     if (!ImGui::Selectable(("add " + preset).c_str())) continue;
-    settings.detectors.push_back({preset, detector_preset(preset), true});
+    settings.detectors.push_back({preset, detectors.config(preset), true});
     state.act(Action::Type::select_detector, static_cast<std::int64_t>(settings.detectors.size()) - 1);
   }
   ImGui::EndCombo();
@@ -72,7 +72,7 @@ void SettingsPanel::draw_configuration(ViewState& state) {
   ViewSettings& settings = state.settings;
   ImGui::TextUnformatted(settings.gate ? "Detector that drives the gaze" : "Selected detector");
   ImGui::Separator();
-  draw_detector_choice(state);
+  draw_detector_choice(detectors_, state);
   bool changed = false;
   ImGui::PushStyleVar(ImGuiStyleVar_IndentSpacing, 8.0F);
   if (ViewDetector* selected = settings.selected_detector())

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <utility>
+
+#include "apps/config/registry.h"
 #include "apps/view/field_editor.h"
 #include "apps/view/layout.h"
 #include "apps/view/snapshot.h"
@@ -10,11 +13,15 @@ namespace saccade {
 /// The configuration of the selected detector, of controller and gate, and how the eye's image is drawn.
 class SettingsPanel {
  public:
+  /// `detectors`: those that a user can add.
+  explicit SettingsPanel(DetectorRegistry detectors) : detectors_(std::move(detectors)) {}
+
   void draw(const Area& area, const Snapshot& snapshot, ViewState& state);
 
  private:
   void draw_configuration(ViewState& state);
 
+  DetectorRegistry detectors_;
   FieldEditor editor_;
 };
 

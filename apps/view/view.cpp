@@ -51,11 +51,12 @@ class FeedCloser {
 }  // namespace
 
 struct View::Parts {
-  Parts(const std::string& name, std::filesystem::path pictures)
+  Parts(const std::string& name, std::filesystem::path pictures, DetectorRegistry detectors)
       : window("saccade view: " + name, first_width, first_height),
         scene(window),
         eye(window),
         hough(window),
+        settings(std::move(detectors)),
         plots(window),
         timeline(window),
         capture(name, std::move(pictures)) {
@@ -162,8 +163,8 @@ void View::Parts::finish() {
       median_ms(scene.drawing_s()));
 }
 
-View::View(std::string name, std::filesystem::path pictures)
-    : parts_(std::make_unique<Parts>(std::move(name), std::move(pictures))) {}
+View::View(std::string name, std::filesystem::path pictures, DetectorRegistry detectors)
+    : parts_(std::make_unique<Parts>(std::move(name), std::move(pictures), std::move(detectors))) {}
 View::~View() = default;
 
 void View::show(PlayerThread& player) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "apps/config/registry.h"
 #include "apps/view/player_thread.h"
 #include "apps/view/run_feed.h"
 
@@ -14,8 +15,8 @@ namespace saccade {
 class View {
  public:
   /// Opens the window. `name`: of what is shown, in the title and in the names of screenshots and videos, which are
-  /// written to `pictures` (made when needed). Throws InputError where there is no display.
-  View(std::string name, std::filesystem::path pictures);
+  /// written to `pictures` (made when needed). `detectors`: those that a user can add. Throws InputError where there is no display.
+  View(std::string name, std::filesystem::path pictures, DetectorRegistry detectors);
   ~View();
   View(const View&) = delete;
   View& operator=(const View&) = delete;

@@ -33,6 +33,10 @@ void describe(FieldVisitor& v, Original2016Config& config) {
   v.real("threshold", config.threshold, {0.0, 1e6}, "response taken for the ball");
 }
 
+std::string window_text(const Original2016Config& config) {
+  return std::to_string(config.window_events) + " events";
+}
+
 Original2016::Original2016(const Original2016Config& config, ImageSize size)
     : config_(config), size_(size), sieve_(size) {
   check_config("detector", config);

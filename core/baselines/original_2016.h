@@ -24,6 +24,8 @@ struct Original2016Config {
 
 /// Keys: radius_px, window.events, arc_deg, flow.min_inliers, maximum, threshold.
 void describe(FieldVisitor& v, Original2016Config& config);
+/// The events that the response is made of: "1000 events".
+[[nodiscard]] std::string window_text(const Original2016Config& config);
 
 /// The directed Hough transform of the authors' code of 2016, event by event:
 ///  - Flow comes from nine shifted patches of 3 x 3 pixels of one polarity around the event. Of the completely filled

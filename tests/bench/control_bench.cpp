@@ -4,6 +4,7 @@
 #include <chrono>
 #include <vector>
 
+#include "control/controller_registry.h"
 #include "control/gaze_controller.h"
 #include "tests/control/genova02.h"
 
@@ -19,7 +20,7 @@ Eigen::Vector3d random_target(const RandomStream& random, std::uint64_t i) {
 
 /// Closed loop with joints that lag by 20 ms, a new target every 100 ms. Counters: time per step, us.
 void gaze_step(benchmark::State& bench, const char* controller) {
-  GazeControllerConfig config;
+  GazeControllerConfig config = built_in_controllers().config();
   config.controller = controller;
   const auto gaze = make_gaze_controller(config, genova02_limits());
   const RandomStream random(1, "bench");

@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "apps/deploy/deploy_session.h"
+#include "control/controller_registry.h"
+#include "control/gate_registry.h"
 #include "control/head_kinematics.h"
-#include "core/detector_factory.h"
+#include "core/detector_registry.h"
 #include "robot/fake/fake_robot.h"
 #include "tests/control/genova02.h"
 
@@ -70,11 +72,11 @@ void tick(benchmark::State& bench, const char* preset, const char* controller) {
   script.events = ball_in_clutter();
   FakeActive robot(std::move(script));
   std::vector<LoopDetector> detectors;
-  detectors.push_back({preset, make_detector(detector_preset(preset), Camera{})});
+  detectors.push_back({preset, make_detector(built_in_detectors().config(preset), Camera{})});
   Loop loop(robot, MountedCamera{}, std::move(detectors),
-            LoopGaze{0, make_gate({}), std::nullopt, FollowConfig{.start_s = 0.0}}, Eye::left,
-            LoopBudget{2'000, 500});
-  GazeControllerConfig config;
+            LoopGaze{0, make_gate(built_in_gates().config()), std::nullopt, FollowConfig{.start_s = 0.0}},
+            Eye::left, LoopBudget{2'000, 500});
+  GazeControllerConfig config = built_in_controllers().config();
   config.controller = controller;
   const auto motion = [&] {
     const JointLimits limits = genova02_limits();

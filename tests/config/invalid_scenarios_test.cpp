@@ -10,6 +10,7 @@
 
 #include "apps/config/scenario.h"
 #include "core/error.h"
+#include "tests/config/built_in.h"
 
 namespace saccade {
 namespace {
@@ -52,7 +53,7 @@ TEST_P(InvalidScenario, givesTheMessagesItStatesAndNoOther) {
   const std::vector<std::string> expected = expected_messages(path);
   ASSERT_FALSE(expected.empty()) << "no line `# expect: ...` at the top";
   try {
-    static_cast<void>(read_scenario(path, {}, std::nullopt));
+    static_cast<void>(read_scenario(path, {}, std::nullopt, built_in()));
     FAIL() << "was read without a complaint";
   } catch (const InputError& error) {
     ASSERT_EQ(error.problems().size(), expected.size()) << error.what();
@@ -68,11 +69,11 @@ INSTANTIATE_TEST_SUITE_P(Scenarios, InvalidScenario, testing::ValuesIn(scenarios
 class ShippedScenario : public testing::TestWithParam<ScenarioFile> {};
 
 TEST_P(ShippedScenario, isReadAndItsResolvedFormReadsBackTheSame) {
-  const Scenario scenario = read_scenario(GetParam().path, {}, std::nullopt);
+  const Scenario scenario = read_scenario(GetParam().path, {}, std::nullopt, built_in());
   const std::string resolved = resolved_scenario(scenario);
   const fs::path copy = fs::path(testing::TempDir()) / ("resolved_" + GetParam().path.filename().string());
   std::ofstream(copy) << resolved;
-  EXPECT_EQ(resolved_scenario(read_scenario(copy, {}, std::nullopt)), resolved);
+  EXPECT_EQ(resolved_scenario(read_scenario(copy, {}, std::nullopt, built_in())), resolved);
   fs::remove(copy);
 }
 

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "apps/config/scenario.h"
+#include "tests/config/built_in.h"
 #include "tests/recording/temp_folder.h"
 
 namespace saccade {
@@ -27,7 +28,7 @@ class ReadCalibration : public testing::Test {
           "name: a\nrun: {duration_s: 1}\nball: {trajectory: {kind: hold}}\n"
           "detectors: {paper_full: {}}\ngaze: {detector: none}\n" +
               block);
-    return read_scenario(folder_ / "scene.yaml", assignments, std::nullopt);
+    return read_scenario(folder_ / "scene.yaml", assignments, std::nullopt, built_in());
   }
   [[nodiscard]] std::string message(const std::string& block,
                                     const std::vector<std::string>& assignments = {}) const {
@@ -78,7 +79,8 @@ TEST_F(ReadCalibration, TheResolvedScenarioNeedsNoFile) {
   const Scenario scenario = read("calibration: {file: left.yaml}\n");
   std::filesystem::remove(folder_ / "left.yaml");
   write("resolved.yaml", resolved_scenario(scenario));
-  EXPECT_EQ(read_scenario(folder_ / "resolved.yaml", {}, std::nullopt).calibration, scenario.calibration);
+  EXPECT_EQ(read_scenario(folder_ / "resolved.yaml", {}, std::nullopt, built_in()).calibration,
+            scenario.calibration);
 }
 
 TEST_F(ReadCalibration, RefusesWhatIsNoCalibrationOfThisCamera) {

@@ -21,12 +21,12 @@ class ReadDetectors : public testing::Test {
   ReadDetectors() : path_(testing::TempDir() + "/detectors_" + std::to_string(::getpid()) + ".yaml") {
     std::ofstream file(path_);
     file << "detectors:\n";
-    for (const std::string& name : detector_presets()) file << "  " << name << ": {}\n";
+    for (const std::string& name : built_in_detectors().names()) file << "  " << name << ": {}\n";
   }
   ~ReadDetectors() override { std::filesystem::remove(path_); }
 
   [[nodiscard]] NamedDetectors read(const std::vector<std::string>& assignments) const {
-    return read_detectors(path_, assignments);
+    return read_detectors(path_, assignments, built_in_detectors());
   }
   [[nodiscard]] std::string message(const std::vector<std::string>& assignments) const {
     try {
@@ -43,25 +43,24 @@ class ReadDetectors : public testing::Test {
 
 const HoughDetectorConfig& hough(const NamedDetectors& detectors, const std::string& name) {
   for (const auto& [known, config] : detectors) {
-    if (known == name) return std::get<HoughDetectorConfig>(config.detector);
+    if (known == name) return config.get<HoughDetectorConfig>();
   }
   throw RunError("no detector " + name);
 }
 
 TEST_F(ReadDetectors, WithoutAFileAreTheDefaultOnes) {
-  const NamedDetectors detectors = read_detectors("", {"radius_px=[4, 25]"});
-  ASSERT_EQ(detectors.size(), default_detectors().size());
+  const NamedDetectors detectors = read_detectors("", {"radius_px=[4, 25]"}, built_in_detectors());
+  ASSERT_EQ(detectors.size(), built_in_detectors().defaults.size());
   for (std::size_t i = 0; i < detectors.size(); ++i) {
-    EXPECT_EQ(detectors[i].first, default_detectors()[i]);
-    EXPECT_EQ(detectors[i].second.preset, default_detectors()[i]);
+    EXPECT_EQ(detectors[i].first, built_in_detectors().defaults[i]);
+    EXPECT_EQ(detectors[i].second.preset(), built_in_detectors().defaults[i]);
   }
   EXPECT_THAT(hough(detectors, "paper_full").radius_px, ElementsAre(4, 25));
 }
 
 TEST_F(ReadDetectors, ARangeOfRadiiHoldsForEveryPreset) {
   for (const auto& [name, config] : read({"radius_px=[4,25]"})) {
-    EXPECT_THAT(std::visit([](const auto& d) { return d.radius_px; }, config.detector), ElementsAre(4, 25))
-        << name;
+    EXPECT_THAT(resolved_detectors({{name, config}}), HasSubstr("radius_px: [4, 25]"));
   }
 }
 
@@ -70,8 +69,8 @@ TEST_F(ReadDetectors, AKeyHoldsForThoseThatHaveIt) {
   EXPECT_EQ(hough(detectors, "paper_full").window.events, 700);
   EXPECT_EQ(hough(detectors, "paper_directed").arc_deg, 7.0);
   EXPECT_EQ(hough(detectors, "single_radius").window.events, 33);  // the last one wins
-  EXPECT_EQ(std::get<Original2016Config>(detectors[5].second.detector).window_events, 700);
-  EXPECT_EQ(std::get<Original2016Config>(detectors[5].second.detector).arc_deg, 7.0);
+  EXPECT_EQ(detectors[5].second.get<Original2016Config>().window_events, 700);
+  EXPECT_EQ(detectors[5].second.get<Original2016Config>().arc_deg, 7.0);
 }
 
 TEST_F(ReadDetectors, AKeyThatAnotherBringsMayStandBeforeIt) {
@@ -102,7 +101,7 @@ TEST_F(ReadDetectors, WhatIsResolvedReadsBackTheSame) {
   const std::string resolved = resolved_detectors(read({"window.kind=lifetime", "radius_px=[5,9]"}));
   const std::string path = testing::TempDir() + "/resolved_" + std::to_string(::getpid()) + ".yaml";
   std::ofstream(path) << resolved;
-  EXPECT_EQ(resolved_detectors(read_detectors(path, {})), resolved);
+  EXPECT_EQ(resolved_detectors(read_detectors(path, {}, built_in_detectors())), resolved);
   std::filesystem::remove(path);
   EXPECT_THAT(resolved, HasSubstr("crossing_px: 3"));
 }

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/config/built_in.h"
 #include "tests/control/genova02.h"
 #include "tests/recording/temp_folder.h"
 
@@ -25,7 +26,7 @@ detectors: {best: {}}
 
 std::string complaint(const fs::path& path, const std::vector<std::string>& sets = {}) {
   try {
-    static_cast<void>(read_robot_file(path, sets));
+    static_cast<void>(read_robot_file(path, sets, built_in()));
   } catch (const InputError& error) {
     return error.what();
   }
@@ -36,10 +37,11 @@ TEST(RobotFile, TheExamplesReadAndReadBackTheSame) {
   int count = 0;
   for (const auto& entry : fs::directory_iterator(robots)) {
     SCOPED_TRACE(entry.path());
-    const RobotFile robot = read_robot_file(entry.path(), {});
+    const RobotFile robot = read_robot_file(entry.path(), {}, built_in());
     TempFolder folder;
     const std::string resolved = resolved_robot_file(robot);
-    EXPECT_EQ(resolved_robot_file(read_robot_file(folder.write("robot.yaml", resolved), {})), resolved);
+    EXPECT_EQ(resolved_robot_file(read_robot_file(folder.write("robot.yaml", resolved), {}, built_in())),
+              resolved);
     EXPECT_NE(robot.gaze.detector, "none");
     ++count;
   }
@@ -49,8 +51,9 @@ TEST(RobotFile, TheExamplesReadAndReadBackTheSame) {
 TEST(RobotFile, PathsAreRelativeToTheFileAndThoseOfSetToTheWorkingFolder) {
   TempFolder folder;
   const fs::path file = folder.write("robot.yaml", least);
-  EXPECT_EQ(read_robot_file(file, {}).recording.path, folder / "some/run");
-  EXPECT_EQ(read_robot_file(file, {"recording.path=other"}).recording.path, fs::current_path() / "other");
+  EXPECT_EQ(read_robot_file(file, {}, built_in()).recording.path, folder / "some/run");
+  EXPECT_EQ(read_robot_file(file, {"recording.path=other"}, built_in()).recording.path,
+            fs::current_path() / "other");
 }
 
 TEST(RobotFile, WithoutACalibrationThereIsNoRobot) {
@@ -65,7 +68,7 @@ TEST(RobotFile, WithoutACalibrationThereIsNoRobot) {
       "calibration: {width_px: 128, height_px: 128, fx_px: 77, fy_px: 99, cx_px: 64, cy_px: 69, k1: 0, k2: "
       "0, p1: 0, p2: 0}\n");
   const fs::path file = folder.write("robot.yaml", without + "calibration: {file: left.yaml}\n");
-  EXPECT_EQ(read_robot_file(file, {}).calibration.camera.fx_px, 77.0);
+  EXPECT_EQ(read_robot_file(file, {}, built_in()).calibration.camera.fx_px, 77.0);
 }
 
 TEST(RobotFile, EverythingThatIsWrongIsToldAtOnce) {

@@ -1,4 +1,4 @@
-#include "control/gaze_gate.h"
+#include "control/gate_registry.h"
 
 #include <gtest/gtest.h>
 
@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "control/authors_gate.h"
+#include "control/continuity_gate.h"
 #include "core/error.h"
 #include "core/random.h"
 
@@ -30,7 +32,7 @@ std::optional<Eigen::Vector3d> update(GazeGate& gate, std::int64_t now_us, const
 }
 
 std::unique_ptr<GazeGate> gate(const char* name, const char* depth = "pinhole") {
-  GateConfig config;
+  GateConfig config = built_in_gates().config();
   config.gate = name;
   config.target.depth = depth;
   return make_gate(config);
@@ -64,11 +66,11 @@ TEST(OpenGate, GivesNoTargetForAnEstimateBelowTheThresholdOrNone) {
 TEST(Gates, CountRejectedTargetsByReason) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const char* name : {"none", "authors", "continuity"}) {
-    GateConfig config;
+    GateConfig config = built_in_gates().config();
     config.gate = name;
-    config.authors.min_detections = 1;
-    config.continuity.min_agreeing = 1;
-    config.authors.max_radius_px = 1000;
+    config.get<AuthorsGateConfig>().min_detections = 1;
+    config.get<ContinuityGateConfig>().min_agreeing = 1;
+    config.get<AuthorsGateConfig>().max_radius_px = 1000;
     config.target.depth = "authors_linear";
     for (const auto& [circle, counter] : {std::pair{Circle{nan, 60, 12}, &RejectedTargets::not_finite},
                                           {Circle{60, 60, -1}, &RejectedTargets::bad_radius},
@@ -207,9 +209,9 @@ TEST(AuthorsGate, EqualsAPlainReferenceOnRandomStreams) {
 }
 
 TEST(Gates, ABadConfigurationIsAnInputError) {
-  GateConfig config;
+  GateConfig config = built_in_gates().config();
   config.gate = "sometimes";
-  config.authors.window_s = 9.0;
+  config.get<AuthorsGateConfig>().window_s = 9.0;
   config.target.depth = "deep";
   try {
     (void)make_gate(config);
@@ -255,10 +257,10 @@ TEST(ContinuityGate, DoesNotStartOnScatteredDetections) {
 }
 
 TEST(ContinuityGate, RejectsDetectionsElsewhereUntilTheBallIsLostAndThenNeedsConfirmation) {
-  GateConfig slow;
+  GateConfig slow = built_in_gates().config();
   slow.gate = "continuity";
-  slow.continuity.growth_deg_s = 15.0;
-  const ContinuityGateConfig config = slow.continuity;
+  slow.get<ContinuityGateConfig>().growth_deg_s = 15.0;
+  const ContinuityGateConfig config = slow.get<ContinuityGateConfig>();
   const auto g = make_gate(slow);
   ASSERT_TRUE(feed(*g, 100, [](int) { return sure(20, 20, 12); }));
   // The far corner, 49 deg away: beyond the tolerance at any time before the ball counts as lost.

@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "control/gaze_controller.h"
+#include "control/controller_registry.h"
 #include "tests/control/genova02.h"
 
 namespace saccade {
@@ -52,7 +52,8 @@ inline Eigen::Vector3d random_target(const RandomStream& random, std::uint64_t i
                  random.uniform(0.25, 0.6, 2, i));
 }
 
-inline std::unique_ptr<GazeController> controller(const GazeControllerConfig& config = {}) {
+inline std::unique_ptr<GazeController> controller(
+    const GazeControllerConfig& config = built_in_controllers().config()) {
   return make_gaze_controller(config, genova02_limits());
 }
 

@@ -16,10 +16,10 @@ namespace saccade {
 namespace {
 
 GazeControllerConfig ikingaze(const std::string& eyes = "both", bool saccades = true) {
-  GazeControllerConfig config;
+  GazeControllerConfig config = built_in_controllers().config();
   config.controller = "ikingaze";
-  config.ikingaze.eyes = eyes;
-  config.ikingaze.saccades = saccades;
+  config.get<IkinGazeConfig>().eyes = eyes;
+  config.get<IkinGazeConfig>().saccades = saccades;
   return config;
 }
 
@@ -181,7 +181,7 @@ TEST(IkinGazeController, SaccadesKeepTheirInterval) {
   // The target jumps by 24 deg every 50 ms. The eyes' speed tells saccades from pursuit.
   for (const double interval_s : {0.2, 0.6}) {
     GazeControllerConfig config = ikingaze();
-    config.ikingaze.saccade_interval_s = interval_s;
+    config.get<IkinGazeConfig>().saccade_interval_s = interval_s;
     const auto gaze = controller(config);
     Plant plant(0.0);
     run(*gaze, plant, seen_at(-12, 0, 0.45), 3.0);
@@ -266,8 +266,8 @@ TEST(IkinGazeController, StepsOfAnyLengthGiveTheSameMotion) {
 TEST(IkinGazeController, TiltStaysWithinItsOwnLimits) {
   GazeControllerConfig config = ikingaze();
   for (const auto& [min_deg, max_deg] : {std::pair{-12.0, 15.0}, {-20.0, 4.0}}) {
-    config.ikingaze.min_tilt_deg = min_deg;
-    config.ikingaze.max_tilt_deg = max_deg;
+    config.get<IkinGazeConfig>().min_tilt_deg = min_deg;
+    config.get<IkinGazeConfig>().max_tilt_deg = max_deg;
     const auto gaze = controller(config);
     Plant plant(0.0);
     double lowest_deg = 0.0, highest_deg = 0.0;
@@ -352,8 +352,8 @@ TEST(IkinGazeController, StepsDoNotAllocate) {
 
 TEST(IkinGazeController, ABadConfigurationIsAnInputError) {
   GazeControllerConfig config = ikingaze("right");
-  config.ikingaze.neck_time_s = 0.4;  // too close to the eyes' 0.25
-  config.ikingaze.saccade_angle_deg = std::numeric_limits<double>::quiet_NaN();
+  config.get<IkinGazeConfig>().neck_time_s = 0.4;  // too close to the eyes' 0.25
+  config.get<IkinGazeConfig>().saccade_angle_deg = std::numeric_limits<double>::quiet_NaN();
   try {
     (void)controller(config);
     FAIL() << "taken";

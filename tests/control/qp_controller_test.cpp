@@ -7,7 +7,7 @@
 #include <memory>
 #include <numbers>
 
-#include "control/gaze_gate.h"
+#include "control/gate_registry.h"
 #include "core/error.h"
 #include "tests/control/gaze_plant.h"
 #include "tests/control/malloc_count.h"
@@ -288,8 +288,8 @@ TEST(QpController, FollowsATargetOnACircleOfHalfAHertzWithLittleLag) {
 }
 
 TEST(QpController, TheLeftEyeAloneLeavesVergenceAtRest) {
-  GazeControllerConfig config;
-  config.qp.eyes = "left";
+  GazeControllerConfig config = built_in_controllers().config();
+  config.get<QpConfig>().eyes = "left";
   const auto gaze = controller(config);
   Plant plant;
   const Eigen::Vector3d target = seen_at(15, 8, 0.35);
@@ -302,7 +302,7 @@ TEST(QpController, TheLeftEyeAloneLeavesVergenceAtRest) {
 TEST(QpController, StepsAndGatesDoNotAllocate) {
   if (!malloc_is_counted()) GTEST_SKIP() << "a sanitizer owns malloc";
   const auto gaze = controller();
-  const auto gate = make_gate({});
+  const auto gate = make_gate(built_in_gates().config());
   JointLimiter limiter(motion_limits(genova02_limits(), {}));
   const RandomStream random(5, "targets");
   const Camera camera;
@@ -325,16 +325,15 @@ TEST(QpController, StepsAndGatesDoNotAllocate) {
 }
 
 TEST(QpController, ABadConfigurationIsAnInputError) {
-  GazeControllerConfig config;
-  config.controller = "by hand";
-  config.qp.eyes = "right";
-  config.qp.eye_time_constant_s = std::numeric_limits<double>::quiet_NaN();
+  GazeControllerConfig config = built_in_controllers().config();
+  config.get<QpConfig>().eyes = "right";
+  config.get<QpConfig>().eye_time_constant_s = std::numeric_limits<double>::quiet_NaN();
   config.limits.margin_deg = -1.0;
   try {
     (void)controller(config);
     FAIL() << "taken";
   } catch (const InputError& error) {
-    EXPECT_EQ(error.problems().size(), 4u);
+    EXPECT_EQ(error.problems().size(), 3u);
   }
 }
 

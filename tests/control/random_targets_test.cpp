@@ -5,6 +5,8 @@
 #include <string>
 #include <tuple>
 
+#include "control/ikingaze_controller.h"
+#include "control/qp_controller.h"
 #include "tests/control/gaze_plant.h"
 
 namespace saccade {
@@ -13,9 +15,9 @@ namespace {
 class RandomTargets : public testing::TestWithParam<std::tuple<std::string, std::string>> {
  protected:
   [[nodiscard]] static GazeControllerConfig config() {
-    GazeControllerConfig config;
+    GazeControllerConfig config = built_in_controllers().config();
     config.controller = std::get<0>(GetParam());
-    config.qp.eyes = config.ikingaze.eyes = std::get<1>(GetParam());
+    config.get<QpConfig>().eyes = config.get<IkinGazeConfig>().eyes = std::get<1>(GetParam());
     return config;
   }
 };

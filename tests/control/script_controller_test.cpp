@@ -35,7 +35,7 @@ std::vector<Eigen::Vector2d> play(ScriptController& controller, HeadState& state
 }
 
 TEST(ScriptController, RestsAndMovesThroughThePointsInACycle) {
-  ScriptController controller(two_points(), genova02_limits());
+  ScriptController controller(two_points(), motion_limits(genova02_limits(), {}));
   HeadState state;
   const auto eyes = play(controller, state, 2000);
   // Rest 0.1 s, 10 deg in 0.25 s, rest, 12 deg in 0.3 s, rest, 12 deg back.
@@ -49,7 +49,7 @@ TEST(ScriptController, RestsAndMovesThroughThePointsInACycle) {
 }
 
 TEST(ScriptController, MovesWithThePeakSpeedOfMinimumJerk) {
-  ScriptController controller(two_points(), genova02_limits());
+  ScriptController controller(two_points(), motion_limits(genova02_limits(), {}));
   HeadState state;
   const auto eyes = play(controller, state, 1000);
   double fastest_deg_s = 0.0;
@@ -60,7 +60,7 @@ TEST(ScriptController, MovesWithThePeakSpeedOfMinimumJerk) {
 }
 
 TEST(ScriptController, KeepsNeckAndVergenceAtTheirPositions) {
-  ScriptController controller(two_points(), genova02_limits());
+  ScriptController controller(two_points(), motion_limits(genova02_limits(), {}));
   HeadState state;
   state.position_rad[neck_pitch] = -7 * rad_per_deg;
   state.position_rad[neck_yaw] = 4 * rad_per_deg;
@@ -76,7 +76,7 @@ TEST(ScriptController, StaysWithinTheLimits) {
   ScriptConfig config = two_points();
   config.eyes_deg = {{45, 45}, {-45, -45}};
   const JointLimits limits = genova02_limits();
-  ScriptController controller(config, limits);
+  ScriptController controller(config, motion_limits(limits, {}));
   HeadState state;
   for (int i = 0; i < 100; ++i) {
     play(controller, state, 50);
@@ -88,7 +88,7 @@ TEST(ScriptController, StaysWithinTheLimits) {
 }
 
 TEST(ScriptController, WaitsForReadableEncoders) {
-  ScriptController controller(two_points(), genova02_limits());
+  ScriptController controller(two_points(), motion_limits(genova02_limits(), {}));
   HeadState broken;
   broken.position_rad[neck_roll] = std::nan("");
   EXPECT_TRUE(controller.step(broken, std::nullopt, dt_s).allFinite());
@@ -101,7 +101,7 @@ TEST(ScriptController, RejectsAnEmptyScript) {
   ScriptConfig config;
   config.eyes_deg.clear();
   try {
-    ScriptController controller(config, genova02_limits());
+    ScriptController controller(config, motion_limits(genova02_limits(), {}));
     FAIL();
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("script.eyes_deg"));

@@ -1,4 +1,4 @@
-// What holds for every detector of the factory.
+// What every shipped detector does, and the registry of detectors.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,7 +8,9 @@
 #include <limits>
 #include <ostream>
 
-#include "core/detector_factory.h"
+#include "core/baselines/cluster.h"
+#include "core/baselines/multi_kernel.h"
+#include "core/detector_registry.h"
 #include "tests/core/allocation_counter.h"
 #include "tests/core/streams.h"
 
@@ -28,19 +30,19 @@ namespace {
 constexpr ImageSize image{128, 128};
 
 std::unique_ptr<Detector> make(const std::string& preset) {
-  return make_detector(detector_preset(preset), Camera{});
+  return make_detector(built_in_detectors().config(preset), Camera{});
 }
 
 /// With a window that suits a ball alone: 400 events are about 7 px of motion of both edges of r = 23.
 std::unique_ptr<Detector> make_for_ball_alone(const std::string& preset) {
-  DetectorConfig config = detector_preset(preset);
-  if (auto* hough = std::get_if<HoughDetectorConfig>(&config.detector)) hough->window.events = 400;
-  if (auto* original = std::get_if<Original2016Config>(&config.detector)) original->window_events = 400;
+  DetectorConfig config = built_in_detectors().config(preset);
+  if (auto* hough = config.get_if<HoughDetectorConfig>()) hough->window.events = 400;
+  if (auto* original = config.get_if<Original2016Config>()) original->window_events = 400;
   return make_detector(config, Camera{});
 }
 
 class EveryDetector : public testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(Presets, EveryDetector, testing::ValuesIn(detector_presets()),
+INSTANTIATE_TEST_SUITE_P(Presets, EveryDetector, testing::ValuesIn(built_in_detectors().names()),
                          [](const auto& test) { return test.param; });
 
 TEST_P(EveryDetector, FindsAMovingBall) {
@@ -232,32 +234,106 @@ TEST_P(EveryDetector, ShowsABallInItsHoughSpaceIfItHasOne) {
             4.0);
 }
 
+template <class... Configs>
+void set_radius_px(DetectorConfig& config, const std::array<double, 2>& radius_px) {
+  const auto set = [&](auto* fields) {
+    if (fields != nullptr) fields->radius_px = radius_px;
+    return fields != nullptr;
+  };
+  ASSERT_EQ((0 + ... + static_cast<int>(set(config.get_if<Configs>()))), 1);
+}
+
 TEST_P(EveryDetector, AcceptsARangeOfRadii) {
-  DetectorConfig config = detector_preset(GetParam());
-  std::visit([](auto& detector) { detector.radius_px = {4, 25}; }, config.detector);
+  DetectorConfig config = built_in_detectors().config(GetParam());
+  const auto set = set_radius_px<HoughDetectorConfig, BallTrackerConfig, Original2016Config, ClusterConfig,
+                                 MultiKernelConfig>;
+  set(config, {4, 25});
   EXPECT_NO_THROW(static_cast<void>(make_detector(config, Camera{})));
   for (const auto& wrong : {std::array<double, 2>{25, 4}, {4.5, 25}, {0, 25}, {4, 256}}) {
-    std::visit([&](auto& detector) { detector.radius_px = wrong; }, config.detector);
+    set(config, wrong);
     EXPECT_THROW(static_cast<void>(make_detector(config, Camera{})), InputError);
   }
 }
 
-TEST(DetectorFactory, MakesEachPresetByName) {
-  EXPECT_THAT(detector_presets(),
+TEST_P(EveryDetector, ScalesItsThresholdWithinItsRange) {
+  DetectorConfig config = built_in_detectors().config(GetParam());
+  const double threshold = make(GetParam())->threshold();
+  EXPECT_TRUE(config.scale_threshold(0.5));
+  EXPECT_EQ(make_detector(config, Camera{})->threshold(), 0.5 * threshold);
+  EXPECT_FALSE(config.scale_threshold(-1.0));
+  EXPECT_EQ(make_detector(config, Camera{})->threshold(), 0.5 * threshold);
+}
+
+TEST(DetectorRegistry, HoldsTheShippedDetectorsByPreset) {
+  const DetectorRegistry registry = built_in_detectors();
+  EXPECT_THAT(registry.names(),
               testing::ElementsAre("paper_full", "paper_directed", "best", "lifetime", "single_radius",
                                    "original_2016", "cluster", "multi_kernel"));
-  EXPECT_THAT(default_detectors(), testing::ElementsAre("paper_full", "paper_directed", "best"));
-  for (const std::string& name : detector_presets()) EXPECT_EQ(detector_preset(name).preset, name);
+  EXPECT_THAT(registry.defaults, testing::ElementsAre("paper_full", "paper_directed", "best"));
+  for (const DetectorRow& row : registry.rows()) {
+    EXPECT_EQ(registry.config(row.name).preset(), row.name);
+    EXPECT_FALSE(row.description.empty()) << row.name;
+  }
   for (const bool directed : {false, true}) {
-    const DetectorConfig config = detector_preset(directed ? "paper_directed" : "paper_full");
-    const auto& hough = std::get<HoughDetectorConfig>(config.detector);
+    const DetectorConfig config = registry.config(directed ? "paper_directed" : "paper_full");
+    const auto& hough = config.get<HoughDetectorConfig>();
     EXPECT_EQ(hough.directed, directed);
     EXPECT_EQ(hough.window.kind, "count");
     EXPECT_EQ(hough.window.events, 1500);
     EXPECT_EQ(hough.arc_deg, 10.0);
     EXPECT_THAT(hough.radius_px, testing::ElementsAre(10, 35));
   }
-  EXPECT_THROW(static_cast<void>(detector_preset("paper")), InputError);
+  EXPECT_THROW(static_cast<void>(registry.config("paper")), InputError);
+}
+
+TEST(DetectorRegistry, GivesTheWindowOfADetectorInWords) {
+  DetectorConfig directed = built_in_detectors().config("paper_directed");
+  EXPECT_EQ(directed.window(), "1500 events");
+  directed.get<HoughDetectorConfig>().window.kind = "time";
+  EXPECT_EQ(directed.window(), "20 ms");
+  EXPECT_EQ(built_in_detectors().config("lifetime").window(), "lifetime");
+  EXPECT_EQ(built_in_detectors().config("original_2016").window(), "1000 events");
+  EXPECT_EQ(built_in_detectors().config("best").window(), "");
+}
+
+DetectorRow named_row(const std::string& name) {
+  return detector_row(name, "for this test", ClusterConfig{},
+                      [](const ClusterConfig& config, const Camera& camera) {
+                        return std::make_unique<ClusterDetector>(config, camera.size);
+                      });
+}
+
+TEST(DetectorRegistry, TakesRowsOfAProgram) {
+  DetectorRegistry registry = built_in_detectors();
+  const DetectorConfig before = registry.config("best");
+  ClusterConfig many;
+  many.clusters = 7;
+  DetectorRow row = named_row("many-clusters");
+  row.config = AnyConfig(many);
+  registry.add(row);
+  EXPECT_EQ(registry.names().back(), "many-clusters");
+  const DetectorConfig config = registry.config("many-clusters");
+  EXPECT_EQ(config.get<ClusterConfig>().clusters, 7);
+  EXPECT_NE(make_detector(config, Camera{}), nullptr);
+  EXPECT_NE(make_detector(before, Camera{}), nullptr);  // configs outlive changes of their registry
+}
+
+TEST(DetectorRegistry, RefusesANameThatIsTakenOrThatTablesAndFilesCannotHold) {
+  DetectorRegistry registry = built_in_detectors();
+  for (const char* name : {"best", "", "a,b", "a.b", "a/b", "../evil", "a b", "none", "caf\u00e9", "a\nb"}) {
+    EXPECT_THROW(registry.add(named_row(name)), InputError) << name;
+  }
+  EXPECT_THROW(registry.add(named_row(std::string(65, 'a'))), InputError);
+  EXPECT_NO_THROW(registry.add(named_row(std::string(64, 'a'))));
+  EXPECT_EQ(registry.rows().size(), built_in_detectors().rows().size() + 1);
+}
+
+TEST(DetectorConfig, KeepsItsValuesApartFromThoseOfItsCopy) {
+  DetectorConfig config = built_in_detectors().config("cluster");
+  const DetectorConfig copy = config;
+  config.get<ClusterConfig>().clusters = 3;
+  EXPECT_EQ(copy.get<ClusterConfig>().clusters, ClusterConfig{}.clusters);
+  EXPECT_EQ(config.get_if<BallTrackerConfig>(), nullptr);
 }
 
 }  // namespace

@@ -6,8 +6,11 @@
 
 #include <functional>
 
+#include "control/controller_registry.h"
+#include "control/gate_registry.h"
 #include "control/head_kinematics.h"
-#include "core/detector_factory.h"
+#include "control/open_gate.h"
+#include "core/detector_registry.h"
 #include "core/error.h"
 #include "robot/dry_robot.h"
 #include "robot/fake/fake_robot.h"
@@ -158,10 +161,10 @@ class Trial {
     detectors.push_back({"seer", std::make_unique<Seer>(&driver, &fake->world, options.driver_us)});
     if (options.shadow)
       detectors.push_back({"shadow", std::make_unique<Seer>(&shadow, &fake->world, options.shadow_us)});
-    loop.emplace(*robot, MountedCamera{}, std::move(detectors),
-                 LoopGaze{0, make_gate({.gate = "none", .authors = {}, .continuity = {}, .target = {}}),
-                          std::nullopt, FollowConfig{.start_s = 0.0}},
-                 Eye::left, options.budget);
+    loop.emplace(
+        *robot, MountedCamera{}, std::move(detectors),
+        LoopGaze{0, std::make_unique<OpenGate>(TargetConfig{}), std::nullopt, FollowConfig{.start_s = 0.0}},
+        Eye::left, options.budget);
     const auto motion = [this, options] {
       const JointLimits limits = robot->head()->limits();
       LoopMotion made;
@@ -169,7 +172,7 @@ class Trial {
       if (robot->gaze() != nullptr) {
         made.port = robot->gaze();
       } else {
-        made.controller = make_gaze_controller({}, limits);
+        made.controller = make_gaze_controller(built_in_controllers().config(), limits);
         made.limiter.emplace(motion_limits(limits, {}));
       }
       return made;
@@ -485,13 +488,13 @@ TEST(DeploySession, ATickDoesNotAllocate) {
       FakeDeployed robot(script, with_gaze);
       std::vector<LoopDetector> detectors;
       detectors.push_back({"seer", std::make_unique<Seer>()});
-      detectors.push_back({preset, make_detector(detector_preset(preset), Camera{})});
+      detectors.push_back({preset, make_detector(built_in_detectors().config(preset), Camera{})});
       Loop loop(robot, MountedCamera{}, std::move(detectors),
-                LoopGaze{0, make_gate({}), std::nullopt, FollowConfig{.start_s = 0.0}}, Eye::left,
-                LoopBudget{2'000, 500});
+                LoopGaze{0, make_gate(built_in_gates().config()), std::nullopt, FollowConfig{.start_s = 0.0}},
+                Eye::left, LoopBudget{2'000, 500});
       const auto motion = [&] {
         if (robot.gaze() != nullptr) return LoopMotion{nullptr, std::nullopt, robot.gaze()};
-        return LoopMotion{make_gaze_controller({}, script.limits),
+        return LoopMotion{make_gaze_controller(built_in_controllers().config(), script.limits),
                           JointLimiter(motion_limits(script.limits, {}))};
       };
       Operator wishes;

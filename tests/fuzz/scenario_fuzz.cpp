@@ -6,18 +6,19 @@
 
 #include "apps/config/scenario.h"
 #include "core/error.h"
+#include "tests/config/built_in.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace saccade;
   std::string resolved;
   try {
     const std::string text(reinterpret_cast<const char*>(data), size);
-    resolved = resolved_scenario(read_scenario(parse_yaml(text, "fuzz.yaml"), "."));
+    resolved = resolved_scenario(read_scenario(parse_yaml(text, "fuzz.yaml"), ".", built_in()));
   } catch (const InputError&) {
     return 0;
   }
   try {
-    (void)read_scenario(parse_yaml(resolved, "resolved.yaml"), ".");
+    (void)read_scenario(parse_yaml(resolved, "resolved.yaml"), ".", built_in());
   } catch (const InputError& error) {
     std::fprintf(stderr, "%s\n%s", error.what(), resolved.c_str());
     std::abort();

@@ -8,9 +8,10 @@
 #include <numbers>
 #include <vector>
 
-#include "control/gaze_controller.h"
+#include "control/controller_registry.h"
 #include "control/head_kinematics.h"
 #include "control/joint_limiter.h"
+#include "control/qp_controller.h"
 #include "core/camera.h"
 #include "core/random.h"
 #include "sim/world.h"
@@ -64,8 +65,8 @@ Watch look(const PlantConfig& plant, const TrajectoryConfig& ball, const QpConfi
   config.plant = plant;
   config.ball.trajectory = ball;
   World world(config, "", 1);
-  GazeControllerConfig gaze;
-  gaze.qp = qp;
+  GazeControllerConfig gaze = built_in_controllers().config();
+  gaze.get<QpConfig>() = qp;
   const auto controller = make_gaze_controller(gaze, world.limits());
   JointLimiter limiter(motion_limits(world.limits(), gaze.limits));
   const RandomStream random(3, "test/tracker");

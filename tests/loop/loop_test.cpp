@@ -9,7 +9,9 @@
 #include <limits>
 #include <sstream>
 
+#include "control/controller_registry.h"
 #include "control/head_kinematics.h"
+#include "control/open_gate.h"
 #include "loop/run_log.h"
 #include "robot/fake/fake_robot.h"
 #include "tests/control/genova02.h"
@@ -81,14 +83,14 @@ struct Trial {
   HeadState head;                           ///< at the end
 
   void run(const std::string& controller, double duration_s) {
-    GazeControllerConfig config;
+    GazeControllerConfig config = built_in_controllers().config();
     config.controller = controller;
     const JointLimits limits = genova02_limits();
     robot.limits = limits;
     robot.limits.max_rad.tail<head_joint_count>() -= limit_margin_rad;
     robot.lag_s = 0.02;
     FakeRobot fake(robot);
-    if (!gate) gate = make_gate({.gate = "none", .authors = {}, .continuity = {}, .target = {}});
+    if (!gate) gate = std::make_unique<OpenGate>(TargetConfig{});
     std::vector<LoopDetector> detectors;
     detectors.push_back({"seer", std::make_unique<BallSeer>(ball)});
     Loop loop(fake, MountedCamera{}, std::move(detectors),
@@ -286,11 +288,11 @@ TEST(LoopTest, NoDetectorRunsWhileAnEncoderReadsNan) {
   std::vector<LoopDetector> detectors;
   detectors.push_back({"driver", std::make_unique<CountingDetector>(driver)});
   detectors.push_back({"shadow", std::make_unique<CountingDetector>(shadow)});
-  LoopGaze gaze{
-      0,
-      make_gate({.gate = "none", .authors = {}, .continuity = {}, .target = {}}),
-      LoopMotion{make_gaze_controller({}, script.limits), JointLimiter(motion_limits(script.limits, {}))},
-      {.start_s = 0.0}};
+  LoopGaze gaze{0,
+                std::make_unique<OpenGate>(TargetConfig{}),
+                LoopMotion{make_gaze_controller(built_in_controllers().config(), script.limits),
+                           JointLimiter(motion_limits(script.limits, {}))},
+                {.start_s = 0.0}};
   gaze.stereo.emplace(LoopStereo{std::make_unique<CountingDetector>(right), MountedCamera{right_dvs128, {}},
                                  StereoLocator({})});
   Loop loop(robot, MountedCamera{}, std::move(detectors), std::move(gaze));
@@ -389,11 +391,11 @@ TEST(BothEyes, EachDetectorGetsItsEyesEventsAndTheBallsDistanceComesFromBoth) {
     const double radius_m = 0.06;  // of a ball of 0.0475: by its radius it is 0.1 m too near
     std::vector<LoopDetector> detectors;
     detectors.push_back({"left", std::make_unique<OneEyed>(Eye::left, radius_m, left)});
-    LoopGaze gaze{
-        0,
-        make_gate({.gate = "none", .authors = {}, .continuity = {}, .target = {}}),
-        LoopMotion{make_gaze_controller({}, script.limits), JointLimiter(motion_limits(script.limits, {}))},
-        {.start_s = 0.0}};
+    LoopGaze gaze{0,
+                  std::make_unique<OpenGate>(TargetConfig{}),
+                  LoopMotion{make_gaze_controller(built_in_controllers().config(), script.limits),
+                             JointLimiter(motion_limits(script.limits, {}))},
+                  {.start_s = 0.0}};
     if (stereo) {
       gaze.stereo.emplace(LoopStereo{std::make_unique<OneEyed>(Eye::right, radius_m, right),
                                      MountedCamera{right_dvs128, {}}, StereoLocator({})});

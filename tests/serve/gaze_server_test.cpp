@@ -45,7 +45,7 @@ class Head {
   }
 
   HeadState state;
-  GazeServer server{{}, genova02_limits(), Camera{}, Camera{}, JointVector::Zero()};
+  GazeServer server{{}, {}, genova02_limits(), Camera{}, Camera{}, JointVector::Zero()};
 };
 
 TEST(GazeServer, leavesTheHeadAloneUntilItHasATarget) {

@@ -12,6 +12,7 @@
 #include "apps/sweep/sweep_store.h"
 #include "core/error.h"
 #include "evaluation/scoring/metrics.h"
+#include "tests/config/built_in.h"
 #include "tests/recording/temp_folder.h"
 
 namespace saccade {
@@ -31,7 +32,7 @@ class Sweep : public testing::Test {
     return read_sweep(folder_.write("sweep.yaml", head + yaml), sets);
   }
   SweepPlan plan(const std::string& yaml, const std::vector<std::string>& sets = {}) {
-    return plan_sweep(read(yaml, sets), "version 1");
+    return plan_sweep(read(yaml, sets), "version 1", built_in());
   }
   std::vector<std::string> complaints(const std::string& yaml, const std::vector<std::string>& sets = {}) {
     std::vector<std::string> lines;
@@ -159,7 +160,7 @@ TEST_F(Sweep, aRunIsKnownByItsContent) {
       plan("axes:\n  size: {cases: {a: {}, b: {ball.diameter_m: 0.095}, c: {ball.diameter_m: 0.1}}}\n");
   ASSERT_THAT(p.runs, SizeIs(3));
   EXPECT_NE(p.runs[0].id, p.runs[2].id);
-  EXPECT_NE(plan_sweep(p.config, "version 2").runs[0].id, p.runs[0].id);
+  EXPECT_NE(plan_sweep(p.config, "version 2", built_in()).runs[0].id, p.runs[0].id);
   EXPECT_EQ(plan("axes:\n  seed: [1]\n").runs[0].id, plan("axes:\n  lab.clutter: [textured]\n").runs[0].id)
       << "said or not, the same scenario";
 }

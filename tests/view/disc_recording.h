@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "apps/view/playback.h"
+#include "core/hough_detector.h"
+#include "tests/config/built_in.h"
 #include "tests/core/streams.h"
 #include "tests/recording/temp_folder.h"
 
@@ -26,12 +28,12 @@ class DiscRecording : public testing::Test {
       truth.write({t_us, {disc.x_at(t_us), disc.y_at(t_us), disc.r_px}, 1.0, Eigen::Vector3d::Zero()});
     truth.commit();
     options_.recording = folder_ / "disc.aedat";
-    DetectorConfig directed = detector_preset("paper_directed");
-    std::get<HoughDetectorConfig>(directed.detector).window.events = 400;
-    detectors_ = {{"paper_directed", directed}, {"best", detector_preset("best")}};
+    DetectorConfig directed = built_in_detectors().config("paper_directed");
+    directed.get<HoughDetectorConfig>().window.events = 400;
+    detectors_ = {{"paper_directed", directed}, {"best", built_in_detectors().config("best")}};
   }
   [[nodiscard]] std::unique_ptr<Playback> open() const {
-    return make_recording_playback(options_, folder_ / "truth.csv", detectors_, "paper_directed");
+    return make_recording_playback(options_, folder_ / "truth.csv", detectors_, "paper_directed", built_in());
   }
   static void seek(Playback& playback, std::int64_t t_us) {
     if (playback.history().now_us() >= t_us) playback.restore_before(t_us);

@@ -9,6 +9,7 @@
 
 #include "apps/view/action_handler.h"
 #include "apps/view/key_bindings.h"
+#include "core/hough_detector.h"
 #include "tests/view/disc_recording.h"
 
 namespace saccade {
@@ -61,7 +62,7 @@ TEST_F(PlayerThreadTest, reportsInvalidSettingsAndContinues) {
   player.seek(200'000);
   settled(player);
   ViewSettings settings = player.settings();
-  std::get<HoughDetectorConfig>(settings.detectors[0].config.detector).threshold = -1.0;
+  settings.detectors[0].config.get<HoughDetectorConfig>().threshold = -1.0;
   player.apply(settings);
   EXPECT_THAT(settled(player).problem, testing::HasSubstr("threshold"));
   player.apply(player.settings());
@@ -118,7 +119,7 @@ TEST_F(PlayerThreadTest, aThresholdStaysWithinItsRange) {
   state.with_playback = true;
   state.settings = player.settings();
   const auto threshold = [&] {
-    return std::get<HoughDetectorConfig>(state.settings.detectors[0].config.detector).threshold;
+    return state.settings.detectors[0].config.get<HoughDetectorConfig>().threshold;
   };
   const double first = threshold();
   apply_action({Action::Type::scale_threshold, 1}, snapshot, state, &player);

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "core/hough_detector.h"
 #include "tests/view/disc_recording.h"
 
 namespace saccade {
@@ -72,7 +73,7 @@ TEST_F(DiscRecording, aChangedThresholdTakesEffectAtOnceAndInTheTicksThatFollow)
   seek(*playback, 300'000);
   const Snapshot before = snapshot_of(*playback);
   ViewSettings settings = playback->settings();
-  std::get<HoughDetectorConfig>(settings.detectors[0].config.detector).threshold = 100.0;
+  settings.detectors[0].config.get<HoughDetectorConfig>().threshold = 100.0;
   playback->apply(settings);
   const Snapshot after = snapshot_of(*playback);
   EXPECT_EQ(after.now_us, before.now_us);
@@ -98,8 +99,8 @@ TEST_F(DiscRecording, anAddedDetectorHasProcessedTheLastEvents) {
   const auto playback = open();
   seek(*playback, 300'000);
   ViewSettings settings = playback->settings();
-  DetectorConfig full = detector_preset("paper_full");
-  std::get<HoughDetectorConfig>(full.detector).window.events = 400;
+  DetectorConfig full = built_in_detectors().config("paper_full");
+  full.get<HoughDetectorConfig>().window.events = 400;
   settings.detectors.push_back({"mine", full, true});
   settings.detectors[1].enabled = false;
   settings.selected = 2;
@@ -117,10 +118,9 @@ TEST_F(DiscRecording, invalidSettingsAreRejectedAndChangeNothing) {
   const auto playback = open();
   seek(*playback, 300'000);
   ViewSettings settings = playback->settings();
-  std::get<HoughDetectorConfig>(settings.detectors[0].config.detector).radius_px = {30, 10};
+  settings.detectors[0].config.get<HoughDetectorConfig>().radius_px = {30, 10};
   EXPECT_THROW(playback->apply(settings), InputError);
-  EXPECT_EQ(std::get<HoughDetectorConfig>(playback->settings().detectors[0].config.detector).radius_px[0],
-            10.0);
+  EXPECT_EQ(playback->settings().detectors[0].config.get<HoughDetectorConfig>().radius_px[0], 10.0);
   EXPECT_TRUE(playback->tick());
 }
 
@@ -137,7 +137,7 @@ TEST_F(DiscRecording, playsWithoutDetectorsAndTakesOneLater) {
 
   ViewSettings settings = playback->settings();
   EXPECT_EQ(settings.selected_detector(), nullptr);
-  settings.detectors.push_back({"best", detector_preset("best"), true});
+  settings.detectors.push_back({"best", built_in_detectors().config("best"), true});
   playback->apply(settings);
   seek(*playback, 300'000);
   snapshot = snapshot_of(*playback);

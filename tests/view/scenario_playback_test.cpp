@@ -8,13 +8,15 @@
 #include "apps/view/playback.h"
 #include "apps/view/run_feed.h"
 #include "sim/sim_robot.h"
+#include "tests/config/built_in.h"
 
 namespace saccade {
 namespace {
 
 Scenario scenario(const std::string& name, std::vector<std::string> assignments = {}) {
   assignments.emplace_back("render.supersampling=1");
-  return read_scenario(std::string(SACCADE_SOURCE_DIR) + "/scenarios/" + name, assignments, std::nullopt);
+  return read_scenario(std::string(SACCADE_SOURCE_DIR) + "/scenarios/" + name, assignments, std::nullopt,
+                       built_in());
 }
 
 Snapshot snapshot_of(Playback& playback) {
@@ -72,7 +74,7 @@ TEST(ScenarioPlayback, theShippedScenarioWithoutDetectorsPlays) {
   ViewSettings settings = playback->settings();
   EXPECT_EQ(settings.selected_detector(), nullptr);
   playback->apply(settings);
-  settings.detectors.push_back({"best", detector_preset("best"), true});
+  settings.detectors.push_back({"best", built_in_detectors().config("best"), true});
   playback->apply(settings);
   playback->restore_before(0);
   playback->tick();

@@ -1,0 +1,68 @@
+#include "control/continuity_gate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace saccade {
+
+void describe(FieldVisitor& v, ContinuityGateConfig& config) {
+  v.real("tolerance_deg", config.tolerance_deg, {0.01, 180.0}, "detections this close in bearing agree");
+  v.real("depth_ratio", config.depth_ratio, {1.0, 100.0},
+         "if their distances differ by less than this factor");
+  v.real("growth_deg_s", config.growth_deg_s, {0.0, 1e4}, "the tolerance grows by this while none came");
+  v.real("window_s", config.window_s, {0.001, 1.0}, "how far back a confirmation may lie");
+  v.integer("min_agreeing", config.min_agreeing, {1, 1000}, "detections that confirm a new place");
+  v.real("forget_s", config.forget_s, {0.001, 60.0}, "after so long the last place does not count any more");
+}
+
+ContinuityGate::ContinuityGate(const ContinuityGateConfig& config, const TargetConfig& target)
+    : LocatingGate(target),
+      config_(config),
+      window_us_(std::llround(config.window_s * 1e6)),
+      forget_us_(std::llround(config.forget_s * 1e6)) {
+  check_config("gaze.continuity_gate", config);
+}
+
+std::optional<Eigen::Vector3d> ContinuityGate::update(std::int64_t now_us, const Estimate& estimate,
+                                                      double threshold, const Camera& camera,
+                                                      const Eigen::Isometry3d& root_from_cam) {
+  if (!is_detection(estimate, threshold)) return std::nullopt;
+  const auto point_m = locate(estimate.circle, camera, root_from_cam);
+  if (!point_m) return std::nullopt;
+  const Eigen::Vector3d eye_m = root_from_cam.translation();
+  const Place here{now_us, *point_m};
+  recent_[count_++ % capacity] = here;
+
+  if (last_ && now_us - last_->t_us <= forget_us_) {
+    const double unseen_s = static_cast<double>(now_us - last_->t_us) * 1e-6;
+    const double tolerance_deg = config_.tolerance_deg + config_.growth_deg_s * unseen_s;
+    if (!agree(here.point_m, last_->point_m, eye_m, tolerance_deg)) return std::nullopt;
+  } else if (!confirmed(here, eye_m)) {
+    return std::nullopt;
+  }
+  last_ = here;
+  return point_m;
+}
+
+bool ContinuityGate::confirmed(const Place& here, const Eigen::Vector3d& eye_m) const {
+  std::int64_t agreeing = 0;
+  for (std::size_t back = 1; back <= std::min(count_, capacity); ++back) {
+    const Place& other = recent_[(count_ - back) % capacity];
+    if (here.t_us - other.t_us > window_us_) break;
+    agreeing += agree(here.point_m, other.point_m, eye_m, config_.tolerance_deg);
+  }
+  return agreeing >= config_.min_agreeing;
+}
+
+bool ContinuityGate::agree(const Eigen::Vector3d& a_m, const Eigen::Vector3d& b_m,
+                           const Eigen::Vector3d& eye_m, double tolerance_deg) const {
+  const Eigen::Vector3d a = a_m - eye_m;
+  const Eigen::Vector3d b = b_m - eye_m;
+  const double angle_rad = std::atan2(a.cross(b).norm(), a.dot(b));
+  const double ratio = a.norm() / b.norm();
+  return angle_rad * 180.0 / std::numbers::pi <= tolerance_deg && ratio <= config_.depth_ratio &&
+         ratio * config_.depth_ratio >= 1.0;
+}
+
+}  // namespace saccade

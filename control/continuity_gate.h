@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "control/locating_gate.h"
+
+namespace saccade {
+
+/// A ball does not jump: once found, a detection near the last one becomes a target at once and one elsewhere does not;
+/// to be found, and found again after it was lost, the ball has to be confirmed by detections that agree. All in the root
+/// frame, so that the head's own motion has no effect, and as angles at the eye, because depth from a radius is coarse.
+struct ContinuityGateConfig {
+  double tolerance_deg = 3.0;      ///< detections this close in bearing agree ...
+  double depth_ratio = 1.4;        ///< ... if their distances differ by less than this factor
+  double growth_deg_s = 60.0;      ///< the tolerance around the last one grows by this while none came
+  double window_s = 0.20;          ///< how far back a confirmation may lie
+  std::int64_t min_agreeing = 60;  ///< in the window, for the ball to be found
+  double forget_s = 2.0;           ///< after so long without a detection near by the ball is lost
+};
+
+/// Keys: tolerance_deg, depth_ratio, growth_deg_s, window_s, min_agreeing, forget_s.
+void describe(FieldVisitor& v, ContinuityGateConfig& config);
+
+/// `continuity`: the estimates at or above the threshold that lie where the ball can be become targets.
+class ContinuityGate final : public LocatingGate {
+ public:
+  /// Throws InputError for a configuration out of range.
+  ContinuityGate(const ContinuityGateConfig& config, const TargetConfig& target);
+
+  std::optional<Eigen::Vector3d> update(std::int64_t now_us, const Estimate& estimate, double threshold,
+                                        const Camera& camera,
+                                        const Eigen::Isometry3d& root_from_cam) override;
+
+ private:
+  struct Place {
+    std::int64_t t_us = 0;
+    Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
+  };
+  static constexpr std::size_t capacity = 1024;  // the longest window at one detection per ms
+
+  [[nodiscard]] bool confirmed(const Place& here, const Eigen::Vector3d& eye_m) const;
+  [[nodiscard]] bool agree(const Eigen::Vector3d& a_m, const Eigen::Vector3d& b_m,
+                           const Eigen::Vector3d& eye_m, double tolerance_deg) const;
+
+  ContinuityGateConfig config_;
+  std::int64_t window_us_;
+  std::int64_t forget_us_;
+  std::array<Place, capacity> recent_{};
+  std::size_t count_ = 0;
+  std::optional<Place> last_;
+};
+
+}  // namespace saccade
