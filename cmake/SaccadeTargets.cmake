@@ -8,7 +8,7 @@ endif()
 
 add_library(saccade_flags INTERFACE)
 target_compile_features(saccade_flags INTERFACE cxx_std_20)
-target_include_directories(saccade_flags INTERFACE ${CMAKE_SOURCE_DIR})
+target_include_directories(saccade_flags INTERFACE ${saccade_SOURCE_DIR})
 target_compile_options(saccade_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Woverloaded-virtual
   # The same scenario and seed give the same bytes: no fused multiply-add that depends on the compiler.
@@ -52,14 +52,14 @@ function(saccade_layer name)
     add_library(saccade_${name} INTERFACE)
     target_link_libraries(saccade_${name} INTERFACE ${LAYER_LAYERS} ${LAYER_LIBRARIES})
     target_compile_features(saccade_${name} INTERFACE cxx_std_20)
-    target_include_directories(saccade_${name} INTERFACE $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}>)
+    target_include_directories(saccade_${name} INTERFACE $<BUILD_INTERFACE:${saccade_SOURCE_DIR}>)
     return()
   endif()
   add_library(saccade_${name} STATIC ${LAYER_SOURCES})
   target_link_libraries(saccade_${name} PUBLIC ${LAYER_LAYERS} ${LAYER_LIBRARIES}
     PRIVATE $<BUILD_INTERFACE:saccade_flags> ${LAYER_PRIVATE_LIBRARIES})
   target_compile_features(saccade_${name} PUBLIC cxx_std_20)
-  target_include_directories(saccade_${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}>)
+  target_include_directories(saccade_${name} PUBLIC $<BUILD_INTERFACE:${saccade_SOURCE_DIR}>)
   target_precompile_headers(saccade_${name} REUSE_FROM saccade_layers_pch)
 endfunction()
 
@@ -75,7 +75,7 @@ function(saccade_test name)
   target_link_libraries(saccade_${name}_tests PRIVATE saccade_flags ${TEST_LAYERS} ${TEST_LIBRARIES}
     GTest::gtest GTest::gmock GTest::gtest_main)
   target_compile_definitions(saccade_${name}_tests PRIVATE
-    SACCADE_SOURCE_DIR="${CMAKE_SOURCE_DIR}" SACCADE_SHARED_DATA="${CMAKE_SOURCE_DIR}/../shared/data")
+    SACCADE_SOURCE_DIR="${saccade_SOURCE_DIR}" SACCADE_SHARED_DATA="${saccade_SOURCE_DIR}/../shared/data")
   target_precompile_headers(saccade_${name}_tests REUSE_FROM saccade_tests_pch)
   # Tests check results, not speed: they compile in a third of the time without the optimiser's later passes.
   target_compile_options(saccade_${name}_tests PRIVATE $<$<CONFIG:Release>:-O1>)

@@ -7,6 +7,7 @@
 
 #include "core/circle_track.h"
 #include "core/detector_parts.h"
+#include "core/detector_views.h"
 #include "core/edge_map.h"
 #include "core/hough_transform.h"
 #include "core/plane_fit_flow.h"
@@ -51,7 +52,7 @@ void describe(FieldVisitor& v, BallTrackerConfig& config);
 /// not depend on how events come in batches.
 /// After: paper, section V (future work); regions after Glover, Dinale, Bartolozzi et al. (event surfaces
 /// SCARF and EROS of the same group).
-class BallTracker final : public Detector {
+class BallTracker final : public Detector, public DetectorViews {
  public:
   /// Throws InputError for a configuration out of range.
   BallTracker(const BallTrackerConfig& config, const Camera& camera);
@@ -61,7 +62,7 @@ class BallTracker final : public Detector {
   [[nodiscard]] Estimate estimate() override;
   [[nodiscard]] double threshold() const override { return config_.threshold; }
   [[nodiscard]] RejectedEvents rejected() const override { return sieve_.rejected(); }
-  [[nodiscard]] bool hough_space(std::span<float> response) const override;
+  bool hough_space(std::span<float> response) const override;
   [[nodiscard]] std::unique_ptr<Detector> copy() const override {
     return std::make_unique<BallTracker>(*this);
   }

@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
-#include <memory>
 #include <span>
 
 #include "core/camera.h"
@@ -54,12 +53,6 @@ class Detector {
   /// The score from which on an estimate counts as the ball; a constant of the configuration.
   [[nodiscard]] virtual double threshold() const = 0;
   [[nodiscard]] virtual RejectedEvents rejected() const = 0;
-  /// Writes the largest response over all radii at each pixel at the last estimate(), row by row, for display. `response`
-  /// has one element for each pixel. Returns false and writes nothing if the detector has no Hough space. Can allocate, so
-  /// do not call it in the tick.
-  [[nodiscard]] virtual bool hough_space(std::span<float> /*response*/) const { return false; }
-  /// A copy in the same state. Allocates, so do not call it in the tick.
-  [[nodiscard]] virtual std::unique_ptr<Detector> copy() const = 0;
 };
 
 }  // namespace saccade

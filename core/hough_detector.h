@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/detector_parts.h"
+#include "core/detector_views.h"
 #include "core/event_window.h"
 #include "core/hough_transform.h"
 #include "core/plane_fit_flow.h"
@@ -35,7 +36,7 @@ void describe(FieldVisitor& v, HoughDetectorConfig& config);
 /// estimate() returns the exact maximum of the response over the events in the window at that instant; it is not valid
 /// if no event votes. Votes are added and removed in estimate() only, so an event that enters and leaves between two
 /// calls costs almost nothing.
-class HoughDetector final : public Detector {
+class HoughDetector final : public Detector, public DetectorViews {
  public:
   /// Throws InputError for a configuration out of range.
   HoughDetector(const HoughDetectorConfig& config, ImageSize size);
@@ -45,7 +46,7 @@ class HoughDetector final : public Detector {
   [[nodiscard]] Estimate estimate() override;
   [[nodiscard]] double threshold() const override { return config_.threshold; }
   [[nodiscard]] RejectedEvents rejected() const override { return sieve_.rejected(); }
-  [[nodiscard]] bool hough_space(std::span<float> response) const override;
+  bool hough_space(std::span<float> response) const override;
   [[nodiscard]] std::unique_ptr<Detector> copy() const override {
     return std::make_unique<HoughDetector>(*this);
   }

@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "control/head_kinematics.h"
+#include "core/detector_views.h"
 #include "evaluation/report/figures.h"
 
 namespace saccade {
@@ -213,7 +214,7 @@ void RunRecorder::save_hough_spaces(std::int64_t t_us) const {
   const ImageSize size = scenario_.sim.camera.size;
   std::vector<float> response(static_cast<std::size_t>(size.pixels()));
   for (const LoopDetector& detector : loop_.detectors()) {
-    if (!detector.detector->hough_space(response)) continue;
+    if (!hough_space_of(*detector.detector, response)) continue;
     const float strongest = *std::max_element(response.begin(), response.end());
     write_png(*folder_ / "frames" /
                   fmt::format("{:09}_{}_hough_{:.4g}.png", t_us, file_part(detector.name), strongest),

@@ -22,7 +22,9 @@ bool Checkpoints::due(std::int64_t now_us) const {
 }
 
 void Checkpoints::add(const LoopHistory& history, std::span<const LoopDetector> detectors) {
-  checkpoints_.emplace_back(history, copies(detectors));
+  std::vector<LoopDetector> copied = copies(detectors);
+  if (copied.size() < detectors.size()) return;
+  checkpoints_.emplace_back(history, std::move(copied));
   const ImageSize image = history.image_size();
   if (checkpoints_.size() <= limit(image, detectors.size())) return;
   std::vector<Checkpoint> fewer;

@@ -27,7 +27,7 @@ class Checkpoints {
 
   /// Whether it is time for the next checkpoint.
   [[nodiscard]] bool due(std::int64_t now_us) const;
-  /// Adds one at the time of `history`, with copies of the detectors.
+  /// Adds one at the time of `history`, with copies of the detectors; none where one of them cannot be copied.
   void add(const LoopHistory& history, std::span<const LoopDetector> detectors);
   /// Drops all but the start.
   void clear();

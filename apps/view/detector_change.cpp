@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/detector_views.h"
 #include "core/error.h"
 
 namespace saccade {
@@ -32,7 +33,10 @@ DetectorOutput warm_up(const std::string& name, Detector& detector, const LoopHi
 
 std::vector<LoopDetector> copies(std::span<const LoopDetector> detectors) {
   std::vector<LoopDetector> copied;
-  for (const LoopDetector& detector : detectors) copied.push_back({detector.name, detector.detector->copy()});
+  const auto copyable = [](const LoopDetector& detector) { return can_be_copied(*detector.detector); };
+  if (!std::ranges::all_of(detectors, copyable)) return copied;
+  for (const LoopDetector& detector : detectors)
+    copied.push_back({detector.name, copy_of(*detector.detector)});
   return copied;
 }
 
@@ -45,10 +49,10 @@ ChangedDetectors change_detectors(const ViewSettings& settings, const ViewSettin
     const bool unchanged = std::ranges::any_of(before.detectors, [&](const ViewDetector& other) {
       return other.enabled && has_name(other) && same_config(other.config, wanted.config);
     });
-    if (unchanged) {
-      const auto it = std::ranges::find_if(loop.detectors(), has_name);
-      SACCADE_CHECK(it != loop.detectors().end());
-      changed.detectors.push_back({wanted.name, it->detector->copy()});
+    const auto it = std::ranges::find_if(loop.detectors(), has_name);
+    SACCADE_CHECK(!unchanged || it != loop.detectors().end());
+    if (std::unique_ptr<Detector> copy = unchanged ? copy_of(*it->detector) : nullptr) {
+      changed.detectors.push_back({wanted.name, std::move(copy)});
       const auto output = std::ranges::find_if(history.outputs(), has_name);
       changed.outputs.push_back(output != history.outputs().end()
                                     ? *output

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numbers>
 
+#include "core/detector_views.h"
+
 namespace saccade {
 namespace {
 
@@ -82,7 +84,7 @@ void LoopHistory::fill(Snapshot& snapshot, const Loop& loop) const {
   snapshot.samples.assign(samples_.begin(), samples_.end());
   snapshot.hough.resize(static_cast<std::size_t>(camera_.size.pixels()));
   if (selected_ >= loop.detectors().size() ||
-      !loop.detectors()[selected_].detector->hough_space(snapshot.hough))
+      !hough_space_of(*loop.detectors()[selected_].detector, snapshot.hough))
     snapshot.hough.clear();
 }
 

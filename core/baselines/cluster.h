@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/detector_parts.h"
+#include "core/detector_views.h"
 
 namespace saccade {
 
@@ -27,7 +28,7 @@ void describe(FieldVisitor& v, ClusterConfig& config);
 /// radius towards the mean distance of the events (which lie on the outline), and adds 1 to its support. An event
 /// without a cluster in reach starts a new one. Support decays with time; a cluster with less than half an event is
 /// removed. Overlapping clusters are merged. The estimate is the cluster with the most support.
-class ClusterDetector final : public Detector {
+class ClusterDetector final : public Detector, public DetectorViews {
  public:
   /// Throws InputError for a configuration out of range.
   ClusterDetector(const ClusterConfig& config, ImageSize size);

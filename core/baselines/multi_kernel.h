@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/detector_parts.h"
+#include "core/detector_views.h"
 
 namespace saccade {
 
@@ -28,7 +29,7 @@ void describe(FieldVisitor& v, MultiKernelConfig& config);
 /// activity decays with time. An event moves one tracker towards its ring: the most active of those whose best ring is
 /// near. A tracker returns to its grid position if its activity is too low or a more active tracker is close. The
 /// estimate is the most active kernel.
-class MultiKernelDetector final : public Detector {
+class MultiKernelDetector final : public Detector, public DetectorViews {
  public:
   /// Throws InputError for a configuration out of range.
   MultiKernelDetector(const MultiKernelConfig& config, ImageSize size);

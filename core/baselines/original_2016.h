@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/detector_parts.h"
+#include "core/detector_views.h"
 #include "core/plane_fit_flow.h"
 
 namespace saccade {
@@ -35,7 +36,7 @@ void describe(FieldVisitor& v, Original2016Config& config);
 ///    the number of these pixels.
 ///  - Each radius stores its best cell. Another cell replaces it only when a vote has just raised that cell above it;
 ///    removing votes does not start a new search (unless `maximum` is exact).
-class Original2016 final : public Detector {
+class Original2016 final : public Detector, public DetectorViews {
  public:
   /// Throws InputError for a configuration out of range.
   Original2016(const Original2016Config& config, ImageSize size);
@@ -45,7 +46,7 @@ class Original2016 final : public Detector {
   [[nodiscard]] Estimate estimate() override;
   [[nodiscard]] double threshold() const override { return config_.threshold; }
   [[nodiscard]] RejectedEvents rejected() const override { return sieve_.rejected(); }
-  [[nodiscard]] bool hough_space(std::span<float> response) const override;
+  bool hough_space(std::span<float> response) const override;
   [[nodiscard]] std::unique_ptr<Detector> copy() const override {
     return std::make_unique<Original2016>(*this);
   }

@@ -23,7 +23,7 @@ double sum(const std::vector<float>& space) {
 
 std::vector<float> space_of(const Detector& detector) {
   std::vector<float> space(static_cast<std::size_t>(image.pixels()));
-  EXPECT_TRUE(detector.hough_space(space));
+  EXPECT_TRUE(hough_space_of(detector, space));
   return space;
 }
 

@@ -131,7 +131,7 @@ TEST_P(EveryDetector, ACopyContinuesLikeTheOriginal) {
   detector->process(std::span(events).first(3000), nullptr);
   detector->advance_to(events[2999].t_us, nullptr);
   static_cast<void>(detector->estimate());
-  const auto copy = detector->copy();
+  const auto copy = copy_of(*detector);
   int compared = 0;
   for (std::size_t i = 3000; i < events.size(); i += 300) {
     for (Detector* each : {detector.get(), copy.get()}) {
@@ -223,7 +223,7 @@ TEST_P(EveryDetector, ShowsABallInItsHoughSpaceIfItHasOne) {
   detector->process(streams::MovingDisc{35, 50, 400, 200, 22.5}.events(image, 0.08), nullptr);
   const Estimate e = detector->estimate();
   std::vector<float> space(static_cast<std::size_t>(image.pixels()), -1.0F);
-  if (!detector->hough_space(space)) {
+  if (!hough_space_of(*detector, space)) {
     EXPECT_THAT(space, testing::Each(-1.0F));
     return;
   }

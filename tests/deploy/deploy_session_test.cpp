@@ -107,7 +107,6 @@ class Seer final : public Detector {
   [[nodiscard]] Estimate estimate() override { return estimate_; }
   [[nodiscard]] double threshold() const override { return 0.5; }
   [[nodiscard]] RejectedEvents rejected() const override { return {}; }
-  [[nodiscard]] std::unique_ptr<Detector> copy() const override { return std::make_unique<Seer>(*this); }
 
  private:
   Work* work_;

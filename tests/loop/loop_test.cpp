@@ -41,7 +41,6 @@ class BallSeer final : public Detector {
   [[nodiscard]] Estimate estimate() override { return estimate_; }
   [[nodiscard]] double threshold() const override { return 0.5; }
   [[nodiscard]] RejectedEvents rejected() const override { return {}; }
-  [[nodiscard]] std::unique_ptr<Detector> copy() const override { return std::make_unique<BallSeer>(*this); }
 
  private:
   Script ball_m_;
@@ -256,9 +255,6 @@ class CountingDetector final : public Detector {
   [[nodiscard]] Estimate estimate() override { return {true, true, {64.0, 64.0, 10.0}, 1.0}; }
   [[nodiscard]] double threshold() const override { return 0.5; }
   [[nodiscard]] RejectedEvents rejected() const override { return {}; }
-  [[nodiscard]] std::unique_ptr<Detector> copy() const override {
-    return std::make_unique<CountingDetector>(*this);
-  }
 
  private:
   Counts& counts_;
@@ -361,7 +357,6 @@ class OneEyed final : public Detector {
   [[nodiscard]] Estimate estimate() override { return estimate_; }
   [[nodiscard]] double threshold() const override { return 0.5; }
   [[nodiscard]] RejectedEvents rejected() const override { return {}; }
-  [[nodiscard]] std::unique_ptr<Detector> copy() const override { return std::make_unique<OneEyed>(*this); }
 
  private:
   Eye eye_;
