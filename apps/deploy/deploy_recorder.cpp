@@ -34,10 +34,10 @@ std::size_t terminal_width() {
   return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1 ? size.ws_col - 1U : 79U;
 }
 
-std::string in_words(const DeployChange& change) {
-  if (!change.refused.empty()) return "not activated: " + change.refused;
+std::string text_of_change(const DeployChange& change) {
+  if (!change.rejected.empty()) return "not activated: " + change.rejected;
   if (change.stop) {
-    return fmt::format("stopped: {}; the head was told to stop after {:.1f} ms", change.stop->description(),
+    return fmt::format("stopped: {}; stop command after {:.1f} ms", change.stop->description(),
                        ms(change.took_us));
   }
   return std::string(name_of(change.state));
@@ -75,12 +75,12 @@ DeployRecorder::DeployRecorder(std::filesystem::path folder, const RobotFile& ro
       ticks_(tick_slots, Slot{{}, {}, std::vector<DetectorTick>(loop.detectors().size()), 0}),
       event_ring_(facts_.record ? event_slots : 0),
       terminal_(isatty(STDERR_FILENO) != 0),
-      log_file_(folder_ / "log.txt", [this](const std::string& line) { say(line); }),
+      log_file_(folder_ / "log.txt", [this](const std::string& line) { print_line(line); }),
       log_([this](std::int64_t t_us, const std::string& text) { log_file_.write(t_us, text); }),
       detections_(folder_ / "detections.csv"),
       gaze_(folder_ / "gaze.csv"),
       timing_(folder_ / "timing.csv"),
-      seen_(loop.detectors().size()),
+      detectors_(loop.detectors().size()),
       last_joints_us_(std::numeric_limits<std::int64_t>::min()) {
   if (facts_.record) {
     events_ = create_event_file(folder_ / ("events." + robot.output.events), image_);
@@ -121,7 +121,7 @@ void DeployRecorder::on_tick(const Tick& tick, const TickTiming& timing) {
 void DeployRecorder::on_change(const DeployChange& change) {
   const std::lock_guard lock(changes_mutex_);
   changes_.push_back(change);
-  new_lines_.emplace_back(change.t_us, in_words(change));
+  new_lines_.emplace_back(change.t_us, text_of_change(change));
 }
 
 void DeployRecorder::on_news(std::int64_t t_us, const std::string& line) {
@@ -131,20 +131,20 @@ void DeployRecorder::on_news(std::int64_t t_us, const std::string& line) {
 
 void DeployRecorder::work() {
   for (;;) {
-    const bool last = over_;  // asked before the rings are looked at
+    const bool last = over_;  // read before the rings
     try {
       const bool found = drain();
       if (!found && last) return;
       if (found) continue;
     } catch (const std::exception& error) {
-      if (failure_.empty()) say(std::string("the recording ended: ") + error.what());
+      if (failure_.empty()) print_line(std::string("the recording ended: ") + error.what());
       failure_ = error.what();
     }
     std::this_thread::sleep_for(pause);
   }
 }
 
-/// Whether there was anything.
+/// Returns whether there was anything.
 bool DeployRecorder::drain() {
   std::vector<std::pair<std::int64_t, std::string>> lines;
   {
@@ -186,12 +186,12 @@ void DeployRecorder::write(Slot& slot) {
   ++ticks_in_window_;
   for (std::size_t i = 0; i < slot.detectors.size(); ++i) {
     const DetectorTick& detector = slot.detectors[i];
-    const bool sure =
+    const bool at_threshold =
         detector.observed && detector.estimate.score >= loop_.detectors()[i].detector->threshold();
-    seen_[i].sure += sure ? 1 : 0;
-    seen_[i].sure_in_window += sure ? 1 : 0;
-    seen_[i].skipped += detector.skipped ? 1 : 0;
-    seen_[i].elapsed_ns += detector.elapsed_ns;
+    detectors_[i].at_threshold += at_threshold ? 1 : 0;
+    detectors_[i].in_window += at_threshold ? 1 : 0;
+    detectors_[i].skipped += detector.skipped ? 1 : 0;
+    detectors_[i].elapsed_ns += detector.elapsed_ns;
   }
   if (tick.t_us >= next_status_us_) {
     show_status();
@@ -201,10 +201,10 @@ void DeployRecorder::write(Slot& slot) {
 
   log_.on_tick(tick);
   for (std::size_t i = 0; i < slot.detectors.size(); ++i) {
-    const DetectorTick& seen = slot.detectors[i];
-    if (!seen.observed) continue;
-    detections_.write({tick.t_us, loop_.detectors()[i].name, seen.estimate.circle, seen.estimate.score,
-                       seen.estimate.held});
+    const DetectorTick& result = slot.detectors[i];
+    if (!result.observed) continue;
+    detections_.write({tick.t_us, loop_.detectors()[i].name, result.estimate.circle, result.estimate.score,
+                       result.estimate.held});
   }
   if (tick.head && is_finite(*tick.head)) {
     const Eigen::Vector3d none = Eigen::Vector3d::Constant(nan);
@@ -251,10 +251,10 @@ void DeployRecorder::show_status() {
   const double seconds = 1e-6 * static_cast<double>(last_.due_us - *start_us_);
   const double window_s = 1e-3 * robot_.deploy.tick_ms * static_cast<double>(ticks_in_window_ + f.missed);
   std::string line = fmt::format("{:<7} {:7.1f} s", name_of(last_.state), seconds);
-  for (std::size_t i = 0; i < seen_.size(); ++i) {
+  for (std::size_t i = 0; i < detectors_.size(); ++i) {
     line += fmt::format("  {} {:3.0f} %", loop_.detectors()[i].name,
-                        100.0 * mean(seen_[i].sure_in_window, ticks_in_window_));
-    seen_[i].sure_in_window = 0;
+                        100.0 * mean(detectors_[i].in_window, ticks_in_window_));
+    detectors_[i].in_window = 0;
   }
   if (phase_ == GazePhase::following && target_m_)
     line += fmt::format("  ball ({:.2f}, {:.2f}, {:.2f}) m", target_m_->x(), target_m_->y(), target_m_->z());
@@ -279,7 +279,7 @@ void DeployRecorder::show_status() {
   }
 }
 
-void DeployRecorder::say(const std::string& line) {
+void DeployRecorder::print_line(const std::string& line) {
   fmt::print(stderr, "{}{}\n", line_is_open_ ? "\r\033[K" : "", line);
   line_is_open_ = false;
 }
@@ -312,14 +312,14 @@ void DeployRecorder::write_summary() const {
   metrics.image = image_;
   metrics.camera = robot_.calibration.camera;
   metrics.calibration = robot_.calibration;
-  for (std::size_t i = 0; i < seen_.size(); ++i) {
+  for (std::size_t i = 0; i < detectors_.size(); ++i) {
     const LoopDetector& detector = loop_.detectors()[i];
     DetectorScore score;
     score.threshold = detector.detector->threshold();
-    score.observations = seen_[i].sure;
+    score.observations = detectors_[i].at_threshold;
     if (whole_.events > 0)
       score.us_per_event =
-          1e-3 * static_cast<double>(seen_[i].elapsed_ns) / static_cast<double>(whole_.events);
+          1e-3 * static_cast<double>(detectors_[i].elapsed_ns) / static_cast<double>(whole_.events);
     score.rejected_events = detector.detector->rejected();
     metrics.detectors.emplace_back(detector.name, std::move(score));
   }
@@ -356,13 +356,13 @@ void DeployRecorder::write_summary() const {
                {"not_recorded", {{"ticks", lost_ticks_.load()}, {"events", lost_events_.load()}}},
                {"checks", Json::array()},
                {"states", Json::array()}};
-  for (std::size_t i = 0; i < seen_.size(); ++i)
-    json["skipped"][loop_.detectors()[i].name] = seen_[i].skipped;
+  for (std::size_t i = 0; i < detectors_.size(); ++i)
+    json["skipped"][loop_.detectors()[i].name] = detectors_[i].skipped;
   for (const StartUpCheck& check : facts_.checks)
     json["checks"].push_back({{"what", check.what}, {"passed", check.passed}, {"found", check.found}});
   for (const DeployChange& change : changes_) {
     Json state = {{"t_us", change.t_us}, {"state", name_of(change.state)}};
-    if (!change.refused.empty()) state["refused"] = change.refused;
+    if (!change.rejected.empty()) state["refused"] = change.rejected;
     if (change.stop) {
       state["cause"] = change.stop->description();
       state["fault"] = is_fault(change.stop->cause);

@@ -21,19 +21,19 @@
 
 namespace saccade {
 
-/// What a deployed run is, beside its ticks, for its summary.
+/// Facts about a deployed run for its summary.
 struct DeployFacts {
   std::vector<StartUpCheck> checks;
   bool dry_run = false;
-  bool record = false;  ///< events and joints too
+  bool record = false;  ///< events and joints are recorded too
 };
 
-/// Writes the run folder of a deployed run while it goes on, and its log and figures to standard error: one changing
-/// line on a terminal, five times a second, else a line every second.
+/// Records a deployed run: writes its run folder tick by tick, and log and figures to standard error (on a terminal one
+/// changing line five times per second, else a line per second).
 ///
-/// Files and terminal are the business of a thread of its own. The ticks hand over what happened in them through rings
-/// of fixed size (4096 ticks, 2^19 events); where that thread is so late that a ring is full, ticks or events are left
-/// out of the files and counted. A file that cannot be written ends the recording, not the run: finish() then throws.
+/// A thread of its own writes files and terminal; ticks pass their data to it through rings of fixed size (4096 ticks,
+/// 2^19 events). If the thread falls behind and a ring is full, ticks or events are dropped from the files and counted;
+/// tick timing is not affected. If a file cannot be written, recording ends, the run continues, and finish() throws.
 class DeployRecorder final : public DeployObserver {
  public:
   /// `robot` and `loop` outlive it. The folder exists.
@@ -46,8 +46,8 @@ class DeployRecorder final : public DeployObserver {
   void on_tick(const Tick& tick, const TickTiming& timing) override;
   void on_change(const DeployChange& change) override;
   void on_news(std::int64_t t_us, const std::string& line) override;
-  /// How the operating system was told to keep time, for the summary.
-  void set_scheduling(std::string told) { scheduling_ = std::move(told); }
+  /// RealTime::summary(), for the summary.
+  void set_scheduling(std::string summary) { scheduling_ = std::move(summary); }
   /// After the last tick: writes what is left, metrics.json and deploy.json. Throws RunError, InputError.
   void finish();
 
@@ -59,10 +59,10 @@ class DeployRecorder final : public DeployObserver {
     std::size_t events = 0;  ///< of the tick, in the ring of events
   };
   struct Detections {
-    std::int64_t sure = 0;  ///< observations at or above the threshold
+    std::int64_t at_threshold = 0;  ///< observations at or above the threshold
     std::int64_t skipped = 0;
     std::int64_t elapsed_ns = 0;
-    std::int64_t sure_in_window = 0;  ///< of the status line
+    std::int64_t in_window = 0;  ///< of them, since the last status line
   };
   struct Figures {
     TimeFigures late, tick, latency;
@@ -81,7 +81,7 @@ class DeployRecorder final : public DeployObserver {
   void write(Slot& slot);
   void write_timing();
   void show_status();
-  void say(const std::string& line);
+  void print_line(const std::string& line);
   void write_summary() const;
 
   std::filesystem::path folder_;
@@ -100,7 +100,7 @@ class DeployRecorder final : public DeployObserver {
   std::vector<std::pair<std::int64_t, std::string>> new_lines_;
   std::atomic<bool> over_ = false;
 
-  // The writer's from here on, until it is joined.
+  // From here on used by the writer's thread alone until it is joined.
   bool terminal_;
   bool line_is_open_ = false;
   LogFile log_file_;
@@ -111,7 +111,7 @@ class DeployRecorder final : public DeployObserver {
   std::unique_ptr<EventWriter> events_;
   std::optional<TableWriter<JointsRow>> joints_;
   std::vector<Event> tick_events_;
-  std::vector<Detections> seen_;
+  std::vector<Detections> detectors_;
   Figures whole_, timing_window_, status_window_;
   std::int64_t ticks_in_window_ = 0;  // of the status line
   TickTiming last_;

@@ -12,12 +12,12 @@ std::string_view name_of(DeployState state) {
   return names.at(static_cast<std::size_t>(state));
 }
 
-DeploySession::DeploySession(Robot& robot, Loop& loop, MakeMotion make_motion, Operator& wishes,
+DeploySession::DeploySession(Robot& robot, Loop& loop, MakeMotion make_motion, OperatorRequests& requests,
                              DeployObserver& observer, const DeploySessionConfig& config)
     : robot_(robot),
       loop_(loop),
       make_motion_(std::move(make_motion)),
-      wishes_(wishes),
+      requests_(requests),
       observer_(observer),
       tick_us_(config.tick_us),
       watchdog_(config.watchdog, robot.head() != nullptr ? robot.head()->limits() : JointLimits{}),
@@ -32,7 +32,7 @@ void DeploySession::set_ready() {
   change(DeployState::ready, std::nullopt, 0, {});
 }
 
-/// When the next tick should begin, as far as its lateness is concerned.
+/// Schedules the next tick. Returns its planned time, from which its delay counts.
 std::int64_t DeploySession::plan_tick() {
   const std::int64_t planned_us = due_us_ + tick_us_;
   missed_ = std::max<std::int64_t>(0, (robot_.clock().now_us() - planned_us) / tick_us_);
@@ -53,15 +53,15 @@ bool DeploySession::tick() {
   if (time != PortStatus::ok) return end(time);
   const TickFacts facts = this->facts(planned_us);
 
-  const Operator::Wish wish = wishes_.wish_.exchange(Operator::Wish::none);
-  const bool quit = wishes_.quit_;
+  const OperatorRequests::Request request = requests_.request_.exchange(OperatorRequests::Request::none);
+  const bool quit = requests_.quit_;
   if (state_ == DeployState::active) {
     if (const auto fault = watchdog_.check(facts)) {
       stop(*fault);
-    } else if (quit || wish == Operator::Wish::stop) {
-      stop({quit ? wishes_.quit_cause_.load() : StopCause::operator_stop, facts.now_us});
+    } else if (quit || request == OperatorRequests::Request::stop) {
+      stop({quit ? requests_.quit_cause_.load() : StopCause::operator_stop, facts.now_us});
     }
-  } else if (wish == Operator::Wish::activate && !quit) {
+  } else if (request == OperatorRequests::Request::activate && !quit) {
     activate(facts);
   }
   if (quit) return end(PortStatus::ended);
@@ -85,13 +85,13 @@ bool DeploySession::tick() {
   return status == PortStatus::lost || status == PortStatus::ended ? end(status) : true;
 }
 
-/// A head that is moved stops, whatever ended.
+/// Stops an active head.
 bool DeploySession::end(PortStatus status) {
   Fault fault{StopCause::operator_stop, robot_.clock().now_us()};
   if (status == PortStatus::lost) {
-    // The last tick still found it, so it was lost after that one began.
+    // The last tick still had the connection, so it was lost after that tick began.
     fault = {StopCause::lost, last_begin_us_, loop_.lost().empty() ? "clock" : loop_.lost()};
-  } else if (!wishes_.quit_) {
+  } else if (!requests_.quit_) {
     fault.cause = StopCause::ended;
   }
   if (state_ == DeployState::active || status == PortStatus::lost) stop(fault);
@@ -100,11 +100,12 @@ bool DeploySession::end(PortStatus status) {
 
 void DeploySession::activate(const TickFacts& facts) {
   if (!make_motion_)
-    return change(state_, std::nullopt, 0, "nothing is there to move: gaze.detector is none");
+    return change(state_, std::nullopt, 0,
+                  "there is nothing to move: gaze.detector is none, or the robot has no head");
   if (state_ == DeployState::unconfigured)
     return change(state_, std::nullopt, 0, "not every start-up check has passed");
   TickFacts now = facts;
-  now.due_us = now.now_us;  // nobody was waiting for this tick
+  now.due_us = now.now_us;  // the head did not wait for this tick
   if (const auto fault = watchdog_.check(now)) return change(state_, std::nullopt, 0, fault->description());
   try {
     robot_.activate();
@@ -130,9 +131,9 @@ void DeploySession::stop(const Fault& fault) {
 }
 
 void DeploySession::change(DeployState state, const std::optional<Fault>& stop, std::int64_t took_us,
-                           std::string refused) {
+                           std::string rejected) {
   state_ = state;
-  observer_.on_change({robot_.clock().now_us(), state, stop, took_us, std::move(refused)});
+  observer_.on_change({robot_.clock().now_us(), state, stop, took_us, std::move(rejected)});
 }
 
 }  // namespace saccade

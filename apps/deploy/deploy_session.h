@@ -24,44 +24,44 @@ namespace saccade {
 enum class DeployState { unconfigured, ready, active, stopped };
 [[nodiscard]] std::string_view name_of(DeployState state);
 
-/// A change of the session's state, or an activation that was refused (`state` is then what it stays).
+/// A change of the session's state, or a rejected activation (`state` stays).
 struct DeployChange {
   std::int64_t t_us = 0;
   DeployState state = DeployState::unconfigured;
-  std::optional<Fault> stop;  ///< why, where the head was stopped
-  std::int64_t took_us = 0;   ///< from the stop's fact to the head being told to stop
-  std::string refused;        ///< why it was not activated
+  std::optional<Fault> stop;  ///< if the head was stopped
+  std::int64_t took_us = 0;   ///< from the fact that caused the stop to the stop command
+  std::string rejected;       ///< reason of a rejected activation
 };
 
-/// When a tick did what, in the robot's clock.
+/// Timing of a tick, us of the robot's clock.
 struct TickTiming {
   std::int64_t due_us = 0;
-  std::int64_t begin_us = 0;  ///< when it began: begin - due is its lateness
-  std::int64_t end_us = 0;    ///< when everything in it was done
-  /// From the newest event's stamp to the command; none in a tick without events. What a camera's transport takes at
-  /// least is not in it, where stamps are put onto the robot's clock by their arrival.
+  std::int64_t begin_us = 0;  ///< begin - due is the delay
+  std::int64_t end_us = 0;    ///< after all detectors
+  /// From the newest event's time stamp to the command; none in a tick without events. Does not include the least delay
+  /// of the camera's transport if time stamps are mapped to the robot's clock by arrival.
   std::optional<std::int64_t> latency_us;
-  std::int64_t missed = 0;  ///< ticks before it that were due and left out
+  std::int64_t missed = 0;  ///< due ticks before it that were skipped
   EventTraffic traffic;
   DeployState state = DeployState::unconfigured;
 };
 
-/// Hears everything in the thread of the ticks.
+/// Called in the thread of the ticks.
 class DeployObserver {
  public:
   virtual ~DeployObserver() = default;
-  /// After each tick. Neither allocates, throws nor waits; `tick` is valid until it returns.
+  /// After each tick. Must not allocate, throw or wait; `tick` is valid until it returns.
   virtual void on_tick(const Tick& tick, const TickTiming& timing) = 0;
   virtual void on_change(const DeployChange& change) = 0;
   /// Robot::news.
   virtual void on_news(std::int64_t t_us, const std::string& line) = 0;
 };
 
-/// What an operator asks for. Any thread may call; the session sees it at its next tick.
-class Operator {
+/// Requests of an operator, carried out at the next tick. May be called from any thread.
+class OperatorRequests {
  public:
-  void activate() { wish_ = Wish::activate; }
-  void stop() { wish_ = Wish::stop; }
+  void activate() { request_ = Request::activate; }
+  void stop() { request_ = Request::stop; }
   /// The head stops and the session ends.
   void quit(StopCause cause) {
     quit_cause_ = cause;
@@ -70,8 +70,8 @@ class Operator {
 
  private:
   friend class DeploySession;
-  enum class Wish { none, activate, stop };
-  std::atomic<Wish> wish_ = Wish::none;
+  enum class Request { none, activate, stop };
+  std::atomic<Request> request_ = Request::none;
   std::atomic<StopCause> quit_cause_ = StopCause::operator_stop;
   std::atomic<bool> quit_ = false;
 };
@@ -81,37 +81,37 @@ struct DeploySessionConfig {
   WatchdogConfig watchdog;
 };
 
-/// The loop on a robot: when a tick begins, whether the head may be moved in it, and what happens when it may not. Has
-/// no clock but the robot's and no thread.
+/// Runs a loop on a robot in real time: schedules the ticks, activates the head and stops it. Has no clock but the
+/// robot's, and no thread.
 ///
-/// Ticks are due every tick_us. One that is over when the next is due is followed at once by the newest one that is
-/// due, and those in between are left out: time that is lost is not made up for.
+/// Ticks are due every tick_us. After a tick that took longer, the newest due tick follows at once and those in between
+/// are skipped: lost time is not made up for.
 ///
-/// Before each tick of an active head the watchdog looks. On a fault, and when the operator stops it: the loop lets the
-/// head go, the head (or the robot's gaze controller) is told to stop, the time that took is noted, and the
-/// joints are given back (Robot::release). Detection goes on. A lost connection ends the session.
+/// Before each tick with an active head the watchdog checks the robot. On a fault, and on the operator's request, the
+/// loop stops sending, the head (or the robot's gaze controller) gets a stop command, the delay is measured, and the
+/// joints are released (Robot::release). Detection continues. A lost connection ends the session.
 class DeploySession {
  public:
   using MakeMotion = std::function<LoopMotion()>;
 
-  /// `robot`, `loop` (of the robot's ports), `wishes` and `observer` outlive it. `make_motion` gives what moves the
-  /// head, anew at every activation; empty where nothing shall move it, then activation is refused.
-  DeploySession(Robot& robot, Loop& loop, MakeMotion make_motion, Operator& wishes, DeployObserver& observer,
-                const DeploySessionConfig& config);
+  /// `robot`, `loop` (on that robot), `requests` and `observer` outlive it. `make_motion` is called at each activation;
+  /// if it is empty, activation is rejected.
+  DeploySession(Robot& robot, Loop& loop, MakeMotion make_motion, OperatorRequests& requests,
+                DeployObserver& observer, const DeploySessionConfig& config);
 
-  /// Every start-up check has passed; ticks are due from now on.
+  /// To be called after all start-up checks have passed; ticks are due from now on.
   void set_ready();
-  /// One tick; false when the session is over: the operator quit, the recording ended, the connection was lost.
+  /// One tick. Returns false at the end: the operator quit, the recording ended, or the connection was lost.
   bool tick();
 
   [[nodiscard]] DeployState state() const { return state_; }
-  /// Why the head was stopped last.
+  /// The newest stop of the head.
   [[nodiscard]] const std::optional<Fault>& last_stop() const { return last_stop_; }
 
  private:
   class LastTick final : public LoopObserver {
    public:
-    void on_tick(const Tick& seen) override { tick = seen; }
+    void on_tick(const Tick& newest) override { tick = newest; }
     std::optional<Tick> tick;
   };
 
@@ -119,13 +119,14 @@ class DeploySession {
   [[nodiscard]] TickFacts facts(std::int64_t due_us);
   void activate(const TickFacts& facts);
   void stop(const Fault& fault);
-  void change(DeployState state, const std::optional<Fault>& stop, std::int64_t took_us, std::string refused);
+  void change(DeployState state, const std::optional<Fault>& stop, std::int64_t took_us,
+              std::string rejected);
   bool end(PortStatus status);
 
   Robot& robot_;
   Loop& loop_;
   MakeMotion make_motion_;
-  Operator& wishes_;
+  OperatorRequests& requests_;
   DeployObserver& observer_;
   std::int64_t tick_us_;
   Watchdog watchdog_;
@@ -133,7 +134,7 @@ class DeploySession {
   DeployState state_ = DeployState::unconfigured;
   std::optional<Fault> last_stop_;
   std::int64_t due_us_;         // of the last tick
-  std::int64_t last_begin_us_;  // the connection stood then
+  std::int64_t last_begin_us_;  // the connection was intact then
   std::int64_t missed_ = 0;
 };
 

@@ -6,17 +6,16 @@
 
 namespace saccade {
 
-/// Single keys of a person at the terminal, as they are pressed; nothing where standard input is none. The terminal is
-/// as it was when this is gone.
+/// Reads single keys from the terminal on standard input, if it is one. Restores the terminal's mode at its end.
 class Keyboard {
  public:
-  /// `pressed` is called in a thread of its own.
+  /// `pressed` is called for each key, in a thread of its own.
   explicit Keyboard(std::function<void(char)> pressed);
   Keyboard(const Keyboard&) = delete;
   Keyboard& operator=(const Keyboard&) = delete;
   ~Keyboard();
 
-  /// Whether there is a terminal to press keys at.
+  /// Whether standard input is a terminal and the program is in its foreground.
   [[nodiscard]] static bool is_there();
 
  private:

@@ -10,7 +10,7 @@
 namespace saccade {
 namespace {
 
-constexpr int priority = 50;  // the middle: below what drives the hardware
+constexpr int priority = 50;  // the middle: below the hardware drivers
 
 std::string reason(int error) { return std::generic_category().message(error); }
 
@@ -19,16 +19,16 @@ std::string reason(int error) { return std::generic_category().message(error); }
 RealTime::RealTime() {
   sched_param wanted{};
   wanted.sched_priority = priority;
-  const int refused = pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
-  told_ = refused == 0 ? "real-time priority " + std::to_string(priority)
-                       : "no real-time priority (" + reason(refused) + ")";
+  const int denied = pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
+  summary_ = denied == 0 ? "real-time priority " + std::to_string(priority)
+                         : "no real-time priority (" + reason(denied) + ")";
   rlimit most{};
-  // Where memory is limited, locking what is still to come would make later allocations fail.
+  // With a limit on locked memory, locking future pages would make later allocations fail.
   const bool unlimited = getrlimit(RLIMIT_MEMLOCK, &most) == 0 && most.rlim_cur == RLIM_INFINITY;
   if (mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0) {
-    told_ += ", memory locked";
+    summary_ += ", memory locked";
   } else {
-    told_ += ", memory not locked (" + reason(errno) + ")";
+    summary_ += ", memory not locked (" + reason(errno) + ")";
   }
 }
 

@@ -4,8 +4,8 @@
 
 namespace saccade {
 
-/// While it lives, the operating system is asked to run this thread before all others (SCHED_FIFO) and to keep the
-/// program's memory where it is (mlockall). What is not allowed is left as it was.
+/// Requests real-time priority for this thread (SCHED_FIFO) and locks the program's memory (mlockall) for its lifetime,
+/// as far as the operating system permits.
 class RealTime {
  public:
   RealTime();
@@ -13,11 +13,11 @@ class RealTime {
   RealTime& operator=(const RealTime&) = delete;
   ~RealTime();
 
-  /// In words, what came of it.
-  [[nodiscard]] const std::string& told() const { return told_; }
+  /// What the operating system granted, in words.
+  [[nodiscard]] const std::string& summary() const { return summary_; }
 
  private:
-  std::string told_;
+  std::string summary_;
 };
 
 }  // namespace saccade

@@ -7,8 +7,8 @@
 
 namespace saccade {
 
-/// How long things took: counts in bins that are 1/16 of an octave wide, so that a quantile is at most 6.3 % too long.
-/// Fixed memory; add() is a few instructions.
+/// Histogram of durations in fixed memory: bins are 1/16 of an octave wide, so a quantile is at most 6.3 % too long. add()
+/// is a few instructions.
 class TimeFigures {
  public:
   void add(std::int64_t us) {
@@ -21,7 +21,7 @@ class TimeFigures {
 
   [[nodiscard]] std::int64_t count() const { return count_; }
   [[nodiscard]] std::int64_t max_us() const { return max_us_; }
-  /// The least time that `share` of all did not exceed; 0 when there are none.
+  /// The least duration that `share` of all do not exceed; 0 without any.
   [[nodiscard]] std::int64_t quantile_us(double share) const {
     const double wanted = share * static_cast<double>(count_);
     std::int64_t seen = 0;

@@ -138,7 +138,7 @@ std::string GazeServer::answer(const std::string& request) {
         ack);
   }
   if (what != "stop" && what != "susp" && what != "run") return std::string(nack);
-  ++orders_;
+  ++requests_;
   if (what != "run") {
     stop_ = stop_ || target_m_.has_value();
     target_m_.reset();
@@ -154,7 +154,7 @@ std::string GazeServer::look(Words& words) {
       check_gaze_target(*target_m, HeadKinematics(state_.position_rad)) != TargetStatus::ok) {
     return std::string(nack);
   }
-  ++orders_;
+  ++requests_;
   if (!target_m_) restart();
   target_m_ = target_m;
   target_is_new_ = true;
@@ -284,7 +284,7 @@ std::string GazeServer::adopt(Settings settings) {
     restart();
     return std::string(nack);
   }
-  ++orders_;
+  ++requests_;
   return std::string(ack);
 }
 
@@ -312,7 +312,7 @@ std::string GazeServer::set(Words& words) {
     if (kept == settings.kept.end()) return std::string(nack);
     kept->second = value;
     settings_ = std::move(settings);
-    ++orders_;
+    ++requests_;
     return std::string(ack);
   }
   return adopt(std::move(settings));
@@ -405,7 +405,7 @@ GazeServer::Report GazeServer::report() {
   report.angles_deg = angles_deg();
   report.target_m = target_m_;
   report.events = std::exchange(events_, {});
-  report.orders = orders_;
+  report.requests = requests_;
   return report;
 }
 

@@ -14,10 +14,9 @@
 
 namespace saccade {
 
-/// A gaze controller as others ask for it: the requests of iKinGazeCtrl, answered by IkinGazeController. It knows no
-/// network: a request and its reply are text as YARP writes a message, words, numbers and lists in brackets; where the
-/// brackets are does not matter. Angles are degrees here, lengths m, points in the root frame, pixels as the events have
-/// them without distortion (iKinGazeCtrl knows none).
+/// Replies to the requests of iKinGazeCtrl, carried out by IkinGazeController. Independent of the network: a request and
+/// its reply are text as YARP writes a message, words, numbers and lists in brackets; the position of brackets does not
+/// matter. Angles in deg, lengths in m, points in the root frame, pixels of the image without distortion.
 ///
 ///     look 3D (x y z)                     [ack], [nack] where the head may not look there
 ///     look mono (left|right u v z)        z: depth along that eye's axis
@@ -28,13 +27,13 @@ namespace saccade {
 ///     get 2D (left|right x y z)           [ack] (u v)
 ///     get pose left|right|head            [ack] (x y z and axis, angle in rad)
 ///     set|get Tneck|Teyes|sacc|sact|sinh  times s, saccades 0 or 1, their least angle deg, least interval s
-///     set|get track|ntol|vor|ocr|stab     kept and told, without effect
+///     set|get track|ntol|vor|ocr|stab     stored and returned, without effect
 ///     bind pitch|roll|yaw min max, bind eyes ver, clear pitch|roll|yaw|eyes, get pitch|roll|yaw
 ///     stop | susp | run | status | get info | stor | rest id | dele id | help
 ///
-/// Anything else is answered [nack]. Before the first target, after `stop` and while suspended it leaves the head alone;
-/// otherwise it keeps looking at the newest target, whoever gave it and whether or not he is still there, as
-/// iKinGazeCtrl does. A change of a setting starts the controller anew from where the head is.
+/// The reply to anything else is [nack]. Before the first target, after `stop` and while suspended it does not move the
+/// head; otherwise it keeps looking at the newest target, also after the client that sent it is gone, as iKinGazeCtrl
+/// does. A change of a setting restarts the controller from the head's position.
 ///
 /// May be called from several threads.
 class GazeServer {
@@ -45,17 +44,17 @@ class GazeServer {
 
   [[nodiscard]] std::string answer(const std::string& request);
 
-  /// Once per control period: what the head shall do now, rad; none: it is left alone.
+  /// Once per control period: the reference of the head, rad; none: the head is not moved.
   [[nodiscard]] std::optional<HeadJointVector> step(const HeadState& state, double dt_s);
 
-  /// What it tells unasked.
+  /// State that iKinGazeCtrl streams.
   struct Report {
-    std::optional<Eigen::Vector3d> fixation_m;  ///< none where the eyes' axes do not meet
+    std::optional<Eigen::Vector3d> fixation_m;  ///< none while the optical axes have no fixation point
     JointVector position_rad;
     Eigen::Vector3d angles_deg;               ///< azimuth, elevation, vergence
-    std::optional<Eigen::Vector3d> target_m;  ///< what it looks at
+    std::optional<Eigen::Vector3d> target_m;  ///< newest target
     std::vector<std::string> events;          ///< since the last report: motion-onset, motion-done
-    std::int64_t orders = 0;                  ///< requests that move the head or set something, so far
+    std::int64_t requests = 0;                ///< that moved the head or changed a setting, so far
   };
   [[nodiscard]] Report report();
 
@@ -63,7 +62,7 @@ class GazeServer {
   struct Settings {
     IkinGazeConfig gaze;
     JointLimits limits;                                ///< bindings included
-    std::vector<std::pair<std::string, double>> kept;  ///< without effect
+    std::vector<std::pair<std::string, double>> kept;  ///< settings without effect
   };
   class Words;
 
@@ -91,11 +90,11 @@ class GazeServer {
   std::optional<Eigen::Vector3d> target_m_;
   bool target_is_new_ = false;
   bool suspended_ = false;
-  bool stop_ = false;  ///< the head has to be told to
+  bool stop_ = false;  ///< at the next step
   double still_s_ = 0.0;
   bool done_ = true;
   std::vector<std::string> events_;
-  std::int64_t orders_ = 0;
+  std::int64_t requests_ = 0;
 };
 
 }  // namespace saccade

@@ -2,9 +2,9 @@
 
 namespace saccade {
 
-/// From here on Ctrl-C and SIGTERM set a flag instead of ending the program; a second one ends it.
+/// After this call Ctrl-C and SIGTERM set a flag instead of ending the program; a second signal ends it.
 void catch_interrupts();
-/// Whether one came.
+/// Whether such a signal came.
 [[nodiscard]] bool interrupted();
 
 }  // namespace saccade

@@ -8,8 +8,8 @@
 namespace saccade {
 namespace {
 
-/// The eye whose events the detectors get: as the option says, else the left one, but for a recording that begins
-/// with a block of the right one's alone.
+/// The eye whose events the detectors get: that of the option, else the left one; the right one if the recording's first
+/// block has events of the right eye alone.
 Eye played_eye(const ReadOptions& options, const std::filesystem::path& events) {
   if (options.read.camera) return static_cast<Eye>(*options.read.camera);
   std::vector<Event> block;
@@ -44,7 +44,7 @@ Played open_played(const ReadOptions& options, std::filesystem::path truth) {
       played.camera = metrics.calibration.value_or(MountedCamera{*metrics.camera, {}});
     }
     const std::filesystem::path joints = options.recording / "joints.csv";
-    // Nobody commands the head, so nobody asks for its limits.
+    // The head gets no commands, so its limits are not used.
     if (std::filesystem::exists(joints))
       played.head.emplace(RecordedHead{TableReader<JointsRow>(joints), {}});
     const std::filesystem::path own_truth = options.recording / (right ? "truth_right.csv" : "truth.csv");

@@ -12,31 +12,31 @@
 
 namespace saccade {
 
-/// The recording that a subcommand reads, and what its file may leave open.
+/// A recording that a subcommand reads, and how to read it.
 struct ReadOptions {
   std::filesystem::path recording;
   EventReadOptions read;
 };
 
-/// Whether the recording is the folder of a run, or of detect (else it is a file, or a folder with a log in it).
+/// Whether the path is the folder of a run or of detect; otherwise it is a file, or a folder with an event-driven log.
 [[nodiscard]] bool is_run_folder(const std::filesystem::path& recording);
-/// The events' file of a run folder, by its metrics.json; anything else as it is. Throws InputError where metrics.json
-/// is missing or broken.
+/// The event file of a run folder, as its metrics.json names it; any other path unchanged. Throws InputError if
+/// metrics.json is missing or broken.
 [[nodiscard]] std::filesystem::path events_of(const std::filesystem::path& recording);
 
-/// What is played: a bare recording, or a run folder with its camera, joints and truth.
+/// A recording to replay: a bare event file, or a run folder with its camera, joints and ground truth.
 struct Played {
   std::filesystem::path events;
   EventReadOptions read;  ///< of the events of one eye
   Eye eye = Eye::left;
-  MountedCamera camera{Camera{}.without_lens(), {}};  // nothing is known of the camera of a bare recording
+  MountedCamera camera{Camera{}.without_lens(), {}};  // a bare recording: unknown camera
   std::optional<RecordedHead> head;
   std::vector<TruthRow> truth;
   Chances chances = Chances::annotated;
 };
 
-/// Opens what the options name. `truth`: its table; where empty the run folder's own, if it has one.
-/// Throws InputError for what is missing or broken.
+/// Opens a recording. `truth`: table of true circles; if empty, the run folder's own, if it has one. Throws InputError for
+/// a missing or broken file.
 [[nodiscard]] Played open_played(const ReadOptions& options, std::filesystem::path truth);
 
 }  // namespace saccade

@@ -11,7 +11,7 @@ namespace saccade {
 /// Progress on standard error: one changing line on a terminal, a line every tenth of the way in a log.
 class Progress {
  public:
-  /// `total`: how much there is to do, in any unit; 0 where nobody knows, then a line comes every 1000.
+  /// `total`: how much there is to do, in any unit; 0 if unknown, then a line comes every 1000.
   explicit Progress(double total)
       : terminal_(isatty(STDERR_FILENO) != 0),
         step_((total > 0.0 ? total : 1e4) * (terminal_ ? 0.01 : 0.1)) {}
@@ -19,7 +19,7 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
   ~Progress() { done(); }
 
-  /// Shows what `line` returns, where `reached` of the total is a step further than what was shown.
+  /// Shows the text that `line` returns if `reached` of the total is a step further than at the last time.
   template <class Line>
   void show(double reached, const Line& line) {
     if (reached < next_) return;
@@ -27,7 +27,12 @@ class Progress {
     fmt::print(stderr, "{}{}{}", terminal_ ? "\r" : "", line(), terminal_ ? "" : "\n");
     line_is_open_ = terminal_;
   }
-  /// Leaves the changing line.
+  /// Prints a line of its own between those of the progress.
+  void print_line(std::string_view line) {
+    done();
+    fmt::print(stderr, "{}\n", line);
+  }
+  /// Ends the changing line.
   void done() {
     if (line_is_open_) fmt::print(stderr, "\n");
     line_is_open_ = false;

@@ -1,9 +1,15 @@
 #include "apps/session/run_folder.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <string_view>
 
+#include "apps/session/interrupt.h"
+#include "apps/session/summary.h"
 #include "core/error.h"
+#include "evaluation/report/report.h"
+#include "recording/output_file.h"
 
 namespace saccade {
 namespace {
@@ -45,6 +51,20 @@ void prepare_run_folder(const fs::path& folder, bool force) {
   }
   fs::create_directories(folder, error);
   if (error) throw RunError(folder.string() + ": cannot make the folder: " + error.message());
+}
+
+void start_run_folder(const fs::path& folder, bool force, const std::string& name, const std::string& text) {
+  prepare_run_folder(folder, force);
+  OutputFile file(folder / name);
+  file.write(text);
+  file.commit();
+}
+
+void finish_run_folder(const fs::path& folder, const Metrics& metrics) {
+  write_report(folder);
+  print_summary(metrics);
+  fmt::print("{}\n", (folder / "report.html").string());
+  if (interrupted()) throw RunError("interrupted; the run folder holds what happened until then");
 }
 
 }  // namespace saccade

@@ -1,12 +1,20 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+
+#include "evaluation/scoring/metrics.h"
 
 namespace saccade {
 
-/// Makes the folder of a run. An existing one that is not empty is refused without `force`; with it, what an
-/// earlier run left there is removed (nothing else is, and a folder that holds no run is refused).
-/// Throws InputError, RunError.
+/// Creates the folder of a run. A folder that is not empty is rejected without `force`; with it, the files of an earlier
+/// run are removed, nothing else is, and a folder without a run is rejected. Throws InputError, RunError.
 void prepare_run_folder(const std::filesystem::path& folder, bool force);
+/// The same, and writes the run's resolved configuration into the file `name`.
+void start_run_folder(const std::filesystem::path& folder, bool force, const std::string& name,
+                      const std::string& text);
+/// Writes the report of a folder with metrics.json, prints the summary and the report's path. Throws RunError if the run
+/// was interrupted().
+void finish_run_folder(const std::filesystem::path& folder, const Metrics& metrics);
 
 }  // namespace saccade

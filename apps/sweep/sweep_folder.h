@@ -7,19 +7,19 @@
 
 namespace saccade {
 
-/// What lies in a sweep's folder:
+/// Layout of a sweep's folder:
 ///
 ///     sweep.sqlite            the table: SweepStore
-///     report.html, figures/   what `saccade report` draws
+///     report.html, figures/   the report
 ///     worst/ID/               run folders of the worst runs
-///     runs/ID/scenario.yaml   what a run is
+///     runs/ID/scenario.yaml   the resolved scenario of a run
 ///     runs/ID/metrics.json    its result, when it is done,
 ///     runs/ID/failure.txt     or why there is none
-///     runs/ID/log.txt         what it said; locked while it goes on
-///     lock                    locked while `saccade sweep` is at work
+///     runs/ID/log.txt         its output; locked while it runs
+///     lock                    locked while `saccade sweep` runs
 ///     batches.txt             the engine's list
 ///
-/// The files in runs/ are all there is to a sweep; the table is made from them.
+/// The files in runs/ are the whole state of a sweep; the table is made from them.
 class SweepFolder {
  public:
   explicit SweepFolder(std::filesystem::path path) : path_(std::move(path)) {}
@@ -29,22 +29,21 @@ class SweepFolder {
   [[nodiscard]] std::filesystem::path run(const std::string& id) const { return path_ / "runs" / id; }
   [[nodiscard]] std::filesystem::path worst(const std::string& id) const { return path_ / "worst" / id; }
 
-  /// Whether a run needs to be made no more.
+  /// Whether a run has finished or failed.
   [[nodiscard]] bool has_result(const std::string& id) const;
-  /// When it came to an end, by the file's time.
+  /// When it finished or failed, by the file's time.
   [[nodiscard]] std::optional<std::filesystem::file_time_type> finished(const std::string& id) const;
-  /// Whether some process makes it at the moment.
+  /// Whether a process makes it now.
   [[nodiscard]] bool is_running(const std::string& id) const;
 
  private:
   std::filesystem::path path_;
 };
 
-/// A file that one process at a time holds; the hold ends with the process. Other processes do not inherit it, but for
-/// forks that execute nothing.
+/// Locks a file for one process at a time, until its end. Child processes inherit the lock only if they do not call exec.
 class FileLock {
  public:
-  /// Makes the file where it is missing; does not wait. Throws RunError when it cannot be opened.
+  /// Creates a missing file; does not wait. Throws RunError if the file cannot be opened.
   explicit FileLock(const std::filesystem::path& path);
   FileLock(const FileLock&) = delete;
   FileLock& operator=(const FileLock&) = delete;
@@ -58,7 +57,7 @@ class FileLock {
   bool held_;
 };
 
-/// Whether a process holds the lock of that file.
+/// Whether a process has locked that file.
 [[nodiscard]] bool is_locked(const std::filesystem::path& path);
 
 }  // namespace saccade

@@ -169,6 +169,7 @@ PortStatus YarpHead::read(HeadState& state) {
     state.velocity_rad_s[torso_joint_count + i] = speed_deg[at] * rad_per_deg;
   }
   torso_.read(state);
+  stop_reference_.update(state);
   return PortStatus::ok;
 }
 
@@ -200,11 +201,14 @@ PortStatus YarpHead::stop() {
   if (is_lost()) return PortStatus::lost;
   if (!active_) return PortStatus::ok;
   HeadState state;
-  if (read(state) == PortStatus::ok && is_finite(state)) {
-    send(state.head_position_rad()
-             .cwiseMax(limits_.min_rad.tail<head_joint_count>())
-             .cwiseMin(limits_.max_rad.tail<head_joint_count>()));
+  if (read(state) != PortStatus::ok) return PortStatus::lost;
+  // While an encoder fails, the head stops at its last finite position.
+  const auto reference_rad = stop_reference_.reference_rad(limits_);
+  if (!reference_rad) {
+    lost_ = true;
+    return PortStatus::lost;
   }
+  send(*reference_rad);
   return PortStatus::ok;
 }
 

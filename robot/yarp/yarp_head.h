@@ -17,6 +17,7 @@
 
 #include "robot/robot.h"
 #include "robot/steady_clock.h"
+#include "robot/stop_reference.h"
 #include "robot/yarp/state_input.h"
 #include "robot/yarp/yarp_config.h"
 #include "robot/yarp/yarp_network.h"
@@ -98,6 +99,7 @@ class YarpHead final : public HeadPort {
   std::int64_t sent_us_ = 0;
   int repeats_left_ = 0;
   Modes found_modes_{};
+  StopReference stop_reference_;
   bool active_ = false;
   bool lost_ = false;
   std::unique_ptr<Periodic> repeater_;

@@ -4,14 +4,18 @@
 #include <thread>
 #include <vector>
 
+#include "apps/config/robot_file.h"
+#include "apps/deploy/robot_backends.h"
 #include "apps/deploy/spsc_ring.h"
 #include "apps/deploy/time_figures.h"
+#include "core/error.h"
 #include "core/random.h"
+#include "robot/robot.h"
 
 namespace saccade {
 namespace {
 
-TEST(TimeFigures, QuantilesAreNeverTooShortAndAtMostASixteenthTooLong) {
+TEST(TimeFigures, QuantilesAreAtMostASixteenthTooLongAndNeverTooShort) {
   const RandomStream random(1, "times");
   TimeFigures figures;
   std::vector<std::int64_t> times;
@@ -30,7 +34,7 @@ TEST(TimeFigures, QuantilesAreNeverTooShortAndAtMostASixteenthTooLong) {
   EXPECT_EQ(figures.count(), 20'000);
 }
 
-TEST(TimeFigures, ShortTimesAreExactAndTimesBeyondAllMeasureAreKept) {
+TEST(TimeFigures, ShortTimesAreExactAndVeryLongOnesAreCounted) {
   TimeFigures figures;
   EXPECT_EQ(figures.quantile_us(0.5), 0);
   for (std::int64_t us = 0; us <= 31; ++us) {
@@ -45,7 +49,22 @@ TEST(TimeFigures, ShortTimesAreExactAndTimesBeyondAllMeasureAreKept) {
   EXPECT_GT(figures.max_us(), 3600'000'000LL);
 }
 
-TEST(SpscRing, EverythingComesOnceInOrderBetweenTwoThreads) {
+TEST(RobotBackends, AnUnknownBackendIsBadInputThatNamesThoseOfThisBuild) {
+  RobotFile file;
+  file.backend = "ros";
+  EXPECT_THAT([&] { (void)open_robot(file); },
+              testing::ThrowsMessage<InputError>(
+                  testing::AllOf(testing::HasSubstr("ros"), testing::HasSubstr("recording, yarp"))));
+}
+
+TEST(RobotBackends, ABackendOfOnesOwnIsARow) {
+  RobotFile file;
+  file.backend = "mine";
+  const RobotBackend mine{"mine", "a test", [](const RobotFile&) { return std::unique_ptr<Robot>(); }};
+  EXPECT_EQ(open_robot(file, std::span(&mine, 1)), nullptr);
+}
+
+TEST(SpscRing, PassesEveryElementOnceAndInOrderBetweenTwoThreads) {
   SpscRing<int> ring(7);
   constexpr int count = 20'000;
   std::thread sender([&] {
@@ -73,7 +92,7 @@ TEST(SpscRing, EverythingComesOnceInOrderBetweenTwoThreads) {
   EXPECT_EQ(ring.front(), nullptr);
 }
 
-TEST(SpscRing, AFullOneTakesNoMore) {
+TEST(SpscRing, AFullRingTakesNoMore) {
   SpscRing<int> ring(3);
   EXPECT_EQ(ring.room(), 3u);
   for (int i = 0; i < 3; ++i) {

@@ -1,4 +1,4 @@
-// A head that is moved by a person's robot, and everything that may go wrong with it.
+// Activation, faults, timing and overload of a deployed robot, in fake time.
 #include "apps/deploy/deploy_session.h"
 
 #include <gmock/gmock.h>
@@ -81,14 +81,14 @@ class FakeDeployed final : public Robot, private HeadPort, private GazePort {
 };
 
 /// Sees the ball through the left eye, exactly; each look takes `cost_us` of the robot's time.
-class Seer final : public Detector {
+class ExactDetector final : public Detector {
  public:
   struct Work {
     std::int64_t events = 0;
     std::int64_t looks = 0;
     std::int64_t first_event_us = 0;
   };
-  Seer(Work* work = nullptr, FakeRobot* world = nullptr, std::int64_t cost_us = 0)
+  ExactDetector(Work* work = nullptr, FakeRobot* world = nullptr, std::int64_t cost_us = 0)
       : work_(work), world_(world), cost_us_(cost_us) {}
 
   void process(std::span<const Event> events, const CameraMotion*) override {
@@ -115,7 +115,7 @@ class Seer final : public Detector {
   Estimate estimate_;
 };
 
-/// Keeps what it hears; ticks in memory that is there from the start.
+/// Keeps all that it is called with; ticks in memory that is reserved.
 class Notes final : public DeployObserver {
  public:
   Notes() { ticks.reserve(10'000); }
@@ -157,9 +157,10 @@ class Trial {
     robot = std::move(owned);
     if (options.dry) robot = std::make_unique<DryRobot>(std::move(robot));
     std::vector<LoopDetector> detectors;
-    detectors.push_back({"seer", std::make_unique<Seer>(&driver, &fake->world, options.driver_us)});
+    detectors.push_back({"seer", std::make_unique<ExactDetector>(&driver, &fake->world, options.driver_us)});
     if (options.shadow)
-      detectors.push_back({"shadow", std::make_unique<Seer>(&shadow, &fake->world, options.shadow_us)});
+      detectors.push_back(
+          {"shadow", std::make_unique<ExactDetector>(&shadow, &fake->world, options.shadow_us)});
     loop.emplace(
         *robot, MountedCamera{}, std::move(detectors),
         LoopGaze{0, std::make_unique<OpenGate>(TargetConfig{}), std::nullopt, FollowConfig{.start_s = 0.0}},
@@ -176,12 +177,12 @@ class Trial {
       }
       return made;
     };
-    session.emplace(*robot, *loop, motion, wishes, notes, DeploySessionConfig{tick_us, {}});
+    session.emplace(*robot, *loop, motion, requests, notes, DeploySessionConfig{tick_us, {}});
   }
   /// Ready, and activated at once.
   void activate() {
     session->set_ready();
-    wishes.activate();
+    requests.activate();
   }
   /// Ticks until the robot's clock says so, or the session is over (then false).
   bool run_until(std::int64_t t_us) {
@@ -198,16 +199,16 @@ class Trial {
 
   FakeDeployed* fake = nullptr;
   std::unique_ptr<Robot> robot;
-  Seer::Work driver, shadow;
+  ExactDetector::Work driver, shadow;
   std::optional<Loop> loop;
-  Operator wishes;
+  OperatorRequests requests;
   Notes notes;
   std::optional<DeploySession> session;
 };
 
 // ---- what an operator does -----------------------------------------------------------------------
 
-TEST(DeploySession, NothingIsSentToTheHeadBeforeTheOperatorActivates) {
+TEST(DeploySession, NothingIsSentToTheHeadBeforeActivation) {
   Trial trial;
   EXPECT_EQ(trial.session->state(), DeployState::unconfigured);
   trial.session->set_ready();
@@ -217,7 +218,7 @@ TEST(DeploySession, NothingIsSentToTheHeadBeforeTheOperatorActivates) {
   EXPECT_FALSE(trial.fake->is_active);
   EXPECT_EQ(trial.driver.looks, 1000) << "the detector works before";
 
-  trial.wishes.activate();
+  trial.requests.activate();
   ASSERT_TRUE(trial.run_until(3'000'000));
   EXPECT_EQ(trial.session->state(), DeployState::active);
   EXPECT_EQ(trial.fake->commands, 2000);
@@ -228,7 +229,7 @@ TEST(DeploySession, NothingIsSentToTheHeadBeforeTheOperatorActivates) {
   const Eigen::Vector3d to_ball = (ball_m - eye.translation()).normalized();
   EXPECT_GT(eye.linear().col(2).dot(to_ball), std::cos(0.1 * rad_per_deg)) << "it looks at the ball";
 
-  trial.wishes.stop();
+  trial.requests.stop();
   ASSERT_TRUE(trial.run_until(3'500'000));
   EXPECT_EQ(trial.fake->commands, 2000);
   EXPECT_EQ(trial.fake->stops, 1);
@@ -236,30 +237,30 @@ TEST(DeploySession, NothingIsSentToTheHeadBeforeTheOperatorActivates) {
   EXPECT_THAT(trial.states(), ElementsAre(DeployState::ready, DeployState::active, DeployState::stopped));
 }
 
-TEST(DeploySession, WithoutItsStartUpChecksItIsNotActivated) {
+TEST(DeploySession, ActivationNeedsPassedStartUpChecks) {
   Trial trial;
-  trial.wishes.activate();
+  trial.requests.activate();
   ASSERT_TRUE(trial.run_until(100'000));
   EXPECT_EQ(trial.session->state(), DeployState::unconfigured);
   ASSERT_EQ(trial.notes.changes.size(), 1u);
-  EXPECT_THAT(trial.notes.changes[0].refused, HasSubstr("start-up check"));
+  EXPECT_THAT(trial.notes.changes[0].rejected, HasSubstr("start-up check"));
   EXPECT_EQ(trial.fake->commands, 0);
 }
 
-TEST(DeploySession, ARobotThatRefusesIsNotActiveAndMayBeAskedAgain) {
+TEST(DeploySession, ARobotThatRejectsActivationStaysInactiveAndCanBeActivatedLater) {
   Trial trial;
   trial.fake->refuse_activation = true;
   trial.activate();
   ASSERT_TRUE(trial.run_until(100'000));
   EXPECT_EQ(trial.session->state(), DeployState::ready);
-  EXPECT_EQ(trial.notes.changes.back().refused, "neck_yaw is in HW_FAULT");
+  EXPECT_EQ(trial.notes.changes.back().rejected, "neck_yaw is in HW_FAULT");
   trial.fake->refuse_activation = false;
-  trial.wishes.activate();
+  trial.requests.activate();
   ASSERT_TRUE(trial.run_until(200'000));
   EXPECT_EQ(trial.session->state(), DeployState::active);
 }
 
-TEST(DeploySession, ASlowActivationIsNoLateTick) {
+TEST(DeploySession, ASlowActivationIsNotALateTick) {
   Trial trial;
   trial.fake->activation_us = 400'000;
   trial.activate();
@@ -271,7 +272,7 @@ TEST(DeploySession, QuittingStopsTheHeadFirst) {
   Trial trial;
   trial.activate();
   ASSERT_TRUE(trial.run_until(500'000));
-  trial.wishes.quit(StopCause::interrupted);
+  trial.requests.quit(StopCause::interrupted);
   EXPECT_FALSE(trial.session->tick());
   EXPECT_EQ(trial.fake->stops, 1);
   EXPECT_FALSE(trial.fake->is_active);
@@ -279,7 +280,7 @@ TEST(DeploySession, QuittingStopsTheHeadFirst) {
   EXPECT_EQ(trial.session->last_stop()->cause, StopCause::interrupted);
 }
 
-TEST(DeploySession, TheEndOfARecordingStopsTheHeadAndIsNoFault) {
+TEST(DeploySession, TheEndOfARecordingStopsTheHeadAndIsNotAFault) {
   FakeRobotScript script;
   script.end_us = fault_us;
   Trial trial(script);
@@ -290,13 +291,13 @@ TEST(DeploySession, TheEndOfARecordingStopsTheHeadAndIsNoFault) {
   EXPECT_FALSE(is_fault(trial.session->last_stop()->cause));
 }
 
-TEST(DeploySession, ADryRunThinksAndSendsNothing) {
+TEST(DeploySession, ADryRunComputesCommandsAndSendsNone) {
   Trial trial({}, {.dry = true});
   trial.activate();
   ASSERT_TRUE(trial.run_until(1'000'000));
   EXPECT_EQ(trial.session->state(), DeployState::active);
   EXPECT_FALSE(trial.notes.ticks.back().command.reference_rad.isZero()) << "there was a command to send";
-  trial.wishes.stop();
+  trial.requests.stop();
   ASSERT_TRUE(trial.run_until(1'100'000));
   EXPECT_EQ(trial.fake->commands + trial.fake->stops + trial.fake->released, 0);
   EXPECT_FALSE(trial.fake->is_active);
@@ -322,7 +323,7 @@ TEST(DeploySession, TheSpeedLimitGrowsOverTheRampIn) {
   EXPECT_GT(fastest, 0.05);
 }
 
-TEST(DeploySession, ARobotsOwnGazeControllerGetsTargetsAfterTheRampInAndIsToldToStop) {
+TEST(DeploySession, TheRobotsGazeControllerGetsTargetsAfterTheRampInAndAStopCommand) {
   Trial trial({}, {.with_gaze = true, .ramp_in_s = 0.3});
   trial.activate();
   ASSERT_TRUE(trial.run_until(1'000'000));
@@ -332,7 +333,7 @@ TEST(DeploySession, ARobotsOwnGazeControllerGetsTargetsAfterTheRampInAndIsToldTo
   EXPECT_LT(trial.fake->targets.front().first, 303'000);
   EXPECT_LT((trial.fake->targets.back().second - ball_m).norm(), 1e-6);
   const std::size_t count = trial.fake->targets.size();
-  trial.wishes.stop();
+  trial.requests.stop();
   ASSERT_TRUE(trial.run_until(1'100'000));
   EXPECT_EQ(trial.fake->stops, 1);
   EXPECT_EQ(trial.fake->targets.size(), count);
@@ -374,7 +375,7 @@ INSTANTIATE_TEST_SUITE_P(
                               StopCause::tick_late, "a tick came 30.0 ms late", true}),
     [](const auto& fault) { return fault.param.name; });
 
-TEST_P(DeployFaults, StopTheHeadWithinTheNamedTimeAndItStaysStoppedUntilTheOperatorActivates) {
+TEST_P(DeployFaults, StopTheHeadInTimeUntilTheOperatorActivatesAgain) {
   for (const bool with_gaze : {false, true}) {
     FakeRobotScript script;
     GetParam().happens(script);
@@ -398,7 +399,7 @@ TEST_P(DeployFaults, StopTheHeadWithinTheNamedTimeAndItStaysStoppedUntilTheOpera
     EXPECT_GE(took_ms, after_ms - 1.0);
 
     if (GetParam().over) continue;
-    trial.wishes.activate();
+    trial.requests.activate();
     trial.run_until(1'100'000);
     EXPECT_EQ(trial.session->state(), GetParam().passes ? DeployState::active : DeployState::stopped)
         << "a fault that is still there keeps it from being activated";
@@ -486,7 +487,7 @@ TEST(DeploySession, ATickDoesNotAllocate) {
       }
       FakeDeployed robot(script, with_gaze);
       std::vector<LoopDetector> detectors;
-      detectors.push_back({"seer", std::make_unique<Seer>()});
+      detectors.push_back({"seer", std::make_unique<ExactDetector>()});
       detectors.push_back({preset, make_detector(built_in_detectors().config(preset), Camera{})});
       Loop loop(robot, MountedCamera{}, std::move(detectors),
                 LoopGaze{0, make_gate(built_in_gates().config()), std::nullopt, FollowConfig{.start_s = 0.0}},
@@ -496,12 +497,12 @@ TEST(DeploySession, ATickDoesNotAllocate) {
         return LoopMotion{make_gaze_controller(built_in_controllers().config(), script.limits),
                           JointLimiter(motion_limits(script.limits, {}))};
       };
-      Operator wishes;
+      OperatorRequests requests;
       Notes notes;
       robot.targets.reserve(10'000);
-      DeploySession session(robot, loop, motion, wishes, notes, {});
+      DeploySession session(robot, loop, motion, requests, notes, {});
       session.set_ready();
-      wishes.activate();
+      requests.activate();
       for (int i = 0; i < 50; ++i) ASSERT_TRUE(session.tick());  // activation may allocate
       const long before = malloc_count();
       for (int i = 0; i < 500; ++i) ASSERT_TRUE(session.tick());

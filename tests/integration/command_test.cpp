@@ -1,4 +1,4 @@
-// The command as a user meets it: exit status, messages, what is in the run folder.
+// The command line: exit status, messages, contents of the run folder.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -103,7 +103,7 @@ TEST_F(Command, aRunLeavesEveryFileOfTheRunFolderAndTheResolvedScenarioGivesTheS
   EXPECT_EQ(bytes_of(folder_ / "run/gaze.csv"), bytes_of(folder_ / "again/gaze.csv"));
 }
 
-TEST_F(Command, aFrameCameraIsScoredBesideTheDetectorsAndChangesNothingThatTheySee) {
+TEST_F(Command, aFrameCameraIsScoredBesideTheDetectorsAndLeavesTheirEventsUnchanged) {
   const std::string run = "run '" + short_scenario + "' --set run.duration_s=0.4 --set expect={} ";
   ASSERT_EQ(saccade(run + "--out " + out("without")).status, 0);
   const Outcome with = saccade(run + "--set frame_30hz.radius_px=[4,20] --seed 1 --out " + out("with"));
@@ -144,7 +144,7 @@ TEST_F(Command, runsAreReportedTogetherByScenarioAndSettings) {
   EXPECT_THAT(wrong.text, HasSubstr(out("none")));
 }
 
-TEST_F(Command, anUnmetExpectationIsStatusThreeAndSaysWhich) {
+TEST_F(Command, anUnmetExpectationIsStatusThreeAndIsNamed) {
   const Outcome outcome = saccade("run '" + short_scenario + "' --set run.duration_s=0.1 --out " +
                                   out("run") + " --set 'expect={gaze.in_view_ratio: [2, 3]}'");
   EXPECT_EQ(outcome.status, 3) << outcome.text;
@@ -224,7 +224,7 @@ TEST_F(Command, aRunFolderIsARecordingThatDetectReadsBack) {
   EXPECT_GT(bytes_of(folder_ / "detect/detections.csv").size(), 1000U);
 }
 
-TEST_F(Command, detectPlaysARunFolderWithItsJointsAndScoresItAgainstItsTruth) {
+TEST_F(Command, detectReplaysARunFolderWithItsJointsAndScoresItAgainstItsTruth) {
   // No event is late in the run, as none is in a recording.
   ASSERT_EQ(
       saccade("run '" + short_scenario +
@@ -243,6 +243,7 @@ TEST_F(Command, detectPlaysARunFolderWithItsJointsAndScoresItAgainstItsTruth) {
     }
     return rows;
   };
+  EXPECT_THAT(outcome.text, Not(HasSubstr("go back in time"))) << "events before the joints do not";
   EXPECT_GT(rows_of("run/detections.csv").size(), 100U);
   EXPECT_EQ(rows_of("again/detections.csv"), rows_of("run/detections.csv"));
   const std::string metrics = bytes_of(folder_ / "again/metrics.json");
@@ -256,7 +257,38 @@ TEST_F(Command, detectPlaysARunFolderWithItsJointsAndScoresItAgainstItsTruth) {
   EXPECT_THAT(wrong.text, HasSubstr("metrics.json"));
 }
 
-TEST_F(Command, labelsTellWhatMadeEachEventAndChangeNothingElse) {
+TEST_F(Command, truthOutsideTheTimeSpanOfTheEventsIsBadInputThatNamesBothSpansAndTheOffset) {
+  std::string events;
+  for (int i = 0; i < 1000; ++i) events += std::to_string(5'000'000 + 1000 * i) + " 64 64 1\n";
+  folder_.write("events.txt", events);
+  const std::string detect = "detect " + out("events.txt") + " --size 128x128 --truth " + out("truth.csv");
+  for (const std::int64_t start_us : {std::int64_t{1'000'000}, std::int64_t{1'700'000'000'000'000}}) {
+    std::string truth = "t_us,x_px,y_px,r_px\n";
+    for (int i = 0; i < 10; ++i) truth += std::to_string(start_us + 100'000 * i) + ",64,64,20\n";
+    folder_.write("truth.csv", truth);
+    const Outcome outcome = saccade(detect);
+    EXPECT_EQ(outcome.status, 2) << outcome.text;
+    const bool before = start_us < 5'000'000;
+    EXPECT_THAT(outcome.text, HasSubstr(before ? "truth from 1.000 to 1.900 s, events from 5.000 to 5.999 s"
+                                               : "truth from 1700000000.000 to 1700000000.900 s"));
+    EXPECT_THAT(outcome.text, HasSubstr("with " + std::to_string(5'000'000 - start_us) + " us added"));
+  }
+}
+
+TEST_F(Command, hiddenBallsInTheTruthOfARecordingAreNoChances) {
+  std::string events;
+  for (int i = 0; i < 1000; ++i) events += std::to_string(1000 * i) + " 64 64 1\n";
+  folder_.write("events.txt", events);
+  folder_.write("truth.csv",
+                "t_us,x_px,y_px,r_px,visible,x_m,y_m,z_m\n100000,64,64,20,1,,,\n200000,64,64,20,0.4,,,\n"
+                "300000,64,64,20,0.5,,,\n400000,64,64,20,0,,,\n");
+  const Outcome outcome = saccade("detect " + out("events.txt") + " --size 128x128 --truth " +
+                                  out("truth.csv") + " --out " + out("run"));
+  ASSERT_EQ(outcome.status, 0) << outcome.text;
+  EXPECT_THAT(bytes_of(folder_ / "run/metrics.json"), HasSubstr("\"chances\": 2,"));
+}
+
+TEST_F(Command, labelsNameTheCauseOfEachEventAndChangeNothingElse) {
   const std::string run =
       "run '" + short_scenario + "' --set run.duration_s=0.4 --set expect={} --set output.events=csv ";
   ASSERT_EQ(saccade(run + "--out " + out("without")).status, 0);

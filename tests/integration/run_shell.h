@@ -24,4 +24,14 @@ inline Outcome run_shell(const std::string& command) {
   return outcome;
 }
 
+/// Starts a command in a process group of its own, sends `signal` to the group as soon as `condition`, a shell command,
+/// succeeds, and waits for the end. The text is what the command had written into the file `console` by then; the
+/// condition may read it. A command that ends earlier gets no signal.
+inline Outcome signal_when(const std::string& condition, const std::string& signal,
+                           const std::string& command, const std::string& console) {
+  return run_shell(": > " + console + "; setsid " + command + " >> " + console + " 2>&1 & pid=$!; until " +
+                   condition + " || ! kill -0 $pid; do sleep 0.02; done 2>/dev/null; kill -s " + signal +
+                   " -$pid 2>/dev/null; wait $pid; status=$?; cat " + console + "; (exit $status)");
+}
+
 }  // namespace saccade

@@ -127,7 +127,7 @@ TEST_F(ServeAndDeploy, theGazeIsAsGoodAsInOneProcess) {
     std::smatch slip;
     const std::string log = served.said();
     ASSERT_TRUE(std::regex_search(log, slip, std::regex("slipped by ([0-9.]+) s")));
-    std::printf("%s: on target %.3f over YARP, %.3f in one process; the world slipped by %s s\n",
+    std::printf("%s: on target %.3f over YARP, %.3f in one process; simulated time slipped by %s s\n",
                 control.c_str(), over_yarp, in_process, slip[1].str().c_str());
     EXPECT_EQ(metrics_of(served.folder())["gaze"]["limit_violations"], 0);
     if (std::stod(slip[1]) > 0.1) {
@@ -140,7 +140,7 @@ TEST_F(ServeAndDeploy, theGazeIsAsGoodAsInOneProcess) {
 
 TEST_F(ServeAndDeploy, theHeadHoldsWhenTheOneWhoMovesItIsKilled) {
   Saccade served = serve();
-  ASSERT_TRUE(served.says("are there", 20.0)) << served.said();
+  ASSERT_TRUE(served.says("are open", 20.0)) << served.said();
   Saccade deployed = deploy("joints");
   ASSERT_TRUE(served.says("commands come", 20.0)) << served.said() << deployed.said();
   std::this_thread::sleep_for(std::chrono::milliseconds(1200));
@@ -161,7 +161,7 @@ TEST_F(ServeAndDeploy, theHeadHoldsWhenTheOneWhoMovesItIsKilled) {
 TEST_F(ServeAndDeploy, deployStopsWhenTheRobotIsGone) {
   for (const std::string control : {"joints", "gaze"}) {
     Saccade served = serve({"--endless"});
-    ASSERT_TRUE(served.says("are there", 20.0)) << served.said();
+    ASSERT_TRUE(served.says("are open", 20.0)) << served.said();
     Saccade deployed = deploy(control);
     ASSERT_TRUE(deployed.says(" s  active", 20.0)) << deployed.said();
     std::this_thread::sleep_for(std::chrono::milliseconds(700));
@@ -176,7 +176,7 @@ TEST_F(ServeAndDeploy, deployStopsWhenTheRobotIsGone) {
 
 TEST_F(ServeAndDeploy, deployStopsWhenAConnectionIsCut) {
   Saccade served = serve({"--endless"});
-  ASSERT_TRUE(served.says("are there", 20.0)) << served.said();
+  ASSERT_TRUE(served.says("are open", 20.0)) << served.said();
   Saccade deployed = deploy("joints");
   ASSERT_TRUE(deployed.says(" s  active", 20.0)) << deployed.said();
   ASSERT_TRUE(yarp::os::NetworkBase::disconnect("/zynqGrabber/AE:o", "/saccade/AE:i"));
@@ -185,7 +185,7 @@ TEST_F(ServeAndDeploy, deployStopsWhenAConnectionIsCut) {
 
 TEST_F(ServeAndDeploy, losingTheNameServerIsToldAndStopsNothing) {
   Saccade served = serve({"--endless"});
-  ASSERT_TRUE(served.says("are there", 20.0)) << served.said();
+  ASSERT_TRUE(served.says("are open", 20.0)) << served.said();
   Saccade deployed = deploy("joints");
   ASSERT_TRUE(deployed.says(" s  active", 20.0)) << deployed.said();
   YarpWorld::get().kill_name_server();

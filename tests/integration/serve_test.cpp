@@ -50,7 +50,7 @@ class Served {
   }
   void start() {
     process_.emplace(options_, log());
-    EXPECT_TRUE(eventually(20.0, [this] { return text_of(log()).find("are there") != std::string::npos; }))
+    EXPECT_TRUE(eventually(20.0, [this] { return text_of(log()).find("are open") != std::string::npos; }))
         << text_of(log());
   }
   void kill() {

@@ -134,7 +134,7 @@ TEST(GazeServer, refusesWhatItDoesNotUnderstandAndWhereTheHeadMayNotLook) {
                               "look 3D (1e999 0 0)"}) {
     EXPECT_EQ(head.server.answer(request), "[nack]") << request;
   }
-  EXPECT_EQ(head.server.report().orders, 0);
+  EXPECT_EQ(head.server.report().requests, 0);
   EXPECT_FALSE(head.server.step(head.state, 0.001));
 }
 

@@ -1,7 +1,10 @@
-#include "apps/deploy/open_robot.h"
+#include "apps/deploy/robot_backends.h"
 
+#include <array>
 #include <filesystem>
+#include <string>
 
+#include "apps/config/robot_file.h"
 #include "core/error.h"
 #include "evaluation/scoring/metrics.h"
 #include "robot/replay/paced_replay.h"
@@ -29,16 +32,33 @@ std::unique_ptr<Robot> open_recording(const RobotFile& file) {
                                        std::move(head), file.recording.speed);
 }
 
+#ifdef SACCADE_YARP
+std::unique_ptr<Robot> open_yarp(const RobotFile& file) {
+  return std::make_unique<YarpRobot>(file.yarp, joint_limits(file.limits));
+}
+#else
+std::unique_ptr<Robot> open_yarp(const RobotFile& file) {
+  throw InputError("backend", file.backend,
+                   "recording: this build has no YARP; docs/robot.md describes how to install it");
+}
+#endif
+
+constexpr std::array<RobotBackend, 2> backends_of_this_build = {{
+    {"recording", "an event file or run folder, replayed in real time", open_recording},
+    {"yarp", "an iCub on a YARP network", open_yarp},
+}};
+
 }  // namespace
 
-std::unique_ptr<Robot> open_robot(const RobotFile& file) {
-  if (file.backend == "recording") return open_recording(file);
-#ifdef SACCADE_YARP
-  return std::make_unique<YarpRobot>(file.yarp, joint_limits(file.limits));
-#else
-  throw InputError("backend", file.backend,
-                   "recording: this build has no YARP, docs/robot.md tells how to get it");
-#endif
+std::span<const RobotBackend> robot_backends() { return backends_of_this_build; }
+
+std::unique_ptr<Robot> open_robot(const RobotFile& file, std::span<const RobotBackend> backends) {
+  std::string names;
+  for (const RobotBackend& backend : backends) {
+    if (backend.name == file.backend) return backend.open(file);
+    names += (names.empty() ? "" : ", ") + std::string(backend.name);
+  }
+  throw InputError("backend", file.backend, "one of " + names);
 }
 
 }  // namespace saccade

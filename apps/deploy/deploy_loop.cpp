@@ -1,0 +1,69 @@
+#include "apps/deploy/deploy_loop.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <optional>
+
+#include "apps/config/robot_file.h"
+#include "apps/session/scenario_loop.h"
+
+namespace saccade {
+namespace {
+
+std::string text(ImageSize size) { return fmt::format("{} x {} pixels", size.width, size.height); }
+
+/// Index of the detector that drives the head.
+std::optional<std::size_t> driver_of(const RobotFile& file) {
+  for (std::size_t i = 0; i < file.detectors.size(); ++i) {
+    if (file.detectors[i].first == file.gaze.detector) return i;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::vector<StartUpCheck> start_up_checks(Robot& robot, const RobotFile& file) {
+  std::vector<StartUpCheck> checks = robot.check();
+  const Camera& camera = file.calibration.camera;
+  const ImageSize size = robot.events().image_size();
+  checks.push_back({"calibration is of this camera", size == camera.size,
+                    size == camera.size
+                        ? text(size)
+                        : fmt::format("events of {}, calibration of {}", text(size), text(camera.size))});
+  const bool drives = file.gaze.detector != "none";
+  const bool has_head = robot.head() != nullptr;
+  checks.push_back({"a head, if gaze.detector drives one", has_head || !drives,
+                    has_head ? "found"
+                    : drives ? "none"
+                             : "none, and none is needed"});
+  return checks;
+}
+
+Loop make_deploy_loop(Robot& robot, const RobotFile& file) {
+  std::optional<LoopGaze> gaze;
+  if (const auto driver = driver_of(file); driver && robot.head() != nullptr)
+    gaze.emplace(LoopGaze{driver, make_gate(file.gaze.gate), std::nullopt, file.gaze.follow});
+  const LoopBudget budget{static_cast<std::size_t>(file.deploy.max_events_per_tick),
+                          std::llround(file.deploy.shadows_until_ms * 1e3)};
+  return Loop(robot, file.calibration, make_detectors(file.detectors, file.calibration.camera),
+              std::move(gaze), Eye::left, budget);
+}
+
+DeploySession::MakeMotion motion_maker(Robot& robot, const RobotFile& file) {
+  if (!driver_of(file) || robot.head() == nullptr) return {};
+  return [&robot, &file] {
+    LoopMotion motion;
+    motion.ramp_in_s = file.deploy.ramp_in_s;
+    if (GazePort* const port = robot.gaze()) {
+      motion.port = port;
+    } else {
+      const JointLimits limits = robot.head()->limits();
+      motion.controller = make_gaze_controller(file.gaze.controller, limits);
+      motion.limiter.emplace(motion_limits(limits, file.gaze.controller.limits));
+    }
+    return motion;
+  };
+}
+
+}  // namespace saccade

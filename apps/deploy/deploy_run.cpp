@@ -1,0 +1,110 @@
+#include "apps/deploy/deploy_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "apps/config/robot_file.h"
+#include "apps/deploy/deploy_loop.h"
+#include "apps/deploy/deploy_recorder.h"
+#include "apps/deploy/deploy_session.h"
+#include "apps/deploy/keyboard.h"
+#include "apps/deploy/real_time.h"
+#include "apps/deploy/robot_backends.h"
+#include "apps/session/interrupt.h"
+#include "apps/session/run_folder.h"
+#include "apps/session/version.h"
+#include "core/error.h"
+#include "evaluation/report/report.h"
+#include "robot/dry_robot.h"
+
+namespace saccade {
+namespace {
+
+bool print_checks(const std::vector<StartUpCheck>& checks) {
+  for (const StartUpCheck& check : checks)
+    fmt::print(stderr, "{}  {}: {}\n", check.passed ? "ok  " : "FAIL", check.what, check.found);
+  return std::ranges::all_of(checks, &StartUpCheck::passed);
+}
+
+void print_keys(const DeployOptions& options, bool has_operator) {
+  fmt::print(stderr, "{}{}\n", options.dry_run ? "dry run: nothing is sent to the head. " : "",
+             has_operator       ? "Enter activates, space stops, q quits."
+             : options.activate ? "Ctrl-C stops."
+                                : "The head stays inactive: no terminal, and no --activate.");
+}
+
+/// Releases the joints at the end of its scope, whatever ends it.
+class ReleaseAtEnd {
+ public:
+  explicit ReleaseAtEnd(Robot& robot) : robot_(robot) {}
+  ReleaseAtEnd(const ReleaseAtEnd&) = delete;
+  ReleaseAtEnd& operator=(const ReleaseAtEnd&) = delete;
+  ~ReleaseAtEnd() { robot_.release(); }
+
+ private:
+  Robot& robot_;
+};
+
+/// Ticks until the session ends. Without an operator a fault ends it, since nobody could activate the head again.
+void run_session(DeploySession& session, OperatorRequests& requests, Clock& clock, std::int64_t end_us,
+                 bool has_operator) {
+  session.set_ready();
+  while (session.tick()) {
+    const bool faulted = session.state() == DeployState::stopped && is_fault(session.last_stop()->cause);
+    if (interrupted()) requests.quit(StopCause::interrupted);
+    if (clock.now_us() >= end_us || (faulted && !has_operator)) requests.quit(StopCause::ended);
+  }
+}
+
+}  // namespace
+
+void deploy(const DeployOptions& options, const Registry& registry) {
+  const RobotFile file = read_robot_file(options.robot, options.assignments, registry);
+  catch_interrupts();
+  std::unique_ptr<Robot> robot = open_robot(file);
+  if (options.dry_run) robot = std::make_unique<DryRobot>(std::move(robot));
+  DeployFacts facts;
+  facts.checks = start_up_checks(*robot, file);
+  facts.dry_run = options.dry_run;
+  facts.record = options.record;
+  if (!print_checks(facts.checks)) throw RunError("not ready: see the start-up checks above");
+
+  const std::filesystem::path folder =
+      options.out.empty() ? std::filesystem::path("runs") / file.name : options.out;
+  start_run_folder(folder, options.force, "robot.yaml", version_line() + "\n" + resolved_robot_file(file));
+
+  Loop loop = make_deploy_loop(*robot, file);
+  OperatorRequests requests;
+  const Keyboard keyboard([&](char key) {
+    if (key == 'q') requests.quit(StopCause::operator_stop);
+    if (key == ' ') requests.stop();
+    if (key == '\n') requests.activate();
+  });
+  const bool has_operator = Keyboard::is_there();
+  if (options.activate || options.dry_run) requests.activate();
+  print_keys(options, has_operator);
+  // The writer's thread starts before this one gets its priority, so that it has none.
+  DeployRecorder recorder(folder, file, loop, robot->events().image_size(), std::move(facts));
+  DeploySession session(*robot, loop, motion_maker(*robot, file), requests, recorder,
+                        {std::llround(file.deploy.tick_ms * 1e3), file.deploy.watchdog});
+  {
+    const ReleaseAtEnd release(*robot);
+    const RealTime real_time;
+    fmt::print(stderr, "{}\n", real_time.summary());
+    recorder.set_scheduling(real_time.summary());
+    const std::int64_t end_us = options.duration_s
+                                    ? robot->clock().now_us() + std::llround(*options.duration_s * 1e6)
+                                    : std::numeric_limits<std::int64_t>::max();
+    run_session(session, requests, robot->clock(), end_us, has_operator);
+  }
+  recorder.finish();
+  write_report(folder);
+  fmt::print("{}\n", (folder / "report.html").string());
+  if (session.state() == DeployState::stopped && is_fault(session.last_stop()->cause))
+    throw RunError("the head was stopped: " + session.last_stop()->description());
+}
+
+}  // namespace saccade

@@ -1,0 +1,142 @@
+#include "apps/serve/served_robot.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <span>
+
+#include "core/error.h"
+
+namespace saccade {
+namespace {
+
+constexpr int gaze_report_ticks = 10;              // of iKinGazeCtrl's ports: 10 ms
+constexpr std::int64_t commands_end_us = 100'000;  // a stream of commands with a longer pause has ended
+
+/// The value of an enumeration by its name.
+template <class Enum>
+Enum choice(const char* option, const std::string& name, const std::vector<std::string>& names) {
+  const auto found = std::ranges::find(names, name);
+  if (found == names.end()) throw InputError(option, name, fmt::format("one of {}", fmt::join(names, ", ")));
+  return static_cast<Enum>(found - names.begin());
+}
+
+JointBoard board_of(const JointLimits& limits, const JointVector& position_rad, std::span<const Joint> joints,
+                    bool movable) {
+  std::vector<JointBoard::Joint> ranges;
+  Eigen::VectorXd position(static_cast<Eigen::Index>(joints.size()));
+  for (const Joint joint : joints) {
+    position[static_cast<Eigen::Index>(ranges.size())] = position_rad[joint];
+    ranges.push_back({limits.min_rad[joint], limits.max_rad[joint], limits.max_speed_rad_s[joint]});
+  }
+  return {ranges, position, movable};
+}
+
+constexpr std::array head_joints = {neck_pitch, neck_roll, neck_yaw, eyes_tilt, eyes_version, eyes_vergence};
+constexpr std::array torso_motors = {torso_yaw, torso_roll, torso_pitch};  // the order of the part torso
+
+std::vector<std::string> names_of(std::span<const Joint> joints) {
+  std::vector<std::string> names;
+  for (const Joint joint : joints) names.emplace_back(joint_names.at(static_cast<std::size_t>(joint)));
+  return names;
+}
+
+IkinGazeConfig ikingaze_of(GazeControllerConfig config) {
+  const IkinGazeConfig* const ikingaze = config.configs.get_if<IkinGazeConfig>();
+  return ikingaze != nullptr ? *ikingaze : IkinGazeConfig{};
+}
+
+HeadState state_of(SimRobot& robot) {
+  HeadState state;
+  robot.read(state);
+  return state;
+}
+
+}  // namespace
+
+ServedRobot::ServedRobot(const ServeOptions& options, const Scenario& scenario, SimRobot& robot, Log log)
+    : robot_(robot),
+      log_(std::move(log)),
+      gaze_(ikingaze_of(scenario.gaze.controller), scenario.gaze.controller.limits, robot.limits(),
+            scenario.calibration.camera,
+            scenario.sim.both_eyes() ? scenario.right_calibration.camera : scenario.calibration.camera,
+            state_of(robot).position_rad),
+      camera_({options.camera, choice<PacketFormat>("--format", options.format, packet_format_names()),
+               choice<AddressCodec>("--codec", options.codec, address_codec_names()), 100'000}),
+      head_({"/" + options.robot + "/head", names_of(head_joints), options.state_period_ms * 1e-3},
+            board_of(robot.limits(), state_of(robot).position_rad, head_joints, true)),
+      torso_({"/" + options.robot + "/torso", names_of(torso_motors), options.state_period_ms * 1e-3},
+             board_of(robot.limits(), state_of(robot).position_rad, torso_motors, false)),
+      gaze_ports_("/" + options.gaze, [this](const std::string& request) { return gaze_.answer(request); }) {}
+
+bool ServedRobot::has_client() {
+  return camera_.readers() > 0 && (head_.use().modes + head_.use().commands + gaze_.report().requests > 0);
+}
+
+void ServedRobot::idle() {
+  step_boards(state_of(robot_), 0.0);
+  camera_.send({}, robot_.now_us());
+  send_gaze_reports();
+}
+
+void ServedRobot::on_tick(const Tick& tick) {
+  const double dt_s = static_cast<double>(tick.t_us - t_us_) * 1e-6;
+  t_us_ = tick.t_us;
+  if (const auto reference_rad = gaze_.step(*tick.head, dt_s)) head_.drive(*reference_rad);
+  robot_.command(step_boards(*tick.head, dt_s));
+  camera_.send(tick.events, tick.t_us);
+  events_ += static_cast<std::int64_t>(tick.events.size());
+  send_gaze_reports();
+  log_changes();
+}
+
+std::string ServedRobot::traffic() const {
+  const YarpControlBoard::Use use = head_.use();
+  return fmt::format(
+      "{} events in {} packets, {} events left out; {} commands for joints, {} rejected; {} requests to the "
+      "gaze controller",
+      events_, camera_.messages(), camera_.dropped(), use.commands, use.refused, requests_);
+}
+
+HeadCommand ServedRobot::step_boards(const HeadState& state, double dt_s) {
+  Eigen::VectorXd position(3), velocity(3);
+  for (int i = 0; i < 3; ++i) {
+    position[i] = state.position_rad[torso_motors.at(static_cast<std::size_t>(i))];
+    velocity[i] = state.velocity_rad_s[torso_motors.at(static_cast<std::size_t>(i))];
+  }
+  torso_.step(position, velocity, dt_s);
+  return head_.step(state.head_position_rad(), state.velocity_rad_s.tail<head_joint_count>(), dt_s);
+}
+
+void ServedRobot::send_gaze_reports() {
+  const GazeServer::Report report = gaze_.report();
+  pending_events_.insert(pending_events_.end(), report.events.begin(), report.events.end());
+  target_m_ = report.target_m;
+  requests_ = report.requests;
+  if (++ticks_ % gaze_report_ticks != 0) return;
+  gaze_ports_.send(report.fixation_m, report.position_rad, report.angles_deg, pending_events_);
+  pending_events_.clear();
+}
+
+void ServedRobot::log_changes() {
+  if (const int readers = camera_.readers(); readers != readers_) {
+    log_(t_us_, fmt::format("the camera has {} reader{}", readers, readers == 1 ? "" : "s"));
+    readers_ = readers;
+  }
+  if (const std::int64_t commands = head_.use().commands; commands != commands_) {
+    if (!commanded_) log_(t_us_, "commands come for the head's joints");
+    commanded_ = true;
+    commands_ = commands;
+    commanded_us_ = t_us_;
+  } else if (commanded_ && t_us_ - commanded_us_ >= commands_end_us) {
+    log_(t_us_, "no command for the head's joints for 100 ms: they hold");
+    commanded_ = false;
+  }
+  if (target_m_.has_value() != has_target_) {
+    has_target_ = target_m_.has_value();
+    log_(t_us_, has_target_ ? "the gaze controller has a target" : "the gaze controller was stopped");
+  }
+}
+
+}  // namespace saccade

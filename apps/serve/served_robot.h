@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/config/scenario.h"
+#include "apps/serve/gaze_server.h"
+#include "apps/serve/serve_session.h"
+#include "loop/loop.h"
+#include "robot/yarp/control_board.h"
+#include "robot/yarp/event_port.h"
+#include "robot/yarp/gaze_ports.h"
+#include "sim/sim_robot.h"
+
+namespace saccade {
+
+/// A simulated robot on YARP ports: an observer that exchanges data between the ports and the robot after each tick.
+class ServedRobot final : public LoopObserver {
+ public:
+  using Log = std::function<void(std::int64_t t_us, const std::string& text)>;
+
+  /// Opens the ports. All references outlive it. `log` receives a message for each change on the ports. Throws
+  /// InputError for an unknown format or codec, RunError if a port cannot be opened.
+  ServedRobot(const ServeOptions& options, const Scenario& scenario, SimRobot& robot, Log log);
+
+  /// Whether a client reads the camera, and one has set a mode or sent a command or a gaze request.
+  [[nodiscard]] bool has_client();
+  /// A tick while the simulation stands still.
+  void idle();
+  void on_tick(const Tick& tick) override;
+
+  /// Target of the gaze controller, m, root frame; none before the first.
+  [[nodiscard]] const std::optional<Eigen::Vector3d>& target_m() const { return target_m_; }
+  [[nodiscard]] std::int64_t commands() const { return head_.use().commands; }
+  [[nodiscard]] int readers() const { return camera_.readers(); }
+  /// Counts of events, packets, commands and requests so far, in one line.
+  [[nodiscard]] std::string traffic() const;
+
+ private:
+  HeadCommand step_boards(const HeadState& state, double dt_s);
+  void send_gaze_reports();
+  void log_changes();
+
+  SimRobot& robot_;
+  Log log_;
+  GazeServer gaze_;
+  YarpEventPort camera_;
+  YarpControlBoard head_;
+  YarpControlBoard torso_;
+  YarpGazePorts gaze_ports_;
+  std::int64_t t_us_ = 0;
+  std::int64_t ticks_ = 0;
+  std::int64_t events_ = 0;
+  std::int64_t requests_ = 0;
+  std::optional<Eigen::Vector3d> target_m_;
+  std::vector<std::string> pending_events_;  // of the gaze controller, until the next report
+  int readers_ = 0;
+  std::int64_t commands_ = 0;
+  std::int64_t commanded_us_ = 0;
+  bool commanded_ = false;
+  bool has_target_ = false;
+};
+
+}  // namespace saccade

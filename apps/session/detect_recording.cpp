@@ -1,0 +1,163 @@
+#include "apps/session/detect_recording.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "apps/config/scenario.h"
+#include "apps/session/interrupt.h"
+#include "apps/session/recorded_scores.h"
+#include "apps/session/run_folder.h"
+#include "apps/session/scenario_loop.h"
+#include "apps/session/session.h"
+#include "apps/session/summary.h"
+#include "core/error.h"
+#include "evaluation/report/report.h"
+#include "robot/replay/replay_robot.h"
+
+namespace saccade {
+namespace {
+
+constexpr std::int64_t tick_us = 1'000;
+/// An observation at an annotated instant needs an event at most this much before it (design.md section 7).
+constexpr std::int64_t sparse_window_us = 10'000;
+
+/// Ticks at the annotated instants and at the starts of their observation windows.
+void run_at(std::span<const TruthRow> truth, std::int64_t last_us, Session& session, RecordedScores& scores) {
+  for (const TruthRow& row : truth) {
+    for (const bool scoring : {false, true}) {
+      const std::int64_t t_us = scoring ? row.t_us : row.t_us - sparse_window_us;
+      if (t_us <= last_us) continue;
+      if (interrupted()) return;
+      scores.set_scoring(scoring);
+      if (!session.tick(t_us)) return;
+      last_us = t_us;
+    }
+  }
+}
+
+struct TimeSpan {
+  std::int64_t first_us = 0;
+  std::int64_t last_us = 0;
+};
+
+std::string seconds(TimeSpan span) {
+  return fmt::format("from {:.3f} to {:.3f} s", static_cast<double>(span.first_us) * 1e-6,
+                     static_cast<double>(span.last_us) * 1e-6);
+}
+
+/// Of all events of a file; none where it has none.
+std::optional<TimeSpan> event_span(const std::filesystem::path& path, const EventReadOptions& options) {
+  constexpr std::size_t block_events = 1 << 16;
+  const auto reader = open_event_file(path, options);
+  std::optional<TimeSpan> span;
+  std::vector<Event> block;
+  for (; reader->read(block, block_events) > 0; block.clear()) {
+    for (const Event& event : block) {
+      if (!span) span = TimeSpan{event.t_us, event.t_us};
+      span->first_us = std::min(span->first_us, event.t_us);
+      span->last_us = std::max(span->last_us, event.t_us);
+    }
+  }
+  return span;
+}
+
+/// Throws InputError where no row of truth lies in the time of the events.
+void check_truth_span(const Played& played, std::optional<std::int64_t> last_event_us, std::int64_t start_us,
+                      const std::string& place) {
+  const TimeSpan truth{played.truth.front().t_us, played.truth.back().t_us};
+  const bool before = truth.last_us < start_us;
+  const bool after = last_event_us && truth.first_us - sparse_window_us > *last_event_us;
+  if (!before && !after) return;
+  const std::optional<TimeSpan> events = event_span(played.events, played.read);
+  if (!events) return;
+  throw InputError(place, fmt::format("truth {}, events {}", seconds(truth), seconds(*events)),
+                   fmt::format("truth in the clock of the events; with {} us added to its t_us both start at "
+                               "the same time",
+                               events->first_us - truth.first_us));
+}
+
+void print_left_out(const std::string& recording, const ReplayRobot& robot) {
+  const RejectedEvents rejected = robot.rejected();
+  if (rejected.back_in_time + rejected.outside_image > 0) {
+    fmt::print(stderr, "saccade: {}: left out {} events that go back in time and {} outside the image\n",
+               recording, rejected.back_in_time, rejected.outside_image);
+  }
+  if (robot.events_before_start() > 0) {
+    fmt::print(stderr, "saccade: {}: left out {} events before the first row of joints\n", recording,
+               robot.events_before_start());
+  }
+}
+
+template <class Row>
+void write_table(const std::filesystem::path& path, std::span<const Row> rows) {
+  TableWriter<Row> table(path);
+  for (const Row& row : rows) table.write(row);
+  table.commit();
+}
+
+}  // namespace
+
+void detect_recording(const NamedDetectors& named, const DetectSettings& settings) {
+  Played played = open_played(settings.input, settings.truth);
+  const std::string recording = settings.input.recording.string();
+  ReplayRobot robot(open_event_file(played.events, played.read), std::move(played.head));
+  MountedCamera camera = played.camera;
+  camera.camera.size = robot.image_size();
+  Loop loop(robot, camera, make_detectors(named, camera.camera), std::nullopt, played.eye);
+  if (!settings.folder.empty()) prepare_run_folder(settings.folder, settings.force);
+  RecordedScores scores(loop, played.truth, played.chances,
+                        settings.folder.empty() ? "" : settings.folder / "detections.csv");
+
+  catch_interrupts();
+  const std::int64_t start_us = robot.now_us();
+  Session session(robot, loop);
+  session.add_observer(scores);
+  if (!played.truth.empty() && played.chances == Chances::annotated) {
+    run_at(played.truth, start_us, session, scores);
+  } else {
+    session.run(tick_us);
+  }
+  const double wall_s = session.wall_s();
+  if (!played.truth.empty() && !interrupted())
+    check_truth_span(played, scores.last_event_us(), start_us,
+                     settings.truth.empty() ? recording : settings.truth.string());
+  const RejectedEvents rejected = robot.rejected();
+  if (scores.event_count() + rejected.back_in_time + rejected.outside_image == 0 && !interrupted()) {
+    throw InputError(recording, "no events of a camera",
+                     "a recording with some; saccade info lists its contents");
+  }
+
+  Metrics metrics;
+  metrics.scenario = settings.input.recording.filename().string();
+  if (robot.head() != nullptr) {
+    metrics.camera = camera.camera;
+    metrics.calibration = camera;
+  }
+  metrics.start_us = start_us;
+  metrics.duration_s = static_cast<double>(robot.now_us() - start_us) * 1e-6;
+  metrics.wall_s = wall_s;
+  metrics.event_count = scores.event_count();
+  metrics.events_file = std::filesystem::absolute(played.events).string();
+  metrics.events_camera = played.read.camera;
+  metrics.image = camera.camera.size;
+  std::vector<DetectorScore> finished = scores.finish();
+  for (std::size_t i = 0; i < named.size(); ++i)
+    metrics.detectors.emplace_back(named[i].first, std::move(finished[i]));
+  print_left_out(recording, robot);
+  if (settings.folder.empty()) {
+    print_summary(metrics);
+    if (interrupted()) throw RunError("interrupted; what was found until then is scored");
+    return;
+  }
+  {
+    OutputFile resolved(settings.folder / "detectors.yaml");
+    resolved.write(resolved_detectors(named));
+    resolved.commit();
+  }
+  if (!played.truth.empty()) write_table<TruthRow>(settings.folder / "truth.csv", played.truth);
+  write_metrics(settings.folder / "metrics.json", metrics);
+  finish_run_folder(settings.folder, metrics);
+}
+
+}  // namespace saccade

@@ -1,0 +1,33 @@
+#include "apps/session/ground_truth.h"
+
+#include <array>
+#include <limits>
+#include <string_view>
+
+namespace saccade {
+namespace {
+
+constexpr std::array<std::string_view, 4> cause_names = {"signal", "leak", "shot", "hot"};  // as EventCause
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace
+
+GroundTruth::GroundTruth(const SimRobot& robot)
+    : GroundTruth(robot.truth(), [&robot] { return robot.delivered_labels(); }) {}
+
+TruthRow truth_row(const SimTruth& truth, const EyeTruth& eye) {
+  return {truth.t_us, eye.circle.value_or(Circle{nan, nan, nan}), eye.visible, truth.ball_m};
+}
+
+LabelRow label_row(const Event& event, const EventLabel& label) {
+  LabelRow row;
+  row.t_us = event.t_us;
+  row.x = event.x;
+  row.y = event.y;
+  row.on = event.on;
+  row.cause = cause_names.at(static_cast<std::size_t>(label.cause));
+  row.object = scene_object_names.at(label.object - 1U);
+  return row;
+}
+
+}  // namespace saccade

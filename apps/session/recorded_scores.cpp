@@ -1,0 +1,69 @@
+#include "apps/session/recorded_scores.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace saccade {
+
+RecordedScores::RecordedScores(const Loop& loop, std::span<const TruthRow> truth, Chances chances,
+                               const std::filesystem::path& table)
+    : loop_(loop), truth_(truth) {
+  // The truth is in memory, so exact figures over all of it cost no other order of memory.
+  const std::size_t max_exact = std::max(max_exact_values, 2 * truth.size());
+  for (const LoopDetector& detector : loop.detectors())
+    detectors_.push_back({DetectorScorer(detector.name, detector.detector->threshold(), chances, max_exact)});
+  if (!table.empty()) table_.emplace(table);
+}
+
+void RecordedScores::pass_truth_before(std::int64_t t_us) {
+  for (; next_truth_ < truth_.size() && truth_[next_truth_].t_us < t_us; ++next_truth_) {
+    for (Detector& detector : detectors_) detector.scorer.add(truth_[next_truth_], std::nullopt);
+  }
+}
+
+void RecordedScores::on_tick(const Tick& tick) {
+  event_count_ += static_cast<std::int64_t>(tick.events.size());
+  if (!tick.events.empty()) last_event_us_ = tick.events.back().t_us;
+  for (std::size_t i = 0; i < detectors_.size(); ++i)
+    detectors_[i].elapsed_ns += tick.detectors[i].elapsed_ns;
+  if (!scoring_) return;
+  pass_truth_before(tick.t_us);
+  const bool has_truth = next_truth_ < truth_.size() && truth_[next_truth_].t_us == tick.t_us;
+  for (std::size_t i = 0; i < detectors_.size(); ++i) {
+    const DetectorTick& result = tick.detectors[i];
+    Detector& detector = detectors_[i];
+    std::optional<Observation> observation;
+    if (result.observed) {
+      observation = {result.estimate.circle, result.estimate.score};
+      if (result.estimate.score >= loop_.detectors()[i].detector->threshold()) ++detector.at_threshold;
+      if (table_)
+        table_->write({tick.t_us, loop_.detectors()[i].name, result.estimate.circle, result.estimate.score,
+                       result.estimate.held});
+    }
+    if (has_truth) {
+      detector.scorer.add(truth_[next_truth_], observation);
+    } else if (observation) {
+      detector.scorer.add(tick.t_us, *observation);
+    }
+  }
+  next_truth_ += has_truth ? 1 : 0;
+}
+
+std::vector<DetectorScore> RecordedScores::finish() {
+  pass_truth_before(std::numeric_limits<std::int64_t>::max());
+  if (table_) table_->commit();
+  std::vector<DetectorScore> scores;
+  for (std::size_t i = 0; i < detectors_.size(); ++i) {
+    DetectorScore score = detectors_[i].scorer.score();
+    if (truth_.empty()) score.observations = detectors_[i].at_threshold;
+    if (event_count_ > 0) {
+      score.us_per_event =
+          static_cast<double>(detectors_[i].elapsed_ns) * 1e-3 / static_cast<double>(event_count_);
+    }
+    score.rejected_events = loop_.detectors()[i].detector->rejected();
+    scores.push_back(std::move(score));
+  }
+  return scores;
+}
+
+}  // namespace saccade

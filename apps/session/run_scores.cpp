@@ -1,0 +1,160 @@
+#include "apps/session/run_scores.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include "apps/session/frame_camera.h"
+#include "core/error.h"
+
+namespace saccade {
+namespace {
+
+GazeScoringConfig gaze_scoring(const Scenario& scenario, const Camera& camera, const JointLimits& limits) {
+  GazeScoringConfig config;
+  config.camera = camera;
+  config.limits = limits;
+  for (const auto& [name, detector] : scenario.detectors) {
+    const bool paper = name == scenario.gaze.detector && detector.preset().starts_with("paper");
+    if (paper) config.acquire_within_rad = 6.0 * std::numbers::pi / 180.0;
+  }
+  return config;
+}
+
+}  // namespace
+
+RunScores::RunScores(const Scenario& scenario, const GroundTruth& truth, const JointLimits& limits,
+                     const Loop& loop, const FrameCamera* frames)
+    : scenario_(scenario),
+      truth_(truth),
+      limits_(limits),
+      loop_(loop),
+      frames_(frames),
+      gaze_(gaze_scoring(scenario, scenario.sim.camera, limits)) {
+  for (const LoopDetector& detector : loop.detectors()) {
+    if (detector.name == scenario.gaze.detector) driver_ = detectors_.size();
+    detectors_.emplace_back(detector.name, detector.detector->threshold());
+  }
+  if (frames != nullptr) frame_detector_.emplace(std::string(frame_detector_name), frames->threshold());
+  if (!scenario.sim.both_eyes()) return;
+  right_eye_.emplace(gaze_scoring(scenario, scenario.sim.right.camera, limits));
+  if (const saccade::Detector* right = loop.right_detector())
+    right_eye_->detector.emplace(scenario.gaze.detector, right->threshold());
+}
+
+void RunScores::on_tick(const Tick& tick) {
+  now_us_ = tick.t_us;
+  event_count_ += static_cast<std::int64_t>(tick.events.size());
+  if (scenario_.sim.labels) count_labels(tick.events);
+  const SimTruth& truth = truth_.state;
+  gaze_.add({tick.t_us, truth.left.root_from_cam, truth.ball_m, tick.target_m, truth.plant_position_rad});
+  const TruthRow row = truth_row(truth, truth.left);
+  for (std::size_t i = 0; i < detectors_.size(); ++i) {
+    const DetectorTick& result = tick.detectors[i];
+    detectors_[i].elapsed_ns += result.elapsed_ns;
+    const auto found = score(detectors_[i], row, result.observed ? &result.estimate : nullptr);
+    if (driver_ == i) following_.add(tick.t_us, found);
+  }
+  if (frame_detector_) score(*frame_detector_, row, frames_->detection() ? &*frames_->detection() : nullptr);
+  if (right_eye_) score_right_eye(tick);
+}
+
+std::optional<bool> RunScores::score(Detector& detector, const TruthRow& truth, const Estimate* estimate) {
+  std::optional<Observation> observation;
+  if (estimate != nullptr) observation = {estimate->circle, estimate->score};
+  if (scenario_.sim.labels)
+    detector.clutter.add(truth.visible, clutter_share_,
+                         observation && observation->score >= detector.threshold);
+  return detector.scorer.add(truth, observation);
+}
+
+void RunScores::count_labels(std::span<const Event> events) {
+  const std::span<const EventLabel> labels = truth_.labels();
+  SACCADE_CHECK(labels.size() == events.size());
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    if (events[i].camera == 0) clutter_.add(label_row(events[i], labels[i]));
+  }
+  clutter_share_ = clutter_.share_in_window();
+}
+
+void RunScores::score_right_eye(const Tick& tick) {
+  RightEye& eye = *right_eye_;
+  const SimTruth& truth = truth_.state;
+  eye.event_count += std::ranges::count_if(tick.events, [](const Event& e) { return e.camera == 1; });
+  eye.gaze.add(
+      {tick.t_us, truth.right->root_from_cam, truth.ball_m, tick.target_m, truth.plant_position_rad});
+  if (!eye.detector) return;
+  std::optional<Observation> observation;
+  if (tick.right) {
+    eye.detector->elapsed_ns += tick.right->elapsed_ns;
+    if (tick.right->observed) observation = {tick.right->estimate.circle, tick.right->estimate.score};
+  }
+  eye.detector->scorer.add(truth_row(truth, *truth.right), observation);
+}
+
+DetectorScore RunScores::finished(const Detector& detector, std::int64_t events,
+                                  const saccade::Detector* in_loop) const {
+  DetectorScore score = detector.scorer.score();
+  if (in_loop == nullptr) return score;
+  if (events > 0)
+    score.us_per_event = static_cast<double>(detector.elapsed_ns) * 1e-3 / static_cast<double>(events);
+  score.rejected_events = in_loop->rejected();
+  return score;
+}
+
+GazeMetrics RunScores::gaze_metrics() const {
+  GazeMetrics gaze;
+  gaze.detector = scenario_.gaze.detector;
+  gaze.controller = scenario_.gaze.controller.controller;
+  gaze.gate = scenario_.gaze.gate.gate;
+  for (const auto& [name, detector] : scenario_.detectors) {
+    if (name == gaze.detector) gaze.window = detector.window();
+  }
+  gaze.score = gaze_.score();
+  gaze.limits = limits_;
+  if (gaze.score.acquired_at_us && driver_)
+    gaze.following_rate_hz = following_.rate_hz(*gaze.score.acquired_at_us);
+  return gaze;
+}
+
+RightEyeMetrics RunScores::right_eye_metrics() const {
+  RightEyeMetrics eye;
+  eye.event_count = right_eye_->event_count;
+  eye.camera = scenario_.sim.right.camera;
+  eye.calibration = scenario_.right_calibration;
+  if (scenario_.gaze.detector != "none") {
+    const GazeScore score = right_eye_->gaze.score();
+    eye.fixation_error_deg = score.fixation_error_deg;
+    eye.on_target_ratio = score.on_target_ratio;
+    eye.in_view_ratio = score.in_view_ratio;
+  }
+  if (right_eye_->detector)
+    eye.detectors.emplace_back(scenario_.gaze.detector,
+                               finished(*right_eye_->detector, eye.event_count, loop_.right_detector()));
+  return eye;
+}
+
+Metrics RunScores::metrics() const {
+  Metrics metrics;
+  metrics.scenario = scenario_.name;
+  metrics.seed = scenario_.seed;
+  metrics.duration_s = static_cast<double>(now_us_) * 1e-6;
+  metrics.event_count = event_count_;
+  metrics.image = scenario_.sim.camera.size;
+  metrics.camera = scenario_.sim.camera;
+  metrics.calibration = scenario_.calibration;
+  const std::int64_t left_events = event_count_ - (right_eye_ ? right_eye_->event_count : 0);
+  const auto add = [&](const Detector& detector, const saccade::Detector* in_loop) {
+    DetectorScore score = finished(detector, left_events, in_loop);
+    if (scenario_.sim.labels)
+      score.clutter = detector.clutter.result(clutter_.clutter_events(), score.inliers);
+    metrics.detectors.emplace_back(detector.name, std::move(score));
+  };
+  for (std::size_t i = 0; i < detectors_.size(); ++i) add(detectors_[i], loop_.detectors()[i].detector.get());
+  if (frame_detector_) add(*frame_detector_, nullptr);
+  if (scenario_.sim.labels) metrics.clutter = clutter_.share();
+  if (scenario_.gaze.detector != "none") metrics.gaze = gaze_metrics();
+  if (right_eye_) metrics.right_eye = right_eye_metrics();
+  return metrics;
+}
+
+}  // namespace saccade

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/config/scenario.h"
+#include "apps/session/ground_truth.h"
+#include "apps/session/interim_scorers.h"
+#include "evaluation/scoring/clutter.h"
+#include "evaluation/scoring/gaze_scorer.h"
+#include "evaluation/scoring/metrics.h"
+#include "loop/loop.h"
+
+namespace saccade {
+
+class FrameCamera;
+
+/// Scores detectors and gaze of a simulated run against ground truth, tick by tick, in bounded memory.
+class RunScores final : public LoopObserver {
+ public:
+  /// `limits`: of the head. All others outlive it; `frames` is called before it and may be null.
+  RunScores(const Scenario& scenario, const GroundTruth& truth, const JointLimits& limits, const Loop& loop,
+            const FrameCamera* frames);
+
+  void on_tick(const Tick& tick) override;
+  /// The angle between the left eye's axis and the ball at the newest tick.
+  [[nodiscard]] double fixation_error_rad() const { return gaze_.fixation_error_rad(); }
+  /// Everything in metrics.json that follows from the ticks.
+  [[nodiscard]] Metrics metrics() const;
+
+ private:
+  struct Detector {
+    Detector(std::string its_name, double its_threshold)
+        : name(std::move(its_name)), threshold(its_threshold), scorer(name, threshold, Chances::simulated) {}
+
+    std::string name;
+    double threshold;
+    DetectorScorer scorer;
+    ChanceClutter clutter;
+    std::int64_t elapsed_ns = 0;
+  };
+  struct RightEye {
+    explicit RightEye(const GazeScoringConfig& scoring) : gaze(scoring) {}
+
+    GazeScorer gaze;
+    std::optional<Detector> detector;
+    std::int64_t event_count = 0;
+  };
+
+  /// Returns whether the detector found the ball; none where the instant is no chance.
+  std::optional<bool> score(Detector& detector, const TruthRow& truth, const Estimate* estimate);
+  void count_labels(std::span<const Event> events);
+  void score_right_eye(const Tick& tick);
+  [[nodiscard]] DetectorScore finished(const Detector& detector, std::int64_t events,
+                                       const saccade::Detector* in_loop) const;
+  [[nodiscard]] GazeMetrics gaze_metrics() const;
+  [[nodiscard]] RightEyeMetrics right_eye_metrics() const;
+
+  const Scenario& scenario_;
+  const GroundTruth& truth_;
+  JointLimits limits_;
+  const Loop& loop_;
+  const FrameCamera* frames_;
+  std::vector<Detector> detectors_;  // in the order of the loop's
+  std::optional<Detector> frame_detector_;
+  std::optional<std::size_t> driver_;  // index of the one that drives the gaze
+  GazeScorer gaze_;
+  FollowingRate following_;
+  ClutterCounter clutter_;
+  double clutter_share_ = 0.0;  // in the window of clutter_, at the newest tick
+  std::optional<RightEye> right_eye_;
+  std::int64_t event_count_ = 0;  // of both eyes
+  std::int64_t now_us_ = 0;
+};
+
+}  // namespace saccade

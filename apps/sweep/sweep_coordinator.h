@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apps/sweep/sweep_engine.h"
+#include "apps/sweep/sweep_folder.h"
+#include "apps/sweep/sweep_plan.h"
+#include "apps/sweep/sweep_store.h"
+
+namespace saccade {
+
+/// Has the missing runs of a sweep made and collects their results into its table, in the one process that writes there.
+class SweepCoordinator {
+ public:
+  /// Writes a scenario for each missing run, and the table. `retry`: failed runs count as missing. `plan` outlives it.
+  /// Throws DiskFull, RunError.
+  SweepCoordinator(const SweepEngineConfig& engine, const SweepPlan& plan, const SweepFolder& sweep,
+                   bool retry);
+
+  [[nodiscard]] SweepStore& store() { return *store_; }
+
+  /// Throws RunError after an interrupt, DiskFull.
+  void make_missing_runs();
+  /// Makes the worst runs again, with pictures, for their reports. Ignores failures.
+  void make_worst_runs();
+
+ private:
+  [[nodiscard]] std::vector<std::string> command(const std::vector<std::string>& flags) const;
+  void pause(double s);
+  template <class Show>
+  void wait(const Show& show);
+  void collect();
+  [[nodiscard]] std::ptrdiff_t running() const;
+  void give_up();
+
+  const SweepPlan& plan_;
+  SweepFolder sweep_;
+  std::unique_ptr<SweepEngine> engine_;
+  std::unique_ptr<SweepStore> store_;
+  std::vector<std::string> missing_;
+  std::size_t distinct_ = 0;
+};
+
+}  // namespace saccade
