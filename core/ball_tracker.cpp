@@ -265,7 +265,7 @@ void BallTracker::run_until(std::int64_t t_us, bool inclusive) {
   };
   if (!next_tick_us_) next_tick_us_ = first_tick();
   while (*next_tick_us_ != latest_us && (*next_tick_us_ < t_us || (inclusive && *next_tick_us_ == t_us))) {
-    const bool idle = best() == nullptr && edges_.last_dies_us() < *next_tick_us_;
+    const bool idle = best() == nullptr && edges_.last_end_us() < *next_tick_us_;
     if (idle && candidates_.empty()) {
       next_tick_us_ = first_tick();
       return;

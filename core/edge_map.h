@@ -13,7 +13,7 @@ namespace saccade {
 /// A point of a moving edge: an event with the normal flow measured at it.
 struct Edge {
   std::int64_t t_us = 0;
-  std::int64_t dies_us = 0;          ///< the end of its lifetime: its edge has moved on by then
+  std::int64_t end_us = 0;           ///< the end of its lifetime: its edge has moved on by then
   Eigen::Vector2d gradient_us_px{};  ///< (dt/dx, dt/dy): along the motion, 1 / speed long
   std::uint16_t x = 0, y = 0;
   std::int16_t direction = 0;  ///< of the gradient, see HoughTransform::direction_of()
@@ -38,10 +38,10 @@ class EdgeMap {
   void add(const Edge& edge) {
     const std::size_t region = index(edge.x / region_px, edge.y / region_px);
     edges_[region * capacity_ + counts_[region]++ % capacity_] = edge;
-    last_dies_us_ = std::max(last_dies_us_, edge.dies_us);
+    last_end_us_ = std::max(last_end_us_, edge.end_us);
   }
   /// The end of the last lifetime of all edges added so far, us.
-  [[nodiscard]] std::int64_t last_dies_us() const { return last_dies_us_; }
+  [[nodiscard]] std::int64_t last_end_us() const { return last_end_us_; }
   /// The largest number of edges that the map can hold.
   [[nodiscard]] std::size_t capacity() const { return edges_.size(); }
 
@@ -72,7 +72,7 @@ class EdgeMap {
     const std::size_t held = std::min(counts_[region], capacity_);
     for (std::size_t i = 0; i < held; ++i) {
       const Edge& edge = edges_[region * capacity_ + i];
-      if (edge.dies_us >= now_us) f(edge);
+      if (edge.end_us >= now_us) f(edge);
     }
   }
 
@@ -80,7 +80,7 @@ class EdgeMap {
   std::size_t capacity_;
   std::vector<Edge> edges_;  // regions x capacity
   std::vector<std::size_t> counts_;
-  std::int64_t last_dies_us_ = std::numeric_limits<std::int64_t>::min();
+  std::int64_t last_end_us_ = std::numeric_limits<std::int64_t>::min();
 };
 
 }  // namespace saccade

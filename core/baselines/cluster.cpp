@@ -33,8 +33,7 @@ double ClusterDetector::support(const Cluster& cluster, std::int64_t now_us) con
 void ClusterDetector::add_support(Cluster& cluster, double more, std::int64_t now_us) const {
   cluster.support = support(cluster, now_us) + more;
   cluster.last_us = now_us;
-  cluster.dies_us =
-      static_cast<double>(now_us) + config_.decay_us * std::log(cluster.support / least_support);
+  cluster.end_us = static_cast<double>(now_us) + config_.decay_us * std::log(cluster.support / least_support);
 }
 
 void ClusterDetector::remove(std::size_t index) {
@@ -69,9 +68,9 @@ void ClusterDetector::merge(std::size_t index) {
 }
 
 void ClusterDetector::take(const Event& event) {
-  const auto is_dead = [&](const Cluster& c) { return c.dies_us <= static_cast<double>(event.t_us); };
+  const auto has_ended = [&](const Cluster& c) { return c.end_us <= static_cast<double>(event.t_us); };
   for (std::size_t i = clusters_.size(); i-- > 0;) {
-    if (is_dead(clusters_[i])) remove(i);
+    if (has_ended(clusters_[i])) remove(i);
   }
   std::size_t nearest = clusters_.size();
   double nearest_px = 0.0;

@@ -12,11 +12,11 @@ namespace saccade {
 /// its balls with.
 struct ClusterConfig {
   std::array<double, 2> radius_px = {10, 35};  ///< smallest and largest size of a cluster
-  std::int64_t clusters = 20;                ///< most at a time
-  double mixing = 0.01;                      ///< weight of an event against all those before it
-  double surround = 2.0;                     ///< reach of a cluster in its own radii
-  double decay_us = 10'000;                  ///< time constant of its support
-  double threshold = 150.0;                  ///< support, in events, taken for the ball
+  std::int64_t clusters = 20;                  ///< most at a time
+  double mixing = 0.01;                        ///< weight of an event against all those before it
+  double surround = 2.0;                       ///< reach of a cluster in its own radii
+  double decay_us = 10'000;                    ///< time constant of its support
+  double threshold = 150.0;                    ///< support, in events, taken for the ball
 };
 
 /// Keys: radius_px, clusters, mixing, surround, decay_us, threshold.
@@ -47,7 +47,7 @@ class ClusterDetector final : public Detector, public DetectorViews {
     Circle circle;
     double support = 0.0;  // at last_us
     std::int64_t last_us = 0;
-    double dies_us = 0.0;  // when its support will be the least
+    double end_us = 0.0;  // when its support falls below the least
   };
   [[nodiscard]] double support(const Cluster& cluster, std::int64_t now_us) const;
   void add_support(Cluster& cluster, double more, std::int64_t now_us) const;

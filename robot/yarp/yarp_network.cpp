@@ -61,10 +61,10 @@ Periodic::~Periodic() {
 
 OutputWatch::OutputWatch(const std::string& from, std::string to)
     : from_(NetworkBase::queryName(from)), to_(std::move(to)), watch_(output_period, [this] {
-        if (!lost_ && !stands()) lost_ = true;
+        if (!lost_ && !is_connected()) lost_ = true;
       }) {}
 
-bool OutputWatch::stands() const {
+bool OutputWatch::is_connected() const {
   yarp::os::Bottle request("[list] [out]");
   yarp::os::Bottle reply;
   yarp::os::ContactStyle admin = style(1.0);

@@ -48,7 +48,7 @@ class OutputWatch {
   [[nodiscard]] bool lost() const { return lost_; }
 
  private:
-  [[nodiscard]] bool stands() const;
+  [[nodiscard]] bool is_connected() const;
 
   yarp::os::Contact from_;
   std::string to_;
