@@ -4,19 +4,18 @@
 
 #include <functional>
 #include <limits>
-#include <numbers>
 
 #include "control/authors_gate.h"
 #include "control/continuity_gate.h"
 #include "core/error.h"
 #include "core/random.h"
+#include "core/units.h"
 
 namespace saccade {
 namespace {
 
 const Camera camera;
 constexpr double threshold = 0.5;
-constexpr double rad_per_deg = std::numbers::pi / 180.0;
 
 /// A camera that looks ahead from the root's origin, upright.
 Eigen::Isometry3d looking_ahead() {

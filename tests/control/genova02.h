@@ -1,14 +1,12 @@
 #pragma once
 
 #include <cmath>
-#include <numbers>
 
 #include "core/random.h"
+#include "core/units.h"
 #include "head/head_state.h"
 
 namespace saccade {
-
-inline constexpr double rad_per_deg = std::numbers::pi / 180.0;
 
 /// The limits of the robot iCubGenova02 in 2016 (robots-configuration), firmware speed cap 1000 deg/s.
 inline JointLimits genova02_limits() {
