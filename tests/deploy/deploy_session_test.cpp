@@ -406,7 +406,7 @@ TEST_P(DeployFaults, StopTheHeadInTimeUntilTheOperatorActivatesAgain) {
   }
 }
 
-TEST(Watchdog, BoundsThatDoNotKeepTheNamedTimeAreRefused) {
+TEST(Watchdog, BoundsThatExceedSafeWithinAreRejected) {
   WatchdogConfig config;
   config.camera_silent_ms = 90.0;
   try {
@@ -417,7 +417,7 @@ TEST(Watchdog, BoundsThatDoNotKeepTheNamedTimeAreRefused) {
   }
 }
 
-TEST(Watchdog, SaysNothingOfASingleSlowPacketAndReading) {
+TEST(Watchdog, ToleratesASingleLatePacketAndReading) {
   const Watchdog watchdog({}, genova02_limits());
   HeadState head;
   head.t_us = 1'000'000 - 60'000;
@@ -426,7 +426,7 @@ TEST(Watchdog, SaysNothingOfASingleSlowPacketAndReading) {
 
 // ---- too much to do ------------------------------------------------------------------------------
 
-TEST(DeployOverload, TicksThatAreMissedAreLeftOutAndNotMadeUpFor) {
+TEST(DeployOverload, MissedTicksAreSkipped) {
   Trial trial({}, {.driver_us = 2'600});
   trial.activate();
   ASSERT_TRUE(trial.run_until(1'000'000));
@@ -443,7 +443,7 @@ TEST(DeployOverload, TicksThatAreMissedAreLeftOutAndNotMadeUpFor) {
   EXPECT_NEAR(static_cast<double>(trial.notes.ticks.size()), 1e6 / 2'600, 5);
 }
 
-TEST(DeployOverload, TheNewestEventsGoToTheDetectorsAndNoQueueGrows) {
+TEST(DeployOverload, DetectorsGetTheNewestEventsAndNoQueueGrows) {
   FakeRobotScript script;
   for (std::int64_t i = 0; i < 50'000; ++i) script.events.push_back({100'000 + i / 10, 5, 5, true, 0});
   Trial trial(script, {.budget = LoopBudget{2'000, 500}});
@@ -456,7 +456,7 @@ TEST(DeployOverload, TheNewestEventsGoToTheDetectorsAndNoQueueGrows) {
   EXPECT_EQ(static_cast<std::int64_t>(left_out), 50'000 - trial.driver.events);
 }
 
-TEST(DeployOverload, DetectorsThatDoNotDriveAreSkippedFirstAndTheCommandDoesNotWaitForThem) {
+TEST(DeployOverload, ShadowDetectorsAreSkippedFirstAndTheCommandDoesNotWaitForThem) {
   for (const std::int64_t driver_us : {200, 600}) {
     Trial trial({},
                 {.budget = LoopBudget{2'000, 500}, .driver_us = driver_us, .shadow_us = 100, .shadow = true});

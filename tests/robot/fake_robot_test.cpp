@@ -9,7 +9,7 @@
 namespace saccade {
 namespace {
 
-TEST(FakeRobot, FollowsItsReferenceWithAFirstOrderLagWhateverTheSteps) {
+TEST(FakeRobot, FollowsItsReferenceWithAFirstOrderLagForAnySteps) {
   FakeRobotScript script = scripted_world(0);
   script.lag_s = 0.08;
   FakeRobot coarse(script);
@@ -33,7 +33,7 @@ TEST(FakeRobot, FollowsItsReferenceWithAFirstOrderLagWhateverTheSteps) {
   EXPECT_EQ(a.position_rad.head<torso_joint_count>(), script.start_rad.head<torso_joint_count>());
 }
 
-TEST(FakeRobot, IsLostOnEveryPortFromTheInstantThatTheScriptSays) {
+TEST(FakeRobot, IsLostOnEveryPortFromTheScriptedTimeOn) {
   FakeRobotScript script = scripted_world(0);
   script.lost_us = 100'000;
   FakeRobot robot(script);
@@ -57,7 +57,7 @@ TEST(FakeRobot, IsLostOnEveryPortFromTheInstantThatTheScriptSays) {
   EXPECT_EQ(robot.reference_rad(), HeadCommand::Constant(0.1));
 }
 
-TEST(FakeRobot, KeepsSayingTheSameOnceItsEncodersFreezeWhileTheHeadGoesOn) {
+TEST(FakeRobot, RepeatsTheReadingOfFrozenEncodersWhileTheHeadMoves) {
   FakeRobotScript script = scripted_world(0);
   FakeRobot whole(script);
   script.freeze_us = 50'500;
@@ -74,7 +74,7 @@ TEST(FakeRobot, KeepsSayingTheSameOnceItsEncodersFreezeWhileTheHeadGoesOn) {
   EXPECT_EQ(frozen.now_us(), 200'000);
 }
 
-TEST(FakeRobot, DeliversEventsLateAsTheScriptSays) {
+TEST(FakeRobot, DeliversEventsWithTheScriptedDelay) {
   FakeRobotScript script;
   script.events = {{1000, 1, 1, true, 0}, {2000, 2, 2, true, 0}};
   script.lateness_us = 1500;
@@ -90,7 +90,7 @@ TEST(FakeRobot, DeliversEventsLateAsTheScriptSays) {
   EXPECT_EQ(events, script.events);
 }
 
-TEST(FakeRobotDeathTest, AsksForNoEventsFromTheFutureAndTakesNoUnsortedScript) {
+TEST(FakeRobotDeathTest, ReadingFutureEventsAndUnsortedScriptsAreErrors) {
   FakeRobot robot(scripted_world(0));
   std::vector<Event> events;
   EXPECT_DEATH(robot.read_until(1, events), "t_us <= now_us_");

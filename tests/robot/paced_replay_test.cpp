@@ -10,7 +10,7 @@
 namespace saccade {
 namespace {
 
-TEST(PacedReplay, DeliversWhatAReplayDoesInNoLessThanItsTime) {
+TEST(PacedReplay, DeliversTheEventsOfAReplayInRealTime) {
   const FakeRobotScript script = scripted_world();
   TempFolder folder;
   const auto writer = create_event_file(folder / "a.csv", script.image_size);
@@ -20,7 +20,7 @@ TEST(PacedReplay, DeliversWhatAReplayDoesInNoLessThanItsTime) {
   options.image_size = script.image_size;
   constexpr double speed = 5.0;
   PacedReplay robot("a.csv", open_event_file(folder / "a.csv", options), std::nullopt, speed);
-  EXPECT_EQ(robot.clock().now_us(), script.events.front().t_us) << "time stands still until somebody waits";
+  EXPECT_EQ(robot.clock().now_us(), script.events.front().t_us) << "time starts with the first wait";
   EXPECT_EQ(robot.head(), nullptr);
 
   const auto begin = std::chrono::steady_clock::now();

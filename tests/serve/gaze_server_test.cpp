@@ -14,7 +14,7 @@
 namespace saccade {
 namespace {
 
-/// A head that is where it was told to be a tick ago.
+/// A head that reaches each reference within one tick.
 class Head {
  public:
   void run(double duration_s) {
@@ -48,7 +48,7 @@ class Head {
   GazeServer server{{}, {}, genova02_limits(), Camera{}, Camera{}, JointVector::Zero()};
 };
 
-TEST(GazeServer, leavesTheHeadAloneUntilItHasATarget) {
+TEST(GazeServer, doesNotMoveTheHeadBeforeTheFirstTarget) {
   Head head;
   EXPECT_FALSE(head.server.step(head.state, 0.001));
   EXPECT_EQ(head.server.answer("set Tneck 0.8"), "[ack]");
@@ -71,7 +71,7 @@ TEST(GazeServer, looksAtAPointWithBothEyes) {
   EXPECT_THAT(head.ask("get x"), testing::Pointwise(testing::DoubleNear(1e-3), {-0.5, 0.1, 0.4}));
 }
 
-TEST(GazeServer, tellsOfTheBeginAndTheEndOfAMovement) {
+TEST(GazeServer, reportsTheStartAndTheEndOfAMovement) {
   Head head;
   EXPECT_EQ(head.server.answer("look 3D -0.5 0.1 0.4"), "[ack]");
   head.run(3.0);
@@ -79,7 +79,7 @@ TEST(GazeServer, tellsOfTheBeginAndTheEndOfAMovement) {
   EXPECT_TRUE(head.server.report().events.empty());
 }
 
-TEST(GazeServer, keepsTheHeadWhereItIsAfterAStop) {
+TEST(GazeServer, holdsTheHeadAfterAStop) {
   Head head;
   EXPECT_EQ(head.server.answer("look 3D (-0.5 0.2 0.4)"), "[ack]");
   head.run(0.3);
@@ -92,7 +92,7 @@ TEST(GazeServer, keepsTheHeadWhereItIsAfterAStop) {
   EXPECT_NE(head.state.position_rad, there);
 }
 
-TEST(GazeServer, takesNoTargetWhileSuspended) {
+TEST(GazeServer, acceptsNoTargetWhileSuspended) {
   Head head;
   EXPECT_EQ(head.server.answer("susp"), "[ack]");
   EXPECT_EQ(head.server.answer("status"), "[ack] suspended");
@@ -102,7 +102,7 @@ TEST(GazeServer, takesNoTargetWhileSuspended) {
   EXPECT_EQ(head.server.answer("look 3D (-0.5 0.2 0.4)"), "[ack]");
 }
 
-TEST(GazeServer, refusesWhatItDoesNotUnderstandAndWhereTheHeadMayNotLook) {
+TEST(GazeServer, rejectsUnknownRequestsAndUnreachableTargets) {
   Head head;
   for (const char* request : {"",
                               "look",
@@ -138,7 +138,7 @@ TEST(GazeServer, refusesWhatItDoesNotUnderstandAndWhereTheHeadMayNotLook) {
   EXPECT_FALSE(head.server.step(head.state, 0.001));
 }
 
-TEST(GazeServer, knowsWhereThePixelsOfAnEyeLie) {
+TEST(GazeServer, convertsBetweenPixelsOfAnEyeAndPoints) {
   Head head;
   head.state.position_rad << 0, 0, 0, 0.1, -0.05, 0.2, -0.1, 0.15, 0.12;
   head.run(0.001);
@@ -163,7 +163,7 @@ TEST(GazeServer, knowsWhereThePixelsOfAnEyeLie) {
   EXPECT_THAT(head.ask(request.str()), testing::Pointwise(testing::DoubleNear(1e-5), {-0.5, 0.05, 0.3}));
 }
 
-TEST(GazeServer, anglesAreToTheRightAndUpOfTheHeadAtRest) {
+TEST(GazeServer, anglesCountToTheRightAndUpFromTheHeadAtRest) {
   Head head;
   const auto ahead = head.ask("get 3D ang (abs 0 0 8)");
   const auto aside = head.ask("get 3D ang (abs 20 0 8)");
@@ -178,7 +178,7 @@ TEST(GazeServer, anglesAreToTheRightAndUpOfTheHeadAtRest) {
   EXPECT_THAT(head.ask("get angles"), testing::Pointwise(testing::DoubleNear(0.9), {15.0, 10.0, 8.0}));
 }
 
-TEST(GazeServer, keepsAJointWhereItIsBound) {
+TEST(GazeServer, keepsABoundJointInItsRange) {
   Head head;
   EXPECT_EQ(head.server.answer("bind roll 0 0"), "[ack]");
   EXPECT_EQ(head.server.answer("bind yaw -5 5"), "[ack]");
@@ -193,7 +193,7 @@ TEST(GazeServer, keepsAJointWhereItIsBound) {
   EXPECT_GT(std::abs(head.state.position_rad[neck_yaw]), 10.0 * rad_per_deg);
 }
 
-TEST(GazeServer, settingsAreToldAsTheyAreAndStoredAndBroughtBack) {
+TEST(GazeServer, settingsAreReturnedStoredAndRestored) {
   Head head;
   EXPECT_EQ(head.server.answer("set Teyes 0.01"), "[ack]");
   EXPECT_EQ(head.ask("get Teyes"), std::vector{0.1});  // as fast as iKinGazeCtrl lets it be
@@ -209,7 +209,7 @@ TEST(GazeServer, settingsAreToldAsTheyAreAndStoredAndBroughtBack) {
   EXPECT_EQ(head.ask("get track"), std::vector{1.0});
 }
 
-TEST(GazeServer, aSettingDoesNotMakeTheHeadJump) {
+TEST(GazeServer, aSettingDoesNotMakeTheReferenceJump) {
   Head head;
   EXPECT_EQ(head.server.answer("look 3D (-0.5 0.2 0.4)"), "[ack]");
   head.run(0.2);
