@@ -1,5 +1,8 @@
 #pragma once
 
+#if __has_include("evaluation/scoring/detector_scorer.h")
+#include "evaluation/scoring/detector_scorer.h"
+#else
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -103,3 +106,4 @@ class FollowingRate {
 };
 
 }  // namespace saccade
+#endif
