@@ -8,9 +8,12 @@
 #include <limits>
 #include <ostream>
 
+#include "core/ball_tracker.h"
 #include "core/baselines/cluster.h"
 #include "core/baselines/multi_kernel.h"
+#include "core/baselines/original_2016.h"
 #include "core/detector_registry.h"
+#include "core/hough_detector.h"
 #include "tests/core/allocation_counter.h"
 #include "tests/core/streams.h"
 
