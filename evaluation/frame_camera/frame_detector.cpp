@@ -119,7 +119,7 @@ FrameDetector::FrameDetector(const FrameDetectorConfig& config, const std::vecto
   SACCADE_CHECK(ball_rgb.size() == 3);
   const cv::Vec3d rgb(ball_rgb[0], ball_rgb[1], ball_rgb[2]);
   if (!(rgb[0] + rgb[1] + rgb[2] > 0.0)) {
-    throw InputError("ball.rgb", "black", "a colour, for frame_30hz looks for it");
+    throw InputError("ball.rgb", "black", "a colour that frame_30hz can find");
   }
   ball_shares_ = shares_of(rgb);
 }

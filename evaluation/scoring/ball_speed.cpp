@@ -5,14 +5,13 @@
 #include <limits>
 
 #include "core/error.h"
+#include "evaluation/scoring/scoring.h"
 
 namespace saccade {
 namespace {
 
 constexpr std::int64_t reach_us = 5'000;
 constexpr double chances_per_s = 1'000.0;
-
-bool has_circle(const TruthRow& row) { return std::isfinite(row.circle.x_px + row.circle.y_px); }
 
 }  // namespace
 

@@ -28,19 +28,6 @@ std::optional<double> ratio(std::int64_t part, std::int64_t whole) {
   return static_cast<double>(part) / static_cast<double>(whole);
 }
 
-struct Mean {
-  double sum = 0.0;
-  std::int64_t count = 0;
-
-  void add(double value) {
-    sum += value;
-    ++count;
-  }
-  [[nodiscard]] std::optional<double> value() const {
-    return count == 0 ? std::nullopt : std::optional(sum / static_cast<double>(count));
-  }
-};
-
 }  // namespace
 
 ClutterCounter::ClutterCounter() : by_object_(object_names.size(), 0), by_cause_(cause_names.size(), 0) {}
@@ -76,12 +63,25 @@ ClutterShare ClutterCounter::share() const {
   return share;
 }
 
+void ChanceClutter::add(double visible, double window_share, bool detected) {
+  if (!(visible >= chance_visible_share) || !std::isfinite(window_share)) return;
+  Mean& mean = detected ? detected_ : missed_;
+  mean.sum += window_share;
+  ++mean.count;
+}
+
+DetectorClutter ChanceClutter::result(std::int64_t clutter_events, std::int64_t inliers) const {
+  const auto value = [](const Mean& mean) {
+    return mean.count == 0 ? std::nullopt : std::optional(mean.sum / static_cast<double>(mean.count));
+  };
+  return {value(detected_), value(missed_), ratio(clutter_events, inliers)};
+}
+
 DetectorClutter detector_clutter(std::span<const TruthRow> truth, std::span<const double> window_share,
                                  std::span<const DetectionRow> detections, std::string_view detector,
                                  double threshold, std::int64_t clutter_events, std::int64_t inliers) {
   SACCADE_CHECK(truth.size() == window_share.size());
-  Mean detected;
-  Mean missed;
+  ChanceClutter clutter;
   auto row = detections.begin();
   for (std::size_t i = 0; i < truth.size(); ++i) {
     bool has_one = false;
@@ -89,10 +89,9 @@ DetectorClutter detector_clutter(std::span<const TruthRow> truth, std::span<cons
       has_one =
           has_one || (row->t_us == truth[i].t_us && row->detector == detector && row->score >= threshold);
     }
-    if (!(truth[i].visible >= chance_visible_share) || !std::isfinite(window_share[i])) continue;
-    (has_one ? detected : missed).add(window_share[i]);
+    clutter.add(truth[i].visible, window_share[i], has_one);
   }
-  return {detected.value(), missed.value(), ratio(clutter_events, inliers)};
+  return clutter.result(clutter_events, inliers);
 }
 
 }  // namespace saccade

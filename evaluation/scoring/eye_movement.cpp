@@ -20,12 +20,11 @@ void SaccadeFinder::add(std::int64_t t_us, const Eigen::Vector3d& axis) {
     stretch_.end_us = t_us;
     stretch_.amplitude_deg = angle_deg(start_axis_, axis);
     stretch_.peak_deg_s = std::max(stretch_.peak_deg_s, speed_deg_s_);
-    if (counted_) {
-      saccades_.back() = stretch_;
-    } else if (stretch_.end_us - stretch_.start_us >= Saccade::shortest_us) {
-      saccades_.push_back(stretch_);
+    if (!counted_ && stretch_.end_us - stretch_.start_us >= Saccade::shortest_us) {
+      ++count_;
       counted_ = true;
     }
+    if (counted_) newest_ = stretch_;
   } else {
     stretch_ = {.start_us = t_us, .end_us = t_us, .amplitude_deg = 0.0, .peak_deg_s = 0.0};
     start_axis_ = axis;
@@ -38,8 +37,13 @@ void SaccadeFinder::add(std::int64_t t_us, const Eigen::Vector3d& axis) {
 
 std::vector<Saccade> saccades_of(std::span<const EyeRow> eye) {
   SaccadeFinder finder;
-  for (const EyeRow& row : eye) finder.add(row.t_us, row.root_from_left_cam().linear().col(2));
-  return {finder.saccades().begin(), finder.saccades().end()};
+  std::vector<Saccade> saccades;
+  for (const EyeRow& row : eye) {
+    finder.add(row.t_us, row.root_from_left_cam().linear().col(2));
+    if (finder.count() > std::ssize(saccades)) saccades.emplace_back();
+    if (!saccades.empty()) saccades.back() = finder.newest();
+  }
+  return saccades;
 }
 
 bool is_move(const std::optional<Eigen::Vector3d>& last_m, const Eigen::Vector3d& target_m) {

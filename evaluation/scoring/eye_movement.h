@@ -10,7 +10,7 @@
 
 namespace saccade {
 
-/// A stretch of 10 ms or more in which the eye turns faster than 60 deg/s.
+/// A saccade: 10 ms or more in which the eye turns faster than 60 deg/s.
 struct Saccade {
   static constexpr double fast_deg_s = 60.0;
   static constexpr std::int64_t shortest_us = 10'000;
@@ -21,25 +21,28 @@ struct Saccade {
   double peak_deg_s = 0.0;
 };
 
-/// Finds saccades in where an eye looks, step by step.
+/// Finds saccades in the directions of an eye's optical axis, step by step, in fixed memory.
 class SaccadeFinder {
  public:
   /// `axis`: the optical axis, root frame, unit length. Time goes forward.
   void add(std::int64_t t_us, const Eigen::Vector3d& axis);
   /// How fast the eye turned in the newest step; 0 before there is one.
   [[nodiscard]] double speed_deg_s() const { return speed_deg_s_; }
-  /// All so far; one that has not ended is as long as it is now.
-  [[nodiscard]] std::span<const Saccade> saccades() const { return saccades_; }
+  /// How many there were so far, with the one that has not ended.
+  [[nodiscard]] std::int64_t count() const { return count_; }
+  /// The newest one; one that has not ended is as long as it is now. There is one where count() is above 0.
+  [[nodiscard]] const Saccade& newest() const { return newest_; }
 
  private:
   bool started_ = false;
   std::int64_t last_t_us_ = 0;
   Eigen::Vector3d last_axis_ = Eigen::Vector3d::Zero();
   double speed_deg_s_ = 0.0;
-  Saccade stretch_;  // the fast stretch that goes on, or a start where none does
+  Saccade stretch_;  // the fast motion that goes on, or its start where the eye is slow
   Eigen::Vector3d start_axis_ = Eigen::Vector3d::Zero();
-  bool counted_ = false;  // it is the last of saccades_
-  std::vector<Saccade> saccades_;
+  bool counted_ = false;  // it is newest_
+  std::int64_t count_ = 0;
+  Saccade newest_;
 };
 
 [[nodiscard]] std::vector<Saccade> saccades_of(std::span<const EyeRow> eye);

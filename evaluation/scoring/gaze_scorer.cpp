@@ -30,7 +30,8 @@ bool is_wrong_move(const Camera& camera, const Eigen::Isometry3d& root_from_left
   return !target_px || !ball_px || (*target_px - *ball_px).norm() > wrong_move_px;
 }
 
-GazeScorer::GazeScorer(const GazeScoringConfig& config) : config_(config) {
+GazeScorer::GazeScorer(const GazeScoringConfig& config, std::size_t max_exact)
+    : config_(config), errors_deg_(max_exact), target_errors_m_(max_exact) {
   check_config("camera", config_.camera);
   if (!Range{1e-6, std::numbers::pi}.contains(config_.acquire_within_rad)) {
     throw InputError("gaze scoring: acquire_within_rad", text_of(config_.acquire_within_rad),
@@ -78,7 +79,7 @@ void GazeScorer::follow_ball(const GazeSample& sample) {
   acquired_ = acquired_ || sample.t_us - *hold_start_us_ >= acquire_hold_us;
   const double error_deg = fixation_error_rad_ * deg_per_rad;
   const auto pixel = config_.camera.project(ball_cam_m);
-  errors_deg_.push_back(error_deg);
+  errors_deg_.add(error_deg);
   on_target_ += error_deg <= on_target_deg ? 1 : 0;
   in_view_ += pixel && inside_image(*pixel, config_.camera.size) ? 1 : 0;
 }
@@ -88,7 +89,7 @@ void GazeScorer::follow_target(const GazeSample& sample) {
   last_target_m_ = sample.target_m;
   wrong_moves_ +=
       is_wrong_move(config_.camera, sample.root_from_left_cam, *sample.target_m, sample.ball_m) ? 1 : 0;
-  target_errors_m_.push_back((*sample.target_m - sample.ball_m).norm());
+  target_errors_m_.add((*sample.target_m - sample.ball_m).norm());
 }
 
 void GazeScorer::follow_joints(const GazeSample& sample) {
@@ -101,16 +102,17 @@ void GazeScorer::follow_joints(const GazeSample& sample) {
 GazeScore GazeScorer::score() const {
   GazeScore score;
   score.acquire_within_deg = std::round(config_.acquire_within_rad * deg_per_rad * 1e9) / 1e9;
-  score.moves = static_cast<std::int64_t>(target_errors_m_.size());
+  score.moves = target_errors_m_.count();
   score.wrong_moves = wrong_moves_;
-  score.saccades = std::ssize(saccades_.saccades());
+  score.saccades = saccades_.count();
   score.limit_violations = limit_violations_;
-  score.target_error_median_m = spread_of(target_errors_m_).median;
+  score.target_error_median_m = target_errors_m_.at(0.5);
+  score.exact = errors_deg_.exact() && target_errors_m_.exact();
   if (acquired_) {
-    const auto samples = static_cast<double>(errors_deg_.size());
+    const auto samples = static_cast<double>(errors_deg_.count());
     score.acquire_s = static_cast<double>(*hold_start_us_ - motion_start_us_) * 1e-6;
     score.acquired_at_us = hold_start_us_;
-    score.fixation_error_deg = spread_of(errors_deg_);
+    score.fixation_error_deg = errors_deg_.percentiles();
     score.on_target_ratio = static_cast<double>(on_target_) / samples;
     score.in_view_ratio = static_cast<double>(in_view_) / samples;
   }

@@ -25,8 +25,8 @@ Json json_of(const std::optional<T>& value) {
   }
 }
 
-Json json_of(const Spread& spread) {
-  return {{"median", json_of(spread.median)}, {"p95", json_of(spread.p95)}};
+Json json_of(const Percentiles& percentiles) {
+  return {{"median", json_of(percentiles.median)}, {"p95", json_of(percentiles.p95)}};
 }
 
 Json json_of(const std::optional<RejectedEvents>& rejected) {
@@ -42,7 +42,7 @@ std::optional<std::int64_t> integer(const Json& json) {
   return json.is_null() ? std::nullopt : std::optional<std::int64_t>(json.get<std::int64_t>());
 }
 
-Spread spread(const Json& json) {
+Percentiles percentiles(const Json& json) {
   return {.median = number(json.at("median")), .p95 = number(json.at("p95"))};
 }
 
@@ -72,6 +72,7 @@ Json json_of(const DetectorScore& score) {
       {"observations", score.observations},
       {"inliers", score.inliers},
       {"rejected_events", json_of(score.rejected_events)}};
+  if (!score.exact) json["approximate"] = true;
   if (score.clutter) {
     json["clutter_in_window"] = {{"detected", json_of(score.clutter->in_window_detected)},
                                  {"missed", json_of(score.clutter->in_window_missed)}};
@@ -117,10 +118,11 @@ DetectorScore detector_score(const Json& json) {
   score.recall = number(json.at("recall"));
   score.mean_rate_hz = number(json.at("detection_rate_hz").at("mean"));
   score.peak_rate_hz = number(json.at("detection_rate_hz").at("peak"));
-  score.position_error_px = spread(json.at("position_error_px"));
-  score.radius_error_px = spread(json.at("radius_error_px"));
+  score.position_error_px = percentiles(json.at("position_error_px"));
+  score.radius_error_px = percentiles(json.at("radius_error_px"));
   score.lag_ms = number(json.at("lag_ms"));
   score.us_per_event = number(json.at("us_per_event"));
+  score.exact = !json.value("approximate", false);
   if (const auto rejected = json.find("rejected_events"); rejected != json.end() && !rejected->is_null()) {
     score.rejected_events = {.outside_image = rejected->at("outside_image").get<std::int64_t>(),
                              .back_in_time = rejected->at("back_in_time").get<std::int64_t>()};
@@ -142,23 +144,25 @@ Json json_of(const GazeMetrics& gaze) {
     const auto i = static_cast<Eigen::Index>(j);
     limits[std::string(joint_names[j])] = {gaze.limits.min_rad[i], gaze.limits.max_rad[i]};
   }
-  return {{"detector", gaze.detector},
-          {"fixation_error_deg", json_of(score.fixation_error_deg)},
-          {"on_target_ratio", json_of(score.on_target_ratio)},
-          {"in_view_ratio", json_of(score.in_view_ratio)},
-          {"acquire_s", json_of(score.acquire_s)},
-          {"moves", score.moves},
-          {"wrong_moves", score.wrong_moves},
-          {"saccades", score.saccades},
-          {"limit_violations", score.limit_violations},
-          {"target_error_m", {{"median", json_of(score.target_error_median_m)}}},
-          {"acquire_within_deg", score.acquire_within_deg},
-          {"joint_limits_rad", std::move(limits)},
-          {"controller", name_or_null(gaze.controller)},
-          {"gate", name_or_null(gaze.gate)},
-          {"window", name_or_null(gaze.window)},
-          {"acquired_at_us", json_of(score.acquired_at_us)},
-          {"following_rate_hz", json_of(gaze.following_rate_hz)}};
+  Json json = {{"detector", gaze.detector},
+               {"fixation_error_deg", json_of(score.fixation_error_deg)},
+               {"on_target_ratio", json_of(score.on_target_ratio)},
+               {"in_view_ratio", json_of(score.in_view_ratio)},
+               {"acquire_s", json_of(score.acquire_s)},
+               {"moves", score.moves},
+               {"wrong_moves", score.wrong_moves},
+               {"saccades", score.saccades},
+               {"limit_violations", score.limit_violations},
+               {"target_error_m", {{"median", json_of(score.target_error_median_m)}}},
+               {"acquire_within_deg", score.acquire_within_deg},
+               {"joint_limits_rad", std::move(limits)},
+               {"controller", name_or_null(gaze.controller)},
+               {"gate", name_or_null(gaze.gate)},
+               {"window", name_or_null(gaze.window)},
+               {"acquired_at_us", json_of(score.acquired_at_us)},
+               {"following_rate_hz", json_of(gaze.following_rate_hz)}};
+  if (!score.exact) json["approximate"] = true;
+  return json;
 }
 
 GazeMetrics gaze_metrics(const Json& json) {
@@ -173,8 +177,9 @@ GazeMetrics gaze_metrics(const Json& json) {
   gaze.window = name("window");
   gaze.score.acquired_at_us = integer(optional("acquired_at_us"));
   gaze.following_rate_hz = number(optional("following_rate_hz"));
+  gaze.score.exact = !json.value("approximate", false);
   gaze.detector = json.at("detector").get<std::string>();
-  gaze.score.fixation_error_deg = spread(json.at("fixation_error_deg"));
+  gaze.score.fixation_error_deg = percentiles(json.at("fixation_error_deg"));
   gaze.score.on_target_ratio = number(json.at("on_target_ratio"));
   gaze.score.in_view_ratio = number(json.at("in_view_ratio"));
   gaze.score.acquire_s = number(json.at("acquire_s"));
@@ -266,7 +271,7 @@ RightEyeMetrics right_eye_metrics(const Json& json) {
           .events_dropped = integer(json.at("events").at("dropped")),
           .camera = camera_of(json.at("camera")),
           .calibration = mounted_camera(json.at("calibration")),
-          .fixation_error_deg = spread(json.at("fixation_error_deg")),
+          .fixation_error_deg = percentiles(json.at("fixation_error_deg")),
           .on_target_ratio = number(json.at("on_target_ratio")),
           .in_view_ratio = number(json.at("in_view_ratio")),
           .detectors = detector_scores(json.at("detectors"))};

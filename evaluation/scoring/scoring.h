@@ -9,46 +9,44 @@
 
 #include "core/detector.h"
 #include "evaluation/scoring/clutter.h"
+#include "evaluation/scoring/precision_recall.h"
 #include "evaluation/scoring/statistics.h"
 #include "recording/run_files.h"
 
 namespace saccade {
 
-/// Scoring of ball detections against the true circle, after the paper's section III.
+/// Scores of ball detections against the true circle, after section III of Glover and Bartolozzi, "Event-driven ball
+/// detection and gaze fixation in clutter" (IROS 2016), called the paper here. From vectors; DetectorScorer
+/// (detector_scorer.h) makes the same score instant by instant.
 
 /// An observation is an inlier within these distances of the true circle (paper, Fig. 4).
 inline constexpr double inlier_distance_px = 6.0;
 inline constexpr double inlier_radius_px = 2.0;
-/// A simulated instant is a chance from this visible share of the ball's disc on.
+/// An instant is a chance when at least this share of the ball's disc is visible.
 inline constexpr double chance_visible_share = 0.5;
-/// The recalls at which precision is told.
-inline constexpr std::array<double, 6> reported_recalls = {0.1, 0.2, 0.3, 0.5, 0.7, 0.9};
-inline constexpr std::size_t max_curve_points = 200;
 
-/// When the detector could have found the ball.
+/// At which instants a detector could find the ball.
 enum class Chances {
-  /// Truth every 1 ms: each instant with visible >= 0.5. An observation at any other instant of the run is a
-  /// false one.
+  /// Truth every 1 ms: each instant with visible >= 0.5. An observation at any other instant of the run is false.
   simulated,
-  /// Truth at a few instants of a recording: exactly these. Observations at other instants are left out,
-  /// nothing is known about them.
+  /// Truth at a few instants of a recording: those with visible >= 0.5. An observation at an annotated instant with
+  /// visible = 0 is false. Observations at all other instants are ignored: there is no truth for them, or the ball
+  /// is partly hidden.
   annotated,
 };
 
-struct CurvePoint {
-  double threshold = 0.0;
-  double precision = 0.0;
-  double recall = 0.0;
-};
+/// Whether a row of truth has a circle, finite in centre and radius.
+[[nodiscard]] bool has_circle(const TruthRow& row);
+/// Whether the ball could be found there: it has a circle, and visible >= 0.5.
+[[nodiscard]] bool is_chance(const TruthRow& row);
+[[nodiscard]] bool is_inlier(const Circle& circle, const Circle& truth);
 
-/// What metrics.json says of one detector. None = does not apply.
+/// The figures of one detector in metrics.json. None = does not apply.
 struct DetectorScore {
-  /// Sum of precision times recall step over all distinct scores, no interpolation. None without chances.
+  /// See CurveSummary. None, and an empty curve, without chances.
   std::optional<double> average_precision;
-  /// At the highest threshold whose recall reaches reported_recalls[i]; none when none does.
   std::array<std::optional<double>, reported_recalls.size()> precision_at_recall;
-  /// By falling threshold; every distinct score, or 200 of them evenly spaced by rank with both ends kept.
-  std::vector<CurvePoint> pr_curve;
+  std::vector<CurvePoint> pr_curve;  ///< by falling threshold
   std::int64_t chances = 0;
   double threshold = 0.0;
   /// At `threshold`, like everything below.
@@ -61,19 +59,18 @@ struct DetectorScore {
   std::optional<double> mean_rate_hz;
   std::optional<double> peak_rate_hz;
   /// Over all observations at chances, inlier or not; no lag compensated.
-  Spread position_error_px;
-  Spread radius_error_px;  ///< absolute
-  /// The shift s in [-50, 200] ms (0.1 ms steps) that minimises the median distance between the observation
-  /// at t and truth, linearly interpolated, at t - s; positive = late; of equal shifts the one nearest 0.
-  /// Over the observations at chances whose truth is known for every such s, that is without a gap of more
-  /// than 20 ms between its rows. None when there is no such observation, or the true centres at the chances
-  /// lie within 6 px (diagonal of their bounding box).
+  Percentiles position_error_px;
+  Percentiles radius_error_px;  ///< absolute
+  /// See LagCounter; over the observations at chances. None also where the true centres at the chances lie within
+  /// 6 px (diagonal of their bounding box).
   std::optional<double> lag_ms;
-  /// Processing time, flow included; measured by the loop, not here.
+  /// False where a run was so long that curve, errors or lag are approximated (DetectorScorer).
+  bool exact = true;
+  /// Processing time, flow included; measured by the loop.
   std::optional<double> us_per_event;
-  /// Events that the detector could not use; told by the detector, not here.
+  /// Events that the detector could not use; counted by the detector.
   std::optional<RejectedEvents> rejected_events;
-  /// Where the events have labels; from detector_clutter.
+  /// Where the events have labels; from detector_clutter().
   std::optional<DetectorClutter> clutter;
 };
 
@@ -89,10 +86,24 @@ struct DetectorScore {
                                                                 std::span<const DetectionRow> detections,
                                                                 std::string_view detector, double threshold);
 
-/// How often per second the detector was right from `from_us` on: 1000 times the share of the chances; none without
-/// any. `found` as found_at_chances tells it for `truth`.
+/// How often per second a detector found the ball from `from_us` on: 1000 times the share of the chances; none without
+/// any. `found` from found_at_chances() for `truth`.
 [[nodiscard]] std::optional<double> found_rate_hz(std::span<const TruthRow> truth,
                                                   std::span<const std::optional<bool>> found,
                                                   std::int64_t from_us);
+
+/// The rate of found_rate_hz() from the moment on at which the gaze acquired the ball, instant by instant.
+class FollowingRate {
+ public:
+  /// `found` as DetectorScorer::add() returns it, `held_since_us` as GazeScorer::held_since_us() returns it after the
+  /// same instant.
+  void add(std::optional<bool> found, std::optional<std::int64_t> held_since_us);
+  [[nodiscard]] std::optional<double> rate_hz() const;
+
+ private:
+  std::optional<std::int64_t> held_since_us_;
+  std::int64_t chances_ = 0;
+  std::int64_t found_ = 0;
+};
 
 }  // namespace saccade

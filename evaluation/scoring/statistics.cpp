@@ -1,6 +1,7 @@
 #include "evaluation/scoring/statistics.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "core/error.h"
@@ -24,9 +25,70 @@ std::optional<double> quantile(std::vector<double>& values, double share) {
   return *lower + fraction * (upper - *lower);
 }
 
-Spread spread_of(std::vector<double> values) {
+Percentiles percentiles_of(std::vector<double> values) {
   return {.median = quantile(values, 0.5), .p95 = quantile(values, 0.95)};
 }
+
+namespace {
+
+constexpr unsigned dropped_bits = 42;  // of a double's 64: sign, exponent and 10 bits of the mantissa remain
+constexpr std::uint64_t sign_bit = std::uint64_t{1} << 63U;
+
+}  // namespace
+
+std::uint32_t fine_bin(double value) {
+  const auto bits = std::bit_cast<std::uint64_t>(value);
+  const std::uint64_t ordered = (bits & sign_bit) != 0 ? ~bits : bits | sign_bit;
+  return static_cast<std::uint32_t>(ordered >> dropped_bits);
+}
+
+double middle_of_bin(std::uint32_t bin) {
+  const std::uint64_t ordered =
+      (std::uint64_t{bin} << dropped_bits) + (std::uint64_t{1} << (dropped_bits - 1));
+  return std::bit_cast<double>((ordered & sign_bit) != 0 ? ordered & ~sign_bit : ~ordered);
+}
+
+void QuantileCounter::add(double value) {
+  ++count_;
+  if (!exact()) {
+    ++bins_[fine_bin(value)];
+    return;
+  }
+  values_.push_back(value);
+  if (values_.size() <= max_exact_) return;
+  for (const double v : values_) ++bins_[fine_bin(v)];
+  values_ = {};
+}
+
+void QuantileCounter::clear() {
+  count_ = 0;
+  values_.clear();
+  bins_.clear();
+}
+
+double QuantileCounter::ranked(std::int64_t rank) const {
+  for (const auto& [bin, count] : bins_) {
+    rank -= count;
+    if (rank < 0) return middle_of_bin(bin);
+  }
+  SACCADE_CHECK(false);
+  return 0.0;
+}
+
+std::optional<double> QuantileCounter::at(double share) const {
+  if (exact()) {
+    std::vector<double> values = values_;
+    return quantile(values, share);
+  }
+  SACCADE_CHECK(share >= 0.0 && share <= 1.0);
+  const double rank = share * static_cast<double>(count_ - 1);
+  const double below = std::floor(rank);
+  const double lower = ranked(static_cast<std::int64_t>(below));
+  if (rank == below) return lower;
+  return lower + (rank - below) * (ranked(static_cast<std::int64_t>(below) + 1) - lower);
+}
+
+Percentiles QuantileCounter::percentiles() const { return {.median = at(0.5), .p95 = at(0.95)}; }
 
 MeanSd mean_sd_of(std::span<const std::optional<double>> values) {
   MeanSd result;

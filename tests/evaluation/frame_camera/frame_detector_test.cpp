@@ -28,7 +28,7 @@ struct Scene {
   std::vector<double> wall = {0.5, 0.45, 0.4};
 };
 
-/// What the frame camera sees of a scene; truly sampled at the pixels' shifted centres.
+/// The frame camera's image of a scene, sampled at the pixels' shifted centres.
 Shutter::Draw view_of(const Scene& scene, const Camera& camera) {
   return [scene, camera](std::int64_t t_us, const Eigen::Vector2d& shift_px, std::span<float> rgb) {
     const Eigen::Vector2d centre = Eigen::Vector2d(scene.ball.x_px, scene.ball.y_px) +
@@ -72,7 +72,7 @@ TEST(FrameDetector, FindsADiscOfTheBallsColourWithinAPixelWhereverItIs) {
   EXPECT_LT(worst_px, 1.0);
 }
 
-TEST(FrameDetector, TellsTheCircleAsTheEventCamerasLensShowsIt) {
+TEST(FrameDetector, ReturnsTheCircleInTheEventCamerasDistortedImage) {
   const Camera behind_lens;
   const FrameDetector detector(small_balls(), red, behind_lens);
   const Camera& frame = detector.camera();
@@ -128,7 +128,7 @@ TEST(FrameDetector, FindsNothingOfASizeOutsideTheRangeOrOutsideTheEventCamerasIm
   FrameDetectorConfig config = small_balls();
   config.radius_px = {20, 30};
   EXPECT_TRUE(find_in(scene, config).valid);
-  scene.ball = {-6, 64, 5};  // the frame camera sees it
+  scene.ball = {-6, 64, 5};  // inside the frame camera's image
   EXPECT_FALSE(find_in(scene).valid);
 }
 
@@ -146,7 +146,7 @@ TEST(FrameDetector, LosesAFastBallToBlurAndFindsItAgainWithAShortExposure) {
   }
 }
 
-TEST(FrameDetector, TellsWhereASlowBallWasInTheMiddleOfTheExposure) {
+TEST(FrameDetector, ReturnsThePositionOfASlowBallInTheMiddleOfTheExposure) {
   Scene scene;
   scene.speed_px_s = {150, 0};
   EXPECT_NEAR(find_in(scene).circle.x_px, 64 + 150 * 0.010, 0.5);
@@ -159,7 +159,7 @@ TEST(FrameDetector, ConfigurationsOutOfRangeAndBlackBallsAreBadInput) {
   EXPECT_THROW(FrameDetector({}, {0, 0, 0}, event_camera), InputError);
 }
 
-TEST(FrameCamera, SeesFromTopToBottomWhatTheEventCameraSees) {
+TEST(FrameCamera, HasTheVerticalFieldOfViewOfTheEventCamera) {
   for (const Camera& seen_by : {event_camera, Camera{}}) {
     const Camera frame = frame_camera_of(seen_by);
     EXPECT_EQ(frame.size, (ImageSize{320, 240}));
@@ -192,7 +192,7 @@ TEST(Shutter, DeliversThirtyImagesPerSecondEachWhenItsExposureEnds) {
   }
 }
 
-TEST(Shutter, AddsUpLightNotGreyLevels) {
+TEST(Shutter, AveragesLinearLightNotGreyLevels) {
   Shutter shutter({8, 8}, 10.0);
   const auto half_the_time = [](std::int64_t t_us, const Eigen::Vector2d&, std::span<float> rgb) {
     std::fill(rgb.begin(), rgb.end(), t_us <= 5000 ? 255.0F : 0.0F);

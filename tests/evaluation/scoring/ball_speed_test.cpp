@@ -30,7 +30,7 @@ TEST(BallSpeed, OfACircularPathIsThatOfTheCircle) {
     EXPECT_NEAR(speed, 40 * turn_rad_s, 1.1e-3 * 40 * turn_rad_s);
 }
 
-TEST(BallSpeed, IsUnknownWhereThereIsNoCircleAndNeverTakenAcrossAGap) {
+TEST(BallSpeed, IsNanWithoutACircleAndNeverComputedAcrossAGap) {
   std::vector<TruthRow> truth;
   for (int i = 0; i < 30; ++i) {
     const bool seen = i < 10 || i > 12;
@@ -47,7 +47,7 @@ TEST(BallSpeed, IsUnknownWhereThereIsNoCircleAndNeverTakenAcrossAGap) {
   }
 }
 
-TEST(BallSpeed, OfASingleRowIsUnknown) {
+TEST(BallSpeed, OfASingleRowIsNan) {
   const std::vector<TruthRow> truth = {{.t_us = 1000, .circle = {1, 2, 3}}};
   EXPECT_TRUE(std::isnan(image_speed_px_s(truth).at(0)));
 }

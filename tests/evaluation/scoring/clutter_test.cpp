@@ -50,13 +50,13 @@ TEST(Clutter, TheWindowHoldsTheNewestEventsAlone) {
   EXPECT_EQ(counter.share_in_window(), 1.0);
 }
 
-TEST(Clutter, AWordThatNoLabelHasIsRefused) {
+TEST(Clutter, AnUnknownCauseOrObjectIsRefused) {
   ClutterCounter counter;
   EXPECT_THROW(counter.add(made_by("cat")), InputError);
   EXPECT_THROW(counter.add(made_by("ball", "magic")), InputError);
 }
 
-TEST(Clutter, IsToldApartForChancesWithAndWithoutADetection) {
+TEST(Clutter, IsAveragedApartForChancesWithAndWithoutADetection) {
   const auto at = [](std::int64_t t_us, double visible) {
     TruthRow row;
     row.t_us = t_us;

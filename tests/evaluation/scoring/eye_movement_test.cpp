@@ -28,10 +28,10 @@ double shift_deg(double t_ms, double start_ms, double duration_ms, double size_d
   return size_deg * s * s * s * (10.0 + s * (6.0 * s - 15.0));
 }
 
-TEST(SaccadeFinder, TellsWhenHowFarAndHowFast) {
+TEST(SaccadeFinder, MeasuresTimeAmplitudeAndPeakSpeed) {
   const auto finder = watched(500, [](int t) { return shift_deg(t, 100, 80, 12.0); });
-  ASSERT_EQ(finder.saccades().size(), 1U);
-  const Saccade& saccade = finder.saccades().front();
+  ASSERT_EQ(finder.count(), 1);
+  const Saccade& saccade = finder.newest();
   EXPECT_NEAR(saccade.peak_deg_s, 12.0 / 0.080 * 1.875, 0.5);
   // What is slower than 60 deg/s at either end lies outside: at the speed's profile 30 s^2 (1 - s)^2 that is from s =
   // 0.133 to 0.867, between 1.9 and 98.1 % of the way.
@@ -41,18 +41,18 @@ TEST(SaccadeFinder, TellsWhenHowFarAndHowFast) {
   EXPECT_EQ(finder.speed_deg_s(), 0.0);
 }
 
-TEST(SaccadeFinder, KnowsPursuitAndJerksForNone) {
-  EXPECT_TRUE(watched(500, [](int t) { return 0.055 * t; }).saccades().empty());               // 55 deg/s
-  EXPECT_TRUE(watched(500, [](int t) { return 0.2 * std::min(t, 9); }).saccades().empty());    // 8 ms
-  EXPECT_EQ(watched(500, [](int t) { return 0.2 * std::min(t, 11); }).saccades().size(), 1U);  // 10 ms
-  EXPECT_EQ(watched(500, [](int t) { return 0.2 * (t - t % 10); }).saccades().size(), 0U);     // 1 ms each
+TEST(SaccadeFinder, FindsNoneInPursuitAndSingleSteps) {
+  EXPECT_EQ(watched(500, [](int t) { return 0.055 * t; }).count(), 0);              // 55 deg/s
+  EXPECT_EQ(watched(500, [](int t) { return 0.2 * std::min(t, 9); }).count(), 0);   // 8 ms
+  EXPECT_EQ(watched(500, [](int t) { return 0.2 * std::min(t, 11); }).count(), 1);  // 10 ms
+  EXPECT_EQ(watched(500, [](int t) { return 0.2 * (t - t % 10); }).count(), 0);     // 1 ms each
 }
 
-TEST(SaccadeFinder, HasTheOneThatGoesOnAsLongAsItIsNow) {
+TEST(SaccadeFinder, ReturnsAnUnfinishedSaccadeAsLongAsItIsNow) {
   const auto finder = watched(31, [](int t) { return 0.1 * t; });
-  ASSERT_EQ(finder.saccades().size(), 1U);
-  EXPECT_EQ(finder.saccades().front().end_us, 31'000);
-  EXPECT_NEAR(finder.saccades().front().amplitude_deg, 3.0, 1e-9);
+  ASSERT_EQ(finder.count(), 1);
+  EXPECT_EQ(finder.newest().end_us, 31'000);
+  EXPECT_NEAR(finder.newest().amplitude_deg, 3.0, 1e-9);
   EXPECT_NEAR(finder.speed_deg_s(), 100.0, 1e-6);
 }
 
@@ -77,7 +77,7 @@ Eigen::Vector3d ahead(double right_deg) {
   return 0.5 * Eigen::Vector3d(-std::cos(angle), std::sin(angle), 0.0);
 }
 
-TEST(GazeShifts, AreTheLargestFromTheTargetToWhereTheEyeArrives) {
+TEST(GazeShifts, AreTheLargestFromTheTargetToTheEyesArrival) {
   // Targets at 1, 1.1, 3, 5 and 7 s; the eye goes a hundredth of what is left every millisecond.
   const auto target_deg = [](int t_ms) {
     return t_ms < 1100 ? 10.0 : t_ms < 3000 ? 9.0 : t_ms < 5000 ? 9.5 : t_ms < 7000 ? 4.5 : 8.0;

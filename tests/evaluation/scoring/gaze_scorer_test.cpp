@@ -87,7 +87,7 @@ TEST(GazeScorer, RatiosRunFromAcquisitionToTheEnd) {
   EXPECT_NEAR(*score.fixation_error_deg.p95, 60.0, 1e-9);
 }
 
-TEST(GazeScorer, NeverOnTargetForATenthOfASecondSaysNothingOfFixation) {
+TEST(GazeScorer, WithoutATenthOfASecondOnTargetHasNoFixationFigures) {
   const GazeScore score = run(
       1000, [](int t_ms) { return t_ms % 90 < 80 ? 0.0 : 10.0; }, still);
   EXPECT_EQ(score.acquire_s, std::nullopt);
@@ -110,7 +110,7 @@ TEST(GazeScorer, PaperDetectorsAcquireWithinSixDegreesButAreOnTargetWithinTwo) {
             std::nullopt);
 }
 
-TEST(GazeScorer, CountsAMoveForEveryMillimetreOfTheTargetAndTellsWrongOnes) {
+TEST(GazeScorer, CountsAMoveForEveryMillimetreOfTheTargetAndWrongOnesApart) {
   GazeScorer scorer(wide_limits());
   const Eigen::Vector3d ball = ball_at(0.0);
   std::int64_t t_us = 0;
@@ -153,7 +153,7 @@ TEST(GazeScorer, ASaccadeIsTenMillisecondsAboveSixtyDegreesPerSecond) {
   EXPECT_EQ(sweep(300.0, 100), 1);
 }
 
-TEST(GazeScorer, TwoFastStretchesAreTwoSaccades) {
+TEST(GazeScorer, TwoFastPhasesAreTwoSaccades) {
   const auto gaze = [](int t_ms) {
     return 0.2 * (std::clamp(t_ms - 20, 0, 20) - std::clamp(t_ms - 60, 0, 20));
   };
@@ -176,7 +176,7 @@ TEST(GazeScorer, CountsSamplesWithAJointBeyondAHundredthOfADegree) {
   EXPECT_EQ(scorer.score().limit_violations, 4);
 }
 
-TEST(GazeScorer, RefusesAnAngleOfAcquisitionThatIsNone) {
+TEST(GazeScorer, RefusesAnAngleOfAcquisitionOutOfRange) {
   GazeScoringConfig config;
   config.acquire_within_rad = 0.0;
   EXPECT_THROW(GazeScorer{config}, InputError);

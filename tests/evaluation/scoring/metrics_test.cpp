@@ -112,7 +112,7 @@ TEST(Metrics, HasEveryKeyOfTheContractInItsOrder) {
   EXPECT_EQ(json["events"]["rate_hz"], 250.0);
 }
 
-TEST(Metrics, OfEarlierRunsAreReadWithoutWhatTheyDidNotTell) {
+TEST(Metrics, OfEarlierVersionsAreReadWithoutTheKeysThatWereAddedLater) {
   Json json = Json::parse(metrics_to_json(whole()));
   for (const char* key : {"controller", "gate", "window", "acquired_at_us", "following_rate_hz"}) {
     json["gaze"].erase(key);
@@ -148,7 +148,7 @@ TEST(Metrics, ReadsBackTheSame) {
   EXPECT_EQ(back.detectors[1].second.rejected_events->back_in_time, 2);
 }
 
-TEST(Metrics, WritesWhatDoesNotApplyAsNull) {
+TEST(Metrics, WritesFiguresThatDoNotApplyAsNull) {
   Metrics m;
   m.scenario = "recording.aedat";
   m.duration_s = std::numeric_limits<double>::quiet_NaN();
@@ -169,13 +169,13 @@ TEST(Metrics, WritesWhatDoesNotApplyAsNull) {
   EXPECT_EQ(best["chances"], 0);
 }
 
-TEST(Metrics, WithoutDistortionAreThoseOfARunWithoutALens) {
+TEST(Metrics, WithoutDistortionHaveACameraWithoutALens) {
   Json json = Json::parse(metrics_to_json(whole()));
   for (const char* key : {"k1", "k2", "p1", "p2"}) json["camera"].erase(key);
   EXPECT_EQ(metrics_from_json(json.dump(), "here").camera, Camera{}.without_lens());
 }
 
-TEST(Metrics, WithoutSettingsAndRejectedEventsAreThoseOfARunThatDoesNotTellThem) {
+TEST(Metrics, WithoutSettingsAndRejectedEventsAreReadToo) {
   Json json = Json::parse(metrics_to_json(whole()));
   json.erase("settings");
   json.erase("calibration");
@@ -185,7 +185,7 @@ TEST(Metrics, WithoutSettingsAndRejectedEventsAreThoseOfARunThatDoesNotTellThem)
   EXPECT_FALSE(back.detectors[1].second.rejected_events.has_value());
 }
 
-TEST(Metrics, OfARunWithLabelsTellItsClutterAndReadBackTheSame) {
+TEST(Metrics, OfARunWithLabelsHaveItsClutterAndReadBackTheSame) {
   Metrics m = whole();
   m.clutter = ClutterShare{0.75, {{"ball", 0.25}, {"background", 0.75}}, {{"signal", 1.0}}};
   m.detectors[0].second.clutter = DetectorClutter{0.5, std::nullopt, 12.0};
@@ -201,7 +201,7 @@ TEST(Metrics, OfARunWithLabelsTellItsClutterAndReadBackTheSame) {
   EXPECT_EQ(metrics_to_json(metrics_from_json(text, "here")), text);
 }
 
-TEST(Metrics, SaysWhereAFileIsWrong) {
+TEST(Metrics, NamesThePlaceOfAnError) {
   EXPECT_THROW(metrics_from_json("{", "here"), InputError);
   EXPECT_THROW(metrics_from_json("[]", "here"), InputError);
   Json json = Json::parse(metrics_to_json(whole()));

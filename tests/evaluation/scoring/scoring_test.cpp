@@ -140,7 +140,7 @@ class PlainScorer {
   std::map<std::int64_t, TruthRow> by_time_;
 };
 
-TEST(Scoring, CountsAHandMadeCaseAsWrittenDown) {
+TEST(Scoring, MatchesAHandMadeCase) {
   // Four chances; observations by falling score: inlier, outlier, inlier, inlier.
   const std::vector<TruthRow> truth = {truth_at(1000, 50, 50), truth_at(2000, 50, 50), truth_at(3000, 50, 50),
                                        truth_at(4000, 50, 50)};
@@ -173,7 +173,7 @@ TEST(Scoring, CountsAHandMadeCaseAsWrittenDown) {
   EXPECT_EQ(score.us_per_event, std::nullopt);
 }
 
-TEST(Scoring, TakesEqualScoresTogether) {
+TEST(Scoring, CountsEqualScoresAsOneThreshold) {
   const std::vector<TruthRow> truth = {truth_at(1000, 50, 50), truth_at(2000, 50, 50)};
   const std::vector<DetectionRow> right_first = {seen_at(1000, 50, 50, 20, 1.0),
                                                  seen_at(2000, 90, 50, 20, 1.0)};
@@ -187,7 +187,7 @@ TEST(Scoring, TakesEqualScoresTogether) {
   }
 }
 
-TEST(Scoring, WithoutDetectionsSaysZeroRecallAndNoPrecision) {
+TEST(Scoring, WithoutDetectionsHasZeroRecallAndNoPrecision) {
   const auto truth = truth_along(500, circling);
   const DetectorScore score = score_detector(truth, {}, "d", 0.5, Chances::simulated);
   EXPECT_EQ(score.chances, 500);
@@ -202,7 +202,7 @@ TEST(Scoring, WithoutDetectionsSaysZeroRecallAndNoPrecision) {
   EXPECT_TRUE(score.pr_curve.empty());
 }
 
-TEST(Scoring, WithoutChancesSaysNothingButThatEveryObservationIsFalse) {
+TEST(Scoring, WithoutChancesEveryObservationIsFalseAndNothingElseIsDefined) {
   const std::vector<TruthRow> truth = {truth_at(1000, 50, 50, 20, 0.49), truth_at(2000, nan, nan, nan, 0.0)};
   const std::vector<DetectionRow> seen = {seen_at(1000, 50, 50, 20, 1.0), seen_at(2000, 50, 50, 20, 1.0)};
   const DetectorScore score = score_detector(truth, seen, "d", 0.5, Chances::simulated);
@@ -214,7 +214,7 @@ TEST(Scoring, WithoutChancesSaysNothingButThatEveryObservationIsFalse) {
   EXPECT_EQ(score.position_error_px.median, std::nullopt);
 }
 
-TEST(Scoring, OfARecordingLooksAtTheAnnotatedInstantsOnly) {
+TEST(Scoring, OfARecordingUsesTheAnnotatedInstantsOnly) {
   std::vector<TruthRow> truth = {truth_at(10'000, 50, 50), truth_at(510'000, 80, 50)};
   const std::vector<DetectionRow> seen = {seen_at(9'000, 0, 0, 10, 1.0), seen_at(10'000, 50, 50, 20, 1.0),
                                           seen_at(11'000, 0, 0, 10, 1.0)};
@@ -234,7 +234,7 @@ TEST(Scoring, SkipsTheRowsOfOtherDetectors) {
   EXPECT_EQ(score_detector(truth, seen, "other", 0.5, Chances::simulated).precision, 0.0);
 }
 
-TEST(Scoring, RefusesTwoObservationsOfOneInstantAndNumbersThatAreNone) {
+TEST(Scoring, RefusesTwoObservationsOfOneInstantAndNumbersThatAreNotFinite) {
   const std::vector<TruthRow> truth = {truth_at(1000, 50, 50)};
   const std::vector<DetectionRow> twice(2, seen_at(1000, 50, 50, 20, 1.0));
   EXPECT_THROW(score_detector(truth, twice, "d", 0.5, Chances::simulated), InputError);
@@ -335,7 +335,7 @@ TEST(Scoring, LagOfEqualShiftsIsTheOneNearestZero) {
   EXPECT_EQ(score_detector(truth, seen, "d", 0.5, Chances::simulated).lag_ms, 0.0);
 }
 
-TEST(Scoring, LagIsLeftOutWhenTheBallMovesLessThanSixPixels) {
+TEST(Scoring, LagIsNoneWhenTheBallMovesLessThanSixPixels) {
   for (const double swing_px : {2.9, 3.1}) {
     const auto truth = truth_along(2000, [&](double t_s) {
       return Eigen::Vector2d(64.0 + swing_px * std::sin(2.0 * std::numbers::pi * t_s), 64.0);
@@ -347,7 +347,7 @@ TEST(Scoring, LagIsLeftOutWhenTheBallMovesLessThanSixPixels) {
   }
 }
 
-TEST(Scoring, LagDoesNotReachAcrossTimesWithoutACircle) {
+TEST(Scoring, LagUsesNoObservationsNextToTimesWithoutACircle) {
   auto truth = truth_along(1000, circling);
   for (std::size_t i = 400; i < 500; ++i) truth[i] = truth_at(truth[i].t_us, nan, nan, nan, 0.0);
   std::vector<DetectionRow> seen;
@@ -358,7 +358,7 @@ TEST(Scoring, LagDoesNotReachAcrossTimesWithoutACircle) {
   EXPECT_NEAR(*score_detector(truth, seen, "d", 0.5, Chances::simulated).lag_ms, 20.0, 1e-9);
 }
 
-TEST(Scoring, LagIsLeftOutWhereAnnotationsAreTooFarApartToTellTheBallsPath) {
+TEST(Scoring, LagIsNoneWhereAnnotationsAreTooFarApart) {
   for (const int period_ms : {20, 21}) {
     std::vector<TruthRow> truth;
     std::vector<DetectionRow> seen;

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "core/camera.h"
+#include "evaluation/scoring/lag.h"
+#include "evaluation/scoring/precision_recall.h"
+#include "evaluation/scoring/scoring.h"
+#include "evaluation/scoring/statistics.h"
+#include "recording/run_files.h"
+
+namespace saccade {
+
+/// A detector's best circle at an instant, before any threshold.
+struct Observation {
+  Circle circle;       ///< image pixels; finite
+  double score = 0.0;  ///< on the detector's own scale; finite
+};
+
+/// Scores one detector while a run goes on, in bounded memory.
+///
+/// The figures are those of score_detector() over the same instants, exact up to `max_exact` observations and instants
+/// of truth (DetectorScore::exact). Beyond that counts, precision, recall and rates stay exact, and the rest is
+/// approximated as PrecisionRecallCounter, QuantileCounter and LagCounter describe. Memory: up to 72 bytes per instant,
+/// 19 MB at most for the default `max_exact`.
+class DetectorScorer {
+ public:
+  /// `detector` is its name in error messages.
+  DetectorScorer(std::string detector, double threshold, Chances chances,
+                 std::size_t max_exact = max_exact_values);
+
+  /// An instant with a row of truth, and the detector's observation there, if it has one. Time does not go back.
+  /// Returns whether the detector found the ball there, that is whether the observation is an inlier at or above the
+  /// threshold; none where the instant is no chance. Throws InputError for an observation that is not finite or not
+  /// later than the one before.
+  std::optional<bool> add(const TruthRow& truth, const std::optional<Observation>& observation);
+  /// An observation at an instant without a row of truth. Throws as above.
+  void add(std::int64_t t_us, const Observation& observation);
+
+  /// Of everything added so far. The processing time, rejected events and clutter are left empty.
+  [[nodiscard]] DetectorScore score() const;
+
+ private:
+  /// Inliers per second in 100 ms bins that begin with the first row of truth.
+  class Rate {
+   public:
+    void add(std::int64_t t_us, bool chance, bool found);
+    void write(DetectorScore& score) const;
+
+   private:
+    void close_bin();
+
+    bool started_ = false;
+    std::int64_t begin_us_ = 0;
+    std::int64_t last_us_ = 0;
+    std::int64_t bin_ = 0;  // the one at hand
+    std::int64_t bin_chances_ = 0;
+    std::int64_t bin_inliers_ = 0;
+    std::int64_t time_us_ = 0;  // of the bins before that hold a chance
+    std::optional<double> peak_hz_;
+  };
+
+  void check(std::int64_t t_us, const Observation& observation);
+  void count(const Observation& observation, bool inlier);
+
+  std::string detector_;
+  double threshold_;
+  Chances kind_;
+  std::int64_t last_observation_us_ = std::numeric_limits<std::int64_t>::min();
+  std::int64_t chances_ = 0;
+  std::int64_t observations_ = 0;  // at or above the threshold
+  std::int64_t inliers_ = 0;       // of them
+  PrecisionRecallCounter ranking_;
+  QuantileCounter distance_px_;
+  QuantileCounter radius_error_px_;
+  LagCounter lag_;
+  Rate rate_;
+  Circle lowest_, highest_;  // bounding box of the true centres at chances
+};
+
+}  // namespace saccade
