@@ -30,7 +30,9 @@ int report(const ReportOptions& options) {
     write_report(folder);
   } else {
     if (folder.empty()) folder = "report";
-    write_comparison(options.runs, folder);
+    for (const std::string& duplicate : write_comparison(options.runs, folder)) {
+      fmt::print(stderr, "saccade: {}\n", duplicate);
+    }
   }
   fmt::print("{}\n", (folder / "report.html").string());
   return 0;

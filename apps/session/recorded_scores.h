@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "apps/session/interim_scorers.h"
+#include "evaluation/scoring/detector_scorer.h"
 #include "loop/loop.h"
 #include "recording/run_files.h"
 

@@ -95,13 +95,13 @@ void RunPictures::write_hough_spaces(std::int64_t t_us) const {
     const float strongest = *std::max_element(response.begin(), response.end());
     write_png(folder_ / "frames" /
                   fmt::format("{:09}_{}_hough_{:.4g}.png", t_us, file_part(detector.name), strongest),
-              response_picture(response, size));
+              response_image(response, size));
   }
 }
 
 void RunPictures::add_video_frame(const Tick& tick, const cv::Mat& grey, const cv::Mat& scene) {
   const Camera& camera = scenario_.sim.camera;
-  EyePicture eye;
+  AnnotatedImage eye;
   eye.size = camera.size;
   eye.grey = grey;
   eye.events = recent_events_;
@@ -110,7 +110,7 @@ void RunPictures::add_video_frame(const Tick& tick, const cv::Mat& grey, const c
   for (std::size_t i = 0; i < tick.detectors.size(); ++i) {
     const DetectorTick& result = tick.detectors[i];
     if (!result.observed || result.estimate.score < loop_.detectors()[i].detector->threshold()) continue;
-    eye.detections.push_back({result.estimate.circle, loop_.detectors()[i].name, detector_colour(i)});
+    eye.detections.push_back({result.estimate.circle, loop_.detectors()[i].name, detector_colour(loop_.detectors()[i].name)});
   }
   eye.principal_px = Eigen::Vector2d(camera.cx_px, camera.cy_px);
   if (tick.target_m) eye.target_px = camera.project(truth.root_from_cam.inverse() * *tick.target_m);

@@ -52,11 +52,7 @@ void RunScores::on_tick(const Tick& tick) {
     const DetectorTick& result = tick.detectors[i];
     detectors_[i].elapsed_ns += result.elapsed_ns;
     const auto found = score(detectors_[i], row, result.observed ? &result.estimate : nullptr);
-#if __has_include("evaluation/scoring/detector_scorer.h")
     if (driver_ == i) following_.add(found, gaze_.held_since_us());
-#else
-    if (driver_ == i) following_.add(tick.t_us, found);
-#endif
   }
   if (frame_detector_) score(*frame_detector_, row, frames_->detection() ? &*frames_->detection() : nullptr);
   if (right_eye_) score_right_eye(tick);
@@ -115,12 +111,7 @@ GazeMetrics RunScores::gaze_metrics() const {
   }
   gaze.score = gaze_.score();
   gaze.limits = limits_;
-#if __has_include("evaluation/scoring/detector_scorer.h")
   if (gaze.score.acquired_at_us && driver_) gaze.following_rate_hz = following_.rate_hz();
-#else
-  if (gaze.score.acquired_at_us && driver_)
-    gaze.following_rate_hz = following_.rate_hz(*gaze.score.acquired_at_us);
-#endif
   return gaze;
 }
 

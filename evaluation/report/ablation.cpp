@@ -47,6 +47,7 @@ constexpr std::size_t column_count = std::size(columns);
 
 struct Row {
   Combination combination;
+  ResolvedKeys keys;  ///< of all of its runs
   std::vector<const Metrics*> runs;
 
   [[nodiscard]] MeanSd mean(const Column& column) const {
@@ -59,6 +60,7 @@ struct Row {
 struct Table {
   std::string scenario;
   std::string settings;  ///< those that make no combination
+  std::string world;     ///< world_text() of its runs
   std::vector<Row> rows;
 };
 
@@ -85,23 +87,26 @@ void sort_rows(std::vector<Row>& rows) {
     }
     return ranks;
   };
-  std::sort(rows.begin(), rows.end(), [&](const Row& a, const Row& b) { return rank(a) < rank(b); });
+  std::stable_sort(rows.begin(), rows.end(), [&](const Row& a, const Row& b) { return rank(a) < rank(b); });
 }
 
-std::vector<Table> tables_of(std::span<const Metrics* const> runs) {
+std::vector<Table> tables_of(std::span<const AblationRun> runs) {
   std::vector<Table> tables;
-  for (const Metrics* run : runs) {
+  for (const AblationRun& ablated : runs) {
+    const Metrics* const run = ablated.metrics;
+    const ResolvedKeys& keys = ablated.keys;
     if (!run->gaze || run->gaze->controller.empty()) continue;
     const std::string settings = other_settings(*run);
+    const std::string world = world_text(keys);
     auto table = std::find_if(tables.begin(), tables.end(), [&](const Table& t) {
-      return t.scenario == run->scenario && t.settings == settings;
+      return t.scenario == run->scenario && t.settings == settings && t.world == world;
     });
-    if (table == tables.end()) table = tables.insert(table, {run->scenario, settings, {}});
+    if (table == tables.end()) table = tables.insert(table, {run->scenario, settings, world, {}});
     const Combination combination = {run->gaze->controller, run->gaze->detector, run->gaze->window,
                                      run->gaze->gate};
     auto row = std::find_if(table->rows.begin(), table->rows.end(),
-                            [&](const Row& r) { return r.combination == combination; });
-    if (row == table->rows.end()) row = table->rows.insert(row, {combination, {}});
+                            [&](const Row& r) { return r.combination == combination && r.keys == keys; });
+    if (row == table->rows.end()) row = table->rows.insert(row, {combination, keys, {}});
     row->runs.push_back(run);
   }
   std::erase_if(tables, [](const Table& table) { return table.rows.size() < 2; });
@@ -173,14 +178,14 @@ std::string csv_of(const std::vector<Table>& tables) {
 
 }  // namespace
 
-std::string ablation_html(std::span<const Metrics* const> runs, const std::filesystem::path& out) {
+std::string ablation_html(std::span<const AblationRun> runs, const std::filesystem::path& out) {
   const std::vector<Table> tables = tables_of(runs);
   if (tables.empty()) return {};
   write_numbers(out, "ablation", csv_of(tables));
   std::string html =
-      "<h2 id=\"ablation\">Ablation of the gaze</h2>\n<p class=\"facts\">What controller, detector, its "
-      "window of "
-      "events and gate each do to the gaze: mean ± standard deviation over the runs; the best of a column is "
+      "<h2 id=\"ablation\">Ablation of the gaze</h2>\n<p class=\"facts\">The gaze with each combination of "
+      "controller, "
+      "detector, window of events and gate: mean ± standard deviation over the runs; the best of a column is "
       "marked. While following: from acquisition to the end. <a "
       "href=\"figures/ablation.csv\">Numbers</a></p>\n";
   for (const Table& table : tables) html += table_html(table);

@@ -10,8 +10,10 @@
 #include <vector>
 
 #include "evaluation/report/gnuplot.h"
+#include "evaluation/report/palette.h"
+#include "evaluation/scoring/scoring.h"
 
-/// What the figures have in common: styles, axes over time.
+/// Styles and axes that several figures use.
 namespace saccade::figure_parts {
 
 using Point = GnuplotFigure::Point;
@@ -19,7 +21,7 @@ using Series = GnuplotFigure::Series;
 
 inline constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 inline constexpr double deg_per_rad = 180.0 / std::numbers::pi;
-inline constexpr std::string_view truth_style = "lines lw 1.4 lc rgb '#222222'";
+inline constexpr Colour neutral_colour{0x55, 0x55, 0x55};
 /// Of every figure, in the drawing's pixels.
 inline constexpr int width = 900;
 
@@ -38,8 +40,12 @@ inline std::string line_style(std::string_view colour, double line_width = 1.6) 
   return fmt::format("lines lw {} lc rgb '{}'", line_width, colour);
 }
 
-inline std::string dot_style(std::string_view colour, double size = 0.3) {
-  return fmt::format("points pt 7 ps {} lc rgb '{}'", size, colour);
+inline std::string line_style(Colour colour, double line_width = 1.6) {
+  return line_style(hex(colour), line_width);
+}
+
+inline std::string dot_style(Colour colour, double size = 0.3) {
+  return fmt::format("points pt 7 ps {} lc rgb '{}'", size, hex(colour));
 }
 
 /// Panels one above the other with a common time axis under the last.
@@ -54,11 +60,24 @@ inline std::string time_range(double from_s, double to_s) {
 
 inline constexpr std::string_view time_label = "time [s]";
 
-/// What a panel over time needs beside its labels.
+/// gnuplot's commands for a panel over time.
 inline std::string axes(bool last, std::string_view y_range = "[*:*]") {
   return fmt::format(
       "set offsets 0, 0, graph 0.06, {}\nset yrange {}\n{}", y_range == "[*:*]" ? "graph 0.06" : "0", y_range,
       last ? "set xlabel offset 0,0.4\nset format x '%g'\n" : "unset xlabel\nset format x ''\n");
+}
+
+inline constexpr std::string_view precision_recall_axes =
+    "set xrange [0:1]\nset yrange [0:1.03]\nset key outside right top\n";
+
+inline std::vector<Point> curve_points(const DetectorScore& score) {
+  std::vector<Point> points;
+  for (const CurvePoint& p : score.pr_curve) points.push_back({p.recall, p.precision, p.threshold});
+  return points;
+}
+
+inline std::string square_style(Colour colour) {
+  return fmt::format("points pt 5 ps 1.1 lc rgb '{}'", hex(colour));
 }
 
 }  // namespace saccade::figure_parts

@@ -13,17 +13,21 @@ namespace saccade {
 
 using namespace figure_parts;
 
+std::vector<Colour> detector_colours(const Metrics& metrics) {
+  std::vector<std::string> names;
+  for (const auto& [name, score] : metrics.detectors) names.push_back(name);
+  return detector_colours(names);
+}
+
 std::string detector_colour(std::size_t index) {
-  // Most are told apart also by those who do not see red and green alike (Okabe and Ito's palette first).
-  static constexpr std::array<std::string_view, 10> colours = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
-                                                               "#56b4e9", "#e69f00", "#6a3d9a", "#8b5a2b",
-                                                               "#8c8c8c", "#7a9a01"};
-  return std::string(colours[index % colours.size()]);
+  constexpr std::array<Colour, 4> colours = {
+      {{0xd5, 0x5e, 0x00}, {0x56, 0xb4, 0xe9}, {0xcc, 0x79, 0xa7}, {0x8c, 0x8c, 0x8c}}};
+  return hex(colours[index % colours.size()]);
 }
 
 Figure tracking_figure(std::string_view name, std::span<const TruthRow> truth,
                        std::span<const DetectionRow> detections, std::string_view detector, double threshold,
-                       std::string_view colour, bool sparse, std::int64_t start_us) {
+                       Colour colour, bool sparse, std::int64_t start_us) {
   std::vector<DetectionRow> accepted;
   std::copy_if(detections.begin(), detections.end(), std::back_inserter(accepted),
                [&](const DetectionRow& d) { return d.detector == detector && d.score >= threshold; });
@@ -43,44 +47,33 @@ Figure tracking_figure(std::string_view name, std::span<const TruthRow> truth,
     if (!truth.empty()) end_s = seconds(truth.back().t_us, start_us);
     if (!accepted.empty()) end_s = std::max(end_s, seconds(accepted.back().t_us, start_us));
     const bool first = q.member == &Circle::x_px;
-    figure.add_panel({.x_label = std::string(time_label),
-                      .y_label = q.label,
-                      .z_label = "",
-                      .commands = axes(last) + time_range(0.0, end_s) +
-                                  (first ? "set key horizontal outside top right\n" : "unset key\n"),
-                      .series = {{.title = std::string(detector),
-                                  .style = dot_style(colour),
-                                  .points = over_time(accepted, start_us, circle_value)},
-                                 {.title = "truth",
-                                  .style = sparse ? "points pt 6 ps 0.6 lw 1.5 lc rgb '#222222'"
-                                                  : std::string(truth_style),
-                                  .points = over_time(truth, start_us, truth_value)}}});
+    figure.add_panel(
+        {.x_label = std::string(time_label),
+         .y_label = q.label,
+         .z_label = "",
+         .commands = axes(last) + time_range(0.0, end_s) +
+                     (first ? "set key horizontal outside top right\n" : "unset key\n"),
+         .series = {{.title = std::string(detector),
+                     .style = dot_style(colour),
+                     .points = over_time(accepted, start_us, circle_value)},
+                    {.title = "truth",
+                     .style = sparse ? fmt::format("points pt 6 ps 0.6 lw 1.5 lc rgb '{}'", hex(truth_colour))
+                                     : line_style(truth_colour, 1.4),
+                     .points = over_time(truth, start_us, truth_value)}}});
   }
   return figure.draw(stacked(3));
 }
 
-constexpr std::string_view precision_recall_axes =
-    "set xrange [0:1]\nset yrange [0:1.03]\nset key outside right top\n";
-
-std::vector<Point> curve_points(const DetectorScore& score) {
-  std::vector<Point> points;
-  for (const CurvePoint& p : score.pr_curve) points.push_back({p.recall, p.precision, p.threshold});
-  return points;
-}
-
-std::string square_style(std::string_view colour) {
-  return fmt::format("points pt 5 ps 1.1 lc rgb '{}'", colour);
-}
-
 Figure precision_recall_figure(std::string_view name, const Metrics& metrics) {
   std::vector<Series> series;
+  const std::vector<Colour> colours = detector_colours(metrics);
   for (std::size_t i = 0; i < metrics.detectors.size(); ++i) {
     const auto& [detector, score] = metrics.detectors[i];
     series.push_back(
-        {.title = detector, .style = line_style(detector_colour(i), 2.0), .points = curve_points(score)});
+        {.title = detector, .style = line_style(colours[i], 2.0), .points = curve_points(score)});
     if (score.recall && score.precision) {
       series.push_back({.title = detector + ", its threshold",
-                        .style = square_style(detector_colour(i)),
+                        .style = square_style(colours[i]),
                         .points = {{*score.recall, *score.precision, score.threshold}},
                         .in_key = false});
     }
@@ -100,12 +93,13 @@ constexpr std::int64_t rate_bin_us = 100'000;
 constexpr std::string_view frame_camera = "frame_30hz";
 constexpr double frame_camera_hz = 30.0;
 
-/// The most that a 30 Hz camera can give, where no detector stands for one.
+/// The highest rate of a 30 Hz camera, where no detector is one.
 void add_frame_camera(std::vector<Series>& series, bool simulated, double from, double to) {
   if (simulated) return;
-  series.push_back({.title = "30 Hz frames at best",
-                    .style = "lines lw 1.6 dt 2 lc rgb '#8b5a2b'",
-                    .points = {{.x = from, .y = frame_camera_hz}, {.x = to, .y = frame_camera_hz}}});
+  series.push_back(
+      {.title = "30 Hz frames at best",
+       .style = fmt::format("lines lw 1.6 dt 2 lc rgb '{}'", hex(detector_colour(std::string(frame_camera)))),
+       .points = {{.x = from, .y = frame_camera_hz}, {.x = to, .y = frame_camera_hz}}});
 }
 
 /// Counts per second in the whole 100 ms bins from `first_us` on; a bin nobody looked into is a gap.
@@ -192,10 +186,11 @@ Figure rates_figure(std::string_view name, const EventCounts* events, std::span<
   const bool scored = !truth.empty() && !found.empty();
   SACCADE_CHECK(found.empty() || found.size() == metrics.detectors.size());
   std::vector<Series> rates;
+  const std::vector<Colour> colours = detector_colours(metrics);
   for (std::size_t i = 0; i < metrics.detectors.size(); ++i) {
     const auto& [detector, score] = metrics.detectors[i];
     rates.push_back({.title = detector,
-                     .style = line_style(detector_colour(i)),
+                     .style = line_style(colours[i]),
                      .points = scored ? detection_rate(truth, found[i], start_us)
                                       : accepted_rate(detections, detector, score.threshold, start_us,
                                                       metrics.duration_s)});
@@ -212,7 +207,7 @@ Figure rates_figure(std::string_view name, const EventCounts* events, std::span<
                       .z_label = {},
                       .commands = "unset key\n",
                       .series = {{.title = "events",
-                                  .style = line_style("#555555", 1.2),
+                                  .style = line_style(neutral_colour, 1.2),
                                   .points = event_rate(*events, start_us)}}});
   }
   panels.push_back({.x_label = {},
@@ -231,7 +226,7 @@ Figure rates_figure(std::string_view name, const EventCounts* events, std::span<
          .y_label = "ball [px/s]",
          .z_label = {},
          .commands = "unset key\nunset label\n",
-         .series = {{.title = "ball", .style = line_style("#7b3fa0", 1.6), .points = std::move(speed)}}});
+         .series = {{.title = "ball", .style = line_style(truth_colour, 1.6), .points = std::move(speed)}}});
   }
   const std::size_t rates_panel = with_events ? 1 : 0;
   GnuplotFigure figure(name, width, height);
@@ -265,7 +260,7 @@ Figure rate_over_speed_figure(std::string_view name, std::span<const DetectorSpe
       most_hz = std::max(most_hz, *rate_hz);
     }
     series.push_back({.title = detector.name,
-                      .style = fmt::format("linespoints pt 7 ps 0.5 lw 2 lc rgb '{}'", detector.colour),
+                      .style = fmt::format("linespoints pt 7 ps 0.5 lw 2 lc rgb '{}'", hex(detector.colour)),
                       .points = std::move(points)});
   }
   const double slowest = bounds[1] / bin_ratio;
@@ -281,138 +276,6 @@ Figure rate_over_speed_figure(std::string_view name, std::span<const DetectorSpe
            slowest, fastest, std::sqrt(slowest * bounds[1]), std::min(1050.0, 1.15 * most_hz)),
        .series = std::move(series)});
   return figure.draw();
-}
-
-namespace {
-
-/// Mean over the runs of the precision at the highest threshold whose recall reaches R, for R = 0.01, 0.02,
-/// ... as far as every run with a curve gets.
-std::vector<Point> mean_curve(const std::vector<DetectorScore>& scores) {
-  std::vector<Point> mean;
-  for (int percent = 1; percent <= 100; ++percent) {
-    const double recall = percent * 0.01;
-    double sum = 0.0;
-    double runs = 0.0;
-    for (const DetectorScore& score : scores) {
-      if (score.pr_curve.empty()) continue;
-      const auto reached = std::find_if(score.pr_curve.begin(), score.pr_curve.end(),
-                                        [&](const CurvePoint& p) { return p.recall >= recall; });
-      if (reached == score.pr_curve.end()) return mean;
-      sum += reached->precision;
-      runs += 1.0;
-    }
-    if (runs == 0.0) return mean;
-    mean.push_back({recall, sum / runs, nan});
-  }
-  return mean;
-}
-
-template <class Member>
-MeanSd over_runs(const std::vector<DetectorScore>& scores, Member member) {
-  std::vector<std::optional<double>> values;
-  for (const DetectorScore& score : scores) values.push_back(score.*member);
-  return mean_sd_of(values);
-}
-
-std::string transparent(std::string_view colour) { return fmt::format("#90{}", colour.substr(1)); }
-
-}  // namespace
-
-Figure precision_recall_spread_figure(std::string_view name, std::span<const DetectorRuns> detectors) {
-  std::vector<Series> thin;
-  std::vector<Series> thick;
-  for (const auto& [detector, scores] : detectors) {
-    const bool several = scores.size() > 1;
-    for (std::size_t run = 0; several && run < scores.size(); ++run) {
-      thin.push_back({.title = fmt::format("{}, run {}", detector.name, run + 1),
-                      .style = line_style(transparent(detector.colour), 0.8),
-                      .points = curve_points(scores[run]),
-                      .in_key = false});
-    }
-    thick.push_back({.title = detector.name,
-                     .style = line_style(detector.colour, 2.2),
-                     .points = several ? mean_curve(scores) : curve_points(scores.front())});
-    const MeanSd precision = over_runs(scores, &DetectorScore::precision);
-    const MeanSd recall = over_runs(scores, &DetectorScore::recall);
-    if (precision.mean && recall.mean) {
-      thick.push_back({.title = detector.name + ", its threshold",
-                       .style = square_style(detector.colour),
-                       .points = {{*recall.mean, *precision.mean, scores.front().threshold}},
-                       .in_key = false});
-    }
-  }
-  thin.insert(thin.end(), std::make_move_iterator(thick.begin()), std::make_move_iterator(thick.end()));
-  GnuplotFigure figure(name, width, 420);
-  figure.add_panel({.x_label = "recall",
-                    .y_label = "precision",
-                    .z_label = "threshold",
-                    .commands = std::string(precision_recall_axes),
-                    .series = std::move(thin)});
-  return figure.draw();
-}
-
-Figure average_precision_figure(std::string_view name, std::span<const RunGroup> groups) {
-  std::size_t rows = 1;
-  for (const RunGroup& group : groups) rows = std::max(rows, group.detectors.size());
-  const int count = std::max(1, static_cast<int>(std::ssize(groups)));
-  constexpr int bottom_px = 62;
-  constexpr int top_px = 28;
-  const int panel_px = 16 + top_px + 20 * static_cast<int>(rows);
-  const int height = bottom_px + count * panel_px;
-  GnuplotFigure figure(name, width, height);
-  for (std::size_t g = 0; g < groups.size(); ++g) {
-    const auto& [label, detectors] = groups[g];
-    std::string tics;
-    std::vector<Series> series;
-    for (std::size_t i = 0; i < detectors.size(); ++i) {
-      const auto& [detector, scores] = detectors[i];
-      const double y = -static_cast<double>(i);
-      tics += fmt::format("{}{} {}", tics.empty() ? "" : ", ", gnuplot_quoted(detector.name), y);
-      std::vector<Point> dots;
-      for (const DetectorScore& score : scores) {
-        if (score.average_precision) dots.push_back({.x = *score.average_precision, .y = y});
-      }
-      const MeanSd mean = over_runs(scores, &DetectorScore::average_precision);
-      if (mean.sd) {
-        series.push_back(
-            {.title = fmt::format("{}: {}, mean -+ sd", label, detector.name),
-             .style = line_style(transparent(detector.colour), 7.0),
-             .points = {{.x = *mean.mean - *mean.sd, .y = y}, {.x = *mean.mean + *mean.sd, .y = y}},
-             .in_key = false});
-      }
-      series.push_back({.title = fmt::format("{}: {}", label, detector.name),
-                        .style = dot_style(detector.colour, 0.6),
-                        .points = std::move(dots),
-                        .in_key = false});
-    }
-    figure.add_panel(
-        {.x_label = "average precision",
-         .y_label = "",
-         .z_label = {},
-         .commands = fmt::format("set xrange [0:1]\nset yrange [{}:0.6]\nset ytics ({})\nunset "
-                                 "label\nset label 1 {} at graph "
-                                 "0, screen {:.6g} left\n{}",
-                                 0.4 - static_cast<double>(rows), tics, gnuplot_quoted(label),
-                                 1.0 - (static_cast<double>(g) * panel_px + 16.0) / height,
-                                 g + 1 == groups.size() ? "set xlabel offset 0,0.4\nset format x '%g'\n"
-                                                        : "unset xlabel\nset format x ''\n"),
-         .series = std::move(series)});
-  }
-  Figure drawn = figure.draw(
-      fmt::format("set multiplot layout {},1 margins 0.19,0.97,{:.6g},{:.6g} spacing 0.0,{:.6g}\n", count,
-                  static_cast<double>(bottom_px) / height, 1.0 - static_cast<double>(top_px) / height,
-                  static_cast<double>(top_px) / height));
-  drawn.csv = "group,detector,run,average precision\n";
-  for (const auto& [label, detectors] : groups) {
-    for (const auto& [detector, scores] : detectors) {
-      for (std::size_t run = 0; run < scores.size(); ++run) {
-        const std::optional<double> value = scores[run].average_precision;
-        drawn.csv += fmt::format("{},{},{},{}\n", csv_field(label), csv_field(detector.name), run + 1,
-                                 value ? fmt::format("{:.9g}", *value) : "");
-      }
-    }
-  }
-  return drawn;
 }
 
 }  // namespace saccade

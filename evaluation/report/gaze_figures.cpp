@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "evaluation/report/figure_parts.h"
-#include "evaluation/report/overlay.h"
+#include "evaluation/report/palette.h"
 #include "evaluation/scoring/gaze_scorer.h"
 
 namespace saccade {
@@ -16,10 +16,9 @@ using namespace figure_parts;
 
 namespace {
 
-constexpr std::string_view gaze_colour = "#0072b2";
-constexpr std::string_view wrong_colour = "#c8102e";
+constexpr Colour wrong_colour{0x00, 0x00, 0x00};
 constexpr std::string_view limit_style = "lines lw 1.2 dt 2 lc rgb '#777777'";
-constexpr std::string_view joint_limit_style = "lines lw 1.6 dt 2 lc rgb '#d55e00'";
+constexpr std::string_view joint_limit_style = "lines lw 1.6 dt 2 lc rgb '#222222'";
 
 /// The row of a table at exactly this time; null where there is none.
 template <class Row>
@@ -63,7 +62,7 @@ std::string bands(std::span<const Saccade> saccades, std::int64_t start_us) {
   std::string commands;
   for (std::size_t i = 0; i < saccades.size(); ++i) {
     commands += fmt::format(
-        "set object {} rect from {:.6g}, graph 0 to {:.6g}, graph 1 fc rgb '#e3bfdc' fs solid noborder "
+        "set object {} rect from {:.6g}, graph 0 to {:.6g}, graph 1 fc rgb '#dedaf4' fs solid noborder "
         "behind\n",
         i + 1, seconds(saccades[i].start_us, start_us), seconds(saccades[i].end_us, start_us));
   }
@@ -94,12 +93,12 @@ Figure gaze_over_time_figure(std::string_view name, const GazeTables& tables,
       right.push_back({.x = t_s, .y = 0.02 * top_deg});
     }
   }
-  std::string marks = bands(finder.saccades(), start_us);
+  std::string marks = bands(saccades_of(tables.eye), start_us);
   if (acquired_at_us) {
     const double t_s = seconds(*acquired_at_us, start_us);
     marks += fmt::format(
-        "set arrow 1 from {0:.6g}, graph 0 to {0:.6g}, graph 1 nohead lw 1.2 lc rgb '#009e73'\nset label 1 "
-        "'acquired' at {0:.6g}, graph 0.93 left offset 0.5,0 tc rgb '#009e73'\n",
+        "set arrow 1 from {0:.6g}, graph 0 to {0:.6g}, graph 1 nohead lw 1.2 lc rgb '#555555'\nset label 1 "
+        "'acquired' at {0:.6g}, graph 0.93 left offset 0.5,0 tc rgb '#555555'\n",
         t_s);
   }
   GnuplotFigure figure(name, width, 430);
@@ -121,7 +120,7 @@ Figure gaze_over_time_figure(std::string_view name, const GazeTables& tables,
        .y_label = "eye [deg/s]",
        .z_label = "",
        .commands = "unset key\nunset label 1\n" + axes(true, "[0:*]") + time_range(0.0, end_s),
-       .series = {{.title = "eye", .style = line_style("#7b3fa0", 1.4), .points = std::move(speed)},
+       .series = {{.title = "eye", .style = line_style(gaze_colour, 1.4), .points = std::move(speed)},
                   {.title = "saccade above",
                    .style = std::string(limit_style),
                    .points = level(Saccade::fast_deg_s, end_s)}}});
@@ -139,7 +138,7 @@ Figure main_sequence_figure(std::string_view name, std::span<const Saccade> sacc
        .z_label = "starts at [s]",
        .commands = "unset key\nset offsets 0, graph 0.05, graph 0.1, 0\nset xrange [0:*]\nset "
                    "yrange [0:*]\n",
-       .series = {{.title = "saccades", .style = dot_style("#7b3fa0", 0.6), .points = std::move(points)}}});
+       .series = {{.title = "saccades", .style = dot_style(gaze_colour, 0.6), .points = std::move(points)}}});
   return figure.draw();
 }
 
@@ -158,13 +157,13 @@ struct Path {
   }
 };
 
-Path gaze_path(const GazePlace& place) {
-  const GazeTables& tables = place.tables;
+Path fixation_path(const GazePath& gaze) {
+  const GazeTables& tables = gaze.tables;
   Path path{.title = "fixation point", .style = line_style(gaze_colour, 1.2), .t_s = {}, .points_m = {}};
   std::int64_t converged = 0;
   for (const GazeRow& row : tables.gaze) {
     converged += row.fixation_m.allFinite() ? 1 : 0;
-    path.add(row.t_us, place.start_us, row.fixation_m);
+    path.add(row.t_us, gaze.start_us, row.fixation_m);
   }
   if (2 * converged >= std::ssize(tables.gaze) || tables.eye.empty() || tables.truth.empty()) return path;
   path = {.title = "left eye's axis at the ball's distance", .style = path.style, .t_s = {}, .points_m = {}};
@@ -172,25 +171,25 @@ Path gaze_path(const GazePlace& place) {
     const TruthRow* truth = row_at(tables.truth, eye.t_us);
     if (truth == nullptr) continue;
     const double distance_m = (truth->position_m - eye.position_m).norm();
-    path.add(eye.t_us, place.start_us, eye.position_m + distance_m * axis_of(eye));
+    path.add(eye.t_us, gaze.start_us, eye.position_m + distance_m * axis_of(eye));
   }
   return path;
 }
 
-std::vector<Path> paths_of(const GazePlace& place) {
-  Path ball{.title = "ball", .style = line_style("#9a9a9a", 3.0), .t_s = {}, .points_m = {}};
-  for (const TruthRow& row : place.tables.truth) ball.add(row.t_us, place.start_us, row.position_m);
+std::vector<Path> paths_of(const GazePath& gaze) {
+  Path ball{.title = "ball", .style = line_style(truth_colour, 3.0), .t_s = {}, .points_m = {}};
+  for (const TruthRow& row : gaze.tables.truth) ball.add(row.t_us, gaze.start_us, row.position_m);
   Path targets{
       .title = "gaze targets", .style = dot_style(gaze_target_colour, 0.55), .t_s = {}, .points_m = {}};
-  for (const Move& move : moves_of(place.tables.gaze)) targets.add(move.t_us, place.start_us, move.target_m);
-  return {std::move(ball), std::move(targets), gaze_path(place)};
+  for (const Move& move : moves_of(gaze.tables.gaze)) targets.add(move.t_us, gaze.start_us, move.target_m);
+  return {std::move(ball), std::move(targets), fixation_path(gaze)};
 }
 
 /// What lies within all panels: the balls' paths and 8 cm around them; the targets' where there is no ball.
-Eigen::AlignedBox3d box_of(const std::vector<std::vector<Path>>& places) {
+Eigen::AlignedBox3d box_of(const std::vector<std::vector<Path>>& drawn) {
   Eigen::AlignedBox3d box;
   for (const std::size_t source : {std::size_t{0}, std::size_t{1}}) {
-    for (const auto& paths : places) {
+    for (const auto& paths : drawn) {
       for (const Eigen::Vector3d& p : paths[source].points_m) {
         if (p.allFinite()) box.extend(p);
       }
@@ -202,27 +201,27 @@ Eigen::AlignedBox3d box_of(const std::vector<std::vector<Path>>& places) {
   return {box.min() - margin_m, box.max() + margin_m};
 }
 
-/// Layout of a figure of places, in the drawing's pixels.
-constexpr int place_left_px = 66;
-constexpr int place_gap_px = 84;
-constexpr int place_panel_px = (width - place_left_px - place_gap_px - 14) / 2;
-constexpr int place_top_px = 78;
-constexpr int place_bottom_px = 64;
-constexpr int place_between_px = 92;
+/// Layout of the panels, in the drawing's pixels.
+constexpr int panel_left_px = 66;
+constexpr int panel_gap_px = 84;
+constexpr int panel_wide_px = (width - panel_left_px - panel_gap_px - 14) / 2;
+constexpr int panel_top_px = 78;
+constexpr int panel_bottom_px = 64;
+constexpr int panel_between_px = 92;
 constexpr double smallest_half_m = 0.15;
 
 }  // namespace
 
-Figure gaze_places_figure(std::string_view name, std::span<const GazePlace> places) {
+Figure gaze_paths_figure(std::string_view name, std::span<const GazePath> gazes) {
   std::vector<std::vector<Path>> paths;
-  for (const GazePlace& place : places) paths.push_back(paths_of(place));
+  for (const GazePath& gaze : gazes) paths.push_back(paths_of(gaze));
   const Eigen::AlignedBox3d box = box_of(paths);
   const Eigen::Vector3d middle_m = box.center();
   const double half_wide_m = std::max({smallest_half_m, 0.5 * box.sizes().x(), 0.5 * box.sizes().y()});
   const double half_high_m = std::max(smallest_half_m, 0.5 * box.sizes().z());
-  const int panel_high_px = static_cast<int>(std::lround(place_panel_px * half_high_m / half_wide_m));
-  const int rows = std::max(1, static_cast<int>(std::ssize(places)));
-  const int height = place_top_px + rows * panel_high_px + (rows - 1) * place_between_px + place_bottom_px;
+  const int panel_high_px = static_cast<int>(std::lround(panel_wide_px * half_high_m / half_wide_m));
+  const int rows = std::max(1, static_cast<int>(std::ssize(gazes)));
+  const int height = panel_top_px + rows * panel_high_px + (rows - 1) * panel_between_px + panel_bottom_px;
   const auto range = [](char axis, double middle, double half) {
     return fmt::format("set {0}range [{1:.6g}:{2:.6g}]\nset {0}tics {3}\n", axis, middle - half,
                        middle + half,
@@ -232,7 +231,7 @@ Figure gaze_places_figure(std::string_view name, std::span<const GazePlace> plac
   };
 
   GnuplotFigure figure(name, width, height);
-  for (std::size_t i = 0; i < places.size(); ++i) {
+  for (std::size_t i = 0; i < gazes.size(); ++i) {
     const auto panel = [&](bool front) {
       std::vector<Series> series;
       for (const Path& path : paths[i]) {
@@ -247,7 +246,7 @@ Figure gaze_places_figure(std::string_view name, std::span<const GazePlace> plac
            .z_label = "",
            .commands =
                (front ? fmt::format("set label 1 {} at graph 0, graph 1 left offset 0,0.8\n",
-                                    gnuplot_quoted(places[i].label))
+                                    gnuplot_quoted(gazes[i].label))
                       : std::string("unset label 1\n")) +
                (i == 0 && front
                     ? "set key horizontal at screen 0.985, screen 0.995 right top width -3 maxrows 1\n"
@@ -261,18 +260,18 @@ Figure gaze_places_figure(std::string_view name, std::span<const GazePlace> plac
   }
   Figure drawn = figure.draw(fmt::format(
       "set multiplot layout {},2 margins {:.6g},{:.6g},{:.6g},{:.6g} spacing {:.6g},{:.6g}\n", rows,
-      static_cast<double>(place_left_px) / width,
-      static_cast<double>(place_left_px + 2 * place_panel_px + place_gap_px) / width,
-      static_cast<double>(place_bottom_px) / height, 1.0 - static_cast<double>(place_top_px) / height,
-      static_cast<double>(place_gap_px) / width, static_cast<double>(place_between_px) / height));
-  drawn.csv = "series,place,time [s],x [m],y [m],z [m]\n";
-  for (std::size_t i = 0; i < places.size(); ++i) {
+      static_cast<double>(panel_left_px) / width,
+      static_cast<double>(panel_left_px + 2 * panel_wide_px + panel_gap_px) / width,
+      static_cast<double>(panel_bottom_px) / height, 1.0 - static_cast<double>(panel_top_px) / height,
+      static_cast<double>(panel_gap_px) / width, static_cast<double>(panel_between_px) / height));
+  drawn.csv = "series,run,time [s],x [m],y [m],z [m]\n";
+  for (std::size_t i = 0; i < gazes.size(); ++i) {
     for (const Path& path : paths[i]) {
       for (std::size_t k = 0; k < path.points_m.size(); ++k) {
         const Eigen::Vector3d& p = path.points_m[k];
         if (!p.allFinite()) continue;
         drawn.csv += fmt::format("{},{},{:.9g},{:.9g},{:.9g},{:.9g}\n", csv_field(path.title),
-                                 csv_field(places[i].label), path.t_s[k], p.x(), p.y(), p.z());
+                                 csv_field(gazes[i].label), path.t_s[k], p.x(), p.y(), p.z());
       }
     }
   }
@@ -296,7 +295,7 @@ Figure joints_figure(std::string_view name, std::span<const GazeRow> gaze, const
                       .z_label = "",
                       .commands = "unset key\n" + axes(bottom, range) + time_range(0.0, end_s),
                       .series = {{.title = "measured",
-                                  .style = line_style("#0072b2", 2.0),
+                                  .style = line_style(gaze_colour, 2.0),
                                   .points = over_time(
                                       gaze, start_us,
                                       [&](const GazeRow& row) { return row.position_rad[j] * deg_per_rad; })},

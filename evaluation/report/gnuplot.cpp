@@ -8,17 +8,16 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <functional>
 #include <limits>
 #include <memory>
-#include <optional>
 
 #include "core/error.h"
 #include "evaluation/report/figures.h"
+#include "evaluation/report/svg.h"
 
 extern char** environ;
 
@@ -90,58 +89,6 @@ std::string run_gnuplot(const std::string& script) {
   return svg;
 }
 
-void replace_all(std::string& text, std::string_view from, std::string_view to) {
-  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size()) {
-    text.replace(at, from.size(), to);
-  }
-}
-
-/// A round point as gnuplot writes it, one a line; views into that line.
-struct Dot {
-  std::string_view place;  ///< x,y
-  std::string_view look;   ///< scale and colour, which many share
-};
-
-std::optional<Dot> dot_in(std::string_view line) {
-  constexpr std::string_view start = "\t<use xlink:href='#gpPt6' transform='translate(";
-  const std::size_t middle = line.find(") scale(");
-  if (!line.starts_with(start) || middle == std::string_view::npos || !line.ends_with("'/>")) {
-    return std::nullopt;
-  }
-  return Dot{line.substr(start.size(), middle - start.size()), line.substr(middle)};
-}
-
-/// The start of a path that draws such points as stretches of no length with round ends.
-std::string path_start(std::string_view look) {
-  constexpr std::string_view scale = ") scale(";
-  constexpr std::string_view colour = "color='";
-  const std::size_t at = look.find(colour) + colour.size();
-  double radius = 0.0;
-  std::from_chars(look.data() + scale.size(), look.data() + look.size(), radius);
-  return fmt::format("\t<path stroke='{}' stroke-width='{:.4g}' stroke-linecap='round' d='",
-                     look.substr(at, look.find('\'', at) - at), 2.0 * radius);
-}
-
-/// Round points one after another that look alike, as one path: a tenth of the text that gnuplot writes.
-std::string with_merged_dots(std::string_view svg) {
-  std::string merged;
-  std::string_view look;  // of the path that is open; empty when none is
-  while (!svg.empty()) {
-    const std::string_view line = svg.substr(0, svg.find('\n'));
-    const auto dot = dot_in(line);
-    if (!look.empty() && (!dot || dot->look != look)) merged += "'/>\n";
-    if (dot) {
-      if (dot->look != look) merged += path_start(dot->look);
-      merged.append("M").append(dot->place).append("h0");
-    } else {
-      merged.append(line).append("\n");
-    }
-    look = dot ? dot->look : std::string_view();
-    svg.remove_prefix(std::min(line.size() + 1, svg.size()));
-  }
-  return merged;
-}
-
 using Point = GnuplotFigure::Point;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -164,7 +111,7 @@ std::string data_block(const std::vector<Point>& points) {
   return text;
 }
 
-/// A series, and where its values stand in the table: the same series over the same x in several panels makes
+/// A series and the columns of its values in the table: the same series over the same x in several panels makes
 /// one row per x.
 struct Rows {
   const std::string* title;
@@ -281,15 +228,7 @@ std::string GnuplotFigure::svg(std::string_view layout) const {
                          gnuplot_quoted(panel.y_label));
     plots += panel.commands + "plot " + plot + "\n";
   }
-  std::string text = with_merged_dots(run_gnuplot(terminal_ + data + std::string(layout) + plots));
-  text.erase(0, text.find("<svg"));
-  while (text.ends_with('\n')) text.pop_back();
-  const std::size_t description = text.find("<desc>");
-  text.erase(description, text.find("</desc>") + 7 - description);  // names gnuplot's version
-  replace_all(text, "id='", "id='" + name_ + "_");
-  replace_all(text, "id=\"", "id=\"" + name_ + "_");
-  replace_all(text, "'#gp", "'#" + name_ + "_gp");
-  return text;
+  return page_svg(run_gnuplot(terminal_ + data + std::string(layout) + plots), name_);
 }
 
 }  // namespace saccade

@@ -8,6 +8,7 @@
 
 #include "core/config.h"
 #include "core/error.h"
+#include "evaluation/report/svg.h"
 #include "recording/output_file.h"
 
 namespace saccade {
@@ -57,14 +58,6 @@ std::string base64(const std::vector<unsigned char>& bytes) {
     }
   }
   return text;
-}
-
-/// Inside a page an SVG needs no namespaces, and the page then holds no address at all.
-std::string inline_svg(std::string svg) {
-  for (std::size_t at = 0; (at = svg.find("xmlns")) != std::string::npos;) {
-    svg.erase(at, svg.find('"', svg.find('"', at) + 1) + 1 - at);
-  }
-  return svg;
 }
 
 void write_text(const fs::path& path, std::string_view text) {
@@ -122,18 +115,18 @@ std::string cell(const MeanSd& value, std::size_t runs, double factor) {
   return html + "</td>";
 }
 
-std::string colour_mark(std::string_view colour, std::string_view name) {
+std::string colour_mark(Colour colour, std::string_view name) {
   return fmt::format("<span class=\"mark\"><span class=\"dot\" style=\"background:{}\"></span>{}</span>",
-                     colour, escaped(name));
+                     hex(colour), escaped(name));
 }
 
-std::string picture_html(const cv::Mat& picture, std::string_view format, std::string_view alt) {
+std::string image_html(const cv::Mat& image, std::string_view format, std::string_view alt) {
   std::vector<unsigned char> bytes;
-  cv::imencode("." + std::string(format), picture, bytes,
+  cv::imencode("." + std::string(format), image, bytes,
                format == "png" ? std::vector<int>{cv::IMWRITE_PNG_COMPRESSION, 9}
                                : std::vector<int>{cv::IMWRITE_JPEG_QUALITY, 85});
   return fmt::format("<img alt=\"{}\" width=\"{}\" height=\"{}\" src=\"data:image/{};base64,{}\">",
-                     escaped(alt), picture.cols, picture.rows, format, base64(bytes));
+                     escaped(alt), image.cols, image.rows, format, base64(bytes));
 }
 
 std::string figure_html(std::string_view title, std::string_view reading, std::string_view content) {
@@ -145,7 +138,7 @@ std::string figure_html(std::string_view title, std::string_view reading, const 
                         const fs::path& folder) {
   write_numbers(folder, figure.name, figure.csv);
   return figure_html(title, fmt::format("{} <a href=\"figures/{}.csv\">Numbers</a>", reading, figure.name),
-                     inline_svg(figure.svg));
+                     without_namespaces(figure.svg));
 }
 
 void write_numbers(const fs::path& folder, std::string_view name, std::string_view csv) {

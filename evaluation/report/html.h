@@ -7,30 +7,31 @@
 #include <string_view>
 
 #include "evaluation/report/gnuplot.h"
+#include "evaluation/report/palette.h"
 #include "evaluation/scoring/statistics.h"
 
 namespace saccade {
 
-/// The pieces that report pages are made of. A page needs no other file, no script and no network.
+/// The parts of report pages. A page needs no other file, no script and no network.
 
 [[nodiscard]] std::string escaped(std::string_view text);
 
-/// A number as people read it: three figures, none after the point from 100 on.
+/// A number for people: three significant figures, none after the point from 100 on.
 [[nodiscard]] std::string short_number(double value);
 
 /// A table's cell: short for people, times `factor`, and in full (data-value, without the factor) for
 /// machines; a dash where there is no value.
 [[nodiscard]] std::string cell(const std::optional<double>& value, double factor = 1.0);
 [[nodiscard]] std::string count_cell(std::int64_t value);
-/// Mean and standard deviation (data-value, data-sd) over `runs` runs; says how many have a value where not
-/// all have.
+/// Mean and standard deviation (data-value, data-sd) over `runs` runs; with the number of those that have a
+/// value where not all have one.
 [[nodiscard]] std::string cell(const MeanSd& value, std::size_t runs, double factor = 1.0);
 
-/// A name with its colour beside it.
-[[nodiscard]] std::string colour_mark(std::string_view colour, std::string_view name);
+/// A name with a dot of its colour before it.
+[[nodiscard]] std::string colour_mark(Colour colour, std::string_view name);
 
 /// `format` is png or jpeg.
-[[nodiscard]] std::string picture_html(const cv::Mat& picture, std::string_view format, std::string_view alt);
+[[nodiscard]] std::string image_html(const cv::Mat& image, std::string_view format, std::string_view alt);
 
 /// `title` is plain text, `reading` (how to read it) and `content` are HTML.
 [[nodiscard]] std::string figure_html(std::string_view title, std::string_view reading,

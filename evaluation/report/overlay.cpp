@@ -19,12 +19,14 @@ constexpr int caption_height = 48;
 const cv::Scalar paper(236, 236, 236);
 const cv::Scalar ground(24, 24, 24);
 
-cv::Scalar bgr(const std::string& colour) {
-  const auto channel = [&](std::size_t at) { return std::stoi(colour.substr(at, 2), nullptr, 16); };
-  return {static_cast<double>(channel(5)), static_cast<double>(channel(3)), static_cast<double>(channel(1))};
+cv::Scalar bgr(Colour colour) {
+  return {static_cast<double>(colour.blue), static_cast<double>(colour.green),
+          static_cast<double>(colour.red)};
 }
 
-/// Image coordinates to picture coordinates in OpenCV's fixed point; pixel centres stay pixel centres.
+cv::Vec3b pixel_bgr(Colour colour) { return {colour.blue, colour.green, colour.red}; }
+
+/// Pixels of the camera to pixels of the drawing in OpenCV's fixed point; pixel centres stay pixel centres.
 int fixed(double px, int scale) {
   return static_cast<int>(std::lround(((px + 0.5) * scale - 0.5) * (1 << fraction_bits)));
 }
@@ -37,7 +39,7 @@ void draw_circle(cv::Mat& picture, const Circle& c, int scale, const cv::Scalar&
              cv::LINE_AA, fraction_bits);
 }
 
-/// The response in the colours of heat, the stronger the less of the picture shines through.
+/// The response in the colours of heat, the stronger the less of the image shines through.
 void lay_over(cv::Mat& image, const cv::Mat& response) {
   SACCADE_CHECK(response.type() == CV_8UC1 && response.size() == image.size());
   cv::Mat heat;
@@ -59,8 +61,8 @@ void draw_diamond(cv::Mat& picture, const Eigen::Vector2d& centre_px, int scale)
   const int arm = 3 * scale * (1 << fraction_bits);
   const std::vector<cv::Point> corners = {centre + cv::Point(arm, 0), centre + cv::Point(0, arm),
                                           centre - cv::Point(arm, 0), centre - cv::Point(0, arm)};
-  cv::polylines(picture, corners, true, {0, 0, 0}, 4, cv::LINE_AA, fraction_bits);
-  cv::polylines(picture, corners, true, bgr(std::string(gaze_target_colour)), 2, cv::LINE_AA, fraction_bits);
+  cv::polylines(picture, corners, true, {255, 255, 255}, 4, cv::LINE_AA, fraction_bits);
+  cv::polylines(picture, corners, true, bgr(gaze_target_colour), 2, cv::LINE_AA, fraction_bits);
 }
 
 void draw_text(cv::Mat& picture, const std::string& text, cv::Point at, const cv::Scalar& colour,
@@ -84,17 +86,17 @@ void draw_label(cv::Mat& picture, const LabelledCircle& found, int scale, int li
 
 }  // namespace
 
-cv::Mat response_picture(std::span<const float> response, ImageSize size) {
+cv::Mat response_image(std::span<const float> response, ImageSize size) {
   SACCADE_CHECK(response.size() == static_cast<std::size_t>(size.pixels()));
-  cv::Mat picture(size.height, size.width, CV_8UC1, cv::Scalar(0));
+  cv::Mat image(size.height, size.width, CV_8UC1, cv::Scalar(0));
   const float strongest = response.empty() ? 0.0F : *std::max_element(response.begin(), response.end());
-  if (!(strongest > 0.0F)) return picture;
-  std::transform(response.begin(), response.end(), picture.begin<std::uint8_t>(),
+  if (!(strongest > 0.0F)) return image;
+  std::transform(response.begin(), response.end(), image.begin<std::uint8_t>(),
                  [&](float r) { return cv::saturate_cast<std::uint8_t>(255.0F * r / strongest); });
-  return picture;
+  return image;
 }
 
-cv::Mat draw_eye(const EyePicture& eye, int scale) {
+cv::Mat draw_image(const AnnotatedImage& eye, int scale) {
   SACCADE_CHECK(scale >= 1 && eye.size.pixels() > 0);
   cv::Mat image(eye.size.height, eye.size.width, CV_8UC3, paper);
   if (!eye.grey.empty()) {
@@ -106,9 +108,9 @@ cv::Mat draw_eye(const EyePicture& eye, int scale) {
   if (hough) image = ground;
   for (const Event& e : eye.events) {
     if (eye.size.contains(e.x, e.y)) {
-      image.at<cv::Vec3b>(e.y, e.x) = hough  ? cv::Vec3b(200, 80, 150)
-                                      : e.on ? cv::Vec3b(70, 190, 60)
-                                             : cv::Vec3b(190, 60, 200);
+      image.at<cv::Vec3b>(e.y, e.x) = hough  ? cv::Vec3b(140, 140, 140)
+                                      : e.on ? pixel_bgr(on_colour)
+                                             : pixel_bgr(off_colour);
     }
   }
   if (hough) lay_over(image, eye.response);
@@ -124,8 +126,8 @@ cv::Mat draw_eye(const EyePicture& eye, int scale) {
     }
   }
   if (eye.truth) {
-    draw_circle(picture, *eye.truth, scale, {0, 0, 0}, 4);
-    draw_circle(picture, *eye.truth, scale, {255, 255, 255}, 2);
+    draw_circle(picture, *eye.truth, scale, {255, 255, 255}, 4);
+    draw_circle(picture, *eye.truth, scale, bgr(truth_colour), 2);
   }
   for (const LabelledCircle& found : eye.detections) {
     draw_circle(picture, found.circle, scale, bgr(found.colour), 2);
@@ -138,20 +140,20 @@ cv::Mat draw_eye(const EyePicture& eye, int scale) {
   return picture;
 }
 
-cv::Mat fit_into(const cv::Mat& picture, int width, int height) {
+cv::Mat fit_into(const cv::Mat& image, int width, int height) {
   cv::Mat canvas(height, width, CV_8UC3, ground);
-  if (picture.empty()) return canvas;
+  if (image.empty()) return canvas;
   const double scale =
-      std::min(static_cast<double>(width) / picture.cols, static_cast<double>(height) / picture.rows);
-  const cv::Size size(std::clamp(static_cast<int>(std::lround(picture.cols * scale)), 1, width),
-                      std::clamp(static_cast<int>(std::lround(picture.rows * scale)), 1, height));
+      std::min(static_cast<double>(width) / image.cols, static_cast<double>(height) / image.rows);
+  const cv::Size size(std::clamp(static_cast<int>(std::lround(image.cols * scale)), 1, width),
+                      std::clamp(static_cast<int>(std::lround(image.rows * scale)), 1, height));
   cv::Mat resized;
-  cv::resize(picture, resized, size, 0, 0, scale < 1.0 ? cv::INTER_AREA : cv::INTER_LINEAR);
+  cv::resize(image, resized, size, 0, 0, scale < 1.0 ? cv::INTER_AREA : cv::INTER_LINEAR);
   resized.copyTo(canvas({(width - size.width) / 2, (height - size.height) / 2, size.width, size.height}));
   return canvas;
 }
 
-VideoFile::VideoFile(std::filesystem::path path, ImageSize image, int pictures_hz)
+VideoFile::VideoFile(std::filesystem::path path, ImageSize image, int images_hz)
     : path_(std::move(path)), part_(path_), size_(image) {
   part_.replace_extension(".part.mp4");  // ffmpeg chooses the container by the last extension
   const cv::Size size(image.width, image.height);
@@ -159,7 +161,7 @@ VideoFile::VideoFile(std::filesystem::path path, ImageSize image, int pictures_h
   for (const char* codec : {"avc1", "mp4v"}) {
     writer_ = std::make_unique<cv::VideoWriter>(
         part_.string(), cv::CAP_FFMPEG, cv::VideoWriter::fourcc(codec[0], codec[1], codec[2], codec[3]),
-        pictures_hz, size);
+        images_hz, size);
     if (writer_->isOpened()) break;
   }
   cv::utils::logging::setLogLevel(level);
@@ -174,15 +176,15 @@ VideoFile::~VideoFile() {
   }
 }
 
-void VideoFile::add(const cv::Mat& picture) {
+void VideoFile::add(const cv::Mat& image) {
   SACCADE_CHECK(writer_ != nullptr);
-  writer_->write(picture);
-  ++pictures_;
+  writer_->write(image);
+  ++images_;
 }
 
 void VideoFile::commit() {
   SACCADE_CHECK(writer_ != nullptr);
-  if (pictures_ == 0) throw RunError("video: no picture for " + path_.string());
+  if (images_ == 0) throw RunError("video: no image for " + path_.string());
   writer_->release();
   std::error_code error;
   if (std::filesystem::file_size(part_, error) == 0 || error)
@@ -195,11 +197,11 @@ void VideoFile::commit() {
 VideoComposer::VideoComposer(std::filesystem::path path)
     : file_(std::move(path), {scene_width + eye_width, panel_height + caption_height}, frame_hz) {}
 
-void VideoComposer::add(const cv::Mat& scene, const EyePicture& eye, const std::string& caption) {
+void VideoComposer::add(const cv::Mat& scene, const AnnotatedImage& eye, const std::string& caption) {
   cv::Mat frame(panel_height + caption_height, scene_width + eye_width, CV_8UC3, ground);
   const int scale = std::max(1, std::min(eye_width / eye.size.width, panel_height / eye.size.height));
   fit_into(scene, scene_width, panel_height).copyTo(frame({0, 0, scene_width, panel_height}));
-  fit_into(draw_eye(eye, scale), eye_width, panel_height)
+  fit_into(draw_image(eye, scale), eye_width, panel_height)
       .copyTo(frame({scene_width, 0, eye_width, panel_height}));
   cv::putText(frame, caption, {16, panel_height + 31}, cv::FONT_HERSHEY_SIMPLEX, 0.65, {240, 240, 240}, 1,
               cv::LINE_AA);

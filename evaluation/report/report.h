@@ -4,14 +4,13 @@
 
 namespace saccade {
 
-/// Writes `report.html` and the numbers of its figures, `figures/NAME.csv`, into a run folder from what the
-/// folder holds: metrics.json (needed), truth.csv, detections.csv, gaze.csv, eye.csv, the events, and the pictures that
+/// Writes `report.html` and the numbers of its figures, `figures/NAME.csv`, into a run folder from the files in
+/// it: metrics.json (needed), truth.csv, detections.csv, gaze.csv, eye.csv, the events, and the images that
 /// the run saved as `frames/<t_us>_eye.png` (grey, of the camera's size), `frames/<t_us>_scene.png` (colour,
 /// third person) and `frames/<t_us>_<detector>_hough_<max>.png` (grey, of the camera's size, 255 standing for
-/// `max`). What is not there is left out of the page. Without saved pictures the strip shows the events alone
-/// at instants spread over the run. The page needs no other file and no network. Throws InputError for a
-/// folder without a readable metrics.json or with a broken table; RunError when a figure cannot be drawn or
-/// the disk does not take the page.
+/// `max`). Sections without data are left out. Without saved images the page shows the events alone at instants spread
+/// over the run. The page needs no other file and no network. Throws InputError for a folder without a readable
+/// metrics.json or with a broken table; RunError when a figure cannot be drawn or the page cannot be written.
 void write_report(const std::filesystem::path& run_folder);
 
 }  // namespace saccade

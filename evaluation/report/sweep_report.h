@@ -11,7 +11,7 @@
 
 namespace saccade {
 
-/// A run of a sweep, as the report needs it.
+/// One run of a sweep.
 struct SweepRow {
   std::int64_t run = 0;
   std::string id;
@@ -28,19 +28,20 @@ struct SweepTable {
   std::string description;
   std::string scenario;
   std::string version;
-  std::vector<std::string> axes;     ///< the key `seed` is what spreads are taken over
+  std::vector<std::string> axes;     ///< means and deviations are over the axis `seed`
   std::vector<std::string> metrics;  ///< the main one first
   std::size_t worst = 0;             ///< how many runs count as the worst
   bool lowest_is_worst = true;       ///< by the main metric
   std::vector<SweepRow> rows;
 };
 
-/// The runs with the worst main metric, the worst first, of runs that are the same the first; a run without the metric is not among them.
+/// The runs with the worst main metric, the worst first; of identical runs the first one. Runs without the metric are left
+/// out.
 [[nodiscard]] std::vector<const SweepRow*> worst_runs(const SweepTable& table);
 
-/// Writes `folder`/report.html and the numbers of its figures: each metric over each axis with its spread, maps over
-/// pairs of axes, precision and recall, the worst runs with links to worst/ID/report.html where that exists, and the failed ones.
-/// Throws RunError.
+/// Writes `folder`/report.html and the numbers of its figures: each metric over each axis as mean and standard deviation,
+/// maps over pairs of axes, precision and recall, the worst runs with links to worst/ID/report.html where that exists,
+/// and the failed ones. Throws RunError.
 void write_sweep_report(const SweepTable& table, const std::filesystem::path& folder);
 
 }  // namespace saccade

@@ -9,6 +9,7 @@
 #include <iterator>
 
 #include "core/error.h"
+#include "evaluation/report/resolved_scenario.h"
 #include "evaluation/scoring/statistics.h"
 #include "tests/evaluation/report/svg_check.h"
 #include "tests/evaluation/report/synthetic_run.h"
@@ -83,7 +84,7 @@ TEST_F(Comparison, PutsSeedsOfTheSameScenarioAndSettingsTogether) {
   EXPECT_EQ(count(body, "1 runs"), 2U) << "detectors that were in one of the two runs only";
 }
 
-TEST_F(Comparison, TellsMeanAndStandardDeviationOverTheSeeds) {
+TEST_F(Comparison, ShowsMeanAndStandardDeviationOverTheSeeds) {
   const std::string html = page();
   const double a = *metrics_[0].detectors[1].second.average_precision;
   const double b = *metrics_[1].detectors[1].second.average_precision;
@@ -95,6 +96,74 @@ TEST_F(Comparison, TellsMeanAndStandardDeviationOverTheSeeds) {
   };
   EXPECT_NEAR(number("data-value"), 0.5 * (a + b), 1e-12);
   EXPECT_NEAR(number("data-sd"), std::abs(a - b) / std::sqrt(2.0), 1e-12);
+}
+
+/// A resolved scenario as a run folder has it.
+void write_scenario(const fs::path& folder, int seed, const std::string& speed,
+                    const std::string& version = "1") {
+  std::ofstream(folder / "scenario.yaml")
+      << "# saccade " << version << " (abc); llvmpipe " << seed << "\nname: square\nseed: " << seed
+      << "\nball:\n  trajectory:\n    speed_m_s: " << speed
+      << "\n    points_m:\n      - [0, 1, 2]\n      - [3, 4, 5]\n"
+      << "output:\n  video: " << (seed == 1 ? "true" : "false") << "\n";
+}
+
+TEST_F(Comparison, PutsEditedCopiesOfAScenarioIntoGroupsOfTheirOwnAndNamesWhatDiffers) {
+  metrics_[2].settings.clear();
+  write_metrics(folders_[2] / "metrics.json", metrics_[2]);
+  write_scenario(folders_[0], 1, "0.1");
+  write_scenario(folders_[1], 2, "0.1");
+  write_scenario(folders_[2], 3, "0.4");
+  const std::string html = page();
+  EXPECT_EQ(count(html, "<h2>synthetic"), 2U);
+  EXPECT_THAT(html, HasSubstr("<h2>synthetic square &lt;45 cm&gt;</h2>\n<p class=\"facts\">2 runs"));
+  EXPECT_THAT(html, HasSubstr("ball.trajectory.speed_m_s=0.4</h2>\n<p class=\"facts\">1 run"));
+}
+
+TEST_F(Comparison, PutsRunsOfDifferentVersionsIntoGroupsOfTheirOwn) {
+  metrics_[2].settings.clear();
+  write_metrics(folders_[2] / "metrics.json", metrics_[2]);
+  for (std::size_t i = 0; i < 3; ++i)
+    write_scenario(folders_[i], static_cast<int>(i) + 1, "0.1", i == 2 ? "2" : "1");
+  const std::string html = page();
+  EXPECT_EQ(count(html, "<h2>synthetic"), 2U);
+  EXPECT_THAT(html, HasSubstr("version=saccade 2 (abc)</h2>"));
+}
+
+TEST_F(Comparison, CountsARunThatRepeatsASeedOnceAndNamesIt) {
+  metrics_[1].seed = 1;
+  metrics_[1].detectors[0].first = "paper_full";
+  write_metrics(folders_[1] / "metrics.json", metrics_[1]);
+  for (std::size_t i = 0; i < 2; ++i) write_scenario(folders_[i], 1, "0.1");
+  folders_.pop_back();
+  const std::vector<std::string> duplicates = write_comparison(folders_, root_ / "out");
+  ASSERT_EQ(duplicates.size(), 1U);
+  EXPECT_THAT(duplicates[0], HasSubstr("run 2 repeats "));
+  EXPECT_THAT(duplicates[0], HasSubstr("run 1 (seed 1) and is not counted"));
+  const std::string html = contents(root_ / "out/report.html");
+  EXPECT_THAT(html, HasSubstr("run 2 repeats "));
+  EXPECT_THAT(html, HasSubstr("<p class=\"facts\">1 run"));
+  EXPECT_THAT(contents(root_ / "out/figures/means.csv"), HasSubstr(",paper_directed,1,"));
+}
+
+TEST(ResolvedKeys, HoldEveryLineUnderItsPathButTheSeedAndWhatChangesNoScore) {
+  const ResolvedKeys keys = resolved_keys(
+      "# saccade 0.1.0 (abc); llvmpipe\nseed: 7\ndescription: \"a: b\"\nrun:\n  duration_s: 2\n  threads: "
+      "4\nball:\n"
+      "  points_m:\n    - [1, 2]\n    - [3, 4]\n  kind: still\nobjects: {}\noutput:\n  video: true\n");
+  const ResolvedKeys expected = {{"version", "saccade 0.1.0 (abc)"},
+                                 {"run.duration_s", "2"},
+                                 {"ball.points_m", "- [1, 2] - [3, 4]"},
+                                 {"ball.kind", "still"},
+                                 {"objects", "{}"}};
+  EXPECT_EQ(keys, expected);
+}
+
+TEST(ResolvedKeys, DifferencesAreShortened) {
+  const ResolvedKeys a = {{"a", "1"}, {"b", "1"}};
+  EXPECT_EQ(difference_text(a, {{"a", "2"}, {"b", "1"}}), "a=2");
+  EXPECT_EQ(difference_text(a, {{"b", "1"}}), "without a");
+  EXPECT_EQ(difference_text({}, {{"a", "1"}, {"b", "1"}, {"c", "1"}, {"d", "1"}}), "a=1, b=1, c=1, ...");
 }
 
 TEST_F(Comparison, WritesTheTablesAsNumbers) {
@@ -111,11 +180,11 @@ TEST_F(Comparison, WritesTheTablesAsNumbers) {
   EXPECT_EQ(count(contents(root_ / "out/figures/gaze_means.csv"), "\n"), 1U + 2U);
 }
 
-TEST_F(Comparison, DrawsWhereTheGazeOfEachGroupWent) {
+TEST_F(Comparison, DrawsTheGazeOfOneRunOfEachGroup) {
   const std::string html = page();
   EXPECT_EQ(count(html, "<h3>Gaze in the robot's frame"), 1U);
-  const std::string csv = contents(root_ / "out/figures/gaze_places.csv");
-  EXPECT_TRUE(csv.starts_with("series,place,time [s],x [m],y [m],z [m]\n"));
+  const std::string csv = contents(root_ / "out/figures/gaze_paths.csv");
+  EXPECT_TRUE(csv.starts_with("series,run,time [s],x [m],y [m],z [m]\n"));
   EXPECT_EQ(count(csv, "ball,\"synthetic square <45 cm>, seed 1\","), 1500U);
   EXPECT_EQ(count(csv, "seed 2"), 0U) << "of a group the first run";
   EXPECT_GT(count(csv, "lab.clutter=<rectilinear>, seed 3"), 3000U);
@@ -168,7 +237,7 @@ TEST_F(Comparison, LinksToEveryRunsOwnReportAndWritesTheMissingOnes) {
   EXPECT_GT(contents(folders_[1] / "report.html").size(), 10'000U);
 }
 
-TEST_F(Comparison, HoldsEverythingItselfInFiguresThatAreWellFormedWithIdsOfTheirOwn) {
+TEST_F(Comparison, IsSelfContainedWithWellFormedFiguresAndUniqueIds) {
   const std::string html = page();
   for (const char* outside : {"http:", "https:", "<script", "<link", "<iframe", "@import", "src=\"figures"}) {
     EXPECT_THAT(html, Not(HasSubstr(outside)));
@@ -189,7 +258,7 @@ TEST_F(Comparison, HoldsEverythingItselfInFiguresThatAreWellFormedWithIdsOfTheir
   EXPECT_EQ(html, page()) << "not the same for the same runs";
 }
 
-TEST_F(Comparison, NamesEveryFolderThatIsNoRunAndEveryOneGivenTwice) {
+TEST_F(Comparison, NamesEveryFolderThatIsNoRunAndEveryFolderGivenTwice) {
   fs::create_directories(root_ / "empty");
   fs::create_directories(root_ / "broken");
   std::ofstream(root_ / "broken/metrics.json") << "{";
@@ -206,6 +275,12 @@ TEST_F(Comparison, NamesEveryFolderThatIsNoRunAndEveryOneGivenTwice) {
     EXPECT_THAT(error.what(), HasSubstr("the same run twice"));
   }
   EXPECT_FALSE(fs::exists(root_ / "out"));
+}
+
+TEST_F(Comparison, TakesAFolderOfSchemaOneThatAnEarlierVersionWrote) {
+  fs::copy(fs::path(SACCADE_SOURCE_DIR) / "tests/evaluation/report/schema_1_run", root_ / "old");
+  folders_.push_back(root_ / "old");
+  EXPECT_THAT(page(), HasSubstr("<h2>gaze_square_45cm"));
 }
 
 TEST_F(Comparison, OfRecordingsWithoutTruthShowsDashes) {

@@ -16,6 +16,9 @@
 namespace saccade {
 namespace {
 
+constexpr Colour blue{0x00, 0x72, 0xb2};
+constexpr Colour red{0xd5, 0x5e, 0x00};
+
 using testing::HasSubstr;
 using testing::Not;
 
@@ -42,11 +45,9 @@ std::vector<DetectionRow> dots(int rows, const std::string& detector) {
   return detections;
 }
 
-TEST(Figures, AreWellFormedAndTheSameEveryTime) {
+TEST(Figures, AreWellFormedAndReproducible) {
   const auto truth = sine_truth(500);
-  const auto draw = [&] {
-    return tracking_figure("a", truth, dots(500, "d"), "d", 5.0, "#0072b2", false, 0).svg;
-  };
+  const auto draw = [&] { return tracking_figure("a", truth, dots(500, "d"), "d", 5.0, blue, false, 0).svg; };
   const std::string svg = draw();
   EXPECT_EQ(nesting_problem(svg), "");
   EXPECT_EQ(svg, draw());
@@ -57,7 +58,7 @@ TEST(Figures, AreWellFormedAndTheSameEveryTime) {
 TEST(Figures, ShowTheObservationsAtAndAboveTheThresholdOnly) {
   const auto shown = [](double threshold) {
     const std::string svg =
-        tracking_figure("a", sine_truth(200), dots(200, "d"), "d", threshold, "#0072b2", false, 0).svg;
+        tracking_figure("a", sine_truth(200), dots(200, "d"), "d", threshold, blue, false, 0).svg;
     return count(svg, "h0");
   };
   EXPECT_EQ(shown(10.0), 0U);
@@ -67,17 +68,16 @@ TEST(Figures, ShowTheObservationsAtAndAboveTheThresholdOnly) {
 
 TEST(Figures, ThinLongSeries) {
   const std::string svg =
-      tracking_figure("a", sine_truth(100'000), dots(100'000, "d"), "d", 0.0, "#0072b2", false, 0).svg;
+      tracking_figure("a", sine_truth(100'000), dots(100'000, "d"), "d", 0.0, blue, false, 0).svg;
   EXPECT_LE(count(svg, "h0"), 3 * max_figure_points + 2);
   EXPECT_LT(svg.size(), 200'000U);
 }
 
-TEST(Figures, OfHostileNamesAreTextAndNothingElse) {
+TEST(Figures, DrawNamesWithGnuplotCommandsAsText) {
   const std::filesystem::path trap = std::filesystem::path(testing::TempDir()) / "saccade_figures_trap";
   const std::string command = "system 'touch " + trap.string() + "'";
   const std::string name = "x' ; " + command + " #\n`date`<script>&\"@a_b";
-  const std::string svg =
-      tracking_figure("a", sine_truth(50), dots(50, name), name, 0.0, "#0072b2", false, 0).svg;
+  const std::string svg = tracking_figure("a", sine_truth(50), dots(50, name), name, 0.0, blue, false, 0).svg;
   EXPECT_EQ(nesting_problem(svg), "");
   EXPECT_THAT(svg, Not(HasSubstr("<script")));
   EXPECT_THAT(svg, HasSubstr("x' ; " + command + " #`date`&lt;script>&amp;"));
@@ -85,17 +85,17 @@ TEST(Figures, OfHostileNamesAreTextAndNothingElse) {
   EXPECT_FALSE(std::filesystem::exists(trap));
 }
 
-TEST(Figures, OfNothingAreEmptyAxes) {
+TEST(Figures, WithoutDataAreEmptyAxes) {
   Metrics metrics;
   for (const Figure& figure :
-       {tracking_figure("a", {}, {}, "d", 0.0, "#000000", false, 0), precision_recall_figure("b", metrics),
+       {tracking_figure("a", {}, {}, "d", 0.0, Colour{}, false, 0), precision_recall_figure("b", metrics),
         rates_figure("c", nullptr, {}, {}, {}, metrics, 0), rate_over_speed_figure("g", {}),
         precision_recall_spread_figure("h", {}), average_precision_figure("i", {})}) {
     EXPECT_EQ(nesting_problem(figure.svg), "") << figure.name;
   }
 }
 
-TEST(Figures, BreakALineWhereThereIsNoValue) {
+TEST(Figures, HaveAGapWhereAValueIsMissing) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto strokes = [](std::vector<GnuplotFigure::Point> points) {
     GnuplotFigure figure("a", 300, 200);
@@ -115,7 +115,7 @@ TEST(Figures, BreakALineWhereThereIsNoValue) {
   EXPECT_EQ(strokes({{0, 0}, {1, 1}, {1.5, nan}, {2, 0}, {3, 1}}), 2U);
 }
 
-TEST(Figures, WithoutGnuplotNameThePackage) {
+TEST(Figures, WithoutGnuplotThrowAnErrorThatNamesThePackage) {
   const std::string path = std::getenv("PATH");
   setenv("PATH", "/nonexistent", 1);
   try {
@@ -127,7 +127,7 @@ TEST(Figures, WithoutGnuplotNameThePackage) {
   setenv("PATH", path.c_str(), 1);
 }
 
-TEST(Figures, SayWhatGnuplotDidNotUnderstand) {
+TEST(Figures, ReportTheErrorMessageOfGnuplot) {
   GnuplotFigure figure("a", 300, 200);
   figure.add_panel({.x_label = "", .y_label = "", .z_label = "", .commands = "set nonsense\n", .series = {}});
   EXPECT_THROW(static_cast<void>(figure.draw()), RunError);
@@ -153,7 +153,7 @@ std::vector<std::string> fields_of(const std::string& line) {
 TEST(FigureNumbers, HoldEveryPointThatIsDrawnBeforeItIsThinned) {
   auto truth = sine_truth(5000);
   truth[99].visible = 0.2;  // no chance, not drawn
-  const std::string csv = tracking_figure("a", truth, dots(5000, "d"), "d", 5.0, "#0072b2", false, 0).csv;
+  const std::string csv = tracking_figure("a", truth, dots(5000, "d"), "d", 5.0, blue, false, 0).csv;
   EXPECT_TRUE(csv.starts_with("series,time [s],x [px],y [px],r [px]\n")) << csv.substr(0, 80);
   EXPECT_EQ(lines_of(csv, "d,").size(), 2500U);
   EXPECT_EQ(lines_of(csv, "d,").front(), "0.005,64,64,20");
@@ -164,7 +164,7 @@ TEST(FigureNumbers, HoldEveryPointThatIsDrawnBeforeItIsThinned) {
   EXPECT_NEAR(std::stod(fields[1]), truth.back().circle.x_px, 1e-6);
 }
 
-TEST(FigureNumbers, QuoteWhatWouldBreakALine) {
+TEST(FigureNumbers, QuoteFieldsWithCommasQuotesAndLineBreaks) {
   EXPECT_EQ(csv_field("plain text"), "plain text");
   EXPECT_EQ(csv_field("a,b"), "\"a,b\"");
   EXPECT_EQ(csv_field("say \"a\""), "\"say \"\"a\"\"\"");
@@ -207,7 +207,7 @@ TEST(RatesFigure, CountsDetectionsInTenthsOfASecondAndTheBallsSpeed) {
   for (const std::string& line : ball) EXPECT_NEAR(std::stod(fields_of(line).at(2)), 250.0, 1e-6) << line;
 }
 
-TEST(RatesFigure, ShowsTheMostOfAFrameCameraUnlessOneIsSimulated) {
+TEST(RatesFigure, ShowsTheHighestRateOfAFrameCameraUnlessOneIsSimulated) {
   const auto truth = sine_truth(300);
   const auto draw = [&](const Metrics& metrics) {
     const std::vector<std::vector<std::optional<bool>>> found(
@@ -219,7 +219,7 @@ TEST(RatesFigure, ShowsTheMostOfAFrameCameraUnlessOneIsSimulated) {
   EXPECT_EQ(lines_of(draw(metrics_of({"d", "frame_30hz"}, 0.3)).csv, "30 Hz").size(), 0U);
 }
 
-TEST(RatesFigure, OfARecordingCountsWhatWasAccepted) {
+TEST(RatesFigure, OfARecordingCountsAcceptedObservations) {
   Metrics metrics = metrics_of({"d"}, 0.2);
   metrics.detectors[0].second.threshold = 5.0;
   const Figure figure = rates_figure("a", nullptr, {}, {}, dots(199, "d"), metrics, 0);
@@ -230,11 +230,11 @@ TEST(RatesFigure, OfARecordingCountsWhatWasAccepted) {
   EXPECT_THAT(figure.csv, Not(HasSubstr("30 Hz")));
 }
 
-TEST(RateOverSpeedFigure, LeavesOutSpeedsThatWereHardlySeen) {
+TEST(RateOverSpeedFigure, HasNoPointForSpeedsWithFewChances) {
   SpeedCounts counts;
   counts.chances = {100, 49, 50};
   counts.found = {25, 49, 50};
-  const std::vector<DetectorSpeeds> detectors = {{{"d", "#0072b2"}, counts}};
+  const std::vector<DetectorSpeeds> detectors = {{{"d", blue}, counts}};
   const auto lines = lines_of(rate_over_speed_figure("a", detectors).csv, "d,");
   ASSERT_EQ(lines.size(), 2U);
   EXPECT_EQ(fields_of(lines[0]).at(1), "250");
@@ -255,7 +255,7 @@ DetectorScore flat_score(double precision, double recall) {
 
 TEST(PrecisionRecallSpread, AveragesThePrecisionAtEveryRecallThatAllRunsReach) {
   const std::vector<DetectorRuns> detectors = {
-      {{"d", "#0072b2"}, {flat_score(0.4, 0.505), flat_score(0.8, 0.705)}}};
+      {{"d", blue}, {flat_score(0.4, 0.505), flat_score(0.8, 0.705)}}};
   const Figure figure = precision_recall_spread_figure("a", detectors);
   const auto mean = lines_of(figure.csv, "d,");
   ASSERT_EQ(mean.size(), 50U);
@@ -264,15 +264,14 @@ TEST(PrecisionRecallSpread, AveragesThePrecisionAtEveryRecallThatAllRunsReach) {
   EXPECT_EQ(lines_of(figure.csv, "\"d, run 2\",").size(), 100U);
   EXPECT_EQ(lines_of(figure.csv, "\"d, its threshold\",").at(0), "0.605,0.6,0.5");
 
-  const std::vector<DetectorRuns> alone = {{{"d", "#0072b2"}, {flat_score(0.4, 0.505)}}};
+  const std::vector<DetectorRuns> alone = {{{"d", blue}, {flat_score(0.4, 0.505)}}};
   EXPECT_EQ(lines_of(precision_recall_spread_figure("a", alone).csv, "d,").size(), 100U);
 }
 
-TEST(AveragePrecisionFigure, HasADotForEveryRunAndABarWhereThereAreSeveral) {
+TEST(AveragePrecisionFigure, HasADotForEveryRunAndABarForSeveralRuns) {
   const std::vector<RunGroup> groups = {
-      {"one, two",
-       {{{"d", "#0072b2"}, {flat_score(0.4, 1), flat_score(0.6, 1)}}, {{"e", "#d55e00"}, {{}, {}}}}},
-      {"three", {{{"d", "#0072b2"}, {flat_score(0.9, 1)}}}}};
+      {"one, two", {{{"d", blue}, {flat_score(0.4, 1), flat_score(0.6, 1)}}, {{"e", red}, {{}, {}}}}},
+      {"three", {{{"d", blue}, {flat_score(0.9, 1)}}}}};
   const Figure figure = average_precision_figure("a", groups);
   EXPECT_EQ(nesting_problem(figure.svg), "");
   EXPECT_EQ(count(figure.svg, "h0"), 3U);

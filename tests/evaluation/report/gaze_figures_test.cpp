@@ -71,7 +71,7 @@ std::vector<std::vector<double>> rows_of(const std::string& csv, const std::stri
   return rows;
 }
 
-TEST(GazeOverTime, TellsErrorSpeedTargetsAndWhichOfThemAreWrong) {
+TEST(GazeOverTime, ShowsErrorSpeedAndTargetsWithTheWrongOnesApart) {
   const MadeUpRun run;
   const Figure figure = gaze_over_time_figure("a", run.tables(), Camera{}, 250'000, 0);
   EXPECT_EQ(nesting_problem(figure.svg), "");
@@ -108,10 +108,10 @@ TEST(MainSequence, HasAPointForEverySaccade) {
   EXPECT_EQ(rows[1], (std::vector<double>{2.0, 90.0, 2.5}));
 }
 
-TEST(GazePlaces, HoldBallTargetsAndFixationPointInTheRootFrame) {
+TEST(GazePaths, HoldBallTargetsAndFixationPointInTheRootFrame) {
   const MadeUpRun run;
-  const std::vector<GazePlace> places = {{"45 cm, near", run.tables(), 0}, {"far", run.tables(), 1000}};
-  const Figure figure = gaze_places_figure("a", places);
+  const std::vector<GazePath> gazes = {{"45 cm, near", run.tables(), 0}, {"far", run.tables(), 1000}};
+  const Figure figure = gaze_paths_figure("a", gazes);
   EXPECT_EQ(nesting_problem(figure.svg), "");
   EXPECT_THAT(figure.svg, HasSubstr("45 cm, near</text>"));
   const auto ball = rows_of(figure.csv, "ball,\"45 cm, near\",");
@@ -125,10 +125,10 @@ TEST(GazePlaces, HoldBallTargetsAndFixationPointInTheRootFrame) {
   EXPECT_NEAR(Eigen::Vector3d(fixation[0][1], fixation[0][2], fixation[0][3]).norm(), 0.45, 1e-9);
 }
 
-TEST(GazePlaces, OfEyesThatDoNotConvergeShowTheAxisAtTheBallsDistance) {
+TEST(GazePaths, OfEyesThatDoNotConvergeShowTheAxisAtTheBallsDistance) {
   const MadeUpRun run(false);
-  const std::vector<GazePlace> places = {{"", run.tables(), 0}};
-  const std::string csv = gaze_places_figure("a", places).csv;
+  const std::vector<GazePath> gazes = {{"", run.tables(), 0}};
+  const std::string csv = gaze_paths_figure("a", gazes).csv;
   EXPECT_EQ(rows_of(csv, "fixation point,").size(), 0U);
   const auto axis = rows_of(csv, "left eye's axis at the ball's distance,,");
   ASSERT_EQ(axis.size(), 1000U);
@@ -136,10 +136,10 @@ TEST(GazePlaces, OfEyesThatDoNotConvergeShowTheAxisAtTheBallsDistance) {
   EXPECT_LT((last - 0.5 * direction(9.0)).norm(), 1e-8);
 }
 
-TEST(GazeFigures, OfNothingAreEmptyAxesAndTheSameEveryTime) {
+TEST(GazeFigures, WithoutDataAreEmptyAxesAndReproducible) {
   for (const Figure& figure :
        {gaze_over_time_figure("a", {}, std::nullopt, std::nullopt, 0), main_sequence_figure("b", {}, 0),
-        gaze_places_figure("c", {}), gaze_places_figure("d", std::vector<GazePlace>{{}}),
+        gaze_paths_figure("c", {}), gaze_paths_figure("d", std::vector<GazePath>{{}}),
         joints_figure("e", {}, JointLimits{}, 0)}) {
     EXPECT_EQ(nesting_problem(figure.svg), "") << figure.name;
   }

@@ -56,7 +56,7 @@ class Report : public testing::Test {
   fs::path folder_;
 };
 
-TEST_F(Report, HoldsEverythingItselfAndNoAddress) {
+TEST_F(Report, IsSelfContained) {
   write_synthetic_run(folder_, true);
   write_report(folder_);
   const std::string html = contents(folder_ / "report.html");
@@ -69,7 +69,7 @@ TEST_F(Report, HoldsEverythingItselfAndNoAddress) {
   EXPECT_THAT(html, HasSubstr("synthetic square &lt;45 cm&gt;"));
 }
 
-TEST_F(Report, HasAPictureOfEyeAndSceneForEveryFrameAndASentenceUnderEveryFigure) {
+TEST_F(Report, HasImagesOfEyeAndSceneForEveryFrameAndACaptionForEveryFigure) {
   write_synthetic_run(folder_, true);
   write_report(folder_);
   const std::string html = contents(folder_ / "report.html");
@@ -79,7 +79,7 @@ TEST_F(Report, HasAPictureOfEyeAndSceneForEveryFrameAndASentenceUnderEveryFigure
   EXPECT_EQ(count(html, "<figcaption>"), 11U);
 }
 
-TEST_F(Report, ShowsTheHoughSpacesThatWereSavedAndHowStrongTheyAre) {
+TEST_F(Report, ShowsTheSavedHoughSpacesAndTheirMaxima) {
   write_synthetic_run(folder_, true);
   write_report(folder_);
   std::string html = contents(folder_ / "report.html");
@@ -120,7 +120,7 @@ TEST_F(Report, ShowsTheHoughSpacesOfThreeDetectorsAndOfTheBestOfTheOthers) {
   EXPECT_EQ(count(html, "Hough space of sixth at"), 0U);
 }
 
-TEST_F(Report, WritesTheNumbersOfEveryDrawnFigureBesideThePage) {
+TEST_F(Report, WritesTheNumbersOfEveryFigureBesideThePage) {
   write_synthetic_run(folder_, false);
   write_report(folder_);
   const std::string html = contents(folder_ / "report.html");
@@ -140,7 +140,7 @@ TEST_F(Report, WritesTheNumbersOfEveryDrawnFigureBesideThePage) {
   EXPECT_TRUE(fs::exists(folder_ / "figures/track_paper_directed.csv"));
 }
 
-TEST_F(Report, ShowsGazeShiftsAsTheTargetWasHandedOverAndAsTheEyeArrived) {
+TEST_F(Report, ShowsGazeShiftsAtTheTargetsTimeAndAtTheEyesArrival) {
   write_synthetic_run(folder_, false);
   write_report(folder_);
   const std::string html = contents(folder_ / "report.html");
@@ -154,7 +154,7 @@ TEST_F(Report, ShowsGazeShiftsAsTheTargetWasHandedOverAndAsTheEyeArrived) {
   EXPECT_THAT(html, HasSubstr("window: 1500 events · gate: authors · controller: qp"));
 }
 
-TEST_F(Report, OfARunWithoutTheEyesPoseLeavesOutWhatNeedsIt) {
+TEST_F(Report, OfARunWithoutTheEyesPoseHasNoFiguresThatNeedIt) {
   write_synthetic_run(folder_, false);
   write_report(folder_);
   EXPECT_THAT(contents(folder_ / "report.html"), HasSubstr("<h3>Gaze over time"));
@@ -166,20 +166,20 @@ TEST_F(Report, OfARunWithoutTheEyesPoseLeavesOutWhatNeedsIt) {
   EXPECT_THAT(html, HasSubstr("<h3>Gaze in the robot's frame"));
 }
 
-TEST_F(Report, TellsRejectedEventsWhereThereWereAny) {
+TEST_F(Report, NamesRejectedEvents) {
   Metrics metrics = write_synthetic_run(folder_, false);
   metrics.detectors[0].second.rejected_events = RejectedEvents{};
   write_metrics(folder_ / "metrics.json", metrics);
   write_report(folder_);
-  EXPECT_THAT(contents(folder_ / "report.html"), Not(HasSubstr("back in time")));
+  EXPECT_THAT(contents(folder_ / "report.html"), Not(HasSubstr("events outside the image")));
   metrics.detectors[0].second.rejected_events = {.outside_image = 12, .back_in_time = 3};
   write_metrics(folder_ / "metrics.json", metrics);
   write_report(folder_);
   EXPECT_THAT(contents(folder_ / "report.html"),
-              HasSubstr("paper_full left out 12 events outside the image and 3 that go back in time"));
+              HasSubstr("paper_full dropped 12 events outside the image and 3 whose time goes back"));
 }
 
-TEST_F(Report, DrawsFiguresThatAreWellFormedWithIdsOfTheirOwn) {
+TEST_F(Report, HasWellFormedFiguresWithUniqueIds) {
   write_synthetic_run(folder_, true);
   write_report(folder_);
   const std::string html = contents(folder_ / "report.html");
@@ -198,7 +198,7 @@ TEST_F(Report, DrawsFiguresThatAreWellFormedWithIdsOfTheirOwn) {
   EXPECT_EQ(std::adjacent_find(ids.begin(), ids.end()), ids.end());
 }
 
-TEST_F(Report, ShowsTheNumbersOfTheMetrics) {
+TEST_F(Report, ShowsTheFiguresOfTheMetrics) {
   write_synthetic_run(folder_, false);
   write_report(folder_);
   const std::string html = contents(folder_ / "report.html");
@@ -238,7 +238,7 @@ TEST_F(Report, ShowsTheNumbersOfTheMetrics) {
   EXPECT_EQ(row("violations"), value(gaze["limit_violations"]));
 }
 
-TEST_F(Report, OfARecordingShowsWhatThereIs) {
+TEST_F(Report, OfARecordingShowsTheTablesThatExist) {
   Metrics metrics = write_synthetic_run(folder_, false);
   fs::remove(folder_ / "gaze.csv");
   metrics.gaze.reset();
@@ -264,7 +264,7 @@ TEST_F(Report, OfARecordingShowsWhatThereIs) {
   EXPECT_THAT(html, HasSubstr("Events are not shown"));
 }
 
-TEST_F(Report, IsTheSameForTheSameFolder) {
+TEST_F(Report, IsReproducible) {
   write_synthetic_run(folder_, true);
   write_report(folder_);
   const std::string first = contents(folder_ / "report.html");
@@ -272,7 +272,29 @@ TEST_F(Report, IsTheSameForTheSameFolder) {
   EXPECT_EQ(first, contents(folder_ / "report.html"));
 }
 
-TEST_F(Report, NeedsMetricsAndPicturesOfTheCamerasSize) {
+TEST_F(Report, ReadsAFolderOfSchemaOneThatAnEarlierVersionWrote) {
+  fs::copy(fs::path(SACCADE_SOURCE_DIR) / "tests/evaluation/report/schema_1_run", folder_);
+  write_report(folder_);
+  const std::string html = contents(folder_ / "report.html");
+  EXPECT_THAT(html, HasSubstr("<h1>gaze_square_45cm</h1>"));
+  const auto json = nlohmann::json::parse(contents(folder_ / "metrics.json"));
+  EXPECT_EQ(numbers_of(html, "detectors", "best").at(0),
+            json["detectors"]["best"]["average_precision"].get<double>());
+  EXPECT_THAT(html, HasSubstr("<h3>Gaze over time"));
+  EXPECT_THAT(html, HasSubstr("Events are not shown"));  // the folder has no event file
+  EXPECT_THAT(html, Not(HasSubstr("approximate")));
+}
+
+TEST_F(Report, SaysThatTheFiguresOfAVeryLongRunAreApproximate) {
+  Metrics metrics = write_synthetic_run(folder_, false, 1, 1000);
+  metrics.detectors[0].second.exact = false;
+  write_metrics(folder_ / "metrics.json", metrics);
+  EXPECT_THAT(contents(folder_ / "metrics.json"), HasSubstr("\"approximate\": true"));
+  write_report(folder_);
+  EXPECT_THAT(contents(folder_ / "report.html"), HasSubstr("curves are approximate"));
+}
+
+TEST_F(Report, RefusesAMissingMetricsFileAndImagesOfAnotherSize) {
   write_synthetic_run(folder_, true);
   cv::imwrite((folder_ / "frames" / "500000_eye.png").string(), cv::Mat(12, 12, CV_8UC1, cv::Scalar(0)));
   EXPECT_THROW(write_report(folder_), InputError);

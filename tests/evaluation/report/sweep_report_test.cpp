@@ -65,7 +65,7 @@ TEST(SweepReport, theWorstRunsAreThoseWithTheWorstMainMetricEachOnce) {
   EXPECT_THAT(worst_runs(table), SizeIs(0));
 }
 
-TEST(SweepReport, showsCurvesMapsFamiliesAndTheWorstAndWhatFailed) {
+TEST(SweepReport, showsCurvesMapsWorstRunsAndFailedRuns) {
   const TempFolder folder;
   SweepTable table = table_of(4, 2, 2);
   table.rows[5].status = "failed";
@@ -94,7 +94,7 @@ TEST(SweepReport, showsCurvesMapsFamiliesAndTheWorstAndWhatFailed) {
               HasSubstr("\n0,0.5,2,0.915,"));
 }
 
-TEST(SweepReport, anAxisOfManyRandomValuesIsDrawnInStretches) {
+TEST(SweepReport, anAxisOfManyRandomValuesIsDrawnInIntervals) {
   const TempFolder folder;
   SweepTable table = table_of(40, 1, 1);
   write_sweep_report(table, folder / "");
@@ -111,7 +111,7 @@ TEST(SweepReport, aThousandRunsMakeAPageOfLessThanFiveMegabytes) {
   EXPECT_LT(size, 5'000'000U);
 }
 
-TEST(SweepReport, withoutResultsThereIsAPageAllTheSame) {
+TEST(SweepReport, withoutResultsThereIsStillAPage) {
   const TempFolder folder;
   SweepTable table = table_of(2, 2, 1);
   for (SweepRow& row : table.rows) {

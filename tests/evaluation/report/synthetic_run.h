@@ -15,10 +15,10 @@
 
 namespace saccade {
 
-/// A run folder as a closed-loop run would leave it, from made-up motion: the ball goes round a square, the
-/// eye follows it late, one detector is good and one is drawn to clutter. `pictures` says whether the run
-/// saved eye, scene and the Hough space of paper_directed.
-inline Metrics write_synthetic_run(const std::filesystem::path& folder, bool pictures, int seed = 1,
+/// Writes a run folder with made-up motion: the ball moves along a square, the eye follows it late, one detector is
+/// good and the other one often detects clutter. With `images` it has saved images of eye, scene and the Hough space of
+/// paper_directed.
+inline Metrics write_synthetic_run(const std::filesystem::path& folder, bool images, int seed = 1,
                                    int duration_ms = 4000) {
   namespace fs = std::filesystem;
   constexpr double rad = std::numbers::pi / 180.0;
@@ -123,7 +123,7 @@ inline Metrics write_synthetic_run(const std::filesystem::path& folder, bool pic
     event_file->write(events);
     event_count += std::ssize(events);
 
-    if (pictures && t_ms % 500 == 0) {
+    if (images && t_ms % 500 == 0) {
       cv::Mat eye(camera.size.height, camera.size.width, CV_8UC1);
       for (int y = 0; y < eye.rows; ++y) {
         for (int x = 0; x < eye.cols; ++x)
@@ -142,7 +142,7 @@ inline Metrics write_synthetic_run(const std::filesystem::path& folder, bool pic
       }
       cv::imwrite(
           (folder / "frames" / (std::to_string(sample.t_us) + "_paper_directed_hough_0.75.png")).string(),
-          response_picture(response, camera.size));
+          response_image(response, camera.size));
       cv::Mat scene(480, 640, CV_8UC3, cv::Scalar(180, 170, 160));
       cv::circle(
           scene,

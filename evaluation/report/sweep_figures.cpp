@@ -1,0 +1,331 @@
+#include "evaluation/report/sweep_figures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "core/config.h"
+#include "evaluation/report/figure_parts.h"
+#include "evaluation/report/html.h"
+
+namespace saccade::sweep {
+namespace {
+
+namespace fs = std::filesystem;
+using figure_parts::dot_style;
+using figure_parts::line_style;
+using figure_parts::nan;
+using figure_parts::Point;
+using figure_parts::Series;
+
+constexpr std::size_t most_curves = 8;
+constexpr std::size_t most_maps = 12;
+
+/// gnuplot's commands for the x axis: its scale, or the names of its values.
+std::string x_axis_commands(const Axis& axis) {
+  if (axis.numeric) {
+    const double low = axis.bins.front().x;
+    const double high = axis.bins.back().x;
+    const double margin = 0.04;
+    std::string commands =
+        axis.log ? fmt::format("set logscale x\nset xrange [{:.6g}:{:.6g}]\n",
+                               low * std::pow(high / low, -margin), high * std::pow(high / low, margin))
+                 : fmt::format("unset logscale x\nset xrange [{:.6g}:{:.6g}]\n", low - margin * (high - low),
+                               high + margin * (high - low));
+    if (axis.binned) return commands + "set xtics auto\n";
+    // A label for every value that does not run into the one before it.
+    constexpr double label_share = 0.09;
+    const auto place = [&](double x) {
+      return axis.log ? std::log(x / low) / std::log(high / low) : (x - low) / (high - low);
+    };
+    std::string tics;
+    double labelled = -1.0;
+    for (const Bin& bin : axis.bins) {
+      const bool fits = place(bin.x) - labelled >= label_share;
+      tics += fmt::format("{}{} {:.10g}", tics.empty() ? "" : ", ",
+                          gnuplot_quoted(fits ? short_number(bin.x) : ""), bin.x);
+      if (fits) labelled = place(bin.x);
+    }
+    return commands + "set xtics (" + tics + ")\n";
+  }
+  std::string tics;
+  for (const Bin& bin : axis.bins)
+    tics += fmt::format("{}{} {}", tics.empty() ? "" : ", ", gnuplot_quoted(bin.label), bin.x);
+  return fmt::format("unset logscale x\nset xrange [-0.4:{}]\nset xtics ({})\n", axis.bins.back().x + 0.4,
+                     tics);
+}
+
+/// A metric of one detector over an axis: means, bars and, where values are many, the runs. `shift` keeps the bars of
+/// several detectors apart where values are words.
+std::vector<Series> metric_series(const Quantity::Of& of, const Axis& axis, const Facet& facet, Colour colour,
+                                  double shift, bool in_key) {
+  const std::string name = of.name.empty() ? std::string("mean") : of.name;
+  const std::string where = facet.label.empty() ? "" : ", " + facet.label;
+  Series means{name + where, line_style(colour, 2.0), {}, false};
+  Series marks{name + where + ", mean", dot_style(colour, 0.7), {}, false};
+  Series bars{name + where + ", mean -+ sd", line_style(colour, 1.2), {}, false};
+  Series runs{name + where + ", runs", dot_style(colour, 0.28), {}, false};
+  for (const Bin& bin : axis.bins) {
+    const Rows rows = intersection(bin.rows, facet.rows);
+    const MeanSd mean = mean_of(rows, of.metric);
+    if (!mean.mean) continue;
+    const double x = bin.x + (axis.numeric ? 0.0 : shift);
+    means.points.push_back({x, *mean.mean, 0.0});
+    if (mean.sd) {
+      bars.points.push_back({x, *mean.mean - *mean.sd, 0.0});
+      bars.points.push_back({x, *mean.mean + *mean.sd, 0.0});
+      bars.points.push_back({nan, nan, nan});
+    }
+    if (!axis.binned) continue;
+    for (const SweepRow* row : rows) {
+      if (row->metrics[of.metric])
+        runs.points.push_back({*number_of(row->values[axis.index]), *row->metrics[of.metric], 0.0});
+    }
+  }
+  marks.points = means.points;
+  if (!axis.numeric) means.points.clear();  // words are not joined by a line
+  Series& named = axis.numeric ? means : marks;
+  named.title = name;
+  named.in_key = in_key;
+  std::vector<Series> series;
+  for (Series* s : {&runs, &bars, &means, &marks})
+    if (!s->points.empty()) series.push_back(std::move(*s));
+  return series;
+}
+
+std::string layout_of(std::size_t panels, int& height) {
+  const std::size_t columns = panels == 1 ? 1 : panels == 2 || panels == 4 ? 2 : 3;
+  const std::size_t rows = (panels + columns - 1) / columns;
+  height = rows == 1 ? 400 : static_cast<int>(330 * rows);
+  return fmt::format("set multiplot layout {},{}\n", rows, columns);
+}
+
+std::string numbers_of(const Quantity& quantity, const Axis& axis, const std::vector<Facet>& facets) {
+  std::string csv = csv_field(axis.key) + ",others,detector,runs,mean,sd\n";
+  for (const Facet& facet : facets) {
+    for (const Quantity::Of& of : quantity.of) {
+      for (const Bin& bin : axis.bins) {
+        const MeanSd mean = mean_of(intersection(bin.rows, facet.rows), of.metric);
+        csv += fmt::format("{},{},{},{},{},{}\n", csv_field(bin.label), csv_field(facet.label),
+                           csv_field(of.name), mean.count, mean.mean ? text_of(*mean.mean) : "",
+                           mean.sd ? text_of(*mean.sd) : "");
+      }
+    }
+  }
+  return csv;
+}
+
+}  // namespace
+
+std::string sweep_curves_html(const Quantity& quantity, const Axis& axis, const std::vector<Axis>& axes,
+                              const Rows& rows, const std::vector<std::string>& detectors,
+                              const fs::path& folder) {
+  const std::vector<Facet> facets = facets_of(axes, axis, rows);
+  const std::vector<Colour> colours = detector_colours(detectors);
+  int height = 0;
+  const std::string layout = layout_of(facets.size(), height);
+  const std::string name = file_part(quantity.label + "_over_" + axis.key);
+  // The same scale in all panels.
+  double low = nan;
+  double high = nan;
+  for (const SweepRow* row : rows) {
+    for (const Quantity::Of& of : quantity.of) {
+      if (!row->metrics[of.metric]) continue;
+      low = std::fmin(low, *row->metrics[of.metric]);
+      high = std::fmax(high, *row->metrics[of.metric]);
+    }
+  }
+  if (!std::isfinite(low)) return {};
+  if (low >= 0.0) low = 0.0;
+  if (high <= low) high = low + 1.0;
+  GnuplotFigure figure(name, figure_parts::width, height);
+  for (std::size_t f = 0; f < facets.size(); ++f) {
+    std::vector<Series> series;
+    for (std::size_t i = 0; i < quantity.of.size(); ++i) {
+      const Quantity::Of& of = quantity.of[i];
+      const double shift =
+          0.08 * (static_cast<double>(i) - 0.5 * static_cast<double>(quantity.of.size() - 1));
+      const auto at = std::find(detectors.begin(), detectors.end(), of.name) - detectors.begin();
+      const Colour colour =
+          of.name.empty() ? figure_parts::neutral_colour : colours[static_cast<std::size_t>(at)];
+      for (Series& s : metric_series(of, axis, facets[f], colour, shift, f == 0 && quantity.of.size() > 1))
+        series.push_back(std::move(s));
+    }
+    figure.add_panel(
+        {.x_label = axis.key,
+         .y_label = quantity.label,
+         .z_label = {},
+         .commands = x_axis_commands(axis) +
+                     fmt::format("set yrange [{:.6g}:{:.6g}]\nset title {} font ',11'\nset key bottom left\n",
+                                 low, high + 0.06 * (high - low), gnuplot_quoted(facets[f].label)),
+         .series = std::move(series)});
+  }
+  Figure drawn = figure.draw(layout);
+  drawn.csv = numbers_of(quantity, axis, facets);
+  const std::string reading = fmt::format(
+      "The mean over {}; a bar reaches one standard deviation to both sides.{}",
+      facets.size() == 1 && axes.size() > 1 ? "all else that is varied, seeds included" : "the seeds",
+      axis.binned ? " Dots are runs; the line joins the means of equal intervals." : "");
+  return figure_html(quantity.label + " over " + axis.key, reading, drawn, folder);
+}
+
+namespace {
+
+/// From dark blue over green to yellow, 0 to 1 (after viridis, which colour-blind readers can read).
+Colour map_colour(double share) {
+  constexpr std::array<std::array<double, 3>, 5> anchors = {
+      {{68, 1, 84}, {59, 82, 139}, {33, 145, 140}, {94, 201, 98}, {253, 231, 37}}};
+  const double place = std::clamp(share, 0.0, 1.0) * (anchors.size() - 1);
+  const auto i = std::min(static_cast<std::size_t>(place), anchors.size() - 2);
+  const double t = place - static_cast<double>(i);
+  const auto channel = [&](std::size_t k) {
+    return static_cast<std::uint8_t>(std::lround(anchors[i][k] * (1.0 - t) + anchors[i + 1][k] * t));
+  };
+  return {channel(0), channel(1), channel(2)};
+}
+
+/// A metric over two axes, the mean over all else.
+std::string map_html(const std::string& title, std::size_t metric, const Axis& across, const Axis& down,
+                     const fs::path& folder) {
+  std::vector<std::vector<MeanSd>> cells;
+  double low = nan;
+  double high = nan;
+  for (const Bin& row : down.bins) {
+    cells.emplace_back();
+    for (const Bin& column : across.bins) {
+      cells.back().push_back(mean_of(intersection(row.rows, column.rows), metric));
+      const auto& mean = cells.back().back().mean;
+      if (!mean) continue;
+      low = std::fmin(low, *mean);
+      high = std::fmax(high, *mean);
+    }
+  }
+  if (!std::isfinite(low)) return {};
+  std::string csv = csv_field(down.key) + "," + csv_field(across.key) + ",runs,mean,sd\n";
+  std::string html = fmt::format("<div class=\"wide\"><table class=\"map\"><thead><tr><th>{} \\ {}</th>",
+                                 escaped(down.key), escaped(across.key));
+  for (const Bin& column : across.bins) html += "<th>" + escaped(column.label) + "</th>";
+  html += "</tr></thead><tbody>\n";
+  for (std::size_t r = 0; r < down.bins.size(); ++r) {
+    html += "<tr><th>" + escaped(down.bins[r].label) + "</th>";
+    for (std::size_t c = 0; c < across.bins.size(); ++c) {
+      const MeanSd& cell = cells[r][c];
+      csv += fmt::format("{},{},{},{},{}\n", csv_field(down.bins[r].label), csv_field(across.bins[c].label),
+                         cell.count, cell.mean ? text_of(*cell.mean) : "", cell.sd ? text_of(*cell.sd) : "");
+      if (!cell.mean) {
+        html += "<td class=\"none\">–</td>";
+        continue;
+      }
+      const double share = high > low ? (*cell.mean - low) / (high - low) : 0.5;
+      html +=
+          fmt::format("<td data-value=\"{}\" style=\"background:{};color:{}\">{}</td>", text_of(*cell.mean),
+                      hex(map_colour(share)), share < 0.55 ? "#fff" : "#111", short_number(*cell.mean));
+    }
+    html += "</tr>\n";
+  }
+  html += "</tbody></table></div>\n";
+  const std::string name = file_part("map_" + title + "_" + across.key + "_" + down.key);
+  write_numbers(folder, name, csv);
+  return figure_html(
+      title + " over " + across.key + " and " + down.key,
+      fmt::format("The mean over seeds and all else that is varied, from {} (dark) to {} (bright). "
+                  "<a href=\"figures/{}.csv\">Numbers</a>",
+                  short_number(low), short_number(high), name),
+      html);
+}
+
+}  // namespace
+
+std::string sweep_maps_html(const SweepTable& table, const std::vector<Axis>& axes, const fs::path& folder) {
+  std::string html;
+  std::size_t count = 0;
+  for (const Quantity& quantity : quantities_of(table)) {
+    for (const Quantity::Of& of : quantity.of) {
+      for (std::size_t a = 0; a < axes.size(); ++a) {
+        for (std::size_t b = a + 1; b < axes.size(); ++b) {
+          if (count++ >= most_maps) continue;
+          const std::string title = quantity.label + (of.name.empty() ? "" : " of " + of.name);
+          const bool a_is_longer = axes[a].bins.size() >= axes[b].bins.size();
+          html += map_html(title, of.metric, axes[a_is_longer ? a : b], axes[a_is_longer ? b : a], folder);
+        }
+      }
+    }
+  }
+  return html;
+}
+
+namespace {
+
+/// The precision at the highest threshold whose recall reaches that; none where none does.
+std::optional<double> precision_at(const std::vector<CurvePoint>& curve, double recall) {
+  const CurvePoint* best = nullptr;
+  for (const CurvePoint& point : curve)
+    if (point.recall >= recall && (best == nullptr || point.threshold > best->threshold)) best = &point;
+  return best != nullptr ? std::optional(best->precision) : std::nullopt;
+}
+
+/// The mean precision of a detector at each recall that all of the runs reach.
+std::vector<Point> mean_curve(const Rows& rows, const std::string& detector) {
+  constexpr int steps = 50;
+  std::vector<Point> points;
+  for (int i = 1; i <= steps; ++i) {
+    const double recall = static_cast<double>(i) / steps;
+    double sum = 0.0;
+    double count = 0.0;
+    for (const SweepRow* row : rows) {
+      for (const auto& [name, curve] : row->curves) {
+        if (name != detector) continue;
+        const auto precision = precision_at(curve, recall);
+        if (!precision) return points;
+        sum += *precision;
+        count += 1.0;
+      }
+    }
+    if (count == 0.0) return points;
+    points.push_back({recall, sum / count, 0.0});
+  }
+  return points;
+}
+
+}  // namespace
+
+std::string sweep_precision_recall_html(const Axis& axis, const std::vector<std::string>& detectors,
+                                        const fs::path& folder) {
+  if (axis.bins.size() > most_curves) return {};
+  std::vector<GnuplotFigure::Panel> panels;
+  for (const std::string& detector : detectors) {
+    std::vector<Series> series;
+    for (std::size_t i = 0; i < axis.bins.size(); ++i) {
+      constexpr double brightest = 0.85;  // yellow does not show on white
+      const double share = brightest * static_cast<double>(i) / static_cast<double>(axis.bins.size() - 1);
+      std::vector<Point> points = mean_curve(axis.bins[i].rows, detector);
+      if (points.empty()) continue;
+      series.push_back(
+          {axis.bins[i].label, line_style(map_colour(share), 2.0), std::move(points), panels.empty()});
+    }
+    if (series.empty() || panels.size() == most_panels) continue;
+    panels.push_back({.x_label = "recall",
+                      .y_label = "precision",
+                      .z_label = {},
+                      .commands = fmt::format(
+                          "set xrange [0:1.01]\nset yrange [0:1.03]\nset title {} font ',11'\nset key bottom "
+                          "left title {} font ',11'\n",
+                          gnuplot_quoted(detector), gnuplot_quoted(panels.empty() ? axis.key : "")),
+                      .series = std::move(series)});
+  }
+  if (panels.empty()) return {};
+  int height = 0;
+  const std::string layout = layout_of(panels.size(), height);
+  GnuplotFigure figure(file_part("precision_recall_" + axis.key), figure_parts::width, height);
+  for (GnuplotFigure::Panel& panel : panels) figure.add_panel(std::move(panel));
+  return figure_html(
+      "Precision and recall over " + axis.key,
+      "A line for each value: the mean of the runs' precision at each recall, as far as all of them "
+      "reach it. The further up and right, the better.",
+      figure.draw(layout), folder);
+}
+
+}  // namespace saccade::sweep
