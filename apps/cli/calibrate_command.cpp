@@ -19,7 +19,7 @@
 namespace saccade {
 namespace {
 
-constexpr std::int64_t step_us = 50'000;  ///< from one picture to the next
+constexpr std::int64_t step_us = 50'000;  ///< from one image to the next
 
 struct CalibrateOptions : ReadOptions {
   std::filesystem::path out;
@@ -29,6 +29,7 @@ struct CalibrateOptions : ReadOptions {
   std::optional<std::int64_t> refractory_us;
   CalibrationLimits limits;
   bool no_joints = false;
+  bool force = false;
 };
 
 double in_range(const char* option, double value, Range range) {
@@ -49,7 +50,7 @@ void parse_grid(const std::string& text, DotGrid& grid) {
                    "COLUMNSxROWS, 2 to 20 dots in a row and an odd number of rows up to 21, such as 4x7");
 }
 
-/// What is calibrated with: a bare recording, or a run folder with its joints and its board.
+/// The data of a calibration: a bare recording, or a run folder with its joints and its board.
 struct Source {
   std::filesystem::path events;
   std::optional<RecordedHead> head;
@@ -84,7 +85,7 @@ Source open_source(const CalibrateOptions& options, const Registry& registry) {
   return source;
 }
 
-/// Speeds from one view to the next; a view without another right before or after it is taken for fast.
+/// Sets the speeds from one view to the next; a view without a neighbour in time counts as fast.
 void note_speeds(std::vector<CalibrationView>& views) {
   const auto speed = [](const CalibrationView& a, const CalibrationView& b) {
     const std::int64_t apart_us = b.grid.t_us - a.grid.t_us;
@@ -107,7 +108,7 @@ std::vector<CalibrationView> find_views(ReplayRobot& robot, const Source& source
                                         const CalibrateOptions& options) {
   const auto window_us =
       static_cast<std::int64_t>(1e3 * in_range("--window_ms", options.window_ms, {10.0, 60'000.0}));
-  EventPicture picture(robot.image_size(), window_us, source.refractory_us);
+  ReconstructedImage image(robot.image_size(), window_us, source.refractory_us);
   std::vector<CalibrationView> views;
   std::vector<Event> events;
   const std::int64_t start_us = robot.now_us();
@@ -117,9 +118,9 @@ std::vector<CalibrationView> find_views(ReplayRobot& robot, const Source& source
     events.clear();
     const bool ended = robot.read_until(t_us, events) == PortStatus::ended;
     used += static_cast<std::int64_t>(events.size());
-    picture.add(events);
+    image.add(events);
     if (t_us - start_us >= window_us && !events.empty()) {
-      if (auto dots = find_grid(picture.picture(t_us), source.grid)) {
+      if (auto dots = find_grid(image.image(t_us), source.grid)) {
         CalibrationView& view = views.emplace_back();
         view.grid = {t_us, std::move(*dots), 0.0};
         HeadState head;
@@ -132,7 +133,7 @@ std::vector<CalibrationView> find_views(ReplayRobot& robot, const Source& source
   }
   if (used == 0) {
     throw InputError(options.recording.string(), "no events of the camera",
-                     "a recording with some; saccade info tells what it holds");
+                     "a recording with some; see saccade info");
   }
   note_speeds(views);
   return views;
@@ -143,7 +144,7 @@ void print(const Calibration& calibration, std::size_t found) {
   const CalibrationDeviations& d = calibration.deviations;
   const Camera& c = calibration.camera.camera;
   fmt::print(
-      "views        {} of {} pictures with the grid; {:.0f} % of the image; tilts differ by {:.0f} deg\n",
+      "views        {} of {} images with the grid; {:.0f} % of the image; tilts differ by {:.0f} deg\n",
       q.views, found, 100.0 * q.covered, q.tilt_spread_deg);
   fmt::print("fit          {:.3f} px rms\n", q.rms_px);
   fmt::print("fx, fy       {:.3f} +- {:.3f}, {:.3f} +- {:.3f} px\n", c.fx_px, d.fx_px, c.fy_px, d.fy_px);
@@ -151,7 +152,7 @@ void print(const Calibration& calibration, std::size_t found) {
   fmt::print("k1, k2       {:.4f} +- {:.4f}, {:.4f} +- {:.4f}\n", c.k1, d.k1, c.k2, d.k2);
   fmt::print("p1, p2       {:.5f} +- {:.5f}, {:.5f} +- {:.5f}\n", c.p1, d.p1, c.p2, d.p2);
   if (q.rests == 0) {
-    fmt::print("eye          not known: no joints were used\n");
+    fmt::print("eye          not calibrated: no joints were used\n");
     return;
   }
   const auto three = [](const std::vector<double>& values, const std::vector<double>& deviations) {
@@ -167,6 +168,8 @@ void print(const Calibration& calibration, std::size_t found) {
 }
 
 int calibrate_command(const CalibrateOptions& options, const Registry& registry) {
+  if (std::filesystem::exists(options.out) && !options.force)
+    throw InputError(options.out.string(), "a file that exists", "a new name, or --force");
   Source source = open_source(options, registry);
   EventReadOptions read = options.read;
   read.camera = read.camera.value_or(0);
@@ -194,25 +197,24 @@ void add_calibrate_command(CommandLine& line, const Registry& registry) {
   add_read_options(command, "recording", "Event file, or a run folder with its joints", *options);
   command.option("--out", options->out, "The calibration (YAML), for a scenario's calibration.file")
       .required();
-  command.option("--grid", options->grid, "Dots in a row x rows, rows odd; a run with a board tells its own")
+  command.option("--grid", options->grid, "Dots in a row x rows, rows odd; a run with a board has its own")
       .show_default();
   command.option("--spacing_mm", options->spacing_mm,
                  "From row to row, and half the way between dots of a row; the run's board, or 25");
   command.option("--dot_mm", options->dot_mm, "Diameter of a dot; the run's board, or 21");
   command
       .option("--window_ms", options->window_ms,
-              "A picture is made of so long: white passes every pixel of the board in it")
+              "Events for one image; in this time white passes every pixel of the board")
       .show_default();
   command
       .option("--refractory_us", options->refractory_us,
-              "A pixel sees nothing for so long after an event; the run's camera, or 500")
+              "Time after an event in which a pixel is blind; the run's camera, or 500")
       .in_range(0, 100'000);
-  command
-      .option("--max_speed_px_s", options->limits.max_speed_px_s,
-              "Pictures in which a dot is faster do not count: events come late by some microseconds")
+  command.option("--max_speed_px_s", options->limits.max_speed_px_s, "Images with a faster dot are not used")
       .in_range(0.1, 1e4)
       .show_default();
-  command.flag("--no_joints", options->no_joints, "The lens alone, whatever a run knows of its head");
+  command.flag("--no_joints", options->no_joints, "The lens alone, even if the run has joints");
+  command.flag("--force", options->force, "Replace the file at --out");
   command.action([options, &registry] { return calibrate_command(*options, registry); });
 }
 

@@ -1,23 +1,16 @@
 #pragma once
 
-#include <Eigen/Geometry>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/camera.h"
+#include "evaluation/calibration/calibration_views.h"
 #include "evaluation/calibration/grid_finder.h"
 
 namespace saccade {
 
-/// A grid that was seen, and where the head had the eye then.
-struct CalibrationView {
-  GridView grid;
-  std::optional<Eigen::Isometry3d> root_from_eye;  ///< from the encoders; none on a bare recording
-};
-
-/// What is wanted of a calibration; what it does not reach is refused.
+/// The least that a calibration must reach; calibrate() throws where it does not.
 struct CalibrationLimits {
   std::size_t min_views = 15;
   std::size_t max_views = 100;   ///< of those found, the slowest and best spread
@@ -40,13 +33,13 @@ struct CalibrationDeviations {
   std::vector<double> rotation_deg = {0.0, 0.0, 0.0};
 };
 
-/// What a calibration is made of and how well it fits.
+/// The data of a calibration and how well it fits.
 struct CalibrationQuality {
   std::int64_t views = 0;
   double rms_px = 0.0;   ///< of the distance between dots and their projection, each view with its own pose
   double covered = 0.0;  ///< share of a 5 x 5 raster over the image
   double tilt_spread_deg = 0.0;
-  std::int64_t rests = 0;  ///< poses of the resting board; 0: the eye's pose is not known
+  std::int64_t rests = 0;  ///< poses of the resting board; 0: the mount was not calibrated
   double rms_at_rest_px =
       0.0;  ///< the same, with one pose for each rest, the head's joints and eye_from_camera
 };
@@ -60,19 +53,14 @@ struct Calibration {
 /// Keys: calibration with those of MountedCamera, deviations and quality with their members'.
 void describe(FieldVisitor& v, Calibration& calibration);
 
-/// Out of all views those to calibrate with: slow, and spread over the image, distances and tilts; sorted by time.
-[[nodiscard]] std::vector<CalibrationView> choose_views(const std::vector<CalibrationView>& views,
-                                                        const CalibrationLimits& limits);
-
-/// Camera and, where the views have the eye's pose and `with_mount`, its place in the eye.
+/// Calibrates a camera and, where the views have the eye's pose and `with_mount`, its mount in the eye.
 ///
-/// Lens: least squares over the dots of all views, each view with a pose of its own (started by
-/// cv::calibrateCamera); a dot is compared with the centroid of the projected disc. Mount: least squares over mount
-/// and one pose of the board in the root frame for each rest, a run of views in which the board stays where it is;
-/// first with that lens, then with the lens free too, which is the result where it fits the dots not much worse (1.5
-/// times) than poses of their own do. Deviations follow from the residuals, taken as common to the dots of a view
-/// (sandwich); what all views have in common, such as a lag of the events, is not in them.
-/// Throws RunError, which says what was found and what is missing, where a limit is not kept.
+/// Lens: least squares (BoardFit) over the dots of all views, each view with a pose of its own, from
+/// cv::calibrateCamera(); a dot is compared with the centroid of the projected disc. Mount: least squares over mount
+/// and one pose of the board in the root frame for each rest, a series of views in which the board stays where it is;
+/// first with that lens, then with the lens free too. The second result is taken where its rms is at most 1.5 times
+/// that of free poses. Deviations (BoardFit::deviations()) do not contain errors that all views share, such as a lag of
+/// the events. Throws RunError with what was found and what is missing where a limit is not kept.
 [[nodiscard]] Calibration calibrate(const std::vector<CalibrationView>& views, const DotGrid& grid,
                                     ImageSize size, bool with_mount, const CalibrationLimits& limits = {});
 

@@ -26,32 +26,8 @@ double distance_to_next(const std::vector<cv::Point2f>& dots, std::size_t i) {
   return nearest;
 }
 
-/// A dot that white has not passed within the window is bright in its middle.
+/// A dot is bright in its middle where white has not passed it within the window.
 constexpr double dark_middle = 0.4;
-
-/// Centroid of the darkness around a point; the disc around it reaches half way to the next dot.
-std::optional<cv::Point2d> darkness_centroid(const cv::Mat& picture, cv::Point2d at, double reach_px) {
-  for (int round = 0; round < 3; ++round) {
-    double mass = 0.0;
-    cv::Point2d sum(0.0, 0.0);
-    for (int y = static_cast<int>(std::floor(at.y - reach_px)); y <= std::ceil(at.y + reach_px); ++y) {
-      for (int x = static_cast<int>(std::floor(at.x - reach_px)); x <= std::ceil(at.x + reach_px); ++x) {
-        const double inside = std::clamp(reach_px - std::hypot(x - at.x, y - at.y) + 0.5, 0.0, 1.0);
-        if (inside == 0.0) continue;
-        if (x < 0 || y < 0 || x >= picture.cols || y >= picture.rows) return std::nullopt;
-        const double dark = 1.0 - static_cast<double>(picture.at<float>(y, x));
-        const double weight = inside * std::max(dark - white_darkness, 0.0);
-        mass += weight;
-        sum += weight * cv::Point2d(x, y);
-      }
-    }
-    if (!(mass > 0.0)) return std::nullopt;
-    at = sum / mass;
-  }
-  const cv::Point pixel(cvRound(at.x), cvRound(at.y));
-  const double middle = cv::mean(picture(cv::Rect(pixel.x - 1, pixel.y - 1, 3, 3)))[0];
-  return middle < dark_middle ? std::optional(at) : std::nullopt;
-}
 
 }  // namespace
 
@@ -66,14 +42,14 @@ std::vector<cv::Point3d> DotGrid::points_m() const {
   return points;
 }
 
-EventPicture::EventPicture(ImageSize size, std::int64_t window_us, std::int64_t refractory_us)
+ReconstructedImage::ReconstructedImage(ImageSize size, std::int64_t window_us, std::int64_t refractory_us)
     : size_(size),
       window_us_(window_us),
       refractory_us_(refractory_us),
       pixels_(static_cast<std::size_t>(size.pixels())),
       newest_us_(static_cast<std::size_t>((size.width + 2) * (size.height + 2)), -2 * support_us) {}
 
-EventPicture::Pixel EventPicture::at_window(Pixel pixel, std::int64_t window) {
+ReconstructedImage::Pixel ReconstructedImage::at_window(Pixel pixel, std::int64_t window) {
   if (window > pixel.window) {
     pixel.highest_before = window == pixel.window + 1 ? pixel.highest : pixel.level;
     pixel.highest = pixel.level;
@@ -82,7 +58,7 @@ EventPicture::Pixel EventPicture::at_window(Pixel pixel, std::int64_t window) {
   return pixel;
 }
 
-void EventPicture::add(std::span<const Event> events) {
+void ReconstructedImage::add(std::span<const Event> events) {
   const std::ptrdiff_t row = size_.width + 2;
   for (const Event& event : events) {
     std::int64_t* const newest = newest_us_.data() + (event.y + 1) * row + event.x + 1;
@@ -95,7 +71,7 @@ void EventPicture::add(std::span<const Event> events) {
     if (event.t_us - neighbour_us > support_us) continue;
     Pixel& pixel = pixels_[static_cast<std::size_t>(event.y * size_.width + event.x)];
     pixel = at_window(pixel, event.t_us / window_us_);
-    // In a burst the pixel was blind for a part of the time since the event before, and light went on all the while.
+    // In a burst the pixel was blind for a part of the time since the previous event, while the light kept changing.
     const bool burst = since_us < burst_us && (pixel.ahead > 0.0F) == event.on;
     const std::int64_t seen_us = std::max(since_us - refractory_us_, since_us / 3);
     const float missed =
@@ -106,22 +82,46 @@ void EventPicture::add(std::span<const Event> events) {
   }
 }
 
-cv::Mat EventPicture::picture(std::int64_t now_us) const {
-  cv::Mat picture(size_.height, size_.width, CV_32F);
+cv::Mat ReconstructedImage::image(std::int64_t now_us) const {
+  cv::Mat image(size_.height, size_.width, CV_32F);
   for (int y = 0; y < size_.height; ++y) {
     for (int x = 0; x < size_.width; ++x) {
       const Pixel pixel =
           at_window(pixels_[static_cast<std::size_t>(y * size_.width + x)], now_us / window_us_);
-      picture.at<float>(y, x) = std::exp(pixel.level + pixel.ahead -
-                                         std::max(pixel.highest, pixel.highest_before) - 0.5F * threshold);
+      image.at<float>(y, x) = std::exp(pixel.level + pixel.ahead -
+                                       std::max(pixel.highest, pixel.highest_before) - 0.5F * threshold);
     }
   }
-  return picture;
+  return image;
 }
 
-std::optional<std::vector<cv::Point2d>> find_grid(const cv::Mat& picture, const DotGrid& grid) {
+std::optional<cv::Point2d> dot_centroid(const cv::Mat& image, cv::Point2d at, double reach_px) {
+  for (int round = 0; round < 3; ++round) {
+    double mass = 0.0;
+    cv::Point2d sum(0.0, 0.0);
+    for (int y = static_cast<int>(std::floor(at.y - reach_px)); y <= std::ceil(at.y + reach_px); ++y) {
+      for (int x = static_cast<int>(std::floor(at.x - reach_px)); x <= std::ceil(at.x + reach_px); ++x) {
+        const double inside = std::clamp(reach_px - std::hypot(x - at.x, y - at.y) + 0.5, 0.0, 1.0);
+        if (inside == 0.0) continue;
+        if (x < 0 || y < 0 || x >= image.cols || y >= image.rows) return std::nullopt;
+        const double dark = 1.0 - static_cast<double>(image.at<float>(y, x));
+        const double weight = inside * std::max(dark - white_darkness, 0.0);
+        mass += weight;
+        sum += weight * cv::Point2d(x, y);
+      }
+    }
+    if (!(mass > 0.0)) return std::nullopt;
+    at = sum / mass;
+  }
+  const cv::Rect around(cvRound(at.x) - 1, cvRound(at.y) - 1, 3, 3);
+  if ((around & cv::Rect({}, image.size())) != around) return std::nullopt;
+  const double middle = cv::mean(image(around))[0];
+  return middle < dark_middle ? std::optional(at) : std::nullopt;
+}
+
+std::optional<std::vector<cv::Point2d>> find_grid(const cv::Mat& image, const DotGrid& grid) {
   cv::Mat grey;
-  picture.convertTo(grey, CV_8U, 255.0);
+  image.convertTo(grey, CV_8U, 255.0);
   cv::medianBlur(grey, grey, 3);
   cv::resize(grey, grey, {}, enlarged, enlarged, cv::INTER_LINEAR);
   cv::SimpleBlobDetector::Params params;
@@ -145,7 +145,7 @@ std::optional<std::vector<cv::Point2d>> find_grid(const cv::Mat& picture, const 
   std::vector<cv::Point2d> dots;
   for (std::size_t i = 0; i < found.size(); ++i) {
     const cv::Point2d middle((found[i].x + 0.5) / enlarged - 0.5, (found[i].y + 0.5) / enlarged - 0.5);
-    const auto centroid = darkness_centroid(picture, middle, 0.5 * distance_to_next(found, i) / enlarged);
+    const auto centroid = dot_centroid(image, middle, 0.5 * distance_to_next(found, i) / enlarged);
     if (!centroid || cv::norm(*centroid - middle) > 1.5) return std::nullopt;
     dots.push_back(*centroid);
   }

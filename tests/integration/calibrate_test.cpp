@@ -45,6 +45,11 @@ TEST(Calibrate, aShortRunBeforeTheBoardGivesTheLensAndAScenarioTakesIt) {
   EXPECT_NEAR(number_of(text, "cy_px"), 69.18, 3.0);
   EXPECT_THAT(found.text, HasSubstr("no joints were used"));
 
+  const Outcome again = saccade("calibrate " + run + " --no_joints --out " + yaml);
+  EXPECT_EQ(again.status, 2);
+  EXPECT_THAT(again.text, HasSubstr("a file that exists"));
+  EXPECT_EQ(bytes_of(yaml), text);
+
   const Outcome used = saccade("run '" + source + "/scenarios/look_at_ball.yaml' --set run.duration_s=0.05 " +
                                "--set expect={} --set output.pictures=0 --set calibration.file=" + yaml +
                                " --out " + (folder / "used").string());
@@ -59,7 +64,7 @@ TEST(Calibrate, aRecordingWithoutAGridIsRefusedWithOneLine) {
   const Outcome ball =
       saccade("calibrate '" + source + "/../shared/data/ball_looming_dvs128_aedat2.aedat' --out " + yaml);
   EXPECT_EQ(ball.status, 1);
-  EXPECT_THAT(ball.text, HasSubstr("found in 0 pictures"));
+  EXPECT_THAT(ball.text, HasSubstr("found in 0 images"));
   EXPECT_FALSE(std::filesystem::exists(yaml));
   const Outcome even = saccade("calibrate nothing --grid 4x6 --out " + yaml);
   EXPECT_EQ(even.status, 2);

@@ -18,7 +18,7 @@ using testing::HasSubstr;
 
 constexpr double rad_per_deg = std::numbers::pi / 180.0;
 
-/// Dots without extent: what they project to is plain.
+/// Dots without extent, which project to points.
 DotGrid points_of_light() {
   DotGrid grid;
   grid.dot_diameter_m = 0.0;
@@ -33,8 +33,8 @@ Eigen::Isometry3d pose(const Eigen::Vector3d& at_m, const Eigen::Vector3d& turn_
   return pose;
 }
 
-/// What a camera sees of a board that rests at one pose after another while the eye turns and moves. Root is here
-/// the eye's frame at rest.
+/// The dots of a board that rests at one pose after another while the eye turns and moves. Root is the eye's frame at
+/// rest.
 std::vector<CalibrationView> views_of(const MountedCamera& camera, const DotGrid& grid, double noise_px,
                                       int rests = 5, double tilt = 1.0) {
   const RandomStream random(3, "calibration");
@@ -89,7 +89,7 @@ TEST(Calibration, RecoversCameraAndMountFromExactDots) {
   EXPECT_EQ(c.quality.rests, 5);
 }
 
-TEST(Calibration, TellsHowUncertainItIs) {
+TEST(Calibration, HasStandardDeviationsThatCoverItsErrors) {
   const DotGrid grid = points_of_light();
   const Calibration c = calibrate(views_of(off_centre, grid, 0.1), grid, {128, 128}, true);
   const Camera& camera = c.camera.camera;
@@ -119,10 +119,10 @@ std::string refusal(const std::vector<CalibrationView>& views, const DotGrid& gr
   return "accepted";
 }
 
-TEST(Calibration, RefusesWhatIsTooPoorAndSaysWhatIsMissing) {
+TEST(Calibration, RefusesPoorViewsAndNamesWhatIsMissing) {
   const DotGrid grid = points_of_light();
   const auto all = views_of(off_centre, grid, 0.05);
-  EXPECT_THAT(refusal({all.begin(), all.begin() + 8}, grid), HasSubstr("8 pictures"));
+  EXPECT_THAT(refusal({all.begin(), all.begin() + 8}, grid), HasSubstr("8 images"));
   auto fast = all;
   for (CalibrationView& view : fast) view.grid.speed_px_s = 100.0;
   EXPECT_THAT(refusal(fast, grid), HasSubstr("in 0 of them at less than"));
@@ -170,7 +170,7 @@ TEST(GridFinder, FindsTheDotsOfAMovingGridInItsEvents) {
   const DotGrid grid;
   const Camera camera = Camera{{128, 128}, 100.0, 100.0, 63.5, 63.5}.without_lens();
   EventEmulator emulator(emulator_preset("dvs128"), camera.size, 1);
-  EventPicture picture(camera.size, 400'000, 500);
+  ReconstructedImage image(camera.size, 400'000, 500);
   std::vector<Event> events;
   std::vector<cv::Point2d> dots_px;
   // 20 px to the right and 5 down in 0.8 s, which is more than a dot, and rest.
@@ -179,9 +179,9 @@ TEST(GridFinder, FindsTheDotsOfAMovingGridInItsEvents) {
     events.clear();
     emulator.process_image(drawn(grid, camera, {-10.0 + 20.0 * way, -2.5 + 5.0 * way}, dots_px), t_us,
                            events);
-    picture.add(events);
+    image.add(events);
   }
-  const auto found = find_grid(picture.picture(900'000), grid);
+  const auto found = find_grid(image.image(900'000), grid);
   ASSERT_TRUE(found);
   ASSERT_EQ(found->size(), dots_px.size());
   double worst_px = 0.0;
@@ -191,9 +191,24 @@ TEST(GridFinder, FindsTheDotsOfAMovingGridInItsEvents) {
   EXPECT_LT(worst_px, 0.25);
 }
 
+TEST(GridFinder, ADotWhoseCentroidMovesToTheImagesBorderIsNoDot) {
+  // Columns 2, 1 and 0 are each darker than the next: the centroid moves to the border in the last of its rounds.
+  cv::Mat image(12, 12, CV_32F, cv::Scalar(1.0));
+  image.col(0) = 0.0;
+  image.col(1) = 0.48;
+  image.col(2) = 0.499;
+  EXPECT_EQ(dot_centroid(image, {3.6, 5.0}, 1.5), std::nullopt);
+  cv::Mat dot(12, 12, CV_32F, cv::Scalar(1.0));
+  dot(cv::Rect(4, 5, 3, 3)) = 0.0;
+  const auto found = dot_centroid(dot, {5.4, 6.3}, 3.0);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->x, 5.0, 0.05);
+  EXPECT_NEAR(found->y, 6.0, 0.05);
+}
+
 TEST(GridFinder, FindsNoGridWithoutOne) {
-  EventPicture picture({128, 128}, 400'000, 500);
-  EXPECT_FALSE(find_grid(picture.picture(1'000'000), DotGrid{}));
+  ReconstructedImage image({128, 128}, 400'000, 500);
+  EXPECT_FALSE(find_grid(image.image(1'000'000), DotGrid{}));
 }
 
 }  // namespace
