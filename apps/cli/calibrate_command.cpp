@@ -4,6 +4,7 @@
 #include <charconv>
 #include <filesystem>
 #include <memory>
+#include <span>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/read_options.h"
@@ -155,7 +156,7 @@ void print(const Calibration& calibration, std::size_t found) {
     fmt::print("eye          not calibrated: no joints were used\n");
     return;
   }
-  const auto three = [](const std::vector<double>& values, const std::vector<double>& deviations) {
+  const auto three = [](std::span<const double> values, std::span<const double> deviations) {
     std::string text;
     for (std::size_t i = 0; i < 3; ++i) {
       text += fmt::format("{}{:.3f} +- {:.3f}", i > 0 ? ", " : "", values[i], deviations[i]);

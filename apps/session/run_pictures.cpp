@@ -110,7 +110,8 @@ void RunPictures::add_video_frame(const Tick& tick, const cv::Mat& grey, const c
   for (std::size_t i = 0; i < tick.detectors.size(); ++i) {
     const DetectorTick& result = tick.detectors[i];
     if (!result.observed || result.estimate.score < loop_.detectors()[i].detector->threshold()) continue;
-    eye.detections.push_back({result.estimate.circle, loop_.detectors()[i].name, detector_colour(loop_.detectors()[i].name)});
+    eye.detections.push_back(
+        {result.estimate.circle, loop_.detectors()[i].name, detector_colour(loop_.detectors()[i].name)});
   }
   eye.principal_px = Eigen::Vector2d(camera.cx_px, camera.cy_px);
   if (tick.target_m) eye.target_px = camera.project(truth.root_from_cam.inverse() * *tick.target_m);

@@ -7,8 +7,8 @@
 
 #include "apps/config/scenario.h"
 #include "apps/session/ground_truth.h"
-#include "evaluation/scoring/detector_scorer.h"
 #include "evaluation/scoring/clutter.h"
+#include "evaluation/scoring/detector_scorer.h"
 #include "evaluation/scoring/gaze_scorer.h"
 #include "evaluation/scoring/metrics.h"
 #include "loop/loop.h"

@@ -4,16 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <opencv2/calib3d.hpp>
 
 #include "core/error.h"
+#include "core/units.h"
 #include "evaluation/calibration/board_fit.h"
 
 namespace saccade {
 namespace {
 
-constexpr double deg_per_rad = 180.0 / std::numbers::pi;
 constexpr int pose_size = 6;
 
 void refuse_unless(bool good, const std::string& found, const std::string& wanted) {
@@ -212,8 +211,8 @@ void describe(FieldVisitor& v, Calibration& c) {
                                   {"p2", &d.p2}}) {
           w.real(key, *value, deviation, "standard deviation");
         }
-        w.reals("translation_mm", d.translation_mm, 3, deviation, "standard deviations of eye_from_camera");
-        w.reals("rotation_deg", d.rotation_deg, 3, deviation, "standard deviations of eye_from_camera");
+        w.reals("translation_mm", d.translation_mm, deviation, "standard deviations of eye_from_camera");
+        w.reals("rotation_deg", d.rotation_deg, deviation, "standard deviations of eye_from_camera");
       },
       "standard deviations; 0 for what was not calibrated");
   v.section(

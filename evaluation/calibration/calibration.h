@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -29,8 +30,8 @@ struct CalibrationLimits {
 /// Standard deviations, in the units of Camera and CameraMount.
 struct CalibrationDeviations {
   double fx_px = 0.0, fy_px = 0.0, cx_px = 0.0, cy_px = 0.0, k1 = 0.0, k2 = 0.0, p1 = 0.0, p2 = 0.0;
-  std::vector<double> translation_mm = {0.0, 0.0, 0.0};
-  std::vector<double> rotation_deg = {0.0, 0.0, 0.0};
+  std::array<double, 3> translation_mm{};
+  std::array<double, 3> rotation_deg{};
 };
 
 /// The data of a calibration and how well it fits.

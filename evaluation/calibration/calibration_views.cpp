@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "core/units.h"
 #include "evaluation/calibration/calibration.h"
 
 namespace saccade {
@@ -51,7 +51,7 @@ double tilt_range_deg(const std::vector<Eigen::Isometry3d>& boards) {
     for (const Eigen::Isometry3d& b : boards)
       smallest = std::min(smallest, a.linear().col(2).dot(b.linear().col(2)));
   }
-  return std::acos(std::clamp(smallest, -1.0, 1.0)) * 180.0 / std::numbers::pi;
+  return std::acos(std::clamp(smallest, -1.0, 1.0)) * deg_per_rad;
 }
 
 std::vector<CalibrationView> choose_views(const std::vector<CalibrationView>& views,

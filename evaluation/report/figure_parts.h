@@ -4,11 +4,11 @@
 
 #include <cstdint>
 #include <limits>
-#include <numbers>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "core/units.h"
 #include "evaluation/report/gnuplot.h"
 #include "evaluation/report/palette.h"
 #include "evaluation/scoring/scoring.h"
@@ -20,7 +20,6 @@ using Point = GnuplotFigure::Point;
 using Series = GnuplotFigure::Series;
 
 inline constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-inline constexpr double deg_per_rad = 180.0 / std::numbers::pi;
 inline constexpr Colour neutral_colour{0x55, 0x55, 0x55};
 /// Of every figure, in the drawing's pixels.
 inline constexpr int width = 900;

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <opencv2/imgcodecs.hpp>
 #include <set>
 #include <utility>
 
 #include "core/error.h"
+#include "core/units.h"
 #include "evaluation/report/figures.h"
 #include "evaluation/report/html.h"
 #include "evaluation/report/overlay.h"
@@ -25,7 +25,6 @@ constexpr int scene_image_px = 512;
 constexpr std::size_t max_hough_frames = 4;
 constexpr std::size_t max_hough_detectors = 4;
 constexpr int hough_image_px = 288;
-constexpr double deg_per_rad = 180.0 / std::numbers::pi;
 
 template <class Rows>
 auto newest(const Rows& rows, std::int64_t t_us) {

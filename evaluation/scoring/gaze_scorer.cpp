@@ -4,11 +4,11 @@
 
 #include "core/config.h"
 #include "core/error.h"
+#include "core/units.h"
 
 namespace saccade {
 namespace {
 
-constexpr double deg_per_rad = 180.0 / std::numbers::pi;
 constexpr double on_target_deg = 2.0;
 constexpr std::int64_t acquire_hold_us = 100'000;
 constexpr double ball_motion_m = 1e-4;
