@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 #include <cmath>
 #include <limits>
@@ -108,6 +109,34 @@ TEST(DetectorScorer, TheSameInstantsGiveTheSameFiguresBeyondTheBoundToo) {
   EXPECT_EQ(a.average_precision, b.average_precision);
   EXPECT_EQ(a.position_error_px.median, b.position_error_px.median);
   EXPECT_EQ(a.lag_ms, b.lag_ms);
+}
+
+/// Bytes in use on the heap; 0 where a sanitizer replaces the allocator.
+std::size_t heap_bytes() { return mallinfo2().uordblks; }
+
+TEST(DetectorScorer, NeedsNoMoreMemoryInALongerRun) {
+  const RandomStream random(12, "memory test");
+  DetectorScorer scorer("d", 0.5, Chances::simulated, 4096);
+  GazeScoringConfig config;
+  config.camera = {.size = {128, 128}, .fx_px = 100, .fy_px = 100, .cx_px = 63.5, .cy_px = 63.5};
+  config.limits.min_rad.setConstant(-1.0);
+  config.limits.max_rad.setConstant(1.0);
+  GazeScorer gaze(config, 4096);
+  std::size_t early_bytes = 0;
+  for (std::uint64_t i = 1; i <= 600'000; ++i) {
+    const auto t_us = static_cast<std::int64_t>(i) * 1000;
+    const double x_px = 64.0 + 30.0 * std::sin(1e-3 * static_cast<double>(i));
+    const TruthRow truth{.t_us = t_us, .circle = {x_px, 64.0, 20.0}, .visible = 1.0};
+    scorer.add(truth, Observation{{x_px + random.normal(0, i), 64.0, 20.0}, 0.5 + random.uniform(1, i)});
+    GazeSample sample;
+    sample.t_us = t_us;
+    sample.ball_m = {0.001 * random.uniform(2, i), 0.0, 0.4};
+    sample.target_m = Eigen::Vector3d(0.01 * random.uniform(3, i), 0.0, 0.4);
+    gaze.add(sample);
+    if (i == 100'000) early_bytes = heap_bytes();
+  }
+  // A few bins of rare values are added; 500,000 instants would be 36 MB.
+  EXPECT_LT(heap_bytes(), early_bytes + 300'000);
 }
 
 TEST(DetectorScorer, ReturnsAtEachChanceWhetherTheBallWasFound) {
