@@ -135,8 +135,8 @@ TEST(DetectorScorer, NeedsNoMoreMemoryInALongerRun) {
     gaze.add(sample);
     if (i == 100'000) early_bytes = heap_bytes();
   }
-  // A few bins of rare values are added; 500,000 instants would be 36 MB.
-  EXPECT_LT(heap_bytes(), early_bytes + 300'000);
+  // Bins of rare values are added, and the lag has one block or two; 500,000 instants would be 36 MB.
+  EXPECT_LT(heap_bytes(), early_bytes + 1'500'000);
 }
 
 TEST(DetectorScorer, ReturnsAtEachChanceWhetherTheBallWasFound) {
