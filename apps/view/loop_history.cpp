@@ -1,14 +1,14 @@
 #include "apps/view/loop_history.h"
 
 #include <algorithm>
-#include <numbers>
+#include <iterator>
+
+#include "core/units.h"
 
 #include "core/detector_views.h"
 
 namespace saccade {
 namespace {
-
-constexpr double deg_per_rad = 180.0 / std::numbers::pi;
 
 std::array<float, 2> centre_of(const Circle& circle) {
   return {static_cast<float>(circle.x_px), static_cast<float>(circle.y_px)};

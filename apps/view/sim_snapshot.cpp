@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "core/error.h"
+#include "core/units.h"
 #include "sim/sim_robot.h"
 
 namespace saccade {
@@ -12,8 +12,7 @@ namespace saccade {
 float gaze_error_deg(const Eigen::Isometry3d& root_from_cam, const Eigen::Vector3d& ball_m) {
   const Eigen::Vector3d to_ball = ball_m - root_from_cam.translation();
   const Eigen::Vector3d axis = root_from_cam.linear().col(2);
-  return static_cast<float>(180.0 / std::numbers::pi *
-                            std::atan2(axis.cross(to_ball).norm(), axis.dot(to_ball)));
+  return static_cast<float>(deg_per_rad * std::atan2(axis.cross(to_ball).norm(), axis.dot(to_ball)));
 }
 
 SnapshotTruth simulated_truth(const SimRobot& robot, const Camera& camera, const Tick& tick) {
