@@ -4,6 +4,7 @@
 
 #include "apps/config/scenario.h"
 #include "apps/session/scenario_loop.h"
+#include "apps/session/session.h"
 #include "apps/view/checkpoints.h"
 #include "apps/view/detector_change.h"
 #include "apps/view/memory_reader.h"
@@ -71,7 +72,7 @@ class RecordingPlayback final : public Playback, private LoopObserver {
   bool tick() override {
     const std::int64_t t_us = history_.now_us() + tick_us;
     if (t_us > history_.end_us()) return false;
-    loop_->tick(t_us, *this);
+    session_->tick(t_us);
     if (history_.now_us() != t_us) return false;
     if (reproducible_ && checkpoints_->due(t_us)) checkpoints_->add(history_, loop_->detectors());
     return true;
@@ -125,6 +126,7 @@ class RecordingPlayback final : public Playback, private LoopObserver {
   }
 
   void restore(const Checkpoint& checkpoint) {
+    session_.reset();
     loop_.reset();
     history_ = checkpoint.history;
     const std::int64_t now_us = history_.now_us();
@@ -140,6 +142,7 @@ class RecordingPlayback final : public Playback, private LoopObserver {
     std::vector<LoopDetector> detectors = copies(checkpoint.detectors);
     if (detectors.empty()) detectors = make_detectors(settings_.enabled(), camera_.camera);
     loop_.emplace(*robot_, camera_, std::move(detectors), std::nullopt, eye_);
+    session_.emplace(*robot_, *loop_).add_observer(*this);
     reproducible_ = true;
   }
 
@@ -157,6 +160,7 @@ class RecordingPlayback final : public Playback, private LoopObserver {
   bool reproducible_ = true;  // the detectors are in the state that a run from the start leads to
   std::unique_ptr<ReplayRobot> robot_;
   std::optional<Loop> loop_;
+  std::optional<Session> session_;
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include "apps/config/scenario.h"
 #include "apps/session/scenario_loop.h"
+#include "apps/session/session.h"
 #include "apps/view/detector_change.h"
 #include "apps/view/playback.h"
 #include "apps/view/sim_snapshot.h"
@@ -29,8 +30,7 @@ class ScenarioPlayback final : public Playback, private LoopObserver {
   bool tick() override {
     const std::int64_t t_us = history_.now_us() + tick_us;
     if (t_us > history_.end_us()) return false;
-    loop_->tick(t_us, *this);
-    return true;
+    return session_->tick(t_us);
   }
 
   void restore_before(std::int64_t t_us) override {
@@ -91,9 +91,11 @@ class ScenarioPlayback final : public Playback, private LoopObserver {
     Scenario scenario = with_gaze(settings_);
     scenario.detectors = settings_.enabled();
     if (has_driver()) scenario.gaze.detector = settings_.selected_name();
+    session_.reset();
     loop_.reset();
     robot_ = std::make_unique<SimRobot>(scenario.sim, static_cast<std::uint64_t>(scenario.seed));
     loop_.emplace(make_loop(scenario, *robot_));
+    session_.emplace(*robot_, *loop_).add_observer(*this);
     history_ = empty_history();
   }
 
@@ -103,6 +105,7 @@ class ScenarioPlayback final : public Playback, private LoopObserver {
   std::unique_ptr<SimRobot> robot_;
   std::shared_ptr<const mjModel> model_;  // the same after each restart
   std::optional<Loop> loop_;
+  std::optional<Session> session_;
 };
 
 }  // namespace
