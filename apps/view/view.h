@@ -15,7 +15,8 @@ namespace saccade {
 class View {
  public:
   /// Opens the window. `name`: of what is shown, in the title and in the names of screenshots and videos, which are
-  /// written to `pictures` (made when needed). `detectors`: those that a user can add. Throws InputError where there is no display.
+  /// written to `pictures` (made when needed). `detectors`: those that a user can add.
+  /// Throws InputError where there is no display.
   View(std::string name, std::filesystem::path pictures, DetectorRegistry detectors);
   ~View();
   View(const View&) = delete;

@@ -20,6 +20,7 @@
 #include "apps/view/layout.h"
 #include "apps/view/view.h"
 #include "recording/run_files.h"
+#include "tests/config/built_in.h"
 #include "tests/integration/run_shell.h"
 #include "tests/recording/temp_folder.h"
 
@@ -351,7 +352,7 @@ TEST_F(ViewWindow, aRunThatFailsClosesItsWindowAndReportsTheError) {
 TEST_F(ViewWindow, theWindowCanBeClosedBeforeThePlaybackHasBeenMade) {
   setenv("DISPLAY", display_->name().c_str(), 1);
   std::promise<void> closed;
-  View view("slow", path("pictures"));
+  View view("slow", path("pictures"), built_in().detectors);
   PlayerThread player(
       [&]() -> std::unique_ptr<Playback> {
         closed.get_future().wait();
