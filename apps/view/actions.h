@@ -4,7 +4,7 @@
 
 namespace saccade {
 
-/// What a user asks for with a key or a widget.
+/// A request of the user, made with a key or a widget.
 struct Action {
   enum class Type {
     close,

@@ -14,7 +14,7 @@ namespace saccade {
 
 class VideoFile;
 
-/// Screenshots and videos of the window. Where a file cannot be written, message() says so and the window goes on.
+/// Screenshots and videos of the window. Where a file cannot be written, message() reports it and the window continues.
 class Capture {
  public:
   /// `name`: of what is shown, in the names of the files. `folder`: is made when needed.
@@ -31,7 +31,7 @@ class Capture {
   void finish();
 
   /// Whether add() needs the next image of the window. `up_to_date`: every panel shows the snapshot.
-  [[nodiscard]] bool wants(const Snapshot& snapshot, bool up_to_date) const {
+  [[nodiscard]] bool needs_image(const Snapshot& snapshot, bool up_to_date) const {
     return filming() || screenshot_due(snapshot, up_to_date);
   }
   /// `shown`: what the window shows, BGR.

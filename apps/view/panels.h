@@ -8,8 +8,8 @@
 
 namespace saccade {
 
-/// The panels of the window. Each draws a snapshot and the state, changes the state where a user edits it, and appends
-/// the actions that he asks for. Those with images own a texture.
+/// The panels of the window. Each draws a snapshot and the state, changes the state where the user edits it, and appends
+/// the actions that the user requests. Those with images own a texture.
 
 /// Buttons, speed, time, phase of the gaze. In bar_panel.cpp.
 void draw_bar_panel(const Area& area, const Snapshot& snapshot, ViewState& state);

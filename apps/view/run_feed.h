@@ -18,7 +18,7 @@ class RunFeed {
  public:
   explicit RunFeed(const Scenario& scenario);
 
-  /// The run's thread, after each tick: fills a snapshot if the window has asked for one.
+  /// The run's thread, after each tick: fills a snapshot if the window has requested one.
   void record(const Tick& tick, const SimRobot& robot, const Loop& loop);
   /// The run's thread: no more ticks come, and the window closes.
   void close() { closed_ = true; }

@@ -144,7 +144,7 @@ void View::Parts::draw(double wait_s, double min_scene_period_s) {
   apply_actions();
 
   cv::Mat shown;
-  const bool grab = capture.wants(snapshot, !scene.stale());
+  const bool grab = capture.needs_image(snapshot, !scene.stale());
   window.end(grab ? &shown : nullptr);
   if (grab) capture.add(shown, snapshot, !scene.stale());
   drawing_s.push_back(processor_s() - start_s);

@@ -9,7 +9,7 @@
 
 namespace saccade {
 
-/// What a user has set in the window, and the actions that he asked for since the last drawing.
+/// What a user has set in the window, and the actions requested since the last drawing.
 struct ViewState {
   std::string name;                 ///< of what is shown
   bool with_playback = false;       ///< false beside a run: it cannot be paused, sought in or changed

@@ -92,7 +92,7 @@ class ViewWindow : public testing::Test {
  protected:
   void SetUp() override {
     if (run_shell("command -v Xvfb && command -v xdotool").status != 0)
-      GTEST_SKIP() << "NOT TESTED: the window, for want of Xvfb and xdotool (packages xvfb, xdotool)";
+      GTEST_SKIP() << "NOT TESTED: the window, Xvfb and xdotool are missing (packages xvfb, xdotool)";
     display_.emplace(folder_ / "");
     ASSERT_FALSE(display_->name().empty()) << "Xvfb does not start";
   }
