@@ -81,7 +81,7 @@ void Capture::finish() {
   const std::unique_ptr<VideoFile> video = std::move(video_);
   if (!video) return;
   try_to([&] {
-    if (video->pictures() > 0) video->commit();
+    if (video->images() > 0) video->commit();
     show("written: " + video->path().string());
   });
 }
@@ -91,7 +91,7 @@ void Capture::film(const cv::Mat& shown) {
   if (shown.cols < size.width || shown.rows < size.height) return finish();  // the window has become smaller
   const auto due = std::llround(seconds_between(video_begin_, WallClock::now()) * video_hz);
   const cv::Mat part = shown({0, 0, size.width, size.height}).clone();
-  while (video_->pictures() <= due) video_->add(part);
+  while (video_->images() <= due) video_->add(part);
 }
 
 }  // namespace saccade

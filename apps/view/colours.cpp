@@ -1,25 +1,16 @@
 #include "apps/view/colours.h"
 
-#include "evaluation/report/figures.h"
+#include <algorithm>
+#include <vector>
 
 namespace saccade::colours {
 
-ImU32 of_hex(const std::string& hex) {
-  const auto channel = [&](std::size_t at) { return std::stoi(hex.substr(at, 2), nullptr, 16); };
-  return IM_COL32(channel(1), channel(3), channel(5), 255);
-}
-
 ImU32 detector(const ViewSettings& settings, const std::string& name) {
-  std::size_t index = 0;
-  for (std::size_t i = 0; i < settings.detectors.size(); ++i) {
-    if (settings.detectors[i].name == name) index = i;
-  }
-  const std::string hex = detector_colour(index);
-  const auto channel = [&](std::size_t at) {
-    const int value = std::stoi(hex.substr(at, 2), nullptr, 16);
-    return value + (255 - value) * 3 / 10;
-  };
-  return IM_COL32(channel(1), channel(3), channel(5), 255);
+  std::vector<std::string> names;
+  for (const ViewDetector& detector : settings.detectors) names.push_back(detector.name);
+  const auto it = std::ranges::find(names, name);
+  if (it == names.end()) return of(detector_colour(name));
+  return of(detector_colours(names)[static_cast<std::size_t>(it - names.begin())]);
 }
 
 }  // namespace saccade::colours

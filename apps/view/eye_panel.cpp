@@ -55,8 +55,8 @@ void EyePanel::draw(const Area& area, const Snapshot& snapshot, ViewState& state
   if (snapshot.truth && snapshot.truth->target_px)
     legend.add("target", colours::target, Legend::Mark::diamond);
   if (snapshot.truth && snapshot.truth->circle) legend.add("truth", colours::truth, Legend::Mark::circle);
-  legend.add("OFF", colours::of_rgb(off_rgb), Legend::Mark::square);
-  legend.add("ON", colours::of_rgb(on_rgb), Legend::Mark::square);
+  legend.add("OFF", colours::off, Legend::Mark::square);
+  legend.add("ON", colours::on, Legend::Mark::square);
   const Area at = ViewLayout::fit(area, snapshot.camera.size);
   draw_texture(texture_, at);
   draw_marks(at, snapshot, state);

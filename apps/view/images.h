@@ -6,14 +6,15 @@
 #include <vector>
 
 #include "apps/view/snapshot.h"
+#include "evaluation/report/palette.h"
 
 namespace saccade {
 
 using Rgb = std::array<std::uint8_t, 3>;
 using RgbImage = std::vector<std::uint8_t>;  ///< row by row, three bytes per pixel
 
-inline constexpr Rgb on_rgb = {255, 92, 70};
-inline constexpr Rgb off_rgb = {70, 150, 255};
+inline constexpr Rgb on_rgb = {on_colour.red, on_colour.green, on_colour.blue};
+inline constexpr Rgb off_rgb = {off_colour.red, off_colour.green, off_colour.blue};
 
 /// Paints the newest event of each pixel in the colour of its polarity, paler with age, over the darkened camera image
 /// or a dark ground. Events older than fade_us (> 0) are not drawn.

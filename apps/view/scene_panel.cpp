@@ -14,6 +14,12 @@ namespace {
 
 constexpr std::int64_t cloud_us = 60'000;
 
+/// Linear, as the renderer takes it.
+std::array<float, 4> glow(const Colour& colour) {
+  const auto linear = [](std::uint8_t value) { return std::pow(static_cast<float>(value) / 255.0F, 2.2F); };
+  return {linear(colour.red), linear(colour.green), linear(colour.blue), 1.0F};
+}
+
 /// Optical axis, field of view and gaze target.
 std::vector<SceneMark> marks_of(const Snapshot& snapshot) {
   std::vector<SceneMark> marks;
@@ -23,7 +29,7 @@ std::vector<SceneMark> marks_of(const Snapshot& snapshot) {
   const Eigen::Vector3d eye = truth.root_from_cam->translation();
   const Eigen::Vector3d axis = truth.root_from_cam->linear().col(2);
   const double reach_m = truth.target_m ? std::max(0.2, (*truth.target_m - eye).dot(axis)) : 0.6;
-  marks.push_back({eye, eye + reach_m * axis, 0.0016, {1.0F, 0.7F, 0.03F, 1.0F}});
+  marks.push_back({eye, eye + reach_m * axis, 0.0016, glow(gaze_colour)});
   const double w = camera.size.width - 1.0;
   const double h = camera.size.height - 1.0;
   std::vector<Eigen::Vector3d> corners;
@@ -38,7 +44,7 @@ std::vector<SceneMark> marks_of(const Snapshot& snapshot) {
   if (!truth.target_m) return marks;
   for (int axis_of = 0; axis_of < 3; ++axis_of) {
     const Eigen::Vector3d arm = 0.02 * Eigen::Vector3d::Unit(axis_of);
-    marks.push_back({*truth.target_m - arm, *truth.target_m + arm, 0.0025, {0.79F, 0.35F, 0.0F, 1.0F}});
+    marks.push_back({*truth.target_m - arm, *truth.target_m + arm, 0.0025, glow(gaze_target_colour)});
   }
   return marks;
 }
@@ -63,8 +69,8 @@ void ScenePanel::draw(const Area& area, const Snapshot& snapshot, ViewState& sta
     legend.add("optical axis", colours::gaze, Legend::Mark::square);
     legend.add("field of view", colours::field_of_view, Legend::Mark::square);
   } else {
-    legend.add("OFF", colours::of_rgb(off_rgb), Legend::Mark::square);
-    legend.add("ON", colours::of_rgb(on_rgb), Legend::Mark::square);
+    legend.add("OFF", colours::off, Legend::Mark::square);
+    legend.add("ON", colours::on, Legend::Mark::square);
   }
   turn(at, state);
   const ImageSize size{static_cast<int>(at.width), static_cast<int>(at.height)};

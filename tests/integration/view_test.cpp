@@ -19,6 +19,7 @@
 
 #include "apps/view/layout.h"
 #include "apps/view/view.h"
+#include "evaluation/report/palette.h"
 #include "recording/run_files.h"
 #include "tests/config/built_in.h"
 #include "tests/integration/run_shell.h"
@@ -199,9 +200,10 @@ double share_of_events(const cv::Mat& shot, const std::optional<Circle>& circle)
 /// Number of pixels in the eye panel with the first detector's colour.
 int pixels_of_first_detector(const cv::Mat& shot) {
   const cv::Mat eye = cut(shot, ViewLayout::fit(layout.eye, image));
+  const Colour colour = detector_colours(std::vector<std::string>{"best", "paper_directed"}).front();
   int count = 0;
   for (auto it = eye.begin<cv::Vec3b>(); it != eye.end<cv::Vec3b>(); ++it)
-    count += *it == cv::Vec3b(201, 156, 76) ? 1 : 0;
+    count += *it == cv::Vec3b(colour.blue, colour.green, colour.red) ? 1 : 0;
   return count;
 }
 
