@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "apps/config/scenario.h"
+#include "core/hough_detector.h"
 
 namespace saccade {
 namespace {
