@@ -3,6 +3,7 @@
 #include <mujoco/mujoco.h>
 
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "core/config.h"
@@ -13,10 +14,10 @@ namespace saccade {
 /// floor is at z = -0.62 m and the robot looks along -x at the back wall.
 struct LabConfig {
   /// "rectilinear": shelves with books, posters, window frames, a monitor, boxes, a door.
-  /// "textured": brick, curtain, foliage, patterned cloth, pinned pictures, plants.
+  /// "textured": brick, curtain, foliage, patterned cloth, pinned photographs, plants.
   std::string clutter = "textured";
-  double density = 1.0;          ///< how many things stand, hang and lie about; 1 is a lived-in lab
-  double contrast = 1.0;         ///< of everything painted; 0 is flat grey, 1 as in life
+  double density = 1.0;          ///< number of objects, relative to a normally furnished lab
+  double contrast = 1.0;         ///< exponent of the painted reflectances; 0 is flat grey, 1 natural
   double brightness = 1.0;       ///< of the light; at 1 a white wall is just below saturation
   double wall_distance_m = 2.2;  ///< from the waist to the wall in front
 };
@@ -24,15 +25,39 @@ struct LabConfig {
 /// Keys: clutter, density, contrast, brightness, wall_distance_m.
 void describe(FieldVisitor& v, LabConfig& config);
 
-/// The lab as MJCF elements for World: <asset> and <worldbody> with two lights and one mesh, "lab", of group
-/// 1 that touches nothing. (One mesh with one texture for everything: in software each further geom would
-/// cost 7 us per image.) The texture is flat in it; paint_lab_textures fills it. The same config and seed
-/// give the same text. Throws InputError for a config out of range.
-[[nodiscard]] std::string lab_mjcf(const LabConfig& config, std::uint64_t seed);
+namespace lab {
+class Layout;
+}
 
-/// Paints the texture of a compiled model that holds lab_mjcf(config, seed). Colours are linear
-/// reflectances between 0.09 and 0.92. Call before a renderer uploads it.
-/// Throws RunError when the model does not hold that lab.
+/// A lab with furniture at random places: its geometry for the model, and its texture. The same config and seed give
+/// the same bytes.
+class Lab {
+ public:
+  /// Throws InputError for a config out of range.
+  Lab(const LabConfig& config, std::uint64_t seed);
+  ~Lab();
+  Lab(Lab&&) noexcept;
+  Lab& operator=(Lab&&) noexcept;
+
+  /// The lab as MJCF elements for World: <asset> and <worldbody> with two lights and one mesh, "lab", of group 1,
+  /// that collides with nothing. (One mesh with one texture, because in software each further geom costs 7 us per
+  /// image.) Its texture has one colour until paint().
+  [[nodiscard]] std::string mjcf() const;
+
+  /// Paints the texture of a compiled model that holds mjcf(). Colours are linear reflectances between 0.09 and 0.92.
+  /// Call before a renderer uploads the texture. Throws RunError when the model holds no lab or another one.
+  void paint(mjModel& model) const;
+
+ private:
+  void paint_patch(std::size_t index, mjtByte* rgb) const;
+
+  LabConfig config_;
+  std::uint64_t seed_;
+  std::unique_ptr<const lab::Layout> layout_;
+};
+
+// The same in two calls, each of which makes the layout.
+[[nodiscard]] std::string lab_mjcf(const LabConfig& config, std::uint64_t seed);
 void paint_lab_textures(mjModel& model, const LabConfig& config, std::uint64_t seed);
 
 }  // namespace saccade
