@@ -91,6 +91,11 @@ struct EventEmulator::State {
 };
 
 void EventEmulator::State::check(std::span<const float> luminance, std::int64_t now_us) const {
+  constexpr std::int64_t longest_us = std::int64_t{1} << 60;  // so that differences of times do not overflow
+  if (now_us < -longest_us || now_us > longest_us) {
+    throw InputError("image at " + std::to_string(now_us) + " us", "a time out of range",
+                     "a time within " + std::to_string(longest_us) + " us of 0");
+  }
   if (started && now_us <= t_us) {
     throw InputError("image at " + std::to_string(now_us) + " us", "time that does not advance",
                      "a time after " + std::to_string(t_us) + " us");

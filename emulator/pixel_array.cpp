@@ -1,186 +1,29 @@
 #include "emulator/pixel_array.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
+#include "core/event_label.h"
 #include "core/portable_math.h"
-#include "emulator/event_emulator.h"
-
-// Vectorised for AVX2 where the machine has it; without fused multiply-add, so the bits are the same.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
-#define SACCADE_VECTOR_CLONES __attribute__((target_clones("avx2", "default")))
-#else
-#define SACCADE_VECTOR_CLONES
-#endif
+#include "emulator/pixel_kernels.h"
 
 namespace saccade {
 namespace {
 
+using namespace emulator_kernels;
+
 constexpr std::int64_t never_us = std::numeric_limits<std::int64_t>::min();
 constexpr std::int64_t forever_us = std::numeric_limits<std::int64_t>::max();
-constexpr float darkest = 1e-9F;             ///< light below it counts as it
-constexpr double knee = 20.0;                ///< of lin_log, grey levels of 0..255
-constexpr double min_time_constants = 1e-9;  ///< in an interval
-constexpr double max_time_constants = 80.0;  ///< more is settled
-constexpr double solver_step_us = 0.03;      ///< the last of Newton's: its error is far below
+constexpr double knee = 20.0;  ///< of lin_log, grey levels of 0..255
+/// Farther in time than any event: 36,000 years. Sums and differences of two such times do not overflow.
+constexpr double longest_us = 0x1p60;
 
 // Counters of the random numbers of a pixel.
 enum Draw : std::uint64_t { draw_on, draw_off, draw_leak, draw_phase, draw_hot, draw_noise = 16 };
 
-/// ln(luminance + dark_current) to 1e-8, that of `darkest` at least: the logarithm of the mantissa in [sqrt(1/2),
-/// sqrt(2)) by a minimax polynomial, whose error is below the rounding of the float that was given; the sum with the
-/// exponent in double.
-SACCADE_VECTOR_CLONES
-void log_of(const float* luminance, float dark_current, double* log_level, std::size_t n) {
-  constexpr double ln2 = 0.693147180559945309417;
-  for (std::size_t i = 0; i < n; ++i) {
-    const float light = luminance[i] + dark_current;
-    const float value = light > darkest ? light : darkest;
-    const std::int32_t bits = std::bit_cast<std::int32_t>(value) - 0x3f3504f3;
-    const float f = std::bit_cast<float>((bits & 0x007fffff) + 0x3f3504f3) - 1.0F;
-    float p = 0.0867218822F;
-    p = p * f - 0.143790081F;
-    p = p * f + 0.149779931F;
-    p = p * f - 0.165644258F;
-    p = p * f + 0.199548751F;
-    p = p * f - 0.250016987F;
-    p = p * f + 0.333341658F;
-    const float rest = (f * f) * (f * p - 0.5F);
-    log_level[i] = static_cast<double>(static_cast<float>(bits >> 23)) * ln2 +
-                   (static_cast<double>(f) + static_cast<double>(rest));
-  }
-}
-
-/// How the interval at hand treats all pixels alike.
-struct Stage {
-  float before_weight, now_weight;  // of the two images' luminance, in the one that sets the time constant
-  float per_light, fixed;           // time constants in the interval: fixed + per_light * luminance
-  float ramp, step;                 // how the light rises: 1 and 0 in a straight line, 0 and 1 at the end
-  float before_us, after_us;        // of the interval's start and end, since the first image: for leakage
-};
-
-/// How far the logarithm has risen, and the logarithm as a float.
-SACCADE_VECTOR_CLONES
-void rises(const double* log_before, const double* log_now, float* rise, float* now, std::size_t n) {
-  for (std::size_t i = 0; i < n; ++i) {
-    rise[i] = static_cast<float>(log_now[i] - log_before[i]);
-    now[i] = static_cast<float>(log_now[i]);
-  }
-}
-
-/// The first-order low-pass over the interval, as the deviation of its output from the light's logarithm, and which
-/// pixels are quiet, their levels inside (low, high): at the end of the interval or, where the level turns on its way, at most as
-/// far as the light went.
-///
-/// With x the interval in time constants and q = 1 - exp(-x), the deviation d becomes d exp(-x) - rise q / x for a
-/// light that rises in a straight line, and d exp(-x) - rise for one that steps at the end.
-SACCADE_VECTOR_CLONES
-void low_pass(const Stage stage, const float* luminance_before, const float* luminance_now,
-              const float* rises, const float* logs_now, const float* deviation_before, const float* low,
-              const float* high, const float* leak_per_us, float* deviation, std::uint32_t* quiet,
-              std::size_t n) {
-  constexpr auto smallest = static_cast<float>(min_time_constants);
-  constexpr auto largest = static_cast<float>(max_time_constants);
-  constexpr float log2e = 1.44269504F;
-  constexpr float ln2_high = 0.693145752F;
-  constexpr float ln2_low = 1.42860677e-6F;
-  constexpr float round = 12582912.0F;
-  for (std::size_t i = 0; i < n; ++i) {
-    float x = stage.fixed + stage.per_light * (stage.before_weight * luminance_before[i] +
-                                               stage.now_weight * luminance_now[i]);
-    x = x > smallest ? x : smallest;
-    const float decay = x < largest ? x : largest;
-    const float shifted = round - decay * log2e;
-    const float k = shifted - round;
-    const float r = (-decay - k * ln2_high) - k * ln2_low;
-    float p = 0.00139464415F;
-    p = p * r + 0.00836657826F;
-    p = p * r + 0.0416662805F;
-    p = p * r + 0.166665435F;
-    p = p * r + 0.5F;
-    const float grown = r + r * r * p;  // exp(r) - 1
-    const float scale =
-        std::bit_cast<float>((std::bit_cast<std::uint32_t>(shifted) - (0x4b400000U - 127U)) << 23U);
-    const float q = (1.0F - scale) - scale * grown;
-
-    const float rise = rises[i];
-    const float d0 = deviation_before[i];
-    const float d1 = (d0 - q * d0) - (stage.step + stage.ramp * (q / x)) * rise;
-    deviation[i] = d1;
-
-    const float now = logs_now[i];
-    const float level = now + d1;
-    const float turns = d0 * d1 < 0.0F ? 1.0F : 0.0F;
-    const float up = rise > 0.0F ? rise : 0.0F;
-    const float light_bottom = level - turns * (d1 + up);
-    const float light_top = level - turns * (d1 + rise - up);
-    const float top = (light_top > level ? light_top : level) + leak_per_us[i] * stage.after_us;
-    const float bottom = (light_bottom < level ? light_bottom : level) + leak_per_us[i] * stage.before_us;
-    quiet[i] = static_cast<std::uint32_t>(top < high[i]) & static_cast<std::uint32_t>(bottom > low[i]);
-  }
-}
-
-/// The same where the output follows the luminance at once, and nothing leaks: no logarithm is needed.
-SACCADE_VECTOR_CLONES
-void compare(const float* luminance, const float* low, const float* high, std::uint32_t* quiet,
-             std::size_t n) {
-  for (std::size_t i = 0; i < n; ++i) {
-    quiet[i] = static_cast<std::uint32_t>(luminance[i] < high[i]) &
-               static_cast<std::uint32_t>(luminance[i] > low[i]);
-  }
-}
-
-/// The same where the output is the light's logarithm: a straight line, or (`held`) what it was and then a step.
-SACCADE_VECTOR_CLONES
-void follow(const Stage stage, const double* log_before, const double* log_now, const float* low,
-            const float* high, const float* leak_per_us, std::uint32_t* quiet, std::size_t n) {
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto now = static_cast<float>(log_now[i]);
-    const float other = stage.step * static_cast<float>(log_before[i]) + stage.ramp * now;
-    const float top = (other > now ? other : now) + leak_per_us[i] * stage.after_us;
-    const float bottom = (other < now ? other : now) + leak_per_us[i] * stage.before_us;
-    quiet[i] = static_cast<std::uint32_t>(top < high[i]) & static_cast<std::uint32_t>(bottom > low[i]);
-  }
-}
-
 }  // namespace
-
-double PixelArray::Course::at(double u) const {
-  if (u >= end_us) return end;
-  const double line = start + slope * u;
-  return amplitude == 0.0 ? line : line + amplitude * portable_exp(-rate * u);
-}
-
-double PixelArray::Course::turn_after(double from) const {
-  if (amplitude == 0.0) return end_us;
-  const double share = slope / (amplitude * rate);  // exp(-rate u) where the derivative is 0
-  if (!(share > 1e-300 && share < 1.0)) return end_us;
-  const double u = -portable_log(share) / rate;
-  return u > from && u < end_us ? u : end_us;
-}
-
-double PixelArray::Course::meets(double target, const Moment& from, const Moment& to) const {
-  if (amplitude == 0.0)
-    return slope == 0.0 ? to.u_us : std::clamp((target - start) / slope, from.u_us, to.u_us);
-  // Newton's method inside a bracket.
-  const bool rising = to.level > from.level;
-  double low = from.u_us;
-  double high = to.u_us;
-  double u = low + (high - low) * (target - from.level) / (to.level - from.level);
-  for (int i = 0; i < 60; ++i) {
-    const double fading = amplitude * portable_exp(-rate * u);
-    const double error = target - (start + slope * u + fading);
-    const double step = error / (slope - rate * fading);
-    if (std::abs(step) < solver_step_us) return std::clamp(u + step, from.u_us, to.u_us);
-    ((error > 0.0) == rising ? low : high) = u;
-    u = u + step > low && u + step < high ? u + step : 0.5 * (low + high);
-  }
-  return u;
-}
 
 PixelArray::PixelArray(const EmulatorConfig& config, std::size_t first, std::size_t count, std::uint64_t seed)
     : config_(config),
@@ -224,13 +67,13 @@ void PixelArray::start(std::span<const float> luminance, std::int64_t t_us) {
   std::copy(luminance.begin(), luminance.end(), luminance_.begin());
   for (std::size_t i = 0; i < count_; ++i) {
     Pixel& p = pixels_[i];
-    // A leaking pixel has been at it for some time.
+    // A leaking pixel starts at a random phase of its leakage.
     const double phase = p.leak_per_us > 0.0F ? random_.uniform(first_ + i, draw_phase) : 0.0;
     const double leaked = phase * static_cast<double>(p.threshold_on);
     p.reference = response(luminance[i]) - leaked;
     p.last_event_us = never_us;
-    p.reset_until_us =
-        t_us - (leaked > 0.0 ? static_cast<std::int64_t>(leaked / static_cast<double>(p.leak_per_us)) : 0);
+    const double leaking_us = leaked > 0.0 ? leaked / static_cast<double>(p.leak_per_us) : 0.0;
+    p.reset_until_us = t_us - static_cast<std::int64_t>(std::min(leaking_us, longest_us));
     p.noise_s = 0.0;
     p.noise_count = 0;
     set_bounds(i, false);
@@ -315,7 +158,7 @@ void PixelArray::process_block(std::span<const float> luminance, std::size_t beg
   }
   std::int64_t& noise_due_us = block_noise_due_us_[begin / block_size];
   if (noise_due_us <= interval.t1_us) {
-    noise_due_us = forever_us;  // the active pixels put it right
+    noise_due_us = forever_us;  // the active pixels lower it again
     for (std::size_t k = 0; k < n; ++k) {
       const std::int64_t due_us = noise_due_us_[begin + k];
       if (due_us <= interval.t1_us)
@@ -344,7 +187,7 @@ void PixelArray::process_block(std::span<const float> luminance, std::size_t beg
   if (filtered_) std::copy_n(new_deviation_.begin(), n, deviation_.data() + begin);
 }
 
-/// The log luminances of the active pixels, where nobody else needed any.
+/// The log luminances of the active pixels, where the comparison was in luminance.
 void PixelArray::respond_where_active() {
   std::array<float, block_size> luminance;
   for (std::size_t begin = 0; begin < active_.size(); begin += block_size / 2) {
@@ -368,7 +211,8 @@ void PixelArray::next_noise(std::size_t index) {
   const double uniform = random_.uniform(first_ + index, draw_noise + 4 * p.noise_count);
   p.noise_s -= portable_log(1.0 - uniform) / static_cast<double>(p.noise_rate_hz);
   ++p.noise_count;
-  noise_due_us_[index] = start_us_ + static_cast<std::int64_t>(std::ceil(p.noise_s * 1e6));
+  const double due_us = std::min(std::ceil(p.noise_s * 1e6), longest_us);
+  noise_due_us_[index] = start_us_ + static_cast<std::int64_t>(due_us);
   std::int64_t& block_due_us = block_noise_due_us_[index / block_size];
   block_due_us = std::min(block_due_us, noise_due_us_[index]);
 }
@@ -392,10 +236,10 @@ bool PixelArray::noise_fires(std::size_t index, double luminance, PixelEvent& ev
   return random_.uniform(first_ + index, counter + 2) < 1.0 - 0.75 * brightness;
 }
 
-PixelArray::Course PixelArray::course_of(const Active& active, const Interval& interval) const {
+LevelTrajectory PixelArray::trajectory_of(const Active& active, const Interval& interval) const {
   const double leak = static_cast<double>(pixels_[active.index].leak_per_us);
   const double rise = held_ ? 0.0 : active.log_now - active.log_before;
-  Course c{};
+  LevelTrajectory c{};
   c.end_us = interval.duration_us;
   c.start = c.level = active.log_before;
   c.end = active.log_before + rise;
@@ -417,20 +261,20 @@ PixelArray::Course PixelArray::course_of(const Active& active, const Interval& i
   return c;
 }
 
-bool PixelArray::next_crossing(const Pixel& p, const Course& course, const Moment& now, double to,
-                               Crossing& crossing) {
+bool PixelArray::next_crossing(const Pixel& p, const LevelTrajectory& trajectory, const LevelPoint& now,
+                               double to, Crossing& crossing) {
   const double high = p.reference + static_cast<double>(p.threshold_on);
   const double low = p.reference - static_cast<double>(p.threshold_off);
   if (now.level >= high || now.level <= low) {  // a crowded microsecond pushed it into this interval
     crossing = {now, now.level >= high};
     return true;
   }
-  Moment from = now;
-  for (const double end_us : {std::min(course.turn_after(from.u_us), to), to}) {
-    const Moment end{end_us, course.at(end_us)};
+  LevelPoint from = now;
+  for (const double end_us : {std::min(trajectory.turn_after(from.u_us), to), to}) {
+    const LevelPoint end{end_us, trajectory.at(end_us)};
     if (end.level >= high || end.level <= low) {
       const double target = end.level >= high ? high : low;
-      crossing = {{course.meets(target, from, end), target}, end.level >= high};
+      crossing = {{trajectory.time_of(target, from, end), target}, end.level >= high};
       return true;
     }
     if (end_us == to) return false;
@@ -450,42 +294,44 @@ bool PixelArray::run_interval(const Active& active, const Interval& interval,
                               std::vector<PixelEvent>& events) {
   const Pixel& p = pixels_[active.index];
   if (p.reset_until_us > interval.t1_us) return false;
-  const Course course = course_of(active, interval);
-  Moment now{0.0, course.level};
-  if (p.reset_until_us > interval.t0_us && !leave_reset(active.index, course, interval, now)) return false;
-  if (!run_course(active, course, interval, now, events)) return false;
+  const LevelTrajectory trajectory = trajectory_of(active, interval);
+  LevelPoint now{0.0, trajectory.level};
+  if (p.reset_until_us > interval.t0_us && !leave_reset(active.index, trajectory, interval, now))
+    return false;
+  if (!run_trajectory(active, trajectory, interval, now, events)) return false;
   if (!held_ || filtered_) return true;
-  Course step = course;
+  LevelTrajectory step = trajectory;
   step.slope = 0.0;
   step.end =
       active.log_now + static_cast<double>(p.leak_per_us) * (interval.before_us + interval.duration_us);
   now = {interval.duration_us, step.end};
-  return run_course(active, step, interval, now, events);
+  return run_trajectory(active, step, interval, now, events);
 }
 
 /// False when the reset lasts beyond the interval.
-bool PixelArray::leave_reset(std::size_t index, const Course& course, const Interval& interval, Moment& now) {
+bool PixelArray::leave_reset(std::size_t index, const LevelTrajectory& trajectory, const Interval& interval,
+                             LevelPoint& now) {
   Pixel& p = pixels_[index];
   if (p.reset_until_us > interval.t1_us) return false;
   while (noise_due_us_[index] <= p.reset_until_us) next_noise(index);
   now.u_us = static_cast<double>(p.reset_until_us - interval.t0_us);
-  now.level = p.reference = course.at(now.u_us);
+  now.level = p.reference = trajectory.at(now.u_us);
   return true;
 }
 
-bool PixelArray::run_course(const Active& active, const Course& course, const Interval& interval, Moment& now,
-                            std::vector<PixelEvent>& events) {
+bool PixelArray::run_trajectory(const Active& active, const LevelTrajectory& trajectory,
+                                const Interval& interval, LevelPoint& now, std::vector<PixelEvent>& events) {
   const std::size_t index = active.index;
   Pixel& p = pixels_[index];
   for (;;) {
     const std::int64_t noise_us = noise_due_us_[index];
     const bool noise = noise_us <= interval.t1_us;
-    const double to = noise ? static_cast<double>(noise_us - interval.t0_us) : course.end_us;
+    const double to = noise ? static_cast<double>(noise_us - interval.t0_us) : trajectory.end_us;
     PixelEvent event;
     event.pixel = static_cast<std::uint32_t>(first_ + index);
     event.object = object_at(index);
     Crossing crossing{};
-    if (next_crossing(p, course, now, to, crossing)) {
+    if (next_crossing(p, trajectory, now, to, crossing)) {
       event.on = crossing.on;
       event.t_us =
           interval.t0_us + std::max<std::int64_t>(1, static_cast<std::int64_t>(std::ceil(crossing.at.u_us)));
@@ -500,7 +346,7 @@ bool PixelArray::run_course(const Active& active, const Course& course, const In
       p.reference +=
           crossing.on ? static_cast<double>(p.threshold_on) : -static_cast<double>(p.threshold_off);
     } else if (noise) {
-      now = {to, course.at(to)};
+      now = {to, trajectory.at(to)};
       next_noise(index);
       const double share = to / interval.duration_us;
       const auto before = static_cast<double>(active.luminance_before);
@@ -518,7 +364,7 @@ bool PixelArray::run_course(const Active& active, const Course& course, const In
     p.last_event_us = p.reset_until_us = event.t_us;
     if (config_.refractory_us > 0 && !drops_) {
       p.reset_until_us += config_.refractory_us;
-      if (!leave_reset(index, course, interval, now)) return false;
+      if (!leave_reset(index, trajectory, interval, now)) return false;
     }
   }
 }

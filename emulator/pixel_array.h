@@ -8,6 +8,7 @@
 
 #include "core/random.h"
 #include "emulator/emulator_config.h"
+#include "emulator/level_trajectory.h"
 
 namespace saccade {
 
@@ -67,24 +68,8 @@ class PixelArray {
   struct TimeConstants {
     double fixed, per_luminance;
   };
-  struct Moment {
-    double u_us;
-    double level;
-  };
-  /// The level within an interval: start + slope u + amplitude exp(-rate u), u in microseconds since its start.
-  struct Course {
-    double start, slope, amplitude, rate;
-    double level;        // at u = 0
-    double end_us, end;  // the interval's end and the level there
-
-    [[nodiscard]] double at(double u) const;
-    /// The turning point inside (from, end_us), or end_us.
-    [[nodiscard]] double turn_after(double from) const;
-    /// When `target` is met in (from, to], between which the course is monotone and passes it.
-    [[nodiscard]] double meets(double target, const Moment& from, const Moment& to) const;
-  };
   struct Crossing {
-    Moment at;
+    LevelPoint at;
     bool on;
   };
 
@@ -95,17 +80,18 @@ class PixelArray {
   [[nodiscard]] TimeConstants time_constants(const Interval& interval) const;
   void process_block(std::span<const float> luminance, std::size_t begin, const Interval& interval);
   void respond_where_active();
-  // run_interval and run_course: false where the pixel still waits at the end, in reset or for a free microsecond.
+  // run_interval and run_trajectory: false where the pixel still waits at the end, in reset or for a free microsecond.
   void run_pixel(const Active& active, const Interval& interval, std::vector<PixelEvent>& events);
   [[nodiscard]] bool run_interval(const Active& active, const Interval& interval,
                                   std::vector<PixelEvent>& events);
-  [[nodiscard]] bool run_course(const Active& active, const Course& course, const Interval& interval,
-                                Moment& now, std::vector<PixelEvent>& events);
-  [[nodiscard]] Course course_of(const Active& active, const Interval& interval) const;
-  [[nodiscard]] static bool next_crossing(const Pixel& pixel, const Course& course, const Moment& now,
-                                          double to, Crossing& crossing);
-  [[nodiscard]] bool leave_reset(std::size_t index, const Course& course, const Interval& interval,
-                                 Moment& now);
+  [[nodiscard]] bool run_trajectory(const Active& active, const LevelTrajectory& trajectory,
+                                    const Interval& interval, LevelPoint& now,
+                                    std::vector<PixelEvent>& events);
+  [[nodiscard]] LevelTrajectory trajectory_of(const Active& active, const Interval& interval) const;
+  [[nodiscard]] static bool next_crossing(const Pixel& pixel, const LevelTrajectory& trajectory,
+                                          const LevelPoint& now, double to, Crossing& crossing);
+  [[nodiscard]] bool leave_reset(std::size_t index, const LevelTrajectory& trajectory,
+                                 const Interval& interval, LevelPoint& now);
   void next_noise(std::size_t index);
   [[nodiscard]] bool noise_fires(std::size_t index, double luminance, PixelEvent& event) const;
   [[nodiscard]] std::uint8_t object_at(std::size_t index) const;

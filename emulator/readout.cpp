@@ -14,9 +14,9 @@ std::int64_t tick_at_or_after(std::int64_t t_us, std::int64_t tick_us) {
   return into == 0 ? t_us : t_us + tick_us - into;
 }
 
-/// Forgets the first `gone` elements when they are the larger part.
+/// Erases the first `gone` elements when they are the larger part.
 template <class T>
-void forget(std::vector<T>& queue, std::size_t& gone) {
+void erase_gone(std::vector<T>& queue, std::size_t& gone) {
   if (gone < 1024 || 2 * gone < queue.size()) return;
   queue.erase(queue.begin(), queue.begin() + static_cast<std::ptrdiff_t>(gone));
   gone = 0;
@@ -53,7 +53,7 @@ void Readout::release(std::size_t count, std::vector<PixelEvent>& events) {
   const auto begin = stamped_.begin() + static_cast<std::ptrdiff_t>(released_);
   events.insert(events.end(), begin, begin + static_cast<std::ptrdiff_t>(count));
   released_ += count;
-  forget(stamped_, released_);
+  erase_gone(stamped_, released_);
 }
 
 std::optional<std::int64_t> Readout::serve(std::int64_t t_us) {
@@ -66,8 +66,9 @@ std::optional<std::int64_t> Readout::serve(std::int64_t t_us) {
     busy_events_ = 0;
   }
   ++busy_events_;
-  // A hair of rounding shall not cost a microsecond.
-  const double worked_us = std::ceil(static_cast<double>(busy_events_) * service_us_ - 1e-6);
+  // Rounding errors do not cost a microsecond. 2^60 us is later than any image.
+  const double worked_us =
+      std::min(std::ceil(static_cast<double>(busy_events_) * service_us_ - 1e-6), 0x1p60);
   return busy_since_us_ + static_cast<std::int64_t>(worked_us);
 }
 
@@ -90,7 +91,7 @@ void Readout::stamp(PixelEvent request) {
   }
   if (service_us_ > 0.0) {
     departures_us_.push_back(departure_us);
-    forget(departures_us_, departed_);
+    erase_gone(departures_us_, departed_);
   }
   auto place = stamped_.end();
   const auto waiting = stamped_.begin() + static_cast<std::ptrdiff_t>(released_);

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/config.h"
+#include "core/event_label.h"
 #include "head/head_state.h"
 #include "sim/board.h"
 #include "sim/mujoco_compat.h"
@@ -43,13 +44,6 @@ struct WorldConfig {
 
 /// Keys: ball, objects, board (where there is one), initial_pose_deg, plant.
 void describe(FieldVisitor& v, WorldConfig& config);
-
-/// What stands in the world, foremost in an eye first. By names in the model: the geom `ball`; geoms of the bodies
-/// `hand` and `arm`; geoms whose own name or whose body's begins with `distractor`; everything else is background.
-enum class SceneObject : std::uint8_t { ball = 1, hand, arm, distractor, background };
-/// In that order, from ball on.
-inline constexpr std::array<std::string_view, 5> scene_object_names = {"ball", "hand", "arm", "distractor",
-                                                                       "background"};
 
 /// Where the MJCF models of this build are.
 [[nodiscard]] std::filesystem::path models_directory();

@@ -25,7 +25,6 @@
 namespace saccade {
 namespace {
 
-constexpr std::array<const char*, 4> cause_names = {"signal", "leak", "shot", "hot"};  // as EventCause
 constexpr std::string_view label_header = "t_us,x,y,p,cause\n";
 
 struct EmulateOptions {
@@ -119,7 +118,7 @@ class LabelWriter {
       text_ += ',';
       append_number(text_, events[i].y);
       text_ += events[i].on ? ",1," : ",0,";
-      text_ += cause_names[static_cast<std::size_t>(labels[i].cause)];
+      text_ += event_cause_names[static_cast<std::size_t>(labels[i].cause)];
       text_ += '\n';
     }
     file_.write(text_);
@@ -172,9 +171,9 @@ void print_summary(const EmulateOptions& options, const ImageSequenceInfo& info,
              rate_hz / info.size.pixels());
   fmt::print("ON : OFF       {} : {}\n", counts.on, counts.off);
   std::string causes;
-  for (std::size_t i = 0; i < cause_names.size(); ++i) {
+  for (std::size_t i = 0; i < event_cause_names.size(); ++i) {
     if (counts.by_cause[i] == 0) continue;
-    causes += fmt::format("{}{} {}", causes.empty() ? "" : ", ", cause_names[i], counts.by_cause[i]);
+    causes += fmt::format("{}{} {}", causes.empty() ? "" : ", ", event_cause_names[i], counts.by_cause[i]);
   }
   if (!causes.empty()) fmt::print("by cause       {}\n", causes);
   fmt::print("dropped        {}\n", counts.dropped);

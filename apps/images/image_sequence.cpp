@@ -14,6 +14,7 @@
 #include <string_view>
 
 #include "core/config.h"
+#include "core/srgb.h"
 #include "recording/codec.h"
 #include "recording/number_text.h"
 
@@ -58,11 +59,6 @@ bool natural_less(const std::string& a, const std::string& b) {
   }
   if ((i < a.size()) != (k < b.size())) return k < b.size();
   return a < b;
-}
-
-/// IEC 61966-2-1, [0, 1] to [0, 1].
-double linear_of_srgb(double value) {
-  return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
 }
 
 std::string kind_of(const cv::Mat& image) {
@@ -110,7 +106,7 @@ class Luminance {
     if (linear_.size() == levels) return;
     linear_.resize(levels);
     for (std::size_t i = 0; i < levels; ++i) {
-      linear_[i] = white_ * linear_of_srgb(static_cast<double>(i) / static_cast<double>(levels - 1));
+      linear_[i] = white_ * linear_from_srgb(static_cast<double>(i) / static_cast<double>(levels - 1));
     }
   }
 

@@ -8,6 +8,7 @@
 
 #include "core/detector_parts.h"
 #include "core/error.h"
+#include "core/srgb.h"
 
 namespace saccade {
 namespace {
@@ -16,21 +17,13 @@ constexpr ImageSize frame_size{320, 240};
 constexpr double images_per_s = 30.0;
 constexpr float darkest = 0.01F;  ///< sum of linear red, green and blue below which there is no colour
 
-double srgb_of_linear(double linear) {
-  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
-}
-
-double linear_of_srgb(double srgb) {
-  return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
-}
-
 std::uint8_t to_srgb_byte(float linear) {
   constexpr std::size_t steps = 4096;
   static const std::array<std::uint8_t, steps> table = [] {
     std::array<std::uint8_t, steps> bytes{};
     for (std::size_t i = 0; i < steps; ++i) {
       const double value = static_cast<double>(i) / static_cast<double>(steps - 1);
-      bytes[i] = static_cast<std::uint8_t>(std::lround(255.0 * srgb_of_linear(value)));
+      bytes[i] = static_cast<std::uint8_t>(std::lround(255.0 * srgb_from_linear(value)));
     }
     return bytes;
   }();
@@ -128,7 +121,7 @@ cv::Mat FrameDetector::ball_coloured(const cv::Mat& image) const {
   static const std::array<float, 256> linear = [] {
     std::array<float, 256> table{};
     for (std::size_t i = 0; i < table.size(); ++i) {
-      table[i] = static_cast<float>(linear_of_srgb(static_cast<double>(i) / 255.0));
+      table[i] = static_cast<float>(linear_from_srgb(static_cast<double>(i) / 255.0));
     }
     return table;
   }();

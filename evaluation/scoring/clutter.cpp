@@ -6,13 +6,11 @@
 #include <limits>
 
 #include "core/error.h"
+#include "core/event_label.h"
 #include "evaluation/scoring/scoring.h"
 
 namespace saccade {
 namespace {
-
-constexpr std::array<std::string_view, 5> object_names = {"ball", "hand", "arm", "distractor", "background"};
-constexpr std::array<std::string_view, 4> cause_names = {"signal", "leak", "shot", "hot"};
 
 template <std::size_t n>
 std::size_t index_of(const std::array<std::string_view, n>& names, const std::string& name,
@@ -30,11 +28,11 @@ std::optional<double> ratio(std::int64_t part, std::int64_t whole) {
 
 }  // namespace
 
-ClutterCounter::ClutterCounter() : by_object_(object_names.size(), 0), by_cause_(cause_names.size(), 0) {}
+ClutterCounter::ClutterCounter() : by_object_(scene_object_names.size(), 0), by_cause_(event_cause_names.size(), 0) {}
 
 void ClutterCounter::add(const LabelRow& label) {
-  const std::size_t object = index_of(object_names, label.object, "object");
-  const std::size_t cause = index_of(cause_names, label.cause, "cause");
+  const std::size_t object = index_of(scene_object_names, label.object, "object");
+  const std::size_t cause = index_of(event_cause_names, label.cause, "cause");
   ++events_;
   ++by_object_[object];
   ++by_cause_[cause];
@@ -54,11 +52,11 @@ double ClutterCounter::share_in_window() const {
 ClutterShare ClutterCounter::share() const {
   ClutterShare share;
   share.share = ratio(clutter_events(), events_);
-  for (std::size_t i = 0; i < object_names.size(); ++i) {
-    share.by_object.emplace_back(object_names[i], ratio(by_object_[i], events_));
+  for (std::size_t i = 0; i < scene_object_names.size(); ++i) {
+    share.by_object.emplace_back(scene_object_names[i], ratio(by_object_[i], events_));
   }
-  for (std::size_t i = 0; i < cause_names.size(); ++i) {
-    share.by_cause.emplace_back(cause_names[i], ratio(by_cause_[i], events_));
+  for (std::size_t i = 0; i < event_cause_names.size(); ++i) {
+    share.by_cause.emplace_back(event_cause_names[i], ratio(by_cause_[i], events_));
   }
   return share;
 }
