@@ -26,9 +26,10 @@ HeadJointVector sweep(std::int64_t i) {
 
 void eye_image(benchmark::State& state, const char* clutter) {
   const SimConfig config = lab(clutter);
-  World world(config.world, lab_mjcf(config.lab, 1), 1);
+  const Lab lab(config.lab, 1);
+  World world(config.world, lab.mjcf(), 1);
   const auto gl = GlContext::create("auto");
-  paint_lab_textures(world.model(), config.lab, 1);
+  lab.paint(world.model());
   EyeRenderer eye(world.model(), *gl, config.camera, config.render);
   std::vector<float> luminance(static_cast<std::size_t>(config.camera.size.pixels()));
   std::int64_t i = 0;

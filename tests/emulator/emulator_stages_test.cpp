@@ -280,7 +280,45 @@ TEST(EmulatorStages, HotPixelsAreFewAndFast) {
   EXPECT_EQ(out.counts.off, 0);
 }
 
-TEST(EmulatorStages, LabelsTellSignalFromNoiseAndTheObject) {
+/// The smallest rates that the configuration accepts are far below one event in the age of the universe.
+TEST(EmulatorStages, RatesNearZeroMakeNoEvent) {
+  for (const double rate_hz : {1e-9, 1e-15, 1e-25, 1e-40}) {
+    EmulatorConfig config = ideal();
+    config.shot_noise_rate_hz = rate_hz;
+    config.hot_pixel_share = 1.0;
+    config.hot_pixel_rate_hz = rate_hz;
+    const Labelled out = in_still_light(config, {8, 8}, 100.0F, 1.0, 10'000);
+    EXPECT_EQ(out.counts.events(), 0) << rate_hz;
+  }
+}
+
+TEST(EmulatorStages, APixelWithALeakRateNearZeroSeesItsSignal) {
+  for (const double rate_hz : {1e-9, 1e-15, 1e-25}) {
+    EmulatorConfig config = ideal();
+    config.leak_rate_hz = rate_hz;
+    EventEmulator emulator(config, {16, 16}, 1);
+    std::vector<Event> events;
+    emulator.process_image(std::vector<float>(256, 50.0F), 0, events);
+    emulator.process_image(std::vector<float>(256, 100.0F), 1000, events);
+    // ln 2 is 3.5 thresholds, and the random phase of the leakage adds up to one more.
+    EXPECT_GE(events.size(), 3U * 256U) << rate_hz;
+    EXPECT_LE(events.size(), 4U * 256U) << rate_hz;
+  }
+}
+
+TEST(EmulatorStages, AReadoutRateNearZeroDelaysEventsBeyondEveryImage) {
+  EmulatorConfig config = ideal();
+  config.readout_rate_hz = 1e-15;
+  EventEmulator emulator(config, {4, 4}, 1);
+  std::vector<Event> events;
+  emulator.process_image(std::vector<float>(16, 50.0F), 0, events);
+  emulator.process_image(std::vector<float>(16, 100.0F), 1000, events);
+  emulator.process_image(std::vector<float>(16, 100.0F), 1'000'000'000'000, events);
+  EXPECT_EQ(events.size(), 0U);
+  EXPECT_EQ(emulator.counts().waiting, 3 * 16);
+}
+
+TEST(EmulatorStages, LabelsNameTheCauseAndTheObject) {
   EmulatorConfig config = ideal();
   config.shot_noise_rate_hz = 30.0;
   EventEmulator emulator(config, {2, 1}, 1);

@@ -462,6 +462,20 @@ TEST(EventEmulator, RefusesBadImagesAndIsNotChangedByThem) {
   EXPECT_FALSE(clean_events.empty());
 }
 
+TEST(EventEmulator, RefusesTimesWhoseDifferencesOverflow) {
+  constexpr std::int64_t longest_us = std::int64_t{1} << 60;
+  EventEmulator emulator(config_of(0.02, 300), {1, 1}, 1);
+  std::vector<Event> events;
+  const std::vector<float> dark = {50.0F};
+  const std::vector<float> bright = {100.0F};
+  EXPECT_THROW(emulator.process_image(dark, std::numeric_limits<std::int64_t>::min(), events), InputError);
+  emulator.process_image(dark, -longest_us, events);
+  EXPECT_THROW(emulator.process_image(bright, std::numeric_limits<std::int64_t>::max(), events), InputError);
+  emulator.process_image(bright, longest_us, events);
+  EXPECT_FALSE(events.empty());
+  for (const Event& event : events) EXPECT_LE(event.t_us, longest_us);
+}
+
 TEST(EventEmulator, ComputesTheLogarithmOfEveryLuminance) {
   // Against the library's, over the whole range of a float image.
   const ImageSize size{1000, 1};

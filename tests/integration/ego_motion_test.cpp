@@ -8,8 +8,8 @@
 
 #include "core/plane_fit_flow.h"
 #include "emulator/event_emulator.h"
+#include "sim/eye_renderer.h"
 #include "sim/lab.h"
-#include "sim/renderer.h"
 #include "sim/world.h"
 
 namespace saccade {
@@ -23,13 +23,14 @@ void pan(mjData& data, int camera, const Eigen::Matrix3d& at_rest, double angle_
 }
 
 TEST(EgoMotion, FlowOfAPurePanIsThatOfTheTurn) {
-  LabConfig lab;
-  lab.clutter = "rectilinear";  // a plane of time stamps is what a straight edge leaves
+  LabConfig lab_config;
+  lab_config.clutter = "rectilinear";  // a plane of time stamps is what a straight edge leaves
+  const Lab lab(lab_config, 1);
   WorldConfig config;
   config.ball.trajectory.sway_m = 0.0;
-  World world(config, lab_mjcf(lab, 1), 1);
+  World world(config, lab.mjcf(), 1);
   const auto gl = GlContext::create("auto");
-  paint_lab_textures(world.model(), lab, 1);
+  lab.paint(world.model());
   const Camera camera;
   EyeRenderConfig fine;
   fine.supersampling = 4;
@@ -78,13 +79,14 @@ TEST(EgoMotion, FlowOfAPurePanIsThatOfTheTurn) {
 class StillHead : public testing::TestWithParam<const char*> {};
 
 TEST_P(StillHead, SeesNothingOfAStillRoomWithoutNoise) {
-  LabConfig lab;
-  lab.clutter = GetParam();
+  LabConfig lab_config;
+  lab_config.clutter = GetParam();
+  const Lab lab(lab_config, 1);
   WorldConfig config;
   config.ball.trajectory.sway_m = 0.0;
-  World world(config, lab_mjcf(lab, 1), 1);
+  World world(config, lab.mjcf(), 1);
   const auto gl = GlContext::create("auto");
-  paint_lab_textures(world.model(), lab, 1);
+  lab.paint(world.model());
   const Camera camera;
   EyeRenderer eye(world.model(), *gl, camera, {});
   EventEmulator emulator(emulator_preset("ideal"), camera.size, 1);

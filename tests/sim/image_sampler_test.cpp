@@ -176,9 +176,10 @@ constexpr std::int64_t saccade_us = 70'000;
 constexpr std::int64_t seen_us = 85'000;  // from its start until the eye rests
 
 Recording record_saccade(const SimConfig& config, const SamplingConfig& sampling) {
-  World world(config.world, lab_mjcf(config.lab, 1), 1);
+  const Lab lab(config.lab, 1);
+  World world(config.world, lab.mjcf(), 1);
   const auto gl = GlContext::create(config.gl);
-  paint_lab_textures(world.model(), config.lab, 1);
+  lab.paint(world.model());
   EyeRenderer eye(world.model(), *gl, config.camera, config.render);
   EventEmulator emulator(config.emulator, config.camera.size, 1);
   ImageSampler sampler(sampling, ImageMotion(world.model(), world.left_eye_camera(), config.camera));

@@ -15,7 +15,7 @@
 namespace saccade {
 namespace {
 
-class Lab : public ::testing::TestWithParam<const char*> {
+class LabOf : public ::testing::TestWithParam<const char*> {
  protected:
   LabConfig config() const { return {.clutter = GetParam()}; }
 
@@ -37,22 +37,22 @@ class Lab : public ::testing::TestWithParam<const char*> {
   }
 };
 
-TEST_P(Lab, is_the_same_for_the_same_seed_and_another_for_another) {
-  const std::string text = lab_mjcf(config(), 7);
-  EXPECT_EQ(lab_mjcf(config(), 7), text);
-  EXPECT_NE(lab_mjcf(config(), 8), text);
+TEST_P(LabOf, is_the_same_for_the_same_seed_and_differs_for_another) {
+  const std::string text = Lab(config(), 7).mjcf();
+  EXPECT_EQ(Lab(config(), 7).mjcf(), text);
+  EXPECT_NE(Lab(config(), 8).mjcf(), text);
 
   const MjModelPtr first = compile(text);
   const MjModelPtr second = compile(text);
   const std::vector<mjtByte> flat = pixels(*first);
-  paint_lab_textures(*first, config(), 7);
+  Lab(config(), 7).paint(*first);
   EXPECT_NE(pixels(*first), flat);
-  paint_lab_textures(*second, config(), 7);
+  Lab(config(), 7).paint(*second);
   EXPECT_EQ(pixels(*first), pixels(*second));
 }
 
-TEST_P(Lab, is_one_geom_that_touches_nothing_and_that_the_eyes_see) {
-  const MjModelPtr model = compile(lab_mjcf(config(), 1));
+TEST_P(LabOf, is_one_geom_without_collisions_in_a_group_that_the_eyes_draw) {
+  const MjModelPtr model = compile(Lab(config(), 1).mjcf());
   ASSERT_EQ(model->ngeom, 1);
   EXPECT_EQ(model->geom_contype[0], 0);
   EXPECT_EQ(model->geom_conaffinity[0], 0);
@@ -60,12 +60,12 @@ TEST_P(Lab, is_one_geom_that_touches_nothing_and_that_the_eyes_see) {
   EXPECT_EQ(model->nlight, 2);
 }
 
-TEST_P(Lab, stays_clear_of_the_robots_reach_and_inside_its_walls) {
+TEST_P(LabOf, stays_out_of_the_robots_reach_and_inside_its_walls) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     for (const double distance : {1.8, 2.2, 4.0}) {
       LabConfig lab = config();
       lab.wall_distance_m = distance;
-      const MjModelPtr model = compile(lab_mjcf(lab, seed));
+      const MjModelPtr model = compile(Lab(lab, seed).mjcf());
       // MuJoCo keeps a mesh in a frame of its own; the geom's pose leads back to the root.
       std::array<mjtNum, 9> turn{};
       mju_quat2Mat(turn.data(), model->geom_quat);
@@ -87,12 +87,12 @@ TEST_P(Lab, stays_clear_of_the_robots_reach_and_inside_its_walls) {
   }
 }
 
-TEST_P(Lab, is_painted_between_its_limits_and_flat_without_contrast) {
+TEST_P(LabOf, is_painted_between_its_limits_and_in_one_colour_without_contrast) {
   LabConfig lab = config();
   for (const double contrast : {0.0, 1.0, 1.5}) {
     lab.contrast = contrast;
-    const MjModelPtr model = compile(lab_mjcf(lab, 2));
-    paint_lab_textures(*model, lab, 2);
+    const MjModelPtr model = compile(Lab(lab, 2).mjcf());
+    Lab(lab, 2).paint(*model);
     const std::vector<mjtByte> all = pixels(*model);
     const auto [low, high] = std::minmax_element(all.begin(), all.end());
     EXPECT_GE(*low, 23);    // 0.09
@@ -105,33 +105,33 @@ TEST_P(Lab, is_painted_between_its_limits_and_flat_without_contrast) {
   }
 }
 
-TEST_P(Lab, is_fuller_when_denser) {
+TEST_P(LabOf, has_more_faces_with_a_higher_density) {
   LabConfig lab = config();
   std::size_t before = 0;
   for (const double density : {0.0, 1.0, 2.0}) {
     lab.density = density;
-    const MjModelPtr model = compile(lab_mjcf(lab, 4));
-    paint_lab_textures(*model, lab, 4);
+    const MjModelPtr model = compile(Lab(lab, 4).mjcf());
+    Lab(lab, 4).paint(*model);
     const auto faces = static_cast<std::size_t>(model->nmeshface);
     EXPECT_GT(faces, before);
     before = faces;
   }
 }
 
-TEST_P(Lab, refuses_a_model_of_another_lab) {
+TEST_P(LabOf, refuses_to_paint_the_model_of_another_lab) {
   LabConfig denser = config();
   denser.density = 2.0;
-  const MjModelPtr model = compile(lab_mjcf(denser, 1));
-  EXPECT_THROW(paint_lab_textures(*model, config(), 1), RunError);
+  const MjModelPtr model = compile(Lab(denser, 1).mjcf());
+  EXPECT_THROW(Lab(config(), 1).paint(*model), RunError);
 }
 
-INSTANTIATE_TEST_SUITE_P(Clutter, Lab, ::testing::Values("textured", "rectilinear"),
+INSTANTIATE_TEST_SUITE_P(Clutter, LabOf, ::testing::Values("textured", "rectilinear"),
                          [](const auto& parameter) { return std::string(parameter.param); });
 
 TEST(LabConfig, is_refused_when_out_of_range) {
-  EXPECT_THROW(static_cast<void>(lab_mjcf({.clutter = "empty"}, 1)), InputError);
-  EXPECT_THROW(static_cast<void>(lab_mjcf({.density = -1.0}, 1)), InputError);
-  EXPECT_THROW(static_cast<void>(lab_mjcf({.wall_distance_m = 0.3}, 1)), InputError);
+  EXPECT_THROW(Lab(LabConfig{.clutter = "empty"}, 1), InputError);
+  EXPECT_THROW(Lab(LabConfig{.density = -1.0}, 1), InputError);
+  EXPECT_THROW(Lab(LabConfig{.wall_distance_m = 0.3}, 1), InputError);
 }
 
 }  // namespace

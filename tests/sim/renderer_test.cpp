@@ -1,4 +1,4 @@
-#include "sim/renderer.h"
+#include "sim/eye_renderer.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,6 +22,7 @@
 #include "emulator/event_emulator.h"
 #include "sim/lab.h"
 #include "sim/mujoco_compat.h"
+#include "sim/scene_renderer.h"
 
 namespace saccade {
 namespace {
@@ -342,6 +343,25 @@ TEST_F(Renderer, counts_of_a_ball_what_the_lens_shows_inside_the_image) {
   std::printf("share inside the image: worst difference %.4f\n", worst);
 }
 
+TEST_F(Renderer, measures_a_ball_that_nearly_touches_the_camera) {
+  // Its outline is far larger than the image: the share is the area of the image over that of the ellipse, at once.
+  camera_ = {{128, 128}, 100.0, 100.0, 63.5, 63.5, 0.0, 0.0, 0.0, 0.0};
+  EyeRenderer eye = make_eye({.near_m = 0.001});
+  for (const double over : {1e-3, 1e-6, 1e-9, 1e-12}) {
+    const double radius_m = 0.05;
+    const Vector3d point(0.0, 0.0, radius_m * (1.0 + over));
+    place(the_ball, {0.0, 0.0, -5.0});  // nothing is in front of where the ball would be
+    draw(eye);
+    const double outline_px = 100.0 * radius_m / std::sqrt(point.z() * point.z() - radius_m * radius_m);
+    const double expected = 128.0 * 128.0 / (std::numbers::pi * outline_px * outline_px);
+    EXPECT_NEAR(eye.visible_share(point, radius_m), expected, 0.01 * expected) << over;
+  }
+  // Close to the plane of the camera and far to its side.
+  const double share = eye.visible_share({0.4, 0.0, 0.05 * (1.0 + 1e-9)}, 0.05);
+  EXPECT_GE(share, 0.0);
+  EXPECT_LT(share, 1e-3);
+}
+
 TEST_F(Renderer, does_not_see_the_part_of_a_ball_behind_something) {
   EyeRenderer eye = make_eye();
   const Vector3d point(0.0, 0.0, 0.6);
@@ -382,6 +402,11 @@ TEST_F(Renderer, leaves_nothing_out_at_the_border_of_the_image) {
   }
 }
 
+TEST_F(Renderer, refuses_a_drawn_image_larger_than_any_buffer) {
+  camera_ = {{2100, 8}, 100.0, 100.0, 1050.0, 4.0, 0.0, 0.0, 0.0, 0.0};
+  EXPECT_THROW(make_eye({.supersampling = 8}), InputError);  // 16,800 samples wide
+}
+
 TEST_F(Renderer, refuses_what_it_cannot_draw) {
   EXPECT_THROW(make_eye({.supersampling = 0}), InputError);
   EXPECT_THROW(make_eye({.near_m = -1.0}), InputError);
@@ -394,8 +419,9 @@ TEST_F(Renderer, refuses_what_it_cannot_draw) {
 /// An eye and a lab around it, without a robot.
 class RenderedLab : public Renderer {
  protected:
-  void build(const LabConfig& lab, std::uint64_t seed) {
-    const std::string text = "<mujoco>" + lab_mjcf(lab, seed) +
+  void build(const LabConfig& config, std::uint64_t seed) {
+    const Lab lab(config, seed);
+    const std::string text = "<mujoco>" + lab.mjcf() +
                              "<worldbody><camera name=\"eye\" pos=\"-0.056 -0.034 0.347\" "
                              "xyaxes=\"0 1 0 0 0 1\"/></worldbody>"
                              "<visual><headlight active=\"0\"/></visual></mujoco>";
@@ -405,7 +431,7 @@ class RenderedLab : public Renderer {
     std::array<char, 1000> error{};
     model_.reset(mj_loadXML("lab.xml", vfs.get(), error.data(), static_cast<int>(error.size())));
     ASSERT_NE(model_, nullptr) << error.data();
-    paint_lab_textures(*model_, lab, seed);
+    lab.paint(*model_);
     data_.reset(mj_makeData(model_.get()));
     mj_kinematics(model_.get(), data_.get());
     mj_camlight(model_.get(), data_.get());
