@@ -43,20 +43,22 @@ Eigen::Isometry3d rest_pose(const BoardConfig& c, std::size_t i) {
 
 void describe(FieldVisitor& v, BoardConfig& c) {
   v.integer("columns", c.columns, {2, 20}, "dots in a row");
-  v.integer("rows", c.rows, {3, 21}, "rows; an odd number has one way up");
+  v.integer("rows", c.rows, {3, 21}, "rows; with an odd number the orientation is unambiguous");
   v.real("spacing_mm", c.spacing_mm, {2.0, 200.0},
-         "from row to row, and half the way from dot to dot in a row");
-  v.real("dot_diameter_mm", c.dot_diameter_mm, {1.0, 250.0}, "of a dot");
-  v.real("border_mm", c.border_mm, {1.0, 300.0}, "of white around the middles of the outer dots");
-  v.points("positions_m", c.positions_m, 3, {-5.0, 5.0}, "where the middle of the grid rests, root frame");
-  v.points("rotations_deg", c.rotations_deg, 3, {-180.0, 180.0}, "how it is turned there; 0 faces the robot");
+         "from row to row, and half the distance of the dots in a row");
+  v.real("dot_diameter_mm", c.dot_diameter_mm, {1.0, 250.0}, "diameter of a dot");
+  v.real("border_mm", c.border_mm, {1.0, 300.0},
+         "width of the white border around the centres of the outer dots");
+  v.points("positions_m", c.positions_m, 3, {-5.0, 5.0}, "middle of the grid at rest, root frame");
+  v.points("rotations_deg", c.rotations_deg, 3, {-180.0, 180.0},
+           "rotation vectors of the board at rest; 0 faces the robot");
   v.require(!c.positions_m.empty() && c.positions_m.size() == c.rotations_deg.size(), "rotations_deg",
             std::to_string(c.rotations_deg.size()) + " rotations",
             "one for each of " + std::to_string(c.positions_m.size()) + " positions, and at least one");
   v.real("rest_s", c.rest_s, {0.0, 3600.0}, "rest at each pose");
   v.real("move_s", c.move_s, {0.05, 60.0}, "time from one pose to the next");
   v.require(c.dot_diameter_mm < std::numbers::sqrt2 * c.spacing_mm, "dot_diameter_mm",
-            text_of(c.dot_diameter_mm), "dots that do not touch: less than spacing_mm times 1.41");
+            text_of(c.dot_diameter_mm), "less than 1.41 times spacing_mm, so that dots do not touch");
 }
 
 Eigen::Isometry3d root_from_board(const BoardConfig& c, std::int64_t t_us) {

@@ -149,8 +149,8 @@ double EyeRenderer::visible_share(const Eigen::Vector3d& centre_m, double radius
       ++all;
       if (!row_inside || column < 0 || column >= columns) continue;
       if (is_inside[sample_row + column] == 0) continue;
-      const double drawn_m =
-          config_.near_m * config_.far_m / (config_.far_m - static_cast<double>(depth[depth_row + column]) * span);
+      const double drawn_m = config_.near_m * config_.far_m /
+                             (config_.far_m - static_cast<double>(depth[depth_row + column]) * span);
       if (drawn_m > (along - std::sqrt(root2)) / ray2 - hidden_by_m) ++visible;
     }
   }

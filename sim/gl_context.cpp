@@ -16,8 +16,7 @@
 namespace saccade {
 namespace {
 
-/// A shared library, first loaded for ourselves; publish() shows its symbols to the rest of the program,
-/// where MuJoCo looks for them.
+/// A shared library whose symbols are private at first; publish() makes them global, where MuJoCo finds them.
 class Library {
  public:
   explicit Library(const char* name) : name_(name), handle_(dlopen(name, RTLD_NOW | RTLD_LOCAL)) {
@@ -59,7 +58,7 @@ class OsmesaContext final : public GlContext {
     require_no_other_backend("eglGetProcAddress", "osmesa", "egl");
     const auto create = library_.get<decltype(OSMesaCreateContextExt)>("OSMesaCreateContextExt");
     context_ = create(OSMESA_RGBA, 24, 8, 0, nullptr);
-    if (context_ == nullptr) throw RunError("no OpenGL: OSMesa gives no context");
+    if (context_ == nullptr) throw RunError("no OpenGL: OSMesa creates no context");
     OsmesaContext::make_current();
     identify("osmesa");
     library_.publish();
@@ -86,7 +85,7 @@ class OsmesaContext final : public GlContext {
   decltype(OSMesaGetProcAddress)* get_function_;
   decltype(OSMesaDestroyContext)* destroy_;
   OSMesaContext context_ = nullptr;
-  std::array<std::byte, 4 * window_side * window_side> window_{};  ///< never drawn to, but OSMesa wants one
+  std::array<std::byte, 4 * window_side * window_side> window_{};  ///< unused, but required by OSMesa
 };
 
 class EglContext final : public GlContext {
@@ -106,7 +105,7 @@ class EglContext final : public GlContext {
     if (display_ == EGL_NO_DISPLAY || initialize(display_, nullptr, nullptr) != EGL_TRUE) {
       display_ = library_.get<decltype(eglGetDisplay)>("eglGetDisplay")(EGL_DEFAULT_DISPLAY);
       if (display_ == EGL_NO_DISPLAY || initialize(display_, nullptr, nullptr) != EGL_TRUE) {
-        throw RunError("no OpenGL: EGL gives no display");
+        throw RunError("no OpenGL: EGL has no display");
       }
     }
     const std::array<EGLint, 5> wanted{EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE, EGL_PBUFFER_BIT,
@@ -119,7 +118,7 @@ class EglContext final : public GlContext {
       context_ = library_.get<decltype(eglCreateContext)>("eglCreateContext")(display_, config,
                                                                               EGL_NO_CONTEXT, nullptr);
     }
-    if (context_ == EGL_NO_CONTEXT) throw RunError("no OpenGL: EGL gives no context");
+    if (context_ == EGL_NO_CONTEXT) throw RunError("no OpenGL: EGL creates no context");
     EglContext::make_current();
     identify("egl");
     library_.publish();
@@ -191,7 +190,7 @@ void GlContext::identify(std::string_view backend) {
     const GLubyte* found = get_string == nullptr ? nullptr : get_string(name);
     return found == nullptr ? std::string() : std::string(reinterpret_cast<const char*>(found));
   };
-  // What MuJoCo needs and would end the program without.
+  // MuJoCo ends the program without this extension.
   if (text(GL_EXTENSIONS).find("GL_ARB_framebuffer_object") == std::string::npos) {
     throw RunError("no OpenGL: " + std::string(backend) + " offers no offscreen framebuffers");
   }

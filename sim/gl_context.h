@@ -7,19 +7,18 @@
 
 namespace saccade {
 
-/// An OpenGL context without a window, for drawing into offscreen buffers.
+/// An OpenGL context without a window, for rendering into offscreen buffers.
 ///
-/// The libraries are loaded at run time, so that one program draws with OSMesa (software, no display and
-/// no device needed) or EGL (surfaceless; a GPU where there is one). MuJoCo takes its OpenGL functions
-/// from whichever of the two it finds in the program, so a program keeps to one backend for its lifetime.
+/// The libraries are loaded at run time, so that one program renders with OSMesa (software, without display and device)
+/// or EGL (surfaceless, with a GPU if there is one). MuJoCo takes its OpenGL functions from the one of the two that is
+/// loaded, so a program uses one backend for its lifetime.
 ///
-/// In software both draw with llvmpipe, whose number of threads is the environment variable
-/// LP_NUM_THREADS (default: one per core); images do not depend on it.
+/// In software both render with llvmpipe, whose number of threads is the environment variable LP_NUM_THREADS (default:
+/// one per core); images do not depend on it.
 class GlContext {
  public:
-  /// Any of backends(). "auto" is OSMesa without a display and EGL with one, each with the other to fall
-  /// back on. The context is current afterwards.
-  /// Throws InputError for another word, RunError where there is no OpenGL.
+  /// `backend`: one of backends(). "auto" is OSMesa without a display and EGL with one; if that one fails, the other is
+  /// used. The context is current afterwards. Throws InputError for another name, RunError if there is no OpenGL.
   static std::unique_ptr<GlContext> create(std::string_view backend);
   /// "auto", "osmesa", "egl".
   static const std::vector<std::string>& backends();
@@ -30,7 +29,7 @@ class GlContext {
 
   /// Makes the context current in the calling thread. Throws RunError when that fails.
   virtual void make_current() = 0;
-  /// The address of an OpenGL function; nullptr where there is none.
+  /// The address of an OpenGL function; nullptr if it does not exist.
   [[nodiscard]] virtual void* function(const char* name) const = 0;
   /// Backend, renderer and version, for reports: "osmesa, llvmpipe (...), 4.5 (...) Mesa 22.3.6".
   [[nodiscard]] const std::string& description() const { return description_; }

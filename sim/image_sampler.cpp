@@ -11,8 +11,8 @@ namespace {
 
 constexpr int grid_side = 5;
 constexpr double margin_px = 4.0;
-constexpr double kept_share = 0.98;    // of the bound: what is seen between the points moves a little more
-constexpr double close_share = 0.998;  // of the way to the bound, so that it is not missed by rounding
+constexpr double kept_share = 0.98;    // of the bound: parts between the points move a little more
+constexpr double close_share = 0.998;  // of the way to the bound, so that rounding does not exceed it
 constexpr int drawn_groups = 2;        // as EyeRenderer draws
 
 /// Half the extent of a geom along its axes.
@@ -37,9 +37,9 @@ Eigen::Vector3d half_extent_m(const mjModel& model, int geom) {
 
 void describe(FieldVisitor& v, SamplingConfig& c) {
   v.real("max_displacement_px", c.max_displacement_px, {0.05, 10.0},
-         "an image is drawn before anything in it has moved farther");
-  v.real("max_interval_ms", c.max_interval_ms, {0.05, 5.0}, "and when the last one is that old");
-  v.real("min_interval_ms", c.min_interval_ms, {0.02, 5.0}, "but none before the last one is that old");
+         "largest motion in the image between two images");
+  v.real("max_interval_ms", c.max_interval_ms, {0.05, 5.0}, "longest interval between images");
+  v.real("min_interval_ms", c.min_interval_ms, {0.02, 5.0}, "shortest interval between images");
   v.require(c.min_interval_ms <= c.max_interval_ms, "min_interval_ms", text_of(c.min_interval_ms),
             "at most max_interval_ms");
 }
@@ -66,12 +66,12 @@ ImageMotion::ImageMotion(const mjModel& model, int camera_id, const Camera& came
   moving_px_.resize(moving_.size());
 }
 
-bool ImageMotion::is_seen(const Eigen::Vector2d& at_px) const {
+bool ImageMotion::is_near_image(const Eigen::Vector2d& at_px) const {
   return at_px.x() > -margin_px && at_px.y() > -margin_px && at_px.x() < camera_.size.width + margin_px &&
          at_px.y() < camera_.size.height + margin_px;
 }
 
-std::optional<Eigen::Vector2d> ImageMotion::place_of(const MovingPoint& point, const mjData& data,
+std::optional<Eigen::Vector2d> ImageMotion::pixel_of(const MovingPoint& point, const mjData& data,
                                                      const Eigen::Isometry3d& camera_from_root) const {
   using Rotation = Eigen::Matrix<mjtNum, 3, 3, Eigen::RowMajor>;
   const Eigen::Map<const Eigen::Vector3d> origin(data.geom_xpos + 3 * point.geom);
@@ -87,7 +87,7 @@ void ImageMotion::start_from(const mjData& data) {
   }
   const Eigen::Isometry3d camera_from_root = root_from_camera.inverse();
   for (std::size_t i = 0; i < moving_.size(); ++i) {
-    moving_px_[i] = place_of(moving_[i], data, camera_from_root);
+    moving_px_[i] = pixel_of(moving_[i], data, camera_from_root);
   }
 }
 
@@ -99,8 +99,8 @@ double ImageMotion::displacement_px(const mjData& data) const {
     if (now_px) largest2 = std::max(largest2, (*now_px - grid_px_[i / 2]).squaredNorm());
   }
   for (std::size_t i = 0; i < moving_.size(); ++i) {
-    const auto now_px = place_of(moving_[i], data, camera_from_root);
-    if (!now_px || !moving_px_[i] || !(is_seen(*now_px) || is_seen(*moving_px_[i]))) continue;
+    const auto now_px = pixel_of(moving_[i], data, camera_from_root);
+    if (!now_px || !moving_px_[i] || !(is_near_image(*now_px) || is_near_image(*moving_px_[i]))) continue;
     largest2 = std::max(largest2, (*now_px - *moving_px_[i]).squaredNorm());
   }
   return std::sqrt(largest2);

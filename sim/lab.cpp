@@ -119,10 +119,4 @@ void Lab::paint_patch(std::size_t index, mjtByte* rgb) const {
   }
 }
 
-std::string lab_mjcf(const LabConfig& config, std::uint64_t seed) { return Lab(config, seed).mjcf(); }
-
-void paint_lab_textures(mjModel& model, const LabConfig& config, std::uint64_t seed) {
-  Lab(config, seed).paint(model);
-}
-
 }  // namespace saccade

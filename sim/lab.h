@@ -56,8 +56,4 @@ class Lab {
   std::unique_ptr<const lab::Layout> layout_;
 };
 
-// The same in two calls, each of which makes the layout.
-[[nodiscard]] std::string lab_mjcf(const LabConfig& config, std::uint64_t seed);
-void paint_lab_textures(mjModel& model, const LabConfig& config, std::uint64_t seed);
-
 }  // namespace saccade

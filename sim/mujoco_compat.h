@@ -22,8 +22,8 @@ using MjModelPtr = std::unique_ptr<mjModel, MjDelete>;
 using MjDataPtr = std::unique_ptr<mjData, MjDelete>;
 using MjVfsPtr = std::unique_ptr<mjVFS, MjDelete>;
 
-/// Puts a text into MuJoCo's virtual file system, with the function that the installed version has
-/// (mj_addBufferVFS in 3.x, mj_makeEmptyFileVFS in 2.x). False when that fails.
+/// Adds a text file to MuJoCo's virtual file system, with the function of the installed version
+/// (mj_addBufferVFS in 3.x, mj_makeEmptyFileVFS in 2.x). Returns false on failure.
 template <class Vfs>
 bool add_to_vfs(Vfs* vfs, const std::string& name, const std::string& text) {
   const int size = static_cast<int>(text.size());
@@ -36,7 +36,7 @@ bool add_to_vfs(Vfs* vfs, const std::string& name, const std::string& text) {
   }
 }
 
-/// The colours of a texture of three channels: red, green, blue, row by row.
+/// The texels of a texture with three channels: red, green, blue, row by row.
 inline mjtByte* texture_rgb(const mjModel& model, int texture) {
 #if mjVERSION_HEADER >= 320
   SACCADE_CHECK(model.tex_nchannel[texture] == 3);

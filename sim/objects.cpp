@@ -10,11 +10,11 @@
 namespace saccade {
 namespace {
 
-constexpr double stride_m = 1.3;  ///< a person's, of both legs
+constexpr double stride_m = 1.3;  ///< length of a person's double step
 constexpr double leg_swing_rad = 0.42;
 constexpr double arm_swing_rad = 0.35;
 
-/// A rigid piece of a object; x the way the object goes, y to its left, z up.
+/// A rigid part of an object; x the walking direction, y to its left, z up.
 struct Piece {
   Eigen::Vector3d joint_m;
   double swing_rad;
@@ -60,7 +60,7 @@ std::string body_name(std::size_t object, std::size_t piece) {
   return "distractor_" + std::to_string(object) + "_" + std::to_string(piece);
 }
 
-/// The way a trajectory goes first, about z.
+/// Direction of the first segment of a trajectory, about z.
 double heading_rad(const TrajectoryConfig& trajectory) {
   if (trajectory.kind != "waypoints") return std::numbers::pi / 2.0;
   const std::vector<double>& from = trajectory.points_m[0];
@@ -71,17 +71,17 @@ double heading_rad(const TrajectoryConfig& trajectory) {
 }  // namespace
 
 void describe(FieldVisitor& v, ObjectConfig& c) {
-  v.choice("shape", c.shape, {"box", "cylinder", "ellipsoid", "person"}, "what it looks like");
+  v.choice("shape", c.shape, {"box", "cylinder", "ellipsoid", "person"}, "shape");
   if (c.shape != "person") v.reals("size_m", c.size_m, 3, {0.001, 3.0}, "extent along x, y and z");
-  v.reals("rgb", c.rgb, 3, {0.0, 1.0}, "its colour (a person's shirt): linear reflectance");
+  v.reals("rgb", c.rgb, 3, {0.0, 1.0}, "colour (for a person, of the shirt): linear reflectance");
   v.section(
-      "trajectory", [&c](FieldVisitor& w) { describe(w, c.trajectory); }, "how it is moved");
+      "trajectory", [&c](FieldVisitor& w) { describe(w, c.trajectory); }, "motion of the object");
 }
 
 void describe(FieldVisitor& v, NamedObjects& objects) {
   for (auto& [name, object] : objects) {
     v.section(
-        name, [&object = object](FieldVisitor& w) { describe(w, object); }, "something that moves");
+        name, [&object = object](FieldVisitor& w) { describe(w, object); }, "a moving object");
   }
 }
 

@@ -13,14 +13,14 @@
 
 namespace saccade {
 
-/// Something else that moves before the robot: what draws attention, or hides the ball.
+/// A moving object in front of the robot besides the ball: it distracts, or hides the ball.
 struct ObjectConfig {
   std::string shape = "box";  ///< box, cylinder (upright), ellipsoid or person
-  /// Its extent along x, y, z (of a cylinder x is the diameter); a person is 1.72 m tall.
+  /// Extent along x, y, z (a cylinder has the diameter x); a person is always 1.72 m tall.
   std::vector<double> size_m = {0.08, 0.08, 0.08};
-  std::vector<double> rgb = {0.10, 0.25, 0.60};  ///< reflectance, linear; of a person's shirt
-  /// Of its centre. Of a person the point on the floor between the feet; it walks the way it goes first (along
-  /// y, where it has no waypoints), as upright when it turns back.
+  std::vector<double> rgb = {0.10, 0.25, 0.60};  ///< linear reflectance; for a person that of the shirt
+  /// Trajectory of its centre; for a person, of the point on the floor between the feet. A person faces the direction of
+  /// the first segment (y without waypoints), also when walking back.
   TrajectoryConfig trajectory;
 };
 
@@ -32,24 +32,23 @@ using NamedObjects = std::vector<std::pair<std::string, ObjectConfig>>;
 /// Each object under its name.
 void describe(FieldVisitor& v, NamedObjects& objects);
 
-/// The objects as MJCF elements for World: mocap bodies whose names begin with `distractor`; nothing where there
-/// are none.
+/// The objects as MJCF elements for World: mocap bodies whose names begin with `distractor`. Empty without objects.
 [[nodiscard]] std::string objects_mjcf(const NamedObjects& objects);
 
 /// Moves the bodies of objects_mjcf along the objects' trajectories.
 class Objects {
  public:
-  /// `model` holds objects_mjcf(objects). Each object has a sway of its own. Throws InputError.
+  /// `model` holds objects_mjcf(objects). Each object has a sway of its own. Throws InputError for a config out of range.
   Objects(const NamedObjects& objects, std::uint64_t seed, const mjModel& model);
 
-  /// Puts the bodies to where they are at t_us; kinematics is the caller's.
+  /// Sets the poses of the bodies at t_us. The caller updates the kinematics.
   void place(std::int64_t t_us, mjData& data) const;
 
  private:
   struct Part {
     int mocap;
-    Eigen::Vector3d joint_m;  ///< where its origin is in the object, x the way it goes
-    double swing_rad;         ///< largest angle about the object's y axis
+    Eigen::Vector3d joint_m;  ///< its origin in the object's frame, x the walking direction
+    double swing_rad;         ///< amplitude of its rotation about the object's y axis
   };
   struct Object {
     Trajectory trajectory;

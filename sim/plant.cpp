@@ -11,24 +11,26 @@ constexpr double rad_per_deg = std::numbers::pi / 180.0;
 constexpr double tick_s = 1e-3;
 
 void describe(FieldVisitor& v, DriveConfig& c) {
-  v.real("friction_share", c.friction_share, {0.0, 0.5}, "Coulomb friction, of the servo's largest torque");
-  v.real("backlash_deg", c.backlash_deg, {0.0, 5.0}, "of the motor on reversal before its joint follows");
+  v.real("friction_share", c.friction_share, {0.0, 0.5},
+         "Coulomb friction, as a share of the servo's largest torque");
+  v.real("backlash_deg", c.backlash_deg, {0.0, 5.0},
+         "rotation of the motor on reversal before its joint follows");
 }
 
 }  // namespace
 
 void describe(FieldVisitor& v, EncoderConfig& c) {
   v.real("noise_deg", c.noise_deg, {0.0, 1.0}, "standard deviation of a reading, new every millisecond");
-  v.real("quantisation_deg", c.quantisation_deg, {0.0, 1.0}, "readings are multiples of it; 0: none");
+  v.real("quantisation_deg", c.quantisation_deg, {0.0, 1.0}, "step of the readings; 0: none");
   v.integer("velocity_window_ms", c.velocity_window_ms, {1, 100},
-            "over which readings are differenced where they are noisy or quantised");
+            "time over which readings are differenced if they are noisy or quantised");
 }
 
 void describe(FieldVisitor& v, PlantConfig& c) {
-  v.choice("axes", c.axes, {"dh", "cad"}, "where the neck's axes are: iKin's chain, or the CAD's");
+  v.choice("axes", c.axes, {"dh", "cad"}, "axes of the neck: iKin's chain or the CAD's");
   v.section(
-      "encoders", [&c](FieldVisitor& w) { describe(w, c.encoders); }, "what the motors' encoders say");
-  v.integer("command_delay_ms", c.command_delay_ms, {0, 200}, "from a command to the servos");
+      "encoders", [&c](FieldVisitor& w) { describe(w, c.encoders); }, "errors of the encoders at the motors");
+  v.integer("command_delay_ms", c.command_delay_ms, {0, 200}, "delay from a command to the servos");
   v.section(
       "neck", [&c](FieldVisitor& w) { describe(w, c.neck); }, "drives of neck pitch, roll and yaw");
   v.section(
@@ -37,7 +39,7 @@ void describe(FieldVisitor& v, PlantConfig& c) {
 
 void move_neck_axes_to_cad(mjModel& model) {
   // URDF of iCubGenova02 (icub-models): torso_pitch to neck_yaw, summed up in the root frame, against iKin's
-  // v2 chain. Neck roll turns about x, so that its own place along x does not matter.
+  // v2 chain. Neck roll turns about x, so its place along x has no effect.
   constexpr double forward_m = 0.0108093 - 0.0055;
   constexpr double lower_m = 0.2553 - 0.254797;
   for (const char* name : {"neck_pitch", "neck_roll", "neck_yaw"}) {
@@ -50,13 +52,13 @@ void move_neck_axes_to_cad(mjModel& model) {
 void set_friction(mjModel& model, int joint, double friction_nm) {
   const int dof = model.jnt_dofadr[joint];
   model.dof_frictionloss[dof] = friction_nm;
-  // As hard as MuJoCo allows, so that a joint that sticks does not creep.
+  // As stiff as MuJoCo permits, so that a sticking joint does not creep.
   model.dof_solref[mjNREF * dof] = 2.0 * model.opt.timestep;
   model.dof_solimp[mjNIMP * dof] = model.dof_solimp[mjNIMP * dof + 1] = mjMAXIMP;
 }
 
-double behind_play(double motor_rad, double joint_rad, double half_play_rad) {
-  return std::clamp(joint_rad, motor_rad - half_play_rad, motor_rad + half_play_rad);
+double joint_behind_backlash(double motor_rad, double joint_rad, double backlash_half_width_rad) {
+  return std::clamp(joint_rad, motor_rad - backlash_half_width_rad, motor_rad + backlash_half_width_rad);
 }
 
 Encoders::Encoders(const EncoderConfig& config, std::uint64_t seed, const JointVector& position_rad)

@@ -12,31 +12,31 @@
 
 namespace saccade {
 
-/// What real drives do between motor and joint; the same for all joints of a group.
+/// Non-ideal behaviour of drives between motor and joint, the same for all joints of a group.
 struct DriveConfig {
-  double friction_share = 0.0;  ///< Coulomb friction, of the servo's largest torque
-  double backlash_deg = 0.0;    ///< how far a motor turns on reversal before its joint follows
+  double friction_share = 0.0;  ///< Coulomb friction, as a share of the servo's largest torque
+  double backlash_deg = 0.0;    ///< rotation of a motor on reversal before its joint follows
 };
 
-/// What the encoders make of where the motors are.
+/// Errors of the encoders at the motors.
 struct EncoderConfig {
   double noise_deg = 0.0;         ///< standard deviation, new at every millisecond
-  double quantisation_deg = 0.0;  ///< readings are multiples of it; 0: none
-  /// Velocities are the difference of the readings over so long, as firmware has them, and so are old by half
-  /// of it. Encoders without noise and quantisation give the true velocity of the instant.
+  double quantisation_deg = 0.0;  ///< step of the readings; 0: none
+  /// Velocities are differences of readings over this time, as in firmware, so they lag by half of it. Encoders without
+  /// noise and quantisation give the true velocity of the instant.
   std::int64_t velocity_window_ms = 10;
 };
 
 /// Keys: noise_deg, quantisation_deg, velocity_window_ms.
 void describe(FieldVisitor& v, EncoderConfig& config);
 
-/// How the plant differs from the model that gaze has of it. By default it does not.
+/// Differences between the simulated plant and the model that gaze control uses. By default there are none.
 struct PlantConfig {
   /// dh: the neck's axes are iKin's. cad: neck pitch and yaw turn 5.31 mm further forward, pitch and roll
-  /// 0.503 mm lower, as iCubGenova02's CAD has them; with all joints at 0 nothing is elsewhere.
+  /// 0.503 mm lower, as in iCubGenova02's CAD. With all joints at 0 every body is at the same place in both.
   std::string axes = "dh";
   EncoderConfig encoders;
-  std::int64_t command_delay_ms = 0;  ///< from a command to the servos
+  std::int64_t command_delay_ms = 0;  ///< delay from a command to the servos
   DriveConfig neck;
   DriveConfig eyes;
 };
@@ -44,23 +44,25 @@ struct PlantConfig {
 /// Keys: axes, encoders.*, command_delay_ms, neck.*, eyes.*.
 void describe(FieldVisitor& v, PlantConfig& config);
 
-/// Moves the anchors of the neck's joints in the model to the CAD chain. Masses and looks stay where they are.
+/// Moves the anchors of the neck's joints in the model to the CAD chain. Masses and shapes stay in place.
 void move_neck_axes_to_cad(mjModel& model);
 
-/// Gives a hinge Coulomb friction of so many N m.
+/// Sets the Coulomb friction of a hinge, N m.
 void set_friction(mjModel& model, int joint, double friction_nm);
 
-/// The joint behind a drive with play: it rests until its motor has crossed the gap. (Its own friction holds
-/// it; that it might swing in the gap is left out.)
-[[nodiscard]] double behind_play(double motor_rad, double joint_rad, double half_play_rad);
+/// Position of a joint behind a drive with backlash: it rests until its motor has crossed the gap. (Friction holds it;
+/// motion of the joint inside the gap is not modelled.)
+[[nodiscard]] double joint_behind_backlash(double motor_rad, double joint_rad,
+                                           double backlash_half_width_rad);
 
-/// Encoders of the plant's joints, each with its own noise. They sit at the motors.
+/// The encoders at the motors of the plant's joints, each with noise of its own.
 class Encoders {
  public:
-  /// Throws InputError. Motors that have always been at `position_rad`.
+  /// The motors have been at `position_rad` for longer than the velocity window. Throws InputError for a config out of
+  /// range.
   Encoders(const EncoderConfig& config, std::uint64_t seed, const JointVector& position_rad);
 
-  /// Where the motors are and how fast, once per millisecond.
+  /// Takes a reading from the true state of the motors. Call once per millisecond.
   void read(const JointVector& position_rad, const JointVector& velocity_rad_s);
   [[nodiscard]] const JointVector& position_rad() const { return position_rad_; }
   [[nodiscard]] const JointVector& velocity_rad_s() const { return velocity_rad_s_; }

@@ -103,7 +103,7 @@ void SceneDrawer::read_rgba(mjrRect area, std::uint32_t* rgba) {
   gl_.make_current();
   mjr_restoreBuffer(&context_);
   reinterpret_cast<decltype(glReadPixels)*>(read_pixels_)(area.left, area.bottom, area.width, area.height,
-                                                         GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+                                                          GL_RGBA, GL_UNSIGNED_BYTE, rgba);
 }
 
 void SceneDrawer::read_rgb(mjrRect area, std::uint8_t* rgb) {

@@ -50,7 +50,7 @@ void SimEye::take_image(std::int64_t t_us, mjData& data) {
                                             world_->ball_radius_m());
 }
 
-void SimEye::note_truth() {
+void SimEye::update_truth() {
   truth_.root_from_cam = World::root_from_camera(world_->data(), model_camera_);
   truth_.circle = camera().project_sphere(truth_.root_from_cam.inverse() * world_->ball_position_m(),
                                           world_->ball_radius_m());

@@ -7,27 +7,30 @@
 namespace saccade {
 namespace {
 
-std::string in_words(ImageSize size) {
+std::string text_of(ImageSize size) {
   return std::to_string(size.width) + " x " + std::to_string(size.height) + " pixels";
 }
 
 }  // namespace
 
 SimRobot::SimRobot(const SimConfig& config, std::uint64_t seed)
+    : SimRobot(config, seed, Lab(config.lab, seed)) {}
+
+SimRobot::SimRobot(const SimConfig& config, std::uint64_t seed, const Lab& lab)
     : config_(config),
-      world_(config.world, lab_mjcf(config.lab, seed), seed),
+      world_(config.world, lab.mjcf(), seed),
       gl_(GlContext::create(config.gl)),
-      shown_(mj_makeData(&world_.model())) {
-  if (!shown_) throw RunError("MuJoCo has no memory for a second picture of the world");
+      between_ticks_(mj_makeData(&world_.model())) {
+  if (!between_ticks_) throw RunError("MuJoCo has no memory for the world between ticks");
   if (config.both_eyes() && config.right.camera.size != config.camera.size) {
-    throw InputError("right_camera", in_words(config.right.camera.size),
-                     "the left camera's image, " + in_words(config.camera.size));
+    throw InputError("right_camera", text_of(config.right.camera.size),
+                     "the left camera's image, " + text_of(config.camera.size));
   }
-  paint_lab_textures(world_.model(), config.lab, seed);
+  lab.paint(world_.model());
   eyes_.emplace_back(world_, *gl_, config_, 0, seed);
   if (config.both_eyes()) eyes_.emplace_back(world_, *gl_, config_, 1, seed);
   take_images(world_.now_us());
-  note_truth();
+  update_truth();
 }
 
 PortStatus SimRobot::wait_until(std::int64_t t_us) {
@@ -35,15 +38,15 @@ PortStatus SimRobot::wait_until(std::int64_t t_us) {
     const std::int64_t begin_us = world_.now_us();
     world_.step();
     while (const auto image_us = next_image(begin_us)) take_images(*image_us);
-    note_truth();
+    update_truth();
   }
   return PortStatus::ok;
 }
 
 mjData& SimRobot::world_at(std::int64_t t_us) {
   if (t_us == world_.now_us()) return world_.data();
-  world_.show(t_us, *shown_);
-  return *shown_;
+  world_.show(t_us, *between_ticks_);
+  return *between_ticks_;
 }
 
 std::optional<std::int64_t> SimRobot::next_image(std::int64_t begin_us) {
@@ -74,8 +77,8 @@ void SimRobot::queue_events() {
   }
 }
 
-void SimRobot::note_truth() {
-  for (SimEye& eye : eyes_) eye.note_truth();
+void SimRobot::update_truth() {
+  for (SimEye& eye : eyes_) eye.update_truth();
   truth_.t_us = world_.now_us();
   truth_.left = eyes_.front().truth();
   if (eyes_.size() > 1) truth_.right = eyes_[1].truth();

@@ -7,31 +7,32 @@
 
 #include "core/camera.h"
 #include "robot/robot.h"
+#include "sim/eye_renderer.h"
 #include "sim/gl_context.h"
 #include "sim/mujoco_compat.h"
-#include "sim/renderer.h"
+#include "sim/scene_renderer.h"
 #include "sim/sim_config.h"
 #include "sim/sim_eye.h"
 #include "sim/world.h"
 
 namespace saccade {
 
-/// What is really so at one instant; for recorders and scores, never for core or control.
+/// The ground truth at one instant, for recorders and scores; core and control have no access to it.
 struct SimTruth {
   std::int64_t t_us = 0;
   EyeTruth left;
-  std::optional<EyeTruth> right;                     ///< where it sees
+  std::optional<EyeTruth> right;                     ///< if it has a camera
   Eigen::Vector3d ball_m = Eigen::Vector3d::Zero();  ///< ball centre, root frame
   JointVector plant_position_rad = JointVector::Zero();
 };
 
-/// The simulated robot behind the ports. Waiting for a time advances the world in ticks of 1 ms: the plant
-/// steps, images are drawn, as many as motion asks for (ImageSampler), and the event cameras turn them into events.
-/// Both eyes are drawn whenever one of them asks. Events after the newest image come with the next one. It offers
-/// what the robot offers; the truth is a door of its own, which only a recorder opens.
+/// The simulated robot. Waiting for a time advances the world in ticks of 1 ms: the plant steps, ImageSampler chooses
+/// the instants of the images, they are drawn, and the event cameras turn them into events. Both eyes are drawn whenever
+/// one of them needs an image. Events after the newest image come with the next one. The ports give what a real robot
+/// gives; the ground truth has functions of its own, which only recorders, scores and the window use.
 class SimRobot final : public Robot, public Clock, public EventSource, public HeadPort {
  public:
-  /// Throws InputError for a configuration out of range, RunError where there is no OpenGL.
+  /// Throws InputError for a configuration out of range, RunError if there is no OpenGL.
   SimRobot(const SimConfig& config, std::uint64_t seed);
 
   Clock& clock() override { return *this; }
@@ -54,31 +55,33 @@ class SimRobot final : public Robot, public Clock, public EventSource, public He
   [[nodiscard]] const SimTruth& truth() const { return truth_; }
   [[nodiscard]] const World& world() const { return world_; }
   [[nodiscard]] std::int64_t first_motion_us() const { return world_.first_motion_us(); }
-  /// Truth: the cause of each event that the last read_until() delivered, in their order, and the SceneObject that
-  /// made it; empty unless SimConfig::labels.
+  /// Ground truth: the cause and the SceneObject of each event that the last read_until() delivered, in their order;
+  /// empty unless SimConfig::labels.
   [[nodiscard]] std::span<const EventLabel> delivered_labels() const { return delivered_labels_; }
-  /// Images, objects and counts of an eye; null for a right eye that does not see.
+  /// Images, objects and counts of an eye; null for a right eye without a camera.
   [[nodiscard]] const SimEye& left_eye() const { return eyes_.front(); }
   [[nodiscard]] const SimEye* right_eye() const { return eyes_.size() > 1 ? &eyes_[1] : nullptr; }
-  /// When the newest image was drawn.
+  /// Time of the newest image.
   [[nodiscard]] std::int64_t image_us() const { return image_us_; }
-  /// How many were drawn so far of each eye.
+  /// Number of images of each eye so far.
   [[nodiscard]] std::int64_t images() const { return images_; }
-  /// A picture of the scene from outside.
+  /// Draws the scene from outside; see SceneRenderer::render.
   void draw_scene(const SceneView& view, ImageSize size, std::span<std::uint8_t> rgb);
-  /// What a colour camera in the left eye's place sees at t_us within the last tick, [now - 1 ms, now]:
-  /// linear red, green and blue, 0 to 255, three images one after the other, one sample per pixel. Pixels lie
-  /// `shift_px` further right and down than the camera has them.
+  /// Draws the image of a colour camera in the place of the left eye's camera at t_us within the last tick,
+  /// [now - 1 ms, now]: linear red, green and blue, 0 to 255, three images one after the other, one sample per pixel.
+  /// The image lies shift_px further right and down in the pixel grid.
   void draw_left_eye(std::int64_t t_us, const Camera& camera, const Eigen::Vector2d& shift_px,
                      std::span<float> rgb);
   [[nodiscard]] const std::string& gl_description() const { return gl_->description(); }
 
  private:
+  SimRobot(const SimConfig& config, std::uint64_t seed, const Lab& lab);
+
   [[nodiscard]] std::optional<std::int64_t> next_image(std::int64_t begin_us);
   void take_images(std::int64_t t_us);
   void queue_events();
-  void note_truth();
-  /// The world at an instant of the last tick; good until the next call or tick.
+  void update_truth();
+  /// The world at an instant of the last tick; valid until the next call or tick.
   mjData& world_at(std::int64_t t_us);
 
   SimConfig config_;
@@ -87,7 +90,7 @@ class SimRobot final : public Robot, public Clock, public EventSource, public He
   std::vector<SimEye> eyes_;  // left, right
   std::unique_ptr<SceneRenderer> scene_;
   std::unique_ptr<EyeRenderer> colour_eye_;
-  MjDataPtr shown_;  // the world between ticks
+  MjDataPtr between_ticks_;
   std::int64_t image_us_ = 0;
   std::int64_t images_ = 0;
   std::vector<Event> events_;       // not yet delivered

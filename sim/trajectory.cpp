@@ -14,14 +14,14 @@ constexpr Range metres{-5.0, 5.0};
 
 Eigen::Vector3d vector(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
 
-/// 0 to 1 over u in [0, 1] with least jerk: velocity and acceleration vanish at both ends.
+/// Minimum-jerk polynomial, 0 to 1 over u in [0, 1]: velocity and acceleration are 0 at both ends.
 double minimum_jerk(double u) {
   u = std::clamp(u, 0.0, 1.0);
   return u * u * u * (10.0 + u * (-15.0 + 6.0 * u));
 }
 
-/// Time that has passed on a clock that starts at u = 0 and runs at full rate from u = 1 on; its rate is
-/// a cubic step, so that its second derivative is continuous. In units of the ramp: 1/2 at u = 1.
+/// Distance covered at u by a motion that accelerates from rest at u = 0 to unit speed at u = 1. The speed is a cubic
+/// step, so the acceleration is continuous. The distance is 1/2 at u = 1.
 double smooth_start(double u) {
   if (u <= 0.0) return 0.0;
   if (u >= 1.0) return u - 0.5;
@@ -31,34 +31,35 @@ double smooth_start(double u) {
 }  // namespace
 
 void describe(FieldVisitor& v, TrajectoryConfig& c) {
-  v.choice("kind", c.kind, {"hold", "waypoints", "circle"}, "how it is moved");
+  v.choice("kind", c.kind, {"hold", "waypoints", "circle"}, "kind of motion");
   v.real("sway_m", c.sway_m, {0.0, 0.05}, "rms of the hand's unsteadiness along each axis");
   if (c.kind == "circle") {
     v.reals("centre_m", c.centre_m, 3, metres, "centre of the circle, root frame");
-    v.reals("radius_a_m", c.radius_a_m, 3, metres, "from the centre to it at angle 0");
-    v.reals("radius_b_m", c.radius_b_m, 3, metres, "from the centre to it at angle 90 degrees");
+    v.reals("radius_a_m", c.radius_a_m, 3, metres, "from the centre to the point at angle 0");
+    v.reals("radius_b_m", c.radius_b_m, 3, metres, "from the centre to the point at angle 90 degrees");
     v.real("frequency_hz", c.frequency_hz, {0.0, 5.0}, "turns per second");
     v.real("phase_deg", c.phase_deg, {-360.0, 360.0}, "angle of the first position");
   } else {
-    v.points("points_m", c.points_m, 3, metres, "its centres, root frame, x backward, y right, z up");
+    v.points("points_m", c.points_m, 3, metres,
+             "centres of the object, root frame, x backward, y right, z up");
     const std::string found = std::to_string(c.points_m.size()) + " points";
     if (c.kind == "waypoints") {
       v.require(c.points_m.size() >= 2, "points_m", found, "at least two points");
     } else {
-      v.require(c.points_m.size() == 1, "points_m", found, "one point for what is held");
+      v.require(c.points_m.size() == 1, "points_m", found, "one point for kind hold");
     }
   }
   if (c.kind == "waypoints") {
     v.choice("profile", c.profile, {"minimum_jerk", "constant_speed"}, "speed along a segment");
     v.real("speed_m_s", c.speed_m_s, {0.001, 10.0}, "mean (minimum_jerk) or full speed along a segment");
     v.real("dwell_s", c.dwell_s, {0.0, 60.0}, "rest at every point after the first");
-    v.boolean("loop", c.loop, "from the last point on to the first, for ever");
+    v.boolean("loop", c.loop, "from the last point back to the first, without end");
     for (std::size_t i = 1; i < c.points_m.size(); ++i) {
       v.require(c.points_m[i] != c.points_m[i - 1], "points_m", "point " + std::to_string(i + 1) + " twice",
-                "points that differ from the one before (dwell_s rests)");
+                "points that differ from the previous one (for a rest use dwell_s)");
     }
   }
-  if (c.kind != "hold") v.real("start_s", c.start_s, {0.0, 3600.0}, "when it begins to move");
+  if (c.kind != "hold") v.real("start_s", c.start_s, {0.0, 3600.0}, "start of the motion");
   if (c.kind == "circle" || (c.kind == "waypoints" && c.profile == "constant_speed")) {
     v.real("ramp_s", c.ramp_s, {0.01, 10.0}, "time to reach full speed, and to stop");
   }

@@ -42,13 +42,13 @@ const WorldConfig& checked(const WorldConfig& config) {
 }
 
 MjModelPtr load_model(const std::filesystem::path& models, const std::string& lab_mjcf) {
-  // No log file beside the run: warnings are counted in mjData and step() turns them into an error.
+  // MuJoCo writes no log file: warnings are counted in mjData, and step() reports them as errors.
   mju_user_warning = [](const char*) {};
 
   MjVfsPtr vfs(new mjVFS);
   mj_defaultVFS(vfs.get());
   const auto add = [&vfs](const std::string& name, const std::string& text) {
-    if (!add_to_vfs(vfs.get(), name, text)) throw RunError("MuJoCo does not take the model file " + name);
+    if (!add_to_vfs(vfs.get(), name, text)) throw RunError("MuJoCo rejects the model file " + name);
   };
   std::string includes;
   for (const std::string name : {"icub_head.xml", "ball_in_hand.xml"}) {
@@ -63,7 +63,7 @@ MjModelPtr load_model(const std::filesystem::path& models, const std::string& la
   return model;
 }
 
-/// Throws InputError for every joint that is outside its limits; what rounding does is mended.
+/// Throws InputError for every joint that is outside its limits by more than rounding.
 JointVector start_pose_rad(const std::vector<double>& pose_deg, const JointLimits& limits) {
   const JointVector min_deg = limits.min_rad / rad_per_deg;
   const JointVector max_deg = limits.max_rad / rad_per_deg;
@@ -90,26 +90,27 @@ int find(const mjModel& model, mjtObj type, const std::string& name) {
 
 void describe(FieldVisitor& v, BallConfig& c) {
   v.real("diameter_m", c.diameter_m, {0.03, 0.2}, "diameter of the ball");
-  v.reals("rgb", c.rgb, 3, {0.0, 1.0}, "colour of the ball: linear reflectance in red, green and blue");
-  v.choice("sleeve", c.sleeve, {"plain", "checked"}, "what the arm that holds it wears");
+  v.reals("rgb", c.rgb, 3, {0.0, 1.0}, "colour: linear reflectance in red, green and blue");
+  v.choice("sleeve", c.sleeve, {"plain", "checked"}, "pattern of the sleeve of the arm that holds it");
   v.section(
-      "trajectory", [&c](FieldVisitor& inner) { describe(inner, c.trajectory); }, "how it is moved");
+      "trajectory", [&c](FieldVisitor& inner) { describe(inner, c.trajectory); }, "motion of the ball");
 }
 
 void describe(FieldVisitor& v, WorldConfig& c) {
   v.section(
-      "ball", [&c](FieldVisitor& inner) { describe(inner, c.ball); }, "the ball in the hand");
+      "ball", [&c](FieldVisitor& inner) { describe(inner, c.ball); }, "the ball and the hand that holds it");
   v.section(
-      "objects", [&c](FieldVisitor& inner) { describe(inner, c.objects); }, "what else moves, by name");
+      "objects", [&c](FieldVisitor& inner) { describe(inner, c.objects); }, "other moving objects, by name");
   if (c.board) {
     v.section(
         "board", [&c](FieldVisitor& inner) { describe(inner, *c.board); },
-        "a grid of dots to calibrate with");
+        "a board with dots, for calibration");
   }
   v.reals("initial_pose_deg", c.initial_pose_deg, joint_count, {-90.0, 90.0},
           "torso pitch, roll, yaw, neck pitch, roll, yaw, eyes tilt, version, vergence at the start");
   v.section(
-      "plant", [&c](FieldVisitor& inner) { describe(inner, c.plant); }, "how the head is not as its model");
+      "plant", [&c](FieldVisitor& inner) { describe(inner, c.plant); },
+      "differences between the simulated head and the model that gaze uses");
 }
 
 std::filesystem::path models_directory() { return SACCADE_MODELS_DIR; }
@@ -124,8 +125,8 @@ World::World(const WorldConfig& config, const std::string& lab_mjcf, std::uint64
   data_.reset(mj_makeData(model_.get()));
   if (!data_) throw RunError("MuJoCo has no memory for the world");
   find_parts();
-  make_ball(config.ball);
-  make_drives(config.plant);
+  set_up_ball(config.ball);
+  set_up_drives(config.plant);
   objects_.emplace(config.objects, seed, *model_);
   if (board_) {
     board_mocap_ = model_->body_mocapid[find(*model_, mjOBJ_BODY, "board")];
@@ -142,9 +143,9 @@ World::World(const WorldConfig& config, const std::string& lab_mjcf, std::uint64
   mj_step1(model_.get(), data_.get());
   for (std::int64_t t_us = 0; t_us < settling_us; t_us += tick_us) advance();
   data_->time = 0.0;
-  remember();
+  save_last_state();
   encoders_.emplace(config.plant.encoders, seed, motors().rad);
-  if (seen_) show(0, *seen_);
+  if (joint_data_) show(0, *joint_data_);
 }
 
 void World::find_parts() {
@@ -168,7 +169,7 @@ void World::find_parts() {
   right_eye_ = find(m, mjOBJ_CAMERA, "right_eye");
 }
 
-void World::make_ball(const BallConfig& config) {
+void World::set_up_ball(const BallConfig& config) {
   mjModel& m = *model_;
   const int ball = find(m, mjOBJ_GEOM, "ball");
   ball_radius_m_ = 0.5 * config.diameter_m;
@@ -190,7 +191,7 @@ void World::make_ball(const BallConfig& config) {
   mju_scl3(arm_pos, arm_pos, scale);
 }
 
-void World::make_drives(const PlantConfig& config) {
+void World::set_up_drives(const PlantConfig& config) {
   mjModel& m = *model_;
   if (config.axes == "cad") {
     move_neck_axes_to_cad(m);
@@ -202,11 +203,11 @@ void World::make_drives(const PlantConfig& config) {
     const int joint = joint_[static_cast<std::size_t>(j)];
     const double largest_nm = m.actuator_forcerange[2 * actuator_[static_cast<std::size_t>(j)] + 1];
     if (drive.friction_share > 0.0) set_friction(m, joint, drive.friction_share * largest_nm);
-    half_play_rad_[j] = 0.5 * drive.backlash_deg * rad_per_deg;
+    backlash_half_width_rad_[j] = 0.5 * drive.backlash_deg * rad_per_deg;
   }
-  if (half_play_rad_.isZero(0.0)) return;
-  seen_.reset(mj_makeData(&m));
-  if (!seen_) throw RunError("MuJoCo has no memory for the joints behind their play");
+  if (backlash_half_width_rad_.isZero(0.0)) return;
+  joint_data_.reset(mj_makeData(&m));
+  if (!joint_data_) throw RunError("MuJoCo has no memory for the joints behind their backlash");
 }
 
 std::vector<std::uint8_t> World::scene_objects() const {
@@ -230,17 +231,17 @@ std::vector<std::uint8_t> World::scene_objects() const {
 }
 
 void World::step() {
-  obey();
-  remember();
+  apply_due_commands();
+  save_last_state();
   now_us_ += tick_us;
   place_objects(now_us_, *data_);
   advance();
   const Motors now = motors();
   encoders_->read(now.rad, now.rad_s);
-  if (seen_) show(now_us_, *seen_);
+  if (joint_data_) show(now_us_, *joint_data_);
 }
 
-void World::obey() {
+void World::apply_due_commands() {
   for (; !commands_.empty() && commands_.front().due_us <= now_us_; commands_.pop_front()) {
     for (std::size_t j = torso_joint_count; j < joint_count; ++j) {
       data_->ctrl[actuator_[j]] = commands_.front().motor_rad[static_cast<Eigen::Index>(j)];
@@ -248,14 +249,14 @@ void World::obey() {
   }
 }
 
-void World::remember() {
+void World::save_last_state() {
   last_joint_rad_ = joint_rad_;
   last_qpos_.assign(data_->qpos, data_->qpos + model_->nq);
   last_qvel_.assign(data_->qvel, data_->qvel + model_->nv);
 }
 
-/// The second half of a MuJoCo step and the first half of the next, so that all that follows from the
-/// positions is up to date in between.
+/// The second half of a MuJoCo step and the first half of the next, so that everything derived from the positions is up
+/// to date in between.
 void World::advance() {
   mj_step2(model_.get(), data_.get());
   mj_step1(model_.get(), data_.get());
@@ -268,7 +269,7 @@ void World::advance() {
   }
   const JointVector motor_rad = motors().rad;
   for (int j = 0; j < joint_count; ++j) {
-    joint_rad_[j] = behind_play(motor_rad[j], joint_rad_[j], half_play_rad_[j]);
+    joint_rad_[j] = joint_behind_backlash(motor_rad[j], joint_rad_[j], backlash_half_width_rad_[j]);
   }
 }
 
@@ -311,7 +312,7 @@ Eigen::Isometry3d World::root_from_camera(const mjData& data, int camera_id) {
 }
 
 void World::mount_camera(int camera_id, const Eigen::Isometry3d& eye_from_camera) {
-  // MuJoCo's cameras have y up and look along -z; as the model has it, the camera is the eye's frame.
+  // MuJoCo's cameras have y up and look along -z; in the model file the camera has the eye's frame.
   const Eigen::Vector3d to = eye_from_camera.translation().cwiseProduct(Eigen::Vector3d(1.0, -1.0, -1.0));
   const Eigen::Quaterniond turn(eye_from_camera.linear());
   const std::array<mjtNum, 4> quat = {turn.w(), turn.x(), -turn.y(), -turn.z()};
@@ -343,7 +344,7 @@ void World::show(std::int64_t t_us, mjData& data) const {
   for (std::size_t j = 0; j < joint_count; ++j) {
     const auto row = static_cast<Eigen::Index>(j);
     mjtNum& q = data.qpos[model_->jnt_qposadr[joint_[j]]];
-    q = behind_play(q, last_joint_rad_[row], half_play_rad_[row]);
+    q = joint_behind_backlash(q, last_joint_rad_[row], backlash_half_width_rad_[row]);
   }
   place_objects(t_us, data);
   mj_kinematics(model_.get(), &data);
