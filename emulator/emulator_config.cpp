@@ -45,35 +45,35 @@ EmulatorConfig emulator_preset(const std::string& name) {
 
 void describe(FieldVisitor& v, EmulatorConfig& c) {
   const std::string preset = c.preset;
-  v.choice("preset", c.preset, emulator_presets(), "sensor that the keys below start from");
+  v.choice("preset", c.preset, emulator_presets(), "sensor whose values are the defaults of the other keys");
   const auto& known = emulator_presets();
   if (c.preset != preset && std::find(known.begin(), known.end(), c.preset) != known.end()) {
     c = emulator_preset(c.preset);
   }
   v.real("white", c.white, {1e-6, 1e9}, "luminance of white in the images");
-  v.choice("response", c.response, {"log", "lin_log"}, "from light to log luminance");
+  v.choice("response", c.response, "conversion of light to log luminance");
   v.real("dark_current", c.dark_current, {0.0, 1e9}, "added to the luminance; 0: none");
-  v.choice("interpolation", c.interpolation, {"linear", "held"}, "log luminance between two images");
-  v.real("cutoff_hz", c.cutoff_hz, {0.0, 1e6}, "photoreceptor's bandwidth, at white; 0: no low-pass");
+  v.choice("interpolation", c.interpolation, "log luminance between two images");
+  v.real("cutoff_hz", c.cutoff_hz, {0.0, 1e6}, "bandwidth of the photoreceptor at white; 0: no low-pass");
   v.boolean("cutoff_follows_light", c.cutoff_follows_light,
-            "bandwidth in proportion to light and dark current");
+            "whether the bandwidth is proportional to light and dark current");
   v.real("contrast_threshold_on", c.contrast_threshold_on, {0.01, 5.0}, "rise of ln luminance per event");
   v.real("contrast_threshold_off", c.contrast_threshold_off, {0.01, 5.0}, "fall of ln luminance per event");
-  v.real("threshold_mismatch", c.threshold_mismatch, {0.0, 0.5}, "relative sigma over pixels; 0: none");
+  v.real("threshold_mismatch", c.threshold_mismatch, {0.0, 0.5}, "relative standard deviation of the thresholds over pixels; 0: none");
   v.integer("refractory_us", c.refractory_us, {0, 1e6}, "dead time of a pixel after an event; 0: none");
-  v.choice("refractory_mode", c.refractory_mode, {"reset", "drop"},
-           "pixel held in reset, or its events dropped while its reference goes on");
-  v.real("leak_rate_hz", c.leak_rate_hz, {0.0, 1000.0}, "ON events of a pixel in still light; 0: none");
+  v.choice("refractory_mode", c.refractory_mode,
+           "pixel held in reset, or its events dropped while its reference follows");
+  v.real("leak_rate_hz", c.leak_rate_hz, {0.0, 1000.0}, "ON events of a pixel in constant light; 0: none");
   v.real("leak_spread_decades", c.leak_spread_decades, {0.0, 1.0},
-         "sigma over pixels of log10 of the leak rate");
+         "standard deviation over pixels of log10 of the leak rate");
   v.real("shot_noise_rate_hz", c.shot_noise_rate_hz, {0.0, 1000.0},
          "events of a pixel in the dark, a quarter of it at white; 0: none");
   v.real("hot_pixel_share", c.hot_pixel_share, {0.0, 1.0}, "share of the pixels that are hot; 0: none");
-  v.real("hot_pixel_rate_hz", c.hot_pixel_rate_hz, {0.0, 1e5}, "ON events of a hot pixel");
-  v.integer("latency_us", c.latency_us, {0, 1e6}, "from a crossing to its event; 0: none");
-  v.real("readout_rate_hz", c.readout_rate_hz, {0.0, 1e9}, "events per second the bus takes; 0: any number");
+  v.real("hot_pixel_rate_hz", c.hot_pixel_rate_hz, {0.0, 1e5}, "rate of ON events of a hot pixel");
+  v.integer("latency_us", c.latency_us, {0, 1e6}, "delay from a crossing to its event; 0: none");
+  v.real("readout_rate_hz", c.readout_rate_hz, {0.0, 1e9}, "events per second that the bus transmits; 0: no limit");
   v.integer("readout_queue_events", c.readout_queue_events, {0, 1e9},
-            "events that wait for the bus before some are lost; 0: any number");
+            "length of the queue for the bus; events beyond it are dropped; 0: no limit");
   v.integer("timestamp_resolution_us", c.timestamp_resolution_us, {1, 1e6}, "tick of the time stamps");
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -8,18 +9,45 @@
 
 namespace saccade {
 
-/// The pixel of a dynamic vision sensor and its readout, stage by stage, in the order light passes them. Each
-/// stage has a value that switches it off. docs/emulator.md has the formulas and where they come from.
+/// Conversion of luminance to the logarithm that a pixel responds to.
+enum class LightResponse {
+  log,      ///< ln(I + dark_current)
+  lin_log,  ///< linear below 20/255 of white, logarithmic above
+};
+constexpr auto words_of(LightResponse) {
+  return std::to_array<Word<LightResponse>>({{LightResponse::log, "log"}, {LightResponse::lin_log, "lin_log"}});
+}
+
+/// Log luminance between two images.
+enum class Interpolation {
+  linear,  ///< a straight line in time
+  held,    ///< constant until the next image
+};
+constexpr auto words_of(Interpolation) {
+  return std::to_array<Word<Interpolation>>({{Interpolation::linear, "linear"}, {Interpolation::held, "held"}});
+}
+
+/// Behaviour of a pixel in its refractory period.
+enum class RefractoryMode {
+  reset,  ///< the pixel is held in reset: the reference is the level at the end of the period
+  drop,   ///< the reference follows the level; events of the period are dropped
+};
+constexpr auto words_of(RefractoryMode) {
+  return std::to_array<Word<RefractoryMode>>({{RefractoryMode::reset, "reset"}, {RefractoryMode::drop, "drop"}});
+}
+
+/// The parameters of a dynamic vision sensor's pixels and readout, in the order in which light passes the stages. Each
+/// stage has a value that switches it off. docs/emulator.md has the formulas and their sources.
 struct EmulatorConfig {
-  std::string preset = "dvs128";  ///< where the values below start from
+  std::string preset = "dvs128";  ///< sensor whose values are the defaults of the keys below
 
   // Light to log luminance L. `white` is the unit of what follows.
-  double white = 255.0;          ///< luminance of white in the images
-  std::string response = "log";  ///< log: L = ln(I + dark_current); lin_log: linear below 20/255 of white
-  double dark_current = 10.0;    ///< unit of the luminance; 0: none
+  double white = 255.0;  ///< luminance of white in the images
+  LightResponse response = LightResponse::log;
+  double dark_current = 10.0;  ///< added to the luminance, in its unit; 0: none
 
   // Between two images
-  std::string interpolation = "linear";  ///< L is a straight line in time, or `held` until the next image
+  Interpolation interpolation = Interpolation::linear;
 
   // Photoreceptor: tau dv/dt = L - v, tau = 1 / (2 pi f)
   double cutoff_hz = 3000.0;         ///< f at white; 0: v = L
@@ -29,24 +57,24 @@ struct EmulatorConfig {
   double contrast_threshold_on = 0.2;   ///< rise of v per ON event
   double contrast_threshold_off = 0.2;  ///< fall of v per OFF event
   double threshold_mismatch = 0.021;    ///< relative standard deviation over pixels, fixed per pixel; 0: none
-  std::int64_t refractory_us = 500;     ///< after an event; 0: none
-  std::string refractory_mode = "reset";  ///< pixel held in reset; or `drop`: it goes on, its events are lost
+  std::int64_t refractory_us = 500;     ///< dead time of a pixel after an event; 0: none
+  RefractoryMode refractory_mode = RefractoryMode::reset;
 
   // Noise
-  double leak_rate_hz = 0.1;         ///< ON events of a pixel in still light; 0: none
+  double leak_rate_hz = 0.1;         ///< ON events of a pixel in constant light; 0: none
   double leak_spread_decades = 0.1;  ///< standard deviation over pixels of log10 of the rate
   double shot_noise_rate_hz = 0.4;   ///< events of a pixel in the dark, both polarities; 0: none
-  double hot_pixel_share = 0.0;      ///< of the pixels that are hot
-  double hot_pixel_rate_hz = 100.0;  ///< ON events of a hot pixel
+  double hot_pixel_share = 0.0;      ///< share of the pixels that are hot
+  double hot_pixel_rate_hz = 100.0;  ///< rate of ON events of a hot pixel
 
   // From the comparator to the time stamp
-  std::int64_t latency_us = 15;               ///< of every event
-  double readout_rate_hz = 1e6;               ///< events per second that the bus takes; 0: any number
-  std::int64_t readout_queue_events = 16384;  ///< that wait for the bus before some are lost; 0: any number
-  std::int64_t timestamp_resolution_us = 1;
+  std::int64_t latency_us = 15;               ///< delay of every event
+  double readout_rate_hz = 1e6;               ///< events per second that the bus transmits; 0: no limit
+  std::int64_t readout_queue_events = 16384;  ///< length of the queue for the bus; events beyond it are dropped; 0: no limit
+  std::int64_t timestamp_resolution_us = 1;  ///< tick of the time stamps
 };
 
-/// Names that `preset` may take: ideal, dvs128, noisy, davis346, atis.
+/// Names of presets: ideal, dvs128, noisy, davis346, atis.
 [[nodiscard]] const std::vector<std::string>& emulator_presets();
 /// The configuration of a preset. Throws InputError for an unknown name.
 [[nodiscard]] EmulatorConfig emulator_preset(const std::string& name);

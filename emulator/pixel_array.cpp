@@ -31,9 +31,9 @@ PixelArray::PixelArray(const EmulatorConfig& config, std::size_t first, std::siz
       first_(first),
       count_(count),
       filtered_(config.cutoff_hz > 0.0),
-      held_(config.interpolation == "held"),
-      drops_(config.refractory_mode == "drop"),
-      in_luminance_(!filtered_ && !held_ && config.leak_rate_hz == 0.0 && config.response == "log"),
+      held_(config.interpolation == Interpolation::held),
+      drops_(config.refractory_mode == RefractoryMode::drop),
+      in_luminance_(!filtered_ && !held_ && config.leak_rate_hz == 0.0 && config.response == LightResponse::log),
       luminance_(count),
       deviation_(filtered_ ? count : 0),
       low_(count),
@@ -83,7 +83,7 @@ void PixelArray::start(std::span<const float> luminance, std::int64_t t_us) {
 
 void PixelArray::respond(std::span<const float> luminance, double* log_level) const {
   log_of(luminance.data(), static_cast<float>(config_.dark_current), log_level, luminance.size());
-  if (config_.response == "log") return;
+  if (config_.response == LightResponse::log) return;
   const double to_grey = 255.0 / config_.white;
   for (std::size_t i = 0; i < luminance.size(); ++i) {
     const double grey = static_cast<double>(luminance[i]) * to_grey;

@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <numbers>
 
+#include "core/minimum_jerk.h"
+#include "core/units.h"
 #include "sim/mujoco_compat.h"
 
 namespace saccade {
@@ -28,11 +30,10 @@ Eigen::Vector2i texels(const BoardConfig& c) {
 
 Eigen::Isometry3d rest_pose(const BoardConfig& c, std::size_t i) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.translation() = Eigen::Map<const Eigen::Vector3d>(c.positions_m[i].data());
+  pose.translation() = c.positions_m[i];
   Eigen::Matrix3d facing;  // x right, y down, z away from the robot
   facing << 0.0, 0.0, -1.0, 1.0, 0.0, 0.0, 0.0, -1.0, 0.0;
-  const Eigen::Vector3d turn =
-      Eigen::Map<const Eigen::Vector3d>(c.rotations_deg[i].data()) * (std::numbers::pi / 180.0);
+  const Eigen::Vector3d turn = c.rotations_deg[i] * rad_per_deg;
   const double angle = turn.norm();
   pose.linear() = facing;
   if (angle > 0.0) pose.linear() *= Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
@@ -49,8 +50,8 @@ void describe(FieldVisitor& v, BoardConfig& c) {
   v.real("dot_diameter_mm", c.dot_diameter_mm, {1.0, 250.0}, "diameter of a dot");
   v.real("border_mm", c.border_mm, {1.0, 300.0},
          "width of the white border around the centres of the outer dots");
-  v.points("positions_m", c.positions_m, 3, {-5.0, 5.0}, "middle of the grid at rest, root frame");
-  v.points("rotations_deg", c.rotations_deg, 3, {-180.0, 180.0},
+  v.points("positions_m", c.positions_m, {-5.0, 5.0}, "middle of the grid at rest, root frame");
+  v.points("rotations_deg", c.rotations_deg, {-180.0, 180.0},
            "rotation vectors of the board at rest; 0 faces the robot");
   v.require(!c.positions_m.empty() && c.positions_m.size() == c.rotations_deg.size(), "rotations_deg",
             std::to_string(c.rotations_deg.size()) + " rotations",
@@ -59,6 +60,9 @@ void describe(FieldVisitor& v, BoardConfig& c) {
   v.real("move_s", c.move_s, {0.05, 60.0}, "time from one pose to the next");
   v.require(c.dot_diameter_mm < std::numbers::sqrt2 * c.spacing_mm, "dot_diameter_mm",
             text_of(c.dot_diameter_mm), "less than 1.41 times spacing_mm, so that dots do not touch");
+  const double largest_mm = 2.0 * half_size_mm(c).maxCoeff();
+  v.require(largest_mm <= 4000.0, "spacing_mm", "a board of " + text_of(largest_mm) + " mm",
+            "at most 4000 mm in width and height");
 }
 
 Eigen::Isometry3d root_from_board(const BoardConfig& c, std::int64_t t_us) {
@@ -71,7 +75,7 @@ Eigen::Isometry3d root_from_board(const BoardConfig& c, std::int64_t t_us) {
   const double u = (t_s - static_cast<double>(at) * period_s - c.rest_s) / c.move_s;
   if (u <= 0.0) return from;
   const Eigen::Isometry3d to = rest_pose(c, at + 1);
-  const double share = u * u * u * (10.0 + u * (-15.0 + 6.0 * u));
+  const double share = minimum_jerk(u);
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.translation() = from.translation() + share * (to.translation() - from.translation());
   pose.linear() =

@@ -25,8 +25,8 @@ struct BoardConfig {
   double border_mm = 40.0;  ///< width of the white border around the centres of the outer dots
   /// Poses at rest: middle of the grid, root frame, and rotation vector in the board frame. At rotation 0 the board
   /// faces the robot upright.
-  std::vector<std::vector<double>> positions_m = {{-0.33, -0.034, 0.347}};
-  std::vector<std::vector<double>> rotations_deg = {{0.0, 0.0, 0.0}};
+  std::vector<Eigen::Vector3d> positions_m = {Eigen::Vector3d(-0.33, -0.034, 0.347)};
+  std::vector<Eigen::Vector3d> rotations_deg = {Eigen::Vector3d::Zero()};
   double rest_s = 5.0;  ///< rest at each pose
   double move_s = 0.5;  ///< time from one pose to the next, minimum jerk; it stays at the last one
 };

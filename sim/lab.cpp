@@ -30,7 +30,7 @@ const LabConfig& checked(const LabConfig& config) {
 }  // namespace
 
 void describe(FieldVisitor& v, LabConfig& config) {
-  v.choice("clutter", config.clutter, {"textured", "rectilinear"}, "kind of furniture and surfaces");
+  v.choice("clutter", config.clutter, "kind of surfaces and furniture");
   v.real("density", config.density, {0.0, 2.0}, "number of objects in the lab; 1: normally furnished");
   v.real("contrast", config.contrast, {0.0, 1.5}, "contrast of everything painted; 0: flat grey, 1: natural");
   v.real("brightness", config.brightness, {0.3, 1.2}, "brightness of the light");

@@ -2,6 +2,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -10,12 +11,19 @@
 
 namespace saccade {
 
+/// Kind of a lab's surfaces and furniture.
+enum class Clutter {
+  textured,     ///< brick, curtain, foliage, patterned cloth, pinned photographs, plants
+  rectilinear,  ///< shelves with books, posters, window frames, a monitor, boxes, a door
+};
+constexpr auto words_of(Clutter) {
+  return std::to_array<Word<Clutter>>({{Clutter::textured, "textured"}, {Clutter::rectilinear, "rectilinear"}});
+}
+
 /// The room in front of the robot. Root frame: x backward, y right, z up, the waist at the origin; the
 /// floor is at z = -0.62 m and the robot looks along -x at the back wall.
 struct LabConfig {
-  /// "rectilinear": shelves with books, posters, window frames, a monitor, boxes, a door.
-  /// "textured": brick, curtain, foliage, patterned cloth, pinned photographs, plants.
-  std::string clutter = "textured";
+  Clutter clutter = Clutter::textured;
   double density = 1.0;          ///< number of objects, relative to a normally furnished lab
   double contrast = 1.0;         ///< exponent of the painted reflectances; 0 is flat grey, 1 natural
   double brightness = 1.0;       ///< of the light; at 1 a white wall is just below saturation

@@ -17,7 +17,7 @@ class Furnisher {
       : config_(config), random_(seed, "lab layout"), layout_(-config.wall_distance_m) {}
 
   Layout furnish() {
-    if (config_.clutter == "rectilinear") {
+    if (config_.clutter == Clutter::rectilinear) {
       furnish_rectilinear();
     } else {
       furnish_textured();

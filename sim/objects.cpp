@@ -26,18 +26,18 @@ std::string geom(std::string_view shape, std::string_view attributes, std::strin
          " contype=\"0\" conaffinity=\"0\"/>";
 }
 
-std::string rgba(const std::vector<double>& rgb) {
+std::string rgba(const std::array<double, 3>& rgb) {
   return "rgba=\"" + text_of(rgb[0]) + " " + text_of(rgb[1]) + " " + text_of(rgb[2]) + " 1\"";
 }
 
 std::vector<Piece> pieces_of(const ObjectConfig& object) {
   const std::string colour = rgba(object.rgb);
-  if (object.shape != "person") {
-    const bool round = object.shape == "cylinder";
+  if (object.shape != ObjectShape::person) {
+    const bool round = object.shape == ObjectShape::cylinder;
     std::string size = text_of(0.5 * object.size_m[0]);
     if (!round) size += " " + text_of(0.5 * object.size_m[1]);
     size += " " + text_of(0.5 * object.size_m[2]);
-    return {{Eigen::Vector3d::Zero(), 0.0, geom(object.shape, "size=\"" + size + "\"", colour)}};
+    return {{Eigen::Vector3d::Zero(), 0.0, geom(word_of(object.shape), "size=\"" + size + "\"", colour)}};
   }
   const std::string skin = "material=\"person_skin\"";
   const std::string trousers = "rgba=\"0.09 0.10 0.13 1\"";
@@ -62,27 +62,19 @@ std::string body_name(std::size_t object, std::size_t piece) {
 
 /// Direction of the first segment of a trajectory, about z.
 double heading_rad(const TrajectoryConfig& trajectory) {
-  if (trajectory.kind != "waypoints") return std::numbers::pi / 2.0;
-  const std::vector<double>& from = trajectory.points_m[0];
-  const std::vector<double>& to = trajectory.points_m[1];
-  return std::atan2(to[1] - from[1], to[0] - from[0]);
+  if (trajectory.kind != TrajectoryKind::waypoints) return std::numbers::pi / 2.0;
+  const Eigen::Vector3d along = trajectory.points_m[1] - trajectory.points_m[0];
+  return std::atan2(along.y(), along.x());
 }
 
 }  // namespace
 
 void describe(FieldVisitor& v, ObjectConfig& c) {
-  v.choice("shape", c.shape, {"box", "cylinder", "ellipsoid", "person"}, "shape");
-  if (c.shape != "person") v.reals("size_m", c.size_m, 3, {0.001, 3.0}, "extent along x, y and z");
-  v.reals("rgb", c.rgb, 3, {0.0, 1.0}, "colour (for a person, of the shirt): linear reflectance");
-  v.section(
-      "trajectory", [&c](FieldVisitor& w) { describe(w, c.trajectory); }, "motion of the object");
-}
-
-void describe(FieldVisitor& v, NamedObjects& objects) {
-  for (auto& [name, object] : objects) {
-    v.section(
-        name, [&object = object](FieldVisitor& w) { describe(w, object); }, "a moving object");
-  }
+  v.choice("shape", c.shape, "shape of the object");
+  v.when(c.shape != ObjectShape::person, "shape: box, cylinder or ellipsoid",
+         [&] { v.reals("size_m", c.size_m, {0.001, 3.0}, "extent along x, y and z"); });
+  v.reals("rgb", c.rgb, {0.0, 1.0}, "colour (for a person, of the shirt): linear reflectance");
+  v.section("trajectory", c.trajectory, "motion of the object");
 }
 
 std::string objects_mjcf(const NamedObjects& objects) {
@@ -99,7 +91,7 @@ std::string objects_mjcf(const NamedObjects& objects) {
 Objects::Objects(const NamedObjects& objects, std::uint64_t seed, const mjModel& model) {
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const ObjectConfig& config = objects[i].second;
-    const bool walks = config.shape == "person";
+    const bool walks = config.shape == ObjectShape::person;
     Object object{
         Trajectory(config.trajectory, seed + i + 1), walks ? heading_rad(config.trajectory) : 0.0, {}};
     const std::vector<Piece> pieces = pieces_of(config);

@@ -3,6 +3,7 @@
 #include <mujoco/mujoco.h>
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -13,12 +14,21 @@
 
 namespace saccade {
 
+/// Shape of an object; a cylinder is upright.
+enum class ObjectShape { box, cylinder, ellipsoid, person };
+constexpr auto words_of(ObjectShape) {
+  return std::to_array<Word<ObjectShape>>({{ObjectShape::box, "box"},
+                                           {ObjectShape::cylinder, "cylinder"},
+                                           {ObjectShape::ellipsoid, "ellipsoid"},
+                                           {ObjectShape::person, "person"}});
+}
+
 /// A moving object in front of the robot besides the ball: it distracts, or hides the ball.
 struct ObjectConfig {
-  std::string shape = "box";  ///< box, cylinder (upright), ellipsoid or person
+  ObjectShape shape = ObjectShape::box;
   /// Extent along x, y, z (a cylinder has the diameter x); a person is always 1.72 m tall.
-  std::vector<double> size_m = {0.08, 0.08, 0.08};
-  std::vector<double> rgb = {0.10, 0.25, 0.60};  ///< linear reflectance; for a person that of the shirt
+  Eigen::Vector3d size_m = {0.08, 0.08, 0.08};
+  std::array<double, 3> rgb = {0.10, 0.25, 0.60};  ///< linear reflectance; for a person that of the shirt
   /// Trajectory of its centre; for a person, of the point on the floor between the feet. A person faces the direction of
   /// the first segment (y without waypoints), also when walking back.
   TrajectoryConfig trajectory;
@@ -27,10 +37,8 @@ struct ObjectConfig {
 /// Keys: shape, size_m (not of a person), rgb, trajectory.
 void describe(FieldVisitor& v, ObjectConfig& config);
 
+/// Objects under their names, in the order of the scenario.
 using NamedObjects = std::vector<std::pair<std::string, ObjectConfig>>;
-
-/// Each object under its name.
-void describe(FieldVisitor& v, NamedObjects& objects);
 
 /// The objects as MJCF elements for World: mocap bodies whose names begin with `distractor`. Empty without objects.
 [[nodiscard]] std::string objects_mjcf(const NamedObjects& objects);

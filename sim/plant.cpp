@@ -2,13 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "core/units.h"
 
 namespace saccade {
 namespace {
 
-constexpr double rad_per_deg = std::numbers::pi / 180.0;
 constexpr double tick_s = 1e-3;
+
+}  // namespace
 
 void describe(FieldVisitor& v, DriveConfig& c) {
   v.real("friction_share", c.friction_share, {0.0, 0.5},
@@ -16,8 +18,6 @@ void describe(FieldVisitor& v, DriveConfig& c) {
   v.real("backlash_deg", c.backlash_deg, {0.0, 5.0},
          "rotation of the motor on reversal before its joint follows");
 }
-
-}  // namespace
 
 void describe(FieldVisitor& v, EncoderConfig& c) {
   v.real("noise_deg", c.noise_deg, {0.0, 1.0}, "standard deviation of a reading, new every millisecond");
@@ -27,14 +27,11 @@ void describe(FieldVisitor& v, EncoderConfig& c) {
 }
 
 void describe(FieldVisitor& v, PlantConfig& c) {
-  v.choice("axes", c.axes, {"dh", "cad"}, "axes of the neck: iKin's chain or the CAD's");
-  v.section(
-      "encoders", [&c](FieldVisitor& w) { describe(w, c.encoders); }, "errors of the encoders at the motors");
+  v.choice("axes", c.axes, "axes of the neck: iKin's chain or the CAD's");
+  v.section("encoders", c.encoders, "errors of the encoders at the motors");
   v.integer("command_delay_ms", c.command_delay_ms, {0, 200}, "delay from a command to the servos");
-  v.section(
-      "neck", [&c](FieldVisitor& w) { describe(w, c.neck); }, "drives of neck pitch, roll and yaw");
-  v.section(
-      "eyes", [&c](FieldVisitor& w) { describe(w, c.eyes); }, "drives of eyes' tilt and pans");
+  v.section("neck", c.neck, "drives of neck pitch, roll and yaw");
+  v.section("eyes", c.eyes, "drives of the eyes' tilt and pans");
 }
 
 void move_neck_axes_to_cad(mjModel& model) {

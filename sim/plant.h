@@ -2,8 +2,8 @@
 
 #include <mujoco/mujoco.h>
 
+#include <array>
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "core/config.h"
@@ -18,6 +18,9 @@ struct DriveConfig {
   double backlash_deg = 0.0;    ///< rotation of a motor on reversal before its joint follows
 };
 
+/// Keys: friction_share, backlash_deg.
+void describe(FieldVisitor& v, DriveConfig& config);
+
 /// Errors of the encoders at the motors.
 struct EncoderConfig {
   double noise_deg = 0.0;         ///< standard deviation, new at every millisecond
@@ -30,11 +33,19 @@ struct EncoderConfig {
 /// Keys: noise_deg, quantisation_deg, velocity_window_ms.
 void describe(FieldVisitor& v, EncoderConfig& config);
 
+/// Position of the neck's axes.
+enum class NeckAxes {
+  dh,   ///< those of iKin
+  cad,  ///< neck pitch and yaw turn 5.31 mm further forward, pitch and roll 0.503 mm lower, as in iCubGenova02's CAD
+};
+constexpr auto words_of(NeckAxes) {
+  return std::to_array<Word<NeckAxes>>({{NeckAxes::dh, "dh"}, {NeckAxes::cad, "cad"}});
+}
+
 /// Differences between the simulated plant and the model that gaze control uses. By default there are none.
 struct PlantConfig {
-  /// dh: the neck's axes are iKin's. cad: neck pitch and yaw turn 5.31 mm further forward, pitch and roll
-  /// 0.503 mm lower, as in iCubGenova02's CAD. With all joints at 0 every body is at the same place in both.
-  std::string axes = "dh";
+  /// With all joints at 0 every body is at the same place with either.
+  NeckAxes axes = NeckAxes::dh;
   EncoderConfig encoders;
   std::int64_t command_delay_ms = 0;  ///< delay from a command to the servos
   DriveConfig neck;

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 
+#include "core/minimum_jerk.h"
 #include "core/random.h"
 
 namespace saccade {
@@ -11,14 +13,6 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 constexpr Range metres{-5.0, 5.0};
-
-Eigen::Vector3d vector(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
-
-/// Minimum-jerk polynomial, 0 to 1 over u in [0, 1]: velocity and acceleration are 0 at both ends.
-double minimum_jerk(double u) {
-  u = std::clamp(u, 0.0, 1.0);
-  return u * u * u * (10.0 + u * (-15.0 + 6.0 * u));
-}
 
 /// Distance covered at u by a motion that accelerates from rest at u = 0 to unit speed at u = 1. The speed is a cubic
 /// step, so the acceleration is continuous. The distance is 1/2 at u = 1.
@@ -31,26 +25,27 @@ double smooth_start(double u) {
 }  // namespace
 
 void describe(FieldVisitor& v, TrajectoryConfig& c) {
-  v.choice("kind", c.kind, {"hold", "waypoints", "circle"}, "kind of motion");
+  using Kind = TrajectoryKind;
+  v.choice("kind", c.kind, "kind of motion");
   v.real("sway_m", c.sway_m, {0.0, 0.05}, "rms of the hand's unsteadiness along each axis");
-  if (c.kind == "circle") {
-    v.reals("centre_m", c.centre_m, 3, metres, "centre of the circle, root frame");
-    v.reals("radius_a_m", c.radius_a_m, 3, metres, "from the centre to the point at angle 0");
-    v.reals("radius_b_m", c.radius_b_m, 3, metres, "from the centre to the point at angle 90 degrees");
+  v.when(c.kind == Kind::circle, "kind: circle", [&] {
+    v.reals("centre_m", c.centre_m, metres, "centre of the circle, root frame");
+    v.reals("radius_a_m", c.radius_a_m, metres, "from the centre to the point at angle 0");
+    v.reals("radius_b_m", c.radius_b_m, metres, "from the centre to the point at angle 90 degrees");
     v.real("frequency_hz", c.frequency_hz, {0.0, 5.0}, "turns per second");
     v.real("phase_deg", c.phase_deg, {-360.0, 360.0}, "angle of the first position");
-  } else {
-    v.points("points_m", c.points_m, 3, metres,
-             "centres of the object, root frame, x backward, y right, z up");
+  });
+  v.when(c.kind != Kind::circle, "kind: hold or waypoints", [&] {
+    v.points("points_m", c.points_m, metres, "centres of the object, root frame, x backward, y right, z up");
     const std::string found = std::to_string(c.points_m.size()) + " points";
-    if (c.kind == "waypoints") {
+    if (c.kind == Kind::waypoints) {
       v.require(c.points_m.size() >= 2, "points_m", found, "at least two points");
     } else {
       v.require(c.points_m.size() == 1, "points_m", found, "one point for kind hold");
     }
-  }
-  if (c.kind == "waypoints") {
-    v.choice("profile", c.profile, {"minimum_jerk", "constant_speed"}, "speed along a segment");
+  });
+  v.when(c.kind == Kind::waypoints, "kind: waypoints", [&] {
+    v.choice("profile", c.profile, "speed along a segment");
     v.real("speed_m_s", c.speed_m_s, {0.001, 10.0}, "mean (minimum_jerk) or full speed along a segment");
     v.real("dwell_s", c.dwell_s, {0.0, 60.0}, "rest at every point after the first");
     v.boolean("loop", c.loop, "from the last point back to the first, without end");
@@ -58,23 +53,25 @@ void describe(FieldVisitor& v, TrajectoryConfig& c) {
       v.require(c.points_m[i] != c.points_m[i - 1], "points_m", "point " + std::to_string(i + 1) + " twice",
                 "points that differ from the previous one (for a rest use dwell_s)");
     }
-  }
-  if (c.kind != "hold") v.real("start_s", c.start_s, {0.0, 3600.0}, "start of the motion");
-  if (c.kind == "circle" || (c.kind == "waypoints" && c.profile == "constant_speed")) {
-    v.real("ramp_s", c.ramp_s, {0.01, 10.0}, "time to reach full speed, and to stop");
-  }
+  });
+  v.when(c.kind != Kind::hold, "kind: waypoints or circle",
+         [&] { v.real("start_s", c.start_s, {0.0, 3600.0}, "start of the motion"); });
+  const bool has_ramps =
+      c.kind == Kind::circle || (c.kind == Kind::waypoints && c.profile == SpeedProfile::constant_speed);
+  v.when(has_ramps, "kind: circle, or profile: constant_speed",
+         [&] { v.real("ramp_s", c.ramp_s, {0.01, 10.0}, "time to reach full speed, and to stop"); });
 }
 
 Trajectory::Trajectory(const TrajectoryConfig& config, std::uint64_t seed) : config_(config) {
   check_config("trajectory", config);
-  if (config.kind == "waypoints") {
+  if (config.kind == TrajectoryKind::waypoints) {
     const std::size_t count = config.points_m.size();
     for (std::size_t i = 0; i < (config.loop ? count : count - 1); ++i) {
-      Segment segment{vector(config.points_m[i]), vector(config.points_m[(i + 1) % count]), lap_s_, 0.0, 0.0};
+      Segment segment{config.points_m[i], config.points_m[(i + 1) % count], lap_s_, 0.0, 0.0};
       const double length_m = (segment.to_m - segment.from_m).norm();
       if (length_m == 0.0) continue;  // a loop whose last point is its first
       segment.move_s = length_m / config.speed_m_s;
-      if (config.profile == "constant_speed") {
+      if (config.profile == SpeedProfile::constant_speed) {
         // Both ramps together cover speed * ramp_s; a segment shorter than that is ramps only, slower.
         segment.ramp_s = config.ramp_s;
         segment.move_s = std::max(segment.move_s, config.ramp_s) + config.ramp_s;
@@ -98,7 +95,7 @@ Trajectory::Trajectory(const TrajectoryConfig& config, std::uint64_t seed) : con
 }
 
 std::int64_t Trajectory::first_motion_us() const {
-  return config_.kind == "hold" ? 0 : std::llround(config_.start_s * 1e6);
+  return config_.kind == TrajectoryKind::hold ? 0 : std::llround(config_.start_s * 1e6);
 }
 
 Eigen::Vector3d Trajectory::position_m(std::int64_t t_us) const {
@@ -108,14 +105,14 @@ Eigen::Vector3d Trajectory::position_m(std::int64_t t_us) const {
 
 Eigen::Vector3d Trajectory::commanded_m(double t_s) const {
   const double moving_s = t_s - config_.start_s;
-  if (config_.kind == "waypoints") return along_waypoints_m(moving_s);
-  if (config_.kind == "circle") {
+  if (config_.kind == TrajectoryKind::waypoints) return along_waypoints_m(moving_s);
+  if (config_.kind == TrajectoryKind::circle) {
     const double turning_s = config_.ramp_s * smooth_start(moving_s / config_.ramp_s);
     const double angle_rad = config_.phase_deg * pi / 180.0 + 2.0 * pi * config_.frequency_hz * turning_s;
-    return vector(config_.centre_m) + std::cos(angle_rad) * vector(config_.radius_a_m) +
-           std::sin(angle_rad) * vector(config_.radius_b_m);
+    return config_.centre_m + std::cos(angle_rad) * config_.radius_a_m +
+           std::sin(angle_rad) * config_.radius_b_m;
   }
-  return vector(config_.points_m.front());
+  return config_.points_m.front();
 }
 
 Eigen::Vector3d Trajectory::along_waypoints_m(double moving_s) const {

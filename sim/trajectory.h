@@ -3,25 +3,38 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "core/config.h"
 
 namespace saccade {
 
+/// Kind of an object's motion.
+enum class TrajectoryKind { hold, waypoints, circle };
+constexpr auto words_of(TrajectoryKind) {
+  return std::to_array<Word<TrajectoryKind>>({{TrajectoryKind::hold, "hold"},
+                                              {TrajectoryKind::waypoints, "waypoints"},
+                                              {TrajectoryKind::circle, "circle"}});
+}
+
+/// Speed along a segment between two waypoints.
+enum class SpeedProfile { minimum_jerk, constant_speed };
+constexpr auto words_of(SpeedProfile) {
+  return std::to_array<Word<SpeedProfile>>(
+      {{SpeedProfile::minimum_jerk, "minimum_jerk"}, {SpeedProfile::constant_speed, "constant_speed"}});
+}
+
 /// The motion of the ball or of another object. Points are its centres in the root frame (x backward, y right, z up), m.
 struct TrajectoryConfig {
-  std::string kind = "hold";  ///< `hold`, `waypoints` or `circle`
+  TrajectoryKind kind = TrajectoryKind::hold;
   /// Start of the commanded motion; before it the object stays at its first position.
   double start_s = 0.0;
 
   // hold and waypoints
-  std::vector<std::vector<double>> points_m = {
-      {-0.5, 0.0, 0.347}};  ///< hold: one point; waypoints: in this order
+  std::vector<Eigen::Vector3d> points_m = {Eigen::Vector3d(-0.5, 0.0, 0.347)};  ///< hold: one point; waypoints: in this order
 
   // waypoints
-  std::string profile = "minimum_jerk";  ///< `minimum_jerk` or `constant_speed`
+  SpeedProfile profile = SpeedProfile::minimum_jerk;
   /// Speed along every segment: the mean speed of a minimum-jerk move (the peak is 1.875 times as high), or the speed
   /// between the ramps of a constant-speed move.
   double speed_m_s = 0.1;
@@ -29,9 +42,9 @@ struct TrajectoryConfig {
   bool loop = false;     ///< from the last point back to the first, without end
 
   // circle: centre + a cos(angle) + b sin(angle), angle = phase + 2 pi frequency (t - start)
-  std::vector<double> centre_m = {-0.5, 0.0, 0.347};
-  std::vector<double> radius_a_m = {0.0, 0.1, 0.0};
-  std::vector<double> radius_b_m = {0.0, 0.0, 0.1};  ///< zero for an oscillation along a
+  Eigen::Vector3d centre_m = {-0.5, 0.0, 0.347};
+  Eigen::Vector3d radius_a_m = {0.0, 0.1, 0.0};
+  Eigen::Vector3d radius_b_m = {0.0, 0.0, 0.1};  ///< zero for an oscillation along a
   double frequency_hz = 0.2;
   double phase_deg = 0.0;
 

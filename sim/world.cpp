@@ -2,15 +2,14 @@
 
 #include <cmath>
 #include <fstream>
-#include <numbers>
 #include <sstream>
 
 #include "core/error.h"
+#include "core/units.h"
 
 namespace saccade {
 namespace {
 
-constexpr double rad_per_deg = std::numbers::pi / 180.0;
 constexpr std::int64_t settling_us = 500'000;
 
 /// Version and vergence to left and right pan, and back. The other joints are the same in both.
@@ -64,7 +63,7 @@ MjModelPtr load_model(const std::filesystem::path& models, const std::string& la
 }
 
 /// Throws InputError for every joint that is outside its limits by more than rounding.
-JointVector start_pose_rad(const std::vector<double>& pose_deg, const JointLimits& limits) {
+JointVector start_pose_rad(const std::array<double, joint_count>& pose_deg, const JointLimits& limits) {
   const JointVector min_deg = limits.min_rad / rad_per_deg;
   const JointVector max_deg = limits.max_rad / rad_per_deg;
   std::vector<Problem> problems;
@@ -90,27 +89,18 @@ int find(const mjModel& model, mjtObj type, const std::string& name) {
 
 void describe(FieldVisitor& v, BallConfig& c) {
   v.real("diameter_m", c.diameter_m, {0.03, 0.2}, "diameter of the ball");
-  v.reals("rgb", c.rgb, 3, {0.0, 1.0}, "colour: linear reflectance in red, green and blue");
-  v.choice("sleeve", c.sleeve, {"plain", "checked"}, "pattern of the sleeve of the arm that holds it");
-  v.section(
-      "trajectory", [&c](FieldVisitor& inner) { describe(inner, c.trajectory); }, "motion of the ball");
+  v.reals("rgb", c.rgb, {0.0, 1.0}, "colour: linear reflectance in red, green and blue");
+  v.choice("sleeve", c.sleeve, "pattern of the sleeve of the arm that holds it");
+  v.section("trajectory", c.trajectory, "motion of the ball");
 }
 
 void describe(FieldVisitor& v, WorldConfig& c) {
-  v.section(
-      "ball", [&c](FieldVisitor& inner) { describe(inner, c.ball); }, "the ball and the hand that holds it");
-  v.section(
-      "objects", [&c](FieldVisitor& inner) { describe(inner, c.objects); }, "other moving objects, by name");
-  if (c.board) {
-    v.section(
-        "board", [&c](FieldVisitor& inner) { describe(inner, *c.board); },
-        "a board with dots, for calibration");
-  }
-  v.reals("initial_pose_deg", c.initial_pose_deg, joint_count, {-90.0, 90.0},
+  v.section("ball", c.ball, "the ball and the hand that holds it");
+  v.named_sections("objects", c.objects, "other moving objects, by name", "a moving object");
+  v.optional_section("board", c.board, "a board with dots, for calibration");
+  v.reals("initial_pose_deg", c.initial_pose_deg, {-90.0, 90.0},
           "torso pitch, roll, yaw, neck pitch, roll, yaw, eyes tilt, version, vergence at the start");
-  v.section(
-      "plant", [&c](FieldVisitor& inner) { describe(inner, c.plant); },
-      "differences between the simulated head and the model that gaze uses");
+  v.section("plant", c.plant, "differences between the simulated head and the model that gaze uses");
 }
 
 std::filesystem::path models_directory() { return SACCADE_MODELS_DIR; }
@@ -184,7 +174,7 @@ void World::set_up_ball(const BallConfig& config) {
     m.geom_size[3 * g + 1] *= scale;
     m.geom_rbound[g] = m.geom_size[3 * g] + m.geom_size[3 * g + 1];
   }
-  if (config.sleeve == "checked") {
+  if (config.sleeve == Sleeve::checked) {
     m.geom_matid[find(m, mjOBJ_GEOM, "arm_sleeve")] = find(m, mjOBJ_MATERIAL, "person_sleeve_checked");
   }
   mjtNum* arm_pos = m.body_pos + 3 * find(m, mjOBJ_BODY, "arm");
@@ -193,7 +183,7 @@ void World::set_up_ball(const BallConfig& config) {
 
 void World::set_up_drives(const PlantConfig& config) {
   mjModel& m = *model_;
-  if (config.axes == "cad") {
+  if (config.axes == NeckAxes::cad) {
     move_neck_axes_to_cad(m);
     mj_setConst(&m, data_.get());
     mj_resetData(&m, data_.get());

@@ -23,11 +23,17 @@
 
 namespace saccade {
 
+/// Pattern of the sleeve of the arm that holds the ball.
+enum class Sleeve { plain, checked };
+constexpr auto words_of(Sleeve) {
+  return std::to_array<Word<Sleeve>>({{Sleeve::plain, "plain"}, {Sleeve::checked, "checked"}});
+}
+
 /// The ball and the arm that holds it.
 struct BallConfig {
   double diameter_m = 0.095;
-  std::vector<double> rgb = {0.65, 0.10, 0.07};  ///< linear reflectance; one colour, matt
-  std::string sleeve = "plain";                  ///< pattern of the arm's sleeve: plain or checked
+  std::array<double, 3> rgb = {0.65, 0.10, 0.07};  ///< linear reflectance; one colour, matt
+  Sleeve sleeve = Sleeve::plain;
   TrajectoryConfig trajectory;
 };
 
@@ -39,7 +45,7 @@ struct WorldConfig {
   NamedObjects objects;              ///< other moving objects
   std::optional<BoardConfig> board;  ///< a calibration board, if the scenario has one
   /// Joint positions at the start, in the order of Joint; the torso stays there.
-  std::vector<double> initial_pose_deg = std::vector<double>(joint_count, 0.0);
+  std::array<double, joint_count> initial_pose_deg{};
   PlantConfig plant;
 };
 

@@ -105,11 +105,10 @@ cv::Mat Shutter::develop() {
   return image;
 }
 
-FrameDetector::FrameDetector(const FrameDetectorConfig& config, const std::vector<double>& ball_rgb,
+FrameDetector::FrameDetector(const FrameDetectorConfig& config, const std::array<double, 3>& ball_rgb,
                              const Camera& event_camera)
     : config_(config), event_camera_(event_camera), camera_(frame_camera_of(event_camera)) {
   check_config(frame_detector_name, config);
-  SACCADE_CHECK(ball_rgb.size() == 3);
   const cv::Vec3d rgb(ball_rgb[0], ball_rgb[1], ball_rgb[2]);
   if (!(rgb[0] + rgb[1] + rgb[2] > 0.0)) {
     throw InputError("ball.rgb", "black", "a colour that frame_30hz can find");

@@ -69,7 +69,7 @@ class Shutter {
 class FrameDetector {
  public:
   /// `ball_rgb`: the ball's linear reflectance. Throws InputError for a config out of range or a black ball.
-  FrameDetector(const FrameDetectorConfig& config, const std::vector<double>& ball_rgb,
+  FrameDetector(const FrameDetectorConfig& config, const std::array<double, 3>& ball_rgb,
                 const Camera& event_camera);
 
   /// The roundest region in an image (CV_8UC3 sRGB, red first) as a circle in the event camera's image; its

@@ -13,7 +13,7 @@ namespace {
 SimConfig lab(const char* clutter) {
   SimConfig config;
   config.lab.clutter = clutter;
-  config.world.ball.trajectory.kind = "circle";
+  config.world.ball.trajectory.kind = TrajectoryKind::circle;
   return config;
 }
 

@@ -55,7 +55,7 @@ std::vector<std::int64_t> after_a_step(const EmulatorConfig& config, double rise
 TEST(EmulatorStages, LowPassAnswersAStepLikeOnePole) {
   EmulatorConfig config = ideal();
   config.cutoff_hz = 300.0;
-  config.interpolation = "held";
+  config.interpolation = Interpolation::held;
   const double tau_us = 1e6 / (2.0 * 3.14159265358979323846 * 300.0);
   for (const std::int64_t dt_us : {10, 100, 1000, 10'000}) {
     const auto times_us = after_a_step(config, 1.05, dt_us, 20'000);
@@ -126,7 +126,7 @@ TEST(EmulatorStages, LatencyFallsWithTheLightDownToTheComparators) {
   EmulatorConfig config = ideal();
   config.cutoff_hz = 3000.0;
   config.cutoff_follows_light = true;
-  config.interpolation = "held";
+  config.interpolation = Interpolation::held;
   config.latency_us = 15;
   std::vector<double> latency_us;
   const std::vector<double> luminances = {0.2, 2.0, 20.0, 200.0, 2e6};
@@ -151,7 +151,7 @@ TEST(EmulatorStages, DroppedEventsOfTheRefractoryPeriodMoveTheReference) {
   // 100 ln/s: a crossing every 2 ms. Of those within 5 ms after an event none is sent: every third one is.
   EmulatorConfig config = ideal();
   config.refractory_us = 5000;
-  config.refractory_mode = "drop";
+  config.refractory_mode = RefractoryMode::drop;
   EventEmulator emulator(config, {1, 1}, 1);
   std::vector<Event> events;
   for (int k = 0; k <= 60; ++k) {
@@ -412,7 +412,7 @@ TEST(EmulatorStages, EventsOfAPixelLieATickApart) {
 TEST(EmulatorStages, LinLogBendsTheDarkEnd) {
   // One ON event per 0.2 of the response: x ln(20)/20 up to 20 grey levels, ln x above.
   EmulatorConfig config = ideal();
-  config.response = "lin_log";
+  config.response = LightResponse::lin_log;
   const auto count = [&](float from, float to) {
     EventEmulator emulator(config, {1, 1}, 1);
     std::vector<Event> events;

@@ -24,7 +24,7 @@ void pan(mjData& data, int camera, const Eigen::Matrix3d& at_rest, double angle_
 
 TEST(EgoMotion, FlowOfAPurePanIsThatOfTheTurn) {
   LabConfig lab_config;
-  lab_config.clutter = "rectilinear";  // a plane of time stamps is what a straight edge leaves
+  lab_config.clutter = Clutter::rectilinear;  // a plane of time stamps is what a straight edge leaves
   const Lab lab(lab_config, 1);
   WorldConfig config;
   config.ball.trajectory.sway_m = 0.0;

@@ -151,7 +151,7 @@ Eigen::Vector3d urdf_left_eye_m(const JointVector& q) {
 
 TEST(Kinematics, ThePlantWithItsAxesOfTheCadIsTheUrdfOfTheRobot) {
   WorldConfig cad;
-  cad.plant.axes = "cad";
+  cad.plant.axes = NeckAxes::cad;
   PosedPlant plant(cad);
   double worst_m = 0.0;
   for (std::uint64_t i = 0; i < poses; ++i) {
@@ -167,7 +167,7 @@ TEST(Kinematics, ThePlantWithItsAxesOfTheCadIsTheUrdfOfTheRobot) {
 
 TEST(Kinematics, AHeadOfTheCadMissesWhatTheModelFixatesByAboutAPixel) {
   WorldConfig config;
-  config.plant.axes = "cad";
+  config.plant.axes = NeckAxes::cad;
   PosedPlant plant(config);
   // Published comparisons of URDF and iKin: mean and largest bearing error at 0.30 and 0.45 m.
   for (const auto& [distance_m, mean_deg, largest_deg] :

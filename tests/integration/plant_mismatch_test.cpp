@@ -31,7 +31,7 @@ constexpr double px_deg = 0.576;
 
 PlantConfig apart() {
   PlantConfig plant;
-  plant.axes = "cad";
+  plant.axes = NeckAxes::cad;
   plant.encoders.noise_deg = 0.02;
   plant.encoders.quantisation_deg = 0.088;  // 12 bits a turn
   plant.command_delay_ms = 20;
@@ -154,7 +154,7 @@ TrajectoryConfig resting() {
 /// Once round in 4 s, as fast as the ball of the squares.
 TrajectoryConfig circling() {
   TrajectoryConfig ball;
-  ball.kind = "circle";
+  ball.kind = TrajectoryKind::circle;
   ball.centre_m = {-0.506, 0.0, 0.347};
   ball.radius_a_m = {0.0, -0.07, 0.0};
   ball.radius_b_m = {0.0, 0.0, 0.07};

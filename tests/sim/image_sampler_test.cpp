@@ -18,7 +18,7 @@ constexpr double rad_per_deg = std::numbers::pi / 180.0;
 
 WorldConfig moving_ball() {
   WorldConfig config;
-  config.ball.trajectory.kind = "circle";
+  config.ball.trajectory.kind = TrajectoryKind::circle;
   config.ball.trajectory.frequency_hz = 0.8;
   return config;
 }

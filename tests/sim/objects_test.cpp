@@ -16,9 +16,9 @@ constexpr double floor_m = -0.62;
 
 ObjectConfig tin() {
   ObjectConfig tin;
-  tin.shape = "cylinder";
+  tin.shape = ObjectShape::cylinder;
   tin.size_m = {0.07, 0.07, 0.12};
-  tin.trajectory.kind = "circle";
+  tin.trajectory.kind = TrajectoryKind::circle;
   tin.trajectory.centre_m = {-0.6, 0.0, 0.35};
   tin.trajectory.frequency_hz = 0.5;
   return tin;
@@ -26,8 +26,8 @@ ObjectConfig tin() {
 
 ObjectConfig walker() {
   ObjectConfig walker;
-  walker.shape = "person";
-  walker.trajectory.kind = "waypoints";
+  walker.shape = ObjectShape::person;
+  walker.trajectory.kind = TrajectoryKind::waypoints;
   walker.trajectory.points_m = {{-1.4, -1.0, floor_m}, {-1.4, 1.0, floor_m}};
   walker.trajectory.speed_m_s = 1.0;
   walker.trajectory.sway_m = 0.0;
@@ -129,9 +129,9 @@ TEST(Objects, APersonWalksOnTheFloorWithOneLegForward) {
 
 TEST(Objects, CountInHowFarAnImageHasMoved) {
   NamedObjects objects = {{"tin", tin()}};
-  objects[0].second.trajectory.kind = "waypoints";
+  objects[0].second.trajectory.kind = TrajectoryKind::waypoints;
   objects[0].second.trajectory.points_m = {{-0.5564, -0.034, 0.347}, {-0.5564, 0.5, 0.347}};
-  objects[0].second.trajectory.profile = "constant_speed";
+  objects[0].second.trajectory.profile = SpeedProfile::constant_speed;
   objects[0].second.trajectory.ramp_s = 0.01;
   objects[0].second.trajectory.speed_m_s = 0.5;
   objects[0].second.trajectory.sway_m = 0.0;

@@ -487,7 +487,7 @@ TEST_F(RenderedLab, is_neither_black_nor_saturated_nor_empty_wherever_the_eye_lo
 }
 
 TEST_F(RenderedLab, looks_the_same_every_time_it_is_drawn) {
-  build({.clutter = "textured"}, 3);
+  build({.clutter = Clutter::textured}, 3);
   EyeRenderer eye = make_eye();
   eye.render(*data_, 0, image_);
   const std::vector<float> first = image_;
@@ -509,7 +509,7 @@ TEST_F(RenderedLab, looks_the_same_every_time_it_is_drawn) {
 }
 
 TEST_F(RenderedLab, makes_no_event_when_pixels_flicker_by_one_grey_level) {
-  build({.clutter = "textured"}, 1);
+  build({.clutter = Clutter::textured}, 1);
   EyeRenderer eye = make_eye();
   eye.render(*data_, 0, image_);
   const RandomStream random(1, "flicker");
@@ -533,7 +533,7 @@ TEST_F(RenderedLab, makes_no_event_when_pixels_flicker_by_one_grey_level) {
 
 /// Run by the next test in a process of its own: draws, and prints what it saw in one number.
 TEST_F(RenderedLab, prints_the_hash_of_an_image) {
-  build({.clutter = "textured"}, 1);
+  build({.clutter = Clutter::textured}, 1);
   EyeRenderer eye = make_eye();
   std::uint64_t hash = 1469598103934665603ULL;
   for (const double yaw : {-0.6, 0.0, 0.6}) {
@@ -570,7 +570,7 @@ TEST_F(RenderedLab, looks_the_same_with_any_number_of_threads) {
 }
 
 TEST_F(RenderedLab, is_shown_to_people_the_right_way_up) {
-  build({.clutter = "rectilinear"}, 2);
+  build({.clutter = Clutter::rectilinear}, 2);
   SceneRenderer scene(*model_, *gl_, {160, 100});
   std::vector<std::uint8_t> rgb(160 * 100 * 3);
   const auto mean = [&] {

@@ -15,7 +15,7 @@ SimConfig small_world() {
   SimConfig config;
   config.camera = Camera{{64, 64}, 50.0, 50.0, 31.5, 31.5}.without_lens();
   config.render.supersampling = 1;
-  config.world.ball.trajectory.kind = "circle";
+  config.world.ball.trajectory.kind = TrajectoryKind::circle;
   config.world.ball.trajectory.frequency_hz = 2.0;
   return config;
 }
@@ -258,7 +258,7 @@ SimConfig labelled_world() {
   SimConfig config;
   config.labels = true;
   config.emulator = emulator_preset("ideal");
-  config.world.ball.trajectory.kind = "circle";
+  config.world.ball.trajectory.kind = TrajectoryKind::circle;
   config.world.ball.trajectory.frequency_hz = 1.0;
   return config;
 }

@@ -238,7 +238,7 @@ TEST(World, ReportsVelocitiesThatMatchItsPositions) {
 
 TEST(World, CarriesTheBallAlongItsTrajectory) {
   WorldConfig config;
-  config.ball.trajectory.kind = "circle";
+  config.ball.trajectory.kind = TrajectoryKind::circle;
   config.ball.trajectory.start_s = 0.1;
   World world(config, "", 5);
   const Trajectory trajectory(config.ball.trajectory, 5);
@@ -254,7 +254,7 @@ TEST(World, CarriesTheBallAlongItsTrajectory) {
 
 TEST(World, ShowsTheTimesBetweenTicks) {
   WorldConfig config;
-  config.ball.trajectory.kind = "circle";
+  config.ball.trajectory.kind = TrajectoryKind::circle;
   World world(config, "", 5);
   HeadJointVector reference;
   reference << 0.1, -0.1, 0.3, 0.2, -0.2, 0.3;
@@ -282,7 +282,7 @@ TEST(World, ShowsTheTimesBetweenTicks) {
 
 TEST(World, IsTheSameForTheSameSeed) {
   WorldConfig config;
-  config.ball.trajectory.kind = "circle";
+  config.ball.trajectory.kind = TrajectoryKind::circle;
   World a(config, "", 9);
   World b(config, "", 9);
   HeadJointVector reference = HeadJointVector::Constant(0.05);
@@ -450,7 +450,7 @@ TEST(World, FailsWithAWordWhenTheSimulationBreaks) {
 
 TEST(World, StepsInAFractionOfRealTime) {
   WorldConfig config;
-  config.ball.trajectory.kind = "circle";
+  config.ball.trajectory.kind = TrajectoryKind::circle;
   World world(config, "", 1);
   world.set_reference(HeadJointVector::Constant(0.1));
   std::vector<double> costs_us;
