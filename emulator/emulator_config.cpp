@@ -59,7 +59,8 @@ void describe(FieldVisitor& v, EmulatorConfig& c) {
             "whether the bandwidth is proportional to light and dark current");
   v.real("contrast_threshold_on", c.contrast_threshold_on, {0.01, 5.0}, "rise of ln luminance per event");
   v.real("contrast_threshold_off", c.contrast_threshold_off, {0.01, 5.0}, "fall of ln luminance per event");
-  v.real("threshold_mismatch", c.threshold_mismatch, {0.0, 0.5}, "relative standard deviation of the thresholds over pixels; 0: none");
+  v.real("threshold_mismatch", c.threshold_mismatch, {0.0, 0.5},
+         "relative standard deviation of the thresholds over pixels; 0: none");
   v.integer("refractory_us", c.refractory_us, {0, 1e6}, "dead time of a pixel after an event; 0: none");
   v.choice("refractory_mode", c.refractory_mode,
            "pixel held in reset, or its events dropped while its reference follows");
@@ -71,7 +72,8 @@ void describe(FieldVisitor& v, EmulatorConfig& c) {
   v.real("hot_pixel_share", c.hot_pixel_share, {0.0, 1.0}, "share of the pixels that are hot; 0: none");
   v.real("hot_pixel_rate_hz", c.hot_pixel_rate_hz, {0.0, 1e5}, "rate of ON events of a hot pixel");
   v.integer("latency_us", c.latency_us, {0, 1e6}, "delay from a crossing to its event; 0: none");
-  v.real("readout_rate_hz", c.readout_rate_hz, {0.0, 1e9}, "events per second that the bus transmits; 0: no limit");
+  v.real("readout_rate_hz", c.readout_rate_hz, {0.0, 1e9},
+         "events per second that the bus transmits; 0: no limit");
   v.integer("readout_queue_events", c.readout_queue_events, {0, 1e9},
             "length of the queue for the bus; events beyond it are dropped; 0: no limit");
   v.integer("timestamp_resolution_us", c.timestamp_resolution_us, {1, 1e6}, "tick of the time stamps");

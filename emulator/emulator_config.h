@@ -15,7 +15,8 @@ enum class LightResponse {
   lin_log,  ///< linear below 20/255 of white, logarithmic above
 };
 constexpr auto words_of(LightResponse) {
-  return std::to_array<Word<LightResponse>>({{LightResponse::log, "log"}, {LightResponse::lin_log, "lin_log"}});
+  return std::to_array<Word<LightResponse>>(
+      {{LightResponse::log, "log"}, {LightResponse::lin_log, "lin_log"}});
 }
 
 /// Log luminance between two images.
@@ -24,7 +25,8 @@ enum class Interpolation {
   held,    ///< constant until the next image
 };
 constexpr auto words_of(Interpolation) {
-  return std::to_array<Word<Interpolation>>({{Interpolation::linear, "linear"}, {Interpolation::held, "held"}});
+  return std::to_array<Word<Interpolation>>(
+      {{Interpolation::linear, "linear"}, {Interpolation::held, "held"}});
 }
 
 /// Behaviour of a pixel in its refractory period.
@@ -33,7 +35,8 @@ enum class RefractoryMode {
   drop,   ///< the reference follows the level; events of the period are dropped
 };
 constexpr auto words_of(RefractoryMode) {
-  return std::to_array<Word<RefractoryMode>>({{RefractoryMode::reset, "reset"}, {RefractoryMode::drop, "drop"}});
+  return std::to_array<Word<RefractoryMode>>(
+      {{RefractoryMode::reset, "reset"}, {RefractoryMode::drop, "drop"}});
 }
 
 /// The parameters of a dynamic vision sensor's pixels and readout, in the order in which light passes the stages. Each
@@ -68,9 +71,10 @@ struct EmulatorConfig {
   double hot_pixel_rate_hz = 100.0;  ///< rate of ON events of a hot pixel
 
   // From the comparator to the time stamp
-  std::int64_t latency_us = 15;               ///< delay of every event
-  double readout_rate_hz = 1e6;               ///< events per second that the bus transmits; 0: no limit
-  std::int64_t readout_queue_events = 16384;  ///< length of the queue for the bus; events beyond it are dropped; 0: no limit
+  std::int64_t latency_us = 15;  ///< delay of every event
+  double readout_rate_hz = 1e6;  ///< events per second that the bus transmits; 0: no limit
+  std::int64_t readout_queue_events =
+      16384;  ///< length of the queue for the bus; events beyond it are dropped; 0: no limit
   std::int64_t timestamp_resolution_us = 1;  ///< tick of the time stamps
 };
 

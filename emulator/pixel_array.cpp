@@ -33,7 +33,8 @@ PixelArray::PixelArray(const EmulatorConfig& config, std::size_t first, std::siz
       filtered_(config.cutoff_hz > 0.0),
       held_(config.interpolation == Interpolation::held),
       drops_(config.refractory_mode == RefractoryMode::drop),
-      in_luminance_(!filtered_ && !held_ && config.leak_rate_hz == 0.0 && config.response == LightResponse::log),
+      in_luminance_(!filtered_ && !held_ && config.leak_rate_hz == 0.0 &&
+                    config.response == LightResponse::log),
       luminance_(count),
       deviation_(filtered_ ? count : 0),
       low_(count),

@@ -17,7 +17,8 @@ enum class Clutter {
   rectilinear,  ///< shelves with books, posters, window frames, a monitor, boxes, a door
 };
 constexpr auto words_of(Clutter) {
-  return std::to_array<Word<Clutter>>({{Clutter::textured, "textured"}, {Clutter::rectilinear, "rectilinear"}});
+  return std::to_array<Word<Clutter>>(
+      {{Clutter::textured, "textured"}, {Clutter::rectilinear, "rectilinear"}});
 }
 
 /// The room in front of the robot. Root frame: x backward, y right, z up, the waist at the origin; the

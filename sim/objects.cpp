@@ -71,8 +71,9 @@ double heading_rad(const TrajectoryConfig& trajectory) {
 
 void describe(FieldVisitor& v, ObjectConfig& c) {
   v.choice("shape", c.shape, "shape of the object");
-  v.when(c.shape != ObjectShape::person, "shape: box, cylinder or ellipsoid",
-         [&] { v.reals("size_m", c.size_m, {0.001, 3.0}, "extent along x, y and z"); });
+  v.when(c.shape != ObjectShape::person, "shape: box, cylinder or ellipsoid", [&] {
+    v.reals("size_m", c.size_m, {0.001, 3.0}, "extent along x, y and z");
+  });
   v.reals("rgb", c.rgb, {0.0, 1.0}, "colour (for a person, of the shirt): linear reflectance");
   v.section("trajectory", c.trajectory, "motion of the object");
 }

@@ -35,7 +35,7 @@ void describe(FieldVisitor& v, EncoderConfig& config);
 
 /// Position of the neck's axes.
 enum class NeckAxes {
-  dh,   ///< those of iKin
+  dh,  ///< those of iKin
   cad,  ///< neck pitch and yaw turn 5.31 mm further forward, pitch and roll 0.503 mm lower, as in iCubGenova02's CAD
 };
 constexpr auto words_of(NeckAxes) {

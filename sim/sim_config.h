@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 
 #include "core/camera.h"
@@ -11,11 +12,17 @@
 
 namespace saccade {
 
+/// Eyes that have a camera.
+enum class Eyes { left, both };
+constexpr auto words_of(Eyes) {
+  return std::to_array<Word<Eyes>>({{Eyes::left, "left"}, {Eyes::both, "both"}});
+}
+
 /// The configuration of the simulated robot and its world.
 struct SimConfig {
   LabConfig lab;
   WorldConfig world;
-  std::string eyes = "left";              ///< eyes with a camera: left or both
+  Eyes eyes = Eyes::left;
   Camera camera;                          ///< the left eye's
   CameraMount mount;                      ///< pose of the camera in the left eye
   MountedCamera right{right_dvs128, {}};  ///< the right eye's camera, with images of the same size
@@ -25,7 +32,7 @@ struct SimConfig {
   EmulatorConfig emulator;
   bool labels = false;  ///< label each event with its cause and object; costs a second drawing per image
 
-  [[nodiscard]] bool both_eyes() const { return eyes == "both"; }
+  [[nodiscard]] bool both_eyes() const { return eyes == Eyes::both; }
 };
 
 }  // namespace saccade

@@ -54,12 +54,14 @@ void describe(FieldVisitor& v, TrajectoryConfig& c) {
                 "points that differ from the previous one (for a rest use dwell_s)");
     }
   });
-  v.when(c.kind != Kind::hold, "kind: waypoints or circle",
-         [&] { v.real("start_s", c.start_s, {0.0, 3600.0}, "start of the motion"); });
+  v.when(c.kind != Kind::hold, "kind: waypoints or circle", [&] {
+    v.real("start_s", c.start_s, {0.0, 3600.0}, "start of the motion");
+  });
   const bool has_ramps =
       c.kind == Kind::circle || (c.kind == Kind::waypoints && c.profile == SpeedProfile::constant_speed);
-  v.when(has_ramps, "kind: circle, or profile: constant_speed",
-         [&] { v.real("ramp_s", c.ramp_s, {0.01, 10.0}, "time to reach full speed, and to stop"); });
+  v.when(has_ramps, "kind: circle, or profile: constant_speed", [&] {
+    v.real("ramp_s", c.ramp_s, {0.01, 10.0}, "time to reach full speed, and to stop");
+  });
 }
 
 Trajectory::Trajectory(const TrajectoryConfig& config, std::uint64_t seed) : config_(config) {

@@ -31,7 +31,8 @@ struct TrajectoryConfig {
   double start_s = 0.0;
 
   // hold and waypoints
-  std::vector<Eigen::Vector3d> points_m = {Eigen::Vector3d(-0.5, 0.0, 0.347)};  ///< hold: one point; waypoints: in this order
+  std::vector<Eigen::Vector3d> points_m = {
+      Eigen::Vector3d(-0.5, 0.0, 0.347)};  ///< hold: one point; waypoints: in this order
 
   // waypoints
   SpeedProfile profile = SpeedProfile::minimum_jerk;

@@ -130,7 +130,7 @@ void describe(FieldVisitor& v, Scenario& s) {
   v.section(
       "lab", [&](FieldVisitor& w) { describe(w, s.sim.lab); }, "the room");
   describe(v, s.sim.world);
-  v.choice("eyes", s.sim.eyes, {"left", "both"}, "which of them see");
+  v.choice("eyes", s.sim.eyes, "eyes with a camera");
   v.section(
       "camera", [&](FieldVisitor& w) { describe_left_camera(w, s.sim); },
       "the left eye: a pinhole behind a lens");

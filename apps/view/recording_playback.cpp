@@ -21,8 +21,9 @@ std::unique_ptr<World> world_of(const std::filesystem::path& folder, const Regis
   try {
     const Scenario scenario = read_scenario(folder / "scenario.yaml", {}, std::nullopt, registry);
     const auto seed = static_cast<std::uint64_t>(scenario.seed);
-    auto world = std::make_unique<World>(scenario.sim.world, lab_mjcf(scenario.sim.lab, seed), seed);
-    paint_lab_textures(world->model(), scenario.sim.lab, seed);
+    const Lab lab(scenario.sim.lab, seed);
+    auto world = std::make_unique<World>(scenario.sim.world, lab.mjcf(), seed);
+    lab.paint(world->model());
     return world;
   } catch (const InputError&) {
     return nullptr;

@@ -10,7 +10,7 @@
 namespace saccade {
 namespace {
 
-SimConfig lab(const char* clutter) {
+SimConfig lab_of(Clutter clutter) {
   SimConfig config;
   config.lab.clutter = clutter;
   config.world.ball.trajectory.kind = TrajectoryKind::circle;
@@ -24,8 +24,8 @@ HeadJointVector sweep(std::int64_t i) {
   return reference_rad;
 }
 
-void eye_image(benchmark::State& state, const char* clutter) {
-  const SimConfig config = lab(clutter);
+void eye_image(benchmark::State& state, Clutter clutter) {
+  const SimConfig config = lab_of(clutter);
   const Lab lab(config.lab, 1);
   World world(config.world, lab.mjcf(), 1);
   const auto gl = GlContext::create("auto");
@@ -42,11 +42,11 @@ void eye_image(benchmark::State& state, const char* clutter) {
     benchmark::DoNotOptimize(luminance.data());
   }
 }
-BENCHMARK_CAPTURE(eye_image, textured, "textured")->Unit(benchmark::kMicrosecond)->UseRealTime();
-BENCHMARK_CAPTURE(eye_image, rectilinear, "rectilinear")->Unit(benchmark::kMicrosecond)->UseRealTime();
+BENCHMARK_CAPTURE(eye_image, textured, Clutter::textured)->Unit(benchmark::kMicrosecond)->UseRealTime();
+BENCHMARK_CAPTURE(eye_image, rectilinear, Clutter::rectilinear)->Unit(benchmark::kMicrosecond)->UseRealTime();
 
-void simulated_tick(benchmark::State& state, const char* clutter) {
-  SimRobot robot(lab(clutter), 1);
+void simulated_tick(benchmark::State& state, Clutter clutter) {
+  SimRobot robot(lab_of(clutter), 1);
   std::vector<Event> events;
   std::int64_t i = 0;
   for (auto _ : state) {
@@ -59,11 +59,13 @@ void simulated_tick(benchmark::State& state, const char* clutter) {
   state.counters["images per tick"] =
       benchmark::Counter(static_cast<double>(robot.images()), benchmark::Counter::kAvgIterations);
 }
-BENCHMARK_CAPTURE(simulated_tick, textured, "textured")->Unit(benchmark::kMicrosecond)->UseRealTime();
-BENCHMARK_CAPTURE(simulated_tick, rectilinear, "rectilinear")->Unit(benchmark::kMicrosecond)->UseRealTime();
+BENCHMARK_CAPTURE(simulated_tick, textured, Clutter::textured)->Unit(benchmark::kMicrosecond)->UseRealTime();
+BENCHMARK_CAPTURE(simulated_tick, rectilinear, Clutter::rectilinear)
+    ->Unit(benchmark::kMicrosecond)
+    ->UseRealTime();
 
 void image_motion(benchmark::State& state) {
-  const SimConfig config = lab("textured");
+  const SimConfig config = lab_of(Clutter::textured);
   World world(config.world, "", 1);
   ImageMotion motion(world.model(), world.left_eye_camera(), config.camera);
   motion.start_from(world.data());

@@ -52,7 +52,7 @@ std::vector<std::int64_t> after_a_step(const EmulatorConfig& config, double rise
   return times_us;
 }
 
-TEST(EmulatorStages, LowPassAnswersAStepLikeOnePole) {
+TEST(EmulatorStages, LowPassRespondsToAStepLikeOnePole) {
   EmulatorConfig config = ideal();
   config.cutoff_hz = 300.0;
   config.interpolation = Interpolation::held;
@@ -97,7 +97,7 @@ TEST(EmulatorStages, LowPassFollowsARampAlikeAtAnyImageRate) {
   }
 }
 
-TEST(EmulatorStages, LowPassLosesNoExcursionBetweenTwoImages) {
+TEST(EmulatorStages, LowPassDetectsAnExcursionBetweenTwoImages) {
   // The light falls from its new level at once, but the slow output still rises to its peak in between.
   EmulatorConfig config = ideal();
   config.cutoff_hz = 60.0;
@@ -164,8 +164,8 @@ TEST(EmulatorStages, DroppedEventsOfTheRefractoryPeriodMoveTheReference) {
   }
 }
 
-TEST(EmulatorStages, NoPixelIsFasterThanItsRefractoryPeriodWhateverTheCause) {
-  for (const char* mode : {"reset", "drop"}) {
+TEST(EmulatorStages, NoPixelIsFasterThanItsRefractoryPeriodForAnyCause) {
+  for (const RefractoryMode mode : {RefractoryMode::reset, RefractoryMode::drop}) {
     EmulatorConfig config = ideal();
     config.refractory_us = 3000;
     config.refractory_mode = mode;
@@ -191,8 +191,8 @@ TEST(EmulatorStages, NoPixelIsFasterThanItsRefractoryPeriodWhateverTheCause) {
       shortest_us = std::min(shortest_us, e.t_us - last);
       last = e.t_us;
     }
-    std::printf("%s: shortest interval %lld us of %zu events\n", mode, static_cast<long long>(shortest_us),
-                events.size());
+    std::printf("%s: shortest interval %lld us of %zu events\n", word_of(mode).data(),
+                static_cast<long long>(shortest_us), events.size());
     EXPECT_GE(shortest_us, 3000);
     EXPECT_LT(shortest_us, 3100);
   }
@@ -215,7 +215,7 @@ TEST(EmulatorStages, PixelsLeakOnEventsAtTheirRate) {
   EXPECT_EQ(counts[0], counts[1]);
 }
 
-TEST(EmulatorStages, ShotNoiseKeepsItsRateAndLaw) {
+TEST(EmulatorStages, ShotNoiseHasItsRateAndDistribution) {
   EmulatorConfig config = ideal();
   config.shot_noise_rate_hz = 5.0;
   config.threshold_mismatch = 0.03;
@@ -265,7 +265,7 @@ TEST(EmulatorStages, ShotNoiseKeepsItsRateAndLaw) {
   EXPECT_LT(distance, 1.628 / std::sqrt(n));
 }
 
-TEST(EmulatorStages, HotPixelsAreFewAndFast) {
+TEST(EmulatorStages, HotPixelsHaveTheirShareAndRate) {
   EmulatorConfig config = ideal();
   config.hot_pixel_share = 0.01;
   config.hot_pixel_rate_hz = 200.0;
@@ -409,7 +409,7 @@ TEST(EmulatorStages, EventsOfAPixelLieATickApart) {
   }
 }
 
-TEST(EmulatorStages, LinLogBendsTheDarkEnd) {
+TEST(EmulatorStages, LinLogIsLinearInTheDark) {
   // One ON event per 0.2 of the response: x ln(20)/20 up to 20 grey levels, ln x above.
   EmulatorConfig config = ideal();
   config.response = LightResponse::lin_log;

@@ -142,7 +142,7 @@ Course random_triangles(std::uint64_t seed) {
   };
 }
 
-TEST(EventEmulator, DoesNotDependOnTheImageRateAndNeverHangs) {
+TEST(EventEmulator, DoesNotDependOnTheImageRateAndAlwaysEnds) {
   const ImageSize size{32, 32};
   const Course course = random_triangles(4);
   std::vector<std::array<int, 2>> counts_at_first;
@@ -173,7 +173,7 @@ TEST(EventEmulator, DoesNotDependOnTheImageRateAndNeverHangs) {
   std::printf("%zu events, the same count at every pixel at 50, 200, 1000 and 5000 images/s\n", total);
 }
 
-TEST(EventEmulator, FollowsTheLawOfMismatchedThresholds) {
+TEST(EventEmulator, HasTheDistributionOfMismatchedThresholds) {
   struct Law {
     double mismatch, mean, deviation;
   };
@@ -227,7 +227,7 @@ TEST(EventEmulator, KeepsItsHysteresisWithoutDrift) {
   std::printf("9 ON + 9 OFF in every steady cycle\n");
 }
 
-TEST(EventEmulator, LetsTheImageBeRebuiltFromItsEvents) {
+TEST(EventEmulator, ItsEventsReconstructTheImage) {
   // |L - L_rec| < C at every pixel and image of a sweep over a texture; L_rec from the events alone.
   const ImageSize size{64, 48};
   const EmulatorConfig config = config_of(0, 0);
@@ -323,7 +323,7 @@ TEST(EventEmulator, SortsEventsAndNeverRepeatsAPixelWithinAMicrosecond) {
   EXPECT_EQ(emulator.counts().events(), static_cast<std::int64_t>(events.size()));
 }
 
-TEST(EventEmulator, LosesNoCrossingOfACrowdedMicrosecond) {
+TEST(EventEmulator, KeepsEveryCrossingOfAMicrosecond) {
   // Five thresholds within 1 us: one event per microsecond, the rest with the images that follow.
   EventEmulator emulator(config_of(0, 0), {1, 1}, 1);
   std::vector<Event> events;
@@ -347,7 +347,7 @@ EmulatorConfig without_noise(const std::string& preset) {
   return config;
 }
 
-TEST(EventEmulator, SaysNothingOfAStaticSceneWithoutNoise) {
+TEST(EventEmulator, MakesNoEventInAStaticSceneWithoutNoise) {
   const ImageSize size{64, 48};
   std::vector<float> image;
   render_sweep(size, 0.05, image);
@@ -407,7 +407,7 @@ EmulatorConfig everything() {
   return config;
 }
 
-TEST(EventEmulator, GivesTheSameEventsForTheSameSeedAndAnyNumberOfThreads) {
+TEST(EventEmulator, MakesTheSameEventsForTheSameSeedAndAnyNumberOfThreads) {
   const Labelled sweep = sweep_of(everything(), 5);
   EXPECT_NE(sweep_of(everything(), 6).events, sweep.events);
   for (const int threads : {1, 2, 3, 7}) EXPECT_EQ(sweep_of(everything(), 5, 0, threads), sweep) << threads;
@@ -425,7 +425,7 @@ TEST(EventEmulator, KeepsItsTimesFarFromZero) {
   }
 }
 
-TEST(EventEmulator, RefusesBadImagesAndIsNotChangedByThem) {
+TEST(EventEmulator, RefusesInvalidImagesAndIsNotChangedByThem) {
   const ImageSize size{8, 6};
   EventEmulator clean(config_of(0.02, 300), size, 1);
   EventEmulator soiled(config_of(0.02, 300), size, 1);
@@ -499,7 +499,7 @@ TEST(EventEmulator, ComputesTheLogarithmOfEveryLuminance) {
   EXPECT_LT(worst, 6e-8);  // the rounding of a float
 }
 
-TEST(EventEmulator, NamesTheKeysOfABadConfiguration) {
+TEST(EventEmulator, ReportsTheKeysOfAnInvalidConfiguration) {
   EmulatorConfig config;
   config.contrast_threshold_on = 0.0;
   config.threshold_mismatch = std::nan("");

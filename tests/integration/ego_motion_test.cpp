@@ -76,9 +76,9 @@ TEST(EgoMotion, FlowOfAPurePanIsThatOfTheTurn) {
   EXPECT_NEAR(*middle, 1.0, 0.02);
 }
 
-class StillHead : public testing::TestWithParam<const char*> {};
+class StillHead : public testing::TestWithParam<Clutter> {};
 
-TEST_P(StillHead, SeesNothingOfAStillRoomWithoutNoise) {
+TEST_P(StillHead, MakesNoEventInAStillRoomWithoutNoise) {
   LabConfig lab_config;
   lab_config.clutter = GetParam();
   const Lab lab(lab_config, 1);
@@ -99,8 +99,8 @@ TEST_P(StillHead, SeesNothingOfAStillRoomWithoutNoise) {
   EXPECT_TRUE(events.empty());
 }
 
-INSTANTIATE_TEST_SUITE_P(Lab, StillHead, testing::Values("textured", "rectilinear"),
-                         [](const auto& lab) { return std::string(lab.param); });
+INSTANTIATE_TEST_SUITE_P(Lab, StillHead, testing::Values(Clutter::textured, Clutter::rectilinear),
+                         [](const auto& lab) { return std::string(word_of(lab.param)); });
 
 }  // namespace
 }  // namespace saccade

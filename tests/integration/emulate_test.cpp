@@ -129,7 +129,7 @@ TEST_F(Emulate, ARampGivesTheExactNumberOfEventsAtTheExactTimesWhateverTheImageR
   }
 }
 
-TEST_F(Emulate, SrgbPngImagesGiveTheEventsOfTheLightTheyShow) {
+TEST_F(Emulate, SrgbPngImagesGiveTheEventsOfTheirLinearLight) {
   // The time error that half a grey level makes, at the image where a level is the largest step in ln.
   constexpr double rate = 50.0;
   fs::create_directory(path("png"));
@@ -300,7 +300,7 @@ TEST_F(Emulate, EveryEventHasTheLabelOfItsCause) {
   std::printf("%d signal, %d shot, %d hot\n", causes["signal"], causes["shot"], causes["hot"]);
 }
 
-TEST_F(Emulate, TheSummaryTellsWhatWentInAndWhatCameOut) {
+TEST_F(Emulate, TheSummaryListsInputAndOutput) {
   write_ramp("ramp.npy", 200);
   const Outcome outcome =
       saccade("emulate " + path("ramp.npy") + " --preset ideal --fps 200 --out " + path("e.aedat"));
@@ -327,7 +327,7 @@ TEST_F(Emulate, TheSummaryTellsWhatWentInAndWhatCameOut) {
               HasSubstr("passed over    1 that are no images\n"));
 }
 
-TEST_F(Emulate, ImagesInUnitsOfOneAreToldHowToSetWhite) {
+TEST_F(Emulate, ImagesInUnitsOfOneGetAHintToSetWhite) {
   write_npy("unit.npy", {4, 3}, 10, [](std::size_t, int k) { return 0.1 * k; });
   const std::string run = "emulate " + path("unit.npy") + " --fps 100 --out " + path("e.csv");
   const std::string hint =
@@ -355,7 +355,7 @@ TEST_F(Emulate, TheCameraComesFromAFileWithItsKeysOrWithItsBlock) {
   }
 }
 
-TEST_F(Emulate, WhatIsWrongWithTheCameraIsToldByFileLineAndKey) {
+TEST_F(Emulate, ErrorsOfTheCameraNameFileLineAndKey) {
   write_ramp("ramp.npy", 4);
   const std::string run = path("ramp.npy") + " --fps 4 ";
   folder_.write("wrong.yaml", "preset: ideal\ncontrast_threshhold_on: 1\nlatency_us: many\n");
@@ -375,7 +375,7 @@ TEST_F(Emulate, WhatIsWrongWithTheCameraIsToldByFileLineAndKey) {
                  "--set contrast_threshold_on: found 0, expected a finite number in [0.01, 5]");
 }
 
-TEST_F(Emulate, ImagesThatCannotBeUsedAreRefusedAndNothingIsWritten) {
+TEST_F(Emulate, UnusableImagesAreRefusedAndNothingIsWritten) {
   const auto save = [&](const std::string& name, int columns) {
     fs::create_directories(fs::path(path(name)).parent_path());
     cv::imwrite(path(name), cv::Mat(3, columns, CV_8U, cv::Scalar(100)));
@@ -435,7 +435,7 @@ TEST_F(Emulate, TimesThatDoNotFitTheImagesAreRefused) {
       2);
 }
 
-TEST_F(Emulate, AnEarlierResultIsReplacedByAWholeOneOnly) {
+TEST_F(Emulate, AnEarlierResultIsReplacedOnlyByACompleteOne) {
   write_ramp("ramp.npy", 50);
   const std::string run = "emulate " + path("ramp.npy") + " --preset ideal --fps 50 ";
   const std::string outputs = " --labels " + path("l.csv") + " --out " + path("e.csv");
@@ -454,7 +454,7 @@ TEST_F(Emulate, AnEarlierResultIsReplacedByAWholeOneOnly) {
   EXPECT_NE(bytes_of(folder_ / "l.csv"), labels);
 }
 
-TEST_F(Emulate, AFileThatHoldsSomethingElseIsReplacedWithForceOnly) {
+TEST_F(Emulate, AFileWithOtherContentsIsReplacedOnlyWithForce) {
   write_ramp("ramp.npy", 50);
   const std::string run = "emulate " + path("ramp.npy") + " --preset ideal --fps 50 ";
   folder_.write("notes.txt", "years of work\n");
@@ -471,7 +471,7 @@ TEST_F(Emulate, AFileThatHoldsSomethingElseIsReplacedWithForceOnly) {
   EXPECT_EQ(saccade(run + "--out " + path("nothing.csv")).status, 0);
 }
 
-TEST_F(Emulate, AnOutputThatCannotBeIsRefused) {
+TEST_F(Emulate, AnImpossibleOutputIsRefused) {
   write_ramp("ramp.npy", 50);
   const std::string run = "emulate " + path("ramp.npy") + " --preset ideal --fps 50 ";
   EXPECT_THAT(saccade(run + "--out " + path("e.csv") + " --labels " + path("e.csv")).text,

@@ -98,7 +98,7 @@ Eigen::Isometry3d dh_chain(const JointVector& q, bool left) {
   return t;
 }
 
-TEST(Kinematics, ThePlantIsTheDhChainOfTheRobot) {
+TEST(Kinematics, ThePlantHasTheDhChainOfTheRobot) {
   PosedPlant plant;
   PoseError error;
   for (std::uint64_t i = 0; i < poses; ++i) {
@@ -112,7 +112,7 @@ TEST(Kinematics, ThePlantIsTheDhChainOfTheRobot) {
   EXPECT_LT(error.angle_rad, 1e-9);
 }
 
-TEST(Kinematics, TheControllersModelIsThePlants) {
+TEST(Kinematics, TheControllersModelEqualsThePlant) {
   PosedPlant plant;
   PoseError error;
   for (std::uint64_t i = 0; i < poses; ++i) {
@@ -149,7 +149,7 @@ Eigen::Vector3d urdf_left_eye_m(const JointVector& q) {
   return t * Eigen::Vector3d(0.034, 0.0, 0.0);
 }
 
-TEST(Kinematics, ThePlantWithItsAxesOfTheCadIsTheUrdfOfTheRobot) {
+TEST(Kinematics, ThePlantWithCadAxesEqualsTheUrdfOfTheRobot) {
   WorldConfig cad;
   cad.plant.axes = NeckAxes::cad;
   PosedPlant plant(cad);
@@ -165,7 +165,7 @@ TEST(Kinematics, ThePlantWithItsAxesOfTheCadIsTheUrdfOfTheRobot) {
   EXPECT_LT(worst_m, 1e-5);
 }
 
-TEST(Kinematics, AHeadOfTheCadMissesWhatTheModelFixatesByAboutAPixel) {
+TEST(Kinematics, AHeadWithCadAxesMissesTheFixationPointByAboutAPixel) {
   WorldConfig config;
   config.plant.axes = NeckAxes::cad;
   PosedPlant plant(config);
@@ -214,7 +214,7 @@ TEST(Kinematics, TheEncodersAndTheControllersModelGiveTheTrueCamerasInMotion) {
   EXPECT_LT(error.angle_rad, 1e-9);
 }
 
-TEST(Kinematics, TheCameraIsWhereItIsMountedInTheEye) {
+TEST(Kinematics, TheCameraHasItsConfiguredPoseInTheEye) {
   const CameraMount mount{{1.0, -2.0, -10.0}, {0.0, 0.0, 10.0}};
   World world(WorldConfig{}, "", 1);
   world.mount_camera(world.left_eye_camera(), mount.eye_from_camera());
@@ -234,7 +234,7 @@ TEST(Kinematics, TheCameraIsWhereItIsMountedInTheEye) {
               1e-9);  // x goes down: clockwise in the image
 }
 
-TEST(Kinematics, TheCameraMotionFromEncodersIsThatOfThePlant) {
+TEST(Kinematics, TheCameraMotionFromEncodersEqualsThatOfThePlant) {
   World world(WorldConfig{}, "", 1);
   HeadJointVector reference;
   reference << 0.1, -0.1, 0.3, 0.2, -0.2, 0.3;

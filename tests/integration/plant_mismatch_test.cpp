@@ -183,7 +183,7 @@ TEST(PlantMismatch, TheHeadFollowsWithoutOscillation) {
   EXPECT_TRUE(run.kept_limits);
 }
 
-TEST(PlantMismatch, StaysOnTargetNearlyAsLongAsAHeadThatIsItsModel) {
+TEST(PlantMismatch, StaysOnTargetNearlyAsLongAsAHeadThatEqualsItsModel) {
   const Watch model = look({}, circling());
   const Watch other = look(apart(), circling());
   std::cout << "on target " << model.on_target() << " and " << other.on_target() << ", median error "
@@ -192,7 +192,7 @@ TEST(PlantMismatch, StaysOnTargetNearlyAsLongAsAHeadThatIsItsModel) {
   EXPECT_LT(other.median_deg(), model.median_deg() + 0.5 * px_deg);
 }
 
-TEST(PlantMismatch, AnEyeTooFastForTheDelayIsFoundOscillating) {
+TEST(PlantMismatch, AnEyeTooFastForTheDelayIsReportedAsOscillating) {
   QpConfig hasty;
   hasty.eye_time_constant_s = 0.012;
   const Shaking found = shaking(look(apart(), resting(), hasty), "apart, eyes five times as fast");

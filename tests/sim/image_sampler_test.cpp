@@ -57,7 +57,7 @@ void sample(const SamplingConfig& config, World& world, std::int64_t until_us, b
   }
 }
 
-TEST(ImageSampler, LooksAsSeldomAsItMayWhereNothingMoves) {
+TEST(ImageSampler, DrawsAtTheLongestIntervalWhereNothingMoves) {
   WorldConfig still;
   still.ball.trajectory.sway_m = 0.0;
   World world(still, "", 1);
@@ -69,7 +69,7 @@ TEST(ImageSampler, LooksAsSeldomAsItMayWhereNothingMoves) {
   }
 }
 
-TEST(ImageSampler, LooksTenThousandTimesASecondWhenToldTo) {
+TEST(ImageSampler, DrawsTenThousandImagesPerSecondIfConfigured) {
   World world(moving_ball(), "", 1);
   std::int64_t due_us = 0;
   sample({10.0, 0.1}, world, 20'000, true, [&](std::int64_t t_us, const mjData&) {
@@ -79,7 +79,7 @@ TEST(ImageSampler, LooksTenThousandTimesASecondWhenToldTo) {
   EXPECT_EQ(due_us, 20'100);
 }
 
-TEST(ImageSampler, LooksAtTheEndOfEveryTickWhereAMillisecondIsTheLimit) {
+TEST(ImageSampler, DrawsAtTheEndOfEveryTickIfTheLongestIntervalIsAMillisecond) {
   World world(moving_ball(), "", 1);
   std::int64_t ends = 0;
   std::int64_t all = 0;
@@ -140,7 +140,7 @@ class Witnesses {
   std::vector<Eigen::Vector2d> ball_px_;
 };
 
-TEST(ImageSampler, LetsNothingSeenMoveFartherThanItsBoundAndNoImageBeOlderThanFiveMilliseconds) {
+TEST(ImageSampler, KeepsMotionBelowItsBoundAndImagesYoungerThanFiveMilliseconds) {
   for (const double bound_px : {0.25, 0.5, 1.0}) {
     World world(moving_ball(), "", 1);
     Witnesses witnesses(world);
@@ -240,7 +240,7 @@ std::vector<double> distances_px(const Recording& fixed, const Recording& adapti
 /// Detail of the lab that is finer than a sample flickers from image to image and clips where it passes between
 /// two images: the more samples, the nearer are the counts.
 struct Condition {
-  std::string clutter;
+  Clutter clutter;
   std::string preset;
   std::int64_t supersampling;
   double max_displacement_px;
@@ -248,24 +248,24 @@ struct Condition {
 };
 
 void PrintTo(const Condition& c, std::ostream* out) {
-  *out << c.clutter << ", " << c.preset << ", " << c.supersampling << " samples, " << c.max_displacement_px
-       << " px";
+  *out << word_of(c.clutter) << ", " << c.preset << ", " << c.supersampling << " samples, "
+       << c.max_displacement_px << " px";
 }
 
 class AdaptiveSampling : public testing::TestWithParam<Condition> {};
 INSTANTIATE_TEST_SUITE_P(Lab, AdaptiveSampling,
-                         testing::Values(Condition{"textured", "dvs128", 4, 0.3, 0.01},
-                                         Condition{"rectilinear", "dvs128", 2, 0.5, 0.05},
-                                         Condition{"textured", "ideal", 2, 0.5, 0.05}),
+                         testing::Values(Condition{Clutter::textured, "dvs128", 4, 0.3, 0.01},
+                                         Condition{Clutter::rectilinear, "dvs128", 2, 0.5, 0.05},
+                                         Condition{Clutter::textured, "ideal", 2, 0.5, 0.05}),
                          [](const auto& test) {
-                           return test.param.clutter + "_" + test.param.preset + "_" +
+                           return std::string(word_of(test.param.clutter)) + "_" + test.param.preset + "_" +
                                   std::to_string(test.param.supersampling) + "_samples";
                          });
 
-TEST_P(AdaptiveSampling, SeesASaccadeOf300DegreesPerSecondAsTenThousandImagesASecondDo) {
+TEST_P(AdaptiveSampling, ASaccadeOf300DegreesPerSecondGivesTheEventsOfTenThousandImagesPerSecond) {
   SimConfig config;
   config.lab.clutter = GetParam().clutter;
-  config.camera.size.height = 36;  // of the image the middle
+  config.camera.size.height = 36;  // the middle of the image
   config.camera.cy_px -= 46.0;
   config.render.supersampling = GetParam().supersampling;
   config.emulator = emulator_preset(GetParam().preset);

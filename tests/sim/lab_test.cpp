@@ -15,7 +15,7 @@
 namespace saccade {
 namespace {
 
-class LabOf : public ::testing::TestWithParam<const char*> {
+class LabOf : public ::testing::TestWithParam<Clutter> {
  protected:
   LabConfig config() const { return {.clutter = GetParam()}; }
 
@@ -125,11 +125,11 @@ TEST_P(LabOf, refuses_to_paint_the_model_of_another_lab) {
   EXPECT_THROW(Lab(config(), 1).paint(*model), RunError);
 }
 
-INSTANTIATE_TEST_SUITE_P(Clutter, LabOf, ::testing::Values("textured", "rectilinear"),
-                         [](const auto& parameter) { return std::string(parameter.param); });
+INSTANTIATE_TEST_SUITE_P(Clutter, LabOf, ::testing::Values(Clutter::textured, Clutter::rectilinear),
+                         [](const auto& parameter) { return std::string(word_of(parameter.param)); });
 
 TEST(LabConfig, is_refused_when_out_of_range) {
-  EXPECT_THROW(Lab(LabConfig{.clutter = "empty"}, 1), InputError);
+  EXPECT_THROW(Lab(LabConfig{.clutter = Clutter{7}}, 1), InputError);
   EXPECT_THROW(Lab(LabConfig{.density = -1.0}, 1), InputError);
   EXPECT_THROW(Lab(LabConfig{.wall_distance_m = 0.3}, 1), InputError);
 }

@@ -45,7 +45,7 @@ Eigen::Vector3d body_m(const World& world, const mjData& data, const char* name)
   return Eigen::Map<const Eigen::Vector3d>(data.xpos + 3 * mj_name2id(&world.model(), mjOBJ_BODY, name));
 }
 
-TEST(Objects, AreNotThereUnlessAskedFor) {
+TEST(Objects, AreAbsentUnlessConfigured) {
   const World without(world_with({}), "", 1);
   const World with(world_with({{"tin", tin()}, {"walker", walker()}}), "", 1);
   EXPECT_EQ(objects_mjcf({}), "");
@@ -55,7 +55,7 @@ TEST(Objects, AreNotThereUnlessAskedFor) {
   }
 }
 
-TEST(Objects, GoTheirOwnWayBetweenTicksToo) {
+TEST(Objects, FollowTheirTrajectoriesBetweenTicksToo) {
   World world(world_with({{"tin", tin()}, {"other", tin()}}), "", 5);
   const MjDataPtr between(mj_makeData(&world.model()));
   const Trajectory trajectory(tin().trajectory, 6);
@@ -81,7 +81,7 @@ TEST(Objects, AreDistractorsInTheLabels) {
   EXPECT_EQ(std::ranges::count(objects, static_cast<std::uint8_t>(SceneObject::distractor)), 7);
 }
 
-TEST(Objects, HaveTheSizeTheyAreGiven) {
+TEST(Objects, HaveTheConfiguredSize) {
   ObjectConfig box;
   box.size_m = {0.1, 0.2, 0.3};
   const World world(world_with({{"box", box}, {"tin", tin()}}), "", 1);
@@ -127,7 +127,7 @@ TEST(Objects, APersonWalksOnTheFloorWithOneLegForward) {
   EXPECT_LT(widest_m, 0.9);
 }
 
-TEST(Objects, CountInHowFarAnImageHasMoved) {
+TEST(Objects, AddToTheMotionInTheImage) {
   NamedObjects objects = {{"tin", tin()}};
   objects[0].second.trajectory.kind = TrajectoryKind::waypoints;
   objects[0].second.trajectory.points_m = {{-0.5564, -0.034, 0.347}, {-0.5564, 0.5, 0.347}};
@@ -146,7 +146,7 @@ TEST(Objects, CountInHowFarAnImageHasMoved) {
   EXPECT_LT(seen_px, 1.2 * camera.fx_px * 0.0225 / 0.5);
 }
 
-TEST(Objects, AreCheckedUnderTheirNames) {
+TEST(Objects, AreReportedByNameWhenOutOfRange) {
   NamedObjects objects = {{"tin", tin()}};
   objects[0].second.size_m = {0.07, 0.07, 5.0};
   try {

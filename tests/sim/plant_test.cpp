@@ -45,14 +45,14 @@ std::vector<Instant> move(const PlantConfig& plant, int ticks, const Reference& 
   return instants;
 }
 
-TEST(Plant, IsItsModelByDefault) {
+TEST(Plant, EqualsItsModelByDefault) {
   const auto instants = move({}, 300, [](int tick, HeadJointVector& reference) {
     if (tick >= 10) reference << 0.1, -0.1, 0.3, 0.2, -0.2, 0.3;
   });
   for (const Instant& now : instants) ASSERT_EQ(now.read.position_rad, now.joints);
 }
 
-TEST(Plant, ObeysACommandAsMuchLaterAsItDelaysCommands) {
+TEST(Plant, AppliesACommandAfterTheCommandDelay) {
   const auto step = [](int tick, HeadJointVector& reference) {
     if (tick >= 20) reference[yaw] = 5.0 * deg;
   };
@@ -106,7 +106,7 @@ TEST(Plant, ReadsWithTheNoiseOfItsEncoders) {
   EXPECT_EQ(same[9].read.position_rad, instants[9].read.position_rad);
 }
 
-TEST(Plant, TakesVelocitiesFromWhatItReads) {
+TEST(Plant, DifferencesItsReadingsForVelocities) {
   PlantConfig config;
   config.encoders = {0.01, 0.005, 10};
   const auto instants = move(config, 500, [](int tick, HeadJointVector& reference) {
@@ -163,7 +163,7 @@ TEST(Plant, MovesNoJointWhileItsMotorCrossesTheBacklash) {
   }
 }
 
-TEST(Plant, ShowsTheJointsNotTheMotorsInImagesAndTruth) {
+TEST(Plant, UsesTheJointsNotTheMotorsInImagesAndGroundTruth) {
   WorldConfig config = still_world();
   config.plant.neck.backlash_deg = 1.0;
   World world(config, "", 1);

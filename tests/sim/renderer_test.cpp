@@ -190,7 +190,7 @@ TEST_F(Renderer, draws_a_sphere_where_the_lens_shows_it_over_the_whole_image) {
   EXPECT_LT(sum.norm() / count, 0.02) << "a bias over the image";
 }
 
-TEST_F(Renderer, gives_every_pixel_its_exact_place_when_samples_are_many) {
+TEST_F(Renderer, places_every_pixel_exactly_with_many_samples) {
   const Camera with_lens = camera_;
   for (const Camera& camera : {with_lens.without_lens(), with_lens}) {
     camera_ = camera;
@@ -283,7 +283,7 @@ TEST_F(Renderer, resamples_columns_without_loss_for_any_ratio_of_focal_lengths) 
   }
 }
 
-TEST_F(Renderer, sees_the_whole_of_a_free_ball_and_nothing_of_one_behind) {
+TEST_F(Renderer, reports_a_free_ball_as_visible_and_one_behind_as_hidden) {
   EyeRenderer eye = make_eye();
   for (const double z : {0.2, 0.45, 1.5}) {
     const Vector3d point = at_pixel(70.0, 60.0, z);
@@ -295,7 +295,7 @@ TEST_F(Renderer, sees_the_whole_of_a_free_ball_and_nothing_of_one_behind) {
   EXPECT_EQ(eye.visible_share({3.0, 0.0, 0.5}, 0.05), 0.0);
 }
 
-TEST_F(Renderer, sees_half_of_a_ball_half_out_of_the_image) {
+TEST_F(Renderer, measures_one_half_of_a_ball_half_out_of_the_image) {
   EyeRenderer eye = make_eye();
   for (const auto& [x, y] : {std::pair{-0.5, 60.0}, {127.5, 60.0}, {70.0, -0.5}, {70.0, 127.5}}) {
     // So far away that its outline is nearly a circle around the projected centre.
@@ -308,7 +308,7 @@ TEST_F(Renderer, sees_half_of_a_ball_half_out_of_the_image) {
   }
 }
 
-TEST_F(Renderer, counts_of_a_ball_what_the_lens_shows_inside_the_image) {
+TEST_F(Renderer, measures_the_part_of_a_ball_that_the_lens_shows_inside_the_image) {
   EyeRenderer eye = make_eye();
   double worst = 0.0;
   for (const auto& [x, y] : {std::pair{0.0, 0.0},
@@ -362,7 +362,7 @@ TEST_F(Renderer, measures_a_ball_that_nearly_touches_the_camera) {
   EXPECT_LT(share, 1e-3);
 }
 
-TEST_F(Renderer, does_not_see_the_part_of_a_ball_behind_something) {
+TEST_F(Renderer, excludes_the_part_of_a_ball_behind_another_object) {
   EyeRenderer eye = make_eye();
   const Vector3d point(0.0, 0.0, 0.6);
   place(the_ball, point);
@@ -377,7 +377,7 @@ TEST_F(Renderer, does_not_see_the_part_of_a_ball_behind_something) {
   EXPECT_EQ(eye.visible_share(point, 0.05), 1.0);
 }
 
-TEST_F(Renderer, does_not_see_the_robots_own_shell) {
+TEST_F(Renderer, does_not_draw_the_robots_own_shell) {
   model_->geom_group[mj_name2id(model_.get(), mjOBJ_GEOM, "screen")] = 2;
   EyeRenderer eye = make_eye();
   place(the_ball, {0.0, 0.0, -1.0});
@@ -386,7 +386,7 @@ TEST_F(Renderer, does_not_see_the_robots_own_shell) {
   EXPECT_THAT(image_, ::testing::Each(::testing::FloatNear(51.0F, 0.01F)));
 }
 
-TEST_F(Renderer, leaves_nothing_out_at_the_border_of_the_image) {
+TEST_F(Renderer, draws_everything_at_the_border_of_the_image) {
   EyeRenderer eye = make_eye();
   place(the_ball, {0.0, 0.0, -1.0});
   draw(eye);
@@ -407,7 +407,7 @@ TEST_F(Renderer, refuses_a_drawn_image_larger_than_any_buffer) {
   EXPECT_THROW(make_eye({.supersampling = 8}), InputError);  // 16,800 samples wide
 }
 
-TEST_F(Renderer, refuses_what_it_cannot_draw) {
+TEST_F(Renderer, refuses_configurations_out_of_range) {
   EXPECT_THROW(make_eye({.supersampling = 0}), InputError);
   EXPECT_THROW(make_eye({.near_m = -1.0}), InputError);
   camera_.fx_px = 10.0;
@@ -452,7 +452,7 @@ class RenderedLab : public Renderer {
 
 TEST_F(RenderedLab, is_neither_black_nor_saturated_nor_empty_wherever_the_eye_looks) {
   constexpr double deg = std::numbers::pi / 180.0;
-  for (const char* clutter : {"textured", "rectilinear"}) {
+  for (const Clutter clutter : {Clutter::textured, Clutter::rectilinear}) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
       build({.clutter = clutter}, seed);
       EyeRenderer eye = make_eye();
@@ -476,17 +476,18 @@ TEST_F(RenderedLab, is_neither_black_nor_saturated_nor_empty_wherever_the_eye_lo
         }
       }
       const double mean = sum / count;
-      EXPECT_GT(mean, 60.0) << clutter << seed;
-      EXPECT_LT(mean, 140.0) << clutter << seed;
-      EXPECT_LT(outside, count / 100) << clutter << seed;
-      EXPECT_GT(edges, count / 40) << clutter << seed;
-      std::printf("%s %d: mean %.1f, %.3f %% outside 20..230, edges at %.1f %% of pixels\n", clutter,
-                  static_cast<int>(seed), mean, 100.0 * outside / count, 100.0 * edges / count);
+      EXPECT_GT(mean, 60.0) << word_of(clutter) << seed;
+      EXPECT_LT(mean, 140.0) << word_of(clutter) << seed;
+      EXPECT_LT(outside, count / 100) << word_of(clutter) << seed;
+      EXPECT_GT(edges, count / 40) << word_of(clutter) << seed;
+      std::printf("%s %d: mean %.1f, %.3f %% outside 20..230, edges at %.1f %% of pixels\n",
+                  word_of(clutter).data(), static_cast<int>(seed), mean, 100.0 * outside / count,
+                  100.0 * edges / count);
     }
   }
 }
 
-TEST_F(RenderedLab, looks_the_same_every_time_it_is_drawn) {
+TEST_F(RenderedLab, is_drawn_with_the_same_bytes_every_time) {
   build({.clutter = Clutter::textured}, 3);
   EyeRenderer eye = make_eye();
   eye.render(*data_, 0, image_);
@@ -497,7 +498,7 @@ TEST_F(RenderedLab, looks_the_same_every_time_it_is_drawn) {
   turn(0.0, 0.0);
   eye.render(*data_, 0, image_);
   EXPECT_EQ(image_, first);
-  // Nor does a second renderer, or a picture for people drawn in between, change it.
+  // A second renderer and a third-person image between do not change it.
   EyeRenderer other = make_eye();
   SceneRenderer scene(*model_, *gl_, {320, 200});
   std::vector<std::uint8_t> rgb(320 * 200 * 3);
@@ -547,7 +548,7 @@ TEST_F(RenderedLab, prints_the_hash_of_an_image) {
   EXPECT_NE(hash, 0U);
 }
 
-TEST_F(RenderedLab, looks_the_same_with_any_number_of_threads) {
+TEST_F(RenderedLab, is_drawn_with_the_same_bytes_by_any_number_of_threads) {
   if (gl_->description().find("llvmpipe") == std::string::npos) {
     GTEST_SKIP() << "NOT TESTED, only the software renderer has threads: " << gl_->description();
   }
@@ -569,7 +570,7 @@ TEST_F(RenderedLab, looks_the_same_with_any_number_of_threads) {
   EXPECT_THAT(hashes, ::testing::Each(hashes.front()));
 }
 
-TEST_F(RenderedLab, is_shown_to_people_the_right_way_up) {
+TEST_F(RenderedLab, is_upright_in_third_person_images) {
   build({.clutter = Clutter::rectilinear}, 2);
   SceneRenderer scene(*model_, *gl_, {160, 100});
   std::vector<std::uint8_t> rgb(160 * 100 * 3);

@@ -34,7 +34,7 @@ RobotUnderTest simulated() {
 }
 
 SimConfig with_both_eyes(SimConfig config) {
-  config.eyes = "both";
+  config.eyes = Eyes::both;
   config.right.camera = Camera{{64, 64}, 52.0, 52.0, 30.0, 33.0}.without_lens();
   return config;
 }
@@ -50,7 +50,7 @@ INSTANTIATE_TEST_SUITE_P(Sim, PortConformance,
                                                      5000}),
                          name_of_backend);
 
-TEST(SimRobot, AStillHeadBeforeAStillSceneSeesNoEvent) {
+TEST(SimRobot, AStillHeadInAStillSceneGetsNoEvents) {
   SimRobot robot(still_world(), 3);
   HeadState state;
   robot.read(state);
@@ -75,7 +75,7 @@ std::vector<Event> events_of(const SimConfig& config, std::uint64_t seed, std::u
   return events;
 }
 
-TEST(SimRobot, TheLeftEyeSeesTheSameWhetherTheRightOneSeesOrNot) {
+TEST(SimRobot, TheLeftEyesEventsDoNotDependOnTheRightEye) {
   SimConfig config = small_world();
   config.sampling = {10.0, 1.0};  // an image at every tick, whatever moves
   const std::vector<Event> alone = events_of(config, 1, 0, 200'000);
@@ -83,7 +83,7 @@ TEST(SimRobot, TheLeftEyeSeesTheSameWhetherTheRightOneSeesOrNot) {
   EXPECT_EQ(alone, events_of(with_both_eyes(config), 1, 0, 200'000));
 }
 
-TEST(SimRobot, TheEyesNoiseIsTheirOwnAndFromTheSeed) {
+TEST(SimRobot, TheEyesHaveDifferentNoiseThatDependsOnTheSeed) {
   SimConfig config = with_both_eyes(still_world());
   config.right.camera = config.camera;
   config.emulator.shot_noise_rate_hz = 10.0;
@@ -113,7 +113,7 @@ TEST(SimRobot, EyesWithImagesOfDifferentSizesAreBadInput) {
   EXPECT_THROW(SimRobot(config, 1), InputError);
 }
 
-TEST(SimRobot, TruthIsTheProjectionOfTheBallThroughThePlantsEye) {
+TEST(SimRobot, GroundTruthIsTheProjectionOfTheBallThroughThePlantsEye) {
   SimRobot robot(small_world(), 1);
   const Camera camera = small_world().camera;
   for (std::int64_t t_us = 1000; t_us <= 400'000; t_us += 1000) {
@@ -137,7 +137,7 @@ std::vector<float> colours_of(SimRobot& robot, std::int64_t t_us, const Eigen::V
   return rgb;
 }
 
-TEST(SimRobot, TheColourPictureOfTheLeftEyeHasTheLuminanceOfItsImage) {
+TEST(SimRobot, TheColourImageOfTheLeftEyeHasTheLuminanceOfItsImage) {
   SimRobot robot(small_world(), 1);
   robot.wait_until(150'000);
   while (robot.now_us() - robot.image_us() > World::tick_us)
@@ -151,7 +151,7 @@ TEST(SimRobot, TheColourPictureOfTheLeftEyeHasTheLuminanceOfItsImage) {
   }
 }
 
-TEST(SimRobot, AColourPictureShiftedByAPixelIsTheSamePictureOnePixelOn) {
+TEST(SimRobot, AColourImageShiftedByAPixelIsTheSameImageOnePixelFurther) {
   SimRobot robot(small_world(), 1);
   const std::vector<float> here = colours_of(robot, 0, {0, 0});
   const std::vector<float> right = colours_of(robot, 0, {1, 0});
@@ -167,7 +167,7 @@ TEST(SimRobot, AColourPictureShiftedByAPixelIsTheSamePictureOnePixelOn) {
   EXPECT_LT(differ, 2 * 63 * 63 / 100);  // edges that fall on the other side of a sample by rounding
 }
 
-TEST(SimRobot, BetweenTicksTheColourPictureShowsTheBallOnItsWay) {
+TEST(SimRobot, BetweenTicksTheColourImageShowsTheInterpolatedBall) {
   SimRobot robot(small_world(), 1);
   robot.wait_until(150'000);
   const std::vector<float> end = colours_of(robot, 150'000, {0, 0});
@@ -229,7 +229,7 @@ TEST(SimRobot, EventsComeAtMostFiveMillisecondsLateAndTheirStampsNeverGoBack) {
   EXPECT_LT(robot.images(), 500);
 }
 
-TEST(SimRobot, WhatIsVisibleOfTheBallIsTheSameHoweverOftenTheEyeLooks) {
+TEST(SimRobot, TheVisibleShareDoesNotDependOnTheImageRate) {
   SimConfig often = small_world();
   SimConfig seldom = small_world();
   often.world.ball.trajectory.radius_a_m = seldom.world.ball.trajectory.radius_a_m = {0.0, 0.35, 0.0};
@@ -291,7 +291,7 @@ void expect_the_ball_in_its_circle(const SimEye& eye) {
 
 TEST(SimRobot, PixelsLabelledBallAreThoseOfTheTrueCircleInEitherEye) {
   SimConfig config = labelled_world();
-  config.eyes = "both";
+  config.eyes = Eyes::both;
   config.right.mount = {{0.0, 0.0, -10.0}, {0.0, 2.0, 5.0}};
   config.sampling = {10.0, 1.0};  // an image at every tick
   config.world.ball.trajectory.frequency_hz = 4.0;
@@ -326,13 +326,13 @@ std::array<int, 6> events_by_object(const SimConfig& config) {
   return by_object;
 }
 
-TEST(SimRobot, BeforeAStillEyeAllEventsAreOfWhatMoves) {
+TEST(SimRobot, WithAStillEyeAllEventsBelongToMovingObjects) {
   EXPECT_EQ(events_by_object(labelled_world())[5], 0);
 }
 
 TEST(SimRobot, EachEventOfEitherEyeHasALabelAndLabelsChangeNoEvent) {
   SimConfig config = labelled_world();
-  config.eyes = "both";
+  config.eyes = Eyes::both;
   SimRobot labelled(config, 1);
   config.labels = false;
   SimRobot plain(config, 1);

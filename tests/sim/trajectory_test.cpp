@@ -16,9 +16,9 @@ TrajectoryConfig still(TrajectoryConfig config) {
   return config;
 }
 
-TrajectoryConfig square(const std::string& profile) {
+TrajectoryConfig square(SpeedProfile profile) {
   TrajectoryConfig config;
-  config.kind = "waypoints";
+  config.kind = TrajectoryKind::waypoints;
   config.profile = profile;
   config.start_s = 0.5;
   config.dwell_s = 0.25;
@@ -26,9 +26,7 @@ TrajectoryConfig square(const std::string& profile) {
   return config;
 }
 
-Eigen::Vector3d point(const TrajectoryConfig& config, std::size_t i) {
-  return Eigen::Map<const Eigen::Vector3d>(config.points_m[i].data());
-}
+Eigen::Vector3d point(const TrajectoryConfig& config, std::size_t i) { return config.points_m[i]; }
 
 /// Largest |d^n x / dt^n| over [0, end), by differences of `step_us`.
 double largest_derivative(const Trajectory& trajectory, int order, std::int64_t end_us,
@@ -46,7 +44,7 @@ double largest_derivative(const Trajectory& trajectory, int order, std::int64_t 
   return largest;
 }
 
-TEST(Trajectory, HoldsTheBallWhereItIs) {
+TEST(Trajectory, HoldsTheBallAtItsPoint) {
   TrajectoryConfig config;
   config.points_m = {{-0.4, 0.05, 0.3}};
   const Trajectory trajectory(still(config), seed);
@@ -56,8 +54,10 @@ TEST(Trajectory, HoldsTheBallWhereItIs) {
   EXPECT_EQ(trajectory.first_motion_us(), 0);
 }
 
-class WaypointProfile : public testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(Both, WaypointProfile, testing::Values("minimum_jerk", "constant_speed"));
+class WaypointProfile : public testing::TestWithParam<SpeedProfile> {};
+INSTANTIATE_TEST_SUITE_P(Both, WaypointProfile,
+                         testing::Values(SpeedProfile::minimum_jerk, SpeedProfile::constant_speed),
+                         [](const auto& test) { return std::string(word_of(test.param)); });
 
 TEST_P(WaypointProfile, WaitsAtTheFirstPointUntilItStarts) {
   const TrajectoryConfig config = still(square(GetParam()));
@@ -70,7 +70,7 @@ TEST_P(WaypointProfile, WaitsAtTheFirstPointUntilItStarts) {
 TEST_P(WaypointProfile, ReachesEveryPointAndRestsThere) {
   const TrajectoryConfig config = still(square(GetParam()));
   const Trajectory trajectory(config, seed);
-  const double ramp_s = GetParam() == "constant_speed" ? config.ramp_s : 0.0;
+  const double ramp_s = GetParam() == SpeedProfile::constant_speed ? config.ramp_s : 0.0;
   double t_s = config.start_s;
   for (std::size_t i = 1; i < config.points_m.size(); ++i) {
     t_s += (point(config, i) - point(config, i - 1)).norm() / config.speed_m_s + ramp_s;
@@ -98,10 +98,10 @@ TEST_P(WaypointProfile, StaysOnTheStraightLineBetweenItsPoints) {
   }
 }
 
-TEST_P(WaypointProfile, HasTheSpeedThatWasAskedFor) {
+TEST_P(WaypointProfile, HasTheConfiguredSpeed) {
   const TrajectoryConfig config = still(square(GetParam()));
   const double peak = largest_derivative(Trajectory(config, seed), 1, 10'000'000, 1000);
-  EXPECT_NEAR(peak, (GetParam() == "constant_speed" ? 1.0 : 1.875) * config.speed_m_s, 1e-4);
+  EXPECT_NEAR(peak, (GetParam() == SpeedProfile::constant_speed ? 1.0 : 1.875) * config.speed_m_s, 1e-4);
 }
 
 TEST_P(WaypointProfile, HasNoJumpInItsAcceleration) {
@@ -112,12 +112,12 @@ TEST_P(WaypointProfile, HasNoJumpInItsAcceleration) {
   EXPECT_LT(fine, 1.1 * coarse);
 }
 
-TEST_P(WaypointProfile, ComesBackToTheFirstPointWhenItLoops) {
+TEST_P(WaypointProfile, ReturnsToTheFirstPointWhenItLoops) {
   TrajectoryConfig config = still(square(GetParam()));
   config.loop = true;
   const Trajectory trajectory(config, seed);
   const double moving_s =
-      0.88 / config.speed_m_s + (GetParam() == "constant_speed" ? 4 * config.ramp_s : 0.0);
+      0.88 / config.speed_m_s + (GetParam() == SpeedProfile::constant_speed ? 4 * config.ramp_s : 0.0);
   const auto lap_us = static_cast<std::int64_t>(std::llround((moving_s + 4 * config.dwell_s) * 1e6));
   EXPECT_LT((trajectory.position_m(500'000 + lap_us - 1000) - point(config, 0)).norm(), 1e-9);
   for (std::int64_t t = 500'000; t < 500'000 + lap_us; t += 77'000) {
@@ -125,17 +125,17 @@ TEST_P(WaypointProfile, ComesBackToTheFirstPointWhenItLoops) {
   }
 }
 
-TEST(Trajectory, TakesASegmentTooShortForFullSpeedMoreSlowly) {
-  TrajectoryConfig config = square("constant_speed");
+TEST(Trajectory, IsSlowerOnASegmentTooShortForFullSpeed) {
+  TrajectoryConfig config = square(SpeedProfile::constant_speed);
   config.points_m = {{-0.5, 0.0, 0.3}, {-0.5, 0.005, 0.3}};
   const Trajectory trajectory(still(config), seed);
   EXPECT_LT(largest_derivative(trajectory, 1, 3'000'000, 1000), config.speed_m_s);
   EXPECT_LT((trajectory.position_m(3'000'000) - point(config, 1)).norm(), 1e-12);
 }
 
-TEST(Trajectory, GoesRoundTheCircleAtItsFrequency) {
+TEST(Trajectory, CirclesAtItsFrequency) {
   TrajectoryConfig config;
-  config.kind = "circle";
+  config.kind = TrajectoryKind::circle;
   config.start_s = 1.0;
   config.frequency_hz = 0.5;
   const Trajectory trajectory(still(config), seed);
@@ -151,7 +151,7 @@ TEST(Trajectory, GoesRoundTheCircleAtItsFrequency) {
             1.1 * largest_derivative(trajectory, 3, 6'000'000, 2000));
 }
 
-TEST(Trajectory, SwaysAsMuchAsItWasToldOnEveryAxisAndNeverFast) {
+TEST(Trajectory, SwaysSlowlyWithTheConfiguredRmsOnEveryAxis) {
   TrajectoryConfig config;
   config.sway_m = 0.002;
   for (std::uint64_t s = 0; s < 5; ++s) {
@@ -169,7 +169,7 @@ TEST(Trajectory, SwaysAsMuchAsItWasToldOnEveryAxisAndNeverFast) {
   }
 }
 
-TEST(Trajectory, SwaysFromNothingAndSmoothly) {
+TEST(Trajectory, SwayGrowsSmoothlyFromZero) {
   const TrajectoryConfig config;
   const Trajectory trajectory(config, seed);
   EXPECT_EQ(trajectory.position_m(0), point(config, 0));
@@ -187,12 +187,12 @@ TEST(Trajectory, SwaysDifferentlyWithAnotherSeedAndTheSameWithTheSame) {
       1e-5);
 }
 
-TEST(Trajectory, RefusesWhatItCannotFollow) {
-  TrajectoryConfig config = square("minimum_jerk");
+TEST(Trajectory, RefusesConfigurationsOutOfRange) {
+  TrajectoryConfig config = square(SpeedProfile::minimum_jerk);
   config.speed_m_s = 0.0;
   config.points_m[1] = config.points_m[0];
-  config.points_m[3].pop_back();
-  config.kind = "waypoints";
+  config.points_m[3].x() = 6.0;
+  config.kind = TrajectoryKind::waypoints;
   try {
     const Trajectory trajectory(config, seed);
     FAIL() << "no exception";
@@ -200,9 +200,9 @@ TEST(Trajectory, RefusesWhatItCannotFollow) {
     EXPECT_EQ(error.problems().size(), 3u) << error.what();
     EXPECT_THAT(error.what(), testing::HasSubstr("trajectory.speed_m_s"));
   }
-  config.kind = "spiral";
+  config.kind = TrajectoryKind{7};
   EXPECT_THROW(Trajectory(config, seed), InputError);
-  config.kind = "hold";
+  config.kind = TrajectoryKind::hold;
   EXPECT_THROW(Trajectory(config, seed), InputError);
 }
 

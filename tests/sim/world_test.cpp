@@ -44,7 +44,7 @@ TEST(World, HasTheLimitsOfTheRobot) {
   EXPECT_GT(world.limits().max_speed_rad_s.minCoeff(), 0.0);
 }
 
-TEST(World, WeighsWhatTheRobotWeighs) {
+TEST(World, HasTheMassOfTheRobot) {
   const World world(still_world(), "", 1);
   const mjModel& m = world.model();
   const auto mass = [&m](const char* body) { return m.body_subtreemass[mj_name2id(&m, mjOBJ_BODY, body)]; };
@@ -126,7 +126,7 @@ INSTANTIATE_TEST_SUITE_P(EveryHeadJoint, ServoStep,
                            return std::string(joint_names[static_cast<std::size_t>(test.param)]);
                          });
 
-TEST_P(ServoStep, IsAsFastAsItShouldBeAndDoesNotOvershoot) {
+TEST_P(ServoStep, ReachesItsTargetInTimeWithoutOvershoot) {
   const bool eye = GetParam() >= eyes_tilt;
   for (const double size_rad : {1.0 * deg, 4.0 * deg, -4.0 * deg}) {
     const StepResponse response = step_response(GetParam(), size_rad);
@@ -140,7 +140,7 @@ TEST_P(ServoStep, IsAsFastAsItShouldBeAndDoesNotOvershoot) {
   }
 }
 
-TEST_P(ServoStep, FollowsTheSpeedItClaims) {
+TEST_P(ServoStep, FollowsARampAtItsLargestSpeed) {
   WorldConfig config = still_world();
   config.initial_pose_deg[eyes_vergence] = 10.0;
   World world(config, "", 1);
@@ -163,7 +163,7 @@ TEST_P(ServoStep, FollowsTheSpeedItClaims) {
   EXPECT_LT(lag_s, joint >= eyes_tilt ? 0.012 : 0.034);
 }
 
-TEST(World, StaysInsideItsLimitsWhereGravityPullsOut) {
+TEST(World, StaysInsideItsLimitsAgainstGravity) {
   const JointLimits limits = World(still_world(), "", 1).limits();
   double worst = -1.0;
   for (int corner = 0; corner < 64; ++corner) {
@@ -188,7 +188,7 @@ TEST(World, StaysInsideItsLimitsWhereGravityPullsOut) {
   EXPECT_LT(worst / deg, 0.01);
 }
 
-TEST(World, RefusesReferencesOutsideItsLimitsAndKeepsTheLastOne) {
+TEST(World, RejectsReferencesOutsideItsLimitsAndKeepsTheLastOne) {
   World world(still_world(), "", 1);
   HeadJointVector good = HeadJointVector::Zero();
   good[0] = 0.1;
@@ -236,7 +236,7 @@ TEST(World, ReportsVelocitiesThatMatchItsPositions) {
   }
 }
 
-TEST(World, CarriesTheBallAlongItsTrajectory) {
+TEST(World, MovesTheBallAlongItsTrajectory) {
   WorldConfig config;
   config.ball.trajectory.kind = TrajectoryKind::circle;
   config.ball.trajectory.start_s = 0.1;
@@ -252,7 +252,7 @@ TEST(World, CarriesTheBallAlongItsTrajectory) {
   EXPECT_EQ(world.first_motion_us(), 100'000);
 }
 
-TEST(World, ShowsTheTimesBetweenTicks) {
+TEST(World, InterpolatesBetweenTicks) {
   WorldConfig config;
   config.ball.trajectory.kind = TrajectoryKind::circle;
   World world(config, "", 5);
@@ -303,7 +303,7 @@ TEST(World, IsTheSameForTheSameSeed) {
 World world_with_ball(double diameter_m, const Eigen::Vector3d& ball_m) {
   WorldConfig config = still_world();
   config.ball.diameter_m = diameter_m;
-  config.ball.trajectory.points_m = {{ball_m.x(), ball_m.y(), ball_m.z()}};
+  config.ball.trajectory.points_m = {ball_m};
   return World(config, "", 1);
 }
 
@@ -332,7 +332,7 @@ double covered_share(World& world, const Eigen::Vector3d& from_m) {
   return 1.0 - static_cast<double>(free) / rays;
 }
 
-TEST(BallInHand, IsHardlyCoveredByTheHandThatHoldsItForTheRobot) {
+TEST(BallInHand, IsHardlyHiddenByTheHandInTheRobotsView) {
   double worst = 0.0;
   for (const double diameter_m : {0.065, 0.095, 0.12}) {
     for (const double x : {-0.506, -0.356}) {
@@ -354,8 +354,8 @@ TEST(BallInHand, IsHeldBetweenThePersonAndTheBall) {
   EXPECT_GT(covered_share(world, world.ball_position_m() + Eigen::Vector3d(-0.6, -0.05, 0.0)), 0.5);
 }
 
-TEST(BallInHand, WearsThePlainOrTheCheckedSleeve) {
-  const auto sleeve_texture = [](const std::string& sleeve) {
+TEST(BallInHand, HasAPlainOrACheckedSleeve) {
+  const auto sleeve_texture = [](Sleeve sleeve) {
     WorldConfig config = still_world();
     config.ball.sleeve = sleeve;
     World world(config, "", 1);
@@ -363,9 +363,8 @@ TEST(BallInHand, WearsThePlainOrTheCheckedSleeve) {
     const int material = m.geom_matid[mj_name2id(&m, mjOBJ_GEOM, "arm_sleeve")];
     return std::string(mj_id2name(&m, mjOBJ_MATERIAL, material));
   };
-  EXPECT_EQ(sleeve_texture("plain"), "person_sleeve");
-  EXPECT_EQ(sleeve_texture("checked"), "person_sleeve_checked");
-  EXPECT_THROW(sleeve_texture("striped"), InputError);
+  EXPECT_EQ(sleeve_texture(Sleeve::plain), "person_sleeve");
+  EXPECT_EQ(sleeve_texture(Sleeve::checked), "person_sleeve_checked");
 }
 
 TEST(BallInHand, TouchesTheBallWithEveryFingertip) {
@@ -389,7 +388,7 @@ TEST(BallInHand, TouchesTheBallWithEveryFingertip) {
   }
 }
 
-TEST(World, TakesALabIntoTheModel) {
+TEST(World, AddsTheLabToTheModel) {
   const std::string lab =
       "<asset><texture name='t' type='2d' builtin='flat' rgb1='.5 .5 .5' width='8' height='8'/></asset>"
       "<worldbody><geom name='wall' type='box' size='.1 2 2' pos='-2 0 0' contype='0' "
@@ -399,7 +398,7 @@ TEST(World, TakesALabIntoTheModel) {
   EXPECT_THROW(World(still_world(), "<worldbody><geom type='sausage'/></worldbody>", 1), RunError);
 }
 
-TEST(World, KnowsItsObjectsByTheirNames) {
+TEST(World, ClassifiesGeomsByTheirNames) {
   World world(still_world(),
               "<worldbody><geom name='wall' size='.1'/><geom name='distractor_1' size='.1'/>"
               "<body name='distractor'><geom name='thing' size='.1'/></body></worldbody>",
@@ -417,7 +416,7 @@ TEST(World, KnowsItsObjectsByTheirNames) {
   EXPECT_EQ(object_of("wall"), SceneObject::background);
 }
 
-TEST(World, NamesTheModelFileThatIsMissing) {
+TEST(World, ReportsAMissingModelFile) {
   try {
     const World world(still_world(), "", 1, "/nowhere/models");
     FAIL() << "no exception";
@@ -442,7 +441,7 @@ TEST(World, RefusesAStartOutsideTheLimits) {
   EXPECT_NO_THROW(World(config, "", 1));
 }
 
-TEST(World, FailsWithAWordWhenTheSimulationBreaks) {
+TEST(World, ThrowsAnErrorWhenTheSimulationDiverges) {
   World world(still_world(), "", 1);
   world.data().qvel[5] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(world.step(), RunError);

@@ -11,7 +11,7 @@
 namespace saccade {
 namespace {
 
-const std::vector<double> red = {0.65, 0.10, 0.07};
+constexpr std::array<double, 3> red = {0.65, 0.10, 0.07};
 const Camera event_camera = Camera{}.without_lens();  // 128x128
 
 FrameDetectorConfig small_balls() {
@@ -24,7 +24,7 @@ FrameDetectorConfig small_balls() {
 struct Scene {
   Circle ball{64, 64, 8};
   Eigen::Vector2d speed_px_s{0, 0};
-  std::vector<double> colour = red;
+  std::array<double, 3> colour = red;
   std::vector<double> wall = {0.5, 0.45, 0.4};
 };
 
