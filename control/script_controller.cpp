@@ -6,8 +6,6 @@
 #include "core/minimum_jerk.h"
 #include "core/units.h"
 
-#include "core/minimum_jerk.h"
-
 namespace saccade {
 namespace {
 
@@ -63,7 +61,7 @@ HeadJointVector ScriptController::step(const HeadState& state, const std::option
     next_ = (next_ + 1) % config_.eyes_deg.size();
   }
   const double move_s = duration_s();
-  const double share = move_s > 0.0 ? move_s_ / move_s : 1.0;
+  const double share = move_s > 0.0 ? std::clamp(move_s_ / move_s, 0.0, 1.0) : 1.0;
   const HeadJointVector wanted_rad = from_rad_ + minimum_jerk(share) * (point_rad(next_) - from_rad_);
   reference_rad_ = wanted_rad.cwiseMax(min_rad_).cwiseMin(max_rad_);
   return *reference_rad_;

@@ -3,16 +3,9 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "core/units.h"
 
 namespace saccade {
-namespace {
-
-std::string text_of(ImageSize size) {
-  return std::to_string(size.width) + " x " + std::to_string(size.height) + " pixels";
-}
-
-}  // namespace
-
 SimRobot::SimRobot(const SimConfig& config, std::uint64_t seed)
     : SimRobot(config, seed, Lab(config.lab, seed)) {}
 
@@ -23,8 +16,8 @@ SimRobot::SimRobot(const SimConfig& config, std::uint64_t seed, const Lab& lab)
       between_ticks_(mj_makeData(&world_.model())) {
   if (!between_ticks_) throw RunError("MuJoCo has no memory for the world between ticks");
   if (config.both_eyes() && config.right.camera.size != config.camera.size) {
-    throw InputError("right_camera", text_of(config.right.camera.size),
-                     "the left camera's image, " + text_of(config.camera.size));
+    throw InputError("right_camera", in_words(config.right.camera.size),
+                     "the left camera's image, " + in_words(config.camera.size));
   }
   lab.paint(world_.model());
   eyes_.emplace_back(world_, *gl_, config_, 0, seed);

@@ -126,7 +126,7 @@ Eigen::Vector3d Trajectory::along_waypoints_m(double moving_s) const {
   const double t_s = moving_s - segment.start_s;
   double share = 1.0;  // of the segment's length
   if (segment.ramp_s == 0.0) {
-    share = minimum_jerk(t_s / segment.move_s);
+    share = minimum_jerk(std::clamp(t_s / segment.move_s, 0.0, 1.0));
   } else if (t_s < segment.move_s) {
     const double ramp_s = segment.ramp_s;
     const double full_s = segment.move_s - ramp_s;
@@ -140,7 +140,7 @@ double Trajectory::sway_m(int axis, double t_s) const {
   for (const Sinusoid& term : sway_[static_cast<std::size_t>(axis)]) {
     sum_m += term.amplitude_m * std::sin(term.angular_rad_s * t_s + term.phase_rad);
   }
-  return minimum_jerk(t_s) * sum_m;
+  return minimum_jerk(std::min(t_s, 1.0)) * sum_m;
 }
 
 }  // namespace saccade
