@@ -1,5 +1,5 @@
-// Prints a hash of the events and labels of a fixed scene for every preset and for all stages at work: what
-// determinism_test.sh compares over compilers and optimisation levels.
+// Prints a hash of the events and labels of a fixed scene for every preset and for all stages together.
+// determinism_test.sh compares the hashes over compilers and optimisation levels.
 #include <cstdio>
 
 #include "core/random.h"
@@ -31,7 +31,7 @@ std::uint64_t hash_of(const EmulatorConfig& config) {
   std::int64_t t_us = 0;
   for (int k = 0; k <= 120; ++k) {
     for (std::size_t i = 0; i < image.size(); ++i) {
-      // Each pixel's own line of light, with a corner every 20 images, from exact arithmetic alone.
+      // Light of each pixel in straight lines with a corner every 20 images, from exact arithmetic only.
       const std::uint64_t leg = static_cast<std::uint64_t>(k) / 20;
       const double from = random.uniform(i, leg);
       const double to = random.uniform(i, leg + 1);

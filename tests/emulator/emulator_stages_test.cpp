@@ -23,7 +23,7 @@ struct Labelled {
   EmulatorCounts counts;
 };
 
-/// Pixels in constant light, seen every dt_us.
+/// Pixels in constant light, with an image every dt_us.
 Labelled in_still_light(const EmulatorConfig& config, ImageSize size, float luminance, double duration_s,
                         std::int64_t dt_us, std::uint64_t seed = 1) {
   EventEmulator emulator(config, size, seed);
@@ -98,7 +98,7 @@ TEST(EmulatorStages, LowPassFollowsARampAlikeAtAnyImageRate) {
 }
 
 TEST(EmulatorStages, LowPassDetectsAnExcursionBetweenTwoImages) {
-  // The light falls from its new level at once, but the slow output still rises to its peak in between.
+  // The light drops immediately after its rise, but the slow output rises to a peak in between.
   EmulatorConfig config = ideal();
   config.cutoff_hz = 60.0;
   const auto events_at = [&](std::int64_t dt_us) {
@@ -148,7 +148,7 @@ TEST(EmulatorStages, LatencyFallsWithTheLightDownToTheComparators) {
 }
 
 TEST(EmulatorStages, DroppedEventsOfTheRefractoryPeriodMoveTheReference) {
-  // 100 ln/s: a crossing every 2 ms. Of those within 5 ms after an event none is sent: every third one is.
+  // 100 ln/s: a crossing every 2 ms. Events within 5 ms after an event are dropped: every third one remains.
   EmulatorConfig config = ideal();
   config.refractory_us = 5000;
   config.refractory_mode = RefractoryMode::drop;
@@ -239,7 +239,7 @@ TEST(EmulatorStages, ShotNoiseHasItsRateAndDistribution) {
     EXPECT_NEAR(mean, 0.5 + 0.5 / static_cast<double>(dt_us), 0.01);
     streams.push_back(out.events);
   }
-  for (const auto& stream : streams) EXPECT_EQ(stream, streams.front());  // not only alike: the same
+  for (const auto& stream : streams) EXPECT_EQ(stream, streams.front());  // not only similar: identical
   // Kolmogorov-Smirnov against the exponential law, intervals of all pixels (their rates differ by mismatch only).
   EmulatorConfig one = ideal();
   one.shot_noise_rate_hz = 50.0;

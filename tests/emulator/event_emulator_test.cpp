@@ -31,7 +31,7 @@ EmulatorConfig config_of(double mismatch, std::int64_t refractory_us) {
 /// The luminance whose log with dark current is `log_level` above that of a dark pixel's, 0.
 float luminance_of(double log_level) { return static_cast<float>(std::exp(log_level + 0.5) - dark); }
 
-/// Log luminance of a pixel over time; the emulator sees it sampled.
+/// Log luminance of a pixel over time, which the emulator receives sampled.
 using Course = std::function<double(std::size_t pixel, double t_s)>;
 
 std::vector<Event> emulate(EventEmulator& emulator, std::size_t pixels, const Course& course,
@@ -82,7 +82,7 @@ float texture_at(double x, double y) {
   return static_cast<float>(85.0 * value);
 }
 
-/// What a head that sweeps over the texture sees at t_s, 0 to 0.2 s.
+/// The image of a head that sweeps over the texture, at t_s from 0 to 0.2 s.
 void render_sweep(ImageSize size, double t_s, std::vector<float>& image) {
   // Position by a polynomial: smooth, back and forth, up to 400 px/s.
   const double s = t_s * 10.0;
@@ -131,7 +131,7 @@ TEST(EventEmulator, StampsTheCrossingTimeToATick) {
   EXPECT_LE(worst_us, 1.0);
 }
 
-/// Every pixel its own triangle wave: slope and phase are random.
+/// A triangle wave per pixel with random slope and phase.
 Course random_triangles(std::uint64_t seed) {
   return [random = RandomStream(seed, "triangles")](std::size_t i, double t) {
     // Turns at multiples of 20 ms, where all rates have an image; +-(2..30) ln/s.
@@ -252,8 +252,8 @@ TEST(EventEmulator, ItsEventsReconstructTheImage) {
     }
   }
   std::printf("worst |L - L_rec| = %.6f of C = 0.2 over 200 images, %zu events\n", worst, events.size());
-  EXPECT_LT(worst, 0.2 + 1e-9);  // a pixel may stand within rounding of its threshold
-  EXPECT_GT(worst, 0.19);        // the bound is tight: nothing fires early
+  EXPECT_LT(worst, 0.2 + 1e-9);  // a pixel may be within rounding of its threshold
+  EXPECT_GT(worst, 0.19);        // the bound is tight: no event is early
   EXPECT_GT(events.size(), 50'000U);
 }
 
@@ -271,7 +271,7 @@ TEST(EventEmulator, HoldsPixelsInResetForTheRefractoryPeriod) {
       }
     }
   }
-  // Never shorter than the period and the steepest way (30 ln/s) to a threshold 5 sigma low, whatever happens.
+  // Never shorter than the period and the steepest way (30 ln/s) to a threshold 5 sigma low, for any input.
   const ImageSize size{32, 32};
   EventEmulator emulator(config_of(0.03, 20'000), size, 2);
   const auto events = emulate(emulator, 1024, random_triangles(9), 1, 1000);
@@ -300,7 +300,7 @@ TEST(EventEmulator, DoesNotDependOnTheImageRateWithARefractoryPeriod) {
 
 TEST(EventEmulator, SortsEventsAndNeverRepeatsAPixelWithinAMicrosecond) {
   const ImageSize size{64, 48};
-  // Whatever the length of the interval between images, 1 us to 200 ms.
+  // For any interval between images, 1 us to 200 ms.
   EventEmulator emulator(config_of(0.1, 0), size, 3);
   const RandomStream random(8, "intervals");
   std::vector<float> image;
@@ -340,7 +340,7 @@ TEST(EventEmulator, KeepsEveryCrossingOfAMicrosecond) {
   for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(events[i].t_us, static_cast<std::int64_t>(i + 1));
 }
 
-/// A preset without what it does of its own accord.
+/// A preset without noise and leakage.
 EmulatorConfig without_noise(const std::string& preset) {
   EmulatorConfig config = emulator_preset(preset);
   config.leak_rate_hz = config.shot_noise_rate_hz = config.hot_pixel_share = 0.0;
@@ -395,7 +395,7 @@ Labelled sweep_of(const EmulatorConfig& config, std::uint64_t seed, std::int64_t
   return sweep;
 }
 
-/// Every stage at work, so that none of them can hide.
+/// All stages switched on.
 EmulatorConfig everything() {
   EmulatorConfig config = emulator_preset("dvs128");
   config.cutoff_hz = 400.0;
@@ -466,10 +466,10 @@ TEST(EventEmulator, RefusesTimesWhoseDifferencesOverflow) {
   constexpr std::int64_t longest_us = std::int64_t{1} << 60;
   EventEmulator emulator(config_of(0.02, 300), {1, 1}, 1);
   std::vector<Event> events;
-  const std::vector<float> dark = {50.0F};
+  const std::vector<float> dim = {50.0F};
   const std::vector<float> bright = {100.0F};
-  EXPECT_THROW(emulator.process_image(dark, std::numeric_limits<std::int64_t>::min(), events), InputError);
-  emulator.process_image(dark, -longest_us, events);
+  EXPECT_THROW(emulator.process_image(dim, std::numeric_limits<std::int64_t>::min(), events), InputError);
+  emulator.process_image(dim, -longest_us, events);
   EXPECT_THROW(emulator.process_image(bright, std::numeric_limits<std::int64_t>::max(), events), InputError);
   emulator.process_image(bright, longest_us, events);
   EXPECT_FALSE(events.empty());
@@ -477,7 +477,7 @@ TEST(EventEmulator, RefusesTimesWhoseDifferencesOverflow) {
 }
 
 TEST(EventEmulator, ComputesTheLogarithmOfEveryLuminance) {
-  // Against the library's, over the whole range of a float image.
+  // Against std::log, over the whole range of a float image.
   const ImageSize size{1000, 1};
   EventEmulator emulator(config_of(0, 0), size, 1);
   std::vector<float> image;

@@ -1,5 +1,4 @@
-// What a turning eye sees of a still room: the simulator, the event camera and the flow have to agree on how fast
-// the image moves.
+// A turning eye in a still room: the flow computed from the simulated events must equal the motion of the image.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -15,7 +14,7 @@
 namespace saccade {
 namespace {
 
-/// Turns the left eye's camera, as `data` has it, about the image's vertical axis: to the right in the image.
+/// Turns the left eye's camera in `data` about the image's vertical axis: to the right in the image.
 void pan(mjData& data, int camera, const Eigen::Matrix3d& at_rest, double angle_rad) {
   // MuJoCo's cameras have x right, y up and look along -z.
   const Eigen::Matrix3d turned = at_rest * Eigen::AngleAxisd(-angle_rad, Eigen::Vector3d::UnitY());
@@ -24,7 +23,7 @@ void pan(mjData& data, int camera, const Eigen::Matrix3d& at_rest, double angle_
 
 TEST(EgoMotion, FlowOfAPurePanIsThatOfTheTurn) {
   LabConfig lab_config;
-  lab_config.clutter = Clutter::rectilinear;  // a plane of time stamps is what a straight edge leaves
+  lab_config.clutter = Clutter::rectilinear;  // straight edges give planes of time stamps
   const Lab lab(lab_config, 1);
   WorldConfig config;
   config.ball.trajectory.sway_m = 0.0;
@@ -37,7 +36,7 @@ TEST(EgoMotion, FlowOfAPurePanIsThatOfTheTurn) {
   EyeRenderer eye(world.model(), *gl, camera, fine);
   EmulatorConfig first_of_an_edge = emulator_preset("ideal");
   first_of_an_edge.dark_current = 10.0;
-  first_of_an_edge.refractory_us = 20'000;  // its later crossings would hide the time at which it came
+  first_of_an_edge.refractory_us = 20'000;  // later crossings would hide the time of the first
   EventEmulator emulator(first_of_an_edge, camera.size, 1);
   PlaneFitFlow flow({}, camera.size);
 
@@ -64,7 +63,7 @@ TEST(EgoMotion, FlowOfAPurePanIsThatOfTheTurn) {
       const Eigen::Vector2d slope_s_px = 1e-6 * Eigen::Vector2d(normal->dt_dx_us_px, normal->dt_dy_us_px);
       const Eigen::Vector2d direction = slope_s_px.normalized();
       const double along_px_s = true_px_s.dot(direction);
-      if (along_px_s < 0.8 * true_px_s.norm()) continue;  // edges that the motion runs along tell little
+      if (along_px_s < 0.8 * true_px_s.norm()) continue;  // edges along the motion give little information
       ratios.push_back(1.0 / slope_s_px.norm() / along_px_s);
     }
   }

@@ -1,4 +1,4 @@
-// `saccade emulate` as a user meets it.
+// The command `saccade emulate`.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -56,7 +56,7 @@ class Emulate : public testing::Test {
     write_npy(name, {4, 3}, static_cast<int>(rate) + 1,
               [&](std::size_t, int k) { return ramp_at(k / rate); });
   }
-  /// Noise in which every pixel changes.
+  /// Noise that changes every pixel.
   void write_noise(const std::string& name, ImageSize size, int images) const {
     const RandomStream random(3, "noise");
     write_npy(name, size, images, [&](std::size_t i, int k) {
@@ -87,7 +87,7 @@ class Emulate : public testing::Test {
     EXPECT_EQ(outcome.status, 0) << outcome.text;
     return events_of("e.csv");
   }
-  /// 10 ON at every pixel of 4 x 3; returns how far the worst is from its crossing.
+  /// Checks 10 ON events at every pixel of 4 x 3; returns the largest time error.
   [[nodiscard]] static double worst_crossing_us(const std::vector<Event>& events) {
     EXPECT_EQ(events.size(), 120U);
     std::map<std::pair<int, int>, int> count;
@@ -130,7 +130,7 @@ TEST_F(Emulate, ARampGivesTheExactNumberOfEventsAtTheExactTimesWhateverTheImageR
 }
 
 TEST_F(Emulate, SrgbPngImagesGiveTheEventsOfTheirLinearLight) {
-  // The time error that half a grey level makes, at the image where a level is the largest step in ln.
+  // The time error of half a grey level, at the image where a level is the largest step in ln.
   constexpr double rate = 50.0;
   fs::create_directory(path("png"));
   double bound_us = 0.0;
@@ -239,7 +239,7 @@ TEST_F(Emulate, TimesWithNamesChooseTheImages) {
   const std::vector<Event> events =
       emulate(path("set") + " --preset ideal --timestamps " + path("set/images.txt"));
   EXPECT_GT(events.size(), 12U * 10);
-  EXPECT_TRUE(std::ranges::all_of(events, &Event::on));  // in the order of the names it would get darker
+  EXPECT_TRUE(std::ranges::all_of(events, &Event::on));  // in the order of the names the images get darker
   EXPECT_LE(events.back().t_us, 30000);
 }
 
@@ -483,7 +483,7 @@ TEST_F(Emulate, AnImpossibleOutputIsRefused) {
 }
 
 TEST_F(Emulate, AnInterruptEndsItAndNothingIsWritten) {
-  // A file with a hole: 13 GB of black images, of which the command reads as many as it has time for.
+  // A sparse file of 13 GB of black images, so that the command does not reach its end.
   folder_.write("long.npy", npy_header("<f4", "200000, 128, 128"));
   fs::resize_file(path("long.npy"), fs::file_size(path("long.npy")) + std::uintmax_t{200000} * 128 * 128 * 4);
   const std::string part = path("e.csv.part");

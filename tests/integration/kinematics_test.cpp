@@ -23,7 +23,7 @@ struct PoseError {
 
   void add(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
     position_m = std::max(position_m, (a.translation() - b.translation()).norm());
-    // The angle of a small rotation from its sine: acos of the trace is blind below 1e-8.
+    // The angle of a small rotation from its sine: acos of the trace is inaccurate below 1e-8.
     const Eigen::Matrix3d r = a.linear().transpose() * b.linear();
     const Eigen::Vector3d twice_sine(r(2, 1) - r(1, 2), r(0, 2) - r(2, 0), r(1, 0) - r(0, 1));
     angle_rad = std::max(angle_rad, std::atan2(twice_sine.norm(), r.trace() - 1.0));
@@ -39,7 +39,7 @@ JointVector random_pose(const JointLimits& limits, std::uint64_t i) {
   return q;
 }
 
-/// The plant with its joints put at `q`, nothing stepped.
+/// The plant with its joints at `q`, without a step.
 class PosedPlant {
  public:
   explicit PosedPlant(const WorldConfig& config = {})
@@ -72,7 +72,7 @@ class PosedPlant {
   MjDataPtr data_;
 };
 
-/// The table of iKin's v2 eye chain, straight from its rows.
+/// iKin's v2 eye chain, computed from the rows of its table.
 Eigen::Isometry3d dh_chain(const JointVector& q, bool left) {
   constexpr double half_pi = std::numbers::pi / 2.0;
   struct Row {
@@ -126,8 +126,8 @@ TEST(Kinematics, TheControllersModelEqualsThePlant) {
   EXPECT_LT(error.angle_rad, 1e-9);
 }
 
-/// iCubGenova02's URDF from the root to the left eye, joint by joint: where it sits in its parent's frame and
-/// the axis in its own. All frames but the root are turned the same way: x is the root's -y, y its z, z its -x.
+/// iCubGenova02's URDF from the root to the left eye, joint by joint: origin in the parent's frame and axis in
+/// its own. All frames but the root have the same orientation: x is the root's -y, y its z, z its -x.
 Eigen::Vector3d urdf_left_eye_m(const JointVector& q) {
   struct UrdfJoint {
     Eigen::Vector3d origin_m, axis;
@@ -158,7 +158,7 @@ TEST(Kinematics, ThePlantWithCadAxesEqualsTheUrdfOfTheRobot) {
     JointVector q = random_pose(plant.limits(), i);
     if (i == 0) q.setZero();
     plant.pose(q);
-    // Its torso is iKin's, whose yaw axis is 2.5 um off.
+    // Its torso is that of iKin, whose yaw axis differs by 2.5 um.
     worst_m = std::max(worst_m, (plant.left().translation() - urdf_left_eye_m(q)).norm());
   }
   std::cout << "plant with its axes of the CAD against the URDF: " << 1e3 * worst_m << " mm\n";
@@ -231,7 +231,7 @@ TEST(Kinematics, TheCameraHasItsConfiguredPoseInTheEye) {
   EXPECT_LT((eye_from_camera.translation() - Eigen::Vector3d(0.001, -0.002, -0.010)).norm(), 1e-9);
   const double turn_rad = 10.0 * std::numbers::pi / 180.0;
   EXPECT_NEAR(eye_from_camera.linear()(1, 0), std::sin(turn_rad),
-              1e-9);  // x goes down: clockwise in the image
+              1e-9);  // x turns down: clockwise in the image
 }
 
 TEST(Kinematics, TheCameraMotionFromEncodersEqualsThatOfThePlant) {

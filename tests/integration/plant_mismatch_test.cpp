@@ -16,9 +16,9 @@
 #include "core/random.h"
 #include "sim/world.h"
 
-/// The gaze controller `qp` on a head that is not its model, with all that can be apart at once. What it is told
-/// of the ball is what an event-driven tracker tells: where its centre is in the true camera, 8 ms ago, with an
-/// error of 0.3 px, put into the root frame with the controller's own kinematics and the encoders' readings.
+/// The gaze controller `qp` on a head that differs from its model in every configurable way. Its input is that of an
+/// event-driven tracker: the centre of the ball in the true camera 8 ms ago, with an error of 0.3 px, converted to the
+/// root frame with the controller's kinematics and the encoder readings.
 
 namespace saccade {
 namespace {
@@ -33,7 +33,7 @@ PlantConfig apart() {
   PlantConfig plant;
   plant.axes = NeckAxes::cad;
   plant.encoders.noise_deg = 0.02;
-  plant.encoders.quantisation_deg = 0.088;  // 12 bits a turn
+  plant.encoders.quantisation_deg = 0.088;  // 12 bits per turn
   plant.command_delay_ms = 20;
   plant.neck = {0.05, 0.5};
   plant.eyes = {0.05, 0.3};
@@ -50,7 +50,7 @@ struct Watch {
     return static_cast<double>(std::count_if(from, error_deg.end(), [](double e) { return e < 2.0; })) /
            watched;
   }
-  /// The error that so large a share of the time is below.
+  /// The quantile of the error over time.
   [[nodiscard]] double error_below_deg(double share) const {
     std::vector<double> sorted(error_deg.begin() + settled, error_deg.end());
     const auto at = sorted.begin() + static_cast<std::ptrdiff_t>(share * (watched - 1));
@@ -96,11 +96,11 @@ Watch look(const PlantConfig& plant, const TrajectoryConfig& ball, const QpConfi
   return run;
 }
 
-/// What of the joints' velocities is faster than 3 Hz.
+/// The part of the joints' velocities above 3 Hz.
 struct Shaking {
   double rms_deg_s = 0.0;  // of all joints together
   double share = 0.0;      // of the power of all their velocities
-  double line_deg = 0.0;   // how far a joint goes to each side in the strongest line
+  double line_deg = 0.0;   // amplitude of a joint in the strongest line
   double line_hz = 0.0;
 };
 
@@ -116,7 +116,7 @@ Shaking shaking(const Watch& run, const char* what) {
       velocity.push_back((run.joints_rad[t][joint] - run.joints_rad[t - 1][joint]) / dt_s / deg);
       mean += velocity.back() / n;
     }
-    for (int k = 1; k <= 200; ++k) {  // to 50 Hz, beyond what the servos follow
+    for (int k = 1; k <= 200; ++k) {  // to 50 Hz, above the bandwidth of the servos
       const double hz = k / (n * dt_s);
       const std::complex<double> turn = std::polar(1.0, -2.0 * std::numbers::pi * k / n);
       std::complex<double> phase = 1.0;
@@ -151,7 +151,7 @@ TrajectoryConfig resting() {
   return ball;
 }
 
-/// Once round in 4 s, as fast as the ball of the squares.
+/// One turn in 4 s, at the speed of the ball in gaze_square.
 TrajectoryConfig circling() {
   TrajectoryConfig ball;
   ball.kind = TrajectoryKind::circle;
@@ -165,10 +165,10 @@ TrajectoryConfig circling() {
 TEST(PlantMismatch, TheHeadRestsOnABallThatRests) {
   const Watch run = look(apart(), resting());
   const Shaking found = shaking(run, "apart, at rest");
-  // A twentieth of a pixel to each side is nothing a camera sees.
+  // An amplitude of a twentieth of a pixel is not visible in the image.
   EXPECT_LT(found.line_deg, 0.05 * px_deg);
   EXPECT_LT(found.rms_deg_s, 2.0 * std::numbers::pi * 3.0 * 0.1 * px_deg);
-  // Slower than 3 Hz is slow enough to be seen in the error: friction and backlash do not make the gaze hunt.
+  // Oscillations below 3 Hz would appear in the error: friction and backlash cause no limit cycle.
   EXPECT_LT(run.error_below_deg(0.95), 0.5 * px_deg);
   EXPECT_TRUE(run.kept_limits);
 }
@@ -176,8 +176,8 @@ TEST(PlantMismatch, TheHeadRestsOnABallThatRests) {
 TEST(PlantMismatch, TheHeadFollowsWithoutOscillation) {
   const Watch run = look(apart(), circling());
   const Shaking found = shaking(run, "apart, following");
-  // Joints that cross their backlash jump, which has some of every frequency: no line of it may be worth a quarter
-  // of a pixel. What oscillates has nearly all of its power in a line (see below).
+  // Joints that cross their backlash jump, which adds power at every frequency; no line may reach a quarter of a pixel.
+  // An oscillation has nearly all of its power in one line (see below).
   EXPECT_LT(found.line_deg, 0.25 * px_deg);
   EXPECT_LT(found.share, 0.1);
   EXPECT_TRUE(run.kept_limits);

@@ -9,12 +9,11 @@
 #include <numbers>
 #include <tuple>
 
+#include "core/units.h"
 #include "sim/sim_robot.h"
 
 namespace saccade {
 namespace {
-
-constexpr double rad_per_deg = std::numbers::pi / 180.0;
 
 WorldConfig moving_ball() {
   WorldConfig config;
@@ -23,7 +22,7 @@ WorldConfig moving_ball() {
   return config;
 }
 
-/// Eyes that turn by `angle_deg` and back again and again, each way a minimum-jerk move of `move_s`.
+/// Eyes that turn by `angle_deg` and back repeatedly, with a minimum-jerk move of `move_s` each way.
 HeadJointVector saccades(std::int64_t t_us, double angle_deg, double move_s) {
   const double phase = static_cast<double>(t_us) * 1e-6 / move_s;
   const double s = phase - std::floor(phase);
@@ -34,7 +33,7 @@ HeadJointVector saccades(std::int64_t t_us, double angle_deg, double move_s) {
   return reference_rad;
 }
 
-/// The instants of all images while the eyes make saccades, and the world at each.
+/// The times of all images while the eyes make saccades, and the world at each.
 template <class Look>
 void sample(const SamplingConfig& config, World& world, std::int64_t until_us, bool saccading, Look look) {
   const MjDataPtr shown(mj_makeData(&world.model()));
@@ -91,8 +90,8 @@ TEST(ImageSampler, DrawsAtTheEndOfEveryTickIfTheLongestIntervalIsAMillisecond) {
   EXPECT_GT(all, 160);
 }
 
-/// Where in the image, with their depths, points are that a bound on motion must hold for: a fine grid of the
-/// room at several depths, and points all over the ball's surface.
+/// Points in the image whose motion must stay below the bound: a fine grid of the room at several depths, and points
+/// on the whole surface of the ball.
 class Witnesses {
  public:
   explicit Witnesses(const World& world) : world_(world) {
@@ -160,12 +159,12 @@ TEST(ImageSampler, KeepsMotionBelowItsBoundAndImagesYoungerThanFiveMilliseconds)
     std::printf("bound %.2f px: %d images, at most %.3f px and %.1f ms apart, %.3f px on average\n", bound_px,
                 images, farthest_px, static_cast<double>(oldest_us) * 1e-3, sum_px / images);
     EXPECT_LE(farthest_px, bound_px);
-    EXPECT_GT(sum_px / images, 0.75 * bound_px);  // no more images than it takes
+    EXPECT_GT(sum_px / images, 0.75 * bound_px);  // not more images than necessary
     EXPECT_LE(oldest_us, 5000);
   }
 }
 
-/// What two samplings of one motion make of it.
+/// The result of one sampling of a motion, to compare with that of another one.
 struct Recording {
   std::vector<Event> events;
   std::vector<Eigen::Isometry3d> root_from_cam;  // at every tick
@@ -211,7 +210,7 @@ Recording record_saccade(const SimConfig& config, const SamplingConfig& sampling
   return recording;
 }
 
-/// How the eye turned in the tick of an event, rad/s, camera frame.
+/// Angular velocity of the eye in the tick of an event, rad/s, camera frame.
 Eigen::Vector3d turning_rad_s(const Recording& recording, std::int64_t t_us) {
   const auto tick = static_cast<std::size_t>((t_us - 1) / World::tick_us);
   const Eigen::AngleAxisd turn(recording.root_from_cam[tick].linear().transpose() *
@@ -270,7 +269,7 @@ TEST_P(AdaptiveSampling, ASaccadeOf300DegreesPerSecondGivesTheEventsOfTenThousan
   config.render.supersampling = GetParam().supersampling;
   config.emulator = emulator_preset(GetParam().preset);
   config.emulator.leak_rate_hz = config.emulator.shot_noise_rate_hz = 0.0;
-  config.emulator.readout_rate_hz = 0.0;  // a full bus would give all events its own times
+  config.emulator.readout_rate_hz = 0.0;  // a full bus would delay all events
   const Recording fixed = record_saccade(config, {10.0, 0.1});
   const Recording adaptive = record_saccade(config, {GetParam().max_displacement_px, 5.0});
 

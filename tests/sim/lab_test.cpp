@@ -66,7 +66,7 @@ TEST_P(LabOf, stays_out_of_the_robots_reach_and_inside_its_walls) {
       LabConfig lab = config();
       lab.wall_distance_m = distance;
       const MjModelPtr model = compile(Lab(lab, seed).mjcf());
-      // MuJoCo keeps a mesh in a frame of its own; the geom's pose leads back to the root.
+      // MuJoCo stores a mesh in a frame of its own; the geom's pose converts it to the root frame.
       std::array<mjtNum, 9> turn{};
       mju_quat2Mat(turn.data(), model->geom_quat);
       double nearest = 1e9;

@@ -68,7 +68,7 @@ TEST(Objects, FollowTheirTrajectoriesBetweenTicksToo) {
         (body_m(world, *between, "distractor_0_0") - trajectory.position_m(world.now_us() - 300)).norm(),
         1e-12);
   }
-  // The same path in another hand sways otherwise.
+  // The same trajectory in another hand has another sway.
   const double apart_m =
       (body_m(world, world.data(), "distractor_0_0") - body_m(world, world.data(), "distractor_1_0")).norm();
   EXPECT_GT(apart_m, 1e-5);
@@ -119,7 +119,7 @@ TEST(Objects, APersonWalksOnTheFloorWithOneLegForward) {
       ASSERT_GT(foot.z(), floor_m - 0.01);
       ASSERT_LT(foot.z(), floor_m + 0.08);
     }
-    // Along y: as far before the trunk as the other one is behind.
+    // Along y: one leg is as far in front of the trunk as the other one is behind it.
     ASSERT_NEAR(left.y() + right.y(), 2.0 * trunk.y(), 1e-6);
     widest_m = std::max(widest_m, std::abs(left.y() - right.y()));
   }
@@ -140,7 +140,7 @@ TEST(Objects, AddToTheMotionInTheImage) {
   ImageMotion motion(world.model(), world.left_eye_camera(), camera);
   motion.start_from(world.data());
   for (int tick = 0; tick < 50; ++tick) world.step();
-  // 25 mm less half a ramp's 2.5 mm, half a metre away and at its front a little less.
+  // 25 mm minus 2.5 mm for half a ramp, at a distance of 0.5 m, and slightly less at its front.
   const double seen_px = motion.displacement_px(world.data());
   EXPECT_GT(seen_px, camera.fx_px * 0.0225 / 0.5);
   EXPECT_LT(seen_px, 1.2 * camera.fx_px * 0.0225 / 0.5);

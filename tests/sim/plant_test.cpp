@@ -7,12 +7,13 @@
 #include <iostream>
 #include <numbers>
 
+#include "core/units.h"
 #include "sim/world.h"
 
 namespace saccade {
 namespace {
 
-constexpr double deg = std::numbers::pi / 180.0;
+constexpr double deg = rad_per_deg;
 constexpr int yaw = neck_yaw - torso_joint_count;
 
 WorldConfig still_world() {
@@ -22,11 +23,11 @@ WorldConfig still_world() {
 }
 
 struct Instant {
-  HeadState read;      // what the encoders say
-  JointVector joints;  // where the joints are
+  HeadState read;      // readings of the encoders
+  JointVector joints;  // true positions
 };
 
-/// A head whose references are at first 0, vergence 10 deg, and then what `reference_of` makes of them.
+/// A head with references 0 and vergence 10 deg at first, and then those of `reference_of`.
 template <class Reference>
 std::vector<Instant> move(const PlantConfig& plant, int ticks, const Reference& reference_of) {
   WorldConfig config = still_world();
@@ -74,7 +75,7 @@ TEST(Plant, ReadsMultiplesOfTheQuantisation) {
     reference[eyes_version - torso_joint_count] = -0.02 * tick * deg;
   });
   for (const Instant& now : instants) {
-    // The pans are what has encoders: left and right are version plus and minus half the vergence.
+    // The encoders are at the pans: left and right are version plus and minus half the vergence.
     JointVector motors = now.read.position_rad;
     motors[eyes_version] += 0.5 * now.read.position_rad[eyes_vergence];
     motors[eyes_vergence] = now.read.position_rad[eyes_version] - 0.5 * now.read.position_rad[eyes_vergence];
@@ -120,7 +121,7 @@ TEST(Plant, DifferencesItsReadingsForVelocities) {
   EXPECT_NEAR(instants.back().read.velocity_rad_s[neck_yaw] / deg, 50.0, 4.0 * 0.01 * std::sqrt(2.0) / 0.01);
 }
 
-/// To and fro by 5 deg at 10 deg/s.
+/// Back and forth by 5 deg at 10 deg/s.
 double triangle_rad(int tick) {
   const int phase = tick % 2000;
   return (phase < 500 ? 0.01 * phase : phase < 1500 ? 10.0 - 0.01 * phase : 0.01 * phase - 20.0) * deg;
@@ -135,7 +136,7 @@ TEST(Plant, MovesNoJointWhileItsMotorCrossesTheBacklash) {
     reference[eyes_version - torso_joint_count] = triangle_rad(tick);
   });
   for (const auto& [joint, backlash_deg] : {std::pair{neck_yaw, 0.5}, std::pair{eyes_version, 0.3}}) {
-    // The motor turns that far between where it turns round and where its joint begins to follow.
+    // The motor turns by the backlash from its reversal until its joint begins to follow.
     std::vector<double> gaps_deg;
     double turned_at = 0.0;
     int direction = 0;
@@ -210,7 +211,7 @@ TEST(Plant, KeepsItsLimitsBehindTheBacklash) {
 }
 
 TEST(Plant, SticksUntilTheServoOvercomesItsFriction) {
-  // What a servo does not move: friction over stiffness; neck yaw 0.05 * 14 N m / 240 N m/rad, an eye's pan
+  // Position error at which a servo sticks, friction over stiffness: neck yaw 0.05 * 14 N m / 240 N m/rad, an eye's pan
   // 0.05 * 1.1 / 14.7.
   for (const auto& [joint, band_rad] :
        {std::pair{neck_yaw, 0.05 * 14.0 / 240.0}, std::pair{eyes_version, 0.05 * 1.1 / 14.7}}) {
@@ -227,7 +228,7 @@ TEST(Plant, SticksUntilTheServoOvercomesItsFriction) {
     std::cout << joint_names[joint] << ": of a band of " << band_rad / deg << " deg 0.9 move it by "
               << within / band_rad << ", 3 by " << beyond / band_rad << "\n";
     EXPECT_LT(std::abs(within), 0.01 * band_rad);
-    // Critically damped it comes to rest as soon as the servo's torque is below friction.
+    // Critically damped, it stops as soon as the servo's torque is below friction.
     EXPECT_NEAR(beyond, 2.0 * band_rad, 0.15 * band_rad);
   }
 }

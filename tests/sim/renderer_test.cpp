@@ -19,6 +19,7 @@
 
 #include "core/error.h"
 #include "core/random.h"
+#include "core/units.h"
 #include "emulator/event_emulator.h"
 #include "sim/lab.h"
 #include "sim/mujoco_compat.h"
@@ -30,7 +31,7 @@ namespace {
 using Eigen::Vector3d;
 
 /// A camera at the origin in the pose of an iCub eye (it looks along root -x), one sphere that tests move,
-/// a wall behind, and no light but an even one.
+/// a wall behind, and uniform light only.
 constexpr const char* test_world = R"(
 <mujoco>
   <visual><headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/></visual>
@@ -90,7 +91,7 @@ class Renderer : public ::testing::Test {
     double x_px = 0.0;
     double y_px = 0.0;
   };
-  /// Area and centroid of what differs from the wall, with the ball's brightness as one.
+  /// Area and centroid of the difference from the wall, with the ball's brightness as one.
   Blob measure_ball(const std::vector<float>& background) const {
     double ball = 0.0;
     for (std::size_t i = 0; i < image_.size(); ++i) {
@@ -323,7 +324,7 @@ TEST_F(Renderer, measures_the_part_of_a_ball_that_the_lens_shows_inside_the_imag
     const Vector3d point = at_pixel(x, y, 0.4);
     place(the_ball, point);
     draw(eye);
-    // The same count by rays of our own.
+    // The same count with independent rays.
     int all = 0;
     int inside = 0;
     for (double v = point.y() / point.z() - 0.4; v < point.y() / point.z() + 0.4; v += 0.002) {
@@ -451,7 +452,6 @@ class RenderedLab : public Renderer {
 };
 
 TEST_F(RenderedLab, is_neither_black_nor_saturated_nor_empty_wherever_the_eye_looks) {
-  constexpr double deg = std::numbers::pi / 180.0;
   for (const Clutter clutter : {Clutter::textured, Clutter::rectilinear}) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
       build({.clutter = clutter}, seed);
@@ -462,13 +462,13 @@ TEST_F(RenderedLab, is_neither_black_nor_saturated_nor_empty_wherever_the_eye_lo
       int count = 0;
       for (const double yaw : {-45.0, 0.0, 45.0}) {
         for (const double pitch : {-30.0, 0.0, 30.0}) {
-          turn(yaw * deg, pitch * deg);
+          turn(yaw * rad_per_deg, pitch * rad_per_deg);
           eye.render(*data_, 0, image_);
           for (std::size_t i = 0; i < image_.size(); ++i) {
             sum += static_cast<double>(image_[i]);
             outside += image_[i] < 20.0F || image_[i] > 230.0F ? 1 : 0;
-            EXPECT_GT(image_[i], 8.0F) << "a hole in the room";
-            // Neighbours that differ by more than one event's worth.
+            EXPECT_GT(image_[i], 8.0F) << "no surface";
+            // Neighbours that differ by more than one threshold.
             if (i % 128 != 127)
               edges += std::abs(std::log((image_[i + 1] + 10) / (image_[i] + 10))) > 0.2F ? 1 : 0;
             ++count;
@@ -532,7 +532,7 @@ TEST_F(RenderedLab, makes_no_event_when_pixels_flicker_by_one_grey_level) {
   EXPECT_EQ(events.size(), 0U);
 }
 
-/// Run by the next test in a process of its own: draws, and prints what it saw in one number.
+/// Run by the next test in a separate process: renders an image and prints its hash.
 TEST_F(RenderedLab, prints_the_hash_of_an_image) {
   build({.clutter = Clutter::textured}, 1);
   EyeRenderer eye = make_eye();
@@ -583,7 +583,7 @@ TEST_F(RenderedLab, is_upright_in_third_person_images) {
                rgb);
   EXPECT_GT(mean(), 60.0);
   EXPECT_LT(mean(), 230.0);
-  // The upper half of a view of the horizon shows what the upper view shows: compare with the view turned up.
+  // Compares the upper half of a horizontal view with a view that is turned up.
   std::vector<std::uint8_t> level = rgb;
   scene.render(*data_, {.look_at_m = {-0.5, 0.0, 0.3}, .azimuth_rad = std::numbers::pi, .elevation_rad = 0.2},
                rgb);

@@ -10,7 +10,7 @@
 namespace saccade {
 namespace {
 
-/// A coarse eye, so that many runs cost little, and a ball that moves fast.
+/// An eye of low resolution, so that many runs are fast, and a fast ball.
 SimConfig small_world() {
   SimConfig config;
   config.camera = Camera{{64, 64}, 50.0, 50.0, 31.5, 31.5}.without_lens();
@@ -77,7 +77,7 @@ std::vector<Event> events_of(const SimConfig& config, std::uint64_t seed, std::u
 
 TEST(SimRobot, TheLeftEyesEventsDoNotDependOnTheRightEye) {
   SimConfig config = small_world();
-  config.sampling = {10.0, 1.0};  // an image at every tick, whatever moves
+  config.sampling = {10.0, 1.0};  // an image at every tick, for any motion
   const std::vector<Event> alone = events_of(config, 1, 0, 200'000);
   EXPECT_GT(alone.size(), 1000U);
   EXPECT_EQ(alone, events_of(with_both_eyes(config), 1, 0, 200'000));
@@ -104,7 +104,7 @@ TEST(SimRobot, TheEyesHaveDifferentNoiseThatDependsOnTheSeed) {
     }
   }
   std::printf("%zu events left, %zu right, %d the same\n", left.size(), right.size(), shared);
-  EXPECT_LT(shared, 5);  // were both of one stream it would be nearly all
+  EXPECT_LT(shared, 5);  // with one random stream nearly all would be shared
 }
 
 TEST(SimRobot, EyesWithImagesOfDifferentSizesAreBadInput) {
@@ -129,7 +129,7 @@ TEST(SimRobot, GroundTruthIsTheProjectionOfTheBallThroughThePlantsEye) {
   }
 }
 
-/// A colour picture at `t_us`, its pixels shifted.
+/// A colour image at `t_us`, shifted by `shift_px`.
 std::vector<float> colours_of(SimRobot& robot, std::int64_t t_us, const Eigen::Vector2d& shift_px) {
   const Camera camera = small_world().camera;
   std::vector<float> rgb(3 * static_cast<std::size_t>(camera.size.pixels()));
@@ -164,7 +164,7 @@ TEST(SimRobot, AColourImageShiftedByAPixelIsTheSameImageOnePixelFurther) {
     }
   }
   std::printf("%d of %d values differ\n", differ, 2 * 63 * 63);
-  EXPECT_LT(differ, 2 * 63 * 63 / 100);  // edges that fall on the other side of a sample by rounding
+  EXPECT_LT(differ, 2 * 63 * 63 / 100);  // edges that rounding moves to another sample
 }
 
 TEST(SimRobot, BetweenTicksTheColourImageShowsTheInterpolatedBall) {
@@ -253,7 +253,7 @@ TEST(SimRobot, TheVisibleShareDoesNotDependOnTheImageRate) {
   EXPECT_LT(largest, 0.12);  // half a pixel of a disc of 5 px radius, and one sample per pixel
 }
 
-/// A whole eye, whose head and sway are still, before a ball that goes round.
+/// An eye of full resolution in a still head, and a ball on a circle without sway.
 SimConfig labelled_world() {
   SimConfig config;
   config.labels = true;
@@ -303,7 +303,7 @@ TEST(SimRobot, PixelsLabelledBallAreThoseOfTheTrueCircleInEitherEye) {
   }
 }
 
-/// How many events of each SceneObject a still eye sees of a moving ball.
+/// Number of events per SceneObject of a still eye in front of a moving ball.
 std::array<int, 6> events_by_object(const SimConfig& config) {
   SimRobot robot(config, 1);
   std::vector<Event> events;
@@ -342,7 +342,7 @@ TEST(SimRobot, EachEventOfEitherEyeHasALabelAndLabelsChangeNoEvent) {
     labelled.wait_until(t_us);
     plain.wait_until(t_us);
     const auto before = std::ssize(events);
-    labelled.read_until(t_us - t_us % 3000, events);  // not always up to now
+    labelled.read_until(t_us - t_us % 3000, events);  // sometimes before now
     plain.read_until(t_us, plain_events);
     ASSERT_EQ(std::ssize(labelled.delivered_labels()), std::ssize(events) - before);
     ASSERT_TRUE(plain.delivered_labels().empty());

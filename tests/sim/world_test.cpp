@@ -13,11 +13,12 @@
 
 #include "core/camera.h"
 #include "core/random.h"
+#include "core/units.h"
 
 namespace saccade {
 namespace {
 
-constexpr double deg = std::numbers::pi / 180.0;
+constexpr double deg = rad_per_deg;
 
 WorldConfig still_world() {
   WorldConfig config;
@@ -29,7 +30,7 @@ HeadJointVector head(const JointVector& joints) { return joints.tail<head_joint_
 
 double largest_deg(const JointVector& rad) { return rad.cwiseAbs().maxCoeff() / deg; }
 
-/// How far the worst joint is outside its limits, rad; negative inside.
+/// Largest distance of a joint outside its limits, rad; negative inside.
 double outside(const JointVector& q, const JointLimits& limits) {
   return std::max((q - limits.max_rad).maxCoeff(), (limits.min_rad - q).maxCoeff());
 }
@@ -176,7 +177,7 @@ TEST(World, StaysInsideItsLimitsAgainstGravity) {
       const int joint = torso_joint_count + j;
       reference[j] = (corner >> j) % 2 == 0 ? limits.min_rad[joint] : limits.max_rad[joint];
     }
-    ASSERT_TRUE(world.set_reference(reference));  // at once, from the start: as hard as it gets
+    ASSERT_TRUE(world.set_reference(reference));  // immediately at the start: the worst case
     for (int i = 0; i < 1500; ++i) {
       world.step();
       worst = std::max(worst, outside(world.head_state().position_rad, limits));
@@ -310,7 +311,7 @@ World world_with_ball(double diameter_m, const Eigen::Vector3d& ball_m) {
 /// Share of the ball's disc, seen from a point, that hand and arm cover; by rays.
 double covered_share(World& world, const Eigen::Vector3d& from_m) {
   const int ball = mj_name2id(&world.model(), mjOBJ_GEOM, "ball");
-  const mjtByte groups[mjNGROUP] = {1, 1, 0, 0, 0, 0};  // what an eye sees
+  const mjtByte groups[mjNGROUP] = {1, 1, 0, 0, 0, 0};  // groups that an eye draws
   const Eigen::Vector3d forward = world.ball_position_m() - from_m;
   const Eigen::Vector3d side = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
   const Eigen::Vector3d up = side.cross(forward).normalized();
@@ -401,7 +402,7 @@ TEST(World, AddsTheLabToTheModel) {
 TEST(World, ClassifiesGeomsByTheirNames) {
   World world(still_world(),
               "<worldbody><geom name='wall' size='.1'/><geom name='distractor_1' size='.1'/>"
-              "<body name='distractor'><geom name='thing' size='.1'/></body></worldbody>",
+              "<body name='distractor'><geom name='object' size='.1'/></body></worldbody>",
               1);
   const std::vector<std::uint8_t> objects = world.scene_objects();
   const auto object_of = [&](const char* name) {
@@ -412,7 +413,7 @@ TEST(World, ClassifiesGeomsByTheirNames) {
   EXPECT_EQ(object_of("hand_palm"), SceneObject::hand);
   EXPECT_EQ(object_of("arm_sleeve"), SceneObject::arm);
   EXPECT_EQ(object_of("distractor_1"), SceneObject::distractor);
-  EXPECT_EQ(object_of("thing"), SceneObject::distractor);
+  EXPECT_EQ(object_of("object"), SceneObject::distractor);
   EXPECT_EQ(object_of("wall"), SceneObject::background);
 }
 
