@@ -12,7 +12,7 @@
 
 namespace saccade {
 
-/// An event that a pixel asks the readout to send.
+/// An event of a pixel on its way to the readout.
 struct PixelEvent {
   std::int64_t t_us = 0;
   std::uint32_t pixel = 0;  ///< of the whole image, row by row
@@ -21,8 +21,8 @@ struct PixelEvent {
   std::uint8_t object = 0;  ///< EventLabel::object
 };
 
-/// Neighbouring pixels of the sensor from photoreceptor to comparators, as EmulatorConfig says; without
-/// latency and readout. What a pixel does depends on its number in the image, never on its neighbours.
+/// A range of the sensor's pixels from photoreceptor to comparators, with the parameters of EmulatorConfig but without
+/// latency and readout. A pixel's events depend on its number in the image, not on its neighbours.
 class PixelArray {
  public:
   /// Pixels [first, first + count) of the image. The config is checked already.
@@ -39,8 +39,8 @@ class PixelArray {
  private:
   static constexpr std::size_t block_size = 512;
 
-  /// What is needed only where something happens. Levels are "with leakage": what has leaked from the reference
-  /// since the first image is added to the photoreceptor's output instead, so that references stand still.
+  /// State of a pixel that only active pixels need. Levels are "with leakage": the leakage of the reference since the first
+  /// image is added to the photoreceptor's output instead, so that references are constant.
   struct alignas(64) Pixel {      // a cache line
     double reference;             // level
     double noise_s;               // time of the next noise candidate, since the first image
@@ -52,7 +52,7 @@ class PixelArray {
     std::uint32_t noise_count;  // candidates so far
     bool hot;
   };
-  /// A pixel that may do something in the interval.
+  /// A pixel whose level may reach a threshold, or that has a noise candidate, in the interval.
   struct Active {
     std::uint32_t index;
     float luminance_before, luminance_now;
@@ -64,7 +64,7 @@ class PixelArray {
     double duration_us;
     double before_us;  // t0 since the first image
   };
-  /// Of the photoreceptor in an interval: fixed + per_luminance * luminance.
+  /// Length of an interval in time constants of the photoreceptor: fixed + per_luminance * luminance.
   struct TimeConstants {
     double fixed, per_luminance;
   };
@@ -110,7 +110,7 @@ class PixelArray {
   std::int64_t t_us_ = 0;
   std::vector<float> luminance_;  // of the newest image
   std::vector<float> deviation_;  // of the photoreceptor's output from the log luminance, at the newest image
-  std::vector<float> low_, high_;  // a pixel whose level stays between them does nothing
+  std::vector<float> low_, high_;  // a pixel whose level stays between them is quiet
   std::vector<float> leak_per_us_;
   std::vector<std::int64_t> noise_due_us_;        // next noise candidate
   std::vector<std::int64_t> block_noise_due_us_;  // the first of each block

@@ -10,21 +10,22 @@
 
 namespace saccade {
 
-/// From the comparators to time stamps: latency, a bus that takes one event after the other, and the clock's ticks.
+/// The readout from comparators to time stamps: latency, a bus that transmits one event after the other, and the ticks of the
+/// clock.
 ///
-/// An event that asks at t reaches the bus at t + latency_us; the bus serves in that order, each event in
-/// 1 / readout_rate_hz, and its stamp is the first tick at or after its end. While readout_queue_events wait, further
-/// ones are lost. Events of one pixel are at least one tick apart: the bus waits. Without a limited rate an event
-/// is stamped at the first tick at or after it asks.
+/// An event of time t reaches the bus at t + latency_us. The bus transmits events in that order, each in
+/// 1 / readout_rate_hz, and the stamp is the first tick at or after the end of the transmission. While
+/// readout_queue_events are waiting, further events are dropped. Events of one pixel are at least one tick apart: the bus
+/// waits. Without a limited rate the stamp is the first tick at or after t + latency_us.
 class Readout {
  public:
-  /// `pixels`: of the whole image.
+  /// `pixels`: number of pixels of the whole image.
   Readout(const EmulatorConfig& config, std::size_t pixels);
 
-  /// Takes requests in the order of time, none before those taken already; appends the events with stamps up to
-  /// t_us, in the order of stamps.
+  /// Takes events in the order of time, after those of previous calls; appends the events with stamps up to t_us, in the
+  /// order of stamps.
   void process(std::span<const PixelEvent> requests, std::int64_t t_us, std::vector<PixelEvent>& events);
-  /// Appends what is still on its way.
+  /// Appends the events that are still delayed.
   void finish(std::vector<PixelEvent>& events);
 
   [[nodiscard]] std::int64_t dropped() const { return dropped_; }
@@ -34,13 +35,13 @@ class Readout {
 
  private:
   void stamp(PixelEvent request);
-  /// When the bus is done with a request that reaches it at t_us; none when the queue is full.
+  /// End of the transmission of an event that reaches the bus at t_us; none if the queue is full.
   [[nodiscard]] std::optional<std::int64_t> serve(std::int64_t t_us);
   void release(std::size_t count, std::vector<PixelEvent>& events);
 
   EmulatorConfig config_;
   double service_us_;
-  bool transparent_;  ///< nothing to do: what comes goes
+  bool transparent_;  ///< no latency, rate or resolution: events pass unchanged
   std::vector<std::int64_t>
       last_stamp_us_;                ///< of each pixel; empty where no two of its events can share a tick
   std::vector<PixelEvent> stamped_;  ///< in the order of stamps; the first `released_` are gone

@@ -88,7 +88,6 @@ void paint_window(Canvas& canvas, RandomGenerator& random) {
   }
 }
 
-/// Shelves with the spines of books and binders; above them the dark back.
 void paint_books(Canvas& canvas, RandomGenerator& random, int rows) {
   canvas.fill(grey(0.13));
   const double pitch = canvas.height() / rows;
@@ -210,7 +209,6 @@ void paint_wood(Canvas& canvas, RandomGenerator& random) {
   roughen(canvas, random, 0.1, 0.05, 3);
 }
 
-/// Anything small with a rough coat: a pot, a stone, a cushion.
 void paint_rough(Canvas& canvas, RandomGenerator& random) {
   canvas.fill(any_colour(random, 0.22, 0.5));
   roughen(canvas, random, 0.12, 0.4, 5, 0.75);

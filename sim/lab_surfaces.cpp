@@ -17,7 +17,6 @@ Colour any_colour(RandomGenerator& random, double low, double high) {
   return {v * random.real(0.75, 1.35), v * random.real(0.85, 1.15), v * random.real(0.6, 1.25)};
 }
 
-/// Multiplies by exp(strength * noise): reflectance varies by ratios, as in life.
 void roughen(Canvas& canvas, RandomGenerator& random, double feature_m, double strength, int octaves,
              double falloff, double stretch) {
   const ValueNoise noise(random);
@@ -29,7 +28,6 @@ void roughen(Canvas& canvas, RandomGenerator& random, double feature_m, double s
   });
 }
 
-/// Leaves over leaves, large ones first; `tone` spreads their brightness (log).
 void scatter_leaves(Canvas& canvas, RandomGenerator& random, double per_m2, double small_m, double large_m,
                     Colour colour, double tone) {
   const int count = static_cast<int>(per_m2 * canvas.width() * canvas.height());
@@ -74,8 +72,8 @@ void paint_brick(Canvas& canvas, RandomGenerator& random) {
   const double length = 2.6 * height;
   const Colour clay = {0.46, 0.34, 0.27};
   canvas.fill({0.52, 0.5, 0.46});
-  int course = 0;
-  for (double y = 0.0; y < canvas.height(); y += height, ++course) {
+  int layer = 0;
+  for (double y = 0.0; y < canvas.height(); y += height, ++layer) {
     for (double x = -length * random.real(0.3, 1.0); x < canvas.width();) {
       const double own = length * random.real(0.75, 1.2);
       const Colour c = std::exp(0.32 * std::clamp(random.normal(), -1.8, 1.8)) * clay;
@@ -110,7 +108,7 @@ void paint_cloth(Canvas& canvas, RandomGenerator& random, double fold_m) {
   roughen(canvas, random, 0.05, 0.15, 3, 0.8);
 }
 
-/// A picture that could be a photograph: sky, ground, and things in between.
+/// A photograph of a landscape: sky, ground and plants between them.
 void paint_photograph(Canvas& canvas, RandomGenerator& random) {
   const ValueNoise noise(random);
   const Colour sky = any_colour(random, 0.45, 0.75);
@@ -131,13 +129,13 @@ void pin_photographs(Canvas& canvas, RandomGenerator& random, double per_m2) {
   for (int i = 0; i < count; ++i) {
     const double width = random.real(0.16, 0.42);
     const double height = width * random.real(0.65, 1.4);
-    Canvas picture(width, height, static_cast<int>(130 * width), static_cast<int>(130 * height));
-    paint_photograph(picture, random);
+    Canvas photograph(width, height, static_cast<int>(130 * width), static_cast<int>(130 * height));
+    paint_photograph(photograph, random);
     const double x = random.real(0.0, canvas.width());
     const double y = random.real(0.1, 0.75) * canvas.height();
     const double angle = random.real(-0.35, 0.35);
     canvas.tilted(x + 0.015, y + 0.02, width, height, angle, [](double, double) { return grey(0.13); });
-    canvas.lay(picture, x, y, angle);
+    canvas.lay(photograph, x, y, angle);
   }
 }
 
