@@ -399,6 +399,16 @@ TEST(World, AddsTheLabToTheModel) {
   EXPECT_THROW(World(still_world(), "<worldbody><geom type='sausage'/></worldbody>", 1), RunError);
 }
 
+/// Its texture has a texel per half millimetre: OpenGL draws none above 16,384 texels.
+TEST(World, RefusesABoardLargerThanFourMetres) {
+  WorldConfig config = still_world();
+  config.board.emplace();
+  config.board->spacing_mm = 200.0;
+  config.board->columns = 20;
+  config.board->rows = 21;
+  EXPECT_THROW(World(config, "", 1), InputError);
+}
+
 TEST(World, ClassifiesGeomsByTheirNames) {
   World world(still_world(),
               "<worldbody><geom name='wall' size='.1'/><geom name='distractor_1' size='.1'/>"
