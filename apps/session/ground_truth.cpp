@@ -1,13 +1,12 @@
 #include "apps/session/ground_truth.h"
 
-#include <array>
 #include <limits>
-#include <string_view>
+
+#include "core/event_label.h"
 
 namespace saccade {
 namespace {
 
-constexpr std::array<std::string_view, 4> cause_names = {"signal", "leak", "shot", "hot"};  // as EventCause
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
@@ -25,7 +24,7 @@ LabelRow label_row(const Event& event, const EventLabel& label) {
   row.x = event.x;
   row.y = event.y;
   row.on = event.on;
-  row.cause = cause_names.at(static_cast<std::size_t>(label.cause));
+  row.cause = event_cause_names.at(static_cast<std::size_t>(label.cause));
   row.object = scene_object_names.at(label.object - 1U);
   return row;
 }

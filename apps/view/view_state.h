@@ -5,7 +5,7 @@
 
 #include "apps/view/actions.h"
 #include "apps/view/view_settings.h"
-#include "sim/renderer.h"
+#include "sim/scene_renderer.h"
 
 namespace saccade {
 
