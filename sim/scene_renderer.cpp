@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <string>
 
 #include "core/error.h"
 #include "core/srgb.h"
+#include "core/units.h"
 
 namespace saccade {
 
@@ -17,7 +17,7 @@ SceneView profile_view() {
   SceneView view;
   view.look_at_m = {-0.32, 0.0, 0.27};
   view.distance_m = 1.15;
-  view.azimuth_rad = 95.0 * std::numbers::pi / 180.0;
+  view.azimuth_rad = 95.0 * rad_per_deg;
   view.elevation_rad = -0.12;
   return view;
 }

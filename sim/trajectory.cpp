@@ -7,6 +7,7 @@
 
 #include "core/minimum_jerk.h"
 #include "core/random.h"
+#include "core/units.h"
 
 namespace saccade {
 namespace {
@@ -110,7 +111,7 @@ Eigen::Vector3d Trajectory::commanded_m(double t_s) const {
   if (config_.kind == TrajectoryKind::waypoints) return along_waypoints_m(moving_s);
   if (config_.kind == TrajectoryKind::circle) {
     const double turning_s = config_.ramp_s * smooth_start(moving_s / config_.ramp_s);
-    const double angle_rad = config_.phase_deg * pi / 180.0 + 2.0 * pi * config_.frequency_hz * turning_s;
+    const double angle_rad = config_.phase_deg * rad_per_deg + 2.0 * pi * config_.frequency_hz * turning_s;
     return config_.centre_m + std::cos(angle_rad) * config_.radius_a_m +
            std::sin(angle_rad) * config_.radius_b_m;
   }
