@@ -1,5 +1,5 @@
 // Scores detections against ground truth and prints one line per detector:
-//   average_precision detections.csv truth.csv [threshold]
+//   scoring_example detections.csv truth.csv [threshold]
 // detections.csv: t_us,detector,x_px,y_px,r_px,score,held. truth.csv: t_us,x_px,y_px,r_px and, if known, visible and the
 // ball's position. Truth with positions is taken for that of a simulation, at every millisecond; other truth for
 // annotations of a recording.
@@ -16,7 +16,7 @@
 
 int main(int argc, char** argv) {
   if (argc != 3 && argc != 4) {
-    std::fprintf(stderr, "usage: average_precision detections.csv truth.csv [threshold]\n");
+    std::fprintf(stderr, "usage: scoring_example detections.csv truth.csv [threshold]\n");
     return 2;
   }
   try {
@@ -35,7 +35,7 @@ int main(int argc, char** argv) {
                   static_cast<long long>(score.chances));
     }
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "average_precision: %s\n", error.what());
+    std::fprintf(stderr, "scoring_example: %s\n", error.what());
     return 1;
   }
   return 0;
