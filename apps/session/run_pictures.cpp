@@ -67,7 +67,7 @@ void RunPictures::keep_recent_events(const Tick& tick) {
 
 void RunPictures::draw(const Tick& tick) {
   const bool still = std::ranges::binary_search(still_times_us_, tick.t_us);
-  const bool film = video_ && video_->wants(tick.t_us);
+  const bool film = video_ && video_->is_due(tick.t_us);
   if (!still && !film) return;
   const cv::Mat grey = grey_image(robot_.left_eye());
   cv::Mat scene(scene_size.height, scene_size.width, CV_8UC3);

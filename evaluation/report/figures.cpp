@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "core/error.h"
@@ -17,12 +16,6 @@ std::vector<Colour> detector_colours(const Metrics& metrics) {
   std::vector<std::string> names;
   for (const auto& [name, score] : metrics.detectors) names.push_back(name);
   return detector_colours(names);
-}
-
-std::string detector_colour(std::size_t index) {
-  constexpr std::array<Colour, 4> colours = {
-      {{0xd5, 0x5e, 0x00}, {0x56, 0xb4, 0xe9}, {0xcc, 0x79, 0xa7}, {0x8c, 0x8c, 0x8c}}};
-  return hex(colours[index % colours.size()]);
 }
 
 Figure tracking_figure(std::string_view name, std::span<const TruthRow> truth,

@@ -23,8 +23,6 @@ inline constexpr std::size_t max_figure_points = 1200;
 
 /// The colours of a run's detectors, in the order of `metrics`.
 [[nodiscard]] std::vector<Colour> detector_colours(const Metrics& metrics);
-/// For the window until it uses the palette.
-[[nodiscard]] std::string detector_colour(std::size_t index);
 
 /// x, y and r over time: truth as a line, the detector's observations at or above its threshold as dots.
 /// Annotated truth (`sparse`) is drawn as circles, not joined.

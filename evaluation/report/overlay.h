@@ -82,7 +82,7 @@ class VideoComposer {
   explicit VideoComposer(std::filesystem::path path);
 
   /// True when the video, played in real time, needs an image for `t_us`, counted from the run's start.
-  [[nodiscard]] bool wants(std::int64_t t_us) const { return t_us * frame_hz >= file_.images() * 1'000'000; }
+  [[nodiscard]] bool is_due(std::int64_t t_us) const { return t_us * frame_hz >= file_.images() * 1'000'000; }
   /// One image of the video. `scene` BGR of any size; the caption is drawn as it stands.
   void add(const cv::Mat& scene, const AnnotatedImage& eye, const std::string& caption);
   void commit() { file_.commit(); }

@@ -125,7 +125,7 @@ TEST(VideoComposer, WritesAVideoInRealTimeThatAppearsOnCommit) {
   {
     VideoComposer video(path);
     for (std::int64_t t_us = 0; t_us <= 1'000'000; t_us += 1000) {
-      if (!video.wants(t_us)) continue;
+      if (!video.is_due(t_us)) continue;
       video.add(cv::Mat(240, 320, CV_8UC3, cv::Scalar(0, 0, 200)), eye, "0.00 s");
       ++images;
     }

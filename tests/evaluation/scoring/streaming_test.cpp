@@ -112,7 +112,10 @@ TEST(DetectorScorer, TheSameInstantsGiveTheSameFiguresBeyondTheBoundToo) {
 }
 
 /// Bytes in use on the heap; 0 where a sanitizer replaces the allocator.
-std::size_t heap_bytes() { return mallinfo2().uordblks; }
+std::size_t heap_bytes() {
+  const auto heap = mallinfo2();
+  return heap.uordblks + heap.hblkhd;
+}
 
 TEST(DetectorScorer, NeedsNoMoreMemoryInALongerRun) {
   const RandomStream random(12, "memory test");
