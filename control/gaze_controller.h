@@ -1,9 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <memory>
 #include <optional>
-#include <string>
 
 #include "control/head_kinematics.h"
 #include "control/target.h"
@@ -31,10 +31,19 @@ class GazeController {
   [[nodiscard]] virtual TargetStatus target_status() const = 0;
 };
 
+/// What the head does when the target is lost.
+enum class WhenLost {
+  hold,  ///< it keeps looking at the last target
+  rest,  ///< GazeController::rest
+};
+constexpr auto words_of(WhenLost) {
+  return std::to_array<Word<WhenLost>>({{WhenLost::hold, "hold"}, {WhenLost::rest, "rest"}});
+}
+
 /// From when on the head follows targets, and what it does when they cease to come.
 struct FollowConfig {
-  double start_s = 0.5;       ///< before it, camera and detector run in while the head keeps still
-  std::string lost = "hold";  ///< hold: it keeps looking at the last target; rest: GazeController::rest
+  double start_s = 0.5;  ///< before it, camera and detector run in while the head keeps still
+  WhenLost lost = WhenLost::hold;
   double lost_after_s = 1.0;  ///< without a target, the last one is lost
 };
 

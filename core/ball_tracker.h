@@ -18,8 +18,8 @@ namespace saccade {
 /// Configuration of the recommended detector, `best`.
 struct BallTrackerConfig {
   std::array<double, 2> radius_px = {10, 35};  ///< smallest and largest radius, whole numbers
-  double threshold = 0.25;                   ///< score from which on a circle is taken for the ball
-  double arc_deg = 12.0;                     ///< half-width of an arc of directed votes
+  double threshold = 0.25;                     ///< score from which on a circle is taken for the ball
+  double arc_deg = 12.0;                       ///< half-width of an arc of directed votes
   PlaneFitFlowConfig flow;
   /// An event that follows one of its pixel and polarity sooner than this is of the same edge.
   std::int64_t burst_us = 500;

@@ -48,7 +48,7 @@ class EventWindow {
   /// Throws InputError for a configuration out of range.
   explicit EventWindow(const EventWindowConfig& config);
 
-  [[nodiscard]] bool needs_flow() const { return config_.kind == "lifetime"; }
+  [[nodiscard]] bool needs_flow() const { return !in_order_; }
   /// The lifetime of an event with this flow, us; 0: the event does not enter.
   [[nodiscard]] std::int64_t lifetime_us(const std::optional<NormalFlow>& flow) const;
   /// True if an event is outside after `newer` more events at `now_us`, whatever its flow.
@@ -89,7 +89,7 @@ class EventWindow {
   void let_leave(std::int64_t oldest, std::int64_t now_us);
 
   EventWindowConfig config_;
-  bool in_order_;              // events leave in the order they came
+  bool in_order_;              // events leave in the order they came: not with lifetimes from flow
   std::int64_t longest_us_;    // no lifetime is longer
   std::vector<Slot> ring_;     // the newest 2 N events: those inside at the last update can still leave
   std::int64_t received_ = 0;  // events so far

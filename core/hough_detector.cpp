@@ -55,6 +55,7 @@ std::string window_text(const HoughDetectorConfig& config) {
 
 HoughDetector::HoughDetector(const HoughDetectorConfig& config, ImageSize size)
     : config_(checked(config)),
+      with_flow_(uses_flow(config_)),
       sieve_(size),
       flow_(config_.flow, size),
       window_(config_.window),
@@ -65,13 +66,12 @@ HoughDetector::HoughDetector(const HoughDetectorConfig& config, ImageSize size)
 void HoughDetector::process(std::span<const Event> events, const CameraMotion*) {
   const auto [count, newest_us] = sieve_.preview(events);
   now_us_ = std::max(now_us_, newest_us);
-  const bool with_flow = uses_flow(config_);
   std::int64_t newer = count;
   for (const Event& event : events) {
     if (!sieve_.accept(event)) continue;
     --newer;
     WindowEvent vote{event.x, event.y, whole_ring};
-    if (!with_flow) {
+    if (!with_flow_) {
       window_.push(event.t_us, vote, window_.lifetime_us({}));
       continue;
     }

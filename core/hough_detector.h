@@ -59,6 +59,7 @@ class HoughDetector final : public Detector, public DetectorViews {
   void vote(std::span<const WindowEvent> events);
 
   HoughDetectorConfig config_;
+  bool with_flow_;
   EventSieve sieve_;
   PlaneFitFlow flow_;
   EventWindow window_;

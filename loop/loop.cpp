@@ -224,7 +224,7 @@ void Loop::update_target(Tick& tick) {
     phase_ = GazePhase::following;
   } else if (phase_ == GazePhase::following &&
              static_cast<double>(tick.t_us - target_us_) * 1e-6 >= gaze_->follow.lost_after_s) {
-    const bool rest = gaze_->follow.lost == "rest";
+    const bool rest = gaze_->follow.lost == WhenLost::rest;
     if (rest && gaze_->motion && gaze_->motion->controller) gaze_->motion->controller->rest();
     phase_ = rest ? GazePhase::resting : GazePhase::holding;
   }

@@ -53,7 +53,7 @@ void describe(FieldVisitor& v, RobotFile& r) {
         saccade::describe(w, r.gaze.gate);
         saccade::describe(w, r.gaze.follow);
         if (r.has_own_controller()) {
-          w.require(r.gaze.follow.lost == "hold", "lost", r.gaze.follow.lost,
+          w.require(r.gaze.follow.lost == WhenLost::hold, "lost", word_of(r.gaze.follow.lost),
                     "hold: the robot's gaze controller has no rest");
           return;
         }

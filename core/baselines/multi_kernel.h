@@ -11,12 +11,12 @@ namespace saccade {
 /// Multi-kernel tracker (Lagorce et al., TNNLS 26(8), 2015) with rings as the kernels.
 struct MultiKernelConfig {
   std::array<double, 2> radius_px = {10, 35};  ///< smallest and largest radius
-  double radius_step_px = 2.0;               ///< from one kernel of a tracker to the next
-  double ring_px = 3.0;                      ///< half-width of a ring
-  double spacing_px = 25.0;                  ///< between the homes of trackers, on a grid over the image
-  double pull = 0.05;                        ///< part of its distance to the ring that an event moves it by
-  double decay_us = 20'000;                  ///< time constant of activity
-  double threshold = 10.0;                   ///< activity taken for the ball
+  double radius_step_px = 2.0;                 ///< from one kernel of a tracker to the next
+  double ring_px = 3.0;                        ///< half-width of a ring
+  double spacing_px = 25.0;                    ///< between the homes of trackers, on a grid over the image
+  double pull = 0.05;                          ///< part of its distance to the ring that an event moves it by
+  double decay_us = 20'000;                    ///< time constant of activity
+  double threshold = 10.0;                     ///< activity taken for the ball
 };
 
 /// Keys: radius_px, radius_step_px, ring_px, spacing_px, pull, decay_us, threshold.

@@ -38,7 +38,7 @@ std::string window_text(const Original2016Config& config) {
 }
 
 Original2016::Original2016(const Original2016Config& config, ImageSize size)
-    : config_(config), size_(size), sieve_(size) {
+    : config_(config), exact_maximum_(config.maximum == "exact"), size_(size), sieve_(size) {
   check_config("detector", config);
   const auto pixels = static_cast<std::size_t>(size.pixels());
   for (auto& surface : surface_) surface.assign(pixels, never_us);
@@ -158,7 +158,7 @@ void Original2016::process(std::span<const Event> events, const CameraMotion*) {
 Estimate Original2016::estimate() {
   Estimate best;
   for (Radius& radius : radii_) {
-    if (config_.maximum == "exact") {
+    if (exact_maximum_) {
       radius.best = static_cast<std::size_t>(std::max_element(radius.votes.begin(), radius.votes.end()) -
                                              radius.votes.begin());
     }

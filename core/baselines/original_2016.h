@@ -78,6 +78,7 @@ class Original2016 final : public Detector, public DetectorViews {
   void vote(int pixel, int direction, int sign);
 
   Original2016Config config_;
+  bool exact_maximum_;
   ImageSize size_;
   EventSieve sieve_;
   std::array<std::vector<std::int64_t>, 2> surface_;  // per polarity, newest stamp of each pixel

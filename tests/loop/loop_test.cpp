@@ -145,7 +145,7 @@ TEST_P(LostTargets, TheHeadHoldsTheDirectionOfTheLastTarget) {
 
 TEST_P(LostTargets, TheHeadReturnsToRestAndFindsTheBallAgain) {
   Trial trial;
-  trial.follow = {0.0, "rest", 0.5};
+  trial.follow = {0.0, WhenLost::rest, 0.5};
   trial.run(GetParam(), 6.0);
   EXPECT_LT(trial.furthest_from_neutral_deg(), 0.2);
   EXPECT_THAT(trial.log,
@@ -153,7 +153,7 @@ TEST_P(LostTargets, TheHeadReturnsToRestAndFindsTheBallAgain) {
                           "     1.500 s  target lost, last seen at 1.000 s: the head returns to rest"));
 
   Trial again;
-  again.follow = {0.0, "rest", 0.5};
+  again.follow = {0.0, WhenLost::rest, 0.5};
   again.ball = [](std::int64_t t_us) {
     return t_us <= 1'000'000 || t_us > 2'000'000 ? std::optional(ball_m) : std::optional<Eigen::Vector3d>();
   };
