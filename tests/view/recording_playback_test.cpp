@@ -59,6 +59,43 @@ TEST_F(DiscRecording, seekingBackAndForthReproducesTheSameSnapshots) {
   }
 }
 
+/// A detector without DetectorViews.
+class PlainDetector final : public Detector {
+ public:
+  PlainDetector(const HoughDetectorConfig& config, ImageSize size) : detector_(config, size) {}
+  void process(std::span<const Event> events, const CameraMotion* motion) override {
+    detector_.process(events, motion);
+  }
+  void advance_to(std::int64_t now_us, const CameraMotion* motion) override {
+    detector_.advance_to(now_us, motion);
+  }
+  [[nodiscard]] Estimate estimate() override { return detector_.estimate(); }
+  [[nodiscard]] double threshold() const override { return detector_.threshold(); }
+  [[nodiscard]] RejectedEvents rejected() const override { return detector_.rejected(); }
+
+ private:
+  HoughDetector detector_;
+};
+
+TEST_F(DiscRecording, seekingBackWithADetectorThatCannotBeCopiedReproducesTheSameSnapshots) {
+  DetectorRegistry registry;
+  registry.add(detector_row("plain", "for this test", detectors_[0].second.get<HoughDetectorConfig>(),
+                            [](const HoughDetectorConfig& config, const Camera& camera) {
+                              return std::make_unique<PlainDetector>(config, camera.size);
+                            }));
+  detectors_ = {{"plain", registry.config("plain")}};
+  const auto playback = open();
+  seek(*playback, 290'000);
+  const Snapshot early = snapshot_of(*playback);
+  EXPECT_TRUE(early.hough.empty());
+  ASSERT_TRUE(early.outputs[0].tick.estimate.valid);
+  seek(*playback, 390'000);
+  seek(*playback, 290'000);
+  expect_same(snapshot_of(*playback), early);
+  playback->apply(playback->settings());
+  EXPECT_EQ(snapshot_of(*playback).outputs[0].tick.estimate.score, early.outputs[0].tick.estimate.score);
+}
+
 TEST_F(DiscRecording, tickingEndsWithTheRecordingAndSeekingBackWorksFromTheEnd) {
   const auto playback = open();
   while (playback->tick()) continue;
