@@ -28,7 +28,8 @@ void CentroidDetector::process(std::span<const saccade::Event> events, const sac
 saccade::Estimate CentroidDetector::estimate() {
   if (count_ < newest_.size()) return {};
   const auto n = static_cast<double>(newest_.size());
-  saccade::Estimate estimate{.valid = true};
+  saccade::Estimate estimate;
+  estimate.valid = true;
   saccade::Circle& circle = estimate.circle;
   for (const Position& p : newest_) {
     circle.x_px += p.x_px / n;
