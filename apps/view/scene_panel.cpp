@@ -66,7 +66,7 @@ void ScenePanel::draw(const Area& area, const Snapshot& snapshot, ViewState& sta
   Legend legend(area);
   if (has_world) {
     legend.add("target", colours::target, Legend::Mark::diamond);
-    legend.add("optical axis", colours::gaze, Legend::Mark::square);
+    legend.add("axis", colours::gaze, Legend::Mark::square);
     legend.add("field of view", colours::field_of_view, Legend::Mark::square);
   } else {
     legend.add("OFF", colours::off, Legend::Mark::square);
