@@ -70,7 +70,7 @@ struct Trial {
     return t_us <= 1'000'000 ? std::optional(ball_m) : std::optional<Eigen::Vector3d>();
   };
   std::unique_ptr<GazeGate> gate;
-  FollowConfig follow{0.0, "hold", 1.0};
+  FollowConfig follow{0.0, WhenLost::hold, 1.0};
   FakeRobotScript robot;
   HeadCommand limit_margin_rad = HeadCommand::Zero();  ///< the head's own limits lie that much further in
   /// After this tick a new controller takes over, or a second detector where it is given.
