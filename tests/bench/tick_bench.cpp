@@ -82,11 +82,11 @@ void tick(benchmark::State& bench, const char* preset, const char* controller) {
     const JointLimits limits = genova02_limits();
     return LoopMotion{make_gaze_controller(config, limits), JointLimiter(motion_limits(limits, {}))};
   };
-  Operator wishes;
+  OperatorRequests requests;
   Nobody nobody;
-  DeploySession session(robot, loop, motion, wishes, nobody, {});
+  DeploySession session(robot, loop, motion, requests, nobody, {});
   session.set_ready();
-  wishes.activate();
+  requests.activate();
   for (int i = 0; i < 1000; ++i) session.tick();
   std::vector<double> tick_us;
   tick_us.reserve(1 << 16);
