@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdio>
 
@@ -25,7 +26,7 @@ struct Scene {
   Circle ball{64, 64, 8};
   Eigen::Vector2d speed_px_s{0, 0};
   std::array<double, 3> colour = red;
-  std::vector<double> wall = {0.5, 0.45, 0.4};
+  std::array<double, 3> wall = {0.5, 0.45, 0.4};
 };
 
 /// The frame camera's image of a scene, sampled at the pixels' shifted centres.
@@ -114,7 +115,7 @@ TEST(FrameDetector, FindsTheBallInShadowAndInBrightLight) {
 
 TEST(FrameDetector, FindsNothingWhereNothingHasTheBallsColour) {
   Scene scene;
-  for (const std::vector<double>& colour :
+  for (const std::array<double, 3>& colour :
        {scene.wall, {0.0, 0.0, 0.0}, {0.62, 0.43, 0.33}, {0.1, 0.1, 0.6}}) {
     scene.colour = colour;
     EXPECT_FALSE(find_in(scene).valid) << "red " << colour[0];
