@@ -17,9 +17,9 @@ constexpr std::size_t neck_joint_count = 3;
 }  // namespace
 
 void describe(FieldVisitor& v, ScriptConfig& config) {
-  v.points("eyes_deg", config.eyes_deg, 2, {-45.0, 45.0}, "tilt and version to go to in turn, for ever");
+  v.points("eyes_deg", config.eyes_deg, {-45.0, 45.0}, "tilt and version to go to in turn, for ever");
   v.require(!config.eyes_deg.empty(), "eyes_deg", "[]", "at least one point");
-  v.points("neck_deg", config.neck_deg, 3, {-60.0, 60.0},
+  v.points("neck_deg", config.neck_deg, {-60.0, 60.0},
            "neck pitch, roll and yaw at the same time; none: the neck stays");
   v.require(config.neck_deg.empty() || config.neck_deg.size() == config.eyes_deg.size(), "neck_deg",
             std::to_string(config.neck_deg.size()) + " points",

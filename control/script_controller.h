@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -11,9 +12,9 @@ namespace saccade {
 /// Configuration of ScriptController.
 struct ScriptConfig {
   /// Tilt (+ up) and version (+ right) of each point; after the last one the first follows.
-  std::vector<std::vector<double>> eyes_deg = {{-8, -8}, {8, -8}, {8, 8}, {-8, 8}};
+  std::vector<std::array<double, 2>> eyes_deg = {{-8, -8}, {8, -8}, {8, 8}, {-8, 8}};
   /// Neck pitch, roll and yaw of each point: as many as in eyes_deg, or none, and the neck stays.
-  std::vector<std::vector<double>> neck_deg;
+  std::vector<std::array<double, 3>> neck_deg;
   double speed_deg_s = 40.0;  ///< mean speed of a move; its peak is 1.875 times that
   double dwell_s = 0.25;      ///< rest at every point
 };

@@ -146,12 +146,15 @@ Eigen::Isometry3d CameraMount::eye_from_camera() const {
   return pose;
 }
 
-void describe(FieldVisitor& v, Camera& camera) {
+void describe_image_size(FieldVisitor& v, Camera& camera) {
   std::int64_t width = camera.size.width;
   std::int64_t height = camera.size.height;
   v.integer("width_px", width, {8, 2048}, "image width");
   v.integer("height_px", height, {8, 2048}, "image height");
   camera.size = {static_cast<int>(width), static_cast<int>(height)};
+}
+
+void describe_lens(FieldVisitor& v, Camera& camera) {
   v.real("fx_px", camera.fx_px, {1.0, 1e5}, "focal length along x");
   v.real("fy_px", camera.fy_px, {1.0, 1e5}, "focal length along y");
   v.real("cx_px", camera.cx_px, {-1e4, 1e4}, "principal point, x");
@@ -166,16 +169,19 @@ void describe(FieldVisitor& v, Camera& camera) {
       "with k2, p1 and p2 a lens that can be inverted over the whole image (k1, k2, p1, p2 of 0: no lens)");
 }
 
+void describe(FieldVisitor& v, Camera& camera) {
+  describe_image_size(v, camera);
+  describe_lens(v, camera);
+}
+
 void describe(FieldVisitor& v, CameraMount& mount) {
-  v.reals("translation_mm", mount.translation_mm, 3, {-200.0, 200.0}, "of the camera in the eye's frame");
-  v.reals("rotation_deg", mount.rotation_deg, 3, {-180.0, 180.0}, "rotation vector, in the eye's frame");
+  v.reals("translation_mm", mount.translation_mm, {-200.0, 200.0}, "position of the camera, eye frame");
+  v.reals("rotation_deg", mount.rotation_deg, {-180.0, 180.0}, "rotation vector of the camera, eye frame");
 }
 
 void describe(FieldVisitor& v, MountedCamera& mounted) {
   describe(v, mounted.camera);
-  v.section(
-      "eye_from_camera", [&](FieldVisitor& w) { describe(w, mounted.mount); },
-      "where the camera sits in the eye");
+  v.section("eye_from_camera", mounted.mount, "pose of the camera in the eye");
 }
 
 }  // namespace saccade

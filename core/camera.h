@@ -1,8 +1,8 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <optional>
-#include <vector>
 
 #include "core/config.h"
 #include "core/event.h"
@@ -67,6 +67,10 @@ struct Camera {
 inline constexpr Camera right_dvs128{{128, 128}, 99.8,     99.8,        59.336,     63.761,
                                      -0.219021,  0.085382, -0.00071211, -0.00171136};
 
+/// Keys: width_px, height_px.
+void describe_image_size(FieldVisitor& v, Camera& camera);
+/// Keys: fx_px, fy_px, cx_px, cy_px, k1, k2, p1, p2.
+void describe_lens(FieldVisitor& v, Camera& camera);
 /// Keys: width_px, height_px, fx_px, fy_px, cx_px, cy_px, k1, k2, p1, p2. The lens must be invertible: every
 /// pixel up to the image's border has a ray, and around it the lens turns nothing inside out.
 void describe(FieldVisitor& v, Camera& camera);
@@ -75,8 +79,8 @@ void describe(FieldVisitor& v, Camera& camera);
 /// a camera has them. Default: the pinhole is the eye's centre and the optical axis the eye's (iCub heads of 2022
 /// have their event cameras at z = -10 mm).
 struct CameraMount {
-  std::vector<double> translation_mm = {0.0, 0.0, 0.0};  ///< of the pinhole, eye frame
-  std::vector<double> rotation_deg = {0.0, 0.0, 0.0};    ///< rotation vector: axis times angle, eye frame
+  std::array<double, 3> translation_mm = {0.0, 0.0, 0.0};  ///< of the pinhole, eye frame
+  std::array<double, 3> rotation_deg = {0.0, 0.0, 0.0};    ///< rotation vector: axis times angle, eye frame
 
   [[nodiscard]] Eigen::Isometry3d eye_from_camera() const;
   friend bool operator==(const CameraMount&, const CameraMount&) = default;

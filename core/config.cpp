@@ -74,19 +74,6 @@ void FieldChecker::point_list(std::string_view key, std::vector<double>& values,
   numbers(key, values, range, {});
 }
 
-void FieldChecker::reals(std::string_view key, std::vector<double>& value, std::size_t size, Range range,
-                         std::string_view) {
-  if (size != 0 && value.size() != size) {
-    add(key, std::to_string(value.size()) + " numbers", std::to_string(size) + " numbers");
-  }
-  for (double& element : value) real(key, element, range, {});
-}
-
-void FieldChecker::points(std::string_view key, std::vector<std::vector<double>>& value,
-                          std::size_t dimension, Range range, std::string_view) {
-  for (std::vector<double>& point : value) reals(key, point, dimension, range, {});
-}
-
 void FieldChecker::section(std::string_view key, const std::function<void(FieldVisitor&)>& describe_section,
                            std::string_view) {
   FieldChecker inner(name_ + "." + std::string(key));

@@ -75,9 +75,8 @@ class FieldVisitor {
   virtual void numbers(std::string_view key, std::span<double> values, Range range, std::string_view doc) = 0;
   /// The same for std::array<double, N> and fixed Eigen vectors.
   template <class Values>
-  requires std::is_same_v<decltype(std::declval<Values&>().data()), double*> &&
-      (!std::is_same_v<Values, std::vector<double>>)void reals(std::string_view key, Values& values,
-                                                               Range range, std::string_view doc) {
+  requires std::is_same_v<decltype(std::declval<Values&>().data()), double*>
+  void reals(std::string_view key, Values& values, Range range, std::string_view doc) {
     numbers(key, std::span<double>(values.data(), sizeof(Values) / sizeof(double)), range, doc);
   }
   /// Any count of points of `dimension` numbers each, which lie in `values` one after the other.
@@ -85,9 +84,7 @@ class FieldVisitor {
                           Range range, std::string_view doc) = 0;
   /// The same for lists of std::array<double, N> and of fixed Eigen vectors.
   template <class Point>
-  requires(!std::is_same_v<Point, std::vector<double>>) void points(std::string_view key,
-                                                                    std::vector<Point>& points, Range range,
-                                                                    std::string_view doc);
+  void points(std::string_view key, std::vector<Point>& points, Range range, std::string_view doc);
 
   // Blocks of keys.
   virtual void section(std::string_view key, const std::function<void(FieldVisitor&)>& describe_section,
@@ -130,12 +127,6 @@ class FieldVisitor {
   /// A condition over several keys. `key` is the one that a message names, `found` its value.
   virtual void require(bool holds, std::string_view key, std::string_view found,
                        std::string_view expectation) = 0;
-
-  // Superseded by the functions above with fixed sizes.
-  virtual void reals(std::string_view key, std::vector<double>& value, std::size_t size, Range range,
-                     std::string_view doc) = 0;
-  virtual void points(std::string_view key, std::vector<std::vector<double>>& value, std::size_t dimension,
-                      Range range, std::string_view doc) = 0;
 };
 
 /// Whether a text may name an entry of a configuration: 1 to 64 letters, digits, `_` and `-`.
@@ -160,10 +151,6 @@ class FieldChecker final : public FieldVisitor {
                std::string_view doc) override;
   void require(bool holds, std::string_view key, std::string_view found,
                std::string_view expectation) override;
-  void reals(std::string_view key, std::vector<double>& value, std::size_t size, Range range,
-             std::string_view doc) override;
-  void points(std::string_view key, std::vector<std::vector<double>>& value, std::size_t dimension,
-              Range range, std::string_view doc) override;
 
   [[nodiscard]] bool passed() const { return problems_.empty(); }
   void throw_if_any() const;
@@ -204,10 +191,8 @@ void FieldVisitor::choice(std::string_view key, Enum& value, std::string_view do
 }
 
 template <class Point>
-requires(!std::is_same_v<Point, std::vector<double>>) void FieldVisitor::points(std::string_view key,
-                                                                                std::vector<Point>& points,
-                                                                                Range range,
-                                                                                std::string_view doc) {
+void FieldVisitor::points(std::string_view key, std::vector<Point>& points, Range range,
+                          std::string_view doc) {
   constexpr std::size_t dimension = sizeof(Point) / sizeof(double);
   std::vector<double> values;
   for (const Point& point : points) values.insert(values.end(), point.data(), point.data() + dimension);

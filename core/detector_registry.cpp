@@ -78,7 +78,7 @@ DetectorRow hough_row(std::string name, std::string description, const HoughDete
 
 DetectorRegistry built_in_detectors() {
   HoughDetectorConfig lifetime = hough(true, 0.6);
-  lifetime.window = event_window("lifetime");
+  lifetime.window = event_window(WindowKind::lifetime);
   HoughDetectorConfig single_radius = hough(false, 1.0);
   single_radius.single_radius = true;
 

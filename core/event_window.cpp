@@ -9,28 +9,28 @@ namespace {
 
 /// The longest lifetime; the largest number where time does not matter.
 std::int64_t longest_us_of(const EventWindowConfig& config) {
-  if (config.kind == "count") return std::numeric_limits<std::int64_t>::max();
-  return config.kind == "time" ? config.duration_us : config.longest_us;
+  if (config.kind == WindowKind::count) return std::numeric_limits<std::int64_t>::max();
+  return config.kind == WindowKind::time ? config.duration_us : config.longest_us;
 }
 
 }  // namespace
 
-EventWindowConfig event_window(const std::string& kind) {
+EventWindowConfig event_window(WindowKind kind) {
   EventWindowConfig config;
   config.kind = kind;
-  if (kind != "count") config.events = 20'000;
+  if (kind != WindowKind::count) config.events = 20'000;
   return config;
 }
 
 void describe(FieldVisitor& v, EventWindowConfig& config) {
-  const std::string kind = config.kind;
-  v.choice("kind", config.kind, {"count", "time", "lifetime"}, "what an event's stay is bounded by");
+  const WindowKind kind = config.kind;
+  v.choice("kind", config.kind, "what an event's stay is bounded by");
   if (config.kind != kind) config = event_window(config.kind);
   v.integer("events", config.events, {1, 60000}, "newest events that can be inside");
-  if (config.kind == "time") {
+  if (config.kind == WindowKind::time) {
     v.integer("duration_us", config.duration_us, {1, 10'000'000}, "events younger than this are inside");
   }
-  if (config.kind == "lifetime") {
+  if (config.kind == WindowKind::lifetime) {
     v.real("crossing_px", config.crossing_px, {0.1, 20.0}, "an event stays while its edge moves by this");
     v.integer("shortest_us", config.shortest_us, {1, 10'000'000}, "no event with flow stays shorter");
     v.integer("longest_us", config.longest_us, {1, 10'000'000}, "no event stays longer");
@@ -40,7 +40,7 @@ void describe(FieldVisitor& v, EventWindowConfig& config) {
 }
 
 EventWindow::EventWindow(const EventWindowConfig& config)
-    : config_(config), in_order_(config.kind != "lifetime"), longest_us_(longest_us_of(config)) {
+    : config_(config), in_order_(config.kind != WindowKind::lifetime), longest_us_(longest_us_of(config)) {
   check_config("window", config);
   const auto n = static_cast<std::size_t>(config.events);
   ring_.resize(2 * n);

@@ -4,7 +4,6 @@
 #include <limits>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "core/config.h"
@@ -13,13 +12,20 @@
 
 namespace saccade {
 
+/// What bounds an event's stay in a window.
+enum class WindowKind { count, time, lifetime };
+constexpr auto words_of(WindowKind) {
+  return std::to_array<Word<WindowKind>>(
+      {{WindowKind::count, "count"}, {WindowKind::time, "time"}, {WindowKind::lifetime, "lifetime"}});
+}
+
 /// Which events a transform is made of.
 struct EventWindowConfig {
   /// count: the newest `events`. time: those younger than `duration_us`. lifetime: each stays for as long as
   /// its edge needs to move on by `crossing_px`, within [shortest_us, longest_us] (Mueggler et al., ICRA
   /// 2015, who take 1 px: an edge is as thick as that, whatever its speed; more bridges the pixels whose flow
   /// is missing). An event without flow has no lifetime and does not enter.
-  std::string kind = "count";
+  WindowKind kind = WindowKind::count;
   std::int64_t events = 1500;  ///< of any kind: an event leaves when so many newer ones have come
   std::int64_t duration_us = 20'000;
   double crossing_px = 3.0;
@@ -28,7 +34,7 @@ struct EventWindowConfig {
 };
 
 /// The defaults of a kind: by time and by lifetime, `events` bounds memory alone.
-[[nodiscard]] EventWindowConfig event_window(const std::string& kind);
+[[nodiscard]] EventWindowConfig event_window(WindowKind kind);
 /// Keys: kind, events; time: duration_us; lifetime: crossing_px, shortest_us, longest_us.
 void describe(FieldVisitor& v, EventWindowConfig& config);
 

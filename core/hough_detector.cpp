@@ -12,12 +12,7 @@ namespace {
 constexpr std::int16_t whole_ring = -1;
 
 bool uses_flow(const HoughDetectorConfig& config) {
-  return config.directed || config.window.kind == "lifetime";
-}
-
-HoughTransform::Normalisation normalisation(const HoughDetectorConfig& config) {
-  using enum HoughTransform::Normalisation;
-  return config.normalisation == "ring" ? ring : config.normalisation == "perimeter" ? perimeter : none;
+  return config.directed || config.window.kind == WindowKind::lifetime;
 }
 
 HoughDetectorConfig checked(HoughDetectorConfig config) {
@@ -37,7 +32,7 @@ void describe(FieldVisitor& v, HoughDetectorConfig& config) {
   describe_radius_px(v, config.radius_px);
   v.section(
       "window", [&](FieldVisitor& w) { describe(w, config.window); }, "what votes");
-  v.choice("normalisation", config.normalisation, {"ring", "perimeter", "none"}, "what votes are divided by");
+  v.choice("normalisation", config.normalisation, "what votes are divided by");
   if (config.directed) v.real("arc_deg", config.arc_deg, {0.5, 90.0}, "half-width of an arc of votes");
   if (uses_flow(config)) {
     v.section(
@@ -48,9 +43,9 @@ void describe(FieldVisitor& v, HoughDetectorConfig& config) {
 
 std::string window_text(const HoughDetectorConfig& config) {
   const EventWindowConfig& window = config.window;
-  if (window.kind == "count") return std::to_string(window.events) + " events";
-  if (window.kind == "time") return text_of(static_cast<double>(window.duration_us) * 1e-3) + " ms";
-  return window.kind;
+  if (window.kind == WindowKind::count) return std::to_string(window.events) + " events";
+  if (window.kind == WindowKind::time) return text_of(static_cast<double>(window.duration_us) * 1e-3) + " ms";
+  return std::string(word_of(window.kind));
 }
 
 HoughDetector::HoughDetector(const HoughDetectorConfig& config, ImageSize size)
@@ -60,7 +55,7 @@ HoughDetector::HoughDetector(const HoughDetectorConfig& config, ImageSize size)
       flow_(config_.flow, size),
       window_(config_.window),
       transform_(size, static_cast<int>(config_.radius_px[0]), static_cast<int>(config_.radius_px[1]),
-                 config_.arc_deg * rad_per_deg, normalisation(config_)),
+                 config_.arc_deg * rad_per_deg, config_.normalisation),
       now_us_(std::numeric_limits<std::int64_t>::min()) {}
 
 void HoughDetector::process(std::span<const Event> events, const CameraMotion*) {

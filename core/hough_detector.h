@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "core/detector_parts.h"
@@ -19,10 +18,10 @@ struct HoughDetectorConfig {
   bool single_radius = false;
   std::array<double, 2> radius_px = {10, 35};  ///< smallest and largest radius, whole numbers
   EventWindowConfig window;
-  std::string normalisation = "ring";  ///< of the votes: ring, perimeter or none, see HoughTransform
-  double arc_deg = 10.0;               ///< half-width of an arc of directed votes
-  PlaneFitFlowConfig flow;             ///< directed, or window by lifetime
-  double threshold = 0.3;              ///< response (votes per ring pixel) taken for the ball
+  HoughTransform::Normalisation normalisation = HoughTransform::Normalisation::ring;
+  double arc_deg = 10.0;    ///< half-width of an arc of directed votes
+  PlaneFitFlowConfig flow;  ///< directed, or window by lifetime
+  double threshold = 0.3;   ///< response (votes per ring pixel) taken for the ball
 };
 
 /// Keys: radius_px, window, normalisation, threshold; directed also: arc_deg; directed or with a window by lifetime: flow.

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/config.h"
 #include "core/event.h"
 
 namespace saccade {
@@ -32,6 +33,11 @@ class HoughTransform {
   /// The divisor of the votes for a circle: the pixels of its half-pixel ring (as in the paper), its perimeter
   /// (rounded; inaccurate for small circles according to the paper), or 1.
   enum class Normalisation { ring, perimeter, none };
+  friend constexpr auto words_of(Normalisation) {
+    return std::to_array<Word<Normalisation>>({{Normalisation::ring, "ring"},
+                                               {Normalisation::perimeter, "perimeter"},
+                                               {Normalisation::none, "none"}});
+  }
 
   /// Radii r_min..r_max in steps of 1 px, 1 <= r_min <= r_max <= 255; arc_rad in (0, pi/2]. Throws InputError where
   /// image and radii need more than about 2^33 cells.

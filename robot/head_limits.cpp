@@ -10,7 +10,7 @@
 namespace saccade {
 namespace {
 
-using HeadRanges = std::array<std::vector<double>*, head_joint_count>;
+using HeadRanges = std::array<std::array<double, 2>*, head_joint_count>;
 
 HeadRanges ranges_of(HeadLimitsConfig& config) {
   return {&config.neck_pitch_deg, &config.neck_roll_deg,    &config.neck_yaw_deg,
@@ -23,9 +23,8 @@ void describe(FieldVisitor& v, HeadLimitsConfig& config) {
   const HeadRanges ranges = ranges_of(config);
   for (std::size_t i = 0; i < ranges.size(); ++i) {
     const std::string key = std::string(joint_names[torso_joint_count + i]) + "_deg";
-    std::vector<double>& range = *ranges[i];
-    v.reals(key, range, 2, {-180.0, 180.0}, "lowest and highest position");
-    if (range.size() != 2) continue;
+    std::array<double, 2>& range = *ranges[i];
+    v.reals(key, range, {-180.0, 180.0}, "lowest and highest position");
     v.require(range[0] < range[1], key, "[" + text_of(range[0]) + ", " + text_of(range[1]) + "]",
               "the lower one first");
   }

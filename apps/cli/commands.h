@@ -12,6 +12,8 @@ void add_deploy_command(CommandLine& line, const Registry& registry);
 void add_detect_command(CommandLine& line, const Registry& registry);
 void add_emulate_command(CommandLine& line);
 void add_info_command(CommandLine& line);
+void add_keys_command(CommandLine& line, const Registry& registry);
+void add_migrate_command(CommandLine& line);
 void add_report_command(CommandLine& line);
 void add_run_command(CommandLine& line, const Registry& registry);
 void add_serve_command(CommandLine& line, const Registry& registry);

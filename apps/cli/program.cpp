@@ -45,6 +45,8 @@ int program(int argc, const char* const* argv, const Registry& registry) {
   add_sweep_command(line, registry);
   add_sweep_task_command(line, registry);
   add_view_command(line, registry);
+  add_keys_command(line, registry);
+  add_migrate_command(line);
   return line.run(argc, argv);
 }
 

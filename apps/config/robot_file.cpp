@@ -26,8 +26,10 @@ void describe(FieldVisitor& v, RobotFile::Deploy& deploy) {
       "watchdog", [&](FieldVisitor& w) { saccade::describe(w, deploy.watchdog); }, "what stops the head");
 }
 
+}  // namespace
+
 void describe(FieldVisitor& v, RobotFile& r) {
-  v.text("name", r.name, "of the robot, in reports");
+  describe_name(v, r.name, "of the robot, in reports and in the name of the run folder");
   v.text("description", r.description, "what it is, in a sentence");
   v.choice("backend", r.backend, {"recording", "yarp"}, "what stands for the robot");
   if (r.backend == "recording") {
@@ -38,8 +40,8 @@ void describe(FieldVisitor& v, RobotFile& r) {
         "yarp", [&](FieldVisitor& w) { saccade::describe(w, r.yarp); }, "where it is on a YARP network");
   }
   v.section(
-      "calibration", [&](FieldVisitor& w) { saccade::describe(w, r.calibration); },
-      "what detectors and gaze believe of the left camera");
+      "calibration", [&](FieldVisitor& w) { describe_calibration(w, r.calibration); },
+      "the left camera as detectors and gaze assume it");
   v.section(
       "limits", [&](FieldVisitor& w) { saccade::describe(w, r.limits); },
       "of the head's joints, whatever its own are");
@@ -72,6 +74,8 @@ void describe(FieldVisitor& v, RobotFile& r) {
       "what the run folder holds");
 }
 
+namespace {
+
 /// Where a file that the robot file names lies, from anywhere.
 std::string resolved_path(const YamlTree& tree, const std::filesystem::path& folder, const char* key,
                           const std::string& path) {
@@ -94,14 +98,12 @@ RobotFile read_robot_file(const std::filesystem::path& path, const std::vector<s
   robot.gaze.controller = registry.controllers.config();
   robot.gaze.gate = registry.gates.config();
   robot.detectors = named_detectors_in(tree, registry.detectors, required);
-  if (const auto calibration = calibration_from_file(tree, path.parent_path(), "calibration")) {
-    robot.calibration = *calibration;
-  } else {
+  if (tree.root.find("calibration.file") == nullptr) {
     for (const char* key :
          {"width_px", "height_px", "fx_px", "fy_px", "cx_px", "cy_px", "k1", "k2", "p1", "p2"})
       required.push_back(std::string("calibration.") + key);
   }
-  YamlReader reader(tree, std::move(required));
+  YamlReader reader(tree, std::move(required), path.parent_path().string());
   describe(reader, robot);
   reader.finish();
   if (robot.backend == "recording")

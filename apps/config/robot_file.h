@@ -56,6 +56,9 @@ struct RobotFile {
   [[nodiscard]] bool has_own_controller() const { return backend == "yarp" && yarp.head.control == "gaze"; }
 };
 
+/// Keys: those of a robot file.
+void describe(FieldVisitor& v, RobotFile& robot);
+
 /// Reads a robot file, `assignments` over it. `calibration` has no defaults: it names a file (`calibration.file`, as
 /// read_calibration reads it) or every value of the lens. Paths are relative to the file, from --set relative to the
 /// working directory. Throws InputError with everything that is wrong.

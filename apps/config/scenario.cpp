@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "apps/config/cameras.h"
 #include "apps/config/yaml_reader.h"
 #include "apps/config/yaml_writer.h"
+#include "core/units.h"
 #include "evaluation/scoring/metrics.h"
 
 namespace saccade {
@@ -13,22 +15,6 @@ namespace {
 /// The words of `key.path=value` before any of `ends`.
 std::string key_of(const std::string& assignment, const char* ends) {
   return assignment.substr(0, assignment.find_first_of(ends));
-}
-
-NamedObjects objects_in(const YamlTree& tree) {
-  NamedObjects objects;
-  if (const YamlNode* block = tree.root.find("objects")) {
-    for (const std::string& name : block->keys) objects.emplace_back(name, ObjectConfig{});
-  }
-  return objects;
-}
-
-std::vector<Expectation> expected_in(const YamlTree& tree) {
-  std::vector<Expectation> expect;
-  if (const YamlNode* block = tree.root.find("expect")) {
-    for (const std::string& metric : block->keys) expect.push_back({metric});
-  }
-  return expect;
 }
 
 /// The number, or null, at a path such as "gaze.in_view_ratio"; nullptr where there is none.
@@ -63,8 +49,15 @@ void describe_expect(FieldVisitor& v, Scenario& scenario) {
   v.section(
       "expect",
       [&](FieldVisitor& block) {
+        std::vector<std::string> metrics_named;
+        for (const Expectation& e : scenario.expect) metrics_named.push_back(e.metric);
+        for (const std::string& metric : block.section_keys(metrics_named)) {
+          const auto is_it = [&](const Expectation& e) { return e.metric == metric; };
+          if (std::none_of(scenario.expect.begin(), scenario.expect.end(), is_it))
+            scenario.expect.push_back({metric});
+        }
         for (Expectation& e : scenario.expect) {
-          block.reals(e.metric, e.range, 2, {}, "smallest and largest value that passes");
+          block.reals(e.metric, e.range, {}, "smallest and largest value that passes");
           block.require(find_figure(metrics, e.metric) != nullptr, e.metric, "no such figure",
                         "the path of a number in metrics.json, such as gaze.in_view_ratio");
         }
@@ -73,50 +66,33 @@ void describe_expect(FieldVisitor& v, Scenario& scenario) {
 }
 
 void describe_frame_detector(FieldVisitor& v, Scenario& s) {
+  v.optional_section(frame_detector_name, s.frame_30hz, "a conventional camera and its detector");
   if (!s.frame_30hz) return;
-  v.section(
-      frame_detector_name, [&](FieldVisitor& w) { describe(w, *s.frame_30hz); },
-      "a conventional camera and its detector");
   const bool taken = std::any_of(s.detectors.begin(), s.detectors.end(),
                                  [](const auto& named) { return named.first == frame_detector_name; });
   v.require(!taken, "detectors", std::string(frame_detector_name),
             "other names: this one is the frame camera's");
 }
 
-std::string in_words(ImageSize size) {
-  return std::to_string(size.width) + " x " + std::to_string(size.height) + " pixels";
+/// A camera with values out of range is reported in its own block; its calibration starts from a pinhole then.
+MountedCamera calibration_default(const MountedCamera& mounted) {
+  FieldChecker checker("camera");
+  Camera copy = mounted.camera;
+  describe(checker, copy);
+  return checker.passed() ? mounted : MountedCamera{pinhole_camera(mounted.camera.size), mounted.mount};
 }
 
-void describe_left_camera(FieldVisitor& v, SimConfig& sim) {
-  MountedCamera mounted{sim.camera, sim.mount};
-  describe(v, mounted);
-  sim.camera = mounted.camera;
-  sim.mount = mounted.mount;
+void describe_calibration(FieldVisitor& v, MountedCamera& calibration, const MountedCamera& camera) {
+  if (v.fills_defaults()) calibration = calibration_default(camera);
+  describe_calibration(v, calibration);
+  v.require(calibration.camera.size == camera.camera.size, "width_px", in_words(calibration.camera.size),
+            "the camera's image, " + in_words(camera.camera.size));
 }
 
-/// What the block `name` of a calibration starts from, before its own keys: its key `file`, which is taken out of the
-/// tree, or the block of the camera, which has the defaults of `mounted`.
-MountedCamera calibration_default(YamlTree& tree, const std::filesystem::path& folder,
-                                  const std::string& name, const std::string& camera, MountedCamera mounted) {
-  if (const auto read = calibration_from_file(tree, folder, name)) return *read;
-  YamlReader reader(tree);
-  reader.section(
-      camera, [&](FieldVisitor& w) { describe(w, mounted); }, "");
-  FieldChecker checker(camera);
-  describe(checker, mounted.camera);
-  // A camera that is wrong is complained about where it stands.
-  if (!checker.passed()) mounted.camera = Camera{.size = mounted.camera.size}.without_lens();
-  return mounted;
-}
-
-void describe_calibration(FieldVisitor& v, MountedCamera& calibration, ImageSize size) {
-  describe(v, calibration);
-  v.require(calibration.camera.size == size, "width_px", in_words(calibration.camera.size),
-            "the camera's image, " + in_words(size));
-}
+}  // namespace
 
 void describe(FieldVisitor& v, Scenario& s) {
-  v.text("name", s.name, "of the scenario, in reports");
+  describe_name(v, s.name, "of the scenario, in reports and in the name of the run folder");
   v.text("description", s.description, "what happens, in a sentence");
   v.integer("seed", s.seed, {0, 9e15}, "of everything random in the run");
   v.section(
@@ -131,28 +107,34 @@ void describe(FieldVisitor& v, Scenario& s) {
       "lab", [&](FieldVisitor& w) { describe(w, s.sim.lab); }, "the room");
   describe(v, s.sim.world);
   v.choice("eyes", s.sim.eyes, "eyes with a camera");
+  MountedCamera left{s.sim.camera, s.sim.mount};
   v.section(
-      "camera", [&](FieldVisitor& w) { describe_left_camera(w, s.sim); },
-      "the left eye: a pinhole behind a lens");
+      "camera",
+      [&](FieldVisitor& w) {
+        describe_camera(w, left, s.camera_preset, {"icub_left_2016", Camera{}.size});
+      },
+      "the left eye's camera");
+  s.sim.camera = left.camera;
+  s.sim.mount = left.mount;
   if (s.sim.both_eyes()) {
     v.section(
         "right_camera",
         [&](FieldVisitor& w) {
-          describe(w, s.sim.right);
-          w.require(s.sim.right.camera.size == s.sim.camera.size, "width_px",
+          describe_camera(w, s.sim.right, s.right_camera_preset, {"icub_right_2016", left.camera.size});
+          w.require(s.sim.right.camera.size == left.camera.size, "width_px",
                     in_words(s.sim.right.camera.size),
-                    "the left camera's image, " + in_words(s.sim.camera.size));
+                    "the left camera's image, " + in_words(left.camera.size));
         },
-        "the right eye, with the keys of camera");
+        "the right eye's camera, with the keys of camera");
   }
   v.section(
-      "calibration", [&](FieldVisitor& w) { describe_calibration(w, s.calibration, s.sim.camera.size); },
-      "what detectors and gaze believe of the camera");
+      "calibration", [&](FieldVisitor& w) { describe_calibration(w, s.calibration, left); },
+      "the left camera as detectors and gaze assume it; by default as it is");
   if (s.sim.both_eyes()) {
     v.section(
         "right_calibration",
-        [&](FieldVisitor& w) { describe_calibration(w, s.right_calibration, s.sim.right.camera.size); },
-        "what they believe of the right one");
+        [&](FieldVisitor& w) { describe_calibration(w, s.right_calibration, s.sim.right); },
+        "the right camera as detectors and gaze assume it");
   }
   v.section(
       "render",
@@ -166,6 +148,8 @@ void describe(FieldVisitor& v, Scenario& s) {
       "emulator", [&](FieldVisitor& w) { describe(w, s.sim.emulator); }, "the event camera's pixels");
   describe_detectors(v, s.detectors);
   describe_frame_detector(v, s);
+  // The gate assumes the ball of the scenario.
+  if (v.fills_defaults()) s.gaze.gate.target.ball_diameter_m = s.sim.world.ball.diameter_m;
   v.section(
       "gaze",
       [&](FieldVisitor& w) {
@@ -199,8 +183,6 @@ void describe(FieldVisitor& v, Scenario& s) {
   describe_expect(v, s);
 }
 
-}  // namespace
-
 Scenario read_scenario(const std::filesystem::path& path, const std::vector<std::string>& assignments,
                        std::optional<std::int64_t> seed, const Registry& registry) {
   YamlTree tree = read_yaml_file(path);
@@ -216,16 +198,7 @@ Scenario read_scenario(YamlTree tree, const std::filesystem::path& folder, const
   scenario.gaze.controller = registry.controllers.config();
   scenario.gaze.gate = registry.gates.config();
   scenario.detectors = named_detectors_in(tree, registry.detectors, required);
-  scenario.sim.world.objects = objects_in(tree);
-  if (tree.root.find("board") != nullptr) scenario.sim.world.board.emplace();
-  if (tree.root.find(frame_detector_name) != nullptr) scenario.frame_30hz.emplace();
-  scenario.expect = expected_in(tree);
-  scenario.calibration = calibration_default(tree, folder, "calibration", "camera", {});
-  if (const YamlNode* eyes = tree.root.find("eyes"); eyes != nullptr && eyes->text == "both") {
-    scenario.right_calibration =
-        calibration_default(tree, folder, "right_calibration", "right_camera", scenario.sim.right);
-  }
-  YamlReader reader(tree, std::move(required));
+  YamlReader reader(tree, std::move(required), folder.string());
   describe(reader, scenario);
   reader.finish();
   return scenario;

@@ -21,7 +21,7 @@ namespace saccade {
 /// The range that a figure of metrics.json must lie in, e.g. gaze.in_view_ratio in [0.98, 1].
 struct Expectation {
   std::string metric;  ///< its path in metrics.json
-  std::vector<double> range = {0.0, 0.0};
+  std::array<double, 2> range = {0.0, 0.0};
 };
 
 /// A closed-loop run, as a scenario file describes it.
@@ -36,8 +36,10 @@ struct Scenario {
   } run;
 
   SimConfig sim;
-  MountedCamera calibration;        ///< what the loop believes of the camera; by default what is so
-  MountedCamera right_calibration;  ///< and of the right eye's
+  std::string camera_preset = "icub_left_2016";         ///< the keys of sim.camera start from
+  std::string right_camera_preset = "icub_right_2016";  ///< those of sim.right
+  MountedCamera calibration;                            ///< the assumed left camera; by default the true one
+  MountedCamera right_calibration;                      ///< the assumed right camera
   NamedDetectors detectors;
   /// A conventional camera and its detector, to compare with; scored under the name `frame_30hz`.
   std::optional<FrameDetectorConfig> frame_30hz;
@@ -58,6 +60,9 @@ struct Scenario {
 
   std::vector<Expectation> expect;
 };
+
+/// Keys: those of a scenario file.
+void describe(FieldVisitor& v, Scenario& scenario);
 
 /// Reads a scenario: `assignments` are the `key.path=value` of --set, `seed` that of --seed. The values of
 /// `calibration` start from the scenario's `camera`, or from the file that `calibration.file` names (as

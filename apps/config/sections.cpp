@@ -27,26 +27,27 @@ void describe_detectors(FieldVisitor& v, NamedDetectors& detectors) {
         for (auto& [name, config] : detectors) {
           block.section(
               name, [&config = config](FieldVisitor& w) { describe(w, config); }, "a detector");
+          block.require(is_name(name), name, "such a name", name_expectation);
         }
       },
       "detectors that see the events, by name");
 }
 
-std::optional<MountedCamera> calibration_from_file(YamlTree& tree, const std::filesystem::path& folder,
-                                                   const std::string& name) {
-  const auto block = std::find(tree.root.keys.begin(), tree.root.keys.end(), name);
-  if (block == tree.root.keys.end()) return std::nullopt;
-  YamlNode& calibration = tree.root.items[static_cast<std::size_t>(block - tree.root.keys.begin())];
-  const auto at = std::find(calibration.keys.begin(), calibration.keys.end(), "file");
-  if (at == calibration.keys.end()) return std::nullopt;
-  const auto index = at - calibration.keys.begin();
-  const YamlNode file = calibration.items[static_cast<std::size_t>(index)];
-  if (file.kind != YamlNode::Kind::scalar || file.text.empty()) {
-    throw InputError(tree.place(file.mark, name + ".file"), file.found(), "the name of a file");
-  }
-  calibration.keys.erase(at);
-  calibration.items.erase(calibration.items.begin() + index);
-  return read_calibration(file.mark.line == 0 ? std::filesystem::path(file.text) : folder / file.text);
+void describe_name(FieldVisitor& v, std::string& name, std::string_view doc) {
+  constexpr std::size_t longest = 64;
+  v.text("name", name, doc);
+  const bool is_file_name = !name.empty() && name.size() <= longest && name.front() != '.' &&
+                            std::none_of(name.begin(), name.end(), [](char c) {
+                              return c == '/' || c == '\\' || (c >= 0 && c < ' ') || c == 0x7f;
+                            });
+  v.require(is_file_name, "name", name.empty() ? "\"\"" : name,
+            "the name of a folder: at most 64 bytes, without / and \\, no dot at its start");
+}
+
+void describe_calibration(FieldVisitor& v, MountedCamera& calibration) {
+  if (const auto file = v.file("file", "file of `saccade calibrate` with the values of the keys below"))
+    calibration = read_calibration(*file);
+  describe(v, calibration);
 }
 
 }  // namespace saccade

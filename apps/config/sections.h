@@ -24,10 +24,10 @@ using NamedDetectors = std::vector<std::pair<std::string, DetectorConfig>>;
 /// The block `detectors`.
 void describe_detectors(FieldVisitor& v, NamedDetectors& detectors);
 
-/// What the key `file` of the block `name` names, as read_calibration reads it; the key is taken out of the tree. The
-/// file is relative to `folder`, from --set to the working directory. None without that key. Throws InputError.
-[[nodiscard]] std::optional<MountedCamera> calibration_from_file(YamlTree& tree,
-                                                                 const std::filesystem::path& folder,
-                                                                 const std::string& name);
+/// The key `name` of a scenario or robot file, which names its run folder as well.
+void describe_name(FieldVisitor& v, std::string& name, std::string_view doc);
+
+/// The keys of a calibration: `file`, which read_calibration() reads, then those of MountedCamera.
+void describe_calibration(FieldVisitor& v, MountedCamera& calibration);
 
 }  // namespace saccade

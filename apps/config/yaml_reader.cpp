@@ -5,6 +5,8 @@
 #include <charconv>
 #include <numeric>
 
+#include "apps/config/migrate.h"
+
 namespace saccade {
 namespace {
 
@@ -244,17 +246,6 @@ void YamlReader::numbers(std::string_view key, std::span<double> values, Range r
   }
 }
 
-void YamlReader::point_list(std::string_view key, std::vector<double>& values, std::size_t dimension,
-                            Range range, std::string_view doc) {
-  std::vector<std::vector<double>> read;
-  for (std::size_t i = 0; i < values.size(); i += dimension) {
-    read.emplace_back(values.data() + i, values.data() + i + dimension);
-  }
-  points(key, read, dimension, range, doc);
-  values.clear();
-  for (const auto& point : read) values.insert(values.end(), point.begin(), point.end());
-}
-
 std::vector<std::string> YamlReader::section_keys(std::vector<std::string> current) {
   return block_.node != nullptr ? block_.node->keys : current;
 }
@@ -277,15 +268,8 @@ std::optional<std::string> YamlReader::file(std::string_view key, std::string_vi
   return folder_ + "/" + node->text;
 }
 
-void YamlReader::reals(std::string_view key, std::vector<double>& value, std::size_t size, Range range,
-                       std::string_view) {
-  const YamlNode* node = take(key, one_or_list(size, "finite numbers", range));
-  if (node == nullptr) return;
-  if (auto values = list(*node, path_of(key), size, range)) value = std::move(*values);
-}
-
-void YamlReader::points(std::string_view key, std::vector<std::vector<double>>& value, std::size_t dimension,
-                        Range range, std::string_view) {
+void YamlReader::point_list(std::string_view key, std::vector<double>& values, std::size_t dimension,
+                            Range range, std::string_view) {
   const std::string expectation =
       one_or_list(0, "points, each of " + std::to_string(dimension) + " finite numbers", range);
   const YamlNode* node = take(key, expectation);
@@ -294,12 +278,13 @@ void YamlReader::points(std::string_view key, std::vector<std::vector<double>>& 
     refuse(*node, path_of(key), expectation);
     return;
   }
-  std::vector<std::vector<double>> values;
+  std::vector<double> points;
   for (std::size_t i = 0; i < node->items.size(); ++i) {
     const std::string path = path_of(key) + "[" + std::to_string(i) + "]";
-    if (auto point = list(node->items[i], path, dimension, range)) values.push_back(std::move(*point));
+    if (const auto point = list(node->items[i], path, dimension, range))
+      points.insert(points.end(), point->begin(), point->end());
   }
-  if (values.size() == node->items.size()) value = std::move(values);
+  if (points.size() == node->items.size() * dimension) values = std::move(points);
 }
 
 void YamlReader::section(std::string_view key, const std::function<void(FieldVisitor&)>& describe_section,
@@ -332,11 +317,17 @@ void YamlReader::report_unknown() {
   for (std::size_t i = 0; i < block_.node->keys.size(); ++i) {
     const std::string& key = block_.node->keys[i];
     if (std::find(block_.known.begin(), block_.known.end(), key) != block_.known.end()) continue;
+    const TextMark mark = block_.node->items[i].mark;
+    if (const auto renamed = new_key_of(path_of(key))) {
+      problems_.push_back({mark,
+                           {tree_.place(mark, path_of(key)), "a key that was renamed",
+                            *renamed + "; `saccade migrate FILE` rewrites old keys"}});
+      continue;
+    }
     const std::string close = nearest(key, block_.known);
     const std::string expectation = block_.known.empty() ? "no keys here"
                                     : close.empty()      ? expectation_of(block_.known)
                                                          : "a known key; did you mean " + close + "?";
-    const TextMark mark = block_.node->items[i].mark;
     problems_.push_back({mark, {tree_.place(mark, path_of(key)), "an unknown key", expectation}});
   }
 }

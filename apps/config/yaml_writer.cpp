@@ -86,22 +86,6 @@ void YamlWriter::point_list(std::string_view key, std::vector<double>& values, s
   }
 }
 
-void YamlWriter::reals(std::string_view key, std::vector<double>& value, std::size_t size, Range range,
-                       std::string_view doc) {
-  const std::string count = size == 0 ? "" : std::to_string(size) + " ";
-  line(key, list(value), doc, expectation_of(range, "a list of " + count + "numbers"));
-}
-
-void YamlWriter::points(std::string_view key, std::vector<std::vector<double>>& value, std::size_t dimension,
-                        Range range, std::string_view doc) {
-  const std::string takes =
-      expectation_of(range, "a list of points, each of " + std::to_string(dimension) + " numbers");
-  line(key, value.empty() ? "[]" : "", doc, takes);
-  for (const std::vector<double>& point : value) {
-    yaml_ += std::string(2 * (depth_ + 1), ' ') + "- " + list(point) + "\n";
-  }
-}
-
 void YamlWriter::section(std::string_view key, const std::function<void(FieldVisitor&)>& describe_section,
                          std::string_view doc) {
   YamlWriter inner(comments_);

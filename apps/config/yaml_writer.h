@@ -30,10 +30,6 @@ class YamlWriter final : public FieldVisitor {
   void numbers(std::string_view key, std::span<double> values, Range range, std::string_view doc) override;
   void point_list(std::string_view key, std::vector<double>& values, std::size_t dimension, Range range,
                   std::string_view doc) override;
-  void reals(std::string_view key, std::vector<double>& value, std::size_t size, Range range,
-             std::string_view doc) override;
-  void points(std::string_view key, std::vector<std::vector<double>>& value, std::size_t dimension,
-              Range range, std::string_view doc) override;
   void section(std::string_view key, const std::function<void(FieldVisitor&)>& describe_section,
                std::string_view doc) override;
   void require(bool, std::string_view, std::string_view, std::string_view) override {}

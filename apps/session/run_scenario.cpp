@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/config/warnings.h"
 #include "apps/session/interrupt.h"
 #include "apps/session/log_file.h"
 #include "apps/session/progress.h"
@@ -59,6 +60,7 @@ int run_scenario(const Scenario& scenario, const RunSettings& settings) {
   catch_interrupts();
   Progress progress(scenario.run.duration_s);
   LogFile log_file(folder / "log.txt", [&](const std::string& line) { progress.print_line(line); });
+  for (const std::string& warning : warnings_of(scenario)) log_file.write(0, "warning: " + warning);
   RunLog log([&](std::int64_t t_us, const std::string& text) { log_file.write(t_us, text); });
   Session session(robot, loop);
   const auto loop_wall_s = [&] { return session.wall_s() - recorder.picture_wall_s(); };

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <set>
 
+#include "apps/config/sections.h"
 #include "apps/config/yaml_reader.h"
 #include "core/random.h"
 
@@ -26,7 +27,7 @@ constexpr double most_values = 1e5;
 /// An axis whose values are computed, as the file has it.
 struct DrawnAxis {
   std::string kind;
-  std::vector<double> range = {0.0, 1.0};
+  std::array<double, 2> range = {0.0, 1.0};
   std::int64_t count = 0;  ///< steps or seeds
   std::int64_t first = 1;
   bool log = false;
@@ -41,7 +42,7 @@ void describe(FieldVisitor& v, DrawnAxis& axis) {
     v.integer("first", axis.first, {0, 9e15}, "the first of them");
     return;
   }
-  v.reals(axis.kind, axis.range, 2, {}, "smallest and largest value");
+  v.reals(axis.kind, axis.range, {}, "smallest and largest value");
   const bool needs_steps = !is_sampled(axis);
   if (needs_steps) v.integer("steps", axis.count, {2, most_values}, "how many values, both ends included");
   if (!needs_steps) v.boolean("log", axis.log, "evenly in the logarithm");
@@ -118,20 +119,8 @@ class SweepReader {
     const YamlNode only = take("only");
     const YamlNode metrics = take("report", "metrics");
     YamlReader reader(tree_, {"name", "scenario"});
-    std::string scenario;
-    reader.text("name", config_.name, "of the sweep");
-    reader.text("description", config_.description, "what it asks, in a sentence");
-    reader.text("scenario", scenario, "scenario file");
-    reader.integer("samples", config_.samples, {1, most_values}, "points of random and latin_hypercube");
-    reader.integer("sample_seed", config_.sample_seed, {0, 9e15}, "of these points");
-    reader.section(
-        "report",
-        [&](FieldVisitor& v) {
-          v.integer("worst", config_.report.worst, {0, 100}, "worst runs that get a report");
-          v.choice("worst_is", config_.report.worst_is, {"lowest", "highest"}, "which values are bad");
-        },
-        "what the report tells");
-    config_.scenario = folder_ / scenario;
+    describe(reader, config_);
+    config_.scenario = folder_ / config_.scenario;
     read_set(set, assignments);
     read_axes(axes);
     check_keys();
@@ -401,6 +390,23 @@ class SweepReader {
 };
 
 }  // namespace
+
+void describe(FieldVisitor& v, SweepConfig& config) {
+  describe_name(v, config.name, "of the sweep, in its report and in the name of its folder");
+  v.text("description", config.description, "what it asks, in a sentence");
+  std::string scenario = config.scenario.string();
+  v.text("scenario", scenario, "scenario file");
+  config.scenario = scenario;
+  v.integer("samples", config.samples, {1, most_values}, "points of random and latin_hypercube");
+  v.integer("sample_seed", config.sample_seed, {0, 9e15}, "seed of these points");
+  v.section(
+      "report",
+      [&](FieldVisitor& w) {
+        w.integer("worst", config.report.worst, {0, 100}, "worst runs that get a report");
+        w.choice("worst_is", config.report.worst_is, {"lowest", "highest"}, "which values are bad");
+      },
+      "the report");
+}
 
 SweepConfig read_sweep(const std::filesystem::path& path, const std::vector<std::string>& assignments) {
   return SweepReader(path, assignments).result();

@@ -11,6 +11,8 @@
 
 namespace saccade {
 
+class FieldVisitor;
+
 /// A value for a key of the scenario.
 struct SweepSetting {
   std::string key;    ///< its path, such as ball.diameter_m
@@ -71,6 +73,9 @@ struct SweepConfig {
     std::string worst_is = "lowest";  ///< or highest: which values of the first metric are bad
   } report;
 };
+
+/// Keys of a sweep file with a value of their own: all but set, axes, except, only and report.metrics.
+void describe(FieldVisitor& v, SweepConfig& config);
 
 /// Reads a sweep file; `assignments` are the `key=value` of --set, which take the place of what `set` has for that key.
 /// The scenario is not read. Throws InputError with everything that is wrong.

@@ -116,11 +116,6 @@ void FieldEditor::numbers(std::string_view key, std::span<double> values, Range 
   explain(doc);
 }
 
-void FieldEditor::reals(std::string_view key, std::vector<double>& value, std::size_t, Range range,
-                        std::string_view doc) {
-  numbers(key, value, range, doc);
-}
-
 void FieldEditor::section(std::string_view key, const std::function<void(FieldVisitor&)>& describe_section,
                           std::string_view doc) {
   if (is_hidden(key)) return;

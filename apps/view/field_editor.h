@@ -29,10 +29,6 @@ class FieldEditor final : public FieldVisitor {
               std::string_view doc) override;
   void numbers(std::string_view key, std::span<double> values, Range range, std::string_view doc) override;
   void point_list(std::string_view, std::vector<double>&, std::size_t, Range, std::string_view) override {}
-  void reals(std::string_view key, std::vector<double>& value, std::size_t size, Range range,
-             std::string_view doc) override;
-  void points(std::string_view, std::vector<std::vector<double>>&, std::size_t, Range,
-              std::string_view) override {}
   void section(std::string_view key, const std::function<void(FieldVisitor&)>& describe_section,
                std::string_view doc) override;
   void require(bool, std::string_view, std::string_view, std::string_view) override {}

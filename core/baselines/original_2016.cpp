@@ -29,7 +29,7 @@ void describe(FieldVisitor& v, Original2016Config& config) {
         w.integer("min_inliers", config.min_inliers, {3, 9}, "of the nine events of a patch");
       },
       "flow by patches of 3 x 3 pixels");
-  v.choice("maximum", config.maximum, {"remembered", "exact"}, "which cell of a radius is the best");
+  v.choice("maximum", config.maximum, "which cell of a radius is the best");
   v.real("threshold", config.threshold, {0.0, 1e6}, "response taken for the ball");
 }
 
@@ -38,7 +38,7 @@ std::string window_text(const Original2016Config& config) {
 }
 
 Original2016::Original2016(const Original2016Config& config, ImageSize size)
-    : config_(config), exact_maximum_(config.maximum == "exact"), size_(size), sieve_(size) {
+    : config_(config), exact_maximum_(config.maximum == MaximumSearch::exact), size_(size), sieve_(size) {
   check_config("detector", config);
   const auto pixels = static_cast<std::size_t>(size.pixels());
   for (auto& surface : surface_) surface.assign(pixels, never_us);

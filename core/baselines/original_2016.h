@@ -3,7 +3,6 @@
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "core/detector_parts.h"
@@ -12,6 +11,13 @@
 
 namespace saccade {
 
+/// Which cell of a radius counts as its maximum.
+enum class MaximumSearch { remembered, exact };
+constexpr auto words_of(MaximumSearch) {
+  return std::to_array<Word<MaximumSearch>>(
+      {{MaximumSearch::remembered, "remembered"}, {MaximumSearch::exact, "exact"}});
+}
+
 /// What the circle detector of the event-driven project did when the paper came out (vCircle, February and
 /// March 2016), where that differs from what the paper says.
 struct Original2016Config {
@@ -19,7 +25,7 @@ struct Original2016Config {
   std::int64_t window_events = 1000;
   double arc_deg = 15.0;               ///< half-width of an arc
   std::int64_t min_inliers = 5;        ///< of the nine events of a patch that must lie on its plane
-  std::string maximum = "remembered";  ///< remembered, as then, or exact
+  MaximumSearch maximum = MaximumSearch::remembered;  ///< remembered, as then, or exact
   double threshold = 0.5;              ///< votes per pixel of the look-up ring taken for the ball
 };
 

@@ -239,8 +239,8 @@ Camera camera_of(const Json& camera) {
 MountedCamera mounted_camera(const Json& json) {
   const Json& mount = json.at("eye_from_camera");
   return {camera_of(json),
-          {mount.at("translation_mm").get<std::vector<double>>(),
-           mount.at("rotation_deg").get<std::vector<double>>()}};
+          {mount.at("translation_mm").get<std::array<double, 3>>(),
+           mount.at("rotation_deg").get<std::array<double, 3>>()}};
 }
 
 template <class Scores>

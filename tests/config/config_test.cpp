@@ -39,9 +39,9 @@ struct Config {
   double low_px = 10.0;
   double high_px = 35.0;
   std::string clutter = "textured";
-  std::vector<double> position_m = {-0.4, 0.0, 0.3};
-  std::vector<double> radii_px = {};
-  std::vector<std::vector<double>> corners_m = {};
+  std::array<double, 3> position_m = {-0.4, 0.0, 0.3};
+  std::array<double, 3> radii_px = {5.0, 6.0, 7.0};
+  std::vector<std::array<double, 2>> corners_m = {};
   WindowConfig window;
   friend bool operator==(const Config&, const Config&) = default;
 };
@@ -56,9 +56,9 @@ void describe(FieldVisitor& v, Config& config) {
   v.real("high_px", config.high_px, any_number, "largest radius");
   v.require(config.low_px <= config.high_px, "high_px", text_of(config.high_px), "at least low_px");
   v.choice("clutter", config.clutter, {"textured", "rectilinear"}, "what stands around");
-  v.reals("position_m", config.position_m, 3, {-10, 10}, "where");
-  v.reals("radii_px", config.radii_px, 0, {1, 100}, "which");
-  v.points("corners_m", config.corners_m, 2, any_number, "the way");
+  v.reals("position_m", config.position_m, {-10, 10}, "where");
+  v.reals("radii_px", config.radii_px, {1, 100}, "which");
+  v.points("corners_m", config.corners_m, any_number, "the way");
   v.section(
       "window", [&](FieldVisitor& inner) { describe(inner, config.window); }, "which events count");
 }
@@ -367,8 +367,8 @@ TEST(YamlWriter, whatIsWrittenReadsBackIdentical) {
     if (config.low_px > config.high_px) std::swap(config.low_px, config.high_px);
     config.clutter = i % 2 == 0 ? "textured" : "rectilinear";
     config.position_m[1] = random.uniform(-10.0, 10.0, 4, i);
-    config.radii_px.assign(i % 4, random.uniform(1.0, 100.0, 5, i));
-    config.corners_m.assign(i % 3, {finite_double(random, 6, i), finite_double(random, 7, i)});
+    config.radii_px.fill(random.uniform(1.0, 100.0, 5, i));
+    config.corners_m.assign(i % 3, std::array{finite_double(random, 6, i), finite_double(random, 7, i)});
     config.window.directed = i % 5 == 0;
     for (const auto comments : {YamlWriter::Comments::none, YamlWriter::Comments::all}) {
       const std::string yaml = write_config(config, comments);

@@ -78,7 +78,7 @@ TEST_F(ReadDetectors, AKeyThatAnotherBringsMayStandBeforeIt) {
   for (const auto& order : {std::vector<std::string>{"window.kind=time", "window.duration_us=7000"},
                             std::vector<std::string>{"window.duration_us=7000", "window.kind=time"}}) {
     const NamedDetectors detectors = read(order);
-    EXPECT_EQ(hough(detectors, "paper_full").window.kind, "time");
+    EXPECT_EQ(hough(detectors, "paper_full").window.kind, WindowKind::time);
     EXPECT_EQ(hough(detectors, "paper_full").window.duration_us, 7000);
   }
 }

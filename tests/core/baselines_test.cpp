@@ -81,7 +81,7 @@ TEST(Original2016, TheRememberedMaximumIsAtMostTheTrueOne) {
   config.window_events = 300;
   const ImageSize size{128, 128};
   Original2016 detector(config, size);
-  config.maximum = "exact";
+  config.maximum = MaximumSearch::exact;
   Original2016 exact(config, size);
   const std::vector<Event> events = streams::cluttered(size, 12'000, 0.3, 7);
   std::vector<float> space(static_cast<std::size_t>(size.pixels()));

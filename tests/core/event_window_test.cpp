@@ -66,7 +66,7 @@ TEST(EventWindow, KeepsTheNewestEventsAtAnyTimeStamp) {
 }
 
 TEST(EventWindow, ContainsTheNewestEventsWithinTheirLifetimeAtEveryUpdate) {
-  for (const std::string kind : {"count", "time", "lifetime"}) {
+  for (const WindowKind kind : {WindowKind::count, WindowKind::time, WindowKind::lifetime}) {
     for (const std::int64_t most : {1, 5, 100}) {
       EventWindowConfig config = event_window(kind);
       config.events = most;
@@ -75,8 +75,8 @@ TEST(EventWindow, ContainsTheNewestEventsWithinTheirLifetimeAtEveryUpdate) {
       config.longest_us = 200;
       config.crossing_px = 2.0;
       for (const std::uint64_t seldom : {1, 3, 40, 300}) {
-        SCOPED_TRACE(kind + ", " + std::to_string(most) + " events, asked every " + std::to_string(seldom));
-        const RandomStream random(seldom, kind);
+        SCOPED_TRACE(std::string(word_of(kind)) + ", " + std::to_string(most) + " events, asked every " + std::to_string(seldom));
+        const RandomStream random(seldom, std::string(word_of(kind)));
         Follower follower(config);
         std::vector<std::pair<std::int64_t, double>> sent;  // t_us, lifetime_us
         std::int64_t t_us = 0;
@@ -84,10 +84,10 @@ TEST(EventWindow, ContainsTheNewestEventsWithinTheirLifetimeAtEveryUpdate) {
         for (std::uint64_t i = 0; i < 900; ++i) {
           t_us += static_cast<std::int64_t>(random.bits(0, i) % 5);
           std::optional<NormalFlow> flow;
-          double lifetime_us = kind == "count" ? 1e18 : 60.0;
+          double lifetime_us = kind == WindowKind::count ? 1e18 : 60.0;
           const auto steepness = static_cast<double>(i % 40);
           if (random.bits(1, i) % 4 != 0) flow = NormalFlow{-3.0 * steepness, 4.0 * steepness};
-          if (kind == "lifetime") {
+          if (kind == WindowKind::lifetime) {
             lifetime_us = flow ? std::clamp(10.0 * steepness, 10.0, 200.0) : 0.0;
           }
           EventWindow& window = follower.window();
@@ -110,20 +110,20 @@ TEST(EventWindow, ContainsTheNewestEventsWithinTheirLifetimeAtEveryUpdate) {
 }
 
 TEST(EventWindow, PredictsWhichEventsWillBeOutsideWhateverTheirFlow) {
-  EventWindowConfig config = event_window("lifetime");
+  EventWindowConfig config = event_window(WindowKind::lifetime);
   config.events = 10;
   config.longest_us = 5'000;
   const EventWindow lifetime(config);
   EXPECT_FALSE(lifetime.outlived(1'000, 9, 5'999));
   EXPECT_TRUE(lifetime.outlived(1'000, 10, 1'000));
   EXPECT_TRUE(lifetime.outlived(1'000, 0, 6'000));
-  const EventWindow count(event_window("count"));
+  const EventWindow count(event_window(WindowKind::count));
   EXPECT_FALSE(count.outlived(0, 1'499, 1'000'000'000'000));
   EXPECT_TRUE(count.outlived(0, 1'500, 0));
 }
 
 TEST(EventWindow, DoesNotAllocate) {
-  for (const std::string kind : {"count", "time", "lifetime"}) {
+  for (const WindowKind kind : {WindowKind::count, WindowKind::time, WindowKind::lifetime}) {
     EventWindowConfig config = event_window(kind);
     config.events = 200;
     EventWindow window(config);
@@ -135,7 +135,7 @@ TEST(EventWindow, DoesNotAllocate) {
       const auto change = window.update(i * 10);
       changes += change.left.size() + change.entered.size();
     }
-    EXPECT_EQ(allocation_count() - before, 0) << kind;
+    EXPECT_EQ(allocation_count() - before, 0) << word_of(kind);
     EXPECT_GT(changes, 5'000U);
   }
 }
@@ -151,16 +151,16 @@ TEST(EventWindow, NamesTheKeysOfABadConfiguration) {
     }
     return "accepted";
   };
-  EXPECT_THAT(message([](auto& c) { c.kind = "size"; }), HasSubstr("window.kind: found size"));
+  EXPECT_THAT(message([](auto& c) { c.kind = static_cast<WindowKind>(7); }), HasSubstr("window.kind: found nothing"));
   EXPECT_THAT(message([](auto& c) { c.events = 0; }), HasSubstr("window.events: found 0"));
   EXPECT_EQ(message([](auto& c) { c.duration_us = -1; }), "accepted");  // a window by count has no duration
   EXPECT_THAT(message([](auto& c) {
-                c.kind = "time";
+                c.kind = WindowKind::time;
                 c.duration_us = 0;
               }),
               HasSubstr("window.duration_us: found 0"));
   EXPECT_THAT(message([](auto& c) {
-                c.kind = "lifetime";
+                c.kind = WindowKind::lifetime;
                 c.shortest_us = 400'000;
               }),
               HasSubstr("window.longest_us: found 300000, expected at least shortest_us"));

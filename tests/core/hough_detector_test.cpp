@@ -174,14 +174,14 @@ Estimate from_scratch(const HoughDetectorConfig& config, ImageSize size, std::sp
     surface.add(e);
     const auto flow = surface.at(e);
     double lifetime_us = static_cast<double>(window.duration_us);
-    if (window.kind == "lifetime") {
+    if (window.kind == WindowKind::lifetime) {
       if (!flow) continue;
       lifetime_us = std::round(
           std::clamp(window.crossing_px * std::hypot(flow->dt_dx_us_px, flow->dt_dy_us_px),
                      static_cast<double>(window.shortest_us), static_cast<double>(window.longest_us)));
     }
     const bool newest = std::ssize(events) - static_cast<std::int64_t>(i) <= window.events;
-    const bool alive = window.kind == "count" || static_cast<double>(now_us - e.t_us) < lifetime_us;
+    const bool alive = window.kind == WindowKind::count || static_cast<double>(now_us - e.t_us) < lifetime_us;
     if (!newest || !alive) continue;
     if (!config.directed) hough.vote_ring<1>(e.x, e.y);
     if (config.directed && flow) {
@@ -200,7 +200,7 @@ TEST(HoughDetector, VotesWithTheEventsInsideTheWindowAsTimePasses) {
   const ImageSize size{48, 40};
   const std::vector<Event> events = streams::cluttered(size, 1500, 0.4, 5);
   for (const bool directed : {false, true}) {
-    for (const std::string_view kind : {"count", "time", "lifetime"}) {
+    for (const WindowKind kind : {WindowKind::count, WindowKind::time, WindowKind::lifetime}) {
       HoughDetectorConfig config = config_of(directed, 12, 20, 1);
       config.window.kind = kind;
       for (const std::int64_t most : {60, 5000}) {
@@ -213,7 +213,7 @@ TEST(HoughDetector, VotesWithTheEventsInsideTheWindowAsTimePasses) {
         std::int64_t now_us = 0;
         std::int64_t by_time_alone = 0;
         for (std::uint64_t asked = 0; done < events.size(); ++asked) {
-          SCOPED_TRACE(std::string(kind) + (directed ? ", directed, " : ", full, ") + std::to_string(most) +
+          SCOPED_TRACE(std::string(word_of(kind)) + (directed ? ", directed, " : ", full, ") + std::to_string(most) +
                        " events, asked " + std::to_string(asked));
           const std::size_t batch = random.bits(0, asked) % 4 == 0 ? 0 : random.bits(1, asked) % 90;
           const std::size_t end = std::min(events.size(), done + batch);
@@ -236,9 +236,9 @@ TEST(HoughDetector, VotesWithTheEventsInsideTheWindowAsTimePasses) {
           expect_same(detector.estimate(), after);
           by_time_alone += after.score < before.score ? 1 : 0;
         }
-        EXPECT_EQ(by_time_alone > 0, kind != "count");
+        EXPECT_EQ(by_time_alone > 0, kind != WindowKind::count);
         detector.advance_to(now_us + 20'000, nullptr);
-        EXPECT_EQ(detector.estimate().valid, kind == "count");
+        EXPECT_EQ(detector.estimate().valid, kind == WindowKind::count);
       }
     }
   }
@@ -324,8 +324,8 @@ TEST(HoughDetector, NamesTheKeysOfABadConfiguration) {
             }),
             "detector.radius_px: found 0, expected a finite number in [1, 255]");
   EXPECT_THAT(message([](auto& c) { c.window.events = 0; }), HasSubstr("detector.window.events: found 0"));
-  EXPECT_THAT(message([](auto& c) { c.window.kind = "size"; }),
-              HasSubstr("detector.window.kind: found size"));
+  EXPECT_THAT(message([](auto& c) { c.window.kind = static_cast<WindowKind>(7); }),
+              HasSubstr("detector.window.kind: found nothing"));
   EXPECT_THAT(message([](auto& c) { c.arc_deg = std::nan(""); }), HasSubstr("detector.arc_deg: found nan"));
   EXPECT_THAT(message([](auto& c) { c.flow.half_width_px = 9; }),
               HasSubstr("detector.flow.half_width_px: found 9"));

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/camera.h"
+
+namespace saccade {
+
+/// Names that the key `preset` of a scenario's camera takes: icub_left_2016, icub_right_2016 (the DVS128 cameras of
+/// iCubGenova02), pinhole.
+[[nodiscard]] const std::vector<std::string>& camera_presets();
+/// The camera of a preset. Throws InputError for an unknown name.
+[[nodiscard]] Camera camera_preset(const std::string& name);
+/// A camera without lens distortion: principal point in the middle of the image, square pixels, 0.777 times the image
+/// width as focal length (65.5 deg from left to right, as icub_left_2016).
+[[nodiscard]] Camera pinhole_camera(ImageSize size);
+
+/// What a camera is where its block is absent or incomplete.
+struct CameraDefault {
+  std::string preset;
+  ImageSize size;  ///< another size than the preset's: the pinhole of that size
+};
+
+/// Keys of a scenario's camera: preset, then those of MountedCamera. While a file is read, keys that it lacks have the
+/// values of the preset. An image size of one's own without a preset gives the pinhole of that size.
+void describe_camera(FieldVisitor& v, MountedCamera& mounted, std::string& preset,
+                     const CameraDefault& by_default);
+
+}  // namespace saccade
