@@ -8,6 +8,7 @@
 #include "recording/block_reader.h"
 #include "recording/byte_order.h"
 #include "recording/codec.h"
+#include "recording/input_file.h"
 #include "recording/output_file.h"
 #include "recording/wrapping_time.h"
 
@@ -249,16 +250,6 @@ class Aedat2Writer final : public EventWriter {
   WrappingTime time_ = signed_time();
 };
 
-}  // namespace
-
-std::unique_ptr<EventReader> open_aedat1(InputFile file, const EventReadOptions& options) {
-  return std::make_unique<Aedat2Reader>(std::move(file), options, 1);
-}
-
-std::unique_ptr<EventReader> open_aedat2(InputFile file, const EventReadOptions& options) {
-  return std::make_unique<Aedat2Reader>(std::move(file), options, 2);
-}
-
 std::unique_ptr<EventWriter> create_aedat2(const std::filesystem::path& path, ImageSize image_size,
                                            int cameras) {
   if (cameras > 1 && image_size != dvs128_size) {
@@ -270,6 +261,46 @@ std::unique_ptr<EventWriter> create_aedat2(const std::filesystem::path& path, Im
                      "at most " + text_of(davis_largest) + " for AEDAT 2.0");
   }
   return std::make_unique<Aedat2Writer>(path, image_size, cameras);
+}
+
+}  // namespace
+
+RecordingFormat aedat1_format() {
+  RecordingFormat format;
+  format.name = "AEDAT 1.0";
+  format.extensions = {".dat", ".aedat"};
+  format.sniff = [](const FileStart& start) {
+    if (const Match match = start.begins_with("#!AER-DAT1.0"); match != Match::none) return match;
+    const std::string_view first_line = start.bytes.substr(0, start.bytes.find('\n'));
+    const bool names_version = first_line.find("AER-DAT") != std::string_view::npos;
+    const bool fits = start.bytes.starts_with("# ") && !names_version && !start.is_text();
+    return fits ? Match::likely : Match::none;
+  };
+  format.open = [](InputFile file, const EventReadOptions& options) -> std::unique_ptr<EventReader> {
+    return std::make_unique<Aedat2Reader>(std::move(file), options, 1);
+  };
+  format.reads = "DVS128 and jAER's stereo pair of it, 128 x 128";
+  format.time = "u32 us, continued over its wraps at 2^32";
+  format.axes = "mirrored in x and y, bit 0 is 1 for OFF";
+  return format;
+}
+
+RecordingFormat aedat2_format() {
+  RecordingFormat format;
+  format.name = "AEDAT 2.0";
+  format.extensions = {".aedat"};
+  format.sniff = [](const FileStart& start) { return start.begins_with("#!AER-DAT2.0"); };
+  format.open = [](InputFile file, const EventReadOptions& options) -> std::unique_ptr<EventReader> {
+    return std::make_unique<Aedat2Reader>(std::move(file), options, 2);
+  };
+  format.create = create_aedat2;
+  format.cameras = 2;
+  format.reads = "DVS128, its stereo pair, DAVIS, by the header's `AEChip` or else by the addresses";
+  format.writes = "the same three, by image size and number of cameras";
+  format.time = "i32 us, continued over wraps at 2^31 or 2^32";
+  format.axes = "mirrored in x and y; DVS128 bit 0 is 1 for OFF, DAVIS bit 11 is 1 for ON";
+  format.limits = "1024 x 512; two cameras of 128 x 128 only; silences below 536 s";
+  return format;
 }
 
 }  // namespace saccade

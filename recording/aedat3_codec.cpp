@@ -8,6 +8,7 @@
 #include "recording/block_reader.h"
 #include "recording/byte_order.h"
 #include "recording/codec.h"
+#include "recording/input_file.h"
 #include "recording/number_text.h"
 
 namespace saccade {
@@ -149,8 +150,18 @@ class Aedat3Reader final : public BlockReader {
 
 }  // namespace
 
-std::unique_ptr<EventReader> open_aedat3(InputFile file, const EventReadOptions& options) {
-  return std::make_unique<Aedat3Reader>(std::move(file), options);
+RecordingFormat aedat3_format() {
+  RecordingFormat format;
+  format.name = "AEDAT 3.1";
+  format.extensions = {".aedat"};
+  format.sniff = [](const FileStart& start) { return start.begins_with("#!AER-DAT3.1"); };
+  format.open = [](InputFile file, const EventReadOptions& options) -> std::unique_ptr<EventReader> {
+    return std::make_unique<Aedat3Reader>(std::move(file), options);
+  };
+  format.reads = "polarity events of one source, format RAW";
+  format.time = "i32 us and a count of wraps at 2^31";
+  format.axes = "top left, 1 is ON";
+  return format;
 }
 
 }  // namespace saccade

@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "recording/codec.h"
 #include "recording/decompressor.h"
+#include "recording/input_file.h"
 #include "recording/number_text.h"
 
 namespace saccade {
@@ -337,8 +338,21 @@ class Aedat4Reader final : public EventReader {
 
 }  // namespace
 
-std::unique_ptr<EventReader> open_aedat4(InputFile file, const EventReadOptions& options) {
-  return std::make_unique<Aedat4Reader>(std::move(file), options);
+RecordingFormat aedat4_format() {
+  RecordingFormat format;
+  format.name = "AEDAT 4.0";
+  format.extensions = {".aedat4"};
+  format.sniff = [](const FileStart& start) { return start.begins_with("#!AER-DAT4.0"); };
+  format.open = [](InputFile file, const EventReadOptions& options) -> std::unique_ptr<EventReader> {
+    return std::make_unique<Aedat4Reader>(std::move(file), options);
+  };
+  format.create = create_aedat4;
+  format.reads = "one stream of events; uncompressed, LZ4, ZSTD";
+  format.writes = "LZ4, with the table of packets";
+  format.time = "i64 us";
+  format.axes = "top left, 1 is ON";
+  format.limits = "32767 x 32767, one camera";
+  return format;
 }
 
 }  // namespace saccade

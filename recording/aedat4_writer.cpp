@@ -168,10 +168,7 @@ class Aedat4Writer final : public EventWriter {
 }  // namespace
 
 std::unique_ptr<EventWriter> create_aedat4(const std::filesystem::path& path, ImageSize image_size,
-                                           int cameras) {
-  if (cameras > 1) {
-    throw InputError(path.string(), "two cameras", "one camera in AEDAT 4, or a .csv file");
-  }
+                                           int /*cameras*/) {
   if (image_size.width > largest_length_px || image_size.height > largest_length_px) {
     throw InputError(path.string(), "an image of " + text_of(image_size), "at most 32767x32767 for AEDAT 4");
   }

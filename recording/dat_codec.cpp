@@ -5,6 +5,7 @@
 #include "recording/block_reader.h"
 #include "recording/byte_order.h"
 #include "recording/codec.h"
+#include "recording/input_file.h"
 #include "recording/prophesee_header.h"
 #include "recording/wrapping_time.h"
 
@@ -80,8 +81,22 @@ class DatReader final : public BlockReader {
 
 }  // namespace
 
-std::unique_ptr<EventReader> open_dat(InputFile file, const EventReadOptions& options) {
-  return std::make_unique<DatReader>(std::move(file), options);
+RecordingFormat prophesee_dat_format() {
+  RecordingFormat format;
+  format.name = "Prophesee DAT";
+  format.extensions = {".dat"};
+  format.sniff = [](const FileStart& start) {
+    const auto has = [&](std::string_view key) { return start.bytes.find(key) != std::string_view::npos; };
+    const bool fits = start.bytes.starts_with('%') && (has("% Data file containing ") || has("% Version "));
+    return fits ? Match::certain : Match::none;
+  };
+  format.open = [](InputFile file, const EventReadOptions& options) -> std::unique_ptr<EventReader> {
+    return std::make_unique<DatReader>(std::move(file), options);
+  };
+  format.reads = "versions 1 and 2, events of pixels";
+  format.time = "u32 us, continued over its wraps at 2^32";
+  format.axes = "top left, 1 is ON";
+  return format;
 }
 
 }  // namespace saccade

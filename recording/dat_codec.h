@@ -1,7 +1,6 @@
 #pragma once
 
-#include "recording/event_file.h"
-#include "recording/input_file.h"
+#include "recording/format_registry.h"
 
 namespace saccade {
 
@@ -12,6 +11,6 @@ namespace saccade {
 ///   version 1   x bits 0-8, y bits 9-16, polarity bit 17; also where the header names no version
 /// The origin is top left. The image size is in the header, else in EventReadOptions::image_size; pixels are not checked
 /// against it.
-[[nodiscard]] std::unique_ptr<EventReader> open_dat(InputFile file, const EventReadOptions& options);
+[[nodiscard]] RecordingFormat prophesee_dat_format();
 
 }  // namespace saccade

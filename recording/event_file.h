@@ -11,8 +11,9 @@
 
 namespace saccade {
 
-/// Recorded events as a stream; a file larger than memory is fine. One codec per format, chosen by the
-/// file's content and name; no code outside recording/ knows a format.
+class FormatRegistry;
+
+/// Recorded events as a stream; files larger than memory are read in pieces. recording/format_registry.h has the formats.
 class EventReader {
  public:
   virtual ~EventReader() = default;
@@ -44,11 +45,16 @@ struct EventReadOptions {
   std::string yarp_codec = "auto";
 };
 
-/// Opens a recording; of a folder data.log or binaryevents.log in it. Throws InputError (missing, unreadable, empty, unknown format, broken header).
+/// Opens a recording of one of `formats`, chosen by the file's content; of a folder the log in it (data.log). Throws
+/// InputError (missing, unreadable, empty, unknown format, broken header).
+[[nodiscard]] std::unique_ptr<EventReader> open_event_file(const FormatRegistry& formats,
+                                                           const std::filesystem::path& path,
+                                                           const EventReadOptions& options = {});
+/// The same with built_in_formats().
 [[nodiscard]] std::unique_ptr<EventReader> open_event_file(const std::filesystem::path& path,
                                                            const EventReadOptions& options = {});
 
-/// Whether a folder is a recording: one that event-driven's or YARP's dumper left, with its log.
+/// Whether a folder is a recording of one of the built-in formats: it contains the log of event-driven's or YARP's dumper.
 [[nodiscard]] bool is_log_folder(const std::filesystem::path& path);
 
 /// Writes events in the order given; the file appears under its name on commit() only.
@@ -61,13 +67,15 @@ class EventWriter {
   virtual void commit() = 0;
 };
 
-/// The format follows the extension: .csv and .txt text (`t_us,x,y,p`, of two cameras `t_us,x,y,p,camera`), .aedat
-/// AEDAT 2.0, .aedat4 AEDAT 4.0 with LZ4, .raw EVT3, .h5 and .hdf5 HDF5 as DSEC has it, .log an event-driven log with its info file beside it. `cameras`: 1,
-/// or 2 where events of the right one may come. Throws InputError for another extension, or where the format cannot hold
-/// such images: AEDAT 2.0 has two cameras only of 128x128 pixels, AEDAT 4.0, EVT3 and HDF5 have one.
+/// Creates a recording; the extension selects one of `formats`. `cameras`: 1, or 2 where events of the right camera may
+/// be written. Throws InputError for another extension, and where the format cannot hold such images.
+[[nodiscard]] std::unique_ptr<EventWriter> create_event_file(const FormatRegistry& formats,
+                                                             const std::filesystem::path& path,
+                                                             ImageSize image_size, int cameras = 1);
+/// The same with built_in_formats().
 [[nodiscard]] std::unique_ptr<EventWriter> create_event_file(const std::filesystem::path& path,
                                                              ImageSize image_size, int cameras = 1);
-/// The extensions that it takes, for help and messages.
+/// The extensions that the built-in formats write, for help and messages.
 [[nodiscard]] std::string writable_formats();
 
 }  // namespace saccade

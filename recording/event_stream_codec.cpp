@@ -3,6 +3,7 @@
 #include "recording/block_reader.h"
 #include "recording/byte_order.h"
 #include "recording/codec.h"
+#include "recording/input_file.h"
 
 namespace saccade {
 namespace {
@@ -74,8 +75,18 @@ class EventStreamReader final : public BlockReader {
 
 }  // namespace
 
-std::unique_ptr<EventReader> open_event_stream(InputFile file) {
-  return std::make_unique<EventStreamReader>(std::move(file));
+RecordingFormat event_stream_format() {
+  RecordingFormat format;
+  format.name = "Event Stream 2";
+  format.extensions = {".es"};
+  format.sniff = [](const FileStart& start) { return start.begins_with("Event Stream"); };
+  format.open = [](InputFile file, const EventReadOptions&) -> std::unique_ptr<EventReader> {
+    return std::make_unique<EventStreamReader>(std::move(file));
+  };
+  format.reads = "type DVS";
+  format.time = "us, as differences";
+  format.axes = "y goes up and is delivered so";
+  return format;
 }
 
 }  // namespace saccade

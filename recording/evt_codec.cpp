@@ -6,6 +6,7 @@
 #include "recording/block_reader.h"
 #include "recording/byte_order.h"
 #include "recording/codec.h"
+#include "recording/input_file.h"
 #include "recording/number_text.h"
 #include "recording/output_file.h"
 #include "recording/prophesee_header.h"
@@ -329,8 +330,6 @@ class Evt3Writer final : public EventWriter {
   std::string words_;
 };
 
-}  // namespace
-
 std::unique_ptr<EventReader> open_evt(InputFile file, const EventReadOptions& options) {
   const PropheseeHeader header(file);
   const std::string format = header.value("format");
@@ -342,6 +341,10 @@ std::unique_ptr<EventReader> open_evt(InputFile file, const EventReadOptions& op
   if (encoding == "EVT2" || (encoding.empty() && version == "2.0")) {
     return std::make_unique<Evt2Reader>(std::move(file), header, options);
   }
+  if (encoding.empty() && version.empty()) {
+    throw InputError(file.name(), "a header that names no encoding of events",
+                     "a line % evt or % format (RAW), or % Version (DAT)");
+  }
   throw InputError(
       file.name(),
       encoding.empty() ? "the encoding " + printable(version) : "the format " + printable(encoding),
@@ -349,15 +352,36 @@ std::unique_ptr<EventReader> open_evt(InputFile file, const EventReadOptions& op
 }
 
 std::unique_ptr<EventWriter> create_evt3(const std::filesystem::path& path, ImageSize image_size,
-                                         int cameras) {
+                                         int /*cameras*/) {
   constexpr ImageSize largest{2048, 2048};
-  if (cameras > 1) {
-    throw InputError(path.string(), "two cameras", "one camera in EVT3, or a .csv file");
-  }
   if (!largest.contains(image_size.width - 1, image_size.height - 1)) {
     throw InputError(path.string(), "an image of " + text_of(image_size), "at most 2048x2048 for EVT3");
   }
   return std::make_unique<Evt3Writer>(path, image_size);
+}
+
+}  // namespace
+
+RecordingFormat prophesee_raw_format() {
+  RecordingFormat format;
+  format.name = "Prophesee RAW";
+  format.extensions = {".raw"};
+  format.sniff = [](const FileStart& start) {
+    const auto has = [&](std::string_view key) { return start.bytes.find(key) != std::string_view::npos; };
+    if (!start.bytes.starts_with('%')) return Match::none;
+    return has("% evt ") || has("% format ") ? Match::certain : Match::likely;
+  };
+  format.open = open_evt;
+  format.create = create_evt3;
+  format.reads = "EVT2 and EVT3, by the line `% evt` or `% format`";
+  format.writes = "EVT3, with vectors for rows";
+  format.time =
+      "EVT2 34, EVT3 24 bits of us, continued over their wraps; written with `% time_offset_us` in the "
+      "header where "
+      "the recording begins after 16.8 s";
+  format.axes = "top left, 1 is ON";
+  format.limits = "2048 x 2048, one camera; late by less than 4 s, silences below 19 h";
+  return format;
 }
 
 }  // namespace saccade

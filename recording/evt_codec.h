@@ -1,7 +1,6 @@
 #pragma once
 
-#include "recording/event_file.h"
-#include "recording/input_file.h"
+#include "recording/format_registry.h"
 
 namespace saccade {
 
@@ -15,18 +14,17 @@ namespace saccade {
 /// 6 the lower and 8 the upper 12 bits of the time, which wraps at 2^24 us. The time is upper << 12 | lower: where the
 /// lower part falls without a new upper one, the time goes back.
 ///
-/// Events before the first time, or in EVT3 the first row, are passed over and counted, as are triggers and words of
-/// other known types (EVT2: D, E, F; EVT3: 7, E, F); a word of any other type is an InputError. Without a line on
-/// geometry the image size is EventReadOptions::image_size; pixels are not checked against it. A line
-/// `% time_offset_us N`, which our writer makes, is added to the times.
-[[nodiscard]] std::unique_ptr<EventReader> open_evt(InputFile file, const EventReadOptions& options);
-
-/// Writes EVT3 of an image of up to 2048 x 2048. Pixels that are next to each other in a row at one time become vectors,
-/// in the sensor's groups of 12, 12 and 8, where that is shorter. Where the first event is not in the counter's first
-/// 16.8 s, the multiple of 2^24 us before it goes into the header as `% time_offset_us N`: other readers do not know the line
-/// and have times from 0 to 16.8 s on. Silences are bridged by words of time. Throws InputError for times that would not
-/// read back the same: those that go back by more than 4.2 s or before the offset, and silences of more than 19 h.
-[[nodiscard]] std::unique_ptr<EventWriter> create_evt3(const std::filesystem::path& path,
-                                                       ImageSize image_size, int cameras);
+/// The reader skips and counts events before the first time, or in EVT3 the first row, triggers and words of other
+/// defined types (EVT2: D, E, F; EVT3: 7, E, F); a word of any other type is an InputError. Without a line on geometry
+/// the image size is EventReadOptions::image_size; pixels are not checked against it. A line `% time_offset_us N`, which
+/// our writer makes, is added to the times.
+///
+/// The writer makes EVT3 of an image of up to 2048 x 2048. Neighbouring pixels of a row at one time become vectors, in
+/// the sensor's groups of 12, 12 and 8, where that is shorter. Where the first event is not in the counter's first
+/// 16.8 s, the multiple of 2^24 us before it goes into the header as `% time_offset_us N`; other readers ignore that line
+/// and have times from 0 to 16.8 s on. Words of time are written during silences. The writer throws InputError for times
+/// that would not read back the same: those that go back by more than 4.2 s or before the offset, and silences of more
+/// than 19 h.
+[[nodiscard]] RecordingFormat prophesee_raw_format();
 
 }  // namespace saccade

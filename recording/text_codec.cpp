@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "recording/codec.h"
+#include "recording/input_file.h"
 #include "recording/number_text.h"
 #include "recording/output_file.h"
 
@@ -234,13 +235,26 @@ class TextWriter final : public EventWriter {
 
 }  // namespace
 
-std::unique_ptr<EventReader> open_text(InputFile file, const EventReadOptions& options) {
-  return std::make_unique<TextReader>(std::move(file), options);
-}
-
-std::unique_ptr<EventWriter> create_text(const std::filesystem::path& path, ImageSize image_size,
-                                         int cameras) {
-  return std::make_unique<TextWriter>(path, image_size, cameras);
+RecordingFormat text_format() {
+  RecordingFormat format;
+  format.name = "text";
+  format.extensions = {".csv", ".txt"};
+  format.sniff = [](const FileStart& start) {
+    return !start.bytes.starts_with("#!AER-DAT") && start.is_text() ? Match::possible : Match::none;
+  };
+  format.open = [](InputFile file, const EventReadOptions& options) -> std::unique_ptr<EventReader> {
+    return std::make_unique<TextReader>(std::move(file), options);
+  };
+  format.create = [](const std::filesystem::path& path, ImageSize size,
+                     int cameras) -> std::unique_ptr<EventWriter> {
+    return std::make_unique<TextWriter>(path, size, cameras);
+  };
+  format.cameras = 2;
+  format.reads = "four or five columns, `--columns`";
+  format.writes = "`t_us,x,y,p` and with two cameras `camera`";
+  format.time = "us, or s with a decimal point, to the nearest us";
+  format.axes = "top left, 1 is ON";
+  return format;
 }
 
 }  // namespace saccade

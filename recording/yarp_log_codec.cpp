@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "recording/byte_order.h"
 #include "recording/codec.h"
+#include "recording/input_file.h"
 #include "recording/number_text.h"
 #include "recording/output_file.h"
 #include "recording/yarp_codec.h"
@@ -551,8 +552,6 @@ bool take(std::string_view& text, Belongs belongs) {
   return length > 0;
 }
 
-}  // namespace
-
 bool looks_like_yarp_log(std::string_view start) {
   const auto is_decimal = [](char c) { return is_digit(c) || c == '.'; };
   const auto is_type = [](char c) { return (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_'; };
@@ -568,16 +567,6 @@ bool is_yarp_binary(const std::filesystem::path& path) {
          (path.extension() == ".log" && info_of(path, type_key) == "Binary");
 }
 
-std::unique_ptr<EventReader> open_yarp_log(InputFile file, const EventReadOptions& options) {
-  return std::make_unique<YarpLogReader>(std::make_unique<TextPackets>(std::move(file)), "event-driven log",
-                                         options);
-}
-
-std::unique_ptr<EventReader> open_yarp_binary(InputFile file, const EventReadOptions& options) {
-  return std::make_unique<YarpLogReader>(std::make_unique<BinaryPackets>(std::move(file)),
-                                         "event-driven binary log", options);
-}
-
 std::unique_ptr<EventWriter> create_yarp_log(const std::filesystem::path& path, ImageSize image_size,
                                              int cameras) {
   if (!is_encodable(image_size, AddressCodec::ev2)) {
@@ -585,6 +574,58 @@ std::unique_ptr<EventWriter> create_yarp_log(const std::filesystem::path& path, 
                      "at most 2048x1024 for an event-driven log");
   }
   return std::make_unique<YarpLogWriter>(path, image_size, cameras);
+}
+
+}  // namespace
+
+RecordingFormat yarp_log_format() {
+  RecordingFormat format;
+  format.name = "event-driven log";
+  format.extensions = {".log"};
+  format.file_in_folder = "data.log";
+  format.sniff = [](const FileStart& start) {
+    return looks_like_yarp_log(start.bytes) ? Match::likely : Match::none;
+  };
+  format.open = [](InputFile file, const EventReadOptions& options) -> std::unique_ptr<EventReader> {
+    return std::make_unique<YarpLogReader>(std::make_unique<TextPackets>(std::move(file)), "event-driven log",
+                                           options);
+  };
+  format.create = create_yarp_log;
+  format.companions = [](const std::filesystem::path& path) {
+    return std::vector<std::filesystem::path>{info_file_of(path)};
+  };
+  format.cameras = 2;
+  format.reads =
+      "version 1: lists AE of every codec, [see below](#event-driven-logs); version 2: packets AE, with or "
+      "without a "
+      "time stamp in each event";
+  format.writes = "version 2 with time stamps, info file beside it";
+  format.time =
+      "ticks of 80 or 128 ns, to the nearest us; counters of 24 to 31 bits, continued with the host's time; "
+      "without "
+      "stamps spread over the packet's duration; written: 31 bits of 80 ns and `Origin` in the info file";
+  format.axes = "0 is ON; two cameras";
+  format.limits = "2048 x 1024, times from 0 on";
+  return format;
+}
+
+RecordingFormat yarp_binary_format() {
+  RecordingFormat format;
+  format.name = "event-driven binary dump";
+  format.extensions = {".log"};
+  format.file_in_folder = "binaryevents.log";
+  format.sniff = [](const FileStart& start) {
+    return is_yarp_binary(start.path) ? Match::certain : Match::none;
+  };
+  format.open = [](InputFile file, const EventReadOptions& options) -> std::unique_ptr<EventReader> {
+    return std::make_unique<YarpLogReader>(std::make_unique<BinaryPackets>(std::move(file)),
+                                           "event-driven binary log", options);
+  };
+  format.reads = "`binaryevents.log`, or any log with `Type: Binary` in its info file";
+  format.time =
+      "as event-driven log, without the host's time: no silence longer than half the counter's range";
+  format.axes = "0 is ON; two cameras";
+  return format;
 }
 
 }  // namespace saccade

@@ -69,7 +69,8 @@ TEST(EventFile, SaysWhatIsWrongWithAFileItCannotOpen) {
   EXPECT_THAT(message(folder / "none.aedat"), HasSubstr("No such file"));
   EXPECT_THAT(message(folder / ""), HasSubstr("a directory"));
   EXPECT_THAT(message(folder.write("empty", "")), HasSubstr("an empty file"));
-  EXPECT_THAT(message(folder.write("png", "\x89PNG\r\n\x1a\n")), HasSubstr("an event-driven log, or text"));
+  EXPECT_THAT(message(folder.write("png", "\x89PNG\r\n\x1a\n")),
+              HasSubstr("event-driven binary dump or text"));
   EXPECT_THAT(message(folder.write("v5", "#!AER-DAT5.0\r\n")), HasSubstr("starts with #!AER-DAT5.0..,"));
   EXPECT_THAT(message(folder.write("percent", "% Date today\n\x01\x02")), HasSubstr("names no encoding"));
   EXPECT_THAT(message(folder.write("cut", "#!AER-DA")), HasSubstr("cut off"));

@@ -1,0 +1,145 @@
+#include "recording/format_registry.h"
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "recording/aedat2_codec.h"
+#include "recording/aedat3_codec.h"
+#include "recording/aedat4_codec.h"
+#include "recording/codec.h"
+#include "recording/dat_codec.h"
+#include "recording/event_stream_codec.h"
+#include "recording/evt_codec.h"
+#include "recording/hdf5_codec.h"
+#include "recording/input_file.h"
+#include "recording/text_codec.h"
+#include "recording/yarp_log_codec.h"
+
+namespace saccade {
+namespace {
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+}  // namespace
+
+FormatRegistry built_in_formats() {
+  FormatRegistry registry;
+  registry.add(aedat1_format());
+  registry.add(aedat2_format());
+  registry.add(aedat3_format());
+  registry.add(aedat4_format());
+  registry.add(prophesee_raw_format());
+  registry.add(prophesee_dat_format());
+  registry.add(event_stream_format());
+  registry.add(hdf5_format());
+  registry.add(yarp_log_format());
+  registry.add(yarp_binary_format());
+  registry.add(text_format());
+  return registry;
+}
+
+Match FileStart::begins_with(std::string_view mark) const {
+  if (bytes.starts_with(mark)) return Match::certain;
+  return mark.starts_with(bytes) ? Match::cut_off : Match::none;
+}
+
+bool FileStart::is_text() const {
+  return std::all_of(bytes.begin(), bytes.end(), [](char c) {
+    return static_cast<unsigned char>(c) >= 0x20 || c == '\n' || c == '\r' || c == '\t';
+  });
+}
+
+void FormatRegistry::add(RecordingFormat format) {
+  SACCADE_CHECK(!format.name.empty() && !format.extensions.empty() && format.sniff && format.open);
+  for (const RecordingFormat& other : formats_) {
+    SACCADE_CHECK(other.name != format.name);
+    for (const std::string& extension : format.extensions) {
+      const bool taken = std::ranges::count(other.extensions, extension) > 0;
+      SACCADE_CHECK(!(taken && other.create && format.create));
+    }
+  }
+  formats_.push_back(std::move(format));
+}
+
+std::string FormatRegistry::names() const {
+  std::string text;
+  for (std::size_t i = 0; i < formats_.size(); ++i) {
+    if (i > 0) text += i + 1 == formats_.size() ? " or " : ", ";
+    text += formats_[i].name;
+  }
+  return text;
+}
+
+const RecordingFormat& FormatRegistry::recognise(const FileStart& start) const {
+  const RecordingFormat* best = nullptr;
+  Match match = Match::none;
+  for (const RecordingFormat& format : formats_) {
+    const Match found = format.sniff(start);
+    if (found <= match) continue;
+    best = &format;
+    match = found;
+  }
+  const std::string expectation = "a recording in a known format: " + names();
+  if (match == Match::cut_off) {
+    throw InputError(start.path.string(), "a file cut off inside its first line", expectation);
+  }
+  if (best == nullptr) {
+    throw InputError(start.path.string(), "a file that starts with " + printable(start.bytes.substr(0, 16)),
+                     expectation);
+  }
+  return *best;
+}
+
+const RecordingFormat& FormatRegistry::for_writing(const std::filesystem::path& path) const {
+  const std::string extension = path.extension().string();
+  for (const RecordingFormat& format : formats_) {
+    if (format.create && std::ranges::count(format.extensions, extension) > 0) return format;
+  }
+  throw InputError(path.string(), extension.empty() ? "no extension" : "the extension " + extension,
+                   "one of " + written_extensions());
+}
+
+std::filesystem::path FormatRegistry::file_of(const std::filesystem::path& path) const {
+  std::error_code error;
+  if (!std::filesystem::is_directory(path, error)) return path;
+  for (const RecordingFormat& format : formats_) {
+    const std::string& name = format.file_in_folder;
+    if (!name.empty() && std::filesystem::exists(path / name, error)) return path / name;
+  }
+  return path;
+}
+
+std::string FormatRegistry::written_extensions(int cameras) const {
+  std::vector<std::string> extensions;
+  for (const RecordingFormat& format : formats_) {
+    if (!format.create || format.cameras < cameras) continue;
+    extensions.insert(extensions.end(), format.extensions.begin(), format.extensions.end());
+  }
+  std::sort(extensions.begin(), extensions.end());
+  return joined(extensions);
+}
+
+std::vector<std::string> FormatRegistry::run_choices(bool live) const {
+  std::vector<std::string> choices;
+  for (const RecordingFormat& format : formats_) {
+    if (!format.create || (live && format.longest_us)) continue;
+    choices.push_back(format.extensions.front().substr(1));
+  }
+  std::sort(choices.begin(), choices.end());
+  return choices;
+}
+
+std::vector<std::filesystem::path> FormatRegistry::files_of(const std::filesystem::path& path) const {
+  const RecordingFormat& format = for_writing(path);
+  std::vector<std::filesystem::path> files = {path};
+  if (format.companions) {
+    for (std::filesystem::path& companion : format.companions(path)) files.push_back(std::move(companion));
+  }
+  return files;
+}
+
+}  // namespace saccade
