@@ -12,7 +12,8 @@ find_package(PkgConfig REQUIRED)
 pkg_check_modules(hdf5 REQUIRED IMPORTED_TARGET hdf5-serial)
 pkg_check_modules(lz4 REQUIRED IMPORTED_TARGET liblz4)
 pkg_check_modules(zstd REQUIRED IMPORTED_TARGET libzstd)
-find_path(FLATBUFFERS_HEADERS flatbuffers/flatbuffers.h REQUIRED)  # its builder is headers alone
+find_path(FLATBUFFERS_HEADERS flatbuffers/flatbuffers.h REQUIRED)  # headers alone are used
+find_program(FLATC flatc REQUIRED)
 pkg_check_modules(glfw REQUIRED IMPORTED_TARGET glfw3)
 pkg_check_modules(imgui REQUIRED IMPORTED_TARGET imgui)
 find_package(mujoco REQUIRED)

@@ -1,13 +1,13 @@
 #include "recording/aedat4_codec.h"
 
 #include <algorithm>
-#include <bit>
 #include <cstring>
 #include <limits>
 #include <map>
-#include <stdexcept>
 
 #include "core/error.h"
+#include "recording/aedat4_generated.h"
+#include "recording/byte_order.h"
 #include "recording/codec.h"
 #include "recording/decompressor.h"
 #include "recording/input_file.h"
@@ -16,69 +16,46 @@
 namespace saccade {
 namespace {
 
-static_assert(std::endian::native == std::endian::little);
-
 constexpr std::string_view mark_line = "#!AER-DAT4.0\r\n";
 constexpr std::size_t longest_header = 1 << 19;
 constexpr std::size_t window_bytes = 1 << 16;
-constexpr std::size_t event_bytes = 16;
+constexpr std::size_t event_bytes = sizeof(aedat4::Event);
 constexpr int largest_length_px = 1 << 15;
 
-/// A number at a place of some bytes; throws std::out_of_range where they end before it does.
-template <class T>
-T load(std::string_view bytes, std::size_t place) {
-  if (place > bytes.size() || bytes.size() - place < sizeof(T)) throw std::out_of_range("load");
-  T value;
-  std::memcpy(&value, bytes.data() + place, sizeof value);
-  return value;
+/// Of recorded tables: offsets are checked before they are followed, and values may lie at any address.
+flatbuffers::Verifier verifier_of(std::string_view bytes) {
+  flatbuffers::Verifier::Options options;
+  options.check_alignment = false;
+  return {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), options};
 }
 
-/// The root table of a FlatBuffers buffer. Whatever the bytes are, nothing outside them is read: an offset
-/// that leads there is a std::out_of_range.
-class FlatTable {
- public:
-  explicit FlatTable(std::string_view buffer)
-      : buffer_(buffer),
-        table_(load<std::uint32_t>(buffer, 0)),
-        field_places_(table_ - static_cast<std::size_t>(load<std::int32_t>(buffer, table_))) {}
+/// The identifier of a table, fewer than 4 letters where the bytes end before.
+std::string_view identifier_of(std::string_view table) {
+  return table.substr(std::min<std::size_t>(4, table.size()), 4);
+}
 
-  [[nodiscard]] std::string_view identifier() const { return buffer_.substr(4, 4); }
-
-  template <class T>
-  [[nodiscard]] T number(std::size_t field, T absent) const {
-    const std::size_t place = place_of(field);
-    return place == 0 ? absent : load<T>(buffer_, place);
-  }
-
-  /// Number of elements and place of the first one of a vector or string; none of them where it is absent.
-  struct Vector {
-    std::size_t count = 0;
-    std::size_t place = 0;
-  };
-  [[nodiscard]] Vector vector(std::size_t field) const {
-    const std::size_t place = place_of(field);
-    if (place == 0) return {};
-    const std::size_t target = place + load<std::uint32_t>(buffer_, place);
-    return {load<std::uint32_t>(buffer_, target), target + sizeof(std::uint32_t)};
-  }
-  [[nodiscard]] std::string_view text(std::size_t field) const {
-    const Vector characters = vector(field);
-    return buffer_.substr(characters.place, characters.count);
-  }
-
- private:
-  /// Where a field is in the buffer, 0 where it is absent.
-  [[nodiscard]] std::size_t place_of(std::size_t field) const {
-    const std::size_t entry = 4 + 2 * field;
-    if (entry + 2 > load<std::uint16_t>(buffer_, field_places_)) return 0;
-    const std::size_t place = load<std::uint16_t>(buffer_, field_places_ + entry);
-    return place == 0 ? 0 : table_ + place;
-  }
-
-  std::string_view buffer_;
-  std::size_t table_;
-  std::size_t field_places_;
+/// Number of elements in an EventPacket, and the offset of the first one in its bytes.
+struct Elements {
+  std::size_t count = 0;
+  std::size_t offset = 0;
 };
+
+/// `start`: the first bytes of a packet's table, without its size. None where an offset leads outside of them. The
+/// elements are decompressed later, piece by piece, so of the generated EventPacket::Verify all is done here but the last
+/// step, the check of the vector's end.
+std::optional<Elements> find_elements(std::string_view start) {
+  flatbuffers::Verifier verifier = verifier_of(start);
+  const flatbuffers::uoffset_t root = start.size() < 8 ? 0 : verifier.VerifyOffset(0);
+  if (root == 0) return std::nullopt;
+  const auto* table = reinterpret_cast<const flatbuffers::Table*>(start.data() + root);
+  constexpr auto field = aedat4::EventPacket::VT_ELEMENTS;
+  if (!table->VerifyTableStart(verifier) || !table->VerifyOffset(verifier, field)) return std::nullopt;
+  const auto* elements = table->GetPointer<const flatbuffers::Vector<std::uint8_t>*>(field);
+  if (elements == nullptr) return Elements{};
+  const auto offset = static_cast<std::size_t>(reinterpret_cast<const char*>(elements) - start.data());
+  if (!verifier.Verify<flatbuffers::uoffset_t>(offset)) return std::nullopt;
+  return Elements{elements->size(), offset + sizeof(flatbuffers::uoffset_t)};
+}
 
 struct Stream {
   std::string type;
@@ -121,11 +98,7 @@ class Aedat4Reader final : public EventReader {
  public:
   Aedat4Reader(InputFile file, const EventReadOptions& options)
       : file_(std::move(file)), image_size_(options.image_size), window_(window_bytes) {
-    try {
-      read_header();
-    } catch (const std::out_of_range&) {
-      fail("an offset that leads outside the header", "a whole header");
-    }
+    read_header();
   }
 
   std::size_t read(std::vector<Event>& events, std::size_t max_events) override {
@@ -157,19 +130,25 @@ class Aedat4Reader final : public EventReader {
     const std::string_view start = file_.peek(mark_line.size() + 4);
     if (!start.starts_with(mark_line)) fail(printable(start.substr(0, 14)), "the line #!AER-DAT4.0");
     if (start.size() < mark_line.size() + 4) fail_cut("the header's size");
-    const auto size = load<std::uint32_t>(start, mark_line.size());
+    const auto size = load_little<std::uint32_t>(start.data() + mark_line.size());
     file_.skip(mark_line.size() + 4);
     if (size > longest_header) {
       fail("a header of " + std::to_string(size) + " bytes", "at most " + std::to_string(longest_header));
     }
     const std::string_view bytes = file_.peek(size).substr(0, size);
     if (bytes.size() < size) fail_cut("the rest of the header");
-    const FlatTable header(bytes);
-    if (header.identifier() != "IOHE") fail(printable(header.identifier()), "a header table IOHE");
-    choose_decompressor(header.number<std::int32_t>(0, 0));
-    const auto end = header.number<std::int64_t>(1, -1);
+    if (bytes.size() >= 8 && identifier_of(bytes) != aedat4::IOHeaderIdentifier()) {
+      fail(printable(identifier_of(bytes)), "a header table IOHE");
+    }
+    flatbuffers::Verifier verifier = verifier_of(bytes);
+    if (!aedat4::VerifyIOHeaderBuffer(verifier)) {
+      fail("an offset that leads outside the header", "a whole header");
+    }
+    const aedat4::IOHeader* header = aedat4::GetIOHeader(bytes.data());
+    choose_decompressor(header->compression());
+    const std::int64_t end = header->data_table_position();
     if (end >= 0) packets_end_ = static_cast<std::uint64_t>(end);
-    streams_ = parse_streams(header.text(2));
+    if (header->info_node() != nullptr) streams_ = parse_streams(header->info_node()->string_view());
     choose_stream();
     file_.skip(size);
     if (packets_end_ < file_.offset()) {
@@ -177,17 +156,19 @@ class Aedat4Reader final : public EventReader {
     }
   }
 
-  void choose_decompressor(std::int32_t compression) {
-    if (compression == 0) {
+  void choose_decompressor(aedat4::Compression compression) {
+    using enum aedat4::Compression;
+    if (compression == none) {
       decompressor_ = make_copier();
-    } else if (compression == 1 || compression == 2) {
+    } else if (compression == lz4 || compression == lz4_high) {
       decompressor_ = make_lz4_decompressor();
       compression_ = " LZ4";
-    } else if (compression == 3 || compression == 4) {
+    } else if (compression == zstd || compression == zstd_high) {
       decompressor_ = make_zstd_decompressor();
       compression_ = " ZSTD";
     } else {
-      fail("the compression " + std::to_string(compression), "0 none, 1 or 2 LZ4, 3 or 4 ZSTD");
+      fail("the compression " + std::to_string(static_cast<int>(compression)),
+           "0 none, 1 or 2 LZ4, 3 or 4 ZSTD");
     }
   }
 
@@ -223,11 +204,13 @@ class Aedat4Reader final : public EventReader {
     events.resize(first + count);
     const char* bytes = window_.data() + window_begin_;
     for (std::size_t i = 0; i < count; ++i, bytes += event_bytes) {
+      aedat4::Event stored;
+      std::memcpy(&stored, bytes, event_bytes);
       Event& event = events[first + i];
-      std::memcpy(&event.t_us, bytes, sizeof event.t_us);
-      std::memcpy(&event.x, bytes + 8, sizeof event.x);
-      std::memcpy(&event.y, bytes + 10, sizeof event.y);
-      event.on = bytes[12] != 0;
+      event.t_us = stored.timestamp();
+      event.x = static_cast<std::uint16_t>(stored.x());
+      event.y = static_cast<std::uint16_t>(stored.y());
+      event.on = stored.on();
     }
     window_begin_ += count * event_bytes;
     events_left_ -= count;
@@ -245,8 +228,8 @@ class Aedat4Reader final : public EventReader {
     const std::string_view head = file_.peek(8);
     if (head.empty() && packets_end_ == no_end) return false;
     if (head.size() < 8) fail_cut("a packet");
-    const auto stream = load<std::int32_t>(head, 0);
-    const auto size = load<std::int32_t>(head, 4);
+    const auto stream = load_little<std::int32_t>(head.data());
+    const auto size = load_little<std::int32_t>(head.data() + 4);
     if (size < 0 || packets_end_ - file_.offset() < 8 + static_cast<std::uint64_t>(size)) {
       fail("a packet of " + std::to_string(size) + " bytes", "one that ends before the table of packets");
     }
@@ -265,22 +248,24 @@ class Aedat4Reader final : public EventReader {
     decompressor_->begin();
     window_begin_ = window_end_ = 0;
     fill_window();
-    const std::string_view start(window_.data(), window_end_);
-    try {
-      const FlatTable packet(start.substr(std::min<std::size_t>(4, start.size())));
-      if (packet.identifier() != "EVTS") fail("a packet " + printable(packet.identifier()), "one of EVTS");
-      const FlatTable::Vector elements = packet.vector(0);
-      const std::size_t bytes = load<std::uint32_t>(start, 0);
-      if (elements.place + elements.count * event_bytes > bytes) {
-        fail(std::to_string(elements.count) + " events in a packet of " + std::to_string(bytes) + " bytes",
-             "a packet that holds its events");
-      }
-      events_left_ = elements.count;
-      window_begin_ = std::min(4 + elements.place, window_end_);
-    } catch (const std::out_of_range&) {
+    constexpr std::size_t prefix = sizeof(flatbuffers::uoffset_t);
+    const std::string_view window(window_.data(), window_end_);
+    const std::string_view start = window.substr(std::min(prefix, window.size()));
+    if (start.size() >= 8 && identifier_of(start) != "EVTS") {
+      fail("a packet " + printable(identifier_of(start)), "one of EVTS");
+    }
+    const std::optional<Elements> elements = find_elements(start);
+    if (!elements) {
       if (failure_) throw InputError(*failure_);
       fail("an offset that leads outside the packet", "a whole packet");
     }
+    const std::size_t bytes = load_little<std::uint32_t>(window.data());
+    if (elements->offset + elements->count * event_bytes > bytes) {
+      fail(std::to_string(elements->count) + " events in a packet of " + std::to_string(bytes) + " bytes",
+           "a packet that holds its events");
+    }
+    events_left_ = elements->count;
+    window_begin_ = std::min(prefix + elements->offset, window_end_);
   }
 
   [[nodiscard]] bool packet_is_over() const { return packet_left_ == 0 && !decompressor_->unfinished(); }
@@ -330,7 +315,7 @@ class Aedat4Reader final : public EventReader {
   std::uint64_t packets_end_ = no_end;
   std::size_t packet_left_ = 0;  ///< bytes of the packet still in the file
   std::size_t events_left_ = 0;  ///< in the packet
-  std::vector<char> window_;     ///< unpacked bytes, those in [window_begin_, window_end_) not yet read
+  std::vector<char> window_;     ///< unpacked bytes, those in [window_begin_, window_end_) not read yet
   std::size_t window_begin_ = 0;
   std::size_t window_end_ = 0;
   std::optional<InputError> failure_;

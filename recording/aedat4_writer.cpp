@@ -1,11 +1,10 @@
-#include <flatbuffers/flatbuffers.h>
 #include <lz4frame.h>
 
 #include <algorithm>
 
 #include "core/error.h"
 #include "recording/aedat4_codec.h"
-#include "recording/byte_order.h"
+#include "recording/aedat4_generated.h"
 #include "recording/codec.h"
 #include "recording/output_file.h"
 
@@ -17,28 +16,10 @@ constexpr std::size_t packet_events = 8192;
 constexpr std::int32_t stream = 0;
 constexpr int largest_length_px = 32767;
 
-/// The structs of the tables, as FlatBuffers lays them out.
-struct PackedEvent {
-  std::int64_t t_us;
-  std::int16_t x;
-  std::int16_t y;
-  std::uint8_t on;
-  std::uint8_t unused[3];
-};
-static_assert(sizeof(PackedEvent) == 16 && alignof(PackedEvent) == 8);
-struct PacketHead {
-  std::int32_t stream;
-  std::int32_t bytes;
-};
-static_assert(sizeof(PacketHead) == 8 && alignof(PacketHead) == 4);
-
-/// Where the n-th field of a table is named.
-constexpr flatbuffers::voffset_t field(int n) { return static_cast<flatbuffers::voffset_t>(4 + 2 * n); }
-
 /// A packet as the table at the end has it.
 struct PacketInfo {
-  std::int64_t offset = 0;  ///< of its bytes, behind its head
-  PacketHead head{};
+  std::int64_t offset = 0;  ///< of its bytes, after its header
+  aedat4::PacketHeader header;
   std::int64_t events = 0;
   std::int64_t first_us = 0;
   std::int64_t last_us = 0;
@@ -63,15 +44,14 @@ std::string stream_description(ImageSize size) {
 
 /// The table in front, with its size: compression, place of the table of packets, description of the streams.
 std::string header_table(ImageSize size, std::int64_t table_place) {
-  constexpr std::int32_t lz4 = 1;
   flatbuffers::FlatBufferBuilder builder;
   const auto description = builder.CreateString(stream_description(size));
   builder.ForceDefaults(true);
-  const auto start = builder.StartTable();
-  builder.AddElement<std::int64_t>(field(1), table_place, -1);
-  builder.AddOffset(field(2), description);
-  builder.AddElement<std::int32_t>(field(0), lz4, 0);
-  builder.FinishSizePrefixed(flatbuffers::Offset<void>(builder.EndTable(start)), "IOHE");
+  aedat4::IOHeaderBuilder header(builder);
+  header.add_data_table_position(table_place);
+  header.add_info_node(description);
+  header.add_compression(aedat4::Compression::lz4);
+  aedat4::FinishSizePrefixedIOHeaderBuffer(builder, header.Finish());
   return {reinterpret_cast<const char*>(builder.GetBufferPointer()), builder.GetSize()};
 }
 
@@ -95,11 +75,8 @@ class Aedat4Writer final : public EventWriter {
   void write(std::span<const Event> events) override {
     for (const Event& event : events) {
       check_writable(event, image_size_, 1, file_.path());
-      pending_.push_back({event.t_us,
-                          static_cast<std::int16_t>(event.x),
-                          static_cast<std::int16_t>(event.y),
-                          static_cast<std::uint8_t>(event.on ? 1 : 0),
-                          {}});
+      pending_.emplace_back(event.t_us, static_cast<std::int16_t>(event.x),
+                            static_cast<std::int16_t>(event.y), event.on);
       if (pending_.size() == packet_events) put_packet();
     }
   }
@@ -120,48 +97,42 @@ class Aedat4Writer final : public EventWriter {
   }
 
   void put_packet() {
-    flatbuffers::FlatBufferBuilder builder(packet_events * sizeof(PackedEvent) + 64);
+    flatbuffers::FlatBufferBuilder builder(packet_events * sizeof(aedat4::Event) + 64);
     const auto elements = builder.CreateVectorOfStructs(pending_);
-    const auto start = builder.StartTable();
-    builder.AddOffset(field(0), elements);
-    builder.FinishSizePrefixed(flatbuffers::Offset<void>(builder.EndTable(start)), "EVTS");
+    builder.FinishSizePrefixed(aedat4::CreateEventPacket(builder, elements), "EVTS");
     const std::string packed = compress(builder);
-    const PacketHead head{stream, static_cast<std::int32_t>(packed.size())};
-    std::string head_bytes;
-    append_little(head_bytes, head.stream);
-    append_little(head_bytes, head.bytes);
-    put(head_bytes);
-    const auto [first, last] =
-        std::minmax_element(pending_.begin(), pending_.end(),
-                            [](const PackedEvent& a, const PackedEvent& b) { return a.t_us < b.t_us; });
-    packets_.push_back({offset_, head, static_cast<std::int64_t>(pending_.size()), first->t_us, last->t_us});
+    const aedat4::PacketHeader header(stream, static_cast<std::int32_t>(packed.size()));
+    put({reinterpret_cast<const char*>(&header), sizeof header});
+    const auto [first, last] = std::minmax_element(
+        pending_.begin(), pending_.end(),
+        [](const aedat4::Event& a, const aedat4::Event& b) { return a.timestamp() < b.timestamp(); });
+    packets_.push_back(
+        {offset_, header, static_cast<std::int64_t>(pending_.size()), first->timestamp(), last->timestamp()});
     put(packed);
     pending_.clear();
   }
 
   void put_table() {
     flatbuffers::FlatBufferBuilder builder;
-    std::vector<flatbuffers::Offset<void>> rows;
+    std::vector<flatbuffers::Offset<aedat4::FileDataDefinition>> rows;
     for (const PacketInfo& packet : packets_) {
-      const auto start = builder.StartTable();
-      builder.AddElement<std::int64_t>(field(4), packet.last_us, 0);
-      builder.AddElement<std::int64_t>(field(3), packet.first_us, 0);
-      builder.AddElement<std::int64_t>(field(2), packet.events, 0);
-      builder.AddElement<std::int64_t>(field(0), packet.offset, 0);
-      builder.AddStruct(field(1), &packet.head);
-      rows.emplace_back(builder.EndTable(start));
+      aedat4::FileDataDefinitionBuilder row(builder);
+      row.add_timestamp_end(packet.last_us);
+      row.add_timestamp_start(packet.first_us);
+      row.add_num_elements(packet.events);
+      row.add_byte_offset(packet.offset);
+      row.add_packet_info(&packet.header);
+      rows.push_back(row.Finish());
     }
     const auto table = builder.CreateVector(rows);
-    const auto start = builder.StartTable();
-    builder.AddOffset(field(0), table);
-    builder.FinishSizePrefixed(flatbuffers::Offset<void>(builder.EndTable(start)), "FTAB");
+    builder.FinishSizePrefixed(aedat4::CreateFileDataTable(builder, table), "FTAB");
     put(compress(builder));
   }
 
   OutputFile file_;
   ImageSize image_size_;
   std::int64_t offset_ = 0;
-  std::vector<PackedEvent> pending_;
+  std::vector<aedat4::Event> pending_;
   std::vector<PacketInfo> packets_;
 };
 

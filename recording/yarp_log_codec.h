@@ -31,6 +31,9 @@ namespace saccade {
 /// time reads back the same. Packets end after 1 ms or 4096 events; the host's time of a packet is its last event's. It
 /// throws InputError for an image of more than 2048x1024 and for times before 0 or after 4e15 us.
 [[nodiscard]] RecordingFormat yarp_log_format();
+/// The writer alone: its `create`.
+[[nodiscard]] std::unique_ptr<EventWriter> create_yarp_log(const std::filesystem::path& path,
+                                                           ImageSize image_size, int cameras);
 
 /// The binary dump of event-driven: nothing but pairs of little-endian words, stamp and address, without a host's time.
 /// It has no mark: its name (binaryevents.log) or its info file (`Type: Binary`) identifies it.
