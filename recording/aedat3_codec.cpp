@@ -42,7 +42,7 @@ class Aedat3Reader final : public BlockReader {
     return known != sizes_.end() ? known->second : image_size_;
   }
   std::string format() const override { return "AEDAT 3.1"; }
-  std::string passed_over() const override {
+  std::string skipped() const override {
     std::string text;
     for (const auto& [what, count] : others_) append_count(text, count, what);
     return text;
@@ -135,7 +135,7 @@ class Aedat3Reader final : public BlockReader {
       others_[type == polarity_type ? "events of source " + std::to_string(source)
                                     : name_of(type) + " events"] += events;
       const auto bytes = static_cast<std::uint64_t>(events) * static_cast<std::uint64_t>(size);
-      if (!file_.pass_over(bytes)) file_.fail("the end of the file", "the rest of a packet");
+      if (!file_.discard(bytes)) file_.fail("the end of the file", "the rest of a packet");
     }
     return true;
   }

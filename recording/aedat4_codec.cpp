@@ -26,7 +26,7 @@ constexpr int largest_length_px = 1 << 15;
 flatbuffers::Verifier verifier_of(std::string_view bytes) {
   flatbuffers::Verifier::Options options;
   options.check_alignment = false;
-  return {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), options};
+  return flatbuffers::Verifier(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), options);
 }
 
 /// The identifier of a table, fewer than 4 letters where the bytes end before.
@@ -114,7 +114,7 @@ class Aedat4Reader final : public EventReader {
 
   std::optional<ImageSize> image_size() const override { return image_size_; }
   std::string format() const override { return "AEDAT 4.0" + compression_; }
-  std::string passed_over() const override {
+  std::string skipped() const override {
     std::string text;
     for (const auto& [number, packets] : other_packets_) {
       const auto known = streams_.find(number);
@@ -235,7 +235,7 @@ class Aedat4Reader final : public EventReader {
     }
     file_.skip(8);
     if (stream != stream_) {
-      if (!file_.pass_over(static_cast<std::uint64_t>(size))) fail_cut("the rest of a packet");
+      if (!file_.discard(static_cast<std::uint64_t>(size))) fail_cut("the rest of a packet");
       ++other_packets_[stream];
     } else {
       packet_left_ = static_cast<std::size_t>(size);
@@ -310,7 +310,7 @@ class Aedat4Reader final : public EventReader {
   std::string compression_;
   std::unique_ptr<Decompressor> decompressor_;
   std::map<std::int32_t, Stream> streams_;
-  std::map<std::int32_t, std::int64_t> other_packets_;  ///< of streams that are passed over
+  std::map<std::int32_t, std::int64_t> other_packets_;  ///< of streams that are skipped
   std::int32_t stream_ = 0;
   std::uint64_t packets_end_ = no_end;
   std::size_t packet_left_ = 0;  ///< bytes of the packet still in the file

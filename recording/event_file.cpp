@@ -9,7 +9,7 @@
 namespace saccade {
 namespace {
 
-/// One camera's events out of a recording.
+/// The events of one camera of a recording.
 class OneCameraReader final : public EventReader {
  public:
   OneCameraReader(std::unique_ptr<EventReader> reader, std::uint8_t camera)
@@ -27,7 +27,7 @@ class OneCameraReader final : public EventReader {
   }
   std::optional<ImageSize> image_size() const override { return reader_->image_size(); }
   std::string format() const override { return reader_->format(); }
-  std::string passed_over() const override { return reader_->passed_over(); }
+  std::string skipped() const override { return reader_->skipped(); }
 
  private:
   std::unique_ptr<EventReader> reader_;
@@ -42,8 +42,9 @@ std::unique_ptr<EventReader> open_event_file(const FormatRegistry& formats, cons
   InputFile file(recording);
   const FileStart start{recording, file.peek(FileStart::most_bytes).substr(0, FileStart::most_bytes)};
   std::unique_ptr<EventReader> reader = formats.recognise(start).open(std::move(file), options);
-  if (!options.camera) return reader;
-  return std::make_unique<OneCameraReader>(std::move(reader), *options.camera);
+  if (options.camera) reader = std::make_unique<OneCameraReader>(std::move(reader), *options.camera);
+  reader->set_path(recording);
+  return reader;
 }
 
 std::unique_ptr<EventReader> open_event_file(const std::filesystem::path& path,

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/event.h"
@@ -18,30 +19,36 @@ class EventReader {
  public:
   virtual ~EventReader() = default;
 
-  /// Appends up to `max_events` further events, in file order and in the file's own clock (us); time that
-  /// goes back in the file goes back here. Returns how many; 0 at the end. Where the content is broken the
-  /// events before that place come first, then every further call throws InputError with file and byte
-  /// offset or line.
+  /// Appends up to `max_events` further events, in file order and in the file's own clock (us); time that goes back in the
+  /// file goes back here. Returns their number; 0 at the end. Where the content is broken the events before that place
+  /// come first, then every further call throws InputError with file and byte offset or line.
   virtual std::size_t read(std::vector<Event>& events, std::size_t max_events) = 0;
-  /// Known from a header, or from the format; none where a file does not say. Events outside it, where a
-  /// format can hold such, are delivered.
+  /// From a header, or from the format; none where a file has no size. Events outside it, where a format can hold such, are
+  /// returned.
   [[nodiscard]] virtual std::optional<ImageSize> image_size() const = 0;
   [[nodiscard]] virtual std::string format() const = 0;  ///< "AEDAT 2.0 DVS128", "text"
-  /// What read() met so far that looks like events and is none of a camera ("12 skin events"); often empty.
-  [[nodiscard]] virtual std::string passed_over() const { return {}; }
+  /// Records that read() has skipped because they are no events of a camera ("12 skin events"); often empty.
+  [[nodiscard]] virtual std::string skipped() const { return {}; }
+
+  /// The file, for messages; empty for a reader that open_event_file did not make.
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  void set_path(std::filesystem::path path) { path_ = std::move(path); }
+
+ private:
+  std::filesystem::path path_;
 };
 
-/// What a file may leave open.
+/// Properties that a file may not have.
 struct EventReadOptions {
-  /// Order of the columns of text, by the letters t, x, y and p, and c where it tells the camera.
+  /// Order of the columns of text, by the letters t, x, y and p, and c for the camera.
   std::string columns = "txyp";
-  /// The sensor's size where the file does not say it.
+  /// The sensor's size where the file has none.
   std::optional<ImageSize> image_size;
   /// Address layout of AEDAT 1.0 and 2.0: auto, dvs128, stereo or davis.
   std::string aedat2_layout = "auto";
-  /// Only this one's events, by Event::camera; none: all.
+  /// Only this camera's events (Event::camera); none: all.
   std::optional<std::uint8_t> camera = std::nullopt;
-  /// What the bits of an event-driven log's words are: auto, or a name of recording/yarp_codec.h.
+  /// Layout of an event-driven log's words: auto, or a name of recording/yarp_codec.h.
   std::string yarp_codec = "auto";
 };
 
@@ -61,8 +68,8 @@ struct EventReadOptions {
 class EventWriter {
  public:
   virtual ~EventWriter() = default;
-  /// Throws InputError for an event that the format cannot hold exactly (outside the image, of a camera that the
-  /// file has not, a time out of range), and RunError when the disk does not take it.
+  /// Throws InputError for an event that the format cannot hold exactly (outside the image, of another camera, a time out
+  /// of range), and RunError when writing fails.
   virtual void write(std::span<const Event> events) = 0;
   virtual void commit() = 0;
 };

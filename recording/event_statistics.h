@@ -9,32 +9,32 @@
 
 namespace saccade {
 
-/// What a stream of events is like, counted as it goes by, in fixed memory.
+/// Statistics of a stream of events. Differences of times that int64 cannot hold are limited to its range.
 struct EventStatistics {
   std::int64_t count = 0;
   std::int64_t on = 0;
   std::int64_t first_us = 0;   ///< the time of the first event in the stream
-  std::int64_t oldest_us = 0;  ///< the least of all times
+  std::int64_t oldest_us = 0;  ///< the smallest of all times
   std::int64_t newest_us = 0;
   ImageSize reach{0, 0};           ///< the smallest image that holds all events
-  std::int64_t outside_image = 0;  ///< 0 where the image size is not known
+  std::int64_t outside_image = 0;  ///< 0 where the image size is unknown
   std::int64_t back_in_time = 0;   ///< events older than the newest one before them
   std::int64_t longest_step_back_us = 0;
-  std::int64_t longest_gap_us = 0;  ///< without an event, and where it began
+  std::int64_t longest_gap_us = 0;  ///< the longest time without an event, and its beginning
   std::int64_t longest_gap_at_us = 0;
-  std::int64_t gaps = 0;           ///< longer than the bound
-  std::int64_t most_in_1ms = 0;    ///< in bins of that length from the first event on;
-  std::int64_t most_in_100ms = 0;  ///< events that are late count in the newest bin
+  std::int64_t gaps = 0;         ///< longer than EventCounter's gap_us
+  std::int64_t most_in_1ms = 0;  ///< events in the fullest bin of that length; bins begin at the first event,
+  std::int64_t most_in_100ms = 0;  ///< and a late event counts in the newest bin
 
-  [[nodiscard]] double duration_s() const { return 1e-6 * static_cast<double>(newest_us - oldest_us); }
-  /// Events per second of the duration; none where that is 0.
+  [[nodiscard]] double duration_s() const;
+  /// Events per second; none where the duration is 0.
   [[nodiscard]] std::optional<double> mean_rate_hz() const;
 };
 
-/// Counts for all cameras together and for each one.
+/// Computes the statistics of all cameras together and of each one, in fixed memory.
 class EventCounter {
  public:
-  /// `image_size`: none where it is not known. A gap is counted when longer than `gap_us`.
+  /// `image_size`: none where it is unknown. A gap is counted when it is longer than `gap_us`.
   EventCounter(std::optional<ImageSize> image_size, std::int64_t gap_us)
       : image_size_(image_size), gap_us_(gap_us) {}
 
@@ -48,7 +48,7 @@ class EventCounter {
 
  private:
   struct Bin {
-    std::int64_t end_us = 0;
+    std::int64_t begin_us = 0;
     std::int64_t count = 0;
   };
   struct Stream {

@@ -37,7 +37,7 @@ class EventStreamReader final : public BlockReader {
 
   std::optional<ImageSize> image_size() const override { return image_size_; }
   std::string format() const override { return "Event Stream 2 DVS (y up)"; }
-  std::string passed_over() const override {
+  std::string skipped() const override {
     std::string text;
     append_count(text, resets_, "resets");
     return text;

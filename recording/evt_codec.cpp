@@ -17,7 +17,7 @@ namespace {
 
 std::string hex_digit(unsigned value) { return std::string(1, "0123456789ABCDEF"[value & 0xf]); }
 
-/// What both encodings share: the image size and what is passed over.
+/// What both encodings share: the image size and what is skipped.
 class EvtReader : public BlockReader {
  public:
   EvtReader(InputFile file, const PropheseeHeader& header, const EventReadOptions& options)
@@ -25,14 +25,14 @@ class EvtReader : public BlockReader {
     const std::optional<ImageSize> size = header.image_size();
     image_size_ = size ? size : options.image_size;
     const std::string offset = header.value("time_offset_us");
-    if (!offset.empty() && (!parse_number(offset, offset_us_) || offset_us_ > largest_offset_us ||
-                            offset_us_ < -largest_offset_us)) {
+    if (!offset.empty() && (!parse_number(offset, offset_us_) || offset_us_ > largest_read_offset_us ||
+                            offset_us_ < -largest_read_offset_us)) {
       file_.fail("the time_offset_us " + printable(offset), "whole us within 2^62");
     }
   }
 
   std::optional<ImageSize> image_size() const override { return image_size_; }
-  std::string passed_over() const override {
+  std::string skipped() const override {
     std::string text;
     append_count(text, events_without_time_, "events before the first time stamp");
     append_count(text, triggers_, "triggers");
@@ -41,7 +41,7 @@ class EvtReader : public BlockReader {
   }
 
  protected:
-  static constexpr std::int64_t largest_offset_us = std::int64_t{1} << 62;
+  static constexpr std::int64_t largest_read_offset_us = std::int64_t{1} << 62;
 
   std::int64_t offset_us_ = 0;
   std::int64_t events_without_time_ = 0;
@@ -255,6 +255,7 @@ class Evt3Writer final : public EventWriter {
 
   void put_time(std::int64_t t_us) {
     if (t_us == t_us_) return;
+    if (t_us > largest_offset_us || t_us < -largest_offset_us) refuse(t_us);
     const std::int64_t high = (t_us - offset_us_) >> 12;
     if (!t_us_ || high != high_) {
       if (!t_us_) high_ = high;
@@ -274,8 +275,9 @@ class Evt3Writer final : public EventWriter {
   }
 
   [[noreturn]] void refuse(std::int64_t t_us) const {
-    throw InputError(file_.path().string(), "an event at " + std::to_string(t_us) + " us",
-                     "times that EVT3 holds: back by less than 4 s, silences of less than 19 h");
+    throw InputError(
+        file_.path().string(), "an event at " + std::to_string(t_us) + " us",
+        "times that EVT3 holds: back by less than 4 s, silences of less than 19 h, within 2^61 us of 0");
   }
 
   /// How many events are of the first one's time, row and polarity, with x ascending.

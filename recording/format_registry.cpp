@@ -134,9 +134,14 @@ std::vector<std::string> FormatRegistry::run_choices(bool live) const {
 }
 
 std::vector<std::filesystem::path> FormatRegistry::files_of(const std::filesystem::path& path) const {
-  const RecordingFormat& format = for_writing(path);
+  (void)for_writing(path);
+  return inputs_of(path);
+}
+
+std::vector<std::filesystem::path> FormatRegistry::inputs_of(const std::filesystem::path& path) const {
   std::vector<std::filesystem::path> files = {path};
-  if (format.companions) {
+  for (const RecordingFormat& format : formats_) {
+    if (!format.companions || std::ranges::count(format.extensions, path.extension().string()) == 0) continue;
     for (std::filesystem::path& companion : format.companions(path)) files.push_back(std::move(companion));
   }
   return files;

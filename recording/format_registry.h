@@ -91,6 +91,8 @@ class FormatRegistry {
   [[nodiscard]] std::vector<std::string> run_choices(bool live = false) const;
   /// All files that writing `path` leaves: `path` and its companions.
   [[nodiscard]] std::vector<std::filesystem::path> files_of(const std::filesystem::path& path) const;
+  /// All files that reading `path` may use: `path` and the companions of formats with its extension.
+  [[nodiscard]] std::vector<std::filesystem::path> inputs_of(const std::filesystem::path& path) const;
 
  private:
   std::vector<RecordingFormat> formats_;

@@ -73,10 +73,11 @@ class Hdf5Writer final : public EventWriter {
     for (const Event& event : events) {
       check_writable(event, size_, 1, out_.path());
       if (!first_us_) first_us_ = last_us_ = event.t_us;
-      const std::int64_t t = event.t_us - *first_us_;
-      if (event.t_us < last_us_ || t > std::int64_t{0xffffffff}) {
+      const bool in_range = event.t_us >= -largest_offset_us && event.t_us <= largest_offset_us;
+      const std::int64_t t = in_range ? event.t_us - *first_us_ : 0;
+      if (!in_range || event.t_us < last_us_ || t > std::int64_t{0xffffffff}) {
         throw InputError(out_.path().string(), "an event at " + std::to_string(event.t_us) + " us",
-                         "events sorted by time, within 2^32 us of the first one, at " +
+                         "events sorted by time, within 2^61 us of 0 and 2^32 us of the first one, at " +
                              std::to_string(*first_us_) + " us");
       }
       last_us_ = event.t_us;

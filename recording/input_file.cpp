@@ -45,7 +45,7 @@ void InputFile::skip(std::size_t count) {
   offset_ += count;
 }
 
-bool InputFile::pass_over(std::uint64_t count) {
+bool InputFile::discard(std::uint64_t count) {
   while (count > 0) {
     const std::size_t ahead = peek(1).size();
     if (ahead == 0) return false;

@@ -22,7 +22,7 @@ class InputFile {
   /// Leaves behind the first `count` of the bytes that peek() showed.
   void skip(std::size_t count);
   /// Leaves behind `count` bytes, or all that there are; whether there were so many.
-  [[nodiscard]] bool pass_over(std::uint64_t count);
+  [[nodiscard]] bool discard(std::uint64_t count);
 
   [[nodiscard]] std::uint64_t offset() const { return offset_; }  ///< bytes left behind so far
   [[nodiscard]] std::string name() const { return path_.string(); }

@@ -18,6 +18,27 @@ namespace {
 
 }  // namespace
 
+void check_outputs(std::span<const std::filesystem::path> outputs,
+                   std::span<const std::filesystem::path> inputs, bool force) {
+  namespace fs = std::filesystem;
+  for (const fs::path& output : outputs) {
+    std::error_code error;
+    for (const fs::path& input : inputs) {
+      fs::path part = output;
+      part += ".part";
+      if (fs::equivalent(output, input, error) || fs::equivalent(part, input, error)) {
+        throw InputError(output.string(), "the file that is read, " + input.string(), "another name");
+      }
+    }
+    if (fs::is_directory(output, error)) {
+      throw InputError(output.string(), "a folder", "the name of a file to write");
+    }
+    if (!force && fs::exists(output, error)) {
+      throw InputError(output.string(), "a file that exists", "another name, or --force to replace it");
+    }
+  }
+}
+
 OutputFile::OutputFile(std::filesystem::path path) : path_(std::move(path)), part_(path_) {
   part_ += ".part";
   file_ = std::fopen(part_.c_str(), "wb");

@@ -10,17 +10,21 @@
 
 namespace saccade {
 
-/// The disk, a quota or a limit on files' size leaves no room.
+/// Checks files before they are written. Throws InputError for a folder, for a file that is one of `inputs` under any name
+/// or link (with `force` too), and, without `force`, for a file that exists.
+void check_outputs(std::span<const std::filesystem::path> outputs,
+                   std::span<const std::filesystem::path> inputs, bool force);
+
+/// No room on the disk, or in a quota or a limit on the size of files.
 class DiskFull : public RunError {
  public:
   using RunError::RunError;
 };
 
-/// A file that appears under its name only when it is whole: bytes go to `<path>.part`, commit() flushes,
-/// syncs and renames. Without commit() the `.part` file is removed by the destructor (and left behind,
-/// under that name, by a crash).
-/// Every member but the destructor throws RunError naming the file when the disk does not take the bytes, DiskFull
-/// where there is no room for them.
+/// A file that appears under its name only when it is whole: bytes go to `<path>.part`, commit() flushes, syncs and
+/// renames. Without commit() the destructor removes the `.part` file; after a crash it remains under that name.
+/// Every member but the destructor throws RunError with the file's name when writing fails, DiskFull where there is no
+/// room.
 class OutputFile {
  public:
   explicit OutputFile(std::filesystem::path path);
@@ -30,12 +34,12 @@ class OutputFile {
 
   void write(std::span<const std::byte> bytes);
   void write(std::string_view text);
-  /// Bytes in place of ones that were written before.
+  /// Replaces bytes that were written before.
   void overwrite(std::int64_t offset, std::span<const std::byte> bytes);
   void commit();
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  /// Where the bytes are until then, for a library that writes a file by its name.
+  /// The file that is written until commit(), for a library that writes a file by its name.
   [[nodiscard]] const std::filesystem::path& part() const { return part_; }
 
  private:

@@ -67,7 +67,7 @@ class TextReader final : public EventReader {
     std::size_t count = 0;
     try {
       for (; count < max_events && peek_line(); skip_line()) {
-        if (passes_over()) continue;
+        if (skips_line()) continue;
         events.push_back(parse());
         ++count;
       }
@@ -99,7 +99,7 @@ class TextReader final : public EventReader {
     ++line_number_;
   }
 
-  bool passes_over() {
+  bool skips_line() {
     const auto start = std::find_if_not(line_.begin(), line_.end(), is_blank);
     if (start == line_.end() || *start == '#') return true;
     const bool is_header = before_first_ && check_column_names();

@@ -62,7 +62,7 @@ class YarpLogReader final : public EventReader {
   std::string format() const override {
     return kind_ + ", codec " + std::string(codec_.name) + (guessed_ ? " (guessed)" : "");
   }
-  std::string passed_over() const override {
+  std::string skipped() const override {
     std::string text;
     if (skin_events_ > 0) text = std::to_string(skin_events_) + " skin events";
     if (source_->others() > 0) {

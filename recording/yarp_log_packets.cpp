@@ -117,11 +117,11 @@ class TextPackets final : public YarpPacketSource {
     if (look() != '(') fail(found(), "a list in brackets, or a duration and bytes in quotes");
     file_.skip(1);
     in_list_ = vision;
-    if (!vision) pass_over_list();
+    if (!vision) skip_list();
     return false;
   }
 
-  void pass_over_list() {
+  void skip_list() {
     for (int depth = 1; depth > 0;) {
       const std::optional<char> next = look();
       if (next == '(' || next == ')') {

@@ -10,7 +10,8 @@
 #include "apps/session/interrupt.h"
 #include "apps/session/progress.h"
 #include "core/error.h"
-#include "recording/event_statistics.h"
+#include "recording/format_registry.h"
+#include "recording/recording_summary.h"
 
 namespace saccade {
 namespace {
@@ -22,40 +23,17 @@ struct InfoOptions : ReadOptions {
   bool json = false;
 };
 
-/// What is known of a recording when it has been read.
-struct Info {
-  std::string file;
-  std::string format;
-  std::string passed_over;
-  std::optional<ImageSize> image;
-  EventCounter counter;
-
-  [[nodiscard]] bool two_cameras() const {
-    return counter.camera(0).count > 0 && counter.camera(1).count > 0;
-  }
-};
-
-Info read_info(const InfoOptions& options) {
-  const std::filesystem::path events = events_of(options.recording);
-  const auto reader = open_event_file(events, options.read);
-  Info info{events.string(),
-            reader->format(),
-            {},
-            reader->image_size(),
-            EventCounter(reader->image_size(), std::llround(options.gap_ms * 1e3))};
+RecordingSummary summarise(const InfoOptions& options) {
   catch_interrupts();
   Progress progress(0.0);
-  constexpr std::size_t block_events = 1 << 16;
-  std::vector<Event> block;
-  for (block.reserve(block_events); reader->read(block, block_events) > 0; block.clear()) {
+  const auto show = [&](std::int64_t events) {
     if (interrupted()) throw RunError("interrupted");
-    info.counter.add(block);
-    const double millions = 1e-6 * static_cast<double>(info.counter.all().count);
-    if (millions < 10.0) continue;  // over in no time
+    const double millions = 1e-6 * static_cast<double>(events);
+    if (millions < 10.0) return;  // less than a second
     progress.show(millions * 100.0, [&] { return fmt::format("{:.0f} million events", millions); });
-  }
-  info.passed_over = reader->passed_over();
-  return info;
+  };
+  return summarise_recording(built_in_formats(), events_of(options.recording), options.read,
+                             std::llround(options.gap_ms * 1e3), show);
 }
 
 std::string text_of(ImageSize size) { return fmt::format("{} x {}", size.width, size.height); }
@@ -95,12 +73,12 @@ void print_columns(const std::vector<std::pair<const char*, const EventStatistic
   });
 }
 
-void print_text(const Info& info, const InfoOptions& options) {
+void print_text(const RecordingSummary& info, const InfoOptions& options) {
   const EventStatistics& all = info.counter.all();
   fmt::print("{:<22}{}\n", "file", info.file);
   fmt::print("{:<22}{}\n", "format", info.format);
-  fmt::print("{:<22}{}\n", "image", info.image ? text_of(*info.image) : "not told");
-  if (!info.passed_over.empty()) fmt::print("{:<22}{}\n", "passed over", info.passed_over);
+  fmt::print("{:<22}{}\n", "image", info.image ? text_of(*info.image) : "unknown");
+  if (!info.skipped.empty()) fmt::print("{:<22}{}\n", "skipped", info.skipped);
   if (all.count == 0) {
     fmt::print("{:<22}{}\n", "events", 0);
     return;
@@ -140,11 +118,11 @@ Json json_of(const EventStatistics& s) {
           {"outside_image", s.outside_image}};
 }
 
-void print_json(const Info& info, const InfoOptions& options) {
+void print_json(const RecordingSummary& info, const InfoOptions& options) {
   Json json = {{"file", info.file},
                {"format", info.format},
                {"image", info.image ? json_of(*info.image) : Json(nullptr)},
-               {"passed_over", info.passed_over},
+               {"skipped", info.skipped},
                {"gap_ms", options.gap_ms}};
   json.update(json_of(info.counter.all()));
   if (!info.image) json["outside_image"] = nullptr;
@@ -155,7 +133,7 @@ void print_json(const Info& info, const InfoOptions& options) {
 }
 
 int info(const InfoOptions& options) {
-  const Info info = read_info(options);
+  const RecordingSummary info = summarise(options);
   if (options.json) {
     print_json(info, options);
   } else {
@@ -169,9 +147,10 @@ int info(const InfoOptions& options) {
 void add_info_command(CommandLine& line) {
   auto options = std::make_shared<InfoOptions>();
   Command command = line.add_command(
-      "info", "What a recording holds: format, image, count, duration, rates, ON and OFF, gaps, what is odd");
+      "info",
+      "Content of a recording: format, image, count, duration, rates, ON and OFF, gaps, irregularities");
   add_read_options(command, "recording", "Event file, a folder with data.log, or a run folder", *options);
-  command.option("--gap", options->gap_ms, "How long nothing has to come to count as a gap, ms")
+  command.option("--gap", options->gap_ms, "Shortest time without events that counts as a gap, ms")
       .in_range(0.001, 1e9)
       .show_default();
   command.flag("--json", options->json, "As JSON");

@@ -27,7 +27,7 @@ void add_read_options(Command& command, const char* name, const char* meaning, R
   command.option(name, options.recording, meaning).required();
   command.option(
       "--size", [&options](const std::string& text) { options.read.image_size = parse_size(text); },
-      "Image size WIDTHxHEIGHT, where the file does not tell it");
+      "Image size WIDTHxHEIGHT, where the file has none");
   command
       .option("--columns", options.read.columns,
               "Order of a text file's columns, out of t, x, y, p and c, the camera")
@@ -41,12 +41,12 @@ void add_read_options(Command& command, const char* name, const char* meaning, R
   command
       .option(
           "--codec", options.read.yarp_codec,
-          "What an event-driven log's words are: dvs_128, dvs_128_upright, atis_20, atis_24, ev2 or ev2_ts; "
-          "auto: as its info file says, else guessed")
+          "Layout of an event-driven log's words: dvs_128, dvs_128_upright, atis_20, atis_24, ev2 or ev2_ts; "
+          "auto: that of its info file, else guessed")
       .show_default();
   command
       .option("--layout", options.read.aedat2_layout,
-              "What an AEDAT 2.0 file's addresses are, where it does not tell: dvs128, stereo or davis")
+              "Layout of an AEDAT 2.0 file's addresses, where its header names none: dvs128, stereo or davis")
       .show_default()
       .one_of({"auto", "dvs128", "stereo", "davis"});
 }

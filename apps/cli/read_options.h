@@ -5,8 +5,8 @@
 
 namespace saccade {
 
-/// Adds the recording (positional, `name`) and what tells how to read it: --size, --columns, --camera, --codec and
-/// --layout. Both must outlive the parsing.
+/// Adds the recording (positional, `name`) and the options for reading it: --size, --columns, --camera, --codec and
+/// --layout. `options` must outlive the parsing.
 void add_read_options(Command& command, const char* name, const char* meaning, ReadOptions& options);
 
 }  // namespace saccade

@@ -12,26 +12,26 @@
 
 namespace saccade {
 
-/// What is known of a sequence before its images are read.
+/// Properties of a sequence before its images are read.
 struct ImageSequenceInfo {
   ImageSize size;                      ///< of every image
-  std::int64_t count = 0;              ///< of images; 0 where a video does not tell
+  std::int64_t count = 0;              ///< of images; 0 where a video has no count
   std::optional<double> images_per_s;  ///< of a video
-  bool linear = false;                 ///< the values are linear luminance as they are, of any unit
-  std::int64_t passed_over = 0;        ///< files and folders in the folder that are no images
+  bool linear = false;                 ///< the values are linear luminance already, of any unit
+  std::int64_t skipped_files = 0;      ///< files and folders in the folder that are no images
 };
 
-/// Images as linear luminance, read one by one; memory does not depend on how many there are. name_of() and
-/// info() may be asked while another thread reads.
+/// Images as linear luminance, read one by one; memory does not depend on their number. name_of() and info() may be
+/// called while another thread reads.
 ///
-///   folder  .bmp .exr .jpeg .jpg .pgm .png .ppm .tif .tiff, sorted by name with numbers by value; or those
-///           that are named
+///   folder  .bmp .exr .jpeg .jpg .pgm .png .ppm .tif .tiff, sorted by name with numbers by value; or the
+///           named ones
 ///   .npy    NumPy array (images, height, width) of float32, float64, uint8 or uint16, little-endian, C order
-///   video   whatever ffmpeg decodes, brought to 8 bit
+///   video   whatever ffmpeg decodes, converted to 8 bit
 ///
 /// Integer images and video are sRGB (IEC 61966-2-1): decoded to linear light and scaled so that their white is
-/// `white`. Float images and .npy arrays of any type are linear luminance as they are. Colour becomes luminance
-/// with the weights of Rec. 709 (0.2126, 0.7152, 0.0722) of linear red, green and blue; alpha is left out.
+/// `white`. Float images and .npy arrays of any type are linear luminance already. Colour becomes luminance
+/// with the weights of Rec. 709 (0.2126, 0.7152, 0.0722) of linear red, green and blue; alpha is ignored.
 class ImageSequence {
  public:
   virtual ~ImageSequence() = default;
@@ -51,18 +51,18 @@ class ImageSequence {
 /// When an image was taken.
 struct ImageTime {
   std::int64_t t_us = 0;
-  std::string name;   ///< of its file; empty where none is told
+  std::string name;   ///< of its file; empty where the table has none
   std::string place;  ///< file and line, for messages
 };
 
 /// Reads times, one a line and increasing: a whole number is us, one with a decimal point seconds (one file
-/// keeps to one of them). A name may follow, apart by blanks or a comma; then every line has one. Lines that
-/// are empty or start with # are passed over.
+/// keeps to one of them). A name may follow after blanks or a comma; then every line has one. Empty lines
+/// and lines that start with # are skipped. Times lie within 4e15 us of 0.
 /// Throws InputError.
 [[nodiscard]] std::vector<ImageTime> read_image_times(const std::filesystem::path& path);
 
 /// Opens a folder, a .npy file or a video. `white`: luminance of white, where values are not linear.
-/// `named`: where their names are told, these files of the folder in this order.
+/// `named`: where it is not empty, these files of the folder in this order.
 /// Throws InputError.
 [[nodiscard]] std::unique_ptr<ImageSequence> open_image_sequence(const std::filesystem::path& path,
                                                                  double white,

@@ -11,7 +11,8 @@ constexpr std::size_t block_events = 4096;
 
 ImageSize known_size(const EventReader& reader) {
   if (const auto size = reader.image_size()) return *size;
-  throw InputError("recording", reader.format() + " without an image size", "the option that gives it");
+  throw InputError(reader.path().empty() ? "recording" : reader.path().string(),
+                   reader.format() + " without an image size", "--size WIDTHxHEIGHT");
 }
 
 }  // namespace

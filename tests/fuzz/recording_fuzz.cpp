@@ -43,7 +43,7 @@ void read_whole(const std::filesystem::path& path, std::size_t block) {
     while (reader->read(events, block) > 0) events.clear();
     (void)reader->format();
     (void)reader->image_size();
-    (void)reader->passed_over();
+    (void)reader->skipped();
   } catch (const InputError&) {
   }
 }

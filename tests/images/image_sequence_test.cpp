@@ -68,7 +68,7 @@ TEST_F(Images, NumbersInNamesAreSortedByValueAndOtherFilesArePassedOver) {
   // frame010 and frame10 are the same number: then the names decide, letter by letter.
   const auto sequence = open_image_sequence(path("shots"), white);
   EXPECT_EQ(sequence->info().count, 6);
-  EXPECT_EQ(sequence->info().passed_over, 3);
+  EXPECT_EQ(sequence->info().skipped_files, 3);
   EXPECT_FALSE(sequence->info().linear);
   std::vector<std::string> names;
   for (int i = 0; i < 6; ++i) names.push_back(fs::path(sequence->name_of(i)).filename());

@@ -83,7 +83,7 @@ class Emulate : public testing::Test {
   }
   /// Runs the command, which must succeed, and reads its events.
   [[nodiscard]] std::vector<Event> emulate(const std::string& images_and_options) const {
-    const Outcome outcome = saccade("emulate " + images_and_options + " --out " + path("e.csv"));
+    const Outcome outcome = saccade("emulate " + images_and_options + " --force --out " + path("e.csv"));
     EXPECT_EQ(outcome.status, 0) << outcome.text;
     return events_of("e.csv");
   }
@@ -324,12 +324,12 @@ TEST_F(Emulate, TheSummaryListsInputAndOutput) {
     cv::imwrite(path(std::string("png/") + name), cv::Mat(3, 4, CV_8U, cv::Scalar(9)));
   folder_.write("png/notes.txt", "");
   EXPECT_THAT(saccade("emulate " + path("png") + " --fps 30 --out " + path("e.csv")).text,
-              HasSubstr("passed over    1 that are no images\n"));
+              HasSubstr("skipped        1 that are no images\n"));
 }
 
 TEST_F(Emulate, ImagesInUnitsOfOneGetAHintToSetWhite) {
   write_npy("unit.npy", {4, 3}, 10, [](std::size_t, int k) { return 0.1 * k; });
-  const std::string run = "emulate " + path("unit.npy") + " --fps 100 --out " + path("e.csv");
+  const std::string run = "emulate " + path("unit.npy") + " --fps 100 --force --out " + path("e.csv");
   const std::string hint =
       "luminance goes up to 0.9 and white is at 255; for images in 0..1 use --set white=1 --set "
       "dark_current=0.04\n";
@@ -438,7 +438,7 @@ TEST_F(Emulate, TimesThatDoNotFitTheImagesAreRefused) {
 TEST_F(Emulate, AnEarlierResultIsReplacedOnlyByACompleteOne) {
   write_ramp("ramp.npy", 50);
   const std::string run = "emulate " + path("ramp.npy") + " --preset ideal --fps 50 ";
-  const std::string outputs = " --labels " + path("l.csv") + " --out " + path("e.csv");
+  const std::string outputs = " --force --labels " + path("l.csv") + " --out " + path("e.csv");
   ASSERT_EQ(saccade(run + outputs).status, 0);
   const std::string events = bytes_of(folder_ / "e.csv");
   const std::string labels = bytes_of(folder_ / "l.csv");
@@ -454,21 +454,34 @@ TEST_F(Emulate, AnEarlierResultIsReplacedOnlyByACompleteOne) {
   EXPECT_NE(bytes_of(folder_ / "l.csv"), labels);
 }
 
-TEST_F(Emulate, AFileWithOtherContentsIsReplacedOnlyWithForce) {
+TEST_F(Emulate, AFileThatExistsIsReplacedWithForceOnly) {
   write_ramp("ramp.npy", 50);
   const std::string run = "emulate " + path("ramp.npy") + " --preset ideal --fps 50 ";
+  ASSERT_EQ(saccade(run + "--out " + path("e.csv")).status, 0);
+  const std::string events = bytes_of(folder_ / "e.csv");
   folder_.write("notes.txt", "years of work\n");
-  const Outcome refused = saccade(run + "--out " + path("notes.txt"));
-  EXPECT_EQ(refused.status, 2);
-  EXPECT_EQ(refused.text,
-            "saccade: " + path("notes.txt") +
-                ": found a file that holds no events, expected another name, or --force to replace it\n");
-  EXPECT_EQ(saccade(run + "--out " + path("e.csv") + " --labels " + path("notes.txt")).status, 2);
+  for (const std::string& outputs : {"--out " + path("e.csv"), "--out " + path("notes.txt"),
+                                     "--out " + path("new.csv") + " --labels " + path("notes.txt")}) {
+    const Outcome refused = saccade(run + outputs + " --set contrast_threshold_on=0.5");
+    EXPECT_EQ(refused.status, 2) << outputs;
+    EXPECT_THAT(refused.text, HasSubstr("found a file that exists, expected another name, or --force"))
+        << outputs;
+  }
+  EXPECT_EQ(bytes_of(folder_ / "e.csv"), events);
   EXPECT_EQ(bytes_of(folder_ / "notes.txt"), "years of work\n");
+  EXPECT_FALSE(fs::exists(path("new.csv")));
   EXPECT_EQ(saccade(run + "--force --out " + path("notes.txt")).status, 0);
   EXPECT_EQ(events_of("notes.txt").size(), 120U);
-  folder_.write("nothing.csv", "");
-  EXPECT_EQ(saccade(run + "--out " + path("nothing.csv")).status, 0);
+}
+
+TEST_F(Emulate, TheFileOfTimesIsNeverAnOutput) {
+  write_ramp("ramp.npy", 1);
+  folder_.write("times.txt", "0\n1000000\n");
+  const Outcome refused = saccade("emulate " + path("ramp.npy") + " --preset ideal --force --timestamps " +
+                                  path("times.txt") + " --out " + path("times.txt"));
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.text, HasSubstr("found the file that is read"));
+  EXPECT_EQ(bytes_of(folder_ / "times.txt"), "0\n1000000\n");
 }
 
 TEST_F(Emulate, AnImpossibleOutputIsRefused) {

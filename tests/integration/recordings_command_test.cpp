@@ -40,7 +40,7 @@ class Recordings : public testing::Test {
   const ImageSize size_{40, 30};
 };
 
-TEST_F(Recordings, infoTellsWhatIsThereAndWhatIsOdd) {
+TEST_F(Recordings, infoPrintsTheContentAndItsIrregularities) {
   folder_.write("odd.csv", "t_us,x,y,p\n1000,3,4,1\n1500,200,4,0\n1400,3,4,1\n501500,3,4,1\n");
   const Outcome outcome = saccade("info --size 128x128 " + at("odd.csv"));
   ASSERT_EQ(outcome.status, 0) << outcome.text;
@@ -64,7 +64,7 @@ TEST_F(Recordings, infoTellsWhatIsThereAndWhatIsOdd) {
   EXPECT_DOUBLE_EQ(json["mean_rate_hz"].get<double>(), 4 / 0.5005);
 }
 
-TEST_F(Recordings, infoTellsOfEachCamera) {
+TEST_F(Recordings, infoPrintsEachCamera) {
   write("two.log", {304, 240}, {{10, 1, 1, true, 0}, {20, 1, 1, false, 1}, {1020, 1, 1, true, 1}}, 2);
   const Outcome outcome = saccade("info " + at("two.log"));
   EXPECT_THAT(outcome.text, testing::ContainsRegex("\n +both +left +right\nevents +3 +1 +2\n"))
@@ -92,7 +92,7 @@ TEST_F(Recordings, convertTakesPartsAndTurnsThem) {
   write("in.csv", size_, few_);
   const auto convert = [&](const std::string& options) {
     const Outcome outcome =
-        saccade("convert --size 40x30 " + at("in.csv") + " " + at("out.h5") + " " + options);
+        saccade("convert --force --size 40x30 " + at("in.csv") + " " + at("out.h5") + " " + options);
     EXPECT_EQ(outcome.status, 0) << outcome.text;
     return read_file(at("out.h5"));
   };
@@ -117,8 +117,8 @@ TEST_F(Recordings, convertTakesPartsAndTurnsThem) {
   const Outcome outcome = saccade("convert " + at("in.csv") + " " + at("out.csv") +
                                   " --from 0.1 --region 0,0,35,30 --polarity on");
   EXPECT_EQ(outcome.text, at("out.csv") +
-                              ": 1 events\nleft out: 1 outside the time\nleft out: 1 outside the region\n"
-                              "left out: 1 of the other polarity\n");
+                              ": 1 events\nremoved: 1 outside the time\nremoved: 1 outside the region\n"
+                              "removed: 1 of the other polarity\n");
 }
 
 TEST_F(Recordings, convertRefusesWhatItCannotDoAndLeavesNothing) {
@@ -135,7 +135,7 @@ TEST_F(Recordings, convertRefusesWhatItCannotDoAndLeavesNothing) {
   refused(at("back.csv") + " " + at("out.h5"), "expected events sorted by time");
   refused(at("cut.csv") + " " + at("out.h5"), "cut.csv:2: found 3 fields");
   refused(at("wide.csv") + " " + at("out.log") + " --size 128x128", "an event at 200, 3");
-  refused(at("wide.csv") + " " + at("out.log") + " --size 128x128 --flip-x", "--region leaves others out");
+  refused(at("wide.csv") + " " + at("out.log") + " --size 128x128 --flip-x", "--region removes others");
   refused(at("two.csv") + " " + at("out.mp4"), "the extension .mp4, expected one of .aedat");
   refused(at("two.csv") + " " + at("out.csv") + " --region 1,2,3",
           "--region: found 1,2,3, expected X,Y,WIDTH,HEIGHT");
@@ -148,7 +148,49 @@ TEST_F(Recordings, convertRefusesWhatItCannotDoAndLeavesNothing) {
   EXPECT_EQ(read_file(at("right.h5")), (std::vector<Event>{{20, 1, 1, false, 0}}));
 }
 
-TEST_F(Recordings, ofAnHdf5FileThatLibhdf5DoesNotSurviveIsBadInput) {
+TEST_F(Recordings, convertRefusesTheRecordingItselfAsOutputUnderAnyNameEvenWithForce) {
+  write("in.csv", size_, few_);
+  std::filesystem::create_hard_link(at("in.csv"), at("hard.csv"));
+  std::filesystem::create_symlink("in.csv", at("soft.csv"));
+  write("data.log", {304, 240}, few_);
+  const std::string csv = bytes_of(at("in.csv")), info = bytes_of(at("info.log"));
+  for (const char* name : {"in.csv", "./in.csv", "hard.csv", "soft.csv"}) {
+    const Outcome outcome = saccade("convert --force --until 0.1 " + at("in.csv") + " " + at(name));
+    EXPECT_EQ(outcome.status, 2) << name;
+    EXPECT_THAT(outcome.text, HasSubstr("found the file that is read, " + at("in.csv"))) << name;
+  }
+  EXPECT_EQ(saccade("convert --until 0.1 " + at("in.csv") + " " + at("in.csv")).status, 2);
+  EXPECT_EQ(saccade("convert --force " + at("data.log") + " " + at("binaryevents.log")).status, 2)
+      << "both names have info.log beside them";
+  EXPECT_EQ(saccade("convert --force " + at("") + " " + at("data.log")).status, 2) << "the folder's log";
+  EXPECT_EQ(bytes_of(at("in.csv")), csv);
+  EXPECT_EQ(bytes_of(at("info.log")), info);
+}
+
+TEST_F(Recordings, convertReplacesAFileThatExistsWithForceOnly) {
+  write("in.csv", size_, few_);
+  folder_.write("out.log", "years of work\n");
+  folder_.write("new.info.log", "years of work\n");
+  for (const char* name : {"out.log", "new.log"}) {
+    const Outcome outcome = saccade("convert " + at("in.csv") + " " + at(name));
+    EXPECT_EQ(outcome.status, 2) << name;
+    EXPECT_THAT(outcome.text, HasSubstr("found a file that exists, expected another name, or --force"));
+  }
+  EXPECT_EQ(bytes_of(at("out.log")), "years of work\n");
+  EXPECT_FALSE(std::filesystem::exists(at("new.log")));
+  EXPECT_EQ(saccade("convert --force --size 40x30 " + at("in.csv") + " " + at("out.log")).status, 0);
+  EXPECT_EQ(read_file(at("out.log")), few_);
+}
+
+TEST_F(Recordings, aRecordingWithoutImageSizeIsNamedTogetherWithTheOptionThatSetsIt) {
+  folder_.write("plain.txt", "10 3 4 1\n20 3 4 0\n");
+  const Outcome outcome = saccade("detect " + at("plain.txt") + " --out " + at("run"));
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.text,
+              HasSubstr(at("plain.txt") + ": found text without an image size, expected --size"));
+}
+
+TEST_F(Recordings, aTruncatedHdf5FileIsBadInput) {
   std::string bytes = bytes_of(write("whole.h5", size_, few_));
   folder_.write("cut.h5", bytes.substr(0, bytes.size() / 2));
   const Outcome outcome = saccade("info " + at("cut.h5"));

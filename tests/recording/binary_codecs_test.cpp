@@ -86,8 +86,7 @@ TEST(Aedat3, HasItsEventsWithTheOriginTopLeftAndCountsWhatItPassesOver) {
   EXPECT_EQ(reader->format(), "AEDAT 3.1");
   EXPECT_EQ(reader->image_size(), (ImageSize{240, 180}));
   EXPECT_THAT(read_all(*reader), ElementsAre(Event{5, 239, 179, true, 0}, Event{7, 1, 0, false, 0}));
-  EXPECT_EQ(reader->passed_over(),
-            "1 events of source 2, 1 invalid events, 1 special events, 2 type 30 events");
+  EXPECT_EQ(reader->skipped(), "1 events of source 2, 1 invalid events, 1 special events, 2 type 30 events");
 }
 
 TEST(Aedat3, TimeGoesOnByTheCountOfWrapsAt31Bits) {
@@ -182,7 +181,7 @@ TEST(EventStream, CountsResetsAndKeepsYAsStored) {
   const auto reader = open_event_file(
       folder.write("a.es", start + "\xff\xff\xfe\xfd" + little_endian_words<std::uint16_t>({3, 239})));
   EXPECT_THAT(read_all(*reader), ElementsAre(Event{127 + 127 + 126, 3, 239, true, 0}));
-  EXPECT_EQ(reader->passed_over(), "1 resets");
+  EXPECT_EQ(reader->skipped(), "1 resets");
 }
 
 // ---- AEDAT 4 written -----------------------------------------------------------------------------

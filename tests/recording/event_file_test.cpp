@@ -438,5 +438,30 @@ TEST_F(RealRecording, SurvivesTheWayThroughOurWritersUnchanged) {
   }
 }
 
+TEST(EventFile, ExtremeTimesReadBackTheSameOrAreRefused) {
+  const TempFolder folder;
+  for (const char* name : {"a.csv", "a.aedat", "a.aedat4", "a.raw", "a.log", "a.h5"}) {
+    for (const std::int64_t first_us :
+         {std::numeric_limits<std::int64_t>::min(), -(std::int64_t{1} << 62) - 5, std::int64_t{1} << 61,
+          (std::int64_t{1} << 61) + 1, (std::int64_t{1} << 62) + 5,
+          std::numeric_limits<std::int64_t>::max() - 9}) {
+      const std::vector<Event> events = {{first_us, 1, 2, true, 0}, {first_us + 9, 3, 4, false, 0}};
+      try {
+        write_file(folder / name, {128, 128}, events);
+      } catch (const InputError&) {
+        continue;
+      }
+      EXPECT_EQ(read_file(folder / name), events) << name << " " << first_us;
+    }
+    try {
+      write_file(folder / name, {128, 128},
+                 {{std::numeric_limits<std::int64_t>::min(), 1, 2, true, 0},
+                  {std::numeric_limits<std::int64_t>::max(), 3, 4, false, 0}});
+      EXPECT_EQ(read_file(folder / name).back().t_us, std::numeric_limits<std::int64_t>::max()) << name;
+    } catch (const InputError&) {
+    }
+  }
+}
+
 }  // namespace
 }  // namespace saccade

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include <vector>
 
 namespace saccade {
@@ -62,6 +64,21 @@ TEST(EventStatistics, AreKeptForEachCamera) {
   EXPECT_EQ(counter.camera(1).first_us, 20);
   EXPECT_EQ(counter.camera(1).longest_gap_us, 10);
   EXPECT_EQ(counter.camera(0).mean_rate_hz(), std::nullopt);
+}
+
+TEST(EventStatistics, DifferencesOfExtremeTimesAreLimitedToTheRangeOfInt64) {
+  constexpr std::int64_t least = std::numeric_limits<std::int64_t>::min();
+  constexpr std::int64_t largest = std::numeric_limits<std::int64_t>::max();
+  EventCounter counter(std::nullopt, 1000);
+  counter.add(std::vector<Event>{{least, 1, 1, true, 0}, {largest, 1, 1, true, 0}, {least, 1, 1, true, 0}});
+  const EventStatistics& s = counter.all();
+  EXPECT_EQ(s.longest_gap_us, largest);
+  EXPECT_EQ(s.longest_gap_at_us, least);
+  EXPECT_EQ(s.gaps, 1);
+  EXPECT_EQ(s.longest_step_back_us, largest);
+  EXPECT_EQ(s.back_in_time, 1);
+  EXPECT_GT(s.duration_s(), 9e12);
+  EXPECT_GT(s.mean_rate_hz().value(), 0.0);
 }
 
 }  // namespace

@@ -29,10 +29,10 @@ class Evt : public testing::Test {
   std::optional<ImageSize> size_of(const std::string& header) {
     return open_event_file(folder_.write("a.raw", header))->image_size();
   }
-  std::string passed_over(const std::string& content) {
+  std::string skipped(const std::string& content) {
     const auto reader = open_event_file(folder_.write("a.raw", content));
     (void)read_all(*reader);
-    return reader->passed_over();
+    return reader->skipped();
   }
   void write(const std::vector<Event>& events, ImageSize size = {1280, 720}) {
     const auto writer = create_event_file(folder_ / "w.raw", size);
@@ -109,12 +109,12 @@ TEST_F(Evt, TimeOfEvt2GoesOnAcrossItsWraps) {
 }
 
 TEST_F(Evt, WhatIsNoEventIsCounted) {
-  EXPECT_EQ(passed_over(evt3({3, 0x2001, 0x8000, 0x2001, 0x6000, 0x3001, 0x400f, 4, 0x2001, 0xa001, 0xe123,
-                              0x7001, 0xf001})),
+  EXPECT_EQ(skipped(evt3({3, 0x2001, 0x8000, 0x2001, 0x6000, 0x3001, 0x400f, 4, 0x2001, 0xa001, 0xe123,
+                          0x7001, 0xf001})),
             "6 events before the first time stamp, 1 triggers, 3 words that are no events");
-  EXPECT_EQ(passed_over(evt2({1u << 28, 8u << 28, 1u << 28, 0xau << 28, 0xfu << 28})),
+  EXPECT_EQ(skipped(evt2({1u << 28, 8u << 28, 1u << 28, 0xau << 28, 0xfu << 28})),
             "1 events before the first time stamp, 1 triggers, 1 words that are no events");
-  EXPECT_EQ(passed_over(evt2({8u << 28, 1u << 28})), "");
+  EXPECT_EQ(skipped(evt2({8u << 28, 1u << 28})), "");
 }
 
 TEST_F(Evt, AWordOfAnUnknownTypeIsToldAfterTheEventsBeforeIt) {

@@ -1,5 +1,6 @@
 #include "recording/output_file.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/error.h"
@@ -63,6 +64,33 @@ TEST(OutputFile, FailsWhenTheDiskTakesNoMoreBytes) {
   file.write("x");
   EXPECT_THROW(file.commit(), RunError);
   EXPECT_FALSE(std::filesystem::exists(folder / "a.txt"));
+}
+
+TEST(CheckOutputs, RefusesFoldersFilesThatExistAndTheInputsUnderAnyName) {
+  namespace fs = std::filesystem;
+  const TempFolder folder;
+  const std::vector<fs::path> inputs = {folder.write("in", "1")};
+  folder.write("old", "2");
+  fs::create_hard_link(folder / "in", folder / "hard");
+  fs::create_symlink(folder / "in", folder / "soft");
+  fs::create_directory(folder / "folder");
+  fs::create_hard_link(folder / "in", folder / "new.part");
+  const auto message = [&](const char* output, bool force) -> std::string {
+    const std::vector<fs::path> outputs = {folder / "first", folder / output};
+    try {
+      check_outputs(outputs, inputs, force);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "fine";
+  };
+  EXPECT_EQ(message("none", false), "fine");
+  EXPECT_EQ(message("old", true), "fine");
+  EXPECT_THAT(message("old", false), testing::HasSubstr("a file that exists"));
+  EXPECT_THAT(message("folder", true), testing::HasSubstr("a folder"));
+  for (const char* name : {"in", "hard", "soft", "new"}) {
+    EXPECT_THAT(message(name, true), testing::HasSubstr("the file that is read")) << name;
+  }
 }
 
 }  // namespace

@@ -73,7 +73,7 @@ TEST(YarpLog, PassesOverAndCountsWhatIsNotVision) {
                       std::to_string(skin | address(3, 4, true, 0)) + ")\n");
   const auto reader = open_event_file(path);
   EXPECT_EQ(read_all(*reader), (std::vector<Event>{{2, 1, 2, true, 0}}));
-  EXPECT_EQ(reader->passed_over(), "2 skin events, 2 lists not AE");
+  EXPECT_EQ(reader->skipped(), "2 skin events, 2 lists not AE");
 }
 
 /// Times in ticks of the events of a log whose packets have a host time (s) and a stamp each.
@@ -279,7 +279,7 @@ TEST(YarpLog2, HasRawBytesInQuotesAndSpreadsEventsWithoutStampsOverTheirPacket) 
                                 {1795207852671070, 5, 7, false, 1},
                                 {1795207852671570, static_cast<std::uint16_t>(odd >> 1 & 0x7ff),
                                  static_cast<std::uint16_t>(odd >> 12 & 0x3ff), true, 0}}));
-  EXPECT_EQ(reader->passed_over(), "1 skin events, 1 lists not AE");
+  EXPECT_EQ(reader->skipped(), "1 skin events, 1 lists not AE");
 }
 
 TEST(YarpLog2, IsTakenForStampedWhereEveryOtherWordRises) {
@@ -394,7 +394,7 @@ TEST(YarpBinaryLog, IsPairsOfWordsToldByItsNameOrItsInfoFile) {
   const auto named = open_event_file(folder.write("binaryevents.log", dump));
   EXPECT_EQ(named->format(), "event-driven binary log, codec atis_24 (guessed)");
   EXPECT_EQ(read_all(*named, 1), expected);
-  EXPECT_EQ(named->passed_over(), "1 skin events");
+  EXPECT_EQ(named->skipped(), "1 skin events");
   EXPECT_EQ(read_file(folder / ""), expected);
 
   const auto other = folder.write("left.log", dump);
@@ -436,7 +436,7 @@ TEST_F(RealRecording, TheBouncingBallHasItsCountAndItsFirstAndLastEvents) {
 TEST_F(RealRecording, OfSkinHasNoEventsAndSaysWhatItHas) {
   const auto reader = open_event_file(path_of("icub_skin_yarp_AE.log"));
   EXPECT_TRUE(read_all(*reader).empty());
-  EXPECT_EQ(reader->passed_over(), "124784 skin events");
+  EXPECT_EQ(reader->skipped(), "124784 skin events");
 }
 
 }  // namespace

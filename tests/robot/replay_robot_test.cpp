@@ -87,11 +87,12 @@ TEST(ReplayRobot, DeliversTheEventsBeforeABrokenPlaceAndThenThrows) {
   EXPECT_THROW(robot.wait_until(11), InputError);
 }
 
-TEST(ReplayRobot, NeedsAnImageSize) {
+TEST(ReplayRobot, WithoutAnImageSizeNamesTheFileAndTheOption) {
   TempFolder folder;
   const auto path = folder.write("a.csv", "1,2,3,1\n");
   EXPECT_THAT([&] { ReplayRobot robot(open_event_file(path)); },
-              testing::ThrowsMessage<InputError>(testing::HasSubstr("text without an image size")));
+              testing::ThrowsMessage<InputError>(
+                  path.string() + ": found text without an image size, expected --size WIDTHxHEIGHT"));
 }
 
 TEST(ReplayRobot, WithJointsStartsAtTheirFirstRowAndEndsAfterTheirLast) {

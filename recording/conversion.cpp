@@ -1,0 +1,158 @@
+#include "recording/conversion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "core/error.h"
+#include "recording/codec.h"
+#include "recording/number_text.h"
+#include "recording/saturating.h"
+
+namespace saccade {
+namespace {
+
+constexpr std::size_t block_events = 1 << 16;
+
+/// Properties of a recording that its writer needs before the first event.
+struct Extent {
+  std::optional<std::int64_t> first_us;
+  ImageSize size{1, 1};  ///< of the file, or the smallest one that contains its events
+  int cameras = 1;
+};
+
+class Conversion {
+ public:
+  /// `image`: of the recording.
+  Conversion(const ConversionConfig& config, std::string recording, std::int64_t first_us, ImageSize image)
+      : config_(config),
+        recording_(std::move(recording)),
+        first_us_(first_us),
+        from_us_(at(config.from_s)),
+        until_us_(at(config.until_s)),
+        image_(config.crop ? ImageSize{config.region->width, config.region->height} : image),
+        origin_(config.crop ? *config.region : PixelRegion{}) {}
+
+  /// Size of the written image.
+  [[nodiscard]] ImageSize image() const {
+    return config_.swap_xy ? ImageSize{image_.height, image_.width} : image_;
+  }
+
+  /// Removes the events that are not written, counts them in `result`, and changes the others.
+  void apply(std::vector<Event>& events, ConversionResult& result) {
+    const auto is_removed = [&](const Event& e) {
+      if (e.t_us < from_us_ || e.t_us >= until_us_) return count(result.outside_time);
+      if (config_.region && !config_.region->contains(e)) return count(result.outside_region);
+      if (config_.only_on && e.on != *config_.only_on) return count(result.other_polarity);
+      return false;
+    };
+    std::erase_if(events, is_removed);
+    for (Event& event : events) change(event);
+    result.events += static_cast<std::int64_t>(events.size());
+  }
+
+ private:
+  static bool count(std::int64_t& counter) {
+    ++counter;
+    return true;
+  }
+  /// The time `seconds` after the first event.
+  [[nodiscard]] std::int64_t at(double seconds) const {
+    constexpr double longest_s = 4e12;
+    if (seconds > longest_s) return std::numeric_limits<std::int64_t>::max();
+    if (seconds < -longest_s) return std::numeric_limits<std::int64_t>::min();
+    return saturated_sum(first_us_, std::llround(seconds * 1e6));
+  }
+
+  void change(Event& event) {
+    if (config_.read.camera) event.camera = 0;
+    if (config_.invert) event.on = !event.on;
+    if (config_.zero_time) {
+      if (!zero_us_) zero_us_ = event.t_us;
+      if (__builtin_sub_overflow(event.t_us, *zero_us_, &event.t_us)) {
+        throw InputError(recording_, "an event more than 2^63 us from the first one written",
+                         "shorter recordings for --zero-time");
+      }
+    }
+    int x = event.x - origin_.x;
+    int y = event.y - origin_.y;
+    if (config_.swap_xy) std::swap(x, y);
+    if (config_.flip_x) x = image().width - 1 - x;
+    if (config_.flip_y) y = image().height - 1 - y;
+    if (x < 0 || y < 0) {
+      throw InputError(recording_, "an event at " + std::to_string(event.x) + ", " + std::to_string(event.y),
+                       "pixels inside " + text_of(image_) + "; --region removes others");
+    }
+    event.x = static_cast<std::uint16_t>(x);
+    event.y = static_cast<std::uint16_t>(y);
+  }
+
+  const ConversionConfig& config_;
+  std::string recording_;
+  std::int64_t first_us_;
+  std::int64_t from_us_;
+  std::int64_t until_us_;
+  ImageSize image_;
+  PixelRegion origin_;
+  std::optional<std::int64_t> zero_us_;
+};
+
+/// Calls `use(block)` with all events of a recording; returns its reader.
+template <class Use>
+std::unique_ptr<EventReader> for_each_block(const FormatRegistry& formats,
+                                            const std::filesystem::path& recording,
+                                            const EventReadOptions& options, const Use& use) {
+  auto reader = open_event_file(formats, recording, options);
+  std::vector<Event> block;
+  for (block.reserve(block_events); reader->read(block, block_events) > 0; block.clear()) use(block);
+  return reader;
+}
+
+void check(const ConversionConfig& config) {
+  if (config.crop && !config.region) throw InputError("--crop", "", "--region with it");
+  if (config.until_s > config.from_s) return;
+  const auto text = [](double number) {
+    std::string digits;
+    append_number(digits, number);
+    return digits;
+  };
+  throw InputError("--until", text(config.until_s), "more than --from, " + text(config.from_s));
+}
+
+}  // namespace
+
+ConversionResult convert_recording(const FormatRegistry& formats, const std::filesystem::path& recording,
+                                   const std::filesystem::path& out, const ConversionConfig& config,
+                                   const ConversionProgress& progress) {
+  check(config);
+  Extent extent;
+  std::int64_t events = 0;
+  auto reader = for_each_block(formats, recording, config.read, [&](const std::vector<Event>& block) {
+    if (!extent.first_us) extent.first_us = block.front().t_us;
+    for (const Event& event : block) {
+      extent.size = {std::max(extent.size.width, event.x + 1), std::max(extent.size.height, event.y + 1)};
+      extent.cameras = std::max(extent.cameras, event.camera + 1);
+    }
+    events += static_cast<std::int64_t>(block.size());
+    if (progress) progress(false, events);
+  });
+  extent.size = reader->image_size().value_or(extent.size);
+  if (config.read.camera) extent.cameras = 1;
+
+  Conversion conversion(config, recording.string(), extent.first_us.value_or(0), extent.size);
+  const auto writer = create_event_file(formats, out, conversion.image(), extent.cameras);
+  ConversionResult result;
+  events = 0;
+  reader = for_each_block(formats, recording, config.read, [&](std::vector<Event>& block) {
+    events += static_cast<std::int64_t>(block.size());
+    if (progress) progress(true, events);
+    conversion.apply(block, result);
+    writer->write(block);
+  });
+  writer->commit();
+  result.skipped = reader->skipped();
+  return result;
+}
+
+}  // namespace saccade

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "recording/event_file.h"
+
+namespace saccade {
+
+/// A rectangle of pixels.
+struct PixelRegion {
+  int x = 0;
+  int y = 0;
+  int width = 0;
+  int height = 0;
+
+  [[nodiscard]] bool contains(const Event& e) const {
+    return ImageSize{width, height}.contains(e.x - x, e.y - y);
+  }
+};
+
+/// Which events of a recording are copied, and how they are changed, in the order of the members.
+struct ConversionConfig {
+  EventReadOptions read;  ///< with `camera`, that camera's events are written as those of the only camera
+  double from_s = -std::numeric_limits<double>::infinity();  ///< after the first event; included
+  double until_s = std::numeric_limits<double>::infinity();  ///< after the first event; excluded
+  std::optional<PixelRegion> region;                         ///< pixels of the recording
+  std::optional<bool> only_on;                               ///< true: ON events alone; false: OFF
+  bool invert = false;                                       ///< ON becomes OFF and OFF becomes ON
+  bool zero_time = false;                                    ///< the first event written is at 0 us
+  bool crop = false;                                         ///< the region becomes the image
+  bool swap_xy = false;
+  bool flip_x = false;
+  bool flip_y = false;
+};
+
+struct ConversionResult {
+  std::int64_t events = 0;                                                ///< written
+  std::int64_t outside_time = 0, outside_region = 0, other_polarity = 0;  ///< removed
+  std::string skipped;                                                    ///< EventReader::skipped()
+};
+
+/// Called after each block with the number of events so far, once for each of the two passes. It may throw to end the
+/// conversion; then nothing is written.
+using ConversionProgress = std::function<void(bool second_pass, std::int64_t events)>;
+
+/// Copies a recording, or a part of it, into a new file of the format that the extension of `out` selects. The recording is
+/// read twice: first for the number of cameras, the time of the first event and, where the file has none, the image size.
+/// `out` appears when it is whole. Throws InputError for a broken recording and for events that the format cannot hold.
+ConversionResult convert_recording(const FormatRegistry& formats, const std::filesystem::path& recording,
+                                   const std::filesystem::path& out, const ConversionConfig& config,
+                                   const ConversionProgress& progress = {});
+
+}  // namespace saccade
