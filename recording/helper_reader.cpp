@@ -53,7 +53,7 @@ class HelperReader final : public EventReader {
     start(command);
     try {
       HelperImageSize size{};
-      const std::string opened = receive(HelperMessageHelperMessageKind::opened);
+      const std::string opened = receive(HelperMessageKind::opened);
       if (opened.size() < sizeof size) fail_of_library("(bad message)");
       std::memcpy(&size, opened.data(), sizeof size);
       if (size.width > 0 && size.height > 0) image_size_ = ImageSize{size.width, size.height};

@@ -263,30 +263,6 @@ bool take(std::string_view& text, Belongs belongs) {
   return length > 0;
 }
 
-bool looks_like_yarp_log(std::string_view start) {
-  const auto is_decimal = [](char c) { return is_digit(c) || c == '.'; };
-  const auto is_type = [](char c) { return (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_'; };
-  if (!take(start, is_digit)) return false;
-  bool has_time = false;
-  while (take(start, is_blank) && take(start, is_decimal)) has_time = true;
-  if (!has_time || !take(start, is_type) || !take(start, is_blank)) return false;
-  return start.starts_with('(') || (take(start, is_digit) && take(start, is_blank) && start.starts_with('"'));
-}
-
-bool is_yarp_binary(const std::filesystem::path& path) {
-  return path.filename() == "binaryevents.log" ||
-         (path.extension() == ".log" && info_of(path, type_key) == "Binary");
-}
-
-std::unique_ptr<EventWriter> create_yarp_log(const std::filesystem::path& path, ImageSize image_size,
-                                             int cameras) {
-  if (!is_encodable(image_size, AddressCodec::ev2)) {
-    throw InputError(path.string(), "an image of " + text_of(image_size),
-                     "at most 2048x1024 for an event-driven log");
-  }
-  return std::make_unique<YarpLogWriter>(path, image_size, cameras);
-}
-
 }  // namespace
 
 std::unique_ptr<YarpPacketSource> yarp_text_packets(InputFile file) {

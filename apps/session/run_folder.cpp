@@ -2,28 +2,21 @@
 
 #include <fmt/format.h>
 
-#include <array>
-#include <string_view>
+#include <string>
+#include <vector>
 
 #include "apps/session/interrupt.h"
 #include "apps/session/summary.h"
 #include "core/error.h"
 #include "evaluation/report/report.h"
+#include "recording/format_registry.h"
 #include "recording/output_file.h"
+#include "recording/run_file_names.h"
 
 namespace saccade {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::array<std::string_view, 28> names_of_a_run = {
-    "scenario.yaml",  "detectors.yaml",  "events.aedat",     "events.aedat4",
-    "events.csv",     "events.h5",       "events.log",       "events.info.log",
-    "events.raw",     "joints.csv",      "truth.csv",        "detections.csv",
-    "gaze.csv",       "metrics.json",    "report.html",      "video.mp4",
-    "video.part.mp4", "frames",          "figures",          "log.txt",
-    "robot.yaml",     "timing.csv",      "deploy.json",      "eye.csv",
-    "labels.csv",     "truth_right.csv", "labels_right.csv", "detections_right.csv"};
 
 }  // namespace
 
@@ -34,8 +27,9 @@ void prepare_run_folder(const fs::path& folder, bool force) {
   }
   if (fs::exists(folder, error) && !fs::is_empty(folder, error)) {
     if (!force) throw InputError(folder.string(), "a folder that is not empty", "a new one, or --force");
+    const std::vector<std::string> names_of_a_run = run_file_names(built_in_formats());
     bool holds_a_run = false;
-    for (const std::string_view name : names_of_a_run) holds_a_run |= fs::exists(folder / name, error);
+    for (const std::string& name : names_of_a_run) holds_a_run |= fs::exists(folder / name, error);
     if (!holds_a_run) {
       for (const auto& entry : fs::directory_iterator(folder)) {
         holds_a_run |= entry.path().extension() == ".part";
@@ -44,9 +38,9 @@ void prepare_run_folder(const fs::path& folder, bool force) {
     if (!holds_a_run) {
       throw InputError(folder.string(), "a folder with other files in it", "a new folder, or that of a run");
     }
-    for (const std::string_view name : names_of_a_run) {
+    for (const std::string& name : names_of_a_run) {
       fs::remove_all(folder / name, error);
-      fs::remove(folder / (std::string(name) + ".part"), error);
+      fs::remove(folder / (name + ".part"), error);
     }
   }
   fs::create_directories(folder, error);

@@ -1,13 +1,14 @@
 // Any bytes as a recording: read to its end they give events or an InputError, nothing else.
-// usage: recording_fuzz --format=NAME [--write-seed=FOLDER] libFuzzer's arguments. NAME is one of small_files(); the first
-// bytes of that file, which tell the codec, are put over those of every input.
+// usage: recording_fuzz --list | --format=NAME [--write-seed=FOLDER] libFuzzer's arguments. NAME is one of the list: a
+// handmade file of tests/recording/small_files.h, or `written` with the extension of a format that is written. The first bytes
+// of that file, which the format is recognised by, replace those of every input.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 
 #include "core/error.h"
-#include "recording/event_file.h"
+#include "recording/format_registry.h"
 #include "tests/recording/small_files.h"
 #include "tests/recording/temp_folder.h"
 
@@ -30,10 +31,32 @@ std::string& mark() {
   return bytes;
 }
 
-[[noreturn]] void usage() {
-  std::fprintf(stderr, "usage: recording_fuzz --format=NAME [--write-seed=FOLDER] ..., NAME one of\n");
-  for (const SmallFile& file : small_files()) std::fprintf(stderr, "%s\n", file.name.c_str());
-  std::exit(2);
+struct Seed {
+  std::string name;
+  std::string bytes;
+};
+
+/// A seed of every format that is read in this process.
+std::vector<Seed> seeds() {
+  std::vector<Seed> all;
+  for (const SmallFile& file : small_files()) all.push_back({file.name, file.bytes()});
+  for (const RecordingFormat& format : built_in_formats().formats()) {
+    if (!format.create || format.read_in_helper) continue;
+    const std::string name = "written" + format.extensions.front();
+    const auto writer = format.create(folder() / name, {128, 128}, 1);
+    writer->write(std::vector<Event>{{10, 1, 2, true, 0}, {20, 3, 4, false, 0}, {1020, 127, 127, true, 0}});
+    writer->commit();
+    all.push_back({name, bytes_of(folder() / name)});
+  }
+  return all;
+}
+
+[[noreturn]] void list_seeds(int status) {
+  std::FILE* out = status == 0 ? stdout : stderr;
+  if (status != 0)
+    std::fprintf(out, "usage: recording_fuzz --format=NAME [--write-seed=FOLDER] ..., NAME one of\n");
+  for (const Seed& seed : seeds()) std::fprintf(out, "%s\n", seed.name.c_str());
+  std::exit(status);
 }
 
 void read_whole(const std::filesystem::path& path, std::size_t block) {
@@ -55,25 +78,26 @@ extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
   using namespace saccade;
   constexpr const char* format_key = "--format=";
   constexpr const char* seed_key = "--write-seed=";
-  std::string seeds;
+  std::string seed_folder;
   char** kept = *argv;
   for (char** arg = *argv; arg != *argv + *argc; ++arg) {
+    if (std::strcmp(*arg, "--list") == 0) list_seeds(0);
     if (std::strncmp(*arg, format_key, std::strlen(format_key)) == 0) {
       format() = *arg + std::strlen(format_key);
     } else if (std::strncmp(*arg, seed_key, std::strlen(seed_key)) == 0) {
-      seeds = *arg + std::strlen(seed_key);
+      seed_folder = *arg + std::strlen(seed_key);
     } else {
       *kept++ = *arg;
     }
   }
   *argc = static_cast<int>(kept - *argv);
-  const auto files = small_files();
-  const auto file =
-      std::find_if(files.begin(), files.end(), [](const auto& f) { return f.name == format(); });
-  if (file == files.end()) usage();
-  mark() = file->bytes().substr(0, mark_bytes);
-  if (!seeds.empty())
-    std::ofstream(std::filesystem::path(seeds) / format(), std::ios::binary) << file->bytes();
+  const std::vector<Seed> all = seeds();
+  const auto seed = std::find_if(all.begin(), all.end(), [](const Seed& s) { return s.name == format(); });
+  if (seed == all.end()) list_seeds(2);
+  mark() = seed->bytes.substr(0, mark_bytes);
+  if (!seed_folder.empty()) {
+    std::ofstream(std::filesystem::path(seed_folder) / format(), std::ios::binary) << seed->bytes;
+  }
   return 0;
 }
 

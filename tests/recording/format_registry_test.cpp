@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "recording/input_file.h"
 #include "recording/output_file.h"
+#include "recording/run_file_names.h"
 #include "tests/recording/read_events.h"
 #include "tests/recording/small_files.h"
 
@@ -48,6 +49,14 @@ TEST(FormatRegistry, ChoicesAndExtensionsAreThoseOfTheFormatsThatAreWritten) {
   EXPECT_EQ(formats.written_extensions(2), ".aedat, .csv, .log, .txt");
   EXPECT_THAT(formats.files_of("a/b.log"), ElementsAre("a/b.log", "a/b.info.log"));
   EXPECT_THAT(formats.files_of("a/b.raw"), ElementsAre("a/b.raw"));
+}
+
+TEST(FormatRegistry, TheNamesOfARunFolderIncludeTheEventFilesOfEveryFormat) {
+  const std::vector<std::string> names = run_file_names(built_in_formats());
+  for (const char* name : {"scenario.yaml", "events.aedat", "events.aedat4", "events.csv", "events.h5",
+                           "events.info.log", "events.log", "events.raw", "truth_right.csv"}) {
+    EXPECT_EQ(std::ranges::count(names, name), 1) << name;
+  }
 }
 
 TEST(FormatRegistry, EveryFormatReadsTheEventsOfItsSmallFileOrOfAFileThatItWrote) {

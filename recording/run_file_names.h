@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace saccade {
+
+class FormatRegistry;
+
+/// Names of the files in a run folder (docs/run_folder.md), here alone.
+namespace run_file {
+inline constexpr const char* scenario = "scenario.yaml";
+inline constexpr const char* detectors = "detectors.yaml";
+inline constexpr const char* robot = "robot.yaml";
+inline constexpr const char* joints = "joints.csv";
+inline constexpr const char* truth = "truth.csv";
+inline constexpr const char* truth_right = "truth_right.csv";
+inline constexpr const char* detections = "detections.csv";
+inline constexpr const char* detections_right = "detections_right.csv";
+inline constexpr const char* gaze = "gaze.csv";
+inline constexpr const char* eye = "eye.csv";
+inline constexpr const char* labels = "labels.csv";
+inline constexpr const char* labels_right = "labels_right.csv";
+inline constexpr const char* timing = "timing.csv";
+inline constexpr const char* metrics = "metrics.json";
+inline constexpr const char* deploy = "deploy.json";
+inline constexpr const char* report = "report.html";
+inline constexpr const char* video = "video.mp4";
+inline constexpr const char* video_part = "video.part.mp4";
+inline constexpr const char* log = "log.txt";
+inline constexpr const char* frames = "frames";    ///< folder
+inline constexpr const char* figures = "figures";  ///< folder
+
+/// The event file for a choice of `output.events`: "events.aedat" for "aedat".
+[[nodiscard]] inline std::string events(const std::string& format) { return "events." + format; }
+}  // namespace run_file
+
+/// All names that a run may leave in its folder, event files of every format and their companions included.
+[[nodiscard]] std::vector<std::string> run_file_names(const FormatRegistry& formats);
+
+}  // namespace saccade
