@@ -40,9 +40,9 @@ enum class AddressCodec {
 
 /// The event in a word, without its time; nothing where a touch of the skin is in it.
 [[nodiscard]] std::optional<Event> decode_address(std::uint32_t word, AddressCodec codec);
-/// The word of an event whose x and y have room in it (is_encodable).
+/// The word of an event whose x and y fit into it (is_encodable).
 [[nodiscard]] std::uint32_t encode_address(const Event& event, AddressCodec codec);
-/// Whether x and y of all pixels of such an image have room in a word.
+/// Whether x and y of all pixels of such an image fit into a word.
 [[nodiscard]] bool is_encodable(ImageSize size, AddressCodec codec);
 
 }  // namespace saccade

@@ -117,7 +117,7 @@ class Aedat2Reader final : public BlockReader {
   }
 
  private:
-  /// What the first addresses of a file without a name for its sensor tell.
+  /// Range of the first addresses of a file whose header does not name the sensor.
   struct Range {
     bool wide = false;  ///< more than the 16 bits of a DVS128
     ImageSize davis_size = aedat_davis_sizes.front();

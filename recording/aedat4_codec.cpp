@@ -152,7 +152,7 @@ class Aedat4Reader final : public EventReader {
     choose_stream();
     file_.skip(size);
     if (packets_end_ < file_.offset()) {
-      fail("a table of packets at byte " + std::to_string(packets_end_), "one behind the header");
+      fail("a table of packets at byte " + std::to_string(packets_end_), "one after the header");
     }
   }
 
@@ -217,7 +217,7 @@ class Aedat4Reader final : public EventReader {
     return count;
   }
 
-  /// Goes behind the packet at hand and opens the next one; false at the end of the packets.
+  /// Goes on after the current packet and opens the next one; false at the end of the packets.
   bool next_packet() {
     while (!packet_is_over()) {
       window_begin_ = window_end_;

@@ -13,7 +13,7 @@ inline constexpr ImageSize aedat_dvs128_size{128, 128};
 /// Of the DAVIS family, the smallest first.
 inline constexpr std::array<ImageSize, 3> aedat_davis_sizes{{{240, 180}, {346, 260}, {640, 480}}};
 
-/// What the name of a sensor says, as iniVation's programs write it into headers.
+/// Layout and image size of a sensor, from its name in the headers of iniVation's programs.
 struct AedatChip {
   std::string
       layout;  ///< of AEDAT 2.0's addresses: "dvs128", "stereo", "davis", or empty where it is none of them

@@ -10,8 +10,8 @@
 
 namespace saccade {
 
-/// What readers of binary files have in common: they decode block by block, and what is wrong with the file is told
-/// after the events before it.
+/// Base of the readers of binary files: they decode block by block, and return the events before a broken place before the
+/// error.
 class BlockReader : public EventReader {
  public:
   explicit BlockReader(InputFile file) : file_(std::move(file)), block_(block_events) {}
@@ -21,7 +21,7 @@ class BlockReader : public EventReader {
  protected:
   static constexpr std::size_t block_events = 4096;
 
-  /// Takes bytes from file_ and puts the events that they are into `block`, which has room for block_events; `count`
+  /// Takes bytes from file_ and puts the events that they are into `block`, which holds block_events; `count`
   /// is 0 before and how many there are afterwards, also where it throws. False at the end of the file. Throws
   /// InputError where the content is broken; it is not called again then.
   virtual bool decode(std::span<Event> block, std::size_t& count) = 0;

@@ -11,7 +11,7 @@ namespace saccade {
 /// is at most 128 MiB).
 class Decompressor {
  public:
-  /// What one call took and gave; `error` says why it could not go on, null where it could.
+  /// What one call read and wrote; `error`: why it failed, null where it did not.
   struct Step {
     std::size_t read = 0;
     std::size_t written = 0;

@@ -17,7 +17,7 @@ namespace {
 
 std::string hex_digit(unsigned value) { return std::string(1, "0123456789ABCDEF"[value & 0xf]); }
 
-/// What both encodings share: the image size and what is skipped.
+/// Base of both encodings: the image size and the counts of skipped words.
 class EvtReader : public BlockReader {
  public:
   EvtReader(InputFile file, const PropheseeHeader& header, const EventReadOptions& options)

@@ -44,7 +44,7 @@ class Hdf5Reader final : public EventReader {
         count += read_block(events, std::min({max_events - count, block_events, length_ - next_}));
       }
     } catch (const InputError&) {
-      if (count == 0) throw;  // else what is broken is met again, and told, by the next call
+      if (count == 0) throw;  // otherwise the next call reads the broken place again and throws
     }
     return count;
   }
@@ -89,7 +89,7 @@ class Hdf5Reader final : public EventReader {
 
   bool exists(const char* link) const { return H5Lexists(file_, link, H5P_DEFAULT) > 0; }
 
-  /// With room for one chunk in its cache, so that each is unpacked once.
+  /// With room for one chunk in its cache, so that each is decompressed once.
   Dataset open_dataset(const char* name, int rank) const {
     Dataset dataset;
     dataset.name = name;

@@ -16,18 +16,18 @@ class InputFile {
   /// Throws InputError for a file that is missing, a directory, unreadable or empty.
   explicit InputFile(std::filesystem::path path);
 
-  /// What lies ahead: at least `wanted` bytes unless the file ends sooner, at most the buffer (1 MiB).
-  /// Valid until the next call. Throws InputError where the disk gives an error.
+  /// The bytes ahead: at least `wanted` bytes unless the file ends sooner, at most the buffer (1 MiB).
+  /// Valid until the next call. Throws InputError for a read error.
   [[nodiscard]] std::string_view peek(std::size_t wanted);
-  /// Leaves behind the first `count` of the bytes that peek() showed.
+  /// Goes on after the first `count` of the bytes that peek() returned.
   void skip(std::size_t count);
-  /// Leaves behind `count` bytes, or all that there are; whether there were so many.
+  /// Goes on after `count` bytes, or to the end; false where there were fewer.
   [[nodiscard]] bool discard(std::uint64_t count);
 
-  [[nodiscard]] std::uint64_t offset() const { return offset_; }  ///< bytes left behind so far
+  [[nodiscard]] std::uint64_t offset() const { return offset_; }  ///< of the first byte ahead
   [[nodiscard]] std::string name() const { return path_.string(); }
 
-  /// Throws the InputError of what is wrong at the byte ahead.
+  /// Throws an InputError with the byte ahead as its place.
   [[noreturn]] void fail(std::string value, std::string expectation) const;
 
  private:

@@ -72,7 +72,7 @@ class TextReader final : public EventReader {
         ++count;
       }
     } catch (const InputError&) {
-      if (count == 0) throw;  // else the broken line is met again, and told, by the next call
+      if (count == 0) throw;  // otherwise the next call reads the broken line again and throws
     }
     return count;
   }
@@ -121,7 +121,7 @@ class TextReader final : public EventReader {
     if (order == columns_ + "c") columns_ = order;
     if (names.count != columns_.size()) return false;
     if (are_columns(order) && order != columns_) {
-      fail("the column order " + order, columns_ + ", as the option columns says");
+      fail("the column order " + order, columns_ + ", as in the option columns");
     }
     return true;
   }

@@ -12,8 +12,8 @@
 
 namespace saccade {
 
-/// What an event-driven log does not say of itself: the layout of its address words (AddressCodec), and the time stamps
-/// that go with them.
+/// Layout of an event-driven log, which the log itself does not contain: its address words (AddressCodec) and their time
+/// stamps.
 ///
 /// | name            | stamps                                                                                     |
 /// |-----------------|--------------------------------------------------------------------------------------------|
@@ -26,21 +26,21 @@ namespace saccade {
 struct YarpCodec {
   std::string_view name;
   AddressCodec address = AddressCodec::atis_24;
-  int stamp_bits = 0;  ///< 0: the codec does not tell
+  int stamp_bits = 0;  ///< 0: not part of the codec
   std::optional<ImageSize> image_size;
-  bool upright = false;  ///< x and y are turned as the table says
+  bool upright = false;  ///< x and y are turned as in the table
   bool stamped = true;   ///< in packets of bytes; pairs of numbers are always
 
-  /// Nothing where the word is of the skin.
+  /// None where the word is a skin event.
   [[nodiscard]] std::optional<Event> decode(std::int64_t t_us, std::uint32_t word) const;
 };
 
-/// Throws InputError for a name that is not in the table; `place` says where it was given.
+/// Throws InputError for a name that is not in the table; `place`: where it was given.
 [[nodiscard]] const YarpCodec& yarp_codec(std::string_view name, std::string_view place);
 
 /// One packet of a log.
 struct YarpPacket {
-  double host_s = 0.0;  ///< NaN where the log does not tell it
+  double host_s = 0.0;  ///< NaN where the log has none
   std::int64_t host_us = 0;
   std::int64_t duration_us = 0;
   bool of_bytes = false;  ///< a version 2 packet; else pairs of stamp and address
@@ -54,15 +54,15 @@ struct YarpPacket {
 
 /// Continues time stamps over the wraps of their counter.
 ///
-/// Of a counter of known width the host's time tells how often it wrapped in a silence. Where the width is not told,
-/// it is the one of 24 to 31 bits that brings a jump of the stamps closest to the host's time. Without a host's time
+/// For a counter of known width the number of wraps during a silence follows from the host's time. An unknown width
+/// is the one of 24 to 31 bits that brings a jump of the stamps closest to the host's time. Without a host's time
 /// a step back is a wrap of the narrowest counter that holds all stamps so far.
 class StampUnwrapper {
  public:
   StampUnwrapper(std::int64_t ns_per_tick, int stamp_bits)
       : ticks_per_s_(1e9 / static_cast<double>(ns_per_tick)), bits_(stamp_bits) {}
 
-  /// Ticks since the counter's zero. Stamps that need more bits than were told make the width unknown.
+  /// Ticks since the counter's zero. Stamps that need more bits than the given width make the width unknown.
   std::int64_t extend(std::uint32_t stamp_word, double host_s);
 
  private:

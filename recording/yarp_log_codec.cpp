@@ -22,11 +22,11 @@ class YarpLogReader final : public EventReader {
                 const EventReadOptions& options)
       : source_(std::move(source)), kind_(kind) {
     const std::filesystem::path path = source_->name();
-    const std::string told = yarp_info(path, yarp_codec_key);
+    const std::string named = yarp_info(path, yarp_codec_key);
     if (options.yarp_codec != "auto") {
       codec_ = yarp_codec(options.yarp_codec, "codec");
-    } else if (!told.empty()) {
-      codec_ = yarp_codec(told, yarp_info_file(path).string());
+    } else if (!named.empty()) {
+      codec_ = yarp_codec(named, yarp_info_file(path).string());
     } else {
       take_sample();
       codec_ = guess_yarp_codec(sample_);
@@ -53,7 +53,7 @@ class YarpLogReader final : public EventReader {
         next_event_ += count;
       }
     } catch (const InputError&) {
-      if (events.size() == before) throw;  // else the broken packet is met again, and told, by the next call
+      if (events.size() == before) throw;  // otherwise the next call reads the broken packet again and throws
     }
     return events.size() - before;
   }
@@ -72,7 +72,7 @@ class YarpLogReader final : public EventReader {
   }
 
  private:
-  /// The first packets, to guess from. What is broken is met again when the events before it have been read.
+  /// Reads the first packets, to guess from. A broken place is reported when the events before it have been returned.
   void take_sample() {
     std::size_t words = 0;
     try {

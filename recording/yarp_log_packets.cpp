@@ -100,7 +100,7 @@ class TextPackets final : public YarpPacketSource {
     line_is_empty_ = false;
   }
 
-  /// The type and what opens its data; whether a quote with vision behind it is ahead.
+  /// Reads the type and the beginning of its data; true where a quote with camera events is ahead.
   bool begin_data() {
     const bool vision = word() == camera_type;
     line_is_empty_ = false;
@@ -220,7 +220,7 @@ class TextPackets final : public YarpPacketSource {
   std::int64_t host_us_ = 0;
   std::int64_t duration_us_ = 0;
   bool before_line_ = true;
-  bool line_is_empty_ = false;  ///< no packet behind its times yet
+  bool line_is_empty_ = false;  ///< no packet after its times yet
   bool in_list_ = false;
   std::uint64_t line_number_ = 1;
   std::int64_t others_ = 0;

@@ -53,15 +53,15 @@ class YarpLogWriter final : public EventWriter {
 
   void commit() override {
     write_packet();
-    // The data player wants the first two lines; the others are for readers like ours.
+    // The data player needs the first two lines; the others are read by this library.
     std::string info = "Type: Bottle;\n[0.000000] /saccade/AE:o [connected]\n";
-    const auto tell = [&](std::string_view key, const auto& value) {
+    const auto add = [&](std::string_view key, const auto& value) {
       info.append(key).append(value).append(";\n");
     };
-    tell(yarp_codec_key, codec_.name);
-    tell(yarp_size_key, text_of(size_));
-    tell(yarp_bits_key, std::to_string(stamp_bits));
-    tell(yarp_origin_key, std::to_string(origin_us_.value_or(0)));
+    add(yarp_codec_key, codec_.name);
+    add(yarp_size_key, text_of(size_));
+    add(yarp_bits_key, std::to_string(stamp_bits));
+    add(yarp_origin_key, std::to_string(origin_us_.value_or(0)));
     info_.write(info);
     info_.commit();
     file_.commit();

@@ -90,7 +90,7 @@ class FolderSequence final : public DecodedSequence {
  public:
   FolderSequence(std::filesystem::path folder, double white, std::span<const ImageTime> named)
       : DecodedSequence(white), folder_(std::move(folder)) {
-    // OpenCV keeps its reader of EXR behind this variable; it is asked for when the first such file is opened.
+    // OpenCV reads EXR only with this variable, which it reads when the first such file is opened.
     setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 1);
     if (named.empty()) {
       list_images();

@@ -56,7 +56,7 @@ class Images : public testing::Test {
   TempFolder folder_;
 };
 
-TEST_F(Images, NumbersInNamesAreSortedByValueAndOtherFilesArePassedOver) {
+TEST_F(Images, NumbersInNamesAreSortedByValueAndOtherFilesAreSkipped) {
   const char* const in_order[] = {"a9.PNG",       "frame2.png",   "frame10.png",
                                   "frame010.png", "frame10a.png", "frame99999999999999999999.png"};
   std::vector<float> expected;
@@ -126,7 +126,7 @@ TEST_F(Images, ColourBecomesLuminanceAfterItIsLinear) {
   }
 }
 
-TEST_F(Images, FloatsAreLuminanceAsTheyAre) {
+TEST_F(Images, FloatsAreLinearLuminanceAlready) {
   // A different number in every pixel, so that rows, columns and images cannot be mixed up.
   std::vector<float> numbers(std::size_t{3} * 4 * 5);
   for (std::size_t i = 0; i < numbers.size(); ++i)
@@ -162,7 +162,7 @@ TEST_F(Images, IntegersInANumpyArrayAreLinearToo) {
   EXPECT_THAT(values("u2.npy"), ElementsAre(0.0F, 200.0F));
 }
 
-TEST_F(Images, WhatIsWrongWithANumpyArrayIsTold) {
+TEST_F(Images, AnInvalidNumpyArrayIsAnErrorWithTheReason) {
   const std::string data(48, '\0');  // 2 x 2 x 3 float32
   const std::string good = npy_header("<f4", "2, 2, 3") + data;
   struct Case {
@@ -200,7 +200,7 @@ TEST_F(Images, WhatIsWrongWithANumpyArrayIsTold) {
   EXPECT_EQ(complaint_of("a.npy"), "accepted");
 }
 
-TEST_F(Images, ImagesThatDoNotFitTogetherAreTold) {
+TEST_F(Images, ImagesOfDifferentSizeOrTypeAreAnErrorWithTheirName) {
   save("size/1.png", CV_8U, 1);
   save("size/2.png", CV_8U, 1, {4, 2});
   EXPECT_EQ(complaint_of("size"),
@@ -213,7 +213,7 @@ TEST_F(Images, ImagesThatDoNotFitTogetherAreTold) {
   EXPECT_THAT(complaint_of("int"), HasSubstr("expected 8 or 16 bit without a sign, or float"));
 }
 
-TEST_F(Images, WhatCannotBeDecodedIsTold) {
+TEST_F(Images, AFileThatCannotBeDecodedIsAnErrorWithItsName) {
   EXPECT_EQ(complaint_of("nowhere"),
             path("nowhere") +
                 ": found no such file or folder, expected a folder of images, a NumPy "
@@ -245,7 +245,7 @@ TEST_F(Images, WhatCannotBeDecodedIsTold) {
                 "(.npy) or a folder of images");
 }
 
-TEST_F(Images, APgmMustHaveAWhiteThatIsKnown) {
+TEST_F(Images, APgmMustHaveWhiteAt255Or65535) {
   fs::create_directory(path("a"));
   folder_.write("a/1.pgm", "P5\n# 2 3 4\n1 1\n# more\n65535\n\xff\xff");
   EXPECT_THAT(values("a"), ElementsAre(255.0F));
@@ -308,7 +308,7 @@ TEST_F(Images, TimesAreMicrosecondsOrSecondsWithAPoint) {
   EXPECT_EQ(times[3].place, path("s.txt") + ":4");
 }
 
-TEST_F(Images, WhatIsWrongWithTimesIsToldByFileAndLine) {
+TEST_F(Images, InvalidTimesAreAnErrorWithFileAndLine) {
   const std::pair<const char*, const char*> cases[] = {
       {"1\n2\n2\n", ":3: found 2, expected a time after 2 us"},
       {"1\n# x\n0\n", ":3: found 0, expected a time after 1 us"},

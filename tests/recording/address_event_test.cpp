@@ -38,7 +38,7 @@ TEST(AddressEvent, EveryEventComesBackFromItsWord) {
   }
 }
 
-TEST(AddressEvent, AnImageHasRoomUpToItsBitsAndNotBeyond) {
+TEST(AddressEvent, AnImageFitsUpToTheBitsOfItsCodec) {
   for (const AddressCodec codec : all) {
     const ImageSize size = largest[static_cast<int>(codec)];
     EXPECT_TRUE(is_encodable(size, codec));
@@ -56,7 +56,7 @@ TEST(AddressEvent, ATouchOfTheSkinIsNoEventAndACornerIsOne) {
   EXPECT_EQ(decode_address(1U << 25, AddressCodec::ev2), (Event{0, 0, 0, true, 0}));
 }
 
-TEST(AddressEvent, MicrosecondsSurviveTheWayThroughTicks) {
+TEST(AddressEvent, MicrosecondsReadBackTheSameFromTicks) {
   for (const std::int64_t ns : {80, 128}) {
     for (std::int64_t t_us = -10'000; t_us < 10'000; ++t_us) {
       ASSERT_EQ(us_from_ticks(ticks_from_us(t_us, ns), ns), t_us);
@@ -66,7 +66,7 @@ TEST(AddressEvent, MicrosecondsSurviveTheWayThroughTicks) {
   }
 }
 
-TEST(AddressEvent, ACodecIsKnownByItsName) {
+TEST(AddressEvent, ACodecIsSelectedByItsName) {
   for (const AddressCodec codec : all) {
     EXPECT_EQ(address_codec(address_codec_names()[static_cast<std::size_t>(codec)]), codec);
   }

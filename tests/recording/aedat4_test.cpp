@@ -50,7 +50,7 @@ std::string header_table(int compression, std::int64_t table_place, const std::s
   return bytes + little_endian(static_cast<std::uint32_t>(xml.size())) + xml + '\0';
 }
 
-/// A file of these packets, with or without the table that says where they end.
+/// A file of these packets, with or without the table with their end.
 std::string file_of(int compression, const std::string& packets, bool with_table = true,
                     const std::string& xml = usual_xml) {
   const std::size_t size = header_table(compression, 0, xml).size();
@@ -132,7 +132,7 @@ TEST_P(Aedat4, CutAtAnyByteGivesTheEventsBeforeTheCutAndThenAnError) {
   for (std::ptrdiff_t i = 0; i < 30; i += 10) {
     packets += event_packet(GetParam(), {events.begin() + i, events.begin() + i + 10}) + packet(2, "imu");
   }
-  // The table of packets tells where they end, so that no cut before it is taken for the end.
+  // The header contains the end of the packets, so no cut before it looks like the end.
   const std::string with_table = file_of(GetParam(), packets);
   const std::size_t table_bytes = std::strlen("the table of packets");
   EXPECT_EQ(count_errors_of_cut_files(with_table, events), with_table.size() - table_bytes);
@@ -141,7 +141,7 @@ TEST_P(Aedat4, CutAtAnyByteGivesTheEventsBeforeTheCutAndThenAnError) {
   EXPECT_EQ(count_errors_of_cut_files(without, events), without.size() - 6);
 }
 
-TEST_P(Aedat4, WithAnyByteChangedEndsOrSaysWhatIsWrong) {
+TEST_P(Aedat4, WithAnyByteChangedGivesEventsOrAnError) {
   const std::string whole = file_of(GetParam(), event_packet(GetParam(), some_events(5)) + packet(2, "imu"));
   const TempFolder folder;
   std::size_t errors = 0;
@@ -173,7 +173,7 @@ struct BrokenPacket {
 
 class BrokenAedat4 : public testing::TestWithParam<BrokenPacket> {};
 
-TEST_P(BrokenAedat4, GivesTheEventsBeforeAndThenItsPlace) {
+TEST_P(BrokenAedat4, GivesTheEventsBeforeItAndThenAnErrorWithItsPlace) {
   const TempFolder folder;
   const Compression compression = GetParam().compression;
   auto events = some_events(20);
@@ -264,14 +264,14 @@ TEST(Aedat4File, TakesTheImageSizeFromTheOptionOnlyWhereTheHeaderHasNone) {
   const TempFolder folder;
   EventReadOptions options;
   options.image_size = ImageSize{100, 90};
-  const auto told = [&](const std::string& info, const EventReadOptions& given) {
+  const auto size_of = [&](const std::string& info, const EventReadOptions& given) {
     const std::string file = file_of(none, "", true, xml_of(stream_node(0, "EVTS", info)));
     return open_event_file(folder.write("a.aedat4", file), given)->image_size();
   };
-  EXPECT_EQ(told(size_info(320, 240), options), (ImageSize{320, 240}));
-  EXPECT_EQ(told("", options), (ImageSize{100, 90}));
-  EXPECT_EQ(told(size_info(-2147483647 - 1, 240), options), (ImageSize{100, 90}));
-  EXPECT_EQ(told("", {}), std::nullopt);
+  EXPECT_EQ(size_of(size_info(320, 240), options), (ImageSize{320, 240}));
+  EXPECT_EQ(size_of("", options), (ImageSize{100, 90}));
+  EXPECT_EQ(size_of(size_info(-2147483647 - 1, 240), options), (ImageSize{100, 90}));
+  EXPECT_EQ(size_of("", {}), std::nullopt);
 }
 
 TEST_F(RealRecording, CutInTheMiddleGivesABeginningOfTheWhole) {

@@ -23,7 +23,7 @@ std::vector<std::int64_t> times_of(const std::filesystem::path& path) {
   return t_us;
 }
 
-TEST(WrappingTime, GoesOnOverWrapsAndBackForWhatIsLateAndLeavesOtherJumps) {
+TEST(WrappingTime, ContinuesOverWrapsAndBackForLateValuesAndKeepsOtherJumps) {
   WrappingTime time{{{0, 100}}, 30, 10};
   std::vector<std::int64_t> out;
   for (const std::int64_t in : {95, 3, 97, 5, 40, 20, 60, 5, 99, 2, 99}) out.push_back(time.extend(in));
@@ -33,7 +33,7 @@ TEST(WrappingTime, GoesOnOverWrapsAndBackForWhatIsLateAndLeavesOtherJumps) {
 
 // ---- AEDAT 1.0 -----------------------------------------------------------------------------------
 
-TEST(Aedat1, TimeGoesOnAcrossItsWrapAt32Bits) {
+TEST(Aedat1, TimeContinuesOverItsWrapAt32Bits) {
   const TempFolder folder;
   std::string content = "#!AER-DAT1.0\r\n";
   for (const std::uint32_t stamp : {0xfffffff0u, 5u, 0xffffffffu, 0x10000000u, 0x7fffffffu, 0x80000000u})
@@ -44,7 +44,7 @@ TEST(Aedat1, TimeGoesOnAcrossItsWrapAt32Bits) {
       ElementsAre(wrap - 16, wrap + 5, wrap - 1, wrap + 0x10000000, wrap + 0x7fffffff, wrap + 0x80000000));
 }
 
-TEST(Aedat1, MayHaveLinesThatDoNotSayTheVersion) {
+TEST(Aedat1, IsReadWithoutALineForTheVersion) {
   const TempFolder folder;
   const std::string record = big_endian(std::uint16_t{51 << 8 | 46 << 1}) + big_endian(5u);
   const auto reader = open_event_file(folder.write("a.dat", "# This is a raw AE data file\r\n" + record));
@@ -75,7 +75,7 @@ std::string packet(std::int16_t type, std::int16_t source, std::int32_t wraps,
          little_endian_words<std::uint32_t>(words);
 }
 
-TEST(Aedat3, HasItsEventsWithTheOriginTopLeftAndCountsWhatItPassesOver) {
+TEST(Aedat3, ReturnsEventsWithTheOriginTopLeftAndCountsSkippedRecords) {
   const TempFolder folder;
   const auto path = folder.write(
       "a.aedat",
@@ -89,7 +89,7 @@ TEST(Aedat3, HasItsEventsWithTheOriginTopLeftAndCountsWhatItPassesOver) {
   EXPECT_EQ(reader->skipped(), "1 events of source 2, 1 invalid events, 1 special events, 2 type 30 events");
 }
 
-TEST(Aedat3, TimeGoesOnByTheCountOfWrapsAt31Bits) {
+TEST(Aedat3, TimeContinuesByTheCountOfWrapsAt31Bits) {
   const TempFolder folder;
   const std::int64_t wrap = std::int64_t{1} << 31;
   EXPECT_THAT(times_of(folder.write(
@@ -98,7 +98,7 @@ TEST(Aedat3, TimeGoesOnByTheCountOfWrapsAt31Bits) {
               ElementsAre(wrap - 1, wrap, wrap + 9, wrap - 2, 900 * wrap + 3));
 }
 
-TEST(Aedat3, ThatIsBrokenSaysWhere) {
+TEST(Aedat3, BrokenContentIsReportedWithItsPlace) {
   const TempFolder folder;
   const std::string good = packet(1, 1, 0, {1u, 7});
   const auto expect = [&](const std::string& broken, const std::string& message) {
@@ -133,7 +133,7 @@ TEST(Aedat3, TakesTheImageSizeFromTheSourceOfItsEventsElseFromTheOption) {
 
 // ---- DAT -----------------------------------------------------------------------------------------
 
-TEST(Dat, HasTheAddressesOfItsVersionAndTimesThatGoOnAcrossTheWrap) {
+TEST(Dat, HasTheAddressesOfItsVersionAndTimesThatContinueOverTheWrap) {
   const TempFolder folder;
   const std::string start = "% Data file containing CD events.\n";
   const std::string kind(1, '\0');
@@ -162,7 +162,7 @@ TEST(Dat, OfOtherEventsIsAnError) {
 
 // ---- Event Stream --------------------------------------------------------------------------------
 
-TEST(EventStream, OfOtherVersionsAndTypesIsAnErrorThatSaysWhich) {
+TEST(EventStream, OfOtherVersionsAndTypesIsAnErrorThatNamesThem) {
   const TempFolder folder;
   const auto file = [&](char major, char type) {
     return folder.write("a.es", "Event Stream" + std::string({major, 0, 0, type, 64, 1, '\xf0', 0}));
@@ -203,7 +203,7 @@ TEST(Aedat4Writer, KeepsAnyTimeAndNamesItsPacketsInTheTableAtTheEnd) {
   EXPECT_EQ(reader->image_size(), (ImageSize{1280, 720}));
   EXPECT_EQ(reader->format(), "AEDAT 4.0 LZ4");
   EXPECT_EQ(read_all(*reader), events);
-  // Cut before the table it no longer looks whole, as its header says where its packets end.
+  // Cut before the table it no longer looks whole, since the header contains the end of its packets.
   const std::string whole = bytes_of(folder / "a.aedat4");
   EXPECT_THAT(message_of(folder.write("cut.aedat4", whole.substr(0, whole.size() / 2))),
               HasSubstr("the end of the file"));

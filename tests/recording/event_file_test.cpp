@@ -23,7 +23,7 @@ void write_file(const std::filesystem::path& path, ImageSize size, const std::ve
   writer->commit();
 }
 
-/// Events all over the image, with the corners among them, and time that stands still now and then.
+/// Events all over the image, with the corners among them, and equal times now and then.
 std::vector<Event> scattered_events(ImageSize size, std::int64_t first_us, int count, std::int64_t step_us) {
   const RandomStream random(11, "event_file_test");
   std::vector<Event> events;
@@ -55,7 +55,7 @@ const std::string aedat_header = "#!AER-DAT2.0\r\n# a comment\r\n";
 
 // ---- choosing the codec --------------------------------------------------------------------------
 
-TEST(EventFile, SaysWhatIsWrongWithAFileItCannotOpen) {
+TEST(EventFile, AFileThatCannotBeOpenedIsReportedWithTheReason) {
   TempFolder folder;
   const auto message = [&](const std::filesystem::path& path) -> std::string {
     try {
@@ -129,7 +129,7 @@ TEST_P(WrittenEvents, CutAtAnyByteGiveTheEventsBeforeTheCutAndThenAnErrorOrAClea
   write_file(folder / GetParam().name, GetParam().size, events);
   const std::string whole = bytes_of(folder / GetParam().name);
   const std::size_t errors = count_errors_of_cut_files(whole, events);
-  // A cut between two records, words or header lines cannot be told from an end; behind AEDAT 4's events is a table.
+  // A cut between two records, words or header lines looks like the end; after AEDAT 4's events comes a table.
   const std::string extension = std::filesystem::path(GetParam().name).extension();
   const std::size_t ends_of_event = extension == ".raw" ? 5 : 2;
   const std::size_t table = extension == ".aedat4" ? 120 : 0;
@@ -179,7 +179,7 @@ TEST_P(TwoCameras, AreReadBackExactlyTogetherAndEachAlone) {
   }
 }
 
-TEST_P(TwoCameras, AreRefusedByAFileOfOne) {
+TEST_P(TwoCameras, AreRefusedByAFileOfOneCamera) {
   const auto writer = create_event_file(path_, {128, 128});
   EXPECT_THROW(writer->write(events_), InputError);
 }
@@ -199,19 +199,19 @@ TEST(Aedat2, TheRightCameraOfAStereoPairHasBit15) {
   EXPECT_EQ(read_all(*open_event_file(path), 10), expected);
 }
 
-TEST(TextEvents, TellTheirCameraInAFifthColumn) {
+TEST(TextEvents, HaveTheirCameraInAFifthColumn) {
   TempFolder folder;
   const std::vector<Event> expected = {{5, 1, 2, true, 0}, {6, 3, 4, false, 1}};
   const auto named = folder.write("named.csv", "t_us,x,y,p,camera\n5,1,2,1,0\n6,3,4,0,1\n");
   EXPECT_EQ(read_all(*open_event_file(named), 10), expected);
-  const auto told = folder.write("told.txt", "0 1 2 5 1\n1 3 4 6 0\n");
-  EXPECT_EQ(read_all(*open_event_file(told, {.columns = "cxytp", .image_size = {}, .camera = {}}), 10),
+  const auto ordered = folder.write("ordered.txt", "0 1 2 5 1\n1 3 4 6 0\n");
+  EXPECT_EQ(read_all(*open_event_file(ordered, {.columns = "cxytp", .image_size = {}, .camera = {}}), 10),
             expected);
   const auto third = folder.write("third.csv", "t_us,x,y,p,camera\n5,1,2,1,2\n");
   EXPECT_THROW((void)read_all(*open_event_file(third), 10), InputError);
 }
 
-TEST(TextEvents, MayBeApartByBlanksTabsOrCommasWithCommentsAndAHeader) {
+TEST(TextEvents, MayBeSeparatedByBlanksTabsOrCommasWithCommentsAndAHeader) {
   TempFolder folder;
   const std::vector<Event> events = {{10, 3, 4, true, 0}, {12, 65535, 0, false, 0}, {12, 5, 6, false, 0}};
   for (const char* content :
@@ -234,7 +234,7 @@ TEST(TextEvents, HaveTheirTimeInSecondsWhenItHasADecimalPoint) {
                                           1605537493718345, -2));
 }
 
-TEST(TextEvents, ComeInAnotherColumnOrderWhenTold) {
+TEST(TextEvents, ComeInAnotherColumnOrderByTheOption) {
   TempFolder folder;
   EventReadOptions options;
   options.columns = "xypt";
@@ -293,7 +293,7 @@ INSTANTIATE_TEST_SUITE_P(
                     BrokenLine{"Endless", std::string(5000, ' ') + "3 2 3 1", ": found a line of more than"}),
     [](const auto& broken) { return broken.param.name; });
 
-TEST(TextEvents, WhoseHeaderNamesAnotherOrderAreNotMisread) {
+TEST(TextEvents, WithAnotherOrderInTheHeaderAreRefused) {
   TempFolder folder;
   const auto path = folder.write("a.csv", "x,y,p,t\n3,4,1,1\n");
   EXPECT_THAT([&] { (void)read_file(path); },
@@ -313,7 +313,7 @@ TEST(Aedat2, Dvs128AddressesAreMirroredInBothAxesAndBitZeroIsOff) {
             (std::vector<Event>{{5, 46, 51, true, 0}, {7, 0, 0, false, 0}, {7, 127, 127, true, 0}}));
 }
 
-TEST(Aedat2, DavisAddressesHaveTheirOriginBottomRightAndSpecialRecordsArePassedOver) {
+TEST(Aedat2, DavisAddressesHaveTheirOriginBottomRightAndSpecialRecordsAreSkipped) {
   TempFolder folder;
   const std::string chip = "# AEChip: eu.seebetter.ini.chips.davis.DAVIS240C\r\n";
   const auto path = folder.write("a.aedat", aedat_header + chip + record(davis_address(0, 0, 1), 5) +
@@ -326,7 +326,7 @@ TEST(Aedat2, DavisAddressesHaveTheirOriginBottomRightAndSpecialRecordsArePassedO
   EXPECT_EQ(read_all(*reader), (std::vector<Event>{{5, 239, 179, true, 0}, {7, 0, 0, false, 0}}));
 }
 
-TEST(Aedat2, TheLayoutIsToldByTheHeaderElseByTheAddressesElseByTheOption) {
+TEST(Aedat2, TheLayoutComesFromTheHeaderElseFromTheAddressesElseFromTheOption) {
   TempFolder folder;
   const std::string narrow = record(0x0102, 1);
   const std::string wide = record(davis_address(345, 20, 1), 1);
@@ -378,7 +378,7 @@ TEST(Aedat2, ARecordThatStartsLikeAHeaderLineIsARecord) {
   }
 }
 
-TEST(Aedat2, TimeGoesOnAcrossItsWraps) {
+TEST(Aedat2, TimeContinuesOverItsWraps) {
   TempFolder folder;
   const auto times = [&](const std::vector<std::uint32_t>& stamps) {
     std::string content = aedat_header;
@@ -429,7 +429,7 @@ TEST_F(RealRecording, TheShapesHaveTheirCountAndTheirFirstAndLastEvents) {
   EXPECT_EQ(events.back(), (Event{2195729, 127, 147, true, 0}));
 }
 
-TEST_F(RealRecording, SurvivesTheWayThroughOurWritersUnchanged) {
+TEST_F(RealRecording, ReadsBackTheSameFromEveryWriter) {
   const auto events = read_real("ball_looming_dvs128_aedat2.aedat");
   TempFolder folder;
   for (const char* name : {"a.aedat", "a.aedat4", "a.csv", "a.raw", "a.log", "a.h5"}) {

@@ -17,7 +17,7 @@ EventStatistics statistics_of(const std::vector<Event>& events, std::optional<Im
   return counter.all();
 }
 
-TEST(EventStatistics, CountWhatIsThere) {
+TEST(EventStatistics, CountEventsTimesAndGaps) {
   const EventStatistics s = statistics_of({{1000, 3, 4, true, 0},
                                            {1500, 9, 0, false, 0},
                                            {1400, 1, 7, true, 0},
@@ -40,7 +40,7 @@ TEST(EventStatistics, CountWhatIsThere) {
   EXPECT_EQ(s.gaps, 1);
 }
 
-TEST(EventStatistics, TheFullestBinsCountFromTheFirstEventOnAndEmptyOnesAreLeapedOver) {
+TEST(EventStatistics, BinsBeginAtTheFirstEventAndEmptyOnesAreSkipped) {
   std::vector<Event> events;
   const auto burst = [&](std::int64_t first_us, int count, std::int64_t step_us) {
     for (int i = 0; i < count; ++i) events.push_back({first_us + i * step_us, 0, 0, true, 0});

@@ -91,14 +91,14 @@ TEST_F(Evt, TimeOfEvt3IsUpperAndLowerPartAndAStrayLowerPartDoesNotCount) {
               ElementsAre(0xb2d000, 0xb2d320, 0xb2d321, 0xb2e000, 0xb2e001));
 }
 
-TEST_F(Evt, TimeOfEvt3GoesOnAcrossItsWrapsAndBackOverThemForLateEvents) {
+TEST_F(Evt, TimeOfEvt3ContinuesOverItsWrapsAndBackOverThemForLateEvents) {
   EXPECT_THAT(times_of(evt3({0x8fff, 0x6fff, 1, 0x2001, 0x8000, 0x6000, 0x2001, 0x8fff, 0x2001, 0x8001,
                              0x2001, 0x8800, 0x2001, 0x8fff, 0x2001, 0x8000, 0x2001})),
               ElementsAre(loop_us - 1, loop_us, loop_us - 0x1000, loop_us + 0x1000, loop_us + 0x800000,
                           2 * loop_us - 0x1000, 2 * loop_us));
 }
 
-TEST_F(Evt, TimeOfEvt2GoesOnAcrossItsWraps) {
+TEST_F(Evt, TimeOfEvt2ContinuesOverItsWraps) {
   const std::uint32_t high = 8u << 28;
   const std::int64_t range = std::int64_t{1} << 34;
   EXPECT_THAT(times_of(evt2({high | 0xfffffffu, 63u << 22, high | 0u, 1u << 28, high | 5u, 1u << 28,
@@ -108,7 +108,7 @@ TEST_F(Evt, TimeOfEvt2GoesOnAcrossItsWraps) {
   EXPECT_THAT(times_of(evt2({high | 0x4000000u, 7u << 22})), ElementsAre((std::int64_t{1} << 32) + 7));
 }
 
-TEST_F(Evt, WhatIsNoEventIsCounted) {
+TEST_F(Evt, WordsThatAreNoEventsAreCounted) {
   EXPECT_EQ(skipped(evt3({3, 0x2001, 0x8000, 0x2001, 0x6000, 0x3001, 0x400f, 4, 0x2001, 0xa001, 0xe123,
                           0x7001, 0xf001})),
             "6 events before the first time stamp, 1 triggers, 3 words that are no events");
@@ -117,7 +117,7 @@ TEST_F(Evt, WhatIsNoEventIsCounted) {
   EXPECT_EQ(skipped(evt2({8u << 28, 1u << 28})), "");
 }
 
-TEST_F(Evt, AWordOfAnUnknownTypeIsToldAfterTheEventsBeforeIt) {
+TEST_F(Evt, AWordOfAnUndefinedTypeIsAnErrorAfterTheEventsBeforeIt) {
   const auto place = [](const std::string& header, int bytes) {
     return "byte " + std::to_string(header.size() + static_cast<std::size_t>(bytes));
   };

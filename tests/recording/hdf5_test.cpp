@@ -127,7 +127,7 @@ TEST(Hdf5, OfDsecMayHaveOtherWidthsNoCompressionNoOffsetAndNoSize) {
   EXPECT_EQ(open_event_file(folder / "a.h5", options)->image_size(), options.image_size);
 }
 
-TEST(Hdf5, OfV2eIsATableOfFourColumnsWhoseTimeGoesOnAcrossItsWrap) {
+TEST(Hdf5, OfV2eIsATableOfFourColumnsWhoseTimeContinuesOverItsWrap) {
   const TempFolder folder;
   const std::int64_t wrap = std::int64_t{1} << 32;
   {
@@ -180,7 +180,7 @@ TEST(Hdf5, OfAnotherLayoutIsRefusedWithWhatIsMissing) {
 
 constexpr H5Z_filter_t blosc = 32001;
 
-TEST(Hdf5, ThatIsCompressedWithBloscAndThereIsNoPluginSaysWhatToDo) {
+TEST(Hdf5, CompressedWithBloscWithoutThePluginIsAnErrorThatNamesThePlugin) {
   // The helper process inherits the environment; "::" keeps libhdf5 from loading plugins.
   ::setenv("HDF5_PLUGIN_PRELOAD", "::", 1);
   const TempFolder folder;
@@ -202,7 +202,7 @@ TEST(Hdf5, ThatIsCompressedWithBloscAndThereIsNoPluginSaysWhatToDo) {
   ::unsetenv("HDF5_PLUGIN_PRELOAD");
 }
 
-TEST(Hdf5, ThatIsCompressedWithBloscIsReadWhereThereIsThePlugin) {
+TEST(Hdf5, CompressedWithBloscIsReadWithThePlugin) {
   if (H5Zfilter_avail(blosc) <= 0) GTEST_SKIP() << "SKIPPED: libhdf5 has no plugin for Blosc here";
   const TempFolder folder;
   std::vector<std::int64_t> values;
@@ -219,7 +219,7 @@ TEST(Hdf5, ThatIsCompressedWithBloscIsReadWhereThereIsThePlugin) {
   EXPECT_TRUE(read_file(folder / "a.h5") == events);
 }
 
-TEST(Hdf5, AValueThatIsNoEventsEndsTheReadingBehindTheEventsBefore) {
+TEST(Hdf5, AnInvalidValueIsAnErrorAfterTheEventsBeforeIt) {
   const TempFolder folder;
   const auto path = folder / "a.h5";
   for (const std::vector<std::int64_t>& row :
@@ -295,7 +295,7 @@ TEST(Hdf5, MayHoldNoEvents) {
   EXPECT_TRUE(read_file(folder / "a.h5").empty());
 }
 
-TEST(Hdf5, WithAnyByteSpoiltEndsInEventsOrAnInputErrorAndTheProgramLives) {
+TEST(Hdf5, WithAnyByteChangedGivesEventsOrAnInputErrorAndNoCrash) {
   const TempFolder folder;
   write_file(folder / "whole.h5", sorted_events(1000, 300));
   const std::string whole = bytes_of(folder / "whole.h5");

@@ -25,7 +25,7 @@ TEST_P(KnownRecording, HasItsCountAndItsFirstAndLastEvents) {
   EXPECT_EQ(events.back(), GetParam().last);
 }
 
-TEST_P(KnownRecording, SurvivesTheWayThroughTheWritersThatHoldAnyImage) {
+TEST_P(KnownRecording, ReadsBackTheSameFromTheWritersThatHoldAnyImage) {
   const auto reader = open_event_file(path_of(GetParam().file));
   const ImageSize size = reader->image_size().value_or(ImageSize{1280, 720});
   const auto events = read_all(*reader);

@@ -123,7 +123,7 @@ TEST(RunFiles, GazeAndJointsReadBack) {
                                                   "eyes_tilt_rad,eyes_version_rad,eyes_vergence_rad\n"));
 }
 
-TEST(RunFiles, WhatDoesNotApplyIsEmptyInTheFileAndNanInTheRow) {
+TEST(RunFiles, AValueThatDoesNotApplyIsEmptyInTheFileAndNanInTheRow) {
   TempFolder folder;
   const double nan = std::nan("");
   GazeRow row;
@@ -152,7 +152,7 @@ struct Mistake {
 
 class BrokenTruth : public testing::TestWithParam<Mistake> {};
 
-TEST_P(BrokenTruth, IsToldWithItsLineAndColumn) {
+TEST_P(BrokenTruth, IsAnErrorWithItsLineAndColumn) {
   TempFolder folder;
   const auto path = folder.write("t.csv", GetParam().content);
   try {
@@ -183,7 +183,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Mistake{"BackInTime", header + "5,2,3,4\n5,2,3,4\n4,2,3,4\n", ":4, column t_us", "4"}),
     [](const auto& mistake) { return mistake.param.name; });
 
-TEST(RunFiles, AMissingTableAndAFolderAreToldByName) {
+TEST(RunFiles, AMissingTableAndAFolderAreNamedInTheError) {
   TempFolder folder;
   EXPECT_THAT([&] { (void)read_table<TruthRow>(folder / "none.csv"); },
               testing::ThrowsMessage<InputError>(HasSubstr("none.csv: found No such file")));

@@ -165,7 +165,7 @@ std::vector<SmallFile> small_files() {
                     {"\n", {}},
                     {"2 1.6 FLOW (7 8 9)", {}},
                     {"\n", {}}}});
-  // A stamp that is no address tells that there are stamps.
+  // A stamp that is no address shows that the words have stamps.
   const std::int64_t ticks = 0x7f030201;
   const auto packet = [&](std::uint32_t more) {
     std::string bytes;

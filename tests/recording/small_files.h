@@ -8,14 +8,14 @@
 
 namespace saccade {
 
-/// A small file of one format, made by hand from what the format says, in pieces.
+/// A small file of one format, made by hand from the description of the format, in pieces.
 struct SmallFile {
   struct Piece {
     std::string bytes;
     std::vector<Event> events;  ///< that are there when the last of the bytes is
     bool may_end = true;        ///< whether a file that ends behind this piece looks whole
   };
-  std::string name;  ///< of the file; the extension counts where the content does not tell the format
+  std::string name;  ///< of the file; the extension matters where the content does not identify the format
   std::vector<Piece> pieces;
 
   [[nodiscard]] std::string bytes() const {

@@ -41,7 +41,7 @@ TEST(YarpLog, RoundsTicksOf80NanosecondsToTheNearestMicrosecond) {
   EXPECT_EQ(t_us, expected);
 }
 
-TEST(YarpLog, IsToldByItsFirstLineAndHasTheSizeOfTheAtis) {
+TEST(YarpLog, IsRecognisedByItsFirstLineAndHasTheSizeOfTheAtis) {
   const TempFolder folder;
   const auto path = folder.write("recording", "0 1.5 AE (0 2)\r\n\n3 1.5 1.6 AE (25 2 50 2) \n");
   const auto reader = open_event_file(path);
@@ -65,7 +65,7 @@ TEST(YarpLog, MayHaveAPacketLongerThanAnyBuffer) {
   EXPECT_EQ(read_text(content + ")\n"), expected);
 }
 
-TEST(YarpLog, PassesOverAndCountsWhatIsNotVision) {
+TEST(YarpLog, SkipsAndCountsListsThatAreNoCameraEvents) {
   const TempFolder folder;
   const auto path = folder.write(
       "data.log", "0 1.5 AE (0 " + std::to_string(skin) + " 25 " + std::to_string(address(1, 2, true, 0)) +
@@ -88,7 +88,7 @@ std::vector<std::int64_t> ticks_of(const std::vector<std::pair<double, std::int6
   return ticks;
 }
 
-TEST(YarpLog, TimeGoesOnAcrossTheWrapOfACounterOfAnyWidth) {
+TEST(YarpLog, TimeContinuesOverTheWrapOfACounterOfAnyWidth) {
   for (int bits = 24; bits <= 31; ++bits) {
     // Every 0.37 s for 2.2 rounds of the counter, its first stamp in mid-range.
     const std::int64_t range = std::int64_t{1} << bits;
@@ -175,7 +175,7 @@ std::vector<Event> read_as(const std::string& codec, const std::string& content)
   return read_file(folder.write("data.log", content), options);
 }
 
-TEST(YarpCodecs, HaveTheirBitsWhereTheFormatsSayWithPolarityZeroForOn) {
+TEST(YarpCodecs, HaveTheirBitsAsDocumentedWithPolarityZeroForOn) {
   // Polarity 1, x 5, y 7, channel 1 in each of them, at the stamp word of 2016 for 123 ticks.
   const auto log = [](std::uint32_t word) {
     return "0 1.5 AE (" + std::to_string(static_cast<std::int32_t>(0x8000007b)) + " " + std::to_string(word) +
@@ -210,7 +210,7 @@ std::string log_with(ImageSize size, int y_bit, std::uint32_t stamp_bit) {
   return content;
 }
 
-TEST(YarpCodecs, AreGuessedFromTheAddressesAndTheFormatSaysSo) {
+TEST(YarpCodecs, AreGuessedFromTheAddressesAndMarkedAsGuessed) {
   const TempFolder folder;
   const auto format = [&](const std::string& content, const EventReadOptions& options = {}) {
     const auto reader = open_event_file(folder.write("data.log", content), options);
@@ -221,7 +221,7 @@ TEST(YarpCodecs, AreGuessedFromTheAddressesAndTheFormatSaysSo) {
   EXPECT_EQ(format(log_with({304, 240}, 10, 1u << 31)), "event-driven log, codec atis_20 (guessed) 304");
   EXPECT_EQ(format(log_with({304, 240}, 12, 0)), "event-driven log, codec atis_24 (guessed) 304");
   EXPECT_EQ(format(log_with({640, 480}, 12, 0)), "event-driven log, codec atis_24 (guessed) 304");
-  // What the user says goes before the info file, and that before a guess.
+  // The option has precedence over the info file, and that over a guess.
   folder.write("info.log",
                "Type: Bottle;\n[1.5] /zynqGrabber/vBottle:o [connected]\nCodec: atis_24;\nSize: 200x100;\n");
   EXPECT_EQ(format(log_with({128, 128}, 8, 0)), "event-driven log, codec atis_24 200");
@@ -235,7 +235,7 @@ TEST(YarpCodecs, AreGuessedFromTheAddressesAndTheFormatSaysSo) {
 }
 
 TEST(YarpCodecs, TicksOf128NanosecondsAndTheirWrapsAt24BitsAreContinuedOverSilences) {
-  // A counter of 24 bits of 128 ns wraps every 2.147 s; the host's clock says how often it did in 10 s.
+  // A counter of 24 bits of 128 ns wraps every 2.147 s; the host's clock gives the number of wraps in 10 s.
   std::string content;
   std::vector<std::int64_t> expected;
   for (const std::int64_t ticks : {16'000'000, 16'900'000, 17'000'000, 95'000'000, 95'000'001, 260'000'000}) {
@@ -380,7 +380,7 @@ TEST(YarpLog2, CutAtAnyByteGivesThePacketsBeforeTheCutAndThenAnErrorOrACleanEnd)
 
 // ---- binary --------------------------------------------------------------------------------------
 
-TEST(YarpBinaryLog, IsPairsOfWordsToldByItsNameOrItsInfoFile) {
+TEST(YarpBinaryLog, IsPairsOfWordsRecognisedByItsNameOrItsInfoFile) {
   const auto bytes = [](const std::vector<std::uint32_t>& words) {
     std::string text;
     for (const std::uint32_t word : words) {
@@ -433,7 +433,7 @@ TEST_F(RealRecording, TheBouncingBallHasItsCountAndItsFirstAndLastEvents) {
   for (const Event& event : events) ASSERT_TRUE(event.camera == 1 && atis.contains(event.x, event.y));
 }
 
-TEST_F(RealRecording, OfSkinHasNoEventsAndSaysWhatItHas) {
+TEST_F(RealRecording, OfSkinHasNoEventsAndCountsTheSkinEvents) {
   const auto reader = open_event_file(path_of("icub_skin_yarp_AE.log"));
   EXPECT_TRUE(read_all(*reader).empty());
   EXPECT_EQ(reader->skipped(), "124784 skin events");
