@@ -133,6 +133,15 @@ std::vector<std::string> FormatRegistry::run_choices(bool live) const {
   return choices;
 }
 
+std::vector<std::string> FormatRegistry::run_choices_for(ImageSize size, int cameras) const {
+  std::vector<std::string> choices = run_choices();
+  std::erase_if(choices, [&](const std::string& choice) {
+    const RecordingFormat& format = for_writing("events." + choice);
+    return cameras > format.cameras || (cameras > 1 && format.size_of_two.value_or(size) != size);
+  });
+  return choices;
+}
+
 std::vector<std::filesystem::path> FormatRegistry::files_of(const std::filesystem::path& path) const {
   (void)for_writing(path);
   return inputs_of(path);

@@ -57,6 +57,7 @@ struct RecordingFormat {
   std::function<std::vector<std::filesystem::path>(const std::filesystem::path&)> companions;
 
   int cameras = 1;                         ///< that a written file can hold: 1 or 2
+  std::optional<ImageSize> size_of_two;    ///< the only image size with two cameras; none: any size
   std::optional<std::int64_t> longest_us;  ///< duration that a written file can hold; none: no limit
   bool read_in_helper = false;             ///< `open` starts a helper process (recording/helper_reader.h)
 
@@ -89,6 +90,8 @@ class FormatRegistry {
   /// Choices of a run's `output.events`, sorted: the first extension of each written format without its dot. `live`:
   /// without formats that limit the duration.
   [[nodiscard]] std::vector<std::string> run_choices(bool live = false) const;
+  /// The choices whose files hold so many cameras of this image size.
+  [[nodiscard]] std::vector<std::string> run_choices_for(ImageSize size, int cameras) const;
   /// All files that writing `path` leaves: `path` and its companions.
   [[nodiscard]] std::vector<std::filesystem::path> files_of(const std::filesystem::path& path) const;
   /// All files that reading `path` may use: `path` and the companions of formats with its extension.

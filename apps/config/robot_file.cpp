@@ -5,6 +5,7 @@
 #include "apps/config/scenario.h"
 #include "apps/config/yaml_reader.h"
 #include "apps/config/yaml_writer.h"
+#include "recording/format_registry.h"
 
 namespace saccade {
 namespace {
@@ -69,7 +70,7 @@ void describe(FieldVisitor& v, RobotFile& r) {
   v.section(
       "output",
       [&](FieldVisitor& w) {
-        w.choice("events", r.output.events, {"aedat4", "raw", "aedat", "csv"}, "format of the events' file");
+        w.choice("events", r.output.events, built_in_formats().run_choices(true), "format of the event file");
       },
       "what the run folder holds");
 }

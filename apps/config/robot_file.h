@@ -49,7 +49,7 @@ struct RobotFile {
   } deploy;
 
   struct Output {
-    std::string events = "aedat4";  ///< aedat4, raw, aedat or csv
+    std::string events = "aedat4";  ///< a format of any duration, of FormatRegistry::run_choices
   } output;
 
   /// Targets go to the robot's gaze controller (`yarp.head.control: gaze`).

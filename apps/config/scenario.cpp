@@ -8,6 +8,7 @@
 #include "apps/config/yaml_writer.h"
 #include "core/units.h"
 #include "evaluation/scoring/metrics.h"
+#include "recording/format_registry.h"
 
 namespace saccade {
 namespace {
@@ -170,12 +171,13 @@ void describe(FieldVisitor& v, Scenario& s) {
       "output",
       [&](FieldVisitor& w) {
         w.boolean("video", s.output.video, "video.mp4 in the run folder");
-        w.choice("events", s.output.events, {"aedat", "aedat4", "csv", "h5", "log", "raw"},
-                 "format of the events' file");
-        const bool holds_both = s.output.events == "csv" || s.output.events == "log" ||
-                                (s.output.events == "aedat" && s.sim.camera.size == ImageSize{128, 128});
-        w.require(!s.sim.both_eyes() || holds_both, "events", s.output.events,
-                  "csv or log: of both eyes, aedat holds images of 128 x 128 pixels alone, the others none");
+        const FormatRegistry formats = built_in_formats();
+        w.choice("events", s.output.events, formats.run_choices(), "format of the event file");
+        const std::vector<std::string> fitting = formats.run_choices_for(s.sim.camera.size, 2);
+        std::string names;
+        for (const std::string& name : fitting) names += (names.empty() ? "" : ", ") + name;
+        w.require(!s.sim.both_eyes() || std::ranges::count(fitting, s.output.events) > 0, "events",
+                  s.output.events, "a format that holds both eyes' images of this size: " + names);
         w.boolean("labels", s.sim.labels, "labels.csv: what made each event");
         w.integer("pictures", s.output.pictures, {0, 60}, "instants shown as pictures in the report");
       },

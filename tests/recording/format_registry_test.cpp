@@ -47,6 +47,9 @@ TEST(FormatRegistry, ChoicesAndExtensionsAreThoseOfTheFormatsThatAreWritten) {
   EXPECT_THAT(formats.run_choices(true), ElementsAre("aedat", "aedat4", "csv", "log", "raw"));
   EXPECT_EQ(formats.written_extensions(), ".aedat, .aedat4, .csv, .h5, .hdf5, .log, .raw, .txt");
   EXPECT_EQ(formats.written_extensions(2), ".aedat, .csv, .log, .txt");
+  EXPECT_THAT(formats.run_choices_for({128, 128}, 2), ElementsAre("aedat", "csv", "log"));
+  EXPECT_THAT(formats.run_choices_for({304, 240}, 2), ElementsAre("csv", "log"));
+  EXPECT_EQ(formats.run_choices_for({304, 240}, 1), formats.run_choices());
   EXPECT_THAT(formats.files_of("a/b.log"), ElementsAre("a/b.log", "a/b.info.log"));
   EXPECT_THAT(formats.files_of("a/b.raw"), ElementsAre("a/b.raw"));
 }
