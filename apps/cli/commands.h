@@ -7,11 +7,11 @@ namespace saccade {
 
 /// One function per subcommand, which adds it to the command line. The registry must outlive the command line.
 void add_calibrate_command(CommandLine& line, const Registry& registry);
-void add_convert_command(CommandLine& line);
+void add_convert_command(CommandLine& line, const Registry& registry);
 void add_deploy_command(CommandLine& line, const Registry& registry);
 void add_detect_command(CommandLine& line, const Registry& registry);
-void add_emulate_command(CommandLine& line);
-void add_info_command(CommandLine& line);
+void add_emulate_command(CommandLine& line, const Registry& registry);
+void add_info_command(CommandLine& line, const Registry& registry);
 void add_keys_command(CommandLine& line, const Registry& registry);
 void add_migrate_command(CommandLine& line);
 void add_report_command(CommandLine& line);

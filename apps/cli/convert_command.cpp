@@ -25,8 +25,7 @@ struct ConvertOptions : ReadOptions {
   bool force = false;
 };
 
-int convert(const ConvertOptions& options) {
-  const FormatRegistry formats = built_in_formats();
+int convert(const ConvertOptions& options, const FormatRegistry& formats) {
   const std::filesystem::path recording = formats.file_of(events_of(options.recording));
   check_outputs(formats.files_of(options.out), formats.inputs_of(recording), options.force);
   ConversionConfig config = options.conversion;
@@ -74,12 +73,12 @@ PixelRegion parse_region(const std::string& text) {
 
 }  // namespace
 
-void add_convert_command(CommandLine& line) {
+void add_convert_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<ConvertOptions>();
   Command command = line.add_command("convert", "Copy a recording into another format, or a part of it");
   add_read_options(command, "in", "Event file, a folder with data.log, or a run folder", *options);
   ConversionConfig& config = options->conversion;
-  const FormatRegistry formats = built_in_formats();
+  const FormatRegistry& formats = registry.formats;
   command
       .option("out", options->out,
               "Event file to write; the extension selects the format: " + formats.written_extensions())
@@ -107,7 +106,7 @@ void add_convert_command(CommandLine& line) {
       formats.written_extensions(2) +
       "), or --camera.\n"
       "The recording is read twice. What the format cannot hold is an error, and nothing is written.");
-  command.action([options] { return convert(*options); });
+  command.action([options, &formats] { return convert(*options, formats); });
 }
 
 }  // namespace saccade

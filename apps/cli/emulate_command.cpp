@@ -80,7 +80,7 @@ void check_files(const EmulateOptions& options, const FormatRegistry& formats) {
   check_outputs(outputs, inputs, options.force);
 }
 
-int emulate(EmulateOptions options) {
+int emulate(EmulateOptions options, const FormatRegistry& formats) {
   std::vector<std::string> assignments = options.assignments;
   if (!options.preset.empty()) assignments.insert(assignments.begin(), "preset=" + options.preset);
   EmulationConfig& config = options.emulation;
@@ -89,7 +89,6 @@ int emulate(EmulateOptions options) {
   if (!seeds.contains(static_cast<double>(config.seed))) {
     throw InputError("--seed", std::to_string(config.seed), expectation_of(seeds, "a whole number"));
   }
-  const FormatRegistry formats = built_in_formats();
   check_files(options, formats);
   catch_interrupts();
   std::optional<Progress> progress;
@@ -113,13 +112,13 @@ int emulate(EmulateOptions options) {
 
 }  // namespace
 
-void add_emulate_command(CommandLine& line) {
+void add_emulate_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<EmulateOptions>();
   EmulationConfig& emulation = options->emulation;
   Command command =
       line.add_command("emulate", "The event camera alone: images or a video in, an event file out");
   command.option("images", emulation.images, "Folder of images, video, or NumPy array (.npy)").required();
-  command.option("--out", emulation.out, "Event file to write: " + built_in_formats().written_extensions())
+  command.option("--out", emulation.out, "Event file to write: " + registry.formats.written_extensions())
       .required();
   command.option("--preset", options->preset, "Event camera, as --set preset=NAME");
   command.option("--config", options->config, "Event camera (YAML), as a scenario's block `emulator`");
@@ -137,7 +136,7 @@ void add_emulate_command(CommandLine& line) {
       .in_range(1, 64)
       .show_default();
   command.flag("--force", options->force, "Replace files that exist");
-  command.action([options] { return emulate(*options); });
+  command.action([options, &registry] { return emulate(*options, registry.formats); });
 }
 
 }  // namespace saccade

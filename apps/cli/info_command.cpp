@@ -23,7 +23,7 @@ struct InfoOptions : ReadOptions {
   bool json = false;
 };
 
-RecordingSummary summarise(const InfoOptions& options) {
+RecordingSummary summarise(const InfoOptions& options, const FormatRegistry& formats) {
   catch_interrupts();
   Progress progress(0.0);
   const auto show = [&](std::int64_t events) {
@@ -32,7 +32,7 @@ RecordingSummary summarise(const InfoOptions& options) {
     if (millions < 10.0) return;  // less than a second
     progress.show(millions * 100.0, [&] { return fmt::format("{:.0f} million events", millions); });
   };
-  return summarise_recording(built_in_formats(), events_of(options.recording), options.read,
+  return summarise_recording(formats, events_of(options.recording), options.read,
                              std::llround(options.gap_ms * 1e3), show);
 }
 
@@ -132,8 +132,8 @@ void print_json(const RecordingSummary& info, const InfoOptions& options) {
   fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
-int info(const InfoOptions& options) {
-  const RecordingSummary info = summarise(options);
+int info(const InfoOptions& options, const FormatRegistry& formats) {
+  const RecordingSummary info = summarise(options, formats);
   if (options.json) {
     print_json(info, options);
   } else {
@@ -144,7 +144,7 @@ int info(const InfoOptions& options) {
 
 }  // namespace
 
-void add_info_command(CommandLine& line) {
+void add_info_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<InfoOptions>();
   Command command = line.add_command(
       "info",
@@ -156,7 +156,7 @@ void add_info_command(CommandLine& line) {
   command.flag("--json", options->json, "As JSON");
   command.footer(
       "Peak rates are those of the fullest bin of 100 ms and of 1 ms; bins begin at the first event.");
-  command.action([options] { return info(*options); });
+  command.action([options, &registry] { return info(*options, registry.formats); });
 }
 
 }  // namespace saccade

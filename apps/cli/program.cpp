@@ -26,7 +26,9 @@ std::string version_text() {
 
 }  // namespace
 
-Registry built_in_registry() { return {built_in_detectors(), built_in_controllers(), built_in_gates()}; }
+Registry built_in_registry() {
+  return {built_in_detectors(), built_in_controllers(), built_in_gates(), built_in_formats()};
+}
 
 int program(int argc, const char* const* argv, const Registry& registry) {
   CommandLine line(
@@ -36,9 +38,9 @@ int program(int argc, const char* const* argv, const Registry& registry) {
   add_run_command(line, registry);
   add_detect_command(line, registry);
   add_report_command(line);
-  add_info_command(line);
-  add_convert_command(line);
-  add_emulate_command(line);
+  add_info_command(line, registry);
+  add_convert_command(line, registry);
+  add_emulate_command(line, registry);
   add_calibrate_command(line, registry);
   add_serve_command(line, registry);
   add_deploy_command(line, registry);

@@ -3,6 +3,7 @@
 #include "control/controller_registry.h"
 #include "control/gate_registry.h"
 #include "core/detector_registry.h"
+#include "recording/format_registry.h"
 
 namespace saccade {
 
@@ -11,6 +12,7 @@ struct Registry {
   DetectorRegistry detectors;
   ControllerRegistry controllers;
   GateRegistry gates;
+  FormatRegistry formats = built_in_formats();
 };
 
 }  // namespace saccade
