@@ -25,3 +25,6 @@ write_basic_package_version_file(${CMAKE_BINARY_DIR}/saccadeConfigVersion.cmake
   COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/saccadeConfig.cmake ${CMAKE_BINARY_DIR}/saccadeConfigVersion.cmake
   DESTINATION ${SACCADE_PACKAGE_DIR} COMPONENT library)
+
+# The helper program that reads HDF5 (recording/helper_reader.h), where it was built.
+install(TARGETS saccade_hdf5_reader DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/saccade COMPONENT program OPTIONAL)
