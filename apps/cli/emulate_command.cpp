@@ -13,7 +13,6 @@
 #include "apps/session/interrupt.h"
 #include "apps/session/progress.h"
 #include "core/error.h"
-#include "recording/label_names.h"
 #include "recording/output_file.h"
 
 namespace saccade {

@@ -10,7 +10,6 @@
 
 #include "core/config.h"
 #include "core/error.h"
-#include "recording/label_names.h"
 #include "recording/number_text.h"
 #include "recording/output_file.h"
 

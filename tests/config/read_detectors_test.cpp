@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "apps/config/scenario.h"
+#include "core/baselines/original_2016.h"
 #include "core/hough_detector.h"
 
 namespace saccade {
