@@ -245,7 +245,7 @@ TEST(Aedat4File, WhoseHeaderIsBrokenIsNotOpened) {
   EXPECT_THAT(message(file_of(none, "", true, "")), HasSubstr("no stream of events"));
   const std::size_t place_of_end = mark.size() + 4 + 36;
   EXPECT_THAT(message(replaced(whole, place_of_end, little_endian(std::int64_t{20}))),
-              HasSubstr("one behind the header"));
+              HasSubstr("one after the header"));
 }
 
 TEST(Aedat4File, GivesTheFirstStreamOfEventsWithItsOwnSize) {
