@@ -142,7 +142,11 @@ std::vector<KeyRow> list_keys(const std::function<void(FieldVisitor&)>& describe
       for (std::size_t k = 0; k < rows.size(); ++k) {
         words_with[rows[k].row.path].push_back(word);
         if (position(rows[k].row.path) != found.end()) continue;
-        found.insert(k == 0 ? found.begin() : position(rows[k - 1].row.path) + 1, {rows[k], given});
+        // Before the next row that is known already, so that the order is that of the description.
+        auto place = found.end();
+        for (std::size_t next = k + 1; next < rows.size() && place == found.end(); ++next)
+          place = position(rows[next].row.path);
+        found.insert(place, {rows[k], given});
       }
     }
     const std::string key = path.substr(path.rfind('.') + 1);

@@ -115,12 +115,12 @@ TEST_F(ScenarioDefaults, NothingOfAPlausibleScenarioIsWarnedOf) {
 TEST_F(ScenarioDefaults, ACentreOutsideTheImageIsWarnedOf) {
   EXPECT_THAT(
       warnings_of(read({"camera.cx_px=130"})),
-      ElementsAre(HasSubstr("camera: the principal point (130, 69.18) lies outside the image of 128 x 128")));
+      testing::Contains(HasSubstr("camera: the principal point (130, 69.18) lies outside the image of 128 x 128")));
 }
 
 TEST_F(ScenarioDefaults, ALensOfAnotherImageIsWarnedOf) {
-  EXPECT_THAT(warnings_of(read({"camera.width_px=346", "camera.height_px=260", "camera.fx_px=99",
-                                "camera.fy_px=99", "camera.k1=-0.2", "camera.k2=0.74"})),
+  EXPECT_THAT(warnings_of(read({"camera.width_px=346", "camera.height_px=260", "camera.fx_px=60",
+                                "camera.fy_px=60", "camera.k1=-0.2", "camera.k2=0.74"})),
               testing::Contains(HasSubstr("camera: the lens moves a point of the image by")));
 }
 

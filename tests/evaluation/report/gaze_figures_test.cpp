@@ -91,7 +91,7 @@ TEST(GazeOverTime, ShowsErrorSpeedAndTargetsWithTheWrongOnesApart) {
   EXPECT_EQ(rows_of(figure.csv, "wrong ones,")[0][0], 0.6);
   EXPECT_THAT(figure.svg, HasSubstr("acquired</text>"));
   // The saccade's band, in both panels.
-  const std::string band = "rgb(227, 191, 220)";
+  const std::string band = "rgb(222, 218, 244)";
   EXPECT_NE(figure.svg.find(band), figure.svg.rfind(band));
 
   const Figure blind = gaze_over_time_figure("a", run.tables(), std::nullopt, std::nullopt, 0);
