@@ -193,7 +193,7 @@ TEST_F(Emulate, AVideoGivesTheEventsOfItsImagesAtItsRate) {
 TEST_F(Emulate, TheSameSeedGivesTheSameBytesWhateverTheNumberOfThreads) {
   write_noise("noise.npy", {40, 30}, 60);
   const auto bytes = [&](const std::string& options) {
-    const Outcome outcome = saccade("emulate " + path("noise.npy") + " --preset noisy --fps 300 --labels " +
+    const Outcome outcome = saccade("emulate " + path("noise.npy") + " --preset noisy --fps 300 --force --labels " +
                                     path("l.csv") + " --out " + path("e.aedat") + " " + options);
     EXPECT_EQ(outcome.status, 0) << outcome.text;
     return bytes_of(folder_ / "e.aedat") + bytes_of(folder_ / "l.csv");
@@ -271,7 +271,7 @@ TEST_F(Emulate, TheBusOfTheSensorSpreadsAJumpOfTheWholeImage) {
 TEST_F(Emulate, EveryEventHasTheLabelOfItsCause) {
   write_ramp("ramp.npy", 200);
   const auto label_rows = [&](const std::string& options) {
-    EXPECT_EQ(saccade("emulate " + path("ramp.npy") + " --fps 200 --labels " + path("l.csv") + " --out " +
+    EXPECT_EQ(saccade("emulate " + path("ramp.npy") + " --fps 200 --force --labels " + path("l.csv") + " --out " +
                       path("e.csv") + " " + options)
                   .status,
               0);

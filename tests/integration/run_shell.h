@@ -31,7 +31,7 @@ inline Outcome signal_when(const std::string& condition, const std::string& sign
                            const std::string& command, const std::string& console) {
   return run_shell(": > " + console + "; setsid " + command + " >> " + console + " 2>&1 & pid=$!; until " +
                    condition + " || ! kill -0 $pid; do sleep 0.02; done 2>/dev/null; kill -s " + signal +
-                   " -$pid 2>/dev/null; wait $pid; status=$?; cat " + console + "; (exit $status)");
+                   " -- -$pid 2>/dev/null; wait $pid; status=$?; cat " + console + "; (exit $status)");
 }
 
 }  // namespace saccade
