@@ -25,6 +25,8 @@ struct Estimate {
   bool held = false;
   Circle circle;
   double score = 0.0;  ///< confidence, compared with threshold(); the scale depends on the detector
+  /// Covariance of (x, y, r), px^2; zero for a detector that does not estimate it.
+  Eigen::Matrix3d covariance_px2 = Eigen::Matrix3d::Zero();
 };
 
 /// Counts of the events that a detector could not use and ignored.
