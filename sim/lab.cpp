@@ -29,12 +29,22 @@ const LabConfig& checked(const LabConfig& config) {
 
 }  // namespace
 
+void describe(FieldVisitor& v, RoundThings& round) {
+  constexpr Range several{0.0, 12.0};
+  v.integer("discs", round.discs, several, "printed discs on the wall in front");
+  v.integer("clocks", round.clocks, several, "clocks on the wall in front");
+  v.integer("wheels", round.wheels, several, "wheels at rest on the wall in front");
+  v.integer("cups", round.cups, several, "cups on boards before the wall");
+  v.integer("balls", round.balls, several, "balls at rest on boards before the wall");
+}
+
 void describe(FieldVisitor& v, LabConfig& config) {
   v.choice("clutter", config.clutter, "kind of surfaces and furniture");
   v.real("density", config.density, {0.0, 2.0}, "number of objects in the lab; 1: normally furnished");
   v.real("contrast", config.contrast, {0.0, 1.5}, "contrast of everything painted; 0: flat grey, 1: natural");
   v.real("brightness", config.brightness, {0.3, 1.2}, "brightness of the light");
   v.real("wall_distance_m", config.wall_distance_m, {1.8, 4.0}, "from the waist to the wall in front");
+  v.section("round", config.round, "round things that stand still");
 }
 
 Lab::Lab(const LabConfig& config, std::uint64_t seed)

@@ -21,6 +21,18 @@ constexpr auto words_of(Clutter) {
       {{Clutter::textured, "textured"}, {Clutter::rectilinear, "rectilinear"}});
 }
 
+/// Numbers of round things that stand still in the lab, at random places in front of the robot.
+struct RoundThings {
+  std::int64_t discs = 0;   ///< printed, on the wall
+  std::int64_t clocks = 0;  ///< on the wall
+  std::int64_t wheels = 0;  ///< on the wall
+  std::int64_t cups = 0;    ///< on boards
+  std::int64_t balls = 0;   ///< on boards
+};
+
+/// Keys: discs, clocks, wheels, cups, balls.
+void describe(FieldVisitor& v, RoundThings& round);
+
 /// The room in front of the robot. Root frame: x backward, y right, z up, the waist at the origin; the
 /// floor is at z = -0.62 m and the robot looks along -x at the back wall.
 struct LabConfig {
@@ -29,9 +41,10 @@ struct LabConfig {
   double contrast = 1.0;         ///< exponent of the painted reflectances; 0 is flat grey, 1 natural
   double brightness = 1.0;       ///< of the light; at 1 a white wall is just below saturation
   double wall_distance_m = 2.2;  ///< from the waist to the wall in front
+  RoundThings round;
 };
 
-/// Keys: clutter, density, contrast, brightness, wall_distance_m.
+/// Keys: clutter, density, contrast, brightness, wall_distance_m, round.
 void describe(FieldVisitor& v, LabConfig& config);
 
 namespace lab {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "sim/lab_round.h"
+
 namespace saccade::lab {
 namespace {
 
@@ -22,7 +24,6 @@ class Furnisher {
     } else {
       furnish_textured();
     }
-    layout_.pack();
     return std::move(layout_);
   }
 
@@ -199,6 +200,11 @@ class Furnisher {
 
 }  // namespace
 
-Layout furnished(const LabConfig& config, std::uint64_t seed) { return Furnisher(config, seed).furnish(); }
+Layout furnished(const LabConfig& config, std::uint64_t seed) {
+  Layout layout = Furnisher(config, seed).furnish();
+  add_round_things(layout, config.round, seed);
+  layout.pack();
+  return layout;
+}
 
 }  // namespace saccade::lab

@@ -13,7 +13,8 @@ using Eigen::Vector3d;
 
 constexpr double pi = std::numbers::pi;
 
-/// The axes of a solid (x right, y up, z out of the painted face) as columns, in the root frame.
+}  // namespace
+
 Eigen::Matrix3d axes_of(Facing facing) {
   Vector3d right = Vector3d::UnitY();
   Vector3d up = Vector3d::UnitZ();
@@ -40,8 +41,6 @@ Eigen::Matrix3d axes_of(Facing facing) {
   axes << right, up, right.cross(up);
   return axes;
 }
-
-}  // namespace
 
 std::size_t Layout::add_patch(double width_m, double height_m, double texels_per_m, Painter paint) {
   const auto texels = [&](double m) { return std::clamp(static_cast<int>(m * texels_per_m), 16, 640); };

@@ -18,6 +18,9 @@ inline constexpr double rear_m = 1.7;  ///< the wall behind the robot
 /// Direction of a solid's painted face.
 enum class Facing { back_wall, left_wall, right_wall, rear_wall, up, down };
 
+/// The axes of a solid (x right, y up, z out of the painted face) as columns, in the root frame.
+[[nodiscard]] Eigen::Matrix3d axes_of(Facing facing);
+
 /// A painted surface and its place in the texture that holds all of them.
 struct Patch {
   int columns = 0;
@@ -78,6 +81,12 @@ class Layout {
   void add_box(Facing wall, Spot spot, double width_m, double height_m, double depth_m, std::size_t patch);
   /// A thin cuboid that hangs on a wall, with a patch of its own. Of two that overlap one is in front.
   void add_panel(Facing wall, Spot spot, double width_m, double height_m, double texels_per_m, Painter paint);
+  /// A flat round thing that hangs on a wall; `spot` is its middle, the patch a square around it.
+  void add_disc(Facing wall, Spot spot, double radius_m, std::size_t patch);
+  /// An upright cylinder that stands on `foot_m`, the patch around it.
+  void add_column(const Eigen::Vector3d& foot_m, double radius_m, double height_m, std::size_t patch);
+  /// A smooth sphere.
+  void add_ball(const Eigen::Vector3d& centre_m, double radius_m, std::size_t patch);
   /// An ellipsoid with flat facets whose corners are moved in and out by up to `spikes` of its size.
   void add_lump(const Eigen::Vector3d& centre_m, const Eigen::Vector3d& half_m, double spikes,
                 std::size_t patch, RandomGenerator& random);

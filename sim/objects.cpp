@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "core/error.h"
+#include "sim/rotation_vector.h"
 
 namespace saccade {
 namespace {
@@ -13,6 +14,7 @@ namespace {
 constexpr double stride_m = 1.3;  ///< length of a person's double step
 constexpr double leg_swing_rad = 0.42;
 constexpr double arm_swing_rad = 0.35;
+constexpr double hand_wave_rad = 0.45;  ///< amplitude
 
 /// A rigid part of an object; x the walking direction, y to its left, z up.
 struct Piece {
@@ -30,14 +32,75 @@ std::string rgba(const std::array<double, 3>& rgb) {
   return "rgba=\"" + text_of(rgb[0]) + " " + text_of(rgb[1]) + " " + text_of(rgb[2]) + " 1\"";
 }
 
+std::string triple(double x, double y, double z) { return text_of(x) + " " + text_of(y) + " " + text_of(z); }
+
+/// A hexagon is the union of three rectangles. `flats_m`: distance between opposite sides.
+std::string prism_geoms(double length_m, double flats_m, const std::string& colour) {
+  const std::string size =
+      "size=\"" + triple(0.5 * length_m, 0.5 * flats_m, 0.5 * flats_m / std::numbers::sqrt3) + "\"";
+  std::string geoms;
+  for (const double turn_rad : {0.0, std::numbers::pi / 3.0, 2.0 * std::numbers::pi / 3.0}) {
+    geoms += geom("box", size + " axisangle=\"1 0 0 " + text_of(turn_rad) + "\"", colour);
+  }
+  return geoms;
+}
+
+std::string covered_disc_geoms(const ObjectConfig& object, const std::string& colour) {
+  const double radius_m = 0.5 * object.size_m.y();
+  constexpr double half_thickness_m = 0.004;
+  const double top_m = radius_m * std::cos(std::numbers::pi * object.shown_share);
+  const double bottom_m = -1.3 * radius_m;
+  const std::string cover = "size=\"" + triple(half_thickness_m, 1.25 * radius_m, 0.5 * (top_m - bottom_m)) +
+                            "\" pos=\"" + triple(3.0 * half_thickness_m, 0.0, 0.5 * (top_m + bottom_m)) +
+                            "\"";
+  return geom("ellipsoid", "size=\"" + triple(half_thickness_m, radius_m, radius_m) + "\"", colour) +
+         geom("box", cover, rgba(object.cover_rgb));
+}
+
+/// Palm to the robot, fingers up; the origin is the elbow's end of the wrist.
+std::string hand_geoms(const std::string& sleeve) {
+  const std::string skin = "material=\"person_skin\"";
+  std::string geoms = geom("ellipsoid", "size=\"0.014 0.043 0.050\" pos=\"0 0 0.05\"", skin) +
+                      geom("capsule", "size=\"0.027\" fromto=\"0 0 0  0 0 -0.10\"", skin) +
+                      geom("capsule", "size=\"0.040\" fromto=\"0 0 -0.12  -0.05 0 -0.45\"", sleeve) +
+                      geom("capsule", "size=\"0.011\" fromto=\"0 -0.035 0.035  0.005 -0.078 0.075\"", skin);
+  for (int finger = 0; finger < 4; ++finger) {
+    const double y_m = 0.033 - 0.022 * finger;
+    const double tip_m = finger == 1 || finger == 2 ? 0.170 : finger == 0 ? 0.145 : 0.155;
+    geoms += geom("capsule",
+                  "size=\"0.0088\" fromto=\"" + triple(0.0, 0.9 * y_m, 0.09) + "  " +
+                      triple(0.004, 1.5 * y_m, tip_m) + "\"",
+                  skin);
+  }
+  return geoms;
+}
+
+/// What `shape` is one geom of, as MuJoCo's size attribute.
+std::string size_of(const ObjectConfig& object) {
+  const Eigen::Vector3d half_m = 0.5 * object.size_m;
+  if (object.shape == ObjectShape::sphere) return text_of(half_m.y());
+  if (object.shape == ObjectShape::cylinder) return text_of(half_m.x()) + " " + text_of(half_m.z());
+  return triple(half_m.x(), half_m.y(), half_m.z());
+}
+
 std::vector<Piece> pieces_of(const ObjectConfig& object) {
   const std::string colour = rgba(object.rgb);
   if (object.shape != ObjectShape::person) {
-    const bool round = object.shape == ObjectShape::cylinder;
-    std::string size = text_of(0.5 * object.size_m[0]);
-    if (!round) size += " " + text_of(0.5 * object.size_m[1]);
-    size += " " + text_of(0.5 * object.size_m[2]);
-    return {{Eigen::Vector3d::Zero(), 0.0, geom(word_of(object.shape), "size=\"" + size + "\"", colour)}};
+    std::string geoms;
+    switch (object.shape) {
+      case ObjectShape::prism:
+        geoms = prism_geoms(object.size_m.x(), object.size_m.y(), colour);
+        break;
+      case ObjectShape::covered_disc:
+        geoms = covered_disc_geoms(object, colour);
+        break;
+      case ObjectShape::hand:
+        geoms = hand_geoms(colour);
+        break;
+      default:
+        geoms = geom(word_of(object.shape), "size=\"" + size_of(object) + "\"", colour);
+    }
+    return {{Eigen::Vector3d::Zero(), 0.0, geoms}};
   }
   const std::string skin = "material=\"person_skin\"";
   const std::string trousers = "rgba=\"0.09 0.10 0.13 1\"";
@@ -71,10 +134,27 @@ double heading_rad(const TrajectoryConfig& trajectory) {
 
 void describe(FieldVisitor& v, ObjectConfig& c) {
   v.choice("shape", c.shape, "shape of the object");
-  v.when(c.shape != ObjectShape::person, "shape: box, cylinder or ellipsoid", [&] {
-    v.reals("size_m", c.size_m, {0.001, 3.0}, "extent along x, y and z");
+  v.when(shape_has_size(c.shape), "shape: any but hand and person", [&] {
+    v.reals(
+        "size_m", c.size_m, {0.001, 3.0},
+        "extent along x, y and z (a sphere and a covered disc: diameter y; a prism: y between its sides)");
   });
-  v.reals("rgb", c.rgb, {0.0, 1.0}, "colour (for a person, of the shirt): linear reflectance");
+  v.reals("rgb", c.rgb, {0.0, 1.0}, "colour (for a person and a hand, of the shirt): linear reflectance");
+  v.when(c.shape == ObjectShape::covered_disc, "shape: covered_disc", [&] {
+    v.real("shown_share", c.shown_share, {0.1, 1.0},
+           "share of the disc's outline that the box does not hide");
+    v.reals("cover_rgb", c.cover_rgb, {0.0, 1.0}, "colour of the box: linear reflectance");
+  });
+  v.when(c.shape == ObjectShape::hand, "shape: hand", [&] {
+    v.real("wave_hz", c.wave_hz, {0.0, 5.0}, "waves per second");
+  });
+  v.when(c.shape != ObjectShape::person, "shape: any but person", [&] {
+    v.reals("turn_deg", c.turn_deg, {-360.0, 360.0},
+            "rotation at the start, a rotation vector in the root frame");
+  });
+  v.when(shape_has_size(c.shape), "shape: any but hand and person", [&] {
+    v.reals("turn_deg_s", c.turn_deg_s, {-2000.0, 2000.0}, "speed of its rotation, about a fixed axis");
+  });
   v.section("trajectory", c.trajectory, "motion of the object");
 }
 
@@ -93,8 +173,14 @@ Objects::Objects(const NamedObjects& objects, std::uint64_t seed, const mjModel&
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const ObjectConfig& config = objects[i].second;
     const bool walks = config.shape == ObjectShape::person;
+    const bool waves = config.shape == ObjectShape::hand;
     Object object{
-        Trajectory(config.trajectory, seed + i + 1), walks ? heading_rad(config.trajectory) : 0.0, {}};
+        Trajectory(config.trajectory, object_seed(seed, i)),
+        walks ? heading_rad(config.trajectory) : 0.0,
+        walks ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : radians(config.turn_deg),
+        shape_has_size(config.shape) ? radians(config.turn_deg_s) : Eigen::Vector3d(Eigen::Vector3d::Zero()),
+        waves ? 2.0 * std::numbers::pi * config.wave_hz : 0.0,
+        {}};
     const std::vector<Piece> pieces = pieces_of(config);
     for (std::size_t j = 0; j < pieces.size(); ++j) {
       const int body = mj_name2id(&model, mjOBJ_BODY, body_name(i, j).c_str());
@@ -111,9 +197,15 @@ void Objects::place(std::int64_t t_us, mjData& data) const {
     const Eigen::AngleAxisd turn(object.heading_rad, Eigen::Vector3d::UnitZ());
     const double gone_m = (turn.inverse() * at_m).x();
     const double phase = std::sin(2.0 * std::numbers::pi * gone_m / stride_m);
+    const double t_s = 1e-6 * static_cast<double>(t_us);
     for (const Part& part : object.parts) {
-      const Eigen::Quaterniond pose(turn *
-                                    Eigen::AngleAxisd(part.swing_rad * phase, Eigen::Vector3d::UnitY()));
+      Eigen::Quaterniond pose(turn * Eigen::AngleAxisd(part.swing_rad * phase, Eigen::Vector3d::UnitY()));
+      if (!object.turn_rad.isZero(0.0)) pose = pose * rotation_of(object.turn_rad);
+      if (!object.turn_rad_s.isZero(0.0)) pose = rotation_of(t_s * object.turn_rad_s) * pose;
+      if (object.wave_rad_s > 0.0) {
+        const double wave_rad = hand_wave_rad * std::sin(object.wave_rad_s * t_s);
+        pose = pose * Eigen::AngleAxisd(wave_rad, Eigen::Vector3d::UnitX());
+      }
       Eigen::Map<Eigen::Vector3d>(data.mocap_pos + 3 * part.mocap) = at_m + turn * part.joint_m;
       Eigen::Map<Eigen::Vector4d>(data.mocap_quat + 4 * part.mocap) << pose.w(), pose.vec();
     }

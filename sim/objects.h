@@ -14,31 +14,62 @@
 
 namespace saccade {
 
-/// Shape of an object; a cylinder is upright.
-enum class ObjectShape { box, cylinder, ellipsoid, person };
+/// Shape of an object.
+enum class ObjectShape {
+  box,
+  cylinder,  ///< upright
+  ellipsoid,
+  sphere,
+  prism,         ///< hexagonal, its axis along x
+  covered_disc,  ///< a disc normal to x whose lower part is behind a box that moves with it
+  hand,          ///< an open hand with forearm that waves about x
+  person,
+};
 constexpr auto words_of(ObjectShape) {
   return std::to_array<Word<ObjectShape>>({{ObjectShape::box, "box"},
                                            {ObjectShape::cylinder, "cylinder"},
                                            {ObjectShape::ellipsoid, "ellipsoid"},
+                                           {ObjectShape::sphere, "sphere"},
+                                           {ObjectShape::prism, "prism"},
+                                           {ObjectShape::covered_disc, "covered_disc"},
+                                           {ObjectShape::hand, "hand"},
                                            {ObjectShape::person, "person"}});
+}
+
+/// Whether a shape has a size of its own: a hand and a person (1.72 m tall) have none.
+[[nodiscard]] constexpr bool shape_has_size(ObjectShape shape) {
+  return shape != ObjectShape::hand && shape != ObjectShape::person;
 }
 
 /// A moving object in front of the robot besides the ball: it distracts, or hides the ball.
 struct ObjectConfig {
   ObjectShape shape = ObjectShape::box;
-  /// Extent along x, y, z (a cylinder has the diameter x); a person is always 1.72 m tall.
+  /// Extent along x, y, z. A cylinder has the diameter x, a sphere and a covered disc the diameter y, a prism the
+  /// distance y between opposite sides.
   Eigen::Vector3d size_m = {0.08, 0.08, 0.08};
   std::array<double, 3> rgb = {0.10, 0.25, 0.60};  ///< linear reflectance; for a person that of the shirt
+  double shown_share = 0.5;  ///< covered disc: share of the outline that the box does not hide
+  std::array<double, 3> cover_rgb = {0.45, 0.42, 0.36};  ///< covered disc: linear reflectance of the box
+  double wave_hz = 1.5;                                  ///< hand: waves per second
+  /// Rotation at the start (not of a person), and its speed (not of a hand): rotation vectors, root frame.
+  std::array<double, 3> turn_deg = {0.0, 0.0, 0.0};
+  std::array<double, 3> turn_deg_s = {0.0, 0.0, 0.0};
   /// Trajectory of its centre; for a person, of the point on the floor between the feet. A person faces the direction of
   /// the first segment (y without waypoints), also when walking back.
   TrajectoryConfig trajectory;
 };
 
-/// Keys: shape, size_m (not of a person), rgb, trajectory.
+/// Keys: shape, size_m, rgb, shown_share, cover_rgb, wave_hz, turn_deg, turn_deg_s, trajectory; of the shapes that have
+/// them.
 void describe(FieldVisitor& v, ObjectConfig& config);
 
 /// Objects under their names, in the order of the scenario.
 using NamedObjects = std::vector<std::pair<std::string, ObjectConfig>>;
+
+/// The seed of the sway of the object with this index.
+[[nodiscard]] constexpr std::uint64_t object_seed(std::uint64_t seed, std::size_t index) {
+  return seed + index + 1;
+}
 
 /// The objects as MJCF elements for World: mocap bodies whose names begin with `distractor`. Empty without objects.
 [[nodiscard]] std::string objects_mjcf(const NamedObjects& objects);
@@ -60,7 +91,10 @@ class Objects {
   };
   struct Object {
     Trajectory trajectory;
-    double heading_rad;  ///< about z
+    double heading_rad;          ///< about z
+    Eigen::Vector3d turn_rad;    ///< rotation vector at the start
+    Eigen::Vector3d turn_rad_s;  ///< and its speed
+    double wave_rad_s;           ///< angular frequency of a hand
     std::vector<Part> parts;
   };
   std::vector<Object> objects_;

@@ -46,12 +46,14 @@ void SimEye::take_image(std::int64_t t_us, mjData& data) {
   emulator_.process_image(luminance_, t_us, events_, labelled_ ? &labels_ : nullptr, objects_);
   for (Event& event : events_) event.camera = number_;
   const Eigen::Isometry3d root_from_cam = World::root_from_camera(data, model_camera_);
+  if (!world_->has_ball()) return;
   truth_.visible = renderer_->visible_share(root_from_cam.inverse() * world_->ball_position_m(data),
                                             world_->ball_radius_m());
 }
 
 void SimEye::update_truth() {
   truth_.root_from_cam = World::root_from_camera(world_->data(), model_camera_);
+  if (!world_->has_ball()) return;
   truth_.circle = camera().project_sphere(truth_.root_from_cam.inverse() * world_->ball_position_m(),
                                           world_->ball_radius_m());
   if (!truth_.circle) truth_.visible = 0.0;

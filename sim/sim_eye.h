@@ -19,7 +19,7 @@ namespace saccade {
 /// The ground truth of one eye at an instant, for recorders and scores; core and control have no access to it.
 struct EyeTruth {
   std::optional<Circle>
-      circle;  ///< the true circle in the eye's image; none if the ball is not in front of it
+      circle;  ///< the true circle in the eye's image; none if the ball is not in front of it or absent
   /// Share of the ball's disc inside the image and not hidden, [0, 1], as of the newest image. Nothing in the image
   /// has moved by more than SamplingConfig::max_displacement_px since then.
   double visible = 0.0;

@@ -14,6 +14,7 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 constexpr Range metres{-5.0, 5.0};
+constexpr double gravity_m_s2 = 9.81;
 
 /// Distance covered at u by a motion that accelerates from rest at u = 0 to unit speed at u = 1. The speed is a cubic
 /// step, so the acceleration is continuous. The distance is 1/2 at u = 1.
@@ -47,7 +48,8 @@ void describe(FieldVisitor& v, TrajectoryConfig& c) {
   });
   v.when(c.kind == Kind::waypoints, "kind: waypoints", [&] {
     v.choice("profile", c.profile, "speed along a segment");
-    v.real("speed_m_s", c.speed_m_s, {0.001, 10.0}, "mean (minimum_jerk) or full speed along a segment");
+    v.real("speed_m_s", c.speed_m_s, {0.001, 10.0},
+           "mean (minimum_jerk, free_fall) or full speed along a segment");
     v.real("dwell_s", c.dwell_s, {0.0, 60.0}, "rest at every point after the first");
     v.boolean("loop", c.loop, "from the last point back to the first, without end");
     for (std::size_t i = 1; i < c.points_m.size(); ++i) {
@@ -126,14 +128,20 @@ Eigen::Vector3d Trajectory::along_waypoints_m(double moving_s) const {
   const Segment& segment = *std::prev(next);
   const double t_s = moving_s - segment.start_s;
   double share = 1.0;  // of the segment's length
-  if (segment.ramp_s == 0.0) {
+  if (config_.profile == SpeedProfile::free_fall) {
+    share = std::clamp(t_s / segment.move_s, 0.0, 1.0);
+  } else if (segment.ramp_s == 0.0) {
     share = minimum_jerk(std::clamp(t_s / segment.move_s, 0.0, 1.0));
   } else if (t_s < segment.move_s) {
     const double ramp_s = segment.ramp_s;
     const double full_s = segment.move_s - ramp_s;
     share = ramp_s * (smooth_start(t_s / ramp_s) - smooth_start((t_s - full_s) / ramp_s)) / full_s;
   }
-  return segment.from_m + share * (segment.to_m - segment.from_m);
+  Eigen::Vector3d at_m = segment.from_m + share * (segment.to_m - segment.from_m);
+  if (config_.profile == SpeedProfile::free_fall) {
+    at_m.z() += 0.5 * gravity_m_s2 * segment.move_s * segment.move_s * share * (1.0 - share);
+  }
+  return at_m;
 }
 
 double Trajectory::sway_m(int axis, double t_s) const {

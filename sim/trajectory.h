@@ -18,10 +18,11 @@ constexpr auto words_of(TrajectoryKind) {
 }
 
 /// Speed along a segment between two waypoints.
-enum class SpeedProfile { minimum_jerk, constant_speed };
+enum class SpeedProfile { minimum_jerk, constant_speed, free_fall };
 constexpr auto words_of(SpeedProfile) {
-  return std::to_array<Word<SpeedProfile>>(
-      {{SpeedProfile::minimum_jerk, "minimum_jerk"}, {SpeedProfile::constant_speed, "constant_speed"}});
+  return std::to_array<Word<SpeedProfile>>({{SpeedProfile::minimum_jerk, "minimum_jerk"},
+                                            {SpeedProfile::constant_speed, "constant_speed"},
+                                            {SpeedProfile::free_fall, "free_fall"}});
 }
 
 /// The motion of the ball or of another object. Points are its centres in the root frame (x backward, y right, z up), m.
@@ -37,7 +38,7 @@ struct TrajectoryConfig {
   // waypoints
   SpeedProfile profile = SpeedProfile::minimum_jerk;
   /// Speed along every segment: the mean speed of a minimum-jerk move (the peak is 1.875 times as high), or the speed
-  /// between the ramps of a constant-speed move.
+  /// between the ramps of a constant-speed move. A throw (free_fall) takes length / speed, so that slow ones are high.
   double speed_m_s = 0.1;
   double dwell_s = 0.0;  ///< rest at every point after the first
   bool loop = false;     ///< from the last point back to the first, without end
@@ -59,7 +60,8 @@ struct TrajectoryConfig {
 /// Keys as above; those that do not belong to `kind` and `profile` are not visited.
 void describe(FieldVisitor& v, TrajectoryConfig& config);
 
-/// Position of an object's centre as a function of time. Position, velocity and acceleration are continuous. The sway is
+/// Position of an object's centre as a function of time. Position, velocity and acceleration are continuous; with
+/// free_fall the position is, and the velocity jumps where the object is thrown and caught. The sway is
 /// a sum of seeded sinusoids of 0.5 to 3 Hz, with larger amplitudes at lower frequencies, that grows from 0 in the first
 /// second.
 class Trajectory {

@@ -40,7 +40,8 @@ const WorldConfig& checked(const WorldConfig& config) {
   return config;
 }
 
-MjModelPtr load_model(const std::filesystem::path& models, const std::string& lab_mjcf) {
+MjModelPtr load_model(const std::filesystem::path& models, const std::string& hand,
+                      const std::string& extra_mjcf) {
   // MuJoCo writes no log file: warnings are counted in mjData, and step() reports them as errors.
   mju_user_warning = [](const char*) {};
 
@@ -54,7 +55,8 @@ MjModelPtr load_model(const std::filesystem::path& models, const std::string& la
     add(name, read_text(models / name));
     includes += "<include file=\"" + name + "\"/>";
   }
-  add("world.xml", "<mujoco model=\"saccade\">" + includes + lab_mjcf + "</mujoco>");
+  add("hand.xml", read_text(models / hand));  // ball_in_hand.xml includes it
+  add("world.xml", "<mujoco model=\"saccade\">" + includes + extra_mjcf + "</mujoco>");
 
   char error[1000] = "";
   MjModelPtr model(mj_loadXML("world.xml", vfs.get(), error, sizeof error));
@@ -87,13 +89,6 @@ int find(const mjModel& model, mjtObj type, const std::string& name) {
 
 }  // namespace
 
-void describe(FieldVisitor& v, BallConfig& c) {
-  v.real("diameter_m", c.diameter_m, {0.03, 0.2}, "diameter of the ball");
-  v.reals("rgb", c.rgb, {0.0, 1.0}, "colour: linear reflectance in red, green and blue");
-  v.choice("sleeve", c.sleeve, "pattern of the sleeve of the arm that holds it");
-  v.section("trajectory", c.trajectory, "motion of the ball");
-}
-
 void describe(FieldVisitor& v, WorldConfig& c) {
   v.section("ball", c.ball, "the ball and the hand that holds it");
   v.named_sections("objects", c.objects, "other moving objects, by name", "a moving object");
@@ -108,14 +103,18 @@ std::filesystem::path models_directory() { return SACCADE_MODELS_DIR; }
 World::World(const WorldConfig& config, const std::string& lab_mjcf, std::uint64_t seed,
              const std::filesystem::path& models)
     : trajectory_(checked(config).ball.trajectory, seed),
+      ball_radius_m_(0.5 * config.ball.diameter_m),
+      has_ball_(config.ball.present),
+      rolls_(config.ball.rolls),
       board_(config.board),
       command_delay_us_(1000 * config.plant.command_delay_ms) {
-  model_ = load_model(
-      models, lab_mjcf + objects_mjcf(config.objects) + (board_ ? board_mjcf(*board_) : std::string()));
+  model_ = load_model(models, hand_file(config.ball),
+                      lab_mjcf + pattern_mjcf(config.ball) + objects_mjcf(config.objects) +
+                          (board_ ? board_mjcf(*board_) : std::string()));
   data_.reset(mj_makeData(model_.get()));
   if (!data_) throw RunError("MuJoCo has no memory for the world");
   find_parts();
-  set_up_ball(config.ball);
+  set_up_ball(*model_, config.ball);
   set_up_drives(config.plant);
   objects_.emplace(config.objects, seed, *model_);
   if (board_) {
@@ -157,28 +156,6 @@ void World::find_parts() {
   ball_mocap_ = m.body_mocapid[find(m, mjOBJ_BODY, "ball_hand")];
   left_eye_ = find(m, mjOBJ_CAMERA, "left_eye");
   right_eye_ = find(m, mjOBJ_CAMERA, "right_eye");
-}
-
-void World::set_up_ball(const BallConfig& config) {
-  mjModel& m = *model_;
-  const int ball = find(m, mjOBJ_GEOM, "ball");
-  ball_radius_m_ = 0.5 * config.diameter_m;
-  const double scale = ball_radius_m_ / m.geom_size[3 * ball];
-  m.geom_size[3 * ball] = m.geom_rbound[ball] = ball_radius_m_;
-  float* rgba = m.mat_rgba + 4 * m.geom_matid[ball];
-  for (std::size_t i = 0; i < 3; ++i) rgba[i] = static_cast<float>(config.rgb[i]);
-  const int hand = find(m, mjOBJ_BODY, "hand");
-  for (int g = m.body_geomadr[hand]; g < m.body_geomadr[hand] + m.body_geomnum[hand]; ++g) {
-    mju_scl3(m.geom_pos + 3 * g, m.geom_pos + 3 * g, scale);
-    if (m.geom_type[g] != mjGEOM_CAPSULE) continue;
-    m.geom_size[3 * g + 1] *= scale;
-    m.geom_rbound[g] = m.geom_size[3 * g] + m.geom_size[3 * g + 1];
-  }
-  if (config.sleeve == Sleeve::checked) {
-    m.geom_matid[find(m, mjOBJ_GEOM, "arm_sleeve")] = find(m, mjOBJ_MATERIAL, "person_sleeve_checked");
-  }
-  mjtNum* arm_pos = m.body_pos + 3 * find(m, mjOBJ_BODY, "arm");
-  mju_scl3(arm_pos, arm_pos, scale);
 }
 
 void World::set_up_drives(const PlantConfig& config) {
@@ -354,7 +331,12 @@ void World::pose(std::int64_t t_us, const JointVector& position_rad, mjData& dat
 }
 
 void World::place_objects(std::int64_t t_us, mjData& data) const {
-  Eigen::Map<Eigen::Vector3d>(data.mocap_pos + 3 * ball_mocap_) = trajectory_.position_m(t_us);
+  const Eigen::Vector3d ball_m = trajectory_.position_m(t_us);
+  Eigen::Map<Eigen::Vector3d>(data.mocap_pos + 3 * ball_mocap_) = ball_m;
+  if (rolls_) {
+    const Eigen::Quaterniond turn = rolled(ball_m - trajectory_.position_m(0), ball_radius_m_);
+    Eigen::Map<Eigen::Vector4d>(data.mocap_quat + 4 * ball_mocap_) << turn.w(), turn.vec();
+  }
   objects_->place(t_us, data);
   if (!board_) return;
   const Eigen::Isometry3d board = root_from_board(*board_, t_us);

@@ -15,6 +15,7 @@
 #include "core/config.h"
 #include "core/event_label.h"
 #include "head/head_state.h"
+#include "sim/ball.h"
 #include "sim/board.h"
 #include "sim/mujoco_compat.h"
 #include "sim/objects.h"
@@ -22,23 +23,6 @@
 #include "sim/trajectory.h"
 
 namespace saccade {
-
-/// Pattern of the sleeve of the arm that holds the ball.
-enum class Sleeve { plain, checked };
-constexpr auto words_of(Sleeve) {
-  return std::to_array<Word<Sleeve>>({{Sleeve::plain, "plain"}, {Sleeve::checked, "checked"}});
-}
-
-/// The ball and the arm that holds it.
-struct BallConfig {
-  double diameter_m = 0.095;
-  std::array<double, 3> rgb = {0.65, 0.10, 0.07};  ///< linear reflectance; one colour, matt
-  Sleeve sleeve = Sleeve::plain;
-  TrajectoryConfig trajectory;
-};
-
-/// Keys: diameter_m, rgb, sleeve, trajectory.
-void describe(FieldVisitor& v, BallConfig& config);
 
 struct WorldConfig {
   BallConfig ball;
@@ -62,7 +46,7 @@ class World {
  public:
   static constexpr std::int64_t tick_us = 1000;
 
-  /// Loads `icub_head.xml` and `ball_in_hand.xml` from `models` and adds `lab_mjcf`, MJCF elements of the
+  /// Loads `icub_head.xml`, `ball_in_hand.xml` and the hand's file from `models` and adds `lab_mjcf`, MJCF elements of the
   /// lab (`<asset>...</asset><worldbody>...</worldbody>`, angles in radians; may be empty). The plant starts
   /// at rest under gravity, references at the initial pose.
   /// Throws InputError for a configuration out of range and for a missing model file, RunError if MuJoCo rejects the
@@ -90,6 +74,8 @@ class World {
   /// Ground truth: centre of the ball now, root frame; start of its commanded motion.
   [[nodiscard]] Eigen::Vector3d ball_position_m() const { return ball_position_m(*data_); }
   [[nodiscard]] double ball_radius_m() const { return ball_radius_m_; }
+  /// Whether there is a ball at all. Without one, the position is that of its trajectory.
+  [[nodiscard]] bool has_ball() const { return has_ball_; }
   [[nodiscard]] std::int64_t first_motion_us() const { return trajectory_.first_motion_us(); }
   /// Ground truth: poses of the eyes' cameras now (x right, y down, z along the optical axis), from the plant's joints.
   [[nodiscard]] Eigen::Isometry3d root_from_left_cam() const { return root_from_camera(data(), left_eye_); }
@@ -119,7 +105,6 @@ class World {
 
  private:
   void find_parts();
-  void set_up_ball(const BallConfig& config);     // in the model: size, colour, hand
   void set_up_drives(const PlantConfig& config);  // in the model: axes, friction; and the backlash
   void place_objects(std::int64_t t_us, mjData& data) const;
   void apply_due_commands();
@@ -143,7 +128,9 @@ class World {
   Trajectory trajectory_;
   std::optional<Objects> objects_;
   JointLimits limits_;
-  double ball_radius_m_ = 0.0;
+  double ball_radius_m_;
+  bool has_ball_;
+  bool rolls_;
   std::array<int, joint_count> joint_{};     ///< MuJoCo joint; the last two are the left and right eye pan
   std::array<int, joint_count> actuator_{};  ///< its servo
   int ball_mocap_ = 0;

@@ -43,6 +43,7 @@ void describe_camera(FieldVisitor& v, MountedCamera& mounted, std::string& prese
   if (reads) {
     camera = camera_preset(preset);
     if (!chosen && camera.size != by_default.size) camera = pinhole_camera(by_default.size);
+    if (!chosen && by_default.camera) camera = *by_default.camera;
   }
   const ImageSize size = camera.size;
   describe_image_size(v, camera);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,8 @@ namespace saccade {
 struct CameraDefault {
   std::string preset;
   ImageSize size;  ///< another size than the preset's: the pinhole of that size
+  std::optional<Camera>
+      camera;  ///< in place of both, unless the block has a preset or an image size of its own
 };
 
 /// Keys of a scenario's camera: preset, then those of MountedCamera. While a file is read, keys that it lacks have the

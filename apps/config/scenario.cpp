@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/config/cameras.h"
+#include "apps/config/world_defaults.h"
 #include "apps/config/yaml_reader.h"
 #include "apps/config/yaml_writer.h"
 #include "core/units.h"
@@ -96,6 +97,7 @@ void describe(FieldVisitor& v, Scenario& s) {
   describe_name(v, s.name, "of the scenario, in reports and in the name of the run folder");
   v.text("description", s.description, "what happens, in a sentence");
   v.integer("seed", s.seed, {0, 9e15}, "of everything random in the run");
+  v.optional_section("world", s.world, "a world drawn from the seed, whose values the other keys change");
   v.section(
       "run",
       [&](FieldVisitor& w) {
@@ -112,7 +114,7 @@ void describe(FieldVisitor& v, Scenario& s) {
   v.section(
       "camera",
       [&](FieldVisitor& w) {
-        describe_camera(w, left, s.camera_preset, {"icub_left_2016", Camera{}.size});
+        describe_camera(w, left, s.camera_preset, {"icub_left_2016", Camera{}.size, s.drawn_camera});
       },
       "the left eye's camera");
   s.sim.camera = left.camera;
@@ -121,7 +123,8 @@ void describe(FieldVisitor& v, Scenario& s) {
     v.section(
         "right_camera",
         [&](FieldVisitor& w) {
-          describe_camera(w, s.sim.right, s.right_camera_preset, {"icub_right_2016", left.camera.size});
+          describe_camera(w, s.sim.right, s.right_camera_preset,
+                          {"icub_right_2016", left.camera.size, std::nullopt});
           w.require(s.sim.right.camera.size == left.camera.size, "width_px",
                     in_words(s.sim.right.camera.size),
                     "the left camera's image, " + in_words(left.camera.size));
@@ -194,12 +197,16 @@ Scenario read_scenario(const std::filesystem::path& path, const std::vector<std:
 }
 
 Scenario read_scenario(YamlTree tree, const std::filesystem::path& folder, const Registry& registry) {
-  std::vector<std::string> required = {"name",     "run", "run.duration_s", "ball", "ball.trajectory",
-                                       "detectors"};
+  std::vector<std::string> required = {"name", "detectors"};
   Scenario scenario;
   scenario.gaze.controller = registry.controllers.config();
   scenario.gaze.gate = registry.gates.config();
   scenario.detectors = named_detectors_in(tree, registry.detectors, required);
+  if (tree.root.find("world") != nullptr) {
+    draw_defaults(tree, folder.string(), scenario);
+  } else {
+    required.insert(required.end(), {"run", "run.duration_s", "ball", "ball.trajectory"});
+  }
   YamlReader reader(tree, std::move(required), folder.string());
   describe(reader, scenario);
   reader.finish();

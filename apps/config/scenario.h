@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/config/random_world.h"
 #include "apps/config/registry.h"
 #include "apps/config/sections.h"
 #include "control/controller_registry.h"
@@ -34,6 +35,10 @@ struct Scenario {
     double duration_s = 4.0;
     std::int64_t threads = 2;
   } run;
+
+  /// Where the defaults of the world come from; none: they are those of the keys.
+  std::optional<RandomWorldConfig> world;
+  std::optional<Camera> drawn_camera;  ///< of a random world: what the keys of sim.camera start from
 
   SimConfig sim;
   std::string camera_preset = "icub_left_2016";         ///< the keys of sim.camera start from
@@ -68,6 +73,8 @@ void describe(FieldVisitor& v, Scenario& scenario);
 /// `calibration` start from the scenario's `camera`, or from the file that `calibration.file` names (as
 /// read_calibration reads it; relative to the scenario, from --set relative to the working directory); those of
 /// `right_calibration` likewise from `right_camera`.
+/// With `world`, values of the world that the scenario does not give are those of draw_world(), detectors have
+/// radius_range_px() as default of radius_px, and unless one of them drives the head, the head follows the world's script.
 /// Throws InputError with everything that is wrong.
 [[nodiscard]] Scenario read_scenario(const std::filesystem::path& path,
                                      const std::vector<std::string>& assignments,

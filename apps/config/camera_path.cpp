@@ -1,0 +1,92 @@
+#include "apps/config/camera_path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "control/head_kinematics.h"
+#include "core/units.h"
+
+namespace saccade {
+namespace {
+
+/// A board or another box that may pass before the ball.
+struct Screen {
+  Trajectory trajectory;
+  Eigen::Vector3d half_m;
+};
+
+/// Whether the line from eye to ball passes the middle plane of a box, between the two.
+bool hides(const Screen& screen, std::int64_t t_us, const Eigen::Vector3d& eye_m,
+           const Eigen::Vector3d& ball_m) {
+  const Eigen::Vector3d at_m = screen.trajectory.position_m(t_us);
+  const double share = (at_m.x() - eye_m.x()) / (ball_m.x() - eye_m.x());
+  if (!(share > 0.0 && share < 1.0)) return false;
+  const Eigen::Vector3d off_m = eye_m + share * (ball_m - eye_m) - at_m;
+  return std::abs(off_m.y()) < screen.half_m.y() && std::abs(off_m.z()) < screen.half_m.z();
+}
+
+}  // namespace
+
+CameraPath::CameraPath(const ScriptConfig* script, const std::array<double, joint_count>& initial_pose_deg,
+                       double duration_s) {
+  HeadState state;
+  for (int j = 0; j < joint_count; ++j) {
+    state.position_rad[j] = initial_pose_deg[static_cast<std::size_t>(j)] * rad_per_deg;
+  }
+  MotionLimits limits;  // a script's points lie within the head's
+  limits.hardware_min_rad.setConstant(-std::numeric_limits<double>::infinity());
+  limits.hardware_max_rad.setConstant(std::numeric_limits<double>::infinity());
+  std::optional<ScriptController> controller;
+  if (script != nullptr) controller.emplace(*script, limits);
+  const auto count = std::llround(duration_s * 1e6) / step_us;
+  for (std::int64_t i = 0; i <= count; ++i) {
+    root_from_eye_.push_back(HeadKinematics(state.position_rad).root_from_eye(Eye::left));
+    if (!controller) continue;
+    state.position_rad.tail<head_joint_count>() = controller->step(state, std::nullopt, 1e-6 * step_us);
+  }
+}
+
+BallView view_of(const CameraPath& path, const Camera& camera, const Trajectory& ball, double radius_m,
+                 const NamedObjects& objects, std::uint64_t seed) {
+  std::vector<Screen> screens;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const ObjectConfig& object = objects[i].second;
+    if (object.shape != ObjectShape::box) continue;
+    screens.push_back({Trajectory(object.trajectory, object_seed(seed, i)), 0.5 * object.size_m});
+  }
+  BallView view{0.0, std::numeric_limits<double>::infinity(), 0.0, 0.0};
+  const double width = camera.size.width;
+  const double height = camera.size.height;
+  int in_view = 0;
+  std::optional<Circle> last;
+  std::int64_t t_us = 0;
+  for (const Eigen::Isometry3d& root_from_eye : path.root_from_eye()) {
+    const Eigen::Vector3d ball_m = ball.position_m(t_us);
+    const auto circle = camera.project_sphere(root_from_eye.inverse() * ball_m, radius_m);
+    const auto lies_within = [&](double margin_px) {
+      return circle && circle->x_px > -margin_px && circle->y_px > -margin_px &&
+             circle->x_px < width - 1.0 + margin_px && circle->y_px < height - 1.0 + margin_px;
+    };
+    if (circle && lies_within(circle->r_px)) {
+      view.smallest_px = std::min(view.smallest_px, circle->r_px);
+      view.largest_px = std::max(view.largest_px, circle->r_px);
+    }
+    if (lies_within(0.0)) {
+      const bool hidden = std::any_of(screens.begin(), screens.end(), [&](const Screen& screen) {
+        return hides(screen, t_us, root_from_eye.translation(), ball_m);
+      });
+      if (!hidden) ++in_view;
+      if (last) {
+        const double moved_px = std::hypot(circle->x_px - last->x_px, circle->y_px - last->y_px);
+        view.fastest_px_s = std::max(view.fastest_px_s, 1e6 * moved_px / CameraPath::step_us);
+      }
+    }
+    last = circle;
+    t_us += CameraPath::step_us;
+  }
+  view.in_view_share = static_cast<double>(in_view) / static_cast<double>(path.root_from_eye().size());
+  return view;
+}
+
+}  // namespace saccade

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "apps/config/random_world.h"
+#include "sim/random_generator.h"
+
+// The draws of a random world, part by part.
+namespace saccade::random_world {
+
+/// Uniform in the logarithm.
+inline double log_real(RandomGenerator& random, double low, double high) {
+  return low * std::pow(high / low, random.real(0.0, 1.0));
+}
+/// One of the values.
+template <class Value, std::size_t N>
+Value one_of(RandomGenerator& random, const Value (&values)[N]) {
+  return values[random.index(static_cast<int>(N))];
+}
+
+/// The space in front of the left eye, in which things are placed by where they are seen.
+struct Stage {
+  Camera camera;
+  Eigen::Isometry3d root_from_eye;  ///< the mean pose of the camera
+  double farthest_m;                ///< along the optical axis: nearer than the furniture
+
+  /// The point at depth z_m whose place in the image is (u, v): 0 at the left and top border, 1 at the others.
+  [[nodiscard]] Eigen::Vector3d point(double u, double v, double z_m) const;
+  /// A point inside the image, at a depth from near_m to far_m.
+  [[nodiscard]] Eigen::Vector3d any_point(RandomGenerator& random, double near_m, double far_m) const;
+  /// Metres per pixel at a depth.
+  [[nodiscard]] double metres_per_px(double z_m) const { return z_m / camera.fx_px; }
+};
+
+/// A camera: image size, field of view, principal point.
+[[nodiscard]] Camera draw_camera(RandomGenerator& random);
+/// A sensor: one of the presets of the event camera.
+[[nodiscard]] EmulatorConfig draw_sensor(RandomGenerator& random);
+/// A room with its light and the round things in it.
+[[nodiscard]] LabConfig draw_lab(RandomGenerator& random);
+
+/// Which of eyes and neck move, and where to. `rests`: nothing else moves, so that pauses are short.
+[[nodiscard]] HeadMotion draw_motion(RandomGenerator& random);
+[[nodiscard]] ScriptConfig draw_script(RandomGenerator& random, HeadMotion motion, bool rests);
+
+/// Objects that move by themselves and are no ball, `count` of them; the first is in the image from the start.
+[[nodiscard]] NamedObjects draw_distractors(RandomGenerator& random, const Stage& stage, int count);
+/// A board that passes before the ball at about `ball_m`.
+[[nodiscard]] ObjectConfig draw_board(RandomGenerator& random, const Stage& stage,
+                                      const Eigen::Vector3d& ball_m, double ball_radius_m);
+
+/// Radius of a ball and the depths at which it has the right size in the image.
+struct BallSize {
+  double radius_m;
+  double nearest_m;
+  double farthest_m;
+};
+[[nodiscard]] BallSize draw_ball_size(RandomGenerator& random, const Stage& stage, double smallest_m);
+/// Colours, pattern, gloss and hand.
+[[nodiscard]] BallConfig draw_ball_look(RandomGenerator& random);
+/// A motion that suits what holds the ball. `may_rest`: it may be at rest all the time. `leaves`: it goes out of the
+/// image for a time.
+[[nodiscard]] TrajectoryConfig draw_ball_motion(RandomGenerator& random, const Stage& stage,
+                                                const BallConfig& ball, const BallSize& size, bool may_rest,
+                                                bool leaves);
+
+}  // namespace saccade::random_world
