@@ -41,7 +41,7 @@ struct LabConfig {
   double contrast = 1.0;         ///< exponent of the painted reflectances; 0 is flat grey, 1 natural
   double brightness = 1.0;       ///< of the light; at 1 a white wall is just below saturation
   double wall_distance_m = 2.2;  ///< from the waist to the wall in front
-  RoundThings round;
+  RoundThings round = {};
 };
 
 /// Keys: clutter, density, contrast, brightness, wall_distance_m, round.
