@@ -1,9 +1,13 @@
 #include "core/detector_registry.h"
 
 #include "core/ball_tracker.h"
+#include "core/baselines/blob_filter.h"
 #include "core/baselines/cluster.h"
+#include "core/baselines/eros.h"
 #include "core/baselines/multi_kernel.h"
 #include "core/baselines/original_2016.h"
+#include "core/baselines/particle_filter.h"
+#include "core/baselines/scarf.h"
 #include "core/hough_detector.h"
 
 namespace saccade {
@@ -107,6 +111,22 @@ DetectorRegistry built_in_detectors() {
   registry.add(detector_row("multi_kernel", "multi-kernel tracker with rings as kernels", MultiKernelConfig{},
                             [](const MultiKernelConfig& config, const Camera& camera) {
                               return std::make_unique<MultiKernelDetector>(config, camera.size);
+                            }));
+  registry.add(detector_row("eros", "convolution kernels on an exponential reduced ordinal surface",
+                            ErosConfig{}, [](const ErosConfig& config, const Camera& camera) {
+                              return std::make_unique<ErosDetector>(config, camera.size);
+                            }));
+  registry.add(detector_row("scarf", "convolution kernels on a set of centre active receptive fields",
+                            ScarfConfig{}, [](const ScarfConfig& config, const Camera& camera) {
+                              return std::make_unique<ScarfDetector>(config, camera.size);
+                            }));
+  registry.add(detector_row("particle_filter", "particle filter of circles", ParticleFilterConfig{},
+                            [](const ParticleFilterConfig& config, const Camera& camera) {
+                              return std::make_unique<ParticleFilter>(config, camera.size);
+                            }));
+  registry.add(detector_row("blob_filter", "Kalman filters of blobs of events", BlobFilterConfig{},
+                            [](const BlobFilterConfig& config, const Camera& camera) {
+                              return std::make_unique<BlobFilter>(config, camera.size);
                             }));
   registry.defaults = {"paper_full", "paper_directed", "best"};
   return registry;

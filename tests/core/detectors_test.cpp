@@ -9,9 +9,13 @@
 #include <ostream>
 
 #include "core/ball_tracker.h"
+#include "core/baselines/blob_filter.h"
 #include "core/baselines/cluster.h"
+#include "core/baselines/eros.h"
 #include "core/baselines/multi_kernel.h"
 #include "core/baselines/original_2016.h"
+#include "core/baselines/particle_filter.h"
+#include "core/baselines/scarf.h"
 #include "core/detector_registry.h"
 #include "core/hough_detector.h"
 #include "tests/core/allocation_counter.h"
@@ -249,7 +253,8 @@ void set_radius_px(DetectorConfig& config, const std::array<double, 2>& radius_p
 TEST_P(EveryDetector, AcceptsARangeOfRadii) {
   DetectorConfig config = built_in_detectors().config(GetParam());
   const auto set = set_radius_px<HoughDetectorConfig, BallTrackerConfig, Original2016Config, ClusterConfig,
-                                 MultiKernelConfig>;
+                                 MultiKernelConfig, ErosConfig, ScarfConfig, ParticleFilterConfig,
+                                 BlobFilterConfig>;
   set(config, {4, 25});
   EXPECT_NO_THROW(static_cast<void>(make_detector(config, Camera{})));
   for (const auto& wrong : {std::array<double, 2>{25, 4}, {4.5, 25}, {0, 25}, {4, 256}}) {
@@ -271,7 +276,8 @@ TEST(DetectorRegistry, HoldsTheShippedDetectorsByPreset) {
   const DetectorRegistry registry = built_in_detectors();
   EXPECT_THAT(registry.names(),
               testing::ElementsAre("paper_full", "paper_directed", "best", "lifetime", "single_radius",
-                                   "original_2016", "cluster", "multi_kernel"));
+                                   "original_2016", "cluster", "multi_kernel", "eros", "scarf",
+                                   "particle_filter", "blob_filter"));
   EXPECT_THAT(registry.defaults, testing::ElementsAre("paper_full", "paper_directed", "best"));
   for (const DetectorRow& row : registry.rows()) {
     EXPECT_EQ(registry.config(row.name).preset(), row.name);

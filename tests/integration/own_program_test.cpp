@@ -78,7 +78,7 @@ TEST_F(OwnProgram, SweepsWithADetectorOfItsOwn) {
 TEST_F(OwnProgram, ListsADetectorOfItsOwnWhereAPresetIsUnknown) {
   const Outcome run = with_detector("run" + scenario + "--set detectors.mine.preset=mine");
   EXPECT_EQ(run.status, 2);
-  EXPECT_THAT(run.text, HasSubstr("multi_kernel, centroid"));
+  EXPECT_THAT(run.text, HasSubstr("blob_filter, centroid"));
 }
 
 TEST_F(OwnProgram, MovesTheHeadWithAGazeControllerOfItsOwn) {
