@@ -9,14 +9,14 @@
 namespace saccade {
 namespace {
 
-constexpr double inside_weight = 0.3, outside_weight = 0.1;
+constexpr double inside_weight = 0.75, outside_weight = 0.25;
 constexpr double inner_gap_px = 2.5, outer_gap_px = 3.5;  // between the outline and the areas beside it
 constexpr double outer_share = 1.2;                       // of the radius
 constexpr int reach_px = 3;                               // of the disc that is followed, in a step
 constexpr int grid_px = 3;                                // between places of the search of the whole image
 constexpr std::size_t grid_radii = 2;                     // between its kernels
-constexpr std::int64_t kernels_per_step = 3000;
-constexpr int pixels_per_step = 16'384;  // that are smoothed for the search of the whole image
+constexpr std::int64_t kernels_per_step = 1500;
+constexpr int pixels_per_step = 8192;  // that are smoothed for the search of the whole image
 constexpr int refinements = 3;
 
 }  // namespace
@@ -44,6 +44,7 @@ KernelSearch::KernelSearch(const std::array<double, 2>& radius_px, ImageSize siz
 KernelSearch::Kernel KernelSearch::kernel(int r_px) const {
   Kernel k;
   k.r_px = r_px;
+  k.gain = std::sqrt(r_px);
   const auto offset = [this](double distance_px, double angle_rad) {
     return static_cast<std::int32_t>(std::lround(distance_px * std::sin(angle_rad)) * stride_ +
                                      std::lround(distance_px * std::cos(angle_rad)));
@@ -97,7 +98,7 @@ void KernelSearch::smooth(std::span<const double> surface, int x_begin, int x_en
   }
 }
 
-/// Takes the kernel for the best if its response is larger.
+/// Takes the kernel for the best if it is stronger.
 void KernelSearch::consider(Match& best, int x, int y, std::size_t radius) const {
   const Kernel& k = kernels_[radius];
   const std::uint8_t* const centre = smooth_.data() + at(x, y);
@@ -107,14 +108,14 @@ void KernelSearch::consider(Match& best, int x, int y, std::size_t radius) const
     return static_cast<double>(sum) / (255.0 * static_cast<double>(offsets.size()));
   };
   double response = mean(k.outline);
-  if (response <= best.response) return;  // what lies beside the outline only lowers it
+  if (k.gain * response <= best.strength) return;  // what lies beside the outline only lowers it
   response -= inside_weight * mean(k.inside) + outside_weight * mean(k.outside);
-  if (response > best.response) best = {x, y, radius, response};
+  if (k.gain * response > best.strength) best = {x, y, radius, response, k.gain * response};
 }
 
 KernelSearch::Match KernelSearch::largest_near(const Match& start) const {
   Match best;
-  consider(best, start.x, start.y, start.radius);  // of equal responses the one of no motion
+  consider(best, start.x, start.y, start.radius);  // of equal strengths the one of no motion
   const std::size_t first = start.radius == 0 ? 0 : start.radius - 1;
   const std::size_t last = std::min(start.radius + 1, kernels_.size() - 1);
   for (std::size_t radius = first; radius <= last; ++radius) {
@@ -152,7 +153,7 @@ void KernelSearch::sweep(std::span<const double> surface) {
   }
   if (place_ < places) return;
   for (int i = 0; i < refinements; ++i) sweep_best_ = largest_near(sweep_best_);
-  if (!found_ || sweep_best_.response > disc_.response) disc_ = sweep_best_;
+  if (!found_ || sweep_best_.strength > disc_.strength) disc_ = sweep_best_;
   found_ = true;
   sweep_best_ = {};
   place_ = 0;

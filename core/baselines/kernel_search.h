@@ -14,14 +14,15 @@ namespace saccade {
 ///
 /// The image is smoothed with a binomial filter of 5 x 5 pixels. The response of a kernel is
 ///
-///     (mean on the outline - 0.3 mean inside - 0.1 mean outside) / 255
+///     (mean on the outline - 0.75 mean inside - 0.25 mean outside) / 255,
 ///
-/// with the weights of PUCK's kernel, relative to those of the outline and taken over areas of a fixed number of pixels,
-/// so that responses of different radii compare. The response is at most 1. A thin closed outline has about 0.5.
+/// each over a fixed number of pixels; it is at most 1, and about 0.5 for a thin closed outline. The weights beside the
+/// outline have the ratio of PUCK's kernel; they are larger than there, so that an even texture has no response. Kernels of
+/// different radii are compared as if each had the same energy: by response x sqrt(radius), their strength.
 ///
-/// One disc is followed: in each step it moves to the largest response within 3 px and one step of radius. Beside it the
-/// whole image is searched, a fixed number of kernels in each step; the best of a search replaces the disc where its
-/// response is larger. PUCK has one kernel of known size, searches a given region, and never replaces its disc.
+/// One disc is followed: in each step it moves to the largest strength within 3 px and one step of radius. Beside it the
+/// whole image is searched, a fixed number of kernels in each step; the best of a search replaces the disc where it is
+/// stronger. PUCK has one kernel of known size, searches a given region, and never replaces its disc.
 ///
 /// The work of a step is bounded by constants and the largest radius. Does not allocate after construction.
 class KernelSearch {
@@ -41,10 +42,12 @@ class KernelSearch {
     int x = 0, y = 0;
     std::size_t radius = 0;  // index of the kernel
     double response = -1.0;
+    double strength = -1e9;
   };
   static constexpr int outline_pixels = 48, inside_pixels = 24, outside_pixels = 24;
   struct Kernel {
     int r_px = 0;
+    double gain = 0.0;                                 // of the strength over the response
     std::array<std::int32_t, outline_pixels> outline;  // offsets in the smoothed image
     std::array<std::int32_t, inside_pixels> inside;
     std::array<std::int32_t, outside_pixels> outside;

@@ -132,21 +132,20 @@ TEST(KernelSearch, FindsACircleAnywhereAndOfAnyRadiusOfItsRange) {
   }
 }
 
-TEST(KernelSearch, GivesAThinOutlineHalfTheLargestResponseAndAFullImageOutlineLessInside) {
+TEST(KernelSearch, GivesAThinOutlineHalfTheLargestResponseAndAnEvenImageNone) {
   const std::vector<double> circle = drawn_circle({64, 64, 20}, image);
-  const std::vector<double> full(static_cast<std::size_t>(image.pixels()), 255.0);
+  const std::vector<double> even(static_cast<std::size_t>(image.pixels()), 255.0);
   KernelSearch on_circle({10, 35}, image);
-  KernelSearch on_full({20, 20}, image);
-  for (int i = 0; i < 100; ++i) {
+  KernelSearch on_even({10, 35}, image);
+  for (std::int64_t i = 0; i < on_circle.steps_to_settle(); ++i) {
     on_circle.step(circle);
-    on_full.step(full);
+    on_even.step(even);
   }
   EXPECT_NEAR(on_circle.disc().score, 0.45, 0.1);
-  // At a corner less of the inside and the outside lies in the image than of the outline.
-  EXPECT_NEAR(on_full.disc().score, 0.6, 0.05);
+  EXPECT_LT(on_even.disc().score, 0.1);
 }
 
-TEST(KernelSearch, ReplacesItsDiscByOneWithALargerResponse) {
+TEST(KernelSearch, ReplacesItsDiscByAStrongerOne) {
   KernelSearch search({10, 35}, image);
   std::vector<double> surface = drawn_circle({40, 40, 15}, image);
   for (double& value : surface) value *= 0.6;
