@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "control/head_kinematics.h"
 
@@ -11,8 +12,66 @@ namespace {
 
 constexpr std::int64_t slice_us = 1'000;
 constexpr std::size_t event_capacity = 1 << 16;  // a tick with more of them allocates
+constexpr std::size_t late_capacity = 64;        // estimates; any more are not reported
+
+DetectorTick run_detector(Detector& detector, std::span<const Event> events,
+                          std::optional<std::int64_t> now_us, const CameraMotion* motion) {
+  const auto begin = std::chrono::steady_clock::now();
+  detector.process(events, motion);
+  if (now_us) detector.advance_to(*now_us, motion);
+  DetectorTick result;
+  result.estimate = detector.estimate();
+  const auto end = std::chrono::steady_clock::now();
+  result.observed = result.estimate.valid && (!events.empty() || result.estimate.held);
+  result.on_time = result.observed;
+  result.elapsed_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(end - begin).count();
+  return result;
+}
 
 }  // namespace
+
+/// The events of a tick for one detector, in slices.
+class Loop::Slices {
+ public:
+  /// Events up to `late_us` are passed in slices of their own, the others at once.
+  Slices(Detector& detector, std::int64_t t_us, std::int64_t late_us, const CameraMotion* motion,
+         std::vector<LateEstimate>& late)
+      : detector_(detector), t_us_(t_us), late_us_(late_us), motion_(motion), late_(late) {}
+
+  /// `on_slice` gets the result of each slice, the last one included.
+  template <class OnSlice>
+  [[nodiscard]] DetectorTick run(std::span<const Event> events, OnSlice on_slice) {
+    late_.clear();
+    std::int64_t elapsed_ns = 0;
+    std::span<const Event> left = events;
+    while (!left.empty() && left.front().t_us <= late_us_) {
+      const std::int64_t until_us = t_us_ - (t_us_ - left.front().t_us) / slice_us * slice_us;
+      const auto slice_end = std::ranges::upper_bound(left, until_us, {}, &Event::t_us);
+      const auto slice = left.first(static_cast<std::size_t>(slice_end - left.begin()));
+      const DetectorTick result = run_detector(detector_, slice, std::nullopt, motion_);
+      elapsed_ns += result.elapsed_ns;
+      if (result.observed && late_.size() < late_capacity) late_.push_back({until_us, result.estimate});
+      on_slice(result);
+      left = left.subspan(slice.size());
+    }
+    DetectorTick result = run_detector(detector_, left, t_us_, motion_);
+    on_slice(result);
+    result.observed = result.estimate.valid && (!events.empty() || result.estimate.held);
+    result.elapsed_ns += elapsed_ns;
+    result.late = late_;
+    return result;
+  }
+  [[nodiscard]] DetectorTick run(std::span<const Event> events) {
+    return run(events, [](const DetectorTick&) {});
+  }
+
+ private:
+  Detector& detector_;
+  std::int64_t t_us_;
+  std::int64_t late_us_;
+  const CameraMotion* motion_;
+  std::vector<LateEstimate>& late_;
+};
 
 Loop::Loop(Robot& robot, const MountedCamera& camera, std::vector<LoopDetector> detectors,
            std::optional<LoopGaze> gaze, Eye eye, std::optional<LoopBudget> budget)
@@ -35,6 +94,12 @@ Loop::Loop(Robot& robot, const MountedCamera& camera, std::vector<LoopDetector> 
   if (gaze_ && gaze_->driver) phase_ = GazePhase::searching;
   for (std::vector<Event>* const buffer : {&events_, &eye_events_, &other_events_})
     buffer->reserve(event_capacity);
+  reserve_late_estimates();
+}
+
+void Loop::reserve_late_estimates() {
+  late_.resize(detectors_.size() + 1);
+  for (std::vector<LateEstimate>& late : late_) late.reserve(late_capacity);
 }
 
 void Loop::set_motion(LoopMotion motion) {
@@ -58,6 +123,7 @@ void Loop::set_detectors(std::vector<LoopDetector> detectors, std::optional<std:
   SACCADE_CHECK(!gaze_ || gaze_->driver.has_value() == driver.has_value());
   detectors_ = std::move(detectors);
   results_.assign(detectors_.size(), {});
+  reserve_late_estimates();
   if (gaze_) gaze_->driver = driver;
 }
 
@@ -119,48 +185,17 @@ void Loop::select_events(Tick& tick) {
   }
 }
 
-DetectorTick Loop::run_detector(Detector& detector, std::span<const Event> events,
-                                std::optional<std::int64_t> now_us, const CameraMotion* motion) {
-  const auto begin = std::chrono::steady_clock::now();
-  detector.process(events, motion);
-  if (now_us) detector.advance_to(*now_us, motion);
-  const Estimate estimate = detector.estimate();
-  const auto end = std::chrono::steady_clock::now();
-  return {estimate, estimate.valid && (!events.empty() || estimate.held), false,
-          std::chrono::duration_cast<std::chrono::nanoseconds>(end - begin).count()};
-}
-
 void Loop::run_driver(std::int64_t t_us, const CameraMotion* motion, Tick& tick) {
   if (!gaze_ || !gaze_->driver) return;
-  if (motion != nullptr && t_us > start_us_) {
-    run_driver_and_gate(t_us, *motion, tick);
-  } else {
-    results_[*gaze_->driver] = run_detector(*detectors_[*gaze_->driver].detector, eye_events_, t_us, motion);
-  }
-}
-
-void Loop::run_driver_and_gate(std::int64_t t_us, const CameraMotion& motion, Tick& tick) {
   Detector& detector = *detectors_[*gaze_->driver].detector;
-  std::int64_t elapsed_ns = 0;
-  const auto run = [&](std::span<const Event> events, std::optional<std::int64_t> now_us) {
-    const DetectorTick result = run_detector(detector, events, now_us, &motion);
-    elapsed_ns += result.elapsed_ns;
+  const bool gate = motion != nullptr && t_us > start_us_;
+  Slices slices(detector, t_us, t_us - slice_us, motion, late_[*gaze_->driver]);
+  results_[*gaze_->driver] = slices.run(eye_events_, [&](const DetectorTick& result) {
+    if (!gate) return;
     const auto target_m = gaze_->gate->update(t_us, result.observed ? result.estimate : Estimate{},
-                                              detector.threshold(), camera_, motion.root_from_camera);
+                                              detector.threshold(), camera_, motion->root_from_camera);
     if (target_m) tick.new_target_m = target_m;
-    return result.estimate;
-  };
-  std::span<const Event> left = eye_events_;
-  while (!left.empty() && left.front().t_us <= t_us - slice_us) {
-    const std::int64_t until_us = t_us - (t_us - left.front().t_us) / slice_us * slice_us;
-    const auto slice_end = std::ranges::upper_bound(left, until_us, {}, &Event::t_us);
-    const auto slice = left.first(static_cast<std::size_t>(slice_end - left.begin()));
-    run(slice, std::nullopt);
-    left = left.subspan(slice.size());
-  }
-  const Estimate estimate = run(left, t_us);
-  results_[*gaze_->driver] = {estimate, estimate.valid && (!eye_events_.empty() || estimate.held), false,
-                              elapsed_ns};
+  });
 }
 
 void Loop::run_stereo(std::int64_t t_us, const CameraMotion* motion, Tick& tick) {
@@ -168,7 +203,8 @@ void Loop::run_stereo(std::int64_t t_us, const CameraMotion* motion, Tick& tick)
   std::optional<CameraMotion> right_motion;
   if (motion != nullptr)
     right_motion = camera_motion(*tick.head, Eye::right, stereo.camera.mount.eye_from_camera());
-  tick.right = run_detector(*stereo.detector, other_events_, t_us, right_motion ? &*right_motion : nullptr);
+  Slices slices(*stereo.detector, t_us, last_t_us_, right_motion ? &*right_motion : nullptr, late_.back());
+  tick.right = slices.run(other_events_);
   const bool in_both_eyes = tick.new_target_m && right_motion && tick.right->observed &&
                             tick.right->estimate.score >= stereo.detector->threshold();
   if (!in_both_eyes) return;
@@ -182,7 +218,9 @@ void Loop::run_shadows(std::int64_t t_us, const CameraMotion* motion) {
   for (std::size_t i = 0; i < detectors_.size(); ++i) {
     if (gaze_ && gaze_->driver == i) continue;
     results_[i].skipped = budget_ && clock_.now_us() - t_us >= budget_->shadows_until_us;
-    if (!results_[i].skipped) results_[i] = run_detector(*detectors_[i].detector, eye_events_, t_us, motion);
+    if (results_[i].skipped) continue;
+    const std::int64_t late_us = budget_ ? std::numeric_limits<std::int64_t>::min() : last_t_us_;
+    results_[i] = Slices(*detectors_[i].detector, t_us, late_us, motion, late_[i]).run(eye_events_);
   }
 }
 

@@ -68,12 +68,21 @@ enum class GazePhase {
   resting,    ///< target lost; the head moves to its neutral pose
 };
 
+/// A detector's estimate about an instant before the tick, from events that came late.
+struct LateEstimate {
+  std::int64_t t_us = 0;  ///< a whole number of milliseconds before the tick, see Loop
+  Estimate estimate;
+};
+
 /// Result of one detector in one tick.
 struct DetectorTick {
   Estimate estimate;
   bool observed = false;  ///< the estimate is valid, and events came or it is held or predicted
+  bool on_time = false;   ///< observed, and it is held or predicted, or not all of the events came late
   bool skipped = false;   ///< the detector did not run, see LoopBudget
   std::int64_t elapsed_ns = 0;
+  std::span<const LateEstimate>
+      late;  ///< at instants before the tick, sorted; at most 64; until the next tick
 };
 
 /// Result of one tick; valid until the next one.
@@ -105,8 +114,10 @@ class LoopObserver {
 /// The closed loop: each tick reads events and joints, runs the detectors, and sends a command to the head. It works
 /// through the ports of a Robot alone, so it is the same for the simulator, a recording and a real robot.
 ///
-/// Events may arrive in packets that span several milliseconds. The driving detector gets them in slices of 1 ms and the
-/// gate gets the estimate after each slice, so that results do not depend on how events were packed.
+/// Events may arrive late, in packets that span several milliseconds. Detectors get late events in slices of 1 ms that end
+/// whole milliseconds before the tick; the estimate after a slice is about the slice's end. The gate gets the estimate
+/// after each slice, so that results do not depend on how events were packed. With a budget shadow detectors get all
+/// events of a tick at once.
 class Loop {
  public:
   /// `robot` outlives the loop; without a head (a bare recording) there is no gaze and no camera motion.
@@ -141,12 +152,10 @@ class Loop {
   }
 
  private:
-  [[nodiscard]] static DetectorTick run_detector(Detector& detector, std::span<const Event> events,
-                                                 std::optional<std::int64_t> now_us,
-                                                 const CameraMotion* motion);
+  class Slices;
+  void reserve_late_estimates();
   void select_events(Tick& tick);
   void run_driver(std::int64_t t_us, const CameraMotion* motion, Tick& tick);
-  void run_driver_and_gate(std::int64_t t_us, const CameraMotion& motion, Tick& tick);
   void run_stereo(std::int64_t t_us, const CameraMotion* motion, Tick& tick);
   void run_shadows(std::int64_t t_us, const CameraMotion* motion);
   PortStatus move_head(double dt_s, Tick& tick);
@@ -168,6 +177,7 @@ class Loop {
   std::vector<Event> eye_events_;    // of them those of eye_
   std::vector<Event> other_events_;  // and those of the other eye
   std::vector<DetectorTick> results_;
+  std::vector<std::vector<LateEstimate>> late_;  // of each detector, then of the stereo one
   std::optional<Eigen::Vector3d> target_m_;
   std::int64_t target_us_ = 0;
   GazePhase phase_ = GazePhase::none;

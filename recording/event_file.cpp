@@ -28,6 +28,7 @@ class OneCameraReader final : public EventReader {
   std::optional<ImageSize> image_size() const override { return reader_->image_size(); }
   std::string format() const override { return reader_->format(); }
   std::string skipped() const override { return reader_->skipped(); }
+  std::optional<std::int64_t> host_ahead_us() const override { return reader_->host_ahead_us(); }
 
  private:
   std::unique_ptr<EventReader> reader_;

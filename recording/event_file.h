@@ -29,6 +29,9 @@ class EventReader {
   [[nodiscard]] virtual std::string format() const = 0;  ///< "AEDAT 2.0 DVS128", "text"
   /// Records that read() has skipped because they are no events of a camera ("12 skin events"); often empty.
   [[nodiscard]] virtual std::string skipped() const { return {}; }
+  /// The clock of the host that recorded the file minus the clock of the events, us, as far as the events read so far say:
+  /// the smallest difference between a packet's host time and its last event. None where the file has no host time.
+  [[nodiscard]] virtual std::optional<std::int64_t> host_ahead_us() const { return std::nullopt; }
 
   /// The file, for messages; empty for a reader that open_event_file did not make.
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }

@@ -1,6 +1,7 @@
 #include "recording/run_files.h"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <limits>
@@ -15,6 +16,17 @@ namespace saccade {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+template <class Row>
+constexpr bool is_detections = std::is_base_of_v<DetectionRow, Row>;
+
+/// How many columns, from the left, a table may have instead of all.
+template <class Row>
+constexpr std::array<std::size_t, 2> shorter_tables = {};
+template <>
+constexpr std::array<std::size_t, 2> shorter_tables<TruthRow> = {4};
+template <>
+constexpr std::array<std::size_t, 2> shorter_tables<DetectionRow> = {7, 6};
 
 // The columns of each table, once: `visit(name, value)` in the order of the file. Header, writer and
 // reader are visitors; Row is const for a writer.
@@ -40,6 +52,16 @@ void visit_circle(Visitor& visit, CircleRef& circle) {
   visit("r_px", circle.r_px);
 }
 
+template <class Visitor, class Matrix>
+void visit_covariance(Visitor& visit, Matrix& covariance_px2) {
+  visit("var_x_px2", covariance_px2(0, 0));
+  visit("var_y_px2", covariance_px2(1, 1));
+  visit("var_r_px2", covariance_px2(2, 2));
+  visit("cov_xy_px2", covariance_px2(0, 1));
+  visit("cov_xr_px2", covariance_px2(0, 2));
+  visit("cov_yr_px2", covariance_px2(1, 2));
+}
+
 template <class Visitor, class Row>
 void visit_columns(Visitor& visit, Row& row) {
   using Table = std::remove_const_t<Row>;
@@ -48,11 +70,13 @@ void visit_columns(Visitor& visit, Row& row) {
     visit_circle(visit, row.circle);
     visit("visible", row.visible);
     visit_point(visit, "", row.position_m);
-  } else if constexpr (std::is_same_v<Table, DetectionRow>) {
+  } else if constexpr (is_detections<Table>) {
     visit("detector", row.detector);
     visit_circle(visit, row.circle);
     visit("score", row.score);
     visit("held", row.held);
+    visit_covariance(visit, row.covariance_px2);
+    if constexpr (std::is_same_v<Table, StreamingRow>) visit("ready_us", row.ready_us);
   } else if constexpr (std::is_same_v<Table, GazeRow>) {
     visit_point(visit, "fixation_", row.fixation_m);
     visit_point(visit, "target_", row.target_m);
@@ -189,17 +213,36 @@ class LineReader {
   std::size_t left_;
 };
 
-/// The columns that are there, from the header line: all, or for truth the first four.
+/// How many columns of a Row the header has, from the left.
 template <class Row>
 std::size_t check_header(const std::string& place, const std::string& header) {
   const std::vector<std::string> names = column_names<Row>();
-  if (header == join(names, names.size())) return names.size();
+  const auto has = [&](std::size_t count) {
+    const std::string text = join(names, count);
+    return header == text || (is_detections<Row> && header.starts_with(text + ","));
+  };
+  if (has(names.size())) return names.size();
   std::string expectation = "the header " + join(names, names.size());
-  if constexpr (std::is_same_v<Row, TruthRow>) {
-    if (header == join(names, 4)) return 4;
-    expectation += " or " + join(names, 4);
+  for (const std::size_t count : shorter_tables<Row>) {
+    if (count == 0) continue;
+    if (has(count)) return count;
+    expectation += " or " + join(names, count);
   }
   throw InputError(place, header.empty() ? "nothing" : printable(header), expectation);
+}
+
+std::size_t count_fields(std::string_view line) {
+  return line.empty() ? 0 : static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) + 1;
+}
+
+/// The lower half of a covariance that was read, or zero where its fields are empty.
+void complete_covariance(Eigen::Matrix3d& covariance_px2, const std::string& place) {
+  const Eigen::Matrix3d upper = covariance_px2.triangularView<Eigen::Upper>();
+  covariance_px2 = upper.selfadjointView<Eigen::Upper>();
+  if (covariance_px2.allFinite()) return;
+  const bool empty = upper.array().isNaN().count() == 6;
+  if (!empty) throw InputError(place, "a part of a covariance", "all of its six columns, or none");
+  covariance_px2.setZero();
 }
 
 }  // namespace
@@ -223,7 +266,17 @@ TableWriter<Row>::TableWriter(std::filesystem::path path) : file_(std::move(path
 template <class Row>
 void TableWriter<Row>::write(const Row& row) {
   LineWriter writer(line_);
-  visit_columns(writer, row);
+  if constexpr (is_detections<Row>) {
+    if (!row.covariance_px2.allFinite() || row.covariance_px2.isZero(0.0)) {
+      Row unknown = row;
+      unknown.covariance_px2.setConstant(nan);
+      visit_columns(writer, unknown);
+    } else {
+      visit_columns(writer, row);
+    }
+  } else {
+    visit_columns(writer, row);
+  }
   line_ += '\n';
   file_.write(line_);
 }
@@ -240,14 +293,14 @@ TableReader<Row>::TableReader(const std::filesystem::path& path) : name_(path.st
   in_.open(path, std::ios::binary);
   if (!in_) throw InputError(name_, std::generic_category().message(errno), "a table");
   next_line();
-  columns_ = check_header<Row>(place(), line_);
+  columns_ = count_fields(line_);
+  known_ = check_header<Row>(place(), line_);
 }
 
 template <class Row>
 std::optional<Row> TableReader<Row>::next() {
   if (!next_line()) return std::nullopt;
-  const std::size_t found =
-      line_.empty() ? 0 : static_cast<std::size_t>(std::count(line_.begin(), line_.end(), ',')) + 1;
+  const std::size_t found = count_fields(line_);
   if (found != columns_)
     throw InputError(place(), std::to_string(found) + " fields", std::to_string(columns_));
   Row row;
@@ -255,8 +308,9 @@ std::optional<Row> TableReader<Row>::next() {
     row.visible = 1.0;
     row.position_m.setConstant(nan);
   }
-  LineReader reader(line_, place(), columns_);
+  LineReader reader(line_, place(), known_);
   visit_columns(reader, row);
+  if constexpr (is_detections<Row>) complete_covariance(row.covariance_px2, place());
   if (row.t_us < last_t_us_) {
     throw InputError(place() + ", column t_us", std::to_string(row.t_us),
                      "a time that is not before the last row's " + std::to_string(last_t_us_));
@@ -290,6 +344,7 @@ std::vector<Row> read_table(const std::filesystem::path& path) {
 
 template class TableWriter<TruthRow>;
 template class TableWriter<DetectionRow>;
+template class TableWriter<StreamingRow>;
 template class TableWriter<GazeRow>;
 template class TableWriter<JointsRow>;
 template class TableWriter<EyeRow>;
@@ -297,6 +352,7 @@ template class TableWriter<LabelRow>;
 template class TableWriter<TimingRow>;
 template class TableReader<TruthRow>;
 template class TableReader<DetectionRow>;
+template class TableReader<StreamingRow>;
 template class TableReader<GazeRow>;
 template class TableReader<JointsRow>;
 template class TableReader<EyeRow>;
@@ -304,6 +360,7 @@ template class TableReader<LabelRow>;
 template class TableReader<TimingRow>;
 template std::vector<TruthRow> read_table(const std::filesystem::path& path);
 template std::vector<DetectionRow> read_table(const std::filesystem::path& path);
+template std::vector<StreamingRow> read_table(const std::filesystem::path& path);
 template std::vector<GazeRow> read_table(const std::filesystem::path& path);
 template std::vector<JointsRow> read_table(const std::filesystem::path& path);
 template std::vector<EyeRow> read_table(const std::filesystem::path& path);

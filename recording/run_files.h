@@ -28,13 +28,21 @@ struct TruthRow {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
 };
 
-/// detections.csv: t_us,detector,x_px,y_px,r_px,score,held.
+/// detections.csv: t_us,detector,x_px,y_px,r_px,score,held, then the covariance of x, y and r:
+/// var_x_px2,var_y_px2,var_r_px2,cov_xy_px2,cov_xr_px2,cov_yr_px2, all empty where it is unknown.
 struct DetectionRow {
   std::int64_t t_us = 0;
   std::string detector;
   Circle circle;
   double score = 0.0;
   bool held = false;
+  Eigen::Matrix3d covariance_px2 = Eigen::Matrix3d::Zero();  ///< of (x, y, r), px^2; zero: unknown
+};
+
+/// streaming.csv: the columns of detections.csv, then ready_us. `t_us` is the instant that the estimate answers, `ready_us`
+/// the time from which on it could be used, not after t_us.
+struct StreamingRow : DetectionRow {
+  std::int64_t ready_us = 0;
 };
 
 /// gaze.csv: t_us, fixation point and target (m, root frame; empty when there is none), joint angles (rad)
@@ -112,8 +120,9 @@ class TableWriter {
 
 /// Reads a table row by row, in fixed memory. Throws InputError with file, line and column for a missing
 /// file, a wrong header, a row of the wrong length, a value that is not a number, or time that goes back.
-/// For truth tables the columns `visible,x_m,y_m,z_m` may be absent (annotated recordings: visible = 1,
-/// position NaN).
+/// Columns at the right end of some tables may be absent: of truth `visible,x_m,y_m,z_m` (annotated recordings: visible =
+/// 1, position NaN), of detections the covariance, or `held` and the covariance. Tables of detections may have further
+/// columns on the right, which are skipped.
 template <class Row>
 class TableReader {
  public:
@@ -128,7 +137,8 @@ class TableReader {
   std::ifstream in_;
   std::string line_;
   std::size_t line_number_ = 0;
-  std::size_t columns_ = 0;
+  std::size_t columns_ = 0;  ///< fields of a row
+  std::size_t known_ = 0;    ///< of them those that go into a Row; the others are to their right
   std::int64_t last_t_us_ = std::numeric_limits<std::int64_t>::min();
 };
 
@@ -138,6 +148,7 @@ template <class Row>
 
 extern template class TableWriter<TruthRow>;
 extern template class TableWriter<DetectionRow>;
+extern template class TableWriter<StreamingRow>;
 extern template class TableWriter<GazeRow>;
 extern template class TableWriter<JointsRow>;
 extern template class TableWriter<EyeRow>;
@@ -145,6 +156,7 @@ extern template class TableWriter<LabelRow>;
 extern template class TableWriter<TimingRow>;
 extern template class TableReader<TruthRow>;
 extern template class TableReader<DetectionRow>;
+extern template class TableReader<StreamingRow>;
 extern template class TableReader<GazeRow>;
 extern template class TableReader<JointsRow>;
 extern template class TableReader<EyeRow>;

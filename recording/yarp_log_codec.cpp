@@ -70,6 +70,7 @@ class YarpLogReader final : public EventReader {
     }
     return text;
   }
+  std::optional<std::int64_t> host_ahead_us() const override { return host_ahead_us_; }
 
  private:
   /// Reads the first packets, to guess from. A broken place is reported when the events before it have been returned.
@@ -97,6 +98,7 @@ class YarpLogReader final : public EventReader {
     const std::vector<std::uint32_t>& words = packet_.words;
     if (packet_.of_bytes && !codec_.stamped) {
       for (std::size_t i = 0; i < words.size(); ++i) add(spread_time(i), words[i]);
+      host_ahead_us_ = 0;
       return true;
     }
     if (words.size() % 2 != 0) {
@@ -104,9 +106,15 @@ class YarpLogReader final : public EventReader {
           source_->name(), "a packet of " + std::to_string(4 * words.size()) + " bytes",
           "stamps and addresses, 8 bytes each, as the codec " + std::string(codec_.name) + " has");
     }
+    std::int64_t t_us = 0;
     for (std::size_t i = 0; i < words.size(); i += 2) {
       const std::int64_t ticks = time_.extend(words[i], packet_.host_s);
-      add(origin_us_ + us_from_ticks(ticks, ns_per_tick_), words[i + 1]);
+      t_us = origin_us_ + us_from_ticks(ticks, ns_per_tick_);
+      add(t_us, words[i + 1]);
+    }
+    if (packet_.host_s > 0.0 && !words.empty()) {
+      const std::int64_t ahead_us = packet_.host_us - t_us;
+      host_ahead_us_ = std::min(host_ahead_us_.value_or(ahead_us), ahead_us);
     }
     return true;
   }
@@ -140,6 +148,7 @@ class YarpLogReader final : public EventReader {
   std::vector<Event> ready_;
   std::size_t next_event_ = 0;
   std::int64_t skin_events_ = 0;
+  std::optional<std::int64_t> host_ahead_us_;
 };
 
 /// A binary dump has no mark; its name or its info file identifies it.

@@ -73,6 +73,7 @@ void SimRobot::queue_events() {
 void SimRobot::update_truth() {
   for (SimEye& eye : eyes_) eye.update_truth();
   truth_.t_us = world_.now_us();
+  truth_.events_until_us = image_us_;
   truth_.left = eyes_.front().truth();
   if (eyes_.size() > 1) truth_.right = eyes_[1].truth();
   truth_.ball_m = world_.ball_position_m();

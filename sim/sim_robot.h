@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -20,6 +21,8 @@ namespace saccade {
 /// The ground truth at one instant, for recorders and scores; core and control have no access to it.
 struct SimTruth {
   std::int64_t t_us = 0;
+  /// Every event up to this time has been delivered: the newest image's time. Later ones come with the next image.
+  std::int64_t events_until_us = std::numeric_limits<std::int64_t>::max();
   EyeTruth left;
   std::optional<EyeTruth> right;                     ///< if it has a camera
   Eigen::Vector3d ball_m = Eigen::Vector3d::Zero();  ///< ball centre, root frame

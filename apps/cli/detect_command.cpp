@@ -29,8 +29,18 @@ void add_detect_command(CommandLine& line, const Registry& registry) {
       .option("--set", options->assignments,
               "key=value for every detector, DETECTOR.key=value for one; e.g. radius_px=[4,25]")
       .one_value_each();
-  command.option("--truth", settings.truth, "True circles, t_us,x_px,y_px,r_px (CSV)");
-  command.option("--out", settings.folder, "Folder for detections, scores and report");
+  Option truth = command.option("--truth", settings.truth, "True circles, t_us,x_px,y_px,r_px (CSV)");
+  command
+      .flag("--no-ball", settings.no_ball,
+            "The recording shows no ball: every observation is false, and alarm_ratio is the share of the "
+            "milliseconds with one at or above the threshold")
+      .excludes(truth);
+  command.option("--joints", settings.joints,
+                 "Joints of the head: joints.csv of a run folder, or a data dumper's log of its state port");
+  command.option("--calibration", settings.calibration,
+                 "Assumed calibration of the camera (YAML, as calibrate writes it), for --joints");
+  Option folder = command.option("--out", settings.folder, "Folder for detections, scores and report");
+  command.flag("--json", settings.json, "The scores as metrics.json on standard output").excludes(folder);
   command.flag("--force", settings.force, "Replace an earlier run in that folder");
   command.action([options, &registry] {
     detect_recording(read_detectors(options->config, options->assignments, registry.detectors),

@@ -37,6 +37,7 @@ int program(int argc, const char* const* argv, const Registry& registry) {
   line.add_version(version_text);
   add_run_command(line, registry);
   add_detect_command(line, registry);
+  add_score_command(line);
   add_report_command(line);
   add_info_command(line, registry);
   add_convert_command(line, registry);

@@ -35,13 +35,16 @@ const nlohmann::json* find_figure(const nlohmann::json& metrics, const std::stri
 /// A metrics.json of this scenario with nothing in it: which figures there are.
 nlohmann::json empty_metrics(const Scenario& scenario) {
   Metrics metrics;
-  for (const auto& [name, config] : scenario.detectors) metrics.detectors.emplace_back(name, DetectorScore{});
-  if (scenario.frame_30hz) metrics.detectors.emplace_back(frame_detector_name, DetectorScore{});
+  DetectorScore score;
+  score.streaming.emplace();
+  score.nees.emplace();
+  for (const auto& [name, config] : scenario.detectors) metrics.detectors.emplace_back(name, score);
+  if (scenario.frame_30hz) metrics.detectors.emplace_back(frame_detector_name, score);
   if (scenario.gaze.detector != "none") metrics.gaze.emplace();
   if (scenario.sim.both_eyes()) metrics.right_eye.emplace();
   if (scenario.sim.labels) {
     metrics.clutter = ClutterCounter().share();
-    for (auto& [name, score] : metrics.detectors) score.clutter.emplace();
+    for (auto& [name, scored] : metrics.detectors) scored.clutter.emplace();
   }
   return nlohmann::json::parse(metrics_to_json(metrics));
 }

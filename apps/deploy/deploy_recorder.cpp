@@ -8,6 +8,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "apps/session/newest_estimate.h"
 #include "control/head_kinematics.h"
 #include "core/error.h"
 #include "evaluation/scoring/metrics.h"
@@ -203,8 +204,7 @@ void DeployRecorder::write(Slot& slot) {
   for (std::size_t i = 0; i < slot.detectors.size(); ++i) {
     const DetectorTick& result = slot.detectors[i];
     if (!result.observed) continue;
-    detections_.write({tick.t_us, loop_.detectors()[i].name, result.estimate.circle, result.estimate.score,
-                       result.estimate.held});
+    detections_.write(detection_row(tick.t_us, loop_.detectors()[i].name, result.estimate));
   }
   if (tick.head && is_finite(*tick.head)) {
     const Eigen::Vector3d none = Eigen::Vector3d::Constant(nan);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "apps/config/cameras.h"
 #include "apps/config/scenario.h"
 #include "apps/session/interrupt.h"
 #include "apps/session/recorded_scores.h"
@@ -12,7 +13,9 @@
 #include "apps/session/session.h"
 #include "apps/session/summary.h"
 #include "core/error.h"
+#include "core/units.h"
 #include "evaluation/report/report.h"
+#include "recording/run_file_names.h"
 #include "robot/replay/replay_robot.h"
 
 namespace saccade {
@@ -89,6 +92,28 @@ void print_left_out(const std::string& recording, const ReplayRobot& robot) {
   }
 }
 
+/// Adds to a recording what the settings say of it.
+void apply(const DetectSettings& settings, Played& played) {
+  if (!settings.joints.empty()) add_joints(played, settings.joints);
+  if (!settings.calibration.empty()) played.camera = read_calibration(settings.calibration);
+  if (!settings.no_ball) return;
+  if (std::ranges::any_of(played.truth, has_circle))
+    throw InputError("--no-ball", "a recording whose truth has a ball", "a recording without one");
+  played.chances = Chances::simulated;
+}
+
+/// The assumed calibration for images of that size.
+MountedCamera fitting_camera(const DetectSettings& settings, const Played& played, ImageSize size) {
+  MountedCamera camera = played.camera;
+  if (!settings.calibration.empty() && camera.camera.size != size)
+    throw InputError(settings.calibration.string(), in_words(camera.camera.size),
+                     "a calibration for the recording's images, " + in_words(size));
+  if (settings.calibration.empty() && !settings.joints.empty() && camera.camera.size != size)
+    camera.camera = pinhole_camera(size);
+  camera.camera.size = size;
+  return camera;
+}
+
 template <class Row>
 void write_table(const std::filesystem::path& path, std::span<const Row> rows) {
   TableWriter<Row> table(path);
@@ -100,10 +125,10 @@ void write_table(const std::filesystem::path& path, std::span<const Row> rows) {
 
 void detect_recording(const NamedDetectors& named, const DetectSettings& settings) {
   Played played = open_played(settings.input, settings.truth);
+  apply(settings, played);
   const std::string recording = settings.input.recording.string();
   ReplayRobot robot(open_event_file(played.events, played.read), std::move(played.head));
-  MountedCamera camera = played.camera;
-  camera.camera.size = robot.image_size();
+  const MountedCamera camera = fitting_camera(settings, played, robot.image_size());
   Loop loop(robot, camera, make_detectors(named, camera.camera), std::nullopt, played.eye);
   if (!settings.folder.empty()) prepare_run_folder(settings.folder, settings.force);
   RecordedScores scores(loop, played.truth, played.chances,
@@ -123,6 +148,11 @@ void detect_recording(const NamedDetectors& named, const DetectSettings& setting
     check_truth_span(played, scores.last_event_us(), start_us,
                      settings.truth.empty() ? recording : settings.truth.string());
   const RejectedEvents rejected = robot.rejected();
+  if (scores.event_count() == 0 && robot.events_before_start() > 0 && !interrupted())
+    throw InputError(
+        settings.joints.empty() ? recording : settings.joints.string(),
+        fmt::format("joints from {:.3f} s on, after the last event", static_cast<double>(start_us) * 1e-6),
+        "joints in the clock of the events");
   if (scores.event_count() + rejected.back_in_time + rejected.outside_image == 0 && !interrupted()) {
     throw InputError(recording, "no events of a camera",
                      "a recording with some; saccade info lists its contents");
@@ -146,7 +176,11 @@ void detect_recording(const NamedDetectors& named, const DetectSettings& setting
     metrics.detectors.emplace_back(named[i].first, std::move(finished[i]));
   print_left_out(recording, robot);
   if (settings.folder.empty()) {
-    print_summary(metrics);
+    if (settings.json) {
+      fmt::print("{}", metrics_to_json(metrics));
+    } else {
+      print_summary(metrics);
+    }
     if (interrupted()) throw RunError("interrupted; what was found until then is scored");
     return;
   }
@@ -156,7 +190,8 @@ void detect_recording(const NamedDetectors& named, const DetectSettings& setting
     resolved.commit();
   }
   if (!played.truth.empty()) write_table<TruthRow>(settings.folder / "truth.csv", played.truth);
-  write_metrics(settings.folder / "metrics.json", metrics);
+  write_metrics(settings.folder / run_file::metrics, metrics);
+  write_figures(settings.folder / run_file::figures_json, metrics);
   finish_run_folder(settings.folder, metrics);
 }
 

@@ -16,7 +16,9 @@ void FrameCamera::on_tick(const Tick& tick) {
     robot_.draw_left_eye(at_us, detector_.camera(), shift_px, rgb);
   };
   detection_.reset();
-  if (const std::optional<cv::Mat> image = shutter_.expose(tick.t_us, draw)) {
+  const std::optional<cv::Mat> image = shutter_.expose(tick.t_us, draw);
+  exposed_ = image.has_value();
+  if (image) {
     const Estimate ball = detector_.find(*image);
     if (ball.valid) detection_ = ball;
   }

@@ -18,6 +18,8 @@ class FrameCamera final : public LoopObserver {
   void on_tick(const Tick& tick) override;
   /// The ball in the image that ended in this tick; none without an image or a ball.
   [[nodiscard]] const std::optional<Estimate>& detection() const { return detection_; }
+  /// Whether an image ended in this tick.
+  [[nodiscard]] bool exposed() const { return exposed_; }
   [[nodiscard]] double threshold() const { return detector_.threshold(); }
   /// Wall-clock time spent here, s.
   [[nodiscard]] double wall_s() const { return wall_s_; }
@@ -27,6 +29,7 @@ class FrameCamera final : public LoopObserver {
   Shutter shutter_;
   SimRobot& robot_;
   std::optional<Estimate> detection_;
+  bool exposed_ = false;
   double wall_s_ = 0.0;
 };
 

@@ -39,4 +39,10 @@ struct Played {
 /// a missing or broken file.
 [[nodiscard]] Played open_played(const ReadOptions& options, std::filesystem::path truth);
 
+/// Gives a recording the joints of a file, in place of its own: joints.csv of a run folder, or the log of a data dumper at
+/// the head's state port (open_head_log; a folder with data.log too). The log's times are put into the events' clock by
+/// the host's times in an event-driven log; in other recordings both have to have one clock. Throws InputError for a
+/// missing or broken file, and where all joints are before the first event.
+void add_joints(Played& played, const std::filesystem::path& joints);
+
 }  // namespace saccade

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "apps/session/newest_estimate.h"
+
 namespace saccade {
 
 RecordedScores::RecordedScores(const Loop& loop, std::span<const TruthRow> truth, Chances chances,
@@ -34,20 +36,30 @@ void RecordedScores::on_tick(const Tick& tick) {
     Detector& detector = detectors_[i];
     std::optional<Observation> observation;
     if (result.observed) {
-      observation = {result.estimate.circle, result.estimate.score};
+      observation = observation_of(result.estimate);
       if (result.estimate.score >= loop_.detectors()[i].detector->threshold()) ++detector.at_threshold;
-      if (table_)
-        table_->write({tick.t_us, loop_.detectors()[i].name, result.estimate.circle, result.estimate.score,
-                       result.estimate.held});
+      if (table_) table_->write(detection_row(tick.t_us, loop_.detectors()[i].name, result.estimate));
     }
     if (has_truth) {
       detector.scorer.add(truth_[next_truth_], observation);
-    } else if (observation) {
-      detector.scorer.add(tick.t_us, *observation);
+    } else {
+      detector.scorer.add(tick.t_us, observation);
     }
   }
   next_truth_ += has_truth ? 1 : 0;
 }
+
+namespace {
+
+/// No event of a recording comes late, and detection takes no time: every estimate is ready at its instant.
+StreamingScore streaming_score(const DetectorScore& score) {
+  StreamingScore streaming{score.average_precision, score.precision, score.recall, {}, {}, score.exact};
+  if (score.observations > 0 || !score.pr_curve.empty())
+    streaming.latency_median_ms = streaming.latency_p99_ms = 0.0;
+  return streaming;
+}
+
+}  // namespace
 
 std::vector<DetectorScore> RecordedScores::finish() {
   pass_truth_before(std::numeric_limits<std::int64_t>::max());
@@ -56,6 +68,7 @@ std::vector<DetectorScore> RecordedScores::finish() {
   for (std::size_t i = 0; i < detectors_.size(); ++i) {
     DetectorScore score = detectors_[i].scorer.score();
     if (truth_.empty()) score.observations = detectors_[i].at_threshold;
+    score.streaming = streaming_score(score);
     if (event_count_ > 0) {
       score.us_per_event =
           static_cast<double>(detectors_[i].elapsed_ns) * 1e-3 / static_cast<double>(event_count_);

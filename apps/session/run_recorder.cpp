@@ -2,6 +2,8 @@
 
 #include <map>
 
+#include "recording/run_file_names.h"
+
 namespace saccade {
 namespace {
 
@@ -46,7 +48,8 @@ Metrics RunRecorder::finish(double wall_s, std::vector<std::pair<std::string, st
   if (metrics.right_eye) metrics.right_eye->events_dropped = robot_.right_eye()->counts().dropped;
   if (folder_) {
     metrics.events_file = event_file_name(scenario_);
-    write_metrics(*folder_ / "metrics.json", metrics);
+    write_metrics(*folder_ / run_file::metrics, metrics);
+    write_figures(*folder_ / run_file::figures_json, metrics);
   }
   return metrics;
 }

@@ -29,7 +29,8 @@ RunScores::RunScores(const Scenario& scenario, const GroundTruth& truth, const J
       limits_(limits),
       loop_(loop),
       frames_(frames),
-      gaze_(gaze_scoring(scenario, scenario.sim.camera, limits)) {
+      gaze_(gaze_scoring(scenario, scenario.sim.camera, limits)),
+      instants_(loop.detectors().size() + 1) {
   for (const LoopDetector& detector : loop.detectors()) {
     if (detector.name == scenario.gaze.detector) driver_ = detectors_.size();
     detectors_.emplace_back(detector.name, detector.detector->threshold());
@@ -48,23 +49,54 @@ void RunScores::on_tick(const Tick& tick) {
   const SimTruth& truth = truth_.state;
   gaze_.add({tick.t_us, truth.left.root_from_cam, truth.ball_m, tick.target_m, truth.plant_position_rad});
   const TruthRow row = truth_row(truth, truth.left);
+  const double clutter_share = scenario_.sim.labels ? clutter_.share_in_window() : 0.0;
+  instants_.push(tick.t_us, {row, right_eye_ ? truth_row(truth, *truth.right) : TruthRow{},
+                             gaze_.held_since_us(), clutter_share});
   for (std::size_t i = 0; i < detectors_.size(); ++i) {
     const DetectorTick& result = tick.detectors[i];
     detectors_[i].elapsed_ns += result.elapsed_ns;
-    const auto found = score(detectors_[i], row, result.observed ? &result.estimate : nullptr);
-    if (driver_ == i) following_.add(found, gaze_.held_since_us());
+    detectors_[i].newest.update(tick.t_us, result, truth.events_until_us);
+    score_newest(detectors_[i], row);
+    instants_.set(i, result);
   }
-  if (frame_detector_) score(*frame_detector_, row, frames_->detection() ? &*frames_->detection() : nullptr);
-  if (right_eye_) score_right_eye(tick);
+  if (frame_detector_) {
+    score(*frame_detector_, row, frames_->detection(), clutter_share);
+    frame_detector_->newest.update(tick.t_us, frames_->exposed(), frames_->detection());
+    score_newest(*frame_detector_, row);
+  }
+  if (right_eye_) look_at_right_eye(tick);
+  instants_.pop(truth.events_until_us, [this](const Instants::Instant& instant) { score(instant); });
 }
 
-std::optional<bool> RunScores::score(Detector& detector, const TruthRow& truth, const Estimate* estimate) {
+std::optional<bool> RunScores::score(Detector& detector, const TruthRow& truth,
+                                     const std::optional<Estimate>& seen, double clutter_share) {
   std::optional<Observation> observation;
-  if (estimate != nullptr) observation = {estimate->circle, estimate->score};
+  if (seen) observation = observation_of(*seen);
   if (scenario_.sim.labels)
-    detector.clutter.add(truth.visible, clutter_share_,
+    detector.clutter.add(truth.visible, clutter_share,
                          observation && observation->score >= detector.threshold);
   return detector.scorer.add(truth, observation);
+}
+
+void RunScores::score(const Instants::Instant& instant) {
+  const Context& context = instant.context;
+  for (std::size_t i = 0; i < detectors_.size(); ++i) {
+    const auto found = score(detectors_[i], context.truth, instant.observations[i], context.clutter_share);
+    if (driver_ == i) following_.add(found, context.held_since_us);
+  }
+  if (!right_eye_ || !right_eye_->detector) return;
+  std::optional<Observation> observation;
+  if (const auto& seen = instant.observations.back()) observation = observation_of(*seen);
+  right_eye_->detector->scorer.add(context.right_truth, observation);
+}
+
+void RunScores::score_newest(Detector& detector, const TruthRow& truth) {
+  const auto& ready = detector.newest.ready();
+  if (ready) {
+    detector.streaming.add(truth, observation_of(ready->estimate), ready->ready_us - ready->about_us);
+  } else {
+    detector.streaming.add(truth, std::nullopt, 0);
+  }
 }
 
 void RunScores::count_labels(std::span<const Event> events) {
@@ -73,27 +105,25 @@ void RunScores::count_labels(std::span<const Event> events) {
   for (std::size_t i = 0; i < events.size(); ++i) {
     if (events[i].camera == 0) clutter_.add(label_row(events[i], labels[i]));
   }
-  clutter_share_ = clutter_.share_in_window();
 }
 
-void RunScores::score_right_eye(const Tick& tick) {
+void RunScores::look_at_right_eye(const Tick& tick) {
   RightEye& eye = *right_eye_;
   const SimTruth& truth = truth_.state;
   eye.event_count += std::ranges::count_if(tick.events, [](const Event& e) { return e.camera == 1; });
   eye.gaze.add(
       {tick.t_us, truth.right->root_from_cam, truth.ball_m, tick.target_m, truth.plant_position_rad});
-  if (!eye.detector) return;
-  std::optional<Observation> observation;
-  if (tick.right) {
-    eye.detector->elapsed_ns += tick.right->elapsed_ns;
-    if (tick.right->observed) observation = {tick.right->estimate.circle, tick.right->estimate.score};
-  }
-  eye.detector->scorer.add(truth_row(truth, *truth.right), observation);
+  if (!eye.detector || !tick.right) return;
+  eye.detector->elapsed_ns += tick.right->elapsed_ns;
+  eye.detector->newest.update(tick.t_us, *tick.right, truth.events_until_us);
+  score_newest(*eye.detector, truth_row(truth, *truth.right));
+  instants_.set(detectors_.size(), *tick.right);
 }
 
 DetectorScore RunScores::finished(const Detector& detector, std::int64_t events,
                                   const saccade::Detector* in_loop) const {
   DetectorScore score = detector.scorer.score();
+  score.streaming = detector.streaming.score();
   if (in_loop == nullptr) return score;
   if (events > 0)
     score.us_per_event = static_cast<double>(detector.elapsed_ns) * 1e-3 / static_cast<double>(events);
@@ -132,7 +162,8 @@ RightEyeMetrics RunScores::right_eye_metrics() const {
   return eye;
 }
 
-Metrics RunScores::metrics() const {
+Metrics RunScores::metrics() {
+  instants_.pop(Instants::all_us, [this](const Instants::Instant& instant) { score(instant); });
   Metrics metrics;
   metrics.scenario = scenario_.name;
   metrics.seed = scenario_.seed;

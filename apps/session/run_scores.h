@@ -7,6 +7,8 @@
 
 #include "apps/config/scenario.h"
 #include "apps/session/ground_truth.h"
+#include "apps/session/instant_queue.h"
+#include "apps/session/newest_estimate.h"
 #include "evaluation/scoring/clutter.h"
 #include "evaluation/scoring/detector_scorer.h"
 #include "evaluation/scoring/gaze_scorer.h"
@@ -17,7 +19,9 @@ namespace saccade {
 
 class FrameCamera;
 
-/// Scores detectors and gaze of a simulated run against ground truth, tick by tick, in bounded memory.
+/// Scores detectors and gaze of a simulated run against ground truth, tick by tick, in bounded memory. Detectors are
+/// scored by event time, an instant when all of its events have been delivered, and with the newest estimate that is ready
+/// (`streaming`).
 class RunScores final : public LoopObserver {
  public:
   /// `limits`: of the head. All others outlive it; `frames` is called before it and may be null.
@@ -27,17 +31,22 @@ class RunScores final : public LoopObserver {
   void on_tick(const Tick& tick) override;
   /// The angle between the left eye's axis and the ball at the newest tick.
   [[nodiscard]] double fixation_error_rad() const { return gaze_.fixation_error_rad(); }
-  /// Everything in metrics.json that follows from the ticks.
-  [[nodiscard]] Metrics metrics() const;
+  /// Everything in metrics.json that follows from the ticks; after the last one.
+  [[nodiscard]] Metrics metrics();
 
  private:
   struct Detector {
     Detector(std::string its_name, double its_threshold)
-        : name(std::move(its_name)), threshold(its_threshold), scorer(name, threshold, Chances::simulated) {}
+        : name(std::move(its_name)),
+          threshold(its_threshold),
+          scorer(name, threshold, Chances::simulated),
+          streaming(threshold) {}
 
     std::string name;
     double threshold;
     DetectorScorer scorer;
+    NewestEstimate newest;
+    StreamingScorer streaming;
     ChanceClutter clutter;
     std::int64_t elapsed_ns = 0;
   };
@@ -49,10 +58,22 @@ class RunScores final : public LoopObserver {
     std::int64_t event_count = 0;
   };
 
+  /// What an instant is scored with.
+  struct Context {
+    TruthRow truth;
+    TruthRow right_truth;
+    std::optional<std::int64_t> held_since_us;  // by the gaze
+    double clutter_share = 0.0;                 // in the window of clutter_
+  };
+  using Instants = InstantQueue<Context>;
+
   /// Returns whether the detector found the ball; none where the instant is no chance.
-  std::optional<bool> score(Detector& detector, const TruthRow& truth, const Estimate* estimate);
+  std::optional<bool> score(Detector& detector, const TruthRow& truth, const std::optional<Estimate>& seen,
+                            double clutter_share);
+  void score(const Instants::Instant& instant);
+  static void score_newest(Detector& detector, const TruthRow& truth);
   void count_labels(std::span<const Event> events);
-  void score_right_eye(const Tick& tick);
+  void look_at_right_eye(const Tick& tick);
   [[nodiscard]] DetectorScore finished(const Detector& detector, std::int64_t events,
                                        const saccade::Detector* in_loop) const;
   [[nodiscard]] GazeMetrics gaze_metrics() const;
@@ -69,7 +90,7 @@ class RunScores final : public LoopObserver {
   GazeScorer gaze_;
   FollowingRate following_;
   ClutterCounter clutter_;
-  double clutter_share_ = 0.0;  // in the window of clutter_, at the newest tick
+  Instants instants_;
   std::optional<RightEye> right_eye_;
   std::int64_t event_count_ = 0;  // of both eyes
   std::int64_t now_us_ = 0;

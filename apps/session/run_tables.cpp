@@ -3,6 +3,7 @@
 #include "apps/session/frame_camera.h"
 #include "control/head_kinematics.h"
 #include "core/error.h"
+#include "recording/run_file_names.h"
 
 namespace saccade {
 
@@ -16,50 +17,67 @@ RunTables::RunTables(const std::filesystem::path& folder, const Scenario& scenar
       frames_(frames),
       events_(create_event_file(folder / event_file_name(scenario), scenario.sim.camera.size,
                                 scenario.sim.both_eyes() ? 2 : 1)),
-      joints_(folder / "joints.csv"),
-      truth_(folder / "truth.csv"),
-      detections_(folder / "detections.csv"),
-      gaze_(folder / "gaze.csv"),
-      eye_(folder / "eye.csv") {
-  if (scenario.sim.labels) labels_.emplace(folder / "labels.csv");
+      joints_(folder / run_file::joints),
+      truth_(folder / run_file::truth),
+      instants_(loop.detectors().size() + 1),
+      newest_(loop.detectors().size() + 1),
+      detections_(folder / run_file::detections),
+      streaming_(folder / run_file::streaming),
+      gaze_(folder / run_file::gaze),
+      eye_(folder / run_file::eye) {
+  if (scenario.sim.labels) labels_.emplace(folder / run_file::labels);
   if (!scenario.sim.both_eyes()) return;
-  truth_right_.emplace(folder / "truth_right.csv");
-  if (loop.right_detector() != nullptr) detections_right_.emplace(folder / "detections_right.csv");
-  if (scenario.sim.labels) labels_right_.emplace(folder / "labels_right.csv");
+  truth_right_.emplace(folder / run_file::truth_right);
+  if (loop.right_detector() != nullptr) detections_right_.emplace(folder / run_file::detections_right);
+  if (scenario.sim.labels) labels_right_.emplace(folder / run_file::labels_right);
 }
 
 void RunTables::on_tick(const Tick& tick) {
   events_->write(tick.events);
   if (labels_) write_labels(tick.events);
-  for (std::size_t i = 0; i < tick.detectors.size(); ++i) {
-    const DetectorTick& result = tick.detectors[i];
-    if (!result.observed) continue;
-    detections_.write({tick.t_us, loop_.detectors()[i].name, result.estimate.circle, result.estimate.score,
-                       result.estimate.held});
-  }
-  if (frames_ != nullptr && frames_->detection()) {
-    const Estimate& ball = *frames_->detection();
-    detections_.write({tick.t_us, std::string(frame_detector_name), ball.circle, ball.score, false});
-  }
-  if (truth_right_) write_right_eye(tick);
+  instants_.push(tick.t_us, frames_ != nullptr ? frames_->detection() : std::nullopt);
+  for (std::size_t i = 0; i < tick.detectors.size(); ++i) instants_.set(i, tick.detectors[i]);
+  if (tick.right) instants_.set(tick.detectors.size(), *tick.right);
+  write_streaming(tick);
 
   const SimTruth& truth = truth_source_.state;
   const FixationPoint fixation = HeadKinematics(tick.head->position_rad).fixation();
   const Eigen::Vector3d none = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
   joints_.write({tick.t_us, tick.head->position_rad});
   truth_.write(truth_row(truth, truth.left));
+  if (truth_right_) truth_right_->write(truth_row(truth, *truth.right));
   gaze_.write({tick.t_us, fixation.valid ? fixation.point_m : none, tick.target_m.value_or(none),
                tick.head->position_rad});
   eye_.write(EyeRow::of(tick.t_us, truth.left.root_from_cam));
+  instants_.pop(truth.events_until_us,
+                [this](const Instants::Instant& instant) { write_detections(instant); });
 }
 
-void RunTables::write_right_eye(const Tick& tick) {
-  const SimTruth& truth = truth_source_.state;
-  truth_right_->write(truth_row(truth, *truth.right));
-  if (!detections_right_ || !tick.right || !tick.right->observed) return;
-  const Estimate& estimate = tick.right->estimate;
-  detections_right_->write(
-      {tick.t_us, scenario_.gaze.detector, estimate.circle, estimate.score, estimate.held});
+void RunTables::write_detections(const Instants::Instant& instant) {
+  const std::size_t count = loop_.detectors().size();
+  for (std::size_t i = 0; i < count; ++i) {
+    if (const auto& seen = instant.observations[i])
+      detections_.write(detection_row(instant.t_us, loop_.detectors()[i].name, *seen));
+  }
+  if (instant.context)
+    detections_.write(detection_row(instant.t_us, std::string(frame_detector_name), *instant.context));
+  const auto& right = instant.observations[count];
+  if (detections_right_ && right)
+    detections_right_->write(detection_row(instant.t_us, scenario_.gaze.detector, *right));
+}
+
+void RunTables::write_streaming(const Tick& tick) {
+  const auto write = [&](const std::string& name, const NewestEstimate& newest) {
+    if (const auto& ready = newest.ready())
+      streaming_.write({detection_row(tick.t_us, name, ready->estimate), ready->ready_us});
+  };
+  for (std::size_t i = 0; i < tick.detectors.size(); ++i) {
+    newest_[i].update(tick.t_us, tick.detectors[i], truth_source_.state.events_until_us);
+    write(loop_.detectors()[i].name, newest_[i]);
+  }
+  if (frames_ == nullptr) return;
+  newest_.back().update(tick.t_us, frames_->exposed(), frames_->detection());
+  write(std::string(frame_detector_name), newest_.back());
 }
 
 void RunTables::write_labels(std::span<const Event> events) {
@@ -71,10 +89,12 @@ void RunTables::write_labels(std::span<const Event> events) {
 }
 
 void RunTables::commit() {
+  instants_.pop(Instants::all_us, [this](const Instants::Instant& instant) { write_detections(instant); });
   events_->commit();
   joints_.commit();
   truth_.commit();
   detections_.commit();
+  streaming_.commit();
   gaze_.commit();
   eye_.commit();
   if (labels_) labels_->commit();

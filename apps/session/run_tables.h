@@ -3,9 +3,12 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "apps/config/scenario.h"
 #include "apps/session/ground_truth.h"
+#include "apps/session/instant_queue.h"
+#include "apps/session/newest_estimate.h"
 #include "loop/loop.h"
 #include "recording/event_file.h"
 #include "recording/run_files.h"
@@ -25,11 +28,14 @@ class RunTables final : public LoopObserver {
             const Loop& loop, const FrameCamera* frames);
 
   void on_tick(const Tick& tick) override;
-  /// Closes every file under its final name.
+  /// Writes the instants that still wait for late events and closes every file under its final name.
   void commit();
 
  private:
-  void write_right_eye(const Tick& tick);
+  using Instants = InstantQueue<std::optional<Estimate>>;  // with what the frame camera found
+
+  void write_detections(const Instants::Instant& instant);
+  void write_streaming(const Tick& tick);
   void write_labels(std::span<const Event> events);
 
   const Scenario& scenario_;
@@ -39,7 +45,10 @@ class RunTables final : public LoopObserver {
   std::unique_ptr<EventWriter> events_;
   TableWriter<JointsRow> joints_;
   TableWriter<TruthRow> truth_;
+  Instants instants_;
+  std::vector<NewestEstimate> newest_;  // of the loop's detectors, then of the frame camera
   TableWriter<DetectionRow> detections_;
+  TableWriter<StreamingRow> streaming_;
   TableWriter<GazeRow> gaze_;
   TableWriter<EyeRow> eye_;
   std::optional<TableWriter<LabelRow>> labels_;

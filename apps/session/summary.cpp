@@ -2,14 +2,39 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <string>
 
 namespace saccade {
 
+namespace {
+
+std::string number(const std::optional<double>& value, const char* unit) {
+  return value ? fmt::format("{:.3g}{}", *value, unit) : std::string("-");
+}
+
+}  // namespace
+
+void print_summary(const std::string& detector, const DetectorScore& score) {
+  if (score.chances == 0) {
+    if (std::isnan(score.threshold)) {
+      fmt::print("{}: no chance to find a ball\n", detector);
+    } else {
+      fmt::print("{}: {} observations at or above its threshold", detector, score.observations);
+      if (score.alarm_ratio) fmt::print(", in {:.3g} % of the instants", 100.0 * *score.alarm_ratio);
+      fmt::print("\n");
+    }
+    return;
+  }
+  fmt::print("{}: average precision {}", detector, number(score.average_precision, ""));
+  if (score.streaming && score.streaming->average_precision != score.average_precision)
+    fmt::print(" (streaming {})", number(score.streaming->average_precision, ""));
+  fmt::print(", precision {} and recall {} at its threshold, median error {}, lag {}\n",
+             number(score.precision, ""), number(score.recall, ""),
+             number(score.position_error_px.median, " px"), number(score.lag_ms, " ms"));
+}
+
 void print_summary(const Metrics& metrics) {
-  const auto number = [](const std::optional<double>& value, const char* unit) {
-    return value ? fmt::format("{:.3g}{}", *value, unit) : std::string("-");
-  };
   fmt::print("{} events in {:.3f} s", metrics.event_count, metrics.duration_s);
   if (metrics.wall_s && metrics.duration_s > 0.0) {
     fmt::print(", {:.0f} per second; {:.2f} x real time",
@@ -17,16 +42,7 @@ void print_summary(const Metrics& metrics) {
                metrics.duration_s / *metrics.wall_s);
   }
   fmt::print("\n");
-  for (const auto& [name, score] : metrics.detectors) {
-    if (score.chances == 0) {
-      fmt::print("{}: {} observations at or above its threshold\n", name, score.observations);
-      continue;
-    }
-    fmt::print(
-        "{}: average precision {}, precision {} and recall {} at its threshold, median error {}, lag {}\n",
-        name, number(score.average_precision, ""), number(score.precision, ""), number(score.recall, ""),
-        number(score.position_error_px.median, " px"), number(score.lag_ms, " ms"));
-  }
+  for (const auto& [name, score] : metrics.detectors) print_summary(name, score);
   if (metrics.gaze) {
     const GazeScore& gaze = metrics.gaze->score;
     fmt::print(

@@ -7,28 +7,24 @@
 
 #include "core/camera.h"
 #include "evaluation/scoring/lag.h"
+#include "evaluation/scoring/observation.h"
 #include "evaluation/scoring/precision_recall.h"
 #include "evaluation/scoring/scoring.h"
 #include "evaluation/scoring/statistics.h"
+#include "evaluation/scoring/uncertainty.h"
 #include "recording/run_files.h"
 
 namespace saccade {
-
-/// A detector's best circle at an instant, before any threshold.
-struct Observation {
-  Circle circle;       ///< image pixels; finite
-  double score = 0.0;  ///< on the detector's own scale; finite
-};
 
 /// Scores one detector while a run goes on, in bounded memory.
 ///
 /// The figures are those of score_detector() over the same instants, exact up to `max_exact` observations and instants
 /// of truth (DetectorScore::exact). Beyond that counts, precision, recall and rates stay exact, and the rest is
-/// approximated as PrecisionRecallCounter, QuantileCounter and LagCounter describe. Memory: up to 72 bytes per instant,
-/// 19 MB at most for the default `max_exact`.
+/// approximated as PrecisionRecallCounter, QuantileCounter and LagCounter describe. Memory: up to 88 bytes per instant,
+/// 23 MB at most for the default `max_exact`.
 class DetectorScorer {
  public:
-  /// `detector` is its name in error messages.
+  /// `detector` is its name in error messages. `threshold` NaN: unknown.
   DetectorScorer(std::string detector, double threshold, Chances chances,
                  std::size_t max_exact = max_exact_values);
 
@@ -37,10 +33,10 @@ class DetectorScorer {
   /// threshold; none where the instant is no chance. Throws InputError for an observation that is not finite or not
   /// later than the one before.
   std::optional<bool> add(const TruthRow& truth, const std::optional<Observation>& observation);
-  /// An observation at an instant without a row of truth. Throws as above.
-  void add(std::int64_t t_us, const Observation& observation);
+  /// An instant without a row of truth. Throws as above.
+  void add(std::int64_t t_us, const std::optional<Observation>& observation);
 
-  /// Of everything added so far. The processing time, rejected events and clutter are left empty.
+  /// Of everything added so far. Streaming, processing time, rejected events and clutter are left empty.
   [[nodiscard]] DetectorScore score() const;
 
  private:
@@ -64,7 +60,10 @@ class DetectorScorer {
   };
 
   void check(std::int64_t t_us, const Observation& observation);
-  void count(const Observation& observation, bool inlier);
+  void count(const Observation& observation, const Circle* inlier_of);
+  void count_instant(std::int64_t t_us, const std::optional<Observation>& observation);
+  void follow(const TruthRow& truth);
+  [[nodiscard]] bool moves() const;
 
   std::string detector_;
   double threshold_;
@@ -78,7 +77,16 @@ class DetectorScorer {
   QuantileCounter radius_error_px_;
   LagCounter lag_;
   Rate rate_;
+  ReliabilityCounter reliability_;
+  NeesCounter nees_;
+  bool ball_ = false;          // a row of truth has had a circle
+  std::int64_t instants_ = 0;  // and alarms: where there is no ball
+  std::int64_t alarm_instants_ = 0;
+  std::int64_t alarms_ = 0;
+  std::optional<std::int64_t> last_alarm_us_;
   Circle lowest_, highest_;  // bounding box of the true centres at chances
+  std::optional<TruthRow> last_chance_;
+  QuantileCounter speed_px_s_;  // of the true centre from chance to chance
 };
 
 }  // namespace saccade

@@ -1,85 +1,17 @@
 #include "evaluation/scoring/metrics.h"
 
-#include <cmath>
 #include <fstream>
 #include <iterator>
-#include <nlohmann/json.hpp>
 
-#include "core/config.h"
 #include "core/error.h"
+#include "evaluation/scoring/metrics_json.h"
 #include "recording/output_file.h"
 
 namespace saccade {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-Json json_of(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-template <class T>
-Json json_of(const std::optional<T>& value) {
-  if constexpr (std::is_floating_point_v<T>) {
-    return value ? json_of(*value) : Json(nullptr);
-  } else {
-    return value ? Json(*value) : Json(nullptr);
-  }
-}
-
-Json json_of(const Percentiles& percentiles) {
-  return {{"median", json_of(percentiles.median)}, {"p95", json_of(percentiles.p95)}};
-}
-
-Json json_of(const std::optional<RejectedEvents>& rejected) {
-  if (!rejected) return nullptr;
-  return {{"outside_image", rejected->outside_image}, {"back_in_time", rejected->back_in_time}};
-}
-
-std::optional<double> number(const Json& json) {
-  return json.is_null() ? std::nullopt : std::optional<double>(json.get<double>());
-}
-
-std::optional<std::int64_t> integer(const Json& json) {
-  return json.is_null() ? std::nullopt : std::optional<std::int64_t>(json.get<std::int64_t>());
-}
-
-Percentiles percentiles(const Json& json) {
-  return {.median = number(json.at("median")), .p95 = number(json.at("p95"))};
-}
-
-Json json_of(const DetectorScore& score) {
-  Json at_recall = Json::object();
-  for (std::size_t i = 0; i < reported_recalls.size(); ++i) {
-    at_recall[text_of(reported_recalls[i])] = json_of(score.precision_at_recall[i]);
-  }
-  Json curve = Json::array();
-  for (const CurvePoint& point : score.pr_curve) {
-    curve.push_back(
-        {{"threshold", point.threshold}, {"precision", point.precision}, {"recall", point.recall}});
-  }
-  Json json = {
-      {"average_precision", json_of(score.average_precision)},
-      {"precision_at_recall", std::move(at_recall)},
-      {"pr_curve", std::move(curve)},
-      {"chances", score.chances},
-      {"threshold", json_of(score.threshold)},
-      {"precision", json_of(score.precision)},
-      {"recall", json_of(score.recall)},
-      {"detection_rate_hz", {{"mean", json_of(score.mean_rate_hz)}, {"peak", json_of(score.peak_rate_hz)}}},
-      {"position_error_px", json_of(score.position_error_px)},
-      {"radius_error_px", json_of(score.radius_error_px)},
-      {"lag_ms", json_of(score.lag_ms)},
-      {"us_per_event", json_of(score.us_per_event)},
-      {"observations", score.observations},
-      {"inliers", score.inliers},
-      {"rejected_events", json_of(score.rejected_events)}};
-  if (!score.exact) json["approximate"] = true;
-  if (score.clutter) {
-    json["clutter_in_window"] = {{"detected", json_of(score.clutter->in_window_detected)},
-                                 {"missed", json_of(score.clutter->in_window_missed)}};
-    json["clutter_per_detection"] = json_of(score.clutter->per_detection);
-  }
-  return json;
-}
+using metrics_json::detector_score, metrics_json::integer, metrics_json::Json, metrics_json::json_of,
+    metrics_json::number, metrics_json::percentiles;
 
 Json json_of(const ClutterShare& clutter) {
   Json json = {
@@ -97,42 +29,6 @@ ClutterShare clutter_share(const Json& json) {
   for (const auto& [name, share] : json.at("by_cause").items())
     clutter.by_cause.emplace_back(name, number(share));
   return clutter;
-}
-
-DetectorScore detector_score(const Json& json) {
-  DetectorScore score;
-  score.average_precision = number(json.at("average_precision"));
-  for (std::size_t i = 0; i < reported_recalls.size(); ++i) {
-    score.precision_at_recall[i] = number(json.at("precision_at_recall").at(text_of(reported_recalls[i])));
-  }
-  for (const Json& point : json.at("pr_curve")) {
-    score.pr_curve.push_back({.threshold = point.at("threshold").get<double>(),
-                              .precision = point.at("precision").get<double>(),
-                              .recall = point.at("recall").get<double>()});
-  }
-  score.chances = json.at("chances").get<std::int64_t>();
-  score.threshold = json.at("threshold").get<double>();
-  score.observations = json.at("observations").get<std::int64_t>();
-  score.inliers = json.at("inliers").get<std::int64_t>();
-  score.precision = number(json.at("precision"));
-  score.recall = number(json.at("recall"));
-  score.mean_rate_hz = number(json.at("detection_rate_hz").at("mean"));
-  score.peak_rate_hz = number(json.at("detection_rate_hz").at("peak"));
-  score.position_error_px = percentiles(json.at("position_error_px"));
-  score.radius_error_px = percentiles(json.at("radius_error_px"));
-  score.lag_ms = number(json.at("lag_ms"));
-  score.us_per_event = number(json.at("us_per_event"));
-  score.exact = !json.value("approximate", false);
-  if (const auto rejected = json.find("rejected_events"); rejected != json.end() && !rejected->is_null()) {
-    score.rejected_events = {.outside_image = rejected->at("outside_image").get<std::int64_t>(),
-                             .back_in_time = rejected->at("back_in_time").get<std::int64_t>()};
-  }
-  if (const auto window = json.find("clutter_in_window"); window != json.end()) {
-    score.clutter = {.in_window_detected = number(window->at("detected")),
-                     .in_window_missed = number(window->at("missed")),
-                     .per_detection = number(json.at("clutter_per_detection"))};
-  }
-  return score;
 }
 
 Json name_or_null(const std::string& name) { return name.empty() ? Json(nullptr) : Json(name); }
@@ -309,9 +205,7 @@ Metrics metrics_of(const Json& json) {
   return metrics;
 }
 
-}  // namespace
-
-std::string metrics_to_json(const Metrics& metrics) {
+Json json_of_metrics(const Metrics& metrics) {
   const auto per_second = [](double value, double time_s) {
     return time_s > 0.0 ? std::optional(value / time_s) : std::nullopt;
   };
@@ -340,7 +234,43 @@ std::string metrics_to_json(const Metrics& metrics) {
   if (metrics.calibration) json["calibration"] = json_of(*metrics.calibration);
   if (metrics.clutter) json["clutter"] = json_of(*metrics.clutter);
   if (metrics.right_eye) json["right_eye"] = json_of(*metrics.right_eye);
+  return json;
+}
+
+std::string text_of_json(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+/// Removes what the clock measured, and where the files lie.
+void remove_wall_clock(Json& json) {
+  for (const char* key : {"wall_s", "real_time_factor"}) json.erase(key);
+  Json& file = json["events"]["file"];
+  file = std::filesystem::path(file.get<std::string>()).filename().string();
+  const auto remove_times = [](Json& detectors) {
+    for (Json& detector : detectors) detector.erase("us_per_event");
+  };
+  remove_times(json["detectors"]);
+  if (const auto eye = json.find("right_eye"); eye != json.end()) remove_times((*eye)["detectors"]);
+}
+
+void write_text(const std::filesystem::path& path, const std::string& text) {
+  OutputFile file(path);
+  file.write(text);
+  file.commit();
+}
+
+}  // namespace
+
+std::string metrics_to_json(const Metrics& metrics) { return text_of_json(json_of_metrics(metrics)); }
+
+std::string figures_to_json(const Metrics& metrics) {
+  Json json = json_of_metrics(metrics);
+  remove_wall_clock(json);
+  return text_of_json(json);
+}
+
+std::string detectors_to_json(const std::vector<std::pair<std::string, DetectorScore>>& scores) {
+  return text_of_json({{"schema", 1}, {"detectors", json_of_all(scores)}});
 }
 
 Metrics metrics_from_json(std::string_view text, const std::string& place) {
@@ -356,9 +286,11 @@ Metrics metrics_from_json(std::string_view text, const std::string& place) {
 }
 
 void write_metrics(const std::filesystem::path& path, const Metrics& metrics) {
-  OutputFile file(path);
-  file.write(metrics_to_json(metrics));
-  file.commit();
+  write_text(path, metrics_to_json(metrics));
+}
+
+void write_figures(const std::filesystem::path& path, const Metrics& metrics) {
+  write_text(path, figures_to_json(metrics));
 }
 
 Metrics read_metrics(const std::filesystem::path& path) {

@@ -69,14 +69,22 @@ struct Metrics {
 
 /// Numbers are the shortest text that reads back as the same double; the same metrics give the same bytes.
 [[nodiscard]] std::string metrics_to_json(const Metrics& metrics);
+/// The same without what the wall clock measured (wall_s, real_time_factor, us_per_event) and without the folder of the
+/// event file: equal runs give equal bytes.
+[[nodiscard]] std::string figures_to_json(const Metrics& metrics);
+/// The block `detectors` of metrics.json alone, with the schema.
+[[nodiscard]] std::string detectors_to_json(const std::vector<std::pair<std::string, DetectorScore>>& scores);
 /// Throws InputError with `place` for text that is not JSON, another schema, or a key that is missing or of a wrong
 /// type. Keys that older versions did not write may be absent: `calibration`, `settings`, `approximate`, `right_eye`,
-/// `clutter`, `events.camera`; `rejected_events` and clutter of a detector; `controller`, `gate`, `window`,
+/// `clutter`, `events.camera`; `rejected_events`, `alarm_ratio`, `alarms_per_min`, `streaming`, `nees`, `reliability` and clutter of a
+/// detector; `controller`, `gate`, `window`,
 /// `acquired_at_us` and `following_rate_hz` of the gaze; `k1` to `p2` of a camera.
 [[nodiscard]] Metrics metrics_from_json(std::string_view text, const std::string& place);
 
 /// Throws RunError when the file cannot be written.
 void write_metrics(const std::filesystem::path& path, const Metrics& metrics);
+/// Writes figures_to_json(). Throws as write_metrics().
+void write_figures(const std::filesystem::path& path, const Metrics& metrics);
 /// Throws InputError.
 [[nodiscard]] Metrics read_metrics(const std::filesystem::path& path);
 

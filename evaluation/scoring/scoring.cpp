@@ -6,6 +6,8 @@
 namespace saccade {
 namespace {
 
+Observation observation_of(const DetectionRow& row) { return {row.circle, row.score, row.covariance_px2}; }
+
 /// Passes truth and the rows of one detector to a scorer in the order of time. `on_truth` gets what the scorer returns
 /// for each row of truth.
 template <class OnTruth>
@@ -17,15 +19,15 @@ void score_rows(DetectorScorer& scorer, std::span<const TruthRow> truth,
     return row != detections.end();
   };
   for (const TruthRow& t : truth) {
-    for (; skip_others() && row->t_us < t.t_us; ++row) scorer.add(row->t_us, {row->circle, row->score});
+    for (; skip_others() && row->t_us < t.t_us; ++row) scorer.add(row->t_us, observation_of(*row));
     std::optional<Observation> observation;
     if (skip_others() && row->t_us == t.t_us) {
-      observation = {row->circle, row->score};
+      observation = observation_of(*row);
       ++row;
     }
     on_truth(scorer.add(t, observation));
   }
-  for (; skip_others(); ++row) scorer.add(row->t_us, {row->circle, row->score});
+  for (; skip_others(); ++row) scorer.add(row->t_us, observation_of(*row));
 }
 
 std::optional<double> rate_per_s(std::int64_t found, std::int64_t chances) {
@@ -34,6 +36,14 @@ std::optional<double> rate_per_s(std::int64_t found, std::int64_t chances) {
 }
 
 }  // namespace
+
+Chances chances_of(std::span<const TruthRow> truth) {
+  constexpr std::int64_t simulated_period_us = 1'000;
+  bool simulated = truth.size() > 1;
+  for (std::size_t i = 1; i < truth.size(); ++i)
+    simulated &= truth[i].t_us - truth[i - 1].t_us == simulated_period_us;
+  return simulated ? Chances::simulated : Chances::annotated;
+}
 
 DetectorScore score_detector(std::span<const TruthRow> truth, std::span<const DetectionRow> detections,
                              std::string_view detector, double threshold, Chances chances) {

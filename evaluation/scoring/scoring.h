@@ -11,6 +11,8 @@
 #include "evaluation/scoring/clutter.h"
 #include "evaluation/scoring/precision_recall.h"
 #include "evaluation/scoring/statistics.h"
+#include "evaluation/scoring/streaming_scorer.h"
+#include "evaluation/scoring/uncertainty.h"
 #include "recording/run_files.h"
 
 namespace saccade {
@@ -25,13 +27,14 @@ inline constexpr double inlier_radius_px = 2.0;
 /// An instant is a chance when at least this share of the ball's disc is visible.
 inline constexpr double chance_visible_share = 0.5;
 
-/// At which instants a detector could find the ball.
+/// At which instants a detector could find the ball. Observations at instants with 0 < visible < 0.5 are ignored: the
+/// ball is partly hidden.
 enum class Chances {
-  /// Truth every 1 ms: each instant with visible >= 0.5. An observation at any other instant of the run is false.
+  /// Truth every 1 ms: each instant with visible >= 0.5. An observation at an instant with visible = 0, or without a row
+  /// of truth, is false. No row of truth, or none with a circle: there is no ball, and every observation is false.
   simulated,
   /// Truth at a few instants of a recording: those with visible >= 0.5. An observation at an annotated instant with
-  /// visible = 0 is false. Observations at all other instants are ignored: there is no truth for them, or the ball
-  /// is partly hidden.
+  /// visible = 0 is false. Observations at instants without a row of truth are ignored.
   annotated,
 };
 
@@ -39,6 +42,10 @@ enum class Chances {
 [[nodiscard]] bool has_circle(const TruthRow& row);
 /// Whether the ball could be found there: it has a circle, and visible >= 0.5.
 [[nodiscard]] bool is_chance(const TruthRow& row);
+/// Whether an observation at that row's instant counts, as an inlier or a false one; if not it is ignored.
+[[nodiscard]] bool counts(const TruthRow& row, Chances chances);
+/// How `truth` is to be scored: simulated where its rows are 1 ms apart without a gap, annotated otherwise.
+[[nodiscard]] Chances chances_of(std::span<const TruthRow> truth);
 [[nodiscard]] bool is_inlier(const Circle& circle, const Circle& truth);
 
 /// The figures of one detector in metrics.json. None = does not apply.
@@ -48,8 +55,9 @@ struct DetectorScore {
   std::array<std::optional<double>, reported_recalls.size()> precision_at_recall;
   std::vector<CurvePoint> pr_curve;  ///< by falling threshold
   std::int64_t chances = 0;
+  /// NaN: unknown. Then every figure at the threshold is none, and `observations` and `inliers` are 0.
   double threshold = 0.0;
-  /// At `threshold`, like everything below.
+  /// At `threshold`, like everything below up to `nees`.
   std::int64_t observations = 0;
   std::int64_t inliers = 0;
   std::optional<double> precision;  ///< none without observations
@@ -62,8 +70,16 @@ struct DetectorScore {
   Percentiles position_error_px;
   Percentiles radius_error_px;  ///< absolute
   /// See LagCounter; over the observations at chances. None also where the true centres at the chances lie within
-  /// 6 px (diagonal of their bounding box).
+  /// 6 px (diagonal of their bounding box), or move slower than 30 px/s in the median.
   std::optional<double> lag_ms;
+  /// Where there is no ball at all: share of the instants with an observation.
+  std::optional<double> alarm_ratio;
+  /// There too: alarms per minute of instants; observations less than 100 ms apart are one alarm.
+  std::optional<double> alarms_per_min;
+  std::optional<Nees> nees;  ///< of the inliers; none without known covariances
+  /// Of all observations that count, whatever the threshold; none where the score is no probability.
+  std::optional<Reliability> reliability;
+  std::optional<StreamingScore> streaming;  ///< none where it was not measured
   /// False where a run was so long that curve, errors or lag are approximated (DetectorScorer).
   bool exact = true;
   /// Processing time, flow included; measured by the loop.

@@ -6,14 +6,14 @@
 
 #include "core/detector.h"
 #include "recording/event_file.h"
-#include "recording/run_files.h"
+#include "recording/joints_source.h"
 #include "robot/robot.h"
 
 namespace saccade {
 
-/// Joints of a recording (joints.csv of a run folder) and the limits of its head.
+/// Joints of a recording (joints.csv of a run folder, or a log of the robot's head) and the limits of its head.
 struct RecordedHead {
-  TableReader<JointsRow> joints;
+  JointsSource joints;
   JointLimits limits;
 };
 

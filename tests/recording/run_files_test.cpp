@@ -59,21 +59,49 @@ TEST(RunFiles, EveryTruthNumberReadsBackAsTheSameDouble) {
   }
 }
 
+constexpr const char* detections_header =
+    "t_us,detector,x_px,y_px,r_px,score,held,var_x_px2,var_y_px2,var_r_px2,cov_xy_px2,cov_xr_px2,cov_yr_px2";
+
 TEST(RunFiles, DetectionsReadBack) {
   TempFolder folder;
-  const auto path = write_table<DetectionRow>(
-      folder / "detections.csv",
-      {{1000, "paper_full", {1.5, 2.25, 10}, 0.1, false}, {1000, "best", {-1, 0.3, 12}, 1e-9, true}});
-  EXPECT_EQ(bytes_of(path),
-            "t_us,detector,x_px,y_px,r_px,score,held\n"
-            "1000,paper_full,1.5,2.25,10,0.1,0\n"
-            "1000,best,-1,0.3,12,1e-09,1\n");
+  DetectionRow known{1000, "best", {-1, 0.3, 12}, 1e-9, true};
+  known.covariance_px2 << 1, 0.25, -0.5, 0.25, 2, 0.125, -0.5, 0.125, 3;
+  const auto path = write_table<DetectionRow>(folder / "detections.csv",
+                                              {{1000, "paper_full", {1.5, 2.25, 10}, 0.1, false}, known});
+  EXPECT_EQ(bytes_of(path), std::string(detections_header) +
+                                "\n1000,paper_full,1.5,2.25,10,0.1,0,,,,,,\n"
+                                "1000,best,-1,0.3,12,1e-09,1,1,2,3,0.25,-0.5,0.125\n");
   const auto rows = read_table<DetectionRow>(path);
   ASSERT_EQ(rows.size(), 2u);
   EXPECT_EQ(rows[1].detector, "best");
   EXPECT_EQ(rows[1].score, 1e-9);
   EXPECT_TRUE(rows[1].held);
   EXPECT_FALSE(rows[0].held);
+  EXPECT_EQ(rows[0].covariance_px2, Eigen::Matrix3d::Zero());
+  EXPECT_EQ(rows[1].covariance_px2, known.covariance_px2);
+}
+
+TEST(RunFiles, DetectionsMayLackHeldAndCovarianceAndHaveFurtherColumns) {
+  TempFolder folder;
+  folder.write("six.csv", "t_us,detector,x_px,y_px,r_px,score\n1000,mine,1,2,3,0.5\n");
+  EXPECT_EQ(read_table<DetectionRow>(folder / "six.csv").at(0).score, 0.5);
+  folder.write("seven.csv", "t_us,detector,x_px,y_px,r_px,score,held\n1000,mine,1,2,3,0.5,1\n");
+  EXPECT_TRUE(read_table<DetectionRow>(folder / "seven.csv").at(0).held);
+  folder.write("more.csv", "t_us,detector,x_px,y_px,r_px,score,held,speed\n1000,mine,1,2,3,0.5,1,fast\n");
+  EXPECT_TRUE(read_table<DetectionRow>(folder / "more.csv").at(0).held);
+  folder.write("part.csv", std::string(detections_header) + "\n1000,mine,1,2,3,0.5,1,1,1,1,0,0,\n");
+  EXPECT_THROW((void)read_table<DetectionRow>(folder / "part.csv"), InputError);
+  folder.write("five.csv", "t_us,detector,x_px,y_px,r_px\n1000,mine,1,2,3\n");
+  EXPECT_THROW((void)read_table<DetectionRow>(folder / "five.csv"), InputError);
+}
+
+TEST(RunFiles, StreamingEstimatesReadBackAlsoAsDetections) {
+  TempFolder folder;
+  const auto path =
+      write_table<StreamingRow>(folder / "streaming.csv", {{{2000, "best", {1, 2, 3}, 0.5, false}, 1000}});
+  EXPECT_EQ(bytes_of(path), std::string(detections_header) + ",ready_us\n2000,best,1,2,3,0.5,0,,,,,,,1000\n");
+  EXPECT_EQ(read_table<StreamingRow>(path).at(0).ready_us, 1000);
+  EXPECT_EQ(read_table<DetectionRow>(path).at(0).t_us, 2000);
 }
 
 TEST(RunFiles, LabelsReadBack) {

@@ -45,6 +45,12 @@ Metrics whole() {
   score.lag_ms = 12.3;
   score.us_per_event = 0.4;
   score.rejected_events = {.outside_image = 7, .back_in_time = 2};
+  score.alarm_ratio = 0.02;
+  score.alarms_per_min = 6.0;
+  score.nees = Nees{700, 0.91, 2.4};
+  score.reliability.emplace();
+  score.reliability->at(9) = {3, 2, 0.1 + 0.2 + 0.65};
+  score.streaming = StreamingScore{0.5, 0.6, 0.1, 0.0, 4.0};
   m.detectors = {{"paper_full", {}}, {"best", score}};
   m.gaze.emplace();
   m.gaze->detector = "best";
@@ -94,7 +100,8 @@ TEST(Metrics, HasEveryKeyOfTheContractInItsOrder) {
     EXPECT_THAT(keys(detector), ElementsAre("average_precision", "precision_at_recall", "pr_curve", "chances",
                                             "threshold", "precision", "recall", "detection_rate_hz",
                                             "position_error_px", "radius_error_px", "lag_ms", "us_per_event",
-                                            "observations", "inliers", "rejected_events"));
+                                            "alarm_ratio", "alarms_per_min", "streaming", "nees",
+                                            "reliability", "observations", "inliers", "rejected_events"));
     EXPECT_THAT(keys(detector["precision_at_recall"]), ElementsAre("0.1", "0.2", "0.3", "0.5", "0.7", "0.9"));
     EXPECT_THAT(keys(detector["detection_rate_hz"]), ElementsAre("mean", "peak"));
     EXPECT_THAT(keys(detector["position_error_px"]), ElementsAre("median", "p95"));
@@ -112,11 +119,50 @@ TEST(Metrics, HasEveryKeyOfTheContractInItsOrder) {
   EXPECT_EQ(json["events"]["rate_hz"], 250.0);
 }
 
+TEST(Metrics, OfADetectorHaveStreamingReliabilityAndNees) {
+  const Json best = Json::parse(metrics_to_json(whole()))["detectors"]["best"];
+  EXPECT_EQ(best["alarm_ratio"], 0.02);
+  EXPECT_THAT(keys(best["streaming"]), ElementsAre("average_precision", "precision", "recall", "latency_ms"));
+  EXPECT_EQ(best["streaming"]["latency_ms"]["p99"], 4.0);
+  EXPECT_EQ(best["nees"]["share"], 0.91);
+  ASSERT_EQ(best["reliability"].size(), 10U);
+  EXPECT_EQ(best["reliability"][9]["from"], 0.9);
+  EXPECT_EQ(best["reliability"][9]["inlier_share"], 2.0 / 3.0);
+  EXPECT_TRUE(best["reliability"][0]["inlier_share"].is_null());
+}
+
+TEST(Metrics, WithoutAThresholdHaveNoCountsAtIt) {
+  Metrics m = whole();
+  m.detectors[1].second.threshold = std::numeric_limits<double>::quiet_NaN();
+  const std::string text = metrics_to_json(m);
+  for (const char* key : {"threshold", "observations", "inliers"})
+    EXPECT_TRUE(Json::parse(text)["detectors"]["best"][key].is_null()) << key;
+  EXPECT_EQ(metrics_to_json(metrics_from_json(text, "here")), text);
+}
+
+TEST(Metrics, FiguresAreTheSameWhateverTheClockMeasuredAndWhereverTheEventsLie) {
+  Metrics slow = whole();
+  slow.wall_s = 9.0;
+  slow.events_file = "/somewhere/else/events.aedat";
+  for (auto* detectors : {&slow.detectors, &slow.right_eye->detectors}) {
+    for (auto& [name, score] : *detectors) score.us_per_event = 7.0;
+  }
+  EXPECT_EQ(figures_to_json(slow), figures_to_json(whole()));
+  Json json = Json::parse(metrics_to_json(whole()));
+  for (const char* key : {"wall_s", "real_time_factor"}) json.erase(key);
+  for (auto* detectors : {&json["detectors"], &json["right_eye"]["detectors"]}) {
+    for (Json& detector : *detectors) detector.erase("us_per_event");
+  }
+  EXPECT_EQ(Json::parse(figures_to_json(whole())), json) << "everything else is there";
+}
+
 TEST(Metrics, OfEarlierVersionsAreReadWithoutTheKeysThatWereAddedLater) {
   Json json = Json::parse(metrics_to_json(whole()));
   for (const char* key : {"controller", "gate", "window", "acquired_at_us", "following_rate_hz"}) {
     json["gaze"].erase(key);
   }
+  for (const char* key : {"alarm_ratio", "alarms_per_min", "streaming", "nees", "reliability"})
+    json["detectors"]["best"].erase(key);
   const Metrics back = metrics_from_json(json.dump(), "here");
   EXPECT_EQ(back.gaze->controller, "");
   EXPECT_EQ(back.gaze->score.acquired_at_us, std::nullopt);

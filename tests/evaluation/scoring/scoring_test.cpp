@@ -12,6 +12,7 @@
 
 #include "core/error.h"
 #include "core/random.h"
+#include "evaluation/scoring/detector_scorer.h"
 
 namespace saccade {
 namespace {
@@ -53,6 +54,11 @@ class PlainScorer {
     const auto row = by_time_.find(t_us);
     return row != by_time_.end() && row->second.visible >= 0.5 && std::isfinite(row->second.circle.x_px);
   }
+  /// A ball that is partly hidden: an observation there is neither right nor wrong.
+  [[nodiscard]] bool ignored(std::int64_t t_us) const {
+    const auto row = by_time_.find(t_us);
+    return row != by_time_.end() && row->second.visible > 0.0 && row->second.visible < 0.5;
+  }
   [[nodiscard]] double distance(const DetectionRow& d) const {
     const Circle& c = by_time_.at(d.t_us).circle;
     return std::sqrt(std::pow(c.x_px - d.circle.x_px, 2) + std::pow(c.y_px - d.circle.y_px, 2));
@@ -70,7 +76,7 @@ class PlainScorer {
     double inliers = 0;
     double all = 0;
     for (const DetectionRow& d : detections_) {
-      if (d.score < threshold) continue;
+      if (d.score < threshold || ignored(d.t_us)) continue;
       ++all;
       inliers += inlier(d);
     }
@@ -122,7 +128,9 @@ class PlainScorer {
  private:
   [[nodiscard]] std::set<double, std::greater<>> scores() const {
     std::set<double, std::greater<>> all;
-    for (const DetectionRow& d : detections_) all.insert(d.score);
+    for (const DetectionRow& d : detections_) {
+      if (!ignored(d.t_us)) all.insert(d.score);
+    }
     return all;
   }
   [[nodiscard]] Eigen::Vector2d truth_px(std::int64_t t_us) const {
@@ -203,7 +211,7 @@ TEST(Scoring, WithoutDetectionsHasZeroRecallAndNoPrecision) {
 }
 
 TEST(Scoring, WithoutChancesEveryObservationIsFalseAndNothingElseIsDefined) {
-  const std::vector<TruthRow> truth = {truth_at(1000, 50, 50, 20, 0.49), truth_at(2000, nan, nan, nan, 0.0)};
+  const std::vector<TruthRow> truth = {truth_at(1000, 50, 50, 20, 0.0), truth_at(2000, nan, nan, nan, 0.0)};
   const std::vector<DetectionRow> seen = {seen_at(1000, 50, 50, 20, 1.0), seen_at(2000, 50, 50, 20, 1.0)};
   const DetectorScore score = score_detector(truth, seen, "d", 0.5, Chances::simulated);
   EXPECT_EQ(score.chances, 0);
@@ -212,6 +220,76 @@ TEST(Scoring, WithoutChancesEveryObservationIsFalseAndNothingElseIsDefined) {
   EXPECT_EQ(score.recall, std::nullopt);
   EXPECT_EQ(score.mean_rate_hz, std::nullopt);
   EXPECT_EQ(score.position_error_px.median, std::nullopt);
+}
+
+TEST(Scoring, IgnoresObservationsOfABallThatIsMoreThanHalfHiddenAndCountsThoseOfNoBallAsFalse) {
+  const std::vector<TruthRow> truth = {truth_at(1000, 50, 50), truth_at(2000, 50, 50, 20, 0.49),
+                                       truth_at(3000, 50, 50, 20, 0.01), truth_at(4000, 50, 50, 20, 0.0)};
+  std::vector<DetectionRow> seen;
+  for (const TruthRow& row : truth) seen.push_back(seen_at(row.t_us, 50, 50, 20, 1.0));
+  for (const Chances chances : {Chances::simulated, Chances::annotated}) {
+    const DetectorScore score = score_detector(truth, seen, "d", 0.5, chances);
+    EXPECT_EQ(score.chances, 1);
+    EXPECT_EQ(score.observations, 2);
+    EXPECT_EQ(score.inliers, 1);
+    EXPECT_EQ(score.precision, 0.5);
+    EXPECT_EQ(score.average_precision, 0.5);
+  }
+}
+
+TEST(Scoring, WithoutAnyBallTheAlarmRatioIsTheShareOfTheInstantsWithAnObservation) {
+  std::vector<TruthRow> truth;
+  for (int i = 1; i <= 10; ++i) truth.push_back(truth_at(i * 1000, nan, nan, nan, 0.0));
+  const std::vector<DetectionRow> seen = {seen_at(1000, 50, 50, 20, 0.9), seen_at(2000, 50, 50, 20, 0.4),
+                                          seen_at(3000, 50, 50, 20, 0.5)};
+  EXPECT_EQ(score_detector(truth, seen, "d", 0.5, Chances::simulated).alarm_ratio, 0.2);
+  EXPECT_EQ(score_detector(truth, {}, "d", 0.5, Chances::simulated).alarm_ratio, 0.0);
+  EXPECT_EQ(score_detector(truth, seen, "d", 0.5, Chances::annotated).alarm_ratio, std::nullopt);
+  truth[5] = truth_at(6000, 50, 50, 20, 0.0);  // a ball, if a hidden one
+  EXPECT_EQ(score_detector(truth, seen, "d", 0.5, Chances::simulated).alarm_ratio, std::nullopt);
+}
+
+TEST(Scoring, WithoutARowOfTruthTheInstantsOfARunAreThoseOfTheScorer) {
+  DetectorScorer scorer("d", 0.5, Chances::simulated);
+  for (int i = 1; i <= 8; ++i)
+    scorer.add(i * 1000, i == 3 ? std::optional(Observation{{50, 50, 20}, 0.7}) : std::nullopt);
+  EXPECT_EQ(scorer.score().alarm_ratio, 0.125);
+  EXPECT_EQ(scorer.score().observations, 1);
+}
+
+TEST(Scoring, AlarmsAreObservationsAtLeastATenthOfASecondApart) {
+  std::vector<TruthRow> truth;
+  std::vector<DetectionRow> seen;
+  for (int t_ms = 1; t_ms <= 2000; ++t_ms) truth.push_back(truth_at(t_ms * 1000, nan, nan, nan, 0.0));
+  for (const int t_ms : {5, 6, 104, 203, 303, 1500}) seen.push_back(seen_at(t_ms * 1000, 50, 50, 20, 0.9));
+  // 5, 6, 104 and 203 ms are one alarm, 303 ms is 100 ms later, 1500 ms much later: three in two seconds.
+  const DetectorScore score = score_detector(truth, seen, "d", 0.5, Chances::simulated);
+  EXPECT_DOUBLE_EQ(*score.alarms_per_min, 90.0);
+  EXPECT_DOUBLE_EQ(*score.alarm_ratio, 6 / 2000.0);
+}
+
+TEST(Scoring, WithoutAThresholdKeepsTheCurveAndHasNoFigureAtIt) {
+  const auto truth = truth_along(1000, circling);
+  std::vector<DetectionRow> seen;
+  for (const TruthRow& row : truth)
+    seen.push_back(seen_at(row.t_us, row.circle.x_px, row.circle.y_px, 20, 0.7));
+  const DetectorScore score = score_detector(truth, seen, "d", nan, Chances::simulated);
+  EXPECT_EQ(score.average_precision, 1.0);
+  EXPECT_EQ(score.pr_curve.size(), 1U);
+  EXPECT_EQ(score.precision, std::nullopt);
+  EXPECT_EQ(score.recall, std::nullopt);
+  EXPECT_EQ(score.mean_rate_hz, std::nullopt);
+  EXPECT_EQ(score.position_error_px.median, std::nullopt);
+  EXPECT_EQ(score.lag_ms, std::nullopt);
+  EXPECT_EQ(score.reliability->at(7).observations, 1000);
+}
+
+TEST(Scoring, TakesTruthAsASimulationsWhereItsRowsAreAMillisecondApart) {
+  EXPECT_EQ(chances_of(truth_along(100, circling)), Chances::simulated);
+  auto gap = truth_along(100, circling);
+  gap.erase(gap.begin() + 50);
+  EXPECT_EQ(chances_of(gap), Chances::annotated);
+  EXPECT_EQ(chances_of(truth_along(1, circling)), Chances::annotated);
 }
 
 TEST(Scoring, OfARecordingUsesTheAnnotatedInstantsOnly) {
@@ -327,23 +405,34 @@ TEST_P(Lag, IsFoundToATenthOfAMillisecond) {
 INSTANTIATE_TEST_SUITE_P(Scoring, Lag, testing::Values(-50.0, -3.7, 0.0, 0.1, 12.3, 87.6, 200.0));
 
 TEST(Scoring, LagOfEqualShiftsIsTheOneNearestZero) {
-  // The ball jumps once and stands still otherwise: wherever nothing moves every shift is as good.
+  // The ball moves at first and stands still from then on: where nothing moves every shift is as good.
   const auto truth =
-      truth_along(1000, [](double t_s) { return Eigen::Vector2d(t_s < 0.1 ? 20.0 : 60.0, 50.0); });
+      truth_along(2000, [](double t_s) { return Eigen::Vector2d(t_s < 1.1 ? 60.0 * t_s : 66.0, 50.0); });
   std::vector<DetectionRow> seen;
-  for (int t_ms = 400; t_ms < 800; ++t_ms) seen.push_back(seen_at(t_ms * 1000, 60, 50, 20, 1.0));
+  for (int t_ms = 1400; t_ms < 1800; ++t_ms) seen.push_back(seen_at(t_ms * 1000, 66, 50, 20, 1.0));
   EXPECT_EQ(score_detector(truth, seen, "d", 0.5, Chances::simulated).lag_ms, 0.0);
 }
 
 TEST(Scoring, LagIsNoneWhenTheBallMovesLessThanSixPixels) {
   for (const double swing_px : {2.9, 3.1}) {
     const auto truth = truth_along(2000, [&](double t_s) {
-      return Eigen::Vector2d(64.0 + swing_px * std::sin(2.0 * std::numbers::pi * t_s), 64.0);
+      return Eigen::Vector2d(64.0 + swing_px * std::sin(10.0 * std::numbers::pi * t_s), 64.0);
     });
     std::vector<DetectionRow> seen;
     for (const TruthRow& row : truth)
       seen.push_back(seen_at(row.t_us, row.circle.x_px, row.circle.y_px, 20, 1.0));
     EXPECT_EQ(score_detector(truth, seen, "d", 0.5, Chances::simulated).lag_ms.has_value(), swing_px > 3.0);
+  }
+}
+
+TEST(Scoring, LagIsNoneWhereTheBallIsSlowerThanThirtyPixelsPerSecondInTheMedian) {
+  for (const double speed_px_s : {29.0, 31.0}) {
+    const auto truth =
+        truth_along(2000, [&](double t_s) { return Eigen::Vector2d(20.0 + speed_px_s * t_s, 50.0); });
+    std::vector<DetectionRow> seen;
+    for (const TruthRow& row : truth) seen.push_back(seen_at(row.t_us, row.circle.x_px, 50, 20, 1.0));
+    EXPECT_EQ(score_detector(truth, seen, "d", 0.5, Chances::simulated).lag_ms.has_value(),
+              speed_px_s > 30.0);
   }
 }
 
@@ -363,9 +452,9 @@ TEST(Scoring, LagIsNoneWhereAnnotationsAreTooFarApart) {
     std::vector<TruthRow> truth;
     std::vector<DetectionRow> seen;
     for (int t_ms = period_ms; t_ms < 3000; t_ms += period_ms) {
-      const Eigen::Vector2d p(20.0 + 0.02 * t_ms, 64.0);
+      const Eigen::Vector2d p(20.0 + 0.04 * t_ms, 64.0);
       truth.push_back(truth_at(t_ms * 1000, p.x(), p.y()));
-      seen.push_back(seen_at(t_ms * 1000, p.x() - 0.3, p.y(), 20, 1.0));  // 15 ms late
+      seen.push_back(seen_at(t_ms * 1000, p.x() - 0.6, p.y(), 20, 1.0));  // 15 ms late
     }
     const DetectorScore score = score_detector(truth, seen, "d", 0.5, Chances::annotated);
     EXPECT_EQ(score.lag_ms.has_value(), period_ms == 20);

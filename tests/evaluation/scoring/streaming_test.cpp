@@ -158,9 +158,9 @@ TEST(DetectorScorer, ReturnsAtEachChanceWhetherTheBallWasFound) {
 
 TEST(DetectorScorer, RefusesObservationsThatAreNotFiniteOrNotLaterThanTheOneBefore) {
   DetectorScorer scorer("d", 0.5, Chances::simulated);
-  EXPECT_THROW(scorer.add(1000, {{nan, 50, 20}, 0.9}), InputError);
-  scorer.add(2000, {{50, 50, 20}, 0.9});
-  EXPECT_THROW(scorer.add(2000, {{50, 50, 20}, 0.9}), InputError);
+  EXPECT_THROW(scorer.add(1000, Observation{{nan, 50, 20}, 0.9}), InputError);
+  scorer.add(2000, Observation{{50, 50, 20}, 0.9});
+  EXPECT_THROW(scorer.add(2000, Observation{{50, 50, 20}, 0.9}), InputError);
 }
 
 TEST(Scoring, RowsOfARecordingWithLessThanHalfOfTheBallVisibleAreNoChances) {

@@ -1,0 +1,218 @@
+// What a user scores: detections made elsewhere, recordings without a ball, recordings with the head's joints.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "recording/event_file.h"
+#include "recording/run_files.h"
+#include "tests/integration/run_shell.h"
+#include "tests/recording/temp_folder.h"
+
+namespace saccade {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+using Json = nlohmann::json;
+
+const std::string source = SACCADE_SOURCE_DIR;
+
+Outcome saccade(const std::string& arguments) { return run_shell("'" SACCADE_BINARY "' " + arguments); }
+
+class Scores : public testing::Test {
+ protected:
+  [[nodiscard]] std::string at(const std::string& name) const { return (folder_ / name).string(); }
+  [[nodiscard]] Json json_in(const std::string& name) const { return Json::parse(bytes_of(folder_ / name)); }
+
+  /// Half a second of eyes that move, with `best`; the shortest interval of images gives every event in its tick.
+  void run_eyes(const std::string& name, const std::string& options = "") {
+    const Outcome run =
+        saccade("run '" + source + "/scenarios/eye_move.yaml' --set run.duration_s=0.5 --set expect={} " +
+                "--set 'detectors={best: {radius_px: [4, 14]}, paper_directed: {radius_px: [4, 14]}}' " +
+                "--set output.pictures=0 --set render.max_interval_ms=1 --set camera.preset=pinhole " +
+                options + " --out " + at(name));
+    ASSERT_EQ(run.status, 0) << run.text;
+  }
+  /// A second of noise.
+  void write_noise(const std::string& name) const {
+    std::vector<Event> events;
+    for (int i = 0; i < 20'000; ++i)
+      events.push_back({1'000'000 + i * 50, static_cast<std::uint16_t>(i * 7919 % 128),
+                        static_cast<std::uint16_t>(i * 104729 % 127), i % 3 == 0, 0});
+    const auto writer = create_event_file(folder_ / name, {128, 128});
+    writer->write(events);
+    writer->commit();
+  }
+
+  TempFolder folder_;
+};
+
+TEST_F(Scores, ofARunsOwnDetectionsAreThoseOfTheRun) {
+  run_eyes("run");
+  const Json expected = json_in("run/metrics.json")["detectors"];
+  const std::string thresholds = "--threshold best=" + expected["best"]["threshold"].dump() + " ";
+  const Outcome scored = saccade("score " + at("run/detections.csv") + " --truth " + at("run/truth.csv") +
+                                 " --json " + thresholds);
+  ASSERT_EQ(scored.status, 0) << scored.text;
+  const Json detectors = Json::parse(scored.text)["detectors"];
+  for (const char* key :
+       {"average_precision", "precision_at_recall", "pr_curve", "chances", "threshold", "precision", "recall",
+        "detection_rate_hz", "position_error_px", "lag_ms", "observations", "inliers"})
+    EXPECT_EQ(detectors["best"][key], expected["best"][key]) << key;
+  const Json& other = detectors["paper_directed"];
+  EXPECT_EQ(other["average_precision"], expected["paper_directed"]["average_precision"]);
+  for (const char* key : {"threshold", "precision", "recall", "observations", "lag_ms", "us_per_event"})
+    EXPECT_TRUE(other[key].is_null()) << key << " without a threshold";
+  EXPECT_TRUE(other["position_error_px"]["median"].is_null());
+  const Outcome words = saccade("score " + at("run/detections.csv") + " --truth " + at("run/truth.csv"));
+  EXPECT_THAT(words.text, HasSubstr("best: average precision 0."));
+}
+
+TEST_F(Scores, ofDetectionsMadeElsewhereNeedSixColumnsAndSparseTruth) {
+  folder_.write("mine.csv",
+                "t_us,detector,x_px,y_px,r_px,score\n1000,ring,50,50,20,0.9\n2000,ring,0,0,5,0.8\n3000,ring,"
+                "51,50,20,0.7\n");
+  folder_.write("truth.csv", "t_us,x_px,y_px,r_px\n1000,50,50,20\n3000,50,50,20\n");
+  const Outcome scored =
+      saccade("score " + at("mine.csv") + " --truth " + at("truth.csv") + " --threshold ring=0.8 --json");
+  ASSERT_EQ(scored.status, 0) << scored.text;
+  const Json ring = Json::parse(scored.text)["detectors"]["ring"];
+  EXPECT_EQ(ring["average_precision"], 1.0) << "there is no truth at 2 ms";
+  EXPECT_EQ(ring["recall"], 0.5);
+  EXPECT_TRUE(ring["detection_rate_hz"]["mean"].is_null());
+}
+
+TEST_F(Scores, refuseTablesAndThresholdsThatDoNotFit) {
+  folder_.write("mine.csv", "t_us,detector,x_px,y_px,r_px,score\n1000,ring,50,50,20,0.9\n");
+  folder_.write("late.csv", "t_us,x_px,y_px,r_px\n9000000,50,50,20\n");
+  folder_.write("truth.csv", "t_us,x_px,y_px,r_px\n1000,50,50,20\n");
+  folder_.write("empty.csv", "t_us,x_px,y_px,r_px\n");
+  const auto refused = [&](const std::string& arguments, const std::string& message) {
+    const Outcome outcome = saccade("score " + arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    EXPECT_THAT(outcome.text, HasSubstr(message)) << arguments;
+  };
+  const std::string mine = at("mine.csv") + " --truth ";
+  refused(mine + at("late.csv"), "detections from 0.001 to 0.001 s, truth from 9.000 to 9.000 s");
+  refused(mine + at("empty.csv"), "a table without rows");
+  refused(mine + at("mine.csv"), "mine.csv:1: found t_us,detector");
+  refused(mine + at("truth.csv") + " --threshold disc=0.5", "--threshold: found disc, expected one of ring");
+  refused(mine + at("truth.csv") + " --threshold ring", "--threshold: found ring, expected NAME=V");
+  refused(at("mine.csv"), "--truth is required");
+}
+
+TEST_F(Scores, ofARecordingWithoutABallHaveAnAlarmRatioWhenAskedFor) {
+  write_noise("noise.aedat");
+  ASSERT_EQ(saccade("detect " + at("noise.aedat") + " --no-ball --out " + at("none")).status, 0);
+  ASSERT_EQ(saccade("detect " + at("noise.aedat") + " --out " + at("unknown")).status, 0);
+  for (const auto& [name, detector] : json_in("none/metrics.json")["detectors"].items()) {
+    ASSERT_TRUE(detector["alarm_ratio"].is_number()) << name;
+    int alarms = 0;
+    const double threshold = detector["threshold"].get<double>();
+    for (const DetectionRow& row : read_table<DetectionRow>(folder_ / "none/detections.csv"))
+      alarms += row.detector == name && row.score >= threshold ? 1 : 0;
+    EXPECT_NEAR(detector["alarm_ratio"].get<double>(), alarms / 1000.0, 1e-12) << name;
+    EXPECT_EQ(detector["observations"], alarms) << name;
+    if (alarms > 0) EXPECT_EQ(detector["precision"], 0.0) << name;
+  }
+  for (const auto& [name, detector] : json_in("unknown/metrics.json")["detectors"].items())
+    EXPECT_TRUE(detector["alarm_ratio"].is_null()) << name;
+  folder_.write("truth.csv", "t_us,x_px,y_px,r_px\n1500000,50,50,20\n");
+  const Outcome both = saccade("detect " + at("noise.aedat") + " --no-ball --truth " + at("truth.csv") +
+                               " --out " + at("both"));
+  EXPECT_EQ(both.status, 2);
+  run_eyes("run");
+  const Outcome ball = saccade("detect " + at("run") + " --no-ball --out " + at("ball"));
+  EXPECT_EQ(ball.status, 2);
+  EXPECT_THAT(ball.text, HasSubstr("--no-ball: found a recording whose truth has a ball"));
+}
+
+TEST_F(Scores, areTheSameBytesInFiguresJsonFromRunToRun) {
+  run_eyes("a");
+  run_eyes("b", "--set run.threads=1");
+  const std::string figures = bytes_of(folder_ / "a/figures.json");
+  EXPECT_GT(figures.size(), 1000U);
+  EXPECT_EQ(figures, bytes_of(folder_ / "b/figures.json"));
+  EXPECT_THAT(figures, Not(HasSubstr("wall_s")));
+  EXPECT_NE(bytes_of(folder_ / "a/metrics.json"), bytes_of(folder_ / "b/metrics.json")) << "wall-clock time";
+  ASSERT_EQ(saccade("detect " + at("a") + " --out " + at("c")).status, 0);
+  ASSERT_EQ(saccade("detect " + at("b") + " --out " + at("d")).status, 0);
+  Json c = json_in("c/figures.json");
+  Json d = json_in("d/figures.json");
+  for (Json* json : {&c, &d}) json->erase("scenario");  // the names of the folders
+  EXPECT_EQ(c, d);
+}
+
+TEST_F(Scores, byEventTimeOfARunAreThoseOfItsRecordedEventsAndStreamingOnesAreLower) {
+  run_eyes("late", "--set render.max_interval_ms=5 --set render.max_displacement_px=0.5");
+  const Json run = json_in("late/metrics.json")["detectors"]["paper_directed"];
+  ASSERT_EQ(saccade("detect " + at("late") + " --out " + at("replayed")).status, 0);
+  const Json replayed = json_in("replayed/metrics.json")["detectors"]["paper_directed"];
+  EXPECT_NEAR(run["average_precision"].get<double>(), replayed["average_precision"].get<double>(), 0.02);
+  EXPECT_LT(run["streaming"]["average_precision"].get<double>(), run["average_precision"].get<double>());
+  EXPECT_EQ(replayed["streaming"]["average_precision"], replayed["average_precision"]);
+  const auto rows = read_table<StreamingRow>(folder_ / "late/streaming.csv");
+  ASSERT_GT(rows.size(), 100U);
+  for (const StreamingRow& row : rows) ASSERT_LE(row.ready_us, row.t_us);
+}
+
+TEST_F(Scores, withoutLateEventsAreTheSameByEventTimeAndStreaming) {
+  run_eyes("run");
+  for (const auto& [name, detector] : json_in("run/metrics.json")["detectors"].items()) {
+    for (const char* key : {"average_precision", "precision", "recall"})
+      EXPECT_EQ(detector["streaming"][key], detector[key]) << name << ' ' << key;
+    EXPECT_EQ(detector["streaming"]["latency_ms"]["p99"], 0.0) << name;
+  }
+}
+
+TEST_F(Scores, ofARecordingWithTheJointsOfItsRunAreThoseOfTheRunFolder) {
+  run_eyes("run");
+  const auto detect = [&](const std::string& options, const std::string& name) {
+    const Outcome outcome = saccade("detect " + options + " --set radius_px=[4,14] --out " + at(name));
+    EXPECT_EQ(outcome.status, 0) << outcome.text;
+    return bytes_of(folder_ / name / "detections.csv");
+  };
+  const std::string bare = at("run/events.aedat") + " --truth " + at("run/truth.csv");
+  const std::string own = detect(at("run"), "own");
+  EXPECT_NE(detect(bare, "bare"), own) << "best uses the motion of the camera";
+  folder_.write("calibration.yaml",
+                "calibration: " + json_in("run/metrics.json")["calibration"].dump() + "\n");
+  const std::string known = bare + " --calibration " + at("calibration.yaml") + " --joints ";
+  detect(known + at("run/joints.csv"), "table");
+  // The same joints as a data dumper logs them.
+  std::ofstream log(folder_ / "data.log");
+  log.precision(17);
+  int number = 0;
+  for (const JointsRow& row : read_table<JointsRow>(folder_ / "run/joints.csv")) {
+    log << number++ << ' ' << std::fixed << static_cast<double>(row.t_us) * 1e-6;
+    for (int j = 3; j < joint_count; ++j) log << ' ' << row.position_rad[j] * 180.0 / M_PI;
+    log << '\n';
+  }
+  log.close();
+  detect(known + at("data.log"), "log");
+  EXPECT_NEAR(json_in("log/metrics.json")["detectors"]["best"]["average_precision"].get<double>(),
+              json_in("table/metrics.json")["detectors"]["best"]["average_precision"].get<double>(), 1e-3);
+}
+
+TEST_F(Scores, ofARecordingWithJointsOfAnotherTimeAreRefusedWithBothTimes) {
+  write_noise("noise.aedat");
+  folder_.write("early.log", "0 0.1 1 2 3 4 5 6\n1 0.2 1 2 3 4 5 6\n");
+  folder_.write("late.log", "0 50.0 1 2 3 4 5 6\n1 50.1 1 2 3 4 5 6\n");
+  folder_.write("none.log", "0 1.0\n");
+  const auto refused = [&](const std::string& joints, const std::string& message) {
+    const Outcome outcome = saccade("detect " + at("noise.aedat") + " --joints " + joints);
+    EXPECT_EQ(outcome.status, 2) << outcome.text;
+    EXPECT_THAT(outcome.text, HasSubstr(message));
+  };
+  refused(at("early.log"), "joints from 0.100000 to 0.200000 s, before the first event at 1.000000 s");
+  refused(at("late.log"), "joints from 50.000 s on, after the last event");
+  refused(at("none.log"), "none.log:1: found 0 1.0, expected the number of a packet");
+  refused(at("missing.csv"), "missing.csv: found No such file");
+}
+
+}  // namespace
+}  // namespace saccade
