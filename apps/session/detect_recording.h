@@ -16,6 +16,7 @@ struct DetectSettings {
   bool no_ball = false;               ///< the recording shows no ball: every observation is false
   std::filesystem::path folder;       ///< for detections, scores and report; empty: nothing is written
   bool force = false;                 ///< replace an earlier run in that folder
+  bool json = false;                  ///< without a folder: print metrics.json instead of the summary
 };
 
 /// Runs detectors on a recording, scores them where truth is given, prints the summary and writes the folder. Ticks are

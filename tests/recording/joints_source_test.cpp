@@ -33,7 +33,7 @@ std::vector<std::int64_t> times_of(JointsSource source) {
 JointsSource rows_at(std::vector<std::int64_t> t_us) {
   return JointsSource([t_us, i = std::size_t{0}]() mutable -> std::optional<JointsRow> {
     if (i == t_us.size()) return std::nullopt;
-    return JointsRow{t_us[i++], {}};
+    return JointsRow{.t_us = t_us[i++]};
   });
 }
 
