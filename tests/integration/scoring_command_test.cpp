@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -131,6 +132,41 @@ TEST_F(Scores, ofARecordingWithoutABallHaveAnAlarmRatioWhenAskedFor) {
   EXPECT_THAT(ball.text, HasSubstr("--no-ball: found a recording whose truth has a ball"));
 }
 
+TEST_F(Scores, ofAWorldWithoutABallHaveAnAlarmRatioAndItsRecordingHasTheSameOne) {
+  run_eyes("run", "--set ball.present=false");
+  ASSERT_EQ(saccade("detect " + at("run") + " --set radius_px=[4,14] --out " + at("again")).status, 0);
+  for (const char* name : {"best", "paper_directed"}) {
+    const Json run = json_in("run/metrics.json")["detectors"][name];
+    const Json again = json_in("again/metrics.json")["detectors"][name];
+    ASSERT_TRUE(run["alarm_ratio"].is_number()) << name;
+    EXPECT_NEAR(again["alarm_ratio"].get<double>(), run["alarm_ratio"].get<double>(), 0.02) << name;
+    EXPECT_EQ(run["chances"], 0);
+    EXPECT_TRUE(run["average_precision"].is_null());
+  }
+}
+
+TEST_F(Scores, ofABatteryAreTheMeansOverItsWorlds) {
+  std::filesystem::create_directories(folder_ / "battery/worlds");
+  run_eyes("battery/worlds/ball_7");
+  run_eyes("battery/worlds/none_7", "--set ball.present=false");
+  const std::string battery = "'" + source + "/scripts/battery' --saccade '" SACCADE_BINARY "' --out " +
+                              at("battery") + " --detect-only --worlds 1 --without 1 --first-seed ";
+  const Outcome done = run_shell(battery + "7");
+  ASSERT_EQ(done.status, 0) << done.text;
+  const Json worlds = json_in("battery/battery.json");
+  ASSERT_EQ(worlds.size(), 2U);
+  const double precision = worlds[0]["detectors"]["paper_directed"]["average_precision"].get<double>();
+  char row[64];
+  std::snprintf(row, sizeof row, "| `paper_directed` | %.3f | – | %.3f |", precision, precision);
+  EXPECT_THAT(bytes_of(folder_ / "battery/battery.md"), HasSubstr(row));
+  EXPECT_THAT(bytes_of(folder_ / "battery/battery.md"), HasSubstr("| room: textured | 1 |"));
+  EXPECT_TRUE(worlds[1]["detectors"]["best"]["alarm_ratio"].is_number());
+  const Outcome refused = run_shell(battery + "7 --write");
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.text, HasSubstr("--write takes seeds from 1000 on"));
+  EXPECT_THAT(run_shell(battery + "8").text, HasSubstr("no streams of these seeds"));
+}
+
 TEST_F(Scores, areTheSameBytesInFiguresJsonFromRunToRun) {
   run_eyes("a");
   run_eyes("b", "--set run.threads=1");
@@ -150,7 +186,7 @@ TEST_F(Scores, areTheSameBytesInFiguresJsonFromRunToRun) {
 TEST_F(Scores, byEventTimeOfARunAreThoseOfItsRecordedEventsAndStreamingOnesAreLower) {
   run_eyes("late", "--set render.max_interval_ms=5 --set render.max_displacement_px=0.5");
   const Json run = json_in("late/metrics.json")["detectors"]["paper_directed"];
-  ASSERT_EQ(saccade("detect " + at("late") + " --out " + at("replayed")).status, 0);
+  ASSERT_EQ(saccade("detect " + at("late") + " --set radius_px=[4,14] --out " + at("replayed")).status, 0);
   const Json replayed = json_in("replayed/metrics.json")["detectors"]["paper_directed"];
   EXPECT_NEAR(run["average_precision"].get<double>(), replayed["average_precision"].get<double>(), 0.02);
   EXPECT_LT(run["streaming"]["average_precision"].get<double>(), run["average_precision"].get<double>());
