@@ -73,6 +73,15 @@ std::string rate_figures(const RunData& run) {
     speeds.push_back({{m.detectors[i].first, colours[i]}, {}});
     speeds.back().counts.add(run.found[i], speed_px_s);
   }
+  // None where no ball was visible for long enough.
+  const bool any_rate = std::ranges::any_of(speeds, [](const DetectorSpeeds& detector) {
+    const auto& counts = detector.counts;
+    for (std::size_t bin = 0; bin < SpeedCounts::bounds_px_s.size(); ++bin) {
+      if (counts.rate_hz(bin)) return true;
+    }
+    return false;
+  });
+  if (!any_rate) return html;
   return html +
          figure_html("Detection rate over the ball's speed",
                      "The same, sorted by the speed of the ball in the image. 1000 per second is a ball "
