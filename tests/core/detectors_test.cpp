@@ -252,9 +252,9 @@ void set_radius_px(DetectorConfig& config, const std::array<double, 2>& radius_p
 
 TEST_P(EveryDetector, AcceptsARangeOfRadii) {
   DetectorConfig config = built_in_detectors().config(GetParam());
-  const auto set = set_radius_px<HoughDetectorConfig, BallTrackerConfig, Original2016Config, ClusterConfig,
-                                 MultiKernelConfig, ErosConfig, ScarfConfig, ParticleFilterConfig,
-                                 BlobFilterConfig>;
+  const auto set =
+      set_radius_px<HoughDetectorConfig, BallTrackerConfig, Original2016Config, ClusterConfig,
+                    MultiKernelConfig, ErosConfig, ScarfConfig, ParticleFilterConfig, BlobFilterConfig>;
   set(config, {4, 25});
   EXPECT_NO_THROW(static_cast<void>(make_detector(config, Camera{})));
   for (const auto& wrong : {std::array<double, 2>{25, 4}, {4.5, 25}, {0, 25}, {4, 256}}) {
