@@ -26,10 +26,19 @@ std::ostream& operator<<(std::ostream& out, const ScenarioFile& file) {
   return out << file.path.stem().string();
 }
 
+/// Whether a file is a sweep over another scenario.
+bool is_sweep(const fs::path& path) {
+  std::ifstream stream(path);
+  for (std::string line; std::getline(stream, line);) {
+    if (line.starts_with("scenario:")) return true;
+  }
+  return false;
+}
+
 std::vector<ScenarioFile> scenarios_in(const char* folder) {
   std::vector<ScenarioFile> files;
   for (const auto& file : fs::directory_iterator(fs::path(SACCADE_SOURCE_DIR) / folder)) {
-    if (file.path().extension() == ".yaml") files.push_back({file.path()});
+    if (file.path().extension() == ".yaml" && !is_sweep(file.path())) files.push_back({file.path()});
   }
   std::sort(files.begin(), files.end());
   return files;
