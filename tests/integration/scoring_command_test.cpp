@@ -160,6 +160,7 @@ TEST_F(Scores, ofABatteryAreTheMeansOverItsWorlds) {
   std::snprintf(row, sizeof row, "| `paper_directed` | %.3f | – | %.3f |", precision, precision);
   EXPECT_THAT(bytes_of(folder_ / "battery/battery.md"), HasSubstr(row));
   EXPECT_THAT(bytes_of(folder_ / "battery/battery.md"), HasSubstr("| room: textured | 1 |"));
+  EXPECT_THAT(bytes_of(folder_ / "battery/battery.md"), HasSubstr("| camera: eyes | 1 |"));
   EXPECT_TRUE(worlds[1]["detectors"]["best"]["alarm_ratio"].is_number());
   const Outcome refused = run_shell(battery + "7 --write");
   EXPECT_EQ(refused.status, 1);
