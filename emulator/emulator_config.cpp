@@ -5,7 +5,8 @@
 namespace saccade {
 
 const std::vector<std::string>& emulator_presets() {
-  static const std::vector<std::string> names = {"ideal", "dvs128", "noisy", "davis346", "atis"};
+  static const std::vector<std::string> names = {"ideal", "dvs128",     "noisy",     "davis346",
+                                                 "atis",  "few_events", "asymmetric"};
   return names;
 }
 
@@ -37,6 +38,23 @@ EmulatorConfig emulator_preset(const std::string& name) {
     config.threshold_mismatch = 0.03;
     config.latency_us = 4;
     config.readout_rate_hz = 30e6;
+  } else if (name == "few_events") {
+    config.contrast_threshold_on = config.contrast_threshold_off = 0.35;
+    config.threshold_mismatch = 0.04;
+    config.cutoff_hz = 300.0;
+    config.refractory_us = 1000;
+    config.leak_rate_hz = 0.02;
+    config.shot_noise_rate_hz = 0.1;
+  } else if (name == "asymmetric") {
+    config.contrast_threshold_on = 0.14;
+    config.contrast_threshold_off = 0.26;
+    config.threshold_mismatch = 0.05;
+    config.refractory_us = 200;
+    config.leak_rate_hz = 0.5;
+    config.shot_noise_rate_hz = 2.0;
+    config.latency_us = 100;
+    config.readout_rate_hz = 30e6;
+    config.timestamp_resolution_us = 10;
   } else if (name != "dvs128") {
     throw InputError("emulator.preset", name, expectation_of(emulator_presets()));
   }

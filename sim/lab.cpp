@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "sim/canvas.h"
 #include "sim/lab_furniture.h"
 #include "sim/mujoco_compat.h"
 
@@ -47,6 +48,11 @@ void describe(FieldVisitor& v, LabConfig& config) {
   v.section("round", config.round, "round things that stand still");
 }
 
+std::array<LabLight, 2> lab_lights(const LabConfig& config) {
+  const double b = config.brightness;
+  return {{{"lamp", {-0.55, -0.35, -0.76}, 0.4 * b, 0.5 * b}, {"sky", {-0.35, 0.9, -0.25}, 0.0, 0.35 * b}}};
+}
+
 Lab::Lab(const LabConfig& config, std::uint64_t seed)
     : config_(checked(config)),
       seed_(seed),
@@ -74,14 +80,14 @@ std::string Lab::mjcf() const {
     count += 3;
   }
   std::string bodies;
-  const auto light = [&](const char* name, const char* direction, double ambient, double diffuse) {
+  for (const LabLight& light : lab_lights(config_)) {
     bodies += print(
-        "  <light name=\"lab_%s\" directional=\"true\" dir=\"%s\" pos=\"%s\" ambient=\"%.4f %.4f %.4f\" "
+        "  <light name=\"lab_%s\" directional=\"true\" dir=\"%.2f %.2f %.2f\" pos=\"%s\" ambient=\"%.4f %.4f "
+        "%.4f\" "
         "diffuse=\"%.4f %.4f %.4f\" specular=\"0 0 0\" castshadow=\"false\"/>\n",
-        name, direction, "0.6 0.4 1.8", ambient, ambient, ambient, diffuse, diffuse, diffuse);
-  };
-  light("lamp", "-0.55 -0.35 -0.76", 0.4 * config_.brightness, 0.5 * config_.brightness);
-  light("sky", "-0.35 0.9 -0.25", 0.0, 0.35 * config_.brightness);
+        light.name, light.direction.x(), light.direction.y(), light.direction.z(), "0.6 0.4 1.8",
+        light.ambient, light.ambient, light.ambient, light.diffuse, light.diffuse, light.diffuse);
+  }
   return print(
              "<asset>\n"
              "  <texture name=\"lab\" type=\"2d\" builtin=\"flat\" width=\"%d\" height=\"%d\" rgb1=\"0.33 "
@@ -104,16 +110,27 @@ void Lab::paint(mjModel& model) const {
   for (std::size_t i = 0; i < layout_->patches().size(); ++i) paint_patch(i, rgb);
 }
 
-void Lab::paint_patch(std::size_t index, mjtByte* rgb) const {
-  using lab::Layout;
+Canvas Lab::painted(std::size_t index) const {
   const lab::Patch& patch = layout_->patches()[index];
   Canvas canvas(patch.width_m, patch.height_m, patch.columns, patch.rows);
   RandomGenerator random(seed_ * 1000003U + index, "lab picture");
   patch.paint(canvas, random);
-  const auto byte_of = [this](double reflectance) {
+  const auto reflectance = [this](double painted) {
     constexpr double middle = 0.33;
-    const double v = middle * std::pow(std::max(reflectance, 1e-3) / middle, config_.contrast);
-    return static_cast<mjtByte>(std::lround(255.0 * std::clamp(v, 0.09, 0.92)));
+    return std::clamp(middle * std::pow(std::max(painted, 1e-3) / middle, config_.contrast), 0.09, 0.92);
+  };
+  canvas.each([&](double, double, Colour c) {
+    return Colour{reflectance(c.r), reflectance(c.g), reflectance(c.b)};
+  });
+  return canvas;
+}
+
+void Lab::paint_patch(std::size_t index, mjtByte* rgb) const {
+  using lab::Layout;
+  const lab::Patch& patch = layout_->patches()[index];
+  Canvas canvas = painted(index);
+  const auto byte_of = [](double reflectance) {
+    return static_cast<mjtByte>(std::lround(255.0 * reflectance));
   };
   // The rim repeats the outermost texels, because interpolation reads half a texel beyond them.
   for (int row = -Layout::rim; row < patch.rows + Layout::rim; ++row) {

@@ -2,6 +2,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -11,14 +12,26 @@
 
 namespace saccade {
 
+class Canvas;
+
 /// Kind of a lab's surfaces and furniture.
 enum class Clutter {
   textured,     ///< brick, curtain, foliage, patterned cloth, pinned photographs, plants
   rectilinear,  ///< shelves with books, posters, window frames, a monitor, boxes, a door
+  natural,      ///< rock with the spectrum of natural scenes, the amplitude falling with 1/f
+  foliage,      ///< leaves and bushes
+  blinds,       ///< slats from side to side or from top to bottom
+  shelves,      ///< walls of books and cartons
+  bare,         ///< walls of one colour, nearly empty
 };
 constexpr auto words_of(Clutter) {
-  return std::to_array<Word<Clutter>>(
-      {{Clutter::textured, "textured"}, {Clutter::rectilinear, "rectilinear"}});
+  return std::to_array<Word<Clutter>>({{Clutter::textured, "textured"},
+                                       {Clutter::rectilinear, "rectilinear"},
+                                       {Clutter::natural, "natural"},
+                                       {Clutter::foliage, "foliage"},
+                                       {Clutter::blinds, "blinds"},
+                                       {Clutter::shelves, "shelves"},
+                                       {Clutter::bare, "bare"}});
 }
 
 /// Numbers of round things that stand still in the lab, at random places in front of the robot.
@@ -47,6 +60,16 @@ struct LabConfig {
 /// Keys: clutter, density, contrast, brightness, wall_distance_m, round.
 void describe(FieldVisitor& v, LabConfig& config);
 
+/// A directional light of the lab: the luminance of a white matt surface is ambient, plus diffuse times the cosine of the
+/// angle of incidence.
+struct LabLight {
+  const char* name;
+  Eigen::Vector3d direction;  ///< in which the light goes, root frame, of any length
+  double ambient;
+  double diffuse;
+};
+[[nodiscard]] std::array<LabLight, 2> lab_lights(const LabConfig& config);
+
 namespace lab {
 class Layout;
 }
@@ -69,6 +92,10 @@ class Lab {
   /// Paints the texture of a compiled model that holds mjcf(). Colours are linear reflectances between 0.09 and 0.92.
   /// Call before a renderer uploads the texture. Throws RunError when the model holds no lab or another one.
   void paint(mjModel& model) const;
+
+  [[nodiscard]] const lab::Layout& layout() const { return *layout_; }
+  /// A patch of the layout as it is in the texture, up to rounding.
+  [[nodiscard]] Canvas painted(std::size_t patch) const;
 
  private:
   void paint_patch(std::size_t index, mjtByte* rgb) const;

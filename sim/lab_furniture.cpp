@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "sim/lab_rooms.h"
 #include "sim/lab_round.h"
 
 namespace saccade::lab {
@@ -201,7 +202,8 @@ class Furnisher {
 }  // namespace
 
 Layout furnished(const LabConfig& config, std::uint64_t seed) {
-  Layout layout = Furnisher(config, seed).furnish();
+  const bool has_furniture = config.clutter == Clutter::textured || config.clutter == Clutter::rectilinear;
+  Layout layout = has_furniture ? Furnisher(config, seed).furnish() : room_of_walls(config, seed);
   add_round_things(layout, config.round, seed);
   layout.pack();
   return layout;

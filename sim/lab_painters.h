@@ -30,6 +30,10 @@ void paint_brick(Canvas& canvas, RandomGenerator& random);
 void paint_foliage(Canvas& canvas, RandomGenerator& random);
 /// A flowered cloth; with fold_m > 0 it hangs as a curtain with folds of that width.
 void paint_cloth(Canvas& canvas, RandomGenerator& random, double fold_m);
+/// Rock or bark with a spectrum as of natural scenes, the amplitude falling with 1/f.
+void paint_natural(Canvas& canvas, RandomGenerator& random);
+/// Slats of a blind across the whole canvas.
+void paint_blinds(Canvas& canvas, RandomGenerator& random, double slat_m, bool upright);
 void paint_floor_tiles(Canvas& canvas, RandomGenerator& random);
 void paint_carpet(Canvas& canvas, RandomGenerator& random);
 void paint_ceiling(Canvas& canvas, RandomGenerator& random, double roughness);

@@ -108,6 +108,28 @@ void paint_cloth(Canvas& canvas, RandomGenerator& random, double fold_m) {
   roughen(canvas, random, 0.05, 0.15, 3, 0.8);
 }
 
+void paint_natural(Canvas& canvas, RandomGenerator& random) {
+  canvas.fill(any_colour(random, 0.25, 0.4));
+  // Equal strength in every octave: the amplitude falls with 1/f.
+  roughen(canvas, random, random.real(0.5, 1.0), random.real(0.6, 0.9), 7, 1.0);
+  if (random.chance(0.5))
+    scatter_leaves(canvas, random, 25.0, 0.03, 0.25, any_colour(random, 0.15, 0.5), 0.5);
+}
+
+void paint_blinds(Canvas& canvas, RandomGenerator& random, double slat_m, bool upright) {
+  const Colour slat = any_colour(random, 0.4, 0.65);
+  const double dark = random.real(0.25, 0.7);  // of the gap and of the slat's far edge
+  const double tilt = random.real(-0.3, 0.3);
+  const ValueNoise noise(random);
+  canvas.each([&](double x, double y, Colour) {
+    const double along = upright ? x : y;
+    const double at = along / slat_m - std::floor(along / slat_m);
+    const double shade = at < 0.14 ? dark : 0.85 + tilt * (at - 0.57);
+    return shade * (1.0 + 0.05 * noise.at(4.0 * x, 4.0 * y)) * slat;
+  });
+  canvas.darken_edges(0.25, 0.25);
+}
+
 /// A photograph of a landscape: sky, ground and plants between them.
 void paint_photograph(Canvas& canvas, RandomGenerator& random) {
   const ValueNoise noise(random);

@@ -10,20 +10,38 @@
 namespace saccade {
 namespace {
 
-/// A board or another box that may pass before the ball.
+/// An object that may pass before the ball: what it hides across the line of sight.
 struct Screen {
   Trajectory trajectory;
-  Eigen::Vector3d half_m;
+  double half_y_m;
+  double half_z_m;
 };
 
-/// Whether the line from eye to ball passes the middle plane of a box, between the two.
+std::vector<Screen> screens_of(const NamedObjects& objects, std::uint64_t seed) {
+  constexpr double hand_m = 0.13;  // from the wrist to the fingertips, and of the forearm as much
+  std::vector<Screen> screens;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const ObjectConfig& object = objects[i].second;
+    if (object.shape == ObjectShape::person) continue;  // walks behind the ball
+    const bool turned =
+        object.turn_deg != std::array<double, 3>{} || object.turn_deg_s != std::array<double, 3>{};
+    Eigen::Vector3d half_m = 0.5 * object.size_m;
+    if (object.shape == ObjectShape::hand) half_m.setConstant(hand_m);
+    if (turned) half_m.setConstant(half_m.maxCoeff());
+    screens.push_back({Trajectory(object.trajectory, object_seed(seed, i)), half_m.y(), half_m.z()});
+  }
+  return screens;
+}
+
+/// Whether the line from eye to ball passes the plane through the object's centre normal to x within the object, between
+/// the two.
 bool hides(const Screen& screen, std::int64_t t_us, const Eigen::Vector3d& eye_m,
            const Eigen::Vector3d& ball_m) {
   const Eigen::Vector3d at_m = screen.trajectory.position_m(t_us);
   const double share = (at_m.x() - eye_m.x()) / (ball_m.x() - eye_m.x());
   if (!(share > 0.0 && share < 1.0)) return false;
   const Eigen::Vector3d off_m = eye_m + share * (ball_m - eye_m) - at_m;
-  return std::abs(off_m.y()) < screen.half_m.y() && std::abs(off_m.z()) < screen.half_m.z();
+  return std::abs(off_m.y()) < screen.half_y_m && std::abs(off_m.z()) < screen.half_z_m;
 }
 
 }  // namespace
@@ -49,16 +67,12 @@ CameraPath::CameraPath(const ScriptConfig* script, const std::array<double, join
 
 BallView view_of(const CameraPath& path, const Camera& camera, const Trajectory& ball, double radius_m,
                  const NamedObjects& objects, std::uint64_t seed) {
-  std::vector<Screen> screens;
-  for (std::size_t i = 0; i < objects.size(); ++i) {
-    const ObjectConfig& object = objects[i].second;
-    if (object.shape != ObjectShape::box) continue;
-    screens.push_back({Trajectory(object.trajectory, object_seed(seed, i)), 0.5 * object.size_m});
-  }
-  BallView view{0.0, std::numeric_limits<double>::infinity(), 0.0, 0.0};
+  const std::vector<Screen> screens = screens_of(objects, seed);
+  BallView view{0.0, 0.0, std::numeric_limits<double>::infinity(), 0.0, 0.0};
   const double width = camera.size.width;
   const double height = camera.size.height;
   int in_view = 0;
+  int hidden_count = 0;
   std::optional<Circle> last;
   std::int64_t t_us = 0;
   for (const Eigen::Isometry3d& root_from_eye : path.root_from_eye()) {
@@ -76,7 +90,7 @@ BallView view_of(const CameraPath& path, const Camera& camera, const Trajectory&
       const bool hidden = std::any_of(screens.begin(), screens.end(), [&](const Screen& screen) {
         return hides(screen, t_us, root_from_eye.translation(), ball_m);
       });
-      if (!hidden) ++in_view;
+      ++(hidden ? hidden_count : in_view);
       if (last) {
         const double moved_px = std::hypot(circle->x_px - last->x_px, circle->y_px - last->y_px);
         view.fastest_px_s = std::max(view.fastest_px_s, 1e6 * moved_px / CameraPath::step_us);
@@ -85,7 +99,9 @@ BallView view_of(const CameraPath& path, const Camera& camera, const Trajectory&
     last = circle;
     t_us += CameraPath::step_us;
   }
-  view.in_view_share = static_cast<double>(in_view) / static_cast<double>(path.root_from_eye().size());
+  const auto count = static_cast<double>(path.root_from_eye().size());
+  view.in_view_share = in_view / count;
+  view.hidden_share = hidden_count / count;
   return view;
 }
 

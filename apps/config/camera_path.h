@@ -27,13 +27,14 @@ class CameraPath {
 
 /// How a ball looks along a path.
 struct BallView {
-  double in_view_share = 0.0;  ///< share of the instants with its centre in the image and no box before it
+  double in_view_share = 0.0;  ///< share of the instants with its centre in the image and no object before it
+  double hidden_share = 0.0;   ///< share of the instants with its centre in the image and an object before it
   double smallest_px = 0.0;    ///< radius, over the instants at which any part is in the image
   double largest_px = 0.0;
   double fastest_px_s = 0.0;  ///< speed of its centre, as far as it is in the image
 };
 
-/// Projects the ball along the path. Of the objects, boxes hide it.
+/// Projects the ball along the path. Objects hide it where their bounding box does; persons are behind it.
 [[nodiscard]] BallView view_of(const CameraPath& path, const Camera& camera, const Trajectory& ball,
                                double radius_m, const NamedObjects& objects, std::uint64_t seed);
 

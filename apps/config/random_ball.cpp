@@ -73,24 +73,14 @@ BallSize draw_ball_size(RandomGenerator& random, const Stage& stage, double smal
   }
 }
 
-BallConfig draw_ball_look(RandomGenerator& random) {
+BallConfig draw_ball_kind(RandomGenerator& random) {
   BallConfig ball;
   constexpr BallPattern patterns[] = {BallPattern::plain,   BallPattern::plain, BallPattern::plain,
                                       BallPattern::striped, BallPattern::seams, BallPattern::patches};
   ball.pattern = one_of(random, patterns);
-  const int tone = random.index(3);
-  const double value = tone == 0   ? log_real(random, 0.02, 0.1)   // darker than what is behind
-                       : tone == 1 ? log_real(random, 0.65, 0.92)  // brighter
-                                   : log_real(random, 0.6 * room_reflectance, 1.4 * room_reflectance);
-  ball.rgb = tinted(random, value);
-  if (ball.pattern != BallPattern::plain) {
-    const double other = value > room_reflectance ? log_real(random, 0.03, 0.15) : log_real(random, 0.5, 0.9);
-    ball.pattern_rgb = tinted(random, other);
-    for (double& turn_deg : ball.pattern_turn_deg) turn_deg = random.real(-100.0, 100.0);
-  }
   if (random.chance(0.25)) ball.gloss = random.real(0.4, 1.0);
-  constexpr Hand hands[] = {Hand::fingers, Hand::fingers, Hand::fist,   Hand::palm, Hand::sleeve,
-                            Hand::stick,   Hand::string,  Hand::string, Hand::none, Hand::none};
+  constexpr Hand hands[] = {Hand::fingers, Hand::fist,   Hand::palm, Hand::sleeve,
+                            Hand::stick,   Hand::string, Hand::none, Hand::none};
   ball.hand = one_of(random, hands);
   const bool turns = ball.hand != Hand::string && ball.hand != Hand::none;
   if (turns) ball.hand_turn_deg = random.real(-70.0, 70.0);
@@ -99,11 +89,25 @@ BallConfig draw_ball_look(RandomGenerator& random) {
   return ball;
 }
 
+void draw_colours(RandomGenerator& random, BallTone tone, BallConfig& ball) {
+  const double value = tone == BallTone::darker ? log_real(random, 0.02, 0.12)
+                       : tone == BallTone::brighter
+                           ? log_real(random, 0.6, 0.92)
+                           : log_real(random, 0.5 * room_reflectance, 1.5 * room_reflectance);
+  ball.rgb = tinted(random, value);
+  if (ball.pattern == BallPattern::plain) return;
+  const double other = value > room_reflectance ? log_real(random, 0.03, 0.15) : log_real(random, 0.5, 0.9);
+  ball.pattern_rgb = tinted(random, other);
+  for (double& turn_deg : ball.pattern_turn_deg) turn_deg = random.real(-100.0, 100.0);
+}
+
 TrajectoryConfig draw_ball_motion(RandomGenerator& random, const Stage& stage, const BallConfig& ball,
-                                  const BallSize& size, bool may_rest, bool leaves) {
+                                  const BallSize& size, bool rests, bool leaves) {
   const double speed_m_s = log_real(random, 0.05, 3.0);
   TrajectoryConfig t;
-  if (ball.rolls) {  // to and fro on a line in a horizontal plane
+  if (rests) {
+    t.points_m = {stage.any_point(random, size.nearest_m, size.farthest_m)};
+  } else if (ball.rolls) {  // to and fro on a line in a horizontal plane
     t.kind = TrajectoryKind::waypoints;
     t.profile = SpeedProfile::constant_speed;
     const Vector3d from = stage.any_point(random, size.nearest_m, size.farthest_m);
@@ -122,8 +126,6 @@ TrajectoryConfig draw_ball_motion(RandomGenerator& random, const Stage& stage, c
     t.radius_a_m.z() *= 0.1;
     t.radius_b_m *= random.chance(0.5) ? 0.0 : random.real(0.1, 0.6);
     t.radius_b_m.z() *= 0.1;
-  } else if (may_rest && random.chance(0.4)) {
-    t.points_m = {stage.any_point(random, size.nearest_m, size.farthest_m)};
   } else if (random.chance(0.35)) {
     t = round_about(random, stage, size, speed_m_s);
   } else {

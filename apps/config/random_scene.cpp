@@ -28,6 +28,7 @@ Camera draw_camera(RandomGenerator& random) {
   const double half_view_rad = 0.5 * rad_per_deg * random.real(42.0, 78.0);  // from left to right
   camera.fx_px = 0.5 * camera.size.width / std::tan(half_view_rad);
   camera.fy_px = camera.fx_px;
+  if (random.chance(0.25)) camera.k1 = random.real(-0.12, -0.03);
   camera.cx_px = 0.5 * (camera.size.width - 1) + 0.03 * camera.size.width * random.real(-1.0, 1.0);
   camera.cy_px = 0.5 * (camera.size.height - 1) + 0.03 * camera.size.height * random.real(-1.0, 1.0);
   return camera;
@@ -62,7 +63,7 @@ HeadMotion draw_motion(RandomGenerator& random) {
   return kind < 0.85 ? HeadMotion::neck : HeadMotion::both;
 }
 
-ScriptConfig draw_script(RandomGenerator& random, HeadMotion motion, bool rests) {
+ScriptConfig draw_script(RandomGenerator& random, HeadMotion motion, bool alone) {
   const bool eyes = motion == HeadMotion::eyes || motion == HeadMotion::both;
   const bool neck = motion == HeadMotion::neck || motion == HeadMotion::both;
   ScriptConfig script;
@@ -74,8 +75,8 @@ ScriptConfig draw_script(RandomGenerator& random, HeadMotion motion, bool rests)
       script.neck_deg.push_back({random.real(-10.0, 8.0), random.real(-8.0, 8.0), random.real(-12.0, 12.0)});
     }
   }
-  script.speed_deg_s = neck ? log_real(random, 10.0, 70.0) : log_real(random, 20.0, 300.0);
-  script.dwell_s = rests ? random.real(0.03, 0.1) : log_real(random, 0.03, 0.5);
+  script.speed_deg_s = neck ? log_real(random, 10.0, 70.0) : log_real(random, 30.0, 300.0);
+  script.dwell_s = alone ? random.real(0.03, 0.1) : log_real(random, 0.03, 0.5);
   return script;
 }
 

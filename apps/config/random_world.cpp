@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "apps/config/camera_path.h"
+#include "apps/config/outline_contrast.h"
 #include "apps/config/random_world_parts.h"
 #include "control/head_kinematics.h"
 #include "core/units.h"
@@ -39,38 +40,66 @@ Eigen::Vector3d middle_of(const TrajectoryConfig& t) {
   return sum / static_cast<double>(t.points_m.size());
 }
 
-/// Draws ball, its motion and a board until the ball is seen as it must be.
-void draw_ball(RandomGenerator& random, std::uint64_t seed, const Stage& stage, DrawnWorld& world) {
-  const bool moves = world.motion != HeadMotion::still;
-  const bool leaves = random.chance(0.25);
+/// Draws the ball's size and motion and a board that passes before it, until the ball is seen as it must be.
+void draw_ball(RandomGenerator& random, std::uint64_t seed, const Stage& stage, const CameraPath& path,
+               bool rests, DrawnWorld& world) {
+  constexpr int all_attempts = 2000;
+  constexpr int exact_attempts = 400;  // from then on without a board and without leaving the image
+  const bool leaves = !rests && random.chance(0.25);
   const bool hidden = random.chance(0.2);
-  const CameraPath path(moves ? &world.script : nullptr, world.sim.world.initial_pose_deg, world.duration_s);
-  const auto [low_px, high_px] = radius_range_px(stage.camera.size);
-  const double fastest_px_s = 14.0 * stage.camera.size.width;
+  const Camera& camera = world.sim.camera;
+  const auto [low_px, high_px] = radius_range_px(camera.size);
+  const double fastest_px_s = 14.0 * camera.size.width;
   const NamedObjects others = world.sim.world.objects;
-  BallConfig ball = draw_ball_look(random);
+  BallConfig& ball = world.sim.world.ball;
+  ball = draw_ball_kind(random);
   // A hand of natural size hides a ball that is much smaller.
   const double smallest_m = ball.hand == Hand::fingers ? 0.03 : 0.015;
-  for (int attempt = 0;; ++attempt) {
+  for (int attempt = 0; attempt < all_attempts; ++attempt) {
+    const bool exact = attempt < exact_attempts;
     const BallSize size = draw_ball_size(random, stage, smallest_m);
     ball.diameter_m = 2.0 * size.radius_m;
-    const bool may_leave = leaves && attempt < 300;
-    ball.trajectory = draw_ball_motion(random, stage, ball, size, moves, may_leave);
-    NamedObjects objects = others;
-    if (hidden && attempt < 300) {
-      objects.emplace_back("board", draw_board(random, stage, middle_of(ball.trajectory), size.radius_m));
+    ball.trajectory = draw_ball_motion(random, stage, ball, size, rests, leaves && exact);
+    world.sim.world.objects = others;
+    if (hidden && exact) {
+      world.sim.world.objects.emplace_back(
+          "board", draw_board(random, stage, middle_of(ball.trajectory), size.radius_m));
     }
-    const BallView view =
-        view_of(path, stage.camera, Trajectory(ball.trajectory, seed), size.radius_m, objects, seed);
-    const bool is_right =
-        view.in_view_share >= 0.6 && view.smallest_px >= 1.01 * low_px && view.largest_px <= 0.99 * high_px &&
-        view.fastest_px_s <= fastest_px_s &&
-        (!may_leave || ball.trajectory.kind != TrajectoryKind::waypoints || view.in_view_share < 0.97);
-    if (!is_right && attempt < 2000) continue;
-    world.sim.world.ball = ball;
-    world.sim.world.objects = objects;
+    const BallView view = view_of(path, camera, Trajectory(ball.trajectory, seed), size.radius_m,
+                                  world.sim.world.objects, seed);
     world.in_view_share = view.in_view_share;
-    return;
+    world.hidden_share = view.hidden_share;
+    world.smallest_px = view.smallest_px;
+    world.largest_px = view.largest_px;
+    if (view.in_view_share < 0.6 || view.smallest_px < 1.01 * low_px || view.largest_px > 0.99 * high_px ||
+        view.fastest_px_s > fastest_px_s) {
+      continue;
+    }
+    const bool goes_out = view.in_view_share + view.hidden_share < 0.97;
+    if (!exact || ((!leaves || goes_out) && (!hidden || view.hidden_share > 0.03))) return;
+  }
+}
+
+/// Draws the ball's colours until most of its outline has contrast.
+void colour_ball(RandomGenerator& random, std::uint64_t seed, const CameraPath& path, DrawnWorld& world) {
+  constexpr double enough = 0.6;
+  constexpr int attempts_with_tone = 40;
+  constexpr int all_attempts = 80;
+  constexpr BallTone tones[] = {BallTone::darker, BallTone::brighter, BallTone::middle};
+  BallConfig& ball = world.sim.world.ball;
+  const OutlineContrast contrast(world.sim.lab, seed, path, world.sim.camera,
+                                 Trajectory(ball.trajectory, seed), 0.5 * ball.diameter_m);
+  BallConfig candidate = ball;
+  BallTone tone = one_of(random, tones);
+  world.contrast_share = -1.0;
+  for (int attempt = 0; attempt < all_attempts && world.contrast_share < enough; ++attempt) {
+    if (attempt >= attempts_with_tone) tone = one_of(random, tones);
+    draw_colours(random, tone, candidate);
+    const double share = contrast.share(candidate, world.sim.emulator);
+    if (share <= world.contrast_share) continue;
+    ball = candidate;
+    world.tone = tone;
+    world.contrast_share = share;
   }
 }
 
@@ -101,17 +130,19 @@ DrawnWorld draw_world(const RandomWorldConfig& config, std::uint64_t seed,
   world.sim.emulator = draw_sensor(of_camera);
   world.sim.lab = draw_lab(of_room);
   world.motion = draw_motion(of_motion);
-  world.script = draw_script(of_motion, world.motion, true);
+  const bool rests = with_ball && world.motion != HeadMotion::still && of_motion.chance(0.3);
+  world.script = draw_script(of_motion, world.motion, rests);
 
-  Stage stage{world.sim.camera, mean_root_from_eye(world.script),
-              std::min(1.5, world.sim.lab.wall_distance_m - furniture_depth_m)};
+  const Stage stage{world.sim.camera.without_lens(), mean_root_from_eye(world.script),
+                    std::min(1.5, world.sim.lab.wall_distance_m - furniture_depth_m)};
   const int distractors = with_ball ? of_objects.index(3) : 1 + of_objects.index(3);
   world.sim.world.objects = draw_distractors(of_objects, stage, distractors);
-  if (with_ball) {
-    draw_ball(of_ball, seed, stage, world);
-  } else {
-    world.sim.world.ball.present = false;
-  }
+  world.sim.world.ball.present = with_ball;
+  if (!with_ball) return world;
+  const CameraPath path(world.motion != HeadMotion::still ? &world.script : nullptr,
+                        world.sim.world.initial_pose_deg, world.duration_s);
+  draw_ball(of_ball, seed, stage, path, rests, world);
+  colour_ball(of_ball, seed, path, world);
   return world;
 }
 

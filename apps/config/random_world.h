@@ -47,14 +47,22 @@ void describe(FieldVisitor& v, RandomWorldConfig& config);
 /// How the head of a random world moves.
 enum class HeadMotion { still, eyes, neck, both };
 
+/// Brightness of a random world's ball.
+enum class BallTone { darker, brighter, middle };
+
 /// A world that is drawn.
 struct DrawnWorld {
   double duration_s = 4.0;
   SimConfig sim;
   HeadMotion motion = HeadMotion::still;
   ScriptConfig script;  ///< positions of eyes and neck in turn; without motion not used
-  /// Share of the instants at which the ball's centre is in the image and no board is before it; 0 without a ball.
-  double in_view_share = 0.0;
+  // Of the ball, where there is one:
+  BallTone tone = BallTone::middle;  ///< than the room, or as bright as it
+  double in_view_share = 0.0;        ///< instants with its centre in the image and no object before it
+  double hidden_share = 0.0;         ///< instants with its centre in the image behind an object
+  double smallest_px = 0.0;          ///< its radius while any part of it is in the image
+  double largest_px = 0.0;
+  double contrast_share = 0.0;  ///< outline with a contrast of two thresholds or more against the room
 };
 
 /// Draws a world. The same configuration, seed and camera give the same world.

@@ -21,7 +21,7 @@ Value one_of(RandomGenerator& random, const Value (&values)[N]) {
 
 /// The space in front of the left eye, in which things are placed by where they are seen.
 struct Stage {
-  Camera camera;
+  Camera camera;                    ///< without its lens: there are points outside the image too
   Eigen::Isometry3d root_from_eye;  ///< the mean pose of the camera
   double farthest_m;                ///< along the optical axis: nearer than the furniture
 
@@ -40,9 +40,9 @@ struct Stage {
 /// A room with its light and the round things in it.
 [[nodiscard]] LabConfig draw_lab(RandomGenerator& random);
 
-/// Which of eyes and neck move, and where to. `rests`: nothing else moves, so that pauses are short.
+/// Which of eyes and neck move, and where to. `alone`: nothing else moves, so that pauses are short.
 [[nodiscard]] HeadMotion draw_motion(RandomGenerator& random);
-[[nodiscard]] ScriptConfig draw_script(RandomGenerator& random, HeadMotion motion, bool rests);
+[[nodiscard]] ScriptConfig draw_script(RandomGenerator& random, HeadMotion motion, bool alone);
 
 /// Objects that move by themselves and are no ball, `count` of them; the first is in the image from the start.
 [[nodiscard]] NamedObjects draw_distractors(RandomGenerator& random, const Stage& stage, int count);
@@ -57,12 +57,14 @@ struct BallSize {
   double farthest_m;
 };
 [[nodiscard]] BallSize draw_ball_size(RandomGenerator& random, const Stage& stage, double smallest_m);
-/// Colours, pattern, gloss and hand.
-[[nodiscard]] BallConfig draw_ball_look(RandomGenerator& random);
-/// A motion that suits what holds the ball. `may_rest`: it may be at rest all the time. `leaves`: it goes out of the
-/// image for a time.
+/// Pattern, gloss and hand.
+[[nodiscard]] BallConfig draw_ball_kind(RandomGenerator& random);
+/// Sets the colours.
+void draw_colours(RandomGenerator& random, BallTone tone, BallConfig& ball);
+/// A motion that suits what holds the ball. `rests`: it is at rest all the time. `leaves`: it goes out of the image for a
+/// time.
 [[nodiscard]] TrajectoryConfig draw_ball_motion(RandomGenerator& random, const Stage& stage,
-                                                const BallConfig& ball, const BallSize& size, bool may_rest,
+                                                const BallConfig& ball, const BallSize& size, bool rests,
                                                 bool leaves);
 
 }  // namespace saccade::random_world

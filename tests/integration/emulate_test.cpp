@@ -370,7 +370,7 @@ TEST_F(Emulate, ErrorsOfTheCameraNameFileLineAndKey) {
       run + "--config " + path("wrong.yaml"),
       path("wrong.yaml") + ":2: emulator.leak_rate_hz: found -1, expected a finite number in [0, 1000]");
   expect_refused(run + "--preset perfect",
-                 "--set preset: found perfect, expected one of ideal, dvs128, noisy, davis346, atis");
+                 "--set preset: found perfect, expected one of ideal, dvs128, noisy, davis346, atis, few_events, asymmetric");
   expect_refused(run + "--set contrast_threshold_on=0",
                  "--set contrast_threshold_on: found 0, expected a finite number in [0.01, 5]");
 }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -125,6 +126,48 @@ TEST(Objects, APersonWalksOnTheFloorWithOneLegForward) {
   }
   EXPECT_GT(widest_m, 0.5);
   EXPECT_LT(widest_m, 0.9);
+}
+
+TEST(Objects, ACoveredDiscShowsItsShareOfTheOutline) {
+  ObjectConfig disc;
+  disc.shape = ObjectShape::covered_disc;
+  disc.size_m = {0.01, 0.2, 0.2};
+  disc.shown_share = 0.4;
+  disc.trajectory.sway_m = 0.0;
+  const World world(world_with({{"disc", disc}}), "", 1);
+  const mjModel& m = world.model();
+  const int body = mj_name2id(&m, mjOBJ_BODY, "distractor_0_0");
+  ASSERT_EQ(m.body_geomnum[body], 2);
+  const int cover = m.body_geomadr[body] + 1;
+  const double top_m = m.geom_pos[3 * cover + 2] + m.geom_size[3 * cover + 2];
+  int shown = 0;
+  for (int i = 0; i < 1000; ++i) {
+    if (0.1 * std::cos(2.0 * std::numbers::pi * i / 1000) > top_m) ++shown;
+  }
+  EXPECT_NEAR(shown / 1000.0, disc.shown_share, 0.002);
+  EXPECT_LT(m.geom_pos[3 * cover + 2] - m.geom_size[3 * cover + 2], -0.1);  // it covers the rest
+}
+
+TEST(Objects, AHandWavesAndABoxTurns) {
+  ObjectConfig hand;
+  hand.shape = ObjectShape::hand;
+  hand.trajectory.sway_m = 0.0;
+  ObjectConfig box;
+  box.turn_deg_s = {90.0, 0.0, 0.0};
+  box.trajectory.sway_m = 0.0;
+  World world(world_with({{"hand", hand}, {"box", box}}), "", 1);
+  const auto up = [&](const char* name) {
+    const int body = mj_name2id(&world.model(), mjOBJ_BODY, name);
+    const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> axes(world.data().xmat + 9 * body);
+    return Eigen::Vector3d(axes.col(2));
+  };
+  double most_rad = 0.0;
+  for (int i = 0; i < 1000; ++i) {
+    world.step();
+    most_rad = std::max(most_rad, std::acos(std::clamp(up("distractor_0_0").z(), -1.0, 1.0)));
+  }
+  EXPECT_NEAR(most_rad, 0.45, 0.01);
+  EXPECT_NEAR(up("distractor_1_0").y(), -1.0, 1e-6);  // a quarter turn about x
 }
 
 TEST(Objects, AddToTheMotionInTheImage) {

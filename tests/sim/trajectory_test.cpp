@@ -151,6 +151,24 @@ TEST(Trajectory, CirclesAtItsFrequency) {
             1.1 * largest_derivative(trajectory, 3, 6'000'000, 2000));
 }
 
+TEST(Trajectory, FallsFreelyBetweenThrowAndCatch) {
+  TrajectoryConfig config;
+  config.kind = TrajectoryKind::waypoints;
+  config.profile = SpeedProfile::free_fall;
+  config.points_m = {{-0.5, 0.0, 0.3}, {-0.5, 0.4, 0.3}};
+  config.speed_m_s = 1.0;
+  config.sway_m = 0.0;
+  const Trajectory trajectory(config, 1);
+  const double step_s = 0.01;
+  for (int i = 2; i < 38; ++i) {
+    const auto at = [&](int k) { return trajectory.position_m(10'000 * (i + k)); };
+    const Eigen::Vector3d acceleration = (at(1) - 2.0 * at(0) + at(-1)) / (step_s * step_s);
+    EXPECT_NEAR(acceleration.z(), -9.81, 1e-6);
+    EXPECT_NEAR(acceleration.y(), 0.0, 1e-6);
+  }
+  EXPECT_NEAR((trajectory.position_m(400'000) - config.points_m[1]).norm(), 0.0, 1e-12);
+}
+
 TEST(Trajectory, SwaysSlowlyWithTheConfiguredRmsOnEveryAxis) {
   TrajectoryConfig config;
   config.sway_m = 0.002;
