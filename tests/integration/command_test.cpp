@@ -41,7 +41,8 @@ TEST_F(Command, theSameScenarioAndSeedGiveTheSameBytesWhateverTheNumberOfThreads
   ASSERT_EQ(saccade(run + "--set run.threads=1 --out " + out("one")).status, 0);
   ASSERT_EQ(saccade(run + "--set run.threads=1 --out " + out("again")).status, 0);
   ASSERT_EQ(saccade(run + "--set run.threads=3 --out " + out("three")).status, 0);
-  for (const char* file : {"events.aedat", "detections.csv", "gaze.csv", "truth.csv", "joints.csv"}) {
+  for (const char* file : {"events.aedat", "detections.csv", "streaming.csv", "gaze.csv", "truth.csv",
+                           "joints.csv", "figures.json"}) {
     const std::string first = bytes_of(folder_ / "one" / file);
     EXPECT_GT(first.size(), 100U) << file;
     EXPECT_TRUE(first == bytes_of(folder_ / "again" / file)) << file << " differs from run to run";
@@ -93,8 +94,9 @@ TEST_F(Command, anotherSeedGivesOtherEvents) {
 TEST_F(Command, aRunLeavesEveryFileOfTheRunFolderAndTheResolvedScenarioGivesTheSameRun) {
   const std::string options = " --set run.duration_s=0.4 --set expect={} --set output.video=true ";
   ASSERT_EQ(saccade("run '" + short_scenario + "'" + options + "--out " + out("run")).status, 0);
-  for (const char* file : {"scenario.yaml", "events.aedat", "joints.csv", "truth.csv", "detections.csv",
-                           "gaze.csv", "metrics.json", "report.html", "video.mp4"}) {
+  for (const char* file :
+       {"scenario.yaml", "events.aedat", "joints.csv", "truth.csv", "detections.csv", "gaze.csv",
+        "metrics.json", "report.html", "video.mp4", "streaming.csv", "figures.json"}) {
     EXPECT_GT(bytes_of(folder_ / "run" / file).size(), 100U) << file;
   }
   EXPECT_THAT(bytes_of(folder_ / "run/log.txt"), HasSubstr(" s  ball ")) << "found, or never found";
