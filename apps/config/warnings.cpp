@@ -64,7 +64,7 @@ std::array<double, 2> ball_radius_px(const Scenario& scenario) {
 }
 
 void check_radii(const Scenario& scenario, std::vector<std::string>& warnings) {
-  if (scenario.detectors.empty()) return;
+  if (scenario.detectors.empty() || !scenario.sim.world.ball.present) return;
   const auto [smallest_px, largest_px] = ball_radius_px(scenario);
   const YamlTree tree = parse_yaml(resolved_detectors(scenario.detectors), "");
   for (const auto& [name, config] : scenario.detectors) {

@@ -193,8 +193,9 @@ TEST_F(Emulate, AVideoGivesTheEventsOfItsImagesAtItsRate) {
 TEST_F(Emulate, TheSameSeedGivesTheSameBytesWhateverTheNumberOfThreads) {
   write_noise("noise.npy", {40, 30}, 60);
   const auto bytes = [&](const std::string& options) {
-    const Outcome outcome = saccade("emulate " + path("noise.npy") + " --preset noisy --fps 300 --force --labels " +
-                                    path("l.csv") + " --out " + path("e.aedat") + " " + options);
+    const Outcome outcome =
+        saccade("emulate " + path("noise.npy") + " --preset noisy --fps 300 --force --labels " +
+                path("l.csv") + " --out " + path("e.aedat") + " " + options);
     EXPECT_EQ(outcome.status, 0) << outcome.text;
     return bytes_of(folder_ / "e.aedat") + bytes_of(folder_ / "l.csv");
   };
@@ -271,8 +272,8 @@ TEST_F(Emulate, TheBusOfTheSensorSpreadsAJumpOfTheWholeImage) {
 TEST_F(Emulate, EveryEventHasTheLabelOfItsCause) {
   write_ramp("ramp.npy", 200);
   const auto label_rows = [&](const std::string& options) {
-    EXPECT_EQ(saccade("emulate " + path("ramp.npy") + " --fps 200 --force --labels " + path("l.csv") + " --out " +
-                      path("e.csv") + " " + options)
+    EXPECT_EQ(saccade("emulate " + path("ramp.npy") + " --fps 200 --force --labels " + path("l.csv") +
+                      " --out " + path("e.csv") + " " + options)
                   .status,
               0);
     std::vector<std::string> rows;
@@ -370,7 +371,8 @@ TEST_F(Emulate, ErrorsOfTheCameraNameFileLineAndKey) {
       run + "--config " + path("wrong.yaml"),
       path("wrong.yaml") + ":2: emulator.leak_rate_hz: found -1, expected a finite number in [0, 1000]");
   expect_refused(run + "--preset perfect",
-                 "--set preset: found perfect, expected one of ideal, dvs128, noisy, davis346, atis, few_events, asymmetric");
+                 "--set preset: found perfect, expected one of ideal, dvs128, noisy, davis346, atis, "
+                 "few_events, asymmetric");
   expect_refused(run + "--set contrast_threshold_on=0",
                  "--set contrast_threshold_on: found 0, expected a finite number in [0.01, 5]");
 }
