@@ -81,6 +81,12 @@ void scale_geoms(mjModel& m, int body, double scale) {
   }
 }
 
+/// Direction from the hand to the ball's centre, as the hand's file has it.
+Vector3d contact_of(Hand hand) {
+  if (hand == Hand::sleeve) return Vector3d(0.76, 0.17, 0.62).normalized();
+  return hand == Hand::string ? Vector3d(-Vector3d::UnitZ()) : Vector3d(Vector3d::UnitZ());
+}
+
 }  // namespace
 
 void describe(FieldVisitor& v, BallConfig& c) {
@@ -134,6 +140,7 @@ void set_up_ball(mjModel& m, const BallConfig& config) {
   } else {
     m.geom_matid[ball] = find(mjOBJ_MATERIAL, "ball_pattern");
     set_quat(m.geom_quat + 4 * ball, rotation_of(radians(config.pattern_turn_deg)));
+    m.geom_sameframe[ball] = 0;  // else MuJoCo takes the frame of the body for that of the geom
     paint_pattern(m, config);
   }
   if (config.gloss > 0.0) {
@@ -145,19 +152,26 @@ void set_up_ball(mjModel& m, const BallConfig& config) {
 
   const int hand = find(mjOBJ_BODY, "hand");
   const int arm = find(mjOBJ_BODY, "arm");
-  scale_geoms(m, hand, scale);
   if (config.sleeve == Sleeve::checked) {
     const int sleeve = mj_name2id(&m, mjOBJ_GEOM, "arm_sleeve");
     if (sleeve >= 0) m.geom_matid[sleeve] = find(mjOBJ_MATERIAL, "person_sleeve_checked");
   }
-  mjtNum* arm_pos = m.body_pos + 3 * arm;
-  mju_scl3(arm_pos, arm_pos, scale);
+  Eigen::Map<Vector3d> hand_pos(m.body_pos + 3 * hand);
+  Eigen::Map<Vector3d> arm_pos(m.body_pos + 3 * arm);
+  if (config.hand == Hand::fingers) {
+    scale_geoms(m, hand, scale);
+    arm_pos *= scale;
+  } else {  // a hand keeps its size and touches a ball of any size
+    const Vector3d nearer_m = (radius_m / scale - radius_m) * contact_of(config.hand);
+    hand_pos += nearer_m;
+    arm_pos += nearer_m;
+  }
   if (config.hand_turn_deg != 0.0) {
     const Eigen::Quaterniond turn = rotation_of(radians({config.hand_turn_deg, 0.0, 0.0}));
     set_quat(m.body_quat + 4 * hand, turn);
     set_quat(m.body_quat + 4 * arm, turn);
-    Eigen::Map<Vector3d> at(arm_pos);
-    at = turn * Vector3d(at);
+    hand_pos = turn * Vector3d(hand_pos);
+    arm_pos = turn * Vector3d(arm_pos);
   }
   if (config.present) return;
   hide_geoms(m, m.geom_bodyid[ball]);

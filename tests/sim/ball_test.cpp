@@ -51,6 +51,40 @@ TEST(Ball, EveryHandIsAModelThatLoads) {
   }
 }
 
+TEST(Ball, EveryHandLeavesMostOfTheBallVisible) {
+  for (const auto& [hand, word] : words_of(Hand{})) {
+    for (const double diameter_m : {0.03, 0.06, 0.1}) {
+      if (hand == Hand::fingers && diameter_m < 0.06) continue;  // fingers of natural size hide a small ball
+      for (const double turn_deg : {-70.0, 0.0, 70.0}) {
+        SimConfig config;
+        config.world = world_with({});
+        config.world.ball.hand = hand;
+        config.world.ball.diameter_m = diameter_m;
+        config.world.ball.hand_turn_deg = turn_deg;
+        std::optional<SimRobot> robot;
+        try {
+          robot.emplace(config, 1);
+        } catch (const RunError& error) {
+          GTEST_SKIP() << "NOT TESTED, there is no OpenGL: " << error.what();
+        }
+        EXPECT_GT(robot->truth().left.visible, 0.5)
+            << word << ", " << diameter_m << " m, " << turn_deg << " deg";
+      }
+    }
+  }
+}
+
+TEST(Ball, ItsPatternIsTurned) {
+  BallConfig ball;
+  ball.pattern = BallPattern::striped;
+  ball.pattern_turn_deg = {90.0, 0.0, 0.0};
+  const World world(world_with(ball), "", 1);
+  const int geom = mj_name2id(&world.model(), mjOBJ_GEOM, "ball");
+  const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> axes(world.data().geom_xmat +
+                                                                            9 * geom);
+  EXPECT_NEAR(axes(1, 2), -1.0, 1e-9);  // the axis of the stripes, z, points along -y
+}
+
 TEST(Ball, OnlyABallWithoutAHandRolls) {
   BallConfig ball;
   ball.rolls = true;
