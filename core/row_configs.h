@@ -54,4 +54,33 @@ class RowConfigs {
   std::vector<AnyConfig> configs_;
 };
 
+/// Key `key`, which chooses a row, and a section with the keys of the chosen row under the row's name.
+template <class Row>
+void describe_chosen_row(FieldVisitor& v, std::string_view key, std::string& name, RowConfigs<Row>& configs,
+                         std::string_view doc) {
+  v.choice(key, name, configs.rows().names(), doc);
+  configs.for_each([&](const Row& row, AnyConfig& keys) {
+    if (row.name == name) v.section(row.name, keys, row.description);
+  });
+}
+
+/// The rows of one kind that a program offers. A value: main builds it and passes it on.
+template <class Row>
+class RowRegistry {
+ public:
+  /// Throws InputError for a name that another row has or that is_name refuses.
+  void add(Row row) { rows_.add(std::move(row)); }
+  [[nodiscard]] const NamedRows<Row>& rows() const { return rows_; }
+
+ private:
+  NamedRows<Row> rows_;
+};
+
+/// A row with name, description, default config and `make`, whose first parameter is the config struct.
+template <class Row, class Config, class Make>
+[[nodiscard]] Row row_of(std::string name, std::string description, Config defaults, Make make) {
+  return {std::move(name), std::move(description), AnyConfig(std::move(defaults)),
+          for_any_config<Config>(std::move(make))};
+}
+
 }  // namespace saccade

@@ -7,7 +7,7 @@
 namespace saccade {
 namespace {
 
-constexpr std::int64_t never_us = std::numeric_limits<std::int64_t>::min();
+constexpr std::int64_t no_event_us = std::numeric_limits<std::int64_t>::min();
 
 std::int64_t tick_at_or_after(std::int64_t t_us, std::int64_t tick_us) {
   const std::int64_t into = ((t_us % tick_us) + tick_us) % tick_us;
@@ -28,10 +28,10 @@ Readout::Readout(const EmulatorConfig& config, std::size_t pixels)
     : config_(config),
       service_us_(config.readout_rate_hz > 0.0 ? 1e6 / config.readout_rate_hz : 0.0),
       transparent_(config.latency_us == 0 && service_us_ == 0.0 && config.timestamp_resolution_us == 1),
-      busy_since_us_(never_us) {
+      busy_since_us_(no_event_us) {
   const auto tick_us = static_cast<double>(config.timestamp_resolution_us);
   const bool apart = service_us_ == 0.0 ? tick_us == 1.0 : service_us_ >= tick_us;
-  if (!apart) last_stamp_us_.assign(pixels, never_us);
+  if (!apart) last_stamp_us_.assign(pixels, no_event_us);
 }
 
 void Readout::process(std::span<const PixelEvent> requests, std::int64_t t_us,

@@ -26,6 +26,10 @@ inline constexpr int joint_count = 9;
 inline constexpr int torso_joint_count = 3;
 /// The joints that gaze commands: neck pitch to eyes vergence, the last six.
 inline constexpr int head_joint_count = 6;
+/// The first joints of gaze, those of the neck.
+inline constexpr int neck_joint_count = 3;
+/// The index of a joint among those that gaze commands.
+[[nodiscard]] constexpr int head_index(Joint joint) { return joint - torso_joint_count; }
 
 inline constexpr std::array<std::string_view, joint_count> joint_names = {
     "torso_pitch", "torso_roll", "torso_yaw",    "neck_pitch",   "neck_roll",

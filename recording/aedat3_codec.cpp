@@ -15,9 +15,9 @@ namespace saccade {
 namespace {
 
 constexpr std::string_view line_end = "\r\n";
-constexpr std::size_t longest_header_line = 4096;
-constexpr std::size_t header_bytes = 28;
-constexpr std::size_t event_bytes = 8;
+constexpr std::size_t longest_aedat3_line = 4096;
+constexpr std::size_t packet_header_bytes = 28;
+constexpr std::size_t aedat3_event_bytes = 8;
 constexpr std::int16_t polarity_type = 1;
 constexpr std::array<std::string_view, 6> type_names{"special",         "polarity",        "image",
                                                      "6-axis inertial", "9-axis inertial", "sample"};
@@ -51,16 +51,16 @@ class Aedat3Reader final : public BlockReader {
  protected:
   bool decode(std::span<Event> block, std::size_t& count) override {
     if (events_left_ == 0) return next_packet();
-    const std::string_view ahead = file_.peek(event_bytes);
-    const std::size_t events = std::min({ahead.size() / event_bytes, block.size(), events_left_});
+    const std::string_view ahead = file_.peek(aedat3_event_bytes);
+    const std::size_t events = std::min({ahead.size() / aedat3_event_bytes, block.size(), events_left_});
     if (events == 0) file_.fail("the end of the file", "the rest of a packet");
     std::size_t invalid = 0;
     for (std::size_t i = 0; i < events; ++i) {
-      const char* bytes = ahead.data() + i * event_bytes;
+      const char* bytes = ahead.data() + i * aedat3_event_bytes;
       const auto data = load_little<std::uint32_t>(bytes);
       const auto stamp = load_little<std::int32_t>(bytes + 4);
       if (stamp < 0) {
-        file_.skip(i * event_bytes + 4);
+        file_.skip(i * aedat3_event_bytes + 4);
         file_.fail("the time " + std::to_string(stamp), "one of 0 us or more");
       }
       block[count] = {packet_time_us_ | stamp, static_cast<std::uint16_t>(data >> 17),
@@ -69,7 +69,7 @@ class Aedat3Reader final : public BlockReader {
       invalid += 1 - (data & 1);
     }
     if (invalid > 0) others_["invalid events"] += static_cast<std::int64_t>(invalid);
-    file_.skip(events * event_bytes);
+    file_.skip(events * aedat3_event_bytes);
     events_left_ -= events;
     return true;
   }
@@ -77,11 +77,11 @@ class Aedat3Reader final : public BlockReader {
  private:
   /// Takes a line of the header; false for its last one.
   bool header_line() {
-    const std::string_view ahead = file_.peek(longest_header_line).substr(0, longest_header_line);
+    const std::string_view ahead = file_.peek(longest_aedat3_line).substr(0, longest_aedat3_line);
     const std::string_view line = ahead.substr(0, ahead.find(line_end));
     if (line.size() == ahead.size()) {
-      if (ahead.size() < longest_header_line) file_.fail("the end of the file", "the rest of the header");
-      file_.fail("a line of more than " + std::to_string(longest_header_line) + " bytes", "header lines");
+      if (ahead.size() < longest_aedat3_line) file_.fail("the end of the file", "the rest of the header");
+      file_.fail("a line of more than " + std::to_string(longest_aedat3_line) + " bytes", "header lines");
     }
     if (!line.starts_with('#')) file_.fail(printable(line.substr(0, 20)), "a header line, or #!END-HEADER");
     constexpr std::string_view format_key = "#Format: ";
@@ -106,9 +106,9 @@ class Aedat3Reader final : public BlockReader {
 
   /// Takes the header of the next packet, and the packet too where it is not one of our events; false at the end.
   bool next_packet() {
-    const std::string_view head = file_.peek(header_bytes);
+    const std::string_view head = file_.peek(packet_header_bytes);
     if (head.empty()) return false;
-    if (head.size() < header_bytes) file_.fail("the end of the file", "a packet's header of 28 bytes");
+    if (head.size() < packet_header_bytes) file_.fail("the end of the file", "a packet's header of 28 bytes");
     const auto type = load_little<std::int16_t>(head.data());
     const auto source = load_little<std::int16_t>(head.data() + 2);
     const auto size = load_little<std::int32_t>(head.data() + 4);
@@ -121,12 +121,12 @@ class Aedat3Reader final : public BlockReader {
                      " wraps",
                  "numbers of 0 or more");
     }
-    if (type == polarity_type && (size != event_bytes || time_place != 4)) {
+    if (type == polarity_type && (size != aedat3_event_bytes || time_place != 4)) {
       file_.fail("polarity events of " + std::to_string(size) + " bytes with the time at byte " +
                      std::to_string(time_place),
                  "8 bytes with the time at byte 4");
     }
-    file_.skip(header_bytes);
+    file_.skip(packet_header_bytes);
     if (type == polarity_type && !source_) source_ = source;
     if (type == polarity_type && source == *source_) {
       packet_time_us_ = static_cast<std::int64_t>(overflow) << 31;

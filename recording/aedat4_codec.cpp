@@ -16,11 +16,10 @@
 namespace saccade {
 namespace {
 
-constexpr std::string_view mark_line = "#!AER-DAT4.0\r\n";
-constexpr std::size_t longest_header = 1 << 19;
+constexpr std::size_t longest_aedat4_header = 1 << 19;
 constexpr std::size_t window_bytes = 1 << 16;
-constexpr std::size_t event_bytes = sizeof(aedat4::Event);
-constexpr int largest_length_px = 1 << 15;
+constexpr std::size_t aedat4_event_bytes = sizeof(aedat4::Event);
+constexpr int largest_read_length_px = 1 << 15;
 
 /// Of recorded tables: offsets are checked before they are followed, and values may lie at any address.
 flatbuffers::Verifier verifier_of(std::string_view bytes) {
@@ -127,13 +126,14 @@ class Aedat4Reader final : public EventReader {
 
  private:
   void read_header() {
-    const std::string_view start = file_.peek(mark_line.size() + 4);
-    if (!start.starts_with(mark_line)) fail(printable(start.substr(0, 14)), "the line #!AER-DAT4.0");
-    if (start.size() < mark_line.size() + 4) fail_cut("the header's size");
-    const auto size = load_little<std::uint32_t>(start.data() + mark_line.size());
-    file_.skip(mark_line.size() + 4);
-    if (size > longest_header) {
-      fail("a header of " + std::to_string(size) + " bytes", "at most " + std::to_string(longest_header));
+    const std::string_view start = file_.peek(aedat4_mark.size() + 4);
+    if (!start.starts_with(aedat4_mark)) fail(printable(start.substr(0, 14)), "the line #!AER-DAT4.0");
+    if (start.size() < aedat4_mark.size() + 4) fail_cut("the header's size");
+    const auto size = load_little<std::uint32_t>(start.data() + aedat4_mark.size());
+    file_.skip(aedat4_mark.size() + 4);
+    if (size > longest_aedat4_header) {
+      fail("a header of " + std::to_string(size) + " bytes",
+           "at most " + std::to_string(longest_aedat4_header));
     }
     const std::string_view bytes = file_.peek(size).substr(0, size);
     if (bytes.size() < size) fail_cut("the rest of the header");
@@ -178,13 +178,13 @@ class Aedat4Reader final : public EventReader {
     if (found == streams_.end()) fail("no stream of events", "a stream of type EVTS in the header");
     stream_ = found->first;
     const ImageSize size = found->second.size;
-    const auto is_length = [](int length_px) { return length_px > 0 && length_px <= largest_length_px; };
+    const auto is_length = [](int length_px) { return length_px > 0 && length_px <= largest_read_length_px; };
     if (is_length(size.width) && is_length(size.height)) image_size_ = size;
   }
 
   /// Makes sure that there is an event in the window; false at the end of the packets.
   bool find_events() {
-    while (events_left_ == 0 || window_end_ - window_begin_ < event_bytes) {
+    while (events_left_ == 0 || window_end_ - window_begin_ < aedat4_event_bytes) {
       if (failure_) throw InputError(*failure_);
       if (events_left_ == 0) {
         if (!next_packet()) return false;
@@ -199,20 +199,20 @@ class Aedat4Reader final : public EventReader {
 
   std::size_t decode(std::vector<Event>& events, std::size_t max_events) {
     const std::size_t count =
-        std::min({max_events, events_left_, (window_end_ - window_begin_) / event_bytes});
+        std::min({max_events, events_left_, (window_end_ - window_begin_) / aedat4_event_bytes});
     const std::size_t first = events.size();
     events.resize(first + count);
     const char* bytes = window_.data() + window_begin_;
-    for (std::size_t i = 0; i < count; ++i, bytes += event_bytes) {
+    for (std::size_t i = 0; i < count; ++i, bytes += aedat4_event_bytes) {
       aedat4::Event stored;
-      std::memcpy(&stored, bytes, event_bytes);
+      std::memcpy(&stored, bytes, aedat4_event_bytes);
       Event& event = events[first + i];
       event.t_us = stored.timestamp();
       event.x = static_cast<std::uint16_t>(stored.x());
       event.y = static_cast<std::uint16_t>(stored.y());
       event.on = stored.on();
     }
-    window_begin_ += count * event_bytes;
+    window_begin_ += count * aedat4_event_bytes;
     events_left_ -= count;
     return count;
   }
@@ -260,7 +260,7 @@ class Aedat4Reader final : public EventReader {
       fail("an offset that leads outside the packet", "a whole packet");
     }
     const std::size_t bytes = load_little<std::uint32_t>(window.data());
-    if (elements->offset + elements->count * event_bytes > bytes) {
+    if (elements->offset + elements->count * aedat4_event_bytes > bytes) {
       fail(std::to_string(elements->count) + " events in a packet of " + std::to_string(bytes) + " bytes",
            "a packet that holds its events");
     }

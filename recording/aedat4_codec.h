@@ -4,6 +4,9 @@
 
 namespace saccade {
 
+/// The first line of an AEDAT 4.0 file.
+inline constexpr std::string_view aedat4_mark = "#!AER-DAT4.0\r\n";
+
 /// AEDAT 4.0 (DV, dv-processing): a line `#!AER-DAT4.0`, a u32 size and a FlatBuffers table of that many bytes
 /// (compression, offset of the table of packets at the file's end, XML that describes the streams), then packets of any
 /// stream: i32 stream, i32 size, and `size` bytes that are a size-prefixed table, raw or as a frame of LZ4 or ZSTD. All

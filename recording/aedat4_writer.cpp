@@ -11,10 +11,9 @@
 namespace saccade {
 namespace {
 
-constexpr std::string_view mark_line = "#!AER-DAT4.0\r\n";
 constexpr std::size_t packet_events = 8192;
 constexpr std::int32_t stream = 0;
-constexpr int largest_length_px = 32767;
+constexpr int largest_written_length_px = 32767;
 
 /// A packet as the table at the end has it.
 struct PacketInfo {
@@ -68,7 +67,7 @@ class Aedat4Writer final : public EventWriter {
  public:
   Aedat4Writer(const std::filesystem::path& path, ImageSize image_size)
       : file_(path), image_size_(image_size) {
-    put(mark_line);
+    put(aedat4_mark);
     put(header_table(image_size, 0));
   }
 
@@ -86,7 +85,7 @@ class Aedat4Writer final : public EventWriter {
     const std::int64_t table_place = offset_;
     put_table();
     const std::string header = header_table(image_size_, table_place);
-    file_.overwrite(static_cast<std::int64_t>(mark_line.size()), std::as_bytes(std::span(header)));
+    file_.overwrite(static_cast<std::int64_t>(aedat4_mark.size()), std::as_bytes(std::span(header)));
     file_.commit();
   }
 
@@ -140,7 +139,7 @@ class Aedat4Writer final : public EventWriter {
 
 std::unique_ptr<EventWriter> create_aedat4(const std::filesystem::path& path, ImageSize image_size,
                                            int /*cameras*/) {
-  if (image_size.width > largest_length_px || image_size.height > largest_length_px) {
+  if (image_size.width > largest_written_length_px || image_size.height > largest_written_length_px) {
     throw InputError(path.string(), "an image of " + text_of(image_size), "at most 32767x32767 for AEDAT 4");
   }
   return std::make_unique<Aedat4Writer>(path, image_size);

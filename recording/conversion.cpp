@@ -13,7 +13,7 @@
 namespace saccade {
 namespace {
 
-constexpr std::size_t block_events = 1 << 16;
+constexpr std::size_t read_block_events = 1 << 16;
 
 /// Properties of a recording that its writer needs before the first event.
 struct Extent {
@@ -105,7 +105,8 @@ std::unique_ptr<EventReader> for_each_block(const FormatRegistry& formats,
                                             const EventReadOptions& options, const Use& use) {
   auto reader = open_event_file(formats, recording, options);
   std::vector<Event> block;
-  for (block.reserve(block_events); reader->read(block, block_events) > 0; block.clear()) use(block);
+  for (block.reserve(read_block_events); reader->read(block, read_block_events) > 0; block.clear())
+    use(block);
   return reader;
 }
 

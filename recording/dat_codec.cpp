@@ -12,7 +12,7 @@
 namespace saccade {
 namespace {
 
-constexpr std::size_t event_bytes = 8;
+constexpr std::size_t dat_event_bytes = 8;
 
 struct Version1 {
   static std::uint32_t x(std::uint32_t address) { return address & 0x1ff; }
@@ -42,7 +42,7 @@ class DatReader final : public BlockReader {
     if (type != 0x00 && type != 0x0c) {
       file_.fail("events of type " + std::to_string(type), "0 or 12, events of pixels");
     }
-    if (kind[1] != event_bytes) {
+    if (kind[1] != dat_event_bytes) {
       file_.fail("events of " + std::to_string(static_cast<unsigned char>(kind[1])) + " bytes", "8 bytes");
     }
     file_.skip(2);
@@ -59,18 +59,18 @@ class DatReader final : public BlockReader {
  private:
   template <class Version>
   bool decode_as(std::span<Event> block, std::size_t& count) {
-    const std::string_view ahead = file_.peek(event_bytes);
+    const std::string_view ahead = file_.peek(dat_event_bytes);
     if (ahead.empty()) return false;
-    const std::size_t events = std::min(ahead.size() / event_bytes, block.size());
+    const std::size_t events = std::min(ahead.size() / dat_event_bytes, block.size());
     if (events == 0) file_.fail("the end of the file inside an event", "events of 8 bytes");
     for (; count < events; ++count) {
-      const char* bytes = ahead.data() + count * event_bytes;
+      const char* bytes = ahead.data() + count * dat_event_bytes;
       const auto address = load_little<std::uint32_t>(bytes + 4);
       block[count] = {time_.extend(load_little<std::uint32_t>(bytes)),
                       static_cast<std::uint16_t>(Version::x(address)),
                       static_cast<std::uint16_t>(Version::y(address)), Version::on(address), 0};
     }
-    file_.skip(events * event_bytes);
+    file_.skip(events * dat_event_bytes);
     return true;
   }
 

@@ -9,15 +9,15 @@ namespace saccade {
 namespace {
 
 constexpr std::size_t mark_bytes = 12;
-constexpr std::size_t header_bytes = 20;
-constexpr std::size_t event_bytes = 5;
+constexpr std::size_t stream_header_bytes = 20;
+constexpr std::size_t dvs_event_bytes = 5;
 constexpr unsigned char overflow = 0xff;
 constexpr unsigned char reset = 0xfe;
 
 class EventStreamReader final : public BlockReader {
  public:
   explicit EventStreamReader(InputFile file) : BlockReader(std::move(file)) {
-    const std::string_view head = file_.peek(header_bytes);
+    const std::string_view head = file_.peek(stream_header_bytes);
     if (head.size() < mark_bytes + 4) file_.fail("the end of the file", "version and type");
     const int major = static_cast<unsigned char>(head[mark_bytes]);
     if (major != 2) file_.fail("Event Stream " + std::to_string(major), "version 2");
@@ -26,13 +26,13 @@ class EventStreamReader final : public BlockReader {
       file_.fail("events of type " + std::to_string(type),
                  "1, those of a DVS (0 generic, 2 ATIS and 4 colour are not read)");
     }
-    if (head.size() < header_bytes) file_.fail("the end of the file", "width and height");
+    if (head.size() < stream_header_bytes) file_.fail("the end of the file", "width and height");
     image_size_ = {load_little<std::uint16_t>(head.data() + mark_bytes + 4),
                    load_little<std::uint16_t>(head.data() + mark_bytes + 6)};
     if (image_size_.width == 0 || image_size_.height == 0) {
       file_.fail("an image of " + text_of(image_size_), "at least one pixel");
     }
-    file_.skip(header_bytes);
+    file_.skip(stream_header_bytes);
   }
 
   std::optional<ImageSize> image_size() const override { return image_size_; }
@@ -45,7 +45,7 @@ class EventStreamReader final : public BlockReader {
 
  protected:
   bool decode(std::span<Event> block, std::size_t& count) override {
-    const std::string_view ahead = file_.peek(event_bytes);
+    const std::string_view ahead = file_.peek(dvs_event_bytes);
     if (ahead.empty()) return false;
     std::size_t i = 0;
     while (i < ahead.size() && count < block.size()) {
@@ -56,11 +56,11 @@ class EventStreamReader final : public BlockReader {
         ++i;
         continue;
       }
-      if (ahead.size() - i < event_bytes) break;
+      if (ahead.size() - i < dvs_event_bytes) break;
       t_us_ += first >> 1;
       block[count++] = {t_us_, load_little<std::uint16_t>(ahead.data() + i + 1),
                         load_little<std::uint16_t>(ahead.data() + i + 3), (first & 1) != 0, 0};
-      i += event_bytes;
+      i += dvs_event_bytes;
     }
     file_.skip(i);
     if (i == 0) file_.fail("the end of the file inside an event", "events of 5 bytes");

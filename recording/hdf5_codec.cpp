@@ -10,27 +10,27 @@
 namespace saccade {
 namespace {
 
-constexpr std::size_t block_events = 1 << 16;
+constexpr std::size_t chunk_events = 1 << 16;
 
 /// A dataset of one dimension that grows.
 template <class T>
 class Column {
  public:
   Column(hid_t parent, const char* name, hid_t in_file, hid_t in_memory) : in_memory_(in_memory) {
-    const hsize_t none = 0, unlimited = H5S_UNLIMITED, chunk = block_events;
+    const hsize_t none = 0, unlimited = H5S_UNLIMITED, chunk = chunk_events;
     const Hdf5Handle space(H5Screate_simple(1, &none, &unlimited), H5Sclose);
     const Hdf5Handle plist(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
     H5Pset_chunk(plist, 1, &chunk);
     H5Pset_shuffle(plist);
     H5Pset_deflate(plist, 4);
     id_ = Hdf5Handle(H5Dcreate2(parent, name, in_file, space, H5P_DEFAULT, plist, H5P_DEFAULT), H5Dclose);
-    values_.reserve(block_events);
+    values_.reserve(chunk_events);
   }
 
   /// False where libhdf5 cannot.
   [[nodiscard]] bool push(T value) {
     values_.push_back(value);
-    return values_.size() < block_events || flush();
+    return values_.size() < chunk_events || flush();
   }
   [[nodiscard]] bool flush() {
     const hsize_t count = values_.size(), whole = length_ + count;

@@ -16,6 +16,9 @@ void append_number(std::string& text, T value) {
   text.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
 }
 
+/// Whether a character separates words in a line of text.
+[[nodiscard]] inline bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+
 /// True where the whole text is one number that T holds.
 template <class T>
 [[nodiscard]] bool parse_number(std::string_view text, T& value) {

@@ -73,4 +73,10 @@ void OutputFile::commit() {
   file_ = nullptr;
 }
 
+void write_file(const std::filesystem::path& path, std::string_view text) {
+  OutputFile file(path);
+  file.write(text);
+  file.commit();
+}
+
 }  // namespace saccade

@@ -21,6 +21,9 @@ class DiskFull : public RunError {
   using RunError::RunError;
 };
 
+/// Writes a whole file, as OutputFile does. Throws RunError.
+void write_file(const std::filesystem::path& path, std::string_view text);
+
 /// A file that appears under its name only when it is whole: bytes go to `<path>.part`, commit() flushes, syncs and
 /// renames. Without commit() the destructor removes the `.part` file; after a crash it remains under that name.
 /// Every member but the destructor throws RunError with the file's name when writing fails, DiskFull where there is no

@@ -9,9 +9,9 @@
 namespace saccade {
 namespace {
 
-constexpr std::size_t longest_line = 4096;
-constexpr std::size_t longest_header = 1 << 16;
-constexpr int largest_length_px = 1 << 14;
+constexpr std::size_t longest_prophesee_line = 4096;
+constexpr std::size_t longest_prophesee_header = 1 << 16;
+constexpr int largest_prophesee_length_px = 1 << 14;
 
 /// The number behind `name=` in `EVT3;height=720;width=1280`.
 int field_of(std::string_view fields, std::string_view name) {
@@ -29,10 +29,10 @@ PropheseeHeader::PropheseeHeader(InputFile& file) {
   while (file.peek(2).starts_with('%')) {
     // Events can begin with the byte of '%' too, but hardly with that of a blank after it.
     if (file.peek(2).size() == 2 && file.peek(2)[1] != ' ' && file.peek(2)[1] != '\n') return;
-    const std::string_view ahead = file.peek(longest_line).substr(0, longest_line);
+    const std::string_view ahead = file.peek(longest_prophesee_line).substr(0, longest_prophesee_line);
     const std::size_t length = ahead.find('\n');
-    if (length == std::string_view::npos || file.offset() > longest_header) {
-      file.fail(ahead.size() < longest_line ? "the end of the file" : "a header without an end",
+    if (length == std::string_view::npos || file.offset() > longest_prophesee_header) {
+      file.fail(ahead.size() < longest_prophesee_line ? "the end of the file" : "a header without an end",
                 "header lines, % key value");
     }
     std::string_view line = ahead.substr(1, length - 1);
@@ -55,8 +55,8 @@ std::string PropheseeHeader::value(const std::string& key) const {
 
 std::optional<ImageSize> PropheseeHeader::image_size() const {
   const auto sensible = [](ImageSize size) {
-    return size.width > 0 && size.height > 0 && size.width <= largest_length_px &&
-           size.height <= largest_length_px;
+    return size.width > 0 && size.height > 0 && size.width <= largest_prophesee_length_px &&
+           size.height <= largest_prophesee_length_px;
   };
   const std::optional<ImageSize> geometry = parse_size(value("geometry"));
   if (geometry && sensible(*geometry)) return geometry;

@@ -17,7 +17,6 @@ constexpr std::size_t longest_line = 4096;
 constexpr std::string_view default_columns = "txyp";
 constexpr std::string_view columns_with_camera = "txypc";
 
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 
 /// The fields of one line; `count` goes on past the ones that are kept.

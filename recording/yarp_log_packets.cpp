@@ -19,7 +19,6 @@ constexpr std::size_t most_words = 1 << 14;
 constexpr std::size_t most_bytes = 64 << 20;
 constexpr std::string_view camera_type = "AE";
 
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 bool is_digit(std::optional<char> c) { return c >= '0' && c <= '9'; }
 bool ends_word(char c) { return is_blank(c) || c == '\n' || c == '(' || c == ')'; }
 

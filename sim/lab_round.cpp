@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Paints rings around the middle of a square canvas, from the outside in; `share` of the radius.
 void ring(Canvas& canvas, double share, Colour colour) {

@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr int sides = 32;  ///< of a round outline
 
 Vector3d around(double angle_rad) { return {std::cos(angle_rad), std::sin(angle_rad), 0.0}; }

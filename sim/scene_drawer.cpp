@@ -175,9 +175,10 @@ void SceneDrawer::add(const SceneMark& mark) {
   const Eigen::Vector3d along = mark.to_m - mark.from_m;
   const Eigen::Vector3d middle = 0.5 * (mark.from_m + mark.to_m);
   const std::array<mjtNum, 3> size = {mark.radius_m, 0.5 * along.norm(), 0.0};
-  using RowMajor = Eigen::Matrix<mjtNum, 3, 3, Eigen::RowMajor>;
-  const RowMajor rotation =
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), along).toRotationMatrix();
+  std::array<mjtNum, 4> turn_wxyz{};
+  std::array<mjtNum, 9> rotation{};
+  mju_quatZ2Vec(turn_wxyz.data(), along.data());
+  mju_quat2Mat(rotation.data(), turn_wxyz.data());
   mjvGeom& geom = scene_.geoms[scene_.ngeom++];
   mjv_initGeom(&geom, mjGEOM_CAPSULE, size.data(), middle.data(), rotation.data(), mark.rgba.data());
   geom.emission = 1.0F;

@@ -12,7 +12,7 @@
 namespace saccade {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr Range metres{-5.0, 5.0};
 constexpr double gravity_m_s2 = 9.81;
 

@@ -11,6 +11,7 @@
 #include "apps/images/image_kinds.h"
 #include "core/error.h"
 #include "recording/codec.h"
+#include "recording/number_text.h"
 
 namespace saccade {
 namespace {
@@ -19,7 +20,6 @@ constexpr std::array<std::string_view, 9> image_extensions = {".bmp", ".exr", ".
                                                               ".png", ".ppm", ".tif",  ".tiff"};
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
 /// Numbers in names by their value: f2 before f10.
 bool natural_less(const std::string& a, const std::string& b) {

@@ -13,8 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
-
 /// Fields separated by blanks or a comma.
 std::vector<std::string_view> fields_of(std::string_view line) {
   std::vector<std::string_view> fields;

@@ -15,8 +15,6 @@ namespace {
 
 constexpr std::string_view npy_magic = "\x93NUMPY";
 
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
-
 /// The header of a .npy file: a Python dictionary of three entries
 /// (numpy.org/doc/stable/reference/generated/numpy.lib.format.html).
 class NpyHeader {

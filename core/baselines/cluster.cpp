@@ -12,11 +12,11 @@ constexpr double least_support = 0.5;
 
 void describe(FieldVisitor& v, ClusterConfig& config) {
   describe_radius_px(v, config.radius_px);
-  v.integer("clusters", config.clusters, {1, 1000}, "most at a time");
-  v.real("mixing", config.mixing, {1e-4, 1.0}, "weight of an event against those before it");
-  v.real("surround", config.surround, {0.5, 10.0}, "reach of a cluster in its own radii");
+  v.integer("clusters", config.clusters, {1, 1000}, "largest number of clusters");
+  v.real("mixing", config.mixing, {1e-4, 1.0}, "weight of an event in the means of its cluster");
+  v.real("surround", config.surround, {0.5, 10.0}, "reach of a cluster, in multiples of its radius");
   v.real("decay_us", config.decay_us, {100.0, 1e7}, "time constant of support");
-  v.real("threshold", config.threshold, {0.0, 1e6}, "support, in events, taken for the ball");
+  v.real("threshold", config.threshold, {0.0, 1e6}, "least support, in events, that is taken for the ball");
 }
 
 ClusterDetector::ClusterDetector(const ClusterConfig& config, ImageSize size)

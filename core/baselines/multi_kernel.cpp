@@ -18,12 +18,12 @@ constexpr double aim = 0.9;
 
 void describe(FieldVisitor& v, MultiKernelConfig& config) {
   describe_radius_px(v, config.radius_px);
-  v.real("radius_step_px", config.radius_step_px, {0.5, 20.0}, "from one kernel to the next");
+  v.real("radius_step_px", config.radius_step_px, {0.5, 20.0}, "step between the radii of kernels");
   v.real("ring_px", config.ring_px, {0.5, 10.0}, "half-width of a ring");
-  v.real("spacing_px", config.spacing_px, {5.0, 1000.0}, "between the homes of trackers");
-  v.real("pull", config.pull, {1e-3, 1.0}, "how far an event moves its tracker");
+  v.real("spacing_px", config.spacing_px, {5.0, 1000.0}, "distance between the rest positions of trackers");
+  v.real("pull", config.pull, {1e-3, 1.0}, "share of the distance to an event that its tracker moves");
   v.real("decay_us", config.decay_us, {100.0, 1e7}, "time constant of activity");
-  v.real("threshold", config.threshold, {0.0, 1e6}, "activity taken for the ball");
+  v.real("threshold", config.threshold, {0.0, 1e6}, "least activity that is taken for the ball");
 }
 
 MultiKernelDetector::MultiKernelDetector(const MultiKernelConfig& config, ImageSize size)

@@ -9,7 +9,7 @@
 namespace saccade {
 namespace {
 
-constexpr std::int64_t never_us = std::numeric_limits<std::int64_t>::min();
+constexpr std::int64_t no_event_us = std::numeric_limits<std::int64_t>::min();
 constexpr double ring_width_px = 0.4;
 
 }  // namespace
@@ -26,11 +26,12 @@ void describe(FieldVisitor& v, Original2016Config& config) {
   v.section(
       "flow",
       [&](FieldVisitor& w) {
-        w.integer("min_inliers", config.min_inliers, {3, 9}, "of the nine events of a patch");
+        w.integer("min_inliers", config.min_inliers, {3, 9},
+                  "least number of inliers among the nine events of a patch");
       },
       "flow by patches of 3 x 3 pixels");
-  v.choice("maximum", config.maximum, "which cell of a radius is the best");
-  v.real("threshold", config.threshold, {0.0, 1e6}, "response taken for the ball");
+  v.choice("maximum", config.maximum, "rule for the best cell of a radius");
+  v.real("threshold", config.threshold, {0.0, 1e6}, "least response that is taken for the ball");
 }
 
 std::string window_text(const Original2016Config& config) {
@@ -41,7 +42,7 @@ Original2016::Original2016(const Original2016Config& config, ImageSize size)
     : config_(config), exact_maximum_(config.maximum == MaximumSearch::exact), size_(size), sieve_(size) {
   check_config("detector", config);
   const auto pixels = static_cast<std::size_t>(size.pixels());
-  for (auto& surface : surface_) surface.assign(pixels, never_us);
+  for (auto& surface : surface_) surface.assign(pixels, no_event_us);
   window_.resize(pixels);
   for (int r = static_cast<int>(config.radius_px[0]); r <= static_cast<int>(config.radius_px[1]); ++r) {
     radii_.push_back(tabulated(r));
@@ -84,7 +85,7 @@ std::optional<NormalFlow> Original2016::flow_at(const Event& event) const {
       double sum = 0, sum_x = 0, sum_y = 0;
       for (int dy = -1; dy <= 1; ++dy) {
         for (int dx = -1; dx <= 1; ++dx) {
-          filled = filled && surface[static_cast<std::size_t>(pixel(cx + dx, cy + dy))] != never_us;
+          filled = filled && surface[static_cast<std::size_t>(pixel(cx + dx, cy + dy))] != no_event_us;
           const double dt = dt_us(cx + dx, cy + dy);
           sum += dt;
           sum_x += dx * dt;

@@ -13,8 +13,6 @@
 namespace saccade {
 namespace {
 
-constexpr int pose_size = 6;
-
 void refuse_unless(bool good, const std::string& found, const std::string& wanted) {
   if (!good) throw RunError("no calibration: " + found + "; wanted: " + wanted);
 }
@@ -175,7 +173,7 @@ void fit_mount(const std::vector<CalibrationView>& views, const DotGrid& grid,
     result.quality.rms_at_rest_px = together.rms_px(model);
     d = together.deviations(model);
     note_lens(d, result.deviations);
-    d = d.tail<pose_size>().eval();
+    d = d.tail<6>().eval();
   } else {
     const BoardFit alone(grid, fitted, FreeParameters::mount_and_boards);
     result.quality.rms_at_rest_px = alone.rms_px(model);
@@ -218,14 +216,17 @@ void describe(FieldVisitor& v, Calibration& c) {
   v.section(
       "quality",
       [&](FieldVisitor& w) {
-        w.integer("views", c.quality.views, {0, 1e9}, "used");
-        w.real("rms_px", c.quality.rms_px, deviation, "distance of the dots, each view with its own pose");
-        w.real("covered", c.quality.covered, {0.0, 1.0}, "share of a raster over the image with dots");
-        w.real("tilt_spread_deg", c.quality.tilt_spread_deg, {0.0, 180.0}, "between the board's tilts");
+        w.integer("views", c.quality.views, {0, 1e9}, "number of images that were used");
+        w.real("rms_px", c.quality.rms_px, deviation,
+               "rms distance of the dots, each image with a pose of its own");
+        w.real("covered", c.quality.covered, {0.0, 1.0},
+               "share of the cells of a raster over the image that contain dots");
+        w.real("tilt_spread_deg", c.quality.tilt_spread_deg, {0.0, 180.0},
+               "largest angle between tilts of the board");
         w.integer("rests", c.quality.rests, {0, 1e9},
-                  "poses of the resting board; 0: eye_from_camera was not calibrated");
+                  "number of poses of the board at rest; 0: eye_from_camera was not calibrated");
         w.real("rms_at_rest_px", c.quality.rms_at_rest_px, deviation,
-               "distance of the dots, with the poses from the head's joints");
+               "rms distance of the dots, with poses from the joints of the head");
       },
       "how well it fits");
 }

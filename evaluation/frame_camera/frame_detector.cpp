@@ -42,11 +42,11 @@ cv::Vec3f shares_of(const cv::Vec3f& rgb) { return rgb / (rgb[0] + rgb[1] + rgb[
 }  // namespace
 
 void describe(FieldVisitor& v, FrameDetectorConfig& config) {
-  v.real("exposure_ms", config.exposure_ms, {1.0, 33.0}, "light is gathered this long for an image");
+  v.real("exposure_ms", config.exposure_ms, {1.0, 33.0}, "exposure time of an image");
   describe_radius_px(v, config.radius_px);
   v.real("colour_tolerance", config.colour_tolerance, {0.01, 1.0},
-         "distance in chromaticity from the ball's colour");
-  v.real("threshold", config.threshold, {0.0, 1.0}, "least roundness of a spot that is taken for the ball");
+         "largest distance in chromaticity from the ball's colour");
+  v.real("threshold", config.threshold, {0.0, 1.0}, "least roundness of a region that is taken for the ball");
 }
 
 Camera frame_camera_of(const Camera& event_camera) {

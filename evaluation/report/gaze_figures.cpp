@@ -145,7 +145,7 @@ Figure main_sequence_figure(std::string_view name, std::span<const Saccade> sacc
 namespace {
 
 /// Points of the root frame with their times, s.
-struct Path {
+struct RootPath {
   std::string title;
   std::string style;
   std::vector<double> t_s;
@@ -157,9 +157,9 @@ struct Path {
   }
 };
 
-Path fixation_path(const GazePath& gaze) {
+RootPath fixation_path(const GazePath& gaze) {
   const GazeTables& tables = gaze.tables;
-  Path path{.title = "fixation point", .style = line_style(gaze_colour, 1.2), .t_s = {}, .points_m = {}};
+  RootPath path{.title = "fixation point", .style = line_style(gaze_colour, 1.2), .t_s = {}, .points_m = {}};
   std::int64_t converged = 0;
   for (const GazeRow& row : tables.gaze) {
     converged += row.fixation_m.allFinite() ? 1 : 0;
@@ -176,17 +176,17 @@ Path fixation_path(const GazePath& gaze) {
   return path;
 }
 
-std::vector<Path> paths_of(const GazePath& gaze) {
-  Path ball{.title = "ball", .style = line_style(truth_colour, 3.0), .t_s = {}, .points_m = {}};
+std::vector<RootPath> paths_of(const GazePath& gaze) {
+  RootPath ball{.title = "ball", .style = line_style(truth_colour, 3.0), .t_s = {}, .points_m = {}};
   for (const TruthRow& row : gaze.tables.truth) ball.add(row.t_us, gaze.start_us, row.position_m);
-  Path targets{
+  RootPath targets{
       .title = "gaze targets", .style = dot_style(gaze_target_colour, 0.55), .t_s = {}, .points_m = {}};
   for (const Move& move : moves_of(gaze.tables.gaze)) targets.add(move.t_us, gaze.start_us, move.target_m);
   return {std::move(ball), std::move(targets), fixation_path(gaze)};
 }
 
 /// What lies within all panels: the balls' paths and 8 cm around them; the targets' where there is no ball.
-Eigen::AlignedBox3d box_of(const std::vector<std::vector<Path>>& drawn) {
+Eigen::AlignedBox3d box_of(const std::vector<std::vector<RootPath>>& drawn) {
   Eigen::AlignedBox3d box;
   for (const std::size_t source : {std::size_t{0}, std::size_t{1}}) {
     for (const auto& paths : drawn) {
@@ -213,7 +213,7 @@ constexpr double smallest_half_m = 0.15;
 }  // namespace
 
 Figure gaze_paths_figure(std::string_view name, std::span<const GazePath> gazes) {
-  std::vector<std::vector<Path>> paths;
+  std::vector<std::vector<RootPath>> paths;
   for (const GazePath& gaze : gazes) paths.push_back(paths_of(gaze));
   const Eigen::AlignedBox3d box = box_of(paths);
   const Eigen::Vector3d middle_m = box.center();
@@ -234,7 +234,7 @@ Figure gaze_paths_figure(std::string_view name, std::span<const GazePath> gazes)
   for (std::size_t i = 0; i < gazes.size(); ++i) {
     const auto panel = [&](bool front) {
       std::vector<Series> series;
-      for (const Path& path : paths[i]) {
+      for (const RootPath& path : paths[i]) {
         Series drawn{.title = path.title, .style = path.style, .points = {}, .in_key = true};
         for (const Eigen::Vector3d& p : path.points_m)
           drawn.points.push_back({.x = front ? p.y() : -p.x(), .y = p.z()});
@@ -266,7 +266,7 @@ Figure gaze_paths_figure(std::string_view name, std::span<const GazePath> gazes)
       static_cast<double>(panel_gap_px) / width, static_cast<double>(panel_between_px) / height));
   drawn.csv = "series,run,time [s],x [m],y [m],z [m]\n";
   for (std::size_t i = 0; i < gazes.size(); ++i) {
-    for (const Path& path : paths[i]) {
+    for (const RootPath& path : paths[i]) {
       for (std::size_t k = 0; k < path.points_m.size(); ++k) {
         const Eigen::Vector3d& p = path.points_m[k];
         if (!p.allFinite()) continue;

@@ -91,8 +91,6 @@ std::string run_gnuplot(const std::string& script) {
 
 using Point = GnuplotFigure::Point;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
 bool is_gap(const Point& point) { return !std::isfinite(point.x + point.y); }
 
 std::string data_block(const std::vector<Point>& points) {
@@ -197,7 +195,8 @@ std::string GnuplotFigure::csv() const {
       std::string values;
       bool empty = true;
       for (std::size_t p = 0; p < panels_.size(); ++p) {
-        const Point point = rows.panels[p] != nullptr ? (*rows.panels[p])[i] : Point{nan, nan, nan};
+        const Point point = rows.panels[p] != nullptr ? (*rows.panels[p])[i]
+                                                      : Point{std::nan(""), std::nan(""), std::nan("")};
         values += "," + csv_number(point.y);
         if (!panels_[p].z_label.empty()) values += "," + csv_number(point.z);
         empty &= is_gap(point);

@@ -24,9 +24,9 @@ bool changes_no_score(std::string_view key) {
 }
 
 /// Keys that enclose a line, each with its indentation.
-using Path = std::vector<std::pair<std::size_t, std::string>>;
+using KeyPath = std::vector<std::pair<std::size_t, std::string>>;
 
-std::string joined(const Path& path) {
+std::string joined(const KeyPath& path) {
   std::string key;
   for (const auto& [indentation, name] : path) key += (key.empty() ? "" : ".") + name;
   return key;
@@ -36,7 +36,7 @@ std::string joined(const Path& path) {
 
 ResolvedKeys resolved_keys(const std::string& yaml) {
   ResolvedKeys keys;
-  Path path;
+  KeyPath path;
   std::istringstream lines(yaml);
   for (std::string line; std::getline(lines, line);) {
     if (line.starts_with(version_start)) keys["version"] = line.substr(2, line.find(';') - 2);

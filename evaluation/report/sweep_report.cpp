@@ -27,7 +27,6 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t most_table_rows = 100;
 constexpr std::size_t most_failures = 50;
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 std::string values_head(const SweepTable& table, const std::function<bool(std::size_t)>& wanted) {
   std::string html;
@@ -122,11 +121,11 @@ std::string axes_html(const SweepTable& table) {
     if (texts.size() <= most_values) {
       for (const std::string& text : texts) shown += (shown.empty() ? "" : " · ") + escaped(text);
     } else {
-      double low = nan;
-      double high = nan;
+      double low = std::nan("");
+      double high = std::nan("");
       for (const SweepRow& row : table.rows) {
-        low = std::fmin(low, number_of(row.values[i]).value_or(nan));
-        high = std::fmax(high, number_of(row.values[i]).value_or(nan));
+        low = std::fmin(low, number_of(row.values[i]).value_or(std::nan("")));
+        high = std::fmax(high, number_of(row.values[i]).value_or(std::nan("")));
       }
       shown = std::isfinite(low) ? "many, from " + short_number(low) + " to " + short_number(high) : "many";
     }

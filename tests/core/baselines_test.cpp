@@ -13,7 +13,7 @@
 namespace saccade {
 namespace {
 
-constexpr ImageSize image{64, 64};
+constexpr ImageSize small_image{64, 64};
 
 double sum(const std::vector<float>& space) {
   double total = 0.0;
@@ -22,7 +22,7 @@ double sum(const std::vector<float>& space) {
 }
 
 std::vector<float> space_of(const Detector& detector) {
-  std::vector<float> space(static_cast<std::size_t>(image.pixels()));
+  std::vector<float> space(static_cast<std::size_t>(small_image.pixels()));
   EXPECT_TRUE(hough_space_of(detector, space));
   return space;
 }
@@ -40,7 +40,7 @@ TEST(Original2016, AnEventReplacesTheOneBeforeAtItsPixel) {
   Original2016Config config;
   config.radius_px = {8, 8};
   config.window_events = 60'000;
-  Original2016 detector(config, image);
+  Original2016 detector(config, small_image);
   detector.process(sweep(0), nullptr);
   const double once = sum(space_of(detector));
   EXPECT_GT(once, 0.0);
@@ -51,7 +51,7 @@ TEST(Original2016, AnEventReplacesTheOneBeforeAtItsPixel) {
   HoughDetectorConfig fifo;
   fifo.radius_px = {8, 8};
   fifo.window.events = 60'000;
-  HoughDetector keeps_all(fifo, image);
+  HoughDetector keeps_all(fifo, small_image);
   keeps_all.process(sweep(0), nullptr);
   static_cast<void>(keeps_all.estimate());
   const double one_pass = sum(space_of(keeps_all));
@@ -64,7 +64,7 @@ TEST(Original2016, EventsWithoutFlowDoNotDisplaceOthersFromTheWindow) {
   Original2016Config config;
   config.radius_px = {8, 8};
   config.window_events = 400;
-  Original2016 detector(config, image);
+  Original2016 detector(config, small_image);
   detector.process(sweep(0), nullptr);
   const std::vector<float> before = space_of(detector);
   // Lone events, three pixels apart: no patch of 3 x 3 is ever filled.
@@ -106,8 +106,8 @@ TEST(Original2016, AnEmptyWindowHasNoVotes) {
   Original2016Config config;
   config.radius_px = {5, 12};
   config.window_events = 1;
-  Original2016 detector(config, image);
-  detector.process(streams::moving_edge(image, 0.4, 500, true), nullptr);
+  Original2016 detector(config, small_image);
+  detector.process(streams::moving_edge(small_image, 0.4, 500, true), nullptr);
   // One event with two arcs of +-15 degrees: less than a third of a ring, in each plane.
   EXPECT_LT(detector.estimate().score * 26, 1.5 * 26);
   EXPECT_LE(sum(space_of(detector)), 8.0);

@@ -11,11 +11,10 @@
 
 #include "core/error.h"
 #include "core/random.h"
+#include "core/units.h"
 
 namespace saccade {
 namespace {
-
-constexpr double degree = std::numbers::pi / 180.0;
 
 Eigen::Vector3d random_point_m(const RandomStream& random, std::uint64_t i) {
   return {random.uniform(-1.0, 1.0, 0, i), random.uniform(-1.0, 1.0, 1, i), random.uniform(0.2, 2.0, 2, i)};
@@ -225,7 +224,8 @@ TEST(Camera, ProjectsEveryPointOfTheSphereInsideTheOutline) {
 TEST(Camera, TheOutlineIsFurtherFromTheAxisThanTheProjectedCentre) {
   // The ball of 95 mm at 0.30 m and 28 deg: 1.8 px.
   const Camera camera = Camera{}.without_lens();
-  const Eigen::Vector3d centre = 0.30 * Eigen::Vector3d(std::sin(28 * degree), 0.0, std::cos(28 * degree));
+  const Eigen::Vector3d centre =
+      0.30 * Eigen::Vector3d(std::sin(28 * rad_per_deg), 0.0, std::cos(28 * rad_per_deg));
   const auto circle = camera.project_sphere(centre, 0.0475);
   ASSERT_TRUE(circle);
   const double apart_px =

@@ -327,7 +327,7 @@ TEST(DetectorRegistry, TakesRowsOfAProgram) {
   EXPECT_NE(make_detector(before, Camera{}), nullptr);  // configs outlive changes of their registry
 }
 
-TEST(DetectorRegistry, RefusesANameThatIsTakenOrThatTablesAndFilesCannotHold) {
+TEST(DetectorRegistry, RejectsANameThatIsTakenOrThatTablesAndFilesCannotHold) {
   DetectorRegistry registry = built_in_detectors();
   for (const char* name : {"best", "", "a,b", "a.b", "a/b", "../evil", "a b", "none", "caf\u00e9", "a\nb"}) {
     EXPECT_THROW(registry.add(named_row(name)), InputError) << name;

@@ -9,14 +9,13 @@
 
 #include "core/error.h"
 #include "core/plane_fit_flow.h"
+#include "core/units.h"
 #include "tests/core/reference_hough.h"
 #include "tests/core/streams.h"
 #include "tests/recording/read_events.h"
 
 namespace saccade {
 namespace {
-
-constexpr double degree = std::numbers::pi / 180.0;
 
 double radians_of(int direction) { return direction * std::numbers::pi / HoughTransform::direction_count; }
 
@@ -59,7 +58,7 @@ TEST(HoughTransform, EqualsTheReferenceAfterEveryEvent) {
     for (const std::string_view kind : {"random", "clustered", "border_hugging"}) {
       SCOPED_TRACE(text_of_case(c, kind));
       const bool directed = c.arc_deg > 0.0;
-      const double arc_rad = directed ? c.arc_deg * degree : 0.1;
+      const double arc_rad = directed ? c.arc_deg * rad_per_deg : 0.1;
       HoughTransform fast(c.size, c.r_min, c.r_max, arc_rad);
       ReferenceHough plain(c.size, c.r_min, c.r_max, c.window,
                            directed ? std::optional(arc_rad) : std::nullopt);
@@ -90,7 +89,7 @@ TEST(HoughTransform, FindsACircleInEveryRowAtTheBorders) {
   const ImageSize size{21, 35};
   for (int y0 = 0; y0 < size.height; ++y0) {
     for (const int x0 : {0, 1, 2, 3, 18, 20}) {
-      HoughTransform fast(size, 3, 6, 10 * degree);
+      HoughTransform fast(size, 3, 6, 10 * rad_per_deg);
       std::vector<Event> circle;
       for (int y = 0; y < size.height; ++y) {
         for (int x = 0; x < size.width; ++x) {
@@ -116,8 +115,8 @@ TEST(HoughTransform, FindsACircleInEveryRowAtTheBorders) {
 
 TEST(HoughTransform, GivesTheSamePeakForAnyIntervalBetweenCalls) {
   for (const std::string_view kind : {"random", "clustered", "border_hugging"}) {
-    HoughTransform often({40, 33}, 6, 11, 15 * degree);
-    HoughTransform rarely({40, 33}, 6, 11, 15 * degree);
+    HoughTransform often({40, 33}, 6, 11, 15 * rad_per_deg);
+    HoughTransform rarely({40, 33}, 6, 11, 15 * rad_per_deg);
     const std::vector<Event> events = streams::named(kind, {40, 33}, 6000, 7);
     const auto direction = [](const Event& e) { return (e.x * 31 + e.y) % HoughTransform::direction_count; };
     for (std::size_t i = 0; i < events.size(); ++i) {
@@ -141,8 +140,8 @@ TEST_F(RecordedHoughTransform, EqualsTheReferenceOnARecordedBall) {
   const ImageSize size{128, 128};
   const std::size_t window = 250;
   for (const bool directed : {false, true}) {
-    HoughTransform fast(size, 20, 23, 10 * degree);
-    ReferenceHough plain(size, 20, 23, window, directed ? std::optional(10 * degree) : std::nullopt);
+    HoughTransform fast(size, 20, 23, 10 * rad_per_deg);
+    ReferenceHough plain(size, 20, 23, window, directed ? std::optional(10 * rad_per_deg) : std::nullopt);
     PlaneFitFlow flow({}, size);
     std::deque<std::pair<Event, std::optional<int>>> entries;  // with its direction
     for (std::size_t i = 0; i < 50'600; ++i) {
@@ -172,7 +171,7 @@ TEST_F(RecordedHoughTransform, EqualsTheReferenceOnARecordedBall) {
 
 TEST(HoughTransform, FindsACircleInALongImageWithManyRadii) {
   // As many cells for each row of blocks as 2048 x 2048 pixels with radii from 10 to 130, in a hundredth of the memory.
-  HoughTransform transform({65535, 8}, 1, 16, 10 * degree);
+  HoughTransform transform({65535, 8}, 1, 16, 10 * rad_per_deg);
   transform.vote_ring<1>(65'000, 4);
   transform.vote_ring<1>(65'000 + 2 * 7, 4);
   const HoughTransform::Peak peak = transform.peak();
@@ -187,7 +186,7 @@ TEST(HoughTransform, FindsACircleInALongImageWithManyRadii) {
 
 TEST(HoughTransform, RejectsAnImageAndRadiiThatNeedTooManyCells) {
   try {
-    const HoughTransform transform({65535, 65535}, 1, 255, 10 * degree);
+    const HoughTransform transform({65535, 65535}, 1, 255, 10 * rad_per_deg);
     FAIL() << "65535 x 65535 pixels with 255 radii were accepted";
   } catch (const InputError& error) {
     EXPECT_EQ(std::string(error.what()),
@@ -220,7 +219,7 @@ TEST(HoughTransform, DividesByThePerimeterOrNotAtAllIfConfigured) {
 }
 
 TEST(HoughTransform, NormalisesByTheCountedPixelsOfTheHalfPixelRing) {
-  const HoughTransform transform({16, 16}, 1, 40, 10 * degree);
+  const HoughTransform transform({16, 16}, 1, 40, 10 * rad_per_deg);
   const ReferenceHough plain({16, 16}, 1, 40, 1, std::nullopt);
   for (int r = 1; r <= 40; ++r) EXPECT_EQ(transform.divisor(r), plain.ring_pixels(r)) << r;
   // By hand: the eight neighbours, and the square ring of 12 pixels without corners.
@@ -230,7 +229,7 @@ TEST(HoughTransform, NormalisesByTheCountedPixelsOfTheHalfPixelRing) {
 
 TEST(HoughTransform, ACompleteRingHasTheResponseOneAtItsCentre) {
   for (const int r : {3, 10, 17}) {
-    HoughTransform transform({64, 48}, 2, 20, 10 * degree);
+    HoughTransform transform({64, 48}, 2, 20, 10 * rad_per_deg);
     for (int y = 0; y < 48; ++y) {
       for (int x = 0; x < 64; ++x) {
         if (std::abs(std::hypot(x - 30, y - 22) - r) <= 0.5) transform.vote_ring<1>(x, y);
@@ -243,7 +242,7 @@ TEST(HoughTransform, ACompleteRingHasTheResponseOneAtItsCentre) {
 
 TEST(HoughTransform, BreaksTiesBySmallerRadiusThenRowThenColumn) {
   // One full vote: the pixels of every ring hold one vote, so the ring of fewest pixels wins.
-  HoughTransform transform({40, 30}, 4, 8, 10 * degree);
+  HoughTransform transform({40, 30}, 4, 8, 10 * rad_per_deg);
   transform.vote_ring<1>(20, 15);
   ReferenceHough plain({40, 30}, 4, 8, 1, std::nullopt);
   plain.push(20, 15, std::nullopt);
@@ -251,7 +250,7 @@ TEST(HoughTransform, BreaksTiesBySmallerRadiusThenRowThenColumn) {
   EXPECT_EQ(as_reference(transform.peak()), (ReferenceHough::Peak{18, 10, 5, 1}));  // 28 pixels; its top row
   // Equal responses from different counts: a ring of 3 has 16 pixels, one of 4 has 32. Events more than 7 px
   // apart share centres at radius 4 only: 2 / 32 meets 1 / 16 and the smaller radius wins, 3 / 32 beats it.
-  HoughTransform two({40, 30}, 3, 4, 10 * degree);
+  HoughTransform two({40, 30}, 3, 4, 10 * rad_per_deg);
   two.vote_ring<1>(12, 15);
   two.vote_ring<1>(18, 11);
   EXPECT_EQ(two.votes(16, 15, 4), 2);
@@ -264,7 +263,7 @@ TEST(HoughTransform, BreaksTiesBySmallerRadiusThenRowThenColumn) {
 
 TEST(HoughTransform, IsEmptyAfterEveryVoteIsRemovedOrCleared) {
   const ImageSize size{50, 40};
-  HoughTransform transform(size, 5, 12, 10 * degree);
+  HoughTransform transform(size, 5, 12, 10 * rad_per_deg);
   const HoughTransform::Peak empty{0, 0, 5, 0, 0.0};
   const auto expect_empty = [&] {
     for (const int votes : all_votes(transform)) ASSERT_EQ(votes, 0);
@@ -286,7 +285,7 @@ TEST(HoughTransform, IsEmptyAfterEveryVoteIsRemovedOrCleared) {
 }
 
 TEST(HoughTransform, CountsMoreThan255Votes) {
-  HoughTransform transform({32, 32}, 3, 6, 10 * degree);
+  HoughTransform transform({32, 32}, 3, 6, 10 * rad_per_deg);
   for (int i = 0; i < 60'000; ++i) transform.vote_ring<1>(16, 16);
   EXPECT_EQ(transform.peak().votes, 60'000);
   EXPECT_EQ(transform.votes(19, 16, 3), 60'000);
@@ -299,12 +298,12 @@ TEST(HoughTransform, GivesTheZeroVectorTheDirectionZero) {
 
 TEST(HoughTransform, QuantisesDirectionsToHalfADegreeModuloAHalfTurn) {
   for (int i = -720; i < 720; ++i) {
-    const double angle = i * 0.25 * degree + 0.05 * degree;
+    const double angle = i * 0.25 * rad_per_deg + 0.05 * rad_per_deg;
     const int direction = HoughTransform::direction_of(3.0 * std::cos(angle), 3.0 * std::sin(angle));
     ASSERT_GE(direction, 0);
     ASSERT_LT(direction, HoughTransform::direction_count);
     EXPECT_LE(std::abs(std::remainder(radians_of(direction) - angle, std::numbers::pi)),
-              0.25 * degree + 1e-12);
+              0.25 * rad_per_deg + 1e-12);
     EXPECT_EQ(direction, HoughTransform::direction_of(-std::cos(angle), -std::sin(angle)));
   }
   const RandomStream random(3, "directions");

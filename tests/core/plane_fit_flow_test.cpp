@@ -6,13 +6,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/units.h"
 #include "tests/core/reference_flow.h"
 #include "tests/core/streams.h"
 
 namespace saccade {
 namespace {
-
-constexpr double degree = std::numbers::pi / 180.0;
 
 double median(std::vector<double> values) {
   EXPECT_FALSE(values.empty());
@@ -102,7 +101,7 @@ TEST(PlaneFitFlow, MeasuresDirectionAndSpeedOfStraightEdges) {
   double worst_speed = 0.0;
   for (int angle_deg = 0; angle_deg < 360; angle_deg += 7) {
     for (const double speed_px_s : {30.0, 300.0, 5000.0}) {
-      const double angle = angle_deg * degree;
+      const double angle = angle_deg * rad_per_deg;
       PlaneFitFlow flow({}, {64, 64});
       std::vector<double> direction_error_deg;
       std::vector<double> speed_error;
@@ -112,7 +111,7 @@ TEST(PlaneFitFlow, MeasuresDirectionAndSpeedOfStraightEdges) {
         if (!at) continue;
         const double measured = std::atan2(at->dt_dy_us_px, at->dt_dx_us_px);
         direction_error_deg.push_back(std::abs(std::remainder(measured - angle, 2 * std::numbers::pi)) /
-                                      degree);
+                                      rad_per_deg);
         const double speed = 1e6 / std::hypot(at->dt_dx_us_px, at->dt_dy_us_px);
         speed_error.push_back(std::abs(speed / speed_px_s - 1.0));
       }
@@ -130,7 +129,7 @@ TEST(PlaneFitFlow, PointsAtTheCentreOfAMovingCircle) {
   for (const double r : {10.0, 20.0, 35.0}) {
     std::vector<double> error_deg;
     for (int heading_deg = 0; heading_deg < 360; heading_deg += 30) {
-      const double heading = heading_deg * degree;
+      const double heading = heading_deg * rad_per_deg;
       const streams::MovingDisc disc{64 - 20 * std::cos(heading), 64 - 20 * std::sin(heading),
                                      400 * std::cos(heading), 400 * std::sin(heading), r};
       PlaneFitFlow flow({}, {128, 128});
@@ -140,7 +139,7 @@ TEST(PlaneFitFlow, PointsAtTheCentreOfAMovingCircle) {
         if (!at || e.t_us < 10'000) continue;
         const double radial = std::atan2(e.y - disc.y_at(e.t_us), e.x - disc.x_at(e.t_us));
         const double measured = std::atan2(at->dt_dy_us_px, at->dt_dx_us_px);
-        error_deg.push_back(std::abs(std::remainder(measured - radial, std::numbers::pi)) / degree);
+        error_deg.push_back(std::abs(std::remainder(measured - radial, std::numbers::pi)) / rad_per_deg);
       }
     }
     std::sort(error_deg.begin(), error_deg.end());
@@ -150,7 +149,7 @@ TEST(PlaneFitFlow, PointsAtTheCentreOfAMovingCircle) {
     std::printf("r %.0f px: median %.2f deg, %.1f %% within the arc of 10 deg (%zu flows)\n", r,
                 median(error_deg), 100 * within_arc, error_deg.size());
     // The neighbours lie on the side the edge comes from, up to a pixel behind the event: below 1 / r rad.
-    EXPECT_LT(median(error_deg), 0.7 / r / degree) << r;
+    EXPECT_LT(median(error_deg), 0.7 / r / rad_per_deg) << r;
     EXPECT_GT(within_arc, 0.9) << r;
   }
 }

@@ -310,7 +310,7 @@ void expect_refused(Config config) {
   EXPECT_THROW(DetectorType(config, image), InputError);
 }
 
-TEST(RecentBaselines, RefuseKeysOutOfRange) {
+TEST(RecentBaselines, RejectKeysOutOfRange) {
   ErosConfig eros;
   eros.kernel_px = 4;
   expect_refused<ErosDetector>(eros);

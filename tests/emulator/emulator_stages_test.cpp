@@ -17,18 +17,18 @@ namespace {
 
 EmulatorConfig ideal() { return emulator_preset("ideal"); }
 
-struct Labelled {
+struct LabelledCounts {
   std::vector<Event> events;
   std::vector<EventLabel> labels;
   EmulatorCounts counts;
 };
 
 /// Pixels in constant light, with an image every dt_us.
-Labelled in_still_light(const EmulatorConfig& config, ImageSize size, float luminance, double duration_s,
+LabelledCounts in_still_light(const EmulatorConfig& config, ImageSize size, float luminance, double duration_s,
                         std::int64_t dt_us, std::uint64_t seed = 1) {
   EventEmulator emulator(config, size, seed);
   const std::vector<float> image(static_cast<std::size_t>(size.pixels()), luminance);
-  Labelled out;
+  LabelledCounts out;
   for (std::int64_t t_us = 0; t_us <= std::llround(duration_s * 1e6); t_us += dt_us) {
     emulator.process_image(image, t_us, out.events, &out.labels);
   }
@@ -203,7 +203,7 @@ TEST(EmulatorStages, PixelsLeakOnEventsAtTheirRate) {
   config.leak_rate_hz = 0.1;
   std::vector<std::size_t> counts;
   for (const std::int64_t dt_us : {1000, 100'000}) {
-    const Labelled out = in_still_light(config, {64, 64}, 100.0F, 100.0, dt_us);
+    const LabelledCounts out = in_still_light(config, {64, 64}, 100.0F, 100.0, dt_us);
     const double rate_hz = static_cast<double>(out.counts.on) / 4096.0 / 100.0;
     std::printf("leak, dt %lld ms: %.4f Hz per pixel (law 0.1027)\n", static_cast<long long>(dt_us / 1000),
                 rate_hz);
@@ -222,7 +222,7 @@ TEST(EmulatorStages, ShotNoiseHasItsRateAndDistribution) {
   std::vector<std::vector<Event>> streams;
   for (const std::int64_t dt_us : {100, 1000, 10'000, 33'000}) {
     const double duration_s = 9.9;
-    const Labelled out = in_still_light(config, {64, 64}, 120.0F, duration_s, dt_us);
+    const LabelledCounts out = in_still_light(config, {64, 64}, 120.0F, duration_s, dt_us);
     const double rate_hz = static_cast<double>(out.events.size()) / 4096.0 / duration_s;
     const double law_hz = 5.0 * (1.0 - 0.75 * (120.0 + 20.0) / 275.0);
     const double ratio = static_cast<double>(out.counts.on) / static_cast<double>(out.counts.off);
@@ -243,7 +243,7 @@ TEST(EmulatorStages, ShotNoiseHasItsRateAndDistribution) {
   // Kolmogorov-Smirnov against the exponential law, intervals of all pixels (their rates differ by mismatch only).
   EmulatorConfig one = ideal();
   one.shot_noise_rate_hz = 50.0;
-  const Labelled out = in_still_light(one, {8, 8}, 120.0F, 5.0, 1000, 7);
+  const LabelledCounts out = in_still_light(one, {8, 8}, 120.0F, 5.0, 1000, 7);
   std::map<int, std::int64_t> last_us;
   std::vector<double> intervals_s;
   for (const Event& e : out.events) {
@@ -269,7 +269,7 @@ TEST(EmulatorStages, HotPixelsHaveTheirShareAndRate) {
   EmulatorConfig config = ideal();
   config.hot_pixel_share = 0.01;
   config.hot_pixel_rate_hz = 200.0;
-  const Labelled out = in_still_light(config, {100, 100}, 100.0F, 1.0, 1000);
+  const LabelledCounts out = in_still_light(config, {100, 100}, 100.0F, 1.0, 1000);
   std::set<std::pair<int, int>> hot;
   for (const Event& e : out.events) hot.insert({e.x, e.y});
   std::printf("%zu of 10,000 pixels hot, %.0f Hz each\n", hot.size(),
@@ -287,7 +287,7 @@ TEST(EmulatorStages, RatesNearZeroMakeNoEvent) {
     config.shot_noise_rate_hz = rate_hz;
     config.hot_pixel_share = 1.0;
     config.hot_pixel_rate_hz = rate_hz;
-    const Labelled out = in_still_light(config, {8, 8}, 100.0F, 1.0, 10'000);
+    const LabelledCounts out = in_still_light(config, {8, 8}, 100.0F, 1.0, 10'000);
     EXPECT_EQ(out.counts.events(), 0) << rate_hz;
   }
 }
@@ -347,7 +347,7 @@ TEST(EmulatorStages, TheBusServesOneEventAfterTheOther) {
   const ImageSize size{128, 128};
   const auto after_a_flash = [&](const EmulatorConfig& config) {
     EventEmulator emulator(config, size, 1);
-    Labelled out;
+    LabelledCounts out;
     emulator.process_image(std::vector<float>(16384, 50.0F), 0, out.events, &out.labels);
     emulator.process_image(std::vector<float>(16384, 50.0F * std::exp(0.25F)), 1, out.events, &out.labels);
     EXPECT_EQ(out.counts.waiting, 0);
@@ -360,7 +360,7 @@ TEST(EmulatorStages, TheBusServesOneEventAfterTheOther) {
   };
   EmulatorConfig config = ideal();
   config.readout_rate_hz = 1e6;
-  const Labelled all = after_a_flash(config);
+  const LabelledCounts all = after_a_flash(config);
   ASSERT_EQ(all.events.size(), 16384U);
   std::printf("16,384 events at once at 1 Mevent/s: the last after %lld us, %lld lost\n",
               static_cast<long long>(all.events.back().t_us - 1), static_cast<long long>(all.counts.dropped));
@@ -370,7 +370,7 @@ TEST(EmulatorStages, TheBusServesOneEventAfterTheOther) {
     EXPECT_EQ(all.events[i].t_us, all.events[i - 1].t_us + 1);
 
   config.readout_queue_events = 1000;
-  const Labelled some = after_a_flash(config);
+  const LabelledCounts some = after_a_flash(config);
   EXPECT_EQ(some.counts.events(), 1000);
   EXPECT_EQ(some.counts.events() + some.counts.dropped, 16384);
   EXPECT_EQ(some.labels.size(), some.events.size());
@@ -431,7 +431,7 @@ TEST(EmulatorStages, EveryPresetRunsAndNamesItself) {
   for (const std::string& name : emulator_presets()) {
     const EmulatorConfig config = emulator_preset(name);
     EXPECT_EQ(config.preset, name);
-    const Labelled out = in_still_light(config, {32, 32}, 80.0F, 1.0, 1000);
+    const LabelledCounts out = in_still_light(config, {32, 32}, 80.0F, 1.0, 1000);
     std::printf("%s: %.2f events per pixel and second in still light\n", name.c_str(),
                 static_cast<double>(out.events.size()) / 1024.0);
     EXPECT_EQ(out.events.empty(), name == "ideal");

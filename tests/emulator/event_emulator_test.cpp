@@ -425,7 +425,7 @@ TEST(EventEmulator, KeepsItsTimesFarFromZero) {
   }
 }
 
-TEST(EventEmulator, RefusesInvalidImagesAndIsNotChangedByThem) {
+TEST(EventEmulator, RejectsInvalidImagesAndIsNotChangedByThem) {
   const ImageSize size{8, 6};
   EventEmulator clean(config_of(0.02, 300), size, 1);
   EventEmulator soiled(config_of(0.02, 300), size, 1);
@@ -462,7 +462,7 @@ TEST(EventEmulator, RefusesInvalidImagesAndIsNotChangedByThem) {
   EXPECT_FALSE(clean_events.empty());
 }
 
-TEST(EventEmulator, RefusesTimesWhoseDifferencesOverflow) {
+TEST(EventEmulator, RejectsTimesWhoseDifferencesOverflow) {
   constexpr std::int64_t longest_us = std::int64_t{1} << 60;
   EventEmulator emulator(config_of(0.02, 300), {1, 1}, 1);
   std::vector<Event> events;

@@ -76,7 +76,7 @@ TEST(EventFile, AFileThatCannotBeOpenedIsReportedWithTheReason) {
   EXPECT_THAT(message(folder.write("cut", "#!AER-DA")), HasSubstr("cut off"));
 }
 
-TEST(EventFile, RefusesToWriteAFormatItDoesNotHaveOrAnImageThatDoesNotFit) {
+TEST(EventFile, RejectsToWriteAFormatItDoesNotHaveOrAnImageThatDoesNotFit) {
   TempFolder folder;
   EXPECT_THROW((void)create_event_file(folder / "a.png", {128, 128}), InputError);
   EXPECT_THROW((void)create_event_file(folder / "a", {128, 128}), InputError);
@@ -88,7 +88,7 @@ TEST(EventFile, RefusesToWriteAFormatItDoesNotHaveOrAnImageThatDoesNotFit) {
   EXPECT_TRUE(std::filesystem::is_empty(folder / ""));
 }
 
-TEST(EventFile, RefusesEventsThatTheFormatCannotHold) {
+TEST(EventFile, RejectsEventsThatTheFormatCannotHold) {
   TempFolder folder;
   for (const char* name : {"a.csv", "a.aedat", "a.aedat4", "a.raw", "a.log", "a.h5"}) {
     const auto writer = create_event_file(folder / name, {128, 128});
@@ -179,7 +179,7 @@ TEST_P(TwoCameras, AreReadBackExactlyTogetherAndEachAlone) {
   }
 }
 
-TEST_P(TwoCameras, AreRefusedByAFileOfOneCamera) {
+TEST_P(TwoCameras, AreRejectedByAFileOfOneCamera) {
   const auto writer = create_event_file(path_, {128, 128});
   EXPECT_THROW(writer->write(events_), InputError);
 }
@@ -293,7 +293,7 @@ INSTANTIATE_TEST_SUITE_P(
                     BrokenLine{"Endless", std::string(5000, ' ') + "3 2 3 1", ": found a line of more than"}),
     [](const auto& broken) { return broken.param.name; });
 
-TEST(TextEvents, WithAnotherOrderInTheHeaderAreRefused) {
+TEST(TextEvents, WithAnotherOrderInTheHeaderAreRejected) {
   TempFolder folder;
   const auto path = folder.write("a.csv", "x,y,p,t\n3,4,1,1\n");
   EXPECT_THAT([&] { (void)read_file(path); },
@@ -402,7 +402,7 @@ TEST(Aedat2, TimeContinuesOverItsWraps) {
   EXPECT_THAT(times({0xffffff00, 4}), ElementsAre(-256, 4));
 }
 
-TEST(Aedat2, WritesTimesBeyondItsRangeSoThatTheyReadBackAndRefusesThoseThatWouldNot) {
+TEST(Aedat2, WritesTimesBeyondItsRangeSoThatTheyReadBackAndRejectsThoseThatWouldNot) {
   TempFolder folder;
   const ImageSize size{128, 128};
   // 20,000 events up to 1 s apart pass 2^31 and 2^32 us twice.
@@ -438,7 +438,7 @@ TEST_F(RealRecording, ReadsBackTheSameFromEveryWriter) {
   }
 }
 
-TEST(EventFile, ExtremeTimesReadBackTheSameOrAreRefused) {
+TEST(EventFile, ExtremeTimesReadBackTheSameOrAreRejected) {
   const TempFolder folder;
   for (const char* name : {"a.csv", "a.aedat", "a.aedat4", "a.raw", "a.log", "a.h5"}) {
     for (const std::int64_t first_us :

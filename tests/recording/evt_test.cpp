@@ -190,7 +190,7 @@ TEST_F(Evt, TimesOfAnyAgeAreWrittenSoThatTheyReadBack) {
   EXPECT_THAT(bytes_of(folder_ / "w.raw"), testing::Not(HasSubstr("time_offset_us")));
 }
 
-TEST_F(Evt, TimesThatWouldNotReadBackAreRefused) {
+TEST_F(Evt, TimesThatWouldNotReadBackAreRejected) {
   for (const std::int64_t t_us : {std::int64_t{99'000'000} - 5'000'000 - (loop_us >> 1),
                                   std::int64_t{99'000'000} + (std::int64_t{1} << 37)}) {
     EXPECT_THAT(

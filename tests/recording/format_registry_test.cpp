@@ -89,7 +89,7 @@ TEST(FormatRegistry, EveryFormatReadsTheEventsOfItsSmallFileOrOfAFileThatItWrote
   }
 }
 
-TEST(FormatRegistry, MoreCamerasThanAFormatHoldsAreRefusedWithTheExtensionsThatHoldThem) {
+TEST(FormatRegistry, MoreCamerasThanAFormatHoldsAreRejectedWithTheExtensionsThatHoldThem) {
   const TempFolder folder;
   for (const char* name : {"a.aedat4", "a.raw", "a.h5"}) {
     EXPECT_THAT(

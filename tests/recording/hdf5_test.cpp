@@ -143,7 +143,7 @@ TEST(Hdf5, OfV2eIsATableOfFourColumnsWhoseTimeContinuesOverItsWrap) {
                                                       {wrap + 7, 13, 23, false, 0}}));
 }
 
-TEST(Hdf5, OfAnotherLayoutIsRefusedWithWhatIsMissing) {
+TEST(Hdf5, OfAnotherLayoutIsRejectedWithWhatIsMissing) {
   const TempFolder folder;
   const auto path = folder / "a.h5";
   const auto expect_refusal = [&](const std::string& message, const auto& write) {
@@ -234,7 +234,7 @@ TEST(Hdf5, AnInvalidValueIsAnErrorAfterTheEventsBeforeIt) {
   }
 }
 
-TEST(Hdf5, RefusesToWriteWhatItCannotHoldAndLeavesNothing) {
+TEST(Hdf5, RejectsToWriteWhatItCannotHoldAndLeavesNothing) {
   const TempFolder folder;
   EXPECT_THROW((void)create_event_file(folder / "a.h5", {640, 480}, 2), InputError);
   for (const std::vector<Event>& events :
@@ -278,7 +278,7 @@ TEST(Hdf5, WithABrokenChunkGivesTheEventsBeforeIt) {
                                               testing::Not(HasSubstr("read ()")))));
 }
 
-TEST(Hdf5, CutOffAnywhereIsRefused) {
+TEST(Hdf5, CutOffAnywhereIsRejected) {
   const TempFolder folder;
   write_file(folder / "whole.h5", sorted_events(1000, 300));
   const std::string whole = bytes_of(folder / "whole.h5");

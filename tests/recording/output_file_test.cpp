@@ -66,7 +66,7 @@ TEST(OutputFile, FailsWhenTheDiskTakesNoMoreBytes) {
   EXPECT_FALSE(std::filesystem::exists(folder / "a.txt"));
 }
 
-TEST(CheckOutputs, RefusesFoldersFilesThatExistAndTheInputsUnderAnyName) {
+TEST(CheckOutputs, RejectsFoldersFilesThatExistAndTheInputsUnderAnyName) {
   namespace fs = std::filesystem;
   const TempFolder folder;
   const std::vector<fs::path> inputs = {folder.write("in", "1")};

@@ -341,7 +341,7 @@ TEST(YarpLog2, IsReadBackExactlyAcrossItsWrapsSilencesAndFarFromZero) {
   }
 }
 
-TEST(YarpLog2, RefusesWhatItCannotHoldAndLeavesNothing) {
+TEST(YarpLog2, RejectsWhatItCannotHoldAndLeavesNothing) {
   const TempFolder folder;
   EXPECT_THROW((void)create_event_file(folder / "data.log", {2049, 10}), InputError);
   for (const Event& event : {Event{-1, 0, 0, true, 0}, Event{4'000'000'000'000'000, 0, 0, true, 0},

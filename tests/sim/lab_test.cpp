@@ -37,7 +37,7 @@ class LabOf : public ::testing::TestWithParam<Clutter> {
   }
 };
 
-TEST_P(LabOf, is_the_same_for_the_same_seed_and_differs_for_another) {
+TEST_P(LabOf, IsTheSameForTheSameSeedAndDiffersForAnother) {
   const std::string text = Lab(config(), 7).mjcf();
   EXPECT_EQ(Lab(config(), 7).mjcf(), text);
   EXPECT_NE(Lab(config(), 8).mjcf(), text);
@@ -51,7 +51,7 @@ TEST_P(LabOf, is_the_same_for_the_same_seed_and_differs_for_another) {
   EXPECT_EQ(pixels(*first), pixels(*second));
 }
 
-TEST_P(LabOf, is_one_geom_without_collisions_in_a_group_that_the_eyes_draw) {
+TEST_P(LabOf, IsOneGeomWithoutCollisionsInAGroupThatTheEyesDraw) {
   const MjModelPtr model = compile(Lab(config(), 1).mjcf());
   ASSERT_EQ(model->ngeom, 1);
   EXPECT_EQ(model->geom_contype[0], 0);
@@ -60,7 +60,7 @@ TEST_P(LabOf, is_one_geom_without_collisions_in_a_group_that_the_eyes_draw) {
   EXPECT_EQ(model->nlight, 2);
 }
 
-TEST_P(LabOf, stays_out_of_the_robots_reach_and_inside_its_walls) {
+TEST_P(LabOf, StaysOutOfTheRobotsReachAndInsideItsWalls) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     for (const double distance : {1.8, 2.2, 4.0}) {
       LabConfig lab = config();
@@ -87,7 +87,7 @@ TEST_P(LabOf, stays_out_of_the_robots_reach_and_inside_its_walls) {
   }
 }
 
-TEST_P(LabOf, is_painted_between_its_limits_and_in_one_colour_without_contrast) {
+TEST_P(LabOf, IsPaintedBetweenItsLimitsAndInOneColourWithoutContrast) {
   LabConfig lab = config();
   for (const double contrast : {0.0, 1.0, 1.5}) {
     lab.contrast = contrast;
@@ -105,7 +105,7 @@ TEST_P(LabOf, is_painted_between_its_limits_and_in_one_colour_without_contrast) 
   }
 }
 
-TEST_P(LabOf, has_more_faces_with_a_higher_density) {
+TEST_P(LabOf, HasMoreFacesWithAHigherDensity) {
   LabConfig lab = config();
   std::size_t before = 0;
   for (const double density : {0.0, 1.0, 2.0}) {
@@ -118,7 +118,7 @@ TEST_P(LabOf, has_more_faces_with_a_higher_density) {
   }
 }
 
-TEST_P(LabOf, has_round_things_inside_its_walls_and_leaves_the_rest_as_it_is) {
+TEST_P(LabOf, HasRoundThingsInsideItsWallsAndLeavesTheRestAsItIs) {
   LabConfig lab = config();
   const MjModelPtr without = compile(Lab(lab, 3).mjcf());
   lab.round = {.discs = 2, .clocks = 1, .wheels = 1, .cups = 2, .balls = 1};
@@ -128,7 +128,7 @@ TEST_P(LabOf, has_round_things_inside_its_walls_and_leaves_the_rest_as_it_is) {
   Lab(lab, 3).paint(*with);
 }
 
-TEST_P(LabOf, refuses_to_paint_the_model_of_another_lab) {
+TEST_P(LabOf, RejectsToPaintTheModelOfAnotherLab) {
   LabConfig longer = config();
   longer.wall_distance_m = 3.5;
   const MjModelPtr model = compile(Lab(longer, 1).mjcf());
@@ -141,7 +141,7 @@ INSTANTIATE_TEST_SUITE_P(Clutter, LabOf,
                                            Clutter::bare),
                          [](const auto& parameter) { return std::string(word_of(parameter.param)); });
 
-TEST(LabConfig, is_refused_when_out_of_range) {
+TEST(LabConfig, IsRejectedWhenOutOfRange) {
   EXPECT_THROW(Lab(LabConfig{.clutter = Clutter{7}}, 1), InputError);
   EXPECT_THROW(Lab(LabConfig{.density = -1.0}, 1), InputError);
   EXPECT_THROW(Lab(LabConfig{.wall_distance_m = 0.3}, 1), InputError);

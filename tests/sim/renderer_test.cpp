@@ -124,7 +124,7 @@ class Renderer : public ::testing::Test {
 // The border of a disc of 6 px radius crosses about 75 of the half-pixel samples, and each is in or out at
 // random: an area error uniform in +-1/8 px^2, lever up to 6 px. That is a standard deviation of 0.024 px
 // per axis of the centroid; 81 places stay below 4 of them, their mean below 4 / 9.
-TEST_F(Renderer, draws_a_sphere_where_the_pinhole_projects_it_over_the_whole_image) {
+TEST_F(Renderer, DrawsASphereWhereThePinholeProjectsItOverTheWholeImage) {
   camera_ = camera_.without_lens();
   EyeRenderer eye = make_eye();
   place(the_ball, {0.0, 0.0, -1.0});
@@ -155,7 +155,7 @@ TEST_F(Renderer, draws_a_sphere_where_the_pinhole_projects_it_over_the_whole_ima
 }
 
 // Where the lens stretches the image, samples are fewer: 40 % as many in the corners.
-TEST_F(Renderer, draws_a_sphere_where_the_lens_shows_it_over_the_whole_image) {
+TEST_F(Renderer, DrawsASphereWhereTheLensShowsItOverTheWholeImage) {
   EyeRenderer eye = make_eye();
   place(the_ball, {0.0, 0.0, -1.0});
   draw(eye);
@@ -191,7 +191,7 @@ TEST_F(Renderer, draws_a_sphere_where_the_lens_shows_it_over_the_whole_image) {
   EXPECT_LT(sum.norm() / count, 0.02) << "a bias over the image";
 }
 
-TEST_F(Renderer, places_every_pixel_exactly_with_many_samples) {
+TEST_F(Renderer, PlacesEveryPixelExactlyWithManySamples) {
   const Camera with_lens = camera_;
   for (const Camera& camera : {with_lens.without_lens(), with_lens}) {
     camera_ = camera;
@@ -216,7 +216,7 @@ TEST_F(Renderer, places_every_pixel_exactly_with_many_samples) {
   }
 }
 
-TEST_F(Renderer, draws_the_image_of_a_lens_that_shows_more_than_the_pinhole) {
+TEST_F(Renderer, DrawsTheImageOfALensThatShowsMoreThanThePinhole) {
   camera_ = {{304, 240}, 198.516, 198.583, 155.675, 115.426, -0.326302, 0.101052, -0.00470766, -0.000842836};
   image_.resize(static_cast<std::size_t>(camera_.size.pixels()));
   EyeRenderer eye = make_eye();
@@ -241,7 +241,7 @@ TEST_F(Renderer, draws_the_image_of_a_lens_that_shows_more_than_the_pinhole) {
 }
 
 // The polyhedron has the area of the true outline to 0.1 %, so the radius to 0.05 %.
-TEST_F(Renderer, draws_a_sphere_as_large_as_its_outline) {
+TEST_F(Renderer, DrawsASphereAsLargeAsItsOutline) {
   EyeRenderer eye = make_eye();
   place(the_ball, {0.0, 0.0, -1.0});
   draw(eye);
@@ -262,7 +262,7 @@ TEST_F(Renderer, draws_a_sphere_as_large_as_its_outline) {
   std::printf("radius: worst %.4f px\n", worst);
 }
 
-TEST_F(Renderer, resamples_columns_without_loss_for_any_ratio_of_focal_lengths) {
+TEST_F(Renderer, ResamplesColumnsWithoutLossForAnyRatioOfFocalLengths) {
   camera_ = camera_.without_lens();
   for (const double fx : {70.0, 99.45, 120.0}) {
     camera_.fx_px = fx;
@@ -284,7 +284,7 @@ TEST_F(Renderer, resamples_columns_without_loss_for_any_ratio_of_focal_lengths) 
   }
 }
 
-TEST_F(Renderer, reports_a_free_ball_as_visible_and_one_behind_as_hidden) {
+TEST_F(Renderer, ReportsAFreeBallAsVisibleAndOneBehindAsHidden) {
   EyeRenderer eye = make_eye();
   for (const double z : {0.2, 0.45, 1.5}) {
     const Vector3d point = at_pixel(70.0, 60.0, z);
@@ -296,7 +296,7 @@ TEST_F(Renderer, reports_a_free_ball_as_visible_and_one_behind_as_hidden) {
   EXPECT_EQ(eye.visible_share({3.0, 0.0, 0.5}, 0.05), 0.0);
 }
 
-TEST_F(Renderer, measures_one_half_of_a_ball_half_out_of_the_image) {
+TEST_F(Renderer, MeasuresOneHalfOfABallHalfOutOfTheImage) {
   EyeRenderer eye = make_eye();
   for (const auto& [x, y] : {std::pair{-0.5, 60.0}, {127.5, 60.0}, {70.0, -0.5}, {70.0, 127.5}}) {
     // So far away that its outline is nearly a circle around the projected centre.
@@ -309,7 +309,7 @@ TEST_F(Renderer, measures_one_half_of_a_ball_half_out_of_the_image) {
   }
 }
 
-TEST_F(Renderer, measures_the_part_of_a_ball_that_the_lens_shows_inside_the_image) {
+TEST_F(Renderer, MeasuresThePartOfABallThatTheLensShowsInsideTheImage) {
   EyeRenderer eye = make_eye();
   double worst = 0.0;
   for (const auto& [x, y] : {std::pair{0.0, 0.0},
@@ -344,7 +344,7 @@ TEST_F(Renderer, measures_the_part_of_a_ball_that_the_lens_shows_inside_the_imag
   std::printf("share inside the image: worst difference %.4f\n", worst);
 }
 
-TEST_F(Renderer, measures_a_ball_that_nearly_touches_the_camera) {
+TEST_F(Renderer, MeasuresABallThatNearlyTouchesTheCamera) {
   // Its outline is far larger than the image: the share is the area of the image over that of the ellipse, at once.
   camera_ = {{128, 128}, 100.0, 100.0, 63.5, 63.5, 0.0, 0.0, 0.0, 0.0};
   EyeRenderer eye = make_eye({.near_m = 0.001});
@@ -363,7 +363,7 @@ TEST_F(Renderer, measures_a_ball_that_nearly_touches_the_camera) {
   EXPECT_LT(share, 1e-3);
 }
 
-TEST_F(Renderer, excludes_the_part_of_a_ball_behind_another_object) {
+TEST_F(Renderer, ExcludesThePartOfABallBehindAnotherObject) {
   EyeRenderer eye = make_eye();
   const Vector3d point(0.0, 0.0, 0.6);
   place(the_ball, point);
@@ -378,7 +378,7 @@ TEST_F(Renderer, excludes_the_part_of_a_ball_behind_another_object) {
   EXPECT_EQ(eye.visible_share(point, 0.05), 1.0);
 }
 
-TEST_F(Renderer, does_not_draw_the_robots_own_shell) {
+TEST_F(Renderer, DoesNotDrawTheRobotsOwnShell) {
   model_->geom_group[mj_name2id(model_.get(), mjOBJ_GEOM, "screen")] = 2;
   EyeRenderer eye = make_eye();
   place(the_ball, {0.0, 0.0, -1.0});
@@ -387,7 +387,7 @@ TEST_F(Renderer, does_not_draw_the_robots_own_shell) {
   EXPECT_THAT(image_, ::testing::Each(::testing::FloatNear(51.0F, 0.01F)));
 }
 
-TEST_F(Renderer, draws_everything_at_the_border_of_the_image) {
+TEST_F(Renderer, DrawsEverythingAtTheBorderOfTheImage) {
   EyeRenderer eye = make_eye();
   place(the_ball, {0.0, 0.0, -1.0});
   draw(eye);
@@ -403,12 +403,12 @@ TEST_F(Renderer, draws_everything_at_the_border_of_the_image) {
   }
 }
 
-TEST_F(Renderer, refuses_a_drawn_image_larger_than_any_buffer) {
+TEST_F(Renderer, RejectsADrawnImageLargerThanAnyBuffer) {
   camera_ = {{2100, 8}, 100.0, 100.0, 1050.0, 4.0, 0.0, 0.0, 0.0, 0.0};
   EXPECT_THROW(make_eye({.supersampling = 8}), InputError);  // 16,800 samples wide
 }
 
-TEST_F(Renderer, refuses_configurations_out_of_range) {
+TEST_F(Renderer, RejectsConfigurationsOutOfRange) {
   EXPECT_THROW(make_eye({.supersampling = 0}), InputError);
   EXPECT_THROW(make_eye({.near_m = -1.0}), InputError);
   camera_.fx_px = 10.0;
@@ -451,7 +451,7 @@ class RenderedLab : public Renderer {
   }
 };
 
-TEST_F(RenderedLab, is_neither_black_nor_saturated_nor_empty_wherever_the_eye_looks) {
+TEST_F(RenderedLab, IsNeitherBlackNorSaturatedNorEmptyWhereverTheEyeLooks) {
   for (const Clutter clutter : {Clutter::textured, Clutter::rectilinear}) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
       build({.clutter = clutter}, seed);
@@ -487,7 +487,7 @@ TEST_F(RenderedLab, is_neither_black_nor_saturated_nor_empty_wherever_the_eye_lo
   }
 }
 
-TEST_F(RenderedLab, is_drawn_with_the_same_bytes_every_time) {
+TEST_F(RenderedLab, IsDrawnWithTheSameBytesEveryTime) {
   build({.clutter = Clutter::textured}, 3);
   EyeRenderer eye = make_eye();
   eye.render(*data_, 0, image_);
@@ -509,7 +509,7 @@ TEST_F(RenderedLab, is_drawn_with_the_same_bytes_every_time) {
   EXPECT_EQ(image_, first);
 }
 
-TEST_F(RenderedLab, makes_no_event_when_pixels_flicker_by_one_grey_level) {
+TEST_F(RenderedLab, MakesNoEventWhenPixelsFlickerByOneGreyLevel) {
   build({.clutter = Clutter::textured}, 1);
   EyeRenderer eye = make_eye();
   eye.render(*data_, 0, image_);
@@ -533,7 +533,7 @@ TEST_F(RenderedLab, makes_no_event_when_pixels_flicker_by_one_grey_level) {
 }
 
 /// Run by the next test in a separate process: renders an image and prints its hash.
-TEST_F(RenderedLab, prints_the_hash_of_an_image) {
+TEST_F(RenderedLab, PrintsTheHashOfAnImage) {
   build({.clutter = Clutter::textured}, 1);
   EyeRenderer eye = make_eye();
   std::uint64_t hash = 1469598103934665603ULL;
@@ -548,7 +548,7 @@ TEST_F(RenderedLab, prints_the_hash_of_an_image) {
   EXPECT_NE(hash, 0U);
 }
 
-TEST_F(RenderedLab, is_drawn_with_the_same_bytes_by_any_number_of_threads) {
+TEST_F(RenderedLab, IsDrawnWithTheSameBytesByAnyNumberOfThreads) {
   if (gl_->description().find("llvmpipe") == std::string::npos) {
     GTEST_SKIP() << "NOT TESTED, only the software renderer has threads: " << gl_->description();
   }
@@ -570,7 +570,7 @@ TEST_F(RenderedLab, is_drawn_with_the_same_bytes_by_any_number_of_threads) {
   EXPECT_THAT(hashes, ::testing::Each(hashes.front()));
 }
 
-TEST_F(RenderedLab, is_upright_in_third_person_images) {
+TEST_F(RenderedLab, IsUprightInThirdPersonImages) {
   build({.clutter = Clutter::rectilinear}, 2);
   SceneRenderer scene(*model_, *gl_, {160, 100});
   std::vector<std::uint8_t> rgb(160 * 100 * 3);
@@ -599,7 +599,7 @@ TEST_F(RenderedLab, is_upright_in_third_person_images) {
   EXPECT_LT(down, up);
 }
 
-TEST(GlContext, names_its_backend_renderer_and_version) {
+TEST(GlContext, NamesItsBackendRendererAndVersion) {
   for (const std::string backend : {"osmesa", "egl"}) {
     std::unique_ptr<GlContext> gl;
     try {

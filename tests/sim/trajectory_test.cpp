@@ -205,7 +205,7 @@ TEST(Trajectory, SwaysDifferentlyWithAnotherSeedAndTheSameWithTheSame) {
       1e-5);
 }
 
-TEST(Trajectory, RefusesConfigurationsOutOfRange) {
+TEST(Trajectory, RejectsConfigurationsOutOfRange) {
   TrajectoryConfig config = square(SpeedProfile::minimum_jerk);
   config.speed_m_s = 0.0;
   config.points_m[1] = config.points_m[0];

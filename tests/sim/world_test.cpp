@@ -400,7 +400,7 @@ TEST(World, AddsTheLabToTheModel) {
 }
 
 /// Its texture has a texel per half millimetre: OpenGL draws none above 16,384 texels.
-TEST(World, RefusesABoardLargerThanFourMetres) {
+TEST(World, RejectsABoardLargerThanFourMetres) {
   WorldConfig config = still_world();
   config.board.emplace();
   config.board->spacing_mm = 200.0;
@@ -436,7 +436,7 @@ TEST(World, ReportsAMissingModelFile) {
   }
 }
 
-TEST(World, RefusesAStartOutsideTheLimits) {
+TEST(World, RejectsAStartOutsideTheLimits) {
   WorldConfig config = still_world();
   config.initial_pose_deg[neck_pitch] = 20.0;
   config.initial_pose_deg[eyes_vergence] = -1.0;

@@ -8,7 +8,7 @@ namespace {
 
 constexpr ImageSize image{128, 128};
 
-TEST(Checkpoints, theLimitHoldsForNoDetectorsAndForEmptyImages) {
+TEST(Checkpoints, TheLimitHoldsForNoDetectorsAndForEmptyImages) {
   EXPECT_EQ(Checkpoints::limit(image, 0), 64U);
   EXPECT_EQ(Checkpoints::limit({0, 0}, 2), 64U);
   EXPECT_EQ(Checkpoints::limit(image, 2), 64U);
@@ -21,7 +21,7 @@ LoopHistory history_at(std::int64_t now_us) {
   return {camera, Eye::left, now_us, 100'000'000};
 }
 
-TEST(Checkpoints, tooManyAreThinnedOutAndTheStartRemains) {
+TEST(Checkpoints, TooManyAreThinnedOutAndTheStartRemains) {
   Checkpoints checkpoints(history_at(0));
   std::int64_t now_us = 0;
   for (int added = 0; added < 150; now_us += 1'000) {

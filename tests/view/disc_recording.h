@@ -28,6 +28,7 @@ class DiscRecording : public testing::Test {
       truth.write({t_us, {disc.x_at(t_us), disc.y_at(t_us), disc.r_px}, 1.0, Eigen::Vector3d::Zero()});
     truth.commit();
     options_.recording = folder_ / "disc.aedat";
+    options_.formats = built_in_formats();
     DetectorConfig directed = built_in_detectors().config("paper_directed");
     directed.get<HoughDetectorConfig>().window.events = 400;
     detectors_ = {{"paper_directed", directed}, {"best", built_in_detectors().config("best")}};

@@ -13,7 +13,7 @@ Rgb pixel(const RgbImage& rgb, int x, int y) {
   return {rgb[at], rgb[at + 1], rgb[at + 2]};
 }
 
-TEST(Images, eventsHaveTheColourOfTheirPolarityAndFadeWithAge) {
+TEST(Images, EventsHaveTheColourOfTheirPolarityAndFadeWithAge) {
   Snapshot snapshot;
   snapshot.camera.size = image;
   snapshot.now_us = 100'000;
@@ -29,7 +29,7 @@ TEST(Images, eventsHaveTheColourOfTheirPolarityAndFadeWithAge) {
   EXPECT_GT(pixel(rgb, 3, 1)[2], pixel(rgb, 3, 1)[0] + 50) << "the newest counts";
 }
 
-TEST(Images, theHoughSpaceIsBrightestAtItsMaximum) {
+TEST(Images, TheHoughSpaceIsBrightestAtItsMaximum) {
   Snapshot snapshot;
   snapshot.camera.size = image;
   snapshot.hough.assign(static_cast<std::size_t>(image.pixels()), 0.1F);
@@ -44,7 +44,7 @@ TEST(Images, theHoughSpaceIsBrightestAtItsMaximum) {
   EXPECT_LT(brightness(31, 40), 100);
 }
 
-TEST(Images, theEventCloudShowsTheLastEventsAlone) {
+TEST(Images, TheEventCloudShowsTheLastEventsAlone) {
   Snapshot snapshot;
   snapshot.camera.size = image;
   snapshot.now_us = 100'000;

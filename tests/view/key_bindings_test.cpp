@@ -13,7 +13,7 @@ namespace {
 
 using Scope = KeyBinding::Scope;
 
-TEST(KeyBindings, noKeyHasTwoActions) {
+TEST(KeyBindings, NoKeyHasTwoActions) {
   for (const bool with_playback : {false, true}) {
     std::set<std::pair<int, bool>> taken;
     for (const KeyBinding& binding : key_bindings()) {
@@ -29,7 +29,7 @@ TEST(KeyBindings, noKeyHasTwoActions) {
   }
 }
 
-TEST(KeyBindings, aHeldKeyRepeatsOnlyWhereItsBindingSaysSo) {
+TEST(KeyBindings, AHeldKeyRepeatsOnlyWhereItsBindingSaysSo) {
   for (const KeyBinding& binding : key_bindings()) {
     for (const KeyAction& key : binding.actions) {
       const bool repeats = action_of_key(key.code, key.shift.value_or(false), true, true).has_value();
@@ -38,7 +38,7 @@ TEST(KeyBindings, aHeldKeyRepeatsOnlyWhereItsBindingSaysSo) {
   }
 }
 
-TEST(KeyBindings, besideARunThereAreNoKeysOfPlayback) {
+TEST(KeyBindings, BesideARunThereAreNoKeysOfPlayback) {
   for (const KeyBinding& binding : key_bindings()) {
     if (binding.scope != Scope::playback || binding.keys == "Q, Esc") continue;
     for (const KeyAction& key : binding.actions)
@@ -46,14 +46,14 @@ TEST(KeyBindings, besideARunThereAreNoKeysOfPlayback) {
   }
 }
 
-TEST(KeyBindings, theLineBelowTheTimelineNamesTheKeysOfItsScope) {
+TEST(KeyBindings, TheLineBelowTheTimelineNamesTheKeysOfItsScope) {
   EXPECT_THAT(key_hints(true), testing::HasSubstr("Space play"));
   EXPECT_THAT(key_hints(true), testing::HasSubstr("Q quit"));
   EXPECT_THAT(key_hints(false), testing::Not(testing::HasSubstr("Space")));
   EXPECT_THAT(key_hints(false), testing::HasSubstr("Q close the window"));
 }
 
-TEST(KeyBindings, theDocumentListsExactlyTheKeysOfTheTable) {
+TEST(KeyBindings, TheDocumentListsExactlyTheKeysOfTheTable) {
   std::ifstream file(std::string(SACCADE_SOURCE_DIR) + "/docs/view.md");
   std::stringstream text;
   text << file.rdbuf();

@@ -27,7 +27,7 @@ Snapshot settled(PlayerThread& player) {
   return snapshot;
 }
 
-TEST_F(PlayerThreadTest, seeksAndStepsToTheRequestedTimeAndPausesThere) {
+TEST_F(PlayerThreadTest, SeeksAndStepsToTheRequestedTimeAndPausesThere) {
   PlayerThread player([&] { return open(); }, false);
   EXPECT_EQ(settled(player).now_us, 0);
   player.seek(250'400);
@@ -45,7 +45,7 @@ TEST_F(PlayerThreadTest, seeksAndStepsToTheRequestedTimeAndPausesThere) {
   EXPECT_FALSE(start.playing);
 }
 
-TEST_F(PlayerThreadTest, playsToTheEndAndStops) {
+TEST_F(PlayerThreadTest, PlaysToTheEndAndStops) {
   PlayerThread player([&] { return open(); }, true);
   player.set_speed(PlayerThread::unlimited_speed);
   Snapshot snapshot;
@@ -57,7 +57,7 @@ TEST_F(PlayerThreadTest, playsToTheEndAndStops) {
   EXPECT_FALSE(snapshot.playing);
 }
 
-TEST_F(PlayerThreadTest, reportsInvalidSettingsAndContinues) {
+TEST_F(PlayerThreadTest, ReportsInvalidSettingsAndContinues) {
   PlayerThread player([&] { return open(); }, false);
   player.seek(200'000);
   settled(player);
@@ -69,7 +69,7 @@ TEST_F(PlayerThreadTest, reportsInvalidSettingsAndContinues) {
   EXPECT_EQ(settled(player).problem, "");
 }
 
-TEST_F(PlayerThreadTest, thePlayerCanBeUsedWhileThePlaybackIsStillBeingMade) {
+TEST_F(PlayerThreadTest, ThePlayerCanBeUsedWhileThePlaybackIsStillBeingMade) {
   std::promise<void> go;
   PlayerThread player(
       [&] {
@@ -87,7 +87,7 @@ TEST_F(PlayerThreadTest, thePlayerCanBeUsedWhileThePlaybackIsStillBeingMade) {
   EXPECT_TRUE(player.ready());
 }
 
-TEST_F(PlayerThreadTest, readyThrowsTheErrorOfAPlaybackThatCannotBeMade) {
+TEST_F(PlayerThreadTest, ReadyThrowsTheErrorOfAPlaybackThatCannotBeMade) {
   PlayerThread player([]() -> std::unique_ptr<Playback> { throw InputError("place", "this", "that"); }, true);
   const auto wait = [&] {
     while (!player.ready()) std::this_thread::yield();
@@ -95,7 +95,7 @@ TEST_F(PlayerThreadTest, readyThrowsTheErrorOfAPlaybackThatCannotBeMade) {
   EXPECT_THROW(wait(), InputError);
 }
 
-TEST_F(PlayerThreadTest, everyActionLeavesAPlaybackWithoutDetectorsRunning) {
+TEST_F(PlayerThreadTest, EveryActionLeavesAPlaybackWithoutDetectorsRunning) {
   detectors_.clear();
   PlayerThread player([&] { return open(); }, false);
   Snapshot snapshot = settled(player);
@@ -112,7 +112,7 @@ TEST_F(PlayerThreadTest, everyActionLeavesAPlaybackWithoutDetectorsRunning) {
   EXPECT_EQ(snapshot.problem, "");
 }
 
-TEST_F(PlayerThreadTest, aThresholdStaysWithinItsRange) {
+TEST_F(PlayerThreadTest, AThresholdStaysWithinItsRange) {
   PlayerThread player([&] { return open(); }, false);
   const Snapshot snapshot = settled(player);
   ViewState state;

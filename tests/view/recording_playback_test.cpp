@@ -29,7 +29,7 @@ void expect_same(const Snapshot& a, const Snapshot& b) {
   }
 }
 
-TEST_F(DiscRecording, aSnapshotHoldsGroundTruthAndDetections) {
+TEST_F(DiscRecording, ASnapshotHoldsGroundTruthAndDetections) {
   const auto playback = open();
   seek(*playback, 300'000);
   const Snapshot snapshot = snapshot_of(*playback);
@@ -46,7 +46,7 @@ TEST_F(DiscRecording, aSnapshotHoldsGroundTruthAndDetections) {
   EXPECT_EQ(snapshot.hough.size(), static_cast<std::size_t>(image.pixels()));
 }
 
-TEST_F(DiscRecording, seekingBackAndForthReproducesTheSameSnapshots) {
+TEST_F(DiscRecording, SeekingBackAndForthReproducesTheSameSnapshots) {
   const auto playback = open();
   seek(*playback, 290'000);
   const Snapshot early = snapshot_of(*playback);
@@ -77,7 +77,7 @@ class PlainDetector final : public Detector {
   HoughDetector detector_;
 };
 
-TEST_F(DiscRecording, seekingBackWithADetectorThatCannotBeCopiedReproducesTheSameSnapshots) {
+TEST_F(DiscRecording, SeekingBackWithADetectorThatCannotBeCopiedReproducesTheSameSnapshots) {
   DetectorRegistry registry;
   registry.add(detector_row("plain", "for this test", detectors_[0].second.get<HoughDetectorConfig>(),
                             [](const HoughDetectorConfig& config, const Camera& camera) {
@@ -96,7 +96,7 @@ TEST_F(DiscRecording, seekingBackWithADetectorThatCannotBeCopiedReproducesTheSam
   EXPECT_EQ(snapshot_of(*playback).outputs[0].tick.estimate.score, early.outputs[0].tick.estimate.score);
 }
 
-TEST_F(DiscRecording, tickingEndsWithTheRecordingAndSeekingBackWorksFromTheEnd) {
+TEST_F(DiscRecording, TickingEndsWithTheRecordingAndSeekingBackWorksFromTheEnd) {
   const auto playback = open();
   while (playback->tick()) continue;
   EXPECT_EQ(playback->history().now_us(), playback->history().end_us());
@@ -105,7 +105,7 @@ TEST_F(DiscRecording, tickingEndsWithTheRecordingAndSeekingBackWorksFromTheEnd) 
   EXPECT_EQ(playback->history().now_us(), 50'000);
 }
 
-TEST_F(DiscRecording, aChangedThresholdTakesEffectAtOnceAndInTheTicksThatFollow) {
+TEST_F(DiscRecording, AChangedThresholdTakesEffectAtOnceAndInTheTicksThatFollow) {
   const auto playback = open();
   seek(*playback, 300'000);
   const Snapshot before = snapshot_of(*playback);
@@ -132,7 +132,7 @@ TEST_F(DiscRecording, aChangedThresholdTakesEffectAtOnceAndInTheTicksThatFollow)
   EXPECT_EQ(again.outputs[0].tick.estimate.score, before.outputs[0].tick.estimate.score);
 }
 
-TEST_F(DiscRecording, anAddedDetectorHasProcessedTheLastEvents) {
+TEST_F(DiscRecording, AnAddedDetectorHasProcessedTheLastEvents) {
   const auto playback = open();
   seek(*playback, 300'000);
   ViewSettings settings = playback->settings();
@@ -151,7 +151,7 @@ TEST_F(DiscRecording, anAddedDetectorHasProcessedTheLastEvents) {
   EXPECT_EQ(snapshot_of(*playback).outputs[1].name, "mine");
 }
 
-TEST_F(DiscRecording, invalidSettingsAreRejectedAndChangeNothing) {
+TEST_F(DiscRecording, InvalidSettingsAreRejectedAndChangeNothing) {
   const auto playback = open();
   seek(*playback, 300'000);
   ViewSettings settings = playback->settings();
@@ -161,7 +161,7 @@ TEST_F(DiscRecording, invalidSettingsAreRejectedAndChangeNothing) {
   EXPECT_TRUE(playback->tick());
 }
 
-TEST_F(DiscRecording, playsWithoutDetectorsAndTakesOneLater) {
+TEST_F(DiscRecording, PlaysWithoutDetectorsAndTakesOneLater) {
   detectors_.clear();
   const auto playback = open();
   seek(*playback, 300'000);

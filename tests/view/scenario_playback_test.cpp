@@ -33,7 +33,7 @@ void expect_readable(const Snapshot& snapshot) {
   EXPECT_EQ(snapshot.scene->nbuffer, MjDataPtr(mj_makeData(snapshot.model.get()))->nbuffer);
 }
 
-TEST(ScenarioPlayback, snapshotsKeepTheirModelAcrossRestartsAndAfterThePlayback) {
+TEST(ScenarioPlayback, SnapshotsKeepTheirModelAcrossRestartsAndAfterThePlayback) {
   auto playback = make_scenario_playback(scenario("look_at_ball.yaml"));
   playback->tick();
   const Snapshot first = snapshot_of(*playback);
@@ -48,7 +48,7 @@ TEST(ScenarioPlayback, snapshotsKeepTheirModelAcrossRestartsAndAfterThePlayback)
   for (const Snapshot* snapshot : {&first, &second, &third}) expect_readable(*snapshot);
 }
 
-TEST(ScenarioPlayback, restoringTheStartReproducesTheRun) {
+TEST(ScenarioPlayback, RestoringTheStartReproducesTheRun) {
   const auto playback = make_scenario_playback(scenario("look_at_ball.yaml"));
   for (int i = 0; i < 30; ++i) playback->tick();
   const Snapshot first = snapshot_of(*playback);
@@ -62,7 +62,7 @@ TEST(ScenarioPlayback, restoringTheStartReproducesTheRun) {
   EXPECT_EQ(again.hough, first.hough);
 }
 
-TEST(ScenarioPlayback, theShippedScenarioWithoutDetectorsPlays) {
+TEST(ScenarioPlayback, TheShippedScenarioWithoutDetectorsPlays) {
   const auto playback = make_scenario_playback(scenario("calibrate_left.yaml", {"run.duration_s=0.05"}));
   while (playback->tick()) continue;
   const Snapshot snapshot = snapshot_of(*playback);
@@ -82,7 +82,7 @@ TEST(ScenarioPlayback, theShippedScenarioWithoutDetectorsPlays) {
   EXPECT_EQ(snapshot_of(*playback).selected_output()->name, "best");
 }
 
-TEST(RunFeed, aSnapshotOutlivesARunThatThrows) {
+TEST(RunFeed, ASnapshotOutlivesARunThatThrows) {
   const Scenario run = scenario("look_at_ball.yaml");
   RunFeed feed(run);
   Snapshot snapshot;

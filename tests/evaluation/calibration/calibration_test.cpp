@@ -9,14 +9,13 @@
 
 #include "core/error.h"
 #include "core/random.h"
+#include "core/units.h"
 #include "emulator/event_emulator.h"
 
 namespace saccade {
 namespace {
 
 using testing::HasSubstr;
-
-constexpr double rad_per_deg = std::numbers::pi / 180.0;
 
 /// Dots without extent, which project to points.
 DotGrid points_of_light() {
@@ -119,7 +118,7 @@ std::string refusal(const std::vector<CalibrationView>& views, const DotGrid& gr
   return "accepted";
 }
 
-TEST(Calibration, RefusesPoorViewsAndNamesWhatIsMissing) {
+TEST(Calibration, RejectsPoorViewsAndNamesWhatIsMissing) {
   const DotGrid grid = points_of_light();
   const auto all = views_of(off_centre, grid, 0.05);
   EXPECT_THAT(refusal({all.begin(), all.begin() + 8}, grid), HasSubstr("8 images"));

@@ -11,8 +11,10 @@
 #include "core/error.h"
 #include "evaluation/report/resolved_scenario.h"
 #include "evaluation/scoring/statistics.h"
+#include "recording/format_registry.h"
 #include "tests/evaluation/report/svg_check.h"
 #include "tests/evaluation/report/synthetic_run.h"
+#include "tests/evaluation/report/text_of.h"
 
 namespace saccade {
 namespace {
@@ -32,15 +34,8 @@ TEST(MeanSd, IsThatOfTheValuesThereAre) {
   EXPECT_EQ(mean_sd_of({}).mean, std::nullopt);
 }
 
-std::string contents(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-std::size_t count(std::string_view text, std::string_view part) {
-  std::size_t n = 0;
-  for (std::size_t at = 0; (at = text.find(part, at)) != std::string_view::npos; at += part.size()) ++n;
-  return n;
+std::vector<std::string> write_comparison(std::span<const fs::path> runs, const fs::path& out) {
+  return saccade::write_comparison(runs, out, built_in_formats());
 }
 
 /// Two seeds of one scenario, the second with another detector instead of paper_full, and a run with a

@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "evaluation/report/gnuplot.h"
 #include "tests/evaluation/report/svg_check.h"
+#include "tests/evaluation/report/text_of.h"
 
 namespace saccade {
 namespace {
@@ -21,12 +22,6 @@ constexpr Colour red{0xd5, 0x5e, 0x00};
 
 using testing::HasSubstr;
 using testing::Not;
-
-std::size_t count(std::string_view text, std::string_view part) {
-  std::size_t n = 0;
-  for (std::size_t at = 0; (at = text.find(part, at)) != std::string_view::npos; at += part.size()) ++n;
-  return n;
-}
 
 std::vector<TruthRow> sine_truth(int rows) {
   std::vector<TruthRow> truth;

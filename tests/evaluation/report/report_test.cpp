@@ -10,8 +10,10 @@
 
 #include "core/config.h"
 #include "core/error.h"
+#include "recording/format_registry.h"
 #include "tests/evaluation/report/svg_check.h"
 #include "tests/evaluation/report/synthetic_run.h"
+#include "tests/evaluation/report/text_of.h"
 
 namespace saccade {
 namespace {
@@ -20,16 +22,7 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 using testing::Not;
 
-std::string contents(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-std::size_t count(std::string_view text, std::string_view part) {
-  std::size_t n = 0;
-  for (std::size_t at = 0; (at = text.find(part, at)) != std::string_view::npos; at += part.size()) ++n;
-  return n;
-}
+void write_report(const fs::path& folder) { saccade::write_report(folder, built_in_formats()); }
 
 /// The numbers in a table's row whose heading holds `name`; none for a dash.
 std::vector<std::optional<double>> numbers_of(const std::string& html, const std::string& table,
@@ -294,7 +287,7 @@ TEST_F(Report, SaysThatTheFiguresOfAVeryLongRunAreApproximate) {
   EXPECT_THAT(contents(folder_ / "report.html"), HasSubstr("curves are approximate"));
 }
 
-TEST_F(Report, RefusesAMissingMetricsFileAndImagesOfAnotherSize) {
+TEST_F(Report, RejectsAMissingMetricsFileAndImagesOfAnotherSize) {
   write_synthetic_run(folder_, true);
   cv::imwrite((folder_ / "frames" / "500000_eye.png").string(), cv::Mat(12, 12, CV_8UC1, cv::Scalar(0)));
   EXPECT_THROW(write_report(folder_), InputError);

@@ -50,7 +50,7 @@ SweepTable table_of(int speeds, int noises, int seeds) {
   return table;
 }
 
-TEST(SweepReport, theWorstRunsAreThoseWithTheWorstMainMetricEachOnce) {
+TEST(SweepReport, TheWorstRunsAreThoseWithTheWorstMainMetricEachOnce) {
   SweepTable table = table_of(3, 2, 2);
   const auto lowest = worst_runs(table);
   ASSERT_THAT(lowest, SizeIs(3));
@@ -65,7 +65,7 @@ TEST(SweepReport, theWorstRunsAreThoseWithTheWorstMainMetricEachOnce) {
   EXPECT_THAT(worst_runs(table), SizeIs(0));
 }
 
-TEST(SweepReport, showsCurvesMapsWorstRunsAndFailedRuns) {
+TEST(SweepReport, ShowsCurvesMapsWorstRunsAndFailedRuns) {
   const TempFolder folder;
   SweepTable table = table_of(4, 2, 2);
   table.rows[5].status = "failed";
@@ -94,7 +94,7 @@ TEST(SweepReport, showsCurvesMapsWorstRunsAndFailedRuns) {
               HasSubstr("\n0,0.5,2,0.915,"));
 }
 
-TEST(SweepReport, anAxisOfManyRandomValuesIsDrawnInIntervals) {
+TEST(SweepReport, AnAxisOfManyRandomValuesIsDrawnInIntervals) {
   const TempFolder folder;
   SweepTable table = table_of(40, 1, 1);
   write_sweep_report(table, folder / "");
@@ -103,7 +103,7 @@ TEST(SweepReport, anAxisOfManyRandomValuesIsDrawnInIntervals) {
       << "a head, 8 stretches of both detectors: " << numbers;
 }
 
-TEST(SweepReport, aThousandRunsMakeAPageOfLessThanFiveMegabytes) {
+TEST(SweepReport, AThousandRunsMakeAPageOfLessThanFiveMegabytes) {
   const TempFolder folder;
   write_sweep_report(table_of(10, 10, 10), folder / "");
   const auto size = fs::file_size(folder / "report.html");
@@ -111,7 +111,7 @@ TEST(SweepReport, aThousandRunsMakeAPageOfLessThanFiveMegabytes) {
   EXPECT_LT(size, 5'000'000U);
 }
 
-TEST(SweepReport, withoutResultsThereIsStillAPage) {
+TEST(SweepReport, WithoutResultsThereIsStillAPage) {
   const TempFolder folder;
   SweepTable table = table_of(2, 2, 1);
   for (SweepRow& row : table.rows) {

@@ -50,7 +50,7 @@ TEST(Clutter, TheWindowHoldsTheNewestEventsAlone) {
   EXPECT_EQ(counter.share_in_window(), 1.0);
 }
 
-TEST(Clutter, AnUnknownCauseOrObjectIsRefused) {
+TEST(Clutter, AnUnknownCauseOrObjectIsRejected) {
   ClutterCounter counter;
   EXPECT_THROW(counter.add(made_by("cat")), InputError);
   EXPECT_THROW(counter.add(made_by("ball", "magic")), InputError);

@@ -6,11 +6,10 @@
 #include <functional>
 
 #include "core/error.h"
+#include "core/units.h"
 
 namespace saccade {
 namespace {
-
-constexpr double rad_per_deg = std::numbers::pi / 180.0;
 
 /// A left camera at the root's origin that looks along -x (ahead) turned to the right by an angle.
 Eigen::Isometry3d looking(double right_deg) {
@@ -176,7 +175,7 @@ TEST(GazeScorer, CountsSamplesWithAJointBeyondAHundredthOfADegree) {
   EXPECT_EQ(scorer.score().limit_violations, 4);
 }
 
-TEST(GazeScorer, RefusesAnAngleOfAcquisitionOutOfRange) {
+TEST(GazeScorer, RejectsAnAngleOfAcquisitionOutOfRange) {
   GazeScoringConfig config;
   config.acquire_within_rad = 0.0;
   EXPECT_THROW(GazeScorer{config}, InputError);

@@ -312,7 +312,7 @@ TEST(Scoring, SkipsTheRowsOfOtherDetectors) {
   EXPECT_EQ(score_detector(truth, seen, "other", 0.5, Chances::simulated).precision, 0.0);
 }
 
-TEST(Scoring, RefusesTwoObservationsOfOneInstantAndNumbersThatAreNotFinite) {
+TEST(Scoring, RejectsTwoObservationsOfOneInstantAndNumbersThatAreNotFinite) {
   const std::vector<TruthRow> truth = {truth_at(1000, 50, 50)};
   const std::vector<DetectionRow> twice(2, seen_at(1000, 50, 50, 20, 1.0));
   EXPECT_THROW(score_detector(truth, twice, "d", 0.5, Chances::simulated), InputError);

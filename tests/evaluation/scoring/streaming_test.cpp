@@ -156,7 +156,7 @@ TEST(DetectorScorer, ReturnsAtEachChanceWhetherTheBallWasFound) {
   EXPECT_EQ(scorer.add(next, Observation{{51, 50, 20}, 0.9}), std::nullopt);
 }
 
-TEST(DetectorScorer, RefusesObservationsThatAreNotFiniteOrNotLaterThanTheOneBefore) {
+TEST(DetectorScorer, RejectsObservationsThatAreNotFiniteOrNotLaterThanTheOneBefore) {
   DetectorScorer scorer("d", 0.5, Chances::simulated);
   EXPECT_THROW(scorer.add(1000, Observation{{nan, 50, 20}, 0.9}), InputError);
   scorer.add(2000, Observation{{50, 50, 20}, 0.9});
