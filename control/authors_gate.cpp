@@ -26,11 +26,13 @@ Spread spread(std::span<double> values) {
 }  // namespace
 
 void describe(FieldVisitor& v, AuthorsGateConfig& config) {
-  v.real("window_s", config.window_s, {0.01, 2.0}, "how far back detections count");
-  v.integer("min_detections", config.min_detections, {1, 2000}, "that many in the window");
-  v.real("max_spread_px", config.max_spread_px, {0.1, 1e3}, "their standard deviation stays below");
-  v.real("max_radius_px", config.max_radius_px, {1.0, 1e3}, "where the largest radius is clipped");
-  v.real("max_target_x_m", config.max_target_x_m, {-10.0, 0.0}, "targets stay this far in front");
+  v.real("window_s", config.window_s, {0.01, 2.0}, "age up to which detections count");
+  v.integer("min_detections", config.min_detections, {1, 2000}, "least number of detections in the window");
+  v.real("max_spread_px", config.max_spread_px, {0.1, 1e3},
+         "largest standard deviation of x and of y in the window");
+  v.real("max_radius_px", config.max_radius_px, {1.0, 1e3}, "upper bound of the radius that gives the depth");
+  v.real("max_target_x_m", config.max_target_x_m, {-10.0, 0.0},
+         "largest x of a target, root frame (x points backward); nearer targets are moved there");
 }
 
 AuthorsGate::AuthorsGate(const AuthorsGateConfig& config, const TargetConfig& target)

@@ -7,13 +7,15 @@
 namespace saccade {
 
 void describe(FieldVisitor& v, ContinuityGateConfig& config) {
-  v.real("tolerance_deg", config.tolerance_deg, {0.01, 180.0}, "detections this close in bearing agree");
+  v.real("tolerance_deg", config.tolerance_deg, {0.01, 180.0},
+         "largest angle between bearings of detections that agree");
   v.real("depth_ratio", config.depth_ratio, {1.0, 100.0},
-         "if their distances differ by less than this factor");
-  v.real("growth_deg_s", config.growth_deg_s, {0.0, 1e4}, "the tolerance grows by this while none came");
-  v.real("window_s", config.window_s, {0.001, 1.0}, "how far back a confirmation may lie");
-  v.integer("min_agreeing", config.min_agreeing, {1, 1000}, "detections that confirm a new place");
-  v.real("forget_s", config.forget_s, {0.001, 60.0}, "after so long the last place does not count any more");
+         "largest ratio between distances of detections that agree");
+  v.real("growth_deg_s", config.growth_deg_s, {0.0, 1e4}, "growth of the tolerance since the last target");
+  v.real("window_s", config.window_s, {0.001, 1.0}, "age up to which detections confirm a new place");
+  v.integer("min_agreeing", config.min_agreeing, {1, 1000}, "number of detections that confirm a new place");
+  v.real("forget_s", config.forget_s, {0.001, 60.0},
+         "time without a detection near the last place after which the ball is lost");
 }
 
 ContinuityGate::ContinuityGate(const ContinuityGateConfig& config, const TargetConfig& target)

@@ -7,31 +7,27 @@
 namespace saccade {
 
 bool GazeControllerConfig::follows_targets() const {
-  const GazeControllerRow* const row = configs.rows().find(controller);
+  const GazeControllerRow* const row = rows().find(controller);
   return row == nullptr || row->follows_targets;
 }
 
 void describe(FieldVisitor& v, GazeControllerConfig& config) {
-  v.choice("controller", config.controller, config.configs.rows().names(), "what moves the head");
-  config.configs.for_each([&](const GazeControllerRow& row, AnyConfig& keys) {
-    if (row.name != config.controller) return;
-    v.section(
-        row.name, [&](FieldVisitor& w) { describe(w, keys); }, row.description);
-  });
+  describe_chosen_row(v, "controller", config.controller, config, "gaze controller");
   v.section(
-      "limits", [&](FieldVisitor& w) { describe(w, config.limits); }, "how fast gaze may move");
+      "limits", [&](FieldVisitor& w) { describe(w, config.limits); },
+      "limits of the references that move the head");
 }
 
 std::unique_ptr<GazeController> make_gaze_controller(const GazeControllerConfig& config,
                                                      const JointLimits& hardware) {
   check_config("gaze", config);
-  const GazeControllerRow& row = *config.configs.rows().find(config.controller);
-  return row.make(config.configs.of(row.name), motion_limits(hardware, config.limits));
+  const GazeControllerRow& row = *config.rows().find(config.controller);
+  return row.make(config.of(row.name), motion_limits(hardware, config.limits));
 }
 
 GazeControllerConfig ControllerRegistry::config() const {
-  SACCADE_CHECK(rows_.size() > 0);
-  return {rows_.begin()->name, RowConfigs<GazeControllerRow>(rows_), {}};
+  SACCADE_CHECK(rows().size() > 0);
+  return {RowConfigs<GazeControllerRow>(rows()), rows().begin()->name, {}};
 }
 
 ControllerRegistry built_in_controllers() {

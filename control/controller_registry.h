@@ -7,8 +7,6 @@
 
 #include "control/gaze_controller.h"
 #include "control/joint_limiter.h"
-#include "core/any_config.h"
-#include "core/named_rows.h"
 #include "core/row_configs.h"
 
 namespace saccade {
@@ -29,22 +27,16 @@ struct GazeControllerRow {
 template <class Config, class Make>
 [[nodiscard]] GazeControllerRow controller_row(std::string name, std::string description, Config defaults,
                                                Make make) {
-  return {std::move(name), std::move(description), AnyConfig(std::move(defaults)),
-          for_any_config<Config>(std::move(make))};
+  return row_of<GazeControllerRow>(std::move(name), std::move(description), std::move(defaults),
+                                   std::move(make));
 }
 
 /// The gaze controller that a file configures, and how fast it may move. ControllerRegistry::config() gives the defaults;
 /// a default constructed one has no controllers.
-struct GazeControllerConfig {
-  std::string controller;                 ///< name of a row
-  RowConfigs<GazeControllerRow> configs;  ///< of every controller
+struct GazeControllerConfig : RowConfigs<GazeControllerRow> {
+  std::string controller;  ///< name of a row
   MotionLimitsConfig limits;
 
-  /// The config struct of this type, which one of the controllers has.
-  template <class Config>
-  [[nodiscard]] Config& get() {
-    return configs.get<Config>();
-  }
   /// Whether the chosen controller looks at targets.
   [[nodiscard]] bool follows_targets() const;
 };
@@ -56,17 +48,11 @@ void describe(FieldVisitor& v, GazeControllerConfig& config);
 [[nodiscard]] std::unique_ptr<GazeController> make_gaze_controller(const GazeControllerConfig& config,
                                                                    const JointLimits& hardware);
 
-/// The gaze controllers that a program offers. A value: main builds it and passes it on.
-class ControllerRegistry {
+/// The gaze controllers that a program offers.
+class ControllerRegistry : public RowRegistry<GazeControllerRow> {
  public:
-  /// Throws InputError for a name that another row has or that is_name refuses.
-  void add(GazeControllerRow row) { rows_.add(std::move(row)); }
-  [[nodiscard]] const NamedRows<GazeControllerRow>& rows() const { return rows_; }
   /// The first controller, and the defaults of all.
   [[nodiscard]] GazeControllerConfig config() const;
-
- private:
-  NamedRows<GazeControllerRow> rows_;
 };
 
 /// The gaze controllers that saccade ships: qp, ikingaze, script.

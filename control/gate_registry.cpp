@@ -7,25 +7,25 @@
 namespace saccade {
 
 void describe(FieldVisitor& v, GateConfig& config) {
-  v.choice("gate", config.gate, config.configs.rows().names(), "which detections become gaze targets");
-  config.configs.for_each([&](const GateRow& row, AnyConfig& keys) {
+  v.choice("gate", config.gate, config.rows().names(), "which detections become gaze targets");
+  config.for_each([&](const GateRow& row, AnyConfig& keys) {
     if (keys.get_if<NoKeys>() != nullptr) return;
     v.section(
         row.name + "_gate", [&](FieldVisitor& w) { describe(w, keys); }, row.description);
   });
   v.section(
-      "target", [&](FieldVisitor& w) { describe(w, config.target); }, "from a circle to a point");
+      "target", [&](FieldVisitor& w) { describe(w, config.target); }, "conversion of a circle to a point");
 }
 
 std::unique_ptr<GazeGate> make_gate(const GateConfig& config) {
   check_config("gaze", config);
-  const GateRow& row = *config.configs.rows().find(config.gate);
-  return row.make(config.configs.of(row.name), config.target);
+  const GateRow& row = *config.rows().find(config.gate);
+  return row.make(config.of(row.name), config.target);
 }
 
 GateConfig GateRegistry::config() const {
-  SACCADE_CHECK(rows_.find(default_gate) != nullptr);
-  return {default_gate, RowConfigs<GateRow>(rows_), {}};
+  SACCADE_CHECK(rows().find(default_gate) != nullptr);
+  return {RowConfigs<GateRow>(rows()), default_gate, {}};
 }
 
 GateRegistry built_in_gates() {

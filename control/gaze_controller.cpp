@@ -18,9 +18,10 @@ TargetStatus check_gaze_target(const Eigen::Vector3d& target, const HeadKinemati
 }
 
 void describe(FieldVisitor& v, FollowConfig& config) {
-  v.choice("lost", config.lost, "what the head does when the target is lost");
-  v.real("start_s", config.start_s, {0.0, 3600.0}, "from when on the head follows what a detector finds");
-  v.real("lost_after_s", config.lost_after_s, {0.01, 3600.0}, "the target is lost after so long without one");
+  v.choice("lost", config.lost,
+           "motion of the head when the target is lost: keeps looking there, or returns to its neutral pose");
+  v.real("start_s", config.start_s, {0.0, 3600.0}, "time from which on the head follows detections");
+  v.real("lost_after_s", config.lost_after_s, {0.01, 3600.0}, "time without a target after which it is lost");
 }
 
 }  // namespace saccade

@@ -31,6 +31,15 @@ class GazeController {
   [[nodiscard]] virtual TargetStatus target_status() const = 0;
 };
 
+/// Whose optical axes a gaze controller points at the target.
+enum class AimingEyes {
+  both,  ///< vergence on the target
+  left,  ///< the left eye aims; vergence moves to its rest position
+};
+constexpr auto words_of(AimingEyes) {
+  return std::to_array<Word<AimingEyes>>({{AimingEyes::both, "both"}, {AimingEyes::left, "left"}});
+}
+
 /// What the head does when the target is lost.
 enum class WhenLost {
   hold,  ///< it keeps looking at the last target

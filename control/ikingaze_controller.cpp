@@ -9,10 +9,6 @@
 namespace saccade {
 namespace {
 
-constexpr int neck_count = 3;
-constexpr int tilt = eyes_tilt - torso_joint_count;
-constexpr int vergence = eyes_vergence - torso_joint_count;
-
 constexpr double period_s = 0.01;
 constexpr double due_s = 1e-9;  // rounding
 constexpr double eye_gain_per_s = 12.5;
@@ -25,9 +21,11 @@ constexpr double longest_saccade_s = 0.5;            // an eye that does not arr
 constexpr double max_lead_rad = 10.0 * rad_per_deg;  // a reference waits for its joint
 
 MotionLimits with_tilt(MotionLimits limits, const IkinGazeConfig& config) {
-  limits.min_rad[tilt] = std::max(limits.min_rad[tilt], config.min_tilt_deg * rad_per_deg);
-  limits.max_rad[tilt] = std::min(limits.max_rad[tilt], config.max_tilt_deg * rad_per_deg);
-  if (!(limits.min_rad[tilt] < limits.max_rad[tilt])) {
+  limits.min_rad[head_index(eyes_tilt)] =
+      std::max(limits.min_rad[head_index(eyes_tilt)], config.min_tilt_deg * rad_per_deg);
+  limits.max_rad[head_index(eyes_tilt)] =
+      std::min(limits.max_rad[head_index(eyes_tilt)], config.max_tilt_deg * rad_per_deg);
+  if (!(limits.min_rad[head_index(eyes_tilt)] < limits.max_rad[head_index(eyes_tilt)])) {
     throw InputError("gaze.ikingaze.min_tilt_deg", text_of(config.min_tilt_deg),
                      "a tilt below what the head's limits leave");
   }
@@ -46,24 +44,25 @@ double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 }  // namespace
 
 void describe(FieldVisitor& v, IkinGazeConfig& config) {
-  v.choice("eyes", config.eyes, {"both", "left"}, "whose optical axes go to the target");
-  v.real("neck_time_s", config.neck_time_s, {0.3, 20.0}, "how long the neck takes to the target");
-  v.real("eyes_time_s", config.eyes_time_s, {0.1, 20.0}, "how long the eyes take");
+  v.choice("eyes", config.eyes, "eyes whose optical axes point at the target");
+  v.real("neck_time_s", config.neck_time_s, {0.3, 20.0}, "duration of a movement of the neck");
+  v.real("eyes_time_s", config.eyes_time_s, {0.1, 20.0}, "duration of a movement of the eyes");
   v.require(config.neck_time_s >= config.eyes_time_s + 0.2, "neck_time_s", text_of(config.neck_time_s),
             "at least 0.2 s more than eyes_time_s");
-  v.boolean("saccades", config.saccades, "whether the eyes jump to what is far off");
-  v.real("saccade_angle_deg", config.saccade_angle_deg, {1.0, 90.0}, "how far that is");
-  v.real("saccade_interval_s", config.saccade_interval_s, {0.05, 60.0}, "between the starts of two jumps");
+  v.boolean("saccades", config.saccades, "whether the eyes make saccades to distant targets");
+  v.real("saccade_angle_deg", config.saccade_angle_deg, {1.0, 90.0}, "least angle of a saccade");
+  v.real("saccade_interval_s", config.saccade_interval_s, {0.05, 60.0},
+         "least time between the starts of two saccades");
   v.real("min_tilt_deg", config.min_tilt_deg, {-90.0, 0.0}, "lowest tilt of the eyes");
   v.real("max_tilt_deg", config.max_tilt_deg, {0.0, 90.0}, "highest tilt of the eyes");
 }
 
 IkinGazeController::IkinGazeController(const IkinGazeConfig& config, const MotionLimits& limits)
     : config_((check_config("gaze.ikingaze", config), config)),
-      both_eyes_(config.eyes == "both"),
+      both_eyes_(config.eyes == AimingEyes::both),
       limits_(with_tilt(limits, config)),
       neutral_rad_(HeadJointVector::Zero().cwiseMax(limits_.min_rad).cwiseMin(limits_.max_rad)),
-      neck_solver_(limits_.min_rad.head<neck_count>(), limits_.max_rad.head<neck_count>()),
+      neck_solver_(limits_.min_rad.head<neck_joint_count>(), limits_.max_rad.head<neck_joint_count>()),
       filters_{
           MinimumJerkFilter(config.neck_time_s, period_s), MinimumJerkFilter(config.neck_time_s, period_s),
           MinimumJerkFilter(config.neck_time_s, period_s), MinimumJerkFilter(config.eyes_time_s, period_s),
@@ -76,7 +75,7 @@ HeadJointVector IkinGazeController::step(const HeadState& state, const std::opti
   const bool measured = state.position_rad.allFinite();
   if (!started_) {
     reference_rad_ = inside_hardware(limits_, state.head_position_rad());
-    goal_rad_.head<neck_count>() = neutral_rad_.head<neck_count>();
+    goal_rad_.head<neck_joint_count>() = neutral_rad_.head<neck_joint_count>();
     goal_rad_.tail<3>() = inside_limits(reference_rad_.tail<3>());
     started_ = measured;
   }
@@ -127,7 +126,7 @@ void IkinGazeController::control(const JointVector& q) {
   }
   plan_now_ = !plan_now_;
   for (int j = 0; j < head_joint_count; ++j) {
-    if (saccade_ && j >= neck_count) continue;
+    if (saccade_ && j >= neck_joint_count) continue;
     MinimumJerkFilter& filter = filters_[static_cast<std::size_t>(j)];
     wanted_rad_s_[j] =
         filter.step(goal_rad_[j], goal_velocity_rad_s_[j], q[torso_joint_count + j]) + counter_rad_s_[j];
@@ -136,7 +135,7 @@ void IkinGazeController::control(const JointVector& q) {
 
 void IkinGazeController::plan_neck(const JointVector& q) {
   if (!target_m_) {
-    goal_rad_.head<neck_count>() = neutral_rad_.head<neck_count>();
+    goal_rad_.head<neck_joint_count>() = neutral_rad_.head<neck_joint_count>();
     return;
   }
   const CyclopeanEye eye(q);
@@ -146,8 +145,8 @@ void IkinGazeController::plan_neck(const JointVector& q) {
     neck_waits_since_s_.reset();
   }
   if (neck_target_m_ && eye.angle_to(*neck_target_m_) > neck_activation_rad) {
-    const NeckVector start_rad = goal_rad_.head<neck_count>();
-    goal_rad_.head<neck_count>() = neck_solver_.solve(q, *neck_target_m_, start_rad).neck_rad;
+    const NeckVector start_rad = goal_rad_.head<neck_joint_count>();
+    goal_rad_.head<neck_joint_count>() = neck_solver_.solve(q, *neck_target_m_, start_rad).neck_rad;
     neck_target_m_.reset();
   }
 }
@@ -166,7 +165,7 @@ void IkinGazeController::plan_eyes(const JointVector& q) {
   }
   // An eye at its limit stays there.
   for (int i = 0; i < 3; ++i) {
-    const int j = neck_count + i;
+    const int j = neck_joint_count + i;
     const double velocity = motion.wanted_rad_s[i] + motion.counter_rad_s[i];
     const double limit = velocity > 0.0 ? limits_.max_rad[j] : limits_.min_rad[j];
     const bool stays = goal_rad_[j] == limit;
@@ -193,7 +192,7 @@ void IkinGazeController::end_saccade(const JointVector& q) {
   if (!arrived && now_s_ - saccade_start_s_ < longest_saccade_s) return;
   saccade_ = false;
   goal_rad_.tail<3>() = inside_limits(q.tail<3>());
-  for (std::size_t j = neck_count; j < filters_.size(); ++j) filters_[j].reset();
+  for (std::size_t j = neck_joint_count; j < filters_.size(); ++j) filters_[j].reset();
 }
 
 IkinGazeController::EyeMotion IkinGazeController::both_eyes(const JointVector& q) const {
@@ -210,7 +209,8 @@ IkinGazeController::EyeMotion IkinGazeController::both_eyes(const JointVector& q
     return least_norm_solution(Eigen::Matrix3d(jacobian.rightCols<3>()), velocity_m_s);
   };
   return {by_eyes(there.fixation_jacobian(), eye_gain_per_s * (*target_m_ - fixation.point_m)),
-          -by_eyes(here, here.middleCols<neck_count>(neck_pitch) * velocity_rad_s_.head<neck_count>())};
+          -by_eyes(here,
+                   here.middleCols<neck_joint_count>(neck_pitch) * velocity_rad_s_.head<neck_joint_count>())};
 }
 
 IkinGazeController::EyeMotion IkinGazeController::left_eye(const JointVector& q) const {
@@ -233,13 +233,14 @@ IkinGazeController::EyeMotion IkinGazeController::left_eye(const JointVector& q)
 
   const HeadKinematics here(q);
   const EyeJacobian jacobian = here.jacobian(Eye::left);
-  const Eigen::Vector3d neck_rad_s = velocity_rad_s_.head<neck_count>();
-  const Eigen::Vector3d turned = jacobian.angular.middleCols<neck_count>(neck_pitch) * neck_rad_s;
-  const Eigen::Vector3d moved = jacobian.linear.middleCols<neck_count>(neck_pitch) * neck_rad_s;
+  const Eigen::Vector3d neck_rad_s = velocity_rad_s_.head<neck_joint_count>();
+  const Eigen::Vector3d turned = jacobian.angular.middleCols<neck_joint_count>(neck_pitch) * neck_rad_s;
+  const Eigen::Vector3d moved = jacobian.linear.middleCols<neck_joint_count>(neck_pitch) * neck_rad_s;
   const Eigen::Vector3d looks = here.root_from_eye(Eye::left).linear().col(2);
   const Eigen::Vector2d counter = by_eye(here, -turned - looks.cross(moved) / to_target.norm());
 
-  const double vergence_rad_s = eye_gain_per_s * (neutral_rad_[vergence] - goal_rad_[vergence]);
+  const double vergence_rad_s =
+      eye_gain_per_s * (neutral_rad_[head_index(eyes_vergence)] - goal_rad_[head_index(eyes_vergence)]);
   return {{wanted[0], wanted[1] - vergence_rad_s / 2, vergence_rad_s}, {counter[0], counter[1], 0.0}};
 }
 
@@ -251,7 +252,8 @@ IkinGazeController::Eyes IkinGazeController::eyes_on_target(const JointVector& q
   const double right = std::atan2(p.x() - eye.half_baseline_m(), ahead);
   const double tilt_rad = -std::atan2(p.y(), std::abs(p.z()));
   if (both_eyes_) return inside_limits({tilt_rad, (left + right) / 2, left - right});
-  return inside_limits({tilt_rad, left - neutral_rad_[vergence] / 2, neutral_rad_[vergence]});
+  return inside_limits({tilt_rad, left - neutral_rad_[head_index(eyes_vergence)] / 2,
+                        neutral_rad_[head_index(eyes_vergence)]});
 }
 
 IkinGazeController::Eyes IkinGazeController::inside_limits(const Eyes& eyes_rad) const {
@@ -263,7 +265,7 @@ void IkinGazeController::integrate(const HeadJointVector& q, double dt) {
     const double before = reference_rad_[j];
     const VelocityRange range = allowed_velocity(limits_, j, before, velocity_rad_s_[j], dt);
     double velocity;
-    if (saccade_ && j >= neck_count) {
+    if (saccade_ && j >= neck_joint_count) {
       const double left = goal_rad_[j] - before;
       velocity = std::copysign(stoppable_speed(std::abs(left), limits_.acceleration_rad_s2[j], dt), left);
     } else {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <string>
 
 #include "control/gaze_controller.h"
 #include "control/joint_limiter.h"
@@ -12,7 +11,7 @@ namespace saccade {
 
 /// Configuration of IkinGazeController.
 struct IkinGazeConfig {
-  std::string eyes = "both";  ///< both: they meet on the target; left: the left one aims, vergence at rest
+  AimingEyes eyes = AimingEyes::both;
   double neck_time_s = 0.75;  ///< duration of a neck movement, T of MinimumJerkFilter
   double eyes_time_s = 0.25;  ///< duration of an eye movement
   bool saccades = true;

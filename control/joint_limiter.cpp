@@ -9,19 +9,19 @@
 namespace saccade {
 namespace {
 
-constexpr int neck_count = 3;
 constexpr double arrived_rad = 1e-12;  // rounding
 
 }  // namespace
 
 void describe(FieldVisitor& v, MotionLimitsConfig& config) {
-  v.real("margin_deg", config.margin_deg, {0.0, 10.0}, "how far from the hardware's limits references stay");
+  v.real("margin_deg", config.margin_deg, {0.0, 10.0}, "distance of references from the position limits");
   v.real("neck_speed_deg_s", config.neck_speed_deg_s, {1.0, 1000.0}, "highest speed of the neck joints");
   v.real("eye_speed_deg_s", config.eye_speed_deg_s, {1.0, 1000.0},
          "highest speed of tilt, version, vergence");
-  v.real("neck_acceleration_deg_s2", config.neck_acceleration_deg_s2, {10.0, 1e6}, "of the neck joints");
+  v.real("neck_acceleration_deg_s2", config.neck_acceleration_deg_s2, {10.0, 1e6},
+         "highest acceleration of the neck joints");
   v.real("eye_acceleration_deg_s2", config.eye_acceleration_deg_s2, {10.0, 1e6},
-         "of tilt, version, vergence");
+         "highest acceleration of tilt, version, vergence");
 }
 
 MotionLimits motion_limits(const JointLimits& hardware, const MotionLimitsConfig& config) {
@@ -31,11 +31,13 @@ MotionLimits motion_limits(const JointLimits& hardware, const MotionLimitsConfig
   limits.hardware_max_rad = hardware.max_rad.tail<head_joint_count>();
   limits.min_rad = limits.hardware_min_rad.array() + config.margin_deg * rad_per_deg;
   limits.max_rad = limits.hardware_max_rad.array() - config.margin_deg * rad_per_deg;
-  limits.speed_rad_s.head<neck_count>().setConstant(config.neck_speed_deg_s * rad_per_deg);
-  limits.speed_rad_s.tail<neck_count>().setConstant(config.eye_speed_deg_s * rad_per_deg);
+  limits.speed_rad_s.head<neck_joint_count>().setConstant(config.neck_speed_deg_s * rad_per_deg);
+  limits.speed_rad_s.tail<neck_joint_count>().setConstant(config.eye_speed_deg_s * rad_per_deg);
   limits.speed_rad_s = limits.speed_rad_s.cwiseMin(hardware.max_speed_rad_s.tail<head_joint_count>());
-  limits.acceleration_rad_s2.head<neck_count>().setConstant(config.neck_acceleration_deg_s2 * rad_per_deg);
-  limits.acceleration_rad_s2.tail<neck_count>().setConstant(config.eye_acceleration_deg_s2 * rad_per_deg);
+  limits.acceleration_rad_s2.head<neck_joint_count>().setConstant(config.neck_acceleration_deg_s2 *
+                                                                  rad_per_deg);
+  limits.acceleration_rad_s2.tail<neck_joint_count>().setConstant(config.eye_acceleration_deg_s2 *
+                                                                  rad_per_deg);
   std::vector<Problem> problems;
   for (int j = 0; j < head_joint_count; ++j) {
     if (limits.min_rad[j] < limits.max_rad[j] && limits.speed_rad_s[j] > 0.0) continue;

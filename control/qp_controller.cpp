@@ -45,20 +45,23 @@ EyeError eye_error(const HeadKinematics& head, Eye eye, const TargetTrack& targe
 }  // namespace
 
 void describe(FieldVisitor& v, QpConfig& config) {
-  v.choice("eyes", config.eyes, {"both", "left"}, "whose optical axes go to the target");
-  v.real("eye_time_constant_s", config.eye_time_constant_s, {0.005, 5.0}, "how fast the gaze error falls");
-  v.real("neck_time_constant_s", config.neck_time_constant_s, {0.02, 20.0}, "how fast the neck takes over");
-  v.real("right_eye_weight", config.right_eye_weight, {1e-4, 1.0}, "against the left eye's error");
-  v.real("neck_weight", config.neck_weight, {1e-6, 1.0}, "of the neck's own motion");
-  v.real("damping", config.damping, {1e-9, 1e-2}, "of every joint's velocity");
+  v.choice("eyes", config.eyes, "eyes whose optical axes point at the target");
+  v.real("eye_time_constant_s", config.eye_time_constant_s, {0.005, 5.0}, "time constant of the gaze error");
+  v.real("neck_time_constant_s", config.neck_time_constant_s, {0.02, 20.0},
+         "time constant with which the neck takes over the rotation of the eyes");
+  v.real("right_eye_weight", config.right_eye_weight, {1e-4, 1.0},
+         "weight of the right eye's error; that of the left eye is 1");
+  v.real("neck_weight", config.neck_weight, {1e-6, 1.0}, "weight of the neck's motion");
+  v.real("damping", config.damping, {1e-9, 1e-2}, "weight of every joint's velocity");
   v.real("target_time_constant_s", config.target_time_constant_s, {0.0, 2.0},
-         "memory of the target's motion; 0: none, it is followed with a lag");
-  v.real("max_lead_deg", config.max_lead_deg, {0.1, 60.0}, "reference ahead of the measured joint at most");
+         "time constant of the estimate of the target's velocity; 0: none, the gaze lags behind");
+  v.real("max_lead_deg", config.max_lead_deg, {0.1, 60.0},
+         "largest distance of a reference from the measured joint");
 }
 
 QpController::QpController(const QpConfig& config, const MotionLimits& limits)
     : config_(config),
-      both_eyes_(config.eyes == "both"),
+      both_eyes_(config.eyes == AimingEyes::both),
       max_lead_rad_(config.max_lead_deg * rad_per_deg),
       limits_(limits),
       target_(config.target_time_constant_s) {
@@ -90,10 +93,10 @@ HeadJointVector QpController::step(const HeadState& state, const std::optional<E
 }
 
 QpController::Cost QpController::gaze_cost(const HeadKinematics& head, const HeadJointVector& q) const {
-  constexpr int tilt = eyes_tilt - torso_joint_count;
-  constexpr int version = eyes_version - torso_joint_count;
-  constexpr int vergence = eyes_vergence - torso_joint_count;
-  constexpr int roll = neck_roll - torso_joint_count;
+  constexpr int tilt = head_index(eyes_tilt);
+  constexpr int version = head_index(eyes_version);
+  constexpr int vergence = head_index(eyes_vergence);
+  constexpr int roll = head_index(neck_roll);
   const double per_eye_time = 1.0 / config_.eye_time_constant_s;
   const double per_neck_time = 1.0 / config_.neck_time_constant_s;
 

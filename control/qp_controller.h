@@ -1,7 +1,5 @@
 #pragma once
 
-#include <string>
-
 #include "control/bounded_qp.h"
 #include "control/gaze_controller.h"
 #include "control/joint_limiter.h"
@@ -11,7 +9,7 @@ namespace saccade {
 
 /// Configuration of QpController.
 struct QpConfig {
-  std::string eyes = "both";              ///< both: vergence on the target; left: vergence at rest
+  AimingEyes eyes = AimingEyes::both;
   double eye_time_constant_s = 0.08;      ///< in which the gaze error falls to 1 / e
   double neck_time_constant_s = 0.40;     ///< in which the neck takes over the rotation of the eyes
   double right_eye_weight = 0.01;         ///< of the right eye's error relative to the left eye's

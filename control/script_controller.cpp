@@ -7,26 +7,18 @@
 #include "core/units.h"
 
 namespace saccade {
-namespace {
-
-constexpr int first_of_head = neck_pitch;
-constexpr int tilt = eyes_tilt - first_of_head;
-constexpr int version = eyes_version - first_of_head;
-constexpr std::size_t neck_joint_count = 3;
-
-}  // namespace
-
 void describe(FieldVisitor& v, ScriptConfig& config) {
-  v.points("eyes_deg", config.eyes_deg, {-45.0, 45.0}, "tilt and version to go to in turn, for ever");
+  v.points("eyes_deg", config.eyes_deg, {-45.0, 45.0},
+           "tilt and version of each point; the points repeat without end");
   v.require(!config.eyes_deg.empty(), "eyes_deg", "[]", "at least one point");
   v.points("neck_deg", config.neck_deg, {-60.0, 60.0},
-           "neck pitch, roll and yaw at the same time; none: the neck stays");
+           "neck pitch, roll and yaw of each point; empty: the neck stays");
   v.require(config.neck_deg.empty() || config.neck_deg.size() == config.eyes_deg.size(), "neck_deg",
             std::to_string(config.neck_deg.size()) + " points",
             "none, or one for each of the " + std::to_string(config.eyes_deg.size()) + " points in eyes_deg");
   v.real("speed_deg_s", config.speed_deg_s, {0.1, 500.0},
-         "mean speed of a move of least jerk, over all joints together");
-  v.real("dwell_s", config.dwell_s, {0.001, 3600.0}, "rest at every point");
+         "mean speed of a minimum-jerk movement, norm over all joints");
+  v.real("dwell_s", config.dwell_s, {0.001, 3600.0}, "time at rest at every point");
 }
 
 ScriptController::ScriptController(const ScriptConfig& config, const MotionLimits& limits)
@@ -44,8 +36,8 @@ HeadJointVector ScriptController::step(const HeadState& state, const std::option
   }
   const auto point_rad = [&](std::size_t i) {
     HeadJointVector point = start_rad_;
-    point[tilt] = config_.eyes_deg[i][0] * rad_per_deg;
-    point[version] = config_.eyes_deg[i][1] * rad_per_deg;
+    point[head_index(eyes_tilt)] = config_.eyes_deg[i][0] * rad_per_deg;
+    point[head_index(eyes_version)] = config_.eyes_deg[i][1] * rad_per_deg;
     for (std::size_t j = 0; !config_.neck_deg.empty() && j < neck_joint_count; ++j) {
       point[static_cast<Eigen::Index>(j)] = config_.neck_deg[i][j] * rad_per_deg;
     }

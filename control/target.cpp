@@ -9,9 +9,10 @@
 namespace saccade {
 
 void describe(FieldVisitor& v, TargetConfig& config) {
-  v.choice("depth", config.depth, {"pinhole", "authors_linear"}, "how a circle's radius tells its depth");
-  v.real("ball_diameter_m", config.ball_diameter_m, {0.005, 1.0}, "the ball's diameter, for depth: pinhole");
-  v.real("min_distance_m", config.min_distance_m, {0.0, 10.0}, "a target nearer to the camera is refused");
+  v.choice("depth", config.depth, "model of the depth that a radius stands for");
+  v.real("ball_diameter_m", config.ball_diameter_m, {0.005, 1.0},
+         "diameter of the ball, with depth: pinhole");
+  v.real("min_distance_m", config.min_distance_m, {0.0, 10.0}, "targets nearer to the camera are rejected");
 }
 
 namespace {
@@ -83,7 +84,7 @@ Eigen::Vector3d sphere_from_circle(const Circle& circle, const Camera& camera, d
 }
 
 TargetLocator::TargetLocator(const TargetConfig& config)
-    : pinhole_(config.depth == "pinhole"),
+    : depth_(config.depth),
       ball_radius_m_(config.ball_diameter_m / 2),
       min_distance_m_(config.min_distance_m) {
   check_config("target", config);
@@ -95,8 +96,9 @@ Target TargetLocator::locate(const Circle& circle, const Camera& camera,
   if (!values.allFinite() || !root_from_cam.matrix().allFinite()) return {TargetStatus::not_finite, {}};
   if (!(circle.r_px > 0.0)) return {TargetStatus::bad_radius, {}};
   const Eigen::Vector3d point =
-      pinhole_ ? sphere_from_circle(circle, camera, ball_radius_m_)
-               : Eigen::Vector3d((70.0 - 2.5 * circle.r_px) / 100.0 * camera.ray(circle.x_px, circle.y_px));
+      depth_ == DepthModel::pinhole
+          ? sphere_from_circle(circle, camera, ball_radius_m_)
+          : Eigen::Vector3d((70.0 - 2.5 * circle.r_px) / 100.0 * camera.ray(circle.x_px, circle.y_px));
   if (!point.allFinite()) return {TargetStatus::not_finite, {}};
   if (!(point.z() > 0.0)) return {TargetStatus::behind, {}};
   if (point.norm() < min_distance_m_) return {TargetStatus::too_near, {}};

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <optional>
-#include <string>
 
 #include "core/camera.h"
 #include "core/config.h"
@@ -19,8 +19,18 @@ enum class TargetStatus {
   behind,      ///< behind the camera, or behind the chest
 };
 
+/// How the depth of a ball follows from the radius of its circle.
+enum class DepthModel {
+  pinhole,         ///< from the size of the ball
+  authors_linear,  ///< the map of the authors' code (2016), see TargetLocator
+};
+constexpr auto words_of(DepthModel) {
+  return std::to_array<Word<DepthModel>>(
+      {{DepthModel::pinhole, "pinhole"}, {DepthModel::authors_linear, "authors_linear"}});
+}
+
 struct TargetConfig {
-  std::string depth = "pinhole";   ///< how a circle's radius tells its depth: pinhole or authors_linear
+  DepthModel depth = DepthModel::pinhole;
   double ball_diameter_m = 0.095;  ///< pinhole only
   double min_distance_m = 0.10;    ///< from the camera; a nearer target is refused
 };
@@ -50,7 +60,7 @@ class TargetLocator {
                               const Eigen::Isometry3d& root_from_cam) const;
 
  private:
-  bool pinhole_;
+  DepthModel depth_;
   double ball_radius_m_;
   double min_distance_m_;
 };

@@ -62,6 +62,8 @@ class FieldVisitor {
   virtual void integer(std::string_view key, std::int64_t& value, Range range, std::string_view doc) = 0;
   virtual void boolean(std::string_view key, bool& value, std::string_view doc) = 0;
   virtual void text(std::string_view key, std::string& value, std::string_view doc) = 0;
+  /// The path of a file or folder. A reader makes it absolute: in a file it is relative to the file's folder.
+  virtual void path(std::string_view key, std::string& value, std::string_view doc) { text(key, value, doc); }
   /// One of words that are known only at run time, such as names of detectors.
   virtual void choice(std::string_view key, std::string& value, const std::vector<std::string>& options,
                       std::string_view doc) = 0;

@@ -40,7 +40,8 @@ bool DetectorConfig::scale_threshold(double factor) {
 
 void describe(FieldVisitor& v, DetectorConfig& config) {
   std::string preset = config.preset_;
-  v.choice("preset", preset, config.rows_.names(), "what the other keys start from");
+  v.choice("preset", preset, config.rows_.names(),
+           "detector whose values are the defaults of the other keys");
   if (preset != config.preset_ && config.rows_.find(preset) != nullptr) {
     config = DetectorConfig(config.rows_, preset);
   }

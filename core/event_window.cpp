@@ -24,11 +24,11 @@ EventWindowConfig event_window(WindowKind kind) {
 
 void describe(FieldVisitor& v, EventWindowConfig& config) {
   const WindowKind kind = config.kind;
-  v.choice("kind", config.kind, "what an event's stay is bounded by");
+  v.choice("kind", config.kind, "bound of the time that an event stays in the window");
   if (config.kind != kind) config = event_window(config.kind);
-  v.integer("events", config.events, {1, 60000}, "newest events that can be inside");
+  v.integer("events", config.events, {1, 60000}, "largest number of events in the window");
   if (config.kind == WindowKind::time) {
-    v.integer("duration_us", config.duration_us, {1, 10'000'000}, "events younger than this are inside");
+    v.integer("duration_us", config.duration_us, {1, 10'000'000}, "age up to which events are in the window");
   }
   if (config.kind == WindowKind::lifetime) {
     v.real("crossing_px", config.crossing_px, {0.1, 20.0}, "an event stays while its edge moves by this");

@@ -31,14 +31,14 @@ HoughDetectorConfig checked(HoughDetectorConfig config) {
 void describe(FieldVisitor& v, HoughDetectorConfig& config) {
   describe_radius_px(v, config.radius_px);
   v.section(
-      "window", [&](FieldVisitor& w) { describe(w, config.window); }, "what votes");
-  v.choice("normalisation", config.normalisation, "what votes are divided by");
+      "window", [&](FieldVisitor& w) { describe(w, config.window); }, "events that vote");
+  v.choice("normalisation", config.normalisation, "divisor of the votes");
   if (config.directed) v.real("arc_deg", config.arc_deg, {0.5, 90.0}, "half-width of an arc of votes");
   if (uses_flow(config)) {
     v.section(
         "flow", [&](FieldVisitor& w) { describe(w, config.flow); }, "plane-fit flow");
   }
-  v.real("threshold", config.threshold, {0.0, 1e6}, "response taken for the ball");
+  v.real("threshold", config.threshold, {0.0, 1e6}, "least response that is taken for the ball");
 }
 
 std::string window_text(const HoughDetectorConfig& config) {

@@ -95,9 +95,10 @@ void leave_out_far(Neighbours& p, const Plane& plane, double px) {
 
 void describe(FieldVisitor& v, PlaneFitFlowConfig& config) {
   v.integer("half_width_px", config.half_width_px, {1, max_half_width}, "neighbourhood of 2 n + 1 pixels");
-  v.integer("max_age_us", config.max_age_us, {100, 1e6}, "oldest neighbour that counts");
-  v.integer("min_inliers", config.min_inliers, {3, max_points}, "neighbours that must lie on the plane");
-  v.real("inlier_px", config.inlier_px, {0.05, 10.0}, "distance from the plane, along the flow");
+  v.integer("max_age_us", config.max_age_us, {100, 1e6}, "largest age of a neighbour that counts");
+  v.integer("min_inliers", config.min_inliers, {3, max_points}, "least number of neighbours on the plane");
+  v.real("inlier_px", config.inlier_px, {0.05, 10.0},
+         "largest distance of an inlier from the plane, along the flow");
 }
 
 PlaneFitFlow::PlaneFitFlow(const PlaneFitFlowConfig& config, ImageSize size)

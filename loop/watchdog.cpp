@@ -4,12 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "core/units.h"
 
 namespace saccade {
 namespace {
-
-constexpr double deg_per_rad = 180.0 / std::numbers::pi;
 
 double ms(std::int64_t us) { return static_cast<double>(us) * 1e-3; }
 
@@ -17,12 +16,14 @@ double ms(std::int64_t us) { return static_cast<double>(us) * 1e-3; }
 
 void describe(FieldVisitor& v, WatchdogConfig& config) {
   v.real("safe_within_ms", config.safe_within_ms, {1.0, 1000.0},
-         "from a fault to the stop of the head, at most");
-  v.real("tick_late_ms", config.tick_late_ms, {1.0, 1000.0}, "delay of a tick that stops the head");
+         "longest time from a fault to the stop of the head");
+  v.real("tick_late_ms", config.tick_late_ms, {1.0, 1000.0}, "delay of a tick above which the head stops");
   v.real("camera_silent_ms", config.camera_silent_ms, {2.0, 1000.0},
-         "time without any packet from the camera");
-  v.real("joints_stale_ms", config.joints_stale_ms, {2.0, 1000.0}, "age of the newest reading of the joints");
-  v.real("joint_outside_deg", config.joint_outside_deg, {0.0, 10.0}, "excess of a joint over its limits");
+         "time without a packet from the camera after which the head stops");
+  v.real("joints_stale_ms", config.joints_stale_ms, {2.0, 1000.0},
+         "age of the newest reading of the joints above which the head stops");
+  v.real("joint_outside_deg", config.joint_outside_deg, {0.0, 10.0},
+         "distance of a joint outside its limits above which the head stops");
   const double longest = std::max(config.camera_silent_ms, config.joints_stale_ms) + config.tick_late_ms;
   v.require(
       longest <= config.safe_within_ms, "safe_within_ms", text_of(config.safe_within_ms),

@@ -70,8 +70,4 @@ std::unique_ptr<EventWriter> create_event_file(const std::filesystem::path& path
   return create_event_file(built_in_formats(), path, image_size, cameras);
 }
 
-bool is_log_folder(const std::filesystem::path& path) { return built_in_formats().file_of(path) != path; }
-
-std::string writable_formats() { return built_in_formats().written_extensions(); }
-
 }  // namespace saccade

@@ -64,9 +64,6 @@ struct EventReadOptions {
 [[nodiscard]] std::unique_ptr<EventReader> open_event_file(const std::filesystem::path& path,
                                                            const EventReadOptions& options = {});
 
-/// Whether a folder is a recording of one of the built-in formats: it contains the log of event-driven's or YARP's dumper.
-[[nodiscard]] bool is_log_folder(const std::filesystem::path& path);
-
 /// Writes events in the order given; the file appears under its name on commit() only.
 class EventWriter {
  public:
@@ -85,7 +82,5 @@ class EventWriter {
 /// The same with built_in_formats().
 [[nodiscard]] std::unique_ptr<EventWriter> create_event_file(const std::filesystem::path& path,
                                                              ImageSize image_size, int cameras = 1);
-/// The extensions that the built-in formats write, for help and messages.
-[[nodiscard]] std::string writable_formats();
 
 }  // namespace saccade

@@ -55,21 +55,23 @@ bool FileStart::is_text() const {
 
 void FormatRegistry::add(RecordingFormat format) {
   SACCADE_CHECK(!format.name.empty() && !format.extensions.empty() && format.sniff && format.open);
-  for (const RecordingFormat& other : formats_) {
+  for (const RecordingFormat& other : *formats_) {
     SACCADE_CHECK(other.name != format.name);
     for (const std::string& extension : format.extensions) {
       const bool taken = std::ranges::count(other.extensions, extension) > 0;
       SACCADE_CHECK(!(taken && other.create && format.create));
     }
   }
-  formats_.push_back(std::move(format));
+  auto longer = std::make_shared<std::vector<RecordingFormat>>(*formats_);
+  longer->push_back(std::move(format));
+  formats_ = std::move(longer);
 }
 
 std::string FormatRegistry::names() const {
   std::string text;
-  for (std::size_t i = 0; i < formats_.size(); ++i) {
-    if (i > 0) text += i + 1 == formats_.size() ? " or " : ", ";
-    text += formats_[i].name;
+  for (std::size_t i = 0; i < formats_->size(); ++i) {
+    if (i > 0) text += i + 1 == formats_->size() ? " or " : ", ";
+    text += (*formats_)[i].name;
   }
   return text;
 }
@@ -77,7 +79,7 @@ std::string FormatRegistry::names() const {
 const RecordingFormat& FormatRegistry::recognise(const FileStart& start) const {
   const RecordingFormat* best = nullptr;
   Match match = Match::none;
-  for (const RecordingFormat& format : formats_) {
+  for (const RecordingFormat& format : *formats_) {
     const Match found = format.sniff(start);
     if (found <= match) continue;
     best = &format;
@@ -96,7 +98,7 @@ const RecordingFormat& FormatRegistry::recognise(const FileStart& start) const {
 
 const RecordingFormat& FormatRegistry::for_writing(const std::filesystem::path& path) const {
   const std::string extension = path.extension().string();
-  for (const RecordingFormat& format : formats_) {
+  for (const RecordingFormat& format : *formats_) {
     if (format.create && std::ranges::count(format.extensions, extension) > 0) return format;
   }
   throw InputError(path.string(), extension.empty() ? "no extension" : "the extension " + extension,
@@ -106,7 +108,7 @@ const RecordingFormat& FormatRegistry::for_writing(const std::filesystem::path& 
 std::filesystem::path FormatRegistry::file_of(const std::filesystem::path& path) const {
   std::error_code error;
   if (!std::filesystem::is_directory(path, error)) return path;
-  for (const RecordingFormat& format : formats_) {
+  for (const RecordingFormat& format : *formats_) {
     const std::string& name = format.file_in_folder;
     if (!name.empty() && std::filesystem::exists(path / name, error)) return path / name;
   }
@@ -115,7 +117,7 @@ std::filesystem::path FormatRegistry::file_of(const std::filesystem::path& path)
 
 std::string FormatRegistry::written_extensions(int cameras) const {
   std::vector<std::string> extensions;
-  for (const RecordingFormat& format : formats_) {
+  for (const RecordingFormat& format : *formats_) {
     if (!format.create || format.cameras < cameras) continue;
     extensions.insert(extensions.end(), format.extensions.begin(), format.extensions.end());
   }
@@ -125,7 +127,7 @@ std::string FormatRegistry::written_extensions(int cameras) const {
 
 std::vector<std::string> FormatRegistry::run_choices(bool live) const {
   std::vector<std::string> choices;
-  for (const RecordingFormat& format : formats_) {
+  for (const RecordingFormat& format : *formats_) {
     if (!format.create || (live && format.longest_us)) continue;
     choices.push_back(format.extensions.front().substr(1));
   }
@@ -149,7 +151,7 @@ std::vector<std::filesystem::path> FormatRegistry::files_of(const std::filesyste
 
 std::vector<std::filesystem::path> FormatRegistry::inputs_of(const std::filesystem::path& path) const {
   std::vector<std::filesystem::path> files = {path};
-  for (const RecordingFormat& format : formats_) {
+  for (const RecordingFormat& format : *formats_) {
     if (!format.companions || std::ranges::count(format.extensions, path.extension().string()) == 0) continue;
     for (std::filesystem::path& companion : format.companions(path)) files.push_back(std::move(companion));
   }

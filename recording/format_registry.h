@@ -66,14 +66,15 @@ struct RecordingFormat {
   std::string reads, writes, time, axes, limits;
 };
 
-/// The formats of recordings that a program reads and writes.
+/// The formats of recordings that a program reads and writes. A value: main builds it and passes it on. A copy is cheap
+/// and does not change when formats are added to the original.
 class FormatRegistry {
  public:
   FormatRegistry() = default;
   /// A format's name, and the extensions of a format that is written, must be new: aborts otherwise.
   void add(RecordingFormat format);
 
-  [[nodiscard]] std::span<const RecordingFormat> formats() const { return formats_; }
+  [[nodiscard]] std::span<const RecordingFormat> formats() const { return *formats_; }
   /// Names for messages: "AEDAT 1.0, AEDAT 2.0, ... or text".
   [[nodiscard]] std::string names() const;
 
@@ -98,7 +99,8 @@ class FormatRegistry {
   [[nodiscard]] std::vector<std::filesystem::path> inputs_of(const std::filesystem::path& path) const;
 
  private:
-  std::vector<RecordingFormat> formats_;
+  std::shared_ptr<const std::vector<RecordingFormat>> formats_ =
+      std::make_shared<std::vector<RecordingFormat>>();
 };
 
 /// The formats of this library.

@@ -174,16 +174,14 @@ int calibrate_command(const CalibrateOptions& options, const Registry& registry)
   Source source = open_source(options, registry);
   EventReadOptions read = options.read;
   read.camera = read.camera.value_or(0);
-  ReplayRobot robot(open_event_file(source.events, read), std::move(source.head));
+  ReplayRobot robot(open_event_file(options.formats, source.events, read), std::move(source.head));
   catch_interrupts();
   const std::vector<CalibrationView> views =
       find_views(robot, source, static_cast<Eye>(*read.camera), options);
   if (interrupted()) throw RunError("interrupted");
   const Calibration calibration =
       calibrate(views, source.grid, robot.image_size(), robot.head() != nullptr, options.limits);
-  OutputFile file(options.out);
-  file.write(calibration_yaml(calibration));
-  file.commit();
+  write_file(options.out, calibration_yaml(calibration));
   print(calibration, views.size());
   fmt::print("{}\n", options.out.string());
   return 0;
@@ -195,7 +193,8 @@ void add_calibrate_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<CalibrateOptions>();
   Command command = line.add_command(
       "calibrate", "A camera's lens, and its place in the eye, from events of an asymmetric grid of dots");
-  add_read_options(command, "recording", "Event file, or a run folder with its joints", *options);
+  add_read_options(command, "recording", "Event file, or a run folder with its joints", *options,
+                   registry.formats);
   command.option("--out", options->out, "The calibration (YAML), for a scenario's calibration.file")
       .required();
   command.option("--grid", options->grid, "Dots in a row x rows, rows odd; a run with a board has its own")

@@ -26,7 +26,7 @@ struct ConvertOptions : ReadOptions {
 };
 
 int convert(const ConvertOptions& options, const FormatRegistry& formats) {
-  const std::filesystem::path recording = formats.file_of(events_of(options.recording));
+  const std::filesystem::path recording = formats.file_of(events_of(options));
   check_outputs(formats.files_of(options.out), formats.inputs_of(recording), options.force);
   ConversionConfig config = options.conversion;
   config.read = options.read;
@@ -76,7 +76,8 @@ PixelRegion parse_region(const std::string& text) {
 void add_convert_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<ConvertOptions>();
   Command command = line.add_command("convert", "Copy a recording into another format, or a part of it");
-  add_read_options(command, "in", "Event file, a folder with data.log, or a run folder", *options);
+  add_read_options(command, "in", "Event file, a folder with data.log, or a run folder", *options,
+                   registry.formats);
   ConversionConfig& config = options->conversion;
   const FormatRegistry& formats = registry.formats;
   command

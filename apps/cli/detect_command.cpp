@@ -23,7 +23,7 @@ void add_detect_command(CommandLine& line, const Registry& registry) {
   Command command =
       line.add_command("detect", "The detectors on recorded events, scored when truth is given");
   add_read_options(command, "recording", "Event file, or a run folder with its joints and truth",
-                   settings.input);
+                   settings.input, registry.formats);
   command.option("--config", options->config, "Detectors (YAML); those of the paper and `best` by default");
   command
       .option("--set", options->assignments,

@@ -32,8 +32,8 @@ RecordingSummary summarise(const InfoOptions& options, const FormatRegistry& for
     if (millions < 10.0) return;  // less than a second
     progress.show(millions * 100.0, [&] { return fmt::format("{:.0f} million events", millions); });
   };
-  return summarise_recording(formats, events_of(options.recording), options.read,
-                             std::llround(options.gap_ms * 1e3), show);
+  return summarise_recording(formats, events_of(options), options.read, std::llround(options.gap_ms * 1e3),
+                             show);
 }
 
 std::string text_of(ImageSize size) { return fmt::format("{} x {}", size.width, size.height); }
@@ -149,7 +149,8 @@ void add_info_command(CommandLine& line, const Registry& registry) {
   Command command = line.add_command(
       "info",
       "Content of a recording: format, image, count, duration, rates, ON and OFF, gaps, irregularities");
-  add_read_options(command, "recording", "Event file, a folder with data.log, or a run folder", *options);
+  add_read_options(command, "recording", "Event file, a folder with data.log, or a run folder", *options,
+                   registry.formats);
   command.option("--gap", options->gap_ms, "Shortest time without events that counts as a gap, ms")
       .in_range(0.001, 1e9)
       .show_default();

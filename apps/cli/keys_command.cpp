@@ -34,9 +34,7 @@ void drop_detector_keys(std::vector<KeyRow>& rows) {
 
 std::vector<KeyRow> scenario_rows(const Registry& registry) {
   std::vector<KeyRow> rows = list_keys([&](FieldVisitor& v) {
-    Scenario scenario;
-    scenario.gaze.controller = registry.controllers.config();
-    scenario.gaze.gate = registry.gates.config();
+    Scenario scenario = empty_scenario(registry);
     scenario.detectors = one_detector(registry);
     describe(v, scenario);
   });
@@ -46,10 +44,7 @@ std::vector<KeyRow> scenario_rows(const Registry& registry) {
 
 std::vector<KeyRow> robot_rows(const Registry& registry) {
   std::vector<KeyRow> rows = list_keys([&](FieldVisitor& v) {
-    RobotFile robot;
-    robot.gaze.controller = registry.controllers.config();
-    robot.gaze.gate = registry.gates.config();
-    robot.backend = "recording";
+    RobotFile robot = empty_robot_file(registry);
     robot.detectors = one_detector(registry);
     describe(v, robot);
   });

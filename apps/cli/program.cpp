@@ -5,6 +5,7 @@
 #include <string>
 
 #include "apps/cli/commands.h"
+#include "apps/deploy/robot_backends.h"
 #include "apps/session/version.h"
 #include "core/error.h"
 #include "sim/gl_context.h"
@@ -27,7 +28,8 @@ std::string version_text() {
 }  // namespace
 
 Registry built_in_registry() {
-  return {built_in_detectors(), built_in_controllers(), built_in_gates(), built_in_formats()};
+  return {built_in_detectors(), built_in_controllers(), built_in_gates(), built_in_formats(),
+          built_in_backends()};
 }
 
 int program(int argc, const char* const* argv, const Registry& registry) {
@@ -38,7 +40,7 @@ int program(int argc, const char* const* argv, const Registry& registry) {
   add_run_command(line, registry);
   add_detect_command(line, registry);
   add_score_command(line);
-  add_report_command(line);
+  add_report_command(line, registry);
   add_info_command(line, registry);
   add_convert_command(line, registry);
   add_emulate_command(line, registry);

@@ -23,7 +23,9 @@ ImageSize parse_size(const std::string& text) {
 
 }  // namespace
 
-void add_read_options(Command& command, const char* name, const char* meaning, ReadOptions& options) {
+void add_read_options(Command& command, const char* name, const char* meaning, ReadOptions& options,
+                      const FormatRegistry& formats) {
+  options.formats = formats;
   command.option(name, options.recording, meaning).required();
   command.option(
       "--size", [&options](const std::string& text) { options.read.image_size = parse_size(text); },

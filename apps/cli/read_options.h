@@ -6,7 +6,8 @@
 namespace saccade {
 
 /// Adds the recording (positional, `name`) and the options for reading it: --size, --columns, --camera, --codec and
-/// --layout. `options` must outlive the parsing.
-void add_read_options(Command& command, const char* name, const char* meaning, ReadOptions& options);
+/// --layout. The recording is one of `formats`. `options` must outlive the parsing.
+void add_read_options(Command& command, const char* name, const char* meaning, ReadOptions& options,
+                      const FormatRegistry& formats);
 
 }  // namespace saccade

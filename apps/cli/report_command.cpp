@@ -19,7 +19,7 @@ struct ReportOptions {
   std::filesystem::path out;
 };
 
-int report(const ReportOptions& options) {
+int report(const ReportOptions& options, const FormatRegistry& formats) {
   std::filesystem::path folder = options.out;
   const SweepFolder sweep(options.runs.front());
   if (options.runs.size() == 1 && folder.empty() && std::filesystem::exists(sweep.table())) {
@@ -27,10 +27,10 @@ int report(const ReportOptions& options) {
     write_sweep_report(SweepStore(sweep).table(), folder);
   } else if (options.runs.size() == 1 && folder.empty()) {
     folder = options.runs.front();
-    write_report(folder);
+    write_report(folder, formats);
   } else {
     if (folder.empty()) folder = "report";
-    for (const std::string& duplicate : write_comparison(options.runs, folder)) {
+    for (const std::string& duplicate : write_comparison(options.runs, folder, formats)) {
       fmt::print(stderr, "saccade: {}\n", duplicate);
     }
   }
@@ -40,7 +40,7 @@ int report(const ReportOptions& options) {
 
 }  // namespace
 
-void add_report_command(CommandLine& line) {
+void add_report_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<ReportOptions>();
   Command command = line.add_command(
       "report",
@@ -52,7 +52,7 @@ void add_report_command(CommandLine& line) {
       .required();
   command.option("--out", options->out,
                  "Folder for the page over several runs and its numbers; `report` by default");
-  command.action([options] { return report(*options); });
+  command.action([options, &registry] { return report(*options, registry.formats); });
 }
 
 }  // namespace saccade

@@ -36,8 +36,9 @@ void describe_camera(FieldVisitor& v, MountedCamera& mounted, std::string& prese
   Camera& camera = mounted.camera;
   const bool reads = v.fills_defaults();
   if (reads) preset.clear();
-  v.choice("preset", preset, camera_presets(),
-           "camera that the keys below start from; with an image size of one's own pinhole");
+  v.choice(
+      "preset", preset, camera_presets(),
+      "camera whose values are the defaults of the keys below; pinhole where an image size is given alone");
   const bool chosen = !preset.empty();
   if (!chosen) preset = by_default.preset;
   if (reads) {

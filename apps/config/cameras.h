@@ -17,7 +17,7 @@ namespace saccade {
 /// width as focal length (65.5 deg from left to right, as icub_left_2016).
 [[nodiscard]] Camera pinhole_camera(ImageSize size);
 
-/// What a camera is where its block is absent or incomplete.
+/// The defaults of a camera's keys.
 struct CameraDefault {
   std::string preset;
   ImageSize size;  ///< another size than the preset's: the pinhole of that size
@@ -26,7 +26,7 @@ struct CameraDefault {
 };
 
 /// Keys of a scenario's camera: preset, then those of MountedCamera. While a file is read, keys that it lacks have the
-/// values of the preset. An image size of one's own without a preset gives the pinhole of that size.
+/// values of the preset. An image size without a preset gives the pinhole of that size.
 void describe_camera(FieldVisitor& v, MountedCamera& mounted, std::string& preset,
                      const CameraDefault& by_default);
 

@@ -10,12 +10,12 @@
 
 namespace saccade {
 
-/// What the reference says of one key.
+/// The reference of one key.
 struct KeyRow {
   std::string path;           ///< "ball.diameter_m"; NAME stands for a name that the user chooses
   std::string type;           ///< "number", "whole number", "word", "list of 3 numbers" ...
   std::string unit;           ///< "m", "px", "deg/s" ...; empty without one
-  std::string takes;          ///< range or words; empty where the type says it all
+  std::string takes;          ///< range or words; empty if there is no restriction
   std::string default_value;  ///< as in YAML; empty where there is none
   std::string condition;      ///< "kind: waypoints" where the key exists only then
   std::string doc;            ///< the meaning

@@ -33,7 +33,7 @@ bool matches(const Words& path, const Words& pattern) {
                     [](const std::string& word, const std::string& p) { return p == "*" || p == word; });
 }
 
-/// The words of an old path, each in the spelling of today.
+/// The words of an old path, each in the current spelling.
 Words today(const Words& old) {
   Words renamed = old;
   for (std::size_t i = 0; i < old.size(); ++i) {
@@ -162,7 +162,7 @@ Migration migrate(const std::string& text, const std::string& file) {
     result.text.replace(at, it->old_text.size(), it->new_text);
     result.renames.insert(result.renames.begin(), {it->mark.line, it->old_text, it->new_text});
   }
-  // The values are what they were, and nothing is left to rename.
+  // The values are unchanged, and no key is left to rename.
   const YamlTree migrated = parse_yaml(result.text, file);
   SACCADE_CHECK(same(tree.root, migrated.root) && Walk(migrated).take().empty());
   return result;

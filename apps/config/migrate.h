@@ -17,7 +17,7 @@ struct RenamedKey {
 /// Every key that was renamed. The reader refuses an old key with the new one in its message; migrate() rewrites it.
 [[nodiscard]] const std::vector<RenamedKey>& renamed_keys();
 
-/// The key of today for the last word of an old path such as "things"; none for a path that was not renamed.
+/// The current key for the last word of an old path such as "things"; none for a path that was not renamed.
 [[nodiscard]] std::optional<std::string> new_key_of(std::string_view path);
 
 /// One key that migrate() rewrote.

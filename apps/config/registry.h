@@ -4,6 +4,7 @@
 #include "control/gate_registry.h"
 #include "core/detector_registry.h"
 #include "recording/format_registry.h"
+#include "robot/backend_registry.h"
 
 namespace saccade {
 
@@ -12,7 +13,8 @@ struct Registry {
   DetectorRegistry detectors;
   ControllerRegistry controllers;
   GateRegistry gates;
-  FormatRegistry formats = built_in_formats();
+  FormatRegistry formats;
+  BackendRegistry backends;
 };
 
 }  // namespace saccade

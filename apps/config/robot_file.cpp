@@ -5,57 +5,60 @@
 #include "apps/config/scenario.h"
 #include "apps/config/yaml_reader.h"
 #include "apps/config/yaml_writer.h"
-#include "recording/format_registry.h"
 
 namespace saccade {
 namespace {
 
-void describe(FieldVisitor& v, RobotFile::Recording& recording) {
-  v.text("path", recording.path, "event file, or run folder with joints");
-  v.real("speed", recording.speed, {0.01, 100.0}, "of the recording's time against ours");
-}
-
 void describe(FieldVisitor& v, RobotFile::Deploy& deploy) {
-  v.real("tick_ms", deploy.tick_ms, {0.5, 20.0}, "from one tick to the next");
+  v.real("tick_ms", deploy.tick_ms, {0.5, 20.0}, "period of the ticks");
   v.real("ramp_in_s", deploy.ramp_in_s, {0.0, 60.0},
-         "after activation: the speed limit grows to its full value, a gaze controller gets no target");
+         "time after activation in which the speed limit rises to its full value; a robot's own gaze "
+         "controller gets no target "
+         "in it");
   v.integer("max_events_per_tick", deploy.max_events_per_tick, {1, 1e6},
-            "that detectors get; the oldest ones above it are left out");
+            "most events of a tick that detectors process; older ones are dropped");
   v.real("shadows_until_ms", deploy.shadows_until_ms, {0.0, 20.0},
-         "into a tick, detectors that do not drive are asked");
+         "time from the start of a tick up to which detectors that do not drive the head run");
   v.section(
       "watchdog", [&](FieldVisitor& w) { saccade::describe(w, deploy.watchdog); }, "what stops the head");
 }
 
 }  // namespace
 
+RobotFile empty_robot_file(const Registry& registry) {
+  RobotFile file;
+  file.robot = registry.backends.config();
+  file.gaze.controller = registry.controllers.config();
+  file.gaze.gate = registry.gates.config();
+  file.output.formats = registry.formats;
+  return file;
+}
+
+RobotContext robot_context(const RobotFile& file) {
+  return {joint_limits(file.limits), file.calibration.camera.size, file.output.formats};
+}
+
 void describe(FieldVisitor& v, RobotFile& r) {
-  describe_name(v, r.name, "of the robot, in reports and in the name of the run folder");
-  v.text("description", r.description, "what it is, in a sentence");
-  v.choice("backend", r.backend, {"recording", "yarp"}, "what stands for the robot");
-  if (r.backend == "recording") {
-    v.section(
-        "recording", [&](FieldVisitor& w) { describe(w, r.recording); }, "what is played as if it were one");
-  } else if (r.backend == "yarp") {
-    v.section(
-        "yarp", [&](FieldVisitor& w) { saccade::describe(w, r.yarp); }, "where it is on a YARP network");
-  }
+  describe_name(v, r.name, "name of the robot, in reports and of the run folder");
+  v.text("description", r.description, "the robot, in a sentence");
+  describe(v, r.robot);
   v.section(
       "calibration", [&](FieldVisitor& w) { describe_calibration(w, r.calibration); },
-      "the left camera as detectors and gaze assume it");
+      "assumed calibration of the left camera");
   v.section(
       "limits", [&](FieldVisitor& w) { saccade::describe(w, r.limits); },
-      "of the head's joints, whatever its own are");
+      "limits of the head's joints, in addition to those of the robot");
   describe_detectors(v, r.detectors);
   v.section(
       "gaze",
       [&](FieldVisitor& w) {
         std::vector<std::string> drivers = {"none"};
         for (const auto& [name, config] : r.detectors) drivers.push_back(name);
-        w.choice("detector", r.gaze.detector, drivers, "which of the detectors drives the head");
+        w.choice("detector", r.gaze.detector, drivers,
+                 "detector that drives the head; none: the head is not moved");
         saccade::describe(w, r.gaze.gate);
         saccade::describe(w, r.gaze.follow);
-        if (r.has_own_controller()) {
+        if (r.robot.has_gaze_controller()) {
           w.require(r.gaze.follow.lost == WhenLost::hold, "lost", word_of(r.gaze.follow.lost),
                     "hold: the robot's gaze controller has no rest");
           return;
@@ -64,40 +67,28 @@ void describe(FieldVisitor& v, RobotFile& r) {
         w.require(r.gaze.controller.follows_targets(), "controller", r.gaze.controller.controller,
                   "qp or ikingaze, which follow the ball");
       },
-      "from detections to gaze");
+      "detector, gate and gaze controller");
   v.section(
-      "deploy", [&](FieldVisitor& w) { describe(w, r.deploy); }, "time, safety and overload");
+      "deploy", [&](FieldVisitor& w) { describe(w, r.deploy); }, "timing, safety and overload");
   v.section(
       "output",
       [&](FieldVisitor& w) {
-        w.choice("events", r.output.events, built_in_formats().run_choices(true), "format of the event file");
+        w.choice("events", r.output.events, r.output.formats.run_choices(true), "format of the event file");
       },
-      "what the run folder holds");
+      "contents of the run folder");
 }
-
-namespace {
-
-/// Where a file that the robot file names lies, from anywhere.
-std::string resolved_path(const YamlTree& tree, const std::filesystem::path& folder, const char* key,
-                          const std::string& path) {
-  const YamlNode* node = tree.root.find(key);
-  const bool relative_to_file = node != nullptr && node->mark.line > 0;
-  const std::filesystem::path found = relative_to_file ? folder / path : std::filesystem::path(path);
-  return std::filesystem::absolute(found).lexically_normal().string();
-}
-
-}  // namespace
 
 RobotFile read_robot_file(const std::filesystem::path& path, const std::vector<std::string>& assignments,
                           const Registry& registry) {
   YamlTree tree = read_yaml_file(path);
   for (const std::string& assignment : assignments) set_value(tree, assignment);
   std::vector<std::string> required = {"name", "backend", "calibration", "detectors"};
-  if (const YamlNode* backend = tree.root.find("backend"); backend != nullptr && backend->text == "recording")
-    required.insert(required.end(), {"recording", "recording.path"});
-  RobotFile robot;
-  robot.gaze.controller = registry.controllers.config();
-  robot.gaze.gate = registry.gates.config();
+  const YamlNode* const named = tree.root.find("backend");
+  const RobotBackend* const backend = named != nullptr ? registry.backends.rows().find(named->text) : nullptr;
+  if (backend != nullptr && !backend->required.empty()) required.push_back(backend->name);
+  for (std::size_t i = 0; backend != nullptr && i < backend->required.size(); ++i)
+    required.push_back(backend->name + "." + backend->required[i]);
+  RobotFile robot = empty_robot_file(registry);
   robot.detectors = named_detectors_in(tree, registry.detectors, required);
   if (tree.root.find("calibration.file") == nullptr) {
     for (const char* key :
@@ -107,8 +98,6 @@ RobotFile read_robot_file(const std::filesystem::path& path, const std::vector<s
   YamlReader reader(tree, std::move(required), path.parent_path().string());
   describe(reader, robot);
   reader.finish();
-  if (robot.backend == "recording")
-    robot.recording.path = resolved_path(tree, path.parent_path(), "recording.path", robot.recording.path);
   return robot;
 }
 

@@ -12,31 +12,23 @@
 #include "control/gaze_controller.h"
 #include "loop/watchdog.h"
 #include "robot/head_limits.h"
-#include "robot/yarp/yarp_config.h"
 
 namespace saccade {
 
-/// A robot and what shall be done with it, as the file of `saccade deploy` says.
+/// The file of `saccade deploy`: a robot, the detectors and the gaze on it, timing and output.
 struct RobotFile {
   std::string name;
   std::string description;
-  std::string backend;  ///< yarp or recording
-
-  YarpConfig yarp;
-
-  struct Recording {
-    std::string path;    ///< event file or run folder
-    double speed = 1.0;  ///< of its time against ours
-  } recording;
-
+  RobotBackendConfig robot;
   MountedCamera calibration;
   HeadLimitsConfig limits;
   NamedDetectors detectors;
 
   struct Gaze {
-    std::string detector = "none";  ///< which of the detectors drives; none: the head is not moved
+    std::string detector =
+        "none";  ///< name of the detector that drives the head; none: the head is not moved
     GateConfig gate;
-    GazeControllerConfig controller;  ///< unless the robot has its own, has_own_controller()
+    GazeControllerConfig controller;  ///< unless the robot has its own, robot.has_gaze_controller()
     FollowConfig follow;
   } gaze;
 
@@ -50,11 +42,14 @@ struct RobotFile {
 
   struct Output {
     std::string events = "aedat4";  ///< a format of any duration, of FormatRegistry::run_choices
+    FormatRegistry formats;         ///< of the program
   } output;
-
-  /// Targets go to the robot's gaze controller (`yarp.head.control: gaze`).
-  [[nodiscard]] bool has_own_controller() const { return backend == "yarp" && yarp.head.control == "gaze"; }
 };
+
+/// A robot file without detectors that can name what the registry holds; everything else has its default.
+[[nodiscard]] RobotFile empty_robot_file(const Registry& registry);
+/// What opens the robot besides the keys of its backend.
+[[nodiscard]] RobotContext robot_context(const RobotFile& file);
 
 /// Keys: those of a robot file.
 void describe(FieldVisitor& v, RobotFile& robot);

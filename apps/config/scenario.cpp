@@ -9,7 +9,6 @@
 #include "apps/config/yaml_writer.h"
 #include "core/units.h"
 #include "evaluation/scoring/metrics.h"
-#include "recording/format_registry.h"
 
 namespace saccade {
 namespace {
@@ -67,7 +66,7 @@ void describe_expect(FieldVisitor& v, Scenario& scenario) {
                         "the path of a number in metrics.json, such as gaze.in_view_ratio");
         }
       },
-      "what the run must reach; exit status 3 otherwise");
+      "ranges of figures that the run must reach; exit status 3 otherwise");
 }
 
 void describe_frame_detector(FieldVisitor& v, Scenario& s) {
@@ -96,17 +95,24 @@ void describe_calibration(FieldVisitor& v, MountedCamera& calibration, const Mou
 
 }  // namespace
 
+Scenario empty_scenario(const Registry& registry) {
+  Scenario scenario;
+  scenario.gaze.controller = registry.controllers.config();
+  scenario.gaze.gate = registry.gates.config();
+  scenario.output.formats = registry.formats;
+  return scenario;
+}
+
 void describe(FieldVisitor& v, Scenario& s) {
-  describe_name(v, s.name, "of the scenario, in reports and in the name of the run folder");
+  describe_name(v, s.name, "name of the scenario, in reports and of the run folder");
   v.text("description", s.description, "what happens, in a sentence");
-  v.integer("seed", s.seed, {0, 9e15}, "of everything random in the run");
+  v.integer("seed", s.seed, {0, 9e15}, "seed of all random numbers of the run");
   v.optional_section("world", s.world, "a world drawn from the seed, whose values the other keys change");
   v.section(
       "run",
       [&](FieldVisitor& w) {
         w.real("duration_s", s.run.duration_s, {0.01, 86400.0}, "simulated time");
-        w.integer("threads", s.run.threads, {1, 64},
-                  "processor cores to use; the result does not depend on it");
+        w.integer("threads", s.run.threads, {1, 64}, "number of threads; the result does not depend on it");
       },
       "the run");
   v.section(
@@ -136,21 +142,21 @@ void describe(FieldVisitor& v, Scenario& s) {
   }
   v.section(
       "calibration", [&](FieldVisitor& w) { describe_calibration(w, s.calibration, left); },
-      "the left camera as detectors and gaze assume it; by default as it is");
+      "assumed calibration of the left camera; by default the true one");
   if (s.sim.both_eyes()) {
     v.section(
         "right_calibration",
         [&](FieldVisitor& w) { describe_calibration(w, s.right_calibration, s.sim.right); },
-        "the right camera as detectors and gaze assume it");
+        "assumed calibration of the right camera");
   }
   v.section(
       "render",
       [&](FieldVisitor& w) {
-        w.choice("backend", s.sim.gl, GlContext::backends(), "OpenGL without a window");
+        w.choice("backend", s.sim.gl, GlContext::backends(), "OpenGL context, without a window");
         describe(w, s.sim.render);
         describe(w, s.sim.sampling);
       },
-      "how the eye's images are drawn");
+      "rendering of the eyes' images");
   v.section(
       "emulator", [&](FieldVisitor& w) { describe(w, s.sim.emulator); }, "the event camera's pixels");
   describe_detectors(v, s.detectors);
@@ -162,32 +168,35 @@ void describe(FieldVisitor& v, Scenario& s) {
       [&](FieldVisitor& w) {
         std::vector<std::string> drivers = {"none"};
         for (const auto& [name, config] : s.detectors) drivers.push_back(name);
-        w.choice("detector", s.gaze.detector, drivers, "which of the detectors drives the head");
+        w.choice("detector", s.gaze.detector, drivers,
+                 "detector that drives the head; none: the head is not moved");
         describe(w, s.gaze.gate);
         describe(w, s.gaze.controller);
         describe(w, s.gaze.follow);
         if (s.sim.both_eyes())
-          w.boolean("stereo", s.gaze.stereo, "the ball's distance by both eyes' bearings");
+          w.boolean("stereo", s.gaze.stereo,
+                    "whether the distance of the ball comes from triangulation with both eyes");
         w.require(s.gaze.controller.follows_targets() || s.gaze.detector == "none", "detector",
                   s.gaze.detector,
                   "none, for the controller `" + s.gaze.controller.controller + "` follows nothing");
       },
-      "from detections to gaze");
+      "detector, gate and gaze controller");
   v.section(
       "output",
       [&](FieldVisitor& w) {
-        w.boolean("video", s.output.video, "video.mp4 in the run folder");
-        const FormatRegistry formats = built_in_formats();
+        w.boolean("video", s.output.video, "whether the run folder gets video.mp4");
+        const FormatRegistry& formats = s.output.formats;
         w.choice("events", s.output.events, formats.run_choices(), "format of the event file");
         const std::vector<std::string> fitting = formats.run_choices_for(s.sim.camera.size, 2);
         std::string names;
         for (const std::string& name : fitting) names += (names.empty() ? "" : ", ") + name;
         w.require(!s.sim.both_eyes() || std::ranges::count(fitting, s.output.events) > 0, "events",
                   s.output.events, "a format that holds both eyes' images of this size: " + names);
-        w.boolean("labels", s.sim.labels, "labels.csv: what made each event");
-        w.integer("pictures", s.output.pictures, {0, 60}, "instants shown as pictures in the report");
+        w.boolean("labels", s.sim.labels, "whether the run folder gets labels.csv: the cause of each event");
+        w.integer("pictures", s.output.pictures, {0, 60},
+                  "number of instants that the report shows with images");
       },
-      "what the run folder holds");
+      "contents of the run folder");
   describe_expect(v, s);
 }
 
@@ -201,9 +210,7 @@ Scenario read_scenario(const std::filesystem::path& path, const std::vector<std:
 
 Scenario read_scenario(YamlTree tree, const std::filesystem::path& folder, const Registry& registry) {
   std::vector<std::string> required = {"name", "detectors"};
-  Scenario scenario;
-  scenario.gaze.controller = registry.controllers.config();
-  scenario.gaze.gate = registry.gates.config();
+  Scenario scenario = empty_scenario(registry);
   scenario.detectors = named_detectors_in(tree, registry.detectors, required);
   if (tree.root.find("world") != nullptr) {
     draw_defaults(tree, folder.string(), scenario);

@@ -59,12 +59,16 @@ struct Scenario {
 
   struct Output {
     bool video = false;
-    std::string events = "aedat";  ///< aedat or csv
+    std::string events = "aedat";  ///< a format of `formats`, of FormatRegistry::run_choices
+    FormatRegistry formats;        ///< of the program
     std::int64_t pictures = 10;    ///< how many instants the report shows in pictures
   } output;
 
   std::vector<Expectation> expect;
 };
+
+/// A scenario without detectors that can name what the registry holds; everything else has its default.
+[[nodiscard]] Scenario empty_scenario(const Registry& registry);
 
 /// Keys: those of a scenario file.
 void describe(FieldVisitor& v, Scenario& scenario);
@@ -88,7 +92,7 @@ void describe(FieldVisitor& v, Scenario& scenario);
 /// Whether `path`, such as gaze.in_view_ratio, is a number in metrics.json of a run of this scenario.
 [[nodiscard]] bool has_figure(const Scenario& scenario, const std::string& path);
 
-/// What of `expect` the metrics do not keep, one line each; empty when all is well.
+/// The figures that are outside the ranges of `expect`, one line each; empty if none is.
 [[nodiscard]] std::vector<std::string> unmet_expectations(const Scenario& scenario, const Metrics& metrics);
 
 /// Reads a file of detectors (key `detectors`), or the registry's defaults where `path` is empty. An assignment whose
@@ -100,7 +104,7 @@ void describe(FieldVisitor& v, Scenario& scenario);
 /// The detectors with every default, as YAML that reads back the same.
 [[nodiscard]] std::string resolved_detectors(NamedDetectors detectors);
 
-/// Reads what is believed of a camera: the block `calibration` of a file that `saccade calibrate` wrote or that has the
+/// Reads the assumed calibration of a camera: the block `calibration` of a file that `saccade calibrate` wrote or that has the
 /// same keys; a key of the lens that is missing is an error. Throws InputError with everything that is wrong.
 [[nodiscard]] MountedCamera read_calibration(const std::filesystem::path& path);
 

@@ -41,7 +41,7 @@ void draw_defaults(const YamlTree& tree, const std::string& folder, Scenario& sc
   const YamlNode* const driver = tree.root.find("gaze.detector");
   if (driver != nullptr && driver->text != "none") return;
   scenario.gaze.detector = "none";
-  ScriptConfig* const script = scenario.gaze.controller.configs.get_if<ScriptConfig>();
+  ScriptConfig* const script = scenario.gaze.controller.get_if<ScriptConfig>();
   if (drawn.motion == HeadMotion::still || script == nullptr) return;
   scenario.gaze.controller.controller = "script";
   *script = drawn.script;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <filesystem>
 #include <numeric>
 
 #include "apps/config/migrate.h"
@@ -19,7 +20,7 @@ std::string lower(std::string text) {
   return text;
 }
 
-/// A sign, digits, a fraction, an exponent; the decimal numbers that every reader understands alike.
+/// A sign, digits, a fraction, an exponent; the decimal numbers that every YAML reader reads the same.
 bool is_decimal(std::string_view text, bool whole) {
   std::size_t i = 0;
   const auto digits = [&] {
@@ -48,7 +49,7 @@ bool is_decimal(std::string_view text, bool whole) {
   return i == text.size();
 }
 
-/// Why something that looks like a number is none, or nothing.
+/// The reason why text that looks like a number is none; empty for other text.
 std::string_view number_note(const YamlNode& node) {
   if (node.kind != Kind::scalar) return {};
   if (node.quoted) return is_decimal(node.text, false) ? " (in quotes, so it is text)" : "";
@@ -60,7 +61,7 @@ std::string_view number_note(const YamlNode& node) {
   return is_digit(text[1]) ? " (leading zero)" : "";
 }
 
-/// Plain scalars that a reader of YAML may take for something else than text.
+/// Plain scalars that a YAML reader may read as a number, a boolean or null.
 bool reads_as_other_than_text(const YamlNode& node) {
   constexpr std::array<std::string_view, 4> words = {"true", "false", "null", "~"};
   const std::string text = lower(node.text);
@@ -224,6 +225,15 @@ void YamlReader::text(std::string_view key, std::string& value, std::string_view
   } else {
     value = node->text;
   }
+}
+
+void YamlReader::path(std::string_view key, std::string& value, std::string_view doc) {
+  text(key, value, doc);
+  const YamlNode* node = block_.node != nullptr ? block_.node->entry(key) : nullptr;
+  if (node == nullptr) return;
+  const bool in_file = node->mark.line > 0;
+  const auto path = in_file ? std::filesystem::path(folder_) / value : std::filesystem::path(value);
+  value = std::filesystem::absolute(path).lexically_normal().string();
 }
 
 void YamlReader::choice(std::string_view key, std::string& value, const std::vector<std::string>& options,

@@ -15,12 +15,12 @@
 namespace saccade {
 
 /// Reads a tree into config structs through their `describe`. A missing key leaves the default; a key that
-/// nobody describes is a problem, and so is every value that is not exactly what its key takes:
+/// no describe() names is a problem, and so is every value that its key does not take:
 ///   numbers    decimal, finite, in range, no leading zero, not in quotes; whole ones are digits alone
 ///   booleans   true or false
 ///   text       in quotes where it would read as a number, a boolean or null
-/// A field with a problem keeps its default. `require` is not evaluated in a block with a refused value, whose default
-/// it would judge.
+/// A field with a problem keeps its default. `require` is not evaluated in a block with a rejected value, because it
+/// would check the default instead.
 ///
 ///     YamlReader reader(tree, {"name", "ball.trajectory"});
 ///     describe(reader, scenario);
@@ -35,6 +35,7 @@ class YamlReader final : public FieldVisitor {
   void integer(std::string_view key, std::int64_t& value, Range range, std::string_view doc) override;
   void boolean(std::string_view key, bool& value, std::string_view doc) override;
   void text(std::string_view key, std::string& value, std::string_view doc) override;
+  void path(std::string_view key, std::string& value, std::string_view doc) override;
   void choice(std::string_view key, std::string& value, const std::vector<std::string>& options,
               std::string_view doc) override;
   void numbers(std::string_view key, std::span<double> values, Range range, std::string_view doc) override;

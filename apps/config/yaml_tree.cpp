@@ -122,7 +122,7 @@ class TreeBuilder final : public YAML::EventHandler {
     tree_.problems.push_back({mark, {tree_.place(mark, path), std::move(value), std::move(expectation)}});
   }
 
-  /// Complains about anchors and tags; true when there is a tag.
+  /// Reports anchors and tags as problems; true when there is a tag.
   bool check_decoration(const YAML::Mark& mark, std::string_view tag, YAML::anchor_t anchor) {
     const bool tagged = !tag.empty() && tag != "?";
     if (anchor != YAML::NullAnchor) complain(mark_of(mark), path(), "an anchor (&)", "the value alone");
@@ -182,7 +182,7 @@ class TreeBuilder final : public YAML::EventHandler {
   std::vector<Open> open_;
 };
 
-/// What yaml-cpp would take in silence: control characters (it ends a file at byte 4), bytes that are not
+/// Reports what yaml-cpp accepts without an error: control characters (it ends a file at byte 4), bytes that are not
 /// UTF-8, directives, tabs. Throws for the first two, which leave nothing worth reading.
 void check_bytes(YamlTree& tree, std::string_view text, bool from_set, std::string_view path) {
   TextMark mark{from_set ? 0 : 1, 0};
@@ -217,7 +217,7 @@ YamlNode parse_document(YamlTree& tree, std::string_view text, bool from_set, co
   std::istringstream stream{std::string(text)};
   try {
     YAML::Parser parser(stream);
-    // A third one is not asked for: after some rubbish the parser finds empty documents for ever.
+    // At most two are parsed: after some broken input the parser returns empty documents without end.
     if (parser.HandleNextDocument(builder)) parser.HandleNextDocument(builder);
   } catch (const YAML::Exception& error) {
     const TextMark mark = builder.mark_of(error.mark);

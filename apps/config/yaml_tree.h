@@ -18,7 +18,7 @@ struct TextMark {
   friend auto operator<=>(const TextMark&, const TextMark&) = default;
 };
 
-/// A piece of YAML as it was written; what a scalar means is the reader's business.
+/// A node of YAML as it was written. Scalars are text; YamlReader converts them.
 struct YamlNode {
   enum class Kind {
     nothing,  ///< no value, or null
@@ -46,7 +46,7 @@ struct YamlNode {
   [[nodiscard]] std::string one_line() const;
 };
 
-/// Where a problem is, for sorting, and what it is.
+/// A problem and its position, for sorting.
 struct MarkedProblem {
   TextMark mark;
   Problem problem;
@@ -63,21 +63,21 @@ struct YamlTree {
   [[nodiscard]] std::string place(TextMark mark, std::string_view path) const;
 };
 
-/// Reads a file of UTF-8 text, at most 1 MiB. Throws InputError where there is no tree to speak of: missing
+/// Reads a file of UTF-8 text, at most 1 MiB. Throws InputError where no tree can be built: missing
 /// or unreadable file, nothing in it, binary bytes, broken syntax, a root that is not a map.
 [[nodiscard]] YamlTree read_yaml_file(const std::filesystem::path& path);
 /// The same of a text; `file` is its name in messages.
 [[nodiscard]] YamlTree parse_yaml(std::string_view text, std::string file);
 
-/// Lays `key.path=value` over the tree: replaces the value there, or adds it with the maps on the way to it.
+/// Applies `key.path=value` to the tree: replaces the value there, or adds it with the maps on the way to it.
 /// The value is YAML: a number, true, a [list], a {map: 1}, text. The last of several for one path wins. What
 /// is wrong with it is added to tree.problems.
 void set_value(YamlTree& tree, std::string_view assignment);
 
-/// The same with a value that is there already, such as one from another file; messages speak of it as of `--set`.
+/// The same with a node, such as one from another file; messages name it as a `--set`.
 void set_node(YamlTree& tree, std::string_view path, YamlNode value);
 
-/// Takes a key and what is below it out of the tree, where it is there.
+/// Removes a key and everything below it, if it exists.
 void remove_node(YamlTree& tree, std::string_view path);
 
 /// Throws InputError with the problems in file order, those of `--set` last, when there are any.

@@ -84,7 +84,7 @@ DeployRecorder::DeployRecorder(std::filesystem::path folder, const RobotFile& ro
       detectors_(loop.detectors().size()),
       last_joints_us_(std::numeric_limits<std::int64_t>::min()) {
   if (facts_.record) {
-    events_ = create_event_file(folder_ / ("events." + robot.output.events), image_);
+    events_ = create_event_file(robot.output.formats, folder_ / ("events." + robot.output.events), image_);
     joints_.emplace(folder_ / "joints.csv");
   }
   writer_ = std::thread([this] { work(); });
@@ -337,7 +337,7 @@ void DeployRecorder::write_summary() const {
   using Json = nlohmann::json;
   Json json = {{"schema", 1},
                {"robot", robot_.name},
-               {"backend", robot_.backend},
+               {"backend", robot_.robot.backend},
                {"dry_run", facts_.dry_run},
                {"scheduling", scheduling_},
                {"ticks",

@@ -12,7 +12,6 @@
 #include "apps/deploy/deploy_session.h"
 #include "apps/deploy/keyboard.h"
 #include "apps/deploy/real_time.h"
-#include "apps/deploy/robot_backends.h"
 #include "apps/session/interrupt.h"
 #include "apps/session/run_folder.h"
 #include "apps/session/version.h"
@@ -64,7 +63,7 @@ void run_session(DeploySession& session, OperatorRequests& requests, Clock& cloc
 void deploy(const DeployOptions& options, const Registry& registry) {
   const RobotFile file = read_robot_file(options.robot, options.assignments, registry);
   catch_interrupts();
-  std::unique_ptr<Robot> robot = open_robot(file);
+  std::unique_ptr<Robot> robot = open_robot(file.robot, robot_context(file));
   if (options.dry_run) robot = std::make_unique<DryRobot>(std::move(robot));
   DeployFacts facts;
   facts.checks = start_up_checks(*robot, file);
@@ -74,7 +73,8 @@ void deploy(const DeployOptions& options, const Registry& registry) {
 
   const std::filesystem::path folder =
       options.out.empty() ? std::filesystem::path("runs") / file.name : options.out;
-  start_run_folder(folder, options.force, "robot.yaml", version_line() + "\n" + resolved_robot_file(file));
+  start_run_folder(folder, options.force, file.output.formats, "robot.yaml",
+                   version_line() + "\n" + resolved_robot_file(file));
 
   Loop loop = make_deploy_loop(*robot, file);
   OperatorRequests requests;
@@ -101,7 +101,7 @@ void deploy(const DeployOptions& options, const Registry& registry) {
     run_session(session, requests, robot->clock(), end_us, has_operator);
   }
   recorder.finish();
-  write_report(folder);
+  write_report(folder, file.output.formats);
   fmt::print("{}\n", (folder / "report.html").string());
   if (session.state() == DeployState::stopped && is_fault(session.last_stop()->cause))
     throw RunError("the head was stopped: " + session.last_stop()->description());

@@ -1,13 +1,12 @@
 #include "apps/deploy/robot_backends.h"
 
-#include <array>
 #include <filesystem>
-#include <string>
 
-#include "apps/config/robot_file.h"
 #include "core/error.h"
 #include "evaluation/scoring/metrics.h"
+#include "recording/event_file.h"
 #include "robot/replay/paced_replay.h"
+#include "robot/yarp/yarp_config.h"
 #ifdef SACCADE_YARP
 #include "robot/yarp/yarp_robot.h"
 #endif
@@ -15,50 +14,50 @@
 namespace saccade {
 namespace {
 
-std::unique_ptr<Robot> open_recording(const RobotFile& file) {
-  const std::filesystem::path path = file.recording.path;
+std::unique_ptr<Robot> open_recording(const RecordingBackendConfig& config, const RobotContext& context) {
+  const std::filesystem::path path = config.path;
   std::filesystem::path events = path;
   std::optional<RecordedHead> head;
   if (std::filesystem::is_directory(path)) {
     events = path / read_metrics(path / "metrics.json").events_file;
     const std::filesystem::path joints = path / "joints.csv";
     if (std::filesystem::exists(joints))
-      head.emplace(RecordedHead{TableReader<JointsRow>(joints), joint_limits(file.limits)});
+      head.emplace(RecordedHead{TableReader<JointsRow>(joints), context.limits});
   }
   EventReadOptions read;
   read.camera = std::uint8_t{0};
-  read.image_size = file.calibration.camera.size;
-  return std::make_unique<PacedReplay>(path.filename().string(), open_event_file(events, read),
-                                       std::move(head), file.recording.speed);
+  read.image_size = context.image_size;
+  return std::make_unique<PacedReplay>(path.filename().string(),
+                                       open_event_file(context.formats, events, read), std::move(head),
+                                       config.speed);
 }
 
 #ifdef SACCADE_YARP
-std::unique_ptr<Robot> open_yarp(const RobotFile& file) {
-  return std::make_unique<YarpRobot>(file.yarp, joint_limits(file.limits));
+std::unique_ptr<Robot> open_yarp(const YarpConfig& config, const RobotContext& context) {
+  return std::make_unique<YarpRobot>(config, context.limits);
 }
 #else
-std::unique_ptr<Robot> open_yarp(const RobotFile& file) {
-  throw InputError("backend", file.backend,
+std::unique_ptr<Robot> open_yarp(const YarpConfig&, const RobotContext&) {
+  throw InputError("backend", "yarp",
                    "recording: this build has no YARP; docs/robot.md describes how to install it");
 }
 #endif
 
-constexpr std::array<RobotBackend, 2> backends_of_this_build = {{
-    {"recording", "an event file or run folder, replayed in real time", open_recording},
-    {"yarp", "an iCub on a YARP network", open_yarp},
-}};
-
 }  // namespace
 
-std::span<const RobotBackend> robot_backends() { return backends_of_this_build; }
+void describe(FieldVisitor& v, RecordingBackendConfig& config) {
+  v.path("path", config.path, "event file, or run folder with joints");
+  v.real("speed", config.speed, {0.01, 100.0}, "seconds of the recording per second");
+}
 
-std::unique_ptr<Robot> open_robot(const RobotFile& file, std::span<const RobotBackend> backends) {
-  std::string names;
-  for (const RobotBackend& backend : backends) {
-    if (backend.name == file.backend) return backend.open(file);
-    names += (names.empty() ? "" : ", ") + std::string(backend.name);
-  }
-  throw InputError("backend", file.backend, "one of " + names);
+BackendRegistry built_in_backends() {
+  BackendRegistry registry;
+  RobotBackend recording = backend_row("recording", "an event file or run folder, replayed in real time",
+                                       RecordingBackendConfig{}, open_recording);
+  recording.required = {"path"};
+  registry.add(std::move(recording));
+  registry.add(backend_row("yarp", "an iCub on a YARP network", YarpConfig{}, open_yarp));
+  return registry;
 }
 
 }  // namespace saccade

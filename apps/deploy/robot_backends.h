@@ -1,28 +1,22 @@
 #pragma once
 
-#include <memory>
-#include <span>
-#include <string_view>
+#include <string>
+
+#include "core/config.h"
+#include "robot/backend_registry.h"
 
 namespace saccade {
 
-struct RobotFile;
-class Robot;
-
-/// A kind of robot that `backend` in a robot file can name.
-struct RobotBackend {
-  std::string_view name;
-  std::string_view meaning;
-  /// Connects to the robot of the file. Throws InputError if this build has no such backend or the recording cannot be
-  /// read, RunError if the robot does not answer.
-  std::unique_ptr<Robot> (*open)(const RobotFile& file);
+/// The backend `recording`: a recording that replaces the robot.
+struct RecordingBackendConfig {
+  std::string path;    ///< event file, or run folder with joints
+  double speed = 1.0;  ///< seconds of the recording per second
 };
 
-/// The backends of this build: recording, yarp.
-[[nodiscard]] std::span<const RobotBackend> robot_backends();
+/// Keys: path, speed.
+void describe(FieldVisitor& v, RecordingBackendConfig& config);
 
-/// Connects to the robot that the file names. Throws as RobotBackend::open does, InputError for an unknown backend.
-[[nodiscard]] std::unique_ptr<Robot> open_robot(const RobotFile& file,
-                                                std::span<const RobotBackend> backends = robot_backends());
+/// The backends that saccade ships: recording, yarp. Without YARP in this build, yarp can be configured but not opened.
+[[nodiscard]] BackendRegistry built_in_backends();
 
 }  // namespace saccade

@@ -11,11 +11,11 @@
 #include "control/neck_solver.h"
 #include "control/target.h"
 #include "core/error.h"
+#include "core/units.h"
 
 namespace saccade {
 namespace {
 
-constexpr double deg_per_rad = 180.0 / std::numbers::pi;
 constexpr double least_vergence_deg = 0.5;
 constexpr double bound_slack_rad = 0.1 / deg_per_rad;  // around a joint that is bound to one value
 constexpr double still_rad_s = 0.5 / deg_per_rad;
@@ -42,7 +42,7 @@ std::optional<Joint> neck_joint(const std::string& name) {
   return std::nullopt;
 }
 
-/// The range of a joint inside the hardware's; around the middle of what is left where that is hardly a range.
+/// The requested range of a joint, clipped to the limits of the hardware; at least a small range around its middle.
 void bind_joint(JointLimits& limits, const JointLimits& hardware, Joint joint, double min_rad,
                 double max_rad) {
   double min = std::clamp(min_rad, hardware.min_rad[joint], hardware.max_rad[joint]);
@@ -57,7 +57,7 @@ void bind_joint(JointLimits& limits, const JointLimits& hardware, Joint joint, d
   limits.max_rad[joint] = max;
 }
 
-/// On the axis through a pixel of a pinhole camera, at this depth; eye frame.
+/// The point on the ray through a pixel of a pinhole camera at a depth; eye frame.
 Eigen::Vector3d through_pixel(const Camera& camera, double u_px, double v_px, double z_m) {
   return z_m *
          Eigen::Vector3d((u_px - camera.cx_px) / camera.fx_px, (v_px - camera.cy_px) / camera.fy_px, 1.0);
@@ -65,7 +65,7 @@ Eigen::Vector3d through_pixel(const Camera& camera, double u_px, double v_px, do
 
 }  // namespace
 
-/// A request word by word.
+/// Reads a request word by word.
 class GazeServer::Words {
  public:
   explicit Words(const std::string& text) {
@@ -80,7 +80,7 @@ class GazeServer::Words {
     }
   }
   std::string next() { return at_ < words_.size() ? words_[at_++] : std::string(); }
-  /// All that is left as numbers; none where that are not exactly so many finite ones.
+  /// The remaining words as numbers; none unless they are exactly that many finite numbers.
   std::optional<Eigen::VectorXd> numbers(int count) {
     Eigen::VectorXd values(count);
     for (int i = 0; i < count; ++i) {
@@ -212,7 +212,7 @@ Eigen::Vector3d GazeServer::angles_deg() const {
   const CyclopeanEye eye(upright);
   const HeadKinematics head(q);
   const FixationPoint fixation = head.fixation();
-  // Where the axes do not meet, far along the left one.
+  // If the axes do not intersect: a distant point on the left axis.
   const Eigen::Vector3d seen =
       eye.see(fixation.valid ? fixation.point_m : head.root_from_eye(Eye::left) * Eigen::Vector3d(0, 0, 10));
   return Eigen::Vector3d(std::atan2(seen.x(), seen.z()),
@@ -274,7 +274,7 @@ std::string GazeServer::get(Words& words) const {
   return std::string(nack);
 }
 
-/// Settings become the controller's, or stay what they were where it refuses them.
+/// Applies settings to the controller; keeps the previous ones if it rejects them.
 std::string GazeServer::adopt(Settings settings) {
   std::swap(settings_, settings);
   try {
@@ -295,7 +295,7 @@ std::string GazeServer::set(Words& words) {
   const double value = (*values)[0];
   Settings settings = settings_;
   IkinGazeConfig& gaze = settings.gaze;
-  // As iKinGazeCtrl: the eyes take 0.1 s at least, the neck 0.2 s more than the eyes.
+  // As in iKinGazeCtrl: at least 0.1 s for the eyes, and 0.2 s more for the neck.
   if (what == "Teyes") {
     gaze.eyes_time_s = std::max(value, 0.1);
     gaze.neck_time_s = std::max(gaze.neck_time_s, gaze.eyes_time_s + 0.2);

@@ -18,12 +18,12 @@ namespace saccade {
 /// its reply are text as YARP writes a message, words, numbers and lists in brackets; the position of brackets does not
 /// matter. Angles in deg, lengths in m, points in the root frame, pixels of the image without distortion.
 ///
-///     look 3D (x y z)                     [ack], [nack] where the head may not look there
+///     look 3D (x y z)                     [ack], or [nack] if the head cannot look there
 ///     look mono (left|right u v z)        z: depth along that eye's axis
 ///     look stereo (ul vl ur vr)
 ///     look ang (abs|rel azi ele ver)      azimuth + right, elevation + up; abs: from the head with the neck at 0
 ///     get x | q | angles | done           [ack] (x y z) | (torso, head) | (azi ele ver) | 0 or 1
-///     get 3D mono|stereo|ang (...)        [ack] (x y z), what look would look at
+///     get 3D mono|stereo|ang (...)        [ack] (x y z), the target of the same look request
 ///     get 2D (left|right x y z)           [ack] (u v)
 ///     get pose left|right|head            [ack] (x y z and axis, angle in rad)
 ///     set|get Tneck|Teyes|sacc|sact|sinh  times s, saccades 0 or 1, their least angle deg, least interval s

@@ -104,7 +104,7 @@ int serve(const ServeOptions& options, const Registry& registry) {
   set_rasterisers(scenario.run.threads);
   SimRobot robot(scenario.sim, static_cast<std::uint64_t>(scenario.seed));
   start_run_folder(
-      folder, options.force, "scenario.yaml",
+      folder, options.force, registry.formats, "scenario.yaml",
       version_line() + ", served; " + robot.gl_description() + "\n" + resolved_scenario(scenario));
   Progress progress(options.endless ? 0.0 : scenario.run.duration_s);
   LogFile log(folder / "log.txt", [&](const std::string& line) { progress.print_line(line); });
@@ -137,7 +137,7 @@ int serve(const ServeOptions& options, const Registry& registry) {
                               100.0 * paced.busy_s() / std::max(loop_s, 1e-9), paced.latest_ms(),
                               paced.slipped_s()));
   log.commit();
-  finish_run_folder(folder, recorder.finish(loop_s, settings_of(options.assignments)));
+  finish_run_folder(folder, recorder.finish(loop_s, settings_of(options.assignments)), registry.formats);
   return 0;
 }
 

@@ -43,7 +43,7 @@ std::vector<std::string> names_of(std::span<const Joint> joints) {
 }
 
 IkinGazeConfig ikingaze_of(GazeControllerConfig config) {
-  const IkinGazeConfig* const ikingaze = config.configs.get_if<IkinGazeConfig>();
+  const IkinGazeConfig* const ikingaze = config.get_if<IkinGazeConfig>();
   return ikingaze != nullptr ? *ikingaze : IkinGazeConfig{};
 }
 

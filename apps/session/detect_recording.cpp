@@ -50,9 +50,9 @@ std::string seconds(TimeSpan span) {
 }
 
 /// Of all events of a file; none where it has none.
-std::optional<TimeSpan> event_span(const std::filesystem::path& path, const EventReadOptions& options) {
+std::optional<TimeSpan> event_span(const Played& played, const FormatRegistry& formats) {
   constexpr std::size_t block_events = 1 << 16;
-  const auto reader = open_event_file(path, options);
+  const auto reader = open_event_file(formats, played.events, played.read);
   std::optional<TimeSpan> span;
   std::vector<Event> block;
   for (; reader->read(block, block_events) > 0; block.clear()) {
@@ -66,13 +66,14 @@ std::optional<TimeSpan> event_span(const std::filesystem::path& path, const Even
 }
 
 /// Throws InputError where no row of truth lies in the time of the events.
-void check_truth_span(const Played& played, std::optional<std::int64_t> last_event_us, std::int64_t start_us,
+void check_truth_span(const Played& played, const FormatRegistry& formats,
+                      std::optional<std::int64_t> last_event_us, std::int64_t start_us,
                       const std::string& place) {
   const TimeSpan truth{played.truth.front().t_us, played.truth.back().t_us};
   const bool before = truth.last_us < start_us;
   const bool after = last_event_us && truth.first_us - sparse_window_us > *last_event_us;
   if (!before && !after) return;
-  const std::optional<TimeSpan> events = event_span(played.events, played.read);
+  const std::optional<TimeSpan> events = event_span(played, formats);
   if (!events) return;
   throw InputError(place, fmt::format("truth {}, events {}", seconds(truth), seconds(*events)),
                    fmt::format("truth in the clock of the events; with {} us added to its t_us both start at "
@@ -126,11 +127,12 @@ void write_table(const std::filesystem::path& path, std::span<const Row> rows) {
 void detect_recording(const NamedDetectors& named, const DetectSettings& settings) {
   Played played = open_played(settings.input, settings.truth);
   apply(settings, played);
+  const FormatRegistry& formats = settings.input.formats;
   const std::string recording = settings.input.recording.string();
-  ReplayRobot robot(open_event_file(played.events, played.read), std::move(played.head));
+  ReplayRobot robot(open_event_file(formats, played.events, played.read), std::move(played.head));
   const MountedCamera camera = fitting_camera(settings, played, robot.image_size());
   Loop loop(robot, camera, make_detectors(named, camera.camera), std::nullopt, played.eye);
-  if (!settings.folder.empty()) prepare_run_folder(settings.folder, settings.force);
+  if (!settings.folder.empty()) prepare_run_folder(settings.folder, settings.force, formats);
   RecordedScores scores(loop, played.truth, played.chances,
                         settings.folder.empty() ? "" : settings.folder / "detections.csv");
 
@@ -145,7 +147,7 @@ void detect_recording(const NamedDetectors& named, const DetectSettings& setting
   }
   const double wall_s = session.wall_s();
   if (!played.truth.empty() && !interrupted())
-    check_truth_span(played, scores.last_event_us(), start_us,
+    check_truth_span(played, formats, scores.last_event_us(), start_us,
                      settings.truth.empty() ? recording : settings.truth.string());
   const RejectedEvents rejected = robot.rejected();
   if (scores.event_count() == 0 && robot.events_before_start() > 0 && !interrupted())
@@ -184,15 +186,11 @@ void detect_recording(const NamedDetectors& named, const DetectSettings& setting
     if (interrupted()) throw RunError("interrupted; what was found until then is scored");
     return;
   }
-  {
-    OutputFile resolved(settings.folder / "detectors.yaml");
-    resolved.write(resolved_detectors(named));
-    resolved.commit();
-  }
+  write_file(settings.folder / "detectors.yaml", resolved_detectors(named));
   if (!played.truth.empty()) write_table<TruthRow>(settings.folder / "truth.csv", played.truth);
   write_metrics(settings.folder / run_file::metrics, metrics);
   write_figures(settings.folder / run_file::figures_json, metrics);
-  finish_run_folder(settings.folder, metrics);
+  finish_run_folder(settings.folder, metrics, formats);
 }
 
 }  // namespace saccade

@@ -15,7 +15,7 @@ namespace {
 Eye played_eye(const ReadOptions& options, const std::filesystem::path& events) {
   if (options.read.camera) return static_cast<Eye>(*options.read.camera);
   std::vector<Event> block;
-  open_event_file(events, options.read)->read(block, 1 << 16);
+  open_event_file(options.formats, events, options.read)->read(block, 1 << 16);
   const bool right =
       !block.empty() && std::ranges::all_of(block, [](const Event& e) { return e.camera == 1; });
   return right ? Eye::right : Eye::left;
@@ -35,7 +35,7 @@ struct Beginning {
 
 Beginning beginning_of(const Played& played) {
   constexpr std::size_t looked_at = 1 << 18;
-  const auto reader = open_event_file(played.events, played.read);
+  const auto reader = open_event_file(played.formats, played.events, played.read);
   std::vector<Event> events;
   while (events.size() < looked_at && reader->read(events, looked_at) > 0) {
   }
@@ -47,19 +47,21 @@ Beginning beginning_of(const Played& played) {
 
 }  // namespace
 
-bool is_run_folder(const std::filesystem::path& recording) {
-  return std::filesystem::is_directory(recording) && !is_log_folder(recording);
+bool is_run_folder(const ReadOptions& options) {
+  const std::filesystem::path& recording = options.recording;
+  return std::filesystem::is_directory(recording) && options.formats.file_of(recording) == recording;
 }
 
-std::filesystem::path events_of(const std::filesystem::path& recording) {
-  if (!is_run_folder(recording)) return recording;
-  return recording / read_metrics(recording / "metrics.json").events_file;
+std::filesystem::path events_of(const ReadOptions& options) {
+  if (!is_run_folder(options)) return options.recording;
+  return options.recording / read_metrics(options.recording / "metrics.json").events_file;
 }
 
 Played open_played(const ReadOptions& options, std::filesystem::path truth) {
   Played played;
   played.events = options.recording;
-  if (is_run_folder(options.recording)) {
+  played.formats = options.formats;
+  if (is_run_folder(options)) {
     const Metrics metrics = read_metrics(options.recording / "metrics.json");
     played.events = options.recording / metrics.events_file;
     played.eye = played_eye(options, played.events);

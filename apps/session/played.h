@@ -8,6 +8,7 @@
 #include "core/camera.h"
 #include "evaluation/scoring/scoring.h"
 #include "recording/event_file.h"
+#include "recording/format_registry.h"
 #include "robot/replay/replay_robot.h"
 
 namespace saccade {
@@ -16,18 +17,21 @@ namespace saccade {
 struct ReadOptions {
   std::filesystem::path recording;
   EventReadOptions read;
+  FormatRegistry formats;  ///< of the program
 };
 
-/// Whether the path is the folder of a run or of detect; otherwise it is a file, or a folder with an event-driven log.
-[[nodiscard]] bool is_run_folder(const std::filesystem::path& recording);
-/// The event file of a run folder, as its metrics.json names it; any other path unchanged. Throws InputError if
+/// Whether the recording is the folder of a run or of detect; otherwise it is a file, or a folder that is a recording of
+/// one of the formats.
+[[nodiscard]] bool is_run_folder(const ReadOptions& options);
+/// The event file of a run folder, as its metrics.json names it; any other recording unchanged. Throws InputError if
 /// metrics.json is missing or broken.
-[[nodiscard]] std::filesystem::path events_of(const std::filesystem::path& recording);
+[[nodiscard]] std::filesystem::path events_of(const ReadOptions& options);
 
 /// A recording to replay: a bare event file, or a run folder with its camera, joints and ground truth.
 struct Played {
   std::filesystem::path events;
-  EventReadOptions read;  ///< of the events of one eye
+  EventReadOptions read;   ///< of the events of one eye
+  FormatRegistry formats;  ///< of the program
   Eye eye = Eye::left;
   MountedCamera camera{Camera{}.without_lens(), {}};  // a bare recording: unknown camera
   std::optional<RecordedHead> head;

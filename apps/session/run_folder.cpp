@@ -9,7 +9,6 @@
 #include "apps/session/summary.h"
 #include "core/error.h"
 #include "evaluation/report/report.h"
-#include "recording/format_registry.h"
 #include "recording/output_file.h"
 #include "recording/run_file_names.h"
 
@@ -20,14 +19,14 @@ namespace fs = std::filesystem;
 
 }  // namespace
 
-void prepare_run_folder(const fs::path& folder, bool force) {
+void prepare_run_folder(const fs::path& folder, bool force, const FormatRegistry& formats) {
   std::error_code error;
   if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
     throw InputError(folder.string(), "a file", "a folder for the run");
   }
   if (fs::exists(folder, error) && !fs::is_empty(folder, error)) {
     if (!force) throw InputError(folder.string(), "a folder that is not empty", "a new one, or --force");
-    const std::vector<std::string> names_of_a_run = run_file_names(built_in_formats());
+    const std::vector<std::string> names_of_a_run = run_file_names(formats);
     bool holds_a_run = false;
     for (const std::string& name : names_of_a_run) holds_a_run |= fs::exists(folder / name, error);
     if (!holds_a_run) {
@@ -47,15 +46,14 @@ void prepare_run_folder(const fs::path& folder, bool force) {
   if (error) throw RunError(folder.string() + ": cannot make the folder: " + error.message());
 }
 
-void start_run_folder(const fs::path& folder, bool force, const std::string& name, const std::string& text) {
-  prepare_run_folder(folder, force);
-  OutputFile file(folder / name);
-  file.write(text);
-  file.commit();
+void start_run_folder(const fs::path& folder, bool force, const FormatRegistry& formats,
+                      const std::string& name, const std::string& text) {
+  prepare_run_folder(folder, force, formats);
+  write_file(folder / name, text);
 }
 
-void finish_run_folder(const fs::path& folder, const Metrics& metrics) {
-  write_report(folder);
+void finish_run_folder(const fs::path& folder, const Metrics& metrics, const FormatRegistry& formats) {
+  write_report(folder, formats);
   print_summary(metrics);
   fmt::print("{}\n", (folder / "report.html").string());
   if (interrupted()) throw RunError("interrupted; the run folder holds what happened until then");

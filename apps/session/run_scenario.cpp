@@ -51,7 +51,7 @@ int run_scenario(const Scenario& scenario, const RunSettings& settings) {
   const std::filesystem::path folder =
       settings.folder.empty() ? std::filesystem::path("runs") / scenario.name : settings.folder;
   SimRobot robot(scenario.sim, static_cast<std::uint64_t>(scenario.seed));
-  start_run_folder(folder, settings.force, "scenario.yaml",
+  start_run_folder(folder, settings.force, scenario.output.formats, "scenario.yaml",
                    version_line() + "; " + robot.gl_description() + "\n" + resolved_scenario(scenario));
   Loop loop = make_loop(scenario, robot);
   const AtEnd close(settings.close);
@@ -82,7 +82,7 @@ int run_scenario(const Scenario& scenario, const RunSettings& settings) {
   log.finish();
   log_file.commit();
   const Metrics metrics = recorder.finish(wall_s, settings_of(settings.assignments));
-  finish_run_folder(folder, metrics);
+  finish_run_folder(folder, metrics, scenario.output.formats);
   const std::vector<std::string> unmet = unmet_expectations(scenario, metrics);
   for (const std::string& line : unmet) fmt::print(stderr, "saccade: {}\n", line);
   return unmet.empty() ? 0 : 3;

@@ -24,7 +24,7 @@ constexpr std::string_view axis_expectation =
     "a list of values, or a block with one of range, log_range, random, latin_hypercube, seeds, cases";
 constexpr double most_values = 1e5;
 
-/// An axis whose values are computed, as the file has it.
+/// The keys of an axis whose values are computed.
 struct DrawnAxis {
   std::string kind;
   std::array<double, 2> range = {0.0, 1.0};
@@ -52,7 +52,7 @@ void describe(FieldVisitor& v, DrawnAxis& axis) {
             "values above 0, for a logarithm");
 }
 
-/// The value that far (0 to 1) along the range, with at most 12 digits.
+/// The value at a share (0 to 1) of the range, with at most 12 digits.
 double value_at(const DrawnAxis& axis, double share) {
   const double low = axis.range[0];
   const double high = axis.range[1];
@@ -62,7 +62,7 @@ double value_at(const DrawnAxis& axis, double share) {
   return std::stod(fmt::format("{:.12g}", value));
 }
 
-/// The stretch of a Latin hypercube's axis that sample `i` of `count` lies in: a permutation by sorting random numbers.
+/// The interval of a Latin hypercube's axis that contains sample `i` of `count`: a permutation by sorting random numbers.
 std::vector<std::size_t> strata(const RandomStream& random, std::size_t count) {
   std::vector<std::size_t> order(count);
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -96,7 +96,7 @@ std::vector<double> values_of(const DrawnAxis& axis, const std::string& key, std
   return values;
 }
 
-/// A number as YAML has it, without an exponent's letters where a whole number is read.
+/// A number in YAML, without an exponent for whole numbers.
 std::string number_text(double value) {
   return std::abs(value) < 1e15 && value == std::floor(value) ? fmt::format("{:.0f}", value) : text_of(value);
 }
@@ -133,7 +133,7 @@ class SweepReader {
   [[nodiscard]] SweepConfig result() && { return std::move(config_); }
 
  private:
-  /// A value that only this class understands, out of the tree.
+  /// Removes a value that YamlReader does not read from the tree.
   YamlNode take(const std::string& block, const std::string& key = {}) {
     YamlNode* map = &tree_.root;
     if (!key.empty()) {
@@ -267,7 +267,7 @@ class SweepReader {
     }
   }
 
-  /// Two axes, or an axis and `set`, on one key.
+  /// Reports keys that two axes, or an axis and `set`, change.
   void check_keys() {
     const auto keys_of = [](const SweepAxis& axis) {
       std::set<std::string> keys;
@@ -369,7 +369,7 @@ class SweepReader {
     }
   }
 
-  /// What a reader found, beside what was found here.
+  /// Adds the problems of a reader to those found here.
   void collect(YamlReader& reader, TextMark mark) {
     try {
       reader.finish();
@@ -392,18 +392,19 @@ class SweepReader {
 }  // namespace
 
 void describe(FieldVisitor& v, SweepConfig& config) {
-  describe_name(v, config.name, "of the sweep, in its report and in the name of its folder");
-  v.text("description", config.description, "what it asks, in a sentence");
+  describe_name(v, config.name, "name of the sweep, in its report and of its folder");
+  v.text("description", config.description, "the question of the sweep, in a sentence");
   std::string scenario = config.scenario.string();
   v.text("scenario", scenario, "scenario file");
   config.scenario = scenario;
-  v.integer("samples", config.samples, {1, most_values}, "points of random and latin_hypercube");
+  v.integer("samples", config.samples, {1, most_values},
+            "number of points of random and latin_hypercube axes");
   v.integer("sample_seed", config.sample_seed, {0, 9e15}, "seed of these points");
   v.section(
       "report",
       [&](FieldVisitor& w) {
-        w.integer("worst", config.report.worst, {0, 100}, "worst runs that get a report");
-        w.choice("worst_is", config.report.worst_is, {"lowest", "highest"}, "which values are bad");
+        w.integer("worst", config.report.worst, {0, 100}, "number of worst runs that get a report");
+        w.choice("worst_is", config.report.worst_is, "whether low or high values of the main metric are bad");
       },
       "the report");
 }

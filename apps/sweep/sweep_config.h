@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -8,10 +9,9 @@
 #include <vector>
 
 #include "apps/config/yaml_tree.h"
+#include "core/config.h"
 
 namespace saccade {
-
-class FieldVisitor;
 
 /// A value for a key of the scenario.
 struct SweepSetting {
@@ -26,7 +26,7 @@ struct SweepValue {
   std::vector<SweepSetting> settings;
 };
 
-/// Something that is varied. Axes are crossed with one another; those that are `sampled` take their i-th value
+/// A key or a group of keys that is varied. Axes are crossed with one another; those that are `sampled` take their i-th value
 /// together.
 struct SweepAxis {
   std::string key;  ///< of the scenario, or the name of its `cases`
@@ -35,7 +35,7 @@ struct SweepAxis {
   std::vector<SweepValue> values;
 };
 
-/// What a combination must be like for a rule to hold of it: all conditions at once.
+/// A rule matches a combination if all of its conditions do.
 struct SweepCondition {
   std::size_t axis = 0;
   std::string relation;  ///< one_of, not, below, above, at_least, at_most
@@ -43,6 +43,12 @@ struct SweepCondition {
   std::optional<std::size_t> other;  ///< an axis to compare with instead of operands
 };
 using SweepRule = std::vector<SweepCondition>;
+
+/// Which values of a sweep's main metric are the worst.
+enum class WorstValue { lowest, highest };
+constexpr auto words_of(WorstValue) {
+  return std::to_array<Word<WorstValue>>({{WorstValue::lowest, "lowest"}, {WorstValue::highest, "highest"}});
+}
 
 /// Many runs of one scenario, as a sweep file describes them.
 ///
@@ -70,14 +76,14 @@ struct SweepConfig {
     /// Paths of numbers in metrics.json, the main one first.
     std::vector<SweepSetting> metrics;
     std::int64_t worst = 3;  ///< so many of the worst runs are run once more, with a report of their own
-    std::string worst_is = "lowest";  ///< or highest: which values of the first metric are bad
+    WorstValue worst_is = WorstValue::lowest;
   } report;
 };
 
 /// Keys of a sweep file with a value of their own: all but set, axes, except, only and report.metrics.
 void describe(FieldVisitor& v, SweepConfig& config);
 
-/// Reads a sweep file; `assignments` are the `key=value` of --set, which take the place of what `set` has for that key.
+/// Reads a sweep file; `assignments` are the `key=value` of --set, which replace the values of `set` for their keys.
 /// The scenario is not read. Throws InputError with everything that is wrong.
 [[nodiscard]] SweepConfig read_sweep(const std::filesystem::path& path,
                                      const std::vector<std::string>& assignments);

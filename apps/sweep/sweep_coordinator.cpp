@@ -20,19 +20,13 @@ namespace saccade {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
+using SweepClock = std::chrono::steady_clock;
 
 constexpr int rounds_without_progress = 3;
 
 std::string bytes_of(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
-}
-
-void write_text(const fs::path& path, const std::string& text) {
-  OutputFile file(path);
-  file.write(text);
-  file.commit();
 }
 
 }  // namespace
@@ -53,7 +47,7 @@ SweepCoordinator::SweepCoordinator(const SweepEngineConfig& engine, const SweepP
     if (retry) fs::remove(folder / "failure.txt");
     if (sweep_.has_result(run.id)) continue;
     fs::create_directories(folder);
-    // No run waits for this file to be safe on the disk: the next start writes it again.
+    // Not synced to the disk: the next start writes this file again.
     std::ofstream(folder / "scenario.yaml", std::ios::binary) << run.scenario;
     if (bytes_of(folder / "scenario.yaml") != run.scenario) {
       throw DiskFull((folder / "scenario.yaml").string() + ": cannot be written");
@@ -65,15 +59,15 @@ SweepCoordinator::SweepCoordinator(const SweepEngineConfig& engine, const SweepP
   store_ = std::make_unique<SweepStore>(sweep_);
 }
 
-/// Collects results until the engine has no more to do.
+/// Collects results until no run is in progress.
 template <class Show>
 void SweepCoordinator::wait(const Show& show) {
   for (bool busy = true; busy;) {
     busy = engine_->busy();
-    const auto begin = Clock::now();
+    const auto begin = SweepClock::now();
     collect();
     show();
-    const double cost_s = std::chrono::duration<double>(Clock::now() - begin).count();
+    const double cost_s = std::chrono::duration<double>(SweepClock::now() - begin).count();
     if (busy) pause(std::max(0.2, 20.0 * cost_s));
   }
 }
@@ -83,12 +77,12 @@ void SweepCoordinator::make_missing_runs() {
   fmt::print(stderr, "{} runs, {} of them different; {} have a result\n", plan_.runs.size(), distinct_, had);
   Progress progress(static_cast<double>(missing_.size()));
   const std::size_t to_do = missing_.size();
-  const auto begin = Clock::now();
+  const auto begin = SweepClock::now();
   const auto show = [&] {
     const std::size_t done = to_do - missing_.size();
     if (done == 0) return;
     progress.show(static_cast<double>(done), [&] {
-      const double elapsed_s = std::chrono::duration<double>(Clock::now() - begin).count();
+      const double elapsed_s = std::chrono::duration<double>(SweepClock::now() - begin).count();
       const double rate_hz = static_cast<double>(done) / std::max(elapsed_s, 1e-3);
       return fmt::format("{} of {} done, {} failed, {} running, {:.2g} runs/s, {} left", had + done,
                          distinct_, store_->count("failed"), running(), rate_hz,
@@ -159,7 +153,7 @@ void SweepCoordinator::give_up() {
     throw DiskFull(sweep_.path().string() + ": the disk is full");
   }
   for (const std::string& id : missing_) {
-    write_text(sweep_.run(id) / "failure.txt",
+    write_file(sweep_.run(id) / "failure.txt",
                fmt::format("no result after {} attempts: it was killed or never started\n",
                            rounds_without_progress));
   }

@@ -12,7 +12,7 @@
 
 namespace saccade {
 
-/// Has the missing runs of a sweep made and collects their results into its table, in the one process that writes there.
+/// Starts the missing runs of a sweep and collects their results into its table, which only this process writes.
 class SweepCoordinator {
  public:
   /// Writes a scenario for each missing run, and the table. `retry`: failed runs count as missing. `plan` outlives it.

@@ -36,7 +36,7 @@ void write_batches(const fs::path& path, const std::vector<std::string>& ids, co
 }
 
 /// Starting the program takes longer (0.15 s) than forking for a run, so a process gets several runs; fewer towards the end,
-/// for the processors to end together.
+/// so that all processors end at about the same time.
 class LocalEngine final : public SweepEngine {
  public:
   LocalEngine(const SweepEngineConfig& config, fs::path folder)
@@ -105,7 +105,7 @@ std::string shell_quoted(const std::string& text) {
   return quoted + "'";
 }
 
-/// What a shell command says; none when it fails.
+/// The output of a shell command; none if it fails.
 std::optional<std::string> output_of(const std::string& command, std::string* error = nullptr) {
   FILE* const pipe = ::popen((command + " 2>&1").c_str(), "r");
   if (pipe == nullptr) return std::nullopt;
@@ -118,7 +118,7 @@ std::optional<std::string> output_of(const std::string& command, std::string* er
   return std::nullopt;
 }
 
-/// The array is found by its name, so nothing need be remembered between two starts of this program.
+/// The array is found by its name, so no state is kept between two starts of this program.
 class SlurmEngine final : public SweepEngine {
  public:
   SlurmEngine(const SweepEngineConfig& config, fs::path folder)
@@ -155,7 +155,7 @@ class SlurmEngine final : public SweepEngine {
     const auto now = std::chrono::steady_clock::now();
     if (asked_ && now - *asked_ < std::chrono::seconds(1)) return busy_;
     asked_ = now;
-    // A controller that does not answer says nothing about the jobs.
+    // Without an answer of the controller the state of the jobs is unknown.
     if (const auto jobs = output_of("squeue --me --noheader --format=%i --name=" + job_))
       busy_ = !jobs->empty();
     return busy_;

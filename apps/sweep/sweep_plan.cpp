@@ -47,7 +47,7 @@ bool any_holds(const std::vector<SweepRule>& rules, const SweepConfig& config,
   });
 }
 
-/// The axes that turn together, and how many values they have.
+/// The axes that change together, and the number of their values.
 struct Wheel {
   std::vector<std::size_t> axes;
   std::size_t size = 0;
@@ -68,7 +68,7 @@ std::vector<Wheel> wheels_of(const SweepConfig& config) {
   return wheels;
 }
 
-/// Every combination that the rules leave.
+/// Every combination that the rules keep.
 std::vector<std::vector<std::size_t>> combinations(const SweepConfig& config) {
   const std::vector<Wheel> wheels = wheels_of(config);
   double count = 1.0;
@@ -93,7 +93,7 @@ std::vector<std::vector<std::size_t>> combinations(const SweepConfig& config) {
   return all;
 }
 
-/// What keeps runs short, where the sweep does not say otherwise, and what only a single run is asked.
+/// The values that keep runs short unless the sweep sets them, and those that only a single run has.
 std::vector<SweepSetting> quiet_settings() {
   std::vector<SweepSetting> settings;
   const auto add = [&](const char* key, YamlNode::Kind kind, const char* text) {
@@ -116,7 +116,7 @@ void lay_over(YamlTree& tree, const SweepSetting& setting) {
   }
 }
 
-/// Reads the scenarios of a sweep's combinations, and tells problems where the sweep's file has their cause.
+/// Reads the scenarios of a sweep's combinations, and reports problems at the place in the sweep file that causes them.
 class Resolver {
  public:
   Resolver(const SweepConfig& config, const Registry& registry)
@@ -128,7 +128,7 @@ class Resolver {
     for (const SweepSetting& setting : config.set) lay_over(base_, setting);
   }
 
-  /// None where something is wrong with it.
+  /// None if it has a problem.
   std::optional<Scenario> resolve(const std::vector<std::size_t>& values) {
     YamlTree tree = base_;
     std::vector<const SweepSetting*> settings;
@@ -162,7 +162,7 @@ class Resolver {
   }
 
  private:
-  /// Where the sweep's file sets what a problem speaks of as `--set key.path`.
+  /// The place in the sweep file that sets the `--set key.path` of a problem.
   static std::string place_of(const std::string& place, const std::vector<const SweepSetting*>& settings) {
     constexpr std::string_view prefix = "--set ";
     if (!place.starts_with(prefix)) return place;
@@ -186,7 +186,7 @@ class Resolver {
   std::vector<Problem> problems_;
 };
 
-/// What the report shows where the sweep does not say.
+/// The metrics of the report if the sweep names none.
 void add_usual_metrics(const Scenario& scenario, std::vector<std::string>& metrics) {
   const auto add = [&](const std::string& path) {
     if (std::find(metrics.begin(), metrics.end(), path) == metrics.end()) metrics.push_back(path);

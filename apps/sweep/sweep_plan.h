@@ -12,7 +12,7 @@ namespace saccade {
 
 /// One combination of values.
 struct PlannedRun {
-  /// What the run is: a digest of scenario, seed and version. Combinations that come to the same have the same.
+  /// A digest of scenario, seed and version; equal for combinations that give the same run.
   std::string id;
   std::vector<std::size_t> values;  ///< for each axis the index of its value
   std::int64_t seed = 0;
@@ -27,10 +27,10 @@ struct SweepPlan {
   std::vector<PlannedRun> runs;
 };
 
-/// Crosses the axes, leaves out what the rules say, and checks every combination that remains as a scenario. The order
-/// is that of the file, the first axis turning slowest. Unless the sweep sets them, a run has no pictures, no
+/// Crosses the axes, drops the combinations that the rules exclude, and checks every combination that remains as a scenario. The order
+/// is that of the file, the first axis changes slowest. Unless the sweep sets them, a run has no pictures, no
 /// video, no `expect` and one thread.
-/// `version` says what makes the same scenario give the same result. Throws InputError with everything that is wrong.
+/// `version` identifies the program. Throws InputError with everything that is wrong.
 [[nodiscard]] SweepPlan plan_sweep(SweepConfig config, std::string version, const Registry& registry);
 
 /// 16 hexadecimal digits that stand for the bytes (FNV-1a, 64 bits).

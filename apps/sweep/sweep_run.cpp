@@ -21,12 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void write_text(const fs::path& path, const std::string& text) {
-  OutputFile file(path);
-  file.write(text);
-  file.commit();
-}
-
 std::vector<std::string> distinct(const std::vector<std::string>& ids) {
   std::set<std::string> seen;
   std::vector<std::string> all;
@@ -35,7 +29,7 @@ std::vector<std::string> distinct(const std::vector<std::string>& ids) {
   return all;
 }
 
-/// Bad usage and a bad sweep file, all at once.
+/// Reports bad options and a bad sweep file together.
 SweepPlan checked_plan(const SweepOptions& options, const std::string& version, const Registry& registry) {
   std::vector<Problem> problems;
   const auto collect = [&](const auto& work) {
@@ -86,7 +80,7 @@ int sweep(const SweepOptions& options, const std::string& version, const Registr
   try {
     SweepCoordinator coordinator(options.engine, plan, folder, options.retry);
     coordinator.make_missing_runs();
-    if (!options.csv.empty()) write_text(options.csv, coordinator.store().csv(options.times));
+    if (!options.csv.empty()) write_file(options.csv, coordinator.store().csv(options.times));
     coordinator.make_worst_runs();
     write_sweep_report(coordinator.store().table(), folder.path());
     const std::int64_t failed = coordinator.store().count("failed");

@@ -36,7 +36,7 @@ CREATE TABLE times(run INTEGER, name TEXT, value REAL, PRIMARY KEY(run, name)) W
 CREATE INDEX runs_by_id ON runs(id);
 )";
 
-/// Runs `work` and says what went wrong in this project's words.
+/// Runs `work` and converts exceptions of SQLite to DiskFull and RunError.
 template <class Work>
 auto guarded(const fs::path& path, const Work& work) {
   try {
@@ -75,7 +75,7 @@ void insert_plan(SQLite::Database& database, const SweepPlan& plan) {
   insert(database, "sweep", "scenario", config.scenario.filename().string());
   insert(database, "sweep", "version", plan.version);
   insert(database, "sweep", "worst", config.report.worst);
-  insert(database, "sweep", "worst_is", config.report.worst_is);
+  insert(database, "sweep", "worst_is", std::string(word_of(config.report.worst_is)));
   for (std::size_t i = 0; i < config.axes.size(); ++i)
     insert(database, "axes", static_cast<std::int64_t>(i), config.axes[i].key);
   for (std::size_t i = 0; i < plan.metrics.size(); ++i)
@@ -169,7 +169,7 @@ void set_status(SQLite::Database& database, const std::string& id, const char* s
   update.exec();
 }
 
-/// Adds what the folder has of one run, if anything.
+/// Adds the results of one run, if the folder contains any.
 void insert_result(SQLite::Database& database, const SweepFolder& folder, const std::string& id) {
   const auto finished = folder.finished(id);
   if (!finished) return;
@@ -344,7 +344,7 @@ SweepTable SweepStore::table() const {
     table.scenario = setting(*database_, "scenario");
     table.version = setting(*database_, "version");
     table.worst = static_cast<std::size_t>(std::stoul(setting(*database_, "worst")));
-    table.lowest_is_worst = setting(*database_, "worst_is") == "lowest";
+    table.lowest_is_worst = setting(*database_, "worst_is") == word_of(WorstValue::lowest);
     table.axes = column(*database_, "SELECT key FROM axes ORDER BY number");
     table.metrics = column(*database_, "SELECT name FROM report_metrics ORDER BY number");
     SQLite::Statement runs(*database_, "SELECT run, id, status, failure FROM runs ORDER BY run");

@@ -27,11 +27,11 @@ namespace saccade {
 ///     curves(run, detector, points)         [[threshold, precision, recall], ...]
 ///     times(run, name, value)               what depends on the clock: wall_s, ..., finished (seconds since 1970)
 ///
-/// But for `times` it holds the same whatever the engine, the order of the runs and the number of attempts. A member
+/// Except for `times` its contents do not depend on the engine, the order of the runs and the number of attempts. A member
 /// throws DiskFull where there is no room for it, otherwise RunError when the file cannot be used.
 class SweepStore {
  public:
-  /// Makes the table anew from the plan and from what the folder has of its runs.
+  /// Writes the table again from the plan and the results in the folder.
   static void create(const SweepFolder& folder, const SweepPlan& plan);
 
   explicit SweepStore(const SweepFolder& folder);
@@ -46,7 +46,7 @@ class SweepStore {
   [[nodiscard]] std::int64_t count(const std::string& status) const;
   /// One row per run, in the plan's order; `times` adds the columns that depend on the clock.
   [[nodiscard]] std::string csv(bool times) const;
-  /// What the report shows, and where the worst runs' own reports would be.
+  /// The data of the report, and the folders of the reports of the worst runs.
   [[nodiscard]] SweepTable table() const;
 
  private:

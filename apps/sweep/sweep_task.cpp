@@ -60,13 +60,13 @@ int run_in_child(const fs::path& folder, const Registry& registry) {
   }
 }
 
-/// Ends this process with the one that started it: no run goes on unseen.
+/// Ends this process when its parent process ends.
 void die_with_parent(pid_t parent) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(1);
 }
 
-/// Somebody ended the run; it is not to blame.
+/// Whether the process was ended by a signal, which is not a failure of the run.
 bool was_killed(int signal_number) {
   return signal_number == SIGKILL || signal_number == SIGTERM || signal_number == SIGINT ||
          signal_number == SIGHUP;

@@ -40,7 +40,7 @@ class RecordingPlayback final : public Playback, private LoopObserver {
     camera_ = played.camera;
     std::int64_t start_us = 0;
     {
-      ReplayRobot robot(open_event_file(played.events, played.read), std::move(played.head));
+      ReplayRobot robot(open_event_file(options.formats, played.events, played.read), std::move(played.head));
       start_us = robot.now_us();
       camera_.camera.size = robot.image_size();
       has_head_ = robot.head() != nullptr;
@@ -55,7 +55,7 @@ class RecordingPlayback final : public Playback, private LoopObserver {
     }
     truth_ = RecordedTruth(std::move(played.truth), played.chances == Chances::annotated, camera_.camera);
     std::int64_t last_us = events_.back().t_us;
-    if (is_run_folder(options.recording)) {
+    if (is_run_folder(options)) {
       folder_ = options.recording;
       if (eye_ == Eye::left) truth_.read_gaze(folder_);
       last_us = std::max(last_us, truth_.last_us().value_or(last_us));

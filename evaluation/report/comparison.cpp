@@ -35,11 +35,11 @@ std::string link_to(const fs::path& path) {
   return link;
 }
 
-std::string links(const ComparedGroup& group, const fs::path& out) {
+std::string links(const ComparedGroup& group, const fs::path& out, const FormatRegistry& formats) {
   std::string html =
       fmt::format("<p class=\"facts\">{} run{}", group.runs.size(), group.runs.size() == 1 ? "" : "s");
   for (const ComparedRun* run : group.runs) {
-    if (!fs::exists(run->folder / "report.html")) write_report(run->folder);
+    if (!fs::exists(run->folder / "report.html")) write_report(run->folder, formats);
     const fs::path report = fs::weakly_canonical(run->folder) / "report.html";
     html += fmt::format(
         " · <a href=\"{}\">{}</a>", link_to(report.lexically_relative(fs::weakly_canonical(out))),
@@ -98,8 +98,9 @@ std::string gaze_paths_html(const std::vector<ComparedGroup>& groups, const fs::
                      gaze_paths_figure("gaze_paths", drawn), out);
 }
 
-std::string group_html(const ComparedGroup& group, std::size_t number, const fs::path& out) {
-  std::string html = "<h2>" + escaped(group.label) + "</h2>\n" + links(group, out) +
+std::string group_html(const ComparedGroup& group, std::size_t number, const fs::path& out,
+                       const FormatRegistry& formats) {
+  std::string html = "<h2>" + escaped(group.label) + "</h2>\n" + links(group, out, formats) +
                      compared_detectors_table(group, number) + compared_gaze_table(group, number);
   const bool scored = std::any_of(group.detectors.begin(), group.detectors.end(), [](const auto& d) {
     return std::any_of(d.scores.begin(), d.scores.end(), [](const auto& s) { return !s.pr_curve.empty(); });
@@ -125,7 +126,8 @@ std::string group_html(const ComparedGroup& group, std::size_t number, const fs:
 
 }  // namespace
 
-std::vector<std::string> write_comparison(std::span<const fs::path> folders, const fs::path& out) {
+std::vector<std::string> write_comparison(std::span<const fs::path> folders, const fs::path& out,
+                                          const FormatRegistry& formats) {
   const std::vector<ComparedRun> runs = load_runs(folders);
   const std::vector<ComparedGroup> groups = grouped(runs);
   std::string html =
@@ -148,7 +150,7 @@ std::vector<std::string> write_comparison(std::span<const fs::path> folders, con
                   "A dot for every run; the bar reaches one standard deviation to both sides of the mean.",
                   average_precision_figure("average_precision", drawn), out);
   html += gaze_paths_html(groups, out) + ablation;
-  for (std::size_t i = 0; i < groups.size(); ++i) html += group_html(groups[i], i + 1, out);
+  for (std::size_t i = 0; i < groups.size(); ++i) html += group_html(groups[i], i + 1, out, formats);
   write_page(out, fmt::format("{} runs compared", runs.size()), html);
   std::vector<std::string> duplicates;
   for (const ComparedGroup& group : groups) {

@@ -150,8 +150,8 @@ std::string body(const RunData& run) {
 
 }  // namespace
 
-void write_report(const fs::path& run_folder) {
-  const RunData run = load_run(run_folder);
+void write_report(const fs::path& run_folder, const FormatRegistry& formats) {
+  const RunData run = load_run(run_folder, formats);
   write_page(run_folder, run.metrics.scenario, body(run));
 }
 

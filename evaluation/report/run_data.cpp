@@ -103,7 +103,7 @@ void show_event(std::vector<Frame>& frames, std::int64_t window_us, const Event&
 }
 
 /// One pass over the recording: counts over time, and the events just before each frame.
-void read_events(RunData& run) {
+void read_events(RunData& run, const FormatRegistry& formats) {
   const Metrics& metrics = run.metrics;
   if (metrics.events_file.empty()) return;
   EventCounts counts;
@@ -122,7 +122,7 @@ void read_events(RunData& run) {
     show_event(run.shifts, shift_window_us, event, camera);
   };
   try {
-    const auto reader = open_event_file(run.folder / metrics.events_file);
+    const auto reader = open_event_file(formats, run.folder / metrics.events_file);
     std::vector<Event> block;
     while (reader->read(block, 65'536) > 0) {
       std::for_each(block.begin(), block.end(), take);
@@ -141,7 +141,7 @@ void read_events(RunData& run) {
 
 }  // namespace
 
-RunData load_run(const fs::path& folder) {
+RunData load_run(const fs::path& folder, const FormatRegistry& formats) {
   RunData run;
   run.folder = folder;
   run.metrics = read_metrics(folder / "metrics.json");
@@ -160,7 +160,7 @@ RunData load_run(const fs::path& folder) {
     run.frames = frames_without_images(run);
     run.window_us = usual_window_us(run.metrics);
   }
-  read_events(run);
+  read_events(run, formats);
   if (!run.truth.empty() && !run.sparse_truth()) {
     for (const auto& [name, score] : run.metrics.detectors) {
       run.found.push_back(found_at_chances(run.truth, run.detections, name, score.threshold));

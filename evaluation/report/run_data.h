@@ -15,6 +15,8 @@
 
 namespace saccade {
 
+class FormatRegistry;
+
 /// Reads what the report of a run shows.
 
 inline constexpr std::size_t events_per_shift = 1'500;  ///< of the last shift_window_us at most
@@ -64,7 +66,7 @@ struct RunData {
 };
 
 /// Throws InputError for a broken metrics.json or table; an event file that cannot be read leaves a remark.
-[[nodiscard]] RunData load_run(const std::filesystem::path& folder);
+[[nodiscard]] RunData load_run(const std::filesystem::path& folder, const FormatRegistry& formats);
 
 /// At most `count` of the elements, evenly spaced, with both ends.
 template <class T>

@@ -29,8 +29,8 @@ saccade::HeadJointVector ProportionalController::step(const saccade::HeadState& 
   const Eigen::Vector3d in_eye = head.root_from_eye(saccade::Eye::left).inverse() * *target_m_;
   const double right_rad = std::atan2(in_eye.x(), in_eye.z());
   const double up_rad = std::atan2(-in_eye.y(), in_eye.z());
-  reference_rad_[saccade::eyes_tilt - saccade::neck_pitch] += config_.gain_per_s * dt_s * up_rad;
-  reference_rad_[saccade::eyes_version - saccade::neck_pitch] += config_.gain_per_s * dt_s * right_rad;
+  reference_rad_[saccade::head_index(saccade::eyes_tilt)] += config_.gain_per_s * dt_s * up_rad;
+  reference_rad_[saccade::head_index(saccade::eyes_version)] += config_.gain_per_s * dt_s * right_rad;
   reference_rad_ = reference_rad_.cwiseMax(limits_.min_rad).cwiseMin(limits_.max_rad);
   return reference_rad_;
 }

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 
 #include "core/error.h"
+#include "core/units.h"
 
 namespace saccade {
 
@@ -76,7 +76,7 @@ PortStatus FakeRobot::read(HeadState& state) {
     state.position_rad[neck_yaw] = std::numeric_limits<double>::quiet_NaN();
   }
   if (script_.outside_us && now_us_ >= *script_.outside_us) {
-    state.position_rad[neck_yaw] = script_.limits.max_rad[neck_yaw] + 2.0 * std::numbers::pi / 180.0;
+    state.position_rad[neck_yaw] = script_.limits.max_rad[neck_yaw] + 2.0 * rad_per_deg;
   }
   return status_;
 }

@@ -58,6 +58,11 @@ struct YarpConfig {
 /// neck_time_s, eyes_time_s, tracking, saccades, bind_roll}.
 void describe(FieldVisitor& v, YarpConfig& config);
 
+/// Whether targets go to the gaze controller of the robot (`head.control: gaze`).
+[[nodiscard]] inline bool has_gaze_controller(const YarpConfig& config) {
+  return config.head.control == "gaze";
+}
+
 [[nodiscard]] EventTimelineConfig timeline_config(const YarpCameraConfig& config);
 
 }  // namespace saccade

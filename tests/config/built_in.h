@@ -4,7 +4,14 @@
 
 namespace saccade {
 
-/// What saccade ships, as far as reading files needs it.
-inline Registry built_in() { return {built_in_detectors(), built_in_controllers(), built_in_gates()}; }
+/// What saccade ships, as far as reading scenarios and recordings needs it: without the backends of robots.
+inline Registry built_in() {
+  Registry registry;
+  registry.detectors = built_in_detectors();
+  registry.controllers = built_in_controllers();
+  registry.gates = built_in_gates();
+  registry.formats = built_in_formats();
+  return registry;
+}
 
 }  // namespace saccade

@@ -72,7 +72,7 @@ std::vector<std::string> problems_of(std::string_view yaml) {
   return lines;
 }
 
-TEST(ConfigKinds, readAnEnumerationByItsWordAndVectorsOfFixedSize) {
+TEST(ConfigKinds, ReadAnEnumerationByItsWordAndVectorsOfFixedSize) {
   const Scene scene = read(
       "path_m: [[0, 0.5], [1, -1]]\n"
       "board: {shape: cylinder, size_m: [3, 2, 1], height_m: 0.25}\n");
@@ -83,7 +83,7 @@ TEST(ConfigKinds, readAnEnumerationByItsWordAndVectorsOfFixedSize) {
   EXPECT_THAT(scene.path_m, ElementsAre(std::array{0.0, 0.5}, std::array{1.0, -1.0}));
 }
 
-TEST(ConfigKinds, anOptionalSectionIsAbsentUntilTheFileHasIt) {
+TEST(ConfigKinds, AnOptionalSectionIsAbsentUntilTheFileHasIt) {
   EXPECT_FALSE(read("diameter_m: 2").board.has_value());
   EXPECT_TRUE(read("board: {}").board.has_value());
   EXPECT_TRUE(read("diameter_m: 2", {"board.shape=box"}).board.has_value());
@@ -92,7 +92,7 @@ TEST(ConfigKinds, anOptionalSectionIsAbsentUntilTheFileHasIt) {
       ElementsAre(HasSubstr("boards: found an unknown key, expected a known key; did you mean board?")));
 }
 
-TEST(ConfigKinds, namedSectionsKeepTheOrderOfTheFile) {
+TEST(ConfigKinds, NamedSectionsKeepTheOrderOfTheFile) {
   const Scene scene = read("bodies:\n  table: {}\n  cup: {shape: cylinder}\n");
   ASSERT_EQ(scene.bodies.size(), 2u);
   EXPECT_EQ(scene.bodies[0].first, "table");
@@ -100,7 +100,7 @@ TEST(ConfigKinds, namedSectionsKeepTheOrderOfTheFile) {
   EXPECT_EQ(scene.bodies[1].second.shape, Shape::cylinder);
 }
 
-TEST(ConfigKinds, aNameWithACommaADotOrASlashIsRefused) {
+TEST(ConfigKinds, ANameWithACommaADotOrASlashIsRejected) {
   for (const char* name : {"a,b", "a.b", "../evil", "a b"}) {
     EXPECT_THAT(problems_of("bodies: {\"" + std::string(name) + "\": {}}"),
                 ElementsAre(testing::AllOf(StartsWith("a.yaml:1: bodies." + std::string(name)),
@@ -110,7 +110,7 @@ TEST(ConfigKinds, aNameWithACommaADotOrASlashIsRefused) {
   EXPECT_THAT(problems_of("bodies: {a_b-3: {}}"), ElementsAre());
 }
 
-TEST(ConfigKinds, aDefaultFollowsTheKeyItDependsOn) {
+TEST(ConfigKinds, ADefaultFollowsTheKeyItDependsOn) {
   EXPECT_EQ(read("diameter_m: 3").assumed_diameter_m, 3.0);
   EXPECT_EQ(read("diameter_m: 3\nassumed_diameter_m: 2").assumed_diameter_m, 2.0);
   Scene scene;
@@ -119,7 +119,7 @@ TEST(ConfigKinds, aDefaultFollowsTheKeyItDependsOn) {
   EXPECT_THAT(write_config(scene), HasSubstr("assumed_diameter_m: 2\n"));
 }
 
-TEST(ConfigKinds, aFileIsRelativeToTheFolderOfTheFileThatNamesIt) {
+TEST(ConfigKinds, AFileIsRelativeToTheFolderOfTheFileThatNamesIt) {
   EXPECT_EQ(read("file: left.yaml").file, "folder/left.yaml");
   EXPECT_EQ(read("file: /left.yaml").file, "/left.yaml");
   EXPECT_EQ(read("diameter_m: 1", {"file=left.yaml"}).file, "left.yaml");
@@ -127,7 +127,7 @@ TEST(ConfigKinds, aFileIsRelativeToTheFolderOfTheFileThatNamesIt) {
               ElementsAre("a.yaml:1: file: found a list, expected the name of a file"));
 }
 
-TEST(ConfigKinds, whatIsWrittenReadsBackTheSame) {
+TEST(ConfigKinds, WhatIsWrittenReadsBackTheSame) {
   const std::string text =
       write_config(read("path_m: [[0, 0.5], [1, -1]]\n"
                         "board: {shape: cylinder, size_m: [3, 2, 1]}\n"
@@ -137,7 +137,7 @@ TEST(ConfigKinds, whatIsWrittenReadsBackTheSame) {
   EXPECT_THAT(text, HasSubstr("  - [0, 0.5]\n"));
 }
 
-TEST(ConfigKinds, wrongValuesNameKeyAndExpectation) {
+TEST(ConfigKinds, WrongValuesNameKeyAndExpectation) {
   EXPECT_THAT(
       problems_of("board: {shape: round, size_m: [1, 2]}\npath_m: [[0, 2]]"),
       ElementsAre("a.yaml:1: board.shape: found round, expected one of box, cylinder",
@@ -145,7 +145,7 @@ TEST(ConfigKinds, wrongValuesNameKeyAndExpectation) {
                   "a.yaml:2: path_m[0][1]: found 2, expected a finite number in [-1, 1]"));
 }
 
-TEST(ConfigKinds, aCheckRefusesAnEnumerationWithoutAWordAndNumbersOutOfRange) {
+TEST(ConfigKinds, ACheckRejectsAnEnumerationWithoutAWordAndNumbersOutOfRange) {
   Body body;
   body.shape = static_cast<Shape>(7);
   body.size_m.y() = 11.0;

@@ -82,7 +82,7 @@ std::vector<std::string> complaints(std::string_view yaml, const std::vector<std
   return lines;
 }
 
-TEST(YamlConfig, readsEveryKindOfFieldAndLeavesTheDefaultsOfAbsentOnes) {
+TEST(YamlConfig, ReadsEveryKindOfFieldAndLeavesTheDefaultsOfAbsentOnes) {
   const Config config = read(
       "# a comment\n"
       "name: \"07\"\n"
@@ -115,7 +115,7 @@ std::ostream& operator<<(std::ostream& out, const Mistake& mistake) { return out
 
 class YamlMistake : public testing::TestWithParam<Mistake> {};
 
-TEST_P(YamlMistake, isTheOnlyComplaintWithItsPlace) {
+TEST_P(YamlMistake, IsTheOnlyComplaintWithItsPlace) {
   EXPECT_THAT(complaints(GetParam().yaml), ElementsAre(GetParam().message));
 }
 
@@ -222,14 +222,14 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"tooLarge", std::string((1 << 20) + 1, '#'),
                 "a.yaml: found more than 1 MiB, expected a YAML file of at most 1 MiB"}));
 
-TEST(YamlConfig, rejectsAliasesAndUndefinedOnes) {
+TEST(YamlConfig, RejectsAliasesAndUndefinedOnes) {
   EXPECT_THAT(complaints("low_px: &r 3\nhigh_px: *r"),
               ElementsAre("a.yaml:1: low_px: found an anchor (&), expected the value alone",
                           "a.yaml:2: high_px: found an alias (*), expected the value itself"));
   EXPECT_THAT(complaints("high_px: *r"), ElementsAre(StartsWith("a.yaml:1: column ")));
 }
 
-TEST(YamlConfig, saysLineAndColumnOfBrokenSyntax) {
+TEST(YamlConfig, SaysLineAndColumnOfBrokenSyntax) {
   EXPECT_THAT(complaints("seed: 1\nradii_px: [1, 2\nname: a\n"),
               ElementsAre(testing::AllOf(StartsWith("a.yaml:3: column "),
                                          HasSubstr("expected YAML that can be parsed"))));
@@ -243,7 +243,7 @@ TEST(YamlConfig, saysLineAndColumnOfBrokenSyntax) {
   EXPECT_EQ(complaints(std::string(100000, '[')).size(), 1u);  // not a stack overflow
 }
 
-TEST(YamlConfig, reportsAllProblemsInTheOrderOfTheFile) {
+TEST(YamlConfig, ReportsAllProblemsInTheOrderOfTheFile) {
   EXPECT_THAT(
       complaints("window:\n  events: 0\n  event: 3\nseed: -1\nseed: 2\nradii_px: [0, 5, 101]\nfoo: 1\n",
                  {"seed=-2", "duration_s=0"}, {"name"}),
@@ -257,12 +257,12 @@ TEST(YamlConfig, reportsAllProblemsInTheOrderOfTheFile) {
                   StartsWith("--set duration_s: found 0,")));
 }
 
-TEST(YamlConfig, aFieldWithAProblemDoesNotMakeAConditionFail) {
+TEST(YamlConfig, AFieldWithAProblemDoesNotMakeAConditionFail) {
   EXPECT_THAT(complaints("low_px: 50\nhigh_px: sixty"),
               ElementsAre(StartsWith("a.yaml:2: high_px: found sixty")));
 }
 
-TEST(YamlConfig, requiredKeysAreMissedInBlocksThatAreThereOrNot) {
+TEST(YamlConfig, RequiredKeysAreMissedInBlocksThatAreThereOrNot) {
   const std::vector<std::string> required = {"window", "window.events", "seed"};
   EXPECT_THAT(complaints("name: a", {}, required),
               ElementsAre("a.yaml:1: seed: found no such key, expected a whole number in [0, 9e+18]",
@@ -274,7 +274,7 @@ TEST(YamlConfig, requiredKeysAreMissedInBlocksThatAreThereOrNot) {
   EXPECT_THAT(complaints("name: a", {"seed=1", "window.events=3"}, required), ElementsAre());
 }
 
-TEST(SetValue, replacesAndAddsValuesOfEveryKind) {
+TEST(SetValue, ReplacesAndAddsValuesOfEveryKind) {
   const Config config = read("name: a\nwindow: {events: 5, directed: false}",
                              {"seed=7", "window.events=6", "clutter=rectilinear", "position_m=[1, 2, 3]",
                               "corners_m=[[1, 2]]", "name=\"x=y\"", "window.directed=true", "seed=8"});
@@ -288,7 +288,7 @@ TEST(SetValue, replacesAndAddsValuesOfEveryKind) {
   EXPECT_EQ(config, expected);
 }
 
-TEST(SetValue, saysWhatIsWrongByItsPath) {
+TEST(SetValue, SaysWhatIsWrongByItsPath) {
   const auto complaint = [](const std::string& set) { return complaints("seed: 1\nname: a\n", {set}); };
   EXPECT_THAT(complaint("duration_s=010"),
               ElementsAre("--set duration_s: found 010 (leading zero)" + number));
@@ -310,14 +310,14 @@ TEST(SetValue, saysWhatIsWrongByItsPath) {
   EXPECT_THAT(complaint("position_m=[1, x, 3]"), ElementsAre(StartsWith("--set position_m[1]: found x")));
 }
 
-TEST(SetValue, worksWithoutAFile) {
+TEST(SetValue, WorksWithoutAFile) {
   YamlTree tree;
   set_value(tree, "window.events=700");
   EXPECT_EQ(read_config<Config>(tree).window.events, 700);
   EXPECT_THROW(static_cast<void>(read_config<Config>(tree, {}, {"name"})), InputError);
 }
 
-TEST(YamlFile, thatIsMissingOrAFolderIsOneLine) {
+TEST(YamlFile, ThatIsMissingOrAFolderIsOneLine) {
   const auto complaint = [](const std::filesystem::path& path) {
     try {
       static_cast<void>(read_yaml_file(path));
@@ -331,7 +331,7 @@ TEST(YamlFile, thatIsMissingOrAFolderIsOneLine) {
   EXPECT_EQ(complaint(folder), folder + ": found a folder, expected a YAML file");
 }
 
-TEST(YamlFile, isNamedInMessagesAsTheUserNamedIt) {
+TEST(YamlFile, IsNamedInMessagesAsTheUserNamedIt) {
   const std::filesystem::path path =
       std::filesystem::temp_directory_path() / ("saccade_config_" + std::to_string(::getpid()) + ".yaml");
   std::ofstream(path) << "\xef\xbb\xbfname: with byte order mark\r\nseed: x\r\n";
@@ -352,7 +352,7 @@ double finite_double(const RandomStream& random, std::uint64_t stream, std::uint
   return std::isfinite(value) ? value : 0.0;
 }
 
-TEST(YamlWriter, whatIsWrittenReadsBackIdentical) {
+TEST(YamlWriter, WhatIsWrittenReadsBackIdentical) {
   const RandomStream random(1, "round trip");
   const std::string letters = "a0 :#-'\"\\\n\t\r\x01\x7f[]{},&*!|>%@`~.=?";
   for (std::uint64_t i = 0; i < 500; ++i) {
@@ -378,7 +378,7 @@ TEST(YamlWriter, whatIsWrittenReadsBackIdentical) {
   }
 }
 
-TEST(YamlWriter, quotesWordsThatMeanSomethingElse) {
+TEST(YamlWriter, QuotesWordsThatMeanSomethingElse) {
   for (const char* word :
        {"true", "null", "no", "~", "", "1e3", "0x1", "-", "- a", "a: b", "on", ".nan", "é"}) {
     Config config;
@@ -389,7 +389,7 @@ TEST(YamlWriter, quotesWordsThatMeanSomethingElse) {
   }
 }
 
-TEST(YamlWriter, commentsMakeTheReferenceOfTheKeys) {
+TEST(YamlWriter, CommentsMakeTheReferenceOfTheKeys) {
   const std::string yaml = write_config(Config{}, YamlWriter::Comments::all);
   EXPECT_THAT(yaml, HasSubstr("duration_s: 4  # how long it takes; a number in [0.01, 3600]\n"));
   EXPECT_THAT(yaml,
@@ -408,7 +408,7 @@ bool survives(const std::string& bytes) {
   }
 }
 
-TEST(YamlFuzz, randomBytesEndInAnInputErrorOrAConfig) {
+TEST(YamlFuzz, RandomBytesEndInAnInputErrorOrAConfig) {
   const RandomStream random(2, "bytes");
   const std::string alphabet = " \n:-[]{},#&*!|>'\"%@?0123456789.eabxnul\t\\\xc3\xa9";
   for (std::uint64_t i = 0; i < 4000; ++i) {
@@ -423,7 +423,7 @@ TEST(YamlFuzz, randomBytesEndInAnInputErrorOrAConfig) {
   }
 }
 
-TEST(YamlFuzz, damagedFilesEndInAnInputErrorOrAConfig) {
+TEST(YamlFuzz, DamagedFilesEndInAnInputErrorOrAConfig) {
   Config config;
   config.corners_m = {{0, 1}, {2, 3}};
   config.name = "a name";

@@ -57,7 +57,7 @@ std::vector<std::string> expected_messages(const fs::path& path) {
 
 class InvalidScenario : public testing::TestWithParam<ScenarioFile> {};
 
-TEST_P(InvalidScenario, givesTheMessagesItStatesAndNoOther) {
+TEST_P(InvalidScenario, GivesTheMessagesItStatesAndNoOther) {
   const fs::path& path = GetParam().path;
   const std::vector<std::string> expected = expected_messages(path);
   ASSERT_FALSE(expected.empty()) << "no line `# expect: ...` at the top";
@@ -77,7 +77,7 @@ INSTANTIATE_TEST_SUITE_P(Scenarios, InvalidScenario, testing::ValuesIn(scenarios
 
 class ShippedScenario : public testing::TestWithParam<ScenarioFile> {};
 
-TEST_P(ShippedScenario, isReadAndItsResolvedFormReadsBackTheSame) {
+TEST_P(ShippedScenario, IsReadAndItsResolvedFormReadsBackTheSame) {
   const Scenario scenario = read_scenario(GetParam().path, {}, std::nullopt, built_in());
   const std::string resolved = resolved_scenario(scenario);
   const fs::path copy = fs::path(testing::TempDir()) / ("resolved_" + GetParam().path.filename().string());

@@ -38,7 +38,7 @@ std::vector<KeyRow> motion_rows() {
   });
 }
 
-TEST(KeyReference, findsTheKeysThatExistOnlyForSomeValueOfAnother) {
+TEST(KeyReference, FindsTheKeysThatExistOnlyForSomeValueOfAnother) {
   const std::vector<KeyRow> rows = motion_rows();
   std::vector<std::string> paths;
   for (const KeyRow& row : rows) paths.push_back(row.path);
@@ -49,7 +49,7 @@ TEST(KeyReference, findsTheKeysThatExistOnlyForSomeValueOfAnother) {
   EXPECT_EQ(rows[3].condition, "kind: circle, or profile: constant");
 }
 
-TEST(KeyReference, givesTypeUnitRangeAndDefault) {
+TEST(KeyReference, GivesTypeUnitRangeAndDefault) {
   const std::vector<KeyRow> rows = motion_rows();
   EXPECT_EQ(rows[0].type, "word");
   EXPECT_EQ(rows[0].takes, "hold, line, circle");
@@ -61,7 +61,7 @@ TEST(KeyReference, givesTypeUnitRangeAndDefault) {
   EXPECT_EQ(rows[4].default_value, "[1, 2]");
 }
 
-TEST(KeyReference, aTableEscapesTheBarAndTheTextIsWrapped) {
+TEST(KeyReference, ATableEscapesTheBarAndTheTextIsWrapped) {
   EXPECT_THAT(
       keys_as_markdown(motion_rows()),
       HasSubstr(
@@ -70,7 +70,7 @@ TEST(KeyReference, aTableEscapesTheBarAndTheTextIsWrapped) {
   EXPECT_THAT(text, HasSubstr("motion.speed_m_s\n    mean speed\n    number, m/s in [0, 5]; default 0.1;\n"));
 }
 
-TEST(KeyReference, everyKeyOfAResolvedDetectorIsListed) {
+TEST(KeyReference, EveryKeyOfAResolvedDetectorIsListed) {
   for (const std::string& preset : built_in_detectors().names()) {
     const std::vector<KeyRow> rows = list_keys([&](FieldVisitor& v) {
       DetectorConfig config = built_in_detectors().config(preset);
@@ -86,7 +86,7 @@ TEST(KeyReference, everyKeyOfAResolvedDetectorIsListed) {
   }
 }
 
-TEST(KeyReference, unitsComeFromTheEndOfAKey) {
+TEST(KeyReference, UnitsComeFromTheEndOfAKey) {
   EXPECT_EQ(unit_of_key("speed_deg_s"), "deg/s");
   EXPECT_EQ(unit_of_key("duration_us"), "us");
   EXPECT_EQ(unit_of_key("threshold"), "");

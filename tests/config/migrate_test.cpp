@@ -41,7 +41,7 @@ std::string message_of(const std::string& text) {
   return "accepted";
 }
 
-TEST(Migrate, renamesTheKeyAndKeepsEveryOtherByte) {
+TEST(Migrate, RenamesTheKeyAndKeepsEveryOtherByte) {
   const Migration migration = migrate(old_scenario, "old.yaml");
   EXPECT_EQ(migration.text, replaced(old_scenario, "things:   #", "objects:   #"));
   ASSERT_EQ(migration.renames.size(), 1u);
@@ -50,14 +50,14 @@ TEST(Migrate, renamesTheKeyAndKeepsEveryOtherByte) {
   EXPECT_EQ(migration.renames[0].new_text, "objects");
 }
 
-TEST(Migrate, aMigratedFileHasNothingLeftToRename) {
+TEST(Migrate, AMigratedFileHasNothingLeftToRename) {
   const std::string once = migrate(old_scenario, "old.yaml").text;
   const Migration twice = migrate(once, "old.yaml");
   EXPECT_EQ(twice.text, once);
   EXPECT_TRUE(twice.renames.empty());
 }
 
-TEST(Migrate, findsAKeyInQuotesInAFlowMapAndAfterLettersOfSeveralBytes) {
+TEST(Migrate, FindsAKeyInQuotesInAFlowMapAndAfterLettersOfSeveralBytes) {
   EXPECT_EQ(migrate("\"things\": {a: {}}\n", "f").text, "\"objects\": {a: {}}\n");
   EXPECT_EQ(migrate("{name: a, 'things': {}}\n", "f").text, "{name: a, 'objects': {}}\n");
   EXPECT_EQ(migrate("{name: \xc3\xa9\xe2\x82\xac\xf0\x9f\x98\x80, things: {}}", "f").text,
@@ -65,7 +65,7 @@ TEST(Migrate, findsAKeyInQuotesInAFlowMapAndAfterLettersOfSeveralBytes) {
   EXPECT_EQ(migrate("\xef\xbb\xbfthings: {}\n", "f").text, "\xef\xbb\xbfobjects: {}\n");
 }
 
-TEST(Migrate, renamesThePathsOfASweep) {
+TEST(Migrate, RenamesThePathsOfASweep) {
   const std::string sweep =
       "name: s\n"
       "scenario: a.yaml\n"
@@ -85,7 +85,7 @@ TEST(Migrate, renamesThePathsOfASweep) {
   EXPECT_EQ(migration.renames[1].new_text, "objects.cup.trajectory.speed_m_s");
 }
 
-TEST(Migrate, refusesAnOldKeyBesideItsNewOneAndWhatIsNoYaml) {
+TEST(Migrate, RejectsAnOldKeyBesideItsNewOneAndWhatIsNoYaml) {
   EXPECT_THAT(message_of("things: {}\nobjects: {}\n"),
               AllOf(HasSubstr("old.yaml:1: things"), HasSubstr("beside its new one, objects")));
   EXPECT_THAT(message_of("things: [\n"), HasSubstr("old.yaml"));

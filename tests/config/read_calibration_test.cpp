@@ -83,7 +83,7 @@ TEST_F(ReadCalibration, TheResolvedScenarioNeedsNoFile) {
             scenario.calibration);
 }
 
-TEST_F(ReadCalibration, RefusesWhatIsNoCalibrationOfThisCamera) {
+TEST_F(ReadCalibration, RejectsWhatIsNoCalibrationOfThisCamera) {
   write("half.yaml", "calibration: {width_px: 128, height_px: 128, fx_px: 101}\n");
   EXPECT_THAT(message("calibration: {file: half.yaml}\n"),
               AllOf(HasSubstr("half.yaml"), HasSubstr("calibration.cx_px")));

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "apps/deploy/robot_backends.h"
 #include "tests/config/built_in.h"
 #include "tests/control/genova02.h"
 #include "tests/recording/temp_folder.h"
@@ -24,9 +25,20 @@ calibration: {width_px: 128, height_px: 128, fx_px: 99, fy_px: 99, cx_px: 64, cy
 detectors: {best: {}}
 )";
 
+Registry robots_too() {
+  Registry registry = built_in();
+  registry.backends = built_in_backends();
+  return registry;
+}
+
+std::string recording_path(const RobotFile& file) {
+  RobotBackendConfig robot = file.robot;
+  return robot.get<RecordingBackendConfig>().path;
+}
+
 std::string complaint(const fs::path& path, const std::vector<std::string>& sets = {}) {
   try {
-    static_cast<void>(read_robot_file(path, sets, built_in()));
+    static_cast<void>(read_robot_file(path, sets, robots_too()));
   } catch (const InputError& error) {
     return error.what();
   }
@@ -37,10 +49,10 @@ TEST(RobotFile, TheExamplesReadAndReadBackTheSame) {
   int count = 0;
   for (const auto& entry : fs::directory_iterator(robots)) {
     SCOPED_TRACE(entry.path());
-    const RobotFile robot = read_robot_file(entry.path(), {}, built_in());
+    const RobotFile robot = read_robot_file(entry.path(), {}, robots_too());
     TempFolder folder;
     const std::string resolved = resolved_robot_file(robot);
-    EXPECT_EQ(resolved_robot_file(read_robot_file(folder.write("robot.yaml", resolved), {}, built_in())),
+    EXPECT_EQ(resolved_robot_file(read_robot_file(folder.write("robot.yaml", resolved), {}, robots_too())),
               resolved);
     EXPECT_NE(robot.gaze.detector, "none");
     ++count;
@@ -51,8 +63,8 @@ TEST(RobotFile, TheExamplesReadAndReadBackTheSame) {
 TEST(RobotFile, PathsAreRelativeToTheFileAndThoseOfSetToTheWorkingFolder) {
   TempFolder folder;
   const fs::path file = folder.write("robot.yaml", least);
-  EXPECT_EQ(read_robot_file(file, {}, built_in()).recording.path, folder / "some/run");
-  EXPECT_EQ(read_robot_file(file, {"recording.path=other"}, built_in()).recording.path,
+  EXPECT_EQ(recording_path(read_robot_file(file, {}, robots_too())), folder / "some/run");
+  EXPECT_EQ(recording_path(read_robot_file(file, {"recording.path=other"}, robots_too())),
             fs::current_path() / "other");
 }
 
@@ -68,10 +80,10 @@ TEST(RobotFile, WithoutACalibrationThereIsNoRobot) {
       "calibration: {width_px: 128, height_px: 128, fx_px: 77, fy_px: 99, cx_px: 64, cy_px: 69, k1: 0, k2: "
       "0, p1: 0, p2: 0}\n");
   const fs::path file = folder.write("robot.yaml", without + "calibration: {file: left.yaml}\n");
-  EXPECT_EQ(read_robot_file(file, {}, built_in()).calibration.camera.fx_px, 77.0);
+  EXPECT_EQ(read_robot_file(file, {}, robots_too()).calibration.camera.fx_px, 77.0);
 }
 
-TEST(RobotFile, EverythingThatIsWrongIsToldAtOnce) {
+TEST(RobotFile, EverythingThatIsWrongIsReportedAtOnce) {
   TempFolder folder;
   const fs::path file =
       folder.write("robot.yaml", least + R"(limits: {neck_yaw_deg: [45, -45], neck_jaw_deg: [0, 1]}

@@ -87,7 +87,7 @@ TEST_F(ScenarioDefaults, TheGateAssumesTheBallOfTheScenario) {
   EXPECT_EQ(read().gaze.gate.target.ball_diameter_m, 0.095);
 }
 
-TEST_F(ScenarioDefaults, ANameThatIsNoFolderIsRefused) {
+TEST_F(ScenarioDefaults, ANameThatIsNoFolderIsRejected) {
   for (const char* name : {"../../evil", "/tmp/evil", "..", ".hidden", "a\\b"}) {
     EXPECT_THAT(message({"name='" + std::string(name) + "'"}),
                 AllOf(HasSubstr("name: found "), HasSubstr("expected the name of a folder"),
@@ -113,9 +113,9 @@ TEST_F(ScenarioDefaults, NothingOfAPlausibleScenarioIsWarnedOf) {
 }
 
 TEST_F(ScenarioDefaults, ACentreOutsideTheImageIsWarnedOf) {
-  EXPECT_THAT(
-      warnings_of(read({"camera.cx_px=130"})),
-      testing::Contains(HasSubstr("camera: the principal point (130, 69.18) lies outside the image of 128 x 128")));
+  EXPECT_THAT(warnings_of(read({"camera.cx_px=130"})),
+              testing::Contains(
+                  HasSubstr("camera: the principal point (130, 69.18) lies outside the image of 128 x 128")));
 }
 
 TEST_F(ScenarioDefaults, ALensOfAnotherImageIsWarnedOf) {

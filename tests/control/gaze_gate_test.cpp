@@ -30,7 +30,7 @@ std::optional<Eigen::Vector3d> update(GazeGate& gate, std::int64_t now_us, const
   return gate.update(now_us, estimate, threshold, camera, looking_ahead());
 }
 
-std::unique_ptr<GazeGate> gate(const char* name, const char* depth = "pinhole") {
+std::unique_ptr<GazeGate> gate(const char* name, DepthModel depth = DepthModel::pinhole) {
   GateConfig config = built_in_gates().config();
   config.gate = name;
   config.target.depth = depth;
@@ -70,7 +70,7 @@ TEST(Gates, CountRejectedTargetsByReason) {
     config.get<AuthorsGateConfig>().min_detections = 1;
     config.get<ContinuityGateConfig>().min_agreeing = 1;
     config.get<AuthorsGateConfig>().max_radius_px = 1000;
-    config.target.depth = "authors_linear";
+    config.target.depth = DepthModel::authors_linear;
     for (const auto& [circle, counter] : {std::pair{Circle{nan, 60, 12}, &RejectedTargets::not_finite},
                                           {Circle{60, 60, -1}, &RejectedTargets::bad_radius},
                                           {Circle{60, 60, 27}, &RejectedTargets::too_near},
@@ -108,7 +108,7 @@ TEST(AuthorsGate, IgnoresEstimatesBelowTheThresholdAndHeldOnes) {
 }
 
 TEST(AuthorsGate, TargetsTheMedianAndIgnoresOutliers) {
-  const auto g = gate("authors", "authors_linear");
+  const auto g = gate("authors", DepthModel::authors_linear);
   // A fifth of the detections is far off; the newest is good.
   const auto target = feed(*g, 201, [](int i) { return i % 5 == 0 ? sure(90, 95, 10) : sure(60, 62, 10); });
   ASSERT_TRUE(target);
@@ -142,7 +142,7 @@ TEST(AuthorsGate, GivesNoTargetIfTheDetectionsAreSpread) {
 
 TEST(AuthorsGate, UsesTheLargestRadiusUpToSixteen) {
   const auto depth = [](double largest_px) {
-    const auto g = gate("authors", "authors_linear");
+    const auto g = gate("authors", DepthModel::authors_linear);
     const auto target = feed(*g, 150, [&](int i) { return sure(60, 60, i == 100 ? largest_px : 10.0); });
     return target ? -target->x() : -1.0;
   };
@@ -164,7 +164,7 @@ TEST(AuthorsGate, KeepsTheTargetTenCentimetresInFrontOfTheWaist) {
 
 TEST(AuthorsGate, EqualsAPlainReferenceOnRandomStreams) {
   const RandomStream random(7, "gate");
-  const auto g = gate("authors", "authors_linear");
+  const auto g = gate("authors", DepthModel::authors_linear);
   std::vector<std::pair<std::int64_t, Circle>> all;
   std::int64_t now_us = 0;
   int targets = 0;
@@ -211,7 +211,7 @@ TEST(Gates, ABadConfigurationIsAnInputError) {
   GateConfig config = built_in_gates().config();
   config.gate = "sometimes";
   config.get<AuthorsGateConfig>().window_s = 9.0;
-  config.target.depth = "deep";
+  config.target.ball_diameter_m = 0.0;
   try {
     (void)make_gate(config);
     FAIL() << "taken";

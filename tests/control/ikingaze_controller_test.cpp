@@ -15,7 +15,7 @@
 namespace saccade {
 namespace {
 
-GazeControllerConfig ikingaze(const std::string& eyes = "both", bool saccades = true) {
+GazeControllerConfig ikingaze(AimingEyes eyes = AimingEyes::both, bool saccades = true) {
   GazeControllerConfig config = built_in_controllers().config();
   config.controller = "ikingaze";
   config.get<IkinGazeConfig>().eyes = eyes;
@@ -63,7 +63,7 @@ TEST(IkinGazeController, BothEyesFixateEveryTargetWithinReach) {
 }
 
 TEST(IkinGazeController, TheLeftEyeAloneLeavesVergenceAtRest) {
-  const auto gaze = controller(ikingaze("left"));
+  const auto gaze = controller(ikingaze(AimingEyes::left));
   Plant plant;
   for (const Eigen::Vector3d& target_m :
        {seen_at(15, 8, 0.35), seen_at(-20, -5, 0.5), seen_at(-14, -5, 0.5)}) {
@@ -140,7 +140,7 @@ TEST(IkinGazeController, TheEyesFollowASmallStepWithTheDynamicsOfLoopAndFilter) 
 }
 
 TEST(IkinGazeController, ARampIsFollowedWithTheLagOfFilterAndLoop) {
-  const auto gaze = controller(ikingaze("both", false));
+  const auto gaze = controller(ikingaze(AimingEyes::both, false));
   Plant plant(0.0);
   // A target that circles the eyes in the plane of their axes at 5 deg/s: 0.141 s for the filter, 0.080 s for the
   // reference. The neck moves too; the eyes undo that.
@@ -169,12 +169,12 @@ TEST(IkinGazeController, ASaccadeMovesToATargetMoreThanTenDegreesAway) {
     return angle_deg(Eye::left, plant.state.position_rad, seen_at(azimuth_deg, 0, 0.45));
   };
   EXPECT_LT(reached_deg(ikingaze(), 20, 0.20), 2.5);  // turned by the neck since the saccade began
-  EXPECT_GT(reached_deg(ikingaze("both", false), 20, 0.20), 8.0);
+  EXPECT_GT(reached_deg(ikingaze(AimingEyes::both, false), 20, 0.20), 8.0);
   EXPECT_GT(reached_deg(ikingaze(), 9, 0.10), 5.0);  // smooth pursuit
   EXPECT_LT(reached_deg(ikingaze(), 12, 0.15), 2.0);
-  EXPECT_LT(reached_deg(ikingaze("left"), 12, 0.15), 2.0);
+  EXPECT_LT(reached_deg(ikingaze(AimingEyes::left), 12, 0.15), 2.0);
   EXPECT_LT(reached_deg(ikingaze(), 20, 3.0), 0.05);
-  EXPECT_LT(reached_deg(ikingaze("both", false), 20, 3.0), 0.05);
+  EXPECT_LT(reached_deg(ikingaze(AimingEyes::both, false), 20, 3.0), 0.05);
 }
 
 TEST(IkinGazeController, SaccadesKeepTheirInterval) {
@@ -224,7 +224,7 @@ TEST(IkinGazeController, TheNeckFollowsSmallChangesLateAndTheSmallestNotAtAll) {
 }
 
 TEST(IkinGazeController, KeepsTheGazeWhileTheNeckTurns) {
-  for (const char* eyes : {"both", "left"}) {
+  for (const AimingEyes eyes : {AimingEyes::both, AimingEyes::left}) {
     const auto gaze = controller(ikingaze(eyes));
     Plant plant(0.0);
     const Eigen::Vector3d target_m = seen_at(-22, 10, 0.45);
@@ -295,7 +295,7 @@ TEST(IkinGazeController, CompensatesASteadyPositionErrorOfAJoint) {
 }
 
 TEST(IkinGazeController, AReferenceLeadsABlockedJointByTheMaximumOnly) {
-  const auto gaze = controller(ikingaze("both", false));
+  const auto gaze = controller(ikingaze(AimingEyes::both, false));
   const HeadState stuck;
   HeadJointVector reference;
   for (int i = 0; i < 5000; ++i) reference = gaze->step(stuck, seen_at(-40, 15, 0.45), dt);
@@ -337,7 +337,7 @@ TEST(IkinGazeController, HoldsItsReferenceWhileAnEncoderReadsNan) {
 TEST(IkinGazeController, StepsDoNotAllocate) {
   if (!malloc_is_counted()) GTEST_SKIP() << "a sanitizer owns malloc";
   const RandomStream random(5, "targets");
-  for (const char* eyes : {"both", "left"}) {
+  for (const AimingEyes eyes : {AimingEyes::both, AimingEyes::left}) {
     const auto gaze = controller(ikingaze(eyes));
     Plant plant;
     const long before = malloc_count();
@@ -351,7 +351,8 @@ TEST(IkinGazeController, StepsDoNotAllocate) {
 }
 
 TEST(IkinGazeController, ABadConfigurationIsAnInputError) {
-  GazeControllerConfig config = ikingaze("right");
+  GazeControllerConfig config = ikingaze();
+  config.get<IkinGazeConfig>().min_tilt_deg = 1.0;
   config.get<IkinGazeConfig>().neck_time_s = 0.4;  // too close to the eyes' 0.25
   config.get<IkinGazeConfig>().saccade_angle_deg = std::numeric_limits<double>::quiet_NaN();
   try {

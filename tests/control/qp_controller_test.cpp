@@ -289,7 +289,7 @@ TEST(QpController, FollowsATargetOnACircleOfHalfAHertzWithLittleLag) {
 
 TEST(QpController, TheLeftEyeAloneLeavesVergenceAtRest) {
   GazeControllerConfig config = built_in_controllers().config();
-  config.get<QpConfig>().eyes = "left";
+  config.get<QpConfig>().eyes = AimingEyes::left;
   const auto gaze = controller(config);
   Plant plant;
   const Eigen::Vector3d target = seen_at(15, 8, 0.35);
@@ -326,7 +326,7 @@ TEST(QpController, StepsAndGatesDoNotAllocate) {
 
 TEST(QpController, ABadConfigurationIsAnInputError) {
   GazeControllerConfig config = built_in_controllers().config();
-  config.get<QpConfig>().eyes = "right";
+  config.get<QpConfig>().damping = 1.0;
   config.get<QpConfig>().eye_time_constant_s = std::numeric_limits<double>::quiet_NaN();
   config.limits.margin_deg = -1.0;
   try {

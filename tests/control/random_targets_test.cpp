@@ -12,7 +12,7 @@
 namespace saccade {
 namespace {
 
-class RandomTargets : public testing::TestWithParam<std::tuple<std::string, std::string>> {
+class RandomTargets : public testing::TestWithParam<std::tuple<std::string, AimingEyes>> {
  protected:
   [[nodiscard]] static GazeControllerConfig config() {
     GazeControllerConfig config = built_in_controllers().config();
@@ -22,9 +22,11 @@ class RandomTargets : public testing::TestWithParam<std::tuple<std::string, std:
   }
 };
 INSTANTIATE_TEST_SUITE_P(, RandomTargets,
-                         testing::Combine(testing::Values("qp", "ikingaze"), testing::Values("both", "left")),
+                         testing::Combine(testing::Values("qp", "ikingaze"),
+                                          testing::Values(AimingEyes::both, AimingEyes::left)),
                          [](const auto& name) {
-                           return std::get<0>(name.param) + "_with_" + std::get<1>(name.param);
+                           return std::get<0>(name.param) + "_with_" +
+                                  std::string(word_of(std::get<1>(name.param)));
                          });
 
 TEST_P(RandomTargets, AThousandTargetsNeverViolateTheLimits) {

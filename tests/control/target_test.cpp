@@ -99,7 +99,7 @@ TEST(Target, IsExactForAWideAnglePinholeWithUnequalFocalLengths) {
 
 TEST(Target, TheAuthorsMapGives45CentimetresForTenPixelsAnd30ForSixteen) {
   TargetConfig config;
-  config.depth = "authors_linear";
+  config.depth = DepthModel::authors_linear;
   const TargetLocator locator(config);
   const Camera camera;
   for (const auto& [r_px, z_m] : {std::pair{10.0, 0.45}, {16.0, 0.30}, {20.0, 0.20}}) {
@@ -114,7 +114,7 @@ TEST(Target, TheAuthorsMapGives45CentimetresForTenPixelsAnd30ForSixteen) {
 
 TEST(Target, BothDepthModelsAgreeOnTheBallOf95MillimetresWithinThreeCentimetres) {
   TargetConfig linear;
-  linear.depth = "authors_linear";
+  linear.depth = DepthModel::authors_linear;
   for (const double r_px : {10.0, 12.0, 14.0, 16.0}) {
     const Circle circle{64.0, 69.18, r_px};
     const auto z = [&](const TargetConfig& config) {
@@ -140,7 +140,7 @@ TEST(Target, RejectsInvalidCirclesAndReportsWhy) {
   const Camera camera;
   const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
   TargetConfig linear;
-  linear.depth = "authors_linear";
+  linear.depth = DepthModel::authors_linear;
   const TargetLocator pinhole({});
   const auto status = [&](const TargetLocator& locator, const Circle& circle) {
     return locator.locate(circle, camera, here).status;
@@ -172,7 +172,7 @@ TEST(Target, ExtremeCirclesNeverGiveATargetThatIsNotFinite) {
 
 TEST(Target, ABadConfigurationIsAnInputError) {
   TargetConfig config;
-  config.depth = "guess";
+  config.min_distance_m = 11.0;
   config.ball_diameter_m = -1.0;
   try {
     const TargetLocator locator(config);

@@ -4,13 +4,12 @@
 #include <thread>
 #include <vector>
 
-#include "apps/config/robot_file.h"
 #include "apps/deploy/robot_backends.h"
 #include "apps/deploy/spsc_ring.h"
 #include "apps/deploy/time_figures.h"
 #include "core/error.h"
 #include "core/random.h"
-#include "robot/robot.h"
+#include "robot/yarp/yarp_config.h"
 
 namespace saccade {
 namespace {
@@ -50,18 +49,31 @@ TEST(TimeFigures, ShortTimesAreExactAndVeryLongOnesAreCounted) {
 }
 
 TEST(RobotBackends, AnUnknownBackendIsBadInputThatNamesThoseOfThisBuild) {
-  RobotFile file;
-  file.backend = "ros";
-  EXPECT_THAT([&] { (void)open_robot(file); },
+  RobotBackendConfig config = built_in_backends().config();
+  config.backend = "ros";
+  EXPECT_THAT([&] { (void)open_robot(config, {}); },
               testing::ThrowsMessage<InputError>(
                   testing::AllOf(testing::HasSubstr("ros"), testing::HasSubstr("recording, yarp"))));
 }
 
-TEST(RobotBackends, ABackendOfOnesOwnIsARow) {
-  RobotFile file;
-  file.backend = "mine";
-  const RobotBackend mine{"mine", "a test", [](const RobotFile&) { return std::unique_ptr<Robot>(); }};
-  EXPECT_EQ(open_robot(file, std::span(&mine, 1)), nullptr);
+TEST(RobotBackends, OnlyYarpWithItsGazeControllerTakesTargets) {
+  RobotBackendConfig config = built_in_backends().config();
+  EXPECT_FALSE(config.has_gaze_controller());
+  config.backend = "yarp";
+  EXPECT_FALSE(config.has_gaze_controller());
+  config.get<YarpConfig>().head.control = "gaze";
+  EXPECT_TRUE(config.has_gaze_controller());
+}
+
+TEST(RobotBackends, ABackendOfOnesOwnGetsItsConfigAndTheContext) {
+  BackendRegistry registry;
+  registry.add(backend_row("mine", "a test", RecordingBackendConfig{"here", 2.0},
+                           [](const RecordingBackendConfig& config, const RobotContext& context) {
+                             EXPECT_EQ(config.speed, 2.0);
+                             EXPECT_EQ(context.image_size, (ImageSize{7, 5}));
+                             return std::unique_ptr<Robot>();
+                           }));
+  EXPECT_EQ(open_robot(registry.config(), {{}, {7, 5}, {}}), nullptr);
 }
 
 TEST(SpscRing, PassesEveryElementOnceAndInOrderBetweenTwoThreads) {

@@ -24,7 +24,7 @@ double number_of(const std::string& yaml, const std::string& key) {
   return at == std::string::npos ? std::nan("") : std::stod(yaml.substr(at + key.size() + 3));
 }
 
-TEST(Calibrate, aShortRunBeforeTheBoardGivesTheLensAndAScenarioTakesIt) {
+TEST(Calibrate, AShortRunBeforeTheBoardGivesTheLensAndAScenarioTakesIt) {
   const TempFolder folder;
   const std::string run = (folder / "run").string();
   const std::string yaml = (folder / "left.yaml").string();
@@ -58,7 +58,7 @@ TEST(Calibrate, aShortRunBeforeTheBoardGivesTheLensAndAScenarioTakesIt) {
   EXPECT_EQ(number_of(resolved.substr(resolved.find("\ncalibration:")), "fx_px"), number_of(text, "fx_px"));
 }
 
-TEST(Calibrate, aRecordingWithoutAGridIsRefusedWithOneLine) {
+TEST(Calibrate, ARecordingWithoutAGridIsRejectedWithOneLine) {
   const TempFolder folder;
   const std::string yaml = (folder / "left.yaml").string();
   const Outcome ball =

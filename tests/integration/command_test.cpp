@@ -36,7 +36,7 @@ class Command : public testing::Test {
   TempFolder folder_;
 };
 
-TEST_F(Command, theSameScenarioAndSeedGiveTheSameBytesWhateverTheNumberOfThreads) {
+TEST_F(Command, TheSameScenarioAndSeedGiveTheSameBytesWhateverTheNumberOfThreads) {
   const std::string run = "run '" + short_scenario + "' --set run.duration_s=0.5 --set expect={} --seed 7 ";
   ASSERT_EQ(saccade(run + "--set run.threads=1 --out " + out("one")).status, 0);
   ASSERT_EQ(saccade(run + "--set run.threads=1 --out " + out("again")).status, 0);
@@ -50,7 +50,7 @@ TEST_F(Command, theSameScenarioAndSeedGiveTheSameBytesWhateverTheNumberOfThreads
   }
 }
 
-TEST_F(Command, bothEyesAreRecordedWithTheSameBytesWhateverTheNumberOfThreads) {
+TEST_F(Command, BothEyesAreRecordedWithTheSameBytesWhateverTheNumberOfThreads) {
   const std::string run = "run '" + short_scenario +
                           "' --set eyes=both --set run.duration_s=0.4 --set render.max_interval_ms=1 "
                           "--set expect={} --seed 7 --set output.pictures=2 ";
@@ -71,7 +71,7 @@ TEST_F(Command, bothEyesAreRecordedWithTheSameBytesWhateverTheNumberOfThreads) {
   EXPECT_NE(bytes_of(folder_ / "left/detections.csv"), bytes_of(folder_ / "right/detections.csv"));
 }
 
-TEST_F(Command, bothEyesFixateTheBallAndStereoLooksThroughEach) {
+TEST_F(Command, BothEyesFixateTheBallAndStereoLooksThroughEach) {
   const Outcome run = saccade(
       "run '" + short_scenario +
       "' --set eyes=both --set gaze.stereo=true --set gaze.detector=best --set 'detectors={best: {}}' "
@@ -84,14 +84,14 @@ TEST_F(Command, bothEyesFixateTheBallAndStereoLooksThroughEach) {
   EXPECT_THAT(bytes_of(folder_ / "run/scenario.yaml"), HasSubstr("right_calibration:"));
 }
 
-TEST_F(Command, anotherSeedGivesOtherEvents) {
+TEST_F(Command, AnotherSeedGivesOtherEvents) {
   const std::string run = "run '" + short_scenario + "' --set run.duration_s=0.3 --set expect={} ";
   ASSERT_EQ(saccade(run + "--seed 1 --out " + out("a")).status, 0);
   ASSERT_EQ(saccade(run + "--seed 2 --out " + out("b")).status, 0);
   EXPECT_NE(bytes_of(folder_ / "a/events.aedat"), bytes_of(folder_ / "b/events.aedat"));
 }
 
-TEST_F(Command, aRunLeavesEveryFileOfTheRunFolderAndTheResolvedScenarioGivesTheSameRun) {
+TEST_F(Command, ARunLeavesEveryFileOfTheRunFolderAndTheResolvedScenarioGivesTheSameRun) {
   const std::string options = " --set run.duration_s=0.4 --set expect={} --set output.video=true ";
   ASSERT_EQ(saccade("run '" + short_scenario + "'" + options + "--out " + out("run")).status, 0);
   for (const char* file :
@@ -105,7 +105,7 @@ TEST_F(Command, aRunLeavesEveryFileOfTheRunFolderAndTheResolvedScenarioGivesTheS
   EXPECT_EQ(bytes_of(folder_ / "run/gaze.csv"), bytes_of(folder_ / "again/gaze.csv"));
 }
 
-TEST_F(Command, aFrameCameraIsScoredBesideTheDetectorsAndLeavesTheirEventsUnchanged) {
+TEST_F(Command, AFrameCameraIsScoredBesideTheDetectorsAndLeavesTheirEventsUnchanged) {
   const std::string run = "run '" + short_scenario + "' --set run.duration_s=0.4 --set expect={} ";
   ASSERT_EQ(saccade(run + "--out " + out("without")).status, 0);
   const Outcome with = saccade(run + "--set frame_30hz.radius_px=[4,20] --seed 1 --out " + out("with"));
@@ -124,7 +124,7 @@ TEST_F(Command, aFrameCameraIsScoredBesideTheDetectorsAndLeavesTheirEventsUnchan
   EXPECT_THAT(rows, HasSubstr("\n20000,frame_30hz,"));
 }
 
-TEST_F(Command, runsAreReportedTogetherByScenarioAndSettings) {
+TEST_F(Command, RunsAreReportedTogetherByScenarioAndSettings) {
   const std::string run = "run '" + short_scenario + "' --set run.duration_s=0.3 --set expect={} ";
   ASSERT_EQ(saccade(run + "--seed 1 --out " + out("a")).status, 0);
   ASSERT_EQ(saccade(run + "--seed 2 --out " + out("b")).status, 0);
@@ -146,7 +146,7 @@ TEST_F(Command, runsAreReportedTogetherByScenarioAndSettings) {
   EXPECT_THAT(wrong.text, HasSubstr(out("none")));
 }
 
-TEST_F(Command, anUnmetExpectationIsStatusThreeAndIsNamed) {
+TEST_F(Command, AnUnmetExpectationIsStatusThreeAndIsNamed) {
   const Outcome outcome = saccade("run '" + short_scenario + "' --set run.duration_s=0.1 --out " +
                                   out("run") + " --set 'expect={gaze.in_view_ratio: [2, 3]}'");
   EXPECT_EQ(outcome.status, 3) << outcome.text;
@@ -154,7 +154,7 @@ TEST_F(Command, anUnmetExpectationIsStatusThreeAndIsNamed) {
   EXPECT_TRUE(fs::exists(folder_ / "run/report.html"));
 }
 
-TEST_F(Command, aMissingScenarioIsOneLineAndStatusTwo) {
+TEST_F(Command, AMissingScenarioIsOneLineAndStatusTwo) {
   const Outcome outcome = saccade("run nowhere.yaml --out " + out("run"));
   EXPECT_EQ(outcome.status, 2);
   EXPECT_THAT(outcome.text, HasSubstr("nowhere.yaml"));
@@ -162,7 +162,7 @@ TEST_F(Command, aMissingScenarioIsOneLineAndStatusTwo) {
   expect_nothing_left("run");
 }
 
-TEST_F(Command, aRunFolderThatExistsIsRefusedWithoutForceAndAFolderWithOtherThingsAlways) {
+TEST_F(Command, ARunFolderThatExistsIsRejectedWithoutForceAndAFolderWithOtherThingsAlways) {
   const std::string run = "run '" + short_scenario + "' --set run.duration_s=0.05 --set expect={} --out ";
   ASSERT_EQ(saccade(run + out("run")).status, 0);
   const std::string before = bytes_of(folder_ / "run/metrics.json");
@@ -176,7 +176,7 @@ TEST_F(Command, aRunFolderThatExistsIsRefusedWithoutForceAndAFolderWithOtherThin
   EXPECT_EQ(bytes_of(folder_ / "mine/thesis.tex"), "years of work");
 }
 
-TEST_F(Command, withoutOpenGlTheRunFailsWithOneLineAndLeavesNothing) {
+TEST_F(Command, WithoutOpenGlTheRunFailsWithOneLineAndLeavesNothing) {
   const Outcome outcome = saccade("run '" + short_scenario + "' --set render.backend=egl --out " + out("run"),
                                   "__EGL_VENDOR_LIBRARY_DIRS=/nonexistent");
   EXPECT_EQ(outcome.status, 1);
@@ -185,7 +185,7 @@ TEST_F(Command, withoutOpenGlTheRunFailsWithOneLineAndLeavesNothing) {
   expect_nothing_left("run");
 }
 
-TEST_F(Command, aRecordingThatIsMissingEmptyTruncatedOrWithoutEventsIsBadInput) {
+TEST_F(Command, ARecordingThatIsMissingEmptyTruncatedOrWithoutEventsIsBadInput) {
   const Outcome missing = saccade("detect nowhere.aedat");
   EXPECT_EQ(missing.status, 2);
   EXPECT_THAT(missing.text, HasSubstr("nowhere.aedat"));
@@ -206,7 +206,7 @@ TEST_F(Command, aRecordingThatIsMissingEmptyTruncatedOrWithoutEventsIsBadInput) 
   EXPECT_FALSE(fs::exists(folder_ / "run/metrics.json"));
 }
 
-TEST_F(Command, unknownWordsOnTheCommandLineAreUsage) {
+TEST_F(Command, UnknownWordsOnTheCommandLineAreUsage) {
   EXPECT_EQ(saccade("").status, 2);
   EXPECT_EQ(saccade("dance").status, 2);
   EXPECT_EQ(saccade("run").status, 2);
@@ -216,7 +216,7 @@ TEST_F(Command, unknownWordsOnTheCommandLineAreUsage) {
   EXPECT_THAT(version.text, HasSubstr("MuJoCo"));
 }
 
-TEST_F(Command, aRunFolderIsARecordingThatDetectReadsBack) {
+TEST_F(Command, ARunFolderIsARecordingThatDetectReadsBack) {
   ASSERT_EQ(
       saccade("run '" + short_scenario + "' --set run.duration_s=0.6 --set expect={} --out " + out("run"))
           .status,
@@ -226,7 +226,7 @@ TEST_F(Command, aRunFolderIsARecordingThatDetectReadsBack) {
   EXPECT_GT(bytes_of(folder_ / "detect/detections.csv").size(), 1000U);
 }
 
-TEST_F(Command, detectReplaysARunFolderWithItsJointsAndScoresItAgainstItsTruth) {
+TEST_F(Command, DetectReplaysARunFolderWithItsJointsAndScoresItAgainstItsTruth) {
   // No event is late in the run, as none is in a recording.
   ASSERT_EQ(
       saccade("run '" + short_scenario +
@@ -259,7 +259,7 @@ TEST_F(Command, detectReplaysARunFolderWithItsJointsAndScoresItAgainstItsTruth) 
   EXPECT_THAT(wrong.text, HasSubstr("metrics.json"));
 }
 
-TEST_F(Command, truthOutsideTheTimeSpanOfTheEventsIsBadInputThatNamesBothSpansAndTheOffset) {
+TEST_F(Command, TruthOutsideTheTimeSpanOfTheEventsIsBadInputThatNamesBothSpansAndTheOffset) {
   std::string events;
   for (int i = 0; i < 1000; ++i) events += std::to_string(5'000'000 + 1000 * i) + " 64 64 1\n";
   folder_.write("events.txt", events);
@@ -277,7 +277,7 @@ TEST_F(Command, truthOutsideTheTimeSpanOfTheEventsIsBadInputThatNamesBothSpansAn
   }
 }
 
-TEST_F(Command, hiddenBallsInTheTruthOfARecordingAreNoChances) {
+TEST_F(Command, HiddenBallsInTheTruthOfARecordingAreNoChances) {
   std::string events;
   for (int i = 0; i < 1000; ++i) events += std::to_string(1000 * i) + " 64 64 1\n";
   folder_.write("events.txt", events);
@@ -290,7 +290,7 @@ TEST_F(Command, hiddenBallsInTheTruthOfARecordingAreNoChances) {
   EXPECT_THAT(bytes_of(folder_ / "run/metrics.json"), HasSubstr("\"chances\": 2,"));
 }
 
-TEST_F(Command, labelsNameTheCauseOfEachEventAndChangeNothingElse) {
+TEST_F(Command, LabelsNameTheCauseOfEachEventAndChangeNothingElse) {
   const std::string run =
       "run '" + short_scenario + "' --set run.duration_s=0.4 --set expect={} --set output.events=csv ";
   ASSERT_EQ(saccade(run + "--out " + out("without")).status, 0);
@@ -320,7 +320,7 @@ TEST_F(Command, labelsNameTheCauseOfEachEventAndChangeNothingElse) {
   EXPECT_THAT(bytes_of(folder_ / "with/report.html"), HasSubstr("clutter_by_detector"));
 }
 
-TEST_F(Command, aRecordingSurvivesConversionToTextAndBack) {
+TEST_F(Command, ARecordingSurvivesConversionToTextAndBack) {
   ASSERT_EQ(
       saccade("run '" + short_scenario + "' --set run.duration_s=0.3 --set expect={} --out " + out("run"))
           .status,

@@ -59,7 +59,7 @@ class Deploy : public testing::Test {
   TempFolder folder_;
 };
 
-TEST_F(Deploy, aRecordingIsReplayedInRealTimeAndItsEventsJointsAndTargetsAreInTheRunFolder) {
+TEST_F(Deploy, ARecordingIsReplayedInRealTimeAndItsEventsJointsAndTargetsAreInTheRunFolder) {
   const Outcome deployed = run_shell(command("--activate --record --out " + out()));
   ASSERT_EQ(deployed.status, 0) << deployed.text;
   EXPECT_THAT(deployed.text, AllOf(HasSubstr("ok    recording run: images of 128 x 128 pixels, with joints"),
@@ -92,7 +92,7 @@ TEST_F(Deploy, aRecordingIsReplayedInRealTimeAndItsEventsJointsAndTargetsAreInTh
   EXPECT_EQ(resolved.status, 0) << resolved.text;
 }
 
-TEST_F(Deploy, withoutATerminalItStaysInactiveAndADryRunActivatesItself) {
+TEST_F(Deploy, WithoutATerminalItStaysInactiveAndADryRunActivatesItself) {
   const Outcome watched = run_shell(command("--duration 0.3 --out " + out("watched") + " </dev/null"));
   EXPECT_EQ(watched.status, 0) << watched.text;
   EXPECT_THAT(bytes_of(out("watched/deploy.json")), Not(HasSubstr("\"active\"")));
@@ -102,7 +102,7 @@ TEST_F(Deploy, withoutATerminalItStaysInactiveAndADryRunActivatesItself) {
               AllOf(HasSubstr("\"active\""), HasSubstr("\"dry_run\": true")));
 }
 
-TEST_F(Deploy, aSignalStopsTheHeadAndLeavesACompleteRunFolder) {
+TEST_F(Deploy, ASignalStopsTheHeadAndLeavesACompleteRunFolder) {
   for (const std::string signal : {"INT", "TERM"}) {
     const std::string console = out(signal + ".txt");
     const Outcome stopped =
@@ -114,7 +114,7 @@ TEST_F(Deploy, aSignalStopsTheHeadAndLeavesACompleteRunFolder) {
   }
 }
 
-TEST_F(Deploy, aKilledRunLeavesNoFileUnderItsFinalName) {
+TEST_F(Deploy, AKilledRunLeavesNoFileUnderItsFinalName) {
   const std::string console = out("console.txt");
   signal_when("grep -q ' s  active' " + console, "KILL",
               command("--activate --record --set recording.speed=0.1 --out " + out()), console);
@@ -129,7 +129,7 @@ TEST_F(Deploy, aKilledRunLeavesNoFileUnderItsFinalName) {
       << "and the next one starts";
 }
 
-TEST_F(Deploy, everyFailedCheckIsListedAndPreventsTheStart) {
+TEST_F(Deploy, EveryFailedCheckIsListedAndPreventsTheStart) {
   const Outcome refused =
       run_shell(command("--set calibration.width_px=130 --set recording.path=" + path("run/events.aedat") +
                         " --activate --out " + out()));
@@ -141,14 +141,14 @@ TEST_F(Deploy, everyFailedCheckIsListedAndPreventsTheStart) {
   EXPECT_FALSE(fs::exists(out()));
 }
 
-TEST_F(Deploy, badInputIsStatusTwo) {
+TEST_F(Deploy, BadInputIsStatusTwo) {
   const Outcome refused = run_shell(command("--set deploy.tick=1 --set gaze.detector=worst --out " + out()));
   EXPECT_EQ(refused.status, 2);
   EXPECT_THAT(refused.text, AllOf(HasSubstr("deploy.tick"), HasSubstr("gaze.detector: found worst")));
   EXPECT_EQ(run_shell(command("--set recording.path=/nowhere --out " + out())).status, 2);
 }
 
-TEST_F(Deploy, overloadLeavesOutEventsAndEvaluationsAndCountsThem) {
+TEST_F(Deploy, OverloadLeavesOutEventsAndEvaluationsAndCountsThem) {
   const Outcome busy =
       run_shell(command("--activate --set recording.speed=20 --set deploy.max_events_per_tick=50 --set "
                         "deploy.shadows_until_ms=0 --out " +

@@ -377,7 +377,7 @@ TEST_F(Emulate, ErrorsOfTheCameraNameFileLineAndKey) {
                  "--set contrast_threshold_on: found 0, expected a finite number in [0.01, 5]");
 }
 
-TEST_F(Emulate, UnusableImagesAreRefusedAndNothingIsWritten) {
+TEST_F(Emulate, UnusableImagesAreRejectedAndNothingIsWritten) {
   const auto save = [&](const std::string& name, int columns) {
     fs::create_directories(fs::path(path(name)).parent_path());
     cv::imwrite(path(name), cv::Mat(3, columns, CV_8U, cv::Scalar(100)));
@@ -413,7 +413,7 @@ TEST_F(Emulate, UnusableImagesAreRefusedAndNothingIsWritten) {
   }
 }
 
-TEST_F(Emulate, TimesThatDoNotFitTheImagesAreRefused) {
+TEST_F(Emulate, TimesThatDoNotFitTheImagesAreRejected) {
   write_ramp("ramp.npy", 4);
   const std::string images = path("ramp.npy") + " ";
   expect_refused(images,
@@ -486,7 +486,7 @@ TEST_F(Emulate, TheFileOfTimesIsNeverAnOutput) {
   EXPECT_EQ(bytes_of(folder_ / "times.txt"), "0\n1000000\n");
 }
 
-TEST_F(Emulate, AnImpossibleOutputIsRefused) {
+TEST_F(Emulate, AnImpossibleOutputIsRejected) {
   write_ramp("ramp.npy", 50);
   const std::string run = "emulate " + path("ramp.npy") + " --preset ideal --fps 50 ";
   EXPECT_THAT(saccade(run + "--out " + path("e.csv") + " --labels " + path("e.csv")).text,

@@ -30,7 +30,7 @@ const std::string old_scenario =
     "  cup: {shape: cylinder}\n"
     "detectors: {best: {}}\n";
 
-TEST(Keys, printsASectionWithTypeUnitRangeAndDefault) {
+TEST(Keys, PrintsASectionWithTypeUnitRangeAndDefault) {
   const Outcome outcome = saccade("keys ball");
   EXPECT_EQ(outcome.status, 0) << outcome.text;
   EXPECT_THAT(outcome.text,
@@ -39,7 +39,7 @@ TEST(Keys, printsASectionWithTypeUnitRangeAndDefault) {
   EXPECT_THAT(saccade("keys emulator --markdown").text, HasSubstr("| `latency_us` | whole number in [0, "));
 }
 
-TEST(Keys, listsTheSectionsAndNamesThemForAnUnknownOne) {
+TEST(Keys, ListsTheSectionsAndNamesThemForAnUnknownOne) {
   for (const char* section :
        {"scenario", "gaze", "detectors.best", "emulator", "robot", "robot.yarp", "sweep"}) {
     EXPECT_THAT(saccade("keys").text, HasSubstr(section));
@@ -51,7 +51,7 @@ TEST(Keys, listsTheSectionsAndNamesThemForAnUnknownOne) {
               AllOf(HasSubstr("found gase, expected one of scenario, run,"), HasSubstr(", gaze,")));
 }
 
-TEST(Migrate, rewritesAnOldScenarioWhichRunsThen) {
+TEST(Migrate, RewritesAnOldScenarioWhichRunsThen) {
   const TempFolder folder;
   const std::filesystem::path file = folder.write("old.yaml", old_scenario);
   const Outcome before = saccade("run " + file.string() + " --out " + (folder / "run").string());
@@ -72,7 +72,7 @@ TEST(Migrate, rewritesAnOldScenarioWhichRunsThen) {
   EXPECT_EQ(after.status, 0) << after.text;
 }
 
-TEST(Migrate, leavesAFileAloneWhoseBackupExists) {
+TEST(Migrate, LeavesAFileAloneWhoseBackupExists) {
   const TempFolder folder;
   const std::filesystem::path file = folder.write("old.yaml", old_scenario);
   folder.write("old.yaml.bak", "precious");
@@ -84,7 +84,7 @@ TEST(Migrate, leavesAFileAloneWhoseBackupExists) {
   EXPECT_EQ(saccade("migrate " + (folder / "gone.yaml").string()).status, 2);
 }
 
-TEST(Warnings, areOnTheTerminalAndInTheLogOfTheRun) {
+TEST(Warnings, AreOnTheTerminalAndInTheLogOfTheRun) {
   const TempFolder folder;
   std::string text = old_scenario;
   text.replace(text.find("things"), 6, "objects");

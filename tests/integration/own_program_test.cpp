@@ -1,4 +1,4 @@
-// Programs with a detector or a gaze controller of their own, built from examples/.
+// Programs with a row of their own in a registry, built from examples/.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,6 +12,7 @@ namespace saccade {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 const std::string scenario = " '" SACCADE_SOURCE_DIR "/scenarios/look_at_ball.yaml' ";
 /// A ball alone before a plain wall, for a short time.
@@ -24,6 +25,13 @@ Outcome with_detector(const std::string& arguments) {
 }
 Outcome with_controller(const std::string& arguments) {
   return run_shell("'" SACCADE_CONTROLLER_EXAMPLE "' " + arguments);
+}
+
+Outcome with_format(const std::string& arguments) {
+  return run_shell("'" SACCADE_FORMAT_EXAMPLE "' " + arguments);
+}
+Outcome with_backend(const std::string& arguments) {
+  return run_shell("'" SACCADE_BACKEND_EXAMPLE "' " + arguments);
 }
 
 class OwnProgram : public testing::Test {
@@ -95,6 +103,63 @@ TEST_F(OwnProgram, MovesTheHeadWithAGazeControllerOfItsOwn) {
   EXPECT_GT(gaze["moves"].get<int>(), 0);
   EXPECT_EQ(gaze["limit_violations"], 0);
   EXPECT_THAT(bytes_of(folder_ / "run/scenario.yaml"), HasSubstr("gain_per_s: 10"));
+}
+
+TEST_F(OwnProgram, WritesAndReadsAFormatOfItsOwnInEverySubcommand) {
+  const Outcome run =
+      with_format("run" + scenario + short_run + "--set output.events=packed --out " + out("run"));
+  ASSERT_EQ(run.status, 0) << run.text;
+  EXPECT_EQ(metrics("run")["events"]["file"], "events.packed");
+  EXPECT_THAT(bytes_of(folder_ / "run/events.packed"), testing::StartsWith("PACKED1\n"));
+  EXPECT_THAT(bytes_of(folder_ / "run/report.html"),
+              Not(HasSubstr("expected a recording in a known format")));
+
+  const Outcome detect = with_format("detect '" + out("run") + "' --out " + out("detect"));
+  ASSERT_EQ(detect.status, 0) << detect.text;
+  // All but those before the first row of joints.
+  EXPECT_GT(metrics("detect")["events"]["count"].get<double>(),
+            0.99 * metrics("run")["events"]["count"].get<double>());
+  const Outcome report =
+      with_format("report '" + out("run") + "' '" + out("detect") + "' --out " + out("report"));
+  EXPECT_EQ(report.status, 0) << report.text;
+  const Outcome convert = with_format("convert '" + out("run") + "' " + out("copy.aedat4"));
+  EXPECT_EQ(convert.status, 0) << convert.text;
+  const Outcome again = with_format("run" + scenario + short_run + "--force --out " + out("run"));
+  ASSERT_EQ(again.status, 0) << again.text;
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "run/events.packed"));
+}
+
+TEST_F(OwnProgram, DeploysARecordingInAFormatOfItsOwn) {
+  const Outcome run =
+      with_format("run" + scenario + short_run + "--set output.events=packed --out " + out("run"));
+  ASSERT_EQ(run.status, 0) << run.text;
+  const std::string robot =
+      folder_
+          .write("robot.yaml",
+                 "name: again\nbackend: recording\nrecording: {path: run, speed: 4}\n"
+                 "calibration: {width_px: 128, height_px: 128, fx_px: 99, fy_px: 99, cx_px: 64, cy_px: 64, "
+                 "k1: 0, k2: "
+                 "0, p1: 0, p2: 0}\ndetectors: {paper_full: {}}\noutput: {events: packed}\n")
+          .string();
+  const Outcome deploy = with_format("deploy '" + robot + "' --record --out " + out("deploy"));
+  ASSERT_EQ(deploy.status, 0) << deploy.text;
+  EXPECT_THAT(bytes_of(folder_ / "deploy/events.packed"), testing::StartsWith("PACKED1\n"));
+}
+
+TEST_F(OwnProgram, DeploysOnABackendOfItsOwn) {
+  const Outcome deploy =
+      with_backend("deploy '" SACCADE_SOURCE_DIR
+                   "/examples/backend/robot.yaml' --activate --duration 0.5 --record --out " +
+                   out("deploy"));
+  ASSERT_EQ(deploy.status, 0) << deploy.text;
+  EXPECT_GT(metrics("deploy")["events"]["count"].get<int>(), 9'000);
+  EXPECT_THAT(bytes_of(folder_ / "deploy/detections.csv"), HasSubstr(",paper_full,"));
+  EXPECT_THAT(bytes_of(folder_ / "deploy/robot.yaml"), HasSubstr("turns_per_s: 1"));
+  const Outcome unknown =
+      with_backend("deploy '" SACCADE_SOURCE_DIR "/examples/backend/robot.yaml' --set backend=mine");
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_THAT(unknown.text, HasSubstr("one of recording, yarp, circle"));
+  EXPECT_THAT(with_backend("keys robot").text, HasSubstr("circle.events_per_ms"));
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ class Recordings : public testing::Test {
   const ImageSize size_{40, 30};
 };
 
-TEST_F(Recordings, infoPrintsTheContentAndItsIrregularities) {
+TEST_F(Recordings, InfoPrintsTheContentAndItsIrregularities) {
   folder_.write("odd.csv", "t_us,x,y,p\n1000,3,4,1\n1500,200,4,0\n1400,3,4,1\n501500,3,4,1\n");
   const Outcome outcome = saccade("info --size 128x128 " + at("odd.csv"));
   ASSERT_EQ(outcome.status, 0) << outcome.text;
@@ -64,7 +64,7 @@ TEST_F(Recordings, infoPrintsTheContentAndItsIrregularities) {
   EXPECT_DOUBLE_EQ(json["mean_rate_hz"].get<double>(), 4 / 0.5005);
 }
 
-TEST_F(Recordings, infoPrintsEachCamera) {
+TEST_F(Recordings, InfoPrintsEachCamera) {
   write("two.log", {304, 240}, {{10, 1, 1, true, 0}, {20, 1, 1, false, 1}, {1020, 1, 1, true, 1}}, 2);
   const Outcome outcome = saccade("info " + at("two.log"));
   EXPECT_THAT(outcome.text, testing::ContainsRegex("\n +both +left +right\nevents +3 +1 +2\n"))
@@ -75,7 +75,7 @@ TEST_F(Recordings, infoPrintsEachCamera) {
   EXPECT_EQ(json["cameras"]["right"]["longest_gap_us"], 1000);
 }
 
-TEST_F(Recordings, convertKeepsEveryEventFromFormatToFormat) {
+TEST_F(Recordings, ConvertKeepsEveryEventFromFormatToFormat) {
   write("0.csv", size_, few_);
   const std::vector<std::string> names = {"0.csv", "1.h5",    "2.aedat4", "3.log",
                                           "4.raw", "5.aedat", "6.hdf5",   "7.txt"};
@@ -88,7 +88,7 @@ TEST_F(Recordings, convertKeepsEveryEventFromFormatToFormat) {
   EXPECT_EQ(bytes_of(at("7.txt")), bytes_of(at("0.csv")));
 }
 
-TEST_F(Recordings, convertTakesPartsAndTurnsThem) {
+TEST_F(Recordings, ConvertTakesPartsAndTurnsThem) {
   write("in.csv", size_, few_);
   const auto convert = [&](const std::string& options) {
     const Outcome outcome =
@@ -121,7 +121,7 @@ TEST_F(Recordings, convertTakesPartsAndTurnsThem) {
                               "removed: 1 of the other polarity\n");
 }
 
-TEST_F(Recordings, convertRefusesWhatItCannotDoAndLeavesNothing) {
+TEST_F(Recordings, ConvertRejectsWhatItCannotDoAndLeavesNothing) {
   write("two.csv", size_, {{10, 1, 1, true, 0}, {20, 1, 1, false, 1}}, 2);
   write("back.csv", size_, {{20, 1, 1, true, 0}, {10, 1, 1, false, 0}});
   folder_.write("cut.csv", "1,2,3,1\n2,2,3");
@@ -148,7 +148,7 @@ TEST_F(Recordings, convertRefusesWhatItCannotDoAndLeavesNothing) {
   EXPECT_EQ(read_file(at("right.h5")), (std::vector<Event>{{20, 1, 1, false, 0}}));
 }
 
-TEST_F(Recordings, convertRefusesTheRecordingItselfAsOutputUnderAnyNameEvenWithForce) {
+TEST_F(Recordings, ConvertRejectsTheRecordingItselfAsOutputUnderAnyNameEvenWithForce) {
   write("in.csv", size_, few_);
   std::filesystem::create_hard_link(at("in.csv"), at("hard.csv"));
   std::filesystem::create_symlink("in.csv", at("soft.csv"));
@@ -167,7 +167,7 @@ TEST_F(Recordings, convertRefusesTheRecordingItselfAsOutputUnderAnyNameEvenWithF
   EXPECT_EQ(bytes_of(at("info.log")), info);
 }
 
-TEST_F(Recordings, convertReplacesAFileThatExistsWithForceOnly) {
+TEST_F(Recordings, ConvertReplacesAFileThatExistsWithForceOnly) {
   write("in.csv", size_, few_);
   folder_.write("out.log", "years of work\n");
   folder_.write("new.info.log", "years of work\n");
@@ -182,7 +182,7 @@ TEST_F(Recordings, convertReplacesAFileThatExistsWithForceOnly) {
   EXPECT_EQ(read_file(at("out.log")), few_);
 }
 
-TEST_F(Recordings, aRecordingWithoutImageSizeIsNamedTogetherWithTheOptionThatSetsIt) {
+TEST_F(Recordings, ARecordingWithoutImageSizeIsNamedTogetherWithTheOptionThatSetsIt) {
   folder_.write("plain.txt", "10 3 4 1\n20 3 4 0\n");
   const Outcome outcome = saccade("detect " + at("plain.txt") + " --out " + at("run"));
   EXPECT_EQ(outcome.status, 2);
@@ -190,7 +190,7 @@ TEST_F(Recordings, aRecordingWithoutImageSizeIsNamedTogetherWithTheOptionThatSet
               HasSubstr(at("plain.txt") + ": found text without an image size, expected --size"));
 }
 
-TEST_F(Recordings, aTruncatedHdf5FileIsBadInput) {
+TEST_F(Recordings, ATruncatedHdf5FileIsBadInput) {
   std::string bytes = bytes_of(write("whole.h5", size_, few_));
   folder_.write("cut.h5", bytes.substr(0, bytes.size() / 2));
   const Outcome outcome = saccade("info " + at("cut.h5"));
@@ -198,7 +198,7 @@ TEST_F(Recordings, aTruncatedHdf5FileIsBadInput) {
   EXPECT_THAT(outcome.text, HasSubstr("cut.h5: found what libhdf5 cannot open"));
 }
 
-TEST_F(Recordings, aFolderWithALogAndTheFolderOfARunAreReadAsTheyAre) {
+TEST_F(Recordings, AFolderWithALogAndTheFolderOfARunAreReadAsTheyAre) {
   std::filesystem::create_directory(folder_ / "left");
   write("left/data.log", {304, 240}, few_);
   EXPECT_THAT(saccade("info " + at("left")).text, HasSubstr("event-driven log, codec ev2_ts"));

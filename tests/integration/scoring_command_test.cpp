@@ -52,7 +52,7 @@ class Scores : public testing::Test {
   TempFolder folder_;
 };
 
-TEST_F(Scores, ofARunsOwnDetectionsAreThoseOfTheRun) {
+TEST_F(Scores, OfARunsOwnDetectionsAreThoseOfTheRun) {
   run_eyes("run");
   const Json expected = json_in("run/metrics.json")["detectors"];
   const std::string thresholds = "--threshold best=" + expected["best"]["threshold"].dump() + " ";
@@ -73,7 +73,7 @@ TEST_F(Scores, ofARunsOwnDetectionsAreThoseOfTheRun) {
   EXPECT_THAT(words.text, HasSubstr("best: average precision 0."));
 }
 
-TEST_F(Scores, ofDetectionsMadeElsewhereNeedSixColumnsAndSparseTruth) {
+TEST_F(Scores, OfDetectionsMadeElsewhereNeedSixColumnsAndSparseTruth) {
   folder_.write("mine.csv",
                 "t_us,detector,x_px,y_px,r_px,score\n1000,ring,50,50,20,0.9\n2000,ring,0,0,5,0.8\n3000,ring,"
                 "51,50,20,0.7\n");
@@ -87,7 +87,7 @@ TEST_F(Scores, ofDetectionsMadeElsewhereNeedSixColumnsAndSparseTruth) {
   EXPECT_TRUE(ring["detection_rate_hz"]["mean"].is_null());
 }
 
-TEST_F(Scores, refuseTablesAndThresholdsThatDoNotFit) {
+TEST_F(Scores, RejectTablesAndThresholdsThatDoNotFit) {
   folder_.write("mine.csv", "t_us,detector,x_px,y_px,r_px,score\n1000,ring,50,50,20,0.9\n");
   folder_.write("late.csv", "t_us,x_px,y_px,r_px\n9000000,50,50,20\n");
   folder_.write("truth.csv", "t_us,x_px,y_px,r_px\n1000,50,50,20\n");
@@ -106,7 +106,7 @@ TEST_F(Scores, refuseTablesAndThresholdsThatDoNotFit) {
   refused(at("mine.csv"), "--truth is required");
 }
 
-TEST_F(Scores, ofARecordingWithoutABallHaveAnAlarmRatioWhenAskedFor) {
+TEST_F(Scores, OfARecordingWithoutABallHaveAnAlarmRatioWhenAskedFor) {
   write_noise("noise.aedat");
   ASSERT_EQ(saccade("detect " + at("noise.aedat") + " --no-ball --out " + at("none")).status, 0);
   ASSERT_EQ(saccade("detect " + at("noise.aedat") + " --out " + at("unknown")).status, 0);
@@ -132,7 +132,7 @@ TEST_F(Scores, ofARecordingWithoutABallHaveAnAlarmRatioWhenAskedFor) {
   EXPECT_THAT(ball.text, HasSubstr("--no-ball: found a recording whose truth has a ball"));
 }
 
-TEST_F(Scores, ofAWorldWithoutABallHaveAnAlarmRatioAndItsRecordingHasTheSameOne) {
+TEST_F(Scores, OfAWorldWithoutABallHaveAnAlarmRatioAndItsRecordingHasTheSameOne) {
   run_eyes("run", "--set ball.present=false");
   ASSERT_EQ(saccade("detect " + at("run") + " --set radius_px=[4,14] --out " + at("again")).status, 0);
   for (const char* name : {"best", "paper_directed"}) {
@@ -145,7 +145,7 @@ TEST_F(Scores, ofAWorldWithoutABallHaveAnAlarmRatioAndItsRecordingHasTheSameOne)
   }
 }
 
-TEST_F(Scores, ofABatteryAreTheMeansOverItsWorlds) {
+TEST_F(Scores, OfABatteryAreTheMeansOverItsWorlds) {
   std::filesystem::create_directories(folder_ / "battery/worlds");
   run_eyes("battery/worlds/ball_7");
   run_eyes("battery/worlds/none_7", "--set ball.present=false");
@@ -168,7 +168,7 @@ TEST_F(Scores, ofABatteryAreTheMeansOverItsWorlds) {
   EXPECT_THAT(run_shell(battery + "8").text, HasSubstr("no streams of these seeds"));
 }
 
-TEST_F(Scores, areTheSameBytesInFiguresJsonFromRunToRun) {
+TEST_F(Scores, AreTheSameBytesInFiguresJsonFromRunToRun) {
   run_eyes("a");
   run_eyes("b", "--set run.threads=1");
   const std::string figures = bytes_of(folder_ / "a/figures.json");
@@ -184,7 +184,7 @@ TEST_F(Scores, areTheSameBytesInFiguresJsonFromRunToRun) {
   EXPECT_EQ(c, d);
 }
 
-TEST_F(Scores, byEventTimeOfARunAreThoseOfItsRecordedEventsAndStreamingOnesAreLower) {
+TEST_F(Scores, ByEventTimeOfARunAreThoseOfItsRecordedEventsAndStreamingOnesAreLower) {
   run_eyes("late", "--set render.max_interval_ms=5 --set render.max_displacement_px=0.5");
   const Json run = json_in("late/metrics.json")["detectors"]["paper_directed"];
   ASSERT_EQ(saccade("detect " + at("late") + " --set radius_px=[4,14] --out " + at("replayed")).status, 0);
@@ -197,7 +197,7 @@ TEST_F(Scores, byEventTimeOfARunAreThoseOfItsRecordedEventsAndStreamingOnesAreLo
   for (const StreamingRow& row : rows) ASSERT_LE(row.ready_us, row.t_us);
 }
 
-TEST_F(Scores, withoutLateEventsAreTheSameByEventTimeAndStreaming) {
+TEST_F(Scores, WithoutLateEventsAreTheSameByEventTimeAndStreaming) {
   run_eyes("run");
   for (const auto& [name, detector] : json_in("run/metrics.json")["detectors"].items()) {
     for (const char* key : {"average_precision", "precision", "recall"})
@@ -206,7 +206,7 @@ TEST_F(Scores, withoutLateEventsAreTheSameByEventTimeAndStreaming) {
   }
 }
 
-TEST_F(Scores, ofARecordingWithTheJointsOfItsRunAreThoseOfTheRunFolder) {
+TEST_F(Scores, OfARecordingWithTheJointsOfItsRunAreThoseOfTheRunFolder) {
   run_eyes("run");
   const auto detect = [&](const std::string& options, const std::string& name) {
     const Outcome outcome = saccade("detect " + options + " --set radius_px=[4,14] --out " + at(name));
@@ -235,7 +235,7 @@ TEST_F(Scores, ofARecordingWithTheJointsOfItsRunAreThoseOfTheRunFolder) {
               json_in("table/metrics.json")["detectors"]["best"]["average_precision"].get<double>(), 1e-3);
 }
 
-TEST_F(Scores, ofARecordingWithJointsOfAnotherTimeAreRefusedWithBothTimes) {
+TEST_F(Scores, OfARecordingWithJointsOfAnotherTimeAreRejectedWithBothTimes) {
   write_noise("noise.aedat");
   folder_.write("early.log", "0 0.1 1 2 3 4 5 6\n1 0.2 1 2 3 4 5 6\n");
   folder_.write("late.log", "0 50.0 1 2 3 4 5 6\n1 50.1 1 2 3 4 5 6\n");

@@ -114,7 +114,7 @@ class ServeAndDeploy : public testing::Test {
   static void SetUpTestSuite() { YarpWorld::get(); }
 };
 
-TEST_F(ServeAndDeploy, theGazeIsAsGoodAsInOneProcess) {
+TEST_F(ServeAndDeploy, TheGazeIsAsGoodAsInOneProcess) {
   for (const std::string control : {"joints", "gaze"}) {
     Saccade served = serve({"--wait-for-client"});
     ASSERT_TRUE(served.says("waits for a client", 20.0)) << served.said();
@@ -138,7 +138,7 @@ TEST_F(ServeAndDeploy, theGazeIsAsGoodAsInOneProcess) {
   }
 }
 
-TEST_F(ServeAndDeploy, theHeadHoldsWhenTheOneWhoMovesItIsKilled) {
+TEST_F(ServeAndDeploy, TheHeadHoldsWhenTheOneWhoMovesItIsKilled) {
   Saccade served = serve();
   ASSERT_TRUE(served.says("are open", 20.0)) << served.said();
   Saccade deployed = deploy("joints");
@@ -158,7 +158,7 @@ TEST_F(ServeAndDeploy, theHeadHoldsWhenTheOneWhoMovesItIsKilled) {
   EXPECT_LT(motion_deg, 0.3);
 }
 
-TEST_F(ServeAndDeploy, deployStopsWhenTheRobotIsGone) {
+TEST_F(ServeAndDeploy, DeployStopsWhenTheRobotIsGone) {
   for (const std::string control : {"joints", "gaze"}) {
     Saccade served = serve({"--endless"});
     ASSERT_TRUE(served.says("are open", 20.0)) << served.said();
@@ -174,7 +174,7 @@ TEST_F(ServeAndDeploy, deployStopsWhenTheRobotIsGone) {
   }
 }
 
-TEST_F(ServeAndDeploy, deployStopsWhenAConnectionIsCut) {
+TEST_F(ServeAndDeploy, DeployStopsWhenAConnectionIsCut) {
   Saccade served = serve({"--endless"});
   ASSERT_TRUE(served.says("are open", 20.0)) << served.said();
   Saccade deployed = deploy("joints");
@@ -183,7 +183,7 @@ TEST_F(ServeAndDeploy, deployStopsWhenAConnectionIsCut) {
   EXPECT_TRUE(deployed.says("stopped", 5.0)) << deployed.said();
 }
 
-TEST_F(ServeAndDeploy, losingTheNameServerIsToldAndStopsNothing) {
+TEST_F(ServeAndDeploy, LosingTheNameServerIsReportedAndStopsNothing) {
   Saccade served = serve({"--endless"});
   ASSERT_TRUE(served.says("are open", 20.0)) << served.said();
   Saccade deployed = deploy("joints");

@@ -197,7 +197,7 @@ class Serve : public testing::Test {
   static void SetUpTestSuite() { YarpWorld::get(); }
 };
 
-TEST_F(Serve, isAHeadThatAProgramOfYarpMoves) {
+TEST_F(Serve, IsAHeadThatAProgramOfYarpMoves) {
   Served served;
   Head head;
   int axes = 0;
@@ -259,7 +259,7 @@ TEST_F(Serve, isAHeadThatAProgramOfYarpMoves) {
   EXPECT_FALSE(torso.modes->setControlMode(0, VOCAB_CM_POSITION));
 }
 
-TEST_F(Serve, isAnEventCameraThatSendsWhatTheSimulatorMakes) {
+TEST_F(Serve, IsAnEventCameraThatSendsWhatTheSimulatorMakes) {
   for (const PacketFormat format : {PacketFormat::stamped_packet, PacketFormat::vbottle}) {
     Served served(
         {"--wait-for-client", "--format", packet_format_names().at(static_cast<std::size_t>(format))}, 1.0);
@@ -287,7 +287,7 @@ TEST_F(Serve, isAnEventCameraThatSendsWhatTheSimulatorMakes) {
   }
 }
 
-TEST_F(Serve, isAGazeControllerThatLooksWhereItIsToldTo) {
+TEST_F(Serve, IsAGazeControllerThatLooksWhereItIsToldTo) {
   Served served;
   Gaze gaze;
   EXPECT_EQ(gaze.ask("status"), "[ack] running");
@@ -319,7 +319,7 @@ TEST_F(Serve, isAGazeControllerThatLooksWhereItIsToldTo) {
   for (std::size_t j = 0; j < 9; ++j) EXPECT_NEAR(there[j], then[j], 0.2) << j;
 }
 
-TEST_F(Serve, startsAgainUnderTheSameNamesAfterItWasKilled) {
+TEST_F(Serve, StartsAgainUnderTheSameNamesAfterItWasKilled) {
   Served served({"--endless"});
   served.kill();
   served.start();

@@ -45,7 +45,7 @@ class SweepCommand : public testing::Test {
   TempFolder folder_;
 };
 
-TEST_F(SweepCommand, aSweepThatIsKilledTwiceAndContinuedHasTheTableOfAnUndisturbedOne) {
+TEST_F(SweepCommand, ASweepThatIsKilledTwiceAndContinuedHasTheTableOfAnUndisturbedOne) {
   const std::string file = sweep_file("  lab.clutter: [textured, rectilinear]\n  seed: {seeds: 3}\n", 1);
   const Outcome whole = sweep(file, "whole");
   ASSERT_EQ(whole.status, 0) << whole.text;
@@ -73,7 +73,7 @@ TEST_F(SweepCommand, aSweepThatIsKilledTwiceAndContinuedHasTheTableOfAnUndisturb
   EXPECT_THAT(again.text, HasSubstr("6 of them different; 6 have a result")) << "nothing is run twice";
 }
 
-TEST_F(SweepCommand, aFailingRunIsKeptWithItsLogAndDoesNotStopTheOthers) {
+TEST_F(SweepCommand, AFailingRunIsKeptWithItsLogAndDoesNotStopTheOthers) {
   const std::string file = sweep_file("  render.backend: [egl, osmesa]\n");
   const std::string no_egl = "__EGL_VENDOR_LIBRARY_DIRS=/nonexistent ";
   const Outcome outcome = sweep(file, "run", "", no_egl);
@@ -86,7 +86,7 @@ TEST_F(SweepCommand, aFailingRunIsKeptWithItsLogAndDoesNotStopTheOthers) {
   EXPECT_EQ(sweep(file, "run", "--retry").status, 0) << "with EGL there, it is made again";
 }
 
-TEST_F(SweepCommand, aFullDiskStopsTheSweepAndItContinuesWhenThereIsRoom) {
+TEST_F(SweepCommand, AFullDiskStopsTheSweepAndItContinuesWhenThereIsRoom) {
   const std::string file = sweep_file("  seed: {seeds: 3}\n");
   ASSERT_EQ(sweep(file, "whole").status, 0);
   // Files of at most 12 kB (24 blocks): the scenarios fit, the table does not.
@@ -104,7 +104,7 @@ TEST_F(SweepCommand, aFullDiskStopsTheSweepAndItContinuesWhenThereIsRoom) {
   EXPECT_EQ(table("run"), table("whole"));
 }
 
-TEST_F(SweepCommand, anInvalidSweepLeavesNoFiles) {
+TEST_F(SweepCommand, AnInvalidSweepLeavesNoFiles) {
   const std::string file = sweep_file("  lab.cluter: [textured]\n  lab.contrast: [1, 9]\n");
   const Outcome outcome = sweep(file, "run", "--engine cloud");
   EXPECT_EQ(outcome.status, 2);
@@ -115,7 +115,7 @@ TEST_F(SweepCommand, anInvalidSweepLeavesNoFiles) {
   EXPECT_EQ(sweep(sweep_file("  seed: [1]\n"), "run", "--engine slurm", "PATH=/nonexistent ").status, 2);
 }
 
-TEST_F(SweepCommand, slurmMakesTheSameTableAsThisMachineAlone) {
+TEST_F(SweepCommand, SlurmMakesTheSameTableAsThisMachineAlone) {
   const std::string file = sweep_file("  seed: {seeds: 6}\n");
   ASSERT_EQ(sweep(file, "local").status, 0);
   const Outcome outcome = sweep(file, "slurm", "--engine slurm --jobs 2 --batch 2",

@@ -207,7 +207,7 @@ int pixels_of_first_detector(const cv::Mat& shot) {
   return count;
 }
 
-TEST_F(ViewWindow, showsARecordedRunSeeksInItAndAppliesSettings) {
+TEST_F(ViewWindow, ShowsARecordedRunSeeksInItAndAppliesSettings) {
   ASSERT_EQ(run_shell("'" + binary + "' run '" + scenarios +
                       "hand_move.yaml' --set run.duration_s=0.8 --set output.pictures=0 --set expect={} "
                       "--set 'detectors={best: {radius_px: [4, 14]}, paper_directed: {radius_px: [4, 14]}}' "
@@ -269,7 +269,7 @@ TEST_F(ViewWindow, showsARecordedRunSeeksInItAndAppliesSettings) {
   EXPECT_THAT(bytes_of(path("output")), HasSubstr("drew the window"));
 }
 
-TEST_F(ViewWindow, playsAScenarioAndWritesAVideo) {
+TEST_F(ViewWindow, PlaysAScenarioAndWritesAVideo) {
   open("view '" + scenarios + "look_at_ball.yaml' --paused --pictures '" + path("pictures") + "'");
   press("shift+Right");
   const cv::Mat start = screenshot();
@@ -297,7 +297,7 @@ TEST_F(ViewWindow, playsAScenarioAndWritesAVideo) {
   EXPECT_GT(cv::mean(frame)[0], 10.0);
 }
 
-TEST_F(ViewWindow, aRunBesideTheWindowWritesTheSameFilesAndOutlivesTheWindow) {
+TEST_F(ViewWindow, ARunBesideTheWindowWritesTheSameFilesAndOutlivesTheWindow) {
   const std::string run =
       "'" + scenarios +
       "look_at_ball.yaml' --set run.duration_s=1.5 --set output.pictures=0 --set expect={} "
@@ -317,14 +317,14 @@ TEST_F(ViewWindow, aRunBesideTheWindowWritesTheSameFilesAndOutlivesTheWindow) {
   EXPECT_TRUE(fs::exists(path("viewed/report.html")));
 }
 
-TEST_F(ViewWindow, theShippedScenarioWithoutDetectorsOpensAndAcceptsEveryKey) {
+TEST_F(ViewWindow, TheShippedScenarioWithoutDetectorsOpensAndAcceptsEveryKey) {
   open("view '" + scenarios + "calibrate_left.yaml' --paused --pictures '" + path("pictures") + "'");
   press("shift+Right bracketright bracketleft 1 2 c i h h");
   EXPECT_EQ(screenshot().size(), cv::Size(1280, 720));
   quit();
 }
 
-TEST_F(ViewWindow, aResizedWindowShowsAScenarioAfterTwoRestarts) {
+TEST_F(ViewWindow, AResizedWindowShowsAScenarioAfterTwoRestarts) {
   open("view '" + scenarios + "look_at_ball.yaml' --paused --set render.supersampling=1 --pictures '" +
        path("pictures") + "'");
   for (int i = 0; i < 3; ++i) {
@@ -338,7 +338,7 @@ TEST_F(ViewWindow, aResizedWindowShowsAScenarioAfterTwoRestarts) {
   quit();
 }
 
-TEST_F(ViewWindow, aRunThatFailsClosesItsWindowAndReportsTheError) {
+TEST_F(ViewWindow, ARunThatFailsClosesItsWindowAndReportsTheError) {
   // A file may have 64 blocks of 1024 bytes; writing more fails.
   const std::string command = "run --view '" + scenarios +
                               "look_at_ball.yaml' --set expect={} --set output.pictures=0 "
@@ -351,7 +351,7 @@ TEST_F(ViewWindow, aRunThatFailsClosesItsWindowAndReportsTheError) {
   EXPECT_THAT(bytes_of(path("output")), HasSubstr("saccade: "));
 }
 
-TEST_F(ViewWindow, theWindowCanBeClosedBeforeThePlaybackHasBeenMade) {
+TEST_F(ViewWindow, TheWindowCanBeClosedBeforeThePlaybackHasBeenMade) {
   setenv("DISPLAY", display_->name().c_str(), 1);
   std::promise<void> closed;
   View view("slow", path("pictures"), built_in().detectors);
@@ -369,7 +369,7 @@ TEST_F(ViewWindow, theWindowCanBeClosedBeforeThePlaybackHasBeenMade) {
   closed.set_value();
 }
 
-TEST(ViewCommand, withoutADisplayTheErrorNamesTheRemedy) {
+TEST(ViewCommand, WithoutADisplayTheErrorNamesTheRemedy) {
   for (const std::string what : {"view ", "run --view "}) {
     const Outcome outcome = run_shell("env -u DISPLAY -u WAYLAND_DISPLAY '" + binary + "' " + what + "'" +
                                       scenarios + "look_at_ball.yaml'");

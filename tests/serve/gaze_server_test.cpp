@@ -48,14 +48,14 @@ class Head {
   GazeServer server{{}, {}, genova02_limits(), Camera{}, Camera{}, JointVector::Zero()};
 };
 
-TEST(GazeServer, doesNotMoveTheHeadBeforeTheFirstTarget) {
+TEST(GazeServer, DoesNotMoveTheHeadBeforeTheFirstTarget) {
   Head head;
   EXPECT_FALSE(head.server.step(head.state, 0.001));
   EXPECT_EQ(head.server.answer("set Tneck 0.8"), "[ack]");
   EXPECT_FALSE(head.server.step(head.state, 0.001));
 }
 
-TEST(GazeServer, looksAtAPointWithBothEyes) {
+TEST(GazeServer, LooksAtAPointWithBothEyes) {
   Head head;
   const Eigen::Vector3d point_m(-0.5, 0.1, 0.4);
   EXPECT_EQ(head.server.answer("look 3D (-0.5 0.1 0.4)"), "[ack]");
@@ -71,7 +71,7 @@ TEST(GazeServer, looksAtAPointWithBothEyes) {
   EXPECT_THAT(head.ask("get x"), testing::Pointwise(testing::DoubleNear(1e-3), {-0.5, 0.1, 0.4}));
 }
 
-TEST(GazeServer, reportsTheStartAndTheEndOfAMovement) {
+TEST(GazeServer, ReportsTheStartAndTheEndOfAMovement) {
   Head head;
   EXPECT_EQ(head.server.answer("look 3D -0.5 0.1 0.4"), "[ack]");
   head.run(3.0);
@@ -79,7 +79,7 @@ TEST(GazeServer, reportsTheStartAndTheEndOfAMovement) {
   EXPECT_TRUE(head.server.report().events.empty());
 }
 
-TEST(GazeServer, holdsTheHeadAfterAStop) {
+TEST(GazeServer, HoldsTheHeadAfterAStop) {
   Head head;
   EXPECT_EQ(head.server.answer("look 3D (-0.5 0.2 0.4)"), "[ack]");
   head.run(0.3);
@@ -92,7 +92,7 @@ TEST(GazeServer, holdsTheHeadAfterAStop) {
   EXPECT_NE(head.state.position_rad, there);
 }
 
-TEST(GazeServer, acceptsNoTargetWhileSuspended) {
+TEST(GazeServer, AcceptsNoTargetWhileSuspended) {
   Head head;
   EXPECT_EQ(head.server.answer("susp"), "[ack]");
   EXPECT_EQ(head.server.answer("status"), "[ack] suspended");
@@ -102,7 +102,7 @@ TEST(GazeServer, acceptsNoTargetWhileSuspended) {
   EXPECT_EQ(head.server.answer("look 3D (-0.5 0.2 0.4)"), "[ack]");
 }
 
-TEST(GazeServer, rejectsUnknownRequestsAndUnreachableTargets) {
+TEST(GazeServer, RejectsUnknownRequestsAndUnreachableTargets) {
   Head head;
   for (const char* request : {"",
                               "look",
@@ -138,7 +138,7 @@ TEST(GazeServer, rejectsUnknownRequestsAndUnreachableTargets) {
   EXPECT_FALSE(head.server.step(head.state, 0.001));
 }
 
-TEST(GazeServer, convertsBetweenPixelsOfAnEyeAndPoints) {
+TEST(GazeServer, ConvertsBetweenPixelsOfAnEyeAndPoints) {
   Head head;
   head.state.position_rad << 0, 0, 0, 0.1, -0.05, 0.2, -0.1, 0.15, 0.12;
   head.run(0.001);
@@ -163,7 +163,7 @@ TEST(GazeServer, convertsBetweenPixelsOfAnEyeAndPoints) {
   EXPECT_THAT(head.ask(request.str()), testing::Pointwise(testing::DoubleNear(1e-5), {-0.5, 0.05, 0.3}));
 }
 
-TEST(GazeServer, anglesCountToTheRightAndUpFromTheHeadAtRest) {
+TEST(GazeServer, AnglesCountToTheRightAndUpFromTheHeadAtRest) {
   Head head;
   const auto ahead = head.ask("get 3D ang (abs 0 0 8)");
   const auto aside = head.ask("get 3D ang (abs 20 0 8)");
@@ -178,7 +178,7 @@ TEST(GazeServer, anglesCountToTheRightAndUpFromTheHeadAtRest) {
   EXPECT_THAT(head.ask("get angles"), testing::Pointwise(testing::DoubleNear(0.9), {15.0, 10.0, 8.0}));
 }
 
-TEST(GazeServer, keepsABoundJointInItsRange) {
+TEST(GazeServer, KeepsABoundJointInItsRange) {
   Head head;
   EXPECT_EQ(head.server.answer("bind roll 0 0"), "[ack]");
   EXPECT_EQ(head.server.answer("bind yaw -5 5"), "[ack]");
@@ -193,7 +193,7 @@ TEST(GazeServer, keepsABoundJointInItsRange) {
   EXPECT_GT(std::abs(head.state.position_rad[neck_yaw]), 10.0 * rad_per_deg);
 }
 
-TEST(GazeServer, settingsAreReturnedStoredAndRestored) {
+TEST(GazeServer, SettingsAreReturnedStoredAndRestored) {
   Head head;
   EXPECT_EQ(head.server.answer("set Teyes 0.01"), "[ack]");
   EXPECT_EQ(head.ask("get Teyes"), std::vector{0.1});  // as fast as iKinGazeCtrl lets it be
@@ -209,7 +209,7 @@ TEST(GazeServer, settingsAreReturnedStoredAndRestored) {
   EXPECT_EQ(head.ask("get track"), std::vector{1.0});
 }
 
-TEST(GazeServer, aSettingDoesNotMakeTheReferenceJump) {
+TEST(GazeServer, ASettingDoesNotMakeTheReferenceJump) {
   Head head;
   EXPECT_EQ(head.server.answer("look 3D (-0.5 0.2 0.4)"), "[ack]");
   head.run(0.2);

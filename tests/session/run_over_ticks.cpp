@@ -126,6 +126,7 @@ void run_over_ticks(std::int64_t ticks, std::int64_t sample_ticks,
   scenario.gaze.detector = "driver";
   scenario.gaze.gate = built_in_gates().config();
   scenario.gaze.controller = built_in_controllers().config();
+  scenario.output.formats = built_in_formats();
   std::vector<LoopDetector> detectors;
   detectors.push_back({"driver", std::make_unique<SweepingDetector>("driver")});
   detectors.push_back({"shadow", std::make_unique<SweepingDetector>("shadow")});

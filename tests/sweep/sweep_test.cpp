@@ -54,7 +54,7 @@ class Sweep : public testing::Test {
   TempFolder folder_;
 };
 
-TEST(ShippedSweep, theBatteryHasTwoHundredWorldsWithABallAndFiftyWithoutAllOfJudgingSeeds) {
+TEST(ShippedSweep, TheBatteryHasTwoHundredWorldsWithABallAndFiftyWithoutAllOfJudgingSeeds) {
   const SweepConfig config = read_sweep(SACCADE_SOURCE_DIR "/scenarios/battery.yaml", {});
   const SweepPlan plan = plan_sweep(config, "version 1", built_in());
   std::map<std::string, int> worlds;
@@ -65,7 +65,7 @@ TEST(ShippedSweep, theBatteryHasTwoHundredWorldsWithABallAndFiftyWithoutAllOfJud
   EXPECT_THAT(worlds, ElementsAre(testing::Pair("always", 200), testing::Pair("never", 50)));
 }
 
-TEST_F(Sweep, axesAreCrossedTheFirstTurningSlowest) {
+TEST_F(Sweep, AxesAreCrossedTheFirstTurningSlowest) {
   const SweepPlan p = plan("axes:\n  lab.clutter: [textured, rectilinear]\n  seed: {seeds: 2, first: 7}\n");
   EXPECT_THAT(texts(p, 0), ElementsAre("textured", "textured", "rectilinear", "rectilinear"));
   EXPECT_THAT(texts(p, 1), ElementsAre("7", "8", "7", "8"));
@@ -73,7 +73,7 @@ TEST_F(Sweep, axesAreCrossedTheFirstTurningSlowest) {
   EXPECT_THAT(p.runs[2].scenario, HasSubstr("clutter: rectilinear"));
 }
 
-TEST_F(Sweep, rangesIncludeTheirEndsAndLogRangesAreEvenInTheLogarithm) {
+TEST_F(Sweep, RangesIncludeTheirEndsAndLogRangesAreEvenInTheLogarithm) {
   const SweepPlan p = plan(
       "axes:\n  ball.diameter_m: {range: [0.05, 0.1], steps: 3}\n"
       "  detectors.paper_full.window.events: {log_range: [100, 1600], steps: 5, whole: true}\n");
@@ -84,7 +84,7 @@ TEST_F(Sweep, rangesIncludeTheirEndsAndLogRangesAreEvenInTheLogarithm) {
               ElementsAre("100", "200", "400", "800", "1600"));
 }
 
-TEST_F(Sweep, aLatinHypercubeHasOnePointInEachStretchOfEachAxisAndIsDrawnAlikeEachTime) {
+TEST_F(Sweep, ALatinHypercubeHasOnePointInEachStretchOfEachAxisAndIsDrawnAlikeEachTime) {
   const std::string yaml =
       "samples: 20\naxes:\n  ball.diameter_m: {latin_hypercube: [0.05, 0.15]}\n"
       "  run.duration_s: {latin_hypercube: [0.1, 10], log: true}\n"
@@ -106,7 +106,7 @@ TEST_F(Sweep, aLatinHypercubeHasOnePointInEachStretchOfEachAxisAndIsDrawnAlikeEa
   EXPECT_NE(texts(plan(yaml + "sample_seed: 2\n"), 0), texts(p, 0));
 }
 
-TEST_F(Sweep, casesSetSeveralKeysUnderOneName) {
+TEST_F(Sweep, CasesSetSeveralKeysUnderOneName) {
   const SweepPlan p = plan(
       "axes:\n  size:\n    cases:\n      small: {ball.diameter_m: 0.06, lab.density: 0}\n"
       "      0.10: {ball.diameter_m: 0.1}\n");
@@ -118,7 +118,7 @@ TEST_F(Sweep, casesSetSeveralKeysUnderOneName) {
       << "null takes a key out";
 }
 
-TEST_F(Sweep, rulesLeaveCombinationsOut) {
+TEST_F(Sweep, RulesLeaveCombinationsOut) {
   const std::string axes = "axes:\n  lab.density: [0, 0.5, 1]\n  lab.contrast: [0, 0.5, 1]\n";
   EXPECT_THAT(plan(axes).runs, SizeIs(9));
   EXPECT_THAT(plan(axes + "except: [{lab.density: 0, lab.contrast: {above: 0.4}}]\n").runs, SizeIs(7));
@@ -136,7 +136,7 @@ TEST_F(Sweep, rulesLeaveCombinationsOut) {
               ElementsAre(HasSubstr("one of not")));
 }
 
-TEST_F(Sweep, whatIsWrongIsToldAtOnceWithItsLineBeforeAnythingStarts) {
+TEST_F(Sweep, WhatIsWrongIsReportedAtOnceWithItsLineBeforeAnythingStarts) {
   EXPECT_THAT(complaints("axes:\n  lab.cluter: [textured]\n"),
               ElementsAre(HasSubstr("sweep.yaml:4: axes.lab.cluter: found an unknown key")));
   EXPECT_THAT(complaints("axes:\n  lab.clutter: []\n"), ElementsAre(HasSubstr("an empty list")));
@@ -167,7 +167,7 @@ TEST_F(Sweep, whatIsWrongIsToldAtOnceWithItsLineBeforeAnythingStarts) {
               ElementsAre(HasSubstr("1000000 combinations")));
 }
 
-TEST_F(Sweep, aRunIsKnownByItsContent) {
+TEST_F(Sweep, ARunIsKnownByItsContent) {
   const SweepPlan p =
       plan("axes:\n  size: {cases: {a: {}, b: {ball.diameter_m: 0.095}, c: {ball.diameter_m: 0.1}}}\n");
   ASSERT_THAT(p.runs, SizeIs(3));
@@ -191,7 +191,7 @@ std::string metrics_json(double precision) {
   return metrics_to_json(metrics);
 }
 
-TEST_F(Sweep, theTableIsTheSameInWhateverOrderTheResultsCome) {
+TEST_F(Sweep, TheTableIsTheSameInWhateverOrderTheResultsCome) {
   const SweepPlan p = plan("axes:\n  lab.density: [0, 1, 2]\n  lab.clutter: [textured, rectilinear]\n");
   const auto finish = [&](const SweepFolder& sweep, std::size_t i) {
     fs::create_directories(sweep.run(p.runs[i].id));
@@ -233,7 +233,7 @@ TEST_F(Sweep, theTableIsTheSameInWhateverOrderTheResultsCome) {
   EXPECT_EQ(shown.rows[2].curves.at(0).second.at(0).recall, 0.4);
 }
 
-TEST_F(Sweep, aLockIsHeldByOneAndEndsWithIt) {
+TEST_F(Sweep, ALockIsHeldByOneAndEndsWithIt) {
   const fs::path path = folder_ / "lock";
   EXPECT_FALSE(is_locked(path));
   {

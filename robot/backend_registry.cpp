@@ -1,0 +1,24 @@
+#include "robot/backend_registry.h"
+
+namespace saccade {
+
+bool RobotBackendConfig::has_gaze_controller() const {
+  const RobotBackend* const row = rows().find(backend);
+  return row != nullptr && row->has_gaze_controller(of(backend));
+}
+
+void describe(FieldVisitor& v, RobotBackendConfig& config) {
+  describe_chosen_row(v, "backend", config.backend, config, "robot, or what replaces it");
+}
+
+std::unique_ptr<Robot> open_robot(const RobotBackendConfig& config, const RobotContext& context) {
+  check_config("robot", config);
+  return config.rows().find(config.backend)->open(config.of(config.backend), context);
+}
+
+RobotBackendConfig BackendRegistry::config() const {
+  SACCADE_CHECK(rows().size() > 0);
+  return {RowConfigs<RobotBackend>(rows()), rows().begin()->name};
+}
+
+}  // namespace saccade

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/event.h"
+#include "core/row_configs.h"
+#include "head/head_state.h"
+#include "recording/format_registry.h"
+#include "robot/robot.h"
+
+namespace saccade {
+
+/// What a backend gets besides its own keys.
+struct RobotContext {
+  JointLimits limits;      ///< of the head, in addition to those of the robot
+  ImageSize image_size;    ///< of the calibrated camera
+  FormatRegistry formats;  ///< of recordings
+};
+
+/// A kind of robot. Made by backend_row().
+struct RobotBackend {
+  std::string name;  ///< value of the key `backend`, and name of the section with the keys of the config
+  std::string description;  ///< one line, for lists
+  AnyConfig config;         ///< default values
+  /// Connects to the robot. Throws InputError if this build has no such backend or the configuration is out of range,
+  /// RunError if the robot does not answer.
+  std::function<std::unique_ptr<Robot>(const AnyConfig&, const RobotContext&)> open;
+  /// Whether targets go to a gaze controller of the robot's own (Robot::gaze).
+  std::function<bool(const AnyConfig&)> has_gaze_controller;
+  std::vector<std::string> required = {};  ///< keys of the config without a default
+};
+
+/// A row for robots with this config struct. `open(const Config&, const RobotContext&)` returns a std::unique_ptr to the
+/// robot. A function `bool has_gaze_controller(const Config&)` beside the config is optional; without it there is none.
+template <class Config, class Open>
+[[nodiscard]] RobotBackend backend_row(std::string name, std::string description, Config defaults,
+                                       Open open) {
+  const auto has_controller = [](const Config& config) {
+    if constexpr (requires { has_gaze_controller(config); }) {
+      return has_gaze_controller(config);
+    } else {
+      return false;
+    }
+  };
+  return {std::move(name), std::move(description), AnyConfig(std::move(defaults)),
+          for_any_config<Config>(std::move(open)), for_any_config<Config>(has_controller)};
+}
+
+/// The robot that a file configures. BackendRegistry::config() gives the defaults.
+struct RobotBackendConfig : RowConfigs<RobotBackend> {
+  std::string backend;  ///< name of a row
+
+  /// Whether targets go to a gaze controller of the robot's own.
+  [[nodiscard]] bool has_gaze_controller() const;
+};
+
+/// Keys, beside each other in a robot file: backend, the section of the chosen backend.
+void describe(FieldVisitor& v, RobotBackendConfig& config);
+
+/// Connects to the robot. Throws InputError, RunError.
+[[nodiscard]] std::unique_ptr<Robot> open_robot(const RobotBackendConfig& config,
+                                                const RobotContext& context);
+
+/// The backends that a program offers.
+class BackendRegistry : public RowRegistry<RobotBackend> {
+ public:
+  /// The first backend, and the defaults of all.
+  [[nodiscard]] RobotBackendConfig config() const;
+};
+
+}  // namespace saccade
