@@ -127,6 +127,7 @@ void run_over_ticks(std::int64_t ticks, std::int64_t sample_ticks,
   scenario.gaze.gate = built_in_gates().config();
   scenario.gaze.controller = built_in_controllers().config();
   scenario.output.formats = built_in_formats();
+  scenario.output.events = "aedat4";  // holds any time; a file of AEDAT 2.0 starts before 2147 s
   std::vector<LoopDetector> detectors;
   detectors.push_back({"driver", std::make_unique<SweepingDetector>("driver")});
   detectors.push_back({"shadow", std::make_unique<SweepingDetector>("shadow")});
