@@ -5,11 +5,15 @@
 #include <optional>
 #include <vector>
 
+#include "core/camera_rotation.h"
+#include "core/circle_fit.h"
+#include "core/circle_search.h"
 #include "core/circle_track.h"
 #include "core/detector_parts.h"
 #include "core/detector_views.h"
+#include "core/disc_evidence.h"
+#include "core/disc_probability.h"
 #include "core/edge_map.h"
-#include "core/hough_transform.h"
 #include "core/plane_fit_flow.h"
 #include "core/silhouette.h"
 
@@ -18,40 +22,42 @@ namespace saccade {
 /// Configuration of the recommended detector, `best`.
 struct BallTrackerConfig {
   std::array<double, 2> radius_px = {10, 35};  ///< smallest and largest radius, whole numbers
-  double threshold = 0.25;                     ///< score from which on a circle is taken for the ball
+  double threshold = 0.5;                      ///< probability from which on a circle is taken for the ball
   double arc_deg = 12.0;                       ///< half-width of an arc of directed votes
   PlaneFitFlowConfig flow;
-  /// An event that follows one of its pixel and polarity sooner than this is of the same edge.
+  /// An event that follows the first one of its pixel and polarity sooner than this is of the same edge.
   std::int64_t burst_us = 500;
   std::int64_t edges_per_region = 24;  ///< kept of each 8 x 8 pixels
   double crossing_px = 2.5;            ///< an edge is kept while it moves on so far
   std::int64_t longest_us = 300'000;   ///< and no longer than this
   double hold_s = 3.0;                 ///< a circle that makes no events is held for so long
+  std::int64_t flows_per_ms = 600;     ///< events that get a flow; beyond that every n-th event does
 };
 
-/// Keys: radius_px, threshold, arc_deg, flow, burst_us, edges_per_region, crossing_px, longest_us, hold_s.
+/// Keys: radius_px, threshold, arc_deg, flow, burst_us, edges_per_region, crossing_px, longest_us, hold_s, flows_per_ms.
 void describe(FieldVisitor& v, BallTrackerConfig& config);
 
-/// The recommended detector: tracks up to four circles on the moving edges of the image and returns the one with the
-/// highest score.
+/// The recommended detector: follows up to eight circles on the moving edges of the image and returns the one that is
+/// most probably the ball, with that probability as score.
 ///
-/// 1. Events with a normal flow (plane fit), the first of each burst of a pixel, become edges, kept by region and for as long as they take to move
-///    on by crossing_px (EdgeMap): thin outlines at any speed, whatever else moves.
-/// 2. Every few ms the edges, moved on to now, vote in the directed Hough transform. The strongest circles are
-///    candidates, each fitted by least squares and worth what its outline shows: the share of its
-///    directions that are seen, how much of what lies on it moves along its normal, how empty it is.
-/// 3. Up to four circles are followed at once, edge by edge (CircleTrack). Their scores follow what their
-///    outlines show: fast where nothing else moves, hardly where clutter around them is as dense as they are;
-///    then they coast, carried along by the camera's own rotation where joints tell it. Silence is no
-///    evidence against a circle at rest: it is held.
-/// 4. Where the camera's rotation is known, what moves by itself is worth more than what stands in the room.
-/// 5. A ball that the gaze follows makes hardly any events while all around it does: the hole it leaves
-///    (Silhouette) tells where it is, and counts as much as an outline.
+/// 1. Events with a normal flow (plane fit), the first of each burst of a pixel, become edges, kept by region for as long
+///    as they take to move on by crossing_px (EdgeMap): thin outlines at any speed, whatever else moves.
+/// 2. The edges of one instant vote in the directed Hough transform, some in every ms (CircleSearch). The strongest
+///    circles are fitted to the edges near them (CircleFit).
+/// 3. Circles are followed edge by edge (CircleTrack), carried along by the camera's own rotation where joints tell it.
+/// 4. What the edges near a circle show (DiscEvidence) is averaged over the last pixels of its motion. Silence is no
+///    evidence: a circle at rest keeps its probability.
+/// 5. A ball that the gaze follows makes hardly any events while all around it does: the hole that it leaves (Silhouette)
+///    measures its place, and is evidence too.
+/// 6. What moves against the background is told from what stands in the room. The background's motion comes from the
+///    joints, or else from the edges (camera_rotation).
+/// 7. Evidence and history of a circle give the probability that it is the ball (disc_probability).
 ///
-/// Score: 0 to 1. Everything happens at instants of 1 ms of the stream's own time, so that the estimate does
-/// not depend on how events come in batches.
-/// After: paper, section V (future work); regions after Glover, Dinale, Bartolozzi et al. (event surfaces
-/// SCARF and EROS of the same group).
+/// The work of a ms is bounded: flows_per_ms flows, 160 votes, 8 circles tried; an event beyond that only leaves its time
+/// stamp. Everything happens at instants of 1 ms of the stream's own time, so that the estimate does not depend on how
+/// events come in batches.
+/// After: paper, section V (future work); regions after Glover, Dinale, Bartolozzi et al. (event surfaces SCARF and EROS
+/// of the same group).
 class BallTracker final : public Detector, public DetectorViews {
  public:
   /// Throws InputError for a configuration out of range.
@@ -67,69 +73,94 @@ class BallTracker final : public Detector, public DetectorViews {
     return std::make_unique<BallTracker>(*this);
   }
 
- private:
-  /// What the edges show of a circle's outline.
-  struct Outline {
-    double quality = 0.0;   ///< 0 to 1
-    double activity = 0.0;  ///< edges on it per px of its length
-    double calm = 1.0;      ///< 0 to 1: how little moves just outside it
-    double clarity = 0.0;   ///< 0 to 1: how much denser than around it edges are on it
-  };
-  struct Candidate {
+  /// A followed circle, for scripts/fit: where it is now and what its probability is computed from.
+  struct Hypothesis {
     Circle circle;
-    double quality = 0.0;
-    double clarity = 0.0;
+    Eigen::Matrix3d covariance_px2;  ///< of (x, y, r), of the track alone
+    DiscInputs inputs{};
   };
+  /// Calls f(const Hypothesis&) for every followed circle.
+  template <class Function>
+  void for_each_hypothesis(Function f) const {
+    for (const Followed& followed : followed_) {
+      if (followed.alive) f(Hypothesis{circle_now(followed), followed.track.covariance(), followed.inputs});
+    }
+  }
+
+ private:
   struct Followed {
     bool alive = false;
     CircleTrack track;
     Silhouette silhouette;
-    double score = 0.0;
-    double worth = 0.0;  ///< score, less what stands in the room
-    double clarity = 1.0;
-    double hole = 0.0;  ///< 0 to 1: how surely its silhouette is one that the gaze follows
+    DiscEvidence evidence;  ///< averaged over the last pixels of motion
+    DiscHistory history;
+    DiscInputs inputs{};
+    double probability = 0.0;
+    double clarity = 1.0;      ///< share of the edges near the circle that are of its outline
+    double fresh_edges = 0.0;  ///< near it since the last look
+    double fresh_on_outline = 0.0;
     Eigen::Vector2d anchor_px = Eigen::Vector2d::Zero();  ///< where it would be if it stood in the room
-    [[nodiscard]] double moved_px() const { return (track.centre() - anchor_px).norm(); }
+    Eigen::Vector2d carried_px_s = Eigen::Vector2d::Zero();  ///< image motion by the joints, at it
+    Eigen::Vector2d image_px_s = Eigen::Vector2d::Zero();    ///< its own motion in the image
+    bool slow = true;                                        ///< may leave a hole
+
+    [[nodiscard]] Eigen::Vector3d motion_px_s() const {
+      return {image_px_s.x(), image_px_s.y(), track.growth_px_s()};
+    }
   };
-  struct Vote {
-    std::uint16_t x, y;
-    std::int16_t direction;
-    bool explained;
+  struct Voter {
+    Eigen::Vector2d at_px;
+    int direction;
   };
 
-  void know(const CameraMotion* motion);
-  [[nodiscard]] bool continues_burst(const Event& event);
+  void set_motion(const CameraMotion* motion);
   [[nodiscard]] Eigen::Vector2d camera_flow_px_s(const Eigen::Vector2d& at_px) const;
   [[nodiscard]] Eigen::Vector2d camera_flow_px_s(const Edge& edge) const;
+  [[nodiscard]] Eigen::Vector2d background_px_s(const Eigen::Vector2d& at_px) const;
   [[nodiscard]] Eigen::Vector2d now_at(const Edge& edge, std::int64_t now_us) const;
-  template <class Function>
-  void for_each_on(const Circle& circle, double off_px, std::int64_t now_us, Function f) const;
-  [[nodiscard]] Outline outline(const Circle& circle, std::int64_t now_us) const;
-  [[nodiscard]] Circle fit(Circle circle, std::int64_t now_us) const;
-
-  void run_until(std::int64_t t_us, bool inclusive);
-  void tick(std::int64_t now_us);
-  void find_candidates(std::int64_t now_us);
-  void score_tracks(std::int64_t now_us, double dt_s);
-  void take_candidates(std::int64_t now_us);
-  [[nodiscard]] double worth_of(double score, double moved_px) const;
+  [[nodiscard]] DiscEvidence evidence(const Circle& circle, const Eigen::Vector3d& motion_px_s,
+                                      std::int64_t now_us) const;
+  [[nodiscard]] Circle circle_now(const Followed& f) const;
   [[nodiscard]] const Followed* best() const;
+
+  void add_edge(const Event& event, const NormalFlow& flow);
+  void run_until(std::int64_t t_us, bool inclusive);
+  void start_tick();
+  void tick(std::int64_t now_us);
+  void update_hole(Followed& f, std::int64_t now_us);
+  void update_probability(Followed& f, std::int64_t now_us);
+
+  // The search for circles that are not followed (ball_tracker_search.cpp).
+  void search(std::int64_t now_us);
+  void begin_search();
+  void fill_fit(const Circle& circle, std::int64_t now_us);
+  void take_found(std::int64_t now_us);
+  [[nodiscard]] bool corrects_known(const Circle& circle, double probability, std::int64_t now_us);
+  void follow(const Circle& circle, const Eigen::Vector3d& motion_px_s, const DiscEvidence& evidence,
+              double probability, std::int64_t now_us);
+  void end_duplicates();
 
   BallTrackerConfig config_;
   Camera camera_;
   std::vector<Eigen::Vector3d> rays_;  // of each pixel
   EventSieve sieve_;
   PlaneFitFlow flow_;
-  std::vector<std::int64_t> last_event_us_;  // of each pixel and polarity
   EdgeMap edges_;
-  HoughTransform transform_;
-  std::vector<Vote> votes_;  // of the last look; room for every edge
-  std::vector<Candidate> candidates_;
-  std::array<Followed, 4> followed_;
-  std::optional<Eigen::Vector3d> rotation_rad_s_;  // of the camera, in its own frame
+  CircleSearch search_;
+  CircleFit fit_;
+  std::array<Followed, 8> followed_;
+  std::optional<Eigen::Vector3d> rotation_rad_s_;                    // of the camera by the joints, its own frame
+  Eigen::Vector3d seen_rotation_rad_s_ = Eigen::Vector3d::Zero();  // by the edges, where joints are missing
   std::int64_t now_us_;
   std::optional<std::int64_t> next_tick_us_;
-  std::int64_t last_look_us_;
+  // The search under way: the edges at search_us_, the first voted_ of them in search_.
+  std::vector<Voter> voters_;
+  std::vector<FlowSample> flows_;
+  std::size_t voted_ = 0;
+  bool search_cleared_ = true;
+  std::int64_t search_us_;
+  // Flows of this tick: every nth_event_ event gets one.
+  std::int64_t flows_left_, nth_event_ = 1, since_flow_ = 0, events_of_tick_ = 0;
 };
 
 }  // namespace saccade

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace saccade {
 namespace {
@@ -47,10 +48,16 @@ void CircleTrack::predict(std::int64_t t_us, const Eigen::Vector2d& camera_flow_
   state_[2] += state_[5] * dt;
   const double decay = std::exp(-dt / growth_lasts_s);
   state_[5] *= decay;
-  Covariance f = Covariance::Identity();
-  f.topRightCorner<3, 3>().diagonal().setConstant(dt);
-  f(5, 5) = decay;
-  covariance_ = f * covariance_ * f.transpose();
+  const Eigen::Matrix3d cross = covariance_.topRightCorner<3, 3>();
+  Eigen::Matrix3d rates = covariance_.bottomRightCorner<3, 3>();
+  covariance_.topLeftCorner<3, 3>() += dt * (cross + cross.transpose()) + dt * dt * rates;
+  Eigen::Matrix3d moved = cross + dt * rates;
+  moved.col(2) *= decay;
+  rates.row(2) *= decay;
+  rates.col(2) *= decay;
+  covariance_.topRightCorner<3, 3>() = moved;
+  covariance_.bottomLeftCorner<3, 3>() = moved.transpose();
+  covariance_.bottomRightCorner<3, 3>() = rates;
   const double turn = start_px_s2 + speed2 / turn_px;
   const double grow = growth_start_px_s2 + growth_per_speed_1_s * std::sqrt(speed2);
   for (int i = 0; i < 3; ++i) {  // white acceleration
@@ -72,10 +79,12 @@ void CircleTrack::update(const State& gradient, double innovation, double varian
 
 bool CircleTrack::measure(const Edge& edge, double clarity, Learn learn,
                           const Eigen::Vector2d& camera_flow_px_s) {
-  const Eigen::Vector2d offset = Eigen::Vector2d(edge.x, edge.y) - centre();
+  const double dt = static_cast<double>(edge.t_us - t_us_) * 1e-6;
+  const Eigen::Vector2d offset =
+      Eigen::Vector2d(edge.x, edge.y) - centre() - (state_.segment<2>(3) + camera_flow_px_s) * dt;
   const double distance = offset.norm();
   const double off = distance - state_[2];
-  const double gate = std::min(3.0, 1.0 + 0.35 * state_[2]) * (0.7 + 0.3 * clarity);
+  const double gate = std::min(3.0, 1.0 + 0.35 * state_[2]);
   if (distance < 1.0 || !(std::abs(off) <= gate)) return false;
   const Eigen::Vector2d normal = offset / distance;
   const double slowness = edge.gradient_us_px.norm();
@@ -90,22 +99,32 @@ bool CircleTrack::measure(const Edge& edge, double clarity, Learn learn,
 
   State place;
   place << -normal, -1.0, 0.0, 0.0, 0.0;
-  const double place_variance = place.dot(covariance_ * place);
-  if (off * off > outlier_sd * outlier_sd * (place_variance + edge_sd_px * edge_sd_px)) return false;
+  const double variance = place.dot(covariance_ * place) + edge_sd_px * edge_sd_px;
+  if (off * off > outlier_sd * outlier_sd * variance) return false;
   if (learn == Learn::place_and_speed) {
     State speed;
     speed << 0.0, 0.0, 0.0, normal, 0.0;
     const double measured = std::copysign(1e6 / slowness, alignment);
     const double sd = speed_sd_share * std::abs(measured) + speed_sd_px_s;
     const double innovation = measured - (state_.segment<2>(3) + camera_flow_px_s).dot(normal);
-    const double variance = speed.dot(covariance_ * speed) + sd * sd;
-    if (innovation * innovation > outlier_sd * outlier_sd * variance) return false;
+    const double speed_variance = speed.dot(covariance_ * speed) + sd * sd;
+    if (innovation * innovation > outlier_sd * outlier_sd * speed_variance) return false;
     update(speed, innovation, sd * sd);
   }
-  update(place, -off, edge_sd_px * edge_sd_px / (0.03 + clarity * clarity));
+  // The probability that the edge is of the outline and not of the clutter around it.
+  const double of_outline = clarity * std::exp(-0.5 * off * off / variance) / std::sqrt(2.0 * std::numbers::pi * variance);
+  const double of_clutter = (1.0 - clarity) / (2.0 * gate);
+  const double own_probability = of_outline / (of_outline + of_clutter + 1e-9);
+  update(place, -off, edge_sd_px * edge_sd_px / (own_probability * own_probability + 1e-3));
   last_edge_us_ = std::max(last_edge_us_, edge.t_us);
   resting_ = false;
-  return true;
+  return own_probability > 0.1;
+}
+
+void CircleTrack::set_speed(const Eigen::Vector2d& speed_px_s, double growth_px_s) {
+  state_.segment<3>(3) << speed_px_s, growth_px_s;
+  const double sd = 0.3 * speed_px_s.norm() + speed_sd_px_s;
+  covariance_.diagonal().segment<3>(3) << sd * sd, sd * sd, unknown_growth_px_s * unknown_growth_px_s;
 }
 
 void CircleTrack::doubt() {

@@ -33,6 +33,8 @@ class CircleTrack {
   /// what else moves around it: the lower, the less an edge counts and the nearer it must be.
   bool measure(const Edge& edge, double clarity, Learn learn, const Eigen::Vector2d& camera_flow_px_s);
 
+  /// The measured speed of the centre beside the camera's, and of the radius.
+  void set_speed(const Eigen::Vector2d& speed_px_s, double growth_px_s);
   /// At another place with the same speed.
   void place(const Circle& circle) { state_.head<3>() << circle.x_px, circle.y_px, circle.r_px; }
   /// The outline was missed: it is less sure than it seems.
@@ -50,11 +52,14 @@ class CircleTrack {
   void bound(double r_min_px, double r_max_px);
 
   [[nodiscard]] Circle circle() const { return {state_[0], state_[1], state_[2]}; }
+  [[nodiscard]] Eigen::Matrix3d covariance() const { return covariance_.topLeftCorner<3, 3>(); }
   [[nodiscard]] Eigen::Vector2d centre() const { return state_.head<2>(); }
   /// Of the centre, beside what the camera's rotation does.
   [[nodiscard]] Eigen::Vector2d speed_px_s() const { return state_.segment<2>(3); }
   /// Where the circle will be, or was, at t_us by its speed.
   [[nodiscard]] Circle circle_at(std::int64_t t_us, const Eigen::Vector2d& camera_flow_px_s) const;
+  [[nodiscard]] double growth_px_s() const { return state_[5]; }
+  [[nodiscard]] std::int64_t time_us() const { return t_us_; }
   /// Since the last edge that was no outlier.
   [[nodiscard]] std::int64_t silent_us() const { return t_us_ - last_edge_us_; }
 

@@ -6,6 +6,7 @@
 
 #include "core/config.h"
 #include "core/event.h"
+#include "core/time_stamp.h"
 
 namespace saccade {
 
@@ -39,6 +40,13 @@ class PlaneFitFlow {
 
   /// Adds an event to the surface of active events. It lies inside the image.
   void add(const Event& event) { surface_[index(event)] = event.t_us; }
+  /// Adds an event unless it follows the last one added at its pixel and polarity within `pause_us`; false then.
+  bool add_first(const Event& event, std::int64_t pause_us) {
+    std::int64_t& last = surface_[index(event)];
+    if (event.t_us < saturated_sum(last, pause_us)) return false;
+    last = event.t_us;
+    return true;
+  }
 
   /// The flow at the event that was added last; none if fewer than `min_inliers` neighbours lie on a plane or the
   /// plane is level.

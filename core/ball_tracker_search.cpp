@@ -1,0 +1,170 @@
+#include <algorithm>
+#include <cmath>
+
+#include "core/ball_tracker.h"
+#include "core/ball_tracker_constants.h"
+#include "core/time_stamp.h"
+
+// The search of BallTracker for circles that are not followed yet.
+namespace saccade {
+namespace {
+
+using namespace ball_tracker;
+
+bool is_same(const Circle& a, const Circle& b, double px, double r_px) {
+  return std::hypot(a.x_px - b.x_px, a.y_px - b.y_px) < px && std::abs(a.r_px - b.r_px) < r_px;
+}
+
+}  // namespace
+
+/// The share of a tick: takes back the votes of the last search, or adds some of this one, or tries what it has found.
+void BallTracker::search(std::int64_t now_us) {
+  if (!search_cleared_) {
+    search_cleared_ = search_.clear(votes_per_tick);
+    if (!search_cleared_) return;
+  }
+  if (voters_.empty()) {
+    const Followed* leader = best();
+    const std::int64_t period_us =
+        leader != nullptr && leader->probability > sure ? sure_search_period_us : search_period_us;
+    if (search_us_ != never_us && saturated_difference(now_us, search_us_) < period_us) return;
+    search_us_ = now_us;
+    begin_search();
+  }
+  const std::size_t end = std::min(voters_.size(), voted_ + votes_per_tick);
+  for (; voted_ < end; ++voted_) search_.add(voters_[voted_].at_px, voters_[voted_].direction);
+  if (voted_ < voters_.size()) return;
+  voters_.clear();
+  voted_ = 0;
+  search_cleared_ = false;
+  take_found(now_us);
+}
+
+/// Collects the edges that vote, every n-th where there are too many, and the camera's rotation that they show.
+void BallTracker::begin_search() {
+  std::size_t alive = 0;
+  edges_.for_each(search_us_, [&](const Edge&) { ++alive; });
+  const std::size_t stride = alive / max_voters + 1;
+  std::size_t i = 0;
+  flows_.clear();
+  edges_.for_each(search_us_, [&](const Edge& edge) {
+    if (i++ % stride != 0) return;
+    const Eigen::Vector2d at = now_at(edge, search_us_);
+    if (!(at.x() > -0.5 && at.y() > -0.5 && at.x() < camera_.size.width - 0.5 &&
+          at.y() < camera_.size.height - 0.5))
+      return;
+    voters_.push_back({at, edge.direction});
+    const double slowness = edge.gradient_us_px.norm();
+    flows_.push_back({edge.x, edge.y, edge.gradient_us_px / slowness, 1e6 / slowness});
+  });
+  if (!rotation_rad_s_) seen_rotation_rad_s_ = camera_rotation(flows_, camera_, rays_, seen_rotation_rad_s_);
+}
+
+void BallTracker::fill_fit(const Circle& c, std::int64_t now_us) {
+  fit_.clear();
+  edges_.for_each_near(c.x_px, c.y_px, c.r_px + CircleFit::reach_px, now_us, [&](const Edge& edge) {
+    const double slowness = edge.gradient_us_px.norm();
+    fit_.add(now_at(edge, now_us), Eigen::Vector2d(edge.x, edge.y), edge.gradient_us_px / slowness,
+             1e6 / slowness, static_cast<double>(now_us - edge.t_us) * 1e-6);
+  });
+}
+
+void BallTracker::take_found(std::int64_t now_us) {
+  const auto found = search_.find(found_per_level);
+  for (const CircleSearch::Found& candidate : found.first(std::min(found.size(), most_tried))) {
+    Circle circle = candidate.circle;
+    fill_fit(circle, search_us_);
+    Eigen::Vector3d motion = fit_.motion(circle);
+    const double since_s = static_cast<double>(now_us - search_us_) * 1e-6;
+    circle.x_px += motion.x() * since_s;
+    circle.y_px += motion.y() * since_s;
+    fill_fit(circle, now_us);
+    circle = fit_.place(circle, motion, config_.radius_px[0] - 0.5, config_.radius_px[1] + 0.5);
+    motion = fit_.motion(circle);
+    const DiscEvidence seen = evidence(circle, motion, now_us);
+    DiscHistory history;
+    history.newest = seen;
+    const double probability = disc_probability(disc_inputs(seen, history));
+    if (!corrects_known(circle, probability, now_us)) follow(circle, motion, seen, probability, now_us);
+  }
+  end_duplicates();
+}
+
+/// Whether a found circle is one that is followed. Where it is the better one of the two, the track is corrected.
+bool BallTracker::corrects_known(const Circle& circle, double probability, std::int64_t now_us) {
+  bool known = false;
+  for (Followed& f : followed_) {
+    if (!f.alive) continue;
+    const Circle c = f.track.circle();
+    if (is_same(c, circle, 6.0, 4.0)) {
+      DiscHistory history;
+      history.newest = evidence(c, f.motion_px_s(), now_us);
+      if (probability > disc_probability(disc_inputs(history.newest, history)) + better_by) {
+        f.track.doubt();
+        f.track.correct(circle, Eigen::Vector3d::Constant(fit_sd_px));
+        return true;
+      }
+    }
+    known = known || is_same(c, circle, 4.0, 2.0);
+  }
+  return known;
+}
+
+/// Follows a new circle in place of the least probable one: of those that claim the same disc if there are enough, of
+/// all else.
+void BallTracker::follow(const Circle& circle, const Eigen::Vector3d& motion, const DiscEvidence& seen,
+                         double probability, std::int64_t now_us) {
+  Followed* weakest = nullptr;
+  std::size_t rivals = 0;
+  for (Followed& f : followed_) {
+    if (!f.alive ||
+        !is_same(f.track.circle(), circle, rival_share * circle.r_px, rival_share * circle.r_px))
+      continue;
+    ++rivals;
+    if (weakest == nullptr || f.probability < weakest->probability) weakest = &f;
+  }
+  if (rivals < max_rivals) {
+    weakest = followed_.data();
+    for (Followed& f : followed_) {
+      if (!weakest->alive) break;
+      if (!f.alive || f.probability < weakest->probability) weakest = &f;
+    }
+  }
+  if (weakest->alive && new_share * probability <= weakest->probability) return;
+  Followed f;
+  f.alive = true;
+  f.anchor_px = {circle.x_px, circle.y_px};
+  f.carried_px_s = camera_flow_px_s(f.anchor_px);
+  f.track = CircleTrack(circle, now_us);
+  // The edges that are there give its uncertainty.
+  edges_.for_each_near(circle.x_px, circle.y_px, circle.r_px + 2.0 * config_.crossing_px, now_us,
+                       [&](const Edge& edge) {
+                         f.track.measure(edge, 1.0, CircleTrack::Learn::place_and_speed, f.carried_px_s);
+                       });
+  f.track.set_speed(motion.head<2>() - f.carried_px_s, motion.z());
+  f.track.place(circle);
+  f.image_px_s = f.carried_px_s + f.track.speed_px_s();
+  f.evidence = seen;
+  f.history.newest = seen;
+  f.history.radius_variance_px2 = f.track.covariance()(2, 2);
+  f.probability = new_share * probability;
+  f.inputs = disc_inputs(f.evidence, f.history);
+  *weakest = f;
+}
+
+/// Of two circles that have become one the less probable ends.
+void BallTracker::end_duplicates() {
+  for (Followed& a : followed_) {
+    for (Followed& b : followed_) {
+      if (&a == &b || !a.alive || !b.alive || a.probability < b.probability) continue;
+      if (is_same(a.track.circle(), b.track.circle(), 2.0, 1.5)) b.alive = false;
+    }
+  }
+}
+
+bool BallTracker::hough_space(std::span<float> response) const {
+  search_.first_level_response(camera_.size, response);
+  return true;
+}
+
+}  // namespace saccade
