@@ -153,6 +153,7 @@ class BallTracker final : public Detector, public DetectorViews {
   Eigen::Vector3d seen_rotation_rad_s_ = Eigen::Vector3d::Zero();  // by the edges, where joints are missing
   std::int64_t now_us_;
   std::optional<std::int64_t> next_tick_us_;
+  std::uint64_t ticks_ = 0;  // so far, those without edges and circles left out
   // The search under way: the edges at search_us_, the first voted_ of them in search_.
   std::vector<Voter> voters_;
   std::vector<FlowSample> flows_;

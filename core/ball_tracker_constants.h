@@ -46,7 +46,7 @@ inline constexpr double rival_share = 0.4;    // of the radius: circles nearer t
 inline constexpr std::size_t max_rivals = 2;  // followed at once
 
 // Uncertainty of the estimate beside that of the track, fitted by scripts/fit to the errors of inliers.
-inline constexpr double covariance_scale = 1.0;
-inline constexpr double model_sd_px[3] = {0.5, 0.5, 0.3};
+inline constexpr double covariance_scale = 4.0;
+inline constexpr double model_sd_px[3] = {1.2, 1.2, 0.7};
 
 }  // namespace saccade::ball_tracker

@@ -162,8 +162,13 @@ void BallTracker::end_duplicates() {
   }
 }
 
+/// The response of all edges of now: the search under way holds only some of them.
 bool BallTracker::hough_space(std::span<float> response) const {
-  search_.first_level_response(camera_.size, response);
+  CircleSearch whole = search_;
+  while (!whole.clear(max_voters)) {
+  }
+  edges_.for_each(now_us_, [&](const Edge& edge) { whole.add(now_at(edge, now_us_), edge.direction); });
+  whole.largest_response(camera_.size, response);
   return true;
 }
 

@@ -3,13 +3,13 @@
 #include <bit>
 #include <cstddef>
 
+#include "core/plane_fit_flow.h"
 #include "core/small_solve.h"
 
 namespace saccade {
 namespace {
 
-constexpr int passes = 4;
-constexpr double speed_sd_share = 0.3, speed_sd_px_s = 15.0;  // error of a plane-fit flow
+constexpr int rotation_passes = 4;
 constexpr double agree_sd2 = 2.0;
 constexpr double least_agreeing = 0.5;  // share of the edges
 constexpr std::size_t fewest_flows = 50;
@@ -24,7 +24,7 @@ Eigen::Vector3d camera_rotation(std::span<const FlowSample> flows, const Camera&
   Eigen::Vector3d rotation = start;
   std::uint32_t seen = 0;
   double agreeing = 0.0;
-  for (int pass = 0; pass < passes; ++pass) {
+  for (int pass = 0; pass < rotation_passes; ++pass) {
     Eigen::Matrix3d normal = 1e-3 * Eigen::Matrix3d::Identity();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     seen = 0;
@@ -34,7 +34,7 @@ Eigen::Vector3d camera_rotation(std::span<const FlowSample> flows, const Camera&
       Eigen::Vector3d gradient;
       for (int axis = 0; axis < 3; ++axis)
         gradient[axis] = flow.along.dot(camera.rotational_flow_px_s(ray, Eigen::Vector3d::Unit(axis)));
-      const double sd = speed_sd_share * flow.speed_px_s + speed_sd_px_s;
+      const double sd = flow_sd_px_s(flow.speed_px_s);
       const double z = (flow.speed_px_s - rotation.dot(gradient)) / sd;
       const double weight = 1.0 / (sd * sd * (1.0 + z * z) * (1.0 + z * z));
       normal += weight * gradient * gradient.transpose();

@@ -4,14 +4,14 @@
 #include <cmath>
 
 #include "core/circle_track.h"
+#include "core/plane_fit_flow.h"
 #include "core/small_solve.h"
 
 namespace saccade {
 namespace {
 
-constexpr int passes = 3;
+constexpr int fit_passes = 3;
 constexpr double on_circle_px = 2.0;                          // for its motion
-constexpr double speed_sd_share = 0.3, speed_sd_px_s = 15.0;  // error of a plane-fit flow
 // What the edges leave open is rest, and no growth: shares of the information in them.
 constexpr double rest_share = 1e-4, no_growth_share = 0.02;
 constexpr double near_share = 0.25, nearest_px = 2.5, farthest_px = 4.0;  // of the radius; narrowing with each pass
@@ -22,7 +22,7 @@ constexpr int fewest_edges = 5;
 
 Eigen::Vector3d CircleFit::motion(const Circle& c) const {
   Eigen::Vector3d motion = Eigen::Vector3d::Zero();
-  for (int pass = 0; pass < passes; ++pass) {
+  for (int pass = 0; pass < fit_passes; ++pass) {
     Eigen::Matrix3d normal = 1e-12 * Eigen::Matrix3d::Identity();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     for (const Edge& edge : edges_) {
@@ -32,7 +32,7 @@ Eigen::Vector3d CircleFit::motion(const Circle& c) const {
       const double cosine = edge.along.dot(at) / std::max(distance, 1e-3);
       if (std::abs(cosine) < CircleTrack::min_alignment) continue;
       const Eigen::Vector3d gradient(edge.along.x(), edge.along.y(), cosine);
-      const double sd = speed_sd_share * edge.speed_px_s + speed_sd_px_s;
+      const double sd = flow_sd_px_s(edge.speed_px_s);
       double weight = 1.0 / (sd * sd);
       if (pass > 0) {
         const double z = (edge.speed_px_s - motion.dot(gradient)) / sd;
@@ -50,7 +50,7 @@ Eigen::Vector3d CircleFit::motion(const Circle& c) const {
 Circle CircleFit::place(Circle c, const Eigen::Vector3d& motion_px_s, double r_min_px,
                         double r_max_px) const {
   double near_px = std::clamp(near_share * c.r_px, nearest_px, farthest_px);
-  for (int pass = 0; pass < passes; ++pass) {
+  for (int pass = 0; pass < fit_passes; ++pass) {
     Eigen::Matrix3d normal = 0.5 * Eigen::Matrix3d::Identity();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     int used = 0;

@@ -53,9 +53,10 @@ void CircleSearch::add(const Eigen::Vector2d& at_px, int direction) {
   for (Level& level : levels_) {
     if (level.votes.size() >= max_edges_) continue;
     const ImageSize size = level.transform.size();
-    const int x = static_cast<int>((at_px.x() + 0.5) / level.cell_px);
-    const int y = static_cast<int>((at_px.y() + 0.5) / level.cell_px);
-    if (!size.contains(x, y)) continue;
+    const Eigen::Vector2d cell = (at_px.array() + 0.5) / level.cell_px;
+    if (!(cell.x() >= 0.0 && cell.y() >= 0.0 && cell.x() < size.width && cell.y() < size.height)) continue;
+    const int x = static_cast<int>(cell.x());
+    const int y = static_cast<int>(cell.y());
     const auto quarter = static_cast<std::uint8_t>(1 << (direction * 4 / HoughTransform::direction_count));
     std::uint8_t& taken = level.taken[static_cast<std::size_t>(y * size.width + x)];
     if ((taken & quarter) != 0) continue;
@@ -90,15 +91,19 @@ std::span<const CircleSearch::Found> CircleSearch::find(std::size_t count) {
   return found_;
 }
 
-void CircleSearch::first_level_response(ImageSize size, std::span<float> response) const {
-  const Level& level = levels_.front();
-  const ImageSize cells = level.transform.size();
-  std::vector<float> of_cells(static_cast<std::size_t>(cells.pixels()));
-  largest_response(level.transform, of_cells);
-  for (int y = 0; y < size.height; ++y) {
-    for (int x = 0; x < size.width; ++x)
-      response[static_cast<std::size_t>(y * size.width + x)] =
-          of_cells[static_cast<std::size_t>(y / level.cell_px * cells.width + x / level.cell_px)];
+void CircleSearch::largest_response(ImageSize size, std::span<float> response) const {
+  std::fill(response.begin(), response.end(), 0.0F);
+  for (const Level& level : levels_) {
+    const ImageSize cells = level.transform.size();
+    std::vector<float> of_cells(static_cast<std::size_t>(cells.pixels()));
+    saccade::largest_response(level.transform, of_cells);
+    for (int y = 0; y < size.height; ++y) {
+      for (int x = 0; x < size.width; ++x) {
+        float& largest = response[static_cast<std::size_t>(y * size.width + x)];
+        const int cell = y / level.cell_px * cells.width + x / level.cell_px;
+        largest = std::max(largest, of_cells[static_cast<std::size_t>(cell)]);
+      }
+    }
   }
 }
 

@@ -23,8 +23,8 @@ class CircleSearch {
 
   /// Takes back the votes of up to `count` edges of each level. True when none is left: add() may be called again.
   bool clear(std::size_t count);
-  /// Adds an edge at a position in the image; `direction` as HoughTransform::direction_of. Ignored where another edge of
-  /// about this direction is in the same cell, and after `max_edges`.
+  /// Adds an edge; `direction` as HoughTransform::direction_of. Ignored outside the image, where another edge of about
+  /// this direction is in the same cell, and after `max_edges`.
   void add(const Eigen::Vector2d& at_px, int direction);
 
   struct Found {
@@ -35,8 +35,8 @@ class CircleSearch {
   /// level. Valid until the next call.
   [[nodiscard]] std::span<const Found> find(std::size_t count);
 
-  /// Writes the largest response of the first level over all radii at each pixel of the image, row by row.
-  void first_level_response(ImageSize size, std::span<float> response) const;
+  /// Writes the largest response over all radii of all levels at each pixel of the image, row by row. Allocates.
+  void largest_response(ImageSize size, std::span<float> response) const;
 
  private:
   struct Vote {

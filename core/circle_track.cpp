@@ -9,8 +9,8 @@ namespace {
 
 // Noise of one edge. Edges of one crossing of a pixel are not independent: more than their half pixel.
 constexpr double edge_sd_px = 1.0;
-constexpr double speed_sd_share = 1.0;  // of a single measured flow
-constexpr double speed_sd_px_s = 30.0;
+constexpr double single_flow_sd_share = 1.0;  // of a single measured flow
+constexpr double single_flow_sd_px_s = 30.0;
 constexpr double outlier_sd = 3.0;
 constexpr double apart_px_s = 10.0;  // circle and room differ enough in speed to tell their edges apart
 
@@ -105,7 +105,7 @@ bool CircleTrack::measure(const Edge& edge, double clarity, Learn learn,
     State speed;
     speed << 0.0, 0.0, 0.0, normal, 0.0;
     const double measured = std::copysign(1e6 / slowness, alignment);
-    const double sd = speed_sd_share * std::abs(measured) + speed_sd_px_s;
+    const double sd = single_flow_sd_share * std::abs(measured) + single_flow_sd_px_s;
     const double innovation = measured - (state_.segment<2>(3) + camera_flow_px_s).dot(normal);
     const double speed_variance = speed.dot(covariance_ * speed) + sd * sd;
     if (innovation * innovation > outlier_sd * outlier_sd * speed_variance) return false;
@@ -123,7 +123,7 @@ bool CircleTrack::measure(const Edge& edge, double clarity, Learn learn,
 
 void CircleTrack::set_speed(const Eigen::Vector2d& speed_px_s, double growth_px_s) {
   state_.segment<3>(3) << speed_px_s, growth_px_s;
-  const double sd = 0.3 * speed_px_s.norm() + speed_sd_px_s;
+  const double sd = 0.3 * speed_px_s.norm() + single_flow_sd_px_s;
   covariance_.diagonal().segment<3>(3) << sd * sd, sd * sd, unknown_growth_px_s * unknown_growth_px_s;
 }
 

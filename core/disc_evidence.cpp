@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/plane_fit_flow.h"
+
 namespace saccade {
 namespace {
 
@@ -14,8 +16,6 @@ constexpr double ring_half_px = 1.25, side_begin_px = 2.0, side_end_px = 5.0, sp
 constexpr double sector_px = 2.5;
 constexpr int min_sectors = 8, max_sectors = 32;
 constexpr double radial_cosine = 0.866;  // 30 deg, the error of a plane-fit flow
-// Error of the speed of a plane-fit flow: a share of it, and what an image at rest shows.
-constexpr double speed_sd_share = 0.3, speed_sd_px_s = 15.0;
 constexpr double visible_share = 0.4;    // of the speed, along the normal: from here on a sector must show edges
 constexpr double visible_px_s = 8.0;
 constexpr double consistent = 0.1;       // likelihood from which on an edge may move as the disc
@@ -30,7 +30,7 @@ double ring_area_px2(double r_px, double from_px, double to_px) {
 }
 
 double likelihood(double speed_px_s, double expected_px_s) {
-  const double z = (speed_px_s - expected_px_s) / (speed_sd_share * std::abs(speed_px_s) + speed_sd_px_s);
+  const double z = (speed_px_s - expected_px_s) / flow_sd_px_s(speed_px_s);
   return std::exp(-0.5 * z * z);
 }
 

@@ -10,7 +10,7 @@ namespace {
 
 namespace w = disc_probability_weights;
 static_assert(w::input_mean.size() == disc_input_count, "run scripts/fit after a change of the inputs");
-constexpr float most_deviations = 6.0F;  // of an input, as in scripts/fit
+constexpr float most_deviations = 4.0F;  // of an input, as in scripts/fit
 
 }  // namespace
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -25,6 +26,10 @@ struct NormalFlow {
   double dt_dx_us_px = 0.0;
   double dt_dy_us_px = 0.0;
 };
+
+/// Standard deviation of the speed of a plane-fit flow, px/s: a share of it, and what an image at rest shows. Chosen: a
+/// robust scale, which the fits that use it do not depend on closely.
+[[nodiscard]] inline double flow_sd_px_s(double speed_px_s) { return 0.3 * std::abs(speed_px_s) + 15.0; }
 
 /// Normal flow by local plane fitting (paper, section II-C; Benosman et al., TNNLS 25(2), 2014): a plane
 /// t = a x + b y + d is fitted by least squares to the newest time stamps of one polarity around an event,

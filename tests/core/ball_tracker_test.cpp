@@ -63,13 +63,13 @@ TEST(BallTracker, FollowsAFastBallToHalfAPixelWithoutLag) {
 }
 
 TEST(BallTracker, CountsABurstOfAPixelAsOneEdge) {
-  // Every pixel goes on for five more events, as under high contrast: they lie on no plane.
+  // Every pixel makes five more events within burst_us, as under high contrast: they lie on no plane.
   const streams::MovingDisc disc{20, 40, 500, 150, 12};
   std::vector<Event> bursts;
   for (const Event& first : disc.events(camera.size, 0.12)) {
     for (int i = 0; i < 6; ++i) {
       bursts.push_back(first);
-      bursts.back().t_us += i * 300;
+      bursts.back().t_us += i * 90;
     }
   }
   std::stable_sort(bursts.begin(), bursts.end(),
