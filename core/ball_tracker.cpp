@@ -32,8 +32,7 @@ BallTrackerConfig checked(const BallTrackerConfig& config) {
 
 void describe(FieldVisitor& v, BallTrackerConfig& c) {
   describe_radius_px(v, c.radius_px);
-  v.real("threshold", c.threshold, {0.0, 1.0},
-         "probability from which on a circle is taken for the ball");
+  v.real("threshold", c.threshold, {0.0, 1.0}, "probability from which on a circle is taken for the ball");
   v.real("arc_deg", c.arc_deg, {0.5, 90.0}, "half-width of an arc of votes");
   v.section(
       "flow", [&](FieldVisitor& w) { describe(w, c.flow); }, "plane-fit flow");
@@ -51,7 +50,8 @@ BallTracker::BallTracker(const BallTrackerConfig& config, const Camera& camera)
       sieve_(camera.size),
       flow_(config.flow, camera.size),
       edges_(camera.size, static_cast<int>(config.edges_per_region)),
-      search_(camera.size, config.radius_px[0], config.radius_px[1], config.arc_deg * rad_per_deg, max_voters),
+      search_(camera.size, config.radius_px[0], config.radius_px[1], config.arc_deg * rad_per_deg,
+              max_voters),
       now_us_(never_us),
       search_us_(never_us),
       flows_left_(config.flows_per_ms) {
@@ -102,7 +102,8 @@ Eigen::Vector2d BallTracker::now_at(const Edge& edge, std::int64_t now_us) const
   return at + edge.gradient_us_px * (age_us / edge.gradient_us_px.squaredNorm());
 }
 
-DiscEvidence BallTracker::evidence(const Circle& c, const Eigen::Vector3d& motion, std::int64_t now_us) const {
+DiscEvidence BallTracker::evidence(const Circle& c, const Eigen::Vector3d& motion,
+                                   std::int64_t now_us) const {
   const Eigen::Vector2d centre(c.x_px, c.y_px);
   DiscEvidenceCollector collector(c, motion, background_px_s(centre));
   // Edges are kept where they came: some have moved on by more than crossing_px.
@@ -271,10 +272,15 @@ void BallTracker::update_probability(Followed& f, std::int64_t now_us) {
   f.probability = disc_probability(f.inputs);
 }
 
+/// The most probable circle. Of several discs in view the one that has moved by itself is the ball: one that has not
+/// competes with a share of its probability.
 const BallTracker::Followed* BallTracker::best() const {
+  const auto worth = [](const Followed& f) {
+    return f.probability * (at_rest_share + (1.0 - at_rest_share) * f.history.moved_most_share);
+  };
   const Followed* best = nullptr;
   for (const Followed& f : followed_) {
-    if (f.alive && (best == nullptr || f.probability > best->probability)) best = &f;
+    if (f.alive && (best == nullptr || worth(f) > worth(*best))) best = &f;
   }
   return best;
 }
@@ -287,11 +293,11 @@ Estimate BallTracker::estimate() {
   const Followed* f = best();
   if (f == nullptr) return {};
   const Eigen::Matrix3d covariance =
-      covariance_scale * f->track.covariance() +
-      Eigen::Vector3d(model_sd_px[0] * model_sd_px[0], model_sd_px[1] * model_sd_px[1],
-                      model_sd_px[2] * model_sd_px[2])
-          .asDiagonal()
-          .toDenseMatrix();
+      covariance_scale * f->track.covariance() + Eigen::Vector3d(model_sd_px[0] * model_sd_px[0],
+                                                                 model_sd_px[1] * model_sd_px[1],
+                                                                 model_sd_px[2] * model_sd_px[2])
+                                                     .asDiagonal()
+                                                     .toDenseMatrix();
   return {true, f->track.silent_us() >= tick_us, circle_now(*f), f->probability, covariance};
 }
 

@@ -22,7 +22,7 @@ namespace saccade {
 /// Configuration of the recommended detector, `best`.
 struct BallTrackerConfig {
   std::array<double, 2> radius_px = {10, 35};  ///< smallest and largest radius, whole numbers
-  double threshold = 0.5;                      ///< probability from which on a circle is taken for the ball
+  double threshold = 0.3;                      ///< probability from which on a circle is taken for the ball
   double arc_deg = 12.0;                       ///< half-width of an arc of directed votes
   PlaneFitFlowConfig flow;
   /// An event that follows the first one of its pixel and polarity sooner than this is of the same edge.
@@ -99,7 +99,7 @@ class BallTracker final : public Detector, public DetectorViews {
     double clarity = 1.0;      ///< share of the edges near the circle that are of its outline
     double fresh_edges = 0.0;  ///< near it since the last look
     double fresh_on_outline = 0.0;
-    Eigen::Vector2d anchor_px = Eigen::Vector2d::Zero();  ///< where it would be if it stood in the room
+    Eigen::Vector2d anchor_px = Eigen::Vector2d::Zero();     ///< where it would be if it stood in the room
     Eigen::Vector2d carried_px_s = Eigen::Vector2d::Zero();  ///< image motion by the joints, at it
     Eigen::Vector2d image_px_s = Eigen::Vector2d::Zero();    ///< its own motion in the image
     bool slow = true;                                        ///< may leave a hole
@@ -149,7 +149,7 @@ class BallTracker final : public Detector, public DetectorViews {
   CircleSearch search_;
   CircleFit fit_;
   std::array<Followed, 8> followed_;
-  std::optional<Eigen::Vector3d> rotation_rad_s_;                    // of the camera by the joints, its own frame
+  std::optional<Eigen::Vector3d> rotation_rad_s_;  // of the camera by the joints, its own frame
   Eigen::Vector3d seen_rotation_rad_s_ = Eigen::Vector3d::Zero();  // by the edges, where joints are missing
   std::int64_t now_us_;
   std::optional<std::int64_t> next_tick_us_;

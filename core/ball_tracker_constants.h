@@ -15,14 +15,16 @@ inline constexpr int ticks_per_look = 2, ticks_per_hole = 4;
 // Edges.
 inline constexpr double fastest_us_px = 10.0;      // steeper flows are noise
 inline constexpr double shortest_life_us = 100.0;  // of an edge
-inline constexpr double camera_moves_px_s = 30.0;  // from here on its flow is surer than one measured at a pixel
-inline constexpr double near_px = 6.0;             // of a circle: what comes further outside does not concern it
+inline constexpr double camera_moves_px_s =
+    30.0;                               // from here on its flow is surer than one measured at a pixel
+inline constexpr double near_px = 6.0;  // of a circle: what comes further outside does not concern it
 
 // Evidence.
-inline constexpr double fewest_fresh = 5.0, fresh_px = 0.15;  // edges, and edges per px of outline, for a new look
-inline constexpr double fresh_left = 0.99;                    // of them after a ms: noise does not add up to a look
-inline constexpr double memory_px = 2.0;                      // of motion, that evidence is averaged over
-inline constexpr double clutter_hides_px2 = 0.2;              // radial edges per px^2 around a circle that hide it
+inline constexpr double fewest_fresh = 5.0,
+                        fresh_px = 0.15;          // edges, and edges per px of outline, for a new look
+inline constexpr double fresh_left = 0.99;        // of them after a ms: noise does not add up to a look
+inline constexpr double memory_px = 2.0;          // of motion, that evidence is averaged over
+inline constexpr double clutter_hides_px2 = 0.2;  // radial edges per px^2 around a circle that hide it
 inline constexpr double least_weight = 0.05, least_clarity = 0.15;
 
 // Holes.
@@ -33,6 +35,7 @@ inline constexpr double gaze_follows_hole = 0.4;
 
 // Motion against the background.
 inline constexpr double anchor_s = 0.6, moved_begin_px = 2.0, moved_end_px = 6.0;
+inline constexpr double at_rest_share = 0.5;  // of its probability, for a disc that never moved against it
 
 // Search.
 inline constexpr std::size_t max_voters = 1024, votes_per_tick = 160;

@@ -117,8 +117,7 @@ void BallTracker::follow(const Circle& circle, const Eigen::Vector3d& motion, co
   Followed* weakest = nullptr;
   std::size_t rivals = 0;
   for (Followed& f : followed_) {
-    if (!f.alive ||
-        !is_same(f.track.circle(), circle, rival_share * circle.r_px, rival_share * circle.r_px))
+    if (!f.alive || !is_same(f.track.circle(), circle, rival_share * circle.r_px, rival_share * circle.r_px))
       continue;
     ++rivals;
     if (weakest == nullptr || f.probability < weakest->probability) weakest = &f;

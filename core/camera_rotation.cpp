@@ -13,7 +13,7 @@ constexpr int rotation_passes = 4;
 constexpr double agree_sd2 = 2.0;
 constexpr double least_agreeing = 0.5;  // share of the edges
 constexpr std::size_t fewest_flows = 50;
-constexpr int cells = 4;        // the image in cells x cells parts
+constexpr int cells = 4;         // the image in cells x cells parts
 constexpr int fewest_cells = 9;  // of them with edges that agree
 
 }  // namespace
@@ -46,8 +46,8 @@ Eigen::Vector3d camera_rotation(std::span<const FlowSample> flows, const Camera&
     }
     rotation = ldlt_solution(normal, right);
   }
-  const bool most = agreeing > least_agreeing * static_cast<double>(flows.size()) &&
-                    std::popcount(seen) >= fewest_cells;
+  const bool most =
+      agreeing > least_agreeing * static_cast<double>(flows.size()) && std::popcount(seen) >= fewest_cells;
   return most ? rotation : Eigen::Vector3d::Zero();
 }
 

@@ -11,10 +11,11 @@ namespace saccade {
 namespace {
 
 constexpr int fit_passes = 3;
-constexpr double on_circle_px = 2.0;                          // for its motion
+constexpr double on_circle_px = 2.0;  // for its motion
 // What the edges leave open is rest, and no growth: shares of the information in them.
 constexpr double rest_share = 1e-4, no_growth_share = 0.02;
-constexpr double near_share = 0.25, nearest_px = 2.5, farthest_px = 4.0;  // of the radius; narrowing with each pass
+constexpr double near_share = 0.25, nearest_px = 2.5,
+                 farthest_px = 4.0;  // of the radius; narrowing with each pass
 constexpr double largest_step_px = 1.5, largest_growth_px = 1.0;
 constexpr int fewest_edges = 5;
 
@@ -73,7 +74,8 @@ Circle CircleFit::place(Circle c, const Eigen::Vector3d& motion_px_s, double r_m
     const Eigen::Vector3d step = ldlt_solution(normal, right);
     c.x_px += std::clamp(step[0], -largest_step_px, largest_step_px);
     c.y_px += std::clamp(step[1], -largest_step_px, largest_step_px);
-    c.r_px = std::clamp(c.r_px + std::clamp(step[2], -largest_growth_px, largest_growth_px), r_min_px, r_max_px);
+    c.r_px =
+        std::clamp(c.r_px + std::clamp(step[2], -largest_growth_px, largest_growth_px), r_min_px, r_max_px);
     near_px = std::max(2.0, near_px - 0.5);
   }
   return c;

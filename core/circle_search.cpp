@@ -23,11 +23,12 @@ CircleSearch::CircleSearch(ImageSize size, double r_min_px, double r_max_px, dou
     if (r_min_px < end_px) {
       const double begin_px = cell == 1 ? r_min_px : std::max(r_min_px, end_px / 2);
       const ImageSize cells{(size.width + cell - 1) / cell, (size.height + cell - 1) / cell};
-      levels_.push_back({cell,
-                         HoughTransform(cells, static_cast<int>(std::floor(begin_px / cell)),
-                                        static_cast<int>(std::ceil(std::min(r_max_px, end_px) / cell)), arc_rad),
-                         std::vector<std::uint8_t>(static_cast<std::size_t>(cells.pixels())),
-                         {}});
+      levels_.push_back(
+          {cell,
+           HoughTransform(cells, static_cast<int>(std::floor(begin_px / cell)),
+                          static_cast<int>(std::ceil(std::min(r_max_px, end_px) / cell)), arc_rad),
+           std::vector<std::uint8_t>(static_cast<std::size_t>(cells.pixels())),
+           {}});
       levels_.back().votes.reserve(max_edges);
     }
     if (r_max_px <= end_px) break;

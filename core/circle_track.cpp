@@ -112,7 +112,8 @@ bool CircleTrack::measure(const Edge& edge, double clarity, Learn learn,
     update(speed, innovation, sd * sd);
   }
   // The probability that the edge is of the outline and not of the clutter around it.
-  const double of_outline = clarity * std::exp(-0.5 * off * off / variance) / std::sqrt(2.0 * std::numbers::pi * variance);
+  const double of_outline =
+      clarity * std::exp(-0.5 * off * off / variance) / std::sqrt(2.0 * std::numbers::pi * variance);
   const double of_clutter = (1.0 - clarity) / (2.0 * gate);
   const double own_probability = of_outline / (of_outline + of_clutter + 1e-9);
   update(place, -off, edge_sd_px * edge_sd_px / (own_probability * own_probability + 1e-3));

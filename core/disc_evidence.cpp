@@ -16,10 +16,11 @@ constexpr double ring_half_px = 1.25, side_begin_px = 2.0, side_end_px = 5.0, sp
 constexpr double sector_px = 2.5;
 constexpr int min_sectors = 8, max_sectors = 32;
 constexpr double radial_cosine = 0.866;  // 30 deg, the error of a plane-fit flow
-constexpr double visible_share = 0.4;    // of the speed, along the normal: from here on a sector must show edges
+constexpr double visible_share =
+    0.4;  // of the speed, along the normal: from here on a sector must show edges
 constexpr double visible_px_s = 8.0;
-constexpr double consistent = 0.1;       // likelihood from which on an edge may move as the disc
-constexpr double least_px2 = 3.0;        // of an area that is divided by
+constexpr double consistent = 0.1;          // likelihood from which on an edge may move as the disc
+constexpr double least_px2 = 3.0;           // of an area that is divided by
 constexpr double clutter_scale_px2 = 20.0;  // log(1 + scale * density)
 constexpr double ring_floor = 0.01;         // edges per px^2 that count as none
 
@@ -48,7 +49,8 @@ DiscEvidenceCollector::DiscEvidenceCollector(const Circle& circle, const Eigen::
       growth_px_s_(motion_px_s.z()),
       sectors_(std::clamp(static_cast<int>(std::lround(2.0 * pi * circle.r_px / sector_px)), min_sectors,
                           max_sectors)) {
-  const double least = std::max(visible_px_s, visible_share * (velocity_px_s_.norm() + std::abs(growth_px_s_)));
+  const double least =
+      std::max(visible_px_s, visible_share * (velocity_px_s_.norm() + std::abs(growth_px_s_)));
   for (int k = 0; k < sectors_; ++k) {
     const double angle = (k + 0.5) / sectors_ * 2.0 * pi - pi;
     const double normal_px_s =

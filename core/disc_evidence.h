@@ -14,24 +14,24 @@ namespace saccade {
 /// circle's normal; the ring is within 1.25 px of the circle, the sides from 2 to 5 px inside and outside of it. Sectors
 /// are 2.5 px long, 8 to 32 of them. Densities are edges per px^2.
 enum class Evidence : std::size_t {
-  closure,               ///< share of the sectors with a radial edge on the ring
-  expected_closure,      ///< share of the sectors that the motion must show, that have an edge of that motion
-  gap,                   ///< longest run of sectors without an edge, share of all
-  radial_share,          ///< of the edges on the ring
-  consistent_share,      ///< of the radial edges on the ring: move as the circle does
-  ring_to_sides,         ///< log of the density of radial edges on the ring over that of the sides
-  spread_px2,            ///< mean squared distance of the radial edges within 2.5 px of the circle
-  background_inside,     ///< log density inside of edges that move as the background and not as the disc
-  inside,                ///< log density inside
-  outside,               ///< log density of the outer side
-  inside_to_outside,     ///< log of the ratio of the two
-  ring_per_length,       ///< log of radial edges on the ring per px of it
-  radius,                ///< log radius
-  expected,              ///< share of the sectors that the motion must show
+  closure,            ///< share of the sectors with a radial edge on the ring
+  expected_closure,   ///< share of the sectors that the motion must show, that have an edge of that motion
+  gap,                ///< longest run of sectors without an edge, share of all
+  radial_share,       ///< of the edges on the ring
+  consistent_share,   ///< of the radial edges on the ring: move as the circle does
+  ring_to_sides,      ///< log of the density of radial edges on the ring over that of the sides
+  spread_px2,         ///< mean squared distance of the radial edges within 2.5 px of the circle
+  background_inside,  ///< log density inside of edges that move as the background and not as the disc
+  inside,             ///< log density inside
+  outside,            ///< log density of the outer side
+  inside_to_outside,  ///< log of the ratio of the two
+  ring_per_length,    ///< log of radial edges on the ring per px of it
+  radius,             ///< log radius
+  expected,           ///< share of the sectors that the motion must show
   closure_squared,
-  closure_by_contrast,   ///< closure times the ring's share of the radial density
-  radial_outside,        ///< log density of radial edges, outer side
-  radial_inside,         ///< the same, inner side
+  closure_by_contrast,  ///< closure times the ring's share of the radial density
+  radial_outside,       ///< log density of radial edges, outer side
+  radial_inside,        ///< the same, inner side
   count
 };
 inline constexpr std::size_t evidence_count = static_cast<std::size_t>(Evidence::count);

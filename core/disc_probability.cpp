@@ -19,9 +19,9 @@ DiscInputs disc_inputs(const DiscEvidence& evidence, const DiscHistory& h) {
   std::size_t i = 0;
   const auto add = [&](double value) { inputs[i++] = static_cast<float>(value); };
   for (const double value : evidence.values()) add(value);
-  for (const Evidence e : {Evidence::closure, Evidence::expected_closure, Evidence::radial_share,
-                           Evidence::ring_to_sides, Evidence::inside_to_outside,
-                           Evidence::closure_by_contrast, Evidence::spread_px2})
+  for (const Evidence e :
+       {Evidence::closure, Evidence::expected_closure, Evidence::radial_share, Evidence::ring_to_sides,
+        Evidence::inside_to_outside, Evidence::closure_by_contrast, Evidence::spread_px2})
     add(h.newest[e]);
   add(std::log1p(h.followed_px));
   add(std::log1p(h.silent_px));

@@ -10,15 +10,16 @@ namespace saccade {
 /// What a circle has shown since it is followed, beside its evidence; the defaults are those of a circle that was just
 /// found.
 struct DiscHistory {
-  DiscEvidence newest;              ///< of the last look; the evidence itself is an average over the last pixels of motion
-  double followed_px = 0.0;         ///< motion of the outline that it has been followed for
-  double silent_px = 0.0;           ///< edges near it, per px of its outline, since the last one on it
-  double hole = 0.0;                ///< 0 to 1: how clearly it leaves a hole in the events of the background (Silhouette)
-  double moved_share = 0.0;         ///< 0 to 1: how surely it moves against the background now
-  double moved_most_share = 0.0;    ///< the largest so far
-  double moved_radii = 0.0;         ///< how far it has moved against the background lately, radii
-  double on_ring_share = 0.5;       ///< of the edges near it
-  double radius_variance_px2 = 1.0; ///< of the track
+  DiscEvidence
+      newest;  ///< of the last look; the evidence itself is an average over the last pixels of motion
+  double followed_px = 0.0;  ///< motion of the outline that it has been followed for
+  double silent_px = 0.0;    ///< edges near it, per px of its outline, since the last one on it
+  double hole = 0.0;  ///< 0 to 1: how clearly it leaves a hole in the events of the background (Silhouette)
+  double moved_share = 0.0;          ///< 0 to 1: how surely it moves against the background now
+  double moved_most_share = 0.0;     ///< the largest so far
+  double moved_radii = 0.0;          ///< how far it has moved against the background lately, radii
+  double on_ring_share = 0.5;        ///< of the edges near it
+  double radius_variance_px2 = 1.0;  ///< of the track
 };
 
 /// Inputs of the model: the evidence, then the history.
