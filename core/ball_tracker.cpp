@@ -225,7 +225,8 @@ void BallTracker::tick(std::int64_t now_us) {
     const Eigen::Vector2d at = f.track.centre();
     const bool inside =
         at.x() >= 0.0 && at.y() >= 0.0 && at.x() < camera_.size.width && at.y() < camera_.size.height;
-    f.alive = inside && static_cast<double>(f.track.silent_us()) <= config_.hold_s * 1e6;
+    f.alive = inside && std::isfinite(f.track.circle().r_px) &&
+              static_cast<double>(f.track.silent_us()) <= config_.hold_s * 1e6;
   }
   if (++ticks_ % ticks_per_look == 0) {
     for (Followed& f : followed_) {

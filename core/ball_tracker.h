@@ -22,16 +22,16 @@ namespace saccade {
 /// Configuration of the recommended detector, `best`.
 struct BallTrackerConfig {
   std::array<double, 2> radius_px = {10, 35};  ///< smallest and largest radius, whole numbers
-  double threshold = 0.3;                      ///< probability from which on a circle is taken for the ball
+  double threshold = 0.5;                      ///< probability from which on a circle is taken for the ball
   double arc_deg = 12.0;                       ///< half-width of an arc of directed votes
-  PlaneFitFlowConfig flow;
+  PlaneFitFlowConfig flow = {.max_age_us = 400'000};  ///< down to 2.5 px/s
   /// An event that follows the first one of its pixel and polarity sooner than this is of the same edge.
   std::int64_t burst_us = 500;
-  std::int64_t edges_per_region = 24;  ///< kept of each 8 x 8 pixels
-  double crossing_px = 2.5;            ///< an edge is kept while it moves on so far
-  std::int64_t longest_us = 300'000;   ///< and no longer than this
-  double hold_s = 3.0;                 ///< a circle that makes no events is held for so long
-  std::int64_t flows_per_ms = 600;     ///< events that get a flow; beyond that every n-th event does
+  std::int64_t edges_per_region = 24;   ///< kept of each 8 x 8 pixels
+  double crossing_px = 2.5;             ///< an edge is kept while it moves on so far
+  std::int64_t longest_us = 1'000'000;  ///< and no longer than this
+  double hold_s = 3.0;                  ///< a circle that makes no events is held for so long
+  std::int64_t flows_per_ms = 600;      ///< events that get a flow; beyond that every n-th event does
 };
 
 /// Keys: radius_px, threshold, arc_deg, flow, burst_us, edges_per_region, crossing_px, longest_us, hold_s, flows_per_ms.

@@ -12,6 +12,7 @@ constexpr double edge_sd_px = 1.0;
 constexpr double single_flow_sd_share = 1.0;  // of a single measured flow
 constexpr double single_flow_sd_px_s = 30.0;
 constexpr double outlier_sd = 3.0;
+constexpr double least_variance = 1e-6;
 constexpr double apart_px_s = 10.0;  // circle and room differ enough in speed to tell their edges apart
 
 // How a ball in a hand moves: it may start at any time, and turn as tightly as on a circle of turn_px.
@@ -75,6 +76,8 @@ void CircleTrack::update(const State& gradient, double innovation, double varian
   const double s = gradient.dot(ph) + variance;
   state_ += ph * (innovation / s);
   covariance_ -= ph * ph.transpose() / s;
+  // Rounding must not make a variance negative.
+  covariance_.diagonal() = covariance_.diagonal().cwiseMax(least_variance);
 }
 
 bool CircleTrack::measure(const Edge& edge, double clarity, Learn learn,

@@ -236,8 +236,8 @@ TEST(IkinGazeController, KeepsTheGazeWhileTheNeckTurns) {
       worst_deg = std::max(worst_deg, angle_deg(Eye::left, plant.state.position_rad, target_m));
       turned_deg = (plant.state.position_rad[neck_yaw] - yaw) / rad_per_deg;
     }
-    std::printf("%s: the neck turns on by %.1f deg, the eye is off by %.2f deg at most\n", eyes, turned_deg,
-                worst_deg);
+    std::printf("%s: the neck turns on by %.1f deg, the eye is off by %.2f deg at most\n",
+                std::string(word_of(eyes)).c_str(), turned_deg, worst_deg);
     EXPECT_GT(turned_deg, 8.0);
     EXPECT_LT(worst_deg, 1.2);
   }

@@ -11,6 +11,8 @@ dvs128 5bba3e01f54fe00a
 noisy aeb6277fcc767bf3
 davis346 4a3d12ca44cb9eee
 atis 7794eb8c27062df9
+few_events 4fdb64afebeeb278
+asymmetric 4fe185480009002b
 everything 5118d738088f2ca8"
 
 status=0

@@ -47,6 +47,7 @@ DetectorScore score_of(const std::filesystem::path& folder) {
   Loop loop(robot, MountedCamera{}, std::move(detectors), std::nullopt);
   Scenario scenario;
   scenario.gaze.detector = "none";
+  scenario.output.formats = built_in_formats();
   MovingBall world(robot);
   const GroundTruth truth(world.truth, [] { return std::span<const EventLabel>(); });
   RunTables tables(folder, scenario, truth, loop, nullptr);

@@ -556,7 +556,7 @@ TEST_F(RenderedLab, IsDrawnWithTheSameBytesByAnyNumberOfThreads) {
   for (const char* threads : {"0", "1", "2", "5"}) {
     const std::string command = std::string("LP_NUM_THREADS=") + threads + " /proc/" +
                                 std::to_string(getpid()) +
-                                "/exe --gtest_filter=RenderedLab.prints_the_hash_of_an_image 2>/dev/null";
+                                "/exe --gtest_filter=RenderedLab.PrintsTheHashOfAnImage 2>/dev/null";
     FILE* pipe = popen(command.c_str(), "r");
     ASSERT_NE(pipe, nullptr);
     std::array<char, 512> line{};
