@@ -22,7 +22,7 @@ namespace saccade {
 /// Configuration of the recommended detector, `best`.
 struct BallTrackerConfig {
   std::array<double, 2> radius_px = {10, 35};  ///< smallest and largest radius, whole numbers
-  double threshold = 0.5;                      ///< probability from which on a circle is taken for the ball
+  double threshold = 0.3;                      ///< probability from which on a circle is taken for the ball
   double arc_deg = 12.0;                       ///< half-width of an arc of directed votes
   PlaneFitFlowConfig flow = {.max_age_us = 400'000};  ///< down to 2.5 px/s
   /// An event that follows the first one of its pixel and polarity sooner than this is of the same edge.

@@ -48,7 +48,7 @@ TEST(Keys, ListsTheSectionsAndNamesThemForAnUnknownOne) {
   const Outcome unknown = saccade("keys gase");
   EXPECT_EQ(unknown.status, 2);
   EXPECT_THAT(unknown.text,
-              AllOf(HasSubstr("found gase, expected one of scenario, run,"), HasSubstr(", gaze,")));
+              AllOf(HasSubstr("found gase, expected one of scenario, world, run,"), HasSubstr(", gaze,")));
 }
 
 TEST(Migrate, RewritesAnOldScenarioWhichRunsThen) {
