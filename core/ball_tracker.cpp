@@ -225,7 +225,7 @@ void BallTracker::tick(std::int64_t now_us) {
     const Eigen::Vector2d at = f.track.centre();
     const bool inside =
         at.x() >= 0.0 && at.y() >= 0.0 && at.x() < camera_.size.width && at.y() < camera_.size.height;
-    f.alive = inside && std::isfinite(f.track.circle().r_px) &&
+    f.alive = inside && std::isfinite(f.track.circle().r_px) && f.image_px_s.allFinite() &&
               static_cast<double>(f.track.silent_us()) <= config_.hold_s * 1e6;
   }
   if (++ticks_ % ticks_per_look == 0) {
@@ -271,6 +271,7 @@ void BallTracker::update_probability(Followed& f, std::int64_t now_us) {
   f.history.radius_variance_px2 = f.track.covariance()(2, 2);
   f.inputs = disc_inputs(f.evidence, f.history);
   f.probability = disc_probability(f.inputs);
+  f.alive = std::isfinite(f.probability);
 }
 
 /// The most probable circle. Of several discs in view the one that has moved by itself is the ball: one that has not

@@ -85,6 +85,7 @@ void BallTracker::take_found(std::int64_t now_us) {
     DiscHistory history;
     history.newest = seen;
     const double probability = disc_probability(disc_inputs(seen, history));
+    if (!motion.allFinite() || !std::isfinite(probability)) continue;  // too few edges for a motion
     if (!corrects_known(circle, probability, now_us)) follow(circle, motion, seen, probability, now_us);
   }
   end_duplicates();
