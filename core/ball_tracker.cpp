@@ -110,11 +110,10 @@ DiscEvidence BallTracker::evidence(const Circle& c, const Eigen::Vector3d& motio
   const double reach_px = c.r_px + DiscEvidenceCollector::reach_px + 3.0;
   edges_.for_each_near(c.x_px, c.y_px, reach_px, now_us, [&](const Edge& edge) {
     const double age_s = static_cast<double>(now_us - edge.t_us) * 1e-6;
-    const double slowness = edge.gradient_us_px.norm();
     Eigen::Vector2d offset = Eigen::Vector2d(edge.x, edge.y) + motion.head<2>() * age_s - centre;
     const double distance = offset.norm();
     if (distance > 1.0) offset *= 1.0 + motion.z() * age_s / distance;
-    collector.add(offset, edge.gradient_us_px / slowness, 1e6 / slowness);
+    collector.add(offset, edge.along(), edge.speed_px_s());
   });
   return collector.evidence();
 }
@@ -225,8 +224,7 @@ void BallTracker::tick(std::int64_t now_us) {
     const Eigen::Vector2d at = f.track.centre();
     const bool inside =
         at.x() >= 0.0 && at.y() >= 0.0 && at.x() < camera_.size.width && at.y() < camera_.size.height;
-    f.alive = inside && std::isfinite(f.track.circle().r_px) && f.image_px_s.allFinite() &&
-              static_cast<double>(f.track.silent_us()) <= config_.hold_s * 1e6;
+    f.alive = inside && static_cast<double>(f.track.silent_us()) <= config_.hold_s * 1e6;
   }
   if (++ticks_ % ticks_per_look == 0) {
     for (Followed& f : followed_) {
@@ -256,7 +254,7 @@ void BallTracker::update_probability(Followed& f, std::int64_t now_us) {
   if (enough) {
     const DiscEvidence newest = evidence(f.track.circle(), f.motion_px_s(), now_us);
     const double clutter_px2 =
-        std::expm1(std::min(newest[Evidence::radial_outside], newest[Evidence::radial_inside])) / 20.0;
+        density_of(std::min(newest[Evidence::radial_outside], newest[Evidence::radial_inside]));
     const double calm = std::exp(-clutter_px2 / clutter_hides_px2);
     const double weight = least_weight + (1.0 - least_weight) * calm;
     const double share = 1.0 - std::exp(-f.fresh_edges / length_px * weight / memory_px);
@@ -271,7 +269,6 @@ void BallTracker::update_probability(Followed& f, std::int64_t now_us) {
   f.history.radius_variance_px2 = f.track.covariance()(2, 2);
   f.inputs = disc_inputs(f.evidence, f.history);
   f.probability = disc_probability(f.inputs);
-  f.alive = std::isfinite(f.probability);
 }
 
 /// The most probable circle. Of several discs in view the one that has moved by itself is the ball: one that has not

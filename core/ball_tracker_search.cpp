@@ -54,8 +54,7 @@ void BallTracker::begin_search() {
           at.y() < camera_.size.height - 0.5))
       return;
     voters_.push_back({at, edge.direction});
-    const double slowness = edge.gradient_us_px.norm();
-    flows_.push_back({edge.x, edge.y, edge.gradient_us_px / slowness, 1e6 / slowness});
+    flows_.push_back({edge.x, edge.y, edge.along(), edge.speed_px_s()});
   });
   if (!rotation_rad_s_) seen_rotation_rad_s_ = camera_rotation(flows_, camera_, rays_, seen_rotation_rad_s_);
 }
@@ -63,9 +62,8 @@ void BallTracker::begin_search() {
 void BallTracker::fill_fit(const Circle& c, std::int64_t now_us) {
   fit_.clear();
   edges_.for_each_near(c.x_px, c.y_px, c.r_px + CircleFit::reach_px, now_us, [&](const Edge& edge) {
-    const double slowness = edge.gradient_us_px.norm();
-    fit_.add(now_at(edge, now_us), Eigen::Vector2d(edge.x, edge.y), edge.gradient_us_px / slowness,
-             1e6 / slowness, static_cast<double>(now_us - edge.t_us) * 1e-6);
+    fit_.add(now_at(edge, now_us), Eigen::Vector2d(edge.x, edge.y), edge.along(), edge.speed_px_s(),
+             static_cast<double>(now_us - edge.t_us) * 1e-6);
   });
 }
 
@@ -85,7 +83,6 @@ void BallTracker::take_found(std::int64_t now_us) {
     DiscHistory history;
     history.newest = seen;
     const double probability = disc_probability(disc_inputs(seen, history));
-    if (!motion.allFinite() || !std::isfinite(probability)) continue;  // too few edges for a motion
     if (!corrects_known(circle, probability, now_us)) follow(circle, motion, seen, probability, now_us);
   }
   end_duplicates();

@@ -26,7 +26,7 @@ Eigen::Vector3d CircleFit::motion(const Circle& c) const {
   for (int pass = 0; pass < fit_passes; ++pass) {
     Eigen::Matrix3d normal = 1e-12 * Eigen::Matrix3d::Identity();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    for (const Edge& edge : edges_) {
+    for (const Sample& edge : edges_) {
       const Eigen::Vector2d at = edge.now_px - Eigen::Vector2d(c.x_px, c.y_px);
       const double distance = at.norm();
       if (std::abs(distance - c.r_px) > on_circle_px) continue;
@@ -55,7 +55,7 @@ Circle CircleFit::place(Circle c, const Eigen::Vector3d& motion_px_s, double r_m
     Eigen::Matrix3d normal = 0.5 * Eigen::Matrix3d::Identity();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     int used = 0;
-    for (const Edge& edge : edges_) {
+    for (const Sample& edge : edges_) {
       const Eigen::Vector2d offset =
           edge.at_px + motion_px_s.head<2>() * edge.age_s - Eigen::Vector2d(c.x_px, c.y_px);
       const double distance = offset.norm();

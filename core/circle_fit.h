@@ -37,11 +37,11 @@ class CircleFit {
 
  private:
   static constexpr std::size_t max_edges = 512;
-  struct Edge {
+  struct Sample {
     Eigen::Vector2d now_px, at_px, along;
     double speed_px_s, age_s;
   };
-  std::vector<Edge> edges_;
+  std::vector<Sample> edges_;
 };
 
 }  // namespace saccade

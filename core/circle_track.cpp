@@ -12,7 +12,6 @@ constexpr double edge_sd_px = 1.0;
 constexpr double single_flow_sd_share = 1.0;  // of a single measured flow
 constexpr double single_flow_sd_px_s = 30.0;
 constexpr double outlier_sd = 3.0;
-constexpr double least_variance = 1e-6;
 constexpr double apart_px_s = 10.0;  // circle and room differ enough in speed to tell their edges apart
 
 // How a ball in a hand moves: it may start at any time, and turn as tightly as on a circle of turn_px.
@@ -76,8 +75,6 @@ void CircleTrack::update(const State& gradient, double innovation, double varian
   const double s = gradient.dot(ph) + variance;
   state_ += ph * (innovation / s);
   covariance_ -= ph * ph.transpose() / s;
-  // Rounding must not make a variance negative.
-  covariance_.diagonal() = covariance_.diagonal().cwiseMax(least_variance);
 }
 
 bool CircleTrack::measure(const Edge& edge, double clarity, Learn learn,
@@ -90,14 +87,13 @@ bool CircleTrack::measure(const Edge& edge, double clarity, Learn learn,
   const double gate = std::min(3.0, 1.0 + 0.35 * state_[2]);
   if (distance < 1.0 || !(std::abs(off) <= gate)) return false;
   const Eigen::Vector2d normal = offset / distance;
-  const double slowness = edge.gradient_us_px.norm();
-  const double alignment = edge.gradient_us_px.dot(normal) / slowness;
+  const double alignment = edge.along().dot(normal);
   if (std::abs(alignment) < min_alignment) return false;
 
   // An edge that moves as the room behind it and not as the circle is not of its outline.
   const double room = camera_flow_px_s.dot(normal);
   const double own = room + state_.segment<2>(3).dot(normal);
-  const double seen = std::copysign(1e6 / slowness, alignment);
+  const double seen = std::copysign(edge.speed_px_s(), alignment);
   if (std::abs(own - room) > apart_px_s && std::abs(seen - room) < 0.5 * std::abs(seen - own)) return false;
 
   State place;
@@ -107,9 +103,8 @@ bool CircleTrack::measure(const Edge& edge, double clarity, Learn learn,
   if (learn == Learn::place_and_speed) {
     State speed;
     speed << 0.0, 0.0, 0.0, normal, 0.0;
-    const double measured = std::copysign(1e6 / slowness, alignment);
-    const double sd = single_flow_sd_share * std::abs(measured) + single_flow_sd_px_s;
-    const double innovation = measured - (state_.segment<2>(3) + camera_flow_px_s).dot(normal);
+    const double sd = single_flow_sd_share * std::abs(seen) + single_flow_sd_px_s;
+    const double innovation = seen - own;
     const double speed_variance = speed.dot(covariance_ * speed) + sd * sd;
     if (innovation * innovation > outlier_sd * outlier_sd * speed_variance) return false;
     update(speed, innovation, sd * sd);
@@ -128,7 +123,10 @@ bool CircleTrack::measure(const Edge& edge, double clarity, Learn learn,
 void CircleTrack::set_speed(const Eigen::Vector2d& speed_px_s, double growth_px_s) {
   state_.segment<3>(3) << speed_px_s, growth_px_s;
   const double sd = 0.3 * speed_px_s.norm() + single_flow_sd_px_s;
-  covariance_.diagonal().segment<3>(3) << sd * sd, sd * sd, unknown_growth_px_s * unknown_growth_px_s;
+  // A new measurement: what the old speed had in common with the place is gone.
+  covariance_.rightCols<3>().setZero();
+  covariance_.bottomRows<3>().setZero();
+  covariance_.diagonal().tail<3>() << sd * sd, sd * sd, unknown_growth_px_s * unknown_growth_px_s;
 }
 
 void CircleTrack::doubt() {

@@ -29,8 +29,9 @@ class CircleTrack {
   void predict(std::int64_t t_us, const Eigen::Vector2d& camera_flow_px_s);
 
   enum class Learn { place, place_and_speed };
-  /// Takes an edge; false where it is an outlier. `clarity` in [0, 1] is how well the outline stands out from
-  /// what else moves around it: the lower, the less an edge counts and the nearer it must be.
+  /// Takes an edge, weighted by the probability that it is of the outline and not of the clutter around it. False for an
+  /// outlier, and where that probability is below 0.1. `clarity` in [0, 1]: the share of the edges near the circle that
+  /// are of its outline. The edge is compared with the circle at its own time, from the last predict() on.
   bool measure(const Edge& edge, double clarity, Learn learn, const Eigen::Vector2d& camera_flow_px_s);
 
   /// The measured speed of the centre beside the camera's, and of the radius.

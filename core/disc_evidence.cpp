@@ -41,6 +41,8 @@ double log_density(double count, double area_px2) {
 
 }  // namespace
 
+double density_of(double log_density) { return std::expm1(log_density) / clutter_scale_px2; }
+
 DiscEvidenceCollector::DiscEvidenceCollector(const Circle& circle, const Eigen::Vector3d& motion_px_s,
                                              const Eigen::Vector2d& background_px_s)
     : circle_(circle),

@@ -36,6 +36,9 @@ enum class Evidence : std::size_t {
 };
 inline constexpr std::size_t evidence_count = static_cast<std::size_t>(Evidence::count);
 
+/// The density, edges per px^2, of a figure that is the logarithm of one: log(1 + 20 density).
+[[nodiscard]] double density_of(double log_density);
+
 class DiscEvidence {
  public:
   [[nodiscard]] double operator[](Evidence e) const { return values_[static_cast<std::size_t>(e)]; }

@@ -30,7 +30,7 @@ DiscInputs disc_inputs(const DiscEvidence& evidence, const DiscHistory& h) {
   add(h.moved_most_share);
   add(std::min(2.0, h.moved_radii));
   add(h.on_ring_share);
-  add(std::log(std::max(h.radius_variance_px2, 0.0) + 1e-3));
+  add(std::log(h.radius_variance_px2 + 1e-3));
   return inputs;
 }
 

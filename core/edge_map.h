@@ -17,6 +17,11 @@ struct Edge {
   Eigen::Vector2d gradient_us_px{};  ///< (dt/dx, dt/dy): along the motion, 1 / speed long
   std::uint16_t x = 0, y = 0;
   std::int16_t direction = 0;  ///< of the gradient, see HoughTransform::direction_of()
+
+  /// Unit vector of its motion.
+  [[nodiscard]] Eigen::Vector2d along() const { return gradient_us_px / gradient_us_px.norm(); }
+  /// Along its motion, px/s.
+  [[nodiscard]] double speed_px_s() const { return 1e6 / gradient_us_px.norm(); }
 };
 
 /// The newest edges of each region of the image. Regions are squares of `region_px` pixels. Each holds its newest
