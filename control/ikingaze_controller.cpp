@@ -58,7 +58,7 @@ void describe(FieldVisitor& v, IkinGazeConfig& config) {
 }
 
 IkinGazeController::IkinGazeController(const IkinGazeConfig& config, const MotionLimits& limits)
-    : config_((check_config("gaze.ikingaze", config), config)),
+    : config_(check_config("gaze.ikingaze", config)),
       both_eyes_(config.eyes == AimingEyes::both),
       limits_(with_tilt(limits, config)),
       neutral_rad_(HeadJointVector::Zero().cwiseMax(limits_.min_rad).cwiseMin(limits_.max_rad)),

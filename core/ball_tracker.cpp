@@ -23,11 +23,6 @@ double moved_share(double moved_px) {
 
 double perimeter_px(const Circle& c) { return 2.0 * std::numbers::pi * c.r_px; }
 
-BallTrackerConfig checked(const BallTrackerConfig& config) {
-  check_config("detector", config);
-  return config;
-}
-
 }  // namespace
 
 void describe(FieldVisitor& v, BallTrackerConfig& c) {
@@ -45,7 +40,7 @@ void describe(FieldVisitor& v, BallTrackerConfig& c) {
 }
 
 BallTracker::BallTracker(const BallTrackerConfig& config, const Camera& camera)
-    : config_(checked(config)),
+    : config_(check_config("detector", config)),
       camera_(camera),
       sieve_(camera.size),
       flow_(config.flow, camera.size),

@@ -164,13 +164,14 @@ class FieldChecker final : public FieldVisitor {
   std::vector<Problem> problems_;
 };
 
-/// Throws InputError where `config` violates what describe(FieldVisitor&, Config&) states.
+/// `config`. Throws InputError where it violates what describe(FieldVisitor&, Config&) states.
 template <class Config>
-void check_config(std::string_view name, const Config& config) {
+const Config& check_config(std::string_view name, const Config& config) {
   FieldChecker checker{std::string(name)};
   Config copy = config;
   describe(checker, copy);
   checker.throw_if_any();
+  return config;
 }
 
 /// Expectations in messages: "a number in [0, 1]", "one of a, b, c".

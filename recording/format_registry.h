@@ -74,7 +74,9 @@ class FormatRegistry {
   /// A format's name, and the extensions of a format that is written, must be new: aborts otherwise.
   void add(RecordingFormat format);
 
-  [[nodiscard]] std::span<const RecordingFormat> formats() const { return *formats_; }
+  /// Valid as long as this registry, hence not of a temporary one.
+  [[nodiscard]] std::span<const RecordingFormat> formats() const& { return *formats_; }
+  std::span<const RecordingFormat> formats() && = delete;
   /// Names for messages: "AEDAT 1.0, AEDAT 2.0, ... or text".
   [[nodiscard]] std::string names() const;
 

@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "core/error.h"
+#include "core/rotation_vector.h"
 #include "sim/mujoco_compat.h"
-#include "sim/rotation_vector.h"
 
 namespace saccade {
 namespace {

@@ -37,11 +37,6 @@ const Camera& checked(const Camera& camera) {
   return camera;
 }
 
-const EyeRenderConfig& checked(const EyeRenderConfig& config) {
-  check_config("render", config);
-  return config;
-}
-
 }  // namespace
 
 void describe(FieldVisitor& v, EyeRenderConfig& config) {
@@ -53,7 +48,7 @@ void describe(FieldVisitor& v, EyeRenderConfig& config) {
 EyeRenderer::EyeRenderer(const mjModel& model, GlContext& gl, const Camera& camera,
                          const EyeRenderConfig& config)
     : camera_(camera),
-      config_(checked(config)),
+      config_(check_config("render", config)),
       lens_(checked(camera), config.supersampling),
       rgba_(lens_.is_inside().size()),
       drawer_(std::make_unique<SceneDrawer>(model, gl, ImageSize{lens_.columns(), lens_.rows()},

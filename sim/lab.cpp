@@ -23,11 +23,6 @@ std::string print(const char* format, Values... values) {
   return text.data();
 }
 
-const LabConfig& checked(const LabConfig& config) {
-  check_config("lab", config);
-  return config;
-}
-
 }  // namespace
 
 void describe(FieldVisitor& v, RoundThings& round) {
@@ -54,7 +49,7 @@ std::array<LabLight, 2> lab_lights(const LabConfig& config) {
 }
 
 Lab::Lab(const LabConfig& config, std::uint64_t seed)
-    : config_(checked(config)),
+    : config_(check_config("lab", config)),
       seed_(seed),
       layout_(std::make_unique<const lab::Layout>(lab::furnished(config_, seed))) {}
 

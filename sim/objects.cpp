@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "core/error.h"
-#include "sim/rotation_vector.h"
+#include "core/rotation_vector.h"
 
 namespace saccade {
 namespace {

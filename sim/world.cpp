@@ -35,11 +35,6 @@ std::string read_text(const std::filesystem::path& path) {
   return text.str();
 }
 
-const WorldConfig& checked(const WorldConfig& config) {
-  check_config("world", config);
-  return config;
-}
-
 MjModelPtr load_model(const std::filesystem::path& models, const std::string& hand,
                       const std::string& extra_mjcf) {
   // MuJoCo writes no log file: warnings are counted in mjData, and step() reports them as errors.
@@ -102,7 +97,7 @@ std::filesystem::path models_directory() { return SACCADE_MODELS_DIR; }
 
 World::World(const WorldConfig& config, const std::string& lab_mjcf, std::uint64_t seed,
              const std::filesystem::path& models)
-    : trajectory_(checked(config).ball.trajectory, seed),
+    : trajectory_(check_config("world", config).ball.trajectory, seed),
       ball_radius_m_(0.5 * config.ball.diameter_m),
       has_ball_(config.ball.present),
       rolls_(config.ball.rolls),

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/rotation_vector.h"
+#include "core/rotation_vector.h"
 
 namespace saccade {
 namespace {

@@ -29,11 +29,6 @@ Circle circle_through(const std::array<double, 2>& a, const std::array<double, 2
   return {a[0] + x, a[1] + y, std::hypot(x, y)};
 }
 
-ParticleFilterConfig checked(const ParticleFilterConfig& config) {
-  check_config("detector", config);
-  return config;
-}
-
 }  // namespace
 
 void describe(FieldVisitor& v, ParticleFilterConfig& config) {
@@ -50,7 +45,7 @@ void describe(FieldVisitor& v, ParticleFilterConfig& config) {
 }
 
 ParticleFilter::ParticleFilter(const ParticleFilterConfig& config, ImageSize size)
-    : config_(checked(config)),
+    : config_(check_config("detector", config)),
       size_(size),
       sieve_(size),
       random_(static_cast<std::uint64_t>(config.seed), "particle_filter"),

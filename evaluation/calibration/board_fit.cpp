@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/rotation_vector.h"
 
 namespace saccade {
 namespace {
@@ -29,7 +30,7 @@ constexpr std::array<double Camera::*, lens_size> lens_members = {
 Eigen::Isometry3d changed(const Eigen::Isometry3d& pose, const PoseStep& by) {
   Eigen::Isometry3d result = pose;
   result.translation() += by.head<3>();
-  result.linear() = pose.linear() * rotation_of(by.tail<3>());
+  result.linear() = pose.linear() * rotation_of(by.tail<3>()).toRotationMatrix();
   return result;
 }
 
@@ -276,17 +277,6 @@ class Fit {
 };
 
 }  // namespace
-
-Eigen::Matrix3d rotation_of(const Eigen::Vector3d& vector_rad) {
-  const double angle = vector_rad.norm();
-  if (angle == 0.0) return Eigen::Matrix3d::Identity();
-  return Eigen::AngleAxisd(angle, vector_rad / angle).toRotationMatrix();
-}
-
-Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& rotation) {
-  const Eigen::AngleAxisd turn(rotation);
-  return turn.angle() * turn.axis();
-}
 
 BoardFit::BoardFit(const DotGrid& grid, std::vector<BoardView> views, FreeParameters free)
     : points_m_(grid.points_m()),

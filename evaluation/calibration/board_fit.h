@@ -31,10 +31,6 @@ struct BoardView {
 /// Which parameters are free; the others keep their values.
 enum class FreeParameters { lens_and_boards, mount_and_boards, all };
 
-/// The rotation by |vector| radians about the vector, and its inverse.
-[[nodiscard]] Eigen::Matrix3d rotation_of(const Eigen::Vector3d& vector_rad);
-[[nodiscard]] Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& rotation);
-
 /// The distances between seen dots and the centroids of the projected discs, of all views; x and y in turn, px.
 class BoardFit {
  public:

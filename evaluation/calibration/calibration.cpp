@@ -7,6 +7,7 @@
 #include <opencv2/calib3d.hpp>
 
 #include "core/error.h"
+#include "core/rotation_vector.h"
 #include "core/units.h"
 #include "evaluation/calibration/board_fit.h"
 
@@ -42,8 +43,9 @@ BoardModel started_by_opencv(const std::vector<CalibrationView>& views, const Do
   for (std::size_t i = 0; i < views.size(); ++i) {
     Eigen::Isometry3d board = Eigen::Isometry3d::Identity();
     for (int k = 0; k < 3; ++k) board.translation()[k] = translations[i].at<double>(k);
+    const cv::Mat& turn = rotations[i];
     board.linear() =
-        rotation_of({rotations[i].at<double>(0), rotations[i].at<double>(1), rotations[i].at<double>(2)});
+        rotation_of({turn.at<double>(0), turn.at<double>(1), turn.at<double>(2)}).toRotationMatrix();
     model.boards.push_back(board);
   }
   return model;

@@ -13,9 +13,7 @@ void describe(saccade::FieldVisitor& v, CircleRobotConfig& config) {
 }
 
 CircleRobot::CircleRobot(const CircleRobotConfig& config, const saccade::RobotContext& context)
-    : config_((saccade::check_config("circle", config), config)),
-      size_(context.image_size),
-      limits_(context.limits) {}
+    : config_(saccade::check_config("circle", config)), size_(context.image_size), limits_(context.limits) {}
 
 saccade::PortStatus CircleRobot::wait_until(std::int64_t t_us) {
   now_us_ = std::max(now_us_, t_us);

@@ -11,7 +11,7 @@ void describe(saccade::FieldVisitor& v, ProportionalConfig& config) {
 
 ProportionalController::ProportionalController(const ProportionalConfig& config,
                                                const saccade::MotionLimits& limits)
-    : config_((saccade::check_config("gaze.proportional", config), config)),
+    : config_(saccade::check_config("gaze.proportional", config)),
       limits_(limits),
       reference_rad_(saccade::inside_hardware(limits, saccade::HeadJointVector::Zero())) {}
 

@@ -14,7 +14,7 @@ void describe(saccade::FieldVisitor& v, CentroidConfig& config) {
 std::string window_text(const CentroidConfig& config) { return std::to_string(config.events) + " events"; }
 
 CentroidDetector::CentroidDetector(const CentroidConfig& config, saccade::ImageSize size)
-    : config_((saccade::check_config("detector", config), config)),
+    : config_(saccade::check_config("detector", config)),
       sieve_(size),
       newest_(static_cast<std::size_t>(config.events)) {}
 

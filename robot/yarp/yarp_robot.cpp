@@ -20,11 +20,6 @@ constexpr std::int64_t first_packet_us = 1'000'000;
 constexpr auto name_server_period = std::chrono::milliseconds(1000);
 
 /// What the network needs, before anything is opened on it.
-const YarpConfig& checked(const YarpConfig& config) {
-  check_config("yarp", config);
-  return config;
-}
-
 /// The robot's clock: while it waits, a target that is due goes out.
 class TickClock final : public Clock {
  public:
@@ -44,9 +39,9 @@ class TickClock final : public Clock {
 
 struct YarpRobot::Parts {
   Parts(const YarpConfig& config, const JointLimits& limits)
-      : network(checked(config).timeout_s), watch(name_server_period, [this, timeout_s = config.timeout_s] {
-          has_name_server = name_server_answers(timeout_s);
-        }) {
+      : network(check_config("yarp", config).timeout_s),
+        watch(name_server_period,
+              [this, timeout_s = config.timeout_s] { has_name_server = name_server_answers(timeout_s); }) {
     if (port_answers(config.local + "/AE:i", config.timeout_s)) {
       throw RunError("another robot is connected as " + config.local +
                      " already: stop it, or set another yarp.local");

@@ -40,7 +40,8 @@ struct Seed {
 std::vector<Seed> seeds() {
   std::vector<Seed> all;
   for (const SmallFile& file : small_files()) all.push_back({file.name, file.bytes()});
-  for (const RecordingFormat& format : built_in_formats().formats()) {
+  const FormatRegistry registry = built_in_formats();  // the formats live as long as it
+  for (const RecordingFormat& format : registry.formats()) {
     if (!format.create || format.read_in_helper) continue;
     const std::string name = "written" + format.extensions.front();
     const auto writer = format.create(folder() / name, {128, 128}, 1);

@@ -19,4 +19,10 @@ namespace saccade {
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, vector_rad / angle_rad));
 }
 
+/// The rotation vector of a rotation matrix; its length is in [0, pi] radians.
+[[nodiscard]] inline Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& rotation) {
+  const Eigen::AngleAxisd turn(rotation);
+  return turn.angle() * turn.axis();
+}
+
 }  // namespace saccade
