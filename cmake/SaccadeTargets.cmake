@@ -39,7 +39,7 @@ endif()
 # Headers that nearly every file reads, compiled once. They serve the compiler alone: a file still includes what it uses.
 # `layers` for layers with loops over events, pixels or joints, `cold` for the others: -O1 halves their compile time.
 foreach(kind layers cold)
-  file(WRITE ${CMAKE_BINARY_DIR}/pch/${kind}.cpp "")
+  file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/pch/${kind}.cpp CONTENT "")  # unlike file(WRITE) it leaves an old file alone
   add_library(saccade_${kind}_pch OBJECT ${CMAKE_BINARY_DIR}/pch/${kind}.cpp)
   target_link_libraries(saccade_${kind}_pch PRIVATE saccade_flags Eigen3::Eigen)
   target_precompile_headers(saccade_${kind}_pch PRIVATE
