@@ -65,7 +65,9 @@ class Display {
  public:
   explicit Display(const fs::path& folder) {
     const fs::path number = folder / "display";
-    server_ = start("Xvfb -displayfd 3 -screen 0 1280x720x24 -nolisten tcp 3>'" + number.string() +
+    // A number of its own: a server that ends removes the socket of its number, even if another has taken it since.
+    server_ = start("Xvfb :" + std::to_string(1000 + getpid() % 50000) +
+                    " -displayfd 3 -screen 0 1280x720x24 -nolisten tcp 3>'" + number.string() +
                     "' >/dev/null 2>&1");
     if (until([&] { return bytes_of(number).ends_with('\n'); })) {
       name_ = ":" + bytes_of(number);
