@@ -7,6 +7,7 @@ namespace saccade {
 
 /// One function per subcommand, which adds it to the command line. The registry must outlive the command line.
 void add_calibrate_command(CommandLine& line, const Registry& registry);
+void add_compare_command(CommandLine& line);
 void add_convert_command(CommandLine& line, const Registry& registry);
 void add_deploy_command(CommandLine& line, const Registry& registry);
 void add_detect_command(CommandLine& line, const Registry& registry);
@@ -20,6 +21,8 @@ void add_score_command(CommandLine& line);
 void add_serve_command(CommandLine& line, const Registry& registry);
 void add_sweep_command(CommandLine& line, const Registry& registry);
 void add_sweep_task_command(CommandLine& line, const Registry& registry);
+void add_test_command(CommandLine& line, const Registry& registry);
+void add_test_task_command(CommandLine& line, const Registry& registry);
 void add_view_command(CommandLine& line, const Registry& registry);
 
 }  // namespace saccade

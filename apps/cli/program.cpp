@@ -33,9 +33,10 @@ Registry built_in_registry() {
 }
 
 int program(int argc, const char* const* argv, const Registry& registry) {
-  CommandLine line(
-      "saccade", "Closed-loop testbench for event-driven ball detection and gaze fixation on the iCub.",
-      "Exit status: 0 fine, 1 the run failed, 2 bad input or usage, 3 an `expect:` was not met.");
+  CommandLine line("saccade",
+                   "Closed-loop testbench for event-driven ball detection and gaze fixation on the iCub.",
+                   "Exit status: 0 fine, 1 the run failed, 2 bad input or usage, 3 an `expect:` was not met "
+                   "or a figure has changed.");
   line.add_version(version_text);
   add_run_command(line, registry);
   add_detect_command(line, registry);
@@ -47,6 +48,9 @@ int program(int argc, const char* const* argv, const Registry& registry) {
   add_calibrate_command(line, registry);
   add_serve_command(line, registry);
   add_deploy_command(line, registry);
+  add_test_command(line, registry);
+  add_test_task_command(line, registry);
+  add_compare_command(line);
   add_sweep_command(line, registry);
   add_sweep_task_command(line, registry);
   add_view_command(line, registry);

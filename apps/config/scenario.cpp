@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/config/cameras.h"
+#include "apps/config/figure_path.h"
 #include "apps/config/world_defaults.h"
 #include "apps/config/yaml_reader.h"
 #include "apps/config/yaml_writer.h"
@@ -16,19 +17,6 @@ namespace {
 /// The words of `key.path=value` before any of `ends`.
 std::string key_of(const std::string& assignment, const char* ends) {
   return assignment.substr(0, assignment.find_first_of(ends));
-}
-
-/// The number, or null, at a path such as "gaze.in_view_ratio"; nullptr where there is none.
-const nlohmann::json* find_figure(const nlohmann::json& metrics, const std::string& path) {
-  const nlohmann::json* node = &metrics;
-  for (std::size_t begin = 0; begin <= path.size();) {
-    const std::size_t end = std::min(path.find('.', begin), path.size());
-    const auto child = node->find(path.substr(begin, end - begin));
-    if (child == node->end()) return nullptr;
-    node = &*child;
-    begin = end + 1;
-  }
-  return node->is_number() || node->is_null() ? node : nullptr;
 }
 
 /// A metrics.json of this scenario with nothing in it: which figures there are.
@@ -50,23 +38,8 @@ nlohmann::json empty_metrics(const Scenario& scenario) {
 
 void describe_expect(FieldVisitor& v, Scenario& scenario) {
   const nlohmann::json metrics = empty_metrics(scenario);
-  v.section(
-      "expect",
-      [&](FieldVisitor& block) {
-        std::vector<std::string> metrics_named;
-        for (const Expectation& e : scenario.expect) metrics_named.push_back(e.metric);
-        for (const std::string& metric : block.section_keys(metrics_named)) {
-          const auto is_it = [&](const Expectation& e) { return e.metric == metric; };
-          if (std::none_of(scenario.expect.begin(), scenario.expect.end(), is_it))
-            scenario.expect.push_back({metric});
-        }
-        for (Expectation& e : scenario.expect) {
-          block.reals(e.metric, e.range, {}, "smallest and largest value that passes");
-          block.require(find_figure(metrics, e.metric) != nullptr, e.metric, "no such figure",
-                        "the path of a number in metrics.json, such as gaze.in_view_ratio");
-        }
-      },
-      "ranges of figures that the run must reach; exit status 3 otherwise");
+  describe_expectations(v, scenario.expect,
+                        [&](const std::string& path) { return find_figure(metrics, path) != nullptr; });
 }
 
 void describe_frame_detector(FieldVisitor& v, Scenario& s) {
@@ -212,6 +185,7 @@ Scenario read_scenario(YamlTree tree, const std::filesystem::path& folder, const
   std::vector<std::string> required = {"name", "detectors"};
   Scenario scenario = empty_scenario(registry);
   scenario.detectors = named_detectors_in(tree, registry.detectors, required);
+  scenario.expect = expectations_in(tree);
   if (tree.root.find("world") != nullptr) {
     draw_defaults(tree, folder.string(), scenario);
   } else {
@@ -235,14 +209,9 @@ bool has_figure(const Scenario& scenario, const std::string& path) {
 }
 
 std::vector<std::string> unmet_expectations(const Scenario& scenario, const Metrics& metrics) {
-  const nlohmann::json figures = nlohmann::json::parse(metrics_to_json(metrics));
   std::vector<std::string> unmet;
-  for (const Expectation& e : scenario.expect) {
-    const nlohmann::json* figure = find_figure(figures, e.metric);
-    const bool known = figure != nullptr && figure->is_number();
-    if (known && *figure >= e.range[0] && *figure <= e.range[1]) continue;
-    unmet.push_back("expect: " + e.metric + " is " + (known ? figure->dump() : "null") + ", expected " +
-                    text_of(e.range[0]) + " to " + text_of(e.range[1]));
+  for (const JudgedExpectation& judged : judge(scenario.expect, metrics)) {
+    if (!judged.met()) unmet.push_back("expect: " + judged.text());
   }
   return unmet;
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/config/expectations.h"
 #include "apps/config/random_world.h"
 #include "apps/config/registry.h"
 #include "apps/config/sections.h"
@@ -18,12 +19,6 @@
 #include "sim/sim_robot.h"
 
 namespace saccade {
-
-/// The range that a figure of metrics.json must lie in, e.g. gaze.in_view_ratio in [0.98, 1].
-struct Expectation {
-  std::string metric;  ///< its path in metrics.json
-  std::array<double, 2> range = {0.0, 0.0};
-};
 
 /// A closed-loop run, as a scenario file describes it.
 struct Scenario {
@@ -92,7 +87,7 @@ void describe(FieldVisitor& v, Scenario& scenario);
 /// Whether `path`, such as gaze.in_view_ratio, is a number in metrics.json of a run of this scenario.
 [[nodiscard]] bool has_figure(const Scenario& scenario, const std::string& path);
 
-/// The figures that are outside the ranges of `expect`, one line each; empty if none is.
+/// The figures that are outside the bounds of `expect`, one line each; empty if none is.
 [[nodiscard]] std::vector<std::string> unmet_expectations(const Scenario& scenario, const Metrics& metrics);
 
 /// Reads a file of detectors (key `detectors`), or the registry's defaults where `path` is empty. An assignment whose

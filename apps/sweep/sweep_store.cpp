@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "apps/sweep/metrics_numbers.h"
 #include "core/config.h"
 #include "core/error.h"
 #include "evaluation/report/gnuplot.h"
@@ -104,38 +105,6 @@ std::string text_of_file(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// The numbers of a metrics.json: results, times and curves.
-struct Numbers {
-  std::vector<std::pair<std::string, std::optional<double>>> metrics;
-  std::vector<std::pair<std::string, std::optional<double>>> times;
-  std::vector<std::pair<std::string, std::string>> curves;
-};
-
-void collect(const Json& json, const std::string& path, Numbers& numbers) {
-  static const std::set<std::string> no_results = {
-      "schema",           "seed",        "camera",    "calibration",    "settings", "start_us",
-      "joint_limits_rad", "gaze.window", "gaze.gate", "gaze.controller"};
-  static const std::set<std::string> clock_keys = {"wall_s", "real_time_factor", "us_per_event"};
-  for (const auto& [key, value] : json.items()) {
-    const std::string name = path.empty() ? key : path + "." + key;
-    if (no_results.contains(key) || no_results.contains(name)) continue;
-    if (key == "pr_curve") {
-      Json points = Json::array();
-      for (const Json& point : value)
-        points.push_back({point.at("threshold"), point.at("precision"), point.at("recall")});
-      const std::size_t detector = path.find('.');
-      const std::string prefix = path.starts_with("right_eye.") ? "right eye: " : "";
-      numbers.curves.emplace_back(prefix + path.substr(prefix.empty() ? detector + 1 : path.rfind('.') + 1),
-                                  points.dump());
-    } else if (value.is_object()) {
-      collect(value, name, numbers);
-    } else if (value.is_number() || (value.is_null() && name != "gaze")) {
-      const auto number = value.is_null() ? std::nullopt : std::optional(value.get<double>());
-      (clock_keys.contains(key) ? numbers.times : numbers.metrics).emplace_back(name, number);
-    }
-  }
-}
-
 void insert_numbers(SQLite::Database& database, const char* table, std::int64_t run,
                     const std::vector<std::pair<std::string, std::optional<double>>>& numbers) {
   SQLite::Statement statement(database, std::string("INSERT OR REPLACE INTO ") + table + " VALUES(?, ?, ?)");
@@ -180,12 +149,7 @@ void insert_result(SQLite::Database& database, const SweepFolder& folder, const 
     set_status(database, id, "failed", failure);
     return;
   }
-  Numbers numbers;
-  try {
-    collect(Json::parse(text_of_file(metrics)), "", numbers);
-  } catch (const Json::exception& error) {
-    throw RunError(metrics.string() + ": not the metrics of a run: " + error.what());
-  }
+  MetricsNumbers numbers = metrics_numbers(text_of_file(metrics), metrics.string());
   using Seconds = std::chrono::duration<double>;
   const auto since_1970 = std::chrono::file_clock::to_sys(*finished).time_since_epoch();
   numbers.times.emplace_back("finished", std::chrono::duration_cast<Seconds>(since_1970).count());

@@ -115,4 +115,49 @@ MeanSd mean_sd_of(std::span<const std::optional<double>> values) {
   return result;
 }
 
+namespace {
+
+/// The regularised incomplete beta function I_x(a, b), by the continued fraction of its definition (DLMF 8.17.22),
+/// evaluated from the front (modified Lentz).
+double incomplete_beta(double a, double b, double x) {
+  if (x <= 0.0) return 0.0;
+  if (x >= 1.0) return 1.0;
+  if (x > (a + 1.0) / (a + b + 2.0)) return 1.0 - incomplete_beta(b, a, 1.0 - x);  // converges faster there
+  constexpr double tiny = 1e-300;
+  const auto away_from_zero = [](double value) { return std::abs(value) < tiny ? tiny : value; };
+  double c = 1.0;
+  double d = 1.0 / away_from_zero(1.0 - (a + b) * x / (a + 1.0));
+  double fraction = d;
+  for (int m = 1; m < 1000; ++m) {
+    const double even = m * (b - m) * x / ((a + 2 * m - 1) * (a + 2 * m));
+    const double odd = -(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1));
+    double change = 1.0;
+    for (const double term : {even, odd}) {
+      d = 1.0 / away_from_zero(1.0 + term * d);
+      c = away_from_zero(1.0 + term / c);
+      change = c * d;
+      fraction *= change;
+    }
+    if (std::abs(change - 1.0) < 1e-15) break;
+  }
+  const double log_front =
+      a * std::log(x) + b * std::log1p(-x) + std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b);
+  return std::exp(log_front) * fraction / a;
+}
+
+}  // namespace
+
+std::optional<double> welch_p_value(const MeanSd& a, const MeanSd& b) {
+  if (!a.sd || !b.sd) return std::nullopt;
+  const double na = static_cast<double>(a.count);
+  const double nb = static_cast<double>(b.count);
+  const double va = *a.sd * *a.sd / na;
+  const double vb = *b.sd * *b.sd / nb;
+  const double difference = *b.mean - *a.mean;
+  if (va + vb <= 0.0) return difference == 0.0 ? 1.0 : 0.0;
+  const double freedom = (va + vb) * (va + vb) / (va * va / (na - 1.0) + vb * vb / (nb - 1.0));
+  const double t2 = difference * difference / (va + vb);
+  return incomplete_beta(0.5 * freedom, 0.5, freedom / (freedom + t2));
+}
+
 }  // namespace saccade

@@ -67,4 +67,8 @@ struct MeanSd {
 
 [[nodiscard]] MeanSd mean_sd_of(std::span<const std::optional<double>> values);
 
+/// The two-sided p-value of Welch's t test: how often two samples of the same mean differ by at least as much as these do.
+/// None where a sample has fewer than two values. Where neither varies: 1 for equal means, otherwise 0.
+[[nodiscard]] std::optional<double> welch_p_value(const MeanSd& a, const MeanSd& b);
+
 }  // namespace saccade

@@ -1,0 +1,53 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "apps/cli/commands.h"
+#include "apps/sweep/run_comparison.h"
+
+namespace saccade {
+namespace {
+
+struct CompareOptions {
+  std::filesystem::path a;
+  std::filesystem::path b;
+  std::vector<std::string> tolerances;
+  bool json = false;
+};
+
+int compare_sides(const CompareOptions& options) {
+  std::vector<Tolerance> tolerances;
+  for (const std::string& text : options.tolerances) tolerances.push_back(tolerance_of(text));
+  const RunComparison comparison = compare(read_run_set(options.a), read_run_set(options.b), tolerances);
+  fmt::print("{}", options.json ? comparison_json(comparison) : comparison_text(comparison));
+  return comparison.different() ? 3 : 0;
+}
+
+}  // namespace
+
+void add_compare_command(CommandLine& line) {
+  auto options = std::make_shared<CompareOptions>();
+  Command command =
+      line.add_command("compare", "Figures that changed between two runs, sets of runs or sweeps");
+  command.option("a", options->a, "Run folder, folder of run folders (several seeds), or folder of a sweep")
+      .required();
+  command.option("b", options->b, "The same of the version or the setting to compare with").required();
+  command
+      .option(
+          "--tolerance", options->tolerances,
+          "KEY=VALUE or KEY=VALUE%: the largest change of a figure that counts as equal; * in KEY stands for "
+          "any characters; 0 by default")
+      .one_value_each();
+  command.flag("--json", options->json, "As JSON, all figures");
+  command.footer(
+      "A figure has changed if the means over seeds differ by more than its tolerance and, with two seeds or "
+      "more on "
+      "both sides, Welch's t test gives p < 0.01. Figures of the wall clock are not compared. Exit status: 0 "
+      "equal "
+      "within tolerance, 3 different.");
+  command.action([options] { return compare_sides(*options); });
+}
+
+}  // namespace saccade

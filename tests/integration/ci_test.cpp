@@ -1,0 +1,136 @@
+// saccade test and saccade compare, and the workflow files that call them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <pugixml.hpp>
+#include <string>
+
+#include "apps/config/yaml_tree.h"
+#include "tests/integration/run_shell.h"
+#include "tests/recording/temp_folder.h"
+
+namespace saccade {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::Not;
+
+const std::string source = SACCADE_SOURCE_DIR;
+const std::string binary = "'" SACCADE_BINARY "' ";
+/// The shortest run that there is.
+const std::string brief =
+    " --set run.duration_s=0.03 --set render.max_interval_ms=5 --set lab.density=0 --set output.pictures=0 ";
+
+class TestCommand : public testing::Test {
+ protected:
+  [[nodiscard]] std::string out(const std::string& name) const { return (folder_ / name).string(); }
+  /// A scenario of 0.03 s with these expectations.
+  [[nodiscard]] std::string scenario(const std::string& name, const std::string& expect) const {
+    return folder_
+        .write(name + ".yaml",
+               "name: " + name +
+                   "\nrun: {duration_s: 0.03}\nlab: {density: 0}\nrender: {max_interval_ms: 5}\n"
+                   "ball: {trajectory: {kind: waypoints, points_m: [[-0.5, -0.1, 0.3], [-0.5, 0.1, 0.3]], "
+                   "speed_m_s: 0.1}}\n"
+                   "detectors: {paper_full: {}}\ngaze: {detector: none}\noutput: {pictures: 0}\nexpect: " +
+                   expect + "\n")
+        .string();
+  }
+  [[nodiscard]] Outcome test(const std::string& arguments, const std::string& before = "") const {
+    return run_shell(before + binary + "test " + arguments);
+  }
+
+  TempFolder folder_;
+};
+
+TEST_F(TestCommand, EveryExpectationIsATestCaseAndTheWorstResultIsTheExitStatus) {
+  const std::string met = scenario("met", "{duration_s: [0.02, 0.04], gaze.moves: {at_most: 0}}");
+  const std::string nothing = scenario("nothing", "{}");
+  const std::string unmet = scenario("unmet", "{duration_s: {above: 0.03}, events.count: {at_least: 0}}");
+  // gaze: none has no figures; the check of the scenario finds that before anything runs.
+  const Outcome bad = test(met + " " + unmet + " --out " + out("bad"));
+  EXPECT_EQ(bad.status, 2) << bad.text;
+  EXPECT_THAT(bad.text, HasSubstr("gaze.moves: found no such figure"));
+  EXPECT_FALSE(fs::exists(folder_ / "bad"));
+
+  const std::string good = scenario("met", "{duration_s: [0.02, 0.04], events.count: {at_least: 0}}");
+  const Outcome fine = test(good + " " + nothing + " --jobs 2 --out " + out("fine"));
+  EXPECT_EQ(fine.status, 0) << fine.text;
+  EXPECT_THAT(fine.text, HasSubstr("2 scenarios, 2 expectations: 2 met, 0 not met; 0 runs failed"));
+  EXPECT_TRUE(fs::exists(folder_ / "fine/met/report.html") &&
+              fs::exists(folder_ / "fine/nothing/metrics.json"));
+
+  const Outcome outcome = test(good + " " + nothing + " " + unmet + " --jobs 2 --out " + out("all") +
+                               " --junit " + out("junit.xml"));
+  EXPECT_EQ(outcome.status, 3) << outcome.text;
+  EXPECT_THAT(outcome.text, testing::ContainsRegex("unmet +duration_s +0.03 +above 0.03 +NOT MET"));
+  pugi::xml_document junit;
+  ASSERT_TRUE(junit.load_file(out("junit.xml").c_str()));
+  const pugi::xml_node all = junit.child("testsuites");
+  EXPECT_EQ(all.attribute("tests").as_int(), 5);
+  EXPECT_EQ(all.attribute("failures").as_int(), 1);
+  EXPECT_EQ(all.attribute("errors").as_int(), 0);
+  const pugi::xml_node suite = all.find_child_by_attribute("testsuite", "name", "unmet");
+  const pugi::xml_node failed = suite.find_child_by_attribute("testcase", "name", "duration_s");
+  EXPECT_STREQ(failed.child("failure").attribute("message").value(),
+               "duration_s is 0.03, expected above 0.03");
+  EXPECT_FALSE(suite.find_child_by_attribute("testcase", "name", "events.count").first_child());
+  EXPECT_TRUE(all.find_child_by_attribute("testsuite", "name", "nothing")
+                  .find_child_by_attribute("testcase", "name", "runs to its end"));
+
+  const Outcome again = test(good + " --out " + out("all"));
+  EXPECT_EQ(again.status, 2) << "an earlier run is not replaced without --force";
+  EXPECT_EQ(test(good + " --force --out " + out("all")).status, 0);
+}
+
+TEST_F(TestCommand, AFailedRunIsAnErrorOfEachOfItsTestCasesAndTheOthersRun) {
+  const std::string good = scenario("good", "{duration_s: {above: 0}}");
+  const std::string bad = scenario("bad", "{duration_s: {above: 0}, events.count: {at_least: 0}}");
+  run_shell("sed -i 's/render: {/render: {backend: egl, /' " + bad);
+  const Outcome outcome = test(good + " " + bad + " --out " + out("all") + " --junit " + out("junit.xml"),
+                               "__EGL_VENDOR_LIBRARY_DIRS=/nonexistent ");
+  EXPECT_EQ(outcome.status, 1) << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("RUN FAILED"));
+  EXPECT_THAT(outcome.text, HasSubstr("good: 1 of 1 met"));
+  pugi::xml_document junit;
+  ASSERT_TRUE(junit.load_file(out("junit.xml").c_str()));
+  EXPECT_EQ(junit.child("testsuites").attribute("errors").as_int(), 2);
+  EXPECT_EQ(junit.child("testsuites").attribute("failures").as_int(), 0);
+}
+
+TEST_F(TestCommand, TwoScenariosOfOneNameHaveFoldersOfTheirOwn) {
+  const std::string file = scenario("twin", "{}");
+  EXPECT_EQ(test(file + " " + file + " --seed 4 --out " + out("twins")).status, 0);
+  EXPECT_TRUE(fs::exists(folder_ / "twins/twin/metrics.json") &&
+              fs::exists(folder_ / "twins/twin-2/metrics.json"));
+  EXPECT_THAT(bytes_of(folder_ / "twins/twin-2/scenario.yaml"), HasSubstr("seed: 4"));
+}
+
+TEST_F(TestCommand, TheScriptOfTheWorkflowFilesFindsAChangeAgainstTheBaseline) {
+  const std::string script = "SACCADE='" SACCADE_BINARY "' " + source + "/examples/ci/check ";
+  const std::string file = scenario("brief", "{duration_s: {above: 0}}");
+  const Outcome first = run_shell(script + out("one") + " " + out("none") + " " + file);
+  EXPECT_EQ(first.status, 0) << first.text;
+  EXPECT_TRUE(fs::exists(folder_ / "one/junit.xml"));
+  const Outcome same = run_shell(script + out("two") + " " + out("one") + " " + file);
+  EXPECT_EQ(same.status, 0) << same.text;
+  EXPECT_THAT(same.text, HasSubstr("equal within tolerance"));
+  run_shell("sed -i 's/speed_m_s: 0.1/speed_m_s: 2/' " + file);
+  const Outcome changed = run_shell(script + out("three") + " " + out("one") + " " + file);
+  EXPECT_EQ(changed.status, 3) << changed.text;
+  EXPECT_THAT(changed.text, HasSubstr("configuration of B: ball.trajectory.speed_m_s=2"));
+}
+
+TEST(WorkflowFiles, AreYamlAndCallTheScript) {
+  for (const char* name : {"github.yml", "gitlab.yml"}) {
+    const fs::path path = fs::path(source) / "examples/ci" / name;
+    EXPECT_TRUE(read_yaml_file(path).problems.empty()) << name;
+    EXPECT_THAT(bytes_of(path), HasSubstr("examples/ci/check results baseline scenarios/look_at_ball.yaml"))
+        << name;
+  }
+}
+
+}  // namespace
+}  // namespace saccade
