@@ -21,10 +21,10 @@ struct Expectation {
   std::string metric;  ///< its path in metrics.json, e.g. gaze.in_view_ratio
   bool listed = true;  ///< written as a list of two numbers; then at_least and at_most are given
   // None: no such bound.
-  std::optional<double> at_least;
-  std::optional<double> above;
-  std::optional<double> at_most;
-  std::optional<double> below;
+  std::optional<double> at_least = std::nullopt;
+  std::optional<double> above = std::nullopt;
+  std::optional<double> at_most = std::nullopt;
+  std::optional<double> below = std::nullopt;
 
   [[nodiscard]] bool holds(double value) const;
   /// "0.97 to 1", "below 1", "above 0 and at most 5".

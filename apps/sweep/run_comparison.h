@@ -35,8 +35,8 @@ struct ComparedSet {
   std::string label;
   std::vector<std::string> seeds_a;
   std::vector<std::string> seeds_b;
-  std::string configuration;  ///< keys of B that differ from A; empty where none does
-  std::vector<ComparedFigure> figures;
+  std::string configuration = {};  ///< keys of B that differ from A; empty where none does
+  std::vector<ComparedFigure> figures = {};
 };
 
 struct RunComparison {

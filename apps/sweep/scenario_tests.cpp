@@ -123,7 +123,9 @@ void wait_for_runs(SweepEngine& engine, std::vector<ScenarioTest>& tests, const 
 }  // namespace
 
 int test_scenarios(const ScenarioTestOptions& options, const Registry& registry) {
-  SweepEngineConfig config{.jobs = options.jobs, .batch = 1};
+  SweepEngineConfig config;
+  config.jobs = options.jobs;
+  config.batch = 1;
   check_engine(config);
   PlannedTests plan = plan_tests(options, registry);
   std::vector<ScenarioTest>& tests = plan.tests;
