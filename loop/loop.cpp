@@ -10,71 +10,15 @@
 namespace saccade {
 namespace {
 
-constexpr std::int64_t slice_us = 1'000;
+constexpr std::int64_t slice_us = DetectorRunner::slice_us;
 constexpr std::size_t event_capacity = 1 << 16;  // a tick with more of them allocates
-constexpr std::size_t late_capacity = 64;        // estimates; any more are not reported
-
-DetectorTick run_detector(Detector& detector, std::span<const Event> events,
-                          std::optional<std::int64_t> now_us, const CameraMotion* motion) {
-  const auto begin = std::chrono::steady_clock::now();
-  detector.process(events, motion);
-  if (now_us) detector.advance_to(*now_us, motion);
-  DetectorTick result;
-  result.estimate = detector.estimate();
-  const auto end = std::chrono::steady_clock::now();
-  result.observed = result.estimate.valid && (!events.empty() || result.estimate.held);
-  result.on_time = result.observed;
-  result.elapsed_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(end - begin).count();
-  return result;
-}
+constexpr std::size_t waiting_capacity = 256;    // estimates that are not ready; likewise
 
 }  // namespace
 
-/// The events of a tick for one detector, in slices.
-class Loop::Slices {
- public:
-  /// Events up to `late_us` are passed in slices of their own, the others at once.
-  Slices(Detector& detector, std::int64_t t_us, std::int64_t late_us, const CameraMotion* motion,
-         std::vector<LateEstimate>& late)
-      : detector_(detector), t_us_(t_us), late_us_(late_us), motion_(motion), late_(late) {}
-
-  /// `on_slice` gets the result of each slice, the last one included.
-  template <class OnSlice>
-  [[nodiscard]] DetectorTick run(std::span<const Event> events, OnSlice on_slice) {
-    late_.clear();
-    std::int64_t elapsed_ns = 0;
-    std::span<const Event> left = events;
-    while (!left.empty() && left.front().t_us <= late_us_) {
-      const std::int64_t until_us = t_us_ - (t_us_ - left.front().t_us) / slice_us * slice_us;
-      const auto slice_end = std::ranges::upper_bound(left, until_us, {}, &Event::t_us);
-      const auto slice = left.first(static_cast<std::size_t>(slice_end - left.begin()));
-      const DetectorTick result = run_detector(detector_, slice, std::nullopt, motion_);
-      elapsed_ns += result.elapsed_ns;
-      if (result.observed && late_.size() < late_capacity) late_.push_back({until_us, result.estimate});
-      on_slice(result);
-      left = left.subspan(slice.size());
-    }
-    DetectorTick result = run_detector(detector_, left, t_us_, motion_);
-    on_slice(result);
-    result.observed = result.estimate.valid && (!events.empty() || result.estimate.held);
-    result.elapsed_ns += elapsed_ns;
-    result.late = late_;
-    return result;
-  }
-  [[nodiscard]] DetectorTick run(std::span<const Event> events) {
-    return run(events, [](const DetectorTick&) {});
-  }
-
- private:
-  Detector& detector_;
-  std::int64_t t_us_;
-  std::int64_t late_us_;
-  const CameraMotion* motion_;
-  std::vector<LateEstimate>& late_;
-};
-
 Loop::Loop(Robot& robot, const MountedCamera& camera, std::vector<LoopDetector> detectors,
-           std::optional<LoopGaze> gaze, Eye eye, std::optional<LoopBudget> budget)
+           std::optional<LoopGaze> gaze, Eye eye, std::optional<LoopBudget> budget,
+           const LatencyConfig& latency)
     : clock_(robot.clock()),
       source_(robot.events()),
       head_(robot.head()),
@@ -94,12 +38,28 @@ Loop::Loop(Robot& robot, const MountedCamera& camera, std::vector<LoopDetector> 
   if (gaze_ && gaze_->driver) phase_ = GazePhase::searching;
   for (std::vector<Event>* const buffer : {&events_, &eye_events_, &other_events_})
     buffer->reserve(event_capacity);
-  reserve_late_estimates();
+  if (latency.kind != LatencyKind::none) {
+    SACCADE_CHECK(!budget_ && robot.gaze() == nullptr);
+    const std::size_t in_transit = event_capacity + static_cast<std::size_t>(latency.transport_us());
+    latency_.emplace(Latency{latency, TransportDelay(latency.transport_us(), in_transit), {}, {}, {}, {}});
+  }
+  make_runners();
 }
 
-void Loop::reserve_late_estimates() {
-  late_.resize(detectors_.size() + 1);
-  for (std::vector<LateEstimate>& late : late_) late.reserve(late_capacity);
+void Loop::make_runners() {
+  runners_.clear();
+  for (const LoopDetector& detector : detectors_)
+    runners_.push_back(latency_ ? DetectorRunner(latency_->config, detector.name) : DetectorRunner());
+  const bool drives = gaze_ && gaze_->driver;
+  runners_.push_back(
+      latency_ ? DetectorRunner(latency_->config, drives ? detectors_[*gaze_->driver].name : std::string())
+               : DetectorRunner());
+  if (!latency_) return;
+  for (std::vector<WaitingEstimate>* const waiting : {&latency_->driver, &latency_->right}) {
+    waiting->clear();
+    waiting->reserve(waiting_capacity);
+  }
+  latency_->newest_right = {};
 }
 
 void Loop::set_motion(LoopMotion motion) {
@@ -111,6 +71,7 @@ void Loop::set_motion(LoopMotion motion) {
 
 void Loop::clear_motion() {
   if (gaze_) gaze_->motion.reset();
+  if (latency_) latency_->commands.clear();
 }
 
 PortStatus Loop::note_lost(PortStatus status, std::string_view port) {
@@ -123,8 +84,8 @@ void Loop::set_detectors(std::vector<LoopDetector> detectors, std::optional<std:
   SACCADE_CHECK(!gaze_ || gaze_->driver.has_value() == driver.has_value());
   detectors_ = std::move(detectors);
   results_.assign(detectors_.size(), {});
-  reserve_late_estimates();
   if (gaze_) gaze_->driver = driver;
+  make_runners();
 }
 
 void Loop::set_gate(std::unique_ptr<GazeGate> gate) {
@@ -180,7 +141,9 @@ void Loop::select_events(Tick& tick) {
     tick.events_left_out = events_.size() - budget_->max_events;
   eye_events_.clear();
   other_events_.clear();
-  for (const Event& event : tick.events.subspan(tick.events_left_out)) {
+  std::span<const Event> arrived = tick.events.subspan(tick.events_left_out);
+  if (latency_) arrived = latency_->transport.pass(arrived, tick.t_us);
+  for (const Event& event : arrived) {
     (event.camera == static_cast<std::uint8_t>(eye_) ? eye_events_ : other_events_).push_back(event);
   }
 }
@@ -188,14 +151,40 @@ void Loop::select_events(Tick& tick) {
 void Loop::run_driver(std::int64_t t_us, const CameraMotion* motion, Tick& tick) {
   if (!gaze_ || !gaze_->driver) return;
   Detector& detector = *detectors_[*gaze_->driver].detector;
-  const bool gate = motion != nullptr && t_us > start_us_;
-  Slices slices(detector, t_us, t_us - slice_us, motion, late_[*gaze_->driver]);
-  results_[*gaze_->driver] = slices.run(eye_events_, [&](const DetectorTick& result) {
-    if (!gate) return;
-    const auto target_m = gaze_->gate->update(t_us, result.observed ? result.estimate : Estimate{},
-                                              detector.threshold(), camera_, motion->root_from_camera);
-    if (target_m) tick.new_target_m = target_m;
-  });
+  DetectorTick& driver = results_[*gaze_->driver];
+  driver = runners_[*gaze_->driver].run(
+      detector, t_us, t_us - slice_us, eye_events_, motion, [&](const DetectorTick& result) {
+        if (motion == nullptr) return;
+        const Estimate estimate = result.observed ? result.estimate : Estimate{};
+        if (latency_) {
+          latency_->driver.push_back({estimate, motion->root_from_camera, result.ready_us});
+        } else if (t_us > start_us_) {
+          pass_to_gate(t_us, estimate, motion->root_from_camera, tick);
+        }
+      });
+  if (latency_ && motion != nullptr) pass_ready_estimates(t_us, *motion, tick);
+}
+
+void Loop::pass_to_gate(std::int64_t t_us, const Estimate& estimate,
+                        const Eigen::Isometry3d& root_from_camera, Tick& tick) {
+  const double threshold = detectors_[*gaze_->driver].detector->threshold();
+  const auto target_m = gaze_->gate->update(t_us, estimate, threshold, camera_, root_from_camera);
+  if (target_m) tick.new_target_m = target_m;
+}
+
+/// An estimate that is ready within the tick's millisecond belongs to the tick.
+void Loop::pass_ready_estimates(std::int64_t t_us, const CameraMotion& motion, Tick& tick) {
+  std::vector<WaitingEstimate>& waiting = latency_->driver;
+  latency_->used_us = t_us;
+  const auto end = std::ranges::find_if(
+      waiting, [&](const WaitingEstimate& estimate) { return estimate.ready_us >= t_us + slice_us; });
+  for (auto ready = waiting.begin(); ready != end; ++ready) {
+    latency_->used_us = std::max(latency_->used_us, ready->ready_us);
+    if (t_us > start_us_) pass_to_gate(t_us, ready->estimate, ready->root_from_camera, tick);
+  }
+  if (end == waiting.begin() && t_us > start_us_)
+    pass_to_gate(t_us, Estimate{}, motion.root_from_camera, tick);
+  waiting.erase(waiting.begin(), end);
 }
 
 void Loop::run_stereo(std::int64_t t_us, const CameraMotion* motion, Tick& tick) {
@@ -203,14 +192,33 @@ void Loop::run_stereo(std::int64_t t_us, const CameraMotion* motion, Tick& tick)
   std::optional<CameraMotion> right_motion;
   if (motion != nullptr)
     right_motion = camera_motion(*tick.head, Eye::right, stereo.camera.mount.eye_from_camera());
-  Slices slices(*stereo.detector, t_us, last_t_us_, right_motion ? &*right_motion : nullptr, late_.back());
-  tick.right = slices.run(other_events_);
-  const bool in_both_eyes = tick.new_target_m && right_motion && tick.right->observed &&
-                            tick.right->estimate.score >= stereo.detector->threshold();
-  if (!in_both_eyes) return;
-  const auto met_m = stereo.locator.locate(*tick.new_target_m, motion->root_from_camera.translation(),
-                                           tick.right->estimate.circle, stereo.camera.camera,
-                                           right_motion->root_from_camera);
+  tick.right = runners_.back().run(*stereo.detector, t_us, late_us(t_us), other_events_,
+                                   right_motion ? &*right_motion : nullptr, [](const DetectorTick&) {});
+  if (!right_motion) return;
+  if (!latency_) {
+    locate_with_right(motion->root_from_camera, right_motion->root_from_camera,
+                      tick.right->observed ? tick.right->estimate : Estimate{}, tick);
+    return;
+  }
+  std::vector<WaitingEstimate>& waiting = latency_->right;
+  if (!tick.right->busy) {
+    waiting.push_back({tick.right->observed ? tick.right->estimate : Estimate{},
+                       right_motion->root_from_camera, tick.right->ready_us});
+  }
+  while (!waiting.empty() && waiting.front().ready_us < t_us + slice_us) {
+    latency_->newest_right = waiting.front();
+    waiting.erase(waiting.begin());
+  }
+  locate_with_right(motion->root_from_camera, latency_->newest_right.root_from_camera,
+                    latency_->newest_right.estimate, tick);
+}
+
+void Loop::locate_with_right(const Eigen::Isometry3d& root_from_left,
+                             const Eigen::Isometry3d& root_from_right, const Estimate& right, Tick& tick) {
+  const LoopStereo& stereo = *gaze_->stereo;
+  if (!tick.new_target_m || !right.valid || !(right.score >= stereo.detector->threshold())) return;
+  const auto met_m = stereo.locator.locate(*tick.new_target_m, root_from_left.translation(), right.circle,
+                                           stereo.camera.camera, root_from_right);
   if (met_m) tick.new_target_m = met_m;
 }
 
@@ -219,9 +227,15 @@ void Loop::run_shadows(std::int64_t t_us, const CameraMotion* motion) {
     if (gaze_ && gaze_->driver == i) continue;
     results_[i].skipped = budget_ && clock_.now_us() - t_us >= budget_->shadows_until_us;
     if (results_[i].skipped) continue;
-    const std::int64_t late_us = budget_ ? std::numeric_limits<std::int64_t>::min() : last_t_us_;
-    results_[i] = Slices(*detectors_[i].detector, t_us, late_us, motion, late_[i]).run(eye_events_);
+    results_[i] = runners_[i].run(*detectors_[i].detector, t_us, late_us(t_us), eye_events_, motion,
+                                  [](const DetectorTick&) {});
   }
+}
+
+/// Up to here events of the tick at t_us are passed in slices, to all but the driving detector.
+std::int64_t Loop::late_us(std::int64_t t_us) const {
+  if (budget_) return std::numeric_limits<std::int64_t>::min();
+  return latency_ ? t_us - slice_us : last_t_us_;
 }
 
 PortStatus Loop::move_head(double dt_s, Tick& tick) {
@@ -230,7 +244,9 @@ PortStatus Loop::move_head(double dt_s, Tick& tick) {
   if (motion && motion->controller) {
     const bool resend = resend_target_ && !tick.new_target_m;
     resend_target_ = false;
+    const auto begin = std::chrono::steady_clock::now();
     reference_rad = motion->controller->step(*tick.head, resend ? target_m_ : tick.new_target_m, dt_s);
+    tick.step_ns = std::chrono::nanoseconds(std::chrono::steady_clock::now() - begin).count();
     tick.target_status = resend ? TargetStatus::none : motion->controller->target_status();
   } else {
     tick.target_status = check_target(tick);
@@ -244,7 +260,22 @@ PortStatus Loop::move_head(double dt_s, Tick& tick) {
   }
   const double speed_share = since_s < motion->ramp_in_s ? since_s / motion->ramp_in_s : 1.0;
   tick.command = motion->limiter->apply(reference_rad, tick.head->head_position_rad(), dt_s, speed_share);
-  const HeadPort::CommandResult result = head_->command(tick.command.reference_rad);
+  return send_command(tick);
+}
+
+PortStatus Loop::send_command(Tick& tick) {
+  std::optional<HeadCommand> reference_rad = tick.command.reference_rad;
+  if (latency_) {
+    const LatencyConfig& config = latency_->config;
+    const bool measured = config.kind == LatencyKind::measured;
+    const double step_us = measured ? static_cast<double>(tick.step_ns) * 1e-3 : config.controller_us;
+    const double delay_us = step_us + config.actuation_ms * 1e3;
+    const std::int64_t begin_us = std::max(tick.t_us, latency_->used_us);
+    latency_->commands.push(*reference_rad, begin_us + std::llround(std::ceil(delay_us)));
+    reference_rad = latency_->commands.pop(tick.t_us);
+  }
+  if (!reference_rad) return PortStatus::ok;
+  const HeadPort::CommandResult result = head_->command(*reference_rad);
   tick.command_rejected = result.rejected;
   return note_lost(result.status, "head");
 }

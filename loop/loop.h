@@ -12,6 +12,9 @@
 #include "control/gaze_gate.h"
 #include "control/joint_limiter.h"
 #include "core/detector.h"
+#include "loop/delays.h"
+#include "loop/detector_runner.h"
+#include "loop/latency.h"
 #include "robot/robot.h"
 
 namespace saccade {
@@ -68,23 +71,6 @@ enum class GazePhase {
   resting,    ///< target lost; the head moves to its neutral pose
 };
 
-/// A detector's estimate about an instant before the tick, from events that came late.
-struct LateEstimate {
-  std::int64_t t_us = 0;  ///< a whole number of milliseconds before the tick, see Loop
-  Estimate estimate;
-};
-
-/// Result of one detector in one tick.
-struct DetectorTick {
-  Estimate estimate;
-  bool observed = false;  ///< the estimate is valid, and events came or it is held or predicted
-  bool on_time = false;   ///< observed, and it is held or predicted, or not all of the events came late
-  bool skipped = false;   ///< the detector did not run, see LoopBudget
-  std::int64_t elapsed_ns = 0;
-  std::span<const LateEstimate>
-      late;  ///< at instants before the tick, sorted; at most 64; until the next tick
-};
-
 /// Result of one tick; valid until the next one.
 struct Tick {
   std::int64_t t_us = 0;
@@ -99,10 +85,12 @@ struct Tick {
   TargetStatus target_status = TargetStatus::none;  ///< whether new_target_m was accepted
   RejectedTargets rejected;                         ///< by the gate so far
   GazePhase phase = GazePhase::none;
-  std::int64_t target_us = 0;     ///< time of target_m
-  JointLimiter::Result command;   ///< reference sent to the head, and which limits acted
+  std::int64_t target_us = 0;  ///< time of target_m
+  JointLimiter::Result
+      command;  ///< reference to the head, sent at once without a latency; which limits acted
   bool command_rejected = false;  ///< by the head
   std::int64_t acted_us = 0;      ///< clock after the command or target was sent
+  std::int64_t step_ns = 0;       ///< time of the controller's step
 };
 
 class LoopObserver {
@@ -118,13 +106,21 @@ class LoopObserver {
 /// whole milliseconds before the tick; the estimate after a slice is about the slice's end. The gate gets the estimate
 /// after each slice, so that results do not depend on how events were packed. With a budget shadow detectors get all
 /// events of a tick at once.
+///
+/// With a LatencyConfig the loop is that of a robot whose parts take time. Events reach the detectors after the delay of
+/// transport. Each detector has its own queue and processor (DetectorRunner). The gate gets an estimate in the tick in which
+/// it is ready, with the pose of the camera when the detector began. The head gets a command in the first tick in
+/// which it is ready: after the estimate, the step of the controller and the delay of actuation. The clock of the
+/// robot is not affected.
 class Loop {
  public:
   /// `robot` outlives the loop; without a head (a bare recording) there is no gaze and no camera motion.
   /// Detectors get the events of `eye`, which must be the left one if there is a gaze; `camera` is its assumed
-  /// calibration. Without `gaze` the loop never moves the head. Without `budget` a tick has no limit of work.
+  /// calibration. Without `gaze` the loop never moves the head. Without `budget` a tick has no limit of work. A `latency`
+  /// other than `none` excludes a budget and a robot with a gaze controller of its own.
   Loop(Robot& robot, const MountedCamera& camera, std::vector<LoopDetector> detectors,
-       std::optional<LoopGaze> gaze, Eye eye = Eye::left, std::optional<LoopBudget> budget = std::nullopt);
+       std::optional<LoopGaze> gaze, Eye eye = Eye::left, std::optional<LoopBudget> budget = std::nullopt,
+       const LatencyConfig& latency = {});
 
   /// Waits for t_us, which is later than the last tick, then does one tick and calls `observer`. Returns `ended` if
   /// no more data will come: after the tick with the last events, or without a tick. On `lost` the tick is incomplete
@@ -152,12 +148,34 @@ class Loop {
   }
 
  private:
-  class Slices;
-  void reserve_late_estimates();
+  /// An estimate of the driving detector that the gate has not got yet.
+  struct WaitingEstimate {
+    Estimate estimate;                                                   ///< not valid: no observation
+    Eigen::Isometry3d root_from_camera = Eigen::Isometry3d::Identity();  ///< when the detector began
+    std::int64_t ready_us = 0;
+  };
+  /// What is on its way, or not ready yet, with a latency.
+  struct Latency {
+    LatencyConfig config;
+    TransportDelay transport;
+    CommandDelay commands;
+    std::vector<WaitingEstimate> driver;  ///< by time
+    std::vector<WaitingEstimate> right;   ///< of the stereo detector
+    WaitingEstimate newest_right;         ///< that is ready
+    std::int64_t used_us = 0;  ///< when the newest estimate that the gate got in this tick was ready
+  };
+  void make_runners();
   void select_events(Tick& tick);
   void run_driver(std::int64_t t_us, const CameraMotion* motion, Tick& tick);
   void run_stereo(std::int64_t t_us, const CameraMotion* motion, Tick& tick);
   void run_shadows(std::int64_t t_us, const CameraMotion* motion);
+  void pass_to_gate(std::int64_t t_us, const Estimate& estimate, const Eigen::Isometry3d& root_from_camera,
+                    Tick& tick);
+  void pass_ready_estimates(std::int64_t t_us, const CameraMotion& motion, Tick& tick);
+  void locate_with_right(const Eigen::Isometry3d& root_from_left, const Eigen::Isometry3d& root_from_right,
+                         const Estimate& right, Tick& tick);
+  [[nodiscard]] std::int64_t late_us(std::int64_t t_us) const;
+  PortStatus send_command(Tick& tick);
   PortStatus move_head(double dt_s, Tick& tick);
   [[nodiscard]] static TargetStatus check_target(const Tick& tick);
   void update_target(Tick& tick);
@@ -177,7 +195,8 @@ class Loop {
   std::vector<Event> eye_events_;    // of them those of eye_
   std::vector<Event> other_events_;  // and those of the other eye
   std::vector<DetectorTick> results_;
-  std::vector<std::vector<LateEstimate>> late_;  // of each detector, then of the stereo one
+  std::vector<DetectorRunner> runners_;  // of each detector, then of the stereo one
+  std::optional<Latency> latency_;
   std::optional<Eigen::Vector3d> target_m_;
   std::int64_t target_us_ = 0;
   GazePhase phase_ = GazePhase::none;
