@@ -12,6 +12,7 @@
 
 #include "core/config.h"
 #include "core/error.h"
+#include "sim/egl_devices.h"
 
 namespace saccade {
 namespace {
@@ -90,35 +91,18 @@ class OsmesaContext final : public GlContext {
 
 class EglContext final : public GlContext {
  public:
-  EglContext()
+  explicit EglContext(std::int64_t device)
       : library_("libEGL.so.1"),
         make_current_(library_.get<decltype(eglMakeCurrent)>("eglMakeCurrent")),
         get_function_(library_.get<decltype(eglGetProcAddress)>("eglGetProcAddress")),
         destroy_(library_.get<decltype(eglDestroyContext)>("eglDestroyContext")) {
     require_no_other_backend("OSMesaGetProcAddress", "egl", "osmesa");
-    const auto get_display =
-        reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(get_function_("eglGetPlatformDisplayEXT"));
-    if (get_display != nullptr) {
-      display_ = get_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
-    }
-    const auto initialize = library_.get<decltype(eglInitialize)>("eglInitialize");
-    if (display_ == EGL_NO_DISPLAY || initialize(display_, nullptr, nullptr) != EGL_TRUE) {
-      display_ = library_.get<decltype(eglGetDisplay)>("eglGetDisplay")(EGL_DEFAULT_DISPLAY);
-      if (display_ == EGL_NO_DISPLAY || initialize(display_, nullptr, nullptr) != EGL_TRUE) {
-        throw RunError("no OpenGL: EGL has no display");
-      }
-    }
-    const std::array<EGLint, 5> wanted{EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE, EGL_PBUFFER_BIT,
-                                       EGL_NONE};
-    EGLConfig config = nullptr;
-    EGLint found = 0;
-    const auto choose = library_.get<decltype(eglChooseConfig)>("eglChooseConfig");
     library_.get<decltype(eglBindAPI)>("eglBindAPI")(EGL_OPENGL_API);
-    if (choose(display_, wanted.data(), &config, 1, &found) == EGL_TRUE && found == 1) {
-      context_ = library_.get<decltype(eglCreateContext)>("eglCreateContext")(display_, config,
-                                                                              EGL_NO_CONTEXT, nullptr);
+    if (device == any_device) {
+      open_any();
+    } else {
+      open(device);
     }
-    if (context_ == EGL_NO_CONTEXT) throw RunError("no OpenGL: EGL creates no context");
     EglContext::make_current();
     identify("egl");
     library_.publish();
@@ -139,6 +123,48 @@ class EglContext final : public GlContext {
   }
 
  private:
+  /// The device with that index.
+  void open(std::int64_t index) {
+    const std::vector<detail::EglDevice> devices = detail::egl_devices(get_function_);
+    if (index >= static_cast<std::int64_t>(devices.size())) {
+      throw InputError("render.device", std::to_string(index),
+                       "the index of one of the " + std::to_string(devices.size()) +
+                           " devices that `saccade --version` lists");
+    }
+    if (!open(detail::display_of(devices[static_cast<std::size_t>(index)], get_function_)))
+      throw RunError("no OpenGL: EGL creates no context on device " + std::to_string(index));
+  }
+  /// The first device that is not software, otherwise Mesa's display without a surface, otherwise the default display.
+  void open_any() {
+    for (const detail::EglDevice& device : detail::egl_devices(get_function_)) {
+      if (!device.description.software && open(detail::display_of(device, get_function_))) return;
+    }
+    const auto get_display =
+        reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(get_function_("eglGetPlatformDisplayEXT"));
+    if (get_display != nullptr &&
+        open(get_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr))) {
+      return;
+    }
+    if (!open(library_.get<decltype(eglGetDisplay)>("eglGetDisplay")(EGL_DEFAULT_DISPLAY)))
+      throw RunError("no OpenGL: EGL creates no context");
+  }
+  /// Creates the context on a display. Returns false where that fails.
+  bool open(EGLDisplay display) {
+    const auto initialize = library_.get<decltype(eglInitialize)>("eglInitialize");
+    if (display == EGL_NO_DISPLAY || initialize(display, nullptr, nullptr) != EGL_TRUE) return false;
+    const std::array<EGLint, 5> wanted{EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE, EGL_PBUFFER_BIT,
+                                       EGL_NONE};
+    EGLConfig config = nullptr;
+    EGLint found = 0;
+    const auto choose = library_.get<decltype(eglChooseConfig)>("eglChooseConfig");
+    if (choose(display, wanted.data(), &config, 1, &found) != EGL_TRUE || found != 1) return false;
+    context_ = library_.get<decltype(eglCreateContext)>("eglCreateContext")(display, config, EGL_NO_CONTEXT,
+                                                                            nullptr);
+    if (context_ == EGL_NO_CONTEXT) return false;
+    display_ = display;
+    return true;
+  }
+
   Library library_;
   decltype(eglMakeCurrent)* make_current_;
   decltype(eglGetProcAddress)* get_function_;
@@ -154,7 +180,7 @@ bool has_display() {
 }
 
 std::unique_ptr<GlContext> create_one(std::string_view backend) {
-  if (backend == "egl") return std::make_unique<EglContext>();
+  if (backend == "egl") return std::make_unique<EglContext>(GlContext::any_device);
   return std::make_unique<OsmesaContext>();
 }
 
@@ -165,9 +191,27 @@ const std::vector<std::string>& GlContext::backends() {
   return names;
 }
 
-std::unique_ptr<GlContext> GlContext::create(std::string_view backend) {
+std::vector<GlDevice> GlContext::devices() {
+  try {
+    const Library library("libEGL.so.1");
+    std::vector<GlDevice> descriptions;
+    for (const detail::EglDevice& device :
+         detail::egl_devices(library.get<decltype(eglGetProcAddress)>("eglGetProcAddress")))
+      descriptions.push_back(device.description);
+    return descriptions;
+  } catch (const RunError&) {
+    return {};
+  }
+}
+
+std::unique_ptr<GlContext> GlContext::create(std::string_view backend, std::int64_t device) {
   if (std::find(backends().begin(), backends().end(), backend) == backends().end()) {
     throw InputError("backend", std::string(backend), expectation_of(backends()));
+  }
+  if (device != any_device) {
+    if (backend == "osmesa")
+      throw InputError("render.device", std::to_string(device), "backend: egl; osmesa has no devices");
+    return std::make_unique<EglContext>(device);
   }
   if (backend != "auto") return create_one(backend);
   const std::array<const char*, 2> order =

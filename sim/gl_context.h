@@ -1,11 +1,18 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace saccade {
+
+/// A device that EGL offers.
+struct GlDevice {
+  std::string name;       ///< its file, "/dev/dri/card0", or a word
+  bool software = false;  ///< draws with the processor
+};
 
 /// An OpenGL context without a window, for rendering into offscreen buffers.
 ///
@@ -18,8 +25,13 @@ namespace saccade {
 class GlContext {
  public:
   /// `backend`: one of backends(). "auto" is OSMesa without a display and EGL with one; if that one fails, the other is
-  /// used. The context is current afterwards. Throws InputError for another name, RunError if there is no OpenGL.
-  static std::unique_ptr<GlContext> create(std::string_view backend);
+  /// used. EGL draws with the first device that is not software, without one with Mesa's software.
+  /// `device`: index in devices() instead, which implies EGL; any_device: none. The context is current afterwards. Throws
+  /// InputError for another name or an index that does not exist, RunError if there is no OpenGL.
+  static std::unique_ptr<GlContext> create(std::string_view backend, std::int64_t device = any_device);
+  static constexpr std::int64_t any_device = -1;
+  /// The devices that EGL offers, in its order; empty without EGL. Loads no OpenGL.
+  static std::vector<GlDevice> devices();
   /// "auto", "osmesa", "egl".
   static const std::vector<std::string>& backends();
 

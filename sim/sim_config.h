@@ -28,7 +28,8 @@ struct SimConfig {
   MountedCamera right{right_dvs128, {}};  ///< the right eye's camera, with images of the same size
   EyeRenderConfig render;
   SamplingConfig sampling;
-  std::string gl = "auto";  ///< OpenGL backend: auto, osmesa, egl
+  std::string gl = "auto";      ///< OpenGL backend: auto, osmesa, egl
+  std::int64_t gl_device = -1;  ///< of GlContext::devices(); -1: any
   EmulatorConfig emulator;
   bool labels = false;  ///< label each event with its cause and object; costs a second drawing per image
 

@@ -12,7 +12,7 @@ SimRobot::SimRobot(const SimConfig& config, std::uint64_t seed)
 SimRobot::SimRobot(const SimConfig& config, std::uint64_t seed, const Lab& lab)
     : config_(config),
       world_(config.world, lab.mjcf(), seed),
-      gl_(GlContext::create(config.gl)),
+      gl_(GlContext::create(config.gl, config.gl_device)),
       between_ticks_(mj_makeData(&world_.model())) {
   if (!between_ticks_) throw RunError("MuJoCo has no memory for the world between ticks");
   if (config.both_eyes() && config.right.camera.size != config.camera.size) {

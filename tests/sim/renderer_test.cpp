@@ -614,5 +614,20 @@ TEST(GlContext, NamesItsBackendRendererAndVersion) {
   }
 }
 
+TEST(GlContext, RefusesADeviceForABackendThatHasNone) {
+  EXPECT_THROW(GlContext::create("osmesa", 0), InputError);
+}
+
+TEST(GlContext, ListsTheSameDevicesEveryTimeAndNamesEach) {
+  const std::vector<GlDevice> devices = GlContext::devices();
+  const std::vector<GlDevice> again = GlContext::devices();
+  ASSERT_EQ(devices.size(), again.size());
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    EXPECT_EQ(devices[i].name, again[i].name);
+    EXPECT_EQ(devices[i].software, again[i].software);
+    EXPECT_FALSE(devices[i].name.empty());
+  }
+}
+
 }  // namespace
 }  // namespace saccade
