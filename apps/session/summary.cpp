@@ -2,15 +2,36 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
 namespace saccade {
-
 namespace {
 
 std::string number(const std::optional<double>& value, const char* unit) {
   return value ? fmt::format("{:.3g}{}", *value, unit) : std::string("-");
+}
+
+/// Both scores of each detector of a simulated run.
+void print_table(const Metrics& metrics) {
+  std::size_t width = 10;
+  for (const auto& [name, score] : metrics.detectors) width = std::max(width, name.size() + 2);
+  fmt::print(
+      "{:<{}} average precision          at the threshold     error    lag  ready after\n"
+      "{:<{}} by event time  streaming   precision   recall   px       ms   ms\n",
+      "", width, "detector", width);
+  for (const auto& [name, score] : metrics.detectors) {
+    const StreamingScore streaming = score.streaming.value_or(StreamingScore{});
+    fmt::print("{:<{}} {:<13}  {:<9}   {:<9}   {:<6}   {:<6}   {:<4} {}\n", name, width,
+               number(score.average_precision, ""), number(streaming.average_precision, ""),
+               number(score.precision, ""), number(score.recall, ""),
+               number(score.position_error_px.median, ""), number(score.lag_ms, ""),
+               number(streaming.latency_median_ms, ""));
+  }
+  fmt::print(
+      "by event time: judged at the instants of its events; streaming: at each instant the newest estimate "
+      "that a robot could use\n");
 }
 
 }  // namespace
@@ -26,12 +47,10 @@ void print_summary(const std::string& detector, const DetectorScore& score) {
     }
     return;
   }
-  fmt::print("{}: average precision {}", detector, number(score.average_precision, ""));
-  if (score.streaming && score.streaming->average_precision != score.average_precision)
-    fmt::print(" (streaming {})", number(score.streaming->average_precision, ""));
-  fmt::print(", precision {} and recall {} at its threshold, median error {}, lag {}\n",
-             number(score.precision, ""), number(score.recall, ""),
-             number(score.position_error_px.median, " px"), number(score.lag_ms, " ms"));
+  fmt::print(
+      "{}: average precision {}, precision {} and recall {} at its threshold, median error {}, lag {}\n",
+      detector, number(score.average_precision, ""), number(score.precision, ""), number(score.recall, ""),
+      number(score.position_error_px.median, " px"), number(score.lag_ms, " ms"));
 }
 
 void print_summary(const Metrics& metrics) {
@@ -42,7 +61,14 @@ void print_summary(const Metrics& metrics) {
                metrics.duration_s / *metrics.wall_s);
   }
   fmt::print("\n");
-  for (const auto& [name, score] : metrics.detectors) print_summary(name, score);
+  const bool simulated_ball =
+      metrics.seed && std::ranges::any_of(metrics.detectors,
+                                          [](const auto& detector) { return detector.second.chances > 0; });
+  if (simulated_ball) {
+    print_table(metrics);
+  } else {
+    for (const auto& [name, score] : metrics.detectors) print_summary(name, score);
+  }
   if (metrics.gaze) {
     const GazeScore& gaze = metrics.gaze->score;
     fmt::print(

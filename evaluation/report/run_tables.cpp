@@ -27,22 +27,34 @@ std::string detector_mark(const Metrics& metrics, std::size_t index) {
 std::string detector_table(const Metrics& metrics) {
   std::string html =
       "<div class=\"wide\"><table id=\"detectors\"><thead><tr><th rowspan=\"2\">detector</th><th "
-      "rowspan=\"2\">average<br>precision</th><th colspan=\"3\">at the threshold</th><th "
+      "colspan=\"2\">average precision</th><th rowspan=\"2\">ready<br>after, ms</th><th colspan=\"3\">at the "
+      "threshold</th><th "
       "colspan=\"2\">inliers per s</th><th colspan=\"2\">position error, px</th><th colspan=\"2\">radius "
       "error, px</th><th rowspan=\"2\">lag<br>ms</th><th rowspan=\"2\">µs "
-      "per<br>event</th></tr><tr><th>threshold</th><th>precision</th><th>recall</th><th>mean</th><th>peak</"
+      "per<br>event</th></tr><tr><th>by "
+      "event<br>time</th><th>streaming</th><th>threshold</th><th>precision</th><th>recall</th><th>mean</"
+      "th><th>peak</"
       "th><th>median</th><th>95 %</th><th>median</th><th>95 %</th></tr></thead><tbody>\n";
   for (std::size_t i = 0; i < metrics.detectors.size(); ++i) {
     const auto& [name, s] = metrics.detectors[i];
     html +=
         fmt::format("<tr><th>{}{}</th>", detector_mark(metrics, i),
                     metrics.gaze && metrics.gaze->detector == name ? " <small>drives the gaze</small>" : "");
-    html += cell(s.average_precision) + cell(s.threshold) + cell(s.precision) + cell(s.recall) +
+    const StreamingScore streaming = s.streaming.value_or(StreamingScore{});
+    html += cell(s.average_precision) + cell(streaming.average_precision) +
+            cell(streaming.latency_median_ms) + cell(s.threshold) + cell(s.precision) + cell(s.recall) +
             cell(s.mean_rate_hz) + cell(s.peak_rate_hz) + cell(s.position_error_px.median) +
             cell(s.position_error_px.p95) + cell(s.radius_error_px.median) + cell(s.radius_error_px.p95) +
             cell(s.lag_ms) + cell(s.us_per_event) + "</tr>\n";
   }
-  return html + "</tbody></table></div>\n";
+  return html +
+         "</tbody></table></div>\n<p class=\"facts\">By event time a detector is judged at the instants of "
+         "its "
+         "events, however late they came. Streaming: at each instant the newest estimate that a robot could "
+         "use "
+         "then; ready after: from the instant that an estimate is about until then, median. All other "
+         "columns "
+         "are by event time.</p>\n";
 }
 
 std::string gaze_line(const GazeMetrics& gaze) {
@@ -104,6 +116,7 @@ std::string summary_line(const Metrics& m) {
   if (m.wall_s && *m.wall_s > 0.0) {
     html += fmt::format(" · computed in {:.3g} s ({:.2g} × real time)", *m.wall_s, m.duration_s / *m.wall_s);
   }
+  if (m.latency) html += " · latency: " + escaped(m.latency->kind);
   return html + "</p>\n";
 }
 
