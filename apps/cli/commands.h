@@ -12,6 +12,7 @@ void add_convert_command(CommandLine& line, const Registry& registry);
 void add_deploy_command(CommandLine& line, const Registry& registry);
 void add_detect_command(CommandLine& line, const Registry& registry);
 void add_emulate_command(CommandLine& line, const Registry& registry);
+void add_fit_latency_command(CommandLine& line, const Registry& registry);
 void add_info_command(CommandLine& line, const Registry& registry);
 void add_keys_command(CommandLine& line, const Registry& registry);
 void add_migrate_command(CommandLine& line);

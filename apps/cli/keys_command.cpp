@@ -159,7 +159,7 @@ void add_keys_command(CommandLine& line, const Registry& registry) {
   for (const std::string& preset : registry.detectors.names()) presets += " detectors." + preset;
   command.footer(
       "Sections: scenario and its blocks (run lab ball objects board plant camera right_camera calibration "
-      "right_calibration render emulator detectors frame_30hz gaze output expect);" +
+      "right_calibration render emulator detectors frame_30hz gaze latency output expect);" +
       presets + "; robot and its blocks (robot.yarp ...); sweep.");
   command.action([options, &registry] { return print_keys(*options, registry); });
 }

@@ -13,7 +13,7 @@
 namespace saccade {
 namespace {
 
-/// Version, commit, MuJoCo and OpenGL, one a line.
+/// Version, commit, MuJoCo, OpenGL and the devices that EGL can draw with, one a line.
 std::string version_text() {
   std::string text =
       "saccade " + std::string(version()) + " (" + std::string(commit()) + ")\nMuJoCo " + mj_versionString();
@@ -22,6 +22,9 @@ std::string version_text() {
   } catch (const RunError& error) {
     text += std::string("\nOpenGL none: ") + error.what();
   }
+  const std::vector<GlDevice> devices = GlContext::devices();
+  for (std::size_t i = 0; i < devices.size(); ++i)
+    text += "\nEGL device " + std::to_string(i) + ": " + devices[i].name;
   return text;
 }
 
@@ -46,6 +49,7 @@ int program(int argc, const char* const* argv, const Registry& registry) {
   add_convert_command(line, registry);
   add_emulate_command(line, registry);
   add_calibrate_command(line, registry);
+  add_fit_latency_command(line, registry);
   add_serve_command(line, registry);
   add_deploy_command(line, registry);
   add_test_command(line, registry);

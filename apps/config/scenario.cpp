@@ -5,6 +5,7 @@
 
 #include "apps/config/cameras.h"
 #include "apps/config/figure_path.h"
+#include "apps/config/latency_section.h"
 #include "apps/config/world_defaults.h"
 #include "apps/config/yaml_reader.h"
 #include "apps/config/yaml_writer.h"
@@ -126,6 +127,11 @@ void describe(FieldVisitor& v, Scenario& s) {
       "render",
       [&](FieldVisitor& w) {
         w.choice("backend", s.sim.gl, GlContext::backends(), "OpenGL context, without a window");
+        w.integer("device", s.sim.gl_device, {-1, 63},
+                  "device that EGL draws with, as `saccade --version` lists them; -1: the first that is no "
+                  "software, if there is one");
+        w.require(s.sim.gl_device < 0 || s.sim.gl != "osmesa", "device", std::to_string(s.sim.gl_device),
+                  "backend: egl");
         describe(w, s.sim.render);
         describe(w, s.sim.sampling);
       },
@@ -154,6 +160,10 @@ void describe(FieldVisitor& v, Scenario& s) {
                   "none, for the controller `" + s.gaze.controller.controller + "` follows nothing");
       },
       "detector, gate and gaze controller");
+  v.section(
+      "latency",
+      [&](FieldVisitor& w) { describe_latency(w, s.latency, s.detectors, s.frame_30hz.has_value()); },
+      "how long transport, detectors, controller and actuation take");
   v.section(
       "output",
       [&](FieldVisitor& w) {

@@ -16,6 +16,7 @@
 #include "evaluation/calibration/calibration.h"
 #include "evaluation/frame_camera/frame_detector.h"
 #include "evaluation/scoring/metrics.h"
+#include "loop/latency.h"
 #include "sim/sim_robot.h"
 
 namespace saccade {
@@ -51,6 +52,9 @@ struct Scenario {
     GateConfig gate;
     bool stereo = false;  ///< the ball's distance by triangulation, where both eyes see it
   } gaze;
+
+  /// With kind `model` it has an entry for each detector, in their order, and one for the frame camera.
+  LatencyConfig latency;
 
   struct Output {
     bool video = false;

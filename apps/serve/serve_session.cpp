@@ -109,6 +109,8 @@ int serve(const ServeOptions& options, const Registry& registry) {
   Progress progress(options.endless ? 0.0 : scenario.run.duration_s);
   LogFile log(folder / "log.txt", [&](const std::string& line) { progress.print_line(line); });
   catch_interrupts();
+  if (scenario.latency.kind != LatencyKind::none)
+    log.write(0, "warning: latency is not used: the client has latencies of its own");
   ServedRobot served(options, scenario, robot,
                      [&](std::int64_t t_us, const std::string& text) { log.write(t_us, text); });
   PacedRobot paced(robot);

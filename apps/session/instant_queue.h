@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -13,8 +12,15 @@
 
 namespace saccade {
 
-/// The newest instants of a run, one per tick, until all of their events have been delivered: events that come late bring
-/// estimates about instants before their tick. `Context`: what belongs to an instant beside the detectors' observations.
+/// How long instants wait for estimates in a run with that latency: detectors that are further behind have no
+/// observation there.
+[[nodiscard]] inline std::int64_t processing_us(const LatencyConfig& latency) {
+  constexpr std::int64_t longest_us = 200'000;
+  return latency.kind == LatencyKind::none ? 0 : latency.transport_us() + longest_us;
+}
+
+/// The newest instants of a run, one per tick, until all of their events have been delivered and detectors have had time to
+/// process them: they bring estimates about instants before their tick. `Context`: what belongs to an instant beside the detectors' observations.
 template <class Context>
 class InstantQueue {
  public:
@@ -25,13 +31,15 @@ class InstantQueue {
   };
   static constexpr std::int64_t all_us = std::numeric_limits<std::int64_t>::max();
 
-  explicit InstantQueue(std::size_t detectors) {
+  /// `processing_us`: how long after its events have been delivered an instant waits for estimates.
+  explicit InstantQueue(std::size_t detectors, std::int64_t processing_us = 0)
+      : processing_us_(processing_us), ring_(capacity + static_cast<std::size_t>(processing_us / 1000)) {
     for (Instant& instant : ring_) instant.observations.resize(detectors);
   }
 
-  /// A tick's instant, later than the one before. At most `capacity` instants wait: pop() after each push().
+  /// A tick's instant, later than the one before. A limited number of them waits: pop() after each push().
   void push(std::int64_t t_us, Context context) {
-    SACCADE_CHECK(count_ < capacity);
+    SACCADE_CHECK(count_ < ring_.size());
     Instant& instant = at(count_++);
     instant.t_us = t_us;
     instant.context = std::move(context);
@@ -51,9 +59,9 @@ class InstantQueue {
   /// Passes on the instants up to `complete_us`, and the oldest one if the queue is full; in the order of time.
   template <class OnInstant>
   void pop(std::int64_t complete_us, OnInstant on_instant) {
-    while (count_ > 0 && (at(0).t_us <= complete_us || count_ == capacity)) {
+    while (count_ > 0 && (is_complete(at(0).t_us, complete_us) || count_ == ring_.size())) {
       on_instant(std::as_const(at(0)));
-      first_ = (first_ + 1) % capacity;
+      first_ = (first_ + 1) % ring_.size();
       --count_;
     }
   }
@@ -61,9 +69,13 @@ class InstantQueue {
  private:
   static constexpr std::size_t capacity = 16;  // the simulator's events are at most 5 ms late
 
-  Instant& at(std::size_t i) { return ring_[(first_ + i) % capacity]; }
+  Instant& at(std::size_t i) { return ring_[(first_ + i) % ring_.size()]; }
+  [[nodiscard]] bool is_complete(std::int64_t t_us, std::int64_t complete_us) const {
+    return complete_us == all_us || t_us <= complete_us - processing_us_;
+  }
 
-  std::array<Instant, capacity> ring_;
+  std::int64_t processing_us_;
+  std::vector<Instant> ring_;
   std::size_t first_ = 0;
   std::size_t count_ = 0;
 };

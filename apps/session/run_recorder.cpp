@@ -9,7 +9,8 @@ namespace {
 
 std::optional<FrameCamera> frame_camera(const Scenario& scenario, SimRobot& robot) {
   if (!scenario.frame_30hz) return std::nullopt;
-  return std::optional<FrameCamera>(std::in_place, *scenario.frame_30hz, scenario.sim, robot);
+  return std::optional<FrameCamera>(std::in_place, *scenario.frame_30hz, scenario.sim, scenario.latency,
+                                    robot);
 }
 
 }  // namespace

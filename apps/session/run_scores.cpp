@@ -30,16 +30,17 @@ RunScores::RunScores(const Scenario& scenario, const GroundTruth& truth, const J
       loop_(loop),
       frames_(frames),
       gaze_(gaze_scoring(scenario, scenario.sim.camera, limits)),
-      instants_(loop.detectors().size() + 1) {
+      instants_(loop.detectors().size() + 1, processing_us(scenario.latency)) {
   for (const LoopDetector& detector : loop.detectors()) {
     if (detector.name == scenario.gaze.detector) driver_ = detectors_.size();
-    detectors_.emplace_back(detector.name, detector.detector->threshold());
+    detectors_.emplace_back(detector.name, detector.detector->threshold(), scenario.latency);
   }
-  if (frames != nullptr) frame_detector_.emplace(std::string(frame_detector_name), frames->threshold());
+  if (frames != nullptr)
+    frame_detector_.emplace(std::string(frame_detector_name), frames->threshold(), scenario.latency);
   if (!scenario.sim.both_eyes()) return;
   right_eye_.emplace(gaze_scoring(scenario, scenario.sim.right.camera, limits));
   if (const saccade::Detector* right = loop.right_detector())
-    right_eye_->detector.emplace(scenario.gaze.detector, right->threshold());
+    right_eye_->detector.emplace(scenario.gaze.detector, right->threshold(), scenario.latency);
 }
 
 void RunScores::on_tick(const Tick& tick) {
@@ -54,14 +55,14 @@ void RunScores::on_tick(const Tick& tick) {
                              gaze_.held_since_us(), clutter_share});
   for (std::size_t i = 0; i < detectors_.size(); ++i) {
     const DetectorTick& result = tick.detectors[i];
-    detectors_[i].elapsed_ns += result.elapsed_ns;
+    count_work(detectors_[i], tick.t_us, result);
     detectors_[i].newest.update(tick.t_us, result, truth.events_until_us);
     score_newest(detectors_[i], row);
     instants_.set(i, result);
   }
   if (frame_detector_) {
     score(*frame_detector_, row, frames_->detection(), clutter_share);
-    frame_detector_->newest.update(tick.t_us, frames_->exposed(), frames_->detection());
+    frame_detector_->newest.update(tick.t_us, frames_->ready_us(), frames_->detection());
     score_newest(*frame_detector_, row);
   }
   if (right_eye_) look_at_right_eye(tick);
@@ -90,6 +91,12 @@ void RunScores::score(const Instants::Instant& instant) {
   right_eye_->detector->scorer.add(context.right_truth, observation);
 }
 
+void RunScores::count_work(Detector& detector, std::int64_t t_us, const DetectorTick& result) {
+  detector.elapsed_ns += result.elapsed_ns;
+  detector.events_left_out += result.events_left_out;
+  if (!result.busy) detector.work_us += std::max<std::int64_t>(result.ready_us - t_us, 0);
+}
+
 void RunScores::score_newest(Detector& detector, const TruthRow& truth) {
   const auto& ready = detector.newest.ready();
   if (ready) {
@@ -114,7 +121,7 @@ void RunScores::look_at_right_eye(const Tick& tick) {
   eye.gaze.add(
       {tick.t_us, truth.right->root_from_cam, truth.ball_m, tick.target_m, truth.plant_position_rad});
   if (!eye.detector || !tick.right) return;
-  eye.detector->elapsed_ns += tick.right->elapsed_ns;
+  count_work(*eye.detector, tick.t_us, *tick.right);
   eye.detector->newest.update(tick.t_us, *tick.right, truth.events_until_us);
   score_newest(*eye.detector, truth_row(truth, *truth.right));
   instants_.set(detectors_.size(), *tick.right);
@@ -143,6 +150,19 @@ GazeMetrics RunScores::gaze_metrics() const {
   gaze.limits = limits_;
   if (gaze.score.acquired_at_us && driver_) gaze.following_rate_hz = following_.rate_hz();
   return gaze;
+}
+
+LatencyMetrics RunScores::latency_metrics() const {
+  LatencyMetrics latency;
+  latency.kind = word_of(scenario_.latency.kind);
+  for (const Detector& detector : detectors_) {
+    latency.detectors.push_back(
+        {detector.name,
+         now_us_ > 0 ? std::optional(static_cast<double>(detector.work_us) / static_cast<double>(now_us_))
+                     : std::nullopt,
+         detector.events_left_out});
+  }
+  return latency;
 }
 
 RightEyeMetrics RunScores::right_eye_metrics() const {
@@ -184,6 +204,7 @@ Metrics RunScores::metrics() {
   if (scenario_.sim.labels) metrics.clutter = clutter_.share();
   if (scenario_.gaze.detector != "none") metrics.gaze = gaze_metrics();
   if (right_eye_) metrics.right_eye = right_eye_metrics();
+  if (scenario_.latency.kind != LatencyKind::none) metrics.latency = latency_metrics();
   return metrics;
 }
 

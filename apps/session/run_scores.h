@@ -36,10 +36,11 @@ class RunScores final : public LoopObserver {
 
  private:
   struct Detector {
-    Detector(std::string its_name, double its_threshold)
+    Detector(std::string its_name, double its_threshold, const LatencyConfig& latency)
         : name(std::move(its_name)),
           threshold(its_threshold),
           scorer(name, threshold, Chances::simulated),
+          newest(latency.transport_us()),
           streaming(threshold) {}
 
     std::string name;
@@ -49,6 +50,8 @@ class RunScores final : public LoopObserver {
     StreamingScorer streaming;
     ChanceClutter clutter;
     std::int64_t elapsed_ns = 0;
+    std::int64_t work_us = 0;  // these two with a latency
+    std::int64_t events_left_out = 0;
   };
   struct RightEye {
     explicit RightEye(const GazeScoringConfig& scoring) : gaze(scoring) {}
@@ -71,6 +74,8 @@ class RunScores final : public LoopObserver {
   std::optional<bool> score(Detector& detector, const TruthRow& truth, const std::optional<Estimate>& seen,
                             double clutter_share);
   void score(const Instants::Instant& instant);
+  static void count_work(Detector& detector, std::int64_t t_us, const DetectorTick& result);
+  [[nodiscard]] LatencyMetrics latency_metrics() const;
   static void score_newest(Detector& detector, const TruthRow& truth);
   void count_labels(std::span<const Event> events);
   void look_at_right_eye(const Tick& tick);

@@ -19,8 +19,8 @@ RunTables::RunTables(const std::filesystem::path& folder, const Scenario& scenar
                                 scenario.sim.camera.size, scenario.sim.both_eyes() ? 2 : 1)),
       joints_(folder / run_file::joints),
       truth_(folder / run_file::truth),
-      instants_(loop.detectors().size() + 1),
-      newest_(loop.detectors().size() + 1),
+      instants_(loop.detectors().size() + 1, processing_us(scenario.latency)),
+      newest_(loop.detectors().size() + 1, NewestEstimate(scenario.latency.transport_us())),
       detections_(folder / run_file::detections),
       streaming_(folder / run_file::streaming),
       gaze_(folder / run_file::gaze),
@@ -76,7 +76,7 @@ void RunTables::write_streaming(const Tick& tick) {
     write(loop_.detectors()[i].name, newest_[i]);
   }
   if (frames_ == nullptr) return;
-  newest_.back().update(tick.t_us, frames_->exposed(), frames_->detection());
+  newest_.back().update(tick.t_us, frames_->ready_us(), frames_->detection());
   write(std::string(frame_detector_name), newest_.back());
 }
 

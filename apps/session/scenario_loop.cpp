@@ -34,7 +34,7 @@ std::vector<LoopDetector> make_detectors(const NamedDetectors& named, const Came
 
 Loop make_loop(const Scenario& scenario, SimRobot& robot) {
   return Loop(robot, scenario.calibration, make_detectors(scenario.detectors, scenario.calibration.camera),
-              make_gaze(scenario, robot.limits()));
+              make_gaze(scenario, robot.limits()), Eye::left, std::nullopt, scenario.latency);
 }
 
 void set_rasterisers(std::int64_t threads) {

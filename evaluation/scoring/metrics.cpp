@@ -173,6 +173,25 @@ RightEyeMetrics right_eye_metrics(const Json& json) {
           .detectors = detector_scores(json.at("detectors"))};
 }
 
+Json json_of(const LatencyMetrics& latency) {
+  Json json = {{"kind", latency.kind}, {"detectors", Json::object()}};
+  for (const LatencyMetrics::Detector& detector : latency.detectors) {
+    json["detectors"][detector.name] = {{"busy_ratio", json_of(detector.busy_ratio)},
+                                        {"events_left_out", detector.events_left_out}};
+  }
+  return json;
+}
+
+LatencyMetrics latency_metrics(const Json& json) {
+  LatencyMetrics latency;
+  latency.kind = json.at("kind").get<std::string>();
+  for (const auto& [name, detector] : json.at("detectors").items()) {
+    latency.detectors.push_back(
+        {name, number(detector.at("busy_ratio")), detector.at("events_left_out").get<std::int64_t>()});
+  }
+  return latency;
+}
+
 Metrics metrics_of(const Json& json) {
   Metrics metrics;
   metrics.scenario = json.at("scenario").get<std::string>();
@@ -202,6 +221,8 @@ Metrics metrics_of(const Json& json) {
   if (const auto calibration = json.find("calibration"); calibration != json.end())
     metrics.calibration = mounted_camera(*calibration);
   if (const auto eye = json.find("right_eye"); eye != json.end()) metrics.right_eye = right_eye_metrics(*eye);
+  if (const auto latency = json.find("latency"); latency != json.end())
+    metrics.latency = latency_metrics(*latency);
   return metrics;
 }
 
@@ -234,6 +255,7 @@ Json json_of_metrics(const Metrics& metrics) {
   if (metrics.calibration) json["calibration"] = json_of(*metrics.calibration);
   if (metrics.clutter) json["clutter"] = json_of(*metrics.clutter);
   if (metrics.right_eye) json["right_eye"] = json_of(*metrics.right_eye);
+  if (metrics.latency) json["latency"] = json_of(*metrics.latency);
   return json;
 }
 

@@ -40,6 +40,18 @@ struct RightEyeMetrics {
   std::vector<std::pair<std::string, DetectorScore>> detectors;  ///< those that used its events
 };
 
+/// A run in which parts of the loop take time.
+struct LatencyMetrics {
+  struct Detector {
+    std::string name;
+    std::optional<double> busy_ratio;  ///< processing time over the run's time
+    std::int64_t events_left_out = 0;  ///< dropped because too many waited
+  };
+
+  std::string kind;  ///< "model" or "measured"
+  std::vector<Detector> detectors;
+};
+
 /// The contents of metrics.json, schema 1. None is written as null: the figure does not apply. Everything is of the left
 /// eye but `events`, which counts those of both, and `right_eye`. Keys beyond section 6 of the contract are described in
 /// docs/run_folder.md.
@@ -65,6 +77,7 @@ struct Metrics {
   std::optional<GazeMetrics> gaze;
   std::optional<ClutterShare> clutter;       ///< where the events have labels
   std::optional<RightEyeMetrics> right_eye;  ///< of a run with two cameras
+  std::optional<LatencyMetrics> latency;     ///< where the scenario has a latency
 };
 
 /// Numbers are the shortest text that reads back as the same double; the same metrics give the same bytes.
@@ -76,7 +89,7 @@ struct Metrics {
 [[nodiscard]] std::string detectors_to_json(const std::vector<std::pair<std::string, DetectorScore>>& scores);
 /// Throws InputError with `place` for text that is not JSON, another schema, or a key that is missing or of a wrong
 /// type. Keys that older versions did not write may be absent: `calibration`, `settings`, `approximate`, `right_eye`,
-/// `clutter`, `events.camera`; `rejected_events`, `alarm_ratio`, `alarms_per_min`, `streaming`, `nees`, `reliability` and clutter of a
+/// `clutter`, `latency`, `events.camera`; `rejected_events`, `alarm_ratio`, `alarms_per_min`, `streaming`, `nees`, `reliability` and clutter of a
 /// detector; `controller`, `gate`, `window`,
 /// `acquired_at_us` and `following_rate_hz` of the gaze; `k1` to `p2` of a camera.
 [[nodiscard]] Metrics metrics_from_json(std::string_view text, const std::string& place);

@@ -36,16 +36,17 @@ class MovingBall final : public LoopObserver {
   const PacketRobot& robot_;
 };
 
-/// The score of a detector that reports the newest event, over 50 ms.
-DetectorScore score_of(const std::filesystem::path& folder) {
+/// The metrics of a detector that reports the newest event, over 50 ms.
+Metrics metrics_of(const std::filesystem::path& folder, const LatencyConfig& latency) {
   std::vector<Event> events;
   for (std::int64_t t_us = 1000; t_us <= end_us; t_us += 1000)
     events.push_back({t_us, static_cast<std::uint16_t>(x_px(t_us)), 64, true, 0});
   PacketRobot robot(events);
   std::vector<LoopDetector> detectors;
   detectors.push_back({"newest", std::make_unique<NewestEventDetector>()});
-  Loop loop(robot, MountedCamera{}, std::move(detectors), std::nullopt);
+  Loop loop(robot, MountedCamera{}, std::move(detectors), std::nullopt, Eye::left, std::nullopt, latency);
   Scenario scenario;
+  scenario.latency = latency;
   scenario.gaze.detector = "none";
   scenario.output.formats = built_in_formats();
   MovingBall world(robot);
@@ -57,7 +58,19 @@ DetectorScore score_of(const std::filesystem::path& folder) {
     session.add_observer(*observer);
   session.run(1000, end_us);
   tables.commit();
-  return scores.metrics().detectors.at(0).second;
+  return scores.metrics();
+}
+
+DetectorScore score_of(const std::filesystem::path& folder, const LatencyConfig& latency = {}) {
+  return metrics_of(folder, latency).detectors.at(0).second;
+}
+
+LatencyConfig latency_of(LatencyKind kind, double transport_ms, double per_call_us) {
+  LatencyConfig latency;
+  latency.kind = kind;
+  latency.transport_ms = transport_ms;
+  latency.detectors = {{"newest", {0.0, per_call_us}}};
+  return latency;
 }
 
 TEST(EventTimeScore, IsThatOfTheInstantsOfTheEventsHoweverLateTheyCome) {
@@ -98,6 +111,55 @@ TEST(StreamingScore, TheTableSaysSinceWhenEachEstimateWasReady) {
     EXPECT_EQ(row.ready_us, row.t_us / 5000 * 5000);
     EXPECT_EQ(row.circle.x_px, x_px(row.ready_us));
   }
+}
+
+TEST(StreamingScore, HasTheLatenciesOfTheScenario) {
+  TempFolder folder;
+  // With 5 ms of transport no event is late. Each call has the events of 1 ms and is ready 0.4 ms after their arrival,
+  // so that each tick has the estimate that the tick before made, 6 ms behind: 12 px.
+  const DetectorScore score = score_of(folder / "", latency_of(LatencyKind::model, 5.0, 400.0));
+  EXPECT_DOUBLE_EQ(*score.streaming->latency_median_ms, 5.4);
+  EXPECT_DOUBLE_EQ(*score.streaming->latency_p99_ms, 5.4);
+  EXPECT_EQ(score.streaming->recall, 0.0);
+  for (const StreamingRow& row : read_table<StreamingRow>(folder / "streaming.csv")) {
+    EXPECT_EQ(row.ready_us, row.t_us - 600);
+    EXPECT_EQ(row.circle.x_px, x_px(row.t_us - 6000));
+  }
+}
+
+TEST(EventTimeScore, DoesNotDependOnHowLongTransportAndProcessingTake) {
+  TempFolder folder;
+  const DetectorScore score = score_of(folder / "", latency_of(LatencyKind::model, 5.0, 400.0));
+  EXPECT_EQ(score.precision, 1.0);
+  EXPECT_EQ(score.position_error_px.p95, 0.0);
+  EXPECT_DOUBLE_EQ(*score.recall, 45.0 / 50.0) << "events of the last 5 ms have not arrived";
+}
+
+TEST(StreamingScore, OfADetectorThatIsTooSlowHasFewerEstimatesAndTheMetricsSayHowBusyItWas) {
+  TempFolder folder;
+  const LatencyConfig latency = latency_of(LatencyKind::model, 5.0, 3000.0);
+  const Metrics metrics = metrics_of(folder / "", latency);
+  ASSERT_TRUE(metrics.latency);
+  EXPECT_EQ(metrics.latency->kind, "model");
+  EXPECT_NEAR(*metrics.latency->detectors.at(0).busy_ratio, 1.0, 0.1);
+  EXPECT_DOUBLE_EQ(*metrics.detectors.at(0).second.streaming->latency_median_ms, 8.0);
+  EXPECT_LT(*metrics.detectors.at(0).second.recall, 0.4);
+}
+
+TEST(Latency, OfAModelGivesEqualFiguresInEveryRun) {
+  TempFolder one, other;
+  const LatencyConfig latency = latency_of(LatencyKind::model, 2.0, 1300.0);
+  EXPECT_EQ(figures_to_json(metrics_of(one / "", latency)), figures_to_json(metrics_of(other / "", latency)));
+}
+
+TEST(Latency, IsWrittenInTheMetricsWhereThereIsOne) {
+  TempFolder folder;
+  EXPECT_FALSE(metrics_of(folder / "", {}).latency);
+  const Metrics metrics = metrics_of(folder / "", latency_of(LatencyKind::measured, 0.0, 0.0));
+  const Metrics read = metrics_from_json(metrics_to_json(metrics), "metrics.json");
+  ASSERT_TRUE(read.latency);
+  EXPECT_EQ(read.latency->kind, "measured");
+  EXPECT_GT(*metrics.detectors.at(0).second.streaming->latency_p99_ms, 0.0);
 }
 
 TEST(NewestEstimate, StaysWhileEventsMayStillComeAndEndsWithASilenceThatIsKnown) {
