@@ -30,6 +30,10 @@ nlohmann::json empty_metrics(const Scenario& scenario) {
   if (scenario.frame_30hz) metrics.detectors.emplace_back(frame_detector_name, score);
   if (scenario.gaze.detector != "none") metrics.gaze.emplace();
   if (scenario.sim.both_eyes()) metrics.right_eye.emplace();
+  if (scenario.latency.kind != LatencyKind::none) {
+    LatencyMetrics& latency = metrics.latency.emplace();
+    for (const auto& [name, config] : scenario.detectors) latency.detectors.push_back({name, 0.0, 0});
+  }
   if (scenario.sim.labels) {
     metrics.clutter = ClutterCounter().share();
     for (auto& [name, scored] : metrics.detectors) scored.clutter.emplace();
