@@ -19,7 +19,7 @@ using testing::Not;
 Scenario read(const TempFolder& folder, const std::string& latency) {
   write_file(folder / "s.yaml",
              "name: s\nrun: {duration_s: 1}\nball: {trajectory: {kind: hold, points_m: [[-0.4, 0, 0.4]]}}\n"
-             "detectors: {best: {}, fast: {preset: paper_directed}}\n" +
+             "detectors: {best: {}, fast: {preset: paper_directed}}\ngaze: {detector: best}\n" +
                  latency);
   return read_scenario(folder / "s.yaml", {}, std::nullopt, built_in());
 }
