@@ -12,6 +12,18 @@ namespace {
 
 double ms(std::int64_t us) { return static_cast<double>(us) * 1e-3; }
 
+std::optional<Fault> check_drives(const HeadDrives& drives, std::int64_t now_us) {
+  for (std::size_t j = 0; j < drives.joints.size(); ++j) {
+    const JointDrive drive = drives.joints[j];
+    if (drive == JointDrive::references) continue;
+    const StopCause cause = drive == JointDrive::off     ? StopCause::joint_off
+                            : drive == JointDrive::fault ? StopCause::joint_fault
+                                                         : StopCause::joint_taken;
+    return Fault{cause, now_us, joint_names[torso_joint_count + j], 0.0};
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 void describe(FieldVisitor& v, WatchdogConfig& config) {
@@ -24,6 +36,14 @@ void describe(FieldVisitor& v, WatchdogConfig& config) {
          "age of the newest reading of the joints above which the head stops");
   v.real("joint_outside_deg", config.joint_outside_deg, {0.0, 10.0},
          "distance of a joint outside its limits above which the head stops");
+  v.real("joint_lag_deg", config.joint_lag_deg, {0.1, 180.0},
+         "distance of a joint from its reference above which it does not follow");
+  v.real("joint_lag_ms", config.joint_lag_ms, {10.0, 10000.0},
+         "time for which a joint does not follow after which the head stops");
+  v.real("hang_ms", config.hang_ms, {5.0, 1000.0},
+         "time without a tick after which a thread of its own, and the guard, stop the head");
+  v.require(config.hang_ms <= config.safe_within_ms, "hang_ms", text_of(config.hang_ms),
+            "at most safe_within_ms, " + text_of(config.safe_within_ms));
   const double longest = std::max(config.camera_silent_ms, config.joints_stale_ms) + config.tick_late_ms;
   v.require(
       longest <= config.safe_within_ms, "safe_within_ms", text_of(config.safe_within_ms),
@@ -49,6 +69,22 @@ std::string Fault::description() const {
       return fmt::format("{} is not a number", part);
     case StopCause::joint_outside:
       return fmt::format("{} is {:.1f} deg outside its limits", part, amount);
+    case StopCause::joint_off:
+      return fmt::format("{} was switched off", part);
+    case StopCause::joint_fault:
+      return fmt::format("{} is in hardware fault", part);
+    case StopCause::joint_taken:
+      return fmt::format("{} no longer follows references: its mode was changed, or is not reported", part);
+    case StopCause::command_refused:
+      return "the head rejected a reference";
+    case StopCause::joint_lags:
+      return fmt::format("{} has not followed its reference for {:.0f} ms", part, amount);
+    case StopCause::tick_hangs:
+      return fmt::format("no tick for {:.1f} ms", amount);
+    case StopCause::guard_lost:
+      return fmt::format("no sign of the guard for {:.1f} ms", amount);
+    case StopCause::guard_stops:
+      return "by the guard";
     case StopCause::tick_late:
       return fmt::format("a tick came {:.1f} ms late", amount);
   }
@@ -79,9 +115,38 @@ std::optional<Fault> Watchdog::check(const TickFacts& facts) const {
         return Fault{StopCause::joint_outside, head.t_us, name, outside_deg};
     }
   }
+  if (facts.drives) {
+    if (const auto fault = check_drives(*facts.drives, facts.now_us)) return fault;
+  }
+  if (facts.refused_us) return Fault{StopCause::command_refused, *facts.refused_us, {}, 0.0};
+  if (facts.lags_since_us) {
+    const double lag_ms = ms(facts.now_us - *facts.lags_since_us);
+    const std::string_view name = joint_names[static_cast<std::size_t>(facts.lagging)];
+    if (lag_ms > config_.joint_lag_ms) return Fault{StopCause::joint_lags, facts.now_us, name, lag_ms};
+  }
   const double late_ms = ms(facts.now_us - facts.due_us);
   if (late_ms > config_.tick_late_ms) return Fault{StopCause::tick_late, facts.due_us, {}, late_ms};
   return std::nullopt;
+}
+
+void FollowWatch::update(std::int64_t t_us, const HeadJointVector& reference_rad,
+                         const HeadJointVector& position_rad) {
+  for (Eigen::Index j = 0; j < head_joint_count; ++j) {
+    std::optional<std::int64_t>& since_us = since_us_[static_cast<std::size_t>(j)];
+    if (!(std::abs(reference_rad[j] - position_rad[j]) > lag_rad_)) {
+      since_us.reset();
+    } else if (!since_us) {
+      since_us = t_us;
+    }
+  }
+}
+
+void FollowWatch::add_to(TickFacts& facts) const {
+  for (std::size_t j = 0; j < since_us_.size(); ++j) {
+    if (!since_us_[j] || (facts.lags_since_us && *facts.lags_since_us <= *since_us_[j])) continue;
+    facts.lags_since_us = since_us_[j];
+    facts.lagging = static_cast<Joint>(torso_joint_count + static_cast<int>(j));
+  }
 }
 
 }  // namespace saccade

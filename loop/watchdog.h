@@ -1,12 +1,15 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "core/config.h"
+#include "core/units.h"
 #include "head/head_state.h"
+#include "robot/ports.h"
 
 namespace saccade {
 
@@ -20,7 +23,15 @@ enum class StopCause {
   joints_stale,
   joints_not_finite,
   joint_outside,
+  joint_off,        ///< a person or a program switched it off
+  joint_fault,      ///< its board reports a hardware fault
+  joint_taken,      ///< another program set another mode, or the board reports none
+  command_refused,  ///< the head rejected a reference
+  joint_lags,       ///< it does not follow its reference
   tick_late,
+  tick_hangs,   ///< a tick did not end; stopped from another thread
+  guard_lost,   ///< the guard ended, or hangs
+  guard_stops,  ///< the guard stopped the head
 };
 /// Whether a cause is a fault, not a request.
 [[nodiscard]] constexpr bool is_fault(StopCause cause) { return cause >= StopCause::lost; }
@@ -33,10 +44,14 @@ struct WatchdogConfig {
   double joints_stale_ms = 60.0;
   double tick_late_ms = 20.0;
   double joint_outside_deg = 1.0;
+  double joint_lag_deg = 6.0;   ///< a joint does not follow if it is farther than this from its reference ...
+  double joint_lag_ms = 500.0;  ///< ... for longer than this
+  double hang_ms = 40.0;        ///< without a tick, another thread and the guard stop the head
   double safe_within_ms = 100.0;
 };
 
-/// Keys: camera_silent_ms, joints_stale_ms, tick_late_ms, joint_outside_deg, safe_within_ms.
+/// Keys: camera_silent_ms, joints_stale_ms, tick_late_ms, joint_outside_deg, joint_lag_deg, joint_lag_ms, hang_ms,
+/// safe_within_ms.
 void describe(FieldVisitor& v, WatchdogConfig& config);
 
 /// State of the robot at the start of a tick. Times in us of the robot's clock.
@@ -44,7 +59,27 @@ struct TickFacts {
   std::int64_t due_us = 0;                       ///< when the tick was due
   std::int64_t now_us = 0;                       ///< when it began
   std::int64_t heard_us = 0;                     ///< EventSource::heard_us
-  std::optional<HeadState> head = std::nullopt;  ///< newest reading; none without a head
+  std::optional<HeadState> head = std::nullopt;           ///< newest reading; none without a head
+  std::optional<HeadDrives> drives = std::nullopt;        ///< none where the loop sends no references
+  std::optional<std::int64_t> refused_us = std::nullopt;  ///< when the head rejected the newest reference
+  /// Since when a joint is farther than joint_lag_deg from its reference, and which joint; see FollowWatch.
+  std::optional<std::int64_t> lags_since_us = std::nullopt;
+  Joint lagging = neck_pitch;
+};
+
+/// Measures since when each joint is far from its reference.
+class FollowWatch {
+ public:
+  explicit FollowWatch(double lag_deg) : lag_rad_(lag_deg * rad_per_deg) {}
+  /// The reference sent in a tick and the positions read in that tick, rad.
+  void update(std::int64_t t_us, const HeadJointVector& reference_rad, const HeadJointVector& position_rad);
+  void clear() { since_us_.fill(std::nullopt); }
+  /// Adds the joint that has lagged the longest to the facts of a tick.
+  void add_to(TickFacts& facts) const;
+
+ private:
+  double lag_rad_;
+  std::array<std::optional<std::int64_t>, head_joint_count> since_us_{};
 };
 
 /// A stop: its cause, time and extent.

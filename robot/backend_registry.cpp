@@ -7,6 +7,11 @@ bool RobotBackendConfig::has_gaze_controller() const {
   return row != nullptr && row->has_gaze_controller(of(backend));
 }
 
+std::string RobotBackendConfig::head_name() const {
+  const RobotBackend* const row = rows().find(backend);
+  return row != nullptr && row->head_name ? row->head_name(of(backend)) : std::string();
+}
+
 void describe(FieldVisitor& v, RobotBackendConfig& config) {
   describe_chosen_row(v, "backend", config.backend, config, "robot, or what replaces it");
 }
@@ -14,6 +19,15 @@ void describe(FieldVisitor& v, RobotBackendConfig& config) {
 std::unique_ptr<Robot> open_robot(const RobotBackendConfig& config, const RobotContext& context) {
   check_config("robot", config);
   return config.rows().find(config.backend)->open(config.of(config.backend), context);
+}
+
+std::unique_ptr<HeadStopper> open_head_stopper(const RobotBackendConfig& config,
+                                               const RobotContext& context) {
+  check_config("robot", config);
+  const RobotBackend& row = *config.rows().find(config.backend);
+  if (!row.open_stopper || config.head_name().empty())
+    throw InputError("backend", config.backend, "a backend whose head another process can stop");
+  return row.open_stopper(config.of(config.backend), context);
 }
 
 RobotBackendConfig BackendRegistry::config() const {

@@ -31,11 +31,16 @@ struct RobotBackend {
   std::function<std::unique_ptr<Robot>(const AnyConfig&, const RobotContext&)> open;
   /// Whether targets go to a gaze controller of the robot's own (Robot::gaze).
   std::function<bool(const AnyConfig&)> has_gaze_controller;
+  /// Name of the head that a configuration moves, the same for every process that can move it; empty without one.
+  std::function<std::string(const AnyConfig&)> head_name;
+  /// Connects to the head alone, to stop it. Throws as open does. Empty if the backend has no such connection.
+  std::function<std::unique_ptr<HeadStopper>(const AnyConfig&, const RobotContext&)> open_stopper = {};
   std::vector<std::string> required = {};  ///< keys of the config without a default
 };
 
 /// A row for robots with this config struct. `open(const Config&, const RobotContext&)` returns a std::unique_ptr to the
-/// robot. A function `bool has_gaze_controller(const Config&)` beside the config is optional; without it there is none.
+/// robot. Functions `bool has_gaze_controller(const Config&)` and `std::string head_name(const Config&)` beside the config
+/// are optional; without them there is no such controller, and no head that other processes can move.
 template <class Config, class Open>
 [[nodiscard]] RobotBackend backend_row(std::string name, std::string description, Config defaults,
                                        Open open) {
@@ -46,8 +51,16 @@ template <class Config, class Open>
       return false;
     }
   };
+  const auto name_of_head = [](const Config& config) -> std::string {
+    if constexpr (requires { head_name(config); }) {
+      return head_name(config);
+    } else {
+      return {};
+    }
+  };
   return {std::move(name), std::move(description), AnyConfig(std::move(defaults)),
-          for_any_config<Config>(std::move(open)), for_any_config<Config>(has_controller)};
+          for_any_config<Config>(std::move(open)), for_any_config<Config>(has_controller),
+          for_any_config<Config>(name_of_head)};
 }
 
 /// The robot that a file configures. BackendRegistry::config() gives the defaults.
@@ -56,6 +69,8 @@ struct RobotBackendConfig : RowConfigs<RobotBackend> {
 
   /// Whether targets go to a gaze controller of the robot's own.
   [[nodiscard]] bool has_gaze_controller() const;
+  /// RobotBackend::head_name of the chosen backend.
+  [[nodiscard]] std::string head_name() const;
 };
 
 /// Keys, beside each other in a robot file: backend, the section of the chosen backend.
@@ -64,6 +79,10 @@ void describe(FieldVisitor& v, RobotBackendConfig& config);
 /// Connects to the robot. Throws InputError, RunError.
 [[nodiscard]] std::unique_ptr<Robot> open_robot(const RobotBackendConfig& config,
                                                 const RobotContext& context);
+
+/// Connects to the head of the robot, to stop it. Throws InputError also for a backend without such a connection; RunError.
+[[nodiscard]] std::unique_ptr<HeadStopper> open_head_stopper(const RobotBackendConfig& config,
+                                                             const RobotContext& context);
 
 /// The backends that a program offers.
 class BackendRegistry : public RowRegistry<RobotBackend> {

@@ -19,6 +19,7 @@ class DryRobot final : public Robot {
   std::vector<StartUpCheck> check() override { return robot_->check(); }
   void activate() override {}
   void release() override {}
+  void halt() override {}
   std::vector<std::string> news() override { return robot_->news(); }
 
  private:

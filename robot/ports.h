@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -56,6 +57,27 @@ class EventSource {
   [[nodiscard]] virtual EventTraffic traffic() const = 0;
 };
 
+/// What holds a joint, as its board reports it.
+enum class JointDrive : std::uint8_t {
+  unknown,     ///< no report
+  references,  ///< it follows the references of HeadPort::command
+  held,        ///< its board holds it in another mode: position, velocity, mixed
+  off,         ///< switched off: nothing holds it
+  fault,       ///< hardware fault
+};
+
+/// The newest reports about the joints of a head.
+struct HeadDrives {
+  std::array<JointDrive, head_joint_count> joints{};  ///< neck pitch to eyes vergence
+
+  /// The same for each joint.
+  [[nodiscard]] static HeadDrives all(JointDrive drive) {
+    HeadDrives drives;
+    drives.joints.fill(drive);
+    return drives;
+  }
+};
+
 /// Position references of the six head joints, rad, neck pitch to eyes vergence, as in YARP's position-direct mode.
 using HeadCommand = HeadJointVector;
 
@@ -74,6 +96,8 @@ class HeadPort {
   /// Newest encoder reading, finite unless a sensor fails. Its time stamp is never later than now and never goes back;
   /// the caller decides how old it may be. With `ended` or `lost` the state stays unchanged.
   virtual PortStatus read(HeadState& state) = 0;
+  /// What holds the joints, as last reported. Backends without control modes follow references always.
+  [[nodiscard]] virtual HeadDrives drives() const { return HeadDrives::all(JointDrive::references); }
   /// Takes effect at once and holds until the next command. A reference that is not finite or outside limits() is
   /// rejected as a whole (is_allowed; `rejected` is true and the last reference holds). A recorded head accepts commands
   /// and moves as recorded.

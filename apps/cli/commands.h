@@ -10,6 +10,7 @@ void add_calibrate_command(CommandLine& line, const Registry& registry);
 void add_compare_command(CommandLine& line);
 void add_convert_command(CommandLine& line, const Registry& registry);
 void add_deploy_command(CommandLine& line, const Registry& registry);
+void add_guard_command(CommandLine& line, const Registry& registry);
 void add_detect_command(CommandLine& line, const Registry& registry);
 void add_emulate_command(CommandLine& line, const Registry& registry);
 void add_fit_latency_command(CommandLine& line, const Registry& registry);

@@ -15,6 +15,10 @@ void describe(FieldVisitor& v, RobotFile::Deploy& deploy) {
          "time after activation in which the speed limit rises to its full value; a robot's own gaze "
          "controller gets no target "
          "in it");
+  v.real("activate_within_s", deploy.activate_within_s, {0.0, 3600.0},
+         "time for which --activate repeats a failed activation; then the run ends");
+  v.choice("guard", deploy.guard,
+           "saccade guard: required to activate the head (its loss stops the head), used if it is there, or ignored");
   v.integer("max_events_per_tick", deploy.max_events_per_tick, {1, 1e6},
             "most events of a tick that detectors process; older ones are dropped");
   v.real("shadows_until_ms", deploy.shadows_until_ms, {0.0, 20.0},
@@ -69,7 +73,13 @@ void describe(FieldVisitor& v, RobotFile& r) {
       },
       "detector, gate and gaze controller");
   v.section(
-      "deploy", [&](FieldVisitor& w) { describe(w, r.deploy); }, "timing, safety and overload");
+      "deploy",
+      [&](FieldVisitor& w) {
+        describe(w, r.deploy);
+        w.require(r.deploy.guard != GuardUse::required || !r.robot.head_name().empty(), "guard", "required",
+                  "optional or none: no other process can stop the head of this backend");
+      },
+      "timing, safety and overload");
   v.section(
       "output",
       [&](FieldVisitor& w) {

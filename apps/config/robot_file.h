@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -14,6 +15,17 @@
 #include "robot/head_limits.h"
 
 namespace saccade {
+
+/// Whether deploy needs `saccade guard` to activate the head.
+enum class GuardUse {
+  required,  ///< no activation without it; its loss stops the head
+  optional,  ///< used if it is there
+  none,      ///< ignored
+};
+constexpr auto words_of(GuardUse) {
+  return std::to_array<Word<GuardUse>>(
+      {{GuardUse::required, "required"}, {GuardUse::optional, "optional"}, {GuardUse::none, "none"}});
+}
 
 /// The file of `saccade deploy`: a robot, the detectors and the gaze on it, timing and output.
 struct RobotFile {
@@ -35,6 +47,8 @@ struct RobotFile {
   struct Deploy {
     double tick_ms = 1.0;
     double ramp_in_s = 2.0;
+    double activate_within_s = 10.0;
+    GuardUse guard = GuardUse::optional;
     std::int64_t max_events_per_tick = 2000;
     double shadows_until_ms = 0.5;
     WatchdogConfig watchdog;

@@ -49,6 +49,15 @@ nlohmann::json json_of(const TimeFigures& figures) {
   return {{"p50", figures.quantile_us(0.5)}, {"p99", figures.quantile_us(0.99)}, {"max", figures.max_us()}};
 }
 
+/// The bins that are not empty, [us, count].
+nlohmann::json json_of(const MicrosecondHistogram& histogram) {
+  nlohmann::json bins = nlohmann::json::array();
+  for (std::int64_t us = 0; us <= MicrosecondHistogram::longest_us; ++us) {
+    if (histogram.count(us) > 0) bins.push_back({us, histogram.count(us)});
+  }
+  return {{"bin_us", 1}, {"bins", std::move(bins)}, {"longer", histogram.over()}};
+}
+
 }  // namespace
 
 void DeployRecorder::Figures::add(const Slot& slot) {
@@ -184,6 +193,8 @@ void DeployRecorder::write(Slot& slot) {
   phase_ = tick.phase;
   queued_most_ = std::max(queued_most_, slot.timing.traffic.queued);
   for (Figures* const figures : {&whole_, &timing_window_, &status_window_}) figures->add(slot);
+  late_histogram_.add(slot.timing.begin_us - slot.timing.due_us);
+  tick_histogram_.add(slot.timing.end_us - slot.timing.begin_us);
   ++ticks_in_window_;
   for (std::size_t i = 0; i < slot.detectors.size(); ++i) {
     const DetectorTick& detector = slot.detectors[i];
@@ -344,7 +355,9 @@ void DeployRecorder::write_summary() const {
                 {{"count", whole_.tick.count()},
                  {"missed", whole_.missed},
                  {"us", json_of(whole_.tick)},
-                 {"late_us", json_of(whole_.late)}}},
+                 {"late_us", json_of(whole_.late)},
+                 {"us_histogram", json_of(tick_histogram_)},
+                 {"late_us_histogram", json_of(late_histogram_)}}},
                {"latency_us", json_of(whole_.latency)},
                {"events",
                 {{"count", whole_.events},

@@ -112,6 +112,7 @@ class DeployRecorder final : public DeployObserver {
   std::optional<TableWriter<JointsRow>> joints_;
   std::vector<Event> tick_events_;
   std::vector<Detections> detectors_;
+  MicrosecondHistogram late_histogram_, tick_histogram_;
   Figures whole_, timing_window_, status_window_;
   std::int64_t ticks_in_window_ = 0;  // of the status line
   TickTiming last_;

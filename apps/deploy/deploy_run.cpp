@@ -4,12 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
+#include <optional>
 
 #include "apps/config/robot_file.h"
 #include "apps/deploy/deploy_loop.h"
 #include "apps/deploy/deploy_recorder.h"
 #include "apps/deploy/deploy_session.h"
+#include "apps/deploy/guard_link.h"
+#include "apps/deploy/hang_watch.h"
 #include "apps/deploy/keyboard.h"
 #include "apps/deploy/real_time.h"
 #include "apps/session/interrupt.h"
@@ -47,6 +51,13 @@ class ReleaseAtEnd {
   Robot& robot_;
 };
 
+/// After the head was stopped from outside of a tick that still hangs: nothing of this process can be saved any more.
+[[noreturn]] void end_hung_program() {
+  fmt::print(stderr, "the tick still hangs: deploy ends; the run folder stays incomplete\n");
+  std::fflush(stderr);
+  std::_Exit(1);
+}
+
 /// Ticks until the session ends. Without an operator a fault ends it, since nobody could activate the head again.
 void run_session(DeploySession& session, OperatorRequests& requests, Clock& clock, std::int64_t end_us,
                  bool has_operator) {
@@ -63,6 +74,10 @@ void run_session(DeploySession& session, OperatorRequests& requests, Clock& cloc
 void deploy(const DeployOptions& options, const Registry& registry) {
   const RobotFile file = read_robot_file(options.robot, options.assignments, registry);
   catch_interrupts();
+  const bool moves = !options.dry_run && file.gaze.detector != "none" && !file.robot.head_name().empty();
+  const std::int64_t hang_ns = std::llround(file.deploy.watchdog.hang_ms * 1e6);
+  std::optional<GuardLink> guard;
+  if (moves) guard.emplace(file.robot.head_name(), file.deploy.guard, hang_ns);
   std::unique_ptr<Robot> robot = open_robot(file.robot, robot_context(file));
   if (options.dry_run) robot = std::make_unique<DryRobot>(std::move(robot));
   DeployFacts facts;
@@ -84,12 +99,19 @@ void deploy(const DeployOptions& options, const Registry& registry) {
     if (key == '\n') requests.activate();
   });
   const bool has_operator = Keyboard::is_there();
-  if (options.activate || options.dry_run) requests.activate();
   print_keys(options, has_operator);
   // The writer's thread starts before this one gets its priority, so that it has none.
   DeployRecorder recorder(folder, file, loop, robot->events().image_size(), std::move(facts));
+  HangWatch hang_watch(
+      *robot, {.bound_ns = hang_ns},
+      [](std::int64_t age_ns) {
+        fmt::print(stderr, "no tick for {:.1f} ms: the head was stopped\n", 1e-6 * static_cast<double>(age_ns));
+      },
+      end_hung_program);
+  std::vector<Overseer*> overseers = {&hang_watch};
+  if (guard) overseers.push_back(&*guard);
   DeploySession session(*robot, loop, motion_maker(*robot, file), requests, recorder,
-                        {std::llround(file.deploy.tick_ms * 1e3), file.deploy.watchdog});
+                        {std::llround(file.deploy.tick_ms * 1e3), file.deploy.watchdog, overseers});
   {
     const ReleaseAtEnd release(*robot);
     const RealTime real_time;
@@ -98,6 +120,8 @@ void deploy(const DeployOptions& options, const Registry& registry) {
     const std::int64_t end_us = options.duration_s
                                     ? robot->clock().now_us() + std::llround(*options.duration_s * 1e6)
                                     : std::numeric_limits<std::int64_t>::max();
+    if (options.activate || options.dry_run)
+      session.keep_activating(std::llround(file.deploy.activate_within_s * 1e6));
     run_session(session, requests, robot->clock(), end_us, has_operator);
   }
   recorder.finish();
@@ -105,6 +129,7 @@ void deploy(const DeployOptions& options, const Registry& registry) {
   fmt::print("{}\n", (folder / "report.html").string());
   if (session.state() == DeployState::stopped && is_fault(session.last_stop()->cause))
     throw RunError("the head was stopped: " + session.last_stop()->description());
+  if (!session.not_activated().empty()) throw RunError("the head was not activated: " + session.not_activated());
 }
 
 }  // namespace saccade

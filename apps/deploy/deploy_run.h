@@ -22,8 +22,8 @@ struct DeployOptions {
 };
 
 /// The loop in real time on a robot, into a run folder: opens and checks the robot, ticks under an operator's keys until
-/// the end, releases the head, writes the report. Throws InputError; RunError if a start-up check fails or a fault
-/// stopped the head and it stayed stopped.
+/// the end, releases the head, writes the report. Throws InputError; RunError if a start-up check fails, if another deploy
+/// moves the head, if the head was not activated on request, or if a fault stopped it and it stayed stopped.
 void deploy(const DeployOptions& options, const Registry& registry);
 
 }  // namespace saccade

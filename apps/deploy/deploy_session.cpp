@@ -1,11 +1,19 @@
 #include "apps/deploy/deploy_session.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "core/error.h"
 
 namespace saccade {
+namespace {
+
+constexpr std::int64_t attempt_us = 100'000;
+
+}  // namespace
 
 std::string_view name_of(DeployState state) {
   constexpr std::array<std::string_view, 4> names = {"unconfigured", "ready", "active", "stopped"};
@@ -21,6 +29,8 @@ DeploySession::DeploySession(Robot& robot, Loop& loop, MakeMotion make_motion, O
       observer_(observer),
       tick_us_(config.tick_us),
       watchdog_(config.watchdog, robot.head() != nullptr ? robot.head()->limits() : JointLimits{}),
+      follows_(config.watchdog.joint_lag_deg),
+      overseers_(config.overseers),
       due_us_(robot.clock().now_us()),
       last_begin_us_(due_us_) {
   SACCADE_CHECK(tick_us_ > 0);
@@ -43,26 +53,76 @@ std::int64_t DeploySession::plan_tick() {
 TickFacts DeploySession::facts(std::int64_t due_us) {
   TickFacts facts{due_us, robot_.clock().now_us(), robot_.events().heard_us()};
   HeadPort* const head = robot_.head();
-  if (head != nullptr && head->read(facts.head.emplace()) != PortStatus::ok) facts.head.reset();
+  if (head == nullptr) return facts;
+  if (head->read(facts.head.emplace()) != PortStatus::ok) facts.head.reset();
+  if (robot_.gaze() == nullptr) facts.drives = head->drives();
+  facts.refused_us = refused_us_;
+  follows_.add_to(facts);
   return facts;
+}
+
+void DeploySession::keep_activating(std::int64_t within_us) {
+  const std::int64_t now_us = robot_.clock().now_us();
+  attempts_ = Attempts{now_us, now_us + within_us, now_us};
+  not_activated_.clear();
+}
+
+bool DeploySession::try_to_activate(const TickFacts& facts) {
+  if (!attempts_ || facts.now_us < attempts_->next_us) return true;
+  attempts_->next_us = facts.now_us + attempt_us;
+  activate(facts);
+  if (state_ == DeployState::active) {
+    attempts_.reset();
+    return true;
+  }
+  if (robot_.clock().now_us() < attempts_->until_us) return true;
+  not_activated_ =
+      fmt::format("not activated within {:.1f} s: {}",
+                  1e-6 * static_cast<double>(attempts_->until_us - attempts_->from_us), not_activated_);
+  return false;
+}
+
+/// The first reason to stop the active head.
+std::optional<Fault> DeploySession::find_fault(const TickFacts& facts) {
+  for (Overseer* const overseer : overseers_) {
+    if (auto fault = overseer->fault()) {
+      fault->since_us = facts.now_us - std::llround(1e3 * fault->amount);
+      return fault;
+    }
+  }
+  return watchdog_.check(facts);
+}
+
+/// The reference that the head rejected, or how well the joints follow it.
+void DeploySession::note_command(const Tick& tick) {
+  if (state_ != DeployState::active || robot_.gaze() != nullptr || !tick.head) return;
+  if (!tick.command_rejected) {
+    refused_us_.reset();
+  } else if (!refused_us_) {
+    refused_us_ = tick.acted_us;
+  }
+  follows_.update(tick.t_us, tick.command.reference_rad, tick.head->head_position_rad());
 }
 
 bool DeploySession::tick() {
   const std::int64_t planned_us = plan_tick();
   const PortStatus time = robot_.clock().wait_until(due_us_);
   if (time != PortStatus::ok) return end(time);
+  for (Overseer* const overseer : overseers_) overseer->on_tick();
   const TickFacts facts = this->facts(planned_us);
 
   const OperatorRequests::Request request = requests_.request_.exchange(OperatorRequests::Request::none);
   const bool quit = requests_.quit_;
   if (state_ == DeployState::active) {
-    if (const auto fault = watchdog_.check(facts)) {
+    if (const auto fault = find_fault(facts)) {
       stop(*fault);
     } else if (quit || request == OperatorRequests::Request::stop) {
       stop({quit ? requests_.quit_cause_.load() : StopCause::operator_stop, facts.now_us});
     }
   } else if (request == OperatorRequests::Request::activate && !quit) {
     activate(facts);
+  } else if (!quit && !try_to_activate(facts)) {
+    return end(PortStatus::ended);
   }
   if (quit) return end(PortStatus::ended);
 
@@ -78,6 +138,7 @@ bool DeploySession::tick() {
     timing.missed = missed_;
     timing.traffic = robot_.events().traffic();
     timing.state = state_;
+    note_command(*last_.tick);
     observer_.on_tick(*last_.tick, timing);
     last_begin_us_ = facts.now_us;
   }
@@ -100,21 +161,41 @@ bool DeploySession::end(PortStatus status) {
 
 void DeploySession::activate(const TickFacts& facts) {
   if (!make_motion_)
-    return change(state_, std::nullopt, 0,
-                  "there is nothing to move: gaze.detector is none, or the robot has no head");
-  if (state_ == DeployState::unconfigured)
-    return change(state_, std::nullopt, 0, "not every start-up check has passed");
+    return reject("there is nothing to move: gaze.detector is none, or the robot has no head");
+  if (state_ == DeployState::unconfigured) return reject("not every start-up check has passed");
+  for (Overseer* const overseer : overseers_) {
+    if (std::string reason = overseer->why_not(); !reason.empty()) return reject(std::move(reason));
+  }
   TickFacts now = facts;
   now.due_us = now.now_us;  // the head did not wait for this tick
-  if (const auto fault = watchdog_.check(now)) return change(state_, std::nullopt, 0, fault->description());
+  now.refused_us.reset();
+  now.lags_since_us.reset();
+  if (now.drives) {
+    for (JointDrive& drive : now.drives->joints) {
+      if (drive == JointDrive::held) drive = JointDrive::references;  // it will follow them
+    }
+  }
+  if (const auto fault = watchdog_.check(now)) return reject(fault->description());
+  for (Overseer* const overseer : overseers_) overseer->activating();
   try {
     robot_.activate();
   } catch (const RunError& error) {
-    return change(state_, std::nullopt, 0, error.what());
+    return reject(error.what());
   }
+  for (Overseer* const overseer : overseers_) overseer->activated();
+  not_activated_.clear();
+  follows_.clear();
+  refused_us_.reset();
   loop_.set_motion(make_motion_());
   due_us_ += (robot_.clock().now_us() - due_us_) / tick_us_ * tick_us_;  // it may have taken a while
   change(DeployState::active, std::nullopt, 0, {});
+}
+
+/// A failed activation. Of repeated attempts each reason is reported once in a row.
+void DeploySession::reject(std::string reason) {
+  if (attempts_ && reason == not_activated_) return;
+  not_activated_ = reason;
+  change(state_, std::nullopt, 0, std::move(reason));
 }
 
 void DeploySession::stop(const Fault& fault) {
@@ -125,6 +206,7 @@ void DeploySession::stop(const Fault& fault) {
     head->stop();
   }
   const std::int64_t took_us = robot_.clock().now_us() - fault.since_us;
+  for (Overseer* const overseer : overseers_) overseer->stopped();
   robot_.release();
   last_stop_ = fault;
   change(DeployState::stopped, fault, took_us, {});

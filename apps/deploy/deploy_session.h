@@ -57,6 +57,26 @@ class DeployObserver {
   virtual void on_news(std::int64_t t_us, const std::string& line) = 0;
 };
 
+/// Watches the session from another thread or process and can stop the head without it. The session calls it in the
+/// thread of the ticks. on_tick() and fault() do not wait, lock or allocate.
+class Overseer {
+ public:
+  virtual ~Overseer() = default;
+  /// At the start of each tick.
+  virtual void on_tick() = 0;
+  /// Why the head has to stop, or was stopped already; none if all is well. Only asked while the head is active. `amount`
+  /// is the age of the cause, ms; the session adds the time.
+  [[nodiscard]] virtual std::optional<Fault> fault() = 0;
+  /// Why the head must not be activated now; empty if it may.
+  [[nodiscard]] virtual std::string why_not() { return {}; }
+  /// The head is about to be activated, which may take long; earlier stops are over.
+  virtual void activating() {}
+  /// From now on the head moves, as long as ticks come.
+  virtual void activated() {}
+  /// The head got its stop command; releasing it may take long.
+  virtual void stopped() {}
+};
+
 /// Requests of an operator, carried out at the next tick. May be called from any thread.
 class OperatorRequests {
  public:
@@ -79,6 +99,7 @@ class OperatorRequests {
 struct DeploySessionConfig {
   std::int64_t tick_us = 1000;
   WatchdogConfig watchdog;
+  std::vector<Overseer*> overseers = {};  ///< outlive the session
 };
 
 /// Runs a loop on a robot in real time: schedules the ticks, activates the head and stops it. Has no clock but the
@@ -90,6 +111,9 @@ struct DeploySessionConfig {
 /// Before each tick with an active head the watchdog checks the robot. On a fault, and on the operator's request, the
 /// loop stops sending, the head (or the robot's gaze controller) gets a stop command, the delay is measured, and the
 /// joints are released (Robot::release). Detection continues. A lost connection ends the session.
+///
+/// While the head is active the watchdog also checks what the ports report of the joints: their modes, rejected
+/// references, and joints that do not follow. Overseers are asked in each tick.
 class DeploySession {
  public:
   using MakeMotion = std::function<LoopMotion()>;
@@ -101,6 +125,10 @@ class DeploySession {
 
   /// To be called after all start-up checks have passed; ticks are due from now on.
   void set_ready();
+  /// Tries to activate the head every 100 ms until it is active. After `within_us` without success the session ends.
+  void keep_activating(std::int64_t within_us);
+  /// Why the newest request to activate the head had no success; empty if it had.
+  [[nodiscard]] const std::string& not_activated() const { return not_activated_; }
   /// One tick. Returns false at the end: the operator quit, the recording ended, or the connection was lost.
   bool tick();
 
@@ -115,8 +143,20 @@ class DeploySession {
     std::optional<Tick> tick;
   };
 
+  /// Requests to activate the head until a time.
+  struct Attempts {
+    std::int64_t from_us = 0;
+    std::int64_t until_us = 0;
+    std::int64_t next_us = 0;
+  };
+
   [[nodiscard]] std::int64_t plan_tick();
+  /// Returns false if the session is over: the time for activation has passed.
+  bool try_to_activate(const TickFacts& facts);
+  [[nodiscard]] std::optional<Fault> find_fault(const TickFacts& facts);
+  void reject(std::string reason);
   [[nodiscard]] TickFacts facts(std::int64_t due_us);
+  void note_command(const Tick& tick);
   void activate(const TickFacts& facts);
   void stop(const Fault& fault);
   void change(DeployState state, const std::optional<Fault>& stop, std::int64_t took_us,
@@ -130,6 +170,11 @@ class DeploySession {
   DeployObserver& observer_;
   std::int64_t tick_us_;
   Watchdog watchdog_;
+  FollowWatch follows_;
+  std::vector<Overseer*> overseers_;
+  std::optional<Attempts> attempts_;
+  std::string not_activated_;
+  std::optional<std::int64_t> refused_us_;  // when the head rejected the newest reference
   LastTick last_;
   DeployState state_ = DeployState::unconfigured;
   std::optional<Fault> last_stop_;

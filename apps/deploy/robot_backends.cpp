@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "apps/deploy/practice_robot.h"
 #include "core/error.h"
 #include "evaluation/scoring/metrics.h"
 #include "recording/event_file.h"
@@ -43,6 +44,14 @@ std::unique_ptr<Robot> open_yarp(const YarpConfig&, const RobotContext&) {
 }
 #endif
 
+std::unique_ptr<Robot> open_practice(const PracticeConfig& config, const RobotContext& context) {
+  return std::make_unique<PracticeRobot>(config, context);
+}
+
+std::unique_ptr<HeadStopper> open_practice_stopper(const PracticeConfig& config, const RobotContext&) {
+  return std::make_unique<PracticeStopper>(config);
+}
+
 }  // namespace
 
 void describe(FieldVisitor& v, RecordingBackendConfig& config) {
@@ -57,6 +66,10 @@ BackendRegistry built_in_backends() {
   recording.required = {"path"};
   registry.add(std::move(recording));
   registry.add(backend_row("yarp", "an iCub on a YARP network", YarpConfig{}, open_yarp));
+  RobotBackend practice = backend_row("practice", "a head in shared memory that sees a ball, to practise with",
+                                      PracticeConfig{}, open_practice);
+  practice.open_stopper = for_any_config<PracticeConfig>(open_practice_stopper);
+  registry.add(std::move(practice));
   return registry;
 }
 

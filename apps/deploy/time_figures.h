@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <vector>
 
 namespace saccade {
 
@@ -51,6 +52,23 @@ class TimeFigures {
   std::array<std::int64_t, 33 * 16> bins_{};
   std::int64_t count_ = 0;
   std::int64_t max_us_ = 0;
+};
+
+/// Histogram of durations in bins of 1 us, up to 50 ms; longer ones are counted in one bin.
+class MicrosecondHistogram {
+ public:
+  static constexpr std::int64_t longest_us = 50'000;
+
+  void add(std::int64_t us) {
+    ++(us > longest_us ? over_ : bins_[static_cast<std::size_t>(std::max<std::int64_t>(us, 0))]);
+  }
+  /// Number of durations of `us`.
+  [[nodiscard]] std::int64_t count(std::int64_t us) const { return bins_[static_cast<std::size_t>(us)]; }
+  [[nodiscard]] std::int64_t over() const { return over_; }
+
+ private:
+  std::vector<std::int64_t> bins_ = std::vector<std::int64_t>(longest_us + 1);
+  std::int64_t over_ = 0;
 };
 
 }  // namespace saccade

@@ -32,9 +32,22 @@ void FakeRobot::move_head(std::int64_t t_us) {
   const double dt_s = 1e-6 * static_cast<double>(t_us - head_.t_us);
   const HeadCommand start_rad = head_.head_position_rad();
   const HeadCommand left_rad = (reference_rad_ - start_rad) * std::exp(-dt_s / script_.lag_s);
+  const bool off = drives().joints[head_index(neck_yaw)] >= JointDrive::off;
+  const bool rests = off || (script_.stuck_us && now_us_ >= *script_.stuck_us);
+  const double yaw_rad = head_.position_rad[neck_yaw];
   head_.t_us = t_us;
   head_.position_rad.tail<head_joint_count>() = reference_rad_ - left_rad;
   head_.velocity_rad_s.tail<head_joint_count>() = left_rad / script_.lag_s;
+  if (!rests) return;
+  head_.position_rad[neck_yaw] = yaw_rad;
+  head_.velocity_rad_s[neck_yaw] = 0.0;
+}
+
+HeadDrives FakeRobot::drives() const {
+  HeadDrives drives = HeadDrives::all(JointDrive::references);
+  if (script_.drive_us && now_us_ >= script_.drive_us->first)
+    drives.joints[head_index(neck_yaw)] = script_.drive_us->second;
+  return drives;
 }
 
 PortStatus FakeRobot::wait_until(std::int64_t t_us) {
@@ -82,7 +95,8 @@ PortStatus FakeRobot::read(HeadState& state) {
 }
 
 HeadPort::CommandResult FakeRobot::command(const HeadCommand& reference_rad) {
-  const bool rejected = !is_allowed(reference_rad, script_.limits);
+  const bool rejected =
+      !is_allowed(reference_rad, script_.limits) || (script_.refuse_us && now_us_ >= *script_.refuse_us);
   if (status_ == PortStatus::ok && !rejected) reference_rad_ = reference_rad;
   return {status_, rejected};
 }

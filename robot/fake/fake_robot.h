@@ -22,6 +22,10 @@ struct FakeRobotScript {
   /// In [first, second) the encoder of neck yaw reads NaN.
   std::optional<std::pair<std::int64_t, std::int64_t>> nan_us;
   std::optional<std::int64_t> outside_us;  ///< from here on neck yaw reads 2 deg above its upper limit
+  /// From `first` on the board reports that neck yaw is in this mode. A joint that is off or in fault stays where it is.
+  std::optional<std::pair<std::int64_t, JointDrive>> drive_us;
+  std::optional<std::int64_t> refuse_us;  ///< the head rejects every command from here on
+  std::optional<std::int64_t> stuck_us;   ///< neck yaw does not move from here on
   /// The first wait that would end at `first` or later ends later by `second`.
   std::optional<std::pair<std::int64_t, std::int64_t>> late_us;
 
@@ -51,6 +55,7 @@ class FakeRobot final : public Robot, public Clock, public EventSource, public H
 
   [[nodiscard]] JointLimits limits() const override { return script_.limits; }
   PortStatus read(HeadState& state) override;
+  [[nodiscard]] HeadDrives drives() const override;
   CommandResult command(const HeadCommand& reference_rad) override;
   PortStatus stop() override;
 

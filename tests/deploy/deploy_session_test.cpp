@@ -61,6 +61,7 @@ class FakeDeployed final : public Robot, private HeadPort, private GazePort {
 
  private:
   [[nodiscard]] JointLimits limits() const override { return world.limits(); }
+  [[nodiscard]] HeadDrives drives() const override { return world.drives(); }
   PortStatus read(HeadState& state) override { return world.read(state); }
   CommandResult command(const HeadCommand& reference_rad) override {
     ++commands;
@@ -147,6 +148,7 @@ class Trial {
     std::optional<LoopBudget> budget = std::nullopt;
     std::int64_t driver_us = 0, shadow_us = 0;  ///< what a look costs
     bool shadow = false;
+    Overseer* overseer = nullptr;
   };
   explicit Trial(FakeRobotScript script = {}) : Trial(std::move(script), Options()) {}
   Trial(FakeRobotScript script, const Options& options) {
@@ -177,7 +179,9 @@ class Trial {
       }
       return made;
     };
-    session.emplace(*robot, *loop, motion, requests, notes, DeploySessionConfig{tick_us, {}});
+    DeploySessionConfig config{tick_us, {}};
+    if (options.overseer != nullptr) config.overseers = {options.overseer};
+    session.emplace(*robot, *loop, motion, requests, notes, config);
   }
   /// Ready, and activated at once.
   void activate() {
@@ -368,6 +372,16 @@ INSTANTIATE_TEST_SUITE_P(
                               StopCause::joints_not_finite, "neck_yaw is not a number", true},
                     FaultCase{"JointOutside", [](auto& s) { s.outside_us = fault_us; },
                               StopCause::joint_outside, "neck_yaw is 2.0 deg outside its limits"},
+                    FaultCase{"JointSwitchedOff",
+                              [](auto& s) {
+                                s.drive_us = {fault_us, JointDrive::off};
+                              },
+                              StopCause::joint_off, "neck_yaw was switched off"},
+                    FaultCase{"JointInFault",
+                              [](auto& s) {
+                                s.drive_us = {fault_us, JointDrive::fault};
+                              },
+                              StopCause::joint_fault, "neck_yaw is in hardware fault"},
                     FaultCase{"LateTick",
                               [](auto& s) {
                                 s.late_us = {fault_us, 30'000};
@@ -404,6 +418,144 @@ TEST_P(DeployFaults, StopTheHeadInTimeUntilTheOperatorActivatesAgain) {
     EXPECT_EQ(trial.session->state(), GetParam().passes ? DeployState::active : DeployState::stopped)
         << "a fault that is still there keeps it from being activated";
   }
+}
+
+TEST(DeploySession, AJointWhoseModeAnotherProgramChangesStopsTheHeadWhichCanBeActivatedAgain) {
+  FakeRobotScript script;
+  script.drive_us = {fault_us, JointDrive::held};
+  Trial trial(script);
+  trial.activate();
+  ASSERT_TRUE(trial.run_until(600'000));
+  EXPECT_EQ(trial.session->state(), DeployState::stopped);
+  EXPECT_EQ(trial.session->last_stop()->cause, StopCause::joint_taken);
+  EXPECT_THAT(trial.session->last_stop()->description(), HasSubstr("neck_yaw no longer follows references"));
+}
+
+TEST(DeploySession, ARejectedReferenceStopsTheHead) {
+  FakeRobotScript script;
+  script.refuse_us = fault_us;
+  Trial trial(script);
+  trial.activate();
+  ASSERT_TRUE(trial.run_until(600'000));
+  EXPECT_EQ(trial.session->state(), DeployState::stopped);
+  EXPECT_EQ(trial.session->last_stop()->cause, StopCause::command_refused);
+  EXPECT_LE(trial.fake->first_stop_us - fault_us, 2 * tick_us);
+}
+
+TEST(DeploySession, AJointThatDoesNotFollowItsReferenceStopsTheHead) {
+  FakeRobotScript script;
+  script.stuck_us = 0;
+  Trial trial(script);
+  trial.activate();
+  ASSERT_TRUE(trial.run_until(2'000'000));
+  EXPECT_EQ(trial.session->state(), DeployState::stopped);
+  EXPECT_EQ(trial.session->last_stop()->description(), "neck_yaw has not followed its reference for 501 ms");
+}
+
+TEST(FollowWatch, CountsFromTheFirstReadingThatIsTooFarAndForgetsWhenTheJointArrives) {
+  FollowWatch watch(6.0);
+  HeadJointVector position_rad = HeadJointVector::Zero();
+  position_rad[1] = 7.0 * rad_per_deg;
+  watch.update(1'000, HeadJointVector::Zero(), position_rad);
+  position_rad[4] = -7.0 * rad_per_deg;
+  watch.update(2'000, HeadJointVector::Zero(), position_rad);
+  TickFacts facts;
+  watch.add_to(facts);
+  EXPECT_EQ(facts.lags_since_us, 1'000);
+  EXPECT_EQ(facts.lagging, neck_roll);
+  position_rad[1] = 0.0;
+  watch.update(3'000, HeadJointVector::Zero(), position_rad);
+  facts = {};
+  watch.add_to(facts);
+  EXPECT_EQ(facts.lags_since_us, 2'000);
+  EXPECT_EQ(facts.lagging, eyes_version);
+}
+
+// ---- activation that is tried again --------------------------------------------------------------
+
+TEST(DeployActivation, IsRepeatedUntilTheRobotIsReadyAndReportsEachReasonOnce) {
+  FakeRobotScript script;
+  script.nan_us = {0, 300'000};  // an encoder that starts late
+  Trial trial(script);
+  trial.session->set_ready();
+  trial.session->keep_activating(2'000'000);
+  ASSERT_TRUE(trial.run_until(500'000));
+  EXPECT_EQ(trial.session->state(), DeployState::active);
+  EXPECT_TRUE(trial.session->not_activated().empty());
+  ASSERT_EQ(trial.notes.changes.size(), 3u);
+  EXPECT_EQ(trial.notes.changes[1].rejected, "neck_yaw is not a number");
+}
+
+TEST(DeployActivation, EndsTheSessionWithTheReasonAfterItsTime) {
+  Trial trial;
+  trial.fake->refuse_activation = true;
+  trial.session->set_ready();
+  trial.session->keep_activating(1'000'000);
+  EXPECT_FALSE(trial.run_until(5'000'000)) << "the session ends";
+  EXPECT_LE(trial.robot->clock().now_us(), 1'100'000);
+  EXPECT_EQ(trial.session->not_activated(), "not activated within 1.0 s: neck_yaw is in HW_FAULT");
+  EXPECT_EQ(trial.fake->commands, 0);
+}
+
+TEST(DeployActivation, AJointThatIsSwitchedOffIsNotActivated) {
+  FakeRobotScript script;
+  script.drive_us = {0, JointDrive::off};
+  Trial trial(script);
+  trial.activate();
+  ASSERT_TRUE(trial.run_until(100'000));
+  EXPECT_EQ(trial.session->state(), DeployState::ready);
+  EXPECT_EQ(trial.session->not_activated(), "neck_yaw was switched off");
+  EXPECT_FALSE(trial.fake->is_active) << "the robot was not asked";
+}
+
+TEST(DeployActivation, AJointInAnotherModeThatHoldsItIsTakenOver) {
+  FakeRobotScript script;
+  script.drive_us = {0, JointDrive::held};
+  Trial trial(script);
+  trial.activate();
+  ASSERT_TRUE(trial.run_until(tick_us));
+  EXPECT_TRUE(trial.fake->is_active);
+}
+
+// ---- what watches from outside -------------------------------------------------------------------
+
+/// Demands a stop, or refuses activation, when told to.
+class ScriptedOverseer final : public Overseer {
+ public:
+  void on_tick() override { ++ticks; }
+  std::optional<Fault> fault() override { return demanded; }
+  std::string why_not() override { return reason; }
+  void activating() override { order += "activating "; }
+  void activated() override { order += "activated "; }
+  void stopped() override { order += "stopped "; }
+
+  int ticks = 0;
+  std::optional<Fault> demanded;
+  std::string reason;
+  std::string order;
+};
+
+TEST(DeployOverseer, CanRefuseActivationAndStopTheHead) {
+  ScriptedOverseer overseer;
+  overseer.reason = "no guard";
+  Trial trial({}, {.overseer = &overseer});
+  trial.activate();
+  ASSERT_TRUE(trial.run_until(10'000));
+  EXPECT_EQ(trial.session->not_activated(), "no guard");
+  EXPECT_EQ(trial.fake->commands, 0);
+
+  overseer.reason.clear();
+  trial.requests.activate();
+  ASSERT_TRUE(trial.run_until(fault_us));
+  EXPECT_EQ(trial.session->state(), DeployState::active);
+  overseer.demanded = Fault{StopCause::guard_lost, 0, {}, 41.0};
+  ASSERT_TRUE(trial.run_until(fault_us + 10'000));
+  EXPECT_EQ(trial.session->state(), DeployState::stopped);
+  EXPECT_EQ(trial.fake->stops, 1);
+  EXPECT_EQ(trial.session->last_stop()->description(), "no sign of the guard for 41.0 ms");
+  EXPECT_NEAR(static_cast<double>(trial.notes.changes.back().took_us), 41e3, 1.0);
+  EXPECT_EQ(overseer.order, "activating activated stopped ");
+  EXPECT_EQ(overseer.ticks, static_cast<int>(trial.notes.ticks.size()));
 }
 
 TEST(Watchdog, BoundsThatExceedSafeWithinAreRejected) {

@@ -1,0 +1,83 @@
+#include "apps/deploy/guard_run.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <limits>
+#include <thread>
+
+#include "apps/config/robot_file.h"
+#include "apps/deploy/guard_link.h"
+#include "apps/deploy/real_time.h"
+#include "apps/session/interrupt.h"
+#include "core/error.h"
+
+namespace saccade {
+namespace {
+
+constexpr auto look_period = std::chrono::milliseconds(2);
+constexpr std::int64_t retry_ns = 5'000'000;
+
+/// Says on the board that there is no guard, whatever ends the scope.
+class Presence {
+ public:
+  explicit Presence(GuardBoard& board) : board_(board) {}
+  Presence(const Presence&) = delete;
+  Presence& operator=(const Presence&) = delete;
+  ~Presence() { board_.connected = 0; }
+
+ private:
+  GuardBoard& board_;
+};
+
+void print(const std::string& line) {
+  fmt::print(stderr, "{}\n", line);
+  std::fflush(stderr);
+}
+
+}  // namespace
+
+void guard(const GuardOptions& options, const Registry& registry) {
+  const RobotFile file = read_robot_file(options.robot, options.assignments, registry);
+  catch_interrupts();
+  const std::unique_ptr<HeadStopper> head = open_head_stopper(file.robot, robot_context(file));
+  const std::string name = file.robot.head_name();
+  SharedMemory present("guarding-" + name, 1);
+  if (!present.lock()) throw RunError("the head " + name + " has a guard on this machine already");
+  SharedMemory memory("guard-" + name, sizeof(GuardBoard));
+  GuardBoard& board = *static_cast<GuardBoard*>(memory.data());
+  const Presence presence(board);
+  const RealTime real_time;
+  print(real_time.summary());
+  print("guards the head " + name);
+
+  GuardWatch watch(std::llround(file.deploy.watchdog.hang_ms * 1e6));
+  const std::int64_t end_ns = options.duration_s ? machine_ns() + std::llround(*options.duration_s * 1e9)
+                                                 : std::numeric_limits<std::int64_t>::max();
+  bool connected = false;
+  while (!interrupted() && machine_ns() < end_ns) {
+    const bool now_connected = head->is_connected();
+    if (now_connected != connected) print(now_connected ? "connected to the head" : "the head is not connected");
+    connected = now_connected;
+    board.connected = connected ? 1 : 0;
+    board.guard_ns = machine_ns();
+    const std::uint64_t moving = board.moving;
+    if (watch.look(board, machine_ns()) == GuardWatch::Action::stop) {
+      const std::int64_t age_ns = watch.age_ns();
+      const std::int64_t began_ns = machine_ns();
+      bool reached = head->stop();
+      board.stopped = moving;  // deploy, if it goes on, sends nothing more
+      while (!reached && machine_ns() - began_ns < 20 * retry_ns) {
+        std::this_thread::sleep_for(std::chrono::nanoseconds(retry_ns));
+        reached = head->stop();
+      }
+      print(fmt::format("no tick of deploy for {:.1f} ms: {} {:.1f} ms after the last tick",
+                        1e-6 * static_cast<double>(age_ns),
+                        reached ? "the head was stopped" : "the head could not be stopped,",
+                        1e-6 * static_cast<double>(age_ns + machine_ns() - began_ns)));
+    }
+    std::this_thread::sleep_for(look_period);
+  }
+}
+
+}  // namespace saccade

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace saccade {
+
+struct Registry;
+
+/// How guard() runs.
+struct GuardOptions {
+  std::filesystem::path robot;           ///< robot file, that of deploy
+  std::vector<std::string> assignments;  ///< overrides of the robot file
+  std::optional<double> duration_s;      ///< none: until an interrupt
+};
+
+/// Stops the head that a robot file names when `saccade deploy` with that file dies, hangs or is halted: looks every 2 ms
+/// at the time of its newest tick, and has a connection of its own to the head. Runs until an interrupt, beside any number
+/// of deploy runs one after the other. Throws InputError; RunError if the head is not there or has a guard already.
+void guard(const GuardOptions& options, const Registry& registry);
+
+}  // namespace saccade
