@@ -1,9 +1,11 @@
 #include "robot/event_timeline.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "core/error.h"
+#include "core/units.h"
 
 namespace saccade {
 
@@ -36,7 +38,15 @@ void EventTimeline::restart() {
 void EventTimeline::take(const WireEvent& wire, std::int64_t t_us, std::vector<Event>& events) {
   std::optional<Event> event = decode_address(wire.address, config_.codec);
   if (event && config_.swap_xy) std::swap(event->x, event->y);
+  if (event) {
+    if (config_.swap_polarity) event->on = !event->on;
+    ++view_.events;
+    view_.on += event->on;
+    view_.max_x = std::max<int>(view_.max_x, event->x);
+    view_.max_y = std::max<int>(view_.max_y, event->y);
+  }
   if (!event || !config_.image_size.contains(event->x, event->y)) {
+    view_.outside += event ? 1 : 0;
     ++dropped_;
     return;
   }
@@ -71,6 +81,30 @@ void EventTimeline::add_stamped(const EventPacket& packet, std::int64_t arrival_
   }
   const std::int64_t shift_us = sender_.to_local(newest_us, arrival_us) - newest_us;
   for (std::size_t i = first; i < events.size(); ++i) events[i].t_us += shift_us;
+}
+
+std::string CameraView::problem(ImageSize configured) const {
+  constexpr std::int64_t enough_events = 1000;
+  constexpr double most_outside = 0.02;  // a few words are garbled
+  constexpr double least_polarity = 0.02;
+  if (events < enough_events) return {};
+  const auto share = [&](std::int64_t count) {
+    return static_cast<double>(count) / static_cast<double>(events);
+  };
+  const auto percent = [&](std::int64_t count) {
+    return std::to_string(std::lround(100.0 * share(count))) + " %";
+  };
+  if (share(outside) > most_outside) {
+    return percent(outside) + " of the events lie outside " + in_words(configured) + " (largest x " +
+           std::to_string(max_x) + ", y " + std::to_string(max_y) + "): another camera, codec or swap_xy";
+  }
+  if (2 * (max_x + 1) <= configured.width && 2 * (max_y + 1) <= configured.height) {
+    return "the events fill " + in_words({max_x + 1, max_y + 1}) + " of " + in_words(configured) +
+           ": another camera or codec";
+  }
+  if (share(on) < least_polarity || share(on) > 1.0 - least_polarity)
+    return percent(on) + " of the events are ON: another codec";
+  return {};
 }
 
 }  // namespace saccade

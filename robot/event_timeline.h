@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/event.h"
@@ -20,8 +21,22 @@ struct EventTimelineConfig {
   bool swap_xy = false;
   bool flip_x = false;  ///< after swap_xy
   bool flip_y = false;
+  bool swap_polarity = false;
   std::optional<std::uint8_t> camera;       ///< of all events; none: the channel in each address word
   std::int64_t longest_spread_us = 10'000;  ///< > 0
+};
+
+/// What the events of a port show of its camera, to check a configuration by.
+struct CameraView {
+  std::int64_t events = 0;   ///< decoded, before they are checked
+  std::int64_t outside = 0;  ///< of them outside the configured image
+  std::int64_t on = 0;       ///< of them with polarity ON
+  int max_x = 0, max_y = 0;  ///< after swap_xy; flips have no effect
+
+  /// Compares them with the configuration: the events of an image of another size, or words of another codec, lie
+  /// outside it or in a part of it, and have one polarity. Says nothing before 1000 events. Returns what is wrong, empty
+  /// if nothing.
+  [[nodiscard]] std::string problem(ImageSize configured) const;
 };
 
 /// Makes time stamps non-decreasing: an event up to 5 ms behind the newest one gets the newest time stamp.
@@ -60,6 +75,7 @@ class EventTimeline {
 
   /// Events dropped so far: outside the image, from the skin sensors, or more than 5 ms behind earlier ones.
   [[nodiscard]] std::int64_t dropped() const { return dropped_; }
+  [[nodiscard]] const CameraView& view() const { return view_; }
 
  private:
   void take(const WireEvent& wire, std::int64_t t_us, std::vector<Event>& events);
@@ -72,6 +88,7 @@ class EventTimeline {
   ForwardOnly forward_;
   std::optional<std::int64_t> last_arrival_us_;
   std::int64_t dropped_ = 0;
+  CameraView view_;
 };
 
 }  // namespace saccade

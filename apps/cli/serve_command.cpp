@@ -23,6 +23,8 @@ void add_serve_command(CommandLine& line, const Registry& registry) {
       .show_default();
   command.option("--codec", options->codec, "Of their addresses: dvs_128, atis_20, atis_24 or ev2")
       .show_default();
+  command.flag("--swap-polarity", options->swap_polarity,
+               "ON and OFF exchanged, as the newest grabbers of event-driven have them");
   command.option("--state-period", options->state_period_ms, "Of the head's state ports, ms")
       .in_range(1.0, 100.0)
       .show_default();

@@ -37,11 +37,18 @@ std::unique_ptr<Robot> open_recording(const RecordingBackendConfig& config, cons
 std::unique_ptr<Robot> open_yarp(const YarpConfig& config, const RobotContext& context) {
   return std::make_unique<YarpRobot>(config, context.limits);
 }
-#else
-std::unique_ptr<Robot> open_yarp(const YarpConfig&, const RobotContext&) {
-  throw InputError("backend", "yarp",
-                   "recording: this build has no YARP; docs/robot.md describes how to install it");
+
+std::unique_ptr<HeadStopper> open_yarp_stopper(const YarpConfig& config, const RobotContext& context) {
+  return std::make_unique<YarpHeadStopper>(config, context.limits);
 }
+#else
+[[noreturn]] void refuse_yarp() {
+  throw InputError("backend", "yarp",
+                   "recording or practice: this build has no YARP; docs/robot.md describes how to install it");
+}
+
+std::unique_ptr<Robot> open_yarp(const YarpConfig&, const RobotContext&) { refuse_yarp(); }
+std::unique_ptr<HeadStopper> open_yarp_stopper(const YarpConfig&, const RobotContext&) { refuse_yarp(); }
 #endif
 
 std::unique_ptr<Robot> open_practice(const PracticeConfig& config, const RobotContext& context) {
@@ -65,7 +72,9 @@ BackendRegistry built_in_backends() {
                                        RecordingBackendConfig{}, open_recording);
   recording.required = {"path"};
   registry.add(std::move(recording));
-  registry.add(backend_row("yarp", "an iCub on a YARP network", YarpConfig{}, open_yarp));
+  RobotBackend yarp = backend_row("yarp", "an iCub on a YARP network", YarpConfig{}, open_yarp);
+  yarp.open_stopper = for_any_config<YarpConfig>(open_yarp_stopper);
+  registry.add(std::move(yarp));
   RobotBackend practice = backend_row("practice", "a head in shared memory that sees a ball, to practise with",
                                       PracticeConfig{}, open_practice);
   practice.open_stopper = for_any_config<PracticeConfig>(open_practice_stopper);

@@ -24,6 +24,7 @@ struct ServeOptions {
   std::string camera = "/zynqGrabber/AE:o";  ///< port of the events
   std::string format = "packet";             ///< PacketFormat of it
   std::string codec = "ev2";                 ///< AddressCodec of it
+  bool swap_polarity = false;                ///< ON and OFF exchanged
   double state_period_ms = 10.0;             ///< of the head's state ports
 };
 

@@ -63,7 +63,7 @@ ServedRobot::ServedRobot(const ServeOptions& options, const Scenario& scenario, 
             scenario.sim.both_eyes() ? scenario.right_calibration.camera : scenario.calibration.camera,
             state_of(robot).position_rad),
       camera_({options.camera, choice<PacketFormat>("--format", options.format, packet_format_names()),
-               choice<AddressCodec>("--codec", options.codec, address_codec_names()), 100'000}),
+               choice<AddressCodec>("--codec", options.codec, address_codec_names()), 100'000, options.swap_polarity}),
       head_({"/" + options.robot + "/head", names_of(head_joints), options.state_period_ms * 1e-3},
             board_of(robot.limits(), state_of(robot).position_rad, head_joints, true)),
       torso_({"/" + options.robot + "/torso", names_of(torso_motors), options.state_period_ms * 1e-3},
@@ -76,7 +76,8 @@ bool ServedRobot::has_client() {
 
 void ServedRobot::idle() {
   step_boards(state_of(robot_), 0.0);
-  camera_.send({}, robot_.now_us());
+  paused_us_ += World::tick_us;
+  camera_.send({}, robot_.now_us() + paused_us_);
   send_gaze_reports();
 }
 
@@ -85,7 +86,9 @@ void ServedRobot::on_tick(const Tick& tick) {
   t_us_ = tick.t_us;
   if (const auto reference_rad = gaze_.step(*tick.head, dt_s)) head_.drive(*reference_rad);
   robot_.command(step_boards(*tick.head, dt_s));
-  camera_.send(tick.events, tick.t_us);
+  shifted_.assign(tick.events.begin(), tick.events.end());
+  for (Event& event : shifted_) event.t_us += paused_us_;
+  camera_.send(shifted_, tick.t_us + paused_us_);
   events_ += static_cast<std::int64_t>(tick.events.size());
   send_gaze_reports();
   log_changes();

@@ -24,8 +24,6 @@
 namespace saccade {
 namespace {
 
-constexpr double name_server_timeout_s = 2.0;
-
 int vocab_of(JointMode mode) {
   switch (mode) {
     case JointMode::idle:
@@ -60,6 +58,7 @@ class YarpControlBoard::Device final : public yarp::dev::DeviceDriver,
         velocity_rad_s_(position_rad_),
         acceleration_rad_s2_(position_rad_),
         interaction_(names_.size(), yarp::dev::VOCAB_IM_STIFF),
+        mixed_(names_.size(), false),
         stamp_s_(yarp::os::Time::now()) {
     for (int j = 0; j < board.size(); ++j) position_rad_[j] = board.reference_rad(j);
   }
@@ -198,7 +197,8 @@ class YarpControlBoard::Device final : public yarp::dev::DeviceDriver,
   bool getControlMode(int j, int* mode) override {
     const std::scoped_lock lock(mutex_);
     if (!has(j)) return false;
-    *mode = vocab_of(board_.mode(j));
+    const bool mixed = mixed_[static_cast<std::size_t>(j)] && board_.mode(j) == JointMode::velocity;
+    *mode = mixed ? VOCAB_CM_MIXED : vocab_of(board_.mode(j));
     return true;
   }
   bool getControlModes(int* modes) override {
@@ -214,6 +214,14 @@ class YarpControlBoard::Device final : public yarp::dev::DeviceDriver,
   bool setControlMode(const int j, const int vocab) override {
     const std::scoped_lock lock(mutex_);
     if (!has(j)) return false;
+    // iKinGazeCtrl moves the eyes with velocities in mixed mode.
+    if (vocab == VOCAB_CM_MIXED) {
+      if (!board_.set_mode(j, JointMode::velocity)) return false;
+      mixed_[static_cast<std::size_t>(j)] = true;
+      ++use_.modes;
+      return true;
+    }
+    mixed_[static_cast<std::size_t>(j)] = false;
     for (const JointMode mode :
          {JointMode::idle, JointMode::position, JointMode::direct, JointMode::velocity}) {
       const bool asked = vocab == vocab_of(mode) || (mode == JointMode::idle && vocab == VOCAB_CM_FORCE_IDLE);
@@ -417,6 +425,7 @@ class YarpControlBoard::Device final : public yarp::dev::DeviceDriver,
   JointBoard board_;
   Eigen::VectorXd position_rad_, velocity_rad_s_, acceleration_rad_s2_;
   std::vector<yarp::dev::InteractionModeEnum> interaction_;
+  std::vector<bool> mixed_;  // in velocity mode, reported as mixed
   double stamp_s_;
   Use use_;
 };

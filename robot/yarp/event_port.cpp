@@ -15,8 +15,8 @@
 namespace saccade {
 namespace {
 
-constexpr std::int64_t least_duration_us = 1'000;  // a packet has to have one
-constexpr double name_server_timeout_s = 2.0;
+constexpr std::int64_t least_duration_us = 1;       // a packet has to have one
+constexpr std::int64_t noise_period_us = 20'000;
 constexpr std::uint32_t stamp_mask = (1U << 30) - 1;
 
 /// A whole message as it goes over the wire.
@@ -59,9 +59,9 @@ void YarpEventPort::send(std::span<const Event> events, std::int64_t now_us) {
   if (readers() == 0) {
     waiting_.clear();
     sent_us_ = now_us;
-  } else {
-    waiting_.insert(waiting_.end(), events.begin(), events.end());
+    return;
   }
+  waiting_.insert(waiting_.end(), events.begin(), events.end());
   if (port_->port.isWriting()) {
     if (waiting_.size() > config_.max_waiting) {
       const std::size_t excess = waiting_.size() - config_.max_waiting;
@@ -70,12 +70,16 @@ void YarpEventPort::send(std::span<const Event> events, std::int64_t now_us) {
     }
     return;
   }
-  // Events may be older than the last message: what the message covers begins with its first event.
-  const std::int64_t begin_us = waiting_.empty() ? sent_us_ : std::min(sent_us_, waiting_.front().t_us);
-  packet_.duration_us = std::max(now_us - begin_us, least_duration_us);
+  if (waiting_.empty()) {
+    if (now_us - sent_us_ < noise_period_us) return;
+    noise_on_ = !noise_on_;
+    waiting_.push_back({now_us, 0, 0, noise_on_, 0});
+  }
+  packet_.duration_us = std::max(now_us - sent_us_, least_duration_us);
   packet_.events.clear();
   const std::int64_t ns = tick_ns(config_.codec);
-  for (const Event& event : waiting_) {
+  for (Event event : waiting_) {
+    if (config_.swap_polarity) event.on = !event.on;
     const auto ticks = static_cast<std::uint64_t>(ticks_from_us(event.t_us, ns));
     packet_.events.push_back(
         {has_stamps(config_.format) ? static_cast<std::uint32_t>(ticks & stamp_mask) : 0U,

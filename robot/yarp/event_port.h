@@ -13,8 +13,10 @@
 namespace saccade {
 
 /// Serves an event camera on YARP like the grabber of event-driven: a port that sends the events since the last message in
-/// a PacketFormat, with the time of sending in the envelope. Messages without events are sent too, so that readers can see
-/// that the camera is connected.
+/// a PacketFormat, with the time of sending in the envelope. The durations of its messages follow each other without gaps
+/// or overlaps. A message has at least one event, since programs of event-driven fail on an empty one: while there are no
+/// events, one of the pixel (0, 0) is sent every 20 ms, ON and OFF in turn, like the noise of a sensor, so that readers can
+/// see that the camera is connected.
 ///
 /// A slow reader does not delay the sender: events wait for the next message, and above max_waiting the oldest are dropped
 /// and counted. Call it from one thread.
@@ -25,6 +27,7 @@ class YarpEventPort {
     PacketFormat format = PacketFormat::packet;
     AddressCodec codec = AddressCodec::ev2;
     std::size_t max_waiting = 100'000;  ///< events
+    bool swap_polarity = false;         ///< ON and OFF exchanged, as the newest grabbers of event-driven have them
   };
   /// Throws RunError if YARP cannot open the port: no name server, or the name is in use.
   explicit YarpEventPort(const Config& config);
@@ -47,6 +50,7 @@ class YarpEventPort {
   std::vector<Event> waiting_;
   EventPacket packet_;
   std::int64_t sent_us_ = 0;  ///< on the events' clock
+  bool noise_on_ = false;  ///< polarity of the next noise event
   std::int64_t messages_ = 0;
   std::int64_t dropped_ = 0;
 };

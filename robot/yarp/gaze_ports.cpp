@@ -18,8 +18,6 @@
 namespace saccade {
 namespace {
 
-constexpr double name_server_timeout_s = 2.0;
-
 /// What a port says, as the request that means the same.
 class Look final : public yarp::os::TypedReaderCallback<yarp::os::Bottle> {
  public:

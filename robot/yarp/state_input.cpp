@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <span>
 #include <string_view>
 #include <utility>
 
 #include "core/error.h"
+#include "robot/number_list.h"
 #include "robot/yarp/yarp_network.h"
 
 namespace saccade {
@@ -40,32 +42,40 @@ StateInput::~StateInput() {
   port_.close();
 }
 
-StateInput::State StateInput::state() const {
-  const std::lock_guard lock(mutex_);
-  return state_;
-}
-
 bool StateInput::read(yarp::os::ConnectionReader& reader) {
   if (!reader.isValid()) return false;
+  std::array<std::byte, longest_number_list> bytes;
+  const std::size_t size = reader.getSize();
+  if (reader.isTextMode() || size > bytes.size() || reader.getRemoteContact().getName() != remote_) {
+    ++discarded_;
+    return false;  // YARP closes the connection
+  }
+  if (!reader.expectBlock(reinterpret_cast<char*>(bytes.data()), size)) return false;
+  std::array<double, most_values> value{};
+  int length = 0;
+  if (!read_number_list(std::span(bytes).first(size), value, length).empty()) {
+    ++discarded_;
+    return true;
+  }
   const std::lock_guard lock(mutex_);
-  if (!message_.read(reader)) return false;
+  State state = state_.read();
   const std::int64_t arrival_us = clock_.now_us();
   const auto sent = sent_us(reader);
-  const int count = static_cast<int>(std::min<std::size_t>(message_.size(), most_values));
+  const int count = std::min(length, most_values);
   const std::int64_t t_us = sent ? sender_.to_local(*sent, arrival_us) : arrival_us;
   const std::int64_t step_us =
-      sent && last_sent_us_ ? *sent - *last_sent_us_ : std::max<std::int64_t>(t_us - state_.t_us, 0);
+      sent && last_sent_us_ ? *sent - *last_sent_us_ : std::max<std::int64_t>(t_us - state.t_us, 0);
   last_sent_us_ = sent;
-  if (state_.count > 0 && step_us <= 0) return true;  // the same reading again, or one from before
+  if (state.count > 0 && step_us <= 0) return true;  // the same reading again, or one from before
   for (int i = 0; i < count; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    const double value = message_.get(at).asFloat64();
-    state_.rate[at] =
-        i < state_.count ? (value - state_.value[at]) * 1e6 / static_cast<double>(step_us) : 0.0;
-    state_.value[at] = value;
+    state.rate[at] =
+        i < state.count ? (value[at] - state.value[at]) * 1e6 / static_cast<double>(step_us) : 0.0;
+    state.value[at] = value[at];
   }
-  state_.count = count;
-  state_.t_us = std::max(state_.t_us, t_us);
+  state.count = count;
+  state.t_us = std::max(state.t_us, t_us);
+  state_.write(state);
   return true;
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <yarp/os/Bottle.h>
 #include <yarp/os/Port.h>
 #include <yarp/os/PortReader.h>
 #include <yarp/os/PortReport.h>
@@ -12,16 +11,22 @@
 #include <optional>
 #include <string>
 
+#include "robot/newest.h"
 #include "robot/sender_clock.h"
 #include "robot/steady_clock.h"
 
 namespace saccade {
 
+/// Age below which a reading counts as new in start-up checks.
+inline constexpr std::int64_t fresh_us = 200'000;
+
 /// The time of sending from the envelope of the current message, us on the clock of the sender. None without an envelope,
 /// or if the time is 0, as from devices without a clock.
 [[nodiscard]] std::optional<std::int64_t> sent_us(yarp::os::ConnectionReader& reader);
 
-/// An input port for a stream of a few numbers from the robot. Stores the newest message.
+/// An input port for a stream of a few numbers from the robot. Stores the newest message of `remote`; messages of other
+/// senders, and those that are not a short list of numbers, are counted and discarded. A message that does not end, or
+/// that claims a false count, has no effect on who reads the state.
 class StateInput final : private yarp::os::PortReader, private yarp::os::PortReport {
  public:
   static constexpr int most_values = 12;
@@ -43,9 +48,11 @@ class StateInput final : private yarp::os::PortReader, private yarp::os::PortRep
 
   [[nodiscard]] const std::string& remote() const { return remote_; }
   /// The newest message; count is 0 before the first.
-  [[nodiscard]] State state() const;
+  [[nodiscard]] State state() const { return state_.read(); }
   /// True if the connection was never made, or is closed.
   [[nodiscard]] bool lost() const { return lost_; }
+  /// Messages discarded so far.
+  [[nodiscard]] std::int64_t discarded() const { return discarded_; }
 
  private:
   bool read(yarp::os::ConnectionReader& reader) override;
@@ -55,11 +62,11 @@ class StateInput final : private yarp::os::PortReader, private yarp::os::PortRep
   const SteadyClock& clock_;
   yarp::os::Port port_;
   std::atomic<bool> lost_ = false;
-  yarp::os::Bottle message_;
-  mutable std::mutex mutex_;
+  std::atomic<std::int64_t> discarded_ = 0;
+  Newest<State> state_;
+  std::mutex mutex_;  // of the threads of YARP, each with a whole message: of what follows
   SenderClock sender_;
   std::optional<std::int64_t> last_sent_us_;
-  State state_;
 };
 
 }  // namespace saccade

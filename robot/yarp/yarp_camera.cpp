@@ -14,7 +14,7 @@
 namespace saccade {
 namespace {
 
-constexpr std::size_t longest_message = 64 << 20;  // bytes
+constexpr std::size_t longest_message = 4 << 20;  // bytes: half a million events
 
 }  // namespace
 
@@ -47,29 +47,47 @@ std::string EventInput::problem() const {
 
 bool EventInput::read(yarp::os::ConnectionReader& reader) {
   if (!reader.isValid()) return false;
-  const std::lock_guard lock(mutex_);
   const std::size_t size = reader.getSize();
-  if (reader.isTextMode() || size > longest_message) {
-    problem_ = reader.isTextMode() ? "a message in text" : "a message of more than 64 MB";
-    ++unreadable_;
+  std::string_view problem;
+  if (reader.getRemoteContact().getName() != remote_) {
+    ++strangers_;
+    return false;  // YARP closes the connection
+  }
+  if (reader.isTextMode()) problem = "a message in text";
+  if (size > longest_message) problem = "a message of more than 4 MB";
+  if (!problem.empty()) {
+    note(problem);
     return false;
   }
+  const std::lock_guard reading(reading_mutex_);  // of YARP's threads alone
   message_.resize(size);
   if (!reader.expectBlock(reinterpret_cast<char*>(message_.data()), size)) return false;
   const std::int64_t arrival_us = clock_.now_us();
-  const std::string_view problem = read_packet(message_, format_, packet_);
+  problem = read_packet(message_, format_, packet_);
   if (!problem.empty()) {
-    problem_ = problem;
-    ++unreadable_;
+    note(problem);
     return true;
   }
   events_.clear();
   timeline_.add(packet_, sent_us(reader), arrival_us, events_);
   queue_.push(events_);
   dropped_ = timeline_.dropped();
+  const std::lock_guard lock(mutex_);
+  view_ = timeline_.view();
   ++packets_;
   heard_us_ = arrival_us;
   return true;
+}
+
+CameraView EventInput::view() const {
+  const std::lock_guard lock(mutex_);
+  return view_;
+}
+
+void EventInput::note(std::string_view problem) {
+  const std::lock_guard lock(mutex_);
+  problem_ = problem;
+  ++unreadable_;
 }
 
 void EventInput::report(const yarp::os::PortInfo& info) {

@@ -40,10 +40,15 @@ class EventInput final : private yarp::os::PortReader, private yarp::os::PortRep
   /// Number of unreadable messages so far, and the error in the last one.
   [[nodiscard]] std::int64_t unreadable() const { return unreadable_; }
   [[nodiscard]] std::string problem() const;
+  /// Messages of other senders than `remote`, which are discarded.
+  [[nodiscard]] std::int64_t strangers() const { return strangers_; }
+  /// What the events so far show of the camera.
+  [[nodiscard]] CameraView view() const;
 
  private:
   bool read(yarp::os::ConnectionReader& reader) override;
   void report(const yarp::os::PortInfo& info) override;
+  void note(std::string_view problem);
 
   std::string remote_;
   PacketFormat format_;
@@ -55,12 +60,15 @@ class EventInput final : private yarp::os::PortReader, private yarp::os::PortRep
   std::atomic<std::int64_t> packets_ = 0;
   std::atomic<std::int64_t> dropped_ = 0;
   std::atomic<std::int64_t> unreadable_ = 0;
-  mutable std::mutex mutex_;  // of what follows
+  std::atomic<std::int64_t> strangers_ = 0;
+  std::mutex reading_mutex_;  // of what follows, which YARP's threads alone use
   EventTimeline timeline_;
   std::vector<std::byte> message_;
   EventPacket packet_;
   std::vector<Event> events_;
+  mutable std::mutex mutex_;  // of what follows; the tick does not need it
   std::string_view problem_;
+  CameraView view_;
 };
 
 /// The event camera of the left eye, or of both eyes. Events of two ports are merged. An event up to 5 ms behind the

@@ -42,6 +42,8 @@ void describe_camera(FieldVisitor& v, YarpCameraConfig& config) {
   v.boolean("swap_xy", config.swap_xy, "whether x and y are exchanged (DVS of 2016: swap_xy and flip_y)");
   v.boolean("flip_x", config.flip_x, "whether x is mirrored, after swap_xy");
   v.boolean("flip_y", config.flip_y, "whether y is mirrored, after swap_xy");
+  v.boolean("swap_polarity", config.swap_polarity,
+            "whether ON and OFF are exchanged (event-driven's newest grabbers: 1 means darker)");
   v.integer("queue_events", config.queue_events, {1000, 1e7},
             "length of the queue of an eye; the oldest events beyond it are dropped");
   const auto codec = address_codec(config.codec);
@@ -85,6 +87,11 @@ void describe(FieldVisitor& v, YarpConfig& config) {
       "the robot's gaze controller (iKinGazeCtrl), with head.control: gaze");
 }
 
+std::string head_name(const YarpConfig& config) {
+  if (config.head.control == "none") return {};
+  return config.head.control == "gaze" ? config.gaze_server.name : config.head.part;
+}
+
 EventTimelineConfig timeline_config(const YarpCameraConfig& config) {
   EventTimelineConfig timeline;
   timeline.image_size = {static_cast<int>(config.width_px), static_cast<int>(config.height_px)};
@@ -94,6 +101,7 @@ EventTimelineConfig timeline_config(const YarpCameraConfig& config) {
   timeline.swap_xy = config.swap_xy;
   timeline.flip_x = config.flip_x;
   timeline.flip_y = config.flip_y;
+  timeline.swap_polarity = config.swap_polarity;
   return timeline;
 }
 

@@ -21,6 +21,7 @@ struct YarpCameraConfig {
   bool swap_xy = false;
   bool flip_x = false;
   bool flip_y = false;
+  bool swap_polarity = false;
   std::int64_t queue_events = 100'000;
 };
 
@@ -54,7 +55,7 @@ struct YarpConfig {
 };
 
 /// Keys: local, timeout_s, camera.{port, right_port, carrier, format, codec, stamp_bits, width_px, height_px, swap_xy,
-/// flip_x, flip_y, queue_events}, head.{control, part, torso_part, carrier}, gaze_server.{name, target_interval_ms,
+/// flip_x, flip_y, swap_polarity, queue_events}, head.{control, part, torso_part, carrier}, gaze_server.{name, target_interval_ms,
 /// neck_time_s, eyes_time_s, tracking, saccades, bind_roll}.
 void describe(FieldVisitor& v, YarpConfig& config);
 
@@ -62,6 +63,9 @@ void describe(FieldVisitor& v, YarpConfig& config);
 [[nodiscard]] inline bool has_gaze_controller(const YarpConfig& config) {
   return config.head.control == "gaze";
 }
+
+/// The part or gaze controller that moves the head; empty with `head.control: none`.
+[[nodiscard]] std::string head_name(const YarpConfig& config);
 
 [[nodiscard]] EventTimelineConfig timeline_config(const YarpCameraConfig& config);
 

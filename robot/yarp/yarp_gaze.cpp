@@ -15,7 +15,6 @@
 namespace saccade {
 namespace {
 
-constexpr std::int64_t fresh_us = 200'000;
 
 }  // namespace
 
@@ -45,11 +44,8 @@ YarpGaze::YarpGaze(const YarpConfig& config, const JointLimits& limits, const St
 
 YarpGaze::~YarpGaze() {
   release();
-  {
-    const std::lock_guard lock(mutex_);
-    ending_ = true;
-  }
-  wake_.notify_all();
+  ending_ = true;
+  stop_wanted_.release();
   stopper_.join();
   targets_.interrupt();
   targets_.close();
@@ -69,7 +65,7 @@ void YarpGaze::report(const yarp::os::PortInfo& info) {
 
 PortStatus YarpGaze::look_at(const Eigen::Vector3d& target_m) {
   if (is_lost()) return PortStatus::lost;
-  if (!active_ || !target_m.allFinite()) return PortStatus::ok;
+  if (!active_ || halted_ || !target_m.allFinite()) return PortStatus::ok;
   waiting_m_ = target_m;
   flush();
   return PortStatus::ok;
@@ -77,6 +73,7 @@ PortStatus YarpGaze::look_at(const Eigen::Vector3d& target_m) {
 
 void YarpGaze::flush() {
   const std::int64_t now_us = clock_.now_us();
+  if (halted_) waiting_m_.reset();
   if (!waiting_m_ || static_cast<double>(now_us - sent_us_) < config_.target_interval_ms * 1e3) return;
   yarp::os::Bottle& message = targets_.prepare();
   message.clear();
@@ -90,24 +87,22 @@ PortStatus YarpGaze::stop() {
   if (is_lost()) return PortStatus::lost;
   if (!active_) return PortStatus::ok;
   waiting_m_.reset();
-  {
-    const std::lock_guard lock(mutex_);
-    stop_wanted_ = true;
-  }
-  wake_.notify_all();
+  stop_wanted_.release();
   return PortStatus::ok;
 }
 
+void YarpGaze::halt() {
+  halted_ = true;
+  stop_wanted_.release();
+}
+
 void YarpGaze::stop_when_told() {
-  std::unique_lock lock(mutex_);
   for (;;) {
-    wake_.wait(lock, [this] { return stop_wanted_ || ending_; });
+    stop_wanted_.acquire();
+    while (stop_wanted_.try_acquire()) {
+    }
     if (ending_) return;
-    lock.unlock();
     (void)ask("stop");
-    lock.lock();
-    stop_wanted_ = false;
-    wake_.notify_all();
   }
 }
 
@@ -158,6 +153,7 @@ void YarpGaze::activate() {
   const auto context = ask("stor");
   if (!context) throw RunError("the gaze controller " + config_.name + " does not store its settings (stor)");
   context_ = context->get(0).asInt32();
+  halted_ = false;
   active_ = true;
   const std::string refused = settings_refused();
   if (refused.empty()) return;
@@ -173,7 +169,7 @@ void YarpGaze::release() {
   (void)ask("stop");
   const std::string id = std::to_string(*context_);
   (void)ask("rest " + id);
-  (void)ask("dele " + id);
+  (void)ask("del " + id);
 }
 
 std::vector<StartUpCheck> YarpGaze::check() {

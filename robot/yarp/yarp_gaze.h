@@ -6,11 +6,11 @@
 #include <yarp/os/RpcClient.h>
 
 #include <atomic>
-#include <condition_variable>
 #include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <semaphore>
 #include <string>
 #include <thread>
 #include <vector>
@@ -43,12 +43,16 @@ class YarpGaze final : public GazePort, public HeadPort, private yarp::os::PortR
   [[nodiscard]] std::vector<StartUpCheck> check();
   void activate();
   void release();
+  /// Robot::halt.
+  void halt();
+  /// HeadStopper::stop.
+  [[nodiscard]] bool take_over() { return ask("stop").has_value(); }
+  [[nodiscard]] bool is_lost();
 
  private:
   /// The answer after [ack]; none for [nack] or without an answer in time.
   [[nodiscard]] std::optional<yarp::os::Bottle> ask(const std::string& request);
   [[nodiscard]] std::string settings_refused();
-  [[nodiscard]] bool is_lost();
   void report(const yarp::os::PortInfo& info) override;
   void stop_when_told();
 
@@ -64,10 +68,9 @@ class YarpGaze final : public GazePort, public HeadPort, private yarp::os::PortR
   std::optional<Eigen::Vector3d> waiting_m_;
   std::int64_t sent_us_;
   std::mutex ask_mutex_;  // one request at a time
-  std::mutex mutex_;      // of what follows
-  std::condition_variable wake_;
-  bool stop_wanted_ = false;
-  bool ending_ = false;
+  std::counting_semaphore<> stop_wanted_{0};
+  std::atomic<bool> halted_ = false;
+  std::atomic<bool> ending_ = false;
   std::thread stopper_;
 };
 

@@ -14,16 +14,15 @@
 
 #include "core/error.h"
 #include "core/units.h"
+#include "robot/head_limits.h"
 
 namespace saccade {
 namespace {
 
-constexpr double limit_tolerance_deg = 0.01;
-constexpr std::int64_t fresh_us = 200'000;
 constexpr int longest_first_state_ms = 1000;
 constexpr int repeats = 3;
-constexpr std::int64_t repeat_after_us = 3'000;
-constexpr auto repeat_period = std::chrono::milliseconds(3);
+constexpr auto repeat_after = std::chrono::milliseconds(3);
+constexpr auto report_period = std::chrono::milliseconds(5);
 
 constexpr std::array<int, head_joint_count> axes = {0, 1, 2, 3, 4, 5};
 
@@ -39,7 +38,23 @@ std::string text(const std::array<int, head_joint_count>& modes) {
   return text;
 }
 
-std::string text(double value_deg) { return text_of(std::round(value_deg * 100.0) / 100.0); }
+JointDrive drive_of(int mode) {
+  switch (mode) {
+    case VOCAB_CM_POSITION_DIRECT:
+      return JointDrive::references;
+    case VOCAB_CM_IDLE:
+    case VOCAB_CM_FORCE_IDLE:
+    case VOCAB_CM_NOT_CONFIGURED:
+    case VOCAB_CM_CONFIGURED:
+      return JointDrive::off;
+    case VOCAB_CM_HW_FAULT:
+      return JointDrive::fault;
+    case VOCAB_CM_UNKNOWN:
+      return JointDrive::unknown;
+    default:
+      return JointDrive::held;
+  }
+}
 
 }  // namespace
 
@@ -93,7 +108,6 @@ YarpHead::YarpHead(const YarpConfig& config, const JointLimits& limits, const St
     : part_(config.head.part),
       timeout_s_(config.timeout_s),
       clock_(clock),
-      ours_(limits),
       limits_(limits),
       state_input_(config.local + "/head/state:i", config.head.part + "/state:o", config.head.carrier,
                    config.timeout_s, clock),
@@ -103,23 +117,33 @@ YarpHead::YarpHead(const YarpConfig& config, const JointLimits& limits, const St
     board_ = nullptr;
     return;
   }
+  JointLimits robots = limits;
   for (int i = 0; i < head_joint_count; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    double& min_rad = limits_.min_rad[torso_joint_count + i];
-    double& max_rad = limits_.max_rad[torso_joint_count + i];
-    min_rad = std::max(min_rad, board_->limits_deg[0][at] * rad_per_deg);
-    max_rad = std::min(max_rad, board_->limits_deg[1][at] * rad_per_deg);
+    robots.min_rad[torso_joint_count + i] = board_->limits_deg[0][at] * rad_per_deg;
+    robots.max_rad[torso_joint_count + i] = board_->limits_deg[1][at] * rad_per_deg;
   }
+  const CommonLimits common = common_limits(limits, robots);
+  limits_ = common.limits;
+  limits_check_ = common.check;
   commands_ = std::make_unique<OutputWatch>(config.local + "/head/command:o", part_ + "/command:i");
   const std::int64_t until_us = clock_.now_us() + std::llround(config.timeout_s * 1e6);
   while (state_input_.state().count == 0 && clock_.now_us() < until_us) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   if (state_input_.state().count < head_joint_count) lost_ = true;
-  repeater_ = std::make_unique<Periodic>(repeat_period, [this] { send_again(); });
+  read_reports();
+  reporter_ = std::make_unique<Periodic>(report_period, [this] { read_reports(); });
+  sender_ = std::thread([this] { send_references(); });
 }
 
-YarpHead::~YarpHead() { release(); }
+YarpHead::~YarpHead() {
+  release();
+  if (!sender_.joinable()) return;
+  sends_ = false;
+  to_send_.release();
+  sender_.join();
+}
 
 bool YarpHead::open_board(const YarpConfig& config) {
   board_ = std::make_shared<Board>();
@@ -149,67 +173,120 @@ bool YarpHead::open_board(const YarpConfig& config) {
 }
 
 bool YarpHead::is_lost() {
-  lost_ = lost_ || state_input_.lost() || torso_.lost() || (commands_ != nullptr && commands_->lost());
+  if (state_input_.lost() || torso_.lost() || (commands_ != nullptr && commands_->lost())) lost_ = true;
   return lost_;
+}
+
+void YarpHead::read_reports() {
+  Reports reports;
+  std::array<double, StateInput::most_values> speed_deg_s{};
+  reports.has_speeds =
+      board_->axes <= StateInput::most_values && board_->encoders->getEncoderSpeeds(speed_deg_s.data());
+  std::copy_n(speed_deg_s.begin(), head_joint_count, reports.speed_deg_s.begin());
+  if (const auto found = modes()) {
+    reports.modes = *found;
+    reports.has_modes = true;
+  }
+  reports_.write(reports);
 }
 
 PortStatus YarpHead::read(HeadState& state) {
   if (is_lost()) return PortStatus::lost;
   const StateInput::State joints = state_input_.state();
-  Degrees speed_deg{};
+  const Reports reports = reports_.read();
   state = HeadState{};
   state.t_us = joints.t_us;
-  std::array<double, StateInput::most_values> board_speed{};
-  const bool has_speeds =
-      board_->axes <= StateInput::most_values && board_->encoders->getEncoderSpeeds(board_speed.data());
-  std::copy_n((has_speeds ? board_speed : joints.rate).begin(), head_joint_count, speed_deg.begin());
   for (int i = 0; i < head_joint_count; ++i) {
     const auto at = static_cast<std::size_t>(i);
     state.position_rad[torso_joint_count + i] = joints.value[at] * rad_per_deg;
-    state.velocity_rad_s[torso_joint_count + i] = speed_deg[at] * rad_per_deg;
+    state.velocity_rad_s[torso_joint_count + i] =
+        (reports.has_speeds ? reports.speed_deg_s[at] : joints.rate[at]) * rad_per_deg;
   }
   torso_.read(state);
-  stop_reference_.update(state);
   return PortStatus::ok;
 }
 
-void YarpHead::send(const HeadCommand& reference_rad) {
-  const std::lock_guard lock(send_mutex_);
-  for (int i = 0; i < head_joint_count; ++i) {
-    sent_deg_[static_cast<std::size_t>(i)] = reference_rad[i] / rad_per_deg;
-  }
-  board_->references->setPositions(head_joint_count, axes.data(), sent_deg_.data());
-  sent_us_ = clock_.now_us();
-  repeats_left_ = repeats;
+HeadDrives YarpHead::drives() const {
+  const Reports reports = reports_.read();
+  HeadDrives drives;
+  for (std::size_t i = 0; i < drives.joints.size(); ++i)
+    drives.joints[i] = reports.has_modes ? drive_of(reports.modes[i]) : JointDrive::unknown;
+  return drives;
 }
 
-void YarpHead::send_again() {
-  const std::lock_guard lock(send_mutex_);
-  if (repeats_left_ == 0 || clock_.now_us() < sent_us_ + repeat_after_us) return;
-  board_->references->setPositions(head_joint_count, axes.data(), sent_deg_.data());
-  --repeats_left_;
+void YarpHead::set_positions(const Degrees& reference_deg) const {
+  board_->references->setPositions(head_joint_count, axes.data(), reference_deg.data());
+}
+
+void YarpHead::send_references() {
+  int repeats_left = 0;
+  for (;;) {
+    const bool is_new = repeats_left > 0 ? to_send_.try_acquire_for(repeat_after) : (to_send_.acquire(), true);
+    if (!sends_) return;
+    if (is_new) {
+      while (to_send_.try_acquire()) {
+      }
+      repeats_left = repeats;
+    } else {
+      --repeats_left;
+      if (!repeats_) continue;
+    }
+    set_positions(halted_ ? halt_deg_.read() : reference_deg_.read());
+  }
+}
+
+void YarpHead::send(const HeadCommand& reference_rad) {
+  Degrees reference_deg;
+  for (int i = 0; i < head_joint_count; ++i)
+    reference_deg[static_cast<std::size_t>(i)] = reference_rad[i] / rad_per_deg;
+  reference_deg_.write(reference_deg);
+  to_send_.release();
 }
 
 HeadPort::CommandResult YarpHead::command(const HeadCommand& reference_rad) {
   if (is_lost()) return {PortStatus::lost, false};
-  if (!active_ || !is_allowed(reference_rad, limits_)) return {PortStatus::ok, true};
+  if (!active_ || halted_ || !is_allowed(reference_rad, limits_)) return {PortStatus::ok, true};
   send(reference_rad);
   return {};
 }
 
+/// The newest positions, inside the limits; while an encoder fails, its joint stops at its newest reference.
+std::optional<HeadCommand> YarpHead::stop_reference() const {
+  const StateInput::State joints = state_input_.state();
+  const Degrees reference_deg = reference_deg_.read();
+  HeadCommand reference_rad;
+  for (int i = 0; i < head_joint_count; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const bool is_read = joints.count > i && std::isfinite(joints.value[at]);
+    if (!is_read && reference_deg_.count() < 2) return std::nullopt;  // nothing was sent
+    reference_rad[i] = (is_read ? joints.value[at] : reference_deg[at]) * rad_per_deg;
+  }
+  return reference_rad.cwiseMax(limits_.min_rad.tail<head_joint_count>())
+      .cwiseMin(limits_.max_rad.tail<head_joint_count>());
+}
+
 PortStatus YarpHead::stop() {
   if (is_lost()) return PortStatus::lost;
-  if (!active_) return PortStatus::ok;
-  HeadState state;
-  if (read(state) != PortStatus::ok) return PortStatus::lost;
-  // While an encoder fails, the head stops at its last finite position.
-  const auto reference_rad = stop_reference_.reference_rad(limits_);
+  if (!active_ || halted_) return PortStatus::ok;
+  const auto reference_rad = stop_reference();
   if (!reference_rad) {
     lost_ = true;
     return PortStatus::lost;
   }
   send(*reference_rad);
   return PortStatus::ok;
+}
+
+void YarpHead::halt() {
+  if (board_ == nullptr) return;
+  if (const auto reference_rad = stop_reference()) {
+    Degrees reference_deg;
+    for (int i = 0; i < head_joint_count; ++i)
+      reference_deg[static_cast<std::size_t>(i)] = (*reference_rad)[i] / rad_per_deg;
+    halt_deg_.write(reference_deg);
+    halted_ = true;
+  }
+  to_send_.release();
 }
 
 std::optional<YarpHead::Modes> YarpHead::modes() const {
@@ -220,13 +297,27 @@ std::optional<YarpHead::Modes> YarpHead::modes() const {
   return modes;
 }
 
-bool YarpHead::set_modes(const Modes& modes) const {
-  const bool asked = answered_within(timeout_s_, [board = board_, wanted = Modes(modes)]() mutable {
-    return board->modes->setControlModes(head_joint_count, axes.data(), wanted.data());
+bool YarpHead::set_modes(const Modes& now, const Modes& wanted) const {
+  std::vector<int> joints;
+  std::vector<int> values;
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    if (now[i] == wanted[i]) continue;
+    joints.push_back(static_cast<int>(i));
+    values.push_back(wanted[i]);
+  }
+  if (joints.empty()) return true;
+  const bool asked = answered_within(timeout_s_, [board = board_, joints, values]() mutable {
+    return board->modes->setControlModes(static_cast<int>(joints.size()), joints.data(), values.data());
   });
   if (!asked) return false;
   const std::int64_t until_us = clock_.now_us() + std::llround(timeout_s_ * 1e6);
-  while (this->modes() != modes) {
+  const auto reached = [&] {
+    const auto found = modes();
+    return found && std::ranges::all_of(joints, [&](int joint) {
+             return (*found)[static_cast<std::size_t>(joint)] == wanted[static_cast<std::size_t>(joint)];
+           });
+  };
+  while (!reached()) {
     if (clock_.now_us() > until_us) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
@@ -244,10 +335,14 @@ void YarpHead::activate() {
   found_modes_ = *found;
   Modes direct;
   direct.fill(VOCAB_CM_POSITION_DIRECT);
-  if (!set_modes(direct)) {
-    (void)set_modes(found_modes_);
+  if (!set_modes(*found, direct)) {
+    active_ = true;
+    release();
     throw RunError("the head " + part_ + " does not change to position-direct mode");
   }
+  read_reports();
+  halted_ = false;
+  repeats_ = true;
   active_ = true;
   stop();
 }
@@ -256,31 +351,34 @@ void YarpHead::release() {
   if (!active_) return;
   stop();
   active_ = false;
-  {
-    const std::lock_guard lock(send_mutex_);
-    repeats_left_ = 0;
+  repeats_ = false;
+  if (state_input_.lost()) return;
+  const auto now = modes();
+  if (!now) return;
+  Modes wanted = *now;
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    // A joint that somebody switched off, or moves, meanwhile stays as it is.
+    if (wanted[i] == VOCAB_CM_POSITION_DIRECT) wanted[i] = found_modes_[i];
   }
-  if (!state_input_.lost()) (void)set_modes(found_modes_);
+  (void)set_modes(*now, wanted);
 }
 
-StartUpCheck YarpHead::limits_check() const {
-  std::string found;
-  bool passed = true;
-  for (int i = 0; i < head_joint_count; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    const int joint = torso_joint_count + i;
-    const double ours_deg[2] = {ours_.min_rad[joint] / rad_per_deg, ours_.max_rad[joint] / rad_per_deg};
-    const double robot_deg[2] = {board_->limits_deg[0][at], board_->limits_deg[1][at]};
-    if (robot_deg[0] >= ours_deg[0] - limit_tolerance_deg &&
-        robot_deg[1] <= ours_deg[1] + limit_tolerance_deg) {
-      continue;
-    }
-    passed = false;
-    found += (found.empty() ? "" : ", ") + std::string(joint_names[static_cast<std::size_t>(joint)]) + " " +
-             text(robot_deg[0]) + " to " + text(robot_deg[1]) + ", ours " + text(ours_deg[0]) + " to " +
-             text(ours_deg[1]);
+bool YarpHead::take_over() {
+  if (is_lost()) return false;
+  const auto now = modes();
+  const auto reference_rad = stop_reference();
+  if (!now) return false;
+  if (reference_rad) {
+    Degrees reference_deg;
+    for (int i = 0; i < head_joint_count; ++i)
+      reference_deg[static_cast<std::size_t>(i)] = (*reference_rad)[i] / rad_per_deg;
+    set_positions(reference_deg);
   }
-  return {"limits of the robot within the configured ones, deg", passed, passed ? "they are" : found};
+  Modes wanted = *now;
+  for (int& mode : wanted) {
+    if (mode == VOCAB_CM_POSITION_DIRECT) mode = VOCAB_CM_POSITION;
+  }
+  return set_modes(*now, wanted);
 }
 
 std::vector<StartUpCheck> YarpHead::check() {
@@ -302,7 +400,7 @@ std::vector<StartUpCheck> YarpHead::check() {
     checks.push_back({"joints are read", read_it && is_finite(state) && age_us < fresh_us,
                       "newest reading " + std::to_string(age_us / 1000) + " ms old" +
                           (is_finite(state) ? "" : ", not finite")});
-    checks.push_back(limits_check());
+    checks.push_back(limits_check_);
   }
   for (StartUpCheck& check : torso_.check()) checks.push_back(std::move(check));
   return checks;

@@ -7,17 +7,19 @@
 #include <yarp/dev/PolyDriver.h>
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
+#include <semaphore>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include "robot/newest.h"
 #include "robot/robot.h"
 #include "robot/steady_clock.h"
-#include "robot/stop_reference.h"
 #include "robot/yarp/state_input.h"
 #include "robot/yarp/yarp_config.h"
 #include "robot/yarp/yarp_network.h"
@@ -44,21 +46,31 @@ class TorsoInput {
 
 /// Controls the six head joints through their control board. Converts between degrees and radians.
 ///
-/// YARP drops a message without notice while the previous one is still being sent. So the last references are sent three
-/// more times if no others follow within 3 ms. This way a stop command arrives.
+/// read(), drives(), command(), stop() and halt() use memory alone: threads of this class exchange it with YARP, so that
+/// none of them waits for the network or for a lock. One thread sends the newest reference at once; YARP drops a message
+/// without notice while the previous one is still being sent, so the last reference is sent three more times if no other
+/// follows within 3 ms. This way a stop command arrives. Another thread reads speeds and modes of the joints every 5 ms.
 class YarpHead final : public HeadPort {
  public:
   YarpHead(const YarpConfig& config, const JointLimits& limits, const SteadyClock& clock);
   ~YarpHead() override;
+  YarpHead(const YarpHead&) = delete;
+  YarpHead& operator=(const YarpHead&) = delete;
 
   [[nodiscard]] JointLimits limits() const override { return limits_; }
   PortStatus read(HeadState& state) override;
+  [[nodiscard]] HeadDrives drives() const override;
   CommandResult command(const HeadCommand& reference_rad) override;
   PortStatus stop() override;
 
   [[nodiscard]] std::vector<StartUpCheck> check();
   void activate();
   void release();
+  /// Robot::halt.
+  void halt();
+  /// HeadStopper::stop: the joints in position-direct mode hold, and change to position mode.
+  [[nodiscard]] bool take_over();
+  [[nodiscard]] bool is_lost();
 
  private:
   using Modes = std::array<int, head_joint_count>;
@@ -76,33 +88,46 @@ class YarpHead final : public HeadPort {
     std::array<Degrees, 2> limits_deg{};
   };
 
+  /// What the board streams of its joints besides positions.
+  struct Reports {
+    Degrees speed_deg_s{};
+    bool has_speeds = false;
+    Modes modes{};
+    bool has_modes = false;
+  };
+
   [[nodiscard]] bool open_board(const YarpConfig& config);
-  [[nodiscard]] bool is_lost();
+  void read_reports();
   /// The modes as the board streams them; none if it does not.
   [[nodiscard]] std::optional<Modes> modes() const;
-  [[nodiscard]] bool set_modes(const Modes& modes) const;
+  /// Sets the mode of the joints at which `wanted` differs from `now`, and of no others.
+  [[nodiscard]] bool set_modes(const Modes& now, const Modes& wanted) const;
   void send(const HeadCommand& reference_rad);
-  void send_again();
-  [[nodiscard]] StartUpCheck limits_check() const;
+  void send_references();
+  void set_positions(const Degrees& reference_deg) const;
+  [[nodiscard]] std::optional<HeadCommand> stop_reference() const;
 
   std::string part_;
   double timeout_s_;
   const SteadyClock& clock_;
-  JointLimits ours_;
   JointLimits limits_;
   StateInput state_input_;
   TorsoInput torso_;
   std::shared_ptr<Board> board_;  // null where it cannot be opened
   std::unique_ptr<OutputWatch> commands_;
-  std::mutex send_mutex_;  // of the three that follow
-  Degrees sent_deg_{};
-  std::int64_t sent_us_ = 0;
-  int repeats_left_ = 0;
+  StartUpCheck limits_check_;
   Modes found_modes_{};
-  StopReference stop_reference_;
   bool active_ = false;
-  bool lost_ = false;
-  std::unique_ptr<Periodic> repeater_;
+  std::atomic<bool> lost_ = false;
+  Newest<Reports> reports_;
+  Newest<Degrees> reference_deg_;          // of the thread that commands
+  Newest<Degrees> halt_deg_;               // of the thread that halts; instead of the others while halted_
+  std::atomic<bool> halted_ = false;
+  std::counting_semaphore<> to_send_{0};   // a reference to send
+  std::atomic<bool> sends_ = true;
+  std::atomic<bool> repeats_ = false;
+  std::unique_ptr<Periodic> reporter_;
+  std::thread sender_;
 };
 
 }  // namespace saccade

@@ -14,6 +14,9 @@
 
 namespace saccade {
 
+/// Longest wait for the answer of a name server where no configuration gives one.
+inline constexpr double name_server_timeout_s = 2.0;
+
 /// The connection to the YARP network, which all YARP calls need.
 class YarpNetwork {
  public:

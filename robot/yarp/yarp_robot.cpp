@@ -17,9 +17,24 @@ namespace saccade {
 namespace {
 
 constexpr std::int64_t first_packet_us = 1'000'000;
+constexpr std::int64_t view_us = 500'000;
+constexpr std::int64_t view_events = 1'000;
 constexpr auto name_server_period = std::chrono::milliseconds(1000);
 
-/// What the network needs, before anything is opened on it.
+/// Compares some events with the configured image and codec. A still scene may send too few of them within the time.
+StartUpCheck view_check(const EventInput& input, ImageSize size, const SteadyClock& clock) {
+  const std::int64_t until_us = clock.now_us() + view_us;
+  while (input.view().events < view_events && clock.now_us() < until_us)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  const CameraView view = input.view();
+  const std::string problem = view.problem(size);
+  const std::string found = view.events < view_events
+                                ? "too few events to compare with: " + std::to_string(view.events)
+                                : std::to_string(view.events) + " events fit";
+  return {"events of " + input.remote() + " fit the configured camera", problem.empty(),
+          problem.empty() ? found : problem};
+}
+
 /// The robot's clock: while it waits, a target that is due goes out.
 class TickClock final : public Clock {
  public:
@@ -46,6 +61,7 @@ struct YarpRobot::Parts {
       throw RunError("another robot is connected as " + config.local +
                      " already: stop it, or set another yarp.local");
     }
+    local = config.local;
     camera.emplace(config, steady);
     if (config.head.control == "joints") head.emplace(config, limits, steady);
     if (config.head.control == "gaze") gaze.emplace(config, limits, steady);
@@ -62,6 +78,8 @@ struct YarpRobot::Parts {
   Periodic watch;
   bool told_gone = false;
   std::int64_t told_unreadable = 0;
+  bool told_strangers = false;
+  std::string local;
 };
 
 YarpRobot::YarpRobot(const YarpConfig& config, const JointLimits& limits)
@@ -93,6 +111,7 @@ std::vector<StartUpCheck> YarpRobot::check() {
     if (input->unreadable() > 0) found = "an unreadable message: " + input->problem();
     if (input->lost()) found = "not connected";
     checks.push_back({"event port " + input->remote(), heard && input->unreadable() == 0, found});
+    if (heard) checks.push_back(view_check(*input, parts_->camera->image_size(), parts_->steady));
   }
   std::vector<StartUpCheck> more;
   if (parts_->head) more = parts_->head->check();
@@ -109,6 +128,11 @@ void YarpRobot::activate() {
 void YarpRobot::release() {
   if (parts_->head) parts_->head->release();
   if (parts_->gaze) parts_->gaze->release();
+}
+
+void YarpRobot::halt() {
+  if (parts_->head) parts_->head->halt();
+  if (parts_->gaze) parts_->gaze->halt();
 }
 
 std::vector<std::string> YarpRobot::news() {
@@ -128,7 +152,40 @@ std::vector<std::string> YarpRobot::news() {
     }
   }
   parts_->told_unreadable = unreadable;
+  for (const auto& input : parts_->camera->inputs()) {
+    if (input->strangers() > 0 && !parts_->told_strangers) {
+      news.push_back("another port than " + input->remote() + " sends to " + parts_->local +
+                     ": its messages are discarded");
+      parts_->told_strangers = true;
+    }
+  }
   return news;
+}
+
+struct YarpHeadStopper::Parts {
+  Parts(YarpConfig config, const JointLimits& limits) : network(check_config("yarp", config).timeout_s) {
+    config.local += "/guard";
+    if (config.head.control == "joints") head.emplace(config, limits, steady);
+    if (config.head.control == "gaze") gaze.emplace(config, limits, steady);
+  }
+
+  YarpNetwork network;
+  SteadyClock steady;
+  std::optional<YarpHead> head;
+  std::optional<YarpGaze> gaze;
+};
+
+YarpHeadStopper::YarpHeadStopper(const YarpConfig& config, const JointLimits& limits)
+    : parts_(std::make_unique<Parts>(config, limits)) {}
+
+YarpHeadStopper::~YarpHeadStopper() = default;
+
+bool YarpHeadStopper::is_connected() {
+  return parts_->head ? !parts_->head->is_lost() : parts_->gaze && !parts_->gaze->is_lost();
+}
+
+bool YarpHeadStopper::stop() {
+  return parts_->head ? parts_->head->take_over() : parts_->gaze && parts_->gaze->take_over();
 }
 
 }  // namespace saccade

@@ -49,7 +49,25 @@ class YarpRobot final : public Robot {
   std::vector<StartUpCheck> check() override;
   void activate() override;
   void release() override;
+  void halt() override;
   std::vector<std::string> news() override;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+/// The connection of `saccade guard` to the head of a robot on YARP, under names that begin with `local`/guard. Position-
+/// direct joints hold and change to position mode, so that their board rejects later references; a gaze controller gets
+/// `stop`.
+class YarpHeadStopper final : public HeadStopper {
+ public:
+  /// As YarpRobot. `head.control: none` has no head.
+  YarpHeadStopper(const YarpConfig& config, const JointLimits& limits);
+  ~YarpHeadStopper() override;
+
+  [[nodiscard]] bool is_connected() override;
+  bool stop() override;
 
  private:
   struct Parts;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <thread>
 
 #include "core/random.h"
 #include "robot/event_queue.h"
@@ -13,6 +14,7 @@ namespace saccade {
 namespace {
 
 using testing::ElementsAre;
+using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
@@ -221,6 +223,69 @@ TEST(EventQueue, GivesEachEventOnceUpToTheRequestedTime) {
   queue.pop_until(5, events);
   EXPECT_EQ(events, pushed);
   EXPECT_EQ(queue.dropped(), 0);
+}
+
+TEST(EventQueue, BetweenTwoThreadsEveryEventIsWholeInOrderAndReadOrDropped) {
+  constexpr std::int64_t count = 400'000;
+  EventQueue queue(512);
+  std::thread sender([&] {
+    std::vector<Event> packet;
+    for (std::int64_t t_us = 1; t_us <= count; ++t_us) {
+      packet.push_back({t_us, static_cast<std::uint16_t>(t_us % 128), static_cast<std::uint16_t>(t_us % 97),
+                        t_us % 2 == 0, static_cast<std::uint8_t>(t_us % 2)});
+      if (packet.size() < 7) continue;
+      queue.push(packet);
+      packet.clear();
+    }
+    queue.push(packet);
+  });
+  std::vector<Event> events;
+  std::int64_t newest_us = 0;
+  std::int64_t read = 0;
+  while (newest_us < count) {
+    events.clear();
+    queue.pop_until(count, events);
+    for (const Event& event : events) {
+      ASSERT_GT(event.t_us, newest_us);
+      newest_us = event.t_us;
+      ASSERT_EQ(event.x, newest_us % 128);
+      ASSERT_EQ(event.y, newest_us % 97);
+      ASSERT_EQ(event.on, newest_us % 2 == 0);
+    }
+    read += static_cast<std::int64_t>(events.size());
+  }
+  sender.join();
+  EXPECT_EQ(read + queue.dropped(), count);
+}
+
+TEST(CameraView, NamesACameraOfAnotherSizeAnotherCodecAndASinglePolarity) {
+  CameraView view{2000, 0, 1000, 120, 119};
+  EXPECT_EQ(view.problem({128, 128}), "");
+  view = {2000, 1900, 1000, 303, 239};
+  EXPECT_THAT(view.problem({128, 128}), HasSubstr("95 % of the events lie outside 128 x 128 pixels (largest x 303, y 239)"));
+  view = {2000, 0, 1000, 127, 100};
+  EXPECT_THAT(view.problem({304, 240}), HasSubstr("the events fill 128 x 101 pixels of 304 x 240"));
+  view = {2000, 0, 2000, 120, 119};
+  EXPECT_THAT(view.problem({128, 128}), HasSubstr("100 % of the events are ON"));
+  view.events = 999;
+  EXPECT_EQ(view.problem({128, 128}), "") << "too few to tell";
+}
+
+TEST(EventTimeline, SwapsPolarityAndCountsWhatItSees) {
+  EventTimelineConfig swapped;
+  swapped.image_size = {128, 128};
+  swapped.swap_polarity = true;
+  EventTimeline timeline(swapped);
+  EventPacket packet{1000, {}};
+  packet.events.push_back({0, encode_address({0, 5, 6, true, 0}, swapped.codec)});
+  packet.events.push_back({0, encode_address({0, 200, 6, false, 0}, swapped.codec)});
+  std::vector<Event> events;
+  timeline.add(packet, std::nullopt, 10'000, events);
+  ASSERT_THAT(events, SizeIs(1));
+  EXPECT_FALSE(events[0].on);
+  EXPECT_EQ(timeline.view().events, 2);
+  EXPECT_EQ(timeline.view().outside, 1);
+  EXPECT_EQ(timeline.view().max_x, 200);
 }
 
 TEST(EventQueue, DropsTheOldestEventsIfItIsFull) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <yarp/dev/IWrapper.h>
+#include <yarp/dev/PolyDriver.h>
 #include <yarp/os/Bottle.h>
 #include <yarp/os/BufferedPort.h>
 #include <yarp/os/ConnectionReader.h>
@@ -7,6 +9,7 @@
 #include <yarp/os/Port.h>
 #include <yarp/os/PortReader.h>
 #include <yarp/os/PortWriter.h>
+#include <yarp/os/Property.h>
 #include <yarp/os/RpcServer.h>
 #include <yarp/os/Stamp.h>
 
@@ -175,6 +178,35 @@ class GazeController : private yarp::os::PortReader {
   yarp::os::RpcServer requests_;
   yarp::os::Port joints_;
   std::thread thread_;
+};
+
+/// Lowest and highest positions of the tests' head.
+inline constexpr const char* robot_limits_deg[2] = {"-29 -19 -44 -29 -29 1", "16 19 44 29 29 49"};
+
+/// YARP's motion control device of six joints, which obeys at once, served as a control board.
+class ServedBoard {
+ public:
+  /// `limits_deg`: the lowest and the highest positions, six numbers each.
+  ServedBoard(const std::string& part, const char* const (&limits_deg)[2]) {
+    const std::string six = "100 100 100 100 100 100";
+    std::string text = "(device fakeMotionControl) (GENERAL (Joints 6)) (LIMITS";
+    for (const char* name : {"OverloadCurrents", "MotorNominalCurrents", "MotorPeakCurrents", "RotorMax",
+                             "JntVelocityMax", "RotorMin", "MotorPwmLimit"}) {
+      text += std::string(" (") + name + " " + six + ")";
+    }
+    yarp::os::Property motors;
+    motors.fromString(text + " (Min " + limits_deg[0] + ") (Max " + limits_deg[1] + "))");
+    yarp::os::Property ports;
+    ports.fromString("(device controlBoard_nws_yarp) (period 0.01) (name " + part + ")");
+    yarp::dev::IWrapper* wrapper = nullptr;
+    open_ = motors_.open(motors) && ports_.open(ports) && ports_.view(wrapper) && wrapper->attach(&motors_);
+  }
+  [[nodiscard]] bool is_open() const { return open_; }
+
+ private:
+  yarp::dev::PolyDriver motors_;
+  yarp::dev::PolyDriver ports_;
+  bool open_ = false;
 };
 
 }  // namespace saccade

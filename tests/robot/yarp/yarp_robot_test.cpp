@@ -26,7 +26,6 @@ using testing::IsEmpty;
 using testing::StartsWith;
 
 constexpr double deg = 3.14159265358979323846 / 180.0;
-constexpr const char* robot_limits_deg[2] = {"-29 -19 -44 -29 -29 1", "16 19 44 29 29 49"};
 
 JointLimits our_limits() {
   JointLimits limits;
@@ -38,25 +37,11 @@ JointLimits our_limits() {
   return limits;
 }
 
-/// Arguments that make YARP's motion control device of six joints, which obeys at once, served as a control board.
-std::string board_arguments(const std::string& part) {
-  const std::string six = "100 100 100 100 100 100";
-  std::string text = "(device controlBoard_nws_yarp) (name " + part +
-                     ") (subdevice fakeMotionControl) (period 0.01) (GENERAL (Joints 6)) (LIMITS";
-  for (const char* name : {"OverloadCurrents", "MotorNominalCurrents", "MotorPeakCurrents", "RotorMax",
-                           "JntVelocityMax", "RotorMin", "MotorPwmLimit"}) {
-    text += std::string(" (") + name + " " + six + ")";
-  }
-  return text + " (Min " + robot_limits_deg[0] + ") (Max " + robot_limits_deg[1] + "))";
-}
-
 /// A head's control board in this process.
 class Board {
  public:
-  explicit Board(const std::string& part) {
-    yarp::os::Property options;
-    options.fromString(board_arguments(part));
-    EXPECT_TRUE(served_.open(options)) << "no device controlBoard_nws_yarp with fakeMotionControl";
+  explicit Board(const std::string& part) : served_(part, robot_limits_deg) {
+    EXPECT_TRUE(served_.is_open()) << "no devices controlBoard_nws_yarp and fakeMotionControl";
     yarp::os::Property client;
     client.put("device", yarp::os::Value("remote_controlboard"));
     client.put("remote", yarp::os::Value(part));
@@ -82,7 +67,7 @@ class Board {
   }
 
  private:
-  yarp::dev::PolyDriver served_;
+  ServedBoard served_;
   yarp::dev::PolyDriver client_;
   yarp::dev::IControlMode* modes_ = nullptr;
   yarp::dev::IEncoders* encoders_ = nullptr;
@@ -321,7 +306,7 @@ TEST_F(Yarp, EveryCheckIsListed) {
   JointsWorld world;
   const std::vector<StartUpCheck> checks = world.robot.check();
   EXPECT_THAT(failed(checks), IsEmpty()) << text(checks);
-  EXPECT_EQ(checks.size(), 5u) << text(checks);
+  EXPECT_EQ(checks.size(), 6u) << text(checks);
   std::cout << text(checks);
 }
 
@@ -349,7 +334,8 @@ TEST_F(Yarp, LimitsAreTheTighterOnesOfRobotAndFile) {
   config.local = unique_name("/tight");
   YarpRobot robot(config, tight);
   EXPECT_NEAR(robot.head()->limits().max_rad[neck_pitch], 10 * deg, 1e-9);
-  EXPECT_THAT(text(failed(robot.check())), HasSubstr("neck_pitch -29 to 16, ours -30 to 10"));
+  EXPECT_THAT(failed(robot.check()), IsEmpty()) << "limits of one's own may be tighter: " << text(robot.check());
+  EXPECT_THAT(text(world.robot.check()), HasSubstr("narrowed by the robot: neck_pitch -29 to 16"));
 }
 
 TEST_F(Yarp, ReleaseRestoresTheModesOfTheJoints) {
@@ -387,6 +373,88 @@ TEST_F(Yarp, IdleAndFaultyJointsAreNotActivated) {
     EXPECT_EQ(world.board.modes().at(0), VOCAB_CM_POSITION);
     EXPECT_THAT(text(failed(world.robot.check())), HasSubstr("joints held by their board"));
   }
+}
+
+TEST_F(Yarp, AJointThatIsSwitchedOffWhileActiveIsReportedAndStaysOff) {
+  JointsWorld world;
+  world.robot.activate();
+  HeadPort& head = *world.robot.head();
+  EXPECT_TRUE(eventually(1.0, [&] { return head.drives().joints[1] == JointDrive::references; }));
+  world.board.set_mode(1, VOCAB_CM_IDLE);
+  EXPECT_TRUE(eventually(1.0, [&] { return head.drives().joints[1] == JointDrive::off; }));
+  EXPECT_EQ(head.drives().joints[0], JointDrive::references);
+  world.board.set_mode(3, VOCAB_CM_HW_FAULT);
+  EXPECT_TRUE(eventually(1.0, [&] { return head.drives().joints[3] == JointDrive::fault; }));
+  world.robot.release();
+  EXPECT_TRUE(eventually(1.0, [&] { return world.board.modes().at(0) == VOCAB_CM_POSITION; }));
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_EQ(world.board.modes().at(1), VOCAB_CM_IDLE) << "release() does not switch it on";
+  EXPECT_EQ(world.board.modes().at(3), VOCAB_CM_HW_FAULT);
+}
+
+TEST_F(Yarp, AHaltFromAnotherThreadStopsTheHeadUntilTheNextActivation) {
+  JointsWorld world;
+  world.robot.activate();
+  HeadPort& head = *world.robot.head();
+  const HeadCommand reference = HeadCommand::Constant(5 * deg);
+  EXPECT_FALSE(head.command(reference).rejected);
+  EXPECT_TRUE(eventually(1.0, [&] { return std::abs(world.board.positions_deg().at(4) - 5.0) < 1e-6; }));
+  std::thread([&] { world.robot.halt(); }).join();
+  EXPECT_TRUE(head.command(HeadCommand::Constant(8 * deg)).rejected);
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_NEAR(world.board.positions_deg().at(4), 5.0, 1e-6);
+  world.robot.release();
+  world.robot.activate();
+  EXPECT_FALSE(head.command(reference).rejected);
+}
+
+TEST_F(Yarp, TheGuardsConnectionTakesPositionDirectJointsAwayFromDeployAndLeavesTheOthers) {
+  JointsWorld world;
+  YarpHeadStopper guard(config_for(world.name), our_limits());
+  EXPECT_TRUE(guard.is_connected());
+  world.robot.activate();
+  HeadPort& head = *world.robot.head();
+  EXPECT_FALSE(head.command(HeadCommand::Constant(5 * deg)).rejected);
+  EXPECT_TRUE(eventually(1.0, [&] { return std::abs(world.board.positions_deg().at(4) - 5.0) < 1e-6; }));
+  world.board.set_mode(1, VOCAB_CM_IDLE);
+  const auto began = std::chrono::steady_clock::now();
+  EXPECT_TRUE(guard.stop());
+  std::cout << "the guard stopped the head in " << ms_since(began) << " ms\n";
+  EXPECT_EQ(world.board.modes().at(0), VOCAB_CM_POSITION);
+  EXPECT_EQ(world.board.modes().at(1), VOCAB_CM_IDLE);
+}
+
+TEST_F(Yarp, MessagesOfAStrangerAndFalseCountsDoNotReachTheJoints) {
+  JointsWorld world;
+  HeadState before;
+  ASSERT_TRUE(eventually(1.0, [&] { return world.robot.head()->read(before) == PortStatus::ok; }));
+  yarp::os::BufferedPort<yarp::os::Bottle> stranger;
+  ASSERT_TRUE(stranger.open(unique_name("/stranger")));
+  ASSERT_TRUE(yarp::os::Network::connect(stranger.getName(), "/saccade" + world.name + "/head/state:i"));
+  for (int i = 0; i < 200; ++i) {
+    yarp::os::Bottle& message = stranger.prepare();
+    message.clear();
+    for (int j = 0; j < 6; ++j) message.addFloat64(99.0);
+    stranger.write();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    HeadState state;
+    ASSERT_EQ(world.robot.head()->read(state), PortStatus::ok);
+    ASSERT_LT(state.position_rad.cwiseAbs().maxCoeff(), 60 * deg) << "a false reading";
+  }
+}
+
+TEST_F(Yarp, PacketsOfAStrangerDoNotHideASilentCamera) {
+  JointsWorld world;
+  ASSERT_TRUE(eventually(1.0, [&] { return world.robot.events().traffic().packets > 10; }));
+  Grabber stranger(unique_name("/stranger"), PacketFormat::packet);
+  ASSERT_TRUE(yarp::os::Network::connect(stranger.port().getName(), "/saccade" + world.name + "/AE:i"));
+  EventPacket packet{1000, {}};
+  packet.events.push_back({0, encode_address({0, 77, 99, true, 0}, AddressCodec::ev2)});
+  for (int i = 0; i < 50; ++i) {
+    stranger.send(packet);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_THAT(world.robot.news(), Contains(HasSubstr("its messages are discarded")));
 }
 
 TEST_F(Yarp, TheTorsoIsReadInTheOrderOfTheChain) {
@@ -443,7 +511,7 @@ TEST_F(Yarp, SettingsAreSentOnActivationAndRestoredOnRelease) {
   world.robot.release();
   const std::vector<std::string> requests = world.controller.requests();
   EXPECT_THAT(std::vector<std::string>(requests.end() - 3, requests.end()),
-              ElementsAre("stop", "rest 7", "dele 7"));
+              ElementsAre("stop", "rest 7", "del 7"));
 }
 
 TEST_F(Yarp, ARejectedSettingRestoresTheSettingsOfTheGazeController) {
@@ -473,7 +541,7 @@ TEST_F(Yarp, TheJointsOfTheGazeControllerAreTheHeadState) {
 TEST_F(Yarp, AKilledCameraIsLostAndCanRestartUnderTheSameName) {
   const std::string name = unique_name("/icub");
   EXPECT_TRUE(within_a_tenth_of_a_second([&] {
-    Child grabber({SACCADE_YARP_GRABBER, name + "/AE:o"}, YarpWorld::get() / "grabber.log");
+    Child grabber({SACCADE_YARP_PEER, "camera", name + "/AE:o"}, YarpWorld::get() / "grabber.log");
     EXPECT_TRUE(eventually(5.0, [&] { return yarp::os::Network::exists(name + "/AE:o"); }));
     YarpRobot robot(config_for(name, "none"), our_limits());
     EXPECT_THAT(failed(robot.check()), IsEmpty()) << text(robot.check());
@@ -493,11 +561,8 @@ TEST_F(Yarp, AKilledCameraIsLostAndCanRestartUnderTheSameName) {
 TEST_F(Yarp, AKilledControlBoardIsLost) {
   const std::string name = unique_name("/icub");
   const CountingGrabber grabber(name + "/AE:o");
-  const std::filesystem::path ini = YarpWorld::get() / "board.ini";
-  std::ofstream(ini) << "device controlBoard_nws_yarp\nsubdevice fakeMotionControl\nperiod 0.01\nname "
-                     << name << "/head\n[GENERAL]\nJoints 6\n";
   EXPECT_TRUE(within_a_tenth_of_a_second([&] {
-    Child board({SACCADE_YARP_BIN "/yarpdev", "--from", ini.string()}, YarpWorld::get() / "board.log");
+    Child board({SACCADE_YARP_PEER, "board", name + "/head"}, YarpWorld::get() / "board.log");
     EXPECT_TRUE(eventually(10.0, [&] { return yarp::os::Network::exists(name + "/head/stateExt:o"); }));
     std::this_thread::sleep_for(std::chrono::milliseconds(200));  // its device is attached after its ports
     YarpRobot robot(config_for(name), our_limits());
