@@ -44,9 +44,10 @@ constexpr auto words_of(AimingEyes) {
 enum class WhenLost {
   hold,  ///< it keeps looking at the last target
   rest,  ///< GazeController::rest
+  search,  ///< it holds for a while, then looks at the points of a SearchScan in turn, until there is a target again
 };
 constexpr auto words_of(WhenLost) {
-  return std::to_array<Word<WhenLost>>({{WhenLost::hold, "hold"}, {WhenLost::rest, "rest"}});
+  return std::to_array<Word<WhenLost>>({{WhenLost::hold, "hold"}, {WhenLost::rest, "rest"}, {WhenLost::search, "search"}});
 }
 
 /// From when on the head follows targets, and what it does when they cease to come.
@@ -54,9 +55,10 @@ struct FollowConfig {
   double start_s = 0.5;  ///< before it, camera and detector run in while the head keeps still
   WhenLost lost = WhenLost::hold;
   double lost_after_s = 1.0;  ///< without a target, the last one is lost
+  double search_dwell_s = 1.5;  ///< lost: search looks at each point for so long
 };
 
-/// Keys, beside each other in a scenario's gaze section: start_s, lost, lost_after_s.
+/// Keys, beside each other in a scenario's gaze section: start_s, lost, lost_after_s, search_dwell_s.
 void describe(FieldVisitor& v, FollowConfig& config);
 
 /// Checks whether the head can look at a point (root frame). Returns not_finite, too_near (within 0.10 m of the left

@@ -19,6 +19,8 @@ struct RejectedTargets {
   std::int64_t bad_radius = 0;
   std::int64_t too_near = 0;
   std::int64_t behind = 0;
+  std::int64_t too_far = 0;
+  std::int64_t in_body = 0;
 };
 
 /// Decides which detections become gaze targets. Its update neither allocates nor throws.

@@ -29,6 +29,8 @@ class LocatingGate : public GazeGate {
     rejected_.bad_radius += status == TargetStatus::bad_radius;
     rejected_.too_near += status == TargetStatus::too_near;
     rejected_.behind += status == TargetStatus::behind;
+    rejected_.too_far += status == TargetStatus::too_far;
+    rejected_.in_body += status == TargetStatus::in_body;
   }
 
  private:

@@ -13,6 +13,11 @@ void describe(FieldVisitor& v, TargetConfig& config) {
   v.real("ball_diameter_m", config.ball_diameter_m, {0.005, 1.0},
          "diameter of the ball, with depth: pinhole");
   v.real("min_distance_m", config.min_distance_m, {0.0, 10.0}, "targets nearer to the camera are rejected");
+  v.real("max_distance_m", config.max_distance_m, {0.1, 100.0}, "targets farther from the camera are rejected");
+  v.real("body_radius_m", config.body_radius_m, {0.0, 1.0},
+         "targets this close to the vertical axis of the root frame are rejected: there is the robot's body");
+  v.require(config.max_distance_m > config.min_distance_m, "max_distance_m", text_of(config.max_distance_m),
+            "more than min_distance_m");
 }
 
 namespace {
@@ -86,7 +91,9 @@ Eigen::Vector3d sphere_from_circle(const Circle& circle, const Camera& camera, d
 TargetLocator::TargetLocator(const TargetConfig& config)
     : depth_(config.depth),
       ball_radius_m_(config.ball_diameter_m / 2),
-      min_distance_m_(config.min_distance_m) {
+      min_distance_m_(config.min_distance_m),
+      max_distance_m_(config.max_distance_m),
+      body_radius_m_(config.body_radius_m) {
   check_config("target", config);
 }
 
@@ -102,7 +109,10 @@ Target TargetLocator::locate(const Circle& circle, const Camera& camera,
   if (!point.allFinite()) return {TargetStatus::not_finite, {}};
   if (!(point.z() > 0.0)) return {TargetStatus::behind, {}};
   if (point.norm() < min_distance_m_) return {TargetStatus::too_near, {}};
-  return {TargetStatus::ok, root_from_cam * point};
+  if (point.norm() > max_distance_m_) return {TargetStatus::too_far, {}};
+  const Eigen::Vector3d point_m = root_from_cam * point;
+  if (point_m.head<2>().norm() < body_radius_m_) return {TargetStatus::in_body, {}};
+  return {TargetStatus::ok, point_m};
 }
 
 std::optional<Eigen::Vector3d> triangulate(const Ray& left, const Ray& right, double min_convergence_rad,
@@ -121,7 +131,9 @@ std::optional<Eigen::Vector3d> triangulate(const Ray& left, const Ray& right, do
 }
 
 StereoLocator::StereoLocator(const TargetConfig& config)
-    : right_(config), min_distance_m_(config.min_distance_m) {}
+    : right_(config),
+      min_distance_m_(config.min_distance_m),
+      max_distance_m_(config.max_distance_m) {}
 
 std::optional<Eigen::Vector3d> StereoLocator::locate(const Eigen::Vector3d& target_m,
                                                      const Eigen::Vector3d& left_eye_m,
@@ -133,7 +145,9 @@ std::optional<Eigen::Vector3d> StereoLocator::locate(const Eigen::Vector3d& targ
   const auto met_m =
       triangulate({left_eye_m, target_m - left_eye_m}, {right_eye_m, right.point_m - right_eye_m},
                   min_convergence_rad, max_skew_rad);
-  if (!met_m || (*met_m - left_eye_m).norm() < min_distance_m_) return std::nullopt;
+  if (!met_m) return std::nullopt;
+  const double distance_m = (*met_m - left_eye_m).norm();
+  if (distance_m < min_distance_m_ || distance_m > max_distance_m_) return std::nullopt;
   return met_m;
 }
 

@@ -17,6 +17,8 @@ enum class TargetStatus {
   bad_radius,  ///< a circle without a positive radius
   too_near,    ///< closer than the head can look
   behind,      ///< behind the camera, or behind the chest
+  too_far,     ///< farther than a ball can be seen
+  in_body,     ///< inside the robot's own body
 };
 
 /// How the depth of a ball follows from the radius of its circle.
@@ -33,9 +35,11 @@ struct TargetConfig {
   DepthModel depth = DepthModel::pinhole;
   double ball_diameter_m = 0.095;  ///< pinhole only
   double min_distance_m = 0.10;    ///< from the camera; a nearer target is refused
+  double max_distance_m = 10.0;    ///< from the camera; a farther target is refused
+  double body_radius_m = 0.08;     ///< of the body around the root's vertical axis; a target inside it is refused
 };
 
-/// Keys: depth, ball_diameter_m, min_distance_m.
+/// Keys: depth, ball_diameter_m, min_distance_m, max_distance_m, body_radius_m.
 void describe(FieldVisitor& v, TargetConfig& config);
 
 struct Target {
@@ -63,6 +67,8 @@ class TargetLocator {
   DepthModel depth_;
   double ball_radius_m_;
   double min_distance_m_;
+  double max_distance_m_;
+  double body_radius_m_;
 };
 
 /// A ray from the pinhole of a camera, root frame.
@@ -89,7 +95,7 @@ class StereoLocator {
   /// Moves `target_m`, the ball's centre according to the left eye at `left_eye_m`, along its bearing to the intersection
   /// with the bearing of the right eye: triangulate() with the bounds above. Points in the root frame. None if
   /// `right_circle` is not the outline of a ball, if the bearings do not intersect, or if the intersection is nearer than
-  /// TargetConfig::min_distance_m.
+  /// TargetConfig::min_distance_m or farther than max_distance_m.
   [[nodiscard]] std::optional<Eigen::Vector3d> locate(const Eigen::Vector3d& target_m,
                                                       const Eigen::Vector3d& left_eye_m,
                                                       const Circle& right_circle, const Camera& right_camera,
@@ -98,6 +104,7 @@ class StereoLocator {
  private:
   TargetLocator right_;
   double min_distance_m_;
+  double max_distance_m_;
 };
 
 }  // namespace saccade

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "control/head_kinematics.h"
+#include "control/search_scan.h"
 
 namespace saccade {
 namespace {
@@ -244,10 +245,13 @@ PortStatus Loop::move_head(double dt_s, Tick& tick) {
   if (motion && motion->controller) {
     const bool resend = resend_target_ && !tick.new_target_m;
     resend_target_ = false;
+    const auto look_m = search_point(tick);
+    const bool own = resend || look_m;  // a target of the loop's own, not a new sight of the ball
     const auto begin = std::chrono::steady_clock::now();
-    reference_rad = motion->controller->step(*tick.head, resend ? target_m_ : tick.new_target_m, dt_s);
+    reference_rad = motion->controller->step(
+        *tick.head, look_m ? look_m : resend ? target_m_ : tick.new_target_m, dt_s);
     tick.step_ns = std::chrono::nanoseconds(std::chrono::steady_clock::now() - begin).count();
-    tick.target_status = resend ? TargetStatus::none : motion->controller->target_status();
+    tick.target_status = own ? TargetStatus::none : motion->controller->target_status();
   } else {
     tick.target_status = check_target(tick);
   }
@@ -255,8 +259,9 @@ PortStatus Loop::move_head(double dt_s, Tick& tick) {
   if (!motion) return PortStatus::ok;
   const double since_s = static_cast<double>(tick.t_us - motion_us_) * 1e-6;
   if (motion->port != nullptr) {
-    const bool send = tick.target_status == TargetStatus::ok && since_s >= motion->ramp_in_s;
-    return send ? note_lost(motion->port->look_at(*tick.new_target_m), "gaze controller") : PortStatus::ok;
+    if (since_s < motion->ramp_in_s) return PortStatus::ok;
+    const auto look_m = tick.target_status == TargetStatus::ok ? tick.new_target_m : search_point(tick);
+    return look_m ? note_lost(motion->port->look_at(*look_m), "gaze controller") : PortStatus::ok;
   }
   const double speed_share = since_s < motion->ramp_in_s ? since_s / motion->ramp_in_s : 1.0;
   tick.command = motion->limiter->apply(reference_rad, tick.head->head_position_rad(), dt_s, speed_share);
@@ -286,8 +291,22 @@ TargetStatus Loop::check_target(const Tick& tick) {
   return check_gaze_target(*tick.new_target_m, HeadKinematics(tick.head->position_rad));
 }
 
+/// The next point of a search; none while the head looks long enough at the last one, or if there is a target.
+std::optional<Eigen::Vector3d> Loop::search_point(const Tick& tick) {
+  if (!search_us_ || tick.new_target_m || !is_finite(*tick.head)) return std::nullopt;
+  const std::int64_t dwell_us = std::llround(gaze_->follow.search_dwell_s * 1e6);
+  const std::int64_t place = (tick.t_us - *search_us_) / dwell_us;
+  if (place == search_place_) return std::nullopt;
+  search_place_ = place;
+  const HeadKinematics head(tick.head->position_rad);
+  const Eigen::Vector3d point_m = SearchScan(*target_m_).point(place, head);
+  if (check_gaze_target(point_m, head) != TargetStatus::ok) return std::nullopt;
+  return point_m;
+}
+
 void Loop::update_target(Tick& tick) {
   if (tick.target_status == TargetStatus::ok) {
+    search_us_.reset();
     target_m_ = tick.new_target_m;
     target_us_ = tick.t_us;
     phase_ = GazePhase::following;
@@ -296,6 +315,12 @@ void Loop::update_target(Tick& tick) {
     const bool rest = gaze_->follow.lost == WhenLost::rest;
     if (rest && gaze_->motion && gaze_->motion->controller) gaze_->motion->controller->rest();
     phase_ = rest ? GazePhase::resting : GazePhase::holding;
+  } else if (phase_ == GazePhase::holding && gaze_->follow.lost == WhenLost::search &&
+             static_cast<double>(tick.t_us - target_us_) * 1e-6 >=
+                 gaze_->follow.lost_after_s + gaze_->follow.search_dwell_s) {
+    phase_ = GazePhase::searching;
+    search_us_ = tick.t_us;
+    search_place_ = -1;
   }
   tick.target_m = target_m_;
   tick.target_us = target_us_;

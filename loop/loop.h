@@ -65,7 +65,7 @@ struct LoopBudget {
 /// State of the gaze.
 enum class GazePhase {
   none,       ///< no driving detector
-  searching,  ///< no target so far
+  searching,  ///< no target so far, or the head looks around for a lost one
   following,  ///< the newest target is not lost
   holding,    ///< target lost; the head keeps looking at its last position
   resting,    ///< target lost; the head moves to its neutral pose
@@ -179,6 +179,7 @@ class Loop {
   PortStatus move_head(double dt_s, Tick& tick);
   [[nodiscard]] static TargetStatus check_target(const Tick& tick);
   void update_target(Tick& tick);
+  [[nodiscard]] std::optional<Eigen::Vector3d> search_point(const Tick& tick);
   PortStatus note_lost(PortStatus status, std::string_view port);
 
   Clock& clock_;
@@ -204,6 +205,8 @@ class Loop {
   std::int64_t start_us_ = 0;   // of the gaze
   std::int64_t motion_us_ = 0;  // of the motion
   bool resend_target_ = false;  // to a new controller
+  std::optional<std::int64_t> search_us_;  // since when the head searches a lost target
+  std::int64_t search_place_ = -1;         // the newest point of the search that was sent
 };
 
 }  // namespace saccade

@@ -12,10 +12,12 @@ struct Rejection {
   TargetStatus status;
   std::string_view why;
 };
-constexpr std::array<Rejection, 4> rejections = {{{TargetStatus::not_finite, "not finite"},
+constexpr std::array<Rejection, 6> rejections = {{{TargetStatus::not_finite, "not finite"},
                                                   {TargetStatus::bad_radius, "no sphere has that outline"},
                                                   {TargetStatus::too_near, "too near"},
-                                                  {TargetStatus::behind, "behind the head"}}};
+                                                  {TargetStatus::behind, "behind the head"},
+                                                  {TargetStatus::too_far, "too far"},
+                                                  {TargetStatus::in_body, "inside the robot's body"}}};
 
 double seconds(std::int64_t t_us) { return static_cast<double>(t_us) * 1e-6; }
 
@@ -42,9 +44,12 @@ void RunLog::log_phase(const Tick& tick) {
   if (phase_ == before) return;
   if (phase_ == GazePhase::following) {
     const Eigen::Vector3d& at = *tick.target_m;
-    const bool again = before == GazePhase::holding || before == GazePhase::resting;
+    const bool again = was_found_;
+    was_found_ = true;
     sink_(tick.t_us, fmt::format("ball found{} at ({:.3f}, {:.3f}, {:.3f}) m", again ? " again" : "", at.x(),
                                  at.y(), at.z()));
+  } else if (phase_ == GazePhase::searching && was_found_) {
+    sink_(tick.t_us, "the head searches");
   } else if (phase_ == GazePhase::holding || phase_ == GazePhase::resting) {
     sink_(tick.t_us, fmt::format("target lost, last seen at {:.3f} s: the head {}", seconds(tick.target_us),
                                  phase_ == GazePhase::holding ? "holds" : "returns to rest"));
@@ -53,7 +58,8 @@ void RunLog::log_phase(const Tick& tick) {
 
 void RunLog::log_rejections(const Tick& tick) {
   const std::array<std::int64_t, rejection_count> rejected = {
-      tick.rejected.not_finite, tick.rejected.bad_radius, tick.rejected.too_near, tick.rejected.behind};
+      tick.rejected.not_finite, tick.rejected.bad_radius, tick.rejected.too_near, tick.rejected.behind,
+      tick.rejected.too_far, tick.rejected.in_body};
   for (std::size_t kind = 0; kind < rejection_count; ++kind) {
     const std::int64_t more =
         rejected[kind] - rejected_[kind] + (tick.target_status == rejections[kind].status ? 1 : 0);
@@ -93,7 +99,7 @@ void RunLog::log_head(const Tick& tick) {
 
 void RunLog::finish() {
   for (std::size_t kind = 0; kind < rejection_count; ++kind) end_burst(kind);
-  if (phase_ == GazePhase::searching) sink_(now_us_, "ball never found");
+  if (phase_ == GazePhase::searching && !was_found_) sink_(now_us_, "ball never found");
 }
 
 }  // namespace saccade

@@ -63,8 +63,8 @@ void describe(FieldVisitor& v, RobotFile& r) {
         saccade::describe(w, r.gaze.gate);
         saccade::describe(w, r.gaze.follow);
         if (r.robot.has_gaze_controller()) {
-          w.require(r.gaze.follow.lost == WhenLost::hold, "lost", word_of(r.gaze.follow.lost),
-                    "hold: the robot's gaze controller has no rest");
+          w.require(r.gaze.follow.lost != WhenLost::rest, "lost", word_of(r.gaze.follow.lost),
+                    "hold or search: the robot's gaze controller has no rest");
           return;
         }
         saccade::describe(w, r.gaze.controller);

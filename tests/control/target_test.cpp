@@ -265,5 +265,25 @@ TEST(Stereo, CorrectsADistanceErrorFromTheRadiusInTheLeftEye) {
       StereoLocator({}).locate(wrong_m, left_eye_m, {60, 60, -1}, right_dvs128, root_from_right_cam));
 }
 
+TEST(TargetLocator, ATargetInTheRobotsBodyOrTooFarAwayIsRejected) {
+  TargetConfig config;
+  config.max_distance_m = 1.0;
+  const TargetLocator locator(config);
+  const Camera camera;
+  // A camera 0.35 m above the origin that looks down onto a point 5 cm in front of it.
+  Eigen::Isometry3d above = Eigen::Isometry3d::Identity();
+  above.translation() << -0.05, 0.0, 0.35;
+  above.linear() << 0, -1, 0, 1, 0, 0, 0, 0, -1;
+  above.linear().col(0) = above.linear().col(1).cross(above.linear().col(2));
+  const auto seen = camera.project_sphere({0.0, 0.0, 0.33}, config.ball_diameter_m / 2);
+  ASSERT_TRUE(seen);
+  EXPECT_EQ(locator.locate(*seen, camera, above).status, TargetStatus::in_body);
+  above.translation().x() = -0.40;
+  EXPECT_EQ(locator.locate(*seen, camera, above).status, TargetStatus::ok);
+  const auto far = camera.project_sphere({0.0, 0.0, 1.2}, config.ball_diameter_m / 2);
+  ASSERT_TRUE(far);
+  EXPECT_EQ(locator.locate(*far, camera, above).status, TargetStatus::too_far);
+}
+
 }  // namespace
 }  // namespace saccade

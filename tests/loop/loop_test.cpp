@@ -163,6 +163,31 @@ TEST_P(LostTargets, TheHeadReturnsToRestAndFindsTheBallAgain) {
   EXPECT_EQ(again.log[2], "     2.001 s  ball found again at (-0.500, 0.150, 0.400) m");
 }
 
+TEST_P(LostTargets, TheHeadSearchesAroundAndFindsTheBallAgain) {
+  Trial trial;
+  trial.follow = {0.0, WhenLost::search, 0.5, 1.0};
+  trial.ball = [](std::int64_t t_us) {
+    return t_us <= 1'000'000 || t_us > 9'000'000 ? std::optional(ball_m) : std::optional<Eigen::Vector3d>();
+  };
+  trial.run(GetParam(), 11.0);
+  EXPECT_THAT(trial.log, ElementsAre(HasSubstr("ball found at"), HasSubstr("1.500 s  target lost"),
+                                     "     2.500 s  the head searches",
+                                     "     9.001 s  ball found again at (-0.500, 0.150, 0.400) m"));
+  double left_rad = 0.0, right_rad = 0.0, up_rad = 0.0, down_rad = 0.0;
+  for (std::size_t i = 3000; i < 9000; ++i) {
+    const HeadCommand& reference_rad = trial.references_rad[i];
+    const double yaw_rad = reference_rad[head_index(neck_yaw)] - reference_rad[head_index(eyes_version)];
+    const double pitch_rad = reference_rad[head_index(neck_pitch)] + reference_rad[head_index(eyes_tilt)];
+    left_rad = std::max(left_rad, yaw_rad);
+    right_rad = std::min(right_rad, yaw_rad);
+    up_rad = std::max(up_rad, pitch_rad);
+    down_rad = std::min(down_rad, pitch_rad);
+  }
+  EXPECT_GT(left_rad - right_rad, 20.0 * rad_per_deg);
+  EXPECT_GT(up_rad - down_rad, 8.0 * rad_per_deg);
+  EXPECT_LT(trial.error_deg(ball_m), 0.1);
+}
+
 TEST_P(LostTargets, ANewControllerKeepsLookingAtTheTargetOfTheOldOne) {
   Trial trial;
   trial.take_over_us = 2'000'000;
