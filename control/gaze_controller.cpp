@@ -19,11 +19,13 @@ TargetStatus check_gaze_target(const Eigen::Vector3d& target, const HeadKinemati
 
 void describe(FieldVisitor& v, FollowConfig& config) {
   v.choice("lost", config.lost,
-           "motion of the head when the target is lost: keeps looking there, returns to its neutral pose, or looks "
+           "motion of the head when the target is lost: keeps looking there, returns to its neutral pose, or "
+           "looks "
            "around until it is found again");
   v.real("start_s", config.start_s, {0.0, 3600.0}, "time from which on the head follows detections");
   v.real("lost_after_s", config.lost_after_s, {0.01, 3600.0}, "time without a target after which it is lost");
-  v.real("search_dwell_s", config.search_dwell_s, {0.2, 60.0}, "time at each point of a search (lost: search)");
+  v.real("search_dwell_s", config.search_dwell_s, {0.2, 60.0},
+         "time at each point of a search (lost: search)");
 }
 
 }  // namespace saccade

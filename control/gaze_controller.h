@@ -47,14 +47,15 @@ enum class WhenLost {
   search,  ///< it holds for a while, then looks at the points of a SearchScan in turn, until there is a target again
 };
 constexpr auto words_of(WhenLost) {
-  return std::to_array<Word<WhenLost>>({{WhenLost::hold, "hold"}, {WhenLost::rest, "rest"}, {WhenLost::search, "search"}});
+  return std::to_array<Word<WhenLost>>(
+      {{WhenLost::hold, "hold"}, {WhenLost::rest, "rest"}, {WhenLost::search, "search"}});
 }
 
 /// From when on the head follows targets, and what it does when they cease to come.
 struct FollowConfig {
   double start_s = 0.5;  ///< before it, camera and detector run in while the head keeps still
   WhenLost lost = WhenLost::hold;
-  double lost_after_s = 1.0;  ///< without a target, the last one is lost
+  double lost_after_s = 1.0;    ///< without a target, the last one is lost
   double search_dwell_s = 1.5;  ///< lost: search looks at each point for so long
 };
 

@@ -3,8 +3,8 @@
 #include <Eigen/Core>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <cstddef>
+#include <cstdint>
 
 #include "control/head_kinematics.h"
 #include "core/units.h"

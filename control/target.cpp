@@ -13,7 +13,8 @@ void describe(FieldVisitor& v, TargetConfig& config) {
   v.real("ball_diameter_m", config.ball_diameter_m, {0.005, 1.0},
          "diameter of the ball, with depth: pinhole");
   v.real("min_distance_m", config.min_distance_m, {0.0, 10.0}, "targets nearer to the camera are rejected");
-  v.real("max_distance_m", config.max_distance_m, {0.1, 100.0}, "targets farther from the camera are rejected");
+  v.real("max_distance_m", config.max_distance_m, {0.1, 100.0},
+         "targets farther from the camera are rejected");
   v.real("body_radius_m", config.body_radius_m, {0.0, 1.0},
          "targets this close to the vertical axis of the root frame are rejected: there is the robot's body");
   v.require(config.max_distance_m > config.min_distance_m, "max_distance_m", text_of(config.max_distance_m),
@@ -131,9 +132,7 @@ std::optional<Eigen::Vector3d> triangulate(const Ray& left, const Ray& right, do
 }
 
 StereoLocator::StereoLocator(const TargetConfig& config)
-    : right_(config),
-      min_distance_m_(config.min_distance_m),
-      max_distance_m_(config.max_distance_m) {}
+    : right_(config), min_distance_m_(config.min_distance_m), max_distance_m_(config.max_distance_m) {}
 
 std::optional<Eigen::Vector3d> StereoLocator::locate(const Eigen::Vector3d& target_m,
                                                      const Eigen::Vector3d& left_eye_m,

@@ -36,7 +36,8 @@ struct TargetConfig {
   double ball_diameter_m = 0.095;  ///< pinhole only
   double min_distance_m = 0.10;    ///< from the camera; a nearer target is refused
   double max_distance_m = 10.0;    ///< from the camera; a farther target is refused
-  double body_radius_m = 0.08;     ///< of the body around the root's vertical axis; a target inside it is refused
+  double body_radius_m =
+      0.08;  ///< of the body around the root's vertical axis; a target inside it is refused
 };
 
 /// Keys: depth, ball_diameter_m, min_distance_m, max_distance_m, body_radius_m.

@@ -202,9 +202,9 @@ class Loop {
   std::int64_t target_us_ = 0;
   GazePhase phase_ = GazePhase::none;
   std::int64_t last_t_us_;
-  std::int64_t start_us_ = 0;   // of the gaze
-  std::int64_t motion_us_ = 0;  // of the motion
-  bool resend_target_ = false;  // to a new controller
+  std::int64_t start_us_ = 0;              // of the gaze
+  std::int64_t motion_us_ = 0;             // of the motion
+  bool resend_target_ = false;             // to a new controller
   std::optional<std::int64_t> search_us_;  // since when the head searches a lost target
   std::int64_t search_place_ = -1;         // the newest point of the search that was sent
 };

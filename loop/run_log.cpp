@@ -58,8 +58,8 @@ void RunLog::log_phase(const Tick& tick) {
 
 void RunLog::log_rejections(const Tick& tick) {
   const std::array<std::int64_t, rejection_count> rejected = {
-      tick.rejected.not_finite, tick.rejected.bad_radius, tick.rejected.too_near, tick.rejected.behind,
-      tick.rejected.too_far, tick.rejected.in_body};
+      tick.rejected.not_finite, tick.rejected.bad_radius, tick.rejected.too_near,
+      tick.rejected.behind,     tick.rejected.too_far,    tick.rejected.in_body};
   for (std::size_t kind = 0; kind < rejection_count; ++kind) {
     const std::int64_t more =
         rejected[kind] - rejected_[kind] + (tick.target_status == rejections[kind].status ? 1 : 0);

@@ -48,7 +48,7 @@ class RunLog final : public LoopObserver {
   Sink sink_;
   std::int64_t now_us_ = 0;
   GazePhase phase_ = GazePhase::none;
-  bool was_found_ = false;  ///< the ball, at least once
+  bool was_found_ = false;                                ///< the ball, at least once
   std::array<std::int64_t, rejection_count> rejected_{};  ///< by the gate, up to the last tick
   std::array<Burst, rejection_count> bursts_;
   Burst not_finite_;         ///< ticks with a head state that is not finite, until it is finite again

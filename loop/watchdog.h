@@ -56,9 +56,9 @@ void describe(FieldVisitor& v, WatchdogConfig& config);
 
 /// State of the robot at the start of a tick. Times in us of the robot's clock.
 struct TickFacts {
-  std::int64_t due_us = 0;                       ///< when the tick was due
-  std::int64_t now_us = 0;                       ///< when it began
-  std::int64_t heard_us = 0;                     ///< EventSource::heard_us
+  std::int64_t due_us = 0;                                ///< when the tick was due
+  std::int64_t now_us = 0;                                ///< when it began
+  std::int64_t heard_us = 0;                              ///< EventSource::heard_us
   std::optional<HeadState> head = std::nullopt;           ///< newest reading; none without a head
   std::optional<HeadDrives> drives = std::nullopt;        ///< none where the loop sends no references
   std::optional<std::int64_t> refused_us = std::nullopt;  ///< when the head rejected the newest reference

@@ -58,8 +58,11 @@ template <class Config, class Open>
       return {};
     }
   };
-  return {std::move(name), std::move(description), AnyConfig(std::move(defaults)),
-          for_any_config<Config>(std::move(open)), for_any_config<Config>(has_controller),
+  return {std::move(name),
+          std::move(description),
+          AnyConfig(std::move(defaults)),
+          for_any_config<Config>(std::move(open)),
+          for_any_config<Config>(has_controller),
           for_any_config<Config>(name_of_head)};
 }
 

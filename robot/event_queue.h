@@ -33,7 +33,7 @@ class EventQueue {
   };
 
   std::int64_t capacity_;
-  std::vector<Slot> ring_;  // one more than the capacity: the event that is written
+  std::vector<Slot> ring_;                           // one more than the capacity: the event that is written
   alignas(64) std::atomic<std::int64_t> begun_ = 0;  // events whose slots may be overwritten already
   std::atomic<std::int64_t> pushed_ = 0;             // events that are whole
   alignas(64) std::atomic<std::int64_t> read_ = 0;   // events read or skipped

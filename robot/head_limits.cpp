@@ -75,7 +75,7 @@ CommonLimits common_limits(const JointLimits& ours, const JointLimits& robot) {
     }
   }
   common.check.passed = broken.empty();
-  common.check.found = !broken.empty()     ? "no common range of 1 deg: " + broken
+  common.check.found = !broken.empty()    ? "no common range of 1 deg: " + broken
                        : narrowed.empty() ? "the configured ones"
                                           : "the configured ones, narrowed by the robot: " + narrowed;
   return common;

@@ -9,7 +9,8 @@ namespace {
 
 // Tags of YARP's binary messages.
 constexpr std::int32_t list_tag = 256;
-constexpr std::int32_t number_tag_int8 = 32, number_tag_int16 = 64, number_tag_int32 = 1, number_tag_int64 = 1 + 16;
+constexpr std::int32_t number_tag_int8 = 32, number_tag_int16 = 64, number_tag_int32 = 1,
+                       number_tag_int64 = 1 + 16;
 constexpr std::int32_t number_tag_float32 = 128, number_tag_float64 = 2 + 8;
 
 /// Takes values off the front of a message. Little endian, as YARP sends them.

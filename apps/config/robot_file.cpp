@@ -18,7 +18,8 @@ void describe(FieldVisitor& v, RobotFile::Deploy& deploy) {
   v.real("activate_within_s", deploy.activate_within_s, {0.0, 3600.0},
          "time for which --activate repeats a failed activation; then the run ends");
   v.choice("guard", deploy.guard,
-           "saccade guard: required to activate the head (its loss stops the head), used if it is there, or ignored");
+           "saccade guard: required to activate the head (its loss stops the head), used if it is there, or "
+           "ignored");
   v.integer("max_events_per_tick", deploy.max_events_per_tick, {1, 1e6},
             "most events of a tick that detectors process; older ones are dropped");
   v.real("shadows_until_ms", deploy.shadows_until_ms, {0.0, 20.0},
@@ -84,6 +85,11 @@ void describe(FieldVisitor& v, RobotFile& r) {
       "output",
       [&](FieldVisitor& w) {
         w.choice("events", r.output.events, r.output.formats.run_choices(true), "format of the event file");
+        w.integer("rotate_mb", r.output.rotate_mb, {1, 1e6},
+                  "size of a recorded event file from which on the next one follows");
+        w.real("rotate_s", r.output.rotate_s, {1.0, 1e6}, "longest duration of a recorded event file");
+        w.integer("least_free_mb", r.output.least_free_mb, {0, 1e7},
+                  "with less room on the disk the recording ends, or does not begin");
       },
       "contents of the run folder");
 }

@@ -56,7 +56,10 @@ struct RobotFile {
 
   struct Output {
     std::string events = "aedat4";  ///< a format of any duration, of FormatRegistry::run_choices
-    FormatRegistry formats;         ///< of the program
+    std::int64_t rotate_mb = 2000;
+    double rotate_s = 3600.0;
+    std::int64_t least_free_mb = 500;
+    FormatRegistry formats;  ///< of the program
   } output;
 };
 

@@ -83,18 +83,21 @@ DeployRecorder::DeployRecorder(std::filesystem::path folder, const RobotFile& ro
       image_(image),
       facts_(std::move(facts)),
       ticks_(tick_slots, Slot{{}, {}, std::vector<DetectorTick>(loop.detectors().size()), 0}),
-      event_ring_(facts_.record ? event_slots : 0),
+      event_ring_(event_slots),
       terminal_(isatty(STDERR_FILENO) != 0),
       log_file_(folder_ / "log.txt", [this](const std::string& line) { print_line(line); }),
       log_([this](std::int64_t t_us, const std::string& text) { log_file_.write(t_us, text); }),
       detections_(folder_ / "detections.csv"),
       gaze_(folder_ / "gaze.csv"),
       timing_(folder_ / "timing.csv"),
+      black_box_(folder_ / "blackbox"),
       detectors_(loop.detectors().size()),
       last_joints_us_(std::numeric_limits<std::int64_t>::min()) {
   if (facts_.record) {
-    events_ = create_event_file(robot.output.formats, folder_ / ("events." + robot.output.events), image_);
-    joints_.emplace(folder_ / "joints.csv");
+    recording_.emplace(folder_, robot.output.formats, image_,
+                       RecordingFilesConfig{robot.output.events, robot.output.rotate_mb * 1'000'000,
+                                            std::llround(robot.output.rotate_s * 1e6),
+                                            robot.output.least_free_mb * 1'000'000});
   }
   writer_ = std::thread([this] { work(); });
 }
@@ -114,16 +117,14 @@ void DeployRecorder::on_tick(const Tick& tick, const TickTiming& timing) {
   slot->timing = timing;
   slot->detectors.assign(tick.detectors.begin(), tick.detectors.end());
   slot->events = 0;
-  if (facts_.record) {
-    if (tick.events.size() > event_ring_.room()) {
-      lost_events_.fetch_add(static_cast<std::int64_t>(tick.events.size()), std::memory_order_relaxed);
-    } else {
-      for (const Event& event : tick.events) {
-        *event_ring_.claim() = event;
-        event_ring_.publish();
-      }
-      slot->events = tick.events.size();
+  if (tick.events.size() > event_ring_.room()) {
+    lost_events_.fetch_add(static_cast<std::int64_t>(tick.events.size()), std::memory_order_relaxed);
+  } else {
+    for (const Event& event : tick.events) {
+      *event_ring_.claim() = event;
+      event_ring_.publish();
     }
+    slot->events = tick.events.size();
   }
   ticks_.publish();
 }
@@ -146,6 +147,7 @@ void DeployRecorder::work() {
       const bool found = drain();
       if (!found && last) return;
       if (found) continue;
+      black_box_.flush();
     } catch (const std::exception& error) {
       if (failure_.empty()) print_line(std::string("the recording ended: ") + error.what());
       failure_ = error.what();
@@ -162,6 +164,7 @@ bool DeployRecorder::drain() {
     lines.swap(new_lines_);
   }
   for (const auto& [t_us, line] : lines) {
+    black_box_.add(t_us, line);
     if (failure_.empty()) log_file_.write(t_us, line);
   }
   Slot* const slot = ticks_.front();
@@ -188,6 +191,8 @@ void DeployRecorder::write(Slot& slot) {
     next_timing_us_ = tick.t_us + timing_us;
     next_status_us_ = tick.t_us + (terminal_ ? terminal_status_us : log_status_us);
   }
+  black_box_.add(tick, slot.timing, slot.detectors, tick_events_);
+  if (++unflushed_ % 100 == 0) black_box_.flush();
   last_ = slot.timing;
   target_m_ = tick.target_m;
   phase_ = tick.phase;
@@ -222,16 +227,23 @@ void DeployRecorder::write(Slot& slot) {
     const FixationPoint fixation = HeadKinematics(tick.head->position_rad).fixation();
     gaze_.write({tick.t_us, fixation.valid ? fixation.point_m : none, tick.target_m.value_or(none),
                  tick.head->position_rad});
-    if (joints_ && tick.head->t_us > last_joints_us_) {
-      last_joints_us_ = tick.head->t_us;
-      joints_->write({tick.head->t_us, tick.head->position_rad});
-    }
   }
-  if (events_) events_->write(tick_events_);
+  if (recording_) record(tick);
   if (tick.t_us >= next_timing_us_) {
     write_timing();
     next_timing_us_ += (tick.t_us - next_timing_us_) / timing_us * timing_us + timing_us;
   }
+}
+
+void DeployRecorder::record(const Tick& tick) {
+  std::optional<JointsRow> joints;
+  if (tick.head && is_finite(*tick.head) && tick.head->t_us > last_joints_us_) {
+    last_joints_us_ = tick.head->t_us;
+    joints = JointsRow{tick.head->t_us, tick.head->position_rad};
+  }
+  const bool had_ended = !recording_->ended().empty();
+  recording_->write(tick.t_us, tick_events_, joints);
+  if (!had_ended && !recording_->ended().empty()) log_file_.write(tick.t_us, recording_->ended());
 }
 
 void DeployRecorder::write_timing() {
@@ -307,8 +319,8 @@ void DeployRecorder::finish() {
   detections_.commit();
   gaze_.commit();
   timing_.commit();
-  if (events_) events_->commit();
-  if (joints_) joints_->commit();
+  if (recording_) recording_->commit();
+  black_box_.flush();
   write_summary();
 }
 
@@ -319,7 +331,7 @@ void DeployRecorder::write_summary() const {
   metrics.duration_s = start_us_ ? 1e-6 * static_cast<double>(last_.due_us - *start_us_) : 0.0;
   metrics.event_count = whole_.events;
   metrics.events_dropped = last_.traffic.dropped + whole_.left_out;
-  if (facts_.record) metrics.events_file = "events." + robot_.output.events;
+  if (recording_) metrics.events_file = recording_->first_file();
   metrics.image = image_;
   metrics.camera = robot_.calibration.camera;
   metrics.calibration = robot_.calibration;
@@ -367,6 +379,7 @@ void DeployRecorder::write_summary() const {
                  {"left_out", whole_.left_out}}},
                {"skipped", Json::object()},
                {"not_recorded", {{"ticks", lost_ticks_.load()}, {"events", lost_events_.load()}}},
+               {"recorded_files", recording_ ? recording_->count() : 0},
                {"checks", Json::array()},
                {"states", Json::array()}};
   for (std::size_t i = 0; i < detectors_.size(); ++i)

@@ -11,12 +11,13 @@
 #include <vector>
 
 #include "apps/config/robot_file.h"
+#include "apps/deploy/black_box.h"
 #include "apps/deploy/deploy_session.h"
+#include "apps/deploy/recording_files.h"
 #include "apps/deploy/spsc_ring.h"
 #include "apps/deploy/time_figures.h"
 #include "apps/session/log_file.h"
 #include "loop/run_log.h"
-#include "recording/event_file.h"
 #include "recording/run_files.h"
 
 namespace saccade {
@@ -33,7 +34,8 @@ struct DeployFacts {
 ///
 /// A thread of its own writes files and terminal; ticks pass their data to it through rings of fixed size (4096 ticks,
 /// 2^19 events). If the thread falls behind and a ring is full, ticks or events are dropped from the files and counted;
-/// tick timing is not affected. If a file cannot be written, recording ends, the run continues, and finish() throws.
+/// tick timing is not affected. If a file cannot be written, recording ends, the run continues, and finish() throws. The
+/// last seconds are in a BlackBox at any time, recorded events in RecordingFiles.
 class DeployRecorder final : public DeployObserver {
  public:
   /// `robot` and `loop` outlive it. The folder exists.
@@ -79,6 +81,7 @@ class DeployRecorder final : public DeployObserver {
   void work();
   bool drain();
   void write(Slot& slot);
+  void record(const Tick& tick);
   void write_timing();
   void show_status();
   void print_line(const std::string& line);
@@ -108,8 +111,8 @@ class DeployRecorder final : public DeployObserver {
   TableWriter<DetectionRow> detections_;
   TableWriter<GazeRow> gaze_;
   TableWriter<TimingRow> timing_;
-  std::unique_ptr<EventWriter> events_;
-  std::optional<TableWriter<JointsRow>> joints_;
+  BlackBox black_box_;
+  std::optional<RecordingFiles> recording_;
   std::vector<Event> tick_events_;
   std::vector<Detections> detectors_;
   MicrosecondHistogram late_histogram_, tick_histogram_;
@@ -118,6 +121,7 @@ class DeployRecorder final : public DeployObserver {
   TickTiming last_;
   std::optional<Eigen::Vector3d> target_m_;
   GazePhase phase_ = GazePhase::none;
+  std::int64_t unflushed_ = 0;  // ticks
   std::int64_t queued_most_ = 0;
   std::int64_t last_joints_us_;
   std::optional<std::int64_t> start_us_;

@@ -105,7 +105,8 @@ void deploy(const DeployOptions& options, const Registry& registry) {
   HangWatch hang_watch(
       *robot, {.bound_ns = hang_ns},
       [](std::int64_t age_ns) {
-        fmt::print(stderr, "no tick for {:.1f} ms: the head was stopped\n", 1e-6 * static_cast<double>(age_ns));
+        fmt::print(stderr, "no tick for {:.1f} ms: the head was stopped\n",
+                   1e-6 * static_cast<double>(age_ns));
       },
       end_hung_program);
   std::vector<Overseer*> overseers = {&hang_watch};
@@ -129,7 +130,8 @@ void deploy(const DeployOptions& options, const Registry& registry) {
   fmt::print("{}\n", (folder / "report.html").string());
   if (session.state() == DeployState::stopped && is_fault(session.last_stop()->cause))
     throw RunError("the head was stopped: " + session.last_stop()->description());
-  if (!session.not_activated().empty()) throw RunError("the head was not activated: " + session.not_activated());
+  if (!session.not_activated().empty())
+    throw RunError("the head was not activated: " + session.not_activated());
 }
 
 }  // namespace saccade

@@ -18,9 +18,9 @@ struct GuardBoard {
   std::atomic<std::uint64_t> activations;  ///< counts them
   std::atomic<std::uint64_t> moving;       ///< the number of the activation while the head is active, else 0
   // Written by the guard.
-  std::atomic<std::int64_t> guard_ns;      ///< of its newest look at the board
-  std::atomic<std::uint32_t> connected;    ///< 1 while a stop would reach the head
-  std::atomic<std::uint64_t> stopped;      ///< the number of the activation that it stopped last
+  std::atomic<std::int64_t> guard_ns;    ///< of its newest look at the board
+  std::atomic<std::uint32_t> connected;  ///< 1 while a stop would reach the head
+  std::atomic<std::uint64_t> stopped;    ///< the number of the activation that it stopped last
 };
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
 

@@ -57,7 +57,8 @@ void guard(const GuardOptions& options, const Registry& registry) {
   bool connected = false;
   while (!interrupted() && machine_ns() < end_ns) {
     const bool now_connected = head->is_connected();
-    if (now_connected != connected) print(now_connected ? "connected to the head" : "the head is not connected");
+    if (now_connected != connected)
+      print(now_connected ? "connected to the head" : "the head is not connected");
     connected = now_connected;
     board.connected = connected ? 1 : 0;
     board.guard_ns = machine_ns();

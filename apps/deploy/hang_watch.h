@@ -14,7 +14,7 @@ namespace saccade {
 class HangWatch final : public Overseer {
  public:
   struct Config {
-    std::int64_t bound_ns = 40'000'000;        ///< without a tick the head is stopped
+    std::int64_t bound_ns = 40'000'000;         ///< without a tick the head is stopped
     std::int64_t end_after_ns = 5'000'000'000;  ///< without a tick `end` is called; 0: never
   };
   /// `robot` outlives it. `halted(age_ns)` and `end()` are called in the thread of the watch; `end` after the head was
@@ -41,7 +41,8 @@ class HangWatch final : public Overseer {
   std::function<void()> end_;
   std::atomic<std::int64_t> tick_ns_ = 0;
   std::atomic<bool> armed_ = false;
-  std::atomic<std::int64_t> fired_after_ns_ = 0;  // age of the newest tick when the head was stopped; 0: it was not
+  std::atomic<std::int64_t> fired_after_ns_ =
+      0;  // age of the newest tick when the head was stopped; 0: it was not
   std::atomic<bool> over_ = false;
   std::thread thread_;
 };

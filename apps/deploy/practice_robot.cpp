@@ -21,7 +21,8 @@ constexpr std::int64_t longest_gap_us = 20'000;  // images of a longer pause are
 void describe(FieldVisitor& v, PracticeConfig& config) {
   v.text("head", config.head, "name of the head in shared memory; programs with the same name share it");
   v.real("ball_distance_m", config.ball_distance_m, {0.25, 1.0}, "distance of the ball in front of the root");
-  v.real("circle_radius_m", config.circle_radius_m, {0.0, 0.2}, "radius of the circle on which the ball moves");
+  v.real("circle_radius_m", config.circle_radius_m, {0.0, 0.2},
+         "radius of the circle on which the ball moves");
   v.real("circle_period_s", config.circle_period_s, {0.5, 60.0}, "duration of a turn of the ball");
   v.real("noise_hz", config.noise_hz, {0.0, 10.0}, "noise events per pixel and second");
   v.real("end_s", config.end_s, {0.0, 1e6}, "time after which the robot ends; 0: never");
@@ -79,7 +80,9 @@ PracticeRobot::Disc PracticeRobot::look(std::int64_t t_us) const {
 void PracticeRobot::draw(std::int64_t t_us, std::vector<Event>& events) {
   const Disc before = disc_;
   disc_ = look(t_us);
-  const auto first = [](double a, double b) { return std::max(0, static_cast<int>(std::floor(std::min(a, b)))); };
+  const auto first = [](double a, double b) {
+    return std::max(0, static_cast<int>(std::floor(std::min(a, b))));
+  };
   const auto last = [](double a, double b, int size) {
     return std::min(size - 1, static_cast<int>(std::ceil(std::max(a, b))));
   };
@@ -98,9 +101,10 @@ void PracticeRobot::draw(std::int64_t t_us, std::vector<Event>& events) {
   const int count = static_cast<int>(expected + random.uniform(0.0, 1.0, 0, number));
   for (int i = 0; i < count; ++i) {
     const std::uint64_t bits = random.bits(1 + static_cast<std::uint64_t>(i), number);
-    events.push_back({t_us, static_cast<std::uint16_t>(bits % static_cast<std::uint64_t>(camera_.size.width)),
-                      static_cast<std::uint16_t>((bits >> 20) % static_cast<std::uint64_t>(camera_.size.height)),
-                      ((bits >> 50) & 1) != 0, 0});
+    events.push_back(
+        {t_us, static_cast<std::uint16_t>(bits % static_cast<std::uint64_t>(camera_.size.width)),
+         static_cast<std::uint16_t>((bits >> 20) % static_cast<std::uint64_t>(camera_.size.height)),
+         ((bits >> 50) & 1) != 0, 0});
   }
 }
 

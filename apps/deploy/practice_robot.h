@@ -16,12 +16,12 @@ namespace saccade {
 
 /// The backend `practice`.
 struct PracticeConfig {
-  std::string head = "head";         ///< name of the head; programs with the same name share it
-  double ball_distance_m = 0.45;     ///< from the root's origin to the middle of the ball's circle, forward
-  double circle_radius_m = 0.04;     ///< of the ball's circle
-  double circle_period_s = 4.0;      ///< of one turn
-  double noise_hz = 0.1;             ///< noise events per pixel and second
-  double end_s = 0.0;                ///< time after which its ports end; 0: never
+  std::string head = "head";      ///< name of the head; programs with the same name share it
+  double ball_distance_m = 0.45;  ///< from the root's origin to the middle of the ball's circle, forward
+  double circle_radius_m = 0.04;  ///< of the ball's circle
+  double circle_period_s = 4.0;   ///< of one turn
+  double noise_hz = 0.1;          ///< noise events per pixel and second
+  double end_s = 0.0;             ///< time after which its ports end; 0: never
 };
 
 /// Keys: head, ball_distance_m, circle_radius_m, circle_period_s, noise_hz, end_s.

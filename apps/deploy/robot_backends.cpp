@@ -43,8 +43,9 @@ std::unique_ptr<HeadStopper> open_yarp_stopper(const YarpConfig& config, const R
 }
 #else
 [[noreturn]] void refuse_yarp() {
-  throw InputError("backend", "yarp",
-                   "recording or practice: this build has no YARP; docs/robot.md describes how to install it");
+  throw InputError(
+      "backend", "yarp",
+      "recording or practice: this build has no YARP; docs/robot.md describes how to install it");
 }
 
 std::unique_ptr<Robot> open_yarp(const YarpConfig&, const RobotContext&) { refuse_yarp(); }
@@ -75,8 +76,9 @@ BackendRegistry built_in_backends() {
   RobotBackend yarp = backend_row("yarp", "an iCub on a YARP network", YarpConfig{}, open_yarp);
   yarp.open_stopper = for_any_config<YarpConfig>(open_yarp_stopper);
   registry.add(std::move(yarp));
-  RobotBackend practice = backend_row("practice", "a head in shared memory that sees a ball, to practise with",
-                                      PracticeConfig{}, open_practice);
+  RobotBackend practice =
+      backend_row("practice", "a head in shared memory that sees a ball, to practise with", PracticeConfig{},
+                  open_practice);
   practice.open_stopper = for_any_config<PracticeConfig>(open_practice_stopper);
   registry.add(std::move(practice));
   return registry;

@@ -52,8 +52,8 @@ class ServedRobot final : public LoopObserver {
   YarpControlBoard torso_;
   YarpGazePorts gaze_ports_;
   std::int64_t t_us_ = 0;
-  std::int64_t paused_us_ = 0;   // while the camera's clock went on and the simulated time did not
-  std::vector<Event> shifted_;   // the events of a tick on the camera's clock
+  std::int64_t paused_us_ = 0;  // while the camera's clock went on and the simulated time did not
+  std::vector<Event> shifted_;  // the events of a tick on the camera's clock
   std::int64_t ticks_ = 0;
   std::int64_t events_ = 0;
   std::int64_t requests_ = 0;

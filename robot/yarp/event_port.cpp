@@ -15,7 +15,7 @@
 namespace saccade {
 namespace {
 
-constexpr std::int64_t least_duration_us = 1;       // a packet has to have one
+constexpr std::int64_t least_duration_us = 1;  // a packet has to have one
 constexpr std::int64_t noise_period_us = 20'000;
 constexpr std::uint32_t stamp_mask = (1U << 30) - 1;
 

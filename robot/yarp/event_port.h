@@ -27,7 +27,7 @@ class YarpEventPort {
     PacketFormat format = PacketFormat::packet;
     AddressCodec codec = AddressCodec::ev2;
     std::size_t max_waiting = 100'000;  ///< events
-    bool swap_polarity = false;         ///< ON and OFF exchanged, as the newest grabbers of event-driven have them
+    bool swap_polarity = false;  ///< ON and OFF exchanged, as the newest grabbers of event-driven have them
   };
   /// Throws RunError if YARP cannot open the port: no name server, or the name is in use.
   explicit YarpEventPort(const Config& config);
@@ -50,7 +50,7 @@ class YarpEventPort {
   std::vector<Event> waiting_;
   EventPacket packet_;
   std::int64_t sent_us_ = 0;  ///< on the events' clock
-  bool noise_on_ = false;  ///< polarity of the next noise event
+  bool noise_on_ = false;     ///< polarity of the next noise event
   std::int64_t messages_ = 0;
   std::int64_t dropped_ = 0;
 };

@@ -13,10 +13,7 @@
 #include "robot/yarp/yarp_network.h"
 
 namespace saccade {
-namespace {
-
-
-}  // namespace
+namespace {}  // namespace
 
 YarpGaze::YarpGaze(const YarpConfig& config, const JointLimits& limits, const SteadyClock& clock)
     : config_(config.gaze_server),

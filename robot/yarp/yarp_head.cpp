@@ -221,7 +221,8 @@ void YarpHead::set_positions(const Degrees& reference_deg) const {
 void YarpHead::send_references() {
   int repeats_left = 0;
   for (;;) {
-    const bool is_new = repeats_left > 0 ? to_send_.try_acquire_for(repeat_after) : (to_send_.acquire(), true);
+    const bool is_new =
+        repeats_left > 0 ? to_send_.try_acquire_for(repeat_after) : (to_send_.acquire(), true);
     if (!sends_) return;
     if (is_new) {
       while (to_send_.try_acquire()) {

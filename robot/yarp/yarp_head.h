@@ -120,10 +120,10 @@ class YarpHead final : public HeadPort {
   bool active_ = false;
   std::atomic<bool> lost_ = false;
   Newest<Reports> reports_;
-  Newest<Degrees> reference_deg_;          // of the thread that commands
-  Newest<Degrees> halt_deg_;               // of the thread that halts; instead of the others while halted_
+  Newest<Degrees> reference_deg_;  // of the thread that commands
+  Newest<Degrees> halt_deg_;       // of the thread that halts; instead of the others while halted_
   std::atomic<bool> halted_ = false;
-  std::counting_semaphore<> to_send_{0};   // a reference to send
+  std::counting_semaphore<> to_send_{0};  // a reference to send
   std::atomic<bool> sends_ = true;
   std::atomic<bool> repeats_ = false;
   std::unique_ptr<Periodic> reporter_;

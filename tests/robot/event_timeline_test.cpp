@@ -262,7 +262,8 @@ TEST(CameraView, NamesACameraOfAnotherSizeAnotherCodecAndASinglePolarity) {
   CameraView view{2000, 0, 1000, 120, 119};
   EXPECT_EQ(view.problem({128, 128}), "");
   view = {2000, 1900, 1000, 303, 239};
-  EXPECT_THAT(view.problem({128, 128}), HasSubstr("95 % of the events lie outside 128 x 128 pixels (largest x 303, y 239)"));
+  EXPECT_THAT(view.problem({128, 128}),
+              HasSubstr("95 % of the events lie outside 128 x 128 pixels (largest x 303, y 239)"));
   view = {2000, 0, 1000, 127, 100};
   EXPECT_THAT(view.problem({304, 240}), HasSubstr("the events fill 128 x 101 pixels of 304 x 240"));
   view = {2000, 0, 2000, 120, 119};

@@ -35,8 +35,7 @@ TEST(NumberList, ReadsAVectorAndABottleOfNumbersOfAnyKind) {
   EXPECT_EQ(read_number_list(vector, values, count), "");
   EXPECT_EQ(count, 2);
   EXPECT_EQ(values[1], -2.5);
-  const Message bottle =
-      Message().add(256).add(3).add(1).add(7).add(10).add(0.25).add(128).add<float>(0.5F);
+  const Message bottle = Message().add(256).add(3).add(1).add(7).add(10).add(0.25).add(128).add<float>(0.5F);
   EXPECT_EQ(read_number_list(bottle, values, count), "");
   EXPECT_EQ(count, 3);
   EXPECT_EQ(values, (std::array<double, 4>{7.0, 0.25, 0.5, 0.0}));

@@ -334,7 +334,8 @@ TEST_F(Yarp, LimitsAreTheTighterOnesOfRobotAndFile) {
   config.local = unique_name("/tight");
   YarpRobot robot(config, tight);
   EXPECT_NEAR(robot.head()->limits().max_rad[neck_pitch], 10 * deg, 1e-9);
-  EXPECT_THAT(failed(robot.check()), IsEmpty()) << "limits of one's own may be tighter: " << text(robot.check());
+  EXPECT_THAT(failed(robot.check()), IsEmpty())
+      << "limits of one's own may be tighter: " << text(robot.check());
   EXPECT_THAT(text(world.robot.check()), HasSubstr("narrowed by the robot: neck_pitch -29 to 16"));
 }
 
