@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <numbers>
@@ -17,8 +18,10 @@ namespace saccade {
 namespace {
 
 constexpr double least_vergence_deg = 0.5;
+constexpr std::size_t most_contexts = 100;             // the oldest ones beyond are forgotten
 constexpr double bound_slack_rad = 0.1 / deg_per_rad;  // around a joint that is bound to one value
 constexpr double still_rad_s = 0.5 / deg_per_rad;
+constexpr double saccade_rad_s = 60.0 / deg_per_rad;
 constexpr double still_for_s = 0.1;  // until a movement counts as done
 constexpr std::string_view ack = "[ack]";
 constexpr std::string_view nack = "[nack]";
@@ -124,17 +127,18 @@ std::string GazeServer::answer(const std::string& request) {
   if (what == "set") return set(words);
   if (what == "bind") return bind(words);
   if (what == "clear") return clear(words);
-  if (what == "stor" || what == "rest" || what == "dele") return contexts(what, words);
+  if (what == "stor" || what == "rest" || what == "del") return contexts(what, words);
+  if (what == "register" || what == "unregister" || what == "list") return registered(what, words);
   if (what == "status") return fmt::format("{} {}", ack, suspended_ ? "suspended" : "running");
   if (what == "help") {
     return fmt::format(
         "{} (\"look 3D|mono|stereo|ang (...)\" \"get "
-        "x|q|angles|done|info|3D|2D|pose|Tneck|Teyes|sacc|sact|sinh|pitch|"
+        "x|q|angles|ang|done|sdon|des|vel|pid|tweak|info|3D|2D|pose|Tneck|Teyes|sacc|sact|sinh|pitch|"
         "roll|yaw\" \"set Tneck|Teyes|sacc|sact|sinh|track|ntol|vor|ocr|stab VALUE\" \"bind pitch|roll|yaw "
         "MIN MAX\" "
         "\"bind eyes VERGENCE\" \"clear pitch|roll|yaw|eyes\" \"stop\" \"susp\" \"run\" \"status\" \"stor\" "
         "\"rest ID\" "
-        "\"dele ID\")",
+        "\"del ID\" \"register EVENT\" \"unregister EVENT\" \"list\")",
         ack);
   }
   if (what != "stop" && what != "susp" && what != "run") return std::string(nack);
@@ -205,6 +209,43 @@ std::optional<Eigen::Vector3d> GazeServer::point(const std::string& kind, Words&
   return {};
 }
 
+/// Where the ray through a pixel of an eye meets the plane a x + b y + c z + d = 0: eye u v a b c d.
+std::optional<Eigen::Vector3d> GazeServer::on_plane(Words& words) const {
+  const std::string eye = words.next();
+  const auto values = words.numbers(6);
+  if (!values || (eye != "left" && eye != "right")) return {};
+  const Eye which = eye == "left" ? Eye::left : Eye::right;
+  const Eigen::Isometry3d pose = HeadKinematics(state_.position_rad).root_from_eye(which);
+  const Eigen::Vector3d ray = pose.linear() * through_pixel(cameras_[static_cast<std::size_t>(which)],
+                                                            (*values)[0], (*values)[1], 1.0);
+  const Eigen::Vector3d normal = values->segment<3>(2);
+  const double towards = normal.dot(ray);
+  const double depth_m = -(normal.dot(pose.translation()) + (*values)[5]) / towards;
+  if (!std::isfinite(depth_m) || depth_m <= 0.0) return {};
+  return pose.translation() + depth_m * ray;
+}
+
+/// The fixation point; while the optical axes are parallel, where they would meet with the least vergence.
+Eigen::Vector3d GazeServer::fixation_m() const {
+  const FixationPoint fixation = HeadKinematics(state_.position_rad).fixation();
+  if (fixation.valid) return fixation.point_m;
+  const CyclopeanEye eye(state_.position_rad);
+  const double distance_m = eye.half_baseline_m() / std::tan(least_vergence_deg / deg_per_rad / 2);
+  return eye.root_from_eye() * Eigen::Vector3d(0.0, 0.0, distance_m);
+}
+
+/// Events are sent to every reader of events:o; clients that register for them are acknowledged.
+std::string GazeServer::registered(const std::string& what, Words& words) {
+  if (what == "list") return fmt::format("{} ({})", ack, fmt::join(registered_, " "));
+  const std::string event = words.next();
+  constexpr std::array<std::string_view, 6> known = {"motion-onset", "motion-done", "saccade-onset",
+                                                     "saccade-done", "closing",     "*"};
+  if (std::ranges::find(known, event) == known.end()) return std::string(nack);
+  std::erase(registered_, event);
+  if (what == "register") registered_.push_back(event);
+  return std::string(ack);
+}
+
 Eigen::Vector3d GazeServer::angles_deg() const {
   const JointVector& q = state_.position_rad;
   JointVector upright = q;
@@ -224,18 +265,23 @@ std::string GazeServer::get(Words& words) const {
   const std::string what = words.next();
   const JointVector& q = state_.position_rad;
   const HeadKinematics head(q);
-  if (what == "x") {
-    const FixationPoint fixation = head.fixation();
-    return fixation.valid ? acknowledged(fixation.point_m) : std::string(nack);
-  }
+  if (what == "x") return acknowledged(fixation_m());
   if (what == "q") return acknowledged(q * deg_per_rad);
-  if (what == "angles") return acknowledged(angles_deg());
+  if (what == "angles" || what == "ang") return acknowledged(angles_deg());
   if (what == "done") return acknowledged(done_ ? 1.0 : 0.0);
-  if (what == "info")
-    return fmt::format("{} ((head_version 2.0) (min_allowed_vergence {}))", ack, least_vergence_deg);
+  if (what == "sdon") return acknowledged(saccade_done_ ? 1.0 : 0.0);
+  if (what == "des") return acknowledged(JointVector(desired_rad_ * deg_per_rad));
+  if (what == "vel") return acknowledged(JointVector(state_.velocity_rad_s * deg_per_rad));
+  if (what == "pid" || what == "tweak") return fmt::format("{} ()", ack);
+  if (what == "info") {
+    return fmt::format(
+        "{} ((server_version 1.2) (head_version 2.0) (min_allowed_vergence {}) (events (motion-onset "
+        "motion-done)))",
+        ack, least_vergence_deg);
+  }
   if (what == "3D") {
     const std::string kind = words.next();
-    const auto found = kind == "3D" ? std::nullopt : point(kind, words);
+    const auto found = kind == "3D" ? std::nullopt : kind == "proj" ? on_plane(words) : point(kind, words);
     return found ? acknowledged(*found) : std::string(nack);
   }
   if (what == "2D" || what == "pose") {
@@ -259,8 +305,8 @@ std::string GazeServer::get(Words& words) const {
     return acknowledged(values);
   }
   if (const auto joint = neck_joint(what)) {
-    return acknowledged(Eigen::Vector2d(settings_.limits.min_rad[*joint], settings_.limits.max_rad[*joint]) *
-                        deg_per_rad);
+    return fmt::format("{} {:.9g} {:.9g}", ack, settings_.limits.min_rad[*joint] * deg_per_rad,
+                       settings_.limits.max_rad[*joint] * deg_per_rad);
   }
   const IkinGazeConfig& gaze = settings_.gaze;
   if (what == "Tneck") return acknowledged(gaze.neck_time_s);
@@ -356,6 +402,7 @@ std::string GazeServer::clear(Words& words) {
 
 std::string GazeServer::contexts(const std::string& what, Words& words) {
   if (what == "stor") {
+    if (contexts_.size() == most_contexts) contexts_.erase(contexts_.begin());
     contexts_.emplace_back(next_context_, settings_);
     return acknowledged(static_cast<double>(next_context_++));
   }
@@ -376,7 +423,10 @@ std::optional<HeadJointVector> GazeServer::step(const HeadState& state, double d
     if (done != done_) events_.emplace_back(done ? "motion-done" : "motion-onset");
     done_ = done;
   };
+  const double eye_rad_s = state_.velocity_rad_s.tail<3>().cwiseAbs().maxCoeff();
+  saccade_done_ = eye_rad_s < saccade_rad_s;
   if (!target_m_) {
+    desired_rad_ = state_.position_rad;
     become(true);
     if (!stop_) return {};
     stop_ = false;
@@ -393,14 +443,15 @@ std::optional<HeadJointVector> GazeServer::step(const HeadState& state, double d
   if (still_s_ >= still_for_s) become(true);
   const HeadJointVector wanted = controller_->step(state, target_is_new_ ? target_m_ : std::nullopt, dt_s);
   target_is_new_ = false;
+  desired_rad_ = state_.position_rad;
+  desired_rad_.tail<head_joint_count>() = wanted;
   return limiter_->apply(wanted, state_.head_position_rad(), dt_s).reference_rad;
 }
 
 GazeServer::Report GazeServer::report() {
   const std::scoped_lock lock(mutex_);
   Report report;
-  const FixationPoint fixation = HeadKinematics(state_.position_rad).fixation();
-  if (fixation.valid) report.fixation_m = fixation.point_m;
+  report.fixation_m = fixation_m();
   report.position_rad = state_.position_rad;
   report.angles_deg = angles_deg();
   report.target_m = target_m_;

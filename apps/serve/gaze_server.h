@@ -28,8 +28,13 @@ namespace saccade {
 ///     get pose left|right|head            [ack] (x y z and axis, angle in rad)
 ///     set|get Tneck|Teyes|sacc|sact|sinh  times s, saccades 0 or 1, their least angle deg, least interval s
 ///     set|get track|ntol|vor|ocr|stab     stored and returned, without effect
-///     bind pitch|roll|yaw min max, bind eyes ver, clear pitch|roll|yaw|eyes, get pitch|roll|yaw
-///     stop | susp | run | status | get info | stor | rest id | dele id | help
+///     bind pitch|roll|yaw min max, bind eyes ver, clear pitch|roll|yaw|eyes
+///     get pitch|roll|yaw                  [ack] min max
+///     get ang | sdon | des | vel          angles; no saccade: 1; desired joints; joint velocities
+///     get 3D proj (left|right u v a b c d)  where the pixel's ray meets the plane a x + b y + c z + d = 0
+///     get pid | tweak                     [ack] (): there are none
+///     register | unregister EVENT, list   acknowledged; every reader of events:o gets every event
+///     stop | susp | run | status | get info | stor | rest id | del id | help
 ///
 /// The reply to anything else is [nack]. Before the first target, after `stop` and while suspended it does not move the
 /// head; otherwise it keeps looking at the newest target, also after the client that sent it is gone, as iKinGazeCtrl
@@ -49,7 +54,8 @@ class GazeServer {
 
   /// State that iKinGazeCtrl streams.
   struct Report {
-    std::optional<Eigen::Vector3d> fixation_m;  ///< none while the optical axes have no fixation point
+    /// With parallel optical axes a distant point on them.
+    Eigen::Vector3d fixation_m = Eigen::Vector3d::Zero();
     JointVector position_rad;
     Eigen::Vector3d angles_deg;               ///< azimuth, elevation, vergence
     std::optional<Eigen::Vector3d> target_m;  ///< newest target
@@ -75,6 +81,9 @@ class GazeServer {
   [[nodiscard]] std::string contexts(const std::string& what, Words& words);
   [[nodiscard]] std::string adopt(Settings settings);
   [[nodiscard]] std::optional<Eigen::Vector3d> point(const std::string& kind, Words& words) const;
+  [[nodiscard]] std::optional<Eigen::Vector3d> on_plane(Words& words) const;
+  [[nodiscard]] std::string registered(const std::string& what, Words& words);
+  [[nodiscard]] Eigen::Vector3d fixation_m() const;
   [[nodiscard]] Eigen::Vector3d angles_deg() const;
 
   std::mutex mutex_;
@@ -91,6 +100,9 @@ class GazeServer {
   bool target_is_new_ = false;
   bool suspended_ = false;
   bool stop_ = false;  ///< at the next step
+  JointVector desired_rad_ = JointVector::Zero();
+  bool saccade_done_ = true;
+  std::vector<std::string> registered_;
   double still_s_ = 0.0;
   bool done_ = true;
   std::vector<std::string> events_;

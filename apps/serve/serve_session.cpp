@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
+#include <thread>
 
 #include "apps/config/scenario.h"
 #include "apps/serve/paced_robot.h"
@@ -92,6 +94,16 @@ void wait_for_client(PacedRobot& paced, ServedRobot& served) {
   paced.restart();
 }
 
+/// Announces the end of the run, and answers for half a second clients that give the joints back.
+void linger(ServedRobot& served) {
+  constexpr int linger_ms = 500;
+  served.announce_end();
+  for (int ms = 0; ms < linger_ms; ++ms) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    served.linger();
+  }
+}
+
 }  // namespace
 
 int serve(const ServeOptions& options, const Registry& registry) {
@@ -132,6 +144,7 @@ int serve(const ServeOptions& options, const Registry& registry) {
   session.run(World::tick_us, options.endless ? std::numeric_limits<std::int64_t>::max()
                                               : std::llround(scenario.run.duration_s * 1e6));
   const double loop_s = session.wall_s();
+  if (!interrupted()) linger(served);
   progress.done();
   const std::int64_t t_us = robot.now_us();
   log.write(t_us, served.traffic());

@@ -85,6 +85,7 @@ void ServedRobot::idle() {
 void ServedRobot::on_tick(const Tick& tick) {
   const double dt_s = static_cast<double>(tick.t_us - t_us_) * 1e-6;
   t_us_ = tick.t_us;
+  last_state_ = *tick.head;
   if (const auto reference_rad = gaze_.step(*tick.head, dt_s)) head_.drive(*reference_rad);
   robot_.command(step_boards(*tick.head, dt_s));
   shifted_.assign(tick.events.begin(), tick.events.end());
@@ -94,6 +95,8 @@ void ServedRobot::on_tick(const Tick& tick) {
   send_gaze_reports();
   log_changes();
 }
+
+void ServedRobot::announce_end() { camera_.send_end(t_us_ + paused_us_); }
 
 std::string ServedRobot::traffic() const {
   const YarpControlBoard::Use use = head_.use();

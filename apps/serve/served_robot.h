@@ -31,6 +31,10 @@ class ServedRobot final : public LoopObserver {
   /// A tick while the simulation stands still.
   void idle();
   void on_tick(const Tick& tick) override;
+  /// The run is over as planned: announces the end of the camera.
+  void announce_end();
+  /// After announce_end(), every millisecond: the boards answer clients that release the head.
+  void linger() { (void)step_boards(last_state_, 0.0); }
 
   /// Target of the gaze controller, m, root frame; none before the first.
   [[nodiscard]] const std::optional<Eigen::Vector3d>& target_m() const { return target_m_; }
@@ -51,6 +55,7 @@ class ServedRobot final : public LoopObserver {
   YarpControlBoard head_;
   YarpControlBoard torso_;
   YarpGazePorts gaze_ports_;
+  HeadState last_state_;
   std::int64_t t_us_ = 0;
   std::int64_t paused_us_ = 0;  // while the camera's clock went on and the simulated time did not
   std::vector<Event> shifted_;  // the events of a tick on the camera's clock

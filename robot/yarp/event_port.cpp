@@ -1,5 +1,6 @@
 #include "robot/yarp/event_port.h"
 
+#include <yarp/os/Bottle.h>
 #include <yarp/os/BufferedPort.h>
 #include <yarp/os/ConnectionReader.h>
 #include <yarp/os/ConnectionWriter.h>
@@ -17,6 +18,7 @@ namespace {
 
 constexpr std::int64_t least_duration_us = 1;  // a packet has to have one
 constexpr std::int64_t noise_period_us = 20'000;
+constexpr int longest_end_ms = 100;
 constexpr std::uint32_t stamp_mask = (1U << 30) - 1;
 
 /// A whole message as it goes over the wire.
@@ -92,6 +94,18 @@ void YarpEventPort::send(std::span<const Event> events, std::int64_t now_us) {
   port_->port.write();
   sent_us_ = now_us;
   ++messages_;
+}
+
+void YarpEventPort::send_end(std::int64_t now_us) {
+  if (readers() == 0) return;
+  for (int i = 0; i < longest_end_ms && port_->port.isWriting(); ++i) yarp::os::Time::delay(0.001);
+  packet_.duration_us = std::max(now_us - sent_us_, least_duration_us);
+  packet_.events.assign(1, {0, encode_address({now_us, 0, 0, true, 0}, config_.codec)});
+  write_packet(packet_, config_.format, port_->port.prepare().bytes);
+  yarp::os::Bottle end(end_of_camera);
+  port_->port.setEnvelope(end);
+  port_->port.write();
+  for (int i = 0; i < longest_end_ms && port_->port.isWriting(); ++i) yarp::os::Time::delay(0.001);
 }
 
 }  // namespace saccade

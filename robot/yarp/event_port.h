@@ -36,6 +36,10 @@ class YarpEventPort {
   /// Sends the events since the last call, sorted by time; now_us is on their clock.
   void send(std::span<const Event> events, std::int64_t now_us);
 
+  /// The last message: its envelope is the word `end`, so that a reader knows that the camera did not fail. Waits up to
+  /// 0.2 s until it has gone out.
+  void send_end(std::int64_t now_us);
+
   [[nodiscard]] int readers() const;
   [[nodiscard]] std::int64_t messages() const {
     return messages_;

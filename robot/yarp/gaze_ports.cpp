@@ -109,11 +109,11 @@ YarpGazePorts::YarpGazePorts(const std::string& name, Answer answer)
 
 YarpGazePorts::~YarpGazePorts() = default;
 
-void YarpGazePorts::send(const std::optional<Eigen::Vector3d>& fixation_m, const JointVector& position_rad,
+void YarpGazePorts::send(const Eigen::Vector3d& fixation_m, const JointVector& position_rad,
                          const Eigen::Vector3d& angles_deg, const std::vector<std::string>& events) {
   Ports& ports = *ports_;
   ports.stamp.update(yarp::os::Time::now());
-  if (fixation_m) write(ports.x, *fixation_m, ports.stamp);
+  write(ports.x, fixation_m, ports.stamp);
   write(ports.q, JointVector(position_rad * deg_per_rad), ports.stamp);
   write(ports.angles_out, angles_deg, ports.stamp);
   for (const std::string& event : events) {

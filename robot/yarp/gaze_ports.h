@@ -25,7 +25,7 @@ class YarpGazePorts {
 
   /// Sends the current state of the robot. No fixation point is sent while the optical axes have none. Slow readers miss
   /// messages.
-  void send(const std::optional<Eigen::Vector3d>& fixation_m, const JointVector& position_rad,
+  void send(const Eigen::Vector3d& fixation_m, const JointVector& position_rad,
             const Eigen::Vector3d& angles_deg, const std::vector<std::string>& events);
 
  private:

@@ -63,6 +63,8 @@ bool EventInput::read(yarp::os::ConnectionReader& reader) {
   message_.resize(size);
   if (!reader.expectBlock(reinterpret_cast<char*>(message_.data()), size)) return false;
   const std::int64_t arrival_us = clock_.now_us();
+  const yarp::os::Bytes envelope = reader.readEnvelope();
+  if (std::string_view(envelope.get(), envelope.length()).starts_with(end_of_camera)) ended_ = true;
   problem = read_packet(message_, format_, packet_);
   if (!problem.empty()) {
     note(problem);
@@ -112,7 +114,10 @@ YarpCamera::YarpCamera(const YarpConfig& config, const SteadyClock& clock) {
 }
 
 PortStatus YarpCamera::read_until(std::int64_t t_us, std::vector<Event>& events) {
-  for (const auto& input : inputs_) lost_ = lost_ || input->lost();
+  for (const auto& input : inputs_) {
+    if (input->ended()) return PortStatus::ended;
+    lost_ = lost_ || input->lost();
+  }
   if (lost_) return PortStatus::lost;
   if (inputs_.size() == 1) {
     inputs_.front()->pop_until(t_us, events);

@@ -34,6 +34,8 @@ class EventInput final : private yarp::os::PortReader, private yarp::os::PortRep
   void pop_until(std::int64_t t_us, std::vector<Event>& events) { queue_.pop_until(t_us, events); }
   /// True if the connection was never made, or is closed.
   [[nodiscard]] bool lost() const { return lost_; }
+  /// True after the camera announced its end.
+  [[nodiscard]] bool ended() const { return ended_; }
   /// Arrival time of the last readable message; before the first, the time of construction of the robot.
   [[nodiscard]] std::int64_t heard_us() const { return heard_us_; }
   [[nodiscard]] EventTraffic traffic() const;
@@ -61,6 +63,7 @@ class EventInput final : private yarp::os::PortReader, private yarp::os::PortRep
   std::atomic<std::int64_t> dropped_ = 0;
   std::atomic<std::int64_t> unreadable_ = 0;
   std::atomic<std::int64_t> strangers_ = 0;
+  std::atomic<bool> ended_ = false;
   std::mutex reading_mutex_;  // of what follows, which YARP's threads alone use
   EventTimeline timeline_;
   std::vector<std::byte> message_;
@@ -79,7 +82,8 @@ class YarpCamera final : public EventSource {
 
   [[nodiscard]] ImageSize image_size() const override { return image_size_; }
   PortStatus read_until(std::int64_t t_us, std::vector<Event>& events) override;
-  /// Of the port with the older last message.
+  /// `ended` after a camera announced it, as saccade serve does after its duration. heard_us: of the port with the older
+  /// last message.
   [[nodiscard]] std::int64_t heard_us() const override;
   [[nodiscard]] EventTraffic traffic() const override;
 

@@ -17,6 +17,9 @@ namespace saccade {
 /// Longest wait for the answer of a name server where no configuration gives one.
 inline constexpr double name_server_timeout_s = 2.0;
 
+/// The envelope of the last message of a camera that ends as planned (saccade serve).
+inline constexpr const char* end_of_camera = "end";
+
 /// The connection to the YARP network, which all YARP calls need.
 class YarpNetwork {
  public:

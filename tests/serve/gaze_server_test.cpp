@@ -127,7 +127,7 @@ TEST(GazeServer, RejectsUnknownRequestsAndUnreachableTargets) {
                               "bind ears 0",
                               "clear ears",
                               "rest 9",
-                              "dele 9",
+                              "del 9",
                               "quit",
                               "\"",
                               "((((",
@@ -217,6 +217,40 @@ TEST(GazeServer, ASettingDoesNotMakeTheReferenceJump) {
   EXPECT_EQ(head.server.answer("bind pitch -1 1"), "[ack]");
   head.run(0.002);
   EXPECT_LT((head.state.position_rad - there).cwiseAbs().maxCoeff(), 1.0 * rad_per_deg);
+}
+
+TEST(GazeServer, AnswersTheRequestsOfAClientOfIKinGazeCtrl) {
+  Head head;
+  EXPECT_EQ(head.server.answer("stor"), "[ack] 1");
+  EXPECT_EQ(head.server.answer("del 1"), "[ack]");
+  EXPECT_EQ(head.server.answer("dele 1"), "[nack]") << "nobody sends that";
+  EXPECT_EQ(head.server.answer("bind pitch -5 10"), "[ack]");
+  EXPECT_EQ(head.server.answer("get pitch"), "[ack] -5 10") << "two values, not a list";
+  EXPECT_EQ(head.server.answer("register motion-onset"), "[ack]");
+  EXPECT_EQ(head.server.answer("list"), "[ack] (motion-onset)");
+  EXPECT_EQ(head.server.answer("unregister motion-onset"), "[ack]");
+  EXPECT_EQ(head.server.answer("register nonsense"), "[nack]");
+  for (const char* request : {"get des", "get vel"}) EXPECT_EQ(head.ask(request).size(), 9u) << request;
+  EXPECT_EQ(head.ask("get ang").size(), 3u);
+  EXPECT_EQ(head.ask("get sdon"), std::vector{1.0});
+  EXPECT_EQ(head.server.answer("get pid"), "[ack] ()");
+  EXPECT_THAT(head.server.answer("get info"), testing::HasSubstr("server_version"));
+}
+
+TEST(GazeServer, ProjectsAPixelOntoAPlane) {
+  Head head;
+  const std::vector<double> met = head.ask("get 3D proj (left 64 69.18 1 0 0 0.6)");
+  ASSERT_EQ(met.size(), 3u);
+  EXPECT_NEAR(met[0], -0.6, 1e-6) << "on the plane x = -0.6";
+  EXPECT_EQ(head.server.answer("get 3D proj (left 64 69.18 1 0 0 -0.6)"), "[nack]") << "behind the head";
+}
+
+TEST(GazeServer, AtRestTheFixationPointIsADistantOneAhead) {
+  Head head;
+  const std::vector<double> x = head.ask("get x");
+  ASSERT_EQ(x.size(), 3u);
+  EXPECT_LT(x[0], -2.0);
+  EXPECT_NEAR(x[1], 0.0, 0.05);
 }
 
 }  // namespace
