@@ -8,6 +8,7 @@
 #include <string>
 
 #include "recording/event_file.h"
+#include "recording/format_registry.h"
 #include "recording/run_files.h"
 
 namespace saccade {
@@ -49,7 +50,7 @@ class RecordingFiles {
   [[nodiscard]] std::filesystem::path path(const char* name, const std::string& ending) const;
 
   std::filesystem::path folder_;
-  const FormatRegistry& formats_;
+  FormatRegistry formats_;
   ImageSize image_;
   RecordingFilesConfig config_;
   int number_;

@@ -105,5 +105,12 @@ TEST(RobotFile, OurLimitsAreTheRobotsOf2016UnlessTheFileSaysOtherwise) {
   EXPECT_TRUE(ours.max_rad.tail<head_joint_count>().isApprox(genova.max_rad.tail<head_joint_count>()));
 }
 
+TEST(RobotFile, AGuardIsRequiredOnlyOfAHeadThatAnotherProcessCanStop) {
+  EXPECT_THAT(complaint(robots / "recording.yaml", {"deploy.guard=required"}),
+              AllOf(HasSubstr("deploy.guard"), HasSubstr("no other process can stop the head of this backend")));
+  EXPECT_EQ(complaint(robots / "icub.yaml", {"deploy.guard=required"}), "nothing");
+  EXPECT_EQ(complaint(robots / "practice.yaml", {"deploy.guard=required"}), "nothing");
+}
+
 }  // namespace
 }  // namespace saccade

@@ -60,7 +60,9 @@ TEST(BlackBox, EveryRowHasTheColumnsOfTheFirstLine) {
   timing.state = DeployState::active;
   Tick full = tick_at(2000);
   full.target_m = Eigen::Vector3d(-0.5, 0.0, 0.3);
-  const std::vector<DetectorTick> detectors(1, DetectorTick{{true, true, {64, 60, 10}, 0.75}, true});
+  std::vector<DetectorTick> detectors(1);
+  detectors[0].estimate = {true, true, {64, 60, 10}, 0.75};
+  detectors[0].observed = true;
   box.add(full, timing, detectors, {});
   box.flush();
   std::istringstream lines(text_of(folder / "blackbox/ticks_0.csv"));

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "recording/format_registry.h"
 #include "tests/recording/temp_folder.h"
 
 namespace saccade {

@@ -1,6 +1,7 @@
 // saccade deploy on a recording that is replayed in real time.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -24,7 +25,8 @@ const std::string source = SACCADE_SOURCE_DIR;
 // Watchdog times that a busy machine keeps; the watchdog itself is tested in fake time, tests/deploy.
 const std::string patient =
     " --set deploy.watchdog.safe_within_ms=1000 --set deploy.watchdog.tick_late_ms=500 --set "
-    "deploy.watchdog.camera_silent_ms=500 --set deploy.watchdog.joints_stale_ms=500 ";
+    "deploy.watchdog.camera_silent_ms=500 --set deploy.watchdog.joints_stale_ms=500 --set "
+    "deploy.watchdog.hang_ms=900 ";
 
 std::vector<Event> events_of(const fs::path& file) {
   std::vector<Event> events;
@@ -165,6 +167,38 @@ TEST_F(Deploy, OverloadLeavesOutEventsAndEvaluationsAndCountsThem) {
   std::printf("left out %ld events, skipped %ld evaluations, missed %ld ticks\n", left_out, skipped, missed);
   EXPECT_GT(left_out, 0);
   EXPECT_GT(skipped, 0);
+}
+
+/// `saccade deploy` with the backend practice and a head of this process's own.
+std::string practice(const std::string& options) {
+  return "'" SACCADE_BINARY "' deploy '" + source + "/scenarios/robots/practice.yaml' --set practice.head=deploy-" +
+         std::to_string(::getpid()) + patient + options;
+}
+
+TEST_F(Deploy, APracticeRunThatEndsAsAskedIsStatusZeroAndLeavesABlackBoxAndHistograms) {
+  const Outcome run = run_shell(practice("--activate --record --duration 1.5 --out " + out()));
+  EXPECT_EQ(run.status, 0) << run.text;
+  EXPECT_THAT(bytes_of(out("out/deploy.json")),
+              AllOf(HasSubstr("\"state\": \"active\""), HasSubstr("late_us_histogram")));
+  EXPECT_THAT(bytes_of(out("out/blackbox/ticks_0.csv")), HasSubstr(",active,"));
+  EXPECT_THAT(bytes_of(out("out/blackbox/messages_0.txt")), HasSubstr("stopped: the run is over"));
+  EXPECT_FALSE(events_of(out("out/events.aedat4")).empty());
+}
+
+TEST_F(Deploy, AnActivationThatNeverSucceedsIsStatusOneWithTheReason) {
+  const Outcome run = run_shell(practice(
+      "--activate --set deploy.guard=required --set deploy.activate_within_s=0.3 --duration 5 --out " + out()));
+  EXPECT_EQ(run.status, 1) << run.text;
+  EXPECT_THAT(run.text, HasSubstr("the head was not activated: not activated within 0.3 s: deploy.guard is "
+                                  "required and none watches this head"));
+  EXPECT_TRUE(fs::exists(out("out/report.html"))) << "the run folder is complete";
+}
+
+TEST_F(Deploy, AKilledRunLeavesItsLastSecondsInTheBlackBox) {
+  const std::string console = out("console.txt");
+  signal_when("grep -q ' s  active' " + console, "KILL", practice("--activate --out " + out()), console);
+  EXPECT_THAT(bytes_of(out("out/blackbox/ticks_0.csv")), HasSubstr(",active,"));
+  EXPECT_THAT(bytes_of(out("out/blackbox/messages_0.txt")), HasSubstr("active"));
 }
 
 }  // namespace
