@@ -112,7 +112,7 @@ void deploy(const DeployOptions& options, const Registry& registry) {
   std::vector<Overseer*> overseers = {&hang_watch};
   if (guard) overseers.push_back(&*guard);
   DeploySession session(*robot, loop, motion_maker(*robot, file), requests, recorder,
-                        {std::llround(file.deploy.tick_ms * 1e3), file.deploy.watchdog, overseers});
+                        {std::llround(file.deploy.tick_ms * 1e3), file.deploy.watchdog, overseers, moves});
   {
     const ReleaseAtEnd release(*robot);
     const RealTime real_time;

@@ -13,6 +13,11 @@ namespace {
 
 constexpr std::int64_t attempt_us = 100'000;
 
+/// Joints that their board holds in another mode are as good as those that follow references.
+void accept_held(HeadDrives& drives) {
+  std::ranges::replace(drives.joints, JointDrive::held, JointDrive::references);
+}
+
 }  // namespace
 
 std::string_view name_of(DeployState state) {
@@ -31,6 +36,7 @@ DeploySession::DeploySession(Robot& robot, Loop& loop, MakeMotion make_motion, O
       watchdog_(config.watchdog, robot.head() != nullptr ? robot.head()->limits() : JointLimits{}),
       follows_(config.watchdog.joint_lag_deg),
       overseers_(config.overseers),
+      joints_follow_(config.joints_follow),
       due_us_(robot.clock().now_us()),
       last_begin_us_(due_us_) {
   SACCADE_CHECK(tick_us_ > 0);
@@ -55,7 +61,8 @@ TickFacts DeploySession::facts(std::int64_t due_us) {
   HeadPort* const head = robot_.head();
   if (head == nullptr) return facts;
   if (head->read(facts.head.emplace()) != PortStatus::ok) facts.head.reset();
-  if (robot_.gaze() == nullptr) facts.drives = head->drives();
+  facts.drives = head->drives();
+  if (robot_.gaze() != nullptr) accept_held(*facts.drives);  // the gaze controller chooses the modes
   facts.refused_us = refused_us_;
   follows_.add_to(facts);
   return facts;
@@ -101,7 +108,7 @@ void DeploySession::note_command(const Tick& tick) {
   } else if (!refused_us_) {
     refused_us_ = tick.acted_us;
   }
-  follows_.update(tick.t_us, tick.command.reference_rad, tick.head->head_position_rad());
+  if (joints_follow_) follows_.update(tick.t_us, tick.command.reference_rad, tick.head->head_position_rad());
 }
 
 bool DeploySession::tick() {
@@ -170,11 +177,7 @@ void DeploySession::activate(const TickFacts& facts) {
   now.due_us = now.now_us;  // the head did not wait for this tick
   now.refused_us.reset();
   now.lags_since_us.reset();
-  if (now.drives) {
-    for (JointDrive& drive : now.drives->joints) {
-      if (drive == JointDrive::held) drive = JointDrive::references;  // it will follow them
-    }
-  }
+  if (now.drives) accept_held(*now.drives);  // they will follow references
   if (const auto fault = watchdog_.check(now)) return reject(fault->description());
   for (Overseer* const overseer : overseers_) overseer->activating();
   try {

@@ -100,6 +100,8 @@ struct DeploySessionConfig {
   std::int64_t tick_us = 1000;
   WatchdogConfig watchdog;
   std::vector<Overseer*> overseers = {};  ///< outlive the session
+  /// Whether the joints have to follow their references. Not in a dry run, and not where a recorded head moves as it did.
+  bool joints_follow = true;
 };
 
 /// Runs a loop on a robot in real time: schedules the ticks, activates the head and stops it. Has no clock but the
@@ -172,6 +174,7 @@ class DeploySession {
   Watchdog watchdog_;
   FollowWatch follows_;
   std::vector<Overseer*> overseers_;
+  bool joints_follow_;
   std::optional<Attempts> attempts_;
   std::string not_activated_;
   std::optional<std::int64_t> refused_us_;  // when the head rejected the newest reference

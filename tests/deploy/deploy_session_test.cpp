@@ -127,6 +127,7 @@ class Trial {
       return made;
     };
     DeploySessionConfig config{tick_us, {}};
+    config.joints_follow = !options.dry;
     if (options.overseer != nullptr) config.overseers = {options.overseer};
     session.emplace(*robot, *loop, motion, requests, notes, config);
   }
