@@ -46,7 +46,7 @@ struct WatchdogConfig {
   double joint_outside_deg = 1.0;
   double joint_lag_deg = 6.0;   ///< a joint does not follow if it is farther than this from its reference ...
   double joint_lag_ms = 500.0;  ///< ... for longer than this
-  double hang_ms = 40.0;        ///< without a tick, another thread and the guard stop the head
+  double hang_ms = 35.0;        ///< without a tick, another thread and the guard stop the head
   double safe_within_ms = 100.0;
 };
 

@@ -94,7 +94,7 @@ deploy: {watchdog: {camera_silent_ms: 95}, ramp_in: 2}
   for (const char* expected :
        {"--set backend: found toaster", "robot.yaml:6: limits.neck_yaw_deg: found [45, -45]",
         "did you mean neck_yaw_deg?", "gaze.detector: found worst",
-        "deploy.watchdog.safe_within_ms: found 100, expected at least 115", "deploy.ramp_in"})
+        "deploy.watchdog.safe_within_ms: found 100, expected at least 132", "deploy.ramp_in"})
     EXPECT_THAT(text, HasSubstr(expected));
 }
 

@@ -513,7 +513,7 @@ TEST(Watchdog, BoundsThatExceedSafeWithinAreRejected) {
     const Watchdog watchdog(config);
     FAIL() << "not refused";
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("safe_within_ms: found 100, expected at least 110"));
+    EXPECT_THAT(error.what(), HasSubstr("safe_within_ms: found 100, expected at least 127"));
   }
 }
 

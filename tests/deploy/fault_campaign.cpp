@@ -110,6 +110,10 @@ struct Faults {
   std::optional<std::pair<StopCause, std::int64_t>> demand;
   std::optional<std::int64_t> stop_us, quit_us;
   std::vector<std::pair<Kind, std::int64_t>> list;
+
+  void demand_stop(StopCause cause, std::int64_t at_us) {
+    if (!demand || at_us < demand->second) demand = {cause, at_us};
+  }
 };
 
 void add(Faults& faults, Kind kind, std::int64_t at_us, const RandomStream& random, std::uint64_t trial) {
@@ -149,10 +153,10 @@ void add(Faults& faults, Kind kind, std::int64_t at_us, const RandomStream& rand
       script.lost_us = at_us;
       break;
     case Kind::guard_lost:
-      faults.demand = {StopCause::guard_lost, at_us};
+      faults.demand_stop(StopCause::guard_lost, at_us);
       break;
     case Kind::guard_stops:
-      faults.demand = {StopCause::guard_stops, at_us};
+      faults.demand_stop(StopCause::guard_stops, at_us);
       break;
     case Kind::operator_stops:
       faults.stop_us = at_us;
@@ -185,6 +189,7 @@ struct Result {
   double stop_ms = 0.0;      ///< from the first fault
   double took_ms = 0.0;      ///< from its fact
   std::string problem = {};  ///< empty: safe
+  bool stops = true;         ///< false where a stuck joint did not have to move
 };
 
 Result run(const Faults& faults, bool with_gaze) {
@@ -212,8 +217,10 @@ Result run(const Faults& faults, bool with_gaze) {
   // A stuck joint is a fault when it does not follow: nothing has to happen where it need not move.
   const bool only_stuck = faults.list.size() == 1 && faults.list[0].first == Kind::joint_stuck;
   bool goes_on = true;
+  std::int64_t last_tick_us = 0;  // before the stop
   while (goes_on && robot.stops == 0 && robot.clock().now_us() < longest_us) {
     const std::int64_t now_us = robot.clock().now_us();
+    last_tick_us = robot.stops == 0 ? now_us : last_tick_us;
     if (faults.stop_us && now_us >= *faults.stop_us) requests.stop();
     if (faults.quit_us && now_us >= *faults.quit_us) requests.quit(StopCause::operator_stop);
     goes_on = session.tick();
@@ -223,10 +230,17 @@ Result run(const Faults& faults, bool with_gaze) {
     if (kind != Kind::joint_stuck || only_stuck) first_us = std::min(first_us, at_us);
   }
   Result result;
+  if (robot.stops == 0 && only_stuck) {
+    result.stops = false;
+    return result;
+  }
   if (robot.stops == 0) {
     result.problem = "no stop";
     return result;
   }
+  // The watch in a thread of its own (HangWatch) stops the head first if the tick comes too late.
+  const std::int64_t hang_us = last_tick_us + std::llround((WatchdogConfig{}.hang_ms + 2.0) * 1e3);
+  robot.first_stop_us = std::min(robot.first_stop_us, hang_us);
   result.stop_ms = std::max(0.0, 1e-3 * static_cast<double>(robot.first_stop_us - first_us));
   result.took_ms = 1e-3 * static_cast<double>(robot.first_stop_us - session.last_stop()->since_us);
   const bool lags = session.last_stop()->cause == StopCause::joint_lags;
@@ -290,7 +304,7 @@ int main(int count_of_arguments, char** arguments) {
     std::string name = names[static_cast<std::size_t>(faults.list[0].first)];
     if (faults.list.size() > 1) name = "several at once";
     Class& found = classes[name];
-    found.stop_ms.push_back(result.stop_ms);
+    if (result.stops) found.stop_ms.push_back(result.stop_ms);
     if (result.problem.empty()) continue;
     ++found.unsafe;
     if (++unsafe <= 20) {

@@ -24,9 +24,9 @@ using testing::Not;
 const std::string source = SACCADE_SOURCE_DIR;
 // Watchdog times that a busy machine keeps; the watchdog itself is tested in fake time, tests/deploy.
 const std::string patient =
-    " --set deploy.watchdog.safe_within_ms=1000 --set deploy.watchdog.tick_late_ms=500 --set "
+    " --set deploy.watchdog.safe_within_ms=1000 --set deploy.watchdog.tick_late_ms=490 --set "
     "deploy.watchdog.camera_silent_ms=500 --set deploy.watchdog.joints_stale_ms=500 --set "
-    "deploy.watchdog.hang_ms=900 ";
+    "deploy.watchdog.hang_ms=480 ";
 
 std::vector<Event> events_of(const fs::path& file) {
   std::vector<Event> events;

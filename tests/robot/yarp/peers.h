@@ -59,7 +59,7 @@ class Grabber {
 /// The n-th event of a camera that counts: every pixel and polarity in turn.
 inline Event counted_event(std::int64_t n) {
   return {0, static_cast<std::uint16_t>(n % 128), static_cast<std::uint16_t>(n / 128 % 128),
-          n / 16384 % 2 == 0, 0};
+          (n + n / 16384) % 2 == 0, 0};
 }
 
 /// A camera that sends 5 counted events every millisecond, as long as it lives.
@@ -195,7 +195,7 @@ class ServedBoard {
       text += std::string(" (") + name + " " + six + ")";
     }
     yarp::os::Property motors;
-    motors.fromString(text + " (Min " + limits_deg[0] + ") (Max " + limits_deg[1] + "))");
+    motors.fromString(text + " (Min (" + limits_deg[0] + ")) (Max (" + limits_deg[1] + ")))");
     yarp::os::Property ports;
     ports.fromString("(device controlBoard_nws_yarp) (period 0.01) (name " + part + ")");
     yarp::dev::IWrapper* wrapper = nullptr;
