@@ -15,8 +15,10 @@ void describe(FieldVisitor& v, TargetConfig& config) {
   v.real("min_distance_m", config.min_distance_m, {0.0, 10.0}, "targets nearer to the camera are rejected");
   v.real("max_distance_m", config.max_distance_m, {0.1, 100.0},
          "targets farther from the camera are rejected");
-  v.real("body_radius_m", config.body_radius_m, {0.0, 1.0},
-         "targets this close to the vertical axis of the root frame are rejected: there is the robot's body");
+  v.real(
+      "body_radius_m", config.body_radius_m, {0.0, 1.0},
+      "targets below the eyes and this close to the vertical axis of the root frame are rejected: there is "
+      "the robot's body");
   v.require(config.max_distance_m > config.min_distance_m, "max_distance_m", text_of(config.max_distance_m),
             "more than min_distance_m");
 }
@@ -112,7 +114,8 @@ Target TargetLocator::locate(const Circle& circle, const Camera& camera,
   if (point.norm() < min_distance_m_) return {TargetStatus::too_near, {}};
   if (point.norm() > max_distance_m_) return {TargetStatus::too_far, {}};
   const Eigen::Vector3d point_m = root_from_cam * point;
-  if (point_m.head<2>().norm() < body_radius_m_) return {TargetStatus::in_body, {}};
+  const bool below_eyes = point_m.z() < root_from_cam.translation().z();
+  if (below_eyes && point_m.head<2>().norm() < body_radius_m_) return {TargetStatus::in_body, {}};
   return {TargetStatus::ok, point_m};
 }
 

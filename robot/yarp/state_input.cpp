@@ -48,7 +48,8 @@ bool StateInput::read(yarp::os::ConnectionReader& reader) {
   const std::size_t size = reader.getSize();
   if (reader.isTextMode() || size > bytes.size() || reader.getRemoteContact().getName() != remote_) {
     ++discarded_;
-    return false;  // YARP closes the connection
+    discard(reader);
+    return false;
   }
   if (!reader.expectBlock(reinterpret_cast<char*>(bytes.data()), size)) return false;
   std::array<double, most_values> value{};

@@ -51,12 +51,14 @@ bool EventInput::read(yarp::os::ConnectionReader& reader) {
   std::string_view problem;
   if (reader.getRemoteContact().getName() != remote_) {
     ++strangers_;
-    return false;  // YARP closes the connection
+    discard(reader);
+    return false;
   }
   if (reader.isTextMode()) problem = "a message in text";
   if (size > longest_message) problem = "a message of more than 4 MB";
   if (!problem.empty()) {
     note(problem);
+    skip_message(reader);
     return false;
   }
   const std::lock_guard reading(reading_mutex_);  // of YARP's threads alone

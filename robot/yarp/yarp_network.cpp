@@ -4,6 +4,9 @@
 #include <yarp/os/ContactStyle.h>
 #include <yarp/os/Log.h>
 
+#include <algorithm>
+#include <array>
+
 #include "core/error.h"
 
 namespace saccade {
@@ -30,6 +33,21 @@ void print_errors(yarp::os::Log::LogType type, const char* text, const char* fil
 }
 
 }  // namespace
+
+void skip_message(yarp::os::ConnectionReader& reader) {
+  if (reader.isTextMode()) return;
+  std::array<char, 4096> bytes;
+  for (std::size_t left = reader.getSize(); left > 0;) {
+    const std::size_t count = std::min(left, bytes.size());
+    if (!reader.expectBlock(bytes.data(), count)) return;
+    left -= count;
+  }
+}
+
+void discard(yarp::os::ConnectionReader& reader) {
+  skip_message(reader);
+  reader.requestDrop();
+}
 
 YarpNetwork::YarpNetwork(double timeout_s) {
   yarp::os::Log::setPrintCallback(print_errors);

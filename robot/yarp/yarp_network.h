@@ -1,5 +1,6 @@
 #pragma once
 
+#include <yarp/os/ConnectionReader.h>
 #include <yarp/os/Contact.h>
 #include <yarp/os/Network.h>
 
@@ -19,6 +20,11 @@ inline constexpr double name_server_timeout_s = 2.0;
 
 /// The envelope of the last message of a camera that ends as planned (saccade serve).
 inline constexpr const char* end_of_camera = "end";
+
+/// Takes a message that must not be used off its connection, in fixed memory.
+void skip_message(yarp::os::ConnectionReader& reader);
+/// The same, and asks YARP to close the connection.
+void discard(yarp::os::ConnectionReader& reader);
 
 /// The connection to the YARP network, which all YARP calls need.
 class YarpNetwork {

@@ -21,6 +21,7 @@ namespace saccade {
 namespace {
 
 pid_t start(const std::vector<std::string>& words, const std::filesystem::path& log) {
+  std::fflush(nullptr);  // the child has a copy of what is not written yet
   const pid_t child = ::fork();
   if (child != 0) return child;
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
