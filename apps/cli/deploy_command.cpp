@@ -19,8 +19,8 @@ void add_deploy_command(CommandLine& line, const Registry& registry) {
   command.flag("--force", options->force, "Replace an earlier run in that folder");
   command.footer(
       "Keys: enter activates, space stops, q stops and quits, as Ctrl-C does. Exit status 1 if a fault "
-      "stopped "
-      "the head and it stayed stopped. docs/robot.md has the checklist before motors move.");
+      "stopped the head and it stayed stopped, or if it was not activated on request. docs/robot.md has the "
+      "checklist before motors move, docs/safety.md the hazards.");
   command.action([options, &registry] {
     deploy(*options, registry);
     return 0;
