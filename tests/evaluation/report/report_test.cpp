@@ -201,7 +201,14 @@ TEST_F(Report, ShowsTheFiguresOfTheMetrics) {
   };
   for (const char* name : {"paper_full", "paper_directed"}) {
     const auto& d = json["detectors"][name];
+    const auto& streaming = d["streaming"];
+    const auto streaming_value = [&](const char* key, const char* part) {
+      if (streaming.is_null()) return std::optional<double>();
+      return value(*part == '\0' ? streaming[key] : streaming[key][part]);
+    };
     const std::vector<std::optional<double>> expected = {value(d["average_precision"]),
+                                                         streaming_value("average_precision", ""),
+                                                         streaming_value("latency_ms", "median"),
                                                          value(d["threshold"]),
                                                          value(d["precision"]),
                                                          value(d["recall"]),
