@@ -26,6 +26,8 @@ foreach(folder IN LISTS mujoco_includes)
   endif()
 endforeach()
 set_target_properties(mujoco::mujoco PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${mujoco_includes}")
+find_path(MUSTACHE_HEADERS kainjow/mustache.hpp REQUIRED)
+find_path(DYGRAPHS dygraph.min.js PATHS /usr/share/javascript/dygraphs REQUIRED)  # embedded in reports
 find_package(GTest REQUIRED)
 # Only robot/yarp needs it, and is not built without. In no Debian package; CMAKE_PREFIX_PATH tells where it is.
 find_package(YARP 3.8 QUIET COMPONENTS os dev)

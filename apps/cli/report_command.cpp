@@ -17,6 +17,7 @@ namespace {
 struct ReportOptions {
   std::vector<std::filesystem::path> runs;
   std::filesystem::path out;
+  std::filesystem::path figures;
 };
 
 int report(const ReportOptions& options, const FormatRegistry& formats) {
@@ -24,13 +25,13 @@ int report(const ReportOptions& options, const FormatRegistry& formats) {
   const SweepFolder sweep(options.runs.front());
   if (options.runs.size() == 1 && folder.empty() && std::filesystem::exists(sweep.table())) {
     folder = sweep.path();
-    write_sweep_report(SweepStore(sweep).table(), folder);
+    write_sweep_report(SweepStore(sweep).table(), folder, options.figures);
   } else if (options.runs.size() == 1 && folder.empty()) {
     folder = options.runs.front();
-    write_report(folder, formats);
+    write_report(folder, formats, options.figures);
   } else {
     if (folder.empty()) folder = "report";
-    for (const std::string& duplicate : write_comparison(options.runs, folder, formats)) {
+    for (const std::string& duplicate : write_comparison(options.runs, folder, formats, options.figures)) {
       fmt::print(stderr, "saccade: {}\n", duplicate);
     }
   }
@@ -52,6 +53,10 @@ void add_report_command(CommandLine& line, const Registry& registry) {
       .required();
   command.option("--out", options->out,
                  "Folder for the page over several runs and its numbers; `report` by default");
+  command.option(
+      "--figures", options->figures,
+      "Folder for each figure as SVG, PDF and CSV at the size of a paper: 88 mm wide, or 181 mm where it has "
+      "several panels");
   command.action([options, &registry] { return report(*options, registry.formats); });
 }
 

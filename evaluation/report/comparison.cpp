@@ -75,7 +75,7 @@ std::optional<GazeRun> gaze_run_of(const ComparedGroup& group) {
 }
 
 /// The gaze of one run of each group; of many groups the first of each scenario.
-std::string gaze_paths_html(const std::vector<ComparedGroup>& groups, const fs::path& out) {
+std::string gaze_paths_html(const std::vector<ComparedGroup>& groups, const FigureFolder& out) {
   std::set<std::string> scenarios;
   std::vector<GazeRun> shown;
   for (const ComparedGroup& group : groups) {
@@ -98,9 +98,9 @@ std::string gaze_paths_html(const std::vector<ComparedGroup>& groups, const fs::
                      gaze_paths_figure("gaze_paths", drawn), out);
 }
 
-std::string group_html(const ComparedGroup& group, std::size_t number, const fs::path& out,
+std::string group_html(const ComparedGroup& group, std::size_t number, const FigureFolder& out,
                        const FormatRegistry& formats) {
-  std::string html = "<h2>" + escaped(group.label) + "</h2>\n" + links(group, out, formats) +
+  std::string html = "<h2>" + escaped(group.label) + "</h2>\n" + links(group, out.page, formats) +
                      compared_detectors_table(group, number) + compared_gaze_table(group, number);
   const bool scored = std::any_of(group.detectors.begin(), group.detectors.end(), [](const auto& d) {
     return std::any_of(d.scores.begin(), d.scores.end(), [](const auto& s) { return !s.pr_curve.empty(); });
@@ -126,8 +126,9 @@ std::string group_html(const ComparedGroup& group, std::size_t number, const fs:
 
 }  // namespace
 
-std::vector<std::string> write_comparison(std::span<const fs::path> folders, const fs::path& out,
-                                          const FormatRegistry& formats) {
+std::vector<std::string> write_comparison(std::span<const fs::path> folders, const fs::path& page,
+                                          const FormatRegistry& formats, const fs::path& figures) {
+  const FigureFolder out{page, figures};
   const std::vector<ComparedRun> runs = load_runs(folders);
   const std::vector<ComparedGroup> groups = grouped(runs);
   std::string html =
@@ -136,12 +137,12 @@ std::vector<std::string> write_comparison(std::span<const fs::path> folders, con
       "means "
       "that the figure does not apply. The tables as numbers: <a href=\"figures/means.csv\">means</a>, <a "
       "href=\"figures/runs.csv\">every run</a>, <a href=\"figures/gaze_means.csv\">gaze</a>.</p>\n";
-  write_comparison_tables(groups, out);
+  write_comparison_tables(groups, page);
   std::vector<AblationRun> ablated;
   for (const ComparedGroup& group : groups) {
     for (const ComparedRun* run : group.runs) ablated.push_back({&run->metrics, run->keys});
   }
-  const std::string ablation = ablation_html(ablated, out);
+  const std::string ablation = ablation_html(ablated, page);
   if (!ablation.empty()) html += "<p><a href=\"#ablation\">Ablation of the gaze</a></p>\n";
   std::vector<RunGroup> drawn;
   for (const ComparedGroup& group : groups) drawn.push_back({group.label, group.detectors});
@@ -151,7 +152,7 @@ std::vector<std::string> write_comparison(std::span<const fs::path> folders, con
                   average_precision_figure("average_precision", drawn), out);
   html += gaze_paths_html(groups, out) + ablation;
   for (std::size_t i = 0; i < groups.size(); ++i) html += group_html(groups[i], i + 1, out, formats);
-  write_page(out, fmt::format("{} runs compared", runs.size()), html);
+  write_page(page, fmt::format("{} runs compared", runs.size()), html);
   std::vector<std::string> duplicates;
   for (const ComparedGroup& group : groups) {
     duplicates.insert(duplicates.end(), group.duplicates.begin(), group.duplicates.end());

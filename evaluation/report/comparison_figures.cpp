@@ -71,6 +71,7 @@ Figure precision_recall_spread_figure(std::string_view name, std::span<const Det
   }
   thin.insert(thin.end(), std::make_move_iterator(thick.begin()), std::make_move_iterator(thick.end()));
   GnuplotFigure figure(name, width, 420);
+  figure.set_over_x();
   figure.add_panel({.x_label = "recall",
                     .y_label = "precision",
                     .z_label = "threshold",

@@ -29,6 +29,7 @@ Figure tracking_figure(std::string_view name, std::span<const TruthRow> truth,
     double Circle::*member;
   };
   GnuplotFigure figure(name, width, 520);
+  figure.set_over_x();
   for (const Quantity& q :
        {Quantity{"x [px]", &Circle::x_px}, {"y [px]", &Circle::y_px}, {"r [px]", &Circle::r_px}}) {
     const bool last = q.member == &Circle::r_px;
@@ -72,6 +73,7 @@ Figure precision_recall_figure(std::string_view name, const Metrics& metrics) {
     }
   }
   GnuplotFigure figure(name, width, 420);
+  figure.set_over_x();
   figure.add_panel({.x_label = "recall",
                     .y_label = "precision",
                     .z_label = "threshold",
@@ -223,6 +225,7 @@ Figure rates_figure(std::string_view name, const EventCounts* events, std::span<
   }
   const std::size_t rates_panel = with_events ? 1 : 0;
   GnuplotFigure figure(name, width, height);
+  figure.set_over_x();
   for (std::size_t i = 0; i < panels.size(); ++i) {
     panels[i].x_label = time_label;
     panels[i].commands += axes(i + 1 == panels.size(), i == rates_panel && scored ? "[0:1050]" : "[0:*]") +
@@ -259,6 +262,7 @@ Figure rate_over_speed_figure(std::string_view name, std::span<const DetectorSpe
   const double slowest = bounds[1] / bin_ratio;
   add_frame_camera(series, frames, slowest, fastest);
   GnuplotFigure figure(name, width, 340);
+  figure.set_over_x();
   figure.add_panel(
       {.x_label = "speed of the ball in the image [px/s]",
        .y_label = "detections [1/s]",

@@ -93,7 +93,11 @@ Figure gaze_over_time_figure(std::string_view name, const GazeTables& tables,
       right.push_back({.x = t_s, .y = 0.02 * top_deg});
     }
   }
-  std::string marks = bands(saccades_of(tables.eye), start_us);
+  const std::vector<Saccade> saccades = saccades_of(tables.eye);
+  std::vector<std::array<double, 2>> fast_s;
+  for (const Saccade& s : saccades)
+    fast_s.push_back({seconds(s.start_us, start_us), seconds(s.end_us, start_us)});
+  std::string marks = bands(saccades, start_us);
   if (acquired_at_us) {
     const double t_s = seconds(*acquired_at_us, start_us);
     marks += fmt::format(
@@ -102,19 +106,22 @@ Figure gaze_over_time_figure(std::string_view name, const GazeTables& tables,
         t_s);
   }
   GnuplotFigure figure(name, width, 430);
+  figure.set_over_x();
   figure.add_panel(
       {.x_label = std::string(time_label),
        .y_label = "fixation error [deg]",
        .z_label = "",
        .commands = "set key horizontal outside top right width -3 maxrows 1\n" + marks +
                    axes(false, fmt::format("[0:{:.6g}]", top_deg)) + time_range(0.0, end_s),
-       .series = {
-           {.title = "fixation error", .style = line_style(gaze_colour, 1.8), .points = error},
-           {.title = "on target below", .style = std::string(limit_style), .points = level(2.0, end_s)},
-           {.title = "gaze targets",
-            .style = dot_style(gaze_target_colour, 0.45),
-            .points = std::move(right)},
-           {.title = "wrong ones", .style = dot_style(wrong_colour, 0.6), .points = std::move(wrong)}}});
+       .series = {{.title = "fixation error", .style = line_style(gaze_colour, 1.8), .points = error},
+                  {.title = "on target below",
+                   .style = std::string(limit_style),
+                   .points = level(2.0, end_s)},
+                  {.title = "gaze targets",
+                   .style = dot_style(gaze_target_colour, 0.45),
+                   .points = std::move(right)},
+                  {.title = "wrong ones", .style = dot_style(wrong_colour, 0.6), .points = std::move(wrong)}},
+       .bands = fast_s});
   figure.add_panel(
       {.x_label = std::string(time_label),
        .y_label = "eye [deg/s]",
@@ -123,7 +130,8 @@ Figure gaze_over_time_figure(std::string_view name, const GazeTables& tables,
        .series = {{.title = "eye", .style = line_style(gaze_colour, 1.4), .points = std::move(speed)},
                   {.title = "saccade above",
                    .style = std::string(limit_style),
-                   .points = level(Saccade::fast_deg_s, end_s)}}});
+                   .points = level(Saccade::fast_deg_s, end_s)}},
+       .bands = fast_s});
   return figure.draw("set multiplot layout 2,1 margins 0.095,0.985,0.13,0.915 spacing 0.0,0.04\n");
 }
 
@@ -132,6 +140,7 @@ Figure main_sequence_figure(std::string_view name, std::span<const Saccade> sacc
   for (const Saccade& s : saccades)
     points.push_back({s.amplitude_deg, s.peak_deg_s, seconds(s.start_us, start_us)});
   GnuplotFigure figure(name, width, 300);
+  figure.set_over_x();
   figure.add_panel(
       {.x_label = "size of the saccade [deg]",
        .y_label = "peak speed [deg/s]",
@@ -282,6 +291,7 @@ Figure joints_figure(std::string_view name, std::span<const GazeRow> gaze, const
                      std::int64_t start_us) {
   const double end_s = gaze.empty() ? 0.0 : seconds(gaze.back().t_us, start_us);
   GnuplotFigure figure(name, width, 560);
+  figure.set_over_x();
   for (int j = torso_joint_count; j < joint_count; ++j) {
     std::string joint(joint_names[static_cast<std::size_t>(j)]);
     std::replace(joint.begin(), joint.end(), '_', ' ');

@@ -1,112 +1,87 @@
 #include "evaluation/report/gnuplot.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
 #include <functional>
-#include <limits>
-#include <memory>
+#include <nlohmann/json.hpp>
 
 #include "core/error.h"
 #include "evaluation/report/figures.h"
+#include "evaluation/report/gnuplot_process.h"
 #include "evaluation/report/svg.h"
-
-extern char** environ;
 
 namespace saccade {
 namespace {
-
-using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
-
-File temporary_file() {
-  File file(std::tmpfile(), &std::fclose);
-  if (!file) throw RunError(std::string("figures: no temporary file: ") + std::strerror(errno));
-  return file;
-}
-
-std::string contents(std::FILE* file) {
-  std::string text;
-  std::rewind(file);
-  char buffer[65536];
-  for (std::size_t n = 0; (n = std::fread(buffer, 1, sizeof buffer, file)) > 0;) text.append(buffer, n);
-  return text;
-}
-
-std::vector<char*> environment_with(std::string& setting) {
-  const std::string_view key = std::string_view(setting).substr(0, setting.find('=') + 1);
-  std::vector<char*> environment;
-  for (char** entry = environ; *entry != nullptr; ++entry) {
-    if (!std::string_view(*entry).starts_with(key)) environment.push_back(*entry);
-  }
-  environment.push_back(setting.data());
-  environment.push_back(nullptr);
-  return environment;
-}
-
-/// Files instead of pipes: neither side can wait for the other.
-std::string run_gnuplot(const std::string& script) {
-  const File in = temporary_file();
-  const File out = temporary_file();
-  const File err = temporary_file();
-  if (std::fwrite(script.data(), 1, script.size(), in.get()) != script.size() || std::fflush(in.get()) != 0) {
-    throw RunError(std::string("figures: cannot write a temporary file: ") + std::strerror(errno));
-  }
-  std::rewind(in.get());
-
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, fileno(in.get()), STDIN_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, fileno(out.get()), STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, fileno(err.get()), STDERR_FILENO);
-  std::string program = "gnuplot";
-  std::string no_user_settings = "--default-settings";
-  char* arguments[] = {program.data(), no_user_settings.data(), nullptr};
-  std::string locale = "LC_ALL=C";
-  pid_t child = 0;
-  const int failure =
-      posix_spawnp(&child, "gnuplot", &actions, nullptr, arguments, environment_with(locale).data());
-  posix_spawn_file_actions_destroy(&actions);
-  if (failure == ENOENT) {
-    throw RunError("figures: gnuplot is not installed (Debian package gnuplot-nox)");
-  }
-  if (failure != 0) throw RunError(std::string("figures: cannot start gnuplot: ") + std::strerror(failure));
-
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  std::string svg = contents(out.get());
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || !svg.ends_with("</svg>\n\n")) {
-    throw RunError("figures: gnuplot failed: " + contents(err.get()));
-  }
-  return svg;
-}
 
 using Point = GnuplotFigure::Point;
 
 bool is_gap(const Point& point) { return !std::isfinite(point.x + point.y); }
 
-std::string data_block(const std::vector<Point>& points) {
+/// At most max_figure_points of the points; each gap is one point that is not finite.
+std::vector<Point> thinned(const std::vector<Point>& points) {
   const std::size_t stride = (points.size() + max_figure_points - 1) / max_figure_points;
-  std::string text;
+  std::vector<Point> some;
   bool gap = true;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (is_gap(points[i])) {
-      text += gap ? "" : "\n";
+      if (!gap) some.push_back(points[i]);
       gap = true;
     } else if (gap || i % stride == 0) {
-      text += fmt::format("{:.6g} {:.6g}\n", points[i].x, points[i].y);
+      some.push_back(points[i]);
       gap = false;
     }
   }
+  return some;
+}
+
+std::string data_block(const std::vector<Point>& points) {
+  std::string text;
+  for (const Point& point : thinned(points))
+    text += is_gap(point) ? "\n" : fmt::format("{:.6g} {:.6g}\n", point.x, point.y);
   return text;
+}
+
+using Json = nlohmann::ordered_json;
+
+/// The number as the drawing has it, so that a page is not larger than it needs to be.
+Json drawn_number(double value) {
+  return std::isfinite(value) ? Json::parse(fmt::format("{:.6g}", value)) : Json(nullptr);
+}
+
+/// [low, high] of a command such as "set xrange [0:1]"; null where it gives no two numbers.
+Json range_in(const std::string& commands, const std::string& axis) {
+  const std::size_t at = commands.rfind("set " + axis + " [");
+  if (at == std::string::npos) return nullptr;
+  const std::size_t open = commands.find('[', at);
+  const std::string text = commands.substr(open + 1, commands.find(']', open) - open - 1);
+  const std::size_t colon = text.find(':');
+  Json range = Json::array();
+  for (const std::string& bound : {text.substr(0, colon), text.substr(colon + 1)}) {
+    char* end = nullptr;
+    const double value = std::strtod(bound.c_str(), &end);
+    if (bound.empty() || *end != '\0') return nullptr;
+    range.push_back(value);
+  }
+  return range;
+}
+
+Json series_json(const GnuplotFigure::Series& series) {
+  Json x = Json::array();
+  Json y = Json::array();
+  for (const Point& point : thinned(series.points)) {
+    if (!std::isfinite(point.x)) continue;
+    x.push_back(drawn_number(point.x));
+    y.push_back(drawn_number(point.y));
+  }
+  const std::size_t colour = series.style.find("lc rgb '");
+  return {{"title", series.title},
+          {"colour", colour == std::string::npos ? "#555555" : series.style.substr(colour + 8, 7)},
+          {"lines", series.style.starts_with("lines")},
+          {"points", series.style.find("points") != std::string::npos},
+          {"x", std::move(x)},
+          {"y", std::move(y)}};
 }
 
 /// A series and the columns of its values in the table: the same series over the same x in several panels makes
@@ -172,14 +147,42 @@ std::string gnuplot_quoted(std::string_view text) {
 }
 
 GnuplotFigure::GnuplotFigure(std::string_view name, int width, int height)
-    : name_(name),
-      terminal_(
-          fmt::format("set terminal svg size {},{} dynamic noenhanced font 'sans-serif,13' name {} "
-                      "background rgb 'white'\nset border 3 lc rgb '#777777'\nset tics nomirror out scale "
-                      "0.5 tc rgb '#333333'\nset grid lc rgb '#e4e4e4' lt 1\nset key top right samplen 2\n",
-                      width, height, gnuplot_quoted(name))) {}
+    : name_(name), width_(width), height_(height) {}
 
-Figure GnuplotFigure::draw(std::string_view layout) const { return {name_, svg(layout), csv()}; }
+Figure GnuplotFigure::draw(std::string_view layout) const {
+  const std::string terminal = fmt::format(
+      "set terminal svg size {},{} dynamic noenhanced font 'sans-serif,13' name {} "
+      "background rgb 'white'\n",
+      width_, height_, gnuplot_quoted(name_));
+  const std::string drawing = run_gnuplot(terminal + script(layout));
+  if (!drawing.ends_with("</svg>\n\n")) throw RunError("figures: gnuplot left a part of " + name_);
+  return {.name = name_,
+          .svg = page_svg(drawing, name_),
+          .csv = csv(),
+          .data = data(),
+          .script = script(layout),
+          .panels = panels_.size(),
+          .height_share = static_cast<double>(height_) / width_};
+}
+
+std::string GnuplotFigure::data() const {
+  Json panels = Json::array();
+  for (const Panel& panel : panels_) {
+    Json series = Json::array();
+    for (const Series& s : panel.series) series.push_back(series_json(s));
+    panels.push_back({{"y_label", panel.y_label},
+                      {"x_range", range_in(panel.commands, "xrange")},
+                      {"y_range", range_in(panel.commands, "yrange")},
+                      {"log_x", panel.commands.find("set logscale x") != std::string::npos},
+                      {"bands", panel.bands},
+                      {"series", std::move(series)}});
+  }
+  const Json json = {{"name", name_},
+                     {"x_label", panels_.empty() ? "" : panels_.front().x_label},
+                     {"over_x", over_x_},
+                     {"panels", std::move(panels)}};
+  return json.dump();
+}
 
 std::string GnuplotFigure::csv() const {
   if (panels_.empty()) return {};
@@ -207,8 +210,10 @@ std::string GnuplotFigure::csv() const {
   return text;
 }
 
-std::string GnuplotFigure::svg(std::string_view layout) const {
-  std::string data;
+std::string GnuplotFigure::script(std::string_view layout) const {
+  std::string data =
+      "set border 3 lc rgb '#777777'\nset tics nomirror out scale 0.5 tc rgb '#333333'\n"
+      "set grid lc rgb '#e4e4e4' lt 1\nset key top right samplen 2\n";
   std::string plots;
   int blocks = 0;
   for (const Panel& panel : panels_) {
@@ -227,7 +232,7 @@ std::string GnuplotFigure::svg(std::string_view layout) const {
                          gnuplot_quoted(panel.y_label));
     plots += panel.commands + "plot " + plot + "\n";
   }
-  return page_svg(run_gnuplot(terminal_ + data + std::string(layout) + plots), name_);
+  return data + std::string(layout) + plots;
 }
 
 }  // namespace saccade

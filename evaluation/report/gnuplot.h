@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,6 +13,12 @@ struct Figure {
   std::string name;  ///< unique within a page: it prefixes the ids inside the SVG and names the CSV file
   std::string svg;   ///< a stand-alone text
   std::string csv;
+  /// The drawing's numbers for the plots of a page, as JSON: name, x_label, over_x, panels of {y_label, x_range, y_range,
+  /// log_x, bands, series of {title, colour, lines, points, x, y}}; null in y is a gap. Thinned as the drawing is.
+  std::string data;
+  std::string script;  ///< gnuplot's text without `set terminal`, to draw it once more
+  std::size_t panels = 1;
+  double height_share = 0.5;  ///< height over width of the drawing
 };
 
 /// One drawing made of panels, as gnuplot text. Data travel inside the script and titles are quoted, so
@@ -39,19 +46,25 @@ class GnuplotFigure {
     /// gnuplot's `set` lines for this panel, after the labels; from this program only, never from input.
     std::string commands;
     std::vector<Series> series;
+    std::vector<std::array<double, 2>> bands = {};  ///< intervals of x shaded in a page's plot
   };
 
   void add_panel(Panel panel) { panels_.push_back(std::move(panel)); }
+  /// Each series is a function of x, its points in the order of x: a page can zoom along x.
+  void set_over_x() { over_x_ = true; }
 
   /// `layout` is what goes before the panels, such as `set multiplot layout 3,1`. Throws RunError.
   [[nodiscard]] Figure draw(std::string_view layout = "") const;
 
  private:
-  [[nodiscard]] std::string svg(std::string_view layout) const;
+  [[nodiscard]] std::string script(std::string_view layout) const;
   [[nodiscard]] std::string csv() const;
+  [[nodiscard]] std::string data() const;
 
   std::string name_;
-  std::string terminal_;
+  int width_;
+  int height_;
+  bool over_x_ = false;
   std::vector<Panel> panels_;
 };
 

@@ -2,49 +2,23 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <vector>
 
 #include "core/config.h"
 #include "core/error.h"
+#include "evaluation/report/paper_figures.h"
 #include "evaluation/report/svg.h"
+#include "evaluation/report/templates.h"
 #include "recording/output_file.h"
 
 namespace saccade {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::string_view style = R"(
-:root { color-scheme: light; }
-body { font: 16px/1.5 system-ui, "DejaVu Sans", sans-serif; color: #1c1c1c; background: #fff; margin: 0 auto;
-       max-width: 74rem; padding: 1.5rem 1rem 4rem; }
-h1 { font-size: 1.7rem; line-height: 1.2; margin: 0 0 .2rem; overflow-wrap: anywhere; }
-h2 { font-size: 1.25rem; margin: 2.2rem 0 .5rem; overflow-wrap: anywhere; }
-h3 { font-size: 1.02rem; margin: 0 0 .5rem; }
-.facts { color: #555; margin: .4rem 0 1rem; }
-.wide { overflow-x: auto; }
-.wide + .wide { margin-top: 1rem; }
-table { border-collapse: collapse; font-size: .9rem; font-variant-numeric: tabular-nums; }
-th, td { padding: .3rem .65rem; border-bottom: 1px solid #e2e2e2; text-align: right; }
-td { white-space: nowrap; }
-thead th { font-weight: 600; color: #555; vertical-align: bottom; text-align: center; white-space: nowrap; }
-tbody th { text-align: left; font-weight: 500; white-space: nowrap; }
-small { color: #666; }
-.none { color: #999; }
-.best { font-weight: 600; background: #dff2e4; }
-.mark { white-space: nowrap; }
-.dot { display: inline-block; width: .7em; height: .7em; border-radius: 50%; margin-right: .45em; }
-figure { margin: 1.2rem 0; padding: 1rem; border: 1px solid #e2e2e2; border-radius: 8px; }
-figure svg { width: 100%; height: auto; display: block; }
-figcaption { color: #555; font-size: .9rem; margin-top: .5rem; }
-.strip { display: grid; grid-template-columns: repeat(auto-fill, minmax(15rem, 1fr)); gap: .8rem; }
-.hough { display: grid; gap: .5rem; margin-bottom: .8rem; }
-.frame img { display: block; width: 100%; height: auto; border-radius: 4px; margin-bottom: .3rem; }
-.frame p { margin: 0; font-size: .85rem; color: #555; }
-.remark { color: #8a4b00; }
-)";
 
 std::string base64(const std::vector<unsigned char>& bytes) {
   static constexpr std::string_view digits =
@@ -64,6 +38,13 @@ void write_text(const fs::path& path, std::string_view text) {
   OutputFile file(path);
   file.write(text);
   file.commit();
+}
+
+/// JSON that a script element can hold: no character ends the element.
+std::string in_script(std::string_view json) {
+  std::string text;
+  for (const char c : json) text += c == '<' ? std::string("\\u003c") : std::string(1, c);
+  return text;
 }
 
 }  // namespace
@@ -135,10 +116,14 @@ std::string figure_html(std::string_view title, std::string_view reading, std::s
 }
 
 std::string figure_html(std::string_view title, std::string_view reading, const Figure& figure,
-                        const fs::path& folder) {
-  write_numbers(folder, figure.name, figure.csv);
-  return figure_html(title, fmt::format("{} <a href=\"figures/{}.csv\">Numbers</a>", reading, figure.name),
-                     without_namespaces(figure.svg));
+                        const FigureFolder& folder) {
+  write_numbers(folder.page, figure.name, figure.csv);
+  if (!folder.paper.empty()) write_paper_figure(figure, folder.paper);
+  return rendered("figure.mustache", {{"name", figure.name},
+                                      {"title", std::string(title)},
+                                      {"reading", std::string(reading)},
+                                      {"svg", without_namespaces(figure.svg)},
+                                      {"data", in_script(figure.data)}});
 }
 
 void write_numbers(const fs::path& folder, std::string_view name, std::string_view csv) {
@@ -149,12 +134,15 @@ void write_numbers(const fs::path& folder, std::string_view name, std::string_vi
 }
 
 void write_page(const fs::path& folder, std::string_view title, std::string_view body) {
-  write_text(
-      folder / "report.html",
-      fmt::format("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta "
-                  "name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{0}</title>\n"
-                  "<style>{1}</style>\n</head>\n<body>\n<h1>{0}</h1>\n{2}</body>\n</html>\n",
-                  escaped(title), style, body));
+  std::string dygraphs(report_asset("dygraph.min.js"));
+  dygraphs.erase(std::min(dygraphs.find("//# sourceMappingURL"), dygraphs.size()));
+  write_text(folder / "report.html",
+             rendered("page.mustache", {{"title", std::string(title)},
+                                        {"style", std::string(report_asset("dygraph.min.css")) +
+                                                      std::string(report_asset("report.css"))},
+                                        {"body", std::string(body)},
+                                        {"dygraphs", dygraphs},
+                                        {"plots", std::string(report_asset("plots.js"))}}));
 }
 
 }  // namespace saccade

@@ -12,7 +12,16 @@
 
 namespace saccade {
 
-/// The parts of report pages. A page needs no other file, no script and no network.
+/// The parts of report pages. A page is one file that needs no network; it contains the script of its plots.
+
+/// Where figures are written.
+struct FigureFolder {
+  std::filesystem::path page;   ///< of report.html: the numbers go to page/figures/NAME.csv
+  std::filesystem::path paper;  ///< gets NAME.svg, NAME.pdf and NAME.csv at the size of a paper; empty: none
+
+  FigureFolder(std::filesystem::path page_folder, std::filesystem::path paper_folder = {})
+      : page(std::move(page_folder)), paper(std::move(paper_folder)) {}
+};
 
 [[nodiscard]] std::string escaped(std::string_view text);
 
@@ -37,10 +46,10 @@ namespace saccade {
 [[nodiscard]] std::string figure_html(std::string_view title, std::string_view reading,
                                       std::string_view content);
 
-/// A drawing as a figure of the page in `folder`, whose numbers are written to `folder`/figures/NAME.csv.
-/// Throws RunError.
+/// A drawing as a figure of a page: a plot to zoom, or the drawing itself where it is no function of x, with buttons for
+/// SVG and CSV. Writes the files that FigureFolder names. Throws RunError.
 [[nodiscard]] std::string figure_html(std::string_view title, std::string_view reading, const Figure& figure,
-                                      const std::filesystem::path& folder);
+                                      const FigureFolder& folder);
 
 /// Writes `folder`/figures/NAME.csv. Throws RunError.
 void write_numbers(const std::filesystem::path& folder, std::string_view name, std::string_view csv);

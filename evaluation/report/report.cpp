@@ -10,6 +10,7 @@
 #include "evaluation/report/gaze_figures.h"
 #include "evaluation/report/html.h"
 #include "evaluation/report/run_data.h"
+#include "evaluation/report/run_head.h"
 #include "evaluation/report/run_images.h"
 #include "evaluation/report/run_tables.h"
 #include "evaluation/scoring/ball_speed.h"
@@ -21,6 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t enough_saccades = 3;  // for a figure
+
+FigureFolder out_of(const RunData& run) { return {run.folder, run.paper}; }
 
 std::string detection_figures(const RunData& run) {
   const Metrics& m = run.metrics;
@@ -38,14 +41,14 @@ std::string detection_figures(const RunData& run) {
                               "all three panels are right, gaps are times without an observation.",
                         tracking_figure("track_" + file_part(name), run.truth, run.detections, name,
                                         score.threshold, colours[i], run.sparse_truth(), m.start_us),
-                        run.folder);
+                        out_of(run));
   }
   if (scored) {
     html += figure_html(
         "Precision and recall",
         "Each curve runs through all thresholds; the further up and right, the better. The square "
         "is the threshold in use.",
-        precision_recall_figure("precision_recall", m), run.folder);
+        precision_recall_figure("precision_recall", m), out_of(run));
   }
   return html;
 }
@@ -57,7 +60,7 @@ std::string rate_figures(const RunData& run) {
     return figure_html("Events and detections per time",
                        "Events come where something moves in the image; observations above the threshold get "
                        "rare while the ball stands still in it.",
-                       rates_figure("rates", events, {}, {}, run.detections, m, m.start_us), run.folder);
+                       rates_figure("rates", events, {}, {}, run.detections, m, m.start_us), out_of(run));
   }
   std::string html = figure_html(
       "Detection rate over time",
@@ -65,7 +68,7 @@ std::string rate_figures(const RunData& run) {
       "speed of the ball in the image. Events come where something moves: an event-driven detector is fast "
       "while the ball moves and may find nothing while it stands still; a frame camera gives 30 images "
       "per second at best. Gaps are times without a visible ball.",
-      rates_figure("rates", events, run.truth, run.found, run.detections, m, m.start_us), run.folder);
+      rates_figure("rates", events, run.truth, run.found, run.detections, m, m.start_us), out_of(run));
   const std::vector<double> speed_px_s = image_speed_px_s(run.truth);
   std::vector<DetectorSpeeds> speeds;
   const std::vector<Colour> colours = detector_colours(m);
@@ -86,7 +89,7 @@ std::string rate_figures(const RunData& run) {
          figure_html("Detection rate over the ball's speed",
                      "The same, sorted by the speed of the ball in the image. 1000 per second is a ball "
                      "found at every millisecond; speeds seen for less than 50 ms are left out.",
-                     rate_over_speed_figure("rate_over_speed", speeds), run.folder);
+                     rate_over_speed_figure("rate_over_speed", speeds), out_of(run));
 }
 
 std::string gaze_figures(const RunData& run) {
@@ -106,31 +109,31 @@ std::string gaze_figures(const RunData& run) {
         "that "
         "rises between them.",
         gaze_over_time_figure("gaze_over_time", tables, m.camera, m.gaze->score.acquired_at_us, m.start_us),
-        run.folder);
+        out_of(run));
   }
   const std::vector<Saccade> saccades = saccades_of(run.eye);
   if (saccades.size() >= enough_saccades) {
     html += figure_html(
         "Saccades",
         "Each saccade's peak speed over its size (main sequence). The CSV file has the start times.",
-        main_sequence_figure("saccades", saccades, m.start_us), run.folder);
+        main_sequence_figure("saccades", saccades, m.start_us), out_of(run));
   }
   html += figure_html(
       "Gaze in the robot's frame",
       "Left: the plane in front of the robot as the robot sees it; right: the side view from its "
       "right. Where the gaze follows well its line lies on the ball's path; the dots are the gaze "
       "targets. Points far from the ball lie outside.",
-      gaze_paths_figure("gaze_paths", std::vector<GazePath>{{"", tables, m.start_us}}), run.folder);
+      gaze_paths_figure("gaze_paths", std::vector<GazePath>{{"", tables, m.start_us}}), out_of(run));
   html += figure_html(
       "Joints and their limits",
       "Line: joint angle; dashed: limits. Where the line runs along a limit the head cannot turn further.",
-      joints_figure("joints", run.gaze, m.gaze->limits, m.start_us), run.folder);
+      joints_figure("joints", run.gaze, m.gaze->limits, m.start_us), out_of(run));
   return html;
 }
 
 std::string body(const RunData& run) {
   const Metrics& m = run.metrics;
-  std::string html = summary_line(m) + approximate_remark(m);
+  std::string html = run_head(run) + approximate_remark(m);
   if (!run.events_remark.empty()) {
     html += fmt::format("<p class=\"remark\">Events are not shown: {}</p>\n", escaped(run.events_remark));
   }
@@ -150,8 +153,9 @@ std::string body(const RunData& run) {
 
 }  // namespace
 
-void write_report(const fs::path& run_folder, const FormatRegistry& formats) {
-  const RunData run = load_run(run_folder, formats);
+void write_report(const fs::path& run_folder, const FormatRegistry& formats, const fs::path& figures) {
+  RunData run = load_run(run_folder, formats);
+  run.paper = figures;
   write_page(run_folder, run.metrics.scenario, body(run));
 }
 

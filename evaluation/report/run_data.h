@@ -43,6 +43,7 @@ struct Frame {
 /// A run folder: its metrics, its tables, and the events around the instants that the report shows.
 struct RunData {
   std::filesystem::path folder;
+  std::filesystem::path paper;  ///< FigureFolder::paper
   Metrics metrics;
   std::vector<TruthRow> truth;
   std::vector<TruthRow> right_truth;

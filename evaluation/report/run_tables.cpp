@@ -106,20 +106,6 @@ std::string clutter_tables(const Metrics& m) {
          "Where it did not: chances without an observation at or above the threshold.</p>\n";
 }
 
-std::string summary_line(const Metrics& m) {
-  std::string html = fmt::format("<p class=\"facts\">{:.3g} s", m.duration_s);
-  if (m.seed) html += fmt::format(" · seed {}", *m.seed);
-  for (const auto& [key, value] : m.settings) html += fmt::format(" · {} = {}", escaped(key), escaped(value));
-  html += fmt::format(" · {} events", m.event_count);
-  if (m.duration_s > 0.0)
-    html += fmt::format(" ({:.3g} thousand per s)", static_cast<double>(m.event_count) * 1e-3 / m.duration_s);
-  if (m.wall_s && *m.wall_s > 0.0) {
-    html += fmt::format(" · computed in {:.3g} s ({:.2g} × real time)", *m.wall_s, m.duration_s / *m.wall_s);
-  }
-  if (m.latency) html += " · latency: " + escaped(m.latency->kind);
-  return html + "</p>\n";
-}
-
 std::string rejected_remark(const Metrics& m) {
   std::string html;
   for (const auto& [name, score] : m.detectors) {

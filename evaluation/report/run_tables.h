@@ -10,8 +10,6 @@ namespace saccade {
 
 /// The detector's name with its colour.
 [[nodiscard]] std::string detector_mark(const Metrics& metrics, std::size_t index);
-/// Duration, seed, settings, events and computing time, in one line.
-[[nodiscard]] std::string summary_line(const Metrics& metrics);
 [[nodiscard]] std::string detector_table(const Metrics& metrics);
 /// Detector, window, gate and controller of the gaze, in one line.
 [[nodiscard]] std::string gaze_line(const GazeMetrics& gaze);

@@ -122,7 +122,7 @@ std::string numbers_of(const Quantity& quantity, const Axis& axis, const std::ve
 
 std::string sweep_curves_html(const Quantity& quantity, const Axis& axis, const std::vector<Axis>& axes,
                               const Rows& rows, const std::vector<std::string>& detectors,
-                              const fs::path& folder) {
+                              const FigureFolder& folder) {
   const std::vector<Facet> facets = facets_of(axes, axis, rows);
   const std::vector<Colour> colours = detector_colours(detectors);
   int height = 0;
@@ -189,7 +189,7 @@ Colour map_colour(double share) {
 
 /// A metric over two axes, the mean over all else.
 std::string map_html(const std::string& title, std::size_t metric, const Axis& across, const Axis& down,
-                     const fs::path& folder) {
+                     const FigureFolder& folder) {
   std::vector<std::vector<MeanSd>> cells;
   double low = nan;
   double high = nan;
@@ -228,7 +228,7 @@ std::string map_html(const std::string& title, std::size_t metric, const Axis& a
   }
   html += "</tbody></table></div>\n";
   const std::string name = file_part("map_" + title + "_" + across.key + "_" + down.key);
-  write_numbers(folder, name, csv);
+  write_numbers(folder.page, name, csv);
   return figure_html(
       title + " over " + across.key + " and " + down.key,
       fmt::format("The mean over seeds and all else that is varied, from {} (dark) to {} (bright). "
@@ -239,7 +239,8 @@ std::string map_html(const std::string& title, std::size_t metric, const Axis& a
 
 }  // namespace
 
-std::string sweep_maps_html(const SweepTable& table, const std::vector<Axis>& axes, const fs::path& folder) {
+std::string sweep_maps_html(const SweepTable& table, const std::vector<Axis>& axes,
+                            const FigureFolder& folder) {
   std::string html;
   std::size_t count = 0;
   for (const Quantity& quantity : quantities_of(table)) {
@@ -293,7 +294,7 @@ std::vector<Point> mean_curve(const Rows& rows, const std::string& detector) {
 }  // namespace
 
 std::string sweep_precision_recall_html(const Axis& axis, const std::vector<std::string>& detectors,
-                                        const fs::path& folder) {
+                                        const FigureFolder& folder) {
   if (axis.bins.size() > most_curves) return {};
   std::vector<GnuplotFigure::Panel> panels;
   for (const std::string& detector : detectors) {

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "evaluation/report/html.h"
 #include "evaluation/report/sweep_axes.h"
 
 namespace saccade::sweep {
@@ -15,13 +15,13 @@ namespace saccade::sweep {
 [[nodiscard]] std::string sweep_curves_html(const Quantity& quantity, const Axis& axis,
                                             const std::vector<Axis>& axes, const Rows& rows,
                                             const std::vector<std::string>& detectors,
-                                            const std::filesystem::path& folder);
+                                            const FigureFolder& folder);
 /// Every metric over each pair of axes as a table of coloured cells.
 [[nodiscard]] std::string sweep_maps_html(const SweepTable& table, const std::vector<Axis>& axes,
-                                          const std::filesystem::path& folder);
+                                          const FigureFolder& folder);
 /// Mean precision over recall, a line for each value of the axis and a panel for each detector.
 [[nodiscard]] std::string sweep_precision_recall_html(const Axis& axis,
                                                       const std::vector<std::string>& detectors,
-                                                      const std::filesystem::path& folder);
+                                                      const FigureFolder& folder);
 
 }  // namespace saccade::sweep

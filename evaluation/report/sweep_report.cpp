@@ -165,7 +165,8 @@ std::vector<const SweepRow*> worst_runs(const SweepTable& table) {
   return runs;
 }
 
-void write_sweep_report(const SweepTable& table, const fs::path& folder) {
+void write_sweep_report(const SweepTable& table, const fs::path& folder, const fs::path& figures) {
+  const FigureFolder out{folder, figures};
   const Rows rows = done_rows(table);
   const std::vector<Axis> axes = axes_of(table, rows);
   const std::vector<std::string> detectors = detectors_of(table);
@@ -186,14 +187,14 @@ void write_sweep_report(const SweepTable& table, const fs::path& folder) {
   for (const Quantity& quantity : quantities_of(table)) {
     for (const Axis& axis : axes) {
       if (!is_shown_by_panels(axis, axes, rows))
-        curves += sweep_curves_html(quantity, axis, axes, rows, detectors, folder);
+        curves += sweep_curves_html(quantity, axis, axes, rows, detectors, out);
     }
   }
   if (!curves.empty()) html += "<h2>Over one axis</h2>\n" + curves;
-  if (const std::string maps = sweep_maps_html(table, axes, folder); !maps.empty())
+  if (const std::string maps = sweep_maps_html(table, axes, out); !maps.empty())
     html += "<h2>Over two axes</h2>\n" + maps;
   std::string families;
-  for (const Axis& axis : axes) families += sweep_precision_recall_html(axis, detectors, folder);
+  for (const Axis& axis : axes) families += sweep_precision_recall_html(axis, detectors, out);
   if (!families.empty()) html += "<h2>Precision and recall</h2>\n" + families;
   html += worst_html(table, folder) + failures_html(table) + means_html(table, rows);
   write_page(folder, table.name, html);

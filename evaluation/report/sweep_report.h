@@ -41,7 +41,8 @@ struct SweepTable {
 
 /// Writes `folder`/report.html and the numbers of its figures: each metric over each axis as mean and standard deviation,
 /// maps over pairs of axes, precision and recall, the worst runs with links to worst/ID/report.html where that exists,
-/// and the failed ones. Throws RunError.
-void write_sweep_report(const SweepTable& table, const std::filesystem::path& folder);
+/// and the failed ones. `figures`: FigureFolder::paper. Throws RunError.
+void write_sweep_report(const SweepTable& table, const std::filesystem::path& folder,
+                        const std::filesystem::path& figures = {});
 
 }  // namespace saccade

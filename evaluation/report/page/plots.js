@@ -1,0 +1,173 @@
+// Turns the drawings of a report into plots: each figure holds its drawing (SVG) and its numbers (JSON).
+(function () {
+  "use strict";
+
+  function save(name, type, text) {
+    var link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob([text], {type: type}));
+    link.download = name;
+    link.click();
+    setTimeout(function () { URL.revokeObjectURL(link.href); }, 1000);
+  }
+
+  function field(text) {
+    return /[",\n]/.test(text) ? '"' + text.replace(/"/g, '""') + '"' : text;
+  }
+
+  // One row per point and panel, as drawn.
+  function csvOf(data) {
+    var lines = ["panel,series," + field(data.x_label) + ",value"];
+    data.panels.forEach(function (panel) {
+      panel.series.forEach(function (series) {
+        series.x.forEach(function (x, i) {
+          if (series.y[i] !== null)
+            lines.push([field(panel.y_label), field(series.title), x, series.y[i]].join(","));
+        });
+      });
+    });
+    return lines.join("\n") + "\n";
+  }
+
+  function svgOf(figure) {
+    var svg = figure.querySelector(".drawing svg").cloneNode(true);
+    svg.setAttribute("xmlns", "http://www.w3.org/2000/svg");
+    return '<?xml version="1.0" encoding="utf-8"?>\n' + new XMLSerializer().serializeToString(svg);
+  }
+
+  // Rows [x, value of each series]: series with the same x share rows. null: no point here; NaN: a gap.
+  function rowsOf(panel) {
+    var rows = [], groups = {};
+    panel.series.forEach(function (series, column) {
+      var key = series.x.join(" ");
+      if (!groups[key]) {
+        groups[key] = series.x.map(function (x) {
+          var row = [x];
+          panel.series.forEach(function () { row.push(null); });
+          rows.push(row);
+          return row;
+        });
+      }
+      series.y.forEach(function (y, i) { groups[key][i][column + 1] = y === null ? NaN : y; });
+    });
+    rows.forEach(function (row, i) { row.order = i; });
+    rows.sort(function (a, b) { return a[0] - b[0] || a.order - b.order; });
+    return rows;
+  }
+
+  // The value of a series at the point nearest to x; null where its nearest point is a gap.
+  function nearest(series, x) {
+    var best = null, distance = Infinity;
+    series.x.forEach(function (at, i) {
+      if (Math.abs(at - x) < distance) { distance = Math.abs(at - x); best = i; }
+    });
+    return best === null ? null : series.y[best];
+  }
+
+  function plot(figure, data) {
+    var drawing = figure.querySelector(".drawing");
+    var holder = document.createElement("div");
+    var values = document.createElement("div");
+    var choice = document.createElement("div");
+    values.className = "values";
+    choice.className = "series";
+    drawing.parentNode.insertBefore(choice, drawing);
+    drawing.parentNode.insertBefore(holder, drawing);
+    drawing.parentNode.insertBefore(values, drawing);
+    drawing.hidden = true;
+    var hidden = {}, graphs = [], busy = false;
+
+    function each(change) {
+      if (busy) return;
+      busy = true;
+      graphs.forEach(change);
+      busy = false;
+    }
+
+    data.panels.forEach(function (panel, p) {
+      var last = p + 1 === data.panels.length;
+      var box = document.createElement("div");
+      box.className = "plot";
+      box.style.height = (data.panels.length === 1 ? 360 : last ? 200 : 165) + "px";
+      holder.appendChild(box);
+      var options = {
+        labels: [data.x_label].concat(panel.series.map(function (s, i) { return i + " " + s.title; })),
+        colors: panel.series.map(function (s) { return s.colour; }),
+        ylabel: panel.y_label,
+        xlabel: last ? data.x_label : undefined,
+        connectSeparatedPoints: true,
+        legend: "never",
+        yRangePad: 6,
+        axisLineColor: "#777",
+        gridLineColor: "#e4e4e4",
+        highlightCircleSize: 4,
+        series: {},
+        animatedZooms: false,
+        highlightCallback: function (event, x) {
+          values.textContent = data.x_label + " " + Number(x.toPrecision(5)) + ": " + data.panels.map(function (other) {
+            return other.series.filter(function (s) { return !hidden[s.title]; }).map(function (s) {
+              var y = nearest(s, x);
+              return y === null || y === undefined ? null
+                : s.title + (data.panels.length > 1 ? ", " + other.y_label : "") + " " + Number(y.toPrecision(4));
+            }).filter(Boolean).join(" · ");
+          }).filter(Boolean).join(" · ");
+        },
+        unhighlightCallback: function () { values.textContent = ""; },
+        zoomCallback: function (from, to) {
+          each(function (graph) { if (graph !== graphs[p]) graph.updateOptions({dateWindow: [from, to]}); });
+        },
+        underlayCallback: function (canvas, area, graph) {
+          panel.bands.forEach(function (band) {
+            var left = graph.toDomXCoord(band[0]), right = graph.toDomXCoord(band[1]);
+            canvas.fillStyle = "#dedaf4";
+            canvas.fillRect(left, area.y, Math.max(1, right - left), area.h);
+          });
+        },
+        axes: {x: {axisLabelWidth: 60}, y: {axisLabelWidth: 60}}
+      };
+      if (panel.log_x) options.axes.x.logscale = true;
+      if (panel.y_range) options.valueRange = panel.y_range;
+      if (panel.x_range) options.dateWindow = panel.x_range;
+      panel.series.forEach(function (s, i) {
+        options.series[i + " " + s.title] = {strokeWidth: s.lines ? 1.6 : 0, drawPoints: s.points, pointSize: s.lines ? 2.5 : 1.6};
+      });
+      graphs.push(new Dygraph(box, rowsOf(panel), options));
+    });
+
+    var seen = {};
+    data.panels.forEach(function (panel) {
+      panel.series.forEach(function (s) {
+        if (seen[s.title]) return;
+        seen[s.title] = true;
+        var label = document.createElement("label");
+        var box = document.createElement("input");
+        var dot = document.createElement("span");
+        box.type = "checkbox";
+        box.checked = true;
+        dot.className = "dot";
+        dot.style.background = s.colour;
+        box.addEventListener("change", function () {
+          hidden[s.title] = !box.checked;
+          graphs.forEach(function (graph, p) {
+            data.panels[p].series.forEach(function (other, i) {
+              if (other.title === s.title) graph.setVisibility(i, box.checked);
+            });
+          });
+        });
+        label.append(box, " ", dot, s.title);
+        choice.appendChild(label);
+      });
+    });
+  }
+
+  document.querySelectorAll("figure > script[type='application/json']").forEach(function (script) {
+    var figure = script.parentNode;
+    var data = JSON.parse(script.textContent);
+    figure.querySelector("[data-save=svg]").addEventListener("click", function () {
+      save(data.name + ".svg", "image/svg+xml", svgOf(figure));
+    });
+    figure.querySelector("[data-save=csv]").addEventListener("click", function () {
+      save(data.name + ".csv", "text/csv", csvOf(data));
+    });
+    if (data.over_x && data.panels.some(function (panel) { return panel.series.length > 0; })) plot(figure, data);
+  });
+})();
