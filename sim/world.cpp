@@ -93,8 +93,6 @@ void describe(FieldVisitor& v, WorldConfig& c) {
   v.section("plant", c.plant, "differences between the simulated head and the model that gaze uses");
 }
 
-std::filesystem::path models_directory() { return SACCADE_MODELS_DIR; }
-
 World::World(const WorldConfig& config, const std::string& lab_mjcf, std::uint64_t seed,
              const std::filesystem::path& models)
     : trajectory_(check_config("world", config).ball.trajectory, seed),

@@ -17,6 +17,7 @@
 #include "head/head_state.h"
 #include "sim/ball.h"
 #include "sim/board.h"
+#include "sim/data_directory.h"
 #include "sim/mujoco_compat.h"
 #include "sim/objects.h"
 #include "sim/plant.h"
@@ -35,9 +36,6 @@ struct WorldConfig {
 
 /// Keys: ball, objects, board (where there is one), initial_pose_deg, plant.
 void describe(FieldVisitor& v, WorldConfig& config);
-
-/// Folder of the MJCF models of this build.
-[[nodiscard]] std::filesystem::path models_directory();
 
 /// The simulated world: an iCub torso and head as a dynamic plant with position servos, a ball in a moving hand, other
 /// moving objects and a lab around them, in one MuJoCo model. Poses of cameras and geoms always belong to now_us().

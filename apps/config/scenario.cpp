@@ -11,6 +11,7 @@
 #include "apps/config/yaml_writer.h"
 #include "core/units.h"
 #include "evaluation/scoring/metrics.h"
+#include "sim/data_directory.h"
 
 namespace saccade {
 namespace {
@@ -189,10 +190,11 @@ void describe(FieldVisitor& v, Scenario& s) {
 
 Scenario read_scenario(const std::filesystem::path& path, const std::vector<std::string>& assignments,
                        std::optional<std::int64_t> seed, const Registry& registry) {
-  YamlTree tree = read_yaml_file(path);
+  const std::filesystem::path file = shipped_file(path);
+  YamlTree tree = read_yaml_file(file);
   for (const std::string& assignment : assignments) set_value(tree, assignment);
   if (seed) set_value(tree, "seed=" + std::to_string(*seed));
-  return read_scenario(std::move(tree), path.parent_path(), registry);
+  return read_scenario(std::move(tree), file.parent_path(), registry);
 }
 
 Scenario read_scenario(YamlTree tree, const std::filesystem::path& folder, const Registry& registry) {

@@ -72,7 +72,7 @@ struct Scenario {
 /// Keys: those of a scenario file.
 void describe(FieldVisitor& v, Scenario& scenario);
 
-/// Reads a scenario: `assignments` are the `key.path=value` of --set, `seed` that of --seed. The values of
+/// Reads a scenario; one that saccade ships may be named as shipped_file() takes it. `assignments` are the `key.path=value` of --set, `seed` that of --seed. The values of
 /// `calibration` start from the scenario's `camera`, or from the file that `calibration.file` names (as
 /// read_calibration reads it; relative to the scenario, from --set relative to the working directory); those of
 /// `right_calibration` likewise from `right_camera`.

@@ -1,0 +1,62 @@
+#include "sim/data_directory.h"
+
+#include <dlfcn.h>
+
+#include <array>
+#include <cstdlib>
+#include <string>
+
+#include "core/error.h"
+
+namespace saccade {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The program, shared library or module that holds this function.
+fs::path own_file() {
+  Dl_info info{};
+  std::error_code error;
+  if (::dladdr(reinterpret_cast<const void*>(&data_directory), &info) != 0 && info.dli_fname != nullptr) {
+    const fs::path file = fs::canonical(info.dli_fname, error);
+    if (!error) return file;
+  }
+  return fs::canonical("/proc/self/exe", error);  // a program that PATH found has no folder in its name
+}
+
+}  // namespace
+
+fs::path data_directory() {
+  if (const char* const set = std::getenv("SACCADE_DATA"); set != nullptr && *set != '\0') return set;
+  std::error_code ignored;
+  const fs::path file = own_file();
+  for (fs::path folder = file.parent_path(); !folder.empty(); folder = folder.parent_path()) {
+    const fs::path data = folder / "share/saccade";
+    if (fs::is_directory(data / "models", ignored)) return data;
+    if (folder == folder.root_path()) break;
+  }
+#ifdef SACCADE_SOURCE_DATA_DIR
+  return SACCADE_SOURCE_DATA_DIR;
+#else
+  throw RunError("no folder share/saccade with the models above " + file.string() +
+                 "; the environment variable SACCADE_DATA can name it");
+#endif
+}
+
+fs::path models_directory() { return data_directory() / "models"; }
+
+fs::path shipped_file(const fs::path& path) {
+  std::error_code ignored;
+  if (path.empty() || path.is_absolute() || fs::exists(path, ignored)) return path;
+  fs::path with_ending = path;
+  with_ending += ".yaml";
+  const fs::path data = data_directory();
+  for (const fs::path& name : {path, with_ending}) {
+    for (const fs::path& folder : {data, data / "scenarios"}) {
+      if (fs::is_regular_file(folder / name, ignored)) return folder / name;
+    }
+  }
+  return path;
+}
+
+}  // namespace saccade
