@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <set>
 #include <utility>
@@ -148,6 +149,11 @@ std::string hough_figure(const RunData& run) {
 
   const std::vector<Colour> colours = detector_colours(run.metrics);
   const int scale = std::max(1, hough_image_px / run.metrics.image.width);
+  std::map<std::size_t, double> white;  // the response that is drawn white, by detector
+  for (const Frame& frame : frames) {
+    for (const auto& [detector, response] : frame.responses)
+      white[detector] = std::max(white[detector], response.strongest);
+  }
   std::string html;
   for (const Frame& frame : frames) {
     const std::string when = moment(run, frame.t_us);
@@ -163,7 +169,8 @@ std::string hough_figure(const RunData& run) {
       if (response == frame.responses.end()) continue;
       const auto& [name, score] = run.metrics.detectors[i];
       AnnotatedImage eye = image;
-      eye.response = grey_image(response->second.path, eye.size);
+      const double share = white[i] > 0.0 ? response->second.strongest / white[i] : 1.0;
+      grey_image(response->second.path, eye.size).convertTo(eye.response, CV_8U, share);
       eye.events = frame.events;
       if (const auto circle = accepted_at(run, i, frame.t_us, run.window_us)) {
         eye.detections.push_back({*circle, "", colours[i]});
@@ -178,8 +185,9 @@ std::string hough_figure(const RunData& run) {
   return figure_html(
       "Hough space over the events",
       fmt::format("Left: the image. Beside it for each detector the largest response over all radii at every "
-                  "pixel, dark red (weak) over yellow to white (the strongest of that image), over the "
-                  "events of the last {:.3g} ms in grey. The ball's centre should be the one bright spot. "
+                  "pixel, dark red (weak) over yellow to white (the strongest of that detector in the images "
+                  "shown: one scale for all of them), over the events of the last {:.3g} ms in grey. The "
+                  "ball's centre should be the one bright spot. "
                   "{} is the true circle, the other one the detector's.",
                   static_cast<double>(run.window_us) * 1e-3, truth_mark()),
       html);

@@ -128,7 +128,8 @@
       if (panel.y_range) options.valueRange = panel.y_range;
       if (panel.x_range) options.dateWindow = panel.x_range;
       panel.series.forEach(function (s, i) {
-        options.series[i + " " + s.title] = {strokeWidth: s.lines ? 1.6 : 0, drawPoints: s.points, pointSize: s.lines ? 2.5 : 1.6};
+        options.series[i + " " + s.title] = {strokeWidth: s.lines ? 1.6 : 0, drawPoints: s.points,
+          pointSize: s.lines ? 2.5 : s.x.length <= 3 ? 5 : 1.6};
       });
       graphs.push(new Dygraph(box, rowsOf(panel), options));
     });

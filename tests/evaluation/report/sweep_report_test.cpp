@@ -6,6 +6,7 @@
 
 #include <iostream>
 
+#include "tests/evaluation/report/text_of.h"
 #include "tests/recording/temp_folder.h"
 
 namespace saccade {
@@ -84,8 +85,8 @@ TEST(SweepReport, ShowsCurvesMapsWorstRunsAndFailedRuns) {
   EXPECT_THAT(page, HasSubstr("<a href=\"worst/id15/report.html\">report</a>"));
   EXPECT_THAT(page, HasSubstr("saccade run runs/id16/scenario.yaml"));
   EXPECT_THAT(page, HasSubstr("no &lt;light&gt;"));
-  EXPECT_THAT(page, Not(HasSubstr("http"))) << "a page that needs no network";
-  EXPECT_THAT(page, Not(HasSubstr("<script")));
+  EXPECT_THAT(without_scripts(page), Not(HasSubstr("http"))) << "a page that needs no network";
+  EXPECT_THAT(page, Not(HasSubstr("<script src")));
 
   // Speed 0.5, noise 0: the mean of both seeds, by hand.
   const std::string numbers = bytes_of(folder / "figures/average_precision_over_speed_m_s.csv");
