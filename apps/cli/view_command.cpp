@@ -6,7 +6,9 @@
 #include "apps/config/scenario.h"
 #include "apps/session/interrupt.h"
 #include "apps/session/scenario_loop.h"
+#include "apps/session/version.h"
 #include "apps/view/view.h"
+#include "sim/data_directory.h"
 
 namespace saccade {
 namespace {
@@ -19,10 +21,22 @@ struct ViewOptions : ReadOptions {
   bool paused = false;
 };
 
+/// The scenario with what the user has set.
+std::string scenario_with(Scenario scenario, const ViewSettings& settings) {
+  scenario.detectors = settings.enabled();
+  if (settings.gate) {
+    scenario.gaze.detector = settings.selected_name();
+    scenario.gaze.gate = *settings.gate;
+  }
+  if (settings.controller) scenario.gaze.controller = *settings.controller;
+  return version_line() + "; saved in the window\n" + resolved_scenario(scenario);
+}
+
 int view_scenario(const ViewOptions& options, const Registry& registry) {
   const Scenario scenario = read_scenario(options.recording, options.assignments, options.seed, registry);
   set_rasterisers(1);
   View view(scenario.name, options.pictures, registry.detectors);
+  view.set_save([&](const ViewSettings& settings) { return scenario_with(scenario, settings); }, "_saved");
   set_rasterisers(scenario.run.threads);
   PlayerThread player([&] { return make_scenario_playback(scenario); }, !options.paused);
   view.show(player);
@@ -45,6 +59,11 @@ int view_recording(const ViewOptions& options, const Registry& registry) {
   set_rasterisers(1);
   View view(std::filesystem::is_directory(name) ? name.filename() : name.stem(), options.pictures,
             registry.detectors);
+  view.set_save(
+      [](const ViewSettings& settings) {
+        return version_line() + "; saved in the window\n" + resolved_detectors(settings.enabled());
+      },
+      "_detectors");
   PlayerThread player(
       [&] { return make_recording_playback(options, options.truth, detectors, selected, registry); },
       !options.paused);
@@ -54,7 +73,7 @@ int view_recording(const ViewOptions& options, const Registry& registry) {
 
 int view(const ViewOptions& options, const Registry& registry) {
   catch_interrupts();
-  const std::filesystem::path extension = options.recording.extension();
+  const std::filesystem::path extension = shipped_file(options.recording).extension();
   return extension == ".yaml" || extension == ".yml" ? view_scenario(options, registry)
                                                      : view_recording(options, registry);
 }
@@ -72,7 +91,8 @@ void add_view_command(CommandLine& line, const Registry& registry) {
               "key.path=value of a scenario; key=value or DETECTOR.key=value for a recording")
       .one_value_each();
   command.option("--seed", options->seed, "Seed, instead of the scenario's");
-  command.option("--pictures", options->pictures, "Folder for screenshots and videos; . by default");
+  command.option("--pictures", options->pictures,
+                 "Folder for screenshots, videos and saved settings; . by default");
   command.flag("--paused", options->paused, "Start paused");
   command.footer("H in the window lists its keys. It needs an X display; without a screen use xvfb-run.");
   command.action([options, &registry] { return view(*options, registry); });

@@ -62,7 +62,14 @@ bool apply_action(const Action& action, const Snapshot& snapshot, ViewState& sta
     case close:
     case take_screenshot:
     case toggle_video:
+    case save_settings:
       return false;
+    case ask_close:
+      state.asks_to_close = !state.asks_to_close;
+      return true;
+    case answer:
+      if (state.asks_to_close) state.act(close);
+      return true;
     case toggle_image:
       state.with_image = !state.with_image;
       return true;

@@ -8,6 +8,8 @@ namespace saccade {
 struct Action {
   enum class Type {
     close,
+    ask_close,  ///< shows the question whether to close the window, or hides it
+    answer,     ///< closes the window if the question is shown
     toggle_playing,
     seek,             ///< value: t_us
     seek_start,       ///< to the start
@@ -21,6 +23,7 @@ struct Action {
     toggle_circles,
     take_screenshot,
     toggle_video,
+    save_settings,  ///< as a file
     toggle_help,
   };
   Type type = Type::close;

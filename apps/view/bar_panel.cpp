@@ -86,7 +86,8 @@ void draw_bar_panel(const Area& area, const Snapshot& snapshot, ViewState& state
     ImGui::SameLine(0.0F, 16.0F);
     ImGui::TextColored(snapshot.phase == GazePhase::following ? green : amber, "%s", phase.c_str());
   }
-  ImGui::SameLine(area.width - 224.0F);
+  ImGui::SameLine(area.width - (state.can_save ? 274.0F : 224.0F));
+  if (state.can_save) button(state, "Save", "Save the settings as YAML", {save_settings});
   button(state, "Screenshot", "Write a PNG file", {take_screenshot});
   const bool filming = state.filming;
   if (filming) ImGui::PushStyleColor(ImGuiCol_Button, {0.65F, 0.15F, 0.12F, 1.0F});

@@ -67,6 +67,14 @@ void Capture::save_screenshot(const cv::Mat& shown, const Snapshot& snapshot) {
   show("written: " + path.string());
 }
 
+void Capture::save_yaml(const std::string& suffix, const std::string& yaml) {
+  try_to([&] {
+    const auto path = free_name(name_ + suffix, ".yaml");
+    write_file(path, yaml);
+    show("written: " + path.string());
+  });
+}
+
 void Capture::toggle_video(ImageSize window) {
   if (filming()) return finish();
   try_to([&] {

@@ -14,7 +14,7 @@ namespace saccade {
 
 class VideoFile;
 
-/// Screenshots and videos of the window. Where a file cannot be written, message() reports it and the window continues.
+/// Screenshots and videos of the window, and settings that the user saves. Where a file cannot be written, message() reports it and the window continues.
 class Capture {
  public:
   /// `name`: of what is shown, in the names of the files. `folder`: is made when needed.
@@ -29,6 +29,8 @@ class Capture {
   void toggle_video(ImageSize window);
   /// Ends a video that is being written.
   void finish();
+  /// Writes a text into the folder, as NAME + `suffix` + ".yaml" with a number where that exists.
+  void save_yaml(const std::string& suffix, const std::string& yaml);
 
   /// Whether add() needs the next image of the window. `up_to_date`: every panel shows the snapshot.
   [[nodiscard]] bool needs_image(const Snapshot& snapshot, bool up_to_date) const {

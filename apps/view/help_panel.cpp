@@ -23,4 +23,21 @@ void draw_help(int width, int height, ViewState& state) {
   ImGui::End();
 }
 
+void draw_question(int width, int height, ViewState& state) {
+  if (!state.asks_to_close) return;
+  ImGui::SetNextWindowPos({0.5F * static_cast<float>(width), 0.45F * static_cast<float>(height)}, 0,
+                          {0.5F, 0.5F});
+  ImGui::SetNextWindowFocus();
+  ImGui::Begin("Close the window?", nullptr,
+               ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoNav);
+  ImGui::TextUnformatted(state.with_playback
+                             ? "Settings that were changed are kept only if you saved them (W)."
+                             : "The run continues without its window.");
+  ImGui::Dummy({0.0F, 4.0F});
+  if (ImGui::Button("Close (Enter)", {130.0F, 28.0F})) state.act(Action::Type::close);
+  ImGui::SameLine();
+  if (ImGui::Button("Stay (Esc)", {130.0F, 28.0F})) state.asks_to_close = false;
+  ImGui::End();
+}
+
 }  // namespace saccade

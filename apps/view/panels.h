@@ -20,6 +20,10 @@ void draw_detectors_panel(const Area& area, const Snapshot& snapshot, ViewState&
 /// The list of keys, where ViewState::help is set, in the middle of a window of width x height. In help_panel.cpp.
 void draw_help(int width, int height, ViewState& state);
 
+/// The question whether to close the window, where ViewState::asks_to_close is set, in the middle of the window. In
+/// help_panel.cpp.
+void draw_question(int width, int height, ViewState& state);
+
 /// Events, camera image, circles and target. In eye_panel.cpp.
 class EyePanel {
  public:

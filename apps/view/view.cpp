@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <future>
 #include <thread>
 #include <utility>
@@ -85,6 +86,8 @@ struct View::Parts {
   Capture capture;
   ViewState state;
   Snapshot snapshot;
+  std::function<std::string(const ViewSettings&)> yaml_of;  ///< View::set_save()
+  std::string yaml_suffix;
   bool has_snapshot = false;
   PlayerThread* player = nullptr;  ///< null beside a run
   WallClock::time_point begin = WallClock::now();
@@ -104,6 +107,8 @@ void View::Parts::apply_actions() {
     if (action.type == Action::Type::close) window.close();
     if (action.type == Action::Type::take_screenshot)
       capture.request_screenshot(player != nullptr ? player->last_request() : 0);
+    if (action.type == Action::Type::save_settings && yaml_of && has_snapshot)
+      capture.save_yaml(yaml_suffix, yaml_of(state.settings));
     if (action.type == Action::Type::toggle_video && has_snapshot)
       capture.toggle_video({window.width(), window.height()});
   }
@@ -119,6 +124,7 @@ void View::Parts::draw_waiting(double wait_s) {
                                            0.5F * (static_cast<float>(window.height()) - size.y)},
                                           ImGui::GetColorU32(ImGuiCol_Text), text.c_str());
   draw_help(window.width(), window.height(), state);
+  draw_question(window.width(), window.height(), state);
   window.end(nullptr);
 }
 
@@ -141,6 +147,7 @@ void View::Parts::draw(double wait_s, double min_scene_period_s) {
   plots.draw(layout.plots, snapshot, state);
   timeline.draw(layout, snapshot, state);
   draw_help(window.width(), window.height(), state);
+  draw_question(window.width(), window.height(), state);
   apply_actions();
 
   cv::Mat shown;
@@ -166,6 +173,12 @@ void View::Parts::finish() {
 View::View(std::string name, std::filesystem::path pictures, DetectorRegistry detectors)
     : parts_(std::make_unique<Parts>(std::move(name), std::move(pictures), std::move(detectors))) {}
 View::~View() = default;
+
+void View::set_save(std::function<std::string(const ViewSettings&)> yaml, std::string suffix) {
+  parts_->yaml_of = std::move(yaml);
+  parts_->yaml_suffix = std::move(suffix);
+  parts_->state.can_save = true;
+}
 
 void View::show(PlayerThread& player) {
   Parts& parts = *parts_;

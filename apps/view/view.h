@@ -22,6 +22,10 @@ class View {
   View(const View&) = delete;
   View& operator=(const View&) = delete;
 
+  /// What the user's key for saving writes: a function of the settings that returns YAML, and what it adds to the name of
+  /// the file. Without it nothing can be saved.
+  void set_save(std::function<std::string(const ViewSettings&)> yaml, std::string suffix);
+
   /// Shows a playback with its controls until the user closes the window or presses Ctrl-C. The window can be closed
   /// from the start, before there is a playback. Throws what ended the player's thread.
   void show(PlayerThread& player);

@@ -21,6 +21,8 @@ struct ViewState {
   bool with_circles = true;
   SceneView scene_view = profile_view();
   bool help = false;
+  bool asks_to_close = false;  ///< the question whether to close the window is shown
+  bool can_save = false;  ///< the settings can be saved
   bool filming = false;  ///< a video is being written
   std::string message;   ///< in place of the key hints; empty: none
   std::vector<Action> actions;

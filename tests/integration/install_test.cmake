@@ -1,5 +1,5 @@
-# Installs the library, moves it elsewhere, builds the example against it as a stranger would and compares what
-# it prints with the same program linked to the libraries of this build.
+# Installs everything, moves it elsewhere, runs the program there, builds the examples against the libraries as a user
+# would, and compares what the event camera prints with the same program linked to the libraries of this build.
 #   cmake -D BUILD=... -D SOURCE=... -D WORK=... -D COMPILER=... -D TYPE=... -D FLAGS=... -D IN_TREE=... -P ...
 function(must)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE text ERROR_VARIABLE text)
@@ -11,7 +11,7 @@ function(must)
 endfunction()
 
 file(REMOVE_RECURSE ${WORK})
-must(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/staged --component library)
+must(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/staged)
 file(RENAME ${WORK}/staged ${WORK}/prefix)
 
 file(GLOB_RECURSE package ${WORK}/prefix/*.cmake)
@@ -28,9 +28,22 @@ foreach(file IN LISTS package)
     endif()
   endforeach()
 endforeach()
-if(EXISTS ${WORK}/prefix/bin)
-  message(FATAL_ERROR "a program was installed")
+
+# The program finds its models and scenarios where they were moved, and nowhere else.
+file(MAKE_DIRECTORY ${WORK}/elsewhere)
+set(run ${WORK}/prefix/bin/saccade run look_at_ball --set run.duration_s=0.03 --set output.pictures=0 --set expect={})
+execute_process(COMMAND ${run} --out ${WORK}/elsewhere/run WORKING_DIRECTORY ${WORK}/elsewhere RESULT_VARIABLE status
+  OUTPUT_VARIABLE text ERROR_VARIABLE text)
+if(NOT status EQUAL 0 OR NOT EXISTS ${WORK}/elsewhere/run/metrics.json)
+  message(FATAL_ERROR "the installed program ended with ${status}:\n${text}")
 endif()
+file(RENAME ${WORK}/prefix/share/saccade ${WORK}/prefix/share/hidden)
+execute_process(COMMAND ${run} --out ${WORK}/elsewhere/none WORKING_DIRECTORY ${WORK}/elsewhere RESULT_VARIABLE status
+  OUTPUT_VARIABLE text ERROR_VARIABLE text)
+if(NOT status EQUAL 1 OR NOT text MATCHES "no folder share/saccade")
+  message(FATAL_ERROR "without share/saccade the program ended with ${status}:\n${text}")
+endif()
+file(RENAME ${WORK}/prefix/share/hidden ${WORK}/prefix/share/saccade)
 
 must(${CMAKE_COMMAND} -S ${SOURCE}/examples/emulator -B ${WORK}/build -G ${GENERATOR}
   -D CMAKE_PREFIX_PATH=${WORK}/prefix -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_BUILD_TYPE=${TYPE}
@@ -43,4 +56,21 @@ if(NOT installed STREQUAL text)
   message(FATAL_ERROR "the installed library says\n${installed}\nthat of this build\n${text}")
 endif()
 message(STATUS "${installed}")
+
+# Each library in a program of its own, built against the moved tree.
+must(${CMAKE_COMMAND} -S ${SOURCE}/examples/libraries -B ${WORK}/libraries -G ${GENERATOR}
+  -D CMAKE_PREFIX_PATH=${WORK}/prefix -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_BUILD_TYPE=${TYPE}
+  -D CMAKE_CXX_FLAGS=${FLAGS})
+must(${CMAKE_COMMAND} --build ${WORK}/libraries)
+set(ENV{SACCADE_DATA} ${WORK}/prefix/share/saccade)  # the examples lie outside the tree
+foreach(library core control emulator recording robot loop sim scoring config session report)
+  must(${WORK}/libraries/${library}_example)
+  if(NOT text MATCHES "^${library}: ")
+    message(FATAL_ERROR "${library}_example printed ${text}")
+  endif()
+endforeach()
+must(${WORK}/libraries/program_example keys ball)
+if(NOT text MATCHES "ball.diameter_m")
+  message(FATAL_ERROR "program_example printed ${text}")
+endif()
 file(REMOVE_RECURSE ${WORK})

@@ -300,6 +300,27 @@ TEST_F(ViewWindow, PlaysAScenarioAndWritesAVideo) {
   EXPECT_GT(cv::mean(frame)[0], 10.0);
 }
 
+TEST_F(ViewWindow, SavesTheSettingsAsAScenarioThatRunsAndAsksBeforeEscClosesIt) {
+  open("view '" + scenarios + "look_at_ball.yaml' --paused --pictures '" + path("pictures") + "'");
+  press("shift+Right");
+  screenshot();
+  press("2 bracketleft w");  // the second detector drives, with a lower threshold
+  const std::string saved = path("pictures/look_at_ball_saved.yaml");
+  ASSERT_TRUE(until([&] { return fs::exists(saved); })) << bytes_of(path("output"));
+  EXPECT_THAT(bytes_of(saved), HasSubstr("detector: paper_full"));
+  const Outcome run =
+      run_shell("'" + binary + "' run '" + saved +
+                "' --set run.duration_s=0.05 --set output.pictures=0 --set expect={} --out " + path("run"));
+  EXPECT_EQ(run.status, 0) << run.text;
+  press("Escape");
+  screenshot();  // the window is still there, and shows the question
+  press("Escape Return");
+  screenshot();
+  press("Escape Return");
+  EXPECT_EQ(end_of(child_), 0) << bytes_of(path("output"));
+  child_ = 0;
+}
+
 TEST_F(ViewWindow, ARunBesideTheWindowWritesTheSameFilesAndOutlivesTheWindow) {
   const std::string run =
       "'" + scenarios +

@@ -7,6 +7,9 @@
 #include <fstream>
 #include <set>
 #include <sstream>
+#include <utility>
+
+#include "apps/view/action_handler.h"
 
 namespace saccade {
 namespace {
@@ -40,10 +43,33 @@ TEST(KeyBindings, AHeldKeyRepeatsOnlyWhereItsBindingSaysSo) {
 
 TEST(KeyBindings, BesideARunThereAreNoKeysOfPlayback) {
   for (const KeyBinding& binding : key_bindings()) {
-    if (binding.scope != Scope::playback || binding.keys == "Q, Esc") continue;
+    if (binding.scope != Scope::playback || binding.keys == "Q") continue;
     for (const KeyAction& key : binding.actions)
       EXPECT_FALSE(action_of_key(key.code, key.shift.value_or(false), false, false)) << key.name;
   }
+}
+
+TEST(KeyBindings, EscAsksBeforeItClosesAndOnlyEnterAfterItCloses) {
+  const auto action = [](const char* name) {
+    for (const KeyBinding& binding : key_bindings()) {
+      for (const KeyAction& key : binding.actions) {
+        if (key.name == name) return key.action;
+      }
+    }
+    return Action{};
+  };
+  ViewState state;
+  const auto press = [&](const char* name) {
+    EXPECT_TRUE(apply_action(action(name), Snapshot{}, state, nullptr)) << "the window is not closed at once";
+    return std::exchange(state.actions, {});
+  };
+  EXPECT_TRUE(press("Enter").empty()) << "nothing is asked";
+  EXPECT_TRUE(press("Esc").empty());
+  EXPECT_TRUE(state.asks_to_close);
+  EXPECT_TRUE(press("Esc").empty());
+  EXPECT_FALSE(state.asks_to_close) << "a second Esc hides the question";
+  press("Esc");
+  EXPECT_THAT(press("Enter"), testing::ElementsAre(Action{Action::Type::close}));
 }
 
 TEST(KeyBindings, TheLineBelowTheTimelineNamesTheKeysOfItsScope) {
