@@ -6,16 +6,20 @@ include(CMakePackageConfigHelpers)
 set(SACCADE_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/saccade)
 set(SACCADE_DATA_DIR ${CMAKE_INSTALL_DATADIR}/saccade)
 
-# The program; models and scenarios in share/saccade (sim/data_directory.h). Libraries of Debian that lie in folders of
-# their own are found as in the build.
-set_target_properties(saccade saccade_hdf5_reader PROPERTIES INSTALL_RPATH_USE_LINK_PATH ON)
+# The program; models and scenarios in share/saccade (sim/data_directory.h). Libraries in a prefix of their own are found as
+# in the build; Debian's need no path.
+get_target_property(mujoco_file mujoco::mujoco IMPORTED_LOCATION_NONE)
+if(TARGET saccade_yarp OR NOT mujoco_file MATCHES "^/usr/lib/")
+  set_target_properties(saccade PROPERTIES INSTALL_RPATH_USE_LINK_PATH ON)
+endif()
 install(TARGETS saccade DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
 # The helper program that reads HDF5 (recording/helper_reader.h).
 install(TARGETS saccade_hdf5_reader DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/saccade COMPONENT program)
 install(DIRECTORY ${saccade_SOURCE_DIR}/models ${saccade_SOURCE_DIR}/scenarios DESTINATION ${SACCADE_DATA_DIR}
   COMPONENT program PATTERN invalid EXCLUDE)
-install(FILES ${saccade_SOURCE_DIR}/LICENSE ${saccade_SOURCE_DIR}/README.md ${saccade_SOURCE_DIR}/CHANGELOG.md
+install(FILES ${saccade_SOURCE_DIR}/README.md ${saccade_SOURCE_DIR}/CHANGELOG.md ${saccade_SOURCE_DIR}/CITATION.cff
   DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
+install(FILES ${saccade_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright COMPONENT program)
 
 # Every layer is a library of the package: a static library needs those below it. `program` is the command line.
 set(layers core head control emulator recording robot loop sim scoring frame_camera calibration report config images session
@@ -38,7 +42,8 @@ foreach(folder core head control emulator recording robot loop sim evaluation ap
   install(DIRECTORY ${saccade_SOURCE_DIR}/${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/saccade COMPONENT library
     FILES_MATCHING PATTERN "*.h")
 endforeach()
-install(FILES ${saccade_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT library)
+install(FILES ${saccade_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libsaccade-dev RENAME copyright
+  COMPONENT library)
 
 configure_package_config_file(${saccade_SOURCE_DIR}/cmake/saccadeConfig.cmake.in
   ${CMAKE_BINARY_DIR}/saccadeConfig.cmake INSTALL_DESTINATION ${SACCADE_PACKAGE_DIR}
@@ -47,3 +52,34 @@ write_basic_package_version_file(${CMAKE_BINARY_DIR}/saccadeConfigVersion.cmake
   COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/saccadeConfig.cmake ${CMAKE_BINARY_DIR}/saccadeConfigVersion.cmake
   DESTINATION ${SACCADE_PACKAGE_DIR} COMPONENT library)
+
+# cd build/release && cpack: packages/saccade_*.deb (the program) and packages/libsaccade-dev_*.deb (docs/install.md).
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME saccade)
+set(CPACK_PACKAGE_CONTACT "The saccade authors <saccade@example.org>")
+set(CPACK_PACKAGE_DIRECTORY ${CMAKE_BINARY_DIR}/packages)
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_ALL program library)
+set(CPACK_COMPONENTS_GROUPING IGNORE)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS OFF)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME saccade)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
+# Programs and libraries that are started or loaded by name.
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "gnuplot-nox, ffmpeg, fonts-dejavu-core, fonts-liberation, libosmesa6, findutils")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "libegl1, libgl1-mesa-dri, hdf5-filter-plugin-blosc-serial")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "slurm-client, xvfb")
+set(CPACK_DEBIAN_PROGRAM_DESCRIPTION "closed-loop testbench for event-driven vision on the iCub
+ A simulated iCub head watches a ball through a simulated event camera; a detector finds the ball and a gaze
+ controller turns the head to it. Runs, scores and compares detectors on scenarios and recordings.")
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libsaccade-dev)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS
+  "saccade (= ${PROJECT_VERSION}), libeigen3-dev, libmujoco-dev, libceres-dev, libopencv-dev, libyaml-cpp-dev, nlohmann-json3-dev, libcli11-dev, libfmt-dev, pkg-config, libhdf5-dev, liblz4-dev, libzstd-dev, libglfw3-dev, libimgui-dev, libsqlite3-dev, libsqlitecpp-dev, libpugixml-dev")
+set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "libraries of saccade, a testbench for event-driven vision
+ Static libraries, headers and a CMake package: events, detectors, event camera emulator, event files, head
+ kinematics, simulator, scoring, reports.")
+include(CPack)
