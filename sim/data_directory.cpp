@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdlib>
+#include <cstring>
 #include <string>
 
 #include "core/error.h"
@@ -17,11 +18,14 @@ namespace fs = std::filesystem;
 fs::path own_file() {
   Dl_info info{};
   std::error_code error;
-  if (::dladdr(reinterpret_cast<const void*>(&data_directory), &info) != 0 && info.dli_fname != nullptr) {
+  // A program that PATH found has no folder in its name.
+  const bool named = ::dladdr(reinterpret_cast<const void*>(&data_directory), &info) != 0 &&
+                     info.dli_fname != nullptr && std::strchr(info.dli_fname, '/') != nullptr;
+  if (named) {
     const fs::path file = fs::canonical(info.dli_fname, error);
     if (!error) return file;
   }
-  return fs::canonical("/proc/self/exe", error);  // a program that PATH found has no folder in its name
+  return fs::canonical("/proc/self/exe", error);
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ void write_paper_figure(const Figure& figure, const std::filesystem::path& folde
       run_gnuplot(fmt::format("set terminal svg size {:.0f},{:.0f} noenhanced font '{}' fontscale {} "
                               "linewidth {} background rgb 'white'\n{}",
                               scale * width_mm * points_per_mm, scale * height_mm * points_per_mm, svg_font,
-                              scale * 0.75 * 4.0 / 3.0, scale * 0.6, script));
+                              scale, scale * 0.6, script));
   const std::string size = fmt::format("<svg \n width=\"{:.2f}mm\" height=\"{:.2f}mm\"", width_mm, height_mm);
   std::string sized = svg;
   const std::size_t at = sized.find("<svg");

@@ -19,10 +19,6 @@ using testing::Not;
 
 const std::string source = SACCADE_SOURCE_DIR;
 const std::string binary = "'" SACCADE_BINARY "' ";
-/// The shortest run that there is.
-const std::string brief =
-    " --set run.duration_s=0.03 --set render.max_interval_ms=5 --set lab.density=0 --set output.pictures=0 ";
-
 class TestCommand : public testing::Test {
  protected:
   [[nodiscard]] std::string out(const std::string& name) const { return (folder_ / name).string(); }
