@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "evaluation/report/gnuplot_process.h"
 #include "recording/output_file.h"
@@ -14,8 +16,10 @@ constexpr double page_mm = 181.0;
 constexpr double smallest_column_share = 0.75;  ///< height over width of a figure in one column
 constexpr double points_per_mm = 72.0 / 25.4;
 /// Times and what stands for it where it is not installed.
-constexpr const char* pdf_font = "Liberation Serif,8";
-constexpr const char* svg_font = "Times New Roman,8";
+constexpr const char* pdf_font = "Liberation Serif";
+constexpr const char* svg_font = "Times New Roman";
+constexpr double font_pt = 8.0;
+constexpr double line_share = 0.6;  ///< width of a line over that of the page's drawing
 
 }  // namespace
 
@@ -33,16 +37,14 @@ void write_paper_figure(const Figure& figure, const std::filesystem::path& folde
   std::string script = figure.script;
   if (const std::size_t plot = script.rfind("\nplot "); one_column && plot != std::string::npos)
     script.insert(plot + 1, key);
-  const std::string pdf = run_gnuplot(fmt::format(
-      "set terminal pdfcairo size {:.4f}cm,{:.4f}cm noenhanced font '{}' linewidth 0.6\nset pointsize 1\n{}",
-      0.1 * width_mm, 0.1 * height_mm, pdf_font, script));
-  // gnuplot's SVG has whole pixels: four of them are one point.
-  constexpr double scale = 4.0;
-  const std::string svg =
-      run_gnuplot(fmt::format("set terminal svg size {:.0f},{:.0f} noenhanced font '{}' fontscale {} "
-                              "linewidth {} background rgb 'white'\n{}",
-                              scale * width_mm * points_per_mm, scale * height_mm * points_per_mm, svg_font,
-                              scale, scale * 0.6, script));
+  const std::string pdf = run_gnuplot(
+      fmt::format("set terminal pdfcairo size {:.4f}cm,{:.4f}cm noenhanced font '{},{}' linewidth {}\n{}",
+                  0.1 * width_mm, 0.1 * height_mm, pdf_font, font_pt, line_share, script));
+  constexpr double scale = 4.0;  // pixels per point: gnuplot's SVG has whole pixels
+  const std::string svg = run_gnuplot(fmt::format(
+      "set terminal svg size {:.0f},{:.0f} noenhanced font '{},{}' linewidth {} background rgb 'white'\n{}",
+      scale * width_mm * points_per_mm, scale * height_mm * points_per_mm, svg_font, scale * font_pt,
+      scale * line_share, script));
   const std::string size = fmt::format("<svg \n width=\"{:.2f}mm\" height=\"{:.2f}mm\"", width_mm, height_mm);
   std::string sized = svg;
   const std::size_t at = sized.find("<svg");
