@@ -58,8 +58,10 @@ std::string test_table(const std::vector<ScenarioTest>& tests) {
                       j.expectation.text(), j.met() ? "met" : "NOT MET"});
     }
   }
-  return aligned(rows) + fmt::format("{} scenarios, {} expectations: {} met, {} not met; {} runs failed\n",
-                                     tests.size(), expectations, met, expectations - met, failed);
+  return aligned(rows) + fmt::format("{} scenario{}, {} expectation{}: {} met, {} not met; {} run{} failed\n",
+                                     tests.size(), tests.size() == 1 ? "" : "s", expectations,
+                                     expectations == 1 ? "" : "s", met, expectations - met, failed,
+                                     failed == 1 ? "" : "s");
 }
 
 }  // namespace saccade

@@ -41,9 +41,11 @@ Json card(const std::string& value, const std::string& words) { return {{"value"
 
 void add_gaze_cards(Json& cards, const GazeMetrics& gaze) {
   const GazeScore& s = gaze.score;
-  cards.push_back(s.acquire_s ? card(fmt::format("{:.2f} s", *s.acquire_s),
-                                     "from the ball’s first motion until the gaze was on it")
-                              : card("never", "was the gaze on the ball"));
+  cards.push_back(
+      s.acquire_s ? card(fmt::format("{:.2f} s", *s.acquire_s),
+                         fmt::format("from the ball’s first motion until the gaze was within {:.3g}° of it",
+                                     s.acquire_within_deg))
+                  : card("never", "was the gaze on the ball"));
   if (s.on_target_ratio)
     cards.push_back(
         card(percent(*s.on_target_ratio), "of the time from then on the gaze was within 2° of the ball"));
