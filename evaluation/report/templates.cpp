@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "evaluation/report/html.h"
 
 namespace saccade {
 namespace {
@@ -31,6 +32,7 @@ data mustache_of(const nlohmann::ordered_json& json) {
 std::string rendered(std::string_view name, const nlohmann::ordered_json& values) {
   kainjow::mustache::mustache page{std::string(report_asset(name))};
   SACCADE_CHECK(page.is_valid());
+  page.set_custom_escape([](const std::string& text) { return escaped(text); });
   const std::string text = page.render(mustache_of(values));
   SACCADE_CHECK(page.error_message().empty());
   return text;
