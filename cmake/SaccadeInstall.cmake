@@ -72,14 +72,13 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "gnuplot-nox, ffmpeg, fonts-dejavu-core, fonts-liberation, libosmesa6, findutils")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "libegl1, libgl1-mesa-dri, hdf5-filter-plugin-blosc-serial")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "slurm-client, xvfb")
-set(CPACK_DEBIAN_PROGRAM_DESCRIPTION "closed-loop testbench for event-driven vision on the iCub
- A simulated iCub head watches a ball through a simulated event camera; a detector finds the ball and a gaze
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "closed-loop testbench for event-driven vision on the iCub")
+set(CPACK_DEBIAN_PROGRAM_DESCRIPTION "A simulated iCub head watches a ball through a simulated event camera; a detector finds the ball and a gaze
  controller turns the head to it. Runs, scores and compares detectors on scenarios and recordings.")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libsaccade-dev)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS
   "saccade (= ${PROJECT_VERSION}), libeigen3-dev, libmujoco-dev, libceres-dev, libopencv-dev, libyaml-cpp-dev, nlohmann-json3-dev, libcli11-dev, libfmt-dev, pkg-config, libhdf5-dev, liblz4-dev, libzstd-dev, libglfw3-dev, libimgui-dev, libsqlite3-dev, libsqlitecpp-dev, libpugixml-dev")
-set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "libraries of saccade, a testbench for event-driven vision
- Static libraries, headers and a CMake package: events, detectors, event camera emulator, event files, head
+set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "Static libraries, headers and a CMake package: events, detectors, event camera emulator, event files, head
  kinematics, simulator, scoring, reports.")
 include(CPack)
