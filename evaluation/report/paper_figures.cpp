@@ -18,8 +18,9 @@ constexpr double points_per_mm = 72.0 / 25.4;
 /// Times and what stands for it where it is not installed.
 constexpr const char* pdf_font = "Liberation Serif";
 constexpr const char* svg_font = "Times New Roman";
-constexpr double font_pt = 8.0;
-constexpr double line_share = 0.6;  ///< width of a line over that of the page's drawing
+constexpr double column_font_pt = 8.0;
+constexpr double page_font_pt = 7.0;  ///< the labels of panels side by side have fixed margins
+constexpr double line_share = 0.6;    ///< width of a line over that of the page's drawing
 
 }  // namespace
 
@@ -28,6 +29,7 @@ void write_paper_figure(const Figure& figure, const std::filesystem::path& folde
   std::filesystem::create_directories(folder, error);
   if (error) throw RunError(folder.string() + ": cannot make the folder: " + error.message());
   const bool one_column = figure.panels == 1;
+  const double font_pt = one_column ? column_font_pt : page_font_pt;
   const double width_mm = one_column ? column_mm : page_mm;
   const double share =
       one_column ? std::max(figure.height_share, smallest_column_share) : figure.height_share;
