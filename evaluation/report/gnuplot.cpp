@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <functional>
 #include <nlohmann/json.hpp>
 
@@ -67,6 +68,24 @@ Json range_in(const std::string& commands, const std::string& axis) {
   return range;
 }
 
+/// The colour of a style as CSS has it: gnuplot's #aarrggbb has its transparency first.
+std::string page_colour(const std::string& style) {
+  constexpr std::string_view mark = "lc rgb '";
+  const std::size_t at = style.find(mark);
+  if (at == std::string::npos) return "#555555";
+  const std::size_t begin = at + mark.size();
+  const std::string colour = style.substr(begin, style.find('\'', begin) - begin);
+  if (colour.size() != 9) return colour;
+  const int opacity = 255 - static_cast<int>(std::strtol(colour.substr(1, 2).c_str(), nullptr, 16));
+  return fmt::format("#{}{:02x}", colour.substr(3), opacity);
+}
+
+/// The number after the first `word` of a style.
+double number_after(const std::string& style, std::string_view word, double otherwise) {
+  const std::size_t at = style.find(word);
+  return at == std::string::npos ? otherwise : std::strtod(style.c_str() + at + word.size(), nullptr);
+}
+
 Json series_json(const GnuplotFigure::Series& series) {
   Json x = Json::array();
   Json y = Json::array();
@@ -75,9 +94,10 @@ Json series_json(const GnuplotFigure::Series& series) {
     x.push_back(drawn_number(point.x));
     y.push_back(drawn_number(point.y));
   }
-  const std::size_t colour = series.style.find("lc rgb '");
   return {{"title", series.title},
-          {"colour", colour == std::string::npos ? "#555555" : series.style.substr(colour + 8, 7)},
+          {"colour", page_colour(series.style)},
+          {"width", number_after(series.style, "lw ", 1.0)},
+          {"dashed", series.style.find(" dt ") != std::string::npos},
           {"lines", series.style.starts_with("lines")},
           {"points", series.style.find("points") != std::string::npos},
           {"x", std::move(x)},

@@ -14,7 +14,7 @@ struct Figure {
   std::string svg;   ///< a stand-alone text
   std::string csv;
   /// The drawing's numbers for the plots of a page, as JSON: name, x_label, over_x, panels of {y_label, x_range, y_range,
-  /// log_x, bands, series of {title, colour, lines, points, x, y}}; null in y is a gap. Thinned as the drawing is.
+  /// log_x, bands, series of {title, colour, width, dashed, lines, points, x, y}}; null in y is a gap. Thinned as the drawing is.
   std::string data;
   std::string script;  ///< gnuplot's text without `set terminal`, to draw it once more
   std::size_t panels = 1;

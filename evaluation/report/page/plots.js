@@ -64,6 +64,12 @@
   }
 
   function plot(figure, data) {
+    // A series from right to left: points of the same x change places, too.
+    data.panels.forEach(function (panel) {
+      panel.series.forEach(function (s) {
+        if (s.x[0] > s.x[s.x.length - 1]) { s.x.reverse(); s.y.reverse(); }
+      });
+    });
     var drawing = figure.querySelector(".drawing");
     var holder = document.createElement("div");
     var values = document.createElement("div");
@@ -128,7 +134,8 @@
       if (panel.y_range) options.valueRange = panel.y_range;
       if (panel.x_range) options.dateWindow = panel.x_range;
       panel.series.forEach(function (s, i) {
-        options.series[i + " " + s.title] = {strokeWidth: s.lines ? 1.6 : 0, drawPoints: s.points,
+        options.series[i + " " + s.title] = {strokeWidth: s.lines ? s.width : 0,
+          strokePattern: s.dashed ? [6, 4] : null, drawPoints: s.points,
           pointSize: s.lines ? 2.5 : s.x.length <= 3 ? 5 : 1.6};
       });
       graphs.push(new Dygraph(box, rowsOf(panel), options));

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -108,6 +110,27 @@ TEST(Figures, HaveAGapWhereAValueIsMissing) {
   };
   EXPECT_EQ(strokes({{0, 0}, {1, 1}, {2, 0}, {3, 1}}), 1U);
   EXPECT_EQ(strokes({{0, 0}, {1, 1}, {1.5, nan}, {2, 0}, {3, 1}}), 2U);
+}
+
+TEST(Figures, GiveThePlotsOfAPageTheColourWidthAndRangesOfTheDrawing) {
+  GnuplotFigure figure("a", 100, 100);
+  figure.add_panel({.x_label = "x",
+                    .y_label = "y",
+                    .z_label = "",
+                    .commands = "set xrange [0:2.5]\nset yrange [0:*]\nset logscale x\n",
+                    .series = {{.title = "</script>",
+                                .style = "linespoints lw 2.2 dt 2 lc rgb '#c0123456'",
+                                .points = {{1, 2}, {1.5, nan}, {2, 3}}}}});
+  const auto panel = nlohmann::json::parse(figure.draw().data).at("panels").at(0);
+  EXPECT_EQ(panel.at("x_range"), nlohmann::json({0, 2.5}));
+  EXPECT_TRUE(panel.at("y_range").is_null()) << "one side is free";
+  EXPECT_TRUE(panel.at("log_x").get<bool>());
+  const auto series = panel.at("series").at(0);
+  EXPECT_EQ(series.at("colour"), "#1234563f") << "gnuplot's first two digits are transparency";
+  EXPECT_EQ(series.at("width"), 2.2);
+  EXPECT_TRUE(series.at("lines").get<bool>() && series.at("points").get<bool>() &&
+              series.at("dashed").get<bool>());
+  EXPECT_EQ(series.at("y"), nlohmann::json({2, nullptr, 3}));
 }
 
 TEST(Figures, WithoutGnuplotThrowAnErrorThatNamesThePackage) {
