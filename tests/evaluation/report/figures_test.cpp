@@ -3,12 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "core/error.h"
@@ -117,12 +116,12 @@ TEST(Figures, GiveThePlotsOfAPageTheColourWidthAndRangesOfTheDrawing) {
   figure.add_panel({.x_label = "x",
                     .y_label = "y",
                     .z_label = "",
-                    .commands = "set xrange [0:2.5]\nset yrange [0:*]\nset logscale x\n",
+                    .commands = "set xrange [0.5:2.5]\nset yrange [0:*]\nset logscale x\n",
                     .series = {{.title = "</script>",
                                 .style = "linespoints lw 2.2 dt 2 lc rgb '#c0123456'",
                                 .points = {{1, 2}, {1.5, nan}, {2, 3}}}}});
   const auto panel = nlohmann::json::parse(figure.draw().data).at("panels").at(0);
-  EXPECT_EQ(panel.at("x_range"), nlohmann::json({0, 2.5}));
+  EXPECT_EQ(panel.at("x_range"), nlohmann::json({0.5, 2.5}));
   EXPECT_TRUE(panel.at("y_range").is_null()) << "one side is free";
   EXPECT_TRUE(panel.at("log_x").get<bool>());
   const auto series = panel.at("series").at(0);
