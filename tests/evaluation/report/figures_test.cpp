@@ -115,7 +115,7 @@ TEST(Figures, GiveThePlotsOfAPageTheColourWidthAndRangesOfTheDrawing) {
   GnuplotFigure::Series drawn;
   drawn.title = "</script>";
   drawn.style = "linespoints lw 2.2 dt 2 lc rgb '#c0123456'";
-  drawn.points = {{1.0, 2.0, 0.0}, {1.5, nan, 0.0}, {2.0, 3.0, 0.0}};
+  drawn.points = {{1.0, 2.0, 0.0}, {1.5, std::nan(""), 0.0}, {2.0, 3.0, 0.0}};
   GnuplotFigure figure("a", 100, 100);
   figure.add_panel({.x_label = "x",
                     .y_label = "y",
