@@ -146,6 +146,7 @@ std::string run_head(const RunData& run) {
   for (const auto& [key, value] : m.settings)
     settings += (settings.empty() ? "" : ", ") + key + " = " + value;
   fact("Settings", settings);
+  if (m.latency) fact("Latency", m.latency->kind);
   fact("Camera", camera_text(m));
   fact("Events", events_text(m));
   std::string duration = fmt::format("{:.3g} s", m.duration_s);
