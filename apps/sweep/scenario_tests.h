@@ -14,7 +14,7 @@ namespace saccade {
 /// How test_scenarios() runs.
 struct ScenarioTestOptions {
   std::vector<std::filesystem::path> scenarios;
-  std::filesystem::path out = "tests";   ///< folder of the run folders
+  std::filesystem::path out = "runs";    ///< folder of the run folders
   std::filesystem::path junit;           ///< JUnit XML is written here; empty: no
   std::vector<std::string> assignments;  ///< overrides of every scenario
   std::optional<std::int64_t> seed;      ///< of every scenario
