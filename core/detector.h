@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <span>
+#include <string_view>
 
 #include "core/camera.h"
 #include "core/event.h"
@@ -55,6 +56,9 @@ class Detector {
   /// The score from which on an estimate counts as the ball; a constant of the configuration.
   [[nodiscard]] virtual double threshold() const = 0;
   [[nodiscard]] virtual RejectedEvents rejected() const = 0;
+  /// Why the detector has ended and estimates nothing any more: one line, empty while it works. Only detectors outside of
+  /// this program end (apps/external).
+  [[nodiscard]] virtual std::string_view failure() const { return {}; }
 };
 
 }  // namespace saccade

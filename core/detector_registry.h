@@ -21,6 +21,8 @@ struct DetectorRow {
   std::function<std::unique_ptr<Detector>(const AnyConfig&, const Camera&)> make;
   /// The events that the estimate is made of, such as "1500 events" or "20 ms"; empty without a fixed window.
   std::function<std::string(const AnyConfig&)> window;
+  /// Key of the config that selects this row where an entry has no `preset`; empty: none does.
+  std::string selecting_key = {};
   /// The field of the key `threshold`; nullptr where there is none.
   double* (*threshold)(AnyConfig&) = nullptr;
 };
@@ -35,6 +37,7 @@ template <class Config, class Make>
                   std::move(description),
                   AnyConfig(std::move(defaults)),
                   for_any_config<Config>(std::move(make)),
+                  {},
                   {},
                   nullptr};
   if constexpr (requires(const Config& config) { window_text(config); }) {

@@ -6,6 +6,7 @@
 
 #include "apps/cli/commands.h"
 #include "apps/deploy/robot_backends.h"
+#include "apps/external/external_rows.h"
 #include "apps/session/version.h"
 #include "core/error.h"
 #include "sim/gl_context.h"
@@ -31,8 +32,10 @@ std::string version_text() {
 }  // namespace
 
 Registry built_in_registry() {
-  return {built_in_detectors(), built_in_controllers(), built_in_gates(), built_in_formats(),
-          built_in_backends()};
+  Registry registry = {built_in_detectors(), built_in_controllers(), built_in_gates(), built_in_formats(),
+                       built_in_backends()};
+  add_external_detectors(registry.detectors);
+  return registry;
 }
 
 int program(int argc, const char* const* argv, const Registry& registry) {

@@ -262,7 +262,8 @@ NamedDetectors read_detectors(const std::filesystem::path& path, const std::vect
   const YamlTree everything = with_sets([](const auto&...) { return true; });
   std::vector<std::string> required = {"detectors"};
   NamedDetectors detectors = named_detectors_in(everything, registry, required);
-  YamlReader first(everything);
+  const std::string folder = path.parent_path().string();
+  YamlReader first(everything, {}, folder);
   describe_detectors(first, detectors);
   const YamlTree keys = parse_yaml(resolved_detectors(detectors), "");
   const auto has = [&](const std::string& name, const std::string& assignment) {
@@ -274,7 +275,7 @@ NamedDetectors read_detectors(const std::filesystem::path& path, const std::vect
   });
   required = {"detectors"};
   detectors = named_detectors_in(tree, registry, required);
-  YamlReader reader(tree, std::move(required));
+  YamlReader reader(tree, std::move(required), folder);
   describe_detectors(reader, detectors);
   reader.finish();
   return detectors;

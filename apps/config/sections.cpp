@@ -5,6 +5,18 @@
 #include "apps/config/scenario.h"
 
 namespace saccade {
+namespace {
+
+/// The row whose selecting key the block has; the block's name where it has none.
+std::string row_for(const std::string& name, const YamlNode& block, const DetectorRegistry& registry) {
+  for (const DetectorRow& row : registry.rows()) {
+    if (!row.selecting_key.empty() && block.find(row.selecting_key) != nullptr) return row.name;
+  }
+  return name;
+}
+
+}  // namespace
+
 NamedDetectors named_detectors_in(const YamlTree& tree, const DetectorRegistry& registry,
                                   std::vector<std::string>& required) {
   NamedDetectors detectors;
@@ -13,8 +25,8 @@ NamedDetectors named_detectors_in(const YamlTree& tree, const DetectorRegistry& 
   for (std::size_t i = 0; i < block->keys.size(); ++i) {
     const std::string& name = block->keys[i];
     const YamlNode* preset = block->items[i].find("preset");
-    if (preset == nullptr && !registry.has(name)) required.push_back("detectors." + name + ".preset");
-    const std::string& start = preset != nullptr ? preset->text : name;
+    const std::string start = preset != nullptr ? preset->text : row_for(name, block->items[i], registry);
+    if (preset == nullptr && !registry.has(start)) required.push_back("detectors." + name + ".preset");
     detectors.emplace_back(name, registry.config(registry.has(start) ? start : registry.names().front()));
   }
   return detectors;

@@ -17,8 +17,8 @@ using NamedDetectors = std::vector<std::pair<std::string, DetectorConfig>>;
 
 /// What scenarios and robot files have in common.
 
-/// The detectors that the block `detectors` names, with their presets' values; a name that is no preset needs
-/// the key `preset`, which is added to `required`.
+/// The detectors that the block `detectors` names, with their presets' values. A name that is no preset needs the key
+/// `preset`, which is added to `required`, or a key that selects one (DetectorRow::selecting_key).
 [[nodiscard]] NamedDetectors named_detectors_in(const YamlTree& tree, const DetectorRegistry& registry,
                                                 std::vector<std::string>& required);
 /// The block `detectors`.

@@ -344,6 +344,7 @@ void DeployRecorder::write_summary() const {
       score.us_per_event =
           1e-3 * static_cast<double>(detectors_[i].elapsed_ns) / static_cast<double>(whole_.events);
     score.rejected_events = detector.detector->rejected();
+    score.failure = detector.detector->failure();
     metrics.detectors.emplace_back(detector.name, std::move(score));
   }
   write_metrics(folder_ / "metrics.json", metrics);

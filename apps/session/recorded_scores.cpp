@@ -74,6 +74,7 @@ std::vector<DetectorScore> RecordedScores::finish() {
           static_cast<double>(detectors_[i].elapsed_ns) * 1e-3 / static_cast<double>(event_count_);
     }
     score.rejected_events = loop_.detectors()[i].detector->rejected();
+    score.failure = loop_.detectors()[i].detector->failure();
     scores.push_back(std::move(score));
   }
   return scores;

@@ -52,11 +52,21 @@ void start_run_folder(const fs::path& folder, bool force, const FormatRegistry& 
   write_file(folder / name, text);
 }
 
+void throw_if_a_detector_ended(const Metrics& metrics) {
+  std::string text;
+  for (const auto& [name, score] : metrics.detectors) {
+    if (!score.failure.empty())
+      text += (text.empty() ? "" : "\n") + fmt::format("detector {}: {}", name, score.failure);
+  }
+  if (!text.empty()) throw RunError(text);
+}
+
 void finish_run_folder(const fs::path& folder, const Metrics& metrics, const FormatRegistry& formats) {
   write_report(folder, formats);
   print_summary(metrics);
   fmt::print("{}\n", (folder / "report.html").string());
   if (interrupted()) throw RunError("interrupted; the run folder holds what happened until then");
+  throw_if_a_detector_ended(metrics);
 }
 
 }  // namespace saccade

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "apps/config/warnings.h"
+#include "apps/session/failure_log.h"
 #include "apps/session/interrupt.h"
 #include "apps/session/log_file.h"
 #include "apps/session/progress.h"
@@ -62,6 +63,7 @@ int run_scenario(const Scenario& scenario, const RunSettings& settings) {
   LogFile log_file(folder / "log.txt", [&](const std::string& line) { progress.print_line(line); });
   for (const std::string& warning : warnings_of(scenario)) log_file.write(0, "warning: " + warning);
   RunLog log([&](std::int64_t t_us, const std::string& text) { log_file.write(t_us, text); });
+  FailureLog failures(loop, [&](std::int64_t t_us, const std::string& text) { log_file.write(t_us, text); });
   Session session(robot, loop);
   const auto loop_wall_s = [&] { return session.wall_s() - recorder.picture_wall_s(); };
   TickFunction show([&](const Tick& tick) {
@@ -74,6 +76,7 @@ int run_scenario(const Scenario& scenario, const RunSettings& settings) {
   });
   session.add_observer(recorder);
   session.add_observer(log);
+  session.add_observer(failures);
   session.add_observer(show);
   session.run(World::tick_us, duration_us(scenario));
   const double wall_s = loop_wall_s();

@@ -135,6 +135,7 @@ DetectorScore RunScores::finished(const Detector& detector, std::int64_t events,
   if (events > 0)
     score.us_per_event = static_cast<double>(detector.elapsed_ns) * 1e-3 / static_cast<double>(events);
   score.rejected_events = in_loop->rejected();
+  score.failure = in_loop->failure();
   return score;
 }
 

@@ -37,7 +37,9 @@ void draw_detector_choice(const DetectorRegistry& detectors, ViewState& state) {
       state.act(Action::Type::select_detector, static_cast<std::int64_t>(i));
   }
   ImGui::Separator();
-  for (const std::string& preset : detectors.names()) {
+  for (const DetectorRow& row : detectors.rows()) {
+    const std::string& preset = row.name;
+    if (!row.selecting_key.empty()) continue;  // of no use without its file, which the file of settings names
     if (std::ranges::find(settings.detectors, preset, &ViewDetector::name) != settings.detectors.end())
       continue;
     if (!ImGui::Selectable(("add " + preset).c_str())) continue;

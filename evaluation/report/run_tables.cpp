@@ -110,6 +110,12 @@ std::string rejected_remark(const Metrics& m) {
   std::string html;
   for (const auto& [name, score] : m.detectors) {
     const RejectedEvents rejected = score.rejected_events.value_or(RejectedEvents{});
+    if (!score.failure.empty()) {
+      html += fmt::format(
+          "<p class=\"remark\">{} ended before the end of the run, and has no detections from then on: "
+          "{}.</p>\n",
+          escaped(name), escaped(score.failure));
+    }
     if (rejected.outside_image + rejected.back_in_time == 0) continue;
     html += fmt::format(
         "<p class=\"remark\">{} dropped {} events outside the image and {} whose time goes back.</p>\n",

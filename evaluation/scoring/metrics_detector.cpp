@@ -106,6 +106,7 @@ Json json_of(const DetectorScore& score) {
       {"inliers", at_threshold(score.inliers)},
       {"rejected_events", block_of(score.rejected_events)}};
   if (!score.exact) json["approximate"] = true;
+  if (!score.failure.empty()) json["failure"] = score.failure;
   if (score.clutter) {
     json["clutter_in_window"] = {{"detected", json_of(score.clutter->in_window_detected)},
                                  {"missed", json_of(score.clutter->in_window_missed)}};
@@ -143,6 +144,7 @@ DetectorScore detector_score(const Json& json) {
   score.nees = nees(json.value("nees", Json(nullptr)));
   score.reliability = reliability(json.value("reliability", Json(nullptr)));
   score.exact = !json.value("approximate", false);
+  score.failure = json.value("failure", std::string());
   if (const auto rejected = json.find("rejected_events"); rejected != json.end() && !rejected->is_null()) {
     score.rejected_events = {.outside_image = rejected->at("outside_image").get<std::int64_t>(),
                              .back_in_time = rejected->at("back_in_time").get<std::int64_t>()};

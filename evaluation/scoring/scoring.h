@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -86,6 +87,8 @@ struct DetectorScore {
   std::optional<double> us_per_event;
   /// Events that the detector could not use; counted by the detector.
   std::optional<RejectedEvents> rejected_events;
+  /// Why the detector ended before the end of the run (Detector::failure()); empty: it did not.
+  std::string failure;
   /// Where the events have labels; from detector_clutter().
   std::optional<DetectorClutter> clutter;
 };

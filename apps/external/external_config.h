@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/config.h"
+
+namespace saccade {
+
+/// Limits of the wall clock for a program.
+struct AnswerLimits {
+  double start_limit_s = 20.0;  ///< from the start of the program to its line `ready`
+  double answer_limit_s = 2.0;  ///< from a tick to its answer
+};
+
+/// A detector written in Python: `detectors: {mine: {python: my_detector.py:Mine}}`.
+struct PythonDetectorConfig {
+  std::string python;                            ///< FILE.py:CLASS
+  std::string interpreter = "/usr/bin/python3";  ///< with NumPy
+  std::string arguments;
+  AnswerLimits limits;
+};
+
+/// A detector that is a program: `detectors: {mine: {command: ./mine}}`.
+struct CommandDetectorConfig {
+  std::string command;
+  std::string arguments;
+  AnswerLimits limits;
+};
+
+/// Keys: python, interpreter, arguments, start_limit_s, answer_limit_s.
+void describe(FieldVisitor& v, PythonDetectorConfig& config);
+/// Keys: command, arguments, start_limit_s, answer_limit_s.
+void describe(FieldVisitor& v, CommandDetectorConfig& config);
+
+/// The program and its arguments. Throws InputError for a configuration out of range and for a file that does not exist.
+[[nodiscard]] std::vector<std::string> command_line_of(const PythonDetectorConfig& config);
+[[nodiscard]] std::vector<std::string> command_line_of(const CommandDetectorConfig& config);
+
+}  // namespace saccade

@@ -1,0 +1,145 @@
+#include "apps/external/line_process.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <thread>
+
+#include "core/error.h"
+
+namespace saccade {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// How the program starts: standard input and output are `socket`, no other file of this process but standard error,
+/// default signals, a process group of its own, so that an interrupt from the keyboard ends the run first.
+struct SpawnSettings {
+  explicit SpawnSettings(int socket) {
+    ::posix_spawn_file_actions_init(&actions);
+    ::posix_spawn_file_actions_adddup2(&actions, socket, STDIN_FILENO);
+    ::posix_spawn_file_actions_adddup2(&actions, socket, STDOUT_FILENO);
+    ::posix_spawn_file_actions_addclosefrom_np(&actions, STDERR_FILENO + 1);
+    ::posix_spawnattr_init(&attributes);
+    sigset_t signals;
+    sigemptyset(&signals);
+    ::posix_spawnattr_setsigmask(&attributes, &signals);
+    sigfillset(&signals);
+    ::posix_spawnattr_setsigdefault(&attributes, &signals);
+    ::posix_spawnattr_setpgroup(&attributes, 0);
+    ::posix_spawnattr_setflags(&attributes,
+                               POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
+  }
+  SpawnSettings(const SpawnSettings&) = delete;
+  SpawnSettings& operator=(const SpawnSettings&) = delete;
+  ~SpawnSettings() {
+    ::posix_spawnattr_destroy(&attributes);
+    ::posix_spawn_file_actions_destroy(&actions);
+  }
+
+  posix_spawn_file_actions_t actions;
+  posix_spawnattr_t attributes;
+};
+
+std::string how_ended(int status) {
+  if (WIFSIGNALED(status)) {
+    const int signal = WTERMSIG(status);
+    return "by signal " + std::to_string(signal) + " (" + ::strsignal(signal) + ")";
+  }
+  return "with status " + std::to_string(WEXITSTATUS(status));
+}
+
+}  // namespace
+
+LineProcess::LineProcess(std::vector<std::string> words) {
+  std::array<int, 2> ends{};
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
+    throw RunError(std::string("no socket to a program: ") + std::strerror(errno));
+  socket_ = ends[0];
+  const SpawnSettings settings(ends[1]);
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  const int error =
+      ::posix_spawnp(&child_, argv[0], &settings.actions, &settings.attributes, argv.data(), environ);
+  ::close(ends[1]);
+  if (error == 0) return;
+  child_ = -1;
+  close_socket();
+  throw RunError("cannot start " + words[0] + ": " + std::strerror(error));
+}
+
+LineProcess::~LineProcess() { stop(); }
+
+void LineProcess::close_socket() {
+  if (socket_ >= 0) ::close(socket_);
+  socket_ = -1;
+}
+
+LineProcess::Status LineProcess::take_line(std::string& answer) {
+  const std::size_t end = received_.find('\n');
+  if (end == std::string::npos) return received_.size() > longest_line ? Status::endless : Status::late;
+  if (end > longest_line) return Status::endless;
+  answer.assign(received_, 0, end);
+  received_.erase(0, end + 1);
+  return Status::ok;
+}
+
+LineProcess::Status LineProcess::exchange(std::string_view message, std::chrono::milliseconds limit,
+                                          std::string& answer) {
+  if (!received_.empty()) return Status::unasked;
+  const Clock::time_point deadline = Clock::now() + limit;
+  while (true) {
+    // A late status means that the line is not complete yet.
+    if (message.empty()) {
+      const Status status = take_line(answer);
+      if (status != Status::late) return status;
+    }
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
+    if (left.count() <= 0) return Status::late;
+    pollfd wait{socket_, static_cast<short>(message.empty() ? POLLIN : POLLIN | POLLOUT), 0};
+    const int ready = ::poll(&wait, 1, static_cast<int>(left.count()));
+    if (ready <= 0) continue;  // the time limit, or a signal
+    if ((wait.revents & POLLOUT) != 0) {
+      const ssize_t sent = ::send(socket_, message.data(), message.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+      if (sent > 0) message.remove_prefix(static_cast<std::size_t>(sent));
+      if (sent < 0 && errno != EAGAIN && errno != EINTR) return Status::ended;
+    }
+    if ((wait.revents & (POLLIN | POLLHUP | POLLERR)) != 0) {
+      std::array<char, 4096> block;
+      const ssize_t count = ::recv(socket_, block.data(), block.size(), MSG_DONTWAIT);
+      if (count == 0 || (count < 0 && errno != EAGAIN && errno != EINTR)) return Status::ended;
+      if (count > 0) received_.append(block.data(), static_cast<std::size_t>(count));
+      if (received_.size() > 2 * longest_line) return Status::endless;
+    }
+  }
+}
+
+std::string LineProcess::stop() {
+  close_socket();
+  if (child_ < 0) return {};
+  // The end of its standard input ends a well-behaved program.
+  constexpr auto patience = std::chrono::milliseconds(200);
+  const Clock::time_point deadline = Clock::now() + patience;
+  int status = 0;
+  pid_t ended = 0;
+  while ((ended = ::waitpid(child_, &status, WNOHANG)) == 0 && Clock::now() < deadline)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  ::kill(-child_, SIGKILL);  // and what it has started
+  if (ended == 0) {
+    while ((ended = ::waitpid(child_, &status, 0)) < 0 && errno == EINTR) {
+    }
+  }
+  child_ = -1;
+  return ended > 0 ? how_ended(status) : std::string();
+}
+
+}  // namespace saccade

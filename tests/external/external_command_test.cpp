@@ -1,0 +1,122 @@
+// Detectors in programs of their own, in the commands.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/integration/run_shell.h"
+#include "tests/recording/temp_folder.h"
+
+namespace saccade {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+const std::string source = SACCADE_SOURCE_DIR;
+const std::string python_detector = source + "/examples/external/ring_mean_shift.py:RingMeanShift";
+const std::string scenario = "'" + source +
+                             "/examples/scenario/slow_line.yaml' --set run.duration_s=0.8 --set expect={} "
+                             "--set output.pictures=1 ";
+
+Outcome saccade(const std::string& arguments) { return run_shell("'" SACCADE_BINARY "' " + arguments); }
+
+nlohmann::json metrics_of(const std::string& folder) {
+  return nlohmann::json::parse(bytes_of(std::filesystem::path(folder) / "metrics.json"));
+}
+
+class ExternalCommand : public testing::Test {
+ protected:
+  [[nodiscard]] std::string out(const std::string& name) const { return (folder_ / name).string(); }
+  /// A program that answers `ticks` ticks and then does `then`.
+  [[nodiscard]] std::string program(int ticks, const std::string& then) const {
+    const std::string path = out("program");
+    std::ofstream(path)
+        << "#!/bin/sh\nread a; read b; echo ready 0.5\nk=0\nwhile [ $k -lt " << ticks
+        << " ] && read tick t count; do i=0; while [ $i -lt $count ]; do read e; i=$((i+1)); done; "
+           "echo circle 64 64 10 0.9; k=$((k+1)); done\n"
+        << then << "\n";
+    ::chmod(path.c_str(), 0755);
+    return path;
+  }
+
+  TempFolder folder_;
+};
+
+TEST_F(ExternalCommand, RunsDetectorsInPythonAndInCBesideTheOthersAndTwiceGivesTheSameBytes) {
+  const std::string arguments = "run " + scenario + "--set detectors.mine.python='" + python_detector +
+                                "' --set detectors.c.command='" SACCADE_RING_MEAN_SHIFT "' --out ";
+  const Outcome run = saccade(arguments + out("run"));
+  ASSERT_EQ(run.status, 0) << run.text;
+  ASSERT_EQ(saccade(arguments + out("again")).status, 0);
+  EXPECT_EQ(bytes_of(folder_ / "run" / "figures.json"), bytes_of(folder_ / "again" / "figures.json"));
+  const auto detectors = metrics_of(out("run"))["detectors"];
+  // The scenario has a ball before a plain wall; what the example finds there, and that both find the same.
+  EXPECT_GT(detectors["mine"]["average_precision"].get<double>(), 0.2);
+  EXPECT_NEAR(detectors["mine"]["average_precision"].get<double>(),
+              detectors["c"]["average_precision"].get<double>(), 0.02);
+  EXPECT_FALSE(detectors["mine"].contains("failure"));
+  EXPECT_THAT(bytes_of(folder_ / "run" / "report.html"), HasSubstr("mine"));
+  EXPECT_THAT(bytes_of(folder_ / "run" / "scenario.yaml"), HasSubstr("preset: command"));
+}
+
+TEST_F(ExternalCommand, DetectsInARecordingWithPathsRelativeToTheFileThatNamesThem) {
+  ASSERT_EQ(saccade("run " + scenario + "--out " + out("run")).status, 0);
+  const Outcome detect = saccade("detect " + out("run") + " --config '" + source +
+                                 "/examples/external/detectors.yaml' --out " + out("detect"));
+  ASSERT_EQ(detect.status, 0) << detect.text;
+  EXPECT_TRUE(metrics_of(out("detect"))["detectors"].contains("mine"));
+}
+
+TEST_F(ExternalCommand, DrivesTheGaze) {
+  const Outcome run =
+      saccade("run " + scenario +
+              "--set detectors.mine.command='" SACCADE_RING_MEAN_SHIFT "' --set gaze.detector=mine --out " +
+              out("run"));
+  ASSERT_EQ(run.status, 0) << run.text;
+  EXPECT_EQ(metrics_of(out("run"))["gaze"]["detector"], "mine");
+  EXPECT_GT(metrics_of(out("run"))["gaze"]["moves"].get<int>(), 0);
+}
+
+TEST_F(ExternalCommand, ACrashIsReportedAndChangesNothingElse) {
+  ASSERT_EQ(saccade("run " + scenario + "--out " + out("without")).status, 0);
+  const Outcome run = saccade("run " + scenario + "--set detectors.mine.command='" +
+                              program(300, "kill -SEGV $$") + "' --out " + out("run"));
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.text, HasSubstr("detector mine: program ended at 0.301 s, by signal 11"));
+  const auto with = metrics_of(out("run"))["detectors"], without = metrics_of(out("without"))["detectors"];
+  EXPECT_THAT(with["mine"]["failure"].get<std::string>(), HasSubstr("by signal 11"));
+  for (const char* figure : {"average_precision", "observations", "pr_curve"})
+    EXPECT_EQ(with["paper_directed"][figure], without["paper_directed"][figure]) << figure;
+  EXPECT_EQ(bytes_of(folder_ / "run" / "events.aedat"), bytes_of(folder_ / "without" / "events.aedat"));
+  EXPECT_THAT(bytes_of(folder_ / "run" / "report.html"), HasSubstr("mine ended before the end of the run"));
+  EXPECT_THAT(bytes_of(folder_ / "run" / "log.txt"), HasSubstr("detector mine: program ended"));
+}
+
+TEST_F(ExternalCommand, AHangEndsTheDetectorAfterItsLimit) {
+  const Outcome run =
+      saccade("run " + scenario + "--set detectors.mine='{command: \"" + program(100, "exec sleep 600") +
+              "\", answer_limit_s: 0.2}' --out " + out("run"));
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.text, HasSubstr("gave no answer at 0.101 s within 200 ms"));
+  EXPECT_GT(metrics_of(out("run"))["detectors"]["paper_directed"]["observations"].get<int>(), 0);
+}
+
+TEST_F(ExternalCommand, MistakesInTheFileAreReportedAsOthersAre) {
+  Outcome run = saccade("run " + scenario + "--set detectors.mine.python=absent.py --out " + out("a"));
+  EXPECT_EQ(run.status, 2);
+  EXPECT_THAT(run.text, HasSubstr("FILE.py:CLASS"));
+  run = saccade("run " + scenario + "--set detectors.mine.command=/absent --out " + out("b"));
+  EXPECT_EQ(run.status, 2);
+  EXPECT_THAT(run.text, HasSubstr("a file that exists"));
+  run = saccade("run " + scenario + "--set detectors.mine='{command: /absent, radius_px: [4, 25]}' --out " +
+                out("c"));
+  EXPECT_EQ(run.status, 2);
+  EXPECT_THAT(run.text, HasSubstr("detectors.mine.radius_px"));
+}
+
+}  // namespace
+}  // namespace saccade
