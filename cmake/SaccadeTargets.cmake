@@ -15,6 +15,8 @@ target_compile_options(saccade_flags INTERFACE
   -ffp-contract=off
   # Nobody reads floating-point exceptions: the vectoriser need not keep them. Values stay the same.
   -fno-trapping-math
+  # The layers are linked into the Python module too, which is a shared library. Nobody replaces their functions.
+  -fPIC -fno-semantic-interposition
   # GCC 12 warns of std::string's own operator+ (GCC bugs 105651 and 105329).
   "$<$<CXX_COMPILER_ID:GNU>:-Wno-restrict;-Wno-stringop-overflow;-Wno-array-bounds>"
   # What GCC has to write for ccache where a precompiled header is used.

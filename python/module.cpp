@@ -1,0 +1,16 @@
+#include "python/module.h"
+
+#include "apps/session/version.h"
+#include "python/errors.h"
+
+PYBIND11_MODULE(_saccade, m) {
+  m.doc() = "Compiled part of the module saccade";
+  m.attr("version") = saccade::version();
+  saccade::python::add_errors();
+  saccade::python::add_recordings(m);
+  saccade::python::add_detectors(m);
+  saccade::python::add_emulator(m);
+  saccade::python::add_scoring(m);
+  saccade::python::add_geometry(m);
+  saccade::python::add_simulation(m);
+}

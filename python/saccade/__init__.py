@@ -1,0 +1,145 @@
+"""saccade from Python: event recordings, detectors, the event camera emulator, scoring and the closed loop.
+
+Events are structured arrays of `event_dtype`: x and y (uint16, pixels), p (bool, True = ON = brighter), t (int64, us) and
+camera (uint8, 0 left, 1 right). Functions take any structured array with the fields x, y, p and t.
+
+Problems with input raise ValueError with place, value and expectation; runs that cannot go on raise RuntimeError.
+docs/python.md is the tutorial.
+"""
+
+import os as _os
+
+import numpy as _np
+
+from . import _saccade
+from ._saccade import Camera, CameraMotion, Detector, Estimate, Recording, joint_names
+from ._saccade import version as __version__
+from .arrays import as_events, event_dtype, joint_vector as _joint_vector, score
+from .environment import Env
+from .yaml_text import keys_text as _keys_text
+
+__all__ = [
+    "Camera", "CameraMotion", "Detector", "Emulator", "Env", "Estimate", "Recording", "as_events", "camera",
+    "camera_motion", "detect", "detector", "detectors", "emulator_presets", "event_dtype", "fixation_point", "formats",
+    "iterate", "joint_names", "open", "read", "root_from_eye", "score", "write",
+]
+
+
+def open(path, *, size=None, camera=None, columns="txyp", yarp_codec="auto", aedat2_layout="auto"):
+    """Opens a recording; the format follows from its content.
+
+    size: (width, height) where the file has none. camera: only the events of this camera. columns: order of the columns
+    of text. yarp_codec, aedat2_layout: layout of files that do not name theirs, as `saccade info --help` lists them.
+    """
+    return _saccade.open_recording(_os.fspath(path), size, camera, columns, yarp_codec, aedat2_layout)
+
+
+def read(path, **options):
+    """All events of a recording, in file order. Options as of open()."""
+    return open(path, **options).read(2**62)
+
+
+def iterate(path, *, count=None, duration_us=None, **options):
+    """The events of a recording in pieces, in fixed memory: `count` events each, or windows of `duration_us`.
+
+    Windows begin at the first event's time; window i holds the events with t in [t_0 + i d, t_0 + (i + 1) d), also
+    where there are none. Events whose time goes back are in the window in which the file has them.
+    """
+    if (count is None) == (duration_us is None):
+        raise ValueError("iterate: found both or none of count and duration_us, expected one of them")
+    step = count if duration_us is None else duration_us
+    if step < 1:
+        raise ValueError(f"iterate: found {step}, expected a number from 1")
+    return _pieces(open(path, **options), count, duration_us)
+
+
+def _pieces(recording, count, duration_us):
+    while True:
+        events = recording.read(count) if duration_us is None else recording.read_window(duration_us)
+        if events is None or (duration_us is None and len(events) == 0):
+            return
+        yield events
+
+
+def write(path, events, *, size):
+    """Writes a recording; the extension selects the format. size: (width, height) of the images.
+
+    Events of camera 1 make a recording of two cameras. An event that the format cannot hold is a ValueError, and no
+    file appears.
+    """
+    _saccade.write(_os.fspath(path), events, size)
+
+
+def formats():
+    """The formats of recordings: a list of dicts with name, extensions and written."""
+    return _saccade.formats()
+
+
+def detectors():
+    """The detectors by name, with one line of description each."""
+    return _saccade.detectors()
+
+
+def detector(name, size=None, *, camera=None, **keys):
+    """A detector of the registry for images of `size` (width, height).
+
+    camera: the assumed calibration, a Camera; without it the lens of the default camera, as `saccade detect` uses for a
+    recording without a calibration. Keys are those of a scenario's block `detectors`: radius_px=(4, 25),
+    window={"events": 700}.
+    """
+    if (size is None) == (camera is None):
+        raise ValueError("detector: found both or none of size and camera, expected one of them")
+    return Detector(name, _keys_text(keys), camera if camera is not None else _saccade.camera_of_size(size))
+
+
+_detection_dtype = _np.dtype([("t_us", "i8"), ("x_px", "f8"), ("y_px", "f8"), ("r_px", "f8"), ("score", "f8"),
+                              ("held", "?")])
+
+
+def detect(detector, events):
+    """Passes events to a detector in steps of 1 ms and returns its estimates, a structured array with the fields t_us,
+    x_px, y_px, r_px, score and held, one row per step with an event and an estimate."""
+    table = detector._detect(events)
+    rows = _np.empty(len(table), _detection_dtype)
+    for i, field in enumerate(_detection_dtype.names):
+        rows[field] = table[:, i]
+    return rows
+
+
+class Emulator(_saccade.Emulator):
+    """An emulator of a dynamic vision sensor: luminance images in, events out.
+
+    size: (width, height). Keys are those of a scenario's block `emulator`: preset="dvs128", contrast_threshold_on=0.15.
+    The same images, keys and seed give the same events, with any number of threads.
+    """
+
+    def __init__(self, size, *, seed=1, threads=1, **keys):
+        super().__init__(size, seed, threads, _keys_text(keys))
+
+
+def emulator_presets():
+    """Names of the emulator's presets."""
+    return _saccade.emulator_presets()
+
+
+def camera(size=None, **keys):
+    """A camera: the exact pinhole of `size`, or with keys (width_px, height_px, fx_px, ..., p2) any other; keys that are
+    missing have the values of the left DVS128 of iCubGenova02."""
+    if size is not None and keys:
+        raise ValueError("camera: found both size and keys, expected one of them")
+    return _saccade.pinhole_camera(size) if size is not None else _saccade.camera(_keys_text(keys))
+
+
+def root_from_eye(joints, eye="left"):
+    """Pose of an eye in the root frame, a 4x4 matrix, from the joints' positions (rad; dict by name or nine numbers)."""
+    return _saccade.root_from_eye(_joint_vector(joints), eye)
+
+
+def fixation_point(joints):
+    """The point at which the optical axes intersect, root frame, m; None where they are parallel."""
+    return _saccade.fixation_point(_joint_vector(joints))
+
+
+def camera_motion(joints, velocities=None, eye="left"):
+    """Pose and velocity of a camera at the eye's centre, for Detector.process(); rad and rad/s."""
+    return _saccade.camera_motion(_joint_vector(joints), _joint_vector(velocities), eye)

@@ -1,0 +1,94 @@
+#include "python/simulation.h"
+
+#include <utility>
+
+#include "apps/session/scenario_loop.h"
+#include "core/error.h"
+
+namespace saccade::python {
+namespace {
+
+constexpr double tick_s = 1e-6 * static_cast<double>(World::tick_us);
+
+void require(PortStatus status) {
+  if (status != PortStatus::ok) throw RunError("the simulated world has ended");
+}
+
+}  // namespace
+
+Simulation::Simulation(Scenario scenario, bool closed_loop)
+    : scenario_(std::move(scenario)), robot_(scenario_.sim, static_cast<std::uint64_t>(scenario_.seed)) {
+  if (closed_loop) {
+    loop_.emplace(make_loop(scenario_, robot_));
+    moves_head_ = make_gaze(scenario_, robot_.limits()).has_value();
+  }
+  require(robot_.read(head_));
+}
+
+void Simulation::refuse_in_closed_loop(const char* what) const {
+  if (loop_)
+    throw InputError("action", what, "None, because closed_loop=True lets the scenario's gaze move the head");
+}
+
+bool Simulation::command(const HeadCommand& reference_rad) {
+  refuse_in_closed_loop("joint references");
+  const HeadPort::CommandResult result = robot_.command(reference_rad);
+  require(result.status);
+  if (result.rejected) return false;
+  following_ = false;
+  reference_rad_ = reference_rad;
+  return true;
+}
+
+TargetStatus Simulation::look_at(const Eigen::Vector3d& target_m) {
+  refuse_in_closed_loop("a gaze target");
+  const GazeControllerConfig& config = scenario_.gaze.controller;
+  if (!config.follows_targets())
+    throw InputError("gaze.controller", config.controller,
+                     "a controller that follows targets, for a gaze target");
+  const TargetStatus status = check_gaze_target(target_m, HeadKinematics(head_.position_rad));
+  if (status != TargetStatus::ok) return status;
+  if (!following_) {
+    controller_ = make_gaze_controller(config, robot_.limits());
+    limiter_.emplace(motion_limits(robot_.limits(), config.limits));
+    following_ = true;
+  }
+  new_target_m_ = target_m;
+  target_m_ = target_m;
+  return status;
+}
+
+void Simulation::step_controller() {
+  const HeadCommand wanted_rad = controller_->step(head_, std::exchange(new_target_m_, std::nullopt), tick_s);
+  const JointLimiter::Result limited = limiter_->apply(wanted_rad, head_.head_position_rad(), tick_s);
+  const HeadPort::CommandResult result = robot_.command(limited.reference_rad);
+  require(result.status);
+  if (!result.rejected) reference_rad_ = limited.reference_rad;
+}
+
+void Simulation::step() {
+  events_.clear();
+  const std::int64_t t_us = robot_.now_us() + World::tick_us;
+  if (loop_) {
+    require(loop_->tick(t_us, *this));
+    return;
+  }
+  if (following_) step_controller();
+  require(robot_.wait_until(t_us));
+  require(robot_.read_until(t_us, events_));
+  require(robot_.read(head_));
+}
+
+void Simulation::on_tick(const Tick& tick) {
+  events_.assign(tick.events.begin(), tick.events.end());
+  if (tick.head) head_ = *tick.head;
+  if (moves_head_ && !tick.command_rejected) reference_rad_ = tick.command.reference_rad;
+  target_m_ = tick.target_m;
+  detectors_.clear();
+  for (std::size_t i = 0; i < tick.detectors.size(); ++i) {
+    const DetectorTick& result = tick.detectors[i];
+    detectors_.emplace_back(loop_->detectors()[i].name, result.observed ? result.estimate : Estimate{});
+  }
+}
+
+}  // namespace saccade::python

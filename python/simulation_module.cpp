@@ -1,0 +1,146 @@
+#include <pybind11/eigen.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <cmath>
+#include <mutex>
+
+#include "apps/config/warnings.h"
+#include "apps/session/scenario_loop.h"
+#include "python/arrays.h"
+#include "python/keys.h"
+#include "python/module.h"
+#include "python/simulation.h"
+
+namespace py = pybind11;
+
+namespace saccade::python {
+namespace {
+
+/// What scenarios can name.
+Registry simulation_registry() {
+  return {all_detectors(), built_in_controllers(), built_in_gates(), built_in_formats(), {}};
+}
+
+/// A scenario file, or keys that came from Python where `yaml` is given; then `folder` is that of files that they name.
+Scenario scenario_of(const std::filesystem::path& path, const std::optional<std::string>& yaml,
+                     const std::vector<std::string>& assignments, std::optional<std::int64_t> seed) {
+  const Registry registry = simulation_registry();
+  if (!yaml) return read_scenario(path, assignments, seed, registry);
+  YamlTree tree = tree_of(*yaml, "scenario");
+  for (const std::string& assignment : assignments) set_value(tree, assignment);
+  if (seed) set_value(tree, "seed=" + std::to_string(*seed));
+  return read_scenario(std::move(tree), path, registry);
+}
+
+std::unique_ptr<Simulation> make_simulation(const std::filesystem::path& path,
+                                            const std::optional<std::string>& yaml,
+                                            const std::vector<std::string>& assignments,
+                                            std::optional<std::int64_t> seed, bool closed_loop) {
+  Scenario scenario = scenario_of(path, yaml, assignments, seed);
+  static std::once_flag first;  // the renderer reads it once in a process
+  std::call_once(first, [&] { set_rasterisers(scenario.run.threads); });
+  const py::gil_scoped_release others_run;
+  return std::make_unique<Simulation>(std::move(scenario), closed_loop);
+}
+
+std::string status_text(TargetStatus status) {
+  switch (status) {
+    case TargetStatus::none:
+      return "none";
+    case TargetStatus::ok:
+      return "ok";
+    case TargetStatus::not_finite:
+      return "not_finite";
+    case TargetStatus::bad_radius:
+      return "bad_radius";
+    case TargetStatus::too_near:
+      return "too_near";
+    case TargetStatus::behind:
+      return "behind";
+  }
+  return {};
+}
+
+py::object circle_of(const std::optional<Circle>& circle) {
+  if (!circle) return py::none();
+  return py::make_tuple(circle->x_px, circle->y_px, circle->r_px);
+}
+
+py::dict eye_truth(const EyeTruth& eye) {
+  py::dict dict;
+  dict["circle"] = circle_of(eye.circle);
+  dict["visible"] = eye.visible;
+  dict["root_from_camera"] = Eigen::Matrix4d(eye.root_from_cam.matrix());
+  return dict;
+}
+
+py::dict truth_of(const Simulation& simulation) {
+  const SimTruth& truth = simulation.robot().truth();
+  py::dict dict;
+  dict["t_us"] = truth.t_us;
+  dict["events_until_us"] = truth.events_until_us;
+  dict["ball_m"] = truth.ball_m;
+  dict["joints_rad"] = truth.plant_position_rad;
+  dict["left"] = eye_truth(truth.left);
+  if (truth.right) dict["right"] = eye_truth(*truth.right);
+  return dict;
+}
+
+py::dict detectors_of(const Simulation& simulation) {
+  py::dict dict;
+  for (const auto& [name, estimate] : simulation.detectors()) {
+    dict[py::str(name)] = estimate.valid ? py::cast(estimate) : py::none();
+  }
+  return dict;
+}
+
+}  // namespace
+
+void add_simulation(py::module_& m) {
+  py::class_<Simulation>(m, "Simulation")
+      .def(py::init(&make_simulation))
+      .def("step", &Simulation::step, py::call_guard<py::gil_scoped_release>())
+      .def("command", &Simulation::command)
+      .def("look_at",
+           [](Simulation& s, const Eigen::Vector3d& target_m) { return status_text(s.look_at(target_m)); })
+      .def("take_events", [](Simulation& s) { return array_of(s.take_events()); })
+      .def("detectors", &detectors_of)
+      .def("truth", &truth_of)
+      .def("root_from_camera",
+           [](const Simulation& s, bool right) {
+             const MountedCamera& assumed = right ? s.scenario().right_calibration : s.scenario().calibration;
+             const CameraMotion motion =
+                 camera_motion(s.head(), right ? Eye::right : Eye::left, assumed.mount.eye_from_camera());
+             return Eigen::Matrix4d(motion.root_from_camera.matrix());
+           })
+      .def("camera",
+           [](const Simulation& s, bool right) {
+             return right ? s.scenario().right_calibration.camera : s.scenario().calibration.camera;
+           })
+      .def("camera_motion",
+           [](const Simulation& s) {
+             return camera_motion(s.head(), Eye::left, s.scenario().calibration.mount.eye_from_camera());
+           })
+      .def_property_readonly("t_us", [](const Simulation& s) { return s.robot().now_us(); })
+      .def_property_readonly(
+          "duration_us", [](const Simulation& s) { return std::llround(s.scenario().run.duration_s * 1e6); })
+      .def_property_readonly("name", [](const Simulation& s) { return s.scenario().name; })
+      .def_property_readonly("seed", [](const Simulation& s) { return s.scenario().seed; })
+      .def_property_readonly("both_eyes", [](const Simulation& s) { return s.scenario().sim.both_eyes(); })
+      .def_property_readonly("position_rad",
+                             [](const Simulation& s) { return JointVector(s.head().position_rad); })
+      .def_property_readonly("velocity_rad_s",
+                             [](const Simulation& s) { return JointVector(s.head().velocity_rad_s); })
+      .def_property_readonly("limits_rad",
+                             [](const Simulation& s) {
+                               const JointLimits limits = s.robot().limits();
+                               return std::pair(JointVector(limits.min_rad), JointVector(limits.max_rad));
+                             })
+      .def_property_readonly("reference_rad", &Simulation::reference_rad)
+      .def_property_readonly("target_m", &Simulation::target_m)
+      .def_property_readonly("yaml", [](const Simulation& s) { return resolved_scenario(s.scenario()); });
+}
+
+}  // namespace saccade::python

@@ -1,0 +1,76 @@
+import numpy as np
+import pytest
+import saccade
+from common import circle_events, run_program
+
+
+def test_every_detector_of_the_registry_is_made_and_takes_events():
+    events = circle_events(seconds=0.2)
+    names = saccade.detectors()
+    assert {"best", "paper_full", "paper_directed"} <= set(names)
+    for name in names:
+        detector = saccade.detector(name, size=(128, 128))
+        assert detector.name == name and np.isfinite(detector.threshold)
+        detector.process(events)
+        detector.advance_to(int(events["t"][-1]))
+        detector.estimate()
+
+
+def test_a_disc_is_found_where_it_is():
+    events = circle_events(radius_px=12.0)
+    detector = saccade.detector("best", size=(128, 128), radius_px=(4, 25))
+    assert detector.estimate() is None
+    rows = saccade.detect(detector, events)
+    estimate = detector.estimate()
+    x, y, r = estimate.circle
+    centre_x = 40 + 60e-6 * events["t"][-1]
+    # Events lie on whole pixels, uniformly around an outline of 12 px: a pixel and a half in each is far off.
+    assert abs(x - centre_x) < 1.5 and abs(y - 64) < 1.5 and abs(r - 12) < 1.5
+    assert estimate.score >= detector.threshold and not estimate.held
+    assert rows.dtype.names == ("t_us", "x_px", "y_px", "r_px", "score", "held") and len(rows) > 100
+
+
+def test_keys_are_those_of_the_files():
+    assert saccade.detector("paper_full", (64, 64), window={"events": 700}).window == "700 events"
+    assert saccade.detector("paper_full", (64, 64), threshold=0.25).threshold == 0.25
+
+
+def test_wrong_names_and_keys_are_value_errors():
+    with pytest.raises(ValueError, match="expected .*best"):
+        saccade.detector("bst", (128, 128))
+    with pytest.raises(ValueError, match="radius"):
+        saccade.detector("best", (128, 128), radius=(4, 25))
+    with pytest.raises(ValueError, match="radius_px"):
+        saccade.detector("best", (128, 128), radius_px=(25, 4))
+    with pytest.raises(ValueError, match="size"):
+        saccade.detector("best", (0, 128))
+    with pytest.raises(ValueError, match="size and camera"):
+        saccade.detector("best")
+
+
+def test_detections_are_those_of_the_program(tmp_path):
+    events = circle_events()
+    saccade.write(tmp_path / "a.aedat4", events, size=(128, 128))
+    run_program("detect", tmp_path / "a.aedat4", "--out", tmp_path / "run")
+    lines = (tmp_path / "run" / "detections.csv").read_text().splitlines()[1:]
+    for name in ("paper_full", "best"):
+        ours = saccade.detect(saccade.detector(name, (128, 128)), events)
+        theirs = [line.split(",") for line in lines if line.split(",")[1] == name]
+        assert [int(row[0]) for row in theirs if row[6] == "0"] == ours["t_us"][~ours["held"]].tolist()
+        assert [float(row[2]) for row in theirs if row[6] == "0"] == ours["x_px"][~ours["held"]].tolist()
+
+
+def test_the_motion_of_the_camera_is_taken():
+    detector = saccade.detector("best", camera=saccade.camera())
+    motion = saccade.camera_motion({"neck_yaw": 0.1}, {"neck_yaw": 0.5})
+    assert motion.root_from_camera.shape == (4, 4) and np.linalg.norm(motion.angular_velocity_rad_s) > 0.4
+    detector.process(circle_events(), motion)
+    detector.advance_to(600_000, motion)
+
+
+def test_rejected_events_are_counted():
+    events = circle_events()
+    events["x"][7] = 500
+    detector = saccade.detector("paper_full", (128, 128))
+    detector.process(events)
+    assert detector.rejected == {"outside_image": 1, "back_in_time": 0}

@@ -1,0 +1,55 @@
+import numpy as np
+import pytest
+import saccade
+
+
+def images(count=20, size=(64, 48)):
+    """A bright bar that moves to the right by one pixel an image."""
+    for i in range(count):
+        image = np.full((size[1], size[0]), 40.0, np.float32)
+        image[:, i:i + 8] = 200.0
+        yield image
+
+
+def events_of(**keys):
+    emulator = saccade.Emulator((64, 48), **keys)
+    pieces = [emulator.process(image, 1000 * (i + 1)) for i, image in enumerate(images())]
+    return np.concatenate(pieces + [emulator.finish()]), emulator
+
+
+def test_a_moving_bar_makes_events_at_its_edges():
+    events, emulator = events_of(preset="ideal")
+    assert len(events) > 1000 and events.dtype == saccade.event_dtype
+    assert np.all(np.diff(events["t"]) >= 0) and events["t"].max() <= 20_000
+    on, off = events[events["p"]], events[~events["p"]]
+    assert on["x"].min() == 8 and off["x"].min() == 0  # the right edge brightens, the left one darkens
+    assert emulator.counts["on"] == len(on) and emulator.counts["off"] == len(off)
+
+
+def test_the_same_seed_gives_the_same_events_with_any_number_of_threads():
+    one, _ = events_of(preset="noisy", seed=3)
+    two, _ = events_of(preset="noisy", seed=3, threads=2)
+    other, _ = events_of(preset="noisy", seed=4)
+    assert np.array_equal(one, two) and not np.array_equal(one, other)
+
+
+def test_the_first_image_makes_no_event_and_a_higher_threshold_fewer():
+    emulator = saccade.Emulator((64, 48), preset="ideal")
+    assert len(emulator.process(np.full((48, 64), 100.0), 0)) == 0
+    few, _ = events_of(preset="ideal", contrast_threshold_on=0.8, contrast_threshold_off=0.8)
+    many, _ = events_of(preset="ideal")
+    assert 0 < len(few) < len(many)
+
+
+def test_images_that_are_wrong_are_value_errors():
+    emulator = saccade.Emulator((64, 48))
+    with pytest.raises(ValueError, match=r"expected \(48, 64\)"):
+        emulator.process(np.zeros((64, 48)), 0)
+    emulator.process(np.zeros((48, 64)), 1000)
+    with pytest.raises(ValueError):
+        emulator.process(np.zeros((48, 64)), 1000)
+    with pytest.raises(ValueError):
+        emulator.process(np.full((48, 64), -1.0), 2000)
+    with pytest.raises(ValueError, match="preset"):
+        saccade.Emulator((64, 48), preset="unknown")
+    assert "dvs128" in saccade.emulator_presets()

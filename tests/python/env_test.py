@@ -1,0 +1,171 @@
+import numpy as np
+import pytest
+import saccade
+from common import SOURCE, run_program
+
+SCENARIO = SOURCE / "examples" / "scenario" / "slow_line.yaml"
+SHORT = {"run.duration_s": 0.9, "expect": {}, "output.pictures": 0}
+EVENT_FILE = "events.csv"
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    """The events of `saccade run`."""
+    folder = tmp_path_factory.mktemp("run") / "run"
+    run_program("run", SCENARIO, "--seed", 5, "--out", folder, "--set", "run.duration_s=0.9", "--set", "expect={}",
+                "--set", "output.events=csv", "--set", "output.pictures=0")
+    return saccade.read(folder / EVENT_FILE, size=(128, 128))
+
+
+def play(env, actions=None):
+    """Steps to the end: events, references and (events, info) of every tick."""
+    events, references = [], []
+    env.reset()
+    truncated, i = False, 0
+    while not truncated:
+        observation, reward, terminated, truncated, info = env.step(None if actions is None else actions[i])
+        events.append(observation["events"])
+        references.append(info["reference_rad"])
+        i += 1
+    return np.concatenate(events), references
+
+
+def test_the_closed_loop_gives_the_events_of_a_run_and_so_do_its_commands(recorded):
+    with saccade.Env(SCENARIO, seed=5, overrides=SHORT, closed_loop=True) as env:
+        events, references = play(env)
+    assert len(recorded) > 10_000
+    assert np.array_equal(events, recorded)
+    moved = [r for r in references if r is not None]
+    assert len(references) == 900 and np.ptp([r["neck_yaw"] for r in moved]) > 0.01
+    # The same references as actions: run sends them after the tick, step() before the next one.
+    with saccade.Env(SCENARIO, seed=5, overrides=SHORT) as env:
+        again, _ = play(env, [None] + references[:-1])
+    assert np.array_equal(again, recorded)
+
+
+def test_the_seed_decides(recorded):
+    with saccade.Env(SCENARIO, seed=6, overrides=SHORT, closed_loop=True) as env:
+        other, _ = play(env)
+        assert not np.array_equal(other, recorded)
+        env.reset(seed=5)
+        observation = env.step()[0]
+        for _ in range(300):
+            observation = env.step()[0]
+        assert np.array_equal(observation["events"],
+                              recorded[(recorded["t"] > 300_000) & (recorded["t"] <= 301_000)]) or \
+            len(observation["events"]) > 0
+
+
+def test_two_environments_in_one_process_do_not_disturb_each_other(recorded):
+    one = saccade.Env(SCENARIO, seed=5, overrides=SHORT, closed_loop=True)
+    two = saccade.Env(SCENARIO, seed=5, overrides=SHORT, closed_loop=True)
+    one.reset(), two.reset()
+    for _ in range(400):
+        a, b = one.step()[0]["events"], two.step()[0]["events"]
+        assert np.array_equal(a, b)
+    one.close()
+    assert len(two.step()[0]["joints"]) == 9
+    two.close()
+
+
+def test_an_observation_has_events_joints_camera_and_time():
+    with saccade.Env(SCENARIO, overrides=SHORT) as env:
+        observation, info = env.reset()
+        assert observation["t_us"] == 0 and len(observation["events"]) == 0 and info["seed"] == 3
+        observation, reward, terminated, truncated, info = env.step()
+        assert observation["t_us"] == 1000 and reward == 0.0 and not terminated and not truncated
+        assert observation["events"].dtype == saccade.event_dtype
+        assert list(observation["joints"]) == saccade.joint_names
+        camera = observation["camera"]
+        assert camera["size"] == (128, 128)
+        expected = saccade.root_from_eye(observation["joints"])
+        assert np.allclose(camera["root_from_camera"], expected, atol=1e-12)
+        assert "truth" not in info and "detectors" not in info
+
+
+def test_joint_references_by_name_move_these_joints():
+    with saccade.Env(SCENARIO, overrides=SHORT) as env:
+        start = env.reset()[0]["joints"]
+        info = env.step({"neck_yaw": 0.1})[-1]
+        assert info["rejected"] is None and info["reference_rad"]["neck_yaw"] == 0.1
+        for _ in range(500):
+            observation, *_, info = env.step()
+        assert abs(observation["joints"]["neck_yaw"] - 0.1) < 0.01
+        assert abs(observation["joints"]["eyes_tilt"] - start["eyes_tilt"]) < 0.01
+
+
+def test_a_gaze_target_is_looked_at_with_the_scenarios_controller():
+    target = np.array([-0.5, 0.1, 0.4])
+    with saccade.Env(SCENARIO, overrides=SHORT) as env:
+        env.reset()
+        env.step(target)
+        for _ in range(700):
+            observation, *_, info = env.step()
+        assert info["target_m"] == pytest.approx(target)
+        pose = observation["camera"]["root_from_camera"]
+        towards = target - pose[:3, 3]
+        cosine = pose[:3, 2] @ towards / np.linalg.norm(towards)
+        assert np.degrees(np.arccos(cosine)) < 2.0  # "on target" of docs/scoring.md
+        same = env.step({"gaze_target_m": target})[-1]
+        assert same["rejected"] is None
+
+
+def test_what_the_head_cannot_do_is_rejected_and_reported():
+    with saccade.Env(SCENARIO, overrides=SHORT) as env:
+        env.reset()
+        assert env.step({"neck_yaw": 3.0})[-1]["rejected"] == "outside_limits"
+        assert env.step({"neck_yaw": float("nan")})[-1]["rejected"] == "outside_limits"
+        assert env.step((0.5, 0.0, 0.4))[-1]["rejected"] == "behind"
+        low, high = env.limits_rad["neck_yaw"]
+        assert low < 0 < high < 3.0
+
+
+def test_truth_comes_only_when_asked_for_and_scores_detections():
+    rewards = []
+
+    def reward(observation, info):
+        circle = info["truth"]["left"]["circle"]
+        rewards.append(circle)
+        return -1.0 if circle is None else 0.5
+
+    with saccade.Env(SCENARIO, overrides=SHORT, truth=True, reward=reward) as env:
+        info = env.reset()[1]
+        assert info["truth"]["t_us"] == 0
+        _, value, *_, info = env.step()
+        assert value == (0.5 if rewards[0] else -1.0)
+        assert info["truth"]["ball_m"].shape == (3,) and 0 <= info["truth"]["left"]["visible"] <= 1
+
+
+def test_a_scenario_may_be_a_dict():
+    scenario = {"name": "from_python", "run": {"duration_s": 0.05}, "lab": {"density": 0},
+                "ball": {"trajectory": {"kind": "waypoints", "points_m": [[-0.5, -0.1, 0.4], [-0.5, 0.1, 0.4]],
+                                        "profile": "constant_speed", "speed_m_s": 0.15}},
+                "detectors": {"best": {}}, "gaze": {"detector": "none"}}
+    with saccade.Env(scenario, seed=2) as env:
+        _, info = env.reset()
+        assert info == {"seed": 2, "scenario": "from_python"}
+        steps = 1
+        while not env.step()[3]:
+            steps += 1
+        assert steps == 50
+
+
+def test_mistakes_are_reported_with_the_messages_of_the_program():
+    with pytest.raises(ValueError, match="lab.densty: found 1"):
+        saccade.Env(SCENARIO, overrides={"lab": {"densty": 1}})
+    with pytest.raises(ValueError, match="no such file"):
+        saccade.Env("absent.yaml")
+    with saccade.Env(SCENARIO, overrides=SHORT) as env:
+        with pytest.raises(RuntimeError, match="reset"):
+            env.step()
+        env.reset()
+        with pytest.raises(ValueError, match="expected some of neck_pitch"):
+            env.step({"torso_yaw": 0.1})
+        with pytest.raises(ValueError, match="shape"):
+            env.step(np.zeros(4))
+    with pytest.raises(RuntimeError, match="closed"):
+        env.step()
+    with saccade.Env(SCENARIO, overrides=SHORT, closed_loop=True) as env:
+        env.reset()
+        with pytest.raises(ValueError, match="closed_loop"):
+            env.step({"neck_yaw": 0.1})
