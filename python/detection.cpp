@@ -51,7 +51,8 @@ class NamedDetector {
     dict["back_in_time"] = counts.back_in_time;
     return dict;
   }
-  /// An estimate after every 1 ms of the events that came in it, as `saccade detect` without truth makes them.
+  /// Observations of ticks of 1 ms from the first event on, as `saccade detect` makes them of a recording without truth:
+  /// rows of time, circle, score and held.
   py::array_t<double> detect(const py::object& events) {
     constexpr std::int64_t tick_us = 1000;
     const EventArgument argument(events);
@@ -59,19 +60,17 @@ class NamedDetector {
     {
       const py::gil_scoped_release others_run;
       std::span<const Event> left = argument.events();
+      std::int64_t t_us = left.empty() ? 0 : left.front().t_us;
       while (!left.empty()) {
-        // The tick that ends at or after the next event; ticks end at whole milliseconds.
-        const std::int64_t first_us = left.front().t_us;
-        const std::int64_t end_us =
-            first_us + (tick_us - 1) - ((first_us + tick_us - 1) % tick_us + tick_us) % tick_us;
+        t_us += tick_us;
         std::size_t count = 0;
-        while (count < left.size() && left[count].t_us <= end_us) ++count;
+        while (count < left.size() && left[count].t_us <= t_us) ++count;
         detector_->process(left.first(count), nullptr);
-        detector_->advance_to(end_us, nullptr);
+        detector_->advance_to(t_us, nullptr);
         left = left.subspan(count);
         const Estimate e = detector_->estimate();
-        if (!e.valid) continue;
-        rows.insert(rows.end(), {static_cast<double>(end_us), e.circle.x_px, e.circle.y_px, e.circle.r_px,
+        if (!e.valid || (count == 0 && !e.held)) continue;
+        rows.insert(rows.end(), {static_cast<double>(t_us), e.circle.x_px, e.circle.y_px, e.circle.r_px,
                                  e.score, e.held ? 1.0 : 0.0});
       }
     }

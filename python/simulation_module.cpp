@@ -138,8 +138,10 @@ void add_simulation(py::module_& m) {
                                const JointLimits limits = s.robot().limits();
                                return std::pair(JointVector(limits.min_rad), JointVector(limits.max_rad));
                              })
-      .def_property_readonly("reference_rad", &Simulation::reference_rad)
-      .def_property_readonly("target_m", &Simulation::target_m)
+      .def_property_readonly(
+          "reference_rad", [](const Simulation& s) { return std::optional<HeadCommand>(s.reference_rad()); })
+      .def_property_readonly("target_m",
+                             [](const Simulation& s) { return std::optional<Eigen::Vector3d>(s.target_m()); })
       .def_property_readonly("yaml", [](const Simulation& s) { return resolved_scenario(s.scenario()); });
 }
 

@@ -97,8 +97,9 @@ _detection_dtype = _np.dtype([("t_us", "i8"), ("x_px", "f8"), ("y_px", "f8"), ("
 
 
 def detect(detector, events):
-    """Passes events to a detector in steps of 1 ms and returns its estimates, a structured array with the fields t_us,
-    x_px, y_px, r_px, score and held, one row per step with an event and an estimate."""
+    """Passes events to a detector in ticks of 1 ms and returns its estimates, a structured array with the fields t_us,
+    x_px, y_px, r_px, score and held: one row per tick with an estimate and an event, or with a held estimate. Ticks count
+    from the first event, as in `saccade detect`."""
     table = detector._detect(events)
     rows = _np.empty(len(table), _detection_dtype)
     for i, field in enumerate(_detection_dtype.names):

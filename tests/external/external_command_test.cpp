@@ -86,7 +86,7 @@ TEST_F(ExternalCommand, ACrashIsReportedAndChangesNothingElse) {
   const Outcome run = saccade("run " + scenario + "--set detectors.mine.command='" +
                               program(300, "kill -SEGV $$") + "' --out " + out("run"));
   EXPECT_EQ(run.status, 1);
-  EXPECT_THAT(run.text, HasSubstr("detector mine: program ended at 0.301 s, by signal 11"));
+  EXPECT_THAT(run.text, testing::ContainsRegex("detector mine: program ended at 0\\.[0-9]+ s, by signal 11"));
   const auto with = metrics_of(out("run"))["detectors"], without = metrics_of(out("without"))["detectors"];
   EXPECT_THAT(with["mine"]["failure"].get<std::string>(), HasSubstr("by signal 11"));
   for (const char* figure : {"average_precision", "observations", "pr_curve"})
@@ -101,7 +101,7 @@ TEST_F(ExternalCommand, AHangEndsTheDetectorAfterItsLimit) {
       saccade("run " + scenario + "--set detectors.mine='{command: \"" + program(100, "exec sleep 600") +
               "\", answer_limit_s: 0.2}' --out " + out("run"));
   EXPECT_EQ(run.status, 1);
-  EXPECT_THAT(run.text, HasSubstr("gave no answer at 0.101 s within 200 ms"));
+  EXPECT_THAT(run.text, testing::ContainsRegex("gave no answer at 0\\.[0-9]+ s within 200 ms"));
   EXPECT_GT(metrics_of(out("run"))["detectors"]["paper_directed"]["observations"].get<int>(), 0);
 }
 

@@ -48,12 +48,8 @@ def test_the_seed_decides(recorded):
         other, _ = play(env)
         assert not np.array_equal(other, recorded)
         env.reset(seed=5)
-        observation = env.step()[0]
-        for _ in range(300):
-            observation = env.step()[0]
-        assert np.array_equal(observation["events"],
-                              recorded[(recorded["t"] > 300_000) & (recorded["t"] <= 301_000)]) or \
-            len(observation["events"]) > 0
+        again, _ = play(env)
+    assert np.array_equal(again, recorded)
 
 
 def test_two_environments_in_one_process_do_not_disturb_each_other(recorded):
@@ -151,7 +147,7 @@ def test_a_scenario_may_be_a_dict():
 
 
 def test_mistakes_are_reported_with_the_messages_of_the_program():
-    with pytest.raises(ValueError, match="lab.densty: found 1"):
+    with pytest.raises(ValueError, match="lab.densty: found an unknown key"):
         saccade.Env(SCENARIO, overrides={"lab": {"densty": 1}})
     with pytest.raises(ValueError, match="no such file"):
         saccade.Env("absent.yaml")

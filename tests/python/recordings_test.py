@@ -71,7 +71,7 @@ def test_arrays_of_other_libraries_are_taken():
 
 
 def test_problems_are_value_errors_with_the_messages_of_the_program(tmp_path):
-    with pytest.raises(ValueError, match="no such file"):
+    with pytest.raises(ValueError, match="(?i)no such file"):
         saccade.read(tmp_path / "absent.aedat")
     events = circle_events()
     with pytest.raises(ValueError, match="expected"):
@@ -93,7 +93,7 @@ def test_a_file_that_breaks_off_is_a_value_error_with_its_place(tmp_path):
     events = circle_events()
     path = tmp_path / "a.aedat4"
     saccade.write(path, events, size=(128, 128))
-    path.write_bytes(path.read_bytes()[:-7])
+    path.write_bytes(path.read_bytes()[:path.stat().st_size // 2])
     with pytest.raises(ValueError, match="a.aedat4"):
         saccade.read(path)
 
