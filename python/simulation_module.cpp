@@ -59,6 +59,10 @@ std::string status_text(TargetStatus status) {
       return "too_near";
     case TargetStatus::behind:
       return "behind";
+    case TargetStatus::too_far:
+      return "too_far";
+    case TargetStatus::in_body:
+      return "in_body";
   }
   return {};
 }
