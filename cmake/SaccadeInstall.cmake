@@ -22,7 +22,7 @@ install(FILES ${saccade_SOURCE_DIR}/README.md ${saccade_SOURCE_DIR}/CHANGELOG.md
 install(FILES ${saccade_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright COMPONENT program)
 
 # Every layer is a library of the package: a static library needs those below it. `program` is the command line.
-set(layers core head control emulator recording robot loop sim scoring frame_camera calibration report config images session
+set(layers core head control emulator recording robot loop sim scoring frame_camera calibration report config external images session
   deploy serve sweep view cli)
 if(TARGET saccade_yarp)
   list(APPEND layers yarp)
