@@ -65,9 +65,8 @@ class Display {
  public:
   explicit Display(const fs::path& folder) {
     const fs::path number = folder / "display";
-    // A number of its own: a server that ends removes the socket of its number, even if another has taken it since.
-    server_ = start("Xvfb :" + std::to_string(1000 + getpid() % 50000) +
-                    " -displayfd 3 -screen 0 1280x720x24 -nolisten tcp 3>'" + number.string() +
+    // Without -noreset the server resets when its last client leaves, and refuses connections meanwhile.
+    server_ = start("Xvfb -displayfd 3 -noreset -screen 0 1280x720x24 -nolisten tcp 3>'" + number.string() +
                     "' >/dev/null 2>&1");
     if (until([&] { return bytes_of(number).ends_with('\n'); })) {
       name_ = ":" + bytes_of(number);
