@@ -51,16 +51,16 @@ class NamedDetector {
     dict["back_in_time"] = counts.back_in_time;
     return dict;
   }
-  /// Observations of ticks of 1 ms from the first event on, as `saccade detect` makes them of a recording without truth:
-  /// rows of time, circle, score and held.
-  py::array_t<double> detect(const py::object& events) {
+  /// Observations of ticks of 1 ms from `start_us` on, or else from the first event on, as `saccade detect` makes them of
+  /// a recording without truth: rows of time, circle, score and held.
+  py::array_t<double> detect(const py::object& events, std::optional<std::int64_t> start_us) {
     constexpr std::int64_t tick_us = 1000;
     const EventArgument argument(events);
     std::vector<double> rows;
     {
       const py::gil_scoped_release others_run;
       std::span<const Event> left = argument.events();
-      std::int64_t t_us = left.empty() ? 0 : left.front().t_us;
+      std::int64_t t_us = left.empty() ? 0 : start_us.value_or(left.front().t_us);
       while (!left.empty()) {
         t_us += tick_us;
         std::size_t count = 0;
@@ -130,7 +130,7 @@ void add_detectors(py::module_& m) {
       .def("estimate", &NamedDetector::estimate, "The best circle after all events so far; None without one.")
       .def_property_readonly("failure", &NamedDetector::failure,
                              "Why a detector outside of this program has ended; empty while it works.")
-      .def("_detect", &NamedDetector::detect);
+      .def("_detect", &NamedDetector::detect, py::arg("events"), py::arg("start_us") = py::none());
   m.def("detectors", &detectors);
 }
 

@@ -96,11 +96,12 @@ _detection_dtype = _np.dtype([("t_us", "i8"), ("x_px", "f8"), ("y_px", "f8"), ("
                               ("held", "?")])
 
 
-def detect(detector, events):
+def detect(detector, events, start_us=None):
     """Passes events to a detector in ticks of 1 ms and returns its estimates, a structured array with the fields t_us,
     x_px, y_px, r_px, score and held: one row per tick with an estimate and an event, or with a held estimate. Ticks count
-    from the first event, as in `saccade detect`."""
-    table = detector._detect(events)
+    from start_us, or else from the first event, as in `saccade detect`. Ground truth at whole milliseconds asks for a
+    start_us at one."""
+    table = detector._detect(events, start_us)
     rows = _np.empty(len(table), _detection_dtype)
     for i, field in enumerate(_detection_dtype.names):
         rows[field] = table[:, i]

@@ -1,6 +1,6 @@
 # Installs everything, moves it elsewhere, runs the program there, builds the examples against the libraries as a user
 # would, and compares what the event camera prints with the same program linked to the libraries of this build.
-#   cmake -D BUILD=... -D SOURCE=... -D WORK=... -D COMPILER=... -D TYPE=... -D FLAGS=... -D IN_TREE=... -P ...
+#   cmake -D BUILD=... -D SOURCE=... -D COMPILER=... -D TYPE=... -D FLAGS=... -D IN_TREE=... -P ...
 function(must)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE text ERROR_VARIABLE text)
   if(NOT status EQUAL 0)
@@ -10,7 +10,14 @@ function(must)
   set(text "${text}" PARENT_SCOPE)
 endfunction()
 
-file(REMOVE_RECURSE ${WORK})
+# Outside the build, whose own share/saccade lies above every folder in it.
+if(DEFINED ENV{TMPDIR})
+  set(temporary $ENV{TMPDIR})
+else()
+  set(temporary /tmp)
+endif()
+string(RANDOM LENGTH 12 name)
+set(WORK ${temporary}/saccade_install_${name})
 must(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/staged)
 file(RENAME ${WORK}/staged ${WORK}/prefix)
 
@@ -73,4 +80,5 @@ must(${WORK}/libraries/program_example keys ball)
 if(NOT text MATCHES "ball.diameter_m")
   message(FATAL_ERROR "program_example printed ${text}")
 endif()
+file(REMOVE_RECURSE ${WORK})
 file(REMOVE_RECURSE ${WORK})
