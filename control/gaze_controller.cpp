@@ -26,6 +26,9 @@ void describe(FieldVisitor& v, FollowConfig& config) {
   v.real("lost_after_s", config.lost_after_s, {0.01, 3600.0}, "time without a target after which it is lost");
   v.real("search_dwell_s", config.search_dwell_s, {0.2, 60.0},
          "time at each point of a search (lost: search)");
+  v.section("delay", config.delay, "delays between light and motion that are compensated");
+  v.boolean("detect_hunting", config.detect_hunting,
+            "whether the time constants of the controller grow by half, up to four times, whenever the head oscillates");
 }
 
 }  // namespace saccade

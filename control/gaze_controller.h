@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "control/delay_compensation.h"
 #include "control/head_kinematics.h"
 #include "control/target.h"
 #include "core/config.h"
@@ -25,6 +26,11 @@ class GazeController {
   /// point to look at, root frame, or none. dt_s: time since the last step, above 0.
   virtual HeadJointVector step(const HeadState& state, const std::optional<Eigen::Vector3d>& target_m,
                                double dt_s) = 0;
+  /// The delays from now on; 0 before the first call. Does nothing in a controller that compensates none.
+  virtual void set_delays(const GazeDelays&) {}
+  /// Multiplies the time constants by `factor`, at least 1, from the next step on. Does nothing in a controller with fixed
+  /// ones.
+  virtual void set_slowdown(double /*factor*/) {}
   /// Discards the target: the head moves to its neutral pose, as before the first target.
   virtual void rest() = 0;
   /// The status of the target of the last step: none, ok, or why it was rejected.
@@ -57,9 +63,12 @@ struct FollowConfig {
   WhenLost lost = WhenLost::hold;
   double lost_after_s = 1.0;    ///< without a target, the last one is lost
   double search_dwell_s = 1.5;  ///< lost: search looks at each point for so long
+  DelayConfig delay;
+  bool detect_hunting = false;  ///< whether time constants grow when the head oscillates
 };
 
-/// Keys, beside each other in a scenario's gaze section: start_s, lost, lost_after_s, search_dwell_s.
+/// Keys, beside each other in a scenario's gaze section: start_s, lost, lost_after_s, search_dwell_s, delay.*,
+/// detect_hunting.
 void describe(FieldVisitor& v, FollowConfig& config);
 
 /// Checks whether the head can look at a point (root frame). Returns not_finite, too_near (within 0.10 m of the left

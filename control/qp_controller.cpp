@@ -11,6 +11,10 @@ namespace {
 
 using Row = Eigen::Matrix<double, 1, head_joint_count>;
 
+constexpr double before_catch_up_s = 0.02;
+constexpr double catch_up_interval_s = 0.15;
+constexpr double longest_catch_up_s = 0.1;
+
 /// The bearing of a target in an eye, rad, its rate and its Jacobian by the head joints.
 struct EyeError {
   double azimuth;
@@ -21,12 +25,12 @@ struct EyeError {
   Row elevation_row;
 };
 
-EyeError eye_error(const HeadKinematics& head, Eye eye, const TargetTrack& target) {
+EyeError eye_error(const HeadKinematics& head, Eye eye, const TargetMotion& target) {
   const Eigen::Isometry3d& pose = head.root_from_eye(eye);
   const EyeJacobian jacobian = head.jacobian(eye);
   const Eigen::Matrix3d eye_from_root = pose.linear().transpose();
-  const Eigen::Vector3d p = eye_from_root * (target.position_m() - pose.translation());
-  const Eigen::Vector3d velocity = eye_from_root * target.velocity_m_s();
+  const Eigen::Vector3d p = eye_from_root * (target.position_m - pose.translation());
+  const Eigen::Vector3d velocity = eye_from_root * target.velocity_m_s;
   Eigen::Matrix<double, 3, head_joint_count> dp;
   for (int j = 0; j < head_joint_count; ++j) {
     const int joint = torso_joint_count + j;
@@ -57,6 +61,12 @@ void describe(FieldVisitor& v, QpConfig& config) {
          "time constant of the estimate of the target's velocity; 0: none, the gaze lags behind");
   v.real("max_lead_deg", config.max_lead_deg, {0.1, 60.0},
          "largest distance of a reference from the measured joint");
+  v.boolean("predict_motion", config.predict_motion,
+            "whether periodic motion and free fall of the target are predicted");
+  v.real("catch_up_deg", config.catch_up_deg, {0.0, 90.0},
+         "gaze error that starts a catch-up saccade; 0: none");
+  v.real("catch_up_time_constant_s", config.catch_up_time_constant_s, {0.005, 1.0},
+         "time constant of the gaze error during a catch-up saccade");
 }
 
 QpController::QpController(const QpConfig& config, const MotionLimits& limits)
@@ -64,7 +74,7 @@ QpController::QpController(const QpConfig& config, const MotionLimits& limits)
       both_eyes_(config.eyes == AimingEyes::both),
       max_lead_rad_(config.max_lead_deg * rad_per_deg),
       limits_(limits),
-      target_(config.target_time_constant_s) {
+      target_(config.target_time_constant_s, config.predict_motion) {
   check_config("gaze.qp", config);
 }
 
@@ -80,33 +90,74 @@ HeadJointVector QpController::step(const HeadState& state, const std::optional<E
   target_.advance(dt);
   if (!measured) {
     velocity_rad_s_.setZero();
+    history_.push(reference_rad_);
     return reference_rad_;
   }
-  const HeadKinematics head(state.position_rad);
-  const HeadJointVector q = state.head_position_rad();
+  const HeadJointVector q = joints_ahead(state.head_position_rad(), dt);
+  JointVector joints = state.position_rad;
+  joints.tail<head_joint_count>() = q;
+  const HeadKinematics head(joints);
   if (target) {
     status_ = check_gaze_target(*target, head);
-    if (status_ == TargetStatus::ok) target_.observe(*target);
+    if (status_ == TargetStatus::ok) target_.observe(*target, delays_.sight_s);
   }
+  catch_up_since_s_ += dt;
+  behind_s_ += dt;
   integrate(target_.is_known() ? gaze_cost(head, q) : neutral_cost(q), q, dt);
+  history_.push(reference_rad_);
   return reference_rad_;
 }
 
-QpController::Cost QpController::gaze_cost(const HeadKinematics& head, const HeadJointVector& q) const {
+/// The joints when the next reference will move the eyes.
+HeadJointVector QpController::joints_ahead(const HeadJointVector& q, double dt) const {
+  if (delays_.neck_s == 0.0 && delays_.eyes_s == 0.0) return q;
+  HeadJointVector ahead = q;
+  const auto moved = [&](double delay_s) {
+    const double then_s = delay_s - delays_.eyes_s;  // after `delay_s`, of the reference that moves the joint then
+    return HeadJointVector(history_.at(std::max(0.0, then_s) / dt) - history_.at(delay_s / dt));
+  };
+  ahead.head<neck_joint_count>() += moved(delays_.neck_s).head<neck_joint_count>();
+  ahead.tail<head_joint_count - neck_joint_count>() += moved(delays_.eyes_s).tail<head_joint_count - neck_joint_count>();
+  return ahead;
+}
+
+void QpController::update_catch_up(double error_rad) {
+  if (config_.catch_up_deg == 0.0 || slowdown_ > 1.0) return;
+  const double limit_rad = config_.catch_up_deg * rad_per_deg;
+  if (error_rad < limit_rad) behind_s_ = 0.0;
+  if (catching_up_) {
+    catching_up_ = error_rad > 0.25 * limit_rad && catch_up_since_s_ < longest_catch_up_s;
+  } else if (behind_s_ > before_catch_up_s && catch_up_since_s_ > catch_up_interval_s) {
+    catching_up_ = true;
+    catch_up_since_s_ = 0.0;
+  }
+}
+
+void QpController::set_slowdown(double factor) {
+  if (factor == slowdown_) return;
+  slowdown_ = factor;
+  catching_up_ = false;
+  target_.set_time_constant(factor * config_.target_time_constant_s);
+}
+
+QpController::Cost QpController::gaze_cost(const HeadKinematics& head, const HeadJointVector& q) {
   constexpr int tilt = head_index(eyes_tilt);
   constexpr int version = head_index(eyes_version);
   constexpr int vergence = head_index(eyes_vergence);
   constexpr int roll = head_index(neck_roll);
-  const double per_eye_time = 1.0 / config_.eye_time_constant_s;
-  const double per_neck_time = 1.0 / config_.neck_time_constant_s;
+  const double per_neck_time = 1.0 / (slowdown_ * config_.neck_time_constant_s);
 
   Cost cost;
   cost.h.diagonal().setConstant(config_.damping);
-  const EyeError left = eye_error(head, Eye::left, target_);
+  const TargetMotion target = target_.predict(delays_.eyes_s);
+  const EyeError left = eye_error(head, Eye::left, target);
+  update_catch_up(std::hypot(left.azimuth, left.elevation));
+  const double per_eye_time =
+      1.0 / (catching_up_ ? config_.catch_up_time_constant_s : slowdown_ * config_.eye_time_constant_s);
   cost.add(1.0, left.azimuth_row, -left.azimuth * per_eye_time - left.azimuth_rate);
   cost.add(1.0, left.elevation_row, -left.elevation * per_eye_time - left.elevation_rate);
   if (both_eyes_) {
-    const EyeError right = eye_error(head, Eye::right, target_);
+    const EyeError right = eye_error(head, Eye::right, target);
     cost.add(config_.right_eye_weight, right.azimuth_row, -right.azimuth * per_eye_time - right.azimuth_rate);
   } else {
     const double rest = std::clamp(0.0, limits_.min_rad[vergence], limits_.max_rad[vergence]);

@@ -3,7 +3,8 @@
 #include "control/bounded_qp.h"
 #include "control/gaze_controller.h"
 #include "control/joint_limiter.h"
-#include "control/target_track.h"
+#include "control/reference_history.h"
+#include "control/target_predictor.h"
 
 namespace saccade {
 
@@ -17,10 +18,13 @@ struct QpConfig {
   double damping = 1e-5;                  ///< of every joint's velocity relative to the left eye's error
   double target_time_constant_s = 0.045;  ///< of the estimate of the target's velocity, see TargetTrack
   double max_lead_deg = 10.0;             ///< largest distance from the measured joint to its reference
+  bool predict_motion = false;            ///< whether periodic motion and free fall are predicted
+  double catch_up_deg = 0.0;              ///< gaze error that starts a catch-up saccade; 0: none
+  double catch_up_time_constant_s = 0.025;  ///< eye_time_constant_s during a catch-up saccade
 };
 
 /// Keys: eyes, eye_time_constant_s, neck_time_constant_s, right_eye_weight, neck_weight, damping,
-/// target_time_constant_s, max_lead_deg.
+/// target_time_constant_s, max_lead_deg, predict_motion, catch_up_deg, catch_up_time_constant_s.
 void describe(FieldVisitor& v, QpConfig& config);
 
 /// Bounded velocity inverse kinematics. Every step computes the joint velocities v of neck and eyes that minimise
@@ -38,6 +42,13 @@ void describe(FieldVisitor& v, QpConfig& config);
 ///
 /// Errors and Jacobians use the measured joints, and velocities are integrated into references. So the controller
 /// compensates a steady position error of a joint. A reference leads its joint by max_lead_deg at most.
+///
+/// Delays of set_delays() are compensated: targets are predicted to the instant at which a reference moves the eyes
+/// (TargetPredictor), and measured joints are moved on by what their references have changed but the joints have not
+/// followed yet (ReferenceHistory, a Smith predictor).
+///
+/// Catch-up saccade: when the gaze error exceeds catch_up_deg for 20 ms, at most every 0.15 s, the time constant of the
+/// eyes is catch_up_time_constant_s until the error is below a quarter of catch_up_deg, for 0.1 s at most.
 class QpController final : public GazeController {
  public:
   /// Throws InputError.
@@ -45,6 +56,8 @@ class QpController final : public GazeController {
 
   HeadJointVector step(const HeadState& state, const std::optional<Eigen::Vector3d>& target_m,
                        double dt_s) override;
+  void set_delays(const GazeDelays& delays) override { delays_ = delays; }
+  void set_slowdown(double factor) override;
   void rest() override { target_.forget(); }
   [[nodiscard]] TargetStatus target_status() const override { return status_; }
 
@@ -62,9 +75,11 @@ class QpController final : public GazeController {
     }
   };
 
-  [[nodiscard]] Cost gaze_cost(const HeadKinematics& head, const HeadJointVector& q) const;
+  [[nodiscard]] Cost gaze_cost(const HeadKinematics& head, const HeadJointVector& q);
   [[nodiscard]] Cost neutral_cost(const HeadJointVector& q) const;
   void integrate(const Cost& cost, const HeadJointVector& q, double dt_s);
+  [[nodiscard]] HeadJointVector joints_ahead(const HeadJointVector& q, double dt_s) const;
+  void update_catch_up(double error_rad);
 
   QpConfig config_;
   bool both_eyes_;
@@ -73,7 +88,13 @@ class QpController final : public GazeController {
   Qp qp_;
   bool started_ = false;
   TargetStatus status_ = TargetStatus::none;
-  TargetTrack target_;
+  TargetPredictor target_;
+  GazeDelays delays_;
+  ReferenceHistory history_;
+  double slowdown_ = 1.0;
+  bool catching_up_ = false;
+  double catch_up_since_s_ = 1.0;  ///< since the start of the last catch-up saccade
+  double behind_s_ = 0.0;          ///< for how long the gaze error has been above catch_up_deg
   HeadJointVector reference_rad_ = HeadJointVector::Zero();
   HeadJointVector velocity_rad_s_ = HeadJointVector::Zero();
 };

@@ -18,9 +18,7 @@ void TargetTrack::advance(double dt_s) {
 void TargetTrack::observe(const Eigen::Vector3d& target_m) {
   if (!known_ || since_s_ > forget_s || time_constant_s_ == 0.0) {
     known_ = true;
-    position_m_ = target_m;
-    velocity_m_s_.setZero();
-    acceleration_m_s2_.setZero();
+    rest_at(target_m);
   } else if (since_s_ > 0.0) {
     const double kept = std::exp(-since_s_ / time_constant_s_);
     const double lost = 1.0 - kept;
@@ -30,6 +28,19 @@ void TargetTrack::observe(const Eigen::Vector3d& target_m) {
     acceleration_m_s2_ += lost * lost * lost / (since_s_ * since_s_) * innovation;
   }
   since_s_ = 0.0;
+}
+
+void TargetTrack::rest_at(const Eigen::Vector3d& position_m) {
+  position_m_ = position_m;
+  velocity_m_s_.setZero();
+  acceleration_m_s2_.setZero();
+}
+
+void TargetTrack::shift(const Eigen::Vector3d& position_m, const Eigen::Vector3d& velocity_m_s,
+                        const Eigen::Vector3d& acceleration_m_s2) {
+  position_m_ += position_m;
+  velocity_m_s_ += velocity_m_s;
+  acceleration_m_s2_ += acceleration_m_s2;
 }
 
 }  // namespace saccade

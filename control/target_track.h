@@ -21,10 +21,20 @@ class TargetTrack {
   /// Adds a target at the current time of advance(). Finite, m, root frame.
   void observe(const Eigen::Vector3d& target_m);
   void forget() { known_ = false; }
+  /// Continues from here, at rest.
+  void rest_at(const Eigen::Vector3d& position_m);
+  /// Adds to the estimate: the motion of a new origin relative to the old one.
+  void shift(const Eigen::Vector3d& position_m, const Eigen::Vector3d& velocity_m_s,
+             const Eigen::Vector3d& acceleration_m_s2);
+  /// From the next target on.
+  void set_time_constant(double time_constant_s) { time_constant_s_ = time_constant_s; }
 
   [[nodiscard]] bool is_known() const { return known_; }  ///< otherwise position and velocity have no meaning
   [[nodiscard]] const Eigen::Vector3d& position_m() const { return position_m_; }
   [[nodiscard]] const Eigen::Vector3d& velocity_m_s() const { return velocity_m_s_; }
+  [[nodiscard]] const Eigen::Vector3d& acceleration_m_s2() const { return acceleration_m_s2_; }
+  /// Time since the newest target.
+  [[nodiscard]] double since_s() const { return since_s_; }
 
  private:
   double time_constant_s_;

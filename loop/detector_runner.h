@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -51,6 +53,10 @@ class DetectorRunner {
   /// `name`: of the detector, see LatencyConfig::work_of.
   DetectorRunner(const LatencyConfig& latency, std::string_view name);
 
+  /// From the next tick on events are about `age_us` old when they arrive, and detectors are advanced to the time of the
+  /// newest events instead of that of the tick. Their time never goes back.
+  void set_age(std::int64_t age_us) { age_us_ = age_us; }
+
   /// A tick at t_us. `events` arrived since the last tick; those up to `late_us` are passed in slices of their own, the
   /// others at once. `on_slice` gets the result of each call.
   template <class OnSlice>
@@ -68,7 +74,9 @@ class DetectorRunner {
     work_us_ = 0.0;
     const bool any = !events.empty() || !waiting_.empty();
     const auto call = [&](std::span<const Event> slice, std::int64_t about_us, bool last) {
-      DetectorTick result = call_detector(detector, slice, last ? std::optional(t_us) : std::nullopt, motion);
+      if (last) advanced_us_ = std::max(advanced_us_, t_us - age_us_);
+      DetectorTick result =
+          call_detector(detector, slice, last ? std::optional(advanced_us_) : std::nullopt, motion);
       add_work(result, !slice.empty() || !any, t_us);
       done.elapsed_ns += result.elapsed_ns;
       done.calls += result.calls;
@@ -97,7 +105,7 @@ class DetectorRunner {
     const DetectorTick last = call(left, t_us, true);
     waiting_.clear();
     done.estimate = last.estimate;
-    done.on_time = last.observed;
+    done.on_time = last.observed && age_us_ < slice_us;
     done.observed = done.estimate.valid && (any || done.estimate.held);
     done.ready_us = last.ready_us;
     done.late = late_;
@@ -129,6 +137,8 @@ class DetectorRunner {
   std::vector<LateEstimate> late_;
   std::vector<Event> waiting_;
   std::int64_t free_us_ = 0;
+  std::int64_t age_us_ = 0;
+  std::int64_t advanced_us_ = std::numeric_limits<std::int64_t>::min();
   double work_us_ = 0.0;  // of this tick's calls
 };
 

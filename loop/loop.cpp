@@ -14,6 +14,9 @@ namespace {
 constexpr std::int64_t slice_us = DetectorRunner::slice_us;
 constexpr std::size_t event_capacity = 1 << 16;  // a tick with more of them allocates
 constexpr std::size_t waiting_capacity = 256;    // estimates that are not ready; likewise
+constexpr std::int64_t oldest_events_us = 400'000;  // whose age is compensated
+constexpr double slowdown_per_find = 1.5;
+constexpr double most_slowdown = 4.0;
 
 }  // namespace
 
@@ -37,6 +40,8 @@ Loop::Loop(Robot& robot, const MountedCamera& camera, std::vector<LoopDetector> 
   if (gaze_) check_config("gaze", gaze_->follow);
   if (gaze_) start_us_ = last_t_us_ + std::llround(gaze_->follow.start_s * 1e6);
   if (gaze_ && gaze_->driver) phase_ = GazePhase::searching;
+  if (gaze_ && gaze_->follow.delay.sight != SightDelay::none) seen_heads_.emplace();
+  if (gaze_ && gaze_->follow.delay.motion == MotionDelay::estimated) motion_delay_.emplace();
   for (std::vector<Event>* const buffer : {&events_, &eye_events_, &other_events_})
     buffer->reserve(event_capacity);
   if (latency.kind != LatencyKind::none) {
@@ -97,6 +102,7 @@ void Loop::set_gate(std::unique_ptr<GazeGate> gate) {
 void Loop::set_controller(std::unique_ptr<GazeController> controller) {
   SACCADE_CHECK(gaze_ && gaze_->motion && gaze_->motion->controller && controller);
   gaze_->motion->controller = std::move(controller);
+  gaze_->motion->controller->set_slowdown(slowdown_);
   resend_target_ = phase_ == GazePhase::following || phase_ == GazePhase::holding;
 }
 
@@ -116,7 +122,10 @@ PortStatus Loop::tick(std::int64_t t_us, LoopObserver& observer) {
   if (head_ != nullptr) {
     const PortStatus read = note_lost(head_->read(tick.head.emplace()), "head");
     if (read == PortStatus::lost) return read;
-    if (is_finite(*tick.head)) known_motion = camera_motion(*tick.head, eye_, eye_from_camera_);
+    if (is_finite(*tick.head)) {
+      if (seen_heads_) seen_heads_->push(*tick.head, t_us);
+      known_motion = camera_motion(seen_head(tick), eye_, eye_from_camera_);
+    }
   }
   const CameraMotion* motion = known_motion ? &*known_motion : nullptr;
   const bool detects = head_ == nullptr || motion != nullptr;
@@ -147,6 +156,46 @@ void Loop::select_events(Tick& tick) {
   for (const Event& event : arrived) {
     (event.camera == static_cast<std::uint8_t>(eye_) ? eye_events_ : other_events_).push_back(event);
   }
+  if (gaze_) update_sight_age(tick.t_us);
+}
+
+void Loop::update_sight_age(std::int64_t t_us) {
+  const DelayConfig& delay = gaze_->follow.delay;
+  if (delay.sight == SightDelay::known) sight_age_us_ = std::llround(delay.sight_ms * 1e3);
+  if (delay.sight == SightDelay::measured && !eye_events_.empty())
+    sight_age_us_ = std::clamp(t_us - eye_events_.back().t_us, std::int64_t{0}, oldest_events_us);
+  if (seen_heads_) {
+    for (DetectorRunner& runner : runners_) runner.set_age(sight_age_us_);
+  }
+}
+
+/// The state of the head at which the events of the tick were made.
+const HeadState& Loop::seen_head(const Tick& tick) const {
+  return seen_heads_ && sight_age_us_ > 0 ? seen_heads_->at(tick.t_us - sight_age_us_) : *tick.head;
+}
+
+void Loop::compensate_delays(Tick& tick) {
+  const DelayConfig& delay = gaze_->follow.delay;
+  if (seen_heads_ && tick.new_target_m)
+    tick.delays.sight_s = static_cast<double>(tick.t_us - target_seen_us_) * 1e-6;
+  if (delay.motion == MotionDelay::known) {
+    tick.delays.neck_s = delay.neck_ms * 1e-3;
+    tick.delays.eyes_s = delay.eyes_ms * 1e-3;
+  } else if (motion_delay_) {
+    tick.delays.neck_s = motion_delay_->neck_s();
+    tick.delays.eyes_s = motion_delay_->eyes_s();
+  }
+  gaze_->motion->controller->set_delays(tick.delays);
+}
+
+/// The head oscillates: slower constants.
+void Loop::detect_hunting(Tick& tick, double dt_s) {
+  if (hunting_.update(tick.command.reference_rad, dt_s)) {
+    tick.hunting_hz = hunting_.frequency_hz();
+    slowdown_ = std::min(most_slowdown, slowdown_ * slowdown_per_find);
+    gaze_->motion->controller->set_slowdown(slowdown_);
+  }
+  tick.slowdown = slowdown_;
 }
 
 void Loop::run_driver(std::int64_t t_us, const CameraMotion* motion, Tick& tick) {
@@ -156,21 +205,23 @@ void Loop::run_driver(std::int64_t t_us, const CameraMotion* motion, Tick& tick)
   driver = runners_[*gaze_->driver].run(
       detector, t_us, t_us - slice_us, eye_events_, motion, [&](const DetectorTick& result) {
         if (motion == nullptr) return;
-        const Estimate estimate = result.observed ? result.estimate : Estimate{};
+        const WaitingEstimate estimate{result.observed ? result.estimate : Estimate{},
+                                       motion->root_from_camera, result.ready_us, t_us - sight_age_us_};
         if (latency_) {
-          latency_->driver.push_back({estimate, motion->root_from_camera, result.ready_us});
+          latency_->driver.push_back(estimate);
         } else if (t_us > start_us_) {
-          pass_to_gate(t_us, estimate, motion->root_from_camera, tick);
+          pass_to_gate(estimate, tick);
         }
       });
   if (latency_ && motion != nullptr) pass_ready_estimates(t_us, *motion, tick);
 }
 
-void Loop::pass_to_gate(std::int64_t t_us, const Estimate& estimate,
-                        const Eigen::Isometry3d& root_from_camera, Tick& tick) {
+void Loop::pass_to_gate(const WaitingEstimate& estimate, Tick& tick) {
   const double threshold = detectors_[*gaze_->driver].detector->threshold();
-  const auto target_m = gaze_->gate->update(t_us, estimate, threshold, camera_, root_from_camera);
-  if (target_m) tick.new_target_m = target_m;
+  const auto target_m = gaze_->gate->update(tick.t_us, estimate.estimate, threshold, camera_, estimate.root_from_camera);
+  if (!target_m) return;
+  tick.new_target_m = target_m;
+  target_seen_us_ = estimate.seen_us;
 }
 
 /// An estimate that is ready within the tick's millisecond belongs to the tick.
@@ -181,10 +232,10 @@ void Loop::pass_ready_estimates(std::int64_t t_us, const CameraMotion& motion, T
       waiting, [&](const WaitingEstimate& estimate) { return estimate.ready_us >= t_us + slice_us; });
   for (auto ready = waiting.begin(); ready != end; ++ready) {
     latency_->used_us = std::max(latency_->used_us, ready->ready_us);
-    if (t_us > start_us_) pass_to_gate(t_us, ready->estimate, ready->root_from_camera, tick);
+    if (t_us > start_us_) pass_to_gate(*ready, tick);
   }
   if (end == waiting.begin() && t_us > start_us_)
-    pass_to_gate(t_us, Estimate{}, motion.root_from_camera, tick);
+    pass_to_gate({Estimate{}, motion.root_from_camera, t_us, t_us}, tick);
   waiting.erase(waiting.begin(), end);
 }
 
@@ -192,7 +243,7 @@ void Loop::run_stereo(std::int64_t t_us, const CameraMotion* motion, Tick& tick)
   const LoopStereo& stereo = *gaze_->stereo;
   std::optional<CameraMotion> right_motion;
   if (motion != nullptr)
-    right_motion = camera_motion(*tick.head, Eye::right, stereo.camera.mount.eye_from_camera());
+    right_motion = camera_motion(seen_head(tick), Eye::right, stereo.camera.mount.eye_from_camera());
   tick.right = runners_.back().run(*stereo.detector, t_us, late_us(t_us), other_events_,
                                    right_motion ? &*right_motion : nullptr, [](const DetectorTick&) {});
   if (!right_motion) return;
@@ -204,7 +255,7 @@ void Loop::run_stereo(std::int64_t t_us, const CameraMotion* motion, Tick& tick)
   std::vector<WaitingEstimate>& waiting = latency_->right;
   if (!tick.right->busy) {
     waiting.push_back({tick.right->observed ? tick.right->estimate : Estimate{},
-                       right_motion->root_from_camera, tick.right->ready_us});
+                       right_motion->root_from_camera, tick.right->ready_us, t_us - sight_age_us_});
   }
   while (!waiting.empty() && waiting.front().ready_us < t_us + slice_us) {
     latency_->newest_right = waiting.front();
@@ -247,6 +298,7 @@ PortStatus Loop::move_head(double dt_s, Tick& tick) {
     resend_target_ = false;
     const auto look_m = search_point(tick);
     const bool own = resend || look_m;  // a target of the loop's own, not a new sight of the ball
+    compensate_delays(tick);
     const auto begin = std::chrono::steady_clock::now();
     reference_rad = motion->controller->step(
         *tick.head, look_m ? look_m : resend ? target_m_ : tick.new_target_m, dt_s);
@@ -265,6 +317,9 @@ PortStatus Loop::move_head(double dt_s, Tick& tick) {
   }
   const double speed_share = since_s < motion->ramp_in_s ? since_s / motion->ramp_in_s : 1.0;
   tick.command = motion->limiter->apply(reference_rad, tick.head->head_position_rad(), dt_s, speed_share);
+  if (motion_delay_ && is_finite(*tick.head))
+    motion_delay_->update(tick.head->head_position_rad(), tick.command.reference_rad, dt_s);
+  if (gaze_->follow.detect_hunting) detect_hunting(tick, dt_s);
   return send_command(tick);
 }
 

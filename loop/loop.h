@@ -10,11 +10,13 @@
 
 #include "control/gaze_controller.h"
 #include "control/gaze_gate.h"
+#include "control/hunting_detector.h"
 #include "control/joint_limiter.h"
 #include "core/detector.h"
 #include "loop/delays.h"
 #include "loop/detector_runner.h"
 #include "loop/latency.h"
+#include "loop/seen_heads.h"
 #include "robot/robot.h"
 
 namespace saccade {
@@ -89,6 +91,9 @@ struct Tick {
   JointLimiter::Result
       command;  ///< reference to the head, sent at once without a latency; which limits acted
   bool command_rejected = false;  ///< by the head
+  double slowdown = 1.0;          ///< of the controller's time constants, see FollowConfig::detect_hunting
+  double hunting_hz = 0.0;        ///< frequency of the oscillation that was found in this tick; 0: none
+  GazeDelays delays;              ///< that the controller compensates
   std::int64_t acted_us = 0;      ///< clock after the command or target was sent
   std::int64_t step_ns = 0;       ///< time of the controller's step
 };
@@ -106,6 +111,10 @@ class LoopObserver {
 /// whole milliseconds before the tick; the estimate after a slice is about the slice's end. The gate gets the estimate
 /// after each slice, so that results do not depend on how events were packed. With a budget shadow detectors get all
 /// events of a tick at once.
+///
+/// With FollowConfig::delay.sight the detectors get the motion of the camera, and the gate its pose, at the instant that the
+/// events are about; without it those of the tick in which the detector begins. Controllers get the age of the targets and
+/// the delay of the joints (GazeController::set_delays).
 ///
 /// With a LatencyConfig the loop is that of a robot whose parts take time. Events reach the detectors after the delay of
 /// transport. Each detector has its own queue and processor (DetectorRunner). The gate gets an estimate in the tick in which
@@ -153,6 +162,7 @@ class Loop {
     Estimate estimate;                                                   ///< not valid: no observation
     Eigen::Isometry3d root_from_camera = Eigen::Isometry3d::Identity();  ///< when the detector began
     std::int64_t ready_us = 0;
+    std::int64_t seen_us = 0;  ///< instant that the estimate is about
   };
   /// What is on its way, or not ready yet, with a latency.
   struct Latency {
@@ -169,9 +179,12 @@ class Loop {
   void run_driver(std::int64_t t_us, const CameraMotion* motion, Tick& tick);
   void run_stereo(std::int64_t t_us, const CameraMotion* motion, Tick& tick);
   void run_shadows(std::int64_t t_us, const CameraMotion* motion);
-  void pass_to_gate(std::int64_t t_us, const Estimate& estimate, const Eigen::Isometry3d& root_from_camera,
-                    Tick& tick);
+  void pass_to_gate(const WaitingEstimate& estimate, Tick& tick);
   void pass_ready_estimates(std::int64_t t_us, const CameraMotion& motion, Tick& tick);
+  void update_sight_age(std::int64_t t_us);
+  [[nodiscard]] const HeadState& seen_head(const Tick& tick) const;
+  void compensate_delays(Tick& tick);
+  void detect_hunting(Tick& tick, double dt_s);
   void locate_with_right(const Eigen::Isometry3d& root_from_left, const Eigen::Isometry3d& root_from_right,
                          const Estimate& right, Tick& tick);
   [[nodiscard]] std::int64_t late_us(std::int64_t t_us) const;
@@ -198,6 +211,12 @@ class Loop {
   std::vector<DetectorTick> results_;
   std::vector<DetectorRunner> runners_;  // of each detector, then of the stereo one
   std::optional<Latency> latency_;
+  std::optional<SeenHeads> seen_heads_;  // if the age of events is compensated
+  std::int64_t sight_age_us_ = 0;        // of the events of this tick
+  std::int64_t target_seen_us_ = 0;      // instant that the target of this tick is about
+  std::optional<MotionDelayEstimator> motion_delay_;
+  HuntingDetector hunting_;
+  double slowdown_ = 1.0;
   std::optional<Eigen::Vector3d> target_m_;
   std::int64_t target_us_ = 0;
   GazePhase phase_ = GazePhase::none;

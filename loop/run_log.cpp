@@ -34,6 +34,7 @@ RunLog::RunLog(Sink sink) : sink_(std::move(sink)) { static_assert(rejections.si
 void RunLog::on_tick(const Tick& tick) {
   now_us_ = tick.t_us;
   log_head(tick);
+  log_hunting(tick);
   log_rejections(tick);
   log_phase(tick);
 }
@@ -95,6 +96,12 @@ void RunLog::log_head(const Tick& tick) {
           fmt::format("the head accepts commands again, after {} rejected", rejected_commands_.count));
     rejected_commands_ = {};
   }
+}
+
+void RunLog::log_hunting(const Tick& tick) {
+  if (tick.hunting_hz == 0.0) return;
+  sink_(tick.t_us, fmt::format("the head oscillates at {:.1f} Hz: time constants are {:.2g} times as long",
+                               tick.hunting_hz, tick.slowdown));
 }
 
 void RunLog::finish() {

@@ -14,6 +14,7 @@ namespace saccade {
 ///     ball found, found again, lost (and whether the head holds or returns to rest), never found
 ///     targets rejected by gate or controller, with the reason; a burst of them is one message with a count, at its end
 ///     head state not finite (the head holds), and finite again
+///     the head oscillates, and the factor by which the controller's time constants have grown
 ///     commands rejected by the head, and accepted again
 ///
 /// Without a driving detector only the messages about the head.
@@ -43,6 +44,7 @@ class RunLog final : public LoopObserver {
   void log_phase(const Tick& tick);
   void log_rejections(const Tick& tick);
   void log_head(const Tick& tick);
+  void log_hunting(const Tick& tick);
   void end_burst(std::size_t kind);
 
   Sink sink_;
