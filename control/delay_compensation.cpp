@@ -11,22 +11,24 @@ namespace {
 constexpr double spacing_s = 0.004;
 constexpr double change_s = 0.02;
 constexpr double memory_s = 3.0;
-constexpr double fastest_change = 0.05;                    // s of delay per s
-constexpr double least_change_rad = 0.04 * rad_per_deg;    // in change_s: 2 deg/s
-constexpr double least_moved_rad2 = 2e-3;                  // 0.5 s at 20 deg/s
+constexpr double fastest_change = 0.05;                  // s of delay per s
+constexpr double least_change_rad = 0.04 * rad_per_deg;  // in change_s: 2 deg/s
+constexpr double least_moved_rad2 = 2e-3;                // 0.5 s at 20 deg/s
 constexpr long ticks_per_update = 4;
 
 }  // namespace
 
 void describe(FieldVisitor& v, DelayConfig& config) {
   v.choice("sight", config.sight,
-           "compensated delay from the light to the arrival of its events: none, sight_ms, or measured from the time "
+           "compensated delay from the light to the arrival of its events: none, sight_ms, or measured from "
+           "the time "
            "stamps of events");
   v.when(config.sight == SightDelay::known, "sight: known", [&] {
     v.real("sight_ms", config.sight_ms, {0.0, 200.0}, "delay from the light to the arrival of its events");
   });
   v.choice("motion", config.motion,
-           "compensated delay from a reference to the motion of the joint: none, the two keys below, or estimated from "
+           "compensated delay from a reference to the motion of the joint: none, the two keys below, or "
+           "estimated from "
            "references and encoders");
   v.when(config.motion == MotionDelay::known, "motion: known", [&] {
     v.real("neck_ms", config.neck_ms, {0.0, 300.0},

@@ -28,7 +28,8 @@ void describe(FieldVisitor& v, FollowConfig& config) {
          "time at each point of a search (lost: search)");
   v.section("delay", config.delay, "delays between light and motion that are compensated");
   v.boolean("detect_hunting", config.detect_hunting,
-            "whether the time constants of the controller grow by half, up to four times, whenever the head oscillates");
+            "whether the time constants of the controller grow by half, up to four times, whenever the head "
+            "oscillates");
 }
 
 }  // namespace saccade

@@ -8,7 +8,7 @@
 namespace saccade {
 namespace {
 
-constexpr double average_s = 0.02;
+constexpr double average_s = RecentPath::spacing_s;
 constexpr double lowest_hz = 0.4;
 constexpr double scan_spacing_hz = 0.1;
 constexpr double periods = 1.5;
@@ -41,49 +41,22 @@ Eigen::Vector3d Sinusoid::acceleration_m_s2(double t_s) const {
 double Sinusoid::amplitude_m() const { return std::sqrt(cosine_m.squaredNorm() + sine_m.squaredNorm()); }
 
 void PeriodicFit::clear() {
-  for (Average& average : averages_) average.known = false;
-  newest_ = open_ = -1;
-  count_ = 0;
-  sum_m_.setZero();
   sinusoid_.reset();
   start_scan();
   scanned_ = 0;
+  refined_ = -1;
 }
 
-void PeriodicFit::observe(double t_s, const Eigen::Vector3d& point_m, const Eigen::Vector3d& velocity_m_s) {
-  const auto number = static_cast<std::int64_t>(std::floor(t_s / average_s));
-  if (number != open_) {
-    if (open_ >= 0) close_average();
-    if (open_ < 0) first_ = number;
-    open_ = number;
-  }
-  const double middle_s = (static_cast<double>(number) + 0.5) * average_s;
-  sum_m_ += point_m + velocity_m_s * (middle_s - t_s);
-  ++count_;
-}
-
-void PeriodicFit::close_average() {
-  for (std::int64_t missing = std::max(newest_ + 1, open_ - static_cast<std::int64_t>(capacity));
-       missing < open_; ++missing) {
-    averages_[static_cast<std::size_t>(missing) % capacity].known = false;
-  }
-  averages_[static_cast<std::size_t>(open_) % capacity] = {sum_m_ / count_, true};
-  newest_ = open_;
-  sum_m_.setZero();
-  count_ = 0;
-}
-
-PeriodicFit::Candidate PeriodicFit::evaluate(double frequency_hz) const {
+PeriodicFit::Candidate PeriodicFit::evaluate(const RecentPath& path, double frequency_hz) {
   const double window_s = std::max(shortest_window_s, periods / frequency_hz);
-  const auto length = std::min({static_cast<std::int64_t>(std::lround(window_s / average_s)),
-                                static_cast<std::int64_t>(capacity), newest_ - first_ + 1});
+  const auto length = std::min(static_cast<std::int64_t>(std::lround(window_s / average_s)), path.length());
   Candidate found;
   found.sinusoid.frequency_hz = frequency_hz;
-  found.sinusoid.t0_s = (static_cast<double>(newest_) + 0.5) * average_s;
+  found.sinusoid.t0_s = RecentPath::time_s(path.newest());
   found.periods = static_cast<double>(length) * average_s * frequency_hz;
   if (found.periods < 0.5) return found;
 
-  const Eigen::Vector3d origin_m = averages_[static_cast<std::size_t>(newest_) % capacity].point_m;
+  const Eigen::Vector3d origin_m = path.at(0).point_m;
   const double step = two_pi * frequency_hz * average_s;
   const double turn_cos = std::cos(step), turn_sin = -std::sin(step);
   double c = 1.0, s = 0.0;
@@ -91,7 +64,7 @@ PeriodicFit::Candidate PeriodicFit::evaluate(double frequency_hz) const {
   Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();  // rows: 1, cos, sin
   double squares = 0.0;
   for (std::int64_t back = 0; back < length; ++back) {
-    const Average& average = averages_[static_cast<std::size_t>(newest_ - back) % capacity];
+    const RecentPath::Average& average = path.at(back);
     if (average.known) {
       const Eigen::Vector3d p = average.point_m - origin_m;
       const Eigen::Vector3d basis(1.0, c, s);
@@ -116,12 +89,12 @@ PeriodicFit::Candidate PeriodicFit::evaluate(double frequency_hz) const {
   return found;
 }
 
-void PeriodicFit::search() {
-  if (newest_ < 0) return;
+void PeriodicFit::search(const RecentPath& path) {
+  if (path.newest() < 0) return;
   if (stage_ == Stage::scan) {
-    scan();
-  } else if (stage_ == Stage::refine || refined_ != newest_) {
-    refine();
+    scan(path);
+  } else if (stage_ == Stage::refine || refined_ != path.newest()) {
+    refine(path);
   }
 }
 
@@ -130,11 +103,11 @@ void PeriodicFit::start_scan() {
   step_ = 0;
 }
 
-void PeriodicFit::scan() {
-  const Candidate next = evaluate(lowest_hz + scan_spacing_hz * step_);
+void PeriodicFit::scan(const RecentPath& path) {
+  const Candidate next = evaluate(path, lowest_hz + scan_spacing_hz * step_);
   if (step_ == 0 || next.explained > best_.explained) best_ = next;
   if (++step_ < scan_steps) return;
-  scanned_ = newest_;
+  scanned_ = path.newest();
   step_ = 0;
   refinements_ = 0;
   spacing_hz_ = 0.5 * scan_spacing_hz;
@@ -142,28 +115,28 @@ void PeriodicFit::scan() {
 }
 
 /// Candidates on both sides of the best one, then the vertex of the parabola through the three.
-void PeriodicFit::refine() {
+void PeriodicFit::refine(const RecentPath& path) {
   const double f = best_.sinusoid.frequency_hz;
   if (step_ < 2) {
-    sides_[static_cast<std::size_t>(step_)] = evaluate(f + (step_ == 0 ? -spacing_hz_ : spacing_hz_));
+    sides_[static_cast<std::size_t>(step_)] = evaluate(path, f + (step_ == 0 ? -spacing_hz_ : spacing_hz_));
     ++step_;
     return;
   }
   step_ = 0;
-  if (stage_ == Stage::follow) best_ = evaluate(f);
+  if (stage_ == Stage::follow) best_ = evaluate(path, f);
   const double below = sides_[0].explained, here = best_.explained, above = sides_[1].explained;
   const double bend = below - 2.0 * here + above;
-  const double shift = bend < 0.0 ? std::clamp(0.5 * (below - above) / bend, -1.0, 1.0)
-                                  : (above > below ? 1.0 : -1.0);
-  best_ = evaluate(std::max(0.5 * lowest_hz, f + shift * spacing_hz_));
-  refined_ = newest_;
+  const double shift =
+      bend < 0.0 ? std::clamp(0.5 * (below - above) / bend, -1.0, 1.0) : (above > below ? 1.0 : -1.0);
+  best_ = evaluate(path, std::max(0.5 * lowest_hz, f + shift * spacing_hz_));
+  refined_ = path.newest();
   if (stage_ == Stage::refine) {
     spacing_hz_ = std::max(0.02, 0.5 * spacing_hz_);
     if (++refinements_ < refinements_of_a_scan) return;
     stage_ = Stage::follow;
   }
   report(best_);
-  if (!sinusoid_ || newest_ - scanned_ >= averages_between_scans) start_scan();
+  if (!sinusoid_ || path.newest() - scanned_ >= averages_between_scans) start_scan();
 }
 
 void PeriodicFit::report(const Candidate& found) {

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
-#include <cstdint>
 #include <optional>
+
+#include "control/recent_path.h"
 
 namespace saccade {
 
@@ -24,8 +24,7 @@ struct Sinusoid {
 
 /// Finds the frequency of a point that moves periodically, and the sinusoid that fits its last periods.
 ///
-/// Points are averaged over 20 ms; the averages of the last 2.56 s are kept. A candidate of frequency f is the
-/// least-squares sinusoid of the last 1.5 / f seconds (0.6 s at least). search() evaluates one candidate per call, so that
+/// A candidate of frequency f is the least-squares sinusoid of the last 1.5 / f seconds (0.6 s at least). search() evaluates one candidate per call, so that
 /// its cost is bounded: a scan from 0.4 to 3.2 Hz in steps of 0.1 Hz, then a search around the best one, which each new
 /// average repeats. Every second scan starts from the beginning, so that a new frequency is found.
 ///
@@ -33,23 +32,15 @@ struct Sinusoid {
 /// amplitude is at least 1 cm, and until it explains less than 85 %.
 class PeriodicFit {
  public:
-  /// A point at t_s (s, never decreasing), m. `velocity_m_s`: an estimate of its velocity, which moves points to the middle
-  /// of their 20 ms.
-  void observe(double t_s, const Eigen::Vector3d& point_m, const Eigen::Vector3d& velocity_m_s);
-  /// Evaluates the next candidate.
-  void search();
+  /// Evaluates the next candidate. `path` is the same object in every call until clear().
+  void search(const RecentPath& path);
   void clear();
   /// The newest sinusoid; none if the motion is not periodic, or not known for a period.
   [[nodiscard]] const std::optional<Sinusoid>& sinusoid() const { return sinusoid_; }
 
  private:
-  static constexpr std::size_t capacity = 128;  // averages
   static constexpr int scan_steps = 29;
 
-  struct Average {
-    Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
-    bool known = false;
-  };
   struct Candidate {
     Sinusoid sinusoid;
     double periods = 0.0;    ///< for which it was observed
@@ -57,26 +48,18 @@ class PeriodicFit {
   };
   enum class Stage { scan, refine, follow };
 
-  void close_average();
-  [[nodiscard]] Candidate evaluate(double frequency_hz) const;
-  void scan();
-  void refine();
+  [[nodiscard]] static Candidate evaluate(const RecentPath& path, double frequency_hz);
+  void scan(const RecentPath& path);
+  void refine(const RecentPath& path);
   void report(const Candidate& found);
   void start_scan();
-
-  std::array<Average, capacity> averages_{};
-  std::int64_t newest_ = -1;  ///< number of the newest closed average since time 0
-  std::int64_t first_ = 0;    ///< number of the first one after clear()
-  std::int64_t open_ = -1;    ///< number of the average that points are added to
-  Eigen::Vector3d sum_m_ = Eigen::Vector3d::Zero();
-  int count_ = 0;
 
   Stage stage_ = Stage::scan;
   int step_ = 0;  ///< of the scan, or of the three candidates of a refinement
   double spacing_hz_ = 0.0;
   int refinements_ = 0;
-  std::int64_t refined_ = -1;  ///< newest_ at the last refinement
-  std::int64_t scanned_ = 0;   ///< newest_ at the end of the last scan
+  std::int64_t refined_ = -1;  ///< number of the newest average at the last refinement
+  std::int64_t scanned_ = 0;   ///< the same at the end of the last scan
   Candidate best_;
   std::array<Candidate, 2> sides_{};
   std::optional<Sinusoid> sinusoid_;

@@ -113,11 +113,13 @@ HeadJointVector QpController::joints_ahead(const HeadJointVector& q, double dt) 
   if (delays_.neck_s == 0.0 && delays_.eyes_s == 0.0) return q;
   HeadJointVector ahead = q;
   const auto moved = [&](double delay_s) {
-    const double then_s = delay_s - delays_.eyes_s;  // after `delay_s`, of the reference that moves the joint then
+    const double then_s =
+        delay_s - delays_.eyes_s;  // after `delay_s`, of the reference that moves the joint then
     return HeadJointVector(history_.at(std::max(0.0, then_s) / dt) - history_.at(delay_s / dt));
   };
   ahead.head<neck_joint_count>() += moved(delays_.neck_s).head<neck_joint_count>();
-  ahead.tail<head_joint_count - neck_joint_count>() += moved(delays_.eyes_s).tail<head_joint_count - neck_joint_count>();
+  ahead.tail<head_joint_count - neck_joint_count>() +=
+      moved(delays_.eyes_s).tail<head_joint_count - neck_joint_count>();
   return ahead;
 }
 

@@ -11,15 +11,15 @@ namespace saccade {
 /// Configuration of QpController.
 struct QpConfig {
   AimingEyes eyes = AimingEyes::both;
-  double eye_time_constant_s = 0.08;      ///< in which the gaze error falls to 1 / e
-  double neck_time_constant_s = 0.40;     ///< in which the neck takes over the rotation of the eyes
-  double right_eye_weight = 0.01;         ///< of the right eye's error relative to the left eye's
-  double neck_weight = 1e-3;              ///< of the neck's motion relative to the left eye's error
-  double damping = 1e-5;                  ///< of every joint's velocity relative to the left eye's error
-  double target_time_constant_s = 0.045;  ///< of the estimate of the target's velocity, see TargetTrack
-  double max_lead_deg = 10.0;             ///< largest distance from the measured joint to its reference
-  bool predict_motion = false;            ///< whether periodic motion and free fall are predicted
-  double catch_up_deg = 0.0;              ///< gaze error that starts a catch-up saccade; 0: none
+  double eye_time_constant_s = 0.08;        ///< in which the gaze error falls to 1 / e
+  double neck_time_constant_s = 0.40;       ///< in which the neck takes over the rotation of the eyes
+  double right_eye_weight = 0.01;           ///< of the right eye's error relative to the left eye's
+  double neck_weight = 1e-3;                ///< of the neck's motion relative to the left eye's error
+  double damping = 1e-5;                    ///< of every joint's velocity relative to the left eye's error
+  double target_time_constant_s = 0.045;    ///< of the estimate of the target's velocity, see TargetTrack
+  double max_lead_deg = 10.0;               ///< largest distance from the measured joint to its reference
+  bool predict_motion = false;              ///< whether periodic motion and free fall are predicted
+  double catch_up_deg = 0.0;                ///< gaze error that starts a catch-up saccade; 0: none
   double catch_up_time_constant_s = 0.025;  ///< eye_time_constant_s during a catch-up saccade
 };
 

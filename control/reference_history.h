@@ -14,9 +14,7 @@ class ReferenceHistory {
  public:
   static constexpr std::size_t capacity = 512;
 
-  void push(const HeadJointVector& reference_rad) {
-    ring_[count_++ % capacity] = reference_rad;
-  }
+  void push(const HeadJointVector& reference_rad) { ring_[count_++ % capacity] = reference_rad; }
   /// The reference `steps` before the newest one (rounded; the oldest known where there are fewer); zero if none was
   /// pushed.
   [[nodiscard]] const HeadJointVector& at(double steps) const {

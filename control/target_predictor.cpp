@@ -6,17 +6,11 @@
 namespace saccade {
 namespace {
 
-constexpr double gravity_m_s2 = 9.81;
 constexpr double distance_memory_s = 0.03;
 constexpr double share_of_amplitude = 0.25;
 constexpr double fall_distance_m = 0.02;
-constexpr double fall_acceleration_error_m_s2 = 2.5;
-constexpr double least_fall_s = 0.03;
 constexpr double pause_after_failure_s = 0.3;
-constexpr double longest_gap_s = 0.1;  // between observations of one fall
 constexpr double periodic_memory = 2.0;  // of the track behind a sinusoid, in time constants
-
-const Eigen::Vector3d gravity(0.0, 0.0, -gravity_m_s2);
 
 }  // namespace
 
@@ -24,17 +18,20 @@ TargetPredictor::TargetPredictor(double time_constant_s, bool models)
     : time_constant_s_(time_constant_s), models_(models), track_(time_constant_s) {}
 
 TargetPredictor::Known TargetPredictor::known_at(double t_s) const {
-  if (sinusoid_) return {sinusoid_->position_m(t_s), sinusoid_->velocity_m_s(t_s), sinusoid_->acceleration_m_s2(t_s)};
+  if (sinusoid_)
+    return {sinusoid_->position_m(t_s), sinusoid_->velocity_m_s(t_s), sinusoid_->acceleration_m_s2(t_s)};
   if (fall_) {
     const double since_s = t_s - fall_->t0_s;
-    return {0.5 * since_s * since_s * gravity, since_s * gravity, gravity};
+    const Eigen::Vector3d gained = since_s * gravity_m_s2();
+    return {fall_->position_m + since_s * (fall_->velocity_m_s + 0.5 * gained), fall_->velocity_m_s + gained,
+            gravity_m_s2()};
   }
   return {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
 }
 
 void TargetPredictor::use(const std::optional<Sinusoid>& sinusoid, const std::optional<FreeFall>& fall) {
   const double seen_s = now_s_ - age_s_;
-  const bool starts = sinusoid && !sinusoid_;
+  const bool starts = (sinusoid && !sinusoid_) || (fall && !fall_);
   const Known before = known_at(seen_s);
   const bool follows = sinusoid && sinusoid_;
   sinusoid_ = sinusoid;
@@ -57,9 +54,9 @@ void TargetPredictor::advance(double dt_s) {
   if (!models_) return;
   if ((sinusoid_ || fall_) && track_.since_s() > TargetTrack::forget_s) {
     use({}, {});
-    fit_.clear();
+    forget_path();
   }
-  fit_.search();
+  fit_.search(path_);
 }
 
 void TargetPredictor::observe(const Eigen::Vector3d& target_m, double age_s) {
@@ -75,22 +72,19 @@ void TargetPredictor::observe(const Eigen::Vector3d& target_m, double age_s) {
   }
   track_.observe(rest_m);
   if (!models_) return;
-  fit_.observe(now_s_ - age_s_, target_m, track_.velocity_m_s() + known.velocity_m_s);
-  if (since_s > longest_gap_s) falling_s_ = 0.0;
-  const Eigen::Vector3d acceleration = track_.acceleration_m_s2() + known.acceleration_m_s2;
-  const bool falls = (acceleration - gravity).norm() < fall_acceleration_error_m_s2;
-  falling_s_ = falls ? falling_s_ + since_s : 0.0;
-  update_motion();
+  const Eigen::Vector3d velocity_m_s = track_.velocity_m_s() + known.velocity_m_s;
+  update_known_motion(path_.observe(now_s_ - age_s_, target_m, velocity_m_s));
 }
 
-void TargetPredictor::update_motion() {
+bool TargetPredictor::leaves_known_motion() const {
   const double limit_m = sinusoid_ ? share_of_amplitude * sinusoid_->amplitude_m() : fall_distance_m;
-  if ((sinusoid_ || fall_) && distance_m_ > limit_m) {
-    if (sinusoid_) {
-      fit_.clear();
-      rejected_until_s_ = now_s_ + pause_after_failure_s;
-    }
-    falling_s_ = 0.0;
+  return distance_m_ > limit_m || track_.position_m().norm() > 2.0 * limit_m;
+}
+
+void TargetPredictor::update_known_motion(bool new_average) {
+  if ((sinusoid_ || fall_) && leaves_known_motion()) {
+    rejected_until_s_ = now_s_ + pause_after_failure_s;
+    if (sinusoid_) fit_.clear();
     use({}, {});
     return;
   }
@@ -99,25 +93,29 @@ void TargetPredictor::update_motion() {
     if (!sinusoid_ || sinusoid_->t0_s != fitted->t0_s) use(fitted, {});
   } else if (sinusoid_) {
     use({}, {});
-  } else if (!fall_ && falling_s_ >= least_fall_s) {
-    use({}, FreeFall{now_s_ - age_s_});
+  } else if (!fall_ && new_average && now_s_ >= rejected_until_s_) {
+    if (const auto fall = fit_free_fall(path_)) use({}, fall);
   }
+}
+
+void TargetPredictor::forget_path() {
+  path_.clear();
+  fit_.clear();
 }
 
 void TargetPredictor::forget() {
   sinusoid_.reset();
   fall_.reset();
-  fit_.clear();
+  forget_path();
   track_.forget();
   track_.set_time_constant(time_constant_s_);
-  falling_s_ = distance_m_ = 0.0;
+  distance_m_ = 0.0;
 }
 
 void TargetPredictor::set_time_constant(double time_constant_s) {
   time_constant_s_ = time_constant_s;
   use({}, {});
-  fit_.clear();
-  falling_s_ = 0.0;
+  forget_path();
 }
 
 TargetMotion TargetPredictor::predict(double lead_s) const {

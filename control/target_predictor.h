@@ -2,7 +2,9 @@
 
 #include <optional>
 
+#include "control/free_fall.h"
 #include "control/periodic_fit.h"
+#include "control/recent_path.h"
 #include "control/target_track.h"
 
 namespace saccade {
@@ -13,11 +15,6 @@ struct TargetMotion {
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();  ///< root frame
 };
 
-/// Free flight from t0 on: position = velocity and place at t0 of 0, acceleration by gravity alone.
-struct FreeFall {
-  double t0_s = 0.0;
-};
-
 /// Predicts a gaze target from its last observations, which may be old.
 ///
 /// The target's motion is split into a known motion and what is left of it. The known motion is a sinusoid (PeriodicFit) or
@@ -25,8 +22,9 @@ struct FreeFall {
 /// only behind the rest: without a known motion the estimate is that of the TargetTrack. When the known motion changes,
 /// the track is shifted, so that the estimate is continuous.
 ///
-/// A known motion is dropped when observations leave it: when the mean distance between observations and predictions over
-/// 30 ms exceeds a quarter of its amplitude (free fall: 2 cm), or when no target came for TargetTrack::forget_s.
+/// A known motion is dropped when observations leave it, or when no target came for TargetTrack::forget_s. They leave it
+/// when the mean distance over 30 ms between observations and predictions exceeds a quarter of the sinusoid's amplitude (free
+/// fall: 2 cm), or the rest twice that.
 class TargetPredictor {
  public:
   /// `time_constant_s`: memory of the TargetTrack. `models`: whether known motions are used.
@@ -39,7 +37,9 @@ class TargetPredictor {
   /// Of the TargetTrack. A known motion is dropped: it may be that of a head that oscillates.
   void set_time_constant(double time_constant_s);
 
-  [[nodiscard]] bool is_known() const { return track_.is_known(); }  ///< otherwise predictions have no meaning
+  [[nodiscard]] bool is_known() const {
+    return track_.is_known();
+  }  ///< otherwise predictions have no meaning
   /// The target `lead_s` after the current time.
   [[nodiscard]] TargetMotion predict(double lead_s) const;
   /// The sinusoid in use.
@@ -52,19 +52,21 @@ class TargetPredictor {
   };
   [[nodiscard]] Known known_at(double t_s) const;
   void use(const std::optional<Sinusoid>& sinusoid, const std::optional<FreeFall>& fall);
-  void update_motion();
+  [[nodiscard]] bool leaves_known_motion() const;
+  void update_known_motion(bool new_average);
+  void forget_path();
 
   double time_constant_s_;
   bool models_;
   TargetTrack track_;
+  RecentPath path_;
   PeriodicFit fit_;
   std::optional<Sinusoid> sinusoid_;
   std::optional<FreeFall> fall_;
   double now_s_ = 0.0;
-  double age_s_ = 0.0;            ///< of the newest target
-  double falling_s_ = 0.0;        ///< for how long the track's acceleration has been that of gravity
-  double distance_m_ = 0.0;       ///< mean distance between observations and predictions
-  double rejected_until_s_ = 0.0;  ///< no sinusoid is used before
+  double age_s_ = 0.0;             ///< of the newest target
+  double distance_m_ = 0.0;        ///< mean distance between observations and predictions
+  double rejected_until_s_ = 0.0;  ///< no known motion is used before
 };
 
 }  // namespace saccade

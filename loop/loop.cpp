@@ -12,8 +12,8 @@ namespace saccade {
 namespace {
 
 constexpr std::int64_t slice_us = DetectorRunner::slice_us;
-constexpr std::size_t event_capacity = 1 << 16;  // a tick with more of them allocates
-constexpr std::size_t waiting_capacity = 256;    // estimates that are not ready; likewise
+constexpr std::size_t event_capacity = 1 << 16;     // a tick with more of them allocates
+constexpr std::size_t waiting_capacity = 256;       // estimates that are not ready; likewise
 constexpr std::int64_t oldest_events_us = 400'000;  // whose age is compensated
 constexpr double slowdown_per_find = 1.5;
 constexpr double most_slowdown = 4.0;
@@ -218,7 +218,8 @@ void Loop::run_driver(std::int64_t t_us, const CameraMotion* motion, Tick& tick)
 
 void Loop::pass_to_gate(const WaitingEstimate& estimate, Tick& tick) {
   const double threshold = detectors_[*gaze_->driver].detector->threshold();
-  const auto target_m = gaze_->gate->update(tick.t_us, estimate.estimate, threshold, camera_, estimate.root_from_camera);
+  const auto target_m =
+      gaze_->gate->update(tick.t_us, estimate.estimate, threshold, camera_, estimate.root_from_camera);
   if (!target_m) return;
   tick.new_target_m = target_m;
   target_seen_us_ = estimate.seen_us;
@@ -300,8 +301,11 @@ PortStatus Loop::move_head(double dt_s, Tick& tick) {
     const bool own = resend || look_m;  // a target of the loop's own, not a new sight of the ball
     compensate_delays(tick);
     const auto begin = std::chrono::steady_clock::now();
-    reference_rad = motion->controller->step(
-        *tick.head, look_m ? look_m : resend ? target_m_ : tick.new_target_m, dt_s);
+    reference_rad = motion->controller->step(*tick.head,
+                                             look_m   ? look_m
+                                             : resend ? target_m_
+                                                      : tick.new_target_m,
+                                             dt_s);
     tick.step_ns = std::chrono::nanoseconds(std::chrono::steady_clock::now() - begin).count();
     tick.target_status = own ? TargetStatus::none : motion->controller->target_status();
   } else {
