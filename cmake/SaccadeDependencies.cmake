@@ -13,6 +13,8 @@ find_package(PkgConfig REQUIRED)
 pkg_check_modules(hdf5 REQUIRED IMPORTED_TARGET hdf5-serial)
 pkg_check_modules(lz4 REQUIRED IMPORTED_TARGET liblz4)
 pkg_check_modules(zstd REQUIRED IMPORTED_TARGET libzstd)
+find_package(BZip2 REQUIRED)
+find_package(ZLIB REQUIRED)
 find_path(FLATBUFFERS_HEADERS flatbuffers/flatbuffers.h REQUIRED)  # headers alone are used
 find_program(FLATC flatc REQUIRED)
 pkg_check_modules(glfw REQUIRED IMPORTED_TARGET glfw3)

@@ -19,7 +19,6 @@ install(DIRECTORY ${saccade_SOURCE_DIR}/models ${saccade_SOURCE_DIR}/scenarios D
   COMPONENT program PATTERN invalid EXCLUDE)
 install(FILES ${saccade_SOURCE_DIR}/README.md ${saccade_SOURCE_DIR}/CHANGELOG.md ${saccade_SOURCE_DIR}/CITATION.cff
   DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
-install(FILES ${saccade_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright COMPONENT program)
 
 # Every layer is a library of the package: a static library needs those below it. `program` is the command line.
 set(layers core head control emulator recording robot loop sim scoring frame_camera calibration report config external images session
@@ -42,8 +41,6 @@ foreach(folder core head control emulator recording robot loop sim evaluation ap
   install(DIRECTORY ${saccade_SOURCE_DIR}/${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/saccade COMPONENT library
     FILES_MATCHING PATTERN "*.h")
 endforeach()
-install(FILES ${saccade_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libsaccade-dev RENAME copyright
-  COMPONENT library)
 
 configure_package_config_file(${saccade_SOURCE_DIR}/cmake/saccadeConfig.cmake.in
   ${CMAKE_BINARY_DIR}/saccadeConfig.cmake INSTALL_DESTINATION ${SACCADE_PACKAGE_DIR}
@@ -53,15 +50,39 @@ write_basic_package_version_file(${CMAKE_BINARY_DIR}/saccadeConfigVersion.cmake
 install(FILES ${CMAKE_BINARY_DIR}/saccadeConfig.cmake ${CMAKE_BINARY_DIR}/saccadeConfigVersion.cmake
   DESTINATION ${SACCADE_PACKAGE_DIR} COMPONENT library)
 
-# cd build/release && cpack: packages/saccade_*.deb (the program) and packages/libsaccade-dev_*.deb (docs/install.md).
+set(CPACK_PACKAGE_CONTACT "The saccade authors <saccade@localhost>")
+# cd build/release && cpack: packages/saccade_*.deb (the program), libsaccade-dev_*.deb and, where the Python module is built,
+# python3-saccade_*.deb (docs/install.md). Each has a changelog and a copyright file, as Debian's policy asks for.
+file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/packages/changelog @ONLY CONTENT "saccade (@PROJECT_VERSION@) unstable; urgency=low
+
+  * The changes are in /usr/share/doc/saccade/CHANGELOG.md.
+
+ -- @CPACK_PACKAGE_CONTACT@  Sat, 01 Nov 2025 00:00:00 +0000
+")
+set(packages saccade libsaccade-dev)
+set(components program library)
+if(TARGET saccade_module)
+  list(APPEND packages python3-saccade)
+  list(APPEND components python)
+endif()
+find_program(GZIP gzip REQUIRED)
+add_custom_command(OUTPUT ${CMAKE_BINARY_DIR}/packages/changelog.gz DEPENDS ${CMAKE_BINARY_DIR}/packages/changelog
+  COMMAND ${GZIP} -9 -n -k -f ${CMAKE_BINARY_DIR}/packages/changelog VERBATIM)
+add_custom_target(saccade_changelog ALL DEPENDS ${CMAKE_BINARY_DIR}/packages/changelog.gz)
+foreach(package component IN ZIP_LISTS packages components)
+  install(FILES ${CMAKE_BINARY_DIR}/packages/changelog.gz DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${package}
+    COMPONENT ${component} OPTIONAL)
+  install(FILES ${saccade_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${package} RENAME copyright
+    COMPONENT ${component})
+endforeach()
+
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME saccade)
-set(CPACK_PACKAGE_CONTACT "The saccade authors <saccade@example.org>")
 set(CPACK_PACKAGE_DIRECTORY ${CMAKE_BINARY_DIR}/packages)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
-set(CPACK_COMPONENTS_ALL program library)
+set(CPACK_COMPONENTS_ALL ${components})
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS OFF)
@@ -78,7 +99,14 @@ set(CPACK_DEBIAN_PROGRAM_DESCRIPTION "A simulated iCub head watches a ball throu
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libsaccade-dev)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS
-  "saccade (= ${PROJECT_VERSION}), libeigen3-dev, libmujoco-dev, libceres-dev, libopencv-dev, libyaml-cpp-dev, nlohmann-json3-dev, libcli11-dev, libfmt-dev, pkg-config, libhdf5-dev, liblz4-dev, libzstd-dev, libglfw3-dev, libimgui-dev, libsqlite3-dev, libsqlitecpp-dev, libpugixml-dev")
+  "saccade (= ${PROJECT_VERSION}), libeigen3-dev, libmujoco-dev, libceres-dev, libopencv-dev, libyaml-cpp-dev, nlohmann-json3-dev, libcli11-dev, libfmt-dev, pkg-config, libhdf5-dev, liblz4-dev, libzstd-dev, libbz2-dev, zlib1g-dev, libglfw3-dev, libimgui-dev, libsqlite3-dev, libsqlitecpp-dev, libpugixml-dev")
 set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "Static libraries, headers and a CMake package: events, detectors, event camera emulator, event files, head
  kinematics, simulator, scoring, reports.")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-saccade)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+# The module loads the models of the program's package.
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "saccade (= ${PROJECT_VERSION}), ${SACCADE_PYTHON_DEPENDS}, python3-numpy")
+set(CPACK_DEBIAN_PYTHON_DESCRIPTION "Python module of saccade: recordings as NumPy arrays, detectors, the event camera emulator, scoring, head
+ kinematics, and the closed loop in lockstep.")
 include(CPack)

@@ -4,6 +4,7 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <string_view>
 
 #include "control/delay_compensation.h"
 #include "control/head_kinematics.h"
@@ -35,6 +36,9 @@ class GazeController {
   virtual void rest() = 0;
   /// The status of the target of the last step: none, ok, or why it was rejected.
   [[nodiscard]] virtual TargetStatus target_status() const = 0;
+  /// Why the controller has ended, so that it keeps its last references; empty while it works. Only controllers outside of
+  /// this program can end.
+  [[nodiscard]] virtual std::string_view failure() const { return {}; }
 };
 
 /// Whose optical axes a gaze controller points at the target.

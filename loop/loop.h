@@ -151,6 +151,10 @@ class Loop {
   void set_controller(std::unique_ptr<GazeController> controller);
 
   [[nodiscard]] std::span<const LoopDetector> detectors() const { return detectors_; }
+  /// What moves the head; null without a gaze, and where the robot's own controller does.
+  [[nodiscard]] const GazeController* controller() const {
+    return gaze_ && gaze_->motion ? gaze_->motion->controller.get() : nullptr;
+  }
   /// LoopStereo's detector; null without stereo.
   [[nodiscard]] const Detector* right_detector() const {
     return gaze_ && gaze_->stereo ? gaze_->stereo->detector.get() : nullptr;

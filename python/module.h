@@ -13,6 +13,13 @@ namespace saccade::python {
   return registry;
 }
 
+/// The gaze controllers likewise.
+[[nodiscard]] inline ControllerRegistry all_controllers() {
+  ControllerRegistry registry = built_in_controllers();
+  add_external_controllers(registry);
+  return registry;
+}
+
 /// Parts of the compiled module `_saccade`, each in a file of its own. What users call is python/saccade/__init__.py.
 void add_recordings(pybind11::module_& m);
 void add_detectors(pybind11::module_& m);

@@ -20,7 +20,7 @@ namespace {
 
 /// What scenarios can name.
 Registry simulation_registry() {
-  return {all_detectors(), built_in_controllers(), built_in_gates(), built_in_formats(), {}};
+  return {all_detectors(), all_controllers(), built_in_gates(), built_in_formats(), {}};
 }
 
 /// A scenario file, or keys that came from Python where `yaml` is given; then `folder` is that of files that they name.

@@ -1,6 +1,8 @@
 #include "recording/decompressor.h"
 
+#include <bzlib.h>
 #include <lz4frame.h>
+#include <zlib.h>
 #include <zstd.h>
 
 #include <algorithm>
@@ -81,8 +83,75 @@ class ZstdDecompressor final : public Decompressor {
   bool unfinished_ = false;
 };
 
+class Bzip2Decompressor final : public Decompressor {
+ public:
+  Bzip2Decompressor() = default;
+  ~Bzip2Decompressor() override { BZ2_bzDecompressEnd(&stream_); }
+  Bzip2Decompressor(const Bzip2Decompressor&) = delete;
+  Bzip2Decompressor& operator=(const Bzip2Decompressor&) = delete;
+
+  void begin() override {
+    BZ2_bzDecompressEnd(&stream_);
+    stream_ = {};
+    SACCADE_CHECK(BZ2_bzDecompressInit(&stream_, 0, 0) == BZ_OK);
+    unfinished_ = true;
+  }
+
+  Step run(std::string_view in, std::span<char> out) override {
+    if (!unfinished_) begin();
+    stream_.next_in = const_cast<char*>(in.data());  // bzlib does not change it
+    stream_.avail_in = static_cast<unsigned>(in.size());
+    stream_.next_out = out.data();
+    stream_.avail_out = static_cast<unsigned>(out.size());
+    const int result = BZ2_bzDecompress(&stream_);
+    if (result != BZ_OK && result != BZ_STREAM_END) return {0, 0, "broken bzip2 data"};
+    unfinished_ = result == BZ_OK;
+    return {in.size() - stream_.avail_in, out.size() - stream_.avail_out, nullptr};
+  }
+
+  bool unfinished() const override { return unfinished_; }
+
+ private:
+  bz_stream stream_{};
+  bool unfinished_ = false;
+};
+
+class DeflateDecompressor final : public Decompressor {
+ public:
+  DeflateDecompressor() { SACCADE_CHECK(inflateInit2(&stream_, -MAX_WBITS) == Z_OK); }
+  ~DeflateDecompressor() override { inflateEnd(&stream_); }
+  DeflateDecompressor(const DeflateDecompressor&) = delete;
+  DeflateDecompressor& operator=(const DeflateDecompressor&) = delete;
+
+  void begin() override {
+    inflateReset(&stream_);
+    unfinished_ = true;
+  }
+
+  Step run(std::string_view in, std::span<char> out) override {
+    if (!unfinished_) return {0, 0, "bytes after the end of deflated data"};
+    stream_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(in.data()));  // zlib does not change it
+    stream_.avail_in = static_cast<uInt>(in.size());
+    stream_.next_out = reinterpret_cast<Bytef*>(out.data());
+    stream_.avail_out = static_cast<uInt>(out.size());
+    const int result = inflate(&stream_, Z_NO_FLUSH);
+    if (result != Z_OK && result != Z_STREAM_END && result != Z_BUF_ERROR)
+      return {0, 0, "broken deflated data"};
+    unfinished_ = result != Z_STREAM_END;
+    return {in.size() - stream_.avail_in, out.size() - stream_.avail_out, nullptr};
+  }
+
+  bool unfinished() const override { return unfinished_; }
+
+ private:
+  z_stream stream_{};
+  bool unfinished_ = false;
+};
+
 }  // namespace
 
+std::unique_ptr<Decompressor> make_bzip2_decompressor() { return std::make_unique<Bzip2Decompressor>(); }
+std::unique_ptr<Decompressor> make_deflate_decompressor() { return std::make_unique<DeflateDecompressor>(); }
 std::unique_ptr<Decompressor> make_copier() { return std::make_unique<Copier>(); }
 std::unique_ptr<Decompressor> make_lz4_decompressor() { return std::make_unique<Lz4Decompressor>(); }
 std::unique_ptr<Decompressor> make_zstd_decompressor() { return std::make_unique<ZstdDecompressor>(); }

@@ -28,6 +28,9 @@ class Decompressor {
 };
 
 [[nodiscard]] std::unique_ptr<Decompressor> make_copier();  ///< for what is not compressed
+[[nodiscard]] std::unique_ptr<Decompressor> make_bzip2_decompressor();
+/// zlib: deflate without a header, as in ZIP files.
+[[nodiscard]] std::unique_ptr<Decompressor> make_deflate_decompressor();
 [[nodiscard]] std::unique_ptr<Decompressor> make_lz4_decompressor();
 [[nodiscard]] std::unique_ptr<Decompressor> make_zstd_decompressor();
 

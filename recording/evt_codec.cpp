@@ -6,6 +6,7 @@
 #include "recording/block_reader.h"
 #include "recording/byte_order.h"
 #include "recording/codec.h"
+#include "recording/evt3_decoder.h"
 #include "recording/input_file.h"
 #include "recording/number_text.h"
 #include "recording/output_file.h"
@@ -95,117 +96,31 @@ class Evt2Reader final : public EvtReader {
   WrappingTime high_{{{0, std::int64_t{1} << 28}}, std::int64_t{1} << 26, std::int64_t{1} << 16};
 };
 
-/// EVT3's types.
-enum Evt3 : std::uint16_t {
-  addr_y = 0x0,
-  addr_x = 0x2,
-  vect_base_x = 0x3,
-  vect_12 = 0x4,
-  vect_8 = 0x5,
-  time_low = 0x6,
-  continued_4 = 0x7,
-  time_high = 0x8,
-  trigger = 0xa,
-  others = 0xe,
-  continued_12 = 0xf
-};
-/// Upper parts of the time are 12 bits. A sensor sends one every 4 ms or sooner, so that half of the range is enough
-/// to tell a wrap.
-WrappingTime evt3_high() { return {{{0, 4096}}, 2048, 1024}; }
-
 class Evt3Reader final : public EvtReader {
  public:
-  using EvtReader::EvtReader;
+  Evt3Reader(InputFile file, const PropheseeHeader& header, const EventReadOptions& options)
+      : EvtReader(std::move(file), header, options), decoder_(offset_us_) {}
   std::string format() const override { return "EVT3"; }
 
  protected:
   bool decode(std::span<Event> block, std::size_t& count) override {
-    const std::string_view ahead = file_.peek(word_bytes);
+    const std::string_view ahead = file_.peek(Evt3Decoder::word_bytes);
     if (ahead.empty()) return false;
-    const std::size_t words = ahead.size() / word_bytes;
-    if (words == 0) file_.fail("the end of the file inside a word", "words of 2 bytes");
-    const std::size_t enough = block.size() - 12;
-    std::size_t n = 0;
-    std::size_t i = 0;
-    for (; i < words && n <= enough; ++i) {
-      const auto word = load_little<std::uint16_t>(ahead.data() + i * word_bytes);
-      switch (word >> 12) {
-        case addr_y:
-          y_ = word & 0x7ff;
-          begun_ = timed_;
-          break;
-        case addr_x:
-          block[n++] = {t_us_, static_cast<std::uint16_t>(word & 0x7ff), y_, (word & 0x800) != 0, 0};
-          break;
-        case vect_base_x:
-          base_x_ = word & 0x7ff;
-          base_on_ = (word & 0x800) != 0;
-          break;
-        case vect_12:
-          n = put_vector(block, n, word & 0xfffu, 12);
-          break;
-        case vect_8:
-          n = put_vector(block, n, word & 0xffu, 8);
-          break;
-        case time_low:
-          low_ = word & 0xfff;
-          t_us_ = high_us_ + low_;
-          break;
-        case time_high:
-          set_high(word & 0xfff);
-          break;
-        case trigger:
-          ++triggers_;
-          break;
-        case continued_4:
-        case others:
-        case continued_12:
-          ++other_words_;
-          break;
-        default:
-          count = n;
-          file_.skip(i * word_bytes);
-          file_.fail("a word of type " + hex_digit(word >> 12u), "EVT3's types 0, 2 to 8, A, E or F");
-      }
-      if (!begun_) {
-        events_without_time_ += static_cast<std::int64_t>(n);
-        n = 0;
-      }
-    }
-    count = n;
-    file_.skip(i * word_bytes);
+    if (ahead.size() < Evt3Decoder::word_bytes)
+      file_.fail("the end of the file inside a word", "words of 2 bytes");
+    const Evt3Decoder::Step step = decoder_.run(ahead, block);
+    count = step.events;
+    events_without_time_ = decoder_.events_without_time();
+    triggers_ = decoder_.triggers();
+    other_words_ = decoder_.other_words();
+    file_.skip(step.words * Evt3Decoder::word_bytes);
+    if (step.unknown_type)
+      file_.fail("a word of type " + hex_digit(*step.unknown_type), "EVT3's types 0, 2 to 8, A, E or F");
     return true;
   }
 
  private:
-  static constexpr std::size_t word_bytes = 2;
-
-  std::size_t put_vector(std::span<Event> block, std::size_t n, unsigned pixels, unsigned length) {
-    for (; pixels != 0; pixels &= pixels - 1) {
-      const auto x = static_cast<std::uint16_t>(base_x_ + std::countr_zero(pixels));
-      block[n++] = {t_us_, x, y_, base_on_, 0};
-    }
-    base_x_ = static_cast<std::uint16_t>(base_x_ + length);
-    return n;
-  }
-
-  void set_high(std::int64_t value) {
-    const std::int64_t high_us = (high_.extend(value) << 12) + offset_us_;
-    if (high_us != high_us_) low_ = 0;
-    timed_ = true;
-    high_us_ = high_us;
-    t_us_ = high_us_ + low_;
-  }
-
-  bool timed_ = false;
-  bool begun_ = false;  ///< from the first row after the first time on
-  std::int64_t t_us_ = 0;
-  std::int64_t high_us_ = 0;
-  std::int64_t low_ = 0;
-  std::uint16_t y_ = 0;
-  std::uint16_t base_x_ = 0;
-  bool base_on_ = false;
-  WrappingTime high_ = evt3_high();
+  Evt3Decoder decoder_;
 };
 
 class Evt3Writer final : public EventWriter {

@@ -12,6 +12,9 @@
 #include "recording/evt_codec.h"
 #include "recording/hdf5_codec.h"
 #include "recording/input_file.h"
+#include "recording/mcap_codec.h"
+#include "recording/npz_codec.h"
+#include "recording/ros_bag_codec.h"
 #include "recording/text_codec.h"
 #include "recording/yarp_log_codec.h"
 
@@ -36,6 +39,9 @@ FormatRegistry built_in_formats() {
   registry.add(prophesee_dat_format());
   registry.add(event_stream_format());
   registry.add(hdf5_format());
+  registry.add(numpy_format());
+  registry.add(ros_bag_format());
+  registry.add(mcap_format());
   registry.add(yarp_log_format());
   registry.add(yarp_binary_format());
   registry.add(text_format());

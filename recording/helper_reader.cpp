@@ -1,7 +1,6 @@
 #include "recording/helper_reader.h"
 
 #include <fcntl.h>
-#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -14,37 +13,10 @@
 
 #include "core/error.h"
 #include "recording/helper_protocol.h"
+#include "recording/spawn_settings.h"
 
 namespace saccade {
 namespace {
-
-/// How the helper starts: with standard output to `pipe`, no other file of this process, and default signals.
-struct SpawnSettings {
-  explicit SpawnSettings(int pipe) {
-    ::posix_spawn_file_actions_init(&actions);
-    ::posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    ::posix_spawn_file_actions_adddup2(&actions, pipe, STDOUT_FILENO);
-    // A library that aborts prints why; the error message of the recording replaces that.
-    ::posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-    ::posix_spawn_file_actions_addclosefrom_np(&actions, STDERR_FILENO + 1);
-    ::posix_spawnattr_init(&attributes);
-    sigset_t signals;
-    sigemptyset(&signals);
-    ::posix_spawnattr_setsigmask(&attributes, &signals);
-    sigfillset(&signals);
-    ::posix_spawnattr_setsigdefault(&attributes, &signals);
-    ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-  }
-  SpawnSettings(const SpawnSettings&) = delete;
-  SpawnSettings& operator=(const SpawnSettings&) = delete;
-  ~SpawnSettings() {
-    ::posix_spawnattr_destroy(&attributes);
-    ::posix_spawn_file_actions_destroy(&actions);
-  }
-
-  posix_spawn_file_actions_t actions;
-  posix_spawnattr_t attributes;
-};
 
 class HelperReader final : public EventReader {
  public:
@@ -86,14 +58,14 @@ class HelperReader final : public EventReader {
   void start(const HelperCommand& command) {
     std::array<int, 2> ends{};
     if (::pipe2(ends.data(), O_CLOEXEC) != 0) fail("no pipe to a helper process", errno);
-    const SpawnSettings settings(ends[1]);
+    SpawnSettings settings;
+    settings.use_nothing(STDIN_FILENO);
+    settings.use(ends[1], STDOUT_FILENO);
+    // A library that aborts prints why; the error message of the recording replaces that.
+    settings.use_nothing(STDERR_FILENO);
     std::vector<std::string> words = {command.program.string()};
     words.insert(words.end(), command.arguments.begin(), command.arguments.end());
-    std::vector<char*> argv;
-    for (std::string& word : words) argv.push_back(word.data());
-    argv.push_back(nullptr);
-    const int error =
-        ::posix_spawn(&child_, argv[0], &settings.actions, &settings.attributes, argv.data(), environ);
+    const int error = settings.start(words, child_);
     ::close(ends[1]);
     pipe_ = ends[0];
     if (error == 0) return;

@@ -21,6 +21,10 @@ InputFile::InputFile(std::filesystem::path path) : path_(std::move(path)), buffe
   file_.reset(std::fopen(path_.c_str(), "rb"));
   if (!file_) throw InputError(name(), std::generic_category().message(errno), expectation);
   std::setvbuf(file_.get(), nullptr, _IONBF, 0);
+  if (std::filesystem::is_regular_file(path_, error)) {
+    const auto bytes = std::filesystem::file_size(path_, error);
+    if (!error) size_ = bytes;
+  }
   if (peek(1).empty()) throw InputError(name(), "an empty file", expectation);
 }
 
@@ -46,6 +50,13 @@ void InputFile::skip(std::size_t count) {
 }
 
 bool InputFile::discard(std::uint64_t count) {
+  const std::size_t buffered = end_ - begin_;
+  if (count > buffered && size_ && count <= *size_ - std::min(*size_, offset_) &&
+      ::fseeko(file_.get(), static_cast<off_t>(count - buffered), SEEK_CUR) == 0) {
+    begin_ = end_ = 0;
+    offset_ += count;
+    return true;
+  }
   while (count > 0) {
     const std::size_t ahead = peek(1).size();
     if (ahead == 0) return false;

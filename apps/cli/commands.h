@@ -16,6 +16,7 @@ void add_emulate_command(CommandLine& line, const Registry& registry);
 void add_fit_latency_command(CommandLine& line, const Registry& registry);
 void add_info_command(CommandLine& line, const Registry& registry);
 void add_keys_command(CommandLine& line, const Registry& registry);
+void add_label_command(CommandLine& line, const Registry& registry);
 void add_migrate_command(CommandLine& line);
 void add_report_command(CommandLine& line, const Registry& registry);
 void add_run_command(CommandLine& line, const Registry& registry);

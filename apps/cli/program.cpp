@@ -35,6 +35,7 @@ Registry built_in_registry() {
   Registry registry = {built_in_detectors(), built_in_controllers(), built_in_gates(), built_in_formats(),
                        built_in_backends()};
   add_external_detectors(registry.detectors);
+  add_external_controllers(registry.controllers);
   return registry;
 }
 
@@ -62,6 +63,7 @@ int program(int argc, const char* const* argv, const Registry& registry) {
   add_sweep_command(line, registry);
   add_sweep_task_command(line, registry);
   add_view_command(line, registry);
+  add_label_command(line, registry);
   add_keys_command(line, registry);
   add_migrate_command(line);
   return line.run(argc, argv);

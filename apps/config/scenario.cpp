@@ -173,6 +173,8 @@ void describe(FieldVisitor& v, Scenario& s) {
       "output",
       [&](FieldVisitor& w) {
         w.boolean("video", s.output.video, "whether the run folder gets video.mp4");
+        w.real("video_speed", s.output.video_speed, {0.01, 100.0},
+               "time of the run per time of the video: 0.1 is slow motion, ten times slower");
         const FormatRegistry& formats = s.output.formats;
         w.choice("events", s.output.events, formats.run_choices(), "format of the event file");
         const std::vector<std::string> fitting = formats.run_choices_for(s.sim.camera.size, 2);

@@ -58,6 +58,7 @@ struct Scenario {
 
   struct Output {
     bool video = false;
+    double video_speed = 1.0;  ///< time of the run per time of the video
     std::string events = "aedat";  ///< a format of `formats`, of FormatRegistry::run_choices
     FormatRegistry formats;        ///< of the program
     std::int64_t pictures = 10;    ///< how many instants the report shows in pictures

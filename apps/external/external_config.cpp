@@ -8,13 +8,13 @@
 namespace saccade {
 namespace {
 
-constexpr std::string_view worker_program = "saccade-detector-worker";
+constexpr std::string_view worker_program = "saccade-worker";
 
 void describe_limits(FieldVisitor& v, AnswerLimits& limits) {
   v.real("start_limit_s", limits.start_limit_s, {0.1, 600.0},
          "wall-clock time from the start of the program to its line `ready`");
   v.real("answer_limit_s", limits.answer_limit_s, {0.01, 600.0},
-         "wall-clock time for the answer to a tick; a later answer ends the detector");
+         "wall-clock time for the answer to a tick; a later answer ends the program");
 }
 
 void add_arguments(const std::string& arguments, std::vector<std::string>& words) {
@@ -29,8 +29,8 @@ void require_file(const char* key, const std::string& path) {
 
 }  // namespace
 
-void describe(FieldVisitor& v, PythonDetectorConfig& config) {
-  v.path("python", config.python, "FILE.py:CLASS of the detector; relative to the file that names it");
+void describe(FieldVisitor& v, PythonConfig& config) {
+  v.path("python", config.python, "FILE.py:CLASS; relative to the file that names it");
   const std::size_t colon = config.python.rfind(':');
   const bool is_class = colon != std::string::npos && colon > 0 && colon + 1 < config.python.size();
   v.require(is_class, "python", config.python.empty() ? "nothing" : config.python, "FILE.py:CLASS");
@@ -39,24 +39,24 @@ void describe(FieldVisitor& v, PythonDetectorConfig& config) {
   describe_limits(v, config.limits);
 }
 
-void describe(FieldVisitor& v, CommandDetectorConfig& config) {
-  v.path("command", config.command, "program of the detector; relative to the file that names it");
+void describe(FieldVisitor& v, CommandConfig& config) {
+  v.path("command", config.command, "the program; relative to the file that names it");
   v.require(!config.command.empty(), "command", "nothing", "the path of a program");
   v.text("arguments", config.arguments, "arguments of the program, separated by spaces");
   describe_limits(v, config.limits);
 }
 
-std::vector<std::string> command_line_of(const PythonDetectorConfig& config) {
-  check_config("detector", config);
-  require_file("detector.python", config.python.substr(0, config.python.rfind(':')));
+std::vector<std::string> command_line_of(const PythonConfig& config) {
+  check_config("python", config);
+  require_file("python", config.python.substr(0, config.python.rfind(':')));
   std::vector<std::string> words = {config.interpreter, find_helper(worker_program).string(), config.python};
   add_arguments(config.arguments, words);
   return words;
 }
 
-std::vector<std::string> command_line_of(const CommandDetectorConfig& config) {
-  check_config("detector", config);
-  require_file("detector.command", config.command);
+std::vector<std::string> command_line_of(const CommandConfig& config) {
+  check_config("command", config);
+  require_file("command", config.command);
   std::vector<std::string> words = {config.command};
   add_arguments(config.arguments, words);
   return words;

@@ -13,28 +13,29 @@ struct AnswerLimits {
   double answer_limit_s = 2.0;  ///< from a tick to its answer
 };
 
-/// A detector written in Python: `detectors: {mine: {python: my_detector.py:Mine}}`.
-struct PythonDetectorConfig {
+/// A class written in Python: `detectors: {mine: {python: my_detector.py:Mine}}`, or the section `python` of
+/// `gaze.controller: python`.
+struct PythonConfig {
   std::string python;                            ///< FILE.py:CLASS
   std::string interpreter = "/usr/bin/python3";  ///< with NumPy
   std::string arguments;
   AnswerLimits limits;
 };
 
-/// A detector that is a program: `detectors: {mine: {command: ./mine}}`.
-struct CommandDetectorConfig {
+/// A program: `detectors: {mine: {command: ./mine}}`, or the section `command` of `gaze.controller: command`.
+struct CommandConfig {
   std::string command;
   std::string arguments;
   AnswerLimits limits;
 };
 
 /// Keys: python, interpreter, arguments, start_limit_s, answer_limit_s.
-void describe(FieldVisitor& v, PythonDetectorConfig& config);
+void describe(FieldVisitor& v, PythonConfig& config);
 /// Keys: command, arguments, start_limit_s, answer_limit_s.
-void describe(FieldVisitor& v, CommandDetectorConfig& config);
+void describe(FieldVisitor& v, CommandConfig& config);
 
 /// The program and its arguments. Throws InputError for a configuration out of range and for a file that does not exist.
-[[nodiscard]] std::vector<std::string> command_line_of(const PythonDetectorConfig& config);
-[[nodiscard]] std::vector<std::string> command_line_of(const CommandDetectorConfig& config);
+[[nodiscard]] std::vector<std::string> command_line_of(const PythonConfig& config);
+[[nodiscard]] std::vector<std::string> command_line_of(const CommandConfig& config);
 
 }  // namespace saccade

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
 #include <cstring>
 
+#include "apps/external/line_text.h"
 #include "core/error.h"
 
 namespace saccade {
@@ -14,36 +13,6 @@ namespace {
 constexpr std::size_t record_bytes = 16;
 constexpr std::string_view ready_form = "`ready THRESHOLD`, then `binary` and `motion` as wanted";
 constexpr std::string_view estimate_form = "`none` or `circle X Y R SCORE`, then `held` as needed";
-
-template <class Number>
-void append(std::string& text, Number value) {
-  std::array<char, 32> digits;
-  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
-  text.append(digits.data(), end);
-}
-
-template <class Number>
-void append_word(std::string& text, Number value) {
-  text += ' ';
-  append(text, value);
-}
-
-/// The next word of the line, which is shortened by it; empty at the end.
-std::string_view next_word(std::string_view& line) {
-  const std::size_t begin = std::min(line.find_first_not_of(" \t\r"), line.size());
-  const std::size_t end = std::min(line.find_first_of(" \t\r", begin), line.size());
-  const std::string_view word = line.substr(begin, end - begin);
-  line.remove_prefix(end);
-  return word;
-}
-
-std::optional<double> next_number(std::string_view& line) {
-  const std::string_view word = next_word(line);
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  const bool whole = error == std::errc() && end == word.data() + word.size() && !word.empty();
-  return whole && std::isfinite(value) ? std::optional(value) : std::nullopt;
-}
 
 void append_record(std::string& text, const Event& event) {
   std::array<char, record_bytes> record{};
@@ -60,19 +29,6 @@ void append_line(std::string& text, const Event& event) {
   append_word(text, event.x);
   append_word(text, event.y);
   text += event.on ? " 1\n" : " 0\n";
-}
-
-/// A line of a program in a message.
-std::string shown(std::string_view line) {
-  constexpr std::size_t longest = 80;
-  std::string text(line.substr(0, longest));
-  std::ranges::replace_if(
-      text, [](char c) { return c < ' ' || c > '~'; }, '?');
-  return "`" + text + (line.size() > longest ? "...`" : "`");
-}
-
-std::chrono::milliseconds milliseconds(double seconds) {
-  return std::chrono::milliseconds(static_cast<std::int64_t>(std::ceil(seconds * 1e3)));
 }
 
 }  // namespace
@@ -197,39 +153,26 @@ Estimate ExternalDetector::estimate() {
   write_tick();
   events_.clear();
   const LineProcess::Status status = process_.exchange(message_, answer_limit_, answer_);
-  std::string question = "at ";
-  append(question, static_cast<double>(now_us_) * 1e-6);
-  question += " s";
+  std::string moment = "at ";
+  append(moment, static_cast<double>(now_us_) * 1e-6);
+  moment += " s";
   if (status != LineProcess::Status::ok) {
-    fail(status, question, answer_limit_);
+    fail(status, moment, answer_limit_);
     return estimate_ = {};
   }
   const auto estimate = parse_estimate(answer_);
   if (!estimate) {
     process_.stop();
     failure_ =
-        name_ + " answered " + shown(answer_) + " " + question + ", expected " + std::string(estimate_form);
+        name_ + " answered " + shown(answer_) + " " + moment + ", expected " + std::string(estimate_form);
   }
   return estimate_ = estimate.value_or(Estimate{});
 }
 
-void ExternalDetector::fail(LineProcess::Status status, const std::string& question,
+void ExternalDetector::fail(LineProcess::Status status, const std::string& moment,
                             std::chrono::milliseconds limit) {
   const std::string end = process_.stop();
-  switch (status) {
-    case LineProcess::Status::late:
-      failure_ = name_ + " gave no answer " + question + " within " + std::to_string(limit.count()) + " ms";
-      break;
-    case LineProcess::Status::unasked:
-      failure_ = name_ + " answered more than one line before the tick " + question;
-      break;
-    case LineProcess::Status::endless:
-      failure_ = name_ + " answered a line of more than " + std::to_string(LineProcess::longest_line) +
-                 " bytes " + question;
-      break;
-    default:
-      failure_ = name_ + " ended " + question + ", " + end;
-  }
+  failure_ = reason_of(status, name_, moment, limit, end);
 }
 
 }  // namespace saccade

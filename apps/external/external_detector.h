@@ -34,7 +34,7 @@ class ExternalDetector final : public Detector {
   void start(const AnswerLimits& limits, const Camera& camera);
   void write_tick();
   void write_motion();
-  void fail(LineProcess::Status status, const std::string& question, std::chrono::milliseconds limit);
+  void fail(LineProcess::Status status, const std::string& moment, std::chrono::milliseconds limit);
 
   std::string name_;
   LineProcess process_;

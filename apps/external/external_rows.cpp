@@ -3,14 +3,24 @@
 #include <filesystem>
 #include <memory>
 
+#include "apps/external/external_controller.h"
 #include "apps/external/external_detector.h"
 
 namespace saccade {
 namespace {
 
 std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
-std::string name_of(const PythonDetectorConfig& config) { return file_name(config.python); }
-std::string name_of(const CommandDetectorConfig& config) { return file_name(config.command); }
+std::string name_of(const PythonConfig& config) { return file_name(config.python); }
+std::string name_of(const CommandConfig& config) { return file_name(config.command); }
+
+template <class Config>
+void add_controller(ControllerRegistry& registry, const std::string& name, const std::string& description) {
+  registry.add(
+      controller_row(name, description, Config{}, [](const Config& config, const MotionLimits& limits) {
+        return std::make_unique<ExternalController>(name_of(config), command_line_of(config), config.limits,
+                                                    limits);
+      }));
+}
 
 template <class Config>
 void add_row(DetectorRegistry& registry, const std::string& name, const std::string& description) {
@@ -25,8 +35,13 @@ void add_row(DetectorRegistry& registry, const std::string& name, const std::str
 }  // namespace
 
 void add_external_detectors(DetectorRegistry& registry) {
-  add_row<PythonDetectorConfig>(registry, "python", "a detector of your own, a class in Python");
-  add_row<CommandDetectorConfig>(registry, "command", "a detector of your own, a program");
+  add_row<PythonConfig>(registry, "python", "a detector of your own, a class in Python");
+  add_row<CommandConfig>(registry, "command", "a detector of your own, a program");
+}
+
+void add_external_controllers(ControllerRegistry& registry) {
+  add_controller<PythonConfig>(registry, "python", "a gaze controller of your own, a class in Python");
+  add_controller<CommandConfig>(registry, "command", "a gaze controller of your own, a program");
 }
 
 }  // namespace saccade

@@ -1,8 +1,6 @@
 #include "apps/external/line_process.h"
 
-#include <fcntl.h>
 #include <poll.h>
-#include <spawn.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -14,40 +12,12 @@
 #include <thread>
 
 #include "core/error.h"
+#include "recording/spawn_settings.h"
 
 namespace saccade {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-/// How the program starts: standard input and output are `socket`, no other file of this process but standard error,
-/// default signals, a process group of its own, so that an interrupt from the keyboard ends the run first.
-struct SpawnSettings {
-  explicit SpawnSettings(int socket) {
-    ::posix_spawn_file_actions_init(&actions);
-    ::posix_spawn_file_actions_adddup2(&actions, socket, STDIN_FILENO);
-    ::posix_spawn_file_actions_adddup2(&actions, socket, STDOUT_FILENO);
-    ::posix_spawn_file_actions_addclosefrom_np(&actions, STDERR_FILENO + 1);
-    ::posix_spawnattr_init(&attributes);
-    sigset_t signals;
-    sigemptyset(&signals);
-    ::posix_spawnattr_setsigmask(&attributes, &signals);
-    sigfillset(&signals);
-    ::posix_spawnattr_setsigdefault(&attributes, &signals);
-    ::posix_spawnattr_setpgroup(&attributes, 0);
-    ::posix_spawnattr_setflags(&attributes,
-                               POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
-  }
-  SpawnSettings(const SpawnSettings&) = delete;
-  SpawnSettings& operator=(const SpawnSettings&) = delete;
-  ~SpawnSettings() {
-    ::posix_spawnattr_destroy(&attributes);
-    ::posix_spawn_file_actions_destroy(&actions);
-  }
-
-  posix_spawn_file_actions_t actions;
-  posix_spawnattr_t attributes;
-};
 
 std::string how_ended(int status) {
   if (WIFSIGNALED(status)) {
@@ -64,12 +34,11 @@ LineProcess::LineProcess(std::vector<std::string> words) {
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
     throw RunError(std::string("no socket to a program: ") + std::strerror(errno));
   socket_ = ends[0];
-  const SpawnSettings settings(ends[1]);
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  const int error =
-      ::posix_spawnp(&child_, argv[0], &settings.actions, &settings.attributes, argv.data(), environ);
+  SpawnSettings settings;
+  settings.use(ends[1], STDIN_FILENO);
+  settings.use(ends[1], STDOUT_FILENO);
+  settings.own_process_group();  // an interrupt from the keyboard ends the run first
+  const int error = settings.start(words, child_);
   ::close(ends[1]);
   if (error == 0) return;
   child_ = -1;

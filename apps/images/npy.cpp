@@ -8,83 +8,10 @@
 #include "apps/images/image_kinds.h"
 #include "core/error.h"
 #include "recording/codec.h"
-#include "recording/number_text.h"
+#include "recording/npy_header.h"
 
 namespace saccade {
 namespace {
-
-constexpr std::string_view npy_magic = "\x93NUMPY";
-
-/// The header of a .npy file: a Python dictionary of three entries
-/// (numpy.org/doc/stable/reference/generated/numpy.lib.format.html).
-class NpyHeader {
- public:
-  std::string type;
-  bool fortran_order = false;
-  std::vector<std::int64_t> shape;
-
-  /// False where the text is no such header.
-  [[nodiscard]] bool parse(std::string_view text) {
-    rest_ = text;
-    bool has_type = false;
-    bool has_order = false;
-    bool has_shape = false;
-    if (!take('{')) return false;
-    while (!take('}')) {
-      std::string key;
-      if (!quoted(key) || !take(':')) return false;
-      bool& seen = key == "descr" ? has_type : key == "fortran_order" ? has_order : has_shape;
-      if (seen) return false;
-      if (key == "descr") {
-        seen = quoted(type);
-      } else if (key == "fortran_order") {
-        fortran_order = word("True");
-        seen = fortran_order || word("False");
-      } else {
-        seen = key == "shape" && tuple();
-      }
-      if (!seen) return false;
-      if (!take(',') && !rest_.starts_with('}')) return false;
-    }
-    return has_type && has_order && has_shape;
-  }
-
- private:
-  void skip_blanks() {
-    while (!rest_.empty() && is_blank(rest_.front())) rest_.remove_prefix(1);
-  }
-  bool word(std::string_view text) {
-    skip_blanks();
-    if (!rest_.starts_with(text)) return false;
-    rest_.remove_prefix(text.size());
-    skip_blanks();
-    return true;
-  }
-  bool take(char c) { return word({&c, 1}); }
-  bool quoted(std::string& text) {
-    skip_blanks();
-    if (rest_.empty() || (rest_.front() != '\'' && rest_.front() != '"')) return false;
-    const std::size_t end = rest_.find(rest_.front(), 1);
-    if (end == std::string_view::npos) return false;
-    text = rest_.substr(1, end - 1);
-    rest_.remove_prefix(end + 1);
-    return true;
-  }
-  bool tuple() {
-    if (!take('(')) return false;
-    while (!take(')')) {
-      const std::size_t end = std::min(rest_.find_first_not_of("0123456789"), rest_.size());
-      std::int64_t length = 0;
-      if (!parse_number(rest_.substr(0, end), length)) return false;
-      shape.push_back(length);
-      rest_.remove_prefix(end);
-      if (!take(',') && !rest_.starts_with(')')) return false;
-    }
-    return true;
-  }
-
-  std::string_view rest_;
-};
 
 class NpySequence final : public ImageSequence {
  public:
@@ -97,8 +24,10 @@ class NpySequence final : public ImageSequence {
     }
     const auto type = std::ranges::find(types, header.type, &Type::name);
     if (type == types.end()) {
-      throw InputError(name_, "numbers of the type " + printable(header.type),
-                       "float32 (<f4), float64 (<f8), uint8 (|u1) or uint16 (<u2)");
+      throw InputError(
+          name_,
+          header.fields.empty() ? "numbers of the type " + printable(header.type) : "an array of records",
+          "float32 (<f4), float64 (<f8), uint8 (|u1) or uint16 (<u2)");
     }
     type_ = *type;
     if (header.shape.size() != 3) {
@@ -159,8 +88,7 @@ class NpySequence final : public ImageSequence {
     };
     if (!stream_.is_open()) fail("a file that cannot be read");
     stream_.read(start.data(), 8);
-    if (!stream_ || std::string_view(start.data(), npy_magic.size()) != npy_magic)
-      fail("another kind of file");
+    if (!stream_ || std::string_view(start.data(), npy_mark.size()) != npy_mark) fail("another kind of file");
     const int version = start[6];
     if (version != 1 && version != 2) fail("version " + std::to_string(version));
     std::size_t length = 0;
@@ -170,9 +98,9 @@ class NpySequence final : public ImageSequence {
     std::string text(std::min(length, std::size_t{1} << 20), '\0');
     stream_.read(text.data(), static_cast<std::streamsize>(text.size()));
     if (!stream_) fail("a file that is cut off in its header");
-    NpyHeader header;
-    if (!header.parse(text)) fail("the header " + printable(text));
-    return header;
+    std::optional<NpyHeader> header = NpyHeader::parse(text);
+    if (!header) fail("the header " + printable(text));
+    return *header;
   }
 
   template <class Value>

@@ -184,7 +184,7 @@ void detect_recording(const NamedDetectors& named, const DetectSettings& setting
       print_summary(metrics);
     }
     if (interrupted()) throw RunError("interrupted; what was found until then is scored");
-    throw_if_a_detector_ended(metrics);
+    throw_if_a_program_ended(metrics);
     return;
   }
   write_file(settings.folder / "detectors.yaml", resolved_detectors(named));

@@ -9,7 +9,8 @@
 
 namespace saccade {
 
-/// A message for each detector that ends during a run (Detector::failure()), in the tick in which it does.
+/// A message for each detector and for the gaze controller that ends during a run (Detector::failure()), in the tick in which
+/// it does.
 class FailureLog final : public LoopObserver {
  public:
   using Sink = std::function<void(std::int64_t t_us, const std::string& text)>;
@@ -26,12 +27,17 @@ class FailureLog final : public LoopObserver {
       sink_(tick.t_us,
             "detector " + detectors[i].name + ": " + std::string(detectors[i].detector->failure()));
     }
+    const GazeController* const controller = loop_.controller();
+    if (controller_ended_ || controller == nullptr || controller->failure().empty()) return;
+    controller_ended_ = true;
+    sink_(tick.t_us, "gaze controller: " + std::string(controller->failure()));
   }
 
  private:
   const Loop& loop_;
   Sink sink_;
   std::vector<bool> ended_;
+  bool controller_ended_ = false;
 };
 
 }  // namespace saccade

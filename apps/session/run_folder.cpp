@@ -52,12 +52,14 @@ void start_run_folder(const fs::path& folder, bool force, const FormatRegistry& 
   write_file(folder / name, text);
 }
 
-void throw_if_a_detector_ended(const Metrics& metrics) {
+void throw_if_a_program_ended(const Metrics& metrics) {
   std::string text;
   for (const auto& [name, score] : metrics.detectors) {
     if (!score.failure.empty())
       text += (text.empty() ? "" : "\n") + fmt::format("detector {}: {}", name, score.failure);
   }
+  if (metrics.gaze && !metrics.gaze->failure.empty())
+    text += (text.empty() ? "" : "\n") + fmt::format("gaze controller: {}", metrics.gaze->failure);
   if (!text.empty()) throw RunError(text);
 }
 
@@ -66,7 +68,7 @@ void finish_run_folder(const fs::path& folder, const Metrics& metrics, const For
   print_summary(metrics);
   fmt::print("{}\n", (folder / "report.html").string());
   if (interrupted()) throw RunError("interrupted; the run folder holds what happened until then");
-  throw_if_a_detector_ended(metrics);
+  throw_if_a_program_ended(metrics);
 }
 
 }  // namespace saccade

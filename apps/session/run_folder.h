@@ -16,7 +16,7 @@ void prepare_run_folder(const std::filesystem::path& folder, bool force, const F
 void start_run_folder(const std::filesystem::path& folder, bool force, const FormatRegistry& formats,
                       const std::string& name, const std::string& text);
 /// Throws RunError with the reasons if detectors ended before the end of the run (DetectorScore::failure).
-void throw_if_a_detector_ended(const Metrics& metrics);
+void throw_if_a_program_ended(const Metrics& metrics);
 /// Writes the report of a folder with metrics.json, prints the summary and the report's path. Throws RunError if the run
 /// was interrupted() or a detector ended before its end; the folder is complete then.
 void finish_run_folder(const std::filesystem::path& folder, const Metrics& metrics,

@@ -46,7 +46,8 @@ RunPictures::RunPictures(std::filesystem::path folder, const Scenario& scenario,
     still_times_us_.push_back(wanted_us / World::tick_us * World::tick_us);
   }
   if (!still_times_us_.empty()) std::filesystem::create_directories(folder_ / "frames");
-  if (scenario.output.video) video_ = std::make_unique<VideoComposer>(folder_ / "video.mp4");
+  if (scenario.output.video)
+    video_ = std::make_unique<VideoComposer>(folder_ / "video.mp4", scenario.output.video_speed);
 }
 
 RunPictures::~RunPictures() = default;
@@ -115,10 +116,12 @@ void RunPictures::add_video_frame(const Tick& tick, const cv::Mat& grey, const c
   }
   eye.principal_px = Eigen::Vector2d(camera.cx_px, camera.cy_px);
   if (tick.target_m) eye.target_px = camera.project(truth.root_from_cam.inverse() * *tick.target_m);
+  const double speed = scenario_.output.video_speed;
   video_->add(scene, eye,
-              fmt::format("{}   t {:.2f} s   gaze error {:.1f} deg", scenario_.name,
-                          static_cast<double>(tick.t_us) * 1e-6,
-                          scores_.fixation_error_rad() * 180.0 / std::numbers::pi));
+              fmt::format("{}   t {:.{}f} s   gaze error {:.1f} deg{}", scenario_.name,
+                          static_cast<double>(tick.t_us) * 1e-6, speed == 1.0 ? 2 : 3,
+                          scores_.fixation_error_rad() * 180.0 / std::numbers::pi,
+                          speed == 1.0 ? "" : fmt::format("   {:g} x real time", speed)));
 }
 
 void RunPictures::commit() {

@@ -144,6 +144,7 @@ GazeMetrics RunScores::gaze_metrics() const {
   gaze.detector = scenario_.gaze.detector;
   gaze.controller = scenario_.gaze.controller.controller;
   gaze.gate = scenario_.gaze.gate.gate;
+  if (loop_.controller() != nullptr) gaze.failure = loop_.controller()->failure();
   for (const auto& [name, detector] : scenario_.detectors) {
     if (name == gaze.detector) gaze.window = detector.window();
   }

@@ -7,8 +7,6 @@
 namespace saccade {
 namespace {
 
-constexpr Rgb ground = {17, 17, 19};
-
 std::uint8_t mix(std::uint8_t from, std::uint8_t to, double share) {
   return static_cast<std::uint8_t>(std::lround(from + share * (to - from)));
 }
@@ -56,7 +54,7 @@ void paint_eye(const Snapshot& snapshot, std::int64_t fade_us, bool with_image, 
   for (std::size_t i = 0; i < pixels; ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
       // From linear luminance to screen values, darkened.
-      rgb[3 * i + c] = image ? static_cast<std::uint8_t>(8.5 * std::sqrt(snapshot.grey[i])) : ground[c];
+      rgb[3 * i + c] = image ? static_cast<std::uint8_t>(8.5 * std::sqrt(snapshot.grey[i])) : ground_rgb[c];
     }
   }
   for (const Event& event : newest(snapshot, fade_us)) {
@@ -65,7 +63,7 @@ void paint_eye(const Snapshot& snapshot, std::int64_t fade_us, bool with_image, 
     const Rgb& colour = event.on ? on_rgb : off_rgb;
     std::uint8_t* pixel = rgb.data() + 3 * (event.y * snapshot.camera.size.width + event.x);
     for (std::size_t c = 0; c < 3; ++c)
-      pixel[c] = mix(image ? 40 : ground[c], colour[c], 1.0 - 0.88 * std::max(age, 0.0));
+      pixel[c] = mix(image ? 40 : ground_rgb[c], colour[c], 1.0 - 0.88 * std::max(age, 0.0));
   }
 }
 
@@ -103,7 +101,7 @@ void paint_event_cloud(const Snapshot& snapshot, std::int64_t span_us, double az
                        double elevation_rad, ImageSize size, RgbImage& rgb) {
   rgb.resize(3 * static_cast<std::size_t>(size.pixels()));
   cv::Mat canvas(size.height, size.width, CV_8UC3, rgb.data());
-  canvas = cv::Scalar(ground[0], ground[1], ground[2]);
+  canvas = cv::Scalar(ground_rgb[0], ground_rgb[1], ground_rgb[2]);
   const ImageSize image = snapshot.camera.size;
   const BoxView view(azimuth_rad, elevation_rad, size, static_cast<double>(image.width) / image.height);
   const std::span<const Event> events = newest(snapshot, span_us);
@@ -117,9 +115,9 @@ void paint_event_cloud(const Snapshot& snapshot, std::int64_t span_us, double az
     const int y = static_cast<int>(at.y);
     if (x < 0 || y < 0 || x + 1 >= size.width || y + 1 >= size.height) continue;
     const Rgb& colour = event.on ? on_rgb : off_rgb;
-    const cv::Vec3b shade(mix(ground[0], colour[0], 1.0 - 0.7 * age),
-                          mix(ground[1], colour[1], 1.0 - 0.7 * age),
-                          mix(ground[2], colour[2], 1.0 - 0.7 * age));
+    const cv::Vec3b shade(mix(ground_rgb[0], colour[0], 1.0 - 0.7 * age),
+                          mix(ground_rgb[1], colour[1], 1.0 - 0.7 * age),
+                          mix(ground_rgb[2], colour[2], 1.0 - 0.7 * age));
     canvas(cv::Rect(x, y, 2, 2)) = shade;
   }
   const auto edge = [&](std::array<double, 3> a, std::array<double, 3> b, double level) {

@@ -14,6 +14,7 @@ using Rgb = std::array<std::uint8_t, 3>;
 using RgbImage = std::vector<std::uint8_t>;  ///< row by row, three bytes per pixel
 
 inline constexpr Rgb on_rgb = {on_colour.red, on_colour.green, on_colour.blue};
+inline constexpr Rgb ground_rgb = {17, 17, 19};  ///< of an image without events
 inline constexpr Rgb off_rgb = {off_colour.red, off_colour.green, off_colour.blue};
 
 /// Paints the newest event of each pixel in the colour of its polarity, paler with age, over the darkened camera image

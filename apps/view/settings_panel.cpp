@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "apps/view/own_detector.h"
 #include "apps/view/panel.h"
+#include "core/error.h"
 
 namespace saccade {
 namespace {
@@ -39,7 +41,7 @@ void draw_detector_choice(const DetectorRegistry& detectors, ViewState& state) {
   ImGui::Separator();
   for (const DetectorRow& row : detectors.rows()) {
     const std::string& preset = row.name;
-    if (!row.selecting_key.empty()) continue;  // of no use without its file, which the file of settings names
+    if (!row.selecting_key.empty()) continue;  // draw_own_detector() adds these
     if (std::ranges::find(settings.detectors, preset, &ViewDetector::name) != settings.detectors.end())
       continue;
     if (!ImGui::Selectable(("add " + preset).c_str())) continue;
@@ -75,6 +77,7 @@ void SettingsPanel::draw_configuration(ViewState& state) {
   ImGui::TextUnformatted(settings.gate ? "Detector that drives the gaze" : "Selected detector");
   ImGui::Separator();
   draw_detector_choice(detectors_, state);
+  draw_own_detector(state);
   bool changed = false;
   ImGui::PushStyleVar(ImGuiStyleVar_IndentSpacing, 8.0F);
   if (ViewDetector* selected = settings.selected_detector())
@@ -88,6 +91,26 @@ void SettingsPanel::draw_configuration(ViewState& state) {
   }
   ImGui::PopStyleVar();
   if (changed) state.act(Action::Type::apply_settings);
+}
+
+void SettingsPanel::draw_own_detector(ViewState& state) {
+  ViewSettings& settings = state.settings;
+  ImGui::SetNextItemWidth(-1.0F);
+  const bool entered = ImGui::InputTextWithHint("##own", "add FILE.py:CLASS or a program", own_.data(),
+                                                own_.size(), ImGuiInputTextFlags_EnterReturnsTrue);
+  if (ImGui::IsItemHovered())
+    ImGui::SetTooltip("%s", "A detector of your own (docs/external_detectors.md); Enter adds it");
+  if (entered && own_[0] != '\0') {
+    try {
+      settings.detectors.push_back(own_detector(detectors_, own_.data(), settings.detectors));
+      state.act(Action::Type::select_detector, static_cast<std::int64_t>(settings.detectors.size()) - 1);
+      own_.fill('\0');
+      own_problem_.clear();
+    } catch (const InputError& error) {
+      own_problem_ = error.what();
+    }
+  }
+  if (!own_problem_.empty()) ImGui::TextWrapped("%s", own_problem_.c_str());
 }
 
 }  // namespace saccade

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <string>
 #include <utility>
 
 #include "apps/config/registry.h"
@@ -20,9 +22,13 @@ class SettingsPanel {
 
  private:
   void draw_configuration(ViewState& state);
+  /// The field for the file of a detector outside of this program.
+  void draw_own_detector(ViewState& state);
 
   DetectorRegistry detectors_;
   FieldEditor editor_;
+  std::array<char, 512> own_{};  ///< what the user has typed into the field
+  std::string own_problem_;      ///< why it was rejected
 };
 
 }  // namespace saccade

@@ -148,6 +148,7 @@ void Window::publish() {
 
 bool Window::closed() const { return glfwWindowShouldClose(window_) == GLFW_TRUE; }
 void Window::close() { glfwSetWindowShouldClose(window_, GLFW_TRUE); }
+void Window::keep_open() { glfwSetWindowShouldClose(window_, GLFW_FALSE); }
 void Window::hide() {
   glfwHideWindow(window_);
   glfwPollEvents();

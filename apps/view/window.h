@@ -30,6 +30,8 @@ class Window final : public GlContext {
 
   [[nodiscard]] bool closed() const;
   void close();
+  /// Takes back a request to close the window.
+  void keep_open();
   /// Takes the window off the screen; it stays usable.
   void hide();
   [[nodiscard]] int width() const;

@@ -194,8 +194,9 @@ void VideoFile::commit() {
   writer_.reset();
 }
 
-VideoComposer::VideoComposer(std::filesystem::path path)
-    : file_(std::move(path), {scene_width + eye_width, panel_height + caption_height}, frame_hz) {}
+VideoComposer::VideoComposer(std::filesystem::path path, double speed)
+    : file_(std::move(path), {scene_width + eye_width, panel_height + caption_height}, frame_hz),
+      speed_(speed) {}
 
 void VideoComposer::add(const cv::Mat& scene, const AnnotatedImage& eye, const std::string& caption) {
   cv::Mat frame(panel_height + caption_height, scene_width + eye_width, CV_8UC3, ground);

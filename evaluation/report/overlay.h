@@ -79,16 +79,20 @@ class VideoComposer {
  public:
   static constexpr int frame_hz = 25;
 
-  explicit VideoComposer(std::filesystem::path path);
+  /// `speed`: time of the run per time of the video, above 0; below 1 is slow motion.
+  explicit VideoComposer(std::filesystem::path path, double speed = 1.0);
 
-  /// True when the video, played in real time, needs an image for `t_us`, counted from the run's start.
-  [[nodiscard]] bool is_due(std::int64_t t_us) const { return t_us * frame_hz >= file_.images() * 1'000'000; }
+  /// True when the video needs an image for `t_us`, counted from the run's start.
+  [[nodiscard]] bool is_due(std::int64_t t_us) const {
+    return static_cast<double>(t_us * frame_hz) >= static_cast<double>(file_.images()) * 1e6 * speed_;
+  }
   /// One image of the video. `scene` BGR of any size; the caption is drawn as it stands.
   void add(const cv::Mat& scene, const AnnotatedImage& eye, const std::string& caption);
   void commit() { file_.commit(); }
 
  private:
   VideoFile file_;
+  double speed_;
 };
 
 }  // namespace saccade

@@ -58,6 +58,7 @@ Json json_of(const GazeMetrics& gaze) {
                {"acquired_at_us", json_of(score.acquired_at_us)},
                {"following_rate_hz", json_of(gaze.following_rate_hz)}};
   if (!score.exact) json["approximate"] = true;
+  if (!gaze.failure.empty()) json["failure"] = gaze.failure;
   return json;
 }
 
@@ -74,6 +75,7 @@ GazeMetrics gaze_metrics(const Json& json) {
   gaze.score.acquired_at_us = integer(optional("acquired_at_us"));
   gaze.following_rate_hz = number(optional("following_rate_hz"));
   gaze.score.exact = !json.value("approximate", false);
+  gaze.failure = json.value("failure", std::string());
   gaze.detector = json.at("detector").get<std::string>();
   gaze.score.fixation_error_deg = percentiles(json.at("fixation_error_deg"));
   gaze.score.on_target_ratio = number(json.at("on_target_ratio"));

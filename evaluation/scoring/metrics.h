@@ -25,6 +25,8 @@ struct GazeMetrics {
   /// How often per second the detector found the ball from acquisition on, see found_rate_hz().
   std::optional<double> following_rate_hz;
   JointLimits limits;  ///< positions only, for the figures
+  /// Why the gaze controller ended before the end of the run (GazeController::failure()); empty: it did not.
+  std::string failure;
 };
 
 /// The right eye of a run with two cameras.

@@ -81,6 +81,51 @@ TEST_F(ExternalCommand, DrivesTheGaze) {
   EXPECT_GT(metrics_of(out("run"))["gaze"]["moves"].get<int>(), 0);
 }
 
+/// A gaze controller in the shell that answers `steps` questions with the neck at 0 and the eyes at 0.1 rad, and then does
+/// `then`.
+std::string controller_program(const TempFolder& folder, int steps, const std::string& then) {
+  const std::string path = (folder / "controller").string();
+  std::ofstream(path) << "#!/bin/sh\nread a; read b; echo ready\nk=0\nwhile [ $k -lt " << steps
+                      << " ] && read question; do echo reference 0 0 0 0.1 0.1 0; k=$((k+1)); done\n"
+                      << then << "\n";
+  ::chmod(path.c_str(), 0755);
+  return path;
+}
+
+TEST_F(ExternalCommand, AGazeControllerThatIsAProgramMovesTheHead) {
+  const Outcome run = saccade(
+      "run " + scenario + "--set gaze.detector=paper_directed --set gaze.controller=command " +
+      "--set gaze.command.command='" + controller_program(folder_, 10'000, "") + "' --out " + out("run"));
+  ASSERT_EQ(run.status, 0) << run.text;
+  EXPECT_EQ(metrics_of(out("run"))["gaze"]["controller"], "command");
+  EXPECT_FALSE(metrics_of(out("run"))["gaze"].contains("failure"));
+  // The last row of the joints: neck at 0, tilt and version near 0.1 rad.
+  const std::string joints = bytes_of(folder_ / "run" / "joints.csv");
+  const std::string last = joints.substr(joints.rfind('\n', joints.size() - 2) + 1);
+  double row[10] = {};
+  std::size_t begin = 0;
+  for (double& value : row) {
+    value = std::stod(last.substr(begin));
+    begin = last.find(',', begin) + 1;
+  }
+  for (const int joint : {4, 5, 6}) EXPECT_NEAR(row[joint], 0.0, 0.02) << joint;
+  for (const int joint : {7, 8}) EXPECT_NEAR(row[joint], 0.1, 0.02) << joint;
+}
+
+TEST_F(ExternalCommand, AGazeControllerThatCrashesIsReportedAndTheHeadStays) {
+  const Outcome run =
+      saccade("run " + scenario + "--set gaze.detector=paper_directed --set gaze.controller=command " +
+              "--set gaze.command.command='" + controller_program(folder_, 200, "kill -SEGV $$") +
+              "' --out " + out("run"));
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.text, HasSubstr("gaze controller: controller ended at 0.2"));
+  const auto metrics = metrics_of(out("run"));
+  EXPECT_THAT(metrics["gaze"]["failure"].get<std::string>(), HasSubstr("by signal 11"));
+  EXPECT_GT(metrics["detectors"]["paper_directed"]["observations"].get<int>(), 0);
+  EXPECT_THAT(bytes_of(folder_ / "run" / "report.html"), HasSubstr("gaze controller ended before the end"));
+  EXPECT_THAT(bytes_of(folder_ / "run" / "log.txt"), HasSubstr("gaze controller: controller ended"));
+}
+
 TEST_F(ExternalCommand, ACrashIsReportedAndChangesNothingElse) {
   ASSERT_EQ(saccade("run " + scenario + "--out " + out("without")).status, 0);
   const Outcome run = saccade("run " + scenario + "--set detectors.mine.command='" +

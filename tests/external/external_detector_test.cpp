@@ -51,11 +51,11 @@ Estimate run(Detector& detector, std::int64_t until_us) {
 
 std::unique_ptr<Detector> make(const std::string& kind, const std::string& path) {
   if (kind == "python") {
-    PythonDetectorConfig config;
+    PythonConfig config;
     config.python = path;
     return std::make_unique<ExternalDetector>(path, command_line_of(config), config.limits, Camera{});
   }
-  CommandDetectorConfig config;
+  CommandConfig config;
   config.command = path;
   config.limits.answer_limit_s = 0.3;
   config.limits.start_limit_s = 5.0;

@@ -1,9 +1,6 @@
 // The window on a virtual display, driven by keyboard and mouse, and its screenshots.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <cmath>
@@ -22,8 +19,7 @@
 #include "evaluation/report/palette.h"
 #include "recording/run_files.h"
 #include "tests/config/built_in.h"
-#include "tests/integration/run_shell.h"
-#include "tests/recording/temp_folder.h"
+#include "tests/integration/window_test.h"
 
 namespace saccade {
 namespace {
@@ -36,129 +32,11 @@ const std::string scenarios = std::string(SACCADE_SOURCE_DIR) + "/scenarios/";
 constexpr ImageSize image{128, 128};
 const ViewLayout layout(1280, 720);
 
-bool until(const std::function<bool()>& holds, double seconds = 60.0) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
-  while (std::chrono::steady_clock::now() < end) {
-    if (holds()) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
-  return false;
-}
-
-pid_t start(const std::string& command) {
-  const pid_t child = fork();
-  if (child == 0) {
-    execl("/bin/sh", "sh", "-c", ("exec " + command).c_str(), static_cast<char*>(nullptr));
-    _exit(127);
-  }
-  return child;
-}
-
-int end_of(pid_t child) {
-  int status = 0;
-  waitpid(child, &status, 0);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
-}
-
-/// A virtual display of the size of the window.
-class Display {
- public:
-  explicit Display(const fs::path& folder) {
-    const fs::path number = folder / "display";
-    // Without -noreset the server resets when its last client leaves, and refuses connections meanwhile.
-    server_ = start("Xvfb -displayfd 3 -noreset -screen 0 1280x720x24 -nolisten tcp 3>'" + number.string() +
-                    "' >/dev/null 2>&1");
-    if (until([&] { return bytes_of(number).ends_with('\n'); })) {
-      name_ = ":" + bytes_of(number);
-      name_.pop_back();
-    }
-  }
-  ~Display() {
-    kill(server_, SIGTERM);
-    waitpid(server_, nullptr, 0);
-  }
-  Display(const Display&) = delete;
-  Display& operator=(const Display&) = delete;
-
-  [[nodiscard]] const std::string& name() const { return name_; }
-  [[nodiscard]] std::string in_shell(const std::string& command) const {
-    return "DISPLAY=" + name_ + " " + command;
-  }
-
- private:
-  pid_t server_ = 0;
-  std::string name_;
-};
-
-class ViewWindow : public testing::Test {
+class ViewWindow : public WindowTest {
  protected:
-  void SetUp() override {
-    if (run_shell("command -v Xvfb && command -v xdotool").status != 0)
-      GTEST_SKIP() << "NOT TESTED: the window, Xvfb and xdotool are missing (packages xvfb, xdotool)";
-    display_.emplace(folder_ / "");
-    ASSERT_FALSE(display_->name().empty()) << "Xvfb does not start";
-  }
-  void TearDown() override {
-    if (child_ > 0) {
-      kill(child_, SIGKILL);
-      waitpid(child_, nullptr, 0);
-    }
-  }
-
-  [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
-
-  /// Starts saccade and waits for its window.
-  void open(const std::string& arguments) {
-    child_ = start("env " +
-                   display_->in_shell("'" + binary + "' " + arguments + " >'" + path("output") + "' 2>&1"));
-    ASSERT_TRUE(until([&] { return xdotool("search --name 'saccade view' windowfocus").status == 0; }))
-        << bytes_of(path("output"));
-  }
-  Outcome xdotool(const std::string& what) const { return run_shell(display_->in_shell("xdotool " + what)); }
-  void press(const std::string& keys) const { xdotool("key --delay 20 " + keys); }
+  void open(const std::string& arguments) { open_window(arguments, "saccade view"); }
   /// Clicks on the timeline at a share of the recording's time.
-  void click_time(double share) const {
-    const Area strip = layout.time_strip();
-    xdotool("mousemove " + std::to_string(std::lround(strip.x + share * strip.width)) + " " +
-            std::to_string(std::lround(strip.y + strip.height / 2)) + " sleep 0.1 click 1");
-  }
-  /// What the window shows after all input so far has taken effect; BGR.
-  cv::Mat screenshot() {
-    press("s");
-    const fs::path folder = path("pictures");
-    std::vector<fs::path> files;
-    EXPECT_TRUE(until([&] {
-      files.clear();
-      std::error_code none_yet;
-      for (const auto& entry : fs::directory_iterator(folder, none_yet)) {
-        if (entry.path().extension() == ".png" && !shots_.contains(entry.path()))
-          files.push_back(entry.path());
-      }
-      return !files.empty();
-    })) << "no screenshot; output: "
-        << bytes_of(path("output"));
-    if (files.empty()) return cv::Mat(720, 1280, CV_8UC3, cv::Scalar::all(0));
-    shots_.insert(files.front());
-    newest_shot_ = files.front();
-    return cv::imread(files.front().string());
-  }
-  /// Time of the newest screenshot, from its name.
-  [[nodiscard]] std::int64_t shot_us() const {
-    const std::string name = newest_shot_.filename().string();
-    const std::size_t end = name.rfind("ms");
-    return 1000 * std::stoll(name.substr(end - 6, 6));
-  }
-  void quit() {
-    press("q");
-    EXPECT_EQ(end_of(child_), 0) << bytes_of(path("output"));
-    child_ = 0;
-  }
-
-  TempFolder folder_;
-  std::optional<Display> display_;
-  pid_t child_ = 0;
-  std::set<fs::path> shots_;
-  fs::path newest_shot_;
+  void click_time(double share) const { click_strip(layout.time_strip(), share); }
 };
 
 cv::Mat cut(const cv::Mat& shot, const Area& area) {

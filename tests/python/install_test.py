@@ -43,8 +43,8 @@ def test_the_installed_module_steps_and_uses_the_installed_models(tmp_path):
         assert failed.returncode != 0 and str(model) in failed.stderr
 
 
-def test_the_installed_program_has_the_worker_of_detectors_in_python(tmp_path):
+def test_the_installed_program_has_the_worker_of_classes_in_python(tmp_path):
     subprocess.run(["cmake", "--install", os.environ["SACCADE_BUILD"], "--prefix", tmp_path, "--component", "program"],
                    check=True, capture_output=True)
-    worker = tmp_path / "libexec" / "saccade" / "saccade-detector-worker"
+    worker = tmp_path / "libexec" / "saccade" / "saccade-worker"
     assert os.access(worker, os.X_OK)

@@ -3,6 +3,8 @@
 #include <lz4frame.h>
 #include <zstd.h>
 
+#include <bit>
+
 namespace saccade {
 namespace {
 
@@ -73,6 +75,170 @@ SmallFile aedat4(const std::string& name, Compression compression, bool with_tab
     pieces[0].bytes = aedat4_header(compression, static_cast<std::int64_t>(end));
   }
   return {name, pieces};
+}
+
+/// CRC-32 as in ZIP and MCAP, bit by bit.
+std::uint32_t crc_of(std::string_view bytes) {
+  std::uint32_t crc = 0xffffffff;
+  for (const char c : bytes) {
+    crc ^= static_cast<unsigned char>(c);
+    for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ ((crc & 1) != 0 ? 0xedb88320 : 0);
+  }
+  return ~crc;
+}
+
+/// An array of NumPy's format, version 1.
+std::string npy(const std::string& descr, const std::string& shape, const std::string& data) {
+  const std::string header = "{'descr': " + descr + ", 'fortran_order': False, 'shape': " + shape + ", }\n";
+  return "\x93NUMPY" + std::string("\1\0", 2) + little_endian(static_cast<std::uint16_t>(header.size())) +
+         header + data;
+}
+
+/// A ZIP file whose members are stored, in the pieces that its members are. The last one has the events.
+SmallFile npz(const std::string& name, const std::vector<std::pair<std::string, std::string>>& members,
+              const std::vector<Event>& events) {
+  SmallFile file{name, {}};
+  std::string directory;
+  std::size_t place = 0;
+  for (const auto& [member, data] : members) {
+    const std::string sizes = little_endian(crc_of(data)) +
+                              little_endian(static_cast<std::uint32_t>(data.size())) +
+                              little_endian(static_cast<std::uint32_t>(data.size())) +
+                              little_endian(static_cast<std::uint16_t>(member.size())) + std::string(2, '\0');
+    const std::string common = little_endian_words<std::uint16_t>({20, 0, 0, 0, 33}) + sizes;
+    file.pieces.push_back({"PK\3\4" + common + member + data, {}, false});
+    directory += "PK\1\2" + little_endian<std::uint16_t>(20) + common + std::string(10, '\0') +
+                 little_endian(static_cast<std::uint32_t>(place)) + member;
+    place += file.pieces.back().bytes.size();
+  }
+  const auto count = static_cast<std::uint16_t>(members.size());
+  file.pieces.back().events = events;
+  file.pieces.push_back({directory + "PK\5\6" + little_endian_words<std::uint16_t>({0, 0, count, count}) +
+                             little_endian(static_cast<std::uint32_t>(directory.size())) +
+                             little_endian(static_cast<std::uint32_t>(place)) + std::string(2, '\0'),
+                         {},
+                         false});
+  return file;
+}
+
+std::string with_length(std::string_view text) {
+  return little_endian(static_cast<std::uint32_t>(text.size())) + std::string(text);
+}
+
+/// A record of a bag of ROS 1.
+std::string bag_record(const std::vector<std::string>& fields, const std::string& data) {
+  std::string header;
+  for (const std::string& field : fields) header += with_length(field);
+  return with_length(header) + with_length(data);
+}
+
+std::string bag_op(char op) { return std::string("op=") + op; }
+std::string bag_conn(std::uint32_t conn) { return "conn=" + little_endian(conn); }
+
+/// A dvs_msgs/EventArray in ROS 1's serialisation.
+std::string event_array(const std::vector<Event>& events) {
+  std::string bytes =
+      little_endian_words<std::uint32_t>({7, 1, 2}) + with_length("") +
+      little_endian_words<std::uint32_t>({240, 304, static_cast<std::uint32_t>(events.size())});
+  for (const Event& event : events) {
+    bytes += little_endian(event.x) + little_endian(event.y);
+    bytes += little_endian(static_cast<std::uint32_t>(event.t_us / 1'000'000));
+    bytes += little_endian(static_cast<std::uint32_t>(event.t_us % 1'000'000 * 1000));
+    bytes += event.on ? '\1' : '\0';
+  }
+  return bytes;
+}
+
+/// A bag whose recorder was killed, without an index: a chunk of a connection and messages on it.
+SmallFile bag() {
+  const std::vector<Event> one = {{1'500'000'000'000'123, 3, 4, true, 0},
+                                  {1'500'000'000'000'125, 303, 0, false, 0}};
+  const std::vector<Event> two = {{1'500'000'000'000'130, 0, 239, true, 1}};
+  const auto connection = [](std::uint32_t conn, const std::string& topic, const std::string& type) {
+    return bag_record({bag_op(7), bag_conn(conn), "topic=" + topic},
+                      with_length("topic=" + topic) + with_length("type=" + type) + with_length("md5sum=*"));
+  };
+  const auto message = [](std::uint32_t conn, const std::string& data) {
+    return bag_record(
+        {bag_op(2), bag_conn(conn), "time=" + little_endian_words<std::uint32_t>({1500000000, 200000})},
+        data);
+  };
+  const auto chunk = [](const std::string& records) {
+    return bag_record(
+        {bag_op(5), "compression=none", "size=" + little_endian(static_cast<std::uint32_t>(records.size()))},
+        records);
+  };
+  return {
+      "events.bag",
+      {{"#ROSBAG V2.0\n", {}},
+       {bag_record({bag_op(3), "index_pos=" + little_endian<std::uint64_t>(0),
+                    "conn_count=" + little_endian(0), "chunk_count=" + little_endian(0)},
+                   std::string(20, ' ')),
+        {}},
+       {chunk(connection(0, "/left/events", "dvs_msgs/EventArray") +
+              connection(1, "/imu", "sensor_msgs/Imu") + message(1, "imu") + message(0, event_array(one))),
+        one},
+       {bag_record({bag_op(4), "ver=" + little_endian(1), bag_conn(0), "count=" + little_endian(0)}, ""), {}},
+       {chunk(connection(2, "/right/events", "dvs_msgs/EventArray") + message(2, event_array(two))), two}}};
+}
+
+std::string mcap_record(char op, const std::string& bytes) {
+  return std::string(1, op) + little_endian(static_cast<std::uint64_t>(bytes.size())) + bytes;
+}
+
+/// An event_camera_msgs/EventPacket in CDR; `frame` is chosen so that all members lie at multiples of their sizes.
+std::string event_packet(std::uint64_t time_base_ns, const std::string& encoding, const std::string& events) {
+  // In front: serialisation, stamp, frame of 3 letters and NUL. Then height, width, seq, time_base.
+  std::string bytes = std::string("\0\1\0\0", 4) + little_endian_words<std::uint32_t>({1, 2, 4}) +
+                      std::string("cam\0", 4) + little_endian_words<std::uint32_t>({240, 304}) +
+                      little_endian<std::uint64_t>(9) + little_endian(time_base_ns);
+  bytes += with_length(encoding + '\0') + '\0';
+  while ((bytes.size() - 4) % 4 != 0) bytes += '\0';
+  return bytes + with_length(events);
+}
+
+SmallFile mcap() {
+  const auto mono = [](std::uint32_t after_ns, const Event& event) {
+    return little_endian(static_cast<std::uint64_t>(event.on) << 63 |
+                         static_cast<std::uint64_t>(event.y) << 48 |
+                         static_cast<std::uint64_t>(event.x) << 32 | after_ns);
+  };
+  const std::vector<Event> one = {{1'500'000'000'000'123, 3, 4, true, 0},
+                                  {1'500'000'000'000'125, 303, 0, false, 0}};
+  const std::vector<Event> two = {{1'500'000'000'000'130, 0, 239, true, 0},
+                                  {1'500'000'000'000'129, 7, 8, false, 0}};
+  const std::vector<Event> three = {{(0xb2d << 12) + 1, 100, 200, true, 0}};
+  const std::string schema =
+      mcap_record(3, little_endian<std::uint16_t>(1) + with_length("event_camera_msgs/msg/EventPacket") +
+                         with_length("ros2msg") + with_length(""));
+  const std::string channel =
+      mcap_record(4, little_endian_words<std::uint16_t>({5, 1}) + with_length("/events") +
+                         with_length("cdr") + with_length(""));
+  const auto message = [](const std::string& data) {
+    return mcap_record(5, little_endian<std::uint16_t>(5) + little_endian(0) +
+                              little_endian_words<std::uint64_t>({1'500'000'000'000'200'000, 0}) + data);
+  };
+  const auto chunk = [](const std::string& records) {
+    std::string packed(ZSTD_compressBound(records.size()), '\0');
+    packed.resize(ZSTD_compress(packed.data(), packed.size(), records.data(), records.size(), 1));
+    return mcap_record(6, little_endian_words<std::uint64_t>({0, 0, records.size()}) +
+                              little_endian(crc_of(records)) + with_length("zstd") +
+                              little_endian(static_cast<std::uint64_t>(packed.size())) + packed);
+  };
+  const std::string evt3 = little_endian_words<std::uint16_t>({0x8b2d, 0x6001, 200, 0x2000 | 0x800 | 100});
+  return {
+      "events.mcap",
+      {{text("\x89MCAP0\r\n"), {}, false},
+       {mcap_record(1, with_length("ros2") + with_length("test")), {}, false},
+       {schema + channel, {}, false},
+       {message(event_packet(1'500'000'000'000'123'000, "mono", mono(0, one[0]) + mono(2000, one[1]))), one,
+        false},
+       {chunk(message(event_packet(1'500'000'000'000'129'000, "mono", mono(1000, two[0]) + mono(0, two[1])))),
+        two, false},
+       {message(event_packet(0, "evt3", evt3)), three, false},
+       {mcap_record(15, little_endian(0)), {}, false},
+       {mcap_record(2, std::string(20, '\0')), {}, false},
+       {text("\x89MCAP0\r\n"), {}, true}}};
 }
 
 }  // namespace
@@ -184,6 +350,34 @@ std::vector<SmallFile> small_files() {
   files.push_back({"binaryevents.log",
                    {{little_endian_words<std::uint32_t>({100, on}), {{8, 303, 239, true, 0}}},
                     {little_endian_words<std::uint32_t>({125, off}), {{10, 1, 2, false, 1}}}}});
+  const std::vector<Event> of_records = {{5, 3, 4, true, 0}, {-6, 303, 239, false, 0}};
+  std::string records;
+  for (const Event& event : of_records) {
+    records += little_endian(event.t_us) + little_endian(event.x) + little_endian(event.y);
+    records += event.on ? '\1' : '\0';
+  }
+  const std::string record_array =
+      npy("[('t', '<i8'), ('x', '<u2'), ('y', '<i2'), ('p', '|b1')]", "(2,)", records);
+  files.push_back({"records.npy", {{record_array, of_records}}});
+  files.push_back(
+      npz("records.npz",
+          {{"sensor_size.npy", npy("'<i4'", "(3,)", little_endian_words<std::int32_t>({304, 240, 2}))},
+           {"events.npy", record_array}},
+          of_records));
+  // Times in s, polarities -1 and 1.
+  files.push_back(
+      npz("columns.npz",
+          {{"x.npy", npy("'>u2'", "(2,)", big_endian<std::uint16_t>(9) + big_endian<std::uint16_t>(258))},
+           {"t.npy", npy("'<f8'", "(2,)",
+                         little_endian(std::bit_cast<std::uint64_t>(0.25)) +
+                             little_endian(std::bit_cast<std::uint64_t>(-1.0000001)))},
+           {"p.npy", npy("'|i1'", "(2,)", "\xff\x01")},
+           {"y.npy", npy("'<f4'", "(2,)",
+                         little_endian(std::bit_cast<std::uint32_t>(7.0F)) +
+                             little_endian(std::bit_cast<std::uint32_t>(8.0F)))}},
+          {{250'000, 9, 7, false, 0}, {-1'000'000, 258, 8, true, 0}}));
+  files.push_back(bag());
+  files.push_back(mcap());
   return files;
 }
 

@@ -143,6 +143,22 @@ TEST(VideoComposer, WritesAVideoInRealTimeThatAppearsOnCommit) {
   fs::remove(path);
 }
 
+TEST(VideoComposer, AtATenthOfTheSpeedThereAreTenTimesTheImages) {
+  const fs::path folder = fs::path(testing::TempDir()) / "saccade_slow_video";
+  fs::create_directories(folder);
+  AnnotatedImage eye;
+  eye.size = {64, 64};
+  VideoComposer video(folder / "video.mp4", 0.1);
+  int images = 0;
+  for (std::int64_t t_us = 0; t_us <= 100'000; t_us += 1000) {
+    if (!video.is_due(t_us)) continue;
+    video.add({}, eye, "");
+    ++images;
+  }
+  EXPECT_EQ(images, VideoComposer::frame_hz + 1);
+  fs::remove_all(folder);
+}
+
 TEST(VideoComposer, WithoutCommitLeavesNothing) {
   const fs::path folder = fs::path(testing::TempDir()) / "saccade_no_video";
   fs::create_directories(folder);

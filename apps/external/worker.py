@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Runs a detector written in Python for saccade (docs/external_detectors.md).
+"""Runs a detector or a gaze controller written in Python for saccade (docs/external_detectors.md, external_controllers.md).
 
-usage: saccade-detector-worker FILE.py:CLASS [key=value]...
+usage: saccade-worker FILE.py:CLASS [key=value]...
 """
 
 import ast
@@ -24,13 +24,23 @@ class Motion:
         self.angular_velocity_rad_s = np.array(numbers[15:18])
 
 
-def load(place, arguments, size):
-    """The detector: an instance of the class with the image size and the arguments."""
+class Limits:
+    """Of the six joints of neck and eyes, neck pitch first: min_rad, max_rad, speed_rad_s."""
+
+    def __init__(self, numbers):
+        self.min_rad, self.max_rad, self.speed_rad_s = np.reshape(numbers, (3, 6))
+
+
+def load(place, arguments, first):
+    """An instance of the class with its first argument and the keyword arguments."""
+    here = os.path.dirname(os.path.realpath(__file__))
+    for folder in ("../python", "../../lib/python3/dist-packages"):  # the module saccade, where it was built or installed
+        sys.path.append(os.path.normpath(os.path.join(here, folder)))
     path, _, name = place.rpartition(":")
     sys.path.insert(0, os.path.dirname(os.path.abspath(path)))
-    spec = importlib.util.spec_from_file_location("detector", path)
+    spec = importlib.util.spec_from_file_location("own", path)
     module = importlib.util.module_from_spec(spec)
-    sys.modules["detector"] = module
+    sys.modules["own"] = module
     spec.loader.exec_module(module)
     keywords = {}
     for argument in arguments:
@@ -39,7 +49,7 @@ def load(place, arguments, size):
             keywords[key] = ast.literal_eval(text)
         except (SyntaxError, ValueError):
             keywords[key] = text
-    return getattr(module, name)(size, **keywords)
+    return getattr(module, name)(first, **keywords)
 
 
 def answer_of(estimate):
@@ -51,12 +61,7 @@ def answer_of(estimate):
     return f"circle {float(x)!r} {float(y)!r} {float(r)!r} {float(score)!r}{word}\n".encode()
 
 
-def main():
-    source, answers = sys.stdin.buffer, os.fdopen(os.dup(1), "wb", buffering=0)
-    os.dup2(2, 1)  # what the detector prints is not an answer
-    source.readline()  # the protocol's name and version
-    camera = source.readline().split()
-    detector = load(sys.argv[1], sys.argv[2:], (int(camera[1]), int(camera[2])))
+def run_detector(detector, source, answers):
     answers.write(f"ready {float(detector.threshold)!r} binary motion\n".encode())
     has_advance = hasattr(detector, "advance_to")
     while line := source.readline():
@@ -69,6 +74,29 @@ def main():
         if has_advance:
             detector.advance_to(int(now_us), motion)
         answers.write(answer_of(detector.estimate()))
+
+
+def run_controller(controller, source, answers):
+    answers.write(b"ready\n")
+    while line := source.readline():
+        words = line.split()[1:]
+        dt_s, joints_rad = float(words[0]), np.array([float(w) for w in words[1:10]])
+        target_m = np.array([float(w) for w in words[10:]]) if len(words) == 13 else None
+        if words[10] == b"rest":
+            controller.rest()
+        reference_rad = controller.step(joints_rad, target_m, dt_s)
+        answers.write(b"reference" + b"".join(b" " + repr(float(a)).encode() for a in reference_rad) + b"\n")
+
+
+def main():
+    source, answers = sys.stdin.buffer, os.fdopen(os.dup(1), "wb", buffering=0)
+    os.dup2(2, 1)  # what the class prints is not an answer
+    kind = source.readline().split()[0]  # the protocol's name, then its version
+    words = source.readline().split()[1:]
+    if kind == b"saccade-detector":
+        run_detector(load(sys.argv[1], sys.argv[2:], (int(words[0]), int(words[1]))), source, answers)
+    else:
+        run_controller(load(sys.argv[1], sys.argv[2:], Limits([float(w) for w in words])), source, answers)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,84 @@
+#include "apps/external/external_controller.h"
+
+#include "apps/external/line_text.h"
+#include "core/error.h"
+
+namespace saccade {
+namespace {
+
+constexpr std::string_view reference_form = "`reference` and six angles, rad";
+
+}  // namespace
+
+std::optional<HeadJointVector> parse_reference(std::string_view line) {
+  if (next_word(line) != "reference") return std::nullopt;
+  HeadJointVector reference_rad;
+  for (double& angle_rad : reference_rad) {
+    const auto number = next_number(line);
+    if (!number) return std::nullopt;
+    angle_rad = *number;
+  }
+  return next_word(line).empty() ? std::optional(reference_rad) : std::nullopt;
+}
+
+ExternalController::ExternalController(std::string name, const std::vector<std::string>& command_line,
+                                       const AnswerLimits& answers, const MotionLimits& limits)
+    : name_(std::move(name)),
+      process_(command_line),
+      answer_limit_(milliseconds(answers.answer_limit_s)),
+      limits_(limits),
+      reference_rad_(HeadJointVector::Zero().cwiseMax(limits.min_rad).cwiseMin(limits.max_rad)) {
+  message_ = "saccade-controller 1\nlimits";
+  for (const HeadJointVector& row : {limits.min_rad, limits.max_rad, limits.speed_rad_s}) {
+    for (const double value : row) append_word(message_, value);
+  }
+  message_ += '\n';
+  const auto limit = milliseconds(answers.start_limit_s);
+  const LineProcess::Status status = process_.exchange(message_, limit, answer_);
+  if (status != LineProcess::Status::ok) {
+    const std::string end = process_.stop();
+    throw RunError("gaze controller " + reason_of(status, name_, "at its start", limit, end));
+  }
+  if (answer_ != "ready")
+    throw RunError("gaze controller " + name_ + " answered " + shown(answer_) +
+                   " at its start, expected `ready`");
+}
+
+void ExternalController::write_step(const HeadState& state, const std::optional<Eigen::Vector3d>& target_m,
+                                    double dt_s) {
+  message_ = "step";
+  append_word(message_, dt_s);
+  for (const double value : state.position_rad) append_word(message_, value);
+  if (target_m) {
+    for (const double value : *target_m) append_word(message_, value);
+  } else {
+    message_ += rest_ ? " rest" : " none";
+  }
+  message_ += '\n';
+  rest_ = false;
+}
+
+HeadJointVector ExternalController::step(const HeadState& state,
+                                         const std::optional<Eigen::Vector3d>& target_m, double dt_s) {
+  status_ = TargetStatus::none;
+  if (!is_finite(state)) return reference_rad_;
+  if (target_m) status_ = check_gaze_target(*target_m, HeadKinematics(state.position_rad));
+  if (!failure_.empty()) return reference_rad_;
+  write_step(state, status_ == TargetStatus::ok ? target_m : std::nullopt, dt_s);
+  const LineProcess::Status status = process_.exchange(message_, answer_limit_, answer_);
+  const auto reference_rad = status == LineProcess::Status::ok ? parse_reference(answer_) : std::nullopt;
+  if (reference_rad) {
+    reference_rad_ = reference_rad->cwiseMax(limits_.min_rad).cwiseMin(limits_.max_rad);
+    return reference_rad_;
+  }
+  std::string moment = "at ";
+  append(moment, static_cast<double>(state.t_us) * 1e-6);
+  moment += " s";
+  const std::string end = process_.stop();
+  failure_ = status == LineProcess::Status::ok ? name_ + " answered " + shown(answer_) + " " + moment +
+                                                     ", expected " + std::string(reference_form)
+                                               : reason_of(status, name_, moment, answer_limit_, end);
+  return reference_rad_;
+}
+
+}  // namespace saccade

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <array>
+#include <charconv>
+#include <chrono>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "apps/external/line_process.h"
+
+namespace saccade {
+
+/// Words and numbers in the lines that programs of one's own exchange with us.
+
+/// Appends the shortest text that reads back as the same number.
+template <class Number>
+void append(std::string& text, Number value) {
+  std::array<char, 32> digits;
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
+  text.append(digits.data(), end);
+}
+/// The same after a space.
+template <class Number>
+void append_word(std::string& text, Number value) {
+  text += ' ';
+  append(text, value);
+}
+
+/// The next word of the line, which is shortened by it; empty at the end.
+[[nodiscard]] std::string_view next_word(std::string_view& line);
+/// The next word as a finite number; none where it is not one.
+[[nodiscard]] std::optional<double> next_number(std::string_view& line);
+
+/// A line of a program in a message: `...`, shortened to 80 letters.
+[[nodiscard]] std::string shown(std::string_view line);
+
+[[nodiscard]] std::chrono::milliseconds milliseconds(double seconds);
+
+/// Why a program is ended after an exchange whose status is not ok: "mine gave no answer at 0.2 s within 200 ms". `moment`:
+/// "at 0.2 s". `end`: LineProcess::stop().
+[[nodiscard]] std::string reason_of(LineProcess::Status status, const std::string& name,
+                                    const std::string& moment, std::chrono::milliseconds limit,
+                                    const std::string& end);
+
+}  // namespace saccade

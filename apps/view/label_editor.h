@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "apps/view/circle_labels.h"
+#include "apps/view/images.h"
+
+namespace saccade {
+
+/// What the window of `saccade label` changes and shows, without the window: an instant of a recording, the circles at
+/// instants, and what mouse and keys do to them. Coordinates are pixels of the recording's image.
+class LabelEditor {
+ public:
+  /// `events`: at least one; they are sorted by time here.
+  LabelEditor(std::vector<Event> events, ImageSize image, CircleLabels labels);
+
+  [[nodiscard]] ImageSize image_size() const { return image_; }
+  [[nodiscard]] std::int64_t first_us() const { return first_us_; }
+  [[nodiscard]] std::int64_t last_us() const { return last_us_; }
+  [[nodiscard]] const CircleLabels& labels() const { return labels_; }
+  /// Whether the labels differ from those last marked as saved.
+  [[nodiscard]] bool unsaved() const { return unsaved_; }
+  void mark_saved() { unsaved_ = false; }
+
+  [[nodiscard]] std::int64_t now_us() const { return now_us_; }
+  /// Goes to an instant, the first or the last one where it lies outside. Ends a drag.
+  void seek(std::int64_t t_us);
+  void seek_previous_label();
+  void seek_next_label();
+
+  /// Events shown: those at most so far from the instant, before or after it.
+  [[nodiscard]] std::int64_t reach_us() const { return reach_us_; }
+  /// Shows events `factor` times as far away, within 100 us and 1 s.
+  void scale_reach(double factor);
+  [[nodiscard]] std::span<const Event> shown_events() const;
+  /// Number of events in each of `parts` equal parts of the recording.
+  [[nodiscard]] std::vector<float> event_counts(std::size_t parts) const;
+
+  /// The circle of this instant, or the hint for it.
+  [[nodiscard]] std::optional<Circle> circle() const { return labels_.hint(now_us_); }
+  /// Whether the instant has a label: a circle, or the mark that the ball is hidden.
+  [[nodiscard]] bool labelled() const { return labels_.at(now_us_) != nullptr; }
+  [[nodiscard]] bool hidden() const;
+
+  /// A press on the outline takes hold of the radius, one inside the circle of the centre; one elsewhere places the circle
+  /// there. drag() follows until release().
+  void press(double x_px, double y_px);
+  void drag(double x_px, double y_px);
+  void release() { hold_ = Hold::nothing; }
+  /// Changes the radius of the instant's circle, or of the hint, which becomes a label.
+  void grow(double px);
+  /// Moves the centre likewise.
+  void move(double x_px, double y_px);
+  /// The hint becomes a label.
+  void accept_hint();
+  /// The ball is hidden at this instant; a second call removes the mark.
+  void toggle_hidden();
+  void remove();
+  /// Takes back the last change, up to 1000 of them; a drag is one. Goes to the instant of that change.
+  void undo();
+
+ private:
+  enum class Hold { nothing, centre, radius };
+  struct Change {
+    std::int64_t t_us = 0;
+    std::optional<TruthRow> before;  ///< none: there was no row
+  };
+
+  /// Remembers the state of this instant before a change.
+  void begin_change();
+  void place(Circle circle);
+
+  std::vector<Event> events_;
+  ImageSize image_;
+  CircleLabels labels_;
+  std::int64_t first_us_ = 0;
+  std::int64_t last_us_ = 0;
+  std::int64_t now_us_ = 0;
+  std::int64_t reach_us_ = 5'000;
+  bool unsaved_ = false;
+  Hold hold_ = Hold::nothing;
+  double hold_x_px_ = 0.0;  ///< of the centre from the mouse
+  double hold_y_px_ = 0.0;
+  double last_r_px_ = 0.0;  ///< of the circle placed last
+  std::vector<Change> changes_;
+};
+
+/// Paints the events around an instant, each pixel in the polarity of its event nearest in time, paler with the distance.
+void paint_instant(const LabelEditor& editor, RgbImage& rgb);
+
+}  // namespace saccade

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "core/event.h"
+#include "recording/wrapping_time.h"
+
+namespace saccade {
+
+/// Continues the upper 12 bits of EVT3's time. A sensor sends them every 4 ms or sooner, so that half of the range is enough
+/// to recognise a wrap.
+inline WrappingTime evt3_high() { return {{{0, 4096}}, 2048, 1024}; }
+
+/// Words of EVT3 (recording/evt_codec.h) as events, piece by piece. Events before the first time, or before the first row
+/// after it, are counted and left out.
+class Evt3Decoder {
+ public:
+  static constexpr std::size_t word_bytes = 2;
+  static constexpr std::size_t most_events_of_word = 12;
+
+  struct Step {
+    std::size_t words = 0;                                ///< decoded
+    std::size_t events = 0;                               ///< written
+    std::optional<unsigned> unknown_type = std::nullopt;  ///< of the word after them
+  };
+
+  /// `offset_us` is added to all times.
+  explicit Evt3Decoder(std::int64_t offset_us = 0) : offset_us_(offset_us) {}
+
+  /// Decodes words until they end, one has an unknown type, or fewer than most_events_of_word places are left in `out`,
+  /// which must have that many.
+  [[nodiscard]] Step run(std::string_view bytes, std::span<Event> out);
+
+  [[nodiscard]] std::int64_t events_without_time() const { return events_without_time_; }
+  [[nodiscard]] std::int64_t triggers() const { return triggers_; }
+  [[nodiscard]] std::int64_t other_words() const { return other_words_; }
+
+ private:
+  std::size_t put_vector(std::span<Event> out, std::size_t n, unsigned pixels, unsigned length);
+  void set_high(std::int64_t value);
+
+  std::int64_t offset_us_;
+  std::int64_t events_without_time_ = 0;
+  std::int64_t triggers_ = 0;
+  std::int64_t other_words_ = 0;
+  bool timed_ = false;
+  bool begun_ = false;  ///< from the first row after the first time on
+  std::int64_t t_us_ = 0;
+  std::int64_t high_us_ = 0;
+  std::int64_t low_ = 0;
+  std::uint16_t y_ = 0;
+  std::uint16_t base_x_ = 0;
+  bool base_on_ = false;
+  WrappingTime high_ = evt3_high();
+};
+
+/// Types of EVT3's words.
+enum Evt3 : std::uint16_t {
+  addr_y = 0x0,
+  addr_x = 0x2,
+  vect_base_x = 0x3,
+  vect_12 = 0x4,
+  vect_8 = 0x5,
+  time_low = 0x6,
+  continued_4 = 0x7,
+  time_high = 0x8,
+  trigger = 0xa,
+  others = 0xe,
+  continued_12 = 0xf
+};
+
+}  // namespace saccade

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "recording/block_reader.h"
+#include "recording/event_message.h"
+#include "recording/unpacked_part.h"
+
+namespace saccade {
+
+/// Base of the readers of files that hold ROS messages on topics, in parts that may be compressed.
+///
+/// The first topic with events is camera 0, a second one camera 1; a topic with `right` in its name is always camera 1, one
+/// with `left` camera 0. Messages of further topics with events and of other types are skipped and counted.
+class MessageReader : public BlockReader {
+ public:
+  std::optional<ImageSize> image_size() const override;
+  std::string format() const override;
+  std::string skipped() const override;
+  std::optional<std::int64_t> host_ahead_us() const override { return host_ahead_us_; }
+
+ protected:
+  static constexpr std::size_t most_message_bytes = 1 << 26;
+  static constexpr std::size_t most_header_bytes = 1 << 20;
+
+  /// `container`: for format().
+  MessageReader(InputFile file, std::string container, const EventReadOptions& options);
+
+  /// Reads on until a message of events was passed to take(); false at the end of the file. Throws InputError for broken
+  /// content.
+  virtual bool next() = 0;
+
+  /// Reads up to the first events, so that the image size is there: the last call of a constructor.
+  void read_ahead();
+  /// A topic is announced. `id`: of the container. Announcing one again changes nothing.
+  void add_topic(std::uint32_t id, const std::string& name, const std::string& type,
+                 Serialisation serialisation);
+  /// Whether take() must get the messages of that topic; counts a message of another one.
+  [[nodiscard]] bool wants(std::uint32_t id);
+  /// A message on a topic that wants() accepted. `host_ns`: when it was recorded.
+  void take(std::uint32_t id, std::string_view message, std::uint64_t host_ns);
+  /// A decompressor for a part compressed so ("none", "", "lz4", "bz2", "zstd"). Throws InputError for another word.
+  [[nodiscard]] std::unique_ptr<Decompressor> decompressor(const std::string& word);
+
+  bool decode(std::span<Event> block, std::size_t& count) final;
+
+  UnpackedPart part_{file_};
+
+ private:
+  struct Topic {
+    std::string name, type;
+    std::optional<EventMessageDecoder> decoder;  ///< none: its messages are skipped
+    std::uint8_t camera = 0;
+    std::int64_t skipped = 0;
+  };
+
+  std::string container_;
+  std::optional<ImageSize> size_option_;
+  std::string compression_;
+  std::map<std::uint32_t, Topic> topics_;
+  std::vector<Event> events_;  ///< of the newest message, those from next_ on not yet read
+  std::size_t next_ = 0;
+  std::optional<std::int64_t> host_ahead_us_;
+  std::optional<InputError> failure_;  ///< thrown after events_
+};
+
+}  // namespace saccade

@@ -1,0 +1,263 @@
+// Files of other tools that hold arrays or messages: NumPy, bags of ROS 1, MCAP.
+#include <bzlib.h>
+#include <lz4frame.h>
+
+#include "recording/event_message.h"
+#include "recording/format_registry.h"
+#include "tests/core/streams.h"
+#include "tests/recording/read_events.h"
+#include "tests/recording/small_files.h"
+
+namespace saccade {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+constexpr ImageSize image{304, 240};
+constexpr std::array written_names = {"a.npz", "a.npy", "a.bag", "a.packets.bag", "a.mcap"};
+
+void write_events(const std::filesystem::path& path, const std::vector<Event>& events, int cameras = 1) {
+  const auto writer = create_event_file(path, image, cameras);
+  writer->write(events);
+  writer->commit();
+}
+
+/// The file `name` of small_files().
+SmallFile small_file(const std::string& name) {
+  for (const SmallFile& file : small_files()) {
+    if (file.name == name) return file;
+  }
+  return {};
+}
+
+std::string replaced(std::string text, std::string_view what, std::string_view by) {
+  const std::size_t place = text.find(what);
+  EXPECT_NE(place, std::string::npos);
+  return text.replace(place, what.size(), by);
+}
+
+TEST(RobotFormats, RoundTripsKeepEveryEventAndGiveTheSameBytesAgain) {
+  const TempFolder folder;
+  for (const char* name : written_names) {
+    // Several messages and chunks; a silence of 100 s, and times that go back.
+    std::vector<Event> events = streams::random(image, 150'000, 3);
+    std::vector<Event> later = streams::shifted(streams::random(image, 9'000, 4), 100'000'000);
+    std::swap(later[100], later[200]);
+    events.insert(events.end(), later.begin(), later.end());
+    write_events(folder / name, events);
+    const auto reader = open_event_file(folder / name);
+    EXPECT_EQ(reader->image_size(), image) << name;
+    EXPECT_TRUE(read_all(*reader) == events) << name;
+    EXPECT_EQ(reader->skipped(), "") << name;
+    const std::string again = std::string("again_") + name;
+    write_events(folder / again, events);
+    EXPECT_TRUE(bytes_of(folder / name) == bytes_of(folder / again)) << name;
+  }
+}
+
+TEST(RobotFormats, AFileWithoutEventsIsWrittenAndRead) {
+  const TempFolder folder;
+  for (const char* name : written_names) {
+    write_events(folder / name, {});
+    EXPECT_TRUE(read_file(folder / name).empty()) << name;
+  }
+}
+
+TEST(RobotFormats, AWrittenFileThatIsCutGivesItsFirstEventsAndThenAnError) {
+  const std::vector<Event> events = streams::random({128, 128}, 40, 5);
+  for (const char* name : written_names) {
+    const TempFolder folder;
+    write_events(folder / name, events);
+    const std::string whole = bytes_of(folder / name);
+    // A bag is whole for its first two records too: one of a recorder that was killed has no more.
+    const std::size_t errors = count_errors_of_cut_files(whole, events);
+    EXPECT_GE(errors + 3, whole.size()) << name;
+  }
+}
+
+TEST(RobotFormats, HeadersOfAnyBytesAreNeverMoreThanAnError) {
+  for (const SmallFile& file : small_files()) {
+    const bool is_one = file.name.ends_with(".npz") || file.name.ends_with(".npy") ||
+                        file.name.ends_with(".bag") || file.name.ends_with(".mcap");
+    if (!is_one) continue;
+    const TempFolder folder;
+    const std::string whole = file.bytes();
+    for (std::size_t place = 0; place < whole.size(); ++place) {
+      for (const char value : {'\x00', '\x7f', '\xff'}) {
+        std::string broken = whole;
+        broken[place] = value;
+        try {
+          (void)read_file(folder.write(file.name, broken));
+        } catch (const InputError& error) {
+          EXPECT_FALSE(error.problems().empty());
+        }
+      }
+    }
+  }
+}
+
+TEST(RobotFormats, WritersRejectTimesThatTheirMessagesCannotHold) {
+  const TempFolder folder;
+  for (const char* name : {"a.bag", "a.mcap"}) {
+    for (const std::int64_t t_us : {std::int64_t{-1}, std::int64_t{1} << 53}) {
+      EXPECT_THAT(
+          [&] {
+            write_events(folder / name, {{t_us, 1, 2, true, 0}});
+          },
+          ThrowsMessage<InputError>(AllOf(HasSubstr(name), HasSubstr("--zero-time"))));
+    }
+  }
+  EXPECT_THAT(
+      [&] {
+        (void)create_event_file(folder / "a.mcap", {304, 40'000});
+      },
+      ThrowsMessage<InputError>(HasSubstr("at most 32768 rows")));
+  write_events(folder / "a.npz", {{std::numeric_limits<std::int64_t>::min(), 1, 2, true, 0}});
+  EXPECT_EQ(read_file(folder / "a.npz").front().t_us, std::numeric_limits<std::int64_t>::min());
+}
+
+// ---- NumPy ---------------------------------------------------------------------------------------
+
+TEST(Numpy, KeepsTheEventsOfTwoCameras) {
+  const TempFolder folder;
+  const std::vector<Event> events = {{5, 3, 4, true, 0}, {6, 1, 2, false, 1}, {6, 3, 4, true, 0}};
+  for (const char* name : {"a.npz", "a.npy"}) {
+    write_events(folder / name, events, 2);
+    EXPECT_EQ(read_file(folder / name), events) << name;
+  }
+}
+
+TEST(Numpy, AnArrayOfRowsIsReadByTheOrderOfTheColumns) {
+  const TempFolder folder;
+  const std::string header = "{'descr': '<i8', 'fortran_order': False, 'shape': (2, 4), }\n";
+  const std::string file = "\x93NUMPY" + std::string("\1\0", 2) +
+                           little_endian(static_cast<std::uint16_t>(header.size())) + header +
+                           little_endian_words<std::int64_t>({3, 4, 100, 1, 5, 6, 200, 0});
+  EventReadOptions options;
+  options.columns = "xytp";
+  EXPECT_THAT(read_file(folder.write("a.npy", file), options),
+              testing::ElementsAre(Event{100, 3, 4, true, 0}, Event{200, 5, 6, false, 0}));
+}
+
+TEST(Numpy, ArraysThatAreNoEventsAreListedInTheError) {
+  const TempFolder folder;
+  const std::string records = small_file("records.npz").bytes();
+  EXPECT_THAT([&] { (void)read_file(folder.write("a.npz", replaced(records, "('x',", "('u',"))); },
+              ThrowsMessage<InputError>(
+                  AllOf(HasSubstr("sensor_size (3 x <i4), events (2 x t u y p)"), HasSubstr("--columns"))));
+}
+
+TEST(Numpy, AValueThatNoEventHasIsAnErrorWithItsRowAfterTheRowsBefore) {
+  const TempFolder folder;
+  const std::string records = small_file("records.npy").bytes();
+  const std::string row = little_endian(std::int64_t{-6}) + little_endian<std::uint16_t>(303);
+  const std::string bad = row + little_endian<std::int16_t>(-239);
+  expect_events_then_error(
+      folder.write("a.npy", replaced(records, row + little_endian<std::uint16_t>(239), bad)),
+      {{5, 3, 4, true, 0}}, "row 1: found y = -239");
+}
+
+TEST(Numpy, AnArrayWithAnotherChecksumIsAnErrorAfterItsEvents) {
+  const TempFolder folder;
+  const SmallFile file = small_file("records.npz");
+  const std::string x = little_endian<std::uint16_t>(303);
+  std::vector<Event> events = file.events();
+  events[1].x = 302;
+  expect_events_then_error(
+      folder.write("a.npz", replaced(file.bytes(), x, little_endian<std::uint16_t>(302))), events,
+      "checksum of events.npy");
+}
+
+// ---- bags and MCAP -------------------------------------------------------------------------------
+
+/// The chunk of a bag that is compressed.
+std::string packed_bag(const std::string& word, const std::string& records, const std::string& packed) {
+  const auto field = [](const std::string& text) {
+    return little_endian(static_cast<std::uint32_t>(text.size())) + text;
+  };
+  const std::string header = field("op=\5") + field("compression=" + word) +
+                             field("size=" + little_endian(static_cast<std::uint32_t>(records.size())));
+  return "#ROSBAG V2.0\n" + field(header) + field(packed);
+}
+
+TEST(RosBag, ChunksOfLz4AndBzip2AreUnpacked) {
+  const SmallFile file = small_file("events.bag");
+  const std::string& chunk = file.pieces[2].bytes;
+  // Behind the chunk's header and the length of its data.
+  const std::size_t header = 4 + static_cast<unsigned char>(chunk[0]);
+  const std::string records = chunk.substr(header + 4);
+  std::string lz4(LZ4F_compressFrameBound(records.size(), nullptr), '\0');
+  lz4.resize(LZ4F_compressFrame(lz4.data(), lz4.size(), records.data(), records.size(), nullptr));
+  std::string bz2(records.size() + 1000, '\0');
+  auto bz2_size = static_cast<unsigned>(bz2.size());
+  ASSERT_EQ(BZ2_bzBuffToBuffCompress(bz2.data(), &bz2_size, const_cast<char*>(records.data()),
+                                     static_cast<unsigned>(records.size()), 1, 0, 0),
+            BZ_OK);
+  bz2.resize(bz2_size);
+  const TempFolder folder;
+  for (const auto& [word, packed] : {std::pair{"lz4", lz4}, {"bz2", bz2}, {"none", records}}) {
+    const auto path = folder.write("a.bag", packed_bag(word, records, packed));
+    EXPECT_EQ(read_file(path), file.pieces[2].events) << word;
+  }
+  EXPECT_THAT([&] { (void)read_file(folder.write("a.bag", packed_bag("xz", records, records))); },
+              ThrowsMessage<InputError>(HasSubstr("found the compression xz")));
+}
+
+TEST(RosBag, OtherMessagesAreCountedAndTheTopicsNameTheCamera) {
+  const TempFolder folder;
+  const auto reader = open_event_file(folder.write("a.bag", small_file("events.bag").bytes()));
+  EXPECT_EQ(reader->format(), "ROS bag 2.0 dvs_msgs/EventArray");
+  EXPECT_EQ(reader->image_size(), image);
+  const std::vector<Event> events = read_all(*reader);
+  EXPECT_EQ(events.back().camera, 1) << "of /right/events";
+  EXPECT_EQ(reader->skipped(), "1 messages of /imu (sensor_msgs/Imu)");
+  EXPECT_EQ(reader->host_ahead_us(), 70) << "recorded 70 us after the newest event";
+}
+
+TEST(RosBag, AnOlderVersionIsAnErrorThatNamesTheVersionThatIsRead) {
+  const TempFolder folder;
+  EXPECT_THAT([&] { (void)read_file(folder.write("a.bag", "#ROSBAG V1.2\n")); },
+              ThrowsMessage<InputError>(HasSubstr("a bag of version 2.0")));
+}
+
+TEST(Mcap, AChunkWithAnotherChecksumIsAnErrorAfterItsEvents) {
+  const SmallFile file = small_file("events.mcap");
+  std::string bytes = file.bytes();
+  const std::size_t chunk = bytes.find("zstd") - 8;  // the checksum is in front of the word
+  bytes[chunk] = static_cast<char>(bytes[chunk] + 1);
+  std::vector<Event> events = file.pieces[3].events;
+  events.insert(events.end(), file.pieces[4].events.begin(), file.pieces[4].events.end());
+  const TempFolder folder;
+  expect_events_then_error(folder.write("a.mcap", bytes), events, "a chunk with another checksum");
+}
+
+TEST(EventMessage, PacketsOfLibcaerContinueTheirTimeOverAWrapAndTriggersAreNoEvents) {
+  EventMessageDecoder decoder(EventMessageType::event_packet, Serialisation::ros1);
+  const auto packet = [](const std::string& encoding, const std::string& events) {
+    const auto text = [](const std::string& t) {
+      return little_endian(static_cast<std::uint32_t>(t.size())) + t;
+    };
+    return little_endian_words<std::uint32_t>({0, 0, 0}) + text("") +
+           little_endian_words<std::uint32_t>({240, 304}) +
+           little_endian_words<std::uint64_t>({0, 1'000'000'400}) + text(encoding) + std::string(1, '\0') +
+           text(events);
+  };
+  const auto polarity = [](std::uint32_t x, std::uint32_t y, std::uint32_t on, std::uint32_t t) {
+    return little_endian_words<std::uint32_t>({x << 17 | y << 2 | on << 1 | 1, t});
+  };
+  std::vector<Event> events;
+  EXPECT_FALSE(
+      decoder.decode(packet("libcaer", polarity(5, 6, 1, 0x7fffffff) + polarity(7, 8, 0, 2)), events));
+  EXPECT_THAT(events, testing::ElementsAre(Event{1'000'000 + 0x7fffffff, 5, 6, true, 0},
+                                           Event{1'000'000 + (std::int64_t{1} << 31) + 2, 7, 8, false, 0}));
+  EXPECT_FALSE(decoder.decode(packet("trigger", "12345678"), events));
+  EXPECT_EQ(events.size(), 2u);
+  const auto broken = decoder.decode(packet("libcaer_cmp", "12345678"), events);
+  ASSERT_TRUE(broken);
+  EXPECT_EQ(broken->found, "a packet in the encoding libcaer_cmp");
+}
+
+}  // namespace
+}  // namespace saccade

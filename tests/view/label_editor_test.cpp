@@ -1,0 +1,195 @@
+// Circles that a person places at instants of a recording, without the window.
+#include "apps/view/label_editor.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/error.h"
+#include "tests/core/streams.h"
+#include "tests/recording/temp_folder.h"
+
+namespace saccade {
+namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+CircleLabels labels_at_10_and_20_ms() {
+  CircleLabels labels;
+  labels.place(20'000, {50.0, 40.0, 8.0});
+  labels.place(10'000, {30.0, 20.0, 4.0});
+  return labels;
+}
+
+void expect_circle(const std::optional<Circle>& circle, double x_px, double y_px, double r_px) {
+  ASSERT_TRUE(circle.has_value());
+  EXPECT_DOUBLE_EQ(circle->x_px, x_px);
+  EXPECT_DOUBLE_EQ(circle->y_px, y_px);
+  EXPECT_DOUBLE_EQ(circle->r_px, r_px);
+}
+
+TEST(CircleLabels, TheHintBetweenTwoInstantsIsOnTheLineBetweenTheirCircles) {
+  const CircleLabels labels = labels_at_10_and_20_ms();
+  expect_circle(labels.hint(10'000), 30.0, 20.0, 4.0);
+  expect_circle(labels.hint(12'500), 35.0, 25.0, 5.0);
+  EXPECT_FALSE(CircleLabels().hint(0).has_value());
+}
+
+TEST(CircleLabels, BeyondTheLastInstantTheMotionGoesOnForOneIntervalAndThenStays) {
+  const CircleLabels labels = labels_at_10_and_20_ms();
+  expect_circle(labels.hint(25'000), 60.0, 50.0, 10.0);
+  expect_circle(labels.hint(30'000), 70.0, 60.0, 12.0);
+  expect_circle(labels.hint(90'000), 70.0, 60.0, 12.0);
+  expect_circle(labels.hint(5'000), 20.0, 10.0, 2.0);
+  expect_circle(labels.hint(0), 10.0, 0.0, 0.5);  // a radius stays positive
+}
+
+TEST(CircleLabels, ThereIsNoHintNextToAnInstantAtWhichTheBallIsHidden) {
+  CircleLabels labels = labels_at_10_and_20_ms();
+  labels.hide(30'000);
+  EXPECT_FALSE(labels.hint(25'000).has_value());
+  EXPECT_FALSE(labels.hint(30'000).has_value());
+  EXPECT_FALSE(labels.hint(35'000).has_value());
+  expect_circle(labels.hint(15'000), 40.0, 30.0, 6.0);
+}
+
+TEST(CircleLabels, AreReadBackAsTheyWereWritten) {
+  const TempFolder folder;
+  CircleLabels labels = labels_at_10_and_20_ms();
+  labels.hide(30'000);
+  labels.write(folder / "truth.csv");
+  EXPECT_EQ(
+      bytes_of(folder / "truth.csv"),
+      "t_us,x_px,y_px,r_px,visible,x_m,y_m,z_m\n10000,30,20,4,1,,,\n20000,50,40,8,1,,,\n30000,,,,0,,,\n");
+  CircleLabels::read(folder / "truth.csv").write(folder / "again.csv");
+  EXPECT_EQ(bytes_of(folder / "again.csv"), bytes_of(folder / "truth.csv"));
+}
+
+TEST(CircleLabels, OfATableWithFourColumnsAreReadAndTwoRowsOfOneInstantAreRejected) {
+  const TempFolder folder;
+  const std::string head = "t_us,x_px,y_px,r_px\n";
+  const CircleLabels labels = CircleLabels::read(folder.write("a.csv", head + "5,1,2,3\n9,1,2,3.5\n"));
+  ASSERT_EQ(labels.rows().size(), 2u);
+  EXPECT_EQ(labels.rows()[1].visible, 1.0);
+  EXPECT_THAT([&] { (void)CircleLabels::read(folder.write("b.csv", head + "5,1,2,3\n5,1,2,3\n")); },
+              ThrowsMessage<InputError>(HasSubstr("found two rows at 5 us")));
+}
+
+class LabelEditorTest : public testing::Test {
+ protected:
+  static constexpr ImageSize image{128, 100};
+  LabelEditor editor_{streams::random(image, 20'000, 1), image, {}};
+};
+
+TEST_F(LabelEditorTest, AClickOutsideTheCircleMovesItThereAndKeepsItsRadius) {
+  editor_.press(40.0, 30.0);
+  editor_.release();
+  expect_circle(editor_.circle(), 40.0, 30.0, 10.0);  // a tenth of the image
+  editor_.grow(-3.0);
+  editor_.press(80.0, 60.0);
+  expect_circle(editor_.circle(), 80.0, 60.0, 7.0);
+  EXPECT_EQ(editor_.labels().rows().size(), 1u);
+}
+
+TEST_F(LabelEditorTest, ADragInsideMovesTheCentreAndADragOfTheOutlineChangesTheRadius) {
+  editor_.press(40.0, 30.0);
+  editor_.release();
+  editor_.press(42.0, 31.0);  // 2.2 px from the centre
+  editor_.drag(52.0, 41.0);
+  editor_.release();
+  expect_circle(editor_.circle(), 50.0, 40.0, 10.0);
+  editor_.press(60.0, 40.0);  // on the outline
+  editor_.drag(65.0, 40.0);
+  editor_.drag(66.0, 40.0);
+  editor_.release();
+  expect_circle(editor_.circle(), 50.0, 40.0, 16.0);
+  editor_.drag(90.0, 90.0);  // nothing is held
+  expect_circle(editor_.circle(), 50.0, 40.0, 16.0);
+}
+
+TEST_F(LabelEditorTest, AtAnotherInstantTheCircleIsAHintUntilItIsAccepted) {
+  editor_.press(40.0, 30.0);
+  editor_.seek(20'000);
+  expect_circle(editor_.circle(), 40.0, 30.0, 10.0);
+  EXPECT_FALSE(editor_.labelled());
+  editor_.accept_hint();
+  EXPECT_TRUE(editor_.labelled());
+  editor_.move(4.0, 0.0);
+  editor_.seek(10'000);
+  expect_circle(editor_.circle(), 42.0, 30.0, 10.0);  // halfway
+  EXPECT_EQ(editor_.labels().rows().size(), 2u);
+  editor_.seek_next_label();
+  EXPECT_EQ(editor_.now_us(), 20'000);
+  editor_.seek_previous_label();
+  EXPECT_EQ(editor_.now_us(), editor_.first_us());
+}
+
+TEST_F(LabelEditorTest, UndoTakesBackDragsMarksAndRemovalsOneByOne) {
+  editor_.press(40.0, 30.0);
+  editor_.drag(41.0, 30.0);
+  editor_.drag(44.0, 30.0);
+  editor_.release();
+  editor_.toggle_hidden();
+  EXPECT_TRUE(editor_.hidden());
+  editor_.toggle_hidden();
+  EXPECT_FALSE(editor_.labelled());
+  editor_.undo();
+  EXPECT_TRUE(editor_.hidden());
+  editor_.undo();
+  expect_circle(editor_.circle(), 44.0, 30.0, 10.0);
+  editor_.remove();
+  editor_.seek(15'000);
+  editor_.undo();
+  EXPECT_EQ(editor_.now_us(), editor_.first_us());  // where the change was
+  expect_circle(editor_.circle(), 44.0, 30.0, 10.0);
+  editor_.undo();
+  EXPECT_TRUE(editor_.labels().rows().empty());
+  editor_.undo();  // nothing is left
+}
+
+TEST_F(LabelEditorTest, IsUnsavedFromAChangeUntilItIsMarkedAsSaved) {
+  EXPECT_FALSE(editor_.unsaved());
+  editor_.seek(9'000);
+  editor_.grow(1.0);  // no circle to grow
+  EXPECT_FALSE(editor_.unsaved());
+  editor_.press(40.0, 30.0);
+  EXPECT_TRUE(editor_.unsaved());
+  editor_.mark_saved();
+  EXPECT_FALSE(editor_.unsaved());
+  editor_.undo();
+  EXPECT_TRUE(editor_.unsaved());
+}
+
+TEST_F(LabelEditorTest, TimeAndRadiusStayInTheirRanges) {
+  editor_.seek(-5);
+  EXPECT_EQ(editor_.now_us(), editor_.first_us());
+  editor_.seek(std::int64_t{1} << 60);
+  EXPECT_EQ(editor_.now_us(), editor_.last_us());
+  editor_.press(40.0, 30.0);
+  editor_.grow(-1000.0);
+  EXPECT_DOUBLE_EQ(editor_.circle()->r_px, 0.5);
+  editor_.grow(1000.0);
+  EXPECT_DOUBLE_EQ(editor_.circle()->r_px, 128.0);
+}
+
+TEST(LabelEditor, ShowsTheEventsAroundTheInstantEachPixelInThePolarityOfTheNearestOne) {
+  LabelEditor editor({streams::event_at(0, 1, 1, true), streams::event_at(9'900, 2, 0, true),
+                      streams::event_at(10'050, 2, 0, false), streams::event_at(90'000, 0, 0, true)},
+                     {4, 2}, {});
+  editor.seek(10'000);
+  EXPECT_EQ(editor.shown_events().size(), 2u);
+  RgbImage rgb;
+  paint_instant(editor, rgb);
+  ASSERT_EQ(rgb.size(), 24u);
+  const auto pixel = [&](std::size_t i) { return Rgb{rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2]}; };
+  const Rgb ground = pixel(0);
+  for (const std::size_t i : {1, 3, 4, 5, 6, 7}) EXPECT_EQ(pixel(i), ground) << i;
+  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(pixel(2)[c], off_rgb[c], 5) << "the OFF event is nearer";
+  editor.scale_reach(3.0);
+  EXPECT_EQ(editor.shown_events().size(), 3u);
+}
+
+}  // namespace
+}  // namespace saccade
