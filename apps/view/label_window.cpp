@@ -174,6 +174,7 @@ class LabelWindow {
       if (asks_) {
         if (key.code == GLFW_KEY_ENTER) save_and_close();
         if (key.code == GLFW_KEY_D) finished_ = true;
+        if (key.code == GLFW_KEY_S) capture_.request_screenshot(0);
         if (key.code == GLFW_KEY_ESCAPE) asks_ = false;
         continue;
       }

@@ -43,12 +43,15 @@ TEST(FormatRegistry, TheTableInTheDocumentsIsThatOfTheRegistry) {
 
 TEST(FormatRegistry, ChoicesAndExtensionsAreThoseOfTheFormatsThatAreWritten) {
   const FormatRegistry formats = built_in_formats();
-  EXPECT_THAT(formats.run_choices(), ElementsAre("aedat", "aedat4", "csv", "h5", "log", "raw"));
-  EXPECT_THAT(formats.run_choices(true), ElementsAre("aedat", "aedat4", "csv", "log", "raw"));
-  EXPECT_EQ(formats.written_extensions(), ".aedat, .aedat4, .csv, .h5, .hdf5, .log, .raw, .txt");
-  EXPECT_EQ(formats.written_extensions(2), ".aedat, .csv, .log, .txt");
-  EXPECT_THAT(formats.run_choices_for({128, 128}, 2), ElementsAre("aedat", "csv", "log"));
-  EXPECT_THAT(formats.run_choices_for({304, 240}, 2), ElementsAre("csv", "log"));
+  EXPECT_THAT(formats.run_choices(),
+              ElementsAre("aedat", "aedat4", "bag", "csv", "h5", "log", "mcap", "npz", "raw"));
+  EXPECT_THAT(formats.run_choices(true),
+              ElementsAre("aedat", "aedat4", "bag", "csv", "log", "mcap", "npz", "raw"));
+  EXPECT_EQ(formats.written_extensions(),
+            ".aedat, .aedat4, .bag, .csv, .h5, .hdf5, .log, .mcap, .npy, .npz, .raw, .txt");
+  EXPECT_EQ(formats.written_extensions(2), ".aedat, .csv, .log, .npy, .npz, .txt");
+  EXPECT_THAT(formats.run_choices_for({128, 128}, 2), ElementsAre("aedat", "csv", "log", "npz"));
+  EXPECT_THAT(formats.run_choices_for({304, 240}, 2), ElementsAre("csv", "log", "npz"));
   EXPECT_EQ(formats.run_choices_for({304, 240}, 1), formats.run_choices());
   EXPECT_THAT(formats.files_of("a/b.log"), ElementsAre("a/b.log", "a/b.info.log"));
   EXPECT_THAT(formats.files_of("a/b.raw"), ElementsAre("a/b.raw"));
@@ -97,7 +100,7 @@ TEST(FormatRegistry, MoreCamerasThanAFormatHoldsAreRejectedWithTheExtensionsThat
           (void)create_event_file(folder / name, {128, 128}, 2);
         },
         ThrowsMessage<InputError>(AllOf(HasSubstr(name), HasSubstr("found two cameras"),
-                                        HasSubstr("or one of .aedat, .csv, .log, .txt"))));
+                                        HasSubstr("or one of .aedat, .csv, .log, .npy, .npz, .txt"))));
   }
   EXPECT_TRUE(std::filesystem::is_empty(folder / ""));
 }

@@ -1,0 +1,102 @@
+"""Written files read by the readers of other projects, and theirs read by saccade: NumPy, @foxglove/rosbag, @mcap/core."""
+
+import os
+import pathlib
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+import saccade
+from common import SOURCE
+
+SCRIPTS = SOURCE / "tests" / "recording" / "reference_readers"
+MODULES = pathlib.Path(os.environ["SACCADE_BUILD"]).parent / "reference_readers" / "node_modules"
+
+
+def node(script, *arguments):
+    if shutil.which("node") is None or not MODULES.exists():
+        pytest.skip("NOT TESTED: the readers of bags and MCAP files of other projects, node or their packages are missing; "
+                    "scripts/setup --all installs them")
+    done = subprocess.run(["node", SCRIPTS / script, *map(str, arguments)], capture_output=True, text=True,
+                          env={**os.environ, "NODE_PATH": str(MODULES)})
+    assert done.returncode == 0, done.stderr
+    return done.stdout.splitlines()
+
+
+def random_events(count=60_000):
+    rng = np.random.default_rng(1)
+    events = np.zeros(count, saccade.event_dtype)
+    events["t"] = 1_600_000_000_000_000 + np.cumsum(rng.integers(0, 9, count))
+    events["t"][count // 2:] += 20_000_000  # a silence
+    events["x"], events["y"] = rng.integers(0, 304, count), rng.integers(0, 240, count)
+    events["p"] = rng.random(count) < 0.5
+    return events
+
+
+def assert_same(lines, events):
+    read = np.array([line.split() for line in lines], np.int64)
+    assert np.array_equal(read[:, 0], events["t"] * 1000)
+    assert np.array_equal(read[:, 1], events["x"]) and np.array_equal(read[:, 2], events["y"])
+    assert np.array_equal(read[:, 3], events["p"])
+
+
+@pytest.mark.parametrize("name, kind", [("a.bag", "/dvs/events dvs_msgs/EventArray"),
+                                        ("a.packets.bag", "/dvs/events event_camera_msgs/EventPacket")])
+def test_foxglove_rosbag_reads_our_bags(tmp_path, name, kind):
+    events = random_events()
+    saccade.write(tmp_path / name, events, size=(304, 240))
+    *lines, last = node("read_bag.cjs", tmp_path / name)
+    assert_same(lines, events)
+    assert last.rsplit(" ", 1)[0] == kind
+
+
+def test_mcap_core_reads_our_files_by_their_index(tmp_path):
+    events = random_events()
+    saccade.write(tmp_path / "a.mcap", events, size=(304, 240))
+    *lines, last = node("read_mcap.cjs", tmp_path / "a.mcap")
+    assert_same(lines, events)
+    assert last.startswith("/event_camera/events event_camera_msgs/msg/EventPacket")
+
+
+def test_a_file_of_mcap_core_is_read(tmp_path):
+    node("write_mcap.cjs", tmp_path / "a.mcap")
+    events = saccade.read(tmp_path / "a.mcap")
+    i = np.arange(1000)
+    assert np.array_equal(events["t"], 1_000_000 + 7 * i)
+    assert np.array_equal(events["x"], i % 300) and np.array_equal(events["y"], i % 200)
+    assert np.array_equal(events["p"], i % 2 == 0)
+    assert saccade.open(tmp_path / "a.mcap").size == (304, 240)
+
+
+def test_numpy_reads_our_arrays(tmp_path):
+    events = random_events()
+    saccade.write(tmp_path / "a.npz", events, size=(304, 240))
+    saccade.write(tmp_path / "a.npy", events, size=(304, 240))
+    with np.load(tmp_path / "a.npz") as file:
+        arrays = {name: file[name] for name in file.files}
+    assert arrays["sensor_size"].tolist() == [304, 240, 2]
+    for array in (arrays["events"], np.load(tmp_path / "a.npy")):
+        assert array.dtype.names == ("x", "y", "t", "p")
+        for field in array.dtype.names:
+            assert np.array_equal(array[field], events[field])
+
+
+@pytest.mark.parametrize("save", [np.savez, np.savez_compressed])
+def test_numpys_arrays_are_read(tmp_path, save):
+    events = random_events(5000)
+    tonic = np.zeros(5000, [("x", np.int16), ("y", np.int16), ("t", np.int64), ("p", bool)])
+    for field in tonic.dtype.names:
+        tonic[field] = events[field]
+    save(tmp_path / "records.npz", tonic)
+    save(tmp_path / "columns.npz", t=events["t"], x=events["x"].astype(np.float32), y=events["y"].astype(">i4"),
+         p=np.where(events["p"], 1, -1), width=304, height=240)
+    save(tmp_path / "seconds.npz", ts=(events["t"] - events["t"][0]) * 1e-6, x=events["x"], y=events["y"], polarity=events["p"])
+    np.save(tmp_path / "aligned.npy", tonic.astype(np.dtype(tonic.dtype.descr, align=True)))
+    for name in ("records.npz", "columns.npz", "seconds.npz", "aligned.npy"):
+        read = saccade.read(tmp_path / name)
+        start = events["t"][0] if name == "seconds.npz" else 0
+        assert np.array_equal(read["t"] + start, events["t"]), name
+        for field in ("x", "y", "p"):
+            assert np.array_equal(read[field], events[field]), (name, field)
+    assert saccade.open(tmp_path / "columns.npz").size == (304, 240)
