@@ -30,7 +30,13 @@ endforeach()
 set_target_properties(mujoco::mujoco PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${mujoco_includes}")
 find_path(MUSTACHE_HEADERS kainjow/mustache.hpp REQUIRED)
 find_path(DYGRAPHS dygraph.min.js PATHS /usr/share/javascript/dygraphs REQUIRED)  # embedded in reports
-find_package(GTest REQUIRED)
+if(SACCADE_TESTS)
+  find_package(GTest QUIET)
+  if(NOT GTest_FOUND)
+    message(STATUS "Tests: NOT BUILT, found no GoogleTest; scripts/setup --tests installs it")
+    set(SACCADE_TESTS OFF)  # in this run of cmake alone
+  endif()
+endif()
 # Only robot/yarp needs it, and is not built without. In no Debian package; CMAKE_PREFIX_PATH tells where it is.
 find_package(YARP 3.8 QUIET COMPONENTS os dev)
 if(SACCADE_BENCHMARKS)
