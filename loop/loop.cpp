@@ -22,7 +22,7 @@ constexpr double most_slowdown = 4.0;
 
 Loop::Loop(Robot& robot, const MountedCamera& camera, std::vector<LoopDetector> detectors,
            std::optional<LoopGaze> gaze, Eye eye, std::optional<LoopBudget> budget,
-           const LatencyConfig& latency)
+           const LatencyConfig& latency, std::size_t threads)
     : clock_(robot.clock()),
       source_(robot.events()),
       head_(robot.head()),
@@ -49,10 +49,16 @@ Loop::Loop(Robot& robot, const MountedCamera& camera, std::vector<LoopDetector> 
     const std::size_t in_transit = event_capacity + static_cast<std::size_t>(latency.transport_us());
     latency_.emplace(Latency{latency, TransportDelay(latency.transport_us(), in_transit), {}, {}, {}, {}});
   }
+  SACCADE_CHECK(threads == 1 || !budget_);
+  if (threads > 1) side_threads_ = std::make_unique<SideThreads>(threads - 1);
   make_runners();
 }
 
 void Loop::make_runners() {
+  shadows_.clear();
+  for (std::size_t i = 0; i < detectors_.size(); ++i) {
+    if (!gaze_ || gaze_->driver != i) shadows_.push_back(i);
+  }
   runners_.clear();
   for (const LoopDetector& detector : detectors_)
     runners_.push_back(latency_ ? DetectorRunner(latency_->config, detector.name) : DetectorRunner());
@@ -130,16 +136,19 @@ PortStatus Loop::tick(std::int64_t t_us, LoopObserver& observer) {
   const CameraMotion* motion = known_motion ? &*known_motion : nullptr;
   const bool detects = head_ == nullptr || motion != nullptr;
   std::ranges::fill(results_, DetectorTick{});
+  const auto shadow = [&](std::size_t i) { run_shadow(shadows_[i], t_us, motion); };
+  const bool beside = detects && side_threads_;
+  if (beside) side_threads_->start(shadows_.size(), shadow);
   if (detects) {
     run_driver(t_us, motion, tick);
     if (gaze_ && gaze_->stereo) run_stereo(t_us, motion, tick);
   }
-  if (gaze_) {
-    const PortStatus moved = move_head(static_cast<double>(t_us - last_t_us_) * 1e-6, tick);
-    if (moved == PortStatus::lost) return moved;
-  }
+  PortStatus moved = PortStatus::ok;
+  if (gaze_) moved = move_head(static_cast<double>(t_us - last_t_us_) * 1e-6, tick);
   tick.acted_us = clock_.now_us();
-  if (detects) run_shadows(t_us, motion);
+  if (beside) side_threads_->finish();
+  if (moved == PortStatus::lost) return moved;
+  if (detects && !beside) run_shadows(t_us, motion);
   last_t_us_ = t_us;
   observer.on_tick(tick);
   return status;
@@ -276,13 +285,15 @@ void Loop::locate_with_right(const Eigen::Isometry3d& root_from_left,
 }
 
 void Loop::run_shadows(std::int64_t t_us, const CameraMotion* motion) {
-  for (std::size_t i = 0; i < detectors_.size(); ++i) {
-    if (gaze_ && gaze_->driver == i) continue;
+  for (const std::size_t i : shadows_) {
     results_[i].skipped = budget_ && clock_.now_us() - t_us >= budget_->shadows_until_us;
-    if (results_[i].skipped) continue;
-    results_[i] = runners_[i].run(*detectors_[i].detector, t_us, late_us(t_us), eye_events_, motion,
-                                  [](const DetectorTick&) {});
+    if (!results_[i].skipped) run_shadow(i, t_us, motion);
   }
+}
+
+void Loop::run_shadow(std::size_t detector, std::int64_t t_us, const CameraMotion* motion) {
+  results_[detector] = runners_[detector].run(*detectors_[detector].detector, t_us, late_us(t_us),
+                                              eye_events_, motion, [](const DetectorTick&) {});
 }
 
 /// Up to here events of the tick at t_us are passed in slices, to all but the driving detector.

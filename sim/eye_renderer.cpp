@@ -13,7 +13,6 @@ namespace {
 
 using detail::SceneDrawer;
 
-constexpr double hidden_by_m = 0.003;
 /// Outlines larger than so many drawn images are measured, not counted sample by sample.
 constexpr double largest_counted = 16.0;
 
@@ -40,7 +39,14 @@ const Camera& checked(const Camera& camera) {
 }  // namespace
 
 void describe(FieldVisitor& v, EyeRenderConfig& config) {
-  v.integer("supersampling", config.supersampling, {1, 8}, "samples per pixel and direction");
+  v.choice("method", config.method, "whether every image is drawn, or reprojected from keyframes");
+  v.integer("supersampling", config.supersampling, {1, 8}, "samples per pixel and direction of drawn images");
+  v.when(config.method == RenderMethod::keyframes, "method: keyframes", [&] {
+    v.integer("keyframe_samples", config.keyframe_samples, {2, 8},
+              "samples per pixel and direction of keyframes");
+    v.real("keyframe_error_px", config.keyframe_error_px, {0.01, 2.0},
+           "bound on the error of reprojection in the image; beyond it a new keyframe is drawn");
+  });
   v.real("near_m", config.near_m, {0.001, 0.2}, "nearest drawn surface, along the optical axis");
   v.real("far_m", config.far_m, {1.0, 1000.0}, "farthest drawn surface, along the optical axis");
 }

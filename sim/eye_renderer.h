@@ -3,6 +3,7 @@
 #include <mujoco/mujoco.h>
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -19,13 +20,26 @@ namespace detail {
 class SceneDrawer;
 }
 
+/// How an eye's images are made.
+enum class RenderMethod {
+  direct,     ///< MuJoCo draws every image (EyeRenderer)
+  keyframes,  ///< MuJoCo draws keyframes, images are reprojected from them (KeyframeRenderer)
+};
+constexpr auto words_of(RenderMethod) {
+  return std::to_array<Word<RenderMethod>>(
+      {{RenderMethod::direct, "direct"}, {RenderMethod::keyframes, "keyframes"}});
+}
+
 struct EyeRenderConfig {
-  std::int64_t supersampling = 2;  ///< samples per pixel and direction
-  double near_m = 0.02;            ///< distance along the optical axis of the nearest drawn surface
-  double far_m = 12.0;             ///< and of the farthest
+  RenderMethod method = RenderMethod::direct;
+  std::int64_t supersampling = 2;     ///< samples per pixel and direction
+  std::int64_t keyframe_samples = 4;  ///< the same of keyframes
+  double keyframe_error_px = 0.25;    ///< bound on the error of reprojection
+  double near_m = 0.02;               ///< distance along the optical axis of the nearest drawn surface
+  double far_m = 12.0;                ///< and of the farthest
 };
 
-/// Keys: supersampling, near_m, far_m.
+/// Keys: method, supersampling or keyframe_samples and keyframe_error_px, near_m, far_m.
 void describe(FieldVisitor& v, EyeRenderConfig& config);
 
 /// Renders the image of an eye's camera, as linear luminance.
@@ -36,6 +50,9 @@ void describe(FieldVisitor& v, EyeRenderConfig& config);
 /// drawn as a polyhedron whose outline has the area of the true one.
 class EyeRenderer {
  public:
+  /// What is less than that in front of a sphere does not hide it.
+  static constexpr double hidden_by_m = 0.003;
+
   /// `model` and `gl` must outlive it. Textures are uploaded here: paint them before.
   /// Throws InputError for a config or camera out of range, RunError when OpenGL fails.
   EyeRenderer(const mjModel& model, GlContext& gl, const Camera& camera, const EyeRenderConfig& config);

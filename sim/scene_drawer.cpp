@@ -90,6 +90,19 @@ void SceneDrawer::draw(mjData& data, const mjvGLCamera& camera, mjrRect viewport
   if (numbered) {
     for (mjvGeom& geom : drawn()) geom.segid = number_of_geom[static_cast<std::size_t>(geom.objid)] - 1;
   }
+  show(camera, viewport);
+}
+
+void SceneDrawer::draw_some(mjData& data, const mjvGLCamera& camera, mjrRect viewport,
+                            std::span<const std::uint8_t> is_shown) {
+  gl_.make_current();
+  update(data);
+  keep(is_shown);
+  scene_.flags[mjRND_SEGMENT] = scene_.flags[mjRND_IDCOLOR] = 0;
+  show(camera, viewport);
+}
+
+void SceneDrawer::show(const mjvGLCamera& camera, mjrRect viewport) {
   if (quality_ == Quality::fast) {
     enlarge_spheres();
     skip_unseen(camera, viewport);
@@ -192,6 +205,14 @@ void SceneDrawer::enlarge_spheres() {
     if (geom.type != mjGEOM_SPHERE) continue;
     for (float& size : geom.size) size *= same_area;
   }
+}
+
+void SceneDrawer::keep(std::span<const std::uint8_t> is_shown) {
+  const std::span geoms = drawn();
+  const auto hidden = [&](const mjvGeom& geom) {
+    return is_shown[static_cast<std::size_t>(geom.objid)] == 0;
+  };
+  scene_.ngeom = static_cast<int>(std::remove_if(geoms.begin(), geoms.end(), hidden) - geoms.begin());
 }
 
 /// Every geom costs some microseconds even when no pixel of it is in the image.

@@ -45,6 +45,10 @@ class SceneDrawer {
   void draw(mjData& data, const mjvGLCamera& camera, mjrRect viewport,
             std::span<const std::uint8_t> number_of_geom = {}, std::span<const SceneMark> marks = {});
 
+  /// Draws only the geoms whose entry in `is_shown` (per geom of the model) is not 0, lit and textured, before black.
+  void draw_some(mjData& data, const mjvGLCamera& camera, mjrRect viewport,
+                 std::span<const std::uint8_t> is_shown);
+
   // Of the newest drawing, bottom row first.
   void read_rgba(mjrRect area, std::uint32_t* rgba);
   void read_rgb(mjrRect area, std::uint8_t* rgb);
@@ -61,6 +65,8 @@ class SceneDrawer {
   [[nodiscard]] std::span<mjvGeom> drawn() { return {scene_.geoms, static_cast<std::size_t>(scene_.ngeom)}; }
   void enlarge_spheres();
   void skip_unseen(const mjvGLCamera& camera, mjrRect viewport);
+  void keep(std::span<const std::uint8_t> is_shown);
+  void show(const mjvGLCamera& camera, mjrRect viewport);
 
   const mjModel& model_;
   GlContext& gl_;

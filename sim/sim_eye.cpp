@@ -21,13 +21,19 @@ SimEye::SimEye(World& world, GlContext& gl, const SimConfig& config, std::uint8_
       number_(number),
       labelled_(config.labels),
       sampler_(config.sampling, ImageMotion(world.model(), model_camera_, camera_of(config, number))),
+      camera_(camera_of(config, number)),
       emulator_(config.emulator, camera_of(config, number).size,
                 number == 0 ? seed : RandomStream(seed, "right eye").bits(0)),
       luminance_(static_cast<std::size_t>(camera_of(config, number).size.pixels())) {
   const CameraMount& mount = number == 0 ? config.mount : config.right.mount;
   check_config(number == 0 ? "camera.eye_from_camera" : "right_camera.eye_from_camera", mount);
   world.mount_camera(model_camera_, mount.eye_from_camera());
-  renderer_ = std::make_unique<EyeRenderer>(world.model(), gl, camera_of(config, number), config.render);
+  const bool is_direct = config.render.method == RenderMethod::direct;
+  if (is_direct || labelled_)
+    renderer_ = std::make_unique<EyeRenderer>(world.model(), gl, camera_, config.render);
+  if (!is_direct) keyframes_ = std::make_unique<KeyframeRenderer>(world.model(), gl, camera_, config.render);
+  const int ball = mj_name2id(&world.model(), mjOBJ_GEOM, "ball");
+  if (ball >= 0) ball_body_ = world.model().geom_bodyid[ball];
   if (labelled_) {
     object_of_geom_ = world.scene_objects();
     objects_.resize(luminance_.size());
@@ -36,7 +42,11 @@ SimEye::SimEye(World& world, GlContext& gl, const SimConfig& config, std::uint8_
 
 void SimEye::take_image(std::int64_t t_us, mjData& data) {
   sampler_.take(t_us, data);
-  renderer_->render(data, model_camera_, luminance_);
+  if (keyframes_) {
+    keyframes_->render(data, model_camera_, luminance_);
+  } else {
+    renderer_->render(data, model_camera_, luminance_);
+  }
   if (labelled_) {
     renderer_->label(data, model_camera_, object_of_geom_, static_cast<std::uint8_t>(SceneObject::background),
                      objects_);
@@ -47,8 +57,9 @@ void SimEye::take_image(std::int64_t t_us, mjData& data) {
   for (Event& event : events_) event.camera = number_;
   const Eigen::Isometry3d root_from_cam = World::root_from_camera(data, model_camera_);
   if (!world_->has_ball()) return;
-  truth_.visible = renderer_->visible_share(root_from_cam.inverse() * world_->ball_position_m(data),
-                                            world_->ball_radius_m());
+  const Eigen::Vector3d ball_m = root_from_cam.inverse() * world_->ball_position_m(data);
+  truth_.visible = keyframes_ ? keyframes_->visible_share(ball_m, world_->ball_radius_m(), ball_body_)
+                              : renderer_->visible_share(ball_m, world_->ball_radius_m());
 }
 
 void SimEye::update_truth() {

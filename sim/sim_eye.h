@@ -11,6 +11,7 @@
 #include "sim/eye_renderer.h"
 #include "sim/gl_context.h"
 #include "sim/image_sampler.h"
+#include "sim/keyframe_renderer.h"
 #include "sim/sim_config.h"
 #include "sim/world.h"
 
@@ -55,15 +56,20 @@ class SimEye {
   /// Counts of the event camera since the start.
   [[nodiscard]] const EmulatorCounts& counts() const { return emulator_.counts(); }
   [[nodiscard]] const EyeTruth& truth() const { return truth_; }
-  [[nodiscard]] const Camera& camera() const { return renderer_->camera(); }
+  [[nodiscard]] const Camera& camera() const { return camera_; }
+  /// The renderer of keyframes; null with `method: direct`.
+  [[nodiscard]] const KeyframeRenderer* keyframes() const { return keyframes_.get(); }
 
  private:
   const World* world_;
   int model_camera_;
+  int ball_body_ = -1;
   std::uint8_t number_;
   bool labelled_;
   ImageSampler sampler_;
-  std::unique_ptr<EyeRenderer> renderer_;
+  Camera camera_;
+  std::unique_ptr<EyeRenderer> renderer_;        // draws images, and labels with both methods
+  std::unique_ptr<KeyframeRenderer> keyframes_;  // instead of drawn images
   EventEmulator emulator_;
   std::vector<float> luminance_;
   std::vector<Event> events_;

@@ -50,6 +50,19 @@ TEST_F(Command, TheSameScenarioAndSeedGiveTheSameBytesWhateverTheNumberOfThreads
   }
 }
 
+TEST_F(Command, ReprojectedImagesGiveTheSameBytesWhateverTheNumberOfThreads) {
+  const std::string run =
+      "run '" + short_scenario +
+      "' --set render.method=keyframes --set run.duration_s=0.5 --set expect={} --seed 7 ";
+  ASSERT_EQ(saccade(run + "--set run.threads=1 --out " + out("one")).status, 0);
+  ASSERT_EQ(saccade(run + "--set run.threads=2 --out " + out("two")).status, 0);
+  for (const char* file : {"events.aedat", "detections.csv", "gaze.csv", "truth.csv", "figures.json"}) {
+    const std::string first = bytes_of(folder_ / "one" / file);
+    EXPECT_GT(first.size(), 100U) << file;
+    EXPECT_TRUE(first == bytes_of(folder_ / "two" / file)) << file << " depends on the number of threads";
+  }
+}
+
 TEST_F(Command, BothEyesAreRecordedWithTheSameBytesWhateverTheNumberOfThreads) {
   const std::string run = "run '" + short_scenario +
                           "' --set eyes=both --set run.duration_s=0.4 --set render.max_interval_ms=1 "

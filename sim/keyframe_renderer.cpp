@@ -1,0 +1,356 @@
+#include "sim/keyframe_renderer.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/error.h"
+#include "sim/scene_drawer.h"
+#include "sim/world.h"
+
+namespace saccade {
+namespace {
+
+using detail::Keyframe;
+using detail::KeyframeCamera;
+using detail::SampleRect;
+using detail::SceneDrawer;
+
+constexpr std::size_t most_fragments = 8;  ///< per pixel; farther ones of more are left out
+constexpr float least_cover = 1.0F / 1024.0F;
+
+/// Pixels that the eye can turn before the room's keyframe ends.
+double keyframe_margin_px(const Camera& camera) { return std::max(6.0, camera.size.width / 16.0); }
+
+/// Rays along the border of the image.
+std::vector<Eigen::Vector3d> border_rays(const Camera& camera) {
+  constexpr int per_side = 4;
+  std::vector<Eigen::Vector3d> rays;
+  for (int i = 0; i <= per_side; ++i) {
+    const double x = camera.size.width * i / static_cast<double>(per_side) - 0.5;
+    const double y = camera.size.height * i / static_cast<double>(per_side) - 0.5;
+    for (const double end : {-0.5, camera.size.height - 0.5}) rays.push_back(camera.ray(x, end));
+    for (const double end : {-0.5, camera.size.width - 0.5}) rays.push_back(camera.ray(end, y));
+  }
+  return rays;
+}
+
+Eigen::Vector3d middle_of(const detail::SceneLayer& layer, const mjData& data) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const int geom : layer.geoms) sum += Eigen::Map<const Eigen::Vector3d>(data.geom_xpos + 3 * geom);
+  return layer.geoms.empty() ? sum : Eigen::Vector3d(sum / static_cast<double>(layer.geoms.size()));
+}
+
+}  // namespace
+
+KeyframeRenderer::KeyframeRenderer(const mjModel& model, GlContext& gl, const Camera& camera,
+                                   const EyeRenderConfig& config)
+    : camera_(camera),
+      config_(check_config("render", config)),
+      key_camera_(check_config("camera", camera), config.keyframe_samples, keyframe_margin_px(camera)),
+      rule_(key_camera_, border_rays(camera), config.keyframe_error_px),
+      filter_(key_camera_),
+      drawer_(std::make_unique<SceneDrawer>(model, gl, ImageSize{key_camera_.columns(), key_camera_.rows()},
+                                            SceneDrawer::Quality::fast)),
+      model_(&model) {
+  const auto pixels = static_cast<std::size_t>(camera.size.pixels());
+  for (detail::SceneLayer& layer : detail::scene_layers(model)) {
+    Sheet& sheet = sheets_.emplace_back();
+    sheet.layer = std::move(layer);
+    sheet.luminance.resize(pixels);
+    sheet.cover.resize(pixels, 1.0F);
+    sheet.inverse_depth_1_m.resize(pixels);
+  }
+  for (int y = 0; y < camera.size.height; ++y) {
+    for (int x = 0; x < camera.size.width; ++x) {
+      const Eigen::Vector3d ray = camera.ray(x, y);
+      const Eigen::Vector3d along_row = camera.ray(x + 0.5, y) - camera.ray(x - 0.5, y);
+      const Eigen::Vector3d along_column = camera.ray(x, y + 0.5) - camera.ray(x, y - 0.5);
+      ray_x_.push_back(static_cast<float>(ray.x()));
+      ray_y_.push_back(static_cast<float>(ray.y()));
+      ray_slope_.push_back({static_cast<float>(along_row.x()), static_cast<float>(along_row.y()),
+                            static_cast<float>(along_column.x()), static_cast<float>(along_column.y())});
+    }
+  }
+  row_u_.resize(static_cast<std::size_t>(camera.size.width));
+  row_v_.resize(static_cast<std::size_t>(camera.size.width));
+  row_at_.resize(static_cast<std::size_t>(camera.size.width));
+}
+
+KeyframeRenderer::~KeyframeRenderer() = default;
+
+void KeyframeRenderer::render(mjData& data, int camera_id, std::span<float> luminance) {
+  SACCADE_CHECK(luminance.size() == ray_x_.size());
+  mjvGLCamera eye{};
+  for (int i = 0; i < 3; ++i) {
+    eye.pos[i] = static_cast<float>(data.cam_xpos[3 * camera_id + i]);
+    eye.forward[i] = static_cast<float>(-data.cam_xmat[9 * camera_id + 3 * i + 2]);
+    eye.up[i] = static_cast<float>(data.cam_xmat[9 * camera_id + 3 * i + 1]);
+  }
+  eye.frustum_near = static_cast<float>(config_.near_m);
+  eye.frustum_far = static_cast<float>(config_.far_m);
+  std::vector<float> light = detail::light_state(*model_, data);
+  if (light != light_) {
+    light_ = std::move(light);
+    for (Sheet& sheet : sheets_) sheet.keyframe.is_drawn = false;
+  }
+  const Eigen::Isometry3d camera_from_root = World::root_from_camera(data, camera_id).inverse();
+  for (Sheet& sheet : sheets_) update(sheet, data, eye, camera_from_root);
+  compose(luminance);
+}
+
+void KeyframeRenderer::update(Sheet& sheet, mjData& data, const mjvGLCamera& eye,
+                              const Eigen::Isometry3d& camera_from_root) {
+  const detail::SceneLayer& layer = sheet.layer;
+  const Eigen::Isometry3d root_from_layer = layer.root_from_layer(data);
+  const Eigen::Isometry3d camera_from_layer = camera_from_root * root_from_layer;
+  sheet.pixels = {};
+  Keyframe found;
+  if (!find_rect(sheet, data, camera_from_root, found)) return;
+  const Eigen::Vector3d middle_m = root_from_layer.inverse() * middle_of(layer, data);
+  Keyframe& keyframe = sheet.keyframe;
+  if (!rule_.permits(keyframe, layer, middle_m, camera_from_layer, root_from_layer.linear())) {
+    keyframe.rect = found.rect;
+    keyframe.is_clipped = found.is_clipped;
+    keyframe.camera_from_layer = camera_from_layer;
+    keyframe.root_from_layer = root_from_layer.linear();
+    draw(sheet, data, eye);
+    if (keyframe.covered.is_empty()) {
+      keyframe.nearest_1_m = found.nearest_1_m;
+      keyframe.farthest_1_m = found.farthest_1_m;
+    }
+  }
+  if (!keyframe.covered.is_empty()) reproject(sheet, camera_from_layer);
+}
+
+/// Sets rect, is_clipped and the bounds of depth of a keyframe drawn now. Returns false if the layer is not in the image.
+bool KeyframeRenderer::find_rect(const Sheet& sheet, const mjData& data,
+                                 const Eigen::Isometry3d& camera_from_root, Keyframe& keyframe) const {
+  keyframe.rect = key_camera_.whole();
+  keyframe.nearest_1_m = 1.0 / config_.near_m;
+  keyframe.farthest_1_m = 1.0 / config_.far_m;
+  keyframe.is_clipped = true;
+  if (sheet.layer.is_room()) return true;
+  constexpr int everywhere = std::numeric_limits<int>::max();
+  SampleRect all{everywhere, everywhere, -everywhere, -everywhere};
+  double nearest_m = config_.far_m;
+  double farthest_m = config_.near_m;
+  for (const int geom : sheet.layer.geoms) {
+    const Eigen::Vector3d centre_m =
+        camera_from_root * Eigen::Map<const Eigen::Vector3d>(data.geom_xpos + 3 * geom);
+    const double radius_m = model_->geom_rbound[geom];
+    if (centre_m.z() + radius_m < config_.near_m) continue;  // behind the camera
+    const auto span = key_camera_.span_of(centre_m, radius_m, config_.near_m);
+    if (!span) return true;
+    all = {std::min(all.left, span->left), std::min(all.top, span->top), std::max(all.right, span->right),
+           std::max(all.bottom, span->bottom)};
+    nearest_m = std::min(nearest_m, centre_m.z() - radius_m);
+    farthest_m = std::max(farthest_m, centre_m.z() + radius_m);
+  }
+  const int border = 2 * key_camera_.samples() + 2;  // more than a pixel around the layer stays empty
+  const SampleRect wanted{all.left - border, all.top - border, all.right + border, all.bottom + border};
+  if (all.left == everywhere) return false;
+  keyframe.rect = wanted.cut(key_camera_.whole());
+  if (keyframe.rect.is_empty()) return false;
+  keyframe.is_clipped = keyframe.rect.left > wanted.left || keyframe.rect.top > wanted.top ||
+                        keyframe.rect.right < wanted.right || keyframe.rect.bottom < wanted.bottom;
+  keyframe.nearest_1_m = 1.0 / nearest_m;
+  keyframe.farthest_1_m = 1.0 / farthest_m;
+  return true;
+}
+
+void KeyframeRenderer::draw(Sheet& sheet, mjData& data, mjvGLCamera eye) {
+  Keyframe& keyframe = sheet.keyframe;
+  key_camera_.set_frustum(keyframe.rect, eye);
+  const mjrRect area{0, 0, keyframe.rect.columns(), keyframe.rect.rows()};
+  rgba_.resize(keyframe.rect.area());
+  depth_.resize(keyframe.rect.area());
+  drawer_->draw_some(data, eye, area, sheet.layer.is_shown);
+  drawer_->read_rgba(area, rgba_.data());
+  drawer_->read_depth(area, depth_.data());
+  filter_.fill(keyframe, rgba_, depth_, config_.near_m, config_.far_m, sheet.layer.is_room());
+  keyframe.is_drawn = true;
+  ++(sheet.layer.is_room() ? counts_.room : counts_.bodies);
+  counts_.samples += static_cast<std::int64_t>(keyframe.rect.area());
+}
+
+/// The pixels that the covered part of a keyframe is reprojected to, at all of its depths.
+KeyframeRenderer::PixelRect KeyframeRenderer::pixels_of(const Keyframe& key,
+                                                        const Eigen::Isometry3d& camera_from_key) const {
+  const PixelRect whole{0, 0, camera_.size.width, camera_.size.height};
+  Eigen::Vector2d low = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Vector2d high = -low;
+  constexpr int per_side = 2;
+  for (int i = 0; i <= per_side; ++i) {
+    for (int j = 0; j <= per_side; ++j) {
+      const Eigen::Vector3d ray(
+          (key.covered.left + key.covered.columns() * i / static_cast<double>(per_side) -
+           key_camera_.centre_x()) /
+              key_camera_.focal(),
+          (key.covered.top + key.covered.rows() * j / static_cast<double>(per_side) -
+           key_camera_.centre_y()) /
+              key_camera_.focal(),
+          1.0);
+      for (const double inverse_depth_1_m : {key.nearest_1_m, key.farthest_1_m}) {
+        const auto at_px = camera_.project(camera_from_key * (ray / inverse_depth_1_m));
+        if (!at_px) return whole;
+        low = low.cwiseMin(*at_px);
+        high = high.cwiseMax(*at_px);
+      }
+    }
+  }
+  constexpr double bent = 2.0;  // the lens bends the sides of the rectangle
+  const auto inside = [](double at, int size) {
+    return static_cast<int>(std::clamp(at, 0.0, static_cast<double>(size)));
+  };
+  return {inside(std::floor(low.x() - bent), whole.right), inside(std::floor(low.y() - bent), whole.bottom),
+          inside(std::ceil(high.x() + bent) + 1.0, whole.right),
+          inside(std::ceil(high.y() + bent) + 1.0, whole.bottom)};
+}
+
+void KeyframeRenderer::reproject(Sheet& sheet, const Eigen::Isometry3d& camera_from_layer) {
+  const Keyframe& key = sheet.keyframe;
+  const Eigen::Isometry3d key_from_camera = key.camera_from_layer * camera_from_layer.inverse();
+  const bool is_room = sheet.layer.is_room();
+  sheet.pixels = is_room ? PixelRect{0, 0, camera_.size.width, camera_.size.height}
+                         : pixels_of(key, key_from_camera.inverse());
+  if (sheet.pixels.is_empty()) return;
+
+  Eigen::Matrix3d intrinsics = Eigen::Matrix3d::Identity();  // to the middles of the rectangle's samples
+  intrinsics(0, 0) = intrinsics(1, 1) = key_camera_.focal();
+  intrinsics(0, 2) = key_camera_.centre_x() - key.rect.left - 0.5;
+  intrinsics(1, 2) = key_camera_.centre_y() - key.rect.top - 0.5;
+  const Eigen::Matrix3d a = intrinsics * key_from_camera.linear();
+  const Eigen::Vector3d t = intrinsics * key_from_camera.translation();
+  detail::WarpRow warp{};
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column)
+      warp.a[static_cast<std::size_t>(3 * row + column)] = static_cast<float>(a(row, column));
+    warp.t[static_cast<std::size_t>(row)] = static_cast<float>(t[row]);
+  }
+  warp.start_1_m = static_cast<float>(key.mean_1_m);
+  // Samples that the depth changes.
+  const double spread =
+      key_camera_.focal() * key_from_camera.translation().norm() * (key.nearest_1_m - key.farthest_1_m);
+  constexpr double least_spread = 0.02;
+  constexpr double small_spread = 1.0;
+  warp.iterations = spread < least_spread ? 0 : spread < small_spread ? 1 : 2;
+  if (!is_room) warp.iterations = std::max(warp.iterations, 1);  // the depth orders the layers
+  warp.luminance = key.luminance.data();
+  warp.cover = is_room ? nullptr : key.cover.data();
+  warp.columns = key.rect.columns();
+  warp.rows = key.rect.rows();
+  warp.inverse_depth_1_m = key.inverse_depth_1_m.data();
+  warp.block_columns = key.block_columns;
+  warp.block_rows = key.block_rows;
+  warp.blocks_per_sample = 1.0F / static_cast<float>(key.block);
+
+  const auto left = static_cast<std::size_t>(sheet.pixels.left);
+  const auto count = static_cast<std::size_t>(sheet.pixels.right) - left;
+  for (int row = sheet.pixels.top; row < sheet.pixels.bottom; ++row) {
+    const std::size_t first =
+        static_cast<std::size_t>(row) * static_cast<std::size_t>(camera_.size.width) + left;
+    detail::warp_row(warp, ray_x_.data() + first, ray_y_.data() + first, count,
+                     {sheet.luminance.data() + first, sheet.cover.data() + first,
+                      sheet.inverse_depth_1_m.data() + first, row_u_.data(), row_v_.data(), row_at_.data()});
+  }
+}
+
+KeyframeRenderer::PixelRect KeyframeRenderer::pixels_of_bodies() const {
+  PixelRect all{camera_.size.width, camera_.size.height, 0, 0};
+  for (const Sheet& sheet : sheets_) {
+    const PixelRect& pixels = sheet.pixels;
+    if (sheet.layer.is_room() || pixels.is_empty()) continue;
+    all = {std::min(all.left, pixels.left), std::min(all.top, pixels.top), std::max(all.right, pixels.right),
+           std::max(all.bottom, pixels.bottom)};
+  }
+  return all;
+}
+
+/// Puts the layers together: the nearest fragment of a pixel over the next.
+void KeyframeRenderer::compose(std::span<float> luminance) const {
+  const Sheet& room = sheets_.front();
+  std::copy(room.luminance.begin(), room.luminance.end(), luminance.begin());
+  const PixelRect bodies = pixels_of_bodies();
+  std::array<Fragment, most_fragments> fragments{};
+  for (int y = bodies.top; y < bodies.bottom; ++y) {
+    for (int x = bodies.left; x < bodies.right; ++x) {
+      const auto pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.size.width) +
+                         static_cast<std::size_t>(x);
+      std::size_t count = 0;
+      for (const Sheet& sheet : sheets_) {
+        const bool is_room = sheet.layer.is_room();
+        if (!is_room && (!sheet.pixels.holds(x, y) || !(sheet.cover[pixel] > least_cover))) continue;
+        const Fragment fragment{sheet.luminance[pixel], is_room ? 1.0F : sheet.cover[pixel],
+                                sheet.inverse_depth_1_m[pixel]};
+        std::size_t at = std::min(count, most_fragments - 1);
+        if (count == most_fragments && fragments[at].inverse_depth_1_m >= fragment.inverse_depth_1_m)
+          continue;
+        for (; at > 0 && fragments[at - 1].inverse_depth_1_m < fragment.inverse_depth_1_m; --at)
+          fragments[at] = fragments[at - 1];
+        fragments[at] = fragment;
+        count = std::min(count + 1, most_fragments);
+      }
+      if (count < 2) continue;
+      float through = 1.0F;
+      float sum = 0.0F;
+      for (std::size_t i = 0; i < count; ++i) {
+        sum += through * fragments[i].luminance;
+        through *= 1.0F - std::min(fragments[i].cover, 1.0F);
+      }
+      luminance[pixel] = sum;
+    }
+  }
+}
+
+double KeyframeRenderer::visible_share(const Eigen::Vector3d& centre_m, double radius_m, int body) const {
+  const double depth2 = centre_m.z() * centre_m.z() - radius_m * radius_m;
+  if (!(centre_m.z() > radius_m) || !(depth2 > 0.0)) return 0.0;
+  const double k = centre_m.squaredNorm() - radius_m * radius_m;
+  // The outline is an ellipse with the semi-axes R sqrt(k) / depth2 and R / sqrt(depth2) at unit depth.
+  const double area = std::numbers::pi * radius_m * radius_m * std::sqrt(k) / (depth2 * std::sqrt(depth2));
+  constexpr std::array<float, 2> places{-0.25F, 0.25F};  // of a pixel's samples
+  double all = 0.0;
+  double visible = 0.0;
+  const PixelRect bodies = pixels_of_bodies();
+  for (int row = bodies.top; row < bodies.bottom; ++row) {
+    for (int column = bodies.left; column < bodies.right; ++column) {
+      const auto pixel = static_cast<std::size_t>(row) * static_cast<std::size_t>(camera_.size.width) +
+                         static_cast<std::size_t>(column);
+      const std::array<float, 4>& slope = ray_slope_[pixel];
+      int inside = 0;
+      double nearest_1_m = 0.0;
+      for (const float right : places) {
+        for (const float down : places) {
+          const auto x = static_cast<double>(ray_x_[pixel] + right * slope[0] + down * slope[2]);
+          const auto y = static_cast<double>(ray_y_[pixel] + right * slope[1] + down * slope[3]);
+          const double along = centre_m.x() * x + centre_m.y() * y + centre_m.z();
+          const double ray2 = x * x + y * y + 1.0;
+          const double root2 = along * along - ray2 * k;
+          if (root2 < 0.0) continue;
+          ++inside;
+          nearest_1_m = std::max(nearest_1_m, ray2 / (along - std::sqrt(root2)));
+        }
+      }
+      if (inside == 0) continue;
+      const double hides_1_m = 1.0 / (1.0 / nearest_1_m - EyeRenderer::hidden_by_m);
+      double through = 1.0;
+      for (const Sheet& sheet : sheets_) {
+        if (sheet.layer.body == body || !sheet.pixels.holds(column, row)) continue;
+        if (static_cast<double>(sheet.inverse_depth_1_m[pixel]) < hides_1_m) continue;
+        through *=
+            sheet.layer.is_room() ? 0.0 : 1.0 - static_cast<double>(std::min(1.0F, sheet.cover[pixel]));
+      }
+      const double part = std::abs(static_cast<double>(slope[0] * slope[3] - slope[1] * slope[2])) * inside /
+                          static_cast<double>(places.size() * places.size());
+      all += part;
+      visible += part * through;
+    }
+  }
+  constexpr double close_share = 0.98;  // samples of a disc miss its area by less than that
+  return visible / (all > close_share * area ? all : area);
+}
+
+}  // namespace saccade

@@ -1,0 +1,109 @@
+#include "sim/layer_warp.h"
+
+#include <algorithm>
+
+// Compiled for AVX2 as well, chosen at run time. No fused multiply-add, so both give the same bits.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)
+#define SACCADE_WARP_CLONES __attribute__((target_clones("avx2", "default")))
+#else
+#define SACCADE_WARP_CLONES
+#endif
+
+namespace saccade::detail {
+namespace {
+
+inline float between(float value, float low, float high) {
+  const float raised = value > low ? value : low;
+  return raised < high ? raised : high;
+}
+
+}  // namespace
+
+/// Samples of the pixels at the inverse depths `w`.
+SACCADE_WARP_CLONES
+void samples_at(const WarpRow& k, const float* x, const float* y, const float* w, float* u, float* v,
+                std::size_t count) {
+  const auto [a0, a1, a2, a3, a4, a5, a6, a7, a8] = k.a;
+  const auto [t0, t1, t2] = k.t;
+  for (std::size_t i = 0; i < count; ++i) {
+    const float z = a6 * x[i] + a7 * y[i] + a8 + t2 * w[i];
+    const float scale = 1.0F / z;
+    u[i] = (a0 * x[i] + a1 * y[i] + a2 + t0 * w[i]) * scale;
+    v[i] = (a3 * x[i] + a4 * y[i] + a5 + t1 * w[i]) * scale;
+  }
+}
+
+/// The block of inverse depths of each sample.
+SACCADE_WARP_CLONES
+void blocks_at(const WarpRow& k, const float* u, const float* v, int* block, std::size_t count) {
+  const float per_sample = k.blocks_per_sample;
+  const auto right = static_cast<float>(k.block_columns - 1);
+  const auto bottom = static_cast<float>(k.block_rows - 1);
+  const int stride = k.block_columns;
+  for (std::size_t i = 0; i < count; ++i) {
+    const int column = static_cast<int>(between((u[i] + 0.5F) * per_sample, 0.0F, right));
+    const int row = static_cast<int>(between((v[i] + 0.5F) * per_sample, 0.0F, bottom));
+    block[i] = row * stride + column;
+  }
+}
+
+/// From inverse depths in the keyframe to those of the pixels.
+SACCADE_WARP_CLONES
+void depths_of(const WarpRow& k, const float* x, const float* y, float* w, std::size_t count) {
+  const float a6 = k.a[6];
+  const float a7 = k.a[7];
+  const float a8 = k.a[8];
+  const float t2 = k.t[2];
+  for (std::size_t i = 0; i < count; ++i) w[i] = w[i] * (a6 * x[i] + a7 * y[i] + a8) / (1.0F - w[i] * t2);
+}
+
+/// The first of the four samples around each point, and the point's place between them, which replaces u and v.
+SACCADE_WARP_CLONES
+void squares_at(const WarpRow& k, float* u, float* v, int* first, std::size_t count) {
+  const float right = static_cast<float>(k.columns) - 1.001F;
+  const float bottom = static_cast<float>(k.rows) - 1.001F;
+  const int stride = k.columns;
+  for (std::size_t i = 0; i < count; ++i) {
+    const float inside_u = between(u[i], 0.0F, right);
+    const float inside_v = between(v[i], 0.0F, bottom);
+    const int column = static_cast<int>(inside_u);
+    const int row = static_cast<int>(inside_v);
+    u[i] = inside_u - static_cast<float>(column);
+    v[i] = inside_v - static_cast<float>(row);
+    first[i] = 2 * (row * stride + column);
+  }
+}
+
+// The loops that look values up are not cloned: gathers of AVX2 are slower than single loads.
+
+void look_up(const float* values, const int* at, float* out, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) out[i] = values[at[i]];
+}
+
+void interpolate(const float* pairs, const int* first, const float* part_u, const float* part_v, float* out,
+                 std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const float* const at = pairs + first[i];
+    const float left = at[0] + part_v[i] * (at[1] - at[0]);
+    out[i] = left + part_u[i] * (at[2] + part_v[i] * (at[3] - at[2]) - left);
+  }
+}
+
+void warp_row(const WarpRow& k, const float* x, const float* y, std::size_t count, const WarpResult& result) {
+  float* const w = result.inverse_depth_1_m;
+  std::fill_n(w, count, k.start_1_m);
+  depths_of(k, x, y, w, count);
+  samples_at(k, x, y, w, result.u, result.v, count);
+  for (int i = 0; i < k.iterations; ++i) {
+    blocks_at(k, result.u, result.v, result.at, count);
+    look_up(k.inverse_depth_1_m, result.at, w, count);
+    depths_of(k, x, y, w, count);
+    samples_at(k, x, y, w, result.u, result.v, count);
+  }
+  squares_at(k, result.u, result.v, result.at, count);
+  interpolate(k.luminance, result.at, result.u, result.v, result.luminance, count);
+  if (k.cover != nullptr) interpolate(k.cover, result.at, result.u, result.v, result.cover, count);
+}
+
+}  // namespace saccade::detail
