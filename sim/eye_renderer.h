@@ -33,7 +33,7 @@ constexpr auto words_of(RenderMethod) {
 struct EyeRenderConfig {
   RenderMethod method = RenderMethod::direct;
   std::int64_t supersampling = 2;     ///< samples per pixel and direction
-  std::int64_t keyframe_samples = 4;  ///< the same of keyframes
+  std::int64_t keyframe_samples = 5;  ///< the same of keyframes
   double keyframe_error_px = 0.25;    ///< bound on the error of reprojection
   double near_m = 0.02;               ///< distance along the optical axis of the nearest drawn surface
   double far_m = 12.0;                ///< and of the farthest

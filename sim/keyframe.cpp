@@ -1,7 +1,10 @@
 #include "sim/keyframe.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <iterator>
+#include <limits>
 
 namespace saccade::detail {
 namespace {
@@ -17,7 +20,8 @@ std::uint32_t luminance_of(std::uint32_t rgba) {
          blue_weight * ((rgba >> 16U) & 0xffU);
 }
 
-/// The bounds of an interval of samples, [first + first_part, last + last_part).
+/// An interval of samples around the middle of a sample: it begins in sample `first` and ends in sample `last`, counted
+/// from that sample, and leaves out the share first_part of the first and takes the share last_part of the last.
 struct Interval {
   int first;
   int last;
@@ -26,125 +30,184 @@ struct Interval {
   float length;
 };
 
-/// The interval of `width` samples around the middle of a sample, cut at [0, count).
-Interval around(int sample, float width, int count) {
-  const float begin = std::max(0.0F, static_cast<float>(sample) + 0.5F - 0.5F * width);
-  const float end = std::min(static_cast<float>(count), static_cast<float>(sample) + 0.5F + 0.5F * width);
-  const int first = std::min(static_cast<int>(begin), count - 1);
-  const int last = std::min(static_cast<int>(end), count - 1);
-  return {first, last, begin - static_cast<float>(first), end - static_cast<float>(last), end - begin};
+Interval interval_between(float begin, float end) {
+  const float first = std::floor(begin);
+  const float last = std::floor(end);
+  return {static_cast<int>(first), static_cast<int>(last), begin - first, end - last, end - begin};
+}
+
+Interval interval_of(float width) { return interval_between(0.5F - 0.5F * width, 0.5F + 0.5F * width); }
+
+/// The same around `sample`, cut at the border of `count` samples.
+Interval cut_interval(float width, int sample, int count) {
+  const auto at = static_cast<float>(sample);
+  const float begin = std::max(at + 0.5F - 0.5F * width, 0.0F);
+  const float end = std::min(at + 0.5F + 0.5F * width, static_cast<float>(count) - 0.001F);
+  Interval interval = interval_between(begin, end);
+  interval.first -= sample;
+  interval.last -= sample;
+  return interval;
+}
+
+float as_float(std::uint32_t difference) { return static_cast<float>(static_cast<std::int32_t>(difference)); }
+
+/// The order of positive floats is that of their bits; the compiler vectorises maxima of whole numbers.
+std::int32_t bits_of(float value) { return std::bit_cast<std::int32_t>(value); }
+
+struct Range {
+  std::int32_t least = std::numeric_limits<std::int32_t>::max();
+  std::int32_t most = 0;
+};
+
+/// Widens the range by the values that are not 0.
+void include(const float* values, std::size_t count, Range& range) {
+  std::int32_t least = range.least;
+  std::int32_t most = range.most;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::int32_t bits = bits_of(values[i]);
+    most = std::max(most, bits);
+    least = std::min(least, bits == 0 ? std::numeric_limits<std::int32_t>::max() : bits);
+  }
+  range = {least, most};
+}
+
+/// The largest difference between values of two rows that both are not 0, or `most`.
+std::int32_t largest_step(const float* a, const float* b, std::size_t count, std::int32_t most) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const float step = a[i] > 0.0F && b[i] > 0.0F ? std::abs(a[i] - b[i]) : 0.0F;
+    most = std::max(most, bits_of(step));
+  }
+  return most;
 }
 
 }  // namespace
 
 void KeyframeFilter::copy_depths(Keyframe& k, std::span<const float> depth, double near_m, double far_m,
                                  bool is_room) {
-  const int columns = k.rect.columns();
-  const int rows = k.rect.rows();
+  const auto columns = static_cast<std::size_t>(k.rect.columns());
+  const auto rows = static_cast<std::size_t>(k.rect.rows());
+  const auto block = static_cast<std::size_t>(camera_->samples());
+  const std::size_t block_columns = (columns + block - 1) / block;
+  const std::size_t block_rows = (rows + block - 1) / block;
   const auto at_near = static_cast<float>(1.0 / near_m);
   const auto per_depth = static_cast<float>((far_m - near_m) / (near_m * far_m));
-  const auto nothing = static_cast<float>(1.0 / far_m);
-  k.block = camera_->samples();
-  k.block_columns = (columns + k.block - 1) / k.block;
-  k.block_rows = (rows + k.block - 1) / k.block;
-  k.inverse_depth_1_m.assign(
-      static_cast<std::size_t>(k.block_columns) * static_cast<std::size_t>(k.block_rows), 0.0F);
-  std::vector<float> counts(k.inverse_depth_1_m.size(), 0.0F);
-  float nearest = 0.0F;
-  float farthest = at_near;
-  float step = 0.0F;
-  double sum = 0.0;
-  std::size_t count = 0;
-  SampleRect covered{columns, rows, 0, 0};
-  std::vector<float> above(static_cast<std::size_t>(columns), 0.0F);
-  for (int row = 0; row < rows; ++row) {
-    const float* const from = depth.data() + static_cast<std::ptrdiff_t>(rows - 1 - row) * columns;
-    float left = 0.0F;
-    for (int column = 0; column < columns; ++column) {
-      const bool is_here = from[column] < 1.0F;
-      const float q = is_here ? at_near - from[column] * per_depth : is_room ? nothing : 0.0F;
-      if (q > 0.0F) {
-        nearest = std::max(nearest, q);
-        farthest = std::min(farthest, q);
-        sum += static_cast<double>(q);
-        ++count;
-        if (left > 0.0F) step = std::max(step, std::abs(q - left));
-        float& over = above[static_cast<std::size_t>(column)];
-        if (over > 0.0F) step = std::max(step, std::abs(q - over));
-        covered = {std::min(covered.left, column), std::min(covered.top, row),
-                   std::max(covered.right, column + 1), std::max(covered.bottom, row + 1)};
-        const auto block =
-            static_cast<std::size_t>(row / k.block) * static_cast<std::size_t>(k.block_columns) +
-            static_cast<std::size_t>(column / k.block);
-        k.inverse_depth_1_m[block] += q;
-        counts[block] += 1.0F;
-      }
-      left = above[static_cast<std::size_t>(column)] = q;
+  const float nothing = is_room ? static_cast<float>(1.0 / far_m) : 0.0F;
+  k.block = static_cast<int>(block);
+  k.block_columns = static_cast<int>(block_columns);
+  k.block_rows = static_cast<int>(block_rows);
+  k.inverse_depth_1_m.assign(block_columns * block_rows, 0.0F);
+  block_counts_.assign(block_columns * block_rows, 0.0F);
+  depth_row_.resize(columns);
+  depth_row_above_.assign(columns, 0.0F);
+  Range range;
+  std::int32_t step = 0;
+  SampleRect covered{k.rect.columns(), k.rect.rows(), 0, 0};
+  for (std::size_t row = 0; row < rows; ++row) {
+    const float* const from = depth.data() + (rows - 1 - row) * columns;
+    float* const q = depth_row_.data();
+    for (std::size_t i = 0; i < columns; ++i) q[i] = from[i] < 1.0F ? at_near - from[i] * per_depth : nothing;
+    include(q, columns, range);
+    step = largest_step(q + 1, q, columns - 1, step);
+    step = largest_step(q, depth_row_above_.data(), columns, step);
+    const std::size_t first_block = row / block * block_columns;
+    for (std::size_t i = 0; i < columns; ++i) {
+      k.inverse_depth_1_m[first_block + i / block] += q[i];
+      block_counts_[first_block + i / block] += q[i] > 0.0F ? 1.0F : 0.0F;
     }
+    const auto is_here = [](float value) { return value > 0.0F; };
+    const auto left = std::find_if(q, q + columns, is_here) - q;
+    if (left < static_cast<std::ptrdiff_t>(columns)) {
+      const auto right =
+          std::find_if(std::reverse_iterator(q + columns), std::reverse_iterator(q), is_here).base() - q;
+      covered = {std::min(covered.left, static_cast<int>(left)), std::min(covered.top, static_cast<int>(row)),
+                 std::max(covered.right, static_cast<int>(right)), static_cast<int>(row) + 1};
+    }
+    std::swap(depth_row_, depth_row_above_);
   }
-  k.nearest_1_m = static_cast<double>(nearest);
-  k.farthest_1_m = static_cast<double>(farthest);
-  k.mean_1_m = count > 0 ? sum / static_cast<double>(count) : 0.0;
-  k.largest_step_1_m = static_cast<double>(step);
+  double sum = 0.0;
+  double count = 0.0;
+  for (std::size_t i = 0; i < block_counts_.size(); ++i) {
+    sum += static_cast<double>(k.inverse_depth_1_m[i]);
+    count += static_cast<double>(block_counts_[i]);
+  }
   k.covered = {};
-  if (count > 0) {
-    const int around_px = 2 * k.block;
-    k.covered = SampleRect{k.rect.left + covered.left - around_px, k.rect.top + covered.top - around_px,
-                           k.rect.left + covered.right + around_px, k.rect.top + covered.bottom + around_px}
-                    .cut(k.rect);
-  }
-  for (std::size_t i = 0; i < counts.size(); ++i) {
+  k.nearest_1_m = k.farthest_1_m = k.mean_1_m = k.largest_step_1_m = 0.0;
+  if (count == 0.0) return;
+  k.nearest_1_m = static_cast<double>(std::bit_cast<float>(range.most));
+  k.farthest_1_m = static_cast<double>(std::bit_cast<float>(range.least));
+  k.mean_1_m = sum / count;
+  k.largest_step_1_m = static_cast<double>(std::bit_cast<float>(step));
+  const int around = 2 * k.block;
+  k.covered = SampleRect{k.rect.left + covered.left - around, k.rect.top + covered.top - around,
+                         k.rect.left + covered.right + around, k.rect.top + covered.bottom + around}
+                  .cut(k.rect);
+  for (std::size_t i = 0; i < block_counts_.size(); ++i) {
     k.inverse_depth_1_m[i] =
-        counts[i] > 0.0F ? k.inverse_depth_1_m[i] / counts[i] : static_cast<float>(k.mean_1_m);
+        block_counts_[i] > 0.0F ? k.inverse_depth_1_m[i] / block_counts_[i] : static_cast<float>(k.mean_1_m);
   }
 }
 
-/// Means of samples_ over the area of a pixel around each, times `scale`, as pairs of a sample and the one below it. Sums are whole numbers modulo 2^32, so that
-/// differences are exact.
+/// Means of samples_ over the area of a pixel around each, times `scale`, as pairs of a sample and the one below it. Sums
+/// are whole numbers modulo 2^32, so that differences are exact. Samples that share a PixelSize share the interval.
 void KeyframeFilter::mean_over_pixels(const SampleRect& rect, std::vector<float>& pairs, float scale) {
   const int columns = rect.columns();
   const int rows = rect.rows();
-  const auto stride = static_cast<std::size_t>(columns);
-  row_sums_.resize(stride + 1);
-  sums_.resize(stride * static_cast<std::size_t>(rows + 1));
+  const auto stride = static_cast<std::ptrdiff_t>(columns);
+  row_sums_.resize(static_cast<std::size_t>(columns) + 1);
+  sums_.resize(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows + 1));
   std::fill_n(sums_.begin(), columns, 0U);
-  for (int row = 0; row < rows; ++row) {
-    std::uint32_t* const from = samples_.data() + static_cast<std::size_t>(row) * stride;
-    row_sums_[0] = 0;
-    for (std::size_t i = 0; i < stride; ++i) row_sums_[i + 1] = row_sums_[i] + from[i];
-    const std::uint32_t* const before = sums_.data() + static_cast<std::size_t>(row) * stride;
-    std::uint32_t* const after = sums_.data() + static_cast<std::size_t>(row + 1) * stride;
-    Interval span{};
-    for (int column = 0; column < columns; ++column) {
-      const auto i = static_cast<std::size_t>(column);
-      span = around(column, camera_->pixel_at(rect.left + column, rect.top + row).width, columns);
-      const std::uint32_t whole =
-          row_sums_[static_cast<std::size_t>(span.last)] - row_sums_[static_cast<std::size_t>(span.first)];
-      const float sum = static_cast<float>(static_cast<std::int32_t>(whole)) +
-                        span.last_part * static_cast<float>(static_cast<std::int32_t>(from[span.last])) -
-                        span.first_part * static_cast<float>(static_cast<std::int32_t>(from[span.first]));
-      after[i] = before[i] + static_cast<std::uint32_t>(sum / span.length + 0.5F);
+  const auto each_cell = [&](int row, const auto& with) {
+    for (int begin = 0; begin < columns;) {
+      const int end = std::min(columns, KeyframeCamera::next_cell(rect.left + begin) - rect.left);
+      with(begin, end, camera_->pixel_at(rect.left + begin, rect.top + row));
+      begin = end;
     }
+  };
+  for (int row = 0; row < rows; ++row) {
+    const std::uint32_t* const from = samples_.data() + row * stride;
+    std::uint32_t* const until = row_sums_.data();
+    until[0] = 0;
+    for (int i = 0; i < columns; ++i) until[i + 1] = until[i] + from[i];
+    const std::uint32_t* const before = sums_.data() + row * stride;
+    std::uint32_t* const after = sums_.data() + (row + 1) * stride;
+    const auto add_mean = [&](int i, const Interval& over, float share) {
+      const float sum = as_float(until[i + over.last] - until[i + over.first]) +
+                        over.last_part * as_float(from[i + over.last]) -
+                        over.first_part * as_float(from[i + over.first]);
+      after[i] = before[i] + static_cast<std::uint32_t>(static_cast<std::int32_t>(sum * share + 0.5F));
+    };
+    each_cell(row, [&](int begin, int end, const KeyframeCamera::PixelSize& pixel) {
+      const Interval over = interval_of(pixel.width);
+      if (begin + over.first >= 0 && end + over.last <= columns) {
+        const float share = 1.0F / over.length;
+        for (int i = begin; i < end; ++i) add_mean(i, over, share);
+        return;
+      }
+      for (int i = begin; i < end; ++i) {
+        const Interval cut = cut_interval(pixel.width, i, columns);
+        add_mean(i, cut, 1.0F / cut.length);
+      }
+    });
   }
   pairs.resize(2 * rect.area());
   for (int row = 0; row < rows; ++row) {
-    float* const to = pairs.data() + 2 * static_cast<std::size_t>(row) * stride;
+    float* const to = pairs.data() + 2 * row * stride;
     float* const above = row > 0 ? to - 2 * stride : to;
-    for (int column = 0; column < columns; ++column) {
-      const auto i = static_cast<std::size_t>(column);
-      const Interval span = around(row, camera_->pixel_at(rect.left + column, rect.top + row).height, rows);
-      const auto sum_at = [&](int at) { return sums_[static_cast<std::size_t>(at) * stride + i]; };
-      const auto value_at = [&](int at) {
-        return static_cast<float>(static_cast<std::int32_t>(sum_at(at + 1) - sum_at(at)));
-      };
-      const float sum =
-          static_cast<float>(static_cast<std::int32_t>(sum_at(span.last) - sum_at(span.first))) +
-          span.last_part * value_at(span.last) - span.first_part * value_at(span.first);
-      to[2 * i] = above[2 * i + 1] = scale * sum / span.length;
-    }
+    each_cell(row, [&](int begin, int end, const KeyframeCamera::PixelSize& pixel) {
+      const Interval over = cut_interval(pixel.height, row, rows);
+      const std::uint32_t* const first = sums_.data() + (row + over.first) * stride;
+      const std::uint32_t* const last = sums_.data() + (row + over.last) * stride;
+      const float share = scale / over.length;
+      for (int i = begin; i < end; ++i) {
+        const float sum = as_float(last[i] - first[i]) +
+                          over.last_part * as_float(last[i + stride] - last[i]) -
+                          over.first_part * as_float(first[i + stride] - first[i]);
+        to[2 * i] = above[2 * i + 1] = sum * share;
+      }
+    });
   }
-  float* const last = pairs.data() + 2 * static_cast<std::size_t>(rows - 1) * stride;
-  for (std::size_t i = 0; i < stride; ++i) last[2 * i + 1] = last[2 * i];
+  float* const bottom = pairs.data() + 2 * (rows - 1) * stride;
+  for (int i = 0; i < columns; ++i) bottom[2 * i + 1] = bottom[2 * i];
 }
 
 void KeyframeFilter::fill(Keyframe& k, std::span<const std::uint32_t> rgba, std::span<const float> depth,

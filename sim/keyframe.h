@@ -54,6 +54,9 @@ class KeyframeFilter {
   std::vector<std::uint32_t> samples_;  ///< of one channel, top row first
   std::vector<std::uint32_t> sums_;     ///< along columns
   std::vector<std::uint32_t> row_sums_;
+  std::vector<float> depth_row_;
+  std::vector<float> depth_row_above_;
+  std::vector<float> block_counts_;
 };
 
 }  // namespace saccade::detail

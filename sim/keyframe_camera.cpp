@@ -81,8 +81,12 @@ KeyframeCamera::KeyframeCamera(const Camera& camera, std::int64_t samples, doubl
       }
       const Eigen::Vector2d inside_px(std::clamp(at_px->x(), 0.0, width - 1.0),
                                       std::clamp(at_px->y(), 0.0, height - 1.0));
-      const Eigen::Vector2d extent = focal_ * extent_of_pixel(camera, inside_px);
-      cells_.push_back({static_cast<float>(extent.x()), static_cast<float>(extent.y())});
+      // Interpolation between samples adds a mean over one sample: the filter's width leaves it out, so that both together
+      // have the variance of the pixel.
+      const Eigen::Vector2d square =
+          (focal_ * extent_of_pixel(camera, inside_px)).cwiseAbs2().cwiseMax(2.0) - Eigen::Vector2d::Ones();
+      cells_.push_back(
+          {static_cast<float>(std::sqrt(square.x())), static_cast<float>(std::sqrt(square.y()))});
     }
   }
 }

@@ -51,7 +51,8 @@ class KeyframeCamera {
   [[nodiscard]] std::optional<SampleRect> span_of(const Eigen::Vector3d& centre_m, double radius_m,
                                                   double near_m) const;
 
-  /// Width and height of a pixel around a sample, in samples; those of the border outside the camera's image.
+  /// Width and height of the mean that makes a pixel of the samples around one, in samples: those of the pixel less the
+  /// mean that interpolation adds. Outside the camera's image those of its border.
   struct PixelSize {
     float width;
     float height;
@@ -60,6 +61,8 @@ class KeyframeCamera {
     return cells_[static_cast<std::size_t>(row / cell) * cell_columns_ +
                   static_cast<std::size_t>(column / cell)];
   }
+  /// The first sample of the next ones that share a PixelSize.
+  [[nodiscard]] static int next_cell(int sample) { return (sample / cell + 1) * cell; }
 
  private:
   static constexpr int cell = 8;  ///< samples that share a PixelSize, in each direction

@@ -91,9 +91,9 @@ void KeyframeRenderer::render(mjData& data, int camera_id, std::span<float> lumi
   }
   eye.frustum_near = static_cast<float>(config_.near_m);
   eye.frustum_far = static_cast<float>(config_.far_m);
-  std::vector<float> light = detail::light_state(*model_, data);
-  if (light != light_) {
-    light_ = std::move(light);
+  detail::read_lights(*model_, data, light_);
+  if (light_ != keyframe_light_) {
+    keyframe_light_ = light_;
     for (Sheet& sheet : sheets_) sheet.keyframe.is_drawn = false;
   }
   const Eigen::Isometry3d camera_from_root = World::root_from_camera(data, camera_id).inverse();

@@ -95,7 +95,8 @@ class KeyframeRenderer {
   std::unique_ptr<detail::SceneDrawer> drawer_;
   const mjModel* model_;
   std::vector<Sheet> sheets_;  ///< the room first
-  std::vector<float> light_;   ///< of the keyframes
+  std::vector<float> light_;
+  std::vector<float> keyframe_light_;
   // Rays of the pixels at unit depth, row by row, and the change of their x and y along a row and along a column.
   std::vector<float> ray_x_;
   std::vector<float> ray_y_;

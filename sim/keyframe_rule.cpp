@@ -22,7 +22,7 @@ bool KeyframeRule::permits(const Keyframe& key, const SceneLayer& layer, const E
   if (!key.is_drawn) return false;
   const Eigen::Isometry3d key_from_camera = key.camera_from_layer * camera_from_layer.inverse();
   if ((layer.is_room() || key.is_clipped) && !shows_border(key, key_from_camera)) return false;
-  if (key.covered.is_empty()) return true;
+  if (key.covered.is_empty()) return key.is_clipped;  // too small for a sample: it may grow
 
   const double focal_px = camera_->focal() / camera_->samples();
   const Eigen::Vector3d& moved_m = key_from_camera.translation();

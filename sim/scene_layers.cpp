@@ -64,9 +64,8 @@ std::vector<SceneLayer> scene_layers(const mjModel& model) {
   return layers;
 }
 
-std::vector<float> light_state(const mjModel& m, const mjData& data) {
-  std::vector<float> state;
-  state.reserve(static_cast<std::size_t>(m.nlight) * 16);
+void read_lights(const mjModel& m, const mjData& data, std::vector<float>& state) {
+  state.clear();
   for (int i = 0; i < m.nlight; ++i) {
     state.push_back(static_cast<float>(m.light_active[i]));
     for (const float* const colour : {m.light_ambient, m.light_diffuse, m.light_specular})
@@ -75,7 +74,6 @@ std::vector<float> light_state(const mjModel& m, const mjData& data) {
       for (int axis = 0; axis < 3; ++axis) state.push_back(static_cast<float>(vector[3 * i + axis]));
     }
   }
-  return state;
 }
 
 }  // namespace saccade::detail

@@ -27,7 +27,8 @@ struct SceneLayer {
 /// The layers of a model: the room first, even if it is empty, then every other body with geoms that eyes draw.
 [[nodiscard]] std::vector<SceneLayer> scene_layers(const mjModel& model);
 
-/// Colours and directions of the model's lights. Keyframes drawn under other lights are out of date.
-[[nodiscard]] std::vector<float> light_state(const mjModel& model, const mjData& data);
+/// Sets `state` to colours, positions and directions of the model's lights. Keyframes drawn under other lights are out of
+/// date.
+void read_lights(const mjModel& model, const mjData& data, std::vector<float>& state);
 
 }  // namespace saccade::detail

@@ -45,6 +45,34 @@ void eye_image(benchmark::State& state, Clutter clutter) {
 BENCHMARK_CAPTURE(eye_image, textured, Clutter::textured)->Unit(benchmark::kMicrosecond)->UseRealTime();
 BENCHMARK_CAPTURE(eye_image, rectilinear, Clutter::rectilinear)->Unit(benchmark::kMicrosecond)->UseRealTime();
 
+/// The same reprojected, with the keyframes that it needs.
+void reprojected_image(benchmark::State& state, Clutter clutter) {
+  const SimConfig config = lab_of(clutter);
+  const Lab lab(config.lab, 1);
+  World world(config.world, lab.mjcf(), 1);
+  const auto gl = GlContext::create("auto");
+  lab.paint(world.model());
+  KeyframeRenderer eye(world.model(), *gl, config.camera, config.render);
+  std::vector<float> luminance(static_cast<std::size_t>(config.camera.size.pixels()));
+  std::int64_t i = 0;
+  for (auto _ : state) {
+    state.PauseTiming();
+    world.set_reference(sweep(i++));
+    world.step();
+    state.ResumeTiming();
+    eye.render(world.data(), world.left_eye_camera(), luminance);
+    benchmark::DoNotOptimize(luminance.data());
+  }
+  state.counters["keyframes per image"] = benchmark::Counter(
+      static_cast<double>(eye.counts().room + eye.counts().bodies), benchmark::Counter::kAvgIterations);
+}
+BENCHMARK_CAPTURE(reprojected_image, textured, Clutter::textured)
+    ->Unit(benchmark::kMicrosecond)
+    ->UseRealTime();
+BENCHMARK_CAPTURE(reprojected_image, rectilinear, Clutter::rectilinear)
+    ->Unit(benchmark::kMicrosecond)
+    ->UseRealTime();
+
 void simulated_tick(benchmark::State& state, Clutter clutter) {
   SimRobot robot(lab_of(clutter), 1);
   std::vector<Event> events;

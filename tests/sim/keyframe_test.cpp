@@ -83,7 +83,7 @@ class Keyframes : public testing::Test {
   std::unique_ptr<World> world_;
 };
 
-// A keyframe has four times the samples of a drawn image, and reprojection adds no more than those are worth.
+// A keyframe has six times the samples of a drawn image, and reprojection adds no more than those are worth.
 TEST_F(Keyframes, ReprojectedImagesAreNearerToFinelyDrawnOnesThanImagesDrawnWith2x2Samples) {
   make_world();
   KeyframeRenderer reprojected = keyframes();
@@ -203,8 +203,8 @@ TEST_F(Keyframes, OtherLightEndsAllKeyframes) {
   ASSERT_GT(model.nlight, 0);
   for (int i = 0; i < 3 * model.nlight; ++i) model.light_diffuse[i] *= 0.5F;
   const Image dark = image_of(reprojected);
-  EXPECT_GT(mean_difference(bright, dark), 5.0);
-  EXPECT_LT(mean_difference(dark, image_of(fine)), 1.5);
+  EXPECT_GT(mean_difference(bright, dark), 2.0);
+  EXPECT_LT(mean_difference(dark, image_of(fine)), 1.0);
 }
 
 // The head looks past the ball, so that the image's border and then the hand cut it.
