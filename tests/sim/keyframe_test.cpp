@@ -179,6 +179,7 @@ TEST_F(Keyframes, TwoRenderersOfTheSameStatesGiveTheSameBytes) {
 }
 
 TEST_F(Keyframes, AGlossyBallIsDrawnMoreOftenThanAMattOne) {
+  render_.keyframe_error_px = 0.05;
   const auto bodies = [&](double gloss) {
     ball().hand = Hand::none;
     ball().gloss = gloss;
