@@ -10,12 +10,12 @@
 
 namespace saccade {
 
-/// Minimises 1/2 x'Hx - g'x subject to lower <= x <= upper, N <= 8, H symmetric and positive definite (for
+/// Minimises 1/2 x'Hx - g'x subject to lower <= x <= upper, N <= 12, H symmetric and positive definite (for
 /// least squares |Ax - b|^2: H = A'A, g = A'b). Primal active set method: every iterate is exactly within the bounds.
 /// The next call starts from the last solution and active set. At most max_iterations; does not allocate.
 template <int N>
 class BoundedQp {
-  static_assert(N >= 1 && N <= 8);
+  static_assert(N >= 1 && N <= 12);
 
  public:
   using Vector = Eigen::Matrix<double, N, 1>;

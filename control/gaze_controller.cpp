@@ -12,8 +12,7 @@ TargetStatus check_gaze_target(const Eigen::Vector3d& target, const HeadKinemati
   if ((target - head.root_from_eye(Eye::left).translation()).norm() < nearest_target_m) {
     return TargetStatus::too_near;
   }
-  if (!((target - head.point_on_axis(neck_pitch)).dot(head.chest_forward()) > 0.0))
-    return TargetStatus::behind;
+  if (!((target - head.neck_base_m()).dot(head.chest_forward()) > 0.0)) return TargetStatus::behind;
   return TargetStatus::ok;
 }
 

@@ -2,91 +2,87 @@
 
 #include <Eigen/LU>
 #include <cmath>
-#include <numbers>
+
+#include "core/error.h"
 
 namespace saccade {
 namespace {
 
-/// One row of the DH table: H = Rz(q + offset) Tz(d) Tx(a) Rx(twist * 90 deg).
-struct Link {
-  double a_m;
-  double d_m;
-  double twist;  // +1 or -1, exact where sin(pi / 2) and cos(pi / 2) are not
-  double offset_rad;
-};
-
-constexpr double quarter_turn_rad = std::numbers::pi / 2;
-constexpr std::array<Link, 6> neck_links = {{
-    {0.032, 0.0, 1.0, 0.0},                      // torso pitch
-    {0.0, -0.0055, 1.0, -quarter_turn_rad},      // torso roll
-    {0.0, -0.2233, -1.0, -quarter_turn_rad},     // torso yaw
-    {0.0095, 0.0, 1.0, quarter_turn_rad},        // neck pitch
-    {0.0, 0.0, -1.0, -quarter_turn_rad},         // neck roll
-    {-0.0509, 0.08205, -1.0, quarter_turn_rad},  // neck yaw
-}};
-constexpr Link left_tilt_link{0.0, -0.034, -1.0, 0.0};
-constexpr Link right_tilt_link{0.0, 0.034, -1.0, 0.0};
-constexpr Link pan_link{0.0, 0.0, 1.0, -quarter_turn_rad};
-
 // sin^2 of the smallest angle between optical axes that counts as an intersection: 0.1 deg.
 constexpr double min_sine_squared = 3.0462e-6;
 
-Eigen::Isometry3d transform(const Link& link, double q_rad) {
-  const double c = std::cos(q_rad + link.offset_rad);
-  const double s = std::sin(q_rad + link.offset_rad);
-  Eigen::Isometry3d t;
-  t.matrix() << c, 0.0, s * link.twist, link.a_m * c,  //
-      s, 0.0, -c * link.twist, link.a_m * s,           //
-      0.0, link.twist, 0.0, link.d_m,                  //
-      0.0, 0.0, 0.0, 1.0;
-  return t;
-}
-
-Eigen::Isometry3d base() {
-  Eigen::Isometry3d t;
-  t.matrix() << 0.0, -1.0, 0.0, 0.0,  //
-      0.0, 0.0, -1.0, 0.0,            //
-      1.0, 0.0, 0.0, 0.0,             //
-      0.0, 0.0, 0.0, 1.0;
-  return t;
+/// In the order in which Eigen multiplies a matrix of nine columns, the joints of an iCub, whatever the number of slots.
+Eigen::Vector3d velocity_of(const PointJacobian& jacobian, const JointVector& velocity_rad_s) {
+  Eigen::Vector3d velocity = jacobian.leftCols<joint_count>() * velocity_rad_s.head<joint_count>();
+  for (int i = joint_count; i < joint_slots; ++i) velocity += jacobian.col(i) * velocity_rad_s[i];
+  return velocity;
 }
 
 Eigen::Matrix3d across(const Eigen::Vector3d& z) { return Eigen::Matrix3d::Identity() - z * z.transpose(); }
 
 }  // namespace
 
-HeadKinematics::HeadKinematics(const JointVector& q) {
-  const auto axis_of = [](const Eigen::Isometry3d& frame) {
-    return Axis{frame.linear().col(2), frame.translation()};
+HeadKinematics::HeadKinematics(const HeadChain& chain, const JointVector& q) : chain_(&chain) {
+  SACCADE_CHECK(chain.common.size() <= common_axes_.size());
+  const auto pass = [&q](const ChainLink& link, Eigen::Isometry3d& frame) {
+    apply_before(link, frame);
+    const Axis axis{frame.linear().col(2), frame.translation()};
+    apply_turn(link, link.angle_rad(q), frame);
+    return axis;
   };
-  Eigen::Isometry3d frame = base();
-  for (std::size_t i = 0; i < neck_links.size(); ++i) {
-    axes_[i] = axis_of(frame);
-    frame = frame * transform(neck_links[i], q[static_cast<int>(i)]);
+  Eigen::Isometry3d frame = chain.root_from_base;
+  chest_ = frame;
+  neck_base_m_ = frame.translation();
+  for (std::size_t i = 0; i < chain.common.size(); ++i) {
+    common_axes_[i] = pass(chain.common[i], frame);
+    if (i + 1 == chain.torso_links) chest_ = frame;
+    if (i == chain.torso_links) neck_base_m_ = common_axes_[i].point_m;
   }
-  axes_[eyes_tilt] = axis_of(frame);
-  const Eigen::Isometry3d left = frame * transform(left_tilt_link, q[eyes_tilt]);
-  const Eigen::Isometry3d right = frame * transform(right_tilt_link, q[eyes_tilt]);
-  axes_[eyes_version] = axis_of(left);
-  axes_[eyes_vergence] = axis_of(right);
-  root_from_eye_[index(Eye::left)] = left * transform(pan_link, q[eyes_version] + q[eyes_vergence] / 2);
-  root_from_eye_[index(Eye::right)] = right * transform(pan_link, q[eyes_version] - q[eyes_vergence] / 2);
+  for (const Eye eye : {Eye::left, Eye::right}) {
+    const std::size_t e = index(eye);
+    if (!chain.has(eye)) {
+      root_from_eye_[e] = root_from_eye_[0];
+      continue;
+    }
+    Eigen::Isometry3d& pose = root_from_eye_[e];
+    pose = frame;
+    SACCADE_CHECK(chain.eye[e].size() <= eye_axes_[e].size());
+    for (std::size_t i = 0; i < chain.eye[e].size(); ++i) eye_axes_[e][i] = pass(chain.eye[e][i], pose);
+    if (chain.has_eye_from_last) pose = pose * chain.eye_from_last[e];
+  }
+}
+
+HeadKinematics::Axis HeadKinematics::axis_of(int slot, Eye eye) const {
+  const auto is_turned = [slot](const ChainLink& link) {
+    return (link.joints > 0 && link.turns[0].slot == slot) || (link.joints > 1 && link.turns[1].slot == slot);
+  };
+  for (std::size_t i = 0; i < chain_->common.size(); ++i) {
+    if (is_turned(chain_->common[i])) return common_axes_[i];
+  }
+  const std::size_t e = chain_->has(eye) ? index(eye) : 0;
+  for (std::size_t i = 0; i < chain_->eye[e].size(); ++i) {
+    if (is_turned(chain_->eye[e][i])) return eye_axes_[e][i];
+  }
+  return {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
 }
 
 EyeJacobian HeadKinematics::jacobian(Eye eye) const {
   const Eigen::Vector3d centre = root_from_eye(eye).translation();
   EyeJacobian j;
-  for (int i = 0; i <= eyes_tilt; ++i) {
-    const Axis& axis = axes_[static_cast<std::size_t>(i)];
-    j.angular.col(i) = axis.direction;
-    j.linear.col(i) = axis.direction.cross(centre - axis.point_m);
-  }
-  // The pan axis goes through the eye centre: panning turns the eye and does not move it.
-  const bool left = eye == Eye::left;
-  const Eigen::Vector3d& pan_axis = axes_[left ? eyes_version : eyes_vergence].direction;
-  j.angular.col(eyes_version) = pan_axis;
-  j.angular.col(eyes_vergence) = (left ? 0.5 : -0.5) * pan_axis;
-  j.linear.rightCols<2>().setZero();
+  j.linear.setZero();
+  j.angular.setZero();
+  const auto add = [&](const ChainLink& link, const Axis& axis) {
+    if (!link.moves()) return;
+    const Eigen::Vector3d moved = axis.direction.cross(centre - axis.point_m);
+    for (int i = 0; i < link.joints; ++i) {
+      const JointShare& by = link.turns[static_cast<std::size_t>(i)];
+      j.angular.col(by.slot) += by.share * axis.direction;
+      j.linear.col(by.slot) += by.share * moved;
+    }
+  };
+  for (std::size_t i = 0; i < chain_->common.size(); ++i) add(chain_->common[i], common_axes_[i]);
+  const std::size_t e = chain_->has(eye) ? index(eye) : 0;
+  for (std::size_t i = 0; i < chain_->eye[e].size(); ++i) add(chain_->eye[e][i], eye_axes_[e][i]);
   return j;
 }
 
@@ -121,7 +117,7 @@ PointJacobian HeadKinematics::fixation_jacobian() const {
     const EyeJacobian j = jacobian(eye);
     a += p;
     b += p * j.linear;
-    for (int i = 0; i < joint_count; ++i) {
+    for (int i = 0; i < joint_slots; ++i) {
       const Eigen::Vector3d dz = j.angular.col(i).cross(z);
       b.col(i) += dz * z.dot(arm) + z * dz.dot(arm);
     }
@@ -129,20 +125,14 @@ PointJacobian HeadKinematics::fixation_jacobian() const {
   return a.inverse() * b;
 }
 
-Eigen::Isometry3d root_from_left_cam(const JointVector& q) {
-  return HeadKinematics(q).root_from_eye(Eye::left);
-}
-Eigen::Isometry3d root_from_right_cam(const JointVector& q) {
-  return HeadKinematics(q).root_from_eye(Eye::right);
-}
-
-CameraMotion camera_motion(const HeadState& state, Eye eye, const Eigen::Isometry3d& eye_from_camera) {
-  const HeadKinematics head(state.position_rad);
+CameraMotion camera_motion(const HeadChain& chain, const HeadState& state, Eye eye,
+                           const Eigen::Isometry3d& eye_from_camera) {
+  const HeadKinematics head(chain, state.position_rad);
   const Eigen::Isometry3d pose = head.root_from_eye(eye) * eye_from_camera;
   const EyeJacobian j = head.jacobian(eye);
-  const Eigen::Vector3d angular = j.angular * state.velocity_rad_s;
+  const Eigen::Vector3d angular = velocity_of(j.angular, state.velocity_rad_s);
   const Eigen::Vector3d arm_m = pose.translation() - head.root_from_eye(eye).translation();
-  const Eigen::Vector3d linear = j.linear * state.velocity_rad_s + angular.cross(arm_m);
+  const Eigen::Vector3d linear = velocity_of(j.linear, state.velocity_rad_s) + angular.cross(arm_m);
   return {pose, pose.linear().transpose() * linear, pose.linear().transpose() * angular};
 }
 

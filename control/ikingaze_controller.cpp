@@ -21,6 +21,12 @@ constexpr double longest_saccade_s = 0.5;            // an eye that does not arr
 constexpr double max_lead_rad = 10.0 * rad_per_deg;  // a reference waits for its joint
 
 MotionLimits with_tilt(MotionLimits limits, const IkinGazeConfig& config) {
+  if (!limits.head->has_icub_gaze()) {
+    throw InputError(
+        "gaze.controller", "ikingaze",
+        "qp or script: ikingaze needs a head with three neck joints, tilt, version and vergence, and " +
+            limits.head->name + " has others");
+  }
   limits.min_rad[head_index(eyes_tilt)] =
       std::max(limits.min_rad[head_index(eyes_tilt)], config.min_tilt_deg * rad_per_deg);
   limits.max_rad[head_index(eyes_tilt)] =
@@ -62,7 +68,8 @@ IkinGazeController::IkinGazeController(const IkinGazeConfig& config, const Motio
       both_eyes_(config.eyes == AimingEyes::both),
       limits_(with_tilt(limits, config)),
       neutral_rad_(HeadJointVector::Zero().cwiseMax(limits_.min_rad).cwiseMin(limits_.max_rad)),
-      neck_solver_(limits_.min_rad.head<neck_joint_count>(), limits_.max_rad.head<neck_joint_count>()),
+      neck_solver_(limits_.head, limits_.min_rad.head<neck_joint_count>(),
+                   limits_.max_rad.head<neck_joint_count>()),
       filters_{
           MinimumJerkFilter(config.neck_time_s, period_s), MinimumJerkFilter(config.neck_time_s, period_s),
           MinimumJerkFilter(config.neck_time_s, period_s), MinimumJerkFilter(config.eyes_time_s, period_s),
@@ -76,7 +83,7 @@ HeadJointVector IkinGazeController::step(const HeadState& state, const std::opti
   if (!started_) {
     reference_rad_ = inside_hardware(limits_, state.head_position_rad());
     goal_rad_.head<neck_joint_count>() = neutral_rad_.head<neck_joint_count>();
-    goal_rad_.tail<3>() = inside_limits(reference_rad_.tail<3>());
+    goal_rad_.segment<3>(neck_joint_count) = inside_limits(reference_rad_.segment<3>(neck_joint_count));
     started_ = measured;
   }
   status_ = TargetStatus::none;
@@ -87,7 +94,7 @@ HeadJointVector IkinGazeController::step(const HeadState& state, const std::opti
     return reference_rad_;
   }
   if (target) {
-    status_ = check_gaze_target(*target, HeadKinematics(state.position_rad));
+    status_ = check_gaze_target(*target, HeadKinematics(limits_.head->chain, state.position_rad));
     if (status_ == TargetStatus::ok) {
       target_m_ = target;
       target_is_new_ = true;
@@ -98,13 +105,13 @@ HeadJointVector IkinGazeController::step(const HeadState& state, const std::opti
   for (double left_s = dt; left_s > due_s;) {
     // Joints move with their references where a step is longer than a period.
     JointVector q = state.position_rad;
-    q.tail<head_joint_count>() += reference_rad_ - before_rad;
+    q.tail<gaze_slots>() += reference_rad_ - before_rad;
     if (until_control_s_ <= due_s) {
       control(q);
       until_control_s_ += period_s;
     }
     const double part_s = left_s - until_control_s_ < due_s ? left_s : until_control_s_;
-    integrate(q.tail<head_joint_count>(), part_s);
+    integrate(q.tail<gaze_slots>(), part_s);
     left_s -= part_s;
     until_control_s_ -= part_s;
     now_s_ += part_s;
@@ -138,7 +145,7 @@ void IkinGazeController::plan_neck(const JointVector& q) {
     goal_rad_.head<neck_joint_count>() = neutral_rad_.head<neck_joint_count>();
     return;
   }
-  const CyclopeanEye eye(q);
+  const CyclopeanEye eye(limits_.head->chain, q);
   if (neck_waits_since_s_ && (eye.angle_to(*target_m_) > neck_restoring_rad ||
                               now_s_ - *neck_waits_since_s_ >= neck_delay_s - due_s)) {
     neck_target_m_ = target_m_;
@@ -160,7 +167,7 @@ void IkinGazeController::plan_eyes(const JointVector& q) {
     if (target_m_) {
       motion = both_eyes_ ? both_eyes(q) : left_eye(q);
     } else {
-      motion.wanted_rad_s = eye_gain_per_s * (neutral_rad_ - goal_rad_).tail<3>();
+      motion.wanted_rad_s = eye_gain_per_s * (neutral_rad_ - goal_rad_).segment<3>(neck_joint_count);
     }
   }
   // An eye at its limit stays there.
@@ -180,33 +187,35 @@ void IkinGazeController::plan_saccade(const JointVector& q) {
     return direction(eyes_rad[0], both_eyes_ ? eyes_rad[1] : eyes_rad[1] + eyes_rad[2] / 2);
   };
   const Eyes there_rad = eyes_on_target(q);
-  if (angle_between(look(there_rad), look(q.tail<3>())) <= config_.saccade_angle_deg * rad_per_deg) return;
+  if (angle_between(look(there_rad), look(q.segment<3>(eyes_tilt))) <=
+      config_.saccade_angle_deg * rad_per_deg)
+    return;
   saccade_ = true;
   saccade_start_s_ = now_s_;
-  goal_rad_.tail<3>() = there_rad;
+  goal_rad_.segment<3>(neck_joint_count) = there_rad;
 }
 
 void IkinGazeController::end_saccade(const JointVector& q) {
-  const bool arrived =
-      (goal_rad_ - q.tail<head_joint_count>()).tail<3>().cwiseAbs().maxCoeff() < saccade_done_rad;
+  const bool arrived = (goal_rad_ - q.tail<gaze_slots>()).segment<3>(neck_joint_count).cwiseAbs().maxCoeff() <
+                       saccade_done_rad;
   if (!arrived && now_s_ - saccade_start_s_ < longest_saccade_s) return;
   saccade_ = false;
-  goal_rad_.tail<3>() = inside_limits(q.tail<3>());
+  goal_rad_.segment<3>(neck_joint_count) = inside_limits(q.segment<3>(eyes_tilt));
   for (std::size_t j = neck_joint_count; j < filters_.size(); ++j) filters_[j].reset();
 }
 
 IkinGazeController::EyeMotion IkinGazeController::both_eyes(const JointVector& q) const {
   JointVector planned = q;
-  planned.tail<3>() = goal_rad_.tail<3>();
+  planned.segment<3>(eyes_tilt) = goal_rad_.segment<3>(neck_joint_count);
   planned[eyes_vergence] = std::max(planned[eyes_vergence], least_vergence_rad);
-  const HeadKinematics there(planned);
+  const HeadKinematics there(limits_.head->chain, planned);
   const FixationPoint fixation = there.fixation();
   if (!fixation.valid) return {Eyes::Zero(), Eyes::Zero()};
   JointVector now = q;
   now[eyes_vergence] = std::max(now[eyes_vergence], least_vergence_rad);
-  const PointJacobian here = HeadKinematics(now).fixation_jacobian();
+  const PointJacobian here = HeadKinematics(limits_.head->chain, now).fixation_jacobian();
   const auto by_eyes = [](const PointJacobian& jacobian, const Eigen::Vector3d& velocity_m_s) -> Eyes {
-    return least_norm_solution(Eigen::Matrix3d(jacobian.rightCols<3>()), velocity_m_s);
+    return least_norm_solution(Eigen::Matrix3d(jacobian.middleCols<3>(eyes_tilt)), velocity_m_s);
   };
   return {by_eyes(there.fixation_jacobian(), eye_gain_per_s * (*target_m_ - fixation.point_m)),
           -by_eyes(here,
@@ -223,15 +232,15 @@ IkinGazeController::EyeMotion IkinGazeController::left_eye(const JointVector& q)
     return least_norm_solution(joints, across * turn);
   };
   JointVector planned = q;
-  planned.tail<3>() = goal_rad_.tail<3>();
-  const HeadKinematics there(planned);
+  planned.segment<3>(eyes_tilt) = goal_rad_.segment<3>(neck_joint_count);
+  const HeadKinematics there(limits_.head->chain, planned);
   const Eigen::Isometry3d& eye = there.root_from_eye(Eye::left);
   const Eigen::Vector3d to_target = *target_m_ - eye.translation();
   const Eigen::Vector3d axis = eye.linear().col(2);
   const Eigen::Vector3d turn = axis.cross(to_target).stableNormalized() * angle_between(axis, to_target);
   const Eigen::Vector2d wanted = eye_gain_per_s * by_eye(there, turn);
 
-  const HeadKinematics here(q);
+  const HeadKinematics here(limits_.head->chain, q);
   const EyeJacobian jacobian = here.jacobian(Eye::left);
   const Eigen::Vector3d neck_rad_s = velocity_rad_s_.head<neck_joint_count>();
   const Eigen::Vector3d turned = jacobian.angular.middleCols<neck_joint_count>(neck_pitch) * neck_rad_s;
@@ -245,7 +254,7 @@ IkinGazeController::EyeMotion IkinGazeController::left_eye(const JointVector& q)
 }
 
 IkinGazeController::Eyes IkinGazeController::eyes_on_target(const JointVector& q) const {
-  const CyclopeanEye eye(q);
+  const CyclopeanEye eye(limits_.head->chain, q);
   const Eigen::Vector3d p = eye.see(*target_m_);
   const double ahead = std::hypot(p.y(), p.z());
   const double left = std::atan2(p.x() + eye.half_baseline_m(), ahead);
@@ -257,7 +266,8 @@ IkinGazeController::Eyes IkinGazeController::eyes_on_target(const JointVector& q
 }
 
 IkinGazeController::Eyes IkinGazeController::inside_limits(const Eyes& eyes_rad) const {
-  return eyes_rad.cwiseMax(limits_.min_rad.tail<3>()).cwiseMin(limits_.max_rad.tail<3>());
+  return eyes_rad.cwiseMax(limits_.min_rad.segment<3>(neck_joint_count))
+      .cwiseMin(limits_.max_rad.segment<3>(neck_joint_count));
 }
 
 void IkinGazeController::integrate(const HeadJointVector& q, double dt) {
@@ -279,8 +289,9 @@ void IkinGazeController::integrate(const HeadJointVector& q, double dt) {
     velocity_rad_s_[j] = (reference_rad_[j] - before) / dt;
   }
   if (!saccade_) {
-    const Eyes moved = goal_rad_.tail<3>() + dt * (goal_velocity_rad_s_ + counter_rad_s_).tail<3>();
-    goal_rad_.tail<3>() = inside_limits(moved);
+    const Eyes moved = goal_rad_.segment<3>(neck_joint_count) +
+                       dt * (goal_velocity_rad_s_ + counter_rad_s_).segment<3>(neck_joint_count);
+    goal_rad_.segment<3>(neck_joint_count) = inside_limits(moved);
   }
 }
 

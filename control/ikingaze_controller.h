@@ -75,7 +75,7 @@ class IkinGazeController final : public GazeController {
   IkinGazeConfig config_;
   bool both_eyes_;
   MotionLimits limits_;
-  HeadJointVector neutral_rad_;
+  HeadJointVector neutral_rad_ = HeadJointVector::Zero();
   NeckSolver neck_solver_;
   std::array<MinimumJerkFilter, head_joint_count> filters_;
 

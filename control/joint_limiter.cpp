@@ -26,26 +26,34 @@ void describe(FieldVisitor& v, MotionLimitsConfig& config) {
 
 MotionLimits motion_limits(const JointLimits& hardware, const MotionLimitsConfig& config) {
   check_config("gaze.limits", config);
+  const HeadModel& head = *hardware.head;
   MotionLimits limits;
-  limits.hardware_min_rad = hardware.min_rad.tail<head_joint_count>();
-  limits.hardware_max_rad = hardware.max_rad.tail<head_joint_count>();
+  limits.head = hardware.head;
+  limits.joints = head.gaze_joints();
+  const int neck = head.neck_joints();
+  const int eyes = limits.joints - neck;
+  limits.hardware_min_rad = hardware.min_rad.tail<gaze_slots>();
+  limits.hardware_max_rad = hardware.max_rad.tail<gaze_slots>();
   limits.min_rad = limits.hardware_min_rad.array() + config.margin_deg * rad_per_deg;
   limits.max_rad = limits.hardware_max_rad.array() - config.margin_deg * rad_per_deg;
-  limits.speed_rad_s.head<neck_joint_count>().setConstant(config.neck_speed_deg_s * rad_per_deg);
-  limits.speed_rad_s.tail<neck_joint_count>().setConstant(config.eye_speed_deg_s * rad_per_deg);
-  limits.speed_rad_s = limits.speed_rad_s.cwiseMin(hardware.max_speed_rad_s.tail<head_joint_count>());
-  limits.acceleration_rad_s2.head<neck_joint_count>().setConstant(config.neck_acceleration_deg_s2 *
-                                                                  rad_per_deg);
-  limits.acceleration_rad_s2.tail<neck_joint_count>().setConstant(config.eye_acceleration_deg_s2 *
-                                                                  rad_per_deg);
+  limits.speed_rad_s.setZero();
+  limits.speed_rad_s.head(neck).setConstant(config.neck_speed_deg_s * rad_per_deg);
+  limits.speed_rad_s.segment(neck, eyes).setConstant(config.eye_speed_deg_s * rad_per_deg);
+  limits.speed_rad_s = limits.speed_rad_s.cwiseMin(hardware.max_speed_rad_s.tail<gaze_slots>());
+  limits.acceleration_rad_s2.setZero();
+  limits.acceleration_rad_s2.head(neck).setConstant(config.neck_acceleration_deg_s2 * rad_per_deg);
+  limits.acceleration_rad_s2.segment(neck, eyes).setConstant(config.eye_acceleration_deg_s2 * rad_per_deg);
+  for (HeadJointVector* unused :
+       {&limits.hardware_min_rad, &limits.hardware_max_rad, &limits.min_rad, &limits.max_rad}) {
+    unused->tail(gaze_slots - limits.joints).setZero();
+  }
   std::vector<Problem> problems;
-  for (int j = 0; j < head_joint_count; ++j) {
+  for (int j = 0; j < limits.joints; ++j) {
     if (limits.min_rad[j] < limits.max_rad[j] && limits.speed_rad_s[j] > 0.0) continue;
-    problems.push_back(
-        {"limits of " + std::string(joint_names[static_cast<std::size_t>(torso_joint_count + j)]),
-         "[" + text_of(limits.min_rad[j]) + ", " + text_of(limits.max_rad[j]) + "] rad, " +
-             text_of(limits.speed_rad_s[j]) + " rad/s",
-         "a range that the margin leaves open and a speed above 0"});
+    problems.push_back({"limits of " + std::string(head.name_of(torso_slots + j)),
+                        "[" + text_of(limits.min_rad[j]) + ", " + text_of(limits.max_rad[j]) + "] rad, " +
+                            text_of(limits.speed_rad_s[j]) + " rad/s",
+                        "a range that the margin leaves open and a speed above 0"});
   }
   if (!problems.empty()) throw InputError(problems);
   return limits;
@@ -83,7 +91,7 @@ JointLimiter::Result JointLimiter::apply(const HeadJointVector& command, const H
   Result result;
   result.not_finite = !command.allFinite();
   const HeadJointVector asked = result.not_finite ? command_rad_ : command;
-  for (int j = 0; j < head_joint_count; ++j) {
+  for (int j = 0; j < limits_.joints; ++j) {
     const auto bit = static_cast<std::size_t>(j);
     const double goal = std::clamp(asked[j], limits_.min_rad[j], limits_.max_rad[j]);
     result.position[bit] = goal != asked[j];
@@ -119,8 +127,8 @@ JointLimiter::Result JointLimiter::apply(const HeadJointVector& command, const H
 }
 
 HeadJointVector inside_hardware(const MotionLimits& limits, const HeadJointVector& q) {
-  HeadJointVector inside;
-  for (int j = 0; j < head_joint_count; ++j) {
+  HeadJointVector inside = HeadJointVector::Zero();
+  for (int j = 0; j < limits.joints; ++j) {
     inside[j] =
         std::clamp(std::isfinite(q[j]) ? q[j] : 0.0, limits.hardware_min_rad[j], limits.hardware_max_rad[j]);
   }

@@ -3,6 +3,7 @@
 #include <bitset>
 
 #include "core/config.h"
+#include "head/head_model.h"
 #include "head/head_state.h"
 
 namespace saccade {
@@ -19,8 +20,11 @@ struct MotionLimitsConfig {
 /// Keys: margin_deg, neck_speed_deg_s, eye_speed_deg_s, neck_acceleration_deg_s2, eye_acceleration_deg_s2.
 void describe(FieldVisitor& v, MotionLimitsConfig& config);
 
-/// Limits of position, speed and acceleration for the references of the six head joints.
+/// Limits of position, speed and acceleration for the references of the joints that gaze commands.
 struct MotionLimits {
+  /// The head whose joints these are; never null. Of the vectors the first `joints` elements count, first the neck's.
+  std::shared_ptr<const HeadModel> head = default_head();
+  int joints = head_joint_count;
   HeadJointVector min_rad, max_rad;  ///< range of references: that of the hardware less the margin
   HeadJointVector hardware_min_rad, hardware_max_rad;
   HeadJointVector speed_rad_s;  ///< the smaller of the configuration's and the hardware's
@@ -45,7 +49,7 @@ struct VelocityRange {
 [[nodiscard]] VelocityRange allowed_velocity(const MotionLimits& limits, int joint, double position_rad,
                                              double velocity_rad_s, double dt_s, double speed_share = 1.0);
 
-using JointMask = std::bitset<head_joint_count>;  ///< bit j: head joint j, neck pitch first
+using JointMask = std::bitset<gaze_slots>;  ///< bit j: joint j of the gaze, the neck first
 
 /// Restricts any stream of references to the limits of position, speed and acceleration. It is the last stage before the
 /// robot, and reports which limit acted on which joint.

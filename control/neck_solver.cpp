@@ -30,7 +30,7 @@ NeckError neck_error(const CyclopeanEye& eye, const Eigen::Vector3d& target_m) {
   Eigen::Matrix3d dp;
   for (int j = 0; j < 3; ++j) {
     const auto joint = static_cast<Joint>(neck_pitch + j);
-    const Eigen::Vector3d& axis = eye.head().axis(joint);
+    const Eigen::Vector3d axis = eye.head().axis(joint);
     const Eigen::Vector3d centre_velocity = axis.cross(centre_m - eye.head().point_on_axis(joint));
     dp.col(j) = -(eye_from_root * centre_velocity) - (eye_from_root * axis).cross(p);
   }
@@ -43,11 +43,11 @@ NeckError neck_error(const CyclopeanEye& eye, const Eigen::Vector3d& target_m) {
 
 }  // namespace
 
-CyclopeanEye::CyclopeanEye(const JointVector& position_rad)
+CyclopeanEye::CyclopeanEye(const HeadChain& chain, const JointVector& position_rad)
     : head_([&] {
         JointVector straight = position_rad;
-        straight.tail<3>().setZero();
-        return HeadKinematics(straight);
+        straight.segment<3>(eyes_tilt).setZero();
+        return HeadKinematics(chain, straight);
       }()),
       root_from_eye_(head_.root_from_eye(Eye::left)) {
   const Eigen::Vector3d left_m = head_.root_from_eye(Eye::left).translation();
@@ -61,8 +61,9 @@ double CyclopeanEye::angle_to(const Eigen::Vector3d& target_m) const {
   return std::atan2(p.head<2>().norm(), p.z());
 }
 
-NeckSolver::NeckSolver(const NeckVector& min_rad, const NeckVector& max_rad)
-    : min_rad_(min_rad), max_rad_(max_rad) {
+NeckSolver::NeckSolver(std::shared_ptr<const HeadModel> head, const NeckVector& min_rad,
+                       const NeckVector& max_rad)
+    : model_(std::move(head)), min_rad_(min_rad), max_rad_(max_rad) {
   SACCADE_CHECK((min_rad_.array() < max_rad_.array()).all());
 }
 
@@ -72,10 +73,10 @@ double NeckSolver::guard(double pitch_rad) const {
 
 NeckVector NeckSolver::rest(const JointVector& position_rad) const {
   // Where up is, seen from the chest: backward, right and up of it.
-  const HeadKinematics head(position_rad);
+  const HeadKinematics head(model_->chain, position_rad);
   const double backward = -head.chest_forward().z();
-  const double right = head.axis(neck_pitch).z();
-  const double up = -head.axis(torso_yaw).z();
+  const double right = head.chest_right().z();
+  const double up = head.chest_up().z();
   const NeckVector level(std::atan2(backward, up), std::asin(std::clamp(right, -1.0, 1.0)), 0.0);
   return level.cwiseMax(min_rad_).cwiseMin(max_rad_);
 }
@@ -89,7 +90,7 @@ NeckSolver::Pose NeckSolver::solve(const JointVector& position_rad, const Eigen:
   };
   const auto see = [&](const NeckVector& neck_rad) {
     q.segment<3>(neck_pitch) = neck_rad;
-    return neck_error(CyclopeanEye(q), target_m);
+    return neck_error(CyclopeanEye(model_->chain, q), target_m);
   };
   const auto cost_of = [&](const NeckError& b, const NeckVector& neck_rad) {
     return b.error.squaredNorm() + rest_weight * (neck_rad - rest_rad).squaredNorm();

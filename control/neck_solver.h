@@ -12,8 +12,9 @@ using NeckVector = Eigen::Vector3d;
 /// A virtual eye midway between both eyes. Its axes are those of the left eye with tilt, version and vergence at 0.
 class CyclopeanEye {
  public:
-  /// Uses torso and neck of `position_rad` only.
-  explicit CyclopeanEye(const JointVector& position_rad);
+  /// Uses torso and neck of `position_rad` only. `chain` outlives this object; it is that of a head with
+  /// HeadModel::has_icub_gaze().
+  CyclopeanEye(const HeadChain& chain, const JointVector& position_rad);
 
   /// Transforms a point from the root frame to the frame of this eye: x right, y down, z forward.
   [[nodiscard]] Eigen::Vector3d see(const Eigen::Vector3d& target_m) const {
@@ -47,8 +48,8 @@ class CyclopeanEye {
 /// Source: the neck optimisation of iKinGazeCtrl, where IPOPT often stops before it converges.
 class NeckSolver {
  public:
-  /// Limits of pitch, roll, yaw, rad, min < max.
-  NeckSolver(const NeckVector& min_rad, const NeckVector& max_rad);
+  /// Limits of pitch, roll, yaw, rad, min < max. `head` is one with HeadModel::has_icub_gaze().
+  NeckSolver(std::shared_ptr<const HeadModel> head, const NeckVector& min_rad, const NeckVector& max_rad);
 
   struct Pose {
     NeckVector neck_rad = NeckVector::Zero();
@@ -66,6 +67,7 @@ class NeckSolver {
   [[nodiscard]] NeckVector rest(const JointVector& position_rad) const;
 
  private:
+  std::shared_ptr<const HeadModel> model_;
   NeckVector min_rad_, max_rad_;
 };
 

@@ -9,7 +9,7 @@
 namespace saccade {
 namespace {
 
-using Row = Eigen::Matrix<double, 1, head_joint_count>;
+using Row = Eigen::Matrix<double, 1, gaze_slots>;
 
 constexpr double before_catch_up_s = 0.02;
 constexpr double catch_up_interval_s = 0.15;
@@ -25,15 +25,15 @@ struct EyeError {
   Row elevation_row;
 };
 
-EyeError eye_error(const HeadKinematics& head, Eye eye, const TargetMotion& target) {
+EyeError eye_error(const HeadKinematics& head, Eye eye, int joints, const TargetMotion& target) {
   const Eigen::Isometry3d& pose = head.root_from_eye(eye);
   const EyeJacobian jacobian = head.jacobian(eye);
   const Eigen::Matrix3d eye_from_root = pose.linear().transpose();
   const Eigen::Vector3d p = eye_from_root * (target.position_m - pose.translation());
   const Eigen::Vector3d velocity = eye_from_root * target.velocity_m_s;
-  Eigen::Matrix<double, 3, head_joint_count> dp;
-  for (int j = 0; j < head_joint_count; ++j) {
-    const int joint = torso_joint_count + j;
+  Eigen::Matrix<double, 3, gaze_slots> dp = Eigen::Matrix<double, 3, gaze_slots>::Zero();
+  for (int j = 0; j < joints; ++j) {
+    const int joint = torso_slots + j;
     dp.col(j) = -(eye_from_root * jacobian.linear.col(joint)) -
                 (eye_from_root * jacobian.angular.col(joint)).cross(p);
   }
@@ -76,6 +76,33 @@ QpController::QpController(const QpConfig& config, const MotionLimits& limits)
       limits_(limits),
       target_(config.target_time_constant_s, config.predict_motion) {
   check_config("gaze.qp", config);
+  const HeadModel& model = *limits_.head;
+  both_eyes_ = both_eyes_ && model.chain.eyes > 1;
+  const HeadKinematics head(model.chain, JointVector::Zero());
+  const EyeJacobian left = head.jacobian(Eye::left);
+  const EyeJacobian right = head.jacobian(Eye::right);
+  int right_only = 0;
+  for (int j = model.neck_joints(); j < limits_.joints; ++j) {
+    const Eigen::Vector3d by_left = left.angular.col(torso_slots + j);
+    const Eigen::Vector3d by_right = right.angular.col(torso_slots + j);
+    const bool turns_left = !by_left.isZero(1e-9);
+    if (!turns_left) ++right_only;
+    eye_joints_.push_back(
+        {j, turns_left ? Eye::left : Eye::right, turns_left, !(by_left + by_right).isZero(1e-9)});
+  }
+  aims_right_elevation_ = right_only > 1;
+  const Eigen::Vector3d ahead = head.root_from_eye(Eye::left).linear().col(2);
+  for (int j = 0; j < model.neck_joints(); ++j) {
+    if (std::abs(head.axis(torso_slots + j).dot(ahead)) > 0.7) levelled_.push_back(j);
+  }
+}
+
+void QpController::Cost::add(double weight, const Row& row, double wanted) {
+  const double weighted = weight * wanted;
+  for (int j = 0; j < joints; ++j) {
+    for (int i = 0; i < joints; ++i) h(i, j) += weight * row[i] * row[j];
+    g[j] += weighted * row[j];
+  }
 }
 
 HeadJointVector QpController::step(const HeadState& state, const std::optional<Eigen::Vector3d>& target,
@@ -95,8 +122,8 @@ HeadJointVector QpController::step(const HeadState& state, const std::optional<E
   }
   const HeadJointVector q = joints_ahead(state.head_position_rad(), dt);
   JointVector joints = state.position_rad;
-  joints.tail<head_joint_count>() = q;
-  const HeadKinematics head(joints);
+  joints.tail<gaze_slots>() = q;
+  const HeadKinematics head(limits_.head->chain, joints);
   if (target) {
     status_ = check_gaze_target(*target, head);
     if (status_ == TargetStatus::ok) target_.observe(*target, delays_.sight_s);
@@ -117,9 +144,9 @@ HeadJointVector QpController::joints_ahead(const HeadJointVector& q, double dt) 
         delay_s - delays_.eyes_s;  // after `delay_s`, of the reference that moves the joint then
     return HeadJointVector(history_.at(std::max(0.0, then_s) / dt) - history_.at(delay_s / dt));
   };
-  ahead.head<neck_joint_count>() += moved(delays_.neck_s).head<neck_joint_count>();
-  ahead.tail<head_joint_count - neck_joint_count>() +=
-      moved(delays_.eyes_s).tail<head_joint_count - neck_joint_count>();
+  const int neck = limits_.head->neck_joints();
+  ahead.head(neck) += moved(delays_.neck_s).head(neck);
+  ahead.tail(gaze_slots - neck) += moved(delays_.eyes_s).tail(gaze_slots - neck);
   return ahead;
 }
 
@@ -143,64 +170,79 @@ void QpController::set_slowdown(double factor) {
 }
 
 QpController::Cost QpController::gaze_cost(const HeadKinematics& head, const HeadJointVector& q) {
-  constexpr int tilt = head_index(eyes_tilt);
-  constexpr int version = head_index(eyes_version);
-  constexpr int vergence = head_index(eyes_vergence);
-  constexpr int roll = head_index(neck_roll);
   const double per_neck_time = 1.0 / (slowdown_ * config_.neck_time_constant_s);
+  const int neck_joints = limits_.head->neck_joints();
+  const auto to_rest = [&](int j) {
+    return (std::clamp(0.0, limits_.min_rad[j], limits_.max_rad[j]) - q[j]) * per_neck_time;
+  };
 
-  Cost cost;
-  cost.h.diagonal().setConstant(config_.damping);
+  Cost cost(limits_.joints, config_.damping);
   const TargetMotion target = target_.predict(delays_.eyes_s);
-  const EyeError left = eye_error(head, Eye::left, target);
+  const EyeError left = eye_error(head, Eye::left, limits_.joints, target);
   update_catch_up(std::hypot(left.azimuth, left.elevation));
   const double per_eye_time =
       1.0 / (catching_up_ ? config_.catch_up_time_constant_s : slowdown_ * config_.eye_time_constant_s);
   cost.add(1.0, left.azimuth_row, -left.azimuth * per_eye_time - left.azimuth_rate);
   cost.add(1.0, left.elevation_row, -left.elevation * per_eye_time - left.elevation_rate);
   if (both_eyes_) {
-    const EyeError right = eye_error(head, Eye::right, target);
+    const EyeError right = eye_error(head, Eye::right, limits_.joints, target);
     cost.add(config_.right_eye_weight, right.azimuth_row, -right.azimuth * per_eye_time - right.azimuth_rate);
+    if (aims_right_elevation_) {
+      cost.add(config_.right_eye_weight, right.elevation_row,
+               -right.elevation * per_eye_time - right.elevation_rate);
+    }
   } else {
-    const double rest = std::clamp(0.0, limits_.min_rad[vergence], limits_.max_rad[vergence]);
-    cost.add(config_.neck_weight, Row::Unit(vergence), (rest - q[vergence]) * per_neck_time);
+    for (const EyeJoint& joint : eye_joints_) {
+      if (joint.conjugate && joint.turns_left) continue;
+      cost.add(config_.neck_weight, Row::Unit(joint.index), to_rest(joint.index));
+    }
   }
 
   // The head's angular velocity about the eyes' own axes, from the neck joints alone.
-  const auto head_turn = [&](const Eigen::Vector3d& axis) {
+  for (const EyeJoint& joint : eye_joints_) {
+    if (!joint.conjugate || neck_joints == 0) continue;
+    const Eigen::Vector3d axis = head.axis(torso_slots + joint.index, joint.eye);
     Row row = Row::Zero();
-    for (const Joint joint : {neck_pitch, neck_roll, neck_yaw}) {
-      row[joint - torso_joint_count] = head.axis(joint).dot(axis);
-    }
-    return row;
-  };
-  cost.add(config_.neck_weight, head_turn(head.axis(eyes_tilt)), q[tilt] * per_neck_time);
-  cost.add(config_.neck_weight, head_turn(head.axis(eyes_version)), q[version] * per_neck_time);
-  cost.add(config_.neck_weight, Row::Unit(roll), -q[roll] * per_neck_time);
+    for (int j = 0; j < neck_joints; ++j) row[j] = head.axis(torso_slots + j).dot(axis);
+    cost.add(config_.neck_weight, row, q[joint.index] * per_neck_time);
+  }
+  for (const int j : levelled_) cost.add(config_.neck_weight, Row::Unit(j), to_rest(j));
   return cost;
 }
 
 QpController::Cost QpController::neutral_cost(const HeadJointVector& q) const {
-  Cost cost;
-  cost.h.setIdentity();
-  for (int j = 0; j < head_joint_count; ++j) {
+  Cost cost(limits_.joints, 1.0);
+  for (int j = 0; j < limits_.joints; ++j) {
     cost.g[j] =
         (std::clamp(0.0, limits_.min_rad[j], limits_.max_rad[j]) - q[j]) / config_.neck_time_constant_s;
   }
   return cost;
 }
 
+HeadJointVector QpController::solve(const Cost& cost, const HeadJointVector& slowest,
+                                    const HeadJointVector& fastest) {
+  constexpr int small = head_joint_count;
+  if (limits_.joints > small) return large_qp_.solve(cost.h, cost.g, slowest, fastest).x;
+  HeadJointVector velocity = HeadJointVector::Zero();
+  velocity.head<small>() = small_qp_
+                               .solve(cost.h.topLeftCorner<small, small>(), cost.g.head<small>(),
+                                      slowest.head<small>(), fastest.head<small>())
+                               .x;
+  return velocity;
+}
+
 void QpController::integrate(const Cost& cost, const HeadJointVector& q, double dt) {
-  Qp::Vector slowest, fastest;
-  for (int j = 0; j < head_joint_count; ++j) {
+  HeadJointVector slowest = HeadJointVector::Zero();
+  HeadJointVector fastest = HeadJointVector::Zero();
+  for (int j = 0; j < limits_.joints; ++j) {
     const VelocityRange range = allowed_velocity(limits_, j, reference_rad_[j], velocity_rad_s_[j], dt);
     const double lead = reference_rad_[j] - q[j];
     slowest[j] = lead < -max_lead_rad_ ? std::max(range.min, 0.0) : range.min;
     fastest[j] = lead > max_lead_rad_ ? std::min(range.max, 0.0) : range.max;
     if (slowest[j] > fastest[j]) slowest[j] = fastest[j] = std::clamp(0.0, range.min, range.max);
   }
-  const Qp::Vector velocity = qp_.solve(cost.h, cost.g, slowest, fastest).x;
-  for (int j = 0; j < head_joint_count; ++j) {
+  const HeadJointVector velocity = solve(cost, slowest, fastest);
+  for (int j = 0; j < limits_.joints; ++j) {
     const double before = reference_rad_[j];
     reference_rad_[j] = std::clamp(before + velocity[j] * dt, std::min(before, limits_.min_rad[j]),
                                    std::max(before, limits_.max_rad[j]));

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "control/bounded_qp.h"
 #include "control/gaze_controller.h"
 #include "control/joint_limiter.h"
@@ -62,30 +64,45 @@ class QpController final : public GazeController {
   [[nodiscard]] TargetStatus target_status() const override { return status_; }
 
  private:
-  using Qp = BoundedQp<head_joint_count>;
+  using Row = Eigen::Matrix<double, 1, gaze_slots>;
 
   /// The sum of squares above as 1/2 v'Hv - g'v.
   struct Cost {
-    Qp::Matrix h = Qp::Matrix::Zero();
-    Qp::Vector g = Qp::Vector::Zero();
+    explicit Cost(int count, double damping) : joints(count) { h.diagonal().setConstant(damping); }
 
-    void add(double weight, const Eigen::Matrix<double, 1, head_joint_count>& row, double wanted) {
-      h += weight * row.transpose() * row;
-      g += weight * wanted * row.transpose();
-    }
+    int joints;
+    Eigen::Matrix<double, gaze_slots, gaze_slots> h = Eigen::Matrix<double, gaze_slots, gaze_slots>::Zero();
+    HeadJointVector g = HeadJointVector::Zero();
+
+    void add(double weight, const Row& row, double wanted);
+  };
+
+  /// What a joint of the eyes does in a cost; follows from the chain.
+  struct EyeJoint {
+    int index;        ///< among the joints of the gaze
+    Eye eye;          ///< the first eye that it turns
+    bool turns_left;  ///< whether it turns the left eye
+    bool conjugate;   ///< whether it turns the eyes together, or the only eye: the neck takes over from it
   };
 
   [[nodiscard]] Cost gaze_cost(const HeadKinematics& head, const HeadJointVector& q);
   [[nodiscard]] Cost neutral_cost(const HeadJointVector& q) const;
+  [[nodiscard]] HeadJointVector solve(const Cost& cost, const HeadJointVector& slowest,
+                                      const HeadJointVector& fastest);
   void integrate(const Cost& cost, const HeadJointVector& q, double dt_s);
   [[nodiscard]] HeadJointVector joints_ahead(const HeadJointVector& q, double dt_s) const;
   void update_catch_up(double error_rad);
 
   QpConfig config_;
   bool both_eyes_;
+  bool aims_right_elevation_ = false;  ///< the right eye has a tilt of its own
+  std::vector<EyeJoint> eye_joints_;
+  std::vector<int> levelled_;  ///< joints of the neck that turn about the optical axis: roll
   double max_lead_rad_;
   MotionLimits limits_;
-  Qp qp_;
+  /// One of the two, by the number of joints.
+  BoundedQp<head_joint_count> small_qp_;
+  BoundedQp<gaze_slots> large_qp_;
   bool started_ = false;
   TargetStatus status_ = TargetStatus::none;
   TargetPredictor target_;

@@ -35,7 +35,7 @@ class SearchScan {
     const auto count = static_cast<std::int64_t>(pattern.size());
     const bool around_last = place / count % 2 == 0;
     const auto& offset = pattern[static_cast<std::size_t>(place % count)];
-    const Eigen::Vector3d neck_m = head.point_on_axis(neck_pitch);
+    const Eigen::Vector3d neck_m = head.neck_base_m();
     const Eigen::Vector3d eye_m = head.root_from_eye(Eye::left).translation();
     const Eigen::Vector3d ahead = around_last ? Eigen::Vector3d(last_m_ - eye_m) : head.chest_forward();
     const double azimuth = std::atan2(ahead.y(), -ahead.x()) + offset[0] * rad_per_deg;

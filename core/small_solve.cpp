@@ -8,7 +8,7 @@
 namespace saccade {
 namespace {
 
-constexpr int max_size = 8;
+constexpr int max_size = 12;
 constexpr double smallest = std::numeric_limits<double>::min();
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 

@@ -9,7 +9,7 @@ namespace saccade {
 /// Each does the operations of the solver of Eigen 3.4 that it names, in the same order, so that results agree bit for
 /// bit. Eigen's own solvers instantiate its blocked matrix products, which takes seconds in each file that uses one.
 
-/// Solves A x = b for a symmetric positive definite A of n <= 8 rows, by Cholesky factorisation (Eigen::LLT). `a`: A by
+/// Solves A x = b for a symmetric positive definite A of n <= 12 rows, by Cholesky factorisation (Eigen::LLT). `a`: A by
 /// columns, of which the lower triangle is read; it is overwritten. `b`: b on entry, x on return. Where A is not
 /// positive definite x has no meaning.
 void solve_cholesky(double* a, double* b, int n);
@@ -17,7 +17,7 @@ void solve_cholesky(double* a, double* b, int n);
 template <int N>
 [[nodiscard]] Eigen::Matrix<double, N, 1> cholesky_solution(Eigen::Matrix<double, N, N> a,
                                                             Eigen::Matrix<double, N, 1> b) {
-  static_assert(N >= 1 && N <= 8);
+  static_assert(N >= 1 && N <= 12);
   solve_cholesky(a.data(), b.data(), N);
   return b;
 }

@@ -40,7 +40,7 @@ class CommandDelay {
 
  private:
   struct Command {
-    HeadCommand reference_rad;
+    HeadCommand reference_rad = HeadCommand::Zero();
     std::int64_t ready_us;
   };
   static constexpr std::size_t capacity = 4096;  // one per tick; both delays are at most 1 s each

@@ -26,6 +26,7 @@ Loop::Loop(Robot& robot, const MountedCamera& camera, std::vector<LoopDetector> 
     : clock_(robot.clock()),
       source_(robot.events()),
       head_(robot.head()),
+      model_(head_ != nullptr ? head_->limits().head : default_head()),
       eye_(eye),
       camera_(camera.camera),
       eye_from_camera_(camera.mount.eye_from_camera()),
@@ -130,7 +131,7 @@ PortStatus Loop::tick(std::int64_t t_us, LoopObserver& observer) {
     if (read == PortStatus::lost) return read;
     if (is_finite(*tick.head)) {
       if (seen_heads_) seen_heads_->push(*tick.head, t_us);
-      known_motion = camera_motion(seen_head(tick), eye_, eye_from_camera_);
+      known_motion = camera_motion(model_->chain, seen_head(tick), eye_, eye_from_camera_);
     }
   }
   const CameraMotion* motion = known_motion ? &*known_motion : nullptr;
@@ -253,7 +254,7 @@ void Loop::run_stereo(std::int64_t t_us, const CameraMotion* motion, Tick& tick)
   const LoopStereo& stereo = *gaze_->stereo;
   std::optional<CameraMotion> right_motion;
   if (motion != nullptr)
-    right_motion = camera_motion(seen_head(tick), Eye::right, stereo.camera.mount.eye_from_camera());
+    right_motion = camera_motion(model_->chain, seen_head(tick), Eye::right, stereo.camera.mount.eye_from_camera());
   tick.right = runners_.back().run(*stereo.detector, t_us, late_us(t_us), other_events_,
                                    right_motion ? &*right_motion : nullptr, [](const DetectorTick&) {});
   if (!right_motion) return;
@@ -356,9 +357,9 @@ PortStatus Loop::send_command(Tick& tick) {
 }
 
 /// Targets come only while the head's state is finite.
-TargetStatus Loop::check_target(const Tick& tick) {
+TargetStatus Loop::check_target(const Tick& tick) const {
   if (!tick.new_target_m) return TargetStatus::none;
-  return check_gaze_target(*tick.new_target_m, HeadKinematics(tick.head->position_rad));
+  return check_gaze_target(*tick.new_target_m, HeadKinematics(model_->chain, tick.head->position_rad));
 }
 
 /// The next point of a search; none while the head looks long enough at the last one, or if there is a target.
@@ -368,7 +369,7 @@ std::optional<Eigen::Vector3d> Loop::search_point(const Tick& tick) {
   const std::int64_t place = (tick.t_us - *search_us_) / dwell_us;
   if (place == search_place_) return std::nullopt;
   search_place_ = place;
-  const HeadKinematics head(tick.head->position_rad);
+  const HeadKinematics head(model_->chain, tick.head->position_rad);
   const Eigen::Vector3d point_m = SearchScan(*target_m_).point(place, head);
   if (check_gaze_target(point_m, head) != TargetStatus::ok) return std::nullopt;
   return point_m;

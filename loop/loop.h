@@ -155,6 +155,8 @@ class Loop {
   /// Only while LoopMotion::controller moves the head.
   void set_controller(std::unique_ptr<GazeController> controller);
 
+  /// The head that the gaze computes with; the default one for a robot without a head.
+  [[nodiscard]] const std::shared_ptr<const HeadModel>& head() const { return model_; }
   [[nodiscard]] std::span<const LoopDetector> detectors() const { return detectors_; }
   /// What moves the head; null without a gaze, and where the robot's own controller does.
   [[nodiscard]] const GazeController* controller() const {
@@ -200,7 +202,7 @@ class Loop {
   [[nodiscard]] std::int64_t late_us(std::int64_t t_us) const;
   PortStatus send_command(Tick& tick);
   PortStatus move_head(double dt_s, Tick& tick);
-  [[nodiscard]] static TargetStatus check_target(const Tick& tick);
+  [[nodiscard]] TargetStatus check_target(const Tick& tick) const;
   void update_target(Tick& tick);
   [[nodiscard]] std::optional<Eigen::Vector3d> search_point(const Tick& tick);
   PortStatus note_lost(PortStatus status, std::string_view port);
@@ -208,6 +210,7 @@ class Loop {
   Clock& clock_;
   EventSource& source_;
   HeadPort* head_;
+  std::shared_ptr<const HeadModel> model_;  // of the head, or the default one
   Eye eye_;
   Camera camera_;
   Eigen::Isometry3d eye_from_camera_;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/units.h"
+#include "head/head_model.h"
 
 namespace saccade {
 namespace {
@@ -14,14 +15,14 @@ constexpr double look_ms = 2.0;  // between two looks of those who stop the head
 
 double ms(std::int64_t us) { return static_cast<double>(us) * 1e-3; }
 
-std::optional<Fault> check_drives(const HeadDrives& drives, std::int64_t now_us) {
-  for (std::size_t j = 0; j < drives.joints.size(); ++j) {
-    const JointDrive drive = drives.joints[j];
+std::optional<Fault> check_drives(const HeadDrives& drives, const HeadModel& head, std::int64_t now_us) {
+  for (int j = 0; j < head.gaze_joints(); ++j) {
+    const JointDrive drive = drives.joints[static_cast<std::size_t>(j)];
     if (drive == JointDrive::references) continue;
     const StopCause cause = drive == JointDrive::off     ? StopCause::joint_off
                             : drive == JointDrive::fault ? StopCause::joint_fault
                                                          : StopCause::joint_taken;
-    return Fault{cause, now_us, joint_names[torso_joint_count + j], 0.0};
+    return Fault{cause, now_us, head.name_of(torso_slots + j), 0.0};
   }
   return std::nullopt;
 }
@@ -105,11 +106,12 @@ std::optional<Fault> Watchdog::check(const TickFacts& facts) const {
     const HeadState& head = *facts.head;
     const double stale_ms = ms(facts.now_us - head.t_us);
     if (stale_ms > config_.joints_stale_ms) return Fault{StopCause::joints_stale, head.t_us, {}, stale_ms};
-    for (Eigen::Index j = 0; j < joint_count; ++j) {
-      const std::string_view name = joint_names[static_cast<std::size_t>(j)];
+    for (const HeadJoint& joint : limits_.head->joints) {
+      const Eigen::Index j = joint.slot;
+      const std::string_view name = joint.name;
       if (!std::isfinite(head.position_rad[j]) || !std::isfinite(head.velocity_rad_s[j]))
         return Fault{StopCause::joints_not_finite, head.t_us, name, 0.0};
-      if (j < torso_joint_count) continue;
+      if (joint.role == JointRole::torso) continue;
       const double outside_deg = deg_per_rad * std::max(limits_.min_rad[j] - head.position_rad[j],
                                                         head.position_rad[j] - limits_.max_rad[j]);
       if (outside_deg > config_.joint_outside_deg)
@@ -117,12 +119,12 @@ std::optional<Fault> Watchdog::check(const TickFacts& facts) const {
     }
   }
   if (facts.drives) {
-    if (const auto fault = check_drives(*facts.drives, facts.now_us)) return fault;
+    if (const auto fault = check_drives(*facts.drives, *limits_.head, facts.now_us)) return fault;
   }
   if (facts.refused_us) return Fault{StopCause::command_refused, *facts.refused_us, {}, 0.0};
   if (facts.lags_since_us) {
     const double lag_ms = ms(facts.now_us - *facts.lags_since_us);
-    const std::string_view name = joint_names[static_cast<std::size_t>(facts.lagging)];
+    const std::string_view name = limits_.head->name_of(facts.lagging);
     if (lag_ms > config_.joint_lag_ms) return Fault{StopCause::joint_lags, facts.now_us, name, lag_ms};
   }
   const double late_ms = ms(facts.now_us - facts.due_us);
@@ -132,7 +134,7 @@ std::optional<Fault> Watchdog::check(const TickFacts& facts) const {
 
 void FollowWatch::update(std::int64_t t_us, const HeadJointVector& reference_rad,
                          const HeadJointVector& position_rad) {
-  for (Eigen::Index j = 0; j < head_joint_count; ++j) {
+  for (Eigen::Index j = 0; j < gaze_slots; ++j) {
     std::optional<std::int64_t>& since_us = since_us_[static_cast<std::size_t>(j)];
     if (!(std::abs(reference_rad[j] - position_rad[j]) > lag_rad_)) {
       since_us.reset();
@@ -146,7 +148,7 @@ void FollowWatch::add_to(TickFacts& facts) const {
   for (std::size_t j = 0; j < since_us_.size(); ++j) {
     if (!since_us_[j] || (facts.lags_since_us && *facts.lags_since_us <= *since_us_[j])) continue;
     facts.lags_since_us = since_us_[j];
-    facts.lagging = static_cast<Joint>(torso_joint_count + static_cast<int>(j));
+    facts.lagging = torso_slots + static_cast<int>(j);
   }
 }
 

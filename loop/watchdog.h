@@ -64,7 +64,7 @@ struct TickFacts {
   std::optional<std::int64_t> refused_us = std::nullopt;  ///< when the head rejected the newest reference
   /// Since when a joint is farther than joint_lag_deg from its reference, and which joint; see FollowWatch.
   std::optional<std::int64_t> lags_since_us = std::nullopt;
-  Joint lagging = neck_pitch;
+  int lagging = neck_pitch;  ///< its slot
 };
 
 /// Measures since when each joint is far from its reference.
@@ -79,7 +79,7 @@ class FollowWatch {
 
  private:
   double lag_rad_;
-  std::array<std::optional<std::int64_t>, head_joint_count> since_us_{};
+  std::array<std::optional<std::int64_t>, gaze_slots> since_us_{};
 };
 
 /// A stop: its cause, time and extent.

@@ -50,11 +50,15 @@ std::optional<std::tuple<double, double, double>> project_sphere(const Camera& c
   return std::tuple(circle->x_px, circle->y_px, circle->r_px);
 }
 
-HeadState state_of(const JointVector& position_rad, const JointVector& velocity_rad_s) {
+HeadState state_of(const Eigen::VectorXd& position_rad, const Eigen::VectorXd& velocity_rad_s) {
   HeadState state;
-  state.position_rad = position_rad;
-  state.velocity_rad_s = velocity_rad_s;
+  state.position_rad = default_head()->by_slot(position_rad);
+  state.velocity_rad_s = default_head()->by_slot(velocity_rad_s);
   return state;
+}
+
+HeadKinematics head_at(const Eigen::VectorXd& position_rad) {
+  return {default_head()->chain, default_head()->by_slot(position_rad)};
 }
 
 }  // namespace
@@ -94,14 +98,14 @@ void add_geometry(py::module_& m) {
                     "Of the pinhole, camera frame.")
       .def_readonly("angular_velocity_rad_s", &CameraMotion::angular_velocity_rad_s, "Camera frame.");
   m.def("camera_motion",
-        [](const JointVector& position_rad, const JointVector& velocity_rad_s, const std::string& eye) {
-          return camera_motion(state_of(position_rad, velocity_rad_s), eye_of(eye));
+        [](const Eigen::VectorXd& position_rad, const Eigen::VectorXd& velocity_rad_s, const std::string& eye) {
+          return camera_motion(default_head()->chain, state_of(position_rad, velocity_rad_s), eye_of(eye));
         });
-  m.def("root_from_eye", [](const JointVector& position_rad, const std::string& eye) {
-    return Eigen::Matrix4d(HeadKinematics(position_rad).root_from_eye(eye_of(eye)).matrix());
+  m.def("root_from_eye", [](const Eigen::VectorXd& position_rad, const std::string& eye) {
+    return Eigen::Matrix4d(head_at(position_rad).root_from_eye(eye_of(eye)).matrix());
   });
-  m.def("fixation_point", [](const JointVector& position_rad) -> std::optional<Eigen::Vector3d> {
-    const FixationPoint point = HeadKinematics(position_rad).fixation();
+  m.def("fixation_point", [](const Eigen::VectorXd& position_rad) -> std::optional<Eigen::Vector3d> {
+    const FixationPoint point = head_at(position_rad).fixation();
     return point.valid ? std::optional(point.point_m) : std::nullopt;
   });
 }

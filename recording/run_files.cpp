@@ -8,7 +8,9 @@
 #include <system_error>
 #include <type_traits>
 
+#include "core/config.h"
 #include "core/error.h"
+#include "head/head_model.h"
 #include "recording/codec.h"
 #include "recording/number_text.h"
 
@@ -16,6 +18,9 @@ namespace saccade {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+template <class Row>
+constexpr bool has_joints = std::is_same_v<Row, GazeRow> || std::is_same_v<Row, JointsRow>;
 
 template <class Row>
 constexpr bool is_detections = std::is_base_of_v<DetectionRow, Row>;
@@ -39,10 +44,8 @@ void visit_point(Visitor& visit, std::string_view prefix, Vector& point) {
 }
 
 template <class Visitor, class Vector>
-void visit_joints(Visitor& visit, Vector& position_rad) {
-  for (int j = 0; j < joint_count; ++j) {
-    visit(std::string(joint_names[static_cast<std::size_t>(j)]) + "_rad", position_rad[j]);
-  }
+void visit_joints(Visitor& visit, const HeadModel& head, Vector& position_rad) {
+  for (const HeadJoint& joint : head.joints) visit(joint.name + "_rad", position_rad[joint.slot]);
 }
 
 template <class Visitor, class CircleRef>
@@ -63,7 +66,7 @@ void visit_covariance(Visitor& visit, Matrix& covariance_px2) {
 }
 
 template <class Visitor, class Row>
-void visit_columns(Visitor& visit, Row& row) {
+void visit_columns(Visitor& visit, const HeadModel& head, Row& row) {
   using Table = std::remove_const_t<Row>;
   visit("t_us", row.t_us);
   if constexpr (std::is_same_v<Table, TruthRow>) {
@@ -80,7 +83,7 @@ void visit_columns(Visitor& visit, Row& row) {
   } else if constexpr (std::is_same_v<Table, GazeRow>) {
     visit_point(visit, "fixation_", row.fixation_m);
     visit_point(visit, "target_", row.target_m);
-    visit_joints(visit, row.position_rad);
+    visit_joints(visit, head, row.position_rad);
   } else if constexpr (std::is_same_v<Table, EyeRow>) {
     visit_point(visit, "", row.position_m);
     visit("qw", row.turn_wxyz[0]);
@@ -109,7 +112,7 @@ void visit_columns(Visitor& visit, Row& row) {
     visit("dropped", row.dropped);
   } else {
     static_assert(std::is_same_v<Table, JointsRow>);
-    visit_joints(visit, row.position_rad);
+    visit_joints(visit, head, row.position_rad);
   }
 }
 
@@ -123,10 +126,10 @@ class NameCollector {
 };
 
 template <class Row>
-std::vector<std::string> column_names() {
+std::vector<std::string> column_names(const HeadModel& head) {
   NameCollector collector;
   Row row;
-  visit_columns(collector, row);
+  visit_columns(collector, head, row);
   return std::move(collector.names);
 }
 
@@ -213,10 +216,32 @@ class LineReader {
   std::size_t left_;
 };
 
+/// The head whose joints are the columns of a table's header; the default one where they are no joints.
+template <class Row>
+std::shared_ptr<const HeadModel> head_of_header(std::string_view header) {
+  if constexpr (!has_joints<Row>) {
+    return default_head();
+  } else {
+    constexpr std::string_view suffix = "_rad";
+    const std::size_t others = column_names<Row>(*default_head()).size() - default_head()->joints.size();
+    std::vector<std::string> names;
+    for (std::size_t i = 0; !header.empty(); ++i) {
+      const std::size_t end = std::min(header.find(','), header.size());
+      const std::string_view name = header.substr(0, end);
+      header.remove_prefix(std::min(end + 1, header.size()));
+      if (i < others) continue;
+      const bool is_joint = name.ends_with(suffix) && is_name(name.substr(0, name.size() - suffix.size()));
+      if (!is_joint || names.size() == static_cast<std::size_t>(gaze_slots)) return default_head();
+      names.emplace_back(name.substr(0, name.size() - suffix.size()));
+    }
+    return names.empty() ? default_head() : head_of_names(names);
+  }
+}
+
 /// How many columns of a Row the header has, from the left.
 template <class Row>
-std::size_t check_header(const std::string& place, const std::string& header) {
-  const std::vector<std::string> names = column_names<Row>();
+std::size_t check_header(const std::string& place, const std::string& header, const HeadModel& head) {
+  const std::vector<std::string> names = column_names<Row>(head);
   const auto has = [&](std::size_t count) {
     const std::string text = join(names, count);
     return header == text || (is_detections<Row> && header.starts_with(text + ","));
@@ -258,8 +283,9 @@ Eigen::Isometry3d EyeRow::root_from_left_cam() const {
 }
 
 template <class Row>
-TableWriter<Row>::TableWriter(std::filesystem::path path) : file_(std::move(path)) {
-  const std::vector<std::string> names = column_names<Row>();
+TableWriter<Row>::TableWriter(std::filesystem::path path, std::shared_ptr<const HeadModel> head)
+    : head_(std::move(head)), file_(std::move(path)) {
+  const std::vector<std::string> names = column_names<Row>(*head_);
   file_.write(join(names, names.size()) + "\n");
 }
 
@@ -270,12 +296,12 @@ void TableWriter<Row>::write(const Row& row) {
     if (!row.covariance_px2.allFinite() || row.covariance_px2.isZero(0.0)) {
       Row unknown = row;
       unknown.covariance_px2.setConstant(nan);
-      visit_columns(writer, unknown);
+      visit_columns(writer, *head_, unknown);
     } else {
-      visit_columns(writer, row);
+      visit_columns(writer, *head_, row);
     }
   } else {
-    visit_columns(writer, row);
+    visit_columns(writer, *head_, row);
   }
   line_ += '\n';
   file_.write(line_);
@@ -294,7 +320,8 @@ TableReader<Row>::TableReader(const std::filesystem::path& path) : name_(path.st
   if (!in_) throw InputError(name_, std::generic_category().message(errno), "a table");
   next_line();
   columns_ = count_fields(line_);
-  known_ = check_header<Row>(place(), line_);
+  head_ = head_of_header<Row>(line_);
+  known_ = check_header<Row>(place(), line_, *head_);
 }
 
 template <class Row>
@@ -309,7 +336,7 @@ std::optional<Row> TableReader<Row>::next() {
     row.position_m.setConstant(nan);
   }
   LineReader reader(line_, place(), known_);
-  visit_columns(reader, row);
+  visit_columns(reader, *head_, row);
   if constexpr (is_detections<Row>) complete_covariance(row.covariance_px2, place());
   if (row.t_us < last_t_us_) {
     throw InputError(place() + ", column t_us", std::to_string(row.t_us),

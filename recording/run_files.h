@@ -46,9 +46,9 @@ struct StreamingRow : DetectionRow {
 };
 
 /// gaze.csv: t_us, fixation point and target (m, root frame; empty when there is none), joint angles (rad)
-/// under the names of head/head_state.h with the suffix _rad.
+/// under the names of the head's joints with the suffix _rad.
 /// Columns: t_us,fixation_x_m,fixation_y_m,fixation_z_m,target_x_m,target_y_m,target_z_m,torso_pitch_rad,...,
-/// eyes_vergence_rad. One row per tick.
+/// eyes_vergence_rad for an iCub. One row per tick.
 struct GazeRow {
   std::int64_t t_us = 0;
   Eigen::Vector3d fixation_m = Eigen::Vector3d::Zero();
@@ -67,7 +67,7 @@ struct EyeRow {
   [[nodiscard]] Eigen::Isometry3d root_from_left_cam() const;
 };
 
-/// joints.csv: t_us and the measured joint positions (rad), names as in head/head_state.h with _rad.
+/// joints.csv: t_us and the measured joint positions (rad), under the names of the head's joints with _rad.
 struct JointsRow {
   std::int64_t t_us = 0;
   JointVector position_rad = JointVector::Zero();
@@ -109,11 +109,13 @@ struct LabelRow {
 template <class Row>
 class TableWriter {
  public:
-  explicit TableWriter(std::filesystem::path path);
+  /// `head`: whose joints a table of joints has.
+  explicit TableWriter(std::filesystem::path path, std::shared_ptr<const HeadModel> head = default_head());
   void write(const Row& row);
   void commit();
 
  private:
+  std::shared_ptr<const HeadModel> head_;
   OutputFile file_;
   std::string line_;
 };
@@ -122,7 +124,7 @@ class TableWriter {
 /// file, a wrong header, a row of the wrong length, a value that is not a number, or time that goes back.
 /// Columns at the right end of some tables may be absent: of truth `visible,x_m,y_m,z_m` (annotated recordings: visible =
 /// 1, position NaN), of detections the covariance, or `held` and the covariance. Tables of detections may have further
-/// columns on the right, which are skipped.
+/// columns on the right, which are skipped. Joints go into the slots that head_of_names() gives their names.
 template <class Row>
 class TableReader {
  public:
@@ -137,6 +139,7 @@ class TableReader {
   std::ifstream in_;
   std::string line_;
   std::size_t line_number_ = 0;
+  std::shared_ptr<const HeadModel> head_ = default_head();  ///< of the columns
   std::size_t columns_ = 0;  ///< fields of a row
   std::size_t known_ = 0;    ///< of them those that go into a Row; the others are to their right
   std::int64_t last_t_us_ = std::numeric_limits<std::int64_t>::min();

@@ -12,21 +12,24 @@
 namespace saccade {
 namespace {
 
-using HeadRanges = std::array<std::array<double, 2>*, head_joint_count>;
-
-HeadRanges ranges_of(HeadLimitsConfig& config) {
-  return {&config.neck_pitch_deg, &config.neck_roll_deg,    &config.neck_yaw_deg,
-          &config.eyes_tilt_deg,  &config.eyes_version_deg, &config.eyes_vergence_deg};
-}
+double rounded_deg(double rad) { return std::round(rad * deg_per_rad * 1e9) / 1e9; }
 
 }  // namespace
 
+HeadLimitsConfig::HeadLimitsConfig(std::shared_ptr<const HeadModel> model) : head(std::move(model)) {
+  for (const HeadJoint& joint : head->joints) {
+    if (joint.role == JointRole::torso) continue;
+    range_deg[static_cast<std::size_t>(joint.slot - torso_slots)] = {rounded_deg(joint.min_rad),
+                                                                     rounded_deg(joint.max_rad)};
+  }
+}
+
 void describe(FieldVisitor& v, HeadLimitsConfig& config) {
-  const HeadRanges ranges = ranges_of(config);
-  for (std::size_t i = 0; i < ranges.size(); ++i) {
-    const std::string key = std::string(joint_names[torso_joint_count + i]) + "_deg";
-    std::array<double, 2>& range = *ranges[i];
-    v.reals(key, range, {-180.0, 180.0}, "lowest and highest position");
+  for (const HeadJoint& joint : config.head->joints) {
+    if (joint.role == JointRole::torso) continue;
+    const std::string key = joint.name + "_deg";
+    std::array<double, 2>& range = config.range_deg[static_cast<std::size_t>(joint.slot - torso_slots)];
+    v.reals(key, range, {-360.0, 360.0}, "lowest and highest position");
     v.require(range[0] < range[1], key, "[" + text_of(range[0]) + ", " + text_of(range[1]) + "]",
               "the lower one first");
   }
@@ -34,16 +37,15 @@ void describe(FieldVisitor& v, HeadLimitsConfig& config) {
 
 JointLimits joint_limits(const HeadLimitsConfig& config) {
   check_config("limits", config);
-  HeadLimitsConfig copy = config;
   JointLimits limits;
+  limits.head = config.head;
   limits.min_rad.setConstant(-std::numbers::pi);
   limits.max_rad.setConstant(std::numbers::pi);
   limits.max_speed_rad_s.setConstant(std::numeric_limits<double>::infinity());
-  const HeadRanges ranges = ranges_of(copy);
-  for (std::size_t i = 0; i < ranges.size(); ++i) {
-    const auto j = static_cast<Eigen::Index>(torso_joint_count + i);
-    limits.min_rad[j] = (*ranges[i])[0] * rad_per_deg;
-    limits.max_rad[j] = (*ranges[i])[1] * rad_per_deg;
+  for (int i = 0; i < config.head->gaze_joints(); ++i) {
+    const auto [min_deg, max_deg] = config.range_deg[static_cast<std::size_t>(i)];
+    limits.min_rad[torso_slots + i] = min_deg * rad_per_deg;
+    limits.max_rad[torso_slots + i] = max_deg * rad_per_deg;
   }
   return limits;
 }
@@ -57,8 +59,10 @@ CommonLimits common_limits(const JointLimits& ours, const JointLimits& robot) {
   };
   CommonLimits common{ours, {"limits of the joints, deg", true, {}}};
   std::string narrowed, broken;
-  for (int i = torso_joint_count; i < joint_count; ++i) {
-    const std::string name(joint_names[static_cast<std::size_t>(i)]);
+  for (const HeadJoint& joint : ours.head->joints) {
+    if (joint.role == JointRole::torso) continue;
+    const int i = joint.slot;
+    const std::string& name = joint.name;
     double& min_rad = common.limits.min_rad[i];
     double& max_rad = common.limits.max_rad[i];
     min_rad = std::max(ours.min_rad[i], robot.min_rad[i]);

@@ -3,22 +3,22 @@
 #include <array>
 
 #include "core/config.h"
-#include "head/head_state.h"
+#include "head/head_model.h"
 #include "robot/robot.h"
 
 namespace saccade {
 
-/// Position limits of the head joints, deg, which apply in addition to the limits of the robot. Defaults: iCubGenova02.
+/// Position limits of the joints that gaze commands, deg, which apply in addition to the limits of the robot.
 struct HeadLimitsConfig {
-  std::array<double, 2> neck_pitch_deg = {-30.0, 17.0};
-  std::array<double, 2> neck_roll_deg = {-20.0, 20.0};
-  std::array<double, 2> neck_yaw_deg = {-45.0, 45.0};
-  std::array<double, 2> eyes_tilt_deg = {-30.0, 30.0};
-  std::array<double, 2> eyes_version_deg = {-30.0, 30.0};
-  std::array<double, 2> eyes_vergence_deg = {0.0, 50.0};
+  HeadLimitsConfig() : HeadLimitsConfig(default_head()) {}
+  /// The limits of a head's description.
+  explicit HeadLimitsConfig(std::shared_ptr<const HeadModel> model);
+
+  std::shared_ptr<const HeadModel> head;
+  std::array<std::array<double, 2>, gaze_slots> range_deg{};  ///< of each joint, the neck first
 };
 
-/// Keys: neck_pitch_deg, neck_roll_deg, neck_yaw_deg, eyes_tilt_deg, eyes_version_deg, eyes_vergence_deg.
+/// Keys: the name of each joint that gaze commands with the suffix _deg.
 void describe(FieldVisitor& v, HeadLimitsConfig& config);
 
 /// Limits in radians. Those of the torso, which is not commanded, and of the speeds are infinite. Throws InputError for a

@@ -68,7 +68,7 @@ enum class JointDrive : std::uint8_t {
 
 /// The newest reports about the joints of a head.
 struct HeadDrives {
-  std::array<JointDrive, head_joint_count> joints{};  ///< neck pitch to eyes vergence
+  std::array<JointDrive, gaze_slots> joints{};  ///< those that gaze commands, the neck first
 
   /// The same for each joint.
   [[nodiscard]] static HeadDrives all(JointDrive drive) {
@@ -78,14 +78,14 @@ struct HeadDrives {
   }
 };
 
-/// Position references of the six head joints, rad, neck pitch to eyes vergence, as in YARP's position-direct mode.
+/// Position references of the joints that gaze commands, rad, the neck first, as in YARP's position-direct mode.
 using HeadCommand = HeadJointVector;
 
 /// Whether a head with these limits accepts the reference: finite and inside them.
 [[nodiscard]] inline bool is_allowed(const HeadCommand& reference_rad, const JointLimits& limits) {
   return reference_rad.allFinite() &&
-         (reference_rad.array() >= limits.min_rad.tail<head_joint_count>().array()).all() &&
-         (reference_rad.array() <= limits.max_rad.tail<head_joint_count>().array()).all();
+         (reference_rad.array() >= limits.min_rad.tail<gaze_slots>().array()).all() &&
+         (reference_rad.array() <= limits.max_rad.tail<gaze_slots>().array()).all();
 }
 
 /// Joints of neck and eyes (commanded) and of the torso (read only).

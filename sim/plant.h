@@ -85,7 +85,7 @@ class Encoders {
   RandomStream random_;
   std::uint64_t count_ = 0;            // of readings
   std::vector<JointVector> readings_;  // of the velocity window, a ring
-  JointVector position_rad_;
+  JointVector position_rad_ = JointVector::Zero();
   JointVector velocity_rad_s_ = JointVector::Zero();
 };
 

@@ -112,8 +112,8 @@ PortStatus SimRobot::stop() {
   read(state);
   const JointLimits bounds = limits();
   world_.set_reference(state.head_position_rad()
-                           .cwiseMax(bounds.min_rad.tail<head_joint_count>())
-                           .cwiseMin(bounds.max_rad.tail<head_joint_count>()));
+                           .cwiseMax(bounds.min_rad.tail<gaze_slots>())
+                           .cwiseMin(bounds.max_rad.tail<gaze_slots>()));
   return PortStatus::ok;
 }
 

@@ -12,22 +12,6 @@ namespace {
 
 constexpr std::int64_t settling_us = 500'000;
 
-/// Version and vergence to left and right pan, and back. The other joints are the same in both.
-JointVector plant_from_joints(JointVector q) {
-  const double half_vergence = 0.5 * q[eyes_vergence];
-  q[eyes_vergence] = q[eyes_version] - half_vergence;
-  q[eyes_version] += half_vergence;
-  return q;
-}
-
-JointVector joints_from_plant(JointVector q) {
-  const double left = q[eyes_version];
-  const double right = q[eyes_vergence];
-  q[eyes_version] = 0.5 * (left + right);
-  q[eyes_vergence] = left - right;
-  return q;
-}
-
 std::string read_text(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   std::ostringstream text;
@@ -35,7 +19,7 @@ std::string read_text(const std::filesystem::path& path) {
   return text.str();
 }
 
-MjModelPtr load_model(const std::filesystem::path& models, const std::string& hand,
+MjModelPtr load_model(const std::filesystem::path& models, const HeadModel& head, const std::string& hand,
                       const std::string& extra_mjcf) {
   // MuJoCo writes no log file: warnings are counted in mjData, and step() reports them as errors.
   mju_user_warning = [](const char*) {};
@@ -45,11 +29,9 @@ MjModelPtr load_model(const std::filesystem::path& models, const std::string& ha
   const auto add = [&vfs](const std::string& name, const std::string& text) {
     if (!add_to_vfs(vfs.get(), name, text)) throw RunError("MuJoCo rejects the model file " + name);
   };
-  std::string includes;
-  for (const std::string name : {"icub_head.xml", "ball_in_hand.xml"}) {
-    add(name, read_text(models / name));
-    includes += "<include file=\"" + name + "\"/>";
-  }
+  add("head.xml", head_mjcf(head, models));
+  add("ball_in_hand.xml", read_text(models / "ball_in_hand.xml"));
+  const std::string includes = "<include file=\"head.xml\"/><include file=\"ball_in_hand.xml\"/>";
   add("hand.xml", read_text(models / hand));  // ball_in_hand.xml includes it
   add("world.xml", "<mujoco model=\"saccade\">" + includes + extra_mjcf + "</mujoco>");
 
@@ -60,20 +42,19 @@ MjModelPtr load_model(const std::filesystem::path& models, const std::string& ha
 }
 
 /// Throws InputError for every joint that is outside its limits by more than rounding.
-JointVector start_pose_rad(const std::array<double, joint_count>& pose_deg, const JointLimits& limits) {
-  const JointVector min_deg = limits.min_rad / rad_per_deg;
-  const JointVector max_deg = limits.max_rad / rad_per_deg;
+JointVector start_pose_rad(const WorldConfig& config, const JointLimits& limits) {
+  const HeadModel& head = *limits.head;
   std::vector<Problem> problems;
-  for (std::size_t j = 0; j < joint_count; ++j) {
-    const auto row = static_cast<Eigen::Index>(j);
-    if (pose_deg[j] >= min_deg[row] - 1e-9 && pose_deg[j] <= max_deg[row] + 1e-9) continue;
-    const std::string name(joint_names[j]);
-    problems.push_back({"world.initial_pose_deg", name + " " + text_of(pose_deg[j]),
-                        expectation_of({min_deg[row], max_deg[row]}, "an angle within the joint's limits")});
+  for (std::size_t j = 0; j < head.joints.size(); ++j) {
+    const double min_deg = limits.min_rad[head.joints[j].slot] / rad_per_deg;
+    const double max_deg = limits.max_rad[head.joints[j].slot] / rad_per_deg;
+    const double pose_deg = config.initial_pose_deg[j];
+    if (pose_deg >= min_deg - 1e-9 && pose_deg <= max_deg + 1e-9) continue;
+    problems.push_back({"world.initial_pose_deg", head.joints[j].name + " " + text_of(pose_deg),
+                        expectation_of({min_deg, max_deg}, "an angle within the joint's limits")});
   }
   if (!problems.empty()) throw InputError(problems);
-  const JointVector pose_rad = Eigen::Map<const JointVector>(pose_deg.data()) * rad_per_deg;
-  return pose_rad.cwiseMax(limits.min_rad).cwiseMin(limits.max_rad);
+  return initial_pose_rad(config, head).cwiseMax(limits.min_rad).cwiseMin(limits.max_rad);
 }
 
 int find(const mjModel& model, mjtObj type, const std::string& name) {
@@ -88,9 +69,27 @@ void describe(FieldVisitor& v, WorldConfig& c) {
   v.section("ball", c.ball, "the ball and the hand that holds it");
   v.named_sections("objects", c.objects, "other moving objects, by name", "a moving object");
   v.optional_section("board", c.board, "a board with dots, for calibration");
-  v.reals("initial_pose_deg", c.initial_pose_deg, {-90.0, 90.0},
-          "torso pitch, roll, yaw, neck pitch, roll, yaw, eyes tilt, version, vergence at the start");
+  const auto head = valid_head(c.head);
+  v.numbers(
+      "initial_pose_deg", std::span(c.initial_pose_deg.data(), head->joints.size()), {-180.0, 180.0},
+      "joint positions at the start; of the iCub torso pitch, roll, yaw, neck pitch, roll, yaw, eyes tilt, "
+      "version, vergence");
+  if (v.fills_defaults() && c.head.model == HeadKind::described) {
+    c.plant.encoders.quantisation_deg = c.head.description.encoder_step_deg;
+    c.plant.command_delay_ms = c.head.description.command_delay_ms;
+  }
   v.section("plant", c.plant, "differences between the simulated head and the model that gaze uses");
+  const bool has_cad = c.head.model == HeadKind::icub && (c.head.version == "2" || c.head.version == "2.8");
+  v.require(c.plant.axes == NeckAxes::dh || has_cad, "plant.axes", std::string(word_of(c.plant.axes)),
+            "dh: the CAD's axes are those of the iCub's versions 2 and 2.8");
+}
+
+JointVector initial_pose_rad(const WorldConfig& config, const HeadModel& head) {
+  JointVector pose_rad = JointVector::Zero();
+  for (std::size_t j = 0; j < head.joints.size(); ++j) {
+    pose_rad[head.joints[j].slot] = config.initial_pose_deg[j] * rad_per_deg;
+  }
+  return pose_rad;
 }
 
 World::World(const WorldConfig& config, const std::string& lab_mjcf, std::uint64_t seed,
@@ -99,9 +98,11 @@ World::World(const WorldConfig& config, const std::string& lab_mjcf, std::uint64
       ball_radius_m_(0.5 * config.ball.diameter_m),
       has_ball_(config.ball.present),
       rolls_(config.ball.rolls),
+      head_(head_model(config.head)),
+      coupling_(*head_),
       board_(config.board),
       command_delay_us_(1000 * config.plant.command_delay_ms) {
-  model_ = load_model(models, hand_file(config.ball),
+  model_ = load_model(models, *head_, hand_file(config.ball),
                       lab_mjcf + pattern_mjcf(config.ball) + objects_mjcf(config.objects) +
                           (board_ ? board_mjcf(*board_) : std::string()));
   data_.reset(mj_makeData(model_.get()));
@@ -115,10 +116,10 @@ World::World(const WorldConfig& config, const std::string& lab_mjcf, std::uint64
     paint_board(*model_, *board_);
   }
 
-  const JointVector plant_rad = plant_from_joints(start_pose_rad(config.initial_pose_deg, limits_));
-  for (std::size_t j = 0; j < joint_count; ++j) {
-    data_->qpos[model_->jnt_qposadr[joint_[j]]] = plant_rad[static_cast<Eigen::Index>(j)];
-    data_->ctrl[actuator_[j]] = plant_rad[static_cast<Eigen::Index>(j)];
+  const JointVector plant_rad = coupling_.motors_from_joints(start_pose_rad(config, limits_));
+  for (std::size_t j = 0; j < motors_.size(); ++j) {
+    data_->qpos[model_->jnt_qposadr[motors_[j].joint]] = plant_rad[static_cast<Eigen::Index>(j)];
+    data_->ctrl[motors_[j].actuator] = plant_rad[static_cast<Eigen::Index>(j)];
   }
   joint_rad_ = plant_rad;
   place_objects(0, *data_);
@@ -132,19 +133,12 @@ World::World(const WorldConfig& config, const std::string& lab_mjcf, std::uint64
 
 void World::find_parts() {
   const mjModel& m = *model_;
-  const int speeds = m.numeric_adr[find(m, mjOBJ_NUMERIC, "max_speed_rad_s")];
-  for (std::size_t j = 0; j < joint_count; ++j) {
-    const auto row = static_cast<Eigen::Index>(j);
-    const bool coupled = row == eyes_version || row == eyes_vergence;
-    const std::string name(joint_names[j]);
-    const std::string plant_name = row == eyes_version ? "l_eye_pan" : coupled ? "r_eye_pan" : name;
-    joint_[j] = find(m, mjOBJ_JOINT, plant_name);
-    actuator_[j] = find(m, mjOBJ_ACTUATOR, plant_name);
-    const mjtNum* range =
-        coupled ? m.tendon_range + 2 * find(m, mjOBJ_TENDON, name) : m.jnt_range + 2 * joint_[j];
-    limits_.min_rad[row] = range[0];
-    limits_.max_rad[row] = range[1];
-    limits_.max_speed_rad_s[row] = m.numeric_data[speeds + static_cast<int>(j)];
+  motors_ = find_motors(*head_, m, "the model of " + head_->name);
+  limits_.head = head_;
+  for (const HeadJoint& joint : head_->joints) {
+    limits_.min_rad[joint.slot] = joint.min_rad;
+    limits_.max_rad[joint.slot] = joint.max_rad;
+    limits_.max_speed_rad_s[joint.slot] = joint.max_speed_rad_s;
   }
   ball_mocap_ = m.body_mocapid[find(m, mjOBJ_BODY, "ball_hand")];
   left_eye_ = find(m, mjOBJ_CAMERA, "left_eye");
@@ -158,12 +152,13 @@ void World::set_up_drives(const PlantConfig& config) {
     mj_setConst(&m, data_.get());
     mj_resetData(&m, data_.get());
   }
-  for (int j = torso_joint_count; j < joint_count; ++j) {
-    const DriveConfig& drive = j < eyes_tilt ? config.neck : config.eyes;
-    const int joint = joint_[static_cast<std::size_t>(j)];
-    const double largest_nm = m.actuator_forcerange[2 * actuator_[static_cast<std::size_t>(j)] + 1];
-    if (drive.friction_share > 0.0) set_friction(m, joint, drive.friction_share * largest_nm);
-    backlash_half_width_rad_[j] = 0.5 * drive.backlash_deg * rad_per_deg;
+  for (std::size_t j = 0; j < motors_.size(); ++j) {
+    const HeadMotor& motor = motors_[j];
+    if (motor.role == JointRole::torso) continue;
+    const DriveConfig& drive = motor.role == JointRole::neck ? config.neck : config.eyes;
+    const double largest_nm = m.actuator_forcerange[2 * motor.actuator + 1];
+    if (drive.friction_share > 0.0) set_friction(m, motor.joint, drive.friction_share * largest_nm);
+    backlash_half_width_rad_[static_cast<Eigen::Index>(j)] = 0.5 * drive.backlash_deg * rad_per_deg;
   }
   if (backlash_half_width_rad_.isZero(0.0)) return;
   joint_data_.reset(mj_makeData(&m));
@@ -203,8 +198,9 @@ void World::step() {
 
 void World::apply_due_commands() {
   for (; !commands_.empty() && commands_.front().due_us <= now_us_; commands_.pop_front()) {
-    for (std::size_t j = torso_joint_count; j < joint_count; ++j) {
-      data_->ctrl[actuator_[j]] = commands_.front().motor_rad[static_cast<Eigen::Index>(j)];
+    for (std::size_t j = 0; j < motors_.size(); ++j) {
+      if (motors_[j].role == JointRole::torso) continue;
+      data_->ctrl[motors_[j].actuator] = commands_.front().motor_rad[static_cast<Eigen::Index>(j)];
     }
   }
 }
@@ -228,35 +224,35 @@ void World::advance() {
     }
   }
   const JointVector motor_rad = motors().rad;
-  for (int j = 0; j < joint_count; ++j) {
+  for (int j = 0; j < joint_slots; ++j) {
     joint_rad_[j] = joint_behind_backlash(motor_rad[j], joint_rad_[j], backlash_half_width_rad_[j]);
   }
 }
 
 World::Motors World::motors() const {
   Motors motors;
-  for (std::size_t j = 0; j < joint_count; ++j) {
+  for (std::size_t j = 0; j < motors_.size(); ++j) {
     const auto row = static_cast<Eigen::Index>(j);
-    motors.rad[row] = data_->qpos[model_->jnt_qposadr[joint_[j]]];
-    motors.rad_s[row] = data_->qvel[model_->jnt_dofadr[joint_[j]]];
+    motors.rad[row] = data_->qpos[model_->jnt_qposadr[motors_[j].joint]];
+    motors.rad_s[row] = data_->qvel[model_->jnt_dofadr[motors_[j].joint]];
   }
   return motors;
 }
 
 HeadState World::head_state() const {
-  return {now_us_, joints_from_plant(encoders_->position_rad()),
-          joints_from_plant(encoders_->velocity_rad_s())};
+  return {now_us_, coupling_.joints_from_motors(encoders_->position_rad()),
+          coupling_.joints_from_motors(encoders_->velocity_rad_s())};
 }
 
-JointVector World::joints_rad() const { return joints_from_plant(joint_rad_); }
+JointVector World::joints_rad() const { return coupling_.joints_from_motors(joint_rad_); }
 
 bool World::set_reference(const HeadJointVector& reference_rad) {
-  const auto min = limits_.min_rad.tail<head_joint_count>().array();
-  const auto max = limits_.max_rad.tail<head_joint_count>().array();
+  const auto min = limits_.min_rad.tail<gaze_slots>().array();
+  const auto max = limits_.max_rad.tail<gaze_slots>().array();
   if (!(reference_rad.array() >= min && reference_rad.array() <= max).all()) return false;
   JointVector joints = JointVector::Zero();
-  joints.tail<head_joint_count>() = reference_rad;
-  commands_.push_back({now_us_ + command_delay_us_, plant_from_joints(joints)});
+  joints.tail<gaze_slots>() = reference_rad;
+  commands_.push_back({now_us_ + command_delay_us_, coupling_.motors_from_joints(joints)});
   return true;
 }
 
@@ -301,9 +297,9 @@ void World::show(std::int64_t t_us, mjData& data) const {
     data.qpos[i] = (1.0 - end) * last_qpos_[i] + end * data_->qpos[i] + start_slope * last_qvel_[i] +
                    end_slope * data_->qvel[i];
   }
-  for (std::size_t j = 0; j < joint_count; ++j) {
+  for (std::size_t j = 0; j < motors_.size(); ++j) {
     const auto row = static_cast<Eigen::Index>(j);
-    mjtNum& q = data.qpos[model_->jnt_qposadr[joint_[j]]];
+    mjtNum& q = data.qpos[model_->jnt_qposadr[motors_[j].joint]];
     q = joint_behind_backlash(q, last_joint_rad_[row], backlash_half_width_rad_[row]);
   }
   place_objects(t_us, data);
@@ -313,9 +309,9 @@ void World::show(std::int64_t t_us, mjData& data) const {
 }
 
 void World::pose(std::int64_t t_us, const JointVector& position_rad, mjData& data) const {
-  const JointVector joints = plant_from_joints(position_rad);
-  for (std::size_t j = 0; j < joint_count; ++j) {
-    data.qpos[model_->jnt_qposadr[joint_[j]]] = joints[static_cast<Eigen::Index>(j)];
+  const JointVector joints = coupling_.motors_from_joints(position_rad);
+  for (std::size_t j = 0; j < motors_.size(); ++j) {
+    data.qpos[model_->jnt_qposadr[motors_[j].joint]] = joints[static_cast<Eigen::Index>(j)];
   }
   place_objects(t_us, data);
   mj_kinematics(model_.get(), &data);

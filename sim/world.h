@@ -14,10 +14,12 @@
 
 #include "core/config.h"
 #include "core/event_label.h"
+#include "head/head_config.h"
 #include "head/head_state.h"
 #include "sim/ball.h"
 #include "sim/board.h"
 #include "sim/data_directory.h"
+#include "sim/head_mjcf.h"
 #include "sim/mujoco_compat.h"
 #include "sim/objects.h"
 #include "sim/plant.h"
@@ -29,22 +31,27 @@ struct WorldConfig {
   BallConfig ball;
   NamedObjects objects;              ///< other moving objects
   std::optional<BoardConfig> board;  ///< a calibration board, if the scenario has one
-  /// Joint positions at the start, in the order of Joint; the torso stays there.
-  std::array<double, joint_count> initial_pose_deg{};
+  HeadConfig head;
+  /// Joint positions at the start, in the order of HeadModel::joints, whose count is that of the elements used; the torso
+  /// stays there.
+  std::array<double, joint_slots> initial_pose_deg{};
   PlantConfig plant;
 };
 
-/// Keys: ball, objects, board (where there is one), initial_pose_deg, plant.
+/// Keys: ball, objects, board (where there is one), initial_pose_deg, plant. The section head comes before them.
 void describe(FieldVisitor& v, WorldConfig& config);
 
-/// The simulated world: an iCub torso and head as a dynamic plant with position servos, a ball in a moving hand, other
+/// The initial pose by slot, rad.
+[[nodiscard]] JointVector initial_pose_rad(const WorldConfig& config, const HeadModel& head);
+
+/// The simulated world: a torso and head as a dynamic plant with position servos, a ball in a moving hand, other
 /// moving objects and a lab around them, in one MuJoCo model. Poses of cameras and geoms always belong to now_us().
 /// The same configuration, lab and seed give the same bytes.
 class World {
  public:
   static constexpr std::int64_t tick_us = 1000;
 
-  /// Loads `icub_head.xml`, `ball_in_hand.xml` and the hand's file from `models` and adds `lab_mjcf`, MJCF elements of the
+  /// Makes the head (head_mjcf), loads `ball_in_hand.xml` and the hand's file from `models` and adds `lab_mjcf`, MJCF elements of the
   /// lab (`<asset>...</asset><worldbody>...</worldbody>`, angles in radians; may be empty). The plant starts
   /// at rest under gravity, references at the initial pose.
   /// Throws InputError for a configuration out of range and for a missing model file, RunError if MuJoCo rejects the
@@ -109,15 +116,15 @@ class World {
   void save_last_state();
   void advance();
 
-  struct Motors {  ///< the last two those of the left and right eye's pan
-    JointVector rad;
-    JointVector rad_s;
+  struct Motors {  ///< in the order of motors_
+    JointVector rad = JointVector::Zero();
+    JointVector rad_s = JointVector::Zero();
   };
   [[nodiscard]] Motors motors() const;
 
   struct Command {
     std::int64_t due_us;
-    JointVector motor_rad;
+    JointVector motor_rad = JointVector::Zero();
   };
 
   MjModelPtr model_;
@@ -129,8 +136,9 @@ class World {
   double ball_radius_m_;
   bool has_ball_;
   bool rolls_;
-  std::array<int, joint_count> joint_{};     ///< MuJoCo joint; the last two are the left and right eye pan
-  std::array<int, joint_count> actuator_{};  ///< its servo
+  std::shared_ptr<const HeadModel> head_;
+  MotorCoupling coupling_;
+  std::vector<HeadMotor> motors_;
   int ball_mocap_ = 0;
   std::optional<BoardConfig> board_;
   int board_mocap_ = 0;
@@ -140,8 +148,8 @@ class World {
   std::vector<mjtNum> last_qpos_;  ///< one tick ago, for show()
   std::vector<mjtNum> last_qvel_;
   JointVector backlash_half_width_rad_ = JointVector::Zero();
-  JointVector joint_rad_;  ///< behind the backlash, in the order of Motors
-  JointVector last_joint_rad_;
+  JointVector joint_rad_ = JointVector::Zero();  ///< behind the backlash, in the order of Motors
+  JointVector last_joint_rad_ = JointVector::Zero();
   std::optional<Encoders> encoders_;
   std::int64_t command_delay_us_;
   std::deque<Command> commands_;  ///< not yet due

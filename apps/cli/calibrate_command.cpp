@@ -126,7 +126,7 @@ std::vector<CalibrationView> find_views(ReplayRobot& robot, const Source& source
         view.grid = {t_us, std::move(*dots), 0.0};
         HeadState head;
         if (robot.head() != nullptr && robot.head()->read(head) != PortStatus::lost) {
-          view.root_from_eye = HeadKinematics(head.position_rad).root_from_eye(eye);
+          view.root_from_eye = HeadKinematics(robot.head()->limits().head->chain, head.position_rad).root_from_eye(eye);
         }
       }
     }

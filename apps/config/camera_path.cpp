@@ -46,22 +46,21 @@ bool hides(const Screen& screen, std::int64_t t_us, const Eigen::Vector3d& eye_m
 
 }  // namespace
 
-CameraPath::CameraPath(const ScriptConfig* script, const std::array<double, joint_count>& initial_pose_deg,
-                       double duration_s) {
+CameraPath::CameraPath(const ScriptConfig* script, const WorldConfig& world, double duration_s) {
+  const auto head = head_model(world.head);
   HeadState state;
-  for (int j = 0; j < joint_count; ++j) {
-    state.position_rad[j] = initial_pose_deg[static_cast<std::size_t>(j)] * rad_per_deg;
-  }
+  state.position_rad = initial_pose_rad(world, *head);
   MotionLimits limits;  // a script's points lie within the head's
+  limits.head = head;
   limits.hardware_min_rad.setConstant(-std::numeric_limits<double>::infinity());
   limits.hardware_max_rad.setConstant(std::numeric_limits<double>::infinity());
   std::optional<ScriptController> controller;
   if (script != nullptr) controller.emplace(*script, limits);
   const auto count = std::llround(duration_s * 1e6) / step_us;
   for (std::int64_t i = 0; i <= count; ++i) {
-    root_from_eye_.push_back(HeadKinematics(state.position_rad).root_from_eye(Eye::left));
+    root_from_eye_.push_back(HeadKinematics(head->chain, state.position_rad).root_from_eye(Eye::left));
     if (!controller) continue;
-    state.position_rad.tail<head_joint_count>() = controller->step(state, std::nullopt, 1e-6 * step_us);
+    state.position_rad.tail<gaze_slots>() = controller->step(state, std::nullopt, 1e-6 * step_us);
   }
 }
 

@@ -14,9 +14,8 @@ class CameraPath {
  public:
   static constexpr std::int64_t step_us = 10'000;
 
-  /// `script` may be null: the head stays at `initial_pose_deg`.
-  CameraPath(const ScriptConfig* script, const std::array<double, joint_count>& initial_pose_deg,
-             double duration_s);
+  /// `script` may be null: the head stays at its initial pose.
+  CameraPath(const ScriptConfig* script, const WorldConfig& world, double duration_s);
 
   /// The eye's pose at 0, step_us, 2 step_us, ... up to the duration.
   [[nodiscard]] const std::vector<Eigen::Isometry3d>& root_from_eye() const { return root_from_eye_; }

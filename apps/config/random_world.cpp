@@ -29,7 +29,7 @@ Eigen::Isometry3d mean_root_from_eye(const ScriptConfig& script) {
     for (int j = 0; j < 3; ++j) pose_rad[neck_pitch + j] += neck_deg[static_cast<std::size_t>(j)];
   }
   pose_rad *= rad_per_deg / static_cast<double>(script.eyes_deg.size());
-  return HeadKinematics(pose_rad).root_from_eye(Eye::left);
+  return HeadKinematics(default_head()->chain, pose_rad).root_from_eye(Eye::left);
 }
 
 /// Where the ball is in the middle of its motion, for a board to pass there.
@@ -140,7 +140,7 @@ DrawnWorld draw_world(const RandomWorldConfig& config, std::uint64_t seed,
   world.sim.world.ball.present = with_ball;
   if (!with_ball) return world;
   const CameraPath path(world.motion != HeadMotion::still ? &world.script : nullptr,
-                        world.sim.world.initial_pose_deg, world.duration_s);
+                        world.sim.world, world.duration_s);
   draw_ball(of_ball, seed, stage, path, rests, world);
   colour_ball(of_ball, seed, path, world);
   return world;

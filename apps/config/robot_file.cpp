@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "apps/config/head_section.h"
 #include "apps/config/scenario.h"
 #include "apps/config/yaml_reader.h"
 #include "apps/config/yaml_writer.h"
@@ -50,6 +51,9 @@ void describe(FieldVisitor& v, RobotFile& r) {
   v.section(
       "calibration", [&](FieldVisitor& w) { describe_calibration(w, r.calibration); },
       "assumed calibration of the left camera");
+  v.section(
+      "head", [&](FieldVisitor& w) { describe_head(w, r.head); }, "the robot's head");
+  if (v.fills_defaults()) r.limits = HeadLimitsConfig(valid_head(r.head));
   v.section(
       "limits", [&](FieldVisitor& w) { saccade::describe(w, r.limits); },
       "limits of the head's joints, in addition to those of the robot");

@@ -12,6 +12,7 @@
 #include "control/gate_registry.h"
 #include "control/gaze_controller.h"
 #include "loop/watchdog.h"
+#include "head/head_config.h"
 #include "robot/head_limits.h"
 
 namespace saccade {
@@ -33,6 +34,7 @@ struct RobotFile {
   std::string description;
   RobotBackendConfig robot;
   MountedCamera calibration;
+  HeadConfig head;
   HeadLimitsConfig limits;
   NamedDetectors detectors;
 

@@ -5,6 +5,7 @@
 
 #include "apps/config/cameras.h"
 #include "apps/config/figure_path.h"
+#include "apps/config/head_section.h"
 #include "apps/config/latency_section.h"
 #include "apps/config/world_defaults.h"
 #include "apps/config/yaml_reader.h"
@@ -96,6 +97,8 @@ void describe(FieldVisitor& v, Scenario& s) {
       "the run");
   v.section(
       "lab", [&](FieldVisitor& w) { describe(w, s.sim.lab); }, "the room");
+  v.section(
+      "head", [&](FieldVisitor& w) { describe_head(w, s.sim.world.head); }, "the robot's head");
   describe(v, s.sim.world);
   v.choice("eyes", s.sim.eyes, "eyes with a camera");
   MountedCamera left{s.sim.camera, s.sim.mount};

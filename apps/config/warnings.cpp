@@ -43,10 +43,9 @@ void check_camera(const std::string& block, const Camera& camera, std::vector<st
 /// The ball's smallest and largest radius in the left image, px.
 std::array<double, 2> ball_radius_px(const Scenario& scenario) {
   const WorldConfig& world = scenario.sim.world;
-  JointVector pose_rad;
-  for (int j = 0; j < joint_count; ++j)
-    pose_rad[j] = world.initial_pose_deg[static_cast<std::size_t>(j)] * rad_per_deg;
-  const Eigen::Vector3d eye_m = HeadKinematics(pose_rad).root_from_eye(Eye::left).translation();
+  const auto head = head_model(world.head);
+  const Eigen::Vector3d eye_m =
+      HeadKinematics(head->chain, initial_pose_rad(world, *head)).root_from_eye(Eye::left).translation();
   const Trajectory trajectory(world.ball.trajectory, static_cast<std::uint64_t>(scenario.seed));
   const Camera& camera = scenario.sim.camera;
   const double focal_px = std::sqrt(camera.fx_px * camera.fy_px);

@@ -10,34 +10,43 @@
 #include <system_error>
 
 #include "core/error.h"
+#include "head/head_model.h"
 
 namespace saccade {
 namespace {
 
 constexpr std::int64_t sync_us = 1'000'000;
-constexpr const char* tick_head =
-    "t_us,due_us,begin_us,end_us,missed,state,phase,joints_t_us,torso_pitch,torso_roll,torso_yaw,neck_pitch,"
-    "neck_roll,neck_yaw,eyes_tilt,eyes_version,eyes_vergence,ref_neck_pitch,ref_neck_roll,ref_neck_yaw,"
-    "ref_eyes_tilt,ref_eyes_version,ref_eyes_vergence,ref_rejected,target_x_m,target_y_m,target_z_m,new_"
-    "target,"
-    "x_px,y_px,r_px,score,events\n";
+std::string tick_head(const HeadModel& head) {
+  std::string text = "t_us,due_us,begin_us,end_us,missed,state,phase,joints_t_us";
+  for (const HeadJoint& joint : head.joints) text += "," + joint.name;
+  for (const HeadJoint& joint : head.joints) {
+    if (joint.role != JointRole::torso) text += ",ref_" + joint.name;
+  }
+  return text + ",ref_rejected,target_x_m,target_y_m,target_z_m,new_target,x_px,y_px,r_px,score,events\n";
+}
 
 std::string_view word_of(GazePhase phase) {
   constexpr std::array<std::string_view, 5> words = {"none", "searching", "following", "holding", "resting"};
   return words.at(static_cast<std::size_t>(phase));
 }
 
+void append_number(std::string& text, double value) {
+  fmt::format_to(std::back_inserter(text), ",{:.6g}", value);
+}
+
 template <class Values>
 void append_numbers(std::string& text, const Values& values) {
-  for (const double value : values) fmt::format_to(std::back_inserter(text), ",{:.6g}", value);
+  for (const double value : values) append_number(text, value);
 }
 
 }  // namespace
 
-BlackBox::BlackBox(std::filesystem::path folder)
+BlackBox::BlackBox(std::filesystem::path folder, std::shared_ptr<const HeadModel> head)
     : folder_(std::move(folder)),
-      files_{
-          {{"ticks", "csv", tick_head}, {"events", "csv", "t_us,x,y,p,camera\n"}, {"messages", "txt", ""}}} {
+      head_(std::move(head)),
+      files_{{{"ticks", "csv", tick_head(*head_)},
+              {"events", "csv", "t_us,x,y,p,camera\n"},
+              {"messages", "txt", ""}}} {
   std::error_code error;
   std::filesystem::remove_all(folder_, error);
   std::filesystem::create_directories(folder_, error);
@@ -76,19 +85,20 @@ void BlackBox::add(const Tick& tick, const TickTiming& timing, std::span<const D
   turn(tick.t_us);
   if (!failure_.empty()) return;
   std::string& text = files_[0].text;
+  const int gaze_joints = head_->gaze_joints();
   fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{}", tick.t_us, timing.due_us, timing.begin_us,
                  timing.end_us, timing.missed, name_of(timing.state), word_of(tick.phase));
   if (tick.head) {
     fmt::format_to(std::back_inserter(text), ",{}", tick.head->t_us);
-    append_numbers(text, tick.head->position_rad);
+    for (const HeadJoint& joint : head_->joints) append_number(text, tick.head->position_rad[joint.slot]);
   } else {
-    text.append(1 + joint_count, ',');
+    text.append(1 + head_->joints.size(), ',');
   }
   if (timing.state == DeployState::active) {
-    append_numbers(text, tick.command.reference_rad);
+    for (int j = 0; j < gaze_joints; ++j) append_number(text, tick.command.reference_rad[j]);
     fmt::format_to(std::back_inserter(text), ",{}", tick.command_rejected ? 1 : 0);
   } else {
-    text.append(head_joint_count + 1, ',');
+    text.append(static_cast<std::size_t>(gaze_joints) + 1, ',');
   }
   if (tick.target_m) {
     append_numbers(text, *tick.target_m);

@@ -27,7 +27,7 @@ class BlackBox {
   static constexpr std::int64_t turn_us = 10'000'000;
 
   /// Creates the folder and removes older files in it. Throws RunError.
-  explicit BlackBox(std::filesystem::path folder);
+  explicit BlackBox(std::filesystem::path folder, std::shared_ptr<const HeadModel> head = default_head());
   BlackBox(const BlackBox&) = delete;
   BlackBox& operator=(const BlackBox&) = delete;
   ~BlackBox();
@@ -44,7 +44,7 @@ class BlackBox {
   struct File {
     const char* name;
     const char* ending;
-    const char* head;  ///< first line
+    std::string head;  ///< first line
     int descriptor = -1;
     std::string text = {};
   };
@@ -53,6 +53,7 @@ class BlackBox {
   void fail();
 
   std::filesystem::path folder_;
+  std::shared_ptr<const HeadModel> head_;
   std::array<File, 3> files_;
   std::int64_t turned_us_ = INT64_MIN;
   std::int64_t synced_us_ = 0;

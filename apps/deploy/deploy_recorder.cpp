@@ -88,16 +88,16 @@ DeployRecorder::DeployRecorder(std::filesystem::path folder, const RobotFile& ro
       log_file_(folder_ / "log.txt", [this](const std::string& line) { print_line(line); }),
       log_([this](std::int64_t t_us, const std::string& text) { log_file_.write(t_us, text); }),
       detections_(folder_ / "detections.csv"),
-      gaze_(folder_ / "gaze.csv"),
+      gaze_(folder_ / "gaze.csv", loop.head()),
       timing_(folder_ / "timing.csv"),
-      black_box_(folder_ / "blackbox"),
+      black_box_(folder_ / "blackbox", loop.head()),
       detectors_(loop.detectors().size()),
       last_joints_us_(std::numeric_limits<std::int64_t>::min()) {
   if (facts_.record) {
     recording_.emplace(folder_, robot.output.formats, image_,
                        RecordingFilesConfig{robot.output.events, robot.output.rotate_mb * 1'000'000,
                                             std::llround(robot.output.rotate_s * 1e6),
-                                            robot.output.least_free_mb * 1'000'000});
+                                            robot.output.least_free_mb * 1'000'000, loop.head()});
   }
   writer_ = std::thread([this] { work(); });
 }
@@ -224,7 +224,7 @@ void DeployRecorder::write(Slot& slot) {
   }
   if (tick.head && is_finite(*tick.head)) {
     const Eigen::Vector3d none = Eigen::Vector3d::Constant(nan);
-    const FixationPoint fixation = HeadKinematics(tick.head->position_rad).fixation();
+    const FixationPoint fixation = HeadKinematics(loop_.head()->chain, tick.head->position_rad).fixation();
     gaze_.write({tick.t_us, fixation.valid ? fixation.point_m : none, tick.target_m.value_or(none),
                  tick.head->position_rad});
   }

@@ -72,7 +72,7 @@ PracticeRobot::Disc PracticeRobot::look(std::int64_t t_us) const {
                                ball_height_m + config_.circle_radius_m * std::sin(turn_rad));
   const HeadState state = head_.state(start_ns_ + 1000 * t_us);
   const auto circle =
-      camera_.project_sphere(root_from_left_cam(state.position_rad).inverse() * ball_m, ball_radius_m);
+      camera_.project_sphere(HeadKinematics(limits_.head->chain, state.position_rad).root_from_eye(Eye::left).inverse() * ball_m, ball_radius_m);
   return circle ? Disc{circle->x_px, circle->y_px, circle->r_px} : Disc{};
 }
 
@@ -134,8 +134,8 @@ PortStatus PracticeRobot::stop() {
   HeadState state;
   read(state);
   const HeadCommand reference_rad = state.head_position_rad()
-                                        .cwiseMax(limits_.min_rad.tail<head_joint_count>())
-                                        .cwiseMin(limits_.max_rad.tail<head_joint_count>());
+                                        .cwiseMax(limits_.min_rad.tail<gaze_slots>())
+                                        .cwiseMin(limits_.max_rad.tail<gaze_slots>());
   (void)head_.command(taken_, reference_rad);
   return PortStatus::ok;
 }

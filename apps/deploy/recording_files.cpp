@@ -69,7 +69,7 @@ fs::path RecordingFiles::path(const char* name, const std::string& ending) const
 
 void RecordingFiles::open(std::int64_t t_us) {
   events_ = create_event_file(formats_, path("events", config_.format), image_);
-  joints_.emplace(path("joints", "csv"));
+  joints_.emplace(path("joints", "csv"), config_.head);
   opened_us_ = t_us;
   ++count_;
 }

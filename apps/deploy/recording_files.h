@@ -19,6 +19,7 @@ struct RecordingFilesConfig {
   std::int64_t rotate_bytes = 0;      ///< size of the event file from which on the next one follows
   std::int64_t rotate_us = 0;         ///< duration of a file
   std::int64_t least_free_bytes = 0;  ///< with less room on the disk the recording ends
+  std::shared_ptr<const HeadModel> head = default_head();  ///< whose joints the tables have
 };
 
 /// The events and joints of `deploy --record`, in pairs of files that follow each other: `events.EXT` and `joints.csv`,

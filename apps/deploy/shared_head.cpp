@@ -28,10 +28,10 @@ SharedHead::Motion SharedHead::newest() const {
     found.number = word[0];
     found.begin_ns = static_cast<std::int64_t>(word[1]);
     found.follows = word[2] != 0;
-    for (std::size_t j = 0; j < head_joint_count; ++j) {
+    for (std::size_t j = 0; j < gaze_slots; ++j) {
       found.from_rad[static_cast<Eigen::Index>(j)] = std::bit_cast<double>(word[3 + j]);
       found.reference_rad[static_cast<Eigen::Index>(j)] =
-          std::bit_cast<double>(word[3 + head_joint_count + j]);
+          std::bit_cast<double>(word[3 + gaze_slots + j]);
     }
   }
   return found;
@@ -48,9 +48,9 @@ void SharedHead::publish(const Motion& motion) {
   set(0, motion.number);
   set(1, static_cast<std::uint64_t>(motion.begin_ns));
   set(2, motion.follows ? 1 : 0);
-  for (std::size_t j = 0; j < head_joint_count; ++j) {
+  for (std::size_t j = 0; j < gaze_slots; ++j) {
     set(3 + j, std::bit_cast<std::uint64_t>(motion.from_rad[static_cast<Eigen::Index>(j)]));
-    set(3 + head_joint_count + j,
+    set(3 + gaze_slots + j,
         std::bit_cast<std::uint64_t>(motion.reference_rad[static_cast<Eigen::Index>(j)]));
   }
   entry.count.store(place + 1, std::memory_order_release);
@@ -61,8 +61,8 @@ HeadState SharedHead::state(std::int64_t now_ns) const {
   HeadState state;
   state.t_us = now_ns / 1000;
   const HeadJointVector position_rad = motion.position_rad(now_ns);
-  state.position_rad.tail<head_joint_count>() = position_rad;
-  state.velocity_rad_s.tail<head_joint_count>() = (motion.reference_rad - position_rad) / lag_s;
+  state.position_rad.tail<gaze_slots>() = position_rad;
+  state.velocity_rad_s.tail<gaze_slots>() = (motion.reference_rad - position_rad) / lag_s;
   return state;
 }
 

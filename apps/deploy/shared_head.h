@@ -50,7 +50,7 @@ class SharedHead {
 
     [[nodiscard]] HeadJointVector position_rad(std::int64_t now_ns) const;
   };
-  static constexpr std::size_t words = 3 + 2 * head_joint_count;
+  static constexpr std::size_t words = 3 + 2 * gaze_slots;
   struct Entry {
     std::atomic<std::uint64_t> count;  ///< 1 + its place in the order of all entries; 0 while it is written
     std::array<std::atomic<std::uint64_t>, words> word;

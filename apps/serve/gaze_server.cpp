@@ -155,7 +155,7 @@ std::string GazeServer::look(Words& words) {
   const std::string kind = words.next();
   const std::optional<Eigen::Vector3d> target_m = point(kind, words);
   if (!target_m || suspended_ ||
-      check_gaze_target(*target_m, HeadKinematics(state_.position_rad)) != TargetStatus::ok) {
+      check_gaze_target(*target_m, HeadKinematics(limits_.head->chain, state_.position_rad)) != TargetStatus::ok) {
     return std::string(nack);
   }
   ++requests_;
@@ -168,7 +168,7 @@ std::string GazeServer::look(Words& words) {
 
 std::optional<Eigen::Vector3d> GazeServer::point(const std::string& kind, Words& words) const {
   const JointVector& q = state_.position_rad;
-  const HeadKinematics head(q);
+  const HeadKinematics head(limits_.head->chain, q);
   if (kind == "3D") {
     const auto values = words.numbers(3);
     if (values) return Eigen::Vector3d(*values);
@@ -200,8 +200,8 @@ std::optional<Eigen::Vector3d> GazeServer::point(const std::string& kind, Words&
     const double elevation = angles[1] / deg_per_rad;
     const double vergence = std::max(angles[2], least_vergence_deg) / deg_per_rad;
     JointVector upright = q;
-    upright.tail<head_joint_count>().setZero();
-    const CyclopeanEye eye(upright);
+    upright.tail<gaze_slots>().setZero();
+    const CyclopeanEye eye(limits_.head->chain, upright);
     const Eigen::Vector3d direction(std::sin(azimuth) * std::cos(elevation), -std::sin(elevation),
                                     std::cos(azimuth) * std::cos(elevation));
     return eye.root_from_eye() * Eigen::Vector3d(eye.half_baseline_m() / std::tan(vergence / 2) * direction);
@@ -215,7 +215,7 @@ std::optional<Eigen::Vector3d> GazeServer::on_plane(Words& words) const {
   const auto values = words.numbers(6);
   if (!values || (eye != "left" && eye != "right")) return {};
   const Eye which = eye == "left" ? Eye::left : Eye::right;
-  const Eigen::Isometry3d pose = HeadKinematics(state_.position_rad).root_from_eye(which);
+  const Eigen::Isometry3d pose = HeadKinematics(limits_.head->chain, state_.position_rad).root_from_eye(which);
   const Eigen::Vector3d ray = pose.linear() * through_pixel(cameras_[static_cast<std::size_t>(which)],
                                                             (*values)[0], (*values)[1], 1.0);
   const Eigen::Vector3d normal = values->segment<3>(2);
@@ -227,9 +227,9 @@ std::optional<Eigen::Vector3d> GazeServer::on_plane(Words& words) const {
 
 /// The fixation point; while the optical axes are parallel, where they would meet with the least vergence.
 Eigen::Vector3d GazeServer::fixation_m() const {
-  const FixationPoint fixation = HeadKinematics(state_.position_rad).fixation();
+  const FixationPoint fixation = HeadKinematics(limits_.head->chain, state_.position_rad).fixation();
   if (fixation.valid) return fixation.point_m;
-  const CyclopeanEye eye(state_.position_rad);
+  const CyclopeanEye eye(limits_.head->chain, state_.position_rad);
   const double distance_m = eye.half_baseline_m() / std::tan(least_vergence_deg / deg_per_rad / 2);
   return eye.root_from_eye() * Eigen::Vector3d(0.0, 0.0, distance_m);
 }
@@ -249,9 +249,9 @@ std::string GazeServer::registered(const std::string& what, Words& words) {
 Eigen::Vector3d GazeServer::angles_deg() const {
   const JointVector& q = state_.position_rad;
   JointVector upright = q;
-  upright.tail<head_joint_count>().setZero();
-  const CyclopeanEye eye(upright);
-  const HeadKinematics head(q);
+  upright.tail<gaze_slots>().setZero();
+  const CyclopeanEye eye(limits_.head->chain, upright);
+  const HeadKinematics head(limits_.head->chain, q);
   const FixationPoint fixation = head.fixation();
   // If the axes do not intersect: a distant point on the left axis.
   const Eigen::Vector3d seen =
@@ -264,14 +264,14 @@ Eigen::Vector3d GazeServer::angles_deg() const {
 std::string GazeServer::get(Words& words) const {
   const std::string what = words.next();
   const JointVector& q = state_.position_rad;
-  const HeadKinematics head(q);
+  const HeadKinematics head(limits_.head->chain, q);
   if (what == "x") return acknowledged(fixation_m());
   if (what == "q") return acknowledged(q * deg_per_rad);
   if (what == "angles" || what == "ang") return acknowledged(angles_deg());
   if (what == "done") return acknowledged(done_ ? 1.0 : 0.0);
   if (what == "sdon") return acknowledged(saccade_done_ ? 1.0 : 0.0);
-  if (what == "des") return acknowledged(JointVector(desired_rad_ * deg_per_rad));
-  if (what == "vel") return acknowledged(JointVector(state_.velocity_rad_s * deg_per_rad));
+  if (what == "des") return acknowledged(Eigen::VectorXd(desired_rad_.head<joint_count>() * deg_per_rad));
+  if (what == "vel") return acknowledged(Eigen::VectorXd(state_.velocity_rad_s.head<joint_count>() * deg_per_rad));
   if (what == "pid" || what == "tweak") return fmt::format("{} ()", ack);
   if (what == "info") {
     return fmt::format(
@@ -298,7 +298,7 @@ std::string GazeServer::get(Words& words) const {
                                           camera.fy_px * seen.y() / seen.z() + camera.cy_px));
     }
     if (!is_eye && name != "head") return std::string(nack);
-    const Eigen::Isometry3d pose = is_eye ? head.root_from_eye(eye) : CyclopeanEye(q).root_from_eye();
+    const Eigen::Isometry3d pose = is_eye ? head.root_from_eye(eye) : CyclopeanEye(limits_.head->chain, q).root_from_eye();
     const Eigen::AngleAxisd turn(pose.linear());
     Eigen::VectorXd values(7);
     values << pose.translation(), turn.axis(), turn.angle();
@@ -423,7 +423,7 @@ std::optional<HeadJointVector> GazeServer::step(const HeadState& state, double d
     if (done != done_) events_.emplace_back(done ? "motion-done" : "motion-onset");
     done_ = done;
   };
-  const double eye_rad_s = state_.velocity_rad_s.tail<3>().cwiseAbs().maxCoeff();
+  const double eye_rad_s = state_.velocity_rad_s.segment<3>(eyes_tilt).cwiseAbs().maxCoeff();
   saccade_done_ = eye_rad_s < saccade_rad_s;
   if (!target_m_) {
     desired_rad_ = state_.position_rad;
@@ -431,20 +431,20 @@ std::optional<HeadJointVector> GazeServer::step(const HeadState& state, double d
     if (!stop_) return {};
     stop_ = false;
     return state_.head_position_rad()
-        .cwiseMax(limits_.min_rad.tail<head_joint_count>())
-        .cwiseMin(limits_.max_rad.tail<head_joint_count>());
+        .cwiseMax(limits_.min_rad.tail<gaze_slots>())
+        .cwiseMin(limits_.max_rad.tail<gaze_slots>());
   }
   if (target_is_new_) {
     still_s_ = 0.0;
     become(false);
   }
-  const bool still = state_.velocity_rad_s.tail<head_joint_count>().cwiseAbs().maxCoeff() < still_rad_s;
+  const bool still = state_.velocity_rad_s.tail<gaze_slots>().cwiseAbs().maxCoeff() < still_rad_s;
   still_s_ = still ? still_s_ + dt_s : 0.0;
   if (still_s_ >= still_for_s) become(true);
   const HeadJointVector wanted = controller_->step(state, target_is_new_ ? target_m_ : std::nullopt, dt_s);
   target_is_new_ = false;
   desired_rad_ = state_.position_rad;
-  desired_rad_.tail<head_joint_count>() = wanted;
+  desired_rad_.tail<gaze_slots>() = wanted;
   return limiter_->apply(wanted, state_.head_position_rad(), dt_s).reference_rad;
 }
 

@@ -56,7 +56,7 @@ class GazeServer {
   struct Report {
     /// With parallel optical axes a distant point on them.
     Eigen::Vector3d fixation_m = Eigen::Vector3d::Zero();
-    JointVector position_rad;
+    JointVector position_rad = JointVector::Zero();
     Eigen::Vector3d angles_deg;               ///< azimuth, elevation, vergence
     std::optional<Eigen::Vector3d> target_m;  ///< newest target
     std::vector<std::string> events;          ///< since the last report: motion-onset, motion-done

@@ -113,7 +113,11 @@ HeadCommand ServedRobot::step_boards(const HeadState& state, double dt_s) {
     velocity[i] = state.velocity_rad_s[torso_motors.at(static_cast<std::size_t>(i))];
   }
   torso_.step(position, velocity, dt_s);
-  return head_.step(state.head_position_rad(), state.velocity_rad_s.tail<head_joint_count>(), dt_s);
+  HeadCommand reference_rad = HeadCommand::Zero();
+  reference_rad.head<head_joint_count>() =
+      head_.step(state.position_rad.segment<head_joint_count>(torso_slots),
+                 state.velocity_rad_s.segment<head_joint_count>(torso_slots), dt_s);
+  return reference_rad;
 }
 
 void ServedRobot::send_gaze_reports() {

@@ -12,18 +12,19 @@ std::string event_file_name(const Scenario& scenario) { return "events." + scena
 RunTables::RunTables(const std::filesystem::path& folder, const Scenario& scenario, const GroundTruth& truth,
                      const Loop& loop, const FrameCamera* frames)
     : scenario_(scenario),
+      head_(head_model(scenario.sim.world.head)),
       truth_source_(truth),
       loop_(loop),
       frames_(frames),
       events_(create_event_file(scenario.output.formats, folder / event_file_name(scenario),
                                 scenario.sim.camera.size, scenario.sim.both_eyes() ? 2 : 1)),
-      joints_(folder / run_file::joints),
+      joints_(folder / run_file::joints, head_),
       truth_(folder / run_file::truth),
       instants_(loop.detectors().size() + 1, processing_us(scenario.latency)),
       newest_(loop.detectors().size() + 1, NewestEstimate(scenario.latency.transport_us())),
       detections_(folder / run_file::detections),
       streaming_(folder / run_file::streaming),
-      gaze_(folder / run_file::gaze),
+      gaze_(folder / run_file::gaze, head_),
       eye_(folder / run_file::eye) {
   if (scenario.sim.labels) labels_.emplace(folder / run_file::labels);
   if (!scenario.sim.both_eyes()) return;
@@ -41,7 +42,7 @@ void RunTables::on_tick(const Tick& tick) {
   write_streaming(tick);
 
   const SimTruth& truth = truth_source_.state;
-  const FixationPoint fixation = HeadKinematics(tick.head->position_rad).fixation();
+  const FixationPoint fixation = HeadKinematics(head_->chain, tick.head->position_rad).fixation();
   const Eigen::Vector3d none = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
   joints_.write({tick.t_us, tick.head->position_rad});
   truth_.write(truth_row(truth, truth.left));

@@ -39,6 +39,7 @@ class RunTables final : public LoopObserver {
   void write_labels(std::span<const Event> events);
 
   const Scenario& scenario_;
+  std::shared_ptr<const HeadModel> head_;
   const GroundTruth& truth_source_;
   const Loop& loop_;
   const FrameCamera* frames_;

@@ -14,12 +14,12 @@ bool same_config(const DetectorConfig& a, const DetectorConfig& b) {
 
 /// Processes the inputs of the history.
 DetectorOutput warm_up(const std::string& name, Detector& detector, const LoopHistory& history,
-                       const MountedCamera& camera, Eye eye) {
+                       const HeadChain& chain, const MountedCamera& camera, Eye eye) {
   DetectorOutput output{name, {}, detector.threshold()};
   for (const auto& input : history.inputs()) {
     std::optional<CameraMotion> motion;
     if (input->head && is_finite(*input->head))
-      motion = camera_motion(*input->head, eye, camera.mount.eye_from_camera());
+      motion = camera_motion(chain, *input->head, eye, camera.mount.eye_from_camera());
     detector.process(input->events, motion ? &*motion : nullptr);
     detector.advance_to(input->t_us, motion ? &*motion : nullptr);
     output.tick.estimate = detector.estimate();
@@ -60,7 +60,7 @@ ChangedDetectors change_detectors(const ViewSettings& settings, const ViewSettin
       continue;
     }
     auto detector = make_detector(wanted.config, camera.camera);
-    changed.outputs.push_back(warm_up(wanted.name, *detector, history, camera, eye));
+    changed.outputs.push_back(warm_up(wanted.name, *detector, history, loop.head()->chain, camera, eye));
     changed.detectors.push_back({wanted.name, std::move(detector)});
   }
   return changed;

@@ -9,6 +9,7 @@
 #include "evaluation/report/figure_parts.h"
 #include "evaluation/report/palette.h"
 #include "evaluation/scoring/gaze_scorer.h"
+#include "head/head_model.h"
 
 namespace saccade {
 
@@ -292,10 +293,15 @@ Figure joints_figure(std::string_view name, std::span<const GazeRow> gaze, const
   const double end_s = gaze.empty() ? 0.0 : seconds(gaze.back().t_us, start_us);
   GnuplotFigure figure(name, width, 560);
   figure.set_over_x();
-  for (int j = torso_joint_count; j < joint_count; ++j) {
-    std::string joint(joint_names[static_cast<std::size_t>(j)]);
+  std::vector<HeadJoint> joints;
+  for (const HeadJoint& shown : limits.head->joints) {
+    if (shown.role != JointRole::torso) joints.push_back(shown);
+  }
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const int j = joints[i].slot;
+    std::string joint = joints[i].name;
     std::replace(joint.begin(), joint.end(), '_', ' ');
-    const bool bottom = j >= joint_count - 2;
+    const bool bottom = i + 2 >= joints.size();
     const double span_deg = 1e-9 + (limits.max_rad[j] - limits.min_rad[j]) * deg_per_rad;
     const std::string range =
         fmt::format("[{:.6g}:{:.6g}]", limits.min_rad[j] * deg_per_rad - 0.06 * span_deg,
@@ -316,7 +322,9 @@ Figure joints_figure(std::string_view name, std::span<const GazeRow> gaze, const
                                   .style = std::string(joint_limit_style),
                                   .points = level(limits.max_rad[j] * deg_per_rad, end_s)}}});
   }
-  return figure.draw("set multiplot layout 3,2 margins 0.085,0.985,0.12,0.97 spacing 0.10,0.04\n");
+  return figure.draw(
+      fmt::format("set multiplot layout {},2 margins 0.085,0.985,0.12,0.97 spacing 0.10,0.04\n",
+                  (joints.size() + 1) / 2));
 }
 
 }  // namespace saccade

@@ -1,10 +1,12 @@
 #include "evaluation/scoring/metrics.h"
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 
 #include "core/error.h"
 #include "evaluation/scoring/metrics_json.h"
+#include "head/head_model.h"
 #include "recording/output_file.h"
 
 namespace saccade {
@@ -36,10 +38,8 @@ Json name_or_null(const std::string& name) { return name.empty() ? Json(nullptr)
 Json json_of(const GazeMetrics& gaze) {
   const GazeScore& score = gaze.score;
   Json limits = Json::object();
-  for (std::size_t j = 0; j < joint_names.size(); ++j) {
-    const auto i = static_cast<Eigen::Index>(j);
-    limits[std::string(joint_names[j])] = {gaze.limits.min_rad[i], gaze.limits.max_rad[i]};
-  }
+  for (const HeadJoint& joint : gaze.limits.head->joints)
+    limits[joint.name] = {gaze.limits.min_rad[joint.slot], gaze.limits.max_rad[joint.slot]};
   Json json = {{"detector", gaze.detector},
                {"fixation_error_deg", json_of(score.fixation_error_deg)},
                {"on_target_ratio", json_of(score.on_target_ratio)},
@@ -87,10 +87,14 @@ GazeMetrics gaze_metrics(const Json& json) {
   gaze.score.limit_violations = json.at("limit_violations").get<std::int64_t>();
   gaze.score.target_error_median_m = number(json.at("target_error_m").at("median"));
   gaze.score.acquire_within_deg = json.at("acquire_within_deg").get<double>();
-  for (std::size_t j = 0; j < joint_names.size(); ++j) {
-    const Json& limits = json.at("joint_limits_rad").at(std::string(joint_names[j]));
-    gaze.limits.min_rad[static_cast<Eigen::Index>(j)] = limits.at(0).get<double>();
-    gaze.limits.max_rad[static_cast<Eigen::Index>(j)] = limits.at(1).get<double>();
+  const Json& limits = json.at("joint_limits_rad");
+  std::vector<std::string> names;
+  for (const auto& limit : limits.items()) names.push_back(limit.key());
+  names.resize(std::min<std::size_t>(names.size(), gaze_slots));
+  gaze.limits.head = head_of_names(names);
+  for (const HeadJoint& joint : gaze.limits.head->joints) {
+    gaze.limits.min_rad[joint.slot] = limits.at(joint.name).at(0).get<double>();
+    gaze.limits.max_rad[joint.slot] = limits.at(joint.name).at(1).get<double>();
   }
   return gaze;
 }

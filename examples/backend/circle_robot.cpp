@@ -51,7 +51,7 @@ saccade::PortStatus CircleRobot::read(saccade::HeadState& state) {
 
 saccade::HeadPort::CommandResult CircleRobot::command(const saccade::HeadCommand& reference_rad) {
   if (!saccade::is_allowed(reference_rad, limits_)) return {saccade::PortStatus::ok, true};
-  position_rad_.tail<saccade::head_joint_count>() = reference_rad;
+  position_rad_.tail<saccade::gaze_slots>() = reference_rad;
   return {};
 }
 

@@ -20,7 +20,7 @@ saccade::HeadJointVector ProportionalController::step(const saccade::HeadState& 
                                                       double dt_s) {
   status_ = saccade::TargetStatus::none;
   if (!saccade::is_finite(state)) return reference_rad_;
-  const saccade::HeadKinematics head(state.position_rad);
+  const saccade::HeadKinematics head(limits_.head->chain, state.position_rad);
   if (target_m) {
     status_ = saccade::check_gaze_target(*target_m, head);
     if (status_ == saccade::TargetStatus::ok) target_m_ = target_m;

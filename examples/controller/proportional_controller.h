@@ -31,7 +31,7 @@ class ProportionalController final : public saccade::GazeController {
  private:
   ProportionalConfig config_;
   saccade::MotionLimits limits_;
-  saccade::HeadJointVector reference_rad_;
+  saccade::HeadJointVector reference_rad_ = saccade::HeadJointVector::Zero();
   std::optional<Eigen::Vector3d> target_m_;  // root frame
   saccade::TargetStatus status_ = saccade::TargetStatus::none;
 };

@@ -4,6 +4,8 @@
 #include <cstdio>
 
 int main() {
-  const Eigen::Isometry3d root_from_eye = saccade::root_from_left_cam(saccade::JointVector::Zero());
+  const Eigen::Isometry3d root_from_eye =
+      saccade::HeadKinematics(saccade::default_head()->chain, saccade::JointVector::Zero())
+          .root_from_eye(saccade::Eye::left);
   std::printf("control: the left eye is %.3f m above the root\n", root_from_eye.translation().z());
 }

@@ -13,7 +13,7 @@ namespace saccade {
 FakeRobot::FakeRobot(FakeRobotScript script)
     : script_(std::move(script)),
       now_us_(script_.start_us),
-      reference_rad_(script_.start_rad.tail<head_joint_count>()) {
+      reference_rad_(script_.start_rad.tail<gaze_slots>()) {
   SACCADE_CHECK(script_.lag_s > 0.0 && script_.lateness_us >= 0);
   SACCADE_CHECK(std::is_sorted(script_.events.begin(), script_.events.end(),
                                [](const Event& a, const Event& b) { return a.t_us < b.t_us; }));
@@ -36,8 +36,8 @@ void FakeRobot::move_head(std::int64_t t_us) {
   const bool rests = off || (script_.stuck_us && now_us_ >= *script_.stuck_us);
   const double yaw_rad = head_.position_rad[neck_yaw];
   head_.t_us = t_us;
-  head_.position_rad.tail<head_joint_count>() = reference_rad_ - left_rad;
-  head_.velocity_rad_s.tail<head_joint_count>() = left_rad / script_.lag_s;
+  head_.position_rad.tail<gaze_slots>() = reference_rad_ - left_rad;
+  head_.velocity_rad_s.tail<gaze_slots>() = left_rad / script_.lag_s;
   if (!rests) return;
   head_.position_rad[neck_yaw] = yaw_rad;
   head_.velocity_rad_s[neck_yaw] = 0.0;

@@ -70,7 +70,7 @@ class FakeRobot final : public Robot, public Clock, public EventSource, public H
   std::size_t next_event_ = 0;
   std::int64_t now_us_;
   PortStatus status_ = PortStatus::ok;
-  HeadCommand reference_rad_;
+  HeadCommand reference_rad_ = HeadCommand::Zero();
   HeadState head_;
   HeadState encoders_;
 };

@@ -10,11 +10,10 @@
 
 #include "core/error.h"
 #include "core/units.h"
+#include "head/head_model.h"
 #include "robot/yarp/yarp_network.h"
 
 namespace saccade {
-namespace {}  // namespace
-
 YarpGaze::YarpGaze(const YarpConfig& config, const JointLimits& limits, const SteadyClock& clock)
     : config_(config.gaze_server),
       clock_(clock),
@@ -32,7 +31,7 @@ YarpGaze::YarpGaze(const YarpConfig& config, const JointLimits& limits, const St
           !connect_ports(requests_.getName(), config_.name + "/rpc", "tcp", config.timeout_s);
   targets_.setReporter(*this);
   const std::int64_t until_us = clock_.now_us() + std::llround(config.timeout_s * 1e6);
-  while (!is_lost() && joints_.state().count < joint_count) {
+  while (!is_lost() && joints_.state().count < static_cast<int>(limits_.head->joints.size())) {
     if (clock_.now_us() > until_us) lost_ = true;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
@@ -107,10 +106,10 @@ PortStatus YarpGaze::read(HeadState& state) {
   if (is_lost()) return PortStatus::lost;
   const StateInput::State joints = joints_.state();
   state.t_us = joints.t_us;
-  for (int i = 0; i < joint_count; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    state.position_rad[i] = joints.value[at] * rad_per_deg;
-    state.velocity_rad_s[i] = joints.rate[at] * rad_per_deg;
+  for (std::size_t i = 0; i < limits_.head->joints.size(); ++i) {
+    const int slot = limits_.head->joints[i].slot;
+    state.position_rad[slot] = joints.value[i] * rad_per_deg;
+    state.velocity_rad_s[slot] = joints.rate[i] * rad_per_deg;
   }
   return PortStatus::ok;
 }

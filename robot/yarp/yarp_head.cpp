@@ -24,7 +24,7 @@ constexpr int repeats = 3;
 constexpr auto repeat_after = std::chrono::milliseconds(3);
 constexpr auto report_period = std::chrono::milliseconds(5);
 
-constexpr std::array<int, head_joint_count> axes = {0, 1, 2, 3, 4, 5};
+constexpr std::array<int, gaze_slots> axes = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
 
 /// Whether a joint in this mode is held by its board, so that it may be taken over and given back.
 bool holds(int mode) {
@@ -32,7 +32,7 @@ bool holds(int mode) {
          mode == VOCAB_CM_MIXED;
 }
 
-std::string text(const std::array<int, head_joint_count>& modes) {
+std::string text(std::span<const int> modes) {
   std::string text;
   for (const int mode : modes) text += (text.empty() ? "" : " ") + yarp::os::Vocab32::decode(mode);
   return text;
@@ -77,9 +77,10 @@ bool answered_within(double timeout_s, std::function<bool()> ask) {
   return shared->answer.value_or(false);
 }
 
-TorsoInput::TorsoInput(const YarpConfig& config, const SteadyClock& clock) {
+TorsoInput::TorsoInput(const YarpConfig& config, const HeadModel& head, const SteadyClock& clock)
+    : motors_(head.torso_motors) {
   const std::string& part = config.head.torso_part;
-  if (part.empty()) return;
+  if (part.empty() || motors_.empty()) return;
   input_ = std::make_unique<StateInput>(config.local + "/torso/state:i", part + "/state:o",
                                         config.head.carrier, config.timeout_s, clock);
 }
@@ -87,12 +88,10 @@ TorsoInput::TorsoInput(const YarpConfig& config, const SteadyClock& clock) {
 void TorsoInput::read(HeadState& state) const {
   if (input_ == nullptr) return;
   const StateInput::State torso = input_->state();
-  if (torso.count < torso_joint_count) return;
-  for (int i = 0; i < torso_joint_count; ++i) {
-    const auto sent =
-        static_cast<std::size_t>(torso_joint_count - 1 - i);  // the board's order is the other way round
-    state.position_rad[i] = torso.value[sent] * rad_per_deg;
-    state.velocity_rad_s[i] = torso.rate[sent] * rad_per_deg;
+  if (torso.count < static_cast<int>(motors_.size())) return;
+  for (std::size_t i = 0; i < motors_.size(); ++i) {
+    state.position_rad[motors_[i]] = torso.value[i] * rad_per_deg;
+    state.velocity_rad_s[motors_[i]] = torso.rate[i] * rad_per_deg;
   }
   state.t_us = std::min(state.t_us, torso.t_us);
 }
@@ -100,8 +99,10 @@ void TorsoInput::read(HeadState& state) const {
 std::vector<StartUpCheck> TorsoInput::check() const {
   if (input_ == nullptr) return {};
   const int count = input_->state().count;
-  return {{"torso " + input_->remote(), !input_->lost() && count == torso_joint_count,
-           input_->lost() ? "not connected" : std::to_string(count) + " joints, 3 expected"}};
+  return {{"torso " + input_->remote(), !input_->lost() && count == static_cast<int>(motors_.size()),
+           input_->lost()
+               ? "not connected"
+               : std::to_string(count) + " joints, " + std::to_string(motors_.size()) + " expected"}};
 }
 
 YarpHead::YarpHead(const YarpConfig& config, const JointLimits& limits, const SteadyClock& clock)
@@ -109,19 +110,20 @@ YarpHead::YarpHead(const YarpConfig& config, const JointLimits& limits, const St
       timeout_s_(config.timeout_s),
       clock_(clock),
       limits_(limits),
+      joints_(limits.head->gaze_joints()),
       state_input_(config.local + "/head/state:i", config.head.part + "/state:o", config.head.carrier,
                    config.timeout_s, clock),
-      torso_(config, clock) {
+      torso_(config, *limits.head, clock) {
   lost_ = state_input_.lost() || !open_board(config);
   if (lost_) {
     board_ = nullptr;
     return;
   }
   JointLimits robots = limits;
-  for (int i = 0; i < head_joint_count; ++i) {
+  for (int i = 0; i < joints_; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    robots.min_rad[torso_joint_count + i] = board_->limits_deg[0][at] * rad_per_deg;
-    robots.max_rad[torso_joint_count + i] = board_->limits_deg[1][at] * rad_per_deg;
+    robots.min_rad[torso_slots + i] = board_->limits_deg[0][at] * rad_per_deg;
+    robots.max_rad[torso_slots + i] = board_->limits_deg[1][at] * rad_per_deg;
   }
   const CommonLimits common = common_limits(limits, robots);
   limits_ = common.limits;
@@ -131,7 +133,7 @@ YarpHead::YarpHead(const YarpConfig& config, const JointLimits& limits, const St
   while (state_input_.state().count == 0 && clock_.now_us() < until_us) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  if (state_input_.state().count < head_joint_count) lost_ = true;
+  if (state_input_.state().count < joints_) lost_ = true;
   read_reports();
   reporter_ = std::make_unique<Periodic>(report_period, [this] { read_reports(); });
   sender_ = std::thread([this] { send_references(); });
@@ -152,14 +154,14 @@ bool YarpHead::open_board(const YarpConfig& config) {
   options.put("remote", yarp::os::Value(part_));
   options.put("local", yarp::os::Value(config.local + "/head"));
   options.put("carrier", yarp::os::Value(config.head.carrier));
-  return answered_within(config.timeout_s, [board = board_, options]() mutable {
+  return answered_within(config.timeout_s, [board = board_, options, joints = joints_]() mutable {
     Board& b = *board;
     if (!b.driver.open(options) || !b.driver.view(b.encoders) || !b.driver.view(b.limits) ||
         !b.driver.view(b.modes) || !b.driver.view(b.references) || !b.encoders->getAxes(&b.axes) ||
-        b.axes < head_joint_count) {
+        b.axes < joints) {
       return false;
     }
-    for (int i = 0; i < head_joint_count; ++i) {
+    for (int i = 0; i < joints; ++i) {
       const auto at = static_cast<std::size_t>(i);
       if (!b.limits->getLimits(i, &b.limits_deg[0][at], &b.limits_deg[1][at])) return false;
     }
@@ -182,7 +184,7 @@ void YarpHead::read_reports() {
   std::array<double, StateInput::most_values> speed_deg_s{};
   reports.has_speeds =
       board_->axes <= StateInput::most_values && board_->encoders->getEncoderSpeeds(speed_deg_s.data());
-  std::copy_n(speed_deg_s.begin(), head_joint_count, reports.speed_deg_s.begin());
+  std::copy_n(speed_deg_s.begin(), joints_, reports.speed_deg_s.begin());
   if (const auto found = modes()) {
     reports.modes = *found;
     reports.has_modes = true;
@@ -196,10 +198,10 @@ PortStatus YarpHead::read(HeadState& state) {
   const Reports reports = reports_.read();
   state = HeadState{};
   state.t_us = joints.t_us;
-  for (int i = 0; i < head_joint_count; ++i) {
+  for (int i = 0; i < joints_; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    state.position_rad[torso_joint_count + i] = joints.value[at] * rad_per_deg;
-    state.velocity_rad_s[torso_joint_count + i] =
+    state.position_rad[torso_slots + i] = joints.value[at] * rad_per_deg;
+    state.velocity_rad_s[torso_slots + i] =
         (reports.has_speeds ? reports.speed_deg_s[at] : joints.rate[at]) * rad_per_deg;
   }
   torso_.read(state);
@@ -209,13 +211,13 @@ PortStatus YarpHead::read(HeadState& state) {
 HeadDrives YarpHead::drives() const {
   const Reports reports = reports_.read();
   HeadDrives drives;
-  for (std::size_t i = 0; i < drives.joints.size(); ++i)
+  for (std::size_t i = 0; i < static_cast<std::size_t>(joints_); ++i)
     drives.joints[i] = reports.has_modes ? drive_of(reports.modes[i]) : JointDrive::unknown;
   return drives;
 }
 
 void YarpHead::set_positions(const Degrees& reference_deg) const {
-  board_->references->setPositions(head_joint_count, axes.data(), reference_deg.data());
+  board_->references->setPositions(joints_, axes.data(), reference_deg.data());
 }
 
 void YarpHead::send_references() {
@@ -237,8 +239,8 @@ void YarpHead::send_references() {
 }
 
 void YarpHead::send(const HeadCommand& reference_rad) {
-  Degrees reference_deg;
-  for (int i = 0; i < head_joint_count; ++i)
+  Degrees reference_deg{};
+  for (int i = 0; i < joints_; ++i)
     reference_deg[static_cast<std::size_t>(i)] = reference_rad[i] / rad_per_deg;
   reference_deg_.write(reference_deg);
   to_send_.release();
@@ -255,15 +257,15 @@ HeadPort::CommandResult YarpHead::command(const HeadCommand& reference_rad) {
 std::optional<HeadCommand> YarpHead::stop_reference() const {
   const StateInput::State joints = state_input_.state();
   const Degrees reference_deg = reference_deg_.read();
-  HeadCommand reference_rad;
-  for (int i = 0; i < head_joint_count; ++i) {
+  HeadCommand reference_rad = HeadCommand::Zero();
+  for (int i = 0; i < joints_; ++i) {
     const auto at = static_cast<std::size_t>(i);
     const bool is_read = joints.count > i && std::isfinite(joints.value[at]);
     if (!is_read && reference_deg_.count() < 2) return std::nullopt;  // nothing was sent
     reference_rad[i] = (is_read ? joints.value[at] : reference_deg[at]) * rad_per_deg;
   }
-  return reference_rad.cwiseMax(limits_.min_rad.tail<head_joint_count>())
-      .cwiseMin(limits_.max_rad.tail<head_joint_count>());
+  return reference_rad.cwiseMax(limits_.min_rad.tail<gaze_slots>())
+      .cwiseMin(limits_.max_rad.tail<gaze_slots>());
 }
 
 PortStatus YarpHead::stop() {
@@ -281,8 +283,8 @@ PortStatus YarpHead::stop() {
 void YarpHead::halt() {
   if (board_ == nullptr) return;
   if (const auto reference_rad = stop_reference()) {
-    Degrees reference_deg;
-    for (int i = 0; i < head_joint_count; ++i)
+    Degrees reference_deg{};
+    for (int i = 0; i < joints_; ++i)
       reference_deg[static_cast<std::size_t>(i)] = (*reference_rad)[i] / rad_per_deg;
     halt_deg_.write(reference_deg);
     halted_ = true;
@@ -291,8 +293,8 @@ void YarpHead::halt() {
 }
 
 std::optional<YarpHead::Modes> YarpHead::modes() const {
-  Modes modes;
-  for (std::size_t i = 0; i < modes.size(); ++i) {
+  Modes modes{};
+  for (std::size_t i = 0; i < static_cast<std::size_t>(joints_); ++i) {
     if (!board_->modes->getControlMode(static_cast<int>(i), &modes[i])) return std::nullopt;
   }
   return modes;
@@ -301,7 +303,7 @@ std::optional<YarpHead::Modes> YarpHead::modes() const {
 bool YarpHead::set_modes(const Modes& now, const Modes& wanted) const {
   std::vector<int> joints;
   std::vector<int> values;
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(joints_); ++i) {
     if (now[i] == wanted[i]) continue;
     joints.push_back(static_cast<int>(i));
     values.push_back(wanted[i]);
@@ -330,8 +332,8 @@ void YarpHead::activate() {
   if (is_lost()) throw RunError("the head " + part_ + " is not connected");
   const auto found = modes();
   if (!found) throw RunError("the head " + part_ + " does not report the modes of its joints");
-  if (!std::all_of(found->begin(), found->end(), holds)) {
-    throw RunError("the head " + part_ + " has joints in modes that do not hold them: " + text(*found));
+  if (!std::ranges::all_of(used(*found), holds)) {
+    throw RunError("the head " + part_ + " has joints in modes that do not hold them: " + text(used(*found)));
   }
   found_modes_ = *found;
   Modes direct;
@@ -357,7 +359,7 @@ void YarpHead::release() {
   const auto now = modes();
   if (!now) return;
   Modes wanted = *now;
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(joints_); ++i) {
     // A joint that somebody switched off, or moves, meanwhile stays as it is.
     if (wanted[i] == VOCAB_CM_POSITION_DIRECT) wanted[i] = found_modes_[i];
   }
@@ -370,8 +372,8 @@ bool YarpHead::take_over() {
   const auto reference_rad = stop_reference();
   if (!now) return false;
   if (reference_rad) {
-    Degrees reference_deg;
-    for (int i = 0; i < head_joint_count; ++i)
+    Degrees reference_deg{};
+    for (int i = 0; i < joints_; ++i)
       reference_deg[static_cast<std::size_t>(i)] = (*reference_rad)[i] / rad_per_deg;
     set_positions(reference_deg);
   }
@@ -386,15 +388,15 @@ std::vector<StartUpCheck> YarpHead::check() {
   std::vector<StartUpCheck> checks;
   const bool connected = board_ != nullptr && !is_lost();
   checks.push_back(
-      {"head " + part_, connected && board_->axes == head_joint_count,
+      {"head " + part_, connected && board_->axes == joints_,
        board_ == nullptr
            ? "no control board answers, or YARP does not find remote_controlboard (YARP_DATA_DIRS)"
        : !connected ? "connected once, now lost"
-                    : std::to_string(board_->axes) + " joints, 6 expected"});
+                    : std::to_string(board_->axes) + " joints, " + std::to_string(joints_) + " expected"});
   if (connected) {
     const auto found = modes();
-    checks.push_back({"joints held by their board", found && std::all_of(found->begin(), found->end(), holds),
-                      found ? text(*found) : "the board does not report their modes"});
+    checks.push_back({"joints held by their board", found && std::ranges::all_of(used(*found), holds),
+                      found ? text(used(*found)) : "the board does not report their modes"});
     HeadState state;
     const bool read_it = read(state) == PortStatus::ok;
     const std::int64_t age_us = clock_.now_us() - state_input_.state().t_us;

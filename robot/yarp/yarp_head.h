@@ -13,6 +13,7 @@
 #include <memory>
 #include <optional>
 #include <semaphore>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -30,21 +31,23 @@ namespace saccade {
 /// call, so it must own what it uses.
 [[nodiscard]] bool answered_within(double timeout_s, std::function<bool()> ask);
 
-/// Reads the three torso joints from state:o of their board (yaw, roll, pitch, deg) in the order of Joint. Without a board
-/// the torso is upright.
+/// Reads the torso joints from state:o of their board (deg, in the order of HeadModel::torso_motors). Without a board the
+/// torso is upright.
 class TorsoInput {
  public:
-  TorsoInput(const YarpConfig& config, const SteadyClock& clock);
+  TorsoInput(const YarpConfig& config, const HeadModel& head, const SteadyClock& clock);
   /// Fills the torso joints of a state. The time of the state becomes that of the older reading.
   void read(HeadState& state) const;
   [[nodiscard]] bool lost() const { return input_ != nullptr && input_->lost(); }
   [[nodiscard]] std::vector<StartUpCheck> check() const;
 
  private:
+  std::vector<int> motors_;  // slots, in the order of the board
   std::unique_ptr<StateInput> input_;
 };
 
-/// Controls the six head joints through their control board. Converts between degrees and radians.
+/// Controls the joints of neck and eyes through their control board, whose axes are those joints in the order of the
+/// head's description. Converts between degrees and radians.
 ///
 /// read(), drives(), command(), stop() and halt() use memory alone: threads of this class exchange it with YARP, so that
 /// none of them waits for the network or for a lock. One thread sends the newest reference at once; YARP drops a message
@@ -73,8 +76,9 @@ class YarpHead final : public HeadPort {
   [[nodiscard]] bool is_lost();
 
  private:
-  using Modes = std::array<int, head_joint_count>;
-  using Degrees = std::array<double, head_joint_count>;
+  /// Of both the first joints_ elements count.
+  using Modes = std::array<int, gaze_slots>;
+  using Degrees = std::array<double, gaze_slots>;
 
   /// The state that request threads share. It keeps YARP initialised until the last of them ends.
   struct Board {
@@ -96,6 +100,9 @@ class YarpHead final : public HeadPort {
     bool has_modes = false;
   };
 
+  [[nodiscard]] std::span<const int> used(const Modes& modes) const {
+    return std::span(modes).first(static_cast<std::size_t>(joints_));
+  }
   [[nodiscard]] bool open_board(const YarpConfig& config);
   void read_reports();
   /// The modes as the board streams them; none if it does not.
@@ -111,6 +118,7 @@ class YarpHead final : public HeadPort {
   double timeout_s_;
   const SteadyClock& clock_;
   JointLimits limits_;
+  int joints_;  // that gaze commands
   StateInput state_input_;
   TorsoInput torso_;
   std::shared_ptr<Board> board_;  // null where it cannot be opened

@@ -38,7 +38,7 @@ void gaze_step(benchmark::State& bench, const char* controller) {
     const double seconds = std::chrono::duration<double>(end - start).count();
     bench.SetIterationTime(seconds);
     if (step_us.size() < step_us.capacity()) step_us.push_back(seconds * 1e6);
-    state.position_rad.tail<head_joint_count>() += 0.05 * (reference - state.head_position_rad());
+    state.position_rad.tail<gaze_slots>() += 0.05 * (reference - state.head_position_rad());
   }
   const auto percentile = [&](double share) {
     const auto at =
@@ -56,7 +56,7 @@ void head_kinematics_with_fixation(benchmark::State& bench) {
   const RandomStream random(2, "bench");
   std::uint64_t i = 0;
   for (auto _ : bench) {
-    const HeadKinematics head(random_configuration(random, i++));
+    const HeadKinematics head(default_head()->chain, random_configuration(random, i++));
     benchmark::DoNotOptimize(head.fixation_jacobian());
   }
 }

@@ -182,8 +182,8 @@ TEST(RandomWorld, TheBallHasItsRadiusInTheSimulatedHeadToo) {
     const DrawnWorld drawn = draw_world({WorldFamily::random, WithBall::always}, seed, std::nullopt);
     World world(drawn.sim.world, "", seed);
     MotionLimits limits;
-    limits.hardware_min_rad = world.limits().min_rad.tail<head_joint_count>();
-    limits.hardware_max_rad = world.limits().max_rad.tail<head_joint_count>();
+    limits.hardware_min_rad = world.limits().min_rad.tail<gaze_slots>();
+    limits.hardware_max_rad = world.limits().max_rad.tail<gaze_slots>();
     ScriptController script(drawn.script, limits);
     const auto [low_px, high_px] = radius_range_px(drawn.sim.camera.size);
     int in_view = 0;

@@ -101,13 +101,14 @@ deploy: {watchdog: {camera_silent_ms: 95}, ramp_in: 2}
 TEST(RobotFile, OurLimitsAreTheRobotsOf2016UnlessTheFileSaysOtherwise) {
   const JointLimits ours = joint_limits({});
   const JointLimits genova = genova02_limits();
-  EXPECT_TRUE(ours.min_rad.tail<head_joint_count>().isApprox(genova.min_rad.tail<head_joint_count>()));
-  EXPECT_TRUE(ours.max_rad.tail<head_joint_count>().isApprox(genova.max_rad.tail<head_joint_count>()));
+  EXPECT_TRUE(ours.min_rad.tail<gaze_slots>().isApprox(genova.min_rad.tail<gaze_slots>()));
+  EXPECT_TRUE(ours.max_rad.tail<gaze_slots>().isApprox(genova.max_rad.tail<gaze_slots>()));
 }
 
 TEST(RobotFile, AGuardIsRequiredOnlyOfAHeadThatAnotherProcessCanStop) {
-  EXPECT_THAT(complaint(robots / "recording.yaml", {"deploy.guard=required"}),
-              AllOf(HasSubstr("deploy.guard"), HasSubstr("no other process can stop the head of this backend")));
+  EXPECT_THAT(
+      complaint(robots / "recording.yaml", {"deploy.guard=required"}),
+      AllOf(HasSubstr("deploy.guard"), HasSubstr("no other process can stop the head of this backend")));
   EXPECT_EQ(complaint(robots / "icub.yaml", {"deploy.guard=required"}), "nothing");
   EXPECT_EQ(complaint(robots / "practice.yaml", {"deploy.guard=required"}), "nothing");
 }

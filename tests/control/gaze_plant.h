@@ -24,8 +24,8 @@ class Plant {
   void follow(const HeadJointVector& reference_rad) {
     const HeadJointVector before = state.head_position_rad();
     const HeadJointVector after = before + gain_ * (reference_rad + sag_rad - before);
-    state.position_rad.tail<head_joint_count>() = after;
-    state.velocity_rad_s.tail<head_joint_count>() = (after - before) / dt;
+    state.position_rad.tail<gaze_slots>() = after;
+    state.velocity_rad_s.tail<gaze_slots>() = (after - before) / dt;
     state.t_us += 1000;
   }
 
@@ -34,7 +34,7 @@ class Plant {
 };
 
 inline double angle_deg(Eye eye, const JointVector& q, const Eigen::Vector3d& target_m) {
-  const Eigen::Isometry3d pose = HeadKinematics(q).root_from_eye(eye);
+  const Eigen::Isometry3d pose = HeadKinematics(default_head()->chain, q).root_from_eye(eye);
   const Eigen::Vector3d to_target = target_m - pose.translation();
   const Eigen::Vector3d z = pose.linear().col(2);
   return std::atan2(z.cross(to_target).norm(), z.dot(to_target)) / rad_per_deg;
@@ -61,8 +61,8 @@ inline std::unique_ptr<GazeController> controller(
 inline bool violates(const HeadJointVector& q_rad) {
   const JointLimits limits = genova02_limits();
   const auto q = q_rad.array();
-  return !((q >= limits.min_rad.tail<head_joint_count>().array()) &&
-           (q <= limits.max_rad.tail<head_joint_count>().array()))
+  return !((q >= limits.min_rad.tail<gaze_slots>().array()) &&
+           (q <= limits.max_rad.tail<gaze_slots>().array()))
               .all();
 }
 

@@ -30,8 +30,10 @@ Eigen::Vector3d derivative(const Function& f, const JointVector& q, int joint, d
 }
 
 TEST(HeadKinematics, PlacesTheEyesOfTheV2HeadAtZero) {
-  const Eigen::Isometry3d left = root_from_left_cam(JointVector::Zero());
-  const Eigen::Isometry3d right = root_from_right_cam(JointVector::Zero());
+  const Eigen::Isometry3d left =
+      HeadKinematics(default_head()->chain, JointVector::Zero()).root_from_eye(Eye::left);
+  const Eigen::Isometry3d right =
+      HeadKinematics(default_head()->chain, JointVector::Zero()).root_from_eye(Eye::right);
   EXPECT_LT((left.translation() - Eigen::Vector3d(-0.0564, -0.034, 0.34685)).norm(), 1e-12);
   EXPECT_LT((right.translation() - Eigen::Vector3d(-0.0564, 0.034, 0.34685)).norm(), 1e-12);
   Eigen::Matrix3d looking_ahead;  // x to the robot's right (root y), y down (-z), z ahead (-x)
@@ -56,12 +58,13 @@ TEST(HeadKinematics, TurnsEveryJointAboutTheTabulatedAxis) {
       {eyes_version, {0, 0, -1}, {-0.0564, -0.034, 0.34685}},
       {eyes_vergence, {0, 0, -1}, {-0.0564, 0.034, 0.34685}},
   };
-  const HeadKinematics head(JointVector::Zero());
+  const HeadKinematics head(default_head()->chain, JointVector::Zero());
   for (const Row& row : table) {
-    EXPECT_LT((head.axis(row.joint) - row.axis).norm(), 1e-12)
+    const Eye eye = row.joint == eyes_vergence ? Eye::right : Eye::left;  // the pan of the eye
+    EXPECT_LT((head.axis(row.joint, eye) - row.axis).norm(), 1e-12)
         << joint_names[static_cast<std::size_t>(row.joint)];
     // A point on the axis is free to slide along it.
-    EXPECT_LT(row.axis.cross(head.point_on_axis(row.joint) - row.point_m).norm(), 1e-12)
+    EXPECT_LT(row.axis.cross(head.point_on_axis(row.joint, eye) - row.point_m).norm(), 1e-12)
         << joint_names[static_cast<std::size_t>(row.joint)];
   }
   EXPECT_LT((head.chest_forward() - Eigen::Vector3d(-1, 0, 0)).norm(), 1e-12);
@@ -69,24 +72,28 @@ TEST(HeadKinematics, TurnsEveryJointAboutTheTabulatedAxis) {
 
 TEST(HeadKinematics, EqualsTheProductOfTheTabulatedAxes) {
   // Poses as a product of turns about the axes at q = 0: no DH parameter is used.
-  const HeadKinematics zero(JointVector::Zero());
+  const HeadKinematics zero(default_head()->chain, JointVector::Zero());
   const RandomStream random(1, "kinematics");
   for (std::uint64_t i = 0; i < 1000; ++i) {
     const JointVector q = random_configuration(random, i);
+    const HeadKinematics head(default_head()->chain, q);
     Eigen::Isometry3d turned = Eigen::Isometry3d::Identity();
-    const auto turn = [&](Joint joint, double angle) {
-      turned = turned * Eigen::Translation3d(zero.point_on_axis(joint)) *
-               Eigen::AngleAxisd(angle, zero.axis(joint)) * Eigen::Translation3d(-zero.point_on_axis(joint));
+    const auto turn = [&](Joint joint, double angle, Eye eye = Eye::left) {
+      turned = turned * Eigen::Translation3d(zero.point_on_axis(joint, eye)) *
+               Eigen::AngleAxisd(angle, zero.axis(joint, eye)) *
+               Eigen::Translation3d(-zero.point_on_axis(joint, eye));
     };
     for (int j = 0; j <= eyes_tilt; ++j) turn(static_cast<Joint>(j), q[j]);
     const Eigen::Isometry3d to_tilt = turned;
     turn(eyes_version, q[eyes_version] + q[eyes_vergence] / 2);
-    EXPECT_LT((root_from_left_cam(q).matrix() - (turned * zero.root_from_eye(Eye::left)).matrix()).norm(),
-              1e-12);
+    EXPECT_LT(
+        (head.root_from_eye(Eye::left).matrix() - (turned * zero.root_from_eye(Eye::left)).matrix()).norm(),
+        1e-12);
     turned = to_tilt;
-    turn(eyes_vergence, q[eyes_version] - q[eyes_vergence] / 2);
-    EXPECT_LT((root_from_right_cam(q).matrix() - (turned * zero.root_from_eye(Eye::right)).matrix()).norm(),
-              1e-12);
+    turn(eyes_vergence, q[eyes_version] - q[eyes_vergence] / 2, Eye::right);
+    EXPECT_LT(
+        (head.root_from_eye(Eye::right).matrix() - (turned * zero.root_from_eye(Eye::right)).matrix()).norm(),
+        1e-12);
   }
 }
 
@@ -95,18 +102,19 @@ TEST(HeadKinematics, JacobianOfAnEyeEqualsFiniteDifferences) {
   for (std::uint64_t i = 0; i < 200; ++i) {
     const JointVector q = random_configuration(random, i);
     for (const Eye eye : both_eyes) {
-      const HeadKinematics head(q);
+      const HeadKinematics head(default_head()->chain, q);
       const EyeJacobian j = head.jacobian(eye);
       const Eigen::Matrix3d here = head.root_from_eye(eye).linear();
       for (int joint = 0; joint < joint_count; ++joint) {
         const auto centre = [&](const JointVector& at) {
-          return Eigen::Vector3d(HeadKinematics(at).root_from_eye(eye).translation());
+          return Eigen::Vector3d(HeadKinematics(default_head()->chain, at).root_from_eye(eye).translation());
         };
         // sin(angle) axis differs from the rotation vector in the third order, which the stencil keeps.
         const auto rotation = [&](const JointVector& at) {
-          const Eigen::AngleAxisd turn(
-              Eigen::Matrix3d(HeadKinematics(at).root_from_eye(eye).linear() * here.transpose()));
-          const Eigen::Vector3d sine = small_rotation(HeadKinematics(at).root_from_eye(eye).linear(), here);
+          const Eigen::AngleAxisd turn(Eigen::Matrix3d(
+              HeadKinematics(default_head()->chain, at).root_from_eye(eye).linear() * here.transpose()));
+          const Eigen::Vector3d sine =
+              small_rotation(HeadKinematics(default_head()->chain, at).root_from_eye(eye).linear(), here);
           return Eigen::Vector3d(sine * (turn.angle() / std::sin(turn.angle())));
         };
         EXPECT_LT((j.linear.col(joint) - derivative(centre, q, joint)).norm(), 1e-9);
@@ -120,7 +128,7 @@ TEST(HeadKinematics, FixationPointIsTheIntersectionOfBothAxes) {
   const RandomStream random(3, "kinematics");
   int seen = 0;
   for (std::uint64_t i = 0; i < 500; ++i) {
-    const HeadKinematics head(random_configuration(random, i));
+    const HeadKinematics head(default_head()->chain, random_configuration(random, i));
     const FixationPoint fixation = head.fixation();
     if (!fixation.valid) continue;
     ++seen;
@@ -140,7 +148,7 @@ TEST(HeadKinematics, VergenceGivesTheTabulatedDistance) {
        {std::pair{8.64, 0.45}, {12.93, 0.30}, {15.49, 0.25}, {3.89, 1.0}}) {
     JointVector q = JointVector::Zero();
     q[eyes_vergence] = vergence_deg * rad_per_deg;
-    const FixationPoint fixation = HeadKinematics(q).fixation();
+    const FixationPoint fixation = HeadKinematics(default_head()->chain, q).fixation();
     ASSERT_TRUE(fixation.valid);
     EXPECT_NEAR(fixation.point_m.x(), -0.0564 - distance_m, 2e-3 * distance_m);
     EXPECT_NEAR(fixation.point_m.y(), 0.0, 1e-12);
@@ -150,12 +158,12 @@ TEST(HeadKinematics, VergenceGivesTheTabulatedDistance) {
 
 TEST(HeadKinematics, FixationIsInvalidIfTheAxesAreParallelOrIntersectBehind) {
   JointVector q = JointVector::Zero();
-  EXPECT_FALSE(HeadKinematics(q).fixation().valid);
+  EXPECT_FALSE(HeadKinematics(default_head()->chain, q).fixation().valid);
   q[eyes_vergence] = 0.05 * rad_per_deg;
-  EXPECT_FALSE(HeadKinematics(q).fixation().valid);
+  EXPECT_FALSE(HeadKinematics(default_head()->chain, q).fixation().valid);
   q[eyes_vergence] = -5.0 * rad_per_deg;
-  EXPECT_FALSE(HeadKinematics(q).fixation().valid);
-  EXPECT_TRUE(HeadKinematics(q).fixation_jacobian().isZero(0.0));
+  EXPECT_FALSE(HeadKinematics(default_head()->chain, q).fixation().valid);
+  EXPECT_TRUE(HeadKinematics(default_head()->chain, q).fixation_jacobian().isZero(0.0));
 }
 
 TEST(HeadKinematics, JacobianOfTheFixationPointEqualsFiniteDifferences) {
@@ -164,9 +172,11 @@ TEST(HeadKinematics, JacobianOfTheFixationPointEqualsFiniteDifferences) {
     JointVector q = random_configuration(random, i);
     q[eyes_vergence] =
         random.uniform(0.15, 0.8, 99, i);  // near enough that the differences are exact to 1e-9
-    const PointJacobian j = HeadKinematics(q).fixation_jacobian();
+    const PointJacobian j = HeadKinematics(default_head()->chain, q).fixation_jacobian();
     for (int joint = 0; joint < joint_count; ++joint) {
-      const auto fixation = [](const JointVector& at) { return HeadKinematics(at).fixation().point_m; };
+      const auto fixation = [](const JointVector& at) {
+        return HeadKinematics(default_head()->chain, at).fixation().point_m;
+      };
       EXPECT_LT((j.col(joint) - derivative(fixation, q, joint, 4e-4)).norm(), 1e-9) << i << " " << joint;
     }
   }
@@ -184,11 +194,13 @@ TEST(HeadKinematics, CameraMotionIsTheDerivativeOfThePoseInItsOwnFrame) {
     const CameraMount mount{{1.0, -2.0, -10.0}, {20.0, -30.0, 10.0}};
     const Eigen::Isometry3d eye_from_camera = (off_centre ? mount : CameraMount{}).eye_from_camera();
     for (const Eye eye : both_eyes) {
-      const CameraMotion motion =
-          off_centre ? camera_motion(state, eye, eye_from_camera) : camera_motion(state, eye);
+      const CameraMotion motion = off_centre
+                                      ? camera_motion(default_head()->chain, state, eye, eye_from_camera)
+                                      : camera_motion(default_head()->chain, state, eye);
       const double h = 1e-5;
       const auto pose_at = [&](double t_s) {
-        return HeadKinematics(state.position_rad + t_s * state.velocity_rad_s).root_from_eye(eye) *
+        return HeadKinematics(default_head()->chain, state.position_rad + t_s * state.velocity_rad_s)
+                   .root_from_eye(eye) *
                eye_from_camera;
       };
       const Eigen::Matrix3d cam_from_root = motion.root_from_camera.linear().transpose();
@@ -215,7 +227,7 @@ TEST(HeadKinematics, ReachesTheReferencePosesOfTheNeck) {
       q[neck_pitch] = pose.pitch * rad_per_deg;
       q[neck_roll] = side * pose.roll * rad_per_deg;
       q[neck_yaw] = side * pose.yaw * rad_per_deg;
-      const HeadKinematics head(q);
+      const HeadKinematics head(default_head()->chain, q);
       const Eigen::Vector3d between =
           0.5 * (head.root_from_eye(Eye::left).translation() + head.root_from_eye(Eye::right).translation());
       const Eigen::Vector3d target(pose.target_m.x(), side * pose.target_m.y(), pose.target_m.z());
@@ -229,7 +241,7 @@ TEST(HeadKinematics, TheNeckAtItsUpperLimitMissesAHighTarget) {
   // (-0.5, 0, 0.55) leaves 5.1 deg of elevation with neck pitch at its 17 deg.
   JointVector q = JointVector::Zero();
   q[neck_pitch] = 17.0 * rad_per_deg;
-  const HeadKinematics head(q);
+  const HeadKinematics head(default_head()->chain, q);
   const Eigen::Vector3d between =
       0.5 * (head.root_from_eye(Eye::left).translation() + head.root_from_eye(Eye::right).translation());
   const Eigen::Vector3d target = Eigen::Vector3d(-0.5, 0.0, 0.55) - between;

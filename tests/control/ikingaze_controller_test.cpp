@@ -34,7 +34,7 @@ double time_to(const std::vector<double>& joint, double from, double to, double 
 
 /// Azimuth (right) and elevation (up) of the cyclopean axis' error, deg.
 double neck_error_deg(const JointVector& q, const Eigen::Vector3d& target_m) {
-  return CyclopeanEye(q).angle_to(target_m) / rad_per_deg;
+  return CyclopeanEye(default_head()->chain, q).angle_to(target_m) / rad_per_deg;
 }
 
 TEST(IkinGazeController, BothEyesFixateEveryTargetWithinReach) {
@@ -46,7 +46,7 @@ TEST(IkinGazeController, BothEyesFixateEveryTargetWithinReach) {
   for (std::uint64_t i = 0; i < 60; ++i) {
     const Eigen::Vector3d target_m = random_target(random, i);
     run(*gaze, plant, target_m, 2.5);
-    const FixationPoint fixation = HeadKinematics(plant.state.position_rad).fixation();
+    const FixationPoint fixation = HeadKinematics(default_head()->chain, plant.state.position_rad).fixation();
     ASSERT_TRUE(fixation.valid);
     const double left_deg = angle_deg(Eye::left, plant.state.position_rad, target_m);
     if (neck_error_deg(plant.state.position_rad, target_m) > 10.0)
@@ -149,7 +149,7 @@ TEST(IkinGazeController, ARampIsFollowedWithTheLagOfFilterAndLoop) {
   for (int tick = 0; tick < 4000; ++tick) {
     const double azimuth_deg = -10.0 + speed_deg_s * tick * dt;
     plant.follow(gaze->step(plant.state, seen_at(azimuth_deg, 0, 0.5), dt));
-    const FixationPoint fixation = HeadKinematics(plant.state.position_rad).fixation();
+    const FixationPoint fixation = HeadKinematics(default_head()->chain, plant.state.position_rad).fixation();
     if (tick > 2000) {
       ASSERT_TRUE(fixation.valid);
       const double seen_deg = std::atan2(fixation.point_m.y(), -0.0564 - fixation.point_m.x()) / rad_per_deg;
@@ -249,7 +249,7 @@ TEST(IkinGazeController, StepsOfAnyLengthGiveTheSameMotion) {
     const auto gaze = controller(ikingaze());
     HeadState state;
     for (int i = 0; i < static_cast<int>(std::lround(1.2 / step_s)); ++i) {
-      state.position_rad.tail<head_joint_count>() =
+      state.position_rad.tail<gaze_slots>() =
           gaze->step(state, i == 0 ? std::optional(target_m) : std::nullopt, step_s);
     }
     return state.head_position_rad();
@@ -297,7 +297,7 @@ TEST(IkinGazeController, CompensatesASteadyPositionErrorOfAJoint) {
 TEST(IkinGazeController, AReferenceLeadsABlockedJointByTheMaximumOnly) {
   const auto gaze = controller(ikingaze(AimingEyes::both, false));
   const HeadState stuck;
-  HeadJointVector reference;
+  HeadJointVector reference = HeadJointVector::Zero();
   for (int i = 0; i < 5000; ++i) reference = gaze->step(stuck, seen_at(-40, 15, 0.45), dt);
   // What it may overrun while it brakes: (350 deg/s)^2 / (2 * 15000 deg/s^2) = 4.1 deg.
   EXPECT_LT(reference.cwiseAbs().maxCoeff(), 14.2 * rad_per_deg);
@@ -305,7 +305,7 @@ TEST(IkinGazeController, AReferenceLeadsABlockedJointByTheMaximumOnly) {
 
 TEST(IkinGazeController, HoldsTheNeutralPoseBeforeTheFirstTargetAndReturnsToItOnRest) {
   Plant turned;
-  turned.state.position_rad.tail<head_joint_count>() << 0.1, -0.2, 0.5, 0.2, -0.3, 0.4;
+  turned.state.position_rad.segment<head_joint_count>(torso_slots) << 0.1, -0.2, 0.5, 0.2, -0.3, 0.4;
   run(*controller(ikingaze()), turned, std::nullopt, 4.0);
   EXPECT_LT(turned.state.position_rad.cwiseAbs().maxCoeff(), 0.1 * rad_per_deg);
 

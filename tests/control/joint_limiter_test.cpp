@@ -35,7 +35,7 @@ class Watch {
   }
 
  private:
-  HeadJointVector last_;
+  HeadJointVector last_ = HeadJointVector::Zero();
   HeadJointVector velocity_ = HeadJointVector::Zero();
 };
 
@@ -89,7 +89,7 @@ TEST(JointLimiter, KeepsAnyStreamWithinEveryLimit) {
   JointLimiter limiter(limits());
   Watch watch(middle());
   for (std::uint64_t i = 0; i < 50000; ++i) {
-    HeadJointVector command;
+    HeadJointVector command = HeadJointVector::Zero();
     for (int j = 0; j < head_joint_count; ++j) {
       // Jumps, holds and jitter, often far outside.
       const auto s = static_cast<std::uint64_t>(j);

@@ -11,7 +11,7 @@ namespace {
 
 NeckSolver genova02_neck() {
   const JointLimits limits = genova02_limits();
-  return {limits.min_rad.segment<3>(neck_pitch), limits.max_rad.segment<3>(neck_pitch)};
+  return {default_head(), limits.min_rad.segment<3>(neck_pitch), limits.max_rad.segment<3>(neck_pitch)};
 }
 
 const NeckVector straight = NeckVector::Zero();
@@ -27,7 +27,7 @@ Eigen::Vector2d seen_deg(const JointVector& torso, const NeckVector& neck_deg,
                          const Eigen::Vector3d& target_m) {
   JointVector q = torso;
   q.segment<3>(neck_pitch) = neck_deg * rad_per_deg;
-  const Eigen::Vector3d p = CyclopeanEye(q).see(target_m);
+  const Eigen::Vector3d p = CyclopeanEye(default_head()->chain, q).see(target_m);
   return Eigen::Vector2d(std::atan2(p.x(), p.z()), -std::atan2(p.y(), std::hypot(p.x(), p.z()))) /
          rad_per_deg;
 }
@@ -149,7 +149,7 @@ TEST(NeckSolver, TheRestPoseLevelsTheHeadForAnyTorsoPose) {
   const NeckVector rest_rad = genova02_neck().rest(q);
   EXPECT_EQ(rest_rad[2], 0.0);
   q.segment<3>(neck_pitch) = rest_rad;
-  const Eigen::Vector3d down = CyclopeanEye(q).root_from_eye().linear().col(1);
+  const Eigen::Vector3d down = CyclopeanEye(default_head()->chain, q).root_from_eye().linear().col(1);
   EXPECT_LT((down + Eigen::Vector3d::UnitZ()).norm(), 1e-12);
   EXPECT_GT(rest_rad.norm(), 5.0 * rad_per_deg);
 }

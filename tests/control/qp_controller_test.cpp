@@ -25,7 +25,7 @@ TEST(QpController, ReachesEveryReachableTargetWithBothEyes) {
     run(*gaze, plant, target, 1.2);
     worst_deg = std::max(worst_deg, angle_deg(Eye::left, plant.state.position_rad, target));
     worst_right_deg = std::max(worst_right_deg, angle_deg(Eye::right, plant.state.position_rad, target));
-    const FixationPoint fixation = HeadKinematics(plant.state.position_rad).fixation();
+    const FixationPoint fixation = HeadKinematics(default_head()->chain, plant.state.position_rad).fixation();
     ASSERT_TRUE(fixation.valid);
     worst_fixation_m = std::max(worst_fixation_m, (fixation.point_m - target).norm());
   }
@@ -94,7 +94,8 @@ TEST(QpController, ApproachesATargetOutOfReachAsFarAsTheLimitsAllow) {
   const MotionLimits l = motion_limits(genova02_limits(), {});
   for (const Eigen::Vector3d& target :
        {seen_at(0, 70, 0.5), seen_at(-88, 0, 0.6), seen_at(40, -80, 0.5), seen_at(75, 60, 0.5)}) {
-    ASSERT_EQ(check_gaze_target(target, HeadKinematics(JointVector::Zero())), TargetStatus::ok);
+    ASSERT_EQ(check_gaze_target(target, HeadKinematics(default_head()->chain, JointVector::Zero())),
+              TargetStatus::ok);
     const auto gaze = controller();
     Plant plant;
     run(*gaze, plant, target, 6.0);
@@ -187,7 +188,7 @@ TEST(QpController, AReferenceLeadsABlockedJointByTheMaximumOnly) {
   Plant plant;
   const Eigen::Vector3d target = seen_at(-40, 15, 0.45);
   const HeadState stuck = plant.state;
-  HeadJointVector reference;
+  HeadJointVector reference = HeadJointVector::Zero();
   for (int i = 0; i < 5000; ++i) reference = gaze->step(stuck, target, dt);
   // What it may overrun while it brakes: (350 deg/s)^2 / (2 * 15000 deg/s^2) = 4.1 deg.
   EXPECT_LT((reference - stuck.head_position_rad()).cwiseAbs().maxCoeff(), 14.2 * rad_per_deg);
@@ -218,7 +219,7 @@ TEST(QpController, HoldsTheNeutralPoseBeforeTheFirstTarget) {
             0.06 * rad_per_deg);  // vergence leaves its margin
 
   Plant turned;
-  turned.state.position_rad.tail<head_joint_count>() << 0.1, -0.2, 0.5, 0.2, -0.3, 0.4;
+  turned.state.position_rad.segment<head_joint_count>(torso_slots) << 0.1, -0.2, 0.5, 0.2, -0.3, 0.4;
   run(*controller(), turned, std::nullopt, 5.0);
   EXPECT_LT(turned.state.position_rad.cwiseAbs().maxCoeff(), 0.1 * rad_per_deg);
 }
@@ -242,7 +243,8 @@ TEST(QpController, IgnoresImpossibleTargetsAndReportsWhy) {
        {std::pair{Eigen::Vector3d(nan, 0, 0.3), TargetStatus::not_finite},
         {Eigen::Vector3d(-0.4, std::numeric_limits<double>::infinity(), 0.3), TargetStatus::not_finite},
         {Eigen::Vector3d(0.4, 0.1, 0.3), TargetStatus::behind},
-        {HeadKinematics(plant.state.position_rad).root_from_eye(Eye::left) * Eigen::Vector3d(0, 0, 0.09),
+        {HeadKinematics(default_head()->chain, plant.state.position_rad).root_from_eye(Eye::left) *
+             Eigen::Vector3d(0, 0, 0.09),
          TargetStatus::too_near}}) {
     for (int i = 0; i < 200; ++i) {
       plant.follow(gaze->step(plant.state, bad, dt));
@@ -311,7 +313,7 @@ TEST(QpController, StepsAndGatesDoNotAllocate) {
   EXPECT_GT(before, 0);
   long targets = 0;
   for (std::uint64_t i = 0; i < 2000; ++i) {
-    const CameraMotion motion = camera_motion(plant.state);
+    const CameraMotion motion = camera_motion(default_head()->chain, plant.state);
     const Estimate estimate{true, false, {camera.cx_px + random.normal(9, i), camera.cy_px, 12.0}, 1.0};
     auto target = gate->update(plant.state.t_us, estimate, 0.0, camera, motion.root_from_camera);
     targets += target.has_value();

@@ -27,7 +27,7 @@ std::vector<Eigen::Vector2d> play(ScriptController& controller, HeadState& state
   std::vector<Eigen::Vector2d> eyes_deg;
   for (int i = 0; i < ms; ++i) {
     const HeadJointVector reference = controller.step(state, std::nullopt, dt_s);
-    state.position_rad.tail<head_joint_count>() = reference;
+    state.position_rad.tail<gaze_slots>() = reference;
     eyes_deg.emplace_back(state.position_rad[eyes_tilt] / rad_per_deg,
                           state.position_rad[eyes_version] / rad_per_deg);
   }

@@ -177,7 +177,8 @@ TEST(DeploySession, NothingIsSentToTheHeadBeforeActivation) {
   EXPECT_EQ(trial.fake->commands_while_not_active, 0);
   HeadState head;
   trial.fake->world.read(head);
-  const Eigen::Isometry3d eye = root_from_left_cam(head.position_rad);
+  const Eigen::Isometry3d eye =
+      HeadKinematics(default_head()->chain, head.position_rad).root_from_eye(Eye::left);
   const Eigen::Vector3d to_ball = (ball_m - eye.translation()).normalized();
   EXPECT_GT(eye.linear().col(2).dot(to_ball), std::cos(0.1 * rad_per_deg)) << "it looks at the ball";
 

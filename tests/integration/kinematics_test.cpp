@@ -15,6 +15,13 @@
 namespace saccade {
 namespace {
 
+Eigen::Isometry3d root_from_left_cam(const JointVector& q) {
+  return HeadKinematics(default_head()->chain, q).root_from_eye(Eye::left);
+}
+Eigen::Isometry3d root_from_right_cam(const JointVector& q) {
+  return HeadKinematics(default_head()->chain, q).root_from_eye(Eye::right);
+}
+
 constexpr int poses = 1000;
 
 struct PoseError {
@@ -32,7 +39,7 @@ struct PoseError {
 
 JointVector random_pose(const JointLimits& limits, std::uint64_t i) {
   const RandomStream random(11, "test/kinematics");
-  JointVector q;
+  JointVector q = JointVector::Zero();
   for (int j = 0; j < joint_count; ++j) {
     q[j] = random.uniform(limits.min_rad[j], limits.max_rad[j], i, static_cast<std::uint64_t>(j));
   }
@@ -197,7 +204,7 @@ TEST(Kinematics, TheEncodersAndTheControllersModelGiveTheTrueCamerasInMotion) {
   const RandomStream random(12, "test/references");
   for (std::uint64_t i = 0; i < 1000; ++i) {
     if (i % 100 == 0) {
-      HeadJointVector reference;
+      HeadJointVector reference = HeadJointVector::Zero();
       for (int j = 0; j < head_joint_count; ++j) {
         const int joint = torso_joint_count + j;
         reference[j] = random.uniform(world.limits().min_rad[joint], world.limits().max_rad[joint], i,
@@ -236,12 +243,12 @@ TEST(Kinematics, TheCameraHasItsConfiguredPoseInTheEye) {
 
 TEST(Kinematics, TheCameraMotionFromEncodersEqualsThatOfThePlant) {
   World world(WorldConfig{}, "", 1);
-  HeadJointVector reference;
-  reference << 0.1, -0.1, 0.3, 0.2, -0.2, 0.3;
+  HeadJointVector reference = HeadJointVector::Zero();
+  reference.head<head_joint_count>() << 0.1, -0.1, 0.3, 0.2, -0.2, 0.3;
   ASSERT_TRUE(world.set_reference(reference));
   for (int i = 0; i < 100; ++i) {
     world.step();
-    const CameraMotion motion = camera_motion(world.head_state());
+    const CameraMotion motion = camera_motion(default_head()->chain, world.head_state());
     mjtNum velocity[6];  // angular, linear, in MuJoCo's camera-body frame, parallel to root at zero
     const int eye = mj_name2id(&world.model(), mjOBJ_BODY, "l_eye");
     mj_objectVelocity(&world.model(), &world.data(), mjOBJ_XBODY, eye, velocity, 0);

@@ -23,6 +23,10 @@
 namespace saccade {
 namespace {
 
+Eigen::Isometry3d root_from_left_cam(const JointVector& q) {
+  return HeadKinematics(default_head()->chain, q).root_from_eye(Eye::left);
+}
+
 constexpr double deg = std::numbers::pi / 180.0;
 constexpr double dt_s = 1e-3;
 constexpr std::size_t settled = 2000;  // ticks
@@ -88,7 +92,7 @@ Watch look(const PlantConfig& plant, const TrajectoryConfig& ball, const QpConfi
     const HeadJointVector wanted = controller->step(state, target, dt_s);
     EXPECT_TRUE(world.set_reference(limiter.apply(wanted, state.head_position_rad(), dt_s).reference_rad));
     const JointVector joints = world.joints_rad();
-    run.joints_rad.push_back(joints.tail<head_joint_count>());
+    run.joints_rad.push_back(joints.tail<gaze_slots>());
     const JointLimits& limits = world.limits();
     run.kept_limits = run.kept_limits && (joints - limits.max_rad).maxCoeff() < 0.01 * deg &&
                       (limits.min_rad - joints).maxCoeff() < 0.01 * deg;

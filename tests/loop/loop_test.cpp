@@ -86,7 +86,7 @@ struct Trial {
     config.controller = controller;
     const JointLimits limits = genova02_limits();
     robot.limits = limits;
-    robot.limits.max_rad.tail<head_joint_count>() -= limit_margin_rad;
+    robot.limits.max_rad.tail<gaze_slots>() -= limit_margin_rad;
     robot.lag_s = 0.02;
     FakeRobot fake(robot);
     if (!gate) gate = std::make_unique<OpenGate>(TargetConfig{});
@@ -121,7 +121,8 @@ struct Trial {
     fake.read(head);
   }
   [[nodiscard]] double error_deg(const Eigen::Vector3d& target_m) const {
-    const Eigen::Isometry3d eye = root_from_left_cam(head.position_rad);
+    const Eigen::Isometry3d eye =
+        HeadKinematics(default_head()->chain, head.position_rad).root_from_eye(Eye::left);
     const Eigen::Vector3d to_target = target_m - eye.translation();
     return std::atan2(eye.linear().col(2).cross(to_target).norm(), eye.linear().col(2).dot(to_target)) /
            rad_per_deg;

@@ -47,7 +47,7 @@ TEST(HeadLog, HoldsTheHeadsJointsInDegreesAndOneTimeOrTwo) {
   ASSERT_EQ(rows.size(), 2U);
   EXPECT_EQ(rows[0].t_us, 1571751370660680);
   EXPECT_EQ(rows[1].t_us, 1571751370680700) << "of two times the last one, the receiver's";
-  JointVector expected;
+  JointVector expected = JointVector::Zero();
   expected << 0, 0, 0, -3.5 * deg, 1 * deg, 20 * deg, -10 * deg, 5.25 * deg, 8 * deg;
   EXPECT_TRUE(rows[0].position_rad.isApprox(expected, 1e-15));
   EXPECT_EQ(all_of(open_head_log(path, 1571751370000000)).at(0).t_us, 660680);

@@ -66,7 +66,7 @@ class PortConformance : public testing::TestWithParam<PortBackend> {
     const JointLimits limits = head.limits();
     const JointVector middle = 0.5 * (limits.min_rad + limits.max_rad);
     const JointVector& end = share < 0.0 ? limits.min_rad : limits.max_rad;  // met exactly at +-1
-    return ((1.0 - std::abs(share)) * middle + std::abs(share) * end).tail<head_joint_count>();
+    return ((1.0 - std::abs(share)) * middle + std::abs(share) * end).tail<gaze_slots>();
   }
 
   /// Runs `ticks` ticks and reads the events after every `stride` of them.

@@ -23,12 +23,13 @@ class Head {
       const auto reference_rad = server.step(state, dt_s);
       state.velocity_rad_s.setZero();
       if (!reference_rad) continue;
-      state.velocity_rad_s.tail<head_joint_count>() = (*reference_rad - state.head_position_rad()) / dt_s;
-      state.position_rad.tail<head_joint_count>() = *reference_rad;
+      state.velocity_rad_s.tail<gaze_slots>() = (*reference_rad - state.head_position_rad()) / dt_s;
+      state.position_rad.tail<gaze_slots>() = *reference_rad;
     }
   }
   [[nodiscard]] double miss_deg(Eye eye, const Eigen::Vector3d& point_m) const {
-    const Eigen::Vector3d seen = HeadKinematics(state.position_rad).root_from_eye(eye).inverse() * point_m;
+    const Eigen::Vector3d seen =
+        HeadKinematics(default_head()->chain, state.position_rad).root_from_eye(eye).inverse() * point_m;
     return std::atan2(seen.head<2>().norm(), seen.z()) / rad_per_deg;
   }
   /// The numbers of a reply `[ack] (...)`.
@@ -140,12 +141,12 @@ TEST(GazeServer, RejectsUnknownRequestsAndUnreachableTargets) {
 
 TEST(GazeServer, ConvertsBetweenPixelsOfAnEyeAndPoints) {
   Head head;
-  head.state.position_rad << 0, 0, 0, 0.1, -0.05, 0.2, -0.1, 0.15, 0.12;
+  head.state.position_rad.head<joint_count>() << 0, 0, 0, 0.1, -0.05, 0.2, -0.1, 0.15, 0.12;
   head.run(0.001);
   const Camera camera;
   for (const char* eye : {"left", "right"}) {
     const auto pixel = head.ask(std::string("get 2D (") + eye + " -0.5 0.05 0.3)");
-    const Eigen::Vector3d seen = HeadKinematics(head.state.position_rad)
+    const Eigen::Vector3d seen = HeadKinematics(default_head()->chain, head.state.position_rad)
                                      .root_from_eye(eye == std::string("left") ? Eye::left : Eye::right)
                                      .inverse() *
                                  Eigen::Vector3d(-0.5, 0.05, 0.3);

@@ -23,8 +23,8 @@ WorldConfig still_world() {
 }
 
 struct Instant {
-  HeadState read;      // readings of the encoders
-  JointVector joints;  // true positions
+  HeadState read;                            // readings of the encoders
+  JointVector joints = JointVector::Zero();  // true positions
 };
 
 /// A head with references 0 and vergence 10 deg at first, and then those of `reference_of`.
@@ -48,7 +48,7 @@ std::vector<Instant> move(const PlantConfig& plant, int ticks, const Reference& 
 
 TEST(Plant, EqualsItsModelByDefault) {
   const auto instants = move({}, 300, [](int tick, HeadJointVector& reference) {
-    if (tick >= 10) reference << 0.1, -0.1, 0.3, 0.2, -0.2, 0.3;
+    if (tick >= 10) reference.head<head_joint_count>() << 0.1, -0.1, 0.3, 0.2, -0.2, 0.3;
   });
   for (const Instant& now : instants) ASSERT_EQ(now.read.position_rad, now.joints);
 }

@@ -26,7 +26,7 @@ WorldConfig still_world() {
   return config;
 }
 
-HeadJointVector head(const JointVector& joints) { return joints.tail<head_joint_count>(); }
+HeadJointVector head(const JointVector& joints) { return joints.tail<gaze_slots>(); }
 
 double largest_deg(const JointVector& rad) { return rad.cwiseAbs().maxCoeff() / deg; }
 
@@ -37,7 +37,7 @@ double outside(const JointVector& q, const JointLimits& limits) {
 
 TEST(World, HasTheLimitsOfTheRobot) {
   const World world(still_world(), "", 1);
-  JointVector min_deg, max_deg;
+  JointVector min_deg = JointVector::Zero(), max_deg = JointVector::Zero();
   min_deg << -20, -30, -50, -30, -20, -45, -30, -30, 0;
   max_deg << 70, 30, 50, 17, 20, 45, 30, 30, 50;
   EXPECT_LT(largest_deg(world.limits().min_rad - min_deg * deg), 1e-9);
@@ -172,7 +172,7 @@ TEST(World, StaysInsideItsLimitsAgainstGravity) {
     config.initial_pose_deg[torso_pitch] = (corner % 3 - 1) * 20.0;  // lean back and forward as well
     config.initial_pose_deg[torso_roll] = (corner % 2) * 30.0;
     World world(config, "", 1);
-    HeadJointVector reference;
+    HeadJointVector reference = HeadJointVector::Zero();
     for (int j = 0; j < head_joint_count; ++j) {
       const int joint = torso_joint_count + j;
       reference[j] = (corner >> j) % 2 == 0 ? limits.min_rad[joint] : limits.max_rad[joint];
@@ -223,8 +223,8 @@ TEST(World, CouplesTheEyesIntoVersionAndVergence) {
 
 TEST(World, ReportsVelocitiesThatMatchItsPositions) {
   World world(still_world(), "", 1);
-  HeadJointVector reference;
-  reference << 0.1, -0.1, 0.3, 0.2, -0.2, 0.3;
+  HeadJointVector reference = HeadJointVector::Zero();
+  reference.head<head_joint_count>() << 0.1, -0.1, 0.3, 0.2, -0.2, 0.3;
   ASSERT_TRUE(world.set_reference(reference));
   HeadState last = world.head_state();
   for (int i = 0; i < 300; ++i) {
@@ -257,8 +257,8 @@ TEST(World, InterpolatesBetweenTicks) {
   WorldConfig config;
   config.ball.trajectory.kind = TrajectoryKind::circle;
   World world(config, "", 5);
-  HeadJointVector reference;
-  reference << 0.1, -0.1, 0.3, 0.2, -0.2, 0.3;
+  HeadJointVector reference = HeadJointVector::Zero();
+  reference.head<head_joint_count>() << 0.1, -0.1, 0.3, 0.2, -0.2, 0.3;
   ASSERT_TRUE(world.set_reference(reference));
   const MjDataPtr between(mj_makeData(&world.model()));
   const Trajectory trajectory(config.ball.trajectory, 5);

@@ -31,8 +31,8 @@ inline Metrics write_synthetic_run(const std::filesystem::path& folder, bool ima
   GazeScoringConfig scoring;
   scoring.camera = camera;
   scoring.acquire_within_rad = 6.0 * rad;
-  scoring.limits.min_rad << -22, -39, -59, -40, -70, -55, -35, -50, 0;
-  scoring.limits.max_rad << 84, 39, 59, 30, 60, 55, 15, 52, 90;
+  scoring.limits.min_rad.head<joint_count>() << -22, -39, -59, -40, -70, -55, -35, -50, 0;
+  scoring.limits.max_rad.head<joint_count>() << 84, 39, 59, 30, 60, 55, 15, 52, 90;
   scoring.limits.min_rad *= rad;
   scoring.limits.max_rad *= rad;
   GazeScorer gaze_scorer(scoring);

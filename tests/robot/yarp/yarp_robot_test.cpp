@@ -29,8 +29,8 @@ constexpr double deg = 3.14159265358979323846 / 180.0;
 
 JointLimits our_limits() {
   JointLimits limits;
-  limits.min_rad << -90, -90, -90, -30, -20, -45, -30, -30, 0;
-  limits.max_rad << 90, 90, 90, 17, 20, 45, 30, 30, 50;
+  limits.min_rad.head<joint_count>() << -90, -90, -90, -30, -20, -45, -30, -30, 0;
+  limits.max_rad.head<joint_count>() << 90, 90, 90, 17, 20, 45, 30, 30, 50;
   limits.min_rad *= deg;
   limits.max_rad *= deg;
   limits.max_speed_rad_s.setConstant(5.0);

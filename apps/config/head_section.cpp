@@ -1,0 +1,70 @@
+#include "apps/config/head_section.h"
+
+#include <fstream>
+#include <sstream>
+
+#include "apps/config/yaml_reader.h"
+#include "head/ikin_links.h"
+
+namespace saccade {
+namespace {
+
+/// What is wrong with a head whose keys are all in range.
+void require_head(FieldVisitor& v, const HeadConfig& head) {
+  constexpr std::string_view block = "head.";
+  try {
+    (void)head_model(head);
+  } catch (const InputError& error) {
+    for (const Problem& problem : error.problems()) {
+      const bool in_block = problem.place.starts_with(block);
+      v.require(false, in_block ? problem.place.substr(block.size()) : problem.place, problem.value,
+                problem.expectation);
+    }
+  }
+}
+
+std::string text_of_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  if (!file || !(text << file.rdbuf())) throw InputError(path, "", "a readable list of links");
+  return text.str();
+}
+
+void read_ikin(FieldVisitor& v, HeadConfig& head) {
+  const auto left = v.file("ikin_left", "list of links of the left eye, or the only one, as iKin has it");
+  const auto right = v.file("ikin_right", "list of links of the right eye");
+  v.require(left || !right, "ikin_right", right.value_or(""), "ikin_left beside it");
+  if (!left) return;
+  std::optional<IkinText> right_text;
+  if (right) right_text = IkinText{*right, text_of_file(*right)};
+  const std::string name = head.description.name;
+  head.model = HeadKind::described;
+  head.description = description_of_ikin({*left, text_of_file(*left)}, right_text ? &*right_text : nullptr);
+  head.description.name = name;
+}
+
+}  // namespace
+
+HeadConfig read_head(const std::filesystem::path& path) {
+  const YamlTree tree = read_yaml_file(path);
+  HeadConfig head;
+  head.model = HeadKind::described;
+  head.description.name = path.stem().string();
+  const bool has_ikin = tree.root.find("ikin_left") != nullptr;
+  YamlReader reader(tree, has_ikin ? std::vector<std::string>{} : std::vector<std::string>{"joints"},
+                    path.parent_path().string());
+  read_ikin(reader, head);
+  describe(reader, head.description);
+  require_head(reader, head);
+  reader.finish();
+  return head;
+}
+
+void describe_head(FieldVisitor& v, HeadConfig& head) {
+  read_ikin(v, head);
+  if (const auto file = v.file("file", "description of a head of one's own")) head = read_head(*file);
+  describe(v, head);
+  if (v.fills_defaults()) require_head(v, head);
+}
+
+}  // namespace saccade
