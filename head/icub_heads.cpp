@@ -6,7 +6,7 @@
 namespace saccade {
 namespace {
 
-struct Row {
+struct TableRow {
   double a_m;
   double d_m;
 };
@@ -15,7 +15,7 @@ struct Row {
 /// before the eye's centre.
 struct Dimensions {
   std::string_view version;
-  Row torso_yaw, neck_pitch, neck_roll, neck_yaw;
+  TableRow torso_yaw, neck_pitch, neck_roll, neck_yaw;
   double camera_ahead_m;
 };
 
@@ -88,7 +88,7 @@ HeadChain chain_of(const Dimensions& size) {
                     hinge(ChainLink::dh(0.0, -0.0055, 90.0, -90.0), torso_roll), hinge(yaw, torso_yaw)};
   }
   chain.root_from_base = rotation(base);
-  const auto neck = [&](const Row& row, double alpha_deg, double offset_deg, Joint joint) {
+  const auto neck = [&](const TableRow& row, double alpha_deg, double offset_deg, Joint joint) {
     chain.common.push_back(hinge(ChainLink::dh(row.a_m, row.d_m, alpha_deg, offset_deg), joint));
   };
   neck(size.neck_pitch, 90.0, 90.0, neck_pitch);

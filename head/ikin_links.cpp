@@ -11,25 +11,25 @@
 namespace saccade {
 namespace {
 
-struct Row {
+struct LinkRow {
   double a_m = 0.0, d_m = 0.0, alpha_deg = 0.0, offset_deg = 0.0, min_deg = 0.0, max_deg = 0.0;
   std::optional<double> blocked_deg;
 
-  [[nodiscard]] bool same_but_d(const Row& other) const {
+  [[nodiscard]] bool same_but_d(const LinkRow& other) const {
     return a_m == other.a_m && alpha_deg == other.alpha_deg && offset_deg == other.offset_deg &&
            blocked_deg == other.blocked_deg;
   }
 };
 
-struct Limb {
+struct IkinLimb {
   std::array<double, 16> h0 = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
   std::array<double, 16> hn = h0;
-  std::vector<Row> rows;
+  std::vector<LinkRow> rows;
 };
 
-class Parser {
+class IkinParser {
  public:
-  explicit Parser(const IkinText& source) : source_(source) {
+  explicit IkinParser(const IkinText& source) : source_(source) {
     std::string line;
     std::string group;
     for (const char c : source.text + "\n") {
@@ -47,7 +47,7 @@ class Parser {
     for (const auto& [number, row] : links_) limb_.rows.push_back(row);
   }
 
-  [[nodiscard]] const Limb& limb() const { return limb_; }
+  [[nodiscard]] const IkinLimb& limb() const { return limb_; }
 
  private:
   static constexpr int most_links = 24;
@@ -105,7 +105,7 @@ class Parser {
         fail(words[1], "a whole number of links, 1 to " + std::to_string(most_links));
       count_ = static_cast<int>(count);
     } else if (words[0].starts_with("link_")) {
-      Row& link = row(words[0]);
+      LinkRow& link = row(words[0]);
       for (std::size_t i = 1; i + 3 < words.size(); i += 4) {
         if (words[i] != "(" || words[i + 3] != ")") fail(line, "options like (A 0.032)");
         set(link, words[i + 1], words[i + 2]);
@@ -114,7 +114,7 @@ class Parser {
     }
   }
 
-  Row& row(const std::string& name) {
+  LinkRow& row(const std::string& name) {
     int number = -1;
     const char* const begin = name.data() + 5;
     const auto [end, error] = std::from_chars(begin, name.data() + name.size(), number);
@@ -123,7 +123,7 @@ class Parser {
     return links_[number];
   }
 
-  void set(Row& link, const std::string& key, const std::string& word) const {
+  void set(LinkRow& link, const std::string& key, const std::string& word) const {
     const double value = number(word);
     if (key == "A")
       link.a_m = value;
@@ -159,13 +159,13 @@ class Parser {
   }
 
   const IkinText& source_;
-  Limb limb_;
-  std::map<int, Row> links_;
+  IkinLimb limb_;
+  std::map<int, LinkRow> links_;
   std::optional<int> count_;
   int line_number_ = 0;
 };
 
-DescribedLink link_of(const Row& row) {
+DescribedLink link_of(const LinkRow& row) {
   DescribedLink link;
   link.a_m = row.a_m;
   link.d_m = row.d_m;
@@ -194,8 +194,8 @@ std::vector<std::string> joint_names_of(std::size_t rows) {
 }  // namespace
 
 HeadDescription description_of_ikin(const IkinText& left, const IkinText* right) {
-  const Limb first = Parser(left).limb();
-  const Limb second = right != nullptr ? Parser(*right).limb() : first;
+  const IkinLimb first = IkinParser(left).limb();
+  const IkinLimb second = right != nullptr ? IkinParser(*right).limb() : first;
   const std::size_t count = first.rows.size();
   if (second.rows.size() != count || second.h0 != first.h0)
     throw InputError(right->name, std::to_string(second.rows.size()) + " links",
@@ -218,7 +218,7 @@ HeadDescription description_of_ikin(const IkinText& left, const IkinText* right)
   const bool beside = common + 1 < count && first.rows[common].same_but_d(second.rows[common]);
 
   for (std::size_t i = 0; i < count; ++i) {
-    const Row& row = first.rows[i];
+    const LinkRow& row = first.rows[i];
     const bool last = i + 1 == count;
     const bool coupled = last && right != nullptr;
     if (!row.blocked_deg) {
@@ -235,7 +235,7 @@ HeadDescription description_of_ikin(const IkinText& left, const IkinText* right)
         head.joints.emplace_back(is_icub ? "eyes_vergence" : "vergence", joint);
       }
     }
-    const auto turned = [&](const Row& from, double half_vergence) {
+    const auto turned = [&](const LinkRow& from, double half_vergence) {
       DescribedLink link = link_of(from);
       if (from.blocked_deg) return link;
       link.joint = names[i];
@@ -251,11 +251,11 @@ HeadDescription description_of_ikin(const IkinText& left, const IkinText* right)
       head.links.emplace_back(names[i], link);
       continue;
     }
-    const auto add = [&](DescribedEye& eye, const Limb& limb, const char* side, double half_vergence) {
+    const auto add = [&](DescribedEye& eye, const IkinLimb& limb, const char* side, double half_vergence) {
       DescribedLink link = turned(limb.rows[i], half_vergence);
       if (beside && i == common + 1) {
         // D of the row before, in the frame after that row.
-        const Row& before = limb.rows[common];
+        const LinkRow& before = limb.rows[common];
         const Eigen::AngleAxisd back(-before.alpha_deg * rad_per_deg, Eigen::Vector3d::UnitX());
         link.before_m = back * Eigen::Vector3d(0.0, 0.0, before.d_m);
       }
