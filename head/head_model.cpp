@@ -1,5 +1,6 @@
 #include "head/head_model.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 
 #include "core/error.h"
@@ -40,6 +41,24 @@ HeadJointVector HeadModel::gaze_by_slot(const Eigen::VectorXd& in_order) const {
   HeadJointVector values = HeadJointVector::Zero();
   values.head(gaze_joints()) = in_order;
   return values;
+}
+
+std::shared_ptr<const HeadModel> aiming_cameras(const std::shared_ptr<const HeadModel>& head,
+                                                const Eigen::Isometry3d& left_eye_from_camera,
+                                                const Eigen::Isometry3d& right_eye_from_camera) {
+  const Eigen::Matrix4d none = Eigen::Matrix4d::Identity();
+  if (left_eye_from_camera.matrix() == none && right_eye_from_camera.matrix() == none) return head;
+  auto aiming = std::make_shared<HeadModel>(*head);
+  const std::array<const Eigen::Isometry3d*, 2> mounts = {&left_eye_from_camera, &right_eye_from_camera};
+  for (std::size_t e = 0; e < mounts.size(); ++e) {
+    Eigen::Isometry3d turned = Eigen::Isometry3d::Identity();
+    turned.translation() = mounts[e]->translation();
+    turned.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), mounts[e]->linear().col(2))
+                          .toRotationMatrix();
+    aiming->chain.eye_from_last[e] = aiming->chain.eye_from_last[e] * turned;
+  }
+  aiming->chain.has_eye_from_last = true;
+  return aiming;
 }
 
 std::shared_ptr<const HeadModel> head_of_names(const std::vector<std::string>& names) {

@@ -61,6 +61,13 @@ struct HeadModel {
 [[nodiscard]] std::shared_ptr<const HeadModel> icub_head(std::string_view version = "2");
 [[nodiscard]] const std::vector<std::string>& icub_versions();
 
+/// The head with its eyes' frames at cameras that are mounted in the eyes: what gaze control aims. Each frame has its origin in
+/// the pinhole and its z axis along the camera's optical axis; a roll of the camera about that axis is left out, so that x
+/// stays to the right. The same head where both cameras are at the eyes' own frames.
+[[nodiscard]] std::shared_ptr<const HeadModel> aiming_cameras(const std::shared_ptr<const HeadModel>& head,
+                                                              const Eigen::Isometry3d& left_eye_from_camera,
+                                                              const Eigen::Isometry3d& right_eye_from_camera);
+
 /// A head of which only the names of the joints are known, such as from the columns of a table: the default head where the
 /// names are its joints', otherwise joints in the slots from torso_slots on. At most gaze_slots names.
 [[nodiscard]] std::shared_ptr<const HeadModel> head_of_names(const std::vector<std::string>& names);

@@ -97,10 +97,10 @@ void add_geometry(py::module_& m) {
       .def_readonly("linear_velocity_m_s", &CameraMotion::linear_velocity_m_s,
                     "Of the pinhole, camera frame.")
       .def_readonly("angular_velocity_rad_s", &CameraMotion::angular_velocity_rad_s, "Camera frame.");
-  m.def("camera_motion",
-        [](const Eigen::VectorXd& position_rad, const Eigen::VectorXd& velocity_rad_s, const std::string& eye) {
-          return camera_motion(default_head()->chain, state_of(position_rad, velocity_rad_s), eye_of(eye));
-        });
+  m.def("camera_motion", [](const Eigen::VectorXd& position_rad, const Eigen::VectorXd& velocity_rad_s,
+                            const std::string& eye) {
+    return camera_motion(default_head()->chain, state_of(position_rad, velocity_rad_s), eye_of(eye));
+  });
   m.def("root_from_eye", [](const Eigen::VectorXd& position_rad, const std::string& eye) {
     return Eigen::Matrix4d(head_at(position_rad).root_from_eye(eye_of(eye)).matrix());
   });

@@ -46,10 +46,11 @@ TargetStatus Simulation::look_at(const Eigen::Vector3d& target_m) {
   if (!config.follows_targets())
     throw InputError("gaze.controller", config.controller,
                      "a controller that follows targets, for a gaze target");
-  const TargetStatus status = check_gaze_target(target_m, HeadKinematics(robot_.limits().head->chain, head_.position_rad));
+  const TargetStatus status =
+      check_gaze_target(target_m, HeadKinematics(robot_.limits().head->chain, head_.position_rad));
   if (status != TargetStatus::ok) return status;
   if (!following_) {
-    controller_ = make_gaze_controller(config, robot_.limits());
+    controller_ = make_gaze_controller(config, aiming_limits(scenario_, robot_.limits()));
     limiter_.emplace(motion_limits(robot_.limits(), config.limits));
     following_ = true;
   }

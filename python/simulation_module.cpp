@@ -119,7 +119,8 @@ void add_simulation(py::module_& m) {
            [](const Simulation& s, bool right) {
              const MountedCamera& assumed = right ? s.scenario().right_calibration : s.scenario().calibration;
              const CameraMotion motion =
-                 camera_motion(s.robot().limits().head->chain, s.head(), right ? Eye::right : Eye::left, assumed.mount.eye_from_camera());
+                 camera_motion(s.robot().limits().head->chain, s.head(), right ? Eye::right : Eye::left,
+                               assumed.mount.eye_from_camera());
              return Eigen::Matrix4d(motion.root_from_camera.matrix());
            })
       .def("camera",
@@ -128,7 +129,8 @@ void add_simulation(py::module_& m) {
            })
       .def("camera_motion",
            [](const Simulation& s) {
-             return camera_motion(s.robot().limits().head->chain, s.head(), Eye::left, s.scenario().calibration.mount.eye_from_camera());
+             return camera_motion(s.robot().limits().head->chain, s.head(), Eye::left,
+                                  s.scenario().calibration.mount.eye_from_camera());
            })
       .def_property_readonly("t_us", [](const Simulation& s) { return s.robot().now_us(); })
       .def_property_readonly(
@@ -136,21 +138,23 @@ void add_simulation(py::module_& m) {
       .def_property_readonly("name", [](const Simulation& s) { return s.scenario().name; })
       .def_property_readonly("seed", [](const Simulation& s) { return s.scenario().seed; })
       .def_property_readonly("both_eyes", [](const Simulation& s) { return s.scenario().sim.both_eyes(); })
-      .def_property_readonly("position_rad",
-                             [](const Simulation& s) { return s.robot().limits().head->in_order(s.head().position_rad); })
-      .def_property_readonly("velocity_rad_s",
-                             [](const Simulation& s) { return s.robot().limits().head->in_order(s.head().velocity_rad_s); })
+      .def_property_readonly(
+          "position_rad",
+          [](const Simulation& s) { return s.robot().limits().head->in_order(s.head().position_rad); })
+      .def_property_readonly(
+          "velocity_rad_s",
+          [](const Simulation& s) { return s.robot().limits().head->in_order(s.head().velocity_rad_s); })
       .def_property_readonly("limits_rad",
                              [](const Simulation& s) {
                                const JointLimits limits = s.robot().limits();
                                return std::pair(limits.head->in_order(limits.min_rad),
                                                 limits.head->in_order(limits.max_rad));
                              })
-      .def_property_readonly(
-          "reference_rad", [](const Simulation& s) -> std::optional<Eigen::VectorXd> {
-            if (!s.reference_rad()) return std::nullopt;
-            return s.robot().limits().head->gaze_in_order(*s.reference_rad());
-          })
+      .def_property_readonly("reference_rad",
+                             [](const Simulation& s) -> std::optional<Eigen::VectorXd> {
+                               if (!s.reference_rad()) return std::nullopt;
+                               return s.robot().limits().head->gaze_in_order(*s.reference_rad());
+                             })
       .def_property_readonly("target_m",
                              [](const Simulation& s) { return std::optional<Eigen::Vector3d>(s.target_m()); })
       .def_property_readonly("yaml", [](const Simulation& s) { return resolved_scenario(s.scenario()); });

@@ -58,7 +58,9 @@ DeploySession::MakeMotion motion_maker(Robot& robot, const RobotFile& file) {
     if (GazePort* const port = robot.gaze()) {
       motion.port = port;
     } else {
-      const JointLimits limits = robot.head()->limits();
+      JointLimits limits = robot.head()->limits();
+      limits.head = aiming_cameras(limits.head, file.calibration.mount.eye_from_camera(),
+                                   Eigen::Isometry3d::Identity());
       motion.controller = make_gaze_controller(file.gaze.controller, limits);
       motion.limiter.emplace(motion_limits(limits, file.gaze.controller.limits));
     }

@@ -71,8 +71,9 @@ PracticeRobot::Disc PracticeRobot::look(std::int64_t t_us) const {
   const Eigen::Vector3d ball_m(-config_.ball_distance_m, config_.circle_radius_m * std::cos(turn_rad),
                                ball_height_m + config_.circle_radius_m * std::sin(turn_rad));
   const HeadState state = head_.state(start_ns_ + 1000 * t_us);
-  const auto circle =
-      camera_.project_sphere(HeadKinematics(limits_.head->chain, state.position_rad).root_from_eye(Eye::left).inverse() * ball_m, ball_radius_m);
+  const auto circle = camera_.project_sphere(
+      HeadKinematics(limits_.head->chain, state.position_rad).root_from_eye(Eye::left).inverse() * ball_m,
+      ball_radius_m);
   return circle ? Disc{circle->x_px, circle->y_px, circle->r_px} : Disc{};
 }
 

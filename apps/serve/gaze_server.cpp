@@ -155,7 +155,8 @@ std::string GazeServer::look(Words& words) {
   const std::string kind = words.next();
   const std::optional<Eigen::Vector3d> target_m = point(kind, words);
   if (!target_m || suspended_ ||
-      check_gaze_target(*target_m, HeadKinematics(limits_.head->chain, state_.position_rad)) != TargetStatus::ok) {
+      check_gaze_target(*target_m, HeadKinematics(limits_.head->chain, state_.position_rad)) !=
+          TargetStatus::ok) {
     return std::string(nack);
   }
   ++requests_;
@@ -215,7 +216,8 @@ std::optional<Eigen::Vector3d> GazeServer::on_plane(Words& words) const {
   const auto values = words.numbers(6);
   if (!values || (eye != "left" && eye != "right")) return {};
   const Eye which = eye == "left" ? Eye::left : Eye::right;
-  const Eigen::Isometry3d pose = HeadKinematics(limits_.head->chain, state_.position_rad).root_from_eye(which);
+  const Eigen::Isometry3d pose =
+      HeadKinematics(limits_.head->chain, state_.position_rad).root_from_eye(which);
   const Eigen::Vector3d ray = pose.linear() * through_pixel(cameras_[static_cast<std::size_t>(which)],
                                                             (*values)[0], (*values)[1], 1.0);
   const Eigen::Vector3d normal = values->segment<3>(2);
@@ -271,7 +273,8 @@ std::string GazeServer::get(Words& words) const {
   if (what == "done") return acknowledged(done_ ? 1.0 : 0.0);
   if (what == "sdon") return acknowledged(saccade_done_ ? 1.0 : 0.0);
   if (what == "des") return acknowledged(Eigen::VectorXd(desired_rad_.head<joint_count>() * deg_per_rad));
-  if (what == "vel") return acknowledged(Eigen::VectorXd(state_.velocity_rad_s.head<joint_count>() * deg_per_rad));
+  if (what == "vel")
+    return acknowledged(Eigen::VectorXd(state_.velocity_rad_s.head<joint_count>() * deg_per_rad));
   if (what == "pid" || what == "tweak") return fmt::format("{} ()", ack);
   if (what == "info") {
     return fmt::format(
@@ -298,7 +301,8 @@ std::string GazeServer::get(Words& words) const {
                                           camera.fy_px * seen.y() / seen.z() + camera.cy_px));
     }
     if (!is_eye && name != "head") return std::string(nack);
-    const Eigen::Isometry3d pose = is_eye ? head.root_from_eye(eye) : CyclopeanEye(limits_.head->chain, q).root_from_eye();
+    const Eigen::Isometry3d pose =
+        is_eye ? head.root_from_eye(eye) : CyclopeanEye(limits_.head->chain, q).root_from_eye();
     const Eigen::AngleAxisd turn(pose.linear());
     Eigen::VectorXd values(7);
     values << pose.translation(), turn.axis(), turn.angle();

@@ -6,7 +6,17 @@
 
 namespace saccade {
 
-std::optional<LoopGaze> make_gaze(const Scenario& scenario, const JointLimits& limits) {
+JointLimits aiming_limits(const Scenario& scenario, JointLimits limits) {
+  const Eigen::Isometry3d left = scenario.calibration.mount.eye_from_camera();
+  const Eigen::Isometry3d right = scenario.sim.both_eyes()
+                                      ? scenario.right_calibration.mount.eye_from_camera()
+                                      : Eigen::Isometry3d::Identity();
+  limits.head = aiming_cameras(limits.head, left, right);
+  return limits;
+}
+
+std::optional<LoopGaze> make_gaze(const Scenario& scenario, const JointLimits& head_limits) {
+  const JointLimits limits = aiming_limits(scenario, head_limits);
   const GazeControllerConfig& config = scenario.gaze.controller;
   if (scenario.gaze.detector == "none" && config.follows_targets()) return std::nullopt;
   LoopGaze gaze{

@@ -12,6 +12,9 @@ namespace saccade {
 
 [[nodiscard]] std::vector<LoopDetector> make_detectors(const NamedDetectors& named, const Camera& camera);
 
+/// The limits of a head, with the head as gaze control aims it: its eyes' frames at the cameras of the assumed calibration.
+[[nodiscard]] JointLimits aiming_limits(const Scenario& scenario, JointLimits limits);
+
 /// None if nothing moves the head. `limits`: of the head.
 [[nodiscard]] std::optional<LoopGaze> make_gaze(const Scenario& scenario, const JointLimits& limits);
 

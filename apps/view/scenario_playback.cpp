@@ -47,7 +47,8 @@ class ScenarioPlayback final : public Playback, private LoopObserver {
         resolved_scenario(with_gaze(settings)) != resolved_scenario(with_gaze(settings_)) ||
         settings.selected_name() != settings_.selected_name();
     if (gaze_changed) {
-      if (settings.controller) controller = make_gaze_controller(*settings.controller, robot_->limits());
+      if (settings.controller)
+        controller = make_gaze_controller(*settings.controller, aiming_limits(scenario_, robot_->limits()));
       if (settings.gate) gate = make_gate(*settings.gate);
     }
     loop_->set_detectors(std::move(changed.detectors), has_driver() ? std::optional(selected) : std::nullopt);
