@@ -142,7 +142,7 @@ void World::find_parts() {
   }
   ball_mocap_ = m.body_mocapid[find(m, mjOBJ_BODY, "ball_hand")];
   left_eye_ = find(m, mjOBJ_CAMERA, "left_eye");
-  right_eye_ = find(m, mjOBJ_CAMERA, "right_eye");
+  right_eye_ = head_->chain.eyes > 1 ? find(m, mjOBJ_CAMERA, "right_eye") : left_eye_;
 }
 
 void World::set_up_drives(const PlantConfig& config) {

@@ -106,6 +106,7 @@ class World {
   /// The SceneObject of each geom of the model, as a number.
   [[nodiscard]] std::vector<std::uint8_t> scene_objects() const;
   [[nodiscard]] int left_eye_camera() const { return left_eye_; }
+  /// That of the left eye where the head has one eye.
   [[nodiscard]] int right_eye_camera() const { return right_eye_; }
 
  private:

@@ -101,6 +101,8 @@ void describe(FieldVisitor& v, Scenario& s) {
       "head", [&](FieldVisitor& w) { describe_head(w, s.sim.world.head); }, "the robot's head");
   describe(v, s.sim.world);
   v.choice("eyes", s.sim.eyes, "eyes with a camera");
+  v.require(!s.sim.both_eyes() || valid_head(s.sim.world.head)->chain.eyes > 1, "eyes", "both",
+            "left: the head has one eye");
   MountedCamera left{s.sim.camera, s.sim.mount};
   v.section(
       "camera",

@@ -21,7 +21,7 @@ MotionDelayEstimator estimate_after(double duration_s, std::size_t neck_ms, std:
   const RandomStream random(1, "test/delay");
   std::deque<HeadJointVector> sent(200, HeadJointVector::Zero());
   for (std::uint64_t i = 0; static_cast<double>(i) * tick_s < duration_s; ++i) {
-    HeadJointVector measured;
+    HeadJointVector measured = HeadJointVector::Zero();
     for (int j = 0; j < head_joint_count; ++j) {
       const double true_rad = sent[(j < neck_joint_count ? neck_ms : eyes_ms)][j];
       const double noisy_deg =

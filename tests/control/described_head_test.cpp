@@ -82,7 +82,9 @@ TEST(DescribedHead, GazeReachesATargetWithAnyNumberOfJointsWithoutAllocating) {
       const HeadJointVector reference = gaze->step(plant.state, std::nullopt, dt);
       plant.follow(limiter.apply(reference, plant.state.head_position_rad(), dt).reference_rad);
     }
-    if (malloc_is_counted()) EXPECT_EQ(malloc_count(), before) << description.name;
+    if (malloc_is_counted()) {
+      EXPECT_EQ(malloc_count(), before) << description.name;
+    }
     EXPECT_LT(error_deg(*head, plant.state.position_rad, target_m), 0.05) << description.name;
     for (int j = head->gaze_joints(); j < gaze_slots; ++j)
       EXPECT_EQ(plant.state.position_rad[torso_slots + j], 0.0);

@@ -11,6 +11,8 @@
 #include "control/head_kinematics.h"
 #include "core/random.h"
 #include "sim/world.h"
+#include "tests/control/described_head.h"
+#include "tests/recording/temp_folder.h"
 
 namespace saccade {
 namespace {
@@ -131,6 +133,69 @@ TEST(Kinematics, TheControllersModelEqualsThePlant) {
   std::cout << "controller against plant: " << error.position_m << " m, " << error.angle_rad << " rad\n";
   EXPECT_LT(error.position_m, 1e-9);
   EXPECT_LT(error.angle_rad, 1e-9);
+}
+
+/// The plant of a head against its description, over the whole range of the joints.
+PoseError plant_against_description(const HeadConfig& head) {
+  WorldConfig config;
+  config.head = head;
+  World world(config, "", 1);
+  const HeadModel& model = *world.limits().head;
+  const MjDataPtr data(mj_makeData(&world.model()));
+  PoseError error;
+  for (std::uint64_t i = 0; i < poses; ++i) {
+    const RandomStream random(12, "test/heads");
+    JointVector q = JointVector::Zero();
+    for (const HeadJoint& joint : model.joints)
+      q[joint.slot] = random.uniform(joint.min_rad, joint.max_rad, i, static_cast<std::uint64_t>(joint.slot));
+    world.pose(0, q, *data);
+    const HeadKinematics at(model.chain, q);
+    error.add(World::root_from_camera(*data, world.left_eye_camera()), at.root_from_eye(Eye::left));
+    if (model.chain.eyes > 1)
+      error.add(World::root_from_camera(*data, world.right_eye_camera()), at.root_from_eye(Eye::right));
+  }
+  std::cout << model.name << ", plant against description: " << error.position_m << " m, " << error.angle_rad
+            << " rad\n";
+  return error;
+}
+
+TEST(Kinematics, ThePlantOfEachVersionOfTheIcubHasItsChain) {
+  for (const std::string& version : icub_versions()) {
+    HeadConfig head;
+    head.version = version;
+    const PoseError error = plant_against_description(head);
+    EXPECT_LT(error.position_m, 1e-9) << version;
+    EXPECT_LT(error.angle_rad, 1e-9) << version;
+  }
+}
+
+TEST(Kinematics, ThePlantOfADescribedHeadHasItsChain) {
+  for (const HeadDescription& description : {pan_tilt(), twelve_joints()}) {
+    HeadConfig head;
+    head.model = HeadKind::described;
+    head.description = description;
+    const PoseError error = plant_against_description(head);
+    EXPECT_LT(error.position_m, 1e-9) << description.name;
+    EXPECT_LT(error.angle_rad, 1e-9) << description.name;
+  }
+}
+
+TEST(Kinematics, AModelWithAnotherChainIsAnInputError) {
+  const TempFolder folder;
+  HeadConfig head;
+  head.model = HeadKind::described;
+  head.description = pan_tilt();
+  std::string mjcf = head_mjcf(*head_model(head), models_directory());
+  head.description.mjcf = folder.write("mine.xml", mjcf).string();
+  EXPECT_LT(plant_against_description(head).position_m, 1e-9);
+  mjcf.replace(mjcf.find("0.045"), 5, "0.046");
+  folder.write("mine.xml", mjcf);
+  try {
+    (void)plant_against_description(head);
+    FAIL() << "taken";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("camera left_eye 1 mm"), std::string::npos) << error.what();
+  }
 }
 
 /// iCubGenova02's URDF from the root to the left eye, joint by joint: origin in the parent's frame and axis in
