@@ -6,17 +6,19 @@
 namespace saccade {
 namespace {
 
-constexpr std::string_view reference_form = "`reference` and six angles, rad";
+std::string reference_form(int joints) {
+  return "`reference` and " + (joints == head_joint_count ? "six" : std::to_string(joints)) + " angles, rad";
+}
 
 }  // namespace
 
-std::optional<HeadJointVector> parse_reference(std::string_view line) {
+std::optional<HeadJointVector> parse_reference(std::string_view line, int joints) {
   if (next_word(line) != "reference") return std::nullopt;
-  HeadJointVector reference_rad;
-  for (double& angle_rad : reference_rad) {
+  HeadJointVector reference_rad = HeadJointVector::Zero();
+  for (int j = 0; j < joints; ++j) {
     const auto number = next_number(line);
     if (!number) return std::nullopt;
-    angle_rad = *number;
+    reference_rad[j] = *number;
   }
   return next_word(line).empty() ? std::optional(reference_rad) : std::nullopt;
 }
@@ -30,7 +32,7 @@ ExternalController::ExternalController(std::string name, const std::vector<std::
       reference_rad_(HeadJointVector::Zero().cwiseMax(limits.min_rad).cwiseMin(limits.max_rad)) {
   message_ = "saccade-controller 1\nlimits";
   for (const HeadJointVector& row : {limits.min_rad, limits.max_rad, limits.speed_rad_s}) {
-    for (const double value : row) append_word(message_, value);
+    for (int j = 0; j < limits.joints; ++j) append_word(message_, row[j]);
   }
   message_ += '\n';
   const auto limit = milliseconds(answers.start_limit_s);
@@ -48,7 +50,7 @@ void ExternalController::write_step(const HeadState& state, const std::optional<
                                     double dt_s) {
   message_ = "step";
   append_word(message_, dt_s);
-  for (const double value : state.position_rad) append_word(message_, value);
+  for (const HeadJoint& joint : limits_.head->joints) append_word(message_, state.position_rad[joint.slot]);
   if (target_m) {
     for (const double value : *target_m) append_word(message_, value);
   } else {
@@ -62,11 +64,13 @@ HeadJointVector ExternalController::step(const HeadState& state,
                                          const std::optional<Eigen::Vector3d>& target_m, double dt_s) {
   status_ = TargetStatus::none;
   if (!is_finite(state)) return reference_rad_;
-  if (target_m) status_ = check_gaze_target(*target_m, HeadKinematics(state.position_rad));
+  if (target_m)
+    status_ = check_gaze_target(*target_m, HeadKinematics(limits_.head->chain, state.position_rad));
   if (!failure_.empty()) return reference_rad_;
   write_step(state, status_ == TargetStatus::ok ? target_m : std::nullopt, dt_s);
   const LineProcess::Status status = process_.exchange(message_, answer_limit_, answer_);
-  const auto reference_rad = status == LineProcess::Status::ok ? parse_reference(answer_) : std::nullopt;
+  const auto reference_rad =
+      status == LineProcess::Status::ok ? parse_reference(answer_, limits_.joints) : std::nullopt;
   if (reference_rad) {
     reference_rad_ = reference_rad->cwiseMax(limits_.min_rad).cwiseMin(limits_.max_rad);
     return reference_rad_;
@@ -76,7 +80,7 @@ HeadJointVector ExternalController::step(const HeadState& state,
   moment += " s";
   const std::string end = process_.stop();
   failure_ = status == LineProcess::Status::ok ? name_ + " answered " + shown(answer_) + " " + moment +
-                                                     ", expected " + std::string(reference_form)
+                                                     ", expected " + reference_form(limits_.joints)
                                                : reason_of(status, name_, moment, answer_limit_, end);
   return reference_rad_;
 }

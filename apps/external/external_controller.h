@@ -46,7 +46,9 @@ class ExternalController final : public GazeController {
   std::string failure_;
 };
 
-/// What a program answers: `reference` and six numbers. None where the line is no such answer.
-[[nodiscard]] std::optional<HeadJointVector> parse_reference(std::string_view line);
+/// What a program answers: `reference` and a number for each joint that gaze commands. None where the line is no such
+/// answer.
+[[nodiscard]] std::optional<HeadJointVector> parse_reference(std::string_view line,
+                                                             int joints = head_joint_count);
 
 }  // namespace saccade

@@ -287,7 +287,7 @@ TEST(IkinGazeController, TiltStaysWithinItsOwnLimits) {
 TEST(IkinGazeController, CompensatesASteadyPositionErrorOfAJoint) {
   const auto gaze = controller(ikingaze());
   Plant plant;
-  plant.sag_rad << -3, 1, 0.5, -1, 0.5, 0.5;
+  plant.sag_rad.head<head_joint_count>() << -3, 1, 0.5, -1, 0.5, 0.5;
   plant.sag_rad *= rad_per_deg;
   const Eigen::Vector3d target_m = seen_at(15, -5, 0.45);
   run(*gaze, plant, target_m, 4.0);

@@ -176,7 +176,7 @@ TEST(QpController, TheEyesCoverTheRemainingAngleIfTheNeckIsAtItsLimit) {
 TEST(QpController, CompensatesASteadyPositionErrorOfAJoint) {
   const auto gaze = controller();
   Plant plant;
-  plant.sag_rad << -3, 1, 0.5, -1, 0.5, 0.5;
+  plant.sag_rad.head<head_joint_count>() << -3, 1, 0.5, -1, 0.5, 0.5;
   plant.sag_rad *= rad_per_deg;
   const Eigen::Vector3d target = seen_at(15, -5, 0.45);
   run(*gaze, plant, target, 3.0);

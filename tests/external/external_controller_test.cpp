@@ -51,9 +51,9 @@ TEST(ExternalController, GetsLimitsJointsAndTargetsAndItsAnswerIsTheReferenceWit
       "echo ready; while read q; do echo \"$q\" >> $0.log; echo reference 0.1 -0.2 0 3 0 1e-3; done");
   ExternalController controller = program.start();
   HeadState state;
-  state.position_rad << 0.1, 0.2, 0.3, 0.4, 0.5, 0.25, 0.125, 0, -0.5;
-  HeadJointVector expected;
-  expected << 0.1, -0.2, 0.0, 0.5, 0.0, 1e-3;
+  state.position_rad.head<joint_count>() << 0.1, 0.2, 0.3, 0.4, 0.5, 0.25, 0.125, 0, -0.5;
+  HeadJointVector expected = HeadJointVector::Zero();
+  expected.head<head_joint_count>() << 0.1, -0.2, 0.0, 0.5, 0.0, 1e-3;
   EXPECT_EQ(controller.step(state, std::nullopt, 0.001), expected);
   EXPECT_EQ(controller.target_status(), TargetStatus::none);
   (void)controller.step(state, ahead, 0.001);

@@ -74,7 +74,8 @@ class TruthObserver final : public LoopObserver {
     truth.t_us = tick.t_us;
     truth.ball_m = ball_at(tick.t_us);
     truth.plant_position_rad = tick.head->position_rad;
-    truth.left.root_from_cam = root_from_left_cam(tick.head->position_rad);
+    truth.left.root_from_cam =
+        HeadKinematics(default_head()->chain, tick.head->position_rad).root_from_eye(Eye::left);
     truth.left.visible = tick.t_us / 1'000'000 % 10 == 9 ? 0.0 : 1.0;
     truth.left.circle = Camera{}.project_sphere(truth.left.root_from_cam.inverse() * truth.ball_m, 0.03);
     if (!truth.left.circle) truth.left.visible = 0.0;
