@@ -50,7 +50,7 @@ write_basic_package_version_file(${CMAKE_BINARY_DIR}/saccadeConfigVersion.cmake
 install(FILES ${CMAKE_BINARY_DIR}/saccadeConfig.cmake ${CMAKE_BINARY_DIR}/saccadeConfigVersion.cmake
   DESTINATION ${SACCADE_PACKAGE_DIR} COMPONENT library)
 
-set(CPACK_PACKAGE_CONTACT "The saccade authors <saccade@localhost>")
+set(CPACK_PACKAGE_CONTACT "The saccade authors <noreply@saccade.invalid>")
 # cd build/release && cpack: packages/saccade_*.deb (the program), libsaccade-dev_*.deb and, where the Python module is built,
 # python3-saccade_*.deb (docs/install.md). Each has a changelog and a copyright file, as Debian's policy asks for.
 file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/packages/changelog @ONLY CONTENT "saccade (@PROJECT_VERSION@) unstable; urgency=low
@@ -65,13 +65,10 @@ if(TARGET saccade_module)
   list(APPEND packages python3-saccade)
   list(APPEND components python)
 endif()
-find_program(GZIP gzip REQUIRED)
-add_custom_command(OUTPUT ${CMAKE_BINARY_DIR}/packages/changelog.gz DEPENDS ${CMAKE_BINARY_DIR}/packages/changelog
-  COMMAND ${GZIP} -9 -n -k -f ${CMAKE_BINARY_DIR}/packages/changelog VERBATIM)
-add_custom_target(saccade_changelog ALL DEPENDS ${CMAKE_BINARY_DIR}/packages/changelog.gz)
+execute_process(COMMAND gzip -9 -n -k -f ${CMAKE_BINARY_DIR}/packages/changelog)
 foreach(package component IN ZIP_LISTS packages components)
   install(FILES ${CMAKE_BINARY_DIR}/packages/changelog.gz DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${package}
-    COMPONENT ${component} OPTIONAL)
+    COMPONENT ${component})
   install(FILES ${saccade_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${package} RENAME copyright
     COMPONENT ${component})
 endforeach()
@@ -90,23 +87,26 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME saccade)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 # Programs and libraries that are started or loaded by name.
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "gnuplot-nox, ffmpeg, fonts-dejavu-core, fonts-liberation, libosmesa6, findutils")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "gnuplot-nox, ffmpeg, python3, python3-numpy, fonts-dejavu-core, fonts-liberation, libosmesa6")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "libegl1, libgl1-mesa-dri, hdf5-filter-plugin-blosc-serial")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "slurm-client, xvfb")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "closed-loop testbench for event-driven vision on the iCub")
-set(CPACK_DEBIAN_PROGRAM_DESCRIPTION "A simulated iCub head watches a ball through a simulated event camera; a detector finds the ball and a gaze
- controller turns the head to it. Runs, scores and compares detectors on scenarios and recordings.")
+set(CPACK_DEBIAN_PROGRAM_DESCRIPTION "A simulated iCub head watches a ball through a simulated event camera;
+ a detector finds the ball and a gaze controller turns the head to it.
+ Runs, scores and compares detectors on scenarios and recordings.")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libsaccade-dev)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS
   "saccade (= ${PROJECT_VERSION}), libeigen3-dev, libmujoco-dev, libceres-dev, libopencv-dev, libyaml-cpp-dev, nlohmann-json3-dev, libcli11-dev, libfmt-dev, pkg-config, libhdf5-dev, liblz4-dev, libzstd-dev, libbz2-dev, zlib1g-dev, libglfw3-dev, libimgui-dev, libsqlite3-dev, libsqlitecpp-dev, libpugixml-dev")
-set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "Static libraries, headers and a CMake package: events, detectors, event camera emulator, event files, head
- kinematics, simulator, scoring, reports.")
+set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "Static libraries, headers and a CMake package: events, detectors,
+ event camera emulator, event files, head kinematics, simulator,
+ scoring, reports.")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-saccade)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
 # The module loads the models of the program's package.
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "saccade (= ${PROJECT_VERSION}), ${SACCADE_PYTHON_DEPENDS}, python3-numpy")
-set(CPACK_DEBIAN_PYTHON_DESCRIPTION "Python module of saccade: recordings as NumPy arrays, detectors, the event camera emulator, scoring, head
- kinematics, and the closed loop in lockstep.")
+set(CPACK_DEBIAN_PYTHON_DESCRIPTION "Python module of saccade: recordings as NumPy arrays, detectors,
+ the event camera emulator, scoring, head kinematics, and the closed
+ loop in lockstep.")
 include(CPack)
