@@ -33,7 +33,7 @@ def test_a_detector_of_ones_own_is_scored_and_drawn(tmp_path):
     text = outputs(tmp_path, "own_detector.ipynb")
     scores = {words[0]: float(words[3]) for words in map(str.split, text.splitlines()) if words[1:3] == ["average", "precision"]}
     assert set(scores) == {"mine", "paper_directed", "best"}
-    assert scores["mine"] > 0.05  # it finds the ball now and then, among the events of a hand
+    assert scores["mine"] > 0.1  # 0.30 where this was written
     assert scores["best"] > scores["mine"]
     assert (tmp_path / "precision_recall.pdf").stat().st_size > 5000
 
