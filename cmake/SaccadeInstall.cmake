@@ -21,7 +21,7 @@ install(FILES ${saccade_SOURCE_DIR}/README.md ${saccade_SOURCE_DIR}/CHANGELOG.md
   DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 
 # Every layer is a library of the package: a static library needs those below it. `program` is the command line.
-set(layers core head control emulator recording robot loop sim scoring frame_camera calibration report config external images session
+set(layers core head control emulator recording robot loop sim scoring frame_camera calibration report sensor_fit config external images session
   deploy serve sweep view cli)
 if(TARGET saccade_yarp)
   list(APPEND layers yarp)

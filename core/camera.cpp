@@ -11,8 +11,53 @@
 namespace saccade {
 namespace {
 
+/// A fisheye's distance from the principal point, in focal lengths, at the angle a from the optical axis.
+double fisheye_radius(const Camera& c, double a) {
+  const double s = a * a;
+  return a * (1.0 + s * (c.k1 + s * (c.k2 + s * (c.k3 + s * c.k4))));
+}
+
+/// Its derivative by the angle.
+double fisheye_slope(const Camera& c, double a) {
+  const double s = a * a;
+  return 1.0 + s * (3.0 * c.k1 + s * (5.0 * c.k2 + s * (7.0 * c.k3 + s * 9.0 * c.k4)));
+}
+
+/// The smallest angle at which that derivative is 0; at least 90 deg where there is none below.
+double fisheye_end_rad(const Camera& c) {
+  constexpr double right_angle = std::numbers::pi / 2.0;
+  if (c.k1 == 0.0 && c.k2 == 0.0 && c.k3 == 0.0 && c.k4 == 0.0) return right_angle;
+  constexpr int steps = 64;
+  for (int i = 1; i <= steps; ++i) {
+    double high = right_angle * i / steps;
+    if (fisheye_slope(c, high) > 0.0) continue;
+    double low = right_angle * (i - 1) / steps;
+    for (int k = 0; k < 60; ++k) {
+      const double middle = 0.5 * (low + high);
+      (fisheye_slope(c, middle) > 0.0 ? low : high) = middle;
+    }
+    return low;
+  }
+  return right_angle;
+}
+
+/// What a fisheye does to a point at unit depth, r from the optical axis: (x', y') = factor (x, y), and the derivative
+/// factor I + outward (x, y) (x, y)^T.
+struct FisheyeBend {
+  double factor, outward;
+};
+
+FisheyeBend fisheye_bend(const Camera& c, double r) {
+  constexpr double near_axis = 1e-4;  // there the first terms of the series are exact to 1e-15
+  if (r < near_axis) return {1.0 + (c.k1 - 1.0 / 3.0) * r * r, 2.0 * (c.k1 - 1.0 / 3.0)};
+  const double a = std::atan(r);
+  const double factor = fisheye_radius(c, a) / r;
+  return {factor, (fisheye_slope(c, a) / (1.0 + r * r) - factor) / (r * r)};
+}
+
 /// x' and y' of a point at unit depth.
 Eigen::Vector2d distort(const Camera& c, const Eigen::Vector2d& q) {
+  if (c.lens == LensModel::fisheye) return q * fisheye_bend(c, q.norm()).factor;
   const double s = q.squaredNorm();
   const double radial = 1.0 + s * (c.k1 + s * c.k2);
   const double twice_xy = 2.0 * q.x() * q.y();
@@ -22,6 +67,10 @@ Eigen::Vector2d distort(const Camera& c, const Eigen::Vector2d& q) {
 
 /// Its derivative by the point.
 Eigen::Matrix2d jacobian(const Camera& c, const Eigen::Vector2d& q) {
+  if (c.lens == LensModel::fisheye) {
+    const FisheyeBend bend = fisheye_bend(c, q.norm());
+    return bend.factor * Eigen::Matrix2d::Identity() + bend.outward * q * q.transpose();
+  }
   const double s = q.squaredNorm();
   const double radial = 1.0 + s * (c.k1 + s * c.k2);
   const double slope = 2.0 * (c.k1 + 2.0 * s * c.k2);
@@ -32,12 +81,39 @@ Eigen::Matrix2d jacobian(const Camera& c, const Eigen::Vector2d& q) {
   return j;
 }
 
-/// The smallest s with 1 + 3 k1 s + 5 k2 s^2 = 0, where the lens ends.
+/// The squared distance from the optical axis, at unit depth, where the lens ends.
 double lens_end(const Camera& c) {
+  if (c.lens == LensModel::fisheye) {
+    const double end_rad = fisheye_end_rad(c);
+    const double r = std::tan(end_rad);
+    return end_rad < std::numbers::pi / 2.0 ? r * r : std::numeric_limits<double>::infinity();
+  }
   const double root = 3.0 * c.k1;
   const double discriminant = root * root - 20.0 * c.k2;
   const double divisor = discriminant < 0.0 ? 0.0 : std::sqrt(discriminant) - root;
   return divisor > 0.0 ? 2.0 / divisor : std::numeric_limits<double>::infinity();
+}
+
+/// The point at unit depth that a fisheye shows at `seen`; NaN where there is none.
+Eigen::Vector2d fisheye_ray(const Camera& c, const Eigen::Vector2d& seen) {
+  const double radius = seen.norm();
+  if (radius == 0.0) return Eigen::Vector2d::Zero();
+  const double end_rad = fisheye_end_rad(c);
+  constexpr int max_steps = 30;
+  constexpr double close = 1e-15;
+  double low = 0.0;
+  double high = end_rad;
+  double a = std::min(radius, 0.5 * (low + high));
+  if (!(fisheye_radius(c, high) > radius))
+    return Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+  for (int i = 0; i < max_steps; ++i) {  // Newton's method inside a bracket
+    const double missed = radius - fisheye_radius(c, a);
+    (missed > 0.0 ? low : high) = a;
+    const double step = missed / fisheye_slope(c, a);
+    if (std::abs(step) < close) break;
+    a = a + step > low && a + step < high ? a + step : 0.5 * (low + high);
+  }
+  return seen * (std::tan(a) / radius);
 }
 
 bool is_invertible(const Camera& c) {
@@ -55,8 +131,14 @@ bool is_invertible(const Camera& c) {
 }  // namespace
 
 Camera Camera::without_lens() const {
+  Camera camera = without_distortion();
+  camera.lens = LensModel::radial_tangential;
+  return camera;
+}
+
+Camera Camera::without_distortion() const {
   Camera camera = *this;
-  camera.k1 = camera.k2 = camera.p1 = camera.p2 = 0.0;
+  camera.k1 = camera.k2 = camera.p1 = camera.p2 = camera.k3 = camera.k4 = 0.0;
   return camera;
 }
 
@@ -73,6 +155,10 @@ Eigen::Vector3d Camera::ray(double u_px, double v_px) const {
   constexpr double close = 1e-13;
   const Eigen::Vector2d seen((u_px - cx_px) / fx_px, (v_px - cy_px) / fy_px);
   if (!has_lens()) return seen.homogeneous();
+  if (lens == LensModel::fisheye) {
+    const Eigen::Vector2d q = fisheye_ray(*this, seen);
+    return {q.x(), q.y(), q.allFinite() ? 1.0 : std::numeric_limits<double>::quiet_NaN()};
+  }
   Eigen::Vector2d q = seen;
   for (int i = 0; i < max_steps; ++i) {
     const Eigen::Vector2d missed = seen - distort(*this, q);
@@ -105,8 +191,8 @@ std::optional<Circle> Camera::project_ellipse(const Eigen::Vector2d& centre, con
   };
   if (!has_lens()) return circle(centre, a.x() * b.y() - a.y() * b.x());
 
-  static const std::array<Eigen::Vector2d, 16> turn = [] {
-    std::array<Eigen::Vector2d, 16> points;
+  static const std::array<Eigen::Vector2d, 64> turn = [] {
+    std::array<Eigen::Vector2d, 64> points;
     for (std::size_t i = 0; i < points.size(); ++i) {
       const double t = 2.0 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(points.size());
       points[i] = {std::cos(t), std::sin(t)};
@@ -117,7 +203,9 @@ std::optional<Circle> Camera::project_ellipse(const Eigen::Vector2d& centre, con
   const Eigen::Vector2d middle = distort(*this, centre);
   double area = 0.0;                                 // the sum of x dy
   Eigen::Vector2d moment = Eigen::Vector2d::Zero();  // of x^2 dy / 2 and -y^2 dx / 2
-  for (const Eigen::Vector2d& t : turn) {
+  const std::size_t every = lens == LensModel::fisheye ? 1 : 4;
+  for (std::size_t i = 0; i < turn.size(); i += every) {
+    const Eigen::Vector2d& t = turn[i];
     const Eigen::Vector2d q = centre + a * t.x() + b * t.y();
     if (!(q.squaredNorm() < end)) return std::nullopt;
     const Eigen::Vector2d at = distort(*this, q) - middle;
@@ -125,7 +213,7 @@ std::optional<Circle> Camera::project_ellipse(const Eigen::Vector2d& centre, con
     area += at.x() * step.y();
     moment += Eigen::Vector2d(at.x() * at.x() * step.y(), -at.y() * at.y() * step.x()) / 2.0;
   }
-  return circle(middle + moment / area, 2.0 * area / static_cast<double>(turn.size()));
+  return circle(middle + moment / area, 2.0 * area / static_cast<double>(turn.size() / every));
 }
 
 Eigen::Vector2d Camera::rotational_flow_px_s(const Eigen::Vector3d& ray, const Eigen::Vector3d& w) const {
@@ -155,23 +243,44 @@ void describe_image_size(FieldVisitor& v, Camera& camera) {
 }
 
 void describe_lens(FieldVisitor& v, Camera& camera) {
+  const LensModel before = camera.lens;
+  v.choice("lens", camera.lens,
+           "model of the lens, as OpenCV has it; fisheye: equidistant where k1 to k4 are 0");
+  if (v.fills_defaults() && camera.lens != before) {
+    const LensModel now = camera.lens;
+    camera = camera.without_distortion();
+    camera.lens = now;
+  }
   v.real("fx_px", camera.fx_px, {1.0, 1e5}, "focal length along x");
   v.real("fy_px", camera.fy_px, {1.0, 1e5}, "focal length along y");
   v.real("cx_px", camera.cx_px, {-1e4, 1e4}, "principal point, x");
   v.real("cy_px", camera.cy_px, {-1e4, 1e4}, "principal point, y");
   v.real("k1", camera.k1, {-10.0, 10.0}, "radial distortion, of r^2 (as OpenCV has it)");
   v.real("k2", camera.k2, {-10.0, 10.0}, "radial distortion, of r^4");
-  v.real("p1", camera.p1, {-1.0, 1.0}, "tangential distortion, vertical");
-  v.real("p2", camera.p2, {-1.0, 1.0}, "tangential distortion, horizontal");
+  v.when(camera.lens == LensModel::radial_tangential, "lens: radial_tangential", [&] {
+    v.real("p1", camera.p1, {-1.0, 1.0}, "tangential distortion, vertical");
+    v.real("p2", camera.p2, {-1.0, 1.0}, "tangential distortion, horizontal");
+  });
+  v.when(camera.lens == LensModel::fisheye, "lens: fisheye", [&] {
+    v.real("k3", camera.k3, {-10.0, 10.0}, "radial distortion, of r^6");
+    v.real("k4", camera.k4, {-10.0, 10.0}, "radial distortion, of r^8");
+  });
+}
+
+void require_invertible(FieldVisitor& v, const Camera& camera) {
   const bool focal = camera.fx_px > 0.0 && camera.fy_px > 0.0;
+  const bool fisheye = camera.lens == LensModel::fisheye;
   v.require(
-      !focal || is_invertible(camera), "k1", text_of(camera.k1),
-      "with k2, p1 and p2 a lens that can be inverted over the whole image (k1, k2, p1, p2 of 0: no lens)");
+      !focal || is_invertible(camera), fisheye ? "fx_px" : "k1", text_of(fisheye ? camera.fx_px : camera.k1),
+      fisheye ? "with k1 to k4 a lens that shows the whole image within 90 deg of its axis"
+              : "with k2, p1 and p2 a lens that can be inverted over the whole image (k1, k2, p1, p2 of "
+                "0: no lens)");
 }
 
 void describe(FieldVisitor& v, Camera& camera) {
   describe_image_size(v, camera);
   describe_lens(v, camera);
+  require_invertible(v, camera);
 }
 
 void describe(FieldVisitor& v, CameraMount& mount) {

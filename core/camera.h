@@ -16,14 +16,29 @@ struct Circle {
   double r_px = 0.0;
 };
 
-/// A pinhole behind a lens in OpenCV's convention: x right, y down, z forward; pixel (0, 0) is the centre of
+/// How a lens bends rays.
+enum class LensModel {
+  radial_tangential,  ///< OpenCV's k1, k2, p1, p2: a pinhole with distortion
+  fisheye,  ///< OpenCV's fisheye model, k1 to k4 (Kannala, Brandt, PAMI 28(8), 2006): equidistant where all are 0
+};
+constexpr auto words_of(LensModel) {
+  return std::to_array<Word<LensModel>>(
+      {{LensModel::radial_tangential, "radial_tangential"}, {LensModel::fisheye, "fisheye"}});
+}
+
+/// A camera with a lens in OpenCV's convention: x right, y down, z forward; pixel (0, 0) is the centre of
 /// the top-left pixel. A point (x, y) at unit depth is projected to the pixel (cx + fx x', cy + fy y'), with
-/// s = x^2 + y^2 and
+/// s = x^2 + y^2 and, for a lens radial_tangential,
 ///
 ///     x' = x (1 + k1 s + k2 s^2) + 2 p1 x y + p2 (s + 2 x^2)
 ///     y' = y (1 + k1 s + k2 s^2) + 2 p2 x y + p1 (s + 2 y^2)
 ///
-/// The lens ends where x' would turn back towards the axis: from 1 + 3 k1 s + 5 k2 s^2 = 0 on it shows nothing.
+/// or for a fisheye, with a = atan(sqrt(s)) the angle from the optical axis, below 90 deg,
+///
+///     (x', y') = (x, y) a (1 + k1 a^2 + k2 a^4 + k3 a^6 + k4 a^8) / sqrt(s)
+///
+/// The lens ends where x' would turn back towards the axis: from 1 + 3 k1 s + 5 k2 s^2 = 0 (fisheye:
+/// 1 + 3 k1 a^2 + 5 k2 a^4 + 7 k3 a^6 + 9 k4 a^8 = 0) on it shows nothing.
 /// Defaults: left DVS128 of iCubGenova02 (icubEyes_DVS.ini, 2016).
 struct Camera {
   ImageSize size{128, 128};
@@ -35,10 +50,18 @@ struct Camera {
   double k2 = 0.73946;     ///< radial distortion
   double p1 = -0.0016571;  ///< tangential distortion
   double p2 = -0.0059468;  ///< tangential distortion
+  LensModel lens = LensModel::radial_tangential;
+  double k3 = 0.0;  ///< of a fisheye
+  double k4 = 0.0;  ///< of a fisheye
 
-  [[nodiscard]] bool has_lens() const { return k1 != 0.0 || k2 != 0.0 || p1 != 0.0 || p2 != 0.0; }
-  /// The same as an exact pinhole: k1, k2, p1 and p2 are 0.
+  /// False for an exact pinhole.
+  [[nodiscard]] bool has_lens() const {
+    return lens == LensModel::fisheye || k1 != 0.0 || k2 != 0.0 || p1 != 0.0 || p2 != 0.0;
+  }
+  /// The same as an exact pinhole.
   [[nodiscard]] Camera without_lens() const;
+  /// The same without distortion: an exact pinhole, or for a fisheye the equidistant lens.
+  [[nodiscard]] Camera without_distortion() const;
 
   /// Pixel of a point in the camera frame, m; none when it is not in front of the camera or where the lens
   /// shows nothing.
@@ -52,8 +75,9 @@ struct Camera {
   /// of the camera, or reaches where the lens shows nothing.
   /// Formula: the outline is the cone (d.x)^2 = (|d|^2 - R^2)|x|^2 cut with the image plane.
   [[nodiscard]] std::optional<Circle> project_sphere(const Eigen::Vector3d& centre_m, double radius_m) const;
-  /// The same for the ellipse centre + a cos t + b sin t on the plane at unit depth. Exact through the lens
-  /// too: Green's theorem over 16 points, for the integrands are trigonometric polynomials of degree 15.
+  /// The same for the ellipse centre + a cos t + b sin t on the plane at unit depth. Green's theorem: exact over 16
+  /// points through a lens radial_tangential, whose integrands are trigonometric polynomials of degree 15; over 64
+  /// points through a fisheye, to about 1e-9 px for a ball 60 deg off the axis.
   [[nodiscard]] std::optional<Circle> project_ellipse(const Eigen::Vector2d& centre, const Eigen::Vector2d& a,
                                                       const Eigen::Vector2d& b) const;
   /// Image velocity, px/s, of a resting point on `ray` (a point at unit depth) while the camera turns at
@@ -69,10 +93,13 @@ inline constexpr Camera right_dvs128{{128, 128}, 99.8,     99.8,        59.336, 
 
 /// Keys: width_px, height_px.
 void describe_image_size(FieldVisitor& v, Camera& camera);
-/// Keys: fx_px, fy_px, cx_px, cy_px, k1, k2, p1, p2.
+/// Keys: lens, fx_px, fy_px, cx_px, cy_px, k1, k2, p1, p2 (fisheye: k1, k2, k3, k4). While a file is read, another lens
+/// than before starts without distortion.
 void describe_lens(FieldVisitor& v, Camera& camera);
-/// Keys: width_px, height_px, fx_px, fy_px, cx_px, cy_px, k1, k2, p1, p2. The lens must be invertible: every
-/// pixel up to the image's border has a ray, and around it the lens turns nothing inside out.
+/// The condition on these keys: the lens is invertible, every pixel up to the image's border has a ray, and around it the
+/// lens turns nothing inside out.
+void require_invertible(FieldVisitor& v, const Camera& camera);
+/// Keys: width_px, height_px and those of describe_lens, with require_invertible.
 void describe(FieldVisitor& v, Camera& camera);
 
 /// Where a camera sits in its eye. The eye's frame is that of control/head_kinematics.h: at the eye's centre, axes as

@@ -126,6 +126,11 @@ class FieldVisitor {
   /// The path of a file that a key names, from where the program runs; none where the key is absent. Only a reader
   /// returns one: what the file holds takes the place of the key.
   virtual std::optional<std::string> file(std::string_view, std::string_view) { return std::nullopt; }
+  /// A number that stands for other keys, such as a field of view for a focal length; none where the key is absent. Only a
+  /// reader returns one.
+  virtual std::optional<double> alternative(std::string_view, Range, std::string_view) {
+    return std::nullopt;
+  }
   /// A condition over several keys. `key` is the one that a message names, `found` its value.
   virtual void require(bool holds, std::string_view key, std::string_view found,
                        std::string_view expectation) = 0;

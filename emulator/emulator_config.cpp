@@ -5,8 +5,9 @@
 namespace saccade {
 
 const std::vector<std::string>& emulator_presets() {
-  static const std::vector<std::string> names = {"ideal", "dvs128",     "noisy",     "davis346",
-                                                 "atis",  "few_events", "asymmetric"};
+  static const std::vector<std::string> names = {"ideal",    "dvs128",     "noisy",      "davis346",
+                                                 "atis",     "few_events", "asymmetric", "davis240",
+                                                 "gen3_vga", "gen4_hd"};
   return names;
 }
 
@@ -28,7 +29,7 @@ EmulatorConfig emulator_preset(const std::string& name) {
     config.cutoff_hz = 30.0;
     config.shot_noise_rate_hz = 5.0;
     config.hot_pixel_share = 0.001;
-  } else if (name == "davis346") {
+  } else if (name == "davis346" || name == "davis240") {
     config.threshold_mismatch = 0.035;
     config.leak_rate_hz = 0.2;
     config.latency_us = 3;
@@ -55,6 +56,14 @@ EmulatorConfig emulator_preset(const std::string& name) {
     config.latency_us = 100;
     config.readout_rate_hz = 30e6;
     config.timestamp_resolution_us = 10;
+  } else if (name == "gen3_vga") {
+    config.threshold_mismatch = 0.03;
+    config.latency_us = 40;
+    config.readout_rate_hz = 66e6;
+  } else if (name == "gen4_hd") {
+    config.threshold_mismatch = 0.03;
+    config.latency_us = 20;
+    config.readout_rate_hz = 1e9;
   } else if (name != "dvs128") {
     throw InputError("emulator.preset", name, expectation_of(emulator_presets()));
   }

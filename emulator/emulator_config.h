@@ -78,7 +78,7 @@ struct EmulatorConfig {
   std::int64_t timestamp_resolution_us = 1;  ///< tick of the time stamps
 };
 
-/// Names of presets: ideal, dvs128, noisy, davis346, atis, few_events, asymmetric.
+/// Names of presets: ideal, dvs128, noisy, davis346, atis, few_events, asymmetric, davis240, gen3_vga, gen4_hd.
 [[nodiscard]] const std::vector<std::string>& emulator_presets();
 /// The configuration of a preset. Throws InputError for an unknown name.
 [[nodiscard]] EmulatorConfig emulator_preset(const std::string& name);

@@ -75,6 +75,9 @@ void add_geometry(py::module_& m) {
       .def_readonly("k2", &Camera::k2)
       .def_readonly("p1", &Camera::p1)
       .def_readonly("p2", &Camera::p2)
+      .def_property_readonly("lens", [](const Camera& c) { return std::string(word_of(c.lens)); })
+      .def_readonly("k3", &Camera::k3)
+      .def_readonly("k4", &Camera::k4)
       .def("project", &project, py::arg("points_m"),
            "Pixels (N, 2) of points (N, 3) in the camera frame; NaN where the camera does not show a point.")
       .def("rays", &rays, py::arg("pixels"), "Points (N, 3) at unit depth on the rays through pixels (N, 2).")

@@ -12,6 +12,7 @@
 #include "recording/decompressor.h"
 #include "recording/input_file.h"
 #include "recording/number_text.h"
+#include "recording/two_cameras.h"
 
 namespace saccade {
 namespace {
@@ -58,6 +59,7 @@ std::optional<Elements> find_elements(std::string_view start) {
 
 struct Stream {
   std::string type;
+  std::string source;  ///< name of the camera
   ImageSize size;
 };
 
@@ -71,7 +73,7 @@ std::string_view attribute(std::string_view tag, std::string_view name) {
 }
 
 /// The streams by their number: nodes outInfo/N of the XML with the attribute typeIdentifier, and sizeX and
-/// sizeY in their node info.
+/// sizeY in their node info, with the camera's name as source.
 std::map<std::int32_t, Stream> parse_streams(std::string_view xml) {
   std::map<std::int32_t, Stream> streams;
   std::vector<std::string_view> nodes;
@@ -87,6 +89,7 @@ std::map<std::int32_t, Stream> parse_streams(std::string_view xml) {
     const std::string_view key = attribute(tag, "key");
     Stream& stream = streams[number];
     if (key == "typeIdentifier") stream.type = value;
+    if (key == "source") stream.source = value;
     if (key == "sizeX") (void)parse_number(value, stream.size.width);
     if (key == "sizeY") (void)parse_number(value, stream.size.height);
   }
@@ -95,8 +98,9 @@ std::map<std::int32_t, Stream> parse_streams(std::string_view xml) {
 
 class Aedat4Reader final : public EventReader {
  public:
-  Aedat4Reader(InputFile file, const EventReadOptions& options)
-      : file_(std::move(file)), image_size_(options.image_size), window_(window_bytes) {
+  /// `camera`: the first stream of events, or that of the second source of events.
+  Aedat4Reader(InputFile file, const EventReadOptions& options, int camera = 0)
+      : file_(std::move(file)), camera_(camera), image_size_(options.image_size), window_(window_bytes) {
     read_header();
   }
 
@@ -113,6 +117,7 @@ class Aedat4Reader final : public EventReader {
 
   std::optional<ImageSize> image_size() const override { return image_size_; }
   std::string format() const override { return "AEDAT 4.0" + compression_; }
+  [[nodiscard]] bool has_second_camera() const { return second_stream_.has_value(); }
   std::string skipped() const override {
     std::string text;
     for (const auto& [number, packets] : other_packets_) {
@@ -174,8 +179,14 @@ class Aedat4Reader final : public EventReader {
 
   void choose_stream() {
     const auto is_events = [](const auto& entry) { return entry.second.type == "EVTS"; };
-    const auto found = std::find_if(streams_.begin(), streams_.end(), is_events);
+    auto found = std::find_if(streams_.begin(), streams_.end(), is_events);
     if (found == streams_.end()) fail("no stream of events", "a stream of type EVTS in the header");
+    const auto of_another = [&](const auto& entry) {
+      return is_events(entry) && !entry.second.source.empty() && entry.second.source != found->second.source;
+    };
+    const auto second = std::find_if(streams_.begin(), streams_.end(), of_another);
+    if (second != streams_.end() && !found->second.source.empty()) second_stream_ = second->first;
+    if (camera_ == 1 && second_stream_) found = second;
     stream_ = found->first;
     const ImageSize size = found->second.size;
     const auto is_length = [](int length_px) { return length_px > 0 && length_px <= largest_read_length_px; };
@@ -236,7 +247,7 @@ class Aedat4Reader final : public EventReader {
     file_.skip(8);
     if (stream != stream_) {
       if (!file_.discard(static_cast<std::uint64_t>(size))) fail_cut("the rest of a packet");
-      ++other_packets_[stream];
+      if (camera_ == 0 && stream != second_stream_) ++other_packets_[stream];
     } else {
       packet_left_ = static_cast<std::size_t>(size);
       open_packet();
@@ -306,12 +317,14 @@ class Aedat4Reader final : public EventReader {
   static constexpr std::uint64_t no_end = std::numeric_limits<std::uint64_t>::max();
 
   InputFile file_;
+  int camera_;
   std::optional<ImageSize> image_size_;
   std::string compression_;
   std::unique_ptr<Decompressor> decompressor_;
   std::map<std::int32_t, Stream> streams_;
   std::map<std::int32_t, std::int64_t> other_packets_;  ///< of streams that are skipped
   std::int32_t stream_ = 0;
+  std::optional<std::int32_t> second_stream_;  ///< of the second camera
   std::uint64_t packets_end_ = no_end;
   std::size_t packet_left_ = 0;  ///< bytes of the packet still in the file
   std::size_t events_left_ = 0;  ///< in the packet
@@ -329,14 +342,20 @@ RecordingFormat aedat4_format() {
   format.extensions = {".aedat4"};
   format.sniff = [](const FileStart& start) { return start.begins_with("#!AER-DAT4.0"); };
   format.open = [](InputFile file, const EventReadOptions& options) -> std::unique_ptr<EventReader> {
-    return std::make_unique<Aedat4Reader>(std::move(file), options);
+    const std::filesystem::path path = file.name();
+    auto reader = std::make_unique<Aedat4Reader>(std::move(file), options);
+    if (!reader->has_second_camera()) return reader;
+    return merge_cameras(std::move(reader), std::make_unique<Aedat4Reader>(InputFile(path), options, 1));
   };
+  format.cameras = 2;
   format.create = create_aedat4;
-  format.reads = "one stream of events; uncompressed, LZ4, ZSTD";
-  format.writes = "LZ4, with the table of packets";
+  format.reads =
+      "the first stream of events, and where there is one the first from another source as the right camera, "
+      "merged by time; uncompressed, LZ4, ZSTD";
+  format.writes = "LZ4, with the table of packets; two cameras as two streams";
   format.time = "i64 us";
   format.axes = "top left, 1 is ON";
-  format.limits = "32767 x 32767, one camera";
+  format.limits = "32767 x 32767";
   return format;
 }
 

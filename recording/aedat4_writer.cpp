@@ -1,6 +1,7 @@
 #include <lz4frame.h>
 
 #include <algorithm>
+#include <array>
 
 #include "core/error.h"
 #include "recording/aedat4_codec.h"
@@ -12,7 +13,6 @@ namespace saccade {
 namespace {
 
 constexpr std::size_t packet_events = 8192;
-constexpr std::int32_t stream = 0;
 constexpr int largest_written_length_px = 32767;
 
 /// A packet as the table at the end has it.
@@ -24,27 +24,33 @@ struct PacketInfo {
   std::int64_t last_us = 0;
 };
 
-std::string stream_description(ImageSize size) {
+/// Two cameras are two streams from different sources.
+std::string stream_description(ImageSize size, int cameras) {
   const auto attribute = [](std::string_view key, std::string_view type, std::string_view value) {
     return "<attr key=\"" + std::string(key) + "\" type=\"" + std::string(type) + "\">" + std::string(value) +
            "</attr>\n";
   };
-  return "<dv version=\"2.0\">\n<node name=\"outInfo\" path=\"/mainloop/Recorder/outInfo/\">\n"
-         "<node name=\"0\" path=\"/mainloop/Recorder/outInfo/0/\">\n" +
-         attribute("compression", "string", "LZ4") + attribute("originalModuleName", "string", "saccade") +
-         attribute("originalOutputName", "string", "events") +
-         attribute("typeDescription", "string", "Array of events (polarity ON/OFF).") +
-         attribute("typeIdentifier", "string", "EVTS") +
-         "<node name=\"info\" path=\"/mainloop/Recorder/outInfo/0/info/\">\n" +
-         attribute("sizeX", "int", std::to_string(size.width)) +
-         attribute("sizeY", "int", std::to_string(size.height)) + attribute("source", "string", "saccade") +
-         attribute("tsOffset", "long", "0") + "</node>\n</node>\n</node>\n</dv>\n";
+  std::string text = "<dv version=\"2.0\">\n<node name=\"outInfo\" path=\"/mainloop/Recorder/outInfo/\">\n";
+  for (int camera = 0; camera < cameras; ++camera) {
+    const std::string number = std::to_string(camera);
+    const std::string source = cameras == 1 ? "saccade" : camera == 0 ? "saccade_left" : "saccade_right";
+    text += "<node name=\"" + number + "\" path=\"/mainloop/Recorder/outInfo/" + number + "/\">\n" +
+            attribute("compression", "string", "LZ4") + attribute("originalModuleName", "string", "saccade") +
+            attribute("originalOutputName", "string", "events") +
+            attribute("typeDescription", "string", "Array of events (polarity ON/OFF).") +
+            attribute("typeIdentifier", "string", "EVTS") +
+            "<node name=\"info\" path=\"/mainloop/Recorder/outInfo/" + number + "/info/\">\n" +
+            attribute("sizeX", "int", std::to_string(size.width)) +
+            attribute("sizeY", "int", std::to_string(size.height)) + attribute("source", "string", source) +
+            attribute("tsOffset", "long", "0") + "</node>\n</node>\n";
+  }
+  return text + "</node>\n</dv>\n";
 }
 
 /// The table in front, with its size: compression, place of the table of packets, description of the streams.
-std::string header_table(ImageSize size, std::int64_t table_place) {
+std::string header_table(ImageSize size, int cameras, std::int64_t table_place) {
   flatbuffers::FlatBufferBuilder builder;
-  const auto description = builder.CreateString(stream_description(size));
+  const auto description = builder.CreateString(stream_description(size, cameras));
   builder.ForceDefaults(true);
   aedat4::IOHeaderBuilder header(builder);
   header.add_data_table_position(table_place);
@@ -65,26 +71,29 @@ std::string compress(const flatbuffers::FlatBufferBuilder& builder) {
 
 class Aedat4Writer final : public EventWriter {
  public:
-  Aedat4Writer(const std::filesystem::path& path, ImageSize image_size)
-      : file_(path), image_size_(image_size) {
+  Aedat4Writer(const std::filesystem::path& path, ImageSize image_size, int cameras)
+      : file_(path), image_size_(image_size), cameras_(cameras) {
     put(aedat4_mark);
-    put(header_table(image_size, 0));
+    put(header_table(image_size, cameras, 0));
   }
 
   void write(std::span<const Event> events) override {
     for (const Event& event : events) {
-      check_writable(event, image_size_, 1, file_.path());
-      pending_.emplace_back(event.t_us, static_cast<std::int16_t>(event.x),
-                            static_cast<std::int16_t>(event.y), event.on);
-      if (pending_.size() == packet_events) put_packet();
+      check_writable(event, image_size_, cameras_, file_.path());
+      auto& pending = pending_[event.camera];
+      pending.emplace_back(event.t_us, static_cast<std::int16_t>(event.x), static_cast<std::int16_t>(event.y),
+                           event.on);
+      if (pending.size() == packet_events) put_packet(event.camera);
     }
   }
 
   void commit() override {
-    if (!pending_.empty()) put_packet();
+    for (std::size_t camera = 0; camera < pending_.size(); ++camera) {
+      if (!pending_[camera].empty()) put_packet(camera);
+    }
     const std::int64_t table_place = offset_;
     put_table();
-    const std::string header = header_table(image_size_, table_place);
+    const std::string header = header_table(image_size_, cameras_, table_place);
     file_.overwrite(static_cast<std::int64_t>(aedat4_mark.size()), std::as_bytes(std::span(header)));
     file_.commit();
   }
@@ -95,20 +104,22 @@ class Aedat4Writer final : public EventWriter {
     offset_ += static_cast<std::int64_t>(bytes.size());
   }
 
-  void put_packet() {
+  void put_packet(std::size_t camera) {
+    std::vector<aedat4::Event>& pending = pending_[camera];
     flatbuffers::FlatBufferBuilder builder(packet_events * sizeof(aedat4::Event) + 64);
-    const auto elements = builder.CreateVectorOfStructs(pending_);
+    const auto elements = builder.CreateVectorOfStructs(pending);
     builder.FinishSizePrefixed(aedat4::CreateEventPacket(builder, elements), "EVTS");
     const std::string packed = compress(builder);
-    const aedat4::PacketHeader header(stream, static_cast<std::int32_t>(packed.size()));
+    const aedat4::PacketHeader header(static_cast<std::int32_t>(camera),
+                                      static_cast<std::int32_t>(packed.size()));
     put({reinterpret_cast<const char*>(&header), sizeof header});
     const auto [first, last] = std::minmax_element(
-        pending_.begin(), pending_.end(),
+        pending.begin(), pending.end(),
         [](const aedat4::Event& a, const aedat4::Event& b) { return a.timestamp() < b.timestamp(); });
     packets_.push_back(
-        {offset_, header, static_cast<std::int64_t>(pending_.size()), first->timestamp(), last->timestamp()});
+        {offset_, header, static_cast<std::int64_t>(pending.size()), first->timestamp(), last->timestamp()});
     put(packed);
-    pending_.clear();
+    pending.clear();
   }
 
   void put_table() {
@@ -130,19 +141,20 @@ class Aedat4Writer final : public EventWriter {
 
   OutputFile file_;
   ImageSize image_size_;
+  int cameras_;
   std::int64_t offset_ = 0;
-  std::vector<aedat4::Event> pending_;
+  std::array<std::vector<aedat4::Event>, 2> pending_;  ///< of each camera
   std::vector<PacketInfo> packets_;
 };
 
 }  // namespace
 
 std::unique_ptr<EventWriter> create_aedat4(const std::filesystem::path& path, ImageSize image_size,
-                                           int /*cameras*/) {
+                                           int cameras) {
   if (image_size.width > largest_written_length_px || image_size.height > largest_written_length_px) {
     throw InputError(path.string(), "an image of " + text_of(image_size), "at most 32767x32767 for AEDAT 4");
   }
-  return std::make_unique<Aedat4Writer>(path, image_size);
+  return std::make_unique<Aedat4Writer>(path, image_size, cameras);
 }
 
 }  // namespace saccade

@@ -11,6 +11,7 @@
 #include "recording/number_text.h"
 #include "recording/output_file.h"
 #include "recording/prophesee_header.h"
+#include "recording/two_cameras.h"
 #include "recording/wrapping_time.h"
 
 namespace saccade {
@@ -125,8 +126,9 @@ class Evt3Reader final : public EvtReader {
 
 class Evt3Writer final : public EventWriter {
  public:
-  Evt3Writer(const std::filesystem::path& path, ImageSize image_size)
-      : file_(path), image_size_(image_size) {}
+  /// `cameras` 2: the header says that the right camera's events are in the file beside it.
+  Evt3Writer(const std::filesystem::path& path, ImageSize image_size, int cameras)
+      : file_(path), image_size_(image_size), cameras_(cameras) {}
 
   void write(std::span<const Event> events) override {
     for (const Event& event : events) check_writable(event, image_size_, 1, file_.path());
@@ -160,6 +162,7 @@ class Evt3Writer final : public EventWriter {
                          ";width=" + std::to_string(image_size_.width) + "\n% geometry " +
                          text_of(image_size_) + "\n";
     if (offset_us_ != 0) header += "% time_offset_us " + std::to_string(offset_us_) + "\n";
+    if (cameras_ == 2) header += "% saccade_cameras 2\n";
     file_.write(header + "% end\n");
     begun_ = true;
   }
@@ -238,6 +241,7 @@ class Evt3Writer final : public EventWriter {
 
   OutputFile file_;
   ImageSize image_size_;
+  int cameras_;
   bool begun_ = false;
   std::int64_t offset_us_ = 0;
   std::optional<std::int64_t> t_us_;
@@ -253,7 +257,17 @@ std::unique_ptr<EventReader> open_evt(InputFile file, const EventReadOptions& op
   const std::string version = header.value("evt");
   const std::string encoding = format.substr(0, format.find(';'));
   if (encoding == "EVT3" || (encoding.empty() && version == "3.0")) {
-    return std::make_unique<Evt3Reader>(std::move(file), header, options);
+    const std::filesystem::path right = right_camera_file(file.name());
+    auto left = std::make_unique<Evt3Reader>(std::move(file), header, options);
+    if (header.value("saccade_cameras") != "2") return left;
+    if (!std::filesystem::exists(right)) {
+      throw InputError(right.string(), "no such file",
+                       "the right camera's events beside those of the left one");
+    }
+    InputFile other(right);
+    const PropheseeHeader other_header(other);
+    return merge_cameras(std::move(left),
+                         std::make_unique<Evt3Reader>(std::move(other), other_header, options));
   }
   if (encoding == "EVT2" || (encoding.empty() && version == "2.0")) {
     return std::make_unique<Evt2Reader>(std::move(file), header, options);
@@ -269,12 +283,14 @@ std::unique_ptr<EventReader> open_evt(InputFile file, const EventReadOptions& op
 }
 
 std::unique_ptr<EventWriter> create_evt3(const std::filesystem::path& path, ImageSize image_size,
-                                         int /*cameras*/) {
+                                         int cameras) {
   constexpr ImageSize largest{2048, 2048};
   if (!largest.contains(image_size.width - 1, image_size.height - 1)) {
     throw InputError(path.string(), "an image of " + text_of(image_size), "at most 2048x2048 for EVT3");
   }
-  return std::make_unique<Evt3Writer>(path, image_size);
+  auto left = std::make_unique<Evt3Writer>(path, image_size, cameras);
+  if (cameras == 1) return left;
+  return split_cameras(std::move(left), std::make_unique<Evt3Writer>(right_camera_file(path), image_size, 1));
 }
 
 }  // namespace
@@ -290,14 +306,21 @@ RecordingFormat prophesee_raw_format() {
   };
   format.open = open_evt;
   format.create = create_evt3;
+  format.companions = [](const std::filesystem::path& path) {
+    return std::vector<std::filesystem::path>{right_camera_file(path)};
+  };
+  format.cameras = 2;
   format.reads = "EVT2 and EVT3, by the line `% evt` or `% format`";
-  format.writes = "EVT3, with vectors for rows";
+  format.writes =
+      "EVT3, with vectors for rows; of two cameras the right one's in a second file, `events_right.raw` "
+      "beside "
+      "`events.raw`, merged by time when the first one is read";
   format.time =
       "EVT2 34, EVT3 24 bits of us, continued over their wraps; written with `% time_offset_us` in the "
       "header where "
       "the recording begins after 16.8 s";
   format.axes = "top left, 1 is ON";
-  format.limits = "2048 x 2048, one camera; late by less than 4 s, silences below 19 h";
+  format.limits = "2048 x 2048; late by less than 4 s, silences below 19 h";
   return format;
 }
 

@@ -55,7 +55,8 @@ class Column {
 
 class Hdf5Writer final : public EventWriter {
  public:
-  Hdf5Writer(const std::filesystem::path& path, ImageSize size) : out_(path), size_(size) {
+  Hdf5Writer(const std::filesystem::path& path, ImageSize size, int cameras)
+      : out_(path), size_(size), cameras_(cameras) {
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
     file_ = Hdf5Handle(H5Fcreate(out_.part().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
     const Hdf5Handle group(H5Gcreate2(file_, "/events", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
@@ -64,6 +65,7 @@ class Hdf5Writer final : public EventWriter {
     y_.emplace(group, "y", H5T_STD_U16LE, H5T_NATIVE_UINT16);
     t_.emplace(group, "t", H5T_STD_U32LE, H5T_NATIVE_UINT32);
     p_.emplace(group, "p", H5T_STD_U8LE, H5T_NATIVE_UINT8);
+    if (cameras_ == 2) camera_.emplace(group, "camera", H5T_STD_U8LE, H5T_NATIVE_UINT8);
     ms_to_idx_.emplace(file_, "ms_to_idx", H5T_STD_U64LE, H5T_NATIVE_UINT64);
     write_scalar("/events/width", size.width);
     write_scalar("/events/height", size.height);
@@ -71,7 +73,7 @@ class Hdf5Writer final : public EventWriter {
 
   void write(std::span<const Event> events) override {
     for (const Event& event : events) {
-      check_writable(event, size_, 1, out_.path());
+      check_writable(event, size_, cameras_, out_.path());
       if (!first_us_) first_us_ = last_us_ = event.t_us;
       const bool in_range = event.t_us >= -largest_offset_us && event.t_us <= largest_offset_us;
       const std::int64_t t = in_range ? event.t_us - *first_us_ : 0;
@@ -86,13 +88,14 @@ class Hdf5Writer final : public EventWriter {
         ok = ok && ms_to_idx_->push(t_->size());
       }
       ok = ok && x_->push(event.x) && y_->push(event.y) && t_->push(static_cast<std::uint32_t>(t)) &&
-           p_->push(event.on ? 1 : 0);
+           p_->push(event.on ? 1 : 0) && (!camera_ || camera_->push(event.camera));
       check(ok);
     }
   }
 
   void commit() override {
     check(ms_to_idx_->push(t_->size()));
+    check(!camera_ || camera_->flush());
     check(x_->flush() && y_->flush() && t_->flush() && p_->flush() && ms_to_idx_->flush());
     write_scalar("/t_offset", first_us_.value_or(0));
     close_columns();
@@ -114,6 +117,7 @@ class Hdf5Writer final : public EventWriter {
     y_.reset();
     t_.reset();
     p_.reset();
+    camera_.reset();
     ms_to_idx_.reset();
   }
 
@@ -123,10 +127,11 @@ class Hdf5Writer final : public EventWriter {
 
   OutputFile out_;
   ImageSize size_;
+  int cameras_;
   Hdf5Handle file_;
   std::optional<Column<std::uint16_t>> x_, y_;
   std::optional<Column<std::uint32_t>> t_;
-  std::optional<Column<std::uint8_t>> p_;
+  std::optional<Column<std::uint8_t>> p_, camera_;
   std::optional<Column<std::uint64_t>> ms_to_idx_;
   std::optional<std::int64_t> first_us_;
   std::int64_t last_us_ = 0;
@@ -145,21 +150,23 @@ RecordingFormat hdf5_format() {
     const std::string size = options.image_size ? text_of(*options.image_size) : std::string();
     return open_in_helper(file.name(), "libhdf5", {find_helper("saccade-hdf5-reader"), {file.name(), size}});
   };
-  format.create = [](const std::filesystem::path& path, ImageSize size, int) -> std::unique_ptr<EventWriter> {
-    return std::make_unique<Hdf5Writer>(path, size);
+  format.create = [](const std::filesystem::path& path, ImageSize size,
+                     int cameras) -> std::unique_ptr<EventWriter> {
+    return std::make_unique<Hdf5Writer>(path, size, cameras);
   };
+  format.cameras = 2;
   format.longest_us = std::int64_t{0xffffffff};
   format.read_in_helper = true;
   format.reads =
       "DSEC's layout: `/events/{t,x,y,p}` of whole numbers of any width, `/t_offset`, "
-      "`/events/{width,height}`; v2e's "
+      "`/events/{width,height}`, `/events/camera` where there are two; v2e's "
       "layout: `/events`, N x 4: t, x, y, p; gzip, Blosc with libhdf5's plugin for it";
   format.writes =
       "DSEC's layout with gzip; `/ms_to_idx` up to the ms after the last event, `/t_offset` the first "
-      "event's time";
+      "event's time; of two cameras `/events/camera`, 0 left and 1 right";
   format.time = "us, 32 bits after `/t_offset`, continued over wraps";
   format.axes = "top left, 1 is ON";
-  format.limits = "sorted by time, 2^32 us, one camera";
+  format.limits = "sorted by time, 2^32 us";
   return format;
 }
 

@@ -70,6 +70,13 @@ class Hdf5Reader final : public EventReader {
       }
     }
     length_ = static_cast<std::size_t>(columns_[0].dims[0]);
+    if (exists("/events/camera")) {
+      camera_ = open_dataset("/events/camera", 1);
+      if (camera_->dims[0] != columns_[0].dims[0]) {
+        throw InputError(name_, "/events/camera of " + std::to_string(camera_->dims[0]) + " numbers",
+                         "as many as /events/t has, " + std::to_string(columns_[0].dims[0]));
+      }
+    }
     if (exists("/t_offset")) offset_us_ = scalar("/t_offset", largest_time);
     if (exists("/events/width") && exists("/events/height")) {
       image_size_ = ImageSize{static_cast<int>(scalar("/events/width", 65536)),
@@ -176,8 +183,9 @@ class Hdf5Reader final : public EventReader {
         return is_table_ ? values_[0][stride * i + column] : values_[column][i];
       };
       const std::int64_t t = value(0), x = value(1), y = value(2), p = value(3);
-      const bool sound = t <= largest_time && t >= -largest_time && x >= 0 && x <= 65535 && y >= 0 &&
-                         y <= 65535 && (p == 0 || p == 1 || p == -1);
+      const std::int64_t camera = camera_ ? cameras_[i] : 0;
+      const bool sound = (camera == 0 || camera == 1) && t <= largest_time && t >= -largest_time && x >= 0 &&
+                         x <= 65535 && y >= 0 && y <= 65535 && (p == 0 || p == 1 || p == -1);
       if (!sound && i > 0) return i;
       if (!sound) {
         throw InputError(place(),
@@ -190,7 +198,7 @@ class Hdf5Reader final : public EventReader {
       if (columns_[0].bytes == 4 && t > last_t_ + half && wraps_us_ > 0) wraps_us_ -= 2 * half;
       last_t_ = t;
       events.push_back({offset_us_ + wraps_us_ + t, static_cast<std::uint16_t>(x),
-                        static_cast<std::uint16_t>(y), p == 1, 0});
+                        static_cast<std::uint16_t>(y), p == 1, static_cast<std::uint8_t>(camera)});
     }
     return count;
   }
@@ -201,7 +209,7 @@ class Hdf5Reader final : public EventReader {
     for (std::size_t i = 0; i < columns_.size(); ++i) {
       if (!load(columns_[i], {next_}, {count}, values_[i])) return false;
     }
-    return true;
+    return !camera_ || load(*camera_, {next_}, {count}, cameras_);
   }
 
   bool load(const Dataset& dataset, const std::vector<hsize_t>& start, const std::vector<hsize_t>& count,
@@ -234,6 +242,8 @@ class Hdf5Reader final : public EventReader {
   bool is_table_ = false;
   std::array<Dataset, 4> columns_;  ///< t, x, y, p; of a table the first alone
   std::array<std::vector<std::int64_t>, 4> values_;
+  std::optional<Dataset> camera_;  ///< where there are two
+  std::vector<std::int64_t> cameras_;
   std::size_t length_ = 0;
   std::size_t next_ = 0;
   std::int64_t offset_us_ = 0;

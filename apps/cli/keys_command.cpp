@@ -10,6 +10,7 @@
 #include "apps/config/robot_file.h"
 #include "apps/config/scenario.h"
 #include "apps/sweep/sweep_config.h"
+#include "evaluation/sensor_fit/stimulus.h"
 
 namespace saccade {
 namespace {
@@ -119,6 +120,11 @@ std::vector<Section> all_sections(const Registry& registry) {
   for (const std::string& block : blocks_of(robot))
     sections.push_back({"robot." + block, "block of a robot file", rows_of(robot, block)});
   sections.push_back({"sweep", "keys of a sweep file", sweep_rows()});
+  sections.push_back({"stimulus", "keys of a stimulus file", list_keys([](FieldVisitor& v) {
+                        StimulusFile file;
+                        file.stimuli.emplace_back("NAME", Stimulus{});
+                        describe(v, file);
+                      })});
   return sections;
 }
 
@@ -151,8 +157,9 @@ int print_keys(const KeysOptions& options, const Registry& registry) {
 
 void add_keys_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<KeysOptions>();
-  Command command = line.add_command(
-      "keys", "The reference of every key of scenarios, robot files, sweeps, detectors and the emulator");
+  Command command = line.add_command("keys",
+                                     "The reference of every key of scenarios, robot files, sweeps, stimulus "
+                                     "files, detectors and the emulator");
   command.option("section", options->section, "One section; without it the list of all sections");
   command.flag("--markdown", options->markdown, "As a Markdown table");
   std::string presets;

@@ -53,6 +53,7 @@ int program(int argc, const char* const* argv, const Registry& registry) {
   add_convert_command(line, registry);
   add_emulate_command(line, registry);
   add_calibrate_command(line, registry);
+  add_fit_sensor_command(line, registry);
   add_fit_latency_command(line, registry);
   add_serve_command(line, registry);
   add_deploy_command(line, registry);

@@ -25,8 +25,12 @@ ImageSize parse_size(const std::string& text) {
 
 void add_read_options(Command& command, const char* name, const char* meaning, ReadOptions& options,
                       const FormatRegistry& formats) {
-  options.formats = formats;
   command.option(name, options.recording, meaning).required();
+  add_decoding_options(command, options, formats);
+}
+
+void add_decoding_options(Command& command, ReadOptions& options, const FormatRegistry& formats) {
+  options.formats = formats;
   command.option(
       "--size", [&options](const std::string& text) { options.read.image_size = parse_size(text); },
       "Image size WIDTHxHEIGHT, where the file has none");

@@ -10,4 +10,7 @@ namespace saccade {
 void add_read_options(Command& command, const char* name, const char* meaning, ReadOptions& options,
                       const FormatRegistry& formats);
 
+/// The same options without the recording.
+void add_decoding_options(Command& command, ReadOptions& options, const FormatRegistry& formats);
+
 }  // namespace saccade

@@ -85,6 +85,10 @@ class KeyLister final : public FieldVisitor {
     add(key, "file", "", "", doc);
     return std::nullopt;
   }
+  std::optional<double> alternative(std::string_view key, Range range, std::string_view doc) override {
+    add(key, "number", range_text(range), "", doc);
+    return std::nullopt;
+  }
   void require(bool, std::string_view, std::string_view, std::string_view) override {}
 
  private:

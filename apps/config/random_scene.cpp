@@ -35,8 +35,9 @@ Camera draw_camera(RandomGenerator& random) {
 }
 
 EmulatorConfig draw_sensor(RandomGenerator& random) {
-  const auto& presets = emulator_presets();
-  return emulator_preset(presets[static_cast<std::size_t>(random.index(static_cast<int>(presets.size())))]);
+  constexpr const char* sensors[] = {"ideal", "dvs128",     "noisy",     "davis346",
+                                     "atis",  "few_events", "asymmetric"};
+  return emulator_preset(one_of(random, sensors));
 }
 
 LabConfig draw_lab(RandomGenerator& random) {

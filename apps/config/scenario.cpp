@@ -112,12 +112,14 @@ void describe(FieldVisitor& v, Scenario& s) {
       "the left eye's camera");
   s.sim.camera = left.camera;
   s.sim.mount = left.mount;
+  const bool of_a_kind = !camera_preset_row(s.camera_preset).emulator.empty();
   if (s.sim.both_eyes()) {
     v.section(
         "right_camera",
         [&](FieldVisitor& w) {
           describe_camera(w, s.sim.right, s.right_camera_preset,
-                          {"icub_right_2016", left.camera.size, std::nullopt});
+                          of_a_kind ? CameraDefault{s.camera_preset, left.camera.size, left.camera}
+                                    : CameraDefault{"icub_right_2016", left.camera.size, std::nullopt});
           w.require(s.sim.right.camera.size == left.camera.size, "width_px",
                     in_words(s.sim.right.camera.size),
                     "the left camera's image, " + in_words(left.camera.size));
@@ -149,6 +151,9 @@ void describe(FieldVisitor& v, Scenario& s) {
         describe(w, s.sim.sampling);
       },
       "rendering of the eyes' images");
+  if (v.fills_defaults() && of_a_kind) {
+    s.sim.emulator = emulator_preset(camera_preset_row(s.camera_preset).emulator);
+  }
   v.section(
       "emulator", [&](FieldVisitor& w) { describe(w, s.sim.emulator); }, "the event camera's pixels");
   describe_detectors(v, s.detectors);
@@ -184,12 +189,17 @@ void describe(FieldVisitor& v, Scenario& s) {
         w.real("video_speed", s.output.video_speed, {0.01, 100.0},
                "time of the run per time of the video: 0.1 is slow motion, ten times slower");
         const FormatRegistry& formats = s.output.formats;
-        w.choice("events", s.output.events, formats.run_choices(), "format of the event file");
         const std::vector<std::string> fitting = formats.run_choices_for(s.sim.camera.size, 2);
+        const auto fits = [&] {
+          return !s.sim.both_eyes() || std::ranges::count(fitting, s.output.events) > 0;
+        };
+        if (w.fills_defaults() && !fits() && std::ranges::count(fitting, "aedat4") > 0)
+          s.output.events = "aedat4";
+        w.choice("events", s.output.events, formats.run_choices(), "format of the event file");
         std::string names;
         for (const std::string& name : fitting) names += (names.empty() ? "" : ", ") + name;
-        w.require(!s.sim.both_eyes() || std::ranges::count(fitting, s.output.events) > 0, "events",
-                  s.output.events, "a format that holds both eyes' images of this size: " + names);
+        w.require(fits(), "events", s.output.events,
+                  "a format that holds both eyes' images of this size: " + names);
         w.boolean("labels", s.sim.labels, "whether the run folder gets labels.csv: the cause of each event");
         w.integer("pictures", s.output.pictures, {0, 60},
                   "number of instants that the report shows with images");

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "apps/config/cameras.h"
 #include "control/head_kinematics.h"
 #include "core/units.h"
 #include "sim/trajectory.h"
@@ -23,14 +24,26 @@ void check_camera(const std::string& block, const Camera& camera, std::vector<st
     warnings.push_back(block + ": the principal point (" + text_of(camera.cx_px) + ", " +
                        text_of(camera.cy_px) + ") lies outside the image of " + in_words(camera.size));
   }
+  constexpr Range plausible_view_deg{5.0, 150.0};
+  const double view_deg = field_of_view_deg(camera);
+  if (!plausible_view_deg.contains(view_deg)) {
+    warnings.push_back(block + ": the camera sees " + rounded(view_deg) +
+                       " deg from left to right; are focal length and image size those of one camera?");
+  }
+  constexpr double largest_aspect = 1.05;
+  const double aspect = camera.fx_px / camera.fy_px;
+  if (std::max(aspect, 1.0 / aspect) > largest_aspect) {
+    warnings.push_back(block + ": fx_px: " + text_of(camera.fx_px) + " and fy_px: " + text_of(camera.fy_px) +
+                       " differ by more than 5 %; pixels of event cameras are square");
+  }
   constexpr double largest_share = 0.25;  // of the diagonal
   constexpr int steps = 8;
-  const Camera pinhole = camera.without_lens();
+  const Camera ideal = camera.without_distortion();
   double largest_px = 0.0;
   for (int i = 0; i <= steps; ++i) {
     for (int k = 0; k <= steps; ++k) {
       const Eigen::Vector2d seen(width * i / steps - 0.5, height * k / steps - 0.5);
-      const auto straight = pinhole.project(camera.ray(seen.x(), seen.y()));
+      const auto straight = ideal.project(camera.ray(seen.x(), seen.y()));
       if (straight) largest_px = std::max(largest_px, (*straight - seen).norm());
     }
   }

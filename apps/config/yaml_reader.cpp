@@ -278,6 +278,11 @@ std::optional<std::string> YamlReader::file(std::string_view key, std::string_vi
   return folder_ + "/" + node->text;
 }
 
+std::optional<double> YamlReader::alternative(std::string_view key, Range range, std::string_view) {
+  const YamlNode* node = take(key, expectation_of(range, "a finite number"));
+  return node != nullptr ? number(*node, path_of(key), range) : std::nullopt;
+}
+
 void YamlReader::point_list(std::string_view key, std::vector<double>& values, std::size_t dimension,
                             Range range, std::string_view) {
   const std::string expectation =

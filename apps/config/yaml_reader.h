@@ -45,6 +45,7 @@ class YamlReader final : public FieldVisitor {
   bool has_section(std::string_view key, bool present) override;
   [[nodiscard]] bool fills_defaults() const override { return true; }
   std::optional<std::string> file(std::string_view key, std::string_view doc) override;
+  std::optional<double> alternative(std::string_view key, Range range, std::string_view doc) override;
   void section(std::string_view key, const std::function<void(FieldVisitor&)>& describe_section,
                std::string_view doc) override;
   void require(bool holds, std::string_view key, std::string_view found,

@@ -83,6 +83,10 @@ ExternalDetector::ExternalDetector(std::string name, const std::vector<std::stri
 }
 
 void ExternalDetector::start(const AnswerLimits& limits, const Camera& camera) {
+  if (camera.lens == LensModel::fisheye) {
+    throw InputError("calibration.lens", std::string(word_of(camera.lens)),
+                     "radial_tangential, which detectors in programs of their own are given");
+  }
   message_ = "saccade-detector 1\ncamera";
   append_word(message_, camera.size.width);
   append_word(message_, camera.size.height);

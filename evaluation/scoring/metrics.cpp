@@ -112,6 +112,11 @@ Json json_of(ImageSize size, const std::optional<Camera>& camera) {
   add("k2", &Camera::k2);
   add("p1", &Camera::p1);
   add("p2", &Camera::p2);
+  if (camera && camera->lens == LensModel::fisheye) {
+    json["lens"] = word_of(camera->lens);
+    add("k3", &Camera::k3);
+    add("k4", &Camera::k4);
+  }
   return json;
 }
 
@@ -135,7 +140,11 @@ Camera camera_of(const Json& camera) {
           .k1 = camera.value("k1", 0.0),  // runs of before there were lenses
           .k2 = camera.value("k2", 0.0),
           .p1 = camera.value("p1", 0.0),
-          .p2 = camera.value("p2", 0.0)};
+          .p2 = camera.value("p2", 0.0),
+          .lens = camera.value("lens", "") == word_of(LensModel::fisheye) ? LensModel::fisheye
+                                                                          : LensModel::radial_tangential,
+          .k3 = camera.value("k3", 0.0),
+          .k4 = camera.value("k4", 0.0)};
 }
 
 MountedCamera mounted_camera(const Json& json) {

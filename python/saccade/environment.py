@@ -159,7 +159,8 @@ class Env:
 
     def _camera_of(self, right):
         camera = self._simulation.camera(right)
-        names = ("fx_px", "fy_px", "cx_px", "cy_px", "k1", "k2", "p1", "p2")
+        names = ("fx_px", "fy_px", "cx_px", "cy_px", "k1", "k2", "p1", "p2",
+                 "lens", "k3", "k4")
         return {"size": camera.size, **{name: getattr(camera, name) for name in names}}
 
     def _observation(self):

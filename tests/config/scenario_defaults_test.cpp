@@ -66,10 +66,89 @@ TEST_F(ScenarioDefaults, APresetAndAnotherImageSizeContradictEachOther) {
   EXPECT_EQ(read({"camera.preset=pinhole", "camera.width_px=346"}).sim.camera, pinhole_camera({346, 128}));
 }
 
+TEST_F(ScenarioDefaults, APresetBringsImageSizeLensAndPixelsOfItsSensor) {
+  struct Expected {
+    const char* name;
+    ImageSize size;
+    double view_deg;
+  };
+  for (const auto& [name, size, view_deg] :
+       {Expected{"dvs128", {128, 128}, 65.2}, Expected{"davis240", {240, 180}, 70.3},
+        Expected{"davis346", {346, 260}, 90.9}, Expected{"gen3_vga", {640, 480}, 61.9},
+        Expected{"gen4_hd", {1280, 720}, 63.8}}) {
+    const Scenario scenario = read({std::string("camera.preset=") + name, "eyes=both"});
+    EXPECT_EQ(scenario.sim.camera.size, size) << name;
+    EXPECT_NEAR(field_of_view_deg(scenario.sim.camera), view_deg, 0.1) << name;
+    EXPECT_EQ(scenario.sim.emulator.preset, name);
+    EXPECT_EQ(scenario.sim.right.camera, scenario.sim.camera) << name;
+    EXPECT_EQ(scenario.right_camera_preset, name);
+    EXPECT_THAT(warnings_of(scenario), testing::Not(testing::Contains(HasSubstr("camera")))) << name;
+  }
+  EXPECT_EQ(read({"camera.preset=gen4_hd", "emulator.preset=noisy"}).sim.emulator.preset, "noisy");
+  EXPECT_EQ(read({"camera.preset=gen4_hd", "emulator.latency_us=90"}).sim.emulator.latency_us, 90);
+  EXPECT_EQ(read({"camera.preset=gen4_hd", "camera.cx_px=600"}).sim.camera.cx_px, 600.0);
+}
+
+TEST_F(ScenarioDefaults, ASmallerImageThanThePresetsIsTheMiddleOfItsSensor) {
+  const Camera whole = read({"camera.preset=gen4_hd"}).sim.camera;
+  const Camera part =
+      read({"camera.preset=gen4_hd", "camera.width_px=640", "camera.height_px=360"}).sim.camera;
+  EXPECT_EQ(part.fx_px, whole.fx_px);
+  EXPECT_EQ(part.cx_px, 319.5);
+  EXPECT_EQ(part.cy_px, 179.5);
+  EXPECT_THAT(message({"camera.preset=davis346", "camera.width_px=640"}),
+              HasSubstr("camera.width_px: found 640 x 260 pixels, expected at most 346 x 260 pixels"));
+}
+
+TEST_F(ScenarioDefaults, AFocalLengthMayBeGivenInMillimetresOrAsAFieldOfView) {
+  EXPECT_NEAR(read({"camera.preset=gen3_vga", "camera.focal_mm=6"}).sim.camera.fy_px, 400.0, 1e-9);
+  const Camera wide = read({"camera.preset=gen3_vga", "camera.field_of_view_deg=90"}).sim.camera;
+  EXPECT_NEAR(wide.fx_px, 320.0, 1e-9);
+  EXPECT_EQ(wide.fy_px, wide.fx_px);
+  const Camera fisheye = read({"camera.width_px=346", "camera.height_px=260", "camera.lens=fisheye",
+                               "camera.field_of_view_deg=120"})
+                             .sim.camera;
+  EXPECT_NEAR(field_of_view_deg(fisheye), 120.0, 1e-9);
+  EXPECT_EQ(fisheye.k1, 0.0);
+  const Camera lens = read({"camera.focal_mm=8"}).sim.camera;  // another lens than the iCub's
+  EXPECT_NEAR(lens.fx_px, 200.0, 1e-9);
+  EXPECT_FALSE(lens.has_lens());
+  EXPECT_NEAR(
+      read({"camera.width_px=640", "camera.height_px=480", "camera.pixel_pitch_um=15", "camera.focal_mm=8"})
+          .sim.camera.fx_px,
+      533.333, 1e-3);
+}
+
+TEST_F(ScenarioDefaults, NumbersOfACameraThatContradictEachOtherAreProblems) {
+  EXPECT_THAT(
+      message({"camera.preset=gen3_vga", "camera.focal_mm=8", "camera.field_of_view_deg=90"}),
+      HasSubstr("camera.field_of_view_deg: found 90 (a focal length of 320 px), expected what focal_mm: "
+                "8 says, 533 px"));
+  EXPECT_THAT(
+      message({"camera.preset=gen3_vga", "camera.focal_mm=8", "camera.fx_px=400"}),
+      HasSubstr("camera.focal_mm: found 8 (a focal length of 533 px), expected what fx_px: 400 says"));
+  EXPECT_EQ(message({"camera.preset=gen3_vga", "camera.focal_mm=8", "camera.fx_px=534"}), "accepted");
+  EXPECT_THAT(message({"camera.width_px=300", "camera.focal_mm=8"}),
+              HasSubstr("camera.focal_mm: found 8, expected pixel_pitch_um beside it"));
+  EXPECT_THAT(message({"camera.preset=gen3_vga", "camera.pixel_pitch_um=9"}),
+              HasSubstr("camera.pixel_pitch_um: found 9, expected focal_mm beside it"));
+  EXPECT_THAT(message({"camera.preset=davis346", "camera.p1=0.1"}),
+              HasSubstr("camera.p1: found an unknown key"));
+}
+
+TEST_F(ScenarioDefaults, ACameraThatIsHardlyOneGivesAWarning) {
+  EXPECT_THAT(warnings_of(read({"camera.preset=gen3_vga", "camera.focal_mm=200"})),
+              testing::Contains(HasSubstr("camera: the camera sees 2.7 deg from left to right")));
+  EXPECT_THAT(warnings_of(read({"camera.preset=gen3_vga", "camera.fx_px=800"})),
+              testing::Contains(HasSubstr("differ by more than 5 %")));
+}
+
 TEST_F(ScenarioDefaults, TheResolvedScenarioHasTheSameCameras) {
-  for (const auto& sets : {std::vector<std::string>{"camera.width_px=346", "camera.fx_px=300"},
-                           {"camera.preset=icub_right_2016", "camera.cy_px=60"},
-                           {"eyes=both"}}) {
+  for (const auto& sets :
+       {std::vector<std::string>{"camera.width_px=346", "camera.fx_px=300"},
+        {"camera.preset=icub_right_2016", "camera.cy_px=60"},
+        {"camera.preset=davis346", "camera.width_px=300", "camera.field_of_view_deg=70", "eyes=both"},
+        {"eyes=both"}}) {
     const Scenario scenario = read(sets);
     const std::string resolved = resolved_scenario(scenario);
     const Scenario again =

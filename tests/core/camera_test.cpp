@@ -137,6 +137,93 @@ TEST(Camera, AcceptsTheLensesOfTheRobotAndRejectsOneThatIsNotInvertibleInTheCorn
   EXPECT_NO_THROW(check_config("camera", folded));
 }
 
+// The left DAVIS346 of MVSEC (Zhu et al., RA-L 3(3), 2018).
+Camera fisheye() {
+  Camera camera = Camera{}.without_lens();
+  camera.size = {346, 260};
+  camera.fx_px = 226.38;
+  camera.fy_px = 226.15;
+  camera.cx_px = 173.647;
+  camera.cy_px = 133.733;
+  camera.lens = LensModel::fisheye;
+  camera.k1 = -0.0480314;
+  camera.k2 = 0.0113310;
+  camera.k3 = -0.0553782;
+  camera.k4 = 0.0215010;
+  return camera;
+}
+
+TEST(FisheyeCamera, ProjectsTheRayOfEveryPixelBackToIt) {
+  Camera wide = fisheye().without_distortion();  // equidistant, 140 deg from left to right
+  wide.fx_px = wide.fy_px = 141.6;
+  for (const Camera& camera : {fisheye(), wide}) {
+    double worst_px = 0.0;
+    for (double v = -0.5; v <= camera.size.height; v += 1.5) {
+      for (double u = -0.5; u <= camera.size.width; u += 1.5) {
+        const auto pixel = camera.project(2.0 * camera.ray(u, v));
+        ASSERT_TRUE(pixel) << u << " " << v;
+        worst_px = std::max(worst_px, (*pixel - Eigen::Vector2d(u, v)).norm());
+      }
+    }
+    EXPECT_LT(worst_px, 1e-9);
+    EXPECT_NO_THROW(check_config("camera", camera));
+  }
+}
+
+TEST(FisheyeCamera, ShowsAnglesAtDistancesInProportionWhereItHasNoDistortion) {
+  const Camera camera = fisheye().without_distortion();
+  EXPECT_TRUE(camera.has_lens());
+  for (const double angle_rad : {0.0, 1e-7, 0.3, 1.0, 1.5}) {
+    const auto pixel = camera.project({std::sin(angle_rad), 0.0, std::cos(angle_rad)});
+    ASSERT_TRUE(pixel);
+    EXPECT_NEAR(pixel->x(), camera.cx_px + camera.fx_px * angle_rad, 1e-9);
+    EXPECT_NEAR(pixel->y(), camera.cy_px, 1e-12);
+  }
+  EXPECT_FALSE(camera.project({1.0, 0.0, -1e-9}));
+  EXPECT_FALSE(camera.without_lens().has_lens());
+}
+
+TEST(FisheyeCamera, MovesAPixelAsTheDifferenceOfTwoProjections) {
+  const Camera camera = fisheye();
+  constexpr double step_rad = 1e-6;
+  for (const Eigen::Vector3d& axis :
+       {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0.3, 0.4, 0.8)}) {
+    const Eigen::Vector3d ray = camera.ray(300.0, 40.0);
+    const Eigen::Vector3d later = ray - step_rad * axis.cross(ray);  // a camera that turns by +, a scene by -
+    const Eigen::Vector2d moved = (*camera.project(later) - *camera.project(ray)) / step_rad;
+    EXPECT_LT((moved - camera.rotational_flow_px_s(ray, axis)).norm(), 1e-3);
+  }
+}
+
+TEST(FisheyeCamera, ShowsABallAsTheCentroidOfItsOutline) {
+  const Camera camera = fisheye();
+  for (const Eigen::Vector3d& centre_m : {Eigen::Vector3d(0, 0, 0.5), Eigen::Vector3d(0.3, -0.1, 0.35)}) {
+    constexpr double radius_m = 0.0475;
+    const auto circle = camera.project_sphere(centre_m, radius_m);
+    ASSERT_TRUE(circle);
+    // Pixels of a fifth inside the cone that the ball fills.
+    double count = 0.0;
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    const double cos_cone = std::sqrt(1.0 - radius_m * radius_m / centre_m.squaredNorm());
+    for (double v = circle->y_px - 45.0; v < circle->y_px + 45.0; v += 0.2) {
+      for (double u = circle->x_px - 45.0; u < circle->x_px + 45.0; u += 0.2) {
+        if (!(camera.ray(u, v).normalized().dot(centre_m.normalized()) > cos_cone)) continue;
+        count += 0.04;
+        sum += 0.04 * Eigen::Vector2d(u, v);
+      }
+    }
+    EXPECT_NEAR(circle->r_px, std::sqrt(count / std::numbers::pi), 0.02);
+    EXPECT_NEAR(circle->x_px, sum.x() / count, 0.02);
+    EXPECT_NEAR(circle->y_px, sum.y() / count, 0.02);
+  }
+}
+
+TEST(FisheyeCamera, IsRejectedWhereItShowsAPixelAtMoreThan90DegFromItsAxis) {
+  Camera camera = fisheye().without_distortion();
+  camera.fx_px = camera.fy_px = 100.0;  // the left border is 99 deg from the axis
+  EXPECT_THROW(check_config("camera", camera), InputError);
+}
+
 TEST(Camera, ProjectsNoPointBehindTheCamera) {
   const Camera camera;
   EXPECT_FALSE(camera.project({0, 0, 0}));

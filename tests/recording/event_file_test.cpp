@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/random.h"
+#include "recording/format_registry.h"
 #include "tests/recording/read_events.h"
 #include "tests/recording/small_files.h"
 #include "tests/recording/temp_folder.h"
@@ -159,13 +160,14 @@ class TwoCameras : public testing::TestWithParam<const char*> {
  protected:
   TwoCameras() : events_(scattered_events({128, 128}, 1'000, 5000, 40)) {
     for (std::size_t i = 0; i < events_.size(); ++i) events_[i].camera = i % 3 == 0 ? 1 : 0;
+    std::ranges::stable_sort(events_, {}, [](const Event& e) { return std::pair(e.t_us, e.camera); });
   }
 
   TempFolder folder_;
   std::filesystem::path path_ = folder_ / GetParam();
   std::vector<Event> events_;
 };
-INSTANTIATE_TEST_SUITE_P(, TwoCameras, testing::Values("e.aedat", "e.csv"));
+INSTANTIATE_TEST_SUITE_P(, TwoCameras, testing::Values("e.aedat", "e.csv", "e.aedat4", "e.h5", "e.raw"));
 
 TEST_P(TwoCameras, AreReadBackExactlyTogetherAndEachAlone) {
   const auto writer = create_event_file(path_, {128, 128}, 2);
@@ -182,6 +184,34 @@ TEST_P(TwoCameras, AreReadBackExactlyTogetherAndEachAlone) {
 TEST_P(TwoCameras, AreRejectedByAFileOfOneCamera) {
   const auto writer = create_event_file(path_, {128, 128});
   EXPECT_THROW(writer->write(events_), InputError);
+}
+
+TEST(TwoCamerasOfAnySize, AreReadBackExactlyFromEveryFormatThatHoldsThem) {
+  const TempFolder folder;
+  constexpr ImageSize size{640, 480};
+  std::vector<Event> events = scattered_events(size, 5000, 30'000, 40);
+  for (std::size_t i = 0; i < events.size(); ++i) events[i].camera = i % 5 < 2 ? 1 : 0;
+  std::ranges::stable_sort(events, {}, [](const Event& e) { return std::pair(e.t_us, e.camera); });
+  const FormatRegistry formats = built_in_formats();
+  for (const std::string& choice : formats.run_choices_for(size, 2)) {
+    const auto path = folder / ("events." + choice);
+    const auto writer = create_event_file(path, size, 2);
+    writer->write(std::span(events).first(20'000));
+    writer->write(std::span(events).subspan(20'000));
+    writer->commit();
+    EXPECT_EQ(read_all(*open_event_file(path), 1'000), events) << choice;
+  }
+}
+
+TEST(TwoCamerasOfEvt3, NeedTheRightCamerasFileBesideTheLeftOne) {
+  const TempFolder folder;
+  const auto writer = create_event_file(folder / "e.raw", {128, 128}, 2);
+  const std::vector<Event> events = {{10, 1, 2, true, 0}, {20, 3, 4, false, 1}};
+  writer->write(events);
+  writer->commit();
+  std::filesystem::remove(folder / "e_right.raw");
+  EXPECT_THAT([&] { (void)open_event_file(folder / "e.raw"); },
+              testing::ThrowsMessage<InputError>(testing::HasSubstr("e_right.raw: found no such file")));
 }
 
 TEST(Aedat2, HoldsTwoCamerasOf128x128Only) {

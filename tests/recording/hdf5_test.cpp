@@ -236,7 +236,6 @@ TEST(Hdf5, AnInvalidValueIsAnErrorAfterTheEventsBeforeIt) {
 
 TEST(Hdf5, RejectsToWriteWhatItCannotHoldAndLeavesNothing) {
   const TempFolder folder;
-  EXPECT_THROW((void)create_event_file(folder / "a.h5", {640, 480}, 2), InputError);
   for (const std::vector<Event>& events :
        {std::vector<Event>{{5, 0, 0, true, 0}, {4, 0, 0, true, 0}},
         std::vector<Event>{{5, 0, 0, true, 0}, {5 + (std::int64_t{1} << 32), 0, 0, true, 0}},
