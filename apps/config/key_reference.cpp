@@ -167,7 +167,7 @@ std::vector<KeyRow> list_keys(const std::function<void(FieldVisitor&)>& describe
 }
 
 std::string unit_of_key(std::string_view key) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 17> units = {{
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 18> units = {{
       {"_deg_s2", "deg/s²"},
       {"_deg_s", "deg/s"},
       {"_deg", "deg"},
@@ -178,6 +178,7 @@ std::string unit_of_key(std::string_view key) {
       {"_ms", "ms"},
       {"_s", "s"},
       {"_mm", "mm"},
+      {"_um", "um"},
       {"_m", "m"},
       {"_px_s", "px/s"},
       {"_px", "px"},
