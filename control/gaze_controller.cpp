@@ -26,6 +26,7 @@ void describe(FieldVisitor& v, FollowConfig& config) {
   v.real("search_dwell_s", config.search_dwell_s, {0.2, 60.0},
          "time at each point of a search (lost: search)");
   v.section("delay", config.delay, "delays between light and motion that are compensated");
+  v.section("stabilisation", config.stabilisation, "motion of the body that the eyes compensate");
   v.boolean("detect_hunting", config.detect_hunting,
             "whether the time constants of the controller grow by half, up to four times, whenever the head "
             "oscillates");

@@ -8,6 +8,7 @@
 
 #include "control/delay_compensation.h"
 #include "control/head_kinematics.h"
+#include "control/stabilisation.h"
 #include "control/target.h"
 #include "core/config.h"
 #include "head/head_state.h"
@@ -29,6 +30,9 @@ class GazeController {
                                double dt_s) = 0;
   /// The delays from now on; 0 before the first call. Does nothing in a controller that compensates none.
   virtual void set_delays(const GazeDelays&) {}
+  /// The motion of the body from the next step on; none before the first call. Does nothing in a controller that compensates
+  /// none.
+  virtual void set_body_rates(const BodyRates&) {}
   /// Multiplies the time constants by `factor`, at least 1, from the next step on. Does nothing in a controller with fixed
   /// ones.
   virtual void set_slowdown(double /*factor*/) {}
@@ -68,11 +72,12 @@ struct FollowConfig {
   double lost_after_s = 1.0;    ///< without a target, the last one is lost
   double search_dwell_s = 1.5;  ///< lost: search looks at each point for so long
   DelayConfig delay;
+  StabilisationConfig stabilisation;
   bool detect_hunting = false;  ///< whether time constants grow when the head oscillates
 };
 
 /// Keys, beside each other in a scenario's gaze section: start_s, lost, lost_after_s, search_dwell_s, delay.*,
-/// detect_hunting.
+/// stabilisation.*, detect_hunting.
 void describe(FieldVisitor& v, FollowConfig& config);
 
 /// Checks whether the head can look at a point (root frame). Returns not_finite, too_near (within 0.10 m of the left

@@ -217,9 +217,12 @@ IkinGazeController::EyeMotion IkinGazeController::both_eyes(const JointVector& q
   const auto by_eyes = [](const PointJacobian& jacobian, const Eigen::Vector3d& velocity_m_s) -> Eyes {
     return least_norm_solution(Eigen::Matrix3d(jacobian.middleCols<3>(eyes_tilt)), velocity_m_s);
   };
+  Eigen::Vector3d carried_m_s =
+      here.middleCols<neck_joint_count>(neck_pitch) * velocity_rad_s_.head<neck_joint_count>();
+  if (!body_.is_zero())
+    carried_m_s += here.leftCols<torso_joint_count>() * body_.torso_rad_s + body_.base_rad_s.cross(fixation.point_m);
   return {by_eyes(there.fixation_jacobian(), eye_gain_per_s * (*target_m_ - fixation.point_m)),
-          -by_eyes(here,
-                   here.middleCols<neck_joint_count>(neck_pitch) * velocity_rad_s_.head<neck_joint_count>())};
+          -by_eyes(here, carried_m_s)};
 }
 
 IkinGazeController::EyeMotion IkinGazeController::left_eye(const JointVector& q) const {

@@ -33,8 +33,8 @@ void describe(FieldVisitor& v, IkinGazeConfig& config);
 /// - Every 20 ms, eyes: v = 12.5/s pinv(J) (target - fixation point) over tilt, version and vergence, integrated
 ///   within limits into the reference of the eyes; the fixation point is that of the reference. Vergence is at least 0.5
 ///   deg. With `eyes: left`, the same for the axis of the left eye only, and vergence moves to its rest position.
-/// - The eyes compensate the commanded motion of the neck (there is no inertial sensor): -pinv(J) J_neck v_neck is added
-///   to reference and command.
+/// - The eyes compensate the commanded motion of the neck: -pinv(J) J_neck v_neck is added to reference and command. With
+///   set_body_rates() the motion of torso and base is added to that of the neck.
 /// - Every 10 ms: a MinimumJerkFilter per joint turns reference - encoder into a velocity. Its integral, within
 ///   MotionLimits, is the position reference that step() returns.
 /// - Saccade: if the eye pose for a new target is more than 10 deg from the current one, and at least 0.2 s after the
@@ -51,6 +51,7 @@ class IkinGazeController final : public GazeController {
 
   HeadJointVector step(const HeadState& state, const std::optional<Eigen::Vector3d>& target_m,
                        double dt_s) override;
+  void set_body_rates(const BodyRates& rates) override { body_ = rates; }
   void rest() override;
   [[nodiscard]] TargetStatus target_status() const override { return status_; }
 
@@ -79,6 +80,7 @@ class IkinGazeController final : public GazeController {
   NeckSolver neck_solver_;
   std::array<MinimumJerkFilter, head_joint_count> filters_;
 
+  BodyRates body_;
   bool started_ = false;
   TargetStatus status_ = TargetStatus::none;
   std::optional<Eigen::Vector3d> target_m_;

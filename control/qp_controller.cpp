@@ -25,12 +25,21 @@ struct EyeError {
   Row elevation_row;
 };
 
-EyeError eye_error(const HeadKinematics& head, Eye eye, int joints, const TargetMotion& target) {
+EyeError eye_error(const HeadKinematics& head, Eye eye, int joints, const TargetMotion& target,
+                   const BodyRates& body) {
   const Eigen::Isometry3d& pose = head.root_from_eye(eye);
   const EyeJacobian jacobian = head.jacobian(eye);
   const Eigen::Matrix3d eye_from_root = pose.linear().transpose();
   const Eigen::Vector3d p = eye_from_root * (target.position_m - pose.translation());
-  const Eigen::Vector3d velocity = eye_from_root * target.velocity_m_s;
+  Eigen::Vector3d velocity = eye_from_root * target.velocity_m_s;
+  if (!body.is_zero()) {
+    const auto torso = [&](const PointJacobian& by_joints) -> Eigen::Vector3d {
+      return by_joints.leftCols<torso_slots>() * body.torso_rad_s;
+    };
+    const Eigen::Vector3d turns = eye_from_root * (torso(jacobian.angular) + body.base_rad_s);
+    velocity -=
+        eye_from_root * (torso(jacobian.linear) + body.base_rad_s.cross(pose.translation())) + turns.cross(p);
+  }
   Eigen::Matrix<double, 3, gaze_slots> dp = Eigen::Matrix<double, 3, gaze_slots>::Zero();
   for (int j = 0; j < joints; ++j) {
     const int joint = torso_slots + j;
@@ -126,7 +135,7 @@ HeadJointVector QpController::step(const HeadState& state, const std::optional<E
   const HeadKinematics head(limits_.head->chain, joints);
   if (target) {
     status_ = check_gaze_target(*target, head);
-    if (status_ == TargetStatus::ok) target_.observe(*target, delays_.sight_s);
+    if (status_ == TargetStatus::ok) target_.observe(body_.level_from_root * *target, delays_.sight_s);
   }
   catch_up_since_s_ += dt;
   behind_s_ += dt;
@@ -177,15 +186,17 @@ QpController::Cost QpController::gaze_cost(const HeadKinematics& head, const Hea
   };
 
   Cost cost(limits_.joints, config_.damping);
-  const TargetMotion target = target_.predict(delays_.eyes_s);
-  const EyeError left = eye_error(head, Eye::left, limits_.joints, target);
+  TargetMotion target = target_.predict(delays_.eyes_s);
+  const Eigen::Quaterniond root_from_level = body_.level_from_root.conjugate();
+  target = {root_from_level * target.position_m, root_from_level * target.velocity_m_s};
+  const EyeError left = eye_error(head, Eye::left, limits_.joints, target, body_);
   update_catch_up(std::hypot(left.azimuth, left.elevation));
   const double per_eye_time =
       1.0 / (catching_up_ ? config_.catch_up_time_constant_s : slowdown_ * config_.eye_time_constant_s);
   cost.add(1.0, left.azimuth_row, -left.azimuth * per_eye_time - left.azimuth_rate);
   cost.add(1.0, left.elevation_row, -left.elevation * per_eye_time - left.elevation_rate);
   if (both_eyes_) {
-    const EyeError right = eye_error(head, Eye::right, limits_.joints, target);
+    const EyeError right = eye_error(head, Eye::right, limits_.joints, target, body_);
     cost.add(config_.right_eye_weight, right.azimuth_row, -right.azimuth * per_eye_time - right.azimuth_rate);
     if (aims_right_elevation_) {
       cost.add(config_.right_eye_weight, right.elevation_row,

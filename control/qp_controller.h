@@ -49,6 +49,9 @@ void describe(FieldVisitor& v, QpConfig& config);
 /// (TargetPredictor), and measured joints are moved on by what their references have changed but the joints have not
 /// followed yet (ReferenceHistory, a Smith predictor).
 ///
+/// Motion of the body (set_body_rates): the rate e' includes what torso and base turn the eye, and targets are tracked in a
+/// frame that does not turn with the base.
+///
 /// Catch-up saccade: when the gaze error exceeds catch_up_deg for 20 ms, at most every 0.15 s, the time constant of the
 /// eyes is catch_up_time_constant_s until the error is below a quarter of catch_up_deg, for 0.1 s at most.
 class QpController final : public GazeController {
@@ -59,6 +62,7 @@ class QpController final : public GazeController {
   HeadJointVector step(const HeadState& state, const std::optional<Eigen::Vector3d>& target_m,
                        double dt_s) override;
   void set_delays(const GazeDelays& delays) override { delays_ = delays; }
+  void set_body_rates(const BodyRates& rates) override { body_ = rates; }
   void set_slowdown(double factor) override;
   void rest() override { target_.forget(); }
   [[nodiscard]] TargetStatus target_status() const override { return status_; }
@@ -107,6 +111,7 @@ class QpController final : public GazeController {
   TargetStatus status_ = TargetStatus::none;
   TargetPredictor target_;
   GazeDelays delays_;
+  BodyRates body_;
   ReferenceHistory history_;
   double slowdown_ = 1.0;
   bool catching_up_ = false;

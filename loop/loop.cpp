@@ -27,6 +27,7 @@ Loop::Loop(Robot& robot, const MountedCamera& camera, std::vector<LoopDetector> 
       source_(robot.events()),
       head_(robot.head()),
       model_(head_ != nullptr ? head_->limits().head : default_head()),
+      imu_(robot.imu()),
       eye_(eye),
       camera_(camera.camera),
       eye_from_camera_(camera.mount.eye_from_camera()),
@@ -43,6 +44,8 @@ Loop::Loop(Robot& robot, const MountedCamera& camera, std::vector<LoopDetector> 
   if (gaze_ && gaze_->driver) phase_ = GazePhase::searching;
   if (gaze_ && gaze_->follow.delay.sight != SightDelay::none) seen_heads_.emplace();
   if (gaze_ && gaze_->follow.delay.motion == MotionDelay::estimated) motion_delay_.emplace();
+  if (gaze_ && (gaze_->follow.stabilisation.torso || gaze_->follow.stabilisation.gyroscope))
+    stabiliser_.emplace(gaze_->follow.stabilisation, model_);
   for (std::vector<Event>* const buffer : {&events_, &eye_events_, &other_events_})
     buffer->reserve(event_capacity);
   if (latency.kind != LatencyKind::none) {
@@ -198,6 +201,17 @@ void Loop::compensate_delays(Tick& tick) {
   gaze_->motion->controller->set_delays(tick.delays);
 }
 
+PortStatus Loop::stabilise(const Tick& tick, double dt_s) {
+  if (!stabiliser_ || !is_finite(*tick.head)) return PortStatus::ok;
+  if (imu_ != nullptr) {
+    const PortStatus status = note_lost(imu_->read_imu(imu_reading_), "inertial sensor");
+    if (status == PortStatus::lost) return status;
+  }
+  gaze_->motion->controller->set_body_rates(
+      stabiliser_->update(*tick.head, imu_ != nullptr ? &imu_reading_ : nullptr, tick.delays.eyes_s, dt_s));
+  return PortStatus::ok;
+}
+
 /// The head oscillates: slower constants.
 void Loop::detect_hunting(Tick& tick, double dt_s) {
   if (hunting_.update(tick.command.reference_rad, dt_s)) {
@@ -312,6 +326,7 @@ PortStatus Loop::move_head(double dt_s, Tick& tick) {
     const auto look_m = search_point(tick);
     const bool own = resend || look_m;  // a target of the loop's own, not a new sight of the ball
     compensate_delays(tick);
+    if (stabilise(tick, dt_s) == PortStatus::lost) return PortStatus::lost;
     const auto begin = std::chrono::steady_clock::now();
     reference_rad = motion->controller->step(*tick.head,
                                              look_m   ? look_m

@@ -140,7 +140,7 @@ class Loop {
   /// no more data will come: after the tick with the last events, or without a tick. On `lost` the tick is incomplete
   /// and not observed; lost() names the port.
   PortStatus tick(std::int64_t t_us, LoopObserver& observer);
-  /// "clock", "event camera", "head" or "gaze controller" after the connection to it was lost; empty before.
+  /// "clock", "event camera", "head", "inertial sensor" or "gaze controller" after the connection to it was lost; empty before.
   [[nodiscard]] std::string_view lost() const { return lost_; }
 
   /// From the next tick on `motion` moves the head. Only with a gaze.
@@ -196,6 +196,7 @@ class Loop {
   void update_sight_age(std::int64_t t_us);
   [[nodiscard]] const HeadState& seen_head(const Tick& tick) const;
   void compensate_delays(Tick& tick);
+  PortStatus stabilise(const Tick& tick, double dt_s);
   void detect_hunting(Tick& tick, double dt_s);
   void locate_with_right(const Eigen::Isometry3d& root_from_left, const Eigen::Isometry3d& root_from_right,
                          const Estimate& right, Tick& tick);
@@ -211,6 +212,7 @@ class Loop {
   EventSource& source_;
   HeadPort* head_;
   std::shared_ptr<const HeadModel> model_;  // of the head, or the default one
+  ImuPort* imu_;
   Eye eye_;
   Camera camera_;
   Eigen::Isometry3d eye_from_camera_;
@@ -231,6 +233,8 @@ class Loop {
   std::int64_t sight_age_us_ = 0;        // of the events of this tick
   std::int64_t target_seen_us_ = 0;      // instant that the target of this tick is about
   std::optional<MotionDelayEstimator> motion_delay_;
+  std::optional<Stabiliser> stabiliser_;
+  ImuReading imu_reading_;
   HuntingDetector hunting_;
   double slowdown_ = 1.0;
   std::optional<Eigen::Vector3d> target_m_;

@@ -6,6 +6,7 @@
 
 #include "core/event.h"
 #include "head/head_state.h"
+#include "head/imu_reading.h"
 
 namespace saccade {
 
@@ -108,6 +109,15 @@ class HeadPort {
   virtual CommandResult command(const HeadCommand& reference_rad) = 0;
   /// The head stops and holds its position until the next command. May be called at any time and more than once.
   virtual PortStatus stop() = 0;
+};
+
+/// Inertial measurement unit in the head.
+class ImuPort {
+ public:
+  virtual ~ImuPort() = default;
+  /// Newest reading. Its time stamp is never later than now and never goes back. With `ended` or `lost` the reading stays
+  /// unchanged.
+  virtual PortStatus read_imu(ImuReading& reading) = 0;
 };
 
 /// A gaze controller on the robot (iKinGazeCtrl) that moves the head itself: it takes fixation points instead of joint

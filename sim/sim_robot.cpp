@@ -103,6 +103,11 @@ PortStatus SimRobot::read(HeadState& state) {
   return PortStatus::ok;
 }
 
+PortStatus SimRobot::read_imu(ImuReading& reading) {
+  reading = *world_.imu_reading();
+  return PortStatus::ok;
+}
+
 HeadPort::CommandResult SimRobot::command(const HeadCommand& reference_rad) {
   return {PortStatus::ok, !world_.set_reference(reference_rad)};
 }

@@ -33,7 +33,7 @@ struct SimTruth {
 /// the instants of the images, they are drawn, and the event cameras turn them into events. Both eyes are drawn whenever
 /// one of them needs an image. Events after the newest image come with the next one. The ports give what a real robot
 /// gives; the ground truth has functions of its own, which only recorders, scores and the window use.
-class SimRobot final : public Robot, public Clock, public EventSource, public HeadPort {
+class SimRobot final : public Robot, public Clock, public EventSource, public HeadPort, public ImuPort {
  public:
   /// Throws InputError for a configuration out of range, RunError if there is no OpenGL.
   SimRobot(const SimConfig& config, std::uint64_t seed);
@@ -41,6 +41,7 @@ class SimRobot final : public Robot, public Clock, public EventSource, public He
   Clock& clock() override { return *this; }
   EventSource& events() override { return *this; }
   HeadPort* head() override { return this; }
+  ImuPort* imu() override { return world_.imu_reading() != nullptr ? this : nullptr; }
 
   [[nodiscard]] std::int64_t now_us() const override { return world_.now_us(); }
   PortStatus wait_until(std::int64_t t_us) override;
@@ -52,6 +53,7 @@ class SimRobot final : public Robot, public Clock, public EventSource, public He
 
   [[nodiscard]] JointLimits limits() const override { return world_.limits(); }
   PortStatus read(HeadState& state) override;
+  PortStatus read_imu(ImuReading& reading) override;
   CommandResult command(const HeadCommand& reference_rad) override;
   PortStatus stop() override;
 

@@ -1,5 +1,6 @@
 #include "sim/world.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -19,8 +20,15 @@ std::string read_text(const std::filesystem::path& path) {
   return text.str();
 }
 
+/// The root body as a mocap body, which place_objects() turns.
+std::string with_moving_base(std::string mjcf) {
+  const std::string root = "<body name=\"root\"";
+  const std::size_t at = mjcf.find(root);
+  return at == std::string::npos ? mjcf : mjcf.insert(at + root.size(), " mocap=\"true\"");
+}
+
 MjModelPtr load_model(const std::filesystem::path& models, const HeadModel& head, const std::string& hand,
-                      const std::string& extra_mjcf) {
+                      const std::string& extra_mjcf, bool base_moves) {
   // MuJoCo writes no log file: warnings are counted in mjData, and step() reports them as errors.
   mju_user_warning = [](const char*) {};
 
@@ -29,7 +37,8 @@ MjModelPtr load_model(const std::filesystem::path& models, const HeadModel& head
   const auto add = [&vfs](const std::string& name, const std::string& text) {
     if (!add_to_vfs(vfs.get(), name, text)) throw RunError("MuJoCo rejects the model file " + name);
   };
-  add("head.xml", head_mjcf(head, models));
+  const std::string head_text = head_mjcf(head, models);
+  add("head.xml", base_moves ? with_moving_base(head_text) : head_text);
   add("ball_in_hand.xml", read_text(models / "ball_in_hand.xml"));
   const std::string includes = "<include file=\"head.xml\"/><include file=\"ball_in_hand.xml\"/>";
   add("hand.xml", read_text(models / hand));  // ball_in_hand.xml includes it
@@ -79,6 +88,9 @@ void describe(FieldVisitor& v, WorldConfig& c) {
     c.plant.command_delay_ms = c.head.description.command_delay_ms;
   }
   v.section("plant", c.plant, "differences between the simulated head and the model that gaze uses");
+  v.optional_section("torso", c.torso, "a motion of the torso's joints that gaze does not command");
+  v.optional_section("base", c.base, "a rotation of the whole robot about the root");
+  v.optional_section("imu", c.imu, "an inertial measurement unit in the head");
   const bool has_cad = c.head.model == HeadKind::icub && (c.head.version == "2" || c.head.version == "2.8");
   v.require(c.plant.axes == NeckAxes::dh || has_cad, "plant.axes", std::string(word_of(c.plant.axes)),
             "dh: the CAD's axes are those of the iCub's versions 2 and 2.8");
@@ -104,10 +116,16 @@ World::World(const WorldConfig& config, const std::string& lab_mjcf, std::uint64
       command_delay_us_(1000 * config.plant.command_delay_ms) {
   model_ = load_model(models, *head_, hand_file(config.ball),
                       lab_mjcf + pattern_mjcf(config.ball) + objects_mjcf(config.objects) +
-                          (board_ ? board_mjcf(*board_) : std::string()));
+                          (board_ ? board_mjcf(*board_) : std::string()),
+                      config.base.has_value());
   data_.reset(mj_makeData(model_.get()));
   if (!data_) throw RunError("MuJoCo has no memory for the world");
   find_parts();
+  if (config.torso) torso_motion_.emplace(*config.torso);
+  if (config.base) {
+    base_motion_.emplace(*config.base);
+    base_mocap_ = model_->body_mocapid[find(*model_, mjOBJ_BODY, "root")];
+  }
   set_up_ball(*model_, config.ball);
   set_up_drives(config.plant);
   objects_.emplace(config.objects, seed, *model_);
@@ -122,6 +140,7 @@ World::World(const WorldConfig& config, const std::string& lab_mjcf, std::uint64
     data_->ctrl[motors_[j].actuator] = plant_rad[static_cast<Eigen::Index>(j)];
   }
   joint_rad_ = plant_rad;
+  start_rad_ = initial_pose_rad(config, *head_).cwiseMax(limits_.min_rad).cwiseMin(limits_.max_rad);
   place_objects(0, *data_);
   mj_step1(model_.get(), data_.get());
   for (std::int64_t t_us = 0; t_us < settling_us; t_us += tick_us) advance();
@@ -129,6 +148,10 @@ World::World(const WorldConfig& config, const std::string& lab_mjcf, std::uint64
   save_last_state();
   encoders_.emplace(config.plant.encoders, seed, motors().rad);
   if (joint_data_) show(0, *joint_data_);
+  if (config.imu) {
+    head_body_ = find(*model_, mjOBJ_BODY, "head");
+    imu_.emplace(*config.imu, seed, world_from_imu());
+  }
 }
 
 void World::find_parts() {
@@ -187,6 +210,7 @@ std::vector<std::uint8_t> World::scene_objects() const {
 
 void World::step() {
   apply_due_commands();
+  if (torso_motion_) move_torso();
   save_last_state();
   now_us_ += tick_us;
   place_objects(now_us_, *data_);
@@ -194,6 +218,27 @@ void World::step() {
   const Motors now = motors();
   encoders_->read(now.rad, now.rad_s);
   if (joint_data_) show(now_us_, *joint_data_);
+  if (imu_) imu_->step(now_us_, world_from_imu());
+}
+
+/// Pitch, roll and yaw are the first three slots.
+void World::move_torso() {
+  JointVector wanted_rad = start_rad_;
+  wanted_rad.head<torso_slots>() += torso_motion_->angles_rad(now_us_);
+  const JointVector motor_rad =
+      coupling_.motors_from_joints(wanted_rad.cwiseMax(limits_.min_rad).cwiseMin(limits_.max_rad));
+  for (std::size_t j = 0; j < motors_.size(); ++j) {
+    if (motors_[j].role == JointRole::torso)
+      data_->ctrl[motors_[j].actuator] = motor_rad[static_cast<Eigen::Index>(j)];
+  }
+}
+
+Eigen::Isometry3d World::world_from_imu() const {
+  using RowMajor = Eigen::Matrix<mjtNum, 3, 3, Eigen::RowMajor>;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = Eigen::Map<const RowMajor>(data().xmat + 9 * head_body_);
+  pose.translation() = Eigen::Map<const Eigen::Vector3d>(data().xpos + 3 * head_body_);
+  return pose;
 }
 
 void World::apply_due_commands() {
@@ -327,6 +372,10 @@ void World::place_objects(std::int64_t t_us, mjData& data) const {
     Eigen::Map<Eigen::Vector4d>(data.mocap_quat + 4 * ball_mocap_) << turn.w(), turn.vec();
   }
   objects_->place(t_us, data);
+  if (base_motion_) {
+    const Eigen::Quaterniond turn = base_rotation(base_motion_->angles_rad(t_us));
+    Eigen::Map<Eigen::Vector4d>(data.mocap_quat + 4 * base_mocap_) << turn.w(), turn.vec();
+  }
   if (!board_) return;
   const Eigen::Isometry3d board = root_from_board(*board_, t_us);
   const Eigen::Quaterniond turn(board.linear());

@@ -18,8 +18,10 @@
 #include "head/head_state.h"
 #include "sim/ball.h"
 #include "sim/board.h"
+#include "sim/body_motion.h"
 #include "sim/data_directory.h"
 #include "sim/head_mjcf.h"
+#include "sim/imu_sensor.h"
 #include "sim/mujoco_compat.h"
 #include "sim/objects.h"
 #include "sim/plant.h"
@@ -33,12 +35,16 @@ struct WorldConfig {
   std::optional<BoardConfig> board;  ///< a calibration board, if the scenario has one
   HeadConfig head;
   /// Joint positions at the start, in the order of HeadModel::joints, whose count is that of the elements used; the torso
-  /// stays there.
+  /// stays there unless it has a motion of its own.
   std::array<double, joint_slots> initial_pose_deg{};
   PlantConfig plant;
+  std::optional<BodyMotionConfig> torso;  ///< motion of the torso's joints about the initial pose
+  std::optional<BodyMotionConfig> base;   ///< rotation of the whole robot about the root
+  std::optional<ImuConfig> imu;
 };
 
-/// Keys: ball, objects, board (where there is one), initial_pose_deg, plant. The section head comes before them.
+/// Keys: ball, objects, board, initial_pose_deg, plant, torso, base, imu; board, torso, base and imu where there are such.
+/// The section head comes before them.
 void describe(FieldVisitor& v, WorldConfig& config);
 
 /// The initial pose by slot, rad.
@@ -71,6 +77,8 @@ class World {
   /// command delay. Returns false, and keeps the last ones, if one is not finite or outside limits().
   bool set_reference(const HeadJointVector& reference_rad);
   [[nodiscard]] const JointLimits& limits() const { return limits_; }
+  /// The newest reading of the inertial measurement unit; null without one.
+  [[nodiscard]] const ImuReading* imu_reading() const { return imu_ ? &imu_->reading() : nullptr; }
 
   /// Sets the pose of an eye's camera (left_eye_camera() or right_eye_camera()) in the eye; before it is the identity.
   /// Call at most once per camera.
@@ -114,6 +122,8 @@ class World {
   void set_up_drives(const PlantConfig& config);  // in the model: axes, friction; and the backlash
   void place_objects(std::int64_t t_us, mjData& data) const;
   void apply_due_commands();
+  void move_torso();
+  [[nodiscard]] Eigen::Isometry3d world_from_imu() const;
   void save_last_state();
   void advance();
 
@@ -152,6 +162,12 @@ class World {
   JointVector joint_rad_ = JointVector::Zero();  ///< behind the backlash, in the order of Motors
   JointVector last_joint_rad_ = JointVector::Zero();
   std::optional<Encoders> encoders_;
+  std::optional<BodyMotion> torso_motion_;
+  JointVector start_rad_ = JointVector::Zero();  ///< the initial pose, by slot
+  std::optional<BodyMotion> base_motion_;
+  int base_mocap_ = 0;
+  int head_body_ = 0;
+  std::optional<ImuSensor> imu_;
   std::int64_t command_delay_us_;
   std::deque<Command> commands_;  ///< not yet due
 };

@@ -67,6 +67,8 @@ void describe(FieldVisitor& v, RobotFile& r) {
                  "detector that drives the head; none: the head is not moved");
         saccade::describe(w, r.gaze.gate);
         saccade::describe(w, r.gaze.follow);
+        w.require(!r.gaze.follow.stabilisation.gyroscope, "stabilisation.gyroscope", "true",
+                  "false: the inertial sensor of a robot is not read");
         if (r.robot.has_gaze_controller()) {
           w.require(r.gaze.follow.lost != WhenLost::rest, "lost", word_of(r.gaze.follow.lost),
                     "hold or search: the robot's gaze controller has no rest");

@@ -173,6 +173,8 @@ void describe(FieldVisitor& v, Scenario& s) {
         if (s.sim.both_eyes())
           w.boolean("stereo", s.gaze.stereo,
                     "whether the distance of the ball comes from triangulation with both eyes");
+        w.require(!s.gaze.follow.stabilisation.gyroscope || s.sim.world.imu.has_value(),
+                  "stabilisation.gyroscope", "true", "false, for there is no section `imu`");
         w.require(s.gaze.controller.follows_targets() || s.gaze.detector == "none", "detector",
                   s.gaze.detector,
                   "none, for the controller `" + s.gaze.controller.controller + "` follows nothing");
