@@ -220,7 +220,8 @@ IkinGazeController::EyeMotion IkinGazeController::both_eyes(const JointVector& q
   Eigen::Vector3d carried_m_s =
       here.middleCols<neck_joint_count>(neck_pitch) * velocity_rad_s_.head<neck_joint_count>();
   if (!body_.is_zero())
-    carried_m_s += here.leftCols<torso_joint_count>() * body_.torso_rad_s + body_.base_rad_s.cross(fixation.point_m);
+    carried_m_s +=
+        here.leftCols<torso_joint_count>() * body_.torso_rad_s + body_.base_rad_s.cross(fixation.point_m);
   return {by_eyes(there.fixation_jacobian(), eye_gain_per_s * (*target_m_ - fixation.point_m)),
           -by_eyes(here, carried_m_s)};
 }

@@ -28,7 +28,7 @@ class Robot {
 
   virtual Clock& clock() = 0;
   virtual EventSource& events() = 0;
-  virtual HeadPort* head() = 0;  ///< null without joints (a bare recording)
+  virtual HeadPort* head() = 0;               ///< null without joints (a bare recording)
   virtual ImuPort* imu() { return nullptr; }  ///< null without an inertial measurement unit
   virtual GazePort* gaze() {
     return nullptr;

@@ -48,7 +48,8 @@ void describe(FieldVisitor& v, BodyMotionConfig& c) {
   v.section("roll", c.roll, "oscillation of roll");
   v.section("yaw", c.yaw, "oscillation of yaw; + turns right");
   v.path("file", c.file,
-         "CSV file with the columns t_us, pitch_deg, roll_deg, yaw_deg: a recorded motion that is added; empty: none");
+         "CSV file with the columns t_us, pitch_deg, roll_deg, yaw_deg: a recorded motion that is added; "
+         "empty: none");
 }
 
 BodyMotion::BodyMotion(const BodyMotionConfig& config) : config_(config) {

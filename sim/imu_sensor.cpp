@@ -45,7 +45,8 @@ void ImuSensor::step(std::int64_t t_us, const Eigen::Isometry3d& world_from_imu)
   for (std::uint64_t i = 0; i < 3; ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     next.angular_velocity_rad_s[row] +=
-        rad_per_deg * (config_.gyroscope_bias_deg_s[i] + config_.gyroscope_noise_deg_s * random_.normal(i, count_));
+        rad_per_deg *
+        (config_.gyroscope_bias_deg_s[i] + config_.gyroscope_noise_deg_s * random_.normal(i, count_));
     next.acceleration_m_s2[row] +=
         config_.accelerometer_bias_m_s2[i] + config_.accelerometer_noise_m_s2 * random_.normal(3 + i, count_);
   }

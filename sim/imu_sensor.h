@@ -13,11 +13,11 @@ namespace saccade {
 
 /// Errors of the inertial measurement unit in the head.
 struct ImuConfig {
-  double gyroscope_noise_deg_s = 0.1;                    ///< standard deviation, new every millisecond
-  std::array<double, 3> gyroscope_bias_deg_s{};          ///< constant
-  double accelerometer_noise_m_s2 = 0.02;                ///< standard deviation, new every millisecond
-  std::array<double, 3> accelerometer_bias_m_s2{};       ///< constant
-  std::int64_t delay_ms = 2;                             ///< from the motion to the reading
+  double gyroscope_noise_deg_s = 0.1;               ///< standard deviation, new every millisecond
+  std::array<double, 3> gyroscope_bias_deg_s{};     ///< constant
+  double accelerometer_noise_m_s2 = 0.02;           ///< standard deviation, new every millisecond
+  std::array<double, 3> accelerometer_bias_m_s2{};  ///< constant
+  std::int64_t delay_ms = 2;                        ///< from the motion to the reading
 };
 
 /// Keys: gyroscope_noise_deg_s, gyroscope_bias_deg_s, accelerometer_noise_m_s2, accelerometer_bias_m_s2, delay_ms.
@@ -38,7 +38,7 @@ class ImuSensor {
  private:
   ImuConfig config_;
   RandomStream random_;
-  std::uint64_t count_ = 0;           // of steps
+  std::uint64_t count_ = 0;          // of steps
   std::vector<ImuReading> waiting_;  // the last delay_ms readings, a ring
   Eigen::Isometry3d last_;
   Eigen::Vector3d last_velocity_m_s_ = Eigen::Vector3d::Zero();
