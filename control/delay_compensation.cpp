@@ -26,6 +26,11 @@ void describe(FieldVisitor& v, DelayConfig& config) {
   v.when(config.sight == SightDelay::known, "sight: known", [&] {
     v.real("sight_ms", config.sight_ms, {0.0, 200.0}, "delay from the light to the arrival of its events");
   });
+  v.when(config.sight != SightDelay::none, "sight: known or measured", [&] {
+    v.real("detector_ms", config.detector_ms, {0.0, 200.0},
+           "lag of the driving detector's circle behind its newest events in the image (`lag_ms` of "
+           "metrics.json)");
+  });
   v.choice("motion", config.motion,
            "compensated delay from a reference to the motion of the joint: none, the two keys below, or "
            "estimated from "

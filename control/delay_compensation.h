@@ -31,12 +31,14 @@ constexpr auto words_of(MotionDelay) {
 struct DelayConfig {
   SightDelay sight = SightDelay::none;
   double sight_ms = 0.0;  ///< from the light to the arrival of its events
+  double detector_ms =
+      0.0;  ///< how old the place is that the driving detector reports, behind its newest events
   MotionDelay motion = MotionDelay::none;
   double neck_ms = 21.0;  ///< from a reference to the motion of a neck joint, the servo's lag included
   double eyes_ms = 8.0;   ///< from a reference to the motion of an eye joint, the servo's lag included
 };
 
-/// Keys: sight, sight_ms, motion, neck_ms, eyes_ms.
+/// Keys: sight, sight_ms, detector_ms, motion, neck_ms, eyes_ms.
 void describe(FieldVisitor& v, DelayConfig& config);
 
 /// Delays between light and motion, which a controller may compensate.

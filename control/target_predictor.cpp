@@ -10,6 +10,7 @@ constexpr double distance_memory_s = 0.03;
 constexpr double share_of_amplitude = 0.25;
 constexpr double fall_distance_m = 0.02;
 constexpr double pause_after_failure_s = 0.3;
+constexpr double longest_gap_s = 1.0;    // of a sinusoid without a target
 constexpr double periodic_memory = 2.0;  // of the track behind a sinusoid, in time constants
 
 }  // namespace
@@ -48,11 +49,13 @@ void TargetPredictor::use(const std::optional<Sinusoid>& sinusoid, const std::op
   track_.set_time_constant(time_constant_s_ * (sinusoid_ ? periodic_memory : 1.0));
 }
 
+double TargetPredictor::longest_gap() const { return sinusoid_ ? longest_gap_s : TargetTrack::forget_s; }
+
 void TargetPredictor::advance(double dt_s) {
   now_s_ += dt_s;
   track_.advance(dt_s);
   if (!models_) return;
-  if ((sinusoid_ || fall_) && track_.since_s() > TargetTrack::forget_s) {
+  if ((sinusoid_ || fall_) && track_.since_s() > longest_gap()) {
     use({}, {});
     forget_path();
   }
@@ -62,7 +65,7 @@ void TargetPredictor::advance(double dt_s) {
 void TargetPredictor::observe(const Eigen::Vector3d& target_m, double age_s) {
   age_s_ = age_s;
   const double since_s = track_.since_s();
-  const bool fresh = !track_.is_known() || since_s > TargetTrack::forget_s;
+  const bool fresh = !track_.is_known() || since_s > longest_gap();
   if (fresh && models_) forget();
   const Known known = known_at(now_s_ - age_s_);
   const Eigen::Vector3d rest_m = target_m - known.position_m;

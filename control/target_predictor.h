@@ -22,9 +22,9 @@ struct TargetMotion {
 /// only behind the rest: without a known motion the estimate is that of the TargetTrack. When the known motion changes,
 /// the track is shifted, so that the estimate is continuous.
 ///
-/// A known motion is dropped when observations leave it, or when no target came for TargetTrack::forget_s. They leave it
-/// when the mean distance over 30 ms between observations and predictions exceeds a quarter of the sinusoid's amplitude (free
-/// fall: 2 cm), or the rest twice that.
+/// A known motion is dropped when observations leave it, or when no target came for 1 s (free fall: 0.5 s). They leave it
+/// when the mean distance over 30 ms between observations and predictions exceeds a quarter of the sinusoid's amplitude
+/// (free fall: 2 cm), or the rest twice that.
 class TargetPredictor {
  public:
   /// `time_constant_s`: memory of the TargetTrack. `models`: whether known motions are used.
@@ -50,6 +50,7 @@ class TargetPredictor {
   struct Known {
     Eigen::Vector3d position_m, velocity_m_s, acceleration_m_s2;
   };
+  [[nodiscard]] double longest_gap() const;
   [[nodiscard]] Known known_at(double t_s) const;
   void use(const std::optional<Sinusoid>& sinusoid, const std::optional<FreeFall>& fall);
   [[nodiscard]] bool leaves_known_motion() const;

@@ -42,7 +42,10 @@ Loop::Loop(Robot& robot, const MountedCamera& camera, std::vector<LoopDetector> 
   if (gaze_) check_config("gaze", gaze_->follow);
   if (gaze_) start_us_ = last_t_us_ + std::llround(gaze_->follow.start_s * 1e6);
   if (gaze_ && gaze_->driver) phase_ = GazePhase::searching;
-  if (gaze_ && gaze_->follow.delay.sight != SightDelay::none) seen_heads_.emplace();
+  if (gaze_ && gaze_->follow.delay.sight != SightDelay::none) {
+    seen_heads_.emplace();
+    detector_lag_us_ = std::llround(gaze_->follow.delay.detector_ms * 1e3);
+  }
   if (gaze_ && gaze_->follow.delay.motion == MotionDelay::estimated) motion_delay_.emplace();
   if (gaze_ && (gaze_->follow.stabilisation.torso || gaze_->follow.stabilisation.gyroscope))
     stabiliser_.emplace(gaze_->follow.stabilisation, model_);
@@ -187,6 +190,13 @@ const HeadState& Loop::seen_head(const Tick& tick) const {
   return seen_heads_ && sight_age_us_ > 0 ? seen_heads_->at(tick.t_us - sight_age_us_) : *tick.head;
 }
 
+/// The pose of the camera at the instant that the driving detector's circle is about.
+Eigen::Isometry3d Loop::seen_pose(std::int64_t t_us, const CameraMotion& motion) const {
+  if (detector_lag_us_ == 0) return motion.root_from_camera;
+  const HeadState& seen = seen_heads_->at(t_us - sight_age_us_ - detector_lag_us_);
+  return camera_motion(seen, eye_, eye_from_camera_).root_from_camera;
+}
+
 void Loop::compensate_delays(Tick& tick) {
   const DelayConfig& delay = gaze_->follow.delay;
   if (seen_heads_ && tick.new_target_m)
@@ -230,7 +240,8 @@ void Loop::run_driver(std::int64_t t_us, const CameraMotion* motion, Tick& tick)
       detector, t_us, t_us - slice_us, eye_events_, motion, [&](const DetectorTick& result) {
         if (motion == nullptr) return;
         const WaitingEstimate estimate{result.observed ? result.estimate : Estimate{},
-                                       motion->root_from_camera, result.ready_us, t_us - sight_age_us_};
+                                       seen_pose(t_us, *motion), result.ready_us,
+                                       t_us - sight_age_us_ - detector_lag_us_};
         if (latency_) {
           latency_->driver.push_back(estimate);
         } else if (t_us > start_us_) {

@@ -195,6 +195,7 @@ class Loop {
   void pass_ready_estimates(std::int64_t t_us, const CameraMotion& motion, Tick& tick);
   void update_sight_age(std::int64_t t_us);
   [[nodiscard]] const HeadState& seen_head(const Tick& tick) const;
+  [[nodiscard]] Eigen::Isometry3d seen_pose(std::int64_t t_us, const CameraMotion& motion) const;
   void compensate_delays(Tick& tick);
   PortStatus stabilise(const Tick& tick, double dt_s);
   void detect_hunting(Tick& tick, double dt_s);
@@ -231,6 +232,7 @@ class Loop {
   std::optional<Latency> latency_;
   std::optional<SeenHeads> seen_heads_;  // if the age of events is compensated
   std::int64_t sight_age_us_ = 0;        // of the events of this tick
+  std::int64_t detector_lag_us_ = 0;     // of the driving detector's circle behind them
   std::int64_t target_seen_us_ = 0;      // instant that the target of this tick is about
   std::optional<MotionDelayEstimator> motion_delay_;
   std::optional<Stabiliser> stabiliser_;
