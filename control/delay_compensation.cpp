@@ -8,11 +8,11 @@
 namespace saccade {
 namespace {
 
-constexpr double spacing_s = 0.004;
-constexpr double change_s = 0.02;
-constexpr double memory_s = 3.0;
+constexpr double candidate_spacing_s = 0.004;
+constexpr double change_span_s = 0.02;
+constexpr double sums_fade_s = 3.0;
 constexpr double fastest_change = 0.05;                  // s of delay per s
-constexpr double least_change_rad = 0.04 * rad_per_deg;  // in change_s: 2 deg/s
+constexpr double least_change_rad = 0.04 * rad_per_deg;  // in change_span_s: 2 deg/s
 constexpr double least_moved_rad2 = 2e-3;                // 0.5 s at 20 deg/s
 constexpr long ticks_per_update = 4;
 
@@ -59,9 +59,9 @@ void MotionDelayEstimator::update(const HeadJointVector& measured_rad, const Hea
 }
 
 void MotionDelayEstimator::update(Group& group, double dt_s) const {
-  const double change = change_s / dt_s;
+  const double change = change_span_s / dt_s;
   const double step_s = dt_s * ticks_per_update;
-  const double kept = std::exp(-step_s / memory_s);
+  const double kept = std::exp(-step_s / sums_fade_s);
   double moved = 0.0;
   for (const int joint : group.joints) {
     const double by = measured_.at(0.0)[joint] - measured_.at(change)[joint];
@@ -70,7 +70,7 @@ void MotionDelayEstimator::update(Group& group, double dt_s) const {
   if (moved < least_change_rad * least_change_rad) return;
   group.moved = kept * group.moved + moved;
   for (int k = 0; k < candidates; ++k) {
-    const double back = k * spacing_s / dt_s;
+    const double back = k * candidate_spacing_s / dt_s;
     double& sum = group.sums[static_cast<std::size_t>(k)];
     sum *= kept;
     for (const int joint : group.joints) {
@@ -82,11 +82,11 @@ void MotionDelayEstimator::update(Group& group, double dt_s) const {
   if (group.moved < least_moved_rad2) return;
   const auto least = std::ranges::min_element(group.sums);
   const auto k = static_cast<int>(least - group.sums.begin());
-  double found_s = k * spacing_s;
+  double found_s = k * candidate_spacing_s;
   if (k > 0 && k + 1 < candidates) {
     const double below = *(least - 1), above = *(least + 1);
     const double bend = below - 2.0 * *least + above;
-    if (bend > 0.0) found_s += 0.5 * spacing_s * (below - above) / bend;
+    if (bend > 0.0) found_s += 0.5 * candidate_spacing_s * (below - above) / bend;
   }
   const double most_s = fastest_change * step_s;
   group.delay_s += std::clamp(found_s - group.delay_s, -most_s, most_s);

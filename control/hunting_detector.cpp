@@ -7,7 +7,7 @@
 namespace saccade {
 namespace {
 
-constexpr double memory_s = 0.1;
+constexpr double high_pass_s = 0.1;
 constexpr double least_swing_rad = 0.3 * rad_per_deg;
 constexpr double longest_s = 1.5;        // of eight swings
 constexpr double longest_again_s = 2.2;  // soon after a find
@@ -21,7 +21,7 @@ bool HuntingDetector::update(const HeadJointVector& reference_rad, double dt_s) 
     started_ = true;
   }
   now_s_ += dt_s;
-  const double share = 1.0 - std::exp(-dt_s / memory_s);
+  const double share = 1.0 - std::exp(-dt_s / high_pass_s);
   const double most_s = now_s_ - found_s_ < again_s ? longest_again_s : longest_s;
   bool found = false;
   for (Axis& axis : axes_) {

@@ -12,7 +12,7 @@
 namespace saccade {
 namespace {
 
-constexpr std::array<const char*, 4> columns = {"t_us", "pitch_deg", "roll_deg", "yaw_deg"};
+constexpr std::array<const char*, 4> motion_columns = {"t_us", "pitch_deg", "roll_deg", "yaw_deg"};
 
 std::vector<std::string> cells_of(const std::string& line) {
   std::vector<std::string> cells;
@@ -59,10 +59,11 @@ BodyMotion::BodyMotion(const BodyMotionConfig& config) : config_(config) {
   std::string line;
   if (!file || !std::getline(file, line)) throw InputError(config.file, "", "a readable CSV file");
   const std::vector<std::string> header = cells_of(line);
-  std::array<std::size_t, columns.size()> at{};
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    const auto found = std::ranges::find(header, columns[i]);
-    if (found == header.end()) throw InputError(config.file, line, std::string("a column ") + columns[i]);
+  std::array<std::size_t, motion_columns.size()> at{};
+  for (std::size_t i = 0; i < motion_columns.size(); ++i) {
+    const auto found = std::ranges::find(header, motion_columns[i]);
+    if (found == header.end())
+      throw InputError(config.file, line, std::string("a column ") + motion_columns[i]);
     at[i] = static_cast<std::size_t>(found - header.begin());
   }
   for (int number = 2; std::getline(file, line); ++number) {

@@ -5,8 +5,8 @@
 namespace saccade {
 namespace {
 
-constexpr double tick_s = 1e-3;
-constexpr double gravity_m_s2 = 9.81;
+constexpr double imu_tick_s = 1e-3;
+constexpr double standard_gravity_m_s2 = 9.81;
 
 }  // namespace
 
@@ -26,22 +26,23 @@ ImuSensor::ImuSensor(const ImuConfig& config, std::uint64_t seed, const Eigen::I
     : config_(config), random_(seed, "sim/imu"), last_(world_from_imu) {
   check_config("imu", config);
   ImuReading rest;
-  rest.acceleration_m_s2 = world_from_imu.linear().transpose() * Eigen::Vector3d(0.0, 0.0, gravity_m_s2);
+  rest.acceleration_m_s2 =
+      world_from_imu.linear().transpose() * Eigen::Vector3d(0.0, 0.0, standard_gravity_m_s2);
   waiting_.assign(static_cast<std::size_t>(config.delay_ms) + 1, rest);
 }
 
 void ImuSensor::step(std::int64_t t_us, const Eigen::Isometry3d& world_from_imu) {
   const Eigen::AngleAxisd turn(last_.linear().transpose() * world_from_imu.linear());
-  const Eigen::Vector3d velocity_m_s = (world_from_imu.translation() - last_.translation()) / tick_s;
-  const Eigen::Vector3d acceleration = (velocity_m_s - last_velocity_m_s_) / tick_s;
+  const Eigen::Vector3d velocity_m_s = (world_from_imu.translation() - last_.translation()) / imu_tick_s;
+  const Eigen::Vector3d acceleration = (velocity_m_s - last_velocity_m_s_) / imu_tick_s;
   last_ = world_from_imu;
   last_velocity_m_s_ = velocity_m_s;
 
   ImuReading& next = waiting_[count_ % waiting_.size()];
   next.t_us = t_us;
-  next.angular_velocity_rad_s = turn.angle() / tick_s * turn.axis();
+  next.angular_velocity_rad_s = turn.angle() / imu_tick_s * turn.axis();
   next.acceleration_m_s2 =
-      world_from_imu.linear().transpose() * (acceleration + Eigen::Vector3d(0.0, 0.0, gravity_m_s2));
+      world_from_imu.linear().transpose() * (acceleration + Eigen::Vector3d(0.0, 0.0, standard_gravity_m_s2));
   for (std::uint64_t i = 0; i < 3; ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     next.angular_velocity_rad_s[row] +=

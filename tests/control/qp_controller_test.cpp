@@ -326,6 +326,42 @@ TEST(QpController, StepsAndGatesDoNotAllocate) {
   EXPECT_GT(targets, 100);
 }
 
+TEST(QpController, PredictionAndCompensationDoNotAllocate) {
+  if (!malloc_is_counted()) GTEST_SKIP() << "a sanitizer owns malloc";
+  GazeControllerConfig config = built_in_controllers().config();
+  config.get<QpConfig>().predict_motion = true;
+  config.get<QpConfig>().catch_up_deg = 1.0;
+  const auto gaze = controller(config);
+  Stabiliser stabiliser({true, true});
+  MotionDelayEstimator delay;
+  const ImuReading imu;
+  Plant plant;
+  const long before = malloc_count();
+  for (int i = 0; i < 4000; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i * dt;
+    const Eigen::Vector3d target(-0.5, 0.07 * std::cos(angle), 0.347 + 0.07 * std::sin(angle));
+    gaze->set_delays({0.02, delay.neck_s(), delay.eyes_s()});
+    gaze->set_body_rates(stabiliser.update(plant.state, &imu, delay.eyes_s(), dt));
+    const HeadJointVector reference = gaze->step(plant.state, target, dt);
+    delay.update(plant.state.head_position_rad(), reference, dt);
+    plant.follow(reference);
+  }
+  EXPECT_EQ(malloc_count(), before);
+}
+
+TEST(QpController, ACatchUpSaccadeClosesALargeErrorSooner) {
+  const auto error_after_a_step_deg = [](double catch_up_deg) {
+    GazeControllerConfig config = built_in_controllers().config();
+    config.get<QpConfig>().catch_up_deg = catch_up_deg;
+    const auto gaze = controller(config);
+    Plant plant(0.008);
+    run(*gaze, plant, seen_at(0, 0, 0.45), 2.0);
+    run(*gaze, plant, seen_at(10, 0, 0.45), 0.12);
+    return angle_deg(Eye::left, plant.state.position_rad, seen_at(10, 0, 0.45));
+  };
+  EXPECT_LT(error_after_a_step_deg(2.0), 0.5 * error_after_a_step_deg(0.0));
+}
+
 TEST(QpController, ABadConfigurationIsAnInputError) {
   GazeControllerConfig config = built_in_controllers().config();
   config.get<QpConfig>().damping = 1.0;
