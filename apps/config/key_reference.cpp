@@ -173,6 +173,7 @@ std::string unit_of_key(std::string_view key) {
       {"_deg", "deg"},
       {"_rad_s", "rad/s"},
       {"_rad", "rad"},
+      {"_m_s2", "m/s²"},
       {"_m_s", "m/s"},
       {"_us", "us"},
       {"_ms", "ms"},
