@@ -64,7 +64,7 @@ void pursuit_step(benchmark::State& bench) {
   config.get<QpConfig>().predict_motion = true;
   config.get<QpConfig>().catch_up_deg = 2.0;
   const auto gaze = make_gaze_controller(config, genova02_limits());
-  Stabiliser stabiliser({true, true});
+  Stabiliser stabiliser({true, true}, default_head());
   MotionDelayEstimator delay;
   HuntingDetector hunting;
   const ImuReading imu;
@@ -84,7 +84,7 @@ void pursuit_step(benchmark::State& bench) {
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     bench.SetIterationTime(seconds);
     if (step_us.size() < step_us.capacity()) step_us.push_back(seconds * 1e6);
-    state.position_rad.tail<head_joint_count>() += 0.05 * (reference - state.head_position_rad());
+    state.position_rad.tail<gaze_slots>() += 0.05 * (reference - state.head_position_rad());
   }
   std::ranges::sort(step_us);
   const auto percentile = [&](double share) {

@@ -332,7 +332,7 @@ TEST(QpController, PredictionAndCompensationDoNotAllocate) {
   config.get<QpConfig>().predict_motion = true;
   config.get<QpConfig>().catch_up_deg = 1.0;
   const auto gaze = controller(config);
-  Stabiliser stabiliser({true, true});
+  Stabiliser stabiliser({true, true}, default_head());
   MotionDelayEstimator delay;
   const ImuReading imu;
   Plant plant;

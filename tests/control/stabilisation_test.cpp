@@ -20,7 +20,7 @@ HeadState turning(double torso_yaw_rad_s, double neck_yaw_rad_s) {
 }
 
 TEST(Stabiliser, TakesTheMotionOfTheNeckOutOfWhatTheGyroscopeMeasures) {
-  Stabiliser stabiliser({false, true});
+  Stabiliser stabiliser({false, true}, default_head());
   ImuReading imu;
   imu.angular_velocity_rad_s = {0.0, 0.0, 0.5 - 0.2};  // neck + turns left, about +z; torso + right, about -z
   const BodyRates& both = stabiliser.update(turning(0.2, 0.5), &imu, 0.0, 1e-3);
@@ -30,7 +30,7 @@ TEST(Stabiliser, TakesTheMotionOfTheNeckOutOfWhatTheGyroscopeMeasures) {
 }
 
 TEST(Stabiliser, CountsTheTorsoOnceWithBothMeasurements) {
-  Stabiliser stabiliser({true, true});
+  Stabiliser stabiliser({true, true}, default_head());
   ImuReading imu;
   imu.angular_velocity_rad_s = {0.0, 0.0, -0.2 + 0.1};
   const BodyRates& rates = stabiliser.update(turning(0.2, 0.0), &imu, 0.0, 1e-3);
@@ -39,7 +39,7 @@ TEST(Stabiliser, CountsTheTorsoOnceWithBothMeasurements) {
 }
 
 TEST(Stabiliser, IgnoresAReadingThatIsNotFinite) {
-  Stabiliser stabiliser({true, true});
+  Stabiliser stabiliser({true, true}, default_head());
   ImuReading imu;
   imu.angular_velocity_rad_s.setConstant(std::nan(""));
   EXPECT_TRUE(stabiliser.update(turning(0.2, 0.0), &imu, 0.0, 1e-3).base_rad_s.isZero());
@@ -50,7 +50,7 @@ double worst_error_deg(const char* name, const StabilisationConfig& config) {
   GazeControllerConfig gaze_config = built_in_controllers().config();
   gaze_config.controller = name;
   const auto gaze = controller(gaze_config);
-  Stabiliser stabiliser(config);
+  Stabiliser stabiliser(config, default_head());
   Plant plant(0.0);
   const Eigen::Vector3d target = seen_at(5.0, 3.0, 0.45);
   double worst_deg = 0.0;

@@ -68,7 +68,7 @@ Seen watch_sway(const Sway& sway) {
   gaze.controller = sway.controller;
   const auto controller = make_gaze_controller(gaze, world.limits());
   JointLimiter limiter(motion_limits(world.limits(), gaze.limits));
-  Stabiliser stabiliser(sway.stabilisation);
+  Stabiliser stabiliser(sway.stabilisation, world.limits().head);
   MotionDelayEstimator delay;
   const RandomStream random(3, "test/sway");
   const double px_m = 0.3 / Camera{}.fx_px;
@@ -87,7 +87,8 @@ Seen watch_sway(const Sway& sway) {
     balls_m.push_back(ball_m);
     std::optional<Eigen::Vector3d> target;
     if (sway.looks && tick > 500)
-      target = root_from_left_cam(state.position_rad) * balls_m[tick - sight_ticks];
+      target =
+          camera_motion(world.limits().head->chain, state).root_from_camera * balls_m[tick - sight_ticks];
     const double eyes_s = sway.compensated ? delay.eyes_s() : 0.0;
     if (sway.compensated) controller->set_delays({0.0, delay.neck_s(), eyes_s});
     controller->set_body_rates(stabiliser.update(state, world.imu_reading(), eyes_s, tick_s));
