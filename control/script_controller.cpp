@@ -24,6 +24,11 @@ void describe(FieldVisitor& v, ScriptConfig& config) {
 ScriptController::ScriptController(const ScriptConfig& config, const MotionLimits& limits)
     : config_(config), min_rad_(limits.hardware_min_rad), max_rad_(limits.hardware_max_rad) {
   check_config("script", config);
+  if (!limits.head->has_icub_gaze()) {
+    throw InputError("gaze.controller", "script",
+                     "qp: script moves tilt, version and a neck of three joints, and " + limits.head->name +
+                         " has others");
+  }
 }
 
 HeadJointVector ScriptController::step(const HeadState& state, const std::optional<Eigen::Vector3d>&,
