@@ -10,9 +10,9 @@ namespace saccade {
 namespace {
 
 constexpr std::string_view bag_line = "#ROSBAG V2.0\n";
-constexpr std::size_t enough_chunk_bytes = 768 * 1024;
-constexpr std::size_t file_header_bytes = 4096;                      ///< fields, padding included
-constexpr std::int64_t largest_stamp_us = 4294967295LL * 1'000'000;  ///< u32 s
+constexpr std::size_t enough_bag_chunk_bytes = 768 * 1024;
+constexpr std::size_t file_header_bytes = 4096;                    ///< fields, padding included
+constexpr std::int64_t largest_bag_us = 4294967295LL * 1'000'000;  ///< u32 s
 constexpr std::string_view events_topic = "/dvs/events";
 
 /// The time of a record, u32 s and u32 ns.
@@ -44,7 +44,7 @@ std::string record(std::string_view fields, std::string_view data) {
 class RosBagWriter final : public MessageWriter {
  public:
   RosBagWriter(const std::filesystem::path& path, ImageSize image_size, bool packets)
-      : MessageWriter(path, image_size, largest_stamp_us), packets_(packets) {
+      : MessageWriter(path, image_size, largest_bag_us), packets_(packets) {
     put(bag_line);
     put(file_header(0));
   }
@@ -70,7 +70,7 @@ class RosBagWriter final : public MessageWriter {
         field("op", std::uint8_t{2}) + field("conn", std::uint32_t{0}) + field("time", bag_time(last_ns)),
         message);
     ++messages_;
-    if (chunk_.size() >= enough_chunk_bytes) put_chunk();
+    if (chunk_.size() >= enough_bag_chunk_bytes) put_chunk();
   }
 
   void finish() override {
