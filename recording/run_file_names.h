@@ -15,6 +15,7 @@ inline constexpr const char* robot = "robot.yaml";
 inline constexpr const char* joints = "joints.csv";
 inline constexpr const char* truth = "truth.csv";
 inline constexpr const char* truth_right = "truth_right.csv";
+inline constexpr const char* target = "target.csv";
 inline constexpr const char* detections = "detections.csv";
 inline constexpr const char* detections_right = "detections_right.csv";
 inline constexpr const char* streaming = "streaming.csv";

@@ -73,6 +73,14 @@ void visit_columns(Visitor& visit, const HeadModel& head, Row& row) {
     visit_circle(visit, row.circle);
     visit("visible", row.visible);
     visit_point(visit, "", row.position_m);
+  } else if constexpr (std::is_same_v<Table, TargetRow>) {
+    visit("x_px", row.centre_px[0]);
+    visit("y_px", row.centre_px[1]);
+    visit("left_px", row.corner_px[0]);
+    visit("top_px", row.corner_px[1]);
+    visit("width_px", row.size_px[0]);
+    visit("height_px", row.size_px[1]);
+    visit("visible", row.visible);
   } else if constexpr (is_detections<Table>) {
     visit("detector", row.detector);
     visit_circle(visit, row.circle);
@@ -370,6 +378,7 @@ std::vector<Row> read_table(const std::filesystem::path& path) {
 }
 
 template class TableWriter<TruthRow>;
+template class TableWriter<TargetRow>;
 template class TableWriter<DetectionRow>;
 template class TableWriter<StreamingRow>;
 template class TableWriter<GazeRow>;
@@ -378,6 +387,7 @@ template class TableWriter<EyeRow>;
 template class TableWriter<LabelRow>;
 template class TableWriter<TimingRow>;
 template class TableReader<TruthRow>;
+template class TableReader<TargetRow>;
 template class TableReader<DetectionRow>;
 template class TableReader<StreamingRow>;
 template class TableReader<GazeRow>;
@@ -386,6 +396,7 @@ template class TableReader<EyeRow>;
 template class TableReader<LabelRow>;
 template class TableReader<TimingRow>;
 template std::vector<TruthRow> read_table(const std::filesystem::path& path);
+template std::vector<TargetRow> read_table(const std::filesystem::path& path);
 template std::vector<DetectionRow> read_table(const std::filesystem::path& path);
 template std::vector<StreamingRow> read_table(const std::filesystem::path& path);
 template std::vector<GazeRow> read_table(const std::filesystem::path& path);

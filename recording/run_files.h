@@ -28,6 +28,17 @@ struct TruthRow {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
 };
 
+/// target.csv: t_us,x_px,y_px,left_px,top_px,width_px,height_px,visible. Where the target is no sphere: the mean of its pixels that are seen
+/// in the left eye's newest image, the box around them, and the share of its pixels that nothing hides. Empty fields: nothing
+/// is seen.
+struct TargetRow {
+  std::int64_t t_us = 0;
+  Eigen::Vector2d centre_px = Eigen::Vector2d::Zero();
+  Eigen::Vector2d corner_px = Eigen::Vector2d::Zero();  ///< centre of the box's top left pixel
+  Eigen::Vector2d size_px = Eigen::Vector2d::Zero();
+  double visible = 0.0;
+};
+
 /// detections.csv: t_us,detector,x_px,y_px,r_px,score,held, then the covariance of x, y and r:
 /// var_x_px2,var_y_px2,var_r_px2,cov_xy_px2,cov_xr_px2,cov_yr_px2, all empty where it is unknown.
 struct DetectionRow {
@@ -150,6 +161,7 @@ template <class Row>
 [[nodiscard]] std::vector<Row> read_table(const std::filesystem::path& path);
 
 extern template class TableWriter<TruthRow>;
+extern template class TableWriter<TargetRow>;
 extern template class TableWriter<DetectionRow>;
 extern template class TableWriter<StreamingRow>;
 extern template class TableWriter<GazeRow>;

@@ -67,7 +67,7 @@ class EyeRenderer {
   /// optical axis), so that several images can share the samples of one.
   void render_colour(mjData& data, int camera_id, const Eigen::Vector2d& shift_px, std::span<float> rgb);
 
-  /// The number of the object in each pixel. `number_of_geom` has a number from 1 to 254 for each geom of the model;
+  /// The number of the object in each pixel. `number_of_geom` has a number from 1 to 254 for each geom of the model, 0 for those that are not drawn;
   /// where several are in a pixel's samples the smallest counts, and `nothing` where there is none. Costs about as much
   /// as an image. `numbers`: row by row, height x width of the camera.
   void label(mjData& data, int camera_id, std::span<const std::uint8_t> number_of_geom, std::uint8_t nothing,

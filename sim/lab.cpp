@@ -8,7 +8,9 @@
 
 #include "core/error.h"
 #include "sim/canvas.h"
+#include "sim/file_keys.h"
 #include "sim/lab_furniture.h"
+#include "sim/model_file.h"
 #include "sim/mujoco_compat.h"
 
 namespace saccade {
@@ -35,12 +37,28 @@ void describe(FieldVisitor& v, RoundThings& round) {
 }
 
 void describe(FieldVisitor& v, LabConfig& config) {
-  v.choice("clutter", config.clutter, "kind of surfaces and furniture");
-  v.real("density", config.density, {0.0, 2.0}, "number of objects in the lab; 1: normally furnished");
-  v.real("contrast", config.contrast, {0.0, 1.5}, "contrast of everything painted; 0: flat grey, 1: natural");
-  v.real("brightness", config.brightness, {0.3, 1.2}, "brightness of the light");
-  v.real("wall_distance_m", config.wall_distance_m, {1.8, 4.0}, "from the waist to the wall in front");
-  v.section("round", config.round, "round things that stand still");
+  if (config.room == Room::furnished && gives(v, "mjcf")) config.room = Room::mjcf;
+  if (config.room == Room::furnished && gives(v, "panorama")) config.room = Room::panorama;
+  v.choice("room", config.room,
+           "what the room is made of; with the key mjcf or panorama it is that by default");
+  v.when(config.room == Room::mjcf, "room: mjcf", [&] {
+    v.path("mjcf", config.mjcf, "MJCF file of a room, in the root frame; relative to the scenario");
+    v.require(!config.mjcf.empty(), "mjcf", "no such key", "the path of an MJCF file");
+  });
+  v.when(config.room == Room::panorama, "room: panorama", [&] { describe(v, config.panorama); });
+  v.when(config.room == Room::furnished, "room: furnished", [&] {
+    v.choice("clutter", config.clutter, "kind of surfaces and furniture");
+    v.real("density", config.density, {0.0, 2.0}, "number of objects in the lab; 1: normally furnished");
+    v.real("contrast", config.contrast, {0.0, 1.5},
+           "contrast of everything painted; 0: flat grey, 1: natural");
+  });
+  v.real("brightness", config.brightness, {0.3, 1.2},
+         "brightness of the light; a room of a file with lights of its own keeps those");
+  v.when(config.room == Room::furnished, "room: furnished", [&] {
+    v.real("wall_distance_m", config.wall_distance_m, {1.8, 4.0}, "from the waist to the wall in front");
+    v.section("round", config.round, "round things that stand still");
+  });
+  v.optional_section("flicker", config.flicker, "light that varies with time");
 }
 
 std::array<LabLight, 2> lab_lights(const LabConfig& config) {
@@ -48,16 +66,37 @@ std::array<LabLight, 2> lab_lights(const LabConfig& config) {
   return {{{"lamp", {-0.55, -0.35, -0.76}, 0.4 * b, 0.5 * b}, {"sky", {-0.35, 0.9, -0.25}, 0.0, 0.35 * b}}};
 }
 
-Lab::Lab(const LabConfig& config, std::uint64_t seed)
-    : config_(check_config("lab", config)),
-      seed_(seed),
-      layout_(std::make_unique<const lab::Layout>(lab::furnished(config_, seed))) {}
+Lab::Lab(const LabConfig& config, std::uint64_t seed) : config_(check_config("lab", config)), seed_(seed) {
+  if (config.room == Room::furnished) {
+    layout_ = std::make_unique<const lab::Layout>(lab::furnished(config_, seed));
+  } else {
+    parts_ = config.room == Room::mjcf ? read_model_file(config.mjcf, "lab", ModelUse::lab)
+                                       : panorama_parts(config.panorama, "lab");
+  }
+}
 
 Lab::~Lab() = default;
 Lab::Lab(Lab&&) noexcept = default;
 Lab& Lab::operator=(Lab&&) noexcept = default;
 
+std::string Lab::lights_mjcf() const {
+  std::string bodies;
+  for (const LabLight& light : lab_lights(config_)) {
+    bodies += print(
+        "  <light name=\"lab_%s\" directional=\"true\" dir=\"%.2f %.2f %.2f\" pos=\"%s\" ambient=\"%.4f %.4f "
+        "%.4f\" "
+        "diffuse=\"%.4f %.4f %.4f\" specular=\"0 0 0\" castshadow=\"false\"/>\n",
+        light.name, light.direction.x(), light.direction.y(), light.direction.z(), "0.6 0.4 1.8",
+        light.ambient, light.ambient, light.ambient, light.diffuse, light.diffuse, light.diffuse);
+  }
+  return bodies;
+}
+
 std::string Lab::mjcf() const {
+  if (!layout_) {
+    return "<asset>\n" + parts_.assets + "</asset>\n<worldbody>\n" +
+           (parts_.lights.empty() ? lights_mjcf() : parts_.lights) + parts_.geoms + "</worldbody>\n";
+  }
   std::string points;
   std::string normals;
   std::string texels;
@@ -74,15 +113,6 @@ std::string Lab::mjcf() const {
     faces += print("%d %d %d ", count, count + 1, count + 2);
     count += 3;
   }
-  std::string bodies;
-  for (const LabLight& light : lab_lights(config_)) {
-    bodies += print(
-        "  <light name=\"lab_%s\" directional=\"true\" dir=\"%.2f %.2f %.2f\" pos=\"%s\" ambient=\"%.4f %.4f "
-        "%.4f\" "
-        "diffuse=\"%.4f %.4f %.4f\" specular=\"0 0 0\" castshadow=\"false\"/>\n",
-        light.name, light.direction.x(), light.direction.y(), light.direction.z(), "0.6 0.4 1.8",
-        light.ambient, light.ambient, light.ambient, light.diffuse, light.diffuse, light.diffuse);
-  }
   return print(
              "<asset>\n"
              "  <texture name=\"lab\" type=\"2d\" builtin=\"flat\" width=\"%d\" height=\"%d\" rgb1=\"0.33 "
@@ -90,12 +120,17 @@ std::string Lab::mjcf() const {
              "  <material name=\"lab\" texture=\"lab\" specular=\"0\" shininess=\"0\"/>\n",
              lab::Layout::texture_columns, layout_->texture_rows()) +
          "  <mesh name=\"lab\" vertex=\"" + points + "\" normal=\"" + normals + "\" texcoord=\"" + texels +
-         "\" face=\"" + faces + "\"/>\n</asset>\n<worldbody>\n" + bodies +
+         "\" face=\"" + faces + "\"/>\n</asset>\n<worldbody>\n" + lights_mjcf() +
          "  <geom name=\"lab\" type=\"mesh\" mesh=\"lab\" material=\"lab\" group=\"1\" contype=\"0\" "
          "conaffinity=\"0\"/>\n"
          "</worldbody>\n";
 }
+
 void Lab::paint(mjModel& model) const {
+  if (!layout_) {
+    paint_textures(parts_, model);
+    return;
+  }
   const int id = mj_name2id(&model, mjOBJ_TEXTURE, "lab");
   if (id < 0 || model.tex_width[id] != lab::Layout::texture_columns ||
       model.tex_height[id] != layout_->texture_rows()) {

@@ -6,9 +6,13 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "core/config.h"
+#include "sim/flicker.h"
+#include "sim/model_parts.h"
+#include "sim/panorama.h"
 
 namespace saccade {
 
@@ -34,6 +38,17 @@ constexpr auto words_of(Clutter) {
                                        {Clutter::bare, "bare"}});
 }
 
+/// What the room is made of.
+enum class Room {
+  furnished,  ///< walls and furniture after the other keys
+  mjcf,       ///< a model of a file
+  panorama,   ///< a photograph of everything around
+};
+constexpr auto words_of(Room) {
+  return std::to_array<Word<Room>>(
+      {{Room::furnished, "furnished"}, {Room::mjcf, "mjcf"}, {Room::panorama, "panorama"}});
+}
+
 /// Numbers of round things that stand still in the lab, at random places in front of the robot.
 struct RoundThings {
   std::int64_t discs = 0;   ///< printed, on the wall
@@ -55,9 +70,14 @@ struct LabConfig {
   double brightness = 1.0;       ///< of the light; at 1 a white wall is just below saturation
   double wall_distance_m = 2.2;  ///< from the waist to the wall in front
   RoundThings round = {};
+  Room room = Room::furnished;
+  std::string mjcf = {};  ///< path of the MJCF file of a room
+  PanoramaConfig panorama = {};
+  std::optional<FlickerConfig> flicker = {};  ///< none: the light is steady
 };
 
-/// Keys: clutter, density, contrast, brightness, wall_distance_m, round.
+/// Keys: room, mjcf, those of panorama, clutter, density, contrast, brightness, wall_distance_m, round, flicker; those that
+/// do not belong to the room are not visited.
 void describe(FieldVisitor& v, LabConfig& config);
 
 /// A directional light of the lab: the luminance of a white matt surface is ambient, plus diffuse times the cosine of the
@@ -78,14 +98,15 @@ class Layout;
 /// the same bytes.
 class Lab {
  public:
-  /// Throws InputError for a config out of range.
+  /// Throws InputError for a config out of range, and for a file that is wrong: read_model_file(), panorama_parts().
   Lab(const LabConfig& config, std::uint64_t seed);
   ~Lab();
   Lab(Lab&&) noexcept;
   Lab& operator=(Lab&&) noexcept;
 
-  /// The lab as MJCF elements for World: <asset> and <worldbody> with two lights and one mesh, "lab", of group 1,
-  /// that collides with nothing. (One mesh with one texture, because in software each further geom costs 7 us per
+  /// The lab as MJCF elements for World: <asset> and <worldbody>. A furnished one has two lights and one mesh, "lab", of
+  /// group 1, that collides with nothing. Of a file the geoms and lights are those of the file; a room without lights of its own gets
+  /// the two. (One mesh with one texture, because in software each further geom costs 7 us per
   /// image.) Its texture has one colour until paint().
   [[nodiscard]] std::string mjcf() const;
 
@@ -93,16 +114,19 @@ class Lab {
   /// Call before a renderer uploads the texture. Throws RunError when the model holds no lab or another one.
   void paint(mjModel& model) const;
 
+  /// Of a furnished room.
   [[nodiscard]] const lab::Layout& layout() const { return *layout_; }
   /// A patch of the layout as it is in the texture, up to rounding.
   [[nodiscard]] Canvas painted(std::size_t patch) const;
 
  private:
   void paint_patch(std::size_t index, mjtByte* rgb) const;
+  [[nodiscard]] std::string lights_mjcf() const;
 
   LabConfig config_;
   std::uint64_t seed_;
-  std::unique_ptr<const lab::Layout> layout_;
+  std::unique_ptr<const lab::Layout> layout_;  ///< null for a room of a file
+  ModelParts parts_;                           ///< of a file
 };
 
 }  // namespace saccade

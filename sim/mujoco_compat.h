@@ -46,4 +46,34 @@ inline mjtByte* texture_rgb(const mjModel& model, int texture) {
 #endif
 }
 
+/// The texture of a material's colour; -1: none.
+template <class Model>
+int material_texture(const Model& model, int material) {
+#if mjVERSION_HEADER >= 320
+  return model.mat_texid[mjNTEXROLE * material + mjTEXROLE_RGB];
+#else
+  return model.mat_texid[material];
+#endif
+}
+
+/// The index of the texture coordinate of a mesh's face (counted over all meshes) at its corner k, in the mesh.
+template <class Model>
+int face_texel(const Model& model, int face, int k) {
+  if constexpr (requires { model.mesh_facetexcoord; }) {
+    return model.mesh_facetexcoord[3 * face + k];
+  } else {
+    return model.mesh_face[3 * face + k];
+  }
+}
+
+/// Whether a light is directional.
+template <class Model>
+bool is_directional(const Model& model, int light) {
+  if constexpr (requires { model.light_directional; }) {
+    return model.light_directional[light] != 0;
+  } else {
+    return model.light_type[light] == 1;  // mjLIGHT_DIRECTIONAL
+  }
+}
+
 }  // namespace saccade

@@ -7,6 +7,9 @@
 
 #include "core/error.h"
 #include "core/rotation_vector.h"
+#include "sim/file_keys.h"
+#include "sim/mesh_file.h"
+#include "sim/model_file.h"
 
 namespace saccade {
 namespace {
@@ -83,7 +86,8 @@ std::string size_of(const ObjectConfig& object) {
   return triple(half_m.x(), half_m.y(), half_m.z());
 }
 
-std::vector<Piece> pieces_of(const ObjectConfig& object) {
+std::vector<Piece> pieces_of(const ObjectConfig& object, const ModelParts& file) {
+  if (is_of_a_file(object.shape)) return {{Eigen::Vector3d::Zero(), 0.0, file.geoms}};
   const std::string colour = rgba(object.rgb);
   if (object.shape != ObjectShape::person) {
     std::string geoms;
@@ -120,7 +124,37 @@ std::vector<Piece> pieces_of(const ObjectConfig& object) {
 }
 
 std::string body_name(std::size_t object, std::size_t piece) {
-  return "distractor_" + std::to_string(object) + "_" + std::to_string(piece);
+  return object_body_prefix(object) + std::to_string(piece);
+}
+
+/// A mesh in one colour, or with a texture.
+ModelParts mesh_parts(const ObjectConfig& object, const std::string& prefix) {
+  const TriangleMesh mesh = read_mesh_file(object.mesh, object.scale);
+  ModelParts parts;
+  parts.sphere_radius_m = sphere_radius_m(mesh);
+  std::string look = rgba(object.rgb);
+  if (!object.texture.empty()) {
+    if (!mesh.has_texels()) {
+      throw InputError(object.mesh, "no texture coordinates",
+                       "texture coordinates (vt) for " + object.texture);
+    }
+    TextureImage image = read_png(object.texture, prefix + "_texture");
+    parts.assets = texture_mjcf(image) + "<material name=\"" + prefix + "\" texture=\"" + image.name +
+                   "\" specular=\"0\" shininess=\"0\"/>\n";
+    parts.textures.push_back(std::move(image));
+    look = "material=\"" + prefix + "\"";
+  }
+  parts.assets += mesh_mjcf(mesh, prefix + "_mesh");
+  parts.geoms = geom("mesh", "mesh=\"" + prefix + "_mesh\"", look);
+  return parts;
+}
+
+/// The object as a body that MuJoCo can move freely, where its trajectory needs one.
+BodyShape body_shape(const ObjectConfig& object, const ModelParts& file) {
+  if (!moves_as_free_body(object.trajectory.kind)) return {};
+  std::string geoms;
+  for (const Piece& piece : pieces_of(object, file)) geoms += piece.geoms;
+  return {file.assets, geoms, rotation_of(radians(object.turn_deg))};
 }
 
 /// Direction of the first segment of a trajectory, about z.
@@ -133,13 +167,27 @@ double heading_rad(const TrajectoryConfig& trajectory) {
 }  // namespace
 
 void describe(FieldVisitor& v, ObjectConfig& c) {
-  v.choice("shape", c.shape, "shape of the object");
-  v.when(shape_has_size(c.shape), "shape: any but hand and person", [&] {
+  if (c.shape == ObjectShape::box && gives(v, "mjcf")) c.shape = ObjectShape::mjcf;
+  if (c.shape == ObjectShape::box && gives(v, "mesh")) c.shape = ObjectShape::mesh;
+  v.choice("shape", c.shape, "shape of the object; with the key mjcf or mesh it is that by default");
+  v.when(c.shape == ObjectShape::mjcf, "shape: mjcf", [&] {
+    v.path("mjcf", c.mjcf, "MJCF file of a rigid object; relative to the scenario");
+    v.require(!c.mjcf.empty(), "mjcf", "no such key", "the path of an MJCF file");
+  });
+  v.when(c.shape == ObjectShape::mesh, "shape: mesh", [&] {
+    v.path("mesh", c.mesh, "OBJ or STL file of a closed surface; relative to the scenario");
+    v.require(!c.mesh.empty(), "mesh", "no such key", "the path of an OBJ or STL file");
+    optional_path(v, "texture", c.texture, "PNG image on the mesh, sRGB; without it the mesh has one colour");
+    v.real("scale", c.scale, {1e-6, 1e3}, "factor from the file's coordinates to metres");
+  });
+  v.when(shape_has_size(c.shape), "shape: any but hand, person, mjcf and mesh", [&] {
     v.reals(
         "size_m", c.size_m, {0.001, 3.0},
         "extent along x, y and z (a sphere and a covered disc: diameter y; a prism: y between its sides)");
   });
-  v.reals("rgb", c.rgb, {0.0, 1.0}, "colour (for a person and a hand, of the shirt): linear reflectance");
+  v.when(c.shape != ObjectShape::mjcf && c.texture.empty(), "shape: any but mjcf", [&] {
+    v.reals("rgb", c.rgb, {0.0, 1.0}, "colour (for a person and a hand, of the shirt): linear reflectance");
+  });
   v.when(c.shape == ObjectShape::covered_disc, "shape: covered_disc", [&] {
     v.real("shown_share", c.shown_share, {0.1, 1.0},
            "share of the disc's outline that the box does not hide");
@@ -152,36 +200,61 @@ void describe(FieldVisitor& v, ObjectConfig& c) {
     v.reals("turn_deg", c.turn_deg, {-360.0, 360.0},
             "rotation at the start, a rotation vector in the root frame");
   });
-  v.when(shape_has_size(c.shape), "shape: any but hand and person", [&] {
+  v.when(!is_of_a_person(c.shape), "shape: any but hand and person", [&] {
     v.reals("turn_deg_s", c.turn_deg_s, {-2000.0, 2000.0}, "speed of its rotation, about a fixed axis");
   });
   v.section("trajectory", c.trajectory, "motion of the object");
+  v.require(!is_of_a_person(c.shape) || !moves_as_free_body(c.trajectory.kind), "shape", word_of(c.shape),
+            "another shape, for ballistic and pushed motions");
 }
 
-std::string objects_mjcf(const NamedObjects& objects) {
-  std::string bodies;
+std::string object_body_prefix(std::size_t object) { return "distractor_" + std::to_string(object) + "_"; }
+
+std::vector<ModelParts> load_object_files(const NamedObjects& objects) {
+  std::vector<ModelParts> files;
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    const std::vector<Piece> pieces = pieces_of(objects[i].second);
+    const ObjectConfig& object = objects[i].second;
+    const std::string prefix = "object_" + std::to_string(i);
+    files.emplace_back();
+    if (object.shape == ObjectShape::mjcf)
+      files.back() = read_model_file(object.mjcf, prefix, ModelUse::object);
+    if (object.shape == ObjectShape::mesh) files.back() = mesh_parts(object, prefix);
+  }
+  return files;
+}
+
+std::string objects_mjcf(const NamedObjects& objects, const std::vector<ModelParts>& files) {
+  std::string bodies;
+  std::string assets;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    assets += files[i].assets;
+    const std::vector<Piece> pieces = pieces_of(objects[i].second, files[i]);
     for (std::size_t j = 0; j < pieces.size(); ++j) {
       bodies += "<body name=\"" + body_name(i, j) + "\" mocap=\"true\">" + pieces[j].geoms + "</body>\n";
     }
   }
-  return bodies.empty() ? bodies : "<worldbody>\n" + bodies + "</worldbody>\n";
+  if (!assets.empty()) assets = "<asset>\n" + assets + "</asset>\n";
+  return bodies.empty() ? bodies : assets + "<worldbody>\n" + bodies + "</worldbody>\n";
 }
 
-Objects::Objects(const NamedObjects& objects, std::uint64_t seed, const mjModel& model) {
+Objects::Objects(const NamedObjects& objects, const std::vector<ModelParts>& files, std::uint64_t seed,
+                 const mjModel& model) {
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const ObjectConfig& config = objects[i].second;
     const bool walks = config.shape == ObjectShape::person;
     const bool waves = config.shape == ObjectShape::hand;
     Object object{
-        Trajectory(config.trajectory, object_seed(seed, i)),
+        Trajectory(config.trajectory, object_seed(seed, i), body_shape(config, files[i]),
+                   "objects." + objects[i].first + ".trajectory"),
         walks ? heading_rad(config.trajectory) : 0.0,
         walks ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : radians(config.turn_deg),
-        shape_has_size(config.shape) ? radians(config.turn_deg_s) : Eigen::Vector3d(Eigen::Vector3d::Zero()),
+        is_of_a_person(config.shape) ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : radians(config.turn_deg_s),
         waves ? 2.0 * std::numbers::pi * config.wave_hz : 0.0,
-        {}};
-    const std::vector<Piece> pieces = pieces_of(config);
+        {},
+        std::nullopt};
+    if (config.shape == ObjectShape::sphere) object.sphere_radius_m = 0.5 * config.size_m.y();
+    if (files[i].sphere_radius_m > 0.0) object.sphere_radius_m = files[i].sphere_radius_m;
+    const std::vector<Piece> pieces = pieces_of(config, files[i]);
     for (std::size_t j = 0; j < pieces.size(); ++j) {
       const int body = mj_name2id(&model, mjOBJ_BODY, body_name(i, j).c_str());
       SACCADE_CHECK(body >= 0);
@@ -206,6 +279,7 @@ void Objects::place(std::int64_t t_us, mjData& data) const {
         const double wave_rad = hand_wave_rad * std::sin(object.wave_rad_s * t_s);
         pose = pose * Eigen::AngleAxisd(wave_rad, Eigen::Vector3d::UnitX());
       }
+      if (object.trajectory.turns()) pose = object.trajectory.turn(t_us) * pose;
       Eigen::Map<Eigen::Vector3d>(data.mocap_pos + 3 * part.mocap) = at_m + turn * part.joint_m;
       Eigen::Map<Eigen::Vector4d>(data.mocap_quat + 4 * part.mocap) << pose.w(), pose.vec();
     }

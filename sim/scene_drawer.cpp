@@ -88,6 +88,11 @@ void SceneDrawer::draw(mjData& data, const mjvGLCamera& camera, mjrRect viewport
   const bool numbered = !number_of_geom.empty();
   scene_.flags[mjRND_SEGMENT] = scene_.flags[mjRND_IDCOLOR] = numbered ? 1 : 0;
   if (numbered) {
+    const std::span geoms = drawn();
+    const auto last = std::remove_if(geoms.begin(), geoms.end(), [&](const mjvGeom& geom) {
+      return number_of_geom[static_cast<std::size_t>(geom.objid)] == 0;
+    });
+    scene_.ngeom = static_cast<int>(last - geoms.begin());
     for (mjvGeom& geom : drawn()) geom.segid = number_of_geom[static_cast<std::size_t>(geom.objid)] - 1;
   }
   show(camera, viewport);

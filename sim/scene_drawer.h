@@ -41,7 +41,7 @@ class SceneDrawer {
   SceneDrawer& operator=(const SceneDrawer&) = delete;
 
   /// Draws the state of `data`, lit and textured; or, if number_of_geom is not empty, each geom flat in the colour
-  /// (number, 0, 0). At most max_marks marks.
+  /// (number, 0, 0), those of number 0 not at all. At most max_marks marks.
   void draw(mjData& data, const mjvGLCamera& camera, mjrRect viewport,
             std::span<const std::uint8_t> number_of_geom = {}, std::span<const SceneMark> marks = {});
 

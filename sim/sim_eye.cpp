@@ -1,5 +1,8 @@
 #include "sim/sim_eye.h"
 
+#include <algorithm>
+
+#include "core/event_label.h"
 #include "core/random.h"
 
 namespace saccade {
@@ -29,23 +32,74 @@ SimEye::SimEye(World& world, GlContext& gl, const SimConfig& config, std::uint8_
   check_config(number == 0 ? "camera.eye_from_camera" : "right_camera.eye_from_camera", mount);
   world.mount_camera(model_camera_, mount.eye_from_camera());
   const bool is_direct = config.render.method == RenderMethod::direct;
-  if (is_direct || labelled_)
+  const bool is_measured = world.has_target() && !world.target_radius_m();
+  if (is_direct || labelled_ || is_measured)
     renderer_ = std::make_unique<EyeRenderer>(world.model(), gl, camera_, config.render);
   if (!is_direct) keyframes_ = std::make_unique<KeyframeRenderer>(world.model(), gl, camera_, config.render);
-  const int ball = mj_name2id(&world.model(), mjOBJ_GEOM, "ball");
-  if (ball >= 0) ball_body_ = world.model().geom_bodyid[ball];
+  target_body_ = world.target_body();
+  if (config.lab.flicker) flicker_.emplace(*config.lab.flicker);
   if (labelled_) {
     object_of_geom_ = world.scene_objects();
     objects_.resize(luminance_.size());
   }
+  if (!world.has_target() || world.target_radius_m()) return;
+  for (const std::uint8_t object : world.scene_objects()) {
+    const bool is_target = object == static_cast<std::uint8_t>(SceneObject::ball);
+    target_of_geom_.push_back(is_target ? 1 : 2);
+    target_alone_of_geom_.push_back(is_target ? 1 : 0);
+  }
+  target_pixels_.resize(luminance_.size());
+}
+
+std::optional<std::int64_t> SimEye::next_image(std::int64_t begin_us, std::int64_t end_us,
+                                               const ImageSampler::Show& show) {
+  const auto due_us = sampler_.next(begin_us, end_us, show);
+  if (!flicker_) return due_us;
+  const std::int64_t light_us = std::max(begin_us, flicker_->next_image_us(image_us_));
+  if (light_us > end_us) return due_us;
+  return due_us ? std::min(*due_us, light_us) : light_us;
+}
+
+/// What is seen of a target that is no sphere, and the share of it that nothing hides.
+void SimEye::measure_target(mjData& data) {
+  constexpr std::uint8_t nothing = 3;
+  const auto draw = [&](std::span<const std::uint8_t> number_of_geom) {
+    renderer_->label(data, model_camera_, number_of_geom, nothing, target_pixels_);
+    return std::count(target_pixels_.begin(), target_pixels_.end(), std::uint8_t{1});
+  };
+  truth_.extent.reset();
+  truth_.visible = 0.0;
+  const auto whole = draw(target_alone_of_geom_);
+  if (whole == 0) return;
+  const auto seen = draw(target_of_geom_);
+  truth_.visible = static_cast<double>(seen) / static_cast<double>(whole);
+  if (seen == 0) return;
+  const int width = camera().size.width;
+  Eigen::Array2d sum_px = Eigen::Array2d::Zero();
+  Eigen::Array2d least_px = Eigen::Array2d::Constant(1e9);
+  Eigen::Array2d most_px = -least_px;
+  for (std::size_t i = 0; i < target_pixels_.size(); ++i) {
+    if (target_pixels_[i] != 1) continue;
+    const Eigen::Array2d at_px(static_cast<double>(static_cast<int>(i) % width),
+                               static_cast<double>(static_cast<int>(i) / width));
+    sum_px += at_px;
+    least_px = least_px.min(at_px);
+    most_px = most_px.max(at_px);
+  }
+  truth_.extent = VisibleExtent{sum_px / static_cast<double>(seen), least_px, most_px - least_px + 1.0};
 }
 
 void SimEye::take_image(std::int64_t t_us, mjData& data) {
   sampler_.take(t_us, data);
+  image_us_ = t_us;
   if (keyframes_) {
     keyframes_->render(data, model_camera_, luminance_);
   } else {
     renderer_->render(data, model_camera_, luminance_);
+  }
+  if (flicker_) {
+    const auto factor = static_cast<float>(flicker_->factor(t_us));
+    for (float& luminance : luminance_) luminance *= factor;
   }
   if (labelled_) {
     renderer_->label(data, model_camera_, object_of_geom_, static_cast<std::uint8_t>(SceneObject::background),
@@ -56,17 +110,23 @@ void SimEye::take_image(std::int64_t t_us, mjData& data) {
   emulator_.process_image(luminance_, t_us, events_, labelled_ ? &labels_ : nullptr, objects_);
   for (Event& event : events_) event.camera = number_;
   const Eigen::Isometry3d root_from_cam = World::root_from_camera(data, model_camera_);
-  if (!world_->has_ball()) return;
-  const Eigen::Vector3d ball_m = root_from_cam.inverse() * world_->ball_position_m(data);
-  truth_.visible = keyframes_ ? keyframes_->visible_share(ball_m, world_->ball_radius_m(), ball_body_)
-                              : renderer_->visible_share(ball_m, world_->ball_radius_m());
+  if (!world_->has_target()) return;
+  const auto radius_m = world_->target_radius_m();
+  if (!radius_m) {
+    measure_target(data);
+    return;
+  }
+  const Eigen::Vector3d target_m = root_from_cam.inverse() * world_->target_position_m(data);
+  truth_.visible = keyframes_ ? keyframes_->visible_share(target_m, *radius_m, target_body_)
+                              : renderer_->visible_share(target_m, *radius_m);
 }
 
 void SimEye::update_truth() {
   truth_.root_from_cam = World::root_from_camera(world_->data(), model_camera_);
-  if (!world_->has_ball()) return;
-  truth_.circle = camera().project_sphere(truth_.root_from_cam.inverse() * world_->ball_position_m(),
-                                          world_->ball_radius_m());
+  const auto radius_m = world_->target_radius_m();
+  if (!world_->has_target() || !radius_m) return;
+  truth_.circle =
+      camera().project_sphere(truth_.root_from_cam.inverse() * world_->target_position_m(), *radius_m);
   if (!truth_.circle) truth_.visible = 0.0;
 }
 

@@ -9,6 +9,7 @@
 #include "core/camera.h"
 #include "emulator/event_emulator.h"
 #include "sim/eye_renderer.h"
+#include "sim/flicker.h"
 #include "sim/gl_context.h"
 #include "sim/image_sampler.h"
 #include "sim/keyframe_renderer.h"
@@ -17,12 +18,23 @@
 
 namespace saccade {
 
+/// The part of a target that is seen in an image.
+struct VisibleExtent {
+  Eigen::Vector2d centre_px = Eigen::Vector2d::Zero();  ///< mean of its pixels
+  Eigen::Vector2d corner_px =
+      Eigen::Vector2d::Zero();                        ///< centre of the top left pixel of the box around them
+  Eigen::Vector2d size_px = Eigen::Vector2d::Zero();  ///< width and height of the box
+};
+
 /// The ground truth of one eye at an instant, for recorders and scores; core and control have no access to it.
 struct EyeTruth {
   std::optional<Circle>
-      circle;  ///< the true circle in the eye's image; none if the ball is not in front of it or absent
+      circle;  ///< the true circle in the eye's image; none if the target is not in front of it, absent or no sphere
+  /// For a target that is no sphere: what is seen of it in the newest image; none if nothing is.
+  std::optional<VisibleExtent> extent;
   /// Share of the ball's disc inside the image and not hidden, [0, 1], as of the newest image. Nothing in the image
-  /// has moved by more than SamplingConfig::max_displacement_px since then.
+  /// has moved by more than SamplingConfig::max_displacement_px since then. For a target that is no sphere, share of its
+  /// pixels in the image that nothing hides.
   double visible = 0.0;
   Eigen::Isometry3d root_from_cam = Eigen::Isometry3d::Identity();
 };
@@ -36,11 +48,9 @@ class SimEye {
   /// Throws InputError for a configuration out of range, RunError when OpenGL fails.
   SimEye(World& world, GlContext& gl, const SimConfig& config, std::uint8_t number, std::uint64_t seed);
 
-  /// The next instant in [begin_us, end_us], a tick of the world, at which an image is due; see ImageSampler.
+  /// The next instant in [begin_us, end_us], a tick of the world, at which an image is due; see ImageSampler and Flicker.
   [[nodiscard]] std::optional<std::int64_t> next_image(std::int64_t begin_us, std::int64_t end_us,
-                                                       const ImageSampler::Show& show) {
-    return sampler_.next(begin_us, end_us, show);
-  }
+                                                       const ImageSampler::Show& show);
   /// Draws the world at t_us, whose state is `data`, and replaces events() by the events since the previous image.
   void take_image(std::int64_t t_us, mjData& data);
   /// Updates truth() to the world's state now.
@@ -61,11 +71,15 @@ class SimEye {
   [[nodiscard]] const KeyframeRenderer* keyframes() const { return keyframes_.get(); }
 
  private:
+  void measure_target(mjData& data);
+
   const World* world_;
   int model_camera_;
-  int ball_body_ = -1;
+  int target_body_ = -1;
   std::uint8_t number_;
   bool labelled_;
+  std::optional<Flicker> flicker_;
+  std::int64_t image_us_ = 0;  ///< of the newest image
   ImageSampler sampler_;
   Camera camera_;
   std::unique_ptr<EyeRenderer> renderer_;        // draws images, and labels with both methods
@@ -74,6 +88,10 @@ class SimEye {
   std::vector<float> luminance_;
   std::vector<Event> events_;
   EyeTruth truth_;
+  // Empty for a sphere:
+  std::vector<std::uint8_t> target_of_geom_;        ///< 1 target, 2 others
+  std::vector<std::uint8_t> target_alone_of_geom_;  ///< 1 target, 0 others
+  std::vector<std::uint8_t> target_pixels_;
   // Empty without labels:
   std::vector<std::uint8_t> object_of_geom_;
   std::vector<std::uint8_t> objects_;

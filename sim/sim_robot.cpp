@@ -76,7 +76,8 @@ void SimRobot::update_truth() {
   truth_.events_until_us = image_us_;
   truth_.left = eyes_.front().truth();
   if (eyes_.size() > 1) truth_.right = eyes_[1].truth();
-  truth_.ball_m = world_.ball_position_m();
+  truth_.target_is_sphere = !world_.has_target() || world_.target_radius_m().has_value();
+  truth_.ball_m = world_.target_position_m();
   truth_.plant_position_rad = world_.joints_rad();
 }
 
@@ -137,6 +138,9 @@ void SimRobot::draw_left_eye(std::int64_t t_us, const Camera& camera, const Eige
     colour_eye_ = std::make_unique<EyeRenderer>(world_.model(), *gl_, camera, single);
   }
   colour_eye_->render_colour(world_at(t_us), world_.left_eye_camera(), shift_px, rgb);
+  if (!config_.lab.flicker) return;
+  const auto factor = static_cast<float>(Flicker(*config_.lab.flicker).factor(t_us));
+  for (float& value : rgb) value *= factor;
 }
 
 }  // namespace saccade

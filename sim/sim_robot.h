@@ -24,8 +24,10 @@ struct SimTruth {
   /// Every event up to this time has been delivered: the newest image's time. Later ones come with the next image.
   std::int64_t events_until_us = std::numeric_limits<std::int64_t>::max();
   EyeTruth left;
-  std::optional<EyeTruth> right;                     ///< if it has a camera
-  Eigen::Vector3d ball_m = Eigen::Vector3d::Zero();  ///< ball centre, root frame
+  std::optional<EyeTruth> right;  ///< if it has a camera
+  bool target_is_sphere = true;   ///< else there is no circle, but EyeTruth::extent
+  Eigen::Vector3d ball_m =
+      Eigen::Vector3d::Zero();  ///< centre of the ball (of the scenario's target), root frame
   JointVector plant_position_rad = JointVector::Zero();
 };
 

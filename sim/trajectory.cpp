@@ -29,6 +29,8 @@ double smooth_start(double u) {
 void describe(FieldVisitor& v, TrajectoryConfig& c) {
   using Kind = TrajectoryKind;
   v.choice("kind", c.kind, "kind of motion");
+  const bool has_points = c.kind == Kind::hold || c.kind == Kind::waypoints;
+  if (v.fills_defaults() && !has_points && c.kind != Kind::circle) c.sway_m = 0.0;
   v.real("sway_m", c.sway_m, {0.0, 0.05}, "rms of the hand's unsteadiness along each axis");
   v.when(c.kind == Kind::circle, "kind: circle", [&] {
     v.reals("centre_m", c.centre_m, metres, "centre of the circle, root frame");
@@ -37,7 +39,7 @@ void describe(FieldVisitor& v, TrajectoryConfig& c) {
     v.real("frequency_hz", c.frequency_hz, {0.0, 5.0}, "turns per second");
     v.real("phase_deg", c.phase_deg, {-360.0, 360.0}, "angle of the first position");
   });
-  v.when(c.kind != Kind::circle, "kind: hold or waypoints", [&] {
+  v.when(has_points, "kind: hold or waypoints", [&] {
     v.points("points_m", c.points_m, metres, "centres of the object, root frame, x backward, y right, z up");
     const std::string found = std::to_string(c.points_m.size()) + " points";
     if (c.kind == Kind::waypoints) {
@@ -57,7 +59,11 @@ void describe(FieldVisitor& v, TrajectoryConfig& c) {
                 "points that differ from the previous one (for a rest use dwell_s)");
     }
   });
-  v.when(c.kind != Kind::hold, "kind: waypoints or circle", [&] {
+  v.when(c.kind == Kind::csv, "kind: csv", [&] { describe(v, c.csv); });
+  v.when(c.kind == Kind::pendulum, "kind: pendulum", [&] { describe(v, c.pendulum); });
+  v.when(c.kind == Kind::ballistic, "kind: ballistic", [&] { describe(v, c.ballistic); });
+  v.when(c.kind == Kind::pushed, "kind: pushed", [&] { describe(v, c.pushed); });
+  v.when(c.kind != Kind::hold, "kind: any but hold", [&] {
     v.real("start_s", c.start_s, {0.0, 3600.0}, "start of the motion");
   });
   const bool has_ramps =
@@ -67,8 +73,10 @@ void describe(FieldVisitor& v, TrajectoryConfig& c) {
   });
 }
 
-Trajectory::Trajectory(const TrajectoryConfig& config, std::uint64_t seed) : config_(config) {
-  check_config("trajectory", config);
+Trajectory::Trajectory(const TrajectoryConfig& config, std::uint64_t seed, const BodyShape& shape,
+                       const std::string& place)
+    : config_(config) {
+  check_config(place, config);
   if (config.kind == TrajectoryKind::waypoints) {
     const std::size_t count = config.points_m.size();
     for (std::size_t i = 0; i < (config.loop ? count : count - 1); ++i) {
@@ -84,6 +92,22 @@ Trajectory::Trajectory(const TrajectoryConfig& config, std::uint64_t seed) : con
       lap_s_ += segment.move_s + config.dwell_s;
       segments_.push_back(segment);
     }
+  }
+
+  if (config.kind == TrajectoryKind::csv) {
+    MotionTable table = read_motion_file(config.csv);
+    turns_ = table.turns;
+    track_ = std::make_shared<const MotionTrack>(std::move(table.track));
+  }
+  if (moves_as_free_body(config.kind)) {
+    turns_ = true;
+    track_ = std::make_shared<const MotionTrack>(config.kind == TrajectoryKind::ballistic
+                                                     ? ballistic_motion(config.ballistic, shape, place)
+                                                     : pushed_motion(config.pushed, shape, place));
+  }
+  if (config.kind == TrajectoryKind::pendulum) {
+    turns_ = true;
+    pendulum_.emplace(config.pendulum);
   }
 
   const RandomStream random(seed, "sim/trajectory/sway");
@@ -108,8 +132,16 @@ Eigen::Vector3d Trajectory::position_m(std::int64_t t_us) const {
   return commanded_m(t_s) + Eigen::Vector3d(sway_m(0, t_s), sway_m(1, t_s), sway_m(2, t_s));
 }
 
+Eigen::Quaterniond Trajectory::turn(std::int64_t t_us) const {
+  if (!turns_) return Eigen::Quaterniond::Identity();
+  const double moving_s = 1e-6 * static_cast<double>(std::max<std::int64_t>(t_us, 0)) - config_.start_s;
+  return pendulum_ ? pendulum_->turn(moving_s) : track_->turn(moving_s);
+}
+
 Eigen::Vector3d Trajectory::commanded_m(double t_s) const {
   const double moving_s = t_s - config_.start_s;
+  if (track_) return track_->position_m(moving_s);
+  if (pendulum_) return pendulum_->position_m(moving_s);
   if (config_.kind == TrajectoryKind::waypoints) return along_waypoints_m(moving_s);
   if (config_.kind == TrajectoryKind::circle) {
     const double turning_s = config_.ramp_s * smooth_start(moving_s / config_.ramp_s);

@@ -1,20 +1,35 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "core/config.h"
+#include "sim/free_body.h"
+#include "sim/motion_file.h"
+#include "sim/pendulum.h"
 
 namespace saccade {
 
 /// Kind of an object's motion.
-enum class TrajectoryKind { hold, waypoints, circle };
+enum class TrajectoryKind { hold, waypoints, circle, csv, pendulum, ballistic, pushed };
 constexpr auto words_of(TrajectoryKind) {
   return std::to_array<Word<TrajectoryKind>>({{TrajectoryKind::hold, "hold"},
                                               {TrajectoryKind::waypoints, "waypoints"},
-                                              {TrajectoryKind::circle, "circle"}});
+                                              {TrajectoryKind::circle, "circle"},
+                                              {TrajectoryKind::csv, "csv"},
+                                              {TrajectoryKind::pendulum, "pendulum"},
+                                              {TrajectoryKind::ballistic, "ballistic"},
+                                              {TrajectoryKind::pushed, "pushed"}});
+}
+
+/// Whether MuJoCo computes the motion from the object's shape.
+[[nodiscard]] constexpr bool moves_as_free_body(TrajectoryKind kind) {
+  return kind == TrajectoryKind::ballistic || kind == TrajectoryKind::pushed;
 }
 
 /// Speed along a segment between two waypoints.
@@ -53,24 +68,36 @@ struct TrajectoryConfig {
   // waypoints with constant_speed, circle
   double ramp_s = 0.2;  ///< time to reach full speed, and to stop
 
-  /// Root mean square of the hand's unsteadiness along each axis; 0 for none.
+  /// Root mean square of the hand's unsteadiness along each axis; 0 for none. A scenario that does not give it has the
+  /// default below with hold, waypoints and circle, else 0.
   double sway_m = 0.0015;
+
+  MotionFileConfig csv;
+  PendulumConfig pendulum;
+  BallisticConfig ballistic;
+  PushConfig pushed;
 };
 
 /// Keys as above; those that do not belong to `kind` and `profile` are not visited.
 void describe(FieldVisitor& v, TrajectoryConfig& config);
 
 /// Position of an object's centre as a function of time. Position, velocity and acceleration are continuous; with
-/// free_fall the position is, and the velocity jumps where the object is thrown and caught. The sway is
+/// free_fall the position is, and the velocity jumps where the object is thrown and caught; with csv position and velocity
+/// are between the first row and the last; ballistic and pushed objects move as MuJoCo computes it. The sway is
 /// a sum of seeded sinusoids of 0.5 to 3 Hz, with larger amplitudes at lower frequencies, that grows from 0 in the first
 /// second.
 class Trajectory {
  public:
-  /// Throws InputError for a configuration out of range.
-  Trajectory(const TrajectoryConfig& config, std::uint64_t seed);
+  /// `shape`: of the object, for ballistic and pushed motions. Throws InputError at `place` for a configuration out of
+  /// range, and as read_motion_file(), ballistic_motion() and pushed_motion().
+  Trajectory(const TrajectoryConfig& config, std::uint64_t seed, const BodyShape& shape = {},
+             const std::string& place = "trajectory");
 
   /// The centre, root frame, m. Times before 0 count as 0.
   [[nodiscard]] Eigen::Vector3d position_m(std::int64_t t_us) const;
+  /// Whether the motion turns the object, and its orientation (root from object; without: the identity).
+  [[nodiscard]] bool turns() const { return turns_; }
+  [[nodiscard]] Eigen::Quaterniond turn(std::int64_t t_us) const;
   /// Start of the commanded motion (without sway); 0 for `hold`.
   [[nodiscard]] std::int64_t first_motion_us() const;
 
@@ -95,7 +122,10 @@ class Trajectory {
 
   TrajectoryConfig config_;
   std::vector<Segment> segments_;
-  double lap_s_ = 0.0;  ///< duration of all segments with their rests
+  double lap_s_ = 0.0;                        ///< duration of all segments with their rests
+  std::shared_ptr<const MotionTrack> track_;  ///< of a table, or as computed
+  std::optional<Pendulum> pendulum_;
+  bool turns_ = false;
   std::array<std::array<Sinusoid, sway_terms>, 3> sway_{};
 };
 

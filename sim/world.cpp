@@ -66,6 +66,10 @@ JointVector start_pose_rad(const WorldConfig& config, const JointLimits& limits)
   return initial_pose_rad(config, head).cwiseMax(limits.min_rad).cwiseMin(limits.max_rad);
 }
 
+BodyShape ball_shape(const BallConfig& ball) {
+  return {"", "<geom type=\"sphere\" size=\"" + text_of(0.5 * ball.diameter_m) + "\"/>"};
+}
+
 int find(const mjModel& model, mjtObj type, const std::string& name) {
   const int id = mj_name2id(&model, type, name.c_str());
   if (id < 0) throw RunError("the model has no " + std::string(mju_type2Str(type)) + " named " + name);
@@ -75,8 +79,15 @@ int find(const mjModel& model, mjtObj type, const std::string& name) {
 }  // namespace
 
 void describe(FieldVisitor& v, WorldConfig& c) {
+  v.text("target", c.target,
+         "what the head is to look at and truth is about: ball, or the name of an object");
+  if (v.fills_defaults() && c.target != "ball") c.ball.present = false;
   v.section("ball", c.ball, "the ball and the hand that holds it");
   v.named_sections("objects", c.objects, "other moving objects, by name", "a moving object");
+  const bool known =
+      c.target == "ball" || std::any_of(c.objects.begin(), c.objects.end(),
+                                        [&](const auto& object) { return object.first == c.target; });
+  v.require(known, "target", c.target, "ball, or the name of an object of the section objects");
   v.optional_section("board", c.board, "a board with dots, for calibration");
   const auto head = valid_head(c.head);
   v.numbers(
@@ -106,7 +117,8 @@ JointVector initial_pose_rad(const WorldConfig& config, const HeadModel& head) {
 
 World::World(const WorldConfig& config, const std::string& lab_mjcf, std::uint64_t seed,
              const std::filesystem::path& models)
-    : trajectory_(check_config("world", config).ball.trajectory, seed),
+    : trajectory_(check_config("world", config).ball.trajectory, seed, ball_shape(config.ball),
+                  "ball.trajectory"),
       ball_radius_m_(0.5 * config.ball.diameter_m),
       has_ball_(config.ball.present),
       rolls_(config.ball.rolls),
@@ -114,8 +126,9 @@ World::World(const WorldConfig& config, const std::string& lab_mjcf, std::uint64
       coupling_(*head_),
       board_(config.board),
       command_delay_us_(1000 * config.plant.command_delay_ms) {
+  const std::vector<ModelParts> files = load_object_files(config.objects);
   model_ = load_model(models, *head_, hand_file(config.ball),
-                      lab_mjcf + pattern_mjcf(config.ball) + objects_mjcf(config.objects) +
+                      lab_mjcf + pattern_mjcf(config.ball) + objects_mjcf(config.objects, files) +
                           (board_ ? board_mjcf(*board_) : std::string()),
                       config.base.has_value());
   data_.reset(mj_makeData(model_.get()));
@@ -128,7 +141,11 @@ World::World(const WorldConfig& config, const std::string& lab_mjcf, std::uint64
   }
   set_up_ball(*model_, config.ball);
   set_up_drives(config.plant);
-  objects_.emplace(config.objects, seed, *model_);
+  for (const ModelParts& file : files) paint_textures(file, *model_);
+  objects_.emplace(config.objects, files, seed, *model_);
+  for (std::size_t i = 0; i < config.objects.size(); ++i) {
+    if (config.objects[i].first == config.target) target_ = i;
+  }
   if (board_) {
     board_mocap_ = model_->body_mocapid[find(*model_, mjOBJ_BODY, "board")];
     paint_board(*model_, *board_);
@@ -188,21 +205,38 @@ void World::set_up_drives(const PlantConfig& config) {
   if (!joint_data_) throw RunError("MuJoCo has no memory for the joints behind their backlash");
 }
 
+int World::target_body() const {
+  const int mocap = target_ ? objects_->mocap(*target_) : ball_mocap_;
+  int body = 0;
+  while (model_->body_mocapid[body] != mocap) ++body;
+  return body;
+}
+
+std::optional<double> World::target_radius_m() const {
+  return target_ ? objects_->sphere_radius_m(*target_) : ball_radius_m_;
+}
+
+std::int64_t World::first_motion_us() const {
+  return target_ ? objects_->trajectory(*target_).first_motion_us() : trajectory_.first_motion_us();
+}
+
 std::vector<std::uint8_t> World::scene_objects() const {
   const mjModel& m = *model_;
   const auto name_of = [&m](mjtObj type, int id) {
     const char* name = mj_id2name(&m, type, id);
     return std::string_view(name != nullptr ? name : "");
   };
+  const std::string target_bodies = target_ ? object_body_prefix(*target_) : "";
   std::vector<std::uint8_t> objects;
   for (int geom = 0; geom < m.ngeom; ++geom) {
     const std::string_view name = name_of(mjOBJ_GEOM, geom);
     const std::string_view body = name_of(mjOBJ_BODY, m.geom_bodyid[geom]);
     SceneObject object = SceneObject::background;
-    if (name == "ball") object = SceneObject::ball;
+    if (name == "ball") object = target_ ? SceneObject::distractor : SceneObject::ball;
     if (body == "hand") object = SceneObject::hand;
     if (body == "arm") object = SceneObject::arm;
     if (name.starts_with("distractor") || body.starts_with("distractor")) object = SceneObject::distractor;
+    if (target_ && body.starts_with(target_bodies)) object = SceneObject::ball;
     objects.push_back(static_cast<std::uint8_t>(object));
   }
   return objects;
@@ -327,8 +361,9 @@ void World::mount_camera(int camera_id, const Eigen::Isometry3d& eye_from_camera
   mj_camlight(model_.get(), &data());
 }
 
-Eigen::Vector3d World::ball_position_m(const mjData& data) const {
-  return Eigen::Map<const Eigen::Vector3d>(data.mocap_pos + 3 * ball_mocap_);
+Eigen::Vector3d World::target_position_m(const mjData& data) const {
+  return Eigen::Map<const Eigen::Vector3d>(data.mocap_pos +
+                                           3 * (target_ ? objects_->mocap(*target_) : ball_mocap_));
 }
 
 void World::show(std::int64_t t_us, mjData& data) const {
@@ -367,8 +402,9 @@ void World::pose(std::int64_t t_us, const JointVector& position_rad, mjData& dat
 void World::place_objects(std::int64_t t_us, mjData& data) const {
   const Eigen::Vector3d ball_m = trajectory_.position_m(t_us);
   Eigen::Map<Eigen::Vector3d>(data.mocap_pos + 3 * ball_mocap_) = ball_m;
-  if (rolls_) {
-    const Eigen::Quaterniond turn = rolled(ball_m - trajectory_.position_m(0), ball_radius_m_);
+  if (rolls_ || trajectory_.turns()) {
+    Eigen::Quaterniond turn = trajectory_.turn(t_us);
+    if (rolls_) turn = rolled(ball_m - trajectory_.position_m(0), ball_radius_m_);
     Eigen::Map<Eigen::Vector4d>(data.mocap_quat + 4 * ball_mocap_) << turn.w(), turn.vec();
   }
   objects_->place(t_us, data);

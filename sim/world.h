@@ -30,6 +30,7 @@
 namespace saccade {
 
 struct WorldConfig {
+  std::string target = "ball";  ///< what the truth is about: the ball, or the object of this name
   BallConfig ball;
   NamedObjects objects;              ///< other moving objects
   std::optional<BoardConfig> board;  ///< a calibration board, if the scenario has one
@@ -43,7 +44,7 @@ struct WorldConfig {
   std::optional<ImuConfig> imu;
 };
 
-/// Keys: ball, objects, board, initial_pose_deg, plant, torso, base, imu; board, torso, base and imu where there are such.
+/// Keys: target, ball, objects, board, initial_pose_deg, plant, torso, base, imu; board, torso, base and imu where there are such.
 /// The section head comes before them.
 void describe(FieldVisitor& v, WorldConfig& config);
 
@@ -60,8 +61,8 @@ class World {
   /// Makes the head (head_mjcf), loads `ball_in_hand.xml` and the hand's file from `models` and adds `lab_mjcf`, MJCF elements of the
   /// lab (`<asset>...</asset><worldbody>...</worldbody>`, angles in radians; may be empty). The plant starts
   /// at rest under gravity, references at the initial pose.
-  /// Throws InputError for a configuration out of range and for a missing model file, RunError if MuJoCo rejects the
-  /// model.
+  /// Throws InputError for a configuration out of range, for a missing model file, and for files of objects and trajectories
+  /// that are wrong; RunError if MuJoCo rejects the model.
   World(const WorldConfig& config, const std::string& lab_mjcf, std::uint64_t seed,
         const std::filesystem::path& models = models_directory());
 
@@ -84,18 +85,22 @@ class World {
   /// Call at most once per camera.
   void mount_camera(int camera_id, const Eigen::Isometry3d& eye_from_camera);
 
-  /// Ground truth: centre of the ball now, root frame; start of its commanded motion.
-  [[nodiscard]] Eigen::Vector3d ball_position_m() const { return ball_position_m(*data_); }
-  [[nodiscard]] double ball_radius_m() const { return ball_radius_m_; }
-  /// Whether there is a ball at all. Without one, the position is that of its trajectory.
-  [[nodiscard]] bool has_ball() const { return has_ball_; }
-  [[nodiscard]] std::int64_t first_motion_us() const { return trajectory_.first_motion_us(); }
+  /// Ground truth: centre of the target now (an object's origin), root frame; start of its commanded motion.
+  [[nodiscard]] Eigen::Vector3d target_position_m() const { return target_position_m(*data_); }
+  /// Whether there is a target: a ball, or the object that the configuration names. Without, the position is that of the
+  /// ball's trajectory.
+  [[nodiscard]] bool has_target() const { return target_ || has_ball_; }
+  /// The body of the model that the target is, or its first part.
+  [[nodiscard]] int target_body() const;
+  /// Radius of a target that is a sphere; none for others.
+  [[nodiscard]] std::optional<double> target_radius_m() const;
+  [[nodiscard]] std::int64_t first_motion_us() const;
   /// Ground truth: poses of the eyes' cameras now (x right, y down, z along the optical axis), from the plant's joints.
   [[nodiscard]] Eigen::Isometry3d root_from_left_cam() const { return root_from_camera(data(), left_eye_); }
   [[nodiscard]] Eigen::Isometry3d root_from_right_cam() const { return root_from_camera(data(), right_eye_); }
   /// The same for a state filled by show().
   [[nodiscard]] static Eigen::Isometry3d root_from_camera(const mjData& data, int camera_id);
-  [[nodiscard]] Eigen::Vector3d ball_position_m(const mjData& data) const;
+  [[nodiscard]] Eigen::Vector3d target_position_m(const mjData& data) const;
 
   /// Sets `data`, made with mj_makeData(&model()), to the state at t_us within the last tick, [now - tick, now]: joints
   /// are interpolated (cubic in position and speed), objects follow their trajectories, poses are updated.
@@ -111,7 +116,8 @@ class World {
   /// The state of the world now, as cameras see it.
   [[nodiscard]] mjData& data() { return joint_data_ ? *joint_data_ : *data_; }
   [[nodiscard]] const mjData& data() const { return joint_data_ ? *joint_data_ : *data_; }
-  /// The SceneObject of each geom of the model, as a number.
+  /// The SceneObject of each geom of the model, as a number. A target that is another object than the ball is
+  /// SceneObject::ball; the ball is then a distractor.
   [[nodiscard]] std::vector<std::uint8_t> scene_objects() const;
   [[nodiscard]] int left_eye_camera() const { return left_eye_; }
   /// That of the left eye where the head has one eye.
@@ -143,6 +149,7 @@ class World {
   MjDataPtr joint_data_;  ///< state of the joints, if there is backlash
   Trajectory trajectory_;
   std::optional<Objects> objects_;
+  std::optional<std::size_t> target_;  ///< index of the object; none: the ball
   JointLimits limits_;
   double ball_radius_m_;
   bool has_ball_;

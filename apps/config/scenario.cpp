@@ -158,8 +158,14 @@ void describe(FieldVisitor& v, Scenario& s) {
       "emulator", [&](FieldVisitor& w) { describe(w, s.sim.emulator); }, "the event camera's pixels");
   describe_detectors(v, s.detectors);
   describe_frame_detector(v, s);
-  // The gate assumes the ball of the scenario.
-  if (v.fills_defaults()) s.gaze.gate.target.ball_diameter_m = s.sim.world.ball.diameter_m;
+  // The gate assumes the target of the scenario.
+  if (v.fills_defaults()) {
+    s.gaze.gate.target.ball_diameter_m = s.sim.world.ball.diameter_m;
+    for (const auto& [name, object] : s.sim.world.objects) {
+      if (name == s.sim.world.target && object.shape == ObjectShape::sphere)
+        s.gaze.gate.target.ball_diameter_m = object.size_m.y();
+    }
+  }
   v.section(
       "gaze",
       [&](FieldVisitor& w) {
@@ -227,7 +233,10 @@ Scenario read_scenario(YamlTree tree, const std::filesystem::path& folder, const
   if (tree.root.find("world") != nullptr) {
     draw_defaults(tree, folder.string(), scenario);
   } else {
-    required.insert(required.end(), {"run", "run.duration_s", "ball", "ball.trajectory"});
+    required.insert(required.end(), {"run", "run.duration_s"});
+    const YamlNode* const target = tree.root.find("target");
+    if (target == nullptr || target->text == "ball")
+      required.insert(required.end(), {"ball", "ball.trajectory"});
   }
   YamlReader reader(tree, std::move(required), folder.string());
   describe(reader, scenario);

@@ -15,7 +15,15 @@ GroundTruth::GroundTruth(const SimRobot& robot)
     : GroundTruth(robot.truth(), [&robot] { return robot.delivered_labels(); }) {}
 
 TruthRow truth_row(const SimTruth& truth, const EyeTruth& eye) {
-  return {truth.t_us, eye.circle.value_or(Circle{nan, nan, nan}), eye.visible, truth.ball_m};
+  Circle circle = eye.circle.value_or(Circle{nan, nan, nan});
+  if (eye.extent) circle = {eye.extent->centre_px.x(), eye.extent->centre_px.y(), nan};
+  return {truth.t_us, circle, eye.visible, truth.ball_m};
+}
+
+TargetRow target_row(const SimTruth& truth, const EyeTruth& eye) {
+  const Eigen::Vector2d none = Eigen::Vector2d::Constant(nan);
+  const VisibleExtent extent = eye.extent.value_or(VisibleExtent{none, none, none});
+  return {truth.t_us, extent.centre_px, extent.corner_px, extent.size_px, eye.visible};
 }
 
 LabelRow label_row(const Event& event, const EventLabel& label) {

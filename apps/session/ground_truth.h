@@ -20,8 +20,10 @@ struct GroundTruth {
   std::function<std::span<const EventLabel>()> labels;  ///< of the tick's events, in their order
 };
 
-/// The ball in an eye's image as a row of truth.csv.
+/// The target in an eye's image as a row of truth.csv; one that is no sphere has a centre and no radius (NaN).
 [[nodiscard]] TruthRow truth_row(const SimTruth& truth, const EyeTruth& eye);
+/// A target that is no sphere as a row of target.csv.
+[[nodiscard]] TargetRow target_row(const SimTruth& truth, const EyeTruth& eye);
 /// An event's label as a row of labels.csv.
 [[nodiscard]] LabelRow label_row(const Event& event, const EventLabel& label);
 

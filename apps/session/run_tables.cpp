@@ -26,6 +26,7 @@ RunTables::RunTables(const std::filesystem::path& folder, const Scenario& scenar
       streaming_(folder / run_file::streaming),
       gaze_(folder / run_file::gaze, head_),
       eye_(folder / run_file::eye) {
+  if (!truth.state.target_is_sphere) target_.emplace(folder / run_file::target);
   if (scenario.sim.labels) labels_.emplace(folder / run_file::labels);
   if (!scenario.sim.both_eyes()) return;
   truth_right_.emplace(folder / run_file::truth_right);
@@ -46,6 +47,7 @@ void RunTables::on_tick(const Tick& tick) {
   const Eigen::Vector3d none = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
   joints_.write({tick.t_us, tick.head->position_rad});
   truth_.write(truth_row(truth, truth.left));
+  if (target_) target_->write(target_row(truth, truth.left));
   if (truth_right_) truth_right_->write(truth_row(truth, *truth.right));
   gaze_.write({tick.t_us, fixation.valid ? fixation.point_m : none, tick.target_m.value_or(none),
                tick.head->position_rad});
@@ -94,6 +96,7 @@ void RunTables::commit() {
   events_->commit();
   joints_.commit();
   truth_.commit();
+  if (target_) target_->commit();
   detections_.commit();
   streaming_.commit();
   gaze_.commit();

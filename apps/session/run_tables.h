@@ -46,6 +46,7 @@ class RunTables final : public LoopObserver {
   std::unique_ptr<EventWriter> events_;
   TableWriter<JointsRow> joints_;
   TableWriter<TruthRow> truth_;
+  std::optional<TableWriter<TargetRow>> target_;  ///< of a target that is no sphere
   Instants instants_;
   std::vector<NewestEstimate> newest_;  // of the loop's detectors, then of the frame camera
   TableWriter<DetectionRow> detections_;

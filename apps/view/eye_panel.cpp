@@ -23,6 +23,11 @@ void draw_marks(const Area& at, const Snapshot& snapshot, const ViewState& state
     circle(*snapshot.truth->circle, colours::rim, 4.0F);
     circle(*snapshot.truth->circle, colours::truth, 1.6F);
   }
+  if (snapshot.truth && snapshot.truth->box_px) {
+    const auto& [from, to] = *snapshot.truth->box_px;
+    for (const auto& [colour, width] : {std::pair{colours::rim, 4.0F}, {colours::truth, 1.6F}})
+      draw.AddRect(place(from.x(), from.y()), place(to.x(), to.y()), colour, 0.0F, 0, width);
+  }
   for (const DetectorOutput& output : snapshot.outputs) {
     if (!state.with_circles || !output.tick.observed || output.tick.estimate.score < output.threshold)
       continue;
@@ -55,6 +60,7 @@ void EyePanel::draw(const Area& area, const Snapshot& snapshot, ViewState& state
   if (snapshot.truth && snapshot.truth->target_px)
     legend.add("target", colours::target, Legend::Mark::diamond);
   if (snapshot.truth && snapshot.truth->circle) legend.add("truth", colours::truth, Legend::Mark::circle);
+  if (snapshot.truth && snapshot.truth->box_px) legend.add("truth", colours::truth, Legend::Mark::square);
   legend.add("OFF", colours::off, Legend::Mark::square);
   legend.add("ON", colours::on, Legend::Mark::square);
   const Area at = ViewLayout::fit(area, snapshot.camera.size);

@@ -33,7 +33,7 @@ void RecordedTruth::read_gaze(const std::filesystem::path& folder) {
 SnapshotTruth RecordedTruth::at(std::int64_t t_us) const {
   SnapshotTruth shown;
   const TruthRow* circle = row_at(circles_, t_us, annotated_ ? annotation_us : 0);
-  if (circle != nullptr && circle->visible > 0.0 && std::isfinite(circle->circle.x_px))
+  if (circle != nullptr && circle->visible > 0.0 && std::isfinite(circle->circle.r_px))
     shown.circle = circle->circle;
   const EyeRow* eye = row_at(eye_rows_, t_us, 0);
   if (eye == nullptr) return shown;

@@ -19,6 +19,10 @@ SnapshotTruth simulated_truth(const SimRobot& robot, const Camera& camera, const
   const SimTruth& truth = robot.truth();
   SnapshotTruth shown;
   if (truth.left.visible > 0.0) shown.circle = truth.left.circle;
+  if (const auto& extent = truth.left.extent) {
+    const Eigen::Vector2d corner_px = extent->corner_px.array() - 0.5;
+    shown.box_px = {corner_px, corner_px + extent->size_px};
+  }
   shown.root_from_cam = truth.left.root_from_cam;
   shown.gaze_error_deg = gaze_error_deg(truth.left.root_from_cam, truth.ball_m);
   shown.target_m = tick.target_m;

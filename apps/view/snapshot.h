@@ -39,6 +39,8 @@ struct DetectorOutput {
 /// Ground truth and gaze target of an instant, for display alone.
 struct SnapshotTruth {
   std::optional<Circle> circle;
+  std::optional<std::array<Eigen::Vector2d, 2>>
+      box_px;  ///< top left and bottom right of a target that is no sphere
   std::optional<Eigen::Vector2d> target_px;
   std::optional<Eigen::Isometry3d> root_from_cam;
   std::optional<Eigen::Vector3d> target_m;  ///< root frame

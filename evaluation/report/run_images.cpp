@@ -46,7 +46,7 @@ cv::Mat grey_image(const fs::path& path, ImageSize size) {
 std::optional<Circle> truth_at(const std::vector<TruthRow>& truth, std::int64_t t_us) {
   const auto row = newest(truth, t_us);
   const bool is_visible =
-      row != truth.end() && t_us - row->t_us < 1'000 && row->visible > 0.0 && std::isfinite(row->circle.x_px);
+      row != truth.end() && t_us - row->t_us < 1'000 && row->visible > 0.0 && std::isfinite(row->circle.r_px);
   return is_visible ? std::optional(row->circle) : std::nullopt;
 }
 

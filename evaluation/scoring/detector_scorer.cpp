@@ -111,6 +111,7 @@ std::optional<bool> DetectorScorer::add(const TruthRow& truth,
   const bool accepted = observation && observation->score >= threshold_;
   const bool inlier = chance && observation && is_inlier(observation->circle, truth.circle);
   ball_ |= has_circle(truth);
+  no_circle_ |= std::isfinite(truth.circle.x_px) && std::isnan(truth.circle.r_px);
   count_instant(truth.t_us, observation);
   if (chance) {
     ++chances_;
@@ -137,6 +138,7 @@ void DetectorScorer::add(std::int64_t t_us, const std::optional<Observation>& ob
 DetectorScore DetectorScorer::score() const {
   DetectorScore score;
   score.threshold = threshold_;
+  if (no_circle_ && !ball_) return score;  // nothing to compare circles with
   score.chances = chances_;
   score.observations = observations_;
   score.inliers = inliers_;

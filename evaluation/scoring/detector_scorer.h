@@ -80,6 +80,7 @@ class DetectorScorer {
   ReliabilityCounter reliability_;
   NeesCounter nees_;
   bool ball_ = false;          // a row of truth has had a circle
+  bool no_circle_ = false;     // a row of truth has had a centre without radius: a target that is no sphere
   std::int64_t instants_ = 0;  // and alarms: where there is no ball
   std::int64_t alarm_instants_ = 0;
   std::int64_t alarms_ = 0;

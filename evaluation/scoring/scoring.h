@@ -39,6 +39,8 @@ enum class Chances {
   annotated,
 };
 
+/// A target that is no sphere has a visible centre and no radius: no figure of a detector applies, and all are none.
+
 /// Whether a row of truth has a circle, finite in centre and radius.
 [[nodiscard]] bool has_circle(const TruthRow& row);
 /// Whether the ball could be found there: it has a circle, and visible >= 0.5.

@@ -196,7 +196,7 @@ TEST(RandomWorld, TheBallHasItsRadiusInTheSimulatedHeadToo) {
       }
       world.step();
       const auto circle = drawn.sim.camera.project_sphere(
-          world.root_from_left_cam().inverse() * world.ball_position_m(), world.ball_radius_m());
+          world.root_from_left_cam().inverse() * world.target_position_m(), *world.target_radius_m());
       if (!circle || circle->x_px < 0.0 || circle->y_px < 0.0 ||
           circle->x_px > drawn.sim.camera.size.width - 1.0 ||
           circle->y_px > drawn.sim.camera.size.height - 1.0) {

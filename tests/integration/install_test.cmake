@@ -44,6 +44,12 @@ execute_process(COMMAND ${run} --out ${WORK}/elsewhere/run WORKING_DIRECTORY ${W
 if(NOT status EQUAL 0 OR NOT EXISTS ${WORK}/elsewhere/run/metrics.json)
   message(FATAL_ERROR "the installed program ended with ${status}:\n${text}")
 endif()
+# Files that scenarios name are relative to them.
+execute_process(COMMAND ${WORK}/prefix/bin/saccade run gaze_football --set run.duration_s=0.03 --set output.pictures=0 --set expect={}
+  --out ${WORK}/elsewhere/football WORKING_DIRECTORY ${WORK}/elsewhere RESULT_VARIABLE status OUTPUT_VARIABLE text ERROR_VARIABLE text)
+if(NOT status EQUAL 0)
+  message(FATAL_ERROR "a scenario with files of its own ended with ${status}:\n${text}")
+endif()
 file(RENAME ${WORK}/prefix/share/saccade ${WORK}/prefix/share/hidden)
 execute_process(COMMAND ${run} --out ${WORK}/elsewhere/none WORKING_DIRECTORY ${WORK}/elsewhere RESULT_VARIABLE status
   OUTPUT_VARIABLE text ERROR_VARIABLE text)

@@ -80,7 +80,7 @@ Watch look(const PlantConfig& plant, const TrajectoryConfig& ball, const QpConfi
   for (std::uint64_t tick = 0; tick < settled + watched; ++tick) {
     world.step();
     const HeadState state = world.head_state();
-    Eigen::Vector3d ball_m = world.root_from_left_cam().inverse() * world.ball_position_m();
+    Eigen::Vector3d ball_m = world.root_from_left_cam().inverse() * world.target_position_m();
     run.error_deg.push_back(std::atan2(ball_m.head<2>().norm(), ball_m.z()) / deg);
     ball_m.head<2>() += px_m * ball_m.z() * Eigen::Vector2d(random.normal(0, tick), random.normal(1, tick));
     seen.push_back(root_from_left_cam(state.position_rad) * ball_m);

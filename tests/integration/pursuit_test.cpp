@@ -94,7 +94,7 @@ Followed pursue(const Pursuit& pursuit, const char* what) {
   for (std::uint64_t tick = 0; tick < run_ticks; ++tick) {
     world.step();
     const HeadState state = world.head_state();
-    Eigen::Vector3d ball_m = world.root_from_left_cam().inverse() * world.ball_position_m();
+    Eigen::Vector3d ball_m = world.root_from_left_cam().inverse() * world.target_position_m();
     if (tick >= settled_ticks)
       errors_deg.push_back(std::atan2(ball_m.head<2>().norm(), ball_m.z()) / rad_per_deg);
     ball_m *= 1.0 + 0.01 * random.normal(2, tick) / ball_m.norm();

@@ -80,7 +80,7 @@ Seen watch_sway(const Sway& sway) {
   for (std::size_t tick = 0; tick < begin_ticks + watched; ++tick) {
     world.step();
     const HeadState state = world.head_state();
-    Eigen::Vector3d ball_m = world.root_from_left_cam().inverse() * world.ball_position_m();
+    Eigen::Vector3d ball_m = world.root_from_left_cam().inverse() * world.target_position_m();
     bearings_deg.emplace_back(std::atan2(ball_m.x(), ball_m.z()) / rad_per_deg,
                               std::atan2(ball_m.y(), ball_m.z()) / rad_per_deg);
     ball_m.head<2>() += px_m * ball_m.z() * Eigen::Vector2d(random.normal(0, tick), random.normal(1, tick));

@@ -99,7 +99,7 @@ class Witnesses {
       const double z = 1.0 - (i + 0.5) / 200.0;
       const double turn = std::numbers::pi * (1.0 + std::sqrt(5.0)) * i;
       const double around = std::sqrt(1.0 - z * z);
-      sphere_.push_back(world.ball_radius_m() *
+      sphere_.push_back(*world.target_radius_m() *
                         Eigen::Vector3d(around * std::cos(turn), around * std::sin(turn), z));
     }
   }
@@ -113,7 +113,7 @@ class Witnesses {
       if (now_px) largest = std::max(largest, (*now_px - before_px).norm());
     };
     for (const auto& [point_m, before_px] : room_) see(point_m, before_px);
-    const Eigen::Vector3d ball_m = world_.ball_position_m(data);
+    const Eigen::Vector3d ball_m = world_.target_position_m(data);
     for (std::size_t i = 0; i < ball_px_.size(); ++i) see(ball_m + sphere_[i], ball_px_[i]);
 
     room_.clear();

@@ -62,12 +62,12 @@ class Keyframes : public testing::Test {
   }
   template <class Renderer>
   double visible_share(const Renderer& renderer) {
-    const Eigen::Vector3d ball_m = world_->root_from_left_cam().inverse() * world_->ball_position_m();
+    const Eigen::Vector3d ball_m = world_->root_from_left_cam().inverse() * world_->target_position_m();
     if constexpr (std::is_same_v<Renderer, KeyframeRenderer>) {
       const int geom = mj_name2id(&world_->model(), mjOBJ_GEOM, "ball");
-      return renderer.visible_share(ball_m, world_->ball_radius_m(), world_->model().geom_bodyid[geom]);
+      return renderer.visible_share(ball_m, *world_->target_radius_m(), world_->model().geom_bodyid[geom]);
     } else {
-      return const_cast<Renderer&>(renderer).visible_share(ball_m, world_->ball_radius_m());
+      return const_cast<Renderer&>(renderer).visible_share(ball_m, *world_->target_radius_m());
     }
   }
   static double mean_difference(const Image& a, const Image& b) {
@@ -117,13 +117,13 @@ TEST_F(Keyframes, WhatTheBallUncoversIsThere) {
   image_of(reprojected);
   const std::int64_t rooms = reprojected.counts().room;
   const Circle before = *camera_.project_sphere(
-      world_->root_from_left_cam().inverse() * world_->ball_position_m(), world_->ball_radius_m());
+      world_->root_from_left_cam().inverse() * world_->target_position_m(), *world_->target_radius_m());
   for (int i = 0; i < 400; ++i) {
     world_->step();
     if (i % 5 == 4) image_of(reprojected);
   }
   const Circle after = *camera_.project_sphere(
-      world_->root_from_left_cam().inverse() * world_->ball_position_m(), world_->ball_radius_m());
+      world_->root_from_left_cam().inverse() * world_->target_position_m(), *world_->target_radius_m());
   ASSERT_GT(std::hypot(after.x_px - before.x_px, after.y_px - before.y_px), 4.0);
   const Image image = image_of(reprojected);
   const Image truth = image_of(fine);

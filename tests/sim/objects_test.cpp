@@ -49,7 +49,7 @@ Eigen::Vector3d body_m(const World& world, const mjData& data, const char* name)
 TEST(Objects, AreAbsentUnlessConfigured) {
   const World without(world_with({}), "", 1);
   const World with(world_with({{"tin", tin()}, {"walker", walker()}}), "", 1);
-  EXPECT_EQ(objects_mjcf({}), "");
+  EXPECT_EQ(objects_mjcf({}, {}), "");
   EXPECT_EQ(with.model().ngeom, without.model().ngeom + 1 + 6);
   for (const std::uint8_t object : without.scene_objects()) {
     EXPECT_NE(object, static_cast<std::uint8_t>(SceneObject::distractor));

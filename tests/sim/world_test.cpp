@@ -248,7 +248,7 @@ TEST(World, MovesTheBallAlongItsTrajectory) {
     world.step();
     const Eigen::Vector3d drawn = Eigen::Map<const Eigen::Vector3d>(world.data().geom_xpos + 3 * ball);
     ASSERT_LT((drawn - trajectory.position_m(world.now_us())).norm(), 1e-12);
-    ASSERT_EQ(world.ball_position_m(), trajectory.position_m(world.now_us()));
+    ASSERT_EQ(world.target_position_m(), trajectory.position_m(world.now_us()));
   }
   EXPECT_EQ(world.first_motion_us(), 100'000);
 }
@@ -297,8 +297,8 @@ TEST(World, IsTheSameForTheSameSeed) {
   }
   EXPECT_EQ(
       std::memcmp(a.data().qpos, b.data().qpos, sizeof(mjtNum) * static_cast<std::size_t>(a.model().nq)), 0);
-  EXPECT_EQ(a.ball_position_m(), b.ball_position_m());
-  EXPECT_NE(a.ball_position_m(), World(config, "", 10).ball_position_m());
+  EXPECT_EQ(a.target_position_m(), b.target_position_m());
+  EXPECT_NE(a.target_position_m(), World(config, "", 10).target_position_m());
 }
 
 World world_with_ball(double diameter_m, const Eigen::Vector3d& ball_m) {
@@ -312,12 +312,12 @@ World world_with_ball(double diameter_m, const Eigen::Vector3d& ball_m) {
 double covered_share(World& world, const Eigen::Vector3d& from_m) {
   const int ball = mj_name2id(&world.model(), mjOBJ_GEOM, "ball");
   const mjtByte groups[mjNGROUP] = {1, 1, 0, 0, 0, 0};  // groups that an eye draws
-  const Eigen::Vector3d forward = world.ball_position_m() - from_m;
+  const Eigen::Vector3d forward = world.target_position_m() - from_m;
   const Eigen::Vector3d side = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
   const Eigen::Vector3d up = side.cross(forward).normalized();
   // The cone that touches the ball, cut with the plane through its centre.
-  const double sine = world.ball_radius_m() / forward.norm();
-  const double disc_m = world.ball_radius_m() / std::sqrt(1.0 - sine * sine);
+  const double sine = *world.target_radius_m() / forward.norm();
+  const double disc_m = *world.target_radius_m() / std::sqrt(1.0 - sine * sine);
   int rays = 0;
   int free = 0;
   for (double v = -0.98; v <= 0.98; v += 0.04) {
@@ -352,7 +352,7 @@ TEST(BallInHand, IsHardlyHiddenByTheHandInTheRobotsView) {
 
 TEST(BallInHand, IsHeldBetweenThePersonAndTheBall) {
   World world = world_with_ball(0.095, {-0.506, 0.0, 0.347});
-  EXPECT_GT(covered_share(world, world.ball_position_m() + Eigen::Vector3d(-0.6, -0.05, 0.0)), 0.5);
+  EXPECT_GT(covered_share(world, world.target_position_m() + Eigen::Vector3d(-0.6, -0.05, 0.0)), 0.5);
 }
 
 TEST(BallInHand, HasAPlainOrACheckedSleeve) {
@@ -383,7 +383,7 @@ TEST(BallInHand, TouchesTheBallWithEveryFingertip) {
               Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(world.data().geom_xmat + 9 * g)
                   .col(2);
       const double gap_m =
-          (tip - world.ball_position_m()).norm() - world.ball_radius_m() - m.geom_size[3 * g];
+          (tip - world.target_position_m()).norm() - *world.target_radius_m() - m.geom_size[3 * g];
       EXPECT_NEAR(gap_m, 0.0, 0.007) << finger << " " << diameter_m;
     }
   }
