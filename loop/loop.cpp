@@ -194,7 +194,7 @@ const HeadState& Loop::seen_head(const Tick& tick) const {
 Eigen::Isometry3d Loop::seen_pose(std::int64_t t_us, const CameraMotion& motion) const {
   if (detector_lag_us_ == 0) return motion.root_from_camera;
   const HeadState& seen = seen_heads_->at(t_us - sight_age_us_ - detector_lag_us_);
-  return camera_motion(seen, eye_, eye_from_camera_).root_from_camera;
+  return camera_motion(model_->chain, seen, eye_, eye_from_camera_).root_from_camera;
 }
 
 void Loop::compensate_delays(Tick& tick) {
