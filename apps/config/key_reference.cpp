@@ -167,7 +167,7 @@ std::vector<KeyRow> list_keys(const std::function<void(FieldVisitor&)>& describe
 }
 
 std::string unit_of_key(std::string_view key) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 18> units = {{
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 19> units = {{
       {"_deg_s2", "deg/s²"},
       {"_deg_s", "deg/s"},
       {"_deg", "deg"},
