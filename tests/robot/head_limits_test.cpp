@@ -37,7 +37,7 @@ TEST(CommonLimits, TighterLimitsOfTheRobotNarrowTheConfiguredOnesAndAreNamed) {
 
 TEST(CommonLimits, TighterLimitsOfOnesOwnApply) {
   HeadLimitsConfig own;
-  own.neck_pitch_deg = {-10.0, 5.0};
+  own.range_deg[0] = {-10.0, 5.0};  // neck pitch
   const CommonLimits common = common_limits(joint_limits(own), robot_with_pitch(-30.0, 22.0));
   EXPECT_TRUE(common.check.passed) << common.check.found;
   EXPECT_NEAR(common.limits.max_rad[neck_pitch], 5.0 * rad_per_deg, 1e-12);
