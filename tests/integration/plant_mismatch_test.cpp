@@ -23,10 +23,6 @@
 namespace saccade {
 namespace {
 
-Eigen::Isometry3d root_from_left_cam(const JointVector& q) {
-  return HeadKinematics(default_head()->chain, q).root_from_eye(Eye::left);
-}
-
 constexpr double deg = std::numbers::pi / 180.0;
 constexpr double dt_s = 1e-3;
 constexpr std::size_t settled = 2000;  // ticks
@@ -83,7 +79,7 @@ Watch look(const PlantConfig& plant, const TrajectoryConfig& ball, const QpConfi
     Eigen::Vector3d ball_m = world.root_from_left_cam().inverse() * world.target_position_m();
     run.error_deg.push_back(std::atan2(ball_m.head<2>().norm(), ball_m.z()) / deg);
     ball_m.head<2>() += px_m * ball_m.z() * Eigen::Vector2d(random.normal(0, tick), random.normal(1, tick));
-    seen.push_back(root_from_left_cam(state.position_rad) * ball_m);
+    seen.push_back(HeadKinematics(default_head()->chain, state.position_rad).root_from_eye(Eye::left) * ball_m);
     std::optional<Eigen::Vector3d> target;
     if (seen.size() > 8) {
       target = seen.front();
