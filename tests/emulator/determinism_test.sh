@@ -13,6 +13,9 @@ davis346 4a3d12ca44cb9eee
 atis 7794eb8c27062df9
 few_events 4fdb64afebeeb278
 asymmetric 4fe185480009002b
+davis240 4a3d12ca44cb9eee
+gen3_vga 30e87776b3549c18
+gen4_hd 6fcf582a3a9ca704
 everything 5118d738088f2ca8"
 
 status=0
