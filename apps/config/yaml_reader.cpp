@@ -230,7 +230,7 @@ void YamlReader::text(std::string_view key, std::string& value, std::string_view
 void YamlReader::path(std::string_view key, std::string& value, std::string_view doc) {
   text(key, value, doc);
   const YamlNode* node = block_.node != nullptr ? block_.node->entry(key) : nullptr;
-  if (node == nullptr) return;
+  if (node == nullptr || value.empty()) return;  // empty: no file
   const bool in_file = node->mark.line > 0;
   const auto path = in_file ? std::filesystem::path(folder_) / value : std::filesystem::path(value);
   value = std::filesystem::absolute(path).lexically_normal().string();

@@ -20,7 +20,7 @@ const fs::path scenarios = fs::path(SACCADE_SOURCE_DIR) / "scenarios";
 
 const std::string least = R"(name: mine
 run: {duration_s: 1}
-ball: {trajectory: {kind: fixed, points_m: [[-0.5, 0, 0.35]]}}
+ball: {trajectory: {kind: hold, points_m: [[-0.5, 0, 0.35]]}}
 detectors: {best: {}}
 )";
 

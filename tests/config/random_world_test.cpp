@@ -75,6 +75,7 @@ std::map<std::string, Kind> kinds() {
   all["ball hidden for a time"] = [](const DrawnWorld& w) { return w.hidden_share > 0.03; };
   for (const auto& [shape, word] : words_of(ObjectShape{})) {
     if (shape == ObjectShape::sphere) continue;  // a sphere that moves by itself would be a ball
+    if (shape == ObjectShape::mesh || shape == ObjectShape::mjcf) continue;  // come from files
     all["moving: " + std::string(word)] = [s = shape](const DrawnWorld& w) { return has_object(w, s); };
   }
   const auto at_rest = [&](const std::string& name, std::int64_t RoundThings::*count) {

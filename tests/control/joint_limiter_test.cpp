@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "head/head_model.h"
 #include "tests/control/genova02.h"
 
 namespace saccade {
@@ -15,7 +16,12 @@ constexpr double rounding = 1e-9;
 
 MotionLimits limits() { return motion_limits(genova02_limits(), {}); }
 
-HeadJointVector all(double value_rad) { return HeadJointVector::Constant(value_rad); }
+/// The value for each joint of the head, 0 for the others.
+HeadJointVector all(double value_rad) {
+  HeadJointVector values = HeadJointVector::Zero();
+  values.head(default_head()->gaze_joints()).setConstant(value_rad);
+  return values;
+}
 
 /// Every tick of a stream of references: inside the limits of position, speed and acceleration.
 class Watch {

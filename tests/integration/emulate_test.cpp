@@ -372,7 +372,7 @@ TEST_F(Emulate, ErrorsOfTheCameraNameFileLineAndKey) {
       path("wrong.yaml") + ":2: emulator.leak_rate_hz: found -1, expected a finite number in [0, 1000]");
   expect_refused(run + "--preset perfect",
                  "--set preset: found perfect, expected one of ideal, dvs128, noisy, davis346, atis, "
-                 "few_events, asymmetric");
+                 "few_events, asymmetric, davis240, gen3_vga, gen4_hd");
   expect_refused(run + "--set contrast_threshold_on=0",
                  "--set contrast_threshold_on: found 0, expected a finite number in [0.01, 5]");
 }
@@ -492,8 +492,8 @@ TEST_F(Emulate, AnImpossibleOutputIsRejected) {
   EXPECT_THAT(saccade(run + "--out " + path("e.csv") + " --labels " + path("e.csv")).text,
               HasSubstr("expected another file than the events'"));
   EXPECT_THAT(saccade(run + "--out " + path("e.mp4")).text,
-              HasSubstr(path("e.mp4") + ": found the extension .mp4, expected one of .aedat, .aedat4, .csv, "
-                                        ".h5, .hdf5, .log, .raw, .txt\n"));
+              HasSubstr(path("e.mp4") + ": found the extension .mp4, expected one of .aedat, .aedat4, .bag, .csv, "
+                                        ".h5, .hdf5, .log, .mcap, .npy, .npz, .raw, .txt\n"));
   EXPECT_EQ(saccade(run + "--out " + path("no/such/e.csv")).status, 1);
 }
 

@@ -10,6 +10,7 @@
 
 #include "control/head_kinematics.h"
 #include "core/random.h"
+#include "head/head_model.h"
 #include "sim/world.h"
 #include "tests/control/described_head.h"
 #include "tests/recording/temp_folder.h"
@@ -295,7 +296,9 @@ TEST(Kinematics, TheCameraHasItsConfiguredPoseInTheEye) {
     const Eigen::Isometry3d expected = root_from_left_cam(q) * mount.eye_from_camera();
     ASSERT_LT((world.root_from_left_cam().matrix() - expected.matrix()).norm(), 1e-9);
     ASSERT_LT((world.root_from_right_cam().matrix() - root_from_right_cam(q).matrix()).norm(), 1e-9);
-    ASSERT_TRUE(world.set_reference(HeadJointVector::Constant(0.1)));
+    HeadJointVector reference = HeadJointVector::Zero();
+    reference.head(default_head()->gaze_joints()).setConstant(0.1);
+    ASSERT_TRUE(world.set_reference(reference));
     world.step();
   }
   const Eigen::Isometry3d eye_from_camera =

@@ -83,9 +83,9 @@ TEST(EventFile, RejectsToWriteAFormatItDoesNotHaveOrAnImageThatDoesNotFit) {
   EXPECT_THROW((void)create_event_file(folder / "a", {128, 128}), InputError);
   EXPECT_THROW((void)create_event_file(folder / "a.aedat", {1280, 720}), InputError);
   EXPECT_THROW((void)create_event_file(folder / "a.raw", {2049, 720}), InputError);
-  EXPECT_THROW((void)create_event_file(folder / "a.raw", {1280, 720}, 2), InputError);
+  EXPECT_THROW((void)create_event_file(folder / "a.mcap", {1280, 720}, 2), InputError);
   EXPECT_THROW((void)create_event_file(folder / "a.aedat4", {40000, 10}), InputError);
-  EXPECT_THROW((void)create_event_file(folder / "a.aedat4", {1280, 720}, 2), InputError);
+  EXPECT_THROW((void)create_event_file(folder / "a.aedat", {1280, 720}, 2), InputError);
   EXPECT_TRUE(std::filesystem::is_empty(folder / ""));
 }
 

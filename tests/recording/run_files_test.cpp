@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/random.h"
+#include "head/head_model.h"
 #include "tests/recording/temp_folder.h"
 
 namespace saccade {
@@ -135,15 +136,20 @@ TEST(RunFiles, EyesReadBackAsTheSamePose) {
 TEST(RunFiles, GazeAndJointsReadBack) {
   TempFolder folder;
   Numbers numbers;
-  const GazeRow gaze{5, numbers.vector<Eigen::Vector3d>(), numbers.vector<Eigen::Vector3d>(),
-                     numbers.vector<JointVector>()};
+  const auto position_rad = [&] {  // of the joints that the head has
+    const auto joints = static_cast<Eigen::Index>(default_head()->joints.size());
+    JointVector position = JointVector::Zero();
+    position.head(joints) = numbers.vector<JointVector>().head(joints);
+    return position;
+  };
+  const GazeRow gaze{5, numbers.vector<Eigen::Vector3d>(), numbers.vector<Eigen::Vector3d>(), position_rad()};
   const auto gazes = read_table<GazeRow>(write_table<GazeRow>(folder / "gaze.csv", {gaze}));
   ASSERT_EQ(gazes.size(), 1u);
   EXPECT_EQ(gazes[0].fixation_m, gaze.fixation_m);
   EXPECT_EQ(gazes[0].target_m, gaze.target_m);
   EXPECT_EQ(gazes[0].position_rad, gaze.position_rad);
 
-  const JointsRow joints{5, numbers.vector<JointVector>()};
+  const JointsRow joints{5, position_rad()};
   const auto path = write_table<JointsRow>(folder / "joints.csv", {joints});
   EXPECT_EQ(read_table<JointsRow>(path).at(0).position_rad, joints.position_rad);
   EXPECT_THAT(bytes_of(path), testing::StartsWith("t_us,torso_pitch_rad,torso_roll_rad,torso_yaw_rad,"

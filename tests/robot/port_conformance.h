@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "head/head_model.h"
 #include "robot/ports.h"
 
 /// Tests of the contract of robot/ports.h for any backend. A test program includes this file once and instantiates it:
@@ -154,8 +155,11 @@ TEST_P(PortConformance, TheHeadsLimitsAreFiniteAndInOrder) {
   if (IsSkipped()) return;
   const JointLimits limits = robot.head->limits();
   EXPECT_TRUE(limits.min_rad.allFinite() && limits.max_rad.allFinite());
-  EXPECT_TRUE((limits.min_rad.array() < limits.max_rad.array()).all());
-  EXPECT_TRUE((limits.max_speed_rad_s.array() > 0.0).all());
+  ASSERT_NE(limits.head, nullptr);
+  for (const HeadJoint& joint : limits.head->joints) {
+    EXPECT_LT(limits.min_rad[joint.slot], limits.max_rad[joint.slot]) << joint.name;
+    EXPECT_GT(limits.max_speed_rad_s[joint.slot], 0.0) << joint.name;
+  }
 }
 
 TEST_P(PortConformance, EncodersAreFiniteNeverFromTheFutureAndNeverGoBackInTime) {

@@ -14,6 +14,7 @@
 #include "core/camera.h"
 #include "core/random.h"
 #include "core/units.h"
+#include "head/head_model.h"
 
 namespace saccade {
 namespace {
@@ -42,7 +43,8 @@ TEST(World, HasTheLimitsOfTheRobot) {
   max_deg << 70, 30, 50, 17, 20, 45, 30, 30, 50;
   EXPECT_LT(largest_deg(world.limits().min_rad - min_deg * deg), 1e-9);
   EXPECT_LT(largest_deg(world.limits().max_rad - max_deg * deg), 1e-9);
-  EXPECT_GT(world.limits().max_speed_rad_s.minCoeff(), 0.0);
+  for (const HeadJoint& joint : world.limits().head->joints)
+    EXPECT_GT(world.limits().max_speed_rad_s[joint.slot], 0.0) << joint.name;
 }
 
 TEST(World, HasTheMassOfTheRobot) {
