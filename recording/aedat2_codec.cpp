@@ -295,6 +295,7 @@ RecordingFormat aedat2_format() {
   };
   format.create = create_aedat2;
   format.cameras = 2;
+  format.largest_size = davis_largest;
   format.size_of_two = dvs128_size;
   format.reads = "DVS128, its stereo pair, DAVIS, by the header's `AEChip` or else by the addresses";
   format.writes = "the same three, by image size and number of cameras";

@@ -145,7 +145,9 @@ std::vector<std::string> FormatRegistry::run_choices_for(ImageSize size, int cam
   std::vector<std::string> choices = run_choices();
   std::erase_if(choices, [&](const std::string& choice) {
     const RecordingFormat& format = for_writing("events." + choice);
-    return cameras > format.cameras || (cameras > 1 && format.size_of_two.value_or(size) != size);
+    const ImageSize largest = format.largest_size.value_or(size);
+    return cameras > format.cameras || size.width > largest.width || size.height > largest.height ||
+           (cameras > 1 && format.size_of_two.value_or(size) != size);
   });
   return choices;
 }

@@ -57,6 +57,7 @@ struct RecordingFormat {
   std::function<std::vector<std::filesystem::path>(const std::filesystem::path&)> companions;
 
   int cameras = 1;                         ///< that a written file can hold: 1 or 2
+  std::optional<ImageSize> largest_size;   ///< of an image in a written file; none: not stated
   std::optional<ImageSize> size_of_two;    ///< the only image size with two cameras; none: any size
   std::optional<std::int64_t> longest_us;  ///< duration that a written file can hold; none: no limit
   bool read_in_helper = false;             ///< `open` starts a helper process (recording/helper_reader.h)

@@ -197,17 +197,16 @@ void describe(FieldVisitor& v, Scenario& s) {
         w.real("video_speed", s.output.video_speed, {0.01, 100.0},
                "time of the run per time of the video: 0.1 is slow motion, ten times slower");
         const FormatRegistry& formats = s.output.formats;
-        const std::vector<std::string> fitting = formats.run_choices_for(s.sim.camera.size, 2);
-        const auto fits = [&] {
-          return !s.sim.both_eyes() || std::ranges::count(fitting, s.output.events) > 0;
-        };
+        const std::vector<std::string> fitting =
+            formats.run_choices_for(s.sim.camera.size, s.sim.both_eyes() ? 2 : 1);
+        const auto fits = [&] { return std::ranges::count(fitting, s.output.events) > 0; };
         if (w.fills_defaults() && !fits() && std::ranges::count(fitting, "aedat4") > 0)
           s.output.events = "aedat4";
         w.choice("events", s.output.events, formats.run_choices(), "format of the event file");
         std::string names;
         for (const std::string& name : fitting) names += (names.empty() ? "" : ", ") + name;
         w.require(fits(), "events", s.output.events,
-                  "a format that holds both eyes' images of this size: " + names);
+                  "a format that holds images of this size, of both eyes where there are two: " + names);
         w.boolean("labels", s.sim.labels, "whether the run folder gets labels.csv: the cause of each event");
         w.integer("pictures", s.output.pictures, {0, 60},
                   "number of instants that the report shows with images");
