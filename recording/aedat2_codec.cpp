@@ -240,6 +240,7 @@ class Aedat2Writer final : public EventWriter {
     }
   }
 
+  void sync() override { file_.sync(); }
   void commit() override { file_.commit(); }
 
  private:

@@ -117,6 +117,7 @@ class Aedat4Reader final : public EventReader {
 
   std::optional<ImageSize> image_size() const override { return image_size_; }
   std::string format() const override { return "AEDAT 4.0" + compression_; }
+  std::optional<std::uint64_t> broken_record() const override { return record_; }
   [[nodiscard]] bool has_second_camera() const { return second_stream_.has_value(); }
   std::string skipped() const override {
     std::string text;
@@ -152,7 +153,7 @@ class Aedat4Reader final : public EventReader {
     const aedat4::IOHeader* header = aedat4::GetIOHeader(bytes.data());
     choose_decompressor(header->compression());
     const std::int64_t end = header->data_table_position();
-    if (end >= 0) packets_end_ = static_cast<std::uint64_t>(end);
+    if (end > 0) packets_end_ = static_cast<std::uint64_t>(end);
     if (header->info_node() != nullptr) streams_ = parse_streams(header->info_node()->string_view());
     choose_stream();
     file_.skip(size);
@@ -235,7 +236,8 @@ class Aedat4Reader final : public EventReader {
       fill_window();
       if (failure_) throw InputError(*failure_);
     }
-    if (file_.offset() == packets_end_) return false;
+    record_ = file_.offset();
+    if (record_ == packets_end_) return false;
     const std::string_view head = file_.peek(8);
     if (head.empty() && packets_end_ == no_end) return false;
     if (head.size() < 8) fail_cut("a packet");
@@ -326,6 +328,7 @@ class Aedat4Reader final : public EventReader {
   std::int32_t stream_ = 0;
   std::optional<std::int32_t> second_stream_;  ///< of the second camera
   std::uint64_t packets_end_ = no_end;
+  std::uint64_t record_ = 0;     ///< where the packet begins, with its header
   std::size_t packet_left_ = 0;  ///< bytes of the packet still in the file
   std::size_t events_left_ = 0;  ///< in the packet
   std::vector<char> window_;     ///< unpacked bytes, those in [window_begin_, window_end_) not read yet

@@ -13,6 +13,7 @@ namespace saccade {
 namespace {
 
 constexpr std::size_t packet_events = 8192;
+constexpr std::int64_t no_table = -1;  ///< its place in a file without one
 constexpr int largest_written_length_px = 32767;
 
 /// A packet as the table at the end has it.
@@ -74,7 +75,7 @@ class Aedat4Writer final : public EventWriter {
   Aedat4Writer(const std::filesystem::path& path, ImageSize image_size, int cameras)
       : file_(path), image_size_(image_size), cameras_(cameras) {
     put(aedat4_mark);
-    put(header_table(image_size, cameras, 0));
+    put(header_table(image_size, cameras, no_table));
   }
 
   void write(std::span<const Event> events) override {
@@ -87,10 +88,13 @@ class Aedat4Writer final : public EventWriter {
     }
   }
 
+  void sync() override {
+    put_pending();
+    file_.sync();
+  }
+
   void commit() override {
-    for (std::size_t camera = 0; camera < pending_.size(); ++camera) {
-      if (!pending_[camera].empty()) put_packet(camera);
-    }
+    put_pending();
     const std::int64_t table_place = offset_;
     put_table();
     const std::string header = header_table(image_size_, cameras_, table_place);
@@ -99,6 +103,12 @@ class Aedat4Writer final : public EventWriter {
   }
 
  private:
+  void put_pending() {
+    for (std::size_t camera = 0; camera < pending_.size(); ++camera) {
+      if (!pending_[camera].empty()) put_packet(camera);
+    }
+  }
+
   void put(std::string_view bytes) {
     file_.write(bytes);
     offset_ += static_cast<std::int64_t>(bytes.size());

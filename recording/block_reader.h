@@ -17,6 +17,7 @@ class BlockReader : public EventReader {
   explicit BlockReader(InputFile file) : file_(std::move(file)), block_(block_events) {}
 
   std::size_t read(std::vector<Event>& events, std::size_t max_events) final;
+  std::optional<std::uint64_t> broken_record() const final { return record_.value_or(file_.offset()); }
 
  protected:
   static constexpr std::size_t block_events = 4096;
@@ -26,6 +27,9 @@ class BlockReader : public EventReader {
   /// InputError where the content is broken; it is not called again then.
   virtual bool decode(std::span<Event> block, std::size_t& count) = 0;
 
+  /// Where a record longer than a decoded block begins, for broken_record(): here.
+  void begin_record() { record_ = file_.offset(); }
+
   InputFile file_;
 
  private:
@@ -33,6 +37,7 @@ class BlockReader : public EventReader {
   std::size_t begin_ = 0;
   std::size_t end_ = 0;
   bool over_ = false;
+  std::optional<std::uint64_t> record_;
   std::optional<InputError> failure_;
 };
 

@@ -98,15 +98,26 @@ class Conversion {
   std::optional<std::int64_t> zero_us_;
 };
 
-/// Calls `use(block)` with all events of a recording; returns its reader.
+/// Calls `use(block)` with all events of a recording, with config.whole_part of one that breaks off those before; returns
+/// its reader.
 template <class Use>
 std::unique_ptr<EventReader> for_each_block(const FormatRegistry& formats,
                                             const std::filesystem::path& recording,
-                                            const EventReadOptions& options, const Use& use) {
-  auto reader = open_event_file(formats, recording, options);
+                                            const ConversionConfig& config, std::optional<TornEnd>& torn,
+                                            const Use& use) {
+  auto reader = open_event_file(formats, recording, config.read);
   std::vector<Event> block;
-  for (block.reserve(read_block_events); reader->read(block, read_block_events) > 0; block.clear())
-    use(block);
+  block.reserve(read_block_events);
+  while (!torn) {
+    block.clear();
+    try {
+      if (reader->read(block, read_block_events) == 0) break;
+    } catch (const InputError& error) {
+      if (!config.whole_part) throw;
+      torn = torn_end(*reader, recording, error);
+    }
+    if (!block.empty()) use(block);
+  }
   return reader;
 }
 
@@ -129,7 +140,8 @@ ConversionResult convert_recording(const FormatRegistry& formats, const std::fil
   check(config);
   Extent extent;
   std::int64_t events = 0;
-  auto reader = for_each_block(formats, recording, config.read, [&](const std::vector<Event>& block) {
+  std::optional<TornEnd> torn;
+  auto reader = for_each_block(formats, recording, config, torn, [&](const std::vector<Event>& block) {
     if (!extent.first_us) extent.first_us = block.front().t_us;
     for (const Event& event : block) {
       extent.size = {std::max(extent.size.width, event.x + 1), std::max(extent.size.height, event.y + 1)};
@@ -145,7 +157,7 @@ ConversionResult convert_recording(const FormatRegistry& formats, const std::fil
   const auto writer = create_event_file(formats, out, conversion.image(), extent.cameras);
   ConversionResult result;
   events = 0;
-  reader = for_each_block(formats, recording, config.read, [&](std::vector<Event>& block) {
+  reader = for_each_block(formats, recording, config, result.torn, [&](std::vector<Event>& block) {
     events += static_cast<std::int64_t>(block.size());
     if (progress) progress(true, events);
     conversion.apply(block, result);

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "recording/event_file.h"
+#include "recording/recording_summary.h"
 
 namespace saccade {
 
@@ -36,12 +37,15 @@ struct ConversionConfig {
   bool swap_xy = false;
   bool flip_x = false;
   bool flip_y = false;
+  bool whole_part =
+      false;  ///< of a recording that breaks off: the events before that place instead of an error
 };
 
 struct ConversionResult {
   std::int64_t events = 0;                                                ///< written
   std::int64_t outside_time = 0, outside_region = 0, other_polarity = 0;  ///< removed
   std::string skipped;                                                    ///< EventReader::skipped()
+  std::optional<TornEnd> torn = std::nullopt;  ///< what was not read, with whole_part
 };
 
 /// Called after each block with the number of events so far, once for each of the two passes. It may throw to end the

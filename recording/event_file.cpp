@@ -29,6 +29,7 @@ class OneCameraReader final : public EventReader {
   std::string format() const override { return reader_->format(); }
   std::string skipped() const override { return reader_->skipped(); }
   std::optional<std::int64_t> host_ahead_us() const override { return reader_->host_ahead_us(); }
+  std::optional<std::uint64_t> broken_record() const override { return reader_->broken_record(); }
 
  private:
   std::unique_ptr<EventReader> reader_;

@@ -32,6 +32,8 @@ class EventReader {
   /// The clock of the host that recorded the file minus the clock of the events, us, as far as the events read so far say:
   /// the smallest difference between a packet's host time and its last event. None where the file has no host time.
   [[nodiscard]] virtual std::optional<std::int64_t> host_ahead_us() const { return std::nullopt; }
+  /// After read() threw InputError: the first byte of the record that is broken. None where the format cannot say.
+  [[nodiscard]] virtual std::optional<std::uint64_t> broken_record() const { return std::nullopt; }
 
   /// The file, for messages; empty for a reader that open_event_file did not make.
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
@@ -71,6 +73,10 @@ class EventWriter {
   /// Throws InputError for an event that the format cannot hold exactly (outside the image, of another camera, a time out
   /// of range), and RunError when writing fails.
   virtual void write(std::span<const Event> events) = 0;
+  /// Puts the events so far on the disk, in records that a reader finds in the unfinished file; that file remains from then
+  /// on, as OutputFile::sync() has it. Does nothing where the format cannot be read before commit() (NumPy, HDF5). Throws
+  /// RunError.
+  virtual void sync() {}
   virtual void commit() = 0;
 };
 

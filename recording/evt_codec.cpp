@@ -145,6 +145,7 @@ class Evt3Writer final : public EventWriter {
     words_.clear();
   }
 
+  void sync() override { file_.sync(); }
   void commit() override {
     if (!begun_) begin(0);
     file_.commit();

@@ -66,6 +66,7 @@ class McapReader final : public MessageReader {
                      "the mark after the footer, and nothing more");
         return false;
       }
+      begin_record();
       if (file_.peek(1).empty()) file_.fail("the end of the file", "a footer; the recording was cut off");
       if (read_record(file_)) return true;
     }

@@ -85,6 +85,36 @@ class McapWriter final : public MessageWriter {
     if (chunk_.size() >= enough_chunk_bytes) put_chunk();
   }
 
+  void put_chunk() override {
+    if (chunk_.empty()) return;
+    std::string packed(ZSTD_compressBound(chunk_.size()), '\0');
+    const std::size_t size =
+        ZSTD_compress(packed.data(), packed.size(), chunk_.data(), chunk_.size(), compression_level);
+    SACCADE_CHECK(ZSTD_isError(size) == 0);
+    packed.resize(size);
+    const auto crc = static_cast<std::uint32_t>(
+        crc32(0, reinterpret_cast<const Bytef*>(chunk_.data()), static_cast<uInt>(chunk_.size())));
+    entry_.unpacked = chunk_.size();
+    entry_.stored = packed.size();
+    entry_.place = offset();
+    put(McapBytes()
+            .number(entry_.first_ns)
+            .number(entry_.last_ns)
+            .number(entry_.unpacked)
+            .number(crc)
+            .text("zstd")
+            .number(entry_.stored)
+            .raw(packed)
+            .record(McapOp::chunk));
+    entry_.bytes = offset() - entry_.place;
+    entry_.index_place = offset();
+    put(McapBytes().number(channel_id).text(index_).record(McapOp::message_index));
+    entry_.index_bytes = offset() - entry_.index_place;
+    chunks_.push_back(entry_);
+    chunk_.clear();
+    index_.clear();
+  }
+
   void finish() override {
     put_chunk();
     put(McapBytes().number(std::uint32_t{0}).record(McapOp::data_end));
@@ -169,36 +199,6 @@ class McapWriter final : public MessageWriter {
                      .record(McapOp::chunk_index);
     }
     return records;
-  }
-
-  void put_chunk() {
-    if (chunk_.empty()) return;
-    std::string packed(ZSTD_compressBound(chunk_.size()), '\0');
-    const std::size_t size =
-        ZSTD_compress(packed.data(), packed.size(), chunk_.data(), chunk_.size(), compression_level);
-    SACCADE_CHECK(ZSTD_isError(size) == 0);
-    packed.resize(size);
-    const auto crc = static_cast<std::uint32_t>(
-        crc32(0, reinterpret_cast<const Bytef*>(chunk_.data()), static_cast<uInt>(chunk_.size())));
-    entry_.unpacked = chunk_.size();
-    entry_.stored = packed.size();
-    entry_.place = offset();
-    put(McapBytes()
-            .number(entry_.first_ns)
-            .number(entry_.last_ns)
-            .number(entry_.unpacked)
-            .number(crc)
-            .text("zstd")
-            .number(entry_.stored)
-            .raw(packed)
-            .record(McapOp::chunk));
-    entry_.bytes = offset() - entry_.place;
-    entry_.index_place = offset();
-    put(McapBytes().number(channel_id).text(index_).record(McapOp::message_index));
-    entry_.index_bytes = offset() - entry_.index_place;
-    chunks_.push_back(entry_);
-    chunk_.clear();
-    index_.clear();
   }
 
   std::string chunk_;  ///< records

@@ -29,6 +29,12 @@ void MessageWriter::write(std::span<const Event> events) {
   }
 }
 
+void MessageWriter::sync() {
+  flush();
+  put_chunk();
+  file_.sync();
+}
+
 void MessageWriter::commit() {
   flush();
   finish();

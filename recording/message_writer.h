@@ -17,6 +17,7 @@ namespace saccade {
 class MessageWriter : public EventWriter {
  public:
   void write(std::span<const Event> events) final;
+  void sync() final;
   void commit() final;
 
  protected:
@@ -27,6 +28,8 @@ class MessageWriter : public EventWriter {
   /// Writes a message of these events, at least one, none earlier than the first and none more than 10 ms after it.
   /// `seq`: number of the message, from 0 on. `last_ns`: time of the latest event.
   virtual void put_message(std::span<const Event> events, std::uint32_t seq, std::uint64_t last_ns) = 0;
+  /// Writes the messages that are not in the file yet.
+  virtual void put_chunk() = 0;
   /// Writes what comes after the last message.
   virtual void finish() = 0;
 

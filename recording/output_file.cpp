@@ -48,7 +48,7 @@ OutputFile::OutputFile(std::filesystem::path path) : path_(std::move(path)), par
 OutputFile::~OutputFile() {
   if (file_ == nullptr) return;
   std::fclose(file_);
-  std::remove(part_.c_str());
+  if (!keeps_part_) std::remove(part_.c_str());
 }
 
 void OutputFile::write(std::span<const std::byte> bytes) {
@@ -63,6 +63,12 @@ void OutputFile::overwrite(std::int64_t offset, std::span<const std::byte> bytes
   if (::fseeko(file_, offset, SEEK_SET) != 0) fail(path_, "cannot be written");
   write(bytes);
   if (::fseeko(file_, 0, SEEK_END) != 0) fail(path_, "cannot be written");
+}
+
+void OutputFile::sync() {
+  SACCADE_CHECK(file_ != nullptr);
+  keeps_part_ = true;
+  if (std::fflush(file_) != 0 || ::fdatasync(::fileno(file_)) != 0) fail(path_, "cannot be written");
 }
 
 void OutputFile::commit() {

@@ -25,7 +25,7 @@ class DiskFull : public RunError {
 void write_file(const std::filesystem::path& path, std::string_view text);
 
 /// A file that appears under its name only when it is whole: bytes go to `<path>.part`, commit() flushes, syncs and
-/// renames. Without commit() the destructor removes the `.part` file; after a crash it remains under that name.
+/// renames. Without sync() or commit() the destructor removes the `.part` file; after a crash it remains under that name.
 /// Every member but the destructor throws RunError with the file's name when writing fails, DiskFull where there is no
 /// room.
 class OutputFile {
@@ -39,6 +39,8 @@ class OutputFile {
   void write(std::string_view text);
   /// Replaces bytes that were written before.
   void overwrite(std::int64_t offset, std::span<const std::byte> bytes);
+  /// Puts what was written so far on the disk. From then on the `.part` file remains also without commit().
+  void sync();
   void commit();
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
@@ -49,6 +51,7 @@ class OutputFile {
   std::filesystem::path path_;
   std::filesystem::path part_;
   std::FILE* file_ = nullptr;
+  bool keeps_part_ = false;
 };
 
 }  // namespace saccade

@@ -1,8 +1,19 @@
 #include "recording/recording_summary.h"
 
+#include <algorithm>
 #include <vector>
 
+#include "core/error.h"
+
 namespace saccade {
+
+TornEnd torn_end(const EventReader& reader, const std::filesystem::path& recording, const InputError& error) {
+  std::error_code ignored;
+  const std::uintmax_t size = std::filesystem::file_size(recording, ignored);
+  const std::uint64_t whole = ignored ? 0 : size;
+  const std::uint64_t byte = std::min<std::uint64_t>(reader.broken_record().value_or(whole), whole);
+  return {byte, whole - byte, error.what()};
+}
 
 RecordingSummary summarise_recording(const FormatRegistry& formats, const std::filesystem::path& recording,
                                      const EventReadOptions& options, std::int64_t gap_us,
@@ -15,7 +26,14 @@ RecordingSummary summarise_recording(const FormatRegistry& formats, const std::f
                            EventCounter(reader->image_size(), gap_us)};
   constexpr std::size_t block_events = 1 << 16;
   std::vector<Event> block;
-  for (block.reserve(block_events); reader->read(block, block_events) > 0; block.clear()) {
+  block.reserve(block_events);
+  while (!summary.torn) {
+    block.clear();
+    try {
+      if (reader->read(block, block_events) == 0) break;
+    } catch (const InputError& error) {
+      summary.torn = torn_end(*reader, recording, error);
+    }
     summary.counter.add(block);
     if (progress) progress(summary.counter.all().count);
   }

@@ -70,6 +70,7 @@ class RosBagReader final : public MessageReader {
         if (read_record(part_)) return true;
       } else {
         in_chunk_ = false;
+        begin_record();
         if (file_.peek(1).empty()) {
           check_end();
           return false;

@@ -73,6 +73,27 @@ class RosBagWriter final : public MessageWriter {
     if (chunk_.size() >= enough_bag_chunk_bytes) put_chunk();
   }
 
+  void put_chunk() override {
+    if (chunk_.empty()) return;
+    const std::string infos_fields = field("op", std::uint8_t{6}) + field("ver", std::uint32_t{1}) +
+                                     field("chunk_pos", offset()) + field("start_time", bag_time(first_ns_)) +
+                                     field("end_time", bag_time(last_ns_)) + field("count", std::uint32_t{1});
+    std::string counts;
+    append_little(counts, std::uint32_t{0});
+    append_little(counts, messages_);
+    chunk_infos_ += record(infos_fields, counts);
+    put(record(field("op", std::uint8_t{5}) + field("compression", std::string_view("none")) +
+                   field("size", static_cast<std::uint32_t>(chunk_.size())),
+               chunk_));
+    put(record(field("op", std::uint8_t{4}) + field("ver", std::uint32_t{1}) +
+                   field("conn", std::uint32_t{0}) + field("count", messages_),
+               index_));
+    ++chunks_;
+    chunk_.clear();
+    index_.clear();
+    messages_ = 0;
+  }
+
   void finish() override {
     put_chunk();
     const std::uint64_t index_pos = offset();
@@ -98,27 +119,6 @@ class RosBagWriter final : public MessageWriter {
             field("md5sum", packets_ ? event_packet_md5 : event_array_md5) +
             field("message_definition",
                   packets_ ? event_packet_definition(Serialisation::ros1) : event_array_definition()));
-  }
-
-  void put_chunk() {
-    if (chunk_.empty()) return;
-    const std::string infos_fields = field("op", std::uint8_t{6}) + field("ver", std::uint32_t{1}) +
-                                     field("chunk_pos", offset()) + field("start_time", bag_time(first_ns_)) +
-                                     field("end_time", bag_time(last_ns_)) + field("count", std::uint32_t{1});
-    std::string counts;
-    append_little(counts, std::uint32_t{0});
-    append_little(counts, messages_);
-    chunk_infos_ += record(infos_fields, counts);
-    put(record(field("op", std::uint8_t{5}) + field("compression", std::string_view("none")) +
-                   field("size", static_cast<std::uint32_t>(chunk_.size())),
-               chunk_));
-    put(record(field("op", std::uint8_t{4}) + field("ver", std::uint32_t{1}) +
-                   field("conn", std::uint32_t{0}) + field("count", messages_),
-               index_));
-    ++chunks_;
-    chunk_.clear();
-    index_.clear();
-    messages_ = 0;
   }
 
   bool packets_;

@@ -316,6 +316,11 @@ void TableWriter<Row>::write(const Row& row) {
 }
 
 template <class Row>
+void TableWriter<Row>::sync() {
+  file_.sync();
+}
+
+template <class Row>
 void TableWriter<Row>::commit() {
   file_.commit();
 }

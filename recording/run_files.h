@@ -123,6 +123,8 @@ class TableWriter {
   /// `head`: whose joints a table of joints has.
   explicit TableWriter(std::filesystem::path path, std::shared_ptr<const HeadModel> head = default_head());
   void write(const Row& row);
+  /// Puts the rows so far on the disk: OutputFile::sync().
+  void sync();
   void commit();
 
  private:
@@ -151,8 +153,8 @@ class TableReader {
   std::string line_;
   std::size_t line_number_ = 0;
   std::shared_ptr<const HeadModel> head_ = default_head();  ///< of the columns
-  std::size_t columns_ = 0;  ///< fields of a row
-  std::size_t known_ = 0;    ///< of them those that go into a Row; the others are to their right
+  std::size_t columns_ = 0;                                 ///< fields of a row
+  std::size_t known_ = 0;  ///< of them those that go into a Row; the others are to their right
   std::int64_t last_t_us_ = std::numeric_limits<std::int64_t>::min();
 };
 

@@ -78,6 +78,7 @@ class TextReader final : public EventReader {
 
   std::optional<ImageSize> image_size() const override { return image_size_; }
   std::string format() const override { return "text"; }
+  std::optional<std::uint64_t> broken_record() const override { return file_.offset(); }
 
  private:
   /// False at the end of the file.
@@ -223,6 +224,7 @@ class TextWriter final : public EventWriter {
     }
   }
 
+  void sync() override { file_.sync(); }
   void commit() override { file_.commit(); }
 
  private:

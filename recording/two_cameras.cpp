@@ -44,7 +44,9 @@ class MergedReader final : public EventReader {
     std::size_t count = 0;
     try {
       for (; count < max_events; ++count) {
+        broken_ = &sides_[0];  // if next() throws
         const Event* left = sides_[0].next();
+        broken_ = &sides_[1];
         const Event* right = sides_[1].next();
         if (left == nullptr && right == nullptr) break;
         const bool is_left = right == nullptr || (left != nullptr && left->t_us <= right->t_us);
@@ -63,6 +65,9 @@ class MergedReader final : public EventReader {
     return ImageSize{std::max(left->width, right->width), std::max(left->height, right->height)};
   }
   std::string format() const override { return sides_[0].reader().format() + ", two cameras"; }
+  std::optional<std::uint64_t> broken_record() const override {
+    return broken_ == nullptr ? std::nullopt : broken_->reader().broken_record();
+  }
   std::string skipped() const override {
     std::string text = sides_[0].reader().skipped();
     const std::string right = sides_[1].reader().skipped();
@@ -72,6 +77,7 @@ class MergedReader final : public EventReader {
 
  private:
   std::array<Side, 2> sides_;
+  const Side* broken_ = nullptr;
 };
 
 class SplittingWriter final : public EventWriter {
@@ -89,6 +95,9 @@ class SplittingWriter final : public EventWriter {
       }
       writers_[camera]->write(part_);
     }
+  }
+  void sync() override {
+    for (const auto& writer : writers_) writer->sync();
   }
   void commit() override {
     writers_[1]->commit();

@@ -71,6 +71,7 @@ class YarpLogReader final : public EventReader {
     return text;
   }
   std::optional<std::int64_t> host_ahead_us() const override { return host_ahead_us_; }
+  std::optional<std::uint64_t> broken_record() const override { return source_->packet_begin(); }
 
  private:
   /// Reads the first packets, to guess from. A broken place is reported when the events before it have been returned.

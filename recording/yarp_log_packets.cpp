@@ -40,6 +40,7 @@ class TextPackets final : public YarpPacketSource {
   }
   std::int64_t others() const override { return others_; }
   std::string name() const override { return file_.name(); }
+  std::uint64_t packet_begin() const override { return line_begin_; }
 
  private:
   bool take_packet(YarpPacket& packet) {
@@ -80,6 +81,7 @@ class TextPackets final : public YarpPacketSource {
   }
 
   void begin_line() {
+    line_begin_ = file_.offset();
     (void)integer("the number of a packet");
     do {
       const std::string_view text = word();
@@ -222,6 +224,7 @@ class TextPackets final : public YarpPacketSource {
   bool line_is_empty_ = false;  ///< no packet after its times yet
   bool in_list_ = false;
   std::uint64_t line_number_ = 1;
+  std::uint64_t line_begin_ = 0;
   std::int64_t others_ = 0;
   std::string bytes_;
   std::optional<InputError> failure_;
@@ -247,6 +250,7 @@ class BinaryPackets final : public YarpPacketSource {
   }
   std::int64_t others() const override { return 0; }
   std::string name() const override { return file_.name(); }
+  std::uint64_t packet_begin() const override { return file_.offset(); }
 
  private:
   static constexpr std::size_t pair_bytes = 8;

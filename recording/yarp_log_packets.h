@@ -19,6 +19,8 @@ class YarpPacketSource {
   virtual bool next(YarpPacket& packet) = 0;
   [[nodiscard]] virtual std::int64_t others() const = 0;  ///< lists and packets that were no camera events
   [[nodiscard]] virtual std::string name() const = 0;     ///< of the file
+  /// First byte of the newest packet's line, in a binary dump of what is read next.
+  [[nodiscard]] virtual std::uint64_t packet_begin() const = 0;
 };
 
 /// A log in text form, versions 1 and 2.

@@ -51,6 +51,11 @@ class YarpLogWriter final : public EventWriter {
     }
   }
 
+  void sync() override {
+    write_packet();
+    file_.sync();
+  }
+
   void commit() override {
     write_packet();
     // The data player needs the first two lines; the others are read by this library.

@@ -19,6 +19,7 @@ void add_info_command(CommandLine& line, const Registry& registry);
 void add_keys_command(CommandLine& line, const Registry& registry);
 void add_label_command(CommandLine& line, const Registry& registry);
 void add_migrate_command(CommandLine& line);
+void add_repair_command(CommandLine& line, const Registry& registry);
 void add_report_command(CommandLine& line, const Registry& registry);
 void add_run_command(CommandLine& line, const Registry& registry);
 void add_score_command(CommandLine& line);

@@ -7,6 +7,7 @@
 
 #include "apps/cli/commands.h"
 #include "apps/cli/read_options.h"
+#include "apps/cli/recorded_text.h"
 #include "apps/session/interrupt.h"
 #include "apps/session/progress.h"
 #include "core/error.h"
@@ -49,6 +50,7 @@ int convert(const ConvertOptions& options, const FormatRegistry& formats) {
   removed(result.outside_time, "outside the time");
   removed(result.outside_region, "outside the region");
   removed(result.other_polarity, "of the other polarity");
+  if (result.torn) fmt::print("torn: {}\n", text_of(*result.torn));
   if (!result.skipped.empty()) fmt::print("skipped: {}\n", result.skipped);
   return 0;
 }
@@ -100,6 +102,8 @@ void add_convert_command(CommandLine& line, const Registry& registry) {
   command.flag("--invert", config.invert, "ON becomes OFF and OFF becomes ON");
   command.flag("--swap-xy", config.swap_xy, "Exchange x and y, after --region");
   command.flag("--flip-x", config.flip_x, "Mirror left and right, after --swap-xy");
+  command.flag("--whole-part", config.whole_part,
+               "Of a torn recording: the events before the place where it breaks off");
   command.flag("--flip-y", config.flip_y, "Mirror top and bottom, after --swap-xy");
   command.footer(
       "--swap-xy --flip-x turns by 90 degrees clockwise, --flip-x --flip-y by 180.\n"

@@ -7,6 +7,7 @@
 
 #include "apps/cli/commands.h"
 #include "apps/cli/read_options.h"
+#include "apps/cli/recorded_text.h"
 #include "apps/session/interrupt.h"
 #include "apps/session/progress.h"
 #include "core/error.h"
@@ -79,6 +80,7 @@ void print_text(const RecordingSummary& info, const InfoOptions& options) {
   fmt::print("{:<22}{}\n", "format", info.format);
   fmt::print("{:<22}{}\n", "image", info.image ? text_of(*info.image) : "unknown");
   if (!info.skipped.empty()) fmt::print("{:<22}{}\n", "skipped", info.skipped);
+  if (info.torn) fmt::print("{:<22}{}\n", "torn", text_of(*info.torn));
   if (all.count == 0) {
     fmt::print("{:<22}{}\n", "events", 0);
     return;
@@ -124,6 +126,8 @@ void print_json(const RecordingSummary& info, const InfoOptions& options) {
                {"image", info.image ? json_of(*info.image) : Json(nullptr)},
                {"skipped", info.skipped},
                {"gap_ms", options.gap_ms}};
+  if (info.torn)
+    json["torn"] = {{"byte", info.torn->byte}, {"bytes", info.torn->bytes}, {"cause", info.torn->cause}};
   json.update(json_of(info.counter.all()));
   if (!info.image) json["outside_image"] = nullptr;
   if (info.two_cameras()) {
@@ -132,14 +136,26 @@ void print_json(const RecordingSummary& info, const InfoOptions& options) {
   fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
+int info_of_folder(const InfoOptions& options, const FormatRegistry& formats) {
+  catch_interrupts();
+  const auto stop_if_interrupted = [](std::int64_t) {
+    if (interrupted()) throw RunError("interrupted");
+  };
+  const auto files = inspect_recorded(formats, options.recording, options.read, stop_if_interrupted);
+  fmt::print("{}", options.json ? json_of(files, options.recording) : text_of(files, options.recording));
+  return std::ranges::all_of(files, &RecordedFile::is_whole) ? 0 : 1;
+}
+
 int info(const InfoOptions& options, const FormatRegistry& formats) {
+  if (is_run_folder(options) && has_parts(formats, options.recording))
+    return info_of_folder(options, formats);
   const RecordingSummary info = summarise(options, formats);
   if (options.json) {
     print_json(info, options);
   } else {
     print_text(info, options);
   }
-  return 0;
+  return info.torn ? 1 : 0;
 }
 
 }  // namespace
@@ -156,7 +172,11 @@ void add_info_command(CommandLine& line, const Registry& registry) {
       .show_default();
   command.flag("--json", options->json, "As JSON");
   command.footer(
-      "Peak rates are those of the fullest bin of 100 ms and of 1 ms; bins begin at the first event.");
+      "Peak rates are those of the fullest bin of 100 ms and of 1 ms; bins begin at the first event. Of a "
+      "torn file "
+      "the figures are those of its whole part, the line torn names what is lost, and the status is 1. Of "
+      "the "
+      "folder of a run with rotated or unfinished recordings: a line for each file.");
   command.action([options, &registry] { return info(*options, registry.formats); });
 }
 

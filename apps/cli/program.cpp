@@ -51,6 +51,7 @@ int program(int argc, const char* const* argv, const Registry& registry) {
   add_report_command(line, registry);
   add_info_command(line, registry);
   add_convert_command(line, registry);
+  add_repair_command(line, registry);
   add_emulate_command(line, registry);
   add_calibrate_command(line, registry);
   add_fit_sensor_command(line, registry);

@@ -20,6 +20,7 @@ constexpr std::size_t tick_slots = 4096;
 constexpr std::size_t event_slots = std::size_t{1} << 19;
 constexpr std::chrono::milliseconds pause(5);
 constexpr std::int64_t timing_us = 100'000;
+constexpr std::int64_t table_sync_us = 1'000'000;
 constexpr std::int64_t terminal_status_us = 200'000;
 constexpr std::int64_t log_status_us = 1'000'000;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -229,6 +230,12 @@ void DeployRecorder::write(Slot& slot) {
                  tick.head->position_rad});
   }
   if (recording_) record(tick);
+  if (tick.t_us >= next_sync_us_) {
+    next_sync_us_ = tick.t_us + table_sync_us;
+    detections_.sync();
+    gaze_.sync();
+    timing_.sync();
+  }
   if (tick.t_us >= next_timing_us_) {
     write_timing();
     next_timing_us_ += (tick.t_us - next_timing_us_) / timing_us * timing_us + timing_us;
@@ -381,6 +388,7 @@ void DeployRecorder::write_summary() const {
                {"skipped", Json::object()},
                {"not_recorded", {{"ticks", lost_ticks_.load()}, {"events", lost_events_.load()}}},
                {"recorded_files", recording_ ? recording_->count() : 0},
+               {"recording_ended", recording_ ? recording_->ended() : ""},
                {"checks", Json::array()},
                {"states", Json::array()}};
   for (std::size_t i = 0; i < detectors_.size(); ++i)

@@ -34,7 +34,8 @@ struct DeployFacts {
 ///
 /// A thread of its own writes files and terminal; ticks pass their data to it through rings of fixed size (4096 ticks,
 /// 2^19 events). If the thread falls behind and a ring is full, ticks or events are dropped from the files and counted;
-/// tick timing is not affected. If a file cannot be written, recording ends, the run continues, and finish() throws. The
+/// tick timing is not affected. If a table cannot be written, the tables end, the run continues, and finish() throws; every second they are put on the
+/// disk, and what is there remains with the ending .part. The
 /// last seconds are in a BlackBox at any time, recorded events in RecordingFiles.
 class DeployRecorder final : public DeployObserver {
  public:
@@ -127,6 +128,7 @@ class DeployRecorder final : public DeployObserver {
   std::optional<std::int64_t> start_us_;
   std::int64_t next_timing_us_ = 0;
   std::int64_t next_status_us_ = 0;
+  std::int64_t next_sync_us_ = 0;
   std::string failure_;
   std::thread writer_;
 };

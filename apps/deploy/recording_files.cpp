@@ -38,11 +38,12 @@ std::int64_t free_bytes(const fs::path& folder) {
   return error ? INT64_MAX : static_cast<std::int64_t>(std::min<std::uintmax_t>(space.available, INT64_MAX));
 }
 
-void sync(const fs::path& path) {
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) return;
-  (void)::fdatasync(file);
-  ::close(file);
+/// Puts the names of files in the folder on the disk.
+void sync_folder(const fs::path& folder) {
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  (void)::fsync(descriptor);
+  ::close(descriptor);
 }
 
 }  // namespace
@@ -70,6 +71,7 @@ fs::path RecordingFiles::path(const char* name, const std::string& ending) const
 void RecordingFiles::open(std::int64_t t_us) {
   events_ = create_event_file(formats_, path("events", config_.format), image_);
   joints_.emplace(path("joints", "csv"), config_.head);
+  sync_folder(folder_);
   opened_us_ = t_us;
   ++count_;
 }
@@ -78,18 +80,25 @@ void RecordingFiles::write(std::int64_t t_us, std::span<const Event> events,
                            const std::optional<JointsRow>& joints) {
   if (!events_) return;
   if (opened_us_ == 0) opened_us_ = t_us;
-  if (t_us - checked_us_ >= check_us) check(t_us);
-  if (!events_) return;
-  events_->write(events);
-  if (joints) joints_->write(*joints);
+  try {
+    if (t_us - checked_us_ >= check_us) check(t_us);
+    if (!events_) return;
+    events_->write(events);
+    if (joints) joints_->write(*joints);
+  } catch (const RunError& error) {
+    ended_ = std::string(error.what()) + ": the recording ended";
+    events_.reset();
+    joints_.reset();
+  }
 }
 
 void RecordingFiles::check(std::int64_t t_us) {
   checked_us_ = t_us;
   if (free_bytes(folder_) < config_.least_free_bytes) {
+    commit();
     ended_ =
         fmt::format("less than {} MB are free: the recording ended", config_.least_free_bytes / 1'000'000);
-    return commit();
+    return;
   }
   const fs::path part = path("events", config_.format).string() + ".part";
   std::error_code error;
@@ -101,8 +110,8 @@ void RecordingFiles::check(std::int64_t t_us) {
     open(t_us);
     return;
   }
-  sync(part);
-  sync(path("joints", "csv").string() + ".part");
+  events_->sync();
+  joints_->sync();
 }
 
 void RecordingFiles::commit() {
@@ -111,6 +120,7 @@ void RecordingFiles::commit() {
   joints_->commit();
   events_.reset();
   joints_.reset();
+  sync_folder(folder_);
 }
 
 }  // namespace saccade

@@ -25,15 +25,18 @@ struct RecordingFilesConfig {
 /// The events and joints of `deploy --record`, in pairs of files that follow each other: `events.EXT` and `joints.csv`,
 /// then `events_2.EXT` and `joints_2.csv` and so on. Files that are there are not touched: numbers go on after the largest
 /// one in the folder. Each pair is a recording of its own, whole as soon as it has its final name: then it is synced to the
-/// disk. The pair that is written has the ending `.part`; it is synced every second, so that a power cut loses the last
-/// second and what the format keeps for its next block.
+/// disk. The pair that is written has the ending `.part`; every second what came so far is put on the disk in whole records, so
+/// that a power cut loses the last second (not in NumPy's format, which cannot be read before it is finished). `saccade
+/// repair` makes a recording of such a pair. Where a file cannot be written, as on a full disk, the recording ends and the
+/// pair keeps the ending `.part`.
 class RecordingFiles {
  public:
   /// Throws RunError for a disk without room, InputError for the format.
   RecordingFiles(std::filesystem::path folder, const FormatRegistry& formats, ImageSize image,
                  const RecordingFilesConfig& config);
 
-  /// At time t_us, which does not decrease: events that came, and a reading of the joints. Throws RunError.
+  /// At time t_us, which does not decrease: events that came, and a reading of the joints. Throws InputError for an event
+  /// that the format cannot hold.
   void write(std::int64_t t_us, std::span<const Event> events, const std::optional<JointsRow>& joints);
   /// Closes the newest pair.
   void commit();

@@ -24,6 +24,7 @@ class FakeDeployed final : public Robot, private HeadPort, private GazePort {
   void activate() override {
     if (refuse_activation) throw RunError("neck_yaw is in HW_FAULT");
     is_active = true;
+    held = false;
     world.wait_until(world.now_us() + activation_us);
   }
   void release() override {
@@ -31,7 +32,16 @@ class FakeDeployed final : public Robot, private HeadPort, private GazePort {
     ++released;
   }
 
+  /// The guard takes the head from deploy: the joints hold, and what deploy still sends is rejected until activate().
+  void hold() {
+    if (first_stop_us == 0) first_stop_us = world.now_us();
+    held = true;
+    (void)world.stop();
+  }
+
   FakeRobot world;
+  bool held = false;
+  int rejected_while_held = 0;
   bool refuse_activation = false;
   bool is_active = false;
   std::int64_t activation_us = 0;
@@ -48,16 +58,22 @@ class FakeDeployed final : public Robot, private HeadPort, private GazePort {
   [[nodiscard]] HeadDrives drives() const override { return world.drives(); }
   PortStatus read(HeadState& state) override { return world.read(state); }
   CommandResult command(const HeadCommand& reference_rad) override {
+    if (held) {
+      ++rejected_while_held;
+      return {PortStatus::ok, true};
+    }
     ++commands;
     last_command_us = world.now_us();
     commands_while_not_active += is_active ? 0 : 1;
     return world.command(reference_rad);
   }
   PortStatus stop() override {
-    if (stops++ == 0) first_stop_us = world.now_us();
+    ++stops;
+    if (first_stop_us == 0) first_stop_us = world.now_us();
     return world.stop();
   }
   PortStatus look_at(const Eigen::Vector3d& target_m) override {
+    if (held) return PortStatus::ok;
     commands_while_not_active += is_active ? 0 : 1;
     targets.emplace_back(world.now_us(), target_m);
     return PortStatus::ok;

@@ -13,13 +13,15 @@
 #include <vector>
 
 #include "apps/deploy/deploy_session.h"
+#include "apps/deploy/guard_link.h"
 #include "control/controller_registry.h"
 #include "control/head_kinematics.h"
 #include "control/open_gate.h"
 #include "core/random.h"
 #include "core/units.h"
-#include "tests/control/genova02.h"
+#include "tests/deploy/disk_fault.h"
 #include "tests/deploy/fake_deployed.h"
+#include "tests/deploy/fault_kinds.h"
 
 namespace saccade {
 namespace {
@@ -77,192 +79,203 @@ class Demand final : public Overseer {
   std::int64_t from_us_ = 0;
 };
 
-enum class Kind {
-  camera_silent,
-  joints_frozen,
-  encoder_not_a_number,
-  joint_outside,
-  joint_off,
-  joint_fault,
-  joint_taken,
-  command_refused,
-  joint_stuck,
-  tick_late,
-  connection_lost,
-  guard_lost,
-  guard_stops,
-  operator_stops,
-  operator_quits,
-  count
+/// The guard and deploy's link to it in virtual time: GuardWatch decides when the guard stops the head.
+class ModelGuard final : public Overseer {
+ public:
+  explicit ModelGuard(FakeDeployed& robot) : robot_(robot) {}
+
+  /// The guard looks at the board.
+  void look() {
+    board_.guard_ns = now_ns();
+    const std::uint64_t moving = board_.moving;
+    if (watch_.look(board_, now_ns()) != GuardWatch::Action::stop) return;
+    robot_.hold();
+    board_.stopped = moving;
+  }
+
+  void on_tick() override { board_.tick_ns = now_ns(); }
+  std::optional<Fault> fault() override {
+    if (board_.stopped == activation_) return Fault{StopCause::guard_stops, 0, {}, 0.0};
+    const std::int64_t age_ns = now_ns() - board_.guard_ns;
+    if (age_ns <= bound_ns) return std::nullopt;
+    return Fault{StopCause::guard_lost, 0, {}, 1e-6 * static_cast<double>(age_ns)};
+  }
+  void activated() override {
+    on_tick();
+    board_.moving = ++activation_;
+  }
+  void stopped() override { board_.moving = 0; }
+
+ private:
+  static constexpr std::int64_t bound_ns = 35'000'000;  // WatchdogConfig::hang_ms
+
+  [[nodiscard]] std::int64_t now_ns() { return 1000 * robot_.clock().now_us(); }
+
+  FakeDeployed& robot_;
+  GuardBoard board_{};
+  GuardWatch watch_{bound_ns};
+  std::uint64_t activation_ = 0;
 };
-constexpr std::array<const char*, static_cast<std::size_t>(Kind::count)> names = {
-    "camera silent",        "joint readings frozen",
-    "encoder not a number", "joint outside its limits",
-    "joint switched off",   "joint in hardware fault",
-    "joint's mode changed", "reference rejected",
-    "joint stuck",          "tick late",
-    "connection lost",      "guard lost",
-    "stop by the guard",    "operator stops",
-    "operator quits"};
-
-struct Faults {
-  FakeRobotScript script;
-  std::optional<std::pair<StopCause, std::int64_t>> demand;
-  std::optional<std::int64_t> stop_us, quit_us;
-  std::vector<std::pair<Kind, std::int64_t>> list;
-
-  void demand_stop(StopCause cause, std::int64_t at_us) {
-    if (!demand || at_us < demand->second) demand = {cause, at_us};
-  }
-};
-
-void add(Faults& faults, Kind kind, std::int64_t at_us, const RandomStream& random, std::uint64_t trial) {
-  FakeRobotScript& script = faults.script;
-  switch (kind) {
-    case Kind::camera_silent:
-      script.silent_us = at_us;
-      break;
-    case Kind::joints_frozen:
-      script.freeze_us = at_us;
-      break;
-    case Kind::encoder_not_a_number:
-      script.nan_us = {at_us, at_us + 1'000 + static_cast<std::int64_t>(random.uniform(0.0, 2e5, 90, trial))};
-      break;
-    case Kind::joint_outside:
-      script.outside_us = at_us;
-      break;
-    case Kind::joint_off:
-      script.drive_us = {at_us, JointDrive::off};
-      break;
-    case Kind::joint_fault:
-      script.drive_us = {at_us, JointDrive::fault};
-      break;
-    case Kind::joint_taken:
-      script.drive_us = {at_us, JointDrive::held};
-      break;
-    case Kind::command_refused:
-      script.refuse_us = at_us;
-      break;
-    case Kind::joint_stuck:
-      script.stuck_us = at_us;
-      break;
-    case Kind::tick_late:
-      script.late_us = {at_us, static_cast<std::int64_t>(random.uniform(21e3, 95e3, 91, trial))};
-      break;
-    case Kind::connection_lost:
-      script.lost_us = at_us;
-      break;
-    case Kind::guard_lost:
-      faults.demand_stop(StopCause::guard_lost, at_us);
-      break;
-    case Kind::guard_stops:
-      faults.demand_stop(StopCause::guard_stops, at_us);
-      break;
-    case Kind::operator_stops:
-      faults.stop_us = at_us;
-      break;
-    case Kind::operator_quits:
-    case Kind::count:
-      faults.quit_us = at_us;
-      break;
-  }
-  faults.list.emplace_back(kind, at_us);
-}
-
-Faults make_faults(const RandomStream& random, std::uint64_t trial) {
-  Faults faults;
-  faults.script.limits = genova02_limits();
-  faults.script.lag_s = random.uniform(0.01, 0.06, 0, trial);
-  const auto count = 1 + (random.bits(1, trial) % 4 == 0 ? 1 + random.bits(2, trial) % 2 : 0);
-  const std::int64_t first_us = static_cast<std::int64_t>(random.uniform(2e5, 1.5e6, 3, trial));
-  for (std::uint64_t i = 0; i < count; ++i) {
-    const auto kind = static_cast<Kind>(random.bits(10 + i, trial) % static_cast<std::uint64_t>(Kind::count));
-    const bool again = std::ranges::any_of(faults.list, [&](const auto& f) { return f.first == kind; });
-    if (again) continue;
-    const auto later_us = i == 0 ? 0.0 : random.uniform(0.0, 8e4, 20 + i, trial);
-    add(faults, kind, first_us + static_cast<std::int64_t>(later_us), random, trial);
-  }
-  return faults;
-}
 
 struct Result {
   double stop_ms = 0.0;      ///< from the first fault
-  double took_ms = 0.0;      ///< from its fact
   std::string problem = {};  ///< empty: safe
-  bool stops = true;         ///< false where a stuck joint did not have to move
+  bool stops = true;         ///< false where nothing had to stop
 };
 
-Result run(const Faults& faults, bool with_gaze) {
-  FakeDeployed robot(faults.script, with_gaze);
-  std::vector<LoopDetector> detectors;
-  detectors.push_back({"seer", std::make_unique<CircleSeer>()});
-  Loop loop(
-      robot, MountedCamera{}, std::move(detectors),
-      LoopGaze{0, std::make_unique<OpenGate>(TargetConfig{}), std::nullopt, FollowConfig{.start_s = 0.0}});
-  const auto motion = [&] {
-    if (with_gaze) return LoopMotion{nullptr, std::nullopt, robot.gaze()};
-    return LoopMotion{make_gaze_controller(built_in_controllers().config(), faults.script.limits),
-                      JointLimiter(motion_limits(faults.script.limits, {}))};
-  };
-  OperatorRequests requests;
-  Ignore ignore;
-  Demand demand(robot.clock());
-  if (faults.demand) demand.set(faults.demand->first, faults.demand->second);
-  DeploySessionConfig config;
-  config.overseers = {&demand};
-  DeploySession session(robot, loop, motion, requests, ignore, config);
-  session.set_ready();
-  requests.activate();
+/// A deployed robot with its faults.
+class Trial {
+ public:
+  Trial(const Faults& faults, bool with_gaze, std::uint64_t number)
+      : faults_(faults),
+        robot_(faults.script, with_gaze),
+        loop_(make_loop(robot_)),
+        demand_(robot_.clock()),
+        guard_(robot_) {
+    if (faults.disk) disk_ = std::make_unique<DiskFault>(*faults.disk, loop_, number);
+    if (faults.demand) demand_.set(faults.demand->first, faults.demand->second);
+    const auto motion = [this, with_gaze] {
+      if (with_gaze) return LoopMotion{nullptr, std::nullopt, robot_.gaze()};
+      return LoopMotion{make_gaze_controller(built_in_controllers().config(), faults_.script.limits),
+                        JointLimiter(motion_limits(faults_.script.limits, {}))};
+    };
+    DeploySessionConfig config;
+    config.overseers = {&demand_, &guard_};
+    DeployObserver& observer = disk_ ? disk_->observer() : ignore_;
+    session_.emplace(robot_, loop_, motion, requests_, observer, config);
+  }
 
+  Result run();
+
+ private:
+  static Loop make_loop(FakeDeployed& robot) {
+    std::vector<LoopDetector> detectors;
+    detectors.push_back({"seer", std::make_unique<CircleSeer>()});
+    return Loop(
+        robot, MountedCamera{}, std::move(detectors),
+        LoopGaze{0, std::make_unique<OpenGate>(TargetConfig{}), std::nullopt, FollowConfig{.start_s = 0.0}});
+  }
+
+  /// A millisecond: the guard's look every 2 ms, and a tick of deploy unless it is dead. False at the end of the session.
+  bool step();
+  void operate(std::int64_t now_us);
+  /// From the stop on until it has lasted: what would be wrong.
+  std::string watch_the_rest();
+
+  const Faults& faults_;
+  FakeDeployed robot_;
+  Loop loop_;
+  OperatorRequests requests_;
+  Ignore ignore_;
+  Demand demand_;
+  ModelGuard guard_;
+  std::unique_ptr<DiskFault> disk_;
+  std::optional<DeploySession> session_;
+  std::int64_t looked_us_ = INT64_MIN / 2;
+  std::int64_t last_tick_us_ = 0;  // before the stop
+  bool was_dead_ = false;
+  bool session_goes_on_ = true;
+};
+
+void Trial::operate(std::int64_t now_us) {
+  if (faults_.stop_us && now_us >= *faults_.stop_us) requests_.stop();
+  if (faults_.quit_us && now_us >= *faults_.quit_us) requests_.quit(StopCause::operator_stop);
+  if (faults_.insists && robot_.first_stop_us > 0 && now_us / 1000 % 20 == 0) requests_.activate();
+  if (!faults_.hurries_us) return;
+  if (now_us < *faults_.hurries_us) requests_.activate();
+  if (now_us >= *faults_.hurries_us) requests_.stop();
+}
+
+bool Trial::step() {
+  const std::int64_t now_us = robot_.clock().now_us();
+  const bool guard_lives = !faults_.guard_killed_us || now_us < *faults_.guard_killed_us;
+  if (guard_lives && now_us - looked_us_ >= 2000) {
+    looked_us_ = now_us;
+    guard_.look();
+  }
+  if (faults_.is_dead(now_us) || !session_goes_on_) {
+    was_dead_ = true;
+    return robot_.clock().wait_until(now_us + 1000) == PortStatus::ok;
+  }
+  if (std::exchange(was_dead_, false)) {
+    // After SIGCONT the reference that was on its way is sent before anything is checked.
+    const HeadCommand on_its_way = robot_.world.reference_rad() + HeadCommand::Constant(0.02);
+    if (robot_.is_active && robot_.gaze() == nullptr) (void)robot_.head()->command(on_its_way);
+  }
+  operate(now_us);
+  last_tick_us_ = robot_.first_stop_us == 0 ? now_us : last_tick_us_;
+  session_goes_on_ = session_->tick();
+  return session_goes_on_;
+}
+
+std::string Trial::watch_the_rest() {
+  const int commands = robot_.commands;
+  const std::size_t targets = robot_.targets.size();
+  std::int64_t until_us = robot_.first_stop_us + rest_us;
+  if (faults_.halted_us) until_us = std::max(until_us, faults_.halted_us->second + rest_us);
+  bool time_goes_on = session_goes_on_ || faults_.killed_us;
+  while (time_goes_on && robot_.clock().now_us() < until_us) time_goes_on = step();
+  if (robot_.commands != commands || robot_.targets.size() != targets) return "moved after the stop";
+  if (robot_.commands_while_not_active > 0) return "a command while it was not active";
+  HeadState head;
+  const bool readable = !faults_.script.lost_us && !faults_.script.freeze_us && !faults_.script.nan_us;
+  if (time_goes_on && readable && robot_.gaze() == nullptr) {
+    robot_.head()->read(head);
+    if (head.velocity_rad_s.cwiseAbs().maxCoeff() > rest_deg_s * rad_per_deg) return "not at rest";
+  }
+  if (robot_.is_active && !faults_.killed_us) return "not released";
+  return {};
+}
+
+Result Trial::run() {
+  session_->set_ready();
+  requests_.activate();
   // A stuck joint is a fault when it does not follow: nothing has to happen where it need not move.
-  const bool only_stuck = faults.list.size() == 1 && faults.list[0].first == Kind::joint_stuck;
+  const bool alone = faults_.list.size() == 1;
+  const FaultKind kind = faults_.list[0].first;
+  const bool may_not_stop = alone && (kind == FaultKind::joint_stuck || kind == FaultKind::deploy_halted);
   bool goes_on = true;
-  std::int64_t last_tick_us = 0;  // before the stop
-  while (goes_on && robot.stops == 0 && robot.clock().now_us() < longest_us) {
-    const std::int64_t now_us = robot.clock().now_us();
-    last_tick_us = robot.stops == 0 ? now_us : last_tick_us;
-    if (faults.stop_us && now_us >= *faults.stop_us) requests.stop();
-    if (faults.quit_us && now_us >= *faults.quit_us) requests.quit(StopCause::operator_stop);
-    goes_on = session.tick();
-  }
-  std::int64_t first_us = INT64_MAX;
-  for (const auto& [kind, at_us] : faults.list) {
-    if (kind != Kind::joint_stuck || only_stuck) first_us = std::min(first_us, at_us);
-  }
+  while (goes_on && robot_.first_stop_us == 0 && robot_.clock().now_us() < longest_us) goes_on = step();
   Result result;
-  if (robot.stops == 0 && only_stuck) {
+  if (robot_.first_stop_us == 0) {
     result.stops = false;
+    const std::int64_t halt_us = faults_.halted_us ? faults_.halted_us->second - faults_.halted_us->first : 0;
+    if (!may_not_stop || halt_us > 20'000) result.problem = "no stop";
     return result;
   }
-  if (robot.stops == 0) {
-    result.problem = "no stop";
-    return result;
+  std::int64_t first_us = faults_.stop_us.value_or(INT64_MAX);
+  for (const auto& [each, at_us] : faults_.list) {
+    if (is_of_disk(each) || (each == FaultKind::joint_stuck && !alone)) continue;
+    first_us = std::min(first_us, at_us);
   }
   // The watch in a thread of its own (HangWatch) stops the head first if the tick comes too late.
-  const std::int64_t hang_us = last_tick_us + std::llround((WatchdogConfig{}.hang_ms + 2.0) * 1e3);
-  robot.first_stop_us = std::min(robot.first_stop_us, hang_us);
-  result.stop_ms = std::max(0.0, 1e-3 * static_cast<double>(robot.first_stop_us - first_us));
-  result.took_ms = 1e-3 * static_cast<double>(robot.first_stop_us - session.last_stop()->since_us);
-  const bool lags = session.last_stop()->cause == StopCause::joint_lags;
-  if (lags ? session.last_stop()->amount > WatchdogConfig{}.joint_lag_ms + 2.0 : result.stop_ms > most_ms)
-    result.problem = "late: " + session.last_stop()->description();
-  const int commands = robot.commands;
-  const std::size_t targets = robot.targets.size();
-  const std::int64_t until_us = robot.first_stop_us + rest_us;
-  while (goes_on && robot.clock().now_us() < until_us) goes_on = session.tick();
-  if (robot.commands != commands || robot.targets.size() != targets) result.problem = "moved after the stop";
-  if (robot.commands_while_not_active > 0) result.problem = "a command while it was not active";
-  HeadState head;
-  const bool readable = !faults.script.lost_us && !faults.script.freeze_us && !faults.script.nan_us;
-  if (goes_on && readable && !with_gaze) {
-    robot.head()->read(head);
-    if (head.velocity_rad_s.cwiseAbs().maxCoeff() > rest_deg_s * rad_per_deg) result.problem = "not at rest";
+  const std::int64_t hang_us = last_tick_us_ + std::llround((WatchdogConfig{}.hang_ms + 2.0) * 1e3);
+  if (!faults_.killed_us && !faults_.halted_us)
+    robot_.first_stop_us = std::min(robot_.first_stop_us, hang_us);
+  result.stop_ms = std::max(0.0, 1e-3 * static_cast<double>(robot_.first_stop_us - first_us));
+  result.problem = watch_the_rest();
+  const std::optional<Fault>& stop = session_->last_stop();
+  if (faults_.killed_us && !stop) {
+    if (result.stop_ms > most_ms) result.problem = "late: stop by the guard";
+    return result;
   }
-  if (robot.is_active) result.problem = "not released";
+  if (!stop) {
+    result.problem = "no stop by deploy";
+    return result;
+  }
+  const bool lags = stop->cause == StopCause::joint_lags;
+  if (lags ? stop->amount > WatchdogConfig{}.joint_lag_ms + 2.0 : result.stop_ms > most_ms)
+    result.problem = "late: " + stop->description();
+  if (alone && std::ranges::count(right_causes(kind), stop->cause) == 0)
+    result.problem = "wrong cause in the log: " + stop->description();
+  if (disk_) {
+    if (const std::string problem = disk_->problem(); !problem.empty()) result.problem = problem;
+  }
   return result;
 }
 
 struct Class {
+  int faults = 0;
   std::vector<double> stop_ms;
   int unsafe = 0;
 };
@@ -270,16 +283,16 @@ struct Class {
 std::string table_of(std::map<std::string, Class>& classes, std::uint64_t count, std::uint64_t seed) {
   std::string table = fmt::format(
       "{} random faults, seed {}, virtual time. From the fault to the stop command, ms.\n\n"
-      "| class | faults | median | 99.9 % | worst | unsafe |\n|---|---|---|---|---|---|\n",
+      "| class | faults | stops | median | 99.9 % | worst | unsafe |\n|---|---|---|---|---|---|---|\n",
       count, seed);
   for (auto& [name, found] : classes) {
     std::ranges::sort(found.stop_ms);
     const auto quantile = [&](double share) {
       const auto at = static_cast<std::size_t>(share * static_cast<double>(found.stop_ms.size()));
-      return found.stop_ms[std::min(at, found.stop_ms.size() - 1)];
+      return found.stop_ms.empty() ? 0.0 : found.stop_ms[std::min(at, found.stop_ms.size() - 1)];
     };
-    table += fmt::format("| {} | {} | {:.1f} | {:.1f} | {:.1f} | {} |\n", name, found.stop_ms.size(),
-                         quantile(0.5), quantile(0.999), found.stop_ms.back(), found.unsafe);
+    table += fmt::format("| {} | {} | {} | {:.1f} | {:.1f} | {:.1f} | {} |\n", name, found.faults,
+                         found.stop_ms.size(), quantile(0.5), quantile(0.999), quantile(1.0), found.unsafe);
   }
   return table;
 }
@@ -294,25 +307,18 @@ int main(int count_of_arguments, char** arguments) {
   const RandomStream random(seed, "fault campaign");
   std::map<std::string, Class> classes;
   int unsafe = 0;
-  for (std::uint64_t trial = 0; trial < count; ++trial) {
-    const Faults faults = make_faults(random, trial);
+  for (std::uint64_t number = 0; number < count; ++number) {
+    const Faults faults = make_faults(random, number);
     // With a gaze controller of the robot's own deploy sends no references to joints.
-    const bool needs_joints = std::ranges::any_of(faults.list, [](const auto& f) {
-      return f.first == Kind::joint_taken || f.first == Kind::command_refused || f.first == Kind::joint_stuck;
-    });
-    const Result result = run(faults, !needs_joints && random.bits(4, trial) % 4 == 0);
-    std::string name = names[static_cast<std::size_t>(faults.list[0].first)];
-    if (faults.list.size() > 1) name = "several at once";
-    Class& found = classes[name];
+    const bool needs_joints = faults.has(FaultKind::joint_taken) || faults.has(FaultKind::command_refused) ||
+                              faults.has(FaultKind::joint_stuck);
+    const Result result = Trial(faults, !needs_joints && random.bits(4, number) % 4 == 0, number).run();
+    Class& found = classes[faults.list.size() > 1 ? "several at once" : name_of(faults.list[0].first)];
+    ++found.faults;
     if (result.stops) found.stop_ms.push_back(result.stop_ms);
     if (result.problem.empty()) continue;
     ++found.unsafe;
-    if (++unsafe <= 20) {
-      fmt::print(stderr, "fault {}: {}", trial, result.problem);
-      for (const auto& [kind, at_us] : faults.list)
-        fmt::print(stderr, "; {} at {} us", names[static_cast<std::size_t>(kind)], at_us);
-      fmt::print(stderr, "\n");
-    }
+    if (++unsafe <= 20) fmt::print("fault {}: {}; {}\n", number, result.problem, faults.text());
   }
   const std::string table = table_of(classes, count, seed);
   fmt::print("{}", table);

@@ -2,9 +2,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <csignal>
 
 #include "core/error.h"
 #include "recording/format_registry.h"
+#include "recording/recorded_folder.h"
 #include "tests/recording/temp_folder.h"
 
 namespace saccade {
@@ -79,6 +83,69 @@ TEST(RecordingFiles, ADiskWithoutRoomIsRefusedAndEndsARecording) {
         RecordingFiles files(folder / "", built_in_formats(), {128, 128}, full);
       },
       testing::ThrowsMessage<RunError>(HasSubstr("MB free, --record needs output.least_free_mb")));
+}
+
+class LiveFormats : public testing::TestWithParam<std::string> {};
+
+TEST_P(LiveFormats, LoseAtMostTheLastSecondOfAPowerCut) {
+  const TempFolder folder;
+  const std::filesystem::path part = folder / ("events." + GetParam() + ".part");
+  std::vector<std::uintmax_t> synced;  // size of the file when second 2, 3 ... begins
+  {
+    RecordingFiles files(folder / "", built_in_formats(), {128, 128}, {GetParam(), INT64_MAX, INT64_MAX, 0});
+    for (int second = 1; second < 5; ++second) {
+      write(files, second, second + 1);
+      files.write((second + 1) * 1'000'000, {}, std::nullopt);
+      synced.push_back(std::filesystem::file_size(part));
+    }
+  }
+  const EventReadOptions options{.image_size = ImageSize{128, 128}};
+  for (std::size_t i = synced.size(); i-- > 0;) {
+    std::filesystem::resize_file(part, synced[i]);
+    const auto file = inspect_recorded(built_in_formats(), part, options).front();
+    EXPECT_GE(file.rows, 1000 * static_cast<std::int64_t>(i + 1)) << file.unreadable;
+    EXPECT_GE(file.last_us, (static_cast<std::int64_t>(i) + 2) * 1'000'000 - 1000);
+  }
+  EXPECT_GE(inspect_recorded(built_in_formats(), folder / "joints.csv.part", options).front().rows, 399);
+}
+
+INSTANTIATE_TEST_SUITE_P(, LiveFormats,
+                         testing::Values("aedat", "aedat4", "bag", "csv", "log", "mcap", "raw"));
+
+/// While it lives no file of this process gets larger than so many bytes, as on a full disk.
+class FullDisk {
+ public:
+  explicit FullDisk(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit full{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &full);
+  }
+  FullDisk(const FullDisk&) = delete;
+  FullDisk& operator=(const FullDisk&) = delete;
+  ~FullDisk() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+
+ private:
+  void (*handler_)(int);
+  rlimit before_{};
+};
+
+TEST(RecordingFiles, ADiskThatGetsFullEndsTheRecordingWithItsCauseAndKeepsWhatIsThere) {
+  const TempFolder folder;
+  RecordingFiles files(folder / "", built_in_formats(), {128, 128}, {"csv", INT64_MAX, INT64_MAX, 0});
+  {
+    const FullDisk disk(100'000);
+    write(files, 1, 20);
+    files.commit();
+  }
+  EXPECT_THAT(files.ended(), HasSubstr("events.csv: cannot be written: File too large: the recording ended"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "events.csv")) << "it is not whole";
+  const auto file = inspect_recorded(built_in_formats(), folder / "events.csv.part", {}).front();
+  EXPECT_GT(file.rows, 5000);
+  const auto whole = write_whole_part(built_in_formats(), file, {});
+  EXPECT_EQ(events_of(whole).size(), static_cast<std::size_t>(file.rows));
 }
 
 }  // namespace

@@ -64,6 +64,34 @@ TEST_F(Recordings, InfoPrintsTheContentAndItsIrregularities) {
   EXPECT_DOUBLE_EQ(json["mean_rate_hz"].get<double>(), 4 / 0.5005);
 }
 
+TEST_F(Recordings, InfoNamesWhatATornFileLostAndRepairWritesTheRest) {
+  write("events.aedat4", size_, few_);
+  folder_.write("torn.csv", "t_us,x,y,p\n1000,3,4,1\n1500,2,4,0\n16");
+  const Outcome info = saccade("info --size 40x30 " + at("torn.csv"));
+  EXPECT_EQ(info.status, 1) << info.text;
+  EXPECT_THAT(info.text, HasSubstr("torn                  2 bytes from byte 32 on are lost: "));
+  EXPECT_THAT(info.text, HasSubstr("last event, us        1500\n"));
+  EXPECT_EQ(nlohmann::json::parse(saccade("info --json " + at("torn.csv")).text)["torn"]["byte"], 32);
+  EXPECT_EQ(saccade("convert " + at("torn.csv") + " " + at("whole.csv")).status, 2);
+  EXPECT_EQ(saccade("convert --whole-part " + at("torn.csv") + " " + at("whole.csv")).status, 0);
+  EXPECT_EQ(bytes_of(at("whole.csv")), "t_us,x,y,p\n1000,3,4,1\n1500,2,4,0\n");
+
+  std::filesystem::create_directory(folder_ / "run");
+  std::filesystem::rename(at("torn.csv"), at("run/events_2.csv.part"));
+  std::filesystem::rename(at("events.aedat4"), at("run/events.aedat4"));
+  const Outcome before = saccade("info " + at("run"));
+  EXPECT_EQ(before.status, 1) << before.text;
+  EXPECT_THAT(before.text, HasSubstr("events.aedat4      4 events from 1.000000 to 2.000000 s\n"));
+  EXPECT_THAT(
+      before.text,
+      HasSubstr("events_2.csv.part  not finished; 2 events from 0.001000 to 0.001500 s; times begin anew"));
+  const Outcome repair = saccade("repair " + at("run"));
+  EXPECT_EQ(repair.status, 0) << repair.text;
+  EXPECT_THAT(repair.text, HasSubstr("events_2.csv: 2 events; 2 bytes from byte 32 on are lost"));
+  EXPECT_THAT(repair.text, HasSubstr("1 file is whole\n"));
+  EXPECT_EQ(bytes_of(at("run/events_2.csv")), bytes_of(at("whole.csv")));
+}
+
 TEST_F(Recordings, InfoPrintsEachCamera) {
   write("two.log", {304, 240}, {{10, 1, 1, true, 0}, {20, 1, 1, false, 1}, {1020, 1, 1, true, 1}}, 2);
   const Outcome outcome = saccade("info " + at("two.log"));

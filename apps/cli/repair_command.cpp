@@ -1,0 +1,55 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "apps/cli/commands.h"
+#include "apps/cli/read_options.h"
+#include "apps/cli/recorded_text.h"
+#include "apps/session/interrupt.h"
+#include "core/error.h"
+#include "recording/recorded_folder.h"
+
+namespace saccade {
+namespace {
+
+int repair(const ReadOptions& options, const FormatRegistry& formats) {
+  catch_interrupts();
+  const auto stop_if_interrupted = [](std::int64_t) {
+    if (interrupted()) throw RunError("interrupted");
+  };
+  const auto files = inspect_recorded(formats, options.recording, options.read, stop_if_interrupted);
+  int status = 0;
+  std::size_t whole = 0;
+  for (const RecordedFile& file : files) {
+    if (file.is_whole()) {
+      ++whole;
+    } else if (!file.unreadable.empty()) {
+      fmt::print("{}: cannot be read: {}\n", file.path.string(), file.unreadable);
+      status = 1;
+    } else {
+      const std::filesystem::path out = write_whole_part(formats, file, options.read);
+      fmt::print("{}: {} {}{}\n", out.string(), file.rows, file.has_events ? "events" : "rows",
+                 file.torn ? "; " + text_of(*file.torn) : "");
+    }
+  }
+  if (whole > 0) fmt::print("{} {} whole\n", whole, whole == 1 ? "file is" : "files are");
+  return status;
+}
+
+}  // namespace
+
+void add_repair_command(CommandLine& line, const Registry& registry) {
+  auto options = std::make_shared<ReadOptions>();
+  Command command =
+      line.add_command("repair", "Write the whole part of files that a power cut or a full disk has torn");
+  add_read_options(command, "recording", "Event file or table, or the folder of a run", *options,
+                   registry.formats);
+  command.footer(
+      "Of NAME.part it writes NAME, of another file NAME_whole.EXT beside it. The torn file stays as it is. "
+      "`saccade info` on the same path only prints what is lost. Use it when the recording has ended. Status "
+      "1 where "
+      "nothing of a file can be read.");
+  command.action([options, &registry] { return repair(*options, registry.formats); });
+}
+
+}  // namespace saccade

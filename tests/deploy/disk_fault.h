@@ -1,0 +1,34 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "apps/config/robot_file.h"
+#include "apps/deploy/deploy_recorder.h"
+#include "tests/deploy/fault_kinds.h"
+
+namespace saccade {
+
+/// A recording (DeployRecorder) on a disk that is full, slow or fails after some hundred ticks. Files are in a folder of
+/// their own, which is removed at the end.
+class DiskFault {
+ public:
+  /// `loop` outlives it.
+  DiskFault(FaultKind kind, const Loop& loop, std::uint64_t number);
+  DiskFault(const DiskFault&) = delete;
+  DiskFault& operator=(const DiskFault&) = delete;
+  ~DiskFault();
+
+  [[nodiscard]] DeployObserver& observer() { return *recorder_; }
+  /// After the last tick: what the recording did wrong; empty if nothing.
+  [[nodiscard]] std::string problem();
+
+ private:
+  FaultKind kind_;
+  std::filesystem::path folder_;
+  RobotFile file_;
+  std::unique_ptr<DeployRecorder> recorder_;
+};
+
+}  // namespace saccade
