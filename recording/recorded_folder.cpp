@@ -116,15 +116,16 @@ std::vector<RecordedFile> inspect_recorded(const FormatRegistry& formats, const 
                                            const std::function<void(std::int64_t)>& progress) {
   std::vector<RecordedFile> files;
   if (fs::is_directory(path)) {
-    std::vector<fs::path> paths = files_in(path);
-    if (fs::is_directory(path / "blackbox"))
-      std::ranges::copy(files_in(path / "blackbox"), std::back_inserter(paths));
-    for (const fs::path& one : paths) {
-      auto file = described(formats, one);
-      if (!file) continue;
-      file->has_events = file->has_events && one.parent_path() == path;
-      files.push_back(std::move(*file));
-    }
+    const auto add = [&](const fs::path& folder, bool may_have_events) {
+      for (const fs::path& one : files_in(folder)) {
+        auto file = described(formats, one);
+        if (!file) continue;
+        file->has_events = file->has_events && may_have_events;
+        files.push_back(std::move(*file));
+      }
+    };
+    add(path, true);
+    if (fs::is_directory(path / "blackbox")) add(path / "blackbox", false);
   } else {
     RecordedFile file;
     file.path = path;

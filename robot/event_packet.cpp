@@ -1,89 +1,21 @@
 #include "robot/event_packet.h"
 
 #include <algorithm>
-#include <bit>
 #include <cstring>
 #include <limits>
 
 #include "core/error.h"
+#include "robot/bottle.h"
 
 namespace saccade {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "the wire is little-endian");
+using bottle::tag_int32;
+using bottle::tag_list;
+using bottle::tag_string;
+using Reader = bottle::Reader;
 
-constexpr std::int32_t tag_int32 = 1;
-constexpr std::int32_t tag_string = 4;
-constexpr std::int32_t tag_list = 256;
 constexpr std::string_view vision_type = "AE";
-constexpr int deepest_list = 8;
-
-/// What is left of a message. The first read beyond its end, and everything after it, fails.
-class Reader {
- public:
-  explicit Reader(std::span<const std::byte> bytes) : left_(bytes) {}
-
-  bool integer(std::int32_t& value) {
-    std::span<const std::byte> bytes;
-    if (!block(sizeof(value), bytes)) return false;
-    std::memcpy(&value, bytes.data(), sizeof(value));
-    return true;
-  }
-  bool block(std::size_t size, std::span<const std::byte>& bytes) {
-    if (left_.size() < size) return false;
-    bytes = left_.first(size);
-    left_ = left_.subspan(size);
-    return true;
-  }
-  /// A block behind its length.
-  bool sized_block(std::span<const std::byte>& bytes) {
-    std::int32_t size = 0;
-    return integer(size) && size >= 0 && block(static_cast<std::size_t>(size), bytes);
-  }
-  bool is(std::int32_t expected) {
-    std::int32_t value = 0;
-    return integer(value) && value == expected;
-  }
-  [[nodiscard]] std::size_t size() const { return left_.size(); }
-
-  /// Passes over a value of the type `code`.
-  bool skip(std::int32_t code, int depth = 0) {
-    std::span<const std::byte> bytes;
-    if ((code & tag_list) != 0) return depth < deepest_list && skip_list(code & ~tag_list, depth);
-    switch (code) {
-      case tag_int32:
-      case 1 + 8:  // vocab
-      case 128:    // float32
-        return block(4, bytes);
-      case 32:  // int8
-        return block(1, bytes);
-      case 64:  // int16
-        return block(2, bytes);
-      case 1 + 16:  // int64
-      case 2 + 8:   // float64
-        return block(8, bytes);
-      case tag_string:
-      case 4 + 8:  // blob
-        return sized_block(bytes);
-      default:
-        return false;
-    }
-  }
-
- private:
-  bool skip_list(std::int32_t element, int depth) {
-    std::int32_t count = 0;
-    if (!integer(count)) return false;
-    for (std::int32_t i = 0; i < count; ++i) {
-      std::int32_t code = element;
-      if (element == 0 && !integer(code)) return false;
-      if (!skip(code, depth + 1)) return false;
-    }
-    return true;
-  }
-
-  std::span<const std::byte> left_;
-};
 
 bool is_text(std::span<const std::byte> bytes, std::string_view text) {
   return bytes.size() == text.size() && std::memcmp(bytes.data(), text.data(), text.size()) == 0;

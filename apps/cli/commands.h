@@ -7,6 +7,7 @@ namespace saccade {
 
 /// One function per subcommand, which adds it to the command line. The registry must outlive the command line.
 void add_calibrate_command(CommandLine& line, const Registry& registry);
+void add_check_command(CommandLine& line, const Registry& registry);
 void add_compare_command(CommandLine& line);
 void add_convert_command(CommandLine& line, const Registry& registry);
 void add_deploy_command(CommandLine& line, const Registry& registry);

@@ -59,6 +59,7 @@ int program(int argc, const char* const* argv, const Registry& registry) {
   add_serve_command(line, registry);
   add_deploy_command(line, registry);
   add_guard_command(line, registry);
+  add_check_command(line, registry);
   add_test_command(line, registry);
   add_test_task_command(line, registry);
   add_compare_command(line);

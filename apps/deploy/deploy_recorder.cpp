@@ -218,6 +218,8 @@ void DeployRecorder::write(Slot& slot) {
   if (!failure_.empty()) return;
 
   log_.on_tick(tick);
+  if (recording_) record(tick);
+  if (tables_ended_) return;
   for (std::size_t i = 0; i < slot.detectors.size(); ++i) {
     const DetectorTick& result = slot.detectors[i];
     if (!result.observed) continue;
@@ -229,17 +231,34 @@ void DeployRecorder::write(Slot& slot) {
     gaze_.write({tick.t_us, fixation.valid ? fixation.point_m : none, tick.target_m.value_or(none),
                  tick.head->position_rad});
   }
-  if (recording_) record(tick);
   if (tick.t_us >= next_sync_us_) {
     next_sync_us_ = tick.t_us + table_sync_us;
-    detections_.sync();
-    gaze_.sync();
-    timing_.sync();
+    sync_tables(tick.t_us);
+    if (tables_ended_) return;
   }
   if (tick.t_us >= next_timing_us_) {
     write_timing();
     next_timing_us_ += (tick.t_us - next_timing_us_) / timing_us * timing_us + timing_us;
   }
+}
+
+void DeployRecorder::sync_tables(std::int64_t t_us) {
+  const std::int64_t least_mb = robot_.output.least_free_mb;
+  if (free_bytes(folder_) >= least_mb * 1'000'000) {
+    detections_.sync();
+    gaze_.sync();
+    timing_.sync();
+    return;
+  }
+  log_file_.write(t_us, fmt::format("less than {} MB are free: the tables ended", least_mb));
+  commit_tables();
+}
+
+void DeployRecorder::commit_tables() {
+  detections_.commit();
+  gaze_.commit();
+  timing_.commit();
+  tables_ended_ = true;
 }
 
 void DeployRecorder::record(const Tick& tick) {
@@ -320,18 +339,19 @@ void DeployRecorder::finish() {
   if (line_is_open_) fmt::print(stderr, "\n");
   line_is_open_ = false;
   if (!failure_.empty()) throw RunError(failure_);
-  write_timing();
+  const bool tables_ended_early = tables_ended_;
+  if (!tables_ended_) {
+    write_timing();
+    commit_tables();
+  }
   log_.finish();
   log_file_.commit();
-  detections_.commit();
-  gaze_.commit();
-  timing_.commit();
   if (recording_) recording_->commit();
   black_box_.flush();
-  write_summary();
+  write_summary(tables_ended_early);
 }
 
-void DeployRecorder::write_summary() const {
+void DeployRecorder::write_summary(bool tables_ended_early) const {
   Metrics metrics;
   metrics.scenario = robot_.name;
   metrics.start_us = start_us_.value_or(0);
@@ -389,6 +409,7 @@ void DeployRecorder::write_summary() const {
                {"not_recorded", {{"ticks", lost_ticks_.load()}, {"events", lost_events_.load()}}},
                {"recorded_files", recording_ ? recording_->count() : 0},
                {"recording_ended", recording_ ? recording_->ended() : ""},
+               {"tables_ended", tables_ended_early},
                {"checks", Json::array()},
                {"states", Json::array()}};
   for (std::size_t i = 0; i < detectors_.size(); ++i)

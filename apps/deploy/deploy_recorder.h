@@ -35,7 +35,7 @@ struct DeployFacts {
 /// A thread of its own writes files and terminal; ticks pass their data to it through rings of fixed size (4096 ticks,
 /// 2^19 events). If the thread falls behind and a ring is full, ticks or events are dropped from the files and counted;
 /// tick timing is not affected. If a table cannot be written, the tables end, the run continues, and finish() throws; every second they are put on the
-/// disk, and what is there remains with the ending .part. The
+/// disk, and what is there remains with the ending .part. With less room than output.least_free_mb they end, too. The
 /// last seconds are in a BlackBox at any time, recorded events in RecordingFiles.
 class DeployRecorder final : public DeployObserver {
  public:
@@ -83,10 +83,13 @@ class DeployRecorder final : public DeployObserver {
   bool drain();
   void write(Slot& slot);
   void record(const Tick& tick);
+  /// Puts the tables on the disk, or ends them where it has too little room.
+  void sync_tables(std::int64_t t_us);
+  void commit_tables();
   void write_timing();
   void show_status();
   void print_line(const std::string& line);
-  void write_summary() const;
+  void write_summary(bool tables_ended_early) const;
 
   std::filesystem::path folder_;
   const RobotFile& robot_;
@@ -129,6 +132,7 @@ class DeployRecorder final : public DeployObserver {
   std::int64_t next_timing_us_ = 0;
   std::int64_t next_status_us_ = 0;
   std::int64_t next_sync_us_ = 0;
+  bool tables_ended_ = false;
   std::string failure_;
   std::thread writer_;
 };

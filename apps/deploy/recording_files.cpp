@@ -32,12 +32,6 @@ int next_number(const fs::path& folder) {
   return largest + 1;
 }
 
-std::int64_t free_bytes(const fs::path& folder) {
-  std::error_code error;
-  const fs::space_info space = fs::space(folder, error);
-  return error ? INT64_MAX : static_cast<std::int64_t>(std::min<std::uintmax_t>(space.available, INT64_MAX));
-}
-
 /// Puts the names of files in the folder on the disk.
 void sync_folder(const fs::path& folder) {
   const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -47,6 +41,12 @@ void sync_folder(const fs::path& folder) {
 }
 
 }  // namespace
+
+std::int64_t free_bytes(const fs::path& folder) {
+  std::error_code error;
+  const fs::space_info space = fs::space(folder, error);
+  return error ? INT64_MAX : static_cast<std::int64_t>(std::min<std::uintmax_t>(space.available, INT64_MAX));
+}
 
 RecordingFiles::RecordingFiles(fs::path folder, const FormatRegistry& formats, ImageSize image,
                                const RecordingFilesConfig& config)

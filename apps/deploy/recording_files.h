@@ -22,6 +22,9 @@ struct RecordingFilesConfig {
   std::shared_ptr<const HeadModel> head = default_head();  ///< whose joints the tables have
 };
 
+/// Room on the disk of a folder; the largest number where the file system does not say.
+[[nodiscard]] std::int64_t free_bytes(const std::filesystem::path& folder);
+
 /// The events and joints of `deploy --record`, in pairs of files that follow each other: `events.EXT` and `joints.csv`,
 /// then `events_2.EXT` and `joints_2.csv` and so on. Files that are there are not touched: numbers go on after the largest
 /// one in the folder. Each pair is a recording of its own, whole as soon as it has its final name: then it is synced to the

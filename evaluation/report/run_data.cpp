@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <string_view>
 #include <utility>
 
@@ -72,18 +73,21 @@ Frame frame_at(std::int64_t t_us) {
 }
 
 std::vector<Frame> frames_without_images(const RunData& run) {
-  std::vector<Frame> frames;
+  std::vector<std::int64_t> times_us;
   for (const TruthRow& row : run.truth) {
-    if (row.visible >= chance_visible_share) frames.push_back(frame_at(row.t_us));
+    if (row.visible >= chance_visible_share) times_us.push_back(row.t_us);
   }
-  if (frames.empty()) {
+  if (times_us.empty()) {
     const auto end_us = static_cast<std::int64_t>(run.metrics.duration_s * 1e6);
     const std::int64_t step_us = end_us / (static_cast<std::int64_t>(frames_of_a_run_without_images) + 1);
     for (std::int64_t t_us = step_us; step_us > 0 && t_us < end_us; t_us += step_us) {
-      frames.push_back(frame_at(run.metrics.start_us + t_us));
+      times_us.push_back(run.metrics.start_us + t_us);
     }
   }
-  return evenly_spaced(frames, frames_of_a_run_without_images);
+  std::vector<Frame> frames;
+  for (const std::int64_t t_us : evenly_spaced(times_us, frames_of_a_run_without_images))
+    frames.push_back(frame_at(t_us));
+  return frames;
 }
 
 /// The mean time that as many events take as the paper's window holds.
@@ -141,15 +145,22 @@ void read_events(RunData& run, const FormatRegistry& formats) {
 
 }  // namespace
 
+std::int64_t report_step_ms(double duration_s) {
+  constexpr double most_instants = 1 << 18;
+  return std::max<std::int64_t>(1, static_cast<std::int64_t>(std::ceil(duration_s * 1e3 / most_instants)));
+}
+
 RunData load_run(const fs::path& folder, const FormatRegistry& formats) {
   RunData run;
   run.folder = folder;
   run.metrics = read_metrics(folder / "metrics.json");
-  run.truth = read_table_if_there<TruthRow>(folder / "truth.csv");
-  run.right_truth = read_table_if_there<TruthRow>(folder / "truth_right.csv");
-  run.detections = read_table_if_there<DetectionRow>(folder / "detections.csv");
-  run.gaze = read_table_if_there<GazeRow>(folder / "gaze.csv");
-  run.eye = read_table_if_there<EyeRow>(folder / "eye.csv");
+  const std::int64_t start_us = run.metrics.start_us;
+  const std::int64_t step_ms = report_step_ms(run.metrics.duration_s);
+  run.truth = read_thinned_table<TruthRow>(folder / "truth.csv", start_us, step_ms);
+  run.right_truth = read_thinned_table<TruthRow>(folder / "truth_right.csv", start_us, step_ms);
+  run.detections = read_thinned_table<DetectionRow>(folder / "detections.csv", start_us, step_ms);
+  run.gaze = read_thinned_table<GazeRow>(folder / "gaze.csv", start_us, step_ms);
+  run.eye = read_thinned_table<EyeRow>(folder / "eye.csv", start_us, step_ms);
   for (const GazeShift& shift : largest_gaze_shifts(run.gaze, run.eye, max_gaze_shifts)) {
     run.shifts.push_back(frame_at(shift.start_us));
     run.shifts.push_back(frame_at(shift.end_us));

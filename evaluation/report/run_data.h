@@ -84,4 +84,21 @@ std::vector<Row> read_table_if_there(const std::filesystem::path& path) {
   return std::filesystem::exists(path) ? read_table<Row>(path) : std::vector<Row>{};
 }
 
+/// Every how many ms the report of so long a run has rows: 1 up to 262 s, then so that at most 2^18 instants remain.
+[[nodiscard]] std::int64_t report_step_ms(double duration_s);
+
+/// As read_table_if_there, but only the rows whose time after `start_us` is, in whole ms, a multiple of `step_ms`: tables of
+/// the same run keep the same instants, in bounded memory.
+template <class Row>
+std::vector<Row> read_thinned_table(const std::filesystem::path& path, std::int64_t start_us,
+                                    std::int64_t step_ms) {
+  std::vector<Row> rows;
+  if (!std::filesystem::exists(path)) return rows;
+  TableReader<Row> reader(path);
+  while (std::optional<Row> row = reader.next()) {
+    if ((row->t_us - start_us) / 1000 % step_ms == 0) rows.push_back(std::move(*row));
+  }
+  return rows;
+}
+
 }  // namespace saccade

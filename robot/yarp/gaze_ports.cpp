@@ -4,27 +4,61 @@
 #include <yarp/os/BufferedPort.h>
 #include <yarp/os/ConnectionReader.h>
 #include <yarp/os/ConnectionWriter.h>
+#include <yarp/os/Port.h>
 #include <yarp/os/PortReader.h>
 #include <yarp/os/RpcServer.h>
 #include <yarp/os/Stamp.h>
 #include <yarp/os/Time.h>
 
 #include <array>
+#include <optional>
 
 #include "core/error.h"
 #include "core/units.h"
+#include "robot/bottle.h"
 #include "robot/yarp/yarp_network.h"
 
 namespace saccade {
 namespace {
 
+/// Reads a whole message of bounded size, whose counts are checked before YARP believes them. None for another message:
+/// it is discarded, and its sender loses the connection.
+std::optional<yarp::os::Bottle> bounded_message(yarp::os::ConnectionReader& reader) {
+  if (!reader.isValid()) return std::nullopt;
+  yarp::os::Bottle message;
+  if (reader.isTextMode()) {
+    const std::string line = reader.expectText();
+    if (line.size() > longest_bottle) {
+      reader.requestDrop();
+      return std::nullopt;
+    }
+    message.fromString(line);
+    return message;
+  }
+  const std::size_t size = reader.getSize();
+  if (size > longest_bottle) {
+    discard(reader);
+    return std::nullopt;
+  }
+  std::vector<std::byte> bytes(size);
+  if (!reader.expectBlock(reinterpret_cast<char*>(bytes.data()), size)) return std::nullopt;
+  if (!check_bottle(bytes).empty()) {
+    reader.requestDrop();
+    return std::nullopt;
+  }
+  message.fromBinary(reinterpret_cast<const char*>(bytes.data()), size);
+  return message;
+}
+
 /// What a port says, as the request that means the same.
-class Look final : public yarp::os::TypedReaderCallback<yarp::os::Bottle> {
+class Look final : public yarp::os::PortReader {
  public:
   Look(const char* kind, const YarpGazePorts::Answer& answer) : kind_(kind), answer_(answer) {}
-  using yarp::os::TypedReaderCallback<yarp::os::Bottle>::onRead;
-  void onRead(yarp::os::Bottle& message) override {
-    answer_("look " + kind_ + " (" + message.toString() + ")");
+  bool read(yarp::os::ConnectionReader& reader) override {
+    const auto message = bounded_message(reader);
+    if (!message) return false;
+    answer_("look " + kind_ + " (" + message->toString() + ")");
+    return true;
   }
 
  private:
@@ -36,9 +70,9 @@ class Rpc final : public yarp::os::PortReader {
  public:
   explicit Rpc(const YarpGazePorts::Answer& answer) : answer_(answer) {}
   bool read(yarp::os::ConnectionReader& reader) override {
-    yarp::os::Bottle request;
-    if (!request.read(reader)) return false;
-    yarp::os::Bottle reply(answer_(request.toString()));
+    const auto request = bounded_message(reader);
+    if (!request) return false;
+    yarp::os::Bottle reply(answer_(request->toString()));
     if (yarp::os::ConnectionWriter* writer = reader.getWriter()) reply.write(*writer);
     return true;
   }
@@ -66,7 +100,11 @@ struct YarpGazePorts::Ports {
   ~Ports() {
     rpc.interrupt();
     rpc.close();
-    for (Port* port : {&xd, &mono, &stereo, &angles_in, &x, &q, &angles_out, &events}) {
+    for (yarp::os::Port* port : {&xd, &mono, &stereo, &angles_in}) {
+      port->interrupt();
+      port->close();
+    }
+    for (Port* port : {&x, &q, &angles_out, &events}) {
       port->interrupt();
       port->close();
     }
@@ -77,7 +115,7 @@ struct YarpGazePorts::Ports {
   Look look_3d{"3D", answer}, look_mono{"mono", answer}, look_stereo{"stereo", answer},
       look_ang{"ang", answer};
   Rpc reader{answer};
-  Port xd, mono, stereo, angles_in;
+  yarp::os::Port xd, mono, stereo, angles_in;
   Port x, q, angles_out, events;
   yarp::os::RpcServer rpc;
   yarp::os::Stamp stamp;
@@ -91,10 +129,10 @@ YarpGazePorts::YarpGazePorts(const std::string& name, Answer answer)
       throw RunError("YARP cannot open the port " + name + end + ": is the name in use?");
     }
   };
-  ports.xd.useCallback(ports.look_3d);
-  ports.mono.useCallback(ports.look_mono);
-  ports.stereo.useCallback(ports.look_stereo);
-  ports.angles_in.useCallback(ports.look_ang);
+  ports.xd.setReader(ports.look_3d);
+  ports.mono.setReader(ports.look_mono);
+  ports.stereo.setReader(ports.look_stereo);
+  ports.angles_in.setReader(ports.look_ang);
   ports.rpc.setReader(ports.reader);
   open(ports.xd, "/xd:i");
   open(ports.mono, "/mono:i");

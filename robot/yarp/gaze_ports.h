@@ -13,7 +13,8 @@ namespace saccade {
 
 /// The ports of iKinGazeCtrl: inputs NAME/xd:i, NAME/mono:i, NAME/stereo:i, NAME/angles:i and NAME/rpc, outputs NAME/x:o,
 /// NAME/q:o, NAME/angles:o and NAME/events:o. Requests are passed on as text in the notation of YARP; a message on one of
-/// the other input ports becomes the equivalent request `look ...`.
+/// the other input ports becomes the equivalent request `look ...`. A message of more than
+/// longest_bottle bytes, or with counts beyond its end, is discarded, and its sender loses the connection.
 class YarpGazePorts {
  public:
   /// Returns the reply to a request. Called from several threads of YARP at the same time.

@@ -1,5 +1,6 @@
 #include "robot/yarp/yarp_network.h"
 
+#include <yarp/conf/version.h>
 #include <yarp/os/Bottle.h>
 #include <yarp/os/ContactStyle.h>
 #include <yarp/os/Log.h>
@@ -33,6 +34,8 @@ void print_errors(yarp::os::Log::LogType type, const char* text, const char* fil
 }
 
 }  // namespace
+
+std::string yarp_version() { return YARP_VERSION; }
 
 void skip_message(yarp::os::ConnectionReader& reader) {
   if (reader.isTextMode()) return;

@@ -21,6 +21,9 @@ inline constexpr double name_server_timeout_s = 2.0;
 /// The envelope of the last message of a camera that ends as planned (saccade serve).
 inline constexpr const char* end_of_camera = "end";
 
+/// Version of YARP that this was built with.
+[[nodiscard]] std::string yarp_version();
+
 /// Takes a message that must not be used off its connection, in fixed memory.
 void skip_message(yarp::os::ConnectionReader& reader);
 /// The same, and asks YARP to close the connection.

@@ -1,10 +1,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <thread>
 #include <vector>
 
 #include "apps/deploy/robot_backends.h"
+#include "apps/deploy/robot_check.h"
 #include "apps/deploy/spsc_ring.h"
 #include "apps/deploy/time_figures.h"
 #include "core/error.h"
@@ -54,6 +56,49 @@ TEST(RobotBackends, AnUnknownBackendIsBadInputThatNamesThoseOfThisBuild) {
   EXPECT_THAT([&] { (void)open_robot(config, {}); },
               testing::ThrowsMessage<InputError>(
                   testing::AllOf(testing::HasSubstr("ros"), testing::HasSubstr("recording, yarp"))));
+}
+
+/// The check whose name begins so.
+StartUpCheck named(const std::vector<StartUpCheck>& checks, const std::string& name) {
+  const auto found =
+      std::ranges::find_if(checks, [&](const StartUpCheck& c) { return c.what.starts_with(name); });
+  return found == checks.end() ? StartUpCheck{"no check " + name, false, {}} : *found;
+}
+
+TEST(RobotCheck, NamesWhatTheMachineLacksWithoutConnectingToTheRobot) {
+  RobotFile file;
+  file.robot = built_in_backends().config();
+  file.robot.backend = "practice";
+  file.deploy.guard = GuardUse::none;
+  file.output.least_free_mb = 0;
+  auto checks = machine_checks(file, "/no/such/folder/runs");
+  EXPECT_TRUE(named(checks, "YARP").passed) << "practice does without";
+  EXPECT_TRUE(named(checks, "disk of /").passed) << "the nearest folder that exists";
+  EXPECT_EQ(named(checks, "guard").found, "not used");
+  EXPECT_TRUE(named(checks, "shared memory").passed);
+  EXPECT_FALSE(named(checks, "real-time priority").found.empty());
+  EXPECT_FALSE(named(checks, "locked memory").found.empty());
+
+  file.output.least_free_mb = INT64_MAX / 2'000'000;
+  checks = machine_checks(file, ".");
+  EXPECT_FALSE(named(checks, "disk").passed);
+  EXPECT_THAT(named(checks, "disk").found, testing::HasSubstr("MB free; --record ends at"));
+#ifndef SACCADE_YARP
+  file.robot.backend = "yarp";
+  EXPECT_FALSE(named(machine_checks(file, "."), "YARP").passed);
+  EXPECT_THAT(named(machine_checks(file, "."), "YARP").found, testing::HasSubstr("CMAKE_PREFIX_PATH"));
+#endif
+}
+
+TEST(RobotCheck, ARequiredGuardThatIsNotThereIsMissing) {
+  RobotFile file;
+  file.robot = built_in_backends().config();
+  file.robot.backend = "practice";
+  ASSERT_FALSE(file.robot.head_name().empty());
+  file.deploy.guard = GuardUse::required;
+  const StartUpCheck guard = named(machine_checks(file, "."), "guard");
+  EXPECT_FALSE(guard.passed) << "or a guard of the head `head` runs on this machine";
+  EXPECT_THAT(guard.found, testing::HasSubstr("start `saccade guard`"));
 }
 
 TEST(RobotBackends, OnlyYarpWithItsGazeControllerTakesTargets) {

@@ -4,11 +4,15 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <chrono>
 #include <csignal>
+#include <thread>
 
+#include "apps/deploy/deploy_recorder.h"
 #include "core/error.h"
 #include "recording/format_registry.h"
 #include "recording/recorded_folder.h"
+#include "tests/deploy/fake_deployed.h"
 #include "tests/recording/temp_folder.h"
 
 namespace saccade {
@@ -146,6 +150,32 @@ TEST(RecordingFiles, ADiskThatGetsFullEndsTheRecordingWithItsCauseAndKeepsWhatIs
   EXPECT_GT(file.rows, 5000);
   const auto whole = write_whole_part(built_in_formats(), file, {});
   EXPECT_EQ(events_of(whole).size(), static_cast<std::size_t>(file.rows));
+}
+
+TEST(DeployRecorder, TheTablesEndWhereTheDiskHasTooLittleRoomAndTheRunGoesOn) {
+  const TempFolder folder;
+  FakeRobotScript script;
+  script.limits.max_rad.setConstant(1.0);
+  FakeDeployed robot(script, false);
+  Loop loop(robot, MountedCamera{}, {}, std::nullopt);
+  RobotFile file;
+  file.output.least_free_mb = INT64_MAX / 2'000'000;
+  DeployRecorder recorder(folder / "", file, loop, {128, 128}, {});
+  for (std::int64_t t_us = 1000; t_us <= 3'000'000; t_us += 1000) {
+    Tick tick;
+    tick.t_us = t_us;
+    tick.head.emplace();
+    TickTiming timing;
+    timing.due_us = timing.begin_us = timing.end_us = t_us;
+    recorder.on_tick(tick, timing);
+    if (t_us % 1'000'000 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  recorder.finish();
+  EXPECT_LT(read_table<GazeRow>(folder / "gaze.csv").size(), 10u) << "the first look at the disk";
+  const std::string summary = bytes_of(folder / "deploy.json");
+  EXPECT_THAT(summary, HasSubstr("\"tables_ended\": true"));
+  EXPECT_THAT(summary, HasSubstr("\"count\": 3000")) << "every tick is in the figures";
+  EXPECT_THAT(bytes_of(folder / "log.txt"), HasSubstr("MB are free: the tables ended"));
 }
 
 }  // namespace

@@ -61,6 +61,23 @@ class Deploy : public testing::Test {
   TempFolder folder_;
 };
 
+TEST_F(Deploy, CheckPrintsALineForEachThingThatDeployNeedsAndTheRobotsOwnChecks) {
+  const Outcome check =
+      run_shell("'" SACCADE_BINARY "' check '" + source + "/scenarios/robots/recording.yaml' --out " + out() +
+                " --set recording.path=" + path("run"));
+  for (const char* what :
+       {"YARP: ", "real-time priority: ", "locked memory: ", "processors: ", "shared memory: ", "disk of ",
+        "guard: ", "ok    recording run: images of 128 x 128 pixels, with joints"}) {
+    EXPECT_THAT(check.text, HasSubstr(what));
+  }
+  EXPECT_EQ(check.status, check.text.find("FAIL") == std::string::npos ? 0 : 1) << check.text;
+  const Outcome missing = run_shell("'" SACCADE_BINARY "' check '" + source +
+                                    "/scenarios/robots/recording.yaml' --set recording.path=" + path("none"));
+  EXPECT_EQ(missing.status, 1);
+  EXPECT_THAT(missing.text, AllOf(HasSubstr("FAIL  robot: "), HasSubstr("disk of ")))
+      << "the rest is checked too";
+}
+
 TEST_F(Deploy, ARecordingIsReplayedInRealTimeAndItsEventsJointsAndTargetsAreInTheRunFolder) {
   const Outcome deployed = run_shell(command("--activate --record --out " + out()));
   ASSERT_EQ(deployed.status, 0) << deployed.text;

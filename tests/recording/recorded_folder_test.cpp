@@ -102,7 +102,7 @@ TEST(RecordedFolder, ATableCutAtEveryByteOfItsLastRowLosesThatRowAlone) {
     EXPECT_EQ(file.torn->bytes, length - last_row);
     const auto rows = read_table<JointsRow>(write_whole_part(built_in_formats(), file, options));
     ASSERT_EQ(rows.size(), 2u);
-    EXPECT_EQ(rows[1].position_rad, JointVector(JointVector::Constant(0.5)));
+    EXPECT_EQ(rows[1].position_rad[neck_yaw], 0.5);
   }
 }
 

@@ -12,10 +12,12 @@
 
 #include "core/config.h"
 #include "core/error.h"
+#include "evaluation/report/run_data.h"
 #include "recording/format_registry.h"
 #include "tests/evaluation/report/svg_check.h"
 #include "tests/evaluation/report/synthetic_run.h"
 #include "tests/evaluation/report/text_of.h"
+#include "tests/recording/temp_folder.h"
 
 namespace saccade {
 namespace {
@@ -383,6 +385,30 @@ TEST_F(Report, RejectsAMissingMetricsFileAndImagesOfAnotherSize) {
   fs::remove(folder_ / "metrics.json");
   EXPECT_THROW(write_report(folder_), InputError);
   EXPECT_FALSE(fs::exists(folder_ / "report.html"));
+}
+
+TEST(ReportOfALongRun, KeepsTheSameInstantsOfEveryTableInBoundedMemory) {
+  EXPECT_EQ(report_step_ms(12.0), 1);
+  EXPECT_EQ(report_step_ms(262.144), 1);
+  EXPECT_EQ(report_step_ms(262.2), 2);
+  EXPECT_LE(36'000'000 / report_step_ms(36'000.0), 1 << 18) << "ten hours";
+  const TempFolder folder;
+  constexpr std::int64_t start_us = 12'345;
+  TableWriter<TruthRow> truth(folder / "truth.csv");
+  TableWriter<EyeRow> eye(folder / "eye.csv");
+  for (std::int64_t ms = 0; ms < 100; ++ms) {
+    truth.write({.t_us = start_us + 1000 * ms});
+    if (ms % 2 == 0) eye.write({.t_us = start_us + 1000 * ms});
+  }
+  truth.commit();
+  eye.commit();
+  const auto truths = read_thinned_table<TruthRow>(folder / "truth.csv", start_us, 7);
+  const auto eyes = read_thinned_table<EyeRow>(folder / "eye.csv", start_us, 7);
+  ASSERT_EQ(truths.size(), 15u);
+  ASSERT_EQ(eyes.size(), 8u);
+  for (std::size_t i = 0; i < eyes.size(); ++i) EXPECT_EQ(eyes[i].t_us, truths[2 * i].t_us);
+  EXPECT_EQ(read_thinned_table<TruthRow>(folder / "truth.csv", start_us, 1).size(), 100u);
+  EXPECT_TRUE(read_thinned_table<TruthRow>(folder / "none.csv", start_us, 1).empty());
 }
 
 }  // namespace
