@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "core/error.h"
+#include "recording/input_file.h"
 
 namespace saccade {
 namespace {
@@ -44,6 +45,8 @@ DiskFault::DiskFault(FaultKind kind, const Loop& loop, std::uint64_t number)
   RecordingFormat format;
   format.name = "faulty";
   format.extensions = {".faulty"};
+  format.sniff = [](const FileStart&) { return Match::none; };
+  format.open = [](InputFile, const EventReadOptions&) -> std::unique_ptr<EventReader> { return nullptr; };
   format.create = [kind](const std::filesystem::path&, ImageSize, int) {
     return std::make_unique<FaultyWriter>(kind);
   };

@@ -184,17 +184,21 @@ void add(Faults& faults, FaultKind kind, std::int64_t at_us, const RandomStream&
 }
 
 /// Whether a trial with `faults` may have this one too. A guard and a deploy that die together leave nobody who stops the
-/// head (docs/safety.md); each message has one owner.
+/// head, and neither does a lost connection (docs/safety.md).
 bool fits(const Faults& faults, FaultKind kind) {
   const auto any = [&](std::initializer_list<FaultKind> kinds) {
     return std::ranges::any_of(kinds, [&](FaultKind other) { return faults.has(other); });
   };
-  const bool ends_deploy = kind == FaultKind::deploy_killed || kind == FaultKind::deploy_halted;
-  const bool ends_guard = kind == FaultKind::guard_killed || kind == FaultKind::guard_lost;
-  if (ends_deploy && any({FaultKind::guard_killed, FaultKind::guard_lost, FaultKind::tick_late}))
+  const auto is_one_of = [&](std::initializer_list<FaultKind> kinds) {
+    return std::ranges::find(kinds, kind) != kinds.end();
+  };
+  const auto exclude = [&](std::initializer_list<FaultKind> some, std::initializer_list<FaultKind> others) {
+    return (is_one_of(some) && any(others)) || (is_one_of(others) && any(some));
+  };
+  if (exclude(
+          {FaultKind::deploy_killed, FaultKind::deploy_halted},
+          {FaultKind::guard_killed, FaultKind::guard_lost, FaultKind::tick_late, FaultKind::connection_lost}))
     return false;
-  if (ends_guard && any({FaultKind::deploy_killed, FaultKind::deploy_halted})) return false;
-  if (kind == FaultKind::tick_late && any({FaultKind::deploy_killed, FaultKind::deploy_halted})) return false;
   if (is_of_disk(kind) && faults.disk) return false;
   return !faults.has(kind);
 }

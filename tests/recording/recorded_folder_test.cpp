@@ -13,7 +13,7 @@ namespace {
 
 using testing::HasSubstr;
 
-const EventReadOptions options{.image_size = ImageSize{64, 48}};
+const EventReadOptions sized{.image_size = ImageSize{64, 48}};
 
 /// 40 events of 1 ms each, from `first_us` on.
 std::vector<Event> some_events(std::int64_t first_us) {
@@ -25,7 +25,7 @@ std::vector<Event> some_events(std::int64_t first_us) {
 }
 
 RecordedFile inspect_one(const std::filesystem::path& path) {
-  const auto files = inspect_recorded(built_in_formats(), path, options);
+  const auto files = inspect_recorded(built_in_formats(), path, sized);
   EXPECT_EQ(files.size(), 1u);
   return files.front();
 }
@@ -67,10 +67,10 @@ TEST_P(TornRecordings, CutAtEveryByteOfTheLastRecordAreNamedAndRepaired) {
     if (length == sizes[2]) {
       EXPECT_EQ(file.rows, 120);
     }
-    const auto whole = write_whole_part(built_in_formats(), file, options);
+    const auto whole = write_whole_part(built_in_formats(), file, sized);
     EXPECT_EQ(whole, cut_folder / ("events." + GetParam()));
     std::vector<Event> read;
-    const auto reader = open_event_file(whole, options);
+    const auto reader = open_event_file(whole, sized);
     while (reader->read(read, 1000) > 0) {
     }
     ASSERT_EQ(static_cast<std::int64_t>(read.size()), file.rows) << "cut at " << length;
@@ -100,7 +100,7 @@ TEST(RecordedFolder, ATableCutAtEveryByteOfItsLastRowLosesThatRowAlone) {
     ASSERT_TRUE(file.torn) << length;
     EXPECT_EQ(file.torn->byte, last_row);
     EXPECT_EQ(file.torn->bytes, length - last_row);
-    const auto rows = read_table<JointsRow>(write_whole_part(built_in_formats(), file, options));
+    const auto rows = read_table<JointsRow>(write_whole_part(built_in_formats(), file, sized));
     ASSERT_EQ(rows.size(), 2u);
     EXPECT_EQ(rows[1].position_rad[neck_yaw], 0.5);
   }
@@ -114,7 +114,7 @@ TEST(RecordedFolder, ATableWhoseEndTheDiskFilledWithZerosEndsBeforeThem) {
   ASSERT_TRUE(file.torn);
   EXPECT_EQ(file.torn->byte, 18u);
   EXPECT_EQ(file.torn->bytes, 103u);
-  EXPECT_EQ(write_whole_part(built_in_formats(), file, options), folder / "joints_whole.csv")
+  EXPECT_EQ(write_whole_part(built_in_formats(), file, sized), folder / "joints_whole.csv")
       << "the name is taken";
   EXPECT_EQ(bytes_of(folder / "joints_whole.csv"), "t_us,a_rad\n10,0.5\n");
 }
@@ -134,7 +134,7 @@ TEST(RecordedFolder, GapsBetweenRotatedRecordingsAreNamedInTheOrderOfTheirNumber
   folder.write("events_12.aedat4.part", "#!AER");
   folder.write("notes.txt", "no table");
   EXPECT_TRUE(has_parts(built_in_formats(), folder / ""));
-  const auto files = inspect_recorded(built_in_formats(), folder / "", options);
+  const auto files = inspect_recorded(built_in_formats(), folder / "", sized);
   ASSERT_EQ(files.size(), 5u);
   EXPECT_EQ(files[0].after_gap_us, std::nullopt);
   EXPECT_EQ(files[1].after_gap_us, 1000);
@@ -143,7 +143,7 @@ TEST(RecordedFolder, GapsBetweenRotatedRecordingsAreNamedInTheOrderOfTheirNumber
   EXPECT_LT(files[3].after_gap_us, 0) << "a later run";
   EXPECT_THAT(files[4].unreadable, HasSubstr("events_12.aedat4.part"));
   EXPECT_TRUE(files[4].unfinished);
-  EXPECT_THROW((void)write_whole_part(built_in_formats(), files[4], options), InputError);
+  EXPECT_THROW((void)write_whole_part(built_in_formats(), files[4], sized), InputError);
 }
 
 TEST(RecordedFolder, OfAFinishedFileThatIsTornTheWholePartGetsAnotherName) {
@@ -159,7 +159,7 @@ TEST(RecordedFolder, OfAFinishedFileThatIsTornTheWholePartGetsAnotherName) {
   folder.write("events.aedat4", std::string_view(bytes).substr(0, bytes.size() * 2 / 3));
   const RecordedFile file = inspect_one(folder / "events.aedat4");
   ASSERT_TRUE(file.torn);
-  EXPECT_EQ(write_whole_part(built_in_formats(), file, options), folder / "events_whole.aedat4");
+  EXPECT_EQ(write_whole_part(built_in_formats(), file, sized), folder / "events_whole.aedat4");
   EXPECT_TRUE(inspect_one(folder / "events_whole.aedat4").is_whole());
 }
 
