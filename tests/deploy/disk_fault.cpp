@@ -1,9 +1,11 @@
 #include "tests/deploy/disk_fault.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <chrono>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -36,6 +38,22 @@ class FaultyWriter final : public EventWriter {
 };
 
 }  // namespace
+
+DiskFault::Quiet::Quiet() : out_(::dup(STDOUT_FILENO)), error_(::dup(STDERR_FILENO)) {
+  std::fflush(nullptr);
+  const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+  ::dup2(nowhere, STDOUT_FILENO);
+  ::dup2(nowhere, STDERR_FILENO);
+  ::close(nowhere);
+}
+
+DiskFault::Quiet::~Quiet() {
+  std::fflush(nullptr);
+  ::dup2(out_, STDOUT_FILENO);
+  ::dup2(error_, STDERR_FILENO);
+  ::close(out_);
+  ::close(error_);
+}
 
 DiskFault::DiskFault(FaultKind kind, const Loop& loop, std::uint64_t number)
     : kind_(kind),

@@ -25,6 +25,19 @@ class DiskFault {
   [[nodiscard]] std::string problem();
 
  private:
+  /// Discards what this process prints, for its lifetime.
+  class Quiet {
+   public:
+    Quiet();
+    Quiet(const Quiet&) = delete;
+    Quiet& operator=(const Quiet&) = delete;
+    ~Quiet();
+
+   private:
+    int out_, error_;
+  };
+
+  Quiet quiet_;
   FaultKind kind_;
   std::filesystem::path folder_;
   RobotFile file_;

@@ -76,10 +76,13 @@ class Demand final : public Overseer {
 /// The guard and deploy's link to it in virtual time: GuardWatch decides when the guard stops the head.
 class ModelGuard final : public Overseer {
  public:
-  explicit ModelGuard(FakeDeployed& robot) : robot_(robot) {}
+  /// `killed_us`: from then on it does not look any more.
+  ModelGuard(FakeDeployed& robot, std::optional<std::int64_t> killed_us)
+      : robot_(robot), killed_us_(killed_us) {}
 
   /// The guard looks at the board.
   void look() {
+    if (!lives()) return;
     board_.guard_ns = now_ns();
     const std::uint64_t moving = board_.moving;
     if (watch_.look(board_, now_ns()) != GuardWatch::Action::stop) return;
@@ -90,6 +93,7 @@ class ModelGuard final : public Overseer {
   void on_tick() override { board_.tick_ns = now_ns(); }
   std::optional<Fault> fault() override {
     if (board_.stopped == activation_) return Fault{StopCause::guard_stops, 0, {}, 0.0};
+    if (lives()) return std::nullopt;  // it has looked during a late tick, too
     const std::int64_t age_ns = now_ns() - board_.guard_ns;
     if (age_ns <= bound_ns) return std::nullopt;
     return Fault{StopCause::guard_lost, 0, {}, 1e-6 * static_cast<double>(age_ns)};
@@ -103,9 +107,11 @@ class ModelGuard final : public Overseer {
  private:
   static constexpr std::int64_t bound_ns = 35'000'000;  // WatchdogConfig::hang_ms
 
+  [[nodiscard]] bool lives() { return !killed_us_ || robot_.clock().now_us() < *killed_us_; }
   [[nodiscard]] std::int64_t now_ns() { return 1000 * robot_.clock().now_us(); }
 
   FakeDeployed& robot_;
+  std::optional<std::int64_t> killed_us_;
   GuardBoard board_{};
   GuardWatch watch_{bound_ns};
   std::uint64_t activation_ = 0;
@@ -119,7 +125,7 @@ class Trial {
         robot_(faults.script, with_gaze),
         loop_(make_loop(robot_)),
         demand_(robot_.clock()),
-        guard_(robot_) {
+        guard_(robot_, faults.guard_killed_us) {
     if (faults.disk) disk_ = std::make_unique<DiskFault>(*faults.disk, loop_, number);
     if (faults.demand) demand_.set(faults.demand->first, faults.demand->second);
     const auto motion = [this, with_gaze] {
@@ -176,8 +182,7 @@ void Trial::operate(std::int64_t now_us) {
 
 bool Trial::step() {
   const std::int64_t now_us = robot_.clock().now_us();
-  const bool guard_lives = !faults_.guard_killed_us || now_us < *faults_.guard_killed_us;
-  if (guard_lives && now_us - looked_us_ >= 2000) {
+  if (now_us - looked_us_ >= 2000) {
     looked_us_ = now_us;
     guard_.look();
   }

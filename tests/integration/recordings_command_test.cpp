@@ -69,9 +69,9 @@ TEST_F(Recordings, InfoNamesWhatATornFileLostAndRepairWritesTheRest) {
   folder_.write("torn.csv", "t_us,x,y,p\n1000,3,4,1\n1500,2,4,0\n16");
   const Outcome info = saccade("info --size 40x30 " + at("torn.csv"));
   EXPECT_EQ(info.status, 1) << info.text;
-  EXPECT_THAT(info.text, HasSubstr("torn                  2 bytes from byte 32 on are lost: "));
+  EXPECT_THAT(info.text, HasSubstr("torn                  2 bytes from byte 33 on are lost: "));
   EXPECT_THAT(info.text, HasSubstr("last event, us        1500\n"));
-  EXPECT_EQ(nlohmann::json::parse(saccade("info --json " + at("torn.csv")).text)["torn"]["byte"], 32);
+  EXPECT_EQ(nlohmann::json::parse(saccade("info --json " + at("torn.csv")).text)["torn"]["byte"], 33);
   EXPECT_EQ(saccade("convert " + at("torn.csv") + " " + at("whole.csv")).status, 2);
   EXPECT_EQ(saccade("convert --whole-part " + at("torn.csv") + " " + at("whole.csv")).status, 0);
   EXPECT_EQ(bytes_of(at("whole.csv")), "t_us,x,y,p\n1000,3,4,1\n1500,2,4,0\n");
@@ -87,7 +87,7 @@ TEST_F(Recordings, InfoNamesWhatATornFileLostAndRepairWritesTheRest) {
       HasSubstr("events_2.csv.part  not finished; 2 events from 0.001000 to 0.001500 s; times begin anew"));
   const Outcome repair = saccade("repair " + at("run"));
   EXPECT_EQ(repair.status, 0) << repair.text;
-  EXPECT_THAT(repair.text, HasSubstr("events_2.csv: 2 events; 2 bytes from byte 32 on are lost"));
+  EXPECT_THAT(repair.text, HasSubstr("events_2.csv: 2 events; 2 bytes from byte 33 on are lost"));
   EXPECT_THAT(repair.text, HasSubstr("1 file is whole\n"));
   EXPECT_EQ(bytes_of(at("run/events_2.csv")), bytes_of(at("whole.csv")));
 }
