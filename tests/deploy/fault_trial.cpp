@@ -176,7 +176,7 @@ void Trial::operate(std::int64_t now_us) {
   if (faults_.quit_us && now_us >= *faults_.quit_us) requests_.quit(StopCause::operator_stop);
   if (faults_.insists && robot_.first_stop_us > 0 && now_us / 1000 % 20 == 0) requests_.activate();
   if (!faults_.hurries_us) return;
-  if (now_us < *faults_.hurries_us) requests_.activate();
+  if (now_us < *faults_.hurries_us && robot_.first_stop_us == 0) requests_.activate();
   if (now_us >= *faults_.hurries_us) requests_.stop();
 }
 
