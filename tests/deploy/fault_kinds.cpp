@@ -199,6 +199,8 @@ bool fits(const Faults& faults, FaultKind kind) {
           {FaultKind::deploy_killed, FaultKind::deploy_halted},
           {FaultKind::guard_killed, FaultKind::guard_lost, FaultKind::tick_late, FaultKind::connection_lost}))
     return false;
+  // An activation after a fault that has passed is no error of the operator.
+  if (faults.insists || (kind == FaultKind::operator_insists && !faults.list.empty())) return false;
   if (is_of_disk(kind) && faults.disk) return false;
   return !faults.has(kind);
 }
