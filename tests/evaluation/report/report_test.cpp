@@ -397,8 +397,10 @@ TEST(ReportOfALongRun, KeepsTheSameInstantsOfEveryTableInBoundedMemory) {
   TableWriter<TruthRow> truth(folder / "truth.csv");
   TableWriter<EyeRow> eye(folder / "eye.csv");
   for (std::int64_t ms = 0; ms < 100; ++ms) {
-    truth.write({.t_us = start_us + 1000 * ms});
-    if (ms % 2 == 0) eye.write({.t_us = start_us + 1000 * ms});
+    TruthRow row;
+    row.t_us = start_us + 1000 * ms;
+    truth.write(row);
+    if (ms % 2 == 0) eye.write(EyeRow::of(row.t_us, Eigen::Isometry3d::Identity()));
   }
   truth.commit();
   eye.commit();
