@@ -12,6 +12,8 @@
 
 #include "core/error.h"
 #include "evaluation/sensor_fit/event_features.h"
+#include "evaluation/sensor_fit/leak_fit.h"
+#include "evaluation/sensor_fit/sensor_counts.h"
 #include "evaluation/sensor_fit/sensor_model.h"
 #include "evaluation/sensor_fit/sensor_parameters.h"
 
@@ -47,7 +49,7 @@ struct Target {
 class FeatureProblem {
  public:
   FeatureProblem(const std::vector<SensorRecording>& recordings, const SensorFitConfig& config)
-      : recordings_(recordings), config_(config) {
+      : recordings_(recordings), base_(config.prior) {
     for (std::size_t r = 0; r < recordings.size(); ++r) {
       const SensorRecording& recording = recordings[r];
       std::vector<PixelPlace> places;
@@ -73,13 +75,15 @@ class FeatureProblem {
       throw InputError("recordings", "no events of the stimuli", "recordings with events");
   }
 
+  /// The values of the parameters that are not free.
+  void set_base(const EmulatorConfig& base) { base_ = base; }
   void set_free(std::vector<Free> free) { free_ = std::move(free); }
   [[nodiscard]] const std::vector<Free>& free() const { return free_; }
   [[nodiscard]] const std::vector<Target>& targets() const { return targets_; }
   [[nodiscard]] std::size_t residual_count() const { return targets_.size() + free_.size(); }
 
   [[nodiscard]] EmulatorConfig config_of(const std::vector<double>& logs) const {
-    EmulatorConfig config = config_.prior;
+    EmulatorConfig config = base_;
     for (std::size_t i = 0; i < free_.size(); ++i) {
       if (!free_[i].recording) set_parameter(config, free_[i].key, std::exp(logs[i]));
     }
@@ -155,7 +159,7 @@ class FeatureProblem {
   }
 
   const std::vector<SensorRecording>& recordings_;
-  const SensorFitConfig& config_;
+  EmulatorConfig base_;
   std::vector<SensorModel> models_;
   std::vector<Target> targets_;
   std::vector<Free> free_;
@@ -269,74 +273,6 @@ bool offers(const SensorRecording& recording, Needs needs) {
   return false;
 }
 
-std::string missing(Needs needs) {
-  switch (needs) {
-    case Needs::contrast:
-      return "no change of light of known contrast (panel, board, or disc with known_contrast)";
-    case Needs::change:
-      return "no change of light (panel, board or disc)";
-    case Needs::trigger:
-      return "no change of light at a known time (panel)";
-    case Needs::still:
-      return "no scene at rest (still)";
-  }
-  return {};
-}
-
-/// Counts that need no emulator: hot pixels, bus and tick.
-void fit_counts(const std::vector<SensorRecording>& recordings,
-                const std::vector<SensorRecording::HotPixels>& hot, std::size_t hot_pixels, SensorFit& fit) {
-  const auto put = [&](const char* key, double value, double prior, double deviation, bool identifiable,
-                       std::string decided) {
-    fit.parameters.push_back(
-        {key, identifiable ? value : prior, prior, deviation, identifiable, std::move(decided)});
-  };
-  double rate_hz = 0.0;
-  bool any_still = false;
-  std::string names;
-  double still_pixels = 0.0;
-  for (std::size_t r = 0; r < recordings.size(); ++r) {
-    if (recordings[r].stimulus().moves()) continue;
-    any_still = true;
-    rate_hz = std::max(rate_hz, hot[r].rate_hz);
-    names += (names.empty() ? "" : ", ") + recordings[r].name();
-    still_pixels = static_cast<double>(recordings[r].size().width) * recordings[r].size().height;
-  }
-  const auto count = static_cast<double>(hot_pixels);
-  put("hot_pixel_share", any_still ? count / still_pixels : 0.0, fit.prior.hot_pixel_share,
-      count > 0.0 ? 1.0 / std::sqrt(count) : 1.0, any_still,
-      any_still ? fmt::format("{} ({} pixels)", names, hot_pixels) : missing(Needs::still));
-  put("hot_pixel_rate_hz", rate_hz, fit.prior.hot_pixel_rate_hz, count > 0.0 ? 0.1 / std::sqrt(count) : 1.0,
-      count > 0.0, count > 0.0 ? names : (any_still ? "no hot pixel" : missing(Needs::still)));
-  double busy_hz = 0.0, highest_hz = 0.0;
-  std::string busy;
-  std::int64_t tick_us = 0;
-  for (const SensorRecording& recording : recordings) {
-    const SensorRecording::Readout readout = recording.readout();
-    highest_hz = std::max(highest_hz, readout.rate_hz);
-    if (readout.is_busy && readout.rate_hz > busy_hz) {
-      busy_hz = readout.rate_hz;
-      busy = recording.name();
-    }
-    tick_us = std::gcd(tick_us, recording.tick_us());
-  }
-  put("readout_rate_hz", busy_hz, fit.prior.readout_rate_hz, busy_hz > 0.0 ? 0.01 : 1.0, busy_hz > 0.0,
-      busy_hz > 0.0
-          ? busy + " (its fullest milliseconds)"
-          : fmt::format("no millisecond in which the bus is busy all the time; it transmits at least {:.3g} "
-                        "events/s",
-                        highest_hz));
-  put("timestamp_resolution_us", static_cast<double>(tick_us),
-      static_cast<double>(fit.prior.timestamp_resolution_us), 0.0, tick_us > 0,
-      tick_us > 0 ? "the time stamps of all recordings" : "fewer than two events");
-  for (const FittedParameter& p : fit.parameters) {
-    if (p.key == "hot_pixel_share") fit.config.hot_pixel_share = p.value;
-    if (p.key == "hot_pixel_rate_hz") fit.config.hot_pixel_rate_hz = p.value;
-    if (p.key == "readout_rate_hz") fit.config.readout_rate_hz = p.value;
-    if (p.key == "timestamp_resolution_us") fit.config.timestamp_resolution_us = std::llround(p.value);
-  }
-}
-
 std::vector<Free> free_parameters(const std::vector<SensorRecording>& recordings, const EmulatorConfig& prior,
                                   const std::vector<std::string>& fixed) {
   std::vector<Free> free;
@@ -356,6 +292,56 @@ std::vector<Free> free_parameters(const std::vector<SensorRecording>& recordings
                     std::log(5.0)});
   }
   return free;
+}
+
+/// Which recordings the leak events come from.
+std::string decided_by(const LeakFit& leak, const std::vector<SensorRecording>& recordings) {
+  const double all = std::accumulate(leak.events.begin(), leak.events.end(), 0.0);
+  std::vector<std::size_t> order(recordings.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return leak.events[a] > leak.events[b]; });
+  std::string text;
+  for (const std::size_t r : order) {
+    if (leak.events[r] < 0.1 * all || !(all > 0.0)) continue;
+    text += fmt::format("{}{} ({:.0f} %: {:.0f} leak events)", text.empty() ? "" : ", ", recordings[r].name(),
+                        100.0 * leak.events[r] / all, leak.events[r]);
+  }
+  return text;
+}
+
+/// Leak and its spread, where there is a scene at rest. A rate that is not identifiable is the prior's, but at most the
+/// highest one that the recordings allow. `reasons` gets what the recordings leave open.
+std::vector<FittedParameter> leak_parameters(const std::vector<SensorRecording>& recordings,
+                                             const EmulatorConfig& prior,
+                                             std::map<std::string, std::string>& reasons) {
+  if (std::none_of(recordings.begin(), recordings.end(),
+                   [](const SensorRecording& r) { return offers(r, Needs::still); }))
+    return {};
+  const auto row = [](const char* key) {
+    const auto all = sensor_parameters();
+    return *std::find_if(all.begin(), all.end(), [&](const SensorParameter& p) { return p.key == key; });
+  };
+  const auto inside = [&](const SensorParameter& p) {
+    return std::clamp(parameter_of(prior, p.key), 1.05 * p.smallest, 0.95 * p.largest);
+  };
+  const SensorParameter rate = row("leak_rate_hz"), spread = row("leak_spread_decades");
+  const LeakFit leak =
+      fit_leak(recordings, {inside(rate), rate.prior_deviation, inside(spread), spread.prior_deviation});
+  const std::string decided = decided_by(leak, recordings);
+  const bool rate_found = leak.rate_deviation <= identifiable_share * rate.prior_deviation;
+  const bool spread_found = leak.spread_deviation <= identifiable_share * spread.prior_deviation;
+  if (!rate_found)
+    reasons[rate.key] = fmt::format(
+        "no leak above {:.3g} Hz (95 %): shot noise restarts the leakage too often", leak.highest_rate_hz);
+  if (!spread_found)
+    reasons[spread.key] =
+        fmt::format("the recordings leave it open to a factor of {:.2g}", std::exp(leak.spread_deviation));
+  const double rate_prior = parameter_of(prior, rate.key), spread_prior = parameter_of(prior, spread.key);
+  return {{rate.key, rate_found ? leak.rate_hz : std::min(rate_prior, leak.highest_rate_hz), rate_prior,
+           leak.rate_deviation, rate_found, decided},
+          {spread.key, spread_found ? leak.spread_decades : spread_prior, spread_prior, leak.spread_deviation,
+           spread_found, decided}};
 }
 
 std::vector<double> priors_of(const std::vector<Free>& free) {
@@ -386,12 +372,20 @@ SensorFit fit_sensor(std::vector<SensorRecording>& recordings, const SensorFitCo
 
   FeatureProblem problem(recordings, config);
   fit.features = problem.targets().size();
-  std::vector<std::string> fixed;
+  problem.set_free({});
+  fit.misfit_before = problem.misfit({});
   std::map<std::string, std::string> reasons;
+  const std::vector<FittedParameter> leak = leak_parameters(recordings, config.prior, reasons);
+  EmulatorConfig base = config.prior;
+  for (const FittedParameter& p : leak) set_parameter(base, p.key, p.value);
+  problem.set_base(base);
+  for (const FittedParameter& p : leak)
+    report(fmt::format("{} {:.4g}, deviation {:.1f} %{}", p.key, p.value, 100.0 * p.deviation,
+                       p.identifiable ? "" : ", not identifiable"));
+  std::vector<std::string> fixed = {"leak_rate_hz", "leak_spread_decades"};  // by their own likelihood
   std::map<std::string, double> start;
   for (int round = 0; round < 3; ++round) {
     problem.set_free(free_parameters(recordings, config.prior, fixed));
-    if (round == 0) fit.misfit_before = problem.misfit(priors_of(problem.free()));
     report(fmt::format("{} features, {} parameters", fit.features, problem.free().size()));
     std::vector<double> logs = priors_of(problem.free());
     for (std::size_t i = 0; i < logs.size(); ++i) {
@@ -415,6 +409,9 @@ SensorFit fit_sensor(std::vector<SensorRecording>& recordings, const SensorFitCo
         information.ldlt().solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
     std::vector<std::string> unclear;
     std::vector<FittedParameter> fitted;
+    for (const FittedParameter& p : leak) {
+      if (p.identifiable) fitted.push_back(p);
+    }
     for (std::size_t i = 0; i < logs.size(); ++i) {
       const Free& f = problem.free()[i];
       const double deviation =
@@ -445,9 +442,9 @@ SensorFit fit_sensor(std::vector<SensorRecording>& recordings, const SensorFitCo
         set_parameter(fit.config, p.key, rows.back().value);
         continue;
       }
-      const double prior = parameter_of(config.prior, p.key);
-      rows.push_back({p.key, prior, prior, p.prior_deviation, false,
-                      reasons.contains(p.key) ? reasons.at(p.key) : missing(p.needs)});
+      set_parameter(fit.config, p.key, parameter_of(base, p.key));
+      rows.push_back({p.key, parameter_of(base, p.key), parameter_of(config.prior, p.key), p.prior_deviation,
+                      false, reasons.contains(p.key) ? reasons.at(p.key) : missing(p.needs)});
     }
     for (const FittedParameter& f : fitted) {
       if (f.key.starts_with("contrast of ")) rows.push_back(f);

@@ -17,7 +17,7 @@ struct FittedParameter {
   double prior = 0.0;
   double deviation =
       0.0;  ///< relative standard deviation; of a parameter that is not identifiable that of the prior
-  bool identifiable = false;  ///< false: `value` is the prior's
+  bool identifiable = false;  ///< false: `value` is the prior's, or the limit that the recordings set
   std::string decided_by;     ///< recordings and their features; or what is missing
 };
 
@@ -54,7 +54,8 @@ struct SensorFitConfig {
 /// other sampled pixel: least squares with Ceres over the logarithms of the parameters, between the recorded features and
 /// those of the emulator before the same stimulus, with the prior as further residuals. A feature's weight is that of its
 /// jackknife deviation and of 1 % for what the stimulus file leaves out. A parameter whose posterior deviation is above half
-/// of its prior one is not identifiable: it keeps the prior's value, and the others are fitted again. Share and rate of hot
+/// of its prior one is not identifiable: it keeps the prior's value, and the others are fitted again. Leak and its spread come
+/// from the likelihood of intervals (leak_fit.h); a leak that is not identifiable is at most the highest allowed one. Share and rate of hot
 /// pixels, the bus and the tick come from counts. The other pixels give the distributions.
 /// `recordings` are finished; hot pixels are dropped from them. Throws InputError where there is no event to fit.
 [[nodiscard]] SensorFit fit_sensor(std::vector<SensorRecording>& recordings, const SensorFitConfig& config);

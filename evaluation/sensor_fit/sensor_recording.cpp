@@ -66,16 +66,12 @@ void SensorRecording::add(std::span<const Event> events) {
     if (!size_.contains(event.x, event.y)) continue;
     if (!first_stamp_us_) first_stamp_us_ = event.t_us;
     tick_us_ = std::gcd(tick_us_, event.t_us - *first_stamp_us_);
-    const std::int64_t millisecond = event.t_us / 1000;
+    const std::int64_t millisecond = event.t_us / 1000 - (event.t_us % 1000 < 0 ? 1 : 0);
     if (millisecond != millisecond_) {
-      fullest_.push_back(in_millisecond_);
-      if (fullest_.size() > 16 * fullest_kept) {
-        std::nth_element(fullest_.begin(), fullest_.begin() + fullest_kept, fullest_.end(), std::greater<>());
-        fullest_.resize(fullest_kept);
-      }
+      end_millisecond();
       millisecond_ = millisecond;
-      in_millisecond_ = 0;
     }
+    ++tenths_[static_cast<std::size_t>(event.t_us - 1000 * millisecond) / 100];
     ++in_millisecond_;
     if (event.t_us <= interval_.begin_us || event.t_us > interval_.end_us) continue;
     const auto pixel = static_cast<std::size_t>(event.y) * static_cast<std::size_t>(size_.width) + event.x;
@@ -84,8 +80,23 @@ void SensorRecording::add(std::span<const Event> events) {
   }
 }
 
+void SensorRecording::end_millisecond() {
+  const double mean = static_cast<double>(in_millisecond_) / static_cast<double>(tenths_.size());
+  double squares = 0.0;
+  for (const std::int64_t count : tenths_)
+    squares += (static_cast<double>(count) - mean) * (static_cast<double>(count) - mean);
+  const double variance = squares / static_cast<double>(tenths_.size() - 1);
+  fullest_.push_back({in_millisecond_, mean > 0.0 ? variance / mean : 0.0});
+  if (fullest_.size() > 16 * fullest_kept) {
+    std::nth_element(fullest_.begin(), fullest_.begin() + fullest_kept, fullest_.end(), std::greater<>());
+    fullest_.resize(fullest_kept);
+  }
+  in_millisecond_ = 0;
+  tenths_ = {};
+}
+
 void SensorRecording::finish() {
-  fullest_.push_back(in_millisecond_);
+  end_millisecond();
   std::sort(fullest_.begin(), fullest_.end(), std::greater<>());
   fullest_.resize(std::min(fullest_.size(), fullest_kept));
   trains_.finish();
@@ -135,12 +146,17 @@ SensorRecording::Readout SensorRecording::readout() const {
   constexpr std::int64_t fewest_events =
       300;  // a millisecond of fewer varies by more than 1 % by chance alone
   constexpr double same = 0.01;
+  constexpr double steady = 0.3;  // of the variation by chance
   Readout readout;
   if (fullest_.empty()) return readout;
-  readout.rate_hz = 1e3 * static_cast<double>(fullest_.front());
-  readout.is_busy =
-      fullest_.size() == fullest_kept && fullest_.front() >= fewest_events &&
-      static_cast<double>(fullest_.front() - fullest_.back()) <= same * static_cast<double>(fullest_.front());
+  readout.rate_hz = 1e3 * static_cast<double>(fullest_.front().events);
+  if (fullest_.size() < fullest_kept || fullest_.front().events < fewest_events) return readout;
+  const double most = static_cast<double>(fullest_.front().events);
+  std::vector<double> variations;
+  for (const Millisecond& m : fullest_) variations.push_back(m.variation);
+  std::nth_element(variations.begin(), variations.begin() + fullest_kept / 2, variations.end());
+  readout.is_busy = most - static_cast<double>(fullest_.back().events) <= same * most &&
+                    variations[fullest_kept / 2] <= steady;
   return readout;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -51,8 +52,8 @@ class SensorRecording {
     double rate_hz = 0.0;
   };
   [[nodiscard]] HotPixels hot_pixels() const;
-  /// The largest number of events in a millisecond, per second; and whether the 20 fullest milliseconds hold the same number
-  /// to 1 %, as behind a bus that is busy all the time.
+  /// The largest number of events in a millisecond, per second; and whether the bus is busy all through the 20 fullest
+  /// milliseconds: they hold the same number to 1 %, and the tenths of each vary by much less than chance gives.
   struct Readout {
     double rate_hz = 0.0;
     bool is_busy = false;
@@ -62,6 +63,13 @@ class SensorRecording {
   [[nodiscard]] std::int64_t tick_us() const { return tick_us_; }
 
  private:
+  struct Millisecond {
+    std::int64_t events = 0;
+    double variation = 0.0;  // variance of its tenths over their mean: 1 of a Poisson process
+    friend bool operator>(const Millisecond& a, const Millisecond& b) { return a.events > b.events; }
+  };
+  void end_millisecond();
+
   std::string name_;
   Stimulus stimulus_;
   ImageSize size_;
@@ -74,7 +82,8 @@ class SensorRecording {
   std::int64_t tick_us_ = 0;
   std::int64_t millisecond_ = 0;
   std::int64_t in_millisecond_ = 0;
-  std::vector<std::int64_t> fullest_;  // counts of the fullest milliseconds
+  std::array<std::int64_t, 10> tenths_{};  // of the millisecond
+  std::vector<Millisecond> fullest_;
 };
 
 }  // namespace saccade

@@ -9,11 +9,13 @@
 #include "core/random.h"
 #include "emulator/event_emulator.h"
 #include "evaluation/sensor_fit/event_features.h"
+#include "evaluation/sensor_fit/leak_fit.h"
 
 namespace saccade {
 namespace {
 
 using testing::HasSubstr;
+using testing::StartsWith;
 
 constexpr ImageSize size{40, 40};
 
@@ -119,6 +121,13 @@ TEST(SensorFit, FindsTheParametersOfAnEmulatedSensor) {
   expect_within("refractory_us", 900.0, 0.2);
   expect_within("leak_rate_hz", 0.25, 0.2);
   expect_within("shot_noise_rate_hz", 1.5, 0.2);
+  // Leak of a period of 4 s survives shot noise of 1.4 Hz in the dark in a share of exp(-5.7) of all intervals, that of
+  // 0.8 Hz in light in a share of exp(-3.2).
+  EXPECT_THAT(parameter(fit, "leak_rate_hz").decided_by, StartsWith("light"));
+  const FittedParameter& readout = parameter(fit, "readout_rate_hz");
+  EXPECT_FALSE(readout.identifiable);
+  EXPECT_EQ(fit.config.readout_rate_hz, emulator_preset("dvs128").readout_rate_hz);
+  EXPECT_THAT(readout.decided_by, StartsWith("no limit below "));
   EXPECT_LT(fit.misfit_after, 0.3 * fit.misfit_before);
   for (const ComparedDistribution& d : fit.distributions) {
     EXPECT_LT(d.ks_after, std::max(0.12, d.ks_before)) << d.recording << ": " << d.quantity;
@@ -139,6 +148,36 @@ TEST(SensorFit, CallsThresholdsAndLatencyNotIdentifiableInAStillScene) {
   }
   EXPECT_NEAR(parameter(fit, "leak_rate_hz").value, 0.3, 0.03);
   EXPECT_NEAR(parameter(fit, "shot_noise_rate_hz").value, 2.0, 0.2);
+}
+
+TEST(SensorFit, GivesALimitOfALeakThatShotNoiseHides) {
+  EmulatorConfig sensor = emulator_preset("dvs128");
+  sensor.leak_rate_hz = 0.03;
+  sensor.shot_noise_rate_hz = 3.0;
+  std::vector<SensorRecording> recordings;
+  recordings.push_back(record("dark", still(0.0), sensor, 100.0));
+  const SensorFit fit = fit_sensor(recordings, {emulator_preset("dvs128"), 1, {}});
+  const FittedParameter& leak = parameter(fit, "leak_rate_hz");
+  EXPECT_FALSE(leak.identifiable) << leak.value << " +- " << leak.deviation;
+  EXPECT_THAT(leak.decided_by, StartsWith("no leak above "));
+  EXPECT_NEAR(parameter(fit, "shot_noise_rate_hz").value, 3.0, 0.15);
+}
+
+TEST(LeakFit, SeparatesARareLeakFromShotNoise) {
+  EmulatorConfig sensor = emulator_preset("dvs128");
+  sensor.leak_rate_hz = 0.08;
+  sensor.leak_spread_decades = 0.12;
+  sensor.shot_noise_rate_hz = 1.2;
+  std::vector<SensorRecording> recordings;
+  recordings.push_back(record("dark", still(0.0), sensor, 120.0));
+  recordings.push_back(record("white", still(255.0), sensor, 120.0));
+  const LeakFit fit = fit_leak(recordings, {0.2, 2.0, 0.1, 1.0});
+  // Of the shot noise in white 0.3 Hz are left; a share of exp(-3.75) of the intervals lasts for the period of 12.5 s.
+  EXPECT_NEAR(fit.rate_hz, 0.08, 0.008);
+  EXPECT_LT(fit.rate_deviation, 0.1);
+  EXPECT_NEAR(fit.spread_decades, 0.12, 0.04);
+  EXPECT_LT(fit.highest_rate_hz, 0.1);
+  EXPECT_GT(fit.events[1], 10.0 * fit.events[0]);
 }
 
 TEST(SensorFit, FindsHotPixelsAndABusThatIsBusy) {
