@@ -10,6 +10,7 @@
 #include "apps/cli/read_options.h"
 #include "apps/config/scenario.h"
 #include "apps/session/interrupt.h"
+#include "apps/session/played.h"
 #include "control/head_kinematics.h"
 #include "core/error.h"
 #include "evaluation/calibration/calibration.h"
@@ -65,9 +66,7 @@ Source open_source(const CalibrateOptions& options, const Registry& registry) {
   if (std::filesystem::is_directory(options.recording)) {
     const std::filesystem::path& folder = options.recording;
     source.events = folder / read_metrics(folder / "metrics.json").events_file;
-    const std::filesystem::path joints = folder / "joints.csv";
-    if (!options.no_joints && std::filesystem::exists(joints))
-      source.head.emplace(RecordedHead{TableReader<JointsRow>(joints), {}});
+    if (!options.no_joints) source.head = recorded_head(folder);
     const std::filesystem::path scenario = folder / "scenario.yaml";
     if (std::filesystem::exists(scenario)) {
       const SimConfig sim = read_scenario(scenario, {}, std::nullopt, registry).sim;
@@ -126,7 +125,8 @@ std::vector<CalibrationView> find_views(ReplayRobot& robot, const Source& source
         view.grid = {t_us, std::move(*dots), 0.0};
         HeadState head;
         if (robot.head() != nullptr && robot.head()->read(head) != PortStatus::lost) {
-          view.root_from_eye = HeadKinematics(robot.head()->limits().head->chain, head.position_rad).root_from_eye(eye);
+          view.root_from_eye =
+              HeadKinematics(robot.head()->limits().head->chain, head.position_rad).root_from_eye(eye);
         }
       }
     }

@@ -60,6 +60,23 @@ HeadConfig read_head(const std::filesystem::path& path) {
   return head;
 }
 
+std::optional<HeadConfig> read_recorded_head(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) return std::nullopt;
+  const YamlTree file = read_yaml_file(path);
+  const YamlNode* const block = file.root.find("head");
+  if (block == nullptr) return std::nullopt;
+  YamlTree tree;
+  tree.file = file.file;
+  tree.root.keys = {"head"};
+  tree.root.items = {*block};
+  HeadConfig head;
+  YamlReader reader(tree, {}, path.parent_path().string());
+  reader.section(
+      "head", [&](FieldVisitor& v) { describe_head(v, head); }, "");
+  reader.finish();
+  return head;
+}
+
 void describe_head(FieldVisitor& v, HeadConfig& head) {
   read_ikin(v, head);
   if (const auto file = v.file("file", "description of a head of one's own")) head = read_head(*file);

@@ -19,7 +19,8 @@ constexpr double ball_share = 0.8;
 constexpr double furniture_depth_m = 1.3;
 
 /// The left eye where all joints are at the mean of a script's points.
-Eigen::Isometry3d mean_root_from_eye(const ScriptConfig& script) {
+Eigen::Isometry3d mean_root_from_eye(const ScriptConfig& script, const HeadModel& head) {
+  if (!head.has_icub_gaze()) return HeadKinematics(head.chain, JointVector::Zero()).root_from_eye(Eye::left);
   JointVector pose_rad = JointVector::Zero();
   for (const auto& eyes_deg : script.eyes_deg) {
     pose_rad[eyes_tilt] += eyes_deg[0];
@@ -29,7 +30,7 @@ Eigen::Isometry3d mean_root_from_eye(const ScriptConfig& script) {
     for (int j = 0; j < 3; ++j) pose_rad[neck_pitch + j] += neck_deg[static_cast<std::size_t>(j)];
   }
   pose_rad *= rad_per_deg / static_cast<double>(script.eyes_deg.size());
-  return HeadKinematics(default_head()->chain, pose_rad).root_from_eye(Eye::left);
+  return HeadKinematics(head.chain, pose_rad).root_from_eye(Eye::left);
 }
 
 /// Where the ball is in the middle of its motion, for a board to pass there.
@@ -114,6 +115,11 @@ std::array<double, 2> radius_range_px(ImageSize size) { return {4.0, std::floor(
 
 DrawnWorld draw_world(const RandomWorldConfig& config, std::uint64_t seed,
                       const std::optional<Camera>& camera) {
+  return random_world::draw_world(config, seed, camera, {});
+}
+
+DrawnWorld random_world::draw_world(const RandomWorldConfig& config, std::uint64_t seed,
+                                    const std::optional<Camera>& camera, const HeadConfig& head) {
   // Parts with generators of their own: a change of one leaves the others as they are.
   RandomGenerator of_camera(seed, "random world camera");
   RandomGenerator of_room(seed, "random world room");
@@ -122,6 +128,8 @@ DrawnWorld draw_world(const RandomWorldConfig& config, std::uint64_t seed,
   RandomGenerator of_ball(seed, "random world ball");
 
   DrawnWorld world;
+  world.sim.world.head = head;
+  const auto model = valid_head(head);
   const bool drawn = of_motion.chance(ball_share);
   const bool with_ball = config.with_ball == WithBall::drawn ? drawn : config.with_ball == WithBall::always;
   world.duration_s = 0.1 * (40 + of_motion.index(21));
@@ -130,17 +138,18 @@ DrawnWorld draw_world(const RandomWorldConfig& config, std::uint64_t seed,
   world.sim.emulator = draw_sensor(of_camera);
   world.sim.lab = draw_lab(of_room);
   world.motion = draw_motion(of_motion);
+  if (!model->has_icub_gaze()) world.motion = HeadMotion::still;
   const bool rests = with_ball && world.motion != HeadMotion::still && of_motion.chance(0.3);
   world.script = draw_script(of_motion, world.motion, rests);
 
-  const Stage stage{world.sim.camera.without_lens(), mean_root_from_eye(world.script),
+  const Stage stage{world.sim.camera.without_lens(), mean_root_from_eye(world.script, *model),
                     std::min(1.5, world.sim.lab.wall_distance_m - furniture_depth_m)};
   const int distractors = with_ball ? of_objects.index(3) : 1 + of_objects.index(3);
   world.sim.world.objects = draw_distractors(of_objects, stage, distractors);
   world.sim.world.ball.present = with_ball;
   if (!with_ball) return world;
-  const CameraPath path(world.motion != HeadMotion::still ? &world.script : nullptr,
-                        world.sim.world, world.duration_s);
+  const CameraPath path(world.motion != HeadMotion::still ? &world.script : nullptr, world.sim.world,
+                        world.duration_s);
   draw_ball(of_ball, seed, stage, path, rests, world);
   colour_ball(of_ball, seed, path, world);
   return world;

@@ -9,6 +9,11 @@
 // The draws of a random world, part by part.
 namespace saccade::random_world {
 
+/// draw_world() for the head of a scenario, through whose left eye the world is seen. A head without the iCub's joints of neck
+/// and eyes does not move.
+[[nodiscard]] DrawnWorld draw_world(const RandomWorldConfig& config, std::uint64_t seed,
+                                    const std::optional<Camera>& camera, const HeadConfig& head);
+
 /// Uniform in the logarithm.
 inline double log_real(RandomGenerator& random, double low, double high) {
   return low * std::pow(high / low, random.real(0.0, 1.0));

@@ -1,5 +1,6 @@
 #include "apps/config/world_defaults.h"
 
+#include "apps/config/random_world_parts.h"
 #include "apps/config/yaml_reader.h"
 
 namespace saccade {
@@ -23,7 +24,8 @@ void draw_defaults(const YamlTree& tree, const std::string& folder, Scenario& sc
   if (!given.world) return;
   std::optional<Camera> camera;
   if (tree.root.find("camera") != nullptr) camera = given.sim.camera;
-  const DrawnWorld drawn = draw_world(*given.world, static_cast<std::uint64_t>(given.seed), camera);
+  const DrawnWorld drawn = random_world::draw_world(*given.world, static_cast<std::uint64_t>(given.seed),
+                                                    camera, given.sim.world.head);
 
   scenario.run.duration_s = drawn.duration_s;
   scenario.sim = drawn.sim;

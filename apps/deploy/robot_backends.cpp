@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "apps/deploy/practice_robot.h"
+#include "apps/session/played.h"
 #include "core/error.h"
 #include "evaluation/scoring/metrics.h"
 #include "recording/event_file.h"
@@ -21,9 +22,8 @@ std::unique_ptr<Robot> open_recording(const RecordingBackendConfig& config, cons
   std::optional<RecordedHead> head;
   if (std::filesystem::is_directory(path)) {
     events = path / read_metrics(path / "metrics.json").events_file;
-    const std::filesystem::path joints = path / "joints.csv";
-    if (std::filesystem::exists(joints))
-      head.emplace(RecordedHead{TableReader<JointsRow>(joints), context.limits});
+    head = recorded_head(path);
+    if (head) head->limits = context.limits;
   }
   EventReadOptions read;
   read.camera = std::uint8_t{0};

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <fstream>
 
+#include "apps/config/head_section.h"
 #include "evaluation/scoring/metrics.h"
 #include "recording/event_file.h"
 #include "recording/number_text.h"
+#include "recording/run_file_names.h"
 
 namespace saccade {
 namespace {
@@ -32,6 +35,33 @@ struct Beginning {
   std::optional<std::int64_t> first_us;
   std::int64_t host_ahead_us = 0;
 };
+
+/// A table of the joints of `head`, in the head's slots: the table's own reader has the names of the columns alone, from
+/// which it cannot tell the joints of a torso of one's own from others.
+JointsSource joints_of(const std::filesystem::path& path, const HeadModel& head) {
+  std::string header;
+  std::getline(std::ifstream(path, std::ios::binary), header);
+  std::vector<std::string> names;
+  std::string expected = "t_us";
+  for (const HeadJoint& joint : head.joints) {
+    names.push_back(joint.name);
+    expected += "," + joint.name + "_rad";
+  }
+  if (header != expected) throw InputError(path.string() + ":1", header, "the header " + expected);
+  auto table = std::make_shared<TableReader<JointsRow>>(path);
+  std::vector<std::pair<int, int>> slots;  // in the table's rows, of the head
+  const auto columns = head_of_names(names);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    slots.emplace_back(columns->joints[i].slot, head.joints[i].slot);
+  return JointsSource([table, slots]() -> std::optional<JointsRow> {
+    std::optional<JointsRow> row = table->next();
+    if (!row) return row;
+    const JointVector in_table = row->position_rad;
+    row->position_rad.setZero();
+    for (const auto& [from, to] : slots) row->position_rad[to] = in_table[from];
+    return row;
+  });
+}
 
 Beginning beginning_of(const Played& played) {
   constexpr std::size_t looked_at = 1 << 18;
@@ -71,10 +101,7 @@ Played open_played(const ReadOptions& options, std::filesystem::path truth) {
     } else if (metrics.camera) {
       played.camera = metrics.calibration.value_or(MountedCamera{*metrics.camera, {}});
     }
-    const std::filesystem::path joints = options.recording / "joints.csv";
-    // The head gets no commands, so its limits are not used.
-    if (std::filesystem::exists(joints))
-      played.head.emplace(RecordedHead{TableReader<JointsRow>(joints), {}});
+    played.head = recorded_head(options.recording);
     const std::filesystem::path own_truth = options.recording / (right ? "truth_right.csv" : "truth.csv");
     if (truth.empty() && std::filesystem::exists(own_truth)) {
       truth = own_truth;
@@ -87,6 +114,20 @@ Played open_played(const ReadOptions& options, std::filesystem::path truth) {
   played.read.camera = static_cast<std::uint8_t>(played.eye);
   if (!truth.empty()) played.truth = read_table<TruthRow>(truth);
   return played;
+}
+
+std::optional<RecordedHead> recorded_head(const std::filesystem::path& folder) {
+  const std::filesystem::path joints = folder / "joints.csv";
+  if (!std::filesystem::exists(joints)) return std::nullopt;
+  for (const char* const file : {run_file::scenario, run_file::robot}) {
+    const std::optional<HeadConfig> config = read_recorded_head(folder / file);
+    if (!config) continue;
+    std::shared_ptr<const HeadModel> head = head_model(*config);
+    RecordedHead recorded{joints_of(joints, *head), {}};
+    recorded.limits.head = std::move(head);
+    return recorded;
+  }
+  return RecordedHead{TableReader<JointsRow>(joints), {}};
 }
 
 void add_joints(Played& played, const std::filesystem::path& joints) {

@@ -43,6 +43,10 @@ struct Played {
 /// a missing or broken file.
 [[nodiscard]] Played open_played(const ReadOptions& options, std::filesystem::path truth);
 
+/// The recorded joints of a run folder and its head: that of its scenario.yaml or robot.yaml, else the head that the names of
+/// the columns give. None without joints.csv. The head of a replay gets no commands, so no limits are read.
+[[nodiscard]] std::optional<RecordedHead> recorded_head(const std::filesystem::path& folder);
+
 /// Gives a recording the joints of a file, in place of its own: joints.csv of a run folder, or the log of a data dumper at
 /// the head's state port (open_head_log; a folder with data.log too). The log's times are put into the events' clock by
 /// the host's times in an event-driven log; in other recordings both have to have one clock. Throws InputError for a

@@ -229,6 +229,20 @@ class RandomScenario : public testing::Test {
   TempFolder folder_;
 };
 
+TEST_F(RandomScenario, IsDrawnForTheEyeOfItsHead) {
+  bool differs = false;
+  for (const std::int64_t seed : {1, 2, 3, 4}) {
+    const Scenario two = read(seed), three = read(seed, {"head.version=3"});
+    EXPECT_EQ(three.sim.world.head.version, "3");
+    const auto& points = two.sim.world.ball.trajectory.points_m;
+    const auto& others = three.sim.world.ball.trajectory.points_m;
+    if (!two.sim.world.ball.present || points.empty() || others.empty()) continue;
+    // The eyes of version 3 are elsewhere, and so is a ball at the same place of the image.
+    differs = differs || (points.front() - others.front()).norm() > 1e-3;
+  }
+  EXPECT_TRUE(differs);
+}
+
 TEST_F(RandomScenario, IsTheSameForTheSameSeedAndDiffersForAnother) {
   EXPECT_EQ(resolved_scenario(read(7)), resolved_scenario(read(7)));
   EXPECT_NE(resolved_scenario(read(7)), resolved_scenario(read(8)));
