@@ -2,7 +2,7 @@
 
 namespace saccade {
 
-void Canvas::leaf(double x, double y, double length, double width, double angle_rad, Colour colour) {
+void Canvas::leaf(double x, double y, double length, double width, double angle_rad, Reflectance colour) {
   const double half = 0.5 * length;
   shape(
       x, y, half, angle_rad,
@@ -22,7 +22,7 @@ void Canvas::lay(Canvas& other, double x, double y, double angle_rad) {
 }
 
 void Canvas::darken_edges(double depth_m, double by) {
-  each([&](double x, double y, Colour c) {
+  each([&](double x, double y, Reflectance c) {
     const double edge = std::min(std::min(x, width_m_ - x), std::min(y, height_m_ - y));
     return (1.0 - by * std::exp(-edge / depth_m)) * c;
   });

@@ -8,16 +8,16 @@
 namespace saccade {
 
 /// Linear reflectance in red, green and blue; 0 black, 1 white.
-struct Colour {
+struct Reflectance {
   double r = 0.0;
   double g = 0.0;
   double b = 0.0;
 
-  friend Colour operator*(double s, Colour c) { return {s * c.r, s * c.g, s * c.b}; }
-  friend Colour operator+(Colour a, Colour b) { return {a.r + b.r, a.g + b.g, a.b + b.b}; }
+  friend Reflectance operator*(double s, Reflectance c) { return {s * c.r, s * c.g, s * c.b}; }
+  friend Reflectance operator+(Reflectance a, Reflectance b) { return {a.r + b.r, a.g + b.g, a.b + b.b}; }
 };
-inline Colour mix(Colour a, Colour b, double t) { return (1.0 - t) * a + t * b; }
-inline Colour grey(double v) { return {v, v, v}; }
+inline Reflectance mix(Reflectance a, Reflectance b, double t) { return (1.0 - t) * a + t * b; }
+inline Reflectance grey(double v) { return {v, v, v}; }
 
 /// A rectangle of texels to paint on, addressed in metres: (0, 0) is its top left corner, x to the right, y down.
 class Canvas {
@@ -34,7 +34,7 @@ class Canvas {
   [[nodiscard]] double height() const { return height_m_; }
   [[nodiscard]] int columns() const { return columns_; }
   [[nodiscard]] int rows() const { return rows_; }
-  Colour& texel(int column, int row) {
+  Reflectance& texel(int column, int row) {
     return pixels_[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
                    static_cast<std::size_t>(column)];
   }
@@ -44,12 +44,12 @@ class Canvas {
   void each(F f) {
     for (int row = 0; row < rows_; ++row) {
       for (int column = 0; column < columns_; ++column) {
-        Colour& c = texel(column, row);
+        Reflectance& c = texel(column, row);
         c = f((column + 0.5) * texel_m_, (row + 0.5) * texel_m_, c);
       }
     }
   }
-  void fill(Colour colour) { std::fill(pixels_.begin(), pixels_.end(), colour); }
+  void fill(Reflectance colour) { std::fill(pixels_.begin(), pixels_.end(), colour); }
 
   /// Paints a shape that is centred at (x, y), turned by angle_rad and lies within reach_m of the centre. In its own
   /// frame, u along and v across, inside(u, v) is the distance inside its border, m, and paint(u, v) its colour.
@@ -73,7 +73,7 @@ class Canvas {
     }
   }
   /// An upright rectangle with its top left corner at (x, y).
-  void rectangle(double x, double y, double width, double height, Colour colour) {
+  void rectangle(double x, double y, double width, double height, Reflectance colour) {
     tilted(x + 0.5 * width, y + 0.5 * height, width, height, 0.0,
            [colour](double, double) { return colour; });
   }
@@ -86,7 +86,7 @@ class Canvas {
         paint);
   }
   /// A leaf: pointed at both ends, with a midrib that is a little brighter.
-  void leaf(double x, double y, double length, double width, double angle_rad, Colour colour);
+  void leaf(double x, double y, double length, double width, double angle_rad, Reflectance colour);
   /// Copies another canvas, centred at (x, y) and turned.
   void lay(Canvas& other, double x, double y, double angle_rad);
   /// Darkens the borders, as corners and edges of a room are darker: by the share `by` at the border, and less
@@ -99,7 +99,7 @@ class Canvas {
   int columns_;
   int rows_;
   double texel_m_;
-  std::vector<Colour> pixels_;
+  std::vector<Reflectance> pixels_;
 };
 
 }  // namespace saccade

@@ -149,8 +149,8 @@ Canvas Lab::painted(std::size_t index) const {
     constexpr double middle = 0.33;
     return std::clamp(middle * std::pow(std::max(painted, 1e-3) / middle, config_.contrast), 0.09, 0.92);
   };
-  canvas.each([&](double, double, Colour c) {
-    return Colour{reflectance(c.r), reflectance(c.g), reflectance(c.b)};
+  canvas.each([&](double, double, Reflectance c) {
+    return Reflectance{reflectance(c.r), reflectance(c.g), reflectance(c.b)};
   });
   return canvas;
 }
@@ -165,7 +165,7 @@ void Lab::paint_patch(std::size_t index, mjtByte* rgb) const {
   // The rim repeats the outermost texels, because interpolation reads half a texel beyond them.
   for (int row = -Layout::rim; row < patch.rows + Layout::rim; ++row) {
     for (int column = -Layout::rim; column < patch.columns + Layout::rim; ++column) {
-      const Colour& c =
+      const Reflectance& c =
           canvas.texel(std::clamp(column, 0, patch.columns - 1), std::clamp(row, 0, patch.rows - 1));
       mjtByte* texel = rgb + 3 * ((patch.top + row) * static_cast<std::ptrdiff_t>(Layout::texture_columns) +
                                   patch.left + column);

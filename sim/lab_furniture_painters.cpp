@@ -7,7 +7,7 @@ namespace {
 
 /// Lines of blocks that look like printed words.
 void text_lines(Canvas& canvas, RandomGenerator& random, double x, double y, double width, double height,
-                double pitch_m, Colour ink) {
+                double pitch_m, Reflectance ink) {
   for (double at = y; at + 0.5 * pitch_m < y + height; at += pitch_m) {
     const double end = random.chance(0.2) ? random.real(0.3, 0.8) : 1.0;
     double word = x;
@@ -24,8 +24,8 @@ void text_lines(Canvas& canvas, RandomGenerator& random, double x, double y, dou
 void paint_poster(Canvas& canvas, RandomGenerator& random) {
   const double w = canvas.width();
   const double h = canvas.height();
-  const Colour paper = any_colour(random, 0.55, 0.75);
-  const Colour ink = any_colour(random, 0.12, 0.2);
+  const Reflectance paper = any_colour(random, 0.55, 0.75);
+  const Reflectance ink = any_colour(random, 0.12, 0.2);
   canvas.fill(grey(0.16));  // the frame
   canvas.rectangle(0.02, 0.02, w - 0.04, h - 0.04, paper);
   canvas.rectangle(0.04, 0.04, w - 0.08, 0.12 * h, any_colour(random, 0.15, 0.35));
@@ -65,17 +65,19 @@ void paint_poster(Canvas& canvas, RandomGenerator& random) {
 void paint_window(Canvas& canvas, RandomGenerator& random) {
   const double w = canvas.width();
   const double h = canvas.height();
-  canvas.each([&](double, double y, Colour) { return (0.86 - 0.2 * y / h) * Colour{0.9, 0.97, 1.1}; });
+  canvas.each([&](double, double y, Reflectance) {
+    return (0.86 - 0.2 * y / h) * Reflectance{0.9, 0.97, 1.1};
+  });
   for (double x = -0.1; x < w; x += random.real(0.12, 0.3)) {  // houses across the street
     const double wide = random.real(0.12, 0.35);
     const double top = random.real(0.3, 0.75) * h;
-    const Colour wall = any_colour(random, 0.25, 0.5);
+    const Reflectance wall = any_colour(random, 0.25, 0.5);
     canvas.rectangle(x, top, wide, h - top, wall);
     for (double y = top + 0.05; y < h; y += 0.1) {
       for (double k = 0.03; k + 0.05 < wide; k += 0.08) canvas.rectangle(x + k, y, 0.045, 0.06, 0.4 * wall);
     }
   }
-  const Colour frame = random.chance(0.5) ? grey(0.35) : Colour{0.22, 0.17, 0.12};
+  const Reflectance frame = random.chance(0.5) ? grey(0.35) : Reflectance{0.22, 0.17, 0.12};
   const int columns = 2 + random.index(3);
   const int rows = 2 + random.index(3);
   for (int i = 0; i <= columns; ++i) {
@@ -92,7 +94,7 @@ void paint_books(Canvas& canvas, RandomGenerator& random, int rows) {
   canvas.fill(grey(0.13));
   const double pitch = canvas.height() / rows;
   const double h = pitch - 0.03;
-  const Colour board = random.real(0.4, 0.6) * Colour{1.1, 0.95, 0.8};
+  const Reflectance board = random.real(0.4, 0.6) * Reflectance{1.1, 0.95, 0.8};
   for (int row = 0; row < rows; ++row) {
     const double foot = row * pitch + h;
     canvas.rectangle(0.0, foot, canvas.width(), 0.03, board);
@@ -104,10 +106,10 @@ void paint_books(Canvas& canvas, RandomGenerator& random, int rows) {
       const bool binder = random.chance(0.3);
       const double thick = binder ? random.real(0.055, 0.08) : random.real(0.02, 0.05);
       const double tall = (binder ? 0.92 : random.real(0.55, 0.9)) * h;
-      const Colour cover = any_colour(random, 0.12, 0.62);
+      const Reflectance cover = any_colour(random, 0.12, 0.62);
       const double top = foot - tall;
       canvas.rectangle(x, top, thick - 0.004, tall, cover);
-      const Colour label = cover.g > 0.35 ? any_colour(random, 0.12, 0.2) : grey(0.7);
+      const Reflectance label = cover.g > 0.35 ? any_colour(random, 0.12, 0.2) : grey(0.7);
       if (binder) {
         canvas.rectangle(x + 0.01, top + 0.15 * tall, thick - 0.024, 0.35 * tall, label);
         canvas.rectangle(x + 0.3 * thick, top + 0.75 * tall, 0.3 * thick, 0.08 * tall, grey(0.12));
@@ -123,7 +125,7 @@ void paint_books(Canvas& canvas, RandomGenerator& random, int rows) {
 void paint_door(Canvas& canvas, RandomGenerator& random) {
   const double w = canvas.width();
   const double h = canvas.height();
-  const Colour wood = any_colour(random, 0.25, 0.5);
+  const Reflectance wood = any_colour(random, 0.25, 0.5);
   canvas.fill(grey(0.7));
   canvas.rectangle(0.06, 0.06, w - 0.12, h, wood);
   for (const double y : {0.12, 0.5}) {
@@ -141,7 +143,7 @@ void paint_whiteboard(Canvas& canvas, RandomGenerator& random) {
   for (int i = 0; i < 9; ++i) {
     const double x = random.real(0.05, 0.8) * w;
     const double y = random.real(0.06, 0.75) * h;
-    const Colour pen = any_colour(random, 0.1, 0.2);
+    const Reflectance pen = any_colour(random, 0.1, 0.2);
     if (random.chance(0.5)) {
       text_lines(canvas, random, x, y, 0.2 * w, 0.2 * h, 0.04, pen);
     } else {
@@ -155,7 +157,7 @@ void paint_whiteboard(Canvas& canvas, RandomGenerator& random) {
 }
 
 void paint_drawers(Canvas& canvas, RandomGenerator& random) {
-  const Colour body = any_colour(random, 0.3, 0.55);
+  const Reflectance body = any_colour(random, 0.3, 0.55);
   const int rows = 2 + random.index(4);
   const double h = canvas.height() / rows;
   canvas.fill(0.35 * body);
@@ -166,7 +168,7 @@ void paint_drawers(Canvas& canvas, RandomGenerator& random) {
 }
 
 void paint_carton(Canvas& canvas, RandomGenerator& random) {
-  const Colour card = random.real(0.7, 1.3) * Colour{0.38, 0.29, 0.2};
+  const Reflectance card = random.real(0.7, 1.3) * Reflectance{0.38, 0.29, 0.2};
   const double w = canvas.width();
   const double h = canvas.height();
   canvas.fill(0.6 * card);
@@ -205,7 +207,7 @@ void paint_desk(Canvas& canvas, RandomGenerator& random) {
 }
 
 void paint_wood(Canvas& canvas, RandomGenerator& random) {
-  canvas.fill(random.real(0.3, 0.5) * Colour{1.1, 0.95, 0.8});
+  canvas.fill(random.real(0.3, 0.5) * Reflectance{1.1, 0.95, 0.8});
   roughen(canvas, random, 0.1, 0.05, 3);
 }
 

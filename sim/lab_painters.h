@@ -13,14 +13,14 @@ namespace saccade::lab {
 using Painter = std::function<void(Canvas&, RandomGenerator&)>;
 
 /// A colour whose brightness lies in [low, high), of any hue.
-Colour any_colour(RandomGenerator& random, double low, double high);
+Reflectance any_colour(RandomGenerator& random, double low, double high);
 /// Multiplies by exp(strength * noise), because reflectance varies by ratios. Features are feature_m wide and
 /// `stretch` times as high.
 void roughen(Canvas& canvas, RandomGenerator& random, double feature_m, double strength, int octaves,
              double falloff = 0.6, double stretch = 1.0);
 /// Leaves that cover each other, from the largest to the smallest; `tone` is the spread of their log brightness.
 void scatter_leaves(Canvas& canvas, RandomGenerator& random, double per_m2, double small_m, double large_m,
-                    Colour colour, double tone);
+                    Reflectance colour, double tone);
 /// Photographs pinned to the surface, tilted.
 void pin_photographs(Canvas& canvas, RandomGenerator& random, double per_m2);
 

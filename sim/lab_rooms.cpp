@@ -106,7 +106,7 @@ class RoomOfWalls {
   void bare() {
     const double tone = random_.real(0.3, 0.6);
     const Painter plaster = [tone](Canvas& c, RandomGenerator& r) {
-      c.fill(tone * Colour{1.0, r.real(0.95, 1.02), r.real(0.88, 1.0)});
+      c.fill(tone * Reflectance{1.0, r.real(0.95, 1.02), r.real(0.88, 1.0)});
       roughen(c, r, 0.5, 0.04, 4);
       c.darken_edges(0.25, 0.25);
     };

@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 using std::numbers::pi;
 
 /// Paints rings around the middle of a square canvas, from the outside in; `share` of the radius.
-void ring(Canvas& canvas, double share, Colour colour) {
+void ring(Canvas& canvas, double share, Reflectance colour) {
   const double middle = 0.5 * canvas.width();
   const double radius = share * middle;
   canvas.shape(
@@ -22,7 +22,7 @@ void ring(Canvas& canvas, double share, Colour colour) {
 }
 
 /// A bar from the middle of a square canvas; lengths are shares of the radius.
-void bar(Canvas& canvas, double angle_rad, double from, double to, double width, Colour colour) {
+void bar(Canvas& canvas, double angle_rad, double from, double to, double width, Reflectance colour) {
   const double middle = 0.5 * canvas.width();
   const double at = 0.5 * (from + to) * middle;
   canvas.tilted(middle + at * std::cos(angle_rad), middle + at * std::sin(angle_rad), (to - from) * middle,
@@ -44,7 +44,7 @@ void paint_clock(Canvas& canvas, RandomGenerator& random) {
 }
 
 void paint_wheel(Canvas& canvas, RandomGenerator& random) {
-  const Colour rim = grey(random.real(0.5, 0.8));
+  const Reflectance rim = grey(random.real(0.5, 0.8));
   canvas.fill(grey(0.1));
   ring(canvas, 0.78, rim);
   ring(canvas, 0.68, any_colour(random, 0.25, 0.5));

@@ -12,7 +12,7 @@ using std::numbers::pi;
 
 }  // namespace
 
-Colour any_colour(RandomGenerator& random, double low, double high) {
+Reflectance any_colour(RandomGenerator& random, double low, double high) {
   const double v = random.real(low, high);
   return {v * random.real(0.75, 1.35), v * random.real(0.85, 1.15), v * random.real(0.6, 1.25)};
 }
@@ -21,7 +21,7 @@ void roughen(Canvas& canvas, RandomGenerator& random, double feature_m, double s
              double falloff, double stretch) {
   const ValueNoise noise(random);
   const double offset = random.real(0.0, 60.0);
-  canvas.each([&](double x, double y, Colour c) {
+  canvas.each([&](double x, double y, Reflectance c) {
     return std::exp(strength *
                     noise.sum(offset + x / feature_m, y / (feature_m * stretch), octaves, falloff)) *
            c;
@@ -29,14 +29,14 @@ void roughen(Canvas& canvas, RandomGenerator& random, double feature_m, double s
 }
 
 void scatter_leaves(Canvas& canvas, RandomGenerator& random, double per_m2, double small_m, double large_m,
-                    Colour colour, double tone) {
+                    Reflectance colour, double tone) {
   const int count = static_cast<int>(per_m2 * canvas.width() * canvas.height());
   for (int i = 0; i < count; ++i) {
     const double t = static_cast<double>(i) / std::max(count - 1, 1);
     const double length = large_m * std::pow(small_m / large_m, t) * random.real(0.7, 1.3);
     const double hue = random.real(-0.25, 0.25);
-    const Colour c = std::exp(tone * std::clamp(random.normal(), -1.8, 1.8)) *
-                     Colour{colour.r * (1.0 + hue), colour.g, colour.b * (1.0 - hue)};
+    const Reflectance c = std::exp(tone * std::clamp(random.normal(), -1.8, 1.8)) *
+                          Reflectance{colour.r * (1.0 + hue), colour.g, colour.b * (1.0 - hue)};
     const double x = random.real(0.0, canvas.width());
     const double y = random.real(0.0, canvas.height());
     const double width = length * random.real(0.3, 0.6);
@@ -48,7 +48,7 @@ void paint_wall_panels(Canvas& canvas, RandomGenerator& random) {
   canvas.fill(grey(0.4));
   const double panel = random.real(0.5, 0.75);
   for (double x = -random.real(0.0, panel); x < canvas.width(); x += panel) {
-    canvas.rectangle(x, 0.0, panel, canvas.height(), random.real(0.36, 0.5) * Colour{1.0, 0.98, 0.92});
+    canvas.rectangle(x, 0.0, panel, canvas.height(), random.real(0.36, 0.5) * Reflectance{1.0, 0.98, 0.92});
     canvas.rectangle(x, 0.0, 0.014, canvas.height(), grey(0.2));
   }
   const double rail = canvas.height() - 0.85;
@@ -70,13 +70,13 @@ void paint_wall_panels(Canvas& canvas, RandomGenerator& random) {
 void paint_brick(Canvas& canvas, RandomGenerator& random) {
   const double height = random.real(0.07, 0.1);
   const double length = 2.6 * height;
-  const Colour clay = {0.46, 0.34, 0.27};
+  const Reflectance clay = {0.46, 0.34, 0.27};
   canvas.fill({0.52, 0.5, 0.46});
   int layer = 0;
   for (double y = 0.0; y < canvas.height(); y += height, ++layer) {
     for (double x = -length * random.real(0.3, 1.0); x < canvas.width();) {
       const double own = length * random.real(0.75, 1.2);
-      const Colour c = std::exp(0.32 * std::clamp(random.normal(), -1.8, 1.8)) * clay;
+      const Reflectance c = std::exp(0.32 * std::clamp(random.normal(), -1.8, 1.8)) * clay;
       canvas.tilted(x + 0.5 * own, y + 0.5 * height, own - 0.018, height - 0.016, random.real(-0.03, 0.03),
                     [c, height](double, double v) { return (1.0 - 0.3 * v / height) * c; });
       x += own;
@@ -94,13 +94,13 @@ void paint_foliage(Canvas& canvas, RandomGenerator& random) {
 
 /// A flowered cloth; `fold_m` > 0 hangs it as a curtain.
 void paint_cloth(Canvas& canvas, RandomGenerator& random, double fold_m) {
-  const Colour ground = any_colour(random, 0.3, 0.45);
+  const Reflectance ground = any_colour(random, 0.3, 0.45);
   canvas.fill(ground);
   scatter_leaves(canvas, random, 60.0, 0.07, 0.22, any_colour(random, 0.2, 0.35), 0.35);
   scatter_leaves(canvas, random, 110.0, 0.03, 0.1, any_colour(random, 0.45, 0.7), 0.3);
   if (fold_m > 0.0) {
     const ValueNoise noise(random);
-    canvas.each([&](double x, double y, Colour c) {
+    canvas.each([&](double x, double y, Reflectance c) {
       const double sway = x + 0.25 * fold_m * noise.at(2.0 * x, 0.8 * y);
       return std::exp(0.4 * std::sin(2.0 * pi * sway / fold_m + 1.5 * noise.at(3.0 * x, 5.0))) * c;
     });
@@ -117,11 +117,11 @@ void paint_natural(Canvas& canvas, RandomGenerator& random) {
 }
 
 void paint_blinds(Canvas& canvas, RandomGenerator& random, double slat_m, bool upright) {
-  const Colour slat = any_colour(random, 0.4, 0.65);
+  const Reflectance slat = any_colour(random, 0.4, 0.65);
   const double dark = random.real(0.25, 0.7);  // of the gap and of the slat's far edge
   const double tilt = random.real(-0.3, 0.3);
   const ValueNoise noise(random);
-  canvas.each([&](double x, double y, Colour) {
+  canvas.each([&](double x, double y, Reflectance) {
     const double along = upright ? x : y;
     const double at = along / slat_m - std::floor(along / slat_m);
     const double shade = at < 0.14 ? dark : 0.85 + tilt * (at - 0.57);
@@ -133,11 +133,11 @@ void paint_blinds(Canvas& canvas, RandomGenerator& random, double slat_m, bool u
 /// A photograph of a landscape: sky, ground and plants between them.
 void paint_photograph(Canvas& canvas, RandomGenerator& random) {
   const ValueNoise noise(random);
-  const Colour sky = any_colour(random, 0.45, 0.75);
-  const Colour ground = any_colour(random, 0.15, 0.3);
+  const Reflectance sky = any_colour(random, 0.45, 0.75);
+  const Reflectance ground = any_colour(random, 0.15, 0.3);
   const double horizon = canvas.height() * random.real(0.3, 0.7);
   const double unit = canvas.width();
-  canvas.each([&](double x, double y, Colour) {
+  canvas.each([&](double x, double y, Reflectance) {
     const double edge = horizon + 0.18 * unit * noise.sum(4.0 * x / unit, 3.0, 4);
     const double shade = std::exp(0.35 * noise.sum(5.0 * x / unit, 9.0 * y / unit, 5, 0.7));
     return shade * (y < edge ? sky : ground);
@@ -166,7 +166,8 @@ void paint_floor_tiles(Canvas& canvas, RandomGenerator& random) {
   canvas.fill(grey(0.2));
   for (double y = 0.0; y < canvas.height(); y += side) {
     for (double x = 0.0; x < canvas.width(); x += side) {
-      canvas.rectangle(x, y, side - 0.015, side - 0.015, random.real(0.26, 0.4) * Colour{1.0, 0.95, 0.88});
+      canvas.rectangle(x, y, side - 0.015, side - 0.015,
+                       random.real(0.26, 0.4) * Reflectance{1.0, 0.95, 0.88});
     }
   }
   roughen(canvas, random, 0.2, 0.08, 4);

@@ -1,6 +1,8 @@
 """Sphinx over docs/ and over what Doxygen finds in the headers; scripts/site lays the sources out and calls it."""
 
+import logging
 import os
+import re
 
 project = "saccade"
 author = "The saccade authors"
@@ -14,8 +16,18 @@ if os.environ.get("SACCADE_DOXYGEN_XML"):
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 exclude_patterns = ["build"]
 myst_heading_anchors = 4
-# Links to files of the repository that are no pages of the site, and the same name of overloads in several headers.
-suppress_warnings = ["myst.xref_missing", "myst.header", "duplicate_declaration.cpp"]
+suppress_warnings = ["myst.header"]
+
+
+class NamespaceInEveryHeader(logging.Filter):
+    """breathe declares a namespace once for each header that opens it; Sphinx warns about the second declaration."""
+
+    def filter(self, record):
+        return not re.search(r"Duplicate C\+\+ declaration.*cpp:type:: (saccade|detail|lab|sweep)'", record.getMessage(), re.S)
+
+
+def setup(app):
+    logging.getLogger("sphinx.sphinx.domains.cpp").filters.insert(0, NamespaceInEveryHeader())
 html_theme = "alabaster"
 html_title = f"saccade {release}".strip()
 html_theme_options = {"description": "Closed-loop testbench for event-driven vision on the iCub", "page_width": "1080px",
