@@ -138,6 +138,15 @@ void add_simulation(py::module_& m) {
       .def_property_readonly("name", [](const Simulation& s) { return s.scenario().name; })
       .def_property_readonly("seed", [](const Simulation& s) { return s.scenario().seed; })
       .def_property_readonly("both_eyes", [](const Simulation& s) { return s.scenario().sim.both_eyes(); })
+      .def_property_readonly("joint_names",
+                             [](const Simulation& s) {
+                               std::vector<std::string> names;
+                               for (const HeadJoint& joint : s.robot().limits().head->joints)
+                                 names.push_back(joint.name);
+                               return names;
+                             })
+      .def_property_readonly("torso_joints",
+                             [](const Simulation& s) { return s.robot().limits().head->torso_joints(); })
       .def_property_readonly(
           "position_rad",
           [](const Simulation& s) { return s.robot().limits().head->in_order(s.head().position_rad); })

@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 
-/// What a helper process sends through its pipe (helper_server.h sends, helper_reader.h receives): messages of a
-/// HelperMessage and `bytes` bytes.
+// What a helper process sends through its pipe (helper_server.h sends, helper_reader.h receives): messages of a
+// HelperMessage and `bytes` bytes.
 namespace saccade {
 
 inline constexpr std::size_t helper_block_events = 1 << 14;

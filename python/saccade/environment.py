@@ -7,8 +7,6 @@ import numpy as np
 from . import _saccade
 from .yaml_text import assignments, keys_text
 
-_head_joints = _saccade.joint_names[3:]
-
 
 class Env:
     """A scenario in lockstep: one step is one tick of 1 ms of simulated time.
@@ -40,6 +38,9 @@ class Env:
         self._truth = truth
         self._closed_loop = closed_loop
         self._next = self._make()  # reports what is wrong with the scenario at once
+        self._joints = self._next.joint_names
+        self._torso_joints = self._next.torso_joints
+        self._head_joints = self._joints[self._torso_joints:]
         self._simulation = None
         self._closed = False
 
@@ -53,14 +54,15 @@ class Env:
 
     @property
     def joint_names(self):
-        """The six joints that an action may name, in the order of an array of references."""
-        return list(_head_joints)
+        """The joints of neck and eyes of the scenario's head: those that an action may name, in the order of an array of
+        references."""
+        return list(self._head_joints)
 
     @property
     def limits_rad(self):
         """Position limits of the joints: name -> (min, max), rad."""
         low, high = self._running().limits_rad
-        return {name: (low[i], high[i]) for i, name in enumerate(_saccade.joint_names)}
+        return {name: (low[i], high[i]) for i, name in enumerate(self._joints)}
 
     @property
     def scenario_yaml(self):
@@ -88,8 +90,9 @@ class Env:
         """Applies the action, advances by 1 ms and returns (observation, reward, terminated, truncated, info).
 
         action: None changes nothing (the last references hold, the last gaze target stays); a dict of references of
-        head joints by name, rad, or an array of all six of them; {"gaze_target_m": (x, y, z)} or an array of three
-        numbers, a point in the root frame that the scenario's gaze controller looks at from now on.
+        head joints by name, rad, or an array of all of them; {"gaze_target_m": (x, y, z)} or an array of three
+        numbers, a point in the root frame that the scenario's gaze controller looks at from now on. An array of three
+        numbers for a head of three joints is their references.
 
         info["rejected"] is the reason where the head or the gaze controller rejected the action, else None.
         truncated: the scenario's duration is over.
@@ -98,7 +101,7 @@ class Env:
         info = {"rejected": self._apply(action) if action is not None else None}
         simulation.step()
         reference = simulation.reference_rad
-        info["reference_rad"] = None if reference is None else dict(zip(_head_joints, reference.tolist()))
+        info["reference_rad"] = None if reference is None else dict(zip(self._head_joints, reference.tolist()))
         info["target_m"] = simulation.target_m
         if self._closed_loop:
             info["detectors"] = simulation.detectors()
@@ -135,21 +138,22 @@ class Env:
                 if len(action) > 1:
                     raise ValueError("action: found a gaze target and joint references, expected one of them")
                 return self._look_at(np.asarray(action["gaze_target_m"], dtype=float))
-            unknown = [name for name in action if name not in _head_joints]
+            unknown = [name for name in action if name not in self._head_joints]
             if unknown:
-                raise ValueError(f"action: found the joint {unknown[0]}, expected some of {', '.join(_head_joints)}")
+                raise ValueError(f"action: found the joint {unknown[0]}, expected some of {', '.join(self._head_joints)}")
             last = simulation.reference_rad
-            reference = simulation.position_rad[3:] if last is None else last
+            reference = simulation.position_rad[self._torso_joints:] if last is None else last
             for name, value in action.items():
-                reference[_head_joints.index(name)] = value
+                reference[self._head_joints.index(name)] = value
             return None if simulation.command(reference) else "outside_limits"
         values = np.asarray(action, dtype=float)
+        joints = len(self._head_joints)
+        if values.shape == (joints,):
+            return None if simulation.command(values) else "outside_limits"
         if values.shape == (3,):
             return self._look_at(values)
-        if values.shape == (6,):
-            return None if simulation.command(values) else "outside_limits"
         raise ValueError(f"action: found an array of shape {values.shape}, "
-                         "expected (3,) for a gaze target or (6,) for joint references")
+                         f"expected (3,) for a gaze target or ({joints},) for joint references")
 
     def _look_at(self, target_m):
         if target_m.shape != (3,):
@@ -168,8 +172,8 @@ class Env:
         observation = {
             "t_us": simulation.t_us,
             "events": simulation.take_events(),
-            "joints": dict(zip(_saccade.joint_names, simulation.position_rad.tolist())),
-            "joint_velocities": dict(zip(_saccade.joint_names, simulation.velocity_rad_s.tolist())),
+            "joints": dict(zip(self._joints, simulation.position_rad.tolist())),
+            "joint_velocities": dict(zip(self._joints, simulation.velocity_rad_s.tolist())),
             "camera": {**self._camera, "root_from_camera": simulation.root_from_camera(False)},
         }
         if self._right_camera is not None:

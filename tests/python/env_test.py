@@ -165,3 +165,21 @@ def test_mistakes_are_reported_with_the_messages_of_the_program():
         env.reset()
         with pytest.raises(ValueError, match="closed_loop"):
             env.step({"neck_yaw": 0.1})
+
+
+def test_joints_are_those_of_the_scenarios_head():
+    scenario = SOURCE / "scenarios" / "gaze_square_pan_tilt.yaml"
+    with saccade.Env(scenario, seed=1, overrides={"run.duration_s": 0.2, "expect": {}}) as env:
+        assert env.joint_names == ["pan", "tilt"]
+        observation, _ = env.reset()
+        assert list(observation["joints"]) == ["pan", "tilt"]
+        assert set(env.limits_rad) == {"pan", "tilt"}
+        for _ in range(150):
+            observation, _, _, _, info = env.step({"tilt": 0.1})
+        assert set(info["reference_rad"]) == {"pan", "tilt"}
+        assert abs(observation["joints"]["tilt"] - 0.1) < 0.02
+        assert env.step(np.array([0.05, 0.1]))[4]["rejected"] is None
+        with pytest.raises(ValueError, match="expected some of pan, tilt"):
+            env.step({"neck_yaw": 0.1})
+        with pytest.raises(ValueError, match=r"\(2,\) for joint references"):
+            env.step(np.zeros(6))
