@@ -47,8 +47,10 @@ BallTracker::BallTracker(const BallTrackerConfig& config, const Camera& camera)
       edges_(camera.size, static_cast<int>(config.edges_per_region)),
       search_(camera.size, config.radius_px[0], config.radius_px[1], config.arc_deg * rad_per_deg,
               max_voters),
+      network_(camera.size, config.radius_px[0], config.radius_px[1]),
       now_us_(never_us),
       search_us_(never_us),
+      look_us_(never_us),
       flows_left_(config.flows_per_ms) {
   rays_.reserve(static_cast<std::size_t>(camera.size.pixels()));
   for (int y = 0; y < camera.size.height; ++y) {
@@ -118,6 +120,8 @@ void BallTracker::process(std::span<const Event> events, const CameraMotion* mot
   for (const Event& event : events) {
     if (!sieve_.accept(event)) continue;
     run_until(event.t_us, false);
+    network_.add(event);
+    ++events_since_look_;
     if (!flow_.add_first(event, config_.burst_us)) continue;
     ++events_of_tick_;
     for (Followed& f : followed_) {
@@ -228,6 +232,7 @@ void BallTracker::tick(std::int64_t now_us) {
       update_probability(f, now_us);
     }
   }
+  look(now_us);
   search(now_us);
 }
 
@@ -255,6 +260,8 @@ void BallTracker::update_probability(Followed& f, std::int64_t now_us) {
     const double share = 1.0 - std::exp(-f.fresh_edges / length_px * weight / memory_px);
     f.evidence.blend(newest, share);
     f.history.newest = newest;
+    f.history.network = f.network;
+    f.history.network_mean += share * (f.network.log_odds - f.history.network_mean);
     f.history.on_ring_share += share * (f.fresh_on_outline / f.fresh_edges - f.history.on_ring_share);
     f.history.followed_px += weight * f.fresh_on_outline / length_px;
     f.clarity = std::max(least_clarity, (1.0 - std::exp(-newest[Evidence::ring_to_sides])) * calm);

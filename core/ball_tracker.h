@@ -12,6 +12,7 @@
 #include "core/detector_parts.h"
 #include "core/detector_views.h"
 #include "core/disc_evidence.h"
+#include "core/disc_network.h"
 #include "core/disc_probability.h"
 #include "core/edge_map.h"
 #include "core/plane_fit_flow.h"
@@ -94,6 +95,7 @@ class BallTracker final : public Detector, public DetectorViews {
     Silhouette silhouette;
     DiscEvidence evidence;  ///< averaged over the last pixels of motion
     DiscHistory history;
+    NetworkEvidence network;  ///< of the network's last result
     DiscInputs inputs{};
     double probability = 0.0;
     double clarity = 1.0;      ///< share of the edges near the circle that are of its outline
@@ -137,7 +139,11 @@ class BallTracker final : public Detector, public DetectorViews {
   void take_found(std::int64_t now_us);
   [[nodiscard]] bool corrects_known(const Circle& circle, double probability, std::int64_t now_us);
   void follow(const Circle& circle, const Eigen::Vector3d& motion_px_s, const DiscEvidence& evidence,
-              double probability, std::int64_t now_us);
+              const NetworkEvidence& network, double probability, std::int64_t now_us);
+  void look(std::int64_t now_us);
+  [[nodiscard]] NetworkEvidence network_evidence(const Circle& circle, const Eigen::Vector2d& image_px_s,
+                                                 std::int64_t now_us) const;
+  void try_circle(const Circle& circle, std::int64_t at_us, std::int64_t now_us, bool keep_place);
   void end_duplicates();
 
   BallTrackerConfig config_;
@@ -147,6 +153,7 @@ class BallTracker final : public Detector, public DetectorViews {
   PlaneFitFlow flow_;
   EdgeMap edges_;
   CircleSearch search_;
+  DiscNetwork network_;
   CircleFit fit_;
   std::array<Followed, 8> followed_;
   std::optional<Eigen::Vector3d> rotation_rad_s_;  // of the camera by the joints, its own frame
@@ -160,6 +167,8 @@ class BallTracker final : public Detector, public DetectorViews {
   std::size_t voted_ = 0;
   bool search_cleared_ = true;
   std::int64_t search_us_;
+  std::int64_t look_us_;  // when the network's look under way, or the last one, began
+  std::uint64_t events_since_look_ = 0;
   // Flows of this tick: every nth_event_ event gets one.
   std::int64_t flows_left_, nth_event_ = 1, since_flow_ = 0, events_of_tick_ = 0;
 };

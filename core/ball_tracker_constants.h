@@ -48,6 +48,11 @@ inline constexpr double fit_sd_px = 0.7;      // of a found circle
 inline constexpr double rival_share = 0.4;    // of the radius: circles nearer than that claim the same disc
 inline constexpr std::size_t max_rivals = 2;  // followed at once
 
+// The network's looks.
+inline constexpr std::int64_t look_period_us = 15'000, sure_look_period_us = 50'000;
+inline constexpr std::int64_t multiplications_per_tick = 1'500'000;
+inline constexpr std::uint64_t fewest_events_of_look = 20;
+
 // Uncertainty of the estimate beside that of the track, fitted by scripts/fit to the errors of inliers.
 inline constexpr double covariance_scale = 4.0;
 inline constexpr double model_sd_px[3] = {1.2, 1.2, 0.7};

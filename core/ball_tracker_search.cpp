@@ -69,27 +69,88 @@ void BallTracker::fill_fit(const Circle& c, std::int64_t now_us) {
 
 void BallTracker::take_found(std::int64_t now_us) {
   const auto found = search_.find(found_per_level);
-  for (const CircleSearch::Found& candidate : found.first(std::min(found.size(), most_tried))) {
-    Circle circle = candidate.circle;
-    fill_fit(circle, search_us_);
-    Eigen::Vector3d motion = fit_.motion(circle);
-    const double since_s = static_cast<double>(now_us - search_us_) * 1e-6;
-    circle.x_px += motion.x() * since_s;
-    circle.y_px += motion.y() * since_s;
-    fill_fit(circle, now_us);
-    circle = fit_.place(circle, motion, config_.radius_px[0] - 0.5, config_.radius_px[1] + 0.5);
-    motion = fit_.motion(circle);
-    const DiscEvidence seen = evidence(circle, motion, now_us);
-    DiscHistory history;
-    history.newest = seen;
-    const double probability = disc_probability(disc_inputs(seen, history));
-    if (!corrects_known(circle, probability, now_us)) follow(circle, motion, seen, probability, now_us);
+  for (const CircleSearch::Found& candidate : found.first(std::min(found.size(), most_tried)))
+    try_circle(candidate.circle, search_us_, now_us, false);
+  end_duplicates();
+}
+
+/// Goes on with the network's look, or begins the next one. Its circles are tried like those of the search, and what it
+/// says about the followed circles is kept for their next evidence.
+void BallTracker::look(std::int64_t now_us) {
+  if (!network_.busy()) {
+    const Followed* leader = best();
+    const std::int64_t period_us =
+        leader != nullptr && leader->probability > sure ? sure_look_period_us : look_period_us;
+    if (look_us_ != never_us && saturated_difference(now_us, look_us_) < period_us) return;
+    if (events_since_look_ < fewest_events_of_look) return;
+    events_since_look_ = 0;
+    look_us_ = now_us;
+    network_.begin(now_us);
+  }
+  if (!network_.work(multiplications_per_tick)) return;
+  for (Followed& f : followed_) {
+    if (f.alive) f.network = network_evidence(f.track.circle(), f.image_px_s, now_us);
+  }
+  for (const DiscNetwork::Found& found : network_.found()) {
+    const double r_px = found.circle.r_px;
+    if (r_px < config_.radius_px[0] - 1.0 || r_px > config_.radius_px[1] + 1.0) continue;
+    try_circle(found.circle, network_.found_at_us(), now_us, false);
+    try_circle(found.circle, network_.found_at_us(), now_us, true);
   }
   end_duplicates();
 }
 
+/// What the network's last result says about a circle that moves in the image.
+NetworkEvidence BallTracker::network_evidence(const Circle& circle, const Eigen::Vector2d& image_px_s,
+                                              std::int64_t now_us) const {
+  NetworkEvidence evidence;
+  if (network_.found_at_us() == never_us) return evidence;
+  const double since_s = static_cast<double>(now_us - network_.found_at_us()) * 1e-6;
+  const Circle then{circle.x_px - image_px_s.x() * since_s, circle.y_px - image_px_s.y() * since_s, circle.r_px};
+  const DiscNetwork::Found about = network_.about(then);
+  double strongest_other = DiscNetwork::nothing;
+  for (const DiscNetwork::Found& other : network_.found()) {
+    if (!is_same(other.circle, about.circle, rival_share * about.circle.r_px, rival_share * about.circle.r_px)) {
+      strongest_other = other.log_odds;
+      break;
+    }
+  }
+  evidence.log_odds = about.log_odds;
+  evidence.lead = about.log_odds - strongest_other;
+  if (about.log_odds > DiscNetwork::nothing) {
+    evidence.off_radii =
+        std::hypot(about.circle.x_px - then.x_px, about.circle.y_px - then.y_px) / then.r_px;
+    evidence.radius_off = (about.circle.r_px - then.r_px) / then.r_px;
+  }
+  return evidence;
+}
+
+/// Moves a circle found at at_us to now, fits it to the edges there (or leaves place and radius as found), and follows it
+/// where it is better than what is followed.
+void BallTracker::try_circle(const Circle& found, std::int64_t at_us, std::int64_t now_us, bool keep_place) {
+  Circle circle = found;
+  fill_fit(circle, at_us);
+  Eigen::Vector3d motion = fit_.motion(circle);
+  const double since_s = static_cast<double>(now_us - at_us) * 1e-6;
+  circle.x_px += motion.x() * since_s;
+  circle.y_px += motion.y() * since_s;
+  fill_fit(circle, now_us);
+  if (!keep_place)
+    circle = fit_.place(circle, motion, config_.radius_px[0] - 0.5, config_.radius_px[1] + 0.5);
+  motion = fit_.motion(circle);
+  const DiscEvidence seen = evidence(circle, motion, now_us);
+  DiscHistory history;
+  history.newest = seen;
+  history.network = network_evidence(circle, motion.head<2>(), now_us);
+  history.network_mean = history.network.log_odds;
+  const double probability = disc_probability(disc_inputs(seen, history));
+  if (!corrects_known(circle, probability, now_us))
+    follow(circle, motion, seen, history.network, probability, now_us);
+}
+
 /// Whether a found circle is one that is followed. Where it is the better one of the two, the track is corrected.
-bool BallTracker::corrects_known(const Circle& circle, double probability, std::int64_t now_us) {
+bool BallTracker::corrects_known(const Circle& circle, double probability,
+                                 std::int64_t now_us) {
   bool known = false;
   for (Followed& f : followed_) {
     if (!f.alive) continue;
@@ -97,6 +158,8 @@ bool BallTracker::corrects_known(const Circle& circle, double probability, std::
     if (is_same(c, circle, 6.0, 4.0)) {
       DiscHistory history;
       history.newest = evidence(c, f.motion_px_s(), now_us);
+      history.network = network_evidence(c, f.image_px_s, now_us);
+      history.network_mean = history.network.log_odds;
       if (probability > disc_probability(disc_inputs(history.newest, history)) + better_by) {
         f.track.doubt();
         f.track.correct(circle, Eigen::Vector3d::Constant(fit_sd_px));
@@ -111,7 +174,7 @@ bool BallTracker::corrects_known(const Circle& circle, double probability, std::
 /// Follows a new circle in place of the least probable one: of those that claim the same disc if there are enough, of
 /// all else.
 void BallTracker::follow(const Circle& circle, const Eigen::Vector3d& motion, const DiscEvidence& seen,
-                         double probability, std::int64_t now_us) {
+                         const NetworkEvidence& network, double probability, std::int64_t now_us) {
   Followed* weakest = nullptr;
   std::size_t rivals = 0;
   for (Followed& f : followed_) {
@@ -143,6 +206,8 @@ void BallTracker::follow(const Circle& circle, const Eigen::Vector3d& motion, co
   f.image_px_s = f.carried_px_s + f.track.speed_px_s();
   f.evidence = seen;
   f.history.newest = seen;
+  f.network = f.history.network = network;
+  f.history.network_mean = network.log_odds;
   f.history.radius_variance_px2 = f.track.covariance()(2, 2);
   f.probability = new_share * probability;
   f.inputs = disc_inputs(f.evidence, f.history);
