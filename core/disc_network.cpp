@@ -11,7 +11,7 @@
 namespace saccade {
 namespace {
 
-namespace w = disc_network_weights;
+namespace weights = disc_network_weights;
 
 constexpr std::array<float, 4> tau_ms = {4.0F, 16.0F, 64.0F, 256.0F};
 constexpr int age_steps = 256;  // sixteen for each doubling of 0.25 ms + age
@@ -190,7 +190,7 @@ void DiscNetwork::first_row(const Level& level) {
   const int columns = level.columns / 2;
   float* out = first_.data() + static_cast<std::size_t>(row_ * columns) * first_channels;
   for (int x = 0; x < columns; ++x, out += first_channels) {
-    Channels<first_channels> on_sum = channels_at<first_channels>(w::first_bias.data());
+    Channels<first_channels> on_sum = channels_at<first_channels>(weights::first_bias.data());
     Channels<first_channels> off_sum =
         Channels<first_channels>::Zero();  // its additions need not wait for those of on_sum
     for (int ky = 0; ky < 3; ++ky) {
@@ -204,7 +204,7 @@ void DiscNetwork::first_row(const Level& level) {
         const float* off = on + half;
         if (on[half - 1] == 0.0F && off[half - 1] == 0.0F) continue;  // no event for long
         const float* weight =
-            w::first.data() + static_cast<std::size_t>(ky * 3 + kx) * input_channels * first_channels;
+            weights::first.data() + static_cast<std::size_t>(ky * 3 + kx) * input_channels * first_channels;
         for (std::size_t c = 0; c < half; ++c, weight += first_channels) {
           on_sum += on[c] * channels_at<first_channels>(weight);
           off_sum += off[c] * channels_at<first_channels>(weight + half * first_channels);
@@ -221,9 +221,10 @@ void DiscNetwork::second_row(const Level& level) {
   float* out = a_.data() + static_cast<std::size_t>(row_ * columns) * channels;
   for (int x = 0; x < columns; ++x, out += channels) {
     const auto sum = depthwise<first_channels>(first_.data(), level.rows / 2, level.columns / 2, 2 * row_,
-                                               2 * x, 1, w::second_depth);
+                                               2 * x, 1, weights::second_depth);
     Eigen::Map<Channels<channels>>{out} =
-        pointwise<first_channels, channels>(sum.data(), w::second_point, w::second_bias).max(0.0F);
+        pointwise<first_channels, channels>(sum.data(), weights::second_point, weights::second_bias)
+            .max(0.0F);
   }
 }
 
@@ -235,10 +236,10 @@ void DiscNetwork::block_row(const Level& level, std::size_t block) {
   float* out = b_.data() + begin;
   for (int x = 0; x < columns; ++x, in += channels, out += channels) {
     const auto sum = depthwise<channels>(a_.data(), level.rows / 4, columns, row_, x, dilation[block],
-                                         w::block_depth[block]);
+                                         weights::block_depth[block]);
     Eigen::Map<Channels<channels>>{out} =
         (channels_at<channels>(in) +
-         pointwise<channels, channels>(sum.data(), w::block_point[block], w::block_bias[block]))
+         pointwise<channels, channels>(sum.data(), weights::block_point[block], weights::block_bias[block]))
             .max(0.0F);
   }
 }
@@ -247,8 +248,8 @@ void DiscNetwork::output_row(Level& level) {
   const int columns = level.columns / 4;
   const std::size_t begin = static_cast<std::size_t>(row_ * columns);
   for (std::size_t x = 0; x < static_cast<std::size_t>(columns); ++x)
-    Eigen::Map<Channels<outputs>>{level.next[begin + x].data()} =
-        pointwise<channels, outputs>(a_.data() + (begin + x) * channels, w::output, w::output_bias);
+    Eigen::Map<Channels<outputs>>{level.next[begin + x].data()} = pointwise<channels, outputs>(
+        a_.data() + (begin + x) * channels, weights::output, weights::output_bias);
 }
 
 DiscNetwork::Found DiscNetwork::circle_of(const Level& level, int x, int y) const {

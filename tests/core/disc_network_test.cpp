@@ -9,7 +9,7 @@
 namespace saccade {
 namespace {
 
-constexpr ImageSize image{128, 128};
+constexpr ImageSize network_image{128, 128};
 constexpr std::int64_t all = 1'000'000'000;
 
 /// Events of a dark disc that moves to the right over a bright ground: OFF in front, ON behind.
@@ -21,8 +21,8 @@ std::vector<Event> moving_disc(double x_px, double y_px, double r_px, double spe
   };
   for (double px = 0.5; px <= speed_px_s * seconds; px += 0.5) {
     const auto t_us = static_cast<std::int64_t>(px / speed_px_s * 1e6);
-    for (int y = 0; y < image.height; ++y) {
-      for (int x = 0; x < image.width; ++x) {
+    for (int y = 0; y < network_image.height; ++y) {
+      for (int x = 0; x < network_image.width; ++x) {
         const bool was = inside(x, y, start_px + px - 0.5);
         const bool is = inside(x, y, start_px + px);
         if (was != is)
@@ -34,7 +34,7 @@ std::vector<Event> moving_disc(double x_px, double y_px, double r_px, double spe
 }
 
 DiscNetwork after(const std::vector<Event>& events) {
-  DiscNetwork network(image, 4, 38);
+  DiscNetwork network(network_image, 4, 38);
   for (const Event& event : events) network.add(event);
   return network;
 }
