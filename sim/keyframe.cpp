@@ -51,6 +51,12 @@ Interval cut_interval(float width, int sample, int count) {
 
 float as_float(std::uint32_t difference) { return static_cast<float>(static_cast<std::int32_t>(difference)); }
 
+std::uint16_t rounded(float value) {
+  constexpr float most = 65535.0F;
+  const float inside = value > 0.0F ? value : 0.0F;
+  return static_cast<std::uint16_t>(static_cast<std::int32_t>((inside < most ? inside : most) + 0.5F));
+}
+
 /// The order of positive floats is that of their bits; the compiler vectorises maxima of whole numbers.
 std::int32_t bits_of(float value) { return std::bit_cast<std::int32_t>(value); }
 
@@ -147,9 +153,10 @@ void KeyframeFilter::copy_depths(Keyframe& k, std::span<const float> depth, doub
   }
 }
 
-/// Means of samples_ over the area of a pixel around each, times `scale`, as pairs of a sample and the one below it. Sums
+/// Means of samples_ over the area of a pixel around each, times `scale`, rounded, as pairs of a sample and the one below it. Sums
 /// are whole numbers modulo 2^32, so that differences are exact. Samples that share a PixelSize share the interval.
-void KeyframeFilter::mean_over_pixels(const SampleRect& rect, std::vector<float>& pairs, float scale) {
+void KeyframeFilter::mean_over_pixels(const SampleRect& rect, std::vector<std::uint16_t>& pairs,
+                                      float scale) {
   const int columns = rect.columns();
   const int rows = rect.rows();
   const auto stride = static_cast<std::ptrdiff_t>(columns);
@@ -191,8 +198,8 @@ void KeyframeFilter::mean_over_pixels(const SampleRect& rect, std::vector<float>
   }
   pairs.resize(2 * rect.area());
   for (int row = 0; row < rows; ++row) {
-    float* const to = pairs.data() + 2 * row * stride;
-    float* const above = row > 0 ? to - 2 * stride : to;
+    std::uint16_t* const to = pairs.data() + 2 * row * stride;
+    std::uint16_t* const above = row > 0 ? to - 2 * stride : to;
     each_cell(row, [&](int begin, int end, const KeyframeCamera::PixelSize& pixel) {
       const Interval over = cut_interval(pixel.height, row, rows);
       const std::uint32_t* const first = sums_.data() + (row + over.first) * stride;
@@ -202,11 +209,11 @@ void KeyframeFilter::mean_over_pixels(const SampleRect& rect, std::vector<float>
         const float sum = as_float(last[i] - first[i]) +
                           over.last_part * as_float(last[i + stride] - last[i]) -
                           over.first_part * as_float(first[i + stride] - first[i]);
-        to[2 * i] = above[2 * i + 1] = sum * share;
+        to[2 * i] = above[2 * i + 1] = rounded(sum * share);
       }
     });
   }
-  float* const bottom = pairs.data() + 2 * (rows - 1) * stride;
+  std::uint16_t* const bottom = pairs.data() + 2 * (rows - 1) * stride;
   for (int i = 0; i < columns; ++i) bottom[2 * i + 1] = bottom[2 * i];
 }
 
@@ -223,12 +230,12 @@ void KeyframeFilter::fill(Keyframe& k, std::span<const std::uint32_t> rgba, std:
     }
   };
   each_sample([&](std::size_t i) { return depth[i] < 1.0F ? luminance_of(rgba[i]) : 0U; });
-  mean_over_pixels(k.rect, k.luminance, 1.0F / static_cast<float>(unit));
+  mean_over_pixels(k.rect, k.luminance, 1.0F / (static_cast<float>(unit) * Keyframe::luminance_step));
   k.cover.clear();
   if (is_room) return;
   constexpr std::uint32_t full = 1U << 20U;
   each_sample([&](std::size_t i) { return depth[i] < 1.0F ? full : 0U; });
-  mean_over_pixels(k.rect, k.cover, 1.0F / static_cast<float>(full));
+  mean_over_pixels(k.rect, k.cover, 1.0F / (static_cast<float>(full) * Keyframe::cover_step));
 }
 
 }  // namespace saccade::detail

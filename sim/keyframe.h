@@ -12,6 +12,9 @@ namespace saccade::detail {
 /// A layer of the scene as it was drawn once, prepared for reprojection. Values of a sample are means over the area of
 /// a pixel around it, so that interpolation between samples gives the mean over a pixel anywhere.
 struct Keyframe {
+  static constexpr float luminance_step = 1.0F / 257.0F;  ///< grey levels
+  static constexpr float cover_step = 1.0F / 65535.0F;
+
   bool is_drawn = false;
   Eigen::Isometry3d camera_from_layer = Eigen::Isometry3d::Identity();
   Eigen::Matrix3d root_from_layer = Eigen::Matrix3d::Identity();  ///< rotation
@@ -24,9 +27,12 @@ struct Keyframe {
   double farthest_1_m = 0.0;
   double mean_1_m = 0.0;
   double largest_step_1_m = 0.0;  ///< between neighbouring samples
-  // Each sample beside the one below it, so that the four samples around a point lie one after the other.
-  std::vector<float> luminance;  ///< times cover; grey levels, 0 to 255
-  std::vector<float> cover;      ///< share of the pixel that the layer covers, 0 to 1; empty for the room: 1
+  // Each sample beside the one below it, so that the four samples around a point lie one after the other. Whole numbers of
+  // 16 bits keep an image's share of a keyframe in the processor's cache.
+  std::vector<std::uint16_t> luminance;  ///< times cover; in units of luminance_step, 0 to 255
+  std::vector<std::uint16_t>
+      cover;  ///< share of the pixel that the layer covers, in units of cover_step, 0 to 1;
+              ///< empty for the room: 1
   // Mean inverse depth of blocks of `block` x `block` samples.
   int block = 1;
   int block_columns = 0;
@@ -48,7 +54,7 @@ class KeyframeFilter {
  private:
   void copy_depths(Keyframe& keyframe, std::span<const float> depth, double near_m, double far_m,
                    bool is_room);
-  void mean_over_pixels(const SampleRect& rect, std::vector<float>& pairs, float scale);
+  void mean_over_pixels(const SampleRect& rect, std::vector<std::uint16_t>& pairs, float scale);
 
   const KeyframeCamera* camera_;
   std::vector<std::uint32_t> samples_;  ///< of one channel, top row first

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 namespace saccade::detail {
 
@@ -20,8 +21,8 @@ struct WarpRow {
   float start_1_m;  ///< inverse depth in the keyframe at which the iteration begins
   int iterations;   ///< 0 where the motion is a rotation: then all depths give the same sample
   // The keyframe; `luminance` and `cover` as in Keyframe.
-  const float* luminance;
-  const float* cover;  ///< null: 1
+  const std::uint16_t* luminance;
+  const std::uint16_t* cover;  ///< null: 1
   int columns;
   int rows;
   const float* inverse_depth_1_m;  ///< of blocks
