@@ -1,10 +1,7 @@
 #include "emulator/event_emulator.h"
 
 #include <algorithm>
-#include <barrier>
-#include <functional>
 #include <limits>
-#include <thread>
 
 #include "emulator/pixel_array.h"
 #include "emulator/readout.h"
@@ -13,44 +10,6 @@ namespace saccade {
 namespace {
 
 bool is_luminance(float value) { return (value >= 0.0F) & (value <= std::numeric_limits<float>::max()); }
-
-/// Runs one job per band at the same time: band 0 in the caller's thread, each other one in a thread of its own.
-class BandThreads {
- public:
-  explicit BandThreads(std::size_t bands) : gate_(static_cast<std::ptrdiff_t>(bands)) {
-    for (std::size_t band = 1; band < bands; ++band) {
-      threads_.emplace_back([this, band] {
-        for (;;) {
-          gate_.arrive_and_wait();
-          if (!job_) return;
-          job_(band);
-          gate_.arrive_and_wait();
-        }
-      });
-    }
-  }
-  ~BandThreads() {
-    job_ = nullptr;
-    if (!threads_.empty()) gate_.arrive_and_wait();
-  }
-  BandThreads(const BandThreads&) = delete;
-  BandThreads& operator=(const BandThreads&) = delete;
-
-  /// `job` does not throw.
-  template <class Job>
-  void run(const Job& job) {
-    if (threads_.empty()) return job(0);
-    job_ = job;
-    gate_.arrive_and_wait();
-    job(0);
-    gate_.arrive_and_wait();
-  }
-
- private:
-  std::barrier<> gate_;
-  std::function<void(std::size_t)> job_;
-  std::vector<std::jthread> threads_;
-};
 
 }  // namespace
 
@@ -61,12 +20,13 @@ struct EventEmulator::State {
     std::vector<PixelEvent> events;
   };
 
-  State(const EmulatorConfig& config, ImageSize image, std::uint64_t seed, int threads)
+  State(const EmulatorConfig& config, ImageSize image, std::uint64_t seed,
+        std::shared_ptr<BandThreads> threads)
       : size(image),
         readout(config, static_cast<std::size_t>(image.pixels())),
-        band_threads(static_cast<std::size_t>(threads)) {
+        band_threads(std::move(threads)) {
     const auto n = static_cast<std::size_t>(image.pixels());
-    const auto parts = static_cast<std::size_t>(threads);
+    const std::size_t parts = band_threads->bands();
     for (std::size_t k = 0; k < parts; ++k) {
       const std::size_t first = n * k / parts;
       const std::size_t count = n * (k + 1) / parts - first;
@@ -81,7 +41,7 @@ struct EventEmulator::State {
   ImageSize size;
   std::vector<Band> bands;
   Readout readout;
-  BandThreads band_threads;
+  std::shared_ptr<BandThreads> band_threads;
   bool started = false;
   std::int64_t t_us = 0;
   EmulatorCounts counts;
@@ -147,11 +107,15 @@ void EventEmulator::State::deliver(std::vector<Event>& events, std::vector<Event
   counts.waiting = readout.waiting();
 }
 
-EventEmulator::EventEmulator(const EmulatorConfig& config, ImageSize size, std::uint64_t seed, int threads) {
+EventEmulator::EventEmulator(const EmulatorConfig& config, ImageSize size, std::uint64_t seed, int threads)
+    : EventEmulator(config, size, seed,
+                    std::make_shared<BandThreads>(static_cast<std::size_t>(std::max(threads, 0)))) {}
+
+EventEmulator::EventEmulator(const EmulatorConfig& config, ImageSize size, std::uint64_t seed,
+                             std::shared_ptr<BandThreads> threads) {
   check_config("emulator", config);
   SACCADE_CHECK(size.width > 0 && size.height > 0 && size.width <= 65535 && size.height <= 65535);
-  SACCADE_CHECK(threads > 0);
-  state_ = std::make_unique<State>(config, size, seed, threads);
+  state_ = std::make_unique<State>(config, size, seed, std::move(threads));
 }
 
 EventEmulator::~EventEmulator() = default;
@@ -165,7 +129,7 @@ void EventEmulator::process_image(std::span<const float> luminance, std::int64_t
   const auto n = static_cast<std::size_t>(s.size.pixels());
   SACCADE_CHECK(luminance.size() == n && (objects.empty() || objects.size() == n));
   s.check(luminance, t_us);
-  s.band_threads.run([&](std::size_t k) {
+  s.band_threads->run([&](std::size_t k) {
     State::Band& band = s.bands[k];
     const auto of_band = [&](auto whole) {
       return whole.empty() ? whole : whole.subspan(band.first, band.count);

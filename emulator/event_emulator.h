@@ -8,6 +8,7 @@
 
 #include "core/event.h"
 #include "core/event_label.h"
+#include "emulator/band_threads.h"
 #include "emulator/emulator_config.h"
 
 namespace saccade {
@@ -38,6 +39,9 @@ class EventEmulator {
   /// `size`: of the images, at most 65535 x 65535. `threads`: number of threads, at least 1. Throws InputError for a
   /// configuration out of range.
   EventEmulator(const EmulatorConfig& config, ImageSize size, std::uint64_t seed, int threads = 1);
+  /// With threads that others use too, between calls of process_image().
+  EventEmulator(const EmulatorConfig& config, ImageSize size, std::uint64_t seed,
+                std::shared_ptr<BandThreads> threads);
   ~EventEmulator();
   EventEmulator(EventEmulator&&) noexcept;
   EventEmulator& operator=(EventEmulator&&) noexcept;

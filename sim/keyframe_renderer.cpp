@@ -46,7 +46,7 @@ Eigen::Vector3d middle_of(const detail::SceneLayer& layer, const mjData& data) {
 }  // namespace
 
 KeyframeRenderer::KeyframeRenderer(const mjModel& model, GlContext& gl, const Camera& camera,
-                                   const EyeRenderConfig& config)
+                                   const EyeRenderConfig& config, std::shared_ptr<BandThreads> threads)
     : camera_(camera),
       config_(check_config("render", config)),
       key_camera_(check_config("camera", camera), config.keyframe_samples, keyframe_margin_px(camera)),
@@ -54,7 +54,8 @@ KeyframeRenderer::KeyframeRenderer(const mjModel& model, GlContext& gl, const Ca
       filter_(key_camera_),
       drawer_(std::make_unique<SceneDrawer>(model, gl, ImageSize{key_camera_.columns(), key_camera_.rows()},
                                             SceneDrawer::Quality::fast)),
-      model_(&model) {
+      model_(&model),
+      threads_(std::move(threads)) {
   const auto pixels = static_cast<std::size_t>(camera.size.pixels());
   for (detail::SceneLayer& layer : detail::scene_layers(model)) {
     Sheet& sheet = sheets_.emplace_back();
@@ -74,9 +75,10 @@ KeyframeRenderer::KeyframeRenderer(const mjModel& model, GlContext& gl, const Ca
                             static_cast<float>(along_column.x()), static_cast<float>(along_column.y())});
     }
   }
-  row_u_.resize(static_cast<std::size_t>(camera.size.width));
-  row_v_.resize(static_cast<std::size_t>(camera.size.width));
-  row_at_.resize(static_cast<std::size_t>(camera.size.width));
+  const auto width = static_cast<std::size_t>(camera.size.width);
+  scratch_.resize(threads_->bands(),
+                  {std::vector<float>(width), std::vector<float>(width), std::vector<int>(width), {}});
+  for (Scratch& scratch : scratch_) scratch.bodies.reserve(sheets_.size());
 }
 
 KeyframeRenderer::~KeyframeRenderer() = default;
@@ -98,7 +100,13 @@ void KeyframeRenderer::render(mjData& data, int camera_id, std::span<float> lumi
   }
   const Eigen::Isometry3d camera_from_root = World::root_from_camera(data, camera_id).inverse();
   for (Sheet& sheet : sheets_) update(sheet, data, eye, camera_from_root);
-  compose(luminance);
+  threads_->run([&](std::size_t band) {
+    const auto height = static_cast<std::size_t>(camera_.size.height);
+    const int top = static_cast<int>(height * band / threads_->bands());
+    const int bottom = static_cast<int>(height * (band + 1) / threads_->bands());
+    for (Sheet& sheet : sheets_) reproject_rows(sheet, top, bottom, scratch_[band]);
+    compose_rows(luminance, top, bottom, scratch_[band]);
+  });
 }
 
 void KeyframeRenderer::update(Sheet& sheet, mjData& data, const mjvGLCamera& eye,
@@ -122,7 +130,7 @@ void KeyframeRenderer::update(Sheet& sheet, mjData& data, const mjvGLCamera& eye
       keyframe.farthest_1_m = found.farthest_1_m;
     }
   }
-  if (!keyframe.covered.is_empty()) reproject(sheet, camera_from_layer);
+  if (!keyframe.covered.is_empty()) prepare(sheet, camera_from_layer);
 }
 
 /// Sets rect, is_clipped and the bounds of depth of a keyframe drawn now. Returns false if the layer is not in the image.
@@ -210,7 +218,8 @@ KeyframeRenderer::PixelRect KeyframeRenderer::pixels_of(const Keyframe& key,
           inside(std::ceil(high.y() + bent) + 1.0, whole.bottom)};
 }
 
-void KeyframeRenderer::reproject(Sheet& sheet, const Eigen::Isometry3d& camera_from_layer) {
+/// Sets the pixels that the layer can cover, and the motion since its keyframe.
+void KeyframeRenderer::prepare(Sheet& sheet, const Eigen::Isometry3d& camera_from_layer) const {
   const Keyframe& key = sheet.keyframe;
   const Eigen::Isometry3d key_from_camera = key.camera_from_layer * camera_from_layer.inverse();
   const bool is_room = sheet.layer.is_room();
@@ -224,7 +233,7 @@ void KeyframeRenderer::reproject(Sheet& sheet, const Eigen::Isometry3d& camera_f
   intrinsics(1, 2) = key_camera_.centre_y() - key.rect.top - 0.5;
   const Eigen::Matrix3d a = intrinsics * key_from_camera.linear();
   const Eigen::Vector3d t = intrinsics * key_from_camera.translation();
-  detail::WarpRow warp{};
+  detail::WarpRow& warp = sheet.warp;
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column)
       warp.a[static_cast<std::size_t>(3 * row + column)] = static_cast<float>(a(row, column));
@@ -246,63 +255,68 @@ void KeyframeRenderer::reproject(Sheet& sheet, const Eigen::Isometry3d& camera_f
   warp.block_columns = key.block_columns;
   warp.block_rows = key.block_rows;
   warp.blocks_per_sample = 1.0F / static_cast<float>(key.block);
+}
 
+/// Reprojects the layer's keyframe to the rows [top, bottom).
+void KeyframeRenderer::reproject_rows(Sheet& sheet, int top, int bottom, Scratch& scratch) const {
+  if (sheet.pixels.is_empty()) return;
   const auto left = static_cast<std::size_t>(sheet.pixels.left);
   const auto count = static_cast<std::size_t>(sheet.pixels.right) - left;
-  for (int row = sheet.pixels.top; row < sheet.pixels.bottom; ++row) {
+  for (int row = std::max(top, sheet.pixels.top); row < std::min(bottom, sheet.pixels.bottom); ++row) {
     const std::size_t first =
         static_cast<std::size_t>(row) * static_cast<std::size_t>(camera_.size.width) + left;
-    detail::warp_row(warp, ray_x_.data() + first, ray_y_.data() + first, count,
-                     {sheet.luminance.data() + first, sheet.cover.data() + first,
-                      sheet.inverse_depth_1_m.data() + first, row_u_.data(), row_v_.data(), row_at_.data()});
+    detail::warp_row(
+        sheet.warp, ray_x_.data() + first, ray_y_.data() + first, count,
+        {sheet.luminance.data() + first, sheet.cover.data() + first, sheet.inverse_depth_1_m.data() + first,
+         scratch.u.data(), scratch.v.data(), scratch.at.data()});
   }
 }
 
-KeyframeRenderer::PixelRect KeyframeRenderer::pixels_of_bodies() const {
-  PixelRect all{camera_.size.width, camera_.size.height, 0, 0};
-  for (const Sheet& sheet : sheets_) {
-    const PixelRect& pixels = sheet.pixels;
-    if (sheet.layer.is_room() || pixels.is_empty()) continue;
-    all = {std::min(all.left, pixels.left), std::min(all.top, pixels.top), std::max(all.right, pixels.right),
-           std::max(all.bottom, pixels.bottom)};
-  }
-  return all;
-}
-
-/// Puts the layers together: the nearest fragment of a pixel over the next.
-void KeyframeRenderer::compose(std::span<float> luminance) const {
+/// Puts the layers together in the rows [top, bottom): the nearest fragment of a pixel over the next.
+void KeyframeRenderer::compose_rows(std::span<float> luminance, int top, int bottom, Scratch& scratch) const {
+  const auto width = static_cast<std::size_t>(camera_.size.width);
   const Sheet& room = sheets_.front();
-  std::copy(room.luminance.begin(), room.luminance.end(), luminance.begin());
-  const PixelRect bodies = pixels_of_bodies();
-  std::array<Fragment, most_fragments> fragments{};
-  for (int y = bodies.top; y < bodies.bottom; ++y) {
-    for (int x = bodies.left; x < bodies.right; ++x) {
-      const auto pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.size.width) +
-                         static_cast<std::size_t>(x);
-      std::size_t count = 0;
-      for (const Sheet& sheet : sheets_) {
-        const bool is_room = sheet.layer.is_room();
-        if (!is_room && (!sheet.pixels.holds(x, y) || !(sheet.cover[pixel] > least_cover))) continue;
-        const Fragment fragment{sheet.luminance[pixel], is_room ? 1.0F : sheet.cover[pixel],
-                                sheet.inverse_depth_1_m[pixel]};
-        std::size_t at = std::min(count, most_fragments - 1);
-        if (count == most_fragments && fragments[at].inverse_depth_1_m >= fragment.inverse_depth_1_m)
-          continue;
-        for (; at > 0 && fragments[at - 1].inverse_depth_1_m < fragment.inverse_depth_1_m; --at)
-          fragments[at] = fragments[at - 1];
-        fragments[at] = fragment;
-        count = std::min(count + 1, most_fragments);
-      }
-      if (count < 2) continue;
-      float through = 1.0F;
-      float sum = 0.0F;
-      for (std::size_t i = 0; i < count; ++i) {
-        sum += through * fragments[i].luminance;
-        through *= 1.0F - std::min(fragments[i].cover, 1.0F);
-      }
-      luminance[pixel] = sum;
+  for (int y = top; y < bottom; ++y) {
+    const std::size_t row = static_cast<std::size_t>(y) * width;
+    std::copy_n(room.luminance.data() + row, width, luminance.data() + row);
+    std::vector<const Sheet*>& bodies = scratch.bodies;
+    bodies.clear();
+    int left = camera_.size.width;
+    int right = 0;
+    for (const Sheet& sheet : sheets_) {
+      if (sheet.layer.is_room() || !sheet.pixels.has_row(y)) continue;
+      bodies.push_back(&sheet);
+      left = std::min(left, sheet.pixels.left);
+      right = std::max(right, sheet.pixels.right);
     }
+    for (int x = left; x < right; ++x) compose_pixel(x, row + static_cast<std::size_t>(x), bodies, luminance);
   }
+}
+
+void KeyframeRenderer::compose_pixel(int x, std::size_t pixel, const std::vector<const Sheet*>& bodies,
+                                     std::span<float> luminance) const {
+  const Sheet& room = sheets_.front();
+  std::array<Fragment, most_fragments> fragments;
+  fragments[0] = {room.luminance[pixel], 1.0F, room.inverse_depth_1_m[pixel]};
+  std::size_t count = 1;
+  for (const Sheet* const sheet : bodies) {
+    if (x < sheet->pixels.left || x >= sheet->pixels.right || !(sheet->cover[pixel] > least_cover)) continue;
+    const Fragment fragment{sheet->luminance[pixel], sheet->cover[pixel], sheet->inverse_depth_1_m[pixel]};
+    std::size_t at = std::min(count, most_fragments - 1);
+    if (count == most_fragments && fragments[at].inverse_depth_1_m >= fragment.inverse_depth_1_m) continue;
+    for (; at > 0 && fragments[at - 1].inverse_depth_1_m < fragment.inverse_depth_1_m; --at)
+      fragments[at] = fragments[at - 1];
+    fragments[at] = fragment;
+    count = std::min(count + 1, most_fragments);
+  }
+  if (count < 2) return;
+  float through = 1.0F;
+  float sum = 0.0F;
+  for (std::size_t i = 0; i < count; ++i) {
+    sum += through * fragments[i].luminance;
+    through *= 1.0F - std::min(fragments[i].cover, 1.0F);
+  }
+  luminance[pixel] = sum;
 }
 
 double KeyframeRenderer::visible_share(const Eigen::Vector3d& centre_m, double radius_m, int body) const {
@@ -314,9 +328,11 @@ double KeyframeRenderer::visible_share(const Eigen::Vector3d& centre_m, double r
   constexpr std::array<float, 2> places{-0.25F, 0.25F};  // of a pixel's samples
   double all = 0.0;
   double visible = 0.0;
-  const PixelRect bodies = pixels_of_bodies();
-  for (int row = bodies.top; row < bodies.bottom; ++row) {
-    for (int column = bodies.left; column < bodies.right; ++column) {
+  const auto own =
+      std::ranges::find_if(sheets_, [&](const Sheet& sheet) { return sheet.layer.body == body; });
+  if (own == sheets_.end()) return 0.0;
+  for (int row = own->pixels.top; row < own->pixels.bottom; ++row) {
+    for (int column = own->pixels.left; column < own->pixels.right; ++column) {
       const auto pixel = static_cast<std::size_t>(row) * static_cast<std::size_t>(camera_.size.width) +
                          static_cast<std::size_t>(column);
       const std::array<float, 4>& slope = ray_slope_[pixel];

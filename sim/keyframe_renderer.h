@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/camera.h"
+#include "emulator/band_threads.h"
 #include "sim/eye_renderer.h"
 #include "sim/gl_context.h"
 #include "sim/keyframe.h"
@@ -28,9 +29,10 @@ namespace saccade {
 /// there, because the room's keyframe is drawn without them.
 class KeyframeRenderer {
  public:
-  /// `model` and `gl` must outlive it. Textures are uploaded here: paint them before.
+  /// `model` and `gl` must outlive it. `threads` share the rows of an image; images do not depend on them. Textures are uploaded here: paint them before.
   /// Throws InputError for a config or camera out of range, RunError when OpenGL fails.
-  KeyframeRenderer(const mjModel& model, GlContext& gl, const Camera& camera, const EyeRenderConfig& config);
+  KeyframeRenderer(const mjModel& model, GlContext& gl, const Camera& camera, const EyeRenderConfig& config,
+                   std::shared_ptr<BandThreads> threads);
   ~KeyframeRenderer();
 
   /// The image of the model's fixed camera `camera_id` at the state of `data` (kinematics computed; not changed).
@@ -59,16 +61,25 @@ class KeyframeRenderer {
     int bottom = 0;
 
     [[nodiscard]] bool is_empty() const { return right <= left || bottom <= top; }
-    [[nodiscard]] bool holds(int x, int y) const { return x >= left && x < right && y >= top && y < bottom; }
+    [[nodiscard]] bool has_row(int y) const { return y >= top && y < bottom; }
+    [[nodiscard]] bool holds(int x, int y) const { return x >= left && x < right && has_row(y); }
   };
   /// A layer with its keyframe and what the newest image has of it; the size of the image each.
   struct Sheet {
     detail::SceneLayer layer;
     detail::Keyframe keyframe;
     PixelRect pixels;
+    detail::WarpRow warp;
     std::vector<float> luminance;
     std::vector<float> cover;
     std::vector<float> inverse_depth_1_m;
+  };
+  /// Intermediate results of a row, one for each band of rows.
+  struct Scratch {
+    std::vector<float> u;
+    std::vector<float> v;
+    std::vector<int> at;
+    std::vector<const Sheet*> bodies;  ///< with pixels in the row
   };
   /// What one layer shows in a pixel.
   struct Fragment {
@@ -81,11 +92,13 @@ class KeyframeRenderer {
   [[nodiscard]] bool find_rect(const Sheet& sheet, const mjData& data,
                                const Eigen::Isometry3d& camera_from_root, detail::Keyframe& keyframe) const;
   void draw(Sheet& sheet, mjData& data, mjvGLCamera eye);
-  void reproject(Sheet& sheet, const Eigen::Isometry3d& camera_from_layer);
+  void prepare(Sheet& sheet, const Eigen::Isometry3d& camera_from_layer) const;
+  void reproject_rows(Sheet& sheet, int top, int bottom, Scratch& scratch) const;
   [[nodiscard]] PixelRect pixels_of(const detail::Keyframe& keyframe,
                                     const Eigen::Isometry3d& camera_from_key) const;
-  void compose(std::span<float> luminance) const;
-  [[nodiscard]] PixelRect pixels_of_bodies() const;
+  void compose_rows(std::span<float> luminance, int top, int bottom, Scratch& scratch) const;
+  void compose_pixel(int x, std::size_t pixel, const std::vector<const Sheet*>& bodies,
+                     std::span<float> luminance) const;
 
   Camera camera_;
   EyeRenderConfig config_;
@@ -101,9 +114,8 @@ class KeyframeRenderer {
   std::vector<float> ray_x_;
   std::vector<float> ray_y_;
   std::vector<std::array<float, 4>> ray_slope_;
-  std::vector<float> row_u_;
-  std::vector<float> row_v_;
-  std::vector<int> row_at_;
+  std::shared_ptr<BandThreads> threads_;
+  std::vector<Scratch> scratch_;
   std::vector<std::uint32_t> rgba_;
   std::vector<float> depth_;
   Counts counts_;

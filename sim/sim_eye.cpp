@@ -18,7 +18,8 @@ int model_camera_of(const World& world, std::uint8_t number) {
 
 }  // namespace
 
-SimEye::SimEye(World& world, GlContext& gl, const SimConfig& config, std::uint8_t number, std::uint64_t seed)
+SimEye::SimEye(World& world, GlContext& gl, const SimConfig& config, std::uint8_t number, std::uint64_t seed,
+               std::shared_ptr<BandThreads> threads)
     : world_(&world),
       model_camera_(model_camera_of(world, number)),
       number_(number),
@@ -26,7 +27,7 @@ SimEye::SimEye(World& world, GlContext& gl, const SimConfig& config, std::uint8_
       sampler_(config.sampling, ImageMotion(world.model(), model_camera_, camera_of(config, number))),
       camera_(camera_of(config, number)),
       emulator_(config.emulator, camera_of(config, number).size,
-                number == 0 ? seed : RandomStream(seed, "right eye").bits(0)),
+                number == 0 ? seed : RandomStream(seed, "right eye").bits(0), threads),
       luminance_(static_cast<std::size_t>(camera_of(config, number).size.pixels())) {
   const CameraMount& mount = number == 0 ? config.mount : config.right.mount;
   check_config(number == 0 ? "camera.eye_from_camera" : "right_camera.eye_from_camera", mount);
@@ -35,7 +36,9 @@ SimEye::SimEye(World& world, GlContext& gl, const SimConfig& config, std::uint8_
   const bool is_measured = world.has_target() && !world.target_radius_m();
   if (is_direct || labelled_ || is_measured)
     renderer_ = std::make_unique<EyeRenderer>(world.model(), gl, camera_, config.render);
-  if (!is_direct) keyframes_ = std::make_unique<KeyframeRenderer>(world.model(), gl, camera_, config.render);
+  if (!is_direct)
+    keyframes_ =
+        std::make_unique<KeyframeRenderer>(world.model(), gl, camera_, config.render, std::move(threads));
   target_body_ = world.target_body();
   if (config.lab.flicker) flicker_.emplace(*config.lab.flicker);
   if (labelled_) {

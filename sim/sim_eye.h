@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/camera.h"
+#include "emulator/band_threads.h"
 #include "emulator/event_emulator.h"
 #include "sim/eye_renderer.h"
 #include "sim/flicker.h"
@@ -45,8 +46,10 @@ class SimEye {
  public:
   /// `number`: 0 left, 1 right, as Event::camera. Moves the model's camera to its pose in the eye. The model's textures
   /// are painted already; `world` and `gl` outlive it. From the same seed the two eyes draw different mismatch and noise.
+  /// `threads` share the work of an image; results do not depend on them.
   /// Throws InputError for a configuration out of range, RunError when OpenGL fails.
-  SimEye(World& world, GlContext& gl, const SimConfig& config, std::uint8_t number, std::uint64_t seed);
+  SimEye(World& world, GlContext& gl, const SimConfig& config, std::uint8_t number, std::uint64_t seed,
+         std::shared_ptr<BandThreads> threads);
 
   /// The next instant in [begin_us, end_us], a tick of the world, at which an image is due; see ImageSampler and Flicker.
   [[nodiscard]] std::optional<std::int64_t> next_image(std::int64_t begin_us, std::int64_t end_us,

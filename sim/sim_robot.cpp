@@ -6,13 +6,14 @@
 #include "core/units.h"
 
 namespace saccade {
-SimRobot::SimRobot(const SimConfig& config, std::uint64_t seed)
-    : SimRobot(config, seed, Lab(config.lab, seed)) {}
+SimRobot::SimRobot(const SimConfig& config, std::uint64_t seed, std::size_t threads)
+    : SimRobot(config, seed, Lab(config.lab, seed), threads) {}
 
-SimRobot::SimRobot(const SimConfig& config, std::uint64_t seed, const Lab& lab)
+SimRobot::SimRobot(const SimConfig& config, std::uint64_t seed, const Lab& lab, std::size_t threads)
     : config_(config),
       world_(config.world, lab.mjcf(), seed),
       gl_(GlContext::create(config.gl, config.gl_device)),
+      threads_(std::make_shared<BandThreads>(threads)),
       between_ticks_(mj_makeData(&world_.model())) {
   if (!between_ticks_) throw RunError("MuJoCo has no memory for the world between ticks");
   if (config.both_eyes() && config.right.camera.size != config.camera.size) {
@@ -20,19 +21,21 @@ SimRobot::SimRobot(const SimConfig& config, std::uint64_t seed, const Lab& lab)
                      "the left camera's image, " + in_words(config.camera.size));
   }
   lab.paint(world_.model());
-  eyes_.emplace_back(world_, *gl_, config_, 0, seed);
-  if (config.both_eyes()) eyes_.emplace_back(world_, *gl_, config_, 1, seed);
+  eyes_.emplace_back(world_, *gl_, config_, 0, seed, threads_);
+  if (config.both_eyes()) eyes_.emplace_back(world_, *gl_, config_, 1, seed, threads_);
   take_images(world_.now_us());
   update_truth();
 }
 
 PortStatus SimRobot::wait_until(std::int64_t t_us) {
+  threads_->wake();
   while (world_.now_us() < t_us) {
     const std::int64_t begin_us = world_.now_us();
     world_.step();
     while (const auto image_us = next_image(begin_us)) take_images(*image_us);
     update_truth();
   }
+  threads_->rest();
   return PortStatus::ok;
 }
 

@@ -37,8 +37,9 @@ struct SimTruth {
 /// gives; the ground truth has functions of its own, which only recorders, scores and the window use.
 class SimRobot final : public Robot, public Clock, public EventSource, public HeadPort, public ImuPort {
  public:
+  /// `threads`: of reprojection and event cameras, at least 1; results do not depend on it.
   /// Throws InputError for a configuration out of range, RunError if there is no OpenGL.
-  SimRobot(const SimConfig& config, std::uint64_t seed);
+  SimRobot(const SimConfig& config, std::uint64_t seed, std::size_t threads = 1);
 
   Clock& clock() override { return *this; }
   EventSource& events() override { return *this; }
@@ -82,7 +83,7 @@ class SimRobot final : public Robot, public Clock, public EventSource, public He
   [[nodiscard]] const std::string& gl_description() const { return gl_->description(); }
 
  private:
-  SimRobot(const SimConfig& config, std::uint64_t seed, const Lab& lab);
+  SimRobot(const SimConfig& config, std::uint64_t seed, const Lab& lab, std::size_t threads);
 
   [[nodiscard]] std::optional<std::int64_t> next_image(std::int64_t begin_us);
   void take_images(std::int64_t t_us);
@@ -94,6 +95,7 @@ class SimRobot final : public Robot, public Clock, public EventSource, public He
   SimConfig config_;
   World world_;
   std::unique_ptr<GlContext> gl_;
+  std::shared_ptr<BandThreads> threads_;
   std::vector<SimEye> eyes_;  // left, right
   std::unique_ptr<SceneRenderer> scene_;
   std::unique_ptr<EyeRenderer> colour_eye_;

@@ -114,7 +114,8 @@ int serve(const ServeOptions& options, const Registry& registry) {
   const std::filesystem::path folder =
       options.out.empty() ? std::filesystem::path("runs") / (scenario.name + "_served") : options.out;
   set_rasterisers(scenario.run.threads);
-  SimRobot robot(scenario.sim, static_cast<std::uint64_t>(scenario.seed));
+  SimRobot robot(scenario.sim, static_cast<std::uint64_t>(scenario.seed),
+                 static_cast<std::size_t>(scenario.run.threads));
   start_run_folder(
       folder, options.force, registry.formats, "scenario.yaml",
       version_line() + ", served; " + robot.gl_description() + "\n" + resolved_scenario(scenario));

@@ -51,7 +51,8 @@ std::int64_t duration_us(const Scenario& scenario) { return std::llround(scenari
 int run_scenario(const Scenario& scenario, const RunSettings& settings) {
   const std::filesystem::path folder =
       settings.folder.empty() ? std::filesystem::path("runs") / scenario.name : settings.folder;
-  SimRobot robot(scenario.sim, static_cast<std::uint64_t>(scenario.seed));
+  SimRobot robot(scenario.sim, static_cast<std::uint64_t>(scenario.seed),
+                 static_cast<std::size_t>(scenario.run.threads));
   start_run_folder(folder, settings.force, scenario.output.formats, "scenario.yaml",
                    version_line() + "; " + robot.gl_description() + "\n" + resolved_scenario(scenario));
   Loop loop = make_loop(scenario, robot);
@@ -92,7 +93,8 @@ int run_scenario(const Scenario& scenario, const RunSettings& settings) {
 }
 
 Metrics score_scenario(const Scenario& scenario) {
-  SimRobot robot(scenario.sim, static_cast<std::uint64_t>(scenario.seed));
+  SimRobot robot(scenario.sim, static_cast<std::uint64_t>(scenario.seed),
+                 static_cast<std::size_t>(scenario.run.threads));
   Loop loop = make_loop(scenario, robot);
   RunRecorder recorder(std::nullopt, scenario, robot, loop);
   Session session(robot, loop);

@@ -66,8 +66,8 @@ TEST(SimRobot, AStillHeadInAStillSceneGetsNoEvents) {
 
 /// All events up to t_us, of one eye.
 std::vector<Event> events_of(const SimConfig& config, std::uint64_t seed, std::uint8_t camera,
-                             std::int64_t t_us) {
-  SimRobot robot(config, seed);
+                             std::int64_t t_us, std::size_t threads = 1) {
+  SimRobot robot(config, seed, threads);
   std::vector<Event> events;
   robot.wait_until(t_us);
   robot.read_until(t_us, events);
@@ -81,6 +81,16 @@ TEST(SimRobot, TheLeftEyesEventsDoNotDependOnTheRightEye) {
   const std::vector<Event> alone = events_of(config, 1, 0, 200'000);
   EXPECT_GT(alone.size(), 1000U);
   EXPECT_EQ(alone, events_of(with_both_eyes(config), 1, 0, 200'000));
+}
+
+TEST(SimRobot, EventsDoNotDependOnTheNumberOfThreads) {
+  SimConfig config = with_both_eyes(small_world());
+  for (const RenderMethod method : {RenderMethod::direct, RenderMethod::keyframes}) {
+    config.render.method = method;
+    const std::vector<Event> events = events_of(config, 1, 0, 100'000);
+    EXPECT_GT(events.size(), 500U);
+    EXPECT_EQ(events, events_of(config, 1, 0, 100'000, 3));
+  }
 }
 
 TEST(SimRobot, TheEyesHaveDifferentNoiseThatDependsOnTheSeed) {
