@@ -13,8 +13,8 @@ SimRobot::SimRobot(const SimConfig& config, std::uint64_t seed, const Lab& lab, 
     : config_(config),
       world_(config.world, lab.mjcf(), seed),
       gl_(GlContext::create(config.gl, config.gl_device)),
-      threads_(std::make_shared<BandThreads>(threads)),
-      between_ticks_(mj_makeData(&world_.model())) {
+      between_ticks_(mj_makeData(&world_.model())),
+      threads_(std::make_shared<BandThreads>(threads)) {
   if (!between_ticks_) throw RunError("MuJoCo has no memory for the world between ticks");
   if (config.both_eyes() && config.right.camera.size != config.camera.size) {
     throw InputError("right_camera", in_words(config.right.camera.size),

@@ -95,7 +95,6 @@ class SimRobot final : public Robot, public Clock, public EventSource, public He
   SimConfig config_;
   World world_;
   std::unique_ptr<GlContext> gl_;
-  std::shared_ptr<BandThreads> threads_;
   std::vector<SimEye> eyes_;  // left, right
   std::unique_ptr<SceneRenderer> scene_;
   std::unique_ptr<EyeRenderer> colour_eye_;
@@ -107,6 +106,7 @@ class SimRobot final : public Robot, public Clock, public EventSource, public He
   std::vector<EventLabel> delivered_labels_;
   std::size_t delivered_ = 0;
   SimTruth truth_;
+  std::shared_ptr<BandThreads> threads_;
 };
 
 }  // namespace saccade
