@@ -40,7 +40,7 @@ class EventCounter {
 
   void add(std::span<const Event> events);
 
-  [[nodiscard]] const EventStatistics& all() const { return all_.statistics; }
+  [[nodiscard]] const EventStatistics& all() const { return (both_ ? all_ : cameras_[only_]).statistics; }
   /// 0 left, 1 right.
   [[nodiscard]] const EventStatistics& camera(int camera) const {
     return cameras_[static_cast<std::size_t>(camera)].statistics;
@@ -57,12 +57,15 @@ class EventCounter {
     Bin long_bin;
   };
 
-  void add(Stream& stream, const Event& event) const;
+  template <class Takes>
+  void add(Stream& stream, std::span<const Event> events, const Takes& takes) const;
 
   std::optional<ImageSize> image_size_;
   std::int64_t gap_us_;
-  Stream all_;
   std::array<Stream, 2> cameras_;
+  std::size_t only_ = 0;  ///< the camera of all events so far
+  bool both_ = false;     ///< events of both came: then all_ is counted on its own
+  Stream all_;
 };
 
 }  // namespace saccade
