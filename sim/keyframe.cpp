@@ -57,6 +57,59 @@ std::uint16_t rounded(float value) {
   return static_cast<std::uint16_t>(static_cast<std::int32_t>((inside < most ? inside : most) + 0.5F));
 }
 
+/// Gives every 0 of the row the nearest value that is not. Returns false if all are 0.
+bool fill_row(float* row, std::size_t columns) {
+  std::size_t begin = 0;  // of the zeros before i
+  for (std::size_t i = 0; i < columns; ++i) {
+    if (!(row[i] > 0.0F)) continue;
+    const std::size_t middle = begin == 0 ? 0 : begin + (i - begin) / 2;
+    if (begin > 0) std::fill(row + begin, row + middle, row[begin - 1]);
+    std::fill(row + middle, row + i, row[i]);
+    begin = i + 1;
+  }
+  if (begin > 0) std::fill(row + begin, row + columns, row[begin - 1]);
+  return begin > 0;
+}
+
+/// Continues the depths of a layer's outline around it: a pixel that the outline cuts moves as the outline does.
+void continue_outwards(std::vector<float>& depths, std::size_t columns) {
+  const std::size_t rows = depths.size() / columns;
+  const auto row_at = [&](std::size_t row) { return depths.data() + row * columns; };
+  std::size_t begin = 0;  // of the empty rows before `row`
+  for (std::size_t row = 0; row < rows; ++row) {
+    if (!fill_row(row_at(row), columns)) continue;
+    const std::size_t middle = begin == 0 ? 0 : begin + (row - begin) / 2;
+    for (std::size_t i = begin; i < row; ++i)
+      std::copy_n(row_at(i < middle ? begin - 1 : row), columns, row_at(i));
+    begin = row + 1;
+  }
+  for (std::size_t i = begin; begin > 0 && i < rows; ++i) std::copy_n(row_at(begin - 1), columns, row_at(i));
+}
+
+float smaller(float a, float b) { return a < b ? a : b; }
+
+/// The least value within `reach` columns and rows of each; values beyond the border count as the border's.
+void least_around(std::vector<float>& values, std::size_t columns, std::size_t reach,
+                  std::vector<float>& room) {
+  const std::size_t rows = values.size() / columns;
+  room = values;
+  for (std::size_t row = 0; row < rows; ++row) {
+    const float* const from = values.data() + row * columns;
+    float* const to = room.data() + row * columns;
+    for (std::size_t by = 1; by <= std::min(reach, columns - 1); ++by) {
+      for (std::size_t i = 0; i + by < columns; ++i) to[i] = smaller(to[i], from[i + by]);
+      for (std::size_t i = by; i < columns; ++i) to[i] = smaller(to[i], from[i - by]);
+    }
+  }
+  values = room;
+  for (std::size_t by = 1; by <= std::min(reach, rows - 1); ++by) {
+    const std::size_t count = (rows - by) * columns;
+    const std::size_t shift = by * columns;
+    for (std::size_t i = 0; i < count; ++i) values[i] = smaller(values[i], room[i + shift]);
+    for (std::size_t i = 0; i < count; ++i) values[i + shift] = smaller(values[i + shift], room[i]);
+  }
+}
+
 /// The order of positive floats is that of their bits; the compiler vectorises maxima of whole numbers.
 std::int32_t bits_of(float value) { return std::bit_cast<std::int32_t>(value); }
 
@@ -92,7 +145,7 @@ void KeyframeFilter::copy_depths(Keyframe& k, std::span<const float> depth, doub
                                  bool is_room) {
   const auto columns = static_cast<std::size_t>(k.rect.columns());
   const auto rows = static_cast<std::size_t>(k.rect.rows());
-  const auto block = static_cast<std::size_t>(camera_->samples());
+  const auto block = static_cast<std::size_t>(is_room ? camera_->samples() : 1);
   const std::size_t block_columns = (columns + block - 1) / block;
   const std::size_t block_rows = (rows + block - 1) / block;
   const auto at_near = static_cast<float>(1.0 / near_m);
@@ -143,14 +196,26 @@ void KeyframeFilter::copy_depths(Keyframe& k, std::span<const float> depth, doub
   k.farthest_1_m = static_cast<double>(std::bit_cast<float>(range.least));
   k.mean_1_m = sum / count;
   k.largest_step_1_m = static_cast<double>(std::bit_cast<float>(step));
-  const int around = 2 * k.block;
+  const int around = 2 * camera_->samples();
   k.covered = SampleRect{k.rect.left + covered.left - around, k.rect.top + covered.top - around,
                          k.rect.left + covered.right + around, k.rect.top + covered.bottom + around}
                   .cut(k.rect);
   for (std::size_t i = 0; i < block_counts_.size(); ++i) {
-    k.inverse_depth_1_m[i] =
-        block_counts_[i] > 0.0F ? k.inverse_depth_1_m[i] / block_counts_[i] : static_cast<float>(k.mean_1_m);
+    k.inverse_depth_1_m[i] = block_counts_[i] > 0.0F ? k.inverse_depth_1_m[i] / block_counts_[i] : nothing;
   }
+  if (!is_room) take_outline_depths(k.inverse_depth_1_m, columns);
+}
+
+/// Pixels that the outline cuts are nearly as far away as the outline, and it moves as they do: samples less than a pixel's
+/// half diagonal inside the outline get its depth.
+void KeyframeFilter::take_outline_depths(std::vector<float>& depths, std::size_t columns) {
+  const auto reach = static_cast<std::size_t>(std::lround(0.7 * camera_->samples()));
+  inside_ = depths;
+  continue_outwards(depths, columns);
+  outline_ = depths;
+  least_around(outline_, columns, reach, filter_room_);
+  least_around(inside_, columns, reach, filter_room_);  // 0 near what is not drawn
+  for (std::size_t i = 0; i < depths.size(); ++i) depths[i] = inside_[i] > 0.0F ? depths[i] : outline_[i];
 }
 
 /// Means of samples_ over the area of a pixel around each, times `scale`, rounded, as pairs of a sample and the one below it. Sums

@@ -33,7 +33,8 @@ struct Keyframe {
   std::vector<std::uint16_t>
       cover;  ///< share of the pixel that the layer covers, in units of cover_step, 0 to 1;
               ///< empty for the room: 1
-  // Mean inverse depth of blocks of `block` x `block` samples.
+  // Mean inverse depth of blocks of `block` x `block` samples: of the room as large as a pixel, of a body one sample, and
+  // around the body that of its outline.
   int block = 1;
   int block_columns = 0;
   int block_rows = 0;
@@ -54,6 +55,7 @@ class KeyframeFilter {
  private:
   void copy_depths(Keyframe& keyframe, std::span<const float> depth, double near_m, double far_m,
                    bool is_room);
+  void take_outline_depths(std::vector<float>& depths, std::size_t columns);
   void mean_over_pixels(const SampleRect& rect, std::vector<std::uint16_t>& pairs, float scale);
 
   const KeyframeCamera* camera_;
@@ -63,6 +65,9 @@ class KeyframeFilter {
   std::vector<float> depth_row_;
   std::vector<float> depth_row_above_;
   std::vector<float> block_counts_;
+  std::vector<float> inside_;
+  std::vector<float> outline_;
+  std::vector<float> filter_room_;
 };
 
 }  // namespace saccade::detail

@@ -246,7 +246,7 @@ void KeyframeRenderer::prepare(Sheet& sheet, const Eigen::Isometry3d& camera_fro
   constexpr double least_spread = 0.02;
   constexpr double small_spread = 1.0;
   warp.iterations = spread < least_spread ? 0 : spread < small_spread ? 1 : 2;
-  if (!is_room) warp.iterations = std::max(warp.iterations, 1);  // the depth orders the layers
+  if (!is_room) ++warp.iterations;  // the depth orders the layers, and bends at their outlines
   warp.luminance = key.luminance.data();
   warp.cover = is_room ? nullptr : key.cover.data();
   warp.columns = key.rect.columns();
