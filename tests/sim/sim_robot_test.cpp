@@ -88,7 +88,7 @@ TEST(SimRobot, EventsDoNotDependOnTheNumberOfThreads) {
   for (const RenderMethod method : {RenderMethod::direct, RenderMethod::keyframes}) {
     config.render.method = method;
     const std::vector<Event> events = events_of(config, 1, 0, 100'000);
-    EXPECT_GT(events.size(), 500U);
+    EXPECT_GT(events.size(), 300U);
     EXPECT_EQ(events, events_of(config, 1, 0, 100'000, 3));
   }
 }
