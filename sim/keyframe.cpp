@@ -218,8 +218,8 @@ void KeyframeFilter::take_outline_depths(std::vector<float>& depths, std::size_t
   for (std::size_t i = 0; i < depths.size(); ++i) depths[i] = inside_[i] > 0.0F ? depths[i] : outline_[i];
 }
 
-/// Means of samples_ over the area of a pixel around each, times `scale`, rounded, as pairs of a sample and the one below it. Sums
-/// are whole numbers modulo 2^32, so that differences are exact. Samples that share a PixelSize share the interval.
+/// Means of samples_ over the area of a pixel around each, times `scale`, rounded, as pairs of a sample and the one below it.
+/// Sums are whole numbers modulo 2^32, so that differences are exact. Samples that share a PixelSize share the interval.
 void KeyframeFilter::mean_over_pixels(const SampleRect& rect, std::vector<std::uint16_t>& pairs,
                                       float scale) {
   const int columns = rect.columns();

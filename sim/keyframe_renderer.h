@@ -29,7 +29,8 @@ namespace saccade {
 /// there, because the room's keyframe is drawn without them.
 class KeyframeRenderer {
  public:
-  /// `model` and `gl` must outlive it. `threads` share the rows of an image; images do not depend on them. Textures are uploaded here: paint them before.
+  /// `model` and `gl` must outlive it. `threads` share the rows of an image; images do not depend on them. Textures are
+  /// uploaded here: paint them before.
   /// Throws InputError for a config or camera out of range, RunError when OpenGL fails.
   KeyframeRenderer(const mjModel& model, GlContext& gl, const Camera& camera, const EyeRenderConfig& config,
                    std::shared_ptr<BandThreads> threads);
