@@ -53,9 +53,9 @@ void LoopHistory::record(const Tick& tick, const SnapshotTruth& truth, const Loo
   }
   sample.gaze_error_deg = truth.gaze_error_deg;
   if (tick.head) {
-    for (std::size_t j = 0; j < joint_count; ++j) {
-      sample.joints_deg[j] =
-          static_cast<float>(deg_per_rad * tick.head->position_rad[static_cast<Eigen::Index>(j)]);
+    for (std::size_t j = 0; j < sample.joints_deg.size(); ++j) {
+      sample.joints_deg[j] = static_cast<float>(
+          deg_per_rad * tick.head->position_rad[torso_slots + static_cast<Eigen::Index>(j)]);
     }
   }
   samples_.push_back(sample);
@@ -82,6 +82,11 @@ void LoopHistory::fill(Snapshot& snapshot, const Loop& loop) const {
   snapshot.truth = truth_;
   snapshot.phase = phase_;
   snapshot.samples.assign(samples_.begin(), samples_.end());
+  snapshot.joint_names.clear();
+  if (!samples_.empty() && std::isfinite(samples_.back().joints_deg[0])) {
+    for (int slot = torso_slots; slot < torso_slots + loop.head()->gaze_joints(); ++slot)
+      snapshot.joint_names.emplace_back(loop.head()->name_of(slot));
+  }
   snapshot.hough.resize(static_cast<std::size_t>(camera_.size.pixels()));
   if (selected_ >= loop.detectors().size() ||
       !hough_space_of(*loop.detectors()[selected_].detector, snapshot.hough))

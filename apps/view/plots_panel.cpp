@@ -54,21 +54,27 @@ Plot gaze_error_plot() {
   return plot;
 }
 
-Plot joints_plot() {
+/// The label of a joint in the plot: short for the iCub's, none for two that are mostly at the same place as others.
+std::string label_of(const std::string& joint) {
+  if (joint == "neck_roll" || joint == "eyes_vergence") return {};
+  if (joint == "eyes_version") return "pan";
+  for (const std::string_view part : {"neck_", "eyes_"}) {
+    if (joint.starts_with(part)) return joint.substr(part.size());
+  }
+  return joint;
+}
+
+Plot joints_plot(const std::vector<std::string>& names) {
   Plot plot;
   plot.title = "joints, deg";
   plot.low = -10.0;
   plot.high = 10.0;
-  const std::array<std::pair<const char*, ImU32>, 6> shown = {{{"pitch", IM_COL32(230, 120, 110, 255)},
-                                                               {"", IM_COL32(200, 130, 200, 255)},
-                                                               {"yaw", IM_COL32(230, 190, 90, 255)},
-                                                               {"tilt", IM_COL32(110, 200, 130, 255)},
-                                                               {"pan", IM_COL32(100, 180, 250, 255)},
-                                                               {"", IM_COL32(150, 150, 230, 255)}}};
-  for (std::size_t j = 0; j < shown.size(); ++j) {
-    const std::size_t joint = torso_joint_count + j;
-    plot.curves.push_back({shown[j].first, shown[j].second, line,
-                           [joint](const PlotSample& s) { return s.joints_deg[joint]; }});
+  constexpr std::array<ImU32, 6> colours_of_joints = {
+      IM_COL32(230, 120, 110, 255), IM_COL32(200, 130, 200, 255), IM_COL32(230, 190, 90, 255),
+      IM_COL32(110, 200, 130, 255), IM_COL32(100, 180, 250, 255), IM_COL32(150, 150, 230, 255)};
+  for (std::size_t j = 0; j < std::min(names.size(), static_cast<std::size_t>(gaze_slots)); ++j) {
+    plot.curves.push_back({label_of(names[j]), colours_of_joints[j % colours_of_joints.size()], line,
+                           [j](const PlotSample& s) { return s.joints_deg[j]; }});
   }
   return plot;
 }
@@ -88,8 +94,7 @@ std::vector<Plot> plots_of(const Snapshot& snapshot, const ViewState& state) {
   plots.push_back(score_plot(detected));
   plots.push_back(event_rate_plot());
   if (has([](const PlotSample& s) { return s.gaze_error_deg; })) plots.push_back(gaze_error_plot());
-  if (!snapshot.samples.empty() && std::isfinite(snapshot.samples.back().joints_deg[0]))
-    plots.push_back(joints_plot());
+  if (!snapshot.joint_names.empty()) plots.push_back(joints_plot(snapshot.joint_names));
   return plots;
 }
 

@@ -135,7 +135,7 @@ class RecordingPlayback final : public Playback, private LoopObserver {
                           ? events_.begin()
                           : std::ranges::upper_bound(events_, now_us, {}, &Event::t_us);
     std::optional<RecordedHead> head;
-    if (has_head_) head.emplace(RecordedHead{TableReader<JointsRow>(folder_ / "joints.csv"), {}});
+    if (has_head_) head = recorded_head(folder_);
     robot_ = std::make_unique<ReplayRobot>(
         std::make_unique<MemoryReader>(std::span<const Event>(next, events_.end()), camera_.camera.size),
         std::move(head));

@@ -15,6 +15,13 @@
 
 namespace saccade {
 
+/// NaN for each joint that gaze commands.
+constexpr std::array<float, gaze_slots> no_joints() {
+  std::array<float, gaze_slots> all{};
+  all.fill(std::numeric_limits<float>::quiet_NaN());
+  return all;
+}
+
 /// The values of one tick that the plots show; NaN where one does not apply.
 struct PlotSample {
   static constexpr float none = std::numeric_limits<float>::quiet_NaN();
@@ -26,7 +33,7 @@ struct PlotSample {
   float score = none;                               ///< of its estimate
   float threshold = none;
   float gaze_error_deg = none;
-  std::array<float, joint_count> joints_deg = {none, none, none, none, none, none, none, none, none};
+  std::array<float, gaze_slots> joints_deg = no_joints();  ///< those that gaze commands
 };
 
 /// The output of one detector in the newest tick.
@@ -70,7 +77,9 @@ struct Snapshot {
   std::size_t selected = 0;             ///< index in `outputs`; beyond their end where there is no detector
   std::optional<SnapshotTruth> truth;
   GazePhase phase = GazePhase::none;
-  std::vector<PlotSample> samples;       ///< of the last plot_us
+  std::vector<PlotSample> samples;  ///< of the last plot_us
+  std::vector<std::string>
+      joint_names;  ///< of the joints that gaze commands, in the order of joints_deg; empty without head
   std::shared_ptr<const mjModel> model;  ///< of the world; null where there is none
   MjDataPtr scene;                       ///< state of the world; null where there is none
 

@@ -48,6 +48,19 @@ TEST(ScenarioPlayback, SnapshotsKeepTheirModelAcrossRestartsAndAfterThePlayback)
   for (const Snapshot* snapshot : {&first, &second, &third}) expect_readable(*snapshot);
 }
 
+TEST(ScenarioPlayback, JointsOfThePlotsAreThoseOfTheHead) {
+  const auto pan_tilt = make_scenario_playback(scenario("gaze_square_pan_tilt.yaml"));
+  pan_tilt->tick();
+  pan_tilt->tick();
+  EXPECT_EQ(snapshot_of(*pan_tilt).joint_names, (std::vector<std::string>{"pan", "tilt"}));
+  const auto icub = make_scenario_playback(scenario("look_at_ball.yaml"));
+  icub->tick();
+  icub->tick();
+  EXPECT_EQ(snapshot_of(*icub).joint_names,
+            (std::vector<std::string>{"neck_pitch", "neck_roll", "neck_yaw", "eyes_tilt", "eyes_version",
+                                      "eyes_vergence"}));
+}
+
 TEST(ScenarioPlayback, RestoringTheStartReproducesTheRun) {
   const auto playback = make_scenario_playback(scenario("look_at_ball.yaml"));
   for (int i = 0; i < 30; ++i) playback->tick();
