@@ -260,8 +260,8 @@ void BallTracker::update_probability(Followed& f, std::int64_t now_us) {
     const double share = 1.0 - std::exp(-f.fresh_edges / length_px * weight / memory_px);
     f.evidence.blend(newest, share);
     f.history.newest = newest;
-    f.history.network = f.network;
-    f.history.network_mean += share * (f.network.log_odds - f.history.network_mean);
+    f.history.network_log_odds = f.network_log_odds;
+    f.history.network_mean += share * (f.network_log_odds - f.history.network_mean);
     f.history.on_ring_share += share * (f.fresh_on_outline / f.fresh_edges - f.history.on_ring_share);
     f.history.followed_px += weight * f.fresh_on_outline / length_px;
     f.clarity = std::max(least_clarity, (1.0 - std::exp(-newest[Evidence::ring_to_sides])) * calm);

@@ -95,7 +95,7 @@ class BallTracker final : public Detector, public DetectorViews {
     Silhouette silhouette;
     DiscEvidence evidence;  ///< averaged over the last pixels of motion
     DiscHistory history;
-    NetworkEvidence network;  ///< of the network's last result
+    double network_log_odds = least_network_log_odds;  ///< of the last look
     DiscInputs inputs{};
     double probability = 0.0;
     double clarity = 1.0;      ///< share of the edges near the circle that are of its outline
@@ -139,10 +139,10 @@ class BallTracker final : public Detector, public DetectorViews {
   void take_found(std::int64_t now_us);
   [[nodiscard]] bool corrects_known(const Circle& circle, double probability, std::int64_t now_us);
   void follow(const Circle& circle, const Eigen::Vector3d& motion_px_s, const DiscEvidence& evidence,
-              const NetworkEvidence& network, double probability, std::int64_t now_us);
+              double network_log_odds, double probability, std::int64_t now_us);
   void look(std::int64_t now_us);
-  [[nodiscard]] NetworkEvidence network_evidence(const Circle& circle, const Eigen::Vector2d& image_px_s,
-                                                 std::int64_t now_us) const;
+  [[nodiscard]] double network_log_odds(const Circle& circle, const Eigen::Vector2d& image_px_s,
+                                        std::int64_t now_us) const;
   void try_circle(const Circle& circle, std::int64_t at_us, std::int64_t now_us, bool keep_place);
   void end_duplicates();
 

@@ -89,7 +89,7 @@ void BallTracker::look(std::int64_t now_us) {
   }
   if (!network_.work(multiplications_per_tick)) return;
   for (Followed& f : followed_) {
-    if (f.alive) f.network = network_evidence(f.track.circle(), f.image_px_s, now_us);
+    if (f.alive) f.network_log_odds = network_log_odds(f.track.circle(), f.image_px_s, now_us);
   }
   for (const DiscNetwork::Found& found : network_.found()) {
     const double r_px = found.circle.r_px;
@@ -100,29 +100,14 @@ void BallTracker::look(std::int64_t now_us) {
   end_duplicates();
 }
 
-/// What the network's last result says about a circle that moves in the image.
-NetworkEvidence BallTracker::network_evidence(const Circle& circle, const Eigen::Vector2d& image_px_s,
-                                              std::int64_t now_us) const {
-  NetworkEvidence evidence;
-  if (network_.found_at_us() == never_us) return evidence;
+/// Log odds by the network's last result of a circle that moves in the image; at least least_network_log_odds.
+double BallTracker::network_log_odds(const Circle& circle, const Eigen::Vector2d& image_px_s,
+                                     std::int64_t now_us) const {
+  if (network_.found_at_us() == never_us) return least_network_log_odds;
   const double since_s = static_cast<double>(now_us - network_.found_at_us()) * 1e-6;
-  const Circle then{circle.x_px - image_px_s.x() * since_s, circle.y_px - image_px_s.y() * since_s, circle.r_px};
-  const DiscNetwork::Found about = network_.about(then);
-  double strongest_other = DiscNetwork::nothing;
-  for (const DiscNetwork::Found& other : network_.found()) {
-    if (!is_same(other.circle, about.circle, rival_share * about.circle.r_px, rival_share * about.circle.r_px)) {
-      strongest_other = other.log_odds;
-      break;
-    }
-  }
-  evidence.log_odds = about.log_odds;
-  evidence.lead = about.log_odds - strongest_other;
-  if (about.log_odds > DiscNetwork::nothing) {
-    evidence.off_radii =
-        std::hypot(about.circle.x_px - then.x_px, about.circle.y_px - then.y_px) / then.r_px;
-    evidence.radius_off = (about.circle.r_px - then.r_px) / then.r_px;
-  }
-  return evidence;
+  const Circle then{circle.x_px - image_px_s.x() * since_s, circle.y_px - image_px_s.y() * since_s,
+                    circle.r_px};
+  return std::max(least_network_log_odds, static_cast<double>(network_.about(then).log_odds));
 }
 
 /// Moves a circle found at at_us to now, fits it to the edges there (or leaves place and radius as found), and follows it
@@ -141,16 +126,14 @@ void BallTracker::try_circle(const Circle& found, std::int64_t at_us, std::int64
   const DiscEvidence seen = evidence(circle, motion, now_us);
   DiscHistory history;
   history.newest = seen;
-  history.network = network_evidence(circle, motion.head<2>(), now_us);
-  history.network_mean = history.network.log_odds;
+  history.network_log_odds = history.network_mean = network_log_odds(circle, motion.head<2>(), now_us);
   const double probability = disc_probability(disc_inputs(seen, history));
   if (!corrects_known(circle, probability, now_us))
-    follow(circle, motion, seen, history.network, probability, now_us);
+    follow(circle, motion, seen, history.network_log_odds, probability, now_us);
 }
 
 /// Whether a found circle is one that is followed. Where it is the better one of the two, the track is corrected.
-bool BallTracker::corrects_known(const Circle& circle, double probability,
-                                 std::int64_t now_us) {
+bool BallTracker::corrects_known(const Circle& circle, double probability, std::int64_t now_us) {
   bool known = false;
   for (Followed& f : followed_) {
     if (!f.alive) continue;
@@ -158,8 +141,7 @@ bool BallTracker::corrects_known(const Circle& circle, double probability,
     if (is_same(c, circle, 6.0, 4.0)) {
       DiscHistory history;
       history.newest = evidence(c, f.motion_px_s(), now_us);
-      history.network = network_evidence(c, f.image_px_s, now_us);
-      history.network_mean = history.network.log_odds;
+      history.network_log_odds = history.network_mean = network_log_odds(c, f.image_px_s, now_us);
       if (probability > disc_probability(disc_inputs(history.newest, history)) + better_by) {
         f.track.doubt();
         f.track.correct(circle, Eigen::Vector3d::Constant(fit_sd_px));
@@ -174,7 +156,7 @@ bool BallTracker::corrects_known(const Circle& circle, double probability,
 /// Follows a new circle in place of the least probable one: of those that claim the same disc if there are enough, of
 /// all else.
 void BallTracker::follow(const Circle& circle, const Eigen::Vector3d& motion, const DiscEvidence& seen,
-                         const NetworkEvidence& network, double probability, std::int64_t now_us) {
+                         double network_log_odds, double probability, std::int64_t now_us) {
   Followed* weakest = nullptr;
   std::size_t rivals = 0;
   for (Followed& f : followed_) {
@@ -206,8 +188,7 @@ void BallTracker::follow(const Circle& circle, const Eigen::Vector3d& motion, co
   f.image_px_s = f.carried_px_s + f.track.speed_px_s();
   f.evidence = seen;
   f.history.newest = seen;
-  f.network = f.history.network = network;
-  f.history.network_mean = network.log_odds;
+  f.network_log_odds = f.history.network_log_odds = f.history.network_mean = network_log_odds;
   f.history.radius_variance_px2 = f.track.covariance()(2, 2);
   f.probability = new_share * probability;
   f.inputs = disc_inputs(f.evidence, f.history);

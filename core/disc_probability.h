@@ -7,14 +7,7 @@
 
 namespace saccade {
 
-/// What DiscNetwork says about a circle.
-struct NetworkEvidence {
-  static constexpr double none = -12.0;  ///< log odds where the network sees no circle
-  double log_odds = none;                ///< of the strongest circle of the network that is about this one
-  double lead = 0.0;                     ///< that, less the log odds of the strongest other circle
-  double off_radii = 0.4;                ///< between the centres of the two, radii
-  double radius_off = 0.0;               ///< difference of the two radii, radii
-};
+inline constexpr double least_network_log_odds = -1.0;
 
 /// What a circle has shown since it is followed, beside its evidence; the defaults are those of a circle that was just
 /// found.
@@ -29,12 +22,14 @@ struct DiscHistory {
   double moved_radii = 0.0;          ///< how far it has moved against the background lately, radii
   double on_ring_share = 0.5;        ///< of the edges near it
   double radius_variance_px2 = 1.0;  ///< of the track
-  NetworkEvidence network;           ///< of the last look
-  double network_mean = NetworkEvidence::none;  ///< its log odds, averaged like the evidence
+  /// Log odds by DiscNetwork's last look, from least_network_log_odds up: what the network sees speaks for a ball; that it
+  /// sees none speaks for nothing, since it knows only worlds like those that it was fitted to.
+  double network_log_odds = least_network_log_odds;
+  double network_mean = least_network_log_odds;  ///< averaged like the evidence
 };
 
 /// Inputs of the model: the evidence, then the history.
-inline constexpr std::size_t disc_input_count = evidence_count + 20;
+inline constexpr std::size_t disc_input_count = evidence_count + 17;
 using DiscInputs = std::array<float, disc_input_count>;
 
 [[nodiscard]] DiscInputs disc_inputs(const DiscEvidence& evidence, const DiscHistory& history);

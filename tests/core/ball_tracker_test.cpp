@@ -80,7 +80,8 @@ TEST(BallTracker, CountsABurstOfAPixelAsOneEdge) {
   const Estimate e = Player(burst, bursts).until(120'000);
   EXPECT_EQ(e.circle.x_px, expected.circle.x_px);
   EXPECT_EQ(e.circle.r_px, expected.circle.r_px);
-  EXPECT_EQ(e.score, expected.score);
+  // The network looks at the newest event of a pixel, up to 0.45 ms younger here.
+  EXPECT_NEAR(e.score, expected.score, 0.02);
 }
 
 TEST(BallTracker, HoldsABallThatStopsAndDeclaresTheEstimateHeld) {
