@@ -5,6 +5,11 @@
 #include <numbers>
 
 namespace saccade {
+namespace {
+
+constexpr double prediction_memory_s = 0.045;
+
+}  // namespace
 
 void describe(FieldVisitor& v, ContinuityGateConfig& config) {
   v.real("tolerance_deg", config.tolerance_deg, {0.01, 180.0},
@@ -16,6 +21,13 @@ void describe(FieldVisitor& v, ContinuityGateConfig& config) {
   v.integer("min_agreeing", config.min_agreeing, {1, 1000}, "number of detections that confirm a new place");
   v.real("forget_s", config.forget_s, {0.001, 60.0},
          "time without a detection near the last place after which the ball is lost");
+  v.real("near_score", config.near_score, {0.0, 1.0},
+         "share of the threshold from which on a score suffices near the predicted place; 1: the threshold "
+         "holds");
+  v.real("near_deg", config.near_deg, {0.01, 45.0},
+         "largest angle between such a detection and the predicted place");
+  v.real("near_s", config.near_s, {0.001, 60.0},
+         "time without a detection at the threshold after which such detections count no more");
 }
 
 ContinuityGate::ContinuityGate(const ContinuityGateConfig& config, const TargetConfig& target)
@@ -24,12 +36,39 @@ ContinuityGate::ContinuityGate(const ContinuityGateConfig& config, const TargetC
       window_us_(std::llround(config.window_s * 1e6)),
       forget_us_(std::llround(config.forget_s * 1e6)) {
   check_config("gaze.continuity_gate", config);
+  if (config_.near_score < 1.0) predictor_.emplace(prediction_memory_s, true);
+}
+
+void ContinuityGate::advance(std::int64_t now_us) {
+  if (!predictor_ || now_us <= predicted_us_) return;
+  if (predicted_us_ > 0) predictor_->advance(static_cast<double>(now_us - predicted_us_) * 1e-6);
+  predicted_us_ = now_us;
+}
+
+/// The target of a circle below the threshold that is where the ball is expected.
+std::optional<Eigen::Vector3d> ContinuityGate::near_prediction(std::int64_t now_us, const Estimate& estimate,
+                                                               double threshold, const Camera& camera,
+                                                               const Eigen::Isometry3d& root_from_cam) {
+  if (!predictor_ || !last_ || !predictor_->is_known() ||
+      !is_detection(estimate, config_.near_score * threshold))
+    return std::nullopt;
+  if (static_cast<double>(now_us - sure_us_) * 1e-6 > config_.near_s) return std::nullopt;
+  const auto point_m = locate(estimate.circle, camera, root_from_cam);
+  if (!point_m ||
+      !agree(*point_m, predictor_->predict(0.0).position_m, root_from_cam.translation(), config_.near_deg))
+    return std::nullopt;
+  return point_m;
 }
 
 std::optional<Eigen::Vector3d> ContinuityGate::update(std::int64_t now_us, const Estimate& estimate,
                                                       double threshold, const Camera& camera,
                                                       const Eigen::Isometry3d& root_from_cam) {
-  if (!is_detection(estimate, threshold)) return std::nullopt;
+  advance(now_us);
+  if (!is_detection(estimate, threshold)) {
+    const auto expected_m = near_prediction(now_us, estimate, threshold, camera, root_from_cam);
+    if (expected_m) accept({now_us, *expected_m});
+    return expected_m;
+  }
   const auto point_m = locate(estimate.circle, camera, root_from_cam);
   if (!point_m) return std::nullopt;
   const Eigen::Vector3d eye_m = root_from_cam.translation();
@@ -43,8 +82,14 @@ std::optional<Eigen::Vector3d> ContinuityGate::update(std::int64_t now_us, const
   } else if (!confirmed(here, eye_m)) {
     return std::nullopt;
   }
-  last_ = here;
+  sure_us_ = now_us;
+  accept(here);
   return point_m;
+}
+
+void ContinuityGate::accept(const Place& here) {
+  last_ = here;
+  if (predictor_) predictor_->observe(here.point_m, 0.0);
 }
 
 bool ContinuityGate::confirmed(const Place& here, const Eigen::Vector3d& eye_m) const {

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "control/locating_gate.h"
+#include "control/target_predictor.h"
 
 namespace saccade {
 
@@ -17,12 +18,19 @@ struct ContinuityGateConfig {
   double window_s = 0.20;          ///< how far back a confirmation may lie
   std::int64_t min_agreeing = 60;  ///< in the window, for the ball to be found
   double forget_s = 2.0;           ///< after so long without a detection near by the ball is lost
+  /// Share of the threshold from which on a score suffices where the circle agrees with the predicted place; 1: no score below the
+  /// threshold does.
+  double near_score = 1.0;
+  double near_deg = 2.0;  ///< largest angle between such a circle and the prediction
+  double near_s = 1.0;    ///< after so long without a detection at the threshold such circles count no more
 };
 
-/// Keys: tolerance_deg, depth_ratio, growth_deg_s, window_s, min_agreeing, forget_s.
+/// Keys: tolerance_deg, depth_ratio, growth_deg_s, window_s, min_agreeing, forget_s, near_score, near_deg, near_s.
 void describe(FieldVisitor& v, ContinuityGateConfig& config);
 
-/// `continuity`: the estimates at or above the threshold that lie where the ball can be become targets.
+/// `continuity`: the estimates at or above the threshold that lie where the ball can be become targets. With `near_score`
+/// below 1 so do estimates with a lower score, once the ball was found: those within near_deg of the place that a
+/// TargetPredictor (with periodic motion and free fall) computes from the targets so far.
 class ContinuityGate final : public LocatingGate {
  public:
   /// Throws InputError for a configuration out of range.
@@ -40,6 +48,11 @@ class ContinuityGate final : public LocatingGate {
   static constexpr std::size_t capacity = 1024;  // the longest window at one detection per ms
 
   [[nodiscard]] bool confirmed(const Place& here, const Eigen::Vector3d& eye_m) const;
+  void advance(std::int64_t now_us);
+  void accept(const Place& here);
+  [[nodiscard]] std::optional<Eigen::Vector3d> near_prediction(std::int64_t now_us, const Estimate& estimate,
+                                                               double threshold, const Camera& camera,
+                                                               const Eigen::Isometry3d& root_from_cam);
   [[nodiscard]] bool agree(const Eigen::Vector3d& a_m, const Eigen::Vector3d& b_m,
                            const Eigen::Vector3d& eye_m, double tolerance_deg) const;
 
@@ -49,6 +62,9 @@ class ContinuityGate final : public LocatingGate {
   std::array<Place, capacity> recent_{};
   std::size_t count_ = 0;
   std::optional<Place> last_;
+  std::optional<TargetPredictor> predictor_;  ///< with near_score below 1
+  std::int64_t predicted_us_ = 0;             ///< to when it has advanced
+  std::int64_t sure_us_ = 0;                  ///< the last target at the threshold
 };
 
 }  // namespace saccade

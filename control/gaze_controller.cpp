@@ -27,6 +27,7 @@ void describe(FieldVisitor& v, FollowConfig& config) {
          "time at each point of a search (lost: search)");
   v.section("delay", config.delay, "delays between light and motion that are compensated");
   v.section("stabilisation", config.stabilisation, "motion of the body that the eyes compensate");
+  v.section("fixational", config.fixational, "small eye movements around a target that makes no events");
   v.boolean("detect_hunting", config.detect_hunting,
             "whether the time constants of the controller grow by half, up to four times, whenever the head "
             "oscillates");

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "control/delay_compensation.h"
+#include "control/fixational_movement.h"
 #include "control/head_kinematics.h"
 #include "control/stabilisation.h"
 #include "control/target.h"
@@ -73,11 +74,12 @@ struct FollowConfig {
   double search_dwell_s = 1.5;  ///< lost: search looks at each point for so long
   DelayConfig delay;
   StabilisationConfig stabilisation;
+  FixationalConfig fixational;
   bool detect_hunting = false;  ///< whether time constants grow when the head oscillates
 };
 
 /// Keys, beside each other in a scenario's gaze section: start_s, lost, lost_after_s, search_dwell_s, delay.*,
-/// stabilisation.*, detect_hunting.
+/// stabilisation.*, fixational.*, detect_hunting.
 void describe(FieldVisitor& v, FollowConfig& config);
 
 /// Checks whether the head can look at a point (root frame). Returns not_finite, too_near (within 0.10 m of the left

@@ -218,7 +218,12 @@ IkinGazeController::EyeMotion IkinGazeController::both_eyes(const JointVector& q
     return least_norm_solution(Eigen::Matrix3d(jacobian.middleCols<3>(eyes_tilt)), velocity_m_s);
   };
   Eigen::Vector3d carried_m_s =
-      here.middleCols<neck_joint_count>(neck_pitch) * velocity_rad_s_.head<neck_joint_count>();
+      here.middleCols<neck_joint_count>(neck_pitch) * (ocr_ * velocity_rad_s_.head<neck_joint_count>());
+  if (vor_ != 0.0) {
+    const Eigen::Vector3d between =
+        0.5 * (there.root_from_eye(Eye::left).translation() + there.root_from_eye(Eye::right).translation());
+    carried_m_s += vor_ * head_rad_s_.cross(fixation.point_m - between);
+  }
   if (!body_.is_zero())
     carried_m_s +=
         here.leftCols<torso_joint_count>() * body_.torso_rad_s + body_.base_rad_s.cross(fixation.point_m);
@@ -246,8 +251,9 @@ IkinGazeController::EyeMotion IkinGazeController::left_eye(const JointVector& q)
 
   const HeadKinematics here(limits_.head->chain, q);
   const EyeJacobian jacobian = here.jacobian(Eye::left);
-  const Eigen::Vector3d neck_rad_s = velocity_rad_s_.head<neck_joint_count>();
-  const Eigen::Vector3d turned = jacobian.angular.middleCols<neck_joint_count>(neck_pitch) * neck_rad_s;
+  const Eigen::Vector3d neck_rad_s = ocr_ * velocity_rad_s_.head<neck_joint_count>();
+  Eigen::Vector3d turned = jacobian.angular.middleCols<neck_joint_count>(neck_pitch) * neck_rad_s;
+  if (vor_ != 0.0) turned += vor_ * head_rad_s_;
   const Eigen::Vector3d moved = jacobian.linear.middleCols<neck_joint_count>(neck_pitch) * neck_rad_s;
   const Eigen::Vector3d looks = here.root_from_eye(Eye::left).linear().col(2);
   const Eigen::Vector2d counter = by_eye(here, -turned - looks.cross(moved) / to_target.norm());

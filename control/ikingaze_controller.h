@@ -52,6 +52,15 @@ class IkinGazeController final : public GazeController {
   HeadJointVector step(const HeadState& state, const std::optional<Eigen::Vector3d>& target_m,
                        double dt_s) override;
   void set_body_rates(const BodyRates& rates) override { body_ = rates; }
+  /// Gains of the eyes' compensation, as `vor` and `ocr` of iKinGazeCtrl: of the rotation of set_head_rotation(), and of the
+  /// commanded motion of the neck. 0 and 1 before the first call.
+  void set_counter_gains(double vor, double ocr) {
+    vor_ = vor;
+    ocr_ = ocr;
+  }
+  /// The rotation of the head that its gyroscope measures, rad/s, root frame; 0 before the first call. The eyes compensate it
+  /// as a rotation about the midpoint of the eyes.
+  void set_head_rotation(const Eigen::Vector3d& rad_s) { head_rad_s_ = rad_s; }
   void rest() override;
   [[nodiscard]] TargetStatus target_status() const override { return status_; }
 
@@ -81,6 +90,9 @@ class IkinGazeController final : public GazeController {
   std::array<MinimumJerkFilter, head_joint_count> filters_;
 
   BodyRates body_;
+  double vor_ = 0.0;
+  double ocr_ = 1.0;
+  Eigen::Vector3d head_rad_s_ = Eigen::Vector3d::Zero();
   bool started_ = false;
   TargetStatus status_ = TargetStatus::none;
   std::optional<Eigen::Vector3d> target_m_;

@@ -68,6 +68,7 @@ class Builder {
   explicit Builder(const HeadDescription& head) : description_(head) {
     model_->name = head.name;
     model_->mjcf = head.mjcf;
+    model_->head_from_imu = rotation_of(head.imu_rotation);
     set_joints();
     Eigen::Isometry3d base = Eigen::Isometry3d::Identity();
     base.linear() = rotation_of(head.base_rotation);
@@ -320,6 +321,10 @@ void describe(FieldVisitor& v, HeadDescription& head) {
          "step of the encoders' readings: the default of plant.encoders.quantisation_deg");
   v.integer("command_delay_ms", head.command_delay_ms, {0, 200},
             "delay from a command to the servos: the default of plant.command_delay_ms");
+  v.reals("imu_rotation", head.imu_rotation, {-1.0, 1.0},
+          "orientation of the head's inertial sensor with all joints at 0, by rows, root frame; for a "
+          "robot's sensor port");
+  require_rotation(v, "imu_rotation", head.imu_rotation);
   v.path("mjcf", head.mjcf,
          "MJCF model of the head with this chain; empty: a model is made from the description");
 }

@@ -94,10 +94,13 @@ struct HeadDescription {
   std::optional<DescribedEye> right_eye;
   double encoder_step_deg = 0.0;      ///< default of plant.encoders.quantisation_deg
   std::int64_t command_delay_ms = 0;  ///< default of plant.command_delay_ms
-  std::string mjcf;                   ///< a model of the head's own; empty: it is made from the description
+  /// Orientation of the inertial measurement unit with all joints at 0, by rows, root frame.
+  std::array<double, 9> imu_rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  std::string mjcf;  ///< a model of the head's own; empty: it is made from the description
 };
 
-/// Keys: name, joints, base_rotation, base_position_m, links, left_eye, right_eye, encoder_step_deg, command_delay_ms, mjcf.
+/// Keys: name, joints, base_rotation, base_position_m, links, left_eye, right_eye, encoder_step_deg, command_delay_ms,
+/// imu_rotation, mjcf.
 void describe(FieldVisitor& v, HeadDescription& head);
 
 /// The head that is described. `head` fits its describe(). Throws InputError, whose places begin

@@ -39,6 +39,8 @@ struct HeadModel {
   std::vector<int> torso_motors;
   std::string mjcf;  ///< path of a model of the head's own; empty: made from the description, or the iCub's
   bool is_icub = false;
+  /// Orientation of the inertial measurement unit in the frame of ImuReading.
+  Eigen::Matrix3d head_from_imu = Eigen::Matrix3d::Identity();
 
   [[nodiscard]] int count(JointRole role) const;
   [[nodiscard]] int torso_joints() const { return count(JointRole::torso); }

@@ -47,8 +47,11 @@ Loop::Loop(Robot& robot, const MountedCamera& camera, std::vector<LoopDetector> 
     detector_lag_us_ = std::llround(gaze_->follow.delay.detector_ms * 1e3);
   }
   if (gaze_ && gaze_->follow.delay.motion == MotionDelay::estimated) motion_delay_.emplace();
-  if (gaze_ && (gaze_->follow.stabilisation.torso || gaze_->follow.stabilisation.gyroscope))
-    stabiliser_.emplace(gaze_->follow.stabilisation, model_);
+  if (gaze_ && gaze_->follow.stabilisation.any())
+    stabiliser_.emplace(gaze_->follow.stabilisation, model_, eye_from_camera_);
+  if (gaze_ && gaze_->follow.stabilisation.image) image_rotation_.emplace(camera_);
+  if (gaze_ && gaze_->driver && gaze_->follow.fixational.amplitude_deg > 0.0)
+    fixational_.emplace(gaze_->follow.fixational);
   for (std::vector<Event>* const buffer : {&events_, &eye_events_, &other_events_})
     buffer->reserve(event_capacity);
   if (latency.kind != LatencyKind::none) {
@@ -217,8 +220,13 @@ PortStatus Loop::stabilise(const Tick& tick, double dt_s) {
     const PortStatus status = note_lost(imu_->read_imu(imu_reading_), "inertial sensor");
     if (status == PortStatus::lost) return status;
   }
-  gaze_->motion->controller->set_body_rates(
-      stabiliser_->update(*tick.head, imu_ != nullptr ? &imu_reading_ : nullptr, tick.delays.eyes_s, dt_s));
+  std::optional<Eigen::Vector3d> seen_rad_s;
+  if (image_rotation_) {
+    image_rotation_->process(eye_events_);
+    seen_rad_s = image_rotation_->advance_to(tick.t_us);
+  }
+  gaze_->motion->controller->set_body_rates(stabiliser_->update(
+      *tick.head, imu_ != nullptr ? &imu_reading_ : nullptr, tick.delays.eyes_s, dt_s, seen_rad_s));
   return PortStatus::ok;
 }
 
@@ -279,7 +287,8 @@ void Loop::run_stereo(std::int64_t t_us, const CameraMotion* motion, Tick& tick)
   const LoopStereo& stereo = *gaze_->stereo;
   std::optional<CameraMotion> right_motion;
   if (motion != nullptr)
-    right_motion = camera_motion(model_->chain, seen_head(tick), Eye::right, stereo.camera.mount.eye_from_camera());
+    right_motion =
+        camera_motion(model_->chain, seen_head(tick), Eye::right, stereo.camera.mount.eye_from_camera());
   tick.right = runners_.back().run(*stereo.detector, t_us, late_us(t_us), other_events_,
                                    right_motion ? &*right_motion : nullptr, [](const DetectorTick&) {});
   if (!right_motion) return;
@@ -334,7 +343,8 @@ PortStatus Loop::move_head(double dt_s, Tick& tick) {
   if (motion && motion->controller) {
     const bool resend = resend_target_ && !tick.new_target_m;
     resend_target_ = false;
-    const auto look_m = search_point(tick);
+    auto look_m = search_point(tick);
+    if (!look_m) look_m = fixational_point(tick, dt_s);
     const bool own = resend || look_m;  // a target of the loop's own, not a new sight of the ball
     compensate_delays(tick);
     if (stabilise(tick, dt_s) == PortStatus::lost) return PortStatus::lost;
@@ -397,6 +407,21 @@ std::optional<Eigen::Vector3d> Loop::search_point(const Tick& tick) {
   search_place_ = place;
   const HeadKinematics head(model_->chain, tick.head->position_rad);
   const Eigen::Vector3d point_m = SearchScan(*target_m_).point(place, head);
+  if (check_gaze_target(point_m, head) != TargetStatus::ok) return std::nullopt;
+  return point_m;
+}
+
+/// A point beside the target while no current events show the ball.
+std::optional<Eigen::Vector3d> Loop::fixational_point(const Tick& tick, double dt_s) {
+  if (!fixational_ || !is_finite(*tick.head)) return std::nullopt;
+  const DetectorTick& driver = results_[*gaze_->driver];
+  const double threshold = detectors_[*gaze_->driver].detector->threshold();
+  const bool seen = driver.observed && !driver.estimate.held && driver.estimate.score >= threshold;
+  const bool follows = phase_ == GazePhase::following || phase_ == GazePhase::holding;
+  const auto right_up_rad = fixational_->update(seen, follows, dt_s);
+  if (!right_up_rad) return std::nullopt;
+  const HeadKinematics head(model_->chain, tick.head->position_rad);
+  const Eigen::Vector3d point_m = displaced(*target_m_, *right_up_rad, head);
   if (check_gaze_target(point_m, head) != TargetStatus::ok) return std::nullopt;
   return point_m;
 }

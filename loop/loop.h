@@ -8,11 +8,13 @@
 #include <string_view>
 #include <vector>
 
+#include "control/fixational_movement.h"
 #include "control/gaze_controller.h"
 #include "control/gaze_gate.h"
 #include "control/hunting_detector.h"
 #include "control/joint_limiter.h"
 #include "core/detector.h"
+#include "core/image_rotation.h"
 #include "loop/delays.h"
 #include "loop/detector_runner.h"
 #include "loop/latency.h"
@@ -207,6 +209,7 @@ class Loop {
   [[nodiscard]] TargetStatus check_target(const Tick& tick) const;
   void update_target(Tick& tick);
   [[nodiscard]] std::optional<Eigen::Vector3d> search_point(const Tick& tick);
+  [[nodiscard]] std::optional<Eigen::Vector3d> fixational_point(const Tick& tick, double dt_s);
   PortStatus note_lost(PortStatus status, std::string_view port);
 
   Clock& clock_;
@@ -235,7 +238,9 @@ class Loop {
   std::int64_t detector_lag_us_ = 0;     // of the driving detector's circle behind them
   std::int64_t target_seen_us_ = 0;      // instant that the target of this tick is about
   std::optional<MotionDelayEstimator> motion_delay_;
+  std::optional<FixationalMovement> fixational_;
   std::optional<Stabiliser> stabiliser_;
+  std::optional<ImageRotation> image_rotation_;  // for the stabilisation
   ImuReading imu_reading_;
   HuntingDetector hunting_;
   double slowdown_ = 1.0;

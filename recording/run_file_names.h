@@ -21,6 +21,7 @@ inline constexpr const char* detections_right = "detections_right.csv";
 inline constexpr const char* streaming = "streaming.csv";
 inline constexpr const char* gaze = "gaze.csv";
 inline constexpr const char* eye = "eye.csv";
+inline constexpr const char* imu = "imu.csv";
 inline constexpr const char* labels = "labels.csv";
 inline constexpr const char* labels_right = "labels_right.csv";
 inline constexpr const char* timing = "timing.csv";

@@ -98,6 +98,14 @@ void visit_columns(Visitor& visit, const HeadModel& head, Row& row) {
     visit("qx", row.turn_wxyz[1]);
     visit("qy", row.turn_wxyz[2]);
     visit("qz", row.turn_wxyz[3]);
+  } else if constexpr (std::is_same_v<Table, ImuRow>) {
+    visit("measured_us", row.reading.t_us);
+    visit("wx_rad_s", row.reading.angular_velocity_rad_s[0]);
+    visit("wy_rad_s", row.reading.angular_velocity_rad_s[1]);
+    visit("wz_rad_s", row.reading.angular_velocity_rad_s[2]);
+    visit("ax_m_s2", row.reading.acceleration_m_s2[0]);
+    visit("ay_m_s2", row.reading.acceleration_m_s2[1]);
+    visit("az_m_s2", row.reading.acceleration_m_s2[2]);
   } else if constexpr (std::is_same_v<Table, LabelRow>) {
     visit("x", row.x);
     visit("y", row.y);
@@ -389,6 +397,7 @@ template class TableWriter<StreamingRow>;
 template class TableWriter<GazeRow>;
 template class TableWriter<JointsRow>;
 template class TableWriter<EyeRow>;
+template class TableWriter<ImuRow>;
 template class TableWriter<LabelRow>;
 template class TableWriter<TimingRow>;
 template class TableReader<TruthRow>;
@@ -398,6 +407,7 @@ template class TableReader<StreamingRow>;
 template class TableReader<GazeRow>;
 template class TableReader<JointsRow>;
 template class TableReader<EyeRow>;
+template class TableReader<ImuRow>;
 template class TableReader<LabelRow>;
 template class TableReader<TimingRow>;
 template std::vector<TruthRow> read_table(const std::filesystem::path& path);
@@ -406,6 +416,7 @@ template std::vector<DetectionRow> read_table(const std::filesystem::path& path)
 template std::vector<StreamingRow> read_table(const std::filesystem::path& path);
 template std::vector<GazeRow> read_table(const std::filesystem::path& path);
 template std::vector<JointsRow> read_table(const std::filesystem::path& path);
+template std::vector<ImuRow> read_table(const std::filesystem::path& path);
 template std::vector<EyeRow> read_table(const std::filesystem::path& path);
 template std::vector<LabelRow> read_table(const std::filesystem::path& path);
 template std::vector<TimingRow> read_table(const std::filesystem::path& path);

@@ -11,6 +11,7 @@
 
 #include "core/camera.h"
 #include "head/head_state.h"
+#include "head/imu_reading.h"
 #include "recording/output_file.h"
 
 namespace saccade {
@@ -82,6 +83,13 @@ struct EyeRow {
 struct JointsRow {
   std::int64_t t_us = 0;
   JointVector position_rad = JointVector::Zero();
+};
+
+/// imu.csv: t_us,measured_us,wx_rad_s,wy_rad_s,wz_rad_s,ax_m_s2,ay_m_s2,az_m_s2. The newest reading of the inertial measurement
+/// unit at t_us, as ImuReading has it; measured_us is the reading's own time. One row per tick.
+struct ImuRow {
+  std::int64_t t_us = 0;
+  ImuReading reading;
 };
 
 /// timing.csv: what a stretch of a deployed run's ticks took and left out; columns named as the members. `state` as
@@ -169,6 +177,7 @@ extern template class TableWriter<StreamingRow>;
 extern template class TableWriter<GazeRow>;
 extern template class TableWriter<JointsRow>;
 extern template class TableWriter<EyeRow>;
+extern template class TableWriter<ImuRow>;
 extern template class TableWriter<LabelRow>;
 extern template class TableWriter<TimingRow>;
 extern template class TableReader<TruthRow>;
@@ -177,6 +186,7 @@ extern template class TableReader<StreamingRow>;
 extern template class TableReader<GazeRow>;
 extern template class TableReader<JointsRow>;
 extern template class TableReader<EyeRow>;
+extern template class TableReader<ImuRow>;
 extern template class TableReader<LabelRow>;
 extern template class TableReader<TimingRow>;
 

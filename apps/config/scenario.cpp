@@ -210,6 +210,10 @@ void describe(FieldVisitor& v, Scenario& s) {
         w.boolean("labels", s.sim.labels, "whether the run folder gets labels.csv: the cause of each event");
         w.integer("pictures", s.output.pictures, {0, 60},
                   "number of instants that the report shows with images");
+        w.boolean("eye_movements", s.output.eye_movements,
+                  "whether metrics.json and the report get figures of eye movements: gain, phase, latency, "
+                  "saccades, "
+                  "image motion");
       },
       "contents of the run folder");
   describe_expect(v, s);

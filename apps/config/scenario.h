@@ -62,6 +62,7 @@ struct Scenario {
     std::string events = "aedat";  ///< a format of `formats`, of FormatRegistry::run_choices
     FormatRegistry formats;        ///< of the program
     std::int64_t pictures = 10;    ///< how many instants the report shows in pictures
+    bool eye_movements = false;    ///< whether eye movements are scored, EyeMovementScore
   } output;
 
   std::vector<Expectation> expect;

@@ -23,6 +23,8 @@ constexpr double bound_slack_rad = 0.1 / deg_per_rad;  // around a joint that is
 constexpr double still_rad_s = 0.5 / deg_per_rad;
 constexpr double saccade_rad_s = 60.0 / deg_per_rad;
 constexpr double still_for_s = 0.1;  // until a movement counts as done
+constexpr std::int64_t oldest_imu_us = 40'000;
+constexpr double imu_dead_band_rad_s = 5.0 / deg_per_rad;
 constexpr std::string_view ack = "[ack]";
 constexpr std::string_view nack = "[nack]";
 
@@ -102,11 +104,12 @@ class GazeServer::Words {
 
 GazeServer::GazeServer(const IkinGazeConfig& gaze, const MotionLimitsConfig& motion,
                        const JointLimits& limits, const Camera& left, const Camera& right,
-                       const JointVector& position_rad)
+                       const JointVector& position_rad, bool has_imu)
     : motion_(motion),
       limits_(limits),
       cameras_{left, right},
-      settings_{gaze, limits, {{"track", 0}, {"ntol", 0}, {"vor", 0}, {"ocr", 1}, {"stab", 0}}} {
+      settings_{
+          gaze, limits, has_imu ? 1.0 : 0.0, has_imu ? 0.0 : 1.0, {{"track", 0}, {"ntol", 0}, {"stab", 0}}} {
   state_.position_rad = position_rad;
   restart();
 }
@@ -114,6 +117,7 @@ GazeServer::GazeServer(const IkinGazeConfig& gaze, const MotionLimitsConfig& mot
 void GazeServer::restart() {
   controller_ =
       std::make_unique<IkinGazeController>(settings_.gaze, motion_limits(settings_.limits, motion_));
+  controller_->set_counter_gains(settings_.vor, settings_.ocr);
   limiter_ = std::make_unique<JointLimiter>(motion_limits(limits_, motion_));
   target_is_new_ = target_m_.has_value();
 }
@@ -318,6 +322,8 @@ std::string GazeServer::get(Words& words) const {
   if (what == "sacc") return acknowledged(gaze.saccades ? 1.0 : 0.0);
   if (what == "sact") return acknowledged(gaze.saccade_angle_deg);
   if (what == "sinh") return acknowledged(gaze.saccade_interval_s);
+  if (what == "vor") return acknowledged(settings_.vor);
+  if (what == "ocr") return acknowledged(settings_.ocr);
   for (const auto& [name, value] : settings_.kept) {
     if (what == name) return acknowledged(value);
   }
@@ -357,6 +363,11 @@ std::string GazeServer::set(Words& words) {
     gaze.saccade_angle_deg = value;
   } else if (what == "sinh") {
     gaze.saccade_interval_s = value;
+  } else if (what == "vor" || what == "ocr") {
+    (what == "vor" ? settings_.vor : settings_.ocr) = value;
+    controller_->set_counter_gains(settings_.vor, settings_.ocr);
+    ++requests_;
+    return std::string(ack);
   } else {
     const auto kept = std::ranges::find(settings.kept, what, &std::pair<std::string, double>::first);
     if (kept == settings.kept.end()) return std::string(nack);
@@ -420,7 +431,21 @@ std::string GazeServer::contexts(const std::string& what, Words& words) {
   return std::string(ack);
 }
 
-std::optional<HeadJointVector> GazeServer::step(const HeadState& state, double dt_s) {
+/// The rotation of the head that the gyroscope measures, root frame; 0 below the dead band and without a fresh reading.
+Eigen::Vector3d GazeServer::head_rotation_rad_s(const ImuReading* imu) const {
+  if (imu == nullptr || !imu->angular_velocity_rad_s.allFinite() || state_.t_us - imu->t_us > oldest_imu_us ||
+      imu->angular_velocity_rad_s.norm() < imu_dead_band_rad_s)
+    return Eigen::Vector3d::Zero();
+  const auto root_from_eye = [&](const JointVector& q) -> Eigen::Matrix3d {
+    return HeadKinematics(limits_.head->chain, q).root_from_eye(Eye::left).linear();
+  };
+  JointVector carried_rad = state_.position_rad;
+  carried_rad.segment<3>(eyes_tilt).setZero();
+  return root_from_eye(carried_rad) * root_from_eye(JointVector::Zero()).transpose() *
+         imu->angular_velocity_rad_s;
+}
+
+std::optional<HeadJointVector> GazeServer::step(const HeadState& state, double dt_s, const ImuReading* imu) {
   const std::scoped_lock lock(mutex_);
   if (is_finite(state)) state_ = state;
   const auto become = [&](bool done) {
@@ -445,6 +470,7 @@ std::optional<HeadJointVector> GazeServer::step(const HeadState& state, double d
   const bool still = state_.velocity_rad_s.tail<gaze_slots>().cwiseAbs().maxCoeff() < still_rad_s;
   still_s_ = still ? still_s_ + dt_s : 0.0;
   if (still_s_ >= still_for_s) become(true);
+  controller_->set_head_rotation(head_rotation_rad_s(imu));
   const HeadJointVector wanted = controller_->step(state, target_is_new_ ? target_m_ : std::nullopt, dt_s);
   target_is_new_ = false;
   desired_rad_ = state_.position_rad;

@@ -27,7 +27,9 @@ namespace saccade {
 ///     get 2D (left|right x y z)           [ack] (u v)
 ///     get pose left|right|head            [ack] (x y z and axis, angle in rad)
 ///     set|get Tneck|Teyes|sacc|sact|sinh  times s, saccades 0 or 1, their least angle deg, least interval s
-///     set|get track|ntol|vor|ocr|stab     stored and returned, without effect
+///     set|get vor                         gain of the eyes' compensation of what the gyroscope measures; 5 deg/s dead band
+///     set|get ocr                         gain of the eyes' compensation of the commanded motion of the neck
+///     set|get track|ntol|stab             stored and returned, without effect
 ///     bind pitch|roll|yaw min max, bind eyes ver, clear pitch|roll|yaw|eyes
 ///     get pitch|roll|yaw                  [ack] min max
 ///     get ang | sdon | des | vel          angles; no saccade: 1; desired joints; joint velocities
@@ -43,14 +45,17 @@ namespace saccade {
 /// May be called from several threads.
 class GazeServer {
  public:
-  /// Throws InputError for a bad configuration. The head starts at `position_rad`.
+  /// Throws InputError for a bad configuration. The head starts at `position_rad`. `has_imu`: the head has an inertial
+  /// measurement unit, so that vor and ocr begin with 1 and 0; otherwise with 0 and 1.
   GazeServer(const IkinGazeConfig& gaze, const MotionLimitsConfig& motion, const JointLimits& limits,
-             const Camera& left, const Camera& right, const JointVector& position_rad);
+             const Camera& left, const Camera& right, const JointVector& position_rad, bool has_imu = false);
 
   [[nodiscard]] std::string answer(const std::string& request);
 
-  /// Once per control period: the reference of the head, rad; none: the head is not moved.
-  [[nodiscard]] std::optional<HeadJointVector> step(const HeadState& state, double dt_s);
+  /// Once per control period: the reference of the head, rad; none: the head is not moved. `imu`: the newest reading, not
+  /// used if it is older than 40 ms; null without one.
+  [[nodiscard]] std::optional<HeadJointVector> step(const HeadState& state, double dt_s,
+                                                    const ImuReading* imu = nullptr);
 
   /// State that iKinGazeCtrl streams.
   struct Report {
@@ -67,7 +72,9 @@ class GazeServer {
  private:
   struct Settings {
     IkinGazeConfig gaze;
-    JointLimits limits;                                ///< bindings included
+    JointLimits limits;  ///< bindings included
+    double vor = 0.0;
+    double ocr = 1.0;
     std::vector<std::pair<std::string, double>> kept;  ///< settings without effect
   };
   class Words;
@@ -93,7 +100,9 @@ class GazeServer {
   Settings settings_;
   std::vector<std::pair<std::int64_t, Settings>> contexts_;
   std::int64_t next_context_ = 1;
-  std::unique_ptr<GazeController> controller_;
+  [[nodiscard]] Eigen::Vector3d head_rotation_rad_s(const ImuReading* imu) const;
+
+  std::unique_ptr<IkinGazeController> controller_;
   std::unique_ptr<JointLimiter> limiter_;
   HeadState state_;
   std::optional<Eigen::Vector3d> target_m_;

@@ -61,7 +61,7 @@ ServedRobot::ServedRobot(const ServeOptions& options, const Scenario& scenario, 
       gaze_(ikingaze_of(scenario.gaze.controller), scenario.gaze.controller.limits, robot.limits(),
             scenario.calibration.camera,
             scenario.sim.both_eyes() ? scenario.right_calibration.camera : scenario.calibration.camera,
-            state_of(robot).position_rad),
+            state_of(robot).position_rad, robot.imu() != nullptr),
       camera_({options.camera, choice<PacketFormat>("--format", options.format, packet_format_names()),
                choice<AddressCodec>("--codec", options.codec, address_codec_names()), 100'000,
                options.swap_polarity}),
@@ -86,7 +86,9 @@ void ServedRobot::on_tick(const Tick& tick) {
   const double dt_s = static_cast<double>(tick.t_us - t_us_) * 1e-6;
   t_us_ = tick.t_us;
   last_state_ = *tick.head;
-  if (const auto reference_rad = gaze_.step(*tick.head, dt_s)) head_.drive(*reference_rad);
+  ImuReading reading;
+  const bool has_imu = robot_.imu() != nullptr && robot_.imu()->read_imu(reading) == PortStatus::ok;
+  if (const auto reference_rad = gaze_.step(*tick.head, dt_s, has_imu ? &reading : nullptr)) head_.drive(*reference_rad);
   robot_.command(step_boards(*tick.head, dt_s));
   shifted_.assign(tick.events.begin(), tick.events.end());
   for (Event& event : shifted_) event.t_us += paused_us_;

@@ -123,11 +123,11 @@ std::optional<RecordedHead> recorded_head(const std::filesystem::path& folder) {
     const std::optional<HeadConfig> config = read_recorded_head(folder / file);
     if (!config) continue;
     std::shared_ptr<const HeadModel> head = head_model(*config);
-    RecordedHead recorded{joints_of(joints, *head), {}};
+    RecordedHead recorded{joints_of(joints, *head), {}, recorded_imu(folder)};
     recorded.limits.head = std::move(head);
     return recorded;
   }
-  return RecordedHead{TableReader<JointsRow>(joints), {}};
+  return RecordedHead{TableReader<JointsRow>(joints), {}, recorded_imu(folder)};
 }
 
 void add_joints(Played& played, const std::filesystem::path& joints) {

@@ -24,7 +24,7 @@ RunRecorder::RunRecorder(std::optional<std::filesystem::path> folder, const Scen
       frames_(frame_camera(scenario, robot)),
       scores_(scenario, truth_, robot.limits(), loop, frames_ ? &*frames_ : nullptr) {
   if (!folder_) return;
-  tables_.emplace(*folder_, scenario, truth_, loop, frames_ ? &*frames_ : nullptr);
+  tables_.emplace(*folder_, scenario, truth_, loop, frames_ ? &*frames_ : nullptr, robot.imu());
   pictures_.emplace(*folder_, scenario, robot, loop, scores_);
 }
 

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "apps/session/frame_camera.h"
+#include "control/head_kinematics.h"
 #include "core/error.h"
 
 namespace saccade {
@@ -18,6 +19,27 @@ GazeScoringConfig gaze_scoring(const Scenario& scenario, const Camera& camera, c
     if (paper) config.acquire_within_rad = 6.0 * std::numbers::pi / 180.0;
   }
   return config;
+}
+
+/// The frequency of the largest oscillation of torso or base.
+std::optional<double> sway_hz(const WorldConfig& world) {
+  const SwayConfig* largest = nullptr;
+  for (const std::optional<BodyMotionConfig>* motion : {&world.torso, &world.base}) {
+    if (!*motion) continue;
+    for (const SwayConfig* sway : {&(*motion)->pitch, &(*motion)->roll, &(*motion)->yaw}) {
+      if (sway->amplitude_deg > 0.0 && (largest == nullptr || sway->amplitude_deg > largest->amplitude_deg))
+        largest = sway;
+    }
+  }
+  return largest != nullptr ? std::optional(largest->frequency_hz) : std::nullopt;
+}
+
+EyeMovementProtocol protocol_of(const Scenario& scenario) {
+  EyeMovementProtocol protocol;
+  const TrajectoryConfig& ball = scenario.sim.world.ball.trajectory;
+  if (ball.kind == TrajectoryKind::circle) protocol.pursuit_hz = ball.frequency_hz;
+  protocol.sway_hz = sway_hz(scenario.sim.world);
+  return protocol;
 }
 
 }  // namespace
@@ -37,6 +59,7 @@ RunScores::RunScores(const Scenario& scenario, const GroundTruth& truth, const J
   }
   if (frames != nullptr)
     frame_detector_.emplace(std::string(frame_detector_name), frames->threshold(), scenario.latency);
+  if (scenario.output.eye_movements) eye_movements_.emplace(protocol_of(scenario));
   if (!scenario.sim.both_eyes()) return;
   right_eye_.emplace(gaze_scoring(scenario, scenario.sim.right.camera, limits));
   if (const saccade::Detector* right = loop.right_detector())
@@ -49,6 +72,7 @@ void RunScores::on_tick(const Tick& tick) {
   if (scenario_.sim.labels) count_labels(tick.events);
   const SimTruth& truth = truth_.state;
   gaze_.add({tick.t_us, truth.left.root_from_cam, truth.ball_m, tick.target_m, truth.plant_position_rad});
+  if (eye_movements_) add_eye_movement(tick.t_us);
   const TruthRow row = truth_row(truth, truth.left);
   const double clutter_share = scenario_.sim.labels ? clutter_.share_in_window() : 0.0;
   instants_.push(tick.t_us, {row, right_eye_ ? truth_row(truth, *truth.right) : TruthRow{},
@@ -127,6 +151,26 @@ void RunScores::look_at_right_eye(const Tick& tick) {
   instants_.set(detectors_.size(), *tick.right);
 }
 
+void RunScores::add_eye_movement(std::int64_t t_us) {
+  const SimTruth& truth = truth_.state;
+  if (!first_rad_) first_rad_ = truth.plant_position_rad;
+  JointVector still_rad = *first_rad_;
+  still_rad.head<torso_slots>() = truth.plant_position_rad.head<torso_slots>();
+  const Eigen::Isometry3d root_from_still =
+      HeadKinematics(limits_.head->chain, still_rad).root_from_eye(Eye::left) *
+      scenario_.sim.mount.eye_from_camera();
+  const Eigen::Isometry3d& root_from_cam = truth.left.root_from_cam;
+  const Eigen::Vector3d axis = root_from_cam.linear().col(2);
+  const TruthRow row = truth_row(truth, truth.left);
+  eye_movements_->add({t_us,
+                       direction_deg(axis),
+                       direction_deg(truth.ball_m - root_from_cam.translation()),
+                       direction_in_camera_deg(root_from_cam.inverse() * truth.ball_m),
+                       direction_in_camera_deg(root_from_still.inverse() * truth.ball_m),
+                       {row.circle.x_px, row.circle.y_px}},
+                      axis);
+}
+
 DetectorScore RunScores::finished(const Detector& detector, std::int64_t events,
                                   const saccade::Detector* in_loop) const {
   DetectorScore score = detector.scorer.score();
@@ -150,6 +194,7 @@ GazeMetrics RunScores::gaze_metrics() const {
   }
   gaze.score = gaze_.score();
   gaze.limits = limits_;
+  if (eye_movements_) gaze.eye_movements = eye_movements_->score();
   if (gaze.score.acquired_at_us && driver_) gaze.following_rate_hz = following_.rate_hz();
   return gaze;
 }

@@ -11,6 +11,7 @@
 #include "apps/session/newest_estimate.h"
 #include "evaluation/scoring/clutter.h"
 #include "evaluation/scoring/detector_scorer.h"
+#include "evaluation/scoring/eye_movement_score.h"
 #include "evaluation/scoring/gaze_scorer.h"
 #include "evaluation/scoring/metrics.h"
 #include "loop/loop.h"
@@ -79,6 +80,7 @@ class RunScores final : public LoopObserver {
   static void score_newest(Detector& detector, const TruthRow& truth);
   void count_labels(std::span<const Event> events);
   void look_at_right_eye(const Tick& tick);
+  void add_eye_movement(std::int64_t t_us);
   [[nodiscard]] DetectorScore finished(const Detector& detector, std::int64_t events,
                                        const saccade::Detector* in_loop) const;
   [[nodiscard]] GazeMetrics gaze_metrics() const;
@@ -93,6 +95,8 @@ class RunScores final : public LoopObserver {
   std::optional<Detector> frame_detector_;
   std::optional<std::size_t> driver_;  // index of the one that drives the gaze
   GazeScorer gaze_;
+  std::optional<EyeMovementScorer> eye_movements_;
+  std::optional<JointVector> first_rad_;  // joints at the first tick
   FollowingRate following_;
   ClutterCounter clutter_;
   Instants instants_;

@@ -10,7 +10,7 @@ namespace saccade {
 std::string event_file_name(const Scenario& scenario) { return "events." + scenario.output.events; }
 
 RunTables::RunTables(const std::filesystem::path& folder, const Scenario& scenario, const GroundTruth& truth,
-                     const Loop& loop, const FrameCamera* frames)
+                     const Loop& loop, const FrameCamera* frames, ImuPort* imu)
     : scenario_(scenario),
       head_(head_model(scenario.sim.world.head)),
       truth_source_(truth),
@@ -25,7 +25,9 @@ RunTables::RunTables(const std::filesystem::path& folder, const Scenario& scenar
       detections_(folder / run_file::detections),
       streaming_(folder / run_file::streaming),
       gaze_(folder / run_file::gaze, head_),
-      eye_(folder / run_file::eye) {
+      eye_(folder / run_file::eye),
+      imu_source_(imu) {
+  if (imu_source_ != nullptr) imu_.emplace(folder / run_file::imu);
   if (!truth.state.target_is_sphere) target_.emplace(folder / run_file::target);
   if (scenario.sim.labels) labels_.emplace(folder / run_file::labels);
   if (!scenario.sim.both_eyes()) return;
@@ -52,6 +54,10 @@ void RunTables::on_tick(const Tick& tick) {
   gaze_.write({tick.t_us, fixation.valid ? fixation.point_m : none, tick.target_m.value_or(none),
                tick.head->position_rad});
   eye_.write(EyeRow::of(tick.t_us, truth.left.root_from_cam));
+  if (imu_) {
+    ImuRow row{tick.t_us, {}};
+    if (imu_source_->read_imu(row.reading) == PortStatus::ok) imu_->write(row);
+  }
   instants_.pop(truth.events_until_us,
                 [this](const Instants::Instant& instant) { write_detections(instant); });
 }
@@ -101,6 +107,7 @@ void RunTables::commit() {
   streaming_.commit();
   gaze_.commit();
   eye_.commit();
+  if (imu_) imu_->commit();
   if (labels_) labels_->commit();
   if (truth_right_) truth_right_->commit();
   if (labels_right_) labels_right_->commit();

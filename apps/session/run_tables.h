@@ -23,9 +23,9 @@ class FrameCamera;
 /// Writes the event file and the tables of a simulated run, tick by tick, in fixed memory.
 class RunTables final : public LoopObserver {
  public:
-  /// The folder exists. All others outlive it; `frames` is called before it and may be null.
+  /// The folder exists. All others outlive it; `frames` is called before it and may be null. `imu`: of the robot, or null.
   RunTables(const std::filesystem::path& folder, const Scenario& scenario, const GroundTruth& truth,
-            const Loop& loop, const FrameCamera* frames);
+            const Loop& loop, const FrameCamera* frames, ImuPort* imu = nullptr);
 
   void on_tick(const Tick& tick) override;
   /// Writes the instants that still wait for late events and closes every file under its final name.
@@ -53,6 +53,8 @@ class RunTables final : public LoopObserver {
   TableWriter<StreamingRow> streaming_;
   TableWriter<GazeRow> gaze_;
   TableWriter<EyeRow> eye_;
+  ImuPort* imu_source_;
+  std::optional<TableWriter<ImuRow>> imu_;
   std::optional<TableWriter<LabelRow>> labels_;
   std::optional<TableWriter<TruthRow>> truth_right_;  // these three with events of both eyes
   std::optional<TableWriter<LabelRow>> labels_right_;

@@ -12,6 +12,7 @@
 #include "evaluation/report/ablation.h"
 #include "evaluation/report/comparison_runs.h"
 #include "evaluation/report/comparison_tables.h"
+#include "evaluation/report/eye_movement_section.h"
 #include "evaluation/report/figures.h"
 #include "evaluation/report/gaze_figures.h"
 #include "evaluation/report/html.h"
@@ -98,6 +99,30 @@ std::string gaze_paths_html(const std::vector<ComparedGroup>& groups, const Figu
                      gaze_paths_figure("gaze_paths", drawn), out);
 }
 
+/// The settings of a run that are the same at every frequency of a protocol.
+std::string protocol_label(const Metrics& metrics) {
+  std::string label = metrics.scenario;
+  for (const auto& [key, value] : metrics.settings) {
+    if (!key.ends_with("frequency_hz") && !key.ends_with("amplitude_deg")) label += ", " + key + "=" + value;
+  }
+  return label;
+}
+
+/// Eye movements of the first run of each group that has them.
+std::string eye_movements_html(const std::vector<ComparedGroup>& groups, const FigureFolder& out) {
+  std::vector<EyeMovementColumn> columns;
+  std::vector<EyeMovementColumn> curves;
+  for (const ComparedGroup& group : groups) {
+    const Metrics& metrics = group.runs.front()->metrics;
+    if (!metrics.gaze || !metrics.gaze->eye_movements) continue;
+    columns.push_back({group.label, &*metrics.gaze->eye_movements});
+    curves.push_back({protocol_label(metrics), &*metrics.gaze->eye_movements});
+  }
+  if (columns.empty()) return {};
+  return "<h2>Eye movements</h2>\n<p class=\"facts\">Of the first run of each group.</p>\n" +
+         eye_movement_table(columns) + bode_figures(curves, out);
+}
+
 std::string group_html(const ComparedGroup& group, std::size_t number, const FigureFolder& out,
                        const FormatRegistry& formats) {
   std::string html = "<h2>" + escaped(group.label) + "</h2>\n" + links(group, out.page, formats) +
@@ -150,7 +175,7 @@ std::vector<std::string> write_comparison(std::span<const fs::path> folders, con
       figure_html("Average precision",
                   "A dot for every run; the bar reaches one standard deviation to both sides of the mean.",
                   average_precision_figure("average_precision", drawn), out);
-  html += gaze_paths_html(groups, out) + ablation;
+  html += gaze_paths_html(groups, out) + eye_movements_html(groups, out) + ablation;
   for (std::size_t i = 0; i < groups.size(); ++i) html += group_html(groups[i], i + 1, out, formats);
   write_page(page, fmt::format("{} runs compared", runs.size()), html);
   std::vector<std::string> duplicates;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "evaluation/report/eye_movement_section.h"
 #include "evaluation/report/figures.h"
 #include "evaluation/report/gaze_figures.h"
 #include "evaluation/report/html.h"
@@ -141,6 +142,7 @@ std::string body(const RunData& run) {
   html += frames_figure(run);
   if (m.gaze)
     html += "<h2>Gaze</h2>\n" + gaze_line(*m.gaze) + gaze_table(*m.gaze, m.duration_s) + gaze_figures(run);
+  html += eye_movement_section(run);
   html += "<h2>Detection</h2>\n" + detector_table(m);
   html +=
       "<p class=\"facts\">An observation is right within 6 px of the true centre and 2 px of the true "

@@ -58,6 +58,7 @@ Json json_of(const GazeMetrics& gaze) {
                {"acquired_at_us", json_of(score.acquired_at_us)},
                {"following_rate_hz", json_of(gaze.following_rate_hz)}};
   if (!score.exact) json["approximate"] = true;
+  if (gaze.eye_movements) json["eye_movements"] = json_of(*gaze.eye_movements);
   if (!gaze.failure.empty()) json["failure"] = gaze.failure;
   return json;
 }
@@ -75,6 +76,8 @@ GazeMetrics gaze_metrics(const Json& json) {
   gaze.score.acquired_at_us = integer(optional("acquired_at_us"));
   gaze.following_rate_hz = number(optional("following_rate_hz"));
   gaze.score.exact = !json.value("approximate", false);
+  if (const Json found = optional("eye_movements"); !found.is_null())
+    gaze.eye_movements = metrics_json::eye_movement_score(found);
   gaze.failure = json.value("failure", std::string());
   gaze.detector = json.at("detector").get<std::string>();
   gaze.score.fixation_error_deg = percentiles(json.at("fixation_error_deg"));

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/camera.h"
+#include "evaluation/scoring/eye_movement_score.h"
 #include "evaluation/scoring/gaze_scorer.h"
 #include "evaluation/scoring/scoring.h"
 #include "head/head_state.h"
@@ -27,6 +28,7 @@ struct GazeMetrics {
   JointLimits limits;  ///< positions only, for the figures
   /// Why the gaze controller ended before the end of the run (GazeController::failure()); empty: it did not.
   std::string failure;
+  std::optional<EyeMovementScore> eye_movements;  ///< where the scenario asks for them
 };
 
 /// The right eye of a run with two cameras.
@@ -94,7 +96,7 @@ struct Metrics {
 /// `clutter`, `latency`, `events.camera`; `rejected_events`, `failure`, `alarm_ratio`, `alarms_per_min`, `streaming`, `nees`,
 /// `reliability` and clutter of a
 /// detector; `controller`, `gate`, `window`,
-/// `acquired_at_us` and `following_rate_hz` of the gaze; `k1` to `p2` of a camera.
+/// `acquired_at_us`, `following_rate_hz` and `eye_movements` of the gaze; `k1` to `p2` of a camera.
 [[nodiscard]] Metrics metrics_from_json(std::string_view text, const std::string& place);
 
 /// Throws RunError when the file cannot be written.

@@ -6,6 +6,7 @@
 #include <optional>
 #include <type_traits>
 
+#include "evaluation/scoring/eye_movement_score.h"
 #include "evaluation/scoring/scoring.h"
 
 namespace saccade::metrics_json {
@@ -41,6 +42,10 @@ inline Percentiles percentiles(const Json& json) {
   return {.median = number(json.at("median")), .p95 = number(json.at("p95"))};
 }
 
+/// Eye movements in the block of the gaze.
+[[nodiscard]] Json json_of(const EyeMovementScore& score);
+/// Throws as detector_score().
+[[nodiscard]] EyeMovementScore eye_movement_score(const Json& json);
 /// A detector's block of metrics.json.
 [[nodiscard]] Json json_of(const DetectorScore& score);
 /// Throws Json::exception for a key that is missing or of a wrong type.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -17,6 +18,7 @@ FakeRobot::FakeRobot(FakeRobotScript script)
   SACCADE_CHECK(script_.lag_s > 0.0 && script_.lateness_us >= 0);
   SACCADE_CHECK(std::is_sorted(script_.events.begin(), script_.events.end(),
                                [](const Event& a, const Event& b) { return a.t_us < b.t_us; }));
+  SACCADE_CHECK(std::ranges::is_sorted(script_.imu, {}, &ImuReading::t_us));
   head_.t_us = now_us_;
   head_.position_rad = script_.start_rad;
   encoders_ = head_;
@@ -99,6 +101,13 @@ HeadPort::CommandResult FakeRobot::command(const HeadCommand& reference_rad) {
       !is_allowed(reference_rad, script_.limits) || (script_.refuse_us && now_us_ >= *script_.refuse_us);
   if (status_ == PortStatus::ok && !rejected) reference_rad_ = reference_rad;
   return {status_, rejected};
+}
+
+PortStatus FakeRobot::read_imu(ImuReading& reading) {
+  if (status_ != PortStatus::ok) return status_;
+  const auto next = std::ranges::upper_bound(script_.imu, now_us_, {}, &ImuReading::t_us);
+  if (next != script_.imu.begin()) reading = *std::prev(next);
+  return status_;
 }
 
 PortStatus FakeRobot::stop() {

@@ -29,6 +29,9 @@ struct FakeRobotScript {
   /// The first wait that would end at `first` or later ends later by `second`.
   std::optional<std::pair<std::int64_t, std::int64_t>> late_us;
 
+  /// Readings of an inertial measurement unit, by the time at which they arrive, t_us; none: the robot has none.
+  std::vector<ImuReading> imu;
+
   JointLimits limits;
   JointVector start_rad = JointVector::Zero();
   double lag_s = 0.05;  ///< time constant with which the head follows its reference, > 0
@@ -37,13 +40,14 @@ struct FakeRobotScript {
 /// A robot for tests without noise: scripted events, and a head whose neck and eyes follow each reference with a
 /// first-order lag. The lag is exact for any step: x += (reference - x)(1 - exp(-dt / lag)). Speed is not limited to
 /// limits().max_speed_rad_s. The torso does not move.
-class FakeRobot final : public Robot, public Clock, public EventSource, public HeadPort {
+class FakeRobot final : public Robot, public Clock, public EventSource, public HeadPort, public ImuPort {
  public:
   explicit FakeRobot(FakeRobotScript script);
 
   Clock& clock() override { return *this; }
   EventSource& events() override { return *this; }
   HeadPort* head() override { return this; }
+  ImuPort* imu() override { return script_.imu.empty() ? nullptr : this; }
 
   [[nodiscard]] std::int64_t now_us() const override { return now_us_; }
   PortStatus wait_until(std::int64_t t_us) override;
@@ -58,6 +62,8 @@ class FakeRobot final : public Robot, public Clock, public EventSource, public H
   [[nodiscard]] HeadDrives drives() const override;
   CommandResult command(const HeadCommand& reference_rad) override;
   PortStatus stop() override;
+  /// The newest scripted reading up to now; before the first one unchanged.
+  PortStatus read_imu(ImuReading& reading) override;
 
   /// The newest reference, rad; before the first command the start position.
   [[nodiscard]] const HeadCommand& reference_rad() const { return reference_rad_; }

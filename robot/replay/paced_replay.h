@@ -20,6 +20,7 @@ class PacedReplay final : public Robot, public Clock {
   Clock& clock() override { return *this; }
   EventSource& events() override { return replay_; }
   HeadPort* head() override { return replay_.head(); }
+  ImuPort* imu() override { return replay_.imu(); }
   std::vector<StartUpCheck> check() override;
 
   /// By the steady clock; events and joints are those of the last wait_until.

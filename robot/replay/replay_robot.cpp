@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "recording/run_file_names.h"
 
 namespace saccade {
 namespace {
@@ -16,6 +17,21 @@ ImageSize known_size(const EventReader& reader) {
 }
 
 }  // namespace
+
+std::optional<TableReader<ImuRow>> recorded_imu(const std::filesystem::path& folder) {
+  const std::filesystem::path imu = folder / run_file::imu;
+  if (!std::filesystem::exists(imu)) return std::nullopt;
+  return TableReader<ImuRow>(imu);
+}
+
+PortStatus ReplayImu::read_imu(ImuReading& reading) {
+  if (status_ == PortStatus::ok) reading = reading_;
+  return status_;
+}
+
+void ReplayImu::advance_to(std::int64_t now_us) {
+  for (; next_ && next_->t_us <= now_us; next_ = rows_.next()) reading_ = next_->reading;
+}
 
 ReplayHead::ReplayHead(RecordedHead recording)
     : recording_(std::move(recording)), next_(recording_.joints.next()) {
@@ -51,8 +67,10 @@ ReplayRobot::ReplayRobot(std::unique_ptr<EventReader> events, std::optional<Reco
       last_us_(std::numeric_limits<std::int64_t>::min()) {
   block_.reserve(block_events);
   if (head) {
+    if (head->imu) imu_.emplace(std::move(*head->imu));
     head_.emplace(std::move(*head));
     now_us_ = last_us_ = head_->t_us();
+    if (imu_) imu_->advance_to(now_us_);
   } else if (const Event* first = next()) {
     now_us_ = first->t_us;
   }
@@ -85,10 +103,12 @@ PortStatus ReplayRobot::wait_until(std::int64_t t_us) {
   if (is_over()) {
     ended_ = true;
     if (head_) head_->end();
+    if (imu_) imu_->end();
     return PortStatus::ended;
   }
   now_us_ = t_us;
   if (head_) head_->advance_to(now_us_);
+  if (imu_) imu_->advance_to(now_us_);
   return PortStatus::ok;
 }
 

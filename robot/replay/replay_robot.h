@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -7,14 +8,36 @@
 #include "core/detector.h"
 #include "recording/event_file.h"
 #include "recording/joints_source.h"
+#include "recording/run_files.h"
 #include "robot/robot.h"
 
 namespace saccade {
 
-/// Joints of a recording (joints.csv of a run folder, or a log of the robot's head) and the limits of its head.
+/// Joints of a recording (joints.csv of a run folder, or a log of the robot's head), the limits of its head, and the
+/// readings of its inertial measurement unit (imu.csv) if it has one.
 struct RecordedHead {
   JointsSource joints;
   JointLimits limits;
+  std::optional<TableReader<ImuRow>> imu = std::nullopt;
+};
+
+/// imu.csv of a run folder, where there is one. Throws InputError.
+[[nodiscard]] std::optional<TableReader<ImuRow>> recorded_imu(const std::filesystem::path& folder);
+
+/// Readings as recorded: read_imu() returns the newest row up to now; before the first row one of a head at rest.
+class ReplayImu final : public ImuPort {
+ public:
+  explicit ReplayImu(TableReader<ImuRow> rows) : rows_(std::move(rows)), next_(rows_.next()) {}
+
+  PortStatus read_imu(ImuReading& reading) override;
+  void advance_to(std::int64_t now_us);
+  void end() { status_ = PortStatus::ended; }
+
+ private:
+  TableReader<ImuRow> rows_;
+  std::optional<ImuRow> next_;
+  ImuReading reading_{0, Eigen::Vector3d::Zero(), Eigen::Vector3d(0.0, 0.0, 9.81)};
+  PortStatus status_ = PortStatus::ok;
 };
 
 /// A head that moves as recorded: read() returns the newest row up to now, with the velocity between the last two rows.
@@ -57,6 +80,9 @@ class ReplayRobot final : public Robot, public Clock, public EventSource {
   /// Null on a recording without joints.
   HeadPort* head() override { return head_ ? &*head_ : nullptr; }
 
+  /// Null on a recording without imu.csv.
+  ImuPort* imu() override { return imu_ ? &*imu_ : nullptr; }
+
   [[nodiscard]] std::int64_t now_us() const override { return now_us_; }
   PortStatus wait_until(std::int64_t t_us) override;
 
@@ -76,6 +102,7 @@ class ReplayRobot final : public Robot, public Clock, public EventSource {
 
   std::unique_ptr<EventReader> reader_;
   std::optional<ReplayHead> head_;
+  std::optional<ReplayImu> imu_;
   ImageSize image_size_;
   std::vector<Event> block_;
   std::size_t position_ = 0;  ///< in block_

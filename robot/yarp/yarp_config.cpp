@@ -85,6 +85,14 @@ void describe(FieldVisitor& v, YarpConfig& config) {
   v.section(
       "gaze_server", [&](FieldVisitor& s) { describe_gaze(s, config.gaze_server); },
       "the robot's gaze controller (iKinGazeCtrl), with head.control: gaze");
+  v.section(
+      "imu",
+      [&](FieldVisitor& s) {
+        port_name(s, "port", config.imu.port, true,
+                  "port of the head's inertial sensor (`/icub/inertial`: 12 numbers); empty: none");
+        s.choice("carrier", config.imu.carrier, carriers, "YARP carrier of its readings");
+      },
+      "the inertial sensor in the head");
 }
 
 std::string head_name(const YarpConfig& config) {

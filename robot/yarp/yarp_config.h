@@ -45,6 +45,12 @@ struct YarpGazeConfig {
   bool bind_roll = true;
 };
 
+/// The inertial sensor in the head.
+struct YarpImuConfig {
+  std::string port;  ///< empty: none
+  std::string carrier = "fast_tcp";
+};
+
 /// A robot on a YARP network. The address of the name server is configured in YARP (`yarp conf`).
 struct YarpConfig {
   std::string local = "/saccade";
@@ -52,11 +58,12 @@ struct YarpConfig {
   YarpCameraConfig camera;
   YarpHeadConfig head;
   YarpGazeConfig gaze_server;
+  YarpImuConfig imu;
 };
 
 /// Keys: local, timeout_s, camera.{port, right_port, carrier, format, codec, stamp_bits, width_px, height_px, swap_xy,
 /// flip_x, flip_y, swap_polarity, queue_events}, head.{control, part, torso_part, carrier}, gaze_server.{name, target_interval_ms,
-/// neck_time_s, eyes_time_s, tracking, saccades, bind_roll}.
+/// neck_time_s, eyes_time_s, tracking, saccades, bind_roll}, imu.{port, carrier}.
 void describe(FieldVisitor& v, YarpConfig& config);
 
 /// Whether targets go to the gaze controller of the robot (`head.control: gaze`).

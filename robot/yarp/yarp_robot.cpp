@@ -7,10 +7,12 @@
 #include <utility>
 
 #include "core/error.h"
+#include "head/head_model.h"
 #include "robot/steady_clock.h"
 #include "robot/yarp/yarp_camera.h"
 #include "robot/yarp/yarp_gaze.h"
 #include "robot/yarp/yarp_head.h"
+#include "robot/yarp/yarp_imu.h"
 #include "robot/yarp/yarp_network.h"
 
 namespace saccade {
@@ -65,6 +67,7 @@ struct YarpRobot::Parts {
     camera.emplace(config, steady);
     if (config.head.control == "joints") head.emplace(config, limits, steady);
     if (config.head.control == "gaze") gaze.emplace(config, limits, steady);
+    if (!config.imu.port.empty()) imu.emplace(config, limits.head->head_from_imu, steady);
     clock.emplace(steady, gaze ? &*gaze : nullptr);
   }
 
@@ -73,6 +76,7 @@ struct YarpRobot::Parts {
   std::optional<YarpCamera> camera;
   std::optional<YarpHead> head;
   std::optional<YarpGaze> gaze;
+  std::optional<YarpImu> imu;
   std::optional<TickClock> clock;
   std::atomic<bool> has_name_server = true;
   Periodic watch;
@@ -94,6 +98,8 @@ HeadPort* YarpRobot::head() {
   if (parts_->head) return &*parts_->head;
   return parts_->gaze ? &*parts_->gaze : nullptr;
 }
+
+ImuPort* YarpRobot::imu() { return parts_->imu ? &*parts_->imu : nullptr; }
 
 GazePort* YarpRobot::gaze() { return parts_->gaze ? &*parts_->gaze : nullptr; }
 
@@ -117,6 +123,7 @@ std::vector<StartUpCheck> YarpRobot::check() {
   if (parts_->head) more = parts_->head->check();
   if (parts_->gaze) more = parts_->gaze->check();
   for (StartUpCheck& check : more) checks.push_back(std::move(check));
+  if (parts_->imu) checks.push_back(parts_->imu->check());
   return checks;
 }
 

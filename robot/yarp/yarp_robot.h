@@ -24,6 +24,7 @@ namespace saccade {
 ///   NAME/mono:i is not used, because targets are points. Settings are sent over NAME/rpc at activate() and restored
 ///   (`stor`, `rest`) at release(). Positions come from NAME/q:o, speeds are their differences; limits() are the configured
 ///   ones.
+/// - Inertial sensor: the port imu.port, if it is configured (YarpImu).
 /// - Torso: upright and at rest if no part is configured for it.
 /// - Loss of the name server: open connections continue; news() reports it.
 ///
@@ -44,6 +45,7 @@ class YarpRobot final : public Robot {
   Clock& clock() override;
   EventSource& events() override;
   HeadPort* head() override;
+  ImuPort* imu() override;
   GazePort* gaze() override;
   /// Takes up to `timeout_s` for each part that does not answer, and 1 s for a camera that sends nothing.
   std::vector<StartUpCheck> check() override;

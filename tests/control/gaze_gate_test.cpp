@@ -301,5 +301,44 @@ TEST(ContinuityGate, UsesTheRootFrameSoThatHeadMotionHasNoEffect) {
   EXPECT_EQ(passed, 300 - static_cast<int>(ContinuityGateConfig{}.min_agreeing) + 1);
 }
 
+/// A continuity gate that accepts a score of 0.1 (a fifth of the threshold) at the predicted place.
+std::unique_ptr<GazeGate> predicting_gate() {
+  ContinuityGateConfig config;
+  config.near_score = 0.2;
+  return std::make_unique<ContinuityGate>(config, TargetConfig{});
+}
+
+/// The ball of the predicting gate's tests at `t_s`: 45 cm ahead, to the right at 10 cm/s (13 deg/s).
+Estimate passing_ball(double t_s, double score, double off_m = 0.0) {
+  const Eigen::Vector3d ball_m(-0.45, -0.1 + 0.1 * t_s + off_m, 0.0);
+  return {true, false, *camera.project_sphere(looking_ahead().inverse() * ball_m, 0.0475), score};
+}
+
+TEST(ContinuityGate, TakesALowScoreWhereTheBallIsPredictedAndNowhereElse) {
+  const auto g = predicting_gate();
+  ASSERT_TRUE(feed(*g, 500, [](int i) { return passing_ball(i * 1e-3, 1.0); }));
+  // A quarter of a second later, 3.2 deg on.
+  EXPECT_FALSE(update(*g, 750'000, passing_ball(0.75, 0.2, 0.04)));
+  EXPECT_FALSE(update(*g, 751'000, passing_ball(0.5, 0.2)));
+  EXPECT_FALSE(update(*g, 752'000, passing_ball(0.752, 0.09)));
+  EXPECT_TRUE(update(*g, 753'000, passing_ball(0.753, 0.2)));
+}
+
+TEST(ContinuityGate, ALowScoreFindsNoBallAndKeepsNoneForLong) {
+  const auto fresh = predicting_gate();
+  EXPECT_FALSE(feed(*fresh, 500, [](int i) { return passing_ball(i * 1e-3, 0.2); }));
+  const auto g = predicting_gate();
+  ASSERT_TRUE(feed(*g, 200, [](int i) { return passing_ball(i * 1e-3, 1.0); }));
+  int taken = 0;
+  for (int i = 201; i <= 1600; ++i) taken += update(*g, i * 1000, passing_ball(i * 1e-3, 0.2)).has_value();
+  EXPECT_EQ(taken, 1000);  // near_s
+}
+
+TEST(ContinuityGate, ByDefaultALowScoreIsNoTarget) {
+  const auto g = gate("continuity");
+  ASSERT_TRUE(feed(*g, 500, [](int i) { return passing_ball(i * 1e-3, 1.0); }));
+  EXPECT_FALSE(update(*g, 501'000, passing_ball(0.501, 0.499)));
+}
+
 }  // namespace
 }  // namespace saccade

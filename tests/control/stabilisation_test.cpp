@@ -45,6 +45,64 @@ TEST(Stabiliser, IgnoresAReadingThatIsNotFinite) {
   EXPECT_TRUE(stabiliser.update(turning(0.2, 0.0), &imu, 0.0, 1e-3).base_rad_s.isZero());
 }
 
+/// The rates after 0.2 s in which the image shows `seen_root_rad_s` (root frame) every 4 ms.
+BodyRates watched(const StabilisationConfig& config, const HeadState& state,
+                  const Eigen::Vector3d& seen_root_rad_s, double gyroscope_z_rad_s = 0.0) {
+  Stabiliser stabiliser(config, default_head());
+  const Eigen::Matrix3d eye_from_root = HeadKinematics(default_head()->chain, JointVector::Zero())
+                                            .root_from_eye(Eye::left)
+                                            .linear()
+                                            .transpose();
+  ImuReading imu;
+  imu.angular_velocity_rad_s = {0.0, 0.0, gyroscope_z_rad_s};
+  BodyRates rates;
+  for (int i = 0; i < 200; ++i) {
+    std::optional<Eigen::Vector3d> seen;
+    if (i % 4 == 0) seen = eye_from_root * seen_root_rad_s;
+    rates = stabiliser.update(state, &imu, 0.0, 1e-3, seen);
+  }
+  return rates;
+}
+
+TEST(Stabiliser, TakesTheMotionOfNeckAndTorsoOutOfWhatTheImageShows) {
+  // Neck + turns left, about +z; torso + right, about -z; the base turns at 0.1 rad/s about z.
+  const HeadState state = turning(0.2, 0.5);
+  const Eigen::Vector3d seen(0.0, 0.0, 0.5 - 0.2 + 0.1);
+  EXPECT_LT(
+      (watched({false, false, true}, state, seen).base_rad_s - Eigen::Vector3d(0.0, 0.0, 0.1 - 0.2)).norm(),
+      1e-6);
+  const BodyRates both = watched({true, false, true}, state, seen);
+  EXPECT_LT((both.base_rad_s - Eigen::Vector3d(0.0, 0.0, 0.1)).norm(), 1e-6);
+  EXPECT_NEAR(both.torso_rad_s[torso_yaw], 0.2, 1e-12);
+}
+
+TEST(Stabiliser, TheImageCorrectsTheBiasOfTheGyroscope) {
+  const BodyRates rates =
+      watched({false, true, true}, turning(0.0, 0.0), Eigen::Vector3d(0.0, 0.0, 0.2), 0.2 + 0.05);
+  EXPECT_LT((rates.base_rad_s - Eigen::Vector3d(0.0, 0.0, 0.2)).norm(), 1e-6);
+}
+
+TEST(Stabiliser, AnImageWithoutAgreementIsNoMeasurementWhileTheNeckTurns) {
+  const BodyRates rates = watched({false, false, true}, turning(0.0, 0.5), Eigen::Vector3d::Zero());
+  EXPECT_TRUE(rates.base_rad_s.isZero());
+}
+
+TEST(Stabiliser, WhatTheImageShowedFadesWithoutAFurtherMeasurement) {
+  Stabiliser stabiliser({false, false, true}, default_head());
+  BodyRates rates;
+  const auto run = [&](int ticks, bool sees) {
+    for (int i = 0; i < ticks; ++i) {
+      rates = stabiliser.update(
+          {}, nullptr, 0.0, 1e-3,
+          sees && i % 4 == 0 ? std::optional(Eigen::Vector3d(0.0, -0.3, 0.0)) : std::nullopt);
+    }
+  };
+  run(200, true);
+  EXPECT_NEAR(rates.base_rad_s.norm(), 0.3, 1e-6);
+  run(500, false);
+  EXPECT_LT(rates.base_rad_s.norm(), 0.01);
+}
+
 /// The largest gaze error while the torso turns at 1 Hz, 31 deg/s, and the target rests; the plant is ideal.
 double worst_error_deg(const char* name, const StabilisationConfig& config) {
   GazeControllerConfig gaze_config = built_in_controllers().config();

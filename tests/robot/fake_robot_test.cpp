@@ -99,5 +99,27 @@ TEST(FakeRobotDeathTest, ReadingFutureEventsAndUnsortedScriptsAreErrors) {
   EXPECT_DEATH(FakeRobot{script}, "is_sorted");
 }
 
+TEST(FakeRobot, OffersTheNewestScriptedReadingOfItsInertialSensor) {
+  FakeRobotScript script = scripted_world(0);
+  EXPECT_EQ(FakeRobot(script).imu(), nullptr);
+  script.imu = {{2000, {1.0, 0.0, 0.0}, Eigen::Vector3d::Zero()},
+                {4000, {2.0, 0.0, 0.0}, Eigen::Vector3d::Zero()}};
+  script.lost_us = 6000;
+  FakeRobot robot(script);
+  ASSERT_NE(robot.imu(), nullptr);
+  ImuReading reading;
+  robot.wait_until(1000);
+  EXPECT_EQ(robot.imu()->read_imu(reading), PortStatus::ok);
+  EXPECT_EQ(reading.t_us, 0);
+  robot.wait_until(3999);
+  robot.imu()->read_imu(reading);
+  EXPECT_EQ(reading.angular_velocity_rad_s.x(), 1.0);
+  robot.wait_until(4000);
+  robot.imu()->read_imu(reading);
+  EXPECT_EQ(reading.angular_velocity_rad_s.x(), 2.0);
+  robot.wait_until(6000);
+  EXPECT_EQ(robot.imu()->read_imu(reading), PortStatus::lost);
+}
+
 }  // namespace
 }  // namespace saccade

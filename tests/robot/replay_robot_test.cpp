@@ -159,5 +159,42 @@ TEST(ReplayRobot, ReplaysEveryEventOfTheLoomingBall) {
   EXPECT_LT(robot.rejected().back_in_time, 10);
 }
 
+TEST(ReplayRobot, WithImuRowsOffersTheNewestReadingAtEachTime) {
+  TempFolder folder;
+  const auto joints = folder.write(
+      "joints.csv", std::string(joints_header) + "1000,0,0,0,0,0,0,0,0,0\n9000,0,0,0,0,0,0,0,0,0\n");
+  {
+    TableWriter<ImuRow> imu(joints.parent_path() / "imu.csv");
+    imu.write({1000, {900, {0.1, 0.0, 0.0}, {0.0, 0.0, 9.81}}});
+    imu.write({3000, {2900, {0.2, 0.0, -1.5}, {0.25, 0.0, 9.5}}});
+    imu.commit();
+  }
+  ReplayRobot robot(
+      std::make_unique<ListReader>(std::vector{event_at(2000)}),
+      RecordedHead{TableReader<JointsRow>(joints), unit_limits(), recorded_imu(joints.parent_path())});
+  ASSERT_NE(robot.imu(), nullptr);
+  ImuReading reading;
+  EXPECT_EQ(robot.imu()->read_imu(reading), PortStatus::ok);
+  EXPECT_EQ(reading.t_us, 900);
+  robot.wait_until(2999);
+  robot.imu()->read_imu(reading);
+  EXPECT_EQ(reading.angular_velocity_rad_s.x(), 0.1);
+  robot.wait_until(3000);
+  robot.imu()->read_imu(reading);
+  EXPECT_EQ(reading.t_us, 2900);
+  EXPECT_EQ(reading.angular_velocity_rad_s, Eigen::Vector3d(0.2, 0.0, -1.5));
+  EXPECT_EQ(reading.acceleration_m_s2, Eigen::Vector3d(0.25, 0.0, 9.5));
+  robot.wait_until(9000);
+  robot.wait_until(9001);
+  EXPECT_EQ(robot.imu()->read_imu(reading), PortStatus::ended);
+}
+
+TEST(ReplayRobot, WithoutImuRowsHasNoInertialSensor) {
+  TempFolder folder;
+  ReplayRobot robot(std::make_unique<ListReader>(std::vector{event_at(500)}),
+                    recorded_head(folder, "400,0,0,0,0,0,0,0,0,0\n"));
+  EXPECT_EQ(robot.imu(), nullptr);
+}
+
 }  // namespace
 }  // namespace saccade

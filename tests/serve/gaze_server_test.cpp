@@ -254,5 +254,68 @@ TEST(GazeServer, AtRestTheFixationPointIsADistantOneAhead) {
   EXPECT_NEAR(x[1], 0.0, 0.05);
 }
 
+/// The version of the eyes, deg, after half a second in which the gyroscope measures `left_deg_s` about the vertical axis while
+/// the head does not move and a target lies straight ahead; `requests` come first.
+double version_deg(double left_deg_s, const std::vector<std::string>& requests, bool has_imu = true,
+                   std::int64_t age_us = 0) {
+  Head head;
+  GazeServer server({}, {}, genova02_limits(), Camera{}, Camera{}, JointVector::Zero(), has_imu);
+  for (const std::string& request : requests) EXPECT_EQ(server.answer(request), "[ack]");
+  EXPECT_EQ(server.answer("look 3D (-0.556 0 0.347)"), "[ack]");
+  ImuReading imu;
+  imu.angular_velocity_rad_s = {0.0, 0.0, left_deg_s * rad_per_deg};
+  for (int i = 0; i < 500; ++i) {
+    head.state.t_us = 1000 * i;
+    imu.t_us = head.state.t_us - age_us;
+    const auto reference_rad = server.step(head.state, 0.001, &imu);
+    if (!reference_rad) continue;
+    head.state.position_rad.tail<gaze_slots>() = *reference_rad;
+    head.state.position_rad.segment<3>(neck_pitch).setZero();
+  }
+  return head.state.position_rad[eyes_version] / rad_per_deg;
+}
+
+TEST(GazeServer, VorTurnsTheEyesAgainstWhatTheGyroscopeMeasures) {
+  // The target pulls the eyes back at 12.5/s: 20 deg/s hold them about 1.6 deg to the right.
+  const double right_deg = version_deg(20.0, {});
+  EXPECT_GT(right_deg, 1.0);
+  EXPECT_LT(right_deg, 2.5);
+  EXPECT_NEAR(version_deg(-20.0, {}), -right_deg, 0.1);
+  EXPECT_NEAR(version_deg(20.0, {"set vor 0.5"}), 0.5 * right_deg, 0.1);
+}
+
+TEST(GazeServer, VorIgnoresSlowTurnsOldReadingsAndHeadsWithoutASensor) {
+  EXPECT_NEAR(version_deg(4.9, {}), 0.0, 0.05);
+  EXPECT_NEAR(version_deg(20.0, {}, true, 41'000), 0.0, 0.05);
+  EXPECT_NEAR(version_deg(20.0, {}, false), 0.0, 0.05);
+  EXPECT_NEAR(version_deg(20.0, {"set vor 0"}), 0.0, 0.05);
+}
+
+TEST(GazeServer, OcrIsTheShareOfTheNecksMotionThatTheEyesCompensate) {
+  // The largest gaze error while the neck follows to a target 15 deg to the left, from when the eyes have arrived.
+  const auto worst_deg = [](const char* request) {
+    Head head;
+    EXPECT_EQ(head.server.answer(request), "[ack]");
+    const Eigen::Vector3d target_m(-0.49, -0.116, 0.347);
+    EXPECT_EQ(head.server.answer("look 3D (-0.49 -0.116 0.347)"), "[ack]");
+    double worst = 0.0;
+    for (int i = 0; i < 200; ++i) {
+      head.run(0.01);
+      if (i > 40) worst = std::max(worst, head.miss_deg(Eye::left, target_m));
+    }
+    return worst;
+  };
+  EXPECT_GT(worst_deg("set ocr 0"), 1.5 * worst_deg("set ocr 1"));
+}
+
+TEST(GazeServer, VorAndOcrBeginWithOneAndZeroOnAHeadWithAnInertialSensor) {
+  GazeServer with({}, {}, genova02_limits(), Camera{}, Camera{}, JointVector::Zero(), true);
+  EXPECT_EQ(with.answer("get vor"), "[ack] 1");
+  EXPECT_EQ(with.answer("get ocr"), "[ack] 0");
+  GazeServer without({}, {}, genova02_limits(), Camera{}, Camera{}, JointVector::Zero());
+  EXPECT_EQ(without.answer("get vor"), "[ack] 0");
+  EXPECT_EQ(without.answer("get ocr"), "[ack] 1");
+}
+
 }  // namespace
 }  // namespace saccade
