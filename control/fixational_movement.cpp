@@ -13,7 +13,7 @@ void describe(FieldVisitor& v, FixationalConfig& config) {
   v.when(config.amplitude_deg > 0.0, "amplitude_deg above 0", [&] {
     v.real("after_s", config.after_s, {0.01, 60.0},
            "time without a detection from current events until such a movement, and between two of them");
-    v.real("frequency_hz", config.frequency_hz, {0.1, 20.0},
+    v.real("frequency_hz", config.frequency_hz, {1.0, 20.0},
            "frequency of the movement, which lasts one period");
   });
 }

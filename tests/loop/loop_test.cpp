@@ -132,6 +132,31 @@ struct Trial {
   }
 };
 
+/// The widest way of the left eye's axis from a ball that the detector holds, deg, in the last of three seconds.
+double widest_deg(double amplitude_deg) {
+  Trial trial;
+  trial.ball = [](std::int64_t) { return std::optional(ball_m); };
+  trial.follow.fixational = {amplitude_deg, 0.3, 2.0};
+  trial.run("qp", 3.0);
+  double widest = 0.0;
+  for (std::size_t i = 2000; i < 3000; ++i) {
+    JointVector joints = JointVector::Zero();
+    joints.tail<gaze_slots>() = trial.references_rad[i];
+    const Eigen::Vector3d seen =
+        HeadKinematics(default_head()->chain, joints).root_from_eye(Eye::left).inverse() * ball_m;
+    widest = std::max(widest, std::atan2(seen.head<2>().norm(), seen.z()) / rad_per_deg);
+  }
+  EXPECT_EQ(trial.log.size(), 1u);  // it is never lost
+  return widest;
+}
+
+TEST(FixationalMovements, TheEyesMoveAroundABallThatIsOnlyHeld) {
+  EXPECT_LT(widest_deg(0.0), 0.1);
+  const double widest = widest_deg(1.0);
+  EXPECT_GT(widest, 1.0);
+  EXPECT_LT(widest, 2.5);
+}
+
 class LostTargets : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(, LostTargets, testing::Values("qp", "ikingaze"),
                          [](const auto& name) { return name.param; });
