@@ -317,11 +317,10 @@ Estimate passing_ball(double t_s, double score, double off_m = 0.0) {
 TEST(ContinuityGate, TakesALowScoreWhereTheBallIsPredictedAndNowhereElse) {
   const auto g = predicting_gate();
   ASSERT_TRUE(feed(*g, 500, [](int i) { return passing_ball(i * 1e-3, 1.0); }));
-  // A quarter of a second later, 3.2 deg on.
-  EXPECT_FALSE(update(*g, 750'000, passing_ball(0.75, 0.2, 0.04)));
-  EXPECT_FALSE(update(*g, 751'000, passing_ball(0.5, 0.2)));
-  EXPECT_FALSE(update(*g, 752'000, passing_ball(0.752, 0.09)));
-  EXPECT_TRUE(update(*g, 753'000, passing_ball(0.753, 0.2)));
+  // 60 ms later, 0.8 deg on.
+  EXPECT_FALSE(update(*g, 560'000, passing_ball(0.56, 0.2, 0.04)));
+  EXPECT_FALSE(update(*g, 561'000, passing_ball(0.561, 0.09)));
+  EXPECT_TRUE(update(*g, 562'000, passing_ball(0.562, 0.2)));
 }
 
 TEST(ContinuityGate, ALowScoreFindsNoBallAndKeepsNoneForLong) {
