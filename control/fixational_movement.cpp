@@ -41,7 +41,8 @@ std::optional<Eigen::Vector2d> FixationalMovement::update(bool seen, bool follow
     return Eigen::Vector2d::Zero();
   }
   const double angle = 2.0 * std::numbers::pi * periods;
-  return config_.amplitude_deg * rad_per_deg * Eigen::Vector2d(std::sin(angle), 1.0 - std::cos(angle));
+  return config_.amplitude_deg * rad_per_deg *
+         Eigen::Vector2d(std::sin(angle), 0.5 * (1.0 - std::cos(angle)));
 }
 
 Eigen::Vector3d displaced(const Eigen::Vector3d& target_m, const Eigen::Vector2d& right_up_rad,

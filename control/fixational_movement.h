@@ -19,8 +19,8 @@ struct FixationalConfig {
 /// Keys: amplitude_deg, after_s, frequency_hz.
 void describe(FieldVisitor& v, FixationalConfig& config);
 
-/// When the gaze moves around the target, and where to. One movement is an ellipse through the target, as wide as high: to the
-/// right amplitude sin(2 pi f t), up amplitude (1 - cos(2 pi f t)).
+/// When the gaze moves around the target, and where to. One movement is an ellipse through the target: to the right
+/// amplitude sin(2 pi f t), up amplitude (1 - cos(2 pi f t)) / 2.
 class FixationalMovement {
  public:
   /// Throws InputError for a configuration out of range.

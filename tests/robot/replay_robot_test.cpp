@@ -185,6 +185,8 @@ TEST(ReplayRobot, WithImuRowsOffersTheNewestReadingAtEachTime) {
   EXPECT_EQ(reading.angular_velocity_rad_s, Eigen::Vector3d(0.2, 0.0, -1.5));
   EXPECT_EQ(reading.acceleration_m_s2, Eigen::Vector3d(0.25, 0.0, 9.5));
   robot.wait_until(9000);
+  std::vector<Event> events;
+  EXPECT_EQ(robot.read_until(9000, events), PortStatus::ended);
   robot.wait_until(9001);
   EXPECT_EQ(robot.imu()->read_imu(reading), PortStatus::ended);
 }
