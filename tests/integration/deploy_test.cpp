@@ -215,7 +215,9 @@ TEST_F(Deploy, AnActivationThatNeverSucceedsIsStatusOneWithTheReason) {
 
 TEST_F(Deploy, AKilledRunLeavesItsLastSecondsInTheBlackBox) {
   const std::string console = out("console.txt");
-  signal_when("grep -q ' s  active' " + console, "KILL", practice("--activate --out " + out()), console);
+  // A second later: the last moments before a kill may be lost.
+  signal_when("{ grep -q ' s  active' " + console + " && sleep 1; }", "KILL",
+              practice("--activate --out " + out()), console);
   EXPECT_THAT(bytes_of(out("out/blackbox/ticks_0.csv")), HasSubstr(",active,"));
   EXPECT_THAT(bytes_of(out("out/blackbox/messages_0.txt")), HasSubstr("active"));
 }
