@@ -7,7 +7,7 @@
 namespace saccade {
 namespace {
 
-constexpr double prediction_memory_s = 0.045;
+constexpr double prediction_memory_s = 0.045;  // of the TargetTrack in TargetPredictor
 
 }  // namespace
 

@@ -7,6 +7,7 @@
 
 namespace saccade {
 
+/// Log odds of DiscNetwork below this count as this. Chosen on the fitting seeds.
 inline constexpr double least_network_log_odds = -1.0;
 
 /// What a circle has shown since it is followed, beside its evidence; the defaults are those of a circle that was just
@@ -35,8 +36,9 @@ using DiscInputs = std::array<float, disc_input_count>;
 [[nodiscard]] DiscInputs disc_inputs(const DiscEvidence& evidence, const DiscHistory& history);
 
 /// The probability that a circle is the ball's: within 6 px of its centre and 2 px of its radius. A network of one hidden
-/// layer with softsign units and a direct linear part. Its weights (core/disc_probability_weights.h) are fitted by
-/// scripts/fit to random worlds with seeds below 1000, by maximum likelihood: the output is calibrated on them.
+/// layer with softsign units and a direct linear part, which is the mean of the log odds of several fits. Its weights
+/// (core/disc_probability_weights.h) are fitted by scripts/fit to random worlds with seeds below 1000, by maximum likelihood
+/// with weight decay; docs/results.md shows how well score and share of inliers agree.
 [[nodiscard]] double disc_probability(const DiscInputs& inputs);
 
 }  // namespace saccade

@@ -18,8 +18,7 @@ void add_check_command(CommandLine& line, const Registry& registry) {
   command.option("--out", options->out, "Folder of the run folders, whose disk is checked").show_default();
   command.footer(
       "Checks YARP, real-time priority, locked memory, disk and guard, then connects to the robot and checks "
-      "its ports, "
-      "camera and joints. Nothing moves. Exit status 1 if something is missing.");
+      "its ports, camera and joints. Nothing moves. Exit status 1 if something is missing.");
   command.action([options, &registry] {
     const auto checks = robot_checks(*options, registry);
     for (const StartUpCheck& check : checks)
