@@ -93,10 +93,10 @@ Eigen::Vector2d BallTracker::background_px_s(const Eigen::Vector2d& at) const {
 /// Where an edge has moved on to: with the image where the camera turns, along its own flow else.
 Eigen::Vector2d BallTracker::now_at(const Edge& edge, std::int64_t now_us) const {
   const Eigen::Vector2d at(edge.x, edge.y);
-  const double age_us = static_cast<double>(now_us - edge.t_us);
+  const double age_s = static_cast<double>(now_us - edge.t_us) * 1e-6;
   const Eigen::Vector2d image = camera_flow_px_s(edge);
-  if (image.norm() > camera_moves_px_s) return at + image * (age_us * 1e-6);
-  return at + edge.gradient_us_px * (age_us / edge.gradient_us_px.squaredNorm());
+  if (image.squaredNorm() > camera_moves_px_s * camera_moves_px_s) return at + image * age_s;
+  return at + edge.along * (edge.speed_px_s * age_s);
 }
 
 DiscEvidence BallTracker::evidence(const Circle& c, const Eigen::Vector3d& motion,
@@ -110,7 +110,7 @@ DiscEvidence BallTracker::evidence(const Circle& c, const Eigen::Vector3d& motio
     Eigen::Vector2d offset = Eigen::Vector2d(edge.x, edge.y) + motion.head<2>() * age_s - centre;
     const double distance = offset.norm();
     if (distance > 1.0) offset *= 1.0 + motion.z() * age_s / distance;
-    collector.add(offset, edge.along(), edge.speed_px_s());
+    collector.add(offset, edge.along, edge.speed_px_s);
   });
   return collector.evidence();
 }
@@ -147,10 +147,13 @@ void BallTracker::add_edge(const Event& event, const NormalFlow& flow) {
   if (slowness < fastest_us_px) return;
   const double life_us = std::clamp(config_.crossing_px * slowness, shortest_life_us,
                                     std::max(shortest_life_us, static_cast<double>(config_.longest_us)));
-  const Edge edge{
-      event.t_us, saturated_sum(event.t_us, static_cast<std::int64_t>(life_us)),
-      gradient,   event.x,
-      event.y,    static_cast<std::int16_t>(HoughTransform::direction_of(gradient.x(), gradient.y()))};
+  const Edge edge{event.t_us,
+                  saturated_sum(event.t_us, static_cast<std::int64_t>(life_us)),
+                  gradient / slowness,
+                  1e6 / slowness,
+                  event.x,
+                  event.y,
+                  static_cast<std::int16_t>(HoughTransform::direction_of(gradient.x(), gradient.y()))};
   edges_.add(edge);
   for (Followed& f : followed_) {
     if (!f.alive) continue;
@@ -234,6 +237,7 @@ void BallTracker::tick(std::int64_t now_us) {
   }
   look(now_us);
   search(now_us);
+  try_found(now_us);
 }
 
 void BallTracker::update_hole(Followed& f, std::int64_t now_us) {
@@ -273,11 +277,16 @@ void BallTracker::update_probability(Followed& f, std::int64_t now_us) {
   f.probability = disc_probability(f.inputs);
 }
 
+/// The probability that a circle is the ball and that the ball has not left it unseen since its last edge.
+double BallTracker::still_there(const Followed& f) {
+  return f.probability * std::exp(-static_cast<double>(f.track.silent_us()) * 1e-6 / stays_s);
+}
+
 /// The most probable circle. Of several discs in view the one that has moved by itself is the ball: one that has not
 /// competes with a share of its probability.
 const BallTracker::Followed* BallTracker::best() const {
   const auto worth = [](const Followed& f) {
-    return f.probability * (at_rest_share + (1.0 - at_rest_share) * f.history.moved_most_share);
+    return still_there(f) * (at_rest_share + (1.0 - at_rest_share) * f.history.moved_most_share);
   };
   const Followed* best = nullptr;
   for (const Followed& f : followed_) {
@@ -299,7 +308,7 @@ Estimate BallTracker::estimate() {
                                                                  model_sd_px[2] * model_sd_px[2])
                                                      .asDiagonal()
                                                      .toDenseMatrix();
-  return {true, f->track.silent_us() >= tick_us, circle_now(*f), f->probability, covariance};
+  return {true, f->track.silent_us() >= tick_us, circle_now(*f), still_there(*f), covariance};
 }
 
 }  // namespace saccade

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -98,6 +99,8 @@ class BallTracker final : public Detector, public DetectorViews {
     double network_log_odds = least_network_log_odds;  ///< of the last look
     DiscInputs inputs{};
     double probability = 0.0;
+    double found_probability = 0.0;  ///< as if it had just been found, at compared_us
+    std::int64_t compared_us = std::numeric_limits<std::int64_t>::min();
     double clarity = 1.0;      ///< share of the edges near the circle that are of its outline
     double fresh_edges = 0.0;  ///< near it since the last look
     double fresh_on_outline = 0.0;
@@ -109,6 +112,30 @@ class BallTracker final : public Detector, public DetectorViews {
     [[nodiscard]] Eigen::Vector3d motion_px_s() const {
       return {image_px_s.x(), image_px_s.y(), track.growth_px_s()};
     }
+  };
+  struct FoundCircle {
+    Circle circle;
+    std::int64_t at_us;
+    bool as_found_too;  ///< tried without a fit of place and radius as well
+  };
+  /// The circles to try, oldest first; one that finds no place is left out.
+  class FoundQueue {
+   public:
+    [[nodiscard]] bool empty() const { return count_ == 0; }
+    void push(const FoundCircle& found) {
+      if (count_ == found_.size()) return;
+      found_[(first_ + count_++) % found_.size()] = found;
+    }
+    FoundCircle pop() {
+      const FoundCircle found = found_[first_];
+      first_ = (first_ + 1) % found_.size();
+      --count_;
+      return found;
+    }
+
+   private:
+    std::array<FoundCircle, 24> found_;
+    std::size_t first_ = 0, count_ = 0;
   };
   struct Voter {
     Eigen::Vector2d at_px;
@@ -123,6 +150,7 @@ class BallTracker final : public Detector, public DetectorViews {
   [[nodiscard]] DiscEvidence evidence(const Circle& circle, const Eigen::Vector3d& motion_px_s,
                                       std::int64_t now_us) const;
   [[nodiscard]] Circle circle_now(const Followed& f) const;
+  [[nodiscard]] static double still_there(const Followed& f);
   [[nodiscard]] const Followed* best() const;
 
   void add_edge(const Event& event, const NormalFlow& flow);
@@ -136,14 +164,14 @@ class BallTracker final : public Detector, public DetectorViews {
   void search(std::int64_t now_us);
   void begin_search();
   void fill_fit(const Circle& circle, std::int64_t now_us);
-  void take_found(std::int64_t now_us);
   [[nodiscard]] bool corrects_known(const Circle& circle, double probability, std::int64_t now_us);
   void follow(const Circle& circle, const Eigen::Vector3d& motion_px_s, const DiscEvidence& evidence,
               double network_log_odds, double probability, std::int64_t now_us);
   void look(std::int64_t now_us);
   [[nodiscard]] double network_log_odds(const Circle& circle, const Eigen::Vector2d& image_px_s,
                                         std::int64_t now_us) const;
-  void try_circle(const Circle& circle, std::int64_t at_us, std::int64_t now_us, bool keep_place);
+  void try_found(std::int64_t now_us);
+  void try_circle(const Circle& circle, std::int64_t now_us);
   void end_duplicates();
 
   BallTrackerConfig config_;
@@ -169,6 +197,7 @@ class BallTracker final : public Detector, public DetectorViews {
   std::int64_t search_us_;
   std::int64_t look_us_;  // when the network's look under way, or the last one, began
   std::uint64_t events_since_look_ = 0;
+  FoundQueue to_try_;
   // Flows of this tick: every nth_event_ event gets one.
   std::int64_t flows_left_, nth_event_ = 1, since_flow_ = 0, events_of_tick_ = 0;
 };

@@ -23,6 +23,7 @@ inline constexpr double near_px = 6.0;  // of a circle: what comes further outsi
 inline constexpr double fewest_fresh = 5.0,
                         fresh_px = 0.15;          // edges, and edges per px of outline, for a new look
 inline constexpr double fresh_left = 0.99;        // of them after a ms: noise does not add up to a look
+inline constexpr double stays_s = 1.0;            // mean time that a ball stays where it makes no events
 inline constexpr double memory_px = 2.0;          // of motion, that evidence is averaged over
 inline constexpr double clutter_hides_px2 = 0.2;  // radial edges per px^2 around a circle that hide it
 inline constexpr double least_weight = 0.05, least_clarity = 0.15;
@@ -39,7 +40,7 @@ inline constexpr double at_rest_share = 0.25;  // of its probability, for a disc
 
 // Search.
 inline constexpr std::size_t max_voters = 1024, votes_per_tick = 160;
-inline constexpr std::size_t found_per_level = 4, most_tried = 8;
+inline constexpr std::size_t found_per_level = 4, most_tried = 8, tried_per_tick = 8;
 inline constexpr std::int64_t search_period_us = 3'000, sure_search_period_us = 9'000;
 inline constexpr double sure = 0.9;           // probability of a circle that lets the search slow down
 inline constexpr double new_share = 0.6;      // of its probability that a new circle replaces another with

@@ -15,9 +15,17 @@ bool is_same(const Circle& a, const Circle& b, double px, double r_px) {
   return std::hypot(a.x_px - b.x_px, a.y_px - b.y_px) < px && std::abs(a.r_px - b.r_px) < r_px;
 }
 
+/// Of a circle that was found and has no history.
+double found_probability(const DiscEvidence& evidence, double network_log_odds) {
+  DiscHistory history;
+  history.newest = evidence;
+  history.network_log_odds = history.network_mean = network_log_odds;
+  return disc_probability(disc_inputs(evidence, history));
+}
+
 }  // namespace
 
-/// The share of a tick: takes back the votes of the last search, or adds some of this one, or tries what it has found.
+/// The share of a tick: takes back the votes of the last search, or adds some of this one.
 void BallTracker::search(std::int64_t now_us) {
   if (!search_cleared_) {
     search_cleared_ = search_.clear(votes_per_tick);
@@ -37,7 +45,9 @@ void BallTracker::search(std::int64_t now_us) {
   voters_.clear();
   voted_ = 0;
   search_cleared_ = false;
-  take_found(now_us);
+  const auto found = search_.find(found_per_level);
+  for (const CircleSearch::Found& candidate : found.first(std::min(found.size(), most_tried)))
+    to_try_.push({candidate.circle, search_us_, false});
 }
 
 /// Collects the edges that vote, every n-th where there are too many, and the camera's rotation that they show.
@@ -54,7 +64,7 @@ void BallTracker::begin_search() {
           at.y() < camera_.size.height - 0.5))
       return;
     voters_.push_back({at, edge.direction});
-    flows_.push_back({edge.x, edge.y, edge.along(), edge.speed_px_s()});
+    flows_.push_back({edge.x, edge.y, edge.along, edge.speed_px_s});
   });
   if (!rotation_rad_s_) seen_rotation_rad_s_ = camera_rotation(flows_, camera_, rays_, seen_rotation_rad_s_);
 }
@@ -62,20 +72,13 @@ void BallTracker::begin_search() {
 void BallTracker::fill_fit(const Circle& c, std::int64_t now_us) {
   fit_.clear();
   edges_.for_each_near(c.x_px, c.y_px, c.r_px + CircleFit::reach_px, now_us, [&](const Edge& edge) {
-    fit_.add(now_at(edge, now_us), Eigen::Vector2d(edge.x, edge.y), edge.along(), edge.speed_px_s(),
+    fit_.add(now_at(edge, now_us), Eigen::Vector2d(edge.x, edge.y), edge.along, edge.speed_px_s,
              static_cast<double>(now_us - edge.t_us) * 1e-6);
   });
 }
 
-void BallTracker::take_found(std::int64_t now_us) {
-  const auto found = search_.find(found_per_level);
-  for (const CircleSearch::Found& candidate : found.first(std::min(found.size(), most_tried)))
-    try_circle(candidate.circle, search_us_, now_us, false);
-  end_duplicates();
-}
-
-/// Goes on with the network's look, or begins the next one. Its circles are tried like those of the search, and what it
-/// says about the followed circles is kept for their next evidence.
+/// Goes on with the network's look, or begins the next one. Its circles are tried like those of the search, and also
+/// with place and radius as found. What it says about the followed circles is kept for their next evidence.
 void BallTracker::look(std::int64_t now_us) {
   if (!network_.busy()) {
     const Followed* leader = best();
@@ -94,10 +97,8 @@ void BallTracker::look(std::int64_t now_us) {
   for (const DiscNetwork::Found& found : network_.found()) {
     const double r_px = found.circle.r_px;
     if (r_px < config_.radius_px[0] - 1.0 || r_px > config_.radius_px[1] + 1.0) continue;
-    try_circle(found.circle, network_.found_at_us(), now_us, false);
-    try_circle(found.circle, network_.found_at_us(), now_us, true);
+    to_try_.push({found.circle, network_.found_at_us(), true});
   }
-  end_duplicates();
 }
 
 /// Log odds by the network's last result of a circle that moves in the image; at least least_network_log_odds.
@@ -110,26 +111,31 @@ double BallTracker::network_log_odds(const Circle& circle, const Eigen::Vector2d
   return std::max(least_network_log_odds, static_cast<double>(network_.about(then).log_odds));
 }
 
-/// Moves a circle found at at_us to now, fits it to the edges there (or leaves place and radius as found), and follows it
-/// where it is better than what is followed.
-void BallTracker::try_circle(const Circle& found, std::int64_t at_us, std::int64_t now_us, bool keep_place) {
-  Circle circle = found;
-  fill_fit(circle, at_us);
-  Eigen::Vector3d motion = fit_.motion(circle);
-  const double since_s = static_cast<double>(now_us - at_us) * 1e-6;
-  circle.x_px += motion.x() * since_s;
-  circle.y_px += motion.y() * since_s;
-  fill_fit(circle, now_us);
-  if (!keep_place)
-    circle = fit_.place(circle, motion, config_.radius_px[0] - 0.5, config_.radius_px[1] + 0.5);
-  motion = fit_.motion(circle);
+/// Tries some of the circles found.
+void BallTracker::try_found(std::int64_t now_us) {
+  for (std::size_t i = 0; i < tried_per_tick && !to_try_.empty(); ++i) {
+    const FoundCircle found = to_try_.pop();
+    Circle circle = found.circle;
+    fill_fit(circle, found.at_us);
+    const Eigen::Vector3d motion = fit_.motion(circle);
+    const double since_s = static_cast<double>(now_us - found.at_us) * 1e-6;
+    circle.x_px += motion.x() * since_s;
+    circle.y_px += motion.y() * since_s;
+    fill_fit(circle, now_us);
+    try_circle(fit_.place(circle, motion, config_.radius_px[0] - 0.5, config_.radius_px[1] + 0.5), now_us);
+    if (found.as_found_too) try_circle(circle, now_us);
+    if (to_try_.empty()) end_duplicates();
+  }
+}
+
+/// Follows a circle where it is better than what is followed.
+void BallTracker::try_circle(const Circle& circle, std::int64_t now_us) {
+  const Eigen::Vector3d motion = fit_.motion(circle);
   const DiscEvidence seen = evidence(circle, motion, now_us);
-  DiscHistory history;
-  history.newest = seen;
-  history.network_log_odds = history.network_mean = network_log_odds(circle, motion.head<2>(), now_us);
-  const double probability = disc_probability(disc_inputs(seen, history));
+  const double log_odds = network_log_odds(circle, motion.head<2>(), now_us);
+  const double probability = found_probability(seen, log_odds);
   if (!corrects_known(circle, probability, now_us))
-    follow(circle, motion, seen, history.network_log_odds, probability, now_us);
+    follow(circle, motion, seen, log_odds, probability, now_us);
 }
 
 /// Whether a found circle is one that is followed. Where it is the better one of the two, the track is corrected.
@@ -139,10 +145,13 @@ bool BallTracker::corrects_known(const Circle& circle, double probability, std::
     if (!f.alive) continue;
     const Circle c = f.track.circle();
     if (is_same(c, circle, 6.0, 4.0)) {
-      DiscHistory history;
-      history.newest = evidence(c, f.motion_px_s(), now_us);
-      history.network_log_odds = history.network_mean = network_log_odds(c, f.image_px_s, now_us);
-      if (probability > disc_probability(disc_inputs(history.newest, history)) + better_by) {
+      if (f.compared_us != now_us) {
+        f.compared_us = now_us;
+        f.found_probability = found_probability(evidence(c, f.motion_px_s(), now_us),
+                                                network_log_odds(c, f.image_px_s, now_us));
+      }
+      if (probability > f.found_probability + better_by) {
+        f.compared_us = never_us;
         f.track.doubt();
         f.track.correct(circle, Eigen::Vector3d::Constant(fit_sd_px));
         return true;

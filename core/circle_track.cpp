@@ -87,13 +87,13 @@ bool CircleTrack::measure(const Edge& edge, double clarity, Learn learn,
   const double gate = std::min(3.0, 1.0 + 0.35 * state_[2]);
   if (distance < 1.0 || !(std::abs(off) <= gate)) return false;
   const Eigen::Vector2d normal = offset / distance;
-  const double alignment = edge.along().dot(normal);
+  const double alignment = edge.along.dot(normal);
   if (std::abs(alignment) < min_alignment) return false;
 
   // An edge that moves as the room behind it and not as the circle is not of its outline.
   const double room = camera_flow_px_s.dot(normal);
   const double own = room + state_.segment<2>(3).dot(normal);
-  const double seen = std::copysign(edge.speed_px_s(), alignment);
+  const double seen = std::copysign(edge.speed_px_s, alignment);
   if (std::abs(own - room) > apart_px_s && std::abs(seen - room) < 0.5 * std::abs(seen - own)) return false;
 
   State place;

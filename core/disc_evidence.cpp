@@ -72,12 +72,15 @@ void DiscEvidenceCollector::add(const Eigen::Vector2d& offset_px, const Eigen::V
     side_outer_ += 1.0;
     if (radial) side_outer_radial_ += 1.0;
   }
-  const double as_disc = likelihood(speed_px_s, velocity_px_s_.dot(along) + growth_px_s_ * cosine);
+  const auto as_disc = [&] {
+    return likelihood(speed_px_s, velocity_px_s_.dot(along) + growth_px_s_ * cosine);
+  };
   if (off < -side_begin_px) {
     if (radial && off > -side_end_px) side_inner_radial_ += 1.0;
     inside_ += 1.0;
     const double as_background = likelihood(speed_px_s, background_px_s_.dot(along));
-    if (as_background > as_disc) inside_background_ += as_background * (1.0 - as_disc);
+    const double as_disc_too = as_disc();
+    if (as_background > as_disc_too) inside_background_ += as_background * (1.0 - as_disc_too);
   }
   if (radial && std::abs(off) < spread_reach_px) {
     near_off2_px2_ += off * off;
@@ -87,12 +90,13 @@ void DiscEvidenceCollector::add(const Eigen::Vector2d& offset_px, const Eigen::V
   ring_ += 1.0;
   if (!radial) return;
   ring_radial_ += 1.0;
-  ring_consistent_ += as_disc;
+  const double consistency = as_disc();
+  ring_consistent_ += consistency;
   const double turn = (std::atan2(offset_px.y(), offset_px.x()) + pi) / (2.0 * pi);
   const std::uint32_t sector =
       1U << static_cast<unsigned>(std::min(static_cast<int>(turn * sectors_), sectors_ - 1));
   seen_ |= sector;
-  if (as_disc > consistent) seen_consistent_ |= sector;
+  if (consistency > consistent) seen_consistent_ |= sector;
 }
 
 DiscEvidence DiscEvidenceCollector::evidence() const {

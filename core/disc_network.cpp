@@ -1,12 +1,13 @@
 #include "core/disc_network.h"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <type_traits>
 
 #include "core/disc_network_weights.h"
 #include "core/time_stamp.h"
+#include "core/vector_clones.h"
 
 namespace saccade {
 namespace {
@@ -44,39 +45,139 @@ const Decays& decays() {
   return table;
 }
 
-template <std::size_t C>
-using Channels = Eigen::Array<float, static_cast<int>(C), 1>;
+// Kernels. Their sums have one order, whatever the width of the machine's vectors.
+using Lanes [[gnu::vector_size(32), gnu::may_alias, gnu::aligned(4)]] = float;
+constexpr std::size_t lanes = 8;
 
 template <std::size_t C>
-Eigen::Map<const Channels<C>> channels_at(const float* first) {
-  return Eigen::Map<const Channels<C>>(first);
+struct Channels {
+  Lanes part[C / lanes];
+};
+
+template <std::size_t C>
+[[gnu::always_inline]] inline void load(const float* from, Channels<C>& to) {
+  for (std::size_t i = 0; i < C / lanes; ++i) to.part[i] = reinterpret_cast<const Lanes*>(from)[i];
 }
 
-/// out[k] = sum over c of in[c] * weight[c][k] + bias[k]
-template <std::size_t In, std::size_t Out>
-Channels<Out> pointwise(const float* in, const std::array<float, In * Out>& weight,
-                        const std::array<float, Out>& bias) {
-  Channels<Out> sum = channels_at<Out>(bias.data());
-  for (std::size_t c = 0; c < In; ++c) sum += in[c] * channels_at<Out>(weight.data() + c * Out);
-  return sum;
+/// sum[k] += factor[k] * weight[k]
+template <std::size_t C, class Factor>
+[[gnu::always_inline]] inline void add_product(const Factor& factor, const float* weight, Channels<C>& sum) {
+  for (std::size_t i = 0; i < C / lanes; ++i) {
+    if constexpr (std::is_same_v<Factor, float>)
+      sum.part[i] += factor * reinterpret_cast<const Lanes*>(weight)[i];
+    else
+      sum.part[i] += factor.part[i] * reinterpret_cast<const Lanes*>(weight)[i];
+  }
 }
+
+template <std::size_t C>
+[[gnu::always_inline]] inline void store_positive(const Channels<C>& from, float* to) {
+  for (std::size_t i = 0; i < C / lanes; ++i)
+    reinterpret_cast<Lanes*>(to)[i] = from.part[i] > 0.0F ? from.part[i] : Lanes{};
+}
+
+struct Map {
+  const float* values;
+  int rows, columns;
+};
 
 /// Depthwise 3 x 3 convolution of one place; what is outside counts as 0.
 template <std::size_t C>
-Channels<C> depthwise(const float* in, int rows, int columns, int y, int x, int step,
-                      const std::array<float, 9 * C>& weight) {
-  Channels<C> sum = Channels<C>::Zero();
+[[gnu::always_inline]] inline void depthwise(const Map& in, int y, int x, int step, const float* weight,
+                                             float* out) {
+  Channels<C> sum{};
   for (int ky = 0; ky < 3; ++ky) {
     const int from_y = y + (ky - 1) * step;
-    if (from_y < 0 || from_y >= rows) continue;
+    if (from_y < 0 || from_y >= in.rows) continue;
     for (int kx = 0; kx < 3; ++kx) {
       const int from_x = x + (kx - 1) * step;
-      if (from_x < 0 || from_x >= columns) continue;
-      const float* v = in + static_cast<std::size_t>(from_y * columns + from_x) * C;
-      sum += channels_at<C>(v) * channels_at<C>(weight.data() + static_cast<std::size_t>(ky * 3 + kx) * C);
+      if (from_x < 0 || from_x >= in.columns) continue;
+      Channels<C> value;
+      load(in.values + static_cast<std::size_t>(from_y * in.columns + from_x) * C, value);
+      add_product(value, weight + static_cast<std::size_t>(ky * 3 + kx) * C, sum);
     }
   }
-  return sum;
+  for (std::size_t i = 0; i < C / lanes; ++i) reinterpret_cast<Lanes*>(out)[i] = sum.part[i];
+}
+
+/// sum[k] += sum over c of in[c] * weight[c][k], for each of the places.
+template <std::size_t In, std::size_t Out, std::size_t places>
+[[gnu::always_inline]] inline void pointwise(const float (&in)[places][In], const float* weight,
+                                             Channels<Out> (&sum)[places]) {
+  for (std::size_t c = 0; c < In; ++c) {
+    for (std::size_t p = 0; p < places; ++p) add_product(in[p][c], weight + c * Out, sum[p]);
+  }
+}
+
+template <std::size_t C, std::size_t places>
+[[gnu::always_inline]] inline void block_places(const Map& in, int y, int x, int step, const float* depth,
+                                                const float* point, const float* bias, float* out) {
+  float deep[places][C];
+  Channels<C> sum[places];
+  for (std::size_t p = 0; p < places; ++p) {
+    depthwise<C>(in, y, x + static_cast<int>(p), step, depth, deep[p]);
+    load(bias, sum[p]);
+  }
+  pointwise(deep, point, sum);
+  for (std::size_t p = 0; p < places; ++p) {
+    const auto at = static_cast<std::size_t>(y * in.columns + x) + p;
+    Channels<C> own;
+    load(in.values + at * C, own);
+    for (std::size_t i = 0; i < C / lanes; ++i) sum[p].part[i] = own.part[i] + sum[p].part[i];
+    store_positive(sum[p], out + at * C);
+  }
+}
+
+/// A row of a residual block.
+SACCADE_VECTOR_CLONES
+void residual_row(const Map& in, int y, int step, const float* depth, const float* point, const float* bias,
+                  float* out) {
+  constexpr std::size_t c = weights::output.size() / 4;
+  int x = 0;
+  for (; x + 1 < in.columns; x += 2) block_places<c, 2>(in, y, x, step, depth, point, bias, out);
+  for (; x < in.columns; ++x) block_places<c, 1>(in, y, x, step, depth, point, bias, out);
+}
+
+/// A row of every second place of every second row, depthwise and pointwise.
+SACCADE_VECTOR_CLONES
+void halved_row(const Map& in, int y, float* out) {
+  constexpr std::size_t from = weights::first_bias.size(), to = weights::second_bias.size();
+  for (int x = 0; 2 * x < in.columns; ++x, out += to) {
+    float deep[1][from];
+    depthwise<from>(in, 2 * y, 2 * x, 1, weights::second_depth.data(), deep[0]);
+    Channels<to> sum[1];
+    load(weights::second_bias.data(), sum[0]);
+    pointwise(deep, weights::second_point.data(), sum);
+    store_positive(sum[0], out);
+  }
+}
+
+/// 3 x 3 convolution of every second place of every second row. The channels of OFF add up beside those of ON.
+SACCADE_VECTOR_CLONES
+void input_halved_row(const Map& in, int y, float* out) {
+  constexpr std::size_t to = weights::first_bias.size(), half = weights::first.size() / 9 / to / 2;
+  for (int x = 0; 2 * x < in.columns; ++x, out += to) {
+    Channels<to> on_sum, off_sum{};
+    load(weights::first_bias.data(), on_sum);
+    for (int ky = 0; ky < 3; ++ky) {
+      const int from_y = 2 * y + ky - 1;
+      if (from_y < 0 || from_y >= in.rows) continue;
+      for (int kx = 0; kx < 3; ++kx) {
+        const int from_x = 2 * x + kx - 1;
+        if (from_x < 0 || from_x >= in.columns) continue;
+        const float* on = in.values + static_cast<std::size_t>(from_y * in.columns + from_x) * (2 * half);
+        const float* off = on + half;
+        if (on[half - 1] == 0.0F && off[half - 1] == 0.0F) continue;  // no event for long
+        const float* weight = weights::first.data() + static_cast<std::size_t>(ky * 3 + kx) * 2 * half * to;
+        for (std::size_t c = 0; c < half; ++c, weight += to) {
+          add_product(on[c], weight, on_sum);
+          add_product(off[c], weight + half * to, off_sum);
+        }
+      }
+    }
+    for (std::size_t i = 0; i < to / lanes; ++i) on_sum.part[i] += off_sum.part[i];
+    store_positive(on_sum, out);
+  }
 }
 
 }  // namespace
@@ -184,72 +285,34 @@ void DiscNetwork::input_row(const Level& level) {
   }
 }
 
-/// 3 x 3 convolution of every second place.
 void DiscNetwork::first_row(const Level& level) {
-  constexpr std::size_t half = input_channels / 2;
-  const int columns = level.columns / 2;
-  float* out = first_.data() + static_cast<std::size_t>(row_ * columns) * first_channels;
-  for (int x = 0; x < columns; ++x, out += first_channels) {
-    Channels<first_channels> on_sum = channels_at<first_channels>(weights::first_bias.data());
-    Channels<first_channels> off_sum =
-        Channels<first_channels>::Zero();  // its additions need not wait for those of on_sum
-    for (int ky = 0; ky < 3; ++ky) {
-      const int from_y = 2 * row_ + ky - 1;
-      if (from_y < 0 || from_y >= level.rows) continue;
-      for (int kx = 0; kx < 3; ++kx) {
-        const int from_x = 2 * x + kx - 1;
-        if (from_x < 0 || from_x >= level.columns) continue;
-        const float* on =
-            input_.data() + static_cast<std::size_t>(from_y * level.columns + from_x) * input_channels;
-        const float* off = on + half;
-        if (on[half - 1] == 0.0F && off[half - 1] == 0.0F) continue;  // no event for long
-        const float* weight =
-            weights::first.data() + static_cast<std::size_t>(ky * 3 + kx) * input_channels * first_channels;
-        for (std::size_t c = 0; c < half; ++c, weight += first_channels) {
-          on_sum += on[c] * channels_at<first_channels>(weight);
-          off_sum += off[c] * channels_at<first_channels>(weight + half * first_channels);
-        }
-      }
-    }
-    Eigen::Map<Channels<first_channels>>{out} = (on_sum + off_sum).max(0.0F);
-  }
+  const auto begin = static_cast<std::size_t>(row_ * (level.columns / 2)) * first_channels;
+  input_halved_row({input_.data(), level.rows, level.columns}, row_, first_.data() + begin);
 }
 
-/// Of every second place again, depthwise and pointwise.
 void DiscNetwork::second_row(const Level& level) {
-  const int columns = level.columns / 4;
-  float* out = a_.data() + static_cast<std::size_t>(row_ * columns) * channels;
-  for (int x = 0; x < columns; ++x, out += channels) {
-    const auto sum = depthwise<first_channels>(first_.data(), level.rows / 2, level.columns / 2, 2 * row_,
-                                               2 * x, 1, weights::second_depth);
-    Eigen::Map<Channels<channels>>{out} =
-        pointwise<first_channels, channels>(sum.data(), weights::second_point, weights::second_bias)
-            .max(0.0F);
-  }
+  const auto begin = static_cast<std::size_t>(row_ * (level.columns / 4)) * channels;
+  halved_row({first_.data(), level.rows / 2, level.columns / 2}, row_, a_.data() + begin);
 }
 
-/// A residual block, from a_ to b_.
+/// From a_ to b_.
 void DiscNetwork::block_row(const Level& level, std::size_t block) {
-  const int columns = level.columns / 4;
-  const std::size_t begin = static_cast<std::size_t>(row_ * columns) * channels;
-  const float* in = a_.data() + begin;
-  float* out = b_.data() + begin;
-  for (int x = 0; x < columns; ++x, in += channels, out += channels) {
-    const auto sum = depthwise<channels>(a_.data(), level.rows / 4, columns, row_, x, dilation[block],
-                                         weights::block_depth[block]);
-    Eigen::Map<Channels<channels>>{out} =
-        (channels_at<channels>(in) +
-         pointwise<channels, channels>(sum.data(), weights::block_point[block], weights::block_bias[block]))
-            .max(0.0F);
-  }
+  residual_row({a_.data(), level.rows / 4, level.columns / 4}, row_, dilation[block],
+               weights::block_depth[block].data(), weights::block_point[block].data(),
+               weights::block_bias[block].data(), b_.data());
 }
 
 void DiscNetwork::output_row(Level& level) {
-  const int columns = level.columns / 4;
-  const std::size_t begin = static_cast<std::size_t>(row_ * columns);
-  for (std::size_t x = 0; x < static_cast<std::size_t>(columns); ++x)
-    Eigen::Map<Channels<outputs>>{level.next[begin + x].data()} = pointwise<channels, outputs>(
-        a_.data() + (begin + x) * channels, weights::output, weights::output_bias);
+  const auto columns = static_cast<std::size_t>(level.columns / 4);
+  const std::size_t begin = static_cast<std::size_t>(row_) * columns;
+  for (std::size_t x = 0; x < columns; ++x) {
+    const float* in = a_.data() + (begin + x) * channels;
+    std::array<float, outputs> sum = weights::output_bias;
+    for (std::size_t c = 0; c < channels; ++c) {
+      for (std::size_t k = 0; k < outputs; ++k) sum[k] += in[c] * weights::output[c * outputs + k];
+    }
+    level.next[begin + x] = sum;
+  }
 }
 
 DiscNetwork::Found DiscNetwork::circle_of(const Level& level, int x, int y) const {

@@ -13,15 +13,11 @@ namespace saccade {
 /// A point of a moving edge: an event with the normal flow measured at it.
 struct Edge {
   std::int64_t t_us = 0;
-  std::int64_t end_us = 0;           ///< the end of its lifetime: its edge has moved on by then
-  Eigen::Vector2d gradient_us_px{};  ///< (dt/dx, dt/dy): along the motion, 1 / speed long
+  std::int64_t end_us = 0;          ///< the end of its lifetime: its edge has moved on by then
+  Eigen::Vector2d along{1.0, 0.0};  ///< unit vector of its motion
+  double speed_px_s = 0.0;          ///< along it
   std::uint16_t x = 0, y = 0;
-  std::int16_t direction = 0;  ///< of the gradient, see HoughTransform::direction_of()
-
-  /// Unit vector of its motion.
-  [[nodiscard]] Eigen::Vector2d along() const { return gradient_us_px / gradient_us_px.norm(); }
-  /// Along its motion, px/s.
-  [[nodiscard]] double speed_px_s() const { return 1e6 / gradient_us_px.norm(); }
+  std::int16_t direction = 0;  ///< of its motion, see HoughTransform::direction_of()
 };
 
 /// The newest edges of each region of the image. Regions are squares of `region_px` pixels. Each holds its newest

@@ -2,13 +2,7 @@
 
 #include <bit>
 
-// Compiled for AVX2 as well, chosen at run time. No fused multiply-add, so both give the same bits.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
-#define SACCADE_VECTOR_CLONES __attribute__((target_clones("avx2", "default")))
-#else
-#define SACCADE_VECTOR_CLONES
-#endif
+#include "core/vector_clones.h"
 
 namespace saccade::emulator_kernels {
 

@@ -6,15 +6,8 @@
 #include <smmintrin.h>
 #endif
 
+#include "core/vector_clones.h"
 #include "sim/keyframe.h"
-
-// Compiled for AVX2 as well, chosen at run time. No fused multiply-add, so both give the same bits.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
-#define SACCADE_WARP_CLONES __attribute__((target_clones("avx2", "default")))
-#else
-#define SACCADE_WARP_CLONES
-#endif
 
 namespace saccade::detail {
 namespace {
@@ -27,7 +20,7 @@ inline float between(float value, float low, float high) {
 }  // namespace
 
 /// Samples of the pixels at the inverse depths `w`.
-SACCADE_WARP_CLONES
+SACCADE_VECTOR_CLONES
 void samples_at(const WarpRow& k, const float* x, const float* y, const float* w, float* u, float* v,
                 std::size_t count) {
   const auto [a0, a1, a2, a3, a4, a5, a6, a7, a8] = k.a;
@@ -41,7 +34,7 @@ void samples_at(const WarpRow& k, const float* x, const float* y, const float* w
 }
 
 /// The block of inverse depths of each sample.
-SACCADE_WARP_CLONES
+SACCADE_VECTOR_CLONES
 void blocks_at(const WarpRow& k, const float* u, const float* v, int* block, std::size_t count) {
   const float per_sample = k.blocks_per_sample;
   const auto right = static_cast<float>(k.block_columns - 1);
@@ -55,7 +48,7 @@ void blocks_at(const WarpRow& k, const float* u, const float* v, int* block, std
 }
 
 /// From inverse depths in the keyframe to those of the pixels.
-SACCADE_WARP_CLONES
+SACCADE_VECTOR_CLONES
 void depths_of(const WarpRow& k, const float* x, const float* y, float* w, std::size_t count) {
   const float a6 = k.a[6];
   const float a7 = k.a[7];
@@ -65,7 +58,7 @@ void depths_of(const WarpRow& k, const float* x, const float* y, float* w, std::
 }
 
 /// The first of the four samples around each point, and the point's place between them, which replaces u and v.
-SACCADE_WARP_CLONES
+SACCADE_VECTOR_CLONES
 void squares_at(const WarpRow& k, float* u, float* v, int* first, std::size_t count) {
   const float right = static_cast<float>(k.columns) - 1.001F;
   const float bottom = static_cast<float>(k.rows) - 1.001F;

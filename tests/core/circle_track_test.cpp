@@ -15,7 +15,8 @@ Edge edge_on(const Circle& circle, double angle_rad, std::int64_t t_us) {
   edge.t_us = t_us;
   edge.x = static_cast<std::uint16_t>(std::lround(circle.x_px + circle.r_px * std::cos(angle_rad)));
   edge.y = static_cast<std::uint16_t>(std::lround(circle.y_px + circle.r_px * std::sin(angle_rad)));
-  edge.gradient_us_px = 1e4 * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad));
+  edge.along = {std::cos(angle_rad), std::sin(angle_rad)};
+  edge.speed_px_s = 100.0;
   return edge;
 }
 
