@@ -58,6 +58,7 @@ TEST(Ball, EveryHandLeavesMostOfTheBallVisible) {
       for (const double turn_deg : {-70.0, 0.0, 70.0}) {
         SimConfig config;
         config.world = world_with({});
+        config.lab.clutter = Clutter::bare;  // what is behind the ball does not hide it
         config.world.ball.hand = hand;
         config.world.ball.diameter_m = diameter_m;
         config.world.ball.hand_turn_deg = turn_deg;
