@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <condition_variable>
 #include <mutex>
 #include <thread>
@@ -15,6 +14,7 @@
 #include "core/error.h"
 #include "core/units.h"
 #include "robot/head_limits.h"
+#include "robot/stop_reference.h"
 
 namespace saccade {
 namespace {
@@ -253,19 +253,12 @@ HeadPort::CommandResult YarpHead::command(const HeadCommand& reference_rad) {
   return {};
 }
 
-/// The newest positions, inside the limits; while an encoder fails, its joint stops at its newest reference.
 std::optional<HeadCommand> YarpHead::stop_reference() const {
   const StateInput::State joints = state_input_.state();
   const Degrees reference_deg = reference_deg_.read();
-  HeadCommand reference_rad = HeadCommand::Zero();
-  for (int i = 0; i < joints_; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    const bool is_read = joints.count > i && std::isfinite(joints.value[at]);
-    if (!is_read && reference_deg_.count() < 2) return std::nullopt;  // nothing was sent
-    reference_rad[i] = (is_read ? joints.value[at] : reference_deg[at]) * rad_per_deg;
-  }
-  return reference_rad.cwiseMax(limits_.min_rad.tail<gaze_slots>())
-      .cwiseMin(limits_.max_rad.tail<gaze_slots>());
+  const bool was_sent = reference_deg_.count() >= 2;
+  return saccade::stop_reference({joints.value.data(), static_cast<std::size_t>(joints.count)},
+                                 {reference_deg.data(), was_sent ? reference_deg.size() : 0}, joints_, limits_);
 }
 
 PortStatus YarpHead::stop() {

@@ -207,6 +207,25 @@ TEST(Architecture, TheTableHasARowForEveryLayer) {
   }
 }
 
+TEST(Architecture, OnlyTheCompositionRootMayIncludeAndLinkEverything) {
+  const Checker checker(SACCADE_SOURCE_DIR);
+  for (const auto& [folder, layer] : checker.table()) {
+    const bool everything =
+        is_in(layer.may_include, "a/header/of/no/layer.h") || is_in(layer.may_link, "a_library_of_no_layer");
+    EXPECT_EQ(everything, folder == "apps/") << folder;
+  }
+}
+
+TEST(Architecture, NoSourceOfALayerIsLongerThan500Lines) {
+  std::size_t files = 0;
+  for (const Source& source : read_sources(SACCADE_SOURCE_DIR)) {
+    if (source.path.ends_with("_weights.h")) continue;  // scripts/fit and scripts/fit_network write them
+    EXPECT_LE(std::count(source.text.begin(), source.text.end(), '\n'), 500) << source.path;
+    ++files;
+  }
+  EXPECT_GT(files, 300U);
+}
+
 /// A tree with the project's own table and a few innocent files, on disk as long as it lives.
 class SmallTree {
  public:

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <iostream>
@@ -458,23 +457,6 @@ TEST(World, ThrowsAnErrorWhenTheSimulationDiverges) {
   World world(still_world(), "", 1);
   world.data().qvel[5] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(world.step(), RunError);
-}
-
-TEST(World, StepsInAFractionOfRealTime) {
-  WorldConfig config;
-  config.ball.trajectory.kind = TrajectoryKind::circle;
-  World world(config, "", 1);
-  world.set_reference(HeadJointVector::Constant(0.1));
-  std::vector<double> costs_us;
-  for (int i = 0; i < 5000; ++i) {
-    const auto start = std::chrono::steady_clock::now();
-    world.step();
-    costs_us.push_back(
-        std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count());
-  }
-  std::nth_element(costs_us.begin(), costs_us.begin() + 2500, costs_us.end());
-  std::cout << "one tick costs " << costs_us[2500] << " us (median)\n";
-  EXPECT_LT(costs_us[2500], 500.0);  // generous: also holds with sanitizers on a busy machine
 }
 
 }  // namespace
