@@ -37,7 +37,7 @@ class Command : public testing::Test {
 };
 
 TEST_F(Command, TheSameScenarioAndSeedGiveTheSameBytesWhateverTheNumberOfThreads) {
-  const std::string run = "run '" + short_scenario + "' --set run.duration_s=0.5 --set expect={} --seed 7 ";
+  const std::string run = "run '" + short_scenario + "' --set run.duration_s=0.3 --set expect={} --seed 7 ";
   ASSERT_EQ(saccade(run + "--set run.threads=1 --out " + out("one")).status, 0);
   ASSERT_EQ(saccade(run + "--set run.threads=1 --out " + out("again")).status, 0);
   ASSERT_EQ(saccade(run + "--set run.threads=3 --out " + out("three")).status, 0);
@@ -53,7 +53,7 @@ TEST_F(Command, TheSameScenarioAndSeedGiveTheSameBytesWhateverTheNumberOfThreads
 TEST_F(Command, ReprojectedImagesGiveTheSameBytesWhateverTheNumberOfThreads) {
   const std::string run =
       "run '" + short_scenario +
-      "' --set render.method=keyframes --set run.duration_s=0.5 --set expect={} --seed 7 ";
+      "' --set render.method=keyframes --set run.duration_s=0.3 --set expect={} --seed 7 ";
   ASSERT_EQ(saccade(run + "--set run.threads=1 --out " + out("one")).status, 0);
   ASSERT_EQ(saccade(run + "--set run.threads=2 --out " + out("two")).status, 0);
   for (const char* file : {"events.aedat", "detections.csv", "gaze.csv", "truth.csv", "figures.json"}) {
@@ -65,7 +65,7 @@ TEST_F(Command, ReprojectedImagesGiveTheSameBytesWhateverTheNumberOfThreads) {
 
 TEST_F(Command, BothEyesAreRecordedWithTheSameBytesWhateverTheNumberOfThreads) {
   const std::string run = "run '" + short_scenario +
-                          "' --set eyes=both --set run.duration_s=0.4 --set render.max_interval_ms=1 "
+                          "' --set eyes=both --set run.duration_s=0.25 --set render.max_interval_ms=1 "
                           "--set expect={} --seed 7 --set output.pictures=2 ";
   ASSERT_EQ(saccade(run + "--set run.threads=1 --out " + out("one")).status, 0);
   ASSERT_EQ(saccade(run + "--set run.threads=3 --out " + out("three")).status, 0);

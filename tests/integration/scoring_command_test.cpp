@@ -29,13 +29,13 @@ class Scores : public testing::Test {
   [[nodiscard]] std::string at(const std::string& name) const { return (folder_ / name).string(); }
   [[nodiscard]] Json json_in(const std::string& name) const { return Json::parse(bytes_of(folder_ / name)); }
 
-  /// Half a second of eyes that move, with `best`; the shortest interval of images gives every event in its tick.
-  void run_eyes(const std::string& name, const std::string& options = "") {
-    const Outcome run =
-        saccade("run '" + source + "/scenarios/eye_move.yaml' --set run.duration_s=0.5 --set expect={} " +
-                "--set 'detectors={best: {radius_px: [4, 14]}, paper_directed: {radius_px: [4, 14]}}' " +
-                "--set output.pictures=0 --set render.max_interval_ms=1 --set camera.preset=pinhole " +
-                options + " --out " + at(name));
+  /// Some tenths of a second of eyes that move, with `best`; the shortest interval of images gives every event in its tick.
+  void run_eyes(const std::string& name, const std::string& options = "", const char* duration_s = "0.3") {
+    const Outcome run = saccade(
+        "run '" + source + "/scenarios/eye_move.yaml' --set expect={} --set run.duration_s=" + duration_s +
+        " --set 'detectors={best: {radius_px: [4, 14]}, paper_directed: {radius_px: [4, 14]}}' " +
+        "--set output.pictures=0 --set render.max_interval_ms=1 --set camera.preset=pinhole " + options +
+        " --out " + at(name));
     ASSERT_EQ(run.status, 0) << run.text;
   }
   /// A second of noise.
@@ -147,7 +147,7 @@ TEST_F(Scores, OfAWorldWithoutABallHaveAnAlarmRatioAndItsRecordingHasTheSameOne)
 
 TEST_F(Scores, OfABatteryAreTheMeansOverItsWorlds) {
   std::filesystem::create_directories(folder_ / "battery/worlds");
-  run_eyes("battery/worlds/ball_7");
+  run_eyes("battery/worlds/ball_7", "", "0.5");
   run_eyes("battery/worlds/none_7", "--set ball.present=false");
   const std::string battery = "'" + source + "/scripts/battery' --saccade '" SACCADE_BINARY "' --out " +
                               at("battery") + " --detect-only --worlds 1 --without 1 --first-seed ";
