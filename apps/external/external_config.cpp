@@ -12,7 +12,7 @@ constexpr std::string_view worker_program = "saccade-worker";
 
 void describe_limits(FieldVisitor& v, AnswerLimits& limits) {
   v.real("start_limit_s", limits.start_limit_s, {0.1, 600.0},
-         "wall-clock time from the start of the program to its line `ready`");
+         "wall-clock time from the start of the program, or of the connection, to its line `ready`");
   v.real("answer_limit_s", limits.answer_limit_s, {0.01, 600.0},
          "wall-clock time for the answer to a tick; a later answer ends the program");
 }
@@ -46,6 +46,14 @@ void describe(FieldVisitor& v, CommandConfig& config) {
   describe_limits(v, config.limits);
 }
 
+void describe(FieldVisitor& v, SocketConfig& config) {
+  v.text("socket", config.socket,
+         "where the program listens: HOST:PORT, or the path of a Unix socket, with a /");
+  v.require(parse_socket_address(config.socket).has_value(), "socket",
+            config.socket.empty() ? "nothing" : config.socket, "HOST:PORT or a path with a /");
+  describe_limits(v, config.limits);
+}
+
 std::vector<std::string> command_line_of(const PythonConfig& config) {
   check_config("python", config);
   require_file("python", config.python.substr(0, config.python.rfind(':')));
@@ -60,6 +68,11 @@ std::vector<std::string> command_line_of(const CommandConfig& config) {
   std::vector<std::string> words = {config.command};
   add_arguments(config.arguments, words);
   return words;
+}
+
+SocketAddress address_of(const SocketConfig& config) {
+  check_config("socket", config);
+  return parse_socket_address(config.socket).value();
 }
 
 }  // namespace saccade

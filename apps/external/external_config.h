@@ -3,13 +3,14 @@
 #include <string>
 #include <vector>
 
+#include "apps/external/socket_address.h"
 #include "core/config.h"
 
 namespace saccade {
 
 /// Limits of the wall clock for a program.
 struct AnswerLimits {
-  double start_limit_s = 20.0;  ///< from the start of the program to its line `ready`
+  double start_limit_s = 20.0;  ///< from the start of the program, or of the connection, to its line `ready`
   double answer_limit_s = 2.0;  ///< from a tick to its answer
 };
 
@@ -29,13 +30,24 @@ struct CommandConfig {
   AnswerLimits limits;
 };
 
+/// A program that listens on a socket, on this machine or another one: `detectors: {mine: {socket: localhost:5000}}`, or
+/// the section `socket` of `gaze.controller: socket`.
+struct SocketConfig {
+  std::string socket;
+  AnswerLimits limits;
+};
+
 /// Keys: python, interpreter, arguments, start_limit_s, answer_limit_s.
 void describe(FieldVisitor& v, PythonConfig& config);
 /// Keys: command, arguments, start_limit_s, answer_limit_s.
 void describe(FieldVisitor& v, CommandConfig& config);
+/// Keys: socket, start_limit_s, answer_limit_s.
+void describe(FieldVisitor& v, SocketConfig& config);
 
 /// The program and its arguments. Throws InputError for a configuration out of range and for a file that does not exist.
 [[nodiscard]] std::vector<std::string> command_line_of(const PythonConfig& config);
 [[nodiscard]] std::vector<std::string> command_line_of(const CommandConfig& config);
+/// Throws InputError for a configuration out of range.
+[[nodiscard]] SocketAddress address_of(const SocketConfig& config);
 
 }  // namespace saccade

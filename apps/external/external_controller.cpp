@@ -23,10 +23,10 @@ std::optional<HeadJointVector> parse_reference(std::string_view line, int joints
   return next_word(line).empty() ? std::optional(reference_rad) : std::nullopt;
 }
 
-ExternalController::ExternalController(std::string name, const std::vector<std::string>& command_line,
+ExternalController::ExternalController(std::string name, const LineProcess::Place& place,
                                        const AnswerLimits& answers, const MotionLimits& limits)
     : name_(std::move(name)),
-      process_(command_line),
+      process_(place, milliseconds(answers.start_limit_s)),
       answer_limit_(milliseconds(answers.answer_limit_s)),
       limits_(limits),
       reference_rad_(HeadJointVector::Zero().cwiseMax(limits.min_rad).cwiseMin(limits.max_rad)) {

@@ -4,7 +4,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "apps/external/external_config.h"
 #include "apps/external/line_process.h"
@@ -20,10 +19,10 @@ namespace saccade {
 /// It is asked for references only when the encoders are read, and gets only targets that check_gaze_target() accepts.
 class ExternalController final : public GazeController {
  public:
-  /// Starts the program and waits for its line `ready`. `name`: for messages. Throws RunError, and ends the program, where
-  /// that line does not come.
-  ExternalController(std::string name, const std::vector<std::string>& command_line,
-                     const AnswerLimits& answers, const MotionLimits& limits);
+  /// Starts the program or connects to it, and waits for its line `ready`. `name`: for messages. Throws RunError, and ends
+  /// the program, where that line does not come.
+  ExternalController(std::string name, const LineProcess::Place& place, const AnswerLimits& answers,
+                     const MotionLimits& limits);
 
   HeadJointVector step(const HeadState& state, const std::optional<Eigen::Vector3d>& target_m,
                        double dt_s) override;

@@ -70,10 +70,10 @@ std::optional<Estimate> parse_estimate(std::string_view line) {
   return estimate;
 }
 
-ExternalDetector::ExternalDetector(std::string name, const std::vector<std::string>& command_line,
+ExternalDetector::ExternalDetector(std::string name, const LineProcess::Place& place,
                                    const AnswerLimits& limits, const Camera& camera)
     : name_(std::move(name)),
-      process_(command_line),
+      process_(place, milliseconds(limits.start_limit_s)),
       sieve_(camera.size),
       answer_limit_(milliseconds(limits.answer_limit_s)) {
   constexpr std::size_t expected_events = 1 << 12;

@@ -17,9 +17,9 @@ namespace saccade {
 /// estimate, and failure() says why. Nothing else is affected.
 class ExternalDetector final : public Detector {
  public:
-  /// Starts the program and waits for its line `ready`. `name`: for messages. Throws RunError, and ends the program, where
-  /// that line does not come.
-  ExternalDetector(std::string name, const std::vector<std::string>& command_line, const AnswerLimits& limits,
+  /// Starts the program or connects to it, and waits for its line `ready`. `name`: for messages. Throws RunError, and ends
+  /// the program, where that line does not come.
+  ExternalDetector(std::string name, const LineProcess::Place& place, const AnswerLimits& limits,
                    const Camera& camera);
 
   void process(std::span<const Event> events, const CameraMotion* motion) override;

@@ -5,11 +5,11 @@
 
 namespace saccade {
 
-/// Adds the rows `python` and `command`: detectors outside of this program (docs/external_detectors.md). The keys of the
+/// Adds the rows `python`, `command` and `socket`: detectors outside of this program (docs/external_detectors.md). The keys of the
 /// same names select them where an entry has no `preset`.
 void add_external_detectors(DetectorRegistry& registry);
 
-/// Adds the rows `python` and `command`: gaze controllers outside of this program (docs/external_controllers.md).
+/// Adds the rows `python`, `command` and `socket`: gaze controllers outside of this program (docs/external_controllers.md).
 void add_external_controllers(ControllerRegistry& registry);
 
 }  // namespace saccade

@@ -29,7 +29,16 @@ std::string how_ended(int status) {
 
 }  // namespace
 
-LineProcess::LineProcess(std::vector<std::string> words) {
+LineProcess::LineProcess(const Place& place, std::chrono::milliseconds limit) {
+  if (const auto* address = std::get_if<SocketAddress>(&place)) {
+    peer_ = text_of(*address);
+    socket_ = connect_to(*address, limit);
+  } else {
+    start(std::get<std::vector<std::string>>(place));
+  }
+}
+
+void LineProcess::start(const std::vector<std::string>& words) {
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
     throw RunError(std::string("no socket to a program: ") + std::strerror(errno));
@@ -94,6 +103,7 @@ LineProcess::Status LineProcess::exchange(std::string_view message, std::chrono:
 
 std::string LineProcess::stop() {
   close_socket();
+  if (!peer_.empty()) return "its connection to " + peer_ + " is closed";
   if (child_ < 0) return {};
   // The end of its standard input ends a well-behaved program.
   constexpr auto patience = std::chrono::milliseconds(200);

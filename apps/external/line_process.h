@@ -4,26 +4,34 @@
 #include <chrono>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
+
+#include "apps/external/socket_address.h"
 
 namespace saccade {
 
-/// A program that answers each message with one line. Its standard input and output are one socket of this process; its
-/// standard error is that of this process. It runs in a process group of its own, which ends with this object.
+/// A program that answers each message with one line: one that this object starts, or one that listens.
+///
+/// A started program's standard input and output are one socket of this process; its standard error is that of this process.
+/// It runs in a process group of its own, which ends with this object. A program that listens runs on; the connection
+/// ends with this object.
 class LineProcess {
  public:
   enum class Status {
     ok,
     late,     ///< no whole line within the time limit
-    ended,    ///< the program has ended, or closed its standard output
+    ended,    ///< the program has ended, or closed its standard output or the connection
     unasked,  ///< the program has answered more than it was asked
     endless,  ///< a line of more than `longest_line` bytes
   };
   static constexpr std::size_t longest_line = 4096;
 
-  /// `words`: the program, found in PATH where its name has no slash, and its arguments. Throws RunError where it cannot
-  /// be started.
-  explicit LineProcess(std::vector<std::string> words);
+  /// The program to start, found in PATH where its name has no slash, and its arguments; or where one listens.
+  using Place = std::variant<std::vector<std::string>, SocketAddress>;
+
+  /// Throws RunError where the program cannot be started, and where none listens within `limit`.
+  LineProcess(const Place& place, std::chrono::milliseconds limit);
   ~LineProcess();
   LineProcess(const LineProcess&) = delete;
   LineProcess& operator=(const LineProcess&) = delete;
@@ -33,14 +41,17 @@ class LineProcess {
   [[nodiscard]] Status exchange(std::string_view message, std::chrono::milliseconds limit,
                                 std::string& answer);
 
-  /// Ends the program if it runs, and returns how it ended: "with status 1", "by signal 11 (Segmentation fault)".
+  /// Ends the program or the connection, and returns how the program ended: "with status 1", "by signal 11 (Segmentation
+  /// fault)", "its connection to localhost:5000 is closed".
   std::string stop();
 
  private:
+  void start(const std::vector<std::string>& words);
   [[nodiscard]] Status take_line(std::string& answer);
   void close_socket();
 
   pid_t child_ = -1;
+  std::string peer_;  ///< of a connection
   int socket_ = -1;
   std::string received_;
 };

@@ -1,13 +1,19 @@
 #!/usr/bin/env python3
 """Runs a detector or a gaze controller written in Python for saccade (docs/external_detectors.md, external_controllers.md).
 
-usage: saccade-worker FILE.py:CLASS [key=value]...
+usage: saccade-worker [--listen ADDRESS] FILE.py:CLASS [key=value]...
+
+It talks over standard input and output, or with --listen over a socket at HOST:PORT or the path of a Unix socket: each
+connection has a process and an instance of its own.
 """
 
 import ast
 import importlib.util
 import os
+import signal
+import socket
 import sys
+import traceback
 
 import numpy as np
 
@@ -25,10 +31,10 @@ class Motion:
 
 
 class Limits:
-    """Of the six joints of neck and eyes, neck pitch first: min_rad, max_rad, speed_rad_s."""
+    """Of the joints that gaze commands, in the head's order: min_rad, max_rad, speed_rad_s."""
 
     def __init__(self, numbers):
-        self.min_rad, self.max_rad, self.speed_rad_s = np.reshape(numbers, (3, 6))
+        self.min_rad, self.max_rad, self.speed_rad_s = np.reshape(numbers, (3, -1))
 
 
 def load(place, arguments, first):
@@ -80,23 +86,74 @@ def run_controller(controller, source, answers):
     answers.write(b"ready\n")
     while line := source.readline():
         words = line.split()[1:]
-        dt_s, joints_rad = float(words[0]), np.array([float(w) for w in words[1:10]])
-        target_m = np.array([float(w) for w in words[10:]]) if len(words) == 13 else None
-        if words[10] == b"rest":
+        joints = len(words) - (2 if words[-1] in (b"none", b"rest") else 4)
+        dt_s, joints_rad = float(words[0]), np.array([float(w) for w in words[1:1 + joints]])
+        target_m = np.array([float(w) for w in words[1 + joints:]]) if len(words) == joints + 4 else None
+        if words[-1] == b"rest":
             controller.rest()
         reference_rad = controller.step(joints_rad, target_m, dt_s)
         answers.write(b"reference" + b"".join(b" " + repr(float(a)).encode() for a in reference_rad) + b"\n")
 
 
-def main():
-    source, answers = sys.stdin.buffer, os.fdopen(os.dup(1), "wb", buffering=0)
-    os.dup2(2, 1)  # what the class prints is not an answer
+def run(source, answers, place, arguments):
     kind = source.readline().split()[0]  # the protocol's name, then its version
     words = source.readline().split()[1:]
     if kind == b"saccade-detector":
-        run_detector(load(sys.argv[1], sys.argv[2:], (int(words[0]), int(words[1]))), source, answers)
+        run_detector(load(place, arguments, (int(words[0]), int(words[1]))), source, answers)
     else:
-        run_controller(load(sys.argv[1], sys.argv[2:], Limits([float(w) for w in words])), source, answers)
+        run_controller(load(place, arguments, Limits([float(w) for w in words])), source, answers)
+
+
+def listen(address, place, arguments):
+    if "/" in address:
+        server = socket.socket(socket.AF_UNIX)
+        server.bind(address)
+        server.listen()
+    else:
+        host, _, port = address.rpartition(":")
+        host = host.strip("[]")
+        server = socket.create_server((host, int(port)), family=socket.AF_INET6 if ":" in host else socket.AF_INET)
+    signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # ended processes leave nothing to wait for
+    print("listening at", address, file=sys.stderr, flush=True)
+    try:
+        while True:
+            connection = server.accept()[0]
+            if os.fork() == 0:
+                serve(server, connection, place, arguments)
+            connection.close()
+    except KeyboardInterrupt:
+        pass
+    finally:
+        if "/" in address:
+            os.unlink(address)
+
+
+def serve(server, connection, place, arguments):
+    """The life of a process of one connection."""
+    status = 1
+    try:
+        signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+        server.close()
+        if connection.family != socket.AF_UNIX:
+            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        run(connection.makefile("rb"), connection.makefile("wb", buffering=0), place, arguments)
+        status = 0
+    except KeyboardInterrupt:
+        pass
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        os._exit(status)
+
+
+def main():
+    words = sys.argv[1:]
+    answers = os.fdopen(os.dup(1), "wb", buffering=0)
+    os.dup2(2, 1)  # what the class prints is not an answer
+    if words[0] == "--listen":
+        listen(words[1], words[2], words[3:])
+    else:
+        run(sys.stdin.buffer, answers, words[0], words[1:])
 
 
 if __name__ == "__main__":

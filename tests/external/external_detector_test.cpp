@@ -233,7 +233,7 @@ TEST(ExternalDetector, EndsItsProgramWithItself) {
 TEST(ExternalDetector, IsARowOfTheRegistryWithItsKeys) {
   DetectorRegistry registry = built_in_detectors();
   add_external_detectors(registry);
-  for (const char* name : {"python", "command"}) {
+  for (const char* name : {"python", "command", "socket"}) {
     EXPECT_EQ(registry.rows().find(name)->selecting_key, name);
     EXPECT_THROW(make_detector(registry.config(name), Camera{}), InputError) << "its file is not given";
   }
