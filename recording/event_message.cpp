@@ -10,17 +10,12 @@ namespace saccade {
 namespace {
 
 constexpr std::size_t array_event_bytes = 13;
-constexpr std::size_t packet_event_bytes = 8;  ///< of mono and libcaer
+constexpr std::size_t packet_event_bytes = 8;  ///< of mono
 constexpr int largest_length_px = 1 << 16;
 constexpr std::int64_t ns_per_us = 1000;
 constexpr std::string_view cdr_little = {"\0\1\0\0", 4};  ///< before a message in CDR
 
 std::int64_t to_us(std::uint64_t ns) { return static_cast<std::int64_t>((ns + 500) / 1000); }
-
-Event mono_event(std::uint64_t word, std::uint64_t time_base_ns) {
-  return {to_us(time_base_ns + (word & 0xffffffff)), static_cast<std::uint16_t>(word >> 32),
-          static_cast<std::uint16_t>(word >> 48 & 0x7fff), word >> 63 != 0, 0};
-}
 
 /// Appends numbers and texts of a message.
 class MessageBytes {
@@ -190,51 +185,18 @@ std::optional<BrokenMessage> EventMessageDecoder::decode_packet(Cursor& cursor, 
   std::uint64_t time_base_ns = 0;
   std::string_view encoding;
   std::uint8_t big_endian = 0;
-  std::string_view bytes;
   if (!cursor.take(seq) || !cursor.take(time_base_ns) || !cursor.take_text(encoding) ||
       !cursor.take(big_endian))
     return BrokenMessage{"a message that ends before its events", "a whole message"};
   encoding_ = printable(encoding);
   if (big_endian != 0) return BrokenMessage{"a packet of a big-endian machine", "little-endian events"};
-  if (encoding == "trigger") return std::nullopt;
-  const bool is_evt3 = encoding == "evt3";
-  if (!is_evt3 && encoding != "mono" && encoding != "libcaer")
-    return BrokenMessage{"a packet in the encoding " + encoding_, "mono, evt3 or libcaer"};
   std::uint32_t size = 0;
   if (!cursor.take(size)) return BrokenMessage{"a message that ends before its events", "a whole message"};
-  bytes = cursor.rest().substr(0, size);
-  const std::size_t unit = is_evt3 ? Evt3Decoder::word_bytes : packet_event_bytes;
-  const bool whole = bytes.size() == size && size % unit == 0;
-  bytes = bytes.substr(0, bytes.size() / unit * unit);
-  if (is_evt3) {
-    std::array<Event, 4096> block;
-    while (!bytes.empty()) {
-      const Evt3Decoder::Step step = evt3_.run(bytes, block);
-      events.insert(events.end(), block.begin(), block.begin() + static_cast<std::ptrdiff_t>(step.events));
-      bytes.remove_prefix(step.words * unit);
-      if (step.unknown_type)
-        return BrokenMessage{"a word of type " + std::to_string(*step.unknown_type),
-                             "EVT3's types 0, 2 to 8, 10, 14 or 15"};
-    }
-  } else if (encoding == "mono") {
-    events.reserve(events.size() + bytes.size() / unit);
-    for (; !bytes.empty(); bytes.remove_prefix(unit))
-      events.push_back(mono_event(load_little<std::uint64_t>(bytes.data()), time_base_ns));
-  } else {
-    std::int64_t wraps_us = 0;
-    std::int32_t last = 0;
-    for (; !bytes.empty(); bytes.remove_prefix(unit)) {
-      const auto data = load_little<std::uint32_t>(bytes.data());
-      const auto stamp = load_little<std::int32_t>(bytes.data() + 4);
-      if (stamp < last) wraps_us += std::int64_t{1} << 31;
-      last = stamp;
-      events.push_back({to_us(time_base_ns) + wraps_us + stamp,
-                        static_cast<std::uint16_t>(data >> 17 & 0x7fff),
-                        static_cast<std::uint16_t>(data >> 2 & 0x7fff), (data >> 1 & 1) != 0, 0});
-    }
-  }
-  if (!whole) return BrokenMessage{"a packet that ends inside its events", "a whole packet"};
-  return std::nullopt;
+  const std::string_view bytes = cursor.rest().substr(0, size);
+  std::optional<BrokenMessage> broken = packets_.decode(encoding, time_base_ns, bytes, events);
+  if (!broken && bytes.size() != size)
+    return BrokenMessage{"a packet that ends inside its events", "a whole packet"};
+  return broken;
 }
 
 void append_event_array(std::string& bytes, std::span<const Event> events, ImageSize image,

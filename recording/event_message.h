@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/event.h"
-#include "recording/evt3_decoder.h"
+#include "recording/event_packet.h"
 
 namespace saccade {
 
@@ -29,11 +29,6 @@ enum class Serialisation {
 /// with `/msg/` too. None for other types.
 [[nodiscard]] std::optional<EventMessageType> event_message_type(std::string_view name);
 
-/// What a message contains that is no such message, and what was expected.
-struct BrokenMessage {
-  std::string found, expected;
-};
-
 /// The messages of one topic as events.
 class EventMessageDecoder {
  public:
@@ -42,17 +37,15 @@ class EventMessageDecoder {
 
   /// Appends the events of the next message. Where the message is broken, the events before that place are appended.
   ///
-  /// Times are in us. EventArray: the events' own, to the nearest us. EventPacket: by its encoding, `mono` time_base plus
-  /// a difference of 32 bits of ns in each event, to the nearest us; `libcaer` time_base plus 31 bits of us, continued over
-  /// their wraps in the packet; `evt3` the sensor's counter of 24 bits, continued over its wraps.
+  /// Times are in us. EventArray: the events' own, to the nearest us. EventPacket: recording/event_packet.h.
   [[nodiscard]] std::optional<BrokenMessage> decode(std::string_view message, std::vector<Event>& events);
 
   /// Of the last message that has one.
   [[nodiscard]] std::optional<ImageSize> image_size() const { return image_size_; }
-  /// "mono", "evt3" or "libcaer", of the last EventPacket.
+  /// Of the last EventPacket; empty before.
   [[nodiscard]] const std::string& encoding() const { return encoding_; }
-  /// Triggers and words of EVT3 that are no events, and events before the first time.
-  [[nodiscard]] const Evt3Decoder& evt3() const { return evt3_; }
+  /// Counts what a sensor's words hold besides events.
+  [[nodiscard]] const PacketDecoder& packets() const { return packets_; }
 
  private:
   class Cursor;
@@ -63,7 +56,7 @@ class EventMessageDecoder {
   Serialisation serialisation_;
   std::optional<ImageSize> image_size_;
   std::string encoding_;
-  Evt3Decoder evt3_;
+  PacketDecoder packets_;
 };
 
 /// Appends an EventArray of at least one event in ROS 1's serialisation. `seq`: number of the message.

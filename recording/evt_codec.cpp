@@ -6,6 +6,7 @@
 #include "recording/block_reader.h"
 #include "recording/byte_order.h"
 #include "recording/codec.h"
+#include "recording/evt2_decoder.h"
 #include "recording/evt3_decoder.h"
 #include "recording/input_file.h"
 #include "recording/number_text.h"
@@ -54,75 +55,53 @@ class EvtReader : public BlockReader {
   std::optional<ImageSize> image_size_;
 };
 
-class Evt2Reader final : public EvtReader {
+/// `word_bytes`, `run` and the counts are those of the decoder.
+template <class Decoder>
+class EvtWordReader final : public EvtReader {
  public:
-  using EvtReader::EvtReader;
-  std::string format() const override { return "EVT2"; }
+  /// `types`: those that the encoding has.
+  EvtWordReader(InputFile file, const PropheseeHeader& header, const EventReadOptions& options,
+                std::string name, std::string types)
+      : EvtReader(std::move(file), header, options),
+        decoder_(offset_us_),
+        name_(std::move(name)),
+        types_(std::move(types)) {}
+  std::string format() const override { return name_; }
 
  protected:
   bool decode(std::span<Event> block, std::size_t& count) override {
-    const std::string_view ahead = file_.peek(word_bytes);
+    const std::string_view ahead = file_.peek(Decoder::word_bytes);
     if (ahead.empty()) return false;
-    const std::size_t words = std::min(ahead.size() / word_bytes, block.size());
-    if (words == 0) file_.fail("the end of the file inside a word", "words of 4 bytes");
-    for (std::size_t i = 0; i < words; ++i) {
-      const auto word = load_little<std::uint32_t>(ahead.data() + i * word_bytes);
-      const std::uint32_t type = word >> 28;
-      if (type <= 1) {
-        block[count] = {t_us_ + (word >> 22 & 0x3f), static_cast<std::uint16_t>(word >> 11 & 0x7ff),
-                        static_cast<std::uint16_t>(word & 0x7ff), type == 1, 0};
-        count += timed_;
-        events_without_time_ += 1 - timed_;
-      } else if (type == 0x8) {
-        timed_ = 1;
-        t_us_ = (high_.extend(word & 0xfffffff) << 6) + offset_us_;
-      } else if (type == 0xa) {
-        ++triggers_;
-      } else if (type >= 0xd) {
-        ++other_words_;
-      } else {
-        file_.skip(i * word_bytes);
-        file_.fail("a word of type " + hex_digit(type), "EVT2's types 0, 1, 8, A, D, E or F");
-      }
-    }
-    file_.skip(words * word_bytes);
-    return true;
-  }
-
- private:
-  static constexpr std::size_t word_bytes = 4;
-
-  unsigned timed_ = 0;     ///< 1 from the first time on
-  std::int64_t t_us_ = 0;  ///< without the lower 6 bits
-  WrappingTime high_{{{0, std::int64_t{1} << 28}}, std::int64_t{1} << 26, std::int64_t{1} << 16};
-};
-
-class Evt3Reader final : public EvtReader {
- public:
-  Evt3Reader(InputFile file, const PropheseeHeader& header, const EventReadOptions& options)
-      : EvtReader(std::move(file), header, options), decoder_(offset_us_) {}
-  std::string format() const override { return "EVT3"; }
-
- protected:
-  bool decode(std::span<Event> block, std::size_t& count) override {
-    const std::string_view ahead = file_.peek(Evt3Decoder::word_bytes);
-    if (ahead.empty()) return false;
-    if (ahead.size() < Evt3Decoder::word_bytes)
-      file_.fail("the end of the file inside a word", "words of 2 bytes");
-    const Evt3Decoder::Step step = decoder_.run(ahead, block);
+    if (ahead.size() < Decoder::word_bytes)
+      file_.fail("the end of the file inside a word",
+                 "words of " + std::to_string(Decoder::word_bytes) + " bytes");
+    const auto step = decoder_.run(ahead, block);
     count = step.events;
     events_without_time_ = decoder_.events_without_time();
     triggers_ = decoder_.triggers();
     other_words_ = decoder_.other_words();
-    file_.skip(step.words * Evt3Decoder::word_bytes);
+    file_.skip(step.words * Decoder::word_bytes);
     if (step.unknown_type)
-      file_.fail("a word of type " + hex_digit(*step.unknown_type), "EVT3's types 0, 2 to 8, A, E or F");
+      file_.fail("a word of type " + hex_digit(*step.unknown_type), name_ + "'s types " + types_);
     return true;
   }
 
  private:
-  Evt3Decoder decoder_;
+  Decoder decoder_;
+  std::string name_, types_;
 };
+
+std::unique_ptr<EventReader> read_evt2(InputFile file, const PropheseeHeader& header,
+                                       const EventReadOptions& options) {
+  return std::make_unique<EvtWordReader<Evt2Decoder>>(std::move(file), header, options, "EVT2",
+                                                      "0, 1, 8, A, D, E or F");
+}
+
+std::unique_ptr<EventReader> read_evt3(InputFile file, const PropheseeHeader& header,
+                                       const EventReadOptions& options) {
+  return std::make_unique<EvtWordReader<Evt3Decoder>>(std::move(file), header, options, "EVT3",
+                                                      "0, 2 to 8, A, E or F");
+}
 
 class Evt3Writer final : public EventWriter {
  public:
@@ -259,7 +238,7 @@ std::unique_ptr<EventReader> open_evt(InputFile file, const EventReadOptions& op
   const std::string encoding = format.substr(0, format.find(';'));
   if (encoding == "EVT3" || (encoding.empty() && version == "3.0")) {
     const std::filesystem::path right = right_camera_file(file.name());
-    auto left = std::make_unique<Evt3Reader>(std::move(file), header, options);
+    auto left = read_evt3(std::move(file), header, options);
     if (header.value("saccade_cameras") != "2") return left;
     if (!std::filesystem::exists(right)) {
       throw InputError(right.string(), "no such file",
@@ -267,11 +246,10 @@ std::unique_ptr<EventReader> open_evt(InputFile file, const EventReadOptions& op
     }
     InputFile other(right);
     const PropheseeHeader other_header(other);
-    return merge_cameras(std::move(left),
-                         std::make_unique<Evt3Reader>(std::move(other), other_header, options));
+    return merge_cameras(std::move(left), read_evt3(std::move(other), other_header, options));
   }
   if (encoding == "EVT2" || (encoding.empty() && version == "2.0")) {
-    return std::make_unique<Evt2Reader>(std::move(file), header, options);
+    return read_evt2(std::move(file), header, options);
   }
   if (encoding.empty() && version.empty()) {
     throw InputError(file.name(), "a header that names no encoding of events",

@@ -199,13 +199,16 @@ RecordingFormat mcap_format() {
     return std::make_unique<McapReader>(std::move(file), options);
   };
   format.create = create_mcap;
+  format.cameras = 2;
   format.reads =
       "ROS 1 and ROS 2 (CDR) messages of the types read from bags; uncompressed, LZ4, ZSTD; checksums of "
       "chunks";
-  format.writes = "`event_camera_msgs/msg/EventPacket` (mono) on `/event_camera/events`, ZSTD, with indices";
-  format.time = "ns, to the nearest us; evt3 24 bits of us";
+  format.writes =
+      "`event_camera_msgs/msg/EventPacket` (mono) on `/event_camera/events`, of two cameras on "
+      "`/event_camera/left/events` and `/event_camera/right/events`, ZSTD, with indices";
+  format.time = "ns, to the nearest us; evt2 34, evt3 24 bits of us";
   format.axes = "top left, 1 is ON";
-  format.limits = "one camera, y below 32768, times from 0 to 2^31 s";
+  format.limits = "y below 32768, times from 0 to 2^31 s";
   return format;
 }
 

@@ -2,6 +2,7 @@
 #include <zstd.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "core/error.h"
@@ -17,7 +18,6 @@ constexpr std::size_t enough_chunk_bytes = 1 << 20;
 constexpr int compression_level = 1;
 constexpr std::int64_t largest_stamp_us = 2147483647LL * 1'000'000;  ///< i32 s
 constexpr std::uint16_t schema_id = 1;
-constexpr std::uint16_t channel_id = 0;
 
 /// The bytes of a record's members.
 class McapBytes {
@@ -36,6 +36,7 @@ class McapBytes {
     bytes_ += value;
     return *this;
   }
+  [[nodiscard]] const std::string& bytes() const { return bytes_; }
   /// The whole record.
   [[nodiscard]] std::string record(McapOp op) const {
     std::string record(1, static_cast<char>(op));
@@ -48,20 +49,21 @@ class McapBytes {
 };
 
 struct ChunkEntry {
-  std::uint64_t first_ns = 0, last_ns = 0, place = 0, bytes = 0, index_place = 0, index_bytes = 0, stored = 0,
-                unpacked = 0;
+  std::uint64_t first_ns = 0, last_ns = 0, place = 0, bytes = 0, index_bytes = 0, stored = 0, unpacked = 0;
+  std::array<std::uint64_t, 2> index_places{};  ///< of the cameras' indices; 0: none
 };
 
 class McapWriter final : public MessageWriter {
  public:
-  McapWriter(const std::filesystem::path& path, ImageSize image_size)
-      : MessageWriter(path, image_size, largest_stamp_us) {
+  McapWriter(const std::filesystem::path& path, ImageSize image_size, int cameras)
+      : MessageWriter(path, image_size, cameras, largest_stamp_us) {
     put(mcap_mark);
     put(McapBytes().text("ros2").text("saccade").record(McapOp::header));
   }
 
  protected:
-  void put_message(std::span<const Event> events, std::uint32_t seq, std::uint64_t last_ns) override {
+  void put_message(int camera, std::span<const Event> events, std::uint32_t seq,
+                   std::uint64_t last_ns) override {
     if (chunk_.empty()) {
       chunk_ = topic_records();
       entry_ = {};
@@ -69,19 +71,20 @@ class McapWriter final : public MessageWriter {
     }
     entry_.first_ns = std::min(entry_.first_ns, last_ns);
     entry_.last_ns = std::max(entry_.last_ns, last_ns);
-    append_little(index_, last_ns);
-    append_little(index_, static_cast<std::uint64_t>(chunk_.size()));
+    std::string& index = indices_[static_cast<std::size_t>(camera)];
+    append_little(index, last_ns);
+    append_little(index, static_cast<std::uint64_t>(chunk_.size()));
     std::string message;
     append_event_packet(message, events, image_size(), seq, Serialisation::cdr);
     const std::uint64_t stamp_ns = static_cast<std::uint64_t>(events.front().t_us) * 1000;
     chunk_ += McapBytes()
-                  .number(channel_id)
+                  .number(channel_of(camera))
                   .number(seq)
                   .number(last_ns)
                   .number(stamp_ns)
                   .raw(message)
                   .record(McapOp::message);
-    ++messages_;
+    ++messages_[static_cast<std::size_t>(camera)];
     if (chunk_.size() >= enough_chunk_bytes) put_chunk();
   }
 
@@ -107,12 +110,17 @@ class McapWriter final : public MessageWriter {
             .raw(packed)
             .record(McapOp::chunk));
     entry_.bytes = offset() - entry_.place;
-    entry_.index_place = offset();
-    put(McapBytes().number(channel_id).text(index_).record(McapOp::message_index));
-    entry_.index_bytes = offset() - entry_.index_place;
+    const std::uint64_t indices_place = offset();
+    for (int camera = 0; camera < cameras(); ++camera) {
+      std::string& index = indices_[static_cast<std::size_t>(camera)];
+      if (index.empty()) continue;
+      entry_.index_places[static_cast<std::size_t>(camera)] = offset();
+      put(McapBytes().number(channel_of(camera)).text(index).record(McapOp::message_index));
+      index.clear();
+    }
+    entry_.index_bytes = offset() - indices_place;
     chunks_.push_back(entry_);
     chunk_.clear();
-    index_.clear();
   }
 
   void finish() override {
@@ -130,7 +138,7 @@ class McapWriter final : public MessageWriter {
       put(records);
     };
     put_group(McapOp::schema, schema_record());
-    put_group(McapOp::channel, channel_record());
+    put_group(McapOp::channel, channel_records());
     put_group(McapOp::statistics, statistics_record());
     put_group(McapOp::chunk_index, chunk_index_records());
     const std::uint64_t summary_offset = offset();
@@ -148,16 +156,21 @@ class McapWriter final : public MessageWriter {
         .text(event_packet_definition(Serialisation::cdr))
         .record(McapOp::schema);
   }
-  [[nodiscard]] static std::string channel_record() {
-    return McapBytes()
-        .number(channel_id)
-        .number(schema_id)
-        .text("/event_camera/events")
-        .text("cdr")
-        .number(std::uint32_t{0})  // bytes of metadata
-        .record(McapOp::channel);
+  [[nodiscard]] static std::uint16_t channel_of(int camera) { return static_cast<std::uint16_t>(camera); }
+  [[nodiscard]] std::string channel_records() const {
+    std::string records;
+    for (int camera = 0; camera < cameras(); ++camera) {
+      records += McapBytes()
+                     .number(channel_of(camera))
+                     .number(schema_id)
+                     .text(topic("event_camera", camera))
+                     .text("cdr")
+                     .number(std::uint32_t{0})  // bytes of metadata
+                     .record(McapOp::channel);
+    }
+    return records;
   }
-  [[nodiscard]] static std::string topic_records() { return schema_record() + channel_record(); }
+  [[nodiscard]] std::string topic_records() const { return schema_record() + channel_records(); }
 
   [[nodiscard]] std::string statistics_record() const {
     std::uint64_t first_ns = chunks_.empty() ? 0 : chunks_.front().first_ns;
@@ -166,32 +179,36 @@ class McapWriter final : public MessageWriter {
       first_ns = std::min(first_ns, chunk.first_ns);
       last_ns = std::max(last_ns, chunk.last_ns);
     }
+    McapBytes counts;
+    for (int camera = 0; camera < cameras(); ++camera)
+      counts.number(channel_of(camera)).number(messages_[static_cast<std::size_t>(camera)]);
     return McapBytes()
-        .number(messages_)
+        .number(messages_[0] + messages_[1])
         .number(std::uint16_t{1})
-        .number(std::uint32_t{1})
+        .number(static_cast<std::uint32_t>(cameras()))
         .number(std::uint32_t{0})
         .number(std::uint32_t{0})
         .number(static_cast<std::uint32_t>(chunks_.size()))
         .number(first_ns)
         .number(last_ns)
-        .number(std::uint32_t{10})  // bytes of the map
-        .number(channel_id)
-        .number(messages_)
+        .text(counts.bytes())
         .record(McapOp::statistics);
   }
 
   [[nodiscard]] std::string chunk_index_records() const {
     std::string records;
     for (const ChunkEntry& chunk : chunks_) {
+      McapBytes places;
+      for (int camera = 0; camera < cameras(); ++camera) {
+        const std::uint64_t place = chunk.index_places[static_cast<std::size_t>(camera)];
+        if (place != 0) places.number(channel_of(camera)).number(place);
+      }
       records += McapBytes()
                      .number(chunk.first_ns)
                      .number(chunk.last_ns)
                      .number(chunk.place)
                      .number(chunk.bytes)
-                     .number(std::uint32_t{10})  // bytes of the map
-                     .number(channel_id)
-                     .number(chunk.index_place)
+                     .text(places.bytes())
                      .number(chunk.index_bytes)
                      .text("zstd")
                      .number(chunk.stored)
@@ -201,19 +218,19 @@ class McapWriter final : public MessageWriter {
     return records;
   }
 
-  std::string chunk_;  ///< records
-  std::string index_;  ///< of its messages: time, offset
-  ChunkEntry entry_;   ///< of it
+  std::string chunk_;                   ///< records
+  std::array<std::string, 2> indices_;  ///< of the cameras' messages in it: time, offset
+  ChunkEntry entry_;                    ///< of it
   std::vector<ChunkEntry> chunks_;
-  std::uint64_t messages_ = 0;
+  std::array<std::uint64_t, 2> messages_{};  ///< by camera
 };
 
 }  // namespace
 
 std::unique_ptr<EventWriter> create_mcap(const std::filesystem::path& path, ImageSize image_size,
-                                         int /*cameras*/) {
+                                         int cameras) {
   check_packet_size(path, image_size);
-  return std::make_unique<McapWriter>(path, image_size);
+  return std::make_unique<McapWriter>(path, image_size, cameras);
 }
 
 }  // namespace saccade

@@ -33,18 +33,26 @@ std::string MessageReader::skipped() const {
     append_count(text, topic.skipped,
                  "messages of " + printable(topic.name) + " (" + printable(topic.type) + ")");
     if (!topic.decoder) continue;
-    const Evt3Decoder& evt3 = topic.decoder->evt3();
-    append_count(text, evt3.events_without_time(), "events before the first time stamp");
-    append_count(text, evt3.triggers(), "triggers");
-    append_count(text, evt3.other_words(), "words that are no events");
+    const PacketDecoder& packets = topic.decoder->packets();
+    append_count(text, packets.events_without_time(), "events before the first time stamp");
+    append_count(text, packets.triggers(), "triggers");
+    append_count(text, packets.other_words(), "words that are no events");
   }
   return text;
 }
 
-void MessageReader::read_ahead() {
+void MessageReader::read_ahead() { fill(); }
+
+bool MessageReader::needs_message() const {
+  const auto& [left, right] = queues_;
+  if (left.size() == 0 && right.size() == 0) return true;
+  if (!left.has_topic || !right.has_topic) return false;
+  return (left.size() == 0 && right.size() < most_ahead) || (right.size() == 0 && left.size() < most_ahead);
+}
+
+void MessageReader::fill() {
   try {
-    while (events_.empty() && !failure_ && next()) {
-    }
+    while (!over_ && !failure_ && needs_message()) over_ = !next();
   } catch (const InputError& error) {
     failure_ = error;
   }
@@ -64,6 +72,7 @@ void MessageReader::add_topic(std::uint32_t id, const std::string& name, const s
     const bool is_left = name.find("left") != std::string::npos;
     topic.camera = is_right || (!is_left && has(0)) ? 1 : 0;
     if (!has(topic.camera)) topic.decoder.emplace(*message, serialisation);
+    queues_[topic.camera].has_topic = true;
   }
   topics_.emplace(id, std::move(topic));
 }
@@ -78,12 +87,16 @@ bool MessageReader::wants(std::uint32_t id) {
 
 void MessageReader::take(std::uint32_t id, std::string_view message, std::uint64_t host_ns) {
   Topic& topic = topics_.at(id);
-  events_.clear();
-  next_ = 0;
-  const std::optional<BrokenMessage> broken = topic.decoder->decode(message, events_);
-  for (Event& event : events_) event.camera = topic.camera;
-  if (!events_.empty() && host_ns != 0) {
-    const std::int64_t ahead_us = static_cast<std::int64_t>(host_ns / 1000) - events_.back().t_us;
+  Queue& queue = queues_[topic.camera];
+  if (queue.next > queue.size()) {
+    queue.events.erase(queue.events.begin(), queue.events.begin() + static_cast<std::ptrdiff_t>(queue.next));
+    queue.next = 0;
+  }
+  const std::size_t before = queue.events.size();
+  const std::optional<BrokenMessage> broken = topic.decoder->decode(message, queue.events);
+  for (Event& event : std::span(queue.events).subspan(before)) event.camera = topic.camera;
+  if (queue.events.size() > before && host_ns != 0) {
+    const std::int64_t ahead_us = static_cast<std::int64_t>(host_ns / 1000) - queue.events.back().t_us;
     host_ahead_us_ = std::min(ahead_us, host_ahead_us_.value_or(ahead_us));
   }
   if (!broken) return;
@@ -104,15 +117,29 @@ std::unique_ptr<Decompressor> MessageReader::decompressor(const std::string& wor
 }
 
 bool MessageReader::decode(std::span<Event> block, std::size_t& count) {
-  while (next_ == events_.size()) {
-    if (failure_) throw InputError(*failure_);
-    events_.clear();
-    next_ = 0;
-    if (!next()) return false;
+  auto& [left, right] = queues_;
+  while (count < block.size()) {
+    fill();
+    if (left.size() == 0 && right.size() == 0) {
+      if (count == 0 && failure_) throw InputError(*failure_);
+      return count > 0;
+    }
+    if (left.size() == 0 || right.size() == 0) {
+      // Of one camera alone, a piece; while the other one is not waited for, event by event.
+      Queue& queue = left.size() > 0 ? left : right;
+      const bool is_alone = !left.has_topic || !right.has_topic || over_ || failure_;
+      const std::size_t piece = is_alone ? std::min(block.size() - count, queue.size()) : 1;
+      std::copy_n(queue.events.begin() + static_cast<std::ptrdiff_t>(queue.next), piece,
+                  block.begin() + static_cast<std::ptrdiff_t>(count));
+      queue.next += piece;
+      count += piece;
+      continue;
+    }
+    while (count < block.size() && left.size() > 0 && right.size() > 0) {
+      Queue& queue = left.events[left.next].t_us <= right.events[right.next].t_us ? left : right;
+      block[count++] = queue.events[queue.next++];
+    }
   }
-  count = std::min(block.size(), events_.size() - next_);
-  std::copy_n(events_.begin() + static_cast<std::ptrdiff_t>(next_), count, block.begin());
-  next_ += count;
   return true;
 }
 

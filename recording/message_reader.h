@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -17,7 +18,9 @@ namespace saccade {
 /// Base of the readers of files that hold ROS messages on topics, in parts that may be compressed.
 ///
 /// The first topic with events is camera 0, a second one camera 1; a topic with `right` in its name is always camera 1, one
-/// with `left` camera 0. Messages of further topics with events and of other types are skipped and counted.
+/// with `left` camera 0. Messages of further topics with events and of other types are skipped and counted. The events
+/// of two cameras are merged by time, camera 0 first where times are equal; each camera keeps its order. A camera is
+/// not waited for once 2^18 events of the other one have been read ahead.
 class MessageReader : public BlockReader {
  public:
   std::optional<ImageSize> image_size() const override;
@@ -28,6 +31,7 @@ class MessageReader : public BlockReader {
  protected:
   static constexpr std::size_t most_message_bytes = 1 << 26;
   static constexpr std::size_t most_header_bytes = 1 << 20;
+  static constexpr std::size_t most_ahead = 1 << 18;  ///< events
 
   /// `container`: for format().
   MessageReader(InputFile file, std::string container, const EventReadOptions& options);
@@ -59,15 +63,26 @@ class MessageReader : public BlockReader {
     std::uint8_t camera = 0;
     std::int64_t skipped = 0;
   };
+  /// Events of a camera; those from `next` on are not yet read.
+  struct Queue {
+    std::vector<Event> events;
+    std::size_t next = 0;
+    bool has_topic = false;
+    [[nodiscard]] std::size_t size() const { return events.size() - next; }
+  };
+
+  [[nodiscard]] bool needs_message() const;
+  /// Reads messages until there are events to give out, or none come any more.
+  void fill();
 
   std::string container_;
   std::optional<ImageSize> size_option_;
   std::string compression_;
   std::map<std::uint32_t, Topic> topics_;
-  std::vector<Event> events_;  ///< of the newest message, those from next_ on not yet read
-  std::size_t next_ = 0;
+  std::array<Queue, 2> queues_;  ///< by camera
+  bool over_ = false;
   std::optional<std::int64_t> host_ahead_us_;
-  std::optional<InputError> failure_;  ///< thrown after events_
+  std::optional<InputError> failure_;  ///< thrown after the events before it
 };
 
 }  // namespace saccade

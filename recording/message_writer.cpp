@@ -15,37 +15,46 @@ constexpr std::int64_t longest_us = 10'000;
 
 void MessageWriter::write(std::span<const Event> events) {
   for (const Event& event : events) {
-    check_writable(event, image_size_, 1, file_.path());
+    check_writable(event, image_size_, cameras_, file_.path());
     if (event.t_us < 0 || event.t_us > largest_us_) {
       throw InputError(file_.path().string(), "an event at " + std::to_string(event.t_us) + " us",
                        "times from 0 to " + std::to_string(largest_us_) +
                            " us; --zero-time of saccade convert begins at 0");
     }
-    if (!pending_.empty()) {
-      const std::int64_t after_us = event.t_us - pending_.front().t_us;
-      if (pending_.size() == most_events || after_us < 0 || after_us > longest_us) flush();
+    for (int camera = 0; camera < cameras_; ++camera) {
+      const std::vector<Event>& pending = sides_[static_cast<std::size_t>(camera)].pending;
+      if (pending.empty()) continue;
+      const std::int64_t after_us = event.t_us - pending.front().t_us;
+      const bool is_own = event.camera == camera;
+      if (after_us > longest_us || (is_own && (after_us < 0 || pending.size() == most_events))) flush(camera);
     }
-    pending_.push_back(event);
+    sides_[event.camera].pending.push_back(event);
   }
 }
 
 void MessageWriter::sync() {
-  flush();
+  for (int camera = 0; camera < cameras_; ++camera) flush(camera);
   put_chunk();
   file_.sync();
 }
 
 void MessageWriter::commit() {
-  flush();
+  for (int camera = 0; camera < cameras_; ++camera) flush(camera);
   finish();
   file_.commit();
 }
 
-void MessageWriter::flush() {
-  if (pending_.empty()) return;
-  const std::int64_t last_us = std::ranges::max_element(pending_, {}, &Event::t_us)->t_us;
-  put_message(pending_, seq_++, static_cast<std::uint64_t>(last_us) * 1000);
-  pending_.clear();
+std::string MessageWriter::topic(std::string_view device, int camera) const {
+  const std::string side = cameras_ == 1 ? "" : camera == 0 ? "/left" : "/right";
+  return "/" + std::string(device) + side + "/events";
+}
+
+void MessageWriter::flush(int camera) {
+  auto& [pending, seq] = sides_[static_cast<std::size_t>(camera)];
+  if (pending.empty()) return;
+  const std::int64_t last_us = std::ranges::max_element(pending, {}, &Event::t_us)->t_us;
+  put_message(camera, pending, seq++, static_cast<std::uint64_t>(last_us) * 1000);
+  pending.clear();
 }
 
 void check_packet_size(const std::filesystem::path& path, ImageSize image_size) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -13,7 +14,8 @@
 
 namespace saccade {
 
-/// Base of the writers of files that hold ROS messages: gathers events into messages of up to 8192 events and 10 ms.
+/// Base of the writers of files that hold ROS messages: gathers the events of each camera into messages of up to 8192 events
+/// and 10 ms.
 class MessageWriter : public EventWriter {
  public:
   void write(std::span<const Event> events) final;
@@ -22,12 +24,13 @@ class MessageWriter : public EventWriter {
 
  protected:
   /// `largest_us`: the latest time that the messages can hold.
-  MessageWriter(const std::filesystem::path& path, ImageSize image_size, std::int64_t largest_us)
-      : file_(path), image_size_(image_size), largest_us_(largest_us) {}
+  MessageWriter(const std::filesystem::path& path, ImageSize image_size, int cameras, std::int64_t largest_us)
+      : file_(path), image_size_(image_size), cameras_(cameras), largest_us_(largest_us) {}
 
-  /// Writes a message of these events, at least one, none earlier than the first and none more than 10 ms after it.
-  /// `seq`: number of the message, from 0 on. `last_ns`: time of the latest event.
-  virtual void put_message(std::span<const Event> events, std::uint32_t seq, std::uint64_t last_ns) = 0;
+  /// Writes a message of these events of one camera, at least one, none earlier than the first and none more than 10 ms
+  /// after it. `seq`: number of the camera's message, from 0 on. `last_ns`: time of the latest event.
+  virtual void put_message(int camera, std::span<const Event> events, std::uint32_t seq,
+                           std::uint64_t last_ns) = 0;
   /// Writes the messages that are not in the file yet.
   virtual void put_chunk() = 0;
   /// Writes what comes after the last message.
@@ -39,17 +42,24 @@ class MessageWriter : public EventWriter {
   }
   [[nodiscard]] std::uint64_t offset() const { return offset_; }
   [[nodiscard]] ImageSize image_size() const { return image_size_; }
+  [[nodiscard]] int cameras() const { return cameras_; }
+  /// `/dvs/events`; of two cameras `/dvs/left/events` and `/dvs/right/events`.
+  [[nodiscard]] std::string topic(std::string_view device, int camera) const;
 
   OutputFile file_;
 
  private:
-  void flush();
+  struct Side {
+    std::vector<Event> pending;
+    std::uint32_t seq = 0;
+  };
+  void flush(int camera);
 
   ImageSize image_size_;
+  int cameras_;
   std::int64_t largest_us_;
   std::uint64_t offset_ = 0;
-  std::vector<Event> pending_;
-  std::uint32_t seq_ = 0;
+  std::array<Side, 2> sides_;  ///< by camera
 };
 
 /// Throws InputError for an image whose rows an EventPacket of encoding mono cannot number.

@@ -186,15 +186,17 @@ RecordingFormat ros_bag_format() {
     return std::make_unique<RosBagReader>(std::move(file), options);
   };
   format.create = create_ros_bag;
+  format.cameras = 2;
   format.reads =
       "ROS 1, version 2.0, uncompressed, LZ4, BZ2; topics of `dvs_msgs/EventArray` and of "
-      "`event_camera_msgs/EventPacket` (mono, evt3, libcaer), the first two as cameras, `left` and `right` "
-      "by name";
+      "`event_camera_msgs/EventPacket` (mono, libcaer, libcaer_cmp, evt2, evt3), the first two as cameras, "
+      "`left` and `right` by name, merged by time";
   format.writes =
-      "`dvs_msgs/EventArray` on `/dvs/events`; `event_camera_msgs/EventPacket` (mono) as `NAME.packets.bag`";
-  format.time = "ns, to the nearest us; evt3 24 bits of us";
+      "`dvs_msgs/EventArray` on `/dvs/events`, of two cameras on `/dvs/left/events` and `/dvs/right/events`; "
+      "`event_camera_msgs/EventPacket` (mono) as `NAME.packets.bag`";
+  format.time = "ns, to the nearest us; evt2 34, evt3 24 bits of us";
   format.axes = "top left, 1 is ON";
-  format.limits = "one camera, times from 0 to 2^32 s";
+  format.limits = "times from 0 to 2^32 s";
   return format;
 }
 

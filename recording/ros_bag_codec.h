@@ -16,7 +16,8 @@ namespace saccade {
 /// A bag whose recorder was killed has index_pos 0 and is read to its end. One with an index that ends before it is an
 /// InputError after the events.
 ///
-/// The writer makes messages of up to 8192 events and 10 ms on the topic `/dvs/events`, in chunks without compression, of
+/// The writer makes messages of up to 8192 events and 10 ms on the topic `/dvs/events`, of two cameras on `/dvs/left/events`
+/// and `/dvs/right/events`, in chunks without compression, of
 /// dvs_msgs/EventArray; of event_camera_msgs/EventPacket (mono) where the name ends with `.packets.bag`. It throws
 /// InputError for times outside [0, 2^32) s.
 [[nodiscard]] RecordingFormat ros_bag_format();

@@ -59,6 +59,23 @@ def test_mcap_core_reads_our_files_by_their_index(tmp_path):
     assert last.startswith("/event_camera/events event_camera_msgs/msg/EventPacket")
 
 
+@pytest.mark.parametrize("name, script, topics", [
+    ("a.bag", "read_bag.cjs", "/dvs/left/events,/dvs/right/events dvs_msgs/EventArray"),
+    ("a.packets.bag", "read_bag.cjs", "/dvs/left/events,/dvs/right/events event_camera_msgs/EventPacket"),
+    ("a.mcap", "read_mcap.cjs",
+     "/event_camera/left/events,/event_camera/right/events event_camera_msgs/msg/EventPacket")])
+def test_two_cameras_are_two_topics_for_the_reference_readers(tmp_path, name, script, topics):
+    events = random_events()
+    events["camera"] = np.arange(len(events)) % 3 == 0
+    events = events[np.lexsort((events["camera"], events["t"]))]
+    saccade.write(tmp_path / name, events, size=(304, 240))
+    *lines, last = node(script, tmp_path / name)
+    for camera in (0, 1):
+        assert_same([line for line in lines if line.endswith(f" {camera}")], events[events["camera"] == camera])
+    assert last.rsplit(" ", 1)[0] == topics
+    assert np.array_equal(saccade.read(tmp_path / name), events)
+
+
 def test_a_file_of_mcap_core_is_read(tmp_path):
     node("write_mcap.cjs", tmp_path / "a.mcap")
     events = saccade.read(tmp_path / "a.mcap")

@@ -236,17 +236,46 @@ TEST(Mcap, AChunkWithAnotherChecksumIsAnErrorAfterItsEvents) {
   expect_events_then_error(folder.write("a.mcap", bytes), events, "a chunk with another checksum");
 }
 
+TEST(RosBag, TwoCamerasAreMergedByTimeThoughTheirMessagesAreNot) {
+  // 20 ms of the left camera, then 20 ms of the right one within them: each in messages of 10 ms.
+  const TempFolder folder;
+  std::vector<Event> events;
+  for (std::int64_t t_us = 0; t_us < 20'000; t_us += 100) {
+    events.push_back({t_us, 1, 2, true, 0});
+    events.push_back({t_us, 3, 4, false, 1});
+  }
+  for (const char* name : {"a.bag", "a.packets.bag", "a.mcap"}) {
+    write_events(folder / name, events, 2);
+    EXPECT_EQ(read_file(folder / name), events) << name;
+  }
+}
+
+TEST(RosBag, ASilentCameraDoesNotKeepTheOtherOneInMemory) {
+  // More events than are read ahead, and one of the right camera at the end.
+  const TempFolder folder;
+  std::vector<Event> events;
+  constexpr std::int64_t count = 300'000;
+  for (std::int64_t i = 0; i < count; ++i) events.push_back({i, 1, 2, true, 0});
+  events.push_back({count, 3, 4, false, 1});
+  for (const char* name : {"a.bag", "a.mcap"}) {
+    write_events(folder / name, events, 2);
+    EXPECT_EQ(read_file(folder / name), events) << name;
+  }
+}
+
+/// An EventPacket of 304x240 in ROS 1's serialisation with the time base 1000000.4 us.
+std::string packet(const std::string& encoding, const std::string& events) {
+  const auto text = [](const std::string& t) {
+    return little_endian(static_cast<std::uint32_t>(t.size())) + t;
+  };
+  return little_endian_words<std::uint32_t>({0, 0, 0}) + text("") +
+         little_endian_words<std::uint32_t>({240, 304}) +
+         little_endian_words<std::uint64_t>({0, 1'000'000'400}) + text(encoding) + std::string(1, '\0') +
+         text(events);
+}
+
 TEST(EventMessage, PacketsOfLibcaerContinueTheirTimeOverAWrapAndTriggersAreNoEvents) {
   EventMessageDecoder decoder(EventMessageType::event_packet, Serialisation::ros1);
-  const auto packet = [](const std::string& encoding, const std::string& events) {
-    const auto text = [](const std::string& t) {
-      return little_endian(static_cast<std::uint32_t>(t.size())) + t;
-    };
-    return little_endian_words<std::uint32_t>({0, 0, 0}) + text("") +
-           little_endian_words<std::uint32_t>({240, 304}) +
-           little_endian_words<std::uint64_t>({0, 1'000'000'400}) + text(encoding) + std::string(1, '\0') +
-           text(events);
-  };
   const auto polarity = [](std::uint32_t x, std::uint32_t y, std::uint32_t on, std::uint32_t t) {
     return little_endian_words<std::uint32_t>({x << 17 | y << 2 | on << 1 | 1, t});
   };
@@ -257,9 +286,61 @@ TEST(EventMessage, PacketsOfLibcaerContinueTheirTimeOverAWrapAndTriggersAreNoEve
                                            Event{1'000'000 + (std::int64_t{1} << 31) + 2, 7, 8, false, 0}));
   EXPECT_FALSE(decoder.decode(packet("trigger", "12345678"), events));
   EXPECT_EQ(events.size(), 2u);
-  const auto broken = decoder.decode(packet("libcaer_cmp", "12345678"), events);
+  const auto broken = decoder.decode(packet("libcaer_zip", "12345678"), events);
   ASSERT_TRUE(broken);
-  EXPECT_EQ(broken->found, "a packet in the encoding libcaer_cmp");
+  EXPECT_EQ(broken->found, "a packet in the encoding libcaer_zip");
+}
+
+TEST(EventMessage, PacketsOfLibcaerCmpHoldTimesAddressesAndVectorsOfRows) {
+  EventMessageDecoder decoder(EventMessageType::event_packet, Serialisation::ros1);
+  const std::string words = little_endian_words<std::uint16_t>({
+      0x0001, 0x1003,        // 1 * 4096 + 3 us
+      0x2000 | 300,          // x
+      0x3000 | 0x800 | 200,  // ON at y
+      0x3000 | 201,          // OFF
+      0x1004, 0x2000 | 7,    // 1 us later, at another x
+      0x4000 | 0x800 | 100,  // ON from row 100 on
+      0x5000 | 0x81,         // rows 100 and 107
+      0x5000 | 0x02,         // row 109
+  });
+  const std::int64_t base_us = 1'000'000 + 4096;
+  std::vector<Event> events;
+  EXPECT_FALSE(decoder.decode(packet("libcaer_cmp", words), events));
+  const std::vector<Event> expected = {{base_us + 3, 300, 200, true, 0},
+                                       {base_us + 3, 300, 201, false, 0},
+                                       {base_us + 4, 7, 100, true, 0},
+                                       {base_us + 4, 7, 107, true, 0},
+                                       {base_us + 4, 7, 109, true, 0}};
+  EXPECT_EQ(events, expected);
+  events.clear();
+  // A packet starts at its own time base again.
+  EXPECT_FALSE(
+      decoder.decode(packet("libcaer_cmp", little_endian_words<std::uint16_t>({0x2001, 0x3002})), events));
+  EXPECT_THAT(events, testing::ElementsAre(Event{1'000'000, 1, 2, false, 0}));
+  const auto broken =
+      decoder.decode(packet("libcaer_cmp", little_endian_words<std::uint16_t>({0x3002, 0x6001})), events);
+  ASSERT_TRUE(broken);
+  EXPECT_EQ(broken->found, "a word of type 6");
+  EXPECT_EQ(events.size(), 2u) << "those before it are there";
+}
+
+TEST(EventMessage, PacketsOfEvt2ContinueTheSensorsCounterFromPacketToPacket) {
+  EventMessageDecoder decoder(EventMessageType::event_packet, Serialisation::ros1);
+  std::vector<Event> events;
+  const auto words = [](std::initializer_list<std::uint32_t> list) {
+    return little_endian_words<std::uint32_t>(list);
+  };
+  EXPECT_FALSE(decoder.decode(
+      packet("evt2", words({1u << 28, 0x80000002, 1u << 28 | 5u << 22 | 300u << 11 | 200, 0xa0000000})),
+      events));
+  EXPECT_FALSE(decoder.decode(packet("evt2", words({6u << 22 | 7u << 11 | 8})), events));
+  EXPECT_THAT(events,
+              testing::ElementsAre(Event{2 * 64 + 5, 300, 200, true, 0}, Event{2 * 64 + 6, 7, 8, false, 0}));
+  EXPECT_EQ(decoder.packets().events_without_time(), 1);
+  EXPECT_EQ(decoder.packets().triggers(), 1);
+  EXPECT_EQ(decoder.encoding(), "evt2");
+  EXPECT_TRUE(decoder.decode(packet("evt2", words({0x30000000})), events)) << "a word of an unknown type";
+  EXPECT_TRUE(decoder.decode(packet("evt2", "123"), events)) << "part of a word";
 }
 
 }  // namespace

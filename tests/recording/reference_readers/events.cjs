@@ -14,7 +14,12 @@ function eventsOfPacket(message) {
 }
 
 function printEvents(events) {
-  process.stdout.write(events.map(([t, x, y, on]) => `${t} ${x} ${y} ${on ? 1 : 0}\n`).join(""));
+  process.stdout.write(events.map(([t, x, y, on, camera]) => `${t} ${x} ${y} ${on ? 1 : 0} ${camera}\n`).join(""));
 }
 
-module.exports = { eventsOfPacket, printEvents };
+/** 1 for a topic of the right camera, otherwise 0. */
+function cameraOf(topic) {
+  return topic.includes("right") ? 1 : 0;
+}
+
+module.exports = { cameraOf, eventsOfPacket, printEvents };

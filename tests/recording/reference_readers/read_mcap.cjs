@@ -1,10 +1,11 @@
-// node read_mcap.cjs FILE: prints a line `t_ns x y p` for each event of an MCAP file, read by its index, then `topic TYPE MESSAGES`.
+// node read_mcap.cjs FILE: prints a line `t_ns x y p camera` for each event of an MCAP file, read by its index, then
+// `TOPIC,... TYPE MESSAGES`.
 const fs = require("fs");
 const { McapIndexedReader } = require("@mcap/core");
 const { loadDecompressHandlers } = require("@mcap/support");
 const { parse } = require("@foxglove/rosmsg");
 const { MessageReader } = require("@foxglove/rosmsg2-serialization");
-const { eventsOfPacket, printEvents } = require("./events.cjs");
+const { cameraOf, eventsOfPacket, printEvents } = require("./events.cjs");
 
 async function main() {
   const bytes = fs.readFileSync(process.argv[2]);
@@ -22,13 +23,14 @@ async function main() {
       const schema = reader.schemasById.get(channel.schemaId);
       decoders.set(channel.id, new MessageReader(parse(Buffer.from(schema.data).toString(), { ros2: true })));
     }
-    events.push(...eventsOfPacket(decoders.get(channel.id).readMessage(message.data)));
+    const packet = eventsOfPacket(decoders.get(channel.id).readMessage(message.data));
+    events.push(...packet.map((event) => [...event, cameraOf(channel.topic)]));
     ++messages;
   }
   printEvents(events);
-  const [channel] = reader.channelsById.values();
+  const channels = [...reader.channelsById.values()];
   if (reader.statistics.messageCount !== BigInt(messages)) throw new Error("the statistics count other messages");
-  console.log(channel.topic, reader.schemasById.get(channel.schemaId).name, messages);
+  console.log(channels.map((channel) => channel.topic).join(), reader.schemasById.get(channels[0].schemaId).name, messages);
 }
 
 main();

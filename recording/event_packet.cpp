@@ -1,0 +1,122 @@
+#include "recording/event_packet.h"
+
+#include <array>
+
+#include "recording/byte_order.h"
+#include "recording/codec.h"
+
+namespace saccade {
+namespace {
+
+using Broken = std::optional<BrokenMessage>;
+
+std::int64_t us_of(std::uint64_t ns) { return static_cast<std::int64_t>((ns + 500) / 1000); }
+
+Broken decode_mono(std::string_view bytes, std::uint64_t time_base_ns, std::vector<Event>& events) {
+  events.reserve(events.size() + bytes.size() / 8);
+  for (; bytes.size() >= 8; bytes.remove_prefix(8)) {
+    const auto word = load_little<std::uint64_t>(bytes.data());
+    events.push_back({us_of(time_base_ns + (word & 0xffffffff)), static_cast<std::uint16_t>(word >> 32),
+                      static_cast<std::uint16_t>(word >> 48 & 0x7fff), word >> 63 != 0, 0});
+  }
+  return std::nullopt;
+}
+
+Broken decode_libcaer(std::string_view bytes, std::uint64_t time_base_ns, std::vector<Event>& events) {
+  std::int64_t wraps_us = 0;
+  std::int32_t last = 0;
+  for (; bytes.size() >= 8; bytes.remove_prefix(8)) {
+    const auto data = load_little<std::uint32_t>(bytes.data());
+    const auto stamp = load_little<std::int32_t>(bytes.data() + 4);
+    if (stamp < last) wraps_us += std::int64_t{1} << 31;
+    last = stamp;
+    events.push_back({us_of(time_base_ns) + wraps_us + stamp, static_cast<std::uint16_t>(data >> 17 & 0x7fff),
+                      static_cast<std::uint16_t>(data >> 2 & 0x7fff), (data >> 1 & 1) != 0, 0});
+  }
+  return std::nullopt;
+}
+
+Broken decode_libcaer_cmp(std::string_view bytes, std::uint64_t time_base_ns, std::vector<Event>& events) {
+  enum Type : unsigned { time_high, time_low, x_address, y_event, vector_base, vector_8 };
+  constexpr unsigned vector_rows = 8;
+  std::uint64_t high = 0;
+  std::uint64_t low = 0;
+  std::int64_t t_us = us_of(time_base_ns);
+  std::uint16_t x = 0;
+  unsigned base_y = 0;
+  bool base_on = false;
+  for (; bytes.size() >= 2; bytes.remove_prefix(2)) {
+    const auto word = load_little<std::uint16_t>(bytes.data());
+    const unsigned type = word >> 12;
+    const bool on = (word & 0x800) != 0;
+    if (type == time_high || type == time_low) {
+      (type == time_high ? high : low) = word & 0xfff;
+      t_us = us_of(time_base_ns + (high << 12 | low) * 1000);
+    } else if (type == x_address) {
+      x = word & 0x7ff;
+    } else if (type == y_event) {
+      events.push_back({t_us, x, static_cast<std::uint16_t>(word & 0x7ff), on, 0});
+    } else if (type == vector_base) {
+      base_y = word & 0x7ff;
+      base_on = on;
+    } else if (type == vector_8) {
+      for (unsigned row = 0; row < vector_rows; ++row) {
+        if ((word >> row & 1) != 0)
+          events.push_back({t_us, x, static_cast<std::uint16_t>(base_y + row), base_on, 0});
+      }
+      base_y += vector_rows;
+    } else {
+      return BrokenMessage{"a word of type " + std::to_string(type), "types 0 to 5 of libcaer_cmp"};
+    }
+  }
+  return std::nullopt;
+}
+
+template <class Decoder>
+Broken decode_words(Decoder& decoder, std::string_view bytes, const char* expected,
+                    std::vector<Event>& events) {
+  std::array<Event, 4096> block;
+  while (bytes.size() >= Decoder::word_bytes) {
+    const auto step = decoder.run(bytes, block);
+    events.insert(events.end(), block.begin(), block.begin() + static_cast<std::ptrdiff_t>(step.events));
+    bytes.remove_prefix(step.words * Decoder::word_bytes);
+    if (step.unknown_type)
+      return BrokenMessage{"a word of type " + std::to_string(*step.unknown_type), expected};
+  }
+  return std::nullopt;
+}
+
+/// Bytes of a word of an encoding; 0 for an unknown one.
+std::size_t word_bytes_of(std::string_view encoding) {
+  if (encoding == "mono" || encoding == "libcaer") return 8;
+  if (encoding == "evt2") return Evt2Decoder::word_bytes;
+  return encoding == "evt3" || encoding == "libcaer_cmp" ? Evt3Decoder::word_bytes : 0;
+}
+
+}  // namespace
+
+std::optional<BrokenMessage> PacketDecoder::decode(std::string_view encoding, std::uint64_t time_base_ns,
+                                                   std::string_view bytes, std::vector<Event>& events) {
+  if (encoding == "trigger") return std::nullopt;
+  const std::size_t word_bytes = word_bytes_of(encoding);
+  if (word_bytes == 0)
+    return BrokenMessage{"a packet in the encoding " + printable(encoding),
+                         "mono, libcaer, libcaer_cmp, evt2 or evt3"};
+  Broken broken;
+  if (encoding == "mono") {
+    broken = decode_mono(bytes, time_base_ns, events);
+  } else if (encoding == "libcaer") {
+    broken = decode_libcaer(bytes, time_base_ns, events);
+  } else if (encoding == "libcaer_cmp") {
+    broken = decode_libcaer_cmp(bytes, time_base_ns, events);
+  } else if (encoding == "evt2") {
+    broken = decode_words(evt2_, bytes, "EVT2's types 0, 1, 8, 10, 13, 14 or 15", events);
+  } else {
+    broken = decode_words(evt3_, bytes, "EVT3's types 0, 2 to 8, 10, 14 or 15", events);
+  }
+  if (!broken && bytes.size() % word_bytes != 0)
+    return BrokenMessage{"a packet that ends inside its events", "a whole packet"};
+  return broken;
+}
+
+}  // namespace saccade
