@@ -85,6 +85,11 @@ DeployRecorder::DeployRecorder(std::filesystem::path folder, const RobotFile& ro
       facts_(std::move(facts)),
       ticks_(tick_slots, Slot{{}, {}, std::vector<DetectorTick>(loop.detectors().size()), 0}),
       event_ring_(event_slots),
+      failures_(loop,
+                [this](std::int64_t t_us, const std::string& what, const std::string& why) {
+                  ended_.push_back({t_us, what, why});
+                  on_news(t_us, what + ": " + why);
+                }),
       terminal_(isatty(STDERR_FILENO) != 0),
       log_file_(folder_ / "log.txt", [this](const std::string& line) { print_line(line); }),
       log_([this](std::int64_t t_us, const std::string& text) { log_file_.write(t_us, text); }),
@@ -109,6 +114,7 @@ DeployRecorder::~DeployRecorder() {
 }
 
 void DeployRecorder::on_tick(const Tick& tick, const TickTiming& timing) {
+  failures_.on_tick(tick);
   Slot* const slot = ticks_.claim();
   if (slot == nullptr) {
     lost_ticks_.fetch_add(1, std::memory_order_relaxed);
@@ -374,6 +380,9 @@ void DeployRecorder::write_summary(bool tables_ended_early) const {
     score.failure = detector.detector->failure();
     metrics.detectors.emplace_back(detector.name, std::move(score));
   }
+  for (const EndedProgram& program : ended_) {
+    if (program.what == "gaze controller") metrics.controller_failure = program.why;
+  }
   write_metrics(folder_ / "metrics.json", metrics);
   const auto in_ms = [](const TimeFigures& f) {
     return fmt::format("{:.3f} ms in the median, {:.3f} in 99 %, {:.3f} at most", ms(f.quantile_us(0.5)),
@@ -410,10 +419,13 @@ void DeployRecorder::write_summary(bool tables_ended_early) const {
                {"recorded_files", recording_ ? recording_->count() : 0},
                {"recording_ended", recording_ ? recording_->ended() : ""},
                {"tables_ended", tables_ended_early},
+               {"ended", Json::array()},
                {"checks", Json::array()},
                {"states", Json::array()}};
   for (std::size_t i = 0; i < detectors_.size(); ++i)
     json["skipped"][loop_.detectors()[i].name] = detectors_[i].skipped;
+  for (const EndedProgram& program : ended_)
+    json["ended"].push_back({{"t_us", program.t_us}, {"what", program.what}, {"why", program.why}});
   for (const StartUpCheck& check : facts_.checks)
     json["checks"].push_back({{"what", check.what}, {"passed", check.passed}, {"found", check.found}});
   for (const DeployChange& change : changes_) {

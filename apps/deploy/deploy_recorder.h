@@ -16,6 +16,7 @@
 #include "apps/deploy/recording_files.h"
 #include "apps/deploy/spsc_ring.h"
 #include "apps/deploy/time_figures.h"
+#include "apps/session/failure_log.h"
 #include "apps/session/log_file.h"
 #include "loop/run_log.h"
 #include "recording/run_files.h"
@@ -27,6 +28,13 @@ struct DeployFacts {
   std::vector<StartUpCheck> checks;
   bool dry_run = false;
   bool record = false;  ///< events and joints are recorded too
+};
+
+/// A detector or a gaze controller in a program of its own that ended during a run.
+struct EndedProgram {
+  std::int64_t t_us = 0;
+  std::string what;  ///< "detector mine" or "gaze controller"
+  std::string why;
 };
 
 /// Records a deployed run: writes its run folder tick by tick, and log and figures to standard error (on a terminal one
@@ -53,6 +61,8 @@ class DeployRecorder final : public DeployObserver {
   void set_scheduling(std::string summary) { scheduling_ = std::move(summary); }
   /// After the last tick: writes what is left, metrics.json and deploy.json. Throws RunError, InputError.
   void finish();
+  /// In the order in which they ended; from the thread of the ticks, or after finish().
+  [[nodiscard]] const std::vector<EndedProgram>& ended() const { return ended_; }
 
  private:
   struct Slot {
@@ -105,6 +115,8 @@ class DeployRecorder final : public DeployObserver {
   std::mutex changes_mutex_;
   std::vector<DeployChange> changes_;
   std::vector<std::pair<std::int64_t, std::string>> new_lines_;
+  std::vector<EndedProgram> ended_;
+  FailureLog failures_;
   std::atomic<bool> over_ = false;
 
   // From here on used by the writer's thread alone until it is joined.

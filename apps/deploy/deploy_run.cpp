@@ -132,6 +132,10 @@ void deploy(const DeployOptions& options, const Registry& registry) {
     throw RunError("the head was stopped: " + session.last_stop()->description());
   if (!session.not_activated().empty())
     throw RunError("the head was not activated: " + session.not_activated());
+  std::string ended;
+  for (const EndedProgram& program : recorder.ended())
+    ended += (ended.empty() ? "" : "\n") + program.what + ": " + program.why;
+  if (!ended.empty()) throw RunError(ended);
 }
 
 }  // namespace saccade

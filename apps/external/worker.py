@@ -114,6 +114,7 @@ def listen(address, place, arguments):
         host = host.strip("[]")
         server = socket.create_server((host, int(port)), family=socket.AF_INET6 if ":" in host else socket.AF_INET)
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # ended processes leave nothing to wait for
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     print("listening at", address, file=sys.stderr, flush=True)
     try:
         while True:
@@ -132,7 +133,8 @@ def serve(server, connection, place, arguments):
     """The life of a process of one connection."""
     status = 1
     try:
-        signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+        for number in (signal.SIGCHLD, signal.SIGTERM):
+            signal.signal(number, signal.SIG_DFL)
         server.close()
         if connection.family != socket.AF_UNIX:
             connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)

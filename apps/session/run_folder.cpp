@@ -58,8 +58,9 @@ void throw_if_a_program_ended(const Metrics& metrics) {
     if (!score.failure.empty())
       text += (text.empty() ? "" : "\n") + fmt::format("detector {}: {}", name, score.failure);
   }
-  if (metrics.gaze && !metrics.gaze->failure.empty())
-    text += (text.empty() ? "" : "\n") + fmt::format("gaze controller: {}", metrics.gaze->failure);
+  const std::string controller = metrics.gaze ? metrics.gaze->failure : metrics.controller_failure;
+  if (!controller.empty())
+    text += (text.empty() ? "" : "\n") + fmt::format("gaze controller: {}", controller);
   if (!text.empty()) throw RunError(text);
 }
 

@@ -64,7 +64,9 @@ int run_scenario(const Scenario& scenario, const RunSettings& settings) {
   LogFile log_file(folder / "log.txt", [&](const std::string& line) { progress.print_line(line); });
   for (const std::string& warning : warnings_of(scenario)) log_file.write(0, "warning: " + warning);
   RunLog log([&](std::int64_t t_us, const std::string& text) { log_file.write(t_us, text); });
-  FailureLog failures(loop, [&](std::int64_t t_us, const std::string& text) { log_file.write(t_us, text); });
+  FailureLog failures(loop, [&](std::int64_t t_us, const std::string& what, const std::string& why) {
+    log_file.write(t_us, what + ": " + why);
+  });
   Session session(robot, loop);
   const auto loop_wall_s = [&] { return session.wall_s() - recorder.picture_wall_s(); };
   TickFunction show([&](const Tick& tick) {

@@ -108,12 +108,13 @@ std::string clutter_tables(const Metrics& m) {
 
 std::string rejected_remark(const Metrics& m) {
   std::string html;
-  if (m.gaze && !m.gaze->failure.empty()) {
+  const std::string& controller = m.gaze ? m.gaze->failure : m.controller_failure;
+  if (!controller.empty()) {
     html += fmt::format(
         "<p class=\"remark\">The gaze controller ended before the end of the run, and the head stayed where "
         "it was: "
         "{}.</p>\n",
-        escaped(m.gaze->failure));
+        escaped(controller));
   }
   for (const auto& [name, score] : m.detectors) {
     const RejectedEvents rejected = score.rejected_events.value_or(RejectedEvents{});

@@ -231,6 +231,7 @@ Metrics metrics_of(const Json& json) {
   if (!json.at("gaze").is_null()) {
     metrics.gaze = gaze_metrics(json.at("gaze"));
   }
+  metrics.controller_failure = json.value("controller_failure", std::string());
   if (const auto clutter = json.find("clutter"); clutter != json.end())
     metrics.clutter = clutter_share(*clutter);
   const Json& camera = json.at("camera");
@@ -271,6 +272,7 @@ Json json_of_metrics(const Metrics& metrics) {
       {"settings", std::move(settings)}};
   if (metrics.events_camera) json["events"]["camera"] = *metrics.events_camera == 0 ? "left" : "right";
   if (metrics.calibration) json["calibration"] = json_of(*metrics.calibration);
+  if (!metrics.controller_failure.empty()) json["controller_failure"] = metrics.controller_failure;
   if (metrics.clutter) json["clutter"] = json_of(*metrics.clutter);
   if (metrics.right_eye) json["right_eye"] = json_of(*metrics.right_eye);
   if (metrics.latency) json["latency"] = json_of(*metrics.latency);

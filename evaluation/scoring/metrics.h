@@ -79,6 +79,8 @@ struct Metrics {
   std::optional<MountedCamera> calibration;                      ///< the assumed calibration
   std::vector<std::pair<std::string, DetectorScore>> detectors;  ///< in the order of the scenario
   std::optional<GazeMetrics> gaze;
+  /// Without `gaze`, which a deployed run does not have: GazeMetrics::failure.
+  std::string controller_failure;
   std::optional<ClutterShare> clutter;       ///< where the events have labels
   std::optional<RightEyeMetrics> right_eye;  ///< of a run with two cameras
   std::optional<LatencyMetrics> latency;     ///< where the scenario has a latency
@@ -93,7 +95,7 @@ struct Metrics {
 [[nodiscard]] std::string detectors_to_json(const std::vector<std::pair<std::string, DetectorScore>>& scores);
 /// Throws InputError with `place` for text that is not JSON, another schema, or a key that is missing or of a wrong
 /// type. Keys that older versions did not write may be absent: `calibration`, `settings`, `approximate`, `right_eye`,
-/// `clutter`, `latency`, `events.camera`; `rejected_events`, `failure`, `alarm_ratio`, `alarms_per_min`, `streaming`, `nees`,
+/// `controller_failure`, `clutter`, `latency`, `events.camera`; `rejected_events`, `failure`, `alarm_ratio`, `alarms_per_min`, `streaming`, `nees`,
 /// `reliability` and clutter of a
 /// detector; `controller`, `gate`, `window`,
 /// `acquired_at_us`, `following_rate_hz` and `eye_movements` of the gaze; `k1` to `p2` of a camera.
