@@ -34,6 +34,41 @@
     return '<?xml version="1.0" encoding="utf-8"?>\n' + new XMLSerializer().serializeToString(svg);
   }
 
+  // The drawing alone on a page of its own size. Returns what brings the report back.
+  function layOutForPrint(figure) {
+    var svg = figure.querySelector(".drawing svg");
+    var box = svg.viewBox.baseVal;
+    var place = svg.nextSibling, parent = svg.parentNode;
+    var paper = document.createElement("div");
+    var style = document.createElement("style");
+    var size = box.width + "px " + box.height + "px";
+    style.textContent = "@page { size: " + size + "; margin: 0 } " +
+      "@media print { html, body { margin: 0; padding: 0 } body > * { display: none !important } " +
+      "body > .paper { display: block !important; position: absolute; top: 0; left: 0; width: " + box.width +
+      "px; height: " + box.height + "px; overflow: hidden } }";
+    paper.className = "paper";
+    paper.appendChild(svg);
+    document.head.appendChild(style);
+    document.body.appendChild(paper);
+    return function () {
+      parent.insertBefore(svg, place);
+      paper.remove();
+      style.remove();
+    };
+  }
+
+  // The browser's print makes the file: vectors, with the drawing's own fonts. Its name is proposed from the title.
+  function printFigure(figure, name) {
+    var title = document.title;
+    var bringBack = layOutForPrint(figure);
+    document.title = name;
+    window.addEventListener("afterprint", function () {
+      document.title = title;
+      bringBack();
+    }, {once: true});
+    window.print();
+  }
+
   // Rows [x, value of each series]: series with the same x share rows. null: no point here; NaN: a gap.
   function rowsOf(panel) {
     var rows = [], groups = {};
@@ -173,9 +208,15 @@
     figure.querySelector("[data-save=svg]").addEventListener("click", function () {
       save(data.name + ".svg", "image/svg+xml", svgOf(figure));
     });
+    figure.querySelector("[data-save=pdf]").addEventListener("click", function () { printFigure(figure, data.name); });
     figure.querySelector("[data-save=csv]").addEventListener("click", function () {
       save(data.name + ".csv", "text/csv", csvOf(data));
     });
     if (data.over_x && data.panels.some(function (panel) { return panel.series.length > 0; })) plot(figure, data);
   });
+
+  // report.html#print=NAME: the page prints as that drawing alone, for `chromium --headless --print-to-pdf`.
+  var asked = /^#print=(\w+)$/.exec(location.hash);
+  var figure = asked && document.getElementById("figure_" + asked[1]);
+  if (figure) layOutForPrint(figure);
 })();

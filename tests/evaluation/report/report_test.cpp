@@ -109,6 +109,7 @@ TEST_F(Report, HasTheNumbersOfEveryDrawingForThePlotsAndButtonsToSaveThem) {
   EXPECT_GE(drawings, 7U);
   EXPECT_EQ(count(html, "<svg"), drawings);
   EXPECT_EQ(count(html, "<button data-save=\"svg\">"), drawings);
+  EXPECT_EQ(count(html, "<button data-save=\"pdf\">"), drawings);
   EXPECT_EQ(count(html, "<button data-save=\"csv\">"), drawings);
   constexpr std::string_view open = "<script type=\"application/json\">";
   std::size_t over_x = 0;
@@ -154,6 +155,33 @@ TEST_F(Report, OpensInABrowserWithoutAnErrorAndDrawsItsPlots) {
   ASSERT_EQ(std::system(command.c_str()), 0) << contents(folder_ / "log");
   EXPECT_THAT(contents(folder_ / "log"), Not(HasSubstr("CONSOLE")));
   EXPECT_GE(count(contents(folder_ / "dom"), "<canvas"), 10U);
+}
+
+TEST_F(Report, PrintsADrawingAloneOnAPageOfItsSize) {
+  if (std::system("command -v chromium > /dev/null") != 0) GTEST_SKIP() << "chromium is not installed";
+  write_synthetic_run(folder_, true);
+  write_report(folder_);
+  const std::string html = contents(folder_ / "report.html");
+  const std::size_t start = html.find("viewBox=\"0 0 ", html.find("<figure id=\"figure_joints\">")) + 13;
+  double width_px = 0.0;
+  double height_px = 0.0;
+  ASSERT_EQ(std::sscanf(html.c_str() + start, "%lf %lf", &width_px, &height_px), 2);
+  const std::string command =
+      "timeout 120 chromium --headless --no-sandbox --disable-gpu --no-pdf-header-footer --print-to-pdf='" +
+      (folder_ / "joints.pdf").string() + "' 'file://" + (folder_ / "report.html").string() +
+      "#print=joints' > '" + (folder_ / "log").string() + "' 2>&1";
+  ASSERT_EQ(std::system(command.c_str()), 0) << contents(folder_ / "log");
+  const std::string pdf = contents(folder_ / "joints.pdf");
+  ASSERT_TRUE(pdf.starts_with("%PDF"));
+  EXPECT_EQ(count(pdf, "/MediaBox"), 1U) << "one page";
+  double width_pt = 0.0;
+  double height_pt = 0.0;
+  ASSERT_EQ(
+      std::sscanf(pdf.c_str() + pdf.find("/MediaBox"), "/MediaBox [%*f %*f %lf %lf", &width_pt, &height_pt),
+      2);
+  // 96 px are 72 pt; the browser rounds to whole points.
+  EXPECT_NEAR(width_pt, 0.75 * width_px, 1.0);
+  EXPECT_NEAR(height_pt, 0.75 * height_px, 1.0);
 }
 
 TEST_F(Report, ShowsTheSavedHoughSpacesAndTheirMaxima) {
