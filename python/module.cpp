@@ -10,6 +10,7 @@ PYBIND11_MODULE(_saccade, m) {
   saccade::python::add_recordings(m);
   saccade::python::add_detectors(m);
   saccade::python::add_emulator(m);
+  saccade::python::add_files(m);
   saccade::python::add_scoring(m);
   saccade::python::add_geometry(m);
   saccade::python::add_simulation(m);

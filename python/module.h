@@ -24,6 +24,7 @@ namespace saccade::python {
 void add_recordings(pybind11::module_& m);
 void add_detectors(pybind11::module_& m);
 void add_emulator(pybind11::module_& m);
+void add_files(pybind11::module_& m);
 void add_scoring(pybind11::module_& m);
 void add_geometry(pybind11::module_& m);
 void add_simulation(pybind11::module_& m);

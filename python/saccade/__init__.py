@@ -20,8 +20,8 @@ from .yaml_text import keys_text as _keys_text
 
 __all__ = [
     "Camera", "CameraMotion", "Detector", "Emulator", "Env", "Estimate", "Recording", "as_events", "camera",
-    "camera_motion", "detect", "detector", "detectors", "emulator_presets", "event_dtype", "fixation_point", "formats",
-    "iterate", "joint_names", "open", "read", "root_from_eye", "score", "write",
+    "camera_motion", "detect", "detector", "detectors", "emulate", "emulator_presets", "event_dtype", "fixation_point", "formats",
+    "iterate", "joint_names", "open", "read", "report", "root_from_eye", "score", "write",
 ]
 
 
@@ -117,6 +117,26 @@ class Emulator(_saccade.Emulator):
 
     def __init__(self, size, *, seed=1, threads=1, **keys):
         super().__init__(size, seed, threads, _keys_text(keys))
+
+
+def emulate(images, out, *, images_per_s=None, timestamps=None, seed=1, threads=2, **keys):
+    """Runs the emulator over a video, a folder of images or a .npy file, and writes the recording `out`.
+
+    images_per_s: of images without times of their own (timestamps: a file of them); a video has its own. Keys are those of
+    Emulator. Returns a dict: images, size, first_us, last_us, and the counts on, off and dropped. `saccade emulate` does
+    the same.
+    """
+    return _saccade.emulate(_os.fspath(images), _os.fspath(out), images_per_s, _os.fspath(timestamps or ""), seed, threads,
+                            _keys_text(keys))
+
+
+def report(run, figures=None):
+    """Writes report.html into a run folder, anew, and returns its path.
+
+    figures: a folder for each figure as SVG, PDF and CSV at the size of a paper.
+    """
+    _saccade.report(_os.fspath(run), _os.fspath(figures or ""))
+    return _os.path.join(_os.fspath(run), "report.html")
 
 
 def emulator_presets():

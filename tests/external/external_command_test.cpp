@@ -170,7 +170,7 @@ TEST_F(ExternalCommand, AClassInPythonBehindASocketGivesTheFiguresOfTheSameClass
 TEST_F(ExternalCommand, DeployReportsWhatEndedWhenAndWhyAndGoesOn) {
   const Outcome run =
       saccade("deploy '" + source + "/scenarios/robots/practice.yaml' --activate --duration 2 " +
-              "--set deploy.guard=false --set practice.head=" + std::to_string(::getpid()) +
+              "--set deploy.guard=none --set practice.head=head_" + std::to_string(::getpid()) +
               " --set detectors.mine.command='" + program(300, "exit 3") +
               "' --set gaze.controller=command --set gaze.command.command='" +
               controller_program(folder_, 100, "kill -SEGV $$") + "' --out " + out("run"));

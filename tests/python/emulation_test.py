@@ -53,3 +53,21 @@ def test_images_that_are_wrong_are_value_errors():
     with pytest.raises(ValueError, match="preset"):
         saccade.Emulator((64, 48), preset="unknown")
     assert "dvs128" in saccade.emulator_presets()
+
+
+def test_a_file_of_images_becomes_the_events_that_the_same_arrays_become(tmp_path):
+    np.save(tmp_path / "images.npy", np.stack(list(images())))
+    figures = saccade.emulate(tmp_path / "images.npy", tmp_path / "events.aedat4", images_per_s=1000, preset="ideal", seed=2)
+    events = saccade.read(tmp_path / "events.aedat4")
+    emulator = saccade.Emulator((64, 48), preset="ideal", seed=2)
+    expected = np.concatenate([emulator.process(image, 1000 * i) for i, image in enumerate(images())] + [emulator.finish()])
+    assert figures["images"] == 20 and figures["size"] == (64, 48) and figures["last_us"] == 19_000
+    assert figures["on"] + figures["off"] == len(events) == len(expected)
+    for field in ("x", "y", "p", "t"):
+        assert np.array_equal(events[field], expected[field]), field
+
+
+def test_files_that_are_no_images_are_value_errors(tmp_path):
+    with pytest.raises(ValueError, match="absent"):
+        saccade.emulate(tmp_path / "absent", tmp_path / "events.aedat4", images_per_s=1000)
+    assert not (tmp_path / "events.aedat4").exists()

@@ -3,7 +3,7 @@ import json
 import numpy as np
 import pytest
 import saccade
-from common import run_program
+from common import SOURCE, run_program
 
 
 def truth_table(count=200):
@@ -67,3 +67,16 @@ def test_tables_that_are_wrong_are_value_errors(tmp_path):
         saccade.score(tmp_path / "absent.csv", truth)
     with pytest.raises(ValueError, match="expected one of mine"):
         saccade.score(detections_table(truth), truth, threshold={"other": 0.5})
+
+
+def test_the_report_of_a_run_folder_is_written_anew_with_figures_for_a_paper(tmp_path):
+    run_program("run", SOURCE / "examples" / "scenario" / "slow_line.yaml", "--out", tmp_path / "run", "--set",
+                "run.duration_s=0.3", "--set", "expect={}", "--set", "output.pictures=1")
+    page = tmp_path / "run" / "report.html"
+    before = page.read_bytes()
+    page.unlink()
+    assert saccade.report(tmp_path / "run", figures=tmp_path / "paper") == str(page)
+    assert page.read_bytes() == before
+    assert {"svg", "pdf", "csv"} == {path.suffix[1:] for path in (tmp_path / "paper").iterdir()}
+    with pytest.raises(ValueError, match="metrics.json"):
+        saccade.report(tmp_path)
