@@ -38,8 +38,7 @@ ExternalController::ExternalController(std::string name, const LineProcess::Plac
   const auto limit = milliseconds(answers.start_limit_s);
   const LineProcess::Status status = process_.exchange(message_, limit, answer_);
   if (status != LineProcess::Status::ok) {
-    const std::string end = process_.stop();
-    throw RunError("gaze controller " + reason_of(status, name_, "at its start", limit, end));
+    throw RunError("gaze controller " + end_program(process_, status, name_, "at its start", limit));
   }
   if (answer_ != "ready")
     throw RunError("gaze controller " + name_ + " answered " + shown(answer_) +
@@ -78,10 +77,13 @@ HeadJointVector ExternalController::step(const HeadState& state,
   std::string moment = "at ";
   append(moment, static_cast<double>(state.t_us) * 1e-6);
   moment += " s";
-  const std::string end = process_.stop();
-  failure_ = status == LineProcess::Status::ok ? name_ + " answered " + shown(answer_) + " " + moment +
-                                                     ", expected " + reference_form(limits_.joints)
-                                               : reason_of(status, name_, moment, answer_limit_, end);
+  if (status == LineProcess::Status::ok) {
+    process_.stop(std::chrono::milliseconds(0));
+    failure_ =
+        name_ + " answered " + shown(answer_) + " " + moment + ", expected " + reference_form(limits_.joints);
+  } else {
+    failure_ = end_program(process_, status, name_, moment, answer_limit_);
+  }
   return reference_rad_;
 }
 

@@ -166,7 +166,7 @@ Estimate ExternalDetector::estimate() {
   }
   const auto estimate = parse_estimate(answer_);
   if (!estimate) {
-    process_.stop();
+    process_.stop(std::chrono::milliseconds(0));
     failure_ =
         name_ + " answered " + shown(answer_) + " " + moment + ", expected " + std::string(estimate_form);
   }
@@ -175,8 +175,7 @@ Estimate ExternalDetector::estimate() {
 
 void ExternalDetector::fail(LineProcess::Status status, const std::string& moment,
                             std::chrono::milliseconds limit) {
-  const std::string end = process_.stop();
-  failure_ = reason_of(status, name_, moment, limit, end);
+  failure_ = end_program(process_, status, name_, moment, limit);
 }
 
 }  // namespace saccade

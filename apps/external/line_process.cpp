@@ -101,12 +101,11 @@ LineProcess::Status LineProcess::exchange(std::string_view message, std::chrono:
   }
 }
 
-std::string LineProcess::stop() {
+std::string LineProcess::stop(std::chrono::milliseconds patience) {
   close_socket();
   if (!peer_.empty()) return "its connection to " + peer_ + " is closed";
   if (child_ < 0) return {};
   // The end of its standard input ends a well-behaved program.
-  constexpr auto patience = std::chrono::milliseconds(200);
   const Clock::time_point deadline = Clock::now() + patience;
   int status = 0;
   pid_t ended = 0;

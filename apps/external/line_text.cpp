@@ -33,8 +33,12 @@ std::chrono::milliseconds milliseconds(double seconds) {
   return std::chrono::milliseconds(static_cast<std::int64_t>(std::ceil(seconds * 1e3)));
 }
 
-std::string reason_of(LineProcess::Status status, const std::string& name, const std::string& moment,
-                      std::chrono::milliseconds limit, const std::string& end) {
+std::string end_program(LineProcess& process, LineProcess::Status status, const std::string& name,
+                        const std::string& moment, std::chrono::milliseconds limit) {
+  // A program that has ended has a status at once; another one is not waited for, since a tick waits here.
+  constexpr std::chrono::milliseconds patience(20);
+  const bool has_ended = status == LineProcess::Status::ended;
+  const std::string end = process.stop(has_ended ? patience : std::chrono::milliseconds(0));
   switch (status) {
     case LineProcess::Status::late:
       return name + " gave no answer " + moment + " within " + std::to_string(limit.count()) + " ms";

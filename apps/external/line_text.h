@@ -37,10 +37,10 @@ void append_word(std::string& text, Number value) {
 
 [[nodiscard]] std::chrono::milliseconds milliseconds(double seconds);
 
-/// Why a program is ended after an exchange whose status is not ok: "mine gave no answer at 0.2 s within 200 ms". `moment`:
-/// "at 0.2 s". `end`: LineProcess::stop().
-[[nodiscard]] std::string reason_of(LineProcess::Status status, const std::string& name,
-                                    const std::string& moment, std::chrono::milliseconds limit,
-                                    const std::string& end);
+/// Ends the program after an exchange whose status is not ok, within about 20 ms, and returns why: "mine gave no answer at 0.2
+/// s within 200 ms". `moment`: "at 0.2 s".
+[[nodiscard]] std::string end_program(LineProcess& process, LineProcess::Status status,
+                                      const std::string& name, const std::string& moment,
+                                      std::chrono::milliseconds limit);
 
 }  // namespace saccade

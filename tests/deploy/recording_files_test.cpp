@@ -6,10 +6,12 @@
 
 #include <chrono>
 #include <csignal>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "apps/deploy/deploy_recorder.h"
 #include "core/error.h"
+#include "evaluation/report/report.h"
 #include "recording/format_registry.h"
 #include "recording/recorded_folder.h"
 #include "tests/deploy/fake_deployed.h"
@@ -176,6 +178,73 @@ TEST(DeployRecorder, TheTablesEndWhereTheDiskHasTooLittleRoomAndTheRunGoesOn) {
   EXPECT_THAT(summary, HasSubstr("\"tables_ended\": true"));
   EXPECT_THAT(summary, HasSubstr("\"count\": 3000")) << "every tick is in the figures";
   EXPECT_THAT(bytes_of(folder / "log.txt"), HasSubstr("MB are free: the tables ended"));
+}
+
+/// A detector in a program that ends in the tick at 2 s.
+class EndingDetector final : public Detector {
+ public:
+  void process(std::span<const Event> /*events*/, const CameraMotion* /*motion*/) override {}
+  void advance_to(std::int64_t now_us, const CameraMotion* /*motion*/) override { now_us_ = now_us; }
+  [[nodiscard]] Estimate estimate() override { return {}; }
+  [[nodiscard]] double threshold() const override { return 0.5; }
+  [[nodiscard]] RejectedEvents rejected() const override { return {}; }
+  [[nodiscard]] std::string_view failure() const override {
+    return now_us_ >= 2'000'000 ? "program ended at 2 s, with status 3" : "";
+  }
+
+ private:
+  std::int64_t now_us_ = 0;
+};
+
+/// A gaze controller in a program that has ended.
+class EndedController final : public GazeController {
+ public:
+  HeadJointVector step(const HeadState& /*state*/, const std::optional<Eigen::Vector3d>& /*target_m*/,
+                       double /*dt_s*/) override {
+    return HeadJointVector::Zero();
+  }
+  void rest() override {}
+  [[nodiscard]] TargetStatus target_status() const override { return TargetStatus::none; }
+  [[nodiscard]] std::string_view failure() const override { return "program ended, by signal 11"; }
+};
+
+TEST(DeployRecorder, ReportsWhatEndedWhenAndWhy) {
+  const TempFolder folder;
+  FakeRobotScript script;
+  script.limits.max_rad.setConstant(1.0);
+  FakeDeployed robot(script, false);
+  std::vector<LoopDetector> detectors;
+  detectors.push_back({"mine", std::make_unique<EndingDetector>()});
+  LoopGaze gaze;
+  gaze.motion.emplace();
+  gaze.motion->controller = std::make_unique<EndedController>();
+  Loop loop(robot, MountedCamera{}, std::move(detectors), std::move(gaze));
+  const RobotFile file;
+  DeployRecorder recorder(folder / "", file, loop, {128, 128}, {});
+  for (std::int64_t t_us = 1000; t_us <= 3'000'000; t_us += 1000) {
+    loop.detectors()[0].detector->advance_to(t_us, nullptr);
+    if (t_us == 2'500'000) loop.clear_motion();  // the head is stopped
+    Tick tick;
+    tick.t_us = t_us;
+    TickTiming timing;
+    timing.due_us = timing.begin_us = timing.end_us = t_us;
+    recorder.on_tick(tick, timing);
+  }
+  recorder.finish();
+  const auto ended = nlohmann::json::parse(bytes_of(folder / "deploy.json"))["ended"];
+  ASSERT_EQ(ended.size(), 2u);
+  EXPECT_EQ(ended[0]["what"], "gaze controller");
+  EXPECT_EQ(ended[0]["t_us"], 1000);
+  EXPECT_EQ(ended[0]["why"], "program ended, by signal 11");
+  EXPECT_EQ(ended[1]["what"], "detector mine");
+  EXPECT_EQ(ended[1]["t_us"], 2'000'000);
+  EXPECT_EQ(ended[1]["why"], "program ended at 2 s, with status 3");
+  EXPECT_EQ(recorder.ended().size(), 2u);
+  EXPECT_THAT(bytes_of(folder / "log.txt"), HasSubstr("detector mine: program ended at 2 s, with status 3"));
+  write_report(folder / "", built_in_formats());
+  const std::string report = bytes_of(folder / "report.html");
+  EXPECT_THAT(report, HasSubstr("mine ended before the end of the run"));
+  EXPECT_THAT(report, HasSubstr("gaze controller ended before the end of the run"));
 }
 
 }  // namespace
