@@ -159,7 +159,8 @@ TEST_F(Recordings, ConvertRejectsWhatItCannotDoAndLeavesNothing) {
     EXPECT_EQ(outcome.status, 2) << arguments;
     EXPECT_THAT(outcome.text, HasSubstr(message)) << arguments;
   };
-  refused(at("two.csv") + " " + at("out.mcap"), "found two cameras, expected one camera");
+  refused(at("two.csv") + " " + at("out.aedat") + " --size 40x30",
+          "found two cameras of 40x30, expected 128x128");
   refused(at("back.csv") + " " + at("out.h5"), "expected events sorted by time");
   refused(at("cut.csv") + " " + at("out.h5"), "cut.csv:2: found 3 fields");
   refused(at("wide.csv") + " " + at("out.log") + " --size 128x128", "an event at 200, 3");

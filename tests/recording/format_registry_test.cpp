@@ -49,11 +49,12 @@ TEST(FormatRegistry, ChoicesAndExtensionsAreThoseOfTheFormatsThatAreWritten) {
               ElementsAre("aedat", "aedat4", "bag", "csv", "log", "mcap", "npz", "raw"));
   EXPECT_EQ(formats.written_extensions(),
             ".aedat, .aedat4, .bag, .csv, .h5, .hdf5, .log, .mcap, .npy, .npz, .raw, .txt");
-  EXPECT_EQ(formats.written_extensions(2), ".aedat, .aedat4, .csv, .h5, .hdf5, .log, .npy, .npz, .raw, .txt");
+  EXPECT_EQ(formats.written_extensions(2),
+            ".aedat, .aedat4, .bag, .csv, .h5, .hdf5, .log, .mcap, .npy, .npz, .raw, .txt");
   EXPECT_THAT(formats.run_choices_for({128, 128}, 2),
-              ElementsAre("aedat", "aedat4", "csv", "h5", "log", "npz", "raw"));
+              ElementsAre("aedat", "aedat4", "bag", "csv", "h5", "log", "mcap", "npz", "raw"));
   EXPECT_THAT(formats.run_choices_for({304, 240}, 2),
-              ElementsAre("aedat4", "csv", "h5", "log", "npz", "raw"));
+              ElementsAre("aedat4", "bag", "csv", "h5", "log", "mcap", "npz", "raw"));
   EXPECT_EQ(formats.run_choices_for({304, 240}, 1), formats.run_choices());
   EXPECT_THAT(formats.files_of("a/b.log"), ElementsAre("a/b.log", "a/b.info.log"));
   EXPECT_THAT(formats.files_of("a/b.raw"), ElementsAre("a/b.raw", "a/b_right.raw"));
@@ -108,7 +109,7 @@ TEST(FormatRegistry, MoreCamerasThanAFormatHoldsAreRejectedWithTheExtensionsThat
       },
       ThrowsMessage<InputError>(
           AllOf(HasSubstr("a.aedat4"), HasSubstr("found two cameras"),
-                HasSubstr("or one of .aedat, .csv, .h5, .hdf5, .log, .npy, .npz, .raw, .txt"))));
+                HasSubstr("or one of .aedat, .bag, .csv, .h5, .hdf5, .log, .mcap, .npy, .npz, .raw, .txt"))));
   EXPECT_TRUE(std::filesystem::is_empty(folder / ""));
 }
 
