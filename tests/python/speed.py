@@ -75,6 +75,30 @@ def detect_rates(program, folder, events, name):
     return in_python, in_program
 
 
+def emulate_rates(program, folder):
+    """A bar that moves over 128 x 128 pixels, 400 images at 1 kHz; wall-clock time with start and file of the program."""
+    images = np.full((400, 128, 128), 40.0, np.float32)
+    for i, image in enumerate(images):
+        image[:, i // 4:i // 4 + 24] = 200.0 - 0.2 * i
+    path = folder / "images.npy"
+    np.save(path, images)
+
+    def in_python():
+        emulator = saccade.Emulator((128, 128), threads=2)
+        begin = time.perf_counter()
+        count = sum(len(emulator.process(image, 1000 * i)) for i, image in enumerate(images)) + len(emulator.finish())
+        return count / (time.perf_counter() - begin)
+
+    def in_program():
+        out = folder / "emulated.aedat4"
+        begin = time.perf_counter()
+        subprocess.run([program, "emulate", path, "--fps", "1000", "--out", out, "--force"], check=True, capture_output=True)
+        seconds = time.perf_counter() - begin
+        return len(saccade.read(out)) / seconds
+
+    return in_python, in_program
+
+
 def us_per_tick(detector, events, ticks=2000):
     """Wall-clock time of a tick of 1 ms with 100 events."""
     begin = time.perf_counter()
@@ -107,6 +131,8 @@ def main():
     for extension in (".aedat4", ".aedat", ".csv"):
         ours, theirs = (best_of(options.repeat, rate) / 1e6 for rate in read_rates(options.program, folder, events, extension))
         print(f"read {extension}: Python {ours:.1f}, saccade info {theirs:.1f} Mevent/s")
+    ours, theirs = (best_of(options.repeat, rate) / 1e6 for rate in emulate_rates(options.program, folder))
+    print(f"emulate: Python {ours:.3f}, saccade emulate {theirs:.3f} Mevent/s")
     part = events[:200_000]
     for name in ("paper_directed", "best"):
         ours, theirs = (best_of(options.repeat, rate) / 1e6 for rate in detect_rates(options.program, folder, part, name))
