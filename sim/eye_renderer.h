@@ -31,7 +31,7 @@ constexpr auto words_of(RenderMethod) {
 }
 
 struct EyeRenderConfig {
-  RenderMethod method = RenderMethod::direct;
+  RenderMethod method = RenderMethod::keyframes;
   std::int64_t supersampling = 2;     ///< samples per pixel and direction
   std::int64_t keyframe_samples = 5;  ///< the same of keyframes
   double keyframe_error_px = 0.25;    ///< bound on the error of reprojection

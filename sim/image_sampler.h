@@ -15,9 +15,9 @@ namespace saccade {
 
 /// Limits on the intervals between the images of an eye, which follow the motion in the image.
 struct SamplingConfig {
-  double max_displacement_px = 0.5;  ///< largest motion in the image from one image to the next
-  double max_interval_ms = 5.0;      ///< longest interval between images; the largest delay of events
-  double min_interval_ms = 0.02;     ///< shortest interval, also for fast motion
+  double max_displacement_px = 0.25;  ///< largest motion in the image from one image to the next
+  double max_interval_ms = 5.0;       ///< longest interval between images; the largest delay of events
+  double min_interval_ms = 0.02;      ///< shortest interval, also for fast motion
 };
 
 /// Keys: max_displacement_px, max_interval_ms, min_interval_ms.

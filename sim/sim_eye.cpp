@@ -34,8 +34,11 @@ SimEye::SimEye(World& world, GlContext& gl, const SimConfig& config, std::uint8_
   world.mount_camera(model_camera_, mount.eye_from_camera());
   const bool is_direct = config.render.method == RenderMethod::direct;
   const bool is_measured = world.has_target() && !world.target_radius_m();
-  if (is_direct || labelled_ || is_measured)
-    renderer_ = std::make_unique<EyeRenderer>(world.model(), gl, camera_, config.render);
+  if (is_direct || labelled_ || is_measured) {
+    EyeRenderConfig render = config.render;
+    if (!is_direct) render.supersampling = render.keyframe_samples;  // numbers of objects, as fine as the images
+    renderer_ = std::make_unique<EyeRenderer>(world.model(), gl, camera_, render);
+  }
   if (!is_direct)
     keyframes_ =
         std::make_unique<KeyframeRenderer>(world.model(), gl, camera_, config.render, std::move(threads));

@@ -145,9 +145,9 @@ void describe(FieldVisitor& v, Scenario& s) {
         w.require(s.sim.gl_device < 0 || s.sim.gl != "osmesa", "device", std::to_string(s.sim.gl_device),
                   "backend: egl");
         describe(w, s.sim.render);
-        // Reprojected images cost little.
-        if (w.fills_defaults() && s.sim.render.method == RenderMethod::keyframes)
-          s.sim.sampling.max_displacement_px = 0.25;
+        // Drawn images cost more than reprojected ones.
+        if (w.fills_defaults() && s.sim.render.method == RenderMethod::direct)
+          s.sim.sampling.max_displacement_px = 0.5;
         describe(w, s.sim.sampling);
       },
       "rendering of the eyes' images");
