@@ -47,8 +47,8 @@ void describe(FieldVisitor& v, BallTrackerConfig& config);
 /// 2. The edges of one instant vote in the directed Hough transform, some in every ms (CircleSearch). The strongest
 ///    circles are fitted to the edges near them (CircleFit).
 /// 3. Circles are followed edge by edge (CircleTrack), carried along by the camera's own rotation where joints tell it.
-/// 4. What the edges near a circle show (DiscEvidence) is averaged over the last pixels of its motion. Silence is no
-///    evidence: a circle at rest keeps its probability.
+/// 4. What the edges near a circle show (DiscEvidence) is averaged over the last pixels of its motion. A circle
+///    without edges keeps that evidence; its score falls, because its ball may have left it unseen.
 /// 5. A ball that the gaze follows makes hardly any events while all around it does: the hole that it leaves (Silhouette)
 ///    measures its place, and is evidence too.
 /// 6. What moves against the background is told from what stands in the room. The background's motion comes from the
