@@ -20,7 +20,7 @@ struct QpConfig {
   double damping = 1e-5;                    ///< of every joint's velocity relative to the left eye's error
   double target_time_constant_s = 0.045;    ///< of the estimate of the target's velocity, see TargetTrack
   double max_lead_deg = 10.0;               ///< largest distance from the measured joint to its reference
-  bool predict_motion = true;              ///< whether periodic motion and free fall are predicted
+  bool predict_motion = true;               ///< whether periodic motion and free fall are predicted
   double catch_up_deg = 0.0;                ///< gaze error that starts a catch-up saccade; 0: none
   double catch_up_time_constant_s = 0.025;  ///< eye_time_constant_s during a catch-up saccade
 };
