@@ -61,7 +61,6 @@ BENCHMARK_CAPTURE(gaze_step, ikingaze, "ikingaze")->UseManualTime();
 /// Pursuit of a circle of 1 Hz, a target every millisecond, with prediction, stabilisation and estimates of delays.
 void pursuit_step(benchmark::State& bench) {
   GazeControllerConfig config = built_in_controllers().config();
-  config.get<QpConfig>().predict_motion = true;
   config.get<QpConfig>().catch_up_deg = 2.0;
   const auto gaze = make_gaze_controller(config, genova02_limits());
   Stabiliser stabiliser({true, true}, default_head());

@@ -329,7 +329,6 @@ TEST(QpController, StepsAndGatesDoNotAllocate) {
 TEST(QpController, PredictionAndCompensationDoNotAllocate) {
   if (!malloc_is_counted()) GTEST_SKIP() << "a sanitizer owns malloc";
   GazeControllerConfig config = built_in_controllers().config();
-  config.get<QpConfig>().predict_motion = true;
   config.get<QpConfig>().catch_up_deg = 1.0;
   const auto gaze = controller(config);
   Stabiliser stabiliser({true, true}, default_head());

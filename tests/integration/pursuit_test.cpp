@@ -128,17 +128,18 @@ Followed pursue(const Pursuit& pursuit, const char* what) {
   return followed;
 }
 
-QpConfig predicting() {
+QpConfig without_prediction() {
   QpConfig qp;
-  qp.predict_motion = true;
+  qp.predict_motion = false;
   return qp;
 }
 
 TEST(Pursuit, PredictionFollowsACircleOfTwoHertz) {
   Pursuit pursuit;
   pursuit.frequency_hz = 2.0;
+  pursuit.qp = without_prediction();
   EXPECT_LT(pursue(pursuit, "2 Hz").on_target, 0.1);
-  pursuit.qp = predicting();
+  pursuit.qp = {};
   EXPECT_GT(pursue(pursuit, "2 Hz, predicted").on_target, 0.95);
   pursuit.compensated = true;
   const Followed best = pursue(pursuit, "2 Hz, predicted and compensated");
@@ -149,7 +150,6 @@ TEST(Pursuit, PredictionFollowsACircleOfTwoHertz) {
 TEST(Pursuit, CompensationFollowsEventsThatAreEightyMillisecondsOld) {
   Pursuit pursuit;
   pursuit.sight_ms = 80;
-  pursuit.qp = predicting();
   EXPECT_LT(pursue(pursuit, "80 ms").on_target, 0.1);
   pursuit.compensated = true;
   EXPECT_GT(pursue(pursuit, "80 ms, compensated").on_target, 0.9);
@@ -168,7 +168,6 @@ TEST(Pursuit, CompensationStaysStableWithEightyMillisecondsToTheMotors) {
 TEST(Pursuit, FollowsOneHertzWithTheMismatchedPlant) {
   Pursuit pursuit;
   pursuit.plant = mismatched();
-  pursuit.qp = predicting();
   pursuit.compensated = true;
   const Followed followed = pursue(pursuit, "mismatched plant, 1 Hz");
   EXPECT_GT(followed.on_target, 0.9);

@@ -12,6 +12,7 @@
 #include "control/delay_compensation.h"
 #include "control/head_kinematics.h"
 #include "control/joint_limiter.h"
+#include "control/qp_controller.h"
 #include "control/stabilisation.h"
 #include "core/camera.h"
 #include "core/random.h"
@@ -66,6 +67,7 @@ Seen watch_sway(const Sway& sway) {
   World world(config, "", 1);
   GazeControllerConfig gaze = built_in_controllers().config();
   gaze.controller = sway.controller;
+  gaze.get<QpConfig>().predict_motion = false;  // which would cancel a periodic sway too
   const auto controller = make_gaze_controller(gaze, world.limits());
   JointLimiter limiter(motion_limits(world.limits(), gaze.limits));
   Stabiliser stabiliser(sway.stabilisation, world.limits().head);
