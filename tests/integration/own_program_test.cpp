@@ -86,7 +86,7 @@ TEST_F(OwnProgram, SweepsWithADetectorOfItsOwn) {
 TEST_F(OwnProgram, ListsADetectorOfItsOwnWhereAPresetIsUnknown) {
   const Outcome run = with_detector("run" + scenario + "--set detectors.mine.preset=mine");
   EXPECT_EQ(run.status, 2);
-  EXPECT_THAT(run.text, HasSubstr("command, centroid"));
+  EXPECT_THAT(run.text, HasSubstr("socket, centroid"));
 }
 
 TEST_F(OwnProgram, MovesTheHeadWithAGazeControllerOfItsOwn) {
