@@ -15,8 +15,6 @@ constexpr int largest_length_px = 1 << 16;
 constexpr std::int64_t ns_per_us = 1000;
 constexpr std::string_view cdr_little = {"\0\1\0\0", 4};  ///< before a message in CDR
 
-std::int64_t to_us(std::uint64_t ns) { return static_cast<std::int64_t>((ns + 500) / 1000); }
-
 /// Appends numbers and texts of a message.
 class MessageBytes {
  public:
@@ -175,7 +173,7 @@ std::optional<BrokenMessage> EventMessageDecoder::decode_array(Cursor& cursor,
       return BrokenMessage{
           "a message that ends after " + std::to_string(i) + " of " + std::to_string(count) + " events",
           "a whole message"};
-    events.push_back({seconds * std::int64_t{1'000'000} + to_us(ns), x, y, polarity != 0, 0});
+    events.push_back({seconds * std::int64_t{1'000'000} + us_of(ns), x, y, polarity != 0, 0});
   }
   return std::nullopt;
 }

@@ -10,8 +10,6 @@ namespace {
 
 using Broken = std::optional<BrokenMessage>;
 
-std::int64_t us_of(std::uint64_t ns) { return static_cast<std::int64_t>((ns + 500) / 1000); }
-
 Broken decode_mono(std::string_view bytes, std::uint64_t time_base_ns, std::vector<Event>& events) {
   events.reserve(events.size() + bytes.size() / 8);
   for (; bytes.size() >= 8; bytes.remove_prefix(8)) {

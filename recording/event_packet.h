@@ -12,6 +12,11 @@
 
 namespace saccade {
 
+/// To the nearest us.
+[[nodiscard]] inline std::int64_t us_of(std::uint64_t ns) {
+  return static_cast<std::int64_t>((ns + 500) / 1000);
+}
+
 /// What a message contains that is no such message, and what was expected.
 struct BrokenMessage {
   std::string found, expected;

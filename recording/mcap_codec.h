@@ -17,8 +17,8 @@ namespace saccade {
 /// The checksum of a chunk is compared where the file has one. A file without its footer is an InputError after the events.
 ///
 /// The writer makes event_camera_msgs/msg/EventPacket (mono) in CDR, up to 8192 events and 10 ms each, on the topic
-/// `/event_camera/events`, of two cameras `/event_camera/left/events` and `/event_camera/right/events`, in chunks of about 1 MiB compressed with ZSTD, with indices. It throws InputError for times
-/// outside [0, 2^31) s.
+/// `/event_camera/events`, of two cameras `/event_camera/left/events` and `/event_camera/right/events`, in chunks of about
+/// 1 MiB compressed with ZSTD, with indices. It throws InputError for times outside [0, 2^31) s.
 [[nodiscard]] RecordingFormat mcap_format();
 
 [[nodiscard]] std::unique_ptr<EventWriter> create_mcap(const std::filesystem::path& path,

@@ -41,8 +41,6 @@ std::string MessageReader::skipped() const {
   return text;
 }
 
-void MessageReader::read_ahead() { fill(); }
-
 bool MessageReader::needs_message() const {
   const auto& [left, right] = queues_;
   if (left.size() == 0 && right.size() == 0) return true;
@@ -50,7 +48,7 @@ bool MessageReader::needs_message() const {
   return (left.size() == 0 && right.size() < most_ahead) || (right.size() == 0 && left.size() < most_ahead);
 }
 
-void MessageReader::fill() {
+void MessageReader::read_ahead() {
   try {
     while (!over_ && !failure_ && needs_message()) over_ = !next();
   } catch (const InputError& error) {
@@ -119,7 +117,7 @@ std::unique_ptr<Decompressor> MessageReader::decompressor(const std::string& wor
 bool MessageReader::decode(std::span<Event> block, std::size_t& count) {
   auto& [left, right] = queues_;
   while (count < block.size()) {
-    fill();
+    read_ahead();
     if (left.size() == 0 && right.size() == 0) {
       if (count == 0 && failure_) throw InputError(*failure_);
       return count > 0;

@@ -40,7 +40,8 @@ class MessageReader : public BlockReader {
   /// content.
   virtual bool next() = 0;
 
-  /// Reads up to the first events, so that the image size is there: the last call of a constructor.
+  /// Reads messages until there are events to give out, or none come any more. The last call of a constructor, so that the
+  /// image size is known.
   void read_ahead();
   /// A topic is announced. `id`: of the container. Announcing one again changes nothing.
   void add_topic(std::uint32_t id, const std::string& name, const std::string& type,
@@ -72,8 +73,6 @@ class MessageReader : public BlockReader {
   };
 
   [[nodiscard]] bool needs_message() const;
-  /// Reads messages until there are events to give out, or none come any more.
-  void fill();
 
   std::string container_;
   std::optional<ImageSize> size_option_;

@@ -41,8 +41,8 @@ class LineProcess {
   [[nodiscard]] Status exchange(std::string_view message, std::chrono::milliseconds limit,
                                 std::string& answer);
 
-  /// Ends the program or the connection: a program that does not end within `patience` by itself is killed. Returns how the program ended: "with status 1", "by signal 11 (Segmentation
-  /// fault)", "its connection to localhost:5000 is closed".
+  /// Ends the program or the connection: a program that does not end within `patience` by itself is killed. Returns how it
+  /// ended: "with status 1", "by signal 11 (Segmentation fault)", "its connection to localhost:5000 is closed".
   std::string stop(std::chrono::milliseconds patience = std::chrono::milliseconds(200));
 
  private:
