@@ -6,9 +6,9 @@
 
 namespace saccade {
 
-Evt2Decoder::Step Evt2Decoder::run(std::string_view bytes, std::span<Event> out) {
+EvtStep Evt2Decoder::run(std::string_view bytes, std::span<Event> out) {
   const std::size_t words = std::min(bytes.size() / word_bytes, out.size());
-  Step step;
+  EvtStep step;
   for (; step.words < words; ++step.words) {
     const auto word = load_little<std::uint32_t>(bytes.data() + step.words * word_bytes);
     const std::uint32_t type = word >> 28;

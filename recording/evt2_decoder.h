@@ -1,11 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string_view>
 
 #include "core/event.h"
+#include "recording/evt_step.h"
 #include "recording/wrapping_time.h"
 
 namespace saccade {
@@ -16,17 +16,11 @@ class Evt2Decoder {
  public:
   static constexpr std::size_t word_bytes = 4;
 
-  struct Step {
-    std::size_t words = 0;                                ///< decoded
-    std::size_t events = 0;                               ///< written
-    std::optional<unsigned> unknown_type = std::nullopt;  ///< of the word after them
-  };
-
   /// `offset_us` is added to all times.
   explicit Evt2Decoder(std::int64_t offset_us = 0) : offset_us_(offset_us) {}
 
   /// Decodes words until they end, one has an unknown type, or there have been as many as `out` has places.
-  [[nodiscard]] Step run(std::string_view bytes, std::span<Event> out);
+  [[nodiscard]] EvtStep run(std::string_view bytes, std::span<Event> out);
 
   [[nodiscard]] std::int64_t events_without_time() const { return events_without_time_; }
   [[nodiscard]] std::int64_t triggers() const { return triggers_; }

@@ -6,10 +6,10 @@
 
 namespace saccade {
 
-Evt3Decoder::Step Evt3Decoder::run(std::string_view bytes, std::span<Event> out) {
+EvtStep Evt3Decoder::run(std::string_view bytes, std::span<Event> out) {
   const std::size_t words = bytes.size() / word_bytes;
   const std::size_t enough = out.size() - most_events_of_word;
-  Step step;
+  EvtStep step;
   std::size_t n = 0;
   std::size_t i = 0;
   for (; i < words && n <= enough; ++i) {

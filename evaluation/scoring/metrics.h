@@ -95,9 +95,8 @@ struct Metrics {
 [[nodiscard]] std::string detectors_to_json(const std::vector<std::pair<std::string, DetectorScore>>& scores);
 /// Throws InputError with `place` for text that is not JSON, another schema, or a key that is missing or of a wrong
 /// type. Keys that older versions did not write may be absent: `calibration`, `settings`, `approximate`, `right_eye`,
-/// `controller_failure`, `clutter`, `latency`, `events.camera`; `rejected_events`, `failure`, `alarm_ratio`, `alarms_per_min`, `streaming`, `nees`,
-/// `reliability` and clutter of a
-/// detector; `controller`, `gate`, `window`,
+/// `controller_failure`, `clutter`, `latency`, `events.camera`; `rejected_events`, `failure`, `alarm_ratio`,
+/// `alarms_per_min`, `streaming`, `nees`, `reliability` and clutter of a detector; `controller`, `gate`, `window`,
 /// `acquired_at_us`, `following_rate_hz` and `eye_movements` of the gaze; `k1` to `p2` of a camera.
 [[nodiscard]] Metrics metrics_from_json(std::string_view text, const std::string& place);
 
