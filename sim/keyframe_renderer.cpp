@@ -22,7 +22,7 @@ constexpr std::size_t most_fragments = 8;  ///< per pixel; farther ones of more 
 constexpr float least_cover = 1.0F / 1024.0F;
 
 /// Pixels that the eye can turn before the room's keyframe ends.
-double keyframe_margin_px(const Camera& camera) { return std::max(6.0, camera.size.width / 16.0); }
+double keyframe_margin_px(const Camera& camera) { return std::max(6.0, camera.size.width / 8.0); }
 
 /// Rays along the border of the image.
 std::vector<Eigen::Vector3d> border_rays(const Camera& camera) {

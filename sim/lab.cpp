@@ -57,6 +57,9 @@ void describe(FieldVisitor& v, LabConfig& config) {
   v.when(config.room == Room::furnished, "room: furnished", [&] {
     v.real("wall_distance_m", config.wall_distance_m, {1.8, 4.0}, "from the waist to the wall in front");
     v.section("round", config.round, "round things that stand still");
+    v.integer(
+        "shapes", config.shapes, {0.0, 12.0},
+        "printed shapes that are no discs, on the wall in front: polygons, stars, ellipses, parts of discs");
   });
   v.optional_section("flicker", config.flicker, "light that varies with time");
 }

@@ -70,13 +70,14 @@ struct LabConfig {
   double brightness = 1.0;       ///< of the light; at 1 a white wall is just below saturation
   double wall_distance_m = 2.2;  ///< from the waist to the wall in front
   RoundThings round = {};
+  std::int64_t shapes = 0;  ///< printed shapes that are no discs, on the wall in front
   Room room = Room::furnished;
   std::string mjcf = {};  ///< path of the MJCF file of a room
   PanoramaConfig panorama = {};
   std::optional<FlickerConfig> flicker = {};  ///< none: the light is steady
 };
 
-/// Keys: room, mjcf, those of panorama, clutter, density, contrast, brightness, wall_distance_m, round, flicker; those that
+/// Keys: room, mjcf, those of panorama, clutter, density, contrast, brightness, wall_distance_m, round, shapes, flicker; those that
 /// do not belong to the room are not visited.
 void describe(FieldVisitor& v, LabConfig& config);
 

@@ -7,6 +7,7 @@
 
 #include "sim/lab_rooms.h"
 #include "sim/lab_round.h"
+#include "sim/lab_shapes.h"
 
 namespace saccade::lab {
 namespace {
@@ -205,6 +206,7 @@ Layout furnished(const LabConfig& config, std::uint64_t seed) {
   const bool has_furniture = config.clutter == Clutter::textured || config.clutter == Clutter::rectilinear;
   Layout layout = has_furniture ? Furnisher(config, seed).furnish() : room_of_walls(config, seed);
   add_round_things(layout, config.round, seed);
+  add_printed_shapes(layout, config.shapes, seed);
   layout.pack();
   return layout;
 }

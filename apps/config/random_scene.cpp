@@ -54,6 +54,7 @@ LabConfig draw_lab(RandomGenerator& random) {
   lab.round.wheels = several();
   lab.round.cups = several();
   lab.round.balls = several();
+  if (random.chance(0.3)) lab.shapes = 1 + random.index(5);
   return lab;
 }
 

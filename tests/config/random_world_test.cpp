@@ -86,6 +86,7 @@ std::map<std::string, Kind> kinds() {
   at_rest("wheels", &RoundThings::wheels);
   at_rest("cups", &RoundThings::cups);
   at_rest("balls", &RoundThings::balls);
+  all["at rest: printed shapes"] = [](const DrawnWorld& w) { return w.sim.lab.shapes > 0; };
   for (const auto& [clutter, word] : words_of(Clutter{})) {
     all["room: " + std::string(word)] = [c = clutter](const DrawnWorld& w) { return w.sim.lab.clutter == c; };
   }

@@ -20,6 +20,7 @@ TEST(LabProbe, SeesWhatTheEyeSees) {
     config.lab.clutter = clutter;
     config.lab.brightness = 0.6;
     config.lab.round = {2, 1, 1, 2, 2};
+    config.lab.shapes = 3;
     config.world.ball.present = false;
     std::optional<SimRobot> robot;
     try {

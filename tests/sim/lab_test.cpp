@@ -128,6 +128,15 @@ TEST_P(LabOf, HasRoundThingsInsideItsWallsAndLeavesTheRestAsItIs) {
   Lab(lab, 3).paint(*with);
 }
 
+TEST_P(LabOf, HasPrintedShapesAndLeavesTheRestAsItIs) {
+  LabConfig lab = config();
+  const MjModelPtr without = compile(Lab(lab, 3).mjcf());
+  lab.shapes = 5;
+  const MjModelPtr with = compile(Lab(lab, 3).mjcf());
+  EXPECT_EQ(with->nmeshface, without->nmeshface + 5 * 12);  // a panel is a cuboid
+  Lab(lab, 3).paint(*with);
+}
+
 TEST_P(LabOf, RejectsToPaintTheModelOfAnotherLab) {
   LabConfig longer = config();
   longer.wall_distance_m = 3.5;
