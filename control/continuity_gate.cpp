@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr double prediction_memory_s = 0.045;  // of the TargetTrack in TargetPredictor
@@ -112,4 +112,4 @@ bool ContinuityGate::agree(const Eigen::Vector3d& a_m, const Eigen::Vector3d& b_
          ratio * config_.depth_ratio >= 1.0;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

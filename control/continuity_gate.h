@@ -6,7 +6,7 @@
 #include "control/locating_gate.h"
 #include "control/target_predictor.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// A ball does not jump: once found, a detection near the last one becomes a target at once and one elsewhere does not;
 /// to be found, and found again after it was lost, the ball has to be confirmed by detections that agree. All in the root
@@ -67,4 +67,4 @@ class ContinuityGate final : public LocatingGate {
   std::int64_t sure_us_ = 0;                  ///< the last target at the threshold
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -5,7 +5,7 @@
 
 #include "core/units.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr double candidate_spacing_s = 0.004;
@@ -92,4 +92,4 @@ void MotionDelayEstimator::update(Group& group, double dt_s) const {
   group.delay_s += std::clamp(found_s - group.delay_s, -most_s, most_s);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -1,6 +1,6 @@
 #include "control/gaze_controller.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr double nearest_target_m = 0.10;
@@ -33,4 +33,4 @@ void describe(FieldVisitor& v, FollowConfig& config) {
             "oscillates");
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -14,7 +14,7 @@
 #include "core/config.h"
 #include "head/head_state.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Computes the references of the six neck and eye joints that turn the eyes to a point. step() neither allocates,
 /// throws nor logs.
@@ -72,9 +72,9 @@ struct FollowConfig {
   WhenLost lost = WhenLost::hold;
   double lost_after_s = 1.0;    ///< without a target, the last one is lost
   double search_dwell_s = 1.5;  ///< lost: search looks at each point for so long
-  DelayConfig delay;
-  StabilisationConfig stabilisation;
-  FixationalConfig fixational;
+  DelayConfig delay = {};
+  StabilisationConfig stabilisation = {};
+  FixationalConfig fixational = {};
   bool detect_hunting = false;  ///< whether time constants grow when the head oscillates
 };
 
@@ -86,4 +86,4 @@ void describe(FieldVisitor& v, FollowConfig& config);
 /// eye), behind (not in front of the plane through the base of the neck normal to chest_forward()), or ok.
 [[nodiscard]] TargetStatus check_gaze_target(const Eigen::Vector3d& target_m, const HeadKinematics& head);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -6,7 +6,7 @@
 #include "core/small_solve.h"
 #include "core/units.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr double period_s = 0.01;
@@ -305,4 +305,4 @@ void IkinGazeController::integrate(const HeadJointVector& q, double dt) {
   }
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

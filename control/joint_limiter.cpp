@@ -6,7 +6,7 @@
 
 #include "core/units.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr double arrived_rad = 1e-12;  // rounding
@@ -135,4 +135,4 @@ HeadJointVector inside_hardware(const MotionLimits& limits, const HeadJointVecto
   return inside;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

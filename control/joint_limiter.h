@@ -6,7 +6,7 @@
 #include "head/head_model.h"
 #include "head/head_state.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// How far inside the hardware's limits gaze stays, and how briskly it may move.
 struct MotionLimitsConfig {
@@ -87,4 +87,4 @@ class JointLimiter {
 /// Clamps `q` to the limits of the hardware. An element that is not finite becomes the allowed value nearest to 0.
 [[nodiscard]] HeadJointVector inside_hardware(const MotionLimits& limits, const HeadJointVector& q);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -7,7 +7,7 @@
 #include "control/bounded_qp.h"
 #include "core/units.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr double guard_rad = 5.5 * rad_per_deg;       // above the lowest pitch
@@ -140,4 +140,4 @@ NeckSolver::Pose NeckSolver::solve(const JointVector& position_rad, const Eigen:
   return pose;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

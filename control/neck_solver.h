@@ -4,7 +4,7 @@
 
 #include "control/head_kinematics.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Pitch, roll, yaw of the neck, rad.
 using NeckVector = Eigen::Vector3d;
@@ -71,4 +71,4 @@ class NeckSolver {
   NeckVector min_rad_, max_rad_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

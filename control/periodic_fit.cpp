@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr double average_s = RecentPath::spacing_s;
@@ -148,4 +148,4 @@ void PeriodicFit::report(const Candidate& found) {
   }
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -6,7 +6,7 @@
 #include "control/bearing.h"
 #include "core/units.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 using Row = Eigen::Matrix<double, 1, gaze_slots>;
@@ -261,4 +261,4 @@ void QpController::integrate(const Cost& cost, const HeadJointVector& q, double 
   }
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

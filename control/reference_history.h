@@ -7,7 +7,7 @@
 
 #include "head/head_state.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The last references of the six head joints, one per step.
 class ReferenceHistory {
@@ -36,4 +36,4 @@ class ReferenceHistory {
   }
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

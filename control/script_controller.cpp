@@ -6,7 +6,7 @@
 #include "core/minimum_jerk.h"
 #include "core/units.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 void describe(FieldVisitor& v, ScriptConfig& config) {
   v.points("eyes_deg", config.eyes_deg, {-45.0, 45.0},
            "tilt and version of each point; the points repeat without end");
@@ -64,4 +64,4 @@ HeadJointVector ScriptController::step(const HeadState& state, const std::option
   return *reference_rad_;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

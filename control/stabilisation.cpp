@@ -6,7 +6,7 @@
 #include "core/image_rotation.h"
 #include "core/units.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr double derivative_s = 0.01;
@@ -127,4 +127,4 @@ void Stabiliser::use_image(const HeadState& state, const std::optional<Eigen::Ve
   seen_all_ += share * (base + (compensates_torso ? Eigen::Vector3d::Zero() : mean.by_torso) - seen_all_);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -11,7 +11,7 @@
 #include "head/head_state.h"
 #include "head/imu_reading.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Which measurements of the body's motion the eyes compensate at once, before the target's image has moved.
 struct StabilisationConfig {
@@ -86,4 +86,4 @@ class Stabiliser {
   double unseen_s_ = 0.0;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

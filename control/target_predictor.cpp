@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr double distance_memory_s = 0.03;
@@ -139,4 +139,4 @@ TargetMotion TargetPredictor::predict(double lead_s) const {
   return motion;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

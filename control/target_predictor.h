@@ -7,7 +7,7 @@
 #include "control/recent_path.h"
 #include "control/target_track.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Position and velocity of a target at one time.
 struct TargetMotion {
@@ -70,4 +70,4 @@ class TargetPredictor {
   double rejected_until_s_ = 0.0;  ///< no known motion is used before
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -9,7 +9,7 @@
 #include "core/time_stamp.h"
 #include "core/units.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 using namespace ball_tracker;
@@ -311,4 +311,4 @@ Estimate BallTracker::estimate() {
   return {true, f->track.silent_us() >= tick_us, circle_now(*f), still_there(*f), covariance};
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -19,7 +19,7 @@
 #include "core/plane_fit_flow.h"
 #include "core/silhouette.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Configuration of the recommended detector, `best`.
 struct BallTrackerConfig {
@@ -202,4 +202,4 @@ class BallTracker final : public Detector, public DetectorViews {
   std::int64_t flows_left_, nth_event_ = 1, since_flow_ = 0, events_of_tick_ = 0;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -5,7 +5,7 @@
 #include <limits>
 
 /// Constants of BallTracker. docs/detectors.md lists them with the reason for each value.
-namespace saccade::ball_tracker {
+namespace saccade::inline v0_1::ball_tracker {
 
 inline constexpr std::int64_t never_us = std::numeric_limits<std::int64_t>::min();
 inline constexpr std::int64_t tick_us = 1'000;
@@ -58,4 +58,4 @@ inline constexpr std::uint64_t fewest_events_of_look = 20;
 inline constexpr double covariance_scale = 4.0;
 inline constexpr double model_sd_px[3] = {1.2, 1.2, 0.7};
 
-}  // namespace saccade::ball_tracker
+}  // namespace saccade::inline v0_1::ball_tracker

@@ -6,7 +6,7 @@
 #include "core/time_stamp.h"
 
 // The search of BallTracker for circles that are not followed yet.
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 using namespace ball_tracker;
@@ -224,4 +224,4 @@ bool BallTracker::hough_space(std::span<float> response) const {
   return true;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

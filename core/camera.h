@@ -7,7 +7,7 @@
 #include "core/config.h"
 #include "core/event.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// A circle in the image: centre and radius, pixels.
 struct Circle {
@@ -128,4 +128,4 @@ struct MountedCamera {
 /// Keys: those of Camera, and eye_from_camera with those of CameraMount.
 void describe(FieldVisitor& v, MountedCamera& mounted);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -6,7 +6,7 @@
 #include "core/plane_fit_flow.h"
 #include "core/small_solve.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr int rotation_passes = 4;
@@ -51,4 +51,4 @@ Eigen::Vector3d camera_rotation(std::span<const FlowSample> flows, const Camera&
   return most ? rotation : Eigen::Vector3d::Zero();
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

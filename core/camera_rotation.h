@@ -6,7 +6,7 @@
 
 #include "core/camera.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// An edge with its normal flow: pixel, unit vector along its motion, speed along that.
 struct FlowSample {
@@ -23,4 +23,4 @@ struct FlowSample {
                                               std::span<const Eigen::Vector3d> rays,
                                               const Eigen::Vector3d& start);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -7,7 +7,7 @@
 #include "core/plane_fit_flow.h"
 #include "core/small_solve.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr int fit_passes = 3;
@@ -81,4 +81,4 @@ Circle CircleFit::place(Circle c, const Eigen::Vector3d& motion_px_s, double r_m
   return c;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -7,7 +7,7 @@
 
 #include "core/camera.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The moving edges near a circle, to fit its motion and place to. Holds a bounded number of edges; does not allocate
 /// after construction.
@@ -44,4 +44,4 @@ class CircleFit {
   std::vector<Sample> edges_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -5,7 +5,7 @@
 
 #include "core/detector_parts.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr double level_radius_cells = 16.0;  // larger radii belong to the next level
@@ -108,4 +108,4 @@ void CircleSearch::largest_response(ImageSize size, std::span<float> response) c
   }
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -10,7 +10,7 @@
 #include "core/event.h"
 #include "core/hough_transform.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Finds circles among moving edges: the directed Hough transform (paper, section II-C) over a pyramid of images. Level
 /// n has cells of 2^n pixels and radii of 8 to 16 cells, the first level all below 16, so that the work for an edge
@@ -56,4 +56,4 @@ class CircleSearch {
   std::vector<Found> found_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

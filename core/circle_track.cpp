@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 // Noise of one edge. Edges of one crossing of a pixel are not independent: more than their half pixel.
@@ -172,4 +172,4 @@ Circle CircleTrack::circle_at(std::int64_t t_us, const Eigen::Vector2d& camera_f
   return {at.x(), at.y(), state_[2]};
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -6,7 +6,7 @@
 #include "core/camera.h"
 #include "core/edge_map.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// An extended Kalman filter of one circle. Every edge on the outline is a measurement at its own time (paper, section
 /// V: an event-driven filter with outlier rejection).
@@ -78,4 +78,4 @@ class CircleTrack {
   bool resting_ = false;  // until the next edge
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

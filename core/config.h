@@ -14,7 +14,7 @@
 
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The closed range of a number, in the unit of its key.
 struct Range {
@@ -238,4 +238,4 @@ void FieldVisitor::named_sections(std::string_view key, std::vector<std::pair<st
       doc);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

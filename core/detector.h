@@ -8,7 +8,7 @@
 #include "core/camera.h"
 #include "core/event.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Pose and velocity of the camera at one instant, from the encoders and the kinematics of the head. Recordings without
 /// joints have none (nullptr).
@@ -61,4 +61,4 @@ class Detector {
   [[nodiscard]] virtual std::string_view failure() const { return {}; }
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 void describe_radius_px(FieldVisitor& v, std::array<double, 2>& r) {
   v.reals("radius_px", r, {1, 255}, "smallest and largest radius, whole pixels");
@@ -29,4 +29,4 @@ void largest_response(const HoughTransform& transform, std::span<float> response
   }
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

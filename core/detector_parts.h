@@ -8,7 +8,7 @@
 #include "core/detector.h"
 #include "core/hough_transform.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Describes the key radius_px of a detector: smallest and largest radius, whole pixels in [1, 255].
 void describe_radius_px(FieldVisitor& v, std::array<double, 2>& radius_px);
@@ -60,4 +60,4 @@ class EventSieve {
   RejectedEvents rejected_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -10,7 +10,7 @@
 #include "core/baselines/scarf.h"
 #include "core/hough_detector.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 DetectorConfig::DetectorConfig(NamedRows<DetectorRow> rows, std::string preset)
     : rows_(std::move(rows)), preset_(std::move(preset)), config_(row().config) {}
@@ -133,4 +133,4 @@ DetectorRegistry built_in_detectors() {
   return registry;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -10,7 +10,7 @@
 #include "core/detector.h"
 #include "core/named_rows.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// A kind of detector: a class of detectors with default values. Made by detector_row().
 struct DetectorRow {
@@ -119,4 +119,4 @@ class DetectorRegistry {
 /// The detectors that saccade ships (docs/detectors.md has their sources).
 [[nodiscard]] DetectorRegistry built_in_detectors();
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -7,7 +7,7 @@
 
 #include "core/plane_fit_flow.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -139,4 +139,4 @@ DiscEvidence DiscEvidenceCollector::evidence() const {
   return e;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -7,7 +7,7 @@
 
 #include "core/camera.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// What the moving edges near a circle show of a disc there, as figures without time in them: speeds appear as ratios
 /// and consistency, so that the same scene at half the speed shows the same. "Radial" edges move within 30 deg of the
@@ -78,4 +78,4 @@ class DiscEvidenceCollector {
   double near_count_ = 0.0, near_off2_px2_ = 0.0;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -9,7 +9,7 @@
 #include "core/time_stamp.h"
 #include "core/vector_clones.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 namespace weights = disc_network_weights;
@@ -380,4 +380,4 @@ DiscNetwork::Found DiscNetwork::about(const Circle& circle) const {
   return best;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

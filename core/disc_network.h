@@ -10,7 +10,7 @@
 #include "core/camera.h"
 #include "core/event.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// A small convolutional network that looks for discs in the newest event of each pixel and polarity. It needs no flow,
 /// so it sees a ball where flow fails: in motion blur, on texture, in noise.
@@ -80,4 +80,4 @@ class DiscNetwork {
   int row_ = 0;            // of the stage
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -3,7 +3,7 @@
 #include <array>
 
 /// Made by scripts/fit_network; do not edit.
-namespace saccade::disc_network_weights {
+namespace saccade::inline v0_1::disc_network_weights {
 
 inline constexpr std::array<float, 1152> first = {
     0.1647F, 0.1451F, -1.309F, 0.4202F, 0.1425F, 0.1774F, -0.01535F, 0.1827F, 0.03646F, -0.1683F, 0.2576F,
@@ -1317,4 +1317,4 @@ inline constexpr std::array<std::array<float, 48>, 4> block_bias = {{
     0.1193F, 0.6017F, 0.295F, 0.1026F, 0.02526F, 0.1327F, 0.2008F, 0.04848F, -0.1911F, -0.03899F, 0.6104F,
     -0.2188F, 0.14F, 0.8523F, -1.075F}}}};
 
-}  // namespace saccade::disc_network_weights
+}  // namespace saccade::inline v0_1::disc_network_weights

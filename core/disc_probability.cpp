@@ -5,7 +5,7 @@
 
 #include "core/disc_probability_weights.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 namespace w = disc_probability_weights;
@@ -50,4 +50,4 @@ double disc_probability(const DiscInputs& inputs) {
   return 1.0 / (1.0 + std::exp(-std::clamp(static_cast<double>(sum), -30.0, 30.0)));
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -5,7 +5,7 @@
 
 #include "core/disc_evidence.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Log odds of DiscNetwork below this count as this. Chosen on the fitting seeds.
 inline constexpr double least_network_log_odds = -1.0;
@@ -41,4 +41,4 @@ using DiscInputs = std::array<float, disc_input_count>;
 /// with weight decay; docs/results.md shows how well score and share of inliers agree.
 [[nodiscard]] double disc_probability(const DiscInputs& inputs);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

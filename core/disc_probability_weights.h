@@ -3,7 +3,7 @@
 #include <array>
 
 /// Made by scripts/fit; do not edit. Inputs: DiscInputs, scaled by (value - mean) * scale.
-namespace saccade::disc_probability_weights {
+namespace saccade::inline v0_1::disc_probability_weights {
 
 inline constexpr std::array<float, 35> input_mean = {
     0.42211F, 0.33904F, 0.37368F, 0.59376F, 0.45714F, 1.004F, 1.3942F, 0.21936F, 1.0721F, 1.1295F,
@@ -539,4 +539,4 @@ inline constexpr std::array<std::array<float, 112>, 35> hidden_weight = {{
     0.034107F, 0.025933F, -0.094775F, -0.016005F, -0.019809F, 0.021173F, 0.044979F, 0.40169F, -0.018696F,
     0.29583F, -0.020695F, -0.017069F, -0.046281F, -0.39126F, 0.08725F}}}};
 
-}  // namespace saccade::disc_probability_weights
+}  // namespace saccade::inline v0_1::disc_probability_weights

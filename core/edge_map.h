@@ -8,7 +8,7 @@
 
 #include "core/event.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// A point of a moving edge: an event with the normal flow measured at it.
 struct Edge {
@@ -84,4 +84,4 @@ class EdgeMap {
   std::int64_t last_end_us_ = std::numeric_limits<std::int64_t>::min();
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

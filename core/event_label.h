@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Why a simulated event camera made an event.
 enum class EventCause : std::uint8_t { signal, leak, shot, hot };
@@ -27,4 +27,4 @@ struct EventLabel {
   friend bool operator==(const EventLabel&, const EventLabel&) = default;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

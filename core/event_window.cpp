@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 /// The longest lifetime; the largest number where time does not matter.
@@ -100,4 +100,4 @@ EventWindow::Change EventWindow::update(std::int64_t now_us) {
   return {all_left, left_, entered_};
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

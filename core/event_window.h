@@ -10,7 +10,7 @@
 #include "core/plane_fit_flow.h"
 #include "core/time_stamp.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// What bounds an event's stay in a window.
 enum class WindowKind { count, time, lifetime };
@@ -105,4 +105,4 @@ class EventWindow {
   std::vector<WindowEvent> left_, entered_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

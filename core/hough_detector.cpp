@@ -6,7 +6,7 @@
 
 #include "core/units.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::int16_t whole_ring = -1;
@@ -121,4 +121,4 @@ bool HoughDetector::hough_space(std::span<float> response) const {
   return true;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -9,7 +9,7 @@
 #include "core/hough_transform.h"
 #include "core/plane_fit_flow.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// A circular Hough transform, full or directed (the paper's two), over a window of events of any kind.
 struct HoughDetectorConfig {
@@ -67,4 +67,4 @@ class HoughDetector final : public Detector, public DetectorViews {
   Estimate estimate_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -12,7 +12,7 @@
 
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 /// Room for rounding where a pixel lies exactly on the edge of an arc: such a pixel is inside.
@@ -370,4 +370,4 @@ int HoughTransform::votes(int x, int y, int r) const {
   return *votes_at(x, y, static_cast<std::size_t>(r - r_min_));
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

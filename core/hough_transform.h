@@ -10,7 +10,7 @@
 #include "core/config.h"
 #include "core/event.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The multi-radius circular Hough transform of the paper (section II-B and II-C), one accumulator plane per
 /// radius, bins of one pixel, centres inside the image.
@@ -117,4 +117,4 @@ class HoughTransform {
   mutable bool above_ = true;  // a cell has had more votes than its limit since
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

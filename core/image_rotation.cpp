@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 ImageRotation::ImageRotation(const Camera& camera)
     : camera_(camera), flow_({.max_age_us = 400'000}, camera.size) {
@@ -51,4 +51,4 @@ std::optional<Eigen::Vector3d> ImageRotation::advance_to(std::int64_t now_us) {
   return rotation_rad_s_;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -12,7 +12,7 @@
 #include "core/event.h"
 #include "core/plane_fit_flow.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The rotation of a camera that the motion of its whole image shows, from events alone: independent of detectors, robust to
 /// objects that move by themselves (camera_rotation).
@@ -52,4 +52,4 @@ class ImageRotation {
   Eigen::Vector3d rotation_rad_s_ = Eigen::Vector3d::Zero();
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

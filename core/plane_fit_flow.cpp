@@ -7,7 +7,7 @@
 
 #include "core/time_stamp.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr int max_half_width = 5;
@@ -140,4 +140,4 @@ std::optional<NormalFlow> PlaneFitFlow::at(const Event& event) const {
   return NormalFlow{plane->a, plane->b};
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -9,7 +9,7 @@
 #include "core/event.h"
 #include "core/time_stamp.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 struct PlaneFitFlowConfig {
   std::int64_t half_width_px = 2;     ///< the neighbourhood is a square of 2 n + 1 pixels
@@ -67,4 +67,4 @@ class PlaneFitFlow {
   std::vector<std::int64_t> surface_;  // 2 polarities x padded rows x padded columns, newest stamp
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

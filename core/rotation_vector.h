@@ -5,7 +5,7 @@
 
 #include "core/units.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// A rotation vector (axis times angle) of a configuration in radians.
 [[nodiscard]] inline Eigen::Vector3d radians(const std::array<double, 3>& vector_deg) {
@@ -25,4 +25,4 @@ namespace saccade {
   return turn.angle() * turn.axis();
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

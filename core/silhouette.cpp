@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::int64_t memory_us = 50'000;
@@ -123,4 +123,4 @@ std::optional<Silhouette::Fit> Silhouette::fit(const Circle& c, const Eigen::Vec
   return fit;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -8,7 +8,7 @@
 
 #include "core/camera.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The silhouette of one tracked circle: the region almost without events that an object leaves in the events of the
 /// background while the gaze follows it. Fits the circle of maximum likelihood to the events near the tracked one.
@@ -45,4 +45,4 @@ class Silhouette {
   std::size_t count_ = 0;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

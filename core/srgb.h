@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The transfer function of sRGB (IEC 61966-2-1), from linear light in [0, 1] to the encoded value in [0, 1].
 inline double srgb_from_linear(double linear) {
@@ -14,4 +14,4 @@ inline double linear_from_srgb(double srgb) {
   return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

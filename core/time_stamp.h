@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Sum and difference of time stamps, us. Where the exact result does not fit into 64 bits, they return the nearest
 /// value that does.
@@ -18,4 +18,4 @@ namespace saccade {
   return a < 0 ? std::numeric_limits<std::int64_t>::min() : std::numeric_limits<std::int64_t>::max();
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

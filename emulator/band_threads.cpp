@@ -2,7 +2,7 @@
 
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::uint64_t band_mask = 0xffffffffU;
@@ -84,4 +84,4 @@ void BandThreads::work() {
   }
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

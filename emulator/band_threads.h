@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Threads that share the bands of an image with the calling thread: jobs of some ten microseconds each. Running jobs
 /// allocates nothing. One thread at a time uses it.
@@ -50,4 +50,4 @@ class BandThreads {
   std::vector<std::jthread> threads_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

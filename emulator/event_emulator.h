@@ -11,7 +11,7 @@
 #include "emulator/band_threads.h"
 #include "emulator/emulator_config.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Counts of all events since the start.
 struct EmulatorCounts {
@@ -73,4 +73,4 @@ class EventEmulator {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -8,7 +8,7 @@
 #include "emulator/emulator_config.h"
 #include "emulator/pixel_array.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The readout from comparators to time stamps: latency, a bus that transmits one event after the other, and the ticks of the
 /// clock.
@@ -54,4 +54,4 @@ class Readout {
   std::int64_t dropped_ = 0;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

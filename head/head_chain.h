@@ -9,7 +9,7 @@
 
 #include "head/head_state.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 enum class Eye : int { left, right };
 
@@ -109,4 +109,4 @@ struct Hinges {
 };
 [[nodiscard]] Hinges hinges_at_zero(const HeadChain& chain);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -7,7 +7,7 @@
 
 #include "core/units.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr const char* no_joint = "none";
@@ -331,4 +331,4 @@ void describe(FieldVisitor& v, HeadDescription& head) {
 
 std::shared_ptr<const HeadModel> described_head(const HeadDescription& head) { return Builder(head).model(); }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -11,7 +11,7 @@
 #include "core/detector.h"
 #include "loop/latency.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// A detector's estimate about an instant before the tick, from events that came late.
 struct LateEstimate {
@@ -142,4 +142,4 @@ class DetectorRunner {
   double work_us_ = 0.0;  // of this tick's calls
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -8,7 +8,7 @@
 #include "control/head_kinematics.h"
 #include "control/search_scan.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::int64_t slice_us = DetectorRunner::slice_us;
@@ -450,4 +450,4 @@ void Loop::update_target(Tick& tick) {
   tick.rejected = gaze_->gate->rejected();
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -22,7 +22,7 @@
 #include "loop/side_threads.h"
 #include "robot/robot.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// A detector in the loop. All detectors get the events of the same eye; the driving one supplies the gaze targets, the
 /// others (shadow detectors) run for comparison.
@@ -255,4 +255,4 @@ class Loop {
   std::int64_t search_place_ = -1;         // the newest point of the search that was sent
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -2,7 +2,7 @@
 
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 SideThreads::SideThreads(std::size_t threads) {
   SACCADE_CHECK(threads > 0);
@@ -55,4 +55,4 @@ void SideThreads::work() {
   }
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Threads that make calls beside the calling thread and sleep between. Starting and finishing calls allocates nothing.
 class SideThreads {
@@ -45,4 +45,4 @@ class SideThreads {
   std::vector<std::jthread> threads_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -8,7 +8,7 @@
 #include "core/units.h"
 #include "head/head_model.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr double look_ms = 2.0;  // between two looks of those who stop the head when no tick comes
@@ -152,4 +152,4 @@ void FollowWatch::add_to(TickFacts& facts) const {
   }
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -11,7 +11,7 @@
 #include "head/head_state.h"
 #include "robot/ports.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Why a moving head was stopped.
 enum class StopCause {
@@ -106,4 +106,4 @@ class Watchdog {
   JointLimits limits_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -12,7 +12,7 @@
 
 namespace py = pybind11;
 
-namespace saccade::python {
+namespace saccade::inline v0_1::python {
 namespace {
 
 /// A detector of the registry.
@@ -134,4 +134,4 @@ void add_detectors(py::module_& m) {
   m.def("detectors", &detectors);
 }
 
-}  // namespace saccade::python
+}  // namespace saccade::inline v0_1::python

@@ -10,7 +10,7 @@
 
 namespace py = pybind11;
 
-namespace saccade::python {
+namespace saccade::inline v0_1::python {
 namespace {
 
 using Image = py::array_t<float, py::array::c_style | py::array::forcecast>;
@@ -77,4 +77,4 @@ void add_emulator(py::module_& m) {
   m.def("emulator_presets", &emulator_presets);
 }
 
-}  // namespace saccade::python
+}  // namespace saccade::inline v0_1::python

@@ -10,7 +10,7 @@
 
 namespace py = pybind11;
 
-namespace saccade::python {
+namespace saccade::inline v0_1::python {
 namespace {
 
 /// Lets Ctrl-C end long work.
@@ -58,4 +58,4 @@ void add_files(py::module_& m) {
   });
 }
 
-}  // namespace saccade::python
+}  // namespace saccade::inline v0_1::python

@@ -13,7 +13,7 @@
 
 namespace py = pybind11;
 
-namespace saccade::python {
+namespace saccade::inline v0_1::python {
 namespace {
 
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
@@ -113,4 +113,4 @@ void add_geometry(py::module_& m) {
   });
 }
 
-}  // namespace saccade::python
+}  // namespace saccade::inline v0_1::python

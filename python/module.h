@@ -4,7 +4,7 @@
 
 #include "apps/external/external_rows.h"
 
-namespace saccade::python {
+namespace saccade::inline v0_1::python {
 
 /// The detectors that saccade ships and those outside of it (apps/external).
 [[nodiscard]] inline DetectorRegistry all_detectors() {
@@ -29,4 +29,4 @@ void add_scoring(pybind11::module_& m);
 void add_geometry(pybind11::module_& m);
 void add_simulation(pybind11::module_& m);
 
-}  // namespace saccade::python
+}  // namespace saccade::inline v0_1::python

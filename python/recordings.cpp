@@ -13,7 +13,7 @@
 
 namespace py = pybind11;
 
-namespace saccade::python {
+namespace saccade::inline v0_1::python {
 namespace {
 
 constexpr std::size_t block_events = 1 << 16;
@@ -134,4 +134,4 @@ void add_recordings(py::module_& m) {
   m.def("formats", &formats);
 }
 
-}  // namespace saccade::python
+}  // namespace saccade::inline v0_1::python

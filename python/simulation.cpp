@@ -5,7 +5,7 @@
 #include "apps/session/scenario_loop.h"
 #include "core/error.h"
 
-namespace saccade::python {
+namespace saccade::inline v0_1::python {
 namespace {
 
 constexpr double tick_s = 1e-6 * static_cast<double>(World::tick_us);
@@ -92,4 +92,4 @@ void Simulation::on_tick(const Tick& tick) {
   }
 }
 
-}  // namespace saccade::python
+}  // namespace saccade::inline v0_1::python

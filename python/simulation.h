@@ -11,7 +11,7 @@
 #include "loop/loop.h"
 #include "sim/sim_robot.h"
 
-namespace saccade::python {
+namespace saccade::inline v0_1::python {
 
 /// A scenario in lockstep: time passes in step() only, by one tick of 1 ms. It uses the simulator as `saccade run` does, so
 /// that the same scenario, seed and commands give the same events.
@@ -66,4 +66,4 @@ class Simulation final : private LoopObserver {
   std::vector<std::pair<std::string, Estimate>> detectors_;
 };
 
-}  // namespace saccade::python
+}  // namespace saccade::inline v0_1::python

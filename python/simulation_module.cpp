@@ -15,7 +15,7 @@
 
 namespace py = pybind11;
 
-namespace saccade::python {
+namespace saccade::inline v0_1::python {
 namespace {
 
 /// What scenarios can name.
@@ -169,4 +169,4 @@ void add_simulation(py::module_& m) {
       .def_property_readonly("yaml", [](const Simulation& s) { return resolved_scenario(s.scenario()); });
 }
 
-}  // namespace saccade::python
+}  // namespace saccade::inline v0_1::python

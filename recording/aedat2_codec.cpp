@@ -12,7 +12,7 @@
 #include "recording/output_file.h"
 #include "recording/wrapping_time.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::size_t record_bytes = 8;
@@ -306,4 +306,4 @@ RecordingFormat aedat2_format() {
   return format;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

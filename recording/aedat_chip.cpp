@@ -5,7 +5,7 @@
 
 #include "recording/codec.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 AedatChip parse_aedat_chip(std::string_view name) {
   std::string chip(name);
@@ -23,4 +23,4 @@ AedatChip parse_aedat_chip(std::string_view name) {
   return {"davis", std::nullopt};
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -7,7 +7,7 @@
 
 #include "core/event.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 inline constexpr ImageSize aedat_dvs128_size{128, 128};
 /// Of the DAVIS family, the smallest first.
@@ -23,4 +23,4 @@ struct AedatChip {
 /// jAER's `eu.seebetter.ini.chips.davis.DAVIS240C`, libcaer's `DAVIS346`, and our own `DAVIS 304x240`.
 [[nodiscard]] AedatChip parse_aedat_chip(std::string_view name);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

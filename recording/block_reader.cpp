@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 std::size_t BlockReader::read(std::vector<Event>& events, std::size_t max_events) {
   std::size_t done = 0;
@@ -28,4 +28,4 @@ std::size_t BlockReader::read(std::vector<Event>& events, std::size_t max_events
   return done;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

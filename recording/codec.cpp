@@ -5,7 +5,7 @@
 
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 void check_writable(const Event& event, ImageSize image_size, int cameras,
                     const std::filesystem::path& path) {
@@ -44,4 +44,4 @@ std::string printable(std::string_view bytes) {
   return bytes.size() > longest ? text + "..." : text;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -10,7 +10,7 @@
 #include "recording/number_text.h"
 #include "recording/saturating.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::size_t read_block_events = 1 << 16;
@@ -168,4 +168,4 @@ ConversionResult convert_recording(const FormatRegistry& formats, const std::fil
   return result;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

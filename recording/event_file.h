@@ -10,7 +10,7 @@
 
 #include "core/event.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 class FormatRegistry;
 
@@ -89,4 +89,4 @@ class EventWriter {
 [[nodiscard]] std::unique_ptr<EventWriter> create_event_file(const std::filesystem::path& path,
                                                              ImageSize image_size, int cameras = 1);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

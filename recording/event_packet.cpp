@@ -5,7 +5,7 @@
 #include "recording/byte_order.h"
 #include "recording/codec.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 using Broken = std::optional<BrokenMessage>;
@@ -117,4 +117,4 @@ std::optional<BrokenMessage> PacketDecoder::decode(std::string_view encoding, st
   return broken;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -10,7 +10,7 @@
 #include "recording/evt2_decoder.h"
 #include "recording/evt3_decoder.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// To the nearest us.
 [[nodiscard]] inline std::int64_t us_of(std::uint64_t ns) {
@@ -48,4 +48,4 @@ class PacketDecoder {
   Evt3Decoder evt3_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -7,7 +7,7 @@
 
 #include "core/event.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Statistics of a stream of events. Differences of times that int64 cannot hold are limited to its range.
 struct EventStatistics {
@@ -68,4 +68,4 @@ class EventCounter {
   Stream all_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -5,7 +5,7 @@
 #include "recording/codec.h"
 #include "recording/input_file.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::size_t mark_bytes = 12;
@@ -89,4 +89,4 @@ RecordingFormat event_stream_format() {
   return format;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -2,7 +2,7 @@
 
 #include "recording/format_registry.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Event Stream 2 (.es, of sepia and loris): "Event Stream", three bytes of version, one of type, and for cameras u16
 /// width and height, little-endian. Type 1 (DVS) alone is read; generic, ATIS and colour events are an InputError.
@@ -13,4 +13,4 @@ namespace saccade {
 /// checked against the image size.
 [[nodiscard]] RecordingFormat event_stream_format();
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

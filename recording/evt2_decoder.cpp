@@ -4,7 +4,7 @@
 
 #include "recording/byte_order.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 EvtStep Evt2Decoder::run(std::string_view bytes, std::span<Event> out) {
   const std::size_t words = std::min(bytes.size() / word_bytes, out.size());
@@ -32,4 +32,4 @@ EvtStep Evt2Decoder::run(std::string_view bytes, std::span<Event> out) {
   return step;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -8,7 +8,7 @@
 #include "recording/evt_step.h"
 #include "recording/wrapping_time.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Words of EVT2 (recording/evt_codec.h) as events, piece by piece. Events before the first time are counted and left
 /// out.
@@ -36,4 +36,4 @@ class Evt2Decoder {
   WrappingTime high_{{{0, std::int64_t{1} << 28}}, std::int64_t{1} << 26, std::int64_t{1} << 16};
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -4,7 +4,7 @@
 
 #include "recording/byte_order.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 EvtStep Evt3Decoder::run(std::string_view bytes, std::span<Event> out) {
   const std::size_t words = bytes.size() / word_bytes;
@@ -78,4 +78,4 @@ void Evt3Decoder::set_high(std::int64_t value) {
   t_us_ = high_us_ + low_;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -15,7 +15,7 @@
 #include "recording/two_cameras.h"
 #include "recording/wrapping_time.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 std::string hex_digit(unsigned value) { return std::string(1, "0123456789ABCDEF"[value & 0xf]); }
@@ -303,4 +303,4 @@ RecordingFormat prophesee_raw_format() {
   return format;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

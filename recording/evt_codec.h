@@ -2,7 +2,7 @@
 
 #include "recording/format_registry.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Prophesee's RAW files: lines `% key value` (prophesee_header.h), then little-endian words in the encoding that
 /// `% evt 3.0` or `% format EVT3` names. The origin is top left, 1 is ON.
@@ -27,4 +27,4 @@ namespace saccade {
 /// than 19 h.
 [[nodiscard]] RecordingFormat prophesee_raw_format();
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <optional>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// What a decoder of EVT2's or EVT3's words has done in one call.
 struct EvtStep {
@@ -12,4 +12,4 @@ struct EvtStep {
   std::optional<unsigned> unknown_type = std::nullopt;  ///< of the word after them
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -18,7 +18,7 @@
 #include "recording/text_codec.h"
 #include "recording/yarp_log_codec.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 std::string joined(const std::vector<std::string>& names) {
@@ -166,4 +166,4 @@ std::vector<std::filesystem::path> FormatRegistry::inputs_of(const std::filesyst
   return files;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

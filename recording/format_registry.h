@@ -12,7 +12,7 @@
 
 #include "recording/event_file.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 class InputFile;
 
@@ -109,4 +109,4 @@ class FormatRegistry {
 /// The formats of this library.
 [[nodiscard]] FormatRegistry built_in_formats();
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -2,7 +2,7 @@
 
 #include "recording/format_registry.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// HDF5 in two layouts:
 ///   DSEC  a group /events with x, y, t (us) and p (0 or 1, or -1 or 1; 1 = ON), each a number per event, and optional
@@ -21,4 +21,4 @@ namespace saccade {
 /// 2^32 us.
 [[nodiscard]] RecordingFormat hdf5_format();
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

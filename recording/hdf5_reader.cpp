@@ -7,7 +7,7 @@
 #include "recording/codec.h"
 #include "recording/hdf5_handle.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::size_t block_events = 1 << 16;
@@ -260,4 +260,4 @@ std::unique_ptr<EventReader> open_hdf5_here(const std::filesystem::path& path,
   return std::make_unique<Hdf5Reader>(path, options);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

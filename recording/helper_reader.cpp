@@ -15,7 +15,7 @@
 #include "recording/helper_protocol.h"
 #include "recording/spawn_settings.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 class HelperReader final : public EventReader {
@@ -194,4 +194,4 @@ std::filesystem::path find_helper(std::string_view file_name) {
   throw RunError("the program " + std::string(file_name) + " is missing; searched in " + searched);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::size_t buffer_bytes = 1 << 20;
@@ -57,18 +57,11 @@ bool InputFile::discard(std::uint64_t count) {
     offset_ += count;
     return true;
   }
-  while (count > 0) {
-    const std::size_t ahead = peek(1).size();
-    if (ahead == 0) return false;
-    const auto step = static_cast<std::size_t>(std::min<std::uint64_t>(count, ahead));
-    skip(step);
-    count -= step;
-  }
-  return true;
+  return skip_bytes(*this, count);
 }
 
 void InputFile::fail(std::string value, std::string expectation) const {
   throw InputError(name() + ": byte " + std::to_string(offset_), std::move(value), std::move(expectation));
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

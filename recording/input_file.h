@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// A recording as bytes, read in large blocks; memory does not depend on the file. Pipes work as well.
 class InputFile {
@@ -45,4 +45,16 @@ class InputFile {
   std::optional<std::uint64_t> size_;  ///< none: not seekable
 };
 
-}  // namespace saccade
+/// Goes on after `count` bytes of a file or a part of one, by reading them; false where there were fewer.
+template <class Source>
+[[nodiscard]] bool skip_bytes(Source& source, std::uint64_t count) {
+  while (count > 0) {
+    const std::size_t ahead = source.peek(1).substr(0, count).size();
+    if (ahead == 0) return false;
+    source.skip(ahead);
+    count -= ahead;
+  }
+  return true;
+}
+
+}  // namespace saccade::inline v0_1

@@ -14,7 +14,7 @@
 #include "recording/codec.h"
 #include "recording/number_text.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::size_t longest_line = 4096;
@@ -123,4 +123,4 @@ JointsSource joints_from(JointsSource joints, std::int64_t t_us) {
   });
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

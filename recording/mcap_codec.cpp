@@ -4,7 +4,7 @@
 #include "recording/codec.h"
 #include "recording/message_reader.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::size_t message_head_bytes = 2 + 4 + 8 + 8;
@@ -212,4 +212,4 @@ RecordingFormat mcap_format() {
   return format;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

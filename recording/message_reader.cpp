@@ -4,7 +4,7 @@
 
 #include "recording/codec.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 MessageReader::MessageReader(InputFile file, std::string container, const EventReadOptions& options)
     : BlockReader(std::move(file)), container_(std::move(container)), size_option_(options.image_size) {}
@@ -141,4 +141,4 @@ bool MessageReader::decode(std::span<Event> block, std::size_t& count) {
   return true;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

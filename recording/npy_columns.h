@@ -12,7 +12,7 @@
 #include "recording/unpacked_part.h"
 #include "recording/zip_members.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// A kind of numbers in NumPy's arrays.
 struct NpyNumber {
@@ -71,4 +71,4 @@ class NpyRows {
   std::optional<InputError> failure_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

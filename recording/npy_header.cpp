@@ -4,7 +4,7 @@
 
 #include "recording/number_text.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 /// Reads the parts of a Python literal, one after the other.
@@ -93,4 +93,4 @@ std::optional<NpyHeader> NpyHeader::parse(std::string_view text) {
   return header;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 inline constexpr std::string_view npy_mark = "\x93NUMPY";
 
@@ -27,4 +27,4 @@ struct NpyHeader {
   [[nodiscard]] static std::optional<NpyHeader> parse(std::string_view text);
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -8,7 +8,7 @@
 #include "recording/codec.h"
 #include "recording/npy_columns.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::string_view zip_mark = "PK\x03\x04";
@@ -318,4 +318,4 @@ RecordingFormat numpy_format() {
   return format;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

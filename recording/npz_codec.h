@@ -5,7 +5,7 @@
 
 #include "recording/format_registry.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// NumPy's arrays: one in a `.npy` file, or several in a `.npz` file, which is a ZIP file of them (deflated or not).
 ///
@@ -24,4 +24,4 @@ namespace saccade {
 [[nodiscard]] std::unique_ptr<EventWriter> create_numpy(const std::filesystem::path& path,
                                                         ImageSize image_size, int cameras);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

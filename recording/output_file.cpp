@@ -6,7 +6,7 @@
 #include <string>
 #include <system_error>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 [[noreturn]] void fail(const std::filesystem::path& path, const char* what) {
@@ -85,4 +85,4 @@ void write_file(const std::filesystem::path& path, std::string_view text) {
   file.commit();
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

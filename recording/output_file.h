@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Checks files before they are written. Throws InputError for a folder, for a file that is one of `inputs` under any name
 /// or link (with `force` too), and, without `force`, for a file that exists.
@@ -54,4 +54,4 @@ class OutputFile {
   bool keeps_part_ = false;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

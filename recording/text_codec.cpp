@@ -10,7 +10,7 @@
 #include "recording/number_text.h"
 #include "recording/output_file.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::size_t longest_line = 4096;
@@ -258,4 +258,4 @@ RecordingFormat text_format() {
   return format;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

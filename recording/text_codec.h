@@ -2,7 +2,7 @@
 
 #include "recording/format_registry.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Text: one event per line, four fields separated by white space or a comma: time, x, y, polarity, or another order
 /// given by EventReadOptions::columns. A fifth field is the camera, 0 left and 1 right, where `columns` has c or the line
@@ -14,4 +14,4 @@ namespace saccade {
 /// The writer makes `t_us,x,y,p` with that header, `t_us,x,y,p,camera` of two cameras.
 [[nodiscard]] RecordingFormat text_format();
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

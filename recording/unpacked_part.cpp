@@ -2,13 +2,12 @@
 
 #include <zlib.h>
 
-#include <algorithm>
 #include <span>
 #include <utility>
 
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 void UnpackedPart::begin(std::unique_ptr<Decompressor> decompressor, std::uint64_t stored_bytes) {
   decompressor_ = std::move(decompressor);
@@ -49,16 +48,7 @@ void UnpackedPart::skip(std::size_t count) {
   begin_ += count;
 }
 
-bool UnpackedPart::discard(std::uint64_t count) {
-  while (count > 0) {
-    const std::size_t ahead = peek(1).size();
-    if (ahead == 0) return false;
-    const auto step = static_cast<std::size_t>(std::min<std::uint64_t>(count, ahead));
-    skip(step);
-    count -= step;
-  }
-  return true;
-}
+bool UnpackedPart::discard(std::uint64_t count) { return skip_bytes(*this, count); }
 
 bool UnpackedPart::discard_rest() {
   const std::uint64_t left = std::exchange(stored_left_, 0);
@@ -71,4 +61,4 @@ void UnpackedPart::fail(std::string value, std::string expectation) const {
   file_.fail(std::move(value), std::move(expectation));
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -10,7 +10,7 @@
 #include "recording/codec.h"
 #include "recording/number_text.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::size_t longest_word = 64;
@@ -286,4 +286,4 @@ bool looks_like_yarp_log(std::string_view start) {
   return start.starts_with('(') || (take(start, is_digit) && take(start, is_blank) && start.starts_with('"'));
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

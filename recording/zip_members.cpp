@@ -6,7 +6,7 @@
 #include "recording/codec.h"
 #include "recording/unpacked_part.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 // Marks and sizes as in PKWARE's APPNOTE.
@@ -102,4 +102,4 @@ void for_each_zip_member(InputFile& file, const std::function<void(const ZipMemb
   }
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

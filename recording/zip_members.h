@@ -8,7 +8,7 @@
 #include "recording/decompressor.h"
 #include "recording/input_file.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// A file in a ZIP file.
 struct ZipMember {
@@ -28,4 +28,4 @@ struct ZipMember {
 /// by another method than deflate, or whose size follows their bytes.
 void for_each_zip_member(InputFile& file, const std::function<void(const ZipMember&)>& use);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -6,7 +6,7 @@
 #include "core/error.h"
 #include "core/minimum_jerk.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 JointBoard::JointBoard(const std::vector<Joint>& joints, const Eigen::VectorXd& position_rad, bool movable)
     : reference_rad_(position_rad), movable_(movable) {
@@ -114,4 +114,4 @@ const Eigen::VectorXd& JointBoard::step(const Eigen::VectorXd& measured_rad, dou
   return reference_rad_;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The control mode of a joint: the modes of the iCub's control boards that saccade serve supports.
 enum class JointMode {
@@ -83,4 +83,4 @@ class JointBoard {
   bool movable_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -9,7 +9,7 @@
 #include "core/units.h"
 #include "sim/mujoco_compat.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr double texel_mm = 0.5;
@@ -160,4 +160,4 @@ void paint_board(mjModel& model, const BoardConfig& config) {
   }
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -9,7 +9,7 @@
 #include "core/error.h"
 #include "core/units.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::array<const char*, 4> motion_columns = {"t_us", "pitch_deg", "roll_deg", "yaw_deg"};
@@ -109,4 +109,4 @@ Eigen::Quaterniond base_rotation(const Eigen::Vector3d& angles_rad) {
          Eigen::AngleAxisd(angles_rad[2], -Eigen::Vector3d::UnitZ());
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -9,7 +9,7 @@
 
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 namespace fs = std::filesystem;
@@ -63,4 +63,4 @@ fs::path shipped_file(const fs::path& path) {
   return path;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

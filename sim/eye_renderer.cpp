@@ -8,7 +8,7 @@
 #include "core/error.h"
 #include "sim/scene_drawer.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 using detail::SceneDrawer;
@@ -163,4 +163,4 @@ double EyeRenderer::visible_share(const Eigen::Vector3d& centre_m, double radius
   return all == 0 ? 0.0 : static_cast<double>(visible) / static_cast<double>(all);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -14,7 +14,7 @@
 #include "sim/gl_context.h"
 #include "sim/lens_resampler.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 namespace detail {
 class SceneDrawer;
@@ -92,4 +92,4 @@ class EyeRenderer {
   std::unique_ptr<detail::SceneDrawer> drawer_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -14,7 +14,7 @@
 #include "core/error.h"
 #include "sim/egl_devices.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 /// A shared library whose symbols are private at first; publish() makes them global, where MuJoCo finds them.
@@ -241,7 +241,7 @@ void GlContext::identify(std::string_view backend) {
   description_ = std::string(backend) + ", " + text(GL_RENDERER) + ", " + text(GL_VERSION);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1
 
 #if defined(__SANITIZE_ADDRESS__)
 // Mesa keeps some 100 bytes for each OSMesa context that it destroys, and more for windows; read by the leak sanitizer.

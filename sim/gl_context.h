@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// A device that EGL offers.
 struct GlDevice {
@@ -55,4 +55,4 @@ class GlContext {
   std::string description_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -6,7 +6,7 @@
 #include <iterator>
 #include <limits>
 
-namespace saccade::detail {
+namespace saccade::inline v0_1::detail {
 namespace {
 
 // Rec. 709 luminance of linear red, green and blue, in 1/10000.
@@ -303,4 +303,4 @@ void KeyframeFilter::fill(Keyframe& k, std::span<const std::uint32_t> rgba, std:
   mean_over_pixels(k.rect, k.cover, 1.0F / (static_cast<float>(full) * Keyframe::cover_step));
 }
 
-}  // namespace saccade::detail
+}  // namespace saccade::inline v0_1::detail

@@ -10,7 +10,7 @@
 #include "sim/scene_drawer.h"
 #include "sim/world.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 using detail::Keyframe;
@@ -369,4 +369,4 @@ double KeyframeRenderer::visible_share(const Eigen::Vector3d& centre_m, double r
   return visible / (all > close_share * area ? all : area);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -18,7 +18,7 @@
 #include "sim/layer_warp.h"
 #include "sim/scene_layers.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Computes the images of an eye's camera from keyframes, as linear luminance like EyeRenderer::render.
 ///
@@ -122,4 +122,4 @@ class KeyframeRenderer {
   Counts counts_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -14,7 +14,7 @@
 #include "sim/model_parts.h"
 #include "sim/panorama.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 class Canvas;
 
@@ -130,4 +130,4 @@ class Lab {
   ModelParts parts_;                           ///< of a file
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

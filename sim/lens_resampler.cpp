@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 // Rec. 709 luminance of linear red, green and blue, in 1/10000.
@@ -171,4 +171,4 @@ void LensResampler::smallest(std::span<const std::uint32_t> rgba, std::uint8_t n
   }
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -8,7 +8,7 @@
 
 #include "core/camera.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Converts a drawn image into the image of a camera with a lens.
 ///
@@ -62,4 +62,4 @@ class LensResampler {
   std::vector<float> drawn_;  ///< luminance or one colour of the drawn image
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -11,7 +11,7 @@
 #include "core/error.h"
 #include "core/rotation_vector.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::array<std::string_view, 8> column_names = {"t_s", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"};
@@ -196,4 +196,4 @@ void describe(FieldVisitor& v, MotionFileConfig& c) {
 
 MotionTable read_motion_file(const MotionFileConfig& config) { return MotionTableReader(config).read(); }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

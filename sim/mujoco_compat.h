@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 struct MjDelete {
   void operator()(mjModel* model) const { mj_deleteModel(model); }
@@ -76,4 +76,4 @@ bool is_directional(const Model& model, int light) {
   }
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

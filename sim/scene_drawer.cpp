@@ -11,7 +11,7 @@
 
 #include "core/error.h"
 
-namespace saccade::detail {
+namespace saccade::inline v0_1::detail {
 namespace {
 
 /// Sides of the outline of a sphere in an eye. Seen from the side its outline runs through stacks, from above
@@ -247,4 +247,4 @@ void SceneDrawer::skip_unseen(const mjvGLCamera& camera, mjrRect viewport) {
   scene_.ngeom = static_cast<int>(std::remove_if(geoms.begin(), geoms.end(), unseen) - geoms.begin());
 }
 
-}  // namespace saccade::detail
+}  // namespace saccade::inline v0_1::detail

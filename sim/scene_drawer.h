@@ -10,7 +10,7 @@
 #include "core/event.h"
 #include "sim/gl_context.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// A rod drawn into an image of the scene that is not part of the world: a ray, an edge of a frustum. Root frame.
 struct SceneMark {
@@ -78,4 +78,4 @@ class SceneDrawer {
 };
 
 }  // namespace detail
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -9,7 +9,7 @@
 #include "core/srgb.h"
 #include "core/units.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 using detail::SceneDrawer;
 
@@ -71,4 +71,4 @@ void SceneRenderer::render(mjData& data, const SceneView& view, std::span<std::u
   for (std::uint8_t& value : rgb) value = srgb_of_linear[value];
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

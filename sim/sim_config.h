@@ -10,7 +10,7 @@
 #include "sim/lab.h"
 #include "sim/world.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Eyes that have a camera.
 enum class Eyes { left, both };
@@ -36,4 +36,4 @@ struct SimConfig {
   [[nodiscard]] bool both_eyes() const { return eyes == Eyes::both; }
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

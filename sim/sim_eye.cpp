@@ -5,7 +5,7 @@
 #include "core/event_label.h"
 #include "core/random.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 const Camera& camera_of(const SimConfig& config, std::uint8_t number) {
@@ -136,4 +136,4 @@ void SimEye::update_truth() {
   if (!truth_.circle) truth_.visible = 0.0;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

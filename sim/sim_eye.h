@@ -17,7 +17,7 @@
 #include "sim/sim_config.h"
 #include "sim/world.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The part of a target that is seen in an image.
 struct VisibleExtent {
@@ -101,4 +101,4 @@ class SimEye {
   std::vector<EventLabel> labels_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

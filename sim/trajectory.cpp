@@ -9,7 +9,7 @@
 #include "core/random.h"
 #include "core/units.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 using std::numbers::pi;
@@ -184,4 +184,4 @@ double Trajectory::sway_m(int axis, double t_s) const {
   return minimum_jerk(std::min(t_s, 1.0)) * sum_m;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -8,7 +8,7 @@
 #include "core/error.h"
 #include "core/units.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::int64_t settling_us = 500'000;
@@ -419,4 +419,4 @@ void World::place_objects(std::int64_t t_us, mjData& data) const {
   Eigen::Map<Eigen::Vector4d>(data.mocap_quat + 4 * board_mocap_) << turn.w(), turn.vec();
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -27,7 +27,7 @@
 #include "sim/plant.h"
 #include "sim/trajectory.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 struct WorldConfig {
   std::string target = "ball";  ///< what the truth is about: the ball, or the object of this name
@@ -179,4 +179,4 @@ class World {
   std::deque<Command> commands_;  ///< not yet due
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -18,7 +18,7 @@
 #include "recording/output_file.h"
 #include "robot/replay/replay_robot.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::int64_t step_us = 50'000;  ///< from one image to the next
@@ -218,4 +218,4 @@ void add_calibrate_command(CommandLine& line, const Registry& registry) {
   command.action([options, &registry] { return calibrate_command(*options, registry); });
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

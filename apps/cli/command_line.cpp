@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 CLI::Option& parser(ParserOption* option) { return *reinterpret_cast<CLI::Option*>(option); }
@@ -132,4 +132,4 @@ int CommandLine::run(int argc, const char* const* argv) {
   }
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

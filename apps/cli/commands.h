@@ -3,7 +3,7 @@
 #include "apps/cli/command_line.h"
 #include "apps/config/registry.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// One function per subcommand, which adds it to the command line. The registry must outlive the command line.
 void add_calibrate_command(CommandLine& line, const Registry& registry);
@@ -31,4 +31,4 @@ void add_test_command(CommandLine& line, const Registry& registry);
 void add_test_task_command(CommandLine& line, const Registry& registry);
 void add_view_command(CommandLine& line, const Registry& registry);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -7,7 +7,7 @@
 #include "apps/cli/commands.h"
 #include "apps/sweep/run_comparison.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 struct CompareOptions {
@@ -50,4 +50,4 @@ void add_compare_command(CommandLine& line) {
   command.action([options] { return compare_sides(*options); });
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -16,7 +16,7 @@
 #include "recording/number_text.h"
 #include "recording/output_file.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 struct ConvertOptions : ReadOptions {
@@ -114,4 +114,4 @@ void add_convert_command(CommandLine& line, const Registry& registry) {
   command.action([options, &formats] { return convert(*options, formats); });
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -6,7 +6,7 @@
 #include "apps/config/scenario.h"
 #include "apps/session/detect_recording.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 struct DetectOptions {
@@ -49,4 +49,4 @@ void add_detect_command(CommandLine& line, const Registry& registry) {
   });
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -15,7 +15,7 @@
 #include "core/error.h"
 #include "recording/output_file.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 struct EmulateOptions {
@@ -138,4 +138,4 @@ void add_emulate_command(CommandLine& line, const Registry& registry) {
   command.action([options, &registry] { return emulate(*options, registry.formats); });
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -14,7 +14,7 @@
 #include "apps/session/scenario_loop.h"
 #include "recording/output_file.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 struct FitLatencyOptions {
@@ -55,4 +55,4 @@ void add_fit_latency_command(CommandLine& line, const Registry& registry) {
   command.action([options, &registry] { return fit(*options, registry); });
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

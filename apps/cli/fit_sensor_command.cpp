@@ -17,7 +17,7 @@
 #include "recording/output_file.h"
 #include "recording/recording_summary.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 namespace fs = std::filesystem;
@@ -161,4 +161,4 @@ void add_fit_sensor_command(CommandLine& line, const Registry& registry) {
   command.action([options] { return fit(*options); });
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

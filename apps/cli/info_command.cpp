@@ -14,7 +14,7 @@
 #include "recording/format_registry.h"
 #include "recording/recording_summary.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -180,4 +180,4 @@ void add_info_command(CommandLine& line, const Registry& registry) {
   command.action([options, &registry] { return info(*options, registry.formats); });
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

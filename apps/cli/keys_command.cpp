@@ -12,7 +12,7 @@
 #include "apps/sweep/sweep_config.h"
 #include "evaluation/sensor_fit/stimulus.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 /// A part of the reference.
@@ -171,4 +171,4 @@ void add_keys_command(CommandLine& line, const Registry& registry) {
   command.action([options, &registry] { return print_keys(*options, registry); });
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

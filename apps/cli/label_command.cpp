@@ -7,7 +7,7 @@
 #include "core/error.h"
 #include "recording/output_file.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 struct LabelOptions {
@@ -59,4 +59,4 @@ void add_label_command(CommandLine& line, const Registry& registry) {
   command.action([options] { return label(*options); });
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -11,7 +11,7 @@
 #include "core/error.h"
 #include "recording/output_file.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 namespace fs = std::filesystem;
@@ -67,4 +67,4 @@ void add_migrate_command(CommandLine& line) {
   command.action([file] { return migrate_file(*file); });
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

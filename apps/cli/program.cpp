@@ -11,7 +11,7 @@
 #include "core/error.h"
 #include "sim/gl_context.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 /// Version, commit, MuJoCo, OpenGL and the devices that EGL can draw with, one a line.
@@ -72,4 +72,4 @@ int program(int argc, const char* const* argv, const Registry& registry) {
   return line.run(argc, argv);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

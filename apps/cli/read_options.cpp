@@ -5,7 +5,7 @@
 
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 /// "640x480"
@@ -57,4 +57,4 @@ void add_decoding_options(Command& command, ReadOptions& options, const FormatRe
       .one_of({"auto", "dvs128", "stereo", "davis"});
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -3,7 +3,7 @@
 #include "apps/cli/command_line.h"
 #include "apps/session/played.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Adds the recording (positional, `name`) and the options for reading it: --size, --columns, --camera, --codec and
 /// --layout. The recording is one of `formats`. `options` must outlive the parsing.
@@ -13,4 +13,4 @@ void add_read_options(Command& command, const char* name, const char* meaning, R
 /// The same options without the recording.
 void add_decoding_options(Command& command, ReadOptions& options, const FormatRegistry& formats);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

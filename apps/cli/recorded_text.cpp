@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 double seconds(std::int64_t us) { return 1e-6 * static_cast<double>(us); }
@@ -66,4 +66,4 @@ std::string json_of(const std::vector<RecordedFile>& files, const std::filesyste
          "\n";
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -9,7 +9,7 @@
 #include "core/error.h"
 #include "recording/recorded_folder.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 int repair(const ReadOptions& options, const FormatRegistry& formats) {
@@ -52,4 +52,4 @@ void add_repair_command(CommandLine& line, const Registry& registry) {
   command.action([options, &registry] { return repair(*options, registry.formats); });
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

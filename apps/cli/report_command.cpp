@@ -11,7 +11,7 @@
 #include "evaluation/report/report.h"
 #include "evaluation/report/sweep_report.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 struct ReportOptions {
@@ -60,4 +60,4 @@ void add_report_command(CommandLine& line, const Registry& registry) {
   command.action([options, &registry] { return report(*options, registry.formats); });
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -8,7 +8,7 @@
 #include "apps/session/scenario_loop.h"
 #include "apps/view/view.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 struct RunOptions {
@@ -54,4 +54,4 @@ void add_run_command(CommandLine& line, const Registry& registry) {
   command.action([options, &registry] { return run(*options, registry); });
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -6,7 +6,7 @@
 #include "core/error.h"
 #include "recording/number_text.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 struct ScoreOptions {
@@ -51,4 +51,4 @@ void add_score_command(CommandLine& line) {
   });
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -2,7 +2,7 @@
 #include "apps/serve/serve_session.h"
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 void add_serve_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<ServeOptions>();
@@ -38,4 +38,4 @@ void add_serve_command(CommandLine& line, const Registry& registry) {
   });
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

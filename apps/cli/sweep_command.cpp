@@ -14,7 +14,7 @@
 #include "core/error.h"
 #include "sim/world.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 namespace fs = std::filesystem;
@@ -68,4 +68,4 @@ void add_sweep_command(CommandLine& line, const Registry& registry) {
   });
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

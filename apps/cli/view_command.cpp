@@ -10,7 +10,7 @@
 #include "apps/view/view.h"
 #include "sim/data_directory.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 struct ViewOptions : ReadOptions {
@@ -98,4 +98,4 @@ void add_view_command(CommandLine& line, const Registry& registry) {
   command.action([options, &registry] { return view(*options, registry); });
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -7,7 +7,7 @@
 #include "control/head_kinematics.h"
 #include "core/units.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 /// An object that may pass before the ball: what it hides across the line of sight.
@@ -104,4 +104,4 @@ BallView view_of(const CameraPath& path, const Camera& camera, const Trajectory&
   return view;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

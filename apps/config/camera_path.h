@@ -7,7 +7,7 @@
 #include "control/script_controller.h"
 #include "sim/world.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The poses of the left eye while the head follows a script without error: for the draw of a world, before there is one.
 class CameraPath {
@@ -37,4 +37,4 @@ struct BallView {
 [[nodiscard]] BallView view_of(const CameraPath& path, const Camera& camera, const Trajectory& ball,
                                double radius_m, const NamedObjects& objects, std::uint64_t seed);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -6,7 +6,7 @@
 
 #include "core/units.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr const char* pinhole = "pinhole";
@@ -217,4 +217,4 @@ void describe_camera(FieldVisitor& v, MountedCamera& mounted, std::string& prese
   v.section("eye_from_camera", mounted.mount, "pose of the camera in the eye");
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

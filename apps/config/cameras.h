@@ -6,7 +6,7 @@
 
 #include "core/camera.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// A camera that the key `preset` selects. docs/cameras.md has the sources of the values.
 struct CameraPreset {
@@ -50,4 +50,4 @@ struct CameraDefault {
 void describe_camera(FieldVisitor& v, MountedCamera& mounted, std::string& preset,
                      const CameraDefault& by_default);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

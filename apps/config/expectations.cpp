@@ -7,7 +7,7 @@
 #include "apps/config/figure_path.h"
 #include "evaluation/scoring/metrics.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 struct Bound {
@@ -117,4 +117,4 @@ std::vector<JudgedExpectation> judge(const std::vector<Expectation>& expectation
   return judged;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

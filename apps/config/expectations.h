@@ -7,7 +7,7 @@
 #include "apps/config/yaml_tree.h"
 #include "core/config.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 struct Metrics;
 
@@ -52,4 +52,4 @@ struct JudgedExpectation {
 [[nodiscard]] std::vector<JudgedExpectation> judge(const std::vector<Expectation>& expectations,
                                                    const Metrics& metrics);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The number, or null, at a path of metrics.json such as "gaze.in_view_ratio"; nullptr where there is none.
 inline const nlohmann::json* find_figure(const nlohmann::json& metrics, const std::string& path) {
@@ -19,4 +19,4 @@ inline const nlohmann::json* find_figure(const nlohmann::json& metrics, const st
   return node->is_number() || node->is_null() ? node : nullptr;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -6,7 +6,7 @@
 #include "apps/config/yaml_reader.h"
 #include "head/ikin_links.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 /// What is wrong with a head whose keys are all in range.
@@ -84,4 +84,4 @@ void describe_head(FieldVisitor& v, HeadConfig& head) {
   if (v.fills_defaults()) require_head(v, head);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -5,7 +5,7 @@
 
 #include "head/head_config.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The keys of a head: `file`, which read_head() reads, or `ikin_left` and `ikin_right`, lists of links for
 /// description_of_ikin(); then those of HeadConfig, which change what the files say.
@@ -19,4 +19,4 @@ void describe_head(FieldVisitor& v, HeadConfig& head);
 /// keys are not looked at. None where the file does not exist or has no such block. Throws InputError for a broken one.
 [[nodiscard]] std::optional<HeadConfig> read_recorded_head(const std::filesystem::path& path);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

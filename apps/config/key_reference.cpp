@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 /// The values that are given to keys, by path.
@@ -194,4 +194,4 @@ std::string unit_of_key(std::string_view key) {
   return {};
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -8,7 +8,7 @@
 
 #include "core/config.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The reference of one key.
 struct KeyRow {
@@ -33,4 +33,4 @@ struct KeyRow {
 [[nodiscard]] std::string keys_as_text(const std::vector<KeyRow>& rows, std::size_t width);
 [[nodiscard]] std::string keys_as_markdown(const std::vector<KeyRow>& rows);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -2,7 +2,7 @@
 
 #include "apps/config/key_reference.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 /// Type, unit, range or words, default, condition in one line.
@@ -66,4 +66,4 @@ std::string keys_as_markdown(const std::vector<KeyRow>& rows) {
   return text;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

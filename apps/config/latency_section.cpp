@@ -6,7 +6,7 @@
 #include "apps/config/yaml_writer.h"
 #include "evaluation/frame_camera/frame_detector.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 bool has(const LatencyConfig& latency, std::string_view name) {
@@ -79,4 +79,4 @@ std::string latency_yaml(LatencyConfig latency) {
   return writer.yaml();
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

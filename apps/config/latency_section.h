@@ -6,7 +6,7 @@
 #include "apps/config/sections.h"
 #include "loop/latency.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The keys of a scenario's section `latency`. With kind `model` each detector has a section of its own, and so has the
 /// frame camera if `frame_camera`; their values start from the file that the key `file` names, there under the
@@ -20,4 +20,4 @@ void describe_latency(FieldVisitor& v, LatencyConfig& latency, const NamedDetect
 /// The processing times as such a file.
 [[nodiscard]] std::string latency_yaml(LatencyConfig latency);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -5,7 +5,7 @@
 #include "apps/config/yaml_tree.h"
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 using Kind = YamlNode::Kind;
@@ -168,4 +168,4 @@ Migration migrate(const std::string& text, const std::string& file) {
   return result;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

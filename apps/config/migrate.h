@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// A key that was renamed: its old path in scenarios and robot files, and the new name of its last word. A word `*` of
 /// the path stands for any name.
@@ -38,4 +38,4 @@ struct Migration {
 /// located in the text.
 [[nodiscard]] Migration migrate(const std::string& text, const std::string& file);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

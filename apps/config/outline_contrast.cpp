@@ -5,7 +5,7 @@
 
 #include "core/rotation_vector.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr int instants = 8;
@@ -60,4 +60,4 @@ double OutlineContrast::share(const BallConfig& ball, const EmulatorConfig& sens
   return static_cast<double>(good) / static_cast<double>(points_.size());
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -9,7 +9,7 @@
 #include "sim/lab_probe.h"
 #include "sim/sim_config.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The contrast of a ball's outline against the lab behind it, at some instants of its motion. Hands, objects and highlights
 /// are left out.
@@ -34,4 +34,4 @@ class OutlineContrast {
   std::vector<Point> points_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

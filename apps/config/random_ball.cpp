@@ -4,7 +4,7 @@
 
 #include "apps/config/random_world_parts.h"
 
-namespace saccade::random_world {
+namespace saccade::inline v0_1::random_world {
 namespace {
 
 using Eigen::Vector3d;
@@ -146,4 +146,4 @@ TrajectoryConfig draw_ball_motion(RandomGenerator& random, const Stage& stage, c
   return t;
 }
 
-}  // namespace saccade::random_world
+}  // namespace saccade::inline v0_1::random_world

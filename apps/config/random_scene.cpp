@@ -5,7 +5,7 @@
 #include "apps/config/random_world_parts.h"
 #include "core/units.h"
 
-namespace saccade::random_world {
+namespace saccade::inline v0_1::random_world {
 
 using Eigen::Vector3d;
 
@@ -222,4 +222,4 @@ ObjectConfig draw_board(RandomGenerator& random, const Stage& stage, const Vecto
   return board;
 }
 
-}  // namespace saccade::random_world
+}  // namespace saccade::inline v0_1::random_world

@@ -9,7 +9,7 @@
 #include "control/head_kinematics.h"
 #include "core/units.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 using namespace random_world;
@@ -155,4 +155,4 @@ DrawnWorld random_world::draw_world(const RandomWorldConfig& config, std::uint64
   return world;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -9,7 +9,7 @@
 #include "core/config.h"
 #include "sim/sim_config.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Where a scenario's world comes from.
 enum class WorldFamily {
@@ -70,4 +70,4 @@ struct DrawnWorld {
 [[nodiscard]] DrawnWorld draw_world(const RandomWorldConfig& config, std::uint64_t seed,
                                     const std::optional<Camera>& camera);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

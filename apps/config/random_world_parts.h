@@ -7,7 +7,7 @@
 #include "sim/random_generator.h"
 
 // The draws of a random world, part by part.
-namespace saccade::random_world {
+namespace saccade::inline v0_1::random_world {
 
 /// draw_world() for the head of a scenario, through whose left eye the world is seen. A head without the iCub's joints of neck
 /// and eyes does not move.
@@ -72,4 +72,4 @@ void draw_colours(RandomGenerator& random, BallTone tone, BallConfig& ball);
                                                 const BallConfig& ball, const BallSize& size, bool rests,
                                                 bool leaves);
 
-}  // namespace saccade::random_world
+}  // namespace saccade::inline v0_1::random_world

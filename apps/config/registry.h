@@ -6,7 +6,7 @@
 #include "recording/format_registry.h"
 #include "robot/backend_registry.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Everything that files and options can name. A value: main builds it, may add rows, and passes it on.
 struct Registry {
@@ -17,4 +17,4 @@ struct Registry {
   BackendRegistry backends;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

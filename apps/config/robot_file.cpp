@@ -7,7 +7,7 @@
 #include "apps/config/yaml_reader.h"
 #include "apps/config/yaml_writer.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 void describe(FieldVisitor& v, RobotFile::Deploy& deploy) {
@@ -130,4 +130,4 @@ std::string resolved_robot_file(const RobotFile& robot) {
   return writer.yaml();
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -15,7 +15,7 @@
 #include "head/head_config.h"
 #include "robot/head_limits.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Whether deploy needs `saccade guard` to activate the head.
 enum class GuardUse {
@@ -82,4 +82,4 @@ void describe(FieldVisitor& v, RobotFile& robot);
 /// The robot file with every default, as YAML that reads back the same.
 [[nodiscard]] std::string resolved_robot_file(const RobotFile& robot);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -14,7 +14,7 @@
 #include "evaluation/scoring/metrics.h"
 #include "sim/data_directory.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 /// The words of `key.path=value` before any of `ends`.
@@ -363,4 +363,4 @@ EmulatorConfig read_emulator(const std::filesystem::path& path, const std::vecto
   return config;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -19,7 +19,7 @@
 #include "loop/latency.h"
 #include "sim/sim_robot.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// A closed-loop run, as a scenario file describes it.
 struct Scenario {
@@ -118,4 +118,4 @@ void describe(FieldVisitor& v, Scenario& scenario);
 [[nodiscard]] EmulatorConfig read_emulator(const std::filesystem::path& path,
                                            const std::vector<std::string>& assignments);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -4,7 +4,7 @@
 
 #include "apps/config/scenario.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 /// The row whose selecting key the block has; the block's name where it has none.
@@ -62,4 +62,4 @@ void describe_calibration(FieldVisitor& v, MountedCamera& calibration) {
   describe(v, calibration);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -10,7 +10,7 @@
 #include "core/camera.h"
 #include "core/detector_registry.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Detectors by the name they have in a run, in file order.
 using NamedDetectors = std::vector<std::pair<std::string, DetectorConfig>>;
@@ -30,4 +30,4 @@ void describe_name(FieldVisitor& v, std::string& name, std::string_view doc);
 /// The keys of a calibration: `file`, which read_calibration() reads, then those of MountedCamera.
 void describe_calibration(FieldVisitor& v, MountedCamera& calibration);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -4,7 +4,7 @@
 #include "apps/config/yaml_writer.h"
 #include "recording/run_files.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 StimulusFile read_stimulus_file(const std::filesystem::path& path) {
   const YamlTree tree = read_yaml_file(path);
@@ -31,4 +31,4 @@ std::string emulator_yaml(EmulatorConfig config) {
   return writer.yaml();
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

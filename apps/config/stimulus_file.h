@@ -6,7 +6,7 @@
 #include "emulator/emulator_config.h"
 #include "evaluation/sensor_fit/stimulus.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Reads a stimulus file, and the tables of circles that it names, relative to it. Throws InputError with everything that
 /// is wrong.
@@ -15,4 +15,4 @@ namespace saccade {
 /// An event camera as a file with the block `emulator`, all keys in it: for `saccade emulate --config`, and for a scenario.
 [[nodiscard]] std::string emulator_yaml(EmulatorConfig config);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

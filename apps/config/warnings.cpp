@@ -10,7 +10,7 @@
 #include "core/units.h"
 #include "sim/trajectory.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 std::string rounded(double value) { return text_of(std::round(value * 10.0) / 10.0); }
@@ -107,4 +107,4 @@ std::vector<std::string> warnings_of(const Scenario& scenario) {
   return warnings;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -3,7 +3,7 @@
 #include "apps/config/random_world_parts.h"
 #include "apps/config/yaml_reader.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 /// Sets the key radius_px of a config that has it.
@@ -49,4 +49,4 @@ void draw_defaults(const YamlTree& tree, const std::string& folder, Scenario& sc
   *script = drawn.script;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

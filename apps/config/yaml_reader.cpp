@@ -8,7 +8,7 @@
 
 #include "apps/config/migrate.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 using Kind = YamlNode::Kind;
@@ -352,4 +352,4 @@ void YamlReader::finish() {
   throw_if_any(std::move(problems_));
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -12,7 +12,7 @@
 #include "apps/config/yaml_tree.h"
 #include "core/config.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Reads a tree into config structs through their `describe`. A missing key leaves the default; a key that
 /// no describe() names is a problem, and so is every value that its key does not take:
@@ -90,4 +90,4 @@ template <class Config>
   return config;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -11,7 +11,7 @@
 #include <sstream>
 #include <utility>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::size_t max_bytes = std::size_t{1} << 20;
@@ -435,4 +435,4 @@ std::string quote_yaml(std::string_view text) {
   return quoted + "\"";
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Line and column in a file, from 1. Line 0: not from a file but from a `--set`.
 struct TextMark {
@@ -86,4 +86,4 @@ void throw_if_any(std::vector<MarkedProblem> problems);
 /// The text in double quotes with YAML's escapes, on one line.
 [[nodiscard]] std::string quote_yaml(std::string_view text);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -6,7 +6,7 @@
 
 #include "apps/config/yaml_tree.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 /// Words stay plain; whatever a reader of YAML could take for something else is put in quotes.
@@ -95,4 +95,4 @@ void YamlWriter::section(std::string_view key, const std::function<void(FieldVis
   yaml_ += inner.yaml_;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -9,7 +9,7 @@
 
 #include "core/config.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Writes a config struct through its `describe` as YAML that a YamlReader reads back to the same values:
 /// every key, in the order described, numbers as text_of() writes them. The values must be valid (finite
@@ -52,4 +52,4 @@ template <class Config>
   return writer.yaml();
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

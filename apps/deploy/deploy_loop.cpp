@@ -8,7 +8,7 @@
 #include "apps/config/robot_file.h"
 #include "apps/session/scenario_loop.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 std::string text(ImageSize size) { return fmt::format("{} x {} pixels", size.width, size.height); }
@@ -68,4 +68,4 @@ DeploySession::MakeMotion motion_maker(Robot& robot, const RobotFile& file) {
   };
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -13,7 +13,7 @@
 #include "core/error.h"
 #include "evaluation/scoring/metrics.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::size_t tick_slots = 4096;
@@ -444,4 +444,4 @@ void DeployRecorder::write_summary(bool tables_ended_early) const {
   file.commit();
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -21,7 +21,7 @@
 #include "loop/run_log.h"
 #include "recording/run_files.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Facts about a deployed run for its summary.
 struct DeployFacts {
@@ -149,4 +149,4 @@ class DeployRecorder final : public DeployObserver {
   std::thread writer_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -23,7 +23,7 @@
 #include "evaluation/report/report.h"
 #include "robot/dry_robot.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 bool print_checks(const std::vector<StartUpCheck>& checks) {
@@ -138,4 +138,4 @@ void deploy(const DeployOptions& options, const Registry& registry) {
   if (!ended.empty()) throw RunError(ended);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

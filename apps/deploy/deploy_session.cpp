@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::int64_t attempt_us = 100'000;
@@ -221,4 +221,4 @@ void DeploySession::change(DeployState state, const std::optional<Fault>& stop, 
   observer_.on_change({robot_.clock().now_us(), state, stop, took_us, std::move(rejected)});
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

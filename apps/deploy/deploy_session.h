@@ -12,7 +12,7 @@
 #include "loop/watchdog.h"
 #include "robot/robot.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Control of a robot's motors:
 ///
@@ -186,4 +186,4 @@ class DeploySession {
   std::int64_t missed_ = 0;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -2,7 +2,7 @@
 
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 GuardLink::GuardLink(const std::string& head, GuardUse use, std::int64_t bound_ns)
     : memory_("guard-" + head, sizeof(GuardBoard)),
@@ -60,4 +60,4 @@ GuardWatch::Action GuardWatch::look(const GuardBoard& board, std::int64_t now_ns
   return Action::stop;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -8,7 +8,7 @@
 #include "apps/deploy/deploy_session.h"
 #include "apps/deploy/shared_memory.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// What deploy and its guard write for each other, in shared memory. Every value has one writer; no side waits. A process
 /// that is killed or halted leaves its last values, whose age the other side sees. Times: machine_ns().
@@ -67,4 +67,4 @@ class GuardWatch {
   std::uint64_t handled_ = 0;  // the activation that it stopped
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

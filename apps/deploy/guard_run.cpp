@@ -12,7 +12,7 @@
 #include "apps/session/interrupt.h"
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr auto look_period = std::chrono::milliseconds(2);
@@ -81,4 +81,4 @@ void guard(const GuardOptions& options, const Registry& registry) {
   }
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 struct Registry;
 
@@ -21,4 +21,4 @@ struct GuardOptions {
 /// of deploy runs one after the other. Throws InputError; RunError if the head is not there or has a guard already.
 void guard(const GuardOptions& options, const Registry& registry);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -12,7 +12,7 @@
 #include "robot/backend_registry.h"
 #include "robot/steady_clock.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The backend `practice`.
 struct PracticeConfig {
@@ -99,4 +99,4 @@ class PracticeStopper final : public HeadStopper {
   SharedHead head_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

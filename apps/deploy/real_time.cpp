@@ -7,7 +7,7 @@
 #include <cerrno>
 #include <system_error>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr int priority = 50;  // the middle: below the hardware drivers
@@ -38,4 +38,4 @@ RealTime::~RealTime() {
   munlockall();
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Requests real-time priority for this thread (SCHED_FIFO) and locks the program's memory (mlockall) for its lifetime,
 /// as far as the operating system permits.
@@ -20,4 +20,4 @@ class RealTime {
   std::string summary_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 namespace fs = std::filesystem;
@@ -123,4 +123,4 @@ void RecordingFiles::commit() {
   sync_folder(folder_);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

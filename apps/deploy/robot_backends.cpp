@@ -13,7 +13,7 @@
 #include "robot/yarp/yarp_robot.h"
 #endif
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 std::unique_ptr<Robot> open_recording(const RecordingBackendConfig& config, const RobotContext& context) {
@@ -84,4 +84,4 @@ BackendRegistry built_in_backends() {
   return registry;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

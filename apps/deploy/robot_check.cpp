@@ -19,7 +19,7 @@
 #include "robot/yarp/yarp_network.h"
 #endif
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 namespace fs = std::filesystem;
@@ -148,4 +148,4 @@ std::vector<StartUpCheck> robot_checks(const RobotCheckOptions& options, const R
   return checks;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -7,7 +7,7 @@
 #include "apps/config/robot_file.h"
 #include "robot/robot.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 struct RobotCheckOptions {
   std::filesystem::path robot;
@@ -26,4 +26,4 @@ struct RobotCheckOptions {
 [[nodiscard]] std::vector<StartUpCheck> robot_checks(const RobotCheckOptions& options,
                                                      const Registry& registry);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

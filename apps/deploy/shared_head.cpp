@@ -3,7 +3,7 @@
 #include <bit>
 #include <cmath>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 SharedHead::SharedHead(const std::string& name) : shared_("practice-" + name, sizeof(Memory)) {}
 
@@ -96,4 +96,4 @@ bool SharedHead::command(std::uint64_t number, const HeadJointVector& reference_
   return true;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

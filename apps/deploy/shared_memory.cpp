@@ -13,7 +13,7 @@
 
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 SharedMemory::SharedMemory(const std::string& name, std::size_t size) : size_(size) {
   std::string file = "/saccade-" + name;
@@ -47,4 +47,4 @@ std::int64_t machine_ns() {
   return std::int64_t{1'000'000'000} * now.tv_sec + now.tv_nsec;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

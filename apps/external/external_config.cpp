@@ -5,7 +5,7 @@
 
 #include "recording/helper_reader.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::string_view worker_program = "saccade-worker";
@@ -75,4 +75,4 @@ SocketAddress address_of(const SocketConfig& config) {
   return parse_socket_address(config.socket).value();
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -6,7 +6,7 @@
 #include "apps/external/socket_address.h"
 #include "core/config.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Limits of the wall clock for a program.
 struct AnswerLimits {
@@ -50,4 +50,4 @@ void describe(FieldVisitor& v, SocketConfig& config);
 /// Throws InputError for a configuration out of range.
 [[nodiscard]] SocketAddress address_of(const SocketConfig& config);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -3,7 +3,7 @@
 #include "apps/external/line_text.h"
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 std::string reference_form(int joints) {
@@ -87,4 +87,4 @@ HeadJointVector ExternalController::step(const HeadState& state,
   return reference_rad_;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

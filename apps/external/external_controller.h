@@ -10,7 +10,7 @@
 #include "control/gaze_controller.h"
 #include "control/joint_limiter.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// A gaze controller in a program of its own, by the protocol of docs/external_controllers.md. Simulated time waits for its
 /// answers. A crash, an answer that is no reference, or an answer after the time limit ends it: from then on it keeps its
@@ -50,4 +50,4 @@ class ExternalController final : public GazeController {
 [[nodiscard]] std::optional<HeadJointVector> parse_reference(std::string_view line,
                                                              int joints = head_joint_count);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

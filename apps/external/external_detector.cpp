@@ -7,7 +7,7 @@
 #include "apps/external/line_text.h"
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::size_t record_bytes = 16;
@@ -178,4 +178,4 @@ void ExternalDetector::fail(LineProcess::Status status, const std::string& momen
   failure_ = end_program(process_, status, name_, moment, limit);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -10,7 +10,7 @@
 #include "core/detector.h"
 #include "core/detector_parts.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// A detector in a program of its own, by the protocol of docs/external_detectors.md. Simulated time waits for its
 /// answers. A crash, an answer that is no estimate, or an answer after the time limit ends it: from then on it has no
@@ -64,4 +64,4 @@ struct ReadyLine {
 [[nodiscard]] std::optional<ReadyLine> parse_ready(std::string_view line);
 [[nodiscard]] std::optional<Estimate> parse_estimate(std::string_view line);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -6,7 +6,7 @@
 #include "apps/external/external_controller.h"
 #include "apps/external/external_detector.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
@@ -49,4 +49,4 @@ void add_external_controllers(ControllerRegistry& registry) {
   add_controller<SocketConfig>(registry, "socket", "a gaze controller of your own, a program that listens");
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

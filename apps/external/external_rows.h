@@ -3,7 +3,7 @@
 #include "control/controller_registry.h"
 #include "core/detector_registry.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Adds the rows `python`, `command` and `socket`: detectors outside of this program (docs/external_detectors.md). The keys of the
 /// same names select them where an entry has no `preset`.
@@ -12,4 +12,4 @@ void add_external_detectors(DetectorRegistry& registry);
 /// Adds the rows `python`, `command` and `socket`: gaze controllers outside of this program (docs/external_controllers.md).
 void add_external_controllers(ControllerRegistry& registry);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

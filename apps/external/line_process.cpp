@@ -14,7 +14,7 @@
 #include "core/error.h"
 #include "recording/spawn_settings.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -120,4 +120,4 @@ std::string LineProcess::stop(std::chrono::milliseconds patience) {
   return ended > 0 ? how_ended(status) : std::string();
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -9,7 +9,7 @@
 
 #include "apps/external/socket_address.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// A program that answers each message with one line: one that this object starts, or one that listens.
 ///
@@ -56,4 +56,4 @@ class LineProcess {
   std::string received_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 std::string_view next_word(std::string_view& line) {
   const std::size_t begin = std::min(line.find_first_not_of(" \t\r"), line.size());
@@ -52,4 +52,4 @@ std::string end_program(LineProcess& process, LineProcess::Status status, const 
   }
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

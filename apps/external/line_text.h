@@ -9,7 +9,7 @@
 
 #include "apps/external/line_process.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Words and numbers in the lines that programs of one's own exchange with us.
 
@@ -43,4 +43,4 @@ void append_word(std::string& text, Number value) {
                                       const std::string& name, const std::string& moment,
                                       std::chrono::milliseconds limit);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

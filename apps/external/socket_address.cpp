@@ -16,7 +16,7 @@
 
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -117,4 +117,4 @@ int connect_to(const SocketAddress& address, std::chrono::milliseconds limit) {
   }
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Where a program listens.
 struct SocketAddress {
@@ -24,4 +24,4 @@ struct SocketAddress {
 /// nobody does within the limit of the wall clock, or the host is unknown.
 [[nodiscard]] int connect_to(const SocketAddress& address, std::chrono::milliseconds limit);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -7,7 +7,7 @@
 #include "core/srgb.h"
 #include "recording/codec.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 std::string kind_of(const cv::Mat& image) {
@@ -93,4 +93,4 @@ void DecodedSequence::look_ahead() {
   }
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -7,7 +7,7 @@
 
 #include "apps/images/image_sequence.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Converts decoded images to luminance, as ImageSequence describes.
 class Luminance {
@@ -46,4 +46,4 @@ class DecodedSequence : public ImageSequence {
   std::int64_t next_ = 0;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

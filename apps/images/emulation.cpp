@@ -13,7 +13,7 @@
 #include "recording/number_text.h"
 #include "recording/output_file.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::string_view label_header = "t_us,x,y,p,cause\n";
@@ -171,4 +171,4 @@ EmulationResult emulate_images(const EmulationConfig& options, const FormatRegis
           luminance.min, luminance.max, emulator.counts()};
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

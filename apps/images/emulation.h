@@ -11,7 +11,7 @@
 #include "emulator/event_emulator.h"
 #include "recording/format_registry.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Images in, a recording out.
 struct EmulationConfig {
@@ -44,4 +44,4 @@ using EmulationProgress = std::function<void(std::int64_t images, std::int64_t e
 EmulationResult emulate_images(const EmulationConfig& config, const FormatRegistry& formats,
                                const EmulationProgress& progress = {});
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

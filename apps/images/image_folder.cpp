@@ -13,7 +13,7 @@
 #include "recording/codec.h"
 #include "recording/number_text.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::array<std::string_view, 9> image_extensions = {".bmp", ".exr", ".jpeg", ".jpg", ".pgm",
@@ -165,4 +165,4 @@ std::unique_ptr<ImageSequence> open_image_folder(const std::filesystem::path& pa
   return std::make_unique<FolderSequence>(path, white, named);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

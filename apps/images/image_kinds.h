@@ -8,7 +8,7 @@
 #include "apps/images/image_sequence.h"
 #include "core/event.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The kinds of image sequences, one file each; open_image_sequence chooses. Throw InputError.
 [[nodiscard]] std::unique_ptr<ImageSequence> open_image_folder(const std::filesystem::path& path,
@@ -30,4 +30,4 @@ inline constexpr int longest_image_side = 16384;
   return "width and height in [1, " + std::to_string(longest_image_side) + "]";
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -4,7 +4,7 @@
 #include "core/error.h"
 #include "recording/codec.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 namespace fs = std::filesystem;
 
@@ -30,4 +30,4 @@ std::unique_ptr<ImageSequence> open_image_sequence(const fs::path& path, double 
   return open_video(path, white);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -10,7 +10,7 @@
 
 #include "core/event.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Properties of a sequence before its images are read.
 struct ImageSequenceInfo {
@@ -68,4 +68,4 @@ struct ImageTime {
                                                                  double white,
                                                                  std::span<const ImageTime> named = {});
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

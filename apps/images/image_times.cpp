@@ -8,7 +8,7 @@
 #include "recording/codec.h"
 #include "recording/number_text.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 namespace fs = std::filesystem;
@@ -74,4 +74,4 @@ std::vector<ImageTime> read_image_times(const fs::path& path) {
   return times;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -10,7 +10,7 @@
 #include "recording/codec.h"
 #include "recording/npy_header.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 class NpySequence final : public ImageSequence {
@@ -127,4 +127,4 @@ std::unique_ptr<ImageSequence> open_npy(const std::filesystem::path& path) {
   return std::make_unique<NpySequence>(path);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

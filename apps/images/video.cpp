@@ -5,7 +5,7 @@
 #include "apps/images/image_kinds.h"
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 class VideoSequence final : public DecodedSequence {
@@ -52,4 +52,4 @@ std::unique_ptr<ImageSequence> open_video(const std::filesystem::path& path, dou
   return std::make_unique<VideoSequence>(path, white);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

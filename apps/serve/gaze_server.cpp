@@ -14,7 +14,7 @@
 #include "core/error.h"
 #include "core/units.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr double least_vergence_deg = 0.5;
@@ -490,4 +490,4 @@ GazeServer::Report GazeServer::report() {
   return report;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

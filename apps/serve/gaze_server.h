@@ -12,7 +12,7 @@
 #include "control/ikingaze_controller.h"
 #include "core/camera.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Replies to the requests of iKinGazeCtrl, carried out by IkinGazeController. Independent of the network: a request and
 /// its reply are text as YARP writes a message, words, numbers and lists in brackets; the position of brackets does not
@@ -118,4 +118,4 @@ class GazeServer {
   std::int64_t requests_ = 0;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

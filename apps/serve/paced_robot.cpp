@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <thread>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::chrono::milliseconds catch_up(20);
@@ -33,4 +33,4 @@ void PacedRobot::restart() {
   busy_ = slipped_ = latest_ = {};
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

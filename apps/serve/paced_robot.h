@@ -5,7 +5,7 @@
 
 #include "robot/robot.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Makes a simulated robot keep time with the wall clock: its clock waits until a millisecond has passed before it
 /// advances the simulation by one. Everything else passes through.
@@ -47,4 +47,4 @@ class PacedRobot final : public Robot, public Clock {
   SteadyClock::duration busy_{}, slipped_{}, latest_{};
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

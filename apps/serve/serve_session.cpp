@@ -21,7 +21,7 @@
 #include "apps/session/version.h"
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr double least_image_interval_ms = 1.0;  // more images cannot be drawn in real time
@@ -157,4 +157,4 @@ int serve(const ServeOptions& options, const Registry& registry) {
   return 0;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -8,7 +8,7 @@
 
 #include "apps/config/registry.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 struct ServeOptions {
   std::filesystem::path scenario;
@@ -40,4 +40,4 @@ struct ServeOptions {
 /// Returns the exit status. Throws InputError, RunError.
 int serve(const ServeOptions& options, const Registry& registry);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

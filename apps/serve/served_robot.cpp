@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr int gaze_report_ticks = 10;              // of iKinGazeCtrl's ports: 10 ms
@@ -152,4 +152,4 @@ void ServedRobot::log_changes() {
   }
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -15,7 +15,7 @@
 #include "robot/yarp/gaze_ports.h"
 #include "sim/sim_robot.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// A simulated robot on YARP ports: an observer that exchanges data between the ports and the robot after each tick.
 class ServedRobot final : public LoopObserver {
@@ -71,4 +71,4 @@ class ServedRobot final : public LoopObserver {
   bool has_target_ = false;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

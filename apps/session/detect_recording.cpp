@@ -18,7 +18,7 @@
 #include "recording/run_file_names.h"
 #include "robot/replay/replay_robot.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::int64_t tick_us = 1'000;
@@ -194,4 +194,4 @@ void detect_recording(const NamedDetectors& named, const DetectSettings& setting
   finish_run_folder(settings.folder, metrics, formats);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

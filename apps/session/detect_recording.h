@@ -5,7 +5,7 @@
 #include "apps/config/sections.h"
 #include "apps/session/played.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// How detect_recording() runs.
 struct DetectSettings {
@@ -26,4 +26,4 @@ struct DetectSettings {
 /// ball where there is to be none; RunError after an interrupt.
 void detect_recording(const NamedDetectors& detectors, const DetectSettings& settings);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -7,7 +7,7 @@
 
 #include "loop/loop.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// A message for each detector and for each gaze controller that ends during a run (Detector::failure()), in the tick in
 /// which it does.
@@ -41,4 +41,4 @@ class FailureLog final : public LoopObserver {
   bool controller_ended_ = false;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

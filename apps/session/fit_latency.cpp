@@ -9,7 +9,7 @@
 #include "apps/session/session.h"
 #include "loop/work_fit.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 /// Processing times of the frame camera's detector.
@@ -51,4 +51,4 @@ LatencyConfig fit_latency(Scenario scenario) {
   return latency;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -3,11 +3,11 @@
 #include "apps/config/scenario.h"
 #include "loop/latency.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Runs a scenario without latency and without a folder, and fits the processing times of its detectors, of its frame
 /// camera and of its controller on this machine. Throws InputError for a scenario without detectors, RunError after
 /// an interrupt.
 [[nodiscard]] LatencyConfig fit_latency(Scenario scenario);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 FrameCamera::FrameCamera(const FrameDetectorConfig& config, const SimConfig& sim,
                          const LatencyConfig& latency, SimRobot& robot)
@@ -42,4 +42,4 @@ std::optional<std::int64_t> FrameCamera::process(std::int64_t t_us) {
   return free_us_;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

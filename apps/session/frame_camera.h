@@ -6,7 +6,7 @@
 #include "loop/loop.h"
 #include "sim/sim_robot.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The conventional camera of a simulated run, in the place of the left eye, and its ball detector (`frame_30hz`): an
 /// observer that exposes images and detects the ball in each. It compares; nothing else in the run depends on it.
@@ -43,4 +43,4 @@ class FrameCamera final : public LoopObserver {
   double wall_s_ = 0.0;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -4,7 +4,7 @@
 
 #include "core/event_label.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -37,4 +37,4 @@ LabelRow label_row(const Event& event, const EventLabel& label) {
   return row;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

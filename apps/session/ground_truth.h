@@ -7,7 +7,7 @@
 #include "recording/run_files.h"
 #include "sim/sim_robot.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The simulator's ground truth as recorders and scores read it after each tick.
 struct GroundTruth {
@@ -27,4 +27,4 @@ struct GroundTruth {
 /// An event's label as a row of labels.csv.
 [[nodiscard]] LabelRow label_row(const Event& event, const EventLabel& label);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -10,7 +10,7 @@
 #include "core/error.h"
 #include "loop/loop.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// How long instants wait for estimates in a run with that latency: detectors that are further behind have no
 /// observation there.
@@ -80,4 +80,4 @@ class InstantQueue {
   std::size_t count_ = 0;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -2,7 +2,7 @@
 
 #include <csignal>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 volatile std::sig_atomic_t flag = 0;  // the one global: signals have no other way in
@@ -24,4 +24,4 @@ void catch_interrupts() {
 
 bool interrupted() { return flag != 0; }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 LogFile::LogFile(const std::filesystem::path& file, std::function<void(const std::string&)> echo)
     : file_(file), echo_(std::move(echo)) {}
@@ -13,4 +13,4 @@ void LogFile::write(std::int64_t t_us, const std::string& text) {
   echo_(line);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -7,7 +7,7 @@
 
 #include "recording/output_file.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The log of a run, log.txt: one line per message with its time in seconds, written to the file and to an echo.
 class LogFile {
@@ -25,4 +25,4 @@ class LogFile {
   std::function<void(const std::string&)> echo_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

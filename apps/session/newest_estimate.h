@@ -8,7 +8,7 @@
 #include "loop/loop.h"
 #include "recording/run_files.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// A detector's newest estimate that is ready, tick by tick (`streaming` in docs/scoring.md). An estimate stays the newest
 /// one until the next result is ready, and while events may still be on their way.
@@ -78,4 +78,4 @@ class NewestEstimate {
   return {t_us, detector, estimate.circle, estimate.score, estimate.held, estimate.covariance_px2};
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -10,7 +10,7 @@
 #include "recording/number_text.h"
 #include "recording/run_file_names.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 /// The eye whose events the detectors get: that of the option, else the left one; the right one if the recording's first
@@ -153,4 +153,4 @@ void add_joints(Played& played, const std::filesystem::path& joints) {
   played.head.emplace(RecordedHead{joints_from(open(events.host_ahead_us), wanted_us), {}});
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

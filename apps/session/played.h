@@ -11,7 +11,7 @@
 #include "recording/format_registry.h"
 #include "robot/replay/replay_robot.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// A recording that a subcommand reads, and how to read it.
 struct ReadOptions {
@@ -53,4 +53,4 @@ struct Played {
 /// missing or broken file, and where all joints are before the first event.
 void add_joints(Played& played, const std::filesystem::path& joints);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

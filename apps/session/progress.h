@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Progress on standard error: one changing line on a terminal, a line every tenth of the way in a log.
 class Progress {
@@ -45,4 +45,4 @@ class Progress {
   double next_ = 0.0;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -5,7 +5,7 @@
 
 #include "apps/session/newest_estimate.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 RecordedScores::RecordedScores(const Loop& loop, std::span<const TruthRow> truth, Chances chances,
                                const std::filesystem::path& table)
@@ -80,4 +80,4 @@ std::vector<DetectorScore> RecordedScores::finish() {
   return scores;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

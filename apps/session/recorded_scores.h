@@ -10,7 +10,7 @@
 #include "loop/loop.h"
 #include "recording/run_files.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Records and scores the detections of a recording against given truth, tick by tick. Memory does not grow with the
 /// ticks.
@@ -50,4 +50,4 @@ class RecordedScores final : public LoopObserver {
   std::optional<std::int64_t> last_event_us_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

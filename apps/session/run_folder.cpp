@@ -12,7 +12,7 @@
 #include "recording/output_file.h"
 #include "recording/run_file_names.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 namespace fs = std::filesystem;
@@ -72,4 +72,4 @@ void finish_run_folder(const fs::path& folder, const Metrics& metrics, const For
   throw_if_a_program_ended(metrics);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -5,7 +5,7 @@
 
 #include "evaluation/scoring/metrics.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 class FormatRegistry;
 
@@ -22,4 +22,4 @@ void throw_if_a_program_ended(const Metrics& metrics);
 void finish_run_folder(const std::filesystem::path& folder, const Metrics& metrics,
                        const FormatRegistry& formats);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

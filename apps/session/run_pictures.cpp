@@ -14,7 +14,7 @@
 #include "evaluation/report/figures.h"
 #include "evaluation/report/overlay.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::int64_t shown_events_us = 10'000;  ///< age of the oldest event in an image
@@ -128,4 +128,4 @@ void RunPictures::commit() {
   if (video_) video_->commit();
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

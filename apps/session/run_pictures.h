@@ -13,7 +13,7 @@ namespace cv {
 class Mat;
 }
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 class RunScores;
 class VideoComposer;
@@ -51,4 +51,4 @@ class RunPictures final : public LoopObserver {
   double wall_s_ = 0.0;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -4,7 +4,7 @@
 
 #include "recording/run_file_names.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 std::optional<FrameCamera> frame_camera(const Scenario& scenario, SimRobot& robot) {
@@ -67,4 +67,4 @@ std::vector<std::pair<std::string, std::string>> settings_of(const std::vector<s
   return {settings.begin(), settings.end()};
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

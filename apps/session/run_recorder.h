@@ -12,7 +12,7 @@
 #include "apps/session/run_scores.h"
 #include "apps/session/run_tables.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Records a simulated run: frame camera, tables, scores and images, which are observers of their own. The only place
 /// where the loop's ticks and the simulator's ground truth meet.
@@ -44,4 +44,4 @@ class RunRecorder final : public LoopObserver {
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> settings_of(
     const std::vector<std::string>& assignments);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

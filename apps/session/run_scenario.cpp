@@ -17,7 +17,7 @@
 #include "apps/session/version.h"
 #include "loop/run_log.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 /// Calls a function at the end of its scope, whatever ends it.
@@ -105,4 +105,4 @@ Metrics score_scenario(const Scenario& scenario) {
   return recorder.finish(session.wall_s() - recorder.picture_wall_s(), {});
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -10,7 +10,7 @@
 #include "loop/loop.h"
 #include "sim/sim_robot.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// How run_scenario() runs a scenario.
 struct RunSettings {
@@ -31,4 +31,4 @@ int run_scenario(const Scenario& scenario, const RunSettings& settings);
 /// The same without a folder: nothing is written or printed, and no pictures are made.
 [[nodiscard]] Metrics score_scenario(const Scenario& scenario);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -7,7 +7,7 @@
 #include "control/head_kinematics.h"
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 GazeScoringConfig gaze_scoring(const Scenario& scenario, const Camera& camera, const JointLimits& limits) {
@@ -255,4 +255,4 @@ Metrics RunScores::metrics() {
   return metrics;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -16,7 +16,7 @@
 #include "evaluation/scoring/metrics.h"
 #include "loop/loop.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 class FrameCamera;
 
@@ -105,4 +105,4 @@ class RunScores final : public LoopObserver {
   std::int64_t now_us_ = 0;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

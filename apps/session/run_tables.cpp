@@ -5,7 +5,7 @@
 #include "core/error.h"
 #include "recording/run_file_names.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 std::string event_file_name(const Scenario& scenario) { return "events." + scenario.output.events; }
 
@@ -114,4 +114,4 @@ void RunTables::commit() {
   if (detections_right_) detections_right_->commit();
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

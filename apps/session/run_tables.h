@@ -13,7 +13,7 @@
 #include "recording/event_file.h"
 #include "recording/run_files.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 class FrameCamera;
 
@@ -61,4 +61,4 @@ class RunTables final : public LoopObserver {
   std::optional<TableWriter<DetectionRow>> detections_right_;  // only with a detector on the right eye
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <string>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 JointLimits aiming_limits(const Scenario& scenario, JointLimits limits) {
   const Eigen::Isometry3d left = scenario.calibration.mount.eye_from_camera();
@@ -58,4 +58,4 @@ void set_rasterisers(std::int64_t threads) {
   setenv("LP_NUM_THREADS", threads == 1 ? "0" : std::to_string(threads).c_str(), 1);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

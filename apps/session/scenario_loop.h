@@ -6,7 +6,7 @@
 #include "apps/config/scenario.h"
 #include "loop/loop.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The parts of a loop as a scenario describes them.
 
@@ -25,4 +25,4 @@ namespace saccade {
 /// GlContext of its kind that is created afterwards. No other thread may be running.
 void set_rasterisers(std::int64_t threads);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

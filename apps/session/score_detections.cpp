@@ -10,7 +10,7 @@
 #include "core/error.h"
 #include "evaluation/scoring/metrics.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 template <class Row>
@@ -64,4 +64,4 @@ void score_detections(const ScoreSettings& settings) {
   for (const auto& [name, score] : scores) print_summary(name, score);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// How score_detections() runs.
 struct ScoreSettings {
@@ -20,4 +20,4 @@ struct ScoreSettings {
 /// nothing in common.
 void score_detections(const ScoreSettings& settings);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -5,7 +5,7 @@
 #include "apps/session/interrupt.h"
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 bool Session::tick(std::int64_t t_us) {
   if (!begin_) begin_ = std::chrono::steady_clock::now();
@@ -26,4 +26,4 @@ double Session::wall_s() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - *begin_).count();
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

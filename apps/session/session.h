@@ -9,7 +9,7 @@
 #include "loop/loop.h"
 #include "robot/robot.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Observers of one loop, called in the order in which they were added. They outlive it.
 class TickObservers final : public LoopObserver {
@@ -50,4 +50,4 @@ class Session {
   std::optional<std::chrono::steady_clock::time_point> begin_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

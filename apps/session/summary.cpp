@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 std::string number(const std::optional<double>& value, const char* unit) {
@@ -79,4 +79,4 @@ void print_summary(const Metrics& metrics) {
   }
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -4,11 +4,11 @@
 
 #include "evaluation/scoring/metrics.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The key figures of a detector on standard output, in one line.
 void print_summary(const std::string& detector, const DetectorScore& score);
 /// The key figures of a run on standard output, a line per detector and one for the gaze.
 void print_summary(const Metrics& metrics);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

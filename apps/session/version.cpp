@@ -1,6 +1,6 @@
 #include "apps/session/version.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 std::string_view version() { return SACCADE_VERSION; }
 std::string_view commit() { return SACCADE_COMMIT; }
@@ -9,4 +9,4 @@ std::string version_line() {
   return "# saccade " + std::string(version()) + " (" + std::string(commit()) + ")";
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

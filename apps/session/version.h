@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The program's version, "0.1.0".
 [[nodiscard]] std::string_view version();
@@ -13,4 +13,4 @@ namespace saccade {
 /// "# saccade VERSION (COMMIT)", the first line of resolved files in a run folder.
 [[nodiscard]] std::string version_line();
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -14,7 +14,7 @@
 #include "core/error.h"
 #include "recording/output_file.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 int status_of(const std::function<int()>& work) {
@@ -77,4 +77,4 @@ std::string failure_text(int status, const std::filesystem::path& log) {
   return WIFSIGNALED(status) ? fmt::format("ended by signal {}: {}", WTERMSIG(status), line) : line;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

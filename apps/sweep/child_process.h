@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <functional>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Processes that make one run each, so that a crash ends one run alone.
 
@@ -25,4 +25,4 @@ int run_in_child(int log, const std::function<int()>& work);
 /// Why a process ended as it did: the last line of its log, and the signal where one ended it.
 [[nodiscard]] std::string failure_text(int status, const std::filesystem::path& log);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -6,7 +6,7 @@
 
 #include "apps/sweep/run_comparison.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -127,4 +127,4 @@ std::string comparison_json(const RunComparison& comparison) {
   return json.dump(2) + "\n";
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

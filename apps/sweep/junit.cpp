@@ -9,7 +9,7 @@
 #include "apps/session/version.h"
 #include "recording/output_file.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 /// XML has no control characters.
@@ -113,4 +113,4 @@ void write_junit(const std::filesystem::path& path, const std::vector<ScenarioTe
   write_file(path, text.str());
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

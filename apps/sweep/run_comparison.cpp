@@ -7,7 +7,7 @@
 #include "core/error.h"
 #include "recording/number_text.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr double significance = 0.01;
@@ -109,4 +109,4 @@ RunComparison compare(RunSet a, RunSet b, const std::vector<Tolerance>& toleranc
   return comparison;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -8,7 +8,7 @@
 #include "apps/sweep/run_sets.h"
 #include "evaluation/scoring/statistics.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// How far a figure may change: `--tolerance KEY=VALUE`.
 struct Tolerance {
@@ -56,4 +56,4 @@ struct RunComparison {
 /// All figures, changed or not.
 [[nodiscard]] std::string comparison_json(const RunComparison& comparison);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -8,7 +8,7 @@
 
 #include "evaluation/report/resolved_scenario.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Runs that differ in their seeds alone.
 struct SeedRuns {
@@ -33,4 +33,4 @@ struct RunSet {
 /// is no run, RunError for a file that cannot be read.
 [[nodiscard]] RunSet read_run_set(const std::filesystem::path& path);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -22,7 +22,7 @@
 #include "core/error.h"
 #include "recording/output_file.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 namespace fs = std::filesystem;
@@ -178,4 +178,4 @@ int make_test_runs(const TestTaskOptions& options, const Registry& registry) {
   return 0;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -9,7 +9,7 @@
 #include "apps/config/expectations.h"
 #include "apps/config/registry.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// How test_scenarios() runs.
 struct ScenarioTestOptions {
@@ -49,4 +49,4 @@ struct TestTaskOptions {
 /// Makes runs of test_scenarios(); a failed one leaves tasks/NAME.failure. Returns 0.
 int make_test_runs(const TestTaskOptions& options, const Registry& registry);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -13,7 +13,7 @@
 #include "apps/config/yaml_reader.h"
 #include "core/random.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 using Kind = YamlNode::Kind;
@@ -420,4 +420,4 @@ std::optional<double> number_in(const std::string& text) {
   return value;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -11,7 +11,7 @@
 #include "apps/config/yaml_tree.h"
 #include "core/config.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// A value for a key of the scenario.
 struct SweepSetting {
@@ -91,4 +91,4 @@ void describe(FieldVisitor& v, SweepConfig& config);
 /// The value as a number, where the whole text is one.
 [[nodiscard]] std::optional<double> number_in(const std::string& text);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

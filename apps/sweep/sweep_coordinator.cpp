@@ -16,7 +16,7 @@
 #include "evaluation/report/sweep_report.h"
 #include "recording/output_file.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 namespace fs = std::filesystem;
@@ -160,4 +160,4 @@ void SweepCoordinator::give_up() {
   collect();
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -19,7 +19,7 @@
 #include "core/error.h"
 #include "recording/output_file.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 namespace fs = std::filesystem;
@@ -201,4 +201,4 @@ std::unique_ptr<SweepEngine> make_engine(const SweepEngineConfig& config, const 
   return std::make_unique<LocalEngine>(local, folder);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

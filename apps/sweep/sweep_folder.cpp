@@ -8,7 +8,7 @@
 
 #include "recording/output_file.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 namespace fs = std::filesystem;
 
@@ -60,4 +60,4 @@ bool is_locked(const fs::path& path) {
   return locked;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

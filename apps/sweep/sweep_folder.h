@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Layout of a sweep's folder:
 ///
@@ -60,4 +60,4 @@ class FileLock {
 /// Whether a process has locked that file.
 [[nodiscard]] bool is_locked(const std::filesystem::path& path);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

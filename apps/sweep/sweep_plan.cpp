@@ -8,7 +8,7 @@
 
 #include "apps/config/scenario.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr double most_runs = 1e5;
@@ -230,4 +230,4 @@ std::string digest(std::string_view bytes) {
   return fmt::format("{:016x}", hash);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

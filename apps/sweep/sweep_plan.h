@@ -8,7 +8,7 @@
 #include "apps/config/registry.h"
 #include "apps/sweep/sweep_config.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// One combination of values.
 struct PlannedRun {
@@ -36,4 +36,4 @@ struct SweepPlan {
 /// 16 hexadecimal digits that stand for the bytes (FNV-1a, 64 bits).
 [[nodiscard]] std::string digest(std::string_view bytes);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

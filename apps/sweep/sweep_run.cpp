@@ -16,7 +16,7 @@
 #include "evaluation/report/sweep_report.h"
 #include "recording/output_file.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 namespace fs = std::filesystem;
@@ -130,4 +130,4 @@ void print_sweep_status(const fs::path& path) {
     fmt::print("no `saccade sweep` runs in this folder; start it to continue\n");
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -7,7 +7,7 @@
 #include "apps/config/registry.h"
 #include "apps/sweep/sweep_engine.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// How sweep() runs.
 struct SweepOptions {
@@ -29,4 +29,4 @@ void print_sweep_status(const std::filesystem::path& folder);
 /// "12 s", "3 min", "1.5 h".
 [[nodiscard]] std::string duration_text(double s);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

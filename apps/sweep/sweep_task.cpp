@@ -16,7 +16,7 @@
 #include "evaluation/scoring/metrics.h"
 #include "recording/output_file.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 namespace fs = std::filesystem;
@@ -88,4 +88,4 @@ int make_sweep_runs(const SweepTaskOptions& options, const Registry& registry) {
   return 0;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

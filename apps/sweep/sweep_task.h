@@ -6,7 +6,7 @@
 
 #include "apps/config/registry.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Which runs make_sweep_runs() makes.
 struct SweepTaskOptions {
@@ -20,4 +20,4 @@ struct SweepTaskOptions {
 /// disk is full.
 int make_sweep_runs(const SweepTaskOptions& options, const Registry& registry);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

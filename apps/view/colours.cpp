@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace saccade::colours {
+namespace saccade::inline v0_1::colours {
 
 ImU32 detector(const ViewSettings& settings, const std::string& name) {
   std::vector<std::string> names;
@@ -13,4 +13,4 @@ ImU32 detector(const ViewSettings& settings, const std::string& name) {
   return of(detector_colours(names)[static_cast<std::size_t>(it - names.begin())]);
 }
 
-}  // namespace saccade::colours
+}  // namespace saccade::inline v0_1::colours

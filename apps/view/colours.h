@@ -7,7 +7,7 @@
 #include "apps/view/view_settings.h"
 #include "evaluation/report/palette.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Colours of the window. Those of detectors, truth, events and gaze are the palette's, as in reports and figures.
 namespace colours {
@@ -34,4 +34,4 @@ inline constexpr ImU32 gap = IM_COL32(17, 17, 19, 255);    ///< between panels
 
 }  // namespace colours
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

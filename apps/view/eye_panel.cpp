@@ -4,7 +4,7 @@
 #include "apps/view/panel.h"
 #include "apps/view/panels.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 /// Circles, gaze target and optical axis over the eye's image at `at`.
@@ -68,4 +68,4 @@ void EyePanel::draw(const Area& area, const Snapshot& snapshot, ViewState& state
   draw_marks(at, snapshot, state);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr float label_width = 124.0F;
@@ -130,4 +130,4 @@ void FieldEditor::section(std::string_view key, const std::function<void(FieldVi
   ImGui::TreePop();
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

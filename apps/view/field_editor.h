@@ -6,7 +6,7 @@
 
 #include "core/config.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Widgets for every key of a config's `describe`: a slider, a box or a list of choices. A slider covers four times the
 /// first value; Ctrl-click types a number beyond that. The tooltip explains the key.
@@ -47,4 +47,4 @@ class FieldEditor final : public FieldVisitor {
   bool changed_ = false;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr double smallest_r_px = 0.5;
@@ -170,4 +170,4 @@ void paint_instant(const LabelEditor& editor, RgbImage& rgb) {
   }
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -20,7 +20,7 @@
 #include "apps/view/panel.h"
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr double wait_s = 0.05;  ///< for keyboard and mouse between two drawings
@@ -408,4 +408,4 @@ void label_recording(const LabelSettings& settings) {
   LabelWindow(settings, name.stem()).run();
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -6,7 +6,7 @@
 
 #include "apps/session/played.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// What `saccade label` opens and writes.
 struct LabelSettings {
@@ -21,4 +21,4 @@ struct LabelSettings {
 /// table and where there is no display, RunError where the table cannot be written.
 void label_recording(const LabelSettings& settings);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

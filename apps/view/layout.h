@@ -5,7 +5,7 @@
 
 #include "core/event.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// A rectangle in the window, px from its top left corner.
 struct Area {
@@ -55,4 +55,4 @@ struct ViewLayout {
   }
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

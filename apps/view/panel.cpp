@@ -2,7 +2,7 @@
 
 #include "apps/view/colours.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 Panel::Panel(const char* name, const Area& area, bool scrolls) {
   ImGui::SetNextWindowPos({area.x, area.y});
@@ -65,4 +65,4 @@ void draw_gaps(const ViewLayout& layout, int width, int height) {
   fill(layout.hough.x, below(layout.hough), beside(layout.hough), layout.detectors.y);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

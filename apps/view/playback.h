@@ -10,7 +10,7 @@
 #include "apps/view/loop_history.h"
 #include "apps/view/view_settings.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// A loop that a user plays, seeks in and changes: a simulated scenario or a recording. Used from one thread.
 class Playback {
@@ -48,4 +48,4 @@ class Playback {
                                                                 const std::string& selected,
                                                                 const Registry& registry);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cmath>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 /// For how long the thread ticks before it looks for requests, s.
@@ -212,4 +212,4 @@ void PlayerThread::publish_snapshot() {
   next_publish_ = end + 2 * (end - begin);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

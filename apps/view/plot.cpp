@@ -7,7 +7,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 const cv::Scalar paper(22, 22, 24);
@@ -171,4 +171,4 @@ void draw_plot(const Plot& plot, const Area& area, const Snapshot& snapshot, cv:
   }
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

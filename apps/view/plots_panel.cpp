@@ -9,7 +9,7 @@
 #include "apps/view/panels.h"
 #include "apps/view/plot.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 using enum PlotCurve::Style;
@@ -124,4 +124,4 @@ void PlotsPanel::draw(const Area& area, const Snapshot& snapshot, const ViewStat
   draw.ChannelsMerge();
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -12,7 +12,7 @@
 #include "apps/view/recorded_truth.h"
 #include "sim/lab.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 /// The world of a run folder; null where its scenario is missing or of another version.
@@ -173,4 +173,4 @@ std::unique_ptr<Playback> make_recording_playback(const ReadOptions& options,
   return std::make_unique<RecordingPlayback>(options, truth, detectors, selected, registry);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -6,7 +6,7 @@
 #include "apps/view/sim_snapshot.h"
 #include "sim/sim_robot.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 RunFeed::RunFeed(const Scenario& scenario)
     : camera_(scenario.sim.camera),
@@ -28,4 +28,4 @@ void RunFeed::record(const Tick& tick, const SimRobot& robot, const Loop& loop) 
   channel_.publish();
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -10,7 +10,7 @@
 #include "apps/view/sim_snapshot.h"
 #include "sim/sim_robot.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 class ScenarioPlayback final : public Playback, private LoopObserver {
@@ -115,4 +115,4 @@ std::unique_ptr<Playback> make_scenario_playback(const Scenario& scenario) {
   return std::make_unique<ScenarioPlayback>(scenario);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -6,7 +6,7 @@
 #include "apps/view/panel.h"
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 void draw_display_settings(const Snapshot& snapshot, ViewState& state) {
@@ -113,4 +113,4 @@ void SettingsPanel::draw_own_detector(ViewState& state) {
   if (!own_problem_.empty()) ImGui::TextWrapped("%s", own_problem_.c_str());
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -10,7 +10,7 @@
 #include "apps/view/snapshot.h"
 #include "apps/view/view_state.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The configuration of the selected detector, of controller and gate, and how the eye's image is drawn.
 class SettingsPanel {
@@ -31,4 +31,4 @@ class SettingsPanel {
   std::string own_problem_;      ///< why it was rejected
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -13,7 +13,7 @@
 #include "loop/loop.h"
 #include "sim/mujoco_compat.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// NaN for each joint that gaze commands.
 constexpr std::array<float, gaze_slots> no_joints() {
@@ -95,4 +95,4 @@ struct Snapshot {
   void use_model(const std::shared_ptr<const mjModel>& new_model);
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -19,7 +19,7 @@
 #include "apps/view/scene_panel.h"
 #include "apps/view/settings_panel.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr int first_width = 1280;
@@ -252,4 +252,4 @@ int View::show_run(const Scenario& scenario, const std::function<int(RunFeed&)>&
   return result.get();
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

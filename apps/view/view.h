@@ -9,7 +9,7 @@
 #include "apps/view/player_thread.h"
 #include "apps/view/run_feed.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The window of `saccade view` and `saccade run --view`. Used from one thread, the program's first.
 class View {
@@ -40,4 +40,4 @@ class View {
   std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -7,7 +7,7 @@
 
 #include "apps/config/scenario.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// A detector that the window lists.
 struct ViewDetector {
@@ -46,4 +46,4 @@ struct ViewSettings {
 /// selected where none has that name.
 [[nodiscard]] ViewSettings view_settings(const NamedDetectors& detectors, const std::string& selected);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -7,7 +7,7 @@
 #include "apps/view/view_settings.h"
 #include "sim/scene_renderer.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// What a user has set in the window, and the actions requested since the last drawing.
 struct ViewState {
@@ -30,4 +30,4 @@ struct ViewState {
   void act(Action::Type type, std::int64_t value = 0) { actions.push_back({type, value}); }
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

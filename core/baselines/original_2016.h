@@ -9,7 +9,7 @@
 #include "core/detector_views.h"
 #include "core/plane_fit_flow.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Which cell of a radius counts as its maximum.
 enum class MaximumSearch { remembered, exact };
@@ -94,4 +94,4 @@ class Original2016 final : public Detector, public DetectorViews {
   std::int64_t count_ = 0;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -13,7 +13,7 @@
 #include "core/error.h"
 #include "core/rotation_vector.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr int lens_size = 8;
@@ -326,4 +326,4 @@ double BoardFit::rms_px(const BoardModel& model, std::size_t view) const {
   return std::sqrt(squared_px2(model, view) / static_cast<double>(points_m_.size()));
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -9,7 +9,7 @@
 #include "core/camera.h"
 #include "evaluation/calibration/grid_finder.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Least squares over the dots of a board in many views, solved with Ceres.
 
@@ -58,4 +58,4 @@ class BoardFit {
   FreeParameters free_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -11,7 +11,7 @@
 #include "core/units.h"
 #include "evaluation/calibration/board_fit.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 void refuse_unless(bool good, const std::string& found, const std::string& wanted) {
@@ -281,4 +281,4 @@ Calibration calibrate(const std::vector<CalibrationView>& all, const DotGrid& gr
   return result;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

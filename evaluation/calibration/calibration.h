@@ -9,7 +9,7 @@
 #include "evaluation/calibration/calibration_views.h"
 #include "evaluation/calibration/grid_finder.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The least that a calibration must reach; calibrate() throws where it does not.
 struct CalibrationLimits {
@@ -65,4 +65,4 @@ void describe(FieldVisitor& v, Calibration& calibration);
 [[nodiscard]] Calibration calibrate(const std::vector<CalibrationView>& views, const DotGrid& grid,
                                     ImageSize size, bool with_mount, const CalibrationLimits& limits = {});
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -10,7 +10,7 @@
 #include "core/error.h"
 #include "core/srgb.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr ImageSize frame_size{320, 240};
@@ -165,4 +165,4 @@ Estimate FrameDetector::find(const cv::Mat& image) const {
   return best;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -19,7 +19,7 @@
 #include "evaluation/report/report.h"
 #include "evaluation/report/run_data.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 namespace fs = std::filesystem;
@@ -185,4 +185,4 @@ std::vector<std::string> write_comparison(std::span<const fs::path> folders, con
   return duplicates;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

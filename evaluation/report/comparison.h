@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 class FormatRegistry;
 
@@ -20,4 +20,4 @@ std::vector<std::string> write_comparison(std::span<const std::filesystem::path>
                                           const std::filesystem::path& out, const FormatRegistry& formats,
                                           const std::filesystem::path& figures = {});
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

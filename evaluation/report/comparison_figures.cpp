@@ -7,7 +7,7 @@
 #include "evaluation/report/figure_parts.h"
 #include "evaluation/report/figures.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 using namespace figure_parts;
 
@@ -144,4 +144,4 @@ Figure average_precision_figure(std::string_view name, std::span<const RunGroup>
   return drawn;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

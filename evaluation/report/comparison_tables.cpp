@@ -13,7 +13,7 @@
 #include "evaluation/report/gnuplot.h"
 #include "evaluation/report/html.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 namespace fs = std::filesystem;
@@ -193,4 +193,4 @@ void write_comparison_tables(const std::vector<ComparedGroup>& groups, const fs:
   write_numbers(out, "gaze_means", gaze_means);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

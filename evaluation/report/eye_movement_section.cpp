@@ -10,7 +10,7 @@
 #include "evaluation/report/figure_parts.h"
 #include "evaluation/report/palette.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 using namespace figure_parts;
 
@@ -220,4 +220,4 @@ std::string eye_movement_section(const RunData& run) {
   return html;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

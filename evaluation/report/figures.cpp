@@ -8,7 +8,7 @@
 #include "core/error.h"
 #include "evaluation/report/figure_parts.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 using namespace figure_parts;
 
@@ -275,4 +275,4 @@ Figure rate_over_speed_figure(std::string_view name, std::span<const DetectorSpe
   return figure.draw();
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

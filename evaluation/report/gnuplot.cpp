@@ -13,7 +13,7 @@
 #include "evaluation/report/gnuplot_process.h"
 #include "evaluation/report/svg.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 using Point = GnuplotFigure::Point;
@@ -255,4 +255,4 @@ std::string GnuplotFigure::script(std::string_view layout) const {
   return data + std::string(layout) + plots;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

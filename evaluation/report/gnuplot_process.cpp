@@ -16,7 +16,7 @@
 
 extern char** environ;
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
@@ -86,4 +86,4 @@ std::string run_gnuplot(const std::string& script) {
   return drawing;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

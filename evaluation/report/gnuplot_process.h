@@ -2,10 +2,10 @@
 
 #include <string>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// What gnuplot writes to standard output for a script: an SVG or a PDF, as its `set terminal` says. Throws RunError where
 /// gnuplot is missing or fails.
 [[nodiscard]] std::string run_gnuplot(const std::string& script);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

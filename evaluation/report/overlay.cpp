@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr int fraction_bits = 4;  // of OpenCV's fixed-point drawing coordinates
@@ -209,4 +209,4 @@ void VideoComposer::add(const cv::Mat& scene, const AnnotatedImage& eye, const s
   file_.add(frame);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::array<std::pair<std::string_view, Colour>, 7> known_detectors = {{
@@ -72,4 +72,4 @@ std::string hex(Colour colour) {
   return text;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

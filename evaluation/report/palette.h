@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The colours of events, truth, detectors and gaze, the same in the window, in reports and in figures.
 ///
@@ -36,4 +36,4 @@ inline constexpr Colour gaze_target_colour{0xaa, 0x44, 0x99};  ///< where the ga
 /// "#rrggbb"
 [[nodiscard]] std::string hex(Colour colour);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -8,7 +8,7 @@
 #include "evaluation/report/gnuplot_process.h"
 #include "recording/output_file.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr double column_mm = 88.0;
@@ -58,4 +58,4 @@ void write_paper_figure(const Figure& figure, const std::filesystem::path& folde
   write_file(folder / (figure.name + ".csv"), figure.csv);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

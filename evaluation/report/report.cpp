@@ -17,7 +17,7 @@
 #include "evaluation/scoring/ball_speed.h"
 #include "evaluation/scoring/eye_movement.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 namespace fs = std::filesystem;
@@ -161,4 +161,4 @@ void write_report(const fs::path& run_folder, const FormatRegistry& formats, con
   write_page(run_folder, run.metrics.scenario, body(run));
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 class FormatRegistry;
 
@@ -17,4 +17,4 @@ class FormatRegistry;
 void write_report(const std::filesystem::path& run_folder, const FormatRegistry& formats,
                   const std::filesystem::path& figures = {});
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

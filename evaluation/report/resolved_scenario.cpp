@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::size_t max_differences = 3;
@@ -91,4 +91,4 @@ std::string world_text(const ResolvedKeys& keys) {
   return text;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

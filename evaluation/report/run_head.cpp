@@ -14,7 +14,7 @@
 #include "evaluation/report/templates.h"
 #include "recording/run_file_names.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -161,4 +161,4 @@ std::string run_head(const RunData& run) {
                    {"fact", std::move(facts)}});
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

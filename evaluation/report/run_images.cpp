@@ -16,7 +16,7 @@
 #include "evaluation/report/overlay.h"
 #include "evaluation/report/run_tables.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 namespace fs = std::filesystem;
@@ -259,4 +259,4 @@ std::string shifts_figure(const RunData& run) {
       html);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

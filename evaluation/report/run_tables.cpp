@@ -8,7 +8,7 @@
 #include "evaluation/report/html.h"
 #include "evaluation/scoring/clutter.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 std::string share_row(std::string_view what,
@@ -141,4 +141,4 @@ std::string approximate_remark(const Metrics& m) {
          "approximate (0.1 %; docs/run_folder.md); counts, ratios and rates are exact.</p>\n";
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -4,7 +4,7 @@
 
 #include "evaluation/scoring/metrics.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The tables and lines of a run's report, as HTML.
 
@@ -21,4 +21,4 @@ namespace saccade {
 /// Says which figures of a very long run are approximate; empty where none is.
 [[nodiscard]] std::string approximate_remark(const Metrics& metrics);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -11,7 +11,7 @@
 #include "evaluation/report/figure_parts.h"
 #include "evaluation/report/html.h"
 
-namespace saccade::sweep {
+namespace saccade::inline v0_1::sweep {
 namespace {
 
 namespace fs = std::filesystem;
@@ -329,4 +329,4 @@ std::string sweep_precision_recall_html(const Axis& axis, const std::vector<std:
       figure.draw(layout), folder);
 }
 
-}  // namespace saccade::sweep
+}  // namespace saccade::inline v0_1::sweep

@@ -17,7 +17,7 @@
 #include "evaluation/report/sweep_figures.h"
 #include "evaluation/scoring/statistics.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 using namespace sweep;
 
@@ -200,4 +200,4 @@ void write_sweep_report(const SweepTable& table, const fs::path& folder, const f
   write_page(folder, table.name, html);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -9,7 +9,7 @@
 #include "core/event_label.h"
 #include "evaluation/scoring/scoring.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 template <std::size_t n>
@@ -92,4 +92,4 @@ DetectorClutter detector_clutter(std::span<const TruthRow> truth, std::span<cons
   return clutter.result(clutter_events, inliers);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

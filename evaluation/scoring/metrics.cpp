@@ -9,7 +9,7 @@
 #include "head/head_model.h"
 #include "recording/output_file.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 using metrics_json::detector_score, metrics_json::integer, metrics_json::Json, metrics_json::json_of,
@@ -344,4 +344,4 @@ Metrics read_metrics(const std::filesystem::path& path) {
   return metrics_from_json(text, path.string());
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

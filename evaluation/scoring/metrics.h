@@ -14,7 +14,7 @@
 #include "evaluation/scoring/scoring.h"
 #include "head/head_state.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The gaze of a run and the detector and controller behind it.
 struct GazeMetrics {
@@ -107,4 +107,4 @@ void write_figures(const std::filesystem::path& path, const Metrics& metrics);
 /// Throws InputError.
 [[nodiscard]] Metrics read_metrics(const std::filesystem::path& path);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 std::optional<double> quantile(std::vector<double>& values, double share) {
   SACCADE_CHECK(share >= 0.0 && share <= 1.0);
@@ -160,4 +160,4 @@ std::optional<double> welch_p_value(const MeanSd& a, const MeanSd& b) {
   return incomplete_beta(0.5 * freedom, 0.5, freedom / (freedom + t2));
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

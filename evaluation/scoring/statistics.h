@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// Quantiles, means and standard deviations of measured values.
 
@@ -71,4 +71,4 @@ struct MeanSd {
 /// None where a sample has fewer than two values. Where neither varies: 1 for equal means, otherwise 0.
 [[nodiscard]] std::optional<double> welch_p_value(const MeanSd& a, const MeanSd& b);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 std::string missing(Needs needs) {
   switch (needs) {
@@ -76,4 +76,4 @@ void fit_counts(const std::vector<SensorRecording>& recordings,
   }
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -6,7 +6,7 @@
 #include "evaluation/sensor_fit/sensor_fit.h"
 #include "evaluation/sensor_fit/sensor_parameters.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// What the recordings lack where a parameter is not identifiable.
 [[nodiscard]] std::string missing(Needs needs);
@@ -16,4 +16,4 @@ namespace saccade {
 void fit_counts(const std::vector<SensorRecording>& recordings,
                 const std::vector<SensorRecording::HotPixels>& hot, std::size_t hot_pixels, SensorFit& fit);
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -17,7 +17,7 @@
 #include "evaluation/sensor_fit/sensor_model.h"
 #include "evaluation/sensor_fit/sensor_parameters.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr double identifiable_share = 0.5;    ///< posterior deviation against the prior's
@@ -458,4 +458,4 @@ SensorFit fit_sensor(std::vector<SensorRecording>& recordings, const SensorFitCo
   return fit;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -4,7 +4,7 @@
 
 #include "emulator/event_emulator.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 SensorModel::SensorModel(const SensorRecording& recording, std::vector<PixelPlace> places,
                          std::size_t repeats, std::uint64_t seed)
@@ -63,4 +63,4 @@ PixelTrains SensorModel::events(EmulatorConfig config, double contrast_scale) co
   return trains;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

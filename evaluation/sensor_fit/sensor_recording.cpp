@@ -8,7 +8,7 @@
 #include "core/error.h"
 #include "core/units.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::size_t fullest_kept = 20;
@@ -160,4 +160,4 @@ SensorRecording::Readout SensorRecording::readout() const {
   return readout;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -11,7 +11,7 @@
 #include "evaluation/sensor_fit/pixel_trains.h"
 #include "evaluation/sensor_fit/stimulus.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The place of a pixel.
 struct PixelPlace {
@@ -86,4 +86,4 @@ class SensorRecording {
   std::vector<Millisecond> fullest_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

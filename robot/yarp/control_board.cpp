@@ -21,7 +21,7 @@
 #include "core/units.h"
 #include "robot/yarp/yarp_network.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 int vocab_of(JointMode mode) {
@@ -472,4 +472,4 @@ void YarpControlBoard::drive(const Eigen::VectorXd& reference_rad) { device_->dr
 
 void YarpControlBoard::stop() { device_->hold(); }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

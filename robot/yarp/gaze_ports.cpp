@@ -18,7 +18,7 @@
 #include "robot/bottle.h"
 #include "robot/yarp/yarp_network.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 /// Reads a whole message of bounded size, whose counts are checked before YARP believes them. None for another message:
@@ -165,4 +165,4 @@ void YarpGazePorts::send(const Eigen::Vector3d& fixation_m, const JointVector& p
   }
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

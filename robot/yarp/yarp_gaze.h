@@ -20,7 +20,7 @@
 #include "robot/yarp/state_input.h"
 #include "robot/yarp/yarp_config.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// The client of iKinGazeCtrl or of a server with its interface: sends targets, and reads the head state from the joints
 /// that the server streams.
@@ -74,4 +74,4 @@ class YarpGaze final : public GazePort, public HeadPort, private yarp::os::PortR
   std::thread stopper_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -16,7 +16,7 @@
 #include "robot/head_limits.h"
 #include "robot/stop_reference.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr int longest_first_state_ms = 1000;
@@ -402,4 +402,4 @@ std::vector<StartUpCheck> YarpHead::check() {
   return checks;
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

@@ -10,7 +10,7 @@
 
 #include "core/error.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 using yarp::os::NetworkBase;
@@ -111,4 +111,4 @@ bool connect_ports(const std::string& from, const std::string& to, const std::st
   return NetworkBase::connect(from, to, connection);
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

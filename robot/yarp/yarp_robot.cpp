@@ -15,7 +15,7 @@
 #include "robot/yarp/yarp_imu.h"
 #include "robot/yarp/yarp_network.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::int64_t first_packet_us = 1'000'000;
@@ -195,4 +195,4 @@ bool YarpHeadStopper::stop() {
   return parts_->head ? parts_->head->take_over() : parts_->gaze && parts_->gaze->take_over();
 }
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

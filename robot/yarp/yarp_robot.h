@@ -7,7 +7,7 @@
 #include "robot/robot.h"
 #include "robot/yarp/yarp_config.h"
 
-namespace saccade {
+namespace saccade::inline v0_1 {
 
 /// An iCub on a YARP network, or a server with its interface. Built if CMake finds YARP; targets that link saccade_yarp
 /// then have SACCADE_YARP defined.
@@ -76,4 +76,4 @@ class YarpHeadStopper final : public HeadStopper {
   std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace saccade
+}  // namespace saccade::inline v0_1

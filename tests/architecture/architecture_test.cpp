@@ -226,6 +226,23 @@ TEST(Architecture, NoSourceOfALayerIsLongerThan500Lines) {
   EXPECT_GT(files, 300U);
 }
 
+TEST(Architecture, TheNamesOfEveryLayerAreInTheInlineNamespaceOfTheVersion) {
+  const std::string cmake = read_text(fs::path(SACCADE_SOURCE_DIR) / "CMakeLists.txt");
+  std::smatch version;
+  ASSERT_TRUE(std::regex_search(cmake, version, std::regex(R"(project\(saccade VERSION (\d+)\.(\d+))")));
+  const std::string expected = "namespace saccade::inline v" + version[1].str() + "_" + version[2].str();
+  const std::regex opens(R"((^|\n)(namespace saccade[^{;\n]*?)(::[a-z_]+)? \{)");
+  std::size_t count = 0;
+  for (const Source& source : read_sources(SACCADE_SOURCE_DIR)) {
+    for (std::sregex_iterator at(source.text.begin(), source.text.end(), opens); at != std::sregex_iterator();
+         ++at) {
+      EXPECT_EQ((*at)[2].str(), expected) << source.path;
+      ++count;
+    }
+  }
+  EXPECT_GT(count, 300U);
+}
+
 /// A tree with the project's own table and a few innocent files, on disk as long as it lives.
 class SmallTree {
  public:
