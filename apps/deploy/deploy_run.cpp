@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "apps/config/robot_file.h"
+#include "apps/deploy/close_within.h"
 #include "apps/deploy/deploy_loop.h"
 #include "apps/deploy/deploy_recorder.h"
 #include "apps/deploy/deploy_session.h"
@@ -69,19 +70,11 @@ void run_session(DeploySession& session, OperatorRequests& requests, Clock& cloc
   }
 }
 
-}  // namespace
-
-void deploy(const DeployOptions& options, const Registry& registry) {
-  const RobotFile file = read_robot_file(options.robot, options.assignments, registry);
-  catch_interrupts();
-  const bool moves = !options.dry_run && file.gaze.detector != "none" && !file.robot.head_name().empty();
-  const std::int64_t hang_ns = std::llround(file.deploy.watchdog.hang_ms * 1e6);
-  std::optional<GuardLink> guard;
-  if (moves) guard.emplace(file.robot.head_name(), file.deploy.guard, hang_ns);
-  std::unique_ptr<Robot> robot = open_robot(file.robot, robot_context(file));
-  if (options.dry_run) robot = std::make_unique<DryRobot>(std::move(robot));
+/// From the start-up checks to the report. `guard`: null if the head is not moved.
+void deploy_on(Robot& robot, GuardLink* guard, const DeployOptions& options, const RobotFile& file) {
+  const bool moves = guard != nullptr;
   DeployFacts facts;
-  facts.checks = start_up_checks(*robot, file);
+  facts.checks = start_up_checks(robot, file);
   facts.dry_run = options.dry_run;
   facts.record = options.record;
   if (!print_checks(facts.checks)) throw RunError("not ready: see the start-up checks above");
@@ -91,7 +84,7 @@ void deploy(const DeployOptions& options, const Registry& registry) {
   start_run_folder(folder, options.force, file.output.formats, "robot.yaml",
                    version_line() + "\n" + resolved_robot_file(file));
 
-  Loop loop = make_deploy_loop(*robot, file);
+  Loop loop = make_deploy_loop(robot, file);
   OperatorRequests requests;
   const Keyboard keyboard([&](char key) {
     if (key == 'q') requests.quit(StopCause::operator_stop);
@@ -101,29 +94,29 @@ void deploy(const DeployOptions& options, const Registry& registry) {
   const bool has_operator = Keyboard::is_there();
   print_keys(options, has_operator);
   // The writer's thread starts before this one gets its priority, so that it has none.
-  DeployRecorder recorder(folder, file, loop, robot->events().image_size(), std::move(facts));
+  DeployRecorder recorder(folder, file, loop, robot.events().image_size(), std::move(facts));
   HangWatch hang_watch(
-      *robot, {.bound_ns = hang_ns},
+      robot, {.bound_ns = std::llround(file.deploy.watchdog.hang_ms * 1e6)},
       [](std::int64_t age_ns) {
         fmt::print(stderr, "no tick for {:.1f} ms: the head was stopped\n",
                    1e-6 * static_cast<double>(age_ns));
       },
       end_hung_program);
   std::vector<Overseer*> overseers = {&hang_watch};
-  if (guard) overseers.push_back(&*guard);
-  DeploySession session(*robot, loop, motion_maker(*robot, file), requests, recorder,
+  if (moves) overseers.push_back(guard);
+  DeploySession session(robot, loop, motion_maker(robot, file), requests, recorder,
                         {std::llround(file.deploy.tick_ms * 1e3), file.deploy.watchdog, overseers, moves});
   {
-    const ReleaseAtEnd release(*robot);
+    const ReleaseAtEnd release(robot);
     const RealTime real_time;
     fmt::print(stderr, "{}\n", real_time.summary());
     recorder.set_scheduling(real_time.summary());
     const std::int64_t end_us = options.duration_s
-                                    ? robot->clock().now_us() + std::llround(*options.duration_s * 1e6)
+                                    ? robot.clock().now_us() + std::llround(*options.duration_s * 1e6)
                                     : std::numeric_limits<std::int64_t>::max();
     if (options.activate || options.dry_run)
       session.keep_activating(std::llround(file.deploy.activate_within_s * 1e6));
-    run_session(session, requests, robot->clock(), end_us, has_operator);
+    run_session(session, requests, robot.clock(), end_us, has_operator);
   }
   recorder.finish();
   write_report(folder, file.output.formats);
@@ -136,6 +129,29 @@ void deploy(const DeployOptions& options, const Registry& registry) {
   for (const EndedProgram& program : recorder.ended())
     ended += (ended.empty() ? "" : "\n") + program.what + ": " + program.why;
   if (!ended.empty()) throw RunError(ended);
+}
+
+}  // namespace
+
+void deploy(const DeployOptions& options, const Registry& registry) {
+  const RobotFile file = read_robot_file(options.robot, options.assignments, registry);
+  catch_interrupts();
+  const bool moves = !options.dry_run && file.gaze.detector != "none" && !file.robot.head_name().empty();
+  std::optional<GuardLink> guard;
+  if (moves) {
+    guard.emplace(file.robot.head_name(), file.deploy.guard,
+                  std::llround(file.deploy.watchdog.hang_ms * 1e6));
+  }
+  std::unique_ptr<Robot> robot = open_robot(file.robot, robot_context(file));
+  if (options.dry_run) robot = std::make_unique<DryRobot>(std::move(robot));
+  const auto close = [&] { robot.reset(); };
+  try {
+    deploy_on(*robot, guard ? &*guard : nullptr, options, file);
+  } catch (const std::exception& error) {
+    close_within(longest_close, close, error.what());
+    throw;
+  }
+  close_within(longest_close, close, {});
 }
 
 }  // namespace saccade::inline v0_1

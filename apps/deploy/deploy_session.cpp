@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "core/error.h"
 
@@ -12,6 +13,7 @@ namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::int64_t attempt_us = 100'000;
+constexpr int most_ticks_to_catch_up = 50;
 
 /// Joints that their board holds in another mode are as good as those that follow references.
 void accept_held(HeadDrives& drives) {
@@ -33,6 +35,7 @@ DeploySession::DeploySession(Robot& robot, Loop& loop, MakeMotion make_motion, O
       requests_(requests),
       observer_(observer),
       tick_us_(config.tick_us),
+      tick_late_us_(std::llround(config.watchdog.tick_late_ms * 1e3)),
       watchdog_(config.watchdog, robot.head() != nullptr ? robot.head()->limits() : JointLimits{}),
       follows_(config.watchdog.joint_lag_deg),
       overseers_(config.overseers),
@@ -76,6 +79,9 @@ void DeploySession::keep_activating(std::int64_t within_us) {
 
 bool DeploySession::try_to_activate(const TickFacts& facts) {
   if (!attempts_ || facts.now_us < attempts_->next_us) return true;
+  // The events that came before the first tick can make it long, and then the next one late.
+  const bool in_time = has_ticked_ && facts.now_us - facts.due_us <= tick_late_us_ / 2;
+  if (!in_time && facts.now_us < attempts_->until_us) return true;
   attempts_->next_us = facts.now_us + attempt_us;
   activate(facts);
   if (state_ == DeployState::active) {
@@ -111,6 +117,43 @@ void DeploySession::note_command(const Tick& tick) {
   if (joints_follow_) follows_.update(tick.t_us, tick.command.reference_rad, tick.head->head_position_rad());
 }
 
+/// The loop's part of the tick that is due.
+PortStatus DeploySession::run_loop(std::int64_t planned_us, std::int64_t begin_us) {
+  last_.tick.reset();
+  const PortStatus status = loop_.tick(due_us_, last_);
+  if (last_.tick) {
+    TickTiming timing;
+    timing.due_us = planned_us;
+    timing.begin_us = begin_us;
+    timing.end_us = robot_.clock().now_us();
+    if (!last_.tick->events.empty())
+      timing.latency_us = last_.tick->acted_us - last_.tick->events.back().t_us;
+    timing.missed = missed_;
+    timing.traffic = robot_.events().traffic();
+    timing.state = state_;
+    note_command(*last_.tick);
+    observer_.on_tick(*last_.tick, timing);
+    last_begin_us_ = begin_us;
+    has_ticked_ = true;
+  }
+  return status;
+}
+
+/// Ticks without motion after an activation that took a while, until they are in time again: the events that came
+/// meanwhile can make a tick so long that it would stop the head. Returns false if there was nothing to do.
+bool DeploySession::catch_up() {
+  bool has_ticked = false;
+  for (int i = 0; i < most_ticks_to_catch_up; ++i) {
+    const std::int64_t behind = (robot_.clock().now_us() - due_us_) / tick_us_;
+    if (behind < 1) break;
+    missed_ = has_ticked ? behind - 1 : missed_ + behind;
+    due_us_ += behind * tick_us_;
+    has_ticked = true;
+    if (run_loop(due_us_, robot_.clock().now_us()) != PortStatus::ok) break;
+  }
+  return has_ticked;
+}
+
 bool DeploySession::tick() {
   const std::int64_t planned_us = plan_tick();
   const PortStatus time = robot_.clock().wait_until(due_us_);
@@ -132,23 +175,9 @@ bool DeploySession::tick() {
     return end(PortStatus::ended);
   }
   if (quit) return end(PortStatus::ended);
+  if (std::exchange(caught_up_, false)) return true;  // this tick's part of the loop is done
 
-  last_.tick.reset();
-  const PortStatus status = loop_.tick(due_us_, last_);
-  if (last_.tick) {
-    TickTiming timing;
-    timing.due_us = planned_us;
-    timing.begin_us = facts.now_us;
-    timing.end_us = robot_.clock().now_us();
-    if (!last_.tick->events.empty())
-      timing.latency_us = last_.tick->acted_us - last_.tick->events.back().t_us;
-    timing.missed = missed_;
-    timing.traffic = robot_.events().traffic();
-    timing.state = state_;
-    note_command(*last_.tick);
-    observer_.on_tick(*last_.tick, timing);
-    last_begin_us_ = facts.now_us;
-  }
+  const PortStatus status = run_loop(planned_us, facts.now_us);
   for (const std::string& line : robot_.news()) observer_.on_news(facts.now_us, line);
   return status == PortStatus::lost || status == PortStatus::ended ? end(status) : true;
 }
@@ -185,12 +214,12 @@ void DeploySession::activate(const TickFacts& facts) {
   } catch (const RunError& error) {
     return reject(error.what());
   }
+  caught_up_ = catch_up();
   for (Overseer* const overseer : overseers_) overseer->activated();
   not_activated_.clear();
   follows_.clear();
   refused_us_.reset();
   loop_.set_motion(make_motion_());
-  due_us_ += (robot_.clock().now_us() - due_us_) / tick_us_ * tick_us_;  // it may have taken a while
   change(DeployState::active, std::nullopt, 0, {});
 }
 

@@ -127,7 +127,8 @@ class DeploySession {
 
   /// To be called after all start-up checks have passed; ticks are due from now on.
   void set_ready();
-  /// Tries to activate the head every 100 ms until it is active. After `within_us` without success the session ends.
+  /// Tries to activate the head every 100 ms, in ticks after the first that are not late, until it is active. After
+  /// `within_us` without success the session ends.
   void keep_activating(std::int64_t within_us);
   /// Why the newest request to activate the head had no success; empty if it had.
   [[nodiscard]] const std::string& not_activated() const { return not_activated_; }
@@ -158,6 +159,8 @@ class DeploySession {
   [[nodiscard]] std::optional<Fault> find_fault(const TickFacts& facts);
   void reject(std::string reason);
   [[nodiscard]] TickFacts facts(std::int64_t due_us);
+  PortStatus run_loop(std::int64_t planned_us, std::int64_t begin_us);
+  bool catch_up();
   void note_command(const Tick& tick);
   void activate(const TickFacts& facts);
   void stop(const Fault& fault);
@@ -171,6 +174,7 @@ class DeploySession {
   OperatorRequests& requests_;
   DeployObserver& observer_;
   std::int64_t tick_us_;
+  std::int64_t tick_late_us_;
   Watchdog watchdog_;
   FollowWatch follows_;
   std::vector<Overseer*> overseers_;
@@ -184,6 +188,8 @@ class DeploySession {
   std::int64_t due_us_;         // of the last tick
   std::int64_t last_begin_us_;  // the connection was intact then
   std::int64_t missed_ = 0;
+  bool caught_up_ = false;  // in this tick
+  bool has_ticked_ = false;
 };
 
 }  // namespace saccade::inline v0_1

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "apps/config/robot_file.h"
+#include "apps/deploy/close_within.h"
 #include "apps/deploy/guard_link.h"
 #include "apps/deploy/real_time.h"
 #include "apps/session/interrupt.h"
@@ -40,7 +41,7 @@ void print(const std::string& line) {
 void guard(const GuardOptions& options, const Registry& registry) {
   const RobotFile file = read_robot_file(options.robot, options.assignments, registry);
   catch_interrupts();
-  const std::unique_ptr<HeadStopper> head = open_head_stopper(file.robot, robot_context(file));
+  std::unique_ptr<HeadStopper> head = open_head_stopper(file.robot, robot_context(file));
   const std::string name = file.robot.head_name();
   SharedMemory present("guarding-" + name, 1);
   if (!present.lock()) throw RunError("the head " + name + " has a guard on this machine already");
@@ -79,6 +80,8 @@ void guard(const GuardOptions& options, const Registry& registry) {
     }
     std::this_thread::sleep_for(look_period);
   }
+  board.connected = 0;
+  close_within(longest_close, [&] { head.reset(); }, {});
 }
 
 }  // namespace saccade::inline v0_1

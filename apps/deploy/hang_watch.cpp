@@ -10,7 +10,7 @@ namespace saccade::inline v0_1 {
 namespace {
 
 constexpr auto period = std::chrono::milliseconds(2);
-constexpr int priority = 60;  // above the ticks, which it watches
+constexpr int watch_priority = 60;  // above the ticks, which it watches
 
 }  // namespace
 
@@ -20,7 +20,7 @@ HangWatch::HangWatch(Robot& robot, const Config& config, std::function<void(std:
         work();
       }) {
   sched_param wanted{};
-  wanted.sched_priority = priority;
+  wanted.sched_priority = watch_priority;
   (void)pthread_setschedparam(thread_.native_handle(), SCHED_FIFO, &wanted);  // as far as it is permitted
 }
 

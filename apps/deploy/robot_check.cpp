@@ -16,7 +16,7 @@
 #include "apps/deploy/shared_memory.h"
 #include "core/error.h"
 #ifdef SACCADE_YARP
-#include "robot/yarp/yarp_network.h"
+#include "robot/yarp/yarp_robot.h"
 #endif
 
 namespace saccade::inline v0_1 {

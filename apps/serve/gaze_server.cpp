@@ -272,7 +272,7 @@ std::string GazeServer::get(Words& words) const {
   const JointVector& q = state_.position_rad;
   const HeadKinematics head(limits_.head->chain, q);
   if (what == "x") return acknowledged(fixation_m());
-  if (what == "q") return acknowledged(q * deg_per_rad);
+  if (what == "q") return acknowledged(Eigen::VectorXd(q.head<joint_count>() * deg_per_rad));
   if (what == "angles" || what == "ang") return acknowledged(angles_deg());
   if (what == "done") return acknowledged(done_ ? 1.0 : 0.0);
   if (what == "sdon") return acknowledged(saccade_done_ ? 1.0 : 0.0);

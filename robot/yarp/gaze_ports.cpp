@@ -152,7 +152,7 @@ void YarpGazePorts::send(const Eigen::Vector3d& fixation_m, const JointVector& p
   Ports& ports = *ports_;
   ports.stamp.update(yarp::os::Time::now());
   write(ports.x, fixation_m, ports.stamp);
-  write(ports.q, JointVector(position_rad * deg_per_rad), ports.stamp);
+  write(ports.q, Eigen::VectorXd(position_rad.head<joint_count>() * deg_per_rad), ports.stamp);
   write(ports.angles_out, angles_deg, ports.stamp);
   for (const std::string& event : events) {
     if (ports.events.getOutputCount() == 0) break;

@@ -24,7 +24,7 @@ class YarpGazePorts {
   YarpGazePorts(const std::string& name, Answer answer);
   ~YarpGazePorts();
 
-  /// Sends the current state of the robot. No fixation point is sent while the optical axes have none. Slow readers miss
+  /// Sends the current state of the robot, of the joints those of the iCub (joint_count). No fixation point is sent while the optical axes have none. Slow readers miss
   /// messages.
   void send(const Eigen::Vector3d& fixation_m, const JointVector& position_rad,
             const Eigen::Vector3d& angles_deg, const std::vector<std::string>& events);

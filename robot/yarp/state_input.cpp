@@ -37,10 +37,7 @@ StateInput::StateInput(const std::string& local, std::string remote, const std::
   if (!connect_ports(remote_, port_.getName(), carrier, timeout_s)) lost_ = true;
 }
 
-StateInput::~StateInput() {
-  port_.interrupt();
-  port_.close();
-}
+StateInput::~StateInput() { close_input(port_, remote_); }
 
 bool StateInput::read(yarp::os::ConnectionReader& reader) {
   if (!reader.isValid()) return false;

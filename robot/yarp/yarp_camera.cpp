@@ -33,10 +33,7 @@ EventInput::EventInput(const std::string& local, std::string remote, const std::
   if (!connect_ports(remote_, port_.getName(), carrier, timeout_s)) lost_ = true;
 }
 
-EventInput::~EventInput() {
-  port_.interrupt();
-  port_.close();
-}
+EventInput::~EventInput() { close_input(port_, remote_); }
 
 EventTraffic EventInput::traffic() const { return {packets_, queue_.size(), queue_.dropped() + dropped_}; }
 

@@ -262,15 +262,15 @@ std::optional<HeadCommand> YarpHead::stop_reference() const {
 }
 
 PortStatus YarpHead::stop() {
-  if (is_lost()) return PortStatus::lost;
-  if (!active_ || halted_) return PortStatus::ok;
+  const PortStatus status = is_lost() ? PortStatus::lost : PortStatus::ok;
+  if (!active_ || halted_) return status;
   const auto reference_rad = stop_reference();
   if (!reference_rad) {
     lost_ = true;
     return PortStatus::lost;
   }
-  send(*reference_rad);
-  return PortStatus::ok;
+  send(*reference_rad);  // another connection than the lost one may still be open
+  return status;
 }
 
 void YarpHead::halt() {
@@ -348,7 +348,6 @@ void YarpHead::release() {
   stop();
   active_ = false;
   repeats_ = false;
-  if (state_input_.lost()) return;
   const auto now = modes();
   if (!now) return;
   Modes wanted = *now;

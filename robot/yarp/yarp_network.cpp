@@ -1,6 +1,5 @@
 #include "robot/yarp/yarp_network.h"
 
-#include <yarp/conf/version.h>
 #include <yarp/os/Bottle.h>
 #include <yarp/os/ContactStyle.h>
 #include <yarp/os/Log.h>
@@ -35,8 +34,6 @@ void print_errors(yarp::os::Log::LogType type, const char* text, const char* fil
 
 }  // namespace
 
-std::string yarp_version() { return YARP_VERSION; }
-
 void skip_message(yarp::os::ConnectionReader& reader) {
   if (reader.isTextMode()) return;
   std::array<char, 4096> bytes;
@@ -50,6 +47,12 @@ void skip_message(yarp::os::ConnectionReader& reader) {
 void discard(yarp::os::ConnectionReader& reader) {
   skip_message(reader);
   reader.requestDrop();
+}
+
+void close_input(yarp::os::Port& port, const std::string& remote) {
+  NetworkBase::disconnectInput(port.getName(), remote, true);
+  port.interrupt();
+  port.close();
 }
 
 YarpNetwork::YarpNetwork(double timeout_s) {

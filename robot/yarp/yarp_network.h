@@ -3,6 +3,7 @@
 #include <yarp/os/ConnectionReader.h>
 #include <yarp/os/Contact.h>
 #include <yarp/os/Network.h>
+#include <yarp/os/Port.h>
 
 #include <atomic>
 #include <chrono>
@@ -21,13 +22,14 @@ inline constexpr double name_server_timeout_s = 2.0;
 /// The envelope of the last message of a camera that ends as planned (saccade serve).
 inline constexpr const char* end_of_camera = "end";
 
-/// Version of YARP that this was built with.
-[[nodiscard]] std::string yarp_version();
-
 /// Takes a message that must not be used off its connection, in fixed memory.
 void skip_message(yarp::os::ConnectionReader& reader);
 /// The same, and asks YARP to close the connection.
 void discard(yarp::os::ConnectionReader& reader);
+
+/// Closes an input port. YARP would ask the other side first to disconnect, and wait for its answer for ever if that
+/// program is halted: this side drops the connection before.
+void close_input(yarp::os::Port& port, const std::string& remote);
 
 /// The connection to the YARP network, which all YARP calls need.
 class YarpNetwork {

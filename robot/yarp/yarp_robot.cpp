@@ -1,5 +1,7 @@
 #include "robot/yarp/yarp_robot.h"
 
+#include <yarp/conf/version.h>
+
 #include <atomic>
 #include <chrono>
 #include <optional>
@@ -37,24 +39,26 @@ StartUpCheck view_check(const EventInput& input, ImageSize size, const SteadyClo
           problem.empty() ? found : problem};
 }
 
-/// The robot's clock: while it waits, a target that is due goes out.
-class TickClock final : public Clock {
- public:
-  TickClock(SteadyClock& clock, YarpGaze* gaze) : clock_(clock), gaze_(gaze) {}
-  [[nodiscard]] std::int64_t now_us() const override { return clock_.now_us(); }
-  PortStatus wait_until(std::int64_t t_us) override {
-    if (gaze_ != nullptr) gaze_->flush();
-    return clock_.wait_until(t_us);
-  }
-
- private:
-  SteadyClock& clock_;
-  YarpGaze* gaze_;
-};
-
 }  // namespace
 
+std::string yarp_version() { return YARP_VERSION; }
+
 struct YarpRobot::Parts {
+  /// The robot's clock: while it waits, a target that is due goes out.
+  class TickClock final : public Clock {
+   public:
+    TickClock(SteadyClock& clock, YarpGaze* gaze) : clock_(clock), gaze_(gaze) {}
+    [[nodiscard]] std::int64_t now_us() const override { return clock_.now_us(); }
+    PortStatus wait_until(std::int64_t t_us) override {
+      if (gaze_ != nullptr) gaze_->flush();
+      return clock_.wait_until(t_us);
+    }
+
+   private:
+    SteadyClock& clock_;
+    YarpGaze* gaze_;
+  };
+
   Parts(const YarpConfig& config, const JointLimits& limits)
       : network(check_config("yarp", config).timeout_s),
         watch(name_server_period,

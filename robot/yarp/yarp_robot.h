@@ -9,6 +9,9 @@
 
 namespace saccade::inline v0_1 {
 
+/// Version of YARP that this was built with.
+[[nodiscard]] std::string yarp_version();
+
 /// An iCub on a YARP network, or a server with its interface. Built if CMake finds YARP; targets that link saccade_yarp
 /// then have SACCADE_YARP defined.
 ///

@@ -5,6 +5,7 @@
 #include <thread>
 #include <vector>
 
+#include "apps/deploy/close_within.h"
 #include "apps/deploy/robot_backends.h"
 #include "apps/deploy/robot_check.h"
 #include "apps/deploy/spsc_ring.h"
@@ -63,6 +64,24 @@ StartUpCheck named(const std::vector<StartUpCheck>& checks, const std::string& n
   const auto found =
       std::ranges::find_if(checks, [&](const StartUpCheck& c) { return c.what.starts_with(name); });
   return found == checks.end() ? StartUpCheck{"no check " + name, false, {}} : *found;
+}
+
+TEST(CloseWithin, EndsTheProgramWithItsErrorWhileAConnectionDoesNotClose) {
+  testing::FLAGS_gtest_death_test_style = "threadsafe";
+  const auto never = [] {
+    for (;;) std::this_thread::sleep_for(std::chrono::seconds(1));
+  };
+  EXPECT_EXIT(close_within(std::chrono::milliseconds(20), never, "the head was stopped: by the guard"),
+              testing::ExitedWithCode(1), "do not close.*\nsaccade: the head was stopped: by the guard");
+  EXPECT_EXIT(close_within(std::chrono::milliseconds(20), never, {}), testing::ExitedWithCode(0),
+              "do not close");
+}
+
+TEST(CloseWithin, ReturnsWhenTheConnectionsAreClosed) {
+  bool closed = false;
+  close_within(
+      std::chrono::hours(1), [&] { closed = true; }, "an error");
+  EXPECT_TRUE(closed);
 }
 
 TEST(RobotCheck, NamesWhatTheMachineLacksWithoutConnectingToTheRobot) {

@@ -221,6 +221,41 @@ TEST(DeploySession, ASlowActivationIsNotALateTick) {
   EXPECT_EQ(trial.session->state(), DeployState::active);
 }
 
+/// Notes how many events the detector had when the head became active.
+class EventsAtActivation final : public Overseer {
+ public:
+  void on_tick() override {}
+  std::optional<Fault> fault() override { return std::nullopt; }
+  std::string why_not() override { return {}; }
+  void activating() override {}
+  void activated() override { events = work->events; }
+  void stopped() override {}
+
+  const ExactDetector::Work* work = nullptr;
+  std::int64_t events = 0;
+};
+
+TEST(DeploySession, EventsThatComeDuringASlowActivationAreProcessedBeforeTheHeadIsActive) {
+  FakeRobotScript script;
+  for (std::int64_t t_us = 0; t_us < 1'000'000; t_us += 100) script.events.push_back({t_us, 64, 64, true, 0});
+  EventsAtActivation seen;
+  Trial::Options options;
+  options.overseer = &seen;
+  options.driver_us = 5'000;  // a tick that is behind; so are those after it
+  Trial trial(std::move(script), options);
+  seen.work = &trial.driver;
+  trial.fake->activation_us = 400'000;
+  trial.activate();
+  ASSERT_TRUE(trial.session->tick());
+  EXPECT_EQ(trial.session->state(), DeployState::active);
+  EXPECT_GE(seen.events, 4'000) << "ten in a millisecond";
+  EXPECT_EQ(trial.fake->commands, 0);
+  for (const Notes::Seen& tick : trial.notes.ticks) EXPECT_EQ(tick.timing.state, DeployState::ready);
+  const std::int64_t last_us = trial.notes.ticks.back().t_us;
+  ASSERT_TRUE(trial.session->tick());
+  EXPECT_GT(trial.notes.ticks.back().t_us, last_us) << "no tick twice";
+}
+
 TEST(DeploySession, QuittingStopsTheHeadFirst) {
   Trial trial;
   trial.activate();
@@ -433,6 +468,20 @@ TEST(DeployActivation, IsRepeatedUntilTheRobotIsReadyAndReportsEachReasonOnce) {
   EXPECT_TRUE(trial.session->not_activated().empty());
   ASSERT_EQ(trial.notes.changes.size(), 3u);
   EXPECT_EQ(trial.notes.changes[1].rejected, "neck_yaw is not a number");
+}
+
+TEST(DeployActivation, WaitsForATickInTimeAfterTheFirst) {
+  FakeRobotScript script;
+  script.late_us = {2'000, 60'000};  // the second tick begins late, and so the third
+  Trial trial(script);
+  trial.session->set_ready();
+  trial.session->keep_activating(2'000'000);
+  for (int tick = 0; tick < 3; ++tick) {
+    ASSERT_TRUE(trial.session->tick());
+    EXPECT_EQ(trial.session->state(), DeployState::ready);
+  }
+  ASSERT_TRUE(trial.session->tick());
+  EXPECT_EQ(trial.session->state(), DeployState::active);
 }
 
 TEST(DeployActivation, EndsTheSessionWithTheReasonAfterItsTime) {

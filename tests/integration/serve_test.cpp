@@ -264,25 +264,35 @@ TEST_F(Serve, IsAnEventCameraThatSendsWhatTheSimulatorMakes) {
     Served served(
         {"--wait-for-client", "--format", packet_format_names().at(static_cast<std::size_t>(format))}, 1.0);
     Events events("/zynqGrabber/AE:o", format);
-    ASSERT_TRUE(eventually(2.0, [&] { return events.packets() > 100; })) << "a world that waits is not heard";
-    EXPECT_EQ(events.empty(), events.packets());
+    ASSERT_TRUE(eventually(5.0, [&] { return events.packets() > 20; })) << "a world that waits is not heard";
     Gaze().ask("set Tneck 0.8");  // somebody has taken the head: the world begins
     ASSERT_TRUE(served.has_ended()) << served.said();
+    EXPECT_EQ(events.empty(), 0);
 
+    // The port sends events of the first pixel while there are no others.
+    const auto is_first_pixel = [](const Event& event) { return event.x == 0 && event.y == 0; };
     std::vector<Event> recorded;
     const auto reader = open_event_file(served / "events.aedat", {});
     while (reader->read(recorded, 10'000) > 0) {
     }
-    const std::vector<WireEvent> sent = events.events();
+    std::erase_if(recorded, is_first_pixel);
+    const std::int64_t ns = tick_ns(AddressCodec::ev2);
+    std::vector<Event> sent;
+    for (const WireEvent& word : events.events()) {
+      sent.push_back(decode_address(word.address, AddressCodec::ev2).value());
+      sent.back().t_us = us_from_ticks(word.stamp, ns);
+    }
+    std::erase_if(sent, is_first_pixel);
     std::printf("%zu events in %lld packets\n", sent.size(), static_cast<long long>(events.packets()));
     ASSERT_GT(sent.size(), 500U);
     ASSERT_LE(sent.size(), recorded.size());
     EXPECT_LT(recorded.size() - sent.size(), 200U);  // the port closed upon the last ones
-    const std::int64_t ns = tick_ns(AddressCodec::ev2);
+    // On the wire time goes on while the world waits for its client.
+    const std::int64_t waited_us = sent[0].t_us - recorded[0].t_us;
+    EXPECT_GE(waited_us, 0);
     for (std::size_t i = 0; i < sent.size(); ++i) {
-      Event event = decode_address(sent[i].address, AddressCodec::ev2).value();
-      event.t_us = us_from_ticks(sent[i].stamp, ns);
-      ASSERT_EQ(event, recorded[i]) << i;
+      recorded[i].t_us += waited_us;
+      ASSERT_EQ(sent[i], recorded[i]) << i;
     }
   }
 }

@@ -231,7 +231,8 @@ TEST(GazeServer, AnswersTheRequestsOfAClientOfIKinGazeCtrl) {
   EXPECT_EQ(head.server.answer("list"), "[ack] (motion-onset)");
   EXPECT_EQ(head.server.answer("unregister motion-onset"), "[ack]");
   EXPECT_EQ(head.server.answer("register nonsense"), "[nack]");
-  for (const char* request : {"get des", "get vel"}) EXPECT_EQ(head.ask(request).size(), 9u) << request;
+  for (const char* request : {"get q", "get des", "get vel"})
+    EXPECT_EQ(head.ask(request).size(), 9u) << request;
   EXPECT_EQ(head.ask("get ang").size(), 3u);
   EXPECT_EQ(head.ask("get sdon"), std::vector{1.0});
   EXPECT_EQ(head.server.answer("get pid"), "[ack] ()");

@@ -37,6 +37,13 @@ JointLimits our_limits() {
   return limits;
 }
 
+/// The same reference for every joint of the iCub.
+HeadCommand all_joints(double reference_rad) {
+  HeadCommand reference = HeadCommand::Zero();
+  reference.head<joint_count - torso_joint_count>().setConstant(reference_rad);
+  return reference;
+}
+
 /// A head's control board in this process.
 class Board {
  public:
@@ -187,7 +194,8 @@ TEST_F(Yarp, EachEventOfARunningCameraIsDeliveredOnceForAnyReadInterval) {
       if (i % stride == 0) world.robot.events().read_until(world.robot.clock().now_us(), events);
     }
     ASSERT_GT(events.size(), 500u);
-    std::int64_t n = events[0].x + 128 * events[0].y + (events[0].on ? 0 : 16384);
+    std::int64_t n = events[0].x + 128 * events[0].y;
+    if (counted_event(n).on != events[0].on) n += 16384;
     for (const Event& event : events) {
       const Event expected = counted_event(n++);
       ASSERT_TRUE(event.x == expected.x && event.y == expected.y && event.on == expected.on)
@@ -342,7 +350,7 @@ TEST_F(Yarp, LimitsAreTheTighterOnesOfRobotAndFile) {
 TEST_F(Yarp, ReleaseRestoresTheModesOfTheJoints) {
   JointsWorld world;
   HeadPort& head = *world.robot.head();
-  const HeadCommand reference = HeadCommand::Constant(5 * deg);
+  const HeadCommand reference = all_joints(5 * deg);
   EXPECT_TRUE(head.command(reference).rejected) << "before activate()";
   world.board.set_mode(2, VOCAB_CM_VELOCITY);
   const std::vector<int> found = world.board.modes();
@@ -397,16 +405,35 @@ TEST_F(Yarp, AHaltFromAnotherThreadStopsTheHeadUntilTheNextActivation) {
   JointsWorld world;
   world.robot.activate();
   HeadPort& head = *world.robot.head();
-  const HeadCommand reference = HeadCommand::Constant(5 * deg);
+  const HeadCommand reference = all_joints(5 * deg);
   EXPECT_FALSE(head.command(reference).rejected);
   EXPECT_TRUE(eventually(1.0, [&] { return std::abs(world.board.positions_deg().at(4) - 5.0) < 1e-6; }));
   std::thread([&] { world.robot.halt(); }).join();
-  EXPECT_TRUE(head.command(HeadCommand::Constant(8 * deg)).rejected);
+  EXPECT_TRUE(head.command(all_joints(8 * deg)).rejected);
   std::this_thread::sleep_for(std::chrono::milliseconds(50));
   EXPECT_NEAR(world.board.positions_deg().at(4), 5.0, 1e-6);
   world.robot.release();
   world.robot.activate();
   EXPECT_FALSE(head.command(reference).rejected);
+}
+
+TEST_F(Yarp, AHeadWhoseReadingsAreLostIsStoppedAndReleased) {
+  JointsWorld world;
+  const std::vector<int> found = world.board.modes();
+  world.robot.activate();
+  HeadPort& head = *world.robot.head();
+  EXPECT_FALSE(head.command(all_joints(5 * deg)).rejected);
+  HeadState state;
+  EXPECT_TRUE(eventually(1.0, [&] {
+    head.read(state);
+    return (state.head_position_rad() - all_joints(5 * deg)).norm() < 1e-6;
+  }));
+  ASSERT_TRUE(yarp::os::Network::disconnect(world.name + "/head/state:o",
+                                            "/saccade" + world.name + "/head/state:i", true));
+  EXPECT_TRUE(eventually(1.0, [&] { return head.read(state) == PortStatus::lost; }));
+  EXPECT_EQ(head.stop(), PortStatus::lost);
+  world.robot.release();
+  EXPECT_TRUE(eventually(1.0, [&] { return world.board.modes() == found; }));
 }
 
 TEST_F(Yarp, TheGuardsConnectionTakesPositionDirectJointsAwayFromDeployAndLeavesTheOthers) {
@@ -415,7 +442,7 @@ TEST_F(Yarp, TheGuardsConnectionTakesPositionDirectJointsAwayFromDeployAndLeaves
   EXPECT_TRUE(guard.is_connected());
   world.robot.activate();
   HeadPort& head = *world.robot.head();
-  EXPECT_FALSE(head.command(HeadCommand::Constant(5 * deg)).rejected);
+  EXPECT_FALSE(head.command(all_joints(5 * deg)).rejected);
   EXPECT_TRUE(eventually(1.0, [&] { return std::abs(world.board.positions_deg().at(4) - 5.0) < 1e-6; }));
   world.board.set_mode(1, VOCAB_CM_IDLE);
   const auto began = std::chrono::steady_clock::now();
@@ -643,7 +670,7 @@ TEST_F(Yarp, ALostNameServerIsReportedAndOpenConnectionsContinue) {
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
   EXPECT_EQ(world.robot.events().read_until(world.robot.clock().now_us(), events), PortStatus::ok);
   EXPECT_GT(events.size(), 100u);
-  const HeadCommand reference = HeadCommand::Constant(7 * deg);
+  const HeadCommand reference = all_joints(7 * deg);
   EXPECT_FALSE(world.robot.head()->command(reference).rejected);
   HeadState state;
   EXPECT_TRUE(eventually(1.0, [&] {

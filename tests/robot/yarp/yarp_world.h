@@ -86,6 +86,7 @@ class YarpWorld {
     EXPECT_TRUE(started) << "yarpserver does not start";
   }
   void kill_name_server() { server_.reset(); }
+  void signal_name_server(int signal) const { server_->send_signal(signal); }
 
   [[nodiscard]] std::filesystem::path operator/(const std::string& name) const { return folder_ / name; }
 
