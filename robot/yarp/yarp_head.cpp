@@ -180,6 +180,7 @@ bool YarpHead::is_lost() {
 }
 
 void YarpHead::read_reports() {
+  const std::lock_guard lock(reports_mutex_);
   Reports reports;
   std::array<double, StateInput::most_values> speed_deg_s{};
   reports.has_speeds =

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <semaphore>
 #include <span>
@@ -127,6 +128,7 @@ class YarpHead final : public HeadPort {
   Modes found_modes_{};
   bool active_ = false;
   std::atomic<bool> lost_ = false;
+  std::mutex reports_mutex_;  // of those who write reports_: the reporter, and activate()
   Newest<Reports> reports_;
   Newest<Degrees> reference_deg_;  // of the thread that commands
   Newest<Degrees> halt_deg_;       // of the thread that halts; instead of the others while halted_

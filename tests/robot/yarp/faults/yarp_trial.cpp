@@ -290,7 +290,8 @@ YarpTrialResult YarpTrials::run(const YarpFault& fault, double wait_s) {
   const auto moves = [&] { return facts_.references > before + enough_references; };
   (void)eventually(30.0, [&] { return moves() || deploy.wait(0.0); });
   if (!moves()) {
-    problem("deploy does not move the head");
+    const auto status = deploy.wait(0.0);
+    problem(status ? "deploy ended with status " + std::to_string(*status) : "deploy does not move the head");
     return result;
   }
   std::this_thread::sleep_for(std::chrono::duration<double>(wait_s));
