@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -37,6 +38,8 @@ std::string figures(std::vector<double>& ms) {
   return fmt::format("{:.1f} | {:.1f} | {:.1f}", quantile(ms, 0.5), quantile(ms, 0.99), quantile(ms, 1.0));
 }
 
+volatile std::sig_atomic_t interrupted = 0;
+
 }  // namespace
 }  // namespace saccade
 
@@ -55,7 +58,9 @@ int main(int count_of_arguments, char** arguments) {
   std::map<std::string, Class> classes;
   int unsafe = 0;
   int stopped_before = 0;
-  for (int trial = 0; trial < count; ++trial) {
+  std::signal(SIGINT, [](int) { interrupted = 1; });  // the figures so far
+  int trial = 0;
+  for (; trial < count && interrupted == 0; ++trial) {
     const YarpFault& kind = kinds[static_cast<std::size_t>(trial) % kinds.size()];
     YarpTrialResult result;
     do {
@@ -75,12 +80,13 @@ int main(int count_of_arguments, char** arguments) {
     std::fflush(stdout);
   }
   fmt::print(
-      "{} faults over YARP, seed {}; {} more runs were stopped before their fault (late ticks). From the "
+      "{} faults over YARP, seed {}; {} more runs were stopped before their fault, by a late tick or "
+      "reference. From the "
       "fault, ms.\n\n"
       "| fault | trials | newest reference, median | 99 % | worst | above 100 ms | joints at rest, median | "
       "99 % | "
       "worst | unsafe |\n|---|---|---|---|---|---|---|---|---|---|\n",
-      count, seed, stopped_before);
+      trial, seed, stopped_before);
   for (auto& [name, found] : classes) {
     fmt::print("| {} | {} | {} | {} | {} | {} |\n", name, found.trials, figures(found.stop_ms), found.late,
                figures(found.rest_ms), found.unsafe);
