@@ -18,7 +18,10 @@ void close_within(std::chrono::milliseconds limit, const std::function<void()>& 
   std::thread watch([&] {
     std::unique_lock lock(mutex);
     if (wake.wait_for(lock, limit, [&] { return closed; })) return;
-    fmt::print(stderr, "the connections of the robot do not close: the program ends without\n");
+    fmt::print(
+        stderr,
+        "the connections of the robot do not close within {} ms: the program ends without closing them\n",
+        limit.count());
     if (!error.empty()) fmt::print(stderr, "saccade: {}\n", error);
     std::fflush(nullptr);
     std::_Exit(error.empty() ? 0 : 1);
