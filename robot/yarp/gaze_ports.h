@@ -24,8 +24,8 @@ class YarpGazePorts {
   YarpGazePorts(const std::string& name, Answer answer);
   ~YarpGazePorts();
 
-  /// Sends the current state of the robot, of the joints those of the iCub (joint_count). No fixation point is sent while the optical axes have none. Slow readers miss
-  /// messages.
+  /// Sends the current state of the robot; of position_rad the iCub's joints, the first joint_count slots. No fixation
+  /// point is sent while the optical axes have none. Slow readers miss messages.
   void send(const Eigen::Vector3d& fixation_m, const JointVector& position_rad,
             const Eigen::Vector3d& angles_deg, const std::vector<std::string>& events);
 

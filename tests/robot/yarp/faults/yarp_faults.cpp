@@ -45,14 +45,21 @@ volatile std::sig_atomic_t interrupted = 0;
 
 int main(int count_of_arguments, char** arguments) {
   using namespace saccade;
-  if (count_of_arguments < 4) return 2;
+  if (count_of_arguments < 4) {
+    fmt::print(stderr, "usage: saccade_yarp_faults SACCADE ROBOT.yaml COUNT [SEED] [KIND]\n");
+    return 2;
+  }
   const int count = std::atoi(arguments[3]);
   const std::uint64_t seed = count_of_arguments > 4 ? std::strtoull(arguments[4], nullptr, 10) : 1;
   std::vector<YarpFault> kinds;
   for (const YarpFault& fault : yarp_faults()) {
     if (count_of_arguments <= 5 || fault.name == std::string(arguments[5])) kinds.push_back(fault);
   }
-  if (kinds.empty()) return 2;
+  if (kinds.empty()) {
+    fmt::print(stderr, "saccade_yarp_faults: KIND: found {}, expected one of:\n", arguments[5]);
+    for (const YarpFault& fault : yarp_faults()) fmt::print(stderr, "  {}\n", fault.name);
+    return 2;
+  }
   const RandomStream random(seed, "faults over YARP");
   YarpTrials trials(arguments[1], arguments[2]);
   std::map<std::string, Class> classes;
