@@ -126,7 +126,7 @@ void BallTracker::process(std::span<const Event> events, const CameraMotion* mot
     ++events_of_tick_;
     for (Followed& f : followed_) {
       if (!f.alive || !f.slow) continue;
-      const Circle c = f.track.circle();
+      const Circle c = f.track.shown();
       const double x = event.x - c.x_px;
       const double y = event.y - c.y_px;
       const double reach_px = c.r_px + near_px;
@@ -157,7 +157,7 @@ void BallTracker::add_edge(const Event& event, const NormalFlow& flow) {
   edges_.add(edge);
   for (Followed& f : followed_) {
     if (!f.alive) continue;
-    const Circle c = f.track.circle();
+    const Circle c = f.track.shown();
     const double x = edge.x - c.x_px;
     const double y = edge.y - c.y_px;
     if (std::abs(std::sqrt(x * x + y * y) - c.r_px) > near_px) continue;
@@ -242,7 +242,7 @@ void BallTracker::tick(std::int64_t now_us) {
 
 void BallTracker::update_hole(Followed& f, std::int64_t now_us) {
   f.history.hole = 0.0;
-  const auto hole = f.silhouette.fit(f.track.circle(), f.track.carried_px(), now_us);
+  const auto hole = f.silhouette.fit(f.track.shown(), f.track.carried_px(), now_us);
   if (!hole) return;
   const double speed = f.image_px_s.norm();
   const double slow = 1.0 / (1.0 + speed * speed / (hole_slow_px_s * hole_slow_px_s));
@@ -256,7 +256,7 @@ void BallTracker::update_probability(Followed& f, std::int64_t now_us) {
   const double length_px = perimeter_px(f.track.circle());
   const bool enough = f.fresh_edges >= std::max(fewest_fresh, fresh_px * length_px);
   if (enough) {
-    const DiscEvidence newest = evidence(f.track.circle(), f.motion_px_s(), now_us);
+    const DiscEvidence newest = evidence(f.track.shown(), f.motion_px_s(), now_us);
     const double clutter_px2 =
         density_of(std::min(newest[Evidence::radial_outside], newest[Evidence::radial_inside]));
     const double calm = std::exp(-clutter_px2 / clutter_hides_px2);

@@ -92,7 +92,7 @@ void BallTracker::look(std::int64_t now_us) {
   }
   if (!network_.work(multiplications_per_tick)) return;
   for (Followed& f : followed_) {
-    if (f.alive) f.network_log_odds = network_log_odds(f.track.circle(), f.image_px_s, now_us);
+    if (f.alive) f.network_log_odds = network_log_odds(f.track.shown(), f.image_px_s, now_us);
   }
   for (const DiscNetwork::Found& found : network_.found()) {
     const double r_px = found.circle.r_px;
@@ -143,7 +143,7 @@ bool BallTracker::corrects_known(const Circle& circle, double probability, std::
   bool known = false;
   for (Followed& f : followed_) {
     if (!f.alive) continue;
-    const Circle c = f.track.circle();
+    const Circle c = f.track.shown();
     if (is_same(c, circle, 6.0, 4.0)) {
       if (f.compared_us != now_us) {
         f.compared_us = now_us;
@@ -169,7 +169,7 @@ void BallTracker::follow(const Circle& circle, const Eigen::Vector3d& motion, co
   Followed* weakest = nullptr;
   std::size_t rivals = 0;
   for (Followed& f : followed_) {
-    if (!f.alive || !is_same(f.track.circle(), circle, rival_share * circle.r_px, rival_share * circle.r_px))
+    if (!f.alive || !is_same(f.track.shown(), circle, rival_share * circle.r_px, rival_share * circle.r_px))
       continue;
     ++rivals;
     if (weakest == nullptr || f.probability < weakest->probability) weakest = &f;
@@ -209,7 +209,7 @@ void BallTracker::end_duplicates() {
   for (Followed& a : followed_) {
     for (Followed& b : followed_) {
       if (&a == &b || !a.alive || !b.alive || a.probability < b.probability) continue;
-      if (is_same(a.track.circle(), b.track.circle(), 2.0, 1.5)) b.alive = false;
+      if (is_same(a.track.shown(), b.track.shown(), 2.0, 1.5)) b.alive = false;
     }
   }
 }

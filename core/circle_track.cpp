@@ -24,6 +24,11 @@ constexpr double growth_lasts_s = 0.05;
 
 constexpr double unknown_speed_px_s = 500.0;
 constexpr double unknown_growth_px_s = 30.0;
+// The latency of the outline's events: a random process with mean 0, as the outline passes before bright and dark.
+constexpr double latency_sd_s = 0.005;
+constexpr double latency_lasts_s = 2.0;
+constexpr double longest_latency_s = 0.02;
+constexpr double latency_memory_s = 0.008;  // a latency shows in the motion averaged over that time
 constexpr double silent_px = 2.0;   // an outline that moved so far would have been heard
 constexpr double silent_s = 0.002;  // and no sooner
 constexpr double jitter_px_s = 15.0;
@@ -32,9 +37,10 @@ constexpr double slowest_px_s = 20.0;
 }  // namespace
 
 CircleTrack::CircleTrack(const Circle& circle, std::int64_t now_us) : t_us_(now_us), last_edge_us_(now_us) {
-  state_ << circle.x_px, circle.y_px, circle.r_px, 0, 0, 0;
+  state_ << circle.x_px, circle.y_px, circle.r_px, 0, 0, 0, 0;
   const double v = unknown_speed_px_s * unknown_speed_px_s;
-  covariance_.diagonal() << 2.0, 2.0, 1.0, v, v, unknown_growth_px_s * unknown_growth_px_s;
+  covariance_.diagonal() << 2.0, 2.0, 1.0, v, v, unknown_growth_px_s * unknown_growth_px_s,
+      latency_sd_s * latency_sd_s;
 }
 
 void CircleTrack::predict(std::int64_t t_us, const Eigen::Vector2d& camera_flow_px_s) {
@@ -42,22 +48,22 @@ void CircleTrack::predict(std::int64_t t_us, const Eigen::Vector2d& camera_flow_
   const double dt = static_cast<double>(t_us - t_us_) * 1e-6;
   t_us_ = t_us;
   const double speed2 = state_.segment<2>(3).squaredNorm();
-  const Eigen::Vector2d carried = (state_.segment<2>(3) + camera_flow_px_s) * dt;
-  carried_px_ += carried;
-  state_.head<2>() += carried;
+  const Eigen::Vector2d image_px_s = state_.segment<2>(3) + camera_flow_px_s;
+  carried_px_ += image_px_s * dt;
+  state_.head<2>() += image_px_s * dt;
+  const double late = 1.0 - std::exp(-dt / latency_memory_s);
+  late_own_px_s_ += (state_.segment<2>(3) - late_own_px_s_) * late;
+  late_camera_px_s_ += (camera_flow_px_s - late_camera_px_s_) * late;
   state_[2] += state_[5] * dt;
   const double decay = std::exp(-dt / growth_lasts_s);
   state_[5] *= decay;
-  const Eigen::Matrix3d cross = covariance_.topRightCorner<3, 3>();
-  Eigen::Matrix3d rates = covariance_.bottomRightCorner<3, 3>();
-  covariance_.topLeftCorner<3, 3>() += dt * (cross + cross.transpose()) + dt * dt * rates;
-  Eigen::Matrix3d moved = cross + dt * rates;
-  moved.col(2) *= decay;
-  rates.row(2) *= decay;
-  rates.col(2) *= decay;
-  covariance_.topRightCorner<3, 3>() = moved;
-  covariance_.bottomLeftCorner<3, 3>() = moved.transpose();
-  covariance_.bottomRightCorner<3, 3>() = rates;
+  Covariance transition = Covariance::Identity();
+  transition.block<3, 3>(0, 3).diagonal().setConstant(dt);
+  transition(5, 5) = decay;
+  transition(6, 6) = std::exp(-dt / latency_lasts_s);
+  state_[6] *= transition(6, 6);
+  covariance_ = transition * covariance_ * transition.transpose();
+  covariance_(6, 6) += latency_sd_s * latency_sd_s * (1.0 - transition(6, 6) * transition(6, 6));
   const double turn = start_px_s2 + speed2 / turn_px;
   const double grow = growth_start_px_s2 + growth_per_speed_1_s * std::sqrt(speed2);
   for (int i = 0; i < 3; ++i) {  // white acceleration
@@ -75,13 +81,14 @@ void CircleTrack::update(const State& gradient, double innovation, double varian
   const double s = gradient.dot(ph) + variance;
   state_ += ph * (innovation / s);
   covariance_ -= ph * ph.transpose() / s;
+  state_[6] = std::clamp(state_[6], 0.0, longest_latency_s);
 }
 
 bool CircleTrack::measure(const Edge& edge, double clarity, Learn learn,
                           const Eigen::Vector2d& camera_flow_px_s) {
   const double dt = static_cast<double>(edge.t_us - t_us_) * 1e-6;
-  const Eigen::Vector2d offset =
-      Eigen::Vector2d(edge.x, edge.y) - centre() - (state_.segment<2>(3) + camera_flow_px_s) * dt;
+  const Eigen::Vector2d offset = Eigen::Vector2d(edge.x, edge.y) - centre() + lag_px() -
+                                 (state_.segment<2>(3) + camera_flow_px_s) * dt;
   const double distance = offset.norm();
   const double off = distance - state_[2];
   const double gate = std::min(3.0, 1.0 + 0.35 * state_[2]);
@@ -97,12 +104,12 @@ bool CircleTrack::measure(const Edge& edge, double clarity, Learn learn,
   if (std::abs(own - room) > apart_px_s && std::abs(seen - room) < 0.5 * std::abs(seen - own)) return false;
 
   State place;
-  place << -normal, -1.0, 0.0, 0.0, 0.0;
+  place << -normal, -1.0, 0.0, 0.0, 0.0, normal.dot(latency_gradient_px_s());
   const double variance = place.dot(covariance_ * place) + edge_sd_px * edge_sd_px;
   if (off * off > outlier_sd * outlier_sd * variance) return false;
   if (learn == Learn::place_and_speed) {
     State speed;
-    speed << 0.0, 0.0, 0.0, normal, 0.0;
+    speed << 0.0, 0.0, 0.0, normal, 0.0, 0.0;
     const double sd = single_flow_sd_share * std::abs(seen) + single_flow_sd_px_s;
     const double innovation = seen - own;
     const double speed_variance = speed.dot(covariance_ * speed) + sd * sd;
@@ -124,21 +131,32 @@ void CircleTrack::set_speed(const Eigen::Vector2d& speed_px_s, double growth_px_
   state_.segment<3>(3) << speed_px_s, growth_px_s;
   const double sd = 0.3 * speed_px_s.norm() + single_flow_sd_px_s;
   // A new measurement: what the old speed had in common with the place is gone.
-  covariance_.rightCols<3>().setZero();
-  covariance_.bottomRows<3>().setZero();
-  covariance_.diagonal().tail<3>() << sd * sd, sd * sd, unknown_growth_px_s * unknown_growth_px_s;
+  covariance_.middleCols<3>(3).setZero();
+  covariance_.middleRows<3>(3).setZero();
+  covariance_.diagonal().segment<3>(3) << sd * sd, sd * sd, unknown_growth_px_s * unknown_growth_px_s;
+}
+
+Eigen::Vector2d CircleTrack::latency_gradient_px_s() const {
+  const double camera2 = late_camera_px_s_.squaredNorm();
+  const double share = camera2 / (camera2 + late_own_px_s_.squaredNorm() + 1.0);
+  return share * (late_own_px_s_ + late_camera_px_s_);
 }
 
 void CircleTrack::doubt() {
   for (int i = 0; i < 3; ++i) covariance_(i, i) = std::max(covariance_(i, i), 0.25);
 }
 
-void CircleTrack::correct(const Circle& circle, const Eigen::Vector3d& sd_px) {
-  const double fitted[3] = {circle.x_px, circle.y_px, circle.r_px};
+void CircleTrack::correct(const Circle& shown, const Eigen::Vector3d& sd_px) {
+  const double place[3] = {shown.x_px, shown.y_px, shown.r_px};
   for (int i = 0; i < 3; ++i) {
-    State unit = State::Zero();
-    unit[i] = 1.0;
-    update(unit, fitted[i] - state_[i], sd_px[i] * sd_px[i]);
+    State gradient = State::Zero();
+    gradient[i] = 1.0;
+    double predicted = state_[i];
+    if (i < 2) {
+      gradient[6] = -latency_gradient_px_s()[i];
+      predicted -= lag_px()[i];
+    }
+    update(gradient, place[i] - predicted, sd_px[i] * sd_px[i]);
   }
 }
 
@@ -149,8 +167,8 @@ bool CircleTrack::rest_if_silent(const Eigen::Vector2d& camera_flow_px_s) {
   if (!resting_) return false;
   state_.segment<2>(3) += 0.2 * (-camera_flow_px_s - state_.segment<2>(3));
   state_[5] *= 0.8;
-  covariance_.bottomRows<3>() *= 0.9;
-  covariance_.rightCols<3>() *= 0.9;
+  covariance_.middleRows<3>(3) *= 0.9;
+  covariance_.middleCols<3>(3) *= 0.9;
   return speed > jitter_px_s;
 }
 

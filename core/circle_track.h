@@ -11,10 +11,11 @@ namespace saccade::inline v0_1 {
 /// An extended Kalman filter of one circle. Every edge on the outline is a measurement at its own time (paper, section
 /// V: an event-driven filter with outlier rejection).
 ///
-/// State: centre and radius, px, and their speeds, px/s. The centre's speed is what is left beside the image
-/// motion that the camera's own rotation makes, so that a camera that turns carries the circle along.
-/// An edge at p measures |p - centre| - radius = 0. Edges off the outline, or that do not move along its
-/// normal, are outliers.
+/// State: centre and radius, px, their speeds, px/s, and the latency of the outline's events, s. The centre's speed is
+/// what is left beside the image motion that the camera's own rotation makes, so that a camera that turns carries the
+/// circle along. The pixels of a dark outline respond milliseconds late (the bandwidth of a pixel falls with its
+/// light), so that edges show the circle where it was a latency ago: shown(). An edge at p measures
+/// |p - shown centre| - radius = 0. Edges off the outline, or that do not move along its normal, are outliers.
 class CircleTrack {
  public:
   /// cos of the largest angle between an edge's flow and the outline's normal.
@@ -36,12 +37,15 @@ class CircleTrack {
 
   /// The measured speed of the centre beside the camera's, and of the radius.
   void set_speed(const Eigen::Vector2d& speed_px_s, double growth_px_s);
-  /// At another place with the same speed.
-  void place(const Circle& circle) { state_.head<3>() << circle.x_px, circle.y_px, circle.r_px; }
+  /// Shown at another place, with the same speed.
+  void place(const Circle& shown) {
+    state_.head<3>() << shown.x_px, shown.y_px, shown.r_px;
+    state_.head<2>() += lag_px();
+  }
   /// The outline was missed: it is less sure than it seems.
   void doubt();
-  /// Takes a circle that was fitted to the same outline.
-  void correct(const Circle& circle, const Eigen::Vector3d& sd_px);
+  /// Takes a circle that was fitted to the same outline as edges show it.
+  void correct(const Circle& shown, const Eigen::Vector3d& sd_px);
   /// How far its motion alone has carried the circle since it began: what correcting and measuring did left out.
   [[nodiscard]] const Eigen::Vector2d& carried_px() const { return carried_px_; }
 
@@ -53,6 +57,11 @@ class CircleTrack {
   void bound(double r_min_px, double r_max_px);
 
   [[nodiscard]] Circle circle() const { return {state_[0], state_[1], state_[2]}; }
+  /// Where the edges of now show it: its latency ago.
+  [[nodiscard]] Circle shown() const {
+    return {state_[0] - lag_px().x(), state_[1] - lag_px().y(), state_[2]};
+  }
+  [[nodiscard]] double latency_s() const { return state_[6]; }
   [[nodiscard]] Eigen::Matrix3d covariance() const { return covariance_.topLeftCorner<3, 3>(); }
   [[nodiscard]] Eigen::Vector2d centre() const { return state_.head<2>(); }
   /// Of the centre, beside what the camera's rotation does.
@@ -65,14 +74,20 @@ class CircleTrack {
   [[nodiscard]] std::int64_t silent_us() const { return t_us_ - last_edge_us_; }
 
  private:
-  using State = Eigen::Matrix<double, 6, 1>;  // x, y, r, and their speeds
-  using Covariance = Eigen::Matrix<double, 6, 6>;
+  using State = Eigen::Matrix<double, 7, 1>;  // x, y, r, their speeds, and the latency
+  using Covariance = Eigen::Matrix<double, 7, 7>;
 
   void update(const State& gradient, double innovation, double variance);
+  [[nodiscard]] Eigen::Vector2d lag_px() const { return state_[6] * (late_own_px_s_ + late_camera_px_s_); }
+  /// How the lag changes with the latency, as far as the motion of the camera tells: a motion of the circle by itself and
+  /// the latency are not known apart.
+  [[nodiscard]] Eigen::Vector2d latency_gradient_px_s() const;
 
   State state_ = State::Zero();
   Covariance covariance_ = Covariance::Zero();
   Eigen::Vector2d carried_px_ = Eigen::Vector2d::Zero();
+  // Its own and the camera's image motion, averaged over a latency.
+  Eigen::Vector2d late_own_px_s_ = Eigen::Vector2d::Zero(), late_camera_px_s_ = Eigen::Vector2d::Zero();
   std::int64_t t_us_ = 0;
   std::int64_t last_edge_us_ = 0;
   bool resting_ = false;  // until the next edge

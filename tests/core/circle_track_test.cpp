@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -36,6 +37,60 @@ TEST(CircleTrack, KeepsAPositiveDefiniteCovarianceAfterANewSpeed) {
     const Eigen::LLT<Eigen::Matrix3d> factor(track.covariance());
     ASSERT_EQ(factor.info(), Eigen::Success) << t_us << "\n" << track.covariance();
   }
+}
+
+struct Followed {
+  CircleTrack track;
+  Eigen::Vector2d centre_px;  // where the circle is
+  double worst_off_px = 0.0;  // of the track, while the image moves
+};
+
+/// Follows a circle that moves to and fro with `velocity_px_s` from 0.1 s on, 40 ms each way with as long a pause,
+/// whose events come `latency_us` late. The camera's rotation makes the motion where `by_camera`.
+Followed follow(const Eigen::Vector2d& velocity_px_s, std::int64_t latency_us, bool by_camera) {
+  const auto motion = [&](std::int64_t t_us) -> Eigen::Vector2d {
+    if (t_us < 100'000) return Eigen::Vector2d::Zero();
+    const std::int64_t phase = (t_us - 100'000) / 40'000 % 4;
+    return phase == 0 ? velocity_px_s : phase == 2 ? Eigen::Vector2d(-velocity_px_s) : Eigen::Vector2d::Zero();
+  };
+  Followed f{CircleTrack({60, 60, 12}, 0), {60, 60}};
+  f.track.set_speed(Eigen::Vector2d::Zero(), 0.0);
+  Eigen::Vector2d shown_px = f.centre_px;
+  for (std::int64_t t_us = 1000; t_us <= 900'000; t_us += 1000) {
+    const Eigen::Vector2d camera = by_camera ? motion(t_us) : Eigen::Vector2d::Zero();
+    f.centre_px += motion(t_us) * 1e-3;
+    const Eigen::Vector2d shown_px_s = motion(t_us - latency_us);
+    shown_px += shown_px_s * 1e-3;
+    f.track.predict(t_us, camera);
+    for (int i = 0; i < 16; ++i) {
+      const double angle_rad = i * std::numbers::pi / 8;
+      Edge edge = edge_on({shown_px.x(), shown_px.y(), 12}, angle_rad, t_us);
+      edge.speed_px_s = edge.along.dot(shown_px_s);
+      if (std::abs(edge.speed_px_s) < 20.0) continue;  // no event
+      if (edge.speed_px_s < 0.0) {
+        edge.along = -edge.along;
+        edge.speed_px_s = -edge.speed_px_s;
+      }
+      f.track.measure(edge, 1.0, CircleTrack::Learn::place, camera);
+    }
+    if (t_us > 500'000 && !motion(t_us).isZero())
+      f.worst_off_px = std::max(f.worst_off_px, (f.track.centre() - f.centre_px).norm());
+  }
+  return f;
+}
+
+TEST(CircleTrack, LearnsTheLatencyOfTheEventsFromTheMotionOfTheCamera) {
+  const Followed late = follow({240, -120}, 8'000, true);
+  EXPECT_NEAR(late.track.latency_s(), 0.008, 0.003);
+  EXPECT_LT(late.worst_off_px, 1.0) << "the events are up to 2.1 px behind";
+  const Followed at_once = follow({240, -120}, 0, true);
+  EXPECT_NEAR(at_once.track.latency_s(), 0.0, 0.001);
+  EXPECT_LT(at_once.worst_off_px, 1.0);
+}
+
+TEST(CircleTrack, LearnsNoLatencyFromAMotionOfItsOwn) {
+  const Followed f = follow({120, -60}, 8'000, false);
+  EXPECT_EQ(f.track.latency_s(), 0.0);
 }
 
 }  // namespace
