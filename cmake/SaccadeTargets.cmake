@@ -93,15 +93,19 @@ function(saccade_layer name)
   set_source_files_properties(${LAYER_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 
-# saccade_test(NAME SOURCES a_test.cpp ... LAYERS core ... LIBRARIES ... [SERIAL] [LOCKED] [ALONE a_test.cpp ...]): one
+# saccade_test(NAME SOURCES a_test.cpp ... LAYERS core ... LIBRARIES ... [SERIAL] [LOCKED] [NO_LEAK_CHECK] [ALONE a_test.cpp ...]): one
 # GoogleTest program per layer, each of its tests a CTest test. SERIAL: no other test runs beside them. LOCKED: they run one
-# at a time, beside those of other programs. ALONE: as in saccade_layer.
+# at a time, beside those of other programs. NO_LEAK_CHECK: foreign libraries that they load and unload leak, and a sanitizer
+# can no longer name them. ALONE: as in saccade_layer.
 function(saccade_test name)
-  cmake_parse_arguments(TEST "SERIAL;LOCKED" "" "SOURCES;LAYERS;LIBRARIES;ALONE" ${ARGN})
+  cmake_parse_arguments(TEST "SERIAL;LOCKED;NO_LEAK_CHECK" "" "SOURCES;LAYERS;LIBRARIES;ALONE" ${ARGN})
   if(TEST_SERIAL)
     set(serial RUN_SERIAL TRUE)
   elseif(TEST_LOCKED)
     set(serial RESOURCE_LOCK saccade_${name})
+  endif()
+  if(TEST_NO_LEAK_CHECK)
+    set(environment ENVIRONMENT ASAN_OPTIONS=detect_leaks=0)
   endif()
   add_executable(saccade_${name}_tests ${TEST_SOURCES})
   set_source_files_properties(${TEST_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
@@ -117,5 +121,5 @@ function(saccade_test name)
     target_compile_options(saccade_${name}_tests PRIVATE -Wno-shadow)
   endif()
   gtest_discover_tests(saccade_${name}_tests TEST_PREFIX "${name}." DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 120
-    NO_PRETTY_VALUES PROPERTIES TIMEOUT 600 ${serial})
+    NO_PRETTY_VALUES PROPERTIES TIMEOUT 600 ${serial} ${environment})
 endfunction()

@@ -110,7 +110,8 @@ TEST_F(Scores, OfARecordingWithoutABallHaveAnAlarmRatioWhenAskedFor) {
   write_noise("noise.aedat");
   ASSERT_EQ(saccade("detect " + at("noise.aedat") + " --no-ball --out " + at("none")).status, 0);
   ASSERT_EQ(saccade("detect " + at("noise.aedat") + " --out " + at("unknown")).status, 0);
-  for (const auto& [name, detector] : json_in("none/metrics.json")["detectors"].items()) {
+  const Json no_ball = json_in("none/metrics.json")["detectors"];
+  for (const auto& [name, detector] : no_ball.items()) {
     ASSERT_TRUE(detector["alarm_ratio"].is_number()) << name;
     int alarms = 0;
     const double threshold = detector["threshold"].get<double>();
@@ -120,7 +121,8 @@ TEST_F(Scores, OfARecordingWithoutABallHaveAnAlarmRatioWhenAskedFor) {
     EXPECT_EQ(detector["observations"], alarms) << name;
     EXPECT_EQ(detector["precision"].is_null(), alarms == 0) << name;
   }
-  for (const auto& [name, detector] : json_in("unknown/metrics.json")["detectors"].items())
+  const Json unknown = json_in("unknown/metrics.json")["detectors"];
+  for (const auto& [name, detector] : unknown.items())
     EXPECT_TRUE(detector["alarm_ratio"].is_null()) << name;
   folder_.write("truth.csv", "t_us,x_px,y_px,r_px\n1500000,50,50,20\n");
   const Outcome both = saccade("detect " + at("noise.aedat") + " --no-ball --truth " + at("truth.csv") +
@@ -199,7 +201,10 @@ TEST_F(Scores, ByEventTimeOfARunAreThoseOfItsRecordedEventsAndStreamingOnesAreLo
 
 TEST_F(Scores, WithoutLateEventsAreTheSameByEventTimeAndStreaming) {
   run_eyes("run");
-  for (const auto& [name, detector] : json_in("run/metrics.json")["detectors"].items()) {
+  const Json run = json_in("run/metrics.json")["detectors"];
+  ASSERT_GE(run.size(), 2U);
+  for (const auto& [name, detector] : run.items()) {
+    if (name == "frame_30hz") continue;  // by event time only the instants of its images count
     for (const char* key : {"average_precision", "precision", "recall"})
       EXPECT_EQ(detector["streaming"][key], detector[key]) << name << ' ' << key;
     EXPECT_EQ(detector["streaming"]["latency_ms"]["p99"], 0.0) << name;

@@ -1,5 +1,8 @@
 #include <hdf5.h>
 #include <stdlib.h>
+#ifdef __SANITIZE_ADDRESS__
+#include <sanitizer/lsan_interface.h>
+#endif
 
 #include <random>
 
@@ -203,6 +206,9 @@ TEST(Hdf5, CompressedWithBloscWithoutThePluginIsAnErrorThatNamesThePlugin) {
 }
 
 TEST(Hdf5, CompressedWithBloscIsReadWithThePlugin) {
+#ifdef __SANITIZE_ADDRESS__
+  const __lsan::ScopedDisabler the_plugin_leaks;
+#endif
   if (H5Zfilter_avail(blosc) <= 0) GTEST_SKIP() << "SKIPPED: libhdf5 has no plugin for Blosc here";
   const TempFolder folder;
   std::vector<std::int64_t> values;
