@@ -14,9 +14,11 @@ constexpr double single_flow_sd_px_s = 30.0;
 constexpr double outlier_sd = 3.0;
 constexpr double apart_px_s = 10.0;  // circle and room differ enough in speed to tell their edges apart
 
-// How a ball in a hand moves: it may start at any time, and turn as tightly as on a circle of turn_px.
+// How a ball in a hand moves: it may start at any time, and turn as tightly as on a circle of turn_px; turns that last are
+// wider.
 constexpr double start_px_s2 = 80.0;
 constexpr double turn_px = 30.0;
+constexpr double lasting_turn_px = 60.0, turn_lasts_s = 0.15;
 constexpr double growth_start_px_s2 = 20.0;
 constexpr double growth_per_speed_1_s = 1.0;
 constexpr double acceleration_lasts_s = 0.01;
@@ -37,10 +39,10 @@ constexpr double slowest_px_s = 20.0;
 }  // namespace
 
 CircleTrack::CircleTrack(const Circle& circle, std::int64_t now_us) : t_us_(now_us), last_edge_us_(now_us) {
-  state_ << circle.x_px, circle.y_px, circle.r_px, 0, 0, 0, 0;
+  state_ << circle.x_px, circle.y_px, circle.r_px, 0, 0, 0, 0, 0, 0;
   const double v = unknown_speed_px_s * unknown_speed_px_s;
   covariance_.diagonal() << 2.0, 2.0, 1.0, v, v, unknown_growth_px_s * unknown_growth_px_s,
-      latency_sd_s * latency_sd_s;
+      latency_sd_s * latency_sd_s, 0.0, 0.0;
 }
 
 void CircleTrack::predict(std::int64_t t_us, const Eigen::Vector2d& camera_flow_px_s) {
@@ -60,11 +62,18 @@ void CircleTrack::predict(std::int64_t t_us, const Eigen::Vector2d& camera_flow_
   Covariance transition = Covariance::Identity();
   transition.block<3, 3>(0, 3).diagonal().setConstant(dt);
   transition(5, 5) = decay;
+  transition.block<2, 2>(3, 7).diagonal().setConstant(dt);
+  const double turns_on = std::exp(-dt / turn_lasts_s);
+  transition.block<2, 2>(7, 7).diagonal().setConstant(turns_on);
+  state_.segment<2>(3) += state_.tail<2>() * dt;
+  state_.tail<2>() *= turns_on;
   transition(6, 6) = std::exp(-dt / latency_lasts_s);
   state_[6] *= transition(6, 6);
   covariance_ = transition * covariance_ * transition.transpose();
   covariance_(6, 6) += latency_sd_s * latency_sd_s * (1.0 - transition(6, 6) * transition(6, 6));
   const double turn = start_px_s2 + speed2 / turn_px;
+  const double lasting_turn = speed2 / lasting_turn_px;
+  covariance_.diagonal().tail<2>().array() += lasting_turn * lasting_turn * (1.0 - turns_on * turns_on);
   const double grow = growth_start_px_s2 + growth_per_speed_1_s * std::sqrt(speed2);
   for (int i = 0; i < 3; ++i) {  // white acceleration
     const double a = i < 2 ? turn : grow;
@@ -104,12 +113,12 @@ bool CircleTrack::measure(const Edge& edge, double clarity, Learn learn,
   if (std::abs(own - room) > apart_px_s && std::abs(seen - room) < 0.5 * std::abs(seen - own)) return false;
 
   State place;
-  place << -normal, -1.0, 0.0, 0.0, 0.0, normal.dot(latency_gradient_px_s());
+  place << -normal, -1.0, 0.0, 0.0, 0.0, normal.dot(latency_gradient_px_s()), 0.0, 0.0;
   const double variance = place.dot(covariance_ * place) + edge_sd_px * edge_sd_px;
   if (off * off > outlier_sd * outlier_sd * variance) return false;
   if (learn == Learn::place_and_speed) {
     State speed;
-    speed << 0.0, 0.0, 0.0, normal, 0.0, 0.0;
+    speed << 0.0, 0.0, 0.0, normal, 0.0, 0.0, 0.0, 0.0;
     const double sd = single_flow_sd_share * std::abs(seen) + single_flow_sd_px_s;
     const double innovation = seen - own;
     const double speed_variance = speed.dot(covariance_ * speed) + sd * sd;
@@ -129,10 +138,15 @@ bool CircleTrack::measure(const Edge& edge, double clarity, Learn learn,
 
 void CircleTrack::set_speed(const Eigen::Vector2d& speed_px_s, double growth_px_s) {
   state_.segment<3>(3) << speed_px_s, growth_px_s;
+  state_.tail<2>().setZero();
   const double sd = 0.3 * speed_px_s.norm() + single_flow_sd_px_s;
   // A new measurement: what the old speed had in common with the place is gone.
   covariance_.middleCols<3>(3).setZero();
   covariance_.middleRows<3>(3).setZero();
+  covariance_.middleCols<2>(7).setZero();
+  covariance_.middleRows<2>(7).setZero();
+  const double lasting_turn = speed_px_s.squaredNorm() / lasting_turn_px;
+  covariance_.diagonal().tail<2>().setConstant(lasting_turn * lasting_turn);
   covariance_.diagonal().segment<3>(3) << sd * sd, sd * sd, unknown_growth_px_s * unknown_growth_px_s;
 }
 
@@ -167,6 +181,7 @@ bool CircleTrack::rest_if_silent(const Eigen::Vector2d& camera_flow_px_s) {
   if (!resting_) return false;
   state_.segment<2>(3) += 0.2 * (-camera_flow_px_s - state_.segment<2>(3));
   state_[5] *= 0.8;
+  state_.tail<2>() *= 0.8;
   covariance_.middleRows<3>(3) *= 0.9;
   covariance_.middleCols<3>(3) *= 0.9;
   return speed > jitter_px_s;

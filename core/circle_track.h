@@ -11,9 +11,9 @@ namespace saccade::inline v0_1 {
 /// An extended Kalman filter of one circle. Every edge on the outline is a measurement at its own time (paper, section
 /// V: an event-driven filter with outlier rejection).
 ///
-/// State: centre and radius, px, their speeds, px/s, and the latency of the outline's events, s. The centre's speed is
-/// what is left beside the image motion that the camera's own rotation makes, so that a camera that turns carries the
-/// circle along. The pixels of a dark outline respond milliseconds late (the bandwidth of a pixel falls with its
+/// State: centre and radius, px, their speeds, px/s, the latency of the outline's events, s, and the acceleration of the
+/// centre, px/s^2, of turns that last. The centre's speed is what is left beside the image motion that the camera's own
+/// rotation makes, so that a camera that turns carries the circle along. The pixels of a dark outline respond milliseconds late (the bandwidth of a pixel falls with its
 /// light), so that edges show the circle where it was a latency ago: shown(). An edge at p measures
 /// |p - shown centre| - radius = 0. Edges off the outline, or that do not move along its normal, are outliers.
 class CircleTrack {
@@ -74,8 +74,8 @@ class CircleTrack {
   [[nodiscard]] std::int64_t silent_us() const { return t_us_ - last_edge_us_; }
 
  private:
-  using State = Eigen::Matrix<double, 7, 1>;  // x, y, r, their speeds, and the latency
-  using Covariance = Eigen::Matrix<double, 7, 7>;
+  using State = Eigen::Matrix<double, 9, 1>;  // x, y, r, their speeds, the latency, and the acceleration
+  using Covariance = Eigen::Matrix<double, 9, 9>;
 
   void update(const State& gradient, double innovation, double variance);
   [[nodiscard]] Eigen::Vector2d lag_px() const { return state_[6] * (late_own_px_s_ + late_camera_px_s_); }

@@ -88,6 +88,33 @@ TEST(CircleTrack, LearnsTheLatencyOfTheEventsFromTheMotionOfTheCamera) {
   EXPECT_LT(at_once.worst_off_px, 1.0);
 }
 
+TEST(CircleTrack, FollowsATurnThatLasts) {
+  // A circle that goes round once in a second, 25 px from the middle, and shows few edges.
+  const auto place_px = [](std::int64_t t_us) {
+    const double angle_rad = 2.0 * std::numbers::pi * static_cast<double>(t_us) * 1e-6;
+    return Eigen::Vector2d(64 + 25 * std::cos(angle_rad), 64 + 25 * std::sin(angle_rad));
+  };
+  const Eigen::Vector2d still = Eigen::Vector2d::Zero();
+  CircleTrack track({89, 64, 12}, 0);
+  track.set_speed({0, 2.0 * std::numbers::pi * 25}, 0.0);
+  double outward_px = 0.0;
+  int ticks = 0;
+  for (std::int64_t t_us = 1000; t_us <= 2'000'000; t_us += 1000) {
+    track.predict(t_us, still);
+    const Eigen::Vector2d at = place_px(t_us);
+    const Eigen::Vector2d velocity_px_s = (at - place_px(t_us - 1000)) * 1e3;
+    const double angle_rad = static_cast<double>(t_us / 1000) * 2.4;  // all round, one edge in a ms
+    Edge edge = edge_on({at.x(), at.y(), 12}, angle_rad, t_us);
+    if (edge.along.dot(velocity_px_s) < 0.0) edge.along = -edge.along;
+    edge.speed_px_s = edge.along.dot(velocity_px_s);
+    if (edge.speed_px_s > 20.0) track.measure(edge, 1.0, CircleTrack::Learn::place, still);
+    if (t_us <= 1'000'000) continue;
+    outward_px += (track.centre() - at).dot((at - Eigen::Vector2d(64, 64)) / 25.0);
+    ++ticks;
+  }
+  EXPECT_LT(std::abs(outward_px / ticks), 0.25);
+}
+
 TEST(CircleTrack, LearnsNoLatencyFromAMotionOfItsOwn) {
   const Followed f = follow({120, -60}, 8'000, false);
   EXPECT_EQ(f.track.latency_s(), 0.0);
