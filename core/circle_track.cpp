@@ -85,11 +85,19 @@ void CircleTrack::predict(std::int64_t t_us, const Eigen::Vector2d& camera_flow_
   }
 }
 
-void CircleTrack::update(const State& gradient, double innovation, double variance) {
-  const State ph = covariance_ * gradient;
-  const double s = gradient.dot(ph) + variance;
-  state_ += ph * (innovation / s);
-  covariance_ -= ph * ph.transpose() / s;
+CircleTrack::State CircleTrack::covariance_with(const State& gradient) const {
+  State sum = State::Zero();
+  for (Eigen::Index i = 0; i < gradient.size(); ++i) {
+    if (gradient[i] != 0.0) sum += gradient[i] * covariance_.col(i);  // most are 0
+  }
+  return sum;
+}
+
+void CircleTrack::update(const State& gradient, const State& covariance_with_gradient, double innovation,
+                         double variance) {
+  const double s = gradient.dot(covariance_with_gradient) + variance;
+  state_ += covariance_with_gradient * (innovation / s);
+  covariance_ -= covariance_with_gradient * covariance_with_gradient.transpose() / s;
   state_[6] = std::clamp(state_[6], 0.0, longest_latency_s);
 }
 
@@ -114,23 +122,26 @@ bool CircleTrack::measure(const Edge& edge, double clarity, Learn learn,
 
   State place;
   place << -normal, -1.0, 0.0, 0.0, 0.0, normal.dot(latency_gradient_px_s()), 0.0, 0.0;
-  const double variance = place.dot(covariance_ * place) + edge_sd_px * edge_sd_px;
+  State with_place = covariance_with(place);
+  const double variance = place.dot(with_place) + edge_sd_px * edge_sd_px;
   if (off * off > outlier_sd * outlier_sd * variance) return false;
   if (learn == Learn::place_and_speed) {
     State speed;
     speed << 0.0, 0.0, 0.0, normal, 0.0, 0.0, 0.0, 0.0;
     const double sd = single_flow_sd_share * std::abs(seen) + single_flow_sd_px_s;
     const double innovation = seen - own;
-    const double speed_variance = speed.dot(covariance_ * speed) + sd * sd;
+    const State with_speed = covariance_with(speed);
+    const double speed_variance = speed.dot(with_speed) + sd * sd;
     if (innovation * innovation > outlier_sd * outlier_sd * speed_variance) return false;
-    update(speed, innovation, sd * sd);
+    update(speed, with_speed, innovation, sd * sd);
+    with_place = covariance_with(place);
   }
   // The probability that the edge is of the outline and not of the clutter around it.
   const double of_outline =
       clarity * std::exp(-0.5 * off * off / variance) / std::sqrt(2.0 * std::numbers::pi * variance);
   const double of_clutter = (1.0 - clarity) / (2.0 * gate);
   const double own_probability = of_outline / (of_outline + of_clutter + 1e-9);
-  update(place, -off, edge_sd_px * edge_sd_px / (own_probability * own_probability + 1e-3));
+  update(place, with_place, -off, edge_sd_px * edge_sd_px / (own_probability * own_probability + 1e-3));
   last_edge_us_ = std::max(last_edge_us_, edge.t_us);
   resting_ = false;
   return own_probability > 0.1;
@@ -170,7 +181,7 @@ void CircleTrack::correct(const Circle& shown, const Eigen::Vector3d& sd_px) {
       gradient[6] = -latency_gradient_px_s()[i];
       predicted -= lag_px()[i];
     }
-    update(gradient, place[i] - predicted, sd_px[i] * sd_px[i]);
+    update(gradient, covariance_with(gradient), place[i] - predicted, sd_px[i] * sd_px[i]);
   }
 }
 
