@@ -31,8 +31,8 @@ constexpr double latency_sd_s = 0.005;
 constexpr double latency_lasts_s = 2.0;
 constexpr double longest_latency_s = 0.02;
 constexpr double latency_memory_s = 0.008;  // a latency shows in the motion averaged over that time
-constexpr double silent_px = 2.0;   // an outline that moved so far would have been heard
-constexpr double silent_s = 0.002;  // and no sooner
+constexpr double silent_px = 2.0;           // an outline that moved so far would have been heard
+constexpr double silent_s = 0.002;          // and no sooner
 constexpr double jitter_px_s = 15.0;
 constexpr double slowest_px_s = 20.0;
 
@@ -104,8 +104,8 @@ void CircleTrack::update(const State& gradient, const State& covariance_with_gra
 bool CircleTrack::measure(const Edge& edge, double clarity, Learn learn,
                           const Eigen::Vector2d& camera_flow_px_s) {
   const double dt = static_cast<double>(edge.t_us - t_us_) * 1e-6;
-  const Eigen::Vector2d offset = Eigen::Vector2d(edge.x, edge.y) - centre() + lag_px() -
-                                 (state_.segment<2>(3) + camera_flow_px_s) * dt;
+  const Eigen::Vector2d offset =
+      Eigen::Vector2d(edge.x, edge.y) - centre() + lag_px() - (state_.segment<2>(3) + camera_flow_px_s) * dt;
   const double distance = offset.norm();
   const double off = distance - state_[2];
   const double gate = std::min(3.0, 1.0 + 0.35 * state_[2]);

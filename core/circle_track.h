@@ -79,7 +79,8 @@ class CircleTrack {
 
   /// The covariance times a measurement's gradient.
   [[nodiscard]] State covariance_with(const State& gradient) const;
-  void update(const State& gradient, const State& covariance_with_gradient, double innovation, double variance);
+  void update(const State& gradient, const State& covariance_with_gradient, double innovation,
+              double variance);
   [[nodiscard]] Eigen::Vector2d lag_px() const { return state_[6] * (late_own_px_s_ + late_camera_px_s_); }
   /// How the lag changes with the latency, as far as the motion of the camera tells: a motion of the circle by itself and
   /// the latency are not known apart.

@@ -51,7 +51,9 @@ Followed follow(const Eigen::Vector2d& velocity_px_s, std::int64_t latency_us, b
   const auto motion = [&](std::int64_t t_us) -> Eigen::Vector2d {
     if (t_us < 100'000) return Eigen::Vector2d::Zero();
     const std::int64_t phase = (t_us - 100'000) / 40'000 % 4;
-    return phase == 0 ? velocity_px_s : phase == 2 ? Eigen::Vector2d(-velocity_px_s) : Eigen::Vector2d::Zero();
+    return phase == 0   ? velocity_px_s
+           : phase == 2 ? Eigen::Vector2d(-velocity_px_s)
+                        : Eigen::Vector2d::Zero();
   };
   Followed f{CircleTrack({60, 60, 12}, 0), {60, 60}};
   f.track.set_speed(Eigen::Vector2d::Zero(), 0.0);

@@ -168,8 +168,8 @@ TEST_F(Deploy, BadInputIsStatusTwo) {
 }
 
 TEST_F(Deploy, OverloadLeavesOutEventsAndEvaluationsAndCountsThem) {
-  const Outcome busy =
-      run_shell(command("--activate --set deploy.max_events_per_tick=50 --set deploy.shadows_until_ms=0 --out " + out()));
+  const Outcome busy = run_shell(command(
+      "--activate --set deploy.max_events_per_tick=50 --set deploy.shadows_until_ms=0 --out " + out()));
   EXPECT_EQ(busy.status, 0) << busy.text;
   std::int64_t left_out = 0;
   std::int64_t skipped = 0;
