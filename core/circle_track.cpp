@@ -26,7 +26,7 @@ constexpr double growth_lasts_s = 0.05;
 
 constexpr double unknown_speed_px_s = 500.0;
 constexpr double unknown_growth_px_s = 30.0;
-// The latency of the outline's events: a random process with mean 0, as the outline passes before bright and dark.
+// The latency of the outline's events changes with what is behind the outline; without new edges it returns to 0.
 constexpr double latency_sd_s = 0.005;
 constexpr double latency_lasts_s = 2.0;
 constexpr double longest_latency_s = 0.02;

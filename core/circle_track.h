@@ -13,9 +13,10 @@ namespace saccade::inline v0_1 {
 ///
 /// State: centre and radius, px, their speeds, px/s, the latency of the outline's events, s, and the acceleration of the
 /// centre, px/s^2, of turns that last. The centre's speed is what is left beside the image motion that the camera's own
-/// rotation makes, so that a camera that turns carries the circle along. The pixels of a dark outline respond milliseconds late (the bandwidth of a pixel falls with its
-/// light), so that edges show the circle where it was a latency ago: shown(). An edge at p measures
-/// |p - shown centre| - radius = 0. Edges off the outline, or that do not move along its normal, are outliers.
+/// rotation makes, so that a camera that turns carries the circle along. The pixels of a dark outline respond
+/// milliseconds late (the bandwidth of a pixel falls with its light), so that edges show the circle where it was a
+/// latency ago: shown(). An edge at p measures |p - shown centre| - radius = 0. Edges off the outline, or that do not
+/// move along its normal, are outliers.
 class CircleTrack {
  public:
   /// cos of the largest angle between an edge's flow and the outline's normal.
@@ -82,8 +83,8 @@ class CircleTrack {
   void update(const State& gradient, const State& covariance_with_gradient, double innovation,
               double variance);
   [[nodiscard]] Eigen::Vector2d lag_px() const { return state_[6] * (late_own_px_s_ + late_camera_px_s_); }
-  /// How the lag changes with the latency, as far as the motion of the camera tells: a motion of the circle by itself and
-  /// the latency are not known apart.
+  /// The lag's derivative by the latency, times the camera's share of the motion: a latency cannot be told from a motion
+  /// of the circle's own.
   [[nodiscard]] Eigen::Vector2d latency_gradient_px_s() const;
 
   State state_ = State::Zero();
