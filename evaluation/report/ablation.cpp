@@ -28,7 +28,7 @@ struct Column {
   std::optional<double> (*value)(const Metrics&);
 };
 
-constexpr Column columns[] = {
+constexpr Column ablation_columns[] = {
     {"fixation_error_median_deg", "fixation error,<br>median, deg", Better::smaller,
      [](const Metrics& m) { return m.gaze->score.fixation_error_deg.median; }},
     {"on_target_ratio", "on target,<br>share", Better::larger,
@@ -43,7 +43,7 @@ constexpr Column columns[] = {
     {"wrong_moves", "wrong<br>moves", Better::smaller,
      [](const Metrics& m) { return std::optional(static_cast<double>(m.gaze->score.wrong_moves)); }},
 };
-constexpr std::size_t column_count = std::size(columns);
+constexpr std::size_t column_count = std::size(ablation_columns);
 
 struct Row {
   Combination combination;
@@ -132,17 +132,17 @@ std::string table_html(const Table& table) {
   html += "</h3>\n<div class=\"wide\"><table class=\"ablation\"><thead><tr>";
   for (const std::string_view name : combination_names) html += fmt::format("<th>{}</th>", name);
   html += "<th>runs</th>";
-  for (const Column& column : columns) html += fmt::format("<th>{}</th>", column.heading);
+  for (const Column& column : ablation_columns) html += fmt::format("<th>{}</th>", column.heading);
   html += "</tr></thead><tbody>\n";
   std::array<std::optional<double>, column_count> best;
-  for (std::size_t c = 0; c < column_count; ++c) best[c] = best_of(table, columns[c]);
+  for (std::size_t c = 0; c < column_count; ++c) best[c] = best_of(table, ablation_columns[c]);
   for (const Row& row : table.rows) {
     html += "<tr>";
     for (const std::string& name : row.combination)
       html += "<th>" + (name.empty() ? std::string("–") : escaped(name)) + "</th>";
     html += count_cell(std::ssize(row.runs));
     for (std::size_t c = 0; c < column_count; ++c) {
-      const MeanSd mean = row.mean(columns[c]);
+      const MeanSd mean = row.mean(ablation_columns[c]);
       std::string text = cell(mean, row.runs.size());
       if (best[c] && mean.mean == best[c]) text.insert(text.find(' '), " class=\"best\"");
       html += text;
@@ -156,7 +156,7 @@ std::string csv_of(const std::vector<Table>& tables) {
   std::string csv = "scenario,settings";
   for (const std::string_view name : combination_names) csv += fmt::format(",{}", name);
   csv += ",runs";
-  for (const Column& column : columns) csv += fmt::format(",{0},{0}_sd", column.key);
+  for (const Column& column : ablation_columns) csv += fmt::format(",{0},{0}_sd", column.key);
   csv += "\n";
   const auto number = [](const std::optional<double>& value) {
     return value ? text_of(*value) : std::string();
@@ -166,7 +166,7 @@ std::string csv_of(const std::vector<Table>& tables) {
       csv += csv_field(table.scenario) + "," + csv_field(table.settings);
       for (const std::string& name : row.combination) csv += "," + csv_field(name);
       csv += fmt::format(",{}", row.runs.size());
-      for (const Column& column : columns) {
+      for (const Column& column : ablation_columns) {
         const MeanSd mean = row.mean(column);
         csv += "," + number(mean.mean) + "," + number(mean.sd);
       }
