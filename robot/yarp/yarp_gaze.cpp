@@ -41,7 +41,7 @@ YarpGaze::YarpGaze(const YarpConfig& config, const JointLimits& limits, const St
 YarpGaze::~YarpGaze() {
   release();
   ending_ = true;
-  stop_wanted_.release();
+  stop_wanted_.request();
   stopper_.join();
   targets_.interrupt();
   targets_.close();
@@ -83,20 +83,18 @@ PortStatus YarpGaze::stop() {
   if (is_lost()) return PortStatus::lost;
   if (!active_) return PortStatus::ok;
   waiting_m_.reset();
-  stop_wanted_.release();
+  stop_wanted_.request();
   return PortStatus::ok;
 }
 
 void YarpGaze::halt() {
   halted_ = true;
-  stop_wanted_.release();
+  stop_wanted_.request();
 }
 
 void YarpGaze::stop_when_told() {
   for (;;) {
-    stop_wanted_.acquire();
-    while (stop_wanted_.try_acquire()) {
-    }
+    stop_wanted_.wait();
     if (ending_) return;
     (void)ask("stop");
   }

@@ -1,5 +1,6 @@
 #include "robot/yarp/yarp_head.h"
 
+#include <pthread.h>
 #include <yarp/dev/ControlBoardVocabs.h>
 #include <yarp/os/Property.h>
 #include <yarp/os/Vocab.h>
@@ -143,7 +144,7 @@ YarpHead::~YarpHead() {
   release();
   if (!sender_.joinable()) return;
   sends_ = false;
-  to_send_.release();
+  to_send_.request();
   sender_.join();
 }
 
@@ -224,12 +225,9 @@ void YarpHead::set_positions(const Degrees& reference_deg) const {
 void YarpHead::send_references() {
   int repeats_left = 0;
   for (;;) {
-    const bool is_new =
-        repeats_left > 0 ? to_send_.try_acquire_for(repeat_after) : (to_send_.acquire(), true);
+    const bool is_new = repeats_left > 0 ? to_send_.wait_for(repeat_after) : (to_send_.wait(), true);
     if (!sends_) return;
     if (is_new) {
-      while (to_send_.try_acquire()) {
-      }
       repeats_left = repeats;
     } else {
       --repeats_left;
@@ -244,7 +242,7 @@ void YarpHead::send(const HeadCommand& reference_rad) {
   for (int i = 0; i < joints_; ++i)
     reference_deg[static_cast<std::size_t>(i)] = reference_rad[i] / rad_per_deg;
   reference_deg_.write(reference_deg);
-  to_send_.release();
+  to_send_.request();
 }
 
 HeadPort::CommandResult YarpHead::command(const HeadCommand& reference_rad) {
@@ -283,7 +281,7 @@ void YarpHead::halt() {
     halt_deg_.write(reference_deg);
     halted_ = true;
   }
-  to_send_.release();
+  to_send_.request();
 }
 
 std::optional<YarpHead::Modes> YarpHead::modes() const {
@@ -338,6 +336,10 @@ void YarpHead::activate() {
     throw RunError("the head " + part_ + " does not change to position-direct mode");
   }
   read_reports();
+  sched_param priority{};  // references are as urgent as the ticks that compute them
+  int policy = 0;
+  if (pthread_getschedparam(pthread_self(), &policy, &priority) == 0)
+    (void)pthread_setschedparam(sender_.native_handle(), policy, &priority);
   halted_ = false;
   repeats_ = true;
   active_ = true;

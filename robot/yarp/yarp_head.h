@@ -13,7 +13,6 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <semaphore>
 #include <span>
 #include <string>
 #include <thread>
@@ -22,6 +21,7 @@
 #include "robot/newest.h"
 #include "robot/robot.h"
 #include "robot/steady_clock.h"
+#include "robot/wake_up.h"
 #include "robot/yarp/state_input.h"
 #include "robot/yarp/yarp_config.h"
 #include "robot/yarp/yarp_network.h"
@@ -133,7 +133,7 @@ class YarpHead final : public HeadPort {
   Newest<Degrees> reference_deg_;  // of the thread that commands
   Newest<Degrees> halt_deg_;       // of the thread that halts; instead of the others while halted_
   std::atomic<bool> halted_ = false;
-  std::counting_semaphore<> to_send_{0};  // a reference to send
+  WakeUp to_send_;  // a reference to send
   std::atomic<bool> sends_ = true;
   std::atomic<bool> repeats_ = false;
   std::unique_ptr<Periodic> reporter_;
