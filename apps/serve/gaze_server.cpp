@@ -25,6 +25,8 @@ constexpr double saccade_rad_s = 60.0 / deg_per_rad;
 constexpr double still_for_s = 0.1;  // until a movement counts as done
 constexpr std::int64_t oldest_imu_us = 40'000;
 constexpr double imu_dead_band_rad_s = 5.0 / deg_per_rad;
+/// Text in quotes: iKinGazeCtrl's client ends if it is another one, or a number.
+constexpr std::string_view server_version = "\"2.0\"";
 constexpr std::string_view ack = "[ack]";
 constexpr std::string_view nack = "[nack]";
 
@@ -68,6 +70,13 @@ Eigen::Vector3d through_pixel(const Camera& camera, double u_px, double v_px, do
          Eigen::Vector3d((u_px - camera.cx_px) / camera.fx_px, (v_px - camera.cy_px) / camera.fy_px, 1.0);
 }
 
+/// The version of an iCub head as text; nothing for another head.
+std::string head_version(const HeadModel& head) {
+  if (!head.is_icub) return {};
+  const std::string number = head.name.substr(head.name.rfind(' ') + 1);
+  return fmt::format("(head_version \"{}{}\") ", number, number.find('.') == std::string::npos ? ".0" : "");
+}
+
 }  // namespace
 
 /// Reads a request word by word.
@@ -85,15 +94,25 @@ class GazeServer::Words {
     }
   }
   std::string next() { return at_ < words_.size() ? words_[at_++] : std::string(); }
+  /// Whether `word` is there after `after` others; takes it out.
+  bool take(std::string_view word, std::size_t after) {
+    if (at_ + after >= words_.size() || words_[at_ + after] != word) return false;
+    words_.erase(words_.begin() + static_cast<std::ptrdiff_t>(at_ + after));
+    return true;
+  }
+  [[nodiscard]] bool has_more() const { return at_ < words_.size(); }
   /// The remaining words as numbers; none unless they are exactly that many finite numbers.
   std::optional<Eigen::VectorXd> numbers(int count) {
+    const auto values = next_numbers(count);
+    return has_more() ? std::nullopt : values;
+  }
+  std::optional<Eigen::VectorXd> next_numbers(int count) {
     Eigen::VectorXd values(count);
     for (int i = 0; i < count; ++i) {
       const std::string word = next();
       const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), values[i]);
       if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(values[i])) return {};
     }
-    if (at_ != words_.size()) return {};
     return values;
   }
 
@@ -179,11 +198,19 @@ std::optional<Eigen::Vector3d> GazeServer::point(const std::string& kind, Words&
     if (values) return Eigen::Vector3d(*values);
   } else if (kind == "mono") {
     const std::string eye = words.next();
+    const bool by_vergence = words.take("ver", 2);
     const auto values = words.numbers(3);
     if (!values || (eye != "left" && eye != "right") || (*values)[2] <= 0.0) return {};
     const Eye which = eye == "left" ? Eye::left : Eye::right;
-    return head.root_from_eye(which) *
-           through_pixel(cameras_[static_cast<std::size_t>(which)], (*values)[0], (*values)[1], (*values)[2]);
+    Eigen::Vector3d seen =
+        through_pixel(cameras_[static_cast<std::size_t>(which)], (*values)[0], (*values)[1], 1.0);
+    if (by_vergence) {
+      const double half_rad = std::max((*values)[2], least_vergence_deg) / deg_per_rad / 2;
+      seen *= CyclopeanEye(limits_.head->chain, q).half_baseline_m() / std::tan(half_rad) / seen.norm();
+    } else {
+      seen *= (*values)[2];
+    }
+    return head.root_from_eye(which) * seen;
   } else if (kind == "stereo") {
     const auto values = words.numbers(4);
     if (!values) return {};
@@ -267,6 +294,21 @@ Eigen::Vector3d GazeServer::angles_deg() const {
          deg_per_rad;
 }
 
+/// The pinholes of both eyes, as iKinGazeCtrl reports them: projections (3 x 4, row by row) and image sizes.
+std::string GazeServer::cameras_text() const {
+  std::string text;
+  for (const Eye eye : {Eye::left, Eye::right}) {
+    const std::string_view name = eye == Eye::left ? "left" : "right";
+    const Camera& camera = cameras_[static_cast<std::size_t>(eye)];
+    text += fmt::format(
+        "{}(camera_intrinsics_{} ({} 0.0 {} 0.0 0.0 {} {} 0.0 0.0 0.0 1.0 0.0)) (camera_width_{} {}) "
+        "(camera_height_{} {})",
+        text.empty() ? "" : " ", name, camera.fx_px, camera.cx_px, camera.fy_px, camera.cy_px, name,
+        camera.size.width, name, camera.size.height);
+  }
+  return text;
+}
+
 std::string GazeServer::get(Words& words) const {
   const std::string what = words.next();
   const JointVector& q = state_.position_rad;
@@ -279,12 +321,12 @@ std::string GazeServer::get(Words& words) const {
   if (what == "des") return acknowledged(Eigen::VectorXd(desired_rad_.head<joint_count>() * deg_per_rad));
   if (what == "vel")
     return acknowledged(Eigen::VectorXd(state_.velocity_rad_s.head<joint_count>() * deg_per_rad));
-  if (what == "pid" || what == "tweak") return fmt::format("{} ()", ack);
+  if (what == "pid") return fmt::format("{} ()", ack);
+  if (what == "tweak") return fmt::format("{} ({})", ack, cameras_text());
   if (what == "info") {
     return fmt::format(
-        "{} ((server_version 1.2) (head_version 2.0) (min_allowed_vergence {}) (events (motion-onset "
-        "motion-done)))",
-        ack, least_vergence_deg);
+        "{} ((server_version {}) {}(min_allowed_vergence {}) (events (motion-onset motion-done)) {})", ack,
+        server_version, head_version(*limits_.head), least_vergence_deg, cameras_text());
   }
   if (what == "3D") {
     const std::string kind = words.next();
@@ -312,9 +354,20 @@ std::string GazeServer::get(Words& words) const {
     values << pose.translation(), turn.axis(), turn.angle();
     return acknowledged(values);
   }
+  const auto range = [&](Joint joint) {
+    const double min_deg = settings_.limits.min_rad[joint] * deg_per_rad;
+    const double max_deg = settings_.limits.max_rad[joint] * deg_per_rad;
+    const bool one_value = max_deg - min_deg < 2.01 * bound_slack_rad * deg_per_rad;
+    const double middle_deg = (min_deg + max_deg) / 2;
+    return one_value ? std::pair(middle_deg, middle_deg) : std::pair(min_deg, max_deg);
+  };
   if (const auto joint = neck_joint(what)) {
-    return fmt::format("{} {:.9g} {:.9g}", ack, settings_.limits.min_rad[*joint] * deg_per_rad,
-                       settings_.limits.max_rad[*joint] * deg_per_rad);
+    const auto [min_deg, max_deg] = range(*joint);
+    return fmt::format("{} {:.9g} {:.9g}", ack, min_deg, max_deg);
+  }
+  if (what == "eyes") {
+    const auto [min_deg, max_deg] = range(eyes_vergence);
+    return min_deg == max_deg ? acknowledged(min_deg) : acknowledged(-1.0);
   }
   const IkinGazeConfig& gaze = settings_.gaze;
   if (what == "Tneck") return acknowledged(gaze.neck_time_s);
@@ -346,6 +399,8 @@ std::string GazeServer::adopt(Settings settings) {
 
 std::string GazeServer::set(Words& words) {
   const std::string what = words.next();
+  if (what == "tweak") return set_cameras(words);
+  if (what == "pid") return std::string(words.has_more() ? nack : ack);
   const auto values = words.numbers(1);
   if (!values) return std::string(nack);
   const double value = (*values)[0];
@@ -377,6 +432,35 @@ std::string GazeServer::set(Words& words) {
     return std::string(ack);
   }
   return adopt(std::move(settings));
+}
+
+/// The intrinsics of an eye, which `get tweak` reports; the image sizes stay.
+std::string GazeServer::set_cameras(Words& words) {
+  std::array<Camera, 2> cameras = {cameras_[0], cameras_[1]};
+  while (words.has_more()) {
+    const std::string key = words.next();
+    const auto eye = key.ends_with("_left")    ? std::optional(Eye::left)
+                     : key.ends_with("_right") ? std::optional(Eye::right)
+                                               : std::nullopt;
+    if (!eye) return std::string(nack);
+    Camera& camera = cameras[static_cast<std::size_t>(*eye)];
+    const std::string what = key.substr(0, key.rfind('_'));
+    const auto values = words.next_numbers(what == "camera_intrinsics" ? 12 : 1);
+    if (!values) return std::string(nack);
+    if (what == "camera_intrinsics") {
+      if ((*values)[0] <= 0.0 || (*values)[5] <= 0.0) return std::string(nack);
+      camera.fx_px = (*values)[0];
+      camera.cx_px = (*values)[2];
+      camera.fy_px = (*values)[5];
+      camera.cy_px = (*values)[6];
+    } else if ((what != "camera_width" || (*values)[0] != camera.size.width) &&
+               (what != "camera_height" || (*values)[0] != camera.size.height)) {
+      return std::string(nack);
+    }
+  }
+  std::ranges::copy(cameras, cameras_);
+  ++requests_;
+  return std::string(ack);
 }
 
 std::string GazeServer::bind(Words& words) {

@@ -20,6 +20,7 @@ namespace saccade::inline v0_1 {
 ///
 ///     look 3D (x y z)                     [ack], or [nack] if the head cannot look there
 ///     look mono (left|right u v z)        z: depth along that eye's axis
+///     look mono (left|right u v ver a)    a: vergence instead of the depth
 ///     look stereo (ul vl ur vr)
 ///     look ang (abs|rel azi ele ver)      azimuth + right, elevation + up; abs: from the head with the neck at 0
 ///     get x | q | angles | done           [ack] (x y z) | (torso, head) | (azi ele ver) | 0 or 1
@@ -31,10 +32,11 @@ namespace saccade::inline v0_1 {
 ///     set|get ocr                         gain of the eyes' compensation of the commanded motion of the neck
 ///     set|get track|ntol|stab             stored and returned, without effect
 ///     bind pitch|roll|yaw min max, bind eyes ver, clear pitch|roll|yaw|eyes
-///     get pitch|roll|yaw                  [ack] min max
+///     get pitch|roll|yaw | eyes           [ack] min max | vergence that the eyes are bound to, -1: to none
 ///     get ang | sdon | des | vel          angles; no saccade: 1; desired joints; joint velocities
 ///     get 3D proj (left|right u v a b c d)  where the pixel's ray meets the plane a x + b y + c z + d = 0
-///     get pid | tweak                     [ack] (): there are none
+///     get pid                             [ack] (): there are no options of a stereo tracker
+///     set|get tweak                       intrinsics of both cameras, without distortion, and their image sizes
 ///     register | unregister EVENT, list   acknowledged; every reader of events:o gets every event
 ///     stop | susp | run | status | get info | stor | rest id | del id | help
 ///
@@ -83,6 +85,7 @@ class GazeServer {
   [[nodiscard]] std::string look(Words& words);
   [[nodiscard]] std::string get(Words& words) const;
   [[nodiscard]] std::string set(Words& words);
+  [[nodiscard]] std::string set_cameras(Words& words);
   [[nodiscard]] std::string bind(Words& words);
   [[nodiscard]] std::string clear(Words& words);
   [[nodiscard]] std::string contexts(const std::string& what, Words& words);
@@ -90,6 +93,7 @@ class GazeServer {
   [[nodiscard]] std::optional<Eigen::Vector3d> point(const std::string& kind, Words& words) const;
   [[nodiscard]] std::optional<Eigen::Vector3d> on_plane(Words& words) const;
   [[nodiscard]] std::string registered(const std::string& what, Words& words);
+  [[nodiscard]] std::string cameras_text() const;
   [[nodiscard]] Eigen::Vector3d fixation_m() const;
   [[nodiscard]] Eigen::Vector3d angles_deg() const;
 

@@ -236,7 +236,50 @@ TEST(GazeServer, AnswersTheRequestsOfAClientOfIKinGazeCtrl) {
   EXPECT_EQ(head.ask("get ang").size(), 3u);
   EXPECT_EQ(head.ask("get sdon"), std::vector{1.0});
   EXPECT_EQ(head.server.answer("get pid"), "[ack] ()");
-  EXPECT_THAT(head.server.answer("get info"), testing::HasSubstr("server_version"));
+  // iKinGazeCtrl's client compares the version as text and ends if it is another one, or a number.
+  EXPECT_THAT(head.server.answer("get info"), testing::HasSubstr("(server_version \"2.0\")"));
+  EXPECT_THAT(head.server.answer("get info"), testing::HasSubstr("(head_version \"2.0\")"));
+  for (const char* request : {"get info", "get tweak"}) {
+    EXPECT_THAT(
+        head.server.answer(request),
+        testing::HasSubstr("(camera_intrinsics_right (99.45 0.0 64 0.0 0.0 99.75 69.18 0.0 0.0 0.0 1.0 0.0)) "
+                           "(camera_width_right 128) (camera_height_right 128)"));
+  }
+}
+
+TEST(GazeServer, TakesTheIntrinsicsThatItReports) {
+  Head head;
+  EXPECT_EQ(head.server.answer("set tweak (" + head.server.answer("get tweak").substr(6) + ")"), "[ack]");
+  EXPECT_EQ(head.server.answer("set tweak ((camera_intrinsics_left (200 0 60 0 0 210 65 0 0 0 1 0)))"), "[ack]");
+  EXPECT_THAT(head.server.answer("get tweak"),
+              testing::HasSubstr("(camera_intrinsics_left (200 0.0 60 0.0 0.0 210 65 0.0"));
+  for (const char* bad : {"camera_width_left 64", "camera_intrinsics_left (200 0 60)", "camera_left 1",
+                          "camera_intrinsics_left (0 0 60 0 0 210 65 0 0 0 1 0)", "nonsense"})
+    EXPECT_EQ(head.server.answer(std::string("set tweak (") + bad + ")"), "[nack]") << bad;
+}
+
+TEST(GazeServer, ReportsWhatJointsAreBoundTo) {
+  Head head;
+  EXPECT_EQ(head.server.answer("get eyes"), "[ack] -1");
+  EXPECT_EQ(head.server.answer("bind eyes 6"), "[ack]");
+  EXPECT_EQ(head.server.answer("get eyes"), "[ack] 6");
+  EXPECT_EQ(head.server.answer("clear eyes"), "[ack]");
+  EXPECT_EQ(head.server.answer("get eyes"), "[ack] -1");
+  EXPECT_EQ(head.server.answer("bind pitch 3 3"), "[ack]");
+  EXPECT_EQ(head.server.answer("get pitch"), "[ack] 3 3");
+}
+
+TEST(GazeServer, APixelAndAVergenceAreATarget) {
+  Head head;
+  EXPECT_EQ(head.server.answer("look mono (left 70 60 ver 8)"), "[ack]");
+  EXPECT_EQ(head.server.answer("look mono (left 70 60 vor 8)"), "[nack]");
+  const std::vector<double> eye = head.ask("get pose left");
+  const auto distance_m = [&](const std::vector<double>& point) {
+    return std::hypot(point.at(0) - eye[0], point.at(1) - eye[1], point.at(2) - eye[2]);
+  };
+  const double near_m = distance_m(head.ask("get 3D mono (left 64 69.18 ver 10)"));
+  EXPECT_NEAR(near_m, 0.034 / std::tan(0.5 * 10 * rad_per_deg), 1e-3) << "eyes 68 mm apart";
+  EXPECT_NEAR(distance_m(head.ask("get 3D mono (left 64 69.18 ver 5)")) / near_m, 2.0, 0.01);
 }
 
 TEST(GazeServer, ProjectsAPixelOntoAPlane) {
