@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "control/neck_solver.h"
@@ -17,7 +15,6 @@
 namespace saccade::inline v0_1 {
 namespace {
 
-constexpr double least_vergence_deg = 0.5;
 constexpr std::size_t most_contexts = 100;             // the oldest ones beyond are forgotten
 constexpr double bound_slack_rad = 0.1 / deg_per_rad;  // around a joint that is bound to one value
 constexpr double still_rad_s = 0.5 / deg_per_rad;
@@ -64,12 +61,6 @@ void bind_joint(JointLimits& limits, const JointLimits& hardware, Joint joint, d
   limits.max_rad[joint] = max;
 }
 
-/// The point on the ray through a pixel of a pinhole camera at a depth; eye frame.
-Eigen::Vector3d through_pixel(const Camera& camera, double u_px, double v_px, double z_m) {
-  return z_m *
-         Eigen::Vector3d((u_px - camera.cx_px) / camera.fx_px, (v_px - camera.cy_px) / camera.fy_px, 1.0);
-}
-
 /// The version of an iCub head as text; nothing for another head.
 std::string head_version(const HeadModel& head) {
   if (!head.is_icub) return {};
@@ -78,48 +69,6 @@ std::string head_version(const HeadModel& head) {
 }
 
 }  // namespace
-
-/// Reads a request word by word.
-class GazeServer::Words {
- public:
-  explicit Words(const std::string& text) {
-    std::string word;
-    for (const char c : text + " ") {
-      if (std::string_view(" \t\r\n()[]\",").find(c) == std::string_view::npos) {
-        word += c;
-      } else if (!word.empty()) {
-        words_.push_back(std::move(word));
-        word.clear();
-      }
-    }
-  }
-  std::string next() { return at_ < words_.size() ? words_[at_++] : std::string(); }
-  /// Whether `word` is there after `after` others; takes it out.
-  bool take(std::string_view word, std::size_t after) {
-    if (at_ + after >= words_.size() || words_[at_ + after] != word) return false;
-    words_.erase(words_.begin() + static_cast<std::ptrdiff_t>(at_ + after));
-    return true;
-  }
-  [[nodiscard]] bool has_more() const { return at_ < words_.size(); }
-  /// The remaining words as numbers; none unless they are exactly that many finite numbers.
-  std::optional<Eigen::VectorXd> numbers(int count) {
-    const auto values = next_numbers(count);
-    return has_more() ? std::nullopt : values;
-  }
-  std::optional<Eigen::VectorXd> next_numbers(int count) {
-    Eigen::VectorXd values(count);
-    for (int i = 0; i < count; ++i) {
-      const std::string word = next();
-      const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), values[i]);
-      if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(values[i])) return {};
-    }
-    return values;
-  }
-
- private:
-  std::vector<std::string> words_;
-  std::size_t at_ = 0;
-};
 
 GazeServer::GazeServer(const IkinGazeConfig& gaze, const MotionLimitsConfig& motion,
                        const JointLimits& limits, const Camera& left, const Camera& right,
@@ -143,7 +92,7 @@ void GazeServer::restart() {
 
 std::string GazeServer::answer(const std::string& request) {
   const std::scoped_lock lock(mutex_);
-  Words words(request);
+  RequestWords words(request);
   const std::string what = words.next();
   if (what == "look") return look(words);
   if (what == "get") return get(words);
@@ -174,9 +123,9 @@ std::string GazeServer::answer(const std::string& request) {
   return std::string(ack);
 }
 
-std::string GazeServer::look(Words& words) {
+std::string GazeServer::look(RequestWords& words) {
   const std::string kind = words.next();
-  const std::optional<Eigen::Vector3d> target_m = point(kind, words);
+  const std::optional<Eigen::Vector3d> target_m = geometry().point(kind, words);
   if (!target_m || suspended_ ||
       check_gaze_target(*target_m, HeadKinematics(limits_.head->chain, state_.position_rad)) !=
           TargetStatus::ok) {
@@ -190,85 +139,8 @@ std::string GazeServer::look(Words& words) {
   return std::string(ack);
 }
 
-std::optional<Eigen::Vector3d> GazeServer::point(const std::string& kind, Words& words) const {
-  const JointVector& q = state_.position_rad;
-  const HeadKinematics head(limits_.head->chain, q);
-  if (kind == "3D") {
-    const auto values = words.numbers(3);
-    if (values) return Eigen::Vector3d(*values);
-  } else if (kind == "mono") {
-    const std::string eye = words.next();
-    const bool by_vergence = words.take("ver", 2);
-    const auto values = words.numbers(3);
-    if (!values || (eye != "left" && eye != "right") || (*values)[2] <= 0.0) return {};
-    const Eye which = eye == "left" ? Eye::left : Eye::right;
-    Eigen::Vector3d seen =
-        through_pixel(cameras_[static_cast<std::size_t>(which)], (*values)[0], (*values)[1], 1.0);
-    if (by_vergence) {
-      const double half_rad = std::max((*values)[2], least_vergence_deg) / deg_per_rad / 2;
-      seen *= CyclopeanEye(limits_.head->chain, q).half_baseline_m() / std::tan(half_rad) / seen.norm();
-    } else {
-      seen *= (*values)[2];
-    }
-    return head.root_from_eye(which) * seen;
-  } else if (kind == "stereo") {
-    const auto values = words.numbers(4);
-    if (!values) return {};
-    const auto ray = [&](Eye eye, double u_px, double v_px) {
-      const Eigen::Isometry3d& pose = head.root_from_eye(eye);
-      return Ray{pose.translation(),
-                 pose.linear() * through_pixel(cameras_[static_cast<std::size_t>(eye)], u_px, v_px, 1.0)};
-    };
-    return triangulate(ray(Eye::left, (*values)[0], (*values)[1]),
-                       ray(Eye::right, (*values)[2], (*values)[3]), least_vergence_deg / deg_per_rad,
-                       std::numbers::pi / 2);
-  } else if (kind == "ang") {
-    const std::string mode = words.next();
-    const auto values = words.numbers(3);
-    if (!values || (mode != "abs" && mode != "rel")) return {};
-    const Eigen::Vector3d angles =
-        (mode == "rel" ? angles_deg() : Eigen::Vector3d(Eigen::Vector3d::Zero())) + Eigen::Vector3d(*values);
-    const double azimuth = angles[0] / deg_per_rad;
-    const double elevation = angles[1] / deg_per_rad;
-    const double vergence = std::max(angles[2], least_vergence_deg) / deg_per_rad;
-    JointVector upright = q;
-    upright.tail<gaze_slots>().setZero();
-    const CyclopeanEye eye(limits_.head->chain, upright);
-    const Eigen::Vector3d direction(std::sin(azimuth) * std::cos(elevation), -std::sin(elevation),
-                                    std::cos(azimuth) * std::cos(elevation));
-    return eye.root_from_eye() * Eigen::Vector3d(eye.half_baseline_m() / std::tan(vergence / 2) * direction);
-  }
-  return {};
-}
-
-/// Where the ray through a pixel of an eye meets the plane a x + b y + c z + d = 0: eye u v a b c d.
-std::optional<Eigen::Vector3d> GazeServer::on_plane(Words& words) const {
-  const std::string eye = words.next();
-  const auto values = words.numbers(6);
-  if (!values || (eye != "left" && eye != "right")) return {};
-  const Eye which = eye == "left" ? Eye::left : Eye::right;
-  const Eigen::Isometry3d pose =
-      HeadKinematics(limits_.head->chain, state_.position_rad).root_from_eye(which);
-  const Eigen::Vector3d ray = pose.linear() * through_pixel(cameras_[static_cast<std::size_t>(which)],
-                                                            (*values)[0], (*values)[1], 1.0);
-  const Eigen::Vector3d normal = values->segment<3>(2);
-  const double towards = normal.dot(ray);
-  const double depth_m = -(normal.dot(pose.translation()) + (*values)[5]) / towards;
-  if (!std::isfinite(depth_m) || depth_m <= 0.0) return {};
-  return pose.translation() + depth_m * ray;
-}
-
-/// The fixation point; while the optical axes are parallel, where they would meet with the least vergence.
-Eigen::Vector3d GazeServer::fixation_m() const {
-  const FixationPoint fixation = HeadKinematics(limits_.head->chain, state_.position_rad).fixation();
-  if (fixation.valid) return fixation.point_m;
-  const CyclopeanEye eye(limits_.head->chain, state_.position_rad);
-  const double distance_m = eye.half_baseline_m() / std::tan(least_vergence_deg / deg_per_rad / 2);
-  return eye.root_from_eye() * Eigen::Vector3d(0.0, 0.0, distance_m);
-}
-
 /// Events are sent to every reader of events:o; clients that register for them are acknowledged.
-std::string GazeServer::registered(const std::string& what, Words& words) {
+std::string GazeServer::registered(const std::string& what, RequestWords& words) {
   if (what == "list") return fmt::format("{} ({})", ack, fmt::join(registered_, " "));
   const std::string event = words.next();
   constexpr std::array<std::string_view, 6> known = {"motion-onset", "motion-done", "saccade-onset",
@@ -279,58 +151,30 @@ std::string GazeServer::registered(const std::string& what, Words& words) {
   return std::string(ack);
 }
 
-Eigen::Vector3d GazeServer::angles_deg() const {
-  const JointVector& q = state_.position_rad;
-  JointVector upright = q;
-  upright.tail<gaze_slots>().setZero();
-  const CyclopeanEye eye(limits_.head->chain, upright);
-  const HeadKinematics head(limits_.head->chain, q);
-  const FixationPoint fixation = head.fixation();
-  // If the axes do not intersect: a distant point on the left axis.
-  const Eigen::Vector3d seen =
-      eye.see(fixation.valid ? fixation.point_m : head.root_from_eye(Eye::left) * Eigen::Vector3d(0, 0, 10));
-  return Eigen::Vector3d(std::atan2(seen.x(), seen.z()),
-                         -std::atan2(seen.y(), std::hypot(seen.x(), seen.z())), q[eyes_vergence]) *
-         deg_per_rad;
-}
-
-/// The pinholes of both eyes, as iKinGazeCtrl reports them: projections (3 x 4, row by row) and image sizes.
-std::string GazeServer::cameras_text() const {
-  std::string text;
-  for (const Eye eye : {Eye::left, Eye::right}) {
-    const std::string_view name = eye == Eye::left ? "left" : "right";
-    const Camera& camera = cameras_[static_cast<std::size_t>(eye)];
-    text += fmt::format(
-        "{}(camera_intrinsics_{} ({} 0.0 {} 0.0 0.0 {} {} 0.0 0.0 0.0 1.0 0.0)) (camera_width_{} {}) "
-        "(camera_height_{} {})",
-        text.empty() ? "" : " ", name, camera.fx_px, camera.cx_px, camera.fy_px, camera.cy_px, name,
-        camera.size.width, name, camera.size.height);
-  }
-  return text;
-}
-
-std::string GazeServer::get(Words& words) const {
+std::string GazeServer::get(RequestWords& words) const {
   const std::string what = words.next();
   const JointVector& q = state_.position_rad;
   const HeadKinematics head(limits_.head->chain, q);
-  if (what == "x") return acknowledged(fixation_m());
+  if (what == "x") return acknowledged(geometry().fixation_m());
   if (what == "q") return acknowledged(Eigen::VectorXd(q.head<joint_count>() * deg_per_rad));
-  if (what == "angles" || what == "ang") return acknowledged(angles_deg());
+  if (what == "angles" || what == "ang") return acknowledged(geometry().angles_deg());
   if (what == "done") return acknowledged(done_ ? 1.0 : 0.0);
   if (what == "sdon") return acknowledged(saccade_done_ ? 1.0 : 0.0);
   if (what == "des") return acknowledged(Eigen::VectorXd(desired_rad_.head<joint_count>() * deg_per_rad));
   if (what == "vel")
     return acknowledged(Eigen::VectorXd(state_.velocity_rad_s.head<joint_count>() * deg_per_rad));
   if (what == "pid") return fmt::format("{} ()", ack);
-  if (what == "tweak") return fmt::format("{} ({})", ack, cameras_text());
+  if (what == "tweak") return fmt::format("{} ({})", ack, pinholes_text(cameras_));
   if (what == "info") {
     return fmt::format(
         "{} ((server_version {}) {}(min_allowed_vergence {}) (events (motion-onset motion-done)) {})", ack,
-        server_version, head_version(*limits_.head), least_vergence_deg, cameras_text());
+        server_version, head_version(*limits_.head), least_vergence_deg, pinholes_text(cameras_));
   }
   if (what == "3D") {
     const std::string kind = words.next();
-    const auto found = kind == "3D" ? std::nullopt : kind == "proj" ? on_plane(words) : point(kind, words);
+    const auto found = kind == "3D"     ? std::nullopt
+                       : kind == "proj" ? geometry().on_plane(words)
+                                        : geometry().point(kind, words);
     return found ? acknowledged(*found) : std::string(nack);
   }
   if (what == "2D" || what == "pose") {
@@ -397,9 +241,13 @@ std::string GazeServer::adopt(Settings settings) {
   return std::string(ack);
 }
 
-std::string GazeServer::set(Words& words) {
+std::string GazeServer::set(RequestWords& words) {
   const std::string what = words.next();
-  if (what == "tweak") return set_cameras(words);
+  if (what == "tweak") {
+    if (!read_pinholes(words, cameras_)) return std::string(nack);
+    ++requests_;
+    return std::string(ack);
+  }
   if (what == "pid") return std::string(words.has_more() ? nack : ack);
   const auto values = words.numbers(1);
   if (!values) return std::string(nack);
@@ -434,36 +282,7 @@ std::string GazeServer::set(Words& words) {
   return adopt(std::move(settings));
 }
 
-/// The intrinsics of an eye, which `get tweak` reports; the image sizes stay.
-std::string GazeServer::set_cameras(Words& words) {
-  std::array<Camera, 2> cameras = {cameras_[0], cameras_[1]};
-  while (words.has_more()) {
-    const std::string key = words.next();
-    const auto eye = key.ends_with("_left")    ? std::optional(Eye::left)
-                     : key.ends_with("_right") ? std::optional(Eye::right)
-                                               : std::nullopt;
-    if (!eye) return std::string(nack);
-    Camera& camera = cameras[static_cast<std::size_t>(*eye)];
-    const std::string what = key.substr(0, key.rfind('_'));
-    const auto values = words.next_numbers(what == "camera_intrinsics" ? 12 : 1);
-    if (!values) return std::string(nack);
-    if (what == "camera_intrinsics") {
-      if ((*values)[0] <= 0.0 || (*values)[5] <= 0.0) return std::string(nack);
-      camera.fx_px = (*values)[0];
-      camera.cx_px = (*values)[2];
-      camera.fy_px = (*values)[5];
-      camera.cy_px = (*values)[6];
-    } else if ((what != "camera_width" || (*values)[0] != camera.size.width) &&
-               (what != "camera_height" || (*values)[0] != camera.size.height)) {
-      return std::string(nack);
-    }
-  }
-  std::ranges::copy(cameras, cameras_);
-  ++requests_;
-  return std::string(ack);
-}
-
-std::string GazeServer::bind(Words& words) {
+std::string GazeServer::bind(RequestWords& words) {
   const std::string what = words.next();
   Settings settings = settings_;
   if (what == "eyes") {
@@ -482,7 +301,7 @@ std::string GazeServer::bind(Words& words) {
   return adopt(std::move(settings));
 }
 
-std::string GazeServer::clear(Words& words) {
+std::string GazeServer::clear(RequestWords& words) {
   const std::string what = words.next();
   Settings settings = settings_;
   const auto free = [&](Joint joint) {
@@ -499,7 +318,7 @@ std::string GazeServer::clear(Words& words) {
   return adopt(std::move(settings));
 }
 
-std::string GazeServer::contexts(const std::string& what, Words& words) {
+std::string GazeServer::contexts(const std::string& what, RequestWords& words) {
   if (what == "stor") {
     if (contexts_.size() == most_contexts) contexts_.erase(contexts_.begin());
     contexts_.emplace_back(next_context_, settings_);
@@ -565,9 +384,9 @@ std::optional<HeadJointVector> GazeServer::step(const HeadState& state, double d
 GazeServer::Report GazeServer::report() {
   const std::scoped_lock lock(mutex_);
   Report report;
-  report.fixation_m = fixation_m();
+  report.fixation_m = geometry().fixation_m();
   report.position_rad = state_.position_rad;
-  report.angles_deg = angles_deg();
+  report.angles_deg = geometry().angles_deg();
   report.target_m = target_m_;
   report.events = std::exchange(events_, {});
   report.requests = requests_;

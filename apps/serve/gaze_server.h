@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -8,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/serve/gaze_geometry.h"
 #include "control/head_kinematics.h"
 #include "control/ikingaze_controller.h"
 #include "core/camera.h"
@@ -79,28 +81,22 @@ class GazeServer {
     double ocr = 1.0;
     std::vector<std::pair<std::string, double>> kept;  ///< settings without effect
   };
-  class Words;
 
   void restart();
-  [[nodiscard]] std::string look(Words& words);
-  [[nodiscard]] std::string get(Words& words) const;
-  [[nodiscard]] std::string set(Words& words);
-  [[nodiscard]] std::string set_cameras(Words& words);
-  [[nodiscard]] std::string bind(Words& words);
-  [[nodiscard]] std::string clear(Words& words);
-  [[nodiscard]] std::string contexts(const std::string& what, Words& words);
+  [[nodiscard]] std::string look(RequestWords& words);
+  [[nodiscard]] std::string get(RequestWords& words) const;
+  [[nodiscard]] std::string set(RequestWords& words);
+  [[nodiscard]] std::string bind(RequestWords& words);
+  [[nodiscard]] std::string clear(RequestWords& words);
+  [[nodiscard]] std::string contexts(const std::string& what, RequestWords& words);
   [[nodiscard]] std::string adopt(Settings settings);
-  [[nodiscard]] std::optional<Eigen::Vector3d> point(const std::string& kind, Words& words) const;
-  [[nodiscard]] std::optional<Eigen::Vector3d> on_plane(Words& words) const;
-  [[nodiscard]] std::string registered(const std::string& what, Words& words);
-  [[nodiscard]] std::string cameras_text() const;
-  [[nodiscard]] Eigen::Vector3d fixation_m() const;
-  [[nodiscard]] Eigen::Vector3d angles_deg() const;
+  [[nodiscard]] std::string registered(const std::string& what, RequestWords& words);
+  [[nodiscard]] GazeGeometry geometry() const { return {limits_.head->chain, state_.position_rad, cameras_}; }
 
   std::mutex mutex_;
   MotionLimitsConfig motion_;
   JointLimits limits_;
-  Camera cameras_[2];
+  std::array<Camera, 2> cameras_;
   Settings settings_;
   std::vector<std::pair<std::int64_t, Settings>> contexts_;
   std::int64_t next_context_ = 1;

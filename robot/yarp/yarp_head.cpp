@@ -257,7 +257,8 @@ std::optional<HeadCommand> YarpHead::stop_reference() const {
   const Degrees reference_deg = reference_deg_.read();
   const bool was_sent = reference_deg_.count() >= 2;
   return saccade::stop_reference({joints.value.data(), static_cast<std::size_t>(joints.count)},
-                                 {reference_deg.data(), was_sent ? reference_deg.size() : 0}, joints_, limits_);
+                                 {reference_deg.data(), was_sent ? reference_deg.size() : 0}, joints_,
+                                 limits_);
 }
 
 PortStatus YarpHead::stop() {

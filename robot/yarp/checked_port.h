@@ -1,0 +1,41 @@
+#pragma once
+
+#include <yarp/os/Bottle.h>
+#include <yarp/os/ConnectionReader.h>
+#include <yarp/os/Port.h>
+#include <yarp/os/PortReader.h>
+
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "robot/yarp/yarp_network.h"
+
+namespace saccade::inline v0_1 {
+
+/// Reads a whole message of at most longest_bottle bytes, whose counts are checked before YARP believes them. None for
+/// another message: it is discarded, and its sender loses the connection.
+[[nodiscard]] std::optional<yarp::os::Bottle> checked_message(yarp::os::ConnectionReader& reader);
+
+/// Stands before an input port of this process that YARP reads itself, such as those of controlBoard_nws_yarp: YARP believes
+/// every count and length, so that one message can end the program. The name of that port then leads here, and what
+/// checked_message() accepts goes on to it, and its reply back. Requests of several clients are answered one after another.
+class CheckedPort final : private yarp::os::PortReader {
+ public:
+  /// `name`: a port that is open. `replies`: whether it answers. Throws RunError if YARP cannot open a port.
+  CheckedPort(std::string name, bool replies);
+  ~CheckedPort() override;
+  CheckedPort(const CheckedPort&) = delete;
+  CheckedPort& operator=(const CheckedPort&) = delete;
+
+ private:
+  bool read(yarp::os::ConnectionReader& reader) override;
+
+  YarpNetwork network_{name_server_timeout_s};
+  bool replies_;
+  yarp::os::Port in_;
+  yarp::os::Port out_;
+  std::mutex mutex_;  // of out_
+};
+
+}  // namespace saccade::inline v0_1
