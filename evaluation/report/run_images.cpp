@@ -219,11 +219,14 @@ std::string frames_figure(const RunData& run) {
     html += framed(images, caption);
   }
   html += "</div>";
-  std::string reading = fmt::format(
-      "Events of the last {:.3g} ms: {}, {}. {} is the true circle; the others are the newest at or above "
-      "the "
-      "threshold of each detector:",
-      static_cast<double>(run.window_us) * 1e-3, on_mark(), off_mark(), truth_mark());
+  const bool has_events =
+      std::ranges::any_of(run.frames, [](const Frame& frame) { return !frame.events.empty(); });
+  std::string reading = has_events
+                            ? fmt::format("Events of the last {:.3g} ms: {}, {}. ",
+                                          static_cast<double>(run.window_us) * 1e-3, on_mark(), off_mark())
+                            : "The events were not recorded. ";
+  reading += run.truth.empty() ? "The circles" : truth_mark() + " is the true circle; the others";
+  reading += " are the newest at or above the threshold of each detector:";
   for (std::size_t i = 0; i < run.metrics.detectors.size(); ++i) {
     reading += (i == 0 ? " " : ", ") + detector_mark(run.metrics, i);
   }
