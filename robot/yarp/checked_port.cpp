@@ -12,6 +12,23 @@
 
 namespace saccade::inline v0_1 {
 
+namespace {
+
+/// Whether a pair of a Bottle and a vector can be read from it, as controlBoard_nws_yarp does without a check.
+bool is_command(const yarp::os::Bottle& message) {
+  if (message.size() != 2) return false;
+  const yarp::os::Bottle* head = message.get(0).asList();
+  const yarp::os::Bottle* values = message.get(1).asList();
+  if (head == nullptr || values == nullptr || values->size() == 0) return false;
+  if (!head->get(0).isVocab32() && !head->get(0).isInt32()) return false;
+  for (std::size_t i = 0; i < values->size(); ++i) {
+    if (!values->get(i).isFloat64()) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 std::optional<yarp::os::Bottle> checked_message(yarp::os::ConnectionReader& reader) {
   if (!reader.isValid()) return std::nullopt;
   yarp::os::Bottle message;
@@ -39,12 +56,12 @@ std::optional<yarp::os::Bottle> checked_message(yarp::os::ConnectionReader& read
   return message;
 }
 
-CheckedPort::CheckedPort(std::string name, bool replies) : replies_(replies) {
+CheckedPort::CheckedPort(const std::string& name, Kind kind) : kind_(kind) {
   in_.setReader(*this);
-  if (replies) in_.setRpcMode(true);
+  if (kind == Kind::requests) in_.setRpcMode(true);
   out_.setInputMode(false);
   const bool open = in_.open(name + "/checked") && out_.open(name + "/checked/out");
-  if (!open || !yarp::os::Network::connect(out_.getName(), name, replies ? "tcp" : "fast_tcp"))
+  if (!open || !yarp::os::Network::connect(out_.getName(), name, kind == Kind::requests ? "tcp" : "fast_tcp"))
     throw RunError("YARP cannot open the port " + name + "/checked: is the name in use?");
   yarp::os::Contact contact = in_.where();
   contact.setName(name);
@@ -61,8 +78,12 @@ CheckedPort::~CheckedPort() {
 bool CheckedPort::read(yarp::os::ConnectionReader& reader) {
   const auto message = checked_message(reader);
   if (!message) return false;
+  if (kind_ == Kind::commands && !is_command(*message)) {
+    reader.requestDrop();
+    return false;
+  }
   const std::lock_guard lock(mutex_);
-  if (!replies_) return out_.write(*message);
+  if (kind_ == Kind::commands) return out_.write(*message);
   yarp::os::Bottle reply;
   if (!out_.write(*message, reply)) return false;
   if (yarp::os::ConnectionWriter* writer = reader.getWriter()) reply.write(*writer);

@@ -22,8 +22,12 @@ namespace saccade::inline v0_1 {
 /// checked_message() accepts goes on to it, and its reply back. Requests of several clients are answered one after another.
 class CheckedPort final : private yarp::os::PortReader {
  public:
-  /// `name`: a port that is open. `replies`: whether it answers. Throws RunError if YARP cannot open a port.
-  CheckedPort(std::string name, bool replies);
+  enum class Kind {
+    requests,  ///< any message; they are answered
+    commands,  ///< what remote_controlboard streams: a list that begins with a vocabulary, and a list of numbers
+  };
+  /// `name`: a port that is open. Throws RunError if YARP cannot open a port.
+  CheckedPort(const std::string& name, Kind kind);
   ~CheckedPort() override;
   CheckedPort(const CheckedPort&) = delete;
   CheckedPort& operator=(const CheckedPort&) = delete;
@@ -32,7 +36,7 @@ class CheckedPort final : private yarp::os::PortReader {
   bool read(yarp::os::ConnectionReader& reader) override;
 
   YarpNetwork network_{name_server_timeout_s};
-  bool replies_;
+  Kind kind_;
   yarp::os::Port in_;
   yarp::os::Port out_;
   std::mutex mutex_;  // of out_

@@ -462,8 +462,8 @@ YarpControlBoard::YarpControlBoard(const Config& config, const JointBoard& board
   ports_->device.give(device_.get(), false);
   if (!wrapper->attach(&ports_->device)) throw RunError("YARP cannot attach a device to " + config.part);
   ports_->attached = wrapper;
-  ports_->requests.emplace(config.part + "/rpc:i", true);
-  ports_->commands.emplace(config.part + "/command:i", false);
+  ports_->requests.emplace(config.part + "/rpc:i", CheckedPort::Kind::requests);
+  ports_->commands.emplace(config.part + "/command:i", CheckedPort::Kind::commands);
 }
 
 YarpControlBoard::~YarpControlBoard() = default;

@@ -496,7 +496,7 @@ TEST_F(Yarp, AMessageWithAFalseLengthDoesNotReachAPortBehindACheckedPort) {
   port.setReader(echo);
   port.setRpcMode(true);
   ASSERT_TRUE(port.open(name + "/rpc:i"));
-  const CheckedPort checked(name + "/rpc:i", true);
+  const CheckedPort checked(name + "/rpc:i", CheckedPort::Kind::requests);
 
   yarp::os::Bottle request("[set] [pos] 1 2.5 \"text\"");
   Bytes message;
@@ -518,6 +518,29 @@ TEST_F(Yarp, AMessageWithAFalseLengthDoesNotReachAPortBehindACheckedPort) {
   yarp::os::Bottle reply;
   ASSERT_TRUE(client.write(request, reply));
   EXPECT_EQ(reply.toString(), request.toString());
+}
+
+TEST_F(Yarp, OnlyAListAndNumbersReachAPortThatTakesCommands) {
+  const std::string name = unique_name("/board");
+  yarp::os::BufferedPort<yarp::os::Bottle> port;
+  port.setStrict();
+  ASSERT_TRUE(port.open(name + "/command:i"));
+  const CheckedPort checked(name + "/command:i", CheckedPort::Kind::commands);
+  const auto send = [&](const char* text) {
+    yarp::os::Port client;
+    ASSERT_TRUE(client.open(unique_name("/client")));
+    ASSERT_TRUE(yarp::os::Network::connect(client.getName(), name + "/command:i"));
+    yarp::os::Bottle message(text);
+    client.write(message);
+  };
+  for (const char* bad : {"text", "1.0 2.0", "([pos] 1) (text)", "([pos] 1) ()", "(1.0 2.0) (1.0 2.0)",
+                          "([pos] 1) (1.0) (2.0)", "([pos] 1) (1 2)"})
+    send(bad);
+  send("([pos] 1) (1.0 2.0)");
+  const yarp::os::Bottle* came = nullptr;
+  ASSERT_TRUE(eventually(2.0, [&] { return (came = port.read(false)) != nullptr; }));
+  EXPECT_EQ(came->toString(), "([pos] 1) (1.0 2.0)");
+  EXPECT_EQ(port.getPendingReads(), 0);
 }
 
 TEST_F(Yarp, PacketsOfAStrangerDoNotHideASilentCamera) {

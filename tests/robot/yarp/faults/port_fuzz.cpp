@@ -145,7 +145,7 @@ int main(int count, char** arguments) {
   for (std::size_t i = 0; i < ports.size(); ++i) {
     senders.emplace_back([&, i] {
       Messages messages(seed + i);
-      const std::string name = "/port_fuzz/" + std::to_string(i);
+      const std::string name = fmt::format("/port_fuzz/{}/{}", ::getpid(), i);
       yarp::os::Port port;
       port.setTimeout(1.0F);
       if (!port.open(name)) return;
