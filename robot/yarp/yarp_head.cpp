@@ -146,6 +146,9 @@ YarpHead::~YarpHead() {
   sends_ = false;
   to_send_.request();
   sender_.join();
+  // YARP 3.12 ends the program with a segmentation fault if it closes a port whose connection was cut while a message was
+  // on its way: the board's ports then stay open until the program ends.
+  if (commands_->lost()) (void)new std::shared_ptr<Board>(board_);
 }
 
 bool YarpHead::open_board(const YarpConfig& config) {
