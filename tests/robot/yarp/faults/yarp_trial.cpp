@@ -150,7 +150,11 @@ void YarpTrials::start_board() {
   options.put("device", yarp::os::Value("remote_controlboard"));
   options.put("remote", yarp::os::Value(part));
   options.put("local", yarp::os::Value("/observer"));
-  const bool open = eventually(10.0, [&] {
+  const bool open = eventually(20.0, [&] {
+    // YARP 3.12 can end a program that looks up names in several threads at once.
+    if (board_->wait(0.0))
+      board_ = std::make_unique<Program>(
+          std::vector<std::string>{SACCADE_FAULTY_ROBOT, memory, "board", part}, world_ / "board.txt");
     client_ = std::make_unique<yarp::dev::PolyDriver>();
     return client_->open(options) && client_->view(modes_);
   });
