@@ -15,7 +15,7 @@
 
 #include "core/error.h"
 #include "core/units.h"
-#include "robot/yarp/checked_port.h"
+#include "robot/yarp/checked_message.h"
 #include "robot/yarp/yarp_network.h"
 
 namespace saccade::inline v0_1 {
