@@ -144,17 +144,18 @@ std::string YarpTrials::log(const char* name) const {
 void YarpTrials::start_board() {
   client_.reset();
   const std::string memory = "faults-" + std::to_string(::getpid());
-  board_ = std::make_unique<Program>(std::vector<std::string>{SACCADE_FAULTY_ROBOT, memory, "board", part},
-                                     world_ / "board.txt");
+  const auto start = [&] {
+    board_ = std::make_unique<Program>(
+        std::vector<std::string>{SACCADE_FAULTY_ROBOT, memory, "board", part}, world_ / "board.txt");
+  };
+  start();
   yarp::os::Property options;
   options.put("device", yarp::os::Value("remote_controlboard"));
   options.put("remote", yarp::os::Value(part));
   options.put("local", yarp::os::Value("/observer"));
   const bool open = eventually(20.0, [&] {
     // YARP 3.12 can end a program that looks up names in several threads at once.
-    if (board_->wait(0.0))
-      board_ = std::make_unique<Program>(
-          std::vector<std::string>{SACCADE_FAULTY_ROBOT, memory, "board", part}, world_ / "board.txt");
+    if (board_->wait(0.0)) start();
     client_ = std::make_unique<yarp::dev::PolyDriver>();
     return client_->open(options) && client_->view(modes_);
   });
