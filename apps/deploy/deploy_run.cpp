@@ -136,6 +136,7 @@ void deploy_on(Robot& robot, GuardLink* guard, const DeployOptions& options, con
 void deploy(const DeployOptions& options, const Registry& registry) {
   const RobotFile file = read_robot_file(options.robot, options.assignments, registry);
   catch_interrupts();
+  use_small_stacks();
   const bool moves = !options.dry_run && file.gaze.detector != "none" && !file.robot.head_name().empty();
   std::optional<GuardLink> guard;
   if (moves) {

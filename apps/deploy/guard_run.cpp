@@ -41,6 +41,7 @@ void print(const std::string& line) {
 void guard(const GuardOptions& options, const Registry& registry) {
   const RobotFile file = read_robot_file(options.robot, options.assignments, registry);
   catch_interrupts();
+  use_small_stacks();
   std::unique_ptr<HeadStopper> head = open_head_stopper(file.robot, robot_context(file));
   const std::string name = file.robot.head_name();
   SharedMemory present("guarding-" + name, 1);

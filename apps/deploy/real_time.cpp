@@ -16,6 +16,16 @@ std::string reason(int error) { return std::generic_category().message(error); }
 
 }  // namespace
 
+void use_small_stacks() {
+  pthread_attr_t attributes;
+  if (pthread_attr_init(&attributes) != 0) return;
+  std::size_t bytes = 0;
+  if (pthread_getattr_default_np(&attributes) == 0 && pthread_attr_getstacksize(&attributes, &bytes) == 0 &&
+      bytes > small_stack_bytes && pthread_attr_setstacksize(&attributes, small_stack_bytes) == 0)
+    pthread_setattr_default_np(&attributes);
+  pthread_attr_destroy(&attributes);
+}
+
 RealTime::RealTime() {
   sched_param wanted{};
   wanted.sched_priority = priority;

@@ -1,8 +1,16 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 namespace saccade::inline v0_1 {
+
+/// Stack of each thread that starts after use_small_stacks(), bytes.
+inline constexpr std::size_t small_stack_bytes = 1U << 20U;
+
+/// Gives threads that start from now on stacks of small_stack_bytes, where the default is 8 MiB: locked memory takes whole
+/// stacks, whatever a thread uses of them. For the whole program; a system whose default is smaller keeps it.
+void use_small_stacks();
 
 /// Requests real-time priority for this thread (SCHED_FIFO) and locks the program's memory (mlockall) for its lifetime,
 /// as far as the operating system permits.

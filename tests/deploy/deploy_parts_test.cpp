@@ -1,11 +1,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <pthread.h>
 
 #include <algorithm>
 #include <thread>
 #include <vector>
 
 #include "apps/deploy/close_within.h"
+#include "apps/deploy/real_time.h"
 #include "apps/deploy/robot_backends.h"
 #include "apps/deploy/robot_check.h"
 #include "apps/deploy/spsc_ring.h"
@@ -16,6 +18,33 @@
 
 namespace saccade {
 namespace {
+
+/// Of a thread that starts now.
+std::size_t stack_bytes() {
+  std::size_t bytes = 0;
+  std::thread([&] {
+    pthread_attr_t attributes;
+    ASSERT_EQ(pthread_getattr_np(pthread_self(), &attributes), 0);
+    pthread_attr_getstacksize(&attributes, &bytes);
+    pthread_attr_destroy(&attributes);
+  }).join();
+  return bytes;
+}
+
+TEST(RealTime, ThreadsThatStartLaterGetSmallStacksButNoLargerOnes) {
+  pthread_attr_t attributes;
+  ASSERT_EQ(pthread_attr_init(&attributes), 0);
+  ASSERT_EQ(pthread_attr_setstacksize(&attributes, 4 * small_stack_bytes), 0);
+  ASSERT_EQ(pthread_setattr_default_np(&attributes), 0);
+  ASSERT_GT(stack_bytes(), 3 * small_stack_bytes);
+  use_small_stacks();
+  EXPECT_EQ(stack_bytes(), small_stack_bytes);
+  ASSERT_EQ(pthread_attr_setstacksize(&attributes, small_stack_bytes / 2), 0);
+  ASSERT_EQ(pthread_setattr_default_np(&attributes), 0);
+  use_small_stacks();
+  EXPECT_EQ(stack_bytes(), small_stack_bytes / 2);
+  pthread_attr_destroy(&attributes);
+}
 
 TEST(TimeFigures, QuantilesAreAtMostASixteenthTooLongAndNeverTooShort) {
   const RandomStream random(1, "times");
