@@ -39,17 +39,17 @@ constexpr auto words_of(LensModel) {
 ///
 /// The lens ends where x' would turn back towards the axis: from 1 + 3 k1 s + 5 k2 s^2 = 0 (fisheye:
 /// 1 + 3 k1 a^2 + 5 k2 a^4 + 7 k3 a^6 + 9 k4 a^8 = 0) on it shows nothing.
-/// Defaults: left DVS128 of iCubGenova02 (icubEyes_DVS.ini, 2016).
+/// Without numbers it has no image and is no valid camera.
 struct Camera {
-  ImageSize size{128, 128};
-  double fx_px = 99.45;
-  double fy_px = 99.75;
-  double cx_px = 64.00;
-  double cy_px = 69.18;
-  double k1 = -0.207651;   ///< radial distortion
-  double k2 = 0.73946;     ///< radial distortion
-  double p1 = -0.0016571;  ///< tangential distortion
-  double p2 = -0.0059468;  ///< tangential distortion
+  ImageSize size;
+  double fx_px = 0.0;
+  double fy_px = 0.0;
+  double cx_px = 0.0;
+  double cy_px = 0.0;
+  double k1 = 0.0;  ///< radial distortion
+  double k2 = 0.0;  ///< radial distortion
+  double p1 = 0.0;  ///< tangential distortion
+  double p2 = 0.0;  ///< tangential distortion
   LensModel lens = LensModel::radial_tangential;
   double k3 = 0.0;  ///< of a fisheye
   double k4 = 0.0;  ///< of a fisheye
@@ -86,10 +86,6 @@ struct Camera {
                                                      const Eigen::Vector3d& angular_velocity_rad_s) const;
   friend bool operator==(const Camera&, const Camera&) = default;
 };
-
-/// Right DVS128 of iCubGenova02 (icubEyes_DVS.ini, 2016).
-inline constexpr Camera right_dvs128{{128, 128}, 99.8,     99.8,        59.336,     63.761,
-                                     -0.219021,  0.085382, -0.00071211, -0.00171136};
 
 /// Keys: width_px, height_px.
 void describe_image_size(FieldVisitor& v, Camera& camera);

@@ -7,6 +7,7 @@
 #include "apps/config/cameras.h"
 #include "control/head_kinematics.h"
 #include "core/camera.h"
+#include "head/icub_cameras.h"
 #include "python/arrays.h"
 #include "python/keys.h"
 #include "python/module.h"
@@ -84,12 +85,12 @@ void add_geometry(py::module_& m) {
       .def("project_sphere", &project_sphere, py::arg("centre_m"), py::arg("radius_m"),
            "The circle (x, y, r) that stands for the outline of a sphere; None where it is not in the image "
            "plane.");
-  m.def("camera", [](const std::string& yaml) { return config_of(yaml, "camera", Camera{}); });
+  m.def("camera", [](const std::string& yaml) { return config_of(yaml, "camera", icub_left_2016); });
   m.def("pinhole_camera", [](const std::pair<std::int64_t, std::int64_t>& size) {
     return pinhole_camera(image_size_of(size));
   });
   m.def("camera_of_size", [](const std::pair<std::int64_t, std::int64_t>& size) {
-    Camera camera;  // what `saccade detect` assumes of a bare recording
+    Camera camera = icub_left_2016;  // what `saccade detect` assumes of a bare recording
     camera.size = image_size_of(size);
     return camera;
   });

@@ -5,6 +5,7 @@
 
 #include "core/camera.h"
 #include "emulator/emulator_config.h"
+#include "head/icub_cameras.h"
 #include "sim/eye_renderer.h"
 #include "sim/image_sampler.h"
 #include "sim/lab.h"
@@ -23,9 +24,9 @@ struct SimConfig {
   LabConfig lab;
   WorldConfig world;
   Eyes eyes = Eyes::left;
-  Camera camera;                          ///< the left eye's
-  CameraMount mount;                      ///< pose of the camera in the left eye
-  MountedCamera right{right_dvs128, {}};  ///< the right eye's camera, with images of the same size
+  Camera camera = icub_left_2016;            ///< the left eye's
+  CameraMount mount;                         ///< pose of the camera in the left eye
+  MountedCamera right{icub_right_2016, {}};  ///< the right eye's camera, with images of the same size
   EyeRenderConfig render;
   SamplingConfig sampling;
   std::string gl = "auto";      ///< OpenGL backend: auto, osmesa, egl

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/units.h"
+#include "head/icub_cameras.h"
 
 namespace saccade::inline v0_1 {
 namespace {
@@ -42,9 +43,9 @@ std::vector<CameraPreset> make_presets() {
                         .lens = LensModel::fisheye,
                         .k3 = -0.0553782,
                         .k4 = 0.0215010};
-  return {{"icub_left_2016", Camera{}, dvs128_um, "", false},
-          {"icub_right_2016", right_dvs128, dvs128_um, "", false},
-          {pinhole, pinhole_camera(Camera{}.size), 0.0, "", false},
+  return {{"icub_left_2016", icub_left_2016, dvs128_um, "", false},
+          {"icub_right_2016", icub_right_2016, dvs128_um, "", false},
+          {pinhole, pinhole_camera(icub_left_2016.size), 0.0, "", false},
           nominal("dvs128", {128, 128}, dvs128_um, 4.0),
           {"davis240", davis240, davis_um, "davis240", true},
           {"davis346", davis346, davis_um, "davis346", true},
@@ -150,7 +151,7 @@ Camera camera_preset(const std::string& name) { return camera_preset_row(name).c
 
 Camera pinhole_camera(ImageSize size) {
   constexpr double focal_per_width = 0.777;
-  Camera camera = Camera{}.without_lens();
+  Camera camera;
   camera.size = size;
   camera.fx_px = camera.fy_px = focal_per_width * size.width;
   camera.cx_px = 0.5 * (size.width - 1);

@@ -23,7 +23,7 @@ Vector3d Stage::any_point(RandomGenerator& random, double near_m, double far_m) 
 Camera draw_camera(RandomGenerator& random) {
   constexpr ImageSize sizes[] = {{64, 64},   {96, 96},   {128, 128}, {160, 120},
                                  {240, 180}, {304, 240}, {346, 260}};
-  Camera camera = Camera{}.without_lens();
+  Camera camera;
   camera.size = one_of(random, sizes);
   const double half_view_rad = 0.5 * rad_per_deg * random.real(42.0, 78.0);  // from left to right
   camera.fx_px = 0.5 * camera.size.width / std::tan(half_view_rad);

@@ -11,8 +11,9 @@
 #include "control/controller_registry.h"
 #include "control/gate_registry.h"
 #include "control/gaze_controller.h"
-#include "loop/watchdog.h"
 #include "head/head_config.h"
+#include "head/icub_cameras.h"
+#include "loop/watchdog.h"
 #include "robot/head_limits.h"
 
 namespace saccade::inline v0_1 {
@@ -33,7 +34,7 @@ struct RobotFile {
   std::string name;
   std::string description;
   RobotBackendConfig robot;
-  MountedCamera calibration;
+  MountedCamera calibration{icub_left_2016, {}};
   HeadConfig head;
   HeadLimitsConfig limits;
   NamedDetectors detectors;

@@ -12,6 +12,7 @@
 #include "apps/config/yaml_writer.h"
 #include "core/units.h"
 #include "evaluation/scoring/metrics.h"
+#include "head/icub_cameras.h"
 #include "sim/data_directory.h"
 
 namespace saccade::inline v0_1 {
@@ -107,7 +108,7 @@ void describe(FieldVisitor& v, Scenario& s) {
   v.section(
       "camera",
       [&](FieldVisitor& w) {
-        describe_camera(w, left, s.camera_preset, {"icub_left_2016", Camera{}.size, s.drawn_camera});
+        describe_camera(w, left, s.camera_preset, {"icub_left_2016", icub_left_2016.size, s.drawn_camera});
       },
       "the left eye's camera");
   s.sim.camera = left.camera;

@@ -16,6 +16,7 @@
 #include "evaluation/calibration/calibration.h"
 #include "evaluation/frame_camera/frame_detector.h"
 #include "evaluation/scoring/metrics.h"
+#include "head/icub_cameras.h"
 #include "loop/latency.h"
 #include "sim/sim_robot.h"
 
@@ -37,10 +38,10 @@ struct Scenario {
   std::optional<Camera> drawn_camera;  ///< of a random world: what the keys of sim.camera start from
 
   SimConfig sim;
-  std::string camera_preset = "icub_left_2016";         ///< the keys of sim.camera start from
-  std::string right_camera_preset = "icub_right_2016";  ///< those of sim.right
-  MountedCamera calibration;                            ///< the assumed left camera; by default the true one
-  MountedCamera right_calibration;                      ///< the assumed right camera
+  std::string camera_preset = "icub_left_2016";          ///< the keys of sim.camera start from
+  std::string right_camera_preset = "icub_right_2016";   ///< those of sim.right
+  MountedCamera calibration{icub_left_2016, {}};         ///< the assumed left camera; by default the true one
+  MountedCamera right_calibration{icub_right_2016, {}};  ///< the assumed right camera
   NamedDetectors detectors;
   /// A conventional camera and its detector, to compare with; scored under the name `frame_30hz`.
   std::optional<FrameDetectorConfig> frame_30hz;
@@ -58,7 +59,7 @@ struct Scenario {
 
   struct Output {
     bool video = false;
-    double video_speed = 1.0;  ///< time of the run per time of the video
+    double video_speed = 1.0;      ///< time of the run per time of the video
     std::string events = "aedat";  ///< a format of `formats`, of FormatRegistry::run_choices
     FormatRegistry formats;        ///< of the program
     std::int64_t pictures = 10;    ///< how many instants the report shows in pictures

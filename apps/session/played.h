@@ -7,6 +7,7 @@
 #include "control/head_kinematics.h"
 #include "core/camera.h"
 #include "evaluation/scoring/scoring.h"
+#include "head/icub_cameras.h"
 #include "recording/event_file.h"
 #include "recording/format_registry.h"
 #include "robot/replay/replay_robot.h"
@@ -33,7 +34,7 @@ struct Played {
   EventReadOptions read;   ///< of the events of one eye
   FormatRegistry formats;  ///< of the program
   Eye eye = Eye::left;
-  MountedCamera camera{Camera{}.without_lens(), {}};  // a bare recording: unknown camera
+  MountedCamera camera{icub_left_2016.without_lens(), {}};  // a bare recording: unknown camera
   std::optional<RecordedHead> head;
   std::vector<TruthRow> truth;
   Chances chances = Chances::annotated;

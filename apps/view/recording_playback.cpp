@@ -10,6 +10,7 @@
 #include "apps/view/memory_reader.h"
 #include "apps/view/playback.h"
 #include "apps/view/recorded_truth.h"
+#include "head/icub_cameras.h"
 #include "sim/lab.h"
 
 namespace saccade::inline v0_1 {
@@ -156,7 +157,7 @@ class RecordingPlayback final : public Playback, private LoopObserver {
   RecordedTruth truth_;
   std::shared_ptr<World> world_;
   std::shared_ptr<const mjModel> model_;  // of world_
-  LoopHistory history_{Camera{}, Eye::left, 0, 0};
+  LoopHistory history_{icub_left_2016, Eye::left, 0, 0};
   std::optional<Checkpoints> checkpoints_;
   bool reproducible_ = true;  // the detectors are in the state that a run from the start leads to
   std::unique_ptr<ReplayRobot> robot_;

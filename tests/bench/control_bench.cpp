@@ -12,6 +12,7 @@
 #include "control/hunting_detector.h"
 #include "control/qp_controller.h"
 #include "control/stabilisation.h"
+#include "head/icub_cameras.h"
 #include "tests/control/genova02.h"
 
 namespace saccade {
@@ -106,7 +107,7 @@ BENCHMARK(head_kinematics_with_fixation);
 
 void sphere_from_circle_over_the_image(benchmark::State& bench) {
   const RandomStream random(3, "bench");
-  const Camera camera;
+  const Camera camera = icub_left_2016;
   std::uint64_t i = 0;
   for (auto _ : bench) {
     const Circle circle{random.uniform(0, 127, 0, i), random.uniform(0, 127, 1, i),

@@ -12,6 +12,7 @@
 #include "control/gate_registry.h"
 #include "control/head_kinematics.h"
 #include "core/detector_registry.h"
+#include "head/icub_cameras.h"
 #include "robot/fake/fake_robot.h"
 #include "tests/control/genova02.h"
 
@@ -72,8 +73,8 @@ void tick(benchmark::State& bench, const char* preset, const char* controller) {
   script.events = ball_in_clutter();
   FakeActive robot(std::move(script));
   std::vector<LoopDetector> detectors;
-  detectors.push_back({preset, make_detector(built_in_detectors().config(preset), Camera{})});
-  Loop loop(robot, MountedCamera{}, std::move(detectors),
+  detectors.push_back({preset, make_detector(built_in_detectors().config(preset), icub_left_2016)});
+  Loop loop(robot, MountedCamera{icub_left_2016, {}}, std::move(detectors),
             LoopGaze{0, make_gate(built_in_gates().config()), std::nullopt, FollowConfig{.start_s = 0.0}},
             Eye::left, LoopBudget{2'000, 500});
   GazeControllerConfig config = built_in_controllers().config();

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "apps/config/scenario.h"
+#include "head/icub_cameras.h"
 #include "tests/config/built_in.h"
 #include "tests/recording/temp_folder.h"
 
@@ -56,10 +57,10 @@ TEST_F(ReadCalibration, BelievesByDefaultWhatIsSo) {
 TEST_F(ReadCalibration, AnErrorIsAKeyAndTheCameraStaysWhatItIs) {
   const Scenario scenario =
       read("", {"calibration.fx_px=101", "calibration.eye_from_camera.rotation_deg=[0, 1, 0]"});
-  EXPECT_EQ(scenario.sim.camera, Camera{});
+  EXPECT_EQ(scenario.sim.camera, icub_left_2016);
   EXPECT_EQ(scenario.sim.mount, CameraMount{});
   EXPECT_EQ(scenario.calibration.camera.fx_px, 101.0);
-  EXPECT_EQ(scenario.calibration.camera.fy_px, Camera{}.fy_px);
+  EXPECT_EQ(scenario.calibration.camera.fy_px, icub_left_2016.fy_px);
   EXPECT_EQ(scenario.calibration.mount.rotation_deg[1], 1.0);
 }
 
@@ -69,7 +70,7 @@ TEST_F(ReadCalibration, AFileIsWhereItsKeysStartFrom) {
   EXPECT_EQ(scenario.calibration.camera.fx_px, 101.0);
   EXPECT_EQ(scenario.calibration.camera.fy_px, 103.0);
   EXPECT_EQ(scenario.calibration.mount.translation_mm[1], -2.0);
-  EXPECT_EQ(scenario.sim.camera, Camera{});
+  EXPECT_EQ(scenario.sim.camera, icub_left_2016);
   const std::string by_hand = "calibration.file=" + (folder_ / "left.yaml").string();
   EXPECT_EQ(read("", {by_hand, "calibration.fy_px=103"}).calibration, scenario.calibration);
 }

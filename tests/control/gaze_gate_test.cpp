@@ -10,11 +10,12 @@
 #include "core/error.h"
 #include "core/random.h"
 #include "core/units.h"
+#include "head/icub_cameras.h"
 
 namespace saccade {
 namespace {
 
-const Camera camera;
+const Camera camera = icub_left_2016;
 constexpr double threshold = 0.5;
 
 /// A camera that looks ahead from the root's origin, upright.

@@ -9,6 +9,7 @@
 
 #include "control/gate_registry.h"
 #include "core/error.h"
+#include "head/icub_cameras.h"
 #include "tests/control/gaze_plant.h"
 #include "tests/control/malloc_count.h"
 
@@ -307,7 +308,7 @@ TEST(QpController, StepsAndGatesDoNotAllocate) {
   const auto gate = make_gate(built_in_gates().config());
   JointLimiter limiter(motion_limits(genova02_limits(), {}));
   const RandomStream random(5, "targets");
-  const Camera camera;
+  const Camera camera = icub_left_2016;
   Plant plant;
   const long before = malloc_count();
   EXPECT_GT(before, 0);

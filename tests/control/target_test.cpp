@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/random.h"
+#include "head/icub_cameras.h"
 
 namespace saccade {
 namespace {
@@ -16,7 +17,7 @@ const double nan = std::numeric_limits<double>::quiet_NaN();
 const double infinity = std::numeric_limits<double>::infinity();
 
 TEST(Target, InvertsTheOutlineOfASphereOverTheWholeImageAndBeyond) {
-  const Camera camera = Camera{}.without_lens();
+  const Camera camera = icub_left_2016.without_lens();
   const RandomStream random(1, "target");
   double worst_m = 0.0;
   for (std::uint64_t i = 0; i < 20000; ++i) {
@@ -34,7 +35,7 @@ TEST(Target, InvertsTheOutlineOfASphereOverTheWholeImageAndBeyond) {
 TEST(Target, InvertsTheOutlineOfASphereThroughTheLens) {
   const Camera atis{{304, 240}, 198.516,  198.583,     155.675,     115.426,
                     -0.326302,  0.101052, -0.00470766, -0.000842836};
-  for (const Camera& camera : {Camera{}, atis}) {
+  for (const Camera& camera : {icub_left_2016, atis}) {
     const RandomStream random(3, "target");
     double worst_inside_m = 0.0;
     double worst_m = 0.0;
@@ -64,7 +65,7 @@ TEST(Target, InvertsTheOutlineOfASphereThroughTheLens) {
 }
 
 TEST(Target, LocatesEveryCircleThatADetectorCanFindThroughTheLens) {
-  const Camera camera;
+  const Camera camera = icub_left_2016;
   const RandomStream random(4, "target");
   for (std::uint64_t i = 0; i < 10000; ++i) {
     const Circle circle{random.uniform(-0.5, 127.5, 0, i), random.uniform(-0.5, 127.5, 1, i),
@@ -79,7 +80,7 @@ TEST(Target, LocatesEveryCircleThatADetectorCanFindThroughTheLens) {
 }
 
 TEST(Target, IsExactForAWideAnglePinholeWithUnequalFocalLengths) {
-  Camera camera = Camera{}.without_lens();
+  Camera camera = icub_left_2016.without_lens();
   camera.fx_px = 40.0;
   camera.fy_px = 55.0;
   const RandomStream random(2, "target");
@@ -101,7 +102,7 @@ TEST(Target, TheAuthorsMapGives45CentimetresForTenPixelsAnd30ForSixteen) {
   TargetConfig config;
   config.depth = DepthModel::authors_linear;
   const TargetLocator locator(config);
-  const Camera camera;
+  const Camera camera = icub_left_2016;
   for (const auto& [r_px, z_m] : {std::pair{10.0, 0.45}, {16.0, 0.30}, {20.0, 0.20}}) {
     const Target target = locator.locate({90.0, 30.0, r_px}, camera, Eigen::Isometry3d::Identity());
     ASSERT_EQ(target.status, TargetStatus::ok);
@@ -118,7 +119,7 @@ TEST(Target, BothDepthModelsAgreeOnTheBallOf95MillimetresWithinThreeCentimetres)
   for (const double r_px : {10.0, 12.0, 14.0, 16.0}) {
     const Circle circle{64.0, 69.18, r_px};
     const auto z = [&](const TargetConfig& config) {
-      return TargetLocator(config).locate(circle, Camera{}, Eigen::Isometry3d::Identity()).point_m.z();
+      return TargetLocator(config).locate(circle, icub_left_2016, Eigen::Isometry3d::Identity()).point_m.z();
     };
     EXPECT_NEAR(z(TargetConfig{}), z(linear), 0.03);
   }
@@ -128,7 +129,7 @@ TEST(Target, IsGivenInTheRootFrame) {
   Eigen::Isometry3d root_from_cam = Eigen::Isometry3d::Identity();
   root_from_cam.linear() << 0, 0, -1, 1, 0, 0, 0, -1, 0;
   root_from_cam.translation() << -0.0564, -0.034, 0.34685;
-  const Camera camera;
+  const Camera camera = icub_left_2016;
   const Eigen::Vector3d ball_root(-0.5, 0.05, 0.30);
   const auto circle = camera.project_sphere(root_from_cam.inverse() * ball_root, 0.0475);
   const Target target = TargetLocator({}).locate(*circle, camera, root_from_cam);
@@ -137,7 +138,7 @@ TEST(Target, IsGivenInTheRootFrame) {
 }
 
 TEST(Target, RejectsInvalidCirclesAndReportsWhy) {
-  const Camera camera;
+  const Camera camera = icub_left_2016;
   const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
   TargetConfig linear;
   linear.depth = DepthModel::authors_linear;
@@ -164,7 +165,7 @@ TEST(Target, ExtremeCirclesNeverGiveATargetThatIsNotFinite) {
   const TargetLocator locator({});
   for (const double r_px : {1e-300, 1e-9, 1e3, 1e9, 1e300}) {
     for (const double x_px : {-1e9, 64.0, 1e9, 1e300}) {
-      const Target target = locator.locate({x_px, 60.0, r_px}, Camera{}, Eigen::Isometry3d::Identity());
+      const Target target = locator.locate({x_px, 60.0, r_px}, icub_left_2016, Eigen::Isometry3d::Identity());
       EXPECT_TRUE(target.status != TargetStatus::ok || target.point_m.allFinite());
     }
   }
@@ -250,26 +251,26 @@ TEST(Stereo, CorrectsADistanceErrorFromTheRadiusInTheLeftEye) {
   root_from_right_cam.linear() << 0, 0, -1, 1, 0, 0, 0, -1, 0;
   root_from_right_cam.translation() = right_eye_m;
   const Eigen::Vector3d ball_m(-0.45, 0.05, 0.04);
-  const auto circle = right_dvs128.project_sphere(root_from_right_cam.inverse() * ball_m, 0.0475);
+  const auto circle = icub_right_2016.project_sphere(root_from_right_cam.inverse() * ball_m, 0.0475);
   const Eigen::Vector3d wrong_m = left_eye_m + 1.3 * (ball_m - left_eye_m);
   const auto mended_m =
-      StereoLocator({}).locate(wrong_m, left_eye_m, *circle, right_dvs128, root_from_right_cam);
+      StereoLocator({}).locate(wrong_m, left_eye_m, *circle, icub_right_2016, root_from_right_cam);
   ASSERT_TRUE(mended_m);
   EXPECT_LT((*mended_m - ball_m).norm(), 1e-9);
 
   Circle higher = *circle;
   higher.y_px -= 5.0;
-  EXPECT_FALSE(StereoLocator({}).locate(wrong_m, left_eye_m, higher, right_dvs128, root_from_right_cam))
+  EXPECT_FALSE(StereoLocator({}).locate(wrong_m, left_eye_m, higher, icub_right_2016, root_from_right_cam))
       << "something else";
   EXPECT_FALSE(
-      StereoLocator({}).locate(wrong_m, left_eye_m, {60, 60, -1}, right_dvs128, root_from_right_cam));
+      StereoLocator({}).locate(wrong_m, left_eye_m, {60, 60, -1}, icub_right_2016, root_from_right_cam));
 }
 
 TEST(TargetLocator, ATargetInTheRobotsBodyOrTooFarAwayIsRejected) {
   TargetConfig config;
   config.max_distance_m = 1.0;
   const TargetLocator locator(config);
-  const Camera camera;
+  const Camera camera = icub_left_2016;
   // A camera 0.35 m above the origin that looks down onto a point 5 cm in front of it.
   Eigen::Isometry3d above = Eigen::Isometry3d::Identity();
   above.translation() << -0.05, 0.0, 0.35;

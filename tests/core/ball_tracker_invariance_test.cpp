@@ -10,6 +10,7 @@
 
 #include "core/ball_tracker.h"
 #include "core/random.h"
+#include "head/icub_cameras.h"
 #include "tests/core/streams.h"
 
 namespace saccade {
@@ -102,7 +103,7 @@ TEST_P(BallTrackerInvariance, FindsTheSameBall) {
   const View& view = GetParam();
   BallTrackerConfig config;
   config.radius_px = {std::floor(6 * view.px), std::ceil(20 * view.px)};
-  Camera camera;
+  Camera camera = icub_left_2016;
   camera.size = view.size;
   BallTracker tracker(config, camera);
   std::size_t next = 0;

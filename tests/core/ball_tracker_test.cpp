@@ -9,13 +9,14 @@
 #include <numbers>
 
 #include "core/random.h"
+#include "head/icub_cameras.h"
 #include "tests/core/allocation_counter.h"
 #include "tests/core/streams.h"
 
 namespace saccade {
 namespace {
 
-const Camera camera;
+const Camera camera = icub_left_2016;
 
 BallTrackerConfig radii(double smallest, double largest) {
   BallTrackerConfig config;

@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "core/random.h"
 #include "core/units.h"
+#include "head/icub_cameras.h"
 
 namespace saccade {
 namespace {
@@ -79,9 +80,9 @@ TEST(Camera, ProjectsTheRayOfEveryPixelBackToIt) {
 }
 
 TEST(Camera, IsTheExactPinholeWithoutALens) {
-  const Camera camera = Camera{}.without_lens();
+  const Camera camera = icub_left_2016.without_lens();
   EXPECT_FALSE(camera.has_lens());
-  EXPECT_TRUE(Camera{}.has_lens());
+  EXPECT_TRUE(icub_left_2016.has_lens());
   const RandomStream random(1, "camera");
   for (std::uint64_t i = 0; i < 1000; ++i) {
     const Eigen::Vector3d point = random_point_m(random, i);
@@ -95,7 +96,7 @@ TEST(Camera, IsTheExactPinholeWithoutALens) {
 }
 
 TEST(Camera, ProjectsTheOpticalAxisToThePrincipalPointWithXRightAndYDown) {
-  const Camera camera;
+  const Camera camera = icub_left_2016;
   EXPECT_EQ(*camera.project({0, 0, 3}), Eigen::Vector2d(64.00, 69.18));
   EXPECT_GT(camera.project({0.1, 0, 1})->x(), 64.0);
   EXPECT_GT(camera.project({0, 0.1, 1})->y(), 69.18);
@@ -108,7 +109,7 @@ TEST(Camera, ProjectsTheOpticalAxisToThePrincipalPointWithXRightAndYDown) {
 
 TEST(Camera, ProjectsNoPointOutsideTheFieldOfTheLens) {
   // Of k1 = -0.3 alone x (1 - 0.3 x^2) is largest, 0.703, at x = 1.054.
-  Camera camera = Camera{}.without_lens();
+  Camera camera = icub_left_2016.without_lens();
   camera.k1 = -0.3;
   EXPECT_TRUE(camera.project({1.05, 0, 1}));
   EXPECT_FALSE(camera.project({1.06, 0, 1}));
@@ -121,8 +122,8 @@ TEST(Camera, ProjectsNoPointOutsideTheFieldOfTheLens) {
 
 TEST(Camera, AcceptsTheLensesOfTheRobotAndRejectsOneThatIsNotInvertibleInTheCorners) {
   for (const auto& [name, camera] : calibrated) EXPECT_NO_THROW(check_config(name, camera));
-  EXPECT_NO_THROW(check_config("none", Camera{}.without_lens()));
-  Camera folded = Camera{}.without_lens();
+  EXPECT_NO_THROW(check_config("none", icub_left_2016.without_lens()));
+  Camera folded = icub_left_2016.without_lens();
   folded.k1 = -0.3;  // reaches 70 px from the principal point; the farthest corner is 94 px away
   try {
     check_config("camera", folded);
@@ -139,7 +140,7 @@ TEST(Camera, AcceptsTheLensesOfTheRobotAndRejectsOneThatIsNotInvertibleInTheCorn
 
 // The left DAVIS346 of MVSEC (Zhu et al., RA-L 3(3), 2018).
 Camera fisheye() {
-  Camera camera = Camera{}.without_lens();
+  Camera camera = icub_left_2016.without_lens();
   camera.size = {346, 260};
   camera.fx_px = 226.38;
   camera.fy_px = 226.15;
@@ -225,7 +226,7 @@ TEST(FisheyeCamera, IsRejectedWhereItShowsAPixelAtMoreThan90DegFromItsAxis) {
 }
 
 TEST(Camera, ProjectsNoPointBehindTheCamera) {
-  const Camera camera;
+  const Camera camera = icub_left_2016;
   EXPECT_FALSE(camera.project({0, 0, 0}));
   EXPECT_FALSE(camera.project({0.1, 0, -1}));
   EXPECT_FALSE(camera.project({0, 0, std::nan("")}));
@@ -238,7 +239,7 @@ TEST(Camera, ProjectsNoPointBehindTheCamera) {
 TEST(Camera, ProjectsASphereToItsOutlineWithAndWithoutALens) {
   const RandomStream random(2, "sphere");
   auto cameras = calibrated;
-  cameras.emplace_back("no lens", Camera{}.without_lens());
+  cameras.emplace_back("no lens", icub_left_2016.without_lens());
   for (const auto& [name, camera] : cameras) {
     double worst = 0.0;
     int count = 0;
@@ -263,7 +264,7 @@ TEST(Camera, ProjectsASphereToItsOutlineWithAndWithoutALens) {
 }
 
 TEST(Camera, ProjectsASphereToCentreAndSemiAxesOfAnEllipseWithoutALens) {
-  const Camera camera = Camera{}.without_lens();
+  const Camera camera = icub_left_2016.without_lens();
   const RandomStream random(3, "sphere");
   for (std::uint64_t i = 0; i < 100; ++i) {
     const Eigen::Vector3d d = random_point_m(random, i);
@@ -287,7 +288,7 @@ TEST(Camera, ProjectsASphereToCentreAndSemiAxesOfAnEllipseWithoutALens) {
 
 TEST(Camera, ProjectsEveryPointOfTheSphereInsideTheOutline) {
   // A second way, by the surface: the extremes of an ellipse lie symmetrically around its centre.
-  const Camera camera = Camera{}.without_lens();
+  const Camera camera = icub_left_2016.without_lens();
   const Eigen::Vector3d centre(0.12, -0.08, 0.30);
   Eigen::Vector2d low(1e9, 1e9);
   Eigen::Vector2d high = -low;
@@ -310,7 +311,7 @@ TEST(Camera, ProjectsEveryPointOfTheSphereInsideTheOutline) {
 
 TEST(Camera, TheOutlineIsFurtherFromTheAxisThanTheProjectedCentre) {
   // The ball of 95 mm at 0.30 m and 28 deg: 1.8 px.
-  const Camera camera = Camera{}.without_lens();
+  const Camera camera = icub_left_2016.without_lens();
   const Eigen::Vector3d centre =
       0.30 * Eigen::Vector3d(std::sin(28 * rad_per_deg), 0.0, std::cos(28 * rad_per_deg));
   const auto circle = camera.project_sphere(centre, 0.0475);
@@ -331,7 +332,7 @@ TEST(Camera, RotationalFlowIsTheImageVelocityOfARestingPoint) {
   const Eigen::Vector3d turn_rad_s(0.3, -0.7, 0.5);
   const double dt_s = 1e-6;
   auto cameras = calibrated;
-  cameras.emplace_back("no lens", Camera{}.without_lens());
+  cameras.emplace_back("no lens", icub_left_2016.without_lens());
   for (const auto& [name, camera] : cameras) {
     for (const auto& [u, v] :
          {std::pair{0.0, 0.0}, {10.0, 20.0}, {64.0, 69.0}, {120.0, 100.0}, {3.0, 127.0}}) {

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/camera.h"
+#include "head/icub_cameras.h"
 
 namespace saccade {
 namespace {
@@ -109,7 +110,7 @@ TEST(CheckConfig, DoesNotChangeTheConfiguration) {
   const Everything e;
   check_config("thing", e);
   EXPECT_EQ(e.pair, Everything{}.pair);
-  Camera camera;
+  Camera camera = icub_left_2016;
   camera.size = {4, 128};
   EXPECT_THROW(check_config("camera", camera), InputError);
 }

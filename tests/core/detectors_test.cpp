@@ -18,6 +18,7 @@
 #include "core/baselines/scarf.h"
 #include "core/detector_registry.h"
 #include "core/hough_detector.h"
+#include "head/icub_cameras.h"
 #include "tests/core/allocation_counter.h"
 #include "tests/core/streams.h"
 
@@ -37,7 +38,7 @@ namespace {
 constexpr ImageSize image{128, 128};
 
 std::unique_ptr<Detector> make(const std::string& preset) {
-  return make_detector(built_in_detectors().config(preset), Camera{});
+  return make_detector(built_in_detectors().config(preset), icub_left_2016);
 }
 
 /// With a window that suits a ball alone: 400 events are about 7 px of motion of both edges of r = 23.
@@ -45,7 +46,7 @@ std::unique_ptr<Detector> make_for_ball_alone(const std::string& preset) {
   DetectorConfig config = built_in_detectors().config(preset);
   if (auto* hough = config.get_if<HoughDetectorConfig>()) hough->window.events = 400;
   if (auto* original = config.get_if<Original2016Config>()) original->window_events = 400;
-  return make_detector(config, Camera{});
+  return make_detector(config, icub_left_2016);
 }
 
 class EveryDetector : public testing::TestWithParam<std::string> {};
@@ -256,10 +257,10 @@ TEST_P(EveryDetector, AcceptsARangeOfRadii) {
       set_radius_px<HoughDetectorConfig, BallTrackerConfig, Original2016Config, ClusterConfig,
                     MultiKernelConfig, ErosConfig, ScarfConfig, ParticleFilterConfig, BlobFilterConfig>;
   set(config, {4, 25});
-  EXPECT_NO_THROW(static_cast<void>(make_detector(config, Camera{})));
+  EXPECT_NO_THROW(static_cast<void>(make_detector(config, icub_left_2016)));
   for (const auto& wrong : {std::array<double, 2>{25, 4}, {4.5, 25}, {0, 25}, {4, 256}}) {
     set(config, wrong);
-    EXPECT_THROW(static_cast<void>(make_detector(config, Camera{})), InputError);
+    EXPECT_THROW(static_cast<void>(make_detector(config, icub_left_2016)), InputError);
   }
 }
 
@@ -267,9 +268,9 @@ TEST_P(EveryDetector, ScalesItsThresholdWithinItsRange) {
   DetectorConfig config = built_in_detectors().config(GetParam());
   const double threshold = make(GetParam())->threshold();
   EXPECT_TRUE(config.scale_threshold(0.5));
-  EXPECT_EQ(make_detector(config, Camera{})->threshold(), 0.5 * threshold);
+  EXPECT_EQ(make_detector(config, icub_left_2016)->threshold(), 0.5 * threshold);
   EXPECT_FALSE(config.scale_threshold(-1.0));
-  EXPECT_EQ(make_detector(config, Camera{})->threshold(), 0.5 * threshold);
+  EXPECT_EQ(make_detector(config, icub_left_2016)->threshold(), 0.5 * threshold);
 }
 
 TEST(DetectorRegistry, HoldsTheShippedDetectorsByPreset) {
@@ -323,8 +324,8 @@ TEST(DetectorRegistry, TakesRowsOfAProgram) {
   EXPECT_EQ(registry.names().back(), "many-clusters");
   const DetectorConfig config = registry.config("many-clusters");
   EXPECT_EQ(config.get<ClusterConfig>().clusters, 7);
-  EXPECT_NE(make_detector(config, Camera{}), nullptr);
-  EXPECT_NE(make_detector(before, Camera{}), nullptr);  // configs outlive changes of their registry
+  EXPECT_NE(make_detector(config, icub_left_2016), nullptr);
+  EXPECT_NE(make_detector(before, icub_left_2016), nullptr);  // configs outlive changes of their registry
 }
 
 TEST(DetectorRegistry, RejectsANameThatIsTakenOrThatTablesAndFilesCannotHold) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "head/icub_cameras.h"
 #include "tests/core/allocation_counter.h"
 
 namespace saccade {
@@ -58,7 +59,7 @@ Eigen::Vector3d seen_in(const std::vector<Event>& events, const Camera& camera) 
 }
 
 TEST(ImageRotation, FindsTheRotationOfTheCameraAboutEveryAxis) {
-  const Camera camera = Camera{}.without_lens();
+  const Camera camera = icub_left_2016.without_lens();
   for (const Eigen::Vector3d& rate :
        {Eigen::Vector3d(0.0, 0.5, 0.0), Eigen::Vector3d(-0.4, 0.0, 0.0), Eigen::Vector3d(0.2, -0.3, 0.4)}) {
     const Eigen::Vector3d seen = seen_in(events_of(camera, rate, 0.2), camera);
@@ -69,21 +70,21 @@ TEST(ImageRotation, FindsTheRotationOfTheCameraAboutEveryAxis) {
 }
 
 TEST(ImageRotation, AnObjectWithAMotionOfItsOwnHardlyChangesIt) {
-  const Camera camera = Camera{}.without_lens();
+  const Camera camera = icub_left_2016.without_lens();
   const Eigen::Vector3d rate(0.0, 0.5, 0.0);
   const Eigen::Vector3d seen = seen_in(events_of(camera, rate, 0.2, 12), camera);
   EXPECT_LT((seen - rate).norm(), 0.25 * rate.norm()) << seen.transpose();
 }
 
 TEST(ImageRotation, AFewEventsShowNoRotation) {
-  ImageRotation image{Camera{}};
+  ImageRotation image{icub_left_2016};
   const Event event{500, 60, 60, true, 0};
   image.process({&event, 1});
   EXPECT_FALSE(image.advance_to(1000));
 }
 
 TEST(ImageRotation, IgnoresEventsOutsideTheImageAndAllocatesNothing) {
-  const Camera camera = Camera{}.without_lens();
+  const Camera camera = icub_left_2016.without_lens();
   std::vector<Event> events = events_of(camera, {0.0, 0.5, 0.0}, 0.05);
   events.push_back({60'000, 500, 3, true, 0});
   ImageRotation image(camera);

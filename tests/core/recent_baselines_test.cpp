@@ -11,6 +11,7 @@
 #include "core/baselines/particle_filter.h"
 #include "core/baselines/scarf.h"
 #include "core/detector_registry.h"
+#include "head/icub_cameras.h"
 #include "tests/core/streams.h"
 
 namespace saccade {
@@ -201,7 +202,7 @@ TEST_P(RecentBaseline, FollowsMovingDiscsAboveItsThreshold) {
   const auto& [preset, largest] = GetParam();
   for (const streams::MovingDisc& disc :
        {streams::MovingDisc{35, 50, 400, 200, 22.5}, {90, 90, -350, -300, 15}, {64, 30, 0, 500, 18}}) {
-    const auto detector = make_detector(built_in_detectors().config(preset), Camera{});
+    const auto detector = make_detector(built_in_detectors().config(preset), icub_left_2016);
     const Errors worst = errors_on(*detector, disc);
     std::printf("%s, r %.1f px: largest error %.2f px, of the radius %.2f px\n", preset.c_str(), disc.r_px,
                 worst.position_px, worst.radius_px);
@@ -212,7 +213,7 @@ TEST_P(RecentBaseline, FollowsMovingDiscsAboveItsThreshold) {
 
 TEST(SurfaceDetectors, HoldADiscThatMakesNoEvents) {
   for (const char* preset : {"eros", "scarf"}) {
-    const auto detector = make_detector(built_in_detectors().config(preset), Camera{});
+    const auto detector = make_detector(built_in_detectors().config(preset), icub_left_2016);
     const std::vector<Event> events = streams::MovingDisc{35, 64, 400, 0, 20}.events(image, 0.1);
     detector->process(events, nullptr);
     const std::int64_t end_us = events.back().t_us;
@@ -229,8 +230,8 @@ TEST(SurfaceDetectors, HoldADiscThatMakesNoEvents) {
 TEST(SurfaceDetectors, GiveTheSameEstimatesForAnyInstantsAtWhichTimeIsPassed) {
   const std::vector<Event> events = streams::cluttered(image, 6000, 0.4, 2);
   for (const char* preset : {"eros", "scarf"}) {
-    const auto once = make_detector(built_in_detectors().config(preset), Camera{});
-    const auto often = make_detector(built_in_detectors().config(preset), Camera{});
+    const auto once = make_detector(built_in_detectors().config(preset), icub_left_2016);
+    const auto often = make_detector(built_in_detectors().config(preset), icub_left_2016);
     for (const Event& event : events) {
       often->advance_to(event.t_us - 1, nullptr);
       once->process({&event, 1}, nullptr);
@@ -333,7 +334,7 @@ TEST(RecentBaselines, RejectKeysOutOfRange) {
 
 TEST(RecentBaselines, WorkOnImagesSmallerThanTheirFieldsAndKernels) {
   for (const char* preset : {"eros", "scarf", "particle_filter", "blob_filter"}) {
-    Camera camera;
+    Camera camera = icub_left_2016;
     camera.size = {9, 5};
     const auto detector = make_detector(built_in_detectors().config(preset), camera);
     for (const Event& event : streams::random(camera.size, 2000, 6)) detector->process({&event, 1}, nullptr);

@@ -12,6 +12,7 @@
 #include "control/open_gate.h"
 #include "core/detector_registry.h"
 #include "core/error.h"
+#include "head/icub_cameras.h"
 #include "robot/dry_robot.h"
 #include "robot/fake/fake_robot.h"
 #include "tests/control/genova02.h"
@@ -49,7 +50,7 @@ class ExactDetector final : public Detector {
     if (world_ != nullptr && cost_us_ > 0) world_->wait_until(world_->now_us() + cost_us_);
     estimate_ = {};
     if (motion == nullptr) return;
-    const auto circle = Camera{}.project_sphere(motion->root_from_camera.inverse() * ball_m, 0.0475);
+    const auto circle = icub_left_2016.project_sphere(motion->root_from_camera.inverse() * ball_m, 0.0475);
     if (circle) estimate_ = {true, true, *circle, 1.0};
   }
   [[nodiscard]] Estimate estimate() override { return estimate_; }
@@ -111,7 +112,7 @@ class Trial {
       detectors.push_back(
           {"shadow", std::make_unique<ExactDetector>(&shadow, &fake->world, options.shadow_us)});
     loop.emplace(
-        *robot, MountedCamera{}, std::move(detectors),
+        *robot, MountedCamera{icub_left_2016, {}}, std::move(detectors),
         LoopGaze{0, std::make_unique<OpenGate>(TargetConfig{}), std::nullopt, FollowConfig{.start_s = 0.0}},
         Eye::left, options.budget);
     const auto motion = [this, options] {
@@ -638,8 +639,8 @@ TEST(DeploySession, ATickDoesNotAllocate) {
       FakeDeployed robot(script, with_gaze);
       std::vector<LoopDetector> detectors;
       detectors.push_back({"seer", std::make_unique<ExactDetector>()});
-      detectors.push_back({preset, make_detector(built_in_detectors().config(preset), Camera{})});
-      Loop loop(robot, MountedCamera{}, std::move(detectors),
+      detectors.push_back({preset, make_detector(built_in_detectors().config(preset), icub_left_2016)});
+      Loop loop(robot, MountedCamera{icub_left_2016, {}}, std::move(detectors),
                 LoopGaze{0, make_gate(built_in_gates().config()), std::nullopt, FollowConfig{.start_s = 0.0}},
                 Eye::left, LoopBudget{2'000, 500});
       const auto motion = [&] {

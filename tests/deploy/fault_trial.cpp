@@ -14,6 +14,7 @@
 #include "control/head_kinematics.h"
 #include "control/open_gate.h"
 #include "core/units.h"
+#include "head/icub_cameras.h"
 #include "tests/deploy/disk_fault.h"
 #include "tests/deploy/fake_deployed.h"
 
@@ -34,7 +35,7 @@ class CircleSeer final : public Detector {
     if (motion == nullptr) return;
     const double turn_rad = 4e-6 * static_cast<double>(now_us);
     const Eigen::Vector3d ball_m(-0.5, 0.12 * std::cos(turn_rad), 0.35 + 0.08 * std::sin(turn_rad));
-    const auto circle = Camera{}.project_sphere(motion->root_from_camera.inverse() * ball_m, 0.0475);
+    const auto circle = icub_left_2016.project_sphere(motion->root_from_camera.inverse() * ball_m, 0.0475);
     if (circle) estimate_ = {true, true, *circle, 1.0};
   }
   [[nodiscard]] Estimate estimate() override { return estimate_; }
@@ -146,7 +147,7 @@ class Trial {
     std::vector<LoopDetector> detectors;
     detectors.push_back({"seer", std::make_unique<CircleSeer>()});
     return Loop(
-        robot, MountedCamera{}, std::move(detectors),
+        robot, MountedCamera{icub_left_2016, {}}, std::move(detectors),
         LoopGaze{0, std::make_unique<OpenGate>(TargetConfig{}), std::nullopt, FollowConfig{.start_s = 0.0}});
   }
 

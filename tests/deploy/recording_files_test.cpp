@@ -12,6 +12,7 @@
 #include "apps/deploy/deploy_recorder.h"
 #include "core/error.h"
 #include "evaluation/report/report.h"
+#include "head/icub_cameras.h"
 #include "recording/format_registry.h"
 #include "recording/recorded_folder.h"
 #include "tests/deploy/fake_deployed.h"
@@ -159,7 +160,7 @@ TEST(DeployRecorder, TheTablesEndWhereTheDiskHasTooLittleRoomAndTheRunGoesOn) {
   FakeRobotScript script;
   script.limits.max_rad.setConstant(1.0);
   FakeDeployed robot(script, false);
-  Loop loop(robot, MountedCamera{}, {}, std::nullopt);
+  Loop loop(robot, MountedCamera{icub_left_2016, {}}, {}, std::nullopt);
   RobotFile file;
   file.output.least_free_mb = INT64_MAX / 2'000'000;
   DeployRecorder recorder(folder / "", file, loop, {128, 128}, {});
@@ -218,7 +219,7 @@ TEST(DeployRecorder, ReportsWhatEndedWhenAndWhy) {
   LoopGaze gaze;
   gaze.motion.emplace();
   gaze.motion->controller = std::make_unique<EndedController>();
-  Loop loop(robot, MountedCamera{}, std::move(detectors), std::move(gaze));
+  Loop loop(robot, MountedCamera{icub_left_2016, {}}, std::move(detectors), std::move(gaze));
   const RobotFile file;
   DeployRecorder recorder(folder / "", file, loop, {128, 128}, {});
   for (std::int64_t t_us = 1000; t_us <= 3'000'000; t_us += 1000) {

@@ -12,6 +12,7 @@
 #include "apps/external/external_detector.h"
 #include "apps/external/external_rows.h"
 #include "core/error.h"
+#include "head/icub_cameras.h"
 #include "tests/recording/temp_folder.h"
 
 namespace saccade {
@@ -51,13 +52,13 @@ std::unique_ptr<Detector> make(const std::string& kind, const std::string& path)
   if (kind == "python") {
     PythonConfig config;
     config.python = path;
-    return std::make_unique<ExternalDetector>(path, command_line_of(config), config.limits, Camera{});
+    return std::make_unique<ExternalDetector>(path, command_line_of(config), config.limits, icub_left_2016);
   }
   CommandConfig config;
   config.command = path;
   config.limits.answer_limit_s = 0.3;
   config.limits.start_limit_s = 5.0;
-  return std::make_unique<ExternalDetector>("mine", command_line_of(config), config.limits, Camera{});
+  return std::make_unique<ExternalDetector>("mine", command_line_of(config), config.limits, icub_left_2016);
 }
 
 /// A program in the shell: it reads both lines of the start and says ready; `ticks` is the rest of it.
@@ -232,7 +233,7 @@ TEST(ExternalDetector, IsARowOfTheRegistryWithItsKeys) {
   add_external_detectors(registry);
   for (const char* name : {"python", "command", "socket"}) {
     EXPECT_EQ(registry.rows().find(name)->selecting_key, name);
-    EXPECT_THROW(make_detector(registry.config(name), Camera{}), InputError) << "its file is not given";
+    EXPECT_THROW(make_detector(registry.config(name), icub_left_2016), InputError) << "its file is not given";
   }
 }
 

@@ -14,6 +14,7 @@
 #include "apps/external/external_controller.h"
 #include "apps/external/external_detector.h"
 #include "core/error.h"
+#include "head/icub_cameras.h"
 #include "tests/recording/temp_folder.h"
 
 namespace saccade {
@@ -85,7 +86,7 @@ std::unique_ptr<ExternalDetector> detector_at(const std::string& address) {
   SocketConfig config;
   config.socket = address;
   config.limits = {5.0, 0.3};
-  return std::make_unique<ExternalDetector>("mine", address_of(config), config.limits, Camera{});
+  return std::make_unique<ExternalDetector>("mine", address_of(config), config.limits, icub_left_2016);
 }
 
 Estimate estimate_at(Detector& detector, std::int64_t t_us) {
@@ -135,7 +136,7 @@ TEST(ExternalSocket, NobodyThatListensIsAnErrorOnceTheTimeLimitIsOver) {
   SocketConfig config;
   config.socket = address;
   config.limits.start_limit_s = 0.2;
-  EXPECT_THAT([&] { ExternalDetector("mine", address_of(config), config.limits, Camera{}); },
+  EXPECT_THAT([&] { ExternalDetector("mine", address_of(config), config.limits, icub_left_2016); },
               ThrowsMessage<RunError>(HasSubstr("no connection to " + address + " within 200 ms")));
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/plane_fit_flow.h"
 #include "emulator/event_emulator.h"
+#include "head/icub_cameras.h"
 #include "sim/eye_renderer.h"
 #include "sim/lab.h"
 #include "sim/world.h"
@@ -30,7 +31,7 @@ TEST(EgoMotion, FlowOfAPurePanIsThatOfTheTurn) {
   World world(config, lab.mjcf(), 1);
   const auto gl = GlContext::create("auto");
   lab.paint(world.model());
-  const Camera camera;
+  const Camera camera = icub_left_2016;
   EyeRenderConfig fine;
   fine.supersampling = 4;
   EyeRenderer eye(world.model(), *gl, camera, fine);
@@ -86,7 +87,7 @@ TEST_P(StillHead, MakesNoEventInAStillRoomWithoutNoise) {
   World world(config, lab.mjcf(), 1);
   const auto gl = GlContext::create("auto");
   lab.paint(world.model());
-  const Camera camera;
+  const Camera camera = icub_left_2016;
   EyeRenderer eye(world.model(), *gl, camera, {});
   EventEmulator emulator(emulator_preset("ideal"), camera.size, 1);
   std::vector<float> image(static_cast<std::size_t>(camera.size.pixels()));

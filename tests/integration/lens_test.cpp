@@ -6,11 +6,12 @@
 #include <vector>
 
 #include "core/camera.h"
+#include "head/icub_cameras.h"
 
 namespace saccade {
 namespace {
 
-const Camera dvs;
+const Camera dvs = icub_left_2016;
 const Camera atis{{304, 240}, 198.516,  198.583,     155.675,     115.426,
                   -0.326302,  0.101052, -0.00470766, -0.000842836};
 

@@ -14,6 +14,7 @@
 #include "control/qp_controller.h"
 #include "core/camera.h"
 #include "core/random.h"
+#include "head/icub_cameras.h"
 #include "sim/world.h"
 
 /// The gaze controller `qp` on a head that differs from its model in every configurable way. Its input is that of an
@@ -70,7 +71,7 @@ Watch look(const PlantConfig& plant, const TrajectoryConfig& ball, const QpConfi
   const auto controller = make_gaze_controller(gaze, world.limits());
   JointLimiter limiter(motion_limits(world.limits(), gaze.limits));
   const RandomStream random(3, "test/tracker");
-  const double px_m = 0.3 / Camera{}.fx_px;  // at unit depth
+  const double px_m = 0.3 / icub_left_2016.fx_px;  // at unit depth
   std::deque<Eigen::Vector3d> seen;
   Watch run;
   for (std::uint64_t tick = 0; tick < settled + watched; ++tick) {
@@ -79,7 +80,8 @@ Watch look(const PlantConfig& plant, const TrajectoryConfig& ball, const QpConfi
     Eigen::Vector3d ball_m = world.root_from_left_cam().inverse() * world.target_position_m();
     run.error_deg.push_back(std::atan2(ball_m.head<2>().norm(), ball_m.z()) / deg);
     ball_m.head<2>() += px_m * ball_m.z() * Eigen::Vector2d(random.normal(0, tick), random.normal(1, tick));
-    seen.push_back(HeadKinematics(default_head()->chain, state.position_rad).root_from_eye(Eye::left) * ball_m);
+    seen.push_back(HeadKinematics(default_head()->chain, state.position_rad).root_from_eye(Eye::left) *
+                   ball_m);
     std::optional<Eigen::Vector3d> target;
     if (seen.size() > 8) {
       target = seen.front();

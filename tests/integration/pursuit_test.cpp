@@ -16,6 +16,7 @@
 #include "core/camera.h"
 #include "core/random.h"
 #include "core/units.h"
+#include "head/icub_cameras.h"
 #include "sim/world.h"
 
 /// Pursuit with the controller `qp` on the simulated plant, without images. The input is that of a tracker: the centre of
@@ -83,7 +84,7 @@ Followed pursue(const Pursuit& pursuit, const char* what) {
   MotionDelayEstimator delay;
   HuntingDetector hunting;
   const RandomStream random(3, "test/pursuit");
-  const double px_m = 0.3 / Camera{}.fx_px;
+  const double px_m = 0.3 / icub_left_2016.fx_px;
   struct Sight {
     Eigen::Vector3d ball_m;  // in the camera
     Eigen::Isometry3d root_from_camera;

@@ -17,6 +17,7 @@
 #include "core/camera.h"
 #include "core/random.h"
 #include "core/units.h"
+#include "head/icub_cameras.h"
 #include "sim/world.h"
 
 /// Gaze stabilisation on the simulated plant, without images: torso or base oscillate while the head looks at a ball. The
@@ -73,7 +74,7 @@ Seen watch_sway(const Sway& sway) {
   Stabiliser stabiliser(sway.stabilisation, world.limits().head);
   MotionDelayEstimator delay;
   const RandomStream random(3, "test/sway");
-  const double px_m = 0.3 / Camera{}.fx_px;
+  const double px_m = 0.3 / icub_left_2016.fx_px;
   // Whole periods, and at least 5 s.
   const auto watched =
       static_cast<std::size_t>(std::lround(std::ceil(5.0 * sway.frequency_hz) / sway.frequency_hz / tick_s));
@@ -106,8 +107,8 @@ Seen watch_sway(const Sway& sway) {
     const double angle = 2.0 * std::numbers::pi * sway.frequency_hz * static_cast<double>(i) * tick_s;
     seen.line_deg += 2.0 / n * bearings_deg[i][sway.pitch ? 1 : 0] * std::polar(1.0, -angle);
     seen.on_target += (bearings_deg[i].norm() < 2.0) / n;
-    slips_px_s.push_back((bearings_deg[i] - bearings_deg[i - 10]).norm() * rad_per_deg * Camera{}.fx_px /
-                         (10.0 * tick_s));
+    slips_px_s.push_back((bearings_deg[i] - bearings_deg[i - 10]).norm() * rad_per_deg *
+                         icub_left_2016.fx_px / (10.0 * tick_s));
   }
   std::ranges::sort(slips_px_s);
   seen.slip_px_s[0] = slips_px_s[watched / 2];

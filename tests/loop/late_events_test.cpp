@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "head/icub_cameras.h"
 #include "loop/loop.h"
 #include "tests/loop/packet_robot.h"
 
@@ -41,7 +42,7 @@ Reports reports_of(std::vector<Event> events, std::optional<LoopBudget> budget =
   PacketRobot robot(std::move(events));
   std::vector<LoopDetector> detectors;
   detectors.push_back({"newest", std::make_unique<NewestEventDetector>()});
-  Loop loop(robot, MountedCamera{}, std::move(detectors), std::nullopt, Eye::left, budget);
+  Loop loop(robot, MountedCamera{icub_left_2016, {}}, std::move(detectors), std::nullopt, Eye::left, budget);
   Reports reports;
   for (std::int64_t t_us = 1000; t_us <= 10'000; t_us += 1000) loop.tick(t_us, reports);
   return reports;

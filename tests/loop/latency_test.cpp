@@ -7,6 +7,7 @@
 #include <map>
 
 #include "control/open_gate.h"
+#include "head/icub_cameras.h"
 #include "loop/loop.h"
 #include "loop/work_fit.h"
 #include "robot/fake/fake_robot.h"
@@ -75,7 +76,8 @@ struct Results final : LoopObserver {
 Results results_of(Robot& robot, const LatencyConfig& latency, std::int64_t end_us) {
   std::vector<LoopDetector> detectors;
   detectors.push_back({"newest", std::make_unique<NewestEventDetector>()});
-  Loop loop(robot, MountedCamera{}, std::move(detectors), std::nullopt, Eye::left, std::nullopt, latency);
+  Loop loop(robot, MountedCamera{icub_left_2016, {}}, std::move(detectors), std::nullopt, Eye::left,
+            std::nullopt, latency);
   Results results;
   for (std::int64_t t_us = tick_us; t_us <= end_us; t_us += tick_us) loop.tick(t_us, results);
   return results;
@@ -173,7 +175,7 @@ std::vector<double> references_of(LatencyConfig latency) {
   std::vector<LoopDetector> detectors;
   detectors.push_back({"newest", std::make_unique<StillBall>()});
   JointLimits limits = genova02_limits();
-  Loop loop(robot, MountedCamera{}, std::move(detectors),
+  Loop loop(robot, MountedCamera{icub_left_2016, {}}, std::move(detectors),
             LoopGaze{0, std::make_unique<OpenGate>(TargetConfig{}),
                      LoopMotion{std::make_unique<CountingController>(),
                                 JointLimiter(motion_limits(limits, MotionLimitsConfig{}))},
@@ -243,7 +245,7 @@ TEST(Latency, TicksWithALatencyDoNotAllocate) {
   const JointLimits limits = genova02_limits();
   std::vector<LoopDetector> detectors;
   detectors.push_back({"newest", std::make_unique<NewestEventDetector>()});
-  Loop loop(robot, MountedCamera{}, std::move(detectors),
+  Loop loop(robot, MountedCamera{icub_left_2016, {}}, std::move(detectors),
             LoopGaze{0, std::make_unique<OpenGate>(TargetConfig{}),
                      LoopMotion{std::make_unique<CountingController>(),
                                 JointLimiter(motion_limits(limits, MotionLimitsConfig{}))},

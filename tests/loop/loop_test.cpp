@@ -12,6 +12,7 @@
 #include "control/controller_registry.h"
 #include "control/head_kinematics.h"
 #include "control/open_gate.h"
+#include "head/icub_cameras.h"
 #include "loop/run_log.h"
 #include "robot/fake/fake_robot.h"
 #include "tests/control/genova02.h"
@@ -35,7 +36,7 @@ class BallSeer final : public Detector {
     estimate_ = {};
     const auto ball_m = ball_m_(now_us);
     if (!ball_m || motion == nullptr) return;
-    const auto circle = Camera{}.project_sphere(motion->root_from_camera.inverse() * *ball_m, 0.0475);
+    const auto circle = icub_left_2016.project_sphere(motion->root_from_camera.inverse() * *ball_m, 0.0475);
     if (circle) estimate_ = {true, true, *circle, 1.0};
   }
   [[nodiscard]] Estimate estimate() override { return estimate_; }
@@ -92,7 +93,7 @@ struct Trial {
     if (!gate) gate = std::make_unique<OpenGate>(TargetConfig{});
     std::vector<LoopDetector> detectors;
     detectors.push_back({"seer", std::make_unique<BallSeer>(ball)});
-    Loop loop(fake, MountedCamera{}, std::move(detectors),
+    Loop loop(fake, MountedCamera{icub_left_2016, {}}, std::move(detectors),
               LoopGaze{0, std::move(gate),
                        LoopMotion{make_gaze_controller(config, limits),
                                   JointLimiter(motion_limits(limits, config.limits))},
@@ -340,9 +341,9 @@ TEST(LoopTest, NoDetectorRunsWhileAnEncoderReadsNan) {
                 LoopMotion{make_gaze_controller(built_in_controllers().config(), script.limits),
                            JointLimiter(motion_limits(script.limits, {}))},
                 {.start_s = 0.0}};
-  gaze.stereo.emplace(LoopStereo{std::make_unique<CountingDetector>(right), MountedCamera{right_dvs128, {}},
-                                 StereoLocator({})});
-  Loop loop(robot, MountedCamera{}, std::move(detectors), std::move(gaze));
+  gaze.stereo.emplace(LoopStereo{std::make_unique<CountingDetector>(right),
+                                 MountedCamera{icub_right_2016, {}}, StereoLocator({})});
+  Loop loop(robot, MountedCamera{icub_left_2016, {}}, std::move(detectors), std::move(gaze));
   ObservedTicks ticks;
   for (std::int64_t t_us = 1000; t_us <= 100'000; t_us += 1000) loop.tick(t_us, ticks);
   EXPECT_EQ(ticks.events, 200) << "events are recorded throughout";
@@ -401,7 +402,7 @@ class OneEyed final : public Detector {
   }
   void advance_to(std::int64_t, const CameraMotion* motion) override {
     if (motion == nullptr) return;
-    const Camera camera = eye_ == Eye::left ? Camera{} : right_dvs128;
+    const Camera camera = eye_ == Eye::left ? icub_left_2016 : icub_right_2016;
     const auto circle = camera.project_sphere(motion->root_from_camera.inverse() * ball_m, radius_m_);
     estimate_ = circle ? Estimate{true, true, *circle, 1.0} : Estimate{};
   }
@@ -444,9 +445,9 @@ TEST(BothEyes, EachDetectorGetsItsEyesEventsAndTheBallsDistanceComesFromBoth) {
                   {.start_s = 0.0}};
     if (stereo) {
       gaze.stereo.emplace(LoopStereo{std::make_unique<OneEyed>(Eye::right, radius_m, right),
-                                     MountedCamera{right_dvs128, {}}, StereoLocator({})});
+                                     MountedCamera{icub_right_2016, {}}, StereoLocator({})});
     }
-    Loop loop(fake, MountedCamera{}, std::move(detectors), std::move(gaze));
+    Loop loop(fake, MountedCamera{icub_left_2016, {}}, std::move(detectors), std::move(gaze));
     Targets targets;
     for (std::int64_t t_us = 1000; t_us <= 100'000; t_us += 1000) loop.tick(t_us, targets);
     EXPECT_EQ(left.events, 134);

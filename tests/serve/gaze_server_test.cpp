@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "control/head_kinematics.h"
+#include "head/icub_cameras.h"
 #include "tests/control/genova02.h"
 
 namespace saccade {
@@ -46,7 +47,7 @@ class Head {
   }
 
   HeadState state;
-  GazeServer server{{}, {}, genova02_limits(), Camera{}, Camera{}, JointVector::Zero()};
+  GazeServer server{{}, {}, genova02_limits(), icub_left_2016, icub_left_2016, JointVector::Zero()};
 };
 
 TEST(GazeServer, DoesNotMoveTheHeadBeforeTheFirstTarget) {
@@ -143,7 +144,7 @@ TEST(GazeServer, ConvertsBetweenPixelsOfAnEyeAndPoints) {
   Head head;
   head.state.position_rad.head<joint_count>() << 0, 0, 0, 0.1, -0.05, 0.2, -0.1, 0.15, 0.12;
   head.run(0.001);
-  const Camera camera;
+  const Camera camera = icub_left_2016;
   for (const char* eye : {"left", "right"}) {
     const auto pixel = head.ask(std::string("get 2D (") + eye + " -0.5 0.05 0.3)");
     const Eigen::Vector3d seen = HeadKinematics(default_head()->chain, head.state.position_rad)
@@ -250,7 +251,8 @@ TEST(GazeServer, AnswersTheRequestsOfAClientOfIKinGazeCtrl) {
 TEST(GazeServer, TakesTheIntrinsicsThatItReports) {
   Head head;
   EXPECT_EQ(head.server.answer("set tweak (" + head.server.answer("get tweak").substr(6) + ")"), "[ack]");
-  EXPECT_EQ(head.server.answer("set tweak ((camera_intrinsics_left (200 0 60 0 0 210 65 0 0 0 1 0)))"), "[ack]");
+  EXPECT_EQ(head.server.answer("set tweak ((camera_intrinsics_left (200 0 60 0 0 210 65 0 0 0 1 0)))"),
+            "[ack]");
   EXPECT_THAT(head.server.answer("get tweak"),
               testing::HasSubstr("(camera_intrinsics_left (200 0.0 60 0.0 0.0 210 65 0.0"));
   for (const char* bad : {"camera_width_left 64", "camera_intrinsics_left (200 0 60)", "camera_left 1",
@@ -303,7 +305,7 @@ TEST(GazeServer, AtRestTheFixationPointIsADistantOneAhead) {
 double version_deg(double left_deg_s, const std::vector<std::string>& requests, bool has_imu = true,
                    std::int64_t age_us = 0) {
   Head head;
-  GazeServer server({}, {}, genova02_limits(), Camera{}, Camera{}, JointVector::Zero(), has_imu);
+  GazeServer server({}, {}, genova02_limits(), icub_left_2016, icub_left_2016, JointVector::Zero(), has_imu);
   for (const std::string& request : requests) EXPECT_EQ(server.answer(request), "[ack]");
   EXPECT_EQ(server.answer("look 3D (-0.556 0 0.347)"), "[ack]");
   ImuReading imu;
@@ -354,10 +356,10 @@ TEST(GazeServer, OcrIsTheShareOfTheNecksMotionThatTheEyesCompensate) {
 }
 
 TEST(GazeServer, VorAndOcrBeginWithOneAndZeroOnAHeadWithAnInertialSensor) {
-  GazeServer with({}, {}, genova02_limits(), Camera{}, Camera{}, JointVector::Zero(), true);
+  GazeServer with({}, {}, genova02_limits(), icub_left_2016, icub_left_2016, JointVector::Zero(), true);
   EXPECT_EQ(with.answer("get vor"), "[ack] 1");
   EXPECT_EQ(with.answer("get ocr"), "[ack] 0");
-  GazeServer without({}, {}, genova02_limits(), Camera{}, Camera{}, JointVector::Zero());
+  GazeServer without({}, {}, genova02_limits(), icub_left_2016, icub_left_2016, JointVector::Zero());
   EXPECT_EQ(without.answer("get vor"), "[ack] 0");
   EXPECT_EQ(without.answer("get ocr"), "[ack] 1");
 }

@@ -6,6 +6,7 @@
 #include "apps/session/run_scores.h"
 #include "apps/session/run_tables.h"
 #include "apps/session/session.h"
+#include "head/icub_cameras.h"
 #include "tests/loop/packet_robot.h"
 #include "tests/recording/temp_folder.h"
 
@@ -44,7 +45,8 @@ Metrics metrics_of(const std::filesystem::path& folder, const LatencyConfig& lat
   PacketRobot robot(events);
   std::vector<LoopDetector> detectors;
   detectors.push_back({"newest", std::make_unique<NewestEventDetector>()});
-  Loop loop(robot, MountedCamera{}, std::move(detectors), std::nullopt, Eye::left, std::nullopt, latency);
+  Loop loop(robot, MountedCamera{icub_left_2016, {}}, std::move(detectors), std::nullopt, Eye::left,
+            std::nullopt, latency);
   Scenario scenario;
   scenario.latency = latency;
   scenario.gaze.detector = "none";

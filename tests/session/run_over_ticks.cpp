@@ -12,6 +12,7 @@
 #include "control/gate_registry.h"
 #include "core/error.h"
 #include "core/random.h"
+#include "head/icub_cameras.h"
 #include "loop/run_log.h"
 #include "robot/fake/fake_robot.h"
 #include "tests/control/genova02.h"
@@ -33,7 +34,8 @@ class SweepingDetector final : public Detector {
   void process(std::span<const Event>, const CameraMotion*) override {}
   void advance_to(std::int64_t now_us, const CameraMotion* motion) override {
     estimate_ = {};
-    const auto circle = Camera{}.project_sphere(motion->root_from_camera.inverse() * ball_at(now_us), 0.03);
+    const auto circle =
+        icub_left_2016.project_sphere(motion->root_from_camera.inverse() * ball_at(now_us), 0.03);
     if (!circle) return;
     const double error_px = random_.uniform(0.0, 8.0, 0, static_cast<std::uint64_t>(now_us));
     estimate_ = {true, false, {circle->x_px + error_px, circle->y_px, circle->r_px}, 9.0 - error_px};
@@ -77,7 +79,8 @@ class TruthObserver final : public LoopObserver {
     truth.left.root_from_cam =
         HeadKinematics(default_head()->chain, tick.head->position_rad).root_from_eye(Eye::left);
     truth.left.visible = tick.t_us / 1'000'000 % 10 == 9 ? 0.0 : 1.0;
-    truth.left.circle = Camera{}.project_sphere(truth.left.root_from_cam.inverse() * truth.ball_m, 0.03);
+    truth.left.circle =
+        icub_left_2016.project_sphere(truth.left.root_from_cam.inverse() * truth.ball_m, 0.03);
     if (!truth.left.circle) truth.left.visible = 0.0;
   }
   SimTruth truth;
@@ -132,7 +135,7 @@ void run_over_ticks(std::int64_t ticks, std::int64_t sample_ticks,
   std::vector<LoopDetector> detectors;
   detectors.push_back({"driver", std::make_unique<SweepingDetector>("driver")});
   detectors.push_back({"shadow", std::make_unique<SweepingDetector>("shadow")});
-  Loop loop(robot, MountedCamera{}, std::move(detectors),
+  Loop loop(robot, MountedCamera{icub_left_2016, {}}, std::move(detectors),
             LoopGaze{0, make_gate(scenario.gaze.gate),
                      LoopMotion{make_gaze_controller(scenario.gaze.controller, script.limits),
                                 JointLimiter(motion_limits(script.limits, scenario.gaze.controller.limits))},

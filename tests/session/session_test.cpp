@@ -9,6 +9,7 @@
 #include "apps/session/log_file.h"
 #include "apps/session/recorded_scores.h"
 #include "core/error.h"
+#include "head/icub_cameras.h"
 #include "robot/fake/fake_robot.h"
 #include "tests/control/genova02.h"
 #include "tests/recording/temp_folder.h"
@@ -59,7 +60,7 @@ FakeRobotScript world() {
 Loop loop_on(Robot& robot, bool with_detector = false) {
   std::vector<LoopDetector> detectors;
   if (with_detector) detectors.push_back({"scripted", std::make_unique<ScriptedDetector>()});
-  return {robot, MountedCamera{}, std::move(detectors), std::nullopt};
+  return {robot, MountedCamera{icub_left_2016, {}}, std::move(detectors), std::nullopt};
 }
 
 TEST(Session, TicksUpToItsEndAndCallsObserversInTheirOrder) {

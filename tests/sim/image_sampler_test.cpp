@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "core/units.h"
+#include "head/icub_cameras.h"
 #include "sim/sim_robot.h"
 
 namespace saccade {
@@ -37,7 +38,7 @@ HeadJointVector saccades(std::int64_t t_us, double angle_deg, double move_s) {
 template <class Look>
 void sample(const SamplingConfig& config, World& world, std::int64_t until_us, bool saccading, Look look) {
   const MjDataPtr shown(mj_makeData(&world.model()));
-  ImageSampler sampler(config, ImageMotion(world.model(), world.left_eye_camera(), Camera{}));
+  ImageSampler sampler(config, ImageMotion(world.model(), world.left_eye_camera(), icub_left_2016));
   const auto show = [&](std::int64_t t_us) -> const mjData& {
     world.show(t_us, *shown);
     return *shown;
@@ -133,7 +134,7 @@ class Witnesses {
 
  private:
   const World& world_;
-  Camera camera_;
+  Camera camera_ = icub_left_2016;
   std::vector<Eigen::Vector3d> sphere_;
   std::vector<std::pair<Eigen::Vector3d, Eigen::Vector2d>> room_;
   std::vector<Eigen::Vector2d> ball_px_;

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/units.h"
+#include "head/icub_cameras.h"
 #include "sim/keyframe_renderer.h"
 #include "sim/lab.h"
 #include "sim/world.h"
@@ -79,7 +80,7 @@ class Keyframes : public testing::Test {
   }
 
   WorldConfig config_;
-  Camera camera_;
+  Camera camera_ = icub_left_2016;
   EyeRenderConfig render_;
   std::unique_ptr<GlContext> gl_;
   std::unique_ptr<World> world_;

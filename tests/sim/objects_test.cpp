@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/error.h"
+#include "head/icub_cameras.h"
 #include "sim/image_sampler.h"
 #include "sim/world.h"
 
@@ -179,7 +180,7 @@ TEST(Objects, AddToTheMotionInTheImage) {
   objects[0].second.trajectory.speed_m_s = 0.5;
   objects[0].second.trajectory.sway_m = 0.0;
   World world(world_with(objects), "", 1);
-  Camera camera;
+  Camera camera = icub_left_2016;
   ImageMotion motion(world.model(), world.left_eye_camera(), camera);
   motion.start_from(world.data());
   for (int tick = 0; tick < 50; ++tick) world.step();

@@ -21,6 +21,7 @@
 #include "core/random.h"
 #include "core/units.h"
 #include "emulator/event_emulator.h"
+#include "head/icub_cameras.h"
 #include "sim/lab.h"
 #include "sim/mujoco_compat.h"
 #include "sim/scene_renderer.h"
@@ -114,7 +115,7 @@ class Renderer : public ::testing::Test {
 
   static constexpr int the_ball = 0;  // mocap bodies
   static constexpr int the_screen = 1;
-  Camera camera_;
+  Camera camera_ = icub_left_2016;
   std::unique_ptr<GlContext> gl_;
   MjModelPtr model_;
   MjDataPtr data_;

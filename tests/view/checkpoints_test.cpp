@@ -1,5 +1,6 @@
 // Checkpoints of a recording's playback.
 #include "apps/view/checkpoints.h"
+#include "head/icub_cameras.h"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +17,7 @@ TEST(Checkpoints, TheLimitHoldsForNoDetectorsAndForEmptyImages) {
 }
 
 LoopHistory history_at(std::int64_t now_us) {
-  Camera camera;
+  Camera camera = icub_left_2016;
   camera.size = {1280, 720};
   return {camera, Eye::left, now_us, 100'000'000};
 }

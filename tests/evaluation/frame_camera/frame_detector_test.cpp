@@ -8,12 +8,13 @@
 
 #include "core/error.h"
 #include "core/random.h"
+#include "head/icub_cameras.h"
 
 namespace saccade {
 namespace {
 
 constexpr std::array<double, 3> red = {0.65, 0.10, 0.07};
-const Camera event_camera = Camera{}.without_lens();  // 128x128
+const Camera event_camera = icub_left_2016.without_lens();  // 128x128
 
 FrameDetectorConfig small_balls() {
   FrameDetectorConfig config;
@@ -74,7 +75,7 @@ TEST(FrameDetector, FindsADiscOfTheBallsColourWithinAPixelWhereverItIs) {
 }
 
 TEST(FrameDetector, ReturnsTheCircleInTheEventCamerasDistortedImage) {
-  const Camera behind_lens;
+  const Camera behind_lens = icub_left_2016;
   const FrameDetector detector(small_balls(), red, behind_lens);
   const Camera& frame = detector.camera();
   double worst_px = 0.0;
@@ -161,7 +162,7 @@ TEST(FrameDetector, ConfigurationsOutOfRangeAndBlackBallsAreBadInput) {
 }
 
 TEST(FrameCamera, HasTheVerticalFieldOfViewOfTheEventCamera) {
-  for (const Camera& seen_by : {event_camera, Camera{}}) {
+  for (const Camera& seen_by : {event_camera, icub_left_2016}) {
     const Camera frame = frame_camera_of(seen_by);
     EXPECT_EQ(frame.size, (ImageSize{320, 240}));
     EXPECT_FALSE(frame.has_lens());

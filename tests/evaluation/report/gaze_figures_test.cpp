@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "evaluation/report/overlay.h"
+#include "head/icub_cameras.h"
 #include "tests/evaluation/report/svg_check.h"
 
 namespace saccade {
@@ -73,7 +74,7 @@ std::vector<std::vector<double>> rows_of(const std::string& csv, const std::stri
 
 TEST(GazeOverTime, ShowsErrorSpeedAndTargetsWithTheWrongOnesApart) {
   const MadeUpRun run;
-  const Figure figure = gaze_over_time_figure("a", run.tables(), Camera{}, 250'000, 0);
+  const Figure figure = gaze_over_time_figure("a", run.tables(), icub_left_2016, 250'000, 0);
   EXPECT_EQ(nesting_problem(figure.svg), "");
   const auto error = rows_of(figure.csv, "fixation error,");
   ASSERT_EQ(error.size(), 1000U);
@@ -144,7 +145,7 @@ TEST(GazeFigures, WithoutDataAreEmptyAxesAndReproducible) {
     EXPECT_EQ(nesting_problem(figure.svg), "") << figure.name;
   }
   const MadeUpRun run;
-  const auto draw = [&] { return gaze_over_time_figure("a", run.tables(), Camera{}, 250'000, 0).svg; };
+  const auto draw = [&] { return gaze_over_time_figure("a", run.tables(), icub_left_2016, 250'000, 0).svg; };
   EXPECT_EQ(draw(), draw());
 }
 

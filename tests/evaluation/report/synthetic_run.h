@@ -10,6 +10,7 @@
 #include "evaluation/report/overlay.h"
 #include "evaluation/scoring/gaze_scorer.h"
 #include "evaluation/scoring/metrics.h"
+#include "head/icub_cameras.h"
 #include "recording/event_file.h"
 #include "recording/run_files.h"
 
@@ -27,7 +28,7 @@ inline Metrics write_synthetic_run(const std::filesystem::path& folder, bool ima
   fs::remove_all(folder);
   fs::create_directories(folder / "frames");
 
-  const Camera camera;
+  const Camera camera = icub_left_2016;
   GazeScoringConfig scoring;
   scoring.camera = camera;
   scoring.acquire_within_rad = 6.0 * rad;

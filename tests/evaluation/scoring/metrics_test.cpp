@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "head/icub_cameras.h"
 
 namespace saccade {
 namespace {
@@ -26,8 +27,8 @@ Metrics whole() {
   m.events_dropped = 2;
   m.events_file = "events.aedat";
   m.image = {128, 128};
-  m.camera = Camera{};
-  m.calibration = MountedCamera{Camera{}.without_lens(), {{0.0, 0.0, -10.0}, {0.5, -1.0, 1.5}}};
+  m.camera = icub_left_2016;
+  m.calibration = MountedCamera{icub_left_2016.without_lens(), {{0.0, 0.0, -10.0}, {0.5, -1.0, 1.5}}};
   DetectorScore score;
   score.average_precision = 1.0 / 3.0;
   score.precision_at_recall[1] = 0.75;
@@ -73,8 +74,8 @@ Metrics whole() {
   RightEyeMetrics& right = m.right_eye.emplace();
   right.event_count = 400;
   right.events_dropped = 1;
-  right.camera = right_dvs128;
-  right.calibration.camera = right_dvs128;
+  right.camera = icub_right_2016;
+  right.calibration.camera = icub_right_2016;
   right.calibration.mount.rotation_deg = {0.5, -1.0, 1.0};
   right.fixation_error_deg = {1.5, 3.0};
   right.on_target_ratio = 0.8;
@@ -184,7 +185,7 @@ TEST(Metrics, ReadsBackTheSame) {
   EXPECT_EQ(back.gaze->window, "1500 events");
   EXPECT_EQ(back.gaze->following_rate_hz, 12.5);
   EXPECT_NEAR(back.gaze->limits.max_rad[eyes_tilt], 0.25, 1e-15);
-  EXPECT_EQ(back.camera, Camera{});
+  EXPECT_EQ(back.camera, icub_left_2016);
   EXPECT_EQ(back.calibration, whole().calibration);
   EXPECT_THAT(keys(Json::parse(text)["camera"]), ElementsAre("width_px", "height_px", "fx_px", "fy_px",
                                                              "cx_px", "cy_px", "k1", "k2", "p1", "p2"));
@@ -218,7 +219,7 @@ TEST(Metrics, WritesFiguresThatDoNotApplyAsNull) {
 TEST(Metrics, WithoutDistortionHaveACameraWithoutALens) {
   Json json = Json::parse(metrics_to_json(whole()));
   for (const char* key : {"k1", "k2", "p1", "p2"}) json["camera"].erase(key);
-  EXPECT_EQ(metrics_from_json(json.dump(), "here").camera, Camera{}.without_lens());
+  EXPECT_EQ(metrics_from_json(json.dump(), "here").camera, icub_left_2016.without_lens());
 }
 
 TEST(Metrics, WithoutSettingsAndRejectedEventsAreReadToo) {
