@@ -123,6 +123,7 @@ TEST(Camera, ProjectsNoPointOutsideTheFieldOfTheLens) {
 TEST(Camera, AcceptsTheLensesOfTheRobotAndRejectsOneThatIsNotInvertibleInTheCorners) {
   for (const auto& [name, camera] : calibrated) EXPECT_NO_THROW(check_config(name, camera));
   EXPECT_NO_THROW(check_config("none", icub_left_2016.without_lens()));
+  EXPECT_THROW(check_config("without numbers", Camera{}), InputError);
   Camera folded = icub_left_2016.without_lens();
   folded.k1 = -0.3;  // reaches 70 px from the principal point; the farthest corner is 94 px away
   try {
