@@ -55,7 +55,7 @@ Outline brute_outline(const Camera& camera, const Eigen::Vector3d& centre_m, dou
 
 /// As calibrated on the robot (iCubGenova02: icubEyes_DVS.ini, 2016; icubEyes.ini, 2017).
 const std::vector<std::pair<const char*, Camera>> calibrated{
-    {"DVS left", {}},
+    {"DVS left", icub_left_2016},
     {"DVS right", {{128, 128}, 99.8, 99.8, 59.336, 63.761, -0.219021, 0.085382, -0.00071211, -0.00171136}},
     {"ATIS left",
      {{304, 240}, 198.516, 198.583, 155.675, 115.426, -0.326302, 0.101052, -0.00470766, -0.000842836}},
