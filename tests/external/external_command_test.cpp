@@ -209,7 +209,8 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         RobotCase{"besideEnds", "best", "exit 3", "ended at [0-9.]+ s, with status 3"},
         RobotCase{"besideHangs", "best", "exec sleep 600", "gave no answer at [0-9.]+ s within 200 ms"},
-        RobotCase{"besideAnswersNonsense", "best", "echo hello; exec sleep 600", "answered `hello`"},
+        RobotCase{"besideAnswersNonsense", "best", "read question; echo hello; exec sleep 600",
+                  "answered `hello`"},
         RobotCase{"drivingEnds", "mine", "kill -SEGV $$", "ended at [0-9.]+ s, by signal 11"},
         RobotCase{"drivingHangs", "mine", "exec sleep 600", "gave no answer at [0-9.]+ s within 200 ms"}),
     [](const auto& info) { return info.param.name; });
