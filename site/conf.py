@@ -30,7 +30,8 @@ def setup(app):
     logging.getLogger("sphinx.sphinx.domains.cpp").filters.insert(0, NamespaceInEveryHeader())
 html_theme = "alabaster"
 html_title = f"saccade {release}".strip()
-html_theme_options = {"description": "Closed-loop testbench for event-driven vision on the iCub", "page_width": "1080px",
+html_theme_options = {"description": "Closed-loop testbench for event-driven vision on the iCub", "page_width": "min(1500px, 95%)",
+                      "body_max_width": "1200px",  # for the tables; the default is 800 px
                       "sidebar_width": "240px", "fixed_sidebar": True}
 html_show_sourcelink = False
 html_copy_source = False

@@ -74,11 +74,9 @@ HeadJointVector ExternalController::step(const HeadState& state,
     reference_rad_ = reference_rad->cwiseMax(limits_.min_rad).cwiseMin(limits_.max_rad);
     return reference_rad_;
   }
-  std::string moment = "at ";
-  append(moment, static_cast<double>(state.t_us) * 1e-6);
-  moment += " s";
+  const std::string moment = moment_of(state.t_us);
   if (status == LineProcess::Status::ok) {
-    process_.stop(std::chrono::milliseconds(0));
+    process_.end(std::chrono::milliseconds(0));
     failure_ =
         name_ + " answered " + shown(answer_) + " " + moment + ", expected " + reference_form(limits_.joints);
   } else {

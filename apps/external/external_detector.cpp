@@ -157,16 +157,14 @@ Estimate ExternalDetector::estimate() {
   write_tick();
   events_.clear();
   const LineProcess::Status status = process_.exchange(message_, answer_limit_, answer_);
-  std::string moment = "at ";
-  append(moment, static_cast<double>(now_us_) * 1e-6);
-  moment += " s";
+  const std::string moment = moment_of(now_us_);
   if (status != LineProcess::Status::ok) {
     fail(status, moment, answer_limit_);
     return estimate_ = {};
   }
   const auto estimate = parse_estimate(answer_);
   if (!estimate) {
-    process_.stop(std::chrono::milliseconds(0));
+    process_.end(std::chrono::milliseconds(0));
     failure_ =
         name_ + " answered " + shown(answer_) + " " + moment + ", expected " + std::string(estimate_form);
   }

@@ -55,7 +55,11 @@ void LineProcess::start(const std::vector<std::string>& words) {
   throw RunError("cannot start " + words[0] + ": " + std::strerror(error));
 }
 
-LineProcess::~LineProcess() { stop(); }
+LineProcess::~LineProcess() {
+  end(std::chrono::milliseconds(200));
+  while (child_ >= 0 && ::waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {
+  }
+}
 
 void LineProcess::close_socket() {
   if (socket_ >= 0) ::close(socket_);
@@ -101,7 +105,7 @@ LineProcess::Status LineProcess::exchange(std::string_view message, std::chrono:
   }
 }
 
-std::string LineProcess::stop(std::chrono::milliseconds patience) {
+std::string LineProcess::end(std::chrono::milliseconds patience) {
   close_socket();
   if (!peer_.empty()) return "its connection to " + peer_ + " is closed";
   if (child_ < 0) return {};
@@ -112,10 +116,7 @@ std::string LineProcess::stop(std::chrono::milliseconds patience) {
   while ((ended = ::waitpid(child_, &status, WNOHANG)) == 0 && Clock::now() < deadline)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   ::kill(-child_, SIGKILL);  // and what it has started
-  if (ended == 0) {
-    while ((ended = ::waitpid(child_, &status, 0)) < 0 && errno == EINTR) {
-    }
-  }
+  if (ended == 0) return {};
   child_ = -1;
   return ended > 0 ? how_ended(status) : std::string();
 }

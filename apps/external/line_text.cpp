@@ -33,12 +33,20 @@ std::chrono::milliseconds milliseconds(double seconds) {
   return std::chrono::milliseconds(static_cast<std::int64_t>(std::ceil(seconds * 1e3)));
 }
 
+std::string moment_of(std::int64_t t_us) {
+  std::string moment = "at ";
+  append(moment,
+         static_cast<double>(t_us) / 1e6);  // the nearest number to six decimals, which are then all it has
+  return moment + " s";
+}
+
 std::string end_program(LineProcess& process, LineProcess::Status status, const std::string& name,
                         const std::string& moment, std::chrono::milliseconds limit) {
   // A program that has ended has a status at once; another one is not waited for, since a tick waits here.
-  constexpr std::chrono::milliseconds patience(20);
+  constexpr std::chrono::milliseconds longest_patience(20);
   const bool has_ended = status == LineProcess::Status::ended;
-  const std::string end = process.stop(has_ended ? patience : std::chrono::milliseconds(0));
+  const std::string end =
+      process.end(has_ended ? std::min(longest_patience, limit / 2) : std::chrono::milliseconds(0));
   switch (status) {
     case LineProcess::Status::late:
       return name + " gave no answer " + moment + " within " + std::to_string(limit.count()) + " ms";
@@ -48,7 +56,7 @@ std::string end_program(LineProcess& process, LineProcess::Status status, const 
       return name + " answered a line of more than " + std::to_string(LineProcess::longest_line) + " bytes " +
              moment;
     default:
-      return name + " ended " + moment + ", " + end;
+      return name + (end.empty() ? " closed its output " + moment : " ended " + moment + ", " + end);
   }
 }
 

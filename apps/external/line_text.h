@@ -3,6 +3,7 @@
 #include <array>
 #include <charconv>
 #include <chrono>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -36,6 +37,9 @@ void append_word(std::string& text, Number value) {
 [[nodiscard]] std::string shown(std::string_view line);
 
 [[nodiscard]] std::chrono::milliseconds milliseconds(double seconds);
+
+/// A simulated time in a message: "at 0.2 s".
+[[nodiscard]] std::string moment_of(std::int64_t t_us);
 
 /// Ends the program after an exchange whose status is not ok, within about 20 ms, and returns why: "mine gave no answer at 0.2
 /// s within 200 ms". `moment`: "at 0.2 s".

@@ -39,21 +39,24 @@ Figure tracking_figure(std::string_view name, std::span<const TruthRow> truth,
     };
     double end_s = 0.0;
     if (!truth.empty()) end_s = seconds(truth.back().t_us, start_us);
-    if (!accepted.empty()) end_s = std::max(end_s, seconds(accepted.back().t_us, start_us));
+    if (!detections.empty()) end_s = std::max(end_s, seconds(detections.back().t_us, start_us));
     const bool first = q.member == &Circle::x_px;
-    figure.add_panel(
-        {.x_label = std::string(time_label),
-         .y_label = q.label,
-         .z_label = "",
-         .commands = axes(last) + time_range(0.0, end_s) +
-                     (first ? "set key horizontal outside top right\n" : "unset key\n"),
-         .series = {{.title = std::string(detector),
-                     .style = dot_style(colour),
-                     .points = over_time(accepted, start_us, circle_value)},
-                    {.title = "truth",
-                     .style = sparse ? fmt::format("points pt 6 ps 0.6 lw 1.5 lc rgb '{}'", hex(truth_colour))
+    std::vector<Series> series = {{.title = std::string(detector),
+                                   .style = dot_style(colour),
+                                   .points = over_time(accepted, start_us, circle_value)}};
+    if (!truth.empty()) {
+      series.push_back({.title = "truth",
+                        .style = sparse
+                                     ? fmt::format("points pt 6 ps 0.6 lw 1.5 lc rgb '{}'", hex(truth_colour))
                                      : line_style(truth_colour, 1.4),
-                     .points = over_time(truth, start_us, truth_value)}}});
+                        .points = over_time(truth, start_us, truth_value)});
+    }
+    figure.add_panel({.x_label = std::string(time_label),
+                      .y_label = q.label,
+                      .z_label = "",
+                      .commands = axes(last) + time_range(0.0, end_s) +
+                                  (first ? "set key horizontal outside top right\n" : "unset key\n"),
+                      .series = std::move(series)});
   }
   return figure.draw(stacked(3));
 }

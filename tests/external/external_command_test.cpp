@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -166,6 +167,53 @@ TEST_F(ExternalCommand, AClassInPythonBehindASocketGivesTheFiguresOfTheSameClass
             metrics_of(out("pipe"))["detectors"]["mine"]["pr_curve"]);
   EXPECT_GT(metrics_of(out("socket"))["detectors"]["mine"]["average_precision"].get<double>(), 0.2);
 }
+
+struct RobotCase {
+  const char* name;
+  const char* driver;
+  const char* then;  ///< what the program does after 100 ticks
+  const char* why;
+};
+void PrintTo(const RobotCase& c, std::ostream* out) { *out << c.name; }
+
+class ExternalOnARobot : public ExternalCommand, public testing::WithParamInterface<RobotCase> {};
+
+TEST_P(ExternalOnARobot, IsReportedWhereItFailsWhileTheHeadIsActiveAndTheRunGoesOn) {
+  // Watchdog times that a busy machine keeps.
+  const std::string patient =
+      " --set deploy.watchdog.safe_within_ms=1000 --set deploy.watchdog.tick_late_ms=490 --set "
+      "deploy.watchdog.camera_silent_ms=500 --set deploy.watchdog.joints_stale_ms=500 --set "
+      "deploy.watchdog.hang_ms=480 ";
+  const Outcome deployed =
+      saccade("deploy '" + source + "/scenarios/robots/practice.yaml' --activate --duration 1.5 --set " +
+              "deploy.guard=none --set practice.head=test_" + std::to_string(::getpid()) + patient +
+              "--set detectors.mine='{command: \"" + program(100, GetParam().then) +
+              "\", answer_limit_s: 0.2}' --set gaze.detector=" + GetParam().driver + " --out " + out("run"));
+  EXPECT_EQ(deployed.status, 1) << deployed.text;
+  const std::string message = std::string("detector mine: program ") + GetParam().why;
+  EXPECT_THAT(deployed.text, testing::ContainsRegex(message));
+  EXPECT_THAT(bytes_of(folder_ / "run" / "log.txt"), testing::ContainsRegex(message));
+  EXPECT_THAT(bytes_of(folder_ / "run" / "report.html"), HasSubstr("mine ended before the end of the run"));
+  const auto facts = nlohmann::json::parse(bytes_of(folder_ / "run" / "deploy.json"));
+  ASSERT_EQ(facts["ended"].size(), 1u) << facts["ended"];
+  EXPECT_EQ(facts["ended"][0]["what"], "detector mine");
+  EXPECT_EQ(facts["states"].back()["cause"], "the run is over") << "nothing stopped the head before";
+  const auto detectors = metrics_of(out("run"))["detectors"];
+  EXPECT_TRUE(detectors["mine"].contains("failure"));
+  EXPECT_FALSE(detectors["best"].contains("failure"));
+  EXPECT_GT(detectors["best"]["observations"].get<int>(), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    ExternalCommand, ExternalOnARobot,
+    testing::Values(
+        RobotCase{"besideEnds", "best", "exit 3", "ended at [0-9.]+ s, with status 3"},
+        RobotCase{"besideHangs", "best", "exec sleep 600", "gave no answer at [0-9.]+ s within 200 ms"},
+        RobotCase{"besideAnswersNonsense", "best", "read question; echo hello; exec sleep 600",
+                  "answered `hello`"},
+        RobotCase{"drivingEnds", "mine", "kill -SEGV $$", "ended at [0-9.]+ s, by signal 11"},
+        RobotCase{"drivingHangs", "mine", "exec sleep 600", "gave no answer at [0-9.]+ s within 200 ms"}),
+    [](const auto& info) { return info.param.name; });
 
 TEST_F(ExternalCommand, MistakesInTheFileAreReportedAsOthersAre) {
   Outcome run = saccade("run " + scenario + "--set detectors.mine.python=absent.py --out " + out("a"));

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -11,6 +13,7 @@
 
 #include "apps/external/external_detector.h"
 #include "apps/external/external_rows.h"
+#include "apps/external/line_text.h"
 #include "core/error.h"
 #include "head/icub_cameras.h"
 #include "tests/recording/temp_folder.h"
@@ -182,6 +185,8 @@ INSTANTIATE_TEST_SUITE_P(
     ExternalDetector, BrokenProgram,
     testing::Values(Breach{"ends", "exit 3", "with status 3"},
                     Breach{"crashes", "kill -SEGV $$", "by signal 11"},
+                    Breach{"closesItsOutput", "exec 0<&- 1>&-; exec sleep 60",
+                           "mine closed its output at 0.002 s"},
                     Breach{"hangs", "exec sleep 60", "no answer at 0.002 s within 300 ms"},
                     Breach{"neverReads", read_tick + "exec sleep 60", "no answer"},
                     Breach{"nan", read_tick + "echo circle nan 1 2 0.5", "`circle nan 1 2 0.5`"},
@@ -204,6 +209,28 @@ TEST(ExternalDetector, TwoAnswersToOneTickEndIt) {
     (void)detector->estimate();
   }
   EXPECT_FALSE(detector->failure().empty());
+}
+
+// The tick of a robot waits here: freeing the memory of a network takes longer than the head may be without ticks.
+TEST(ExternalDetector, ThatHangsWithMuchMemoryIsNotWaitedFor) {
+  const ShellProgram program("",
+                             "exec /usr/bin/python3 -c 'import time; memory = b\"x\" * (512 << 20); "
+                             "print(\"ready 0.5\", flush=True); time.sleep(60)'");
+  std::chrono::duration<double> least = std::chrono::hours(1);
+  for (int trial = 0; trial < 3; ++trial) {
+    const auto detector = program.start();
+    detector->advance_to(1'000, nullptr);
+    const auto begin = std::chrono::steady_clock::now();
+    EXPECT_FALSE(detector->estimate().valid);
+    least = std::min<std::chrono::duration<double>>(least, std::chrono::steady_clock::now() - begin);
+    EXPECT_THAT(std::string(detector->failure()), HasSubstr("no answer at 0.001 s within 300 ms"));
+  }
+  EXPECT_LT(least.count(), 0.32);
+}
+
+TEST(ExternalDetector, NamesAnInstantToTheMicrosecond) {
+  EXPECT_EQ(moment_of(2'633'999), "at 2.633999 s");  // 2633999 * 1e-6 has 17 digits
+  EXPECT_EQ(moment_of(0), "at 0 s");
 }
 
 TEST(ExternalDetector, ThatDoesNotStartIsAnError) {

@@ -1,27 +1,22 @@
 """Written files read by the readers of other projects, and theirs read by saccade: NumPy, @foxglove/rosbag, @mcap/core."""
 
-import os
-import pathlib
-import shutil
 import subprocess
 
 import numpy as np
 import pytest
+import reference_readers
 import saccade
-from common import SOURCE
-
-SCRIPTS = SOURCE / "tests" / "recording" / "reference_readers"
-MODULES = pathlib.Path(os.environ["SACCADE_BUILD"]).parent / "reference_readers" / "node_modules"
 
 
 def node(script, *arguments):
-    if shutil.which("node") is None or not MODULES.exists():
+    """The events that a script read, and its last line."""
+    if not reference_readers.are_installed():
         pytest.skip("NOT TESTED: the readers of bags and MCAP files of other projects, node or their packages are missing; "
                     "scripts/setup --all installs them")
-    done = subprocess.run(["node", SCRIPTS / script, *map(str, arguments)], capture_output=True, text=True,
-                          env={**os.environ, "NODE_PATH": str(MODULES)})
-    assert done.returncode == 0, done.stderr
-    return done.stdout.splitlines()
+    process = reference_readers.start(script, *arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    records, said = process.communicate()
+    assert process.returncode == 0, said.decode()
+    return reference_readers.events_of(records), (said.decode().splitlines() or [""])[-1]
 
 
 def random_events(count=60_000):
@@ -34,28 +29,21 @@ def random_events(count=60_000):
     return events
 
 
-def assert_same(lines, events):
-    read = np.array([line.split() for line in lines], np.int64)
-    assert np.array_equal(read[:, 0], events["t"] * 1000)
-    assert np.array_equal(read[:, 1], events["x"]) and np.array_equal(read[:, 2], events["y"])
-    assert np.array_equal(read[:, 3], events["p"])
-
-
 @pytest.mark.parametrize("name, kind", [("a.bag", "/dvs/events dvs_msgs/EventArray"),
                                         ("a.packets.bag", "/dvs/events event_camera_msgs/EventPacket")])
 def test_foxglove_rosbag_reads_our_bags(tmp_path, name, kind):
     events = random_events()
     saccade.write(tmp_path / name, events, size=(304, 240))
-    *lines, last = node("read_bag.cjs", tmp_path / name)
-    assert_same(lines, events)
+    read, last = node("read_bag.cjs", tmp_path / name)
+    assert np.array_equal(read, events)
     assert last.rsplit(" ", 1)[0] == kind
 
 
 def test_mcap_core_reads_our_files_by_their_index(tmp_path):
     events = random_events()
     saccade.write(tmp_path / "a.mcap", events, size=(304, 240))
-    *lines, last = node("read_mcap.cjs", tmp_path / "a.mcap")
-    assert_same(lines, events)
+    read, last = node("read_mcap.cjs", tmp_path / "a.mcap")
+    assert np.array_equal(read, events)
     assert last.startswith("/event_camera/events event_camera_msgs/msg/EventPacket")
 
 
@@ -69,9 +57,9 @@ def test_two_cameras_are_two_topics_for_the_reference_readers(tmp_path, name, sc
     events["camera"] = np.arange(len(events)) % 3 == 0
     events = events[np.lexsort((events["camera"], events["t"]))]
     saccade.write(tmp_path / name, events, size=(304, 240))
-    *lines, last = node(script, tmp_path / name)
+    read, last = node(script, tmp_path / name)
     for camera in (0, 1):
-        assert_same([line for line in lines if line.endswith(f" {camera}")], events[events["camera"] == camera])
+        assert np.array_equal(read[read["camera"] == camera], events[events["camera"] == camera])
     assert last.rsplit(" ", 1)[0] == topics
     assert np.array_equal(saccade.read(tmp_path / name), events)
 

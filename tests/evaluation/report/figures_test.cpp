@@ -62,6 +62,21 @@ TEST(Figures, ShowTheObservationsAtAndAboveTheThresholdOnly) {
   EXPECT_EQ(shown(5.0), 3U * 100U + 1U);
 }
 
+TEST(Figures, HaveNoTruthInTheKeyWhereThereIsNone) {
+  const auto draw = [](const std::vector<TruthRow>& truth) {
+    return tracking_figure("a", truth, dots(200, "d"), "d", 5.0, blue, false, 0).svg;
+  };
+  EXPECT_THAT(draw(sine_truth(200)), HasSubstr("truth"));
+  EXPECT_THAT(draw({}), Not(HasSubstr("truth")));
+}
+
+TEST(Figures, OfADetectorThatEndedEarlyLastAsLongAsThoseOfOthers) {
+  std::vector<DetectionRow> detections = dots(2'000, "d");
+  detections.push_back({.t_us = 8'000'000, .detector = "other", .circle = {64, 64, 20}, .score = 1.0});
+  const std::string svg = tracking_figure("a", {}, detections, "d", 5.0, blue, false, 0).svg;
+  EXPECT_THAT(svg, HasSubstr(">7</text>")) << "a label of the time axis";
+}
+
 TEST(Figures, ThinLongSeries) {
   const std::string svg =
       tracking_figure("a", sine_truth(100'000), dots(100'000, "d"), "d", 0.0, blue, false, 0).svg;
