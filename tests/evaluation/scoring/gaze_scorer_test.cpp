@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/units.h"
+#include "head/icub_cameras.h"
 
 namespace saccade {
 namespace {
@@ -29,6 +30,7 @@ Eigen::Vector3d ball_at(double right_deg, double distance_m = 0.45) {
 
 GazeScoringConfig wide_limits() {
   GazeScoringConfig config;
+  config.camera = icub_left_2016;
   config.limits.min_rad.setConstant(-1.0);
   config.limits.max_rad.setConstant(1.0);
   return config;
@@ -177,6 +179,7 @@ TEST(GazeScorer, CountsSamplesWithAJointBeyondAHundredthOfADegree) {
 
 TEST(GazeScorer, RejectsAnAngleOfAcquisitionOutOfRange) {
   GazeScoringConfig config;
+  config.camera = icub_left_2016;
   config.acquire_within_rad = 0.0;
   EXPECT_THROW(GazeScorer{config}, InputError);
 }
