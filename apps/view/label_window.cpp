@@ -67,11 +67,16 @@ class LabelWindow {
     }
     if (interrupted() && editor_.unsaved()) save();
     window_.hide();
-    fmt::print("{}: {} instants\n", settings_.out.string(), editor_.labels().rows().size());
+    fmt::print("{}: {}\n", settings_.out.string(), labelled_instants());
     if (editor_.unsaved()) fmt::print("the last changes were not saved\n");
   }
 
  private:
+  [[nodiscard]] std::string labelled_instants() const {
+    const std::size_t count = editor_.labels().rows().size();
+    return fmt::format("{} {}", count, count == 1 ? "instant" : "instants");
+  }
+
   struct KeyRow {
     std::string keys;
     std::string meaning;
@@ -225,7 +230,7 @@ class LabelWindow {
     ImGui::SetCursorPosY(10.0F);
     ImGui::TextUnformatted((text + state).c_str());
     const std::string screenshot = capture_.message();
-    const std::string right = fmt::format("{} instants{}", editor_.labels().rows().size(),
+    const std::string right = fmt::format("{}{}", labelled_instants(),
                                           !screenshot.empty() ? ", " + screenshot
                                           : !message_.empty() ? ", " + message_
                                           : editor_.unsaved() ? ", not saved"
