@@ -15,6 +15,21 @@ std::size_t BlockReader::read(std::vector<Event>& events, std::size_t max_events
       done += count;
     } else if (over_ || failure_) {
       break;
+    } else if (max_events - done >= block_events) {
+      // A whole block finds room: it is not copied.
+      const std::size_t before = events.size();
+      std::size_t count = 0;
+      events.resize(before + block_events);
+      try {
+        over_ = !decode(std::span(events).subspan(before), count);
+      } catch (const InputError& error) {
+        failure_ = error;
+      } catch (...) {
+        events.resize(before + count);
+        throw;
+      }
+      events.resize(before + count);
+      done += count;
     } else {
       begin_ = end_ = 0;
       try {

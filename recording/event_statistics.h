@@ -57,6 +57,7 @@ class EventCounter {
     Bin long_bin;
   };
 
+  [[nodiscard]] bool add_in_order(Stream& stream, std::span<const Event> events) const;
   template <class Takes>
   void add(Stream& stream, std::span<const Event> events, const Takes& takes) const;
 

@@ -31,7 +31,7 @@ class Evt2Decoder {
   std::int64_t events_without_time_ = 0;
   std::int64_t triggers_ = 0;
   std::int64_t other_words_ = 0;
-  unsigned timed_ = 0;     ///< 1 from the first time on
+  bool timed_ = false;     ///< from the first time on
   std::int64_t t_us_ = 0;  ///< without the lower 6 bits
   WrappingTime high_{{{0, std::int64_t{1} << 28}}, std::int64_t{1} << 26, std::int64_t{1} << 16};
 };

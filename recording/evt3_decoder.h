@@ -33,7 +33,10 @@ class Evt3Decoder {
   [[nodiscard]] std::int64_t other_words() const { return other_words_; }
 
  private:
-  std::size_t put_vector(std::span<Event> out, std::size_t n, unsigned pixels, unsigned length);
+  static constexpr std::uint32_t on_bit = 1u << 16;
+
+  std::size_t begin(std::string_view bytes, EvtStep& step);
+  [[nodiscard]] bool skip(unsigned type);
   void set_high(std::int64_t value);
 
   std::int64_t offset_us_;
@@ -45,9 +48,8 @@ class Evt3Decoder {
   std::int64_t t_us_ = 0;
   std::int64_t high_us_ = 0;
   std::int64_t low_ = 0;
-  std::uint16_t y_ = 0;
-  std::uint16_t base_x_ = 0;
-  bool base_on_ = false;
+  std::uint32_t row_ = 0;
+  std::uint32_t base_ = 0;  ///< column, and on_bit where it is ON
   WrappingTime high_ = evt3_high();
 };
 

@@ -11,6 +11,7 @@ namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::size_t buffer_bytes = 1 << 20;
+constexpr std::size_t piece_bytes = 1 << 16;  // what is read at a time stays in the processor's cache
 
 }  // namespace
 
@@ -34,7 +35,8 @@ std::string_view InputFile::peek(std::size_t wanted) {
     std::memmove(buffer_.get(), buffer_.get() + begin_, end_ - begin_);
     end_ -= begin_;
     begin_ = 0;
-    end_ += std::fread(buffer_.get() + end_, 1, buffer_bytes - end_, file_.get());
+    const std::size_t piece = std::min(std::max(wanted - end_, piece_bytes), buffer_bytes - end_);
+    end_ += std::fread(buffer_.get() + end_, 1, piece, file_.get());
     if (std::ferror(file_.get()) != 0) {
       throw InputError(name() + ": byte " + std::to_string(offset_ + end_), "a read error",
                        "a readable file");
