@@ -2,9 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
-
+#include <tuple>
 #include <vector>
+
+#include "core/random.h"
 
 namespace saccade {
 namespace {
@@ -53,6 +57,40 @@ TEST(EventStatistics, BinsBeginAtTheFirstEventAndEmptyOnesAreSkipped) {
   EXPECT_EQ(s.most_in_1ms, 30);
   EXPECT_EQ(s.most_in_100ms, 40);
   EXPECT_EQ(s.gaps, 2);
+}
+
+// Events in order of one camera are counted in a faster way than those of two.
+TEST(EventStatistics, OfOneCameraDoNotDependOnTheOther) {
+  const auto figures = [](const EventStatistics& s) {
+    return std::tuple(s.count, s.on, s.first_us, s.oldest_us, s.newest_us, s.reach.width, s.reach.height,
+                      s.outside_image, s.back_in_time, s.longest_step_back_us, s.longest_gap_us,
+                      s.longest_gap_at_us, s.gaps, s.most_in_1ms, s.most_in_100ms);
+  };
+  for (std::uint64_t trial = 0; trial < 200; ++trial) {
+    const RandomStream random(trial, "statistics");
+    std::vector<Event> events;
+    std::int64_t t_us = trial % 2 == 0 ? 0 : -5'000'000;
+    for (std::uint64_t i = 0; i < 3'000; ++i) {
+      const double pause = random.uniform(0.0, 1.0, 0, i);
+      t_us += pause < 0.99 ? std::llround(300.0 * pause * pause * pause)
+                           : std::llround(4e5 * random.uniform(0.0, 1.0, 1, i));
+      if (trial % 5 == 4 && i % 700 == 699) t_us -= 50;  // not in order
+      events.push_back({t_us, static_cast<std::uint16_t>(random.uniform(0.0, 70.0, 2, i)),
+                        static_cast<std::uint16_t>(random.uniform(0.0, 50.0, 3, i)),
+                        random.uniform(0.0, 1.0, 4, i) < 0.5, 0});
+    }
+    EventCounter alone(ImageSize{64, 48}, 100'000), beside(ImageSize{64, 48}, 100'000);
+    beside.add(std::vector<Event>{{t_us, 1, 1, true, 1}});
+    for (std::size_t begin = 0; begin < events.size();) {
+      const auto block = std::span(events).subspan(
+          begin,
+          std::min(events.size() - begin, static_cast<std::size_t>(random.uniform(1.0, 900.0, 5, begin))));
+      alone.add(block);
+      beside.add(block);
+      begin += block.size();
+    }
+    EXPECT_EQ(figures(alone.all()), figures(beside.camera(0))) << trial;
+  }
 }
 
 TEST(EventStatistics, AreKeptForEachCamera) {
