@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "core/units.h"
 
 namespace saccade::inline v0_1 {
 namespace {
 
-constexpr double prediction_memory_s = 0.045;  // of the TargetTrack in TargetPredictor
+constexpr double track_memory_s = 0.045;  // of a TargetTrack
+constexpr double speed_memory_s = 0.5;    // a ball that swings is soon as fast again
+constexpr double speed_margin = 1.5;      // it may accelerate unseen
 
 }  // namespace
 
@@ -16,7 +19,10 @@ void describe(FieldVisitor& v, ContinuityGateConfig& config) {
          "largest angle between bearings of detections that agree");
   v.real("depth_ratio", config.depth_ratio, {1.0, 100.0},
          "largest ratio between distances of detections that agree");
-  v.real("growth_deg_s", config.growth_deg_s, {0.0, 1e4}, "growth of the tolerance since the last target");
+  v.real(
+      "growth_deg_s", config.growth_deg_s, {0.0, 1e4},
+      "growth of the tolerance since the last target, or one and a half times the speed of the last targets "
+      "where that is more");
   v.real("window_s", config.window_s, {0.001, 1.0}, "age up to which detections confirm a new place");
   v.integer("min_agreeing", config.min_agreeing, {1, 1000}, "number of detections that confirm a new place");
   v.real("forget_s", config.forget_s, {0.001, 60.0},
@@ -34,15 +40,21 @@ ContinuityGate::ContinuityGate(const ContinuityGateConfig& config, const TargetC
     : LocatingGate(target),
       config_(config),
       window_us_(std::llround(config.window_s * 1e6)),
-      forget_us_(std::llround(config.forget_s * 1e6)) {
+      forget_us_(std::llround(config.forget_s * 1e6)),
+      track_(track_memory_s) {
   check_config("gaze.continuity_gate", config);
-  if (config_.near_score < 1.0) predictor_.emplace(prediction_memory_s, true);
+  if (config_.near_score < 1.0) predictor_.emplace(track_memory_s, true);
 }
 
 void ContinuityGate::advance(std::int64_t now_us) {
-  if (!predictor_ || now_us <= predicted_us_) return;
-  if (predicted_us_ > 0) predictor_->advance(static_cast<double>(now_us - predicted_us_) * 1e-6);
-  predicted_us_ = now_us;
+  if (now_us <= advanced_us_) return;
+  if (advanced_us_ > 0) {
+    const double dt_s = static_cast<double>(now_us - advanced_us_) * 1e-6;
+    track_.advance(dt_s);
+    fastest_rad_s_ *= std::exp(-dt_s / speed_memory_s);
+    if (predictor_) predictor_->advance(dt_s);
+  }
+  advanced_us_ = now_us;
 }
 
 /// The target of a circle below the threshold that is where the ball is expected.
@@ -66,7 +78,7 @@ std::optional<Eigen::Vector3d> ContinuityGate::update(std::int64_t now_us, const
   advance(now_us);
   if (!is_detection(estimate, threshold)) {
     const auto expected_m = near_prediction(now_us, estimate, threshold, camera, root_from_cam);
-    if (expected_m) accept({now_us, *expected_m});
+    if (expected_m) accept({now_us, *expected_m}, root_from_cam.translation());
     return expected_m;
   }
   const auto point_m = locate(estimate.circle, camera, root_from_cam);
@@ -76,19 +88,27 @@ std::optional<Eigen::Vector3d> ContinuityGate::update(std::int64_t now_us, const
   recent_[count_++ % capacity] = here;
 
   if (last_ && now_us - last_->t_us <= forget_us_) {
-    const double unseen_s = static_cast<double>(now_us - last_->t_us) * 1e-6;
-    const double tolerance_deg = config_.tolerance_deg + config_.growth_deg_s * unseen_s;
-    if (!agree(here.point_m, last_->point_m, eye_m, tolerance_deg)) return std::nullopt;
+    if (!can_have_reached(here, eye_m)) return std::nullopt;
   } else if (!confirmed(here, eye_m)) {
     return std::nullopt;
   }
   sure_us_ = now_us;
-  accept(here);
+  accept(here, eye_m);
   return point_m;
 }
 
-void ContinuityGate::accept(const Place& here) {
+bool ContinuityGate::can_have_reached(const Place& here, const Eigen::Vector3d& eye_m) const {
+  const double unseen_s = static_cast<double>(here.t_us - last_->t_us) * 1e-6;
+  const double growth_deg_s = std::max(config_.growth_deg_s, speed_margin * fastest_rad_s_ * deg_per_rad);
+  return agree(here.point_m, last_->point_m, eye_m, config_.tolerance_deg + growth_deg_s * unseen_s);
+}
+
+void ContinuityGate::accept(const Place& here, const Eigen::Vector3d& eye_m) {
   last_ = here;
+  track_.observe(here.point_m);
+  const Eigen::Vector3d away_m = track_.position_m() - eye_m;
+  fastest_rad_s_ =
+      std::max(fastest_rad_s_, away_m.cross(track_.velocity_m_s()).norm() / away_m.squaredNorm());
   if (predictor_) predictor_->observe(here.point_m, 0.0);
 }
 
@@ -108,7 +128,7 @@ bool ContinuityGate::agree(const Eigen::Vector3d& a_m, const Eigen::Vector3d& b_
   const Eigen::Vector3d b = b_m - eye_m;
   const double angle_rad = std::atan2(a.cross(b).norm(), a.dot(b));
   const double ratio = a.norm() / b.norm();
-  return angle_rad * 180.0 / std::numbers::pi <= tolerance_deg && ratio <= config_.depth_ratio &&
+  return angle_rad * deg_per_rad <= tolerance_deg && ratio <= config_.depth_ratio &&
          ratio * config_.depth_ratio >= 1.0;
 }
 

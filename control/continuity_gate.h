@@ -5,6 +5,7 @@
 
 #include "control/locating_gate.h"
 #include "control/target_predictor.h"
+#include "control/target_track.h"
 
 namespace saccade::inline v0_1 {
 
@@ -12,9 +13,11 @@ namespace saccade::inline v0_1 {
 /// to be found, and found again after it was lost, the ball has to be confirmed by detections that agree. All in the root
 /// frame, so that the head's own motion has no effect, and as angles at the eye, because depth from a radius is coarse.
 struct ContinuityGateConfig {
-  double tolerance_deg = 3.0;      ///< detections this close in bearing agree ...
-  double depth_ratio = 1.4;        ///< ... if their distances differ by less than this factor
-  double growth_deg_s = 60.0;      ///< the tolerance around the last one grows by this while none came
+  double tolerance_deg = 3.0;  ///< detections this close in bearing agree ...
+  double depth_ratio = 1.4;    ///< ... if their distances differ by less than this factor
+  /// The tolerance around the last one grows by this while none came, or by one and a half times the speed of the targets
+  /// of the last half second where that is more.
+  double growth_deg_s = 60.0;
   double window_s = 0.20;          ///< how far back a confirmation may lie
   std::int64_t min_agreeing = 60;  ///< in the window, for the ball to be found
   double forget_s = 2.0;           ///< after so long without a detection near by the ball is lost
@@ -48,8 +51,9 @@ class ContinuityGate final : public LocatingGate {
   static constexpr std::size_t capacity = 1024;  // the longest window at one detection per ms
 
   [[nodiscard]] bool confirmed(const Place& here, const Eigen::Vector3d& eye_m) const;
+  [[nodiscard]] bool can_have_reached(const Place& here, const Eigen::Vector3d& eye_m) const;
   void advance(std::int64_t now_us);
-  void accept(const Place& here);
+  void accept(const Place& here, const Eigen::Vector3d& eye_m);
   [[nodiscard]] std::optional<Eigen::Vector3d> near_prediction(std::int64_t now_us, const Estimate& estimate,
                                                                double threshold, const Camera& camera,
                                                                const Eigen::Isometry3d& root_from_cam);
@@ -62,8 +66,10 @@ class ContinuityGate final : public LocatingGate {
   std::array<Place, capacity> recent_{};
   std::size_t count_ = 0;
   std::optional<Place> last_;
+  TargetTrack track_;                         ///< of the targets
+  double fastest_rad_s_ = 0.0;                ///< the target, lately
   std::optional<TargetPredictor> predictor_;  ///< with near_score below 1
-  std::int64_t predicted_us_ = 0;             ///< to when it has advanced
+  std::int64_t advanced_us_ = 0;              ///< to when both have advanced
   std::int64_t sure_us_ = 0;                  ///< the last target at the threshold
 };
 

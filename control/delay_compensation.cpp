@@ -62,10 +62,13 @@ void MotionDelayEstimator::update(Group& group, double dt_s) const {
   const double change = change_span_s / dt_s;
   const double step_s = dt_s * ticks_per_update;
   const double kept = std::exp(-step_s / sums_fade_s);
+  const HeadJointVector& newest = measured_.at(0.0);
+  const HeadJointVector& before = measured_.at(change);
   double moved = 0.0;
-  for (const int joint : group.joints) {
-    const double by = measured_.at(0.0)[joint] - measured_.at(change)[joint];
-    moved += by * by;
+  std::array<double, 2> measured{};
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    measured[i] = newest[group.joints[i]] - before[group.joints[i]];
+    moved += measured[i] * measured[i];
   }
   if (moved < least_change_rad * least_change_rad) return;
   group.moved = kept * group.moved + moved;
@@ -73,10 +76,11 @@ void MotionDelayEstimator::update(Group& group, double dt_s) const {
     const double back = k * candidate_spacing_s / dt_s;
     double& sum = group.sums[static_cast<std::size_t>(k)];
     sum *= kept;
-    for (const int joint : group.joints) {
-      const double measured = measured_.at(0.0)[joint] - measured_.at(change)[joint];
-      const double commanded = references_.at(back)[joint] - references_.at(back + change)[joint];
-      sum += (measured - commanded) * (measured - commanded);
+    const HeadJointVector& later = references_.at(back);
+    const HeadJointVector& earlier = references_.at(back + change);
+    for (std::size_t i = 0; i < measured.size(); ++i) {
+      const double off = measured[i] - (later[group.joints[i]] - earlier[group.joints[i]]);
+      sum += off * off;
     }
   }
   if (group.moved < least_moved_rad2) return;

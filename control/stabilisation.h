@@ -43,7 +43,8 @@ struct BodyRates {
 /// gyroscope lets it drift, which looks like a slow motion of all targets.
 ///
 /// What the image shows (ImageRotation) less what neck and eyes turn, and less what torso and gyroscope already
-/// compensate, is added with a time constant of 12 ms, at most 60 deg/s of it. It is about 8 ms old and is not extrapolated.
+/// compensate, is added with a time constant of 12 ms, at most 60 deg/s of it. It is older than 8 ms (docs/oculomotor.md) and is not
+/// extrapolated.
 /// Without a measurement for 50 ms it fades within 0.1 s.
 class Stabiliser {
  public:

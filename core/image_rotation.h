@@ -18,7 +18,8 @@ namespace saccade::inline v0_1 {
 /// objects that move by themselves (camera_rotation).
 ///
 /// Of the events of each millisecond at most 32, evenly spaced, get a plane-fit normal flow. Every 4 ms camera_rotation() is
-/// fitted to the flows of the last 16 ms, so that the result is the mean over them, about 8 ms old. Edges slower than 2.5 px/s
+/// fitted to the flows of the last 16 ms. A flow itself is the mean over the time in which its edge passed about three
+/// pixels, so that the result is older the slower the image moves: docs/oculomotor.md has figures. Edges slower than 2.5 px/s
 /// have no flow.
 class ImageRotation {
  public:

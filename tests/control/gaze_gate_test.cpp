@@ -287,6 +287,23 @@ TEST(ContinuityGate, AfterAGapAcceptsDetectionsAsFarAsTheBallCanHaveMoved) {
   EXPECT_FALSE(update(*g, 3'000'000, sure(73, 60, 12)));
 }
 
+TEST(ContinuityGate, AFastBallIsFoundAgainFartherAway) {
+  // Sideways at 0.9 m/s, 110 deg/s: 8.8 deg in the 80 ms in which it is not seen.
+  const auto circle_at = [](double y_m) {
+    return Estimate{
+        true, false,
+        *camera.project_sphere(looking_ahead().inverse() * Eigen::Vector3d(-0.45, y_m, 0.0), 0.0475), 1.0};
+  };
+  const auto fast = gate("continuity");
+  ASSERT_TRUE(feed(*fast, 200, [&](int i) { return circle_at(i < 100 ? -0.1 : -0.1 + 0.9e-3 * (i - 100)); }));
+  EXPECT_FALSE(update(*fast, 201'000, circle_at(-0.01 + 0.072)));
+  EXPECT_TRUE(update(*fast, 280'000, circle_at(-0.01 + 0.072)));
+  // One that rested cannot have moved that far.
+  const auto slow = gate("continuity");
+  ASSERT_TRUE(feed(*slow, 200, [&](int) { return circle_at(-0.01); }));
+  EXPECT_FALSE(update(*slow, 280'000, circle_at(-0.01 + 0.072)));
+}
+
 TEST(ContinuityGate, UsesTheRootFrameSoThatHeadMotionHasNoEffect) {
   const auto g = gate("continuity");
   const Eigen::Vector3d ball(-0.45, 0.0, 0.0);

@@ -3,13 +3,16 @@
 #include <cmath>
 #include <iostream>
 #include <numbers>
+#include <string>
 #include <vector>
 
 #include "control/controller_registry.h"
 #include "control/head_kinematics.h"
 #include "core/random.h"
 #include "core/units.h"
+#include "tests/control/described_head.h"
 #include "tests/control/gaze_plant.h"
+#include "tests/control/malloc_count.h"
 
 namespace saccade {
 namespace {
@@ -163,17 +166,10 @@ TEST(IcubVersions, JacobiansEqualFiniteDifferences) {
 TEST(IcubVersions, BothControllersPointTheLeftEyeAtATarget) {
   for (const Table& table : tables) {
     const auto head = icub_head(table.version);
-    JointLimits limits;
-    limits.head = head;
-    for (const HeadJoint& joint : head->joints) {
-      limits.min_rad[joint.slot] = joint.min_rad;
-      limits.max_rad[joint.slot] = joint.max_rad;
-      limits.max_speed_rad_s[joint.slot] = joint.max_speed_rad_s;
-    }
     for (const char* name : {"qp", "ikingaze"}) {
       GazeControllerConfig config = built_in_controllers().config();
       config.controller = name;
-      const auto gaze = make_gaze_controller(config, limits);
+      const auto gaze = make_gaze_controller(config, limits_of(head));
       Plant plant(0.0);
       const Eigen::Isometry3d eye =
           HeadKinematics(head->chain, plant.state.position_rad).root_from_eye(Eye::left);
@@ -183,6 +179,28 @@ TEST(IcubVersions, BothControllersPointTheLeftEyeAtATarget) {
           HeadKinematics(head->chain, plant.state.position_rad).root_from_eye(Eye::left).inverse() * target_m;
       EXPECT_LT(std::atan2(seen.head<2>().norm(), seen.z()) * deg_per_rad, 0.1)
           << table.version << " " << name;
+    }
+  }
+}
+
+TEST(IcubVersions, PursuitWithBothControllersDoesNotAllocate) {
+  if (!malloc_is_counted()) GTEST_SKIP() << "a sanitizer owns malloc";
+  for (const std::string& version : icub_versions()) {
+    const auto head = icub_head(version);
+    const Eigen::Isometry3d eye = HeadKinematics(head->chain, JointVector::Zero()).root_from_eye(Eye::left);
+    for (const char* name : {"qp", "ikingaze"}) {
+      GazeControllerConfig config = built_in_controllers().config();
+      config.controller = name;
+      const auto gaze = make_gaze_controller(config, limits_of(head));
+      Plant plant;
+      const long before = malloc_count();
+      for (int i = 0; i < 2000; ++i) {
+        const double angle = 2.0 * std::numbers::pi * i * dt;
+        const Eigen::Vector3d target_m =
+            eye * Eigen::Vector3d(0.07 * std::cos(angle), 0.07 * std::sin(angle), 0.45);
+        plant.follow(gaze->step(plant.state, target_m, dt));
+      }
+      EXPECT_EQ(malloc_count(), before) << version << " " << name;
     }
   }
 }
