@@ -9,6 +9,7 @@
 #include "apps/deploy/shared_head.h"
 #include "core/camera.h"
 #include "core/config.h"
+#include "head/icub_cameras.h"
 #include "robot/backend_registry.h"
 #include "robot/steady_clock.h"
 
@@ -79,7 +80,7 @@ class PracticeRobot final : public Robot, public EventSource, public HeadPort {
 
   PracticeConfig config_;
   JointLimits limits_;
-  Camera camera_;
+  Camera camera_ = icub_left_2016;
   RealClock clock_;
   std::int64_t start_ns_;
   SharedHead head_;
