@@ -26,6 +26,7 @@ constexpr std::int64_t step_us = 50'000;  ///< from one image to the next
 struct CalibrateOptions : ReadOptions {
   std::filesystem::path out;
   std::string grid = "4x7";
+  std::string lens;
   std::optional<double> spacing_mm, dot_mm;
   double window_ms = 1500.0;
   std::optional<std::int64_t> refractory_us;
@@ -58,9 +59,10 @@ struct Source {
   std::optional<RecordedHead> head;
   DotGrid grid;
   std::int64_t refractory_us = 500;
+  LensModel lens = LensModel::radial_tangential;
 };
 
-Source open_source(const CalibrateOptions& options, const Registry& registry) {
+Source open_source(const CalibrateOptions& options, Eye eye, const Registry& registry) {
   Source source{options.recording, {}, {}};
   parse_grid(options.grid, source.grid);
   if (std::filesystem::is_directory(options.recording)) {
@@ -71,11 +73,15 @@ Source open_source(const CalibrateOptions& options, const Registry& registry) {
     if (std::filesystem::exists(scenario)) {
       const SimConfig sim = read_scenario(scenario, {}, std::nullopt, registry).sim;
       source.refractory_us = sim.emulator.refractory_us;
+      source.lens = eye == Eye::right ? sim.right.camera.lens : sim.camera.lens;
       if (const auto& board = sim.world.board) {
         source.grid = {static_cast<int>(board->columns), static_cast<int>(board->rows),
                        board->spacing_mm * 1e-3, board->dot_diameter_mm * 1e-3};
       }
     }
+  }
+  for (const auto& [lens, word] : words_of(LensModel{})) {
+    if (options.lens == word) source.lens = lens;
   }
   if (options.refractory_us) source.refractory_us = *options.refractory_us;
   if (options.spacing_mm)
@@ -151,7 +157,17 @@ void print(const Calibration& calibration, std::size_t found) {
   fmt::print("fx, fy       {:.3f} +- {:.3f}, {:.3f} +- {:.3f} px\n", c.fx_px, d.fx_px, c.fy_px, d.fy_px);
   fmt::print("cx, cy       {:.3f} +- {:.3f}, {:.3f} +- {:.3f} px\n", c.cx_px, d.cx_px, c.cy_px, d.cy_px);
   fmt::print("k1, k2       {:.4f} +- {:.4f}, {:.4f} +- {:.4f}\n", c.k1, d.k1, c.k2, d.k2);
-  fmt::print("p1, p2       {:.5f} +- {:.5f}, {:.5f} +- {:.5f}\n", c.p1, d.p1, c.p2, d.p2);
+  if (c.lens == LensModel::fisheye) {
+    fmt::print("k3, k4       {:.4f} +- {:.4f}, {:.4f} +- {:.4f}\n", c.k3, d.k3, c.k4, d.k4);
+  } else {
+    fmt::print("p1, p2       {:.5f} +- {:.5f}, {:.5f} +- {:.5f}\n", c.p1, d.p1, c.p2, d.p2);
+  }
+  fmt::print("lens         {}, from dots up to {:.0f} deg off the optical axis{}\n", word_of(c.lens),
+             q.max_angle_deg,
+             q.held == 0 ? std::string()
+             : q.held == 1
+                 ? "; these do not tell k4 from 0, and it is held there"
+                 : fmt::format("; these do not tell k{} to k4 from 0, and they are held there", 5 - q.held));
   if (q.rests == 0) {
     fmt::print("eye          not calibrated: no joints were used\n");
     return;
@@ -171,16 +187,16 @@ void print(const Calibration& calibration, std::size_t found) {
 int calibrate_command(const CalibrateOptions& options, const Registry& registry) {
   if (std::filesystem::exists(options.out) && !options.force)
     throw InputError(options.out.string(), "a file that exists", "a new name, or --force");
-  Source source = open_source(options, registry);
   EventReadOptions read = options.read;
   read.camera = read.camera.value_or(0);
+  const Eye eye = static_cast<Eye>(*read.camera);
+  Source source = open_source(options, eye, registry);
   ReplayRobot robot(open_event_file(options.formats, source.events, read), std::move(source.head));
   catch_interrupts();
-  const std::vector<CalibrationView> views =
-      find_views(robot, source, static_cast<Eye>(*read.camera), options);
+  const std::vector<CalibrationView> views = find_views(robot, source, eye, options);
   if (interrupted()) throw RunError("interrupted");
   const Calibration calibration =
-      calibrate(views, source.grid, robot.image_size(), robot.head() != nullptr, options.limits);
+      calibrate(views, source.grid, robot.image_size(), source.lens, robot.head() != nullptr, options.limits);
   write_file(options.out, calibration_yaml(calibration));
   print(calibration, views.size());
   fmt::print("{}\n", options.out.string());
@@ -199,6 +215,10 @@ void add_calibrate_command(CommandLine& line, const Registry& registry) {
       .required();
   command.option("--grid", options->grid, "Dots in a row x rows, rows odd; a run with a board has its own")
       .show_default();
+  command
+      .option("--lens", options->lens,
+              "Model of the lens; the run's camera has its own, else radial_tangential")
+      .one_of({"radial_tangential", "fisheye"});
   command.option("--spacing_mm", options->spacing_mm,
                  "From row to row, and half the way between dots of a row; the run's board, or 25");
   command.option("--dot_mm", options->dot_mm, "Diameter of a dot; the run's board, or 21");

@@ -327,7 +327,7 @@ MountedCamera read_calibration(const std::filesystem::path& path) {
   const std::string block = "calibration";
   std::vector<std::string> required = {block};
   for (const char* key :
-       {"width_px", "height_px", "fx_px", "fy_px", "cx_px", "cy_px", "k1", "k2", "p1", "p2"}) {
+       {"width_px", "height_px", "fx_px", "fy_px", "cx_px", "cy_px", "k1", "k2", "p1", "p2", "k3", "k4"}) {
     required.push_back(block + "." + key);
   }
   YamlReader reader(tree, std::move(required));

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <iterator>
 #include <memory>
+#include <numeric>
 #include <utility>
 
 #include "core/error.h"
@@ -16,15 +17,10 @@
 namespace saccade::inline v0_1 {
 namespace {
 
-constexpr int lens_size = 8;
 constexpr int pose_size = 6;
 
 using PoseStep = Eigen::Matrix<double, pose_size, 1>;
 using Jacobian = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-constexpr std::array<double Camera::*, lens_size> lens_members = {
-    &Camera::fx_px, &Camera::fy_px, &Camera::cx_px, &Camera::cy_px,
-    &Camera::k1,    &Camera::k2,    &Camera::p1,    &Camera::p2};
 
 /// A small change of a pose: its origin in the outer frame, its axes in the inner one.
 Eigen::Isometry3d changed(const Eigen::Isometry3d& pose, const PoseStep& by) {
@@ -131,7 +127,7 @@ class ViewCost final : public ceres::CostFunction {
     ViewParameters p = model_;
     std::size_t b = 0;
     if (lens_is_free(free_)) {
-      for (std::size_t i = 0; i < lens_size; ++i) p.camera.*lens_members[i] = blocks[b][i];
+      for (std::size_t i = 0; i < lens_size; ++i) p.camera.*lens_members(p.camera.lens)[i] = blocks[b][i];
       ++b;
     }
     if (mount_is_free(free_)) {
@@ -153,14 +149,18 @@ class ViewCost final : public ceres::CostFunction {
 class Fit {
  public:
   Fit(const BoardModel& model, const std::vector<BoardView>& views, const std::vector<cv::Point3d>& points_m,
-      double radius_m, FreeParameters free)
-      : model_(model), free_(free), boards_(model.boards.size(), PoseStep::Zero()) {
-    for (std::size_t i = 0; i < lens_size; ++i) lens_[i] = model.camera.*lens_members[i];
+      double radius_m, FreeParameters free, int held)
+      : model_(model), free_(free), held_(held), boards_(model.boards.size(), PoseStep::Zero()) {
+    for (std::size_t i = 0; i < lens_size; ++i) lens_[i] = model.camera.*lens_members(model.camera.lens)[i];
     for (const BoardView& view : views) {
       auto cost = std::make_unique<ViewCost>(model, view, points_m, radius_m, free);
       costs_.push_back(cost.get());
       problem_.AddResidualBlock(cost.release(), nullptr, blocks_of(view));
     }
+    if (!lens_is_free(free) || held == 0) return;
+    std::vector<int> constant(static_cast<std::size_t>(held));
+    std::iota(constant.begin(), constant.end(), lens_size - held);
+    problem_.SetManifold(lens_.data(), new ceres::SubsetManifold(lens_size, constant));
   }
 
   [[nodiscard]] BoardModel solved() {
@@ -175,7 +175,7 @@ class Fit {
     ceres::Solve(options, &problem_, &summary);
     if (!summary.IsSolutionUsable()) throw RunError("no calibration: " + summary.message);
     BoardModel result = model_;
-    for (std::size_t i = 0; i < lens_size; ++i) result.camera.*lens_members[i] = lens_[i];
+    for (std::size_t i = 0; i < lens_size; ++i) result.camera.*lens_members(model_.camera.lens)[i] = lens_[i];
     result.eye_from_camera = changed(model_.eye_from_camera, mount_);
     for (std::size_t i = 0; i < boards_.size(); ++i) result.boards[i] = changed(model_.boards[i], boards_[i]);
     return result;
@@ -228,6 +228,7 @@ class Fit {
   [[nodiscard]] Eigen::Index shared_size() const {
     return (lens_is_free(free_) ? lens_size : 0) + (mount_is_free(free_) ? pose_size : 0);
   }
+  [[nodiscard]] Eigen::Index free_size() const { return shared_size() - (lens_is_free(free_) ? held_ : 0); }
 
  private:
   [[nodiscard]] std::vector<double*> blocks_of(const BoardView& view) {
@@ -269,6 +270,7 @@ class Fit {
 
   BoardModel model_;
   FreeParameters free_;
+  int held_;
   std::array<double, lens_size> lens_{};
   PoseStep mount_ = PoseStep::Zero();
   std::vector<PoseStep> boards_;
@@ -278,20 +280,30 @@ class Fit {
 
 }  // namespace
 
-BoardFit::BoardFit(const DotGrid& grid, std::vector<BoardView> views, FreeParameters free)
+const std::array<double Camera::*, lens_size>& lens_members(LensModel lens) {
+  using C = Camera;
+  static constexpr std::array<double C::*, lens_size> radial_tangential = {
+      &C::fx_px, &C::fy_px, &C::cx_px, &C::cy_px, &C::k1, &C::k2, &C::p1, &C::p2};
+  static constexpr std::array<double C::*, lens_size> fisheye = {&C::fx_px, &C::fy_px, &C::cx_px, &C::cy_px,
+                                                                 &C::k1,    &C::k2,    &C::k3,    &C::k4};
+  return lens == LensModel::fisheye ? fisheye : radial_tangential;
+}
+
+BoardFit::BoardFit(const DotGrid& grid, std::vector<BoardView> views, FreeParameters free, int held)
     : points_m_(grid.points_m()),
       radius_m_(0.5 * grid.dot_diameter_m),
       views_(std::move(views)),
-      free_(free) {
+      free_(free),
+      held_(held) {
   for (const BoardView& view : views_) SACCADE_CHECK(view.dots_px.size() == points_m_.size());
 }
 
 BoardModel BoardFit::solve(const BoardModel& start) const {
-  return Fit(start, views_, points_m_, radius_m_, free_).solved();
+  return Fit(start, views_, points_m_, radius_m_, free_, held_).solved();
 }
 
 Eigen::VectorXd BoardFit::deviations(const BoardModel& model) const {
-  Fit fit(model, views_, points_m_, radius_m_, free_);
+  Fit fit(model, views_, points_m_, radius_m_, free_, held_);
   const Fit::Inverse inverse = fit.inverse();
   Eigen::VectorXd clustered = Eigen::VectorXd::Zero(fit.shared_size());
   for (std::size_t i = 0; i < views_.size(); ++i) {
@@ -303,7 +315,7 @@ Eigen::VectorXd BoardFit::deviations(const BoardModel& model) const {
   // Where every view has a pose of its own that pose takes up what its dots have in common: never less than what
   // independent dots would leave.
   const double dots = 2.0 * views * static_cast<double>(points_m_.size());
-  const auto parameters = static_cast<double>(fit.shared_size() + pose_size * std::ssize(model.boards));
+  const auto parameters = static_cast<double>(fit.free_size() + pose_size * std::ssize(model.boards));
   double cost = 0.0;
   for (std::size_t i = 0; i < views_.size(); ++i) cost += squared_px2(model, i);
   const double variance = cost / (dots - parameters);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -31,17 +32,22 @@ struct BoardView {
 /// Which parameters are free; the others keep their values.
 enum class FreeParameters { lens_and_boards, mount_and_boards, all };
 
+/// The parameters of a lens in the order of a fit: fx, fy, cx, cy, k1, k2, then p1, p2 or a fisheye's k3, k4.
+inline constexpr int lens_size = 8;
+[[nodiscard]] const std::array<double Camera::*, lens_size>& lens_members(LensModel lens);
+
 /// The distances between seen dots and the centroids of the projected discs, of all views; x and y in turn, px.
 class BoardFit {
  public:
-  /// Every view has all dots of `grid`; the spans outlive the fit.
-  BoardFit(const DotGrid& grid, std::vector<BoardView> views, FreeParameters free);
+  /// Every view has all dots of `grid`; the spans outlive the fit. The last `held` parameters of the lens, at most 7, keep
+  /// their values.
+  BoardFit(const DotGrid& grid, std::vector<BoardView> views, FreeParameters free, int held = 0);
 
   /// Levenberg-Marquardt from `start`. Throws RunError where the dots do not determine the parameters.
   [[nodiscard]] BoardModel solve(const BoardModel& start) const;
 
-  /// Standard deviations of lens (in the order of Camera) and mount (translation m, rotation rad), of those that are
-  /// free: the covariance of the residuals taken as common to the dots of a view (sandwich), and never less than what
+  /// Standard deviations of lens (in the order of lens_members()) and mount (translation m, rotation rad), of those that
+  /// are free, 0 for what is held: the covariance of the residuals taken as common to the dots of a view (sandwich), and never less than what
   /// independent dots would give. Throws RunError as solve().
   [[nodiscard]] Eigen::VectorXd deviations(const BoardModel& model) const;
 
@@ -56,6 +62,7 @@ class BoardFit {
   double radius_m_;
   std::vector<BoardView> views_;
   FreeParameters free_;
+  int held_;
 };
 
 }  // namespace saccade::inline v0_1

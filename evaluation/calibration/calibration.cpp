@@ -4,51 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/calib3d.hpp>
 
 #include "core/error.h"
 #include "core/rotation_vector.h"
 #include "core/units.h"
 #include "evaluation/calibration/board_fit.h"
+#include "evaluation/calibration/lens_start.h"
 
 namespace saccade::inline v0_1 {
 namespace {
 
 void refuse_unless(bool good, const std::string& found, const std::string& wanted) {
   if (!good) throw RunError("no calibration: " + found + "; wanted: " + wanted);
-}
-
-BoardModel started_by_opencv(const std::vector<CalibrationView>& views, const DotGrid& grid, ImageSize size) {
-  std::vector<cv::Point3f> points;
-  for (const cv::Point3d& p : grid.points_m()) points.emplace_back(p);
-  const std::vector<std::vector<cv::Point3f>> objects(views.size(), points);
-  std::vector<std::vector<cv::Point2f>> images;
-  for (const CalibrationView& view : views) {
-    images.emplace_back(view.grid.dots_px.begin(), view.grid.dots_px.end());
-  }
-  cv::Mat matrix, distortion;
-  std::vector<cv::Mat> rotations, translations;
-  cv::calibrateCamera(objects, images, cv::Size(size.width, size.height), matrix, distortion, rotations,
-                      translations, cv::CALIB_FIX_K3);
-  BoardModel model;
-  model.camera = {size,
-                  matrix.at<double>(0, 0),
-                  matrix.at<double>(1, 1),
-                  matrix.at<double>(0, 2),
-                  matrix.at<double>(1, 2),
-                  distortion.at<double>(0),
-                  distortion.at<double>(1),
-                  distortion.at<double>(2),
-                  distortion.at<double>(3)};
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    Eigen::Isometry3d board = Eigen::Isometry3d::Identity();
-    for (int k = 0; k < 3; ++k) board.translation()[k] = translations[i].at<double>(k);
-    const cv::Mat& turn = rotations[i];
-    board.linear() =
-        rotation_of({turn.at<double>(0), turn.at<double>(1), turn.at<double>(2)}).toRotationMatrix();
-    model.boards.push_back(board);
-  }
-  return model;
 }
 
 /// For each view whether it fits: whether its rms is at most three times the median.
@@ -76,37 +43,95 @@ bool all_of(const std::vector<bool>& values) {
   return std::find(values.begin(), values.end(), false) == values.end();
 }
 
-void note_lens(const Eigen::VectorXd& deviations, CalibrationDeviations& to) {
-  for (auto [value, i] : {std::pair{&to.fx_px, 0},
-                          {&to.fy_px, 1},
-                          {&to.cx_px, 2},
-                          {&to.cy_px, 3},
-                          {&to.k1, 4},
-                          {&to.k2, 5},
-                          {&to.p1, 6},
-                          {&to.p2, 7}}) {
-    *value = deviations[i];
+/// A parameter of a lens.
+struct LensKey {
+  const char* key;
+  double Camera::*value;
+  double CalibrationDeviations::*deviation;
+};
+
+constexpr auto lens_keys = std::to_array<LensKey>({{"fx_px", &Camera::fx_px, &CalibrationDeviations::fx_px},
+                                                   {"fy_px", &Camera::fy_px, &CalibrationDeviations::fy_px},
+                                                   {"cx_px", &Camera::cx_px, &CalibrationDeviations::cx_px},
+                                                   {"cy_px", &Camera::cy_px, &CalibrationDeviations::cy_px},
+                                                   {"k1", &Camera::k1, &CalibrationDeviations::k1},
+                                                   {"k2", &Camera::k2, &CalibrationDeviations::k2},
+                                                   {"p1", &Camera::p1, &CalibrationDeviations::p1},
+                                                   {"p2", &Camera::p2, &CalibrationDeviations::p2},
+                                                   {"k3", &Camera::k3, &CalibrationDeviations::k3},
+                                                   {"k4", &Camera::k4, &CalibrationDeviations::k4}});
+
+const LensKey& lens_key(double Camera::*member) {
+  return *std::find_if(lens_keys.begin(), lens_keys.end(),
+                       [&](const LensKey& key) { return key.value == member; });
+}
+
+void note_lens(LensModel lens, const Eigen::VectorXd& deviations, CalibrationDeviations& to) {
+  const auto& members = lens_members(lens);
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    to.*lens_key(members[i]).deviation = deviations[static_cast<Eigen::Index>(i)];
   }
 }
 
+/// Whether a scenario accepts the camera: its lens shows the whole image.
+bool is_readable(const Camera& camera) {
+  try {
+    check_config("calibration", camera);
+  } catch (const InputError&) {
+    return false;
+  }
+  return true;
+}
+
 /// Fits the lens; views that do not fit are removed from `views`.
-BoardModel fit_lens(std::vector<CalibrationView>& views, const DotGrid& grid, ImageSize size,
+BoardModel fit_lens(std::vector<CalibrationView>& views, const DotGrid& grid, ImageSize size, LensModel lens,
                     Calibration& result) {
-  BoardModel model = started_by_opencv(views, grid, size);
-  while (true) {
+  const auto problem_of = [&](int held) {
     std::vector<BoardView> fitted;
     for (std::size_t i = 0; i < views.size(); ++i) fitted.push_back({views[i].grid.dots_px, i, std::nullopt});
-    const BoardFit problem(grid, std::move(fitted), FreeParameters::lens_and_boards);
+    return BoardFit(grid, std::move(fitted), FreeParameters::lens_and_boards, held);
+  };
+  constexpr int distortions = 4;
+  const bool fisheye = lens == LensModel::fisheye;
+  BoardModel model = start_of_lens(views, grid, size, lens);
+  if (fisheye) model = problem_of(distortions).solve(model);
+  int held = 0;
+  while (true) {
+    const BoardFit problem = problem_of(held);
     model = problem.solve(model);
     if (const std::vector<bool> fits = fitting(problem, model); !all_of(fits)) {
       keep(views, fits);
       keep(model.boards, fits);
       continue;
     }
+    const Eigen::VectorXd deviations = problem.deviations(model);
+    if (fisheye && held < distortions) {
+      constexpr double significant = 3.0;  // deviations
+      const int last = lens_size - 1 - held;
+      double& value = model.camera.*lens_members(lens)[static_cast<std::size_t>(last)];
+      if (!(std::abs(value) >= significant * deviations[last]) || !is_readable(model.camera)) {
+        value = 0.0;
+        ++held;
+        continue;
+      }
+    }
     result.quality.rms_px = problem.rms_px(model);
-    note_lens(problem.deviations(model), result.deviations);
+    result.quality.held = held;
+    note_lens(lens, deviations, result.deviations);
     return model;
   }
+}
+
+/// The largest angle between a dot and the optical axis.
+double max_angle_deg(const std::vector<CalibrationView>& views, const Camera& camera) {
+  double largest = 0.0;
+  for (const CalibrationView& view : views) {
+    for (const cv::Point2d& dot : view.grid.dots_px) {
+      const double angle_deg = std::atan(camera.ray(dot.x, dot.y).head<2>().norm()) * deg_per_rad;
+      largest = std::max(largest, angle_deg);  // a dot without a ray, NaN, leaves it
+    }
+  }
+  return largest;
 }
 
 /// Series of views in which the board stays where it is in the root frame, as far as that can be seen without the mount.
@@ -166,7 +191,7 @@ void fit_mount(const std::vector<CalibrationView>& views, const DotGrid& grid,
   // The measured motion of the eye determines the lens better than free poses do: where joints and images agree, lens and
   // mount are fitted together.
   constexpr double agree = 1.5;
-  const BoardFit together(grid, fitted, FreeParameters::all);
+  const BoardFit together(grid, fitted, FreeParameters::all, static_cast<int>(result.quality.held));
   const BoardModel all = together.solve(model);
   Eigen::VectorXd d;
   if (together.rms_px(all) <= agree * result.quality.rms_px) {
@@ -174,7 +199,7 @@ void fit_mount(const std::vector<CalibrationView>& views, const DotGrid& grid,
     result.camera.camera = model.camera;
     result.quality.rms_at_rest_px = together.rms_px(model);
     d = together.deviations(model);
-    note_lens(d, result.deviations);
+    note_lens(model.camera.lens, d, result.deviations);
     d = d.tail<6>().eval();
   } else {
     const BoardFit alone(grid, fitted, FreeParameters::mount_and_boards);
@@ -201,20 +226,14 @@ void describe(FieldVisitor& v, Calibration& c) {
       "deviations",
       [&](FieldVisitor& w) {
         CalibrationDeviations& d = c.deviations;
-        for (auto [key, value] : {std::pair{"fx_px", &d.fx_px},
-                                  {"fy_px", &d.fy_px},
-                                  {"cx_px", &d.cx_px},
-                                  {"cy_px", &d.cy_px},
-                                  {"k1", &d.k1},
-                                  {"k2", &d.k2},
-                                  {"p1", &d.p1},
-                                  {"p2", &d.p2}}) {
-          w.real(key, *value, deviation, "standard deviation");
+        for (double Camera::*member : lens_members(c.camera.camera.lens)) {
+          const LensKey& key = lens_key(member);
+          w.real(key.key, d.*key.deviation, deviation, "standard deviation");
         }
         w.reals("translation_mm", d.translation_mm, deviation, "standard deviations of eye_from_camera");
         w.reals("rotation_deg", d.rotation_deg, deviation, "standard deviations of eye_from_camera");
       },
-      "standard deviations; 0 for what was not calibrated");
+      "standard deviations; 0 for what was not calibrated or is held at 0");
   v.section(
       "quality",
       [&](FieldVisitor& w) {
@@ -223,6 +242,11 @@ void describe(FieldVisitor& v, Calibration& c) {
                "rms distance of the dots, each image with a pose of its own");
         w.real("covered", c.quality.covered, {0.0, 1.0},
                "share of the cells of a raster over the image that contain dots");
+        w.real("max_angle_deg", c.quality.max_angle_deg, {0.0, 90.0},
+               "largest angle between a dot and the optical axis");
+        w.integer(
+            "held", c.quality.held, {0, 4},
+            "number of the last of k1 to k4 of a fisheye that the dots do not tell from 0, and which are 0");
         w.real("tilt_spread_deg", c.quality.tilt_spread_deg, {0.0, 180.0},
                "largest angle between tilts of the board");
         w.integer("rests", c.quality.rests, {0, 1e9},
@@ -234,7 +258,7 @@ void describe(FieldVisitor& v, Calibration& c) {
 }
 
 Calibration calibrate(const std::vector<CalibrationView>& all, const DotGrid& grid, ImageSize size,
-                      bool with_mount, const CalibrationLimits& limits) {
+                      LensModel lens_model, bool with_mount, const CalibrationLimits& limits) {
   std::vector<CalibrationView> views = choose_views(all, limits);
   const std::string found =
       fmt::format("the whole grid was found in {} images, in {} of them at less than {} px/s", all.size(),
@@ -249,7 +273,7 @@ Calibration calibrate(const std::vector<CalibrationView>& all, const DotGrid& gr
                 fmt::format("dots in {:.0f} % of a {} x {} raster over the image",
                             100.0 * result.quality.covered, coverage_raster, coverage_raster),
                 fmt::format("{:.0f} %: views nearer to the image's borders", 100.0 * limits.min_covered));
-  const BoardModel lens = fit_lens(views, grid, size, result);
+  const BoardModel lens = fit_lens(views, grid, size, lens_model, result);
   result.camera.camera = lens.camera;
   result.quality.views = static_cast<std::int64_t>(views.size());
   result.quality.tilt_spread_deg = tilt_range_deg(lens.boards);
@@ -269,7 +293,13 @@ Calibration calibrate(const std::vector<CalibrationView>& all, const DotGrid& gr
                             d.cx_px, d.cy_px),
                 fmt::format("{:.0f} % and {} px: more views, of more tilts and places",
                             100.0 * limits.max_focal_deviation, limits.max_centre_deviation_px));
-  if (!with_mount) return result;
+  const auto finish = [&] {
+    refuse_unless(is_readable(result.camera.camera), "a lens that turns back inside the image",
+                  "dots near the image's corners, or the other --lens");
+    result.quality.max_angle_deg = max_angle_deg(views, result.camera.camera);
+    return result;
+  };
+  if (!with_mount) return finish();
   fit_mount(views, grid, limits, lens, result);
   const double worst_mm = *std::max_element(d.translation_mm.begin(), d.translation_mm.end());
   const double worst_deg = *std::max_element(d.rotation_deg.begin(), d.rotation_deg.end());
@@ -278,7 +308,7 @@ Calibration calibrate(const std::vector<CalibrationView>& all, const DotGrid& gr
       fmt::format("the camera's pose in the eye to +- {:.2f} mm and +- {:.2f} deg", worst_mm, worst_deg),
       fmt::format("{} mm and {} deg: more rests, and more turns of neck and eyes at each",
                   limits.max_translation_deviation_mm, limits.max_rotation_deviation_deg));
-  return result;
+  return finish();
 }
 
 }  // namespace saccade::inline v0_1

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "apps/config/cameras.h"
 #include "apps/config/scenario.h"
 #include "head/icub_cameras.h"
 #include "tests/config/built_in.h"
@@ -73,6 +74,22 @@ TEST_F(ReadCalibration, AFileIsWhereItsKeysStartFrom) {
   EXPECT_EQ(scenario.sim.camera, icub_left_2016);
   const std::string by_hand = "calibration.file=" + (folder_ / "left.yaml").string();
   EXPECT_EQ(read("", {by_hand, "calibration.fy_px=103"}).calibration, scenario.calibration);
+}
+
+TEST_F(ReadCalibration, AFisheyeThatWasCalibratedIsRead) {
+  Calibration calibration;
+  calibration.camera.camera = camera_preset("davis346");
+  calibration.camera.mount.translation_mm = {1.0, -2.0, -10.0};
+  calibration.deviations.k3 = 0.25;
+  const std::string text = calibration_yaml(calibration);
+  EXPECT_THAT(text, AllOf(HasSubstr("lens: fisheye"), HasSubstr("k3: 0.25")));
+  write("fisheye.yaml", text);
+  EXPECT_EQ(read("camera: {preset: davis346}\ncalibration: {file: fisheye.yaml}\n").calibration,
+            calibration.camera);
+  write("half.yaml",
+        text.substr(0, text.find("    k4: ")) + text.substr(text.find('\n', text.find("    k4: ")) + 1));
+  EXPECT_THAT(message("camera: {preset: davis346}\ncalibration: {file: half.yaml}\n"),
+              AllOf(HasSubstr("half.yaml"), HasSubstr("calibration.k4")));
 }
 
 TEST_F(ReadCalibration, TheResolvedScenarioNeedsNoFile) {

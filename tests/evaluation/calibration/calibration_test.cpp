@@ -36,7 +36,7 @@ Eigen::Isometry3d pose(const Eigen::Vector3d& at_m, const Eigen::Vector3d& turn_
 /// The dots of a board that rests at one pose after another while the eye turns and moves. Root is the eye's frame at
 /// rest.
 std::vector<CalibrationView> views_of(const MountedCamera& camera, const DotGrid& grid, double noise_px,
-                                      int rests = 5, double tilt = 1.0) {
+                                      int rests = 5, double tilt = 1.0, double turn = 1.0) {
   const RandomStream random(3, "calibration");
   const double to_side[5][2] = {{0, 0}, {0, 30}, {-28, 0}, {25, -20}, {0, -32}};
   std::vector<CalibrationView> views;
@@ -51,7 +51,7 @@ std::vector<CalibrationView> views_of(const MountedCamera& camera, const DotGrid
       };
       const Eigen::Isometry3d eye =
           pose({between(-0.04, 0.04, 0), between(-0.04, 0.04, 1), between(-0.02, 0.02, 2)},
-               {between(-12, 12, 3), between(-12, 12, 4), between(-18, 18, 5)});
+               turn * Eigen::Vector3d(between(-12, 12, 3), between(-12, 12, 4), between(-18, 18, 5)));
       const Eigen::Isometry3d camera_from_board = (eye * camera.mount.eye_from_camera()).inverse() * board;
       CalibrationView view;
       view.grid.t_us = 1'000'000 * rest + 50'000 * i;
@@ -73,7 +73,8 @@ const MountedCamera off_centre{icub_left_2016, {{1.0, -2.0, -10.0}, {0.5, -1.0, 
 
 TEST(Calibration, RecoversCameraAndMountFromExactDots) {
   const DotGrid grid = points_of_light();
-  const Calibration c = calibrate(views_of(off_centre, grid, 0.0), grid, {128, 128}, true);
+  const Calibration c =
+      calibrate(views_of(off_centre, grid, 0.0), grid, {128, 128}, LensModel::radial_tangential, true);
   const Camera& camera = c.camera.camera;
   EXPECT_NEAR(camera.fx_px, 99.45, 1e-3);
   EXPECT_NEAR(camera.fy_px, 99.75, 1e-3);
@@ -91,7 +92,8 @@ TEST(Calibration, RecoversCameraAndMountFromExactDots) {
 
 TEST(Calibration, HasStandardDeviationsThatCoverItsErrors) {
   const DotGrid grid = points_of_light();
-  const Calibration c = calibrate(views_of(off_centre, grid, 0.1), grid, {128, 128}, true);
+  const Calibration c =
+      calibrate(views_of(off_centre, grid, 0.1), grid, {128, 128}, LensModel::radial_tangential, true);
   const Camera& camera = c.camera.camera;
   const CalibrationDeviations& d = c.deviations;
   std::printf("fx %.3f +- %.3f, cy %.3f +- %.3f px, x %.2f +- %.2f mm\n", camera.fx_px, d.fx_px, camera.cy_px,
@@ -110,9 +112,98 @@ TEST(Calibration, HasStandardDeviationsThatCoverItsErrors) {
   EXPECT_NEAR(c.quality.rms_px, 0.1 * std::numbers::sqrt2, 0.02);
 }
 
+/// The left camera of MVSEC, the preset davis346.
+const MountedCamera fisheye{Camera{.size = {346, 260},
+                                   .fx_px = 226.380,
+                                   .fy_px = 226.150,
+                                   .cx_px = 173.647,
+                                   .cy_px = 133.733,
+                                   .k1 = -0.0480314,
+                                   .k2 = 0.0113310,
+                                   .p1 = 0.0,
+                                   .p2 = 0.0,
+                                   .lens = LensModel::fisheye,
+                                   .k3 = -0.0553782,
+                                   .k4 = 0.0215010},
+                            {{1.0, -2.0, -10.0}, {0.5, -1.0, 1.5}}};
+
+TEST(Calibration, RecoversAFisheyeAndItsMountFromExactDots) {
+  const DotGrid grid = points_of_light();
+  const Calibration c = calibrate(views_of(fisheye, grid, 0.0, 10, 1.0, 2.0), grid, fisheye.camera.size,
+                                  LensModel::fisheye, true);
+  const Camera& camera = c.camera.camera;
+  EXPECT_EQ(camera.lens, LensModel::fisheye);
+  EXPECT_EQ(c.quality.held, 0);
+  EXPECT_NEAR(camera.fx_px, fisheye.camera.fx_px, 1e-3);
+  EXPECT_NEAR(camera.fy_px, fisheye.camera.fy_px, 1e-3);
+  EXPECT_NEAR(camera.cx_px, fisheye.camera.cx_px, 1e-3);
+  EXPECT_NEAR(camera.cy_px, fisheye.camera.cy_px, 1e-3);
+  EXPECT_NEAR(camera.k1, fisheye.camera.k1, 1e-3);
+  EXPECT_NEAR(camera.k2, fisheye.camera.k2, 1e-3);
+  EXPECT_NEAR(camera.k3, fisheye.camera.k3, 1e-3);
+  EXPECT_NEAR(camera.k4, fisheye.camera.k4, 1e-3);
+  EXPECT_GT(c.quality.max_angle_deg, 40.0);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(c.camera.mount.translation_mm[i], fisheye.mount.translation_mm[i], 0.01);
+    EXPECT_NEAR(c.camera.mount.rotation_deg[i], fisheye.mount.rotation_deg[i], 0.002);
+  }
+}
+
+/// The largest distance between where two cameras see the same ray, over pixels of the first up to `angle_deg` off its axis.
+double farthest_px(const Camera& a, const Camera& b, double angle_deg) {
+  double worst_px = 0.0;
+  for (int y = 0; y < a.size.height; y += 10) {
+    for (int x = 0; x < a.size.width; x += 10) {
+      const Eigen::Vector3d ray = a.ray(x, y);
+      if (std::atan(ray.head<2>().norm()) > angle_deg * rad_per_deg) continue;
+      const auto seen = b.project(ray);
+      worst_px = std::max(worst_px, seen ? (*seen - Eigen::Vector2d(x, y)).norm() : 1e9);
+    }
+  }
+  return worst_px;
+}
+
+TEST(Calibration, FindsAFisheyeInDotsWithNoiseAsFarOutAsTheyReach) {
+  const DotGrid grid = points_of_light();
+  const Calibration c = calibrate(views_of(fisheye, grid, 0.1, 6, 1.0, 2.0), grid, fisheye.camera.size,
+                                  LensModel::fisheye, true);
+  const Camera& camera = c.camera.camera;
+  const CalibrationDeviations& d = c.deviations;
+  const double worst_px = farthest_px(fisheye.camera, camera, c.quality.max_angle_deg);
+  std::printf("fx %.3f +- %.3f, k1 %.4f +- %.4f, k4 %.4f +- %.4f, %d held; %.2f px up to %.1f deg\n",
+              camera.fx_px, d.fx_px, camera.k1, d.k1, camera.k4, d.k4, static_cast<int>(c.quality.held),
+              worst_px, c.quality.max_angle_deg);
+  EXPECT_NEAR(camera.fx_px, fisheye.camera.fx_px, 4.0 * d.fx_px);
+  EXPECT_NEAR(camera.fy_px, fisheye.camera.fy_px, 4.0 * d.fy_px);
+  EXPECT_NEAR(camera.cx_px, fisheye.camera.cx_px, 4.0 * d.cx_px);
+  EXPECT_NEAR(camera.cy_px, fisheye.camera.cy_px, 4.0 * d.cy_px);
+  EXPECT_LT(worst_px, 0.5);
+  EXPECT_NEAR(c.quality.rms_px, 0.1 * std::numbers::sqrt2, 0.02);
+  // Another model of the lens does not fit these dots as well.
+  const Calibration other = calibrate(views_of(fisheye, grid, 0.1, 6, 1.0, 2.0), grid, fisheye.camera.size,
+                                      LensModel::radial_tangential, false);
+  EXPECT_GT(other.quality.rms_px, 1.05 * c.quality.rms_px);
+}
+
+TEST(Calibration, WhatTheDotsDoNotTellOfAFisheyeIsHeldAtZero) {
+  DotGrid grid = points_of_light();
+  grid.spacing_m = 0.012;
+  MountedCamera narrow = fisheye;
+  narrow.camera.size = {128, 128};
+  narrow.camera.cx_px = narrow.camera.cy_px = 63.5;
+  const Calibration c =
+      calibrate(views_of(narrow, grid, 0.1), grid, narrow.camera.size, LensModel::fisheye, true);
+  EXPECT_GE(c.quality.held, 2);
+  EXPECT_EQ(c.camera.camera.k4, 0.0);
+  EXPECT_EQ(c.deviations.k4, 0.0);
+  EXPECT_EQ(c.camera.camera.k3, 0.0);
+  EXPECT_NO_THROW(check_config("calibration", c.camera.camera));
+  EXPECT_LT(farthest_px(narrow.camera, c.camera.camera, c.quality.max_angle_deg), 0.5);
+}
+
 std::string refusal(const std::vector<CalibrationView>& views, const DotGrid& grid, bool with_mount = true) {
   try {
-    static_cast<void>(calibrate(views, grid, {128, 128}, with_mount));
+    static_cast<void>(calibrate(views, grid, {128, 128}, LensModel::radial_tangential, with_mount));
   } catch (const RunError& error) {
     return error.what();
   }
