@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/units.h"
+#include "sim/model_file.h"
 
 namespace saccade::inline v0_1 {
 namespace {
@@ -38,6 +39,7 @@ MjModelPtr load_model(const std::filesystem::path& models, const HeadModel& head
     if (!add_to_vfs(vfs.get(), name, text)) throw RunError("MuJoCo rejects the model file " + name);
   };
   const std::string head_text = head_mjcf(head, models);
+  if (!head.mjcf.empty()) static_cast<void>(compile_mjcf_text(head_text, head.mjcf, "a valid MJCF model"));
   add("head.xml", base_moves ? with_moving_base(head_text) : head_text);
   add("ball_in_hand.xml", read_text(models / "ball_in_hand.xml"));
   const std::string includes = "<include file=\"head.xml\"/><include file=\"ball_in_hand.xml\"/>";

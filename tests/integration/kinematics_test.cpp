@@ -199,6 +199,26 @@ TEST(Kinematics, AModelWithAnotherChainIsAnInputError) {
   }
 }
 
+TEST(Kinematics, AModelThatMujocoRejectsIsAnInputErrorInOneLine) {
+  const TempFolder folder;
+  HeadConfig head;
+  head.model = HeadKind::described;
+  head.description = pan_tilt();
+  const std::string mjcf = head_mjcf(*head_model(head), models_directory());
+  std::string other_joint = mjcf;
+  other_joint.replace(other_joint.find("<joint name=\"tilt\""), 18, "<joint name=\"tile\"");
+  for (const std::string& text : {std::string("<mujoco><oops"), other_joint}) {
+    head.description.mjcf = folder.write("mine.xml", text).string();
+    try {
+      (void)plant_against_description(head);
+      FAIL() << "taken: " << text.substr(0, 40);
+    } catch (const InputError& error) {
+      EXPECT_TRUE(std::string(error.what()).starts_with(head.description.mjcf + ": found ")) << error.what();
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+    }
+  }
+}
+
 /// iCubGenova02's URDF from the root to the left eye, joint by joint: origin in the parent's frame and axis in
 /// its own. All frames but the root have the same orientation: x is the root's -y, y its z, z its -x.
 Eigen::Vector3d urdf_left_eye_m(const JointVector& q) {
