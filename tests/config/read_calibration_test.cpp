@@ -86,8 +86,9 @@ TEST_F(ReadCalibration, AFisheyeThatWasCalibratedIsRead) {
   write("fisheye.yaml", text);
   EXPECT_EQ(read("camera: {preset: davis346}\ncalibration: {file: fisheye.yaml}\n").calibration,
             calibration.camera);
-  write("half.yaml",
-        text.substr(0, text.find("    k4: ")) + text.substr(text.find('\n', text.find("    k4: ")) + 1));
+  const std::size_t k4 = text.find("\n  k4: ");
+  ASSERT_NE(k4, std::string::npos) << text;
+  write("half.yaml", text.substr(0, k4) + text.substr(text.find('\n', k4 + 1)));
   EXPECT_THAT(message("camera: {preset: davis346}\ncalibration: {file: half.yaml}\n"),
               AllOf(HasSubstr("half.yaml"), HasSubstr("calibration.k4")));
 }
