@@ -83,10 +83,6 @@ BoardModel start_of_fisheye(const std::vector<CalibrationView>& views, const Dot
                         .fy_px = focal_px,
                         .cx_px = 0.5 * (size.width - 1),
                         .cy_px = 0.5 * (size.height - 1),
-                        .k1 = 0.0,
-                        .k2 = 0.0,
-                        .p1 = 0.0,
-                        .p2 = 0.0,
                         .lens = LensModel::fisheye};
     auto boards = boards_before(camera, views, grid.points_m());
     if (!boards) continue;

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "apps/config/cameras.h"
 #include "core/error.h"
 #include "core/random.h"
 #include "core/units.h"
@@ -112,20 +113,7 @@ TEST(Calibration, HasStandardDeviationsThatCoverItsErrors) {
   EXPECT_NEAR(c.quality.rms_px, 0.1 * std::numbers::sqrt2, 0.02);
 }
 
-/// The left camera of MVSEC, the preset davis346.
-const MountedCamera fisheye{Camera{.size = {346, 260},
-                                   .fx_px = 226.380,
-                                   .fy_px = 226.150,
-                                   .cx_px = 173.647,
-                                   .cy_px = 133.733,
-                                   .k1 = -0.0480314,
-                                   .k2 = 0.0113310,
-                                   .p1 = 0.0,
-                                   .p2 = 0.0,
-                                   .lens = LensModel::fisheye,
-                                   .k3 = -0.0553782,
-                                   .k4 = 0.0215010},
-                            {{1.0, -2.0, -10.0}, {0.5, -1.0, 1.5}}};
+const MountedCamera fisheye{camera_preset("davis346"), {{1.0, -2.0, -10.0}, {0.5, -1.0, 1.5}}};
 
 TEST(Calibration, RecoversAFisheyeAndItsMountFromExactDots) {
   const DotGrid grid = points_of_light();
