@@ -10,7 +10,9 @@ add_library(saccade_flags INTERFACE)
 target_compile_features(saccade_flags INTERFACE cxx_std_20)
 target_include_directories(saccade_flags INTERFACE ${saccade_SOURCE_DIR})
 target_compile_options(saccade_flags INTERFACE
-  -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Woverloaded-virtual
+  -Wall -Wextra -Wpedantic -Wconversion -Wnon-virtual-dtor -Wold-style-cast -Woverloaded-virtual
+  # In test files that are compiled together a constant of one may have the name of a local variable of another.
+  $<$<NOT:$<BOOL:$<TARGET_PROPERTY:SACCADE_JOINED_TESTS>>>:-Wshadow>
   # The same scenario and seed give the same bytes: no fused multiply-add that depends on the compiler.
   -ffp-contract=off
   # Nobody reads floating-point exceptions: the vectoriser need not keep them. Values stay the same.
@@ -117,9 +119,7 @@ function(saccade_test name)
   target_precompile_headers(saccade_${name}_tests REUSE_FROM saccade_tests_pch)
   # Tests check results, not speed: they compile in a third of the time without the optimiser's later passes.
   target_compile_options(saccade_${name}_tests PRIVATE $<$<CONFIG:Release>:-O1>)
-  if(CMAKE_UNITY_BUILD)  # a constant of one file may have the name of a local variable of another
-    target_compile_options(saccade_${name}_tests PRIVATE -Wno-shadow)
-  endif()
+  set_target_properties(saccade_${name}_tests PROPERTIES SACCADE_JOINED_TESTS "${CMAKE_UNITY_BUILD}")
   gtest_discover_tests(saccade_${name}_tests TEST_PREFIX "${name}." DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 120
     NO_PRETTY_VALUES PROPERTIES TIMEOUT 600 ${serial} ${environment})
 endfunction()

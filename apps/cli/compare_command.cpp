@@ -14,13 +14,15 @@ struct CompareOptions {
   std::filesystem::path a;
   std::filesystem::path b;
   std::vector<std::string> tolerances;
+  bool paired = false;
   bool json = false;
 };
 
 int compare_sides(const CompareOptions& options) {
   std::vector<Tolerance> tolerances;
   for (const std::string& text : options.tolerances) tolerances.push_back(tolerance_of(text));
-  const RunComparison comparison = compare(read_run_set(options.a), read_run_set(options.b), tolerances);
+  const RunComparison comparison =
+      compare(read_run_set(options.a), read_run_set(options.b), tolerances, options.paired);
   fmt::print("{}", options.json ? comparison_json(comparison) : comparison_text(comparison));
   return comparison.different() ? 3 : 0;
 }
@@ -40,13 +42,15 @@ void add_compare_command(CommandLine& line) {
           "KEY=VALUE or KEY=VALUE%: the largest change of a figure that counts as equal; * in KEY stands for "
           "any characters; 0 by default")
       .one_value_each();
+  command.flag(
+      "--paired", options->paired,
+      "Compare runs of the same seed with each other: shows changes that are smaller than the spread "
+      "over seeds");
   command.flag("--json", options->json, "As JSON, all figures");
   command.footer(
       "A figure has changed if the means over seeds differ by more than its tolerance and, with two seeds or "
-      "more on "
-      "both sides, Welch's t test gives p < 0.01. Figures of the wall clock are not compared. Exit status: 0 "
-      "equal "
-      "within tolerance, 3 different.");
+      "more on both sides, the t test gives p < 0.01: Welch's, or with --paired the paired one. Figures "
+      "of the wall clock are not compared. Exit status: 0 equal within tolerance, 3 different.");
   command.action([options] { return compare_sides(*options); });
 }
 

@@ -22,7 +22,7 @@ void add_arguments(const std::string& arguments, std::vector<std::string>& words
   for (std::string word; text >> word;) words.push_back(word);
 }
 
-void require_file(const char* key, const std::string& path) {
+void require_file(const std::string& key, const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) throw InputError(key, path, "a file that exists");
 }
@@ -54,17 +54,17 @@ void describe(FieldVisitor& v, SocketConfig& config) {
   describe_limits(v, config.limits);
 }
 
-std::vector<std::string> command_line_of(const PythonConfig& config) {
+std::vector<std::string> command_line_of(const PythonConfig& config, const std::string& section) {
   check_config("python", config);
-  require_file("python", config.python.substr(0, config.python.rfind(':')));
+  require_file(section + "python", config.python.substr(0, config.python.rfind(':')));
   std::vector<std::string> words = {config.interpreter, find_helper(worker_program).string(), config.python};
   add_arguments(config.arguments, words);
   return words;
 }
 
-std::vector<std::string> command_line_of(const CommandConfig& config) {
+std::vector<std::string> command_line_of(const CommandConfig& config, const std::string& section) {
   check_config("command", config);
-  require_file("command", config.command);
+  require_file(section + "command", config.command);
   std::vector<std::string> words = {config.command};
   add_arguments(config.arguments, words);
   return words;

@@ -44,9 +44,12 @@ void describe(FieldVisitor& v, CommandConfig& config);
 /// Keys: socket, start_limit_s, answer_limit_s.
 void describe(FieldVisitor& v, SocketConfig& config);
 
-/// The program and its arguments. Throws InputError for a configuration out of range and for a file that does not exist.
-[[nodiscard]] std::vector<std::string> command_line_of(const PythonConfig& config);
-[[nodiscard]] std::vector<std::string> command_line_of(const CommandConfig& config);
+/// The program and its arguments. Throws InputError for a configuration out of range and for a file that does not exist; `section`,
+/// such as "gaze.command.", goes before the key in its message.
+[[nodiscard]] std::vector<std::string> command_line_of(const PythonConfig& config,
+                                                       const std::string& section = "");
+[[nodiscard]] std::vector<std::string> command_line_of(const CommandConfig& config,
+                                                       const std::string& section = "");
 /// Throws InputError for a configuration out of range.
 [[nodiscard]] SocketAddress address_of(const SocketConfig& config);
 

@@ -84,7 +84,7 @@ ExternalDetector::ExternalDetector(std::string name, const LineProcess::Place& p
 
 void ExternalDetector::start(const AnswerLimits& limits, const Camera& camera) {
   if (camera.lens == LensModel::fisheye) {
-    throw InputError("calibration.lens", std::string(word_of(camera.lens)),
+    throw InputError("camera", "the lens " + std::string(word_of(camera.lens)),
                      "radial_tangential, which detectors in programs of their own are given");
   }
   message_ = "saccade-detector 1\ncamera";

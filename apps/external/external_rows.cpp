@@ -14,16 +14,25 @@ std::string name_of(const PythonConfig& config) { return file_name(config.python
 std::string name_of(const CommandConfig& config) { return file_name(config.command); }
 std::string name_of(const SocketConfig& config) { return config.socket; }
 
-LineProcess::Place place_of(const PythonConfig& config) { return command_line_of(config); }
-LineProcess::Place place_of(const CommandConfig& config) { return command_line_of(config); }
-LineProcess::Place place_of(const SocketConfig& config) { return address_of(config); }
+// `section` goes before the key in messages.
+LineProcess::Place place_of(const PythonConfig& config, const std::string& section = "") {
+  return command_line_of(config, section);
+}
+LineProcess::Place place_of(const CommandConfig& config, const std::string& section = "") {
+  return command_line_of(config, section);
+}
+LineProcess::Place place_of(const SocketConfig& config, const std::string& /*section*/ = "") {
+  return address_of(config);
+}
 
 template <class Config>
 void add_controller(ControllerRegistry& registry, const std::string& name, const std::string& description) {
   registry.add(
-      controller_row(name, description, Config{}, [](const Config& config, const MotionLimits& limits) {
-        return std::make_unique<ExternalController>(name_of(config), place_of(config), config.limits, limits);
-      }));
+      controller_row(name, description, Config{},
+                     [section = "gaze." + name + "."](const Config& config, const MotionLimits& limits) {
+                       return std::make_unique<ExternalController>(name_of(config), place_of(config, section),
+                                                                   config.limits, limits);
+                     }));
 }
 
 template <class Config>

@@ -13,8 +13,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::string_view rule =
     "A figure has changed if the means over seeds differ by more than its tolerance and, with two seeds or "
-    "more on "
-    "both sides, Welch's t test gives p < 0.01.";
+    "more on both sides, the t test gives p < 0.01.";
 
 std::string joined(const std::vector<std::string>& words, const char* none) {
   std::string text;
@@ -65,9 +64,11 @@ std::string set_text(const ComparedSet& set) {
     return fmt::format("{}: only in {}\n", set.label, set.seeds_a.empty() ? "B" : "A");
   const auto changed = std::ranges::count_if(set.figures, [](const auto& f) { return f.changed; });
   std::string text = fmt::format("{}: {} of {} figures changed", set.label, changed, set.figures.size());
-  text += set.seeds_a == set.seeds_b ? fmt::format(" (seeds {})\n", joined(set.seeds_a, "none"))
-                                     : fmt::format(" (seeds {} in A, {} in B)\n", joined(set.seeds_a, "none"),
-                                                   joined(set.seeds_b, "none"));
+  const char* test = set.paired ? ", paired" : "";
+  text += set.seeds_a == set.seeds_b
+              ? fmt::format(" (seeds {}{})\n", joined(set.seeds_a, "none"), test)
+              : fmt::format(" (seeds {} in A, {} in B{})\n", joined(set.seeds_a, "none"),
+                            joined(set.seeds_b, "none"), test);
   if (!set.configuration.empty()) text += "  configuration of B: " + set.configuration + "\n";
   if (changed == 0) return text;
   std::vector<TableRow> rows = {{"figure", "A", "B", "difference", "tolerance", "p"}};
@@ -119,6 +120,7 @@ std::string comparison_json(const RunComparison& comparison) {
     sets.push_back({{"label", set.label},
                     {"seeds_a", set.seeds_a},
                     {"seeds_b", set.seeds_b},
+                    {"paired", set.paired},
                     {"configuration", set.configuration},
                     {"figures", std::move(figures)}});
   }

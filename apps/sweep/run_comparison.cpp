@@ -31,15 +31,44 @@ double tolerance_for(const std::string& figure, const MeanSd& a, const std::vect
   return last->relative ? last->value * std::abs(a.mean.value_or(0.0)) : last->value;
 }
 
+using Values = std::vector<std::optional<double>>;
+
+/// For each run of B, the place of A's run of the same seed; empty where the seeds are not the same.
+std::vector<std::size_t> pairs_of(const SeedRuns& a, const SeedRuns& b) {
+  if (a.seeds.size() != b.seeds.size()) return {};
+  std::vector<std::size_t> pairs;
+  for (const std::string& seed : b.seeds) {
+    const auto same = std::ranges::find(a.seeds, seed);
+    if (same == a.seeds.end()) return {};
+    pairs.push_back(static_cast<std::size_t>(same - a.seeds.begin()));
+  }
+  return pairs;
+}
+
+/// B minus A by seed; none where a run has no value.
+std::optional<Values> differences_of(const Values& a, const Values& b,
+                                     const std::vector<std::size_t>& pairs) {
+  Values differences;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (!a[pairs[i]] || !b[i]) return std::nullopt;
+    differences.emplace_back(*b[i] - *a[pairs[i]]);
+  }
+  return differences;
+}
+
 ComparedFigure compared(const std::string& name, const SeedRuns& a, const SeedRuns& b,
-                        const std::vector<Tolerance>& tolerances) {
-  const auto mean_of = [&](const SeedRuns& runs) {
+                        const std::vector<std::size_t>& pairs, const std::vector<Tolerance>& tolerances) {
+  const auto values_of = [&](const SeedRuns& runs) {
     const auto values = runs.figures.find(name);
-    return values == runs.figures.end() ? MeanSd{} : mean_sd_of(values->second);
+    return values == runs.figures.end() ? Values(runs.seeds.size()) : values->second;
   };
-  ComparedFigure figure{.name = name, .a = mean_of(a), .b = mean_of(b), .p_value = std::nullopt};
+  const Values in_a = values_of(a);
+  const Values in_b = values_of(b);
+  ComparedFigure figure{.name = name, .a = mean_sd_of(in_a), .b = mean_sd_of(in_b), .p_value = std::nullopt};
   figure.tolerance = tolerance_for(name, figure.a, tolerances);
-  figure.p_value = welch_p_value(figure.a, figure.b);
+  const auto differences = differences_of(in_a, in_b, pairs);
+  figure.p_value = !pairs.empty() && differences ? paired_p_value(mean_sd_of(*differences))
+                                                 : welch_p_value(figure.a, figure.b);
   if (!figure.a.mean || !figure.b.mean) {
     figure.changed = figure.a.mean.has_value() != figure.b.mean.has_value();
   } else {
@@ -49,16 +78,19 @@ ComparedFigure compared(const std::string& name, const SeedRuns& a, const SeedRu
   return figure;
 }
 
-ComparedSet compared(const SeedRuns& a, const SeedRuns& b, const std::vector<Tolerance>& tolerances) {
+ComparedSet compared(const SeedRuns& a, const SeedRuns& b, const std::vector<Tolerance>& tolerances,
+                     bool paired) {
+  const std::vector<std::size_t> pairs = paired ? pairs_of(a, b) : std::vector<std::size_t>();
   ComparedSet set{.label = a.label == b.label ? a.label : a.label + " | " + b.label,
                   .seeds_a = a.seeds,
                   .seeds_b = b.seeds,
+                  .paired = !pairs.empty(),
                   .configuration = difference_text(a.keys, b.keys),
                   .figures = {}};
   std::set<std::string> names;
   for (const auto& [name, values] : a.figures) names.insert(name);
   for (const auto& [name, values] : b.figures) names.insert(name);
-  for (const std::string& name : names) set.figures.push_back(compared(name, a, b, tolerances));
+  for (const std::string& name : names) set.figures.push_back(compared(name, a, b, pairs, tolerances));
   return set;
 }
 
@@ -88,18 +120,18 @@ bool RunComparison::different() const {
   });
 }
 
-RunComparison compare(RunSet a, RunSet b, const std::vector<Tolerance>& tolerances) {
+RunComparison compare(RunSet a, RunSet b, const std::vector<Tolerance>& tolerances, bool paired) {
   RunComparison comparison{.a = std::move(a), .b = std::move(b), .sets = {}};
   const std::vector<SeedRuns>& in_a = comparison.a.groups;
   const std::vector<SeedRuns>& in_b = comparison.b.groups;
   if (in_a.size() == 1 && in_b.size() == 1) {
-    comparison.sets.push_back(compared(in_a.front(), in_b.front(), tolerances));
+    comparison.sets.push_back(compared(in_a.front(), in_b.front(), tolerances, paired));
     return comparison;
   }
   for (const SeedRuns& group : in_a) {
     const auto other = std::ranges::find(in_b, group.label, &SeedRuns::label);
     comparison.sets.push_back(other != in_b.end()
-                                  ? compared(group, *other, tolerances)
+                                  ? compared(group, *other, tolerances, paired)
                                   : ComparedSet{.label = group.label, .seeds_a = group.seeds, .seeds_b = {}});
   }
   for (const SeedRuns& group : in_b) {

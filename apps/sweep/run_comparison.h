@@ -26,7 +26,9 @@ struct ComparedFigure {
   MeanSd a;
   MeanSd b;
   double tolerance = 0.0;
-  std::optional<double> p_value;  ///< none: one side has fewer than two values
+  /// Of the paired t test where the set is paired and the figure applies in all its runs, otherwise of Welch's t test; none
+  /// where one side has fewer than two values.
+  std::optional<double> p_value;
   bool changed = false;
 };
 
@@ -35,6 +37,7 @@ struct ComparedSet {
   std::string label;
   std::vector<std::string> seeds_a;
   std::vector<std::string> seeds_b;
+  bool paired = false;             ///< compared seed by seed
   std::string configuration = {};  ///< keys of B that differ from A; empty where none does
   std::vector<ComparedFigure> figures = {};
 };
@@ -48,8 +51,11 @@ struct RunComparison {
 
 /// Compares two sides. Runs of the same label belong together; where each side has one group they do, whatever the labels.
 /// A figure has changed if the means over seeds differ by more than its tolerance (0 without one; the last one given that
-/// fits) and, where both sides have two values or more, Welch's t test gives p < 0.01; or if it applies on one side alone.
-[[nodiscard]] RunComparison compare(RunSet a, RunSet b, const std::vector<Tolerance>& tolerances);
+/// fits) and, where both sides have two values or more, the t test gives p < 0.01; or if it applies on one side alone. The
+/// t test is Welch's, of the spread over seeds; with `paired`, in sets whose sides have the same seeds, the paired one, of
+/// the spread of the differences from seed to seed.
+[[nodiscard]] RunComparison compare(RunSet a, RunSet b, const std::vector<Tolerance>& tolerances,
+                                    bool paired = false);
 
 /// Versions, counts, the rule, and the figures that have changed, for a terminal.
 [[nodiscard]] std::string comparison_text(const RunComparison& comparison);

@@ -155,10 +155,8 @@ std::string bode_figure(const char* name, const char* title, std::span<const Eye
       std::vector<Point> points;
       for (const auto& [hz, transfer] : curves[labels[i]])
         points.push_back({hz, gain ? transfer->gain : transfer->phase_deg});
-      series.push_back({.title = labels[i],
-                        .style = line_style(colours[i], 1.6),
-                        .points = std::move(points),
-                        .in_key = gain});
+      series.push_back(
+          {.title = labels[i], .style = line_style(colours[i], 1.6), .points = std::move(points)});
     }
     figure.add_panel({.x_label = "frequency [Hz]",
                       .y_label = gain ? "gain" : "phase [deg]",

@@ -100,8 +100,19 @@ Json series_json(const GnuplotFigure::Series& series) {
           {"dashed", series.style.find(" dt ") != std::string::npos},
           {"lines", series.style.starts_with("lines")},
           {"points", series.style.find("points") != std::string::npos},
+          {"in_key", series.in_key},
           {"x", std::move(x)},
           {"y", std::move(y)}};
+}
+
+bool has_logarithmic_x(const std::string& commands) {
+  return ("\n" + commands).find("\nset logscale x") != std::string::npos;
+}
+
+Json words_json(const std::vector<GnuplotFigure::XWord>& words) {
+  Json json = Json::array();
+  for (const auto& [x, word] : words) json.push_back({x, word});
+  return json;
 }
 
 /// A series and the columns of its values in the table: the same series over the same x in several panels makes
@@ -190,10 +201,12 @@ std::string GnuplotFigure::data() const {
   for (const Panel& panel : panels_) {
     Json series = Json::array();
     for (const Series& s : panel.series) series.push_back(series_json(s));
-    panels.push_back({{"y_label", panel.y_label},
+    panels.push_back({{"title", panel.title},
+                      {"y_label", panel.y_label},
                       {"x_range", range_in(panel.commands, "xrange")},
                       {"y_range", range_in(panel.commands, "yrange")},
-                      {"log_x", panel.commands.find("set logscale x") != std::string::npos},
+                      {"log_x", has_logarithmic_x(panel.commands)},
+                      {"x_words", words_json(panel.x_words)},
                       {"bands", panel.bands},
                       {"series", std::move(series)}});
   }
@@ -208,7 +221,7 @@ std::string GnuplotFigure::csv() const {
   if (panels_.empty()) return {};
   std::string text = "series," + csv_field(panels_.front().x_label);
   for (const Panel& panel : panels_) {
-    text += "," + csv_field(panel.y_label);
+    text += "," + csv_field(panel.title.empty() ? panel.y_label : panel.title + ", " + panel.y_label);
     if (!panel.z_label.empty()) text += "," + csv_field(panel.z_label);
   }
   text += "\n";
@@ -250,6 +263,13 @@ std::string GnuplotFigure::script(std::string_view layout) const {
     if (plot.empty()) plot = "[0:1][0:1] -1 notitle";
     plots += fmt::format("set xlabel {}\nset ylabel {}\n", gnuplot_quoted(panel.x_label),
                          gnuplot_quoted(panel.y_label));
+    if (!panel.title.empty()) plots += fmt::format("set title {} font ',11'\n", gnuplot_quoted(panel.title));
+    if (!panel.x_words.empty()) {
+      std::string tics;
+      for (const auto& [x, word] : panel.x_words)
+        tics += fmt::format("{}{} {}", tics.empty() ? "" : ", ", gnuplot_quoted(word), x);
+      plots += "set xtics (" + tics + ")\n";
+    }
     plots += panel.commands + "plot " + plot + "\n";
   }
   return data + std::string(layout) + plots;

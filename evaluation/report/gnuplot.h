@@ -13,8 +13,9 @@ struct Figure {
   std::string name;  ///< unique within a page: it prefixes the ids inside the SVG and names the CSV file
   std::string svg;   ///< a stand-alone text
   std::string csv;
-  /// The drawing's numbers for the plots of a page, as JSON: name, x_label, over_x, panels of {y_label, x_range, y_range,
-  /// log_x, bands, series of {title, colour, width, dashed, lines, points, x, y}}; null in y is a gap. Thinned as the drawing is.
+  /// The drawing's numbers for the plots of a page, as JSON: name, x_label, over_x, panels of {title, y_label, x_range,
+  /// y_range, log_x, x_words, bands, series of {title, colour, width, dashed, lines, points, in_key, x, y}}; null in y is a
+  /// gap. Thinned as the drawing is.
   std::string data;
   std::string script;  ///< gnuplot's text without `set terminal`, to draw it once more
   std::size_t panels = 1;
@@ -39,6 +40,10 @@ class GnuplotFigure {
     std::vector<Point> points;  ///< thinned to max_figure_points in the drawing
     bool in_key = true;
   };
+  struct XWord {
+    double x = 0.0;
+    std::string word;
+  };
   struct Panel {
     std::string x_label;  ///< the same in all panels of a figure
     std::string y_label;
@@ -47,6 +52,8 @@ class GnuplotFigure {
     std::string commands;
     std::vector<Series> series;
     std::vector<std::array<double, 2>> bands = {};  ///< intervals of x shaded in a page's plot
+    std::string title = {};                         ///< above the panel; empty: none
+    std::vector<XWord> x_words = {};                ///< where x stands for words: all labels of the axis
   };
 
   void add_panel(Panel panel) { panels_.push_back(std::move(panel)); }

@@ -24,7 +24,14 @@ using figure_parts::Series;
 constexpr std::size_t most_curves = 8;
 constexpr std::size_t most_maps = 12;
 
-/// gnuplot's commands for the x axis: its scale, or the names of its values.
+std::vector<GnuplotFigure::XWord> words_of(const Axis& axis) {
+  std::vector<GnuplotFigure::XWord> words;
+  if (axis.numeric) return words;
+  for (const Bin& bin : axis.bins) words.push_back({bin.x, bin.label});
+  return words;
+}
+
+/// gnuplot's commands for the x axis.
 std::string x_axis_commands(const Axis& axis) {
   if (axis.numeric) {
     const double low = axis.bins.front().x;
@@ -51,23 +58,19 @@ std::string x_axis_commands(const Axis& axis) {
     }
     return commands + "set xtics (" + tics + ")\n";
   }
-  std::string tics;
-  for (const Bin& bin : axis.bins)
-    tics += fmt::format("{}{} {}", tics.empty() ? "" : ", ", gnuplot_quoted(bin.label), bin.x);
-  return fmt::format("unset logscale x\nset xrange [-0.4:{}]\nset xtics ({})\n", axis.bins.back().x + 0.4,
-                     tics);
+  return fmt::format("unset logscale x\nset xrange [-0.4:{}]\n", axis.bins.back().x + 0.4);
 }
 
 /// A metric of one detector over an axis: means, bars and, where values are many, the runs. `shift` keeps the bars of
 /// several detectors apart where values are words.
 std::vector<Series> metric_series(const Quantity::Of& of, const Axis& axis, const Facet& facet, Colour colour,
-                                  double shift, bool in_key) {
+                                  double shift) {
   const std::string name = of.name.empty() ? std::string("mean") : of.name;
-  const std::string where = facet.label.empty() ? "" : ", " + facet.label;
-  Series means{name + where, line_style(colour, 2.0), {}, false};
-  Series marks{name + where + ", mean", dot_style(colour, 0.7), {}, false};
-  Series bars{name + where + ", mean -+ sd", line_style(colour, 1.2), {}, false};
-  Series runs{name + where + ", runs", dot_style(colour, 0.28), {}, false};
+  // Words are not joined by a line.
+  const char* lines = axis.numeric ? "linespoints lw 2 " : "points ";
+  Series means{name, fmt::format("{}pt 7 ps 0.7 lc rgb '{}'", lines, hex(colour)), {}};
+  Series bars{name + ", standard deviation", line_style(colour, 1.2), {}, false};
+  Series runs{name + ", runs", dot_style(colour, 0.28), {}, false};
   for (const Bin& bin : axis.bins) {
     const Rows rows = intersection(bin.rows, facet.rows);
     const MeanSd mean = mean_of(rows, of.metric);
@@ -77,7 +80,7 @@ std::vector<Series> metric_series(const Quantity::Of& of, const Axis& axis, cons
     if (mean.sd) {
       bars.points.push_back({x, *mean.mean - *mean.sd, 0.0});
       bars.points.push_back({x, *mean.mean + *mean.sd, 0.0});
-      bars.points.push_back({nan, nan, nan});
+      bars.points.push_back({x, nan, nan});
     }
     if (!axis.binned) continue;
     for (const SweepRow* row : rows) {
@@ -85,13 +88,8 @@ std::vector<Series> metric_series(const Quantity::Of& of, const Axis& axis, cons
         runs.points.push_back({*number_of(row->values[axis.index]), *row->metrics[of.metric], 0.0});
     }
   }
-  marks.points = means.points;
-  if (!axis.numeric) means.points.clear();  // words are not joined by a line
-  Series& named = axis.numeric ? means : marks;
-  named.title = name;
-  named.in_key = in_key;
   std::vector<Series> series;
-  for (Series* s : {&runs, &bars, &means, &marks})
+  for (Series* s : {&runs, &bars, &means})
     if (!s->points.empty()) series.push_back(std::move(*s));
   return series;
 }
@@ -142,6 +140,7 @@ std::string sweep_curves_html(const Quantity& quantity, const Axis& axis, const 
   if (low >= 0.0) low = 0.0;
   if (high <= low) high = low + 1.0;
   GnuplotFigure figure(name, figure_parts::width, height);
+  figure.set_over_x();
   for (std::size_t f = 0; f < facets.size(); ++f) {
     std::vector<Series> series;
     for (std::size_t i = 0; i < quantity.of.size(); ++i) {
@@ -151,17 +150,18 @@ std::string sweep_curves_html(const Quantity& quantity, const Axis& axis, const 
       const auto at = std::find(detectors.begin(), detectors.end(), of.name) - detectors.begin();
       const Colour colour =
           of.name.empty() ? figure_parts::neutral_colour : colours[static_cast<std::size_t>(at)];
-      for (Series& s : metric_series(of, axis, facets[f], colour, shift, f == 0 && quantity.of.size() > 1))
-        series.push_back(std::move(s));
+      for (Series& s : metric_series(of, axis, facets[f], colour, shift)) series.push_back(std::move(s));
     }
     figure.add_panel(
         {.x_label = axis.key,
          .y_label = quantity.label,
          .z_label = {},
          .commands = x_axis_commands(axis) +
-                     fmt::format("set yrange [{:.6g}:{:.6g}]\nset title {} font ',11'\nset key bottom left\n",
-                                 low, high + 0.06 * (high - low), gnuplot_quoted(facets[f].label)),
-         .series = std::move(series)});
+                     fmt::format("set yrange [{:.6g}:{:.6g}]\n{}", low, high + 0.06 * (high - low),
+                                 f == 0 && quantity.of.size() > 1 ? "set key bottom left\n" : "unset key\n"),
+         .series = std::move(series),
+         .title = facets[f].label,
+         .x_words = words_of(axis)});
   }
   Figure drawn = figure.draw(layout);
   drawn.csv = numbers_of(quantity, axis, facets);
@@ -304,23 +304,24 @@ std::string sweep_precision_recall_html(const Axis& axis, const std::vector<std:
       const double share = brightest * static_cast<double>(i) / static_cast<double>(axis.bins.size() - 1);
       std::vector<Point> points = mean_curve(axis.bins[i].rows, detector);
       if (points.empty()) continue;
-      series.push_back(
-          {axis.bins[i].label, line_style(map_colour(share), 2.0), std::move(points), panels.empty()});
+      series.push_back({axis.bins[i].label, line_style(map_colour(share), 2.0), std::move(points)});
     }
     if (series.empty() || panels.size() == most_panels) continue;
     panels.push_back({.x_label = "recall",
                       .y_label = "precision",
                       .z_label = {},
-                      .commands = fmt::format(
-                          "set xrange [0:1.01]\nset yrange [0:1.03]\nset title {} font ',11'\nset key bottom "
-                          "left title {} font ',11'\n",
-                          gnuplot_quoted(detector), gnuplot_quoted(panels.empty() ? axis.key : "")),
-                      .series = std::move(series)});
+                      .commands = "set xrange [0:1.01]\nset yrange [0:1.03]\n" +
+                                  (panels.empty() ? fmt::format("set key bottom left title {} font ',11'\n",
+                                                                gnuplot_quoted(axis.key))
+                                                  : std::string("unset key\n")),
+                      .series = std::move(series),
+                      .title = detector});
   }
   if (panels.empty()) return {};
   int height = 0;
   const std::string layout = layout_of(panels.size(), height);
   GnuplotFigure figure(file_part("precision_recall_" + axis.key), figure_parts::width, height);
+  figure.set_over_x();
   for (GnuplotFigure::Panel& panel : panels) figure.add_panel(std::move(panel));
   return figure_html(
       "Precision and recall over " + axis.key,

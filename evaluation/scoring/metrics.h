@@ -27,8 +27,8 @@ struct GazeMetrics {
   std::optional<double> following_rate_hz;
   JointLimits limits;  ///< positions only, for the figures
   /// Why the gaze controller ended before the end of the run (GazeController::failure()); empty: it did not.
-  std::string failure;
-  std::optional<EyeMovementScore> eye_movements;  ///< where the scenario asks for them
+  std::string failure = {};
+  std::optional<EyeMovementScore> eye_movements = {};  ///< where the scenario asks for them
 };
 
 /// The right eye of a run with two cameras.

@@ -145,6 +145,11 @@ double incomplete_beta(double a, double b, double x) {
   return std::exp(log_front) * fraction / a;
 }
 
+/// How often Student's t with `freedom` degrees of freedom has a square of at least `t2`.
+double t_p_value(double t2, double freedom) {
+  return incomplete_beta(0.5 * freedom, 0.5, freedom / (freedom + t2));
+}
+
 }  // namespace
 
 std::optional<double> welch_p_value(const MeanSd& a, const MeanSd& b) {
@@ -156,8 +161,15 @@ std::optional<double> welch_p_value(const MeanSd& a, const MeanSd& b) {
   const double difference = *b.mean - *a.mean;
   if (va + vb <= 0.0) return difference == 0.0 ? 1.0 : 0.0;
   const double freedom = (va + vb) * (va + vb) / (va * va / (na - 1.0) + vb * vb / (nb - 1.0));
-  const double t2 = difference * difference / (va + vb);
-  return incomplete_beta(0.5 * freedom, 0.5, freedom / (freedom + t2));
+  return t_p_value(difference * difference / (va + vb), freedom);
+}
+
+std::optional<double> paired_p_value(const MeanSd& differences) {
+  if (!differences.sd) return std::nullopt;
+  const double variance = *differences.sd * *differences.sd;
+  if (variance <= 0.0) return *differences.mean == 0.0 ? 1.0 : 0.0;
+  const double n = static_cast<double>(differences.count);
+  return t_p_value(*differences.mean * *differences.mean * n / variance, n - 1.0);
 }
 
 }  // namespace saccade::inline v0_1

@@ -71,4 +71,8 @@ struct MeanSd {
 /// None where a sample has fewer than two values. Where neither varies: 1 for equal means, otherwise 0.
 [[nodiscard]] std::optional<double> welch_p_value(const MeanSd& a, const MeanSd& b);
 
+/// The two-sided p-value of the paired t test for the differences of pairs: how often differences of mean zero have a mean
+/// at least as far from it. None of fewer than two. Where they do not vary: 1 if they are zero, otherwise 0.
+[[nodiscard]] std::optional<double> paired_p_value(const MeanSd& differences);
+
 }  // namespace saccade::inline v0_1

@@ -11,6 +11,9 @@ void* counted(std::size_t size) noexcept {
   ++allocations;
   return std::malloc(size != 0 ? size : 1);
 }
+
+// Not inlined: the compiler would take free() for the wrong partner of operator new.
+[[gnu::noinline]] void release(void* memory) noexcept { std::free(memory); }
 }  // namespace
 
 std::int64_t saccade::allocation_count() { return allocations; }
@@ -21,6 +24,6 @@ void* operator new(std::size_t size) {
   throw std::bad_alloc();
 }
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept { return counted(size); }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete(void* memory, const std::nothrow_t&) noexcept { std::free(memory); }
+void operator delete(void* memory) noexcept { release(memory); }
+void operator delete(void* memory, std::size_t) noexcept { release(memory); }
+void operator delete(void* memory, const std::nothrow_t&) noexcept { release(memory); }

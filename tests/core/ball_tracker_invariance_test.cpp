@@ -124,7 +124,7 @@ TEST_P(BallTrackerInvariance, FindsTheSameBall) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Views, BallTrackerInvariance, testing::ValuesIn(views()),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& view) { return view.param.name; });
 
 }  // namespace
 }  // namespace saccade

@@ -213,7 +213,7 @@ INSTANTIATE_TEST_SUITE_P(
                   "answered `hello`"},
         RobotCase{"drivingEnds", "mine", "kill -SEGV $$", "ended at [0-9.]+ s, by signal 11"},
         RobotCase{"drivingHangs", "mine", "exec sleep 600", "gave no answer at [0-9.]+ s within 200 ms"}),
-    [](const auto& info) { return info.param.name; });
+    [](const auto& tried) { return tried.param.name; });
 
 TEST_F(ExternalCommand, MistakesInTheFileAreReportedAsOthersAre) {
   Outcome run = saccade("run " + scenario + "--set detectors.mine.python=absent.py --out " + out("a"));
@@ -226,6 +226,22 @@ TEST_F(ExternalCommand, MistakesInTheFileAreReportedAsOthersAre) {
                 out("c"));
   EXPECT_EQ(run.status, 2);
   EXPECT_THAT(run.text, HasSubstr("detectors.mine.radius_px"));
+}
+
+TEST_F(ExternalCommand, AProgramThatCannotBeStartedIsNamedWithItsKey) {
+  Outcome run = saccade("run " + scenario + "--set detectors.mine.command=/absent --out " + out("a"));
+  EXPECT_EQ(run.status, 2);
+  EXPECT_THAT(run.text, HasSubstr("detectors.mine.command: found /absent, expected a file that exists"));
+  run = saccade("run " + scenario + "--set detectors.mine.command=/etc/passwd --out " + out("b"));
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.text, HasSubstr("detectors.mine: cannot start /etc/passwd"));
+  const std::string controller = "--set gaze.controller=command --set gaze.command.command=";
+  run = saccade("run " + scenario + controller + "/absent --out " + out("c"));
+  EXPECT_EQ(run.status, 2);
+  EXPECT_THAT(run.text, HasSubstr("gaze.command.command: found /absent, expected a file that exists"));
+  run = saccade("run " + scenario + controller + "/etc/passwd --out " + out("d"));
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.text, HasSubstr("gaze.controller: cannot start /etc/passwd"));
 }
 
 }  // namespace

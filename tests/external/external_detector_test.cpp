@@ -197,7 +197,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Breach{"noise", read_tick + "printf 'a\\001b\\n'", "`a?b`"},
                     Breach{"emptyLine", read_tick + "echo", "``"},
                     Breach{"endlessLine", read_tick + "head -c 100000 /dev/zero", "more than 4096 bytes"}),
-    [](const auto& info) { return info.param.name; });
+    [](const auto& tried) { return tried.param.name; });
 
 TEST(ExternalDetector, TwoAnswersToOneTickEndIt) {
   const ShellProgram program(read_tick + "printf 'none\\nnone\\n'; sleep 5");  // both lines in one write

@@ -43,6 +43,14 @@ TEST(WelchTest, IsUndefinedForOneValueAndCertainWithoutSpread) {
   EXPECT_EQ(welch_p_value(sample({3.0, 3.0}), sample({4.0, 4.0})), 0.0);
 }
 
+TEST(PairedTest, GivesTheTabulatedPValues) {
+  // Differences 1, 2, 3: t = 2 / (1 / sqrt(3)) = 2 sqrt(3) with 2 degrees of freedom, P = 1 - t / sqrt(t^2 + 2).
+  EXPECT_NEAR(paired_p_value(sample({1.0, 2.0, 3.0})).value(), 1.0 - std::sqrt(12.0 / 14.0), 1e-12);
+  EXPECT_EQ(paired_p_value(sample({1.0})), std::nullopt);
+  EXPECT_EQ(paired_p_value(sample({0.0, 0.0})), 1.0);
+  EXPECT_EQ(paired_p_value(sample({0.5, 0.5})), 0.0);
+}
+
 class Compare : public testing::Test {
  protected:
   /// A run folder with two figures.
@@ -56,10 +64,11 @@ class Compare : public testing::Test {
     folder_.write(name + "/scenario.yaml", "# saccade 0.1.0 (" + commit + "); gl\nname: " + scenario + "\n");
   }
   [[nodiscard]] RunComparison compared(const std::string& a, const std::string& b,
-                                       const std::vector<std::string>& tolerances = {}) const {
+                                       const std::vector<std::string>& tolerances = {},
+                                       bool paired = false) const {
     std::vector<Tolerance> all;
     for (const std::string& text : tolerances) all.push_back(tolerance_of(text));
-    return compare(read_run_set(folder_ / a), read_run_set(folder_ / b), all);
+    return compare(read_run_set(folder_ / a), read_run_set(folder_ / b), all, paired);
   }
   static std::vector<std::string> changed(const RunComparison& comparison) {
     std::vector<std::string> names;
@@ -102,6 +111,21 @@ TEST_F(Compare, ADifferenceWithinTheSpreadOverSeedsIsNoChangeAndABiggerOneIs) {
   EXPECT_THAT(changed(compared("a", "far")), ElementsAre("detectors.best.recall"));
   EXPECT_FALSE(compared("a", "far", {"detectors.best.recall=0.2"}).different());
   EXPECT_EQ(compared("a", "far").sets.front().seeds_a, (std::vector<std::string>{"1", "2", "3", "4"}));
+}
+
+TEST_F(Compare, SeedBySeedADifferenceWithinTheSpreadIsAChange) {
+  const std::vector<double> recalls = {0.90, 0.92, 0.91, 0.93};
+  for (std::size_t i = 0; i < recalls.size(); ++i) {
+    const auto seed = static_cast<int>(i) + 1;
+    run("a/" + std::to_string(seed), seed, recalls[i]);
+    // In another order, so that equal places are not equal seeds.
+    run("b/" + std::to_string(9 - seed), seed, recalls[i] + 0.010 + 0.001 * (seed % 2));
+    run("other/" + std::to_string(seed), seed + 1, recalls[i] + 0.01);
+  }
+  EXPECT_FALSE(compared("a", "b").different());
+  EXPECT_THAT(changed(compared("a", "b", {}, true)), ElementsAre("detectors.best.recall"));
+  EXPECT_THAT(comparison_text(compared("a", "b", {}, true)), HasSubstr(", paired)"));
+  EXPECT_FALSE(compared("a", "other", {}, true).different()) << "not the same seeds";
 }
 
 TEST_F(Compare, AFigureThatAppliesOnOneSideAloneHasChanged) {

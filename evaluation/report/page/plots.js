@@ -14,6 +14,17 @@
     return /[",\n]/.test(text) ? '"' + text.replace(/"/g, '""') + '"' : text;
   }
 
+  function nameOf(panel) { return [panel.title, panel.y_label].filter(Boolean).join(", "); }
+
+  // The word of a value of x where the axis has words (the nearest: detectors are drawn side by side), else its number.
+  function xText(panel, x) {
+    var best = null;
+    panel.x_words.forEach(function (entry) {
+      if (best === null || Math.abs(entry[0] - x) < Math.abs(best[0] - x)) best = entry;
+    });
+    return best === null ? String(Number(x.toPrecision(6))) : best[1];
+  }
+
   // One row per point and panel, as drawn.
   function csvOf(data) {
     var lines = ["panel,series," + field(data.x_label) + ",value"];
@@ -21,7 +32,7 @@
       panel.series.forEach(function (series) {
         series.x.forEach(function (x, i) {
           if (series.y[i] !== null)
-            lines.push([field(panel.y_label), field(series.title), x, series.y[i]].join(","));
+            lines.push([field(nameOf(panel)), field(series.title), field(xText(panel, x)), series.y[i]].join(","));
         });
       });
     });
@@ -133,6 +144,8 @@
       var options = {
         labels: [data.x_label].concat(panel.series.map(function (s, i) { return i + " " + s.title; })),
         colors: panel.series.map(function (s) { return s.colour; }),
+        title: panel.title || undefined,
+        titleHeight: 18,
         ylabel: panel.y_label,
         xlabel: last ? data.x_label : undefined,
         connectSeparatedPoints: true,
@@ -144,11 +157,11 @@
         series: {},
         animatedZooms: false,
         highlightCallback: function (event, x) {
-          values.textContent = data.x_label + " " + Number(x.toPrecision(5)) + ": " + data.panels.map(function (other) {
-            return other.series.filter(function (s) { return !hidden[s.title]; }).map(function (s) {
+          values.textContent = data.x_label + " " + xText(panel, x) + ": " + data.panels.map(function (other) {
+            return other.series.filter(function (s) { return s.in_key && !hidden[s.title]; }).map(function (s) {
               var y = nearest(s, x);
               return y === null || y === undefined ? null
-                : s.title + (data.panels.length > 1 ? ", " + other.y_label : "") + " " + Number(y.toPrecision(4));
+                : s.title + (data.panels.length > 1 ? ", " + nameOf(other) : "") + " " + Number(y.toPrecision(4));
             }).filter(Boolean).join(" · ");
           }).filter(Boolean).join(" · ");
         },
@@ -166,20 +179,26 @@
         axes: {x: {axisLabelWidth: 60}, y: {axisLabelWidth: 60}}
       };
       if (panel.log_x) options.axes.x.logscale = true;
+      if (panel.x_words.length) {
+        options.axes.x.ticker = function () {
+          return panel.x_words.map(function (entry) { return {v: entry[0], label: entry[1]}; });
+        };
+      }
       if (panel.y_range) options.valueRange = panel.y_range;
       if (panel.x_range) options.dateWindow = panel.x_range;
       panel.series.forEach(function (s, i) {
         options.series[i + " " + s.title] = {strokeWidth: s.lines ? s.width : 0,
           strokePattern: s.dashed ? [6, 4] : null, drawPoints: s.points,
-          pointSize: s.lines ? 2.5 : s.x.length <= 3 ? 5 : 1.6};
+          pointSize: s.lines ? 2.5 : s.x.length <= 3 || panel.x_words.length ? 5 : 1.6};
       });
       graphs.push(new Dygraph(box, rowsOf(panel), options));
     });
 
+    // What the drawing's key names comes first.
     var seen = {};
-    data.panels.forEach(function (panel) {
-      panel.series.forEach(function (s) {
-        if (seen[s.title]) return;
+    [true, false].forEach(function (named) {
+      [].concat.apply([], data.panels.map(function (panel) { return panel.series; })).forEach(function (s) {
+        if (s.in_key !== named || seen[s.title]) return;
         seen[s.title] = true;
         var label = document.createElement("label");
         var box = document.createElement("input");

@@ -149,6 +149,25 @@ TEST(Figures, GiveThePlotsOfAPageTheColourWidthAndRangesOfTheDrawing) {
   EXPECT_EQ(series.at("y").dump(), "[2,null,3]");
 }
 
+TEST(Figures, GiveThePlotsOfAPageTheTitlesAndTheWordsOfAnAxis) {
+  GnuplotFigure figure("a", 300, 200);
+  figure.add_panel({.x_label = "detector",
+                    .y_label = "recall",
+                    .z_label = "",
+                    .commands = "unset logscale x\nset xrange [-1:2]\n",
+                    .series = {{.title = "a", .style = "points pt 7", .points = {{0.0, 0.5, 0.0}}}},
+                    .title = "at 30 cm",
+                    .x_words = {{0.0, "best"}, {1.0, "it's"}}});
+  const Figure drawn = figure.draw();
+  const auto panel = nlohmann::json::parse(drawn.data).at("panels").at(0);
+  EXPECT_EQ(panel.at("title"), "at 30 cm");
+  EXPECT_EQ(panel.at("x_words").dump(), "[[0.0,\"best\"],[1.0,\"it's\"]]");
+  EXPECT_FALSE(panel.at("log_x").get<bool>()) << "unset, not set";
+  EXPECT_THAT(drawn.svg, HasSubstr("at 30 cm"));
+  EXPECT_THAT(drawn.svg, HasSubstr("best"));
+  EXPECT_THAT(drawn.csv, HasSubstr("series,detector,\"at 30 cm, recall\"\n"));
+}
+
 TEST(Figures, WithoutGnuplotThrowAnErrorThatNamesThePackage) {
   const std::string path = std::getenv("PATH");
   setenv("PATH", "/nonexistent", 1);

@@ -88,6 +88,9 @@ TEST(SweepReport, ShowsCurvesMapsWorstRunsAndFailedRuns) {
   EXPECT_THAT(without_scripts(page), Not(HasSubstr("http"))) << "a page that needs no network";
   EXPECT_THAT(page, Not(HasSubstr("<script src")));
 
+  EXPECT_THAT(page, HasSubstr("\"over_x\":true")) << "plots that can be zoomed";
+  EXPECT_THAT(page, Not(HasSubstr("\"over_x\":false")));
+
   // Speed 0.5, noise 0: the mean of both seeds, by hand.
   const std::string numbers = bytes_of(folder / "figures/average_precision_over_speed_m_s.csv");
   EXPECT_THAT(numbers, HasSubstr("0.5,noise 0,one,2,0.915,"));
