@@ -13,15 +13,15 @@ if(TARGET saccade_yarp OR NOT mujoco_file MATCHES "^/usr/lib/")
   set_target_properties(saccade PROPERTIES INSTALL_RPATH_USE_LINK_PATH ON)
 endif()
 install(TARGETS saccade DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
-# The helper program that reads HDF5 (recording/helper_reader.h).
-install(TARGETS saccade_hdf5_reader DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/saccade COMPONENT program)
+# The helper program that reads HDF5, and the library that reads and writes images (recording/helper_reader.h).
+install(TARGETS saccade_hdf5_reader saccade_image_codecs_library DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/saccade COMPONENT program)
 install(DIRECTORY ${saccade_SOURCE_DIR}/models ${saccade_SOURCE_DIR}/scenarios DESTINATION ${SACCADE_DATA_DIR}
   COMPONENT program PATTERN invalid EXCLUDE)
 install(FILES ${saccade_SOURCE_DIR}/README.md ${saccade_SOURCE_DIR}/CHANGELOG.md ${saccade_SOURCE_DIR}/CITATION.cff
   DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 
 # Every layer is a library of the package: a static library needs those below it. `program` is the command line.
-set(layers core head control emulator recording robot loop sim scoring frame_camera calibration report sensor_fit config external images session
+set(layers core head control emulator recording robot loop sim scoring frame_camera calibration image_codecs report sensor_fit config external images session
   deploy serve sweep view cli)
 if(TARGET saccade_yarp)
   list(APPEND layers yarp)

@@ -8,11 +8,14 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <system_error>
+#include <vector>
 
 #include "core/error.h"
 #include "recording/helper_protocol.h"
+#include "recording/own_file.h"
 #include "recording/spawn_settings.h"
 
 namespace saccade::inline v0_1 {
@@ -181,17 +184,24 @@ std::unique_ptr<EventReader> open_in_helper(const std::string& name, const std::
 
 std::filesystem::path find_helper(std::string_view file_name) {
   namespace fs = std::filesystem;
-  std::error_code error;
-  const fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
-  const std::array<fs::path, 4> folders = {here, here.parent_path() / "libexec/saccade", SACCADE_LIBEXEC_DIR,
-                                           SACCADE_BUILD_BIN_DIR};
+  constexpr const char* below_prefix = "libexec/saccade";
+  const fs::path own_folder = own_file().parent_path();
+  std::vector<fs::path> folders = {own_folder};
+  for (fs::path above = own_folder; above.has_relative_path(); above = above.parent_path()) {
+    std::error_code ignored;
+    if (const fs::path folder = above.parent_path() / below_prefix; fs::is_directory(folder, ignored))
+      folders.push_back(folder);
+  }
+  if (const char* const data = std::getenv("SACCADE_DATA"); data != nullptr && *data != '\0')
+    folders.push_back(fs::path(data) / "../.." / below_prefix);
+  folders.insert(folders.end(), {SACCADE_LIBEXEC_DIR, SACCADE_BUILD_BIN_DIR});
   std::string searched;
   for (const fs::path& folder : folders) {
-    const fs::path program = folder / file_name;
-    if (::access(program.c_str(), X_OK) == 0) return program;
+    const fs::path file = folder / file_name;
+    if (::access(file.c_str(), R_OK) == 0) return file;
     searched += (searched.empty() ? "" : ", ") + folder.string();
   }
-  throw RunError("the program " + std::string(file_name) + " is missing; searched in " + searched);
+  throw RunError("the file " + std::string(file_name) + " is missing; searched in " + searched);
 }
 
 }  // namespace saccade::inline v0_1

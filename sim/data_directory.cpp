@@ -1,34 +1,15 @@
 #include "sim/data_directory.h"
 
-#include <dlfcn.h>
-
 #include <array>
 #include <cstdlib>
-#include <cstring>
 #include <string>
 
 #include "core/error.h"
+#include "recording/own_file.h"
 
 namespace saccade::inline v0_1 {
-namespace {
 
 namespace fs = std::filesystem;
-
-/// The program, shared library or module that holds this function.
-fs::path own_file() {
-  Dl_info info{};
-  std::error_code error;
-  // A program that PATH found has no folder in its name.
-  const bool named = ::dladdr(reinterpret_cast<const void*>(&data_directory), &info) != 0 &&
-                     info.dli_fname != nullptr && std::strchr(info.dli_fname, '/') != nullptr;
-  if (named) {
-    const fs::path file = fs::canonical(info.dli_fname, error);
-    if (!error) return file;
-  }
-  return fs::canonical("/proc/self/exe", error);
-}
-
-}  // namespace
 
 fs::path data_directory() {
   if (const char* const set = std::getenv("SACCADE_DATA"); set != nullptr && *set != '\0') return set;

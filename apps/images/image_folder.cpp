@@ -4,12 +4,12 @@
 #include <array>
 #include <fstream>
 #include <iterator>
-#include <opencv2/imgcodecs.hpp>
 #include <string_view>
 
 #include "apps/images/decoded_sequence.h"
 #include "apps/images/image_kinds.h"
 #include "core/error.h"
+#include "evaluation/image_codecs/image_codecs.h"
 #include "recording/codec.h"
 #include "recording/number_text.h"
 
@@ -118,8 +118,7 @@ class FolderSequence final : public DecodedSequence {
     check_bytes(bytes, name);
     ++decoded_;
     try {
-      const cv::Mat view(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
-      if (!bytes.empty()) image = cv::imdecode(view, cv::IMREAD_ANYDEPTH | cv::IMREAD_ANYCOLOR);
+      image = decoded_image(bytes, DecodedAs::stored);
     } catch (const cv::Exception&) {
       image.release();
     }

@@ -4,6 +4,7 @@
 #include "apps/images/decoded_sequence.h"
 #include "apps/images/image_kinds.h"
 #include "core/error.h"
+#include "evaluation/image_codecs/image_codecs.h"
 
 namespace saccade::inline v0_1 {
 namespace {
@@ -13,18 +14,18 @@ class VideoSequence final : public DecodedSequence {
   VideoSequence(const std::filesystem::path& path, double white)
       : DecodedSequence(white), name_(path.string()) {
     try {
-      video_.open(name_, cv::CAP_FFMPEG);
-      if (video_.isOpened()) look_ahead();
+      video_ = read_video(path);
+      if (video_->isOpened()) look_ahead();
     } catch (const cv::Exception&) {
-      video_.release();
+      video_.reset();
     }
-    if (!video_.isOpened() || !info_.size.contains(0, 0)) {
+    if (!video_ || !video_->isOpened() || !info_.size.contains(0, 0)) {
       throw InputError(name_, "a file that cannot be decoded",
                        "a video, a NumPy array (.npy) or a folder of images");
     }
-    const double count = video_.get(cv::CAP_PROP_FRAME_COUNT);
+    const double count = video_->get(cv::CAP_PROP_FRAME_COUNT);
     if (count >= 1.0 && count < 1e12) info_.count = std::llround(count);
-    const double rate = video_.get(cv::CAP_PROP_FPS);
+    const double rate = video_->get(cv::CAP_PROP_FPS);
     if (rate > 0.0 && std::isfinite(rate)) info_.images_per_s = rate;
   }
 
@@ -35,7 +36,7 @@ class VideoSequence final : public DecodedSequence {
  protected:
   bool decode(cv::Mat& image) override {
     try {
-      return video_.read(image);
+      return video_->read(image);
     } catch (const cv::Exception&) {
       throw InputError(name_of(next()), "an image that cannot be decoded", "a whole video");
     }
@@ -43,7 +44,7 @@ class VideoSequence final : public DecodedSequence {
 
  private:
   std::string name_;
-  cv::VideoCapture video_;
+  std::unique_ptr<cv::VideoCapture> video_;
 };
 
 }  // namespace

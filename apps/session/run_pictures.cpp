@@ -6,11 +6,11 @@
 #include <chrono>
 #include <cmath>
 #include <numbers>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "apps/session/run_scores.h"
 #include "core/detector_views.h"
+#include "evaluation/image_codecs/image_codecs.h"
 #include "evaluation/report/figures.h"
 #include "evaluation/report/overlay.h"
 
@@ -28,8 +28,7 @@ cv::Mat grey_image(const SimEye& eye) {
 }
 
 void write_png(const std::filesystem::path& path, const cv::Mat& image) {
-  std::vector<unsigned char> png;
-  cv::imencode(".png", image, png);
+  const std::vector<unsigned char> png = encoded_image("png", image);
   OutputFile file(path);
   file.write(std::as_bytes(std::span(png)));
   file.commit();

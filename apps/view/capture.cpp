@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
 #include <span>
 #include <vector>
 
+#include "evaluation/image_codecs/image_codecs.h"
 #include "evaluation/report/overlay.h"
 #include "recording/output_file.h"
 
@@ -57,8 +57,7 @@ void Capture::add(const cv::Mat& shown, const Snapshot& snapshot, bool up_to_dat
 }
 
 void Capture::save_screenshot(const cv::Mat& shown, const Snapshot& snapshot) {
-  std::vector<unsigned char> png;
-  cv::imencode(".png", shown, png);
+  const std::vector<unsigned char> png = encoded_image("png", shown);
   const auto path =
       free_name(fmt::format("{}_{:06}ms", name_, (snapshot.now_us - snapshot.start_us) / 1000), ".png");
   OutputFile file(path);

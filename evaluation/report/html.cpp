@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <vector>
 
 #include "core/config.h"
 #include "core/error.h"
+#include "evaluation/image_codecs/image_codecs.h"
 #include "evaluation/report/paper_figures.h"
 #include "evaluation/report/svg.h"
 #include "evaluation/report/templates.h"
@@ -102,12 +102,9 @@ std::string colour_mark(Colour colour, std::string_view name) {
 }
 
 std::string image_html(const cv::Mat& image, std::string_view format, std::string_view alt) {
-  std::vector<unsigned char> bytes;
-  cv::imencode("." + std::string(format), image, bytes,
-               format == "png" ? std::vector<int>{cv::IMWRITE_PNG_COMPRESSION, 9}
-                               : std::vector<int>{cv::IMWRITE_JPEG_QUALITY, 85});
   return fmt::format("<img alt=\"{}\" width=\"{}\" height=\"{}\" src=\"data:image/{};base64,{}\">",
-                     escaped(alt), image.cols, image.rows, format, base64(bytes));
+                     escaped(alt), image.cols, image.rows, format,
+                     base64(encoded_image(format, image, PngSize::smallest)));
 }
 
 std::string figure_html(std::string_view title, std::string_view reading, std::string_view content) {

@@ -7,6 +7,7 @@
 #include <opencv2/videoio.hpp>
 
 #include "core/error.h"
+#include "evaluation/image_codecs/image_codecs.h"
 
 namespace saccade::inline v0_1 {
 namespace {
@@ -159,9 +160,7 @@ VideoFile::VideoFile(std::filesystem::path path, ImageSize image, int images_hz)
   const cv::Size size(image.width, image.height);
   const auto level = cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   for (const char* codec : {"avc1", "mp4v"}) {
-    writer_ = std::make_unique<cv::VideoWriter>(
-        part_.string(), cv::CAP_FFMPEG, cv::VideoWriter::fourcc(codec[0], codec[1], codec[2], codec[3]),
-        images_hz, size);
+    writer_ = write_video(part_, codec, images_hz, size);
     if (writer_->isOpened()) break;
   }
   cv::utils::logging::setLogLevel(level);

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <opencv2/imgcodecs.hpp>
 #include <set>
 #include <utility>
 
 #include "core/error.h"
 #include "core/units.h"
+#include "evaluation/image_codecs/image_codecs.h"
 #include "evaluation/report/figures.h"
 #include "evaluation/report/html.h"
 #include "evaluation/report/overlay.h"
@@ -35,7 +35,7 @@ auto newest(const Rows& rows, std::int64_t t_us) {
 }
 
 cv::Mat grey_image(const fs::path& path, ImageSize size) {
-  const cv::Mat grey = cv::imread(path.string(), cv::IMREAD_GRAYSCALE);
+  const cv::Mat grey = read_image(path, DecodedAs::grey);
   if (grey.cols != size.width || grey.rows != size.height) {
     throw InputError(path.string(), fmt::format("an image of {} x {} pixels", grey.cols, grey.rows),
                      fmt::format("{} x {}, as the camera", size.width, size.height));
@@ -202,7 +202,7 @@ std::string frames_figure(const RunData& run) {
     std::string caption = moment(run, frame.t_us);
     std::string images;
     if (!frame.scene.empty()) {
-      const cv::Mat scene = cv::imread(frame.scene.string(), cv::IMREAD_COLOR);
+      const cv::Mat scene = read_image(frame.scene, DecodedAs::colour);
       if (scene.empty()) throw InputError(frame.scene.string(), "no readable image", "a PNG file");
       const int width = std::min(scene_image_px, scene.cols);
       images += image_html(fit_into(scene, width, width * scene.rows / scene.cols), "jpeg",

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "evaluation/image_codecs/image_codecs.h"
+
+namespace saccade::inline v0_1 {
+
+/// What saccade-image-codecs.so offers, under the name codec_library_symbol.
+struct CodecLibrary {
+  bool (*encode)(std::string_view format, const cv::Mat& image, PngSize png,
+                 std::vector<unsigned char>& bytes);
+  cv::Mat (*decode)(std::string_view bytes, DecodedAs form);
+  cv::Mat (*read)(const std::string& path, DecodedAs form);
+  cv::VideoCapture* (*read_video)(const std::string& path);  ///< the caller owns it
+  cv::VideoWriter* (*write_video)(const std::string& path, std::string_view codec, double images_hz,
+                                  const cv::Size& size);  ///< the caller owns it
+};
+
+inline constexpr const char* codec_library_file = "saccade-image-codecs.so";
+inline constexpr const char* codec_library_symbol = "saccade_image_codecs_v0_1";
+
+}  // namespace saccade::inline v0_1

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cv {
+class VideoCapture;
+class VideoWriter;
+}  // namespace cv
+
+namespace saccade::inline v0_1 {
+
+/// PNG, JPEG and video files, read and written by OpenCV's imgcodecs and videoio. These need some 180 further libraries, so
+/// they are in a library of their own, saccade-image-codecs.so, which is loaded when the first image or video is read or
+/// written: a program without any starts in a tenth of the time. All functions throw RunError where that file is missing or
+/// cannot be loaded, and cv::Exception as OpenCV does.
+
+/// A file's bytes; `format` is png or jpeg. PNG in its smallest form takes longer. JPEG has a quality of 85 %.
+enum class PngSize : std::uint8_t { quick, smallest };
+[[nodiscard]] std::vector<unsigned char> encoded_image(std::string_view format, const cv::Mat& image,
+                                                       PngSize png = PngSize::quick);
+
+/// What a decoded image becomes: as the file has it (depth and colour), 8-bit grey, or 8-bit BGR.
+enum class DecodedAs : std::uint8_t { stored, grey, colour };
+/// Empty where `bytes` are no whole image.
+[[nodiscard]] cv::Mat decoded_image(std::string_view bytes, DecodedAs form);
+/// Empty where the file is missing or no whole image.
+[[nodiscard]] cv::Mat read_image(const std::filesystem::path& path, DecodedAs form);
+
+/// A video that ffmpeg's libraries decode; not opened (isOpened()) where they cannot.
+[[nodiscard]] std::unique_ptr<cv::VideoCapture> read_video(const std::filesystem::path& path);
+/// A video of BGR images in the container that the path's extension names; `codec` is a code of four characters. Not opened
+/// (isOpened()) where it cannot be written.
+[[nodiscard]] std::unique_ptr<cv::VideoWriter> write_video(const std::filesystem::path& path,
+                                                           std::string_view codec, double images_hz,
+                                                           const cv::Size& size);
+
+}  // namespace saccade::inline v0_1
