@@ -36,6 +36,12 @@ def test_the_installed_module_steps_and_uses_the_installed_models(tmp_path):
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith(str(folder))
     assert run().returncode == 0
+    codecs = prefix / "libexec" / "saccade" / "saccade-image-codecs.so"
+    whole = codecs.read_bytes()
+    codecs.write_bytes(b"no library")
+    failed = run()
+    assert failed.returncode == 1 and str(codecs) in failed.stderr
+    codecs.write_bytes(whole)
     model = prefix / "share" / "saccade" / "models" / "icub_head.xml"
     assert model.read_bytes() == (SOURCE / "models" / "icub_head.xml").read_bytes()
     model.unlink()
