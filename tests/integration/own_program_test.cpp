@@ -149,7 +149,11 @@ TEST_F(OwnProgram, DeploysARecordingInAFormatOfItsOwn) {
 TEST_F(OwnProgram, DeploysOnABackendOfItsOwn) {
   const Outcome deploy =
       with_backend("deploy '" SACCADE_SOURCE_DIR
-                   "/examples/backend/robot.yaml' --activate --duration 0.5 --record --out " +
+                   "/examples/backend/robot.yaml' --activate --duration 0.5 --record "
+                   // The machine may have other things to do.
+                   "--set deploy.watchdog.safe_within_ms=1000 --set deploy.watchdog.tick_late_ms=490 "
+                   "--set deploy.watchdog.camera_silent_ms=500 --set deploy.watchdog.joints_stale_ms=500 "
+                   "--set deploy.watchdog.hang_ms=480 --out " +
                    out("deploy"));
   ASSERT_EQ(deploy.status, 0) << deploy.text;
   EXPECT_GT(metrics("deploy")["events"]["count"].get<int>(), 9'000);
