@@ -21,7 +21,7 @@ install(FILES ${saccade_SOURCE_DIR}/README.md ${saccade_SOURCE_DIR}/CHANGELOG.md
   DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 
 # Every layer is a library of the package: a static library needs those below it. `program` is the command line.
-set(layers core head control emulator recording robot loop sim scoring frame_camera calibration image_codecs report sensor_fit config external images session
+set(layers core head threads control emulator recording robot loop sim scoring frame_camera calibration image_codecs report sensor_fit config external images session
   deploy serve sweep view cli)
 if(TARGET saccade_yarp)
   list(APPEND layers yarp)
@@ -37,7 +37,7 @@ foreach(layer IN LISTS layers)
   install(TARGETS saccade_${layer} EXPORT saccadeTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library)
 endforeach()
 install(EXPORT saccadeTargets NAMESPACE saccade:: DESTINATION ${SACCADE_PACKAGE_DIR} COMPONENT library)
-foreach(folder core head control emulator recording robot loop sim evaluation apps)
+foreach(folder core head threads control emulator recording robot loop sim evaluation apps)
   install(DIRECTORY ${saccade_SOURCE_DIR}/${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/saccade COMPONENT library
     FILES_MATCHING PATTERN "*.h")
 endforeach()

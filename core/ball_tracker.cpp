@@ -116,10 +116,12 @@ DiscEvidence BallTracker::evidence(const Circle& c, const Eigen::Vector3d& motio
 }
 
 void BallTracker::process(std::span<const Event> events, const CameraMotion* motion) {
+  work_ahead();
   set_motion(motion);
   for (const Event& event : events) {
     if (!sieve_.accept(event)) continue;
     run_until(event.t_us, false);
+    work_ahead();
     network_.add(event);
     ++events_since_look_;
     if (!flow_.add_first(event, config_.burst_us)) continue;
@@ -172,6 +174,7 @@ void BallTracker::add_edge(const Event& event, const NormalFlow& flow) {
 }
 
 void BallTracker::advance_to(std::int64_t now_us, const CameraMotion* motion) {
+  work_ahead();
   set_motion(motion);
   run_until(now_us, true);
 }
@@ -187,6 +190,7 @@ void BallTracker::run_until(std::int64_t t_us, bool inclusive) {
   };
   if (!next_tick_us_) next_tick_us_ = first_tick();
   while (*next_tick_us_ != latest_us && (*next_tick_us_ < t_us || (inclusive && *next_tick_us_ == t_us))) {
+    work_ahead();
     if (best() == nullptr && edges_.last_end_us() < *next_tick_us_) {
       next_tick_us_ = first_tick();
       start_tick();
@@ -235,9 +239,7 @@ void BallTracker::tick(std::int64_t now_us) {
       update_probability(f, now_us);
     }
   }
-  look(now_us);
-  search(now_us);
-  try_found(now_us);
+  search_due_us_ = now_us;
 }
 
 void BallTracker::update_hole(Followed& f, std::int64_t now_us) {

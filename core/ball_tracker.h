@@ -68,6 +68,8 @@ class BallTracker final : public Detector, public DetectorViews {
   void process(std::span<const Event> events, const CameraMotion* motion) override;
   void advance_to(std::int64_t now_us, const CameraMotion* motion) override;
   [[nodiscard]] Estimate estimate() override;
+  /// The search of the last tick for circles that are not followed.
+  void work_ahead() override;
   [[nodiscard]] double threshold() const override { return config_.threshold; }
   [[nodiscard]] RejectedEvents rejected() const override { return sieve_.rejected(); }
   bool hough_space(std::span<float> response) const override;
@@ -188,7 +190,8 @@ class BallTracker final : public Detector, public DetectorViews {
   Eigen::Vector3d seen_rotation_rad_s_ = Eigen::Vector3d::Zero();  // by the edges, where joints are missing
   std::int64_t now_us_;
   std::optional<std::int64_t> next_tick_us_;
-  std::uint64_t ticks_ = 0;  // so far, those without edges and circles left out
+  std::optional<std::int64_t> search_due_us_;  // the last tick, until its search is done
+  std::uint64_t ticks_ = 0;                    // so far, those without edges and circles left out
   // The search under way: the edges at search_us_, the first voted_ of them in search_.
   std::vector<Voter> voters_;
   std::vector<FlowSample> flows_;

@@ -25,6 +25,15 @@ double found_probability(const DiscEvidence& evidence, double network_log_odds) 
 
 }  // namespace
 
+void BallTracker::work_ahead() {
+  if (!search_due_us_) return;
+  const std::int64_t tick_us = *search_due_us_;
+  search_due_us_.reset();
+  look(tick_us);
+  search(tick_us);
+  try_found(tick_us);
+}
+
 /// The share of a tick: takes back the votes of the last search, or adds some of this one.
 void BallTracker::search(std::int64_t now_us) {
   if (!search_cleared_) {

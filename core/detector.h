@@ -43,8 +43,9 @@ struct RejectedEvents {
 ///     detector.process(events, motion);      // every event with t <= now, once
 ///     detector.advance_to(now_us, motion);   // also without events
 ///     Estimate e = detector.estimate();      // the best circle at now_us
+///     detector.work_ahead();                 // optional
 ///
-/// None of the three allocates, throws or logs.
+/// None of the four allocates, throws or logs.
 class Detector {
  public:
   virtual ~Detector() = default;
@@ -53,6 +54,9 @@ class Detector {
   virtual void advance_to(std::int64_t now_us, const CameraMotion* motion) = 0;
   /// The best circle after all events so far; it does not change until more events or time are passed.
   [[nodiscard]] virtual Estimate estimate() = 0;
+  /// Does now what the next process() or advance_to() would do first, so that these take less time; their results are the
+  /// same. May be called in another thread while nothing else is. estimate() is not called again before those two.
+  virtual void work_ahead() {}
   /// The score from which on an estimate counts as the ball; a constant of the configuration.
   [[nodiscard]] virtual double threshold() const = 0;
   [[nodiscard]] virtual RejectedEvents rejected() const = 0;

@@ -21,12 +21,10 @@ struct EventEmulator::State {
   };
 
   State(const EmulatorConfig& config, ImageSize image, std::uint64_t seed,
-        std::shared_ptr<BandThreads> threads)
-      : size(image),
-        readout(config, static_cast<std::size_t>(image.pixels())),
-        band_threads(std::move(threads)) {
+        std::shared_ptr<WorkerThreads> threads)
+      : size(image), readout(config, static_cast<std::size_t>(image.pixels())), workers(std::move(threads)) {
     const auto n = static_cast<std::size_t>(image.pixels());
-    const std::size_t parts = band_threads->bands();
+    const std::size_t parts = workers->threads();
     for (std::size_t k = 0; k < parts; ++k) {
       const std::size_t first = n * k / parts;
       const std::size_t count = n * (k + 1) / parts - first;
@@ -41,7 +39,7 @@ struct EventEmulator::State {
   ImageSize size;
   std::vector<Band> bands;
   Readout readout;
-  std::shared_ptr<BandThreads> band_threads;
+  std::shared_ptr<WorkerThreads> workers;
   bool started = false;
   std::int64_t t_us = 0;
   EmulatorCounts counts;
@@ -109,10 +107,10 @@ void EventEmulator::State::deliver(std::vector<Event>& events, std::vector<Event
 
 EventEmulator::EventEmulator(const EmulatorConfig& config, ImageSize size, std::uint64_t seed, int threads)
     : EventEmulator(config, size, seed,
-                    std::make_shared<BandThreads>(static_cast<std::size_t>(std::max(threads, 0)))) {}
+                    std::make_shared<WorkerThreads>(static_cast<std::size_t>(std::max(threads, 0)))) {}
 
 EventEmulator::EventEmulator(const EmulatorConfig& config, ImageSize size, std::uint64_t seed,
-                             std::shared_ptr<BandThreads> threads) {
+                             std::shared_ptr<WorkerThreads> threads) {
   check_config("emulator", config);
   SACCADE_CHECK(size.width > 0 && size.height > 0 && size.width <= 65535 && size.height <= 65535);
   state_ = std::make_unique<State>(config, size, seed, std::move(threads));
@@ -129,7 +127,7 @@ void EventEmulator::process_image(std::span<const float> luminance, std::int64_t
   const auto n = static_cast<std::size_t>(s.size.pixels());
   SACCADE_CHECK(luminance.size() == n && (objects.empty() || objects.size() == n));
   s.check(luminance, t_us);
-  s.band_threads->run([&](std::size_t k) {
+  s.workers->run([&](std::size_t k) {
     State::Band& band = s.bands[k];
     const auto of_band = [&](auto whole) {
       return whole.empty() ? whole : whole.subspan(band.first, band.count);

@@ -8,8 +8,8 @@
 
 #include "core/event.h"
 #include "core/event_label.h"
-#include "emulator/band_threads.h"
 #include "emulator/emulator_config.h"
+#include "threads/worker_threads.h"
 
 namespace saccade::inline v0_1 {
 
@@ -41,7 +41,7 @@ class EventEmulator {
   EventEmulator(const EmulatorConfig& config, ImageSize size, std::uint64_t seed, int threads = 1);
   /// With threads that others use too, between calls of process_image().
   EventEmulator(const EmulatorConfig& config, ImageSize size, std::uint64_t seed,
-                std::shared_ptr<BandThreads> threads);
+                std::shared_ptr<WorkerThreads> threads);
   ~EventEmulator();
   EventEmulator(EventEmulator&&) noexcept;
   EventEmulator& operator=(EventEmulator&&) noexcept;

@@ -19,6 +19,14 @@ DetectorRunner::DetectorRunner(const LatencyConfig& latency, std::string_view na
   waiting_.reserve(max_waiting_);
 }
 
+void DetectorRunner::work_ahead(Detector& detector) {
+  if (measured_) return;
+  const auto begin = std::chrono::steady_clock::now();
+  detector.work_ahead();
+  ahead_ns_ +=
+      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - begin).count();
+}
+
 DetectorTick DetectorRunner::call_detector(Detector& detector, std::span<const Event> events,
                                            std::optional<std::int64_t> now_us, const CameraMotion* motion) {
   const auto begin = std::chrono::steady_clock::now();

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/detector.h"
@@ -27,7 +28,7 @@ struct DetectorTick {
   bool on_time = false;   ///< observed, and it is held or predicted, or not all of the events came late
   bool skipped = false;   ///< the detector did not run, see LoopBudget
   bool busy = false;      ///< the detector did not run: with a latency, an earlier tick's work is not done
-  std::int64_t elapsed_ns = 0;
+  std::int64_t elapsed_ns = 0;       ///< of its calls, Detector::work_ahead() before them included
   std::int64_t ready_us = 0;         ///< when the estimate can be used; without a latency the tick's time
   std::int64_t calls = 0;            ///< of the detector with events, or one without
   std::int64_t events = 0;           ///< that it processed
@@ -57,6 +58,10 @@ class DetectorRunner {
   /// newest events instead of that of the tick. Their time never goes back.
   void set_age(std::int64_t age_us) { age_us_ = age_us; }
 
+  /// Calls Detector::work_ahead(). May be called in another thread while run() is not called. With a measured latency this
+  /// work belongs to the next call instead.
+  void work_ahead(Detector& detector);
+
   /// A tick at t_us. `events` arrived since the last tick; those up to `late_us` are passed in slices of their own, the
   /// others at once. `on_slice` gets the result of each call.
   template <class OnSlice>
@@ -65,6 +70,7 @@ class DetectorRunner {
                                  OnSlice on_slice) {
     late_.clear();
     DetectorTick done;
+    done.elapsed_ns = std::exchange(ahead_ns_, 0);
     if (latency_ && t_us < free_us_) {
       done.events_left_out = wait(events);
       done.busy = true;
@@ -139,7 +145,8 @@ class DetectorRunner {
   std::int64_t free_us_ = 0;
   std::int64_t age_us_ = 0;
   std::int64_t advanced_us_ = std::numeric_limits<std::int64_t>::min();
-  double work_us_ = 0.0;  // of this tick's calls
+  double work_us_ = 0.0;       // of this tick's calls
+  std::int64_t ahead_ns_ = 0;  // time of the work ahead of them
 };
 
 }  // namespace saccade::inline v0_1

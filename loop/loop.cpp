@@ -22,7 +22,7 @@ constexpr double most_slowdown = 4.0;
 
 Loop::Loop(Robot& robot, const MountedCamera& camera, std::vector<LoopDetector> detectors,
            std::optional<LoopGaze> gaze, Eye eye, std::optional<LoopBudget> budget,
-           const LatencyConfig& latency, std::size_t threads)
+           const LatencyConfig& latency, std::shared_ptr<WorkerThreads> threads)
     : clock_(robot.clock()),
       source_(robot.events()),
       head_(robot.head()),
@@ -59,8 +59,8 @@ Loop::Loop(Robot& robot, const MountedCamera& camera, std::vector<LoopDetector> 
     const std::size_t in_transit = event_capacity + static_cast<std::size_t>(latency.transport_us());
     latency_.emplace(Latency{latency, TransportDelay(latency.transport_us(), in_transit), {}, {}, {}, {}});
   }
-  SACCADE_CHECK(threads == 1 || !budget_);
-  if (threads > 1) side_threads_ = std::make_unique<SideThreads>(threads - 1);
+  SACCADE_CHECK(!threads || !budget_);
+  if (threads && threads->threads() > 1) threads_ = std::move(threads);
   make_runners();
 }
 
@@ -123,7 +123,7 @@ void Loop::set_controller(std::unique_ptr<GazeController> controller) {
 }
 
 PortStatus Loop::tick(std::int64_t t_us, LoopObserver& observer) {
-  const PortStatus time = note_lost(clock_.wait_until(t_us), "clock");
+  const PortStatus time = note_lost(wait_until(t_us), "clock");
   if (time != PortStatus::ok) return time;
   events_.clear();
   const PortStatus status = note_lost(source_.read_until(t_us, events_), "event camera");
@@ -147,8 +147,8 @@ PortStatus Loop::tick(std::int64_t t_us, LoopObserver& observer) {
   const bool detects = head_ == nullptr || motion != nullptr;
   std::ranges::fill(results_, DetectorTick{});
   const auto shadow = [&](std::size_t i) { run_shadow(shadows_[i], t_us, motion); };
-  const bool beside = detects && side_threads_;
-  if (beside) side_threads_->start(shadows_.size(), shadow);
+  const bool beside = detects && threads_;
+  if (beside) threads_->start(shadows_.size(), shadow);
   if (detects) {
     run_driver(t_us, motion, tick);
     if (gaze_ && gaze_->stereo) run_stereo(t_us, motion, tick);
@@ -156,12 +156,35 @@ PortStatus Loop::tick(std::int64_t t_us, LoopObserver& observer) {
   PortStatus moved = PortStatus::ok;
   if (gaze_) moved = move_head(static_cast<double>(t_us - last_t_us_) * 1e-6, tick);
   tick.acted_us = clock_.now_us();
-  if (beside) side_threads_->finish();
+  if (beside) threads_->finish();
   if (moved == PortStatus::lost) return moved;
   if (detects && !beside) run_shadows(t_us, motion);
   last_t_us_ = t_us;
   observer.on_tick(tick);
+  if (!threads_) {
+    for (std::size_t i = 0; i < runners_.size(); ++i) work_ahead(i);
+  }
   return status;
+}
+
+PortStatus Loop::wait_until(std::int64_t t_us) {
+  if (!threads_) return clock_.wait_until(t_us);
+  const auto ahead = [&](std::size_t i) { work_ahead(i); };
+  threads_->start(runners_.size(), ahead);
+  const struct AtEnd {  // also where a simulation throws
+    WorkerThreads& threads;
+    ~AtEnd() { threads.finish(); }
+  } at_end{*threads_};
+  return clock_.wait_until(t_us);
+}
+
+/// Of one of runners_.
+void Loop::work_ahead(std::size_t runner) {
+  if (runner < detectors_.size()) {
+    runners_[runner].work_ahead(*detectors_[runner].detector);
+  } else if (gaze_ && gaze_->stereo) {
+    runners_[runner].work_ahead(*gaze_->stereo->detector);
+  }
 }
 
 /// Splits the newest events of the tick by eye.

@@ -19,8 +19,8 @@
 #include "loop/detector_runner.h"
 #include "loop/latency.h"
 #include "loop/seen_heads.h"
-#include "loop/side_threads.h"
 #include "robot/robot.h"
+#include "threads/worker_threads.h"
 
 namespace saccade::inline v0_1 {
 
@@ -125,18 +125,19 @@ class LoopObserver {
 /// which it is ready: after the estimate, the step of the controller and the delay of actuation. The clock of the
 /// robot is not affected.
 ///
-/// With several threads shadow detectors run beside the driving one and the controller. Results do not depend on the
-/// number of threads.
+/// With several threads shadow detectors run beside the driving one and the controller, and what detectors can do before
+/// the next events (Detector::work_ahead) beside Clock::wait_until(). With one thread both come after the command. Results
+/// do not depend on the number of threads.
 class Loop {
  public:
   /// `robot` outlives the loop; without a head (a bare recording) there is no gaze and no camera motion.
   /// Detectors get the events of `eye`, which must be the left one if there is a gaze; `camera` is its assumed
   /// calibration. Without `gaze` the loop never moves the head. Without `budget` a tick has no limit of work. A `latency`
-  /// other than `none` excludes a budget and a robot with a gaze controller of its own. `threads`: of detectors, with a
-  /// budget 1.
+  /// other than `none` excludes a budget and a robot with a gaze controller of its own. `threads`: that run detectors too,
+  /// null with a budget; the robot may use them in Clock::wait_until() as well.
   Loop(Robot& robot, const MountedCamera& camera, std::vector<LoopDetector> detectors,
        std::optional<LoopGaze> gaze, Eye eye = Eye::left, std::optional<LoopBudget> budget = std::nullopt,
-       const LatencyConfig& latency = {}, std::size_t threads = 1);
+       const LatencyConfig& latency = {}, std::shared_ptr<WorkerThreads> threads = nullptr);
 
   /// Waits for t_us, which is later than the last tick, then does one tick and calls `observer`. Returns `ended` if
   /// no more data will come: after the tick with the last events, or without a tick. On `lost` the tick is incomplete
@@ -193,6 +194,8 @@ class Loop {
   void run_stereo(std::int64_t t_us, const CameraMotion* motion, Tick& tick);
   void run_shadows(std::int64_t t_us, const CameraMotion* motion);
   void run_shadow(std::size_t detector, std::int64_t t_us, const CameraMotion* motion);
+  PortStatus wait_until(std::int64_t t_us);
+  void work_ahead(std::size_t runner);
   void pass_to_gate(const WaitingEstimate& estimate, Tick& tick);
   void pass_ready_estimates(std::int64_t t_us, const CameraMotion& motion, Tick& tick);
   void update_sight_age(std::int64_t t_us);
@@ -223,9 +226,8 @@ class Loop {
   std::vector<LoopDetector> detectors_;
   std::optional<LoopGaze> gaze_;
   std::optional<LoopBudget> budget_;
-  std::unique_ptr<SideThreads>
-      side_threads_;                  // none: shadow detectors run after the command, one after the other
-  std::vector<std::size_t> shadows_;  // the detectors that do not drive
+  std::shared_ptr<WorkerThreads> threads_;  // null: shadow detectors and work ahead come after the command
+  std::vector<std::size_t> shadows_;        // the detectors that do not drive
   std::string_view lost_;
   std::vector<Event> events_;
   std::vector<Event> eye_events_;    // of them those of eye_

@@ -46,7 +46,7 @@ Eigen::Vector3d middle_of(const detail::SceneLayer& layer, const mjData& data) {
 }  // namespace
 
 KeyframeRenderer::KeyframeRenderer(const mjModel& model, GlContext& gl, const Camera& camera,
-                                   const EyeRenderConfig& config, std::shared_ptr<BandThreads> threads)
+                                   const EyeRenderConfig& config, std::shared_ptr<WorkerThreads> threads)
     : camera_(camera),
       config_(check_config("render", config)),
       key_camera_(check_config("camera", camera), config.keyframe_samples, keyframe_margin_px(camera)),
@@ -76,7 +76,7 @@ KeyframeRenderer::KeyframeRenderer(const mjModel& model, GlContext& gl, const Ca
     }
   }
   const auto width = static_cast<std::size_t>(camera.size.width);
-  scratch_.resize(threads_->bands(),
+  scratch_.resize(threads_->threads(),
                   {std::vector<float>(width), std::vector<float>(width), std::vector<int>(width), {}});
   for (Scratch& scratch : scratch_) scratch.bodies.reserve(sheets_.size());
 }
@@ -102,8 +102,8 @@ void KeyframeRenderer::render(mjData& data, int camera_id, std::span<float> lumi
   for (Sheet& sheet : sheets_) update(sheet, data, eye, camera_from_root);
   threads_->run([&](std::size_t band) {
     const auto height = static_cast<std::size_t>(camera_.size.height);
-    const int top = static_cast<int>(height * band / threads_->bands());
-    const int bottom = static_cast<int>(height * (band + 1) / threads_->bands());
+    const int top = static_cast<int>(height * band / threads_->threads());
+    const int bottom = static_cast<int>(height * (band + 1) / threads_->threads());
     for (Sheet& sheet : sheets_) reproject_rows(sheet, top, bottom, scratch_[band]);
     compose_rows(luminance, top, bottom, scratch_[band]);
   });

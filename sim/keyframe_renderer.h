@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "core/camera.h"
-#include "emulator/band_threads.h"
 #include "sim/eye_renderer.h"
 #include "sim/gl_context.h"
 #include "sim/keyframe.h"
@@ -17,6 +16,7 @@
 #include "sim/keyframe_rule.h"
 #include "sim/layer_warp.h"
 #include "sim/scene_layers.h"
+#include "threads/worker_threads.h"
 
 namespace saccade::inline v0_1 {
 
@@ -33,7 +33,7 @@ class KeyframeRenderer {
   /// uploaded here: paint them before.
   /// Throws InputError for a config or camera out of range, RunError when OpenGL fails.
   KeyframeRenderer(const mjModel& model, GlContext& gl, const Camera& camera, const EyeRenderConfig& config,
-                   std::shared_ptr<BandThreads> threads);
+                   std::shared_ptr<WorkerThreads> threads);
   ~KeyframeRenderer();
 
   /// The image of the model's fixed camera `camera_id` at the state of `data` (kinematics computed; not changed).
@@ -115,7 +115,7 @@ class KeyframeRenderer {
   std::vector<float> ray_x_;
   std::vector<float> ray_y_;
   std::vector<std::array<float, 4>> ray_slope_;
-  std::shared_ptr<BandThreads> threads_;
+  std::shared_ptr<WorkerThreads> threads_;
   std::vector<Scratch> scratch_;
   std::vector<std::uint32_t> rgba_;
   std::vector<float> depth_;

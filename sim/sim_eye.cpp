@@ -19,7 +19,7 @@ int model_camera_of(const World& world, std::uint8_t number) {
 }  // namespace
 
 SimEye::SimEye(World& world, GlContext& gl, const SimConfig& config, std::uint8_t number, std::uint64_t seed,
-               std::shared_ptr<BandThreads> threads)
+               std::shared_ptr<WorkerThreads> threads)
     : world_(&world),
       model_camera_(model_camera_of(world, number)),
       number_(number),

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "core/camera.h"
-#include "emulator/band_threads.h"
 #include "emulator/event_emulator.h"
 #include "sim/eye_renderer.h"
 #include "sim/flicker.h"
@@ -16,6 +15,7 @@
 #include "sim/keyframe_renderer.h"
 #include "sim/sim_config.h"
 #include "sim/world.h"
+#include "threads/worker_threads.h"
 
 namespace saccade::inline v0_1 {
 
@@ -49,7 +49,7 @@ class SimEye {
   /// `threads` share the work of an image; results do not depend on them.
   /// Throws InputError for a configuration out of range, RunError when OpenGL fails.
   SimEye(World& world, GlContext& gl, const SimConfig& config, std::uint8_t number, std::uint64_t seed,
-         std::shared_ptr<BandThreads> threads);
+         std::shared_ptr<WorkerThreads> threads);
 
   /// The next instant in [begin_us, end_us], a tick of the world, at which an image is due; see ImageSampler and Flicker.
   [[nodiscard]] std::optional<std::int64_t> next_image(std::int64_t begin_us, std::int64_t end_us,

@@ -14,7 +14,7 @@ SimRobot::SimRobot(const SimConfig& config, std::uint64_t seed, const Lab& lab, 
       world_(config.world, lab.mjcf(), seed),
       gl_(GlContext::create(config.gl, config.gl_device)),
       between_ticks_(mj_makeData(&world_.model())),
-      threads_(std::make_shared<BandThreads>(threads)) {
+      threads_(std::make_shared<WorkerThreads>(threads)) {
   if (!between_ticks_) throw RunError("MuJoCo has no memory for the world between ticks");
   if (config.both_eyes() && config.right.camera.size != config.camera.size) {
     throw InputError("right_camera", in_words(config.right.camera.size),
@@ -28,14 +28,12 @@ SimRobot::SimRobot(const SimConfig& config, std::uint64_t seed, const Lab& lab, 
 }
 
 PortStatus SimRobot::wait_until(std::int64_t t_us) {
-  threads_->wake();
   while (world_.now_us() < t_us) {
     const std::int64_t begin_us = world_.now_us();
     world_.step();
     while (const auto image_us = next_image(begin_us)) take_images(*image_us);
     update_truth();
   }
-  threads_->rest();
   return PortStatus::ok;
 }
 

@@ -37,7 +37,7 @@ struct SimTruth {
 /// gives; the ground truth has functions of its own, which only recorders, scores and the window use.
 class SimRobot final : public Robot, public Clock, public EventSource, public HeadPort, public ImuPort {
  public:
-  /// `threads`: of reprojection and event cameras, at least 1; results do not depend on it.
+  /// `threads`: of reprojection and event cameras, the calling one included; results do not depend on it.
   /// Throws InputError for a configuration out of range, RunError if there is no OpenGL.
   SimRobot(const SimConfig& config, std::uint64_t seed, std::size_t threads = 1);
 
@@ -80,6 +80,8 @@ class SimRobot final : public Robot, public Clock, public EventSource, public He
   /// The image lies shift_px further right and down in the pixel grid.
   void draw_left_eye(std::int64_t t_us, const Camera& camera, const Eigen::Vector2d& shift_px,
                      std::span<float> rgb);
+  /// Shared with what else computes between the images.
+  [[nodiscard]] const std::shared_ptr<WorkerThreads>& threads() const { return threads_; }
   [[nodiscard]] const std::string& gl_description() const { return gl_->description(); }
 
  private:
@@ -106,7 +108,7 @@ class SimRobot final : public Robot, public Clock, public EventSource, public He
   std::vector<EventLabel> delivered_labels_;
   std::size_t delivered_ = 0;
   SimTruth truth_;
-  std::shared_ptr<BandThreads> threads_;
+  std::shared_ptr<WorkerThreads> threads_;
 };
 
 }  // namespace saccade::inline v0_1

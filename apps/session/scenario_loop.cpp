@@ -73,11 +73,9 @@ std::vector<LoopDetector> make_detectors(const NamedDetectors& named, const Came
 Loop make_loop(const Scenario& scenario, SimRobot& robot) {
   // Detectors whose time is measured do not share the processor's caches with others.
   const bool measured = scenario.latency.kind == LatencyKind::measured;
-  const std::size_t detectors = scenario.detectors.size();
-  const auto threads = static_cast<std::size_t>(scenario.run.threads);
   return Loop(robot, scenario.calibration, make_detectors(scenario.detectors, scenario.calibration.camera),
               make_gaze(scenario, robot.limits()), Eye::left, std::nullopt, scenario.latency,
-              measured || detectors < 2 ? 1 : std::min(threads, detectors));
+              measured ? nullptr : robot.threads());
 }
 
 void set_rasterisers(std::int64_t threads) {

@@ -85,6 +85,27 @@ TEST(BallTracker, CountsABurstOfAPixelAsOneEdge) {
   EXPECT_NEAR(e.score, expected.score, 0.02);
 }
 
+TEST(BallTracker, WorkAheadChangesNoEstimate) {
+  const streams::MovingDisc disc{20, 40, 500, 150, 12};
+  BallTracker late(radii(6, 20), camera);
+  BallTracker ahead(radii(6, 20), camera);
+  Player late_player(late, disc.events(camera.size, 0.15));
+  Player ahead_player(ahead, disc.events(camera.size, 0.15));
+  bool found = false;
+  for (std::int64_t t = 1'000; t <= 200'000; t += 1000) {
+    const Estimate expected = late_player.until(t);
+    const Estimate e = ahead_player.until(t);
+    ASSERT_EQ(e.valid, expected.valid) << t;
+    ASSERT_EQ(e.circle.x_px, expected.circle.x_px) << t;
+    ASSERT_EQ(e.circle.r_px, expected.circle.r_px) << t;
+    ASSERT_EQ(e.score, expected.score) << t;
+    found = found || e.valid;
+    ahead.work_ahead();
+    ahead.work_ahead();  // nothing is left to do
+  }
+  EXPECT_TRUE(found);
+}
+
 TEST(BallTracker, HoldsABallThatStopsAndDeclaresTheEstimateHeld) {
   const streams::MovingDisc disc{30, 60, 300, 0, 12};
   BallTracker tracker(radii(6, 20), camera);

@@ -40,7 +40,7 @@ class Keyframes : public testing::Test {
     lab.paint(world_->model());
   }
   [[nodiscard]] KeyframeRenderer keyframes(std::size_t threads = 1) {
-    return {world_->model(), *gl_, camera_, render_, std::make_shared<BandThreads>(threads)};
+    return {world_->model(), *gl_, camera_, render_, std::make_shared<WorkerThreads>(threads)};
   }
   [[nodiscard]] EyeRenderer drawn(std::int64_t supersampling) {
     EyeRenderConfig config;
