@@ -226,7 +226,8 @@ void KeyframeFilter::mean_over_pixels(const SampleRect& rect, std::vector<std::u
   const int rows = rect.rows();
   const auto stride = static_cast<std::ptrdiff_t>(columns);
   row_sums_.resize(static_cast<std::size_t>(columns) + 1);
-  sums_.resize(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows + 1));
+  const std::size_t sums = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows + 1);
+  if (sums_.size() < sums) sums_.resize(sums);
   std::fill_n(sums_.begin(), columns, 0U);
   const auto each_cell = [&](int row, const auto& with) {
     for (int begin = 0; begin < columns;) {
@@ -282,12 +283,11 @@ void KeyframeFilter::mean_over_pixels(const SampleRect& rect, std::vector<std::u
   for (int i = 0; i < columns; ++i) bottom[2 * i + 1] = bottom[2 * i];
 }
 
-void KeyframeFilter::fill(Keyframe& k, std::span<const std::uint32_t> rgba, std::span<const float> depth,
-                          double near_m, double far_m, bool is_room) {
+void KeyframeFilter::average_colours(Keyframe& k, std::span<const std::uint32_t> rgba,
+                                     std::span<const float> depth, bool is_room) {
   const auto columns = static_cast<std::size_t>(k.rect.columns());
   const auto rows = static_cast<std::size_t>(k.rect.rows());
-  copy_depths(k, depth, near_m, far_m, is_room);
-  samples_.resize(columns * rows);
+  if (samples_.size() < columns * rows) samples_.resize(columns * rows);
   const auto each_sample = [&](const auto& value_of) {
     for (std::size_t row = 0; row < rows; ++row) {
       const std::size_t from = (rows - 1 - row) * columns;
@@ -301,6 +301,15 @@ void KeyframeFilter::fill(Keyframe& k, std::span<const std::uint32_t> rgba, std:
   constexpr std::uint32_t full = 1U << 20U;
   each_sample([&](std::size_t i) { return depth[i] < 1.0F ? full : 0U; });
   mean_over_pixels(k.rect, k.cover, 1.0F / (static_cast<float>(full) * Keyframe::cover_step));
+}
+
+void KeyframeFilter::fill(Keyframe& k, std::span<const std::uint32_t> rgba, std::span<const float> depth,
+                          double near_m, double far_m, bool is_room, WorkerThreads& threads) {
+  const auto part = [&](std::size_t i) {
+    if (i == 0) average_colours(k, rgba, depth, is_room);
+    if (i == std::min<std::size_t>(1, threads.threads() - 1)) copy_depths(k, depth, near_m, far_m, is_room);
+  };
+  threads.run(part);
 }
 
 }  // namespace saccade::inline v0_1::detail

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/keyframe_camera.h"
+#include "threads/worker_threads.h"
 
 namespace saccade::inline v0_1::detail {
 
@@ -48,13 +49,16 @@ class KeyframeFilter {
   explicit KeyframeFilter(const KeyframeCamera& camera) : camera_(&camera) {}
 
   /// Sets all of `keyframe` but pose and is_clipped from the samples of keyframe.rect: colours and depths as OpenGL has
-  /// them, bottom row first, depth 1 where nothing is drawn. `is_room`: what is not drawn is black and far away.
+  /// them, bottom row first, depth 1 where nothing is drawn. `is_room`: what is not drawn is black and far away. Depths and
+  /// colours are prepared beside each other.
   void fill(Keyframe& keyframe, std::span<const std::uint32_t> rgba, std::span<const float> depth,
-            double near_m, double far_m, bool is_room);
+            double near_m, double far_m, bool is_room, WorkerThreads& threads);
 
  private:
   void copy_depths(Keyframe& keyframe, std::span<const float> depth, double near_m, double far_m,
                    bool is_room);
+  void average_colours(Keyframe& keyframe, std::span<const std::uint32_t> rgba, std::span<const float> depth,
+                       bool is_room);
   void take_outline_depths(std::vector<float>& depths, std::size_t columns);
   void mean_over_pixels(const SampleRect& rect, std::vector<std::uint16_t>& pairs, float scale);
 

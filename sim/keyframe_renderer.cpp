@@ -173,12 +173,14 @@ void KeyframeRenderer::draw(Sheet& sheet, mjData& data, mjvGLCamera eye) {
   Keyframe& keyframe = sheet.keyframe;
   key_camera_.set_frustum(keyframe.rect, eye);
   const mjrRect area{0, 0, keyframe.rect.columns(), keyframe.rect.rows()};
-  rgba_.resize(keyframe.rect.area());
-  depth_.resize(keyframe.rect.area());
+  if (rgba_.size() < keyframe.rect.area()) {
+    rgba_.resize(keyframe.rect.area());
+    depth_.resize(keyframe.rect.area());
+  }
   drawer_->draw_some(data, eye, area, sheet.layer.is_shown);
   drawer_->read_rgba(area, rgba_.data());
   drawer_->read_depth(area, depth_.data());
-  filter_.fill(keyframe, rgba_, depth_, config_.near_m, config_.far_m, sheet.layer.is_room());
+  filter_.fill(keyframe, rgba_, depth_, config_.near_m, config_.far_m, sheet.layer.is_room(), *threads_);
   keyframe.is_drawn = true;
   ++(sheet.layer.is_room() ? counts_.room : counts_.bodies);
   counts_.samples += static_cast<std::int64_t>(keyframe.rect.area());
