@@ -52,10 +52,11 @@ void describe(FieldVisitor& v, EyeRenderConfig& config) {
 }
 
 EyeRenderer::EyeRenderer(const mjModel& model, GlContext& gl, const Camera& camera,
-                         const EyeRenderConfig& config)
+                         const EyeRenderConfig& config, std::shared_ptr<WorkerThreads> threads)
     : camera_(camera),
       config_(check_config("render", config)),
       lens_(checked(camera), config.supersampling),
+      threads_(std::move(threads)),
       rgba_(lens_.is_inside().size()),
       drawer_(std::make_unique<SceneDrawer>(model, gl, ImageSize{lens_.columns(), lens_.rows()},
                                             SceneDrawer::Quality::fast)) {}
@@ -65,14 +66,14 @@ EyeRenderer::~EyeRenderer() = default;
 void EyeRenderer::render(mjData& data, int camera_id, std::span<float> luminance) {
   SACCADE_CHECK(luminance.size() == static_cast<std::size_t>(camera_.size.pixels()));
   draw(data, camera_id, Eigen::Vector2d::Zero());
-  lens_.luminance(rgba_, luminance);
+  lens_.luminance(rgba_, luminance, *threads_);
 }
 
 void EyeRenderer::render_colour(mjData& data, int camera_id, const Eigen::Vector2d& shift_px,
                                 std::span<float> rgb) {
   SACCADE_CHECK(rgb.size() == 3 * static_cast<std::size_t>(camera_.size.pixels()));
   draw(data, camera_id, shift_px);
-  lens_.colour(rgba_, rgb);
+  lens_.colour(rgba_, rgb, *threads_);
 }
 
 void EyeRenderer::label(mjData& data, int camera_id, std::span<const std::uint8_t> number_of_geom,

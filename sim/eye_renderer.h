@@ -13,6 +13,7 @@
 #include "core/config.h"
 #include "sim/gl_context.h"
 #include "sim/lens_resampler.h"
+#include "threads/worker_threads.h"
 
 namespace saccade::inline v0_1 {
 
@@ -53,9 +54,11 @@ class EyeRenderer {
   /// What is less than that in front of a sphere does not hide it.
   static constexpr double hidden_by_m = 0.003;
 
-  /// `model` and `gl` must outlive it. Textures are uploaded here: paint them before.
+  /// `model` and `gl` must outlive it. Textures are uploaded here: paint them before. `threads` share the work of an image
+  /// after OpenGL.
   /// Throws InputError for a config or camera out of range, RunError when OpenGL fails.
-  EyeRenderer(const mjModel& model, GlContext& gl, const Camera& camera, const EyeRenderConfig& config);
+  EyeRenderer(const mjModel& model, GlContext& gl, const Camera& camera, const EyeRenderConfig& config,
+              std::shared_ptr<WorkerThreads> threads = std::make_shared<WorkerThreads>(1));
   ~EyeRenderer();
 
   /// The image of the model's fixed camera `camera_id` at the state of `data` (kinematics computed; not changed).
@@ -87,6 +90,7 @@ class EyeRenderer {
   Camera camera_;
   EyeRenderConfig config_;
   LensResampler lens_;
+  std::shared_ptr<WorkerThreads> threads_;
   std::vector<std::uint32_t> rgba_;  ///< the drawn image, bottom row first
   std::vector<float> depth_;
   std::unique_ptr<detail::SceneDrawer> drawer_;

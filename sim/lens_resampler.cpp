@@ -54,6 +54,11 @@ struct Polygon {
   }
 };
 
+/// A thread's part of `count`, as equal as can be.
+std::array<std::size_t, 2> part_of(std::size_t count, std::size_t part, const WorkerThreads& threads) {
+  return {count * part / threads.threads(), count * (part + 1) / threads.threads()};
+}
+
 }  // namespace
 
 LensResampler::LensResampler(const Camera& camera, std::int64_t supersampling)
@@ -122,37 +127,55 @@ LensResampler::LensResampler(const Camera& camera, std::int64_t supersampling)
   }
   is_inside_.resize(drawn);
   std::ranges::transform(covered, is_inside_.begin(), [](double area) { return area >= 0.5 ? 1 : 0; });
-  drawn_.assign(drawn + 3, 0.0F);  // read four at a time, past the end too
+  drawn_.assign(channel_size(), 0.0F);
 }
 
-template <std::uint32_t red, std::uint32_t green, std::uint32_t blue>
-void LensResampler::resample(std::span<const std::uint32_t> rgba, std::span<float> image) {
-  for (std::size_t i = 0; i < rgba.size(); ++i) {
-    const std::uint32_t colours = rgba[i];
-    // Signed, because that is what SSE converts.
-    drawn_[i] = static_cast<float>(static_cast<std::int32_t>(
-        red * (colours & 0xffU) + green * ((colours >> 8U) & 0xffU) + blue * ((colours >> 16U) & 0xffU)));
-  }
-  const Samples* samples = samples_.data();
-  for (std::size_t pixel = 0; pixel < image.size(); ++pixel) {
-    std::array<float, 4> sums{};
-    for (const Samples* end = samples_.data() + samples_end_[pixel]; samples != end; ++samples) {
-      const float* from = drawn_.data() + samples->first;
-      for (std::size_t i = 0; i < 4; ++i) sums[i] += samples->weights[i] * from[i];
+template <std::size_t channels>
+void LensResampler::resample(std::span<const std::uint32_t> rgba, const ChannelWeights<channels>& weights,
+                             std::span<float> image, WorkerThreads& threads) {
+  const std::size_t stride = channel_size();
+  drawn_.resize(std::max(drawn_.size(), channels * stride));
+  threads.run([&](std::size_t part) {
+    const auto [begin, end] = part_of(rgba.size(), part, threads);
+    for (std::size_t channel = 0; channel < channels; ++channel) {
+      const auto [red, green, blue] = weights[channel];
+      float* const drawn = drawn_.data() + channel * stride;
+      for (std::size_t i = begin; i < end; ++i) {
+        const std::uint32_t colours = rgba[i];
+        // Signed, because that is what SSE converts.
+        drawn[i] = static_cast<float>(static_cast<std::int32_t>(
+            red * (colours & 0xffU) + green * ((colours >> 8U) & 0xffU) + blue * ((colours >> 16U) & 0xffU)));
+      }
     }
-    image[pixel] = (sums[0] + sums[1]) + (sums[2] + sums[3]);
-  }
+  });
+  const std::size_t pixels = image.size() / channels;
+  threads.run([&](std::size_t part) {
+    const auto [first, last] = part_of(pixels, part, threads);
+    const Samples* samples = samples_.data() + (first == 0 ? 0 : samples_end_[first - 1]);
+    for (std::size_t pixel = first; pixel < last; ++pixel) {
+      std::array<std::array<float, 4>, channels> sums{};
+      for (const Samples* end = samples_.data() + samples_end_[pixel]; samples != end; ++samples) {
+        for (std::size_t channel = 0; channel < channels; ++channel) {
+          const float* const from = drawn_.data() + channel * stride + samples->first;
+          for (std::size_t i = 0; i < 4; ++i) sums[channel][i] += samples->weights[i] * from[i];
+        }
+      }
+      for (std::size_t channel = 0; channel < channels; ++channel) {
+        const std::array<float, 4>& sum = sums[channel];
+        image[channel * pixels + pixel] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+      }
+    }
+  });
 }
 
-void LensResampler::luminance(std::span<const std::uint32_t> rgba, std::span<float> image) {
-  resample<red_weight, green_weight, blue_weight>(rgba, image);
+void LensResampler::luminance(std::span<const std::uint32_t> rgba, std::span<float> image,
+                              WorkerThreads& threads) {
+  resample<1>(rgba, {{{red_weight, green_weight, blue_weight}}}, image, threads);
 }
 
-void LensResampler::colour(std::span<const std::uint32_t> rgba, std::span<float> image) {
-  const std::size_t pixels = image.size() / 3;
-  resample<10000, 0, 0>(rgba, image.first(pixels));
-  resample<0, 10000, 0>(rgba, image.subspan(pixels, pixels));
-  resample<0, 0, 10000>(rgba, image.last(pixels));
+void LensResampler::colour(std::span<const std::uint32_t> rgba, std::span<float> image,
+                           WorkerThreads& threads) {
+  resample<3>(rgba, {{{10000, 0, 0}, {0, 10000, 0}, {0, 0, 10000}}}, image, threads);
 }
 
 void LensResampler::smallest(std::span<const std::uint32_t> rgba, std::uint8_t nothing,

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/camera.h"
+#include "threads/worker_threads.h"
 
 namespace saccade::inline v0_1 {
 
@@ -34,9 +35,9 @@ class LensResampler {
 
   // `rgba` is the drawn image, bottom row first; `image` the camera's, row by row from the top, 0 to 255.
   /// Rec. 709 luminance of linear red, green and blue.
-  void luminance(std::span<const std::uint32_t> rgba, std::span<float> image);
+  void luminance(std::span<const std::uint32_t> rgba, std::span<float> image, WorkerThreads& threads);
   /// Red, green and blue, as three images one after the other.
-  void colour(std::span<const std::uint32_t> rgba, std::span<float> image);
+  void colour(std::span<const std::uint32_t> rgba, std::span<float> image, WorkerThreads& threads);
   /// The smallest number above 0 among the red channels of a pixel's samples; `nothing` where all are 0.
   void smallest(std::span<const std::uint32_t> rgba, std::uint8_t nothing,
                 std::span<std::uint8_t> numbers) const;
@@ -48,8 +49,14 @@ class LensResampler {
     std::array<float, 4> weights;
   };
 
-  template <std::uint32_t red, std::uint32_t green, std::uint32_t blue>
-  void resample(std::span<const std::uint32_t> rgba, std::span<float> image);
+  /// Of red, green and blue in each channel of an image, in 1/10000.
+  template <std::size_t channels>
+  using ChannelWeights = std::array<std::array<std::uint32_t, 3>, channels>;
+  template <std::size_t channels>
+  void resample(std::span<const std::uint32_t> rgba, const ChannelWeights<channels>& weights,
+                std::span<float> image, WorkerThreads& threads);
+  /// Samples of a channel in drawn_. They are read four at a time, past the end too.
+  [[nodiscard]] std::size_t channel_size() const { return is_inside_.size() + 3; }
 
   int columns_ = 0;
   int rows_ = 0;
@@ -59,7 +66,7 @@ class LensResampler {
   std::vector<Samples> samples_;            ///< of all pixels, row by row
   std::vector<std::uint32_t> samples_end_;  ///< per pixel: the end of its samples
   std::vector<std::uint8_t> is_inside_;
-  std::vector<float> drawn_;  ///< luminance or one colour of the drawn image
+  std::vector<float> drawn_;  ///< luminance or colours of the drawn image, one channel after the other
 };
 
 }  // namespace saccade::inline v0_1

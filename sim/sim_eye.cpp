@@ -37,7 +37,7 @@ SimEye::SimEye(World& world, GlContext& gl, const SimConfig& config, std::uint8_
   if (is_direct || labelled_ || is_measured) {
     EyeRenderConfig render = config.render;
     if (!is_direct) render.supersampling = render.keyframe_samples;  // numbers of objects, as fine as the images
-    renderer_ = std::make_unique<EyeRenderer>(world.model(), gl, camera_, render);
+    renderer_ = std::make_unique<EyeRenderer>(world.model(), gl, camera_, render, threads);
   }
   if (!is_direct)
     keyframes_ =

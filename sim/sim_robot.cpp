@@ -136,7 +136,7 @@ void SimRobot::draw_left_eye(std::int64_t t_us, const Camera& camera, const Eige
   if (!colour_eye_ || colour_eye_->camera() != camera) {
     EyeRenderConfig single = config_.render;
     single.supersampling = 1;
-    colour_eye_ = std::make_unique<EyeRenderer>(world_.model(), *gl_, camera, single);
+    colour_eye_ = std::make_unique<EyeRenderer>(world_.model(), *gl_, camera, single, threads_);
   }
   colour_eye_->render_colour(world_at(t_us), world_.left_eye_camera(), shift_px, rgb);
   if (!config_.lab.flicker) return;

@@ -130,7 +130,7 @@ cv::Mat FrameDetector::ball_coloured(const cv::Mat& image) const {
       const auto& srgb = image.at<cv::Vec3b>(y, x);
       const cv::Vec3f rgb(linear[srgb[0]], linear[srgb[1]], linear[srgb[2]]);
       const bool is_ball = rgb[0] + rgb[1] + rgb[2] > darkest &&
-                           cv::norm(shares_of(rgb), ball_shares_) < config_.colour_tolerance;
+                           cv::norm(shares_of(rgb) - ball_shares_) < config_.colour_tolerance;
       mask.at<std::uint8_t>(y, x) = is_ball ? 255 : 0;
     }
   }
