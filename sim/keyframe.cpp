@@ -168,10 +168,13 @@ void KeyframeFilter::copy_depths(Keyframe& k, std::span<const float> depth, doub
     include(q, columns, range);
     step = largest_step(q + 1, q, columns - 1, step);
     step = largest_step(q, depth_row_above_.data(), columns, step);
-    const std::size_t first_block = row / block * block_columns;
-    for (std::size_t i = 0; i < columns; ++i) {
-      k.inverse_depth_1_m[first_block + i / block] += q[i];
-      block_counts_[first_block + i / block] += q[i] > 0.0F ? 1.0F : 0.0F;
+    float* sum_of_block = k.inverse_depth_1_m.data() + row / block * block_columns;
+    float* count_of_block = block_counts_.data() + row / block * block_columns;
+    for (std::size_t begin = 0; begin < columns; begin += block, ++sum_of_block, ++count_of_block) {
+      for (std::size_t i = begin; i < std::min(begin + block, columns); ++i) {
+        *sum_of_block += q[i];
+        *count_of_block += q[i] > 0.0F ? 1.0F : 0.0F;
+      }
     }
     const auto is_here = [](float value) { return value > 0.0F; };
     const auto left = std::find_if(q, q + columns, is_here) - q;
