@@ -30,7 +30,7 @@ compare() {
 
 compare "this build" "$("$3")"
 mkdir -p "$work"
-for file in "$source"/emulator/*.cpp "$source"/core/{config,error,random}.cpp "$source"/tests/emulator/emulator_hash.cpp; do
+for file in "$source"/emulator/*.cpp "$source"/core/{config,error,random}.cpp "$source"/threads/*.cpp "$source"/tests/emulator/emulator_hash.cpp; do
   echo "#include \"$file\""  # in one file the headers compile once
 done >"$work"/hash.cpp
 for way in "g++ -O0" "clang++ -O3"; do
