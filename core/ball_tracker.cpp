@@ -90,6 +90,10 @@ Eigen::Vector2d BallTracker::background_px_s(const Eigen::Vector2d& at) const {
                                       seen_rotation_rad_s_);
 }
 
+PatchMotion BallTracker::patch_motion(const Circle& circle, const Eigen::Vector3d& motion_px_s) const {
+  return {motion_px_s.head<2>(), background_px_s({circle.x_px, circle.y_px}), motion_px_s.z()};
+}
+
 /// Where an edge has moved on to: with the image where the camera turns, along its own flow else.
 Eigen::Vector2d BallTracker::now_at(const Edge& edge, std::int64_t now_us) const {
   const Eigen::Vector2d at(edge.x, edge.y);
@@ -164,6 +168,7 @@ void BallTracker::add_edge(const Event& event, const NormalFlow& flow) {
     const double y = edge.y - c.y_px;
     if (std::abs(std::sqrt(x * x + y * y) - c.r_px) > near_px) continue;
     f.fresh_edges += 1.0;
+    f.changed = true;
     if (f.track.measure(edge, f.clarity, CircleTrack::Learn::place, f.carried_px_s)) {
       f.fresh_on_outline += 1.0;
       f.history.silent_px = 0.0;
@@ -267,6 +272,8 @@ void BallTracker::update_probability(Followed& f, std::int64_t now_us) {
     f.evidence.blend(newest, share);
     f.history.newest = newest;
     f.history.network_log_odds = f.network_log_odds;
+    f.history.patch_log_odds = f.patch_log_odds;
+    f.history.patch_mean += share * (f.patch_log_odds - f.history.patch_mean);
     f.history.network_mean += share * (f.network_log_odds - f.history.network_mean);
     f.history.on_ring_share += share * (f.fresh_on_outline / f.fresh_edges - f.history.on_ring_share);
     f.history.followed_px += weight * f.fresh_on_outline / length_px;

@@ -16,7 +16,9 @@
 #include "core/disc_network.h"
 #include "core/disc_probability.h"
 #include "core/edge_map.h"
+#include "core/patch_network.h"
 #include "core/plane_fit_flow.h"
+#include "core/polar_patch.h"
 #include "core/silhouette.h"
 
 namespace saccade::inline v0_1 {
@@ -82,13 +84,22 @@ class BallTracker final : public Detector, public DetectorViews {
     Circle circle;
     Eigen::Matrix3d covariance_px2;  ///< of (x, y, r), of the track alone
     DiscInputs inputs{};
+    Circle shown;  ///< where the newest edges show it
+    PatchMotion motion;
   };
   /// Calls f(const Hypothesis&) for every followed circle.
   template <class Function>
   void for_each_hypothesis(Function f) const {
     for (const Followed& followed : followed_) {
-      if (followed.alive) f(Hypothesis{circle_now(followed), followed.track.covariance(), followed.inputs});
+      if (followed.alive)
+        f(Hypothesis{circle_now(followed), followed.track.covariance(), followed.inputs, followed.track.shown(),
+                     patch_motion(followed.track.shown(), followed.motion_px_s())});
     }
+  }
+  /// Motion of a circle whose centre and radius move so, and that of the background there.
+  [[nodiscard]] PatchMotion patch_motion(const Circle& circle, const Eigen::Vector3d& motion_px_s) const;
+  [[nodiscard]] PolarPatch patch(const Circle& shown, const PatchMotion& motion) const {
+    return polar_patch(network_.newest_us(), camera_.size, shown, motion, now_us_);
   }
 
  private:
@@ -99,6 +110,9 @@ class BallTracker final : public Detector, public DetectorViews {
     DiscEvidence evidence;  ///< averaged over the last pixels of motion
     DiscHistory history;
     double network_log_odds = least_network_log_odds;  ///< of the last look
+    double patch_log_odds = unjudged_log_odds;          ///< of the last judgement
+    bool judged = false;                                ///< since it was found
+    bool changed = true;                                ///< since the last judgement
     DiscInputs inputs{};
     double probability = 0.0;
     double found_probability = 0.0;  ///< as if it had just been found, at compared_us
@@ -119,6 +133,15 @@ class BallTracker final : public Detector, public DetectorViews {
     Circle circle;
     std::int64_t at_us;
     bool as_found_too;  ///< tried without a fit of place and radius as well
+  };
+  /// A circle to follow, and what it shows.
+  struct FoundDisc {
+    Circle circle;
+    Eigen::Vector3d motion_px_s;
+    DiscEvidence evidence;
+    double network_log_odds;
+    std::optional<double> patch_log_odds;
+    double probability;
   };
   /// The circles to try, oldest first; one that finds no place is left out.
   class FoundQueue {
@@ -167,14 +190,21 @@ class BallTracker final : public Detector, public DetectorViews {
   void begin_search();
   void fill_fit(const Circle& circle, std::int64_t now_us);
   [[nodiscard]] bool corrects_known(const Circle& circle, double probability, std::int64_t now_us);
-  void follow(const Circle& circle, const Eigen::Vector3d& motion_px_s, const DiscEvidence& evidence,
-              double network_log_odds, double probability, std::int64_t now_us);
+  [[nodiscard]] Followed* place_for(const FoundDisc& found);
+  void follow(const FoundDisc& found, Followed& place, std::int64_t now_us);
   void look(std::int64_t now_us);
   [[nodiscard]] double network_log_odds(const Circle& circle, const Eigen::Vector2d& image_px_s,
                                         std::int64_t now_us) const;
   void try_found(std::int64_t now_us);
   void try_circle(const Circle& circle, std::int64_t now_us);
   void end_duplicates();
+  struct Judged {
+    Circle circle;
+    double log_odds;
+    bool corrected;
+  };
+  [[nodiscard]] Judged judged(const Circle& circle, const Eigen::Vector3d& motion_px_s, std::int64_t now_us);
+  void judge(std::int64_t now_us);
 
   BallTrackerConfig config_;
   Camera camera_;
@@ -201,6 +231,8 @@ class BallTracker final : public Detector, public DetectorViews {
   std::int64_t look_us_;  // when the network's look under way, or the last one, began
   std::uint64_t events_since_look_ = 0;
   FoundQueue to_try_;
+  std::size_t next_judged_ = 0;  // of followed_
+  int patches_left_ = 0;         // of this tick
   // Flows of this tick: every nth_event_ event gets one.
   std::int64_t flows_left_, nth_event_ = 1, since_flow_ = 0, events_of_tick_ = 0;
 };

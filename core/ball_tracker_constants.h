@@ -54,6 +54,12 @@ inline constexpr std::int64_t look_period_us = 15'000, sure_look_period_us = 50'
 inline constexpr std::int64_t multiplications_per_tick = 1'500'000;
 inline constexpr std::uint64_t fewest_events_of_look = 20;
 
+// The judgements of polar patches.
+inline constexpr std::uint64_t sure_ticks_per_judgement = 4;
+inline constexpr int patches_per_tick = 3;
+inline constexpr double least_correction = 0.075;  // of r^0.75 px, 0.3 ring widths
+inline constexpr double correction_gain = 0.5;     // of the log odds
+
 // Uncertainty of the estimate beside that of the track, fitted by scripts/fit to the errors of inliers.
 inline constexpr double covariance_scale = 4.0;
 inline constexpr double model_sd_px[3] = {1.2, 1.2, 0.7};

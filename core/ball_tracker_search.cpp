@@ -16,10 +16,12 @@ bool is_same(const Circle& a, const Circle& b, double px, double r_px) {
 }
 
 /// Of a circle that was found and has no history.
-double found_probability(const DiscEvidence& evidence, double network_log_odds) {
+double found_probability(const DiscEvidence& evidence, double network_log_odds,
+                         double patch_log_odds = unjudged_log_odds) {
   DiscHistory history;
   history.newest = evidence;
   history.network_log_odds = history.network_mean = network_log_odds;
+  history.patch_log_odds = history.patch_mean = patch_log_odds;
   return disc_probability(disc_inputs(evidence, history));
 }
 
@@ -29,9 +31,56 @@ void BallTracker::work_ahead() {
   if (!search_due_us_) return;
   const std::int64_t tick_us = *search_due_us_;
   search_due_us_.reset();
+  patches_left_ = patches_per_tick;
   look(tick_us);
   search(tick_us);
   try_found(tick_us);
+  judge(tick_us);
+}
+
+/// The better one of a circle and its correction by PatchNetwork, and its log odds. Takes one or two of the tick's patches.
+BallTracker::Judged BallTracker::judged(const Circle& circle, const Eigen::Vector3d& motion, std::int64_t now_us) {
+  const auto judge = [&](const Circle& c) {
+    --patches_left_;
+    return judge_patch(
+        polar_patch(network_.newest_us(), camera_.size, c, patch_motion(c, motion), now_us));
+  };
+  const PatchJudgement judgement = judge(circle);
+  Judged best{circle, std::clamp(judgement.log_odds, -most_patch_log_odds, most_patch_log_odds), false};
+  const Circle& off = judgement.correction;
+  const double off_px = std::max({std::abs(off.x_px), std::abs(off.y_px), std::abs(off.r_px)});
+  if (patches_left_ == 0 || off_px < least_correction * std::pow(circle.r_px, 0.75)) return best;
+  const Circle corrected{circle.x_px + off.x_px, circle.y_px + off.y_px,
+                         std::clamp(circle.r_px + off.r_px, config_.radius_px[0] - 0.5, config_.radius_px[1] + 0.5)};
+  const double log_odds = judge(corrected).log_odds;
+  if (log_odds < best.log_odds + correction_gain) return best;
+  return {corrected, std::min(log_odds, most_patch_log_odds), true};
+}
+
+/// Lets PatchNetwork judge one of the followed circles near which edges have come since it was judged last: one that was
+/// just found, or else the next in turn.
+void BallTracker::judge(std::int64_t now_us) {
+  const Followed* leader = best();
+  if (patches_left_ == 0 ||
+      (leader != nullptr && leader->probability > sure && ticks_ % sure_ticks_per_judgement != 0))
+    return;
+  Followed* next = nullptr;
+  for (std::size_t i = 0; i < followed_.size(); ++i) {
+    Followed& f = followed_[(next_judged_ + i) % followed_.size()];
+    if (!f.alive || !f.changed) continue;
+    if (next == nullptr || (next->judged && !f.judged)) next = &f;
+  }
+  if (next == nullptr) return;
+  next_judged_ = static_cast<std::size_t>(next - followed_.data()) + 1;
+  const Judged found = judged(next->track.shown(), next->motion_px_s(), now_us);
+  if (found.corrected) {
+    next->track.doubt();
+    next->track.correct(found.circle, Eigen::Vector3d::Constant(fit_sd_px));
+  }
+  next->patch_log_odds = found.log_odds;
+  if (!next->judged) next->history.patch_log_odds = next->history.patch_mean = found.log_odds;
+  next->judged = true;
+  next->changed = false;
 }
 
 /// The share of a tick: takes back the votes of the last search, or adds some of this one.
@@ -143,8 +192,19 @@ void BallTracker::try_circle(const Circle& circle, std::int64_t now_us) {
   const DiscEvidence seen = evidence(circle, motion, now_us);
   const double log_odds = network_log_odds(circle, motion.head<2>(), now_us);
   const double probability = found_probability(seen, log_odds);
-  if (!corrects_known(circle, probability, now_us))
-    follow(circle, motion, seen, log_odds, probability, now_us);
+  if (corrects_known(circle, probability, now_us)) return;
+  FoundDisc found{circle, motion, seen, log_odds, std::nullopt, probability};
+  if (place_for(found) == nullptr) return;
+  if (patches_left_ > 0) {
+    const Judged judgement = judged(circle, motion, now_us);
+    if (judgement.corrected) {
+      found.circle = judgement.circle;
+      found.evidence = evidence(found.circle, motion, now_us);
+    }
+    found.patch_log_odds = judgement.log_odds;
+    found.probability = found_probability(found.evidence, log_odds, judgement.log_odds);
+  }
+  if (Followed* place = place_for(found)) follow(found, *place, now_us);
 }
 
 /// Whether a found circle is one that is followed. Where it is the better one of the two, the track is corrected.
@@ -171,15 +231,14 @@ bool BallTracker::corrects_known(const Circle& circle, double probability, std::
   return known;
 }
 
-/// Follows a new circle in place of the least probable one: of those that claim the same disc if there are enough, of
-/// all else.
-void BallTracker::follow(const Circle& circle, const Eigen::Vector3d& motion, const DiscEvidence& seen,
-                         double network_log_odds, double probability, std::int64_t now_us) {
+/// The followed circle that a found one takes the place of: the least probable one of those that claim the same disc if there
+/// are enough, of all else. None where that is more probable.
+BallTracker::Followed* BallTracker::place_for(const FoundDisc& found) {
+  const double reach_px = rival_share * found.circle.r_px;
   Followed* weakest = nullptr;
   std::size_t rivals = 0;
   for (Followed& f : followed_) {
-    if (!f.alive || !is_same(f.track.shown(), circle, rival_share * circle.r_px, rival_share * circle.r_px))
-      continue;
+    if (!f.alive || !is_same(f.track.shown(), found.circle, reach_px, reach_px)) continue;
     ++rivals;
     if (weakest == nullptr || f.probability < weakest->probability) weakest = &f;
   }
@@ -190,7 +249,11 @@ void BallTracker::follow(const Circle& circle, const Eigen::Vector3d& motion, co
       if (!f.alive || f.probability < weakest->probability) weakest = &f;
     }
   }
-  if (weakest->alive && new_share * probability <= weakest->probability) return;
+  return weakest->alive && new_share * found.probability <= weakest->probability ? nullptr : weakest;
+}
+
+void BallTracker::follow(const FoundDisc& found, Followed& place, std::int64_t now_us) {
+  const Circle& circle = found.circle;
   Followed f;
   f.alive = true;
   f.anchor_px = {circle.x_px, circle.y_px};
@@ -201,16 +264,19 @@ void BallTracker::follow(const Circle& circle, const Eigen::Vector3d& motion, co
                        [&](const Edge& edge) {
                          f.track.measure(edge, 1.0, CircleTrack::Learn::place_and_speed, f.carried_px_s);
                        });
-  f.track.set_speed(motion.head<2>() - f.carried_px_s, motion.z());
+  f.track.set_speed(found.motion_px_s.head<2>() - f.carried_px_s, found.motion_px_s.z());
   f.track.place(circle);
   f.image_px_s = f.carried_px_s + f.track.speed_px_s();
-  f.evidence = seen;
-  f.history.newest = seen;
-  f.network_log_odds = f.history.network_log_odds = f.history.network_mean = network_log_odds;
+  f.evidence = f.history.newest = found.evidence;
+  f.network_log_odds = f.history.network_log_odds = f.history.network_mean = found.network_log_odds;
+  if (found.patch_log_odds) {
+    f.judged = true;
+    f.patch_log_odds = f.history.patch_log_odds = f.history.patch_mean = *found.patch_log_odds;
+  }
   f.history.radius_variance_px2 = f.track.covariance()(2, 2);
-  f.probability = new_share * probability;
+  f.probability = new_share * found.probability;
   f.inputs = disc_inputs(f.evidence, f.history);
-  *weakest = f;
+  place = f;
 }
 
 /// Of two circles that have become one the less probable ends.

@@ -31,6 +31,9 @@ class DiscNetwork {
         event.t_us;
   }
 
+  /// Time of the newest ON event of every pixel, row by row, then of the newest OFF event; never: the least 64 bit number.
+  [[nodiscard]] std::span<const std::int64_t> newest_us() const { return newest_us_; }
+
   /// Starts to look at the events up to now_us. The last result stays until the new one is complete.
   void begin(std::int64_t now_us);
   /// Goes on for about `multiplications`. True when the result is complete; without begin() before: false.

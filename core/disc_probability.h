@@ -10,6 +10,9 @@ namespace saccade::inline v0_1 {
 /// Log odds of DiscNetwork below this count as this. Chosen on the fitting seeds.
 inline constexpr double least_network_log_odds = -1.0;
 
+/// Log odds by PatchNetwork of a circle that it has not judged yet, and the largest that counts.
+inline constexpr double unjudged_log_odds = -2.0, most_patch_log_odds = 8.0;
+
 /// What a circle has shown since it is followed, beside its evidence; the defaults are those of a circle that was just
 /// found.
 struct DiscHistory {
@@ -23,6 +26,8 @@ struct DiscHistory {
   double moved_radii = 0.0;          ///< how far it has moved against the background lately, radii
   double on_ring_share = 0.5;        ///< of the edges near it
   double radius_variance_px2 = 1.0;  ///< of the track
+  double patch_log_odds = unjudged_log_odds;  ///< by PatchNetwork
+  double patch_mean = unjudged_log_odds;      ///< averaged like the evidence
   /// Log odds by DiscNetwork's last look, from least_network_log_odds up: what the network sees speaks for a ball; that it
   /// sees none speaks for nothing, since it knows only worlds like those that it was fitted to.
   double network_log_odds = least_network_log_odds;
@@ -30,7 +35,7 @@ struct DiscHistory {
 };
 
 /// Inputs of the model: the evidence, then the history.
-inline constexpr std::size_t disc_input_count = evidence_count + 17;
+inline constexpr std::size_t disc_input_count = evidence_count + 19;
 using DiscInputs = std::array<float, disc_input_count>;
 
 [[nodiscard]] DiscInputs disc_inputs(const DiscEvidence& evidence, const DiscHistory& history);
