@@ -55,9 +55,11 @@ void describe(FieldVisitor& v, BallTrackerConfig& config);
 ///    measures its place, and is evidence too.
 /// 6. What moves against the background is told from what stands in the room. The background's motion comes from the
 ///    joints, or else from the edges (camera_rotation).
-/// 7. Evidence and history of a circle give the probability that it is the ball (disc_probability).
+/// 7. The newest events around a circle, in polar coordinates, are judged by a network, which also corrects the circle
+///    (PatchNetwork).
+/// 8. Evidence, judgements and history of a circle give the probability that it is the ball (disc_probability).
 ///
-/// The work of a ms is bounded: flows_per_ms flows, 160 votes, 8 circles tried; an event beyond that only leaves its time
+/// The work of a ms is bounded: flows_per_ms flows, 160 votes, 8 circles tried, 3 patches; an event beyond that only leaves its time
 /// stamp. Everything happens at instants of 1 ms of the stream's own time, so that the estimate does not depend on how
 /// events come in batches.
 /// After: paper, section V (future work); regions after Glover, Dinale, Bartolozzi et al. (event surfaces SCARF and EROS
@@ -111,8 +113,7 @@ class BallTracker final : public Detector, public DetectorViews {
     DiscHistory history;
     double network_log_odds = least_network_log_odds;  ///< of the last look
     double patch_log_odds = unjudged_log_odds;          ///< of the last judgement
-    bool judged = false;                                ///< since it was found
-    bool changed = true;                                ///< since the last judgement
+    bool changed = false;                               ///< since the last judgement
     DiscInputs inputs{};
     double probability = 0.0;
     double found_probability = 0.0;  ///< as if it had just been found, at compared_us
@@ -140,7 +141,7 @@ class BallTracker final : public Detector, public DetectorViews {
     Eigen::Vector3d motion_px_s;
     DiscEvidence evidence;
     double network_log_odds;
-    std::optional<double> patch_log_odds;
+    double patch_log_odds;
     double probability;
   };
   /// The circles to try, oldest first; one that finds no place is left out.

@@ -56,8 +56,8 @@ inline constexpr std::uint64_t fewest_events_of_look = 20;
 
 // The judgements of polar patches.
 inline constexpr std::uint64_t sure_ticks_per_judgement = 4;
-inline constexpr int patches_per_tick = 3;
-inline constexpr double least_correction = 0.075;  // of r^0.75 px, 0.3 ring widths
+inline constexpr int patches_per_tick = 4;
+inline constexpr double least_correction = 0.075, large_correction = 0.2;  // of r^0.75 px: 0.3, 0.8 ring widths
 inline constexpr double correction_gain = 0.5;     // of the log odds
 
 // Uncertainty of the estimate beside that of the track, fitted by scripts/fit to the errors of inliers.

@@ -53,12 +53,14 @@ BallTracker::Judged BallTracker::judged(const Circle& circle, const Eigen::Vecto
   const Circle corrected{circle.x_px + off.x_px, circle.y_px + off.y_px,
                          std::clamp(circle.r_px + off.r_px, config_.radius_px[0] - 0.5, config_.radius_px[1] + 0.5)};
   const double log_odds = judge(corrected).log_odds;
-  if (log_odds < best.log_odds + correction_gain) return best;
+  const bool better = log_odds > best.log_odds + correction_gain;
+  const bool as_good = log_odds > std::max(0.0, best.log_odds - correction_gain) &&
+                       off_px > large_correction * std::pow(circle.r_px, 0.75);
+  if (!better && !as_good) return best;
   return {corrected, std::min(log_odds, most_patch_log_odds), true};
 }
 
-/// Lets PatchNetwork judge one of the followed circles near which edges have come since it was judged last: one that was
-/// just found, or else the next in turn.
+/// Lets PatchNetwork judge the next of the followed circles near which edges have come since it was judged last.
 void BallTracker::judge(std::int64_t now_us) {
   const Followed* leader = best();
   if (patches_left_ == 0 ||
@@ -67,8 +69,7 @@ void BallTracker::judge(std::int64_t now_us) {
   Followed* next = nullptr;
   for (std::size_t i = 0; i < followed_.size(); ++i) {
     Followed& f = followed_[(next_judged_ + i) % followed_.size()];
-    if (!f.alive || !f.changed) continue;
-    if (next == nullptr || (next->judged && !f.judged)) next = &f;
+    if (next == nullptr && f.alive && f.changed) next = &f;
   }
   if (next == nullptr) return;
   next_judged_ = static_cast<std::size_t>(next - followed_.data()) + 1;
@@ -78,8 +79,6 @@ void BallTracker::judge(std::int64_t now_us) {
     next->track.correct(found.circle, Eigen::Vector3d::Constant(fit_sd_px));
   }
   next->patch_log_odds = found.log_odds;
-  if (!next->judged) next->history.patch_log_odds = next->history.patch_mean = found.log_odds;
-  next->judged = true;
   next->changed = false;
 }
 
@@ -169,9 +168,9 @@ double BallTracker::network_log_odds(const Circle& circle, const Eigen::Vector2d
   return std::max(least_network_log_odds, static_cast<double>(network_.about(then).log_odds));
 }
 
-/// Tries some of the circles found.
+/// Tries some of the circles found, as long as patches can be judged.
 void BallTracker::try_found(std::int64_t now_us) {
-  for (std::size_t i = 0; i < tried_per_tick && !to_try_.empty(); ++i) {
+  for (std::size_t i = 0; i < tried_per_tick && !to_try_.empty() && patches_left_ > 0; ++i) {
     const FoundCircle found = to_try_.pop();
     Circle circle = found.circle;
     fill_fit(circle, found.at_us);
@@ -193,17 +192,15 @@ void BallTracker::try_circle(const Circle& circle, std::int64_t now_us) {
   const double log_odds = network_log_odds(circle, motion.head<2>(), now_us);
   const double probability = found_probability(seen, log_odds);
   if (corrects_known(circle, probability, now_us)) return;
-  FoundDisc found{circle, motion, seen, log_odds, std::nullopt, probability};
-  if (place_for(found) == nullptr) return;
-  if (patches_left_ > 0) {
-    const Judged judgement = judged(circle, motion, now_us);
-    if (judgement.corrected) {
-      found.circle = judgement.circle;
-      found.evidence = evidence(found.circle, motion, now_us);
-    }
-    found.patch_log_odds = judgement.log_odds;
-    found.probability = found_probability(found.evidence, log_odds, judgement.log_odds);
+  FoundDisc found{circle, motion, seen, log_odds, unjudged_log_odds, probability};
+  if (patches_left_ == 0 || place_for(found) == nullptr) return;
+  const Judged judgement = judged(circle, motion, now_us);
+  if (judgement.corrected) {
+    found.circle = judgement.circle;
+    found.evidence = evidence(found.circle, motion, now_us);
   }
+  found.patch_log_odds = judgement.log_odds;
+  found.probability = found_probability(found.evidence, log_odds, judgement.log_odds);
   if (Followed* place = place_for(found)) follow(found, *place, now_us);
 }
 
@@ -269,10 +266,7 @@ void BallTracker::follow(const FoundDisc& found, Followed& place, std::int64_t n
   f.image_px_s = f.carried_px_s + f.track.speed_px_s();
   f.evidence = f.history.newest = found.evidence;
   f.network_log_odds = f.history.network_log_odds = f.history.network_mean = found.network_log_odds;
-  if (found.patch_log_odds) {
-    f.judged = true;
-    f.patch_log_odds = f.history.patch_log_odds = f.history.patch_mean = *found.patch_log_odds;
-  }
+  f.patch_log_odds = f.history.patch_log_odds = f.history.patch_mean = found.patch_log_odds;
   f.history.radius_variance_px2 = f.track.covariance()(2, 2);
   f.probability = new_share * found.probability;
   f.inputs = disc_inputs(f.evidence, f.history);

@@ -10,8 +10,8 @@ namespace saccade::inline v0_1 {
 /// Log odds of DiscNetwork below this count as this. Chosen on the fitting seeds.
 inline constexpr double least_network_log_odds = -1.0;
 
-/// Log odds by PatchNetwork of a circle that it has not judged yet, and the largest that counts.
-inline constexpr double unjudged_log_odds = -2.0, most_patch_log_odds = 8.0;
+/// Log odds by PatchNetwork that a circle is taken to have before it is judged, and the largest that count.
+inline constexpr double unjudged_log_odds = 2.0, most_patch_log_odds = 8.0;
 
 /// What a circle has shown since it is followed, beside its evidence; the defaults are those of a circle that was just
 /// found.

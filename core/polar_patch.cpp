@@ -47,37 +47,45 @@ float turns(float x, float y) {
   return angle;
 }
 
+/// Sums of weights by direction, ring (with one more inside and outside) and event channel.
 class Splat {
  public:
-  Splat(PolarPatch& patch, float width_px) : patch_(patch), per_width_(1.0F / width_px) {}
+  explicit Splat(float width_px) : per_width_(1.0F / width_px) {}
 
   /// Adds an event that the motion of `m_px` has carried to (x, y) from the centre; `off` from the outline.
   void add(float x, float y, float off_px, float m_px, std::size_t channel) {
-    const float ring = off_px * per_width_ + outline_ring;
-    if (!(ring > -1.0F && ring < static_cast<float>(PolarPatch::rings))) return;
+    const float ring = off_px * per_width_ + (outline_ring + 1.0F);
+    if (!(ring > 0.0F && ring < static_cast<float>(rings - 1))) return;
     const auto& w = weights().of[static_cast<std::size_t>(m_px * 8.0F)];
     const float direction = turns(x, y) * PolarPatch::directions;
-    const auto d0 = static_cast<std::size_t>(direction);
-    const float d_share = direction - static_cast<float>(d0);
-    const int r0 = static_cast<int>(std::floor(ring));
-    const float r_share = ring - static_cast<float>(r0);
-    for (std::size_t i = 0; i < 2; ++i) {
-      const std::size_t d = (d0 + i) % PolarPatch::directions;
-      const float by_direction = i == 0 ? 1.0F - d_share : d_share;
-      for (int j = 0; j < 2; ++j) {
-        const int r = r0 + j;
-        if (r < 0 || r >= static_cast<int>(PolarPatch::rings)) continue;
-        const float share = by_direction * (j == 0 ? 1.0F - r_share : r_share);
-        float* at = &patch_.values[(d * PolarPatch::rings + static_cast<std::size_t>(r)) * PolarPatch::channels +
-                                   channel];
-        at[0] += share * w[0];
-        at[1] += share * w[1];
-      }
-    }
+    const auto d = static_cast<std::size_t>(direction);
+    const auto r = static_cast<std::size_t>(ring);
+    const float d_share = direction - static_cast<float>(d);
+    const float r_share = ring - static_cast<float>(r);
+    add_pair(at(d % PolarPatch::directions, r) + channel, 1.0F - d_share, r_share, w);
+    add_pair(at((d + 1) % PolarPatch::directions, r) + channel, d_share, r_share, w);
+  }
+  [[nodiscard]] const float* of(std::size_t direction, std::size_t ring) const {
+    return sums_.data() + (direction * rings + ring + 1) * channels;
   }
 
  private:
-  PolarPatch& patch_;
+  static constexpr std::size_t rings = PolarPatch::rings + 2, channels = PolarPatch::event_channels;
+
+  [[nodiscard]] float* at(std::size_t direction, std::size_t ring) {
+    return sums_.data() + (direction * rings + ring) * channels;
+  }
+  static void add_pair(float* inner, float share, float outer_share, const std::array<float, 2>& w) {
+    float* outer = inner + channels;
+    const float to_outer = share * outer_share;
+    const float to_inner = share - to_outer;
+    inner[0] += to_inner * w[0];
+    inner[1] += to_inner * w[1];
+    outer[0] += to_outer * w[0];
+    outer[1] += to_outer * w[1];
+  }
+
+  std::array<float, PolarPatch::directions * rings * channels> sums_{};
   float per_width_;
 };
 
@@ -120,7 +128,7 @@ PolarPatch polar_patch(std::span<const std::int64_t> newest_us, ImageSize size, 
   const auto growth = static_cast<float>(motion.growth_px_s * 1e-6);
   const auto pixels = static_cast<std::size_t>(size.pixels());
 
-  Splat splat(patch, width_px);
+  Splat splat(width_px);
   for (int y = begin(cy); y <= y_end; y += stride) {
     for (int x = begin(cx); x <= x_end; x += stride) {
       const auto at = static_cast<std::size_t>(y * size.width + x);
@@ -160,7 +168,7 @@ PolarPatch polar_patch(std::span<const std::int64_t> newest_us, ImageSize size, 
       const float area_px2 = width_px * 2.0F * pi / PolarPatch::directions * std::max(at_px, 0.5F * width_px);
       const float per_px2 = static_cast<float>(stride * stride) / area_px2;
       for (std::size_t k = 0; k < PolarPatch::event_channels; ++k) {
-        value[k] *= per_px2;
+        value[k] = splat.of(d, r)[k] * per_px2;
         all += value[k];
       }
       const float x = cx + at_px * c;
