@@ -274,6 +274,8 @@ void BallTracker::update_probability(Followed& f, std::int64_t now_us) {
     f.history.network_log_odds = f.network_log_odds;
     f.history.patch_log_odds = f.patch_log_odds;
     f.history.patch_mean += share * (f.patch_log_odds - f.history.patch_mean);
+    f.history.patch_off_px += share * (f.patch_off_px - f.history.patch_off_px);
+    f.history.patch_off_radius_px += share * (f.patch_off_radius_px - f.history.patch_off_radius_px);
     f.history.network_mean += share * (f.network_log_odds - f.history.network_mean);
     f.history.on_ring_share += share * (f.fresh_on_outline / f.fresh_edges - f.history.on_ring_share);
     f.history.followed_px += weight * f.fresh_on_outline / length_px;

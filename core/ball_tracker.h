@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -113,6 +114,7 @@ class BallTracker final : public Detector, public DetectorViews {
     DiscHistory history;
     double network_log_odds = least_network_log_odds;  ///< of the last look
     double patch_log_odds = unjudged_log_odds;          ///< of the last judgement
+    double patch_off_px = 0.0, patch_off_radius_px = 0.0;
     bool changed = false;                               ///< since the last judgement
     DiscInputs inputs{};
     double probability = 0.0;
@@ -135,13 +137,22 @@ class BallTracker final : public Detector, public DetectorViews {
     std::int64_t at_us;
     bool as_found_too;  ///< tried without a fit of place and radius as well
   };
+  /// What PatchNetwork says about a circle.
+  struct Judged {
+    Circle circle;
+    double log_odds;
+    Circle off;  ///< what is still to be corrected
+    bool corrected;
+    [[nodiscard]] double off_px() const { return std::hypot(off.x_px, off.y_px); }
+    [[nodiscard]] double off_radius_px() const { return std::abs(off.r_px); }
+  };
   /// A circle to follow, and what it shows.
   struct FoundDisc {
     Circle circle;
     Eigen::Vector3d motion_px_s;
     DiscEvidence evidence;
     double network_log_odds;
-    double patch_log_odds;
+    Judged judgement;
     double probability;
   };
   /// The circles to try, oldest first; one that finds no place is left out.
@@ -199,11 +210,6 @@ class BallTracker final : public Detector, public DetectorViews {
   void try_found(std::int64_t now_us);
   void try_circle(const Circle& circle, std::int64_t now_us);
   void end_duplicates();
-  struct Judged {
-    Circle circle;
-    double log_odds;
-    bool corrected;
-  };
   [[nodiscard]] Judged judged(const Circle& circle, const Eigen::Vector3d& motion_px_s, std::int64_t now_us);
   void judge(std::int64_t now_us);
 

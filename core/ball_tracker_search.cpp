@@ -17,11 +17,14 @@ bool is_same(const Circle& a, const Circle& b, double px, double r_px) {
 
 /// Of a circle that was found and has no history.
 double found_probability(const DiscEvidence& evidence, double network_log_odds,
-                         double patch_log_odds = unjudged_log_odds) {
+                         double patch_log_odds = unjudged_log_odds, double off_px = 0.0,
+                         double off_radius_px = 0.0) {
   DiscHistory history;
   history.newest = evidence;
   history.network_log_odds = history.network_mean = network_log_odds;
   history.patch_log_odds = history.patch_mean = patch_log_odds;
+  history.patch_off_px = off_px;
+  history.patch_off_radius_px = off_radius_px;
   return disc_probability(disc_inputs(evidence, history));
 }
 
@@ -46,18 +49,19 @@ BallTracker::Judged BallTracker::judged(const Circle& circle, const Eigen::Vecto
         polar_patch(network_.newest_us(), camera_.size, c, patch_motion(c, motion), now_us));
   };
   const PatchJudgement judgement = judge(circle);
-  Judged best{circle, std::clamp(judgement.log_odds, -most_patch_log_odds, most_patch_log_odds), false};
   const Circle& off = judgement.correction;
+  const Judged best{circle, std::clamp(judgement.log_odds, -most_patch_log_odds, most_patch_log_odds), off, false};
   const double off_px = std::max({std::abs(off.x_px), std::abs(off.y_px), std::abs(off.r_px)});
   if (patches_left_ == 0 || off_px < least_correction * std::pow(circle.r_px, 0.75)) return best;
   const Circle corrected{circle.x_px + off.x_px, circle.y_px + off.y_px,
                          std::clamp(circle.r_px + off.r_px, config_.radius_px[0] - 0.5, config_.radius_px[1] + 0.5)};
-  const double log_odds = judge(corrected).log_odds;
+  const PatchJudgement again = judge(corrected);
+  const double log_odds = again.log_odds;
   const bool better = log_odds > best.log_odds + correction_gain;
   const bool as_good = log_odds > std::max(0.0, best.log_odds - correction_gain) &&
                        off_px > large_correction * std::pow(circle.r_px, 0.75);
   if (!better && !as_good) return best;
-  return {corrected, std::min(log_odds, most_patch_log_odds), true};
+  return {corrected, std::min(log_odds, most_patch_log_odds), again.correction, true};
 }
 
 /// Lets PatchNetwork judge the next of the followed circles near which edges have come since it was judged last.
@@ -79,6 +83,8 @@ void BallTracker::judge(std::int64_t now_us) {
     next->track.correct(found.circle, Eigen::Vector3d::Constant(fit_sd_px));
   }
   next->patch_log_odds = found.log_odds;
+  next->patch_off_px = found.off_px();
+  next->patch_off_radius_px = found.off_radius_px();
   next->changed = false;
 }
 
@@ -192,15 +198,15 @@ void BallTracker::try_circle(const Circle& circle, std::int64_t now_us) {
   const double log_odds = network_log_odds(circle, motion.head<2>(), now_us);
   const double probability = found_probability(seen, log_odds);
   if (corrects_known(circle, probability, now_us)) return;
-  FoundDisc found{circle, motion, seen, log_odds, unjudged_log_odds, probability};
+  FoundDisc found{circle, motion, seen, log_odds, {}, probability};
   if (patches_left_ == 0 || place_for(found) == nullptr) return;
-  const Judged judgement = judged(circle, motion, now_us);
-  if (judgement.corrected) {
-    found.circle = judgement.circle;
+  found.judgement = judged(circle, motion, now_us);
+  if (found.judgement.corrected) {
+    found.circle = found.judgement.circle;
     found.evidence = evidence(found.circle, motion, now_us);
   }
-  found.patch_log_odds = judgement.log_odds;
-  found.probability = found_probability(found.evidence, log_odds, judgement.log_odds);
+  found.probability = found_probability(found.evidence, log_odds, found.judgement.log_odds, found.judgement.off_px(),
+                                        found.judgement.off_radius_px());
   if (Followed* place = place_for(found)) follow(found, *place, now_us);
 }
 
@@ -266,7 +272,9 @@ void BallTracker::follow(const FoundDisc& found, Followed& place, std::int64_t n
   f.image_px_s = f.carried_px_s + f.track.speed_px_s();
   f.evidence = f.history.newest = found.evidence;
   f.network_log_odds = f.history.network_log_odds = f.history.network_mean = found.network_log_odds;
-  f.patch_log_odds = f.history.patch_log_odds = f.history.patch_mean = found.patch_log_odds;
+  f.patch_log_odds = f.history.patch_log_odds = f.history.patch_mean = found.judgement.log_odds;
+  f.patch_off_px = f.history.patch_off_px = found.judgement.off_px();
+  f.patch_off_radius_px = f.history.patch_off_radius_px = found.judgement.off_radius_px();
   f.history.radius_variance_px2 = f.track.covariance()(2, 2);
   f.probability = new_share * found.probability;
   f.inputs = disc_inputs(f.evidence, f.history);

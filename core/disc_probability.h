@@ -28,6 +28,7 @@ struct DiscHistory {
   double radius_variance_px2 = 1.0;  ///< of the track
   double patch_log_odds = unjudged_log_odds;  ///< by PatchNetwork
   double patch_mean = unjudged_log_odds;      ///< averaged like the evidence
+  double patch_off_px = 0.0, patch_off_radius_px = 0.0;  ///< size of its corrections of centre and radius, averaged
   /// Log odds by DiscNetwork's last look, from least_network_log_odds up: what the network sees speaks for a ball; that it
   /// sees none speaks for nothing, since it knows only worlds like those that it was fitted to.
   double network_log_odds = least_network_log_odds;
@@ -35,7 +36,7 @@ struct DiscHistory {
 };
 
 /// Inputs of the model: the evidence, then the history.
-inline constexpr std::size_t disc_input_count = evidence_count + 19;
+inline constexpr std::size_t disc_input_count = evidence_count + 21;
 using DiscInputs = std::array<float, disc_input_count>;
 
 [[nodiscard]] DiscInputs disc_inputs(const DiscEvidence& evidence, const DiscHistory& history);
