@@ -27,7 +27,7 @@ namespace saccade::inline v0_1 {
 /// Configuration of the recommended detector, `best`.
 struct BallTrackerConfig {
   std::array<double, 2> radius_px = {10, 35};  ///< smallest and largest radius, whole numbers
-  double threshold = 0.3;                      ///< probability from which on a circle is taken for the ball
+  double threshold = 0.5;                      ///< probability from which on a circle is taken for the ball
   double arc_deg = 12.0;                       ///< half-width of an arc of directed votes
   PlaneFitFlowConfig flow = {.max_age_us = 400'000};  ///< down to 2.5 px/s
   /// An event that follows the first one of its pixel and polarity sooner than this is of the same edge.
@@ -60,7 +60,7 @@ void describe(FieldVisitor& v, BallTrackerConfig& config);
 ///    (PatchNetwork).
 /// 8. Evidence, judgements and history of a circle give the probability that it is the ball (disc_probability).
 ///
-/// The work of a ms is bounded: flows_per_ms flows, 160 votes, 8 circles tried, 3 patches; an event beyond that only leaves its time
+/// The work of a ms is bounded: flows_per_ms flows, 160 votes, 8 circles tried, 4 patches; an event beyond that only leaves its time
 /// stamp. Everything happens at instants of 1 ms of the stream's own time, so that the estimate does not depend on how
 /// events come in batches.
 /// After: paper, section V (future work); regions after Glover, Dinale, Bartolozzi et al. (event surfaces SCARF and EROS
