@@ -89,7 +89,7 @@ int pixels_of_first_detector(const cv::Mat& shot) {
 TEST_F(ViewWindow, ShowsARecordedRunSeeksInItAndAppliesSettings) {
   ASSERT_EQ(run_shell("'" + binary + "' run '" + scenarios +
                       "hand_move.yaml' --set run.duration_s=0.8 --set output.pictures=0 --set expect={} "
-                      "--set 'detectors={best: {radius_px: [4, 14], threshold: 0.385}, paper_directed: "
+                      "--set 'detectors={best: {radius_px: [4, 14], threshold: 0.385542}, paper_directed: "
                       "{radius_px: [4, 14]}}' "
                       "--set frame_30hz.exposure_ms=20 --set render.max_interval_ms=5 "
                       "--out " +
@@ -134,7 +134,7 @@ TEST_F(ViewWindow, ShowsARecordedRunSeeksInItAndAppliesSettings) {
   click_time(0.75);
   EXPECT_TRUE(same_moment(first, screenshot())) << "sought back and forth";
 
-  std::string up;  // to 0.385 * 1.1^10 = 0.9986, the last step below the largest threshold, 1
+  std::string up;  // to 0.385542 * 1.1^10 = 0.99999, the last step below the largest threshold, 1
   for (int i = 0; i < 30; ++i) up += "bracketright ";
   press(up);
   const cv::Mat strict = screenshot();
