@@ -174,9 +174,9 @@ double BallTracker::network_log_odds(const Circle& circle, const Eigen::Vector2d
   return std::max(least_network_log_odds, static_cast<double>(network_.about(then).log_odds));
 }
 
-/// Tries some of the circles found, as long as patches can be judged.
+/// Tries some of the circles found.
 void BallTracker::try_found(std::int64_t now_us) {
-  for (std::size_t i = 0; i < tried_per_tick && !to_try_.empty() && patches_left_ > 0; ++i) {
+  for (std::size_t i = 0; i < tried_per_tick && !to_try_.empty(); ++i) {
     const FoundCircle found = to_try_.pop();
     Circle circle = found.circle;
     fill_fit(circle, found.at_us);
