@@ -272,10 +272,8 @@ void BallTracker::update_probability(Followed& f, std::int64_t now_us) {
     f.evidence.blend(newest, share);
     f.history.newest = newest;
     f.history.network_log_odds = f.network_log_odds;
-    f.history.patch_log_odds = f.patch_log_odds;
-    f.history.patch_mean += share * (f.patch_log_odds - f.history.patch_mean);
-    f.history.patch_off_px += share * (f.patch_off_px - f.history.patch_off_px);
-    f.history.patch_off_radius_px += share * (f.patch_off_radius_px - f.history.patch_off_radius_px);
+    f.history.patch = f.patch;
+    f.history.patch_mean.blend(f.patch, share);
     f.history.network_mean += share * (f.network_log_odds - f.history.network_mean);
     f.history.on_ring_share += share * (f.fresh_on_outline / f.fresh_edges - f.history.on_ring_share);
     f.history.followed_px += weight * f.fresh_on_outline / length_px;
@@ -293,15 +291,11 @@ double BallTracker::still_there(const Followed& f) {
   return f.probability * std::exp(-static_cast<double>(f.track.silent_us()) * 1e-6 / stays_s);
 }
 
-/// The most probable circle. Of several discs in view the one that has moved by itself is the ball: one that has not
-/// competes with a share of its probability.
+/// The circle that is most probably the ball.
 const BallTracker::Followed* BallTracker::best() const {
-  const auto worth = [](const Followed& f) {
-    return still_there(f) * (at_rest_share + (1.0 - at_rest_share) * f.history.moved_most_share);
-  };
   const Followed* best = nullptr;
   for (const Followed& f : followed_) {
-    if (f.alive && (best == nullptr || worth(f) > worth(*best))) best = &f;
+    if (f.alive && (best == nullptr || still_there(f) > still_there(*best))) best = &f;
   }
   return best;
 }

@@ -60,8 +60,8 @@ void describe(FieldVisitor& v, BallTrackerConfig& config);
 ///    (PatchNetwork).
 /// 8. Evidence, judgements and history of a circle give the probability that it is the ball (disc_probability).
 ///
-/// The work of a ms is bounded: flows_per_ms flows, 160 votes, 8 circles tried, 4 patches; an event beyond that only leaves its time
-/// stamp. Everything happens at instants of 1 ms of the stream's own time, so that the estimate does not depend on how
+/// The work of a ms is bounded: flows_per_ms flows, 160 votes, 8 circles tried, 4 patches; an event beyond that only
+/// leaves its time stamp. Everything happens at instants of 1 ms of the stream's own time, so that the estimate does not depend on how
 /// events come in batches.
 /// After: paper, section V (future work); regions after Glover, Dinale, Bartolozzi et al. (event surfaces SCARF and EROS
 /// of the same group).
@@ -95,8 +95,8 @@ class BallTracker final : public Detector, public DetectorViews {
   void for_each_hypothesis(Function f) const {
     for (const Followed& followed : followed_) {
       if (followed.alive)
-        f(Hypothesis{circle_now(followed), followed.track.covariance(), followed.inputs, followed.track.shown(),
-                     patch_motion(followed.track.shown(), followed.motion_px_s())});
+        f(Hypothesis{circle_now(followed), followed.track.covariance(), followed.inputs,
+                     followed.track.shown(), patch_motion(followed.track.shown(), followed.motion_px_s())});
     }
   }
   /// Motion of a circle whose centre and radius move so, and that of the background there.
@@ -113,9 +113,8 @@ class BallTracker final : public Detector, public DetectorViews {
     DiscEvidence evidence;  ///< averaged over the last pixels of motion
     DiscHistory history;
     double network_log_odds = least_network_log_odds;  ///< of the last look
-    double patch_log_odds = unjudged_log_odds;          ///< of the last judgement
-    double patch_off_px = 0.0, patch_off_radius_px = 0.0;
-    bool changed = false;                               ///< since the last judgement
+    PatchResult patch;                                 ///< of the last judgement
+    bool changed = false;                              ///< since then
     DiscInputs inputs{};
     double probability = 0.0;
     double found_probability = 0.0;  ///< as if it had just been found, at compared_us
@@ -137,14 +136,11 @@ class BallTracker final : public Detector, public DetectorViews {
     std::int64_t at_us;
     bool as_found_too;  ///< tried without a fit of place and radius as well
   };
-  /// What PatchNetwork says about a circle.
+  /// A circle, corrected by PatchNetwork or as it was, and what PatchNetwork says about it.
   struct Judged {
     Circle circle;
-    double log_odds;
-    Circle off;  ///< what is still to be corrected
+    PatchResult result;
     bool corrected;
-    [[nodiscard]] double off_px() const { return std::hypot(off.x_px, off.y_px); }
-    [[nodiscard]] double off_radius_px() const { return std::abs(off.r_px); }
   };
   /// A circle to follow, and what it shows.
   struct FoundDisc {

@@ -36,7 +36,6 @@ inline constexpr double gaze_follows_hole = 0.4;
 
 // Motion against the background.
 inline constexpr double anchor_s = 0.6, moved_begin_px = 2.0, moved_end_px = 6.0;
-inline constexpr double at_rest_share = 0.25;  // of its probability, for a disc that never moved against it
 
 // Search.
 inline constexpr std::size_t max_voters = 1024, votes_per_tick = 160;
@@ -57,8 +56,9 @@ inline constexpr std::uint64_t fewest_events_of_look = 20;
 // The judgements of polar patches.
 inline constexpr std::uint64_t sure_ticks_per_judgement = 4;
 inline constexpr int patches_per_tick = 4;
-inline constexpr double least_correction = 0.075, large_correction = 0.2;  // of r^0.75 px: 0.3, 0.8 ring widths
-inline constexpr double correction_gain = 0.5;     // of the log odds
+inline constexpr double least_correction_rings = 0.3,
+                        large_correction_rings = 0.8;  // ring widths of a polar patch
+inline constexpr double correction_gain = 0.5;         // of the log odds
 
 // Uncertainty of the estimate beside that of the track, fitted by scripts/fit to the errors of inliers.
 inline constexpr double covariance_scale = 4.0;

@@ -17,14 +17,11 @@ bool is_same(const Circle& a, const Circle& b, double px, double r_px) {
 
 /// Of a circle that was found and has no history.
 double found_probability(const DiscEvidence& evidence, double network_log_odds,
-                         double patch_log_odds = unjudged_log_odds, double off_px = 0.0,
-                         double off_radius_px = 0.0) {
+                         const PatchResult& patch = {}) {
   DiscHistory history;
   history.newest = evidence;
   history.network_log_odds = history.network_mean = network_log_odds;
-  history.patch_log_odds = history.patch_mean = patch_log_odds;
-  history.patch_off_px = off_px;
-  history.patch_off_radius_px = off_radius_px;
+  history.patch = history.patch_mean = patch;
   return disc_probability(disc_inputs(evidence, history));
 }
 
@@ -42,26 +39,31 @@ void BallTracker::work_ahead() {
 }
 
 /// The better one of a circle and its correction by PatchNetwork, and its log odds. Takes one or two of the tick's patches.
-BallTracker::Judged BallTracker::judged(const Circle& circle, const Eigen::Vector3d& motion, std::int64_t now_us) {
+BallTracker::Judged BallTracker::judged(const Circle& circle, const Eigen::Vector3d& motion,
+                                        std::int64_t now_us) {
   const auto judge = [&](const Circle& c) {
     --patches_left_;
-    return judge_patch(
-        polar_patch(network_.newest_us(), camera_.size, c, patch_motion(c, motion), now_us));
+    return judge_patch(polar_patch(network_.newest_us(), camera_.size, c, patch_motion(c, motion), now_us));
+  };
+  const auto result = [](const PatchJudgement& j) -> PatchResult {
+    return {std::clamp(j.log_odds, -most_patch_log_odds, most_patch_log_odds),
+            std::hypot(j.correction.x_px, j.correction.y_px), std::abs(j.correction.r_px)};
   };
   const PatchJudgement judgement = judge(circle);
   const Circle& off = judgement.correction;
-  const Judged best{circle, std::clamp(judgement.log_odds, -most_patch_log_odds, most_patch_log_odds), off, false};
-  const double off_px = std::max({std::abs(off.x_px), std::abs(off.y_px), std::abs(off.r_px)});
-  if (patches_left_ == 0 || off_px < least_correction * std::pow(circle.r_px, 0.75)) return best;
-  const Circle corrected{circle.x_px + off.x_px, circle.y_px + off.y_px,
-                         std::clamp(circle.r_px + off.r_px, config_.radius_px[0] - 0.5, config_.radius_px[1] + 0.5)};
-  const PatchJudgement again = judge(corrected);
-  const double log_odds = again.log_odds;
-  const bool better = log_odds > best.log_odds + correction_gain;
-  const bool as_good = log_odds > std::max(0.0, best.log_odds - correction_gain) &&
-                       off_px > large_correction * std::pow(circle.r_px, 0.75);
-  if (!better && !as_good) return best;
-  return {corrected, std::min(log_odds, most_patch_log_odds), again.correction, true};
+  const Judged as_it_was{circle, result(judgement), false};
+  const double off_rings =
+      std::max({std::abs(off.x_px), std::abs(off.y_px), std::abs(off.r_px)}) / polar_ring_px(circle.r_px);
+  if (patches_left_ == 0 || off_rings < least_correction_rings) return as_it_was;
+  const Circle moved{
+      circle.x_px + off.x_px, circle.y_px + off.y_px,
+      std::clamp(circle.r_px + off.r_px, config_.radius_px[0] - 0.5, config_.radius_px[1] + 0.5)};
+  const PatchJudgement again = judge(moved);
+  const double before = as_it_was.result.log_odds;
+  const bool better = again.log_odds > before + correction_gain;
+  const bool as_good =
+      again.log_odds > std::max(0.0, before - correction_gain) && off_rings > large_correction_rings;
+  return better || as_good ? Judged{moved, result(again), true} : as_it_was;
 }
 
 /// Lets PatchNetwork judge the next of the followed circles near which edges have come since it was judged last.
@@ -82,9 +84,7 @@ void BallTracker::judge(std::int64_t now_us) {
     next->track.doubt();
     next->track.correct(found.circle, Eigen::Vector3d::Constant(fit_sd_px));
   }
-  next->patch_log_odds = found.log_odds;
-  next->patch_off_px = found.off_px();
-  next->patch_off_radius_px = found.off_radius_px();
+  next->patch = found.result;
   next->changed = false;
 }
 
@@ -205,8 +205,7 @@ void BallTracker::try_circle(const Circle& circle, std::int64_t now_us) {
     found.circle = found.judgement.circle;
     found.evidence = evidence(found.circle, motion, now_us);
   }
-  found.probability = found_probability(found.evidence, log_odds, found.judgement.log_odds, found.judgement.off_px(),
-                                        found.judgement.off_radius_px());
+  found.probability = found_probability(found.evidence, log_odds, found.judgement.result);
   if (Followed* place = place_for(found)) follow(found, *place, now_us);
 }
 
@@ -234,8 +233,8 @@ bool BallTracker::corrects_known(const Circle& circle, double probability, std::
   return known;
 }
 
-/// The followed circle that a found one takes the place of: the least probable one of those that claim the same disc if there
-/// are enough, of all else. None where that is more probable.
+/// The followed circle that a found one takes the place of: where enough circles claim the same disc, the least probable one
+/// of these, else the least probable one of all. None where that is more probable.
 BallTracker::Followed* BallTracker::place_for(const FoundDisc& found) {
   const double reach_px = rival_share * found.circle.r_px;
   Followed* weakest = nullptr;
@@ -272,9 +271,7 @@ void BallTracker::follow(const FoundDisc& found, Followed& place, std::int64_t n
   f.image_px_s = f.carried_px_s + f.track.speed_px_s();
   f.evidence = f.history.newest = found.evidence;
   f.network_log_odds = f.history.network_log_odds = f.history.network_mean = found.network_log_odds;
-  f.patch_log_odds = f.history.patch_log_odds = f.history.patch_mean = found.judgement.log_odds;
-  f.patch_off_px = f.history.patch_off_px = found.judgement.off_px();
-  f.patch_off_radius_px = f.history.patch_off_radius_px = found.judgement.off_radius_px();
+  f.patch = f.history.patch = f.history.patch_mean = found.judgement.result;
   f.history.radius_variance_px2 = f.track.covariance()(2, 2);
   f.probability = new_share * found.probability;
   f.inputs = disc_inputs(f.evidence, f.history);

@@ -31,10 +31,10 @@ DiscInputs disc_inputs(const DiscEvidence& evidence, const DiscHistory& h) {
   add(std::min(2.0, h.moved_radii));
   add(h.on_ring_share);
   add(std::log(h.radius_variance_px2 + 1e-3));
-  add(std::log1p(h.patch_off_px));
-  add(std::log1p(h.patch_off_radius_px));
-  add(h.patch_log_odds);
-  add(h.patch_mean);
+  add(std::log1p(h.patch_mean.off_px));
+  add(std::log1p(h.patch_mean.off_radius_px));
+  add(h.patch.log_odds);
+  add(h.patch_mean.log_odds);
   add(h.network_log_odds);
   add(h.network_mean);
   return inputs;

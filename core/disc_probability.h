@@ -13,6 +13,19 @@ inline constexpr double least_network_log_odds = -1.0;
 /// Log odds by PatchNetwork that a circle is taken to have before it is judged, and the largest that count.
 inline constexpr double unjudged_log_odds = 2.0, most_patch_log_odds = 8.0;
 
+/// What PatchNetwork says about a circle.
+struct PatchResult {
+  double log_odds = unjudged_log_odds;
+  double off_px = 0.0, off_radius_px = 0.0;  ///< size of what is still to be corrected of centre and radius
+
+  /// Goes on towards a newer one by a share of the difference.
+  void blend(const PatchResult& newer, double share) {
+    log_odds += share * (newer.log_odds - log_odds);
+    off_px += share * (newer.off_px - off_px);
+    off_radius_px += share * (newer.off_radius_px - off_radius_px);
+  }
+};
+
 /// What a circle has shown since it is followed, beside its evidence; the defaults are those of a circle that was just
 /// found.
 struct DiscHistory {
@@ -26,9 +39,8 @@ struct DiscHistory {
   double moved_radii = 0.0;          ///< how far it has moved against the background lately, radii
   double on_ring_share = 0.5;        ///< of the edges near it
   double radius_variance_px2 = 1.0;  ///< of the track
-  double patch_log_odds = unjudged_log_odds;  ///< by PatchNetwork
-  double patch_mean = unjudged_log_odds;      ///< averaged like the evidence
-  double patch_off_px = 0.0, patch_off_radius_px = 0.0;  ///< size of its corrections of centre and radius, averaged
+  PatchResult patch;                 ///< of the last look
+  PatchResult patch_mean;            ///< averaged like the evidence
   /// Log odds by DiscNetwork's last look, from least_network_log_odds up: what the network sees speaks for a ball; that it
   /// sees none speaks for nothing, since it knows only worlds like those that it was fitted to.
   double network_log_odds = least_network_log_odds;

@@ -38,8 +38,8 @@ struct Layer {
 
 /// Calls f(tap, direction, ring) for the 3 x 3 neighbours of a place; beyond the rings there is none.
 template <std::size_t Directions, class Function>
-[[gnu::always_inline]] inline void for_neighbours(std::size_t direction, std::size_t ring, std::size_t ring_count,
-                                                  Function f) {
+[[gnu::always_inline]] inline void for_neighbours(std::size_t direction, std::size_t ring,
+                                                  std::size_t ring_count, Function f) {
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t d = (direction + i + Directions - 1) % Directions;
     for (std::size_t j = 0; j < 3; ++j) {
@@ -50,17 +50,19 @@ template <std::size_t Directions, class Function>
 }
 
 /// 3 x 3 of every second ring.
-[[gnu::always_inline]] inline void first_layer(const PolarPatch& patch, Layer<all_directions, first_channels>& out) {
+[[gnu::always_inline]] inline void first_layer(const PolarPatch& patch,
+                                               Layer<all_directions, first_channels>& out) {
   for (std::size_t d = 0; d < all_directions; ++d) {
     for (std::size_t r = 0; r < rings; ++r) {
       Channels<first_channels> sum;
       load(w::first_bias.data(), sum);
-      for_neighbours<all_directions>(d, 2 * r, PolarPatch::rings, [&](std::size_t tap, std::size_t nd, std::size_t nr) {
-        const float* in = patch.values.data() + (nd * PolarPatch::rings + nr) * PolarPatch::channels;
-        const float* weight = w::first.data() + tap * PolarPatch::channels * first_channels;
-        for (std::size_t c = 0; c < PolarPatch::channels; ++c, weight += first_channels)
-          add_product(std::min(in[c], largest_density), weight, sum);
-      });
+      for_neighbours<all_directions>(
+          d, 2 * r, PolarPatch::rings, [&](std::size_t tap, std::size_t nd, std::size_t nr) {
+            const float* in = patch.values.data() + (nd * PolarPatch::rings + nr) * PolarPatch::channels;
+            const float* weight = w::first.data() + tap * PolarPatch::channels * first_channels;
+            for (std::size_t c = 0; c < PolarPatch::channels; ++c, weight += first_channels)
+              add_product(std::min(in[c], largest_density), weight, sum);
+          });
       store_positive(sum, out.at(d, r));
     }
   }
@@ -118,7 +120,8 @@ using Around = std::array<std::array<float, last_channels>, directions>;
       add_product(value, w::around_depth.data() + i * last_channels, deep);
     }
     float flat[1][last_channels];
-    for (std::size_t i = 0; i < last_channels / lanes; ++i) reinterpret_cast<Lanes*>(flat[0])[i] = deep.part[i];
+    for (std::size_t i = 0; i < last_channels / lanes; ++i)
+      reinterpret_cast<Lanes*>(flat[0])[i] = deep.part[i];
     Channels<last_channels> sum[1], own;
     load(w::around_bias.data(), sum[0]);
     pointwise(flat, w::around_point.data(), sum);

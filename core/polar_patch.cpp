@@ -102,7 +102,7 @@ PolarPatch polar_patch(std::span<const std::int64_t> newest_us, ImageSize size, 
   PolarPatch patch;
   const double disc_px_s = motion.disc_px_s.norm();
   const double background_px_s = motion.background_px_s.norm();
-  patch.ring_px = 0.25 * std::pow(circle.r_px, 0.75);
+  patch.ring_px = polar_ring_px(circle.r_px);
   const auto width_px = static_cast<float>(patch.ring_px);
   const auto radius = static_cast<float>(circle.r_px);
   const auto cx = static_cast<float>(circle.x_px);

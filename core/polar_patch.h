@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -37,6 +38,9 @@ struct PolarPatch {
   std::array<float, figures> about{};
   double ring_px = 0.0;  ///< width of a ring
 };
+
+/// Width of a ring around a circle of this radius, px.
+[[nodiscard]] inline double polar_ring_px(double r_px) { return 0.25 * std::pow(r_px, 0.75); }
 
 /// `newest_us`: time of the newest ON event of every pixel, then of the newest OFF event; never: the least 64 bit number.
 /// Looks at no more than 2 x 61 x 61 pixels: of a larger circle only at every second or third in each direction.

@@ -62,7 +62,8 @@ std::uint8_t coded(float value, float least, float step) {
 
 class DiscInputWriter final : public Detector {
  public:
-  DiscInputWriter(const DiscInputsConfig& config, const Camera& camera) : tracker_(tracker_config(config), camera) {
+  DiscInputWriter(const DiscInputsConfig& config, const Camera& camera)
+      : tracker_(tracker_config(config), camera) {
     if (config.patches.empty()) file_ = opened(config.file, "wb");
     if (!config.patches.empty()) patches_ = opened(config.patches, "wb");
     if (config.circles.empty()) return;
@@ -106,11 +107,11 @@ class DiscInputWriter final : public Detector {
 
   void write_patches(std::int64_t now_ms) {
     if (now_ms % 12 == 0) {
-      tracker_.for_each_hypothesis([&](const BallTracker::Hypothesis& h) {
-        write_patch(now_ms, h.circle, h.shown, h.motion, true);
-      });
+      tracker_.for_each_hypothesis(
+          [&](const BallTracker::Hypothesis& h) { write_patch(now_ms, h.circle, h.shown, h.motion, true); });
     }
-    for (; next_circle_ < circles_.size() && circles_[next_circle_][0] <= static_cast<float>(now_ms); ++next_circle_) {
+    for (; next_circle_ < circles_.size() && circles_[next_circle_][0] <= static_cast<float>(now_ms);
+         ++next_circle_) {
       const GivenCircle& c = circles_[next_circle_];
       const Circle circle{c[1], c[2], c[3]};
       write_patch(now_ms, circle, circle, tracker_.patch_motion(circle, {c[4], c[5], c[6]}), false);
@@ -130,7 +131,8 @@ class DiscInputWriter final : public Detector {
     std::array<std::uint8_t, std::tuple_size_v<decltype(patch.values)>> codes{};
     for (std::size_t i = 0; i < codes.size(); ++i) {
       const bool signed_value = i % PolarPatch::channels > PolarPatch::event_channels;
-      codes[i] = signed_value ? coded(patch.values[i], -1.0F, 1.0F / 127.0F) : coded(patch.values[i], 0.0F, 0.01F);
+      codes[i] =
+          signed_value ? coded(patch.values[i], -1.0F, 1.0F / 127.0F) : coded(patch.values[i], 0.0F, 0.01F);
     }
     std::fwrite(codes.data(), 1, codes.size(), patches_.get());
   }
