@@ -291,11 +291,15 @@ double BallTracker::still_there(const Followed& f) {
   return f.probability * std::exp(-static_cast<double>(f.track.silent_us()) * 1e-6 / stays_s);
 }
 
-/// The circle that is most probably the ball.
+/// The most probable circle. Of several discs in view the one that has moved by itself is the ball: one that has not
+/// competes with a share of its probability.
 const BallTracker::Followed* BallTracker::best() const {
+  const auto worth = [](const Followed& f) {
+    return still_there(f) * (at_rest_share + (1.0 - at_rest_share) * f.history.moved_most_share);
+  };
   const Followed* best = nullptr;
   for (const Followed& f : followed_) {
-    if (f.alive && (best == nullptr || still_there(f) > still_there(*best))) best = &f;
+    if (f.alive && (best == nullptr || worth(f) > worth(*best))) best = &f;
   }
   return best;
 }

@@ -36,6 +36,7 @@ inline constexpr double gaze_follows_hole = 0.4;
 
 // Motion against the background.
 inline constexpr double anchor_s = 0.6, moved_begin_px = 2.0, moved_end_px = 6.0;
+inline constexpr double at_rest_share = 0.25;  // of its probability, for a disc that never moved against it
 
 // Search.
 inline constexpr std::size_t max_voters = 1024, votes_per_tick = 160;
