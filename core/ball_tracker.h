@@ -61,8 +61,8 @@ void describe(FieldVisitor& v, BallTrackerConfig& config);
 /// 8. Evidence, judgements and history of a circle give the probability that it is the ball (disc_probability).
 ///
 /// The work of a ms is bounded: flows_per_ms flows, 160 votes, 8 circles tried, 4 patches; an event beyond that only
-/// leaves its time stamp. Everything happens at instants of 1 ms of the stream's own time, so that the estimate does not depend on how
-/// events come in batches.
+/// leaves its time stamp. Everything happens at instants of 1 ms of the stream's own time, so that the estimate does not
+/// depend on how events come in batches.
 /// After: paper, section V (future work); regions after Glover, Dinale, Bartolozzi et al. (event surfaces SCARF and EROS
 /// of the same group).
 class BallTracker final : public Detector, public DetectorViews {
