@@ -34,6 +34,11 @@ endif()
 if(SACCADE_SANITIZE)
   target_compile_options(saccade_flags INTERFACE -fsanitize=${SACCADE_SANITIZE} -fno-omit-frame-pointer)
   target_link_options(saccade_flags INTERFACE -fsanitize=${SACCADE_SANITIZE})
+  # Ceres is built without sanitizers. With AddressSanitizer Eigen would allocate in another way here than there, and each
+  # frees what the other allocated.
+  if(SACCADE_SANITIZE MATCHES "address")
+    target_compile_definitions(saccade_flags INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)
+  endif()
   # These three checks stand at every access to a member and double GCC's compile time with Eigen. AddressSanitizer finds null
   # pointers too, and the fuzzers (preset fuzz) have all three.
   if(SACCADE_SANITIZE MATCHES "undefined" AND NOT SACCADE_FUZZ)

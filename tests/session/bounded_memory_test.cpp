@@ -11,6 +11,9 @@ namespace {
 /// Some 700,000 ticks after scores begin to be approximate (evaluation/scoring: from 2^18 on) memory is fixed. tests/bench/endurance is the
 /// same over 36 million ticks.
 TEST(Session, ItsMemoryDoesNotGrowWithTheTicks) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "AddressSanitizer keeps freed memory";
+#endif
   constexpr std::int64_t sample_ticks = 400'000;
   std::vector<std::int64_t> rss_kb;
   run_over_ticks(3 * sample_ticks, sample_ticks, [&](std::int64_t done) {
