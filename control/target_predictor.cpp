@@ -11,6 +11,7 @@ constexpr double share_of_amplitude = 0.25;
 constexpr double fall_distance_m = 0.02;
 constexpr double pause_after_failure_s = 0.3;
 constexpr double longest_gap_s = 1.0;    // of a sinusoid without a target
+constexpr double covered_after_s = 0.06, longest_cover_s = 1.0;
 constexpr double periodic_memory = 2.0;  // of the track behind a sinusoid, in time constants
 
 }  // namespace
@@ -27,16 +28,25 @@ TargetPredictor::Known TargetPredictor::known_at(double t_s) const {
     return {fall_->position_m + since_s * (fall_->velocity_m_s + 0.5 * gained), fall_->velocity_m_s + gained,
             gravity_m_s2()};
   }
+  if (line_) {
+    // The end of the line: longest_cover_s after the newest target.
+    const double end_s = now_s_ - track_.since_s() + longest_cover_s;
+    const Eigen::Vector3d velocity = t_s < end_s ? line_->velocity_m_s : Eigen::Vector3d::Zero();
+    return {line_->position_m + (std::min(t_s, end_s) - line_->t0_s) * line_->velocity_m_s, velocity,
+            Eigen::Vector3d::Zero()};
+  }
   return {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
 }
 
-void TargetPredictor::use(const std::optional<Sinusoid>& sinusoid, const std::optional<FreeFall>& fall) {
+void TargetPredictor::use(const std::optional<Sinusoid>& sinusoid, const std::optional<FreeFall>& fall,
+                          const std::optional<StraightPath>& line) {
   const double seen_s = now_s_ - age_s_;
-  const bool starts = (sinusoid && !sinusoid_) || (fall && !fall_);
+  const bool starts = (sinusoid && !sinusoid_) || (fall && !fall_) || (line && !line_);
   const Known before = known_at(seen_s);
   const bool follows = sinusoid && sinusoid_;
   sinusoid_ = sinusoid;
   fall_ = fall;
+  line_ = line;
   if (follows) return;
   distance_m_ = 0.0;
   if (starts) {
@@ -60,6 +70,10 @@ void TargetPredictor::advance(double dt_s) {
     forget_path();
   }
   fit_.search(path_);
+  if (!sinusoid_ && !fall_ && !line_was_fitted_ && track_.since_s() > covered_after_s) {
+    line_was_fitted_ = true;
+    if (const auto line = fit_straight_path(path_)) use({}, {}, line);
+  }
 }
 
 void TargetPredictor::observe(const Eigen::Vector3d& target_m, double age_s) {
@@ -67,6 +81,8 @@ void TargetPredictor::observe(const Eigen::Vector3d& target_m, double age_s) {
   const double since_s = track_.since_s();
   const bool fresh = !track_.is_known() || since_s > longest_gap();
   if (fresh && models_) forget();
+  if (line_) use({}, {});
+  line_was_fitted_ = false;
   const Known known = known_at(now_s_ - age_s_);
   const Eigen::Vector3d rest_m = target_m - known.position_m;
   if (!fresh) {
@@ -109,6 +125,8 @@ void TargetPredictor::forget_path() {
 void TargetPredictor::forget() {
   sinusoid_.reset();
   fall_.reset();
+  line_.reset();
+  line_was_fitted_ = false;
   forget_path();
   track_.forget();
   track_.set_time_constant(time_constant_s_);
@@ -131,7 +149,7 @@ TargetMotion TargetPredictor::predict(double lead_s) const {
     motion.position_m += ahead_s * track_.velocity_m_s() + (ahead_s - 0.5 * bend_s) * gained;
     motion.velocity_m_s += gained;
   }
-  if (sinusoid_ || fall_) {
+  if (sinusoid_ || fall_ || line_) {
     const Known known = known_at(now_s_ + lead_s);
     motion.position_m += known.position_m;
     motion.velocity_m_s += known.velocity_m_s;

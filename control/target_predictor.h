@@ -5,6 +5,7 @@
 #include "control/free_fall.h"
 #include "control/periodic_fit.h"
 #include "control/recent_path.h"
+#include "control/straight_path.h"
 #include "control/target_track.h"
 
 namespace saccade::inline v0_1 {
@@ -21,6 +22,10 @@ struct TargetMotion {
 /// free fall, and none while neither fits; it is extrapolated exactly. A TargetTrack follows the rest, so that it lags
 /// only behind the rest: without a known motion the estimate is that of the TargetTrack. When the known motion changes,
 /// the track is shifted, so that the estimate is continuous.
+///
+/// When no target has come for 60 ms and no motion is known, the target may be covered: for up to 1 s it is then
+/// extrapolated along the straight line of its path until shortly before (StraightPath), if it moved so, and rests at the
+/// end of it. The next target ends that.
 ///
 /// A known motion is dropped when observations leave it, or when no target came for 1 s (free fall: 0.5 s). They leave it
 /// when the mean distance over 30 ms between observations and predictions exceeds a quarter of the sinusoid's amplitude
@@ -52,7 +57,8 @@ class TargetPredictor {
   };
   [[nodiscard]] double longest_gap() const;
   [[nodiscard]] Known known_at(double t_s) const;
-  void use(const std::optional<Sinusoid>& sinusoid, const std::optional<FreeFall>& fall);
+  void use(const std::optional<Sinusoid>& sinusoid, const std::optional<FreeFall>& fall,
+           const std::optional<StraightPath>& line = {});
   [[nodiscard]] bool leaves_known_motion() const;
   void update_known_motion(bool new_average);
   void forget_path();
@@ -64,6 +70,8 @@ class TargetPredictor {
   PeriodicFit fit_;
   std::optional<Sinusoid> sinusoid_;
   std::optional<FreeFall> fall_;
+  std::optional<StraightPath> line_;  ///< since targets are missing
+  bool line_was_fitted_ = false;      ///< since then
   double now_s_ = 0.0;
   double age_s_ = 0.0;             ///< of the newest target
   double distance_m_ = 0.0;        ///< mean distance between observations and predictions

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/ball_tracker_constants.h"
+#include "core/decimated_detector.h"
 #include "core/time_stamp.h"
 #include "core/units.h"
 
@@ -318,6 +319,20 @@ Estimate BallTracker::estimate() {
                                                      .asDiagonal()
                                                      .toDenseMatrix();
   return {true, f->track.silent_us() >= tick_us, circle_now(*f), still_there(*f), covariance};
+}
+
+std::unique_ptr<Detector> make_ball_tracker(const BallTrackerConfig& config, const Camera& camera) {
+  check_config("detector", config);
+  const auto [smallest, largest] = config.radius_px;
+  const int step = largest > largest_fitted_px
+                       ? std::clamp(static_cast<int>(std::ceil(largest / largest_decimated_px)), 1,
+                                    std::max(1, static_cast<int>(smallest / smallest_decimated_px)))
+                       : 1;
+  if (step == 1) return std::make_unique<BallTracker>(config, camera);
+  BallTrackerConfig coarse = config;
+  coarse.radius_px = {std::floor(smallest / step), std::ceil(largest / step)};
+  return std::make_unique<DecimatedDetector>(std::make_unique<BallTracker>(coarse, decimated(camera, step)),
+                                             camera.size, step);
 }
 
 }  // namespace saccade::inline v0_1

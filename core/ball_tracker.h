@@ -240,4 +240,10 @@ class BallTracker final : public Detector, public DetectorViews {
   std::int64_t flows_left_, nth_event_ = 1, since_flow_ = 0, events_of_tick_ = 0;
 };
 
+/// BallTracker, for radii beyond those that it is fitted for on every n-th pixel (DecimatedDetector): n is the smallest with
+/// which the largest radius is at most 40 of these pixels, as long as the smallest one stays at least 5. Keys in pixels
+/// other than radius_px are then in these pixels. Throws InputError for a configuration out of range.
+[[nodiscard]] std::unique_ptr<Detector> make_ball_tracker(const BallTrackerConfig& config,
+                                                          const Camera& camera);
+
 }  // namespace saccade::inline v0_1

@@ -15,10 +15,12 @@ constexpr double outlier_sd = 3.0;
 constexpr double apart_px_s = 10.0;  // circle and room differ enough in speed to tell their edges apart
 
 // How a ball in a hand moves: it may start at any time, and turn as tightly as on a circle of turn_px; turns that last are
-// wider.
+// wider. A circle that moves slowly in the image while the camera turns fast is one that the gaze follows: what it has
+// turned so far shows only in the camera's motion, so that tighter turns are expected.
 constexpr double start_px_s2 = 80.0;
 constexpr double turn_px = 30.0;
-constexpr double lasting_turn_px = 60.0, turn_lasts_s = 0.15;
+constexpr double lasting_turn_px = 60.0, lasting_turn_in_pursuit_px = 20.0, turn_lasts_s = 0.15;
+constexpr double pursuit_share = 0.3;  // of the camera's image motion: what the gaze follows is slower in the image
 constexpr double growth_start_px_s2 = 20.0;
 constexpr double growth_per_speed_1_s = 1.0;
 constexpr double acceleration_lasts_s = 0.01;
@@ -72,7 +74,9 @@ void CircleTrack::predict(std::int64_t t_us, const Eigen::Vector2d& camera_flow_
   covariance_ = transition * covariance_ * transition.transpose();
   covariance_(6, 6) += latency_sd_s * latency_sd_s * (1.0 - transition(6, 6) * transition(6, 6));
   const double turn = start_px_s2 + speed2 / turn_px;
-  const double lasting_turn = speed2 / lasting_turn_px;
+  const bool in_pursuit =
+      image_px_s.squaredNorm() < pursuit_share * pursuit_share * camera_flow_px_s.squaredNorm();
+  const double lasting_turn = speed2 / (in_pursuit ? lasting_turn_in_pursuit_px : lasting_turn_px);
   covariance_.diagonal().tail<2>().array() += lasting_turn * lasting_turn * (1.0 - turns_on * turns_on);
   const double grow = growth_start_px_s2 + growth_per_speed_1_s * std::sqrt(speed2);
   for (int i = 0; i < 3; ++i) {  // white acceleration

@@ -94,9 +94,7 @@ DetectorRegistry built_in_detectors() {
                          "directed Hough transform of the paper, arcs along the event's flow",
                          hough(true, 0.3)));
   registry.add(detector_row("best", "tracker of up to four circles through edges; the detector to use",
-                            BallTrackerConfig{}, [](const BallTrackerConfig& config, const Camera& camera) {
-                              return std::make_unique<BallTracker>(config, camera);
-                            }));
+                            BallTrackerConfig{}, make_ball_tracker));
   registry.add(hough_row("lifetime", "directed Hough transform with a window by the lifetime of each event",
                          lifetime));
   registry.add(hough_row("single_radius", "circular Hough transform for one radius", single_radius));

@@ -107,6 +107,50 @@ TEST(TargetPredictor, FollowsASinusoidThroughAGapAndForgetsItAfterASecond) {
   EXPECT_LT(predictor.predict(0.0).velocity_m_s.norm(), 0.01);
 }
 
+/// Upright in front of the head at a constant speed, to the left.
+Path straight(double speed_m_s) {
+  return [speed_m_s](double t_s) { return Eigen::Vector3d(-0.5, 0.1 - speed_m_s * t_s, 0.35); };
+}
+
+/// The last 60 ms before 1.5 s drag the target along with what begins to cover it, then there is none until end_s.
+void cover(TargetPredictor& predictor, const Path& path, double end_s) {
+  watch(predictor, path, 0.0, 1.44);
+  for (int i = 0; i < 60; ++i) {
+    predictor.advance(tick_s);
+    predictor.observe(path(1.44) + Eigen::Vector3d(-0.03, 0.0004 * i, 0.0), 0.0);
+  }
+  for (int i = 0; i < std::lround((end_s - 1.5) / tick_s); ++i) predictor.advance(tick_s);
+}
+
+TEST(TargetPredictor, FollowsAStraightPathForASecondWhileTheTargetIsCovered) {
+  for (const double speed_m_s : {0.0, 0.08, 0.15}) {
+    TargetPredictor predictor(memory_s, true);
+    cover(predictor, straight(speed_m_s), 2.3);
+    EXPECT_LT(sideways_error_m(predictor, straight(speed_m_s), 2.3, 0.0), 0.015) << speed_m_s;
+    EXPECT_NEAR(predictor.predict(0.0).velocity_m_s.y(), -speed_m_s, 0.015) << speed_m_s;
+    for (int i = 0; i < 700; ++i) predictor.advance(tick_s);
+    EXPECT_LT((predictor.predict(0.0).position_m - straight(speed_m_s)(2.5)).tail<2>().norm(), 0.02);
+    EXPECT_EQ(predictor.predict(0.0).velocity_m_s.norm(), 0.0);
+  }
+}
+
+TEST(TargetPredictor, FollowsTheTargetAgainWhenItAppears) {
+  TargetPredictor predictor(memory_s, true);
+  cover(predictor, straight(0.08), 1.9);
+  const Path elsewhere = [](double t_s) { return straight(-0.05)(t_s); };
+  watch(predictor, elsewhere, 1.9, 2.3);
+  EXPECT_LT(sideways_error_m(predictor, elsewhere, 2.3, 0.02), 0.005);
+}
+
+TEST(TargetPredictor, ComesToRestWithoutTargetsWhereThePathWasFastOrBent) {
+  for (const Path& path : {straight(0.4), circle(0.6)}) {
+    TargetPredictor predictor(memory_s, true);
+    watch(predictor, path, 0.0, 0.7);
+    for (int i = 0; i < 400; ++i) predictor.advance(tick_s);
+    EXPECT_LT(predictor.predict(0.0).velocity_m_s.norm(), 0.01);
+  }
+}
+
 TEST(TargetPredictor, FindsNoSinusoidInWaypointsNorAtRest) {
   // Back and forth at 0.2 m/s with rests, as in gaze_square, and a ball at rest.
   const Path corners = [](double t_s) {
