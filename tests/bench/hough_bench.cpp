@@ -75,7 +75,7 @@ void process_and_ask(benchmark::State& state, const HoughDetectorConfig& config,
   const double s_per_event = (cpu_s() - start) / static_cast<double>(done);
   state.SetItemsProcessed(done);
   state.counters["us_per_query"] = s_per_event * static_cast<double>(batch) * 1e6;
-  if (size.pixels() <= 128 * 128 && config.radius_px == std::vector<double>{10, 35}) {
+  if (size.pixels() <= 128 * 128 && config.radius_px == std::array<double, 2>{10, 35}) {
     state.counters["x_reference"] = reference_s_per_event(config.directed, size) / s_per_event;
   }
 }
