@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/ball_tracker_constants.h"
+#include "core/better_of_two.h"
 #include "core/decimated_detector.h"
 #include "core/time_stamp.h"
 #include "core/units.h"
@@ -324,15 +325,20 @@ Estimate BallTracker::estimate() {
 std::unique_ptr<Detector> make_ball_tracker(const BallTrackerConfig& config, const Camera& camera) {
   check_config("detector", config);
   const auto [smallest, largest] = config.radius_px;
-  const int step = largest > largest_fitted_px
-                       ? std::clamp(static_cast<int>(std::ceil(largest / largest_decimated_px)), 1,
-                                    std::max(1, static_cast<int>(smallest / smallest_decimated_px)))
-                       : 1;
-  if (step == 1) return std::make_unique<BallTracker>(config, camera);
+  const auto on_all_pixels = [&](double to_px) {
+    BallTrackerConfig fine = config;
+    fine.radius_px[1] = to_px;
+    return std::make_unique<BallTracker>(fine, camera);
+  };
+  if (largest <= largest_fitted_px) return on_all_pixels(largest);
+  const int step = static_cast<int>(std::ceil(largest / largest_decimated_px));
+  const bool small_too = smallest < step * smallest_decimated_px;
   BallTrackerConfig coarse = config;
-  coarse.radius_px = {std::floor(smallest / step), std::ceil(largest / step)};
-  return std::make_unique<DecimatedDetector>(std::make_unique<BallTracker>(coarse, decimated(camera, step)),
-                                             camera.size, step);
+  coarse.radius_px = {std::floor((small_too ? smallest_of_two_px : smallest) / step), std::ceil(largest / step)};
+  auto large = std::make_unique<DecimatedDetector>(
+      std::make_unique<BallTracker>(coarse, decimated(camera, step)), camera.size, step);
+  if (!small_too) return large;
+  return std::make_unique<BetterOfTwo>(on_all_pixels(largest_fitted_px), std::move(large));
 }
 
 }  // namespace saccade::inline v0_1

@@ -240,9 +240,11 @@ class BallTracker final : public Detector, public DetectorViews {
   std::int64_t flows_left_, nth_event_ = 1, since_flow_ = 0, events_of_tick_ = 0;
 };
 
-/// BallTracker, for radii beyond those that it is fitted for on every n-th pixel (DecimatedDetector): n is the smallest with
-/// which the largest radius is at most 40 of these pixels, as long as the smallest one stays at least 5. Keys in pixels
-/// other than radius_px are then in these pixels. Throws InputError for a configuration out of range.
+/// BallTracker, with radii beyond those that it is fitted for (above 80 px) on every n-th pixel (DecimatedDetector), where n is
+/// the smallest number with which the largest radius is at most 40 of these pixels. Keys in pixels other than radius_px
+/// are then in these pixels. If the smallest radius is less than 5 of these pixels, a second BallTracker looks for radii
+/// up to 80 px on all pixels, the first one for those from 60 px on (BetterOfTwo).
+/// Throws InputError for a configuration out of range.
 [[nodiscard]] std::unique_ptr<Detector> make_ball_tracker(const BallTrackerConfig& config,
                                                           const Camera& camera);
 

@@ -12,8 +12,9 @@ inline constexpr std::int64_t tick_us = 1'000;
 inline constexpr double tick_s = 1e-3;
 inline constexpr int ticks_per_look = 2, ticks_per_hole = 4;
 
-// Radii, px: beyond the largest one of the worlds that it was fitted in, every n-th pixel is used.
-inline constexpr double largest_fitted_px = 80.0, largest_decimated_px = 40.0, smallest_decimated_px = 5.0;
+// Radii: beyond the largest one of the worlds that it was fitted in, every n-th pixel is used.
+inline constexpr double largest_fitted_px = 80.0, smallest_of_two_px = 60.0;
+inline constexpr double largest_decimated_px = 40.0, smallest_decimated_px = 5.0;  // in these pixels
 
 // Edges.
 inline constexpr double fastest_us_px = 10.0;      // steeper flows are noise

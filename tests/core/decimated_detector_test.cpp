@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <string>
+
 #include "core/ball_tracker.h"
 #include "tests/core/allocation_counter.h"
 #include "tests/core/streams.h"
@@ -37,11 +40,20 @@ TEST(Decimated, TheCameraSeesAPointAtEveryNthPixel) {
   }
 }
 
-TEST(Decimated, FindsABallBeyondTheFittedRadiiWithoutAllocating) {
+struct Ball {
+  std::array<double, 2> radii_px;
+  double r_px;
+};
+
+class DecimatedBall : public testing::TestWithParam<Ball> {};
+
+TEST_P(DecimatedBall, IsFoundWithoutAllocating) {
   const Camera camera = wide_camera();
-  const streams::MovingDisc disc{180, 200, 800, 300, 110};
+  const streams::MovingDisc disc{180, 200, 800, 300, GetParam().r_px};
   const std::vector<Event> events = disc.events(camera.size, 0.2);
-  const std::unique_ptr<Detector> tracker = make_ball_tracker(large_radii(), camera);
+  BallTrackerConfig config;
+  config.radius_px = GetParam().radii_px;
+  const std::unique_ptr<Detector> tracker = make_ball_tracker(config, camera);
   std::size_t next = 0;
   const std::int64_t before = allocation_count();
   for (std::int64_t t_us = 1000; t_us <= 200'000; t_us += 1000) {
@@ -58,16 +70,22 @@ TEST(Decimated, FindsABallBeyondTheFittedRadiiWithoutAllocating) {
   EXPECT_NEAR(found.circle.x_px, disc.x_at(200'000), 4.0);
   EXPECT_NEAR(found.circle.y_px, disc.y_at(200'000), 4.0);
   EXPECT_NEAR(found.circle.r_px, disc.r_px, 3.0);
-  EXPECT_GT(found.covariance_px2(0, 0), 16 * 1.2 * 1.2);  // 4 px of the image are one of the tracker's
+  // 4 px of the image are one of the tracker's.
+  EXPECT_EQ(found.covariance_px2(0, 0) > 16 * 1.2 * 1.2, disc.r_px > 80.0);
 }
+
+INSTANTIATE_TEST_SUITE_P(Radii, DecimatedBall,
+                         testing::Values(Ball{{70, 160}, 110}, Ball{{4, 144}, 110}, Ball{{4, 144}, 20}),
+                         [](const auto& ball) {
+                           return "Of" + std::to_string(static_cast<int>(ball.param.r_px)) + "PxFrom" +
+                                  std::to_string(static_cast<int>(ball.param.radii_px[0]));
+                         });
 
 TEST(Decimated, RadiiWithinTheFittedOnesAreFollowedOnAllPixels) {
   BallTrackerConfig config;
   config.radius_px = {16, 80};
   EXPECT_NE(dynamic_cast<BallTracker*>(make_ball_tracker(config, wide_camera()).get()), nullptr);
   EXPECT_EQ(dynamic_cast<BallTracker*>(make_ball_tracker(large_radii(), wide_camera()).get()), nullptr);
-  config.radius_px = {4, 200};  // half the pixels would leave the smallest balls a radius of 2
-  EXPECT_NE(dynamic_cast<BallTracker*>(make_ball_tracker(config, wide_camera()).get()), nullptr);
   config.radius_px = {200, 70};
   EXPECT_THROW(static_cast<void>(make_ball_tracker(config, wide_camera())), InputError);
 }
@@ -81,10 +99,12 @@ TEST(Decimated, CountsRejectedEventsOfAllPixels) {
   EXPECT_EQ(tracker->rejected().back_in_time, 1);
 }
 
-TEST(Decimated, ACopyGivesTheSameEstimatesAndHoughSpace) {
+TEST_P(DecimatedBall, ACopyGivesTheSameEstimatesAndHoughSpace) {
   const Camera camera = wide_camera();
-  const std::vector<Event> events = streams::MovingDisc{180, 200, 800, 300, 110}.events(camera.size, 0.15);
-  const std::unique_ptr<Detector> tracker = make_ball_tracker(large_radii(), camera);
+  BallTrackerConfig config;
+  config.radius_px = GetParam().radii_px;
+  const std::vector<Event> events = streams::MovingDisc{180, 200, 800, 300, GetParam().r_px}.events(camera.size, 0.15);
+  const std::unique_ptr<Detector> tracker = make_ball_tracker(config, camera);
   const std::size_t half = events.size() / 2;
   tracker->process(std::span(events).first(half), nullptr);
   const std::unique_ptr<Detector> copy = copy_of(*tracker);
