@@ -11,6 +11,9 @@
 namespace saccade::inline v0_1 {
 namespace {
 
+// Of FollowWatch. Friction and backlash let a joint rest by less than the second while its reference moves.
+constexpr double stuck_within_rad = 0.2 * rad_per_deg, stuck_reference_rad = 3.0 * rad_per_deg;
+
 constexpr double look_ms = 2.0;  // between two looks of those who stop the head when no tick comes
 
 double ms(std::int64_t us) { return static_cast<double>(us) * 1e-3; }
@@ -135,20 +138,32 @@ std::optional<Fault> Watchdog::check(const TickFacts& facts) const {
 void FollowWatch::update(std::int64_t t_us, const HeadJointVector& reference_rad,
                          const HeadJointVector& position_rad) {
   for (Eigen::Index j = 0; j < gaze_slots; ++j) {
-    std::optional<std::int64_t>& since_us = since_us_[static_cast<std::size_t>(j)];
-    if (!(std::abs(reference_rad[j] - position_rad[j]) > lag_rad_)) {
-      since_us.reset();
-    } else if (!since_us) {
-      since_us = t_us;
+    Joint& joint = joints_[static_cast<std::size_t>(j)];
+    const double reference = reference_rad[j], position = position_rad[j];
+    if (!(std::abs(reference - position) > lag_rad_)) {
+      joint.far_since_us.reset();
+    } else if (!joint.far_since_us) {
+      joint.far_since_us = t_us;
     }
+    if (!joint.rest_rad || !(std::abs(position - *joint.rest_rad) <= stuck_within_rad)) {
+      joint.rest_rad = position;
+      joint.least_rad = joint.largest_rad = reference;
+      joint.stuck_since_us.reset();
+    }
+    joint.least_rad = std::min(joint.least_rad, reference);
+    joint.largest_rad = std::max(joint.largest_rad, reference);
+    if (!joint.stuck_since_us && joint.largest_rad - joint.least_rad > stuck_reference_rad)
+      joint.stuck_since_us = t_us;
   }
 }
 
 void FollowWatch::add_to(TickFacts& facts) const {
-  for (std::size_t j = 0; j < since_us_.size(); ++j) {
-    if (!since_us_[j] || (facts.lags_since_us && *facts.lags_since_us <= *since_us_[j])) continue;
-    facts.lags_since_us = since_us_[j];
-    facts.lagging = torso_slots + static_cast<int>(j);
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    for (const std::optional<std::int64_t>& since_us : {joints_[j].far_since_us, joints_[j].stuck_since_us}) {
+      if (!since_us || (facts.lags_since_us && *facts.lags_since_us <= *since_us)) continue;
+      facts.lags_since_us = since_us;
+      facts.lagging = torso_slots + static_cast<int>(j);
+    }
   }
 }
 

@@ -44,8 +44,8 @@ struct WatchdogConfig {
   double joints_stale_ms = 60.0;
   double tick_late_ms = 20.0;
   double joint_outside_deg = 1.0;
-  double joint_lag_deg = 6.0;   ///< a joint does not follow if it is farther than this from its reference ...
-  double joint_lag_ms = 500.0;  ///< ... for longer than this
+  double joint_lag_deg = 6.0;   ///< a joint does not follow if it is farther than this from its reference,
+  double joint_lag_ms = 500.0;  ///< or rests while that moves (FollowWatch), for longer than this
   double hang_ms = 35.0;        ///< without a tick, another thread and the guard stop the head
   double safe_within_ms = 100.0;
 };
@@ -62,24 +62,31 @@ struct TickFacts {
   std::optional<HeadState> head = std::nullopt;           ///< newest reading; none without a head
   std::optional<HeadDrives> drives = std::nullopt;        ///< none where the loop sends no references
   std::optional<std::int64_t> refused_us = std::nullopt;  ///< when the head rejected the newest reference
-  /// Since when a joint is farther than joint_lag_deg from its reference, and which joint; see FollowWatch.
+  /// Since when a joint does not follow its reference, and which joint; see FollowWatch.
   std::optional<std::int64_t> lags_since_us = std::nullopt;
   int lagging = neck_pitch;  ///< its slot
 };
 
-/// Measures since when each joint is far from its reference.
+/// Measures since when each joint does not follow its reference: it is farther than lag_deg from it, or it rests within
+/// 0.2 deg while its reference has moved over more than 3 deg, as that of a stuck joint does which swings about it.
 class FollowWatch {
  public:
   explicit FollowWatch(double lag_deg) : lag_rad_(lag_deg * rad_per_deg) {}
   /// The reference sent in a tick and the positions read in that tick, rad.
   void update(std::int64_t t_us, const HeadJointVector& reference_rad, const HeadJointVector& position_rad);
-  void clear() { since_us_.fill(std::nullopt); }
-  /// Adds the joint that has lagged the longest to the facts of a tick.
+  void clear() { joints_.fill({}); }
+  /// Adds the joint that has not followed for the longest time to the facts of a tick.
   void add_to(TickFacts& facts) const;
 
  private:
+  struct Joint {
+    std::optional<std::int64_t> far_since_us, stuck_since_us;
+    /// Where it rests, and the smallest and largest reference since then; none before the first update.
+    std::optional<double> rest_rad;
+    double least_rad = 0.0, largest_rad = 0.0;
+  };
   double lag_rad_;
-  std::array<std::optional<std::int64_t>, gaze_slots> since_us_{};
+  std::array<Joint, gaze_slots> joints_{};
 };
 
 /// A stop: its cause, time and extent.

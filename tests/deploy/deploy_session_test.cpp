@@ -437,6 +437,38 @@ TEST(DeploySession, AJointThatDoesNotFollowItsReferenceStopsTheHead) {
   EXPECT_EQ(trial.session->last_stop()->description(), "neck_yaw has not followed its reference for 501 ms");
 }
 
+TEST(FollowWatch, NoticesAJointThatRestsWhileItsReferenceSwingsAboutIt) {
+  // Within 4 deg, less than lag_deg; the joint's encoder has noise of 0.05 deg.
+  for (const double follows : {0.0, 0.3}) {
+    FollowWatch watch(6.0);
+    std::optional<std::int64_t> since_us;
+    for (std::int64_t t_us = 0; t_us < 2'000'000; t_us += 1000) {
+      const double swing_rad = 4.0 * rad_per_deg * std::sin(6.28e-6 * static_cast<double>(t_us));
+      HeadJointVector reference = HeadJointVector::Zero(), position = HeadJointVector::Zero();
+      reference[2] = swing_rad;
+      position[2] = follows * swing_rad + (t_us % 2000 == 0 ? 0.05 : -0.05) * rad_per_deg;
+      watch.update(t_us, reference, position);
+      TickFacts facts;
+      watch.add_to(facts);
+      if (facts.lags_since_us) {
+        EXPECT_EQ(facts.lagging, torso_slots + 2);
+        since_us = facts.lags_since_us;
+      }
+    }
+    EXPECT_EQ(since_us.has_value(), follows == 0.0);
+    if (since_us) EXPECT_LT(*since_us, 400'000);
+  }
+  FollowWatch watch(6.0);
+  TickFacts facts;
+  HeadJointVector reference = HeadJointVector::Zero();
+  for (int i = 0; i < 1000; ++i) {  // within what friction holds
+    reference[1] = 2.5 * rad_per_deg * (i % 2);
+    watch.update(i * 1000, reference, HeadJointVector::Zero());
+  }
+  watch.add_to(facts);
+  EXPECT_FALSE(facts.lags_since_us.has_value());
+}
+
 TEST(FollowWatch, CountsFromTheFirstReadingThatIsTooFarAndForgetsWhenTheJointArrives) {
   FollowWatch watch(6.0);
   HeadJointVector position_rad = HeadJointVector::Zero();
