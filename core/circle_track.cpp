@@ -15,8 +15,8 @@ constexpr double outlier_sd = 3.0;
 constexpr double apart_px_s = 10.0;  // circle and room differ enough in speed to tell their edges apart
 
 // How a ball in a hand moves: it may start at any time, and turn as tightly as on a circle of turn_px; turns that last are
-// wider. A circle that moves slowly in the image while the camera turns fast is one that the gaze follows: what it has
-// turned so far shows only in the camera's motion, so that tighter turns are expected.
+// wider. A circle that moves slowly in the image while the camera turns fast is one that the gaze follows. It turns with
+// the camera, so tighter turns are expected.
 constexpr double start_px_s2 = 80.0;
 constexpr double turn_px = 30.0;
 constexpr double lasting_turn_px = 60.0, lasting_turn_in_pursuit_px = 20.0, turn_lasts_s = 0.15;
