@@ -1,10 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "core/error.h"
 
@@ -28,6 +29,9 @@ void write_file(const std::filesystem::path& path, std::string_view text);
 /// renames. Without sync() or commit() the destructor removes the `.part` file; after a crash it remains under that name.
 /// Every member but the destructor throws RunError with the file's name when writing fails, DiskFull where there is no
 /// room.
+///
+/// Files longer than 64 kB are written by a thread of their own, so that write() does not wait for a disk that pauses: up
+/// to 4 MB wait in memory, with more write() waits. A failure of that thread is reported by the next member that is called.
 class OutputFile {
  public:
   explicit OutputFile(std::filesystem::path path);
@@ -48,9 +52,16 @@ class OutputFile {
   [[nodiscard]] const std::filesystem::path& part() const { return part_; }
 
  private:
+  class WriterThread;
+
+  void write_buffer();
+  void wait_until_written();
+
   std::filesystem::path path_;
   std::filesystem::path part_;
-  std::FILE* file_ = nullptr;
+  int file_ = -1;  ///< descriptor; -1: closed
+  std::vector<std::byte> buffer_;
+  std::unique_ptr<WriterThread> thread_;  ///< null for a short file
   bool keeps_part_ = false;
 };
 

@@ -16,9 +16,11 @@
 #include <yarp/os/Time.h>
 
 #include <mutex>
+#include <optional>
 
 #include "core/error.h"
 #include "core/units.h"
+#include "robot/yarp/checked_port.h"
 #include "robot/yarp/yarp_network.h"
 
 namespace saccade::inline v0_1 {
@@ -434,8 +436,11 @@ struct YarpControlBoard::Ports {
   yarp::dev::PolyDriver device;   // lends the Device
   yarp::dev::PolyDriver wrapper;  // controlBoard_nws_yarp
   yarp::dev::IWrapper* attached = nullptr;
+  std::optional<CheckedPort> requests, commands;
 
   ~Ports() {
+    requests.reset();
+    commands.reset();
     if (attached != nullptr) attached->detach();
     wrapper.close();
   }
@@ -457,6 +462,8 @@ YarpControlBoard::YarpControlBoard(const Config& config, const JointBoard& board
   ports_->device.give(device_.get(), false);
   if (!wrapper->attach(&ports_->device)) throw RunError("YARP cannot attach a device to " + config.part);
   ports_->attached = wrapper;
+  ports_->requests.emplace(config.part + "/rpc:i", CheckedPort::Kind::requests);
+  ports_->commands.emplace(config.part + "/command:i", CheckedPort::Kind::commands);
 }
 
 YarpControlBoard::~YarpControlBoard() = default;

@@ -15,7 +15,7 @@ namespace saccade::inline v0_1 {
 /// iKinGazeCtrl) can use it. It supports positions, speeds, modes and limits, but no motors, torques, currents or gains.
 /// Clients cannot change limits.
 ///
-/// The ports belong to YARP (controlBoard_nws_yarp) and run in its threads. Call the functions below from one thread.
+/// The ports belong to YARP (controlBoard_nws_yarp) and run in its threads, the inputs behind a CheckedPort. Call the functions below from one thread.
 class YarpControlBoard {
  public:
   struct Config {

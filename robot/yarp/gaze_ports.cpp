@@ -11,51 +11,21 @@
 #include <yarp/os/Time.h>
 
 #include <array>
-#include <optional>
 
 #include "core/error.h"
 #include "core/units.h"
-#include "robot/bottle.h"
+#include "robot/yarp/checked_port.h"
 #include "robot/yarp/yarp_network.h"
 
 namespace saccade::inline v0_1 {
 namespace {
-
-/// Reads a whole message of bounded size, whose counts are checked before YARP believes them. None for another message:
-/// it is discarded, and its sender loses the connection.
-std::optional<yarp::os::Bottle> bounded_message(yarp::os::ConnectionReader& reader) {
-  if (!reader.isValid()) return std::nullopt;
-  yarp::os::Bottle message;
-  if (reader.isTextMode()) {
-    const std::string line = reader.expectText();
-    if (line.size() > longest_bottle) {
-      reader.requestDrop();
-      return std::nullopt;
-    }
-    message.fromString(line);
-    return message;
-  }
-  const std::size_t size = reader.getSize();
-  if (size > longest_bottle) {
-    discard(reader);
-    return std::nullopt;
-  }
-  std::vector<std::byte> bytes(size);
-  if (!reader.expectBlock(reinterpret_cast<char*>(bytes.data()), size)) return std::nullopt;
-  if (!check_bottle(bytes).empty()) {
-    reader.requestDrop();
-    return std::nullopt;
-  }
-  message.fromBinary(reinterpret_cast<const char*>(bytes.data()), size);
-  return message;
-}
 
 /// What a port says, as the request that means the same.
 class Look final : public yarp::os::PortReader {
  public:
   Look(const char* kind, const YarpGazePorts::Answer& answer) : kind_(kind), answer_(answer) {}
   bool read(yarp::os::ConnectionReader& reader) override {
-    const auto message = bounded_message(reader);
+    const auto message = checked_message(reader);
     if (!message) return false;
     answer_("look " + kind_ + " (" + message->toString() + ")");
     return true;
@@ -70,7 +40,7 @@ class Rpc final : public yarp::os::PortReader {
  public:
   explicit Rpc(const YarpGazePorts::Answer& answer) : answer_(answer) {}
   bool read(yarp::os::ConnectionReader& reader) override {
-    const auto request = bounded_message(reader);
+    const auto request = checked_message(reader);
     if (!request) return false;
     yarp::os::Bottle reply(answer_(request->toString()));
     if (yarp::os::ConnectionWriter* writer = reader.getWriter()) reply.write(*writer);

@@ -3,9 +3,11 @@
 #include <benchmark/benchmark.h>
 
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include "sim/sim_robot.h"
+#include "threads/worker_threads.h"
 
 namespace saccade {
 namespace {
@@ -52,7 +54,7 @@ void reprojected_image(benchmark::State& state, Clutter clutter) {
   World world(config.world, lab.mjcf(), 1);
   const auto gl = GlContext::create("auto");
   lab.paint(world.model());
-  KeyframeRenderer eye(world.model(), *gl, config.camera, config.render);
+  KeyframeRenderer eye(world.model(), *gl, config.camera, config.render, std::make_shared<WorkerThreads>(1));
   std::vector<float> luminance(static_cast<std::size_t>(config.camera.size.pixels()));
   std::int64_t i = 0;
   for (auto _ : state) {

@@ -66,6 +66,49 @@ TEST(OutputFile, FailsWhenTheDiskTakesNoMoreBytes) {
   EXPECT_FALSE(std::filesystem::exists(folder / "a.txt"));
 }
 
+TEST(OutputFile, KeepsTheOrderOfALongFileAndOfWhatIsOverwrittenInIt) {
+  const TempFolder folder;
+  std::string text;
+  for (int i = 0; i < 200'000; ++i) text += std::to_string(i) + "\n";  // many blocks
+  {
+    OutputFile file(folder / "a.txt");
+    file.write(std::string_view(text).substr(0, 300'001));
+    file.overwrite(70'000, std::as_bytes(std::span("####", 4)));
+    for (std::size_t at = 300'001; at < text.size(); at += 1'003)
+      file.write(std::string_view(text).substr(at, 1'003));
+    file.commit();
+  }
+  text.replace(70'000, 4, "####");
+  EXPECT_EQ(bytes_of(folder / "a.txt"), text);
+}
+
+TEST(OutputFile, KeepsWhatWasSyncedWithoutCommit) {
+  const TempFolder folder;
+  const std::string text(1'000'000, 'x');
+  {
+    OutputFile file(folder / "a.txt");
+    file.write(text);
+    file.sync();
+    EXPECT_EQ(bytes_of(folder / "a.txt.part"), text);
+  }
+  EXPECT_EQ(bytes_of(folder / "a.txt.part"), text);
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.txt"));
+}
+
+TEST(OutputFile, ReportsAFullDiskWhileALongFileIsWritten) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full: a full disk is not tried";
+  const TempFolder folder;
+  std::filesystem::create_symlink("/dev/full", folder / "a.txt.part");
+  OutputFile file(folder / "a.txt");
+  const std::string block(1'000'000, 'x');
+  EXPECT_THROW(
+      {
+        for (int i = 0; i < 100; ++i) file.write(block);
+      },
+      DiskFull);
+  EXPECT_THROW(file.commit(), DiskFull);
+}
+
 TEST(CheckOutputs, RejectsFoldersFilesThatExistAndTheInputsUnderAnyName) {
   namespace fs = std::filesystem;
   const TempFolder folder;

@@ -7,11 +7,13 @@
 #include <yarp/dev/IEncoders.h>
 #include <yarp/dev/PolyDriver.h>
 #include <yarp/os/Property.h>
+#include <yarp/os/RpcClient.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "core/error.h"
+#include "robot/yarp/checked_port.h"
 #include "tests/robot/port_conformance.h"
 #include "tests/robot/yarp/peers.h"
 #include "tests/robot/yarp/yarp_world.h"
@@ -469,6 +471,76 @@ TEST_F(Yarp, MessagesOfAStrangerAndFalseCountsDoNotReachTheJoints) {
     ASSERT_EQ(world.robot.head()->read(state), PortStatus::ok);
     ASSERT_LT(state.position_rad.cwiseAbs().maxCoeff(), 60 * deg) << "a false reading";
   }
+}
+
+/// Bytes as a message.
+struct Bytes final : yarp::os::PortWriter {
+  std::vector<char> bytes;
+  bool write(yarp::os::ConnectionWriter& writer) const override {
+    writer.appendBlock(bytes.data(), bytes.size());
+    return true;
+  }
+};
+
+TEST_F(Yarp, AMessageWithAFalseLengthDoesNotReachAPortBehindACheckedPort) {
+  struct Echo final : yarp::os::PortReader {
+    bool read(yarp::os::ConnectionReader& reader) override {
+      yarp::os::Bottle message;  // ends the program if a string in it has a false length
+      if (!message.read(reader)) return false;
+      if (yarp::os::ConnectionWriter* writer = reader.getWriter()) message.write(*writer);
+      return true;
+    }
+  } echo;
+  const std::string name = unique_name("/board");
+  yarp::os::Port port;
+  port.setReader(echo);
+  port.setRpcMode(true);
+  ASSERT_TRUE(port.open(name + "/rpc:i"));
+  const CheckedPort checked(name + "/rpc:i", CheckedPort::Kind::requests);
+
+  yarp::os::Bottle request("[set] [pos] 1 2.5 \"text\"");
+  Bytes message;
+  std::size_t size = 0;
+  const char* binary = request.toBinary(&size);
+  message.bytes.assign(binary, binary + size);
+  const char text[] = "text";
+  const auto at = std::search(message.bytes.begin(), message.bytes.end(), text, text + 4);
+  ASSERT_NE(at, message.bytes.end());
+  std::fill(at - 4, at, static_cast<char>(0xff));  // its length: -1
+  yarp::os::Port stranger;
+  ASSERT_TRUE(stranger.open(unique_name("/stranger")));
+  ASSERT_TRUE(yarp::os::Network::connect(stranger.getName(), name + "/rpc:i"));
+  stranger.write(message);
+
+  yarp::os::RpcClient client;
+  ASSERT_TRUE(client.open(unique_name("/client")));
+  ASSERT_TRUE(yarp::os::Network::connect(client.getName(), name + "/rpc:i"));
+  yarp::os::Bottle reply;
+  ASSERT_TRUE(client.write(request, reply));
+  EXPECT_EQ(reply.toString(), request.toString());
+}
+
+TEST_F(Yarp, OnlyAListAndNumbersReachAPortThatTakesCommands) {
+  const std::string name = unique_name("/board");
+  yarp::os::BufferedPort<yarp::os::Bottle> port;
+  port.setStrict();
+  ASSERT_TRUE(port.open(name + "/command:i"));
+  const CheckedPort checked(name + "/command:i", CheckedPort::Kind::commands);
+  const auto send = [&](const char* text) {
+    yarp::os::Port client;
+    ASSERT_TRUE(client.open(unique_name("/client")));
+    ASSERT_TRUE(yarp::os::Network::connect(client.getName(), name + "/command:i"));
+    yarp::os::Bottle message(text);
+    client.write(message);
+  };
+  for (const char* bad : {"text", "1.0 2.0", "([pos] 1) (text)", "([pos] 1) ()", "(1.0 2.0) (1.0 2.0)",
+                          "([pos] 1) (1.0) (2.0)", "([pos] 1) (1 2)"})
+    send(bad);
+  send("([pos] 1) (1.0 2.0)");
+  const yarp::os::Bottle* came = nullptr;
+  ASSERT_TRUE(eventually(2.0, [&] { return (came = port.read(false)) != nullptr; }));
+  EXPECT_EQ(came->toString(), "([pos] 1) (1.0 2.0)");
+  EXPECT_EQ(port.getPendingReads(), 0);
 }
 
 TEST_F(Yarp, PacketsOfAStrangerDoNotHideASilentCamera) {
