@@ -25,6 +25,8 @@ constexpr double difference = 0.04;           ///< of a parameter's logarithm, f
 constexpr double stimulus_error = 0.01;       ///< relative, of every feature
 constexpr double smallest_error = 0.003;      ///< absolute: of shares and logarithms of times
 constexpr double large_residual = 5.0;        ///< residuals grow with their logarithm from there on
+constexpr double restart_distance = 0.5;      ///< deviations of the prior between a fit and another start of the search
+constexpr double good_misfit = 1.25;          ///< deviations, rms: more than chance explains above
 constexpr std::size_t emulated_pixels = 512;  ///< at least, of a panel
 
 /// A parameter that the search changes: of the emulator, or a recording's contrast.
@@ -225,6 +227,29 @@ std::vector<double> solve(const FeatureProblem& problem, std::vector<double> log
   return logs;
 }
 
+/// Searches again from places where one parameter is far from the fit, at its prior's mean or one prior's deviation above or
+/// below, because the search can end in a local minimum (a mismatch that is too small beside thresholds that are too low).
+std::vector<double> solve_again(const FeatureProblem& problem, std::vector<double> logs) {
+  double least = problem.residuals(logs).squaredNorm();
+  const std::vector<double> first = logs;
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    const Free& f = problem.free()[i];
+    for (const double start : {f.prior - f.prior_deviation, f.prior, f.prior + f.prior_deviation}) {
+      const double inside = std::clamp(start, f.low, f.high);
+      if (std::abs(inside - first[i]) < restart_distance * f.prior_deviation) continue;
+      std::vector<double> other = first;
+      other[i] = inside;
+      other = solve(problem, std::move(other));
+      const double found = problem.residuals(other).squaredNorm();
+      if (found < least) {
+        least = found;
+        logs = std::move(other);
+      }
+    }
+  }
+  return logs;
+}
+
 /// Which recordings, and which of their features, hold most of the information about a parameter.
 std::string decided_by(const FeatureProblem& problem, const Eigen::MatrixXd& j, std::size_t parameter,
                        const std::vector<SensorRecording>& recordings) {
@@ -394,6 +419,7 @@ SensorFit fit_sensor(std::vector<SensorRecording>& recordings, const SensorFitCo
     if (round == 0) logs = coarse_search(problem, std::move(logs));
     report(fmt::format("start: rms residual {:.3g} deviations", problem.misfit(logs)));
     logs = solve(problem, std::move(logs));
+    if (round == 0 && problem.misfit(logs) > good_misfit) logs = solve_again(problem, std::move(logs));
     fit.misfit_after = problem.misfit(logs);
     report(fmt::format("fit: rms residual {:.3g} deviations", fit.misfit_after));
     const Eigen::MatrixXd j = problem.derivatives(logs, problem.residuals(logs));

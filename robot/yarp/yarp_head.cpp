@@ -2,6 +2,7 @@
 
 #include <pthread.h>
 #include <yarp/dev/ControlBoardVocabs.h>
+#include <yarp/os/Network.h>
 #include <yarp/os/Property.h>
 #include <yarp/os/Vocab.h>
 
@@ -158,7 +159,8 @@ bool YarpHead::open_board(const YarpConfig& config) {
   options.put("remote", yarp::os::Value(part_));
   options.put("local", yarp::os::Value(config.local + "/head"));
   options.put("carrier", yarp::os::Value(config.head.carrier));
-  return answered_within(config.timeout_s, [board = board_, options, joints = joints_]() mutable {
+  const std::string stream = config.local + "/head/stateExt:i";
+  return answered_within(config.timeout_s, [board = board_, options, joints = joints_, stream]() mutable {
     Board& b = *board;
     if (!b.driver.open(options) || !b.driver.view(b.encoders) || !b.driver.view(b.limits) ||
         !b.driver.view(b.modes) || !b.driver.view(b.references) || !b.encoders->getAxes(&b.axes) ||
@@ -174,6 +176,9 @@ bool YarpHead::open_board(const YarpConfig& config) {
       if (i == longest_first_state_ms) return false;
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
+    // This port is YARP's, and believes what anybody sends to it: without its name no other program finds it. The robot stays
+    // connected.
+    yarp::os::Network::unregisterName(stream);
     return true;
   });
 }

@@ -473,6 +473,18 @@ TEST_F(Yarp, MessagesOfAStrangerAndFalseCountsDoNotReachTheJoints) {
   }
 }
 
+TEST_F(Yarp, NoStrangerFindsThePortsOfTheHeadThatYarpReads) {
+  JointsWorld world;
+  HeadState before;
+  ASSERT_TRUE(eventually(1.0, [&] { return world.robot.head()->read(before) == PortStatus::ok; }));
+  const std::string stream = "/saccade" + world.name + "/head/stateExt:i";
+  EXPECT_FALSE(yarp::os::Network::queryName(stream).isValid()) << stream;
+  HeadState after;
+  EXPECT_TRUE(eventually(1.0, [&] {
+    return world.robot.head()->read(after) == PortStatus::ok && after.t_us > before.t_us;
+  }));
+}
+
 /// Bytes as a message.
 struct Bytes final : yarp::os::PortWriter {
   std::vector<char> bytes;
