@@ -227,24 +227,21 @@ std::vector<double> solve(const FeatureProblem& problem, std::vector<double> log
   return logs;
 }
 
-/// Searches again from places where one parameter is far from the fit, at its prior's mean or one prior's deviation above or
-/// below, because the search can end in a local minimum (a mismatch that is too small beside thresholds that are too low).
+/// Searches again from places where one parameter has its prior's mean, because the search can end in a local minimum (a
+/// mismatch that is too small beside thresholds that are too low).
 std::vector<double> solve_again(const FeatureProblem& problem, std::vector<double> logs) {
   double least = problem.residuals(logs).squaredNorm();
   const std::vector<double> first = logs;
   for (std::size_t i = 0; i < first.size(); ++i) {
     const Free& f = problem.free()[i];
-    for (const double start : {f.prior - f.prior_deviation, f.prior, f.prior + f.prior_deviation}) {
-      const double inside = std::clamp(start, f.low, f.high);
-      if (std::abs(inside - first[i]) < restart_distance * f.prior_deviation) continue;
-      std::vector<double> other = first;
-      other[i] = inside;
-      other = solve(problem, std::move(other));
-      const double found = problem.residuals(other).squaredNorm();
-      if (found < least) {
-        least = found;
-        logs = std::move(other);
-      }
+    if (std::abs(first[i] - f.prior) < restart_distance * f.prior_deviation) continue;
+    std::vector<double> other = first;
+    other[i] = f.prior;
+    other = solve(problem, std::move(other));
+    const double found = problem.residuals(other).squaredNorm();
+    if (found < least) {
+      least = found;
+      logs = std::move(other);
     }
   }
   return logs;
