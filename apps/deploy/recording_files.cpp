@@ -100,6 +100,8 @@ void RecordingFiles::check(std::int64_t t_us) {
         fmt::format("less than {} MB are free: the recording ended", config_.least_free_bytes / 1'000'000);
     return;
   }
+  events_->sync();  // before its size is asked for
+  joints_->sync();
   const fs::path part = path("events", config_.format).string() + ".part";
   std::error_code error;
   const std::uintmax_t size = fs::file_size(part, error);
@@ -108,10 +110,7 @@ void RecordingFiles::check(std::int64_t t_us) {
     commit();
     ++number_;
     open(t_us);
-    return;
   }
-  events_->sync();
-  joints_->sync();
 }
 
 void RecordingFiles::commit() {
