@@ -12,7 +12,10 @@ namespace {
 constexpr float threshold = 0.2F;  // log brightness per event; only the shape of edges depends on it
 constexpr std::int64_t support_us = 150'000;
 constexpr std::int64_t burst_us = 20'000;
-constexpr int enlarged = 4;
+/// Width of the image in which the dots are searched: a larger one is made smaller, so that noise of its pixels averages
+/// out.
+constexpr double searched_width_px = 512.0;
+constexpr double farthest_centroid_px = 6.0;  // of a dot's darkness from its blob, in that image
 
 /// Darker than what white keeps of a dot that has passed: noise, and what the pixel missed of a fast edge.
 constexpr double white_darkness = 0.5;
@@ -120,19 +123,20 @@ std::optional<cv::Point2d> dot_centroid(const cv::Mat& image, cv::Point2d at, do
 }
 
 std::optional<std::vector<cv::Point2d>> find_grid(const cv::Mat& image, const DotGrid& grid) {
+  const double scale = searched_width_px / image.cols;
   cv::Mat grey;
   image.convertTo(grey, CV_8U, 255.0);
   cv::medianBlur(grey, grey, 3);
-  cv::resize(grey, grey, {}, enlarged, enlarged, cv::INTER_LINEAR);
+  cv::resize(grey, grey, {}, scale, scale, scale < 1.0 ? cv::INTER_AREA : cv::INTER_LINEAR);
   cv::SimpleBlobDetector::Params params;
   params.minThreshold = 60;
   params.maxThreshold = 200;
   params.thresholdStep = 20;
   params.minRepeatability = 2;
-  params.minDistBetweenBlobs = 3.0F * enlarged;
+  params.minDistBetweenBlobs = 12.0F;
   params.blobColor = 0;
-  params.minArea = 8.0F * enlarged * enlarged;
-  params.maxArea = 500.0F * enlarged * enlarged;
+  params.minArea = 128.0F;
+  params.maxArea = 8000.0F;
   params.filterByCircularity = false;
   params.filterByInertia = true;
   params.minInertiaRatio = 0.15F;
@@ -144,9 +148,9 @@ std::optional<std::vector<cv::Point2d>> find_grid(const cv::Mat& image, const Do
   if (!cv::findCirclesGrid(grey, pattern, found, cv::CALIB_CB_ASYMMETRIC_GRID, blobs)) return std::nullopt;
   std::vector<cv::Point2d> dots;
   for (std::size_t i = 0; i < found.size(); ++i) {
-    const cv::Point2d middle((found[i].x + 0.5) / enlarged - 0.5, (found[i].y + 0.5) / enlarged - 0.5);
-    const auto centroid = dot_centroid(image, middle, 0.5 * distance_to_next(found, i) / enlarged);
-    if (!centroid || cv::norm(*centroid - middle) > 1.5) return std::nullopt;
+    const cv::Point2d middle((found[i].x + 0.5) / scale - 0.5, (found[i].y + 0.5) / scale - 0.5);
+    const auto centroid = dot_centroid(image, middle, 0.5 * distance_to_next(found, i) / scale);
+    if (!centroid || cv::norm(*centroid - middle) * scale > farthest_centroid_px) return std::nullopt;
     dots.push_back(*centroid);
   }
   return dots;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <opencv2/imgproc.hpp>
 
 #include "apps/config/cameras.h"
 #include "core/error.h"
@@ -272,6 +273,22 @@ TEST(GridFinder, FindsTheDotsOfAMovingGridInItsEvents) {
     worst_px = std::max(worst_px, cv::norm((*found)[i] - dots_px[i]));
   std::printf("worst dot %.3f px off\n", worst_px);
   EXPECT_LT(worst_px, 0.25);
+}
+
+TEST(GridFinder, FindsTheDotsOfALargeImageDespiteNoiseInEveryPixel) {
+  const DotGrid grid;
+  cv::Mat image(260, 346, CV_32F, cv::Scalar(1.0));
+  std::vector<cv::Point2d> dots_px;
+  for (const cv::Point3d& dot : grid.points_m())
+    dots_px.emplace_back(cvRound(173.0 + 700.0 * dot.x), cvRound(130.0 + 700.0 * dot.y));
+  for (const cv::Point2d& dot : dots_px) cv::circle(image, dot, 7, 0.0, cv::FILLED);
+  cv::Mat noise(image.size(), CV_32F);
+  cv::RNG random(1);
+  random.fill(noise, cv::RNG::NORMAL, 0.0, 0.3);
+  image = cv::max(cv::min(image + noise, 1.0), 0.0);
+  const auto found = find_grid(image, grid);
+  ASSERT_TRUE(found);
+  for (std::size_t i = 0; i < dots_px.size(); ++i) EXPECT_LT(cv::norm((*found)[i] - dots_px[i]), 0.5) << i;
 }
 
 TEST(GridFinder, ADotWhoseCentroidMovesToTheImagesBorderIsNoDot) {
