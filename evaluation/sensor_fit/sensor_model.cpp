@@ -1,10 +1,31 @@
 #include "evaluation/sensor_fit/sensor_model.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "emulator/event_emulator.h"
 
 namespace saccade::inline v0_1 {
+
+namespace {
+
+/// The part of the load of a recording's bus that so many of its pixels make. A panel's steps let its pixels alone make events
+/// at once; the other pixels' noise adds nothing then.
+double bus_share(const SensorRecording& recording, std::size_t pixels) {
+  const auto of_sample = static_cast<double>(pixels) / static_cast<double>(recording.places().size());
+  switch (recording.stimulus().kind) {
+    case StimulusKind::still:
+      return 0.0;
+    case StimulusKind::panel:
+      return of_sample;
+    case StimulusKind::board:
+    case StimulusKind::disc:
+      return of_sample * recording.sampled_share();
+  }
+  return 0.0;
+}
+
+}  // namespace
 
 SensorModel::SensorModel(const SensorRecording& recording, std::vector<PixelPlace> places,
                          std::size_t repeats, std::uint64_t seed)
@@ -15,6 +36,7 @@ SensorModel::SensorModel(const SensorRecording& recording, std::vector<PixelPlac
                    ? repeats
                    : 1),
       seed_(seed),
+      bus_share_(bus_share(recording, pixels())),
       times_us_(image_times_us(recording.stimulus(), recording.interval())) {
   if (pixels() * times_us_.size() > most_kept_values) return;
   images_.resize(pixels() * times_us_.size());
@@ -36,7 +58,11 @@ void SensorModel::draw(const ShownStimulus& shown, std::span<float> image) const
 
 PixelTrains SensorModel::events(EmulatorConfig config, double contrast_scale) const {
   config.hot_pixel_share = 0.0;
-  config.readout_rate_hz = 0.0;
+  config.readout_rate_hz *= bus_share_;
+  if (config.readout_queue_events > 0) {
+    config.readout_queue_events = std::max<std::int64_t>(
+        1, std::llround(static_cast<double>(config.readout_queue_events) * bus_share_));
+  }
   const std::int64_t begin_us = recording_.interval().begin_us;
   EventEmulator emulator(config, {static_cast<int>(pixels()), 1}, seed_);
   ShownStimulus shown(recording_.stimulus(), contrast_scale);
@@ -59,6 +85,8 @@ PixelTrains SensorModel::events(EmulatorConfig config, double contrast_scale) co
     emulator.process_image(light, times_us_[i], events);
     take();
   }
+  emulator.finish(events);
+  take();
   trains.finish();
   return trains;
 }

@@ -18,7 +18,8 @@ class SensorModel {
   SensorModel(const SensorRecording& recording, std::vector<PixelPlace> places, std::size_t repeats,
               std::uint64_t seed);
 
-  /// In the recording's clock. Without hot pixels and without the bus.
+  /// In the recording's clock. Without hot pixels. The bus is slower in proportion to what these pixels add to its load, so that
+  /// events wait for it as long as in the recording; it delays no event of a still scene.
   [[nodiscard]] PixelTrains events(EmulatorConfig config, double contrast_scale = 1.0) const;
   [[nodiscard]] std::size_t pixels() const { return places_.size() * repeats_; }
 
@@ -32,6 +33,7 @@ class SensorModel {
   std::vector<PixelPlace> places_;
   std::size_t repeats_;
   std::uint64_t seed_;
+  double bus_share_;  // of the bus' rate; 0: no limit
   std::vector<std::int64_t> times_us_;
   std::vector<float>
       images_;  // of a contrast scale of 1, one after the other; empty where they would need too much memory

@@ -74,6 +74,7 @@ void SensorRecording::add(std::span<const Event> events) {
     ++tenths_[static_cast<std::size_t>(event.t_us - 1000 * millisecond) / 100];
     ++in_millisecond_;
     if (event.t_us <= interval_.begin_us || event.t_us > interval_.end_us) continue;
+    ++in_interval_;
     const auto pixel = static_cast<std::size_t>(event.y) * static_cast<std::size_t>(size_.width) + event.x;
     if (!on_counts_.empty() && event.on) ++on_counts_[pixel];
     if (number_[pixel] >= 0) trains_.add(static_cast<std::size_t>(number_[pixel]), {event.t_us, event.on});
@@ -114,6 +115,10 @@ void SensorRecording::drop(std::span<const PixelPlace> hot) {
     if (dropped[i] == 0) places_[kept++] = places_[i];
   }
   places_.resize(kept);
+}
+
+double SensorRecording::sampled_share() const {
+  return in_interval_ > 0 ? static_cast<double>(trains_.events()) / static_cast<double>(in_interval_) : 1.0;
 }
 
 SensorRecording::HotPixels SensorRecording::hot_pixels() const {

@@ -45,6 +45,8 @@ class SensorRecording {
   [[nodiscard]] ImageSize size() const { return size_; }
   [[nodiscard]] const std::vector<PixelPlace>& places() const { return places_; }
   [[nodiscard]] const PixelTrains& trains() const { return trains_; }
+  /// Share of the interval's events that the sampled pixels made; 1 without any event.
+  [[nodiscard]] double sampled_share() const;
 
   /// Pixels of a still scene that make many times more ON events than the others; and their rate above the median.
   struct HotPixels {
@@ -78,6 +80,7 @@ class SensorRecording {
   std::vector<std::int32_t> number_;      // in places_, of each pixel of the image; -1: not in the sample
   std::vector<std::uint32_t> on_counts_;  // of each pixel of the image, of a still scene
   PixelTrains trains_{0};
+  std::int64_t in_interval_ = 0;  // events of all pixels
   std::optional<std::int64_t> first_stamp_us_;
   std::int64_t tick_us_ = 0;
   std::int64_t millisecond_ = 0;

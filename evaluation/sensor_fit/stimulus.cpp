@@ -217,9 +217,21 @@ void ShownStimulus::move_to(std::int64_t t_us) {
   }
 }
 
-double ShownStimulus::dark_share(double distance_px, double radius_px) const {
+double ShownStimulus::dark_share(double dx_px, double dy_px, double radius_px) const {
+  // The outline is straight within a pixel: over the square pixel its share grows as the sum of two uniform
+  // distributions does, of the widths of the square's sides seen across the outline.
+  const double distance_px = std::hypot(dx_px, dy_px);
   const double edge_px = std::hypot(1.0, stimulus_.blur_px);
-  return std::clamp(0.5 + (radius_px - distance_px) / edge_px, 0.0, 1.0);
+  const double x = distance_px > 0.0 ? std::abs(dx_px) / distance_px : 1.0;
+  const double y = distance_px > 0.0 ? std::abs(dy_px) / distance_px : 0.0;
+  const double wide = edge_px * std::max(x, y);
+  const double narrow = edge_px * std::min(x, y);
+  const double inside_px = radius_px - distance_px;
+  const double to_end_px = 0.5 * (wide + narrow) - std::abs(inside_px);
+  if (to_end_px <= 0.0) return inside_px > 0.0 ? 1.0 : 0.0;
+  const double less =
+      to_end_px < narrow ? to_end_px * to_end_px / (2.0 * wide * narrow) : (to_end_px - 0.5 * narrow) / wide;
+  return inside_px > 0.0 ? 1.0 - less : less;
 }
 
 float ShownStimulus::luminance(double x, double y) const {
@@ -235,11 +247,11 @@ float ShownStimulus::luminance(double x, double y) const {
       const auto column = std::clamp<std::int64_t>(std::llround((u - odd) / 2.0), 0, stimulus_.columns - 1);
       const double dx = u - odd - 2.0 * static_cast<double>(column);
       const double dy = v - static_cast<double>(row);
-      share = std::max(
-          share, dark_share(stimulus_.spacing_px * std::hypot(dx, dy), 0.5 * stimulus_.dot_diameter_px));
+      share = std::max(share, dark_share(stimulus_.spacing_px * dx, stimulus_.spacing_px * dy,
+                                         0.5 * stimulus_.dot_diameter_px));
     }
   } else if (stimulus_.kind == StimulusKind::disc) {
-    share = dark_share(std::hypot(x - circle_.x_px, y - circle_.y_px), circle_.r_px);
+    share = dark_share(x - circle_.x_px, y - circle_.y_px, circle_.r_px);
   } else {
     return static_cast<float>(level_);
   }

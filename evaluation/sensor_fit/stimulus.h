@@ -109,7 +109,7 @@ class ShownStimulus {
   [[nodiscard]] float luminance(double x, double y) const;
 
  private:
-  [[nodiscard]] double dark_share(double distance_px, double radius_px) const;
+  [[nodiscard]] double dark_share(double dx_px, double dy_px, double radius_px) const;
 
   const Stimulus& stimulus_;
   double dark_;
