@@ -7,10 +7,12 @@
 #include <algorithm>
 #include <cmath>
 #include <future>
+#include <limits>
 #include <map>
 #include <numeric>
 
 #include "core/error.h"
+#include "core/random.h"
 #include "evaluation/sensor_fit/event_features.h"
 #include "evaluation/sensor_fit/leak_fit.h"
 #include "evaluation/sensor_fit/sensor_counts.h"
@@ -20,12 +22,13 @@
 namespace saccade::inline v0_1 {
 namespace {
 
-constexpr double identifiable_share = 0.5;    ///< posterior deviation against the prior's
-constexpr double difference = 0.04;           ///< of a parameter's logarithm, for derivatives
-constexpr double stimulus_error = 0.01;       ///< relative, of every feature
-constexpr double smallest_error = 0.003;      ///< absolute: of shares and logarithms of times
-constexpr double large_residual = 5.0;        ///< residuals grow with their logarithm from there on
-constexpr double restart_distance = 0.5;      ///< deviations of the prior between a fit and another start of the search
+constexpr double identifiable_share = 0.5;  ///< posterior deviation against the prior's
+constexpr double difference = 0.04;         ///< of a parameter's logarithm, for derivatives
+constexpr double stimulus_error = 0.01;     ///< relative, of every feature
+constexpr double smallest_error = 0.003;    ///< absolute: of shares and logarithms of times
+constexpr double large_residual = 5.0;      ///< residuals grow with their logarithm from there on
+constexpr std::uint64_t restarts = 6, draws_per_restart = 12;
+constexpr double restart_deviation = 0.4;     ///< of other starts of the search, in deviations of the prior
 constexpr double good_misfit = 1.25;          ///< deviations, rms: more than chance explains above
 constexpr std::size_t emulated_pixels = 512;  ///< at least, of a panel
 
@@ -227,21 +230,33 @@ std::vector<double> solve(const FeatureProblem& problem, std::vector<double> log
   return logs;
 }
 
-/// Searches again from places where one parameter has its prior's mean, because the search can end in a local minimum (a
-/// mismatch that is too small beside thresholds that are too low).
-std::vector<double> solve_again(const FeatureProblem& problem, std::vector<double> logs) {
+/// Searches again from the best of some places drawn around what was found, because the search can end in a local minimum
+/// (a mismatch and a bandwidth that are both too large).
+std::vector<double> solve_again(const FeatureProblem& problem, std::vector<double> logs, std::uint64_t seed) {
+  const RandomStream random(seed, "sensor_fit");
   double least = problem.residuals(logs).squaredNorm();
-  const std::vector<double> first = logs;
-  for (std::size_t i = 0; i < first.size(); ++i) {
-    const Free& f = problem.free()[i];
-    if (std::abs(first[i] - f.prior) < restart_distance * f.prior_deviation) continue;
-    std::vector<double> other = first;
-    other[i] = f.prior;
-    other = solve(problem, std::move(other));
-    const double found = problem.residuals(other).squaredNorm();
+  for (std::uint64_t round = 0; round < restarts && problem.misfit(logs) > good_misfit; ++round) {
+    std::vector<double> start;
+    double least_of_starts = std::numeric_limits<double>::infinity();
+    for (std::uint64_t draw = 0; draw < draws_per_restart; ++draw) {
+      std::vector<double> other = logs;
+      for (std::size_t i = 0; i < other.size(); ++i) {
+        const Free& f = problem.free()[i];
+        if (f.needs == Needs::still) continue;  // still scenes alone determine it
+        const double away = random.normal(i, round * draws_per_restart + draw);
+        other[i] = std::clamp(logs[i] + restart_deviation * f.prior_deviation * away, f.low, f.high);
+      }
+      const double there = problem.residuals(other).squaredNorm();
+      if (there < least_of_starts) {
+        least_of_starts = there;
+        start = std::move(other);
+      }
+    }
+    start = solve(problem, std::move(start));
+    const double found = problem.residuals(start).squaredNorm();
     if (found < least) {
       least = found;
-      logs = std::move(other);
+      logs = std::move(start);
     }
   }
   return logs;
@@ -416,7 +431,7 @@ SensorFit fit_sensor(std::vector<SensorRecording>& recordings, const SensorFitCo
     if (round == 0) logs = coarse_search(problem, std::move(logs));
     report(fmt::format("start: rms residual {:.3g} deviations", problem.misfit(logs)));
     logs = solve(problem, std::move(logs));
-    if (round == 0 && problem.misfit(logs) > good_misfit) logs = solve_again(problem, std::move(logs));
+    if (round == 0) logs = solve_again(problem, std::move(logs), config.seed);
     fit.misfit_after = problem.misfit(logs);
     report(fmt::format("fit: rms residual {:.3g} deviations", fit.misfit_after));
     const Eigen::MatrixXd j = problem.derivatives(logs, problem.residuals(logs));
