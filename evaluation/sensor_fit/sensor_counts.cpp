@@ -76,4 +76,14 @@ void fit_counts(const std::vector<SensorRecording>& recordings,
   }
 }
 
+void correct_hot_rate(SensorFit& fit) {
+  constexpr double most_blind = 0.9;  // share of the time: beyond that the correction is a guess
+  for (FittedParameter& p : fit.parameters) {
+    if (p.key != "hot_pixel_rate_hz" || !p.identifiable) continue;
+    const double blind = p.value * static_cast<double>(fit.config.refractory_us) * 1e-6;
+    p.value /= 1.0 - std::min(blind, most_blind);
+    fit.config.hot_pixel_rate_hz = p.value;
+  }
+}
+
 }  // namespace saccade::inline v0_1

@@ -16,4 +16,7 @@ namespace saccade::inline v0_1 {
 void fit_counts(const std::vector<SensorRecording>& recordings,
                 const std::vector<SensorRecording::HotPixels>& hot, std::size_t hot_pixels, SensorFit& fit);
 
+/// Adds to the rate of hot pixels what the refractory period of fit.config takes of it.
+void correct_hot_rate(SensorFit& fit);
+
 }  // namespace saccade::inline v0_1

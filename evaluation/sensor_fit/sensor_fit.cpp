@@ -414,6 +414,7 @@ SensorFit fit_sensor(std::vector<SensorRecording>& recordings, const SensorFitCo
   std::map<std::string, std::string> reasons;
   const std::vector<FittedParameter> leak = leak_parameters(recordings, config.prior, reasons);
   EmulatorConfig base = config.prior;
+  base.readout_rate_hz = fit.config.readout_rate_hz;
   for (const FittedParameter& p : leak) set_parameter(base, p.key, p.value);
   problem.set_base(base);
   for (const FittedParameter& p : leak)
@@ -490,6 +491,7 @@ SensorFit fit_sensor(std::vector<SensorRecording>& recordings, const SensorFitCo
     fit.parameters.insert(fit.parameters.begin(), rows.begin(), rows.end());
     break;
   }
+  correct_hot_rate(fit);
   report("distributions");
   fit.distributions =
       compare_distributions(recordings, fit.prior, fit.config, fit.contrast_scales, config.seed);

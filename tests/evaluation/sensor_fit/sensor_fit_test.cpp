@@ -99,7 +99,9 @@ const FittedParameter& parameter(const SensorFit& fit, const std::string& key) {
 }
 
 TEST(SensorFit, FindsTheParametersOfAnEmulatedSensor) {
-  const EmulatorConfig sensor = other_sensor();
+  EmulatorConfig sensor = other_sensor();
+  sensor.hot_pixel_share = 0.005;
+  sensor.hot_pixel_rate_hz = 200.0;  // of which the refractory period takes 15 %
   std::vector<SensorRecording> recordings;
   recordings.push_back(record("dark", still(0.0), sensor, 120.0));
   recordings.push_back(record("light", still(150.0), sensor, 120.0));
@@ -121,6 +123,7 @@ TEST(SensorFit, FindsTheParametersOfAnEmulatedSensor) {
   expect_within("refractory_us", 900.0, 0.2);
   expect_within("leak_rate_hz", 0.25, 0.2);
   expect_within("shot_noise_rate_hz", 1.5, 0.2);
+  expect_within("hot_pixel_rate_hz", 200.0, 0.05);
   // Leak of a period of 4 s survives shot noise of 1.4 Hz in the dark in a share of exp(-5.7) of all intervals, that of
   // 0.8 Hz in light in a share of exp(-3.2).
   EXPECT_THAT(parameter(fit, "leak_rate_hz").decided_by, StartsWith("light"));
