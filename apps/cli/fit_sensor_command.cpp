@@ -95,9 +95,11 @@ void print(const SensorFit& fit) {
                p.identifiable ? fmt::format("{:.4g}", p.value) : "not identifiable",
                p.identifiable ? fmt::format("{:.1f} %", 100.0 * p.deviation) : "-", p.decided_by);
   }
-  fmt::print("\n{:<18}{:<52}{:>10}{:>10}\n", "KS distance of", "", "prior", "fitted");
+  std::size_t width = 17;
+  for (const ComparedDistribution& d : fit.distributions) width = std::max(width, d.recording.size());
+  fmt::print("\n{:<{}} {:<52}{:>10}{:>10}\n", "KS distance of", width, "", "prior", "fitted");
   for (const ComparedDistribution& d : fit.distributions)
-    fmt::print("{:<18}{:<52}{:>10.3f}{:>10.3f}\n", d.recording, d.quantity, d.ks_before, d.ks_after);
+    fmt::print("{:<{}} {:<52}{:>10.3f}{:>10.3f}\n", d.recording, width, d.quantity, d.ks_before, d.ks_after);
 }
 
 /// Creates the folder; one with other files than those of a fit is rejected.
