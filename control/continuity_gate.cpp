@@ -57,14 +57,17 @@ void ContinuityGate::advance(std::int64_t now_us) {
   advanced_us_ = now_us;
 }
 
-/// The target of a circle below the threshold that is where the ball is expected.
+/// The target of a circle below the threshold that is where the ball is expected. None while the targets move so fast that
+/// the prediction is not known to near_deg.
 std::optional<Eigen::Vector3d> ContinuityGate::near_prediction(std::int64_t now_us, const Estimate& estimate,
                                                                double threshold, const Camera& camera,
                                                                const Eigen::Isometry3d& root_from_cam) {
   if (!predictor_ || !last_ || !predictor_->is_known() ||
       !is_detection(estimate, config_.near_score * threshold))
     return std::nullopt;
-  if (static_cast<double>(now_us - sure_us_) * 1e-6 > config_.near_s) return std::nullopt;
+  if (static_cast<double>(now_us - sure_us_) * 1e-6 > config_.near_s ||
+      fastest_rad_s_ * deg_per_rad * track_memory_s > config_.near_deg)
+    return std::nullopt;
   const auto point_m = locate(estimate.circle, camera, root_from_cam);
   if (!point_m ||
       !agree(*point_m, predictor_->predict(0.0).position_m, root_from_cam.translation(), config_.near_deg))

@@ -21,19 +21,19 @@ struct ContinuityGateConfig {
   double window_s = 0.20;          ///< how far back a confirmation may lie
   std::int64_t min_agreeing = 60;  ///< in the window, for the ball to be found
   double forget_s = 2.0;           ///< after so long without a detection near by the ball is lost
-  /// Share of the threshold from which on a score suffices where the circle agrees with the predicted place; 1: no score below the
-  /// threshold does.
-  double near_score = 1.0;
+  /// Share of the threshold from which on a score suffices where the circle agrees with the predicted place, unless the targets
+  /// of the last half second moved by more than near_deg in 45 ms; 1: no score below the threshold does.
+  double near_score = 0.2;
   double near_deg = 2.0;  ///< largest angle between such a circle and the prediction
-  double near_s = 1.0;    ///< after so long without a detection at the threshold such circles count no more
+  double near_s = 2.0;    ///< after so long without a detection at the threshold such circles count no more
 };
 
 /// Keys: tolerance_deg, depth_ratio, growth_deg_s, window_s, min_agreeing, forget_s, near_score, near_deg, near_s.
 void describe(FieldVisitor& v, ContinuityGateConfig& config);
 
-/// `continuity`: the estimates at or above the threshold that lie where the ball can be become targets. With `near_score`
-/// below 1 so do estimates with a lower score, once the ball was found: those within near_deg of the place that a
-/// TargetPredictor (with periodic motion and free fall) computes from the targets so far.
+/// `continuity`: the estimates at or above the threshold that lie where the ball can be become targets. So do estimates
+/// with a lower score, once the ball was found: those within near_deg of the place that a TargetPredictor (with periodic
+/// motion and free fall) computes from the targets so far.
 class ContinuityGate final : public LocatingGate {
  public:
   /// Throws InputError for a configuration out of range.

@@ -1,6 +1,7 @@
 #include "control/gate_registry.h"
 
 #include <gtest/gtest.h>
+#include <algorithm>
 
 #include <functional>
 #include <limits>
@@ -319,21 +320,14 @@ TEST(ContinuityGate, UsesTheRootFrameSoThatHeadMotionHasNoEffect) {
   EXPECT_EQ(passed, 300 - static_cast<int>(ContinuityGateConfig{}.min_agreeing) + 1);
 }
 
-/// A continuity gate that accepts a score of 0.1 (a fifth of the threshold) at the predicted place.
-std::unique_ptr<GazeGate> predicting_gate() {
-  ContinuityGateConfig config;
-  config.near_score = 0.2;
-  return std::make_unique<ContinuityGate>(config, TargetConfig{});
-}
-
-/// The ball of the predicting gate's tests at `t_s`: 45 cm ahead, to the right at 10 cm/s (13 deg/s).
+/// A passing ball at `t_s`: 45 cm ahead, to the right at 10 cm/s (13 deg/s).
 Estimate passing_ball(double t_s, double score, double off_m = 0.0) {
   const Eigen::Vector3d ball_m(-0.45, -0.1 + 0.1 * t_s + off_m, 0.0);
   return {true, false, *camera.project_sphere(looking_ahead().inverse() * ball_m, 0.0475), score};
 }
 
 TEST(ContinuityGate, TakesALowScoreWhereTheBallIsPredictedAndNowhereElse) {
-  const auto g = predicting_gate();
+  const auto g = gate("continuity");
   ASSERT_TRUE(feed(*g, 500, [](int i) { return passing_ball(i * 1e-3, 1.0); }));
   // 60 ms later, 0.8 deg on.
   EXPECT_FALSE(update(*g, 560'000, passing_ball(0.56, 0.2, 0.04)));
@@ -342,19 +336,32 @@ TEST(ContinuityGate, TakesALowScoreWhereTheBallIsPredictedAndNowhereElse) {
 }
 
 TEST(ContinuityGate, ALowScoreFindsNoBallAndKeepsNoneForLong) {
-  const auto fresh = predicting_gate();
+  const auto fresh = gate("continuity");
   EXPECT_FALSE(feed(*fresh, 500, [](int i) { return passing_ball(i * 1e-3, 0.2); }));
-  const auto g = predicting_gate();
+  const auto g = gate("continuity");
   ASSERT_TRUE(feed(*g, 200, [](int i) { return passing_ball(i * 1e-3, 1.0); }));
   int taken = 0;
-  for (int i = 201; i <= 1600; ++i) taken += update(*g, i * 1000, passing_ball(i * 1e-3, 0.2)).has_value();
-  EXPECT_EQ(taken, 1000);  // near_s
+  for (int i = 201; i <= 2600; ++i) taken += update(*g, i * 1000, passing_ball(i * 1e-3, 0.2)).has_value();
+  EXPECT_EQ(taken, 2000);  // near_s
 }
 
-TEST(ContinuityGate, ByDefaultALowScoreIsNoTarget) {
+TEST(ContinuityGate, ALowScoreOfAFastBallIsNoTarget) {
   const auto g = gate("continuity");
-  ASSERT_TRUE(feed(*g, 500, [](int i) { return passing_ball(i * 1e-3, 1.0); }));
-  EXPECT_FALSE(update(*g, 501'000, passing_ball(0.501, 0.499)));
+  // At rest for 0.1 s, since a fast one is not confirmed, then 100 deg/s.
+  const auto fast_ball = [](int i, double score) {
+    return passing_ball(8e-3 * std::max(0, i - 100), score, -0.1);
+  };
+  ASSERT_TRUE(feed(*g, 300, [&](int i) { return fast_ball(i, 1.0); }));
+  EXPECT_FALSE(update(*g, 301'000, fast_ball(301, 0.499)));
+  EXPECT_TRUE(update(*g, 302'000, fast_ball(302, 0.5)));
+}
+
+TEST(ContinuityGate, WithANearScoreOf1ALowScoreIsNoTarget) {
+  ContinuityGateConfig config;
+  config.near_score = 1.0;
+  ContinuityGate g(config, TargetConfig{});
+  ASSERT_TRUE(feed(g, 500, [](int i) { return passing_ball(i * 1e-3, 1.0); }));
+  EXPECT_FALSE(update(g, 501'000, passing_ball(0.501, 0.499)));
 }
 
 }  // namespace
