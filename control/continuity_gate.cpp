@@ -62,7 +62,8 @@ void ContinuityGate::advance(std::int64_t now_us) {
 std::optional<Eigen::Vector3d> ContinuityGate::near_prediction(std::int64_t now_us, const Estimate& estimate,
                                                                double threshold, const Camera& camera,
                                                                const Eigen::Isometry3d& root_from_cam) {
-  if (!predictor_ || !last_ || !predictor_->is_known() ||
+  const bool tracked = estimate.covariance_px2(0, 0) > 0.0;
+  if (!predictor_ || !last_ || !tracked || !predictor_->is_known() ||
       !is_detection(estimate, config_.near_score * threshold))
     return std::nullopt;
   if (static_cast<double>(now_us - sure_us_) * 1e-6 > config_.near_s ||

@@ -33,7 +33,8 @@ void describe(FieldVisitor& v, ContinuityGateConfig& config);
 
 /// `continuity`: the estimates at or above the threshold that lie where the ball can be become targets. So do estimates
 /// with a lower score, once the ball was found: those within near_deg of the place that a TargetPredictor (with periodic
-/// motion and free fall) computes from the targets so far.
+/// motion and free fall) computes from the targets so far, of a detector that tracks circles and states their covariance.
+/// Low scores of other detectors are clutter.
 class ContinuityGate final : public LocatingGate {
  public:
   /// Throws InputError for a configuration out of range.

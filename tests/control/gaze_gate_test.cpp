@@ -323,7 +323,8 @@ TEST(ContinuityGate, UsesTheRootFrameSoThatHeadMotionHasNoEffect) {
 /// A passing ball at `t_s`: 45 cm ahead, to the right at 10 cm/s (13 deg/s).
 Estimate passing_ball(double t_s, double score, double off_m = 0.0) {
   const Eigen::Vector3d ball_m(-0.45, -0.1 + 0.1 * t_s + off_m, 0.0);
-  return {true, false, *camera.project_sphere(looking_ahead().inverse() * ball_m, 0.0475), score};
+  return {true, false, *camera.project_sphere(looking_ahead().inverse() * ball_m, 0.0475), score,
+          Eigen::Matrix3d::Identity()};
 }
 
 TEST(ContinuityGate, TakesALowScoreWhereTheBallIsPredictedAndNowhereElse) {
@@ -354,6 +355,17 @@ TEST(ContinuityGate, ALowScoreOfAFastBallIsNoTarget) {
   ASSERT_TRUE(feed(*g, 300, [&](int i) { return fast_ball(i, 1.0); }));
   EXPECT_FALSE(update(*g, 301'000, fast_ball(301, 0.499)));
   EXPECT_TRUE(update(*g, 302'000, fast_ball(302, 0.5)));
+}
+
+TEST(ContinuityGate, ALowScoreOfADetectorWithoutCovarianceIsNoTarget) {
+  const auto g = gate("continuity");
+  const auto untracked = [](int i, double score) {
+    Estimate estimate = passing_ball(i * 1e-3, score);
+    estimate.covariance_px2.setZero();
+    return estimate;
+  };
+  ASSERT_TRUE(feed(*g, 500, [&](int i) { return untracked(i, 1.0); }));
+  EXPECT_FALSE(update(*g, 501'000, untracked(501, 0.499)));
 }
 
 TEST(ContinuityGate, WithANearScoreOf1ALowScoreIsNoTarget) {
