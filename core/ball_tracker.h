@@ -139,8 +139,10 @@ class BallTracker final : public Detector, public DetectorViews {
   /// A circle, corrected by PatchNetwork or as it was, and what PatchNetwork says about it.
   struct Judged {
     Circle circle;
-    PatchResult result;
+    PatchJudgement judgement;
     bool corrected;
+
+    [[nodiscard]] PatchResult result() const;  ///< for the probability
   };
   /// A circle to follow, and what it shows.
   struct FoundDisc {
@@ -208,6 +210,7 @@ class BallTracker final : public Detector, public DetectorViews {
   void end_duplicates();
   [[nodiscard]] Judged judged(const Circle& circle, const Eigen::Vector3d& motion_px_s, std::int64_t now_us);
   void judge(std::int64_t now_us);
+  [[nodiscard]] double within_radii(double r_px) const;
 
   BallTrackerConfig config_;
   Camera camera_;

@@ -38,6 +38,10 @@ void BallTracker::work_ahead() {
   judge(tick_us);
 }
 
+double BallTracker::within_radii(double r_px) const {
+  return std::clamp(r_px, config_.radius_px[0] - 0.5, config_.radius_px[1] + 0.5);
+}
+
 /// The better one of a circle and its correction by PatchNetwork, and its log odds. Takes one or two of the tick's patches.
 BallTracker::Judged BallTracker::judged(const Circle& circle, const Eigen::Vector3d& motion,
                                         std::int64_t now_us) {
@@ -45,28 +49,28 @@ BallTracker::Judged BallTracker::judged(const Circle& circle, const Eigen::Vecto
     --patches_left_;
     return judge_patch(polar_patch(network_.newest_us(), camera_.size, c, patch_motion(c, motion), now_us));
   };
-  const auto result = [](const PatchJudgement& j) -> PatchResult {
-    return {std::clamp(j.log_odds, -most_patch_log_odds, most_patch_log_odds),
-            std::hypot(j.correction.x_px, j.correction.y_px), std::abs(j.correction.r_px)};
-  };
   const PatchJudgement judgement = judge(circle);
   const Circle& off = judgement.correction;
-  const Judged as_it_was{circle, result(judgement), false};
+  const Judged as_it_was{circle, judgement, false};
   const double off_rings =
       std::max({std::abs(off.x_px), std::abs(off.y_px), std::abs(off.r_px)}) / polar_ring_px(circle.r_px);
   if (patches_left_ == 0 || off_rings < least_correction_rings) return as_it_was;
-  const Circle moved{
-      circle.x_px + off.x_px, circle.y_px + off.y_px,
-      std::clamp(circle.r_px + off.r_px, config_.radius_px[0] - 0.5, config_.radius_px[1] + 0.5)};
-  const PatchJudgement again = judge(moved);
-  const double before = as_it_was.result.log_odds;
-  const bool better = again.log_odds > before + correction_gain;
-  const bool as_good =
-      again.log_odds > std::max(0.0, before - correction_gain) && off_rings > large_correction_rings;
-  return better || as_good ? Judged{moved, result(again), true} : as_it_was;
+  const Circle moved{circle.x_px + off.x_px, circle.y_px + off.y_px, within_radii(circle.r_px + off.r_px)};
+  const Judged moved_there{moved, judge(moved), true};
+  const double before = as_it_was.result().log_odds;
+  const double after = moved_there.judgement.log_odds;
+  const bool better = after > before + correction_gain;
+  const bool as_good = after > std::max(0.0, before - correction_gain) && off_rings > large_correction_rings;
+  return better || as_good ? moved_there : as_it_was;
 }
 
-/// Lets PatchNetwork judge the next of the followed circles near which edges have come since it was judged last.
+PatchResult BallTracker::Judged::result() const {
+  return {std::clamp(judgement.log_odds, -most_patch_log_odds, most_patch_log_odds),
+          std::hypot(judgement.correction.x_px, judgement.correction.y_px), std::abs(judgement.correction.r_px)};
+}
+
+/// Lets PatchNetwork judge the next of the followed circles near which edges have come since it was judged last. Where it
+/// may be the ball's, the correction is a measurement of the circle.
 void BallTracker::judge(std::int64_t now_us) {
   const Followed* leader = best();
   if (patches_left_ == 0 ||
@@ -81,10 +85,19 @@ void BallTracker::judge(std::int64_t now_us) {
   next_judged_ = static_cast<std::size_t>(next - followed_.data()) + 1;
   const Judged found = judged(next->track.shown(), next->motion_px_s(), now_us);
   if (found.corrected) {
-    next->track.doubt();
+    next->track.doubt(missed_sd_px);
     next->track.correct(found.circle, Eigen::Vector3d::Constant(fit_sd_px));
   }
-  next->patch = found.result;
+  if (found.judgement.log_odds > least_measured_log_odds) {
+    const Circle& off = found.judgement.correction;
+    const Circle measured{found.circle.x_px + off.x_px, found.circle.y_px + off.y_px,
+                          within_radii(found.circle.r_px + off.r_px)};
+    const Eigen::Vector3d sd_px(found.judgement.centre_sd_px, found.judgement.centre_sd_px,
+                                found.judgement.radius_sd_px);
+    next->track.doubt(sd_px);
+    next->track.correct(measured, sd_px.cwiseMax(least_judgement_sd_px));
+  }
+  next->patch = found.result();
   next->changed = false;
 }
 
@@ -205,7 +218,7 @@ void BallTracker::try_circle(const Circle& circle, std::int64_t now_us) {
     found.circle = found.judgement.circle;
     found.evidence = evidence(found.circle, motion, now_us);
   }
-  found.probability = found_probability(found.evidence, log_odds, found.judgement.result);
+  found.probability = found_probability(found.evidence, log_odds, found.judgement.result());
   if (Followed* place = place_for(found)) follow(found, *place, now_us);
 }
 
@@ -223,7 +236,7 @@ bool BallTracker::corrects_known(const Circle& circle, double probability, std::
       }
       if (probability > f.found_probability + better_by) {
         f.compared_us = never_us;
-        f.track.doubt();
+        f.track.doubt(missed_sd_px);
         f.track.correct(circle, Eigen::Vector3d::Constant(fit_sd_px));
         return true;
       }
@@ -271,7 +284,7 @@ void BallTracker::follow(const FoundDisc& found, Followed& place, std::int64_t n
   f.image_px_s = f.carried_px_s + f.track.speed_px_s();
   f.evidence = f.history.newest = found.evidence;
   f.network_log_odds = f.history.network_log_odds = f.history.network_mean = found.network_log_odds;
-  f.patch = f.history.patch = f.history.patch_mean = found.judgement.result;
+  f.patch = f.history.patch = f.history.patch_mean = found.judgement.result();
   f.history.radius_variance_px2 = f.track.covariance()(2, 2);
   f.probability = new_share * found.probability;
   f.inputs = disc_inputs(f.evidence, f.history);

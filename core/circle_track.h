@@ -43,8 +43,9 @@ class CircleTrack {
     state_.head<3>() << shown.x_px, shown.y_px, shown.r_px;
     state_.head<2>() += lag_px();
   }
-  /// The outline was missed: it is less sure than it seems.
-  void doubt();
+  /// Centre and radius are at least so unsure.
+  void doubt(const Eigen::Vector3d& sd_px);
+  void doubt(double sd_px) { doubt(Eigen::Vector3d::Constant(sd_px)); }
   /// Takes a circle that was fitted to the same outline as edges show it.
   void correct(const Circle& shown, const Eigen::Vector3d& sd_px);
   /// How far its motion alone has carried the circle since it began: what correcting and measuring did left out.

@@ -20,6 +20,9 @@ constexpr std::size_t first_channels = w::first_bias.size(), channels = w::point
                       last_channels = w::across_bias.size(), hidden_units = w::hidden_bias.size();
 constexpr std::size_t all_directions = PolarPatch::directions, directions = all_directions / 2,
                       rings = PolarPatch::rings / 2;
+constexpr std::size_t outputs = w::output_bias.size();
+static_assert(outputs == 3);
+constexpr float least_log_sd = -3.5F, most_log_sd = 1.5F;  // in ring widths, as in scripts/fit_patch
 constexpr float largest_density = 2.55F;  // per px^2, as in scripts/fit_patch
 static_assert(w::about_mean.size() == PolarPatch::figures &&
                   w::first.size() == 9 * PolarPatch::channels * first_channels,
@@ -174,9 +177,16 @@ PatchJudgement judge_patch(const PolarPatch& patch) {
   for (std::size_t i = 0; i < pooled.size(); ++i) add(i, pooled[i]);
   for (std::size_t i = 0; i < PolarPatch::figures; ++i)
     add(pooled.size() + i, (patch.about[i] - w::about_mean[i]) * w::about_scale[i]);
-  float log_odds = w::output_bias[0];
-  for (std::size_t k = 0; k < hidden_units; ++k) log_odds += std::max(hidden[k], 0.0F) * w::output[k];
-  judgement.log_odds = static_cast<double>(log_odds);
+  std::array<float, outputs> out = w::output_bias;
+  for (std::size_t k = 0; k < hidden_units; ++k) {
+    for (std::size_t i = 0; i < outputs; ++i) out[i] += std::max(hidden[k], 0.0F) * w::output[k * outputs + i];
+  }
+  const auto sd_px = [&](float log_sd) {
+    return patch.ring_px * std::exp(static_cast<double>(std::clamp(log_sd, least_log_sd, most_log_sd)));
+  };
+  judgement.log_odds = static_cast<double>(out[0]);
+  judgement.centre_sd_px = sd_px(out[1]);
+  judgement.radius_sd_px = sd_px(out[2]);
   return judgement;
 }
 

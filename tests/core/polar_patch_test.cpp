@@ -115,6 +115,29 @@ TEST(PatchNetwork, ItsCorrectionLeadsTowardsTheDisc) {
   }
 }
 
+TEST(PatchNetwork, ItsDeviationsCoverTheErrorOfTheCorrectedCircle) {
+  const std::vector<Event> events = ball.events(patch_image, 0.3);
+  const Circle c = ball_at_end();
+  for (const Circle& start : {c, Circle{c.x_px + 2, c.y_px, c.r_px}, Circle{c.x_px, c.y_px - 2, c.r_px},
+                              Circle{c.x_px, c.y_px, c.r_px + 1.5}, Circle{c.x_px, c.y_px, c.r_px - 1.5}}) {
+    const PatchJudgement j = judge_patch(patch_of(events, start));
+    EXPECT_LT(j.centre_sd_px, 1.5);
+    EXPECT_LT(j.radius_sd_px, 1.5);
+    EXPECT_LT(std::abs(start.x_px + j.correction.x_px - c.x_px), 3.0 * j.centre_sd_px);
+    EXPECT_LT(std::abs(start.y_px + j.correction.y_px - c.y_px), 3.0 * j.centre_sd_px);
+    EXPECT_LT(std::abs(start.r_px + j.correction.r_px - c.r_px), 3.0 * j.radius_sd_px);
+  }
+}
+
+TEST(PatchNetwork, IsLessSureOfALargeCircleInPixels) {
+  const auto radius_sd_px = [](double r_px) {
+    const streams::MovingDisc disc{50, 60, 60.0, 20.0, r_px};
+    const Circle circle{disc.x_at(end_us), disc.y_at(end_us), r_px};
+    return judge_patch(patch_of(disc.events(patch_image, 0.3), circle, {{60.0, 20.0}, {0, 0}, 0})).radius_sd_px;
+  };
+  EXPECT_GT(radius_sd_px(30.0), radius_sd_px(8.0));
+}
+
 TEST(PatchNetwork, FindsNoBallWithoutEvents) {
   EXPECT_LT(judge_patch(patch_of({}, ball_at_end())).log_odds, 0.0);
 }
