@@ -56,8 +56,8 @@ void describe(FieldVisitor& v, BallTrackerConfig& config);
 ///    measures its place, and is evidence too.
 /// 6. What moves against the background is told from what stands in the room. The background's motion comes from the
 ///    joints, or else from the edges (camera_rotation).
-/// 7. The newest events around a circle, in polar coordinates, are judged by a network, which also corrects the circle
-///    (PatchNetwork).
+/// 7. The newest events around a circle, in polar coordinates, are judged by a network, which also corrects the circle and
+///    measures it (PatchNetwork).
 /// 8. Evidence, judgements and history of a circle give the probability that it is the ball (disc_probability).
 ///
 /// The work of a ms is bounded: flows_per_ms flows, 160 votes, 8 circles tried, 4 patches; an event beyond that only
