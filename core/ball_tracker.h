@@ -210,7 +210,8 @@ class BallTracker final : public Detector, public DetectorViews {
   void end_duplicates();
   [[nodiscard]] Judged judged(const Circle& circle, const Eigen::Vector3d& motion_px_s, std::int64_t now_us);
   void judge(std::int64_t now_us);
-  [[nodiscard]] double within_radii(double r_px) const;
+  /// The circle with the correction added, its radius within radius_px.
+  [[nodiscard]] Circle corrected(const Circle& circle, const Circle& by) const;
 
   BallTrackerConfig config_;
   Camera camera_;

@@ -38,8 +38,9 @@ void BallTracker::work_ahead() {
   judge(tick_us);
 }
 
-double BallTracker::within_radii(double r_px) const {
-  return std::clamp(r_px, config_.radius_px[0] - 0.5, config_.radius_px[1] + 0.5);
+Circle BallTracker::corrected(const Circle& circle, const Circle& by) const {
+  return {circle.x_px + by.x_px, circle.y_px + by.y_px,
+          std::clamp(circle.r_px + by.r_px, config_.radius_px[0] - 0.5, config_.radius_px[1] + 0.5)};
 }
 
 /// The better one of a circle and its correction by PatchNetwork, and its log odds. Takes one or two of the tick's patches.
@@ -55,7 +56,7 @@ BallTracker::Judged BallTracker::judged(const Circle& circle, const Eigen::Vecto
   const double off_rings =
       std::max({std::abs(off.x_px), std::abs(off.y_px), std::abs(off.r_px)}) / polar_ring_px(circle.r_px);
   if (patches_left_ == 0 || off_rings < least_correction_rings) return as_it_was;
-  const Circle moved{circle.x_px + off.x_px, circle.y_px + off.y_px, within_radii(circle.r_px + off.r_px)};
+  const Circle moved = corrected(circle, off);
   const Judged moved_there{moved, judge(moved), true};
   const double before = as_it_was.result().log_odds;
   const double after = moved_there.judgement.log_odds;
@@ -89,13 +90,10 @@ void BallTracker::judge(std::int64_t now_us) {
     next->track.correct(found.circle, Eigen::Vector3d::Constant(fit_sd_px));
   }
   if (found.judgement.log_odds > least_measured_log_odds) {
-    const Circle& off = found.judgement.correction;
-    const Circle measured{found.circle.x_px + off.x_px, found.circle.y_px + off.y_px,
-                          within_radii(found.circle.r_px + off.r_px)};
     const Eigen::Vector3d sd_px(found.judgement.centre_sd_px, found.judgement.centre_sd_px,
                                 found.judgement.radius_sd_px);
     next->track.doubt(sd_px);
-    next->track.correct(measured, sd_px.cwiseMax(least_judgement_sd_px));
+    next->track.correct(corrected(found.circle, found.judgement.correction), sd_px.cwiseMax(least_judgement_sd_px));
   }
   next->patch = found.result();
   next->changed = false;

@@ -43,7 +43,7 @@ class CircleTrack {
     state_.head<3>() << shown.x_px, shown.y_px, shown.r_px;
     state_.head<2>() += lag_px();
   }
-  /// Centre and radius are at least so unsure.
+  /// Raises the standard deviations of centre and radius (x, y, r) to at least `sd_px`.
   void doubt(const Eigen::Vector3d& sd_px);
   void doubt(double sd_px) { doubt(Eigen::Vector3d::Constant(sd_px)); }
   /// Takes a circle that was fitted to the same outline as edges show it.

@@ -1,47 +1,22 @@
-// What a millisecond costs a detector with 128 x 128 pixels, by the rate of events: six of ten events lie on the outline of
-// a ball that moves in the image, the others anywhere; and recordings at their own rate where they are there. Counters:
-// events that one core could take per second; 50 %, 99 % and all of the milliseconds up to the estimate (before_*) and with
-// what follows it (whole_*).
+// What a millisecond costs a detector, by the rate of events (ball_in_clutter), and in recordings where they are there.
+// Counters: events that one core could take per second; the share of one core at the events' own rate (busy); time of a
+// millisecond, median, 99 % and longest, up to the estimate (before_*) and with the work after it (whole_*).
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <filesystem>
-#include <numbers>
 #include <vector>
 
 #include "core/detector_registry.h"
-#include "core/random.h"
 #include "head/icub_cameras.h"
 #include "recording/event_file.h"
+#include "tests/bench/ball_in_clutter.h"
 
 namespace saccade {
 namespace {
 
 using SteadyClock = std::chrono::steady_clock;
-
-std::vector<Event> ball_in_clutter(std::int64_t events_per_ms, std::int64_t duration_ms) {
-  const RandomStream random(1, "detector_bench");
-  std::vector<Event> events;
-  const std::int64_t count = events_per_ms * duration_ms;
-  events.reserve(static_cast<std::size_t>(count));
-  for (std::int64_t i = 0; i < count; ++i) {
-    const auto k = static_cast<std::uint64_t>(i);
-    const std::int64_t t_us = i * 1000 / events_per_ms;
-    const double turn = 2.0 * std::numbers::pi * 1e-6 * static_cast<double>(t_us);
-    double x = random.uniform(0.0, 127.0, 0, k);
-    double y = random.uniform(0.0, 127.0, 1, k);
-    if (i % 10 < 6) {
-      const double around = random.uniform(0.0, 2.0 * std::numbers::pi, 2, k);
-      x = 64.0 + 30.0 * std::cos(turn) + 11.0 * std::cos(around);
-      y = 64.0 + 30.0 * std::sin(turn) + 11.0 * std::sin(around);
-    }
-    events.push_back({t_us + 1, static_cast<std::uint16_t>(std::lround(x)),
-                      static_cast<std::uint16_t>(std::lround(y)), i % 2 == 0, 0});
-  }
-  return events;
-}
 
 double percentile(std::vector<double>& values, double share) {
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <numbers>
 #include <vector>
 
 #include "apps/deploy/deploy_session.h"
@@ -14,35 +12,14 @@
 #include "core/detector_registry.h"
 #include "head/icub_cameras.h"
 #include "robot/fake/fake_robot.h"
+#include "tests/bench/ball_in_clutter.h"
 #include "tests/control/genova02.h"
 
 namespace saccade {
 namespace {
 
 constexpr std::int64_t events_per_tick = 100;
-constexpr std::int64_t seconds = 30;
-
-/// In each millisecond 60 events on the outline of a ball that goes round in the image and 40 anywhere.
-std::vector<Event> ball_in_clutter() {
-  const RandomStream random(1, "tick_bench");
-  std::vector<Event> events;
-  events.reserve(static_cast<std::size_t>(seconds * 1000 * events_per_tick));
-  std::uint64_t i = 0;
-  for (std::int64_t t_us = 0; t_us < seconds * 1'000'000; t_us += 1'000'000 / (1000 * events_per_tick)) {
-    const double turn = 2.0 * std::numbers::pi * 0.2e-6 * static_cast<double>(t_us);
-    double x = random.uniform(0.0, 127.0, 0, i);
-    double y = random.uniform(0.0, 127.0, 1, i);
-    if (i % 5 < 3) {
-      const double around = random.uniform(0.0, 2.0 * std::numbers::pi, 2, i);
-      x = 64.0 + 20.0 * std::cos(turn) + 11.0 * std::cos(around);
-      y = 64.0 + 20.0 * std::sin(turn) + 11.0 * std::sin(around);
-    }
-    events.push_back({t_us + 1, static_cast<std::uint16_t>(std::lround(x)),
-                      static_cast<std::uint16_t>(std::lround(y)), i % 2 == 0, 0});
-    ++i;
-  }
-  return events;
-}
+constexpr std::int64_t duration_ms = 30'000;
 
 class FakeActive final : public Robot {
  public:
@@ -70,7 +47,7 @@ class Nobody final : public DeployObserver {
 void tick(benchmark::State& bench, const char* preset, const char* controller) {
   FakeRobotScript script;
   script.limits = genova02_limits();
-  script.events = ball_in_clutter();
+  script.events = ball_in_clutter(events_per_tick, duration_ms);
   FakeActive robot(std::move(script));
   std::vector<LoopDetector> detectors;
   detectors.push_back({preset, make_detector(built_in_detectors().config(preset), icub_left_2016)});
