@@ -15,8 +15,9 @@ target_compile_options(saccade_flags INTERFACE
   $<$<NOT:$<BOOL:$<TARGET_PROPERTY:SACCADE_JOINED_TESTS>>>:-Wshadow>
   # The same scenario and seed give the same bytes: no fused multiply-add that depends on the compiler.
   -ffp-contract=off
-  # Nobody reads floating-point exceptions: the vectoriser need not keep them. Values stay the same.
-  -fno-trapping-math
+  # Nobody reads floating-point exceptions or errno after a function of cmath: the vectoriser need not keep them. Values
+  # stay the same.
+  -fno-trapping-math -fno-math-errno
   # The layers are linked into the Python module too, which is a shared library. Nobody replaces their functions.
   -fPIC -fno-semantic-interposition
   # GCC 12 warns of std::string's own operator+ (GCC bugs 105651 and 105329).

@@ -1,6 +1,7 @@
 #include "core/disc_evidence.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <numbers>
@@ -23,6 +24,22 @@ constexpr double consistent = 0.1;          // likelihood from which on an edge 
 constexpr double least_px2 = 3.0;           // of an area that is divided by
 constexpr double clutter_scale_px2 = 20.0;  // log(1 + scale * density)
 constexpr double ring_floor = 0.01;         // edges per px^2 that count as none
+
+/// Unit vectors to the middles of n sectors, counted from -x on.
+using Sectors = std::array<std::array<double, 2>, max_sectors>;
+const Sectors& sector_middles(int n) {
+  static const auto table = [] {
+    std::array<Sectors, max_sectors + 1> of{};
+    for (int sectors = min_sectors; sectors <= max_sectors; ++sectors) {
+      for (int k = 0; k < sectors; ++k) {
+        const double angle = (k + 0.5) / sectors * 2.0 * pi - pi;
+        of[static_cast<std::size_t>(sectors)][static_cast<std::size_t>(k)] = {std::cos(angle), std::sin(angle)};
+      }
+    }
+    return of;
+  }();
+  return table[static_cast<std::size_t>(n)];
+}
 
 double ring_area_px2(double r_px, double from_px, double to_px) {
   const double inner = std::max(0.0, r_px + from_px);
@@ -53,10 +70,10 @@ DiscEvidenceCollector::DiscEvidenceCollector(const Circle& circle, const Eigen::
                           max_sectors)) {
   const double least =
       std::max(visible_px_s, visible_share * (velocity_px_s_.norm() + std::abs(growth_px_s_)));
+  const Sectors& middles = sector_middles(sectors_);
   for (int k = 0; k < sectors_; ++k) {
-    const double angle = (k + 0.5) / sectors_ * 2.0 * pi - pi;
-    const double normal_px_s =
-        velocity_px_s_.x() * std::cos(angle) + velocity_px_s_.y() * std::sin(angle) + growth_px_s_;
+    const auto& [x, y] = middles[static_cast<std::size_t>(k)];
+    const double normal_px_s = velocity_px_s_.x() * x + velocity_px_s_.y() * y + growth_px_s_;
     if (std::abs(normal_px_s) > least) expected_ |= 1U << static_cast<unsigned>(k);
   }
 }

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/time_stamp.h"
+#include "core/vector_clones.h"
 
 namespace saccade::inline v0_1 {
 namespace {
@@ -34,6 +35,20 @@ const Weights& weights() {
   return table;
 }
 
+/// Unit vectors of the directions.
+using Directions = std::array<std::array<float, 2>, PolarPatch::directions>;
+const Directions& unit_vectors() {
+  static const Directions table = [] {
+    Directions of;
+    for (std::size_t d = 0; d < PolarPatch::directions; ++d) {
+      const float angle = 2.0F * pi * static_cast<float>(d) / PolarPatch::directions;
+      of[d] = {std::cos(angle), std::sin(angle)};
+    }
+    return of;
+  }();
+  return table;
+}
+
 /// Angle of (x, y) in turns from 0 to 1, to 1e-4.
 float turns(float x, float y) {
   const float ax = std::abs(x);
@@ -47,23 +62,57 @@ float turns(float x, float y) {
   return angle;
 }
 
+/// Events near the circle, some at a time: place from its centre (px), age (us) and polarity.
+struct Batch {
+  static constexpr std::size_t size = 128;
+  alignas(32) std::array<float, size> x, y, age_us;
+  std::array<std::uint8_t, size> off;
+  std::size_t count = 0;
+};
+
+/// One of the two motions by which an event is carried on: per us, and its length.
+struct Carried {
+  float x, y, growth, length;
+  float horizon_us;
+  std::size_t channel;  // of ON
+};
+
+/// Where events of a batch come to lie: direction and ring (with one more inside and outside) and their fractions.
+struct Places {
+  alignas(32) std::array<float, Batch::size> direction, ring, weight_step;
+};
+
+SACCADE_VECTOR_CLONES
+void carry(const Batch& batch, const Carried& by, float radius_px, float per_width, Places& places) {
+  for (std::size_t i = 0; i < batch.count; ++i) {
+    const float age = batch.age_us[i];
+    const float x = batch.x[i] + by.x * age;
+    const float y = batch.y[i] + by.y * age;
+    const float off_px = std::sqrt(x * x + y * y) - radius_px + by.growth * age;
+    const float ring = off_px * per_width + (outline_ring + 1.0F);
+    places.ring[i] = age <= by.horizon_us ? ring : -1.0F;
+    places.direction[i] = turns(x, y) * PolarPatch::directions;
+    places.weight_step[i] = std::min(age * by.length, most_px) * 8.0F;
+  }
+}
+
 /// Sums of weights by direction, ring (with one more inside and outside) and event channel.
 class Splat {
  public:
-  explicit Splat(float width_px) : per_width_(1.0F / width_px) {}
-
-  /// Adds an event that the motion of `m_px` has carried to (x, y) from the centre; `off` from the outline.
-  void add(float x, float y, float off_px, float m_px, std::size_t channel) {
-    const float ring = off_px * per_width_ + (outline_ring + 1.0F);
-    if (!(ring > 0.0F && ring < static_cast<float>(rings - 1))) return;
-    const auto& w = weights().of[static_cast<std::size_t>(m_px * 8.0F)];
-    const float direction = turns(x, y) * PolarPatch::directions;
-    const auto d = static_cast<std::size_t>(direction);
-    const auto r = static_cast<std::size_t>(ring);
-    const float d_share = direction - static_cast<float>(d);
-    const float r_share = ring - static_cast<float>(r);
-    add_pair(at(d % PolarPatch::directions, r) + channel, 1.0F - d_share, r_share, w);
-    add_pair(at((d + 1) % PolarPatch::directions, r) + channel, d_share, r_share, w);
+  void add(const Batch& batch, const Places& places, std::size_t channel_of_on) {
+    for (std::size_t i = 0; i < batch.count; ++i) {
+      const float ring = places.ring[i];
+      if (!(ring > 0.0F && ring < static_cast<float>(rings - 1))) continue;
+      const auto& w = weights().of[static_cast<std::size_t>(places.weight_step[i])];
+      const float direction = places.direction[i];
+      const auto d = static_cast<std::size_t>(direction);
+      const auto r = static_cast<std::size_t>(ring);
+      const float d_share = direction - static_cast<float>(d);
+      const float r_share = ring - static_cast<float>(r);
+      const std::size_t channel = channel_of_on + 4 * batch.off[i];
+      add_pair(at(d % PolarPatch::directions, r) + channel, 1.0F - d_share, r_share, w);
+      add_pair(at((d + 1) % PolarPatch::directions, r) + channel, d_share, r_share, w);
+    }
   }
   [[nodiscard]] const float* of(std::size_t direction, std::size_t ring) const {
     return sums_.data() + (direction * rings + ring + 1) * channels;
@@ -86,7 +135,6 @@ class Splat {
   }
 
   std::array<float, PolarPatch::directions * rings * channels> sums_{};
-  float per_width_;
 };
 
 std::int64_t horizon_us(double speed_px_s) {
@@ -120,48 +168,49 @@ PolarPatch polar_patch(std::span<const std::int64_t> newest_us, ImageSize size, 
   const int y_end = std::min(size.height - 1, static_cast<int>(cy + reach_px));
   const std::int64_t disc_horizon_us = horizon_us(disc_px_s);
   const std::int64_t background_horizon_us = horizon_us(background_px_s);
-  const std::int64_t longest_us = std::max(disc_horizon_us, background_horizon_us);
-  const auto disc_motion = static_cast<float>(std::max(disc_px_s, slowest_px_s) * 1e-6);
-  const auto background_motion = static_cast<float>(std::max(background_px_s, slowest_px_s) * 1e-6);
-  const Eigen::Vector2f disc = (motion.disc_px_s * 1e-6).cast<float>();
-  const Eigen::Vector2f background = (motion.background_px_s * 1e-6).cast<float>();
-  const auto growth = static_cast<float>(motion.growth_px_s * 1e-6);
+  // Of an event that counts; above the least 64 bit number, which stands for never.
+  const std::int64_t earliest_us =
+      std::max(saturated_difference(now_us, std::max(disc_horizon_us, background_horizon_us)),
+               std::numeric_limits<std::int64_t>::min() + 1);
+  const auto carried = [&](const Eigen::Vector2d& px_s, double growth_px_s, std::int64_t horizon, std::size_t channel) {
+    const Eigen::Vector2f px_us = (px_s * 1e-6).cast<float>();
+    return Carried{px_us.x(), px_us.y(), static_cast<float>(growth_px_s * 1e-6),
+                   static_cast<float>(std::max(px_s.norm(), slowest_px_s) * 1e-6), static_cast<float>(horizon), channel};
+  };
+  const std::array<Carried, 2> motions = {carried(motion.disc_px_s, motion.growth_px_s, disc_horizon_us, 0),
+                                          carried(motion.background_px_s, 0.0, background_horizon_us, 2)};
   const auto pixels = static_cast<std::size_t>(size.pixels());
 
-  Splat splat(width_px);
+  Splat splat;
+  Batch batch;
+  const auto add_batch = [&] {
+    Places places;
+    for (const Carried& by : motions) {
+      carry(batch, by, radius, 1.0F / width_px, places);
+      splat.add(batch, places, by.channel);
+    }
+    batch.count = 0;
+  };
   for (int y = begin(cy); y <= y_end; y += stride) {
     for (int x = begin(cx); x <= x_end; x += stride) {
       const auto at = static_cast<std::size_t>(y * size.width + x);
       for (std::size_t p = 0; p < 2; ++p) {
         const std::int64_t t_us = newest_us[p * pixels + at];
-        if (t_us == std::numeric_limits<std::int64_t>::min()) continue;
-        const std::int64_t age_us = saturated_difference(now_us, t_us);
-        if (age_us > longest_us) continue;
-        const auto age = static_cast<float>(std::max<std::int64_t>(age_us, 0));
-        const float from_x = static_cast<float>(x) - cx;
-        const float from_y = static_cast<float>(y) - cy;
-        if (age_us <= disc_horizon_us) {
-          const float dx = from_x + disc.x() * age;
-          const float dy = from_y + disc.y() * age;
-          splat.add(dx, dy, std::sqrt(dx * dx + dy * dy) - radius + growth * age,
-                    std::min(age * disc_motion, most_px), 4 * p);
-        }
-        if (age_us <= background_horizon_us) {
-          const float dx = from_x + background.x() * age;
-          const float dy = from_y + background.y() * age;
-          splat.add(dx, dy, std::sqrt(dx * dx + dy * dy) - radius, std::min(age * background_motion, most_px),
-                    4 * p + 2);
-        }
+        if (t_us < earliest_us) continue;
+        batch.x[batch.count] = static_cast<float>(x) - cx;
+        batch.y[batch.count] = static_cast<float>(y) - cy;
+        batch.age_us[batch.count] = static_cast<float>(std::max<std::int64_t>(saturated_difference(now_us, t_us), 0));
+        batch.off[batch.count] = static_cast<std::uint8_t>(p);
+        if (++batch.count == Batch::size) add_batch();
       }
     }
   }
+  add_batch();
 
   const auto speeds = static_cast<float>(disc_px_s + background_px_s + slowest_px_s);
   float all = 0.0F;
   for (std::size_t d = 0; d < PolarPatch::directions; ++d) {
-    const float angle = 2.0F * pi * static_cast<float>(d) / PolarPatch::directions;
-    const float c = std::cos(angle);
-    const float s = std::sin(angle);
+    const auto& [c, s] = unit_vectors()[d];
     for (std::size_t r = 0; r < PolarPatch::rings; ++r) {
       float* value = &patch.values[(d * PolarPatch::rings + r) * PolarPatch::channels];
       const float at_px = radius + (static_cast<float>(r) - outline_ring) * width_px;
