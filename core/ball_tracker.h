@@ -134,7 +134,7 @@ class BallTracker final : public Detector, public DetectorViews {
   struct FoundCircle {
     Circle circle;
     std::int64_t at_us;
-    bool as_found_too;  ///< tried without a fit of place and radius as well
+    bool fitted;  ///< its place and radius are fitted to the edges before it is tried
   };
   /// A circle, corrected by PatchNetwork or as it was, and what PatchNetwork says about it.
   struct Judged {

@@ -44,7 +44,7 @@ inline constexpr double at_rest_share = 0.25;  // of its probability, for a disc
 
 // Search.
 inline constexpr std::size_t max_voters = 1024, votes_per_tick = 160;
-inline constexpr std::size_t found_per_level = 4, most_tried = 8, tried_per_tick = 8;
+inline constexpr std::size_t found_per_level = 4, most_tried = 8, tried_per_tick = 3;
 inline constexpr std::int64_t search_period_us = 3'000, sure_search_period_us = 9'000;
 inline constexpr double sure = 0.9;           // probability of a circle that lets the search slow down
 inline constexpr double new_share = 0.6;      // of its probability that a new circle replaces another with
@@ -60,7 +60,7 @@ inline constexpr std::uint64_t fewest_events_of_look = 20;
 
 // The judgements of polar patches.
 inline constexpr std::uint64_t sure_ticks_per_judgement = 4;
-inline constexpr int patches_per_tick = 4;
+inline constexpr int patches_per_tick = 3, patches_per_circle = 2;
 inline constexpr double least_correction_rings = 0.3,
                         large_correction_rings = 0.8;  // ring widths of a polar patch
 inline constexpr double correction_gain = 0.5;         // of the log odds

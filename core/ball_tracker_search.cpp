@@ -112,6 +112,7 @@ void BallTracker::search(std::int64_t now_us) {
     if (search_us_ != never_us && saturated_difference(now_us, search_us_) < period_us) return;
     search_us_ = now_us;
     begin_search();
+    return;
   }
   const std::size_t end = std::min(voters_.size(), voted_ + votes_per_tick);
   for (; voted_ < end; ++voted_) search_.add(voters_[voted_].at_px, voters_[voted_].direction);
@@ -121,7 +122,7 @@ void BallTracker::search(std::int64_t now_us) {
   search_cleared_ = false;
   const auto found = search_.find(found_per_level);
   for (const CircleSearch::Found& candidate : found.first(std::min(found.size(), most_tried)))
-    to_try_.push({candidate.circle, search_us_, false});
+    to_try_.push({candidate.circle, search_us_, true});
 }
 
 /// Collects the edges that vote, every n-th where there are too many, and the camera's rotation that they show.
@@ -171,7 +172,7 @@ void BallTracker::look(std::int64_t now_us) {
   for (const DiscNetwork::Found& found : network_.found()) {
     const double r_px = found.circle.r_px;
     if (r_px < config_.radius_px[0] - 1.0 || r_px > config_.radius_px[1] + 1.0) continue;
-    to_try_.push({found.circle, network_.found_at_us(), true});
+    for (const bool fitted : {true, false}) to_try_.push({found.circle, network_.found_at_us(), fitted});
   }
 }
 
@@ -187,7 +188,7 @@ double BallTracker::network_log_odds(const Circle& circle, const Eigen::Vector2d
 
 /// Tries some of the circles found.
 void BallTracker::try_found(std::int64_t now_us) {
-  for (std::size_t i = 0; i < tried_per_tick && !to_try_.empty(); ++i) {
+  for (std::size_t i = 0; i < tried_per_tick && patches_left_ >= patches_per_circle && !to_try_.empty(); ++i) {
     const FoundCircle found = to_try_.pop();
     Circle circle = found.circle;
     fill_fit(circle, found.at_us);
@@ -196,8 +197,9 @@ void BallTracker::try_found(std::int64_t now_us) {
     circle.x_px += motion.x() * since_s;
     circle.y_px += motion.y() * since_s;
     fill_fit(circle, now_us);
-    try_circle(fit_.place(circle, motion, config_.radius_px[0] - 0.5, config_.radius_px[1] + 0.5), now_us);
-    if (found.as_found_too) try_circle(circle, now_us);
+    if (found.fitted)
+      circle = fit_.place(circle, motion, config_.radius_px[0] - 0.5, config_.radius_px[1] + 0.5);
+    try_circle(circle, now_us);
     if (to_try_.empty()) end_duplicates();
   }
 }
@@ -210,7 +212,7 @@ void BallTracker::try_circle(const Circle& circle, std::int64_t now_us) {
   const double probability = found_probability(seen, log_odds);
   if (corrects_known(circle, probability, now_us)) return;
   FoundDisc found{circle, motion, seen, log_odds, {}, probability};
-  if (patches_left_ == 0 || place_for(found) == nullptr) return;
+  if (place_for(found) == nullptr) return;
   found.judgement = judged(circle, motion, now_us);
   if (found.judgement.corrected) {
     found.circle = found.judgement.circle;

@@ -18,17 +18,19 @@ constexpr float trail_px = 4.0F;      // looked at beyond the outermost ring
 constexpr int most_half_width = 30;   // pixels looked at from the centre in each direction
 constexpr float outline_ring = 7.0F;  // index of the ring on the outline
 
+using Pair [[gnu::vector_size(8), gnu::may_alias]] = float;
+
 /// exp(-m / 2 px) and exp(-m / 8 px) by steps of 1/8 px.
 struct Weights {
   static constexpr std::size_t steps = 129;
-  std::array<std::array<float, 2>, steps> of{};
+  std::array<Pair, steps> of{};
 };
 const Weights& weights() {
   static const Weights table = [] {
     Weights w;
     for (std::size_t i = 0; i < Weights::steps; ++i) {
       const double m = static_cast<double>(i) / 8.0;
-      w.of[i] = {static_cast<float>(std::exp(-m / 2.0)), static_cast<float>(std::exp(-m / 8.0))};
+      w.of[i] = Pair{static_cast<float>(std::exp(-m / 2.0)), static_cast<float>(std::exp(-m / 8.0))};
     }
     return w;
   }();
@@ -64,9 +66,9 @@ float turns(float x, float y) {
 
 /// Events near the circle, some at a time: place from its centre (px), age (us) and polarity.
 struct Batch {
-  static constexpr std::size_t size = 128;
-  alignas(32) std::array<float, size> x, y, age_us;
-  std::array<std::uint8_t, size> off;
+  static constexpr std::size_t most = 512, most_of_row = 2 * (2 * most_half_width + 1);
+  alignas(32) std::array<float, most> x, y, age_us;
+  std::array<std::uint8_t, most> off;
   std::size_t count = 0;
 };
 
@@ -77,64 +79,73 @@ struct Carried {
   std::size_t channel;  // of ON
 };
 
-/// Where events of a batch come to lie: direction and ring (with one more inside and outside) and their fractions.
+constexpr int splat_rings = PolarPatch::rings + 2;  // with one more inside and outside
+
+/// Where events of a batch come to lie: the nearer direction and ring of less than it, and how far beyond it.
 struct Places {
-  alignas(32) std::array<float, Batch::size> direction, ring, weight_step;
+  alignas(32) std::array<std::int32_t, Batch::most> here, next;  ///< place in that direction and in the following one
+  alignas(32) std::array<std::int32_t, Batch::most> weight, near;
+  alignas(32) std::array<float, Batch::most> direction_share, ring_share;
 };
 
 SACCADE_VECTOR_CLONES
 void carry(const Batch& batch, const Carried& by, float radius_px, float per_width, Places& places) {
+  constexpr auto directions = static_cast<std::int32_t>(PolarPatch::directions);
   for (std::size_t i = 0; i < batch.count; ++i) {
     const float age = batch.age_us[i];
     const float x = batch.x[i] + by.x * age;
     const float y = batch.y[i] + by.y * age;
     const float off_px = std::sqrt(x * x + y * y) - radius_px + by.growth * age;
     const float ring = off_px * per_width + (outline_ring + 1.0F);
-    places.ring[i] = age <= by.horizon_us ? ring : -1.0F;
-    places.direction[i] = turns(x, y) * PolarPatch::directions;
-    places.weight_step[i] = std::min(age * by.length, most_px) * 8.0F;
+    const bool near = (age <= by.horizon_us) & (ring > 0.0F) & (ring < static_cast<float>(splat_rings - 1));
+    const float direction = turns(x, y) * static_cast<float>(directions);
+    const auto d = static_cast<std::int32_t>(direction);
+    const auto r = static_cast<std::int32_t>(near ? ring : 0.0F);
+    const std::int32_t this_one = d < directions ? d : 0;
+    places.near[i] = near ? 1 : 0;
+    places.here[i] = this_one * splat_rings + r;
+    places.next[i] = (this_one + 1 < directions ? this_one + 1 : 0) * splat_rings + r;
+    places.direction_share[i] = direction - static_cast<float>(d);
+    places.ring_share[i] = ring - static_cast<float>(r);
+    places.weight[i] = static_cast<std::int32_t>(std::min(age * by.length, most_px) * 8.0F);
   }
 }
 
-/// Sums of weights by direction, ring (with one more inside and outside) and event channel.
+/// Sums of weights by direction, ring and event channel.
 class Splat {
  public:
   void add(const Batch& batch, const Places& places, std::size_t channel_of_on) {
-    for (std::size_t i = 0; i < batch.count; ++i) {
-      const float ring = places.ring[i];
-      if (!(ring > 0.0F && ring < static_cast<float>(rings - 1))) continue;
-      const auto& w = weights().of[static_cast<std::size_t>(places.weight_step[i])];
-      const float direction = places.direction[i];
-      const auto d = static_cast<std::size_t>(direction);
-      const auto r = static_cast<std::size_t>(ring);
-      const float d_share = direction - static_cast<float>(d);
-      const float r_share = ring - static_cast<float>(r);
+    std::array<std::uint16_t, Batch::most> near;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < batch.count; ++i) {  // without branches: which ones lie in the rings is hard to predict
+      near[count] = static_cast<std::uint16_t>(i);
+      count += static_cast<std::size_t>(places.near[i]);
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::size_t i = near[k];
+      const Pair& w = weights().of[static_cast<std::size_t>(places.weight[i])];
       const std::size_t channel = channel_of_on + 4 * batch.off[i];
-      add_pair(at(d % PolarPatch::directions, r) + channel, 1.0F - d_share, r_share, w);
-      add_pair(at((d + 1) % PolarPatch::directions, r) + channel, d_share, r_share, w);
+      add_pair(at(places.here[i]) + channel, 1.0F - places.direction_share[i], places.ring_share[i], w);
+      add_pair(at(places.next[i]) + channel, places.direction_share[i], places.ring_share[i], w);
     }
   }
   [[nodiscard]] const float* of(std::size_t direction, std::size_t ring) const {
-    return sums_.data() + (direction * rings + ring + 1) * channels;
+    return sums_.data() + (direction * splat_rings + ring + 1) * channels;
   }
 
  private:
-  static constexpr std::size_t rings = PolarPatch::rings + 2, channels = PolarPatch::event_channels;
+  static constexpr std::size_t channels = PolarPatch::event_channels;
 
-  [[nodiscard]] float* at(std::size_t direction, std::size_t ring) {
-    return sums_.data() + (direction * rings + ring) * channels;
-  }
-  static void add_pair(float* inner, float share, float outer_share, const std::array<float, 2>& w) {
-    float* outer = inner + channels;
+  [[nodiscard]] float* at(std::int32_t place) { return sums_.data() + static_cast<std::size_t>(place) * channels; }
+  static void add_pair(float* inner, float share, float outer_share, const Pair& w) {
     const float to_outer = share * outer_share;
     const float to_inner = share - to_outer;
-    inner[0] += to_inner * w[0];
-    inner[1] += to_inner * w[1];
-    outer[0] += to_outer * w[0];
-    outer[1] += to_outer * w[1];
+    auto* sums = reinterpret_cast<Pair*>(inner);
+    sums[0] += to_inner * w;
+    sums[channels / 2] += to_outer * w;
   }
 
-  std::array<float, PolarPatch::directions * rings * channels> sums_{};
+  alignas(Pair) std::array<float, PolarPatch::directions * splat_rings * channels> sums_{};
 };
 
 std::int64_t horizon_us(double speed_px_s) {
@@ -192,45 +203,50 @@ PolarPatch polar_patch(std::span<const std::int64_t> newest_us, ImageSize size, 
     batch.count = 0;
   };
   for (int y = begin(cy); y <= y_end; y += stride) {
+    if (batch.count > Batch::most - Batch::most_of_row) add_batch();
     for (int x = begin(cx); x <= x_end; x += stride) {
       const auto at = static_cast<std::size_t>(y * size.width + x);
       for (std::size_t p = 0; p < 2; ++p) {
         const std::int64_t t_us = newest_us[p * pixels + at];
-        if (t_us < earliest_us) continue;
         batch.x[batch.count] = static_cast<float>(x) - cx;
         batch.y[batch.count] = static_cast<float>(y) - cy;
-        batch.age_us[batch.count] = static_cast<float>(std::max<std::int64_t>(saturated_difference(now_us, t_us), 0));
+        batch.age_us[batch.count] =
+            static_cast<float>(std::max<std::int64_t>(saturated_difference(now_us, t_us), 0));
         batch.off[batch.count] = static_cast<std::uint8_t>(p);
-        if (++batch.count == Batch::size) add_batch();
+        batch.count += static_cast<std::size_t>(t_us >= earliest_us);
       }
     }
   }
   add_batch();
 
   const auto speeds = static_cast<float>(disc_px_s + background_px_s + slowest_px_s);
+  std::array<float, PolarPatch::rings> at_px, per_px2;
+  for (std::size_t r = 0; r < PolarPatch::rings; ++r) {
+    at_px[r] = radius + (static_cast<float>(r) - outline_ring) * width_px;
+    const float area_px2 = width_px * 2.0F * pi / PolarPatch::directions * std::max(at_px[r], 0.5F * width_px);
+    per_px2[r] = static_cast<float>(stride * stride) / area_px2;
+  }
   float all = 0.0F;
   for (std::size_t d = 0; d < PolarPatch::directions; ++d) {
     const auto& [c, s] = unit_vectors()[d];
+    const auto along_normal = [&](const Eigen::Vector2d& px_s) {
+      return static_cast<float>(px_s.x() * static_cast<double>(c) + px_s.y() * static_cast<double>(s)) / speeds;
+    };
+    const float disc_share = along_normal(motion.disc_px_s);
+    const float background_share = along_normal(motion.background_px_s);
     for (std::size_t r = 0; r < PolarPatch::rings; ++r) {
       float* value = &patch.values[(d * PolarPatch::rings + r) * PolarPatch::channels];
-      const float at_px = radius + (static_cast<float>(r) - outline_ring) * width_px;
-      const float area_px2 = width_px * 2.0F * pi / PolarPatch::directions * std::max(at_px, 0.5F * width_px);
-      const float per_px2 = static_cast<float>(stride * stride) / area_px2;
       for (std::size_t k = 0; k < PolarPatch::event_channels; ++k) {
-        value[k] = splat.of(d, r)[k] * per_px2;
+        value[k] = splat.of(d, r)[k] * per_px2[r];
         all += value[k];
       }
-      const float x = cx + at_px * c;
-      const float y = cy + at_px * s;
+      const float x = cx + at_px[r] * c;
+      const float y = cy + at_px[r] * s;
       const bool inside = x > -0.5F && y > -0.5F && x < static_cast<float>(size.width) - 0.5F &&
                           y < static_cast<float>(size.height) - 0.5F;
       value[8] = inside ? 1.0F : 0.0F;
-      value[9] = static_cast<float>(motion.disc_px_s.x() * static_cast<double>(c) +
-                                    motion.disc_px_s.y() * static_cast<double>(s)) /
-                 speeds;
-      value[10] = static_cast<float>(motion.background_px_s.x() * static_cast<double>(c) +
-                                     motion.background_px_s.y() * static_cast<double>(s)) /
-                  speeds;
+      value[9] = disc_share;
+      value[10] = background_share;
     }
   }
   patch.about = {std::log(radius),
