@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/ball_tracker.h"
 #include "core/ball_tracker_constants.h"
@@ -31,11 +32,27 @@ void BallTracker::work_ahead() {
   if (!search_due_us_) return;
   const std::int64_t tick_us = *search_due_us_;
   search_due_us_.reset();
-  patches_left_ = patches_per_tick;
-  look(tick_us);
+  const Followed* leader = best();
+  const bool sure_of_one = leader != nullptr && leader->probability > sure;
+  steps_left_ = sure_of_one ? sure_steps_per_tick : steps_per_tick;
+  // Each comes first in every second tick, so that neither waits for the other.
+  const bool circles_first = ticks_ % 2 == 0;
+  if (circles_first) try_and_judge(tick_us);
   search(tick_us);
-  try_found(tick_us);
-  judge(tick_us);
+  look(tick_us);
+  if (!circles_first) try_and_judge(tick_us);
+}
+
+void BallTracker::try_and_judge(std::int64_t now_us) {
+  try_found(now_us);
+  judge(now_us);
+}
+
+/// Takes the steps of a piece of work from those of the tick. False, and none taken, where fewer are left.
+bool BallTracker::take_steps(std::int64_t steps) {
+  if (steps_left_ < steps) return false;
+  steps_left_ -= steps;
+  return true;
 }
 
 Circle BallTracker::corrected(const Circle& circle, const Circle& by) const {
@@ -43,19 +60,19 @@ Circle BallTracker::corrected(const Circle& circle, const Circle& by) const {
           std::clamp(circle.r_px + by.r_px, config_.radius_px[0] - 0.5, config_.radius_px[1] + 0.5)};
 }
 
-/// The better one of a circle and its correction by PatchNetwork, and its log odds. Takes one or two of the tick's patches.
+/// The better one of a circle and its correction by PatchNetwork, and its log odds. Takes the steps of one or two patches.
 BallTracker::Judged BallTracker::judged(const Circle& circle, const Eigen::Vector3d& motion,
                                         std::int64_t now_us) {
   const auto judge = [&](const Circle& c) {
-    --patches_left_;
     return judge_patch(polar_patch(network_.newest_us(), camera_.size, c, patch_motion(c, motion), now_us));
   };
+  steps_left_ -= steps_of_patch;
   const PatchJudgement judgement = judge(circle);
   const Circle& off = judgement.correction;
   const Judged as_it_was{circle, judgement, false};
   const double off_rings =
       std::max({std::abs(off.x_px), std::abs(off.y_px), std::abs(off.r_px)}) / polar_ring_px(circle.r_px);
-  if (patches_left_ == 0 || off_rings < least_correction_rings) return as_it_was;
+  if (off_rings < least_correction_rings || !take_steps(steps_of_patch)) return as_it_was;
   const Circle moved = corrected(circle, off);
   const Judged moved_there{moved, judge(moved), true};
   const double before = as_it_was.result().log_odds;
@@ -74,7 +91,7 @@ PatchResult BallTracker::Judged::result() const {
 /// may be the ball's, the correction is a measurement of the circle.
 void BallTracker::judge(std::int64_t now_us) {
   const Followed* leader = best();
-  if (patches_left_ == 0 ||
+  if (steps_left_ < 2 * steps_of_patch ||
       (leader != nullptr && leader->probability > sure && ticks_ % sure_ticks_per_judgement != 0))
     return;
   Followed* next = nullptr;
@@ -99,10 +116,15 @@ void BallTracker::judge(std::int64_t now_us) {
   next->changed = false;
 }
 
-/// The share of a tick: takes back the votes of the last search, or adds some of this one.
+/// Takes back the votes of the last search, or adds some of this one.
 void BallTracker::search(std::int64_t now_us) {
+  const auto votes = [&] {
+    const std::int64_t count = std::min(steps_left_, votes_per_tick);
+    steps_left_ -= count;
+    return count;
+  };
   if (!search_cleared_) {
-    search_cleared_ = search_.clear(votes_per_tick);
+    search_cleared_ = search_.clear(static_cast<std::size_t>(votes()));
     if (!search_cleared_) return;
   }
   if (voters_.empty()) {
@@ -110,13 +132,14 @@ void BallTracker::search(std::int64_t now_us) {
     const std::int64_t period_us =
         leader != nullptr && leader->probability > sure ? sure_search_period_us : search_period_us;
     if (search_us_ != never_us && saturated_difference(now_us, search_us_) < period_us) return;
+    if (!take_steps(steps_of_all_edges)) return;
     search_us_ = now_us;
     begin_search();
     return;
   }
-  const std::size_t end = std::min(voters_.size(), voted_ + votes_per_tick);
-  for (; voted_ < end; ++voted_) search_.add(voters_[voted_].at_px, voters_[voted_].direction);
-  if (voted_ < voters_.size()) return;
+  for (auto left = votes(); left > 0 && voted_ < voters_.size(); --left, ++voted_)
+    search_.add(voters_[voted_].at_px, voters_[voted_].direction);
+  if (voted_ < voters_.size() || !take_steps(steps_of_all_edges)) return;
   voters_.clear();
   voted_ = 0;
   search_cleared_ = false;
@@ -165,7 +188,7 @@ void BallTracker::look(std::int64_t now_us) {
     look_us_ = now_us;
     network_.begin(now_us);
   }
-  if (!network_.work(multiplications_per_tick)) return;
+  if (!network_.work(std::exchange(steps_left_, 0) * multiplications_per_step)) return;
   for (Followed& f : followed_) {
     if (f.alive) f.network_log_odds = network_log_odds(f.track.shown(), f.image_px_s, now_us);
   }
@@ -188,7 +211,8 @@ double BallTracker::network_log_odds(const Circle& circle, const Eigen::Vector2d
 
 /// Tries some of the circles found.
 void BallTracker::try_found(std::int64_t now_us) {
-  for (std::size_t i = 0; i < tried_per_tick && patches_left_ >= patches_per_circle && !to_try_.empty(); ++i) {
+  while (!to_try_.empty() && steps_left_ >= steps_of_fit + 2 * steps_of_patch) {
+    steps_left_ -= steps_of_fit;
     const FoundCircle found = to_try_.pop();
     Circle circle = found.circle;
     fill_fit(circle, found.at_us);
