@@ -241,7 +241,9 @@ class BallTracker final : public Detector, public DetectorViews {
   std::uint64_t events_since_look_ = 0;
   FoundQueue to_try_;
   std::size_t next_judged_ = 0;  // of followed_
-  std::int64_t steps_left_ = 0;  // of this tick's work after the estimate
+  // Of this tick's work after the estimate.
+  bool sure_of_one_ = false;
+  std::int64_t steps_left_ = 0;
   // Flows of this tick: every nth_event_ event gets one.
   std::int64_t flows_left_, nth_event_ = 1, since_flow_ = 0, events_of_tick_ = 0;
 };

@@ -33,8 +33,8 @@ void BallTracker::work_ahead() {
   const std::int64_t tick_us = *search_due_us_;
   search_due_us_.reset();
   const Followed* leader = best();
-  const bool sure_of_one = leader != nullptr && leader->probability > sure;
-  steps_left_ = sure_of_one ? sure_steps_per_tick : steps_per_tick;
+  sure_of_one_ = leader != nullptr && still_there(*leader) > sure;
+  steps_left_ = sure_of_one_ ? sure_steps_per_tick : steps_per_tick;
   // Each comes first in every second tick, so that neither waits for the other.
   const bool circles_first = ticks_ % 2 == 0;
   if (circles_first) try_and_judge(tick_us);
@@ -90,10 +90,7 @@ PatchResult BallTracker::Judged::result() const {
 /// Lets PatchNetwork judge the next of the followed circles near which edges have come since it was judged last. Where it
 /// may be the ball's, the correction is a measurement of the circle.
 void BallTracker::judge(std::int64_t now_us) {
-  const Followed* leader = best();
-  if (steps_left_ < 2 * steps_of_patch ||
-      (leader != nullptr && leader->probability > sure && ticks_ % sure_ticks_per_judgement != 0))
-    return;
+  if (steps_left_ < 2 * steps_of_patch || (sure_of_one_ && ticks_ % sure_ticks_per_judgement != 0)) return;
   Followed* next = nullptr;
   for (std::size_t i = 0; i < followed_.size(); ++i) {
     Followed& f = followed_[(next_judged_ + i) % followed_.size()];
@@ -128,9 +125,7 @@ void BallTracker::search(std::int64_t now_us) {
     if (!search_cleared_) return;
   }
   if (voters_.empty()) {
-    const Followed* leader = best();
-    const std::int64_t period_us =
-        leader != nullptr && leader->probability > sure ? sure_search_period_us : search_period_us;
+    const std::int64_t period_us = sure_of_one_ ? sure_search_period_us : search_period_us;
     if (search_us_ != never_us && saturated_difference(now_us, search_us_) < period_us) return;
     if (!take_steps(steps_of_all_edges)) return;
     search_us_ = now_us;
@@ -179,9 +174,7 @@ void BallTracker::fill_fit(const Circle& c, std::int64_t now_us) {
 /// with place and radius as found. What it says about the followed circles is kept for their next evidence.
 void BallTracker::look(std::int64_t now_us) {
   if (!network_.busy()) {
-    const Followed* leader = best();
-    const std::int64_t period_us =
-        leader != nullptr && leader->probability > sure ? sure_look_period_us : look_period_us;
+    const std::int64_t period_us = sure_of_one_ ? sure_look_period_us : look_period_us;
     if (look_us_ != never_us && saturated_difference(now_us, look_us_) < period_us) return;
     if (events_since_look_ < fewest_events_of_look) return;
     events_since_look_ = 0;
