@@ -239,12 +239,12 @@ void BallTracker::tick(std::int64_t now_us) {
         at.x() >= 0.0 && at.y() >= 0.0 && at.x() < camera_.size.width && at.y() < camera_.size.height;
     f.alive = inside && static_cast<double>(f.track.silent_us()) <= config_.hold_s * 1e6;
   }
-  ++ticks_;
-  for (std::size_t i = 0; i < followed_.size(); ++i) {
-    Followed& f = followed_[i];
-    if (!f.alive || (ticks_ + i) % ticks_per_look != 0) continue;
-    if ((ticks_ + i) % ticks_per_hole == 0) update_hole(f, now_us);
-    update_probability(f, now_us);
+  if (++ticks_ % ticks_per_look == 0) {
+    for (Followed& f : followed_) {
+      if (!f.alive) continue;
+      if (ticks_ % ticks_per_hole == 0) update_hole(f, now_us);
+      update_probability(f, now_us);
+    }
   }
   search_due_us_ = now_us;
 }

@@ -60,8 +60,8 @@ void describe(FieldVisitor& v, BallTrackerConfig& config);
 ///    measures it (PatchNetwork).
 /// 8. Evidence, judgements and history of a circle give the probability that it is the ball (disc_probability).
 ///
-/// The work of a ms is bounded: flows_per_ms flows, 8 circles, and a number of steps for what follows the estimate (votes,
-/// looks, fits, patches); an event beyond flows_per_ms only leaves its time stamp. Everything happens at instants of 1 ms of the stream's own time, so that the estimate does not
+/// The work of a ms is bounded: flows_per_ms flows, 160 votes, 8 circles tried, 4 patches; an event beyond that only
+/// leaves its time stamp. Everything happens at instants of 1 ms of the stream's own time, so that the estimate does not
 /// depend on how events come in batches.
 /// After: paper, section V (future work); regions after Glover, Dinale, Bartolozzi et al. (event surfaces SCARF and EROS
 /// of the same group).
@@ -73,7 +73,7 @@ class BallTracker final : public Detector, public DetectorViews {
   void process(std::span<const Event> events, const CameraMotion* motion) override;
   void advance_to(std::int64_t now_us, const CameraMotion* motion) override;
   [[nodiscard]] Estimate estimate() override;
-  /// What follows the estimate of the last tick: search for circles that are not followed, and judgement of those that are.
+  /// The search of the last tick for circles that are not followed.
   void work_ahead() override;
   [[nodiscard]] double threshold() const override { return config_.threshold; }
   [[nodiscard]] RejectedEvents rejected() const override { return sieve_.rejected(); }
@@ -134,7 +134,7 @@ class BallTracker final : public Detector, public DetectorViews {
   struct FoundCircle {
     Circle circle;
     std::int64_t at_us;
-    bool fitted;  ///< its place and radius are fitted to the edges before it is tried
+    bool as_found_too;  ///< tried without a fit of place and radius as well
   };
   /// A circle, corrected by PatchNetwork or as it was, and what PatchNetwork says about it.
   struct Judged {
@@ -196,8 +196,6 @@ class BallTracker final : public Detector, public DetectorViews {
   void update_probability(Followed& f, std::int64_t now_us);
 
   // The search for circles that are not followed (ball_tracker_search.cpp).
-  [[nodiscard]] bool take_steps(std::int64_t steps);
-  void try_and_judge(std::int64_t now_us);
   void search(std::int64_t now_us);
   void begin_search();
   void fill_fit(const Circle& circle, std::int64_t now_us);
@@ -241,9 +239,7 @@ class BallTracker final : public Detector, public DetectorViews {
   std::uint64_t events_since_look_ = 0;
   FoundQueue to_try_;
   std::size_t next_judged_ = 0;  // of followed_
-  // Of this tick's work after the estimate.
-  bool sure_of_one_ = false;
-  std::int64_t steps_left_ = 0;
+  int patches_left_ = 0;         // of this tick
   // Flows of this tick: every nth_event_ event gets one.
   std::int64_t flows_left_, nth_event_ = 1, since_flow_ = 0, events_of_tick_ = 0;
 };

@@ -42,15 +42,10 @@ inline constexpr double gaze_follows_hole = 0.4;
 inline constexpr double anchor_s = 0.6, moved_begin_px = 2.0, moved_end_px = 6.0;
 inline constexpr double at_rest_share = 0.25;  // of its probability, for a disc that never moved against it
 
-// Steps of the work that follows the estimate of a tick, each about 1 us: one vote or 8,000 multiplications of a look.
-inline constexpr std::int64_t steps_per_tick = 400, sure_steps_per_tick = 250, votes_per_tick = 160;
-inline constexpr std::int64_t steps_of_all_edges = 60;  // to collect those that vote, or to find the strongest circles
-inline constexpr std::int64_t steps_of_fit = 50, steps_of_patch = 50;
-inline constexpr std::int64_t multiplications_per_step = 8'000;
-
 // Search.
-inline constexpr std::size_t max_voters = 1024, found_per_level = 4, most_tried = 8;
-inline constexpr std::int64_t search_period_us = 3'000, sure_search_period_us = 20'000;
+inline constexpr std::size_t max_voters = 1024, votes_per_tick = 160;
+inline constexpr std::size_t found_per_level = 4, most_tried = 8, tried_per_tick = 8;
+inline constexpr std::int64_t search_period_us = 3'000, sure_search_period_us = 9'000;
 inline constexpr double sure = 0.9;           // probability of a circle that lets the search slow down
 inline constexpr double new_share = 0.6;      // of its probability that a new circle replaces another with
 inline constexpr double better_by = 0.1;      // probability, for a found circle to correct a followed one
@@ -59,11 +54,13 @@ inline constexpr double rival_share = 0.4;    // of the radius: circles nearer t
 inline constexpr std::size_t max_rivals = 2;  // followed at once
 
 // The network's looks.
-inline constexpr std::int64_t look_period_us = 15'000, sure_look_period_us = 100'000;
+inline constexpr std::int64_t look_period_us = 15'000, sure_look_period_us = 50'000;
+inline constexpr std::int64_t multiplications_per_tick = 1'500'000;
 inline constexpr std::uint64_t fewest_events_of_look = 20;
 
 // The judgements of polar patches.
 inline constexpr std::uint64_t sure_ticks_per_judgement = 4;
+inline constexpr int patches_per_tick = 4;
 inline constexpr double least_correction_rings = 0.3,
                         large_correction_rings = 0.8;  // ring widths of a polar patch
 inline constexpr double correction_gain = 0.5;         // of the log odds

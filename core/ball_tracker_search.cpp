@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "core/ball_tracker.h"
 #include "core/ball_tracker_constants.h"
@@ -32,27 +31,11 @@ void BallTracker::work_ahead() {
   if (!search_due_us_) return;
   const std::int64_t tick_us = *search_due_us_;
   search_due_us_.reset();
-  const Followed* leader = best();
-  sure_of_one_ = leader != nullptr && still_there(*leader) > sure;
-  steps_left_ = sure_of_one_ ? sure_steps_per_tick : steps_per_tick;
-  // Each comes first in every second tick, so that neither waits for the other.
-  const bool circles_first = ticks_ % 2 == 0;
-  if (circles_first) try_and_judge(tick_us);
-  search(tick_us);
+  patches_left_ = patches_per_tick;
   look(tick_us);
-  if (!circles_first) try_and_judge(tick_us);
-}
-
-void BallTracker::try_and_judge(std::int64_t now_us) {
-  try_found(now_us);
-  judge(now_us);
-}
-
-/// Takes the steps of a piece of work from those of the tick. False, and none taken, where fewer are left.
-bool BallTracker::take_steps(std::int64_t steps) {
-  if (steps_left_ < steps) return false;
-  steps_left_ -= steps;
-  return true;
+  search(tick_us);
+  try_found(tick_us);
+  judge(tick_us);
 }
 
 Circle BallTracker::corrected(const Circle& circle, const Circle& by) const {
@@ -60,19 +43,19 @@ Circle BallTracker::corrected(const Circle& circle, const Circle& by) const {
           std::clamp(circle.r_px + by.r_px, config_.radius_px[0] - 0.5, config_.radius_px[1] + 0.5)};
 }
 
-/// The better one of a circle and its correction by PatchNetwork, and its log odds. Takes the steps of one or two patches.
+/// The better one of a circle and its correction by PatchNetwork, and its log odds. Takes one or two of the tick's patches.
 BallTracker::Judged BallTracker::judged(const Circle& circle, const Eigen::Vector3d& motion,
                                         std::int64_t now_us) {
   const auto judge = [&](const Circle& c) {
+    --patches_left_;
     return judge_patch(polar_patch(network_.newest_us(), camera_.size, c, patch_motion(c, motion), now_us));
   };
-  steps_left_ -= steps_of_patch;
   const PatchJudgement judgement = judge(circle);
   const Circle& off = judgement.correction;
   const Judged as_it_was{circle, judgement, false};
   const double off_rings =
       std::max({std::abs(off.x_px), std::abs(off.y_px), std::abs(off.r_px)}) / polar_ring_px(circle.r_px);
-  if (off_rings < least_correction_rings || !take_steps(steps_of_patch)) return as_it_was;
+  if (patches_left_ == 0 || off_rings < least_correction_rings) return as_it_was;
   const Circle moved = corrected(circle, off);
   const Judged moved_there{moved, judge(moved), true};
   const double before = as_it_was.result().log_odds;
@@ -90,7 +73,10 @@ PatchResult BallTracker::Judged::result() const {
 /// Lets PatchNetwork judge the next of the followed circles near which edges have come since it was judged last. Where it
 /// may be the ball's, the correction is a measurement of the circle.
 void BallTracker::judge(std::int64_t now_us) {
-  if (steps_left_ < 2 * steps_of_patch || (sure_of_one_ && ticks_ % sure_ticks_per_judgement != 0)) return;
+  const Followed* leader = best();
+  if (patches_left_ == 0 ||
+      (leader != nullptr && leader->probability > sure && ticks_ % sure_ticks_per_judgement != 0))
+    return;
   Followed* next = nullptr;
   for (std::size_t i = 0; i < followed_.size(); ++i) {
     Followed& f = followed_[(next_judged_ + i) % followed_.size()];
@@ -113,34 +99,29 @@ void BallTracker::judge(std::int64_t now_us) {
   next->changed = false;
 }
 
-/// Takes back the votes of the last search, or adds some of this one.
+/// The share of a tick: takes back the votes of the last search, or adds some of this one.
 void BallTracker::search(std::int64_t now_us) {
-  const auto votes = [&] {
-    const std::int64_t count = std::min(steps_left_, votes_per_tick);
-    steps_left_ -= count;
-    return count;
-  };
   if (!search_cleared_) {
-    search_cleared_ = search_.clear(static_cast<std::size_t>(votes()));
+    search_cleared_ = search_.clear(votes_per_tick);
     if (!search_cleared_) return;
   }
   if (voters_.empty()) {
-    const std::int64_t period_us = sure_of_one_ ? sure_search_period_us : search_period_us;
+    const Followed* leader = best();
+    const std::int64_t period_us =
+        leader != nullptr && leader->probability > sure ? sure_search_period_us : search_period_us;
     if (search_us_ != never_us && saturated_difference(now_us, search_us_) < period_us) return;
-    if (!take_steps(steps_of_all_edges)) return;
     search_us_ = now_us;
     begin_search();
-    return;
   }
-  for (auto left = votes(); left > 0 && voted_ < voters_.size(); --left, ++voted_)
-    search_.add(voters_[voted_].at_px, voters_[voted_].direction);
-  if (voted_ < voters_.size() || !take_steps(steps_of_all_edges)) return;
+  const std::size_t end = std::min(voters_.size(), voted_ + votes_per_tick);
+  for (; voted_ < end; ++voted_) search_.add(voters_[voted_].at_px, voters_[voted_].direction);
+  if (voted_ < voters_.size()) return;
   voters_.clear();
   voted_ = 0;
   search_cleared_ = false;
   const auto found = search_.find(found_per_level);
   for (const CircleSearch::Found& candidate : found.first(std::min(found.size(), most_tried)))
-    to_try_.push({candidate.circle, search_us_, true});
+    to_try_.push({candidate.circle, search_us_, false});
 }
 
 /// Collects the edges that vote, every n-th where there are too many, and the camera's rotation that they show.
@@ -174,21 +155,23 @@ void BallTracker::fill_fit(const Circle& c, std::int64_t now_us) {
 /// with place and radius as found. What it says about the followed circles is kept for their next evidence.
 void BallTracker::look(std::int64_t now_us) {
   if (!network_.busy()) {
-    const std::int64_t period_us = sure_of_one_ ? sure_look_period_us : look_period_us;
+    const Followed* leader = best();
+    const std::int64_t period_us =
+        leader != nullptr && leader->probability > sure ? sure_look_period_us : look_period_us;
     if (look_us_ != never_us && saturated_difference(now_us, look_us_) < period_us) return;
     if (events_since_look_ < fewest_events_of_look) return;
     events_since_look_ = 0;
     look_us_ = now_us;
     network_.begin(now_us);
   }
-  if (!network_.work(std::exchange(steps_left_, 0) * multiplications_per_step)) return;
+  if (!network_.work(multiplications_per_tick)) return;
   for (Followed& f : followed_) {
     if (f.alive) f.network_log_odds = network_log_odds(f.track.shown(), f.image_px_s, now_us);
   }
   for (const DiscNetwork::Found& found : network_.found()) {
     const double r_px = found.circle.r_px;
     if (r_px < config_.radius_px[0] - 1.0 || r_px > config_.radius_px[1] + 1.0) continue;
-    for (const bool fitted : {true, false}) to_try_.push({found.circle, network_.found_at_us(), fitted});
+    to_try_.push({found.circle, network_.found_at_us(), true});
   }
 }
 
@@ -204,8 +187,7 @@ double BallTracker::network_log_odds(const Circle& circle, const Eigen::Vector2d
 
 /// Tries some of the circles found.
 void BallTracker::try_found(std::int64_t now_us) {
-  while (!to_try_.empty() && steps_left_ >= steps_of_fit + 2 * steps_of_patch) {
-    steps_left_ -= steps_of_fit;
+  for (std::size_t i = 0; i < tried_per_tick && !to_try_.empty(); ++i) {
     const FoundCircle found = to_try_.pop();
     Circle circle = found.circle;
     fill_fit(circle, found.at_us);
@@ -214,9 +196,8 @@ void BallTracker::try_found(std::int64_t now_us) {
     circle.x_px += motion.x() * since_s;
     circle.y_px += motion.y() * since_s;
     fill_fit(circle, now_us);
-    if (found.fitted)
-      circle = fit_.place(circle, motion, config_.radius_px[0] - 0.5, config_.radius_px[1] + 0.5);
-    try_circle(circle, now_us);
+    try_circle(fit_.place(circle, motion, config_.radius_px[0] - 0.5, config_.radius_px[1] + 0.5), now_us);
+    if (found.as_found_too) try_circle(circle, now_us);
     if (to_try_.empty()) end_duplicates();
   }
 }
@@ -229,7 +210,7 @@ void BallTracker::try_circle(const Circle& circle, std::int64_t now_us) {
   const double probability = found_probability(seen, log_odds);
   if (corrects_known(circle, probability, now_us)) return;
   FoundDisc found{circle, motion, seen, log_odds, {}, probability};
-  if (place_for(found) == nullptr) return;
+  if (patches_left_ == 0 || place_for(found) == nullptr) return;
   found.judgement = judged(circle, motion, now_us);
   if (found.judgement.corrected) {
     found.circle = found.judgement.circle;

@@ -55,11 +55,6 @@ template <std::size_t Directions, class Function>
 /// 3 x 3 of every second ring.
 [[gnu::always_inline]] inline void first_layer(const PolarPatch& patch,
                                                Layer<all_directions, first_channels>& out) {
-  std::array<bool, all_directions * PolarPatch::rings> empty;  // no event there
-  for (std::size_t i = 0; i < empty.size(); ++i) {
-    const float* in = patch.values.data() + i * PolarPatch::channels;
-    empty[i] = std::all_of(in, in + PolarPatch::event_channels, [](float value) { return value == 0.0F; });
-  }
   for (std::size_t d = 0; d < all_directions; ++d) {
     for (std::size_t r = 0; r < rings; ++r) {
       Channels<first_channels> sum;
@@ -68,12 +63,7 @@ template <std::size_t Directions, class Function>
           d, 2 * r, PolarPatch::rings, [&](std::size_t tap, std::size_t nd, std::size_t nr) {
             const float* in = patch.values.data() + (nd * PolarPatch::rings + nr) * PolarPatch::channels;
             const float* weight = w::first.data() + tap * PolarPatch::channels * first_channels;
-            std::size_t c = 0;
-            if (empty[nd * PolarPatch::rings + nr]) {
-              c = PolarPatch::event_channels;
-              weight += c * first_channels;
-            }
-            for (; c < PolarPatch::channels; ++c, weight += first_channels)
+            for (std::size_t c = 0; c < PolarPatch::channels; ++c, weight += first_channels)
               add_product(std::min(in[c], largest_density), weight, sum);
           });
       store_positive(sum, out.at(d, r));
@@ -158,19 +148,6 @@ void convolve(const PolarPatch& patch, Around& out) {
   around_directions(before, out);
 }
 
-/// Of the directions.
-const std::array<std::array<double, 2>, directions>& axes() {
-  static const auto table = [] {
-    std::array<std::array<double, 2>, directions> of{};
-    for (std::size_t d = 0; d < directions; ++d) {
-      const double angle = 2.0 * std::numbers::pi * static_cast<double>(d) / directions;
-      of[d] = {std::cos(angle), std::sin(angle)};
-    }
-    return of;
-  }();
-  return table;
-}
-
 }  // namespace
 
 PatchJudgement judge_patch(const PolarPatch& patch) {
@@ -187,10 +164,10 @@ PatchJudgement judge_patch(const PolarPatch& patch) {
       pooled[c] += value / directions;
       pooled[last_channels + c] = std::max(pooled[last_channels + c], value);
     }
+    const double angle = 2.0 * std::numbers::pi * static_cast<double>(d) / directions;
     const double off_px = static_cast<double>(off) * patch.ring_px / directions;
-    const auto& [x, y] = axes()[d];
-    judgement.correction.x_px += 2.0 * x * off_px;
-    judgement.correction.y_px += 2.0 * y * off_px;
+    judgement.correction.x_px += 2.0 * std::cos(angle) * off_px;
+    judgement.correction.y_px += 2.0 * std::sin(angle) * off_px;
     judgement.correction.r_px += off_px;
   }
   std::array<float, hidden_units> hidden = w::hidden_bias;
