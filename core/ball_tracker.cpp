@@ -124,7 +124,15 @@ DiscEvidence BallTracker::evidence(const Circle& c, const Eigen::Vector3d& motio
 void BallTracker::process(std::span<const Event> events, const CameraMotion* motion) {
   work_ahead();
   set_motion(motion);
-  for (const Event& event : events) {
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    if (i + prefetched_events < events.size()) {
+      const Event& later = events[i + prefetched_events];
+      if (later.x < camera_.size.width && later.y < camera_.size.height) {
+        network_.prefetch(later);
+        flow_.prefetch(later);
+      }
+    }
+    const Event& event = events[i];
     if (!sieve_.accept(event)) continue;
     run_until(event.t_us, false);
     work_ahead();

@@ -10,6 +10,7 @@ namespace saccade::inline v0_1::ball_tracker {
 inline constexpr std::int64_t never_us = std::numeric_limits<std::int64_t>::min();
 inline constexpr std::int64_t tick_us = 1'000;
 inline constexpr double tick_s = 1e-3;
+inline constexpr std::size_t prefetched_events = 24;  // ahead of the one that is added: pixels of large images are not in the cache
 inline constexpr int ticks_per_look = 2, ticks_per_hole = 4;
 
 // Radii: beyond the largest one of the worlds that it was fitted in, every n-th pixel is used.

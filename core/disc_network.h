@@ -26,10 +26,9 @@ class DiscNetwork {
   DiscNetwork(ImageSize size, double r_min_px, double r_max_px);
 
   /// The event lies inside the image; time stamps do not go back.
-  void add(const Event& event) {
-    newest_us_[(event.on ? 0U : pixels_) + static_cast<std::size_t>(event.y * size_.width + event.x)] =
-        event.t_us;
-  }
+  void add(const Event& event) { newest_us_[index(event)] = event.t_us; }
+  /// Loads what an event inside the image changes into the cache, some events before it is added.
+  void prefetch(const Event& event) const { __builtin_prefetch(&newest_us_[index(event)], 1); }
 
   /// Time of the newest ON event of every pixel, row by row, then of the newest OFF event; never: the least 64 bit number.
   [[nodiscard]] std::span<const std::int64_t> newest_us() const { return newest_us_; }
@@ -61,6 +60,9 @@ class DiscNetwork {
     std::vector<std::array<float, outputs>> result, next;  // of each 4 x 4 cells
   };
 
+  [[nodiscard]] std::size_t index(const Event& e) const {
+    return (e.on ? 0U : pixels_) + static_cast<std::size_t>(e.y * size_.width + e.x);
+  }
   [[nodiscard]] std::int64_t row(Level& level);
   void input_row(const Level& level);
   void first_row(const Level& level);
