@@ -342,7 +342,8 @@ std::unique_ptr<Detector> make_ball_tracker(const BallTrackerConfig& config, con
   const int step = static_cast<int>(std::ceil(largest / largest_decimated_px));
   const bool small_too = smallest < step * smallest_decimated_px;
   BallTrackerConfig coarse = config;
-  coarse.radius_px = {std::floor((small_too ? smallest_of_two_px : smallest) / step), std::ceil(largest / step)};
+  coarse.radius_px = {std::floor((small_too ? smallest_of_two_px : smallest) / step),
+                      std::ceil(largest / step)};
   auto large = std::make_unique<DecimatedDetector>(
       std::make_unique<BallTracker>(coarse, decimated(camera, step)), camera.size, step);
   if (!small_too) return large;

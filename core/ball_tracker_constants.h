@@ -10,7 +10,7 @@ namespace saccade::inline v0_1::ball_tracker {
 inline constexpr std::int64_t never_us = std::numeric_limits<std::int64_t>::min();
 inline constexpr std::int64_t tick_us = 1'000;
 inline constexpr double tick_s = 1e-3;
-inline constexpr std::size_t prefetched_events = 24;  // ahead of the one that is added: pixels of large images are not in the cache
+inline constexpr std::size_t prefetched_events = 24;  // ahead: pixels of large images are not in the cache
 inline constexpr int ticks_per_look = 2, ticks_per_hole = 4;
 
 // Radii: beyond the largest one of the worlds that it was fitted in, every n-th pixel is used.
@@ -65,9 +65,11 @@ inline constexpr int patches_per_tick = 4;
 inline constexpr double least_correction_rings = 0.3,
                         large_correction_rings = 0.8;  // ring widths of a polar patch
 inline constexpr double correction_gain = 0.5;         // of the log odds
-inline constexpr double least_measured_log_odds = -2.0;  // for a followed circle's correction to be a measurement
-inline constexpr double least_judgement_sd_px = 0.3;     // of that measurement
-inline constexpr double missed_sd_px = 0.5;  // least standard deviation of a circle when another one fits its outline better
+inline constexpr double least_measured_log_odds =
+    -2.0;  // for a followed circle's correction to be a measurement
+inline constexpr double least_judgement_sd_px = 0.3;  // of that measurement
+inline constexpr double missed_sd_px =
+    0.5;  // least standard deviation of a circle when another one fits its outline better
 
 // Uncertainty of the estimate beside that of the track, fitted by scripts/fit to the errors of inliers.
 inline constexpr double covariance_scale = 4.0;

@@ -33,7 +33,8 @@ const Sectors& sector_middles(int n) {
     for (int sectors = min_sectors; sectors <= max_sectors; ++sectors) {
       for (int k = 0; k < sectors; ++k) {
         const double angle = (k + 0.5) / sectors * 2.0 * pi - pi;
-        of[static_cast<std::size_t>(sectors)][static_cast<std::size_t>(k)] = {std::cos(angle), std::sin(angle)};
+        of[static_cast<std::size_t>(sectors)][static_cast<std::size_t>(k)] = {std::cos(angle),
+                                                                              std::sin(angle)};
       }
     }
     return of;

@@ -56,7 +56,7 @@ class DiscNetwork {
   static constexpr std::size_t channels = 48, first_channels = 16, input_channels = 8, outputs = 4;
   struct Level {
     int cell_px;
-    int rows, columns;  // cells, whole multiples of 4
+    int rows, columns;                                     // cells, whole multiples of 4
     std::vector<std::array<float, outputs>> result, next;  // of each 4 x 4 cells
   };
 

@@ -18,16 +18,16 @@ constexpr float trail_px = 4.0F;      // looked at beyond the outermost ring
 constexpr int most_half_width = 30;   // pixels looked at from the centre in each direction
 constexpr float outline_ring = 7.0F;  // index of the ring on the outline
 
-using Pair [[gnu::vector_size(8), gnu::may_alias]] = float;
+using Pair [[gnu::vector_size(8), gnu::may_alias]] = float;  // weights of 2 and of 8 px
 
 /// exp(-m / 2 px) and exp(-m / 8 px) by steps of 1/8 px.
 struct Weights {
   static constexpr std::size_t steps = 129;
-  std::array<Pair, steps> of{};
+  Pair of[steps];
 };
 const Weights& weights() {
   static const Weights table = [] {
-    Weights w;
+    Weights w{};
     for (std::size_t i = 0; i < Weights::steps; ++i) {
       const double m = static_cast<double>(i) / 8.0;
       w.of[i] = Pair{static_cast<float>(std::exp(-m / 2.0)), static_cast<float>(std::exp(-m / 8.0))};
@@ -81,16 +81,19 @@ struct Carried {
 
 constexpr int splat_rings = PolarPatch::rings + 2;  // with one more inside and outside
 
-/// Where events of a batch come to lie: the nearer direction and ring of less than it, and how far beyond it.
+/// Where events of a batch come to lie: between two directions and two rings.
 struct Places {
-  alignas(32) std::array<std::int32_t, Batch::most> here, next;  ///< place in that direction and in the following one
-  alignas(32) std::array<std::int32_t, Batch::most> weight, near;
-  alignas(32) std::array<float, Batch::most> direction_share, ring_share;
+  /// Index of the inner ring's cell, in the first and in the second direction.
+  alignas(32) std::array<std::int32_t, Batch::most> here, next;
+  alignas(32) std::array<std::int32_t, Batch::most> weight;  ///< index into Weights
+  alignas(32) std::array<std::int32_t, Batch::most> near;    ///< 1 within the rings and horizon, else 0
+  alignas(32) std::array<float, Batch::most> direction_share,
+      ring_share;  ///< of the second direction, outer ring
 };
 
 SACCADE_VECTOR_CLONES
 void carry(const Batch& batch, const Carried& by, float radius_px, float per_width, Places& places) {
-  constexpr auto directions = static_cast<std::int32_t>(PolarPatch::directions);
+  constexpr auto count = static_cast<std::int32_t>(PolarPatch::directions);
   for (std::size_t i = 0; i < batch.count; ++i) {
     const float age = batch.age_us[i];
     const float x = batch.x[i] + by.x * age;
@@ -98,13 +101,13 @@ void carry(const Batch& batch, const Carried& by, float radius_px, float per_wid
     const float off_px = std::sqrt(x * x + y * y) - radius_px + by.growth * age;
     const float ring = off_px * per_width + (outline_ring + 1.0F);
     const bool near = (age <= by.horizon_us) & (ring > 0.0F) & (ring < static_cast<float>(splat_rings - 1));
-    const float direction = turns(x, y) * static_cast<float>(directions);
+    const float direction = turns(x, y) * static_cast<float>(count);
     const auto d = static_cast<std::int32_t>(direction);
     const auto r = static_cast<std::int32_t>(near ? ring : 0.0F);
-    const std::int32_t this_one = d < directions ? d : 0;
+    const std::int32_t this_one = d < count ? d : 0;
     places.near[i] = near ? 1 : 0;
     places.here[i] = this_one * splat_rings + r;
-    places.next[i] = (this_one + 1 < directions ? this_one + 1 : 0) * splat_rings + r;
+    places.next[i] = (this_one + 1 < count ? this_one + 1 : 0) * splat_rings + r;
     places.direction_share[i] = direction - static_cast<float>(d);
     places.ring_share[i] = ring - static_cast<float>(r);
     places.weight[i] = static_cast<std::int32_t>(std::min(age * by.length, most_px) * 8.0F);
@@ -117,7 +120,8 @@ class Splat {
   void add(const Batch& batch, const Places& places, std::size_t channel_of_on) {
     std::array<std::uint16_t, Batch::most> near;
     std::size_t count = 0;
-    for (std::size_t i = 0; i < batch.count; ++i) {  // without branches: which ones lie in the rings is hard to predict
+    for (std::size_t i = 0; i < batch.count;
+         ++i) {  // without branches: which ones lie in the rings is hard to predict
       near[count] = static_cast<std::uint16_t>(i);
       count += static_cast<std::size_t>(places.near[i]);
     }
@@ -136,7 +140,9 @@ class Splat {
  private:
   static constexpr std::size_t channels = PolarPatch::event_channels;
 
-  [[nodiscard]] float* at(std::int32_t place) { return sums_.data() + static_cast<std::size_t>(place) * channels; }
+  [[nodiscard]] float* at(std::int32_t place) {
+    return sums_.data() + static_cast<std::size_t>(place) * channels;
+  }
   static void add_pair(float* inner, float share, float outer_share, const Pair& w) {
     const float to_outer = share * outer_share;
     const float to_inner = share - to_outer;
@@ -183,10 +189,15 @@ PolarPatch polar_patch(std::span<const std::int64_t> newest_us, ImageSize size, 
   const std::int64_t earliest_us =
       std::max(saturated_difference(now_us, std::max(disc_horizon_us, background_horizon_us)),
                std::numeric_limits<std::int64_t>::min() + 1);
-  const auto carried = [&](const Eigen::Vector2d& px_s, double growth_px_s, std::int64_t horizon, std::size_t channel) {
+  const auto carried = [&](const Eigen::Vector2d& px_s, double growth_px_s, std::int64_t horizon,
+                           std::size_t channel) {
     const Eigen::Vector2f px_us = (px_s * 1e-6).cast<float>();
-    return Carried{px_us.x(), px_us.y(), static_cast<float>(growth_px_s * 1e-6),
-                   static_cast<float>(std::max(px_s.norm(), slowest_px_s) * 1e-6), static_cast<float>(horizon), channel};
+    return Carried{px_us.x(),
+                   px_us.y(),
+                   static_cast<float>(growth_px_s * 1e-6),
+                   static_cast<float>(std::max(px_s.norm(), slowest_px_s) * 1e-6),
+                   static_cast<float>(horizon),
+                   channel};
   };
   const std::array<Carried, 2> motions = {carried(motion.disc_px_s, motion.growth_px_s, disc_horizon_us, 0),
                                           carried(motion.background_px_s, 0.0, background_horizon_us, 2)};
@@ -223,14 +234,16 @@ PolarPatch polar_patch(std::span<const std::int64_t> newest_us, ImageSize size, 
   std::array<float, PolarPatch::rings> at_px, per_px2;
   for (std::size_t r = 0; r < PolarPatch::rings; ++r) {
     at_px[r] = radius + (static_cast<float>(r) - outline_ring) * width_px;
-    const float area_px2 = width_px * 2.0F * pi / PolarPatch::directions * std::max(at_px[r], 0.5F * width_px);
+    const float area_px2 =
+        width_px * 2.0F * pi / PolarPatch::directions * std::max(at_px[r], 0.5F * width_px);
     per_px2[r] = static_cast<float>(stride * stride) / area_px2;
   }
   float all = 0.0F;
   for (std::size_t d = 0; d < PolarPatch::directions; ++d) {
     const auto& [c, s] = unit_vectors()[d];
     const auto along_normal = [&](const Eigen::Vector2d& px_s) {
-      return static_cast<float>(px_s.x() * static_cast<double>(c) + px_s.y() * static_cast<double>(s)) / speeds;
+      return static_cast<float>(px_s.x() * static_cast<double>(c) + px_s.y() * static_cast<double>(s)) /
+             speeds;
     };
     const float disc_share = along_normal(motion.disc_px_s);
     const float background_share = along_normal(motion.background_px_s);
