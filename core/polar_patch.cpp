@@ -240,7 +240,8 @@ PolarPatch polar_patch(std::span<const std::int64_t> newest_us, ImageSize size, 
   }
   float all = 0.0F;
   for (std::size_t d = 0; d < PolarPatch::directions; ++d) {
-    const auto& [c, s] = unit_vectors()[d];
+    const float c = unit_vectors()[d][0];
+    const float s = unit_vectors()[d][1];
     const auto along_normal = [&](const Eigen::Vector2d& px_s) {
       return static_cast<float>(px_s.x() * static_cast<double>(c) + px_s.y() * static_cast<double>(s)) /
              speeds;
