@@ -456,7 +456,9 @@ TEST(FollowWatch, NoticesAJointThatRestsWhileItsReferenceSwingsAboutIt) {
       }
     }
     EXPECT_EQ(since_us.has_value(), follows == 0.0);
-    if (since_us) EXPECT_LT(*since_us, 400'000);
+    if (since_us) {
+      EXPECT_LT(*since_us, 400'000);
+    }
   }
   FollowWatch watch(6.0);
   TickFacts facts;
