@@ -127,7 +127,7 @@ void BallTracker::process(std::span<const Event> events, const CameraMotion* mot
   for (std::size_t i = 0; i < events.size(); ++i) {
     if (i + prefetched_events < events.size()) {
       const Event& later = events[i + prefetched_events];
-      if (later.x < camera_.size.width && later.y < camera_.size.height) {
+      if (!sieve_.is_outside(later)) {
         network_.prefetch(later);
         flow_.prefetch(later);
       }

@@ -65,11 +65,10 @@ inline constexpr int patches_per_tick = 4;
 inline constexpr double least_correction_rings = 0.3,
                         large_correction_rings = 0.8;  // ring widths of a polar patch
 inline constexpr double correction_gain = 0.5;         // of the log odds
-inline constexpr double least_measured_log_odds =
-    -2.0;  // for a followed circle's correction to be a measurement
-inline constexpr double least_judgement_sd_px = 0.3;  // of that measurement
-inline constexpr double missed_sd_px =
-    0.5;  // least standard deviation of a circle when another one fits its outline better
+// Log odds from which on a followed circle's correction is a measurement, and least standard deviation of that.
+inline constexpr double least_measured_log_odds = -2.0, least_judgement_sd_px = 0.3;
+// Least standard deviation of a circle when another one fits its outline better.
+inline constexpr double missed_sd_px = 0.5;
 
 // Uncertainty of the estimate beside that of the track, fitted by scripts/fit to the errors of inliers.
 inline constexpr double covariance_scale = 4.0;

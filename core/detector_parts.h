@@ -50,11 +50,10 @@ class EventSieve {
     return seen;
   }
 
+  [[nodiscard]] bool is_outside(const Event& e) const { return e.x >= size_.width || e.y >= size_.height; }
   [[nodiscard]] const RejectedEvents& rejected() const { return rejected_; }
 
  private:
-  [[nodiscard]] bool is_outside(const Event& e) const { return e.x >= size_.width || e.y >= size_.height; }
-
   ImageSize size_;
   std::int64_t newest_us_ = std::numeric_limits<std::int64_t>::min();
   RejectedEvents rejected_;

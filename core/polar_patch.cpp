@@ -64,7 +64,7 @@ float turns(float x, float y) {
   return angle;
 }
 
-/// Events near the circle, some at a time: place from its centre (px), age (us) and polarity.
+/// Events near the circle, some at a time: place from its centre (px), age (us), 1 for an OFF event.
 struct Batch {
   static constexpr std::size_t most = 512, most_of_row = 2 * (2 * most_half_width + 1);
   alignas(32) std::array<float, most> x, y, age_us;
@@ -72,7 +72,7 @@ struct Batch {
   std::size_t count = 0;
 };
 
-/// One of the two motions by which an event is carried on: per us, and its length.
+/// One of the two motions, in px per us, by which an event is carried on for at most horizon_us.
 struct Carried {
   float x, y, growth, length;
   float horizon_us;
@@ -87,8 +87,8 @@ struct Places {
   alignas(32) std::array<std::int32_t, Batch::most> here, next;
   alignas(32) std::array<std::int32_t, Batch::most> weight;  ///< index into Weights
   alignas(32) std::array<std::int32_t, Batch::most> near;    ///< 1 within the rings and horizon, else 0
-  alignas(32) std::array<float, Batch::most> direction_share,
-      ring_share;  ///< of the second direction, outer ring
+  /// Shares of the second direction and of the outer ring.
+  alignas(32) std::array<float, Batch::most> direction_share, ring_share;
 };
 
 SACCADE_VECTOR_CLONES
@@ -118,10 +118,10 @@ void carry(const Batch& batch, const Carried& by, float radius_px, float per_wid
 class Splat {
  public:
   void add(const Batch& batch, const Places& places, std::size_t channel_of_on) {
+    // Collects those within the rings first, without branches: which ones these are is hard to predict.
     std::array<std::uint16_t, Batch::most> near;
     std::size_t count = 0;
-    for (std::size_t i = 0; i < batch.count;
-         ++i) {  // without branches: which ones lie in the rings is hard to predict
+    for (std::size_t i = 0; i < batch.count; ++i) {
       near[count] = static_cast<std::uint16_t>(i);
       count += static_cast<std::size_t>(places.near[i]);
     }
