@@ -93,7 +93,7 @@ DetectorRegistry built_in_detectors() {
   registry.add(hough_row("paper_directed",
                          "directed Hough transform of the paper, arcs along the event's flow",
                          hough(true, 0.3)));
-  registry.add(detector_row("best", "tracker of up to four circles through edges; the detector to use",
+  registry.add(detector_row("best", "tracker of up to eight circles through edges; the detector to use",
                             BallTrackerConfig{}, make_ball_tracker));
   registry.add(hough_row("lifetime", "directed Hough transform with a window by the lifetime of each event",
                          lifetime));

@@ -22,7 +22,9 @@ struct EventEmulator::State {
 
   State(const EmulatorConfig& config, ImageSize image, std::uint64_t seed,
         std::shared_ptr<WorkerThreads> threads)
-      : size(image), readout(config, static_cast<std::size_t>(image.pixels())), workers(std::move(threads)) {
+      : size(image),
+        readout(config, static_cast<std::size_t>(image.pixels()), seed),
+        workers(std::move(threads)) {
     const auto n = static_cast<std::size_t>(image.pixels());
     const std::size_t parts = workers->threads();
     for (std::size_t k = 0; k < parts; ++k) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace saccade::inline v0_1 {
 namespace {
@@ -12,6 +13,14 @@ constexpr std::int64_t no_event_us = std::numeric_limits<std::int64_t>::min();
 std::int64_t tick_at_or_after(std::int64_t t_us, std::int64_t tick_us) {
   const std::int64_t into = ((t_us % tick_us) + tick_us) % tick_us;
   return into == 0 ? t_us : t_us + tick_us - into;
+}
+
+/// Fisher and Yates's shuffle by the numbers of one stream.
+void shuffle(std::vector<PixelEvent>& events, const RandomStream& random, std::uint64_t stream) {
+  for (std::size_t i = events.size() - 1; i > 0; --i) {
+    const std::uint64_t other = ((random.bits(stream, i) >> 32) * (i + 1)) >> 32;
+    std::swap(events[i], events[other]);
+  }
 }
 
 /// Erases the first `gone` elements when they are the larger part.
@@ -24,8 +33,9 @@ void erase_gone(std::vector<T>& queue, std::size_t& gone) {
 
 }  // namespace
 
-Readout::Readout(const EmulatorConfig& config, std::size_t pixels)
+Readout::Readout(const EmulatorConfig& config, std::size_t pixels, std::uint64_t seed)
     : config_(config),
+      random_(seed, "readout"),
       service_us_(config.readout_rate_hz > 0.0 ? 1e6 / config.readout_rate_hz : 0.0),
       transparent_(config.latency_us == 0 && service_us_ == 0.0 && config.timestamp_resolution_us == 1),
       busy_since_us_(no_event_us) {
@@ -40,7 +50,23 @@ void Readout::process(std::span<const PixelEvent> requests, std::int64_t t_us,
     events.insert(events.end(), requests.begin(), requests.end());
     return;
   }
-  for (const PixelEvent& request : requests) stamp(request);
+  if (!origin_us_ && !requests.empty()) origin_us_ = requests.front().t_us;
+  for (std::size_t first = 0; first < requests.size();) {
+    const std::int64_t request_us = requests[first].t_us;
+    std::size_t end = first + 1;
+    while (end < requests.size() && requests[end].t_us == request_us) ++end;
+    std::span<const PixelEvent> group = requests.subspan(first, end - first);
+    first = end;
+    if (group.size() > 1 && service_us_ > 0.0) {
+      advance_bus(request_us + config_.latency_us);
+      if (order_matters(group.size())) {
+        shuffled_.assign(group.begin(), group.end());
+        shuffle(shuffled_, random_, static_cast<std::uint64_t>(request_us - *origin_us_));
+        group = shuffled_;
+      }
+    }
+    for (const PixelEvent& request : group) stamp(request);
+  }
   const auto begin = stamped_.begin() + static_cast<std::ptrdiff_t>(released_);
   const auto end = std::upper_bound(begin, stamped_.end(), t_us,
                                     [](std::int64_t t, const PixelEvent& e) { return t < e.t_us; });
@@ -56,20 +82,34 @@ void Readout::release(std::size_t count, std::vector<PixelEvent>& events) {
   erase_gone(stamped_, released_);
 }
 
-std::optional<std::int64_t> Readout::serve(std::int64_t t_us) {
-  if (service_us_ == 0.0) return t_us;
+void Readout::advance_bus(std::int64_t t_us) {
   while (departed_ < departures_us_.size() && departures_us_[departed_] <= t_us) ++departed_;
-  const auto in_queue = static_cast<std::int64_t>(departures_us_.size() - departed_);
-  if (config_.readout_queue_events > 0 && in_queue >= config_.readout_queue_events) return std::nullopt;
-  if (in_queue == 0) {
-    busy_since_us_ = t_us;
-    busy_events_ = 0;
-  }
-  ++busy_events_;
+  if (in_queue() > 0) return;
+  busy_since_us_ = t_us;
+  busy_events_ = 0;
+}
+
+std::int64_t Readout::transmitted_us(std::int64_t count) const {
   // Rounding errors do not cost a microsecond. 2^60 us is later than any image.
   const double worked_us =
-      std::min(std::ceil(static_cast<double>(busy_events_) * service_us_ - 1e-6), 0x1p60);
+      std::min(std::ceil(static_cast<double>(busy_events_ + count) * service_us_ - 1e-6), 0x1p60);
   return busy_since_us_ + static_cast<std::int64_t>(worked_us);
+}
+
+bool Readout::order_matters(std::size_t count) const {
+  const auto n = static_cast<std::int64_t>(count);
+  if (config_.readout_queue_events > 0 && in_queue() + n > config_.readout_queue_events) return true;
+  const std::int64_t tick_us = config_.timestamp_resolution_us;
+  return tick_at_or_after(transmitted_us(1), tick_us) != tick_at_or_after(transmitted_us(n), tick_us);
+}
+
+std::optional<std::int64_t> Readout::serve(std::int64_t t_us) {
+  if (service_us_ == 0.0) return t_us;
+  advance_bus(t_us);
+  if (config_.readout_queue_events > 0 && in_queue() >= config_.readout_queue_events) return std::nullopt;
+  const std::int64_t end_us = transmitted_us(1);
+  ++busy_events_;
+  return end_us;
 }
 
 void Readout::stamp(PixelEvent request) {

@@ -13,6 +13,7 @@
 #include "apps/session/interrupt.h"
 #include "apps/session/progress.h"
 #include "core/error.h"
+#include "evaluation/scoring/metrics.h"
 #include "recording/output_file.h"
 
 namespace saccade::inline v0_1 {
@@ -56,6 +57,10 @@ void print_warnings(const EmulationConfig& config, const EmulationResult& result
     fmt::print(stderr, "saccade: {}: read {} images where the file's header has {}\n", images, result.images,
                result.info.count);
   }
+  if (const std::string warning =
+          dropped_warning("the event camera", result.counts.events(), result.counts.dropped);
+      !warning.empty())
+    fmt::print(stderr, "saccade: {}: {}\n", images, warning);
   const EmulatorConfig& camera = config.emulator;
   if (result.info.linear && result.largest_luminance <= 1.5F && camera.dark_current > 0.0 &&
       camera.white > 1.5) {

@@ -34,6 +34,15 @@ Camera draw_camera(RandomGenerator& random) {
   return camera;
 }
 
+double bus_rate_hz(const EmulatorConfig& preset, ImageSize size) {
+  constexpr double dvs128_pixels = 128.0 * 128.0;
+  const double ratio = static_cast<double>(size.pixels()) / dvs128_pixels;
+  if (preset.readout_rate_hz == 0.0 || ratio <= 1.0) return preset.readout_rate_hz;
+  constexpr double step_hz = 1000.0;  // so that the rate is the same number with every library of mathematics
+  const double of_size_hz = step_hz * std::round(1e6 * std::pow(ratio, 1.459) / step_hz);
+  return std::max(preset.readout_rate_hz, of_size_hz);
+}
+
 EmulatorConfig draw_sensor(RandomGenerator& random) {
   constexpr const char* sensors[] = {"ideal", "dvs128",     "noisy",     "davis346",
                                      "atis",  "few_events", "asymmetric"};

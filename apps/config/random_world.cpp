@@ -136,6 +136,7 @@ DrawnWorld random_world::draw_world(const RandomWorldConfig& config, std::uint64
   const Camera any_camera = draw_camera(of_camera);
   world.sim.camera = camera.value_or(any_camera);
   world.sim.emulator = draw_sensor(of_camera);
+  world.sim.emulator.readout_rate_hz = bus_rate_hz(world.sim.emulator, world.sim.camera.size);
   world.sim.lab = draw_lab(of_room);
   world.motion = draw_motion(of_motion);
   if (!model->has_icub_gaze()) world.motion = HeadMotion::still;

@@ -40,6 +40,10 @@ struct Stage {
 
 /// A camera: image size, field of view, principal point.
 [[nodiscard]] Camera draw_camera(RandomGenerator& random);
+/// Events per second that the bus of a sensor with this preset and image transmits: the preset's rate, and in images above
+/// 128x128 at least that of a sensor of this size, 1 Mevent/s (number of pixels / 128^2)^1.459. The power law passes through
+/// DVS128 (1 Mevent/s at 128x128) and DAVIS346 (12 Mevent/s at 346x260). 0: no limit.
+[[nodiscard]] double bus_rate_hz(const EmulatorConfig& preset, ImageSize size);
 /// A sensor: one of the presets of the event camera.
 [[nodiscard]] EmulatorConfig draw_sensor(RandomGenerator& random);
 /// A room with its light and the round things in it.

@@ -22,7 +22,7 @@ namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::int64_t tick_us = 1'000;
-/// An observation at an annotated instant needs an event at most this much before it (design.md section 7).
+/// An observation at an annotated instant needs an event at most this much before it (docs/scoring.md).
 constexpr std::int64_t sparse_window_us = 10'000;
 
 /// Ticks at the annotated instants and at the starts of their observation windows.

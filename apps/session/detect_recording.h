@@ -20,8 +20,8 @@ struct DetectSettings {
 };
 
 /// Runs detectors on a recording, scores them where truth is given, prints the summary and writes the folder. Ticks are
-/// 1 ms; with annotated truth they are the annotated instants and the starts of their observation windows (design.md
-/// section 7). Without a calibration a bare recording with joints has the pinhole camera of its image size. Throws
+/// 1 ms; with annotated truth they are the annotated instants and the starts of their observation windows
+/// (docs/scoring.md). Without a calibration a bare recording with joints has the pinhole camera of its image size. Throws
 /// InputError for a recording without events, for truth or joints outside the recording's time span, and for truth with a
 /// ball where there is to be none; RunError after an interrupt.
 void detect_recording(const NamedDetectors& detectors, const DetectSettings& settings);

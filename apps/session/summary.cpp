@@ -32,6 +32,8 @@ void print_table(const Metrics& metrics) {
   fmt::print(
       "by event time: judged at the instants of its events; streaming: at each instant the newest estimate "
       "that a robot could use\n");
+  if (const std::optional<double> share = dropped_share(metrics))
+    fmt::print("the event camera dropped {:.2g} % of its events\n", 100.0 * *share);
 }
 
 }  // namespace
@@ -61,6 +63,8 @@ void print_summary(const Metrics& metrics) {
                metrics.duration_s / *metrics.wall_s);
   }
   fmt::print("\n");
+  if (const std::string warning = dropped_warning(metrics); !warning.empty())
+    fmt::print(stderr, "saccade: warning: {}\n", warning);
   const bool simulated_ball =
       metrics.seed && std::ranges::any_of(metrics.detectors,
                                           [](const auto& detector) { return detector.second.chances > 0; });

@@ -78,18 +78,18 @@ MeanSd mean_of(const std::vector<Score>& scores, const Quantity<Score>& quantity
 
 template <class Score>
 std::string table_head(std::string_view id, std::string_view what,
-                       std::span<const Quantity<Score>> quantities) {
+                       std::span<const Quantity<Score>> quantities, std::string_view last = {}) {
   std::string html = fmt::format("<div class=\"wide\"><table id=\"{}\"><thead><tr><th>{}</th>", id, what);
   for (const auto& quantity : quantities) html += fmt::format("<th>{}</th>", quantity.heading);
-  return html + "</tr></thead><tbody>\n";
+  return html + std::string(last) + "</tr></thead><tbody>\n";
 }
 
 template <class Score>
 std::string table_row(const std::string& name, const std::vector<Score>& scores,
-                      std::span<const Quantity<Score>> quantities) {
+                      std::span<const Quantity<Score>> quantities, const std::string& last = {}) {
   std::string html = "<tr><th>" + name + "</th>";
   for (const auto& quantity : quantities) html += cell(mean_of(scores, quantity), scores.size());
-  return html + "</tr>\n";
+  return html + last + "</tr>\n";
 }
 
 /// Clutter only where a run has labels.
@@ -123,7 +123,7 @@ std::string csv_head(std::span<const Quantity<Score>> quantities, bool with_sd) 
     line += fmt::format(",{}", quantity.key);
     if (with_sd) line += fmt::format(",{}_sd", quantity.key);
   }
-  return line + "\n";
+  return line;
 }
 
 template <class Score>
@@ -133,7 +133,14 @@ std::string csv_means(const std::vector<Score>& scores, std::span<const Quantity
     const MeanSd mean = mean_of(scores, quantity);
     line += "," + csv_text(mean.mean) + "," + csv_text(mean.sd);
   }
-  return line + "\n";
+  return line;
+}
+
+/// The share of its events that the event camera dropped, over the runs of a group.
+MeanSd dropped_of(const ComparedGroup& group) {
+  std::vector<std::optional<double>> shares;
+  for (const ComparedRun* run : group.runs) shares.push_back(dropped_share(run->metrics));
+  return mean_sd_of(shares);
 }
 
 std::string group_fields(const ComparedGroup& group) {
@@ -145,11 +152,13 @@ std::string group_fields(const ComparedGroup& group) {
 
 std::string compared_detectors_table(const ComparedGroup& group, std::size_t number) {
   const auto quantities = quantities_of({&group, 1});
-  std::string html = table_head(fmt::format("group{}", number), "detector", quantities);
+  const MeanSd dropped = dropped_of(group);
+  std::string html = table_head(fmt::format("group{}", number), "detector", quantities,
+                                "<th>events that the<br>camera dropped, share</th>");
   for (const auto& [detector, scores] : group.detectors) {
     std::string name = colour_mark(detector.colour, detector.name);
     if (scores.size() < group.runs.size()) name += fmt::format(" <small>{} runs</small>", scores.size());
-    html += table_row(name, scores, quantities);
+    html += table_row(name, scores, quantities, cell(dropped, group.runs.size()));
   }
   return html + "</tbody></table></div>\n";
 }
@@ -166,26 +175,30 @@ std::string compared_gaze_table(const ComparedGroup& group, std::size_t number) 
 void write_comparison_tables(const std::vector<ComparedGroup>& groups, const fs::path& out) {
   const auto quantities = quantities_of(groups);
   const std::span<const Quantity<GazeMetrics>> gaze(gaze_quantities);
-  std::string runs = "run,scenario,settings,seed,detector" + csv_head(quantities, false);
-  std::string means = "scenario,settings,detector,runs" + csv_head(quantities, true);
-  std::string gaze_means = "scenario,settings,detector,runs" + csv_head(gaze, true);
+  std::string runs =
+      "run,scenario,settings,seed,detector" + csv_head(quantities, false) + ",events_dropped_share\n";
+  std::string means = "scenario,settings,detector,runs" + csv_head(quantities, true) +
+                      ",events_dropped_share,events_dropped_share_sd\n";
+  std::string gaze_means = "scenario,settings,detector,runs" + csv_head(gaze, true) + "\n";
   for (const ComparedGroup& group : groups) {
     const std::string fields = group_fields(group);
+    const MeanSd dropped = dropped_of(group);
     for (const ComparedRun* run : group.runs) {
       for (const auto& [name, score] : run->metrics.detectors) {
         runs += fmt::format("{},{},{},{}", csv_field(run->folder.generic_string()), fields,
                             seed_text(run->metrics), csv_field(name));
         for (const auto& quantity : quantities) runs += "," + csv_text(quantity.value(score));
-        runs += "\n";
+        runs += "," + csv_text(dropped_share(run->metrics)) + "\n";
       }
     }
     for (const auto& [detector, scores] : group.detectors) {
       means += fmt::format("{},{},{}", fields, csv_field(detector.name), scores.size());
       means += csv_means(scores, quantities);
+      means += "," + csv_text(dropped.mean) + "," + csv_text(dropped.sd) + "\n";
     }
     for (const auto& [driver, scores] : gazes_of(group)) {
       gaze_means += fmt::format("{},{},{}", fields, csv_field(driver), scores.size());
-      gaze_means += csv_means(scores, gaze);
+      gaze_means += csv_means(scores, gaze) + "\n";
     }
   }
   write_numbers(out, "runs", runs);

@@ -97,8 +97,9 @@ std::string events_text(const Metrics& m) {
     text += fmt::format(" ({} per second)",
                         grouped_digits(std::llround(static_cast<double>(m.event_count) / m.duration_s)));
   if (!m.events_dropped) return text + "; how many were dropped is not known";
-  return text +
-         (*m.events_dropped == 0 ? "; none dropped" : "; " + grouped_digits(*m.events_dropped) + " dropped");
+  if (*m.events_dropped == 0) return text + "; none dropped";
+  return text + fmt::format("; {} dropped ({} of all)", grouped_digits(*m.events_dropped),
+                            percent(dropped_share(m).value_or(0.0)));
 }
 
 /// The first line of the resolved configuration, which names versions; and its description.
@@ -154,8 +155,14 @@ std::string run_head(const RunData& run) {
     duration +=
         fmt::format(", computed in {:.3g} s ({:.2g} × real time)", *m.wall_s, m.duration_s / *m.wall_s);
   fact("Duration", duration);
+  std::string warning = dropped_warning(m);
+  if (!warning.empty()) {
+    warning.front() = 'T';
+    warning += ".";
+  }
   return rendered("run_head.mustache",
                   {{"description", origin.description.empty() ? Json(false) : Json(origin.description)},
+                   {"warning", warning.empty() ? Json(false) : Json(warning)},
                    {"cards", !cards.empty()},
                    {"card", std::move(cards)},
                    {"fact", std::move(facts)}});

@@ -47,6 +47,7 @@ std::string detector_table(const Metrics& metrics) {
             cell(s.position_error_px.p95) + cell(s.radius_error_px.median) + cell(s.radius_error_px.p95) +
             cell(s.lag_ms) + cell(s.us_per_event) + "</tr>\n";
   }
+  const std::optional<double> share = dropped_share(metrics);
   return html +
          "</tbody></table></div>\n<p class=\"facts\">By event time a detector is judged at the instants of "
          "its "
@@ -54,7 +55,9 @@ std::string detector_table(const Metrics& metrics) {
          "use "
          "then; ready after: from the instant that an estimate is about until then, median. All other "
          "columns "
-         "are by event time.</p>\n";
+         "are by event time." +
+         (share ? fmt::format(" The event camera dropped {:.2g} % of its events.", 100.0 * *share) : "") +
+         "</p>\n";
 }
 
 std::string gaze_line(const GazeMetrics& gaze) {

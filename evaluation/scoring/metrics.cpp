@@ -1,6 +1,7 @@
 #include "evaluation/scoring/metrics.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <fstream>
 #include <iterator>
 
@@ -14,6 +15,15 @@ namespace {
 
 using metrics_json::detector_score, metrics_json::integer, metrics_json::Json, metrics_json::json_of,
     metrics_json::number, metrics_json::percentiles;
+
+std::optional<double> share_of(std::int64_t dropped, std::int64_t transmitted) {
+  const double all = static_cast<double>(dropped) + static_cast<double>(transmitted);
+  return all > 0.0 ? std::optional(static_cast<double>(dropped) / all) : std::nullopt;
+}
+
+std::int64_t left_events(const Metrics& metrics) {
+  return metrics.event_count - (metrics.right_eye ? metrics.right_eye->event_count : 0);
+}
 
 Json json_of(const ClutterShare& clutter) {
   Json json = {
@@ -171,7 +181,10 @@ std::vector<std::pair<std::string, DetectorScore>> detector_scores(const Json& j
 }
 
 Json json_of(const RightEyeMetrics& eye) {
-  return {{"events", {{"count", eye.event_count}, {"dropped", json_of(eye.events_dropped)}}},
+  return {{"events",
+           {{"count", eye.event_count},
+            {"dropped", json_of(eye.events_dropped)},
+            {"dropped_share", json_of(dropped_share(eye))}}},
           {"camera", json_of(eye.camera.size, eye.camera)},
           {"calibration", json_of(eye.calibration)},
           {"fixation_error_deg", json_of(eye.fixation_error_deg)},
@@ -264,7 +277,8 @@ Json json_of_metrics(const Metrics& metrics) {
        {{"count", metrics.event_count},
         {"rate_hz", json_of(per_second(static_cast<double>(metrics.event_count), metrics.duration_s))},
         {"dropped", json_of(metrics.events_dropped)},
-        {"file", metrics.events_file}}},
+        {"file", metrics.events_file},
+        {"dropped_share", json_of(dropped_share(metrics))}}},
       {"detectors", json_of_all(metrics.detectors)},
       {"gaze", metrics.gaze ? json_of(*metrics.gaze) : Json(nullptr)},
       {"camera", json_of(metrics.image, metrics.camera)},
@@ -302,6 +316,37 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
 }
 
 }  // namespace
+
+std::optional<double> dropped_share(const Metrics& metrics) {
+  const std::int64_t events = left_events(metrics);
+  return metrics.events_dropped ? share_of(*metrics.events_dropped, events) : std::nullopt;
+}
+
+std::optional<double> dropped_share(const RightEyeMetrics& eye) {
+  return eye.events_dropped ? share_of(*eye.events_dropped, eye.event_count) : std::nullopt;
+}
+
+std::string dropped_warning(const std::string& whose, std::int64_t events, std::int64_t dropped) {
+  constexpr double tolerated = 0.01;
+  const std::optional<double> share = share_of(dropped, events);
+  if (!share || *share <= tolerated) return {};
+  char percent[16];
+  std::snprintf(percent, sizeof percent, "%.1f", 100.0 * *share);
+  return whose + " dropped " + percent +
+         " % of its events: more arose than its bus transmits (emulator.readout_rate_hz)";
+}
+
+std::string dropped_warning(const Metrics& metrics) {
+  const bool two = metrics.right_eye.has_value();
+  std::string words = dropped_warning(two ? "the left event camera" : "the event camera",
+                                      left_events(metrics), metrics.events_dropped.value_or(0));
+  if (!two) return words;
+  const RightEyeMetrics& eye = *metrics.right_eye;
+  const std::string right =
+      dropped_warning("the right event camera", eye.event_count, eye.events_dropped.value_or(0));
+  if (!words.empty() && !right.empty()) words += "; ";
+  return words + right;
+}
 
 std::string metrics_to_json(const Metrics& metrics) { return text_of_json(json_of_metrics(metrics)); }
 

@@ -57,8 +57,7 @@ struct LatencyMetrics {
 };
 
 /// The contents of metrics.json, schema 1. None is written as null: the figure does not apply. Everything is of the left
-/// eye but `events`, which counts those of both, and `right_eye`. Keys beyond section 6 of the contract are described in
-/// docs/run_folder.md.
+/// eye but `events`, which counts those of both, and `right_eye`. docs/run_folder.md describes the keys.
 struct Metrics {
   std::string scenario;
   std::optional<std::int64_t> seed;
@@ -85,6 +84,16 @@ struct Metrics {
   std::optional<RightEyeMetrics> right_eye;  ///< of a run with two cameras
   std::optional<LatencyMetrics> latency;     ///< where the scenario has a latency
 };
+
+/// The share of the left camera's events that its bus dropped; none where it is not known or no event arose.
+[[nodiscard]] std::optional<double> dropped_share(const Metrics& metrics);
+/// The same for the right camera.
+[[nodiscard]] std::optional<double> dropped_share(const RightEyeMetrics& eye);
+/// One sentence if a camera of the run dropped more than 1 % of its events; empty otherwise.
+[[nodiscard]] std::string dropped_warning(const Metrics& metrics);
+/// dropped_warning() for one camera, of which `whose` is the name ("the event camera").
+[[nodiscard]] std::string dropped_warning(const std::string& whose, std::int64_t events,
+                                          std::int64_t dropped);
 
 /// Numbers are the shortest text that reads back as the same double; the same metrics give the same bytes.
 [[nodiscard]] std::string metrics_to_json(const Metrics& metrics);

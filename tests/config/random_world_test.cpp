@@ -181,6 +181,27 @@ TEST(RandomWorld, KeepsItsRulesAndHasEveryKindInTheSharesOfItsPage) {
 }
 
 // Through the plant and its servos, which the draw leaves out: the head lags behind its script.
+TEST(RandomWorld, TheBusIsThatOfASensorWithTheImagesSize) {
+  std::set<int> limited_widths;
+  for (const DrawnWorld& world : drawn_worlds()) {
+    const EmulatorConfig& sensor = world.sim.emulator;
+    const EmulatorConfig preset = emulator_preset(sensor.preset);
+    const ImageSize size = world.sim.camera.size;
+    if (preset.readout_rate_hz == 0.0 || size.pixels() <= 128 * 128) {
+      EXPECT_EQ(sensor.readout_rate_hz, preset.readout_rate_hz) << sensor.preset;
+      continue;
+    }
+    limited_widths.insert(size.width);
+    EXPECT_GE(sensor.readout_rate_hz, preset.readout_rate_hz);
+    if (preset.readout_rate_hz > 1e6) continue;
+    // DAVIS346 transmits 12 Mevent/s; its image is the largest of the random worlds.
+    if (size.width == 346) EXPECT_NEAR(sensor.readout_rate_hz, 12e6, 0.1e6);
+    EXPECT_GT(sensor.readout_rate_hz, 1e6);
+    EXPECT_LT(sensor.readout_rate_hz, 12.1e6);
+  }
+  EXPECT_GE(limited_widths.size(), 4U);
+}
+
 TEST(RandomWorld, TheBallHasItsRadiusInTheSimulatedHeadToo) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const DrawnWorld drawn = draw_world({WorldFamily::random, WithBall::always}, seed, std::nullopt);

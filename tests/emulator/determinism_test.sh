@@ -7,16 +7,16 @@ set -euo pipefail
 source=$1
 work=$2
 expected="ideal b73cbff1bdc81433
-dvs128 5bba3e01f54fe00a
-noisy aeb6277fcc767bf3
+dvs128 78e6c0724461bf6e
+noisy 8cf094829c6eaac7
 davis346 4a3d12ca44cb9eee
 atis 7794eb8c27062df9
-few_events 4fdb64afebeeb278
+few_events 5575e4ed333596f8
 asymmetric 4fe185480009002b
 davis240 4a3d12ca44cb9eee
 gen3_vga 30e87776b3549c18
 gen4_hd 6fcf582a3a9ca704
-everything 5118d738088f2ca8"
+everything ff2180f90e454308"
 
 status=0
 compare() {

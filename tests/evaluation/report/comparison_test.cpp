@@ -285,13 +285,14 @@ TEST_F(Comparison, OfRecordingsWithoutTruthShowsDashes) {
     fs::remove(folders_[i] / "gaze.csv");
     metrics_[i].gaze.reset();
     metrics_[i].seed.reset();
+    metrics_[i].events_dropped.reset();
     for (auto& [name, score] : metrics_[i].detectors) score = {};
     write_metrics(folders_[i] / "metrics.json", metrics_[i]);
   }
   const std::string html = page();
   EXPECT_EQ(count(html, "<svg"), 1U);
   EXPECT_EQ(count(html, "data-value"), 0U);
-  EXPECT_EQ(count(html, "<td class=\"none\">–</td>"), 5U * 8U);
+  EXPECT_EQ(count(html, "<td class=\"none\">–</td>"), 5U * 9U);
   EXPECT_THAT(html, HasSubstr(">run 2</a>"));
 }
 

@@ -97,8 +97,22 @@ TEST_F(Report, BeginsWithTheHeadlineFiguresAndWhatMadeThem) {
   EXPECT_THAT(html, HasSubstr("<th>Version and commit</th><td>saccade 0.1.0 (abc1234)</td>"));
   EXPECT_THAT(html, HasSubstr("<th>Drawn by</th><td>llvmpipe</td>"));
   EXPECT_THAT(html, HasSubstr("<td>1\u202f234\u202f567"));
-  EXPECT_THAT(html, HasSubstr("; 12 dropped</td>"));
+  EXPECT_THAT(html, HasSubstr("; 12 dropped (below 0.1 % of all)</td>"));
+  EXPECT_THAT(html, Not(HasSubstr("id=\"dropped\"")));
   EXPECT_THAT(html, HasSubstr("pixels, focal length"));
+}
+
+TEST_F(Report, BeginsWithAWarningWhereTheCameraDroppedEvents) {
+  write_synthetic_run(folder_, true);
+  Metrics metrics = read_metrics(folder_ / "metrics.json");
+  metrics.event_count = 900;
+  metrics.events_dropped = 100;
+  write_metrics(folder_ / "metrics.json", metrics);
+  write_report(folder_);
+  const std::string html = contents(folder_ / "report.html");
+  const std::size_t at = html.find("id=\"dropped\">The event camera dropped 10.0 % of its events");
+  ASSERT_NE(at, std::string::npos);
+  EXPECT_LT(at, html.find("class=\"card\""));
 }
 
 TEST_F(Report, HasTheNumbersOfEveryDrawingForThePlotsAndButtonsToSaveThem) {

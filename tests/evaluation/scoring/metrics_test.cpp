@@ -90,12 +90,34 @@ std::vector<std::string> keys(const Json& json) {
   return names;
 }
 
+TEST(Metrics, WarnWhereACameraDroppedMoreThanAHundredthOfItsEvents) {
+  Metrics metrics = whole();
+  EXPECT_EQ(dropped_warning(metrics), "");
+  metrics.events_dropped = 6;  // of 606
+  EXPECT_EQ(dropped_warning(metrics), "");
+  metrics.events_dropped = 60;
+  EXPECT_THAT(dropped_warning(metrics),
+              testing::StartsWith("the left event camera dropped 9.1 % of its events: "));
+  metrics.right_eye->events_dropped = 100;
+  EXPECT_THAT(dropped_warning(metrics), testing::HasSubstr("; the right event camera dropped 20.0 %"));
+  metrics.right_eye.reset();
+  metrics.events_dropped = 20;
+  EXPECT_THAT(dropped_warning(metrics),
+              testing::StartsWith("the event camera dropped 2.0 % of its events: "));
+  metrics.events_dropped = std::nullopt;
+  EXPECT_EQ(dropped_warning(metrics), "");
+  EXPECT_EQ(dropped_share(metrics), std::nullopt);
+}
+
 TEST(Metrics, HasEveryKeyOfTheContractInItsOrder) {
   const Json json = Json::parse(metrics_to_json(whole()));
   EXPECT_THAT(keys(json),
               ElementsAre("schema", "scenario", "seed", "duration_s", "wall_s", "real_time_factor", "events",
                           "detectors", "gaze", "camera", "start_us", "settings", "calibration", "right_eye"));
-  EXPECT_THAT(keys(json["events"]), ElementsAre("count", "rate_hz", "dropped", "file"));
+  EXPECT_THAT(keys(json["events"]), ElementsAre("count", "rate_hz", "dropped", "file", "dropped_share"));
+  EXPECT_DOUBLE_EQ(json["events"]["dropped_share"].get<double>(),
+                   2.0 / 602.0);  // without those of the right eye
+  EXPECT_DOUBLE_EQ(json["right_eye"]["events"]["dropped_share"].get<double>(), 1.0 / 401.0);
   EXPECT_THAT(keys(json["detectors"]), ElementsAre("paper_full", "best"));
   for (const auto& detector : json["detectors"]) {
     EXPECT_THAT(keys(detector), ElementsAre("average_precision", "precision_at_recall", "pr_curve", "chances",
