@@ -64,6 +64,10 @@ class FieldVisitor {
   virtual void text(std::string_view key, std::string& value, std::string_view doc) = 0;
   /// The path of a file or folder. A reader makes it absolute: in a file it is relative to the file's folder.
   virtual void path(std::string_view key, std::string& value, std::string_view doc) { text(key, value, doc); }
+  /// A program: a path as above, or the name of a program in PATH where there is no such file.
+  virtual void program(std::string_view key, std::string& value, std::string_view doc) {
+    text(key, value, doc);
+  }
   /// One of words that are known only at run time, such as names of detectors.
   virtual void choice(std::string_view key, std::string& value, const std::vector<std::string>& options,
                       std::string_view doc) = 0;
@@ -126,6 +130,12 @@ class FieldVisitor {
   /// The path of a file that a key names, from where the program runs; none where the key is absent. Only a reader
   /// returns one: what the file holds takes the place of the key.
   virtual std::optional<std::string> file(std::string_view, std::string_view) { return std::nullopt; }
+  /// The folder that a path in `key` is relative to; none where the key is absent. Only a reader returns one.
+  virtual std::optional<std::string> folder_of(std::string_view) { return std::nullopt; }
+  /// Files that `key` names in another way than path(), such as a program and its arguments. They may name further files
+  /// relative to `folder`. Only a visitor that lists files calls `files`.
+  virtual void reads(std::string_view /*key*/, const std::string& /*folder*/,
+                     const std::function<std::vector<std::string>()>& /*files*/) {}
   /// A number that stands for other keys, such as a field of view for a focal length; none where the key is absent. Only a
   /// reader returns one.
   virtual std::optional<double> alternative(std::string_view, Range, std::string_view) {

@@ -32,6 +32,7 @@ inline constexpr const char* report = "report.html";
 inline constexpr const char* video = "video.mp4";
 inline constexpr const char* video_part = "video.part.mp4";
 inline constexpr const char* log = "log.txt";
+inline constexpr const char* lock = "lock";        ///< while the run is made; not among run_file_names()
 inline constexpr const char* frames = "frames";    ///< folder
 inline constexpr const char* figures = "figures";  ///< folder
 

@@ -39,6 +39,10 @@ void SpawnSettings::own_process_group() {
   ::posix_spawnattr_setflags(&attributes_, static_cast<short>(flags | POSIX_SPAWN_SETPGROUP));
 }
 
+void SpawnSettings::work_in(const std::string& folder) {
+  ::posix_spawn_file_actions_addchdir_np(&files_, folder.c_str());
+}
+
 int SpawnSettings::start(std::vector<std::string> words, pid_t& child) {
   // Files are changed in the order of the calls: this one comes last.
   ::posix_spawn_file_actions_addclosefrom_np(&files_, STDERR_FILENO + 1);

@@ -23,6 +23,8 @@ class SpawnSettings {
   void use_nothing(int number);
   /// The program runs in a process group of its own: an interrupt from the keyboard does not reach it.
   void own_process_group();
+  /// The program's working directory.
+  void work_in(const std::string& folder);
 
   /// Starts `words`, the program and its arguments; a name without a slash is searched in PATH. Returns 0, or the error's
   /// number. Called once.

@@ -50,7 +50,9 @@ void add_compare_command(CommandLine& line) {
   command.footer(
       "A figure has changed if the means over seeds differ by more than its tolerance and, with two seeds or "
       "more on both sides, the t test gives p < 0.01: Welch's, or with --paired the paired one. Figures "
-      "of the wall clock are not compared. Exit status: 0 equal within tolerance, 3 different.");
+      "of the wall clock are not compared. Exit status: 0 equal within tolerance, 3 different, also where a "
+      "run has "
+      "no result or was interrupted.");
   command.action([options] { return compare_sides(*options); });
 }
 

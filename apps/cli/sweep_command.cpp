@@ -12,6 +12,7 @@
 #include "apps/sweep/sweep_run.h"
 #include "apps/sweep/sweep_store.h"
 #include "core/error.h"
+#include "recording/file_digest.h"
 #include "sim/world.h"
 
 namespace saccade::inline v0_1 {

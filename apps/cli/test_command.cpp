@@ -15,7 +15,7 @@ void add_test_command(CommandLine& line, const Registry& registry) {
       .in_range(1, 1000);
   command.option("--seed", options->seed, "Seed of every scenario, instead of its own");
   command.option("--set", options->assignments, "key.path=value for every scenario").one_value_each();
-  command.flag("--force", options->force, "Replace earlier runs in these folders");
+  command.flag("--force", options->force, "Replace runs that no test made, too");
   command.footer(
       "Each entry of `expect:` is a test case. Exit status: 0 all are met, 3 one is not met, 1 a run failed, "
       "2 "

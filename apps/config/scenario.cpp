@@ -174,6 +174,8 @@ void describe(FieldVisitor& v, Scenario& s) {
         for (const auto& [name, config] : s.detectors) drivers.push_back(name);
         w.choice("detector", s.gaze.detector, drivers,
                  "detector that drives the head; none: the head is not moved");
+        w.real("acquire_within_deg", s.gaze.acquire_within_deg, {0.1, 90.0},
+               "angle between gaze and ball within which the ball counts as acquired, in the scores");
         describe(w, s.gaze.gate);
         describe(w, s.gaze.controller);
         describe(w, s.gaze.follow);
@@ -227,6 +229,14 @@ Scenario read_scenario(const std::filesystem::path& path, const std::vector<std:
   for (const std::string& assignment : assignments) set_value(tree, assignment);
   if (seed) set_value(tree, "seed=" + std::to_string(*seed));
   return read_scenario(std::move(tree), file.parent_path(), registry);
+}
+
+std::filesystem::path scenario_file(const std::filesystem::path& folder, const std::filesystem::path& name) {
+  std::error_code ignored;
+  const std::filesystem::path beside = folder / name;
+  if (std::filesystem::exists(beside, ignored)) return beside;
+  const std::filesystem::path shipped = shipped_file(name);
+  return shipped != name ? shipped : beside;
 }
 
 Scenario read_scenario(YamlTree tree, const std::filesystem::path& folder, const Registry& registry) {

@@ -48,6 +48,7 @@ struct Scenario {
 
   struct Gaze {
     std::string detector = "paper_directed";  ///< which of the detectors drives; none: the head stays still
+    double acquire_within_deg = 2.0;          ///< for the score, GazeScoringConfig::acquire_within_rad
     GazeControllerConfig controller;
     FollowConfig follow;
     GateConfig gate;
@@ -88,6 +89,9 @@ void describe(FieldVisitor& v, Scenario& scenario);
 /// The same of a tree whose file lies in `folder`.
 [[nodiscard]] Scenario read_scenario(YamlTree tree, const std::filesystem::path& folder,
                                      const Registry& registry);
+/// The scenario that a file in `folder` names: relative to that folder; where there is no such file, one that saccade ships.
+[[nodiscard]] std::filesystem::path scenario_file(const std::filesystem::path& folder,
+                                                  const std::filesystem::path& name);
 /// The scenario with every default, as YAML that reads back the same.
 [[nodiscard]] std::string resolved_scenario(const Scenario& scenario);
 

@@ -229,11 +229,26 @@ void YamlReader::text(std::string_view key, std::string& value, std::string_view
 
 void YamlReader::path(std::string_view key, std::string& value, std::string_view doc) {
   text(key, value, doc);
+  const std::optional<std::string> folder = folder_of(key);
+  if (folder && !value.empty())  // empty: no file
+    value = (std::filesystem::path(*folder) / value).lexically_normal().string();
+}
+
+void YamlReader::program(std::string_view key, std::string& value, std::string_view doc) {
+  path(key, value, doc);
   const YamlNode* node = block_.node != nullptr ? block_.node->entry(key) : nullptr;
-  if (node == nullptr || value.empty()) return;  // empty: no file
-  const bool in_file = node->mark.line > 0;
-  const auto path = in_file ? std::filesystem::path(folder_) / value : std::filesystem::path(value);
-  value = std::filesystem::absolute(path).lexically_normal().string();
+  std::error_code ignored;
+  if (node != nullptr && node->text.find('/') == std::string::npos &&
+      !std::filesystem::is_regular_file(value, ignored))
+    value = node->text;
+}
+
+std::optional<std::string> YamlReader::folder_of(std::string_view key) {
+  const YamlNode* node = block_.node != nullptr ? block_.node->entry(key) : nullptr;
+  if (node == nullptr) return std::nullopt;
+  std::filesystem::path folder = std::filesystem::current_path();
+  if (node->mark.line > 0 && !folder_.empty()) folder /= folder_;
+  return folder.lexically_normal().string();
 }
 
 void YamlReader::choice(std::string_view key, std::string& value, const std::vector<std::string>& options,
@@ -328,23 +343,28 @@ void YamlReader::require(bool holds, std::string_view key, std::string_view foun
 }
 
 void YamlReader::report_unknown() {
-  if (block_.node == nullptr) return;
-  for (std::size_t i = 0; i < block_.node->keys.size(); ++i) {
-    const std::string& key = block_.node->keys[i];
-    if (std::find(block_.known.begin(), block_.known.end(), key) != block_.known.end()) continue;
-    const TextMark mark = block_.node->items[i].mark;
-    if (const auto renamed = new_key_of(path_of(key))) {
-      problems_.push_back({mark,
-                           {tree_.place(mark, path_of(key)), "a key that was renamed",
-                            *renamed + "; `saccade migrate FILE` rewrites old keys"}});
-      continue;
-    }
-    const std::string close = nearest(key, block_.known);
-    const std::string expectation = block_.known.empty() ? "no keys here"
-                                    : close.empty()      ? expectation_of(block_.known)
-                                                         : "a known key; did you mean " + close + "?";
-    problems_.push_back({mark, {tree_.place(mark, path_of(key)), "an unknown key", expectation}});
+  for (const std::string& path : tree_.not_there) {
+    const std::size_t key = path.rfind('.') + 1;  // 0 for a path of one word
+    if (path.substr(0, key == 0 ? 0 : key - 1) == block_.path) report_if_unknown(path.substr(key), {});
   }
+  if (block_.node == nullptr) return;
+  for (std::size_t i = 0; i < block_.node->keys.size(); ++i)
+    report_if_unknown(block_.node->keys[i], block_.node->items[i].mark);
+}
+
+void YamlReader::report_if_unknown(const std::string& key, TextMark mark) {
+  if (std::find(block_.known.begin(), block_.known.end(), key) != block_.known.end()) return;
+  if (const auto renamed = new_key_of(path_of(key))) {
+    problems_.push_back({mark,
+                         {tree_.place(mark, path_of(key)), "a key that was renamed",
+                          *renamed + "; `saccade migrate FILE` rewrites old keys"}});
+    return;
+  }
+  const std::string close = nearest(key, block_.known);
+  const std::string expectation = block_.known.empty() ? "no keys here"
+                                  : close.empty()      ? expectation_of(block_.known)
+                                                       : "a known key; did you mean " + close + "?";
+  problems_.push_back({mark, {tree_.place(mark, path_of(key)), "an unknown key", expectation}});
 }
 
 void YamlReader::finish() {

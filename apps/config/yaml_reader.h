@@ -36,6 +36,7 @@ class YamlReader final : public FieldVisitor {
   void boolean(std::string_view key, bool& value, std::string_view doc) override;
   void text(std::string_view key, std::string& value, std::string_view doc) override;
   void path(std::string_view key, std::string& value, std::string_view doc) override;
+  void program(std::string_view key, std::string& value, std::string_view doc) override;
   void choice(std::string_view key, std::string& value, const std::vector<std::string>& options,
               std::string_view doc) override;
   void numbers(std::string_view key, std::span<double> values, Range range, std::string_view doc) override;
@@ -45,6 +46,7 @@ class YamlReader final : public FieldVisitor {
   bool has_section(std::string_view key, bool present) override;
   [[nodiscard]] bool fills_defaults() const override { return true; }
   std::optional<std::string> file(std::string_view key, std::string_view doc) override;
+  std::optional<std::string> folder_of(std::string_view key) override;
   std::optional<double> alternative(std::string_view key, Range range, std::string_view doc) override;
   void section(std::string_view key, const std::function<void(FieldVisitor&)>& describe_section,
                std::string_view doc) override;
@@ -72,6 +74,7 @@ class YamlReader final : public FieldVisitor {
   std::optional<std::vector<double>> list(const YamlNode& node, std::string_view path, std::size_t size,
                                           Range range);
   void report_unknown();
+  void report_if_unknown(const std::string& key, TextMark mark);
 
   const YamlTree& tree_;
   std::string folder_;

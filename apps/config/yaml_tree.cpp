@@ -373,9 +373,16 @@ void set_value(YamlTree& tree, std::string_view assignment) {
     return;
   }
   YamlTree parsed;
+  const std::string_view text = assignment.substr(equals + 1);
   try {
-    place_value(tree.root, keys, path, parse_document(parsed, assignment.substr(equals + 1), true, path),
-                parsed.problems);
+    YamlNode value = parse_document(parsed, text, true, path);
+    const bool is_null = value.kind == YamlNode::Kind::nothing &&
+                         text.find_first_not_of(' ') != std::string_view::npos && parsed.problems.empty();
+    if (is_null) {
+      remove_node(tree, path);
+    } else {
+      place_value(tree.root, keys, path, std::move(value), parsed.problems);
+    }
   } catch (const InputError& error) {
     parsed.problems.clear();
     for (const Problem& problem : error.problems()) parsed.problems.push_back({{}, problem});
@@ -393,7 +400,10 @@ void remove_node(YamlTree& tree, std::string_view path) {
   YamlNode* node = &tree.root;
   for (const std::string& key : keys) {
     const auto at = std::find(node->keys.begin(), node->keys.end(), key) - node->keys.begin();
-    if (at == std::ssize(node->keys)) return;
+    if (at == std::ssize(node->keys)) {
+      tree.not_there.emplace_back(path);
+      return;
+    }
     if (&key == &keys.back()) {
       node->keys.erase(node->keys.begin() + at);
       node->items.erase(node->items.begin() + at);

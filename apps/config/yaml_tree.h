@@ -58,6 +58,7 @@ struct YamlTree {
   std::string file;  ///< as the user named it; empty when there is none and all comes from `--set`
   YamlNode root = YamlNode::of(YamlNode::Kind::map);
   std::vector<MarkedProblem> problems;
+  std::vector<std::string> not_there;  ///< paths that null was to remove and that are not in the tree
 
   /// "file:12: key.path", "--set key.path" for line 0.
   [[nodiscard]] std::string place(TextMark mark, std::string_view path) const;
@@ -70,14 +71,14 @@ struct YamlTree {
 [[nodiscard]] YamlTree parse_yaml(std::string_view text, std::string file);
 
 /// Applies `key.path=value` to the tree: replaces the value there, or adds it with the maps on the way to it.
-/// The value is YAML: a number, true, a [list], a {map: 1}, text. The last of several for one path wins. What
-/// is wrong with it is added to tree.problems.
+/// The value is YAML: a number, true, a [list], a {map: 1}, text; null removes the key. The last of several for one path
+/// wins. What is wrong with it is added to tree.problems.
 void set_value(YamlTree& tree, std::string_view assignment);
 
 /// The same with a node, such as one from another file; messages name it as a `--set`.
 void set_node(YamlTree& tree, std::string_view path, YamlNode value);
 
-/// Removes a key and everything below it, if it exists.
+/// Removes a key and everything below it; one that is absent is noted in tree.not_there.
 void remove_node(YamlTree& tree, std::string_view path);
 
 /// Throws InputError with the problems in file order, those of `--set` last, when there are any.

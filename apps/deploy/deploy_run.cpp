@@ -81,8 +81,8 @@ void deploy_on(Robot& robot, GuardLink* guard, const DeployOptions& options, con
 
   const std::filesystem::path folder =
       options.out.empty() ? std::filesystem::path("runs") / file.name : options.out;
-  start_run_folder(folder, options.force, file.output.formats, "robot.yaml",
-                   version_line() + "\n" + resolved_robot_file(file));
+  const auto lock = start_run_folder(folder, options.force, file.output.formats, "robot.yaml",
+                                     version_line() + "\n" + resolved_robot_file(file));
 
   Loop loop = make_deploy_loop(robot, file);
   OperatorRequests requests;

@@ -1,5 +1,6 @@
 #include "apps/external/external_config.h"
 
+#include <cstdlib>
 #include <filesystem>
 #include <sstream>
 
@@ -17,14 +18,60 @@ void describe_limits(FieldVisitor& v, AnswerLimits& limits) {
          "wall-clock time for the answer to a tick; a later answer ends the program");
 }
 
-void add_arguments(const std::string& arguments, std::vector<std::string>& words) {
+namespace fs = std::filesystem;
+
+std::vector<std::string> words_of(const std::string& arguments) {
+  std::vector<std::string> words;
   std::istringstream text(arguments);
   for (std::string word; text >> word;) words.push_back(word);
+  return words;
+}
+
+bool is_file(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
 }
 
 void require_file(const std::string& key, const std::string& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) throw InputError(key, path, "a file that exists");
+  if (!is_file(path)) throw InputError(key, path, "a file that exists");
+}
+
+void require_folder(const std::string& key, const std::string& path) {
+  std::error_code ignored;
+  if (!path.empty() && !fs::is_directory(path, ignored)) throw InputError(key, path, "a folder that exists");
+}
+
+/// The file of a program; a name without a slash is sought in PATH. Empty where there is none.
+std::string file_of(const std::string& program) {
+  if (program.find('/') != std::string::npos) return is_file(program) ? program : std::string();
+  const char* const path = std::getenv("PATH");
+  std::istringstream folders(path != nullptr ? path : "");
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    if (!folder.empty() && is_file(fs::path(folder) / program)) return fs::path(folder) / program;
+  }
+  return {};
+}
+
+std::string file_of_class(const std::string& python) { return python.substr(0, python.rfind(':')); }
+
+/// The files that arguments name: a word, or what follows its `=`.
+std::vector<std::string> files_in(const std::string& arguments, const std::string& folder) {
+  std::vector<std::string> files;
+  for (const std::string& word : words_of(arguments)) {
+    for (const std::string& name : {word, word.substr(word.find('=') + 1)}) {
+      if (!name.empty() && is_file(fs::path(folder) / name)) files.push_back(fs::path(folder) / name);
+    }
+  }
+  return files;
+}
+
+/// By default the folder of the file that names the program.
+void describe_folder(FieldVisitor& v, std::string_view program_key, std::string& folder) {
+  if (const auto named_in = v.folder_of(program_key)) folder = *named_in;
+  v.path(
+      "folder", folder,
+      "working directory of the program, which its arguments are relative to; by default the folder of the "
+      "file that names the program");
 }
 
 }  // namespace
@@ -34,15 +81,29 @@ void describe(FieldVisitor& v, PythonConfig& config) {
   const std::size_t colon = config.python.rfind(':');
   const bool is_class = colon != std::string::npos && colon > 0 && colon + 1 < config.python.size();
   v.require(is_class, "python", config.python.empty() ? "nothing" : config.python, "FILE.py:CLASS");
-  v.text("interpreter", config.interpreter, "Python 3 with NumPy, a path or a name in PATH");
+  v.program("interpreter", config.interpreter,
+            "Python 3 with NumPy: a path, relative to the file that names it, or a name in PATH");
   v.text("arguments", config.arguments, "keyword arguments of the class, such as `decay_ms=20 votes=True`");
+  describe_folder(v, "python", config.folder);
+  v.reads("python", config.folder, [&config] {
+    std::vector<std::string> files = files_in(config.arguments, config.folder);
+    files.insert(files.begin(), file_of_class(config.python));
+    return files;
+  });
   describe_limits(v, config.limits);
 }
 
 void describe(FieldVisitor& v, CommandConfig& config) {
-  v.path("command", config.command, "the program; relative to the file that names it");
+  v.program("command", config.command,
+            "the program: a path, relative to the file that names it, or a name in PATH");
   v.require(!config.command.empty(), "command", "nothing", "the path of a program");
   v.text("arguments", config.arguments, "arguments of the program, separated by spaces");
+  describe_folder(v, "command", config.folder);
+  v.reads("command", config.folder, [&config] {
+    std::vector<std::string> files = files_in(config.arguments, config.folder);
+    files.insert(files.begin(), file_of(config.command));
+    return files;
+  });
   describe_limits(v, config.limits);
 }
 
@@ -54,20 +115,29 @@ void describe(FieldVisitor& v, SocketConfig& config) {
   describe_limits(v, config.limits);
 }
 
-std::vector<std::string> command_line_of(const PythonConfig& config, const std::string& section) {
+ProgramCall program_call(const PythonConfig& config, const std::string& section) {
   check_config("python", config);
-  require_file(section + "python", config.python.substr(0, config.python.rfind(':')));
-  std::vector<std::string> words = {config.interpreter, find_helper(worker_program).string(), config.python};
-  add_arguments(config.arguments, words);
-  return words;
+  require_file(section + "python", file_of_class(config.python));
+  require_folder(section + "folder", config.folder);
+  const std::string python =
+      fs::absolute(config.python).string();  // whatever the program's working directory is
+  ProgramCall call{{config.interpreter, find_helper(worker_program).string(), python}, config.folder};
+  for (std::string& word : words_of(config.arguments)) call.words.push_back(std::move(word));
+  return call;
 }
 
-std::vector<std::string> command_line_of(const CommandConfig& config, const std::string& section) {
+ProgramCall program_call(const CommandConfig& config, const std::string& section) {
   check_config("command", config);
-  require_file(section + "command", config.command);
-  std::vector<std::string> words = {config.command};
-  add_arguments(config.arguments, words);
-  return words;
+  const std::string file = file_of(config.command);
+  if (file.empty())
+    throw InputError(section + "command", config.command,
+                     config.command.find('/') != std::string::npos
+                         ? "a file that exists"
+                         : "a file beside the one that names it, or a program in PATH");
+  require_folder(section + "folder", config.folder);
+  ProgramCall call{{fs::absolute(file).string()}, config.folder};
+  for (std::string& word : words_of(config.arguments)) call.words.push_back(std::move(word));
+  return call;
 }
 
 SocketAddress address_of(const SocketConfig& config) {

@@ -1,9 +1,8 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
-#include "apps/external/socket_address.h"
+#include "apps/external/line_process.h"
 #include "core/config.h"
 
 namespace saccade::inline v0_1 {
@@ -20,13 +19,15 @@ struct PythonConfig {
   std::string python;                            ///< FILE.py:CLASS
   std::string interpreter = "/usr/bin/python3";  ///< with NumPy
   std::string arguments;
+  std::string folder;  ///< working directory; empty: that of this process
   AnswerLimits limits;
 };
 
 /// A program: `detectors: {mine: {command: ./mine}}`, or the section `command` of `gaze.controller: command`.
 struct CommandConfig {
-  std::string command;
+  std::string command;  ///< a path, or a name in PATH
   std::string arguments;
+  std::string folder;  ///< working directory; empty: that of this process
   AnswerLimits limits;
 };
 
@@ -37,19 +38,18 @@ struct SocketConfig {
   AnswerLimits limits;
 };
 
-/// Keys: python, interpreter, arguments, start_limit_s, answer_limit_s.
+/// Keys: python, interpreter, arguments, folder, start_limit_s, answer_limit_s. A path is relative to the file that names
+/// it; `folder` is by default the folder of the file that names the program, so that its arguments are relative to that too.
 void describe(FieldVisitor& v, PythonConfig& config);
-/// Keys: command, arguments, start_limit_s, answer_limit_s.
+/// Keys: command, arguments, folder, start_limit_s, answer_limit_s; the same.
 void describe(FieldVisitor& v, CommandConfig& config);
 /// Keys: socket, start_limit_s, answer_limit_s.
 void describe(FieldVisitor& v, SocketConfig& config);
 
-/// The program and its arguments. Throws InputError for a configuration out of range and for a file that does not exist; `section`,
-/// such as "gaze.command.", goes before the key in its message.
-[[nodiscard]] std::vector<std::string> command_line_of(const PythonConfig& config,
-                                                       const std::string& section = "");
-[[nodiscard]] std::vector<std::string> command_line_of(const CommandConfig& config,
-                                                       const std::string& section = "");
+/// How to start the program. Throws InputError for a configuration out of range and for a program, file or folder that does
+/// not exist; `section`, such as "gaze.command.", goes before the key in its message.
+[[nodiscard]] ProgramCall program_call(const PythonConfig& config, const std::string& section = "");
+[[nodiscard]] ProgramCall program_call(const CommandConfig& config, const std::string& section = "");
 /// Throws InputError for a configuration out of range.
 [[nodiscard]] SocketAddress address_of(const SocketConfig& config);
 

@@ -16,10 +16,10 @@ std::string name_of(const SocketConfig& config) { return config.socket; }
 
 // `section` goes before the key in messages.
 LineProcess::Place place_of(const PythonConfig& config, const std::string& section = "") {
-  return command_line_of(config, section);
+  return program_call(config, section);
 }
 LineProcess::Place place_of(const CommandConfig& config, const std::string& section = "") {
-  return command_line_of(config, section);
+  return program_call(config, section);
 }
 LineProcess::Place place_of(const SocketConfig& config, const std::string& /*section*/ = "") {
   return address_of(config);

@@ -34,11 +34,11 @@ LineProcess::LineProcess(const Place& place, std::chrono::milliseconds limit) {
     peer_ = text_of(*address);
     socket_ = connect_to(*address, limit);
   } else {
-    start(std::get<std::vector<std::string>>(place));
+    start(std::get<ProgramCall>(place));
   }
 }
 
-void LineProcess::start(const std::vector<std::string>& words) {
+void LineProcess::start(const ProgramCall& call) {
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
     throw RunError(std::string("no socket to a program: ") + std::strerror(errno));
@@ -47,12 +47,13 @@ void LineProcess::start(const std::vector<std::string>& words) {
   settings.use(ends[1], STDIN_FILENO);
   settings.use(ends[1], STDOUT_FILENO);
   settings.own_process_group();  // an interrupt from the keyboard ends the run first
-  const int error = settings.start(words, child_);
+  if (!call.folder.empty()) settings.work_in(call.folder);
+  const int error = settings.start(call.words, child_);
   ::close(ends[1]);
   if (error == 0) return;
   child_ = -1;
   close_socket();
-  throw RunError("cannot start " + words[0] + ": " + std::strerror(error));
+  throw RunError("cannot start " + call.words[0] + ": " + std::strerror(error));
 }
 
 LineProcess::~LineProcess() {

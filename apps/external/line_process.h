@@ -11,6 +11,13 @@
 
 namespace saccade::inline v0_1 {
 
+/// A program to start.
+struct ProgramCall {
+  std::vector<std::string>
+      words;                ///< the program, found in PATH where its name has no slash, and its arguments
+  std::string folder = {};  ///< its working directory; empty: that of this process
+};
+
 /// A program that answers each message with one line: one that this object starts, or one that listens.
 ///
 /// A started program's standard input and output are one socket of this process; its standard error is that of this process.
@@ -27,8 +34,8 @@ class LineProcess {
   };
   static constexpr std::size_t longest_line = 4096;
 
-  /// The program to start, found in PATH where its name has no slash, and its arguments; or where one listens.
-  using Place = std::variant<std::vector<std::string>, SocketAddress>;
+  /// The program to start, or where one listens.
+  using Place = std::variant<ProgramCall, SocketAddress>;
 
   /// Throws RunError where the program cannot be started, and where none listens within `limit`.
   LineProcess(const Place& place, std::chrono::milliseconds limit);
@@ -47,7 +54,7 @@ class LineProcess {
   std::string end(std::chrono::milliseconds patience);
 
  private:
-  void start(const std::vector<std::string>& words);
+  void start(const ProgramCall& call);
   [[nodiscard]] Status take_line(std::string& answer);
   void close_socket();
 

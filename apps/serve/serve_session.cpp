@@ -116,7 +116,7 @@ int serve(const ServeOptions& options, const Registry& registry) {
   set_rasterisers(scenario.run.threads);
   SimRobot robot(scenario.sim, static_cast<std::uint64_t>(scenario.seed),
                  static_cast<std::size_t>(scenario.run.threads));
-  start_run_folder(
+  const auto lock = start_run_folder(
       folder, options.force, registry.formats, "scenario.yaml",
       version_line() + ", served; " + robot.gl_description() + "\n" + resolved_scenario(scenario));
   Progress progress(options.endless ? 0.0 : scenario.run.duration_s);

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "apps/config/cameras.h"
+#include "apps/config/input_files.h"
 #include "apps/config/scenario.h"
 #include "apps/session/interrupt.h"
 #include "apps/session/recorded_scores.h"
@@ -115,6 +116,29 @@ MountedCamera fitting_camera(const DetectSettings& settings, const Played& playe
   return camera;
 }
 
+/// What the detectors and their scores come from.
+std::vector<FileDigest> files_read(const NamedDetectors& named, const DetectSettings& settings,
+                                   const Played& played) {
+  std::vector<FileDigest> files;
+  const auto add = [&](const char* key, const std::filesystem::path& path) {
+    if (!path.empty() && std::filesystem::exists(path))
+      files.push_back({key, std::filesystem::absolute(path).string(), digest_of_file(path)});
+  };
+  add("recording", played.events);
+  add("truth", settings.truth);
+  add("joints", settings.joints);
+  add("calibration", settings.calibration);
+  if (is_run_folder(settings.input)) {
+    const std::filesystem::path& folder = settings.input.recording;
+    const bool right = played.eye == Eye::right;
+    if (settings.truth.empty()) add("truth", folder / (right ? run_file::truth_right : run_file::truth));
+    if (settings.joints.empty()) add("joints", folder / run_file::joints);
+  }
+  const std::vector<FileDigest> of_detectors = InputFiles().of(named);
+  files.insert(files.end(), of_detectors.begin(), of_detectors.end());
+  return files;
+}
+
 template <class Row>
 void write_table(const std::filesystem::path& path, std::span<const Row> rows) {
   TableWriter<Row> table(path);
@@ -132,9 +156,12 @@ void detect_recording(const NamedDetectors& named, const DetectSettings& setting
   ReplayRobot robot(open_event_file(formats, played.events, played.read), std::move(played.head));
   const MountedCamera camera = fitting_camera(settings, played, robot.image_size());
   Loop loop(robot, camera, make_detectors(named, camera.camera), std::nullopt, played.eye);
-  if (!settings.folder.empty()) prepare_run_folder(settings.folder, settings.force, formats);
+  std::unique_ptr<RunFolderLock> lock;
+  if (!settings.folder.empty()) lock = prepare_run_folder(settings.folder, settings.force, formats);
   RecordedScores scores(loop, played.truth, played.chances,
                         settings.folder.empty() ? "" : settings.folder / "detections.csv");
+  Metrics metrics;
+  if (settings.json || !settings.folder.empty()) metrics.files = files_read(named, settings, played);
 
   catch_interrupts();
   const std::int64_t start_us = robot.now_us();
@@ -146,21 +173,22 @@ void detect_recording(const NamedDetectors& named, const DetectSettings& setting
     session.run(tick_us);
   }
   const double wall_s = session.wall_s();
-  if (!played.truth.empty() && !interrupted())
+  metrics.interrupted = interrupted();
+  if (metrics.interrupted) scores.leave_out_truth_after(robot.now_us());
+  if (!played.truth.empty() && !metrics.interrupted)
     check_truth_span(played, formats, scores.last_event_us(), start_us,
                      settings.truth.empty() ? recording : settings.truth.string());
   const RejectedEvents rejected = robot.rejected();
-  if (scores.event_count() == 0 && robot.events_before_start() > 0 && !interrupted())
+  if (scores.event_count() == 0 && robot.events_before_start() > 0 && !metrics.interrupted)
     throw InputError(
         settings.joints.empty() ? recording : settings.joints.string(),
         fmt::format("joints from {:.3f} s on, after the last event", static_cast<double>(start_us) * 1e-6),
         "joints in the clock of the events");
-  if (scores.event_count() + rejected.back_in_time + rejected.outside_image == 0 && !interrupted()) {
+  if (scores.event_count() + rejected.back_in_time + rejected.outside_image == 0 && !metrics.interrupted) {
     throw InputError(recording, "no events of a camera",
                      "a recording with some; saccade info lists its contents");
   }
 
-  Metrics metrics;
   metrics.scenario = settings.input.recording.filename().string();
   if (robot.head() != nullptr) {
     metrics.camera = camera.camera;
@@ -188,7 +216,7 @@ void detect_recording(const NamedDetectors& named, const DetectSettings& setting
     return;
   }
   write_file(settings.folder / "detectors.yaml", resolved_detectors(named));
-  if (!played.truth.empty()) write_table<TruthRow>(settings.folder / "truth.csv", played.truth);
+  if (!played.truth.empty()) write_table<TruthRow>(settings.folder / "truth.csv", scores.truth());
   write_metrics(settings.folder / run_file::metrics, metrics);
   write_figures(settings.folder / run_file::figures_json, metrics);
   finish_run_folder(settings.folder, metrics, formats);

@@ -23,6 +23,12 @@ void RecordedScores::pass_truth_before(std::int64_t t_us) {
   }
 }
 
+void RecordedScores::leave_out_truth_after(std::int64_t t_us) {
+  const auto counts = [&](const TruthRow& row) { return row.t_us <= t_us; };
+  truth_ =
+      truth_.first(static_cast<std::size_t>(std::ranges::partition_point(truth_, counts) - truth_.begin()));
+}
+
 void RecordedScores::on_tick(const Tick& tick) {
   event_count_ += static_cast<std::int64_t>(tick.events.size());
   if (!tick.events.empty()) last_event_us_ = tick.events.back().t_us;

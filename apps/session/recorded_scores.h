@@ -23,6 +23,10 @@ class RecordedScores final : public LoopObserver {
   void on_tick(const Tick& tick) override;
   /// Whether the following ticks are scoring instants (at first they are); events and time count in either case.
   void set_scoring(bool on) { scoring_ = on; }
+  /// Truth after t_us does not count: what follows was not processed.
+  void leave_out_truth_after(std::int64_t t_us);
+  /// The truth that counts.
+  [[nodiscard]] std::span<const TruthRow> truth() const { return truth_; }
   /// After the last tick: closes the table. Returns the scores in the order of the loop's detectors.
   [[nodiscard]] std::vector<DetectorScore> finish();
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -17,39 +18,73 @@ namespace {
 
 namespace fs = std::filesystem;
 
-}  // namespace
-
-void prepare_run_folder(const fs::path& folder, bool force, const FormatRegistry& formats) {
-  std::error_code error;
-  if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
-    throw InputError(folder.string(), "a file", "a folder for the run");
+/// Whether the folder holds no other file than the lock of a run.
+bool is_unused(const fs::path& folder) {
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().filename() != run_file::lock) return false;
   }
-  if (fs::exists(folder, error) && !fs::is_empty(folder, error)) {
-    if (!force) throw InputError(folder.string(), "a folder that is not empty", "a new one, or --force");
-    const std::vector<std::string> names_of_a_run = run_file_names(formats);
-    bool holds_a_run = false;
-    for (const std::string& name : names_of_a_run) holds_a_run |= fs::exists(folder / name, error);
-    if (!holds_a_run) {
-      for (const auto& entry : fs::directory_iterator(folder)) {
-        holds_a_run |= entry.path().extension() == ".part";
-      }
-    }
-    if (!holds_a_run) {
-      throw InputError(folder.string(), "a folder with other files in it", "a new folder, or that of a run");
-    }
-    for (const std::string& name : names_of_a_run) {
-      fs::remove_all(folder / name, error);
-      fs::remove(folder / (name + ".part"), error);
-    }
-  }
-  fs::create_directories(folder, error);
-  if (error) throw RunError(folder.string() + ": cannot make the folder: " + error.message());
+  return true;
 }
 
-void start_run_folder(const fs::path& folder, bool force, const FormatRegistry& formats,
-                      const std::string& name, const std::string& text) {
-  prepare_run_folder(folder, force, formats);
+/// Throws InputError for a folder that must not be used.
+void check_run_folder(const fs::path& folder, bool force, const std::vector<std::string>& names_of_a_run) {
+  std::error_code error;
+  if (!fs::exists(folder, error)) return;
+  if (!fs::is_directory(folder, error)) throw InputError(folder.string(), "a file", "a folder for the run");
+  if (is_unused(folder)) return;
+  if (is_locked(folder / run_file::lock))
+    throw InputError(folder.string(), "a run at work in it", "another folder, or wait for its end");
+  if (!force) throw InputError(folder.string(), "a folder that is not empty", "a new one, or --force");
+  const auto is_of_a_run = [&](const fs::path& path) {
+    return path.extension() == ".part" || std::ranges::count(names_of_a_run, path.filename().string()) > 0;
+  };
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (is_of_a_run(entry.path())) return;
+  }
+  throw InputError(folder.string(), "a folder with other files in it", "a new folder, or that of a run");
+}
+
+}  // namespace
+
+RunFolderLock::RunFolderLock(fs::path folder) : file_(folder / run_file::lock) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw RunError(folder.string() + ": cannot make the folder: " + error.message());
+  constexpr int most_tries = 10;  // a run that ends removes the file that this one has opened
+  for (int i = 0; i < most_tries && (lock_ == nullptr || !lock_->has_its_name()); ++i) {
+    lock_ = std::make_unique<FileLock>(file_);
+    if (!lock_->held())
+      throw InputError(folder.string(), "a run at work in it", "another folder, or wait for its end");
+  }
+}
+
+RunFolderLock::~RunFolderLock() {
+  std::error_code ignored;
+  fs::remove(file_, ignored);  // before the lock ends: nobody else can hold it
+}
+
+std::unique_ptr<RunFolderLock> prepare_run_folder(const fs::path& folder, bool force,
+                                                  const FormatRegistry& formats) {
+  const std::vector<std::string> names_of_a_run = run_file_names(formats);
+  check_run_folder(folder, force, names_of_a_run);
+  auto lock = std::make_unique<RunFolderLock>(folder);
+  std::error_code error;
+  if (is_unused(folder)) return lock;
+  // Another run may have made its files since the check.
+  if (!force) throw InputError(folder.string(), "a folder that is not empty", "a new one, or --force");
+  for (const std::string& name : names_of_a_run) {
+    fs::remove_all(folder / name, error);
+    fs::remove(folder / (name + ".part"), error);
+  }
+  return lock;
+}
+
+std::unique_ptr<RunFolderLock> start_run_folder(const fs::path& folder, bool force,
+                                                const FormatRegistry& formats, const std::string& name,
+                                                const std::string& text) {
+  auto lock = prepare_run_folder(folder, force, formats);
   write_file(folder / name, text);
+  return lock;
 }
 
 void throw_if_a_program_ended(const Metrics& metrics) {

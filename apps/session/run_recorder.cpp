@@ -2,6 +2,9 @@
 
 #include <map>
 
+#include "apps/config/input_files.h"
+#include "apps/session/interrupt.h"
+
 #include "recording/run_file_names.h"
 
 namespace saccade::inline v0_1 {
@@ -22,7 +25,8 @@ RunRecorder::RunRecorder(std::optional<std::filesystem::path> folder, const Scen
       robot_(robot),
       truth_(robot),
       frames_(frame_camera(scenario, robot)),
-      scores_(scenario, truth_, robot.limits(), loop, frames_ ? &*frames_ : nullptr) {
+      scores_(scenario, truth_, robot.limits(), loop, frames_ ? &*frames_ : nullptr),
+      files_(InputFiles().of(scenario)) {
   if (!folder_) return;
   tables_.emplace(*folder_, scenario, truth_, loop, frames_ ? &*frames_ : nullptr, robot.imu());
   pictures_.emplace(*folder_, scenario, robot, loop, scores_);
@@ -45,6 +49,8 @@ Metrics RunRecorder::finish(double wall_s, std::vector<std::pair<std::string, st
   Metrics metrics = scores_.metrics();
   metrics.settings = std::move(settings);
   metrics.wall_s = wall_s;
+  metrics.interrupted = interrupted() && metrics.duration_s < scenario_.run.duration_s - 1e-9;
+  metrics.files = files_;
   metrics.events_dropped = robot_.left_eye().counts().dropped;
   if (metrics.right_eye) metrics.right_eye->events_dropped = robot_.right_eye()->counts().dropped;
   if (folder_) {

@@ -25,7 +25,8 @@ class RunRecorder final : public LoopObserver {
   void on_tick(const Tick& tick) override;
   /// Wall-clock time spent here on images and the frame camera, which is not the loop's, s.
   [[nodiscard]] double picture_wall_s() const;
-  /// Closes every file and writes metrics.json. `wall_s`: of the loop alone; `settings`: Metrics::settings.
+  /// Closes every file and writes metrics.json. `wall_s`: of the loop alone; `settings`: Metrics::settings. A run that
+  /// interrupted() ended before its duration is marked.
   Metrics finish(double wall_s, std::vector<std::pair<std::string, std::string>> settings);
 
  private:
@@ -37,6 +38,7 @@ class RunRecorder final : public LoopObserver {
   std::optional<RunTables> tables_;
   RunScores scores_;
   std::optional<RunPictures> pictures_;
+  std::vector<FileDigest> files_;  // as they are at the start
 };
 
 /// Overrides (`--set`) that can change what is scored, by key; of several with one key the last. The duration belongs to

@@ -1,11 +1,11 @@
 #include "apps/session/run_scores.h"
 
 #include <algorithm>
-#include <numbers>
 
 #include "apps/session/frame_camera.h"
 #include "control/head_kinematics.h"
 #include "core/error.h"
+#include "core/units.h"
 
 namespace saccade::inline v0_1 {
 namespace {
@@ -14,10 +14,7 @@ GazeScoringConfig gaze_scoring(const Scenario& scenario, const Camera& camera, c
   GazeScoringConfig config;
   config.camera = camera;
   config.limits = limits;
-  for (const auto& [name, detector] : scenario.detectors) {
-    const bool paper = name == scenario.gaze.detector && detector.preset().starts_with("paper");
-    if (paper) config.acquire_within_rad = 6.0 * std::numbers::pi / 180.0;
-  }
+  config.acquire_within_rad = scenario.gaze.acquire_within_deg * rad_per_deg;
   return config;
 }
 

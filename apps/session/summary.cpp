@@ -56,6 +56,9 @@ void print_summary(const std::string& detector, const DetectorScore& score) {
 }
 
 void print_summary(const Metrics& metrics) {
+  if (metrics.interrupted)
+    fmt::print("interrupted after {:.3f} s: the figures are of what was processed until then\n",
+               metrics.duration_s);
   fmt::print("{} events in {:.3f} s", metrics.event_count, metrics.duration_s);
   if (metrics.wall_s && metrics.duration_s > 0.0) {
     fmt::print(", {:.0f} per second; {:.2f} x real time",

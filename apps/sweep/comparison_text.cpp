@@ -21,10 +21,13 @@ std::string joined(const std::vector<std::string>& words, const char* none) {
   return text.empty() ? none : text;
 }
 
+std::string count_of_runs(std::size_t count) {
+  return fmt::format("{} {}", count, count == 1 ? "run" : "runs");
+}
+
 std::string side_line(const char* name, const RunSet& set) {
-  std::string line =
-      fmt::format("{}  {}: {}, {} {}", name, set.path.string(), joined(set.versions, "version unknown"),
-                  set.runs, set.runs == 1 ? "run" : "runs");
+  std::string line = fmt::format("{}  {}: {}, {}", name, set.path.string(),
+                                 joined(set.versions, "version unknown"), count_of_runs(set.runs));
   if (set.failed > 0) line += fmt::format(", {} without a result", set.failed);
   return line + "\n";
 }
@@ -101,8 +104,10 @@ Json value_json(const MeanSd& value) {
 std::string comparison_text(const RunComparison& comparison) {
   std::string text = side_line("A", comparison.a) + side_line("B", comparison.b);
   for (const ComparedSet& set : comparison.sets) text += set_text(set);
-  return text + std::string(rule) + "\n" +
-         (comparison.different() ? "different\n" : "equal within tolerance\n");
+  text += std::string(rule) + "\n";
+  const std::size_t failed = comparison.a.failed + comparison.b.failed;
+  if (failed > 0) return text + fmt::format("different: {} without a result\n", count_of_runs(failed));
+  return text + (comparison.different() ? "different\n" : "equal within tolerance\n");
 }
 
 std::string comparison_json(const RunComparison& comparison) {

@@ -42,7 +42,7 @@ Counts counts_of(const ScenarioTest& test) {
   counts.cases = std::max<std::size_t>(test.expect.size(), 1);
   if (test.failure) counts.errors = counts.cases;
   for (const JudgedExpectation& judged : test.judged) counts.failures += judged.met() ? 0U : 1U;
-  counts.time_s = test.wall_s.value_or(0.0);
+  counts.time_s = test.elapsed_s.value_or(0.0);
   return counts;
 }
 
@@ -58,6 +58,8 @@ pugi::xml_node append_case(pugi::xml_node suite, const ScenarioTest& test, const
   set(node, "classname", "saccade." + test.name);
   set(node, "name", name);
   set(node, "file", test.file.string());
+  const Counts counts = counts_of(test);
+  set(node, "time", fmt::format("{:.3f}", counts.time_s / static_cast<double>(counts.cases)));
   return node;
 }
 

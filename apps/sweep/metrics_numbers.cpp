@@ -11,9 +11,17 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 void collect(const Json& json, const std::string& path, MetricsNumbers& numbers) {
-  static const std::set<std::string> no_results = {
-      "schema",           "seed",        "camera",    "calibration",    "settings", "start_us",
-      "joint_limits_rad", "gaze.window", "gaze.gate", "gaze.controller"};
+  static const std::set<std::string> no_results = {"schema",
+                                                   "seed",
+                                                   "camera",
+                                                   "calibration",
+                                                   "settings",
+                                                   "start_us",
+                                                   "joint_limits_rad",
+                                                   "gaze.window",
+                                                   "gaze.gate",
+                                                   "gaze.controller",
+                                                   "gaze.acquire_within_deg"};
   static const std::set<std::string> clock_keys = {"wall_s", "real_time_factor", "us_per_event"};
   for (const auto& [key, value] : json.items()) {
     const std::string name = path.empty() ? key : path + "." + key;
@@ -44,6 +52,7 @@ MetricsNumbers metrics_numbers(std::string_view text, const std::string& place) 
     numbers.scenario = json.at("scenario").get<std::string>();
     if (const auto seed = json.find("seed"); seed != json.end() && !seed->is_null())
       numbers.seed = seed->dump();
+    numbers.interrupted = json.value("interrupted", false);
     if (const auto settings = json.find("settings"); settings != json.end()) {
       for (const auto& [key, value] : settings->items())
         numbers.settings += (numbers.settings.empty() ? "" : ", ") + key + "=" + value.get<std::string>();

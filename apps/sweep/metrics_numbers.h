@@ -13,7 +13,8 @@ struct MetricsNumbers {
   std::string scenario;
   std::string settings;  ///< the overrides of the scenario, "key=value, ..."
   std::string seed;      ///< empty where there is none
-  /// Results: all but seed, settings, camera, calibration and limits, and the two below.
+  bool interrupted = false;
+  /// Results: all but seed, settings, camera, calibration and limits, the bound of acquisition, and the two below.
   std::vector<std::pair<std::string, std::optional<double>>> metrics;
   /// What the wall clock measured: wall_s, real_time_factor, us_per_event.
   std::vector<std::pair<std::string, std::optional<double>>> times;

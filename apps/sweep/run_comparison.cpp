@@ -94,6 +94,25 @@ ComparedSet compared(const SeedRuns& a, const SeedRuns& b, const std::vector<Tol
   return set;
 }
 
+/// Throws InputError with the tolerances that fit no figure, where there are figures.
+void check_tolerances(const std::vector<SeedRuns>& a, const std::vector<SeedRuns>& b,
+                      const std::vector<Tolerance>& tolerances) {
+  std::set<std::string> names;
+  for (const std::vector<SeedRuns>* groups : {&a, &b}) {
+    for (const SeedRuns& group : *groups) {
+      for (const auto& [name, values] : group.figures) names.insert(name);
+    }
+  }
+  if (names.empty()) return;
+  std::vector<Problem> problems;
+  for (const Tolerance& tolerance : tolerances) {
+    if (std::ranges::none_of(names, [&](const std::string& name) { return matches(tolerance.key, name); }))
+      problems.push_back({"--tolerance", tolerance.key,
+                          "a figure of these runs, such as " + *names.begin() + "; --json lists all"});
+  }
+  if (!problems.empty()) throw InputError(std::move(problems));
+}
+
 }  // namespace
 
 Tolerance tolerance_of(const std::string& text) {
@@ -114,6 +133,7 @@ Tolerance tolerance_of(const std::string& text) {
 }
 
 bool RunComparison::different() const {
+  if (a.failed + b.failed > 0) return true;
   return std::ranges::any_of(sets, [](const ComparedSet& set) {
     return set.seeds_a.empty() || set.seeds_b.empty() ||
            std::ranges::any_of(set.figures, [](const ComparedFigure& f) { return f.changed; });
@@ -124,6 +144,7 @@ RunComparison compare(RunSet a, RunSet b, const std::vector<Tolerance>& toleranc
   RunComparison comparison{.a = std::move(a), .b = std::move(b), .sets = {}};
   const std::vector<SeedRuns>& in_a = comparison.a.groups;
   const std::vector<SeedRuns>& in_b = comparison.b.groups;
+  check_tolerances(in_a, in_b, tolerances);
   if (in_a.size() == 1 && in_b.size() == 1) {
     comparison.sets.push_back(compared(in_a.front(), in_b.front(), tolerances, paired));
     return comparison;

@@ -46,6 +46,7 @@ struct RunComparison {
   RunSet a;
   RunSet b;
   std::vector<ComparedSet> sets;
+  /// Also where a side has runs without a result: of them nothing is known.
   [[nodiscard]] bool different() const;
 };
 
@@ -53,7 +54,7 @@ struct RunComparison {
 /// A figure has changed if the means over seeds differ by more than its tolerance (0 without one; the last one given that
 /// fits) and, where both sides have two values or more, the t test gives p < 0.01; or if it applies on one side alone. The
 /// t test is Welch's, of the spread over seeds; with `paired`, in sets whose sides have the same seeds, the paired one, of
-/// the spread of the differences from seed to seed.
+/// the spread of the differences from seed to seed. Throws InputError for a tolerance that fits no figure of either side.
 [[nodiscard]] RunComparison compare(RunSet a, RunSet b, const std::vector<Tolerance>& tolerances,
                                     bool paired = false);
 

@@ -26,6 +26,13 @@ bool is_run(const fs::path& folder) {
          fs::exists(folder / run_file::figures_json, ignored);
 }
 
+/// A folder in which a run was started.
+bool is_started_run(const fs::path& folder) {
+  std::error_code ignored;
+  const auto holds = [&](const char* name) { return fs::exists(folder / name, ignored); };
+  return is_run(folder) || holds(run_file::scenario) || holds(run_file::detectors) || holds(run_file::robot);
+}
+
 void add_once(std::vector<std::string>& list, const std::string& text) {
   if (!text.empty() && std::ranges::find(list, text) == list.end()) list.push_back(text);
 }
@@ -36,9 +43,13 @@ MetricsNumbers numbers_of(const fs::path& run) {
   return metrics_numbers(std::string{std::istreambuf_iterator<char>(in), {}}, file.string());
 }
 
-/// Adds a run, unless one of the same label, configuration and seed is there.
+/// Adds a run with a result, unless one of the same label, configuration and seed is there.
 void add_run(RunSet& set, const std::string& label, const std::string& seed, const MetricsNumbers& numbers,
              const fs::path& run) {
+  if (numbers.interrupted) {
+    ++set.failed;
+    return;
+  }
   ResolvedKeys keys = read_resolved_keys(run);
   if (const auto version = keys.find("version"); version != keys.end()) {
     add_once(set.versions, version->second);
@@ -62,6 +73,10 @@ void add_run(RunSet& set, const std::string& label, const std::string& seed, con
 
 /// `beside`: other runs are in the same set. A run without seed, such as a recording's, then has a label of its own.
 void add_run_folder(RunSet& set, const fs::path& run, bool beside) {
+  if (!is_run(run)) {
+    ++set.failed;
+    return;
+  }
   const MetricsNumbers numbers = numbers_of(run);
   std::string label = numbers.scenario;
   if (!numbers.settings.empty()) label += " with " + numbers.settings;
@@ -110,17 +125,17 @@ RunSet read_run_set(const fs::path& path) {
   std::error_code ignored;
   if (fs::exists(sweep.table(), ignored)) {
     add_sweep(set, sweep);
-  } else if (is_run(path)) {
+  } else if (is_started_run(path)) {
     add_run_folder(set, path, false);
   } else if (fs::is_directory(path, ignored)) {
     std::vector<fs::path> runs;
     for (const auto& entry : fs::directory_iterator(path)) {
-      if (is_run(entry.path())) runs.push_back(entry.path());
+      if (is_started_run(entry.path())) runs.push_back(entry.path());
     }
     std::ranges::sort(runs);
     for (const fs::path& run : runs) add_run_folder(set, run, true);
   }
-  if (set.runs == 0) {
+  if (set.runs + set.failed == 0) {
     throw InputError(path.string(), fs::exists(path, ignored) ? "no run" : "nothing",
                      "a run folder, a folder of run folders, or the folder of a sweep");
   }

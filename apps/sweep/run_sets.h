@@ -25,10 +25,11 @@ struct RunSet {
   std::vector<std::string> versions;  ///< "saccade 0.1.0 (9b6774e)", each once
   std::vector<SeedRuns> groups;       ///< in the order of their labels
   std::size_t runs = 0;
-  std::size_t failed = 0;  ///< runs of a sweep without a result
+  std::size_t failed = 0;  ///< runs without a result: failed, interrupted, or not complete
 };
 
-/// Reads a run folder, the folder of a sweep, or a folder whose subfolders are runs (other subfolders are ignored). Figures
+/// Reads a run folder, the folder of a sweep, or a folder whose subfolders are runs (other subfolders are ignored). A run
+/// folder with a configuration and no metrics counts as failed, and so does an interrupted run. Figures
 /// are the numbers of figures.json, or of metrics.json without those of the wall clock. Throws InputError where there
 /// is no run, RunError for a file that cannot be read.
 [[nodiscard]] RunSet read_run_set(const std::filesystem::path& path);

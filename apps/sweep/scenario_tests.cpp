@@ -20,6 +20,8 @@
 #include "apps/sweep/sweep_folder.h"
 #include "apps/sweep/test_table.h"
 #include "core/error.h"
+#include "recording/file_lock.h"
+#include "recording/number_text.h"
 #include "recording/output_file.h"
 
 namespace saccade::inline v0_1 {
@@ -39,6 +41,20 @@ struct TestFolder {
     return fs::exists(task(name, ".done")) || fs::exists(task(name, ".failure"));
   }
 };
+
+std::string text_of_file(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// Whether a test made the run in that folder: its scenario is the one that the test noted, or gave to its process.
+bool is_of_a_test(const TestFolder& folder, const std::string& name) {
+  const std::string run = text_of_file(folder.run(name) / "scenario.yaml");
+  if (run.empty()) return false;
+  const std::string after_versions = run.substr(std::min(run.find('\n'), run.size() - 1) + 1);
+  return run == text_of_file(folder.task(name, ".made")) ||
+         after_versions == text_of_file(folder.task(name, ".yaml"));
+}
 
 std::string unused_name(const std::string& name, const std::vector<ScenarioTest>& tests) {
   const auto used = [&](const std::string& wanted) {
@@ -66,10 +82,11 @@ PlannedTests plan_tests(const ScenarioTestOptions& options, const Registry& regi
                         .seed = scenario.seed,
                         .expect = scenario.expect,
                         .failure = std::nullopt,
-                        .judged = {},
-                        .wall_s = std::nullopt};
-      const fs::path folder = options.out / test.name;
-      if (!options.force && fs::exists(folder) && !(fs::is_directory(folder) && fs::is_empty(folder)))
+                        .judged = {}};
+      const TestFolder tests{options.out};
+      const fs::path folder = tests.run(test.name);
+      if (!options.force && fs::exists(folder) && !(fs::is_directory(folder) && fs::is_empty(folder)) &&
+          !is_of_a_test(tests, test.name))
         problems.push_back({folder.string(), "a folder that is not empty", "a new one, or --force"});
       // One thread for each run: the results do not depend on it.
       if (options.jobs != 1 && options.scenarios.size() > 1) scenario.run.threads = 1;
@@ -83,40 +100,67 @@ PlannedTests plan_tests(const ScenarioTestOptions& options, const Registry& regi
   return plan;
 }
 
-std::string text_of_file(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 /// Reads what the test's run left.
 void finish(ScenarioTest& test, const TestFolder& folder) {
   const fs::path metrics_file = folder.run(test.name) / "metrics.json";
-  const fs::path failure = folder.task(test.name, ".failure");
+  std::ifstream end(
+      folder.task(test.name, fs::exists(folder.task(test.name, ".done")) ? ".done" : ".failure"));
+  std::string elapsed;
+  std::string why;
+  std::getline(end, elapsed);
+  std::getline(end, why);
+  if (double elapsed_s = 0.0; parse_number(elapsed, elapsed_s)) test.elapsed_s = elapsed_s;
   if (!fs::exists(folder.task(test.name, ".done")) || !fs::exists(metrics_file)) {
-    std::string why = fs::exists(failure) ? text_of_file(failure) : "no result: its process was killed";
-    why.erase(std::find(why.begin(), why.end(), '\n'), why.end());
-    test.failure = why;
+    test.failure = why.empty() ? "no result: its process was killed" : why;
     return;
   }
   const Metrics metrics = read_metrics(metrics_file);
+  if (metrics.interrupted) {
+    test.failure = "interrupted";
+    return;
+  }
   test.wall_s = metrics.wall_s;
   test.judged = judge(test.expect, metrics);
 }
 
-void wait_for_runs(SweepEngine& engine, std::vector<ScenarioTest>& tests, const TestFolder& folder) {
+/// Returns false after an interrupt; what is not over then has failed.
+bool wait_for_runs(SweepEngine& engine, std::vector<ScenarioTest>& tests, const TestFolder& folder) {
   std::vector<bool> shown(tests.size(), false);
+  const auto show = [&](std::size_t i) {
+    shown[i] = true;
+    fmt::print(stderr, "{}\n", test_line(tests[i]));
+  };
   for (bool busy = true; busy;) {
     busy = engine.busy();
     for (std::size_t i = 0; i < tests.size(); ++i) {
       if (shown[i] || (busy && !folder.is_over(tests[i].name))) continue;
-      shown[i] = true;
       finish(tests[i], folder);
-      fmt::print(stderr, "{}\n", test_line(tests[i]));
+      show(i);
     }
     if (busy) std::this_thread::sleep_for(std::chrono::milliseconds(100));
     if (!interrupted()) continue;
     engine.stop();
-    throw RunError("interrupted; the run folders hold what happened until then");
+    for (std::size_t i = 0; i < tests.size(); ++i) {
+      if (shown[i]) continue;
+      finish(tests[i], folder);
+      if (!folder.is_over(tests[i].name)) tests[i].failure = "interrupted";
+      show(i);
+    }
+    return false;
+  }
+  return true;
+}
+
+/// Throws InputError where the file cannot be written, before the runs.
+void check_junit(const fs::path& junit) {
+  if (junit.empty()) return;
+  std::error_code ignored;
+  if (fs::is_directory(junit, ignored))
+    throw InputError("--junit", junit.string() + ", a folder", "a file that can be written");
+  try {
+    const OutputFile probe(junit);
+  } catch (const RunError& error) {
+    throw InputError("--junit", error.what(), "a file that can be written");
   }
 }
 
@@ -133,6 +177,10 @@ int test_scenarios(const ScenarioTestOptions& options, const Registry& registry)
   std::error_code error;
   fs::create_directories(folder.tasks(), error);
   if (error) throw RunError(folder.tasks().string() + ": cannot make the folder: " + error.message());
+  const FileLock lock(folder.tasks() / "lock");
+  if (!lock.held())
+    throw InputError(folder.path.string(), "a test at work in it", "another folder, or wait for its end");
+  check_junit(options.junit);
   std::vector<std::string> names;
   for (std::size_t i = 0; i < tests.size(); ++i) {
     names.push_back(tests[i].name);
@@ -143,11 +191,12 @@ int test_scenarios(const ScenarioTestOptions& options, const Registry& registry)
   catch_interrupts();
   const auto engine = make_engine(config, folder.tasks());
   engine->start({fs::read_symlink("/proc/self/exe").string(), "test-task", folder.path.string()}, names);
-  wait_for_runs(*engine, tests, folder);
+  const bool whole = wait_for_runs(*engine, tests, folder);
   fs::remove(folder.tasks() / "batches.txt", error);
   for (const std::string& name : names) fs::remove(folder.task(name, ".done"), error);
   fmt::print("{}", test_table(tests));
   if (!options.junit.empty()) write_junit(options.junit, tests);
+  if (!whole) throw RunError("interrupted; the table and the JUnit file hold what was over until then");
   const auto any = [&](const auto& condition) { return std::ranges::any_of(tests, condition); };
   if (any([](const ScenarioTest& test) { return test.failure.has_value(); })) return 1;
   return any([](const ScenarioTest& test) {
@@ -162,18 +211,22 @@ int make_test_runs(const TestTaskOptions& options, const Registry& registry) {
   die_with_parent(::getppid());
   for (const std::string& name : options.names) {
     const FileLock log(folder.task(name, ".log"));
-    const int status = run_in_child(log.file(), [&] {
+    if (::ftruncate(log.file(), 0) != 0)
+      throw RunError(folder.task(name, ".log").string() + ": cannot be written");
+    const auto begin = std::chrono::steady_clock::now();
+    const ChildEnd end = run_in_child(log.file(), [&] {
       const Scenario scenario = read_scenario(folder.task(name, ".yaml"), {}, std::nullopt, registry);
       set_rasterisers(scenario.run.threads);
       run_scenario(scenario,
                    {.folder = folder.run(name), .force = true, .assignments = {}, .show = {}, .close = {}});
       return 0;
     });
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) {
-      write_file(folder.task(name, ".done"), "");
-    } else {
-      write_file(folder.task(name, ".failure"), failure_text(status, folder.task(name, ".log")) + "\n");
-    }
+    const double elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    if (const std::string made = text_of_file(folder.run(name) / "scenario.yaml"); !made.empty())
+      write_file(folder.task(name, ".made"), made);
+    const bool done = WIFEXITED(end.status) && WEXITSTATUS(end.status) == 0;
+    const std::string why = done ? "" : failure_text(end, folder.task(name, ".log")) + "\n";
+    write_file(folder.task(name, done ? ".done" : ".failure"), fmt::format("{:.3f}\n{}", elapsed_s, why));
   }
   return 0;
 }

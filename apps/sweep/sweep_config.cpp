@@ -9,6 +9,7 @@
 #include <numeric>
 #include <set>
 
+#include "apps/config/scenario.h"
 #include "apps/config/sections.h"
 #include "apps/config/yaml_reader.h"
 #include "core/random.h"
@@ -120,7 +121,7 @@ class SweepReader {
     const YamlNode metrics = take("report", "metrics");
     YamlReader reader(tree_, {"name", "scenario"});
     describe(reader, config_);
-    config_.scenario = folder_ / config_.scenario;
+    config_.scenario = scenario_file(folder_, config_.scenario);
     read_set(set, assignments);
     read_axes(axes);
     check_keys();
@@ -395,7 +396,7 @@ void describe(FieldVisitor& v, SweepConfig& config) {
   describe_name(v, config.name, "name of the sweep, in its report and of its folder");
   v.text("description", config.description, "the question of the sweep, in a sentence");
   std::string scenario = config.scenario.string();
-  v.text("scenario", scenario, "scenario file");
+  v.text("scenario", scenario, "scenario file, relative to this file; or the name of one that saccade ships");
   config.scenario = scenario;
   v.integer("samples", config.samples, {1, most_values},
             "number of points of random and latin_hypercube axes");

@@ -105,7 +105,7 @@ void SweepCoordinator::make_worst_runs() {
   std::vector<std::string> ids;
   const SweepTable table = store_->table();
   for (const SweepRow* row : worst_runs(table)) {
-    if (!fs::exists(sweep_.worst(row->id) / "report.html")) ids.push_back(row->id);
+    if (!sweep_.has_worst_report(row->id)) ids.push_back(row->id);
   }
   if (ids.empty()) return;
   fmt::print(stderr, "{} of the worst runs again, for their reports\n", ids.size());
@@ -114,7 +114,7 @@ void SweepCoordinator::make_worst_runs() {
   for (const std::string& id : ids) {
     std::error_code ignored;
     const fs::path log = sweep_.run(id) / "log.txt";
-    if (fs::exists(sweep_.worst(id) / "report.html")) fs::remove(log, ignored);
+    if (sweep_.has_worst_report(id)) fs::remove(log, ignored);
   }
 }
 

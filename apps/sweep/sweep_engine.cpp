@@ -15,8 +15,8 @@
 #include <optional>
 #include <thread>
 
-#include "apps/sweep/sweep_plan.h"
 #include "core/error.h"
+#include "recording/file_digest.h"
 #include "recording/output_file.h"
 
 namespace saccade::inline v0_1 {

@@ -29,35 +29,17 @@ class SweepFolder {
   [[nodiscard]] std::filesystem::path run(const std::string& id) const { return path_ / "runs" / id; }
   [[nodiscard]] std::filesystem::path worst(const std::string& id) const { return path_ / "worst" / id; }
 
-  /// Whether a run has finished or failed.
+  /// Whether a run has finished or failed. One that was interrupted has not.
   [[nodiscard]] bool has_result(const std::string& id) const;
   /// When it finished or failed, by the file's time.
   [[nodiscard]] std::optional<std::filesystem::file_time_type> finished(const std::string& id) const;
+  /// Whether its run folder among the worst is complete.
+  [[nodiscard]] bool has_worst_report(const std::string& id) const;
   /// Whether a process makes it now.
   [[nodiscard]] bool is_running(const std::string& id) const;
 
  private:
   std::filesystem::path path_;
 };
-
-/// Locks a file for one process at a time, until its end. Child processes inherit the lock only if they do not call exec.
-class FileLock {
- public:
-  /// Creates a missing file; does not wait. Throws RunError if the file cannot be opened.
-  explicit FileLock(const std::filesystem::path& path);
-  FileLock(const FileLock&) = delete;
-  FileLock& operator=(const FileLock&) = delete;
-  ~FileLock();
-
-  [[nodiscard]] bool held() const { return held_; }
-  [[nodiscard]] int file() const { return file_; }
-
- private:
-  int file_;
-  bool held_;
-};
-
-/// Whether a process has locked that file.
-[[nodiscard]] bool is_locked(const std::filesystem::path& path);
 
 }  // namespace saccade::inline v0_1

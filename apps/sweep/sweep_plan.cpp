@@ -6,7 +6,9 @@
 #include <optional>
 #include <set>
 
+#include "apps/config/input_files.h"
 #include "apps/config/scenario.h"
+#include "core/error.h"
 
 namespace saccade::inline v0_1 {
 namespace {
@@ -186,6 +188,14 @@ class Resolver {
   std::vector<Problem> problems_;
 };
 
+/// Control characters would end the comment.
+std::string line_of(const FileDigest& file) {
+  std::string line = "# reads " + file.key + " " + file.digest + " " + file.path;
+  std::ranges::replace_if(
+      line, [](char c) { return c >= 0 && c < ' '; }, '?');
+  return line + "\n";
+}
+
 /// The metrics of the report if the sweep names none.
 void add_usual_metrics(const Scenario& scenario, std::vector<std::string>& metrics) {
   const auto add = [&](const std::string& path) {
@@ -199,16 +209,31 @@ void add_usual_metrics(const Scenario& scenario, std::vector<std::string>& metri
 
 }  // namespace
 
+std::string files_text(const std::vector<FileDigest>& files) {
+  std::string text;
+  for (const FileDigest& file : files) text += line_of(file);
+  return text;
+}
+
+std::vector<std::string> changed_files(const std::vector<FileDigest>& files, const std::string& scenario) {
+  std::vector<std::string> changed;
+  for (const FileDigest& file : files) {
+    if (!file.mentioned && scenario.find(line_of(file)) == std::string::npos) changed.push_back(file.path);
+  }
+  return changed;
+}
+
 SweepPlan plan_sweep(SweepConfig config, std::string version, const Registry& registry) {
   SweepPlan plan;
   Resolver resolver(config, registry);
+  InputFiles files;
   std::vector<SweepSetting> unknown = config.report.metrics;
   for (std::vector<std::size_t>& values : combinations(config)) {
     const std::optional<Scenario> scenario = resolver.resolve(values);
     if (!scenario) continue;
     std::erase_if(unknown, [&](const SweepSetting& metric) { return has_figure(*scenario, metric.key); });
     if (config.report.metrics.empty()) add_usual_metrics(*scenario, plan.metrics);
-    std::string text = resolved_scenario(*scenario);
+    std::string text = resolved_scenario(*scenario) + files_text(files.of(*scenario));
     std::string id = digest(version + "\n" + text);
     plan.runs.push_back({std::move(id), std::move(values), scenario->seed, std::move(text)});
   }
@@ -222,12 +247,6 @@ SweepPlan plan_sweep(SweepConfig config, std::string version, const Registry& re
   plan.version = std::move(version);
   plan.config = std::move(config);
   return plan;
-}
-
-std::string digest(std::string_view bytes) {
-  std::uint64_t hash = 0xcbf29ce484222325ULL;
-  for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
-  return fmt::format("{:016x}", hash);
 }
 
 }  // namespace saccade::inline v0_1

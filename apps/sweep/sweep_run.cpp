@@ -14,6 +14,7 @@
 #include "apps/sweep/sweep_store.h"
 #include "core/error.h"
 #include "evaluation/report/sweep_report.h"
+#include "recording/file_lock.h"
 #include "recording/output_file.h"
 
 namespace saccade::inline v0_1 {

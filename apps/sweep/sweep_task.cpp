@@ -5,6 +5,9 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <tuple>
 
 #include "apps/config/scenario.h"
 #include "apps/session/run_scenario.h"
@@ -12,8 +15,10 @@
 #include "apps/sweep/child_process.h"
 #include "apps/sweep/sweep_engine.h"
 #include "apps/sweep/sweep_folder.h"
+#include "apps/sweep/sweep_plan.h"
 #include "core/error.h"
 #include "evaluation/scoring/metrics.h"
+#include "recording/file_lock.h"
 #include "recording/output_file.h"
 
 namespace saccade::inline v0_1 {
@@ -25,7 +30,13 @@ namespace fs = std::filesystem;
 void make_run(const fs::path& folder, const Registry& registry) {
   const Scenario scenario = read_scenario(folder / "scenario.yaml", {}, std::nullopt, registry);
   set_rasterisers(scenario.run.threads);
-  write_metrics(folder / "metrics.json", score_scenario(scenario));
+  const Metrics metrics = score_scenario(scenario);
+  if (metrics.interrupted) throw RunError("interrupted");
+  std::ifstream file(folder / "scenario.yaml", std::ios::binary);
+  const std::string planned{std::istreambuf_iterator<char>(file), {}};
+  for (const std::string& changed : changed_files(metrics.files, planned))
+    throw RunError(changed + " has changed since the sweep was started; start it again");
+  write_metrics(folder / "metrics.json", metrics);
 }
 
 /// Makes a run in a process of its own, unless it has a result or another process makes it; notes a failure.
@@ -37,15 +48,16 @@ void make_run_in_process(const SweepFolder& sweep, const std::string& id, const 
   const FileLock lock(log);
   if (!lock.held() || sweep.has_result(id)) return;
   if (::ftruncate(lock.file(), 0) != 0) throw RunError(log.string() + ": cannot be written");
-  const int status = run_in_child(lock.file(), [&] {
+  const ChildEnd end = run_in_child(lock.file(), [&] {
     make_run(folder, registry);
     return 0;
   });
+  const int status = end.status;
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) {
     if (fs::file_size(log) == 0) fs::remove(log);
     return;
   }
-  const std::string why = failure_text(status, log);
+  const std::string why = failure_text(end, log);
   if (WIFEXITED(status) && WEXITSTATUS(status) == disk_full_status) throw DiskFull(why);
   if (was_stopped(status)) return;
   OutputFile failure(folder / "failure.txt");
@@ -56,11 +68,11 @@ void make_run_in_process(const SweepFolder& sweep, const std::string& id, const 
 /// Makes a run once more, as `saccade run` does, with pictures and a report.
 void make_worst(const SweepFolder& sweep, const std::string& id, const std::string& program) {
   const fs::path folder = sweep.worst(id);
-  if (fs::exists(folder / "report.html")) return;
+  if (sweep.has_worst_report(id)) return;
   fs::create_directories(folder);
   const FileLock lock(sweep.run(id) / "log.txt");
   if (!lock.held()) return;
-  run_in_child(lock.file(), [&] {
+  std::ignore = run_in_child(lock.file(), [&] {
     const std::string scenario = (sweep.run(id) / "scenario.yaml").string();
     ::execl(program.c_str(), program.c_str(), "run", scenario.c_str(), "--set", "output.pictures=10",
             "--force", "--out", folder.c_str(), static_cast<char*>(nullptr));

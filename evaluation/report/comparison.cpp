@@ -43,10 +43,19 @@ std::string links(const ComparedGroup& group, const fs::path& out, const FormatR
     if (!fs::exists(run->folder / "report.html")) write_report(run->folder, formats);
     const fs::path report = fs::weakly_canonical(run->folder) / "report.html";
     html += fmt::format(
-        " · <a href=\"{}\">{}</a>", link_to(report.lexically_relative(fs::weakly_canonical(out))),
-        run->metrics.seed ? "seed " + seed_text(run->metrics) : escaped(run->folder.filename().string()));
+        " · <a href=\"{}\">{}</a>{}", link_to(report.lexically_relative(fs::weakly_canonical(out))),
+        run->metrics.seed ? "seed " + seed_text(run->metrics) : escaped(run->folder.filename().string()),
+        run->metrics.interrupted ? " (interrupted)" : "");
   }
   html += "</p>\n";
+  for (const ComparedRun* run : group.runs) {
+    if (!run->metrics.interrupted) continue;
+    html += fmt::format(
+        "<p class=\"remark\">{} was interrupted after {:.3g} s: its figures, which the means contain, are of "
+        "what "
+        "was processed until then.</p>\n",
+        escaped(run->folder.string()), run->metrics.duration_s);
+  }
   for (const std::string& duplicate : group.duplicates) {
     html += "<p class=\"remark\">" + escaped(duplicate) + "</p>\n";
   }

@@ -133,13 +133,23 @@ std::vector<TruthRow> dense_truth(const ComparedRun& run) {
 std::vector<ComparedGroup> grouped(const std::vector<ComparedRun>& runs) {
   std::vector<ComparedGroup> groups;
   const std::vector<DrawnDetector> palette = drawn_detectors(runs);
-  for (const ComparedRun& run : runs) {
+  std::vector<const ComparedRun*> order;  // an interrupted run does not stand for a whole one
+  for (const bool interrupted : {false, true}) {
+    for (const ComparedRun& run : runs) {
+      if (run.metrics.interrupted == interrupted) order.push_back(&run);
+    }
+  }
+  for (const ComparedRun* const at : order) {
+    const ComparedRun& run = *at;
     auto group = std::find_if(groups.begin(), groups.end(),
                               [&](const ComparedGroup& g) { return same_experiment(*g.runs.front(), run); });
     if (group == groups.end()) {
       group = groups.insert(group, ComparedGroup{label_of(run.metrics), {}, {}, {}, {}});
     }
-    if (const ComparedRun* other = repeated_run(*group, run)) {
+    if (run.metrics.interrupted && !group->runs.empty() && !group->runs.front()->metrics.interrupted) {
+      group->duplicates.push_back(fmt::format("{} was interrupted after {:.3g} s and is not counted",
+                                              run.folder.string(), run.metrics.duration_s));
+    } else if (const ComparedRun* other = repeated_run(*group, run)) {
       group->duplicates.push_back(fmt::format(
           "{} repeats {} ({}) and is not counted", run.folder.string(), other->folder.string(),
           run.metrics.seed ? "seed " + seed_text(run.metrics) : "the same recording and detectors"));

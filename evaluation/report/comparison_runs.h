@@ -26,15 +26,15 @@ struct ComparedGroup {
   std::vector<const ComparedRun*> runs;
   std::vector<DetectorRuns> detectors;
   std::vector<DetectorSpeeds> speeds;
-  /// Runs that repeat a run of the group, seed included; they are in none of the figures and tables. One sentence
-  /// each, plain text.
+  /// Runs that repeat a run of the group, seed included, and interrupted runs beside whole ones; they are in none of the
+  /// figures and tables. One sentence each, plain text.
   std::vector<std::string> duplicates;
 };
 
 /// Throws InputError naming every folder without a readable metrics.json and every one given twice.
 [[nodiscard]] std::vector<ComparedRun> load_runs(std::span<const std::filesystem::path> folders);
 
-/// Groups in the order of their first runs. Runs belong together when their resolved configurations are equal but for
+/// Groups in the order of their first runs, those of interrupted runs alone last. Runs belong together when their resolved configurations are equal but for
 /// the seed; runs without one (of old versions) when scenario and settings are equal. Throws InputError for a broken
 /// table.
 [[nodiscard]] std::vector<ComparedGroup> grouped(const std::vector<ComparedRun>& runs);

@@ -175,8 +175,8 @@ std::string compared_gaze_table(const ComparedGroup& group, std::size_t number) 
 void write_comparison_tables(const std::vector<ComparedGroup>& groups, const fs::path& out) {
   const auto quantities = quantities_of(groups);
   const std::span<const Quantity<GazeMetrics>> gaze(gaze_quantities);
-  std::string runs =
-      "run,scenario,settings,seed,detector" + csv_head(quantities, false) + ",events_dropped_share\n";
+  std::string runs = "run,scenario,settings,seed,detector" + csv_head(quantities, false) +
+                     ",events_dropped_share,interrupted\n";
   std::string means = "scenario,settings,detector,runs" + csv_head(quantities, true) +
                       ",events_dropped_share,events_dropped_share_sd\n";
   std::string gaze_means = "scenario,settings,detector,runs" + csv_head(gaze, true) + "\n";
@@ -188,7 +188,7 @@ void write_comparison_tables(const std::vector<ComparedGroup>& groups, const fs:
         runs += fmt::format("{},{},{},{}", csv_field(run->folder.generic_string()), fields,
                             seed_text(run->metrics), csv_field(name));
         for (const auto& quantity : quantities) runs += "," + csv_text(quantity.value(score));
-        runs += "," + csv_text(dropped_share(run->metrics)) + "\n";
+        runs += fmt::format(",{},{}\n", csv_text(dropped_share(run->metrics)), run->metrics.interrupted);
       }
     }
     for (const auto& [detector, scores] : group.detectors) {

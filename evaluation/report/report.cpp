@@ -134,7 +134,7 @@ std::string gaze_figures(const RunData& run) {
 
 std::string body(const RunData& run) {
   const Metrics& m = run.metrics;
-  std::string html = run_head(run) + approximate_remark(m);
+  std::string html = run_head(run) + interrupted_remark(m) + approximate_remark(m);
   if (!run.events_remark.empty()) {
     html += fmt::format("<p class=\"remark\">Events are not shown: {}</p>\n", escaped(run.events_remark));
   }

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "recording/run_file_names.h"
 
 namespace saccade::inline v0_1 {
 namespace {
@@ -30,6 +33,22 @@ std::string joined(const KeyPath& path) {
   std::string key;
   for (const auto& [indentation, name] : path) key += (key.empty() ? "" : ".") + name;
   return key;
+}
+
+/// Adds the names and digests of the files that a run read.
+void add_file_contents(const std::filesystem::path& run_folder, ResolvedKeys& keys) {
+  for (const char* name : {run_file::metrics, run_file::figures_json}) {
+    std::ifstream file(run_folder / name, std::ios::binary);
+    if (!file) continue;
+    const auto json = nlohmann::json::parse(file, nullptr, false);
+    if (!json.is_object()) continue;
+    for (const auto& read : json.value("files", nlohmann::json::array())) {
+      const std::filesystem::path path = read.value("file", "");
+      std::string& value = keys[read.value("key", "") + ".contents"];
+      value += (value.empty() ? "" : ", ") + path.filename().string() + " " + read.value("digest", "");
+    }
+    return;
+  }
 }
 
 }  // namespace
@@ -62,7 +81,10 @@ ResolvedKeys resolved_keys(const std::string& yaml) {
 ResolvedKeys read_resolved_keys(const std::filesystem::path& run_folder) {
   for (const char* name : {"scenario.yaml", "detectors.yaml"}) {
     std::ifstream file(run_folder / name, std::ios::binary);
-    if (file) return resolved_keys({std::istreambuf_iterator<char>(file), {}});
+    if (!file) continue;
+    ResolvedKeys keys = resolved_keys({std::istreambuf_iterator<char>(file), {}});
+    add_file_contents(run_folder, keys);
+    return keys;
   }
   return {};
 }

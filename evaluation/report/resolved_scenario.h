@@ -7,7 +7,8 @@
 namespace saccade::inline v0_1 {
 
 /// The configuration of a run but its seed, key by key: the lines of the resolved scenario.yaml (or detectors.yaml) in its
-/// folder, "ball.diameter_m" -> "0.095", and the version that made it under "version". Two runs with the same keys and
+/// folder, "ball.diameter_m" -> "0.095"; the version that made it under "version"; and the files that it read, under their
+/// key with "contents" added: "ball.trajectory.file.contents" -> "mocap_ball.csv 8c7dd922ad47494f". Two runs with the same keys and
 /// different seeds are repetitions of one experiment. Keys that change no score are left out: `seed`, `description`,
 /// `output`, `expect`, `run.threads`.
 using ResolvedKeys = std::map<std::string, std::string>;

@@ -135,6 +135,15 @@ std::string rejected_remark(const Metrics& m) {
   return html;
 }
 
+std::string interrupted_remark(const Metrics& m) {
+  if (!m.interrupted) return {};
+  return fmt::format(
+      "<p class=\"remark\" id=\"interrupted\">This run was interrupted after {:.3g} s. All figures are of "
+      "what "
+      "was processed until then.</p>\n",
+      m.duration_s);
+}
+
 std::string approximate_remark(const Metrics& m) {
   const bool exact = (!m.gaze || m.gaze->score.exact) &&
                      std::all_of(m.detectors.begin(), m.detectors.end(),

@@ -18,6 +18,8 @@ namespace saccade::inline v0_1 {
 [[nodiscard]] std::string clutter_tables(const Metrics& metrics);
 /// Events that detectors could not use; empty where there are none.
 [[nodiscard]] std::string rejected_remark(const Metrics& metrics);
+/// Says that the run ended before its time; empty where it did not.
+[[nodiscard]] std::string interrupted_remark(const Metrics& metrics);
 /// Says which figures of a very long run are approximate; empty where none is.
 [[nodiscard]] std::string approximate_remark(const Metrics& metrics);
 

@@ -26,7 +26,7 @@ struct GazeSample {
 struct GazeScoringConfig {
   Camera camera;
   JointLimits limits;
-  /// The ball counts as acquired within this angle: 2 deg, and 6 deg for the paper's detectors.
+  /// The ball counts as acquired within this angle.
   double acquire_within_rad = 2.0 * std::numbers::pi / 180.0;
 };
 

@@ -234,6 +234,11 @@ Metrics metrics_of(const Json& json) {
   metrics.start_us = json.at("start_us").get<std::int64_t>();
   metrics.duration_s = json.at("duration_s").get<double>();
   metrics.wall_s = number(json.at("wall_s"));
+  metrics.interrupted = json.value("interrupted", false);
+  for (const Json& file : json.value("files", Json::array())) {
+    metrics.files.push_back({file.at("key").get<std::string>(), file.at("file").get<std::string>(),
+                             file.at("digest").get<std::string>()});
+  }
   const Json& events = json.at("events");
   metrics.event_count = events.at("count").get<std::int64_t>();
   metrics.events_dropped = integer(events.at("dropped"));
@@ -273,6 +278,7 @@ Json json_of_metrics(const Metrics& metrics) {
       {"duration_s", json_of(metrics.duration_s)},
       {"wall_s", json_of(metrics.wall_s)},
       {"real_time_factor", json_of(per_second(metrics.duration_s, metrics.wall_s.value_or(0.0)))},
+      {"interrupted", metrics.interrupted},
       {"events",
        {{"count", metrics.event_count},
         {"rate_hz", json_of(per_second(static_cast<double>(metrics.event_count), metrics.duration_s))},
@@ -290,6 +296,8 @@ Json json_of_metrics(const Metrics& metrics) {
   if (metrics.clutter) json["clutter"] = json_of(*metrics.clutter);
   if (metrics.right_eye) json["right_eye"] = json_of(*metrics.right_eye);
   if (metrics.latency) json["latency"] = json_of(*metrics.latency);
+  for (const FileDigest& file : metrics.files)
+    json["files"].push_back({{"key", file.key}, {"file", file.path}, {"digest", file.digest}});
   return json;
 }
 
@@ -300,8 +308,13 @@ std::string text_of_json(const Json& json) {
 /// Removes what the clock measured, and where the files lie.
 void remove_wall_clock(Json& json) {
   for (const char* key : {"wall_s", "real_time_factor"}) json.erase(key);
-  Json& file = json["events"]["file"];
-  file = std::filesystem::path(file.get<std::string>()).filename().string();
+  const auto keep_name = [](Json& file) {
+    file = std::filesystem::path(file.get<std::string>()).filename().string();
+  };
+  keep_name(json["events"]["file"]);
+  if (const auto files = json.find("files"); files != json.end()) {
+    for (Json& file : *files) keep_name(file["file"]);
+  }
   const auto remove_times = [](Json& detectors) {
     for (Json& detector : detectors) detector.erase("us_per_event");
   };

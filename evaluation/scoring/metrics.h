@@ -13,6 +13,7 @@
 #include "evaluation/scoring/gaze_scorer.h"
 #include "evaluation/scoring/scoring.h"
 #include "head/head_state.h"
+#include "recording/file_digest.h"
 
 namespace saccade::inline v0_1 {
 
@@ -67,6 +68,7 @@ struct Metrics {
   std::int64_t start_us = 0;     ///< time of the events' clock at the start of the run
   double duration_s = 0.0;       ///< of the run, in its own time
   std::optional<double> wall_s;  ///< of the loop alone; real_time_factor is duration_s / wall_s
+  bool interrupted = false;      ///< ended before its time: everything is of what was processed until then
   std::int64_t event_count = 0;  ///< passed to the detectors; the rate is per second of duration_s
   std::optional<std::int64_t> events_dropped;
   /// The event file: relative to the run folder, or absolute when the recording lies elsewhere.
@@ -83,6 +85,8 @@ struct Metrics {
   std::optional<ClutterShare> clutter;       ///< where the events have labels
   std::optional<RightEyeMetrics> right_eye;  ///< of a run with two cameras
   std::optional<LatencyMetrics> latency;     ///< where the scenario has a latency
+  /// What the run read beside its configuration, with contents; `mentioned` is not written.
+  std::vector<FileDigest> files;
 };
 
 /// The share of the left camera's events that its bus dropped; none where it is not known or no event arose.
@@ -98,12 +102,12 @@ struct Metrics {
 /// Numbers are the shortest text that reads back as the same double; the same metrics give the same bytes.
 [[nodiscard]] std::string metrics_to_json(const Metrics& metrics);
 /// The same without what the wall clock measured (wall_s, real_time_factor, us_per_event) and without the folder of the
-/// event file: equal runs give equal bytes.
+/// files: equal runs give equal bytes.
 [[nodiscard]] std::string figures_to_json(const Metrics& metrics);
 /// The block `detectors` of metrics.json alone, with the schema.
 [[nodiscard]] std::string detectors_to_json(const std::vector<std::pair<std::string, DetectorScore>>& scores);
 /// Throws InputError with `place` for text that is not JSON, another schema, or a key that is missing or of a wrong
-/// type. Keys that older versions did not write may be absent: `calibration`, `settings`, `approximate`, `right_eye`,
+/// type. Keys that older versions did not write may be absent: `interrupted`, `files`, `calibration`, `settings`, `approximate`, `right_eye`,
 /// `controller_failure`, `clutter`, `latency`, `events.camera`; `rejected_events`, `failure`, `alarm_ratio`,
 /// `alarms_per_min`, `streaming`, `nees`, `reliability` and clutter of a detector; `controller`, `gate`, `window`,
 /// `acquired_at_us`, `following_rate_hz` and `eye_movements` of the gaze; `k1` to `p2` of a camera.

@@ -45,6 +45,32 @@ TEST_F(ScenarioDefaults, TheCameraIsTheLeftOneOfTheICubOf2016) {
   EXPECT_EQ(read({"camera.preset=icub_right_2016", "camera.k1=0"}).sim.camera.k1, 0.0);
 }
 
+TEST_F(ScenarioDefaults, NullRemovesASectionAndAKeyFromTheFile) {
+  EXPECT_TRUE(read({"frame_30hz={}"}).frame_30hz.has_value());
+  EXPECT_FALSE(read({"frame_30hz={}", "frame_30hz=null"}).frame_30hz.has_value());
+  EXPECT_FALSE(read({"frame_30hz=null"}).frame_30hz.has_value()) << "there is none to remove";
+  EXPECT_EQ(read({"ball.diameter_m=0.2", "ball.diameter_m=~"}).sim.world.ball.diameter_m,
+            read().sim.world.ball.diameter_m);
+  EXPECT_EQ(read({"detectors.paper_full={}", "detectors.best=null"}).detectors.size(), 1u);
+  EXPECT_THAT(message({"name=null"}), HasSubstr("name: found no such key"));
+  EXPECT_THAT(message({"frame_30z=null"}), HasSubstr("did you mean frame_30hz?"));
+  EXPECT_THAT(message({"ball.diametre_m=null"}), HasSubstr("did you mean diameter_m?"));
+  EXPECT_THAT(message({"seed="}), HasSubstr("seed: found nothing")) << "an empty value is a mistake";
+}
+
+TEST_F(ScenarioDefaults, TheBoundOfAcquisitionDoesNotDependOnTheNameOfTheDetector) {
+  for (const char* detector : {"best", "paper_directed", "paper_full"}) {
+    const std::string name = detector;
+    EXPECT_EQ(read({"detectors." + name + "={}", "gaze.detector=" + name}).gaze.acquire_within_deg, 2.0)
+        << name;
+  }
+  EXPECT_EQ(read({"gaze.acquire_within_deg=6"}).gaze.acquire_within_deg, 6.0);
+  const Scenario shipped =
+      read_scenario(SACCADE_SOURCE_DIR "/scenarios/look_at_ball.yaml", {}, std::nullopt, built_in());
+  EXPECT_EQ(shipped.gaze.detector, "paper_directed");
+  EXPECT_EQ(shipped.gaze.acquire_within_deg, 6.0);
+}
+
 TEST_F(ScenarioDefaults, AnImageSizeOfOnesOwnBringsAPinholeOfThatSize) {
   const Scenario scenario = read({"camera.width_px=346", "camera.height_px=260", "emulator.preset=davis346",
                                   "eyes=both", "output.events=csv"});

@@ -72,6 +72,124 @@ TEST_F(ExternalCommand, DetectsInARecordingWithPathsRelativeToTheFileThatNamesTh
   EXPECT_TRUE(metrics_of(out("detect"))["detectors"].contains("mine"));
 }
 
+TEST_F(ExternalCommand, ANameIsSoughtInPathAndArgumentsAreRelativeToTheFileThatNamesTheProgram) {
+  std::filesystem::create_directories(folder_ / "scene");
+  folder_.write("scene/detector.sh",
+                "read a; read b; echo ready 0.5\nread score < score.txt\n"
+                "while read tick t count; do i=0; while [ $i -lt $count ]; do read e; i=$((i+1)); done; "
+                "echo circle 64 64 10 $score; done\n");
+  folder_.write("scene/score.txt", "0.75\n");
+  const auto file =
+      folder_.write("scene/scene.yaml",
+                    "name: a\nrun: {duration_s: 0.1}\nlab: {density: 0}\n"
+                    "ball: {trajectory: {kind: waypoints, points_m: [[-0.5, -0.1, 0.3], [-0.5, 0.1, 0.3]], "
+                    "speed_m_s: 0.1}}\n"
+                    "detectors: {mine: {command: sh, arguments: detector.sh}}\ngaze: {detector: none}\n"
+                    "output: {pictures: 0}\n");
+  const Outcome run = run_shell("cd / && '" SACCADE_BINARY "' run " + file.string() + " --out " + out("run"));
+  ASSERT_EQ(run.status, 0) << run.text;
+  EXPECT_THAT(bytes_of(folder_ / "run/detections.csv"), HasSubstr(",mine,64,64,10,0.75,"));
+  // The resolved scenario is the same run from another folder.
+  const Outcome again =
+      run_shell("cd / && '" SACCADE_BINARY "' run " + out("run/scenario.yaml") + " --out " + out("again"));
+  ASSERT_EQ(again.status, 0) << again.text;
+  EXPECT_EQ(bytes_of(folder_ / "run/figures.json"), bytes_of(folder_ / "again/figures.json"));
+  // From --set to the working directory.
+  const Outcome from_set =
+      run_shell("cd " + out("scene") + " && '" SACCADE_BINARY "' run " + source +
+                "/examples/scenario/slow_line.yaml --set run.duration_s=0.05 --set expect={} --set "
+                "'detectors.mine={command: sh, arguments: detector.sh}' --out " +
+                out("set"));
+  EXPECT_EQ(from_set.status, 0) << from_set.text;
+  const Outcome absent =
+      saccade("run " + file.string() + " --set detectors.mine.command=no_such_program --out " + out("x"));
+  EXPECT_EQ(absent.status, 2);
+  EXPECT_THAT(absent.text,
+              HasSubstr("detectors.mine.command: found no_such_program, expected a file beside"));
+
+  // What the program and its files hold is listed.
+  const auto digest_of = [](const nlohmann::json& metrics, const std::string& name) {
+    for (const auto& read : metrics["files"]) {
+      if (read["file"] == name) return read["digest"].get<std::string>();
+    }
+    return std::string("not listed");
+  };
+  const auto before = nlohmann::json::parse(bytes_of(folder_ / "run/figures.json"));
+  folder_.write("scene/score.txt", "0.5\n");
+  ASSERT_EQ(saccade("run " + file.string() + " --out " + out("edited")).status, 0);
+  const auto after = nlohmann::json::parse(bytes_of(folder_ / "edited/figures.json"));
+  EXPECT_NE(digest_of(before, "score.txt"), "not listed") << before["files"];
+  EXPECT_NE(digest_of(before, "score.txt"), digest_of(after, "score.txt"));
+  EXPECT_EQ(digest_of(before, "detector.sh"), digest_of(after, "detector.sh"));
+  const Outcome report = saccade("report " + out("run") + " " + out("edited") + " --out " + out("report"));
+  EXPECT_EQ(report.status, 0) << report.text;
+  EXPECT_THAT(report.text, Not(HasSubstr("repeats")));
+}
+
+TEST_F(ExternalCommand, ASweepMakesItsRunsAgainAfterTheDetectorsFileHasChanged) {
+  folder_.write("mine.py",
+                "class Mine:\n  def __init__(self, size): self.threshold = 0.5\n"
+                "  def process(self, events, motion): pass\n  def estimate(self): return 64, 64, 10, 0.9\n");
+  const auto file = folder_.write("sweep.yaml",
+                                  "name: s\nscenario: look_at_ball\nset: {run.duration_s: 0.03, lab.density: "
+                                  "0, render.max_interval_ms: 5, 'detectors.mine': {python: " +
+                                      out("mine.py") + ":Mine}}\naxes: {seed: [1]}\nreport: {worst: 0}\n");
+  const std::string sweep = "sweep " + file.string() + " --out " + out("sweep");
+  EXPECT_EQ(saccade(sweep).status, 0);
+  EXPECT_THAT(saccade(sweep).text, HasSubstr("1 have a result"));
+  folder_.write("mine.py", bytes_of(folder_ / "mine.py") + "# another\n");
+  const Outcome changed = saccade(sweep);
+  EXPECT_EQ(changed.status, 0) << changed.text;
+  EXPECT_THAT(changed.text, HasSubstr("0 have a result"));
+}
+
+class InterruptedCommand : public ExternalCommand {
+ protected:
+  /// The name of a detector that stops for a second after 100 ticks, when `mark` appears.
+  [[nodiscard]] std::string pausing() const {
+    const std::string path = out("pausing");
+    std::ofstream(path)
+        << "#!/bin/sh\nread a; read b; echo ready 0.5\nk=0\nwhile read tick t count; do i=0; while [ $i "
+           "-lt $count ]; do read e; i=$((i+1)); done; k=$((k+1)); if [ $k -eq 100 ]; then : > '"
+        << out("mark") << "'; sleep 1; fi; echo circle 64 64 10 0.9; done\n";
+    ::chmod(path.c_str(), 0755);
+    return path;
+  }
+  [[nodiscard]] Outcome interrupted(const std::string& arguments) const {
+    return signal_when("[ -e " + out("mark") + " ]", "INT", "'" SACCADE_BINARY "' " + arguments,
+                       out("console"));
+  }
+};
+
+TEST_F(InterruptedCommand, DetectScoresWhatWasProcessedAndSaysSo) {
+  ASSERT_EQ(saccade("run " + scenario + "--out " + out("run")).status, 0);
+  const auto config = folder_.write(
+      "detectors.yaml", "detectors:\n  paper_directed: {}\n  slow: {command: " + pausing() + "}\n");
+  const Outcome outcome =
+      interrupted("detect " + out("run") + " --config " + config.string() + " --out " + out("detect"));
+  EXPECT_EQ(outcome.status, 1) << outcome.text;
+  const auto metrics = metrics_of(out("detect"));
+  EXPECT_EQ(metrics["interrupted"], true);
+  const double duration_s = metrics["duration_s"].get<double>();
+  EXPECT_LT(duration_s, 0.5);
+  EXPECT_LE(metrics["detectors"]["slow"]["chances"].get<double>(), 1000.0 * duration_s + 1.0);
+  EXPECT_GT(metrics["detectors"]["slow"]["chances"].get<int>(), 50);
+  EXPECT_THAT(bytes_of(folder_ / "detect/report.html"), HasSubstr("This run was interrupted after 0.1"));
+  EXPECT_THAT(outcome.text, HasSubstr("interrupted after 0.1"));
+  const auto whole = metrics_of(out("run"));
+  EXPECT_EQ(whole["interrupted"], false);
+}
+
+TEST_F(InterruptedCommand, RunSaysSo) {
+  const Outcome outcome =
+      interrupted("run " + scenario + "--set detectors.slow.command=" + pausing() + " --out " + out("run"));
+  EXPECT_EQ(outcome.status, 1) << outcome.text;
+  const auto metrics = metrics_of(out("run"));
+  EXPECT_EQ(metrics["interrupted"], true);
+  EXPECT_LT(metrics["duration_s"].get<double>(), 0.5);
+  EXPECT_THAT(bytes_of(folder_ / "run/report.html"), HasSubstr("id=\"interrupted\""));
+}
+
 TEST_F(ExternalCommand, DrivesTheGaze) {
   const Outcome run =
       saccade("run " + scenario +
@@ -207,13 +325,14 @@ TEST_P(ExternalOnARobot, IsReportedWhereItFailsWhileTheHeadIsActiveAndTheRunGoes
 
 INSTANTIATE_TEST_SUITE_P(
     ExternalCommand, ExternalOnARobot,
-    testing::Values(
-        RobotCase{"besideEnds", "paper_directed", "exit 3", "ended at [0-9.]+ s, with status 3"},
-        RobotCase{"besideHangs", "paper_directed", "exec sleep 600", "gave no answer at [0-9.]+ s within 200 ms"},
-        RobotCase{"besideAnswersNonsense", "paper_directed", "read question; echo hello; exec sleep 600",
-                  "answered `hello`"},
-        RobotCase{"drivingEnds", "mine", "kill -SEGV $$", "ended at [0-9.]+ s, by signal 11"},
-        RobotCase{"drivingHangs", "mine", "exec sleep 600", "gave no answer at [0-9.]+ s within 200 ms"}),
+    testing::Values(RobotCase{"besideEnds", "paper_directed", "exit 3", "ended at [0-9.]+ s, with status 3"},
+                    RobotCase{"besideHangs", "paper_directed", "exec sleep 600",
+                              "gave no answer at [0-9.]+ s within 200 ms"},
+                    RobotCase{"besideAnswersNonsense", "paper_directed",
+                              "read question; echo hello; exec sleep 600", "answered `hello`"},
+                    RobotCase{"drivingEnds", "mine", "kill -SEGV $$", "ended at [0-9.]+ s, by signal 11"},
+                    RobotCase{"drivingHangs", "mine", "exec sleep 600",
+                              "gave no answer at [0-9.]+ s within 200 ms"}),
     [](const auto& tried) { return tried.param.name; });
 
 TEST_F(ExternalCommand, MistakesInTheFileAreReportedAsOthersAre) {

@@ -55,13 +55,13 @@ std::unique_ptr<Detector> make(const std::string& kind, const std::string& path)
   if (kind == "python") {
     PythonConfig config;
     config.python = path;
-    return std::make_unique<ExternalDetector>(path, command_line_of(config), config.limits, icub_left_2016);
+    return std::make_unique<ExternalDetector>(path, program_call(config), config.limits, icub_left_2016);
   }
   CommandConfig config;
   config.command = path;
   config.limits.answer_limit_s = 0.3;
   config.limits.start_limit_s = 5.0;
-  return std::make_unique<ExternalDetector>("mine", command_line_of(config), config.limits, icub_left_2016);
+  return std::make_unique<ExternalDetector>("mine", program_call(config), config.limits, icub_left_2016);
 }
 
 /// A program in the shell: it reads both lines of the start and says ready; `ticks` is the rest of it.
@@ -213,7 +213,7 @@ TEST(ExternalDetector, TwoAnswersToOneTickEndIt) {
 
 // The tick of a robot waits here, and freeing the memory of a large program takes longer than the head may be without ticks.
 TEST(LineProcess, DoesNotWaitForTheEndOfAProgramThatItKills) {
-  LineProcess hanging(std::vector<std::string>{"sleep", "60"}, std::chrono::seconds(10));
+  LineProcess hanging(ProgramCall{{"sleep", "60"}}, std::chrono::seconds(10));
   EXPECT_EQ(hanging.end(std::chrono::milliseconds(0)), "") << "it says how the program ended: it has waited";
 }
 

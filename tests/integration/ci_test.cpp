@@ -76,9 +76,80 @@ TEST_F(TestCommand, EveryExpectationIsATestCaseAndTheWorstResultIsTheExitStatus)
   EXPECT_TRUE(all.find_child_by_attribute("testsuite", "name", "nothing")
                   .find_child_by_attribute("testcase", "name", "runs to its end"));
 
-  const Outcome again = test(good + " --out " + out("all"));
-  EXPECT_EQ(again.status, 2) << "an earlier run is not replaced without --force";
-  EXPECT_EQ(test(good + " --force --out " + out("all")).status, 0);
+  EXPECT_GT(suite.attribute("time").as_double(), 0.0);
+  double time_s = 0.0;
+  for (const pugi::xml_node& testcase : suite.children("testcase")) {
+    EXPECT_GT(testcase.attribute("time").as_double(), 0.0);
+    time_s += testcase.attribute("time").as_double();
+  }
+  EXPECT_NEAR(time_s, suite.attribute("time").as_double(), 0.002);
+}
+
+TEST_F(TestCommand, ReplacesWhatItMadeAndNothingElse) {
+  const std::string file = scenario("mine", "{}");
+  const std::string arguments = file + " --out " + out("all");
+  ASSERT_EQ(test(arguments).status, 0);
+  const Outcome again = test(arguments + " --set ball.diameter_m=0.08");
+  EXPECT_EQ(again.status, 0) << again.text;
+  EXPECT_THAT(bytes_of(folder_ / "all/mine/scenario.yaml"), HasSubstr("diameter_m: 0.08"));
+  // A failure before the run leaves the folder of the run before.
+  EXPECT_EQ(test(arguments + " --set render.backend=egl", "__EGL_VENDOR_LIBRARY_DIRS=/nonexistent ").status,
+            1);
+  EXPECT_EQ(test(arguments).status, 0);
+  ASSERT_EQ(run_shell(binary + "run " + file + " --force --set ball.diameter_m=0.07 --out " + out("all/mine"))
+                .status,
+            0);
+  const Outcome refused = test(arguments);
+  EXPECT_EQ(refused.status, 2) << "another run is not replaced without --force";
+  EXPECT_THAT(refused.text, HasSubstr("all/mine: found a folder that is not empty"));
+  EXPECT_THAT(bytes_of(folder_ / "all/mine/scenario.yaml"), HasSubstr("diameter_m: 0.07"));
+  EXPECT_EQ(test(arguments + " --force").status, 0);
+}
+
+TEST_F(TestCommand, RejectsAJunitFileThatCannotBeWrittenBeforeAnythingRuns) {
+  const std::string file = scenario("mine", "{}");
+  for (const std::string& junit : {out("nowhere/junit.xml"), out(".")}) {
+    const Outcome outcome = test(file + " --out " + out("all") + " --junit " + junit);
+    EXPECT_EQ(outcome.status, 2) << outcome.text;
+    EXPECT_THAT(outcome.text, HasSubstr("--junit: found "));
+    EXPECT_FALSE(fs::exists(folder_ / "all/mine"));
+  }
+  EXPECT_EQ(test(file + " --out " + out("all") + " --junit " + out("all/junit.xml")).status, 0);
+}
+
+TEST_F(TestCommand, StatesWhyARunFailed) {
+  const std::string file = scenario("ended", "{duration_s: {above: 0}}");
+  const std::string program =
+      folder_.write("program", "#!/bin/sh\nread a; read b; echo ready 0.5; exit 3\n").string();
+  fs::permissions(program, fs::perms::owner_all);
+  const Outcome outcome = test(file + " --out " + out("all") + " --junit " + out("junit.xml") +
+                               " --set detectors.mine.command=" + program);
+  EXPECT_EQ(outcome.status, 1) << outcome.text;
+  EXPECT_THAT(outcome.text,
+              testing::ContainsRegex("RUN FAILED: detector mine: program ended at .* with status 3"));
+  pugi::xml_document junit;
+  ASSERT_TRUE(junit.load_file(out("junit.xml").c_str()));
+  const pugi::xml_node testcase = junit.child("testsuites").child("testsuite").child("testcase");
+  EXPECT_THAT(testcase.child("error").attribute("message").value(),
+              HasSubstr("detector mine: program ended"));
+  EXPECT_GT(testcase.attribute("time").as_double(), 0.0);
+}
+
+TEST_F(TestCommand, WritesTheTableAndTheJunitFileAfterAnInterrupt) {
+  const std::string good = scenario("good", "{duration_s: {above: 0}}");
+  const std::string endless = scenario("endless", "{duration_s: {above: 0}}");
+  run_shell("sed -i 's/duration_s: 0.03/duration_s: 3600/' " + endless);
+  const std::string command = "'" SACCADE_BINARY "' test " + good + " " + endless + " --jobs 2 --out " +
+                              out("all") + " --junit " + out("junit.xml");
+  const Outcome outcome =
+      signal_when("grep -q 'good: 1 of 1 met' " + out("console"), "INT", command, out("console"));
+  EXPECT_EQ(outcome.status, 1) << outcome.text;
+  EXPECT_THAT(outcome.text, testing::ContainsRegex("endless .*RUN FAILED: interrupted"));
+  EXPECT_THAT(outcome.text, HasSubstr("1 met, 0 not met; 1 run failed"));
+  pugi::xml_document junit;
+  ASSERT_TRUE(junit.load_file(out("junit.xml").c_str())) << outcome.text;
+  EXPECT_EQ(junit.child("testsuites").attribute("tests").as_int(), 2);
+  EXPECT_EQ(junit.child("testsuites").attribute("errors").as_int(), 1);
 }
 
 TEST_F(TestCommand, AFailedRunIsAnErrorOfEachOfItsTestCasesAndTheOthersRun) {

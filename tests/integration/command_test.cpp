@@ -97,6 +97,44 @@ TEST_F(Command, BothEyesFixateTheBallAndStereoLooksThroughEach) {
   EXPECT_THAT(bytes_of(folder_ / "run/scenario.yaml"), HasSubstr("right_calibration:"));
 }
 
+TEST_F(Command, RunsThatStartInOneFolderAtOnceDoNotMix) {
+  const std::string run = "'" SACCADE_BINARY "' run '" + short_scenario +
+                          "' --set run.duration_s=0.1 --set expect={} --set output.pictures=0 ";
+  std::string start;
+  for (const char* seed : {"1", "2", "3"})
+    start += run + "--seed " + seed + " --force --out " + out("run") + " > " + out(seed) + " 2>&1 & ";
+  run_shell(start + "wait");
+  std::string messages;
+  for (const char* seed : {"1", "2", "3"}) messages += bytes_of(folder_ / seed);
+  EXPECT_THAT(messages, HasSubstr("found a run at work in it, expected another folder, or wait for its end"));
+  EXPECT_FALSE(fs::exists(folder_ / "run/lock"));
+  const std::string scenario = bytes_of(folder_ / "run/scenario.yaml");
+  const std::string seed = scenario.substr(scenario.find("\nseed: ") + 7, 1);
+  ASSERT_EQ(run_shell(run + "--seed " + seed + " --out " + out("alone")).status, 0);
+  for (const char* file : {"scenario.yaml", "events.aedat", "truth.csv", "detections.csv", "figures.json"})
+    EXPECT_TRUE(bytes_of(folder_ / "run" / file) == bytes_of(folder_ / "alone" / file)) << file;
+}
+
+TEST_F(Command, MetricsStateTheBoundOfAcquisition) {
+  const std::string run =
+      "run '" + short_scenario + "' --set run.duration_s=0.1 --set expect={} --set output.pictures=0 --out ";
+  ASSERT_EQ(saccade(run + out("six")).status, 0);
+  EXPECT_THAT(bytes_of(folder_ / "six/figures.json"), HasSubstr("\"acquire_within_deg\": 6.0"));
+  ASSERT_EQ(saccade(run + out("two") + " --set gaze.acquire_within_deg=null").status, 0);
+  EXPECT_THAT(bytes_of(folder_ / "two/figures.json"), HasSubstr("\"acquire_within_deg\": 2.0"));
+}
+
+TEST_F(Command, CompareRejectsAToleranceForNoFigureAndFindsRunsWithoutAResultDifferent) {
+  const std::string run =
+      "run '" + short_scenario + "' --set run.duration_s=0.05 --set expect={} --set output.pictures=0 --out ";
+  ASSERT_EQ(saccade(run + out("set/one")).status, 0);
+  EXPECT_EQ(saccade("compare " + out("set") + " " + out("set")).status, 0);
+  EXPECT_EQ(saccade("compare " + out("set") + " " + out("set") + " --tolerance foo=1").status, 2);
+  fs::create_directories(folder_ / "set/two");
+  folder_.write("set/two/scenario.yaml", "name: killed\n");
+  EXPECT_EQ(saccade("compare " + out("set") + " " + out("set")).status, 3);
+}
+
 TEST_F(Command, AnotherSeedGivesOtherEvents) {
   const std::string run = "run '" + short_scenario + "' --set run.duration_s=0.3 --set expect={} ";
   ASSERT_EQ(saccade(run + "--seed 1 --out " + out("a")).status, 0);

@@ -8,8 +8,10 @@
 
 #include "apps/session/log_file.h"
 #include "apps/session/recorded_scores.h"
+#include "apps/session/run_folder.h"
 #include "core/error.h"
 #include "head/icub_cameras.h"
+#include "recording/format_registry.h"
 #include "robot/fake/fake_robot.h"
 #include "tests/control/genova02.h"
 #include "tests/recording/temp_folder.h"
@@ -127,6 +129,61 @@ TEST(RecordedScores, AreThoseOfAllRowsAtOnce) {
     EXPECT_EQ(found.mean_rate_hz, expected.mean_rate_hz);
     EXPECT_EQ(found.position_error_px.median, expected.position_error_px.median);
   }
+}
+
+TEST(RecordedScores, LeaveOutTheTruthThatAnInterruptedRunDidNotReach) {
+  std::vector<TruthRow> truth;
+  for (std::int64_t t_us = 1000; t_us <= 200'000; t_us += 1000)
+    truth.push_back({t_us, {60.5 + 1e-5 * static_cast<double>(t_us), 64.0, 20.5}, 1.0});
+  const auto score_of = [&](std::span<const TruthRow> rows, bool interrupted) {
+    FakeRobot robot(world());
+    Loop loop = loop_on(robot, true);
+    RecordedScores scores(loop, rows, Chances::simulated, {});
+    Session session(robot, loop);
+    session.add_observer(scores);
+    session.run(1000, 50'000);
+    if (interrupted) scores.leave_out_truth_after(robot.now_us());
+    EXPECT_EQ(scores.truth().size(), interrupted ? 50u : rows.size());
+    return scores.finish().at(0);
+  };
+  const DetectorScore interrupted = score_of(truth, true);
+  const DetectorScore short_recording = score_of(std::span(truth).first(50), false);
+  EXPECT_EQ(interrupted.chances, 50);
+  EXPECT_EQ(interrupted.average_precision, short_recording.average_precision);
+  EXPECT_EQ(interrupted.recall, short_recording.recall);
+  EXPECT_EQ(score_of(truth, false).chances, 200) << "a recording that ends misses the rest";
+}
+
+/// Two runs that start in one folder at once mix their files.
+TEST(RunFolder, BelongsToOneRunUntilItsEnd) {
+  TempFolder folder;
+  const FormatRegistry formats = built_in_formats();
+  const auto start = [&] {
+    return start_run_folder(folder / "run", true, formats, "scenario.yaml", "name: a\n");
+  };
+  {
+    const auto first = start();
+    EXPECT_THAT([&] { static_cast<void>(start()); },
+                testing::ThrowsMessage<InputError>(HasSubstr("a run at work in it")));
+    EXPECT_EQ(bytes_of(folder / "run/scenario.yaml"), "name: a\n");
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "run/lock"));
+  const auto second = start();
+  EXPECT_TRUE(std::filesystem::exists(folder / "run/lock"));
+}
+
+TEST(RunFolder, ThatAKilledRunLeftCanBeUsedAgain) {
+  TempFolder folder;
+  const FormatRegistry formats = built_in_formats();
+  std::filesystem::create_directories(folder / "run");
+  folder.write("run/lock", "");
+  EXPECT_NO_THROW(static_cast<void>(prepare_run_folder(folder / "run", false, formats)));
+  folder.write("run/lock", "");
+  folder.write("run/truth.csv.part", "");
+  EXPECT_THROW(static_cast<void>(prepare_run_folder(folder / "run", false, formats)), InputError);
+  EXPECT_NO_THROW(static_cast<void>(prepare_run_folder(folder / "run", true, formats)));
+  folder.write("run/notes.txt", "");
+  EXPECT_THROW(static_cast<void>(prepare_run_folder(folder / "run", true, formats)), InputError);
 }
 
 TEST(LogFile, WritesEachLineToTheFileAndToTheEcho) {

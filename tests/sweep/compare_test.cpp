@@ -63,6 +63,12 @@ class Compare : public testing::Test {
                       "}}, \"gaze\": {\"acquire_s\": " + acquire + "}}");
     folder_.write(name + "/scenario.yaml", "# saccade 0.1.0 (" + commit + "); gl\nname: " + scenario + "\n");
   }
+  /// A run that was killed.
+  void unfinished(const std::string& name) const {
+    fs::create_directories(folder_ / name);
+    folder_.write(name + "/scenario.yaml", "name: ball\n");
+    folder_.write(name + "/truth.csv.part", "");
+  }
   [[nodiscard]] RunComparison compared(const std::string& a, const std::string& b,
                                        const std::vector<std::string>& tolerances = {},
                                        bool paired = false) const {
@@ -141,6 +147,49 @@ TEST_F(Compare, AScenarioThatIsOnOneSideAloneIsADifference) {
   EXPECT_TRUE(compared("a", "b").sets.size() == 2 && compared("a", "b").different());
   EXPECT_THAT(comparison_text(compared("a", "b")), HasSubstr("other: only in A"));
   EXPECT_THAT(comparison_json(compared("a", "b")), HasSubstr("\"different\": true"));
+}
+
+TEST_F(Compare, ARunWithoutAResultIsADifference) {
+  run("a/one", 1, 0.9);
+  run("b/one", 1, 0.9);
+  EXPECT_FALSE(compared("a", "b").different());
+  unfinished("b/two");
+  EXPECT_TRUE(compared("a", "b").different());
+  EXPECT_THAT(comparison_text(compared("a", "b")), HasSubstr("different: 1 run without a result"));
+  EXPECT_TRUE(compared("b", "b").different()) << "nothing is known of either";
+  EXPECT_TRUE(compared("a", "b/two").different());
+  EXPECT_TRUE(compared("b/two", "b/two").different());
+}
+
+TEST_F(Compare, AnInterruptedRunIsNoResult) {
+  run("a", 1, 0.9);
+  run("b", 1, 0.9);
+  const std::string text = bytes_of(folder_ / "b/figures.json");
+  folder_.write("b/figures.json", "{\"interrupted\": true, " + text.substr(1));
+  EXPECT_TRUE(compared("a", "b").different());
+  EXPECT_EQ(compared("a", "b").b.failed, 1u);
+}
+
+TEST_F(Compare, RunsThatReadFilesOfOtherContentsAreNotOneGroup) {
+  run("a/one", 1, 0.9);
+  run("a/two", 1, 0.8);
+  for (const char* name : {"one", "two"}) {
+    const std::string text = bytes_of(folder_ / ("a/" + std::string(name) + "/figures.json"));
+    folder_.write("a/" + std::string(name) + "/figures.json",
+                  "{\"files\": [{\"key\": \"detectors.mine.python\", \"file\": \"mine.py\", \"digest\": \"" +
+                      std::string(name) + "\"}], " + text.substr(1));
+  }
+  const RunSet set = read_run_set(folder_ / "a");
+  ASSERT_EQ(set.groups.size(), 2u) << "the second is no repeat of the first";
+  EXPECT_THAT(set.groups[1].label, HasSubstr("detectors.mine.python.contents=mine.py two"));
+}
+
+TEST_F(Compare, AToleranceForNoFigureIsRejected) {
+  run("a", 1, 0.9);
+  EXPECT_THROW(static_cast<void>(compared("a", "a", {"foo=1"})), InputError);
+  EXPECT_THROW(static_cast<void>(compared("a", "a", {"detectors.*.recall=1", "detectors.*.recal=1"})),
+               InputError);
+  EXPECT_FALSE(compared("a", "a", {"detectors.*.recall=1"}).different());
 }
 
 TEST_F(Compare, AFolderWithoutRunsAndABadToleranceAreRejected) {

@@ -13,6 +13,7 @@
 #include "apps/sweep/sweep_store.h"
 #include "core/error.h"
 #include "evaluation/scoring/metrics.h"
+#include "recording/file_lock.h"
 #include "tests/config/built_in.h"
 #include "tests/recording/temp_folder.h"
 
@@ -71,6 +72,50 @@ TEST_F(Sweep, AxesAreCrossedTheFirstTurningSlowest) {
   EXPECT_THAT(texts(p, 1), ElementsAre("7", "8", "7", "8"));
   EXPECT_EQ(p.runs[1].seed, 8);
   EXPECT_THAT(p.runs[2].scenario, HasSubstr("clutter: rectilinear"));
+}
+
+TEST_F(Sweep, ARunHasAnotherIdOnceAFileThatItReadsHasOtherContents) {
+  const std::string csv = "t_s,x_m,y_m,z_m\n0,-0.5,0,0.3\n2,-0.5,0.1,0.3\n";
+  folder_.write("motion.csv", csv);
+  const std::string yaml = "set:\n  ball.trajectory: {kind: csv, file: " + (folder_ / "motion.csv").string() +
+                           "}\naxes:\n  seed: [1]\n";
+  const PlannedRun first = plan(yaml).runs.front();
+  EXPECT_EQ(plan(yaml).runs.front().id, first.id);
+  folder_.write("motion.csv", csv + "3,-0.5,0.2,0.3\n");
+  EXPECT_NE(plan(yaml).runs.front().id, first.id);
+  const auto files = [&](const std::string& path) {
+    return std::vector<FileDigest>{{"ball.trajectory.file", path, digest_of_file(path), false}};
+  };
+  const std::string motion = (folder_ / "motion.csv").string();
+  EXPECT_THAT(changed_files(files(motion), first.scenario), ElementsAre(motion));
+  folder_.write("motion.csv", csv);
+  EXPECT_EQ(plan(yaml).runs.front().id, first.id);
+  EXPECT_THAT(changed_files(files(motion), first.scenario), testing::IsEmpty());
+}
+
+TEST_F(Sweep, TheScenarioMayBeOneThatSaccadeShips) {
+  const fs::path file = folder_.write("sweep.yaml", "name: s\nscenario: hand_move\naxes: {seed: [1]}\n");
+  EXPECT_EQ(read_sweep(file, {}).scenario.filename(), "hand_move.yaml");
+  folder_.write("hand_move", "name: own\n");
+  EXPECT_EQ(read_sweep(file, {}).scenario, folder_ / "hand_move") << "a file beside the sweep comes first";
+}
+
+TEST_F(Sweep, NullForAKeyThatDoesNotExistIsAMistake) {
+  EXPECT_THAT(complaints("set: {frame_30hz: null}\naxes:\n  seed: [1]\n"), testing::IsEmpty());
+  EXPECT_THAT(complaints("set: {frame_30z: null}\naxes:\n  seed: [1]\n"),
+              Contains(HasSubstr("did you mean frame_30hz?")));
+}
+
+TEST_F(Sweep, AnInterruptedRunIsNoResult) {
+  const SweepFolder sweep(folder_ / "sweep");
+  fs::create_directories(sweep.run("a"));
+  Metrics metrics;
+  metrics.scenario = "s";
+  write_metrics(sweep.run("a") / "metrics.json", metrics);
+  EXPECT_TRUE(sweep.has_result("a"));
+  metrics.interrupted = true;
+  write_metrics(sweep.run("a") / "metrics.json", metrics);
+  EXPECT_FALSE(sweep.has_result("a"));
 }
 
 TEST_F(Sweep, RangesIncludeTheirEndsAndLogRangesAreEvenInTheLogarithm) {

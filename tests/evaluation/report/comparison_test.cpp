@@ -141,6 +141,41 @@ TEST_F(Comparison, CountsARunThatRepeatsASeedOnceAndNamesIt) {
   EXPECT_THAT(contents(root_ / "out/figures/means.csv"), HasSubstr(",paper_directed,1,"));
 }
 
+TEST_F(Comparison, ARunThatReadAFileOfOtherContentsIsNoRepeat) {
+  metrics_[1].seed = 1;
+  metrics_[1].detectors[0].first = "paper_full";
+  for (std::size_t i = 0; i < 2; ++i) {
+    metrics_[i].files = {{"ball.trajectory.file", "/a/motion.csv", "digest " + std::to_string(i), false}};
+    write_metrics(folders_[i] / "metrics.json", metrics_[i]);
+    write_scenario(folders_[i], 1, "0.1");
+  }
+  folders_.pop_back();
+  EXPECT_TRUE(write_comparison(folders_, root_ / "out").empty());
+  EXPECT_THAT(contents(root_ / "out/report.html"),
+              HasSubstr("ball.trajectory.file.contents=motion.csv digest 1"));
+}
+
+TEST_F(Comparison, AnInterruptedRunIsMarkedAndDoesNotCountBesideWholeOnes) {
+  metrics_[0].interrupted = true;
+  for (std::size_t i = 0; i < 2; ++i) {
+    metrics_[i].seed = 1;
+    metrics_[i].detectors[0].first = "paper_full";
+    write_metrics(folders_[i] / "metrics.json", metrics_[i]);
+    write_scenario(folders_[i], 1, "0.1");
+  }
+  folders_.pop_back();
+  const std::vector<std::string> not_counted = write_comparison(folders_, root_ / "out");
+  ASSERT_EQ(not_counted.size(), 1U);
+  EXPECT_THAT(not_counted[0], HasSubstr("run 1 was interrupted after "));
+  EXPECT_THAT(contents(root_ / "out/figures/means.csv"), HasSubstr(",paper_directed,1,"));
+  EXPECT_EQ(contents(root_ / "out/figures/runs.csv").find(",true\n"), std::string::npos);
+
+  folders_.pop_back();
+  static_cast<void>(write_comparison(folders_, root_ / "alone"));
+  EXPECT_THAT(contents(root_ / "alone/figures/runs.csv"), HasSubstr(",true\n"));
+  EXPECT_THAT(contents(root_ / "alone/report.html"), HasSubstr("(interrupted)"));
+}
+
 TEST(ResolvedKeys, HoldEveryLineUnderItsPathButTheSeedAndWhatChangesNoScore) {
   const ResolvedKeys keys = resolved_keys(
       "# saccade 0.1.0 (abc); llvmpipe\nseed: 7\ndescription: \"a: b\"\nrun:\n  duration_s: 2\n  threads: "

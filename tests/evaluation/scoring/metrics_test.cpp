@@ -112,7 +112,7 @@ TEST(Metrics, WarnWhereACameraDroppedMoreThanAHundredthOfItsEvents) {
 TEST(Metrics, HasEveryKeyOfTheContractInItsOrder) {
   const Json json = Json::parse(metrics_to_json(whole()));
   EXPECT_THAT(keys(json),
-              ElementsAre("schema", "scenario", "seed", "duration_s", "wall_s", "real_time_factor", "events",
+              ElementsAre("schema", "scenario", "seed", "duration_s", "wall_s", "real_time_factor", "interrupted", "events",
                           "detectors", "gaze", "camera", "start_us", "settings", "calibration", "right_eye"));
   EXPECT_THAT(keys(json["events"]), ElementsAre("count", "rate_hz", "dropped", "file", "dropped_share"));
   EXPECT_DOUBLE_EQ(json["events"]["dropped_share"].get<double>(),
@@ -179,6 +179,21 @@ TEST(Metrics, FiguresAreTheSameWhateverTheClockMeasuredAndWhereverTheEventsLie) 
   EXPECT_EQ(Json::parse(figures_to_json(whole())), json) << "everything else is there";
 }
 
+TEST(Metrics, ListTheFilesThatTheRunReadInFiguresByTheirNames) {
+  Metrics m = whole();
+  m.interrupted = true;
+  m.files = {{"detectors.mine.python", "/home/me/mine.py", "0123456789abcdef", false}};
+  const Json json = Json::parse(metrics_to_json(m));
+  EXPECT_EQ(json["interrupted"], true);
+  EXPECT_EQ(json["files"][0]["file"], "/home/me/mine.py");
+  EXPECT_EQ(metrics_to_json(metrics_from_json(json.dump(), "here")), metrics_to_json(m));
+  const Json figures = Json::parse(figures_to_json(m));
+  EXPECT_EQ(figures["interrupted"], true);
+  EXPECT_THAT(keys(figures["files"][0]), ElementsAre("key", "file", "digest"));
+  EXPECT_EQ(figures["files"][0]["file"], "mine.py");
+  EXPECT_EQ(figures["files"][0]["digest"], "0123456789abcdef");
+}
+
 TEST(Metrics, OfEarlierVersionsAreReadWithoutTheKeysThatWereAddedLater) {
   Json json = Json::parse(metrics_to_json(whole()));
   for (const char* key : {"controller", "gate", "window", "acquired_at_us", "following_rate_hz"}) {
@@ -186,6 +201,7 @@ TEST(Metrics, OfEarlierVersionsAreReadWithoutTheKeysThatWereAddedLater) {
   }
   for (const char* key : {"alarm_ratio", "alarms_per_min", "streaming", "nees", "reliability"})
     json["detectors"]["best"].erase(key);
+  json.erase("interrupted");
   const Metrics back = metrics_from_json(json.dump(), "here");
   EXPECT_EQ(back.gaze->controller, "");
   EXPECT_EQ(back.gaze->score.acquired_at_us, std::nullopt);
