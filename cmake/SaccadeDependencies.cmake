@@ -37,8 +37,7 @@ if(SACCADE_TESTS)
     set(SACCADE_TESTS OFF)  # in this run of cmake alone
   endif()
 endif()
-# Only robot/yarp needs it, and is not built without. In no Debian package; CMAKE_PREFIX_PATH tells where it is.
-find_package(YARP 3.8 QUIET COMPONENTS os dev)
+include(SaccadeYarp)
 if(SACCADE_BENCHMARKS)
   find_package(benchmark REQUIRED)
 endif()

@@ -26,11 +26,13 @@ set(layers core head threads control emulator recording robot loop sim scoring f
 if(TARGET saccade_yarp)
   list(APPEND layers yarp)
 endif()
+set(SACCADE_COMPONENTS "")
 foreach(layer IN LISTS layers)
   set(name ${layer})
   if(layer STREQUAL cli)
     set(name program)
   endif()
+  list(APPEND SACCADE_COMPONENTS ${name})
   set_target_properties(saccade_${layer} PROPERTIES EXPORT_NAME ${name})
   target_include_directories(saccade_${layer} INTERFACE
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/saccade>)

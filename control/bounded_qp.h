@@ -12,7 +12,8 @@ namespace saccade::inline v0_1 {
 
 /// Minimises 1/2 x'Hx - g'x subject to lower <= x <= upper, N <= 12, H symmetric and positive definite (for
 /// least squares |Ax - b|^2: H = A'A, g = A'b). Primal active set method: every iterate is exactly within the bounds.
-/// The next call starts from the last solution and active set. At most max_iterations; does not allocate.
+/// The next call starts from the last solution and active set. At most max_iterations; does not allocate. Where H or g are
+/// not finite, or overflow, the solution is the point of the bounds nearest to 0, and not optimal.
 template <int N>
 class BoundedQp {
   static_assert(N >= 1 && N <= 12);
@@ -45,6 +46,10 @@ class BoundedQp {
       const Vector step = newton_step(h, g - h * s.x);
       if (advance(s.x, step, lower, upper)) continue;
       s.optimal = !release_one(h * s.x - g, lower, upper, tolerance);
+    }
+    if (!s.x.allFinite()) {
+      *this = {};
+      s = {Vector::Zero().cwiseMax(lower).cwiseMin(upper), s.iterations, false};
     }
     start_ = s.x;
     return s;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "control/joint_limiter.h"
 #include "core/units.h"
 
 namespace saccade::inline v0_1 {
@@ -50,6 +51,7 @@ MotionDelayEstimator::MotionDelayEstimator() {
 
 void MotionDelayEstimator::update(const HeadJointVector& measured_rad, const HeadJointVector& reference_rad,
                                   double dt_s) {
+  if (!is_reading(measured_rad)) return;
   measured_.push(measured_rad);
   if (++ticks_ % ticks_per_update == 0) {
     for (Group& group : groups_) update(group, dt_s);

@@ -9,9 +9,11 @@ constexpr double nearest_target_m = 0.10;
 
 TargetStatus check_gaze_target(const Eigen::Vector3d& target, const HeadKinematics& head) {
   if (!target.allFinite()) return TargetStatus::not_finite;
-  if ((target - head.root_from_eye(Eye::left).translation()).norm() < nearest_target_m) {
-    return TargetStatus::too_near;
-  }
+  // Before any sum of squares, which overflows.
+  if (target.cwiseAbs().maxCoeff() > farthest_target_m) return TargetStatus::too_far;
+  const double distance_m = (target - head.root_from_eye(Eye::left).translation()).norm();
+  if (distance_m < nearest_target_m) return TargetStatus::too_near;
+  if (distance_m > farthest_target_m) return TargetStatus::too_far;
   if (!((target - head.neck_base_m()).dot(head.chest_forward()) > 0.0)) return TargetStatus::behind;
   return TargetStatus::ok;
 }

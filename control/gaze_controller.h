@@ -25,8 +25,8 @@ class GazeController {
  public:
   virtual ~GazeController() = default;
   /// Returns the position references, rad, from neck pitch to eyes vergence: always finite and within the limits of the
-  /// hardware. `state`: the newest encoder reading; if it is not finite, the last references are kept. `target_m`: a new
-  /// point to look at, root frame, or none. dt_s: time since the last step, above 0.
+  /// hardware. `state`: the newest encoder reading; if it is none (is_reading), the last references are kept. `target_m`: a new
+  /// point to look at, root frame, or none. dt_s: time since the last step, above 0; it counts as bounded_step_s(dt_s).
   virtual HeadJointVector step(const HeadState& state, const std::optional<Eigen::Vector3d>& target_m,
                                double dt_s) = 0;
   /// The delays from now on; 0 before the first call. Does nothing in a controller that compensates none.
@@ -82,8 +82,13 @@ struct FollowConfig {
 /// stabilisation.*, fixational.*, detect_hunting.
 void describe(FieldVisitor& v, FollowConfig& config);
 
-/// Checks whether the head can look at a point (root frame). Returns not_finite, too_near (within 0.10 m of the left
-/// eye), behind (not in front of the plane through the base of the neck normal to chest_forward()), or ok.
+/// Longest distance of a gaze target from the left eye: ten times the longest that a locator of targets can be configured
+/// for. The bearing of a farther point does not differ measurably, and its coordinates can overflow.
+inline constexpr double farthest_target_m = 1000.0;
+
+/// Checks whether the head can look at a point (root frame). Returns not_finite, too_far (farthest_target_m), too_near
+/// (within 0.10 m of the left eye), behind (not in front of the plane through the base of the neck normal to
+/// chest_forward()), or ok.
 [[nodiscard]] TargetStatus check_gaze_target(const Eigen::Vector3d& target_m, const HeadKinematics& head);
 
 }  // namespace saccade::inline v0_1

@@ -19,6 +19,7 @@ constexpr double neck_delay_s = 0.25;
 constexpr double saccade_done_rad = 0.1 * rad_per_deg;
 constexpr double longest_saccade_s = 0.5;            // an eye that does not arrive is not waited for
 constexpr double max_lead_rad = 10.0 * rad_per_deg;  // a reference waits for its joint
+constexpr double fastest_rad_s = 1e6;                // that a joint can be asked for
 
 MotionLimits with_tilt(MotionLimits limits, const IkinGazeConfig& config) {
   if (!limits.head->has_icub_gaze()) {
@@ -41,6 +42,11 @@ MotionLimits with_tilt(MotionLimits limits, const IkinGazeConfig& config) {
 /// Where an eye looks whose tilt and pan are given, in the frame of the cyclopean eye.
 Eigen::Vector3d direction(double tilt_rad, double pan_rad) {
   return {std::sin(pan_rad), -std::sin(tilt_rad) * std::cos(pan_rad), std::cos(tilt_rad) * std::cos(pan_rad)};
+}
+
+/// A velocity that the joints' limits can bound: 0 for one that is no number.
+double bounded_rate(double rad_s) {
+  return std::isnan(rad_s) ? 0.0 : std::clamp(rad_s, -fastest_rad_s, fastest_rad_s);
 }
 
 double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -79,7 +85,7 @@ IkinGazeController::IkinGazeController(const IkinGazeConfig& config, const Motio
 HeadJointVector IkinGazeController::step(const HeadState& state, const std::optional<Eigen::Vector3d>& target,
                                          double dt) {
   SACCADE_CHECK(dt > 0.0);
-  const bool measured = state.position_rad.allFinite();
+  const bool measured = is_reading(state.position_rad);
   if (!started_) {
     reference_rad_ = inside_hardware(limits_, state.head_position_rad());
     goal_rad_.head<neck_joint_count>() = neutral_rad_.head<neck_joint_count>();
@@ -102,7 +108,7 @@ HeadJointVector IkinGazeController::step(const HeadState& state, const std::opti
     }
   }
   const HeadJointVector before_rad = reference_rad_;
-  for (double left_s = dt; left_s > due_s;) {
+  for (double left_s = bounded_step_s(dt); left_s > due_s;) {
     // Joints move with their references where a step is longer than a period.
     JointVector q = state.position_rad;
     q.tail<gaze_slots>() += reference_rad_ - before_rad;
@@ -173,11 +179,12 @@ void IkinGazeController::plan_eyes(const JointVector& q) {
   // An eye at its limit stays there.
   for (int i = 0; i < 3; ++i) {
     const int j = neck_joint_count + i;
-    const double velocity = motion.wanted_rad_s[i] + motion.counter_rad_s[i];
-    const double limit = velocity > 0.0 ? limits_.max_rad[j] : limits_.min_rad[j];
+    const double wanted = bounded_rate(motion.wanted_rad_s[i]);
+    const double counter = bounded_rate(motion.counter_rad_s[i]);
+    const double limit = wanted + counter > 0.0 ? limits_.max_rad[j] : limits_.min_rad[j];
     const bool stays = goal_rad_[j] == limit;
-    goal_velocity_rad_s_[j] = stays ? 0.0 : motion.wanted_rad_s[i];
-    counter_rad_s_[j] = stays ? 0.0 : motion.counter_rad_s[i];
+    goal_velocity_rad_s_[j] = stays ? 0.0 : wanted;
+    counter_rad_s_[j] = stays ? 0.0 : counter;
   }
 }
 

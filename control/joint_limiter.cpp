@@ -81,8 +81,9 @@ VelocityRange allowed_velocity(const MotionLimits& limits, int joint, double pos
 }
 
 JointLimiter::Result JointLimiter::apply(const HeadJointVector& command, const HeadJointVector& measured,
-                                         double dt, double speed_share) {
-  SACCADE_CHECK(dt > 0.0 && speed_share >= 0.0 && speed_share <= 1.0);
+                                         double dt_s, double speed_share) {
+  SACCADE_CHECK(dt_s > 0.0 && speed_share >= 0.0 && speed_share <= 1.0);
+  const double dt = bounded_step_s(dt_s);
   if (!started_) {
     reference_rad_ = inside_hardware(limits_, measured);
     command_rad_ = reference_rad_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <bitset>
 
 #include "core/config.h"
@@ -7,6 +8,19 @@
 #include "head/head_state.h"
 
 namespace saccade::inline v0_1 {
+
+/// Largest position, rad, and speed, rad/s, that count as a reading. Larger ones, such as those of a broken message, would
+/// overflow in what is computed from them.
+inline constexpr double largest_reading = 1e4;
+
+/// Whether these are numbers that joints can have: finite and at most largest_reading.
+template <class Vector>
+[[nodiscard]] bool is_reading(const Eigen::MatrixBase<Vector>& values) {
+  return values.allFinite() && values.cwiseAbs().maxCoeff() <= largest_reading;
+}
+
+/// The time step of a controller and of the limiter: at least 1 us, at most 1 s. The rest of a longer pause is left out.
+[[nodiscard]] inline double bounded_step_s(double dt_s) { return std::clamp(dt_s, 1e-6, 1.0); }
 
 /// How far inside the hardware's limits gaze stays, and how briskly it may move.
 struct MotionLimitsConfig {

@@ -5,6 +5,7 @@
 
 #include "control/bearing.h"
 #include "control/bounded_qp.h"
+#include "control/joint_limiter.h"
 #include "core/units.h"
 
 namespace saccade::inline v0_1 {
@@ -83,7 +84,9 @@ NeckVector NeckSolver::rest(const JointVector& position_rad) const {
 
 NeckSolver::Pose NeckSolver::solve(const JointVector& position_rad, const Eigen::Vector3d& target_m,
                                    const NeckVector& start_rad) const {
+  if (!is_reading(position_rad)) return {rest(JointVector::Zero()), 0, false};
   const NeckVector rest_rad = rest(position_rad);
+  const Pose unsolved{rest_rad, 0, false};
   JointVector q = position_rad;
   const auto neck_of = [&](const NeckVector& u) -> NeckVector {
     return {u[0], rest_rad[1] + guard(u[0]) * u[1], u[2]};
@@ -99,12 +102,15 @@ NeckSolver::Pose NeckSolver::solve(const JointVector& position_rad, const Eigen:
   lower[1] -= rest_rad[1];
   upper[1] -= rest_rad[1];
 
+  if (!start_rad.allFinite() || !target_m.allFinite()) return unsolved;
   NeckVector u = start_rad.cwiseMax(min_rad_).cwiseMin(max_rad_);
   u[1] -= rest_rad[1];
   NeckVector neck_rad = neck_of(u);
   NeckError here = see(neck_rad);
   double cost = cost_of(here, neck_rad);
   Pose pose;
+  // The distance to the target, or its square, overflows.
+  if (!std::isfinite(cost) || !here.jacobian.allFinite()) return unsolved;
   while (!pose.converged && pose.iterations < max_iterations) {
     ++pose.iterations;
     const double f = guard(u[0]);
@@ -120,8 +126,8 @@ NeckSolver::Pose NeckSolver::solve(const JointVector& position_rad, const Eigen:
     NeckVector step =
         BoundedQp<3>().solve(h, g, (lower - u).cwiseMax(-longest), (upper - u).cwiseMin(longest)).x;
     // Halved until it helps; one that has become too short to matter ends the search.
-    for (;; step /= 2) {
-      pose.converged = step.cwiseAbs().maxCoeff() < converged_rad;
+    for (int halvings = 0;; ++halvings, step /= 2) {
+      pose.converged = halvings == max_halvings || step.cwiseAbs().maxCoeff() < converged_rad;
       const NeckVector next = (u + step).cwiseMax(lower).cwiseMin(upper);
       const NeckVector next_rad = neck_of(next);
       const NeckError there = see(next_rad);

@@ -57,8 +57,11 @@ class NeckSolver {
     bool converged = false;
   };
   static constexpr int max_iterations = 50;
+  static constexpr int max_halvings = 20;  ///< from the longest step to one that is too short to matter
 
-  /// `position_rad`: its torso joints are used. `start_rad`: initial pose. The target is finite. Does not allocate.
+  /// `position_rad`: its torso joints are used. `start_rad`: initial pose. At most max_iterations steps, each halved at most
+  /// max_halvings times. With values that are not finite, or that overflow, the pose is the rest pose and not converged.
+  /// Does not allocate.
   [[nodiscard]] Pose solve(const JointVector& position_rad, const Eigen::Vector3d& target_m,
                            const NeckVector& start_rad) const;
   /// The allowed share of the roll range at a pitch, 0 to 1: f above.

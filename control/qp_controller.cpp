@@ -115,9 +115,10 @@ void QpController::Cost::add(double weight, const Row& row, double wanted) {
 }
 
 HeadJointVector QpController::step(const HeadState& state, const std::optional<Eigen::Vector3d>& target,
-                                   double dt) {
-  SACCADE_CHECK(dt > 0.0);
-  const bool measured = state.position_rad.allFinite();
+                                   double dt_s) {
+  SACCADE_CHECK(dt_s > 0.0);
+  const double dt = bounded_step_s(dt_s);
+  const bool measured = is_reading(state.position_rad);
   if (!started_) {
     reference_rad_ = inside_hardware(limits_, state.head_position_rad());
     started_ = measured;

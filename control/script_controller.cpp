@@ -34,7 +34,7 @@ ScriptController::ScriptController(const ScriptConfig& config, const MotionLimit
 HeadJointVector ScriptController::step(const HeadState& state, const std::optional<Eigen::Vector3d>&,
                                        double dt_s) {
   if (!reference_rad_) {
-    if (!state.position_rad.allFinite()) return HeadJointVector::Zero().cwiseMax(min_rad_).cwiseMin(max_rad_);
+    if (!is_reading(state.position_rad)) return HeadJointVector::Zero().cwiseMax(min_rad_).cwiseMin(max_rad_);
     reference_rad_ = state.head_position_rad().cwiseMax(min_rad_).cwiseMin(max_rad_);
     start_rad_ = from_rad_ = *reference_rad_;
     move_s_ = -config_.dwell_s;
@@ -51,7 +51,7 @@ HeadJointVector ScriptController::step(const HeadState& state, const std::option
   const auto duration_s = [&] {
     return (point_rad(next_) - from_rad_).norm() / (config_.speed_deg_s * rad_per_deg);
   };
-  move_s_ += dt_s;
+  move_s_ += bounded_step_s(dt_s);
   if (move_s_ >= duration_s() + config_.dwell_s) {
     move_s_ -= duration_s() + config_.dwell_s;
     from_rad_ = point_rad(next_);

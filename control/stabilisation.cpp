@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "control/head_kinematics.h"
+#include "control/joint_limiter.h"
 #include "core/image_rotation.h"
 #include "core/units.h"
 
@@ -52,11 +53,11 @@ Stabiliser::Stabiliser(const StabilisationConfig& config, std::shared_ptr<const 
 
 const BodyRates& Stabiliser::update(const HeadState& state, const ImuReading* imu, double eyes_s, double dt_s,
                                     const std::optional<Eigen::Vector3d>& seen_rad_s) {
-  if (config_.torso)
+  if (config_.torso && is_reading(state.velocity_rad_s))
     rates_.torso_rad_s = torso_.ahead(state.velocity_rad_s.head<torso_slots>(), eyes_s, dt_s);
   if (config_.image) rates_.base_rad_s -= seen_all_;
   if (config_.gyroscope) {
-    if (imu != nullptr && imu->angular_velocity_rad_s.allFinite()) {
+    if (imu != nullptr && is_reading(imu->angular_velocity_rad_s)) {
       use_gyroscope(state, *imu, eyes_s, dt_s);
     } else {
       measured_base_rad_s_.setZero();

@@ -135,11 +135,20 @@ std::optional<Fault> Watchdog::check(const TickFacts& facts) const {
   return std::nullopt;
 }
 
-void FollowWatch::update(std::int64_t t_us, const HeadJointVector& reference_rad,
+const HeadJointVector& FollowWatch::reference_at(std::int64_t read_us) const {
+  const std::size_t oldest = sent_ - std::min(sent_, history_.size());
+  std::size_t i = sent_ - 1;
+  while (i > oldest && history_[i % history_.size()].t_us > read_us) --i;
+  return history_[i % history_.size()].reference_rad;
+}
+
+void FollowWatch::update(std::int64_t t_us, const HeadJointVector& reference_rad, std::int64_t read_us,
                          const HeadJointVector& position_rad) {
+  history_[sent_++ % history_.size()] = {t_us, reference_rad};
+  const HeadJointVector& then_rad = reference_at(read_us);
   for (Eigen::Index j = 0; j < gaze_slots; ++j) {
     Joint& joint = joints_[static_cast<std::size_t>(j)];
-    const double reference = reference_rad[j], position = position_rad[j];
+    const double reference = then_rad[j], position = position_rad[j];
     if (!(std::abs(reference - position) > lag_rad_)) {
       joint.far_since_us.reset();
     } else if (!joint.far_since_us) {

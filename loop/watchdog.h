@@ -68,13 +68,19 @@ struct TickFacts {
 };
 
 /// Measures since when each joint does not follow its reference: it is farther than lag_deg from it, or it rests within
-/// 0.2 deg while its reference has moved over more than 3 deg, as that of a stuck joint does which swings about it.
+/// 0.2 deg while its reference has moved over more than 3 deg, as that of a stuck joint does which swings about it. A
+/// reading is compared with the reference of its own time, at most 128 ticks ago: with a newer one, a joint that moves fast
+/// would lag by the age of its reading.
 class FollowWatch {
  public:
   explicit FollowWatch(double lag_deg) : lag_rad_(lag_deg * rad_per_deg) {}
-  /// The reference sent in a tick and the positions read in that tick, rad.
-  void update(std::int64_t t_us, const HeadJointVector& reference_rad, const HeadJointVector& position_rad);
-  void clear() { joints_.fill({}); }
+  /// The reference sent in the tick at t_us, and the newest positions in that tick with their time, rad.
+  void update(std::int64_t t_us, const HeadJointVector& reference_rad, std::int64_t read_us,
+              const HeadJointVector& position_rad);
+  void clear() {
+    joints_.fill({});
+    sent_ = 0;
+  }
   /// Adds the joint that has not followed for the longest time to the facts of a tick.
   void add_to(TickFacts& facts) const;
 
@@ -85,8 +91,17 @@ class FollowWatch {
     std::optional<double> rest_rad;
     double least_rad = 0.0, largest_rad = 0.0;
   };
+  struct Sent {
+    std::int64_t t_us = 0;
+    HeadJointVector reference_rad = HeadJointVector::Zero();
+  };
+  /// The reference that was sent last before a reading, or else the oldest one.
+  [[nodiscard]] const HeadJointVector& reference_at(std::int64_t read_us) const;
+
   double lag_rad_;
   std::array<Joint, gaze_slots> joints_{};
+  std::array<Sent, 128> history_{};
+  std::size_t sent_ = 0;  // references so far
 };
 
 /// A stop: its cause, time and extent.

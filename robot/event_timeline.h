@@ -21,7 +21,7 @@ struct EventTimelineConfig {
   bool swap_xy = false;
   bool flip_x = false;  ///< after swap_xy
   bool flip_y = false;
-  bool swap_polarity = false;
+  bool swap_polarity = false;               ///< the polarity bit 1 means brighter; else darker (AddressCodec)
   std::optional<std::uint8_t> camera;       ///< of all events; none: the channel in each address word
   std::int64_t longest_spread_us = 10'000;  ///< > 0
 };

@@ -1,5 +1,6 @@
 #include "apps/cli/commands.h"
 #include "apps/serve/serve_session.h"
+#include "apps/session/version.h"
 #include "core/error.h"
 
 namespace saccade::inline v0_1 {
@@ -15,7 +16,8 @@ void add_serve_command(CommandLine& line, const Registry& registry) {
   command.flag("--force", options->force, "Replace an earlier run in that folder");
   command.flag("--wait-for-client", options->wait_for_client,
                "The world stands still until somebody reads the camera and takes the head");
-  command.flag("--endless", options->endless, "Beyond the scenario's duration, until Ctrl-C");
+  command.flag("--endless", options->endless,
+               "Beyond the scenario's duration, until Ctrl-C, which is exit status 0");
   command.option("--robot", options->robot, "Ports /ROBOT/head/... and /ROBOT/torso/...").show_default();
   command.option("--gaze", options->gaze, "Ports /GAZE/... of the gaze controller").show_default();
   command.option("--camera", options->camera, "Port of the events").show_default();
@@ -24,7 +26,9 @@ void add_serve_command(CommandLine& line, const Registry& registry) {
   command.option("--codec", options->codec, "Of their addresses: dvs_128, atis_20, atis_24 or ev2")
       .show_default();
   command.flag("--swap-polarity", options->swap_polarity,
-               "ON and OFF exchanged, as the newest grabbers of event-driven have them");
+               "Polarity bit 1 means brighter, as with event-driven's bridges to Prophesee cameras; without "
+               "it 1 means "
+               "darker");
   command.option("--state-period", options->state_period_ms, "Of the head's state ports, ms")
       .in_range(1.0, 100.0)
       .show_default();
@@ -33,7 +37,7 @@ void add_serve_command(CommandLine& line, const Registry& registry) {
     return serve(*options, registry);
 #else
     throw InputError("serve", "a saccade built without YARP",
-                     "one built where CMake finds YARP 3.8 or newer");
+                     "one built where CMake finds YARP " + std::string(least_yarp_version()) + " or newer");
 #endif
   });
 }

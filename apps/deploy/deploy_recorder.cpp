@@ -42,7 +42,7 @@ std::string text_of_change(const DeployChange& change) {
     return fmt::format("stopped: {}; stop command after {:.1f} ms", change.stop->description(),
                        ms(change.took_us));
   }
-  return std::string(name_of(change.state));
+  return std::string(name_of(change.state)) + (change.warning.empty() ? "" : "; warning: " + change.warning);
 }
 
 nlohmann::json json_of(const TimeFigures& figures) {
@@ -201,6 +201,7 @@ void DeployRecorder::write(Slot& slot) {
   black_box_.add(tick, slot.timing, slot.detectors, tick_events_);
   if (++unflushed_ % 100 == 0) black_box_.flush();
   last_ = slot.timing;
+  if (slot.timing.state == DeployState::active && !slot.timing.guarded) ++unguarded_;
   target_m_ = tick.target_m;
   phase_ = tick.phase;
   queued_most_ = std::max(queued_most_, slot.timing.traffic.queued);
@@ -306,6 +307,7 @@ void DeployRecorder::show_status() {
   const double seconds = 1e-6 * static_cast<double>(last_.due_us - *start_us_);
   const double window_s = 1e-3 * robot_.deploy.tick_ms * static_cast<double>(ticks_in_window_ + f.missed);
   std::string line = fmt::format("{:<7} {:7.1f} s", name_of(last_.state), seconds);
+  if (last_.state == DeployState::active && !last_.guarded) line += "  NO GUARD";
   for (std::size_t i = 0; i < detectors_.size(); ++i) {
     line += fmt::format("  {} {:3.0f} %", loop_.detectors()[i].name,
                         100.0 * mean(detectors_[i].in_window, ticks_in_window_));
@@ -400,6 +402,7 @@ void DeployRecorder::write_summary(bool tables_ended_early) const {
                {"backend", robot_.robot.backend},
                {"dry_run", facts_.dry_run},
                {"scheduling", scheduling_},
+               {"guard", {{"use", word_of(robot_.deploy.guard)}, {"active_ticks_without", unguarded_}}},
                {"ticks",
                 {{"count", whole_.tick.count()},
                  {"missed", whole_.missed},
@@ -431,6 +434,7 @@ void DeployRecorder::write_summary(bool tables_ended_early) const {
   for (const DeployChange& change : changes_) {
     Json state = {{"t_us", change.t_us}, {"state", name_of(change.state)}};
     if (!change.rejected.empty()) state["refused"] = change.rejected;
+    if (!change.warning.empty()) state["warning"] = change.warning;
     if (change.stop) {
       state["cause"] = change.stop->description();
       state["fault"] = is_fault(change.stop->cause);

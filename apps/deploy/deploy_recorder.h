@@ -138,6 +138,7 @@ class DeployRecorder final : public DeployObserver {
   std::optional<Eigen::Vector3d> target_m_;
   GazePhase phase_ = GazePhase::none;
   std::int64_t unflushed_ = 0;  // ticks
+  std::int64_t unguarded_ = 0;  // ticks of the active head
   std::int64_t queued_most_ = 0;
   std::int64_t last_joints_us_;
   std::optional<std::int64_t> start_us_;

@@ -114,7 +114,19 @@ void DeploySession::note_command(const Tick& tick) {
   } else if (!refused_us_) {
     refused_us_ = tick.acted_us;
   }
-  if (joints_follow_) follows_.update(tick.t_us, tick.command.reference_rad, tick.head->head_position_rad());
+  if (joints_follow_)
+    follows_.update(tick.t_us, tick.command.reference_rad, tick.head->t_us, tick.head->head_position_rad());
+}
+
+/// Reports an overseer that ceases, or begins again, to protect the active head.
+void DeploySession::note_protection(std::int64_t now_us) {
+  const bool guarded = std::ranges::all_of(overseers_, &Overseer::protects);
+  if (guarded == std::exchange(guarded_, guarded)) return;
+  std::string line = guarded ? "the guard watches the head again" : "warning: the head moves without a guard";
+  for (Overseer* const overseer : overseers_) {
+    if (std::string warning = overseer->warning(); !warning.empty()) line += "; " + warning;
+  }
+  observer_.on_news(now_us, line);
 }
 
 /// The loop's part of the tick that is due.
@@ -131,6 +143,7 @@ PortStatus DeploySession::run_loop(std::int64_t planned_us, std::int64_t begin_u
     timing.missed = missed_;
     timing.traffic = robot_.events().traffic();
     timing.state = state_;
+    timing.guarded = guarded_;
     note_command(*last_.tick);
     observer_.on_tick(*last_.tick, timing);
     last_begin_us_ = begin_us;
@@ -168,6 +181,8 @@ bool DeploySession::tick() {
       stop(*fault);
     } else if (quit || request == OperatorRequests::Request::stop) {
       stop({quit ? requests_.quit_cause_.load() : StopCause::operator_stop, facts.now_us});
+    } else {
+      note_protection(facts.now_us);
     }
   } else if (request == OperatorRequests::Request::activate && !quit) {
     activate(facts);
@@ -220,7 +235,13 @@ void DeploySession::activate(const TickFacts& facts) {
   follows_.clear();
   refused_us_.reset();
   loop_.set_motion(make_motion_());
-  change(DeployState::active, std::nullopt, 0, {});
+  std::string warning;
+  for (Overseer* const overseer : overseers_) {
+    if (std::string lacks = overseer->warning(); !lacks.empty())
+      warning += (warning.empty() ? "" : "; ") + lacks;
+  }
+  guarded_ = std::ranges::all_of(overseers_, &Overseer::protects);
+  change(DeployState::active, std::nullopt, 0, {}, std::move(warning));
 }
 
 /// A failed activation. Of repeated attempts each reason is reported once in a row.
@@ -245,9 +266,10 @@ void DeploySession::stop(const Fault& fault) {
 }
 
 void DeploySession::change(DeployState state, const std::optional<Fault>& stop, std::int64_t took_us,
-                           std::string rejected) {
+                           std::string rejected, std::string warning) {
   state_ = state;
-  observer_.on_change({robot_.clock().now_us(), state, stop, took_us, std::move(rejected)});
+  observer_.on_change(
+      {robot_.clock().now_us(), state, stop, took_us, std::move(rejected), std::move(warning)});
 }
 
 }  // namespace saccade::inline v0_1

@@ -31,6 +31,7 @@ struct DeployChange {
   std::optional<Fault> stop;  ///< if the head was stopped
   std::int64_t took_us = 0;   ///< from the fact that caused the stop to the stop command
   std::string rejected;       ///< reason of a rejected activation
+  std::string warning;        ///< of an activation: what does not protect the head
 };
 
 /// Timing of a tick, us of the robot's clock.
@@ -44,6 +45,7 @@ struct TickTiming {
   std::int64_t missed = 0;  ///< due ticks before it that were skipped
   EventTraffic traffic;
   DeployState state = DeployState::unconfigured;
+  bool guarded = true;  ///< whether every overseer protects the head
 };
 
 /// Called in the thread of the ticks.
@@ -69,6 +71,10 @@ class Overseer {
   [[nodiscard]] virtual std::optional<Fault> fault() = 0;
   /// Why the head must not be activated now; empty if it may.
   [[nodiscard]] virtual std::string why_not() { return {}; }
+  /// After an activation: what it lacks although the head may move; empty for nothing.
+  [[nodiscard]] virtual std::string warning() { return {}; }
+  /// Whether it would stop the active head now. May change in fault().
+  [[nodiscard]] virtual bool protects() const { return true; }
   /// The head is about to be activated, which may take long; earlier stops are over.
   virtual void activating() {}
   /// From now on the head moves, as long as ticks come.
@@ -162,10 +168,11 @@ class DeploySession {
   PortStatus run_loop(std::int64_t planned_us, std::int64_t begin_us);
   bool catch_up();
   void note_command(const Tick& tick);
+  void note_protection(std::int64_t now_us);
   void activate(const TickFacts& facts);
   void stop(const Fault& fault);
-  void change(DeployState state, const std::optional<Fault>& stop, std::int64_t took_us,
-              std::string rejected);
+  void change(DeployState state, const std::optional<Fault>& stop, std::int64_t took_us, std::string rejected,
+              std::string warning = {});
   bool end(PortStatus status);
 
   Robot& robot_;
@@ -189,6 +196,7 @@ class DeploySession {
   std::int64_t last_begin_us_;  // the connection was intact then
   std::int64_t missed_ = 0;
   bool caught_up_ = false;  // in this tick
+  bool guarded_ = true;     // in the newest tick of the active head
   bool has_ticked_ = false;
 };
 

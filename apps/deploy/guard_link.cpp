@@ -1,5 +1,7 @@
 #include "apps/deploy/guard_link.h"
 
+#include <fmt/format.h>
+
 #include "core/error.h"
 
 namespace saccade::inline v0_1 {
@@ -12,13 +14,29 @@ GuardLink::GuardLink(const std::string& head, GuardUse use, std::int64_t bound_n
   if (!memory_.lock())
     throw RunError("another deploy on this machine moves the head " + head + ": stop it first");
   board_.moving = 0;
+  board_.hang_ns = bound_ns_;
   activation_ = board_.activations;
 }
 
 GuardLink::~GuardLink() { board_.moving = 0; }
 
 bool GuardLink::has_guard() const {
-  return board_.connected.load() == 1 && machine_ns() - board_.guard_ns.load() <= bound_ns_;
+  return board_.connected.load() == 1 && board_.guard_hang_ns.load() == bound_ns_ &&
+         machine_ns() - board_.guard_ns.load() <= bound_ns_;
+}
+
+std::string GuardLink::guard_problem() const {
+  if (machine_ns() - board_.guard_ns.load() > bound_ns_)
+    return "none watches this head: start `saccade guard` with the same file";
+  if (const std::int64_t other_ns = board_.guard_hang_ns.load(); other_ns != bound_ns_)
+    return fmt::format(
+        "the one that watches this head has deploy.watchdog.hang_ms {:g}, and this deploy {:g}: start both "
+        "with the "
+        "same file and --set",
+        1e-6 * static_cast<double>(other_ns), 1e-6 * static_cast<double>(bound_ns_));
+  if (board_.connected.load() != 1)
+    return "the one that watches this head has no connection to it, and tries again each second";
+  return {};
 }
 
 void GuardLink::on_tick() { board_.tick_ns.store(machine_ns(), std::memory_order_release); }
@@ -27,15 +45,21 @@ std::optional<Fault> GuardLink::fault() {
   if (use_ == GuardUse::none) return std::nullopt;
   if (board_.stopped.load(std::memory_order_acquire) == activation_)
     return Fault{StopCause::guard_stops, 0, {}, 0.0};
-  if (!guarded_ || has_guard()) return std::nullopt;
-  guarded_ = false;
-  if (use_ == GuardUse::optional) return std::nullopt;
+  guarded_ = has_guard();
+  if (guarded_ || use_ == GuardUse::optional) return std::nullopt;
   return Fault{StopCause::guard_lost, 0, {}, 1e-6 * static_cast<double>(machine_ns() - board_.guard_ns)};
 }
 
 std::string GuardLink::why_not() {
-  if (use_ != GuardUse::required || has_guard()) return {};
-  return "deploy.guard is required and none watches this head: start `saccade guard` with the same file";
+  if (use_ != GuardUse::required) return {};
+  const std::string problem = guard_problem();
+  return problem.empty() ? problem : "deploy.guard is required and " + problem;
+}
+
+std::string GuardLink::warning() {
+  if (use_ == GuardUse::none) return "no guard: deploy.guard is none";
+  const std::string problem = guard_problem();
+  return problem.empty() ? problem : "no guard: " + problem;
 }
 
 void GuardLink::activating() {

@@ -18,7 +18,8 @@ struct GuardOptions {
 
 /// Stops the head that a robot file names when `saccade deploy` with that file dies, hangs or is halted: looks every 2 ms
 /// at the time of its newest tick, and has a connection of its own to the head. Runs until an interrupt, beside any number
-/// of deploy runs one after the other. Throws InputError; RunError if the head is not there or has a guard already.
+/// of deploy runs one after the other. A lost connection to the head is made again (GuardHead). Throws InputError; RunError
+/// if the network is not there at the start, or the head has a guard already.
 void guard(const GuardOptions& options, const Registry& registry);
 
 }  // namespace saccade::inline v0_1

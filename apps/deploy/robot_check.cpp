@@ -14,6 +14,7 @@
 #include "apps/deploy/deploy_loop.h"
 #include "apps/deploy/guard_link.h"
 #include "apps/deploy/shared_memory.h"
+#include "apps/session/version.h"
 #include "core/error.h"
 #ifdef SACCADE_YARP
 #include "robot/yarp/yarp_robot.h"
@@ -34,10 +35,11 @@ StartUpCheck check_yarp(const RobotFile& file) {
   (void)file;
 #else
   check.passed = file.robot.backend != "yarp";
-  check.found = check.passed
-                    ? "not in this build; the backend " + file.robot.backend + " does not need it"
-                    : "not in this build: build YARP 3.9 or newer and pass -DCMAKE_PREFIX_PATH=PREFIX "
-                      "(docs/robot.md)";
+  check.found = check.passed ? "not in this build; the backend " + file.robot.backend + " does not need it"
+                             : fmt::format(
+                                   "not in this build: build YARP {} or newer and pass "
+                                   "-DCMAKE_PREFIX_PATH=PREFIX (docs/robot.md)",
+                                   least_yarp_version());
 #endif
   return check;
 }
@@ -119,9 +121,9 @@ StartUpCheck check_guard(const RobotFile& file) {
   try {
     const GuardLink link(file.robot.head_name(), file.deploy.guard,
                          std::llround(file.deploy.watchdog.hang_ms * 1e6));
-    check.passed = link.has_guard() || file.deploy.guard != GuardUse::required;
-    check.found = link.has_guard() ? "watches the head " + file.robot.head_name()
-                                   : "none: start `saccade guard` with the same file before deploy";
+    const std::string problem = link.guard_problem();
+    check.passed = problem.empty() || file.deploy.guard != GuardUse::required;
+    check.found = problem.empty() ? "watches the head " + file.robot.head_name() : problem;
   } catch (const RunError& error) {
     check.passed = false;
     check.found = error.what();

@@ -7,10 +7,10 @@
 namespace saccade::inline v0_1 {
 
 /// A file in /dev/shm that several processes map: `saccade-<name>`, with `/` as `_`. Zero when new; stays after the last
-/// process. Its content survives a killed process.
+/// process. Its content survives a killed process. Every user may open and write it, whoever created it.
 class SharedMemory {
  public:
-  /// Opens or creates it, `size` bytes. Throws RunError.
+  /// Opens or creates it, `size` bytes. Throws RunError; where another user's file cannot be used, it names that user.
   SharedMemory(const std::string& name, std::size_t size);
   SharedMemory(const SharedMemory&) = delete;
   SharedMemory& operator=(const SharedMemory&) = delete;

@@ -24,10 +24,14 @@ constexpr std::int64_t oldest_imu_us = 40'000;
 constexpr double imu_dead_band_rad_s = 5.0 / deg_per_rad;
 /// Text in quotes: iKinGazeCtrl's client ends if it is another one, or a number.
 constexpr std::string_view server_version = "\"2.0\"";
+constexpr double largest_gain = 10.0;  // of vor and ocr
 constexpr std::string_view ack = "[ack]";
 constexpr std::string_view nack = "[nack]";
 
+/// A reply with numbers; none that overflowed is sent.
 std::string acknowledged(std::span<const double> values) {
+  if (!std::ranges::all_of(values, [](double value) { return std::isfinite(value); }))
+    return std::string(nack);
   std::string text = "[ack] (";
   for (const double value : values) text += fmt::format("{}{:.9g}", text.ends_with('(') ? "" : " ", value);
   return text + ")";
@@ -267,6 +271,7 @@ std::string GazeServer::set(RequestWords& words) {
   } else if (what == "sinh") {
     gaze.saccade_interval_s = value;
   } else if (what == "vor" || what == "ocr") {
+    if (std::abs(value) > largest_gain) return std::string(nack);
     (what == "vor" ? settings_.vor : settings_.ocr) = value;
     controller_->set_counter_gains(settings_.vor, settings_.ocr);
     ++requests_;

@@ -42,7 +42,8 @@ namespace saccade::inline v0_1 {
 ///     register | unregister EVENT, list   acknowledged; every reader of events:o gets every event
 ///     stop | susp | run | status | get info | stor | rest id | del id | help
 ///
-/// The reply to anything else is [nack]. Before the first target, after `stop` and while suspended it does not move the
+/// The reply to anything else is [nack], as to a target farther than farthest_target_m, a gain vor or ocr beyond +-10, and a
+/// request whose reply would overflow. Before the first target, after `stop` and while suspended it does not move the
 /// head; otherwise it keeps looking at the newest target, also after the client that sent it is gone, as iKinGazeCtrl
 /// does. A change of a setting restarts the controller from the head's position.
 ///

@@ -145,7 +145,7 @@ int serve(const ServeOptions& options, const Registry& registry) {
   session.run(World::tick_us, options.endless ? std::numeric_limits<std::int64_t>::max()
                                               : std::llround(scenario.run.duration_s * 1e6));
   const double loop_s = session.wall_s();
-  if (!interrupted()) linger(served);
+  linger(served);
   progress.done();
   const std::int64_t t_us = robot.now_us();
   log.write(t_us, served.traffic());
@@ -153,7 +153,8 @@ int serve(const ServeOptions& options, const Registry& registry) {
                               100.0 * paced.busy_s() / std::max(loop_s, 1e-9), paced.latest_ms(),
                               paced.slipped_s()));
   log.commit();
-  finish_run_folder(folder, recorder.finish(loop_s, settings_of(options.assignments)), registry.formats);
+  // Not finish_run_folder(): an interrupt is how such a run ends as planned.
+  report_run_folder(folder, recorder.finish(loop_s, settings_of(options.assignments)), registry.formats);
   return 0;
 }
 

@@ -24,7 +24,7 @@ struct ServeOptions {
   std::string camera = "/zynqGrabber/AE:o";  ///< port of the events
   std::string format = "packet";             ///< PacketFormat of it
   std::string codec = "ev2";                 ///< AddressCodec of it
-  bool swap_polarity = false;                ///< ON and OFF exchanged
+  bool swap_polarity = false;                ///< YarpEventPort::Config::swap_polarity
   double state_period_ms = 10.0;             ///< of the head's state ports
 };
 
@@ -37,7 +37,8 @@ struct ServeOptions {
 /// After a client disconnects: the last position-direct reference holds, a velocity ends after 100 ms (JointBoard), and
 /// the gaze controller keeps looking at the last target, as on the iCub.
 ///
-/// Returns the exit status. Throws InputError, RunError.
+/// Returns the exit status: 0 after the duration and after an interrupt, which ends the run as planned. Throws InputError,
+/// RunError; also if it is interrupted before a client came (wait_for_client), when there is nothing to report.
 int serve(const ServeOptions& options, const Registry& registry);
 
 }  // namespace saccade::inline v0_1

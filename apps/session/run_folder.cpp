@@ -99,10 +99,14 @@ void throw_if_a_program_ended(const Metrics& metrics) {
   if (!text.empty()) throw RunError(text);
 }
 
-void finish_run_folder(const fs::path& folder, const Metrics& metrics, const FormatRegistry& formats) {
+void report_run_folder(const fs::path& folder, const Metrics& metrics, const FormatRegistry& formats) {
   write_report(folder, formats);
   print_summary(metrics);
   fmt::print("{}\n", (folder / "report.html").string());
+}
+
+void finish_run_folder(const fs::path& folder, const Metrics& metrics, const FormatRegistry& formats) {
+  report_run_folder(folder, metrics, formats);
   if (interrupted()) throw RunError("interrupted; the run folder holds what happened until then");
   throw_if_a_program_ended(metrics);
 }

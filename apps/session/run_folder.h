@@ -37,8 +37,10 @@ class RunFolderLock {
                                                               const std::string& text);
 /// Throws RunError with the reasons if detectors ended before the end of the run (DetectorScore::failure).
 void throw_if_a_program_ended(const Metrics& metrics);
-/// Writes the report of a folder with metrics.json, prints the summary and the report's path. Throws RunError if the run
-/// was interrupted() or a detector ended before its end; the folder is complete then.
+/// Writes the report of a folder with metrics.json, prints the summary and the report's path.
+void report_run_folder(const std::filesystem::path& folder, const Metrics& metrics,
+                       const FormatRegistry& formats);
+/// The same. Throws RunError if the run was interrupted() or a detector ended before its end; the folder is complete then.
 void finish_run_folder(const std::filesystem::path& folder, const Metrics& metrics,
                        const FormatRegistry& formats);
 

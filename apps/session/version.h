@@ -10,6 +10,9 @@ namespace saccade::inline v0_1 {
 /// The commit it was built from, "9b6774e", with "-dirty" where files differed from it; "unknown" outside a checkout.
 [[nodiscard]] std::string_view commit();
 
+/// The oldest YARP that the backend `yarp` is built with, "3.9".
+[[nodiscard]] std::string_view least_yarp_version();
+
 /// "# saccade VERSION (COMMIT)", the first line of resolved files in a run folder.
 [[nodiscard]] std::string version_line();
 

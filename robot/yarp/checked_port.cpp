@@ -74,7 +74,9 @@ std::optional<yarp::os::Bottle> checked_message(yarp::os::ConnectionReader& read
 }
 
 CheckedPort::CheckedPort(const std::string& name, Kind kind) : kind_(kind) {
-  const auto failed = [&](const char* what) { return RunError("YARP cannot " + std::string(what) + " " + name); };
+  const auto failed = [&](const char* what) {
+    return RunError("YARP cannot " + std::string(what) + " " + name);
+  };
   out_.setInputMode(false);
   if (!out_.open(name + "/checked")) throw failed("open the port that checks the messages of");
   if (!yarp::os::Network::connect(out_.getName(), name, kind == Kind::requests ? "tcp" : "fast_tcp"))

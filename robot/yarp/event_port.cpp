@@ -38,6 +38,7 @@ class Message final : public yarp::os::Portable {
 
 struct YarpEventPort::Port {
   YarpNetwork network{name_server_timeout_s};
+  OutputCount readers;  // outlives the port
   yarp::os::BufferedPort<Message> port;
   yarp::os::Stamp stamp;
 };
@@ -45,6 +46,7 @@ struct YarpEventPort::Port {
 YarpEventPort::YarpEventPort(const Config& config) : config_(config), port_(std::make_unique<Port>()) {
   port_->port.setOutputMode(true);
   port_->port.setInputMode(false);
+  port_->port.setReporter(port_->readers);
   if (!port_->port.open(config.name)) {
     throw RunError("YARP cannot open the port " + config.name + ": is the name in use?");
   }
@@ -55,7 +57,7 @@ YarpEventPort::~YarpEventPort() {
   port_->port.close();
 }
 
-int YarpEventPort::readers() const { return port_->port.getOutputCount(); }
+int YarpEventPort::readers() const { return port_->readers.count(); }
 
 void YarpEventPort::send(std::span<const Event> events, std::int64_t now_us) {
   if (readers() == 0) {

@@ -27,7 +27,8 @@ class YarpEventPort {
     PacketFormat format = PacketFormat::packet;
     AddressCodec codec = AddressCodec::ev2;
     std::size_t max_waiting = 100'000;  ///< events
-    bool swap_polarity = false;  ///< ON and OFF exchanged, as the newest grabbers of event-driven have them
+    bool swap_polarity =
+        false;  ///< the polarity bit 1 means brighter, as with event-driven's bridges to Prophesee cameras; else darker
   };
   /// Throws RunError if YARP cannot open the port: no name server, or the name is in use.
   explicit YarpEventPort(const Config& config);

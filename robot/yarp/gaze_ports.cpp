@@ -10,7 +10,7 @@
 #include <yarp/os/Stamp.h>
 #include <yarp/os/Time.h>
 
-#include <array>
+#include <deque>
 
 #include "core/error.h"
 #include "core/units.h"
@@ -19,6 +19,12 @@
 
 namespace saccade::inline v0_1 {
 namespace {
+
+constexpr std::size_t most_waiting = 100;  // events of a reader that is slow; older ones are dropped
+
+[[noreturn]] void throw_in_use(const std::string& name) {
+  throw RunError("YARP cannot open the port " + name + ": is the name in use?");
+}
 
 /// What a port says, as the request that means the same.
 class Look final : public yarp::os::PortReader {
@@ -51,30 +57,59 @@ class Rpc final : public yarp::os::PortReader {
   const YarpGazePorts::Answer& answer_;
 };
 
+/// An output port whose calls do not wait: no message while the previous one is being sent, so that the thread of YARP that
+/// sends it, and may close a cut connection, is not disturbed either.
+class Output {
+ public:
+  explicit Output(const std::string& name) {
+    port_.setReporter(readers_);
+    if (!port_.open(name)) throw_in_use(name);
+  }
+  ~Output() {
+    port_.interrupt();
+    port_.close();
+  }
+  Output(const Output&) = delete;
+  Output& operator=(const Output&) = delete;
+
+  [[nodiscard]] bool has_readers() const { return readers_.count() > 0; }
+  /// Returns false, without effect, while the previous message is being sent or nobody reads.
+  template <class Fill>
+  bool write(yarp::os::Stamp& stamp, const Fill& fill) {
+    if (!has_readers() || port_.isWriting()) return false;
+    yarp::os::Bottle& message = port_.prepare();
+    message.clear();
+    fill(message);
+    port_.setEnvelope(stamp);
+    port_.write();
+    return true;
+  }
+
+ private:
+  OutputCount readers_;  // outlives the port
+  yarp::os::BufferedPort<yarp::os::Bottle> port_;
+};
+
 template <class Values>
-void write(yarp::os::BufferedPort<yarp::os::Bottle>& port, const Values& values, yarp::os::Stamp& stamp) {
-  if (port.getOutputCount() == 0) return;
-  yarp::os::Bottle& message = port.prepare();
-  message.clear();
-  for (const double value : values) message.addFloat64(value);
-  port.setEnvelope(stamp);
-  port.write();
+auto numbers(const Values& values) {
+  return [&values](yarp::os::Bottle& message) {
+    for (const double value : values) message.addFloat64(value);
+  };
 }
 
 }  // namespace
 
 struct YarpGazePorts::Ports {
-  using Port = yarp::os::BufferedPort<yarp::os::Bottle>;
-
-  explicit Ports(Answer given) : answer(std::move(given)) {}
+  Ports(const std::string& name, Answer given)
+      : answer(std::move(given)),
+        x(name + "/x:o"),
+        q(name + "/q:o"),
+        angles_out(name + "/angles:o"),
+        events(name + "/events:o") {}
   ~Ports() {
     rpc.interrupt();
     rpc.close();
     for (yarp::os::Port* port : {&xd, &mono, &stereo, &angles_in}) {
-      port->interrupt();
-      port->close();
-    }
-    for (Port* port : {&x, &q, &angles_out, &events}) {
       port->interrupt();
       port->close();
     }
@@ -86,18 +121,17 @@ struct YarpGazePorts::Ports {
       look_ang{"ang", answer};
   Rpc reader{answer};
   yarp::os::Port xd, mono, stereo, angles_in;
-  Port x, q, angles_out, events;
+  Output x, q, angles_out, events;
   yarp::os::RpcServer rpc;
   yarp::os::Stamp stamp;
+  std::deque<std::string> waiting;  // events
 };
 
 YarpGazePorts::YarpGazePorts(const std::string& name, Answer answer)
-    : ports_(std::make_unique<Ports>(std::move(answer))) {
+    : ports_(std::make_unique<Ports>(name, std::move(answer))) {
   Ports& ports = *ports_;
   const auto open = [&](auto& port, const char* end) {
-    if (!port.open(name + end)) {
-      throw RunError("YARP cannot open the port " + name + end + ": is the name in use?");
-    }
+    if (!port.open(name + end)) throw_in_use(name + end);
   };
   ports.xd.setReader(ports.look_3d);
   ports.mono.setReader(ports.look_mono);
@@ -108,10 +142,6 @@ YarpGazePorts::YarpGazePorts(const std::string& name, Answer answer)
   open(ports.mono, "/mono:i");
   open(ports.stereo, "/stereo:i");
   open(ports.angles_in, "/angles:i");
-  open(ports.x, "/x:o");
-  open(ports.q, "/q:o");
-  open(ports.angles_out, "/angles:o");
-  open(ports.events, "/events:o");
   open(ports.rpc, "/rpc");
 }
 
@@ -121,18 +151,18 @@ void YarpGazePorts::send(const Eigen::Vector3d& fixation_m, const JointVector& p
                          const Eigen::Vector3d& angles_deg, const std::vector<std::string>& events) {
   Ports& ports = *ports_;
   ports.stamp.update(yarp::os::Time::now());
-  write(ports.x, fixation_m, ports.stamp);
-  write(ports.q, Eigen::VectorXd(position_rad.head<joint_count>() * deg_per_rad), ports.stamp);
-  write(ports.angles_out, angles_deg, ports.stamp);
-  for (const std::string& event : events) {
-    if (ports.events.getOutputCount() == 0) break;
-    yarp::os::Bottle& message = ports.events.prepare();
-    message.clear();
-    message.addString(event);
+  const Eigen::VectorXd position_deg = position_rad.head<joint_count>() * deg_per_rad;
+  ports.x.write(ports.stamp, numbers(fixation_m));
+  ports.q.write(ports.stamp, numbers(position_deg));
+  ports.angles_out.write(ports.stamp, numbers(angles_deg));
+  ports.waiting.insert(ports.waiting.end(), events.begin(), events.end());
+  while (ports.waiting.size() > (ports.events.has_readers() ? most_waiting : 0)) ports.waiting.pop_front();
+  if (ports.waiting.empty()) return;
+  const bool sent = ports.events.write(ports.stamp, [&](yarp::os::Bottle& message) {
+    message.addString(ports.waiting.front());
     message.addFloat64(ports.stamp.getTime());
-    ports.events.setEnvelope(ports.stamp);
-    ports.events.writeStrict();
-  }
+  });
+  if (sent) ports.waiting.pop_front();
 }
 
 }  // namespace saccade::inline v0_1

@@ -43,7 +43,9 @@ void describe_camera(FieldVisitor& v, YarpCameraConfig& config) {
   v.boolean("flip_x", config.flip_x, "whether x is mirrored, after swap_xy");
   v.boolean("flip_y", config.flip_y, "whether y is mirrored, after swap_xy");
   v.boolean("swap_polarity", config.swap_polarity,
-            "whether ON and OFF are exchanged (event-driven's newest grabbers: 1 means darker)");
+            "whether the polarity bit 1 means brighter, as event-driven's bridges to Prophesee cameras send "
+            "it; else it "
+            "means darker, as from event-driven's own cameras");
   v.integer("queue_events", config.queue_events, {1000, 1e7},
             "length of the queue of an eye; the oldest events beyond it are dropped");
   const auto codec = address_codec(config.codec);

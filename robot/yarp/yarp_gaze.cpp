@@ -22,6 +22,7 @@ YarpGaze::YarpGaze(const YarpConfig& config, const JointLimits& limits, const St
               clock),
       sent_us_(clock.now_us() - 1'000'000) {
   const std::string prefix = config.local + "/gaze";
+  requests_.asPort().setReporter(request_outputs_);
   if (!targets_.open(prefix + "/xd:o") || !requests_.open(prefix + "/rpc:o")) {
     throw RunError("YARP cannot open the ports " + prefix + "/xd:o and rpc:o");
   }
@@ -49,6 +50,8 @@ YarpGaze::~YarpGaze() {
   requests_.close();
 }
 
+bool YarpGaze::answers() { return !is_lost() && clock_.now_us() - joints_.state().t_us < fresh_us; }
+
 bool YarpGaze::is_lost() {
   if (joints_.lost()) lost_ = true;
   return lost_;
@@ -71,12 +74,14 @@ void YarpGaze::flush() {
   const std::int64_t now_us = clock_.now_us();
   if (halted_) waiting_m_.reset();
   if (!waiting_m_ || static_cast<double>(now_us - sent_us_) < config_.target_interval_ms * 1e3) return;
+  if (targets_.isWriting()) return;  // it waits for the next tick
   yarp::os::Bottle& message = targets_.prepare();
   message.clear();
   for (int i = 0; i < 3; ++i) message.addFloat64((*waiting_m_)[i]);
   targets_.write();
   waiting_m_.reset();
   sent_us_ = now_us;
+  if (halted_) stop_wanted_.request();  // a tick that hung in here has sent a target after the stop
 }
 
 PortStatus YarpGaze::stop() {
@@ -120,7 +125,7 @@ std::optional<yarp::os::Bottle> YarpGaze::ask(const std::string& request) {
   const std::lock_guard lock(ask_mutex_);
   yarp::os::Bottle message(request);
   yarp::os::Bottle reply;
-  if (requests_.getOutputCount() == 0 || !requests_.write(message, reply)) return std::nullopt;
+  if (request_outputs_.count() == 0 || !requests_.write(message, reply)) return std::nullopt;
   const bool acknowledged =
       reply.size() > 0 && (reply.get(0).asVocab32() == yarp::os::createVocab32('a', 'c', 'k') ||
                            reply.get(0).asString() == "ack");
@@ -159,7 +164,7 @@ void YarpGaze::release() {
   if (!active_) return;
   active_ = false;
   waiting_m_.reset();
-  if (requests_.getOutputCount() == 0) return;
+  if (request_outputs_.count() == 0) return;
   (void)ask("stop");
   const std::string id = std::to_string(*context_);
   (void)ask("rest " + id);

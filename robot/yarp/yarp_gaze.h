@@ -19,6 +19,7 @@
 #include "robot/wake_up.h"
 #include "robot/yarp/state_input.h"
 #include "robot/yarp/yarp_config.h"
+#include "robot/yarp/yarp_network.h"
 
 namespace saccade::inline v0_1 {
 
@@ -48,6 +49,8 @@ class YarpGaze final : public GazePort, public HeadPort, private yarp::os::PortR
   /// HeadStopper::stop.
   [[nodiscard]] bool take_over() { return ask("stop").has_value(); }
   [[nodiscard]] bool is_lost();
+  /// Whether it is connected and its readings are new.
+  [[nodiscard]] bool answers();
 
  private:
   /// The answer after [ack]; none for [nack] or without an answer in time.
@@ -61,6 +64,7 @@ class YarpGaze final : public GazePort, public HeadPort, private yarp::os::PortR
   JointLimits limits_;
   StateInput joints_;
   yarp::os::BufferedPort<yarp::os::Bottle> targets_;
+  OutputCount request_outputs_;  // outlives the port
   yarp::os::RpcClient requests_;
   std::atomic<bool> lost_ = false;
   bool active_ = false;

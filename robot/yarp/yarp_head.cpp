@@ -241,37 +241,40 @@ void YarpHead::send_references() {
       --repeats_left;
       if (!repeats_) continue;
     }
-    set_positions(halted_ ? halt_deg_.read() : reference_deg_.read());
+    if (const auto reference_deg = outlet_.to_send()) set_positions(*reference_deg);
   }
 }
 
-void YarpHead::send(const HeadCommand& reference_rad) {
+YarpHead::Degrees YarpHead::in_degrees(const HeadCommand& reference_rad) const {
   Degrees reference_deg{};
   for (int i = 0; i < joints_; ++i)
     reference_deg[static_cast<std::size_t>(i)] = reference_rad[i] / rad_per_deg;
-  reference_deg_.write(reference_deg);
+  return reference_deg;
+}
+
+void YarpHead::send(const HeadCommand& reference_rad) {
+  outlet_.command(in_degrees(reference_rad));
   to_send_.request();
 }
 
 HeadPort::CommandResult YarpHead::command(const HeadCommand& reference_rad) {
   if (is_lost()) return {PortStatus::lost, false};
-  if (!active_ || halted_ || !is_allowed(reference_rad, limits_)) return {PortStatus::ok, true};
+  if (!active_ || outlet_.halted() || !is_allowed(reference_rad, limits_)) return {PortStatus::ok, true};
   send(reference_rad);
   return {};
 }
 
 std::optional<HeadCommand> YarpHead::stop_reference() const {
   const StateInput::State joints = state_input_.state();
-  const Degrees reference_deg = reference_deg_.read();
-  const bool was_sent = reference_deg_.count() >= 2;
+  const auto sent_deg = outlet_.commanded();
   return saccade::stop_reference({joints.value.data(), static_cast<std::size_t>(joints.count)},
-                                 {reference_deg.data(), was_sent ? reference_deg.size() : 0}, joints_,
-                                 limits_);
+                                 sent_deg ? std::span<const double>(*sent_deg) : std::span<const double>(),
+                                 joints_, limits_);
 }
 
 PortStatus YarpHead::stop() {
   const PortStatus status = is_lost() ? PortStatus::lost : PortStatus::ok;
-  if (!active_ || halted_) return status;
+  if (!active_ || outlet_.halted()) return status;
   const auto reference_rad = stop_reference();
   if (!reference_rad) {
     lost_ = true;
@@ -282,15 +285,12 @@ PortStatus YarpHead::stop() {
 }
 
 void YarpHead::halt() {
+  outlet_.halt();  // first, whatever is known of the joints
   if (board_ == nullptr) return;
   if (const auto reference_rad = stop_reference()) {
-    Degrees reference_deg{};
-    for (int i = 0; i < joints_; ++i)
-      reference_deg[static_cast<std::size_t>(i)] = (*reference_rad)[i] / rad_per_deg;
-    halt_deg_.write(reference_deg);
-    halted_ = true;
+    outlet_.hold_at(in_degrees(*reference_rad));
+    to_send_.request();
   }
-  to_send_.request();
 }
 
 std::optional<YarpHead::Modes> YarpHead::modes() const {
@@ -349,7 +349,7 @@ void YarpHead::activate() {
   int policy = 0;
   if (pthread_getschedparam(pthread_self(), &policy, &priority) == 0)
     (void)pthread_setschedparam(sender_.native_handle(), policy, &priority);
-  halted_ = false;
+  outlet_.resume();
   repeats_ = true;
   active_ = true;
   stop();
@@ -370,17 +370,14 @@ void YarpHead::release() {
   (void)set_modes(*now, wanted);
 }
 
+bool YarpHead::answers() { return !is_lost() && clock_.now_us() - state_input_.state().t_us < fresh_us; }
+
 bool YarpHead::take_over() {
   if (is_lost()) return false;
   const auto now = modes();
   const auto reference_rad = stop_reference();
   if (!now) return false;
-  if (reference_rad) {
-    Degrees reference_deg{};
-    for (int i = 0; i < joints_; ++i)
-      reference_deg[static_cast<std::size_t>(i)] = (*reference_rad)[i] / rad_per_deg;
-    set_positions(reference_deg);
-  }
+  if (reference_rad) set_positions(in_degrees(*reference_rad));
   Modes wanted = *now;
   for (int& mode : wanted) {
     if (mode == VOCAB_CM_POSITION_DIRECT) mode = VOCAB_CM_POSITION;

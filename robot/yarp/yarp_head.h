@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "robot/newest.h"
+#include "robot/reference_outlet.h"
 #include "robot/robot.h"
 #include "robot/steady_clock.h"
 #include "robot/wake_up.h"
@@ -75,11 +76,13 @@ class YarpHead final : public HeadPort {
   /// HeadStopper::stop: the joints in position-direct mode hold, and change to position mode.
   [[nodiscard]] bool take_over();
   [[nodiscard]] bool is_lost();
+  /// Whether it is connected and its readings are new.
+  [[nodiscard]] bool answers();
 
  private:
   /// Of both the first joints_ elements count.
   using Modes = std::array<int, gaze_slots>;
-  using Degrees = std::array<double, gaze_slots>;
+  using Degrees = ReferenceOutlet::Degrees;
 
   /// The state that request threads share. It keeps YARP initialised until the last of them ends.
   struct Board {
@@ -110,6 +113,7 @@ class YarpHead final : public HeadPort {
   [[nodiscard]] std::optional<Modes> modes() const;
   /// Sets the mode of the joints at which `wanted` differs from `now`, and of no others.
   [[nodiscard]] bool set_modes(const Modes& now, const Modes& wanted) const;
+  [[nodiscard]] Degrees in_degrees(const HeadCommand& reference_rad) const;
   void send(const HeadCommand& reference_rad);
   void send_references();
   void set_positions(const Degrees& reference_deg) const;
@@ -130,9 +134,7 @@ class YarpHead final : public HeadPort {
   std::atomic<bool> lost_ = false;
   std::mutex reports_mutex_;  // of those who write reports_: the reporter, and activate()
   Newest<Reports> reports_;
-  Newest<Degrees> reference_deg_;  // of the thread that commands
-  Newest<Degrees> halt_deg_;       // of the thread that halts; instead of the others while halted_
-  std::atomic<bool> halted_ = false;
+  ReferenceOutlet outlet_;
   WakeUp to_send_;  // a reference to send
   std::atomic<bool> sends_ = true;
   std::atomic<bool> repeats_ = false;

@@ -55,6 +55,11 @@ void close_input(yarp::os::Port& port, const std::string& remote) {
   port.close();
 }
 
+void OutputCount::report(const yarp::os::PortInfo& info) {
+  if (info.tag != yarp::os::PortInfo::PORTINFO_CONNECTION || info.incoming) return;
+  count_ += info.created ? 1 : -1;
+}
+
 YarpNetwork::YarpNetwork(double timeout_s) {
   yarp::os::Log::setPrintCallback(print_errors);
   if (!name_server_answers(timeout_s)) {

@@ -4,6 +4,8 @@
 #include <yarp/os/Contact.h>
 #include <yarp/os/Network.h>
 #include <yarp/os/Port.h>
+#include <yarp/os/PortInfo.h>
+#include <yarp/os/PortReport.h>
 
 #include <atomic>
 #include <chrono>
@@ -39,6 +41,19 @@ class YarpNetwork {
 
  private:
   yarp::os::Network network_;
+};
+
+/// Counts the outputs of a port as YARP reports them: give it to setReporter() before the port is opened. Port::getOutputCount()
+/// walks through YARP's list of connections, while the thread of a connection that is cut deletes a part of it: with a
+/// call per tick a reader that was killed could end the program (YARP 3.12).
+class OutputCount final : public yarp::os::PortReport {
+ public:
+  [[nodiscard]] int count() const { return count_; }
+
+ private:
+  void report(const yarp::os::PortInfo& info) override;
+
+  std::atomic<int> count_ = 0;
 };
 
 /// Calls a function periodically in a separate thread until it is destroyed.

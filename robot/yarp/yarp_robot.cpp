@@ -192,7 +192,7 @@ YarpHeadStopper::YarpHeadStopper(const YarpConfig& config, const JointLimits& li
 YarpHeadStopper::~YarpHeadStopper() = default;
 
 bool YarpHeadStopper::is_connected() {
-  return parts_->head ? !parts_->head->is_lost() : parts_->gaze && !parts_->gaze->is_lost();
+  return parts_->head ? parts_->head->answers() : parts_->gaze && parts_->gaze->answers();
 }
 
 bool YarpHeadStopper::stop() {

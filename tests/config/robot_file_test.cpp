@@ -117,5 +117,16 @@ TEST(RobotFile, AGuardIsRequiredOnlyOfAHeadThatAnotherProcessCanStop) {
   EXPECT_EQ(complaint(robots / "practice.yaml", {"deploy.guard=required"}), "nothing");
 }
 
+TEST(RobotFile, EveryShippedOneWhoseHeadAnotherProcessCanStopRequiresTheGuard) {
+  int found = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(robots)) {
+    const RobotFile file = read_robot_file(entry.path(), {}, robots_too());
+    if (file.robot.head_name().empty()) continue;
+    ++found;
+    EXPECT_EQ(file.deploy.guard, GuardUse::required) << entry.path();
+  }
+  EXPECT_GE(found, 4);
+}
+
 }  // namespace
 }  // namespace saccade

@@ -447,7 +447,7 @@ TEST(FollowWatch, NoticesAJointThatRestsWhileItsReferenceSwingsAboutIt) {
       HeadJointVector reference = HeadJointVector::Zero(), position = HeadJointVector::Zero();
       reference[2] = swing_rad;
       position[2] = follows * swing_rad + (t_us % 2000 == 0 ? 0.05 : -0.05) * rad_per_deg;
-      watch.update(t_us, reference, position);
+      watch.update(t_us, reference, t_us, position);
       TickFacts facts;
       watch.add_to(facts);
       if (facts.lags_since_us) {
@@ -465,7 +465,7 @@ TEST(FollowWatch, NoticesAJointThatRestsWhileItsReferenceSwingsAboutIt) {
   HeadJointVector reference = HeadJointVector::Zero();
   for (int i = 0; i < 1000; ++i) {  // within what friction holds
     reference[1] = 2.5 * rad_per_deg * (i % 2);
-    watch.update(i * 1000, reference, HeadJointVector::Zero());
+    watch.update(i * 1000, reference, i * 1000, HeadJointVector::Zero());
   }
   watch.add_to(facts);
   EXPECT_FALSE(facts.lags_since_us.has_value());
@@ -475,19 +475,37 @@ TEST(FollowWatch, CountsFromTheFirstReadingThatIsTooFarAndForgetsWhenTheJointArr
   FollowWatch watch(6.0);
   HeadJointVector position_rad = HeadJointVector::Zero();
   position_rad[1] = 7.0 * rad_per_deg;
-  watch.update(1'000, HeadJointVector::Zero(), position_rad);
+  watch.update(1'000, HeadJointVector::Zero(), 1'000, position_rad);
   position_rad[4] = -7.0 * rad_per_deg;
-  watch.update(2'000, HeadJointVector::Zero(), position_rad);
+  watch.update(2'000, HeadJointVector::Zero(), 2'000, position_rad);
   TickFacts facts;
   watch.add_to(facts);
   EXPECT_EQ(facts.lags_since_us, 1'000);
   EXPECT_EQ(facts.lagging, neck_roll);
   position_rad[1] = 0.0;
-  watch.update(3'000, HeadJointVector::Zero(), position_rad);
+  watch.update(3'000, HeadJointVector::Zero(), 3'000, position_rad);
   facts = {};
   watch.add_to(facts);
   EXPECT_EQ(facts.lags_since_us, 2'000);
   EXPECT_EQ(facts.lagging, eyes_version);
+}
+
+TEST(FollowWatch, ComparesAReadingWithTheReferenceOfItsOwnTime) {
+  // 120 deg/s with readings that are 50 ms old and arrive every 30 ms: 6 deg behind the newest reference, 3 deg behind that
+  // of their time. A joint that is 7 deg behind does lag.
+  for (const auto& [behind_deg, lags] : {std::pair{3.0, false}, {7.0, true}}) {
+    FollowWatch watch(6.0);
+    for (std::int64_t t_us = 0; t_us < 700'000; t_us += 1000) {
+      const std::int64_t read_us = t_us / 30'000 * 30'000 - 20'000;
+      HeadJointVector reference = HeadJointVector::Zero(), position = HeadJointVector::Zero();
+      reference[2] = 120e-6 * static_cast<double>(t_us) * rad_per_deg;
+      position[2] = 120e-6 * static_cast<double>(read_us) * rad_per_deg - behind_deg * rad_per_deg;
+      watch.update(t_us, reference, read_us, position);
+    }
+    TickFacts facts;
+    watch.add_to(facts);
+    EXPECT_EQ(facts.lags_since_us.has_value(), lags) << behind_deg;
+  }
 }
 
 // ---- activation that is tried again --------------------------------------------------------------

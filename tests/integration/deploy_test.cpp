@@ -190,15 +190,19 @@ TEST_F(Deploy, OverloadLeavesOutEventsAndEvaluationsAndCountsThem) {
 /// `saccade deploy` with the backend practice and a head of this process's own.
 std::string practice(const std::string& options) {
   return "'" SACCADE_BINARY "' deploy '" + source +
-         "/scenarios/robots/practice.yaml' --set practice.head=deploy-" + std::to_string(::getpid()) +
-         patient + options;
+         "/scenarios/robots/practice.yaml' --set deploy.guard=optional --set practice.head=deploy-" +
+         std::to_string(::getpid()) + patient + options;
 }
 
 TEST_F(Deploy, APracticeRunThatEndsAsAskedIsStatusZeroAndLeavesABlackBoxAndHistograms) {
   const Outcome run = run_shell(practice("--activate --record --duration 1.5 --out " + out()));
   EXPECT_EQ(run.status, 0) << run.text;
   EXPECT_THAT(bytes_of(out("out/deploy.json")),
-              AllOf(HasSubstr("\"state\": \"active\""), HasSubstr("late_us_histogram")));
+              AllOf(HasSubstr("\"state\": \"active\""), HasSubstr("late_us_histogram"),
+                    HasSubstr("\"warning\": \"no guard: none watches this head")));
+  EXPECT_THAT(run.text,
+              HasSubstr("active; warning: no guard: none watches this head: start `saccade guard`"));
+  EXPECT_THAT(run.text, testing::ContainsRegex("active +[0-9.]+ s  NO GUARD"));
   EXPECT_THAT(bytes_of(out("out/blackbox/ticks_0.csv")), HasSubstr(",active,"));
   EXPECT_THAT(bytes_of(out("out/blackbox/messages_0.txt")), HasSubstr("stopped: the run is over"));
   EXPECT_FALSE(events_of(out("out/events.aedat4")).empty());

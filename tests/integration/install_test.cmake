@@ -75,6 +75,23 @@ must(${CMAKE_COMMAND} -S ${SOURCE}/examples/libraries -B ${WORK}/libraries -G ${
   -D CMAKE_PREFIX_PATH=${WORK}/prefix -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_BUILD_TYPE=${TYPE}
   -D CMAKE_CXX_FLAGS=${FLAGS})
 must(${CMAKE_COMMAND} --build ${WORK}/libraries)
+# Every library that is installed is a component of the package, by itself.
+file(READ ${WORK}/prefix/${LIBDIR}/cmake/saccade/saccadeTargets.cmake text)
+string(REGEX MATCHALL "add_library\\(saccade::[a-z_]+" found "${text}")
+list(TRANSFORM found REPLACE "add_library\\(saccade::" "")
+if(NOT "core" IN_LIST found OR NOT "threads" IN_LIST found)
+  message(FATAL_ERROR "installed libraries: ${found}")
+endif()
+foreach(component IN LISTS found)
+  file(WRITE ${WORK}/component/CMakeLists.txt "cmake_minimum_required(VERSION 3.25)
+project(component C CXX)
+find_package(saccade REQUIRED COMPONENTS ${component})
+add_library(uses INTERFACE)
+target_link_libraries(uses INTERFACE saccade::${component})
+")
+  must(${CMAKE_COMMAND} -S ${WORK}/component -B ${WORK}/component/build -G ${GENERATOR} -D CMAKE_PREFIX_PATH=${WORK}/prefix)
+endforeach()
+
 set(ENV{SACCADE_DATA} ${WORK}/prefix/share/saccade)  # the examples lie outside the tree
 foreach(library core control emulator recording robot loop sim scoring config session report)
   must(${WORK}/libraries/${library}_example)

@@ -85,8 +85,8 @@ Saccade serve(std::vector<std::string> more = {}) {
 Saccade deploy(const std::string& control) {
   return {"deployed",
           {"deploy", SACCADE_SOURCE_DIR "/scenarios/robots/served.yaml", "--activate", "--set",
-           "yarp.head.control=" + control, "--set", "deploy.ramp_in_s=0.5", "--set",
-           "deploy.watchdog.tick_late_ms=490", "--set", "deploy.watchdog.hang_ms=480", "--set",
+           "deploy.guard=none", "--set", "yarp.head.control=" + control, "--set", "deploy.ramp_in_s=0.5",
+           "--set", "deploy.watchdog.tick_late_ms=490", "--set", "deploy.watchdog.hang_ms=480", "--set",
            "deploy.watchdog.safe_within_ms=1000", "--set", "deploy.watchdog.camera_silent_ms=500", "--set",
            "deploy.watchdog.joints_stale_ms=500"}};
 }

@@ -59,6 +59,8 @@ class Served {
   }
   /// Ctrl-C.
   void interrupt() { process_->send_signal(SIGINT); }
+  /// Its exit status.
+  int wait() { return process_->wait(); }
   [[nodiscard]] bool has_ended() const {
     return eventually(20.0, [this] { return std::filesystem::exists(folder_ / "report.html"); });
   }
@@ -342,6 +344,7 @@ TEST_F(Serve, StartsAgainUnderTheSameNamesAfterItWasKilled) {
   EXPECT_TRUE(eventually(2.0, [&] { return head.away(there) < 0.5; })) << head.away(there);
   served.interrupt();
   ASSERT_TRUE(served.has_ended()) << served.said();
+  EXPECT_EQ(served.wait(), 0) << "Ctrl-C ends it as planned: " << served.said();
   EXPECT_THAT(served.said(), HasSubstr("commands come for the head's joints"));
   const auto metrics = nlohmann::json::parse(std::ifstream(served / "metrics.json"));
   EXPECT_TRUE(metrics.at("gaze").at("fixation_error_deg").contains("median"));

@@ -272,6 +272,34 @@ TEST(CameraView, NamesACameraOfAnotherSizeAnotherCodecAndASinglePolarity) {
   EXPECT_EQ(view.problem({128, 128}), "") << "too few to tell";
 }
 
+TEST(EventTimeline, ABrightEdgeThatMovesMakesOnEventsWithBothMeaningsOfThePolarityBit) {
+  // Luminance is 1 left of the edge and 0.1 right of it. The bit as two kinds of cameras send it for a change of luminance:
+  // event-driven's own (1: darker), and its bridges to Prophesee cameras, which pass on Prophesee's bit (1: brighter).
+  const auto luminance = [](int x, double edge_x) { return x < edge_x ? 1.0 : 0.1; };
+  for (const bool one_is_brighter : {false, true}) {
+    for (const double step_px : {1.0, -1.0}) {
+      EventTimelineConfig config;
+      config.image_size = {128, 128};
+      config.swap_polarity = one_is_brighter;
+      EventTimeline timeline(config);
+      std::vector<Event> events;
+      for (int k = 1; k <= 20; ++k) {
+        EventPacket packet{1000, {}};
+        for (int x = 0; x < 128; ++x) {
+          const double change = luminance(x, 64.0 + k * step_px) - luminance(x, 64.0 + (k - 1) * step_px);
+          if (change == 0.0) continue;
+          const std::uint32_t bit = (change > 0.0) == one_is_brighter ? 1U : 0U;
+          packet.events.push_back({0, static_cast<std::uint32_t>(x) << 1 | 60U << 12 | bit});  // ev2
+        }
+        timeline.add(packet, std::nullopt, 10'000 + 1000 * k, events);
+      }
+      ASSERT_THAT(events, SizeIs(20));
+      for (const Event& event : events)
+        EXPECT_EQ(event.on, step_px > 0.0) << "a bright edge that moves to the right makes pixels brighter";
+    }
+  }
+}
+
 TEST(EventTimeline, SwapsPolarityAndCountsWhatItSees) {
   EventTimelineConfig swapped;
   swapped.image_size = {128, 128};

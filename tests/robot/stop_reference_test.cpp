@@ -5,6 +5,7 @@
 #include <array>
 #include <limits>
 
+#include "robot/reference_outlet.h"
 #include "tests/robot/scripted_world.h"
 
 namespace saccade {
@@ -51,6 +52,26 @@ TEST(StopReference, LiesInsideTheLimits) {
   const auto reference_rad = stop_reference(position_deg, {}, 1, limits);
   ASSERT_TRUE(reference_rad);
   EXPECT_EQ((*reference_rad)[0], most_rad);
+}
+
+TEST(ReferenceOutlet, AHaltIsAHaltWithAndWithoutAReferenceToHoldAt) {
+  ReferenceOutlet outlet;
+  EXPECT_FALSE(outlet.to_send()) << "nothing was commanded";
+  outlet.halt();  // nothing is known of the joints, and nothing was sent
+  EXPECT_TRUE(outlet.halted());
+  outlet.command({1.0});
+  EXPECT_FALSE(outlet.to_send()) << "a tick that hung and resumes commands nothing";
+  outlet.resume();
+  EXPECT_FALSE(outlet.to_send()) << "nor later";
+  outlet.command({1.0});
+  EXPECT_EQ(outlet.to_send()->at(0), 1.0);
+  outlet.halt();
+  outlet.hold_at({2.0});
+  outlet.command({3.0});
+  EXPECT_EQ(outlet.to_send()->at(0), 2.0);
+  outlet.resume();
+  outlet.halt();
+  EXPECT_FALSE(outlet.to_send()) << "not the reference of the halt before";
 }
 
 }  // namespace

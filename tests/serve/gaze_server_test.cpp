@@ -4,11 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstdio>
 #include <sstream>
 
 #include "control/head_kinematics.h"
+#include "core/random.h"
 #include "head/icub_cameras.h"
 #include "tests/control/genova02.h"
 
@@ -362,6 +365,79 @@ TEST(GazeServer, VorAndOcrBeginWithOneAndZeroOnAHeadWithAnInertialSensor) {
   GazeServer without({}, {}, genova02_limits(), icub_left_2016, icub_left_2016, JointVector::Zero());
   EXPECT_EQ(without.answer("get vor"), "[ack] 0");
   EXPECT_EQ(without.answer("get ocr"), "[ack] 1");
+}
+
+TEST(GazeServer, RequestsWithNumbersOfEveryMagnitudeAreAnsweredAndLeaveAHeadThatFollows) {
+  Head head;
+  EXPECT_EQ(head.server.answer("look 3D (-1e300 0 0.3)"), "[nack]");
+  EXPECT_EQ(head.server.answer("look 3D (-1001 0 0.3)"), "[nack]");
+  EXPECT_EQ(head.server.answer("look 3D (-900 0 0.3)"), "[ack]");
+  EXPECT_EQ(head.server.answer("set vor 1e300"), "[nack]");
+  const RandomStream random(1, "requests of every magnitude");
+  std::uint64_t count = 0;
+  const auto number = [&]() -> std::string {
+    constexpr std::array awkward = {"-1e300", "1e300", "1e-300", "4.9e-324", "-0",     "0",
+                                    "nan",    "inf",   "-inf",   "1e154",    "1",      "-1",
+                                    "0.3",    "-0.5",  "99",     "1e9999",   "1e-9999"};
+    const std::uint64_t bits = random.bits(0, ++count);
+    if (bits % 2 == 0) return awkward[random.bits(1, count) % awkward.size()];
+    std::ostringstream text;
+    text << (bits % 3 == 0 ? std::bit_cast<double>(random.bits(2, count))
+                           : random.uniform(-1.0, 1.0, 3, count));
+    return text.str();
+  };
+  struct Form {
+    const char* words;
+    int numbers;
+  };
+  constexpr std::array forms = {Form{"look 3D", 3},
+                                Form{"look mono left", 3},
+                                Form{"look mono right", 3},
+                                Form{"look stereo", 4},
+                                Form{"look ang abs", 3},
+                                Form{"look ang rel", 3},
+                                Form{"get 2D left", 3},
+                                Form{"get 3D proj left", 6},
+                                Form{"get 3D mono left", 3},
+                                Form{"get 3D ang abs", 3},
+                                Form{"set Tneck", 1},
+                                Form{"set Teyes", 1},
+                                Form{"set sact", 1},
+                                Form{"set sinh", 1},
+                                Form{"set vor", 1},
+                                Form{"set ocr", 1},
+                                Form{"set track", 1},
+                                Form{"bind pitch", 2},
+                                Form{"bind yaw", 2},
+                                Form{"bind eyes", 1},
+                                Form{"clear pitch", 0},
+                                Form{"clear eyes", 0},
+                                Form{"stor", 0},
+                                Form{"rest", 1},
+                                Form{"set tweak camera_intrinsics_left", 12}};
+  const JointLimits limits = genova02_limits();
+  for (int i = 0; i < 4000 && !testing::Test::HasFailure(); ++i) {
+    const Form& form = forms[random.bits(4, static_cast<std::uint64_t>(i)) % forms.size()];
+    std::string request = form.words;
+    for (int k = 0; k < form.numbers; ++k) request += " " + number();
+    const std::string reply = head.server.answer(request);
+    EXPECT_TRUE(reply.starts_with("[ack]") || reply == "[nack]") << request << ": " << reply;
+    EXPECT_EQ(reply.find("nan"), std::string::npos) << request << ": " << reply;
+    EXPECT_EQ(reply.find("inf"), std::string::npos) << request << ": " << reply;
+    head.run(0.02);
+    for (int j = torso_slots; j < torso_slots + head_joint_count; ++j) {
+      EXPECT_TRUE(head.state.position_rad[j] >= limits.min_rad[j] - 1e-9 &&
+                  head.state.position_rad[j] <= limits.max_rad[j] + 1e-9)
+          << request << ": " << head.state.position_rad.transpose();
+    }
+  }
+  for (const char* request :
+       {"clear pitch", "clear roll", "clear yaw", "clear eyes", "set Tneck 0.75", "set Teyes 0.25",
+        "set vor 0", "set ocr 1", "set sacc 1", "set sact 10", "set sinh 0.2", "run"})
+    EXPECT_EQ(head.server.answer(request), "[ack]") << request;
+  EXPECT_EQ(head.server.answer("look 3D (-0.5 0.1 0.4)"), "[ack]");
+  head.run(6.0);
+  EXPECT_LT(head.miss_deg(Eye::left, {-0.5, 0.1, 0.4}), 0.2);
 }
 
 }  // namespace

@@ -12,8 +12,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/deploy/guard_head.h"
 #include "core/error.h"
 #include "robot/yarp/checked_port.h"
+#include "robot/yarp/event_port.h"
 #include "tests/robot/port_conformance.h"
 #include "tests/robot/yarp/peers.h"
 #include "tests/robot/yarp/yarp_world.h"
@@ -454,6 +456,97 @@ TEST_F(Yarp, TheGuardsConnectionTakesPositionDirectJointsAwayFromDeployAndLeaves
   EXPECT_EQ(world.board.modes().at(1), VOCAB_CM_IDLE);
 }
 
+TEST_F(Yarp, TheGuardsConnectionIsMadeAgainAfterItsBoardWasStartedAgain) {
+  const std::string name = unique_name("/icub");
+  const CountingGrabber grabber(name + "/AE:o");
+  std::optional<Child> board;
+  const auto start_board = [&] {
+    board.emplace(std::vector<std::string>{SACCADE_YARP_PEER, "board", name + "/head"},
+                  YarpWorld::get() / "board.log");
+    return eventually(10.0, [&] {
+      return yarp::os::Network::exists(name + "/head/state:o", true) &&
+             yarp::os::Network::exists(name + "/head/rpc:i", true);
+    });
+  };
+  ASSERT_TRUE(start_board());
+  GuardHead guard([&] { return std::make_unique<YarpHeadStopper>(config_for(name), our_limits()); });
+  EXPECT_TRUE(eventually(5.0, [&] { return guard.is_connected(); }));
+  board->kill();
+  EXPECT_TRUE(eventually(5.0, [&] { return !guard.is_connected(); }));
+  EXPECT_FALSE(guard.stop());
+  ASSERT_TRUE(start_board());
+  EXPECT_TRUE(eventually(20.0, [&] { return guard.is_connected(); })) << guard.problem();
+  EXPECT_TRUE(guard.stop());
+}
+
+TEST_F(Yarp, AFloodOfTextDoesNotTakeTheGuardFromItsHead) {
+  JointsWorld world;
+  GuardHead guard([&] { return std::make_unique<YarpHeadStopper>(config_for(world.name), our_limits()); });
+  EXPECT_TRUE(eventually(5.0, [&] { return guard.is_connected(); }));
+  const std::string input = "/saccade" + world.name + "/guard/head/state:i";
+  const yarp::os::Contact to = yarp::os::Network::queryName(input);
+  // With the names of a stranger and of the board itself, which YARP then takes for a new connection of the board.
+  for (const std::string& from : {unique_name("/stranger"), world.name + "/head/state:o"}) {
+    for (int i = 0; i < 100; ++i) {
+      const int file = ::socket(AF_INET, SOCK_STREAM, 0);
+      sockaddr_in address{};
+      address.sin_family = AF_INET;
+      address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+      address.sin_port = htons(static_cast<std::uint16_t>(to.getPort()));
+      ASSERT_EQ(::connect(file, reinterpret_cast<sockaddr*>(&address), sizeof(address)), 0);
+      const std::string text = "CONNECT " + from + "\nd\n99 99 99 99 99 99\n";
+      (void)!::write(file, text.data(), text.size());
+      ::close(file);
+    }
+  }
+  EXPECT_TRUE(eventually(20.0, [&] { return guard.is_connected(); })) << guard.problem();
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  EXPECT_TRUE(eventually(20.0, [&] { return guard.is_connected() && guard.stop(); })) << guard.problem();
+}
+
+TEST_F(Yarp, TheServedCameraCountsItsReadersAndSendsThePolarityBitAsAsked) {
+  for (const bool one_is_brighter : {false, true}) {
+    YarpEventPort::Config config;
+    config.name = unique_name("/camera") + "/AE:o";
+    config.swap_polarity = one_is_brighter;
+    YarpEventPort port(config);
+    EXPECT_EQ(port.readers(), 0);
+    struct Words final : yarp::os::PortReader {
+      bool read(yarp::os::ConnectionReader& reader) override {
+        std::vector<std::byte> bytes(reader.getSize());
+        if (!reader.expectBlock(reinterpret_cast<char*>(bytes.data()), bytes.size())) return false;
+        EventPacket packet;
+        EXPECT_EQ(read_packet(bytes, PacketFormat::packet, packet), "");
+        const std::lock_guard lock(mutex);
+        for (const WireEvent& event : packet.events) words.push_back(event.address);
+        return true;
+      }
+      std::mutex mutex;
+      std::vector<std::uint32_t> words;
+    } reader;
+    yarp::os::Port input;
+    input.setReader(reader);
+    ASSERT_TRUE(input.open(unique_name("/reader")));
+    ASSERT_TRUE(yarp::os::Network::connect(config.name, input.getName()));
+    EXPECT_TRUE(eventually(1.0, [&] { return port.readers() == 1; }));
+    // An edge that makes pixel 5 brighter and pixel 6 darker.
+    const std::array<Event, 2> events = {Event{1000, 5, 60, true, 0}, Event{1000, 6, 60, false, 0}};
+    port.send(events, 1000);
+    EXPECT_TRUE(eventually(1.0, [&] {
+      const std::lock_guard lock(reader.mutex);
+      return reader.words.size() == 2;
+    }));
+    {
+      const std::lock_guard lock(reader.mutex);
+      EXPECT_EQ(reader.words.at(0) & 1, one_is_brighter ? 1u : 0u);
+      EXPECT_EQ(reader.words.at(1) & 1, one_is_brighter ? 0u : 1u);
+    }
+    input.interrupt();
+    input.close();
+    EXPECT_TRUE(eventually(1.0, [&] { return port.readers() == 0; }));
+  }
+}
+
 TEST_F(Yarp, MessagesOfAStrangerAndFalseCountsDoNotReachTheJoints) {
   JointsWorld world;
   HeadState before;
@@ -480,9 +573,8 @@ TEST_F(Yarp, NoStrangerFindsThePortsOfTheHeadThatYarpReads) {
   const std::string stream = "/saccade" + world.name + "/head/stateExt:i";
   EXPECT_FALSE(yarp::os::Network::queryName(stream).isValid()) << stream;
   HeadState after;
-  EXPECT_TRUE(eventually(1.0, [&] {
-    return world.robot.head()->read(after) == PortStatus::ok && after.t_us > before.t_us;
-  }));
+  EXPECT_TRUE(eventually(
+      1.0, [&] { return world.robot.head()->read(after) == PortStatus::ok && after.t_us > before.t_us; }));
 }
 
 /// Bytes as a message.

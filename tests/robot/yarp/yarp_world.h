@@ -62,6 +62,13 @@ class Child {
     pid_ = 0;
   }
   void send_signal(int signal) const { ::kill(pid_, signal); }
+  /// Waits until it ends; its exit status, or 128 and the signal that ended it.
+  int wait() {
+    int status = 0;
+    ::waitpid(pid_, &status, 0);
+    pid_ = 0;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  }
 
  private:
   pid_t pid_ = 0;
