@@ -47,6 +47,12 @@ EventArgument::EventArgument(const py::object& argument) {
   events_ = {static_cast<const Event*>(array_.data()), static_cast<std::size_t>(array_.size())};
 }
 
+TimeUnit time_unit_argument(const std::string& word) {
+  const auto unit = time_unit_of(word);
+  if (!unit) throw InputError("time_unit", word, "s, ms, us or ns");
+  return *unit;
+}
+
 ImageSize image_size_of(const std::pair<std::int64_t, std::int64_t>& size) {
   const auto& [width, height] = size;
   constexpr std::int64_t most = 65535;

@@ -4,9 +4,11 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/event.h"
+#include "recording/event_columns.h"
 
 namespace saccade::inline v0_1::python {
 
@@ -28,6 +30,9 @@ class EventArgument {
   pybind11::array array_;
   std::span<const Event> events_;
 };
+
+/// Of the words s, ms, us and ns. Throws InputError for others.
+[[nodiscard]] TimeUnit time_unit_argument(const std::string& word);
 
 /// Width and height. Throws InputError unless both are in [1, 65535].
 [[nodiscard]] ImageSize image_size_of(const std::pair<std::int64_t, std::int64_t>& size);

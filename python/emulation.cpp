@@ -2,6 +2,10 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
+#include <span>
+
+#include "apps/images/emulation.h"
 #include "core/error.h"
 #include "emulator/event_emulator.h"
 #include "python/arrays.h"
@@ -21,7 +25,8 @@ class ArrayEmulator {
   ArrayEmulator(const std::pair<std::int64_t, std::int64_t>& size, std::uint64_t seed, int threads,
                 const std::string& yaml)
       : size_(image_size_of(size)),
-        emulator_(config_of(yaml, "emulator", EmulatorConfig{}), size_, seed, checked(threads)) {}
+        config_(config_of(yaml, "emulator", EmulatorConfig{})),
+        emulator_(config_, size_, seed, checked(threads)) {}
 
   py::array process(const Image& image, std::int64_t t_us) {
     if (image.ndim() != 2 || image.shape(0) != size_.height || image.shape(1) != size_.width)
@@ -30,8 +35,11 @@ class ArrayEmulator {
     std::vector<Event> events;
     {
       const py::gil_scoped_release others_run;
-      emulator_.process_image({image.data(), static_cast<std::size_t>(image.size())}, t_us, events);
+      const std::span luminance(image.data(), static_cast<std::size_t>(image.size()));
+      emulator_.process_image(luminance, t_us, events);
+      if (!warned_) largest_ = std::max(largest_, *std::ranges::max_element(luminance));
     }
+    warn_of_range();
     return array_of(std::move(events));
   }
   py::array finish() {
@@ -51,6 +59,15 @@ class ArrayEmulator {
   }
 
  private:
+  /// Once, after the second image that is not dark: events come from differences of images.
+  void warn_of_range() {
+    if (warned_ || !(largest_ > 0.0F) || ++images_ < 2) return;
+    warned_ = true;
+    const std::string warning = luminance_warning(config_, largest_);
+    if (!warning.empty() && PyErr_WarnEx(PyExc_UserWarning, warning.c_str(), 1) != 0)
+      throw py::error_already_set();
+  }
+
   static int checked(int threads) {
     if (threads < 1 || threads > 256)
       throw InputError("threads", std::to_string(threads), "a number from 1 to 256");
@@ -58,7 +75,11 @@ class ArrayEmulator {
   }
 
   ImageSize size_;
+  EmulatorConfig config_;
   EventEmulator emulator_;
+  float largest_ = 0.0F;  ///< luminance so far
+  int images_ = 0;        ///< since the first one that is not dark
+  bool warned_ = false;
 };
 
 }  // namespace

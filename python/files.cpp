@@ -5,6 +5,7 @@
 #include "apps/images/emulation.h"
 #include "core/error.h"
 #include "evaluation/report/report.h"
+#include "python/arrays.h"
 #include "python/keys.h"
 #include "python/module.h"
 
@@ -21,7 +22,8 @@ void check_signals() {
 
 py::dict emulate(const std::filesystem::path& images, const std::filesystem::path& out,
                  std::optional<double> images_per_s, const std::filesystem::path& timestamps,
-                 std::int64_t seed, int threads, const std::string& yaml) {
+                 const std::optional<std::string>& time_unit, std::int64_t seed, int threads,
+                 const std::string& yaml) {
   if (threads < 1 || threads > 256)
     throw InputError("threads", std::to_string(threads), "a number from 1 to 256");
   EmulationConfig config;
@@ -29,6 +31,7 @@ py::dict emulate(const std::filesystem::path& images, const std::filesystem::pat
   config.out = out;
   config.images_per_s = images_per_s;
   config.timestamps = timestamps;
+  if (time_unit) config.time_unit = time_unit_argument(*time_unit);
   config.seed = seed;
   config.threads = threads;
   config.emulator = config_of(yaml, "emulator", EmulatorConfig{});

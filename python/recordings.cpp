@@ -3,9 +3,13 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <optional>
+#include <span>
+#include <type_traits>
 
+#include "core/error.h"
 #include "python/arrays.h"
 #include "python/module.h"
 #include "recording/format_registry.h"
@@ -83,11 +87,13 @@ class Recording {
 Recording open_recording(const std::filesystem::path& path,
                          const std::optional<std::pair<std::int64_t, std::int64_t>>& size,
                          std::optional<std::uint8_t> camera, const std::string& columns,
-                         const std::string& yarp_codec, const std::string& aedat2_layout) {
+                         const std::optional<std::string>& time_unit, const std::string& yarp_codec,
+                         const std::string& aedat2_layout) {
   EventReadOptions options;
   if (size) options.image_size = image_size_of(*size);
   options.camera = camera;
   options.columns = columns;
+  if (time_unit) options.time_unit = time_unit_argument(*time_unit);
   options.yarp_codec = yarp_codec;
   options.aedat2_layout = aedat2_layout;
   return Recording(open_event_file(path, options));
@@ -116,6 +122,48 @@ py::list formats() {
   return rows;
 }
 
+/// The field of event_dtype and the unit ("" where there is none) that a name means; None for other names.
+std::optional<std::pair<std::string, std::string>> named_column(const std::string& name) {
+  const auto named = event_column(name);
+  if (!named) return std::nullopt;
+  constexpr std::array<const char*, event_columns> fields = {"t", "x", "y", "p", "camera"};
+  return std::pair(std::string(fields[static_cast<std::size_t>(named->column)]),
+                   std::string(named->unit ? word_of(*named->unit) : ""));
+}
+
+template <class T>
+using NumberArray = py::array_t<T, py::array::c_style | py::array::forcecast>;
+
+template <class T>
+py::array_t<std::int64_t> us_of(const NumberArray<T>& times, const std::string& word) {
+  const auto unit = word.empty() ? std::nullopt : std::optional(time_unit_argument(word));
+  const std::span<const T> from(times.data(), static_cast<std::size_t>(times.size()));
+  if constexpr (std::is_same_v<T, double>) {
+    const std::string why = unit ? "" : why_not_seconds(from.first(std::min<std::size_t>(from.size(), 4096)));
+    if (!why.empty())
+      throw InputError("t", why, "us as whole numbers, s, or as_events(events, time_unit=...)");
+  }
+  const TimeUnit in = unit.value_or(std::is_same_v<T, double> ? TimeUnit::s : TimeUnit::us);
+  py::array_t<std::int64_t> result(times.size());
+  std::int64_t* to = result.mutable_data();
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const auto t_us = to_us(from[i], in);
+    const bool plausible = unit || !t_us || (*t_us <= longest_plausible_us && *t_us >= -longest_plausible_us);
+    if (!t_us || !plausible)
+      throw InputError("t of event " + std::to_string(i), std::string(py::str(py::cast(from[i]))),
+                       plausible ? "times within 2^62 us"
+                                 : "times within 4e15 us of 0, or as_events(events, time_unit=...)");
+    to[i] = *t_us;
+  }
+  return result;
+}
+
+/// Times of an array, whole numbers or floating-point ones, in the unit of that word; "": us, or s.
+py::array times_in_us(const py::array& times, const std::string& word) {
+  if (times.dtype().kind() == 'f') return us_of(NumberArray<double>(times), word);
+  return us_of(NumberArray<std::int64_t>(times), word);
+}
+
 }  // namespace
 
 void add_recordings(py::module_& m) {
@@ -129,9 +177,12 @@ void add_recordings(py::module_& m) {
       .def("read_window", &Recording::read_window, py::arg("duration_us"),
            "The events of the next window of `duration_us`; None at the end.");
   m.def("open_recording", &open_recording, py::arg("path"), py::arg("size"), py::arg("camera"),
-        py::arg("columns"), py::arg("yarp_codec"), py::arg("aedat2_layout"));
+        py::arg("columns"), py::arg("time_unit"), py::arg("yarp_codec"), py::arg("aedat2_layout"));
   m.def("write", &write, py::arg("path"), py::arg("events"), py::arg("size"));
   m.def("formats", &formats);
+  // For arrays.py: what the names of fields and the times of arrays mean is what it means in files.
+  m.def("event_column", &named_column);
+  m.def("times_in_us", &times_in_us);
 }
 
 }  // namespace saccade::inline v0_1::python

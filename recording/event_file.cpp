@@ -30,6 +30,7 @@ class OneCameraReader final : public EventReader {
   std::string skipped() const override { return reader_->skipped(); }
   std::optional<std::int64_t> host_ahead_us() const override { return reader_->host_ahead_us(); }
   std::optional<std::uint64_t> broken_record() const override { return reader_->broken_record(); }
+  bool breaks_inside() const override { return reader_->breaks_inside(); }
 
  private:
   std::unique_ptr<EventReader> reader_;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/event.h"
+#include "recording/event_columns.h"
 
 namespace saccade::inline v0_1 {
 
@@ -34,6 +35,8 @@ class EventReader {
   [[nodiscard]] virtual std::optional<std::int64_t> host_ahead_us() const { return std::nullopt; }
   /// After read() threw InputError: the first byte of the record that is broken. None where the format cannot say.
   [[nodiscard]] virtual std::optional<std::uint64_t> broken_record() const { return std::nullopt; }
+  /// Then: whether that record is whole and wrong, so that the file is not cut off there.
+  [[nodiscard]] virtual bool breaks_inside() const { return false; }
 
   /// The file, for messages; empty for a reader that open_event_file did not make.
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
@@ -45,8 +48,11 @@ class EventReader {
 
 /// Properties that a file may not have.
 struct EventReadOptions {
-  /// Order of the columns of text, by the letters t, x, y and p, and c for the camera.
-  std::string columns = "txyp";
+  /// Order of the columns of text and of arrays, by the letters t, x, y and p, c for the camera and _ for a column that is not
+  /// read; auto: that of the file's own names, else txyp.
+  std::string columns = "auto";
+  /// Of times in text, NumPy's arrays and HDF5; none: the file's own, else us or s as the format has them.
+  std::optional<TimeUnit> time_unit = std::nullopt;
   /// The sensor's size where the file has none.
   std::optional<ImageSize> image_size;
   /// Address layout of AEDAT 1.0 and 2.0: auto, dvs128, stereo or davis.

@@ -281,7 +281,9 @@ RecordingFormat prophesee_raw_format() {
   format.sniff = [](const FileStart& start) {
     const auto has = [&](std::string_view key) { return start.bytes.find(key) != std::string_view::npos; };
     if (!start.bytes.starts_with('%')) return Match::none;
-    return has("% evt ") || has("% format ") ? Match::certain : Match::likely;
+    if (has("% evt ") || has("% format ")) return Match::certain;
+    // Words behind the header are hardly ever text, but a text's comments begin so too.
+    return start.is_text() && start.has_line_without('%') ? Match::none : Match::likely;
   };
   format.open = open_evt;
   format.create = create_evt3;

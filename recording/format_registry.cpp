@@ -14,6 +14,7 @@
 #include "recording/input_file.h"
 #include "recording/mcap_codec.h"
 #include "recording/npz_codec.h"
+#include "recording/ros2_bag_codec.h"
 #include "recording/ros_bag_codec.h"
 #include "recording/text_codec.h"
 #include "recording/yarp_log_codec.h"
@@ -42,6 +43,7 @@ FormatRegistry built_in_formats() {
   registry.add(numpy_format());
   registry.add(ros_bag_format());
   registry.add(mcap_format());
+  registry.add(ros2_bag_format());
   registry.add(yarp_log_format());
   registry.add(yarp_binary_format());
   registry.add(text_format());
@@ -57,6 +59,13 @@ bool FileStart::is_text() const {
   return std::all_of(bytes.begin(), bytes.end(), [](char c) {
     return static_cast<unsigned char>(c) >= 0x20 || c == '\n' || c == '\r' || c == '\t';
   });
+}
+
+bool FileStart::has_line_without(char mark) const {
+  for (std::size_t end = bytes.find('\n'); end != std::string_view::npos; end = bytes.find('\n', end + 1)) {
+    if (end + 1 < bytes.size() && bytes[end + 1] != mark) return true;
+  }
+  return false;
 }
 
 void FormatRegistry::add(RecordingFormat format) {
@@ -118,7 +127,29 @@ std::filesystem::path FormatRegistry::file_of(const std::filesystem::path& path)
     const std::string& name = format.file_in_folder;
     if (!name.empty() && std::filesystem::exists(path / name, error)) return path / name;
   }
-  return path;
+  std::vector<std::string> marks, extensions;
+  for (const RecordingFormat& format : *formats_) {
+    const std::string& mark = format.folder_mark;
+    if (mark.empty() || !std::filesystem::exists(path / mark, error)) continue;
+    if (std::ranges::count(marks, mark) == 0) marks.push_back(mark);
+    extensions.insert(extensions.end(), format.extensions.begin(), format.extensions.end());
+  }
+  if (marks.empty()) return path;
+  std::vector<std::string> found, others;
+  for (const auto& entry : std::filesystem::directory_iterator(path, error)) {
+    const bool fits = std::ranges::count(extensions, entry.path().extension().string()) > 0;
+    (fits ? found : others).push_back(entry.path().filename().string());
+  }
+  std::ranges::sort(found);
+  std::ranges::sort(others);
+  if (found.size() == 1) return path / found.front();
+  std::string expected;
+  for (const std::string& extension : extensions) expected += (expected.empty() ? "" : " or ") + extension;
+  const std::string content = found.empty() ? "a folder of " + joined(others) : "a bag of " + joined(found);
+  throw InputError(
+      path.string(), printable(content),
+      "one " + expected + " file beside " + joined(marks) +
+          (found.empty() ? "; compressed ones are unpacked first" : "; each can be read by itself"));
 }
 
 std::string FormatRegistry::written_extensions(int cameras) const {

@@ -36,6 +36,8 @@ struct FileStart {
   [[nodiscard]] Match begins_with(std::string_view mark) const;
   /// Whether the first bytes are printable ASCII and white space.
   [[nodiscard]] bool is_text() const;
+  /// Whether a line but the first one begins with another character than `mark`.
+  [[nodiscard]] bool has_line_without(char mark) const;
 };
 
 /// One format of recordings: a row of FormatRegistry. Everything that depends on the format, lists in messages and in
@@ -46,6 +48,9 @@ struct RecordingFormat {
       extensions;  ///< ".h5", ".hdf5": the first one is that of a run folder's event file
   /// Name of the file that makes a folder a recording of this format ("data.log"); empty: none does.
   std::string file_in_folder;
+  /// Name of a file that makes a folder, with one file that has one of the extensions, such a recording ("metadata.yaml");
+  /// empty: none does.
+  std::string folder_mark;
 
   std::function<Match(const FileStart&)> sniff;
   /// Opens a file that `sniff` has matched. Throws InputError for a broken header.
@@ -86,7 +91,8 @@ class FormatRegistry {
   [[nodiscard]] const RecordingFormat& recognise(const FileStart& start) const;
   /// The written format that a file name's extension selects. Throws InputError for another extension.
   [[nodiscard]] const RecordingFormat& for_writing(const std::filesystem::path& path) const;
-  /// The recording inside a folder, `path` itself where it is no such folder.
+  /// The recording inside a folder, `path` itself where it is no such folder. Throws InputError for a folder with a format's
+  /// mark (RecordingFormat::folder_mark) and no recording, or several.
   [[nodiscard]] std::filesystem::path file_of(const std::filesystem::path& path) const;
 
   /// Extensions of written files that hold at least so many cameras, sorted: ".aedat, .aedat4, .csv".

@@ -148,7 +148,9 @@ RecordingFormat hdf5_format() {
   };
   format.open = [](InputFile file, const EventReadOptions& options) {
     const std::string size = options.image_size ? text_of(*options.image_size) : std::string();
-    return open_in_helper(file.name(), "libhdf5", {find_helper("saccade-hdf5-reader"), {file.name(), size}});
+    const std::string unit(options.time_unit ? word_of(*options.time_unit) : "");
+    return open_in_helper(file.name(), "libhdf5",
+                          {find_helper("saccade-hdf5-reader"), {file.name(), size, options.columns, unit}});
   };
   format.create = [](const std::filesystem::path& path, ImageSize size,
                      int cameras) -> std::unique_ptr<EventWriter> {
@@ -158,13 +160,20 @@ RecordingFormat hdf5_format() {
   format.longest_us = std::int64_t{0xffffffff};
   format.read_in_helper = true;
   format.reads =
-      "DSEC's layout: `/events/{t,x,y,p}` of whole numbers of any width, `/t_offset`, "
-      "`/events/{width,height}`, `/events/camera` where there are two; v2e's "
-      "layout: `/events`, N x 4: t, x, y, p; gzip, Blosc with libhdf5's plugin for it";
+      "a group of datasets t, x, y, p (DSEC with `/t_offset` and `/events/{width,height,camera}`, M3ED, "
+      "event_utils, "
+      "e2calib), records of them (Metavision's `/CD/events`), or a table N x 4 `events` (v2e: t, x, y, p; "
+      "MVSEC: x, y, t, "
+      "p; others by `--columns`); of a left and a right camera both, merged by time; gzip, other filters "
+      "with libhdf5's "
+      "plugin for them";
   format.writes =
       "DSEC's layout with gzip; `/ms_to_idx` up to the ms after the last event, `/t_offset` the first "
       "event's time; of two cameras `/events/camera`, 0 left and 1 right";
-  format.time = "us, 32 bits after `/t_offset`, continued over wraps";
+  format.time =
+      "in the unit of the name or of `--time-unit`, else whole numbers us, floating-point s; 32 bits "
+      "continued over wraps; "
+      "written: 32 bits of us after `/t_offset`";
   format.axes = "top left, 1 is ON";
   format.limits = "sorted by time, 2^32 us";
   return format;

@@ -4,12 +4,15 @@
 
 namespace saccade::inline v0_1 {
 
-/// HDF5 in two layouts:
-///   DSEC  a group /events with x, y, t (us) and p (0 or 1, or -1 or 1; 1 = ON), each a number per event, and optional
-///         scalars width and height; /t_offset, a scalar that is added to t. /ms_to_idx is not needed.
-///   v2e   a table /events of N x 4: t (us), x, y, p.
-/// Whole numbers of any width; times of 32 bits are continued when they wrap. Any compression that libhdf5 has a filter
-/// for: gzip always; Blosc, as in DSEC's own files, with its plugin, and without it an InputError that names the plugin.
+/// HDF5 in the layouts that recording/hdf5_layout.h finds:
+///   datasets  t, x, y and p (0 or 1, or -1 or 1; 1 = ON) in a group, each a number per event: DSEC's /events, with optional
+///             scalars width and height and /t_offset, which is added to t (/ms_to_idx is not needed); M3ED's
+///             /prophesee/left and right; event_utils' /events/{ts,xs,ys,ps}; e2calib's, in the root
+///   records   with these members: Metavision's /CD/events
+///   tables    of N x 4: v2e's /events, t (us), x, y, p; MVSEC's /davis/left/events and right, x, y, t (s), p
+/// Whole or floating-point numbers, and NumPy's bool; whole times of 32 bits are continued when they wrap. Units as in
+/// recording/npz_codec.h. Any compression that libhdf5 has a filter for: gzip always; Blosc, as in DSEC's own files, with its
+/// plugin, and without it an InputError that names the plugin.
 ///
 /// libhdf5 crashes on some broken files. It therefore reads in a helper process (recording/helper_reader.h): a crash, or a
 /// read that does not end, is an InputError of this file. libhdf5 rejects a truncated file as a whole. `path` must be a

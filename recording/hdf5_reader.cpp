@@ -2,10 +2,16 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
 
 #include "core/error.h"
 #include "recording/codec.h"
 #include "recording/hdf5_handle.h"
+#include "recording/hdf5_layout.h"
+#include "recording/number_text.h"
+#include "recording/two_cameras.h"
 
 namespace saccade::inline v0_1 {
 namespace {
@@ -18,23 +24,28 @@ constexpr std::int64_t largest_time = std::int64_t{1} << 61;
 
 class Hdf5Reader final : public EventReader {
  public:
-  Hdf5Reader(const std::filesystem::path& path, const EventReadOptions& options) : name_(path.string()) {
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-    file_ = Hdf5Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-    if (file_ < 0) {
-      throw InputError(name_, "what libhdf5 cannot open (" + last_hdf5_error() + ")", "a whole HDF5 file");
+  Hdf5Reader(const std::filesystem::path& path, Hdf5Layout layout, const EventReadOptions& options)
+      : name_(path.string()),
+        layout_(std::move(layout)),
+        file_(H5Fopen(name_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose) {
+    image_size_ = layout_.image_size ? layout_.image_size : options.image_size;
+    for (const Hdf5Column& column : layout_.columns) open_column(column);
+    for (const Part& part : parts_) {
+      const std::string at_name = dataset_of(EventColumn::t).name;
+      if (part.dims[0] != dataset_of(EventColumn::t).dims[0])
+        throw InputError(
+            name_, part.name + " of " + std::to_string(part.dims[0]) + " numbers",
+            "as many as " + at_name + " has, " + std::to_string(dataset_of(EventColumn::t).dims[0]));
     }
-    if (!exists("/events")) fail_of_layout("no /events");
-    H5O_info_t info;
-    if (H5Oget_info_by_name(file_, "/events", &info, H5P_DEFAULT) < 0) fail_of_layout("no readable /events");
-    if (info.type == H5O_TYPE_GROUP) {
-      open_columns();
-    } else if (info.type == H5O_TYPE_DATASET) {
-      open_table();
-    } else {
-      fail_of_layout("/events that is neither a group nor a table");
-    }
-    if (!image_size_) image_size_ = options.image_size;
+    length_ = static_cast<std::size_t>(parts_.front().dims[0]);
+    if (!layout_.offset.empty()) offset_us_ = scalar(layout_.offset.c_str(), largest_time);
+    const auto named = std::ranges::find(layout_.columns, EventColumn::t, &Hdf5Column::column)->unit;
+    const std::optional<TimeUnit> stated = options.time_unit ? options.time_unit : named;
+    const bool real = cell(EventColumn::t).real;
+    unit_ = stated.value_or(real ? TimeUnit::s : TimeUnit::us);
+    // The layout with an offset is DSEC's, in us.
+    may_be_implausible_ = stated || (!layout_.offset.empty() && !real);
+    if (!stated && real) check_times();
   }
 
   std::size_t read(std::vector<Event>& events, std::size_t max_events) override {
@@ -49,62 +60,76 @@ class Hdf5Reader final : public EventReader {
     return count;
   }
   std::optional<ImageSize> image_size() const override { return image_size_; }
-  std::string format() const override { return is_table_ ? "HDF5, layout of v2e" : "HDF5, layout of DSEC"; }
+  std::string format() const override { return "HDF5, " + layout_.name; }
 
  private:
-  struct Dataset {
+  /// A dataset, and what is read of each of its rows: cells of 8 bytes, whole numbers or doubles.
+  struct Part {
     std::string name;
     Hdf5Handle id;
+    Hdf5Handle memory_type;
     std::vector<hsize_t> dims;
-    std::size_t bytes = 0;  ///< of a number
+    std::size_t cells = 1;
+    std::vector<std::int64_t> values;
+  };
+  /// Where a column's numbers are.
+  struct Cell {
+    std::optional<std::size_t> part;  ///< none: the file has no such column
+    std::size_t place = 0;            ///< in the cells of a row
+    bool real = false;
+    std::size_t bytes = 8;  ///< in the file
   };
 
-  void open_columns() {
-    constexpr std::array<const char*, 4> names = {"/events/t", "/events/x", "/events/y", "/events/p"};
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      if (!exists(names[i])) fail_of_layout("/events without " + std::string(names[i]).substr(8));
-      columns_[i] = open_dataset(names[i], 1);
-      if (columns_[i].dims[0] != columns_[0].dims[0]) {
-        throw InputError(name_, names[i] + (" of " + std::to_string(columns_[i].dims[0])) + " numbers",
-                         "as many as /events/t has, " + std::to_string(columns_[0].dims[0]));
-      }
-    }
-    length_ = static_cast<std::size_t>(columns_[0].dims[0]);
-    if (exists("/events/camera")) {
-      camera_ = open_dataset("/events/camera", 1);
-      if (camera_->dims[0] != columns_[0].dims[0]) {
-        throw InputError(name_, "/events/camera of " + std::to_string(camera_->dims[0]) + " numbers",
-                         "as many as /events/t has, " + std::to_string(columns_[0].dims[0]));
-      }
-    }
-    if (exists("/t_offset")) offset_us_ = scalar("/t_offset", largest_time);
-    if (exists("/events/width") && exists("/events/height")) {
-      image_size_ = ImageSize{static_cast<int>(scalar("/events/width", 65536)),
-                              static_cast<int>(scalar("/events/height", 65536))};
-    }
+  [[nodiscard]] const Cell& cell(EventColumn column) const {
+    return cells_[static_cast<std::size_t>(column)];
   }
+  [[nodiscard]] const Part& dataset_of(EventColumn column) const { return parts_[*cell(column).part]; }
 
-  void open_table() {
-    is_table_ = true;
-    columns_[0] = open_dataset("/events", 2);
-    if (columns_[0].dims[1] != 4) {
-      throw InputError(name_, "/events of " + std::to_string(columns_[0].dims[1]) + " columns",
-                       "4 columns: t, x, y, p");
+  void open_column(const Hdf5Column& column) {
+    Cell& at = cells_[static_cast<std::size_t>(column.column)];
+    const auto known = std::ranges::find(parts_, column.dataset, &Part::name);
+    at.part = static_cast<std::size_t>(known - parts_.begin());
+    if (known == parts_.end()) parts_.push_back(open_dataset(column.dataset.c_str(), column.place ? 2 : 1));
+    Part& part = parts_[*at.part];
+    const Hdf5Handle type(H5Dget_type(part.id), H5Tclose);
+    Hdf5Handle number;
+    if (!column.member.empty()) {
+      const int index = H5Tget_member_index(type, column.member.c_str());
+      number = Hdf5Handle(H5Tget_member_type(type, static_cast<unsigned>(std::max(index, 0))), H5Tclose);
     }
-    length_ = static_cast<std::size_t>(columns_[0].dims[0]);
+    const hid_t stored = column.member.empty() ? static_cast<hid_t>(type) : static_cast<hid_t>(number);
+    const H5T_class_t kind = H5Tget_class(stored);
+    // NumPy's bool is an enumeration.
+    if (kind != H5T_INTEGER && kind != H5T_FLOAT && kind != H5T_ENUM)
+      fail(column.dataset.c_str(), "values that are no numbers", "whole or floating-point numbers");
+    at.real = kind == H5T_FLOAT;
+    at.bytes = H5Tget_size(stored);
+    const hid_t in_memory = at.real ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64;
+    if (column.member.empty()) {
+      at.place = static_cast<std::size_t>(column.place.value_or(0));
+      part.cells = column.place ? static_cast<std::size_t>(part.dims[1]) : 1;
+      part.memory_type = Hdf5Handle(H5Tcopy(in_memory), H5Tclose);
+      return;
+    }
+    at.place = part.memory_type < 0 ? 0 : part.cells;
+    part.cells = at.place + 1;
+    Hdf5Handle record(H5Tcreate(H5T_COMPOUND, part.cells * sizeof(std::int64_t)), H5Tclose);
+    for (const Hdf5Column& other : layout_.columns) {
+      const Cell& added = cell(other.column);
+      if (other.dataset != column.dataset || added.part != at.part || added.place > at.place) continue;
+      H5Tinsert(record, other.member.c_str(), added.place * sizeof(std::int64_t),
+                added.real ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64);
+    }
+    part.memory_type = std::move(record);
   }
-
-  bool exists(const char* link) const { return H5Lexists(file_, link, H5P_DEFAULT) > 0; }
 
   /// With room for one chunk in its cache, so that each is decompressed once.
-  Dataset open_dataset(const char* name, int rank) const {
-    Dataset dataset;
+  Part open_dataset(const char* name, int rank) const {
+    Part dataset;
     dataset.name = name;
     dataset.id = Hdf5Handle(H5Dopen2(file_, name, H5P_DEFAULT), H5Dclose);
     if (dataset.id < 0) fail(name, "what libhdf5 cannot open (" + last_hdf5_error() + ")", "numbers");
     const Hdf5Handle type(H5Dget_type(dataset.id), H5Tclose);
-    if (H5Tget_class(type) != H5T_INTEGER) fail(name, "values that are no whole numbers", "whole numbers");
-    dataset.bytes = H5Tget_size(type);
     const Hdf5Handle space(H5Dget_space(dataset.id), H5Sclose);
     const int dims = H5Sget_simple_extent_ndims(space);
     if (dims != rank) {
@@ -119,7 +144,7 @@ class Hdf5Reader final : public EventReader {
     if (H5Pget_layout(plist) == H5D_CHUNKED) {
       std::array<hsize_t, H5S_MAX_RANK> chunk{};
       const int chunk_rank = H5Pget_chunk(plist, H5S_MAX_RANK, chunk.data());
-      double bytes = static_cast<double>(dataset.bytes);
+      double bytes = static_cast<double>(H5Tget_size(type));
       for (int i = 0; i < chunk_rank; ++i) bytes *= static_cast<double>(chunk[static_cast<std::size_t>(i)]);
       if (bytes > static_cast<double>(largest_chunk_bytes)) {
         fail(name, "chunks of more than 256 MiB", "chunks of at most 256 MiB");
@@ -142,9 +167,12 @@ class Hdf5Reader final : public EventReader {
                                              filter.size() - 1, filter.data(), nullptr);
       if (id >= 0 && H5Zfilter_avail(id) > 0) continue;
       constexpr H5Z_filter_t blosc = 32001;
+      constexpr H5Z_filter_t ecf = 0x8ecf;
       fail(name,
            "compression by the HDF5 filter " + std::to_string(id) + " " +
-               (id == blosc ? "(Blosc)" : "(" + printable(filter.data()) + ")"),
+               (id == blosc ? "(Blosc)"
+                : id == ecf ? "(Metavision's ECF)"
+                            : "(" + printable(filter.data()) + ")"),
            std::string("gzip, or the filter's plugin for libhdf5 in HDF5_PLUGIN_PATH") +
                (id == blosc
                     ? ": the package hdf5-filter-plugin-blosc-serial has it; with it, h5repack -f GZIP=4 "
@@ -177,51 +205,96 @@ class Hdf5Reader final : public EventReader {
       }
       count = (count + 1) / 2;
     }
-    const std::size_t stride = is_table_ ? 4 : 1;
     for (std::size_t i = 0; i < count; ++i, ++next_) {
-      const auto value = [&](std::size_t column) {
-        return is_table_ ? values_[0][stride * i + column] : values_[column][i];
-      };
-      const std::int64_t t = value(0), x = value(1), y = value(2), p = value(3);
-      const std::int64_t camera = camera_ ? cameras_[i] : 0;
-      const bool sound = (camera == 0 || camera == 1) && t <= largest_time && t >= -largest_time && x >= 0 &&
-                         x <= 65535 && y >= 0 && y <= 65535 && (p == 0 || p == 1 || p == -1);
+      const std::optional<std::int64_t> t = time_us(i);
+      const std::int64_t x = whole(EventColumn::x, i), y = whole(EventColumn::y, i);
+      const std::int64_t p = whole(EventColumn::p, i);
+      const std::int64_t camera = cell(EventColumn::camera).part ? whole(EventColumn::camera, i) : 0;
+      const bool plausible = may_be_implausible_ || !t || std::abs(*t) <= longest_plausible_us;
+      const bool sound = t && plausible && (camera == 0 || camera == 1) && x >= 0 && x <= 65535 && y >= 0 &&
+                         y <= 65535 && (p == 0 || p == 1 || p == -1);
       if (!sound && i > 0) return i;
+      if (!plausible)
+        throw InputError(place(), "t " + text_at(EventColumn::t, i), std::string(unit_expectation));
       if (!sound) {
         throw InputError(place(),
-                         "t " + std::to_string(t) + ", x " + std::to_string(x) + ", y " + std::to_string(y) +
-                             ", p " + std::to_string(p),
-                         "x and y of 0 to 65535 and p of 0 or 1, or -1 or 1");
+                         "t " + text_at(EventColumn::t, i) + ", x " + text_at(EventColumn::x, i) + ", y " +
+                             text_at(EventColumn::y, i) + ", p " + text_at(EventColumn::p, i),
+                         "whole x and y of 0 to 65535, p of 0 or 1, or -1 or 1, and times within 2^61 us");
       }
-      constexpr std::int64_t half = std::int64_t{1} << 31;
-      if (columns_[0].bytes == 4 && t < last_t_ - half) wraps_us_ += 2 * half;
-      if (columns_[0].bytes == 4 && t > last_t_ + half && wraps_us_ > 0) wraps_us_ -= 2 * half;
-      last_t_ = t;
-      events.push_back({offset_us_ + wraps_us_ + t, static_cast<std::uint16_t>(x),
-                        static_cast<std::uint16_t>(y), p == 1, static_cast<std::uint8_t>(camera)});
+      events.push_back({offset_us_ + *t, static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y), p == 1,
+                        static_cast<std::uint8_t>(camera)});
     }
     return count;
   }
 
-  /// The next `count` rows into values_; false where libhdf5 cannot.
-  bool load(std::size_t count) {
-    if (is_table_) return load(columns_[0], {next_, 0}, {count, 4}, values_[0]);
-    for (std::size_t i = 0; i < columns_.size(); ++i) {
-      if (!load(columns_[i], {next_}, {count}, values_[i])) return false;
+  [[nodiscard]] std::int64_t raw(EventColumn column, std::size_t row) const {
+    const Cell& at = cell(column);
+    const Part& part = parts_[*at.part];
+    return part.values[row * part.cells + at.place];
+  }
+  /// A number that must be whole; one that is not is out of every range.
+  [[nodiscard]] std::int64_t whole(EventColumn column, std::size_t row) const {
+    constexpr std::int64_t no_number = std::numeric_limits<std::int64_t>::min();
+    if (!cell(column).real) return raw(column, row);
+    const double real = std::bit_cast<double>(raw(column, row));
+    return real == std::round(real) && std::abs(real) < 1e6 ? static_cast<std::int64_t>(real) : no_number;
+  }
+  [[nodiscard]] std::string text_at(EventColumn column, std::size_t row) const {
+    std::string text;
+    if (cell(column).real) {
+      append_number(text, std::bit_cast<double>(raw(column, row)));
+    } else {
+      append_number(text, raw(column, row));
     }
-    return !camera_ || load(*camera_, {next_}, {count}, cameras_);
+    return text;
   }
 
-  bool load(const Dataset& dataset, const std::vector<hsize_t>& start, const std::vector<hsize_t>& count,
-            std::vector<std::int64_t>& values) {
-    std::size_t numbers = 1;
-    for (const hsize_t n : count) numbers *= static_cast<std::size_t>(n);
-    values.resize(numbers);
-    const Hdf5Handle in_file(H5Dget_space(dataset.id), H5Sclose);
-    const Hdf5Handle in_memory(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr),
+  /// Of a row in memory; none where it is not within 2^61 us. Times of 32 bits are continued over their wraps.
+  std::optional<std::int64_t> time_us(std::size_t row) {
+    std::optional<std::int64_t> t_us;
+    if (cell(EventColumn::t).real) {
+      t_us = to_us(std::bit_cast<double>(raw(EventColumn::t, row)), unit_);
+    } else {
+      const std::int64_t t = raw(EventColumn::t, row);
+      constexpr std::int64_t half = std::int64_t{1} << 31;
+      if (cell(EventColumn::t).bytes == 4) {
+        if (t < last_t_ - half) wraps_ += 2 * half;
+        if (t > last_t_ + half && wraps_ > 0) wraps_ -= 2 * half;
+        last_t_ = t;
+      }
+      t_us = t > largest_time || t < -largest_time ? std::nullopt : to_us(t + wraps_, unit_);
+    }
+    return t_us && *t_us <= largest_time && *t_us >= -largest_time ? t_us : std::nullopt;
+  }
+
+  /// Throws where floating-point times without a unit are hardly s.
+  void check_times() {
+    if (length_ == 0 || !load(std::min<std::size_t>(length_, 4096))) return;  // the first read() says why
+    std::vector<double> times;
+    for (std::size_t i = 0; i < std::min<std::size_t>(length_, 4096); ++i)
+      times.push_back(std::bit_cast<double>(raw(EventColumn::t, i)));
+    const std::string why = why_not_seconds(times);
+    if (!why.empty())
+      throw InputError(name_ + ": " + dataset_of(EventColumn::t).name, why, std::string(unit_expectation));
+  }
+
+  /// The next `count` rows into the parts' values; false where libhdf5 cannot.
+  bool load(std::size_t count) {
+    return std::ranges::all_of(parts_, [&](Part& part) { return load(part, count); });
+  }
+
+  bool load(Part& part, std::size_t count) {
+    const bool is_table = part.dims.size() == 2;
+    std::vector<hsize_t> start = {next_}, rows = {count};
+    if (is_table) start.push_back(0);
+    if (is_table) rows.push_back(part.dims[1]);
+    part.values.resize(count * part.cells);
+    const Hdf5Handle in_file(H5Dget_space(part.id), H5Sclose);
+    const Hdf5Handle in_memory(H5Screate_simple(static_cast<int>(rows.size()), rows.data(), nullptr),
                                H5Sclose);
-    if (H5Sselect_hyperslab(in_file, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) >= 0 &&
-        H5Dread(dataset.id, H5T_NATIVE_INT64, in_memory, in_file, H5P_DEFAULT, values.data()) >= 0) {
+    if (H5Sselect_hyperslab(in_file, H5S_SELECT_SET, start.data(), nullptr, rows.data(), nullptr) >= 0 &&
+        H5Dread(part.id, part.memory_type, in_memory, in_file, H5P_DEFAULT, part.values.data()) >= 0) {
       return true;
     }
     reason_ = last_hdf5_error();
@@ -232,22 +305,18 @@ class Hdf5Reader final : public EventReader {
   [[noreturn]] void fail(const char* dataset, std::string value, std::string expectation) const {
     throw InputError(name_ + ": " + dataset, std::move(value), std::move(expectation));
   }
-  [[noreturn]] void fail_of_layout(std::string value) const {
-    throw InputError(name_, std::move(value),
-                     "the layout of DSEC (/events/t, x, y, p) or of v2e (/events, N x 4)");
-  }
 
   std::string name_;
+  Hdf5Layout layout_;
   Hdf5Handle file_;
-  bool is_table_ = false;
-  std::array<Dataset, 4> columns_;  ///< t, x, y, p; of a table the first alone
-  std::array<std::vector<std::int64_t>, 4> values_;
-  std::optional<Dataset> camera_;  ///< where there are two
-  std::vector<std::int64_t> cameras_;
+  std::vector<Part> parts_;
+  std::array<Cell, event_columns> cells_;
   std::size_t length_ = 0;
   std::size_t next_ = 0;
+  TimeUnit unit_ = TimeUnit::us;
+  bool may_be_implausible_ = false;  ///< times may lie anywhere: their unit is stated
   std::int64_t offset_us_ = 0;
-  std::int64_t wraps_us_ = 0;
+  std::int64_t wraps_ = 0;
   std::int64_t last_t_ = 0;
   std::optional<ImageSize> image_size_;
   std::string reason_;  ///< of the last load() that failed
@@ -257,7 +326,17 @@ class Hdf5Reader final : public EventReader {
 
 std::unique_ptr<EventReader> open_hdf5_here(const std::filesystem::path& path,
                                             const EventReadOptions& options) {
-  return std::make_unique<Hdf5Reader>(path, options);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  const Hdf5Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  if (file < 0) {
+    throw InputError(path.string(), "what libhdf5 cannot open (" + last_hdf5_error() + ")",
+                     "a whole HDF5 file");
+  }
+  std::vector<std::unique_ptr<EventReader>> readers;
+  for (Hdf5Layout& layout : hdf5_layouts(file, path.string(), options))
+    readers.push_back(std::make_unique<Hdf5Reader>(path, std::move(layout), options));
+  if (readers.size() == 1) return std::move(readers[0]);
+  return merge_cameras(std::move(readers[0]), std::move(readers[1]));
 }
 
 }  // namespace saccade::inline v0_1

@@ -1,5 +1,6 @@
-// saccade-hdf5-reader PATH [WIDTHxHEIGHT]: reads an HDF5 recording in a process of its own and writes its events to standard
-// output as recording/helper_protocol.h describes. The size is used where the file has none.
+// saccade-hdf5-reader PATH SIZE COLUMNS UNIT: reads an HDF5 recording in a process of its own and writes its events to standard
+// output as recording/helper_protocol.h describes. The others are EventReadOptions: WIDTHxHEIGHT where the file has no size,
+// the order of a table's columns, the unit of the times; each may be empty.
 #include <unistd.h>
 
 #include <cstdio>
@@ -10,11 +11,13 @@
 
 int main(int argc, char** argv) {
   using namespace saccade;
-  if (argc < 2 || argc > 3 || ::isatty(STDOUT_FILENO) != 0) {
+  if (argc != 5 || ::isatty(STDOUT_FILENO) != 0) {
     std::fputs("saccade starts this program to read HDF5 files; it has no use of its own\n", stderr);
     return 2;
   }
   EventReadOptions options;
-  if (argc == 3) options.image_size = parse_size(argv[2]);
+  options.image_size = parse_size(argv[2]);
+  if (*argv[3] != '\0') options.columns = argv[3];
+  options.time_unit = time_unit_of(argv[4]);
   serve_events(STDOUT_FILENO, [&] { return open_hdf5_here(argv[1], options); });
 }

@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "core/units.h"
 #include "recording/codec.h"
+#include "recording/event_columns.h"
 #include "recording/number_text.h"
 
 namespace saccade::inline v0_1 {
@@ -50,7 +51,7 @@ class HeadLog {
     std::string line;
     do {
       if (!std::getline(in_, line)) return std::nullopt;
-      ++line_number_;
+      if (++line_number_ == 1) line = std::string(without_mark(line));
     } while (words_of(line).empty());
     return row_of(line);
   }
@@ -63,7 +64,9 @@ class HeadLog {
     if (line.size() > longest_line || stamps < 1 || stamps > 2 || !parse_number(words[0], number)) fail(line);
     JointsRow row;
     for (std::size_t i = 1; i <= stamps; ++i) {
-      if (!parse_seconds(words[i], row.t_us)) fail(line);
+      const auto time_us = to_us(words[i], TimeUnit::s);
+      if (!time_us) fail(line);
+      row.t_us = *time_us;
     }
     row.t_us -= host_ahead_us_;
     for (std::size_t i = 0; i < head_joint_count; ++i) {

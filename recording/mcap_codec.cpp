@@ -194,6 +194,7 @@ RecordingFormat mcap_format() {
   RecordingFormat format;
   format.name = "MCAP";
   format.extensions = {".mcap"};
+  format.folder_mark = "metadata.yaml";
   format.sniff = [](const FileStart& start) { return start.begins_with(mcap_mark); };
   format.open = [](InputFile file, const EventReadOptions& options) -> std::unique_ptr<EventReader> {
     return std::make_unique<McapReader>(std::move(file), options);

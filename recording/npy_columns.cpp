@@ -30,32 +30,41 @@ std::optional<std::int64_t> natural(const char* bytes, bool big_endian) {
 std::optional<std::size_t> npy_type_bytes(std::string_view type) {
   if (type.size() < 3 || std::string_view("<>|=").find(type[0]) == std::string_view::npos)
     return std::nullopt;
-  if (std::string_view("biufV").find(type[1]) == std::string_view::npos) return std::nullopt;
+  if (std::string_view("biufVMm").find(type[1]) == std::string_view::npos) return std::nullopt;
   std::size_t bytes = 0;
   constexpr std::size_t most = 1 << 15;
-  if (!parse_number(type.substr(2), bytes) || bytes == 0 || bytes > most) return std::nullopt;
+  const std::string_view digits = type.substr(2, type.find('[') - std::min<std::size_t>(2, type.find('[')));
+  if (!parse_number(digits, bytes) || bytes == 0 || bytes > most) return std::nullopt;
   return bytes;
 }
 
 std::optional<NpyNumber> NpyNumber::parse(std::string_view type) {
   const auto bytes = npy_type_bytes(type);
   if (!bytes || (*bytes != 1 && *bytes != 2 && *bytes != 4 && *bytes != 8)) return std::nullopt;
-  NpyNumber number{Kind::natural, *bytes, type[0] == '>'};
+  NpyNumber number{Kind::natural, *bytes, type[0] == '>', {}};
   if (type[1] == 'i') number.kind = Kind::whole;
   if (type[1] == 'f') number.kind = Kind::real;
+  if (type[1] == 'M' || type[1] == 'm') {
+    number.kind = Kind::whole;
+    const std::string_view ending = type.substr(std::min(type.find('['), type.size()));
+    if (ending.size() > 2) number.unit = time_unit_of(ending.substr(1, ending.size() - 2));
+    if (!number.unit || *bytes != 8) return std::nullopt;
+  }
   if (type[1] == 'V' || (type[1] == 'b' && *bytes != 1)) return std::nullopt;
   if (number.kind == Kind::real && *bytes < 4) return std::nullopt;
   return number;
 }
 
-std::optional<std::int64_t> NpyNumber::value(const char* at, double scale) const {
+double NpyNumber::real(const char* at) const {
+  if (bytes == 4) return static_cast<double>(std::bit_cast<float>(load<std::uint32_t>(at, big_endian)));
+  return std::bit_cast<double>(load<std::uint64_t>(at, big_endian));
+}
+
+std::optional<std::int64_t> NpyNumber::value(const char* at) const {
   if (kind == Kind::real) {
-    const double real = bytes == 4
-                            ? static_cast<double>(std::bit_cast<float>(load<std::uint32_t>(at, big_endian)))
-                            : std::bit_cast<double>(load<std::uint64_t>(at, big_endian));
-    const double scaled = std::round(scale * real);
-    if (!(std::abs(scaled) < largest_value)) return std::nullopt;
-    return static_cast<std::int64_t>(scaled);
+    const double rounded = std::round(real(at));
+    if (!(std::abs(rounded) < largest_value)) return std::nullopt;
+    return static_cast<std::int64_t>(rounded);
   }
   if (kind == Kind::natural) {
     if (bytes == 1) return natural<std::uint8_t>(at, big_endian);
@@ -66,27 +75,16 @@ std::optional<std::int64_t> NpyNumber::value(const char* at, double scale) const
   if (bytes == 1) return load<std::int8_t>(at, big_endian);
   if (bytes == 2) return load<std::int16_t>(at, big_endian);
   if (bytes == 4) return load<std::int32_t>(at, big_endian);
-  return load<std::int64_t>(at, big_endian);
+  const auto number = load<std::int64_t>(at, big_endian);
+  // NumPy's "not a time"
+  if (number == std::numeric_limits<std::int64_t>::min()) return std::nullopt;
+  return number;
 }
 
-std::optional<EventColumn> event_column(std::string_view name) {
-  using enum EventColumn;
-  constexpr std::array<std::pair<std::string_view, EventColumn>, 12> names = {{{"t", t},
-                                                                               {"ts", t},
-                                                                               {"timestamp", t},
-                                                                               {"timestamps", t},
-                                                                               {"time", t},
-                                                                               {"x", x},
-                                                                               {"y", y},
-                                                                               {"p", p},
-                                                                               {"pol", p},
-                                                                               {"polarity", p},
-                                                                               {"polarities", p},
-                                                                               {"camera", camera}}};
-  for (const auto& [known, column] : names) {
-    if (name == known) return column;
-  }
-  return std::nullopt;
+std::optional<std::int64_t> NpyNumber::time_us(const char* at, TimeUnit in) const {
+  if (kind == Kind::real) return to_us(real(at), in);
+  const std::optional<std::int64_t> number = value(at);
+  return number ? to_us(*number, in) : std::nullopt;
 }
 
 NpyRows::NpyRows(const std::filesystem::path& path, NpyArray array) : array_(std::move(array)), file_(path) {
@@ -115,7 +113,7 @@ std::string_view NpyRows::ahead(std::size_t count) {
 
 void NpyRows::check_end() {
   if (failure_) throw InputError(*failure_);
-  if (array_.member.name.empty()) return;
+  if (array_.member.name.empty() || !array_.to_end) return;
   if (!part_.over()) file_.fail("bytes after the rows of " + array_.member.name, "no more than its rows");
   if (part_.crc() != array_.member.crc)
     file_.fail("another checksum of " + array_.member.name, "a sound array");

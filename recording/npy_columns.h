@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "recording/event_columns.h"
 #include "recording/npy_header.h"
 #include "recording/unpacked_part.h"
 #include "recording/zip_members.h"
@@ -20,23 +21,20 @@ struct NpyNumber {
   Kind kind = Kind::natural;  ///< with a sign, without one (truth values too), floating-point
   std::size_t bytes = 1;
   bool big_endian = false;
+  std::optional<TimeUnit> unit;  ///< of NumPy's datetime64 and timedelta64
 
-  /// Of "<u2" or "|b1"; none for other types.
+  /// Of "<u2", "|b1" or "<M8[ns]"; none for other types.
   [[nodiscard]] static std::optional<NpyNumber> parse(std::string_view type);
-  /// The value of the number at `bytes`. `scale`: factor of a floating-point number, which is rounded then; none where the
-  /// result is not within 2^62.
-  [[nodiscard]] std::optional<std::int64_t> value(const char* bytes, double scale) const;
+  /// The number at `bytes`, rounded; none where it is not within 2^62.
+  [[nodiscard]] std::optional<std::int64_t> value(const char* bytes) const;
+  /// The number at `bytes` as a time.
+  [[nodiscard]] std::optional<std::int64_t> time_us(const char* bytes, TimeUnit unit) const;
+  /// A floating-point number at `bytes`.
+  [[nodiscard]] double real(const char* bytes) const;
 };
 
 /// Number of bytes of an element of any type; none for objects and texts.
 [[nodiscard]] std::optional<std::size_t> npy_type_bytes(std::string_view type);
-
-/// Which member of an event a column is.
-enum class EventColumn { t, x, y, p, camera };
-inline constexpr std::size_t event_columns = 5;
-
-/// The column that a field or an array of that name is; none for other names.
-[[nodiscard]] std::optional<EventColumn> event_column(std::string_view name);
 
 /// An array, and where its columns lie in its rows.
 struct NpyArray {
@@ -47,9 +45,17 @@ struct NpyArray {
   struct Column {
     EventColumn column{};
     NpyNumber number;
-    std::size_t offset = 0;  ///< in a row
+    std::size_t offset = 0;        ///< in a row
+    std::optional<TimeUnit> unit;  ///< of a time, where the file says it
+
+    /// Whole numbers without a unit are us, floating-point ones s.
+    [[nodiscard]] TimeUnit unit_or_default() const {
+      return unit.value_or(number.kind == NpyNumber::Kind::real ? TimeUnit::s : TimeUnit::us);
+    }
   };
   std::vector<Column> columns;
+  bool to_end =
+      true;  ///< the rows reach to the end of the member; false: other columns follow, as in Fortran order
 };
 
 /// The rows of an array, in pieces, through a file of its own.

@@ -43,12 +43,17 @@ class PythonText {
     }
     return true;
   }
+  /// 'on', or with a title ('p', 'on')
+  [[nodiscard]] bool field_name(NpyHeader::Field& field) {
+    if (!take('(')) return quoted(field.name);
+    return quoted(field.title) && take(',') && quoted(field.name) && take(')');
+  }
   /// [('x', '<u2'), ('y', '<u2')]
   [[nodiscard]] bool records(std::vector<NpyHeader::Field>& fields) {
     if (!take('[')) return false;
     while (!take(']')) {
       NpyHeader::Field field;
-      if (!take('(') || !quoted(field.name) || !take(',') || !quoted(field.type)) return false;
+      if (!take('(') || !field_name(field) || !take(',') || !quoted(field.type)) return false;
       if (!take(')')) return false;
       fields.push_back(std::move(field));
       if (!take(',') && !next_is(']')) return false;

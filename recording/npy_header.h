@@ -14,8 +14,9 @@ inline constexpr std::string_view npy_mark = "\x93NUMPY";
 /// two bytes of version, the length in 2 bytes (version 1) or 4, and a Python dictionary.
 struct NpyHeader {
   struct Field {
-    std::string name;  ///< empty: bytes between fields
-    std::string type;  ///< "<u2"
+    std::string name;   ///< empty: bytes between fields
+    std::string title;  ///< NumPy's second name of a field; mostly empty
+    std::string type;   ///< "<u2"
   };
   std::string type;  ///< "<f4"; empty where the elements are records
   std::vector<Field>

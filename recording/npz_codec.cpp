@@ -11,14 +11,15 @@
 namespace saccade::inline v0_1 {
 namespace {
 
-constexpr std::string_view zip_mark = "PK\x03\x04";
 constexpr std::size_t longest_npy_header = 1 << 15;
 constexpr std::uint64_t most_rows = std::uint64_t{1} << 48;
 
 /// The arrays of a file that matter: those of events and of the image size.
 class NpyFile {
  public:
-  explicit NpyFile(const EventReadOptions& options) : letters_(options.columns) {}
+  explicit NpyFile(const EventReadOptions& options)
+      : letters_(options.columns == EventReadOptions{}.columns ? "txyp" : options.columns),
+        unit_(options.time_unit) {}
 
   /// Takes an array whose stored bytes begin here. Reads to its end.
   void take_member(InputFile& file, const ZipMember& member) {
@@ -48,12 +49,17 @@ class NpyFile {
     contents_ +=
         (contents_.empty() ? "" : ", ") + printable(name.empty() ? "an array" : name) + description(header);
     if (take_size(name, header, part)) return;
-    if (header.fortran_order || header.shape.empty()) return;
+    if (header.shape.empty()) return;
     array.rows = static_cast<std::uint64_t>(header.shape[0]);
     if (array.rows > most_rows || !lay_out(name, header, array) || array.columns.empty()) return;
     const bool is_new = std::ranges::none_of(
         array.columns, [&](const NpyArray::Column& column) { return has(column.column); });
-    if (is_new) arrays_.push_back(std::move(array));
+    if (!is_new) return;
+    if (header.fortran_order && header.shape.size() == 2) {
+      add_columns(array);
+    } else {
+      arrays_.push_back(std::move(array));
+    }
   }
 
  private:
@@ -96,6 +102,27 @@ class NpyFile {
     return text + ")";
   }
 
+  /// Of an array in Fortran order: its columns, which follow each other.
+  void add_columns(const NpyArray& array) {
+    for (const NpyArray::Column& column : array.columns) {
+      NpyArray alone = array;
+      alone.row_bytes = column.number.bytes;
+      alone.header_bytes += array.rows * column.offset;
+      alone.to_end = column.offset + column.number.bytes == array.row_bytes;
+      alone.columns = {column};
+      alone.columns[0].offset = 0;
+      arrays_.push_back(std::move(alone));
+    }
+  }
+
+  /// Adds a column at the end of the row; the first one of two that are the same is read.
+  void add_column(EventColumn column, const NpyNumber& number, std::optional<TimeUnit> named,
+                  NpyArray& array) const {
+    if (std::ranges::count(array.columns, column, &NpyArray::Column::column) > 0) return;
+    const std::optional<TimeUnit> stated = unit_ ? unit_ : number.unit ? number.unit : named;
+    array.columns.push_back({column, number, array.row_bytes, stated});
+  }
+
   /// True where the array holds the image size.
   bool take_size(const std::string& name, const NpyHeader& header, UnpackedPart& part) {
     const bool is_pair = name == "sensor_size" && header.shape.size() == 1 && header.shape[0] >= 2;
@@ -107,7 +134,7 @@ class NpyFile {
     if (ahead.size() < bytes) return true;
     const auto length = [&](std::size_t i) {
       constexpr std::int64_t longest_px = 1 << 16;
-      const std::int64_t px = number->value(ahead.data() + i * number->bytes, 1.0).value_or(0);
+      const std::int64_t px = number->value(ahead.data() + i * number->bytes).value_or(0);
       return px > 0 && px <= longest_px ? static_cast<int>(px) : 0;
     };
     if (is_pair || name == "width") size_.width = length(0);
@@ -123,10 +150,12 @@ class NpyFile {
       for (const NpyHeader::Field& field : header.fields) {
         const auto bytes = npy_type_bytes(field.type);
         if (!bytes) return false;
-        if (const auto column = event_column(field.name)) {
+        auto named = event_column(field.name);
+        if (!named) named = event_column(field.title);
+        if (named) {
           const auto number = NpyNumber::parse(field.type);
           if (!number) return false;
-          array.columns.push_back({*column, *number, array.row_bytes});
+          add_column(named->column, *number, named->unit, array);
         }
         array.row_bytes += *bytes;
       }
@@ -135,22 +164,23 @@ class NpyFile {
     const auto number = NpyNumber::parse(header.type);
     if (!number) return false;
     if (header.shape.size() == 1) {
-      const auto column = event_column(name);
+      const auto named = event_column(name);
+      if (named) add_column(named->column, *number, named->unit, array);
       array.row_bytes = number->bytes;
-      if (column) array.columns.push_back({*column, *number, 0});
       return true;
     }
     if (header.shape.size() != 2 || header.shape[1] != static_cast<std::int64_t>(letters_.size()))
       return false;
     for (const char letter : letters_) {
-      const auto column = event_column(letter == 'c' ? "camera" : std::string_view(&letter, 1));
-      if (column) array.columns.push_back({*column, *number, array.row_bytes});
+      const auto named = event_column(letter == 'c' ? "camera" : std::string_view(&letter, 1));
+      if (named) add_column(named->column, *number, {}, array);
       array.row_bytes += number->bytes;
     }
     return true;
   }
 
   std::string letters_;
+  std::optional<TimeUnit> unit_;
   std::vector<NpyArray> arrays_;
   ImageSize size_;
   std::optional<ImageSize> image_size_;
@@ -186,8 +216,9 @@ class NumpyReader final : public BlockReader {
     if (!arrays.complete()) {
       throw InputError(
           file_.name(), arrays.contents(),
-          "records with the fields t, x, y and p, arrays with these names, or one array with the columns " +
-              options.columns + " (--columns)");
+          "records with the fields t, x, y and p, arrays with these names, or one array with the columns of "
+          "--columns, " +
+              options.columns);
     }
     for (const NpyArray& array : arrays.arrays()) {
       if (array.rows != arrays.arrays().front().rows)
@@ -195,6 +226,7 @@ class NumpyReader final : public BlockReader {
       sources_.push_back(std::make_unique<NpyRows>(file_.name(), array));
     }
     rows_left_ = arrays.arrays().front().rows;
+    check_times();
   }
 
   std::optional<ImageSize> image_size() const override { return image_size_; }
@@ -227,7 +259,7 @@ class NumpyReader final : public BlockReader {
     if (bad_value_) {
       rows_left_ -= rows;
       throw InputError(file_.name() + ": row " + std::to_string(row_ + rows), *bad_value_,
-                       "x and y from 0 to 65535, camera 0 or 1, times within 2^62 us");
+                       bad_value_expectation_);
     }
     for (const auto& source : sources_) source->skip(rows);
     rows_left_ -= rows;
@@ -236,17 +268,35 @@ class NumpyReader final : public BlockReader {
   }
 
  private:
+  /// Throws where floating-point times without a unit are hardly s.
+  void check_times() {
+    for (const auto& source : sources_) {
+      const NpyArray& array = source->array();
+      const auto t = std::ranges::find(array.columns, EventColumn::t, &NpyArray::Column::column);
+      if (t == array.columns.end() || t->unit || t->number.kind != NpyNumber::Kind::real) continue;
+      const std::string_view rows =
+          source->ahead(static_cast<std::size_t>(std::min<std::uint64_t>(block_events, array.rows)));
+      std::vector<double> times;
+      for (std::size_t at = t->offset; at < rows.size(); at += array.row_bytes)
+        times.push_back(t->number.real(rows.data() + at));
+      const std::string why = why_not_seconds(times);
+      if (!why.empty()) throw InputError(file_.name(), why, std::string(unit_expectation));
+    }
+  }
+
   /// Number of rows before one with a value that no event has.
   std::size_t read_column(const NpyArray::Column& column, const char* at, std::size_t row_bytes,
                           std::span<Event> block) {
-    constexpr double us_per_s = 1e6;
     constexpr std::int64_t largest_px = 65535;
+    const bool is_time = column.column == EventColumn::t;
+    const TimeUnit unit = column.unit_or_default();
     for (std::size_t i = 0; i < block.size(); ++i, at += row_bytes) {
       Event& event = block[i];
-      const auto value = column.number.value(at, column.column == EventColumn::t ? us_per_s : 1.0);
+      const auto value = is_time ? column.number.time_us(at, unit) : column.number.value(at);
       bool fits = value.has_value();
       switch (column.column) {
         case EventColumn::t:
+          fits = fits && (column.unit || (*value <= longest_plausible_us && *value >= -longest_plausible_us));
           event.t_us = value.value_or(0);
           break;
         case EventColumn::p:
@@ -267,6 +317,7 @@ class NumpyReader final : public BlockReader {
       constexpr std::array<const char*, event_columns> names = {"t", "x", "y", "p", "camera"};
       bad_value_ = std::string(names[static_cast<std::size_t>(column.column)]) + " = " +
                    (value ? std::to_string(*value) : "no number within 2^62");
+      if (is_time && value) bad_value_expectation_ = unit_expectation;
       return i;
     }
     return block.size();
@@ -278,6 +329,7 @@ class NumpyReader final : public BlockReader {
   std::uint64_t rows_left_ = 0;
   std::uint64_t row_ = 0;  ///< that comes next
   std::optional<std::string> bad_value_;
+  std::string bad_value_expectation_ = "x and y from 0 to 65535, camera 0 or 1, times within 2^62 us";
   std::optional<InputError> broken_;  ///< what is wrong with the file behind the events
 };
 
@@ -307,13 +359,15 @@ RecordingFormat numpy_format() {
   format.create = create_numpy;
   format.cameras = 2;
   format.reads =
-      "records with the fields t, x, y, p (tonic's layout), arrays with these names, or one array with the "
-      "columns of "
+      "records with the fields t, x, y, p (tonic's layout; `on`, titles and units such as `t_ns` too), "
+      "arrays with these "
+      "names, or one array in C or Fortran order with the columns of "
       "`--columns`; deflated or not; image size from `sensor_size` or `width` and `height`";
   format.writes =
       "records of u16 x, u16 y, i64 t, bool p and with two cameras u8 camera; `.npz` deflated as `events`, "
       "with `sensor_size`";
-  format.time = "whole numbers us, floating-point s";
+  format.time =
+      "in the unit of the name, of datetime64 or of `--time-unit`, else whole numbers us, floating-point s";
   format.axes = "top left, above 0 is ON";
   return format;
 }

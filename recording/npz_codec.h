@@ -11,8 +11,10 @@ namespace saccade::inline v0_1 {
 ///
 /// Events are records with the fields t, x, y and p (tonic's layout; in any order, with a field camera or further ones), or
 /// arrays of their own with these names, or one array of N rows with the columns of EventReadOptions::columns. Other names
-/// that are known: ts, timestamp, timestamps, time; pol, polarity, polarities. Numbers are whole or floating-point, of either
-/// byte order. Times are us, or s where they are floating-point, to the nearest us; p above 0 is ON.
+/// and units in them: event_column(); of a field with a title, either. Numbers are whole or floating-point, of either byte
+/// order. Times have the unit of EventReadOptions::time_unit, else of the name or of datetime64, else they are us, or s where
+/// they are floating-point, to the nearest us; without a unit, times beyond 4e15 us of 0 and those of why_not_seconds() are an
+/// InputError. p above 0 is ON.
 ///
 /// The image size is that of an array `sensor_size` (width, height, ...) or of `width` and `height`, else
 /// EventReadOptions::image_size.

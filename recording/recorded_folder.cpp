@@ -68,7 +68,7 @@ void inspect_events(const FormatRegistry& formats, const EventReadOptions& optio
 void inspect_table(RecordedFile& file) {
   std::ifstream in(file.path, std::ios::binary);
   std::string line;
-  if (!std::getline(in, line) || in.eof() || !line.starts_with("t_us,")) {
+  if (!std::getline(in, line) || in.eof() || !without_mark(line).starts_with("t_us,")) {
     file.unreadable = "no first line with the names of columns";
     return;
   }
@@ -83,7 +83,7 @@ void inspect_table(RecordedFile& file) {
     if (!ends || !is_row) {
       const std::uint64_t size = fs::file_size(file.path);
       file.torn = TornEnd{byte, size - std::min(byte, size),
-                          "line " + std::to_string(number) + (ends ? " is no row" : " has no end")};
+                          "line " + std::to_string(number) + (ends ? " is no row" : " has no end"), !ends};
       return;
     }
     byte += line.size() + 1;
@@ -130,8 +130,9 @@ std::vector<RecordedFile> inspect_recorded(const FormatRegistry& formats, const 
     RecordedFile file;
     file.path = path;
     file.unfinished = path.extension() == part_ending;
-    std::string line;
-    std::getline(std::ifstream(path), line);
+    std::string first;
+    std::getline(std::ifstream(path), first);
+    const std::string_view line = without_mark(first);
     file.has_events = !line.starts_with("t_us,") || line == "t_us,x,y,p" || line == "t_us,x,y,p,camera";
     files.push_back(std::move(file));
   }

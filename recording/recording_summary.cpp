@@ -12,7 +12,7 @@ TornEnd torn_end(const EventReader& reader, const std::filesystem::path& recordi
   const std::uintmax_t size = std::filesystem::file_size(recording, ignored);
   const std::uint64_t whole = ignored ? 0 : size;
   const std::uint64_t byte = std::min<std::uint64_t>(reader.broken_record().value_or(whole), whole);
-  return {byte, whole - byte, error.what()};
+  return {byte, whole - byte, error.what(), !reader.breaks_inside()};
 }
 
 RecordingSummary summarise_recording(const FormatRegistry& formats, const std::filesystem::path& recording,

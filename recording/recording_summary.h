@@ -17,6 +17,7 @@ struct TornEnd {
   std::uint64_t byte = 0;   ///< of the first record that is not whole; events of it that can be read are read
   std::uint64_t bytes = 0;  ///< from there to the end of the file
   std::string cause;        ///< what was found, and what was expected
+  bool is_cut = true;       ///< false: the record is whole and wrong
 };
 
 /// The content of a recording: format, image size and the statistics of its events.

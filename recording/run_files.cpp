@@ -374,6 +374,7 @@ bool TableReader<Row>::next_line() {
   if (in_.bad()) throw InputError(place(), "a read error", "a readable file");
   if (!found) line_.clear();
   if (line_.ends_with('\r')) line_.pop_back();
+  if (line_number_ == 1) line_ = std::string(without_mark(line_));
   return found;
 }
 

@@ -4,12 +4,18 @@
 
 namespace saccade::inline v0_1 {
 
-/// Text: one event per line, four fields separated by white space or a comma: time, x, y, polarity, or another order
-/// given by EventReadOptions::columns. A fifth field is the camera, 0 left and 1 right, where `columns` has c or the line
-/// of column names ends with a name that begins with c. Time is in seconds when it has a decimal point (rounded to the
-/// nearest us), else in us; a file uses one of them throughout. Polarity is 0 or 1, or -1 or 1. Empty lines, lines that
-/// start with # and one line of column names before the first event are skipped; column names in another order than
-/// `columns` are an InputError.
+/// Text: one event per line, fields separated by white space, a comma or a semicolon: time, x, y, polarity and where there
+/// are two the camera, 0 left and 1 right. Their order is that of EventReadOptions::columns, else that of a line of names
+/// before the first event (or of a comment of such names), else xypt behind a comment `%geometry:WIDTH,HEIGHT` as Prophesee's
+/// programs write it, else txyp. Further columns are not read and listed by skipped(). Names that contradict the option, or
+/// leave the order open, are an InputError.
+///
+/// The unit of the time is that of EventReadOptions::time_unit, else that of its column's name, else s where the times have a
+/// decimal point and us where not, for the whole file; without a unit, times beyond 4e15 us of 0 and those of
+/// why_not_seconds() are an InputError. Polarity is 0 or 1, -1 or 1, or False or True.
+///
+/// A byte order mark, empty lines, lines that start with # or % and one line of the image size, "240 180", are skipped; the
+/// latter and a comment with `geometry` give the image size. A ZIP file with one text in it is read like that text.
 ///
 /// The writer makes `t_us,x,y,p` with that header, `t_us,x,y,p,camera` of two cameras.
 [[nodiscard]] RecordingFormat text_format();

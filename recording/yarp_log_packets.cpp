@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "recording/byte_order.h"
 #include "recording/codec.h"
+#include "recording/event_columns.h"
 #include "recording/number_text.h"
 
 namespace saccade::inline v0_1 {
@@ -85,10 +86,10 @@ class TextPackets final : public YarpPacketSource {
     (void)integer("the number of a packet");
     do {
       const std::string_view text = word();
-      if (!parse_number(text, host_s_) || !parse_seconds(text, host_us_) ||
-          !(host_s_ >= 0.0 && host_s_ < yarp_latest_s)) {
+      const auto time_us = to_us(text, TimeUnit::s);
+      if (!parse_number(text, host_s_) || !time_us || !(host_s_ >= 0.0 && host_s_ < yarp_latest_s))
         fail(text, "a time in s");
-      }
+      host_us_ = *time_us;
     } while (is_digit(look()));
     before_line_ = false;
     line_is_empty_ = true;

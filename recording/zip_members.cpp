@@ -55,11 +55,12 @@ ZipMember read_local_header(InputFile& file) {
   member.stored_bytes = load_little<std::uint32_t>(head.data() + 18);
   const auto name_bytes = load_little<std::uint16_t>(head.data() + 26);
   const auto extra_bytes = load_little<std::uint16_t>(head.data() + 28);
-  if ((flags & 1) != 0) file.fail("an encrypted array", "one that is not encrypted");
+  if ((flags & 1) != 0) file.fail("an encrypted member", "one that is not encrypted");
   if ((flags & 8) != 0)
-    file.fail("an array whose size follows it", "sizes in front, as numpy.savez writes them");
+    file.fail("a member whose size follows it",
+              "sizes in front, as numpy.savez and zip write them into a file");
   if (method != 0 && method != 8)
-    file.fail("an array compressed by ZIP's method " + std::to_string(method), "deflate or none");
+    file.fail("a member compressed by ZIP's method " + std::to_string(method), "deflate or none");
   member.deflated = method == 8;
   file.skip(local_header_bytes);
   std::string text;
@@ -67,7 +68,7 @@ ZipMember read_local_header(InputFile& file) {
     file.fail("the end of the file", "the rest of a ZIP file");
   if (member.stored_bytes == in_extra) {
     const auto stored = stored_bytes_64(text);
-    if (!stored) file.fail("an array without its size of 64 bits", "a size");
+    if (!stored) file.fail("a member without its size of 64 bits", "a size");
     member.stored_bytes = *stored;
   }
   member.place = file.offset();

@@ -4,11 +4,14 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "recording/decompressor.h"
 #include "recording/input_file.h"
 
 namespace saccade::inline v0_1 {
+
+inline constexpr std::string_view zip_mark = "PK\x03\x04";  ///< of the first member
 
 /// A file in a ZIP file.
 struct ZipMember {

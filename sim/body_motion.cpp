@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/units.h"
+#include "recording/number_text.h"
 
 namespace saccade::inline v0_1 {
 namespace {
@@ -58,7 +59,7 @@ BodyMotion::BodyMotion(const BodyMotionConfig& config) : config_(config) {
   std::ifstream file(config.file);
   std::string line;
   if (!file || !std::getline(file, line)) throw InputError(config.file, "", "a readable CSV file");
-  const std::vector<std::string> header = cells_of(line);
+  const std::vector<std::string> header = cells_of(std::string(without_mark(line)));
   std::array<std::size_t, motion_columns.size()> at{};
   for (std::size_t i = 0; i < motion_columns.size(); ++i) {
     const auto found = std::ranges::find(header, motion_columns[i]);

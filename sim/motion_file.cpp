@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/rotation_vector.h"
+#include "recording/number_text.h"
 
 namespace saccade::inline v0_1 {
 namespace {
@@ -64,9 +65,7 @@ class MotionTableReader {
     bool has_header = false;
     while (problems_.size() < most_problems && std::getline(file, line)) {
       ++line_;
-      std::string_view text = line;
-      if (line_ == 1 && text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // byte order mark
-      text = trimmed(text);
+      const std::string_view text = trimmed(line_ == 1 ? without_mark(line) : line);
       if (text.empty() || text.front() == '#') continue;
       if (has_header) {
         read_row(cells_of(text));

@@ -50,7 +50,7 @@ int convert(const ConvertOptions& options, const FormatRegistry& formats) {
   removed(result.outside_time, "outside the time");
   removed(result.outside_region, "outside the region");
   removed(result.other_polarity, "of the other polarity");
-  if (result.torn) fmt::print("torn: {}\n", text_of(*result.torn));
+  if (result.torn) fmt::print("{}: {}\n", result.torn->is_cut ? "torn" : "broken", text_of(*result.torn));
   if (!result.skipped.empty()) fmt::print("skipped: {}\n", result.skipped);
   return 0;
 }

@@ -57,18 +57,14 @@ void print_warnings(const EmulationConfig& config, const EmulationResult& result
     fmt::print(stderr, "saccade: {}: read {} images where the file's header has {}\n", images, result.images,
                result.info.count);
   }
-  if (const std::string warning =
-          dropped_warning("the event camera", result.counts.events(), result.counts.dropped);
-      !warning.empty())
-    fmt::print(stderr, "saccade: {}: {}\n", images, warning);
-  const EmulatorConfig& camera = config.emulator;
-  if (result.info.linear && result.largest_luminance <= 1.5F && camera.dark_current > 0.0 &&
-      camera.white > 1.5) {
-    fmt::print(stderr,
-               "saccade: {}: luminance goes up to {:.3g} and white is at {:g}; for images in 0..1 use "
-               "--set white=1 --set dark_current=0.04\n",
-               images, result.largest_luminance, camera.white);
-  }
+  const std::string dropped =
+      dropped_warning("the event camera", result.counts.events(), result.counts.dropped);
+  if (!dropped.empty()) fmt::print(stderr, "saccade: {}: {}
+", images, dropped);
+  const std::string range =
+      result.info.linear ? luminance_warning(config.emulator, result.largest_luminance) : "";
+  if (!range.empty()) fmt::print(stderr, "saccade: {}: {} (--set KEY=VALUE)
+", images, range);
 }
 
 void check_files(const EmulateOptions& options, const FormatRegistry& formats) {
@@ -129,11 +125,18 @@ void add_emulate_command(CommandLine& line, const Registry& registry) {
   command.option("--set", options->assignments, "key=value of the event camera").one_value_each();
   const Option fps =
       command.option("--fps", emulation.images_per_s,
-                     "Images per second; a video's own by default; else needed without --timestamps");
+                     "Images per second; by default a video's own times; else needed without --timestamps");
   command
       .option("--timestamps", emulation.timestamps,
-              "Times, one a line: us, or seconds with a decimal point; an image's name may follow")
+              "Times, one a line, in the unit of the first line (timestamp [ns]) or of --time-unit, else us, "
+              "or s "
+              "with a decimal point; an image's name may follow")
       .excludes(fps);
+  command
+      .option(
+          "--time-unit", [&emulation](const std::string& word) { emulation.time_unit = time_unit_of(word); },
+          "Unit of the --timestamps: s, ms, us or ns")
+      .one_of({"s", "ms", "us", "ns"});
   command.option("--seed", emulation.seed, "Seed of all noise of the camera").show_default();
   command.option("--labels", emulation.labels, "What caused each event, t_us,x,y,p,cause (CSV)");
   command.option("--threads", emulation.threads, "Processor cores to use; the result does not depend on it")

@@ -80,7 +80,7 @@ void print_text(const RecordingSummary& info, const InfoOptions& options) {
   fmt::print("{:<22}{}\n", "format", info.format);
   fmt::print("{:<22}{}\n", "image", info.image ? text_of(*info.image) : "unknown");
   if (!info.skipped.empty()) fmt::print("{:<22}{}\n", "skipped", info.skipped);
-  if (info.torn) fmt::print("{:<22}{}\n", "torn", text_of(*info.torn));
+  if (info.torn) fmt::print("{:<22}{}\n", info.torn->is_cut ? "torn" : "broken", text_of(*info.torn));
   if (all.count == 0) {
     fmt::print("{:<22}{}\n", "events", 0);
     return;
@@ -127,7 +127,10 @@ void print_json(const RecordingSummary& info, const InfoOptions& options) {
                {"skipped", info.skipped},
                {"gap_ms", options.gap_ms}};
   if (info.torn)
-    json["torn"] = {{"byte", info.torn->byte}, {"bytes", info.torn->bytes}, {"cause", info.torn->cause}};
+    json["torn"] = {{"byte", info.torn->byte},
+                    {"bytes", info.torn->bytes},
+                    {"cut", info.torn->is_cut},
+                    {"cause", info.torn->cause}};
   json.update(json_of(info.counter.all()));
   if (!info.image) json["outside_image"] = nullptr;
   if (info.two_cameras()) {

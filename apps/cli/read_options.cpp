@@ -36,8 +36,17 @@ void add_decoding_options(Command& command, ReadOptions& options, const FormatRe
       "Image size WIDTHxHEIGHT, where the file has none");
   command
       .option("--columns", options.read.columns,
-              "Order of a text file's columns, out of t, x, y, p and c, the camera")
+              "Order of the columns of a text, an array or a table, out of t, x, y, p, c for the camera and "
+              "_ for one "
+              "that is not read; auto: that of the file's names, else txyp")
       .show_default();
+  command
+      .option(
+          "--time-unit", [&options](const std::string& word) { options.read.time_unit = time_unit_of(word); },
+          "Unit of the times in text, NumPy's arrays and HDF5: s, ms, us or ns; by default the file's own, "
+          "else us, "
+          "and s for numbers with a decimal point")
+      .one_of({"s", "ms", "us", "ns"});
   const std::map<std::string, std::uint8_t> cameras = {{"left", 0}, {"right", 1}};
   command
       .option(

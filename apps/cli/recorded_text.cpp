@@ -30,7 +30,8 @@ std::string description(const RecordedFile& file) {
 }  // namespace
 
 std::string text_of(const TornEnd& torn) {
-  return fmt::format("{} bytes from byte {} on are lost: {}", torn.bytes, torn.byte, torn.cause);
+  return fmt::format("{} bytes from byte {} on are {}: {}", torn.bytes, torn.byte,
+                     torn.is_cut ? "lost" : "not read", torn.cause);
 }
 
 std::string text_of(const std::vector<RecordedFile>& files, const std::filesystem::path& folder) {
@@ -57,7 +58,10 @@ std::string json_of(const std::vector<RecordedFile>& files, const std::filesyste
                  {"after_gap_us", number(file.after_gap_us)},
                  {"torn", nullptr}};
     if (file.torn)
-      json["torn"] = {{"byte", file.torn->byte}, {"bytes", file.torn->bytes}, {"cause", file.torn->cause}};
+      json["torn"] = {{"byte", file.torn->byte},
+                      {"bytes", file.torn->bytes},
+                      {"cut", file.torn->is_cut},
+                      {"cause", file.torn->cause}};
     if (!file.unreadable.empty()) json["unreadable"] = file.unreadable;
     list.push_back(std::move(json));
   }

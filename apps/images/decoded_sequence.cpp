@@ -71,6 +71,7 @@ void Luminance::prepare(std::size_t levels) {
 
 bool DecodedSequence::read(std::vector<float>& luminance) {
   if (ahead_.empty() && !decode(ahead_)) return false;
+  begin(next_);
   const std::string name = name_of(next_);
   const ImageSize size{ahead_.cols, ahead_.rows};
   if (size != info_.size) {

@@ -37,6 +37,8 @@ class DecodedSequence : public ImageSequence {
   void look_ahead();
   /// The next image; false after the last one.
   virtual bool decode(cv::Mat& image) = 0;
+  /// The image decoded last is given out now.
+  virtual void begin(std::int64_t image) { static_cast<void>(image); }
   [[nodiscard]] std::int64_t next() const { return next_; }
 
  private:

@@ -56,6 +56,7 @@ class ImageClock {
     if (options.images_per_s && !rates.contains(*options.images_per_s)) {
       throw InputError("--fps", text_of(*options.images_per_s), expectation);
     }
+    follows_video_ = !options.images_per_s;
     const std::optional<double> rate = options.images_per_s ? options.images_per_s : info.images_per_s;
     if (!rate || !rates.contains(*rate)) {
       throw InputError(options.images.string(), "images without times", "--fps RATE or --timestamps FILE");
@@ -63,8 +64,9 @@ class ImageClock {
     rate_ = *rate;
   }
 
-  /// Throws InputError where the file has fewer times.
-  [[nodiscard]] std::int64_t time_us(std::int64_t image) const {
+  /// `video_us`: as the video's container has it. Throws InputError where the file has fewer times.
+  [[nodiscard]] std::int64_t time_us(std::int64_t image, std::optional<std::int64_t> video_us) const {
+    if (follows_video_ && video_us) return *video_us;
     if (times_.empty()) return std::llround(static_cast<double>(image) * 1e6 / rate_);
     if (image >= std::ssize(times_)) complain("more");
     return times_[static_cast<std::size_t>(image)].t_us;
@@ -83,6 +85,7 @@ class ImageClock {
   std::vector<ImageTime> times_;
   std::string file_;
   double rate_ = 0.0;
+  bool follows_video_ = false;
 };
 
 /// One row per event, in the order of the event file.
@@ -116,7 +119,7 @@ class LabelWriter {
 EmulationResult emulate_images(const EmulationConfig& options, const FormatRegistry& formats,
                                const EmulationProgress& progress) {
   std::vector<ImageTime> times;
-  if (!options.timestamps.empty()) times = read_image_times(options.timestamps);
+  if (!options.timestamps.empty()) times = read_image_times(options.timestamps, options.time_unit);
   const bool named = !times.empty() && !times.front().name.empty();
   const auto sequence = open_image_sequence(options.images, options.emulator.white,
                                             named ? times : std::span<const ImageTime>{});
@@ -142,14 +145,25 @@ EmulationResult emulate_images(const EmulationConfig& options, const FormatRegis
   LuminanceRange luminance;
   // With more than one thread the next image is read while this one is worked on.
   const std::launch policy = options.threads > 1 ? std::launch::async : std::launch::deferred;
-  const auto read_next = [&] { return std::async(policy, [&] { return sequence->read(next_image); }); };
-  std::future<bool> is_read = read_next();
-  std::int64_t images = 0;
-  for (; is_read.get(); ++images) {
+  struct Read {
+    bool done = false;
+    std::optional<std::int64_t> time_us;
+  };
+  const auto read_next = [&] {
+    return std::async(policy, [&] {
+      const bool done = sequence->read(next_image);
+      return Read{done, sequence->time_us()};
+    });
+  };
+  std::future<Read> ahead = read_next();
+  std::int64_t images = 0, first_us = 0, last_us = 0;
+  for (Read read = ahead.get(); read.done; read = ahead.get(), ++images) {
     std::swap(image, next_image);
-    is_read = read_next();
+    ahead = read_next();
+    last_us = clock.time_us(images, read.time_us);
+    if (images == 0) first_us = last_us;
     try {
-      emulator.process_image(image, clock.time_us(images), events, wanted_labels);
+      emulator.process_image(image, last_us, events, wanted_labels);
     } catch (const InputError& error) {
       std::vector<Problem> problems = error.problems();
       for (Problem& problem : problems) problem.place = sequence->name_of(images) + ": " + problem.place;
@@ -167,8 +181,17 @@ EmulationResult emulate_images(const EmulationConfig& options, const FormatRegis
   write();
   if (label_writer) label_writer->commit();
   writer->commit();
-  return {info,          images,        clock.time_us(0), clock.time_us(images - 1),
-          luminance.min, luminance.max, emulator.counts()};
+  return {info, images, first_us, last_us, luminance.min, luminance.max, emulator.counts()};
+}
+
+std::string luminance_warning(const EmulatorConfig& camera, float largest) {
+  constexpr float most = 1.5F;
+  if (largest > most || camera.dark_current <= 0.0 || camera.white <= static_cast<double>(most)) return {};
+  std::string text = "luminance goes up to ";
+  append_number(text, std::round(largest * 1e3F) / 1e3F);
+  text += " and white is at ";
+  append_number(text, camera.white);
+  return text + "; for images in 0..1 use white=1 and dark_current=0.04";
 }
 
 }  // namespace saccade::inline v0_1

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <string>
 
 #include "apps/images/image_sequence.h"
 #include "core/event_label.h"
@@ -19,7 +20,8 @@ struct EmulationConfig {
   std::filesystem::path out;           ///< recording to write
   std::filesystem::path labels;        ///< table t_us,x,y,p,cause with a row per event; empty: none
   std::filesystem::path timestamps;    ///< times of the images (read_image_times); empty: images_per_s
-  std::optional<double> images_per_s;  ///< [1e-3, 1e6]; none: that of the video
+  std::optional<TimeUnit> time_unit;   ///< of these times; none: their file's
+  std::optional<double> images_per_s;  ///< [1e-3, 1e6]; none: a video's own times
   EmulatorConfig emulator;
   std::int64_t seed = 1;
   int threads = 2;  ///< the result does not depend on it
@@ -34,6 +36,10 @@ struct EmulationResult {
   float largest_luminance = 0.0F;
   EmulatorCounts counts;
 };
+
+/// What speaks for images in 0..1 where the camera expects others, and the keys for them; empty: nothing does. `largest`: of the
+/// luminance of linear images.
+[[nodiscard]] std::string luminance_warning(const EmulatorConfig& camera, float largest);
 
 /// Called after each image with the number of images so far and the expected number, 0 where that is unknown. It may throw
 /// to end the emulation; then nothing is written.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/event.h"
+#include "recording/event_columns.h"
 
 namespace saccade::inline v0_1 {
 
@@ -40,6 +41,9 @@ class ImageSequence {
   /// checked. Throws InputError for an image that cannot be decoded, or with another size or other numbers
   /// (8 or 16 bit, float) than the first.
   virtual bool read(std::vector<float>& luminance) = 0;
+  /// When the image that read() gave last was taken, by a video's container, us from its start; none where there are no times, or
+  /// all are those of images_per_s.
+  [[nodiscard]] virtual std::optional<std::int64_t> time_us() const { return std::nullopt; }
   /// Of an image, counted from 0, for messages: "shots/f7.png, image 3", "ramp.npy, image 3".
   [[nodiscard]] virtual std::string name_of(std::int64_t image) const = 0;
   [[nodiscard]] const ImageSequenceInfo& info() const { return info_; }
@@ -55,11 +59,14 @@ struct ImageTime {
   std::string place;  ///< file and line, for messages
 };
 
-/// Reads times, one a line and increasing: a whole number is us, one with a decimal point seconds (one file
-/// keeps to one of them). A name may follow after blanks or a comma; then every line has one. Empty lines
-/// and lines that start with # are skipped. Times lie within 4e15 us of 0.
+/// Reads times, one a line and increasing, in `unit`, else in that of a first line of names ("#timestamp [ns],filename", "t_us"),
+/// else a whole number is us, one with a decimal point s (one file keeps to one of them). A name may follow after blanks or a
+/// comma; then every line has one. A byte order mark, empty lines and lines that start with # are skipped. Times lie
+/// within 4e15 us of 0. Without a unit, whole times of which the mean step is 1 s or longer as us, and those of
+/// why_not_seconds(), are refused.
 /// Throws InputError.
-[[nodiscard]] std::vector<ImageTime> read_image_times(const std::filesystem::path& path);
+[[nodiscard]] std::vector<ImageTime> read_image_times(const std::filesystem::path& path,
+                                                      std::optional<TimeUnit> unit = std::nullopt);
 
 /// Opens a folder, a .npy file or a video. `white`: luminance of white, where values are not linear.
 /// `named`: where it is not empty, these files of the folder in this order.

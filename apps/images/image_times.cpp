@@ -1,4 +1,4 @@
-#include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <optional>
 #include <string_view>
@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "recording/codec.h"
 #include "recording/number_text.h"
+#include "recording/text_header.h"
 
 namespace saccade::inline v0_1 {
 namespace {
@@ -26,21 +27,38 @@ std::vector<std::string_view> fields_of(std::string_view line) {
   return fields;
 }
 
+/// Why whole times without a unit are hardly us: no camera is that slow. Empty: they may be us.
+std::string why_not_us(const std::vector<ImageTime>& times) {
+  const std::int64_t steps = std::ssize(times) - 1;
+  if (steps < 1) return {};
+  const std::int64_t mean_us = (times.back().t_us - times.front().t_us) / steps;
+  constexpr std::int64_t slow_us = 1'000'000;
+  if (mean_us < slow_us) return {};
+  return "whole times without a unit, in the mean " + std::to_string(mean_us) + " apart";
+}
+
 }  // namespace
 
-std::vector<ImageTime> read_image_times(const fs::path& path) {
+std::vector<ImageTime> read_image_times(const fs::path& path, std::optional<TimeUnit> unit) {
   std::ifstream stream(path);
   if (!stream || fs::is_directory(path)) {
     throw InputError(path.string(), fs::exists(path) ? "a file that cannot be read" : "no such file",
                      "a file of times, one a line");
   }
   std::vector<ImageTime> times;
+  std::vector<double> numbers;  // as they stand there
   std::optional<bool> in_seconds;
   int number = 0;
   for (std::string line; std::getline(stream, line);) {
-    ++number;
+    if (++number == 1) line = std::string(without_mark(line));
     const std::vector<std::string_view> fields = fields_of(line);
-    if (fields.empty() || fields[0].starts_with('#')) continue;
+    if (fields.empty()) continue;
+    const bool is_comment = fields[0].starts_with('#');
+    const std::vector<std::string_view> names =
+        names_in(std::string_view(line).substr(is_comment ? line.find('#') + 1 : 0));
+    const auto named = times.empty() && !names.empty() ? event_column(names[0]) : std::nullopt;
+    if (named && named->column == EventColumn::t && !unit) unit = named->unit;
+    if (is_comment || (named && named->column == EventColumn::t)) continue;
     ImageTime time;
     time.place = path.string() + ":" + std::to_string(number);
     const auto fail = [&](std::string_view found, std::string expectation) {
@@ -48,19 +66,22 @@ std::vector<ImageTime> read_image_times(const fs::path& path) {
     };
     if (fields.size() > 2) fail(line, "a time, or a time and the name of a file");
     const bool seconds = fields[0].find('.') != std::string_view::npos;
-    double value_s = 0.0;
-    // A double holds 4e9 s to less than half a microsecond, and differences of such times fit into 64 bits.
-    const bool parsed = seconds ? parse_number(fields[0], value_s) && std::abs(value_s) < 4e9
-                                : parse_number(fields[0], time.t_us) && time.t_us > -4'000'000'000'000'000 &&
-                                      time.t_us < 4'000'000'000'000'000;
-    if (!parsed) fail(fields[0], "a time in us, or in seconds with a decimal point, within 4e15 us of 0");
-    if (seconds) time.t_us = std::llround(value_s * 1e6);
-    if (seconds || time.t_us != 0) {
+    const auto t_us = to_us(fields[0], unit.value_or(seconds ? TimeUnit::s : TimeUnit::us));
+    // Differences of such times fit into 64 bits, and a double holds them to less than half a microsecond.
+    if (!t_us || std::abs(*t_us) >= longest_plausible_us) {
+      fail(fields[0], unit ? "a time in " + std::string(word_of(*unit)) + " within 4e15 us of 0"
+                           : "a time in us, or in seconds with a decimal point, within 4e15 us of 0; others "
+                             "need --time-unit");
+    }
+    time.t_us = *t_us;
+    if (!unit && (seconds || time.t_us != 0)) {
       if (in_seconds.value_or(seconds) != seconds) {
         fail(fields[0], *in_seconds ? "seconds with a decimal point, as before" : "us, as before");
       }
       in_seconds = seconds;
     }
+    double value = 0.0;
+    numbers.push_back(parse_number(fields[0], value) ? value : 0.0);
     if (fields.size() == 2) time.name = fields[1];
     if (!times.empty() && time.t_us <= times.back().t_us) {
       fail(fields[0], "a time after " + std::to_string(times.back().t_us) + " us");
@@ -71,6 +92,9 @@ std::vector<ImageTime> read_image_times(const fs::path& path) {
     times.push_back(std::move(time));
   }
   if (times.empty()) throw InputError(path.string(), "no times", "a time per image, one a line");
+  if (unit) return times;
+  const std::string why = in_seconds.value_or(false) ? why_not_seconds(numbers) : why_not_us(times);
+  if (!why.empty()) throw InputError(path.string(), why, std::string(unit_expectation));
   return times;
 }
 

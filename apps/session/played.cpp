@@ -47,7 +47,7 @@ JointsSource joints_of(const std::filesystem::path& path, const HeadModel& head)
     names.push_back(joint.name);
     expected += "," + joint.name + "_rad";
   }
-  if (header != expected) throw InputError(path.string() + ":1", header, "the header " + expected);
+  if (without_mark(header) != expected) throw InputError(path.string() + ":1", header, "the header " + expected);
   auto table = std::make_shared<TableReader<JointsRow>>(path);
   std::vector<std::pair<int, int>> slots;  // in the table's rows, of the head
   const auto columns = head_of_names(names);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <opencv2/core.hpp>
 #include <string>
 #include <string_view>
@@ -18,6 +19,7 @@ struct CodecLibrary {
   cv::VideoCapture* (*read_video)(const std::string& path);  ///< the caller owns it
   cv::VideoWriter* (*write_video)(const std::string& path, std::string_view codec, double images_hz,
                                   const cv::Size& size);  ///< the caller owns it
+  std::vector<std::int64_t> (*video_times)(const std::string& path);
 };
 
 inline constexpr const char* codec_library_file = "saccade-image-codecs.so";

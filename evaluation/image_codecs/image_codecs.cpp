@@ -38,6 +38,10 @@ std::unique_ptr<cv::VideoCapture> read_video(const std::filesystem::path& path) 
   return std::unique_ptr<cv::VideoCapture>(library().read_video(path.string()));
 }
 
+std::vector<std::int64_t> video_times(const std::filesystem::path& path) {
+  return library().video_times(path.string());
+}
+
 std::unique_ptr<cv::VideoWriter> write_video(const std::filesystem::path& path, std::string_view codec,
                                              double images_hz, const cv::Size& size) {
   SACCADE_CHECK(codec.size() == 4);

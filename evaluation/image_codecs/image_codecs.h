@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <opencv2/core.hpp>
@@ -33,6 +34,9 @@ enum class DecodedAs : std::uint8_t { stored, grey, colour };
 
 /// A video that ffmpeg's libraries decode; not opened (isOpened()) where they cannot.
 [[nodiscard]] std::unique_ptr<cv::VideoCapture> read_video(const std::filesystem::path& path);
+/// When the images of a video are shown, by its container, in their order: us from the start of the video. Empty where the
+/// container has no times. It is read without decoding.
+[[nodiscard]] std::vector<std::int64_t> video_times(const std::filesystem::path& path);
 /// A video of BGR images in the container that the path's extension names; `codec` is a code of four characters. Not opened
 /// (isOpened()) where it cannot be written.
 [[nodiscard]] std::unique_ptr<cv::VideoWriter> write_video(const std::filesystem::path& path,

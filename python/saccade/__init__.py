@@ -1,7 +1,7 @@
 """saccade from Python: event recordings, detectors, the event camera emulator, scoring and the closed loop.
 
 Events are structured arrays of `event_dtype`: x and y (uint16, pixels), p (bool, True = ON = brighter), t (int64, us) and
-camera (uint8, 0 left, 1 right). Functions take any structured array with the fields x, y, p and t.
+camera (uint8, 0 left, 1 right). Functions take any structured array with the fields x, y, p and t (as_events).
 
 Problems with input raise ValueError with place, value and expectation; runs that cannot go on raise RuntimeError.
 docs/python.md is the tutorial.
@@ -25,13 +25,14 @@ __all__ = [
 ]
 
 
-def open(path, *, size=None, camera=None, columns="txyp", yarp_codec="auto", aedat2_layout="auto"):
+def open(path, *, size=None, camera=None, columns="auto", time_unit=None, yarp_codec="auto", aedat2_layout="auto"):
     """Opens a recording; the format follows from its content.
 
     size: (width, height) where the file has none. camera: only the events of this camera. columns: order of the columns
-    of text. yarp_codec, aedat2_layout: layout of files that do not name theirs, as `saccade info --help` lists them.
+    of text, arrays and tables; auto: that of the file's names, else txyp. time_unit: s, ms, us or ns, of the times in text,
+    NumPy's arrays and HDF5; None: the file's own. yarp_codec, aedat2_layout: layout of files that do not name theirs, as `saccade info --help` lists them.
     """
-    return _saccade.open_recording(_os.fspath(path), size, camera, columns, yarp_codec, aedat2_layout)
+    return _saccade.open_recording(_os.fspath(path), size, camera, columns, time_unit, yarp_codec, aedat2_layout)
 
 
 def read(path, **options):
@@ -119,15 +120,15 @@ class Emulator(_saccade.Emulator):
         super().__init__(size, seed, threads, _keys_text(keys))
 
 
-def emulate(images, out, *, images_per_s=None, timestamps=None, seed=1, threads=2, **keys):
+def emulate(images, out, *, images_per_s=None, timestamps=None, time_unit=None, seed=1, threads=2, **keys):
     """Runs the emulator over a video, a folder of images or a .npy file, and writes the recording `out`.
 
-    images_per_s: of images without times of their own (timestamps: a file of them); a video has its own. Keys are those of
+    images_per_s: of images without times of their own (timestamps: a file of them, time_unit: their unit); a video has its own. Keys are those of
     Emulator. Returns a dict: images, size, first_us, last_us, and the counts on, off and dropped. `saccade emulate` does
     the same.
     """
-    return _saccade.emulate(_os.fspath(images), _os.fspath(out), images_per_s, _os.fspath(timestamps or ""), seed, threads,
-                            _keys_text(keys))
+    return _saccade.emulate(_os.fspath(images), _os.fspath(out), images_per_s, _os.fspath(timestamps or ""), time_unit, seed,
+                            threads, _keys_text(keys))
 
 
 def report(run, figures=None):

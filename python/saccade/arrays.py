@@ -9,30 +9,76 @@ from . import _saccade
 event_dtype = _saccade.event_dtype
 
 
-def as_events(events):
+def as_events(events, time_unit=None):
     """The events as a contiguous array of event_dtype; the same array where it is one.
 
-    `events`: a structured array with the fields x, y, p, t and optionally camera, of any integer types; p is True or
-    greater than 0 for ON. Raises ValueError for other arrays and for values that event_dtype cannot hold.
+    `events`: a structured array with the fields x, y, p, t and optionally camera, in any order in memory and of any numbers;
+    other names of them, titles, and units in the name of the time (t_ns) as in NumPy files. p is True or greater than 0 for
+    ON. time_unit: s, ms, us or ns; without it and without a unit in the name, whole times are us and floating-point ones s,
+    where these are plausible. Raises ValueError for other arrays and for values that event_dtype cannot hold.
     """
     array = np.asarray(events)
-    if array.dtype == event_dtype and array.ndim == 1:
+    if array.dtype == event_dtype and array.ndim == 1 and time_unit in (None, "us"):
         return np.ascontiguousarray(array)
-    if array.ndim != 1 or array.dtype.names is None or not {"x", "y", "p", "t"} <= set(array.dtype.names):
+    fields = _event_fields(array.dtype) if array.ndim == 1 else {}
+    if not {"x", "y", "p", "t"} <= set(fields):
         raise ValueError(f"events: found an array of shape {array.shape} and dtype {array.dtype}, "
                          "expected one dimension and the fields x, y, p and t")
     result = np.zeros(len(array), event_dtype)
-    for field in ("x", "y", "t", "camera"):
-        if field not in array.dtype.names:
-            continue
-        values = array[field]
-        limits = np.iinfo(event_dtype[field])
-        if len(values) and (values.min() < limits.min or values.max() > limits.max):
-            raise ValueError(f"events: found {field} from {values.min()} to {values.max()}, "
-                             f"expected values from {limits.min} to {limits.max}")
-        result[field] = values
-    result["p"] = array["p"] > 0
+    for field in ("x", "y", "camera"):
+        if field in fields:
+            result[field] = _whole_numbers(array[fields[field][0]], field)
+    name, unit = fields["t"]
+    result["t"] = _times(array[name], time_unit or unit)
+    polarity = array[fields["p"][0]]
+    if polarity.dtype.kind not in "biuf" or (polarity.dtype.kind == "f" and np.isnan(polarity).any()):
+        raise ValueError(f"events: found p of {_first_bad(polarity)}, expected truth values or numbers")
+    result["p"] = polarity > 0
     return result
+
+
+def _event_fields(dtype):
+    """The fields of an array that are those of events: their names in it, and the unit or \"\"."""
+    fields = {}
+    for name in dtype.names or ():
+        title = dtype.fields[name][2] if len(dtype.fields[name]) > 2 else ""
+        known = _saccade.event_column(name) or _saccade.event_column(str(title))
+        if known and known[0] not in fields:
+            fields[known[0]] = (name, known[1])
+    return fields
+
+
+def _first_bad(values):
+    if values.dtype.kind == "f":
+        bad = values[~(np.isfinite(values) & (values == np.rint(values)))]
+        if len(bad):
+            return str(bad[0])
+    return f"dtype {values.dtype}"
+
+
+def _whole_numbers(values, field):
+    limits = np.iinfo(event_dtype[field])
+    if values.dtype.kind not in "biuf" or (values.dtype.kind == "f" and not (values == np.rint(values)).all()):
+        raise ValueError(f"events: found {field} of {_first_bad(values)}, expected whole numbers")
+    if len(values) and (values.min() < limits.min or values.max() > limits.max):
+        raise ValueError(f"events: found {field} from {values.min()} to {values.max()}, "
+                         f"expected values from {limits.min} to {limits.max}")
+    return values
+
+
+def _times(values, unit):
+    """Times in us as int64."""
+    if values.dtype.kind in "mM":
+        stored, step = np.datetime_data(values.dtype)
+        if stored not in ("s", "ms", "us", "ns") or step != 1 or np.isnat(values).any():
+            raise ValueError(f"events: found t of {values.dtype} or without a time, "
+                             "expected times of s, ms, us or ns")
+        values, unit = values.astype(values.dtype.newbyteorder("=")).view("i8"), stored
+    if values.dtype.kind not in "iuf":
+        raise ValueError(f"events: found t of dtype {values.dtype}, expected numbers")
+    if values.dtype.kind == "u" and len(values) and values.max() > np.iinfo("i8").max:
+        raise ValueError(f"events: found t up to {values.max()}, expected times below 2^63")
+    return _saccade.times_in_us(values, unit or "")
 
 
 def _column(table, names, field, default=None):

@@ -151,8 +151,6 @@ INSTANTIATE_TEST_SUITE_P(EventFile, WrittenEvents,
                            return name;
                          });
 
-// ---- text ----------------------------------------------------------------------------------------
-
 // ---- two cameras ---------------------------------------------------------------------------------
 
 class TwoCameras : public testing::TestWithParam<const char*> {
@@ -228,107 +226,6 @@ TEST(Aedat2, TheRightCameraOfAStereoPairHasBit15) {
       folder.write("e.aedat", header + record(0, 10) + record(1u << 15 | 3u << 8 | 2u << 1 | 1u, 20));
   const std::vector<Event> expected = {{10, 127, 127, true, 0}, {20, 125, 124, false, 1}};
   EXPECT_EQ(read_all(*open_event_file(path), 10), expected);
-}
-
-TEST(TextEvents, HaveTheirCameraInAFifthColumn) {
-  TempFolder folder;
-  const std::vector<Event> expected = {{5, 1, 2, true, 0}, {6, 3, 4, false, 1}};
-  const auto named = folder.write("named.csv", "t_us,x,y,p,camera\n5,1,2,1,0\n6,3,4,0,1\n");
-  EXPECT_EQ(read_all(*open_event_file(named), 10), expected);
-  const auto ordered = folder.write("ordered.txt", "0 1 2 5 1\n1 3 4 6 0\n");
-  EXPECT_EQ(read_all(*open_event_file(ordered, {.columns = "cxytp", .image_size = {}, .camera = {}}), 10),
-            expected);
-  const auto third = folder.write("third.csv", "t_us,x,y,p,camera\n5,1,2,1,2\n");
-  EXPECT_THROW((void)read_all(*open_event_file(third), 10), InputError);
-}
-
-TEST(TextEvents, MayBeSeparatedByBlanksTabsOrCommasWithCommentsAndAHeader) {
-  TempFolder folder;
-  const std::vector<Event> events = {{10, 3, 4, true, 0}, {12, 65535, 0, false, 0}, {12, 5, 6, false, 0}};
-  for (const char* content :
-       {"10 3 4 1\n12 65535 0 0\n12 5 6 -1\n", "10,3,4,1\r\n12,65535,0,0\r\n12,5,6,0\r\n",
-        "# made by hand\n\nt_us,x,y,p\n10, 3, 4, 1\n12\t65535  0 0\n#\n 12 5 6 0",
-        "\"timestamp\" \"x\" \"y\" \"polarity\"\n10 3 4 1\n12 65535 0 -1\n12 5 6 -1\n"}) {
-    EXPECT_EQ(read_file(folder.write("a.txt", content)), events) << content;
-  }
-}
-
-TEST(TextEvents, HaveTheirTimeInSecondsWhenItHasADecimalPoint) {
-  TempFolder folder;
-  const auto path = folder.write("a.txt",
-                                 "0 1 1 1\n.5 1 1 1\n2.097134001 1 1 1\n2.09714 1 1 1\n2.0971454999 1 1 1\n"
-                                 "2.0971455 1 1 1\n3. 1 1 1\n4.5e-1 1 1 1\n1605537493.718345 1 1 1\n"
-                                 "-0.0000015 1 1 1\n");
-  std::vector<std::int64_t> times;
-  for (const Event& event : read_file(path)) times.push_back(event.t_us);
-  EXPECT_THAT(times, testing::ElementsAre(0, 500000, 2097134, 2097140, 2097145, 2097146, 3000000, 450000,
-                                          1605537493718345, -2));
-}
-
-TEST(TextEvents, ComeInAnotherColumnOrderByTheOption) {
-  TempFolder folder;
-  EventReadOptions options;
-  options.columns = "xypt";
-  const std::vector<Event> events = {{10, 3, 4, true, 0}};
-  EXPECT_EQ(read_file(folder.write("a.csv", "3,4,1,10\n"), options), events);
-  EXPECT_EQ(read_file(folder.write("a.csv", "x,y,p,t\n3,4,1,10\n"), options), events);
-  options.columns = "xyt";
-  EXPECT_THROW((void)open_event_file(folder / "a.csv", options), InputError);
-}
-
-TEST(TextEvents, GoBackInTimeWhereTheFileDoes) {
-  TempFolder folder;
-  const auto events = read_file(folder.write("a.txt", "10 1 1 1\n5 1 1 1\n"));
-  ASSERT_EQ(events.size(), 2u);
-  EXPECT_EQ(events[1].t_us, 5);
-}
-
-struct BrokenLine {
-  std::string name;
-  std::string line;
-  std::string message;
-};
-
-class BrokenText : public testing::TestWithParam<BrokenLine> {};
-
-TEST_P(BrokenText, GivesTheEventsBeforeItAndThenItsLine) {
-  TempFolder folder;
-  const auto path = folder.write("a.txt", "# c\n1 2 3 1\n2 2 3 1\n" + GetParam().line + "\n9 2 3 1\n");
-  const auto reader = open_event_file(path);
-  std::vector<Event> events;
-  EXPECT_EQ(reader->read(events, 100), 2u);
-  for (int again = 0; again < 2; ++again) {
-    EXPECT_THAT([&] { (void)reader->read(events, 100); },
-                testing::ThrowsMessage<InputError>(HasSubstr(path.string() + ":4" + GetParam().message)));
-  }
-  EXPECT_EQ(events.size(), 2u);
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    TextEvents, BrokenText,
-    testing::Values(BrokenLine{"TooFew", "3 2 3", ": found 3 fields, expected 4"},
-                    BrokenLine{"Unprintable", "3 2\xc2\xb5 3 1", ", column x: found 2.., expected"},
-                    BrokenLine{"TooMany", "3 2 3 1 0", ": found 5 fields, expected 4"},
-                    BrokenLine{"TrailingComma", "3,2,3,1,", ": found 5 fields, expected 4"},
-                    BrokenLine{"EmptyField", "3,,3,1", ", column x: found nothing"},
-                    BrokenLine{"WordForTime", "now 2 3 1", ", column t: found now"},
-                    BrokenLine{"SecondsAmongMicroseconds", "3.5 2 3 1", ", column t: found 3.5, expected us"},
-                    BrokenLine{"TimeTooLarge", "99999999999999999999 2 3 1", ", column t"},
-                    BrokenLine{"SecondsTooLarge", "99999999999999.0 2 3 1", ", column t"},
-                    BrokenLine{"TwoPoints", "1.2.3 2 3 1", ", column t"},
-                    BrokenLine{"NegativeX", "3 -2 3 1", ", column x: found -2"},
-                    BrokenLine{"LargeY", "3 2 65536 1", ", column y: found 65536"},
-                    BrokenLine{"FractionX", "3 2.5 3 1", ", column x: found 2.5"},
-                    BrokenLine{"Polarity", "3 2 3 2", ", column p: found 2"},
-                    BrokenLine{"HeaderAgain", "t x y p", ", column t: found t"},
-                    BrokenLine{"Endless", std::string(5000, ' ') + "3 2 3 1", ": found a line of more than"}),
-    [](const auto& broken) { return broken.param.name; });
-
-TEST(TextEvents, WithAnotherOrderInTheHeaderAreRejected) {
-  TempFolder folder;
-  const auto path = folder.write("a.csv", "x,y,p,t\n3,4,1,1\n");
-  EXPECT_THAT([&] { (void)read_file(path); },
-              testing::ThrowsMessage<InputError>(HasSubstr("the column order xypt, expected txyp")));
 }
 
 // ---- AEDAT 2.0 -----------------------------------------------------------------------------------

@@ -1,6 +1,8 @@
 #include "tests/recording/small_files.h"
 
+#include <SQLiteCpp/SQLiteCpp.h>
 #include <lz4frame.h>
+#include <sqlite3.h>
 #include <zstd.h>
 
 #include <bit>
@@ -197,6 +199,37 @@ std::string event_packet(std::uint64_t time_base_ns, const std::string& encoding
   return bytes + with_length(events);
 }
 
+/// A bag of ROS 2 in SQLite; cut off it cannot be read at all.
+SmallFile ros2_bag() {
+  const std::vector<Event> events = {{1'500'000'000'000'123, 3, 4, true, 0},
+                                     {1'500'000'000'000'125, 303, 0, false, 0}};
+  std::string mono;
+  for (const Event& e : events)
+    mono += little_endian(static_cast<std::uint64_t>(e.on) << 63 | static_cast<std::uint64_t>(e.y) << 48 |
+                          static_cast<std::uint64_t>(e.x) << 32 |
+                          static_cast<std::uint64_t>(e.t_us - events[0].t_us) * 1000);
+  const std::string message = event_packet(1'500'000'000'000'123'000, "mono", mono);
+  SQLite::Database database(":memory:", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+  database.exec("PRAGMA page_size = 512");
+  database.exec(
+      "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT)");
+  database.exec(
+      "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data BLOB)");
+  database.exec("INSERT INTO topics VALUES(1, '/imu', 'sensor_msgs/msg/Imu', 'cdr')");
+  database.exec("INSERT INTO topics VALUES(2, '/events', 'event_camera_msgs/msg/EventPacket', 'cdr')");
+  database.exec("INSERT INTO messages VALUES(1, 1, 1500000000000200000, x'00')");
+  SQLite::Statement insert(database, "INSERT INTO messages VALUES(2, 2, 1500000000000200000, ?)");
+  insert.bind(1, message.data(), static_cast<int>(message.size()));
+  insert.exec();
+  sqlite3_int64 size = 0;
+  unsigned char* const bytes = sqlite3_serialize(database.getHandle(), "main", &size, 0);
+  SmallFile file{
+      "events.db3",
+      {{std::string(reinterpret_cast<const char*>(bytes), static_cast<std::size_t>(size)), events}}};
+  sqlite3_free(bytes);
+  return file;
+}
+
 SmallFile mcap() {
   const auto mono = [](std::uint32_t after_ns, const Event& event) {
     return little_endian(static_cast<std::uint64_t>(event.on) << 63 |
@@ -242,6 +275,10 @@ SmallFile mcap() {
 }
 
 }  // namespace
+
+std::string stored_zip(const std::vector<std::pair<std::string, std::string>>& members) {
+  return npz("", members, {}).bytes();
+}
 
 std::vector<SmallFile> small_files() {
   std::vector<SmallFile> files;
@@ -378,6 +415,17 @@ std::vector<SmallFile> small_files() {
           {{250'000, 9, 7, false, 0}, {-1'000'000, 258, 8, true, 0}}));
   files.push_back(bag());
   files.push_back(mcap());
+  files.push_back(ros2_bag());
+  files.push_back(npz("text.zip", {{"events.txt", "x y p t\n3 4 1 10\n65535 0 0 -12\n"}},
+                      {{10, 3, 4, true, 0}, {-12, 65535, 0, false, 0}}));
+  // A field with a title, and nanoseconds.
+  std::string titled;
+  for (const Event& event : of_records)
+    titled +=
+        big_endian(event.t_us * 1000) + big_endian(event.x) + big_endian(event.y) + (event.on ? '\1' : '\0');
+  files.push_back({"titled.npy",
+                   {{npy("[('t_ns', '>i8'), ('x', '>u2'), ('y', '>u2'), (('p', 'on'), '|b1')]", "(2,)", titled),
+                     of_records}}});
   return files;
 }
 

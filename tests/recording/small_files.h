@@ -2,6 +2,7 @@
 
 #include <initializer_list>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/event.h"
@@ -32,6 +33,9 @@ struct SmallFile {
 
 /// One of each format that is read.
 [[nodiscard]] std::vector<SmallFile> small_files();
+
+/// A ZIP file whose members are not compressed.
+[[nodiscard]] std::string stored_zip(const std::vector<std::pair<std::string, std::string>>& members);
 
 /// Numbers as bytes.
 template <class T>
