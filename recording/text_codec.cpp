@@ -15,7 +15,7 @@
 namespace saccade::inline v0_1 {
 namespace {
 
-constexpr std::size_t longest_line = 4096;
+constexpr std::size_t longest_text_line = 4096;
 constexpr std::size_t sample_bytes = 1
                                      << 15;  ///< from which the unit of the time follows where none is stated
 constexpr std::string_view default_columns = "txyp";
@@ -109,13 +109,13 @@ class TextReader final : public EventReader {
  private:
   /// False at the end of the file.
   bool peek_line() {
-    const std::string_view ahead = source_.peek(longest_line + 1);
-    const std::string_view window = ahead.substr(0, longest_line + 1);
+    const std::string_view ahead = source_.peek(longest_text_line + 1);
+    const std::string_view window = ahead.substr(0, longest_text_line + 1);
     const std::size_t end = window.find('\n');
     line_is_last_ = end == std::string_view::npos;
-    if (line_is_last_ && window.size() > longest_line) {
+    if (line_is_last_ && window.size() > longest_text_line) {
       line_is_last_ = false;
-      fail("a line of more than " + std::to_string(longest_line) + " characters", "an event per line");
+      fail("a line of more than " + std::to_string(longest_text_line) + " characters", "an event per line");
     }
     line_ = window.substr(0, end);
     line_bytes_ = std::min(end, window.size() - 1) + 1;
@@ -211,7 +211,7 @@ class TextReader final : public EventReader {
     bool all_fractional = true;
     while (!ahead.empty()) {
       const std::size_t end = ahead.find('\n');
-      if (end == std::string_view::npos && ahead.size() > longest_line) break;
+      if (end == std::string_view::npos && ahead.size() > longest_text_line) break;
       const Fields fields(ahead.substr(0, end));
       ahead.remove_prefix(std::min(end, ahead.size() - 1) + 1);
       double time = 0.0;

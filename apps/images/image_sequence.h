@@ -62,7 +62,7 @@ struct ImageTime {
 /// Reads times, one a line and increasing, in `unit`, else in that of a first line of names ("#timestamp [ns],filename", "t_us"),
 /// else a whole number is us, one with a decimal point s (one file keeps to one of them). A name may follow after blanks or a
 /// comma; then every line has one. A byte order mark, empty lines and lines that start with # are skipped. Times lie
-/// within 4e15 us of 0. Without a unit, whole times of which the mean step is 1 s or longer as us, and those of
+/// within 4e15 us of 0. Without a unit, whole times of which the median step is 1 s or longer as us, and those of
 /// why_not_seconds(), are refused.
 /// Throws InputError.
 [[nodiscard]] std::vector<ImageTime> read_image_times(const std::filesystem::path& path,

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <optional>
@@ -29,12 +30,14 @@ std::vector<std::string_view> fields_of(std::string_view line) {
 
 /// Why whole times without a unit are hardly us: no camera is that slow. Empty: they may be us.
 std::string why_not_us(const std::vector<ImageTime>& times) {
-  const std::int64_t steps = std::ssize(times) - 1;
-  if (steps < 1) return {};
-  const std::int64_t mean_us = (times.back().t_us - times.front().t_us) / steps;
+  std::vector<std::int64_t> steps_us;
+  for (std::size_t i = 1; i < times.size(); ++i) steps_us.push_back(times[i].t_us - times[i - 1].t_us);
+  if (steps_us.empty()) return {};
+  const auto middle = steps_us.begin() + std::ssize(steps_us) / 2;
+  std::ranges::nth_element(steps_us, middle);
   constexpr std::int64_t slow_us = 1'000'000;
-  if (mean_us < slow_us) return {};
-  return "whole times without a unit, in the mean " + std::to_string(mean_us) + " apart";
+  if (*middle < slow_us) return {};
+  return "whole times without a unit, in the median " + std::to_string(*middle) + " apart";
 }
 
 }  // namespace
@@ -66,9 +69,11 @@ std::vector<ImageTime> read_image_times(const fs::path& path, std::optional<Time
     };
     if (fields.size() > 2) fail(line, "a time, or a time and the name of a file");
     const bool seconds = fields[0].find('.') != std::string_view::npos;
-    const auto t_us = to_us(fields[0], unit.value_or(seconds ? TimeUnit::s : TimeUnit::us));
+    std::optional<std::int64_t> t_us;
+    if (unit || seconds) t_us = to_us(fields[0], unit.value_or(TimeUnit::s));
+    if (std::int64_t whole = 0; !unit && !seconds && parse_number(fields[0], whole)) t_us = whole;
     // Differences of such times fit into 64 bits, and a double holds them to less than half a microsecond.
-    if (!t_us || std::abs(*t_us) >= longest_plausible_us) {
+    if (!t_us || *t_us >= longest_plausible_us || *t_us <= -longest_plausible_us) {
       fail(fields[0], unit ? "a time in " + std::string(word_of(*unit)) + " within 4e15 us of 0"
                            : "a time in us, or in seconds with a decimal point, within 4e15 us of 0; others "
                              "need --time-unit");

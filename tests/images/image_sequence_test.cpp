@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
@@ -274,6 +275,52 @@ TEST_F(Images, AVideoIsReadImageByImageWithItsRate) {
   EXPECT_EQ(values("ramp.avi"), values("png"));
 }
 
+/// The file of a video whose images are shown at other times: the times of a Matroska file's blocks are replaced, in ms.
+void set_times(const std::string& name, const std::vector<std::int16_t>& times_ms) {
+  std::string bytes = bytes_of(name);
+  std::size_t image = 0;
+  // SimpleBlock: id, a length of up to 8 bytes whose first one tells how many, track 1, the time from its cluster's.
+  for (std::size_t at = bytes.find("\xa3"); at != std::string::npos; at = bytes.find("\xa3", at + 1)) {
+    const auto first = static_cast<unsigned char>(bytes[at + 1]);
+    const std::size_t length_bytes = static_cast<std::size_t>(std::countl_zero(first)) + 1;
+    const std::size_t track = at + 1 + length_bytes;
+    if (length_bytes > 8 || track + 3 >= bytes.size() || bytes[track] != '\x81' || image >= times_ms.size())
+      continue;
+    const auto old = static_cast<std::int16_t>(static_cast<unsigned char>(bytes[track + 1]) << 8 |
+                                               static_cast<unsigned char>(bytes[track + 2]));
+    if (old != static_cast<std::int16_t>(10 * image)) continue;  // other bytes
+    bytes[track + 1] = static_cast<char>(times_ms[image] >> 8);
+    bytes[track + 2] = static_cast<char>(times_ms[image] & 0xff);
+    ++image;
+  }
+  ASSERT_EQ(image, times_ms.size());
+  std::ofstream(name, std::ios::binary) << bytes;
+}
+
+TEST_F(Images, AVideoOfVariableRateHasTheTimesOfItsContainer) {
+  const std::string name = path("ramp.mkv");
+  const std::vector<std::int16_t> times_ms = {0, 10, 50, 61, 190, 200, 213, 300};
+  cv::VideoWriter video(name, cv::CAP_FFMPEG, cv::VideoWriter::fourcc('F', 'F', 'V', '1'), 100.0, {16, 8});
+  ASSERT_TRUE(video.isOpened());
+  for (std::size_t k = 0; k < times_ms.size(); ++k)
+    video.write(cv::Mat(8, 16, CV_8UC3, cv::Scalar::all(12.0 * static_cast<double>(k))));
+  video.release();
+  std::vector<float> luminance;
+  {
+    const auto regular = open_image_sequence(name, white);
+    ASSERT_TRUE(regular->read(luminance));
+    EXPECT_EQ(regular->time_us(), std::nullopt) << "at the video's rate";
+  }
+  set_times(name, times_ms);
+  const auto sequence = open_image_sequence(name, white);
+  EXPECT_EQ(sequence->info().count, std::ssize(times_ms));
+  for (const std::int16_t time_ms : times_ms) {
+    ASSERT_TRUE(sequence->read(luminance));
+    EXPECT_EQ(sequence->time_us(), 1000 * time_ms);
+  }
+  EXPECT_FALSE(sequence->read(luminance));
+}
+
 TEST_F(Images, NamedImagesComeInTheOrderOfTheNames) {
   for (const int k : {1, 2, 3}) save("shots/" + std::to_string(k) + ".png", CV_8U, 85.0 * k);
   const ImageTime named[] = {
@@ -306,6 +353,27 @@ TEST_F(Images, TimesAreMicrosecondsOrSecondsWithAPoint) {
   EXPECT_THAT(times_of(times), ElementsAre(0, 1, 500000, 1500000000123456));
   EXPECT_EQ(times[3].name, "d.png");
   EXPECT_EQ(times[3].place, path("s.txt") + ":4");
+}
+
+TEST_F(Images, TimesHaveTheUnitOfTheFirstLineOrOfTheOption) {
+  const auto times = [&](const char* text, std::optional<TimeUnit> unit = {}) {
+    folder_.write("t.csv", text);
+    return times_of(read_image_times(path("t.csv"), unit));
+  };
+  EXPECT_THAT(times("#timestamp [ns],filename\n0,a.png\n1000000,b.png\n"), ElementsAre(0, 1000));
+  EXPECT_THAT(times("\xEF\xBB\xBFt_ms\n0\n2.5\n"), ElementsAre(0, 2500));
+  EXPECT_THAT(times("# timestamp filename\n0.5 a.png\n1.5 b.png\n"), ElementsAre(500000, 1500000));
+  EXPECT_THAT(times("1600000000000000000\n1600000000000050000\n", TimeUnit::ns),
+              ElementsAre(1600000000000000, 1600000000000050));
+  EXPECT_THAT(times("0\n1\n", TimeUnit::s), ElementsAre(0, 1000000));
+}
+
+TEST_F(Images, TimesWithoutAUnitThatCanHardlyBeUsOrSAreRefusedWithTheOption) {
+  for (const char* text : {"0\n1000000\n2000000\n", "0.0\n1000.0\n2000.0\n", "1600000000000000000\n"}) {
+    folder_.write("t.txt", text);
+    EXPECT_THAT(complaint([&] { static_cast<void>(read_image_times(path("t.txt"))); }),
+                AllOf(HasSubstr(path("t.txt")), HasSubstr("--time-unit")));
+  }
 }
 
 TEST_F(Images, InvalidTimesAreAnErrorWithFileAndLine) {

@@ -1,3 +1,5 @@
+import warnings
+
 import numpy as np
 import pytest
 import saccade
@@ -71,3 +73,26 @@ def test_files_that_are_no_images_are_value_errors(tmp_path):
     with pytest.raises(ValueError, match="absent"):
         saccade.emulate(tmp_path / "absent", tmp_path / "events.aedat4", images_per_s=1000)
     assert not (tmp_path / "events.aedat4").exists()
+
+
+def test_images_in_units_of_one_get_the_warning_of_the_command_once():
+    emulator = saccade.Emulator((64, 48))
+    with pytest.warns(UserWarning, match="white is at 255; for images in 0..1 use white=1 and dark_current=0.04") as seen:
+        for i, image in enumerate(images()):
+            emulator.process(image / 250, 1000 * (i + 1))
+    assert len(seen) == 1
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for keys in ({}, {"preset": "ideal"}, {"white": 1.0, "dark_current": 0.04}):
+            other = saccade.Emulator((64, 48), **keys)
+            for i, image in enumerate(images()):
+                other.process(image / 250 if keys else image, 1000 * (i + 1))
+
+
+def test_the_times_of_images_have_the_unit_that_is_stated(tmp_path):
+    np.save(tmp_path / "bar.npy", np.stack(list(images(10))))
+    (tmp_path / "t.txt").write_text("".join(f"{1_000_000 * i}\n" for i in range(10)))
+    with pytest.raises(ValueError, match="time_unit"):
+        saccade.emulate(tmp_path / "bar.npy", tmp_path / "a.csv", timestamps=tmp_path / "t.txt")
+    done = saccade.emulate(tmp_path / "bar.npy", tmp_path / "a.csv", timestamps=tmp_path / "t.txt", time_unit="ns")
+    assert (done["first_us"], done["last_us"]) == (0, 9000)

@@ -111,3 +111,87 @@ def test_two_cameras_are_written_where_the_format_has_them(tmp_path):
     saccade.write(tmp_path / "a.csv", events, size=(128, 128))
     assert np.array_equal(saccade.read(tmp_path / "a.csv"), events)
     assert len(saccade.read(tmp_path / "a.csv", camera=1)) == len(events[::3])
+
+
+def fields(dtype, events, time=lambda t: t):
+    """The events as an array of another dtype, with the fields t, x, y and the polarity in this order."""
+    other = np.zeros(len(events), dtype)
+    for name, field in zip(other.dtype.names, ("t", "x", "y", "p")):
+        other[name] = time(events[field]) if field == "t" else events[field]
+    return other
+
+
+def test_arrays_of_aedat_event_stream_and_faery_are_taken_as_they_make_them():
+    events = circle_events()
+    titled = fields([("t", "<u8"), ("x", "<u2"), ("y", "<u2"), (("p", "on"), "?")], events)
+    on = fields([("t", "<u8"), ("x", "<u2"), ("y", "<u2"), ("on", "?")], events)
+    for other in (titled, on):
+        assert np.array_equal(saccade.as_events(other), events)
+        detector = saccade.detector("best", size=(128, 128))
+        assert len(saccade.detect(detector, other[:2000])) == len(
+            saccade.detect(saccade.detector("best", size=(128, 128)), events[:2000]))
+
+
+def test_arrays_may_lie_in_memory_in_any_way(tmp_path):
+    events = circle_events()
+    big = events.astype([("t", ">i8"), ("p", "?"), ("y", ">i4"), ("x", ">u2")])
+    for other in (big, np.repeat(events, 3)[::3], np.repeat(events, 2)[1::2], events[::-1][::-1], np.asfortranarray(big),
+                  events.view(np.recarray)):
+        assert np.array_equal(saccade.as_events(other)["t"], events["t"])
+        assert np.array_equal(saccade.as_events(other)["x"], events["x"])
+        assert np.array_equal(saccade.as_events(other)["p"], events["p"])
+    table = np.stack([events["t"] * 1e-6 + 1e-7, events["x"], events["y"], events["p"]], axis=1)
+    for name, array in (("c.npy", table), ("f.npy", np.asfortranarray(table))):
+        np.save(tmp_path / name, array)
+        assert np.array_equal(saccade.read(tmp_path / name)["t"], events["t"]), name
+
+
+def test_times_are_converted_or_refused():
+    events = circle_events()
+    double = [("t", "f8"), ("x", "i2"), ("y", "i2"), ("p", "?")]
+    whole = [("t", "i8"), ("x", "i2"), ("y", "i2"), ("p", "?")]
+    assert np.array_equal(saccade.as_events(fields(double, events, lambda t: t * 1e-6)), events)
+    assert np.array_equal(saccade.as_events(fields(whole, events, lambda t: t * 1000), time_unit="ns"), events)
+    named = [("t_ns", "i8"), ("x", "i2"), ("y", "i2"), ("p", "?")]
+    assert np.array_equal(saccade.as_events(fields(named, events, lambda t: t * 1000)), events)
+    stamped = [("t", "M8[ns]"), ("x", "i2"), ("y", "i2"), ("p", "?")]
+    assert np.array_equal(saccade.as_events(fields(stamped, events, lambda t: t.astype("M8[us]"))), events)
+    microseconds = fields(double, events, lambda t: t.astype("f8"))
+    with pytest.raises(ValueError, match="without fractions.*time_unit"):
+        saccade.as_events(microseconds)
+    assert np.array_equal(saccade.as_events(microseconds, time_unit="us"), events)
+    with pytest.raises(ValueError, match="time_unit"):
+        saccade.as_events(fields(whole, events, lambda t: t + 1_600_000_000_000_000_000))
+    with pytest.raises(ValueError, match="time_unit: found fortnights"):
+        saccade.as_events(microseconds, time_unit="fortnights")
+    broken = fields(double, events, lambda t: t * 1e-6)
+    broken["t"][7] = np.nan
+    with pytest.raises(ValueError, match="t of event 7: found nan"):
+        saccade.as_events(broken)
+    huge = fields([("t", "u8"), ("x", "i2"), ("y", "i2"), ("p", "?")], events)
+    huge["t"][3] = 2**63 + 5
+    with pytest.raises(ValueError, match="9223372036854775813"):
+        saccade.as_events(huge)
+    with pytest.raises(ValueError, match="numbers"):
+        saccade.as_events(fields([("t", "U8"), ("x", "i2"), ("y", "i2"), ("p", "?")], events))
+
+
+def test_other_numbers_are_refused_where_they_are_no_pixels_or_polarities(tmp_path):
+    events = circle_events()
+    for field, value in (("x", 2.5), ("y", np.nan), ("p", np.nan)):
+        wrong = events.astype([(name, "i8" if name == "t" else "f8") for name in ("t", "x", "y", "p")])
+        assert np.array_equal(saccade.as_events(wrong)["x"], events["x"])
+        wrong[field][5] = value
+        for call in (saccade.as_events, lambda e: saccade.write(tmp_path / "a.aedat", e, size=(128, 128))):
+            with pytest.raises(ValueError, match=f"found {field} of {value}"):
+                call(wrong)
+    assert not (tmp_path / "a.aedat").exists()
+
+
+def test_a_recording_is_read_in_the_unit_that_is_stated(tmp_path):
+    (tmp_path / "a.txt").write_text("1600000000000050000 3 4 1\n")
+    with pytest.raises(ValueError, match="time_unit"):
+        saccade.read(tmp_path / "a.txt")
+    assert saccade.read(tmp_path / "a.txt", time_unit="ns")["t"][0] == 1_600_000_000_000_050
+    (tmp_path / "b.csv").write_text("x,y,p,t_ns\n3,4,1,5000\n")
+    assert list(saccade.read(tmp_path / "b.csv")[["t", "x"]].tolist()[0]) == [5, 3]

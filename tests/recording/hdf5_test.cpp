@@ -4,6 +4,7 @@
 #include <sanitizer/lsan_interface.h>
 #endif
 
+#include <array>
 #include <random>
 
 #include "core/error.h"
@@ -41,15 +42,74 @@ class H5File {
       if (optional_filter != 0) H5Pset_filter(plist, optional_filter, H5Z_FLAG_OPTIONAL, 0, nullptr);
     }
     const hid_t data = H5Dcreate2(id_, name, type, space, H5P_DEFAULT, plist, H5P_DEFAULT);
-    H5Dwrite(data, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+    if (H5Tget_class(type) == H5T_ENUM) {
+      const std::vector<std::int8_t> bytes(values.begin(), values.end());
+      H5Dwrite(data, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data());
+    } else {
+      H5Dwrite(data, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+    }
     H5Dclose(data);
     H5Pclose(plist);
     H5Sclose(space);
   }
 
+  /// The same of floating-point numbers.
+  void reals(const char* name, hid_t type, const std::vector<hsize_t>& dims,
+             const std::vector<double>& values) {
+    const hid_t space = H5Screate_simple(static_cast<int>(dims.size()), dims.data(), nullptr);
+    const hid_t data = H5Dcreate2(id_, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    H5Dwrite(data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+    H5Dclose(data);
+    H5Sclose(space);
+  }
+  /// Records of u16 x, u16 y, i16 p, i64 t, from rows of t, x, y, p.
+  void records(const char* name, const std::vector<std::array<std::int64_t, 4>>& rows) {
+    const hid_t stored = H5Tcreate(H5T_COMPOUND, 14), in_memory = H5Tcreate(H5T_COMPOUND, 32);
+    H5Tinsert(stored, "x", 0, H5T_STD_U16LE);
+    H5Tinsert(stored, "y", 2, H5T_STD_U16LE);
+    H5Tinsert(stored, "p", 4, H5T_STD_I16LE);
+    H5Tinsert(stored, "t", 6, H5T_STD_I64LE);
+    for (const auto& [member, offset] : {std::pair{"t", 0}, {"x", 8}, {"y", 16}, {"p", 24}})
+      H5Tinsert(in_memory, member, static_cast<std::size_t>(offset), H5T_NATIVE_INT64);
+    const hsize_t count = rows.size();
+    const hid_t space = H5Screate_simple(1, &count, nullptr);
+    const hid_t data = H5Dcreate2(id_, name, stored, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    H5Dwrite(data, in_memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data());
+    H5Dclose(data);
+    H5Sclose(space);
+    H5Tclose(stored);
+    H5Tclose(in_memory);
+  }
+  /// Attributes of the file.
+  void attribute(const char* name, const std::vector<std::int64_t>& values) {
+    const hsize_t count = values.size();
+    const hid_t space = H5Screate_simple(1, &count, nullptr);
+    const hid_t id = H5Acreate2(id_, name, H5T_STD_I64LE, space, H5P_DEFAULT, H5P_DEFAULT);
+    H5Awrite(id, H5T_NATIVE_INT64, values.data());
+    H5Aclose(id);
+    H5Sclose(space);
+  }
+  void text_attribute(const char* name, const char* text) {
+    const hid_t type = H5Tcopy(H5T_C_S1), space = H5Screate(H5S_SCALAR);
+    H5Tset_size(type, H5T_VARIABLE);
+    const hid_t id = H5Acreate2(id_, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
+    H5Awrite(id, type, &text);
+    H5Aclose(id);
+    H5Sclose(space);
+    H5Tclose(type);
+  }
+
  private:
   hid_t id_;
 };
+
+/// NumPy's bool as h5py stores it: an enumeration of one byte.
+hid_t numpy_bool() {
+  const hid_t type = H5Tenum_create(H5T_STD_I8LE);
+  for (const std::int8_t value : std::initializer_list<std::int8_t>{0, 1})
+    H5Tenum_insert(type, value == 0 ? "FALSE" : "TRUE", &value);
+  return type;
+}
 
 std::vector<std::int64_t> numbers_in(const std::filesystem::path& path, const char* name) {
   const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
@@ -157,13 +217,13 @@ TEST(Hdf5, OfAnotherLayoutIsRejectedWithWhatIsMissing) {
     EXPECT_THAT([&] { (void)open_event_file(path); },
                 ThrowsMessage<InputError>(AllOf(HasSubstr(path.string()), HasSubstr(message))));
   };
-  expect_refusal("no /events, expected the layout of DSEC", [](H5File&) {});
-  expect_refusal("/events without y", [](H5File& file) {
+  expect_refusal("no datasets, expected events of one camera", [](H5File&) {});
+  expect_refusal("found /events/t (1), /events/x (3), expected events", [](H5File& file) {
     file.group("/events");
     file.numbers("/events/t", H5T_STD_U32LE, {1}, {1});
-    file.numbers("/events/x", H5T_STD_U16LE, {1}, {1});
+    file.numbers("/events/x", H5T_STD_U16LE, {3}, {1, 2, 3});
   });
-  expect_refusal("/events/x of 2 numbers, expected as many as /events/t has, 1", [](H5File& file) {
+  expect_refusal("of 2 numbers, expected as many as /events/t has, 1", [](H5File& file) {
     file.group("/events");
     file.numbers("/events/t", H5T_STD_U32LE, {1}, {1});
     for (const char* name : {"/events/x", "/events/y", "/events/p"}) {
@@ -173,12 +233,125 @@ TEST(Hdf5, OfAnotherLayoutIsRejectedWithWhatIsMissing) {
   expect_refusal("/events of 5 columns", [](H5File& file) {
     file.numbers("/events", H5T_STD_U32LE, {1, 5}, {1, 2, 3, 4, 5});
   });
-  expect_refusal("/events: found values that are no whole numbers", [](H5File& file) {
-    file.numbers("/events", H5T_IEEE_F64LE, {1, 4}, {1, 2, 3, 1});
+  expect_refusal(
+      "/events: found floating-point times without fractions, up to 1, expected times whose unit is stated",
+      [](H5File& file) {
+        file.numbers("/events", H5T_IEEE_F64LE, {1, 4}, {1, 2, 3, 1});
+      });
+  expect_refusal("the table /data/events (1 x 4), expected the order of its columns, --columns",
+                 [](H5File& file) {
+                   file.group("/data");
+                   file.numbers("/data/events", H5T_STD_U32LE, {1, 4}, {1, 2, 3, 1});
+                 });
+  expect_refusal("found events of /a, events of /b, expected", [](H5File& file) {
+    for (const std::string group : {"/a", "/b"}) {
+      file.group(group.c_str());
+      for (const char* name : {"/t", "/x", "/y", "/p"})
+        file.numbers((group + name).c_str(), H5T_STD_U16LE, {1}, {1});
+    }
   });
   expect_refusal("/events: found 1 dimensions", [](H5File& file) {
     file.numbers("/events", H5T_STD_U32LE, {4}, {1, 2, 3, 1});
   });
+}
+
+const std::vector<Event> of_layouts = {{1'500'000, 3, 4, true, 0}, {1'500'125, 345, 259, false, 0}};
+
+TEST(Hdf5, OfTheCommonLayoutsGivesTheSameEvents) {
+  const TempFolder folder;
+  const auto path = folder / "a.h5";
+  const auto columns = [](H5File& file, const std::string& group, const std::vector<const char*>& names,
+                          hid_t time, hid_t polarity, double us_per_unit) {
+    if (!group.empty()) file.group(group.c_str());
+    file.reals((group + "/" + names[0]).c_str(), time, {2}, {1500000 / us_per_unit, 1500125 / us_per_unit});
+    file.numbers((group + "/" + names[1]).c_str(), H5T_STD_U16LE, {2}, {3, 345});
+    file.numbers((group + "/" + names[2]).c_str(), H5T_STD_I16LE, {2}, {4, 259});
+    file.numbers((group + "/" + names[3]).c_str(), polarity, {2}, {1, 0});
+  };
+  const hid_t truth = numpy_bool();
+  const auto expect_events = [&](const char* what, const auto& write) {
+    {
+      H5File file(path);
+      write(file);
+    }
+    EXPECT_EQ(read_file(path), of_layouts) << what;
+  };
+  expect_events("DSEC with NumPy's bool", [&](H5File& file) {
+    columns(file, "/events", {"t", "x", "y", "p"}, H5T_STD_U32LE, truth, 1);
+  });
+  expect_events("event_utils", [&](H5File& file) {
+    columns(file, "/events", {"ts", "xs", "ys", "ps"}, H5T_IEEE_F64LE, truth, 1e6);
+    file.attribute("sensor_resolution", {260, 346});
+  });
+  EXPECT_EQ(open_event_file(path)->image_size(), (ImageSize{346, 260}));
+  expect_events("e2calib", [&](H5File& file) {
+    columns(file, "", {"t", "x", "y", "p"}, H5T_STD_I64LE, H5T_STD_U8LE, 1);
+  });
+  expect_events("nanoseconds by name", [&](H5File& file) {
+    columns(file, "/dvs", {"t_ns", "x", "y", "p"}, H5T_STD_I64LE, H5T_STD_U8LE, 1e-3);
+  });
+  expect_events("Metavision", [&](H5File& file) {
+    file.group("/CD");
+    file.records("/CD/events", {{1'500'000, 3, 4, 1}, {1'500'125, 345, 259, 0}});
+    file.text_attribute("geometry", "346x260");
+  });
+  EXPECT_EQ(open_event_file(path)->image_size(), (ImageSize{346, 260}));
+  EXPECT_EQ(open_event_file(path)->format(), "HDF5, events of /CD/events");
+  H5Tclose(truth);
+}
+
+TEST(Hdf5, OfMvsecHasTablesOfBothCameras) {
+  const TempFolder folder;
+  {
+    H5File file(folder / "a.hdf5");
+    file.group("/davis");
+    for (const char* eye : {"/davis/left", "/davis/right"}) {
+      file.group(eye);
+      const double later_s = eye == std::string("/davis/right") ? 50e-6 : 0.0;
+      file.reals((eye + std::string("/events")).c_str(), H5T_IEEE_F64LE, {2, 4},
+                 {3, 4, 1506117883.5 + later_s, 1, 345, 259, 1506117883.500125 + later_s, -1});
+    }
+  }
+  const std::int64_t t = 1506117883500000;
+  EXPECT_EQ(read_file(folder / "a.hdf5"), (std::vector<Event>{{t, 3, 4, true, 0},
+                                                              {t + 50, 3, 4, true, 1},
+                                                              {t + 125, 345, 259, false, 0},
+                                                              {t + 175, 345, 259, false, 1}}));
+}
+
+TEST(Hdf5, TakesTheUnitAndTheOrderOfColumnsFromTheOptions) {
+  const TempFolder folder;
+  {
+    H5File file(folder / "a.h5");
+    file.group("/data");
+    file.numbers("/data/events", H5T_STD_I64LE, {2, 4}, {3, 4, 1, 1'500'000'000, 345, 259, 0, 1'500'125'000});
+  }
+  EventReadOptions options;
+  options.columns = "xypt";
+  options.time_unit = TimeUnit::ns;
+  EXPECT_EQ(read_file(folder / "a.h5", options), of_layouts);
+}
+
+TEST(Hdf5, WithTimesThatCanHardlyBeInUsOrWithPixelsThatAreNoWholeNumbersIsRefused) {
+  const TempFolder folder;
+  const auto message = [&](double x, const std::vector<std::int64_t>& times) -> std::string {
+    {
+      H5File file(folder / "a.h5");
+      file.numbers("/t", H5T_STD_I64LE, {1}, times);
+      file.reals("/x", H5T_IEEE_F64LE, {1}, {x});
+      for (const char* name : {"/y", "/p"}) file.numbers(name, H5T_STD_I64LE, {1}, {1});
+    }
+    try {
+      (void)read_file(folder / "a.h5");
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "read";
+  };
+  EXPECT_EQ(message(2.0, {1'600'000'000'000'000}), "read");
+  EXPECT_THAT(message(2.5, {1}), HasSubstr("event 0: found t 1, x 2.5, y 1, p 1, expected whole x and y"));
+  EXPECT_THAT(message(2.0, {1'600'000'000'000'000'000}),
+              AllOf(HasSubstr("event 0: found t 1600000000000000000"), HasSubstr("--time-unit")));
 }
 
 constexpr H5Z_filter_t blosc = 32001;

@@ -2,6 +2,9 @@
 #include <bzlib.h>
 #include <lz4frame.h>
 
+#include <bit>
+#include <limits>
+
 #include "recording/event_message.h"
 #include "recording/format_registry.h"
 #include "tests/core/streams.h"
@@ -341,6 +344,117 @@ TEST(EventMessage, PacketsOfEvt2ContinueTheSensorsCounterFromPacketToPacket) {
   EXPECT_EQ(decoder.encoding(), "evt2");
   EXPECT_TRUE(decoder.decode(packet("evt2", words({0x30000000})), events)) << "a word of an unknown type";
   EXPECT_TRUE(decoder.decode(packet("evt2", "123"), events)) << "part of a word";
+}
+
+// ---- what arrays are called, and the unit of their times -----------------------------------------
+
+/// An array of NumPy's format, version 1.
+std::string array_bytes(const std::string& descr, bool fortran, const std::string& shape,
+                        const std::string& data) {
+  const std::string header = "{'descr': " + descr + ", 'fortran_order': " + (fortran ? "True" : "False") +
+                             ", 'shape': " + shape + ", }\n";
+  return "\x93NUMPY" + std::string("\1\0", 2) + little_endian(static_cast<std::uint16_t>(header.size())) +
+         header + data;
+}
+
+std::string doubles(std::initializer_list<double> values) {
+  std::string bytes;
+  for (const double value : values) bytes += little_endian(std::bit_cast<std::uint64_t>(value));
+  return bytes;
+}
+
+const std::vector<Event> two_rows = {{1'500'000, 3, 4, true, 0}, {1'500'125, 303, 239, false, 0}};
+
+TEST(NumpyArrays, InFortranOrderAreReadLikeThoseInCOrder) {
+  const TempFolder folder;
+  const auto path = folder.write(
+      "a.npy", array_bytes("'<f8'", true, "(2, 4)", doubles({1.5, 1.500125, 3, 303, 4, 239, 1, -1})));
+  EXPECT_EQ(read_file(path), two_rows);
+  EXPECT_EQ(read_all(*open_event_file(path), 1), two_rows);
+  EXPECT_EQ(read_file(folder.write("a.npy", array_bytes("'<f8'", false, "(2, 4)",
+                                                        doubles({1.5, 3, 4, 1, 1.500125, 303, 239, -1})))),
+            two_rows);
+}
+
+TEST(NumpyArrays, MayCallThePolarityOnAndNameTheUnitOfTheTime) {
+  const TempFolder folder;
+  std::string bytes;
+  for (const Event& e : two_rows)
+    bytes += little_endian(e.t_us * 1000) + little_endian(e.x) + little_endian(e.y) + (e.on ? '\1' : '\0');
+  const auto read = [&](const std::string& time, const EventReadOptions& options = {}) {
+    return read_file(
+        folder.write("a.npy", array_bytes("[" + time + ", ('x', '<u2'), ('y', '<u2'), ('on', '|b1')]", false,
+                                          "(2,)", bytes)),
+        options);
+  };
+  EXPECT_EQ(read("('t_ns', '<i8')"), two_rows);
+  EXPECT_EQ(read("('t', '<M8[ns]')"), two_rows);
+  EXPECT_EQ(read("('t', '<m8[ns]')"), two_rows);
+  EventReadOptions options;
+  options.time_unit = TimeUnit::ns;
+  EXPECT_EQ(read("('t', '<u8')", options), two_rows);
+  EXPECT_EQ(read("('t', '<u8')")[0].t_us, 1'500'000'000);
+}
+
+TEST(NumpyArrays, WhoseTimesCanHardlyBeInUsOrSAreRefusedWithTheOption) {
+  const TempFolder folder;
+  const auto message = [&](const std::string& descr, const std::string& data) -> std::string {
+    const std::string zip = stored_zip({{"t.npy", array_bytes(descr, false, "(1,)", data)},
+                                        {"x.npy", array_bytes("'|u1'", false, "(1,)", "\1")},
+                                        {"y.npy", array_bytes("'|u1'", false, "(1,)", "\1")},
+                                        {"p.npy", array_bytes("'|u1'", false, "(1,)", "\1")}});
+    try {
+      return "read " + std::to_string(read_file(folder.write("a.npz", zip)).at(0).t_us);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+  };
+  EXPECT_EQ(message("'<i8'", little_endian<std::int64_t>(1'600'000'000'000'000)), "read 1600000000000000");
+  EXPECT_THAT(message("'<i8'", little_endian<std::int64_t>(1'600'000'000'000'000'000)),
+              AllOf(HasSubstr("row 0: found t = 1600000000000000000"), HasSubstr("--time-unit")));
+  EXPECT_EQ(message("'<f8'", doubles({1.5})), "read 1500000");
+  EXPECT_THAT(message("'<f8'", doubles({18164.0})), HasSubstr("--time-unit"));
+  EXPECT_THAT(message("'<f8'", doubles({1.6e15})), HasSubstr("--time-unit"));
+  EXPECT_THAT(message("'<f8'", doubles({std::numeric_limits<double>::quiet_NaN()})),
+              HasSubstr("found t = no number"));
+}
+
+// ---- ROS 2's bags --------------------------------------------------------------------------------
+
+TEST(Ros2Bag, IsAFolderWithMetadataAndOneFile) {
+  const TempFolder folder;
+  const SmallFile mcap = small_file("events.mcap"), sqlite = small_file("events.db3");
+  folder.write("metadata.yaml", "rosbag2_bagfile_information:\n  version: 5\n");
+  EXPECT_THAT([&] { (void)open_event_file(folder / ""); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr("a folder of metadata.yaml"), HasSubstr(".db3"))));
+  for (const SmallFile& file : {mcap, sqlite}) {
+    folder.write(file.name, file.bytes());
+    EXPECT_EQ(read_file(folder / ""), file.events()) << file.name;
+    std::filesystem::remove(folder / file.name);
+  }
+  folder.write("a_0.db3", sqlite.bytes());
+  folder.write("a_1.db3", sqlite.bytes());
+  EXPECT_THAT([&] { (void)open_event_file(folder / ""); },
+              ThrowsMessage<InputError>(HasSubstr("a bag of a_0.db3, a_1.db3, expected one")));
+}
+
+TEST(Ros2Bag, SaysItsTypeSkipsOtherTopicsAndLeavesNothingBesideIt) {
+  const TempFolder folder;
+  std::filesystem::create_directory(folder / "bag #1?%41");
+  const auto path = folder.write("bag #1?%41/events.db3", small_file("events.db3").bytes());
+  const auto reader = open_event_file(path);
+  EXPECT_EQ(read_all(*reader), small_file("events.db3").events());
+  EXPECT_EQ(reader->format(), "ROS 2 bag event_camera_msgs/msg/EventPacket (mono)");
+  EXPECT_EQ(reader->skipped(), "1 messages of /imu (sensor_msgs/msg/Imu)");
+  EXPECT_EQ(reader->image_size(), image);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(path.parent_path()), {}), 1);
+}
+
+TEST(Ros2Bag, ThatIsAnotherSqliteFileIsRefused) {
+  const TempFolder folder;
+  const std::string bytes =
+      replaced(small_file("events.db3").bytes(), "CREATE TABLE topics", "CREATE TABLE topicz");
+  EXPECT_THROW((void)open_event_file(folder.write("a.db3", bytes)), InputError);
 }
 
 }  // namespace

@@ -423,9 +423,10 @@ std::vector<SmallFile> small_files() {
   for (const Event& event : of_records)
     titled +=
         big_endian(event.t_us * 1000) + big_endian(event.x) + big_endian(event.y) + (event.on ? '\1' : '\0');
-  files.push_back({"titled.npy",
-                   {{npy("[('t_ns', '>i8'), ('x', '>u2'), ('y', '>u2'), (('p', 'on'), '|b1')]", "(2,)", titled),
-                     of_records}}});
+  files.push_back(
+      {"titled.npy",
+       {{npy("[('t_ns', '>i8'), ('x', '>u2'), ('y', '>u2'), (('p', 'on'), '|b1')]", "(2,)", titled),
+         of_records}}});
   return files;
 }
 

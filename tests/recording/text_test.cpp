@@ -112,7 +112,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 // ---- the lines in front of the events ------------------------------------------------------------
 
-const std::vector<Event> two_events = {{10, 3, 4, true, 0}, {12, 5, 6, false, 0}};
+const std::vector<Event> two_text_events = {{10, 3, 4, true, 0}, {12, 5, 6, false, 0}};
 
 TEST(TextEvents, ComeInTheOrderOfTheNamesWhereTheOptionHasNone) {
   const TempFolder folder;
@@ -124,7 +124,7 @@ TEST(TextEvents, ComeInTheOrderOfTheNamesWhereTheOptionHasNone) {
         "p\tlabel\ty\tx\tt\n1\tball\t4\t3\t10\n-1\tnoise\t6\t5\t12\n",
         "t_us,x,y,p,cause\n10,3.0,4.0,1.0,signal\n12,5,6,0,noise\n", "10 3 4 1 7\n12 5 6 0 8\n",
         "Timestamp,X,Y,Polarity\n10,3,4,TRUE\n12,5,6,FALSE\n"}) {
-    EXPECT_EQ(read_file(folder.write("a.csv", content)), two_events) << content;
+    EXPECT_EQ(read_file(folder.write("a.csv", content)), two_text_events) << content;
   }
 }
 
@@ -135,7 +135,7 @@ TEST(TextEvents, ThatAreNotAllReadSayWhichColumnsAreNot) {
   EXPECT_THAT(open_event_file(folder.write("a.csv", "10 3 4 1 7\n"))->skipped(), HasSubstr("column 5"));
   EventReadOptions options;
   options.columns = "txyp_";
-  EXPECT_EQ(read_file(folder.write("a.csv", "10 3 4 1 7\n12 5 6 0 7\n"), options), two_events);
+  EXPECT_EQ(read_file(folder.write("a.csv", "10 3 4 1 7\n12 5 6 0 7\n"), options), two_text_events);
 }
 
 TEST(TextEvents, HaveTheImageSizeOfALineOrOfAComment) {
@@ -185,7 +185,7 @@ TEST(TextEvents, InAZipFileAreReadLikeTheTextItself) {
       },
       ThrowsMessage<InputError>(HasSubstr("a ZIP file of a.txt, b.txt")));
   const auto path = folder.write("a.zip", stored_zip({{"events/a.txt", "240 180\n10 3 4 1\n12 5 6 0\n"}}));
-  EXPECT_EQ(read_file(path), two_events);
+  EXPECT_EQ(read_file(path), two_text_events);
   EXPECT_EQ(open_event_file(path)->format(), "text in ZIP");
 }
 
