@@ -59,12 +59,10 @@ void print_warnings(const EmulationConfig& config, const EmulationResult& result
   }
   const std::string dropped =
       dropped_warning("the event camera", result.counts.events(), result.counts.dropped);
-  if (!dropped.empty()) fmt::print(stderr, "saccade: {}: {}
-", images, dropped);
+  if (!dropped.empty()) fmt::print(stderr, "saccade: {}: {}\n", images, dropped);
   const std::string range =
       result.info.linear ? luminance_warning(config.emulator, result.largest_luminance) : "";
-  if (!range.empty()) fmt::print(stderr, "saccade: {}: {} (--set KEY=VALUE)
-", images, range);
+  if (!range.empty()) fmt::print(stderr, "saccade: {}: {} (--set KEY=VALUE)\n", images, range);
 }
 
 void check_files(const EmulateOptions& options, const FormatRegistry& formats) {
