@@ -88,7 +88,8 @@ Recording open_recording(const std::filesystem::path& path,
                          const std::optional<std::pair<std::int64_t, std::int64_t>>& size,
                          std::optional<std::uint8_t> camera, const std::string& columns,
                          const std::optional<std::string>& time_unit, const std::string& yarp_codec,
-                         const std::string& aedat2_layout) {
+                         const std::string& aedat2_layout, const std::string& evt_encoding,
+                         const std::string& event_stream_y, const std::string& format) {
   EventReadOptions options;
   if (size) options.image_size = image_size_of(*size);
   options.camera = camera;
@@ -96,6 +97,9 @@ Recording open_recording(const std::filesystem::path& path,
   if (time_unit) options.time_unit = time_unit_argument(*time_unit);
   options.yarp_codec = yarp_codec;
   options.aedat2_layout = aedat2_layout;
+  options.evt_encoding = evt_encoding;
+  options.event_stream_y = event_stream_y;
+  options.format = format;
   return Recording(open_event_file(path, options));
 }
 
@@ -177,7 +181,8 @@ void add_recordings(py::module_& m) {
       .def("read_window", &Recording::read_window, py::arg("duration_us"),
            "The events of the next window of `duration_us`; None at the end.");
   m.def("open_recording", &open_recording, py::arg("path"), py::arg("size"), py::arg("camera"),
-        py::arg("columns"), py::arg("time_unit"), py::arg("yarp_codec"), py::arg("aedat2_layout"));
+        py::arg("columns"), py::arg("time_unit"), py::arg("yarp_codec"), py::arg("aedat2_layout"),
+        py::arg("evt_encoding"), py::arg("event_stream_y"), py::arg("format"));
   m.def("write", &write, py::arg("path"), py::arg("events"), py::arg("size"));
   m.def("formats", &formats);
   // For arrays.py: what the names of fields and the times of arrays mean is what it means in files.

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 
 #include "core/error.h"
+#include "recording/aedat2_layout.h"
 #include "recording/aedat_chip.h"
 #include "recording/block_reader.h"
 #include "recording/byte_order.h"
@@ -15,42 +17,20 @@
 namespace saccade::inline v0_1 {
 namespace {
 
+using aedat2::Davis;
+using aedat2::davis_largest;
+using aedat2::Dvs128;
+using aedat2::Dvs640;
+using aedat2::StereoPair;
+
 constexpr std::size_t record_bytes = 8;
 constexpr std::size_t longest_header_line = 4096;
 
 constexpr ImageSize dvs128_size = aedat_dvs128_size;
-constexpr ImageSize davis_largest{1024, 512};
+
 void put_big_endian(std::uint32_t value, char* bytes) {
   for (int i = 0; i < 4; ++i) bytes[i] = static_cast<char>(value >> (24 - 8 * i) & 0xff);
 }
-
-/// The address layouts: where a pixel is, which records are no events.
-struct Dvs128 {
-  static constexpr std::uint32_t special = 1u << 15;
-  static std::uint8_t camera(std::uint32_t) { return 0; }
-  static std::uint32_t x(std::uint32_t address) { return address >> 1 & 0x7f; }
-  static std::uint32_t y(std::uint32_t address) { return address >> 8 & 0x7f; }
-  static bool on(std::uint32_t address) { return (address & 1) == 0; }
-  static std::uint32_t address(std::uint32_t x, std::uint32_t y, bool on) {
-    return y << 8 | x << 1 | (on ? 0u : 1u);
-  }
-};
-/// jAER's DVS128StereoPair: two DVS128, bit 15 is the right eye's.
-struct StereoPair : Dvs128 {
-  static constexpr std::uint32_t right = 1u << 15;
-  static constexpr std::uint32_t special = 0;
-  static std::uint8_t camera(std::uint32_t address) { return (address & right) != 0 ? 1 : 0; }
-};
-struct Davis {
-  static constexpr std::uint32_t special = 1u << 31 | 1u << 10;
-  static std::uint8_t camera(std::uint32_t) { return 0; }
-  static std::uint32_t x(std::uint32_t address) { return address >> 12 & 0x3ff; }
-  static std::uint32_t y(std::uint32_t address) { return address >> 22 & 0x1ff; }
-  static bool on(std::uint32_t address) { return (address >> 11 & 1) != 0; }
-  static std::uint32_t address(std::uint32_t x, std::uint32_t y, bool on) {
-    return y << 22 | x << 12 | (on ? 1u : 0u) << 11;
-  }
-};
 
 /// AEDAT 2.0 has 32-bit times that wrap at 2^32, or at 2^31 as some writers do.
 WrappingTime signed_time() {
@@ -74,54 +54,129 @@ struct Record2 {
   static std::int64_t stamp(const char* record) { return load_big<std::int32_t>(record + 4); }
 };
 
+/// The records that are no events.
+struct SkippedRecords {
+  std::int64_t special = 0;
+  std::int64_t aps = 0;
+  std::int64_t imu = 0;
+  std::int64_t of_other_layouts = 0;
+
+  template <class Layout>
+  void count(std::uint32_t address) {
+    if ((address & Layout::no_event) == 0) {
+      ++of_other_layouts;
+    } else if (std::is_same_v<Layout, Davis> && (address & Davis::sample) != 0) {
+      ++((address & Davis::imu_sample) == Davis::imu_sample ? imu : aps);
+    } else {
+      ++special;
+    }
+  }
+};
+
+/// What the records of a file say of its layout: all of them, or those in the buffer where the file is a pipe.
+aedat2::Survey survey_of(InputFile& file) {
+  aedat2::Survey survey;
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file.name(), error)) {
+    survey.add(file.peek(record_bytes));
+    return survey;
+  }
+  InputFile whole(file.name());
+  if (!whole.discard(file.offset())) return survey;
+  while (true) {
+    const std::string_view ahead = whole.peek(record_bytes);
+    const std::size_t bytes = ahead.size() / record_bytes * record_bytes;
+    if (bytes == 0) return survey;
+    survey.add(ahead.substr(0, bytes));
+    whole.skip(bytes);
+  }
+}
+
 class Aedat2Reader final : public BlockReader {
  public:
   Aedat2Reader(InputFile file, const EventReadOptions& options, int version)
       : BlockReader(std::move(file)),
         version_(version),
         time_(version == 1 ? unsigned_time() : signed_time()) {
-    AedatChip chip = read_header(options.aedat2_layout != "auto");
-    if (options.aedat2_layout != "auto") chip.layout = options.aedat2_layout;
-    const Range seen = version == 1 ? Range{} : first_addresses();
-    if (chip.layout.empty()) chip.layout = seen.wide ? "davis" : "dvs128";
-    if (chip.layout == "dvs128") {
-      size_ = dvs128_size;
-    } else if (chip.layout == "stereo") {
-      stereo_ = true;
-      size_ = dvs128_size;
-    } else if (chip.layout == "davis" && version > 1) {
-      davis_ = true;
-      size_ = chip.size.value_or(options.image_size.value_or(seen.davis_size));
-    } else if (chip.layout == "davis") {
-      throw InputError(file_.name(), "the layout of a DAVIS", "one of 16 bits in AEDAT 1.0");
-    } else {
-      throw InputError("aedat2_layout", chip.layout, "one of auto, dvs128, stereo, davis");
+    const bool layout_given = options.aedat2_layout != "auto";
+    AedatChip chip = read_header(layout_given);
+    if (layout_given && chip.layout != options.aedat2_layout) chip = {options.aedat2_layout, std::nullopt};
+    if (version == 1 && chip.layout.empty()) chip.layout = "dvs128";
+    std::optional<aedat2::Survey> survey;
+    if (chip.layout.empty()) {
+      survey = survey_of(file_);
+      chip.layout = survey->layout(options.image_size);
+      layout_guessed_ = true;
     }
-    if (!davis_largest.contains(size_.width - 1, size_.height - 1)) {
-      throw InputError(file_.name(), "an image of " + text_of(size_), "at most " + text_of(davis_largest));
+    layout_ = chip.layout;
+    if (layout_ == "dvs128" || layout_ == "stereo") {
+      size_ = dvs128_size;
+    } else if (layout_ != "dvs640" && layout_ != "davis") {
+      throw InputError("aedat2_layout", layout_, "one of auto, dvs128, stereo, dvs640, davis");
+    } else if (version == 1) {
+      throw InputError(file_.name(), "the layout of a " + chip_name(), "one of 16 bits in AEDAT 1.0");
+    } else if (chip.size) {
+      size_ = *chip.size;
+    } else if (options.image_size) {
+      size_ = *options.image_size;
+    } else if (layout_ == "dvs640") {
+      size_ = aedat_dvs640_size;
+      size_guessed_ = layout_guessed_;
+    } else {
+      size_ = guessed_davis_size(survey ? *survey : survey_of(file_));
+      size_guessed_ = true;
+    }
+    const ImageSize largest = layout_ == "dvs640" ? aedat2::dvs640_largest : davis_largest;
+    if (!largest.contains(size_.width - 1, size_.height - 1)) {
+      throw InputError(file_.name(), "an image of " + text_of(size_), "at most " + text_of(largest));
     }
   }
 
   std::optional<ImageSize> image_size() const override { return size_; }
   std::string format() const override {
-    const std::string chip = davis_ ? "DAVIS" : stereo_ ? "DVS128StereoPair" : "DVS128";
-    return "AEDAT " + std::to_string(version_) + ".0 " + chip;
+    const std::string mark = layout_guessed_ ? " (guessed)" : size_guessed_ ? " (size guessed)" : "";
+    return "AEDAT " + std::to_string(version_) + ".0 " + chip_name() + mark;
+  }
+  std::string guess() const override {
+    return size_guessed_ ? "the image size " + text_of(size_) + ", from the addresses; --size sets it" : "";
+  }
+  std::string skipped() const override {
+    std::string text;
+    append_count(text, skipped_.special, "special events");
+    append_count(text, skipped_.aps, "APS samples");
+    append_count(text, skipped_.imu, "IMU samples");
+    append_count(text, skipped_.of_other_layouts, "records that are no address of a " + chip_name());
+    return text;
   }
 
  protected:
   bool decode(std::span<Event> block, std::size_t& count) override {
-    if (version_ > 1 && davis_) return decode_as<Davis, Record2>(block, count);
-    if (version_ > 1 && stereo_) return decode_as<StereoPair, Record2>(block, count);
-    if (version_ > 1) return decode_as<Dvs128, Record2>(block, count);
-    return stereo_ ? decode_as<StereoPair, Record1>(block, count) : decode_as<Dvs128, Record1>(block, count);
+    const bool is_stereo = layout_ == "stereo";
+    if (version_ == 1) {
+      return is_stereo ? decode_as<StereoPair, Record1>(block, count)
+                       : decode_as<Dvs128, Record1>(block, count);
+    }
+    if (layout_ == "davis") return decode_as<Davis, Record2>(block, count);
+    if (layout_ == "dvs640") return decode_as<Dvs640, Record2>(block, count);
+    return is_stereo ? decode_as<StereoPair, Record2>(block, count)
+                     : decode_as<Dvs128, Record2>(block, count);
   }
 
  private:
-  /// Range of the first addresses of a file whose header does not name the sensor.
-  struct Range {
-    bool wide = false;  ///< more than the 16 bits of a DVS128
-    ImageSize davis_size = aedat_davis_sizes.front();
-  };
+  [[nodiscard]] std::string chip_name() const {
+    return layout_ == "davis"    ? "DAVIS"
+           : layout_ == "stereo" ? "DVS128StereoPair"
+           : layout_ == "dvs640" ? "DVS640"
+                                 : "DVS128";
+  }
+
+  [[nodiscard]] ImageSize guessed_davis_size(const aedat2::Survey& survey) const {
+    if (const auto size = survey.davis_size()) return *size;
+    throw InputError(file_.name(),
+                     "a header without the image size, and addresses of a DAVIS that reach " +
+                         text_of(survey.davis_reach()) + " pixels, counted from the bottom right",
+                     "--size WIDTHxHEIGHT of the sensor: 240x180, 346x260 or another one");
+  }
 
   /// The length of the header line ahead with its end, 0 where the records begin. A record can begin with
   /// the byte of '#' too, but has control characters in it, or another line end than the first line.
@@ -151,29 +206,12 @@ class Aedat2Reader final : public BlockReader {
         chip = parse_aedat_chip(line.substr(chip_key.size()));
         if (chip.layout.empty() && !layout_given) {
           file_.fail("the chip " + printable(line.substr(chip_key.size())),
-                     "DVS128 or a DAVIS, or the option aedat2_layout");
+                     "DVS128, DVS640 or a DAVIS, or --layout and --size");
         }
       }
       file_.skip(length);
     }
     return chip;
-  }
-
-  Range first_addresses() {
-    Range range;
-    const std::string_view ahead = file_.peek(block_events * record_bytes);
-    ImageSize needed{1, 1};
-    for (std::size_t i = 0; i + record_bytes <= ahead.size(); i += record_bytes) {
-      const std::uint32_t address = load_big<std::uint32_t>(ahead.data() + i);
-      range.wide = range.wide || address > 0xffff;
-      if ((address & Davis::special) != 0) continue;
-      needed.width = std::max(needed.width, static_cast<int>(Davis::x(address)) + 1);
-      needed.height = std::max(needed.height, static_cast<int>(Davis::y(address)) + 1);
-    }
-    const auto fits = [&](ImageSize size) { return size.contains(needed.width - 1, needed.height - 1); };
-    const auto sensor = std::find_if(aedat_davis_sizes.begin(), aedat_davis_sizes.end(), fits);
-    range.davis_size = sensor != aedat_davis_sizes.end() ? *sensor : davis_largest;
-    return range;
   }
 
   template <class Layout, class Record>
@@ -190,26 +228,22 @@ class Aedat2Reader final : public BlockReader {
     for (std::size_t i = 0; i < records; ++i) {
       const char* record = ahead.data() + i * Record::bytes;
       const std::uint32_t address = Record::address(record);
-      const std::uint32_t x = last_x - Layout::x(address);
-      const std::uint32_t y = last_y - Layout::y(address);
-      const bool special = (address & Layout::special) != 0;
-      if (!special && (x > last_x || y > last_y)) {
-        file_.skip(i * Record::bytes);
-        file_.fail("a pixel outside the image of " + text_of(size_),
-                   "pixels inside it, or another image size");
-      }
-      block[count] = {time_.extend(Record::stamp(record)), static_cast<std::uint16_t>(x),
-                      static_cast<std::uint16_t>(y), Layout::on(address), Layout::camera(address)};
-      count += special ? 0 : 1;
+      const bool is_event = (address & (Layout::no_event | Layout::unused)) == 0;
+      if (!is_event) skipped_.template count<Layout>(address);
+      block[count] = {time_.extend(Record::stamp(record)), mirrored(Layout::x(address), last_x),
+                      mirrored(Layout::y(address), last_y), Layout::on(address), Layout::camera(address)};
+      count += is_event ? 1 : 0;
     }
     file_.skip(records * Record::bytes);
     return true;
   }
 
   int version_;
+  std::string layout_;
   ImageSize size_;
-  bool davis_ = false;
-  bool stereo_ = false;
+  bool layout_guessed_ = false;
+  bool size_guessed_ = false;
+  SkippedRecords skipped_;
   WrappingTime time_;
 };
 
@@ -226,9 +260,13 @@ class Aedat2Writer final : public EventWriter {
     for (const Event& event : events) {
       check_writable(event, size_, cameras_, file_.path());
       const auto stamp = static_cast<std::uint32_t>(event.t_us & 0xffffffff);
+      const bool is_first = !started_;
+      started_ = true;
       if (time_.extend(static_cast<std::int32_t>(stamp)) != event.t_us) {
-        throw InputError(file_.path().string(), "an event at " + std::to_string(event.t_us) + " us",
-                         "time stamps that AEDAT 2.0 holds: from i32, with silences of less than 536 s");
+        throw InputError(
+            file_.path().string(), "an event at " + std::to_string(event.t_us) + " us",
+            is_first ? "a first time from -2^31 to 2^31 - 1 us for AEDAT 2.0; " + std::string(zero_time_hint)
+                     : "silences of less than 536 s for AEDAT 2.0");
       }
       const auto x = static_cast<std::uint32_t>(size_.width - 1 - event.x);
       const auto y = static_cast<std::uint32_t>(size_.height - 1 - event.y);
@@ -248,6 +286,7 @@ class Aedat2Writer final : public EventWriter {
   ImageSize size_;
   int cameras_;
   bool davis_;
+  bool started_ = false;
   WrappingTime time_ = signed_time();
 };
 
@@ -298,10 +337,13 @@ RecordingFormat aedat2_format() {
   format.cameras = 2;
   format.largest_size = davis_largest;
   format.size_of_two = dvs128_size;
-  format.reads = "DVS128, its stereo pair, DAVIS, by the header's `AEChip` or else by the addresses";
-  format.writes = "the same three, by image size and number of cameras";
+  format.reads =
+      "DVS128, its stereo pair, DVS640, DAVIS, by the header's `AEChip` or else by the addresses of the "
+      "whole "
+      "file, [see below](#aedat-20)";
+  format.writes = "DVS128, its stereo pair or DAVIS, by image size and number of cameras";
   format.time = "i32 us, continued over wraps at 2^31 or 2^32";
-  format.axes = "mirrored in x and y; DVS128 bit 0 is 1 for OFF, DAVIS bit 11 is 1 for ON";
+  format.axes = "mirrored in x and y; DVS128 bit 0 is 1 for OFF, DVS640 bit 0 and DAVIS bit 11 are 1 for ON";
   format.limits = "1024 x 512; two cameras of 128 x 128 only; silences below 536 s";
   return format;
 }

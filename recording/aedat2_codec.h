@@ -6,15 +6,15 @@ namespace saccade::inline v0_1 {
 
 /// AEDAT 2.0 (jAER): lines that start with #, then records of a big-endian u32 address and i32 time stamp.
 ///
-/// Layouts of the address, chosen by EventReadOptions::aedat2_layout, else by the `AEChip` line of the header, else by
-/// the range of the first addresses:
-///   DVS128  polarity bit 0 (0 = ON), x bits 1-7, y bits 8-14, bit 15 special
-///   stereo  jAER's DVS128StereoPair: as DVS128, but bit 15 is 1 for the right camera; only by header or option
-///   DAVIS   polarity bit 11 (1 = ON), x bits 12-21, y bits 22-30, bits 10 and 31 special
-/// Special records (images, inertial samples, triggers) are skipped. jAER's origin is bottom left and it mirrors x of
-/// both layouts for display, so pixel (x, y) of an upright W x H image is stored as (W-1-x, H-1-y). W and H of a DAVIS
-/// are in the header, or EventReadOptions::image_size, or those of the smallest sensor of the family that contains the
-/// first addresses.
+/// recording/aedat2_layout.h has the layouts of the address. Layout and image size are those of the header's line `AEChip`,
+/// else of EventReadOptions::aedat2_layout and image_size; an option goes before the header's layout. What neither says is
+/// determined from the addresses of all records before the first event is read, and format() marks it as guessed: the layout
+/// that the fewest records contradict, and of a DAVIS the smallest sensor of the family that has all pixels. Where a larger
+/// sensor has them as well, so that every pixel could be shifted, it is an InputError that asks for the size.
+///
+/// Records that are no events (special events, APS and IMU samples, addresses of other layouts) are skipped and counted by
+/// kind. A pixel outside the image is returned as it is stored. jAER's origin is bottom left and it mirrors x for display, so
+/// pixel (x, y) of an upright W x H image is stored as (W-1-x, H-1-y).
 ///
 /// Time stamps that wrap at 2^32 (or at 2^31, as some writers do) are continued; a jump back that is not a wrap is
 /// delivered as it is.

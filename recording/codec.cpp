@@ -11,7 +11,9 @@ void check_writable(const Event& event, ImageSize image_size, int cameras,
                     const std::filesystem::path& path) {
   if (!image_size.contains(event.x, event.y)) {
     throw InputError(path.string(), "an event at " + std::to_string(event.x) + ", " + std::to_string(event.y),
-                     "pixels inside " + text_of(image_size));
+                     "pixels inside " + text_of(image_size) + "; --region 0,0," +
+                         std::to_string(image_size.width) + "," + std::to_string(image_size.height) +
+                         " of saccade convert removes others");
   }
   if (event.camera >= cameras) {
     throw InputError(path.string(), "an event of camera " + std::to_string(event.camera),
@@ -29,6 +31,12 @@ std::optional<ImageSize> parse_size(std::string_view text) {
 }
 
 std::string text_of(ImageSize size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
 
 void append_count(std::string& text, std::int64_t count, std::string_view what) {
   if (count == 0) return;

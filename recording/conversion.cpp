@@ -31,6 +31,7 @@ class Conversion {
         first_us_(first_us),
         from_us_(at(config.from_s)),
         until_us_(at(config.until_s)),
+        recorded_image_(image),
         image_(config.crop ? ImageSize{config.region->width, config.region->height} : image),
         origin_(config.crop ? *config.region : PixelRegion{}) {}
 
@@ -44,6 +45,7 @@ class Conversion {
     const auto is_removed = [&](const Event& e) {
       if (e.t_us < from_us_ || e.t_us >= until_us_) return count(result.outside_time);
       if (config_.region && !config_.region->contains(e)) return count(result.outside_region);
+      if (config_.remove_outside && !recorded_image_.contains(e.x, e.y)) return count(result.outside_image);
       if (config_.only_on && e.on != *config_.only_on) return count(result.other_polarity);
       return false;
     };
@@ -93,6 +95,7 @@ class Conversion {
   std::int64_t first_us_;
   std::int64_t from_us_;
   std::int64_t until_us_;
+  ImageSize recorded_image_;
   ImageSize image_;
   PixelRegion origin_;
   std::optional<std::int64_t> zero_us_;
@@ -165,6 +168,7 @@ ConversionResult convert_recording(const FormatRegistry& formats, const std::fil
   });
   writer->commit();
   result.skipped = reader->skipped();
+  result.guess = reader->guess();
   return result;
 }
 

@@ -37,14 +37,17 @@ struct ConversionConfig {
   bool swap_xy = false;
   bool flip_x = false;
   bool flip_y = false;
+  bool remove_outside =
+      false;  ///< events outside the image, where the recording states its size, are removed instead of an error
   bool whole_part =
       false;  ///< of a recording that breaks off: the events before that place instead of an error
 };
 
 struct ConversionResult {
-  std::int64_t events = 0;                                                ///< written
-  std::int64_t outside_time = 0, outside_region = 0, other_polarity = 0;  ///< removed
-  std::string skipped;                                                    ///< EventReader::skipped()
+  std::int64_t events = 0;                                                                   ///< written
+  std::int64_t outside_time = 0, outside_region = 0, other_polarity = 0, outside_image = 0;  ///< removed
+  std::string skipped;                         ///< EventReader::skipped()
+  std::string guess;                           ///< EventReader::guess()
   std::optional<TornEnd> torn = std::nullopt;  ///< what was not read, with whole_part
 };
 

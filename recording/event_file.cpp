@@ -28,6 +28,7 @@ class OneCameraReader final : public EventReader {
   std::optional<ImageSize> image_size() const override { return reader_->image_size(); }
   std::string format() const override { return reader_->format(); }
   std::string skipped() const override { return reader_->skipped(); }
+  std::string guess() const override { return reader_->guess(); }
   std::optional<std::int64_t> host_ahead_us() const override { return reader_->host_ahead_us(); }
   std::optional<std::uint64_t> broken_record() const override { return reader_->broken_record(); }
   bool breaks_inside() const override { return reader_->breaks_inside(); }
@@ -44,7 +45,9 @@ std::unique_ptr<EventReader> open_event_file(const FormatRegistry& formats, cons
   const std::filesystem::path recording = formats.file_of(path);
   InputFile file(recording);
   const FileStart start{recording, file.peek(FileStart::most_bytes).substr(0, FileStart::most_bytes)};
-  std::unique_ptr<EventReader> reader = formats.recognise(start).open(std::move(file), options);
+  const RecordingFormat& format =
+      options.format == "auto" ? formats.recognise(start) : formats.named(options.format);
+  std::unique_ptr<EventReader> reader = format.open(std::move(file), options);
   if (options.camera) reader = std::make_unique<OneCameraReader>(std::move(reader), *options.camera);
   reader->set_path(recording);
   return reader;

@@ -30,6 +30,9 @@ class EventReader {
   [[nodiscard]] virtual std::string format() const = 0;  ///< "AEDAT 2.0 DVS128", "text"
   /// Records that read() has skipped because they are no events of a camera ("12 skin events"); often empty.
   [[nodiscard]] virtual std::string skipped() const { return {}; }
+  /// What was guessed because neither the file nor an option says it, though events are wrong where the guess is: "the image
+  /// size 346x260, from the addresses; --size sets it". Empty: nothing was.
+  [[nodiscard]] virtual std::string guess() const { return {}; }
   /// The clock of the host that recorded the file minus the clock of the events, us, as far as the events read so far say:
   /// the smallest difference between a packet's host time and its last event. None where the file has no host time.
   [[nodiscard]] virtual std::optional<std::int64_t> host_ahead_us() const { return std::nullopt; }
@@ -55,12 +58,18 @@ struct EventReadOptions {
   std::optional<TimeUnit> time_unit = std::nullopt;
   /// The sensor's size where the file has none.
   std::optional<ImageSize> image_size;
-  /// Address layout of AEDAT 1.0 and 2.0: auto, dvs128, stereo or davis.
+  /// Address layout of AEDAT 1.0 and 2.0: auto, dvs128, stereo, dvs640 or davis.
   std::string aedat2_layout = "auto";
   /// Only this camera's events (Event::camera); none: all.
   std::optional<std::uint8_t> camera = std::nullopt;
   /// Layout of an event-driven log's words: auto, or a name of recording/yarp_codec.h.
   std::string yarp_codec = "auto";
+  /// Encoding of Prophesee RAW: auto (that of the header, else guessed), evt2, evt21, evt21_legacy or evt3.
+  std::string evt_encoding = "auto";
+  /// Direction of y in an Event Stream file: up, as the format defines, or down.
+  std::string event_stream_y = "up";
+  /// Name of the recording's format; auto: by its content.
+  std::string format = "auto";
 };
 
 /// Opens a recording of one of `formats`, chosen by the file's content; of a folder the log in it (data.log). Throws

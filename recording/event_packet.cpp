@@ -8,19 +8,16 @@
 namespace saccade::inline v0_1 {
 namespace {
 
-using Broken = std::optional<BrokenMessage>;
-
-Broken decode_mono(std::string_view bytes, std::uint64_t time_base_ns, std::vector<Event>& events) {
+void decode_mono(std::string_view bytes, std::uint64_t time_base_ns, std::vector<Event>& events) {
   events.reserve(events.size() + bytes.size() / 8);
   for (; bytes.size() >= 8; bytes.remove_prefix(8)) {
     const auto word = load_little<std::uint64_t>(bytes.data());
     events.push_back({us_of(time_base_ns + (word & 0xffffffff)), static_cast<std::uint16_t>(word >> 32),
                       static_cast<std::uint16_t>(word >> 48 & 0x7fff), word >> 63 != 0, 0});
   }
-  return std::nullopt;
 }
 
-Broken decode_libcaer(std::string_view bytes, std::uint64_t time_base_ns, std::vector<Event>& events) {
+void decode_libcaer(std::string_view bytes, std::uint64_t time_base_ns, std::vector<Event>& events) {
   std::int64_t wraps_us = 0;
   std::int32_t last = 0;
   for (; bytes.size() >= 8; bytes.remove_prefix(8)) {
@@ -31,10 +28,10 @@ Broken decode_libcaer(std::string_view bytes, std::uint64_t time_base_ns, std::v
     events.push_back({us_of(time_base_ns) + wraps_us + stamp, static_cast<std::uint16_t>(data >> 17 & 0x7fff),
                       static_cast<std::uint16_t>(data >> 2 & 0x7fff), (data >> 1 & 1) != 0, 0});
   }
-  return std::nullopt;
 }
 
-Broken decode_libcaer_cmp(std::string_view bytes, std::uint64_t time_base_ns, std::vector<Event>& events) {
+void decode_libcaer_cmp(std::string_view bytes, std::uint64_t time_base_ns, EvtCounts& counts,
+                        std::vector<Event>& events) {
   enum Type : unsigned { time_high, time_low, x_address, y_event, vector_base, vector_8 };
   constexpr unsigned vector_rows = 8;
   std::uint64_t high = 0;
@@ -64,24 +61,19 @@ Broken decode_libcaer_cmp(std::string_view bytes, std::uint64_t time_base_ns, st
       }
       base_y += vector_rows;
     } else {
-      return BrokenMessage{"a word of type " + std::to_string(type), "types 0 to 5 of libcaer_cmp"};
+      ++counts.undefined[type];
     }
   }
-  return std::nullopt;
 }
 
 template <class Decoder>
-Broken decode_words(Decoder& decoder, std::string_view bytes, const char* expected,
-                    std::vector<Event>& events) {
+void decode_words(Decoder& decoder, std::string_view bytes, std::vector<Event>& events) {
   std::array<Event, 4096> block;
   while (bytes.size() >= Decoder::word_bytes) {
     const auto step = decoder.run(bytes, block);
     events.insert(events.end(), block.begin(), block.begin() + static_cast<std::ptrdiff_t>(step.events));
     bytes.remove_prefix(step.words * Decoder::word_bytes);
-    if (step.unknown_type)
-      return BrokenMessage{"a word of type " + std::to_string(*step.unknown_type), expected};
   }
-  return std::nullopt;
 }
 
 /// Bytes of a word of an encoding; 0 for an unknown one.
@@ -100,21 +92,20 @@ std::optional<BrokenMessage> PacketDecoder::decode(std::string_view encoding, st
   if (word_bytes == 0)
     return BrokenMessage{"a packet in the encoding " + printable(encoding),
                          "mono, libcaer, libcaer_cmp, evt2 or evt3"};
-  Broken broken;
   if (encoding == "mono") {
-    broken = decode_mono(bytes, time_base_ns, events);
+    decode_mono(bytes, time_base_ns, events);
   } else if (encoding == "libcaer") {
-    broken = decode_libcaer(bytes, time_base_ns, events);
+    decode_libcaer(bytes, time_base_ns, events);
   } else if (encoding == "libcaer_cmp") {
-    broken = decode_libcaer_cmp(bytes, time_base_ns, events);
+    decode_libcaer_cmp(bytes, time_base_ns, libcaer_cmp_, events);
   } else if (encoding == "evt2") {
-    broken = decode_words(evt2_, bytes, "EVT2's types 0, 1, 8, 10, 13, 14 or 15", events);
+    decode_words(evt2_, bytes, events);
   } else {
-    broken = decode_words(evt3_, bytes, "EVT3's types 0, 2 to 8, 10, 14 or 15", events);
+    decode_words(evt3_, bytes, events);
   }
-  if (!broken && bytes.size() % word_bytes != 0)
+  if (bytes.size() % word_bytes != 0)
     return BrokenMessage{"a packet that ends inside its events", "a whole packet"};
-  return broken;
+  return std::nullopt;
 }
 
 }  // namespace saccade::inline v0_1

@@ -30,22 +30,25 @@ struct BrokenMessage {
 /// packet's start; 2 x (11 bits); 3 an event at y (11) of polarity bit 11; 4 the y and polarity where vectors begin; 5 a
 /// vector, a bit for each of the next 8 rows, from the lowest.
 /// `evt2`, `evt3`: the sensor's words (recording/evt_codec.h); times are its counter, continued over its wraps.
+/// Words of undefined types are counted and left out.
 class PacketDecoder {
  public:
   /// Appends the events, those before a broken place too. A packet of encoding `trigger` has none.
   [[nodiscard]] std::optional<BrokenMessage> decode(std::string_view encoding, std::uint64_t time_base_ns,
                                                     std::string_view bytes, std::vector<Event>& events);
 
-  /// Of the sensor's words: triggers, words that are no events, and events before the first time.
-  [[nodiscard]] std::int64_t triggers() const { return evt2_.triggers() + evt3_.triggers(); }
-  [[nodiscard]] std::int64_t other_words() const { return evt2_.other_words() + evt3_.other_words(); }
-  [[nodiscard]] std::int64_t events_without_time() const {
-    return evt2_.events_without_time() + evt3_.events_without_time();
+  /// Words that are left out.
+  [[nodiscard]] EvtCounts counts() const {
+    EvtCounts all = evt2_.counts();
+    all += evt3_.counts();
+    all += libcaer_cmp_;
+    return all;
   }
 
  private:
   Evt2Decoder evt2_;
   Evt3Decoder evt3_;
+  EvtCounts libcaer_cmp_;
 };
 
 }  // namespace saccade::inline v0_1

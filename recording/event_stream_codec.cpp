@@ -16,7 +16,10 @@ constexpr unsigned char reset = 0xfe;
 
 class EventStreamReader final : public BlockReader {
  public:
-  explicit EventStreamReader(InputFile file) : BlockReader(std::move(file)) {
+  EventStreamReader(InputFile file, const EventReadOptions& options) : BlockReader(std::move(file)) {
+    if (options.event_stream_y != "up" && options.event_stream_y != "down")
+      throw InputError("event_stream_y", options.event_stream_y, "up or down");
+    y_up_ = options.event_stream_y == "up";
     const std::string_view head = file_.peek(stream_header_bytes);
     if (head.size() < mark_bytes + 4) file_.fail("the end of the file", "version and type");
     const int major = static_cast<unsigned char>(head[mark_bytes]);
@@ -36,7 +39,7 @@ class EventStreamReader final : public BlockReader {
   }
 
   std::optional<ImageSize> image_size() const override { return image_size_; }
-  std::string format() const override { return "Event Stream 2 DVS (y up)"; }
+  std::string format() const override { return y_up_ ? "Event Stream 2 DVS" : "Event Stream 2 DVS (y down)"; }
   std::string skipped() const override {
     std::string text;
     append_count(text, resets_, "resets");
@@ -47,6 +50,7 @@ class EventStreamReader final : public BlockReader {
   bool decode(std::span<Event> block, std::size_t& count) override {
     const std::string_view ahead = file_.peek(dvs_event_bytes);
     if (ahead.empty()) return false;
+    const auto last_y = static_cast<std::uint32_t>(image_size_.height - 1);
     std::size_t i = 0;
     while (i < ahead.size() && count < block.size()) {
       const auto first = static_cast<unsigned char>(ahead[i]);
@@ -58,8 +62,9 @@ class EventStreamReader final : public BlockReader {
       }
       if (ahead.size() - i < dvs_event_bytes) break;
       t_us_ += first >> 1;
+      const auto y = load_little<std::uint16_t>(ahead.data() + i + 3);
       block[count++] = {t_us_, load_little<std::uint16_t>(ahead.data() + i + 1),
-                        load_little<std::uint16_t>(ahead.data() + i + 3), (first & 1) != 0, 0};
+                        y_up_ ? mirrored(y, last_y) : y, (first & 1) != 0, 0};
       i += dvs_event_bytes;
     }
     file_.skip(i);
@@ -68,6 +73,7 @@ class EventStreamReader final : public BlockReader {
   }
 
  private:
+  bool y_up_ = true;
   ImageSize image_size_;
   std::int64_t t_us_ = 0;
   std::int64_t resets_ = 0;
@@ -80,12 +86,12 @@ RecordingFormat event_stream_format() {
   format.name = "Event Stream 2";
   format.extensions = {".es"};
   format.sniff = [](const FileStart& start) { return start.begins_with("Event Stream"); };
-  format.open = [](InputFile file, const EventReadOptions&) -> std::unique_ptr<EventReader> {
-    return std::make_unique<EventStreamReader>(std::move(file));
+  format.open = [](InputFile file, const EventReadOptions& options) -> std::unique_ptr<EventReader> {
+    return std::make_unique<EventStreamReader>(std::move(file), options);
   };
   format.reads = "type DVS";
   format.time = "us, as differences";
-  format.axes = "y goes up and is delivered so";
+  format.axes = "bottom left, y up, with `--es-y down` top left; 1 is ON";
   return format;
 }
 

@@ -20,17 +20,16 @@ EvtStep Evt2Decoder::run(std::string_view bytes, std::span<Event> out) {
       out[n++] = {t_us + (word >> 22 & 0x3f), static_cast<std::uint16_t>(word >> 11 & 0x7ff),
                   static_cast<std::uint16_t>(word & 0x7ff), type == 1, 0};
     } else if (type <= 1) {
-      ++events_without_time_;
+      ++counts_.events_without_time;
     } else if (type == 0x8) {
       timed_ = true;
       t_us = (high_.extend(word & 0xfffffff) << 6) + offset_us_;
     } else if (type == 0xa) {
-      ++triggers_;
+      ++counts_.triggers;
     } else if (type >= 0xd) {
-      ++other_words_;
+      ++counts_.other_words;
     } else {
-      step.unknown_type = type;
-      break;
+      ++counts_.undefined[type];
     }
   }
   t_us_ = t_us;

@@ -37,11 +37,7 @@ EvtStep Evt3Decoder::run(std::string_view bytes, std::span<Event> out) {
     return load_little<std::uint16_t>(bytes.data() + i * word_bytes);
   };
   EvtStep step;
-  std::size_t i = begun_ ? 0 : begin(bytes, step);
-  if (step.unknown_type) {
-    step.words = i;
-    return step;
-  }
+  std::size_t i = begun_ ? 0 : begin(bytes);
   std::size_t n = 0;
   // Local copies stay in registers.
   std::int64_t t_us = t_us_, high_us = high_us_;
@@ -87,9 +83,8 @@ EvtStep Evt3Decoder::run(std::string_view bytes, std::span<Event> out) {
       set_high(word & 0xfff);
       t_us = t_us_;
       high_us = high_us_;
-    } else if (!skip(type)) {
-      step.unknown_type = type;
-      break;
+    } else {
+      skip(type);
     }
     ++i;
   }
@@ -103,10 +98,10 @@ EvtStep Evt3Decoder::run(std::string_view bytes, std::span<Event> out) {
 }
 
 /// The words up to the first row after the first time. Returns their number.
-std::size_t Evt3Decoder::begin(std::string_view bytes, EvtStep& step) {
+std::size_t Evt3Decoder::begin(std::string_view bytes) {
   const std::size_t words = bytes.size() / word_bytes;
   const auto leave_out = [&](unsigned pixels, unsigned length) {
-    events_without_time_ += std::popcount(pixels);
+    counts_.events_without_time += std::popcount(pixels);
     base_ = (base_ & on_bit) | ((base_ + length) & 0xffff);
   };
   std::size_t i = 0;
@@ -119,7 +114,7 @@ std::size_t Evt3Decoder::begin(std::string_view bytes, EvtStep& step) {
         begun_ = timed_;
         break;
       case addr_x:
-        ++events_without_time_;
+        ++counts_.events_without_time;
         break;
       case vect_base_x:
         base_ = (word & 0x7ffu) | (word & 0x800u) << 5u;
@@ -138,20 +133,21 @@ std::size_t Evt3Decoder::begin(std::string_view bytes, EvtStep& step) {
         set_high(word & 0xfff);
         break;
       default:
-        if (skip(type)) break;
-        step.unknown_type = type;
-        return i;
+        skip(type);
     }
   }
   return i;
 }
 
-/// Counts a word that has no part in events; false for one of an unknown type.
-bool Evt3Decoder::skip(unsigned type) {
-  const bool other = type == continued_4 || type == others || type == continued_12;
-  triggers_ += type == trigger ? 1 : 0;
-  other_words_ += other ? 1 : 0;
-  return other || type == trigger;
+/// Counts a word that has no part in events.
+void Evt3Decoder::skip(unsigned type) {
+  if (type == trigger) {
+    ++counts_.triggers;
+  } else if (type == continued_4 || type == others || type == continued_12) {
+    ++counts_.other_words;
+  } else {
+    ++counts_.undefined[type];
+  }
 }
 
 void Evt3Decoder::set_high(std::int64_t value) {

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "core/event.h"
-#include "recording/evt_step.h"
+#include "recording/evt_counts.h"
 #include "recording/wrapping_time.h"
 
 namespace saccade::inline v0_1 {
@@ -15,7 +15,7 @@ namespace saccade::inline v0_1 {
 inline WrappingTime evt3_high() { return {{{0, 4096}}, 2048, 1024}; }
 
 /// Words of EVT3 (recording/evt_codec.h) as events, piece by piece. Events before the first time, or before the first row
-/// after it, are counted and left out.
+/// after it, and words of undefined types are counted and left out.
 class Evt3Decoder {
  public:
   static constexpr std::size_t word_bytes = 2;
@@ -24,25 +24,20 @@ class Evt3Decoder {
   /// `offset_us` is added to all times.
   explicit Evt3Decoder(std::int64_t offset_us = 0) : offset_us_(offset_us) {}
 
-  /// Decodes words until they end, one has an unknown type, or fewer than most_events_of_word places are left in `out`,
-  /// which must have that many.
+  /// Decodes words until they end, or fewer than most_events_of_word places are left in `out`, which must have that many.
   [[nodiscard]] EvtStep run(std::string_view bytes, std::span<Event> out);
 
-  [[nodiscard]] std::int64_t events_without_time() const { return events_without_time_; }
-  [[nodiscard]] std::int64_t triggers() const { return triggers_; }
-  [[nodiscard]] std::int64_t other_words() const { return other_words_; }
+  [[nodiscard]] const EvtCounts& counts() const { return counts_; }
 
  private:
   static constexpr std::uint32_t on_bit = 1u << 16;
 
-  std::size_t begin(std::string_view bytes, EvtStep& step);
-  [[nodiscard]] bool skip(unsigned type);
+  std::size_t begin(std::string_view bytes);
+  void skip(unsigned type);
   void set_high(std::int64_t value);
 
   std::int64_t offset_us_;
-  std::int64_t events_without_time_ = 0;
-  std::int64_t triggers_ = 0;
-  std::int64_t other_words_ = 0;
+  EvtCounts counts_;
   bool timed_ = false;
   bool begun_ = false;  ///< from the first row after the first time on
   std::int64_t t_us_ = 0;

@@ -6,8 +6,10 @@
 #include "recording/block_reader.h"
 #include "recording/byte_order.h"
 #include "recording/codec.h"
+#include "recording/evt21_decoder.h"
 #include "recording/evt2_decoder.h"
 #include "recording/evt3_decoder.h"
+#include "recording/evt_encoding.h"
 #include "recording/input_file.h"
 #include "recording/number_text.h"
 #include "recording/output_file.h"
@@ -18,55 +20,26 @@
 namespace saccade::inline v0_1 {
 namespace {
 
-std::string hex_digit(unsigned value) { return std::string(1, "0123456789ABCDEF"[value & 0xf]); }
-
-/// Base of both encodings: the image size and the counts of skipped words.
-class EvtReader : public BlockReader {
+/// `word_bytes`, `run` and `counts` are those of the decoder.
+template <class Decoder>
+class EvtReader final : public BlockReader {
  public:
-  EvtReader(InputFile file, const PropheseeHeader& header, const EventReadOptions& options)
-      : BlockReader(std::move(file)) {
+  /// `rest`: the decoder's arguments behind the offset of the times.
+  template <class... Rest>
+  EvtReader(InputFile file, const PropheseeHeader& header, const EventReadOptions& options, std::string name,
+            Rest... rest)
+      : BlockReader(std::move(file)), decoder_(offset_of(header), rest...), name_(std::move(name)) {
     const std::optional<ImageSize> size = header.image_size();
     image_size_ = size ? size : options.image_size;
-    const std::string offset = header.value("time_offset_us");
-    if (!offset.empty() && (!parse_number(offset, offset_us_) || offset_us_ > largest_read_offset_us ||
-                            offset_us_ < -largest_read_offset_us)) {
-      file_.fail("the time_offset_us " + printable(offset), "whole us within 2^62");
-    }
   }
 
   std::optional<ImageSize> image_size() const override { return image_size_; }
+  std::string format() const override { return name_; }
   std::string skipped() const override {
     std::string text;
-    append_count(text, events_without_time_, "events before the first time stamp");
-    append_count(text, triggers_, "triggers");
-    append_count(text, other_words_, "words that are no events");
+    append_counts(text, decoder_.counts());
     return text;
   }
-
- protected:
-  static constexpr std::int64_t largest_read_offset_us = std::int64_t{1} << 62;
-
-  std::int64_t offset_us_ = 0;
-  std::int64_t events_without_time_ = 0;
-  std::int64_t triggers_ = 0;
-  std::int64_t other_words_ = 0;
-
- private:
-  std::optional<ImageSize> image_size_;
-};
-
-/// `word_bytes`, `run` and the counts are those of the decoder.
-template <class Decoder>
-class EvtWordReader final : public EvtReader {
- public:
-  /// `types`: those that the encoding has.
-  EvtWordReader(InputFile file, const PropheseeHeader& header, const EventReadOptions& options,
-                std::string name, std::string types)
-      : EvtReader(std::move(file), header, options),
-        decoder_(offset_us_),
-        name_(std::move(name)),
-        types_(std::move(types)) {}
-  std::string format() const override { return name_; }
 
  protected:
   bool decode(std::span<Event> block, std::size_t& count) override {
@@ -75,32 +48,89 @@ class EvtWordReader final : public EvtReader {
     if (ahead.size() < Decoder::word_bytes)
       file_.fail("the end of the file inside a word",
                  "words of " + std::to_string(Decoder::word_bytes) + " bytes");
-    const auto step = decoder_.run(ahead, block);
+    const EvtStep step = decoder_.run(ahead, block);
     count = step.events;
-    events_without_time_ = decoder_.events_without_time();
-    triggers_ = decoder_.triggers();
-    other_words_ = decoder_.other_words();
     file_.skip(step.words * Decoder::word_bytes);
-    if (step.unknown_type)
-      file_.fail("a word of type " + hex_digit(*step.unknown_type), name_ + "'s types " + types_);
     return true;
   }
 
  private:
+  std::int64_t offset_of(const PropheseeHeader& header) const {
+    constexpr std::int64_t largest_read_offset_us = std::int64_t{1} << 62;
+    const std::string offset = header.value("time_offset_us");
+    std::int64_t offset_us = 0;
+    if (!offset.empty() && (!parse_number(offset, offset_us) || offset_us > largest_read_offset_us ||
+                            offset_us < -largest_read_offset_us)) {
+      file_.fail("the time_offset_us " + printable(offset), "whole us within 2^62");
+    }
+    return offset_us;
+  }
+
   Decoder decoder_;
-  std::string name_, types_;
+  std::string name_;
+  std::optional<ImageSize> image_size_;
 };
 
-std::unique_ptr<EventReader> read_evt2(InputFile file, const PropheseeHeader& header,
-                                       const EventReadOptions& options) {
-  return std::make_unique<EvtWordReader<Evt2Decoder>>(std::move(file), header, options, "EVT2",
-                                                      "0, 1, 8, A, D, E or F");
+/// The encoding of a RAW file.
+struct FoundEncoding {
+  EvtEncoding encoding = EvtEncoding::evt3;
+  bool guessed = false;
+};
+
+FoundEncoding encoding_of(InputFile& file, const PropheseeHeader& header, const EventReadOptions& options) {
+  constexpr std::size_t sample_bytes = std::size_t{1} << 16;
+  const std::vector<std::string>& names = evt_encoding_names();
+  if (options.evt_encoding != "auto") {
+    const auto named = std::ranges::find(names, options.evt_encoding);
+    if (named == names.end())
+      throw InputError("evt_encoding", options.evt_encoding, "one of auto, " + joined(names));
+    return {static_cast<EvtEncoding>(named - names.begin()), false};
+  }
+  const std::string format = header.value("format");
+  const std::string version = header.value("evt");
+  const std::string name = format.substr(0, format.find(';'));
+  const auto is = [&](std::string_view of_format, std::string_view of_evt) {
+    return name == of_format || (name.empty() && version == of_evt);
+  };
+  if (is("EVT3", "3.0")) return {EvtEncoding::evt3, false};
+  if (is("EVT2", "2.0")) return {EvtEncoding::evt2, false};
+  const auto fits = [&](EvtEncoding encoding) {
+    return fits_evt_encoding(file.peek(sample_bytes).substr(0, sample_bytes), encoding);
+  };
+  if (is("EVT21", "2.1")) {
+    if (format.find(";endianness=legacy") != std::string::npos) return {EvtEncoding::evt21_legacy, false};
+    if (format.find(";endianness=") != std::string::npos) return {EvtEncoding::evt21, false};
+    const bool is_legacy = fits(EvtEncoding::evt21_legacy) && !fits(EvtEncoding::evt21);
+    return {is_legacy ? EvtEncoding::evt21_legacy : EvtEncoding::evt21, is_legacy};
+  }
+  if (name.empty() && version.empty()) {
+    const auto guessed = guess_evt_encoding(file.peek(sample_bytes).substr(0, sample_bytes));
+    if (guessed) return {*guessed, true};
+    throw InputError(file.name(), "a header that names no encoding, and words of none",
+                     "a line % evt or % format (RAW), % Version (DAT), or --evt with " + joined(names));
+  }
+  throw InputError(file.name(),
+                   name.empty() ? "the encoding " + printable(version) : "the format " + printable(name),
+                   "EVT2, EVT21 or EVT3");
 }
 
-std::unique_ptr<EventReader> read_evt3(InputFile file, const PropheseeHeader& header,
-                                       const EventReadOptions& options) {
-  return std::make_unique<EvtWordReader<Evt3Decoder>>(std::move(file), header, options, "EVT3",
-                                                      "0, 2 to 8, A, E or F");
+std::unique_ptr<EventReader> read_evt(InputFile file, const PropheseeHeader& header,
+                                      const EventReadOptions& options) {
+  const auto [encoding, guessed] = encoding_of(file, header, options);
+  const std::string mark = guessed ? " (guessed)" : "";
+  switch (encoding) {
+    case EvtEncoding::evt2:
+      return std::make_unique<EvtReader<Evt2Decoder>>(std::move(file), header, options, "EVT2" + mark);
+    case EvtEncoding::evt21:
+      return std::make_unique<EvtReader<Evt21Decoder>>(std::move(file), header, options, "EVT2.1" + mark,
+                                                       Evt21Order::little);
+    case EvtEncoding::evt21_legacy:
+      return std::make_unique<EvtReader<Evt21Decoder>>(std::move(file), header, options,
+                                                       "EVT2.1 legacy" + mark, Evt21Order::legacy);
+    case EvtEncoding::evt3:
+      break;
+  }
+  return std::make_unique<EvtReader<Evt3Decoder>>(std::move(file), header, options, "EVT3" + mark);
 }
 
 class Evt3Writer final : public EventWriter {
@@ -133,6 +163,8 @@ class Evt3Writer final : public EventWriter {
  private:
   static constexpr std::int64_t loop_us = std::int64_t{1} << 24;
   static constexpr std::int64_t longest_silence_us = std::int64_t{1} << 36;
+  static constexpr const char* jumps =
+      "times that EVT3 holds: back by less than 4 s, silences of less than 19 h";
   static constexpr std::int64_t bridge = 1024;  ///< upper parts of the time that a jump is cut into
   static constexpr std::size_t group = 32;      ///< pixels of three vectors
 
@@ -153,13 +185,14 @@ class Evt3Writer final : public EventWriter {
 
   void put_time(std::int64_t t_us) {
     if (t_us == t_us_) return;
-    if (t_us > largest_offset_us || t_us < -largest_offset_us) refuse(t_us);
+    if (t_us > largest_offset_us || t_us < -largest_offset_us)
+      refuse(t_us, "times within 2^61 us of 0 for EVT3; " + std::string(zero_time_hint));
     const std::int64_t high = (t_us - offset_us_) >> 12;
     if (!t_us_ || high != high_) {
       if (!t_us_) high_ = high;
-      if ((high - high_) << 12 > longest_silence_us) refuse(t_us);
+      if ((high - high_) << 12 > longest_silence_us) refuse(t_us, jumps);
       while (high - high_ > bridge) put_high(high_ += bridge);
-      if (put_high(high) != high) refuse(t_us);
+      if (put_high(high) != high) refuse(t_us, jumps);
       high_ = high;
     }
     put(time_low, static_cast<unsigned>(t_us & 0xfff));
@@ -172,10 +205,9 @@ class Evt3Writer final : public EventWriter {
     return read_back_.extend(high & 0xfff);
   }
 
-  [[noreturn]] void refuse(std::int64_t t_us) const {
-    throw InputError(
-        file_.path().string(), "an event at " + std::to_string(t_us) + " us",
-        "times that EVT3 holds: back by less than 4 s, silences of less than 19 h, within 2^61 us of 0");
+  [[noreturn]] void refuse(std::int64_t t_us, std::string expectation) const {
+    throw InputError(file_.path().string(), "an event at " + std::to_string(t_us) + " us",
+                     std::move(expectation));
   }
 
   /// How many events are of the first one's time, row and polarity, with x ascending.
@@ -233,32 +265,16 @@ class Evt3Writer final : public EventWriter {
 
 std::unique_ptr<EventReader> open_evt(InputFile file, const EventReadOptions& options) {
   const PropheseeHeader header(file);
-  const std::string format = header.value("format");
-  const std::string version = header.value("evt");
-  const std::string encoding = format.substr(0, format.find(';'));
-  if (encoding == "EVT3" || (encoding.empty() && version == "3.0")) {
-    const std::filesystem::path right = right_camera_file(file.name());
-    auto left = read_evt3(std::move(file), header, options);
-    if (header.value("saccade_cameras") != "2") return left;
-    if (!std::filesystem::exists(right)) {
-      throw InputError(right.string(), "no such file",
-                       "the right camera's events beside those of the left one");
-    }
-    InputFile other(right);
-    const PropheseeHeader other_header(other);
-    return merge_cameras(std::move(left), read_evt3(std::move(other), other_header, options));
+  const std::filesystem::path right = right_camera_file(file.name());
+  auto left = read_evt(std::move(file), header, options);
+  if (header.value("saccade_cameras") != "2") return left;
+  if (!std::filesystem::exists(right)) {
+    throw InputError(right.string(), "no such file",
+                     "the right camera's events beside those of the left one");
   }
-  if (encoding == "EVT2" || (encoding.empty() && version == "2.0")) {
-    return read_evt2(std::move(file), header, options);
-  }
-  if (encoding.empty() && version.empty()) {
-    throw InputError(file.name(), "a header that names no encoding of events",
-                     "a line % evt or % format (RAW), or % Version (DAT)");
-  }
-  throw InputError(
-      file.name(),
-      encoding.empty() ? "the encoding " + printable(version) : "the format " + printable(encoding),
-      "EVT2 or EVT3");
+  InputFile other(right);
+  const PropheseeHeader other_header(other);
+  return merge_cameras(std::move(left), read_evt(std::move(other), other_header, options));
 }
 
 std::unique_ptr<EventWriter> create_evt3(const std::filesystem::path& path, ImageSize image_size,
@@ -291,13 +307,17 @@ RecordingFormat prophesee_raw_format() {
     return std::vector<std::filesystem::path>{right_camera_file(path)};
   };
   format.cameras = 2;
-  format.reads = "EVT2 and EVT3, by the line `% evt` or `% format`";
+  format.reads =
+      "EVT2, EVT2.1 (either order of its halves) and EVT3, by the line `% evt` or `% format`, else by "
+      "`--evt` "
+      "or by the words";
   format.writes =
       "EVT3, with vectors for rows; of two cameras the right one's in a second file, `events_right.raw` "
       "beside "
       "`events.raw`, merged by time when the first one is read";
   format.time =
-      "EVT2 34, EVT3 24 bits of us, continued over their wraps; written with `% time_offset_us` in the "
+      "EVT2 and EVT2.1 34, EVT3 24 bits of us, continued over their wraps; written with `% time_offset_us` "
+      "in the "
       "header where "
       "the recording begins after 16.8 s";
   format.axes = "top left, 1 is ON";

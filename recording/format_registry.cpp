@@ -1,6 +1,7 @@
 #include "recording/format_registry.h"
 
 #include <algorithm>
+#include <cctype>
 
 #include "core/error.h"
 #include "recording/aedat2_codec.h"
@@ -13,6 +14,7 @@
 #include "recording/hdf5_codec.h"
 #include "recording/input_file.h"
 #include "recording/mcap_codec.h"
+#include "recording/nmnist_codec.h"
 #include "recording/npz_codec.h"
 #include "recording/ros2_bag_codec.h"
 #include "recording/ros_bag_codec.h"
@@ -20,16 +22,6 @@
 #include "recording/yarp_log_codec.h"
 
 namespace saccade::inline v0_1 {
-namespace {
-
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
-}  // namespace
-
 FormatRegistry built_in_formats() {
   FormatRegistry registry;
   registry.add(aedat1_format());
@@ -39,6 +31,7 @@ FormatRegistry built_in_formats() {
   registry.add(prophesee_raw_format());
   registry.add(prophesee_dat_format());
   registry.add(event_stream_format());
+  registry.add(nmnist_format());
   registry.add(hdf5_format());
   registry.add(numpy_format());
   registry.add(ros_bag_format());
@@ -109,6 +102,17 @@ const RecordingFormat& FormatRegistry::recognise(const FileStart& start) const {
                      expectation);
   }
   return *best;
+}
+
+const RecordingFormat& FormatRegistry::named(std::string_view name) const {
+  const auto is_same = [](char a, char b) {
+    return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
+  };
+  const auto found = std::ranges::find_if(*formats_, [&](const RecordingFormat& format) {
+    return std::ranges::equal(format.name, name, is_same);
+  });
+  if (found == formats_->end()) throw InputError("--format", std::string(name), "auto, " + names());
+  return *found;
 }
 
 const RecordingFormat& FormatRegistry::for_writing(const std::filesystem::path& path) const {

@@ -89,6 +89,8 @@ class FormatRegistry {
   /// The format of the best match; the earlier one of two that match equally well. Throws InputError for an unknown
   /// format and for a file that ends inside a format's mark.
   [[nodiscard]] const RecordingFormat& recognise(const FileStart& start) const;
+  /// The format of that name, in upper or lower case. Throws InputError for an unknown one.
+  [[nodiscard]] const RecordingFormat& named(std::string_view name) const;
   /// The written format that a file name's extension selects. Throws InputError for another extension.
   [[nodiscard]] const RecordingFormat& for_writing(const std::filesystem::path& path) const;
   /// The recording inside a folder, `path` itself where it is no such folder. Throws InputError for a folder with a format's

@@ -33,10 +33,7 @@ std::string MessageReader::skipped() const {
     append_count(text, topic.skipped,
                  "messages of " + printable(topic.name) + " (" + printable(topic.type) + ")");
     if (!topic.decoder) continue;
-    const PacketDecoder& packets = topic.decoder->packets();
-    append_count(text, packets.events_without_time(), "events before the first time stamp");
-    append_count(text, packets.triggers(), "triggers");
-    append_count(text, packets.other_words(), "words that are no events");
+    append_counts(text, topic.decoder->packets().counts());
   }
   return text;
 }

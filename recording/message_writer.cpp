@@ -17,9 +17,9 @@ void MessageWriter::write(std::span<const Event> events) {
   for (const Event& event : events) {
     check_writable(event, image_size_, cameras_, file_.path());
     if (event.t_us < 0 || event.t_us > largest_us_) {
-      throw InputError(file_.path().string(), "an event at " + std::to_string(event.t_us) + " us",
-                       "times from 0 to " + std::to_string(largest_us_) +
-                           " us; --zero-time of saccade convert begins at 0");
+      throw InputError(
+          file_.path().string(), "an event at " + std::to_string(event.t_us) + " us",
+          "times from 0 to " + std::to_string(largest_us_) + " us; " + std::string(zero_time_hint));
     }
     for (int camera = 0; camera < cameras_; ++camera) {
       const std::vector<Event>& pending = sides_[static_cast<std::size_t>(camera)].pending;

@@ -65,6 +65,7 @@ class MergedReader final : public EventReader {
     return ImageSize{std::max(left->width, right->width), std::max(left->height, right->height)};
   }
   std::string format() const override { return sides_[0].reader().format() + ", two cameras"; }
+  std::string guess() const override { return sides_[0].reader().guess(); }
   std::optional<std::uint64_t> broken_record() const override {
     return broken_ == nullptr ? std::nullopt : broken_->reader().broken_record();
   }

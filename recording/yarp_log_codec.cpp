@@ -62,6 +62,10 @@ class YarpLogReader final : public EventReader {
   std::string format() const override {
     return kind_ + ", codec " + std::string(codec_.name) + (guessed_ ? " (guessed)" : "");
   }
+  std::string guess() const override {
+    return guessed_ ? "the codec " + std::string(codec_.name) + ", from the first packets; --codec sets it"
+                    : "";
+  }
   std::string skipped() const override {
     std::string text;
     if (skin_events_ > 0) text = std::to_string(skin_events_) + " skin events";

@@ -40,7 +40,7 @@ class YarpLogWriter final : public EventWriter {
       check_writable(event, size_, cameras_, file_.path());
       if (event.t_us < 0 || static_cast<double>(event.t_us) >= yarp_latest_s * 1e6) {
         throw InputError(file_.path().string(), "an event at " + std::to_string(event.t_us) + " us",
-                         "times from 0 to 4e15 us");
+                         "times from 0 to 4e15 us; " + std::string(zero_time_hint));
       }
       if (!origin_us_) origin_us_ = event.t_us < counter_us ? 0 : event.t_us;
       if (!packet_.empty() &&

@@ -31,6 +31,7 @@ int convert(const ConvertOptions& options, const FormatRegistry& formats) {
   check_outputs(formats.files_of(options.out), formats.inputs_of(recording), options.force);
   ConversionConfig config = options.conversion;
   config.read = options.read;
+  config.remove_outside = !options.read.image_size;
   if (options.polarity != "both") config.only_on = options.polarity == "on";
   catch_interrupts();
   std::array<Progress, 2> progress = {Progress(0.0), Progress(0.0)};
@@ -49,9 +50,11 @@ int convert(const ConvertOptions& options, const FormatRegistry& formats) {
   };
   removed(result.outside_time, "outside the time");
   removed(result.outside_region, "outside the region");
+  removed(result.outside_image, "outside the image");
   removed(result.other_polarity, "of the other polarity");
   if (result.torn) fmt::print("{}: {}\n", result.torn->is_cut ? "torn" : "broken", text_of(*result.torn));
   if (!result.skipped.empty()) fmt::print("skipped: {}\n", result.skipped);
+  if (!result.guess.empty()) fmt::print("guessed: {}\n", result.guess);
   return 0;
 }
 
@@ -110,7 +113,9 @@ void add_convert_command(CommandLine& line, const Registry& registry) {
       "Events of the right camera need a format of two cameras (" +
       formats.written_extensions(2) +
       "), or --camera.\n"
-      "The recording is read twice. What the format cannot hold is an error, and nothing is written.");
+      "The recording is read twice. Events outside the image whose size it states are removed and counted; "
+      "with --size "
+      "they are an error. What else the format cannot hold is an error, and nothing is written.");
   command.action([options, &formats] { return convert(*options, formats); });
 }
 

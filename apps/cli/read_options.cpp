@@ -61,9 +61,30 @@ void add_decoding_options(Command& command, ReadOptions& options, const FormatRe
       .show_default();
   command
       .option("--layout", options.read.aedat2_layout,
-              "Layout of an AEDAT 2.0 file's addresses, where its header names none: dvs128, stereo or davis")
+              "Layout of an AEDAT 2.0 file's addresses: dvs128, stereo, dvs640 or davis; auto: that of its "
+              "header, else "
+              "guessed")
       .show_default()
-      .one_of({"auto", "dvs128", "stereo", "davis"});
+      .one_of({"auto", "dvs128", "stereo", "dvs640", "davis"});
+  command
+      .option("--evt", options.read.evt_encoding,
+              "Encoding of a Prophesee RAW file: evt2, evt21, evt21_legacy (upper half of each word first) "
+              "or evt3; "
+              "auto: that of its header, else guessed")
+      .show_default()
+      .one_of({"auto", "evt2", "evt21", "evt21_legacy", "evt3"});
+  command
+      .option("--es-y", options.read.event_stream_y,
+              "Direction of y in an Event Stream file: up, as the format defines, or down, of programs that "
+              "store rows "
+              "from the top")
+      .show_default()
+      .one_of({"up", "down"});
+  command
+      .option("--format", options.read.format,
+              "Format of the recording, a name of the table in docs/recordings.md such as N-MNIST; auto: by "
+              "its content")
+      .show_default();
 }
 
 }  // namespace saccade::inline v0_1

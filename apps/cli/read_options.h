@@ -5,8 +5,8 @@
 
 namespace saccade::inline v0_1 {
 
-/// Adds the recording (positional, `name`) and the options for reading it: --size, --columns, --time-unit,
-/// --camera, --codec and --layout. The recording is one of `formats`. `options` must outlive the parsing.
+/// Adds the recording (positional, `name`) and the options for reading it: --size, --columns, --time-unit, --camera,
+/// --codec, --layout, --evt, --es-y and --format. The recording is one of `formats`. `options` must outlive the parsing.
 void add_read_options(Command& command, const char* name, const char* meaning, ReadOptions& options,
                       const FormatRegistry& formats);
 

@@ -153,7 +153,10 @@ void detect_recording(const NamedDetectors& named, const DetectSettings& setting
   apply(settings, played);
   const FormatRegistry& formats = settings.input.formats;
   const std::string recording = settings.input.recording.string();
-  ReplayRobot robot(open_event_file(formats, played.events, played.read), std::move(played.head));
+  auto reader = open_event_file(formats, played.events, played.read);
+  if (const std::string guess = reader->guess(); !guess.empty())
+    fmt::print(stderr, "saccade: {}: guessed {}\n", played.events.string(), guess);
+  ReplayRobot robot(std::move(reader), std::move(played.head));
   const MountedCamera camera = fitting_camera(settings, played, robot.image_size());
   Loop loop(robot, camera, make_detectors(named, camera.camera), std::nullopt, played.eye);
   std::unique_ptr<RunFolderLock> lock;

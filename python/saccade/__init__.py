@@ -25,14 +25,17 @@ __all__ = [
 ]
 
 
-def open(path, *, size=None, camera=None, columns="auto", time_unit=None, yarp_codec="auto", aedat2_layout="auto"):
+def open(path, *, size=None, camera=None, columns="auto", time_unit=None, yarp_codec="auto", aedat2_layout="auto",
+         evt_encoding="auto", event_stream_y="up", format="auto"):
     """Opens a recording; the format follows from its content.
 
     size: (width, height) where the file has none. camera: only the events of this camera. columns: order of the columns
     of text, arrays and tables; auto: that of the file's names, else txyp. time_unit: s, ms, us or ns, of the times in text,
-    NumPy's arrays and HDF5; None: the file's own. yarp_codec, aedat2_layout: layout of files that do not name theirs, as `saccade info --help` lists them.
+    NumPy's arrays and HDF5; None: the file's own. yarp_codec, aedat2_layout, evt_encoding: layout of files that do not name
+    theirs, and event_stream_y, format, as `saccade info --help` lists them.
     """
-    return _saccade.open_recording(_os.fspath(path), size, camera, columns, time_unit, yarp_codec, aedat2_layout)
+    return _saccade.open_recording(_os.fspath(path), size, camera, columns, time_unit, yarp_codec, aedat2_layout,
+                                   evt_encoding, event_stream_y, format)
 
 
 def read(path, **options):

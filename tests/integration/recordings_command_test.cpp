@@ -15,6 +15,7 @@
 namespace saccade {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -175,6 +176,38 @@ TEST_F(Recordings, ConvertRejectsWhatItCannotDoAndLeavesNothing) {
   }
   EXPECT_EQ(saccade("convert " + at("two.csv") + " " + at("right.h5") + " --camera right").status, 0);
   EXPECT_EQ(read_file(at("right.h5")), (std::vector<Event>{{20, 1, 1, false, 0}}));
+}
+
+TEST_F(Recordings, ConvertRemovesAndCountsWhatLiesOutsideTheImageThatTheRecordingStates) {
+  const auto davis = [](std::uint32_t x, std::uint32_t y, char t) {
+    const std::uint32_t address = y << 22 | x << 12;
+    std::string record;
+    for (int shift = 24; shift >= 0; shift -= 8) record += static_cast<char>(address >> shift & 0xff);
+    return record + std::string({0, 0, 0, t});
+  };
+  folder_.write("in.aedat", "#!AER-DAT2.0\r\n# AEChip: Davis346blue\r\n" + davis(345, 259, 1) +
+                                davis(345, 306, 2) + davis(0, 0, 3));
+  EXPECT_THAT(saccade("info " + at("in.aedat")).text,
+              AllOf(HasSubstr("outside the image     1\n"), HasSubstr("events                3\n")));
+  const Outcome outcome = saccade("convert " + at("in.aedat") + " " + at("out.csv"));
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_EQ(outcome.text, at("out.csv") + ": 2 events\nremoved: 1 outside the image\n");
+  EXPECT_EQ(bytes_of(at("out.csv")), "t_us,x,y,p\n1,0,0,0\n3,345,259,0\n");
+}
+
+TEST_F(Recordings, AGuessedImageSizeIsNamedByConvertAndDetect) {
+  std::string content = "#!AER-DAT2.0\r\n# made by v2e\r\n";
+  for (int i = 0; i < 100; ++i) {
+    const std::uint32_t address =
+        static_cast<std::uint32_t>(160 + i) << 22 | static_cast<std::uint32_t>(246 + i) << 12;
+    for (int shift = 24; shift >= 0; shift -= 8) content += static_cast<char>(address >> shift & 0xff);
+    content += std::string({0, 0, 0, static_cast<char>(i)});
+  }
+  folder_.write("v2e.aedat", content);
+  EXPECT_THAT(saccade("convert " + at("v2e.aedat") + " " + at("v2e.csv")).text,
+              HasSubstr("guessed: the image size 346x260, from the addresses; --size sets it\n"));
+  EXPECT_THAT(saccade("detect " + at("v2e.aedat") + " --out " + at("run")).text,
+              HasSubstr("guessed the image size 346x260"));
 }
 
 TEST_F(Recordings, ConvertRejectsTheRecordingItselfAsOutputUnderAnyNameEvenWithForce) {

@@ -1,3 +1,5 @@
+#include <array>
+
 #include "recording/wrapping_time.h"
 #include "tests/recording/read_events.h"
 #include "tests/recording/small_files.h"
@@ -174,14 +176,82 @@ TEST(EventStream, OfOtherVersionsAndTypesIsAnErrorThatNamesThem) {
   }
 }
 
-TEST(EventStream, CountsResetsAndKeepsYAsStored) {
+TEST(EventStream, HasItsOriginBottomLeftUnlessTheOptionSaysThatYGoesDown) {
+  const TempFolder folder;
+  std::string content =
+      "Event Stream" + std::string({2, 0, 0, 1}) + little_endian_words<std::uint16_t>({8, 6});
+  for (const auto& [x, y] : {std::pair(0, 0), std::pair(7, 5), std::pair(3, 2), std::pair(1, 6)})
+    content +=
+        '\x15' + little_endian(static_cast<std::uint16_t>(x)) + little_endian(static_cast<std::uint16_t>(y));
+  const auto path = folder.write("a.es", content);
+  const auto up = open_event_file(path);
+  EXPECT_EQ(up->format(), "Event Stream 2 DVS");
+  EXPECT_THAT(read_all(*up), ElementsAre(Event{10, 0, 5, true, 0}, Event{20, 7, 0, true, 0},
+                                         Event{30, 3, 3, true, 0}, Event{40, 1, 6, true, 0}))
+      << "the last one lies outside the image";
+  EventReadOptions options;
+  options.event_stream_y = "down";
+  const auto down = open_event_file(path, options);
+  EXPECT_EQ(down->format(), "Event Stream 2 DVS (y down)");
+  EXPECT_THAT(read_all(*down), ElementsAre(Event{10, 0, 0, true, 0}, Event{20, 7, 5, true, 0},
+                                           Event{30, 3, 2, true, 0}, Event{40, 1, 6, true, 0}));
+  options.event_stream_y = "left";
+  EXPECT_THROW((void)open_event_file(path, options), InputError);
+}
+
+TEST(EventStream, CountsResets) {
   const TempFolder folder;
   const std::string start =
       "Event Stream" + std::string({2, 0, 0, 1}) + little_endian_words<std::uint16_t>({320, 240});
   const auto reader = open_event_file(
       folder.write("a.es", start + "\xff\xff\xfe\xfd" + little_endian_words<std::uint16_t>({3, 239})));
-  EXPECT_THAT(read_all(*reader), ElementsAre(Event{127 + 127 + 126, 3, 239, true, 0}));
+  EXPECT_THAT(read_all(*reader), ElementsAre(Event{127 + 127 + 126, 3, 0, true, 0}));
   EXPECT_EQ(reader->skipped(), "1 resets");
+}
+
+// ---- N-MNIST -------------------------------------------------------------------------------------
+
+std::string nmnist(std::initializer_list<std::array<std::uint32_t, 4>> records) {
+  std::string bytes;
+  for (const auto& [t, x, y, on] : records) {
+    bytes += static_cast<char>(x);
+    bytes += static_cast<char>(y);
+    bytes += big_endian(on << 23 | t).substr(1);
+  }
+  return bytes;
+}
+
+TEST(Nmnist, HasTimesOf23BitsThatAreContinuedAndRecordsThatAddTime) {
+  const TempFolder folder;
+  EventReadOptions options;
+  options.image_size = ImageSize{34, 34};
+  const auto reader = open_event_file(
+      folder.write("a.bin", nmnist({{1000, 3, 4, 1}, {1500, 33, 2, 0}, {0, 0, 240, 0}, {1600, 0, 33, 1}})),
+      options);
+  EXPECT_EQ(reader->format(), "N-MNIST");
+  EXPECT_EQ(reader->image_size(), options.image_size);
+  EXPECT_THAT(read_all(*reader), ElementsAre(Event{1000, 3, 4, true, 0}, Event{1500, 33, 2, false, 0},
+                                             Event{8192 + 1600, 0, 33, true, 0}));
+  options.format = "n-mnist";
+  EXPECT_THAT(read_file(folder.write("a.dat", nmnist({{0x7fffff, 1, 2, 0}, {4, 3, 4, 1}})), options),
+              ElementsAre(Event{0x7fffff, 1, 2, false, 0}, Event{0x800004, 3, 4, true, 0}));
+}
+
+TEST(Nmnist, IsRecognisedByTheExtensionAndByPlausibleEventsOnly) {
+  const TempFolder folder;
+  const std::string good = nmnist({{1000, 3, 4, 1}, {1500, 33, 2, 0}, {1600, 0, 33, 1}});
+  EXPECT_EQ(open_event_file(folder.write("a.bin", good))->format(), "N-MNIST");
+  EXPECT_THAT(message_of(folder.write("a.png", good)), HasSubstr("expected a recording in a known format"));
+  for (const std::string& other : {nmnist({{1000, 3, 4, 1}, {999, 33, 2, 0}}), nmnist({{1000, 240, 4, 1}}),
+                                   nmnist({{1000, 3, 241, 1}})}) {
+    EXPECT_THAT(message_of(folder.write("a.bin", other)),
+                HasSubstr("expected a recording in a known format"));
+  }
+  EventReadOptions options;
+  options.format = "N-MNIST 2";
+  EXPECT_THAT(
+      [&] { (void)open_event_file(folder / "a.bin", options); },
+      testing::ThrowsMessage<InputError>(HasSubstr("--format: found N-MNIST 2, expected auto, AEDAT 1.0")));
 }
 
 // ---- AEDAT 4 written -----------------------------------------------------------------------------

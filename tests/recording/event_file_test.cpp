@@ -7,52 +7,15 @@
 #include <limits>
 
 #include "core/error.h"
-#include "core/random.h"
 #include "recording/format_registry.h"
+#include "tests/recording/made_events.h"
 #include "tests/recording/read_events.h"
-#include "tests/recording/small_files.h"
 #include "tests/recording/temp_folder.h"
 
 namespace saccade {
 namespace {
 
 using testing::HasSubstr;
-
-void write_file(const std::filesystem::path& path, ImageSize size, const std::vector<Event>& events) {
-  const auto writer = create_event_file(path, size);
-  writer->write(events);
-  writer->commit();
-}
-
-/// Events all over the image, with the corners among them, and equal times now and then.
-std::vector<Event> scattered_events(ImageSize size, std::int64_t first_us, int count, std::int64_t step_us) {
-  const RandomStream random(11, "event_file_test");
-  std::vector<Event> events;
-  for (int i = 0; i < count; ++i) {
-    const auto n = static_cast<std::uint64_t>(i);
-    const bool right = i < 4 ? (i & 1) != 0 : random.uniform(0, n) < 0.5;
-    Event event;
-    event.t_us = first_us;
-    event.x = static_cast<std::uint16_t>(random.bits(1, n) % static_cast<std::uint64_t>(size.width));
-    event.y = static_cast<std::uint16_t>(random.bits(2, n) % static_cast<std::uint64_t>(size.height));
-    if (i < 4) event.x = static_cast<std::uint16_t>(right ? size.width - 1 : 0);
-    if (i < 4) event.y = static_cast<std::uint16_t>((i & 2) != 0 ? size.height - 1 : 0);
-    event.on = (random.bits(3, n) & 1) != 0;
-    events.push_back(event);
-    first_us += static_cast<std::int64_t>(random.bits(4, n) % static_cast<std::uint64_t>(step_us));
-  }
-  return events;
-}
-
-std::string record(std::uint32_t address, std::uint32_t stamp) {
-  return big_endian(address) + big_endian(stamp);
-}
-
-std::uint32_t davis_address(std::uint32_t x, std::uint32_t y, std::uint32_t on) {
-  return y << 22 | x << 12 | on << 11;
-}
-
-const std::string aedat_header = "#!AER-DAT2.0\r\n# a comment\r\n";
 
 // ---- choosing the codec --------------------------------------------------------------------------
 
@@ -213,134 +176,21 @@ TEST(TwoCamerasOfEvt3, NeedTheRightCamerasFileBesideTheLeftOne) {
               testing::ThrowsMessage<InputError>(testing::HasSubstr("e_right.raw: found no such file")));
 }
 
-TEST(Aedat2, HoldsTwoCamerasOf128x128Only) {
-  TempFolder folder;
-  EXPECT_THROW((void)create_event_file(folder / "e.aedat", {304, 240}, 2), InputError);
-}
-
-TEST(Aedat2, TheRightCameraOfAStereoPairHasBit15) {
-  TempFolder folder;
-  const std::string header =
-      "#!AER-DAT2.0\r\n# AEChip: ch.unizh.ini.jaer.chip.stereopsis.DVS128StereoPair\r\n";
-  const auto path =
-      folder.write("e.aedat", header + record(0, 10) + record(1u << 15 | 3u << 8 | 2u << 1 | 1u, 20));
-  const std::vector<Event> expected = {{10, 127, 127, true, 0}, {20, 125, 124, false, 1}};
-  EXPECT_EQ(read_all(*open_event_file(path), 10), expected);
-}
-
-// ---- AEDAT 2.0 -----------------------------------------------------------------------------------
-
-TEST(Aedat2, Dvs128AddressesAreMirroredInBothAxesAndBitZeroIsOff) {
-  TempFolder folder;
-  const auto path = folder.write("a.aedat", aedat_header + record(0x00004ca2, 5) + record(0x8001, 6) +
-                                                record(0x7f << 8 | 0x7f << 1 | 1, 7) + record(0, 7));
-  const auto reader = open_event_file(path);
-  EXPECT_EQ(reader->format(), "AEDAT 2.0 DVS128");
-  EXPECT_EQ(reader->image_size(), (ImageSize{128, 128}));
-  EXPECT_EQ(read_all(*reader),
-            (std::vector<Event>{{5, 46, 51, true, 0}, {7, 0, 0, false, 0}, {7, 127, 127, true, 0}}));
-}
-
-TEST(Aedat2, DavisAddressesHaveTheirOriginBottomRightAndSpecialRecordsAreSkipped) {
-  TempFolder folder;
-  const std::string chip = "# AEChip: eu.seebetter.ini.chips.davis.DAVIS240C\r\n";
-  const auto path = folder.write("a.aedat", aedat_header + chip + record(davis_address(0, 0, 1), 5) +
-                                                record(davis_address(9, 9, 0) | 1u << 31, 6) +
-                                                record(davis_address(9, 9, 0) | 1u << 10, 6) +
-                                                record(davis_address(239, 179, 0), 7));
-  const auto reader = open_event_file(path);
-  EXPECT_EQ(reader->format(), "AEDAT 2.0 DAVIS");
-  EXPECT_EQ(reader->image_size(), (ImageSize{240, 180}));
-  EXPECT_EQ(read_all(*reader), (std::vector<Event>{{5, 239, 179, true, 0}, {7, 0, 0, false, 0}}));
-}
-
-TEST(Aedat2, TheLayoutComesFromTheHeaderElseFromTheAddressesElseFromTheOption) {
-  TempFolder folder;
-  const std::string narrow = record(0x0102, 1);
-  const std::string wide = record(davis_address(345, 20, 1), 1);
-  const auto format = [&](const std::string& content, const EventReadOptions& options = {}) {
-    const auto reader = open_event_file(folder.write("a.aedat", content), options);
-    return reader->format().substr(10) + " " + std::to_string(reader->image_size()->width);
+TEST(EventFile, WritersThatCannotHoldTheTimesNameTheOptionThatMovesThem) {
+  const TempFolder folder;
+  const auto expect_hint = [&](const char* name, std::int64_t t_us) {
+    const auto writer = create_event_file(folder / name, {128, 128});
+    EXPECT_THAT(
+        [&] {
+          writer->write(std::vector<Event>{{t_us, 1, 2, true, 0}});
+        },
+        testing::ThrowsMessage<InputError>(HasSubstr("--zero-time of saccade convert")))
+        << name;
   };
-  EXPECT_EQ(format(aedat_header + narrow), "DVS128 128");
-  EXPECT_EQ(format(aedat_header + wide), "DAVIS 346");
-  EXPECT_EQ(format(aedat_header + "# AEChip: a.b.DVS128\r\n" + narrow), "DVS128 128");
-  EXPECT_EQ(format(aedat_header + "# AEChip: a.b.Davis346blue\r\n" + narrow), "DAVIS 346");
-  EventReadOptions options;
-  options.aedat2_layout = "davis";
-  EXPECT_EQ(format(aedat_header + narrow, options), "DAVIS 240");
-  options.image_size = ImageSize{304, 240};
-  EXPECT_EQ(format(aedat_header + narrow, options), "DAVIS 304");
-  EXPECT_THROW(format(aedat_header + "# AEChip: a.b.Cochlea64\r\n" + narrow), InputError);
-  EXPECT_EQ(format(aedat_header + "# AEChip: a.b.Cochlea64\r\n" + narrow, options), "DAVIS 304");
-  options.aedat2_layout = "atis";
-  EXPECT_THROW(format(aedat_header + narrow, options), InputError);
-}
-
-TEST(Aedat2, APixelOutsideTheSensorEndsTheReadingWithItsByte) {
-  TempFolder folder;
-  const std::string header = aedat_header + "# AEChip: DAVIS 10x8\r\n";
-  const auto path = folder.write(
-      "a.aedat", header + record(davis_address(9, 7, 1), 1) + record(davis_address(10, 7, 1), 2));
-  const auto reader = open_event_file(path);
-  std::vector<Event> events;
-  EXPECT_EQ(reader->read(events, 10), 1u);
-  EXPECT_THAT([&] { (void)reader->read(events, 10); },
-              testing::ThrowsMessage<InputError>(HasSubstr("byte " + std::to_string(header.size() + 8))));
-}
-
-TEST(Aedat2, TheHeaderMayEndItsLinesWithLineFeedsOnly) {
-  TempFolder folder;
-  const auto path = folder.write("a.aedat", "#!AER-DAT2.0\n# x\n#\n" + record(0, 3));
-  EXPECT_EQ(read_file(path), (std::vector<Event>{{3, 127, 127, true, 0}}));
-}
-
-TEST(Aedat2, ARecordThatStartsLikeAHeaderLineIsARecord) {
-  TempFolder folder;
-  // 0x23 is '#', 0x0a a line feed: raw y 140, x 160 to 175, as a DAVIS stores them.
-  for (std::uint32_t x = 0; x < 240; ++x) {
-    const auto path = folder.write("a.aedat", aedat_header + record(davis_address(x, 140, 1), 0x20202020));
-    EventReadOptions options;
-    options.image_size = ImageSize{240, 180};
-    ASSERT_EQ(read_file(path, options).size(), 1u) << x;
-  }
-}
-
-TEST(Aedat2, TimeContinuesOverItsWraps) {
-  TempFolder folder;
-  const auto times = [&](const std::vector<std::uint32_t>& stamps) {
-    std::string content = aedat_header;
-    for (const std::uint32_t stamp : stamps) content += record(0, stamp);
-    std::vector<std::int64_t> t_us;
-    for (const Event& event : read_file(folder.write("a.aedat", content))) t_us.push_back(event.t_us);
-    return t_us;
-  };
-  const std::int64_t wrap = std::int64_t{1} << 31;
-  using testing::ElementsAre;
-  // Two wraps at 2^32, with a late event across the first one.
-  EXPECT_THAT(times({0x7fffffff, 0x80000000, 0x7fffffff, 0x80000005, 0xa0000000, 0, 0x60000000, 0x80000000}),
-              ElementsAre(wrap - 1, wrap, wrap - 1, wrap + 5, wrap + 0x20000000, 2 * wrap,
-                          2 * wrap + 0x60000000, 3 * wrap));
-  // Wraps at 2^31, with a late event across the first one.
-  EXPECT_THAT(times({0x7ffffff0, 2, 0x7fffffff, 3, 0x30000000, 0x60000000, 7}),
-              ElementsAre(wrap - 16, wrap + 2, wrap - 1, wrap + 3, wrap + 0x30000000, wrap + 0x60000000,
-                          2 * wrap + 7));
-  // A start again in mid-range is no wrap, nor is a first stamp near the end.
-  EXPECT_THAT(times({0x30000000, 0, 5}), ElementsAre(0x30000000, 0, 5));
-  EXPECT_THAT(times({0xffffff00, 4}), ElementsAre(-256, 4));
-}
-
-TEST(Aedat2, WritesTimesBeyondItsRangeSoThatTheyReadBackAndRejectsThoseThatWouldNot) {
-  TempFolder folder;
-  const ImageSize size{128, 128};
-  // 20,000 events up to 1 s apart pass 2^31 and 2^32 us twice.
-  const auto events = scattered_events(size, 2'000'000'000, 20000, 1'000'000);
-  ASSERT_GT(events.back().t_us, std::int64_t{1} << 33);
-  write_file(folder / "a.aedat", size, events);
-  EXPECT_EQ(read_file(folder / "a.aedat"), events);
-
-  const auto writer = create_event_file(folder / "b.aedat", size);
-  EXPECT_THROW(writer->write(std::vector<Event>{{1605537493718345, 0, 0, true, 0}}), InputError);
+  for (const char* name : {"a.bag", "a.packets.bag", "a.mcap", "a.log"}) expect_hint(name, -1293810339);
+  expect_hint("a.aedat", 1605537493718345);
+  expect_hint("a.aedat", -(std::int64_t{1} << 31) - 1);
+  expect_hint("a.raw", std::int64_t{1} << 62);
 }
 
 // ---- real recordings -----------------------------------------------------------------------------

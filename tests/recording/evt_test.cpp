@@ -65,8 +65,8 @@ TEST_F(Evt, OfAnotherEncodingOrNoneIsNotOpened) {
     }
     return "opened";
   };
-  EXPECT_THAT(message("% evt 4.0\n% end\n"), HasSubstr("the encoding 4.0, expected EVT2 or EVT3"));
-  EXPECT_THAT(message("% evt 2.1\n% format EVT21;height=720;width=1280\n"), HasSubstr("the format EVT21"));
+  EXPECT_THAT(message("% evt 4.0\n% end\n"), HasSubstr("the encoding 4.0, expected EVT2, EVT21 or EVT3"));
+  EXPECT_THAT(message("% format EVT4;height=720;width=1280\n"), HasSubstr("the format EVT4"));
   EXPECT_THAT(message("% Date 2020-09-25\n% end\n"), HasSubstr("names no encoding"));
   EXPECT_THAT(message("% evt 3.0\n% a line without"), HasSubstr("the end of the file"));
   EXPECT_THAT(message("% evt 3.0\n% time_offset_us -9223372036854775808\n"), HasSubstr("time_offset_us"));
@@ -117,15 +117,136 @@ TEST_F(Evt, WordsThatAreNoEventsAreCounted) {
   EXPECT_EQ(skipped(evt2({8u << 28, 1u << 28})), "");
 }
 
-TEST_F(Evt, AWordOfAnUndefinedTypeIsAnErrorAfterTheEventsBeforeIt) {
-  const auto place = [](const std::string& header, int bytes) {
-    return "byte " + std::to_string(header.size() + static_cast<std::size_t>(bytes));
+TEST_F(Evt, WordsOfUndefinedTypesAreCountedByTypeAndTheEventsBehindThemRead) {
+  const auto read_and_skipped = [&](const std::string& content) {
+    const auto reader = open_event_file(folder_.write("a.raw", content));
+    std::vector<Event> events = read_all(*reader);
+    return std::pair(std::move(events), reader->skipped());
   };
-  expect_events_then_error(folder_.write("a.raw", evt3({0x8000, 1, 0x2001, 0x9000, 0x2001})),
-                           {{0, 1, 1, false, 0}},
-                           place(evt3_header, 6) + ": found a word of type 9, expected EVT3's types");
-  expect_events_then_error(folder_.write("a.raw", evt2({8u << 28, 1u << 28, 7u << 28})), {{0, 0, 0, true, 0}},
-                           place(evt2_header, 8) + ": found a word of type 7, expected EVT2's types");
+  const Event first{0, 1, 1, false, 0}, second{0, 2, 1, false, 0};
+  EXPECT_EQ(
+      read_and_skipped(evt3({0x1abc, 0x8000, 1, 0x2001, 0x9abc, 0xbfff, 0xcfff, 0xdfff, 0x9000, 0x2002})),
+      std::pair(std::vector<Event>{first, second},
+                std::string("1 words of the undefined type 1, 2 words of the undefined type 9, "
+                            "1 words of the undefined type B, 1 words of the undefined type C, "
+                            "1 words of the undefined type D")));
+  std::string counts;
+  std::string words = little_endian(8u << 28);
+  for (const unsigned type : {2u, 3u, 4u, 5u, 6u, 7u, 9u, 0xbu, 0xcu}) {
+    words += little_endian(type << 28 | 0xfffffffu) + little_endian(1u << 28 | 3u << 11 | 4u);
+    counts += (counts.empty() ? "" : ", ") +
+              ("1 words of the undefined type " + std::string(1, "0123456789ABC"[type]));
+  }
+  EXPECT_EQ(read_and_skipped(evt2_header + words),
+            std::pair(std::vector<Event>(9, Event{0, 3, 4, true, 0}), counts));
+}
+
+// ---- EVT2.1, and headers that do not name the encoding ------------------------------------------------
+
+std::string evt21_words(std::initializer_list<std::uint64_t> words, bool legacy = false) {
+  std::string bytes;
+  for (const std::uint64_t word : words) bytes += little_endian(legacy ? word << 32 | word >> 32 : word);
+  return bytes;
+}
+
+std::uint64_t evt21_time(std::int64_t high) {
+  return std::uint64_t{8} << 60 | static_cast<std::uint64_t>(high) << 32;
+}
+std::uint64_t evt21_pixels(bool on, std::uint64_t low, std::uint64_t x, std::uint64_t y,
+                           std::uint32_t pixels) {
+  return static_cast<std::uint64_t>(on) << 60 | low << 54 | x << 43 | y << 32 | pixels;
+}
+
+TEST_F(Evt, WordsOfEvt21AreEventsOfUpTo32PixelsOfARow) {
+  const std::int64_t range = std::int64_t{1} << 34;
+  const auto words = {evt21_pixels(true, 1, 32, 2, 7),
+                      evt21_time(0xfffffff),
+                      evt21_pixels(true, 63, 64, 479, 0x80000001),
+                      std::uint64_t{0xa} << 60,
+                      evt21_time(0),
+                      evt21_pixels(false, 5, 608, 0, 1u << 31 | 1u << 30),
+                      std::uint64_t{0xe} << 60,
+                      std::uint64_t{0x7} << 60,
+                      evt21_pixels(true, 6, 0, 0, 0)};
+  const std::vector<Event> expected = {{range - 1, 64, 479, true, 0},
+                                       {range - 1, 95, 479, true, 0},
+                                       {range + 5, 638, 0, false, 0},
+                                       {range + 5, 639, 0, false, 0}};
+  for (const bool legacy : {false, true}) {
+    const std::string header =
+        "% evt 2.1\n% format EVT21;endianness=" + std::string(legacy ? "legacy" : "little") +
+        ";height=480;width=640\n% end\n";
+    const auto reader = open_event_file(folder_.write("a.raw", header + evt21_words(words, legacy)));
+    EXPECT_EQ(reader->format(), legacy ? "EVT2.1 legacy" : "EVT2.1");
+    EXPECT_EQ(reader->image_size(), (ImageSize{640, 480}));
+    EXPECT_EQ(read_all(*reader, 3), expected);
+    EXPECT_EQ(reader->skipped(),
+              "3 events before the first time stamp, 1 triggers, 1 words that are no events, 1 words of the "
+              "undefined type 7");
+  }
+}
+
+TEST_F(Evt, ManyFullWordsOfEvt21FillEveryBlock) {
+  std::string words = evt21_words({evt21_time(1)});
+  for (std::uint64_t y = 0; y < 600; ++y) words += evt21_words({evt21_pixels(true, 0, 0, y, ~0u)});
+  const auto path = folder_.write("a.raw", "% evt 2.1\n% end\n" + words);
+  for (const std::size_t block : {std::size_t{1}, std::size_t{100'000}})
+    EXPECT_EQ(read_all(*open_event_file(path), block).size(), 32u * 600);
+}
+
+TEST_F(Evt, WithoutEndiannessTheOrderOfTheHalvesIsThatOfTheWords) {
+  const auto words = {evt21_time(15), evt21_pixels(true, 1, 32, 2, 1), evt21_time(16),
+                      evt21_pixels(false, 2, 64, 3, 1)};
+  for (const bool legacy : {false, true}) {
+    const auto reader =
+        open_event_file(folder_.write("a.raw", "% evt 2.1\n% end\n" + evt21_words(words, legacy)));
+    EXPECT_EQ(reader->format(), legacy ? "EVT2.1 legacy (guessed)" : "EVT2.1");
+    EXPECT_THAT(read_all(*reader), ElementsAre(Event{961, 32, 2, true, 0}, Event{1026, 64, 3, false, 0}));
+  }
+}
+
+TEST_F(Evt, AHeaderThatNamesNoEncodingLeavesItToTheOptionElseToTheWords) {
+  const std::string header = "% Date 2018-05-03 12:00:00\n% system_ID 21\n";
+  const Event event{15 * 64 + 40, 5, 7, true, 0};
+  const std::string evt2_words =
+      little_endian_words<std::uint32_t>({8u << 28 | 15, 1u << 28 | 40u << 22 | 5u << 11 | 7});
+  const std::string evt3_words = little_endian_words<std::uint16_t>({0x8000, 0x6000 | 1000, 7, 0x2805});
+  const std::string evt21 = evt21_words({evt21_time(15), evt21_pixels(true, 40, 0, 7, 1u << 5)});
+  const std::string evt21_legacy = evt21_words({evt21_time(15), evt21_pixels(true, 40, 0, 7, 1u << 5)}, true);
+  struct Case {
+    std::string words, name, format;
+  };
+  for (const Case& one :
+       {Case{evt2_words, "evt2", "EVT2"}, Case{evt3_words, "evt3", "EVT3"}, Case{evt21, "evt21", "EVT2.1"},
+        Case{evt21_legacy, "evt21_legacy", "EVT2.1 legacy"}}) {
+    const auto path = folder_.write("a.raw", header + one.words);
+    const auto guessed = open_event_file(path);
+    EXPECT_EQ(guessed->format(), one.format + " (guessed)");
+    EXPECT_THAT(read_all(*guessed), ElementsAre(event)) << one.name;
+    EventReadOptions options;
+    options.evt_encoding = one.name;
+    const auto named = open_event_file(path, options);
+    EXPECT_EQ(named->format(), one.format);
+    EXPECT_THAT(read_all(*named), ElementsAre(event)) << one.name;
+  }
+  EXPECT_THAT([&] { (void)open_event_file(folder_.write("a.raw", header + std::string(64, '\x77'))); },
+              testing::ThrowsMessage<InputError>(HasSubstr("--evt with evt2, evt21, evt21_legacy, evt3")));
+  EventReadOptions unknown;
+  unknown.evt_encoding = "evt5";
+  EXPECT_THROW((void)open_event_file(folder_ / "a.raw", unknown), InputError);
+}
+
+TEST_F(RealRecording, WordsOfTheSensorsAreRecognisedWithoutTheirHeaders) {
+  const TempFolder folder;
+  for (const auto& [name, encoding] : {std::pair("spinning_dot_gen3vga_evt2.raw", "EVT2 (guessed)"),
+                                       std::pair("driving_gen41hd_evt3.raw", "EVT3 (guessed)")}) {
+    const std::string whole = bytes_of(path_of(name));
+    std::size_t begin = 0;
+    while (whole.compare(begin, 2, "% ") == 0) begin = whole.find('\n', begin) + 1;
+    const auto reader = open_event_file(folder.write("a.raw", "% Date 2018-05-03\n" + whole.substr(begin)));
+    EXPECT_EQ(reader->format(), encoding);
+    EXPECT_EQ(read_all(*reader), read_real(name));
+  }
 }
 
 /// Rows of pixels of one time and polarity, dense and thin, as edges make them.

@@ -43,7 +43,7 @@ TEST_P(KnownRecording, ReadsBackTheSameFromTheWritersThatHoldAnyImage) {
 
 INSTANTIATE_TEST_SUITE_P(, KnownRecording,
                          testing::Values(Known{"ball_looming_dvs128_aedat2.aedat",
-                                               "AEDAT 2.0 DVS128",
+                                               "AEDAT 2.0 DVS128 (guessed)",
                                                ImageSize{128, 128},
                                                314716,
                                                {{913454806, 46, 51, true, 0},
@@ -103,19 +103,26 @@ INSTANTIATE_TEST_SUITE_P(, KnownRecording,
                                                 {95, 41, 38, true, 0}},
                                                {99937, 48, 47, true, 0}},
                                          Known{"plane_synthetic_es2_dvs.es",
-                                               "Event Stream 2 DVS (y up)",
+                                               "Event Stream 2 DVS",
                                                ImageSize{320, 240},
                                                473225,
-                                               {{0, 0, 239, true, 0},
-                                                {0, 1, 239, true, 0},
-                                                {0, 2, 239, true, 0},
-                                                {0, 3, 239, true, 0},
-                                                {0, 4, 239, true, 0}},
-                                               {999000, 38, 46, true, 0}}),
+                                               {{0, 0, 0, true, 0},
+                                                {0, 1, 0, true, 0},
+                                                {0, 2, 0, true, 0},
+                                                {0, 3, 0, true, 0},
+                                                {0, 4, 0, true, 0}},
+                                               {999000, 38, 193, true, 0}}),
                          [](const auto& known) {
                            return known.param.file.substr(
                                0, known.param.file.find('_', known.param.file.find('_') + 1));
                          });
+
+TEST_F(RealRecording, TheDigitOfNmnistHasItsCountAndItsFirstAndLastTimes) {
+  const auto events = read_real("nmnist_sample.bin");
+  ASSERT_EQ(events.size(), 4325u);
+  EXPECT_EQ(events.front(), (Event{654, 7, 15, true, 0}));
+  EXPECT_EQ(events.back().t_us, 311175);
+}
 
 TEST_F(RealRecording, TheHeadHasItsOtherStreamsCounted) {
   const auto reader = open_event_file(path_of("head_dvxplorer320x240_lz4.aedat4"));

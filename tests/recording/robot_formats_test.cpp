@@ -320,11 +320,10 @@ TEST(EventMessage, PacketsOfLibcaerCmpHoldTimesAddressesAndVectorsOfRows) {
   EXPECT_FALSE(
       decoder.decode(packet("libcaer_cmp", little_endian_words<std::uint16_t>({0x2001, 0x3002})), events));
   EXPECT_THAT(events, testing::ElementsAre(Event{1'000'000, 1, 2, false, 0}));
-  const auto broken =
-      decoder.decode(packet("libcaer_cmp", little_endian_words<std::uint16_t>({0x3002, 0x6001})), events);
-  ASSERT_TRUE(broken);
-  EXPECT_EQ(broken->found, "a word of type 6");
-  EXPECT_EQ(events.size(), 2u) << "those before it are there";
+  EXPECT_FALSE(decoder.decode(
+      packet("libcaer_cmp", little_endian_words<std::uint16_t>({0x3002, 0x6001, 0x3003})), events));
+  EXPECT_EQ(events.size(), 3u) << "those behind a word of an undefined type are there";
+  EXPECT_EQ(decoder.packets().counts().undefined[6], 1);
 }
 
 TEST(EventMessage, PacketsOfEvt2ContinueTheSensorsCounterFromPacketToPacket) {
@@ -339,10 +338,17 @@ TEST(EventMessage, PacketsOfEvt2ContinueTheSensorsCounterFromPacketToPacket) {
   EXPECT_FALSE(decoder.decode(packet("evt2", words({6u << 22 | 7u << 11 | 8})), events));
   EXPECT_THAT(events,
               testing::ElementsAre(Event{2 * 64 + 5, 300, 200, true, 0}, Event{2 * 64 + 6, 7, 8, false, 0}));
-  EXPECT_EQ(decoder.packets().events_without_time(), 1);
-  EXPECT_EQ(decoder.packets().triggers(), 1);
+  EXPECT_EQ(decoder.packets().counts().events_without_time, 1);
+  EXPECT_EQ(decoder.packets().counts().triggers, 1);
   EXPECT_EQ(decoder.encoding(), "evt2");
-  EXPECT_TRUE(decoder.decode(packet("evt2", words({0x30000000})), events)) << "a word of an unknown type";
+  EXPECT_FALSE(decoder.decode(packet("evt2", words({0x30000000, 7u << 22 | 7u << 11 | 8})), events));
+  EXPECT_EQ(events.size(), 3u) << "that behind a word of an undefined type is there";
+  EXPECT_FALSE(decoder.decode(
+      packet("evt3", little_endian_words<std::uint16_t>({0x8000, 1, 0x2001, 0x9abc, 0x2002, 0x1000, 0xb000})),
+      events));
+  EXPECT_EQ(events.size(), 5u);
+  for (const std::size_t type : {1, 3, 9, 11})
+    EXPECT_EQ(decoder.packets().counts().undefined[type], 1) << type;
   EXPECT_TRUE(decoder.decode(packet("evt2", "123"), events)) << "part of a word";
 }
 

@@ -258,7 +258,8 @@ SmallFile mcap() {
                               little_endian(crc_of(records)) + with_length("zstd") +
                               little_endian(static_cast<std::uint64_t>(packed.size())) + packed);
   };
-  const std::string evt3 = little_endian_words<std::uint16_t>({0x8b2d, 0x6001, 200, 0x2000 | 0x800 | 100});
+  const std::string evt3 =
+      little_endian_words<std::uint16_t>({0x8b2d, 0x9abc, 0x6001, 200, 0x2000 | 0x800 | 100});
   return {
       "events.mcap",
       {{text("\x89MCAP0\r\n"), {}, false},
@@ -300,6 +301,12 @@ std::vector<SmallFile> small_files() {
                     {aedat2_record(239u << 22 | 303u << 12 | 1u << 11, 8), {{8, 0, 0, true, 0}}},
                     {aedat2_record(1u << 31, 8), {}},
                     {aedat2_record(0, 9), {{9, 303, 239, false, 0}}}}});
+  files.push_back({"dvs640.aedat",
+                   {{"#!AER-DAT2.0\r\n", {}},
+                    {"# AEChip: DVS640\r\n", {}},
+                    {aedat2_record(479u << 11 | 639u << 1 | 1u, 8), {{8, 0, 0, true, 0}}},
+                    {aedat2_record(1u << 31, 8), {}},
+                    {aedat2_record(0, 9), {{9, 639, 479, false, 0}}}}});
   files.push_back(
       {"cer.aedat",
        {{"#!AER-DAT3.1\r\n#Format: RAW\r\n#Source 1: DAVIS346\r\n#!END-HEADER\r\n", {}},
@@ -325,6 +332,16 @@ std::vector<SmallFile> small_files() {
                     {little_endian<std::uint32_t>(0xau << 28), {}},
                     {little_endian<std::uint32_t>(63u << 22 | 639u << 11 | 479u),
                      {{20592 * 64 + 63, 639, 479, false, 0}}}}});
+  const std::uint64_t evt21_time = std::uint64_t{8} << 60 | std::uint64_t{15} << 32;
+  const std::uint64_t evt21_pixels = std::uint64_t{1} << 60 | std::uint64_t{40} << 54 |
+                                     std::uint64_t{64} << 43 | std::uint64_t{7} << 32 | 1u << 31 | 1u;
+  files.push_back({"evt21.raw",
+                   {{"% evt 2.1\n", {}},
+                    {"% format EVT21;endianness=little;height=480;width=640\n", {}},
+                    {"% end\n", {}},
+                    {little_endian(evt21_time), {}},
+                    {little_endian(std::uint64_t{7} << 60), {}},
+                    {little_endian(evt21_pixels), {{1000, 64, 7, true, 0}, {1000, 95, 7, true, 0}}}}});
   const std::int64_t t = 0xb2d << 12;
   files.push_back(
       {"evt3.raw",
@@ -335,6 +352,7 @@ std::vector<SmallFile> small_files() {
         {little_endian<std::uint16_t>(0x6001), {}},
         {little_endian<std::uint16_t>(200), {}},
         {little_endian<std::uint16_t>(0x2000 | 874), {{t + 1, 874, 200, false, 0}}},
+        {little_endian<std::uint16_t>(0x9abc), {}},
         {little_endian<std::uint16_t>(0x3800 | 10), {}},
         {little_endian<std::uint16_t>(0x4803),
          {{t + 1, 10, 200, true, 0}, {t + 1, 11, 200, true, 0}, {t + 1, 21, 200, true, 0}}},
@@ -349,10 +367,14 @@ std::vector<SmallFile> small_files() {
   files.push_back(
       {"dvs.es",
        {{"Event Stream" + std::string({2, 0, 0, 1}) + little_endian_words<std::uint16_t>({320, 240}), {}},
-        {"\x07" + little_endian_words<std::uint16_t>({319, 239}), {{3, 319, 239, true, 0}}},
+        {"\x07" + little_endian_words<std::uint16_t>({319, 239}), {{3, 319, 0, true, 0}}},
         {"\xff", {}},
         {"\xfe", {}},
-        {"\x02" + little_endian_words<std::uint16_t>({1, 2}), {{131, 1, 2, false, 0}}}}});
+        {"\x02" + little_endian_words<std::uint16_t>({1, 2}), {{131, 1, 237, false, 0}}}}});
+  files.push_back({"digit.bin",
+                   {{"\x03\x04" + text("\x80\x03\xe8"), {{1000, 3, 4, true, 0}}},
+                    {std::string({0, '\xf0', 0, 4, 0}), {}},
+                    {std::string({33, 2, 0, 5, '\xdc'}), {{8192 + 1500, 33, 2, false, 0}}}}});
   files.push_back({"events.txt",
                    {{"10 3 4 1", {{10, 3, 4, true, 0}}},
                     {"\n", {}},

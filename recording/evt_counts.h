@@ -1,0 +1,29 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+namespace saccade::inline v0_1 {
+
+/// What a decoder of a sensor's words has done in one call.
+struct EvtStep {
+  std::size_t words = 0;   ///< decoded
+  std::size_t events = 0;  ///< written
+};
+
+/// Words that are left out.
+struct EvtCounts {
+  std::int64_t events_without_time = 0;  ///< before the first time stamp
+  std::int64_t triggers = 0;
+  std::int64_t other_words = 0;              ///< of defined types that are no events
+  std::array<std::int64_t, 16> undefined{};  ///< of types that the encoding does not define, by type
+
+  EvtCounts& operator+=(const EvtCounts& other);
+};
+
+/// Appends "3 triggers, 1 words of the undefined type 9" to a list of what a reader skipped.
+void append_counts(std::string& text, const EvtCounts& counts);
+
+}  // namespace saccade::inline v0_1
