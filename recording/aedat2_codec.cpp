@@ -63,7 +63,7 @@ struct SkippedRecords {
 
   template <class Layout>
   void count(std::uint32_t address) {
-    if ((address & Layout::no_event) == 0) {
+    if ((address & Layout::unused) != 0) {
       ++of_other_layouts;
     } else if (std::is_same_v<Layout, Davis> && (address & Davis::sample) != 0) {
       ++((address & Davis::imu_sample) == Davis::imu_sample ? imu : aps);

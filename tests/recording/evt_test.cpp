@@ -229,7 +229,7 @@ TEST_F(Evt, AHeaderThatNamesNoEncodingLeavesItToTheOptionElseToTheWords) {
     EXPECT_EQ(named->format(), one.format);
     EXPECT_THAT(read_all(*named), ElementsAre(event)) << one.name;
   }
-  EXPECT_THAT([&] { (void)open_event_file(folder_.write("a.raw", header + std::string(64, '\x77'))); },
+  EXPECT_THAT([&] { (void)open_event_file(folder_.write("a.raw", header + std::string(64, '\x07'))); },
               testing::ThrowsMessage<InputError>(HasSubstr("--evt with evt2, evt21, evt21_legacy, evt3")));
   EventReadOptions unknown;
   unknown.evt_encoding = "evt5";
