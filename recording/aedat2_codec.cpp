@@ -17,12 +17,6 @@
 namespace saccade::inline v0_1 {
 namespace {
 
-using aedat2::Davis;
-using aedat2::davis_largest;
-using aedat2::Dvs128;
-using aedat2::Dvs640;
-using aedat2::StereoPair;
-
 constexpr std::size_t record_bytes = 8;
 constexpr std::size_t longest_header_line = 4096;
 
@@ -74,8 +68,8 @@ struct SkippedRecords {
 };
 
 /// What the records of a file say of its layout: all of them, or those in the buffer where the file is a pipe.
-aedat2::Survey survey_of(InputFile& file) {
-  aedat2::Survey survey;
+Aedat2Survey survey_of(InputFile& file) {
+  Aedat2Survey survey;
   std::error_code error;
   if (!std::filesystem::is_regular_file(file.name(), error)) {
     survey.add(file.peek(record_bytes));
@@ -102,7 +96,7 @@ class Aedat2Reader final : public BlockReader {
     AedatChip chip = read_header(layout_given);
     if (layout_given && chip.layout != options.aedat2_layout) chip = {options.aedat2_layout, std::nullopt};
     if (version == 1 && chip.layout.empty()) chip.layout = "dvs128";
-    std::optional<aedat2::Survey> survey;
+    std::optional<Aedat2Survey> survey;
     if (chip.layout.empty()) {
       survey = survey_of(file_);
       chip.layout = survey->layout(options.image_size);
@@ -126,7 +120,7 @@ class Aedat2Reader final : public BlockReader {
       size_ = guessed_davis_size(survey ? *survey : survey_of(file_));
       size_guessed_ = true;
     }
-    const ImageSize largest = layout_ == "dvs640" ? aedat2::dvs640_largest : davis_largest;
+    const ImageSize largest = layout_ == "dvs640" ? dvs640_largest : davis_largest;
     if (!largest.contains(size_.width - 1, size_.height - 1)) {
       throw InputError(file_.name(), "an image of " + text_of(size_), "at most " + text_of(largest));
     }
@@ -170,7 +164,7 @@ class Aedat2Reader final : public BlockReader {
                                  : "DVS128";
   }
 
-  [[nodiscard]] ImageSize guessed_davis_size(const aedat2::Survey& survey) const {
+  [[nodiscard]] ImageSize guessed_davis_size(const Aedat2Survey& survey) const {
     if (const auto size = survey.davis_size()) return *size;
     throw InputError(file_.name(),
                      "a header without the image size, and addresses of a DAVIS that reach " +

@@ -5,7 +5,7 @@
 #include "recording/aedat_chip.h"
 #include "recording/byte_order.h"
 
-namespace saccade::inline v0_1::aedat2 {
+namespace saccade::inline v0_1 {
 namespace {
 
 constexpr std::size_t survey_record_bytes = 8;
@@ -18,7 +18,7 @@ ImageSize with_pixel(ImageSize reach, std::uint32_t x, std::uint32_t y) {
 
 }  // namespace
 
-void Survey::add(std::string_view records) {
+void Aedat2Survey::add(std::string_view records) {
   for (; records.size() >= survey_record_bytes; records.remove_prefix(survey_record_bytes)) {
     const auto address = load_big<std::uint32_t>(records.data());
     const bool is_sample = (address & Davis::sample) != 0;
@@ -41,7 +41,7 @@ void Survey::add(std::string_view records) {
   }
 }
 
-std::string_view Survey::layout(std::optional<ImageSize> size) const {
+std::string_view Aedat2Survey::layout(std::optional<ImageSize> size) const {
   struct Candidate {
     std::string_view name;
     std::int64_t misfits;
@@ -58,7 +58,7 @@ std::string_view Survey::layout(std::optional<ImageSize> size) const {
       ->name;
 }
 
-std::optional<ImageSize> Survey::davis_size() const {
+std::optional<ImageSize> Aedat2Survey::davis_size() const {
   const std::int64_t no_sensors = outside_.back();
   if (davis_events_ == 0 || no_sensors * few > davis_events_) return std::nullopt;
   for (std::size_t i = 0; i < outside_.size(); ++i) {
@@ -73,4 +73,4 @@ std::optional<ImageSize> Survey::davis_size() const {
   return std::nullopt;
 }
 
-}  // namespace saccade::inline v0_1::aedat2
+}  // namespace saccade::inline v0_1

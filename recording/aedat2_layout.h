@@ -7,7 +7,7 @@
 
 #include "core/event.h"
 
-namespace saccade::inline v0_1::aedat2 {
+namespace saccade::inline v0_1 {
 
 // Where pixel, polarity and camera are in an address of AEDAT 2.0 or 1.0. x and y are counted from the bottom right.
 // `no_event`: bits that are set in records that are no events; `unused`: bits that no record of this layout sets.
@@ -64,7 +64,7 @@ inline constexpr ImageSize dvs640_largest{1024, 1024};
 inline constexpr ImageSize davis_largest{1024, 512};
 
 /// What the addresses of all records of a file say of its layout and image size.
-class Survey {
+class Aedat2Survey {
  public:
   /// `records`: whole records of AEDAT 2.0.
   void add(std::string_view records);
@@ -86,4 +86,4 @@ class Survey {
   ImageSize sensor_reach_{0, 0};  ///< without pixels that no DAVIS has
 };
 
-}  // namespace saccade::inline v0_1::aedat2
+}  // namespace saccade::inline v0_1
