@@ -94,6 +94,15 @@ ComparedSet compared(const SeedRuns& a, const SeedRuns& b, const std::vector<Tol
   return set;
 }
 
+/// Whether a tolerance is for a block of metrics.json that a run may lack, and these runs do.
+bool is_for_an_absent_block(const std::string& key, const std::set<std::string>& names) {
+  for (const std::string_view block : {"gaze.", "right_eye.", "latency.", "clutter."}) {
+    if (key.starts_with(block))
+      return std::ranges::none_of(names, [&](const std::string& name) { return name.starts_with(block); });
+  }
+  return false;
+}
+
 /// Throws InputError with the tolerances that fit no figure, where there are figures.
 void check_tolerances(const std::vector<SeedRuns>& a, const std::vector<SeedRuns>& b,
                       const std::vector<Tolerance>& tolerances) {
@@ -106,7 +115,9 @@ void check_tolerances(const std::vector<SeedRuns>& a, const std::vector<SeedRuns
   if (names.empty()) return;
   std::vector<Problem> problems;
   for (const Tolerance& tolerance : tolerances) {
-    if (std::ranges::none_of(names, [&](const std::string& name) { return matches(tolerance.key, name); }))
+    const bool fits =
+        std::ranges::any_of(names, [&](const std::string& name) { return matches(tolerance.key, name); });
+    if (!fits && !is_for_an_absent_block(tolerance.key, names))
       problems.push_back({"--tolerance", tolerance.key,
                           "a figure of these runs, such as " + *names.begin() + "; --json lists all"});
   }

@@ -172,7 +172,7 @@ TEST_F(InterruptedCommand, DetectScoresWhatWasProcessedAndSaysSo) {
   EXPECT_EQ(metrics["interrupted"], true);
   const double duration_s = metrics["duration_s"].get<double>();
   EXPECT_LT(duration_s, 0.5);
-  EXPECT_LE(metrics["detectors"]["slow"]["chances"].get<double>(), 1000.0 * duration_s + 1.0);
+  EXPECT_LE(metrics["detectors"]["slow"]["chances"].get<double>(), 1000.0 * duration_s + 2.0);
   EXPECT_GT(metrics["detectors"]["slow"]["chances"].get<int>(), 50);
   EXPECT_THAT(bytes_of(folder_ / "detect/report.html"), HasSubstr("This run was interrupted after 0.1"));
   EXPECT_THAT(outcome.text, HasSubstr("interrupted after 0.1"));

@@ -189,7 +189,9 @@ TEST_F(Compare, AToleranceForNoFigureIsRejected) {
   EXPECT_THROW(static_cast<void>(compared("a", "a", {"foo=1"})), InputError);
   EXPECT_THROW(static_cast<void>(compared("a", "a", {"detectors.*.recall=1", "detectors.*.recal=1"})),
                InputError);
+  EXPECT_THROW(static_cast<void>(compared("a", "a", {"gaze.acquired_s=1"})), InputError);
   EXPECT_FALSE(compared("a", "a", {"detectors.*.recall=1"}).different());
+  EXPECT_FALSE(compared("a", "a", {"latency.*=1"}).different()) << "runs may have no such block";
 }
 
 TEST_F(Compare, AFolderWithoutRunsAndABadToleranceAreRejected) {
