@@ -35,7 +35,7 @@ class ShellController {
     ::chmod(path_.c_str(), 0755);
   }
   [[nodiscard]] ExternalController start() const {
-    return ExternalController("mine", std::vector<std::string>{path_}, {5.0, 0.3}, half_rad_limits());
+    return ExternalController("mine", ProgramCall{{path_}}, {5.0, 0.3}, half_rad_limits());
   }
   [[nodiscard]] std::string log() const { return bytes_of(path_ + ".log"); }
 
