@@ -175,7 +175,11 @@ std::vector<std::string> YarpRobot::news() {
 
 struct YarpHeadStopper::Parts {
   Parts(YarpConfig config, const JointLimits& limits) : network(check_config("yarp", config).timeout_s) {
-    config.local += "/guard";
+    // Each connection of this process has names of its own: the ports of a board that was lost stay open (YarpHead), and the
+    // name server would give the sockets of the same names again.
+    static std::atomic<int> connections = 0;
+    const int number = ++connections;
+    config.local += number == 1 ? "/guard" : "/guard/" + std::to_string(number);
     if (config.head.control == "joints") head.emplace(config, limits, steady);
     if (config.head.control == "gaze") gaze.emplace(config, limits, steady);
   }

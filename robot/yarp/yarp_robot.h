@@ -62,7 +62,8 @@ class YarpRobot final : public Robot {
   std::unique_ptr<Parts> parts_;
 };
 
-/// The connection of `saccade guard` to the head of a robot on YARP, under names that begin with `local`/guard. Position-
+/// The connection of `saccade guard` to the head of a robot on YARP, under names that begin with `local`/guard, the second
+/// one of a process with `local`/guard/2, and so on. Position-
 /// direct joints hold and change to position mode, so that their board rejects later references; a gaze controller gets
 /// `stop`.
 class YarpHeadStopper final : public HeadStopper {
