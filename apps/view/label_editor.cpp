@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/error.h"
 
@@ -25,7 +26,7 @@ LabelEditor::LabelEditor(std::vector<Event> events, ImageSize image, CircleLabel
 
 void LabelEditor::seek(std::int64_t t_us) {
   now_us_ = std::clamp(t_us, first_us_, last_us_);
-  release();
+  press_.reset();
 }
 
 void LabelEditor::seek_previous_label() {
@@ -66,27 +67,31 @@ void LabelEditor::press(double x_px, double y_px) {
   const double distance =
       shown ? std::hypot(x_px - shown->x_px, y_px - shown->y_px) : std::numeric_limits<double>::infinity();
   const double r_px = shown ? shown->r_px : last_r_px_;
-  begin_change();
-  hold_ = Hold::centre;
-  hold_x_px_ = hold_y_px_ = 0.0;
-  if (std::abs(distance - r_px) <= std::max(1.0, 0.2 * r_px)) {
-    hold_ = Hold::radius;
-  } else if (distance < r_px) {
-    hold_x_px_ = shown->x_px - x_px;
-    hold_y_px_ = shown->y_px - y_px;
-  } else {
-    place({x_px, y_px, r_px});
-    return;
-  }
-  place(*shown);
+  const bool on_outline = std::abs(distance - r_px) <= std::max(1.0, 0.2 * r_px);
+  press_ = Press{x_px, y_px, on_outline ? Hold::radius : Hold::centre, shown.value_or(Circle{}), false};
+  if (on_outline || distance < r_px) return;
+  press_->circle = {x_px, y_px, r_px};
+  change_by_press(press_->circle);
 }
 
 void LabelEditor::drag(double x_px, double y_px) {
-  const std::optional<Circle> shown = circle();
-  if (hold_ == Hold::nothing || !shown) return;
-  if (hold_ == Hold::centre) place({x_px + hold_x_px_, y_px + hold_y_px_, shown->r_px});
-  if (hold_ == Hold::radius)
-    place({shown->x_px, shown->y_px, std::hypot(x_px - shown->x_px, y_px - shown->y_px)});
+  if (!press_) return;
+  const Circle& from = press_->circle;
+  if (press_->hold == Hold::centre)
+    change_by_press({from.x_px + x_px - press_->x_px, from.y_px + y_px - press_->y_px, from.r_px});
+  if (press_->hold == Hold::radius)
+    change_by_press({from.x_px, from.y_px, std::hypot(x_px - from.x_px, y_px - from.y_px)});
+}
+
+void LabelEditor::release() {
+  if (press_ && !press_->has_placed) change_by_press({press_->x_px, press_->y_px, press_->circle.r_px});
+  press_.reset();
+}
+
+/// All that one press changes is one change.
+void LabelEditor::change_by_press(const Circle& circle) {
+  if (!std::exchange(press_->has_placed, true)) begin_change();
+  place(circle);
 }
 
 void LabelEditor::grow(double px) {
@@ -112,6 +117,7 @@ void LabelEditor::accept_hint() {
 
 void LabelEditor::toggle_hidden() {
   const bool was_hidden = hidden();
+  press_.reset();
   begin_change();
   if (was_hidden) {
     labels_.remove(now_us_);
@@ -122,6 +128,7 @@ void LabelEditor::toggle_hidden() {
 
 void LabelEditor::remove() {
   if (!labelled()) return;
+  press_.reset();
   begin_change();
   labels_.remove(now_us_);
 }

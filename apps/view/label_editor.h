@@ -26,7 +26,7 @@ class LabelEditor {
   void mark_saved() { unsaved_ = false; }
 
   [[nodiscard]] std::int64_t now_us() const { return now_us_; }
-  /// Goes to an instant, the first or the last one where it lies outside. Ends a drag.
+  /// Goes to an instant, the first or the last one where it lies outside. Ends a press, which places nothing more.
   void seek(std::int64_t t_us);
   void seek_previous_label();
   void seek_next_label();
@@ -45,11 +45,12 @@ class LabelEditor {
   [[nodiscard]] bool labelled() const { return labels_.at(now_us_) != nullptr; }
   [[nodiscard]] bool hidden() const;
 
-  /// A press on the outline takes hold of the radius, one inside the circle of the centre; one elsewhere places the circle
-  /// there. drag() follows until release().
+  /// A press without a drag places the circle there, wherever the circle or the hint is. A drag from the outline changes the
+  /// radius, one from inside moves the centre by as much as the mouse, one from elsewhere begins with the circle at the press.
+  /// drag() follows until release(), which ends the press.
   void press(double x_px, double y_px);
   void drag(double x_px, double y_px);
-  void release() { hold_ = Hold::nothing; }
+  void release();
   /// Changes the radius of the instant's circle, or of the hint, which becomes a label.
   void grow(double px);
   /// Moves the centre likewise.
@@ -63,7 +64,13 @@ class LabelEditor {
   void undo();
 
  private:
-  enum class Hold { nothing, centre, radius };
+  enum class Hold { centre, radius };
+  struct Press {
+    double x_px = 0.0, y_px = 0.0;
+    Hold hold = Hold::centre;  ///< what a drag changes
+    Circle circle;             ///< at the press: the instant's own or the hint
+    bool has_placed = false;   ///< a circle; release() does otherwise
+  };
   struct Change {
     std::int64_t t_us = 0;
     std::optional<TruthRow> before;  ///< none: there was no row
@@ -71,6 +78,7 @@ class LabelEditor {
 
   /// Remembers the state of this instant before a change.
   void begin_change();
+  void change_by_press(const Circle& circle);
   void place(Circle circle);
 
   std::vector<Event> events_;
@@ -81,9 +89,7 @@ class LabelEditor {
   std::int64_t now_us_ = 0;
   std::int64_t reach_us_ = 5'000;
   bool unsaved_ = false;
-  Hold hold_ = Hold::nothing;
-  double hold_x_px_ = 0.0;  ///< of the centre from the mouse
-  double hold_y_px_ = 0.0;
+  std::optional<Press> press_;
   double last_r_px_ = 0.0;  ///< of the circle placed last
   std::vector<Change> changes_;
 };

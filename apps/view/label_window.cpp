@@ -25,7 +25,8 @@ namespace {
 
 constexpr double wait_s = 0.05;  ///< for keyboard and mouse between two drawings
 constexpr double radius_step_px = 0.5;
-constexpr double fine = 0.2;  ///< share of a step with Shift
+constexpr double fine = 0.2;          ///< share of a step with Shift
+constexpr float drag_from_px = 3.0F;  ///< in the window; a press that moves less is a click
 
 /// All events of the eye that is labelled, and the image's size: the file's, else the smallest that contains them.
 LabelEditor open_editor(const LabelSettings& settings) {
@@ -225,7 +226,7 @@ class LabelWindow {
     if (circle)
       text += fmt::format("x {:.2f}   y {:.2f}   r {:.2f} px   ", circle->x_px, circle->y_px, circle->r_px);
     const char* state = "no circle: click to place one";
-    if (circle) state = editor_.labelled() ? "label" : "hint: Enter or a click makes it a label";
+    if (circle) state = editor_.labelled() ? "label" : "hint: Enter makes it a label, a click places one";
     if (editor_.hidden()) state = "ball hidden";
     ImGui::SetCursorPosY(10.0F);
     ImGui::TextUnformatted((text + state).c_str());
@@ -285,7 +286,8 @@ class LabelWindow {
     if (ImGui::IsItemActivated() && left) {
       message_.clear();
       editor_.press(x_px, y_px);
-    } else if (ImGui::IsItemActive() && left && (io.MouseDelta.x != 0.0F || io.MouseDelta.y != 0.0F)) {
+    } else if (ImGui::IsItemActive() && ImGui::IsMouseDragging(ImGuiMouseButton_Left, drag_from_px) &&
+               (io.MouseDelta.x != 0.0F || io.MouseDelta.y != 0.0F)) {
       editor_.drag(x_px, y_px);
     } else if (ImGui::IsItemActive() && ImGui::IsMouseDown(ImGuiMouseButton_Right)) {
       zoom_.pan(io.MouseDelta.x, io.MouseDelta.y);
@@ -327,7 +329,7 @@ class LabelWindow {
       ImGui::TextUnformatted(meaning.c_str());
       ImGui::PopTextWrapPos();
     };
-    line("click", "place the circle");
+    line("click", "place the circle, also inside another");
     line("drag", "inside: centre; outline: radius");
     line("wheel", "radius 0.5 px; with Shift 0.1 px");
     line("Ctrl wheel", "zoom; drag with the right button");

@@ -88,6 +88,26 @@ TEST_F(LabelWindowTest, ARecordingBecomesABenchmarkWithTheMouse) {
   EXPECT_THAT(info.text, HasSubstr("\"chances\": 3"));
 }
 
+TEST_F(LabelWindowTest, EveryClickPlacesTheCircleAlsoInsideTheHint) {
+  open("--step-ms 20");
+  for (std::int64_t t_us = 20'000; t_us <= 100'000; t_us += 20'000) {
+    // The ball moves by 4.2 px in 20 ms; the hint has a radius of 12.8 px.
+    press("Right");
+    screenshot();  // the instant is there
+    at_pixel(disc_.x_at(t_us), disc_.y_at(t_us),
+             t_us == 40'000 ? "click 1" : "mousedown 1 sleep 0.1 mouseup 1");
+    screenshot();
+  }
+  const std::vector<TruthRow> rows = saved();
+  ASSERT_EQ(rows.size(), 5u);
+  for (const TruthRow& row : rows) {
+    EXPECT_NEAR(row.circle.x_px, disc_.x_at(row.t_us), 0.5) << row.t_us;
+    EXPECT_NEAR(row.circle.y_px, disc_.y_at(row.t_us), 0.5) << row.t_us;
+    EXPECT_DOUBLE_EQ(row.circle.r_px, 12.8) << row.t_us;
+  }
+  quit();
+}
+
 TEST_F(LabelWindowTest, ATableThatExistsIsRefusedAndWithForceTheWorkGoesOn) {
   TableWriter<TruthRow> table(path("truth.csv"));
   table.write({100'000, {40.0, 60.0, 15.0}, 1.0, Eigen::Vector3d::Zero()});

@@ -109,6 +109,58 @@ TEST_F(LabelEditorTest, ADragInsideMovesTheCentreAndADragOfTheOutlineChangesTheR
   expect_circle(editor_.circle(), 50.0, 40.0, 16.0);
 }
 
+TEST_F(LabelEditorTest, AClickInsideACircleOrOnItsOutlineMovesTheCentreToTheClick) {
+  editor_.press(40.0, 30.0);
+  editor_.release();
+  editor_.press(43.0, 28.0);
+  editor_.release();
+  expect_circle(editor_.circle(), 43.0, 28.0, 10.0);
+  editor_.press(53.0, 28.0);  // on the outline
+  editor_.release();
+  expect_circle(editor_.circle(), 53.0, 28.0, 10.0);
+  editor_.undo();
+  expect_circle(editor_.circle(), 43.0, 28.0, 10.0);
+  editor_.undo();
+  expect_circle(editor_.circle(), 40.0, 30.0, 10.0);
+}
+
+TEST_F(LabelEditorTest, ClicksInsideTheHintPlaceTheCirclesWhereTheyAre) {
+  // A ball that moves by less than its radius from one instant to the next.
+  for (int i = 0; i < 6; ++i) {
+    editor_.seek(2'000 * (i + 1));
+    editor_.press(40.0 + 3.0 * i, 30.0 + i);
+    editor_.release();
+    EXPECT_TRUE(editor_.labelled());
+  }
+  ASSERT_EQ(editor_.labels().rows().size(), 6u);
+  for (int i = 0; i < 6; ++i)
+    expect_circle(editor_.labels().rows()[static_cast<std::size_t>(i)].circle, 40.0 + 3.0 * i, 30.0 + i,
+                  10.0);
+}
+
+TEST_F(LabelEditorTest, ADragInsideTheHintMovesItByAsMuchAsTheMouse) {
+  editor_.press(40.0, 30.0);
+  editor_.release();
+  editor_.seek(20'000);
+  editor_.press(43.0, 28.0);
+  EXPECT_FALSE(editor_.labelled());
+  editor_.drag(53.0, 48.0);
+  editor_.release();
+  EXPECT_TRUE(editor_.labelled());
+  expect_circle(editor_.circle(), 50.0, 50.0, 10.0);
+}
+
+TEST_F(LabelEditorTest, APressThatASeekEndsPlacesNothing) {
+  editor_.press(40.0, 30.0);
+  editor_.release();
+  editor_.press(42.0, 30.0);
+  editor_.seek(20'000);
+  editor_.release();
+  EXPECT_FALSE(editor_.labelled());
+  ASSERT_EQ(editor_.labels().rows().size(), 1u);
+  expect_circle(editor_.labels().rows().front().circle, 40.0, 30.0, 10.0);
+}
+
 TEST_F(LabelEditorTest, AtAnotherInstantTheCircleIsAHintUntilItIsAccepted) {
   editor_.press(40.0, 30.0);
   editor_.seek(20'000);
