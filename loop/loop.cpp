@@ -147,8 +147,8 @@ PortStatus Loop::tick(std::int64_t t_us, LoopObserver& observer) {
   const bool detects = head_ == nullptr || motion != nullptr;
   std::ranges::fill(results_, DetectorTick{});
   const auto shadow = [&](std::size_t i) { run_shadow(shadows_[i], t_us, motion); };
-  const bool beside = detects && threads_;
-  if (beside) threads_->start(shadows_.size(), shadow);
+  std::optional<WorkerThreads::Started> beside;
+  if (detects && threads_) beside.emplace(*threads_, shadows_.size(), shadow);
   if (detects) {
     run_driver(t_us, motion, tick);
     if (gaze_ && gaze_->stereo) run_stereo(t_us, motion, tick);
@@ -156,7 +156,7 @@ PortStatus Loop::tick(std::int64_t t_us, LoopObserver& observer) {
   PortStatus moved = PortStatus::ok;
   if (gaze_) moved = move_head(static_cast<double>(t_us - last_t_us_) * 1e-6, tick);
   tick.acted_us = clock_.now_us();
-  if (beside) threads_->finish();
+  if (beside) beside->finish();
   if (moved == PortStatus::lost) return moved;
   if (detects && !beside) run_shadows(t_us, motion);
   last_t_us_ = t_us;
@@ -170,12 +170,10 @@ PortStatus Loop::tick(std::int64_t t_us, LoopObserver& observer) {
 PortStatus Loop::wait_until(std::int64_t t_us) {
   if (!threads_) return clock_.wait_until(t_us);
   const auto ahead = [&](std::size_t i) { work_ahead(i); };
-  threads_->start(runners_.size(), ahead);
-  const struct AtEnd {  // also where a simulation throws
-    WorkerThreads& threads;
-    ~AtEnd() { threads.finish(); }
-  } at_end{*threads_};
-  return clock_.wait_until(t_us);
+  WorkerThreads::Started beside(*threads_, runners_.size(), ahead);
+  const PortStatus status = clock_.wait_until(t_us);
+  beside.finish();
+  return status;
 }
 
 /// Of one of runners_.

@@ -1,6 +1,7 @@
 #include "threads/worker_threads.h"
 
 #include <chrono>
+#include <utility>
 
 #include "core/error.h"
 
@@ -39,7 +40,6 @@ WorkerThreads::WorkerThreads(std::size_t threads) {
 }
 
 WorkerThreads::~WorkerThreads() {
-  finish();
   ends_.store(true);
   signal_.fetch_add(1);
   signal_.notify_all();
@@ -49,6 +49,7 @@ void WorkerThreads::begin(Calls& calls, std::size_t count, Call call, const void
   SACCADE_CHECK(calls.left.load() == 0 && count <= count_mask);
   calls.call = call;
   calls.job = job;
+  calls.failure = nullptr;
   calls.left.store(static_cast<std::uint32_t>(count));
   calls.todo.store((calls.todo.load() | count_mask) + 1 + count);
   signal_.fetch_add(1);
@@ -62,13 +63,27 @@ void WorkerThreads::end(Calls& calls) {
     wait_while(calls.left, left);
 }
 
+/// After end().
+void WorkerThreads::rethrow(Calls& calls) {
+  if (calls.failure) std::rethrow_exception(std::exchange(calls.failure, nullptr));
+}
+
 /// Makes the next call of the job. Returns false if all are begun.
 bool WorkerThreads::make_next(Calls& calls) {
   std::uint64_t todo = calls.todo.load();
   do {
     if ((todo & count_mask) == 0) return false;
   } while (!calls.todo.compare_exchange_weak(todo, todo - 1));
-  calls.call(calls.job, static_cast<std::size_t>(todo & count_mask) - 1);
+  const std::size_t i = static_cast<std::size_t>(todo & count_mask) - 1;
+  try {
+    calls.call(calls.job, i);
+  } catch (...) {
+    const std::lock_guard lock(calls.failing);
+    if (!calls.failure || i < calls.failed_call) {
+      calls.failure = std::current_exception();
+      calls.failed_call = i;
+    }
+  }
   calls.left.fetch_sub(1);
   calls.left.notify_one();
   return true;

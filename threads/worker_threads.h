@@ -3,7 +3,9 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <memory>
+#include <mutex>
 #include <thread>
 #include <vector>
 
@@ -11,7 +13,8 @@ namespace saccade::inline v0_1 {
 
 /// Threads that work beside the calling one, on calls of some microseconds to milliseconds. A thread without work waits
 /// actively for a fifth of a millisecond, because waking one takes longer than many calls, and sleeps then. The calls allocate
-/// nothing and do not throw. One thread at a time uses it.
+/// nothing. Where some throw, the others are made all the same, and the caller gets the exception of the call with the lowest
+/// number. One thread at a time uses it.
 class WorkerThreads {
  public:
   /// `threads`: the calling one included, at least 1.
@@ -29,16 +32,32 @@ class WorkerThreads {
     if (threads_.empty()) return job(0);
     begin(shared_, threads(), call_of<Job>, &job);
     end(shared_);
+    rethrow(shared_);
   }
 
-  /// Begins job(0) to job(count - 1), each once, in the other threads, and returns at once. `job` lives until finish(), which
-  /// must be called before the next start(). run() may be called between; its calls come first.
-  template <class Job>
-  void start(std::size_t count, const Job& job) {
-    begin(started_, count, call_of<Job>, &job);
-  }
-  /// Makes the calls of start() that no thread has begun, and returns when all are done.
-  void finish() { end(started_); }
+  /// Calls that the other threads make: job(0) to job(count - 1), each once. One object at a time; run() may be called while it
+  /// exists, its calls come first.
+  class Started {
+   public:
+    /// Begins the calls and returns at once. `job` and `threads` outlive this object.
+    template <class Job>
+    Started(WorkerThreads& threads, std::size_t count, const Job& job) : threads_(threads) {
+      threads.begin(threads.started_, count, call_of<Job>, &job);
+    }
+    /// No call is under way any more, also where an exception has left out finish().
+    ~Started() { end(threads_.started_); }
+    Started(const Started&) = delete;
+    Started& operator=(const Started&) = delete;
+
+    /// Makes the calls that no thread has begun, and returns when all are done.
+    void finish() {
+      end(threads_.started_);
+      rethrow(threads_.started_);
+    }
+
+   private:
+    WorkerThreads& threads_;
+  };
 
  private:
   using Call = void (*)(const void* job, std::size_t i);
@@ -47,6 +66,9 @@ class WorkerThreads {
     const void* job = nullptr;
     std::atomic<std::uint64_t> todo = 0;  ///< calls to begin; in the upper 32 bits the number of the job
     std::atomic<std::uint32_t> left = 0;  ///< calls that are not done
+    std::mutex failing;
+    std::exception_ptr failure;  ///< of the call failed_call
+    std::size_t failed_call = 0;
   };
 
   template <class Job>
@@ -55,11 +77,12 @@ class WorkerThreads {
   }
   void begin(Calls& calls, std::size_t count, Call call, const void* job);
   static void end(Calls& calls);
+  static void rethrow(Calls& calls);
   static bool make_next(Calls& calls);
   void work();
 
   Calls shared_;                           // of run()
-  Calls started_;                          // of start()
+  Calls started_;                          // of Started
   std::atomic<std::uint32_t> signal_ = 0;  // changes when there is work, or none will come
   std::atomic<bool> ends_ = false;
   std::vector<std::jthread> threads_;

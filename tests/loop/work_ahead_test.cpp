@@ -1,10 +1,14 @@
-// When the loop has detectors work ahead.
+// What the loop has detectors do beside its own thread, and when.
 #include <gtest/gtest.h>
 
+#include <array>
+#include <atomic>
 #include <chrono>
+#include <stdexcept>
 #include <string>
 #include <thread>
 
+#include "control/open_gate.h"
 #include "head/icub_cameras.h"
 #include "loop/loop.h"
 #include "robot/fake/fake_robot.h"
@@ -74,6 +78,75 @@ TEST(WorkAhead, BelongsToTheNextCallWhereTheLatencyIsMeasured) {
   LatencyConfig latency;
   latency.kind = LatencyKind::measured;
   EXPECT_EQ(ThreeTicks(nullptr, latency).calls.find('w'), std::string::npos);
+}
+
+/// Throws in a chosen call of the third tick; its calls take a while.
+class ThrowingDetector final : public Detector {
+ public:
+  enum class In { nothing, process, estimate, work_ahead };
+  ThrowingDetector(In in, std::atomic<int>& under_way, int& calls)
+      : in_(in), under_way_(under_way), calls_(calls) {}
+  void process(std::span<const Event>, const CameraMotion*) override {
+    ++ticks_;
+    work(In::process, 0);
+  }
+  void advance_to(std::int64_t, const CameraMotion*) override {}
+  [[nodiscard]] Estimate estimate() override {
+    work(In::estimate, 300);
+    return {};
+  }
+  void work_ahead() override { work(In::work_ahead, 300); }
+  [[nodiscard]] double threshold() const override { return 0.5; }
+  [[nodiscard]] RejectedEvents rejected() const override { return {}; }
+
+ private:
+  void work(In in, int us) {
+    ++under_way_;
+    std::this_thread::sleep_for(std::chrono::microseconds(us));
+    ++calls_;
+    --under_way_;
+    if (ticks_ == 3 && in == in_) throw std::runtime_error("the detector's own");
+  }
+
+  In in_;
+  std::atomic<int>& under_way_;
+  int& calls_;
+  int ticks_ = 0;
+};
+
+TEST(DetectorsBesideTheLoop, AnExceptionOfAnyOfThemLeavesTheTickOnceAllCallsHaveEnded) {
+  using In = ThrowingDetector::In;
+  constexpr std::size_t count = 4;
+  for (const std::size_t threads : {1U, 2U, 3U}) {
+    for (const In in : {In::process, In::estimate, In::work_ahead}) {
+      for (std::size_t thrower = 0; thrower < count; ++thrower) {  // 0 drives
+        std::atomic<int> under_way = 0;
+        std::array<int, count> calls{};
+        FakeRobot robot{FakeRobotScript{}};
+        std::vector<LoopDetector> detectors;
+        for (std::size_t i = 0; i < count; ++i)
+          detectors.push_back({"detector", std::make_unique<ThrowingDetector>(i == thrower ? in : In::nothing,
+                                                                              under_way, calls[i])});
+        Loop loop(robot, MountedCamera{icub_left_2016, {}}, std::move(detectors),
+                  LoopGaze{0, std::make_unique<OpenGate>(TargetConfig{}), std::nullopt, {}}, Eye::left,
+                  std::nullopt, {}, std::make_shared<WorkerThreads>(threads));
+        Elapsed observer;
+        std::string message;
+        for (std::int64_t t_us = 1'000; message.empty() && t_us <= 10'000; t_us += 1'000) {
+          try {
+            loop.tick(t_us, observer);
+          } catch (const std::runtime_error& error) {
+            message = error.what();
+          }
+          EXPECT_EQ(under_way, 0) << "a call goes on after the tick";
+        }
+        EXPECT_EQ(message, "the detector's own") << threads << " threads, detector " << thrower;
+        const std::array<int, count> at_end = calls;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        EXPECT_EQ(calls, at_end);
+      }
+    }
+  }
 }
 
 }  // namespace
