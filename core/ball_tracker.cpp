@@ -99,7 +99,7 @@ PatchMotion BallTracker::patch_motion(const Circle& circle, const Eigen::Vector3
 /// Where an edge has moved on to: with the image where the camera turns, along its own flow else.
 Eigen::Vector2d BallTracker::now_at(const Edge& edge, std::int64_t now_us) const {
   const Eigen::Vector2d at(edge.x, edge.y);
-  const double age_s = static_cast<double>(now_us - edge.t_us) * 1e-6;
+  const double age_s = difference_s(now_us, edge.t_us);
   const Eigen::Vector2d image = camera_flow_px_s(edge);
   if (image.squaredNorm() > camera_moves_px_s * camera_moves_px_s) return at + image * age_s;
   return at + edge.along * (edge.speed_px_s * age_s);
@@ -112,7 +112,7 @@ DiscEvidence BallTracker::evidence(const Circle& c, const Eigen::Vector3d& motio
   // Edges are kept where they came: some have moved on by more than crossing_px.
   const double reach_px = c.r_px + DiscEvidenceCollector::reach_px + 3.0;
   edges_.for_each_near(c.x_px, c.y_px, reach_px, now_us, [&](const Edge& edge) {
-    const double age_s = static_cast<double>(now_us - edge.t_us) * 1e-6;
+    const double age_s = difference_s(now_us, edge.t_us);
     Eigen::Vector2d offset = Eigen::Vector2d(edge.x, edge.y) + motion.head<2>() * age_s - centre;
     const double distance = offset.norm();
     if (distance > 1.0) offset *= 1.0 + motion.z() * age_s / distance;
@@ -147,7 +147,7 @@ void BallTracker::process(std::span<const Event> events, const CameraMotion* mot
       const double y = event.y - c.y_px;
       const double reach_px = c.r_px + near_px;
       if (x * x + y * y > reach_px * reach_px) continue;
-      const double since_tick_s = static_cast<double>(event.t_us - f.track.time_us()) * 1e-6;
+      const double since_tick_s = difference_s(event.t_us, f.track.time_us());
       f.silhouette.add({event.x, event.y}, f.track.carried_px() + f.image_px_s * since_tick_s, event.t_us);
     }
     if (flows_left_ == 0 || ++since_flow_ < nth_event_) continue;

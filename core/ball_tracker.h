@@ -20,6 +20,7 @@
 #include "core/patch_network.h"
 #include "core/plane_fit_flow.h"
 #include "core/polar_patch.h"
+#include "core/reserved_vector.h"
 #include "core/silhouette.h"
 
 namespace saccade::inline v0_1 {
@@ -230,8 +231,8 @@ class BallTracker final : public Detector, public DetectorViews {
   std::optional<std::int64_t> search_due_us_;  // the last tick, until its search is done
   std::uint64_t ticks_ = 0;                    // so far, those without edges and circles left out
   // The search under way: the edges at search_us_, the first voted_ of them in search_.
-  std::vector<Voter> voters_;
-  std::vector<FlowSample> flows_;
+  ReservedVector<Voter> voters_;
+  ReservedVector<FlowSample> flows_;
   std::size_t voted_ = 0;
   bool search_cleared_ = true;
   std::int64_t search_us_;

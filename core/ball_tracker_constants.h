@@ -46,6 +46,7 @@ inline constexpr double at_rest_share = 0.25;  // of its probability, for a disc
 // Search.
 inline constexpr std::size_t max_voters = 1024, votes_per_tick = 160;
 inline constexpr std::size_t found_per_level = 4, most_tried = 8, tried_per_tick = 8;
+inline constexpr double farthest_px = 1e9;  // of a found circle, which has moved on since; integers hold it
 inline constexpr std::int64_t search_period_us = 3'000, sure_search_period_us = 9'000;
 inline constexpr double sure = 0.9;           // probability of a circle that lets the search slow down
 inline constexpr double new_share = 0.6;      // of its probability that a new circle replaces another with

@@ -67,7 +67,8 @@ BallTracker::Judged BallTracker::judged(const Circle& circle, const Eigen::Vecto
 
 PatchResult BallTracker::Judged::result() const {
   return {std::clamp(judgement.log_odds, -most_patch_log_odds, most_patch_log_odds),
-          std::hypot(judgement.correction.x_px, judgement.correction.y_px), std::abs(judgement.correction.r_px)};
+          std::hypot(judgement.correction.x_px, judgement.correction.y_px),
+          std::abs(judgement.correction.r_px)};
 }
 
 /// Lets PatchNetwork judge the next of the followed circles near which edges have come since it was judged last. Where it
@@ -93,7 +94,8 @@ void BallTracker::judge(std::int64_t now_us) {
     const Eigen::Vector3d sd_px(found.judgement.centre_sd_px, found.judgement.centre_sd_px,
                                 found.judgement.radius_sd_px);
     next->track.doubt(sd_px);
-    next->track.correct(corrected(found.circle, found.judgement.correction), sd_px.cwiseMax(least_judgement_sd_px));
+    next->track.correct(corrected(found.circle, found.judgement.correction),
+                        sd_px.cwiseMax(least_judgement_sd_px));
   }
   next->patch = found.result();
   next->changed = false;
@@ -147,7 +149,7 @@ void BallTracker::fill_fit(const Circle& c, std::int64_t now_us) {
   fit_.clear();
   edges_.for_each_near(c.x_px, c.y_px, c.r_px + CircleFit::reach_px, now_us, [&](const Edge& edge) {
     fit_.add(now_at(edge, now_us), Eigen::Vector2d(edge.x, edge.y), edge.along, edge.speed_px_s,
-             static_cast<double>(now_us - edge.t_us) * 1e-6);
+             difference_s(now_us, edge.t_us));
   });
 }
 
@@ -179,7 +181,7 @@ void BallTracker::look(std::int64_t now_us) {
 double BallTracker::network_log_odds(const Circle& circle, const Eigen::Vector2d& image_px_s,
                                      std::int64_t now_us) const {
   if (network_.found_at_us() == never_us) return least_network_log_odds;
-  const double since_s = static_cast<double>(now_us - network_.found_at_us()) * 1e-6;
+  const double since_s = difference_s(now_us, network_.found_at_us());
   const Circle then{circle.x_px - image_px_s.x() * since_s, circle.y_px - image_px_s.y() * since_s,
                     circle.r_px};
   return std::max(least_network_log_odds, static_cast<double>(network_.about(then).log_odds));
@@ -192,12 +194,14 @@ void BallTracker::try_found(std::int64_t now_us) {
     Circle circle = found.circle;
     fill_fit(circle, found.at_us);
     const Eigen::Vector3d motion = fit_.motion(circle);
-    const double since_s = static_cast<double>(now_us - found.at_us) * 1e-6;
+    const double since_s = difference_s(now_us, found.at_us);
     circle.x_px += motion.x() * since_s;
     circle.y_px += motion.y() * since_s;
-    fill_fit(circle, now_us);
-    try_circle(fit_.place(circle, motion, config_.radius_px[0] - 0.5, config_.radius_px[1] + 0.5), now_us);
-    if (found.as_found_too) try_circle(circle, now_us);
+    if (std::max(std::abs(circle.x_px), std::abs(circle.y_px)) < farthest_px) {
+      fill_fit(circle, now_us);
+      try_circle(fit_.place(circle, motion, config_.radius_px[0] - 0.5, config_.radius_px[1] + 0.5), now_us);
+      if (found.as_found_too) try_circle(circle, now_us);
+    }
     if (to_try_.empty()) end_duplicates();
   }
 }

@@ -3,9 +3,9 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "core/camera.h"
+#include "core/reserved_vector.h"
 
 namespace saccade::inline v0_1 {
 
@@ -16,8 +16,6 @@ class CircleFit {
   static constexpr double reach_px = 8.0;  ///< how far outside the circle edges are of use
 
   CircleFit() { edges_.reserve(max_edges); }
-  CircleFit(const CircleFit& other) : CircleFit() { edges_ = other.edges_; }
-  CircleFit& operator=(const CircleFit&) = delete;
 
   void clear() { edges_.clear(); }
   /// An edge that was at `at_px` age_s ago and has moved to `now_px`; `along` is the unit vector of its motion. Ignored
@@ -41,7 +39,7 @@ class CircleFit {
     Eigen::Vector2d now_px, at_px, along;
     double speed_px_s, age_s;
   };
-  std::vector<Sample> edges_;
+  ReservedVector<Sample> edges_;
 };
 
 }  // namespace saccade::inline v0_1

@@ -9,6 +9,7 @@
 #include "core/camera.h"
 #include "core/event.h"
 #include "core/hough_transform.h"
+#include "core/reserved_vector.h"
 
 namespace saccade::inline v0_1 {
 
@@ -48,12 +49,12 @@ class CircleSearch {
     int cell_px;
     HoughTransform transform;
     std::vector<std::uint8_t> taken;  // per cell, one bit for each quarter of the directions
-    std::vector<Vote> votes;
+    ReservedVector<Vote> votes;
   };
 
   std::size_t max_edges_;
   std::vector<Level> levels_;
-  std::vector<Found> found_;
+  ReservedVector<Found> found_;
 };
 
 }  // namespace saccade::inline v0_1

@@ -20,7 +20,8 @@ constexpr double apart_px_s = 10.0;  // circle and room differ enough in speed t
 constexpr double start_px_s2 = 80.0;
 constexpr double turn_px = 30.0;
 constexpr double lasting_turn_px = 60.0, lasting_turn_in_pursuit_px = 20.0, turn_lasts_s = 0.15;
-constexpr double pursuit_share = 0.3;  // of the camera's image motion: what the gaze follows is slower in the image
+constexpr double pursuit_share =
+    0.3;  // of the camera's image motion: what the gaze follows is slower in the image
 constexpr double growth_start_px_s2 = 20.0;
 constexpr double growth_per_speed_1_s = 1.0;
 constexpr double acceleration_lasts_s = 0.01;
@@ -49,7 +50,7 @@ CircleTrack::CircleTrack(const Circle& circle, std::int64_t now_us) : t_us_(now_
 
 void CircleTrack::predict(std::int64_t t_us, const Eigen::Vector2d& camera_flow_px_s) {
   if (t_us <= t_us_) return;
-  const double dt = static_cast<double>(t_us - t_us_) * 1e-6;
+  const double dt = difference_s(t_us, t_us_);
   t_us_ = t_us;
   const double speed2 = state_.segment<2>(3).squaredNorm();
   const Eigen::Vector2d image_px_s = state_.segment<2>(3) + camera_flow_px_s;
@@ -107,7 +108,7 @@ void CircleTrack::update(const State& gradient, const State& covariance_with_gra
 
 bool CircleTrack::measure(const Edge& edge, double clarity, Learn learn,
                           const Eigen::Vector2d& camera_flow_px_s) {
-  const double dt = static_cast<double>(edge.t_us - t_us_) * 1e-6;
+  const double dt = difference_s(edge.t_us, t_us_);
   const Eigen::Vector2d offset =
       Eigen::Vector2d(edge.x, edge.y) - centre() + lag_px() - (state_.segment<2>(3) + camera_flow_px_s) * dt;
   const double distance = offset.norm();
@@ -215,7 +216,7 @@ void CircleTrack::bound(double r_min_px, double r_max_px) {
 }
 
 Circle CircleTrack::circle_at(std::int64_t t_us, const Eigen::Vector2d& camera_flow_px_s) const {
-  const double dt = static_cast<double>(t_us - t_us_) * 1e-6;
+  const double dt = difference_s(t_us, t_us_);
   const Eigen::Vector2d at = centre() + (state_.segment<2>(3) + camera_flow_px_s) * dt;
   return {at.x(), at.y(), state_[2]};
 }

@@ -5,6 +5,7 @@
 
 #include "core/camera.h"
 #include "core/edge_map.h"
+#include "core/time_stamp.h"
 
 namespace saccade::inline v0_1 {
 
@@ -73,7 +74,7 @@ class CircleTrack {
   [[nodiscard]] double growth_px_s() const { return state_[5]; }
   [[nodiscard]] std::int64_t time_us() const { return t_us_; }
   /// Since the last edge that was no outlier.
-  [[nodiscard]] std::int64_t silent_us() const { return t_us_ - last_edge_us_; }
+  [[nodiscard]] std::int64_t silent_us() const { return saturated_difference(t_us_, last_edge_us_); }
 
  private:
   using State = Eigen::Matrix<double, 9, 1>;  // x, y, r, their speeds, the latency, and the acceleration

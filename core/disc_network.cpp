@@ -326,10 +326,15 @@ DiscNetwork::Found DiscNetwork::about(const Circle& circle) const {
     const double reach = near_px / square_px + 1.0;
     const double x = (circle.x_px + 0.5) / square_px - 0.5;
     const double y = (circle.y_px + 0.5) / square_px - 0.5;
-    const int x_end = std::min(level.columns / 4 - 1, static_cast<int>(std::floor(x + reach)));
-    const int y_end = std::min(level.rows / 4 - 1, static_cast<int>(std::floor(y + reach)));
-    for (int row = std::max(0, static_cast<int>(std::ceil(y - reach))); row <= y_end; ++row) {
-      for (int column = std::max(0, static_cast<int>(std::ceil(x - reach))); column <= x_end; ++column) {
+    const auto within = [](double cell, int cells) {  // -1 and `cells`: beyond the ends
+      return static_cast<int>(std::clamp(cell, -1.0, static_cast<double>(cells)));
+    };
+    const int columns = level.columns / 4;
+    const int rows = level.rows / 4;
+    const int x_end = std::min(columns - 1, within(std::floor(x + reach), columns));
+    const int y_end = std::min(rows - 1, within(std::floor(y + reach), rows));
+    for (int row = std::max(0, within(std::ceil(y - reach), rows)); row <= y_end; ++row) {
+      for (int column = std::max(0, within(std::ceil(x - reach), columns)); column <= x_end; ++column) {
         const Found here = circle_of(level, column, row);
         if (here.log_odds <= best.log_odds || std::abs(here.circle.r_px - circle.r_px) > near_px ||
             std::hypot(here.circle.x_px - circle.x_px, here.circle.y_px - circle.y_px) > near_px)

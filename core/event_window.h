@@ -8,6 +8,7 @@
 
 #include "core/config.h"
 #include "core/plane_fit_flow.h"
+#include "core/reserved_vector.h"
 #include "core/time_stamp.h"
 
 namespace saccade::inline v0_1 {
@@ -102,7 +103,7 @@ class EventWindow {
   std::int64_t seen_ = 0;      // of them at the last update
   std::int64_t first_ = 0;     // none before this one is inside
   std::int64_t inside_ = 0;    // how many are
-  std::vector<WindowEvent> left_, entered_;
+  ReservedVector<WindowEvent> left_, entered_;
 };
 
 }  // namespace saccade::inline v0_1

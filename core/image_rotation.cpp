@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/time_stamp.h"
+
 namespace saccade::inline v0_1 {
 
 ImageRotation::ImageRotation(const Camera& camera)
@@ -36,11 +38,11 @@ void ImageRotation::process(std::span<const Event> events) {
 
 std::optional<Eigen::Vector3d> ImageRotation::advance_to(std::int64_t now_us) {
   if (now_us < next_us_) return std::nullopt;
-  next_us_ = now_us + period_us;
+  next_us_ = saturated_sum(now_us, period_us);
   used_.clear();
   for (std::size_t back = 1; back <= std::min(count_, most_flows); ++back) {
     const TimedFlow& timed = recent_[(count_ - back) % most_flows];
-    if (timed.t_us <= now_us - window_us) break;
+    if (saturated_difference(now_us, timed.t_us) >= window_us) break;
     used_.push_back(timed.flow);
   }
   if (used_.size() < fewest_flows) {

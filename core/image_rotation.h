@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "core/camera_rotation.h"
 #include "core/event.h"
 #include "core/plane_fit_flow.h"
+#include "core/reserved_vector.h"
 
 namespace saccade::inline v0_1 {
 
@@ -48,8 +50,8 @@ class ImageRotation {
   PlaneFitFlow flow_;
   std::array<TimedFlow, most_flows> recent_;  // a ring
   std::size_t count_ = 0;
-  std::vector<FlowSample> used_;
-  std::int64_t next_us_ = 0;
+  ReservedVector<FlowSample> used_;
+  std::int64_t next_us_ = std::numeric_limits<std::int64_t>::min();
   Eigen::Vector3d rotation_rad_s_ = Eigen::Vector3d::Zero();
 };
 

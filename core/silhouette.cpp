@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/time_stamp.h"
+
 namespace saccade::inline v0_1 {
 namespace {
 
@@ -48,7 +50,7 @@ std::optional<Silhouette::Fit> Silhouette::fit(const Circle& c, const Eigen::Vec
   int inside = 0, all_outside = 0, just_outside = 0;
   for (std::size_t i = 0; i < std::min(count_, near_.size()); ++i) {
     const Near& event = near_[(count_ - 1 - i) % near_.size()];
-    if (now_us - event.t_us > memory_us) break;
+    if (saturated_difference(now_us, event.t_us) > memory_us) break;
     const Eigen::Vector2d offset = event.at_px - centre;
     const double off_px = offset.norm() - c.r_px + outline_at_px;
     if (off_px >= far_px) continue;

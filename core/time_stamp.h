@@ -17,5 +17,9 @@ namespace saccade::inline v0_1 {
   if (!__builtin_sub_overflow(a, b, &difference)) return difference;
   return a < 0 ? std::numeric_limits<std::int64_t>::min() : std::numeric_limits<std::int64_t>::max();
 }
+/// That difference in seconds.
+[[nodiscard]] constexpr double difference_s(std::int64_t a_us, std::int64_t b_us) {
+  return static_cast<double>(saturated_difference(a_us, b_us)) * 1e-6;
+}
 
 }  // namespace saccade::inline v0_1

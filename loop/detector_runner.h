@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/detector.h"
+#include "core/time_stamp.h"
 #include "loop/latency.h"
 
 namespace saccade::inline v0_1 {
@@ -127,7 +128,7 @@ class DetectorRunner {
                                                   const CameraMotion* motion);
   /// The end of the slice with an event at event_us; slices end whole milliseconds before the tick.
   [[nodiscard]] static std::int64_t slice_end_us(std::int64_t t_us, std::int64_t event_us) {
-    return t_us - (t_us - event_us) / slice_us * slice_us;
+    return t_us - saturated_difference(t_us, event_us) / slice_us * slice_us;
   }
   [[nodiscard]] static std::span<const Event> slice_until(std::span<const Event> events,
                                                           std::int64_t until_us);

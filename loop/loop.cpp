@@ -7,6 +7,7 @@
 
 #include "control/head_kinematics.h"
 #include "control/search_scan.h"
+#include "core/time_stamp.h"
 
 namespace saccade::inline v0_1 {
 namespace {
@@ -203,7 +204,8 @@ void Loop::update_sight_age(std::int64_t t_us) {
   const DelayConfig& delay = gaze_->follow.delay;
   if (delay.sight == SightDelay::known) sight_age_us_ = std::llround(delay.sight_ms * 1e3);
   if (delay.sight == SightDelay::measured && !eye_events_.empty())
-    sight_age_us_ = std::clamp(t_us - eye_events_.back().t_us, std::int64_t{0}, oldest_events_us);
+    sight_age_us_ =
+        std::clamp(saturated_difference(t_us, eye_events_.back().t_us), std::int64_t{0}, oldest_events_us);
   if (seen_heads_) {
     for (DetectorRunner& runner : runners_) runner.set_age(sight_age_us_);
   }

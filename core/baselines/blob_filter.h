@@ -3,10 +3,10 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
-#include <vector>
 
 #include "core/detector_parts.h"
 #include "core/detector_views.h"
+#include "core/reserved_vector.h"
 
 namespace saccade::inline v0_1 {
 
@@ -79,7 +79,7 @@ class BlobFilter final : public Detector, public DetectorViews {
 
   BlobFilterConfig config_;
   EventSieve sieve_;
-  std::vector<Blob> blobs_;
+  ReservedVector<Blob> blobs_;
   std::int64_t now_us_;
 };
 

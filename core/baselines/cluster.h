@@ -1,10 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "core/detector_parts.h"
 #include "core/detector_views.h"
+#include "core/reserved_vector.h"
 
 namespace saccade::inline v0_1 {
 
@@ -58,7 +58,7 @@ class ClusterDetector final : public Detector, public DetectorViews {
 
   ClusterConfig config_;
   EventSieve sieve_;
-  std::vector<Cluster> clusters_;
+  ReservedVector<Cluster> clusters_;
   std::int64_t now_us_;
 };
 

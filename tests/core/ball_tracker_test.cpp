@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "core/random.h"
@@ -119,6 +120,37 @@ TEST(BallTracker, HoldsABallThatStopsAndDeclaresTheEstimateHeld) {
   EXPECT_NEAR(e.circle.x_px, disc.x_at(100'000), 4.0);
   EXPECT_NEAR(e.circle.y_px, disc.y_at(100'000), 1.0);
   EXPECT_FALSE(player.until(4'000'000).valid) << "not for ever";
+}
+
+TEST(BallTracker, APauseLongerThan64BitsHoldIsAsGoodAsAnyOtherLongOne) {
+  // At every length of the first part, so that searches, looks and circles to try are under way in some.
+  const streams::MovingDisc disc{20, 40, 500, 150, 12};
+  const std::vector<Event> before = disc.events(camera.size, 0.12);
+  const std::vector<Event> after = streams::MovingDisc{100, 90, -400, -200, 12}.events(camera.size, 0.05);
+  constexpr std::int64_t begin_us = std::numeric_limits<std::int64_t>::min() / 1'000 * 1'000;
+  const auto estimates = [&](std::size_t count, std::uint64_t pause_us) {
+    BallTracker tracker(radii(6, 20), camera);
+    for (const Event& event : streams::shifted(before, begin_us)) {
+      if (count-- == 0) break;
+      tracker.process({&event, 1}, nullptr);
+    }
+    std::vector<std::array<double, 4>> all;
+    for (Event event : after) {
+      event.t_us = static_cast<std::int64_t>(static_cast<std::uint64_t>(begin_us) + pause_us +
+                                             static_cast<std::uint64_t>(event.t_us));
+      tracker.process({&event, 1}, nullptr);
+      const Estimate e = tracker.estimate();
+      all.push_back({e.circle.x_px, e.circle.y_px, e.circle.r_px, e.valid ? e.score : -1.0});
+    }
+    return all;
+  };
+  constexpr std::uint64_t fits_us = std::uint64_t{1} << 62U;
+  for (std::size_t count = before.size() / 2; count < before.size(); count += 97) {
+    const auto expected = estimates(count, fits_us / 1'000 * 1'000);
+    // The whole range but a second, and just too much.
+    for (const std::uint64_t pause_us : {~std::uint64_t{0} - 1'000'000, (std::uint64_t{1} << 63U) + 5'000})
+      ASSERT_EQ(estimates(count, pause_us / 1'000 * 1'000), expected) << count << " events, " << pause_us;
+  }
 }
 
 TEST(BallTracker, HasNoEstimateAfterTheBallLeftTheImage) {

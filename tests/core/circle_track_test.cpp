@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace saccade {
@@ -137,6 +138,21 @@ TEST(CircleTrack, FollowsATurnThatLasts) {
 TEST(CircleTrack, LearnsNoLatencyFromAMotionOfItsOwn) {
   const Followed f = follow({120, -60}, 8'000, false);
   EXPECT_EQ(f.track.latency_s(), 0.0);
+}
+
+TEST(CircleTrack, CountsTheLongestTimesThat64BitsHoldAndNotMore) {
+  constexpr std::int64_t earliest = std::numeric_limits<std::int64_t>::min();
+  constexpr std::int64_t latest = std::numeric_limits<std::int64_t>::max();
+  CircleTrack track({50.0, 40.0, 10.0}, earliest);
+  track.set_speed({1.0, -2.0}, 0.0);
+  const Circle then = track.circle_at(latest, Eigen::Vector2d::Zero());
+  EXPECT_DOUBLE_EQ(then.x_px, 50.0 + 1e-6 * static_cast<double>(latest));
+  EXPECT_DOUBLE_EQ(then.y_px, 40.0 - 2e-6 * static_cast<double>(latest));
+  track.predict(latest, Eigen::Vector2d::Zero());
+  EXPECT_EQ(track.silent_us(), latest);
+  EXPECT_FALSE(track.measure({.t_us = earliest, .x = 60, .y = 40}, 1.0, CircleTrack::Learn::place,
+                             Eigen::Vector2d::Zero()))
+      << "an edge of long before";
 }
 
 }  // namespace

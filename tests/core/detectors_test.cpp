@@ -226,6 +226,28 @@ TEST_P(EveryDetector, DoesNotAllocateInTheTick) {
   EXPECT_GT(allocation_count() - before, 1);  // the count works
 }
 
+TEST_P(EveryDetector, ACopyDoesNotAllocateInTheTick) {
+  const std::vector<Event> events = streams::cluttered(image, 30'000, 0.3, 1);
+  const auto part = [&](std::size_t i) {
+    return std::span(events).subspan(i, std::min<std::size_t>(97, events.size() - i));
+  };
+  const auto detector = make(GetParam());
+  const auto of_new = copy_of(*detector);
+  const auto of_copy = copy_of(*of_new);
+  for (std::size_t i = 0; i < 3'000; i += 97) detector->process(part(i), nullptr);
+  const auto of_used = copy_of(*detector);
+  const std::int64_t before = allocation_count();
+  for (std::size_t i = 0; i < events.size(); i += 97) {
+    for (Detector* copy : {of_new.get(), of_copy.get(), of_used.get()}) {
+      copy->process(part(i), nullptr);
+      copy->advance_to(events[i].t_us + 1000, nullptr);
+      static_cast<void>(copy->estimate());
+      copy->work_ahead();
+    }
+  }
+  EXPECT_EQ(allocation_count() - before, 0);
+}
+
 TEST_P(EveryDetector, ShowsABallInItsHoughSpaceIfItHasOne) {
   const auto detector = make_for_ball_alone(GetParam());
   detector->process(streams::MovingDisc{35, 50, 400, 200, 22.5}.events(image, 0.08), nullptr);

@@ -8,6 +8,7 @@
 
 #include "head/icub_cameras.h"
 #include "tests/core/allocation_counter.h"
+#include "tests/core/streams.h"
 
 namespace saccade {
 namespace {
@@ -44,12 +45,12 @@ std::vector<Event> events_of(const Camera& camera, const Eigen::Vector3d& rate_r
   return events;
 }
 
-/// The last rotation that the events show.
-Eigen::Vector3d seen_in(const std::vector<Event>& events, const Camera& camera) {
+/// The last rotation that the events show. `start_us`: before all of them.
+Eigen::Vector3d seen_in(const std::vector<Event>& events, const Camera& camera, std::int64_t start_us = 0) {
   ImageRotation image(camera);
   Eigen::Vector3d seen = Eigen::Vector3d::Constant(std::nan(""));
   auto next = events.begin();
-  for (std::int64_t t_us = 1000; t_us <= events.back().t_us; t_us += 1000) {
+  for (std::int64_t t_us = start_us + 1000; t_us <= events.back().t_us; t_us += 1000) {
     const auto end = std::ranges::upper_bound(next, events.end(), t_us, {}, &Event::t_us);
     image.process({next, end});
     next = end;
@@ -74,6 +75,15 @@ TEST(ImageRotation, AnObjectWithAMotionOfItsOwnHardlyChangesIt) {
   const Eigen::Vector3d rate(0.0, 0.5, 0.0);
   const Eigen::Vector3d seen = seen_in(events_of(camera, rate, 0.2, 12), camera);
   EXPECT_LT((seen - rate).norm(), 0.25 * rate.norm()) << seen.transpose();
+}
+
+TEST(ImageRotation, IsTheSameAtTheEarliestAndTheLatestTimeStamps) {
+  const Camera camera = icub_left_2016.without_lens();
+  const std::vector<Event> events = events_of(camera, {0.0, 0.5, 0.0}, 0.05);
+  const Eigen::Vector3d expected = seen_in(events, camera);
+  ASSERT_TRUE(expected.allFinite());
+  for (const std::int64_t shift_us : streams::shifts_to_the_ends_of_time(events.back().t_us))
+    EXPECT_EQ(seen_in(streams::shifted(events, shift_us), camera, shift_us), expected) << shift_us;
 }
 
 TEST(ImageRotation, AFewEventsShowNoRotation) {

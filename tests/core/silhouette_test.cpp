@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <iostream>
+#include <limits>
 #include <numbers>
 
 #include "core/random.h"
@@ -18,9 +19,9 @@ struct Scene {
   double hand_from_rad = 10.0;  ///< from this direction on (to pi) nothing happens outside either
 };
 
-/// Events of the last 50 ms in a square around the hole, each in a pixel: one that the hole covers wholly makes
+/// Events of one instant in a square around the hole, each in a pixel: one that the hole covers wholly makes
 /// as many as the inside, another as many as the outside.
-Silhouette seen(const Scene& scene, std::uint64_t seed) {
+Silhouette seen(const Scene& scene, std::uint64_t seed, std::int64_t t_us = 0) {
   Silhouette silhouette;
   const RandomStream random(seed, "scene");
   std::uint64_t n = 0;
@@ -31,7 +32,7 @@ Silhouette seen(const Scene& scene, std::uint64_t seed) {
       const bool hand = std::atan2(dy, dx) > scene.hand_from_rad;
       const double density = inside || hand ? scene.inside_per_px2 : scene.outside_per_px2;
       if (std::hypot(dx, dy) < scene.hole.r_px + 6.0 && random.uniform(0.0, 1.0, n, 0) < density) {
-        silhouette.add(Eigen::Vector2d(x, y), Eigen::Vector2d::Zero(), 0);
+        silhouette.add(Eigen::Vector2d(x, y), Eigen::Vector2d::Zero(), t_us);
       }
     }
   }
@@ -97,6 +98,9 @@ TEST(Silhouette, IgnoresOldEvents) {
   const Silhouette silhouette = seen(scene, 1);
   EXPECT_TRUE(silhouette.fit(scene.hole, Eigen::Vector2d::Zero(), 49'000));
   EXPECT_FALSE(silhouette.fit(scene.hole, Eigen::Vector2d::Zero(), 51'000));
+  EXPECT_FALSE(silhouette.fit(scene.hole, Eigen::Vector2d::Zero(), std::numeric_limits<std::int64_t>::max()));
+  EXPECT_FALSE(seen(scene, 1, std::numeric_limits<std::int64_t>::min())
+                   .fit(scene.hole, Eigen::Vector2d::Zero(), std::numeric_limits<std::int64_t>::max()));
 }
 
 TEST(Silhouette, MovesWithTheCircle) {
