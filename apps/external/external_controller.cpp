@@ -40,6 +40,8 @@ ExternalController::ExternalController(std::string name, const LineProcess::Plac
   if (status != LineProcess::Status::ok) {
     throw RunError("gaze controller " + end_program(process_, status, name_, "at its start", limit));
   }
+  if (const auto failure = stated_failure(process_, answer_, name_, "at its start", limit))
+    throw RunError("gaze controller " + *failure);
   if (answer_ != "ready")
     throw RunError("gaze controller " + name_ + " answered " + shown(answer_) +
                    " at its start, expected `ready`");
@@ -75,7 +77,10 @@ HeadJointVector ExternalController::step(const HeadState& state,
     return reference_rad_;
   }
   const std::string moment = moment_of(state.t_us);
-  if (status == LineProcess::Status::ok) {
+  if (const auto stated = stated_failure(process_, status == LineProcess::Status::ok ? answer_ : "", name_,
+                                         moment, answer_limit_)) {
+    failure_ = *stated;
+  } else if (status == LineProcess::Status::ok) {
     process_.end(std::chrono::milliseconds(0));
     failure_ =
         name_ + " answered " + shown(answer_) + " " + moment + ", expected " + reference_form(limits_.joints);

@@ -100,6 +100,8 @@ void ExternalDetector::start(const AnswerLimits& limits, const Camera& camera) {
     fail(status, "at its start", limit);
     throw RunError("detector " + failure_);
   }
+  if (const auto failure = stated_failure(process_, answer_, name_, "at its start", limit))
+    throw RunError("detector " + *failure);
   const auto ready = parse_ready(answer_);
   if (!ready)
     throw RunError("detector " + name_ + " answered " + shown(answer_) + " at its start, expected " +
@@ -160,6 +162,10 @@ Estimate ExternalDetector::estimate() {
   const std::string moment = moment_of(now_us_);
   if (status != LineProcess::Status::ok) {
     fail(status, moment, answer_limit_);
+    return estimate_ = {};
+  }
+  if (const auto failure = stated_failure(process_, answer_, name_, moment, answer_limit_)) {
+    failure_ = *failure;
     return estimate_ = {};
   }
   const auto estimate = parse_estimate(answer_);

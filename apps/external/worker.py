@@ -95,7 +95,27 @@ def run_controller(controller, source, answers):
         answers.write(b"reference" + b"".join(b" " + repr(float(a)).encode() for a in reference_rad) + b"\n")
 
 
+def reason_of(error):
+    """One line: what was raised, and where."""
+    text = " ".join(f"{type(error).__name__}: {error}".split())[:400]
+    frames = traceback.extract_tb(error.__traceback__)
+    if frames and not isinstance(error, SyntaxError) and frames[-1].filename != os.path.realpath(__file__):
+        text += f" ({os.path.basename(frames[-1].filename)}, line {frames[-1].lineno})"
+    return text
+
+
 def run(source, answers, place, arguments):
+    try:
+        answer_all(source, answers, place, arguments)
+    except Exception as error:
+        try:
+            answers.write(f"failed {reason_of(error)}\n".encode())
+        except OSError:  # nobody listens any more
+            pass
+        raise
+
+
+def answer_all(source, answers, place, arguments):
     kind = source.readline().split()[0]  # the protocol's name, then its version
     words = source.readline().split()[1:]
     if kind == b"saccade-detector":

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <string>
+#include <utility>
 
 #include "core/error.h"
 
@@ -71,11 +72,16 @@ std::vector<LoopDetector> make_detectors(const NamedDetectors& named, const Came
 }
 
 Loop make_loop(const Scenario& scenario, SimRobot& robot) {
+  return make_loop(scenario, robot, make_detectors(scenario.detectors, scenario.calibration.camera),
+                   make_gaze(scenario, robot.limits()));
+}
+
+Loop make_loop(const Scenario& scenario, SimRobot& robot, std::vector<LoopDetector> detectors,
+               std::optional<LoopGaze> gaze) {
   // Detectors whose time is measured do not share the processor's caches with others.
   const bool measured = scenario.latency.kind == LatencyKind::measured;
-  return Loop(robot, scenario.calibration, make_detectors(scenario.detectors, scenario.calibration.camera),
-              make_gaze(scenario, robot.limits()), Eye::left, std::nullopt, scenario.latency,
-              measured ? nullptr : robot.threads());
+  return Loop(robot, scenario.calibration, std::move(detectors), std::move(gaze), Eye::left, std::nullopt,
+              scenario.latency, measured ? nullptr : robot.threads());
 }
 
 void set_rasterisers(std::int64_t threads) {

@@ -18,7 +18,9 @@ namespace saccade::inline v0_1 {
 /// None if nothing moves the head. `limits`: of the head.
 [[nodiscard]] std::optional<LoopGaze> make_gaze(const Scenario& scenario, const JointLimits& limits);
 
-/// The whole loop on the simulated robot, which outlives it.
+/// The whole loop on the simulated robot, which outlives it. `detectors` and `gaze`: of the scenario.
+[[nodiscard]] Loop make_loop(const Scenario& scenario, SimRobot& robot, std::vector<LoopDetector> detectors,
+                             std::optional<LoopGaze> gaze);
 [[nodiscard]] Loop make_loop(const Scenario& scenario, SimRobot& robot);
 
 /// Sets the number of threads of OpenGL's software renderer; 1: the calling thread alone. Takes effect with the first

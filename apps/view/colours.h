@@ -4,7 +4,6 @@
 
 #include <string>
 
-#include "apps/view/view_settings.h"
 #include "evaluation/report/palette.h"
 
 namespace saccade::inline v0_1 {
@@ -21,13 +20,13 @@ inline constexpr ImU32 off = of(off_colour);
 inline constexpr ImU32 truth = of(truth_colour);
 inline constexpr ImU32 gaze = of(gaze_colour);  ///< optical axis and gaze error
 inline constexpr ImU32 target = of(gaze_target_colour);
-/// The palette's colour of a detector among those of the settings.
-[[nodiscard]] ImU32 detector(const ViewSettings& settings, const std::string& name);
+[[nodiscard]] inline ImU32 detector(const std::string& name) { return of(detector_colour(name)); }
 
 inline constexpr ImU32 white = IM_COL32(255, 255, 255, 255);
 inline constexpr ImU32 rim = IM_COL32(0, 0, 0, 190);  ///< around marks, so that they show on any image
 inline constexpr ImU32 dim = IM_COL32(150, 150, 156, 255);
 inline constexpr ImU32 field_of_view = IM_COL32(110, 190, 250, 255);
+inline constexpr ImU32 problem = IM_COL32(255, 128, 107, 255);  ///< of what was rejected or has ended
 inline constexpr ImU32 threshold = IM_COL32(240, 70, 60, 255);
 inline constexpr ImU32 sheet = IM_COL32(22, 22, 24, 255);  ///< of plots and timeline
 inline constexpr ImU32 gap = IM_COL32(17, 17, 19, 255);    ///< between panels

@@ -25,7 +25,7 @@ void draw_row(std::size_t index, float right, const Snapshot& snapshot, ViewStat
   }
   const float left = ImGui::GetCursorScreenPos().x;
   ImGui::GetWindowDrawList()->AddRectFilled({left, row.y + 5.0F}, {left + 10.0F, row.y + 15.0F},
-                                            colours::detector(state.settings, detector.name));
+                                            colours::detector(detector.name));
   ImGui::SetCursorScreenPos({left + 16.0F, row.y});
   ImGui::AlignTextToFramePadding();
   if (selected) {
@@ -36,6 +36,13 @@ void draw_row(std::size_t index, float right, const Snapshot& snapshot, ViewStat
   if (state.with_playback && ImGui::IsItemClicked())
     state.act(Action::Type::select_detector, static_cast<std::int64_t>(index));
   const auto output = std::ranges::find(snapshot.outputs, detector.name, &DetectorOutput::name);
+  if (output != snapshot.outputs.end() && !output->failure.empty()) {
+    ImGui::SameLine(right - ImGui::CalcTextSize("ended").x);
+    ImGui::AlignTextToFramePadding();
+    draw_problem("ended");
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", output->failure.c_str());
+    return;
+  }
   if (output == snapshot.outputs.end() || !output->tick.observed) return;
   const bool accepted = output->tick.estimate.score >= output->threshold;
   const std::string text =

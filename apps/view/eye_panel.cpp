@@ -1,11 +1,29 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <numbers>
+#include <utility>
+
 #include "apps/view/colours.h"
 #include "apps/view/panel.h"
 #include "apps/view/panels.h"
 
 namespace saccade::inline v0_1 {
 namespace {
+
+/// A true circle: dashes of at least 5 px with gaps as long.
+void dashed_circle(ImDrawList& draw, const ImVec2& centre, float radius) {
+  constexpr float shortest_px = 5.0F;
+  const int dashes = std::clamp(static_cast<int>(std::numbers::pi_v<float> * radius / shortest_px), 4, 24);
+  const float step = 2.0F * std::numbers::pi_v<float> / static_cast<float>(dashes);
+  for (int i = 0; i < dashes; ++i) {
+    const float from = step * static_cast<float>(i);
+    for (const auto& [colour, width] : {std::pair{colours::rim, 4.0F}, {colours::truth, 2.0F}}) {
+      draw.PathArcTo(centre, radius, from, from + 0.5F * step, 8);
+      draw.PathStroke(colour, 0, width);
+    }
+  }
+}
 
 /// Circles, gaze target and optical axis over the eye's image at `at`.
 void draw_marks(const Area& at, const Snapshot& snapshot, const ViewState& state) {
@@ -19,20 +37,21 @@ void draw_marks(const Area& at, const Snapshot& snapshot, const ViewState& state
   const auto circle = [&](const Circle& c, ImU32 colour, float width) {
     draw.AddCircle(place(c.x_px, c.y_px), scale * static_cast<float>(c.r_px), colour, 64, width);
   };
+  for (const DetectorOutput& output : snapshot.outputs) {
+    if (!state.with_circles || !output.tick.observed || output.tick.estimate.score < output.threshold)
+      continue;
+    circle(output.tick.estimate.circle, colours::detector(output.name),
+           &output == snapshot.selected_output() ? 2.6F : 1.4F);
+  }
+  // Over the detections, which show through its gaps where they lie on it.
   if (snapshot.truth && snapshot.truth->circle) {
-    circle(*snapshot.truth->circle, colours::rim, 4.0F);
-    circle(*snapshot.truth->circle, colours::truth, 1.6F);
+    const Circle& c = *snapshot.truth->circle;
+    dashed_circle(draw, place(c.x_px, c.y_px), scale * static_cast<float>(c.r_px));
   }
   if (snapshot.truth && snapshot.truth->box_px) {
     const auto& [from, to] = *snapshot.truth->box_px;
     for (const auto& [colour, width] : {std::pair{colours::rim, 4.0F}, {colours::truth, 1.6F}})
       draw.AddRect(place(from.x(), from.y()), place(to.x(), to.y()), colour, 0.0F, 0, width);
-  }
-  for (const DetectorOutput& output : snapshot.outputs) {
-    if (!state.with_circles || !output.tick.observed || output.tick.estimate.score < output.threshold)
-      continue;
-    circle(output.tick.estimate.circle, colours::detector(state.settings, output.name),
-           &output == snapshot.selected_output() ? 2.6F : 1.4F);
   }
   if (snapshot.truth && snapshot.truth->target_px) {
     const ImVec2 c = place(snapshot.truth->target_px->x(), snapshot.truth->target_px->y());

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/view/panel.h"
+#include "core/error.h"
+
 namespace saccade::inline v0_1 {
 namespace {
 
@@ -30,6 +33,34 @@ bool FieldEditor::end() {
   return changed_;
 }
 
+bool FieldEditor::settled(std::string_view key, bool changed, std::vector<double>& wanted) {
+  const std::string path = path_ + "." + std::string(key);
+  if (ImGui::IsItemActive() && ImGui::GetIO().WantTextInput) {
+    if (changed) {
+      typed_path_ = path;
+      typed_ = wanted;
+    }
+    return false;
+  }
+  if (typed_path_ != path || !ImGui::IsItemDeactivated()) return changed;
+  typed_path_.clear();
+  if (ImGui::IsKeyPressed(ImGuiKey_Escape)) return false;
+  wanted = typed_;
+  return true;
+}
+
+bool FieldEditor::accept(std::string_view key, bool edited, bool valid, const std::string& found,
+                         const std::string& expected) {
+  const std::string path = path_ + "." + std::string(key);
+  if (edited) {
+    rejected_path_ = valid ? std::string() : path;
+    problem_ = Problem{std::string(key), found, expected}.text();
+    changed_ = changed_ || valid;
+  }
+  if (path == rejected_path_) draw_problem(problem_);
+  return edited && valid;
+}
+
 void FieldEditor::label(std::string_view key, std::string_view doc) {
   ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted(key.data(), key.data() + key.size());
@@ -50,14 +81,14 @@ void FieldEditor::real(std::string_view key, double& value, Range range, std::st
   const std::string id = "##" + std::string(key);
   const Range slider = sensible(key, value, range);
   label(key, doc);
-  double wanted = value;
-  if (ImGui::SliderScalar(id.c_str(), ImGuiDataType_Double, &wanted, &slider.min, &slider.max,
-                          format_of(slider.max - slider.min)) &&
-      range.contains(wanted) && wanted != value) {
-    value = wanted;
-    changed_ = true;
-  }
+  std::vector<double> wanted = {value};
+  const bool changed = ImGui::SliderScalar(id.c_str(), ImGuiDataType_Double, wanted.data(), &slider.min,
+                                           &slider.max, format_of(slider.max - slider.min));
+  const bool edited = settled(key, changed, wanted) && wanted.front() != value;
   explain(doc);
+  if (accept(key, edited, range.contains(wanted.front()), text_of(wanted.front()),
+             expectation_of(range, "a number")))
+    value = wanted.front();
 }
 
 void FieldEditor::integer(std::string_view key, std::int64_t& value, Range range, std::string_view doc) {
@@ -68,12 +99,13 @@ void FieldEditor::integer(std::string_view key, std::int64_t& value, Range range
   const auto max = static_cast<std::int64_t>(slider.max);
   label(key, doc);
   std::int64_t wanted = value;
-  if (ImGui::SliderScalar(id.c_str(), ImGuiDataType_S64, &wanted, &min, &max) &&
-      range.contains(static_cast<double>(wanted)) && wanted != value) {
-    value = wanted;
-    changed_ = true;
-  }
+  const bool changed = ImGui::SliderScalar(id.c_str(), ImGuiDataType_S64, &wanted, &min, &max);
+  std::vector<double> number = {static_cast<double>(wanted)};
+  const bool edited = settled(key, changed, number) && number.front() != static_cast<double>(value);
   explain(doc);
+  if (accept(key, edited, range.contains(number.front()), text_of(number.front()),
+             expectation_of(range, "a whole number")))
+    value = static_cast<std::int64_t>(number.front());
 }
 
 void FieldEditor::boolean(std::string_view key, bool& value, std::string_view doc) {
@@ -105,15 +137,20 @@ void FieldEditor::numbers(std::string_view key, std::span<double> values, Range 
   label(key, doc);
   std::vector<double> wanted(values.begin(), values.end());
   const auto speed = static_cast<float>(0.02 * std::max(1.0, std::abs(values.back())));
-  if (ImGui::DragScalarN(("##" + std::string(key)).c_str(), ImGuiDataType_Double, wanted.data(),
-                         static_cast<int>(wanted.size()), speed, &range.min, &range.max, "%.0f")) {
-    for (double& number : wanted) number = std::round(number);
-    if (!std::ranges::equal(wanted, values) && std::ranges::is_sorted(wanted)) {
-      std::ranges::copy(wanted, values.begin());
-      changed_ = true;
-    }
-  }
+  const bool moved =
+      ImGui::DragScalarN(("##" + std::string(key)).c_str(), ImGuiDataType_Double, wanted.data(),
+                         static_cast<int>(wanted.size()), speed, &range.min, &range.max, "%.0f");
+  const bool edited = settled(key, moved, wanted);
   explain(doc);
+  std::string found;
+  for (double& number : wanted) {
+    number = std::round(number);
+    found += (found.empty() ? "[" : ", ") + text_of(number);
+  }
+  const bool in_range = std::ranges::all_of(wanted, [&](double number) { return range.contains(number); });
+  if (accept(key, edited && !std::ranges::equal(wanted, values), in_range && std::ranges::is_sorted(wanted),
+             found + "]", expectation_of(range, "numbers") + ", in ascending order"))
+    std::ranges::copy(wanted, values.begin());
 }
 
 void FieldEditor::section(std::string_view key, const std::function<void(FieldVisitor&)>& describe_section,

@@ -78,6 +78,10 @@ void LoopHistory::fill(Snapshot& snapshot, const Loop& loop) const {
   for (const auto& input : inputs_)
     snapshot.events.insert(snapshot.events.end(), input->events.begin(), input->events.end());
   snapshot.outputs = outputs_;
+  for (DetectorOutput& output : snapshot.outputs) {
+    const auto detector = std::ranges::find(loop.detectors(), output.name, &LoopDetector::name);
+    if (detector != loop.detectors().end()) output.failure = detector->detector->failure();
+  }
   snapshot.selected = selected_;
   snapshot.truth = truth_;
   snapshot.phase = phase_;

@@ -14,6 +14,14 @@ Panel::Panel(const char* name, const Area& area, bool scrolls) {
                    (scrolls ? 0 : ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse));
 }
 
+void draw_problem(const std::string& text) {
+  ImGui::PushStyleColor(ImGuiCol_Text, colours::problem);
+  ImGui::PushTextWrapPos(0.0F);
+  ImGui::TextUnformatted(text.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::PopStyleColor();
+}
+
 void draw_caption(const Area& area, const std::string& text) {
   ImGui::GetWindowDrawList()->AddText({area.x + 8.0F, area.y + 4.0F}, ImGui::GetColorU32(ImGuiCol_Text),
                                       text.c_str());

@@ -18,6 +18,9 @@ class Panel {
   Panel& operator=(const Panel&) = delete;
 };
 
+/// What was rejected or has ended, wrapped at the panel's width.
+void draw_problem(const std::string& text);
+
 /// Draws the caption of a panel.
 void draw_caption(const Area& area, const std::string& text);
 

@@ -50,7 +50,7 @@ class HoughPanel {
 class PlotsPanel {
  public:
   explicit PlotsPanel(Window& window) : texture_(window, false) {}
-  void draw(const Area& area, const Snapshot& snapshot, const ViewState& state);
+  void draw(const Area& area, const Snapshot& snapshot);
 
  private:
   Window::Texture texture_;

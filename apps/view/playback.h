@@ -22,10 +22,10 @@ class Playback {
   /// Does the next tick. False, and nothing happens, at the end.
   virtual bool tick() = 0;
   /// Restores the latest checkpoint before t_us, or goes on from now where that is nearer. Ticking on from there
-  /// reproduces the original run.
+  /// reproduces the original run. Throws what a detector or a controller throws that is made again, and nothing changes.
   virtual void restore_before(std::int64_t t_us) = 0;
   /// Takes effect from the next tick on. A detector that is new or has another configuration first processes the events
-  /// of the last Snapshot::events_us. Throws InputError, and nothing changes.
+  /// of the last Snapshot::events_us. Throws InputError, or what a detector or a controller throws, and nothing changes.
   virtual void apply(const ViewSettings& settings) = 0;
   /// Fills all of a snapshot but playing, seeking, speed, request and problem.
   virtual void fill(Snapshot& snapshot) = 0;

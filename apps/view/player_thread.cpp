@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 namespace saccade::inline v0_1 {
 namespace {
@@ -35,6 +36,7 @@ void PlayerThread::request(Change change) {
     const std::lock_guard lock(mutex_);
     change(requests_);
     ++requests_.number;
+    kept_settings_.reset();
   }
   changed_.notify_all();
 }
@@ -59,6 +61,11 @@ void PlayerThread::step(std::int64_t by_us) {
 }
 void PlayerThread::apply(const ViewSettings& settings) {
   request([&](Requests& r) { r.settings = settings; });
+}
+
+std::optional<ViewSettings> PlayerThread::take_kept_settings() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(kept_settings_, std::nullopt);
 }
 
 bool PlayerThread::ready() {
@@ -128,8 +135,10 @@ void PlayerThread::apply_requests() {
     try {
       playback_->apply(*requests.settings);
       problem_.clear();
-    } catch (const InputError& error) {
+    } catch (const std::exception& error) {  // also of a detector's or a controller's own program
       problem_ = error.what();
+      const std::lock_guard lock(mutex_);
+      if (requests_.number == applied_) kept_settings_ = playback_->settings();
     }
   }
   playing_ = requests.playing;
@@ -143,7 +152,14 @@ void PlayerThread::apply_requests() {
   constexpr std::int64_t tick_us = Playback::tick_us;
   seek_us_ = history.start_us() + (*seek_us_ - history.start_us()) / tick_us * tick_us;
   seek_us_ = std::clamp(*seek_us_, history.start_us() + tick_us, history.end_us());
-  if (*seek_us_ != history.now_us()) playback_->restore_before(*seek_us_);
+  if (*seek_us_ == history.now_us()) return;
+  try {
+    playback_->restore_before(*seek_us_);
+    if (!requests.settings) problem_.clear();
+  } catch (const std::exception& error) {
+    problem_ = error.what();
+    seek_us_.reset();
+  }
 }
 
 void PlayerThread::advance_to(std::int64_t t_us) {

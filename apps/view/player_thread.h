@@ -35,6 +35,8 @@ class PlayerThread {
   /// Pauses and moves on by so much; back where it is negative.
   void step(std::int64_t by_us);
   void apply(const ViewSettings& settings);
+  /// Once after the newest request could not be applied: the settings that go on. Snapshot::problem has the reason.
+  [[nodiscard]] std::optional<ViewSettings> take_kept_settings();
   [[nodiscard]] std::uint64_t last_request() const { return requests_.number; }
 
   /// Whether the playback has been made. Throws what ended the thread.
@@ -70,6 +72,7 @@ class PlayerThread {
   bool ready_ = false;
   bool closing_ = false;
   std::exception_ptr failure_;
+  std::optional<ViewSettings> kept_settings_;
   SnapshotChannel channel_;
   // Of the thread:
   std::unique_ptr<Playback> playback_;

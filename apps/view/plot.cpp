@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <utility>
+#include <vector>
 
 namespace saccade::inline v0_1 {
 namespace {
@@ -50,6 +52,40 @@ std::vector<float> columns_of(const PlotCurve& curve, const Snapshot& snapshot, 
 cv::Scalar scalar(ImU32 colour) {
   return {static_cast<double>(colour & 0xffU), static_cast<double>((colour >> 8U) & 0xffU),
           static_cast<double>((colour >> 16U) & 0xffU)};
+}
+
+/// Names of the curves in their colours: beside the title, or in rows inside the plot where there is no room.
+void draw_legend(const Plot& plot, const Area& area, const Area& box) {
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  constexpr float between = 7.0F;
+  const float row_height = ImGui::GetFontSize() + 1.0F;
+  const auto width_of = [](const std::string& text) { return ImGui::CalcTextSize(text.c_str()).x; };
+  float all = 0.0F;
+  for (const PlotCurve& curve : plot.curves) all += width_of(curve.name) + between;
+  if (width_of(plot.title) + between + all < area.width) {
+    float x = box.x + box.width - all + between;
+    for (const PlotCurve& curve : plot.curves) {
+      draw.AddText({x, area.y}, curve.colour, curve.name.c_str());
+      x += width_of(curve.name) + between;
+    }
+    return;
+  }
+  std::vector<std::pair<float, float>> places;  // from the left of the box, and below its top
+  float x = 4.0F;
+  float y = 1.0F;
+  for (const PlotCurve& curve : plot.curves) {
+    const float width = width_of(curve.name);
+    if (x > 4.0F && x + width > box.width) {
+      x = 4.0F;
+      y += row_height;
+    }
+    places.emplace_back(x, y);
+    x += width + between;
+  }
+  draw.AddRectFilled({box.x, box.y}, {box.x + box.width, box.y + y + row_height}, IM_COL32(22, 22, 24, 200));
+  for (std::size_t i = 0; i < places.size(); ++i)
+    draw.AddText({box.x + places[i].first, box.y + places[i].second}, plot.curves[i].colour,
+                 plot.curves[i].name.c_str());
 }
 
 }  // namespace
@@ -150,25 +186,7 @@ void draw_plot(const Plot& plot, const Area& area, const Snapshot& snapshot, cv:
     flush();
   }
 
-  // The legend: beside the title, or inside the plot where there is no room.
-  constexpr float between = 7.0F;
-  float width = 0.0F;
-  for (const PlotCurve& curve : plot.curves) {
-    if (!curve.name.empty()) width += ImGui::CalcTextSize(curve.name.c_str()).x + between;
-  }
-  const bool beside = ImGui::CalcTextSize(plot.title.c_str()).x + between + width < area.width;
-  float x = box.x + box.width - width + between;
-  const float y = beside ? corner.y : box.y + 1.0F;
-  if (!beside) {
-    draw.AddRectFilled({x - 4.0F, box.y}, {box.x + box.width, box.y + font + 4.0F},
-                       IM_COL32(22, 22, 24, 200));
-    x -= 3.0F;
-  }
-  for (const PlotCurve& curve : plot.curves) {
-    if (curve.name.empty()) continue;
-    draw.AddText({x, y}, curve.colour, curve.name.c_str());
-    x += ImGui::CalcTextSize(curve.name.c_str()).x + between;
-  }
+  draw_legend(plot, area, box);
 }
 
 }  // namespace saccade::inline v0_1

@@ -18,7 +18,7 @@ struct PlotCurve {
     dots,
     mean,  ///< a line through the mean of each pixel column
   };
-  std::string name;         ///< in the legend; empty: not there
+  std::string name;         ///< in the legend
   unsigned int colour = 0;  ///< ImU32
   Style style = Style::line;
   std::function<float(const PlotSample&)> value;  ///< NaN: no value

@@ -28,12 +28,12 @@ Plot position_plot(std::size_t axis, const Snapshot& snapshot, ImU32 detected, b
   return plot;
 }
 
-Plot score_plot(ImU32 detected) {
+Plot score_plot(ImU32 detected, const std::string& detector) {
   Plot plot;
   plot.title = "score";
   plot.high = 0.1;
   plot.curves = {{"threshold", colours::threshold, line, [](const PlotSample& s) { return s.threshold; }},
-                 {"", detected, dots, [](const PlotSample& s) { return s.score; }}};
+                 {detector, detected, dots, [](const PlotSample& s) { return s.score; }}};
   return plot;
 }
 
@@ -41,7 +41,7 @@ Plot event_rate_plot() {
   Plot plot;
   plot.title = "events, 1000/s";
   plot.high = 10.0;
-  plot.curves = {{"", IM_COL32(190, 190, 196, 255), mean, [](const PlotSample& s) { return s.events; }}};
+  plot.curves = {{"mean", IM_COL32(190, 190, 196, 255), mean, [](const PlotSample& s) { return s.events; }}};
   return plot;
 }
 
@@ -49,14 +49,13 @@ Plot gaze_error_plot() {
   Plot plot;
   plot.title = "gaze error, deg";
   plot.high = 4.0;
-  plot.curves = {{"", colours::gaze, line, [](const PlotSample& s) { return s.gaze_error_deg; }},
-                 {"2", colours::dim, line, [](const PlotSample&) { return 2.0F; }}};
+  plot.curves = {{"error", colours::gaze, line, [](const PlotSample& s) { return s.gaze_error_deg; }},
+                 {"on target", colours::dim, line, [](const PlotSample&) { return 2.0F; }}};
   return plot;
 }
 
-/// The label of a joint in the plot: short for the iCub's, none for two that are mostly at the same place as others.
+/// The label of a joint in the plot: short for the iCub's.
 std::string label_of(const std::string& joint) {
-  if (joint == "neck_roll" || joint == "eyes_vergence") return {};
   if (joint == "eyes_version") return "pan";
   for (const std::string_view part : {"neck_", "eyes_"}) {
     if (joint.starts_with(part)) return joint.substr(part.size());
@@ -80,18 +79,17 @@ Plot joints_plot(const std::vector<std::string>& names) {
 }
 
 /// The plots that have values.
-std::vector<Plot> plots_of(const Snapshot& snapshot, const ViewState& state) {
+std::vector<Plot> plots_of(const Snapshot& snapshot) {
   const auto has = [&](const auto& value) {
     return std::ranges::any_of(snapshot.samples,
                                [&](const PlotSample& s) { return std::isfinite(value(s)); });
   };
   const bool truth = has([](const PlotSample& s) { return s.truth_px[0]; });
-  const ImU32 detected = snapshot.selected_output() != nullptr
-                             ? colours::detector(state.settings, snapshot.selected_output()->name)
-                             : colours::white;
+  const DetectorOutput* const selected = snapshot.selected_output();
+  const ImU32 detected = selected != nullptr ? colours::detector(selected->name) : colours::white;
   std::vector<Plot> plots;
   for (const std::size_t axis : {0U, 1U}) plots.push_back(position_plot(axis, snapshot, detected, truth));
-  plots.push_back(score_plot(detected));
+  plots.push_back(score_plot(detected, selected != nullptr ? selected->name : std::string()));
   plots.push_back(event_rate_plot());
   if (has([](const PlotSample& s) { return s.gaze_error_deg; })) plots.push_back(gaze_error_plot());
   if (!snapshot.joint_names.empty()) plots.push_back(joints_plot(snapshot.joint_names));
@@ -100,9 +98,9 @@ std::vector<Plot> plots_of(const Snapshot& snapshot, const ViewState& state) {
 
 }  // namespace
 
-void PlotsPanel::draw(const Area& area, const Snapshot& snapshot, const ViewState& state) {
+void PlotsPanel::draw(const Area& area, const Snapshot& snapshot) {
   const Panel panel("plots", area);
-  const std::vector<Plot> plots = plots_of(snapshot, state);
+  const std::vector<Plot> plots = plots_of(snapshot);
   // Text over the curves.
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   draw.ChannelsSplit(2);

@@ -128,6 +128,10 @@ class RecordingPlayback final : public Playback, private LoopObserver {
   }
 
   void restore(const Checkpoint& checkpoint) {
+    std::vector<LoopDetector> detectors = copies(checkpoint.detectors);
+    if (detectors.empty()) detectors = make_detectors(settings_.enabled(), camera_.camera);
+    std::optional<RecordedHead> head;
+    if (has_head_) head = recorded_head(folder_);
     session_.reset();
     loop_.reset();
     history_ = checkpoint.history;
@@ -135,14 +139,10 @@ class RecordingPlayback final : public Playback, private LoopObserver {
     const auto next = now_us == history_.start_us()
                           ? events_.begin()
                           : std::ranges::upper_bound(events_, now_us, {}, &Event::t_us);
-    std::optional<RecordedHead> head;
-    if (has_head_) head = recorded_head(folder_);
     robot_ = std::make_unique<ReplayRobot>(
         std::make_unique<MemoryReader>(std::span<const Event>(next, events_.end()), camera_.camera.size),
         std::move(head));
     robot_->wait_until(now_us);
-    std::vector<LoopDetector> detectors = copies(checkpoint.detectors);
-    if (detectors.empty()) detectors = make_detectors(settings_.enabled(), camera_.camera);
     loop_.emplace(*robot_, camera_, std::move(detectors), std::nullopt, eye_);
     session_.emplace(*robot_, *loop_).add_observer(*this);
     reproducible_ = true;

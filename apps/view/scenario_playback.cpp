@@ -92,10 +92,14 @@ class ScenarioPlayback final : public Playback, private LoopObserver {
     Scenario scenario = with_gaze(settings_);
     scenario.detectors = settings_.enabled();
     if (has_driver()) scenario.gaze.detector = settings_.selected_name();
+    std::vector<LoopDetector> detectors = make_detectors(scenario.detectors, scenario.calibration.camera);
+    std::optional<LoopGaze> gaze;
+    if (robot_) gaze = make_gaze(scenario, robot_->limits());
     session_.reset();
     loop_.reset();
     robot_ = std::make_unique<SimRobot>(scenario.sim, static_cast<std::uint64_t>(scenario.seed));
-    loop_.emplace(make_loop(scenario, *robot_));
+    if (!model_) gaze = make_gaze(scenario, robot_->limits());  // for the first time
+    loop_.emplace(make_loop(scenario, *robot_, std::move(detectors), std::move(gaze)));
     session_.emplace(*robot_, *loop_).add_observer(*this);
     history_ = empty_history();
   }

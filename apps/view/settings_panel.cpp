@@ -1,6 +1,7 @@
 #include "apps/view/settings_panel.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "apps/view/own_detector.h"
 #include "apps/view/panel.h"
@@ -61,23 +62,21 @@ void SettingsPanel::draw(const Area& area, const Snapshot& snapshot, ViewState& 
     draw_display_settings(snapshot, state);
     return;
   }
-  draw_configuration(state);
+  draw_configuration(snapshot, state);
   ImGui::Dummy({0.0F, 4.0F});
   draw_display_settings(snapshot, state);
-  if (!snapshot.problem.empty()) {
-    ImGui::Dummy({0.0F, 4.0F});
-    ImGui::PushStyleColor(ImGuiCol_Text, {1.0F, 0.5F, 0.42F, 1.0F});
-    ImGui::TextWrapped("Rejected: %s", snapshot.problem.c_str());
-    ImGui::PopStyleColor();
-  }
 }
 
-void SettingsPanel::draw_configuration(ViewState& state) {
+void SettingsPanel::draw_configuration(const Snapshot& snapshot, ViewState& state) {
   ViewSettings& settings = state.settings;
   ImGui::TextUnformatted(settings.gate ? "Detector that drives the gaze" : "Selected detector");
   ImGui::Separator();
   draw_detector_choice(detectors_, state);
   draw_own_detector(state);
+  if (!snapshot.problem.empty()) draw_problem("Rejected: " + snapshot.problem);
+  if (const DetectorOutput* output = snapshot.selected_output();
+      output != nullptr && !output->failure.empty())
+    draw_problem("Ended: " + output->failure);
   bool changed = false;
   ImGui::PushStyleVar(ImGuiStyleVar_IndentSpacing, 8.0F);
   if (ViewDetector* selected = settings.selected_detector())
@@ -95,6 +94,12 @@ void SettingsPanel::draw_configuration(ViewState& state) {
 
 void SettingsPanel::draw_own_detector(ViewState& state) {
   ViewSettings& settings = state.settings;
+  // A detector that could not be made has left the list: its text is there again, to be corrected.
+  if (!tried_name_.empty() &&
+      std::ranges::find(settings.detectors, tried_name_, &ViewDetector::name) == settings.detectors.end()) {
+    if (own_[0] == '\0') own_ = tried_;
+    tried_name_.clear();
+  }
   ImGui::SetNextItemWidth(-1.0F);
   const bool entered = ImGui::InputTextWithHint("##own", "add FILE.py:CLASS or a program", own_.data(),
                                                 own_.size(), ImGuiInputTextFlags_EnterReturnsTrue);
@@ -104,13 +109,14 @@ void SettingsPanel::draw_own_detector(ViewState& state) {
     try {
       settings.detectors.push_back(own_detector(detectors_, own_.data(), settings.detectors));
       state.act(Action::Type::select_detector, static_cast<std::int64_t>(settings.detectors.size()) - 1);
-      own_.fill('\0');
+      tried_name_ = settings.detectors.back().name;
+      tried_ = std::exchange(own_, {});
       own_problem_.clear();
     } catch (const InputError& error) {
       own_problem_ = error.what();
     }
   }
-  if (!own_problem_.empty()) ImGui::TextWrapped("%s", own_problem_.c_str());
+  if (!own_problem_.empty()) draw_problem(own_problem_);
 }
 
 }  // namespace saccade::inline v0_1

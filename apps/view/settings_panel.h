@@ -21,14 +21,16 @@ class SettingsPanel {
   void draw(const Area& area, const Snapshot& snapshot, ViewState& state);
 
  private:
-  void draw_configuration(ViewState& state);
+  void draw_configuration(const Snapshot& snapshot, ViewState& state);
   /// The field for the file of a detector outside of this program.
   void draw_own_detector(ViewState& state);
 
   DetectorRegistry detectors_;
   FieldEditor editor_;
-  std::array<char, 512> own_{};  ///< what the user has typed into the field
-  std::string own_problem_;      ///< why it was rejected
+  std::array<char, 512> own_{};    ///< what the user has typed into the field
+  std::array<char, 512> tried_{};  ///< what was entered last, and the name of its detector
+  std::string tried_name_;
+  std::string own_problem_;  ///< why it was rejected
 };
 
 }  // namespace saccade::inline v0_1

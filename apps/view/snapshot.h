@@ -41,6 +41,7 @@ struct DetectorOutput {
   std::string name;
   DetectorTick tick;
   double threshold = 0.0;
+  std::string failure = {};  ///< why the detector has ended, Detector::failure(); empty: it has not
 };
 
 /// Ground truth and gaze target of an instant, for display alone.

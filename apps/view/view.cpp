@@ -144,7 +144,7 @@ void View::Parts::draw(double wait_s, double min_scene_period_s) {
   hough.draw(layout.hough, snapshot);
   draw_detectors_panel(layout.detectors, snapshot, state);
   settings.draw(layout.settings, snapshot, state);
-  plots.draw(layout.plots, snapshot, state);
+  plots.draw(layout.plots, snapshot);
   timeline.draw(layout, snapshot, state);
   draw_help(window.width(), window.height(), state);
   draw_question(window.width(), window.height(), state);
@@ -196,6 +196,7 @@ void View::show(PlayerThread& player) {
     }
     const bool taken = player.take(parts.snapshot);
     if (taken) parts.set_snapshot_taken();
+    if (auto kept = player.take_kept_settings()) parts.state.settings = std::move(*kept);
     if (!parts.has_snapshot) {
       parts.draw_waiting(ready ? 0.002 : still_period_s);
       continue;

@@ -69,9 +69,8 @@ std::vector<DrawnDetector> drawn_detectors(const std::vector<ComparedRun>& runs)
       if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
     }
   }
-  const std::vector<Colour> colours = detector_colours(names);
   std::vector<DrawnDetector> drawn;
-  for (std::size_t i = 0; i < names.size(); ++i) drawn.push_back({names[i], colours[i]});
+  for (const std::string& name : names) drawn.push_back({name, detector_colour(name)});
   return drawn;
 }
 

@@ -146,7 +146,6 @@ std::string bode_figure(const char* name, const char* title, std::span<const Eye
   if (curves.empty()) return {};
   std::vector<std::string> labels;
   for (const auto& curve : curves) labels.push_back(curve.first);
-  const std::vector<Colour> colours = detector_colours(labels);
   GnuplotFigure figure(name, width, 430);
   figure.set_over_x();
   for (const bool gain : {true, false}) {
@@ -155,8 +154,9 @@ std::string bode_figure(const char* name, const char* title, std::span<const Eye
       std::vector<Point> points;
       for (const auto& [hz, transfer] : curves[labels[i]])
         points.push_back({hz, gain ? transfer->gain : transfer->phase_deg});
-      series.push_back(
-          {.title = labels[i], .style = line_style(colours[i], 1.6), .points = std::move(points)});
+      series.push_back({.title = labels[i],
+                        .style = line_style(detector_colour(labels[i]), 1.6),
+                        .points = std::move(points)});
     }
     figure.add_panel({.x_label = "frequency [Hz]",
                       .y_label = gain ? "gain" : "phase [deg]",

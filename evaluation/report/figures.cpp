@@ -12,12 +12,6 @@ namespace saccade::inline v0_1 {
 
 using namespace figure_parts;
 
-std::vector<Colour> detector_colours(const Metrics& metrics) {
-  std::vector<std::string> names;
-  for (const auto& [name, score] : metrics.detectors) names.push_back(name);
-  return detector_colours(names);
-}
-
 Figure tracking_figure(std::string_view name, std::span<const TruthRow> truth,
                        std::span<const DetectionRow> detections, std::string_view detector, double threshold,
                        Colour colour, bool sparse, std::int64_t start_us) {
@@ -63,14 +57,12 @@ Figure tracking_figure(std::string_view name, std::span<const TruthRow> truth,
 
 Figure precision_recall_figure(std::string_view name, const Metrics& metrics) {
   std::vector<Series> series;
-  const std::vector<Colour> colours = detector_colours(metrics);
-  for (std::size_t i = 0; i < metrics.detectors.size(); ++i) {
-    const auto& [detector, score] = metrics.detectors[i];
-    series.push_back(
-        {.title = detector, .style = line_style(colours[i], 2.0), .points = curve_points(score)});
+  for (const auto& [detector, score] : metrics.detectors) {
+    const Colour colour = detector_colour(detector);
+    series.push_back({.title = detector, .style = line_style(colour, 2.0), .points = curve_points(score)});
     if (score.recall && score.precision) {
       series.push_back({.title = detector + ", its threshold",
-                        .style = square_style(colours[i]),
+                        .style = square_style(colour),
                         .points = {{*score.recall, *score.precision, score.threshold}},
                         .in_key = false});
     }
@@ -94,10 +86,9 @@ constexpr double frame_camera_hz = 30.0;
 /// The highest rate of a 30 Hz camera, where no detector is one.
 void add_frame_camera(std::vector<Series>& series, bool simulated, double from, double to) {
   if (simulated) return;
-  series.push_back(
-      {.title = "30 Hz frames at best",
-       .style = fmt::format("lines lw 1.6 dt 2 lc rgb '{}'", hex(detector_colour(std::string(frame_camera)))),
-       .points = {{.x = from, .y = frame_camera_hz}, {.x = to, .y = frame_camera_hz}}});
+  series.push_back({.title = "30 Hz frames at best",
+                    .style = fmt::format("lines lw 1.6 dt 2 lc rgb '{}'", hex(detector_colour(frame_camera))),
+                    .points = {{.x = from, .y = frame_camera_hz}, {.x = to, .y = frame_camera_hz}}});
 }
 
 /// Counts per second in the whole 100 ms bins from `first_us` on; a bin nobody looked into is a gap.
@@ -184,11 +175,10 @@ Figure rates_figure(std::string_view name, const EventCounts* events, std::span<
   const bool scored = !truth.empty() && !found.empty();
   SACCADE_CHECK(found.empty() || found.size() == metrics.detectors.size());
   std::vector<Series> rates;
-  const std::vector<Colour> colours = detector_colours(metrics);
   for (std::size_t i = 0; i < metrics.detectors.size(); ++i) {
     const auto& [detector, score] = metrics.detectors[i];
     rates.push_back({.title = detector,
-                     .style = line_style(colours[i]),
+                     .style = line_style(detector_colour(detector)),
                      .points = scored ? detection_rate(truth, found[i], start_us)
                                       : accepted_rate(detections, detector, score.threshold, start_us,
                                                       metrics.duration_s)});

@@ -21,9 +21,6 @@ namespace saccade::inline v0_1 {
 
 inline constexpr std::size_t max_figure_points = 1200;
 
-/// The colours of a run's detectors, in the order of `metrics`.
-[[nodiscard]] std::vector<Colour> detector_colours(const Metrics& metrics);
-
 /// x, y and r over time: truth as a line, the detector's observations at or above its threshold as dots.
 /// Annotated truth (`sparse`) is drawn as circles, not joined.
 [[nodiscard]] Figure tracking_figure(std::string_view name, std::span<const TruthRow> truth,

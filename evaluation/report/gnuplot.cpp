@@ -182,16 +182,23 @@ GnuplotFigure::GnuplotFigure(std::string_view name, int width, int height)
 
 Figure GnuplotFigure::draw(std::string_view layout) const {
   const std::string terminal = fmt::format(
-      "set terminal svg size {},{} dynamic noenhanced font 'sans-serif,13' name {} "
+      "set terminal svg size {},{} dynamic noenhanced font 'sans-serif,{}' name {} "
       "background rgb 'white'\n",
-      width_, height_, gnuplot_quoted(name_));
+      width_, height_, font, gnuplot_quoted(name_));
   const std::string drawing = run_gnuplot(terminal + script(layout));
+  std::vector<std::string> key;
+  if (!panels_.empty()) {
+    for (const Series& s : panels_.front().series) {
+      if (s.in_key && !s.points.empty()) key.push_back(s.title);
+    }
+  }
   if (!drawing.ends_with("</svg>\n\n")) throw RunError("figures: gnuplot left a part of " + name_);
   return {.name = name_,
           .svg = page_svg(drawing, name_),
           .csv = csv(),
           .data = data(),
           .script = script(layout),
+          .key = std::move(key),
           .panels = panels_.size(),
           .height_share = static_cast<double>(height_) / width_};
 }
@@ -263,7 +270,9 @@ std::string GnuplotFigure::script(std::string_view layout) const {
     if (plot.empty()) plot = "[0:1][0:1] -1 notitle";
     plots += fmt::format("set xlabel {}\nset ylabel {}\n", gnuplot_quoted(panel.x_label),
                          gnuplot_quoted(panel.y_label));
-    if (!panel.title.empty()) plots += fmt::format("set title {} font ',11'\n", gnuplot_quoted(panel.title));
+    if (!panel.title.empty())
+      plots +=
+          fmt::format("set title {} font ',{}'\n", gnuplot_quoted(panel.title), GnuplotFigure::small_font);
     if (!panel.x_words.empty()) {
       std::string tics;
       for (const auto& [x, word] : panel.x_words)

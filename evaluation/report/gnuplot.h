@@ -17,7 +17,8 @@ struct Figure {
   /// y_range, log_x, x_words, bands, series of {title, colour, width, dashed, lines, points, in_key, x, y}}; null in y is a
   /// gap. Thinned as the drawing is.
   std::string data;
-  std::string script;  ///< gnuplot's text without `set terminal`, to draw it once more
+  std::string script;            ///< gnuplot's text without `set terminal`, to draw it once more
+  std::vector<std::string> key;  ///< of the first panel: the titles of the series that a key names
   std::size_t panels = 1;
   double height_share = 0.5;  ///< height over width of the drawing
 };
@@ -26,6 +27,10 @@ struct Figure {
 /// nothing that a recording or a scenario holds can become a command.
 class GnuplotFigure {
  public:
+  /// Sizes of the page's drawing; another drawing of the script has its own, and small_font in the same ratio.
+  static constexpr int font = 13;
+  static constexpr int small_font = 11;  ///< of titles
+
   GnuplotFigure(std::string_view name, int width, int height);
 
   /// One point; NaN in x or y makes a gap in a line.

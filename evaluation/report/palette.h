@@ -1,17 +1,15 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace saccade::inline v0_1 {
 
 /// The colours of events, truth, detectors and gaze, the same in the window, in reports and in figures.
 ///
 /// Most are those of M. Okabe and K. Ito, "Color Universal Design" (2008), which people with any kind of colour vision
-/// can tell apart; the others are from P. Tol's "muted" scheme. All are visible on white and on black.
+/// can tell apart, or from P. Tol's "muted" scheme. All are visible on white and on black.
 
 struct Colour {
   std::uint8_t red = 0;
@@ -26,12 +24,9 @@ inline constexpr Colour truth_colour{0x00, 0x9e, 0x73};        ///< the true bal
 inline constexpr Colour gaze_colour{0x7b, 0x6c, 0xd9};         ///< where the gaze is: violet
 inline constexpr Colour gaze_target_colour{0xaa, 0x44, 0x99};  ///< where the gaze is to go: purple
 
-/// The colours of detectors, by name: fixed for those of this project, for others chosen by a hash of the name among
-/// the colours that remain. Names of one list have different colours as long as there are colours left; the result
-/// depends on nothing but the list.
-[[nodiscard]] std::vector<Colour> detector_colours(std::span<const std::string> names);
-/// The colour of a detector that stands alone.
-[[nodiscard]] Colour detector_colour(const std::string& name);
+/// The colour of a detector: it depends on the name alone, so that a detector looks the same in every run, sweep, figure and
+/// window. Those of this project have one each; of others the name's hash chooses one that is unlike them.
+[[nodiscard]] Colour detector_colour(std::string_view name);
 
 /// "#rrggbb"
 [[nodiscard]] std::string hex(Colour colour);

@@ -31,18 +31,16 @@ std::string detection_figures(const RunData& run) {
   std::string html;
   const bool scored = std::any_of(m.detectors.begin(), m.detectors.end(),
                                   [](const auto& d) { return !d.second.pr_curve.empty(); });
-  const std::vector<Colour> colours = detector_colours(m);
-  for (std::size_t i = 0; i < m.detectors.size(); ++i) {
-    const auto& [name, score] = m.detectors[i];
-    html += figure_html(name + (run.truth.empty() ? ": circles over time" : " against truth"),
-                        run.truth.empty()
-                            ? "Every dot is an observation above the threshold; a ball makes a smooth trace, "
-                              "clutter makes scattered dots."
-                            : "Dots are observations above the threshold; those on the line of the truth in "
-                              "all three panels are right, gaps are times without an observation.",
-                        tracking_figure("track_" + file_part(name), run.truth, run.detections, name,
-                                        score.threshold, colours[i], run.sparse_truth(), m.start_us),
-                        out_of(run));
+  for (const auto& [name, score] : m.detectors) {
+    html += figure_html(
+        name + (run.truth.empty() ? ": circles over time" : " against truth"),
+        run.truth.empty() ? "Every dot is an observation above the threshold; a ball makes a smooth trace, "
+                            "clutter makes scattered dots."
+                          : "Dots are observations above the threshold; those on the line of the truth in "
+                            "all three panels are right, gaps are times without an observation.",
+        tracking_figure("track_" + file_part(name), run.truth, run.detections, name, score.threshold,
+                        detector_colour(name), run.sparse_truth(), m.start_us),
+        out_of(run));
   }
   if (scored) {
     html += figure_html(
@@ -72,9 +70,8 @@ std::string rate_figures(const RunData& run) {
       rates_figure("rates", events, run.truth, run.found, run.detections, m, m.start_us), out_of(run));
   const std::vector<double> speed_px_s = image_speed_px_s(run.truth);
   std::vector<DetectorSpeeds> speeds;
-  const std::vector<Colour> colours = detector_colours(m);
   for (std::size_t i = 0; i < m.detectors.size(); ++i) {
-    speeds.push_back({{m.detectors[i].first, colours[i]}, {}});
+    speeds.push_back({{m.detectors[i].first, detector_colour(m.detectors[i].first)}, {}});
     speeds.back().counts.add(run.found[i], speed_px_s);
   }
   // None where no ball was visible for long enough.

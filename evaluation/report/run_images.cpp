@@ -78,10 +78,9 @@ AnnotatedImage left_image(const RunData& run, const Frame& frame, std::int64_t w
   if (!frame.eye.empty()) eye.grey = grey_image(frame.eye, eye.size);
   eye.events = frame.events;
   eye.truth = truth_at(run.truth, frame.t_us);
-  const std::vector<Colour> colours = detector_colours(run.metrics);
   for (std::size_t i = 0; i < run.metrics.detectors.size(); ++i) {
     if (const auto circle = accepted_at(run, i, frame.t_us, window_us)) {
-      eye.detections.push_back({*circle, "", colours[i]});
+      eye.detections.push_back({*circle, "", detector_colour(run.metrics.detectors[i].first)});
     }
   }
   eye.target_px = target_at(run, frame.t_us);
@@ -147,7 +146,6 @@ std::string hough_figure(const RunData& run) {
     shown.resize(max_hough_detectors);
   }
 
-  const std::vector<Colour> colours = detector_colours(run.metrics);
   const int scale = std::max(1, hough_image_px / run.metrics.image.width);
   std::map<std::size_t, double> white;  // the response that is drawn white, by detector
   for (const Frame& frame : frames) {
@@ -173,7 +171,7 @@ std::string hough_figure(const RunData& run) {
       grey_image(response->second.path, eye.size).convertTo(eye.response, CV_8U, share);
       eye.events = frame.events;
       if (const auto circle = accepted_at(run, i, frame.t_us, run.window_us)) {
-        eye.detections.push_back({*circle, "", colours[i]});
+        eye.detections.push_back({*circle, "", detector_colour(run.metrics.detectors[i].first)});
       }
       html += framed(
           image_html(draw_image(eye, scale), "jpeg", fmt::format("Hough space of {} at {}", name, when)),

@@ -21,7 +21,7 @@ std::string share_row(std::string_view what,
 }  // namespace
 
 std::string detector_mark(const Metrics& metrics, std::size_t index) {
-  return colour_mark(detector_colours(metrics)[index], metrics.detectors[index].first);
+  return colour_mark(detector_colour(metrics.detectors[index].first), metrics.detectors[index].first);
 }
 
 std::string detector_table(const Metrics& metrics) {

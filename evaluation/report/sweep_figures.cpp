@@ -31,8 +31,8 @@ std::vector<GnuplotFigure::XWord> words_of(const Axis& axis) {
   return words;
 }
 
-/// gnuplot's commands for the x axis.
-std::string x_axis_commands(const Axis& axis) {
+/// gnuplot's commands for the x axis of one of `columns` panels side by side.
+std::string x_axis_commands(const Axis& axis, std::size_t columns) {
   if (axis.numeric) {
     const double low = axis.bins.front().x;
     const double high = axis.bins.back().x;
@@ -58,7 +58,14 @@ std::string x_axis_commands(const Axis& axis) {
     }
     return commands + "set xtics (" + tics + ")\n";
   }
-  return fmt::format("unset logscale x\nset xrange [-0.4:{}]\n", axis.bins.back().x + 0.4);
+  // Words that would run into each other are drawn aslant.
+  constexpr double letter_px = 8.0;
+  std::size_t longest = 0;
+  for (const Bin& bin : axis.bins) longest = std::max(longest, bin.label.size());
+  const double place_px = 0.85 * figure_parts::width / static_cast<double>(columns * axis.bins.size());
+  const bool aslant = letter_px * static_cast<double>(longest + 1) > place_px;
+  return fmt::format("unset logscale x\nset xrange [-0.4:{}]\nset xtics {}\n", axis.bins.back().x + 0.4,
+                     aslant ? "rotate by -30" : "norotate");
 }
 
 /// A metric of one detector over an axis: means, bars and, where values are many, the runs. `shift` keeps the bars of
@@ -94,11 +101,62 @@ std::vector<Series> metric_series(const Quantity::Of& of, const Axis& axis, cons
   return series;
 }
 
-std::string layout_of(std::size_t panels, int& height) {
-  const std::size_t columns = panels == 1 ? 1 : panels == 2 || panels == 4 ? 2 : 3;
+/// How the panels of a figure lie, and the key: above several panels, beside a single one.
+struct Layout {
+  int height = 400;
+  std::string multiplot;
+  std::string key;  ///< commands of the first panel
+};
+
+std::size_t columns_of(std::size_t panels) { return panels == 1 ? 1 : panels == 2 || panels == 4 ? 2 : 3; }
+
+/// The key names `series`, after `title` where there is one. (Inside a panel gnuplot draws it over the curves.)
+Layout layout_of(std::size_t panels, const std::string& title, const std::vector<Series>& series) {
+  if (panels == 1)
+    return {.multiplot = "", .key = series.empty() ? "unset key\n" : "set key outside right top\n"};
+  constexpr double letter_px = 8.0, mark_px = 30.0, row_px = 20.0, left_px = 60.0;
+  struct Entry {
+    std::string text, point;
+    double x_px;
+    int row;
+  };
+  std::vector<Entry> entries;
+  double x_px = left_px;
+  int row = 0;
+  const auto add = [&](const std::string& text, const std::string& point) {
+    const double width_px = letter_px * static_cast<double>(text.size()) + mark_px;
+    if (x_px > left_px && x_px + width_px > figure_parts::width) {
+      x_px = left_px;
+      ++row;
+    }
+    entries.push_back({text, point, x_px, row});
+    x_px += width_px;
+  };
+  if (!title.empty() && !series.empty()) add(title + ":", "");
+  for (const Series& s : series)
+    add(s.title, "point pt 5 ps 0.8 " + s.style.substr(s.style.find("lc rgb")) + " offset 1.3,0");
+
+  const std::size_t columns = columns_of(panels);
   const std::size_t rows = (panels + columns - 1) / columns;
-  height = rows == 1 ? 400 : static_cast<int>(330 * rows);
-  return fmt::format("set multiplot layout {},{}\n", rows, columns);
+  const int key_rows = entries.empty() ? 0 : row + 1;
+  Layout layout{.multiplot = "", .key = "unset key\n"};
+  if (rows > 1) layout.height = static_cast<int>(330 * rows);
+  layout.height += static_cast<int>(row_px) * key_rows;
+  std::string space = "' '";  // as many lines of a title
+  for (int i = 1; i < key_rows; ++i) space += ".\"\\n\".' '";
+  layout.multiplot = fmt::format("set multiplot layout {},{}{}\n", rows, columns,
+                                 key_rows > 0 ? " title " + space : std::string());
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const Entry& e = entries[i];
+    layout.key += fmt::format("set label {} {} at screen {:.6g}, screen {:.6g} left {}\n", i + 1,
+                              gnuplot_quoted(e.text), e.x_px / figure_parts::width,
+                              1.0 - (12.0 + row_px * e.row) / layout.height, e.point);
+  }
+  return layout;
+}
+
+Colour colour_of(const Quantity::Of& of) {
+  return of.name.empty() ? figure_parts::neutral_colour : detector_colour(of.name);
 }
 
 std::string numbers_of(const Quantity& quantity, const Axis& axis, const std::vector<Facet>& facets) {
@@ -119,12 +177,12 @@ std::string numbers_of(const Quantity& quantity, const Axis& axis, const std::ve
 }  // namespace
 
 std::string sweep_curves_html(const Quantity& quantity, const Axis& axis, const std::vector<Axis>& axes,
-                              const Rows& rows, const std::vector<std::string>& detectors,
-                              const FigureFolder& folder) {
+                              const Rows& rows, const FigureFolder& folder) {
   const std::vector<Facet> facets = facets_of(axes, axis, rows);
-  const std::vector<Colour> colours = detector_colours(detectors);
-  int height = 0;
-  const std::string layout = layout_of(facets.size(), height);
+  std::vector<Series> named;
+  for (const Quantity::Of& of : quantity.of)
+    named.push_back({.title = of.name, .style = line_style(colour_of(of)), .points = {}});
+  const Layout layout = layout_of(facets.size(), "", named.size() > 1 ? named : std::vector<Series>());
   const std::string name = file_part(quantity.label + "_over_" + axis.key);
   // The same scale in all panels.
   double low = nan;
@@ -139,7 +197,7 @@ std::string sweep_curves_html(const Quantity& quantity, const Axis& axis, const 
   if (!std::isfinite(low)) return {};
   if (low >= 0.0) low = 0.0;
   if (high <= low) high = low + 1.0;
-  GnuplotFigure figure(name, figure_parts::width, height);
+  GnuplotFigure figure(name, figure_parts::width, layout.height);
   figure.set_over_x();
   for (std::size_t f = 0; f < facets.size(); ++f) {
     std::vector<Series> series;
@@ -147,23 +205,21 @@ std::string sweep_curves_html(const Quantity& quantity, const Axis& axis, const 
       const Quantity::Of& of = quantity.of[i];
       const double shift =
           0.08 * (static_cast<double>(i) - 0.5 * static_cast<double>(quantity.of.size() - 1));
-      const auto at = std::find(detectors.begin(), detectors.end(), of.name) - detectors.begin();
-      const Colour colour =
-          of.name.empty() ? figure_parts::neutral_colour : colours[static_cast<std::size_t>(at)];
-      for (Series& s : metric_series(of, axis, facets[f], colour, shift)) series.push_back(std::move(s));
+      for (Series& s : metric_series(of, axis, facets[f], colour_of(of), shift))
+        series.push_back(std::move(s));
     }
     figure.add_panel(
         {.x_label = axis.key,
          .y_label = quantity.label,
          .z_label = {},
-         .commands = x_axis_commands(axis) +
-                     fmt::format("set yrange [{:.6g}:{:.6g}]\n{}", low, high + 0.06 * (high - low),
-                                 f == 0 && quantity.of.size() > 1 ? "set key bottom left\n" : "unset key\n"),
+         .commands = x_axis_commands(axis, columns_of(facets.size())) +
+                     fmt::format("set yrange [{:.6g}:{:.6g}]\n", low, high + 0.06 * (high - low)) +
+                     (f == 0 ? layout.key : std::string("unset label\n")),
          .series = std::move(series),
          .title = facets[f].label,
          .x_words = words_of(axis)});
   }
-  Figure drawn = figure.draw(layout);
+  Figure drawn = figure.draw(layout.multiplot);
   drawn.csv = numbers_of(quantity, axis, facets);
   const std::string reading = fmt::format(
       "The mean over {}; a bar reaches one standard deviation to both sides.{}",
@@ -297,6 +353,7 @@ std::string sweep_precision_recall_html(const Axis& axis, const std::vector<std:
                                         const FigureFolder& folder) {
   if (axis.bins.size() > most_curves) return {};
   std::vector<GnuplotFigure::Panel> panels;
+  std::vector<Series> named;
   for (const std::string& detector : detectors) {
     std::vector<Series> series;
     for (std::size_t i = 0; i < axis.bins.size(); ++i) {
@@ -307,27 +364,30 @@ std::string sweep_precision_recall_html(const Axis& axis, const std::vector<std:
       series.push_back({axis.bins[i].label, line_style(map_colour(share), 2.0), std::move(points)});
     }
     if (series.empty() || panels.size() == most_panels) continue;
+    if (series.size() > named.size()) {
+      named = series;
+      for (Series& s : named) s.points.clear();
+    }
     panels.push_back({.x_label = "recall",
                       .y_label = "precision",
                       .z_label = {},
-                      .commands = "set xrange [0:1.01]\nset yrange [0:1.03]\n" +
-                                  (panels.empty() ? fmt::format("set key bottom left title {} font ',11'\n",
-                                                                gnuplot_quoted(axis.key))
-                                                  : std::string("unset key\n")),
+                      .commands = "set xrange [0:1.01]\nset yrange [0:1.03]\n",
                       .series = std::move(series),
                       .title = detector});
   }
   if (panels.empty()) return {};
-  int height = 0;
-  const std::string layout = layout_of(panels.size(), height);
-  GnuplotFigure figure(file_part("precision_recall_" + axis.key), figure_parts::width, height);
+  if (panels.size() == 1) panels.front().title += ", by " + axis.key;
+  const Layout layout = layout_of(panels.size(), axis.key, named);
+  panels.front().commands += layout.key;
+  for (std::size_t i = 1; i < panels.size(); ++i) panels[i].commands += "unset label\n";
+  GnuplotFigure figure(file_part("precision_recall_" + axis.key), figure_parts::width, layout.height);
   figure.set_over_x();
   for (GnuplotFigure::Panel& panel : panels) figure.add_panel(std::move(panel));
   return figure_html(
       "Precision and recall over " + axis.key,
       "A line for each value: the mean of the runs' precision at each recall, as far as all of them "
       "reach it. The further up and right, the better.",
-      figure.draw(layout), folder);
+      figure.draw(layout.multiplot), folder);
 }
 
 }  // namespace saccade::inline v0_1::sweep

@@ -14,7 +14,6 @@ namespace saccade::inline v0_1::sweep {
 /// A metric over one axis, a panel for each combination of the others: means, bars of one standard deviation.
 [[nodiscard]] std::string sweep_curves_html(const Quantity& quantity, const Axis& axis,
                                             const std::vector<Axis>& axes, const Rows& rows,
-                                            const std::vector<std::string>& detectors,
                                             const FigureFolder& folder);
 /// Every metric over each pair of axes as a table of coloured cells.
 [[nodiscard]] std::string sweep_maps_html(const SweepTable& table, const std::vector<Axis>& axes,

@@ -186,8 +186,7 @@ void write_sweep_report(const SweepTable& table, const fs::path& folder, const f
   std::string curves;
   for (const Quantity& quantity : quantities_of(table)) {
     for (const Axis& axis : axes) {
-      if (!is_shown_by_panels(axis, axes, rows))
-        curves += sweep_curves_html(quantity, axis, axes, rows, detectors, out);
+      if (!is_shown_by_panels(axis, axes, rows)) curves += sweep_curves_html(quantity, axis, axes, rows, out);
     }
   }
   if (!curves.empty()) html += "<h2>Over one axis</h2>\n" + curves;

@@ -348,6 +348,33 @@ TEST_F(ExternalCommand, MistakesInTheFileAreReportedAsOthersAre) {
   EXPECT_THAT(run.text, HasSubstr("detectors.mine.radius_px"));
 }
 
+TEST_F(ExternalCommand, AnErrorInAClassInPythonIsInTheMessageWithItsLine) {
+  folder_.write(
+      "mine.py",
+      "class Raises:\n    threshold = 0.5\n    def __init__(self, size):\n        self.gain = 1 / 0\n"
+      "class Ends:\n    threshold = 0.5\n    def __init__(self, size): pass\n"
+      "    def process(self, events, motion): pass\n    def estimate(self):\n        return self.circle\n");
+  folder_.write("torn.py", "class Torn(:\n");
+  const auto run = [&](const std::string& detector) {
+    return saccade("run " + scenario + "--set run.duration_s=0.05 --force --set detectors.mine.python='" +
+                   out(detector) + "' --out " + out("run"));
+  };
+  Outcome outcome = run("mine.py:Raise");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.text,
+              HasSubstr("detectors.mine: detector " + out("mine.py:Raise") +
+                        " failed at its start, with status 1: AttributeError: module 'own' has no "
+                        "attribute 'Raise'"));
+  outcome = run("mine.py:Raises");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.text,
+              HasSubstr("with status 1: ZeroDivisionError: division by zero (mine.py, line 4)"));
+  EXPECT_THAT(run("torn.py:Torn").text, HasSubstr("SyntaxError: invalid syntax (torn.py, line 1)"));
+  outcome = run("mine.py:Ends");
+  EXPECT_THAT(outcome.text,
+              HasSubstr("AttributeError: 'Ends' object has no attribute 'circle' (mine.py, line 10)"));
+}
+
 TEST_F(ExternalCommand, AProgramThatCannotBeStartedIsNamedWithItsKey) {
   Outcome run = saccade("run " + scenario + "--set detectors.mine.command=/absent --out " + out("a"));
   EXPECT_EQ(run.status, 2);

@@ -79,7 +79,7 @@ double share_of_events(const cv::Mat& shot, const std::optional<Circle>& circle)
 /// Number of pixels in the eye panel with the first detector's colour.
 int pixels_of_first_detector(const cv::Mat& shot) {
   const cv::Mat eye = cut(shot, ViewLayout::fit(layout.eye, image));
-  const Colour colour = detector_colours(std::vector<std::string>{"best", "paper_directed"}).front();
+  const Colour colour = detector_colour("best");
   int count = 0;
   for (auto it = eye.begin<cv::Vec3b>(); it != eye.end<cv::Vec3b>(); ++it)
     count += *it == cv::Vec3b(colour.blue, colour.green, colour.red) ? 1 : 0;
@@ -216,6 +216,37 @@ TEST_F(ViewWindow, ARunBesideTheWindowWritesTheSameFilesAndOutlivesTheWindow) {
     EXPECT_TRUE(alone == bytes_of(folder_ / "viewed" / file)) << file << " differs";
   }
   EXPECT_TRUE(fs::exists(path("viewed/report.html")));
+}
+
+TEST_F(ViewWindow, AnOwnDetectorThatDoesNotLoadIsReportedAndTheWindowGoesOn) {
+  folder_.write("mine.py",
+                "class Raises:\n    def __init__(self, size):\n        raise ValueError('no')\n"
+                "class Mine:\n    threshold = 0.5\n    def __init__(self, size): pass\n"
+                "    def process(self, events, motion): pass\n    def estimate(self): return None\n");
+  open("view '" + scenarios + "look_at_ball.yaml' --paused --set render.supersampling=1 --pictures '" +
+       path("pictures") + "'");
+  press("shift+Right");
+  const cv::Mat before = screenshot();
+  const auto enter = [&](const std::string& detector) {
+    mouse(layout.settings.x + 0.5F * layout.settings.width, layout.settings.y + 66.0F, "click 1");
+    xdotool("key ctrl+a");  // the text of a detector that was rejected
+    xdotool("type --delay 5 '" + path(detector) + "'");
+    press("Return");
+    mouse(layout.scene.x + 20.0F, layout.scene.y + 40.0F, "sleep 0.1");
+    return screenshot();
+  };
+  for (const std::string detector : {"absent.py:Mine", "mine.py:Mien", "mine.py:Raises"}) {
+    const cv::Mat after = enter(detector);
+    EXPECT_TRUE(same(before, after, layout.detectors)) << detector << ": the list is as before";
+    EXPECT_FALSE(same(before, after, layout.settings)) << detector << ": the reason";
+  }
+  press("shift+Right");
+  const cv::Mat later = screenshot();
+  EXPECT_FALSE(same(before, later, layout.plots)) << "it goes on";
+  EXPECT_FALSE(same(before, enter("mine.py:Mine"), layout.detectors)) << "one more in the list";
+  quit();
+  const std::string output = bytes_of(path("output"));
+  EXPECT_THAT(output, HasSubstr("drew the window"));
 }
 
 TEST_F(ViewWindow, TheShippedScenarioWithoutDetectorsOpensAndAcceptsEveryKey) {

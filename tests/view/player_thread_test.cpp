@@ -4,7 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <future>
+#include <optional>
 #include <thread>
 
 #include "apps/view/action_handler.h"
@@ -67,6 +69,75 @@ TEST_F(PlayerThreadTest, ReportsInvalidSettingsAndContinues) {
   EXPECT_THAT(settled(player).problem, testing::HasSubstr("threshold"));
   player.apply(player.settings());
   EXPECT_EQ(settled(player).problem, "");
+}
+
+/// A detector that cannot be copied, as one in a program of its own; it is made while `works` holds.
+struct FragileConfig {};
+void describe(FieldVisitor&, FragileConfig&) {}
+class Fragile final : public Detector {
+ public:
+  void process(std::span<const Event>, const CameraMotion*) override {}
+  void advance_to(std::int64_t, const CameraMotion*) override {}
+  [[nodiscard]] Estimate estimate() override { return {}; }
+  [[nodiscard]] double threshold() const override { return 0.5; }
+  [[nodiscard]] RejectedEvents rejected() const override { return {}; }
+  [[nodiscard]] std::string_view failure() const override { return "it has no more to say"; }
+};
+DetectorConfig fragile(const std::atomic<bool>& works) {
+  DetectorRegistry registry;
+  registry.add(detector_row("fragile", "a program", FragileConfig{},
+                            [&works](const FragileConfig&, const Camera&) -> std::unique_ptr<Detector> {
+                              if (!works) throw RunError("the program does not start");
+                              return std::make_unique<Fragile>();
+                            }));
+  return registry.config("fragile");
+}
+
+TEST_F(PlayerThreadTest, ADetectorThatCannotBeMadeIsReportedAndThePreviousSettingsGoOn) {
+  PlayerThread player([&] { return open(); }, false);
+  player.seek(200'000);
+  settled(player);
+  std::atomic<bool> works = false;
+  ViewSettings settings = player.settings();
+  settings.detectors.push_back({"mine", fragile(works), true});
+  settings.selected = 2;
+  player.apply(settings);
+  EXPECT_THAT(settled(player).problem, testing::HasSubstr("the program does not start"));
+  const std::optional<ViewSettings> kept = player.take_kept_settings();
+  ASSERT_TRUE(kept);
+  EXPECT_EQ(kept->detectors.size(), 2U);
+  EXPECT_EQ(kept->selected, 0U);
+  EXPECT_FALSE(player.take_kept_settings()) << "once";
+  player.step(1'000);
+  EXPECT_EQ(settled(player).now_us, 201'000);
+  works = true;
+  player.apply(settings);
+  const Snapshot snapshot = settled(player);
+  EXPECT_EQ(snapshot.problem, "");
+  ASSERT_EQ(snapshot.outputs.size(), 3U);
+  EXPECT_EQ(snapshot.outputs[2].failure, "it has no more to say");
+  EXPECT_EQ(snapshot.outputs[0].failure, "");
+  EXPECT_FALSE(player.take_kept_settings());
+}
+
+TEST_F(PlayerThreadTest, ADetectorThatCannotBeMadeAgainLeavesThePlaybackWhereItIs) {
+  std::atomic<bool> works = true;
+  detectors_.emplace_back("mine", fragile(works));
+  PlayerThread player([&] { return open(); }, false);
+  player.seek(200'000);
+  EXPECT_EQ(settled(player).problem, "");
+  works = false;
+  player.seek(50'000);
+  const Snapshot rejected = settled(player);
+  EXPECT_THAT(rejected.problem, testing::HasSubstr("the program does not start"));
+  EXPECT_EQ(rejected.now_us, 200'000);
+  player.step(3'000);
+  EXPECT_EQ(settled(player).now_us, 203'000);
+  works = true;
+  player.seek(50'000);
+  const Snapshot back = settled(player);
+  EXPECT_EQ(back.now_us, 50'000);
+  EXPECT_EQ(back.problem, "");
 }
 
 TEST_F(PlayerThreadTest, ThePlayerCanBeUsedWhileThePlaybackIsStillBeingMade) {

@@ -118,6 +118,7 @@
     });
     var drawing = figure.querySelector(".drawing");
     var holder = document.createElement("div");
+    holder.className = "plots";
     var values = document.createElement("div");
     var choice = document.createElement("div");
     values.className = "values";
@@ -233,6 +234,33 @@
     });
     if (data.over_x && data.panels.some(function (panel) { return panel.series.length > 0; })) plot(figure, data);
   });
+
+  // On paper no table is wider than the page between its margins, with A4 the narrower of the common sizes: headings wrap, then
+  // also within words, and what is still too wide is drawn smaller. The plots give way to their drawings (CSS).
+  var paperWidth = (210 - 2 * 12) / 25.4 * 96;
+  var smallestReadable = 0.62;
+
+  function shareOfPaper(table) {
+    table.style.setProperty("--share", 1);
+    table.style.width = "min-content";
+    var narrowest = table.getBoundingClientRect().width;
+    table.style.width = "";
+    return Math.min(1, paperWidth / narrowest);
+  }
+
+  window.addEventListener("beforeprint", function () {
+    document.body.classList.add("paged");
+    document.querySelectorAll(".drawing svg").forEach(function (svg) {
+      var box = svg.viewBox.baseVal;
+      svg.parentNode.classList.toggle("tall", box.height > 0.65 * box.width);  // two such do not share a page
+    });
+    document.querySelectorAll(".wide > table").forEach(function (table) {
+      table.classList.remove("tight");
+      if (shareOfPaper(table) < smallestReadable) table.classList.add("tight");
+      table.style.setProperty("--share", shareOfPaper(table));
+    });
+  });
+  window.addEventListener("afterprint", function () { document.body.classList.remove("paged"); });
 
   // report.html#print=NAME: the page prints as that drawing alone, for `chromium --headless --print-to-pdf`.
   var asked = /^#print=(\w+)$/.exec(location.hash);

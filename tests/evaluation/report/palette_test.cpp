@@ -34,28 +34,36 @@ double apart(Colour a, Colour b, bool protan) {
   return largest;
 }
 
-TEST(Palette, ADetectorHasTheSameColourInEveryList) {
-  const std::vector<std::string> some = {"best", "paper_full"};
-  const std::vector<std::string> others = {"my_detector", "paper_full", "best"};
-  EXPECT_EQ(detector_colours(some)[0], detector_colours(others)[2]);
-  EXPECT_EQ(detector_colours(some)[1], detector_colours(others)[1]);
-  EXPECT_EQ(detector_colours(others)[0], detector_colour("my_detector"));
-}
-
-TEST(Palette, DetectorsOfOneListHaveDifferentColours) {
-  std::vector<std::string> names = {"best", "paper_full", "paper_directed", "frame_30hz", "cluster"};
-  for (int i = 0; i < 8; ++i) names.push_back("mine_" + std::to_string(i));
+TEST(Palette, TheDetectorsOfThisProjectAndEventsTruthAndGazeHaveDifferentColours) {
   std::set<std::string> colours;
-  for (const Colour c : detector_colours(names)) colours.insert(hex(c));
   for (const Colour c : {on_colour, off_colour, truth_colour, gaze_colour, gaze_target_colour})
     colours.insert(hex(c));
-  EXPECT_EQ(colours.size(), names.size() + 5);
+  for (const char* const name :
+       {"best", "paper_full", "paper_directed", "frame_30hz", "lifetime", "single_radius", "original_2016",
+        "cluster", "multi_kernel", "eros", "scarf", "particle_filter", "blob_filter"})
+    colours.insert(hex(detector_colour(name)));
+  EXPECT_EQ(colours.size(), 5U + 13U);
 }
 
-TEST(Palette, MoreDetectorsThanColoursHaveAColourEach) {
-  std::vector<std::string> names;
-  for (int i = 0; i < 40; ++i) names.push_back("mine_" + std::to_string(i));
-  EXPECT_EQ(detector_colours(names).size(), names.size());
+TEST(Palette, NamesOfOnesOwnHaveColoursUnlikeThoseOfThisProjectsMainDetectorsAndOfTheTruth) {
+  const auto apart_px = [](Colour a, Colour b) {
+    return std::hypot(a.red - b.red, a.green - b.green, a.blue - b.blue);
+  };
+  std::set<std::string> colours;
+  for (int i = 0; i < 500; ++i) {
+    const Colour mine = detector_colour("mine_" + std::to_string(i));
+    colours.insert(hex(mine));
+    for (const char* const other : {"best", "paper_full", "paper_directed", "frame_30hz"})
+      EXPECT_GT(apart_px(mine, detector_colour(other)), 40.0) << i << " " << hex(mine) << " " << other;
+    EXPECT_GT(apart_px(mine, detector_colour("best")), 70.0) << i << " " << hex(mine);
+    EXPECT_GT(apart_px(mine, truth_colour), 60.0) << i << " " << hex(mine);
+  }
+  EXPECT_GT(colours.size(), 250U);
+}
+
+TEST(Palette, TheColourOfANameIsTheSameOnEveryMachine) {
+  EXPECT_EQ(hex(detector_colour("RingMeanShift")), "#");
+  EXPECT_EQ(hex(detector_colour("")), "#");
 }
 
 TEST(Palette, WhatIsDrawnTogetherDiffersForColourBlindReaders) {
