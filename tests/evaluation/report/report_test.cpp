@@ -157,6 +157,30 @@ TEST_F(Report, WritesEachFigureForAPaperAsSvgPdfAndCsv) {
   EXPECT_THAT(contents(folder_ / "paper/joints.svg"), HasSubstr("width=\"181.00mm\"")) << "the whole page";
 }
 
+TEST_F(Report, HasTheKeyOfAPapersFigureBelowTheLabelsOfItsAxis) {
+  if (std::system("command -v pdftotext > /dev/null") != 0) GTEST_SKIP() << "pdftotext is not installed";
+  write_synthetic_run(folder_, true);
+  write_report(folder_, built_in_formats(), folder_ / "paper");
+  for (const char* const figure : {"precision_recall", "rate_over_speed"}) {
+    const std::string words = (folder_ / "words.html").string();
+    ASSERT_EQ(
+        std::system(
+            ("pdftotext -bbox '" + (folder_ / "paper" / figure).string() + ".pdf' '" + words + "'").c_str()),
+        0);
+    const std::string text = contents(words);
+    const auto bound = [&](const std::string& word, const std::string& name) {
+      const std::size_t end = text.find(">" + word + "<");
+      return end == std::string::npos
+                 ? -1.0
+                 : std::stod(text.substr(text.rfind(name + "=\"", end) + name.size() + 2));
+    };
+    const double label_ends = bound(std::string(figure) == "precision_recall" ? "recall" : "speed", "yMax");
+    ASSERT_GT(label_ends, 0.0) << figure;
+    for (const char* const detector : {"paper_full", "paper_directed"})
+      EXPECT_GE(bound(detector, "yMin"), label_ends) << figure << " " << detector;
+  }
+}
+
 TEST_F(Report, OpensInABrowserWithoutAnErrorAndDrawsItsPlots) {
   if (std::system("command -v chromium > /dev/null") != 0) GTEST_SKIP() << "chromium is not installed";
   write_synthetic_run(folder_, true);
@@ -196,6 +220,33 @@ TEST_F(Report, PrintsADrawingAloneOnAPageOfItsSize) {
   // 96 px are 72 pt; the browser rounds to whole points.
   EXPECT_NEAR(width_pt, 0.75 * width_px, 1.0);
   EXPECT_NEAR(height_pt, 0.75 * height_px, 1.0);
+}
+
+TEST_F(Report, PrintsEveryDrawingOnOnePageAndEveryColumnOfItsTables) {
+  if (std::system("command -v chromium > /dev/null && command -v pdftotext > /dev/null") != 0)
+    GTEST_SKIP() << "chromium or pdftotext is not installed";
+  write_synthetic_run(folder_, true);
+  write_report(folder_);
+  const std::string pdf = (folder_ / "report.pdf").string();
+  const std::string command =
+      "cd '" + folder_.string() + "' && timeout 120 chromium --headless --no-sandbox --disable-gpu " +
+      "--no-pdf-header-footer --print-to-pdf=report.pdf 'file://" + (folder_ / "report.html").string() +
+      "' > log 2>&1 && pdftotext -layout report.pdf report.txt";
+  ASSERT_EQ(std::system(command.c_str()), 0) << contents(folder_ / "log");
+  const std::string text = contents(folder_ / "report.txt");
+  std::size_t drawings = 0;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\f', begin), text.size());
+    const std::string page = text.substr(begin, end - begin);
+    // The panels of x, y and r over time are one drawing.
+    EXPECT_EQ(count(page, "x [px]"), count(page, "r [px]")) << page;
+    drawings += count(page, "r [px]");
+    begin = end + 1;
+  }
+  EXPECT_EQ(drawings, count(contents(folder_ / "report.html"), "<figure id=\"figure_track_"));
+  EXPECT_GT(drawings, 1U);
+  // The last column of the widest table.
+  EXPECT_THAT(text, HasSubstr("µs per"));
 }
 
 TEST_F(Report, ShowsTheSavedHoughSpacesAndTheirMaxima) {
