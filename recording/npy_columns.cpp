@@ -77,14 +77,14 @@ std::optional<std::int64_t> NpyNumber::value(const char* at) const {
   if (bytes == 4) return load<std::int32_t>(at, big_endian);
   const auto number = load<std::int64_t>(at, big_endian);
   // NumPy's "not a time"
-  if (number == std::numeric_limits<std::int64_t>::min()) return std::nullopt;
+  if (unit && number == std::numeric_limits<std::int64_t>::min()) return std::nullopt;
   return number;
 }
 
 std::optional<std::int64_t> NpyNumber::time_us(const char* at, TimeUnit in) const {
   if (kind == Kind::real) return to_us(real(at), in);
   const std::optional<std::int64_t> number = value(at);
-  return number ? to_us(*number, in) : std::nullopt;
+  return number && in != TimeUnit::us ? to_us(*number, in) : number;
 }
 
 NpyRows::NpyRows(const std::filesystem::path& path, NpyArray array) : array_(std::move(array)), file_(path) {

@@ -153,7 +153,7 @@ class TextReader final : public EventReader {
           if (!ordered && !has_names && text.front() == '%') columns_.letters = columns_behind_geometry;
         }
         if (auto named = named_columns_of_comment(text.substr(1))) in_comment = std::move(named);
-      } else if (const auto size = has_names ? std::nullopt : size_in_line(text)) {
+      } else if (const auto size = has_names || line_is_last_ ? std::nullopt : size_in_line(text)) {
         image_size_ = size;
       } else if (!has_names && is_line_of_names(text)) {
         take_names(text, ordered);

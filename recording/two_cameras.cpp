@@ -17,10 +17,10 @@ class Side {
   /// The next event; nullptr at the end. Throws as the reader does.
   [[nodiscard]] const Event* next() {
     if (begin_ == block_.size()) {
-      constexpr std::size_t block_events = 4096;
+      constexpr std::size_t side_events = 4096;
       block_.clear();
       begin_ = 0;
-      if (reader_->read(block_, block_events) == 0) return nullptr;
+      if (reader_->read(block_, side_events) == 0) return nullptr;
       for (Event& event : block_) event.camera = camera_;
     }
     return &block_[begin_];

@@ -121,7 +121,9 @@ TEST(RobotFormats, WritersRejectTimesThatTheirMessagesCannotHold) {
       },
       ThrowsMessage<InputError>(HasSubstr("at most 32768 rows")));
   write_events(folder / "a.npz", {{std::numeric_limits<std::int64_t>::min(), 1, 2, true, 0}});
-  EXPECT_EQ(read_file(folder / "a.npz").front().t_us, std::numeric_limits<std::int64_t>::min());
+  EventReadOptions options;
+  options.time_unit = TimeUnit::us;  // which is not stated in the file
+  EXPECT_EQ(read_file(folder / "a.npz", options).front().t_us, std::numeric_limits<std::int64_t>::min());
 }
 
 // ---- NumPy ---------------------------------------------------------------------------------------

@@ -37,7 +37,8 @@ TEST(BodyMotion, OscillatesFromItsStartOn) {
 
 TEST(BodyMotion, AddsARecordingAndHoldsItsLastValue) {
   const std::string file = testing::TempDir() + "/body_motion.csv";
-  std::ofstream(file) << "t_us,yaw_deg,pitch_deg,roll_deg\n0,0,0,0\n1000000,10,4,0\n";
+  // A byte order mark first.
+  std::ofstream(file) << "\xEF\xBB\xBFt_us,yaw_deg,pitch_deg,roll_deg\n0,0,0,0\n1000000,10,4,0\n";
   BodyMotionConfig config;
   config.ramp_s = 0.0;
   config.file = file;
