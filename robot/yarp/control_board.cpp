@@ -26,6 +26,8 @@
 namespace saccade::inline v0_1 {
 namespace {
 
+constexpr double longest_step_s = 0.2;
+
 int vocab_of(JointMode mode) {
   switch (mode) {
     case JointMode::idle:
@@ -291,14 +293,14 @@ class YarpControlBoard::Device final : public yarp::dev::DeviceDriver,
     const std::scoped_lock lock(mutex_);
     if (!has(j)) return false;
     *deg = position_rad_[j] / rad_per_deg;
-    *stamp_s = stamp_s_;
+    *stamp_s = reading_s();
     return true;
   }
   bool getEncodersTimed(double* deg, double* stamps_s) override {
     const std::scoped_lock lock(mutex_);
     for (int j = 0; j < board_.size(); ++j) {
       deg[j] = position_rad_[j] / rad_per_deg;
-      stamps_s[j] = stamp_s_;
+      stamps_s[j] = reading_s();
     }
     return true;
   }
@@ -332,6 +334,12 @@ class YarpControlBoard::Device final : public yarp::dev::DeviceDriver,
 
  private:
   [[nodiscard]] bool has(int j) const { return j >= 0 && j < board_.size(); }
+  /// Time of a reading: between two steps the simulated time stands still, so the position is that of now. A simulation that
+  /// hangs has old readings.
+  [[nodiscard]] double reading_s() const {
+    const double now_s = yarp::os::Time::now();
+    return now_s - stamp_s_ < longest_step_s ? now_s : stamp_s_;
+  }
 
   bool move_by(int j, double rad) { return board_.move_to(j, board_.reference_rad(j) + rad); }
   [[nodiscard]] bool is_done(int j) const { return !board_.moving(j); }

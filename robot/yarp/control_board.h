@@ -28,7 +28,8 @@ class YarpControlBoard {
   ~YarpControlBoard();
 
   /// Advances by dt_s (0 while the simulation is paused). `position_rad` and `velocity_rad_s`: the current joint state. The
-  /// time stamp of the encoders is the time of this call. Returns the references from now on.
+  /// time stamp of the encoders is the time at which they are read, up to 0.2 s after this call, then that of this call.
+  /// Returns the references from now on.
   Eigen::VectorXd step(const Eigen::VectorXd& position_rad, const Eigen::VectorXd& velocity_rad_s,
                        double dt_s);
 

@@ -15,7 +15,9 @@
 #include "apps/deploy/guard_head.h"
 #include "core/error.h"
 #include "robot/yarp/checked_port.h"
+#include "robot/yarp/control_board.h"
 #include "robot/yarp/event_port.h"
+#include "robot/yarp/state_input.h"
 #include "tests/robot/port_conformance.h"
 #include "tests/robot/yarp/peers.h"
 #include "tests/robot/yarp/yarp_world.h"
@@ -545,6 +547,25 @@ TEST_F(Yarp, TheServedCameraCountsItsReadersAndSendsThePolarityBitAsAsked) {
     input.close();
     EXPECT_TRUE(eventually(1.0, [&] { return port.readers() == 0; }));
   }
+}
+
+TEST_F(Yarp, TheReadingsOfAServedBoardStayNewDuringALongStepAndGetOldWhileTheSimulationHangs) {
+  const std::string part = unique_name("/served") + "/head";
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(1);
+  YarpControlBoard board({part, {"neck"}, 0.01}, JointBoard({{-1.0, 1.0, 1.0}}, rest, true));
+  const SteadyClock clock;
+  const StateInput input(unique_name("/reader"), part + "/state:o", "fast_tcp", 2.0, clock);
+  const auto age_ms = [&] { return 1e-3 * static_cast<double>(clock.now_us() - input.state().t_us); };
+  for (int i = 0; i < 100; ++i) {
+    board.step(rest, rest, 0.001);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_TRUE(eventually(2.0, [&] { return input.state().count == 1; }));
+  board.step(rest, rest, 0.001);
+  std::this_thread::sleep_for(std::chrono::milliseconds(120));  // a long step
+  EXPECT_LT(age_ms(), 100.0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));
+  EXPECT_GT(age_ms(), 400.0) << "a simulation that hangs";
 }
 
 TEST_F(Yarp, MessagesOfAStrangerAndFalseCountsDoNotReachTheJoints) {
