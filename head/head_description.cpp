@@ -12,6 +12,10 @@ namespace {
 
 constexpr const char* no_joint = "none";
 constexpr std::size_t max_joints = 12;
+/// Lengths of links, and places in the root frame. Heads are smaller: millimetres taken for metres lie outside.
+constexpr Range link_range_m{-2.0, 2.0};
+constexpr Range place_range_m{-3.0, 3.0};
+constexpr double least_baseline_m = 1e-3;
 
 std::vector<std::string> joint_choices(const HeadDescription& head) {
   std::vector<std::string> names = {no_joint};
@@ -58,7 +62,7 @@ void describe_eye(FieldVisitor& v, DescribedEye& eye, const std::vector<std::str
     v.reals("end_rotation", eye.end_rotation, {-1.0, 1.0},
             "rotation of the eye's frame in the frame after the last link, by rows");
     require_rotation(v, "end_rotation", eye.end_rotation);
-    v.reals("end_position_m", eye.end_position_m, {-100.0, 100.0}, "origin of the eye's frame in that frame");
+    v.reals("end_position_m", eye.end_position_m, link_range_m, "origin of the eye's frame in that frame");
   });
 }
 
@@ -190,6 +194,10 @@ class Builder {
       to.translation() = eye.end_position_m;
       chain.has_eye_from_last = chain.has_eye_from_last || !to.isApprox(Eigen::Isometry3d::Identity(), 0.0);
     }
+    place_m_[e] = (frame * to).translation();
+    if (e == 1 && (place_m_[1] - place_m_[0]).norm() < least_baseline_m)
+      add(place.substr(0, place.size() - 1), "an eye at the place of the left one",
+          "links of its own, or its pose");
   }
 
   /// Each joint turns something, and no two of them the same.
@@ -237,6 +245,7 @@ class Builder {
   std::shared_ptr<HeadModel> model_ = std::make_shared<HeadModel>();
   std::vector<Problem> problems_;
   Names hinges_;
+  std::array<Eigen::Vector3d, 2> place_m_;  // of the eyes, with all joints at 0, root frame
 };
 
 }  // namespace
@@ -259,14 +268,14 @@ void describe(FieldVisitor& v, DescribedLink& link, const std::vector<std::strin
   v.when(link.kind == LinkKind::axis, "kind: axis", [&] {
     v.reals("axis", link.axis, {-1e3, 1e3}, "direction of the axis; a positive turn is right-handed");
     v.require(link.axis.norm() > 1e-6, "axis", "[0, 0, 0]", "a direction");
-    v.reals("point_m", link.point_m, {-100.0, 100.0}, "a point on the axis");
+    v.reals("point_m", link.point_m, place_range_m, "a point on the axis");
   });
   v.when(link.kind == LinkKind::dh, "kind: dh", [&] {
-    v.real("a_m", link.a_m, {-100.0, 100.0}, "length of the link, A");
-    v.real("d_m", link.d_m, {-100.0, 100.0}, "offset along the axis, D");
+    v.real("a_m", link.a_m, link_range_m, "length of the link, A");
+    v.real("d_m", link.d_m, link_range_m, "offset along the axis, D");
     v.real("alpha_deg", link.alpha_deg, {-360.0, 360.0}, "twist of the link");
     v.real("offset_deg", link.offset_deg, {-360.0, 360.0}, "angle of the link with its joints at 0");
-    v.reals("before_m", link.before_m, {-100.0, 100.0},
+    v.reals("before_m", link.before_m, link_range_m,
             "displacement before the row, in the frame of the link before");
   });
   v.choice("joint", link.joint, joints, "joint that turns the link; none: it is fixed");
@@ -285,7 +294,7 @@ void describe(FieldVisitor& v, DescribedLink& link, const std::vector<std::strin
 }
 
 void describe(FieldVisitor& v, DescribedPose& pose) {
-  v.reals("position_m", pose.position_m, {-100.0, 100.0}, "centre of the eye, root frame");
+  v.reals("position_m", pose.position_m, place_range_m, "centre of the eye, root frame");
   v.reals("forward", pose.forward, {-1e3, 1e3}, "direction of the optical axis, root frame");
   v.reals("up", pose.up, {-1e3, 1e3}, "direction that is up in the image, root frame");
   v.require(
@@ -304,7 +313,7 @@ void describe(FieldVisitor& v, HeadDescription& head) {
   v.reals("base_rotation", head.base_rotation, {-1.0, 1.0},
           "rotation of the frame before the first row of a DH table, by rows, root frame");
   require_rotation(v, "base_rotation", head.base_rotation);
-  v.reals("base_position_m", head.base_position_m, {-100.0, 100.0}, "origin of that frame, root frame");
+  v.reals("base_position_m", head.base_position_m, place_range_m, "origin of that frame, root frame");
   const std::vector<std::string> joints = joint_choices(head);
   describe_links(v, head.links, joints,
                  "links from the root to where the eyes branch off, by name, in the order of the chain");

@@ -1,4 +1,5 @@
 #include <pybind11/eigen.h>
+#include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
@@ -6,14 +7,25 @@
 #include <optional>
 
 #include "core/detector_registry.h"
+#include "core/error.h"
 #include "python/arrays.h"
 #include "python/keys.h"
 #include "python/module.h"
+#include "recording/saturating.h"
 
 namespace py = pybind11;
 
 namespace saccade::inline v0_1::python {
 namespace {
+
+using Instants = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
+
+constexpr std::int64_t tick_us = 1000;
+/// An observation at an instant of its own needs an event at most this much before it.
+constexpr std::int64_t sparse_window_us = 10'000;
+
+/// The last whole millisecond up to t_us.
+std::int64_t whole_tick_us(std::int64_t t_us) { return t_us - (t_us % tick_us + tick_us) % tick_us; }
 
 /// A detector of the registry.
 class NamedDetector {
@@ -51,27 +63,51 @@ class NamedDetector {
     dict["back_in_time"] = counts.back_in_time;
     return dict;
   }
-  /// Observations of ticks of 1 ms from `start_us` on, or else from the first event on, as `saccade detect` makes them of
-  /// a recording without truth: rows of time, circle, score and held.
-  py::array_t<double> detect(const py::object& events, std::optional<std::int64_t> start_us) {
-    constexpr std::int64_t tick_us = 1000;
+  /// Observations as `saccade detect` makes them: rows of time, circle, score and held. In ticks of 1 ms at whole
+  /// milliseconds, or from `start_us` on; or at the instants `at_us`, which rise, as with truth that has these instants.
+  py::array_t<double> detect(const py::object& events, std::optional<std::int64_t> start_us,
+                             const std::optional<Instants>& at_us) {
     const EventArgument argument(events);
+    const std::span<const std::int64_t> instants =
+        at_us ? std::span(at_us->data(), static_cast<std::size_t>(at_us->size()))
+              : std::span<const std::int64_t>();
+    for (std::size_t i = 1; i < instants.size(); ++i) {
+      if (instants[i] <= instants[i - 1])
+        throw InputError("at_us[" + std::to_string(i) + "]", std::to_string(instants[i]),
+                         "a time after the one before it, " + std::to_string(instants[i - 1]));
+    }
     std::vector<double> rows;
     {
       const py::gil_scoped_release others_run;
       std::span<const Event> left = argument.events();
-      std::int64_t t_us = left.empty() ? 0 : start_us.value_or(left.front().t_us);
-      while (!left.empty()) {
-        t_us += tick_us;
+      // One tick; returns its number of events.
+      const auto pass = [&](std::int64_t t_us) {
         std::size_t count = 0;
         while (count < left.size() && left[count].t_us <= t_us) ++count;
         detector_->process(left.first(count), nullptr);
         detector_->advance_to(t_us, nullptr);
         left = left.subspan(count);
+        return count;
+      };
+      const auto observe = [&](std::int64_t t_us) {
+        const std::size_t count = pass(t_us);
         const Estimate e = detector_->estimate();
-        if (!e.valid || (count == 0 && !e.held)) continue;
+        if (!e.valid || (count == 0 && !e.held)) return;
         rows.insert(rows.end(), {static_cast<double>(t_us), e.circle.x_px, e.circle.y_px, e.circle.r_px,
                                  e.score, e.held ? 1.0 : 0.0});
+      };
+      if (at_us && !left.empty()) {
+        std::int64_t last_us = left.front().t_us;
+        for (const std::int64_t t_us : instants) {
+          if (t_us <= last_us) continue;
+          const std::int64_t window_us = saturated_sum(t_us, -sparse_window_us);
+          if (window_us > last_us) pass(window_us);
+          observe(t_us);
+          last_us = t_us;
+        }
+      } else if (!left.empty()) {
+        std::int64_t t_us = start_us.value_or(whole_tick_us(left.front().t_us));
+        while (!left.empty()) observe(t_us += tick_us);
       }
     }
     py::array_t<double> table({static_cast<py::ssize_t>(rows.size() / 6), py::ssize_t{6}});
@@ -114,7 +150,8 @@ void add_detectors(py::module_& m) {
                     "Of (x, y, r), 3x3; zero where it is unknown.")
       .def("__repr__", &shown);
   py::class_<NamedDetector>(m, "Detector", "A detector of the registry; made by saccade.detector().")
-      .def(py::init<std::string, const std::string&, const Camera&>())
+      .def(py::init<std::string, const std::string&, const Camera&>(), py::arg("name"), py::arg("keys"),
+           py::arg("camera"))
       .def_property_readonly("name", &NamedDetector::name)
       .def_property_readonly("threshold", &NamedDetector::threshold,
                              "The score from which on an estimate counts as the ball.")
@@ -130,7 +167,7 @@ void add_detectors(py::module_& m) {
       .def("estimate", &NamedDetector::estimate, "The best circle after all events so far; None without one.")
       .def_property_readonly("failure", &NamedDetector::failure,
                              "Why a detector outside of this program has ended; empty while it works.")
-      .def("_detect", &NamedDetector::detect, py::arg("events"), py::arg("start_us") = py::none());
+      .def("_detect", &NamedDetector::detect, py::arg("events"), py::arg("start_us"), py::arg("at_us"));
   m.def("detectors", &detectors);
 }
 

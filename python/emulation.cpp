@@ -86,7 +86,8 @@ class ArrayEmulator {
 
 void add_emulator(py::module_& m) {
   py::class_<ArrayEmulator>(m, "Emulator")
-      .def(py::init<const std::pair<std::int64_t, std::int64_t>&, std::uint64_t, int, const std::string&>())
+      .def(py::init<const std::pair<std::int64_t, std::int64_t>&, std::uint64_t, int, const std::string&>(),
+           py::arg("size"), py::arg("seed"), py::arg("threads"), py::arg("keys"))
       .def_property_readonly("size", &ArrayEmulator::size, "(width, height) of the images.")
       .def_property_readonly("counts", &ArrayEmulator::counts, "Counts of all events since the start.")
       .def("process", &ArrayEmulator::process, py::arg("image"), py::arg("t_us"),

@@ -54,11 +54,15 @@ py::dict emulate(const std::filesystem::path& images, const std::filesystem::pat
 }  // namespace
 
 void add_files(py::module_& m) {
-  m.def("emulate", &emulate);
-  m.def("report", [](const std::filesystem::path& run, const std::filesystem::path& figures) {
-    const py::gil_scoped_release others_run;
-    write_report(run, built_in_formats(), figures);
-  });
+  m.def("emulate", &emulate, py::arg("images"), py::arg("out"), py::arg("images_per_s"),
+        py::arg("timestamps"), py::arg("seed"), py::arg("threads"), py::arg("keys"));
+  m.def(
+      "report",
+      [](const std::filesystem::path& run, const std::filesystem::path& figures) {
+        const py::gil_scoped_release others_run;
+        write_report(run, built_in_formats(), figures);
+      },
+      py::arg("run"), py::arg("figures"));
 }
 
 }  // namespace saccade::inline v0_1::python

@@ -86,14 +86,18 @@ void add_geometry(py::module_& m) {
            "The circle (x, y, r) that stands for the outline of a sphere; None where it is not in the image "
            "plane.");
   m.def("camera", [](const std::string& yaml) { return config_of(yaml, "camera", icub_left_2016); });
-  m.def("pinhole_camera", [](const std::pair<std::int64_t, std::int64_t>& size) {
-    return pinhole_camera(image_size_of(size));
-  });
-  m.def("camera_of_size", [](const std::pair<std::int64_t, std::int64_t>& size) {
-    Camera camera = icub_left_2016;  // what `saccade detect` assumes of a bare recording
-    camera.size = image_size_of(size);
-    return camera;
-  });
+  m.def(
+      "pinhole_camera",
+      [](const std::pair<std::int64_t, std::int64_t>& size) { return pinhole_camera(image_size_of(size)); },
+      py::arg("size"));
+  m.def(
+      "camera_of_size",
+      [](const std::pair<std::int64_t, std::int64_t>& size) {
+        Camera camera = icub_left_2016;  // what `saccade detect` assumes of a bare recording
+        camera.size = image_size_of(size);
+        return camera;
+      },
+      py::arg("size"));
   py::class_<CameraMotion>(m, "CameraMotion", "Pose and velocity of a camera at one instant.")
       .def_property_readonly(
           "root_from_camera",
@@ -101,17 +105,25 @@ void add_geometry(py::module_& m) {
       .def_readonly("linear_velocity_m_s", &CameraMotion::linear_velocity_m_s,
                     "Of the pinhole, camera frame.")
       .def_readonly("angular_velocity_rad_s", &CameraMotion::angular_velocity_rad_s, "Camera frame.");
-  m.def("camera_motion", [](const Eigen::VectorXd& position_rad, const Eigen::VectorXd& velocity_rad_s,
-                            const std::string& eye) {
-    return camera_motion(default_head()->chain, state_of(position_rad, velocity_rad_s), eye_of(eye));
-  });
-  m.def("root_from_eye", [](const Eigen::VectorXd& position_rad, const std::string& eye) {
-    return Eigen::Matrix4d(head_at(position_rad).root_from_eye(eye_of(eye)).matrix());
-  });
-  m.def("fixation_point", [](const Eigen::VectorXd& position_rad) -> std::optional<Eigen::Vector3d> {
-    const FixationPoint point = head_at(position_rad).fixation();
-    return point.valid ? std::optional(point.point_m) : std::nullopt;
-  });
+  m.def(
+      "camera_motion",
+      [](const Eigen::VectorXd& position_rad, const Eigen::VectorXd& velocity_rad_s, const std::string& eye) {
+        return camera_motion(default_head()->chain, state_of(position_rad, velocity_rad_s), eye_of(eye));
+      },
+      py::arg("joints"), py::arg("velocities"), py::arg("eye"));
+  m.def(
+      "root_from_eye",
+      [](const Eigen::VectorXd& position_rad, const std::string& eye) {
+        return Eigen::Matrix4d(head_at(position_rad).root_from_eye(eye_of(eye)).matrix());
+      },
+      py::arg("joints"), py::arg("eye"));
+  m.def(
+      "fixation_point",
+      [](const Eigen::VectorXd& position_rad) -> std::optional<Eigen::Vector3d> {
+        const FixationPoint point = head_at(position_rad).fixation();
+        return point.valid ? std::optional(point.point_m) : std::nullopt;
+      },
+      py::arg("joints"));
 }
 
 }  // namespace saccade::inline v0_1::python

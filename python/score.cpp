@@ -51,11 +51,13 @@ std::string score(const std::vector<DetectionRow>& detections, const std::vector
                   const std::map<std::string, double>& thresholds, const std::vector<std::string>& names) {
   const py::gil_scoped_release others_run;
   std::vector<std::pair<std::string, DetectorScore>> scores;
+  const Chances chances = chances_of(truth);
   for (const std::string& name : names) {
+    check_instants(truth, detections, name, "detections");
     const auto given = thresholds.find(name);
     const double threshold =
         given != thresholds.end() ? given->second : std::numeric_limits<double>::quiet_NaN();
-    scores.emplace_back(name, score_detector(truth, detections, name, threshold, chances_of(truth)));
+    scores.emplace_back(name, score_detector(truth, detections, name, threshold, chances));
   }
   return detectors_to_json(scores);
 }

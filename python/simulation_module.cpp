@@ -2,6 +2,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <mutex>
@@ -34,15 +35,27 @@ Scenario scenario_of(const std::filesystem::path& path, const std::optional<std:
   return read_scenario(std::move(tree), path, registry);
 }
 
-std::unique_ptr<Simulation> make_simulation(const std::filesystem::path& path,
-                                            const std::optional<std::string>& yaml,
-                                            const std::vector<std::string>& assignments,
-                                            std::optional<std::int64_t> seed, bool closed_loop) {
+/// In a process that was forked from the one that made a simulation, the threads are missing that its end would wait for:
+/// the simulation stays in memory there.
+class DeleteWhereMade {
+ public:
+  void operator()(Simulation* simulation) const {
+    if (::getpid() == made_in_) delete simulation;
+  }
+
+ private:
+  pid_t made_in_ = ::getpid();
+};
+using SimulationHolder = std::unique_ptr<Simulation, DeleteWhereMade>;
+
+SimulationHolder make_simulation(const std::filesystem::path& path, const std::optional<std::string>& yaml,
+                                 const std::vector<std::string>& assignments,
+                                 std::optional<std::int64_t> seed, bool closed_loop) {
   Scenario scenario = scenario_of(path, yaml, assignments, seed);
   static std::once_flag first;  // the renderer reads it once in a process
   std::call_once(first, [&] { set_rasterisers(scenario.run.threads); });
   const py::gil_scoped_release others_run;
-  return std::make_unique<Simulation>(std::move(scenario), closed_loop);
+  return SimulationHolder(new Simulation(std::move(scenario), closed_loop));
 }
 
 std::string status_text(TargetStatus status) {
@@ -103,15 +116,20 @@ py::dict detectors_of(const Simulation& simulation) {
 }  // namespace
 
 void add_simulation(py::module_& m) {
-  py::class_<Simulation>(m, "Simulation")
-      .def(py::init(&make_simulation))
+  py::class_<Simulation, SimulationHolder>(m, "Simulation")
+      .def(py::init(&make_simulation), py::arg("scenario"), py::arg("keys"), py::arg("overrides"),
+           py::arg("seed"), py::arg("closed_loop"))
       .def("step", &Simulation::step, py::call_guard<py::gil_scoped_release>())
-      .def("command",
-           [](Simulation& s, const Eigen::VectorXd& reference_rad) {
-             return s.command(s.robot().limits().head->gaze_by_slot(reference_rad));
-           })
-      .def("look_at",
-           [](Simulation& s, const Eigen::Vector3d& target_m) { return status_text(s.look_at(target_m)); })
+      .def(
+          "command",
+          [](Simulation& s, const Eigen::VectorXd& reference_rad) {
+            return s.command(s.robot().limits().head->gaze_by_slot(reference_rad));
+          },
+          py::arg("action"))
+      .def(
+          "look_at",
+          [](Simulation& s, const Eigen::Vector3d& target_m) { return status_text(s.look_at(target_m)); },
+          py::arg("action"))
       .def("take_events", [](Simulation& s) { return array_of(s.take_events()); })
       .def("detectors", &detectors_of)
       .def("truth", &truth_of)

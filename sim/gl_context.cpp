@@ -4,6 +4,7 @@
 #include <EGL/eglext.h>
 #include <GL/osmesa.h>
 #include <dlfcn.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -173,6 +174,17 @@ class EglContext final : public GlContext {
   EGLContext context_ = EGL_NO_CONTEXT;
 };
 
+/// The libraries of OpenGL draw with threads of their own, which a forked process does not have: it would wait for them for
+/// ever.
+void require_threads_of_opengl() {
+  static const pid_t first = ::getpid();  // of the process that used OpenGL first
+  if (::getpid() == first) return;
+  throw RunError(
+      "no OpenGL: this process is a fork of one that has used it, without the threads of OpenGL; start "
+      "processes "
+      "another way (Python: multiprocessing.get_context(\"spawn\"))");
+}
+
 bool has_display() {
   const char* x11 = std::getenv("DISPLAY");
   const char* wayland = std::getenv("WAYLAND_DISPLAY");
@@ -205,6 +217,7 @@ std::vector<GlDevice> GlContext::devices() {
 }
 
 std::unique_ptr<GlContext> GlContext::create(std::string_view backend, std::int64_t device) {
+  require_threads_of_opengl();
   if (std::find(backends().begin(), backends().end(), backend) == backends().end()) {
     throw InputError("backend", std::string(backend), expectation_of(backends()));
   }

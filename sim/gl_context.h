@@ -25,7 +25,8 @@ struct GlDevice {
 class GlContext {
  public:
   /// `backend`: one of backends(). "auto" is OSMesa without a display and EGL with one; if that one fails, the other is
-  /// used. EGL draws with the first device that is not software, without one with Mesa's software.
+  /// used. EGL draws with the first device that is not software, without one with Mesa's software. A process that was forked
+  /// after a context was created gets none.
   /// `device`: index in devices() instead, which implies EGL; any_device: none. The context is current afterwards. Throws
   /// InputError for another name or an index that does not exist, RunError if there is no OpenGL.
   static std::unique_ptr<GlContext> create(std::string_view backend, std::int64_t device = any_device);

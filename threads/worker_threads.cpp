@@ -1,5 +1,7 @@
 #include "threads/worker_threads.h"
 
+#include <pthread.h>
+
 #include <chrono>
 #include <utility>
 
@@ -32,14 +34,29 @@ void wait_while(const std::atomic<T>& value, T old) {
   }
 }
 
+/// How often the process was forked on its way from the first one. Global: fork() has no other way in.
+std::atomic<int> forks = 0;
+
+void count_forks() {
+  static const int failure = ::pthread_atfork(nullptr, nullptr, [] { forks.fetch_add(1); });
+  SACCADE_CHECK(failure == 0);
+}
+
 }  // namespace
 
 WorkerThreads::WorkerThreads(std::size_t threads) {
   SACCADE_CHECK(threads > 0);
+  count_forks();
+  forks_ = forks.load();
   for (std::size_t i = 1; i < threads; ++i) threads_.emplace_back([this] { work(); });
 }
 
 WorkerThreads::~WorkerThreads() {
+  if (forks.load() != forks_) {
+    // A forked process has the calling thread alone: there is nothing to wait for.
+    for (std::jthread& thread : threads_) thread.detach();
+    return;
+  }
   ends_.store(true);
   signal_.fetch_add(1);
   signal_.notify_all();

@@ -14,7 +14,8 @@ namespace saccade::inline v0_1 {
 /// Threads that work beside the calling one, on calls of some microseconds to milliseconds. A thread without work waits
 /// actively for a fifth of a millisecond, because waking one takes longer than many calls, and sleeps then. The calls allocate
 /// nothing. Where some throw, the others are made all the same, and the caller gets the exception of the call with the lowest
-/// number. One thread at a time uses it.
+/// number. One thread at a time uses it. In a process that was forked from the one that made it, the calling thread makes
+/// all calls.
 class WorkerThreads {
  public:
   /// `threads`: the calling one included, at least 1.
@@ -85,6 +86,7 @@ class WorkerThreads {
   Calls started_;                          // of Started
   std::atomic<std::uint32_t> signal_ = 0;  // changes when there is work, or none will come
   std::atomic<bool> ends_ = false;
+  int forks_;  // of this process's line when the threads began
   std::vector<std::jthread> threads_;
 };
 

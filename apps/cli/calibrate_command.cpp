@@ -85,9 +85,9 @@ Source open_source(const CalibrateOptions& options, Eye eye, const Registry& reg
   }
   if (options.refractory_us) source.refractory_us = *options.refractory_us;
   if (options.spacing_mm)
-    source.grid.spacing_m = in_range("--spacing_mm", *options.spacing_mm, {1.0, 1000.0}) * 1e-3;
+    source.grid.spacing_m = in_range("--spacing-mm", *options.spacing_mm, {1.0, 1000.0}) * 1e-3;
   if (options.dot_mm)
-    source.grid.dot_diameter_m = in_range("--dot_mm", *options.dot_mm, {0.5, 1000.0}) * 1e-3;
+    source.grid.dot_diameter_m = in_range("--dot-mm", *options.dot_mm, {0.5, 1000.0}) * 1e-3;
   return source;
 }
 
@@ -113,7 +113,7 @@ void note_speeds(std::vector<CalibrationView>& views) {
 std::vector<CalibrationView> find_views(ReplayRobot& robot, const Source& source, Eye eye,
                                         const CalibrateOptions& options) {
   const auto window_us =
-      static_cast<std::int64_t>(1e3 * in_range("--window_ms", options.window_ms, {10.0, 60'000.0}));
+      static_cast<std::int64_t>(1e3 * in_range("--window-ms", options.window_ms, {10.0, 60'000.0}));
   ReconstructedImage image(robot.image_size(), window_us, source.refractory_us);
   std::vector<CalibrationView> views;
   std::vector<Event> events;
@@ -219,21 +219,21 @@ void add_calibrate_command(CommandLine& line, const Registry& registry) {
       .option("--lens", options->lens,
               "Model of the lens; the run's camera has its own, else radial_tangential")
       .one_of({"radial_tangential", "fisheye"});
-  command.option("--spacing_mm", options->spacing_mm,
+  command.option("--spacing-mm", options->spacing_mm,
                  "From row to row, and half the way between dots of a row; the run's board, or 25");
-  command.option("--dot_mm", options->dot_mm, "Diameter of a dot; the run's board, or 21");
+  command.option("--dot-mm", options->dot_mm, "Diameter of a dot; the run's board, or 21");
   command
-      .option("--window_ms", options->window_ms,
+      .option("--window-ms", options->window_ms,
               "Events for one image; in this time white passes every pixel of the board")
       .show_default();
   command
-      .option("--refractory_us", options->refractory_us,
+      .option("--refractory-us", options->refractory_us,
               "Time after an event in which a pixel is blind; the run's camera, or 500")
       .in_range(0, 100'000);
-  command.option("--max_speed_px_s", options->limits.max_speed_px_s, "Images with a faster dot are not used")
+  command.option("--max-speed-px-s", options->limits.max_speed_px_s, "Images with a faster dot are not used")
       .in_range(0.1, 1e4)
       .show_default();
-  command.flag("--no_joints", options->no_joints, "The lens alone, even if the run has joints");
+  command.flag("--no-joints", options->no_joints, "The lens alone, even if the run has joints");
   command.flag("--force", options->force, "Replace the file at --out");
   command.action([options, &registry] { return calibrate_command(*options, registry); });
 }

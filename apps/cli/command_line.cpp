@@ -1,12 +1,25 @@
 #include "apps/cli/command_line.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <iostream>
+#include <limits>
 #include <optional>
+#include <system_error>
 
+#include "core/config.h"
 #include "core/error.h"
+#include "core/nearest_name.h"
+#include "recording/number_text.h"
 
 namespace saccade::inline v0_1 {
 namespace {
@@ -14,6 +27,67 @@ namespace {
 CLI::Option& parser(ParserOption* option) { return *reinterpret_cast<CLI::Option*>(option); }
 CLI::App& parser(ParserCommand* command) { return *reinterpret_cast<CLI::App*>(command); }
 Option option_of(CLI::Option* option) { return Option(reinterpret_cast<ParserOption*>(option)); }
+
+/// A check of an option's number. `fits`: whether it takes the number; `words`: which it takes, for help and messages.
+CLI::Validator number_check(std::function<bool(double)> fits, const std::string& words) {
+  const auto check = [fits = std::move(fits), words](const std::string& text) {
+    double value = std::numeric_limits<double>::quiet_NaN();
+    const bool is_number = parse_number(std::string_view(text).substr(text.starts_with('+') ? 1 : 0), value);
+    return is_number && fits(value) ? std::string() : "found " + text + ", expected a number " + words;
+  };
+  return {check, words};
+}
+
+/// The arguments with hyphens in the names of options: --no_joints is --no-joints.
+std::vector<std::string> hyphenated(int argc, const char* const* argv) {
+  std::vector<std::string> words(argv, argv + argc);
+  for (std::string& word : words) {
+    if (word == "--") break;
+    const auto end = word.starts_with("--") ? std::ranges::find(word, '=') : word.begin();
+    std::replace(word.begin(), end, '_', '-');
+  }
+  return words;
+}
+
+/// A word that starts with `-` and is neither an option of the command nor a number.
+std::string unknown_option(const CLI::App& command) {
+  for (const std::string& word : command.remaining()) {
+    if (word.size() > 1 && word.front() == '-' && word != "--") return word.substr(0, word.find('='));
+  }
+  return {};
+}
+
+/// Prints to standard error what stands instead of a known word.
+int print_unknown(const std::string& place, const std::string& kind, const std::vector<std::string>& known) {
+  const std::string word = place.substr(place.rfind(' ') + 1);
+  const std::string close = nearest_name(word, known);
+  const std::string expectation =
+      close.empty() ? expectation_of(known) : "a known " + kind + "; did you mean " + close + "?";
+  std::fprintf(stderr, "%s: found an unknown %s, expected %s\nRun with --help for more information.\n",
+               place.c_str(), kind.c_str(), expectation.c_str());
+  return 2;
+}
+
+/// Files of the program take the numbers of standard files that are closed, and would get what is printed.
+void open_standard_files() {
+  for (const int file : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(file, F_GETFD) >= 0) continue;
+    // Standard output cannot be written then, and finish_output() reports it.
+    const int opened = ::open("/dev/null", file == STDERR_FILENO ? O_WRONLY : O_RDONLY);
+    if (opened >= 0 && opened != file) ::close(opened);
+  }
+}
+
+/// Writes what was printed. Returns the exit status: 1 where the action's is 0 and something could not be written.
+int finish_output(int status) {
+  std::cout.flush();
+  errno = 0;
+  const bool flushed = std::fflush(stdout) == 0;
+  if (flushed && std::ferror(stdout) == 0 && std::cout) return status;
+  const std::string cause = errno != 0 ? ": " + std::generic_category().message(errno) : std::string();
+  std::fprintf(stderr, "saccade: standard output: cannot be written%s\n", cause.c_str());
+  return status == 0 ? 1 : status;
+}
 
 }  // namespace
 
@@ -28,12 +102,14 @@ Option& Option::show_default() {
 }
 
 Option& Option::in_range(double min, double max) {
-  parser(option_).check(CLI::Range(min, max));
+  parser(option_).check(number_check([=](double value) { return value >= min && value <= max; },
+                                     expectation_of(Range{min, max}, "").substr(1)));
   return *this;
 }
 
 Option& Option::positive() {
-  parser(option_).check(CLI::PositiveNumber);
+  parser(option_).check(
+      number_check([](double value) { return value > 0.0 && std::isfinite(value); }, "above 0"));
   return *this;
 }
 
@@ -88,6 +164,9 @@ struct CommandLine::Parser {
   CLI::App app;
   std::function<int()> chosen;
   std::function<std::string()> version;
+
+  /// Returns the exit status.
+  int parse_and_act(int argc, const char* const* argv);
 };
 
 CommandLine::CommandLine(const std::string& name, const std::string& description, const std::string& footer)
@@ -113,16 +192,50 @@ void CommandLine::add_version(std::function<std::string()> text) {
   parser_->app.add_flag_callback("--version", ask, "Print version, commit, MuJoCo and OpenGL");
 }
 
-int CommandLine::run(int argc, const char* const* argv) {
+int CommandLine::Parser::parse_and_act(int argc, const char* const* argv) {
+  std::vector<std::string> words = hyphenated(argc, argv);
+  std::vector<std::string> names;
+  bool is_known = words.size() < 2 || words[1].starts_with('-');
+  for (const CLI::App* const command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    is_known = is_known || command->get_name() == words[1];
+    if (!command->get_group().empty()) names.push_back(command->get_name());
+  }
+  if (!is_known) return print_unknown("saccade: " + words[1], "command", names);
+  std::vector<std::string> reversed(words.rbegin(), words.rend() - 1);
   try {
-    parser_->app.parse(argc, argv);
-    return parser_->chosen();
-  } catch (const CLI::ParseError& error) {
-    if (parser_->version) {
-      std::puts(parser_->version().c_str());
-      return 0;
+    app.parse(reversed);
+  } catch (const CLI::ExtrasError& error) {
+    const std::vector<CLI::App*> parsed = app.get_subcommands();
+    const CLI::App& command = parsed.empty() ? app : *parsed.front();
+    const std::string option = unknown_option(command);
+    if (option.empty()) return app.exit(error) == 0 ? 0 : 2;
+    names.clear();
+    for (const CLI::Option* const known : command.get_options()) {
+      if (!known->get_positional()) names.push_back(known->get_name());
     }
-    return parser_->app.exit(error) == 0 ? 0 : 2;
+    return print_unknown("saccade " + command.get_name() + ": " + option, "option", names);
+  } catch (const CLI::ParseError& error) {
+    if (!version) return app.exit(error) == 0 ? 0 : 2;
+    std::puts(version().c_str());
+    return 0;
+  }
+  return chosen();
+}
+
+int CommandLine::run(int argc, const char* const* argv) {
+  // A file beyond the limit of `ulimit -f` is an error of its write, with a message, instead of the end of the program.
+  std::signal(SIGXFSZ, SIG_IGN);
+  open_standard_files();
+  try {
+    return finish_output(parser_->parse_and_act(argc, argv));
+  } catch (const std::system_error& error) {
+    if (std::ferror(stdout) == 0) {
+      std::fprintf(stderr, "saccade: %s\n", error.what());
+    } else {
+      std::fprintf(stderr, "saccade: standard output: cannot be written: %s\n",
+                   error.code().message().c_str());
+    }
+    return 1;
   } catch (const InputError& error) {
     std::fprintf(stderr, "saccade: %s\n", error.what());
     return 2;

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <memory>
 
@@ -15,6 +17,20 @@ struct DetectOptions {
   DetectSettings settings;
 };
 
+/// Those of --config; else those of the run whose folder is read, which is printed; else the registry's defaults.
+NamedDetectors detectors_for(const DetectOptions& options, const DetectorRegistry& registry) {
+  const ReadOptions& input = options.settings.input;
+  if (options.config.empty() && is_run_folder(input)) {
+    if (const auto own = read_recorded_detectors(input.recording, options.assignments, registry)) {
+      std::string names;
+      for (const auto& [name, config] : own->detectors) names += (names.empty() ? "" : ", ") + name;
+      fmt::print(stderr, "saccade: the detectors of {}: {}\n", own->file.string(), names);
+      return own->detectors;
+    }
+  }
+  return read_detectors(options.config, options.assignments, registry);
+}
+
 }  // namespace
 
 void add_detect_command(CommandLine& line, const Registry& registry) {
@@ -24,7 +40,10 @@ void add_detect_command(CommandLine& line, const Registry& registry) {
       line.add_command("detect", "The detectors on recorded events, scored when truth is given");
   add_read_options(command, "recording", "Event file, or a run folder with its joints and truth",
                    settings.input, registry.formats);
-  command.option("--config", options->config, "Detectors (YAML); those of the paper and `best` by default");
+  command.option(
+      "--config", options->config,
+      "Detectors (YAML). Without it: those of the run for a run folder that has some, else those of "
+      "the paper and `best`");
   command
       .option("--set", options->assignments,
               "key=value for every detector, DETECTOR.key=value for one; e.g. radius_px=[4,25]")
@@ -38,13 +57,12 @@ void add_detect_command(CommandLine& line, const Registry& registry) {
   command.option("--joints", settings.joints,
                  "Joints of the head: joints.csv of a run folder, or a data dumper's log of its state port");
   command.option("--calibration", settings.calibration,
-                 "Assumed calibration of the camera (YAML, as calibrate writes it), for --joints");
+                 "Assumed calibration of the camera (YAML, as calibrate writes it)");
   Option folder = command.option("--out", settings.folder, "Folder for detections, scores and report");
   command.flag("--json", settings.json, "The scores as metrics.json on standard output").excludes(folder);
   command.flag("--force", settings.force, "Replace an earlier run in that folder");
   command.action([options, &registry] {
-    detect_recording(read_detectors(options->config, options->assignments, registry.detectors),
-                     options->settings);
+    detect_recording(detectors_for(*options, registry.detectors), options->settings);
     return 0;
   });
 }

@@ -8,6 +8,7 @@
 #include "apps/session/scenario_loop.h"
 #include "apps/session/version.h"
 #include "apps/view/view.h"
+#include "recording/run_file_names.h"
 #include "sim/data_directory.h"
 
 namespace saccade::inline v0_1 {
@@ -46,11 +47,13 @@ int view_scenario(const ViewOptions& options, const Registry& registry) {
 int view_recording(const ViewOptions& options, const Registry& registry) {
   NamedDetectors detectors;
   std::string selected = "best";
-  const std::filesystem::path own = options.recording / "scenario.yaml";
-  if (options.config.empty() && options.assignments.empty() && std::filesystem::exists(own)) {
-    const Scenario scenario = read_scenario(own, {}, std::nullopt, registry);
-    detectors = scenario.detectors;
-    selected = scenario.gaze.detector;
+  std::optional<RecordedDetectors> own;
+  if (options.config.empty() && is_run_folder(options))
+    own = read_recorded_detectors(options.recording, options.assignments, registry.detectors);
+  if (own) {
+    detectors = std::move(own->detectors);
+    if (own->file.filename() == run_file::scenario)
+      selected = read_scenario(own->file, {}, std::nullopt, registry).gaze.detector;
   } else {
     detectors = read_detectors(options.config, options.assignments, registry.detectors);
   }

@@ -10,9 +10,11 @@
 #include "apps/config/world_defaults.h"
 #include "apps/config/yaml_reader.h"
 #include "apps/config/yaml_writer.h"
+#include "core/nearest_name.h"
 #include "core/units.h"
 #include "evaluation/scoring/metrics.h"
 #include "head/icub_cameras.h"
+#include "recording/run_file_names.h"
 #include "sim/data_directory.h"
 
 namespace saccade::inline v0_1 {
@@ -72,6 +74,59 @@ void describe_calibration(FieldVisitor& v, MountedCamera& calibration, const Mou
   describe_calibration(v, calibration);
   v.require(calibration.camera.size == camera.camera.size, "width_px", in_words(calibration.camera.size),
             "the camera's image, " + in_words(camera.camera.size));
+}
+
+/// The block `detectors` of a file in `folder`, with assignments as of read_detectors().
+NamedDetectors detectors_of(const YamlTree& file, const std::string& folder,
+                            const std::vector<std::string>& assignments, const DetectorRegistry& registry) {
+  const YamlNode* block = file.root.find("detectors");
+  const std::vector<std::string> names = block != nullptr ? block->keys : std::vector<std::string>{};
+  const auto is_for_one = [&](const std::string& assignment) {
+    return std::find(names.begin(), names.end(), key_of(assignment, ".=")) != names.end();
+  };
+  const auto with_sets = [&](const auto& takes) {
+    YamlTree tree = file;
+    for (const std::string& assignment : assignments) {
+      if (is_for_one(assignment)) {
+        set_value(tree, "detectors." + assignment);
+        continue;
+      }
+      for (const std::string& name : names) {
+        if (takes(name, assignment)) set_value(tree, "detectors." + name + "." + assignment);
+      }
+    }
+    return tree;
+  };
+  // Which keys a detector has may depend on what is set, so they are known once everything is.
+  const YamlTree everything = with_sets([](const auto&...) { return true; });
+  std::vector<std::string> required = {"detectors"};
+  NamedDetectors detectors = named_detectors_in(everything, registry, required);
+  YamlReader first(everything, {}, folder);
+  describe_detectors(first, detectors);
+  const YamlTree keys = parse_yaml(resolved_detectors(detectors), "");
+  const auto has = [&](const std::string& name, const std::string& assignment) {
+    return keys.root.find("detectors." + name + "." + key_of(assignment, "=")) != nullptr;
+  };
+  std::vector<Problem> slips;
+  for (const std::string& assignment : assignments) {
+    const std::string word = key_of(assignment, ".=");
+    const bool is_key = std::ranges::any_of(names, [&](const std::string& name) { return has(name, word); });
+    const std::string close = nearest_name(word, names);
+    if (!is_for_one(assignment) && !is_key && word.size() < key_of(assignment, "=").size() && !close.empty())
+      slips.push_back(
+          {"--set " + assignment, word, "a detector's name or a key; did you mean " + close + "?"});
+  }
+  if (!slips.empty()) throw InputError(std::move(slips));
+  const YamlTree tree = with_sets([&](const std::string& name, const std::string& assignment) {
+    const auto has_it = [&](const std::string& other) { return has(other, assignment); };
+    return has(name, assignment) || std::none_of(names.begin(), names.end(), has_it);
+  });
+  required = {"detectors"};
+  detectors = named_detectors_in(tree, registry, required);
+  YamlReader reader(tree, std::move(required), folder);
+  describe_detectors(reader, detectors);
+  reader.finish();
+  return detectors;
 }
 
 }  // namespace
@@ -285,45 +340,20 @@ NamedDetectors read_detectors(const std::filesystem::path& path, const std::vect
   } else {
     for (const std::string& name : registry.defaults) set_value(file, "detectors." + name + "={}");
   }
-  const YamlNode* block = file.root.find("detectors");
-  const std::vector<std::string> names = block != nullptr ? block->keys : std::vector<std::string>{};
-  const auto is_for_one = [&](const std::string& assignment) {
-    return std::find(names.begin(), names.end(), key_of(assignment, ".=")) != names.end();
-  };
-  const auto with_sets = [&](const auto& takes) {
-    YamlTree tree = file;
-    for (const std::string& assignment : assignments) {
-      if (is_for_one(assignment)) {
-        set_value(tree, "detectors." + assignment);
-        continue;
-      }
-      for (const std::string& name : names) {
-        if (takes(name, assignment)) set_value(tree, "detectors." + name + "." + assignment);
-      }
-    }
-    return tree;
-  };
-  // Which keys a detector has may depend on what is set, so they are known once everything is.
-  const YamlTree everything = with_sets([](const auto&...) { return true; });
-  std::vector<std::string> required = {"detectors"};
-  NamedDetectors detectors = named_detectors_in(everything, registry, required);
-  const std::string folder = path.parent_path().string();
-  YamlReader first(everything, {}, folder);
-  describe_detectors(first, detectors);
-  const YamlTree keys = parse_yaml(resolved_detectors(detectors), "");
-  const auto has = [&](const std::string& name, const std::string& assignment) {
-    return keys.root.find("detectors." + name + "." + key_of(assignment, "=")) != nullptr;
-  };
-  const YamlTree tree = with_sets([&](const std::string& name, const std::string& assignment) {
-    const auto has_it = [&](const std::string& other) { return has(other, assignment); };
-    return has(name, assignment) || std::none_of(names.begin(), names.end(), has_it);
-  });
-  required = {"detectors"};
-  detectors = named_detectors_in(tree, registry, required);
-  YamlReader reader(tree, std::move(required), folder);
-  describe_detectors(reader, detectors);
-  reader.finish();
-  return detectors;
+  return detectors_of(file, path.parent_path().string(), assignments, registry);
+}
+
+std::optional<RecordedDetectors> read_recorded_detectors(const std::filesystem::path& folder,
+                                                         const std::vector<std::string>& assignments,
+                                                         const DetectorRegistry& registry) {
+  for (const char* const name : {run_file::detectors, run_file::scenario, run_file::robot}) {
+    const std::filesystem::path path = folder / name;
+    if (!std::filesystem::exists(path)) continue;
+    const std::optional<YamlTree> block = block_of(read_yaml_file(path), "detectors");
+    if (!block || block->root.items.front().keys.empty()) return std::nullopt;
+    return RecordedDetectors{path, detectors_of(*block, folder.string(), assignments, registry)};
+  }
+  return std::nullopt;
 }
 
 std::string resolved_detectors(NamedDetectors detectors) {

@@ -107,6 +107,18 @@ void describe(FieldVisitor& v, Scenario& scenario);
 [[nodiscard]] NamedDetectors read_detectors(const std::filesystem::path& path,
                                             const std::vector<std::string>& assignments,
                                             const DetectorRegistry& registry);
+
+/// The detectors of a run, and the file in its folder that has them.
+struct RecordedDetectors {
+  std::filesystem::path file;
+  NamedDetectors detectors;
+};
+/// Reads the block `detectors` of detectors.yaml, scenario.yaml or robot.yaml in the folder of a run; other keys are not looked
+/// at. Assignments as above. None where there is no such file or its block is empty. Throws InputError as above.
+[[nodiscard]] std::optional<RecordedDetectors> read_recorded_detectors(
+    const std::filesystem::path& folder, const std::vector<std::string>& assignments,
+    const DetectorRegistry& registry);
+
 /// The detectors with every default, as YAML that reads back the same.
 [[nodiscard]] std::string resolved_detectors(NamedDetectors detectors);
 

@@ -4,9 +4,9 @@
 #include <array>
 #include <charconv>
 #include <filesystem>
-#include <numeric>
 
 #include "apps/config/migrate.h"
+#include "core/nearest_name.h"
 
 namespace saccade::inline v0_1 {
 namespace {
@@ -76,42 +76,6 @@ std::optional<Number> converted(std::string_view text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
   return value;
-}
-
-/// Changes, insertions, deletions and swaps of neighbours that turn `a` into `b`.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> before_last(b.size() + 1);
-  std::vector<std::size_t> last(b.size() + 1);
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(last.begin(), last.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
-      const bool swapped = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
-      if (swapped) row[j] = std::min(row[j], before_last[j - 2] + 1);
-    }
-    std::swap(before_last, last);
-    std::swap(last, row);
-  }
-  return last[b.size()];
-}
-
-/// The known key that was probably meant: close in spelling, or the same with a unit.
-std::string nearest(std::string_view key, const std::vector<std::string>& known) {
-  constexpr std::size_t longest_key = 64;
-  std::string best;
-  std::size_t best_distance = std::max<std::size_t>(1, key.size() / 3) + 1;
-  if (key.size() > longest_key) return best;
-  for (const std::string& candidate : known) {
-    const bool unit_forgotten = candidate.starts_with(std::string(key) + "_");
-    const std::size_t distance = unit_forgotten ? 1 : edit_distance(lower(std::string(key)), candidate);
-    if (distance < best_distance) {
-      best_distance = distance;
-      best = candidate;
-    }
-  }
-  return best;
 }
 
 std::string one_or_list(std::size_t size, const std::string& of, Range range) {
@@ -253,7 +217,13 @@ std::optional<std::string> YamlReader::folder_of(std::string_view key) {
 
 void YamlReader::choice(std::string_view key, std::string& value, const std::vector<std::string>& options,
                         std::string_view) {
-  const YamlNode* node = take(key, expectation_of(options));
+  // A block whose name is no option, such as a detector's, needs this key: the name may be a slip.
+  const bool missing = block_.node == nullptr || block_.node->entry(key) == nullptr;
+  const std::string close =
+      missing ? nearest_name(block_.path.substr(block_.path.rfind('.') + 1), options) : std::string();
+  const YamlNode* node =
+      take(key, expectation_of(options) +
+                    (close.empty() ? "" : "; did you mean the name " + close + " for the block?"));
   if (node == nullptr) return;
   const bool known = std::find(options.begin(), options.end(), node->text) != options.end();
   if (node->kind == Kind::scalar && known) {
@@ -360,7 +330,7 @@ void YamlReader::report_if_unknown(const std::string& key, TextMark mark) {
                           *renamed + "; `saccade migrate FILE` rewrites old keys"}});
     return;
   }
-  const std::string close = nearest(key, block_.known);
+  const std::string close = nearest_name(key, block_.known);
   const std::string expectation = block_.known.empty() ? "no keys here"
                                   : close.empty()      ? expectation_of(block_.known)
                                                        : "a known key; did you mean " + close + "?";

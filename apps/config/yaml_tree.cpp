@@ -364,6 +364,16 @@ YamlTree parse_yaml(std::string_view text, std::string file) {
   return tree;
 }
 
+std::optional<YamlTree> block_of(const YamlTree& tree, std::string_view key) {
+  const YamlNode* const node = tree.root.entry(key);
+  if (node == nullptr) return std::nullopt;
+  YamlTree block;
+  block.file = tree.file;
+  block.root.keys = {std::string(key)};
+  block.root.items = {*node};
+  return block;
+}
+
 void set_value(YamlTree& tree, std::string_view assignment) {
   const std::size_t equals = assignment.find('=');
   const std::string path(assignment.substr(0, equals));

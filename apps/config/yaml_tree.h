@@ -2,6 +2,7 @@
 
 #include <compare>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -69,6 +70,9 @@ struct YamlTree {
 [[nodiscard]] YamlTree read_yaml_file(const std::filesystem::path& path);
 /// The same of a text; `file` is its name in messages.
 [[nodiscard]] YamlTree parse_yaml(std::string_view text, std::string file);
+
+/// The tree with one key of its root alone; none without that key.
+[[nodiscard]] std::optional<YamlTree> block_of(const YamlTree& tree, std::string_view key);
 
 /// Applies `key.path=value` to the tree: replaces the value there, or adds it with the maps on the way to it.
 /// The value is YAML: a number, true, a [list], a {map: 1}, text; null removes the key. The last of several for one path

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "apps/config/cameras.h"
 #include "apps/config/input_files.h"
@@ -173,7 +174,8 @@ void detect_recording(const NamedDetectors& named, const DetectSettings& setting
   if (!played.truth.empty() && played.chances == Chances::annotated) {
     run_at(played.truth, start_us, session, scores);
   } else {
-    session.run(tick_us);
+    session.run(tick_us, std::numeric_limits<std::int64_t>::max(),
+                played.truth.empty() ? 0 : played.truth.front().t_us);
   }
   const double wall_s = session.wall_s();
   metrics.interrupted = interrupted();
@@ -193,7 +195,7 @@ void detect_recording(const NamedDetectors& named, const DetectSettings& setting
   }
 
   metrics.scenario = settings.input.recording.filename().string();
-  if (robot.head() != nullptr) {
+  if (robot.head() != nullptr || !settings.calibration.empty()) {
     metrics.camera = camera.camera;
     metrics.calibration = camera;
   }

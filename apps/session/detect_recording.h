@@ -19,9 +19,10 @@ struct DetectSettings {
   bool json = false;                  ///< without a folder: print metrics.json instead of the summary
 };
 
-/// Runs detectors on a recording, scores them where truth is given, prints the summary and writes the folder. Ticks are
-/// 1 ms; with annotated truth they are the annotated instants and the starts of their observation windows
-/// (docs/scoring.md). Without a calibration a bare recording with joints has the pinhole camera of its image size. Throws
+/// Runs detectors on a recording, scores them where truth is given, prints the summary and writes the folder. Ticks are at
+/// whole milliseconds, or at those of the truth; with annotated truth they are the annotated instants and the starts of
+/// their observation windows (docs/scoring.md). Without a calibration a bare recording with joints has the pinhole camera
+/// of its image size. Throws
 /// InputError for a recording without events, for truth or joints outside the recording's time span, and for truth with a
 /// ball where there is to be none; RunError after an interrupt.
 void detect_recording(const NamedDetectors& detectors, const DetectSettings& settings);

@@ -2,7 +2,8 @@
 
 namespace saccade::inline v0_1 {
 
-/// After this call Ctrl-C and SIGTERM set a flag instead of ending the program; a second signal ends it.
+/// After this call Ctrl-C, SIGTERM and the hang-up of the terminal (SIGHUP, unless it is ignored as under nohup) set a flag
+/// instead of ending the program; a second Ctrl-C or SIGTERM ends it. After a hang-up, output to the terminal is dropped.
 void catch_interrupts();
 /// Whether such a signal came.
 [[nodiscard]] bool interrupted();

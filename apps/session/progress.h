@@ -5,10 +5,12 @@
 
 #include <cmath>
 #include <cstdio>
+#include <string>
 
 namespace saccade::inline v0_1 {
 
-/// Progress on standard error: one changing line on a terminal, a line every tenth of the way in a log.
+/// Progress on standard error: one changing line on a terminal, a line every tenth of the way in a log. What cannot be
+/// written is dropped.
 class Progress {
  public:
   /// `total`: how much there is to do, in any unit; 0 if unknown, then a line comes every 1000.
@@ -24,21 +26,23 @@ class Progress {
   void show(double reached, const Line& line) {
     if (reached < next_) return;
     next_ = std::floor(reached / step_ + 1.0) * step_;
-    fmt::print(stderr, "{}{}{}", terminal_ ? "\r" : "", line(), terminal_ ? "" : "\n");
+    write(fmt::format("{}{}{}", terminal_ ? "\r" : "", line(), terminal_ ? "" : "\n"));
     line_is_open_ = terminal_;
   }
   /// Prints a line of its own between those of the progress.
   void print_line(std::string_view line) {
     done();
-    fmt::print(stderr, "{}\n", line);
+    write(fmt::format("{}\n", line));
   }
   /// Ends the changing line.
   void done() {
-    if (line_is_open_) fmt::print(stderr, "\n");
+    if (line_is_open_) write("\n");
     line_is_open_ = false;
   }
 
  private:
+  static void write(const std::string& text) { std::fputs(text.c_str(), stderr); }
+
   bool terminal_;
   bool line_is_open_ = false;
   double step_;

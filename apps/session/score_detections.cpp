@@ -29,10 +29,13 @@ std::vector<std::string> detectors_of(const std::vector<DetectionRow>& rows) {
   return names;
 }
 
-template <class Rows>
-std::string span_of(const Rows& rows) {
-  return fmt::format("from {:.3f} to {:.3f} s", static_cast<double>(rows.front().t_us) * 1e-6,
-                     static_cast<double>(rows.back().t_us) * 1e-6);
+/// A detection between the instants of truth that has a row each millisecond is false: worth a line where there are some.
+void warn_of_instants(const std::string& name, const SharedInstants& instants) {
+  if (instants.shared == instants.detections) return;
+  fmt::print(
+      stderr,
+      "saccade: warning: {}: {} of {} detections lie between the instants of the truth; each is false\n",
+      name, instants.detections - instants.shared, instants.detections);
 }
 
 }  // namespace
@@ -45,17 +48,17 @@ void score_detections(const ScoreSettings& settings) {
     if (std::ranges::find(names, name) == names.end())
       throw InputError("--threshold", name, fmt::format("one of {}", fmt::join(names, ", ")));
   }
-  if (detections.back().t_us < truth.front().t_us || detections.front().t_us > truth.back().t_us) {
-    throw InputError(settings.detections.string(),
-                     "detections " + span_of(detections) + ", truth " + span_of(truth),
-                     "detections in the clock of the truth");
+  const Chances chances = chances_of(truth);
+  for (const std::string& name : names) {
+    const SharedInstants instants = check_instants(truth, detections, name, settings.detections.string());
+    if (chances == Chances::simulated) warn_of_instants(name, instants);
   }
   std::vector<std::pair<std::string, DetectorScore>> scores;
   for (const std::string& name : names) {
     const auto given = settings.thresholds.find(name);
     const double threshold =
         given != settings.thresholds.end() ? given->second : std::numeric_limits<double>::quiet_NaN();
-    scores.emplace_back(name, score_detector(truth, detections, name, threshold, chances_of(truth)));
+    scores.emplace_back(name, score_detector(truth, detections, name, threshold, chances));
   }
   if (settings.json) {
     fmt::print("{}", detectors_to_json(scores));

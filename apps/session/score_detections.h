@@ -16,8 +16,8 @@ struct ScoreSettings {
 
 /// Scores the detections of a table against truth and prints the figures of each detector. Truth with rows 1 ms apart is
 /// scored as a simulation's, any other as the annotation of a recording (chances_of()). Throws InputError for broken
-/// tables, tables without rows, a threshold of a detector that the table does not have, and tables whose times have
-/// nothing in common.
+/// tables, tables without rows, a threshold of a detector that the table does not have, and tables whose times do not
+/// fit (check_instants()).
 void score_detections(const ScoreSettings& settings);
 
 }  // namespace saccade::inline v0_1

@@ -14,9 +14,10 @@ bool Session::tick(std::int64_t t_us) {
   return status == PortStatus::ok;
 }
 
-void Session::run(std::int64_t tick_us, std::int64_t end_us) {
-  for (std::int64_t t_us = robot_.clock().now_us() + tick_us; t_us <= end_us && !interrupted();
-       t_us += tick_us) {
+void Session::run(std::int64_t tick_us, std::int64_t end_us, std::optional<std::int64_t> grid_us) {
+  const std::int64_t start_us = robot_.clock().now_us();
+  const std::int64_t past_us = grid_us ? ((start_us - *grid_us) % tick_us + tick_us) % tick_us : 0;
+  for (std::int64_t t_us = start_us - past_us + tick_us; t_us <= end_us && !interrupted(); t_us += tick_us) {
     if (!tick(t_us)) return;
   }
 }

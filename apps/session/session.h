@@ -36,9 +36,10 @@ class Session {
   /// One tick at t_us, later than the one before. Returns false if no more data will come. Throws RunError if the
   /// connection to the robot is lost.
   bool tick(std::int64_t t_us);
-  /// Ticks every tick_us from the robot's time on up to end_us, inclusive; ends earlier with the robot's data, or on
-  /// interrupted(). Throws as tick() does.
-  void run(std::int64_t tick_us, std::int64_t end_us = std::numeric_limits<std::int64_t>::max());
+  /// Ticks every tick_us after the robot's time up to end_us, inclusive, at whole multiples of tick_us from grid_us on (none:
+  /// from the robot's time); ends earlier with the robot's data, or on interrupted(). Throws as tick() does.
+  void run(std::int64_t tick_us, std::int64_t end_us = std::numeric_limits<std::int64_t>::max(),
+           std::optional<std::int64_t> grid_us = std::nullopt);
 
   /// Seconds of the wall clock since the first tick; 0 before it.
   [[nodiscard]] double wall_s() const;

@@ -181,7 +181,7 @@ void fit_mount(const std::vector<CalibrationView>& views, const DotGrid& grid,
         model.boards.size() >= limits.min_rests,
         fmt::format("the board rested at {} poses long enough for {} views while the eye moved",
                     model.boards.size(), limits.min_views_of_rest),
-        fmt::format("{} such poses, for the eye's pose (without it: --no_joints)", limits.min_rests));
+        fmt::format("{} such poses, for the eye's pose (without it: --no-joints)", limits.min_rests));
     const BoardFit problem(grid, fitted, FreeParameters::mount_and_boards);
     model = problem.solve(model);
     const std::vector<bool> now_fit = fitting(problem, model);

@@ -9,6 +9,7 @@
 #include "evaluation/scoring/metrics_json.h"
 #include "head/head_model.h"
 #include "recording/output_file.h"
+#include "recording/run_file_names.h"
 
 namespace saccade::inline v0_1 {
 namespace {
@@ -397,7 +398,14 @@ Metrics read_metrics(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   if (!file) {
-    throw InputError(path.string(), "no readable file", "the metrics.json of a run");
+    std::error_code error;
+    bool ended = false;  // before its files were complete
+    for (const auto& entry : std::filesystem::directory_iterator(path.parent_path(), error))
+      ended = ended || entry.path().extension() == ".part" || entry.path().filename() == run_file::scenario;
+    throw InputError(path.string(), "no readable file",
+                     ended ? "the metrics.json of a run; `saccade repair " + path.parent_path().string() +
+                                 "` makes one for a run that was ended before it was complete"
+                           : "the metrics.json of a run");
   }
   return metrics_from_json(text, path.string());
 }

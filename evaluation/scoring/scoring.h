@@ -101,6 +101,18 @@ struct DetectorScore {
                                            std::span<const DetectionRow> detections,
                                            std::string_view detector, double threshold, Chances chances);
 
+/// How many detections of a detector lie in the time of the truth, ends included, and how many of them at an instant of it.
+struct SharedInstants {
+  std::int64_t detections = 0;
+  std::int64_t shared = 0;
+};
+
+/// Counts them. Order as in score_detector. Throws InputError with `place` where no figure can follow from the tables: the
+/// detections end before the truth begins, begin after its end, or lie in its time and none at an instant of it. The
+/// message names the instants of both.
+SharedInstants check_instants(std::span<const TruthRow> truth, std::span<const DetectionRow> detections,
+                              std::string_view detector, const std::string& place);
+
 /// For every row of simulated truth whether the detector found the ball there, that is has an inlier at or
 /// above `threshold`; none where there was no chance. Order and errors as in score_detector.
 [[nodiscard]] std::vector<std::optional<bool>> found_at_chances(std::span<const TruthRow> truth,

@@ -11,7 +11,10 @@ import os as _os
 
 import numpy as _np
 
-from . import _saccade
+from . import _saccade, plain_errors as _plain_errors
+
+_plain_errors.install()
+
 from ._saccade import Camera, CameraMotion, Detector, Estimate, Recording, joint_names
 from ._saccade import version as __version__
 from .arrays import as_events, event_dtype, joint_vector as _joint_vector, score
@@ -100,12 +103,25 @@ _detection_dtype = _np.dtype([("t_us", "i8"), ("x_px", "f8"), ("y_px", "f8"), ("
                               ("held", "?")])
 
 
-def detect(detector, events, start_us=None):
-    """Passes events to a detector in ticks of 1 ms and returns its estimates, a structured array with the fields t_us,
-    x_px, y_px, r_px, score and held: one row per tick with an estimate and an event, or with a held estimate. Ticks count
-    from start_us, or else from the first event, as in `saccade detect`. Ground truth at whole milliseconds asks for a
-    start_us at one."""
-    table = detector._detect(events, start_us)
+def detect(detector, events, start_us=None, at_us=None):
+    """Passes events to a detector and returns its estimates, a structured array with the fields t_us, x_px, y_px, r_px,
+    score and held: one row per instant with an estimate and an event, or with a held estimate.
+
+    Instants are at whole milliseconds, as in `saccade detect`; with start_us 1 ms apart from there on. at_us: the instants
+    themselves, sorted, such as those of ground truth made by hand; an estimate needs an event in the 10 ms before its
+    instant then, as with `saccade detect --truth`.
+    """
+    if not isinstance(detector, Detector):
+        raise TypeError(f"detector: found {_plain_errors.shown(detector)}, expected what saccade.detector() returns; "
+                        "a class of your own is saccade.detector(\"python\", size, python=\"FILE.py:CLASS\")")
+    if at_us is not None:
+        if start_us is not None:
+            raise ValueError("detect: found start_us and at_us, expected one of them")
+        at_us = _np.asarray(at_us)
+        if at_us.ndim != 1 or at_us.dtype.kind not in "iu":
+            raise TypeError(f"at_us: found an array of shape {at_us.shape} and dtype {at_us.dtype}, "
+                            "expected whole numbers in one dimension, us")
+    table = detector._detect(events, start_us, at_us)
     rows = _np.empty(len(table), _detection_dtype)
     for i, field in enumerate(_detection_dtype.names):
         rows[field] = table[:, i]

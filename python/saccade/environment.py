@@ -5,7 +5,19 @@ import os
 import numpy as np
 
 from . import _saccade
+from .plain_errors import shown
 from .yaml_text import assignments, keys_text
+
+
+def _numbers(place, value, shape=None):
+    """The value as an array of numbers, of that shape where one is given."""
+    try:
+        array = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        array = None
+    if array is None or (shape is not None and array.shape != shape):
+        raise ValueError(f"{place}: found {shown(value)}, expected " + ("a number" if shape == () else "numbers"))
+    return array
 
 
 class Env:
@@ -18,7 +30,9 @@ class Env:
     move the head, as `saccade run` does.
 
     The same scenario, seed and actions give the same events as `saccade run` with the same commands. Several
-    environments may exist in one process; each is used from one thread at a time.
+    environments may exist in one process; each is used from one thread at a time. A process that was forked from one that
+    has made an environment cannot use or make any, because the threads of OpenGL do not exist there: start processes with
+    multiprocessing's method "spawn" or "forkserver".
 
     Raises ValueError for a scenario, override or action that is invalid, RuntimeError where the simulation cannot run.
     """
@@ -32,6 +46,11 @@ class Env:
             self._source = (os.getcwd(), keys_text(scenario))
         else:
             self._source = (os.fspath(scenario), None)
+        if not (overrides is None or isinstance(overrides, dict)):
+            raise TypeError(f"overrides: found {shown(overrides)}, expected a dict of keys")
+        if not (reward is None or callable(reward)):
+            raise TypeError(f"reward: found {shown(reward)}, expected a callable (observation, info) -> number")
+        self._process = os.getpid()
         self._assignments = assignments(overrides or {})
         self._seed = seed
         self._reward = reward
@@ -74,6 +93,7 @@ class Env:
         del options
         if self._closed:
             raise RuntimeError("the environment is closed")
+        self._require_own_process()
         if seed is not None and seed != self._seed:
             self._seed = seed
             self._next = None
@@ -95,9 +115,11 @@ class Env:
         numbers for a head of three joints is their references.
 
         info["rejected"] is the reason where the head or the gaze controller rejected the action, else None.
-        truncated: the scenario's duration is over.
+        truncated: the scenario's duration is over. A further step() raises RuntimeError until the next reset().
         """
         simulation = self._running()
+        if simulation.t_us >= self._duration_us:
+            raise RuntimeError("the scenario's duration is over: reset() comes before the next step()")
         info = {"rejected": self._apply(action) if action is not None else None}
         simulation.step()
         reference = simulation.reference_rad
@@ -129,7 +151,13 @@ class Env:
     def _running(self):
         if self._simulation is None:
             raise RuntimeError("the environment is closed" if self._closed else "reset() comes before this")
+        self._require_own_process()
         return self._simulation
+
+    def _require_own_process(self):
+        if os.getpid() != self._process:
+            raise RuntimeError("the environment was made in another process, of which this one is a fork without its "
+                               "threads; start processes with multiprocessing.get_context(\"spawn\")")
 
     def _apply(self, action):
         simulation = self._simulation
@@ -137,16 +165,16 @@ class Env:
             if "gaze_target_m" in action:
                 if len(action) > 1:
                     raise ValueError("action: found a gaze target and joint references, expected one of them")
-                return self._look_at(np.asarray(action["gaze_target_m"], dtype=float))
+                return self._look_at(_numbers("gaze_target_m", action["gaze_target_m"]))
             unknown = [name for name in action if name not in self._head_joints]
             if unknown:
                 raise ValueError(f"action: found the joint {unknown[0]}, expected some of {', '.join(self._head_joints)}")
             last = simulation.reference_rad
             reference = simulation.position_rad[self._torso_joints:] if last is None else last
             for name, value in action.items():
-                reference[self._head_joints.index(name)] = value
+                reference[self._head_joints.index(name)] = _numbers(name, value, ())
             return None if simulation.command(reference) else "outside_limits"
-        values = np.asarray(action, dtype=float)
+        values = _numbers("action", action)
         joints = len(self._head_joints)
         if values.shape == (joints,):
             return None if simulation.command(values) else "outside_limits"
