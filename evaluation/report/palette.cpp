@@ -24,11 +24,10 @@ constexpr std::array<std::pair<std::string_view, Colour>, 13> known_detectors = 
 }};
 
 // Each as far as possible from those before it, from the known detectors' and from those of events, truth and gaze.
-constexpr std::array<Colour, 15> other_colours = {{
+constexpr std::array<Colour, 14> other_colours = {{
     {0xc5, 0xaa, 0xd7},  // thistle
     {0x08, 0x8f, 0xfb},  // azure
     {0x74, 0x59, 0x7d},  // plum
-    {0x08, 0x74, 0x6b},  // dark teal
     {0xbc, 0x08, 0x35},  // crimson
     {0xa1, 0x8f, 0xfb},  // lavender
     {0x47, 0xaa, 0x08},  // grass green
@@ -58,10 +57,11 @@ Colour detector_colour(std::string_view name) {
   if (known != known_detectors.end()) return known->second;
   const std::uint32_t hash = hash_of(name);
   const Colour& full = other_colours[hash % other_colours.size()];
-  const std::uint32_t shade =
-      224 + (hash >> 16U) % 32;  // of 255: names that share one of them hardly share the shade
-  const auto shaded = [&](std::uint8_t channel) { return static_cast<std::uint8_t>(channel * shade / 255); };
-  return {shaded(full.red), shaded(full.green), shaded(full.blue)};
+  // Names that share one of them hardly share the shade.
+  const auto shaded = [&](std::uint8_t channel, unsigned shift) {
+    return static_cast<std::uint8_t>(channel * (224 + (hash >> shift) % 32) / 255);
+  };
+  return {shaded(full.red, 16), shaded(full.green, 21), shaded(full.blue, 26)};
 }
 
 std::string hex(Colour colour) {
