@@ -96,14 +96,32 @@ TEST(HeadSection, ErrorsOfADescriptionAreOneLineEach) {
               HasSubstr("max_deg: found 5, expected more than min_deg"));
   EXPECT_THAT(with("joints: {pan: {}}\nlinks: {pan: {joint: tilt}}\n"),
               HasSubstr("found tilt, expected one of none, pan"));
-  EXPECT_THAT(with("joints: {pan: {}}\nlinks: {pan: {kind: axis, joint: pan}}\n"),
+  EXPECT_THAT(with("joints: {pan: {}}\nlinks: {pan: {kind: axis, joint: pan}}\nleft_eye: {}\n"),
               HasSubstr("left_eye.pose: found missing"));
+  const std::string turret = "joints: {pan: {}}\nlinks: {pan: {a_m: 0.05, joint: pan}}\n";
+  EXPECT_EQ(with(turret + "left_eye: {}\n"), "nothing");
+  EXPECT_THAT(with(turret), HasSubstr("left_eye: found no such key, expected the eye: links of its own"));
+  EXPECT_THAT(with("joints: {pan: {}}\nlinks: {pan: {a_m: 45, joint: pan}}\nleft_eye: {}\n"),
+              HasSubstr("links.pan.a_m: found 45, expected a finite number in [-2, 2]"));
+  EXPECT_THAT(with(turret + "left_eye: {pose: {position_m: [-20, 0, 350]}}\n"),
+              HasSubstr("left_eye.pose.position_m[0]: found -20, expected a finite number in [-3, 3]"));
+  EXPECT_THAT(with(turret + "left_eye: {}\nright_eye: {}\n"),
+              HasSubstr("right_eye: found an eye at the place of the left one"));
+  EXPECT_THAT(
+      complaint(folder.write("mine.yaml", least + "head: {model: described, joints: {pan: {}}, links: "
+                                                  "{pan: {a_m: 0.05, joint: pan}}}\n")),
+      HasSubstr("head.left_eye: found no such key"));
+  folder.write("left.ini",
+               "type left\nnumLinks 2\nlink_0 (A 45) (D 0) (alpha 90) (offset 0) (min -20) (max 20)\n"
+               "link_1 (A 0) (D 0) (alpha 0) (offset 0) (min -20) (max 20)\n");
+  EXPECT_THAT(complaint(folder.write("mine.yaml", least + "head: {ikin_left: left.ini}\n")),
+              HasSubstr("a_m: found 45, expected a finite number in [-2, 2]"));
   EXPECT_THAT(complaint(folder.write("mine.yaml", least + "head: {file: nowhere.yaml}\n")),
               HasSubstr("nowhere.yaml"));
   EXPECT_THAT(complaint(folder.write("mine.yaml", least + "head: {ikin_right: right.ini}\n")),
               HasSubstr("ikin_left beside it"));
-  EXPECT_THAT(complaint(folder.write("mine.yaml", least + "head: {ikin_left: left.ini}\n")),
-              HasSubstr("left.ini"));
+  EXPECT_THAT(complaint(folder.write("mine.yaml", least + "head: {ikin_left: absent.ini}\n")),
+              HasSubstr("absent.ini"));
   EXPECT_THAT(complaint(folder.write("mine.yaml", least + "plant: {axes: cad}\nhead: {version: 3}\n")),
               HasSubstr("plant.axes: found cad"));
 }

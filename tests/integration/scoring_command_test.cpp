@@ -87,6 +87,90 @@ TEST_F(Scores, OfDetectionsMadeElsewhereNeedSixColumnsAndSparseTruth) {
   EXPECT_TRUE(ring["detection_rate_hz"]["mean"].is_null());
 }
 
+TEST_F(Scores, OfDetectionsOnTheRecordedEventsFollowFromTheGroundTruthOfTheRun) {
+  run_eyes("run", "--set output.events=aedat4");
+  ASSERT_EQ(
+      saccade("detect " + at("run/events.aedat4") + " --set radius_px=[4,14] --out " + at("bare")).status, 0);
+  const auto rows = read_table<DetectionRow>(folder_ / "bare/detections.csv");
+  ASSERT_GT(rows.size(), 100U);
+  for (const DetectionRow& row : rows) ASSERT_EQ(row.t_us % 1000, 0) << "as the ground truth";
+  const Outcome scored =
+      saccade("score " + at("bare/detections.csv") + " --truth " + at("run/truth.csv") + " --json");
+  ASSERT_EQ(scored.status, 0) << scored.text;
+  const double precision =
+      Json::parse(scored.text)["detectors"]["paper_directed"]["average_precision"].get<double>();
+  const double expected =
+      json_in("run/metrics.json")["detectors"]["paper_directed"]["average_precision"].get<double>();
+  EXPECT_GT(expected, 0.1);
+  EXPECT_NEAR(precision, expected, 0.05);
+}
+
+TEST_F(Scores, OfDetectionsBetweenTheInstantsOfTheTruthAreRefusedOrWarnedOf) {
+  std::string truth = "t_us,x_px,y_px,r_px\n", between = "t_us,detector,x_px,y_px,r_px,score\n",
+              half = between;
+  for (int ms = 1; ms <= 20; ++ms) {
+    const std::string circle = ",50,50,20";
+    truth += std::to_string(1000 * ms) + circle + "\n";
+    between += std::to_string(1000 * ms + 500) + ",ring" + circle + ",0.9\n";
+    half += std::to_string(500 * ms + 1000) + ",ring" + circle + ",0.9\n";
+  }
+  folder_.write("truth.csv", truth);
+  folder_.write("between.csv", between);
+  folder_.write("half.csv", half);
+  const Outcome refused = saccade("score " + at("between.csv") + " --truth " + at("truth.csv"));
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.text,
+              HasSubstr("the truth has t_us = 1000, 2000, 3000, ..., the detections 1500, 2500, "
+                        "3500, ..."));
+  const Outcome warned = saccade("score " + at("half.csv") + " --truth " + at("truth.csv"));
+  EXPECT_EQ(warned.status, 0);
+  EXPECT_THAT(warned.text,
+              HasSubstr("warning: ring: 10 of 20 detections lie between the instants of the truth"));
+}
+
+TEST_F(Scores, OfARunFolderAreThoseOfItsOwnDetectorsUnlessOthersAreGiven) {
+  run_eyes("run",
+           "--set detectors.best.radius_px=[5,13] --set 'detectors.mine={preset: paper_full, radius_px: [6, "
+           "12]}'");
+  const Outcome own = saccade("detect " + at("run") + " --out " + at("own"));
+  ASSERT_EQ(own.status, 0) << own.text;
+  EXPECT_THAT(own.text, HasSubstr("saccade: the detectors of " + at("run/scenario.yaml") +
+                                  ": best, paper_directed, mine"));
+  const std::string detectors = bytes_of(folder_ / "own/detectors.yaml");
+  EXPECT_THAT(detectors, HasSubstr("radius_px: [5, 13]"));
+  EXPECT_THAT(detectors, HasSubstr("radius_px: [6, 12]"));
+  EXPECT_NEAR(json_in("own/metrics.json")["detectors"]["mine"]["average_precision"].get<double>(),
+              json_in("run/metrics.json")["detectors"]["mine"]["average_precision"].get<double>(), 0.05);
+  const Outcome set = saccade("detect " + at("run") + " --set mine.threshold=0.5 --out " + at("set"));
+  ASSERT_EQ(set.status, 0) << set.text;
+  EXPECT_EQ(json_in("set/metrics.json")["detectors"]["mine"]["threshold"], 0.5);
+  EXPECT_THAT(bytes_of(folder_ / "set/detectors.yaml"), HasSubstr("radius_px: [6, 12]"));
+  folder_.write("other.yaml", "detectors: {paper_full: {}}\n");
+  const Outcome other =
+      saccade("detect " + at("run") + " --config " + at("other.yaml") + " --json 2>/dev/null");
+  ASSERT_EQ(other.status, 0);
+  EXPECT_EQ(Json::parse(other.text)["detectors"].size(), 1U);
+  const Outcome slip = saccade("detect " + at("run") + " --set bset.threshold=0.5");
+  EXPECT_EQ(slip.status, 2);
+  EXPECT_THAT(slip.text, HasSubstr("found bset, expected a detector's name or a key; did you mean best?"));
+  run_eyes("none", "--set 'detectors={}'");
+  EXPECT_EQ(Json::parse(saccade("detect " + at("none") + " --json 2>/dev/null").text)["detectors"].size(),
+            3U);
+}
+
+TEST_F(Scores, WithACalibrationAndNoJointsNameTheCalibration) {
+  run_eyes("run");
+  Json calibration = json_in("run/metrics.json")["calibration"];
+  calibration["fx_px"] = calibration["fx_px"].get<double>() * 2.0;
+  folder_.write("calibration.yaml", "calibration: " + calibration.dump() + "\n");
+  const std::string detect = "detect " + at("run/events.aedat") + " --json ";
+  const Json without = Json::parse(saccade(detect + "2>/dev/null").text);
+  const Json with =
+      Json::parse(saccade(detect + "--calibration " + at("calibration.yaml") + " 2>/dev/null").text);
+  EXPECT_TRUE(without["calibration"].is_null());
+  EXPECT_EQ(with["calibration"]["fx_px"], calibration["fx_px"]);
+}
+
 TEST_F(Scores, RejectTablesAndThresholdsThatDoNotFit) {
   folder_.write("mine.csv", "t_us,detector,x_px,y_px,r_px,score\n1000,ring,50,50,20,0.9\n");
   folder_.write("late.csv", "t_us,x_px,y_px,r_px\n9000000,50,50,20\n");
@@ -122,8 +206,7 @@ TEST_F(Scores, OfARecordingWithoutABallHaveAnAlarmRatioWhenAskedFor) {
     EXPECT_EQ(detector["precision"].is_null(), alarms == 0) << name;
   }
   const Json unknown = json_in("unknown/metrics.json")["detectors"];
-  for (const auto& [name, detector] : unknown.items())
-    EXPECT_TRUE(detector["alarm_ratio"].is_null()) << name;
+  for (const auto& [name, detector] : unknown.items()) EXPECT_TRUE(detector["alarm_ratio"].is_null()) << name;
   folder_.write("truth.csv", "t_us,x_px,y_px,r_px\n1500000,50,50,20\n");
   const Outcome both = saccade("detect " + at("noise.aedat") + " --no-ball --truth " + at("truth.csv") +
                                " --out " + at("both"));
@@ -187,7 +270,8 @@ TEST_F(Scores, AreTheSameBytesInFiguresJsonFromRunToRun) {
 }
 
 TEST_F(Scores, ByEventTimeOfARunAreThoseOfItsRecordedEventsAndStreamingOnesAreLower) {
-  run_eyes("late", "--set render.method=direct --set render.max_interval_ms=5 --set render.max_displacement_px=0.5");
+  run_eyes("late",
+           "--set render.method=direct --set render.max_interval_ms=5 --set render.max_displacement_px=0.5");
   const Json run = json_in("late/metrics.json")["detectors"]["paper_directed"];
   ASSERT_EQ(saccade("detect " + at("late") + " --set radius_px=[4,14] --out " + at("replayed")).status, 0);
   const Json replayed = json_in("replayed/metrics.json")["detectors"]["paper_directed"];

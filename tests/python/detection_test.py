@@ -76,3 +76,45 @@ def test_rejected_events_are_counted():
     detector = saccade.detector("paper_full", (128, 128))
     detector.process(events)
     assert detector.rejected == {"outside_image": 1, "back_in_time": 0}
+
+
+def test_instants_of_ones_own_are_those_of_ground_truth_made_by_hand(tmp_path):
+    events = circle_events()
+    saccade.write(tmp_path / "a.aedat4", events, size=(128, 128))
+    at_us = [100_123, 200_456, 204_000, 300_789]
+    rows = "".join(f"{t},{40 + 60e-6 * t},64,12\n" for t in at_us)
+    (tmp_path / "truth.csv").write_text("t_us,x_px,y_px,r_px\n" + rows)
+    run_program("detect", tmp_path / "a.aedat4", "--truth", tmp_path / "truth.csv", "--out", tmp_path / "run")
+    lines = (tmp_path / "run" / "detections.csv").read_text().splitlines()[1:]
+    theirs = [[float(v) for v in (row[0], *row[2:6])] for row in (line.split(",") for line in lines) if row[1] == "best"]
+    ours = saccade.detect(saccade.detector("best", (128, 128)), events, at_us=at_us)
+    assert len(theirs) > 2
+    assert [list(row)[:5] for row in ours.tolist()] == theirs
+    figures = saccade.score(ours, tmp_path / "truth.csv")
+    assert figures["mine"]["average_precision"] > 0.5
+    with pytest.raises(ValueError, match="at_us.1.: found 5, expected a time after the one before it, 7"):
+        saccade.detect(saccade.detector("best", (128, 128)), events, at_us=[7, 5])
+    with pytest.raises(ValueError, match="start_us and at_us"):
+        saccade.detect(saccade.detector("best", (128, 128)), events, 0, [7])
+
+
+def test_wrong_types_are_type_errors_that_name_argument_value_and_expectation():
+    class Mine:
+        pass
+
+    detector = saccade.detector("best", (128, 128))
+    wrong = (
+        (lambda: saccade.detect(Mine(), circle_events()), "detector: found Mine, expected what saccade.detector.. returns"),
+        (lambda: detector.advance_to("soon"), "Detector.advance_to: t_us: found 'soon' .str., expected a whole number"),
+        (lambda: detector.process(circle_events(), 3), "process: motion: found 3 .int., expected a saccade.CameraMotion, or N"),
+        (lambda: saccade.detector(3, (128, 128)), "Detector: name: found 3 .int., expected a text"),
+        (lambda: saccade.detector("best", "big"), "size: found 'big' .str., expected two whole numbers, .width, height."),
+        (lambda: saccade.camera().project([1, 2]), r"Camera.project: points_m: found .*, expected an array .* \(N, 3\)"),
+        (lambda: saccade.root_from_eye({}, 3), "root_from_eye: eye: found 3 .int., expected a text"),
+        (lambda: saccade.Emulator((64, 48), seed="x"), "Emulator: seed: found 'x' .str., expected a whole number"),
+        (lambda: detector.estimate(1), "Detector.estimate: found the arguments .1 .int.., expected"),
+    )
+    for call, message in wrong:
+        with pytest.raises(TypeError, match=message) as caught:
+            call()
+        assert "incompatible" not in str(caught.value) and "Invoked with" not in str(caught.value)

@@ -1,3 +1,8 @@
+import os
+import signal
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 import saccade
@@ -183,3 +188,74 @@ def test_joints_are_those_of_the_scenarios_head():
             env.step({"neck_yaw": 0.1})
         with pytest.raises(ValueError, match=r"\(2,\) for joint references"):
             env.step(np.zeros(6))
+
+
+def test_a_step_after_the_end_is_an_error_until_the_next_reset():
+    with saccade.Env(SCENARIO, overrides={**SHORT, "run.duration_s": 0.01}) as env:
+        env.reset()
+        assert [env.step()[3] for _ in range(10)] == [False] * 9 + [True]
+        with pytest.raises(RuntimeError, match="the scenario's duration is over: reset.. comes before"):
+            env.step()
+        env.reset()
+        assert env.step()[0]["t_us"] == 1000
+
+
+def test_wrong_types_of_arguments_and_actions_are_named():
+    with pytest.raises(TypeError, match="overrides: found 5 .int., expected a dict"):
+        saccade.Env(SCENARIO, overrides=5)
+    with pytest.raises(TypeError, match="Env: seed: found 'one' .str., expected a whole number, or None"):
+        saccade.Env(SCENARIO, seed="one")
+    with saccade.Env(SCENARIO, overrides=SHORT) as env:
+        env.reset()
+        with pytest.raises(ValueError, match="action: found 'left' .str., expected numbers"):
+            env.step("left")
+        with pytest.raises(ValueError, match="neck_yaw: found 'far' .str., expected a number"):
+            env.step({"neck_yaw": "far"})
+
+
+def in_fork(work):
+    """What `work` returns in a forked process, a text; the process ends as any program does."""
+    read, write = os.pipe()
+    child = os.fork()
+    if child == 0:
+        signal.alarm(60)
+        try:
+            text = str(work())
+        except BaseException as error:
+            text = f"{type(error).__name__}: {error}"
+        os.write(write, text.encode())
+        os.close(write)
+        sys.exit(0)
+    os.close(write)
+    with os.fdopen(read) as pipe:
+        text = pipe.read()
+    return text, os.waitpid(child, 0)[1]
+
+
+FORKS = """
+import os, sys
+sys.path.insert(0, os.path.dirname({file!r}))
+from env_test import *
+env = saccade.Env(SCENARIO, overrides=SHORT)
+env.reset(), env.step()
+emulator = saccade.Emulator((64, 48), threads=3)
+emulator.process(np.full((48, 64), 40.0, np.float32), 0)
+def use():
+    return len(emulator.process(np.full((48, 64), 200.0, np.float32), 1000))
+print(in_fork(lambda: saccade.Env(SCENARIO, overrides=SHORT)))
+print(in_fork(env.step))
+print(in_fork(env.reset))
+print(in_fork(use)[1], in_fork(use)[0] == str(use()))
+print(env.step()[0]["t_us"])
+"""
+
+
+def test_a_forked_process_refuses_what_would_wait_for_threads_that_it_does_not_have():
+    done = subprocess.run([sys.executable, "-c", FORKS.format(file=__file__)], capture_output=True, text=True, timeout=200)
+    lines = done.stdout.splitlines()
+    assert len(lines) == 5, done.stdout + done.stderr
+    assert "RuntimeError: no OpenGL: this process is a fork of one that has used it" in lines[0] and lines[0].endswith(", 0)")
+    for line in lines[1:3]:
+        assert "RuntimeError: the environment was made in another process" in line and line.endswith(", 0)")
+    assert lines[3] == "0 True"
+    assert lines[4] == "2000"

@@ -80,3 +80,18 @@ def test_the_report_of_a_run_folder_is_written_anew_with_figures_for_a_paper(tmp
     assert {"svg", "pdf", "csv"} == {path.suffix[1:] for path in (tmp_path / "paper").iterdir()}
     with pytest.raises(ValueError, match="metrics.json"):
         saccade.report(tmp_path)
+
+
+def test_the_example_of_the_readme_scores_the_events_of_a_run(tmp_path):
+    run_program("run", SOURCE / "examples" / "scenario" / "slow_line.yaml", "--out", tmp_path / "run", "--set",
+                "run.duration_s=0.8", "--set", "expect={}", "--set", "output.pictures=0", "--set", "output.events=aedat4")
+    events = saccade.read(tmp_path / "run" / "events.aedat4")
+    best = saccade.detector("best", size=(128, 128))
+    truth = tmp_path / "run" / "truth.csv"
+    detections = saccade.detect(best, events)
+    assert events["t"][0] % 1000 and not np.any(detections["t_us"] % 1000)
+    figures = saccade.score(detections, truth, threshold=best.threshold)
+    assert figures["mine"]["average_precision"] > 0.3
+    between = saccade.detect(saccade.detector("best", size=(128, 128)), events, start_us=500)
+    with pytest.raises(ValueError, match="none at an instant of it: the truth has t_us = 1000, 2000, 3000, ..., the det"):
+        saccade.score(between, truth)

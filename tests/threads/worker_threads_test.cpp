@@ -1,10 +1,13 @@
 #include "threads/worker_threads.h"
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -114,6 +117,24 @@ TEST_P(WorkerThreadsOf, ThrowInTheCallerWhatTheFirstCallThrew) {
 }
 
 INSTANTIATE_TEST_SUITE_P(OneToFive, WorkerThreadsOf, testing::Values(1, 2, 3, 5));
+
+TEST(WorkerThreads, InAForkedProcessTheCallingThreadMakesAllCallsAndTheEndWaitsForNone) {
+  auto threads = std::make_unique<WorkerThreads>(3);
+  threads->run([](std::size_t) {});
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    ::alarm(20);  // ends the process where it waits for threads that it does not have
+    int calls = 0;
+    threads->run([&](std::size_t) { ++calls; });
+    threads.reset();
+    ::_exit(calls);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status)) << "ended by signal " << WTERMSIG(status);
+  EXPECT_EQ(WEXITSTATUS(status), 3);
+}
 
 TEST(WorkerThreads, AStartedCallIsMadeBesideTheCallingThread) {
   WorkerThreads threads(2);

@@ -475,5 +475,34 @@ TEST(FoundRate, IsTheShareOfTheChancesFromAnInstantOn) {
   EXPECT_EQ(found_rate_hz(truth, found, 95'000), std::nullopt);
 }
 
+TEST(Instants, DetectionsBetweenThoseOfTheTruthAreAnErrorThatNamesBoth) {
+  const std::vector<TruthRow> truth = truth_along(100, circling);
+  std::vector<DetectionRow> detections;
+  for (const TruthRow& row : truth)
+    detections.push_back(seen_at(row.t_us + 6, row.circle.x_px, row.circle.y_px, row.circle.r_px, 0.9));
+  try {
+    check_instants(truth, detections, "d", "mine.csv");
+    ADD_FAILURE() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(),
+                testing::HasSubstr("mine.csv: found 99 detections of d in the time of the truth"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("the truth has t_us = 1000, 2000, 3000, ..., the detections "
+                                                 "1006, 2006, 3006, ..."));
+  }
+  detections[40].t_us = truth[40].t_us;
+  const SharedInstants instants = check_instants(truth, detections, "d", "mine.csv");
+  EXPECT_EQ(instants.detections, 99);
+  EXPECT_EQ(instants.shared, 1);
+  EXPECT_EQ(check_instants(truth, detections, "other", "mine.csv").detections, 0);
+}
+
+TEST(Instants, DetectionsInAnotherTimeThanTheTruthAreAnErrorThatNamesBothSpans) {
+  const std::vector<TruthRow> truth = truth_along(10, circling);
+  const std::vector<DetectionRow> late = {seen_at(9'000'000, 64, 64, 20, 0.5)};
+  EXPECT_THAT([&] { check_instants(truth, late, "d", "mine.csv"); },
+              testing::ThrowsMessage<InputError>(
+                  testing::HasSubstr("detections from 9.000 to 9.000 s, truth from 0.001 to 0.010 s")));
+}
+
 }  // namespace
 }  // namespace saccade
