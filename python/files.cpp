@@ -55,7 +55,7 @@ py::dict emulate(const std::filesystem::path& images, const std::filesystem::pat
 
 void add_files(py::module_& m) {
   m.def("emulate", &emulate, py::arg("images"), py::arg("out"), py::arg("images_per_s"),
-        py::arg("timestamps"), py::arg("seed"), py::arg("threads"), py::arg("keys"));
+        py::arg("timestamps"), py::arg("time_unit"), py::arg("seed"), py::arg("threads"), py::arg("keys"));
   m.def(
       "report",
       [](const std::filesystem::path& run, const std::filesystem::path& figures) {
