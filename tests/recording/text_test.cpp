@@ -164,12 +164,12 @@ TEST(TextEvents, AreBrokenInsideAtAWholeWrongLineAndTornAtACutOne) {
   const TempFolder folder;
   const auto torn = [&](const char* content) {
     const auto path = folder.write("a.csv", content);
-    return *summarise_recording(built_in_formats(), path, {}, 1000).torn;
+    return summarise_recording(built_in_formats(), path, {}, 1000).torn.value();
   };
   EXPECT_FALSE(torn("1 2 3 1\n2 2 x 1\n3 2 3 1\n").is_cut);
   EXPECT_TRUE(torn("1 2 3 1\n2 2").is_cut);
   EXPECT_TRUE(torn("1 2").is_cut);
-  EXPECT_THROW((void)torn("1 2\n2 2 3 1\n"), InputError) << "the first line is wrong: another file";
+  EXPECT_THROW((void)torn("1 2 3\n2 2 3 1\n"), InputError) << "the first line is wrong: another file";
 }
 
 TEST(TextEvents, InAZipFileAreReadLikeTheTextItself) {
