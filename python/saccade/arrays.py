@@ -76,7 +76,7 @@ def _times(values, unit):
         values, unit = values.astype(values.dtype.newbyteorder("=")).view("i8"), stored
     if values.dtype.kind not in "iuf":
         raise ValueError(f"events: found t of dtype {values.dtype}, expected numbers")
-    if values.dtype.kind == "u" and len(values) and values.max() > np.iinfo("i8").max:
+    if values.dtype.kind == "u" and len(values) and int(values.max()) > np.iinfo("i8").max:
         raise ValueError(f"events: found t up to {values.max()}, expected times below 2^63")
     return _saccade.times_in_us(values, unit or "")
 

@@ -134,7 +134,7 @@ def test_arrays_of_aedat_event_stream_and_faery_are_taken_as_they_make_them():
 
 def test_arrays_may_lie_in_memory_in_any_way(tmp_path):
     events = circle_events()
-    big = events.astype([("t", ">i8"), ("p", "?"), ("y", ">i4"), ("x", ">u2")])
+    big = fields([("t", ">i8"), ("x", ">u2"), ("y", ">i4"), ("p", "?")], events)
     for other in (big, np.repeat(events, 3)[::3], np.repeat(events, 2)[1::2], events[::-1][::-1], np.asfortranarray(big),
                   events.view(np.recarray)):
         assert np.array_equal(saccade.as_events(other)["t"], events["t"])
@@ -179,7 +179,7 @@ def test_times_are_converted_or_refused():
 def test_other_numbers_are_refused_where_they_are_no_pixels_or_polarities(tmp_path):
     events = circle_events()
     for field, value in (("x", 2.5), ("y", np.nan), ("p", np.nan)):
-        wrong = events.astype([(name, "i8" if name == "t" else "f8") for name in ("t", "x", "y", "p")])
+        wrong = fields([("t", "i8"), ("x", "f8"), ("y", "f8"), ("p", "f8")], events)
         assert np.array_equal(saccade.as_events(wrong)["x"], events["x"])
         wrong[field][5] = value
         for call in (saccade.as_events, lambda e: saccade.write(tmp_path / "a.aedat", e, size=(128, 128))):
