@@ -333,7 +333,7 @@ TEST_F(Emulate, ImagesInUnitsOfOneGetAHintToSetWhite) {
   const std::string run = "emulate " + path("unit.npy") + " --fps 100 --force --out " + path("e.csv");
   const std::string hint =
       "luminance goes up to 0.9 and white is at 255; for images in 0..1 use white=1 and "
-      "dark_current=0.04\n";
+      "dark_current=0.04 (--set KEY=VALUE)\n";
   EXPECT_THAT(saccade(run).text, HasSubstr(hint));
   const Outcome followed = saccade(run + " --set white=1 --set dark_current=0.04");
   EXPECT_EQ(followed.status, 0);
