@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 namespace saccade::inline v0_1 {
 namespace {
@@ -15,12 +14,12 @@ std::int64_t tick_at_or_after(std::int64_t t_us, std::int64_t tick_us) {
   return into == 0 ? t_us : t_us + tick_us - into;
 }
 
-/// Fisher and Yates's shuffle by the numbers of one stream.
-void shuffle(std::vector<PixelEvent>& events, const RandomStream& random, std::uint64_t stream) {
-  for (std::size_t i = events.size() - 1; i > 0; --i) {
-    const std::uint64_t other = ((random.bits(stream, i) >> 32) * (i + 1)) >> 32;
-    std::swap(events[i], events[other]);
-  }
+/// Puts the events of one microsecond into a random order, that of random numbers of each pixel and `time`: an event more or
+/// less leaves the order of the others.
+void shuffle(std::vector<PixelEvent>& events, const RandomStream& random, std::uint64_t time) {
+  std::stable_sort(events.begin(), events.end(), [&](const PixelEvent& a, const PixelEvent& b) {
+    return random.bits(a.pixel, time) < random.bits(b.pixel, time);
+  });
 }
 
 /// Erases the first `gone` elements when they are the larger part.

@@ -7,16 +7,16 @@ set -euo pipefail
 source=$1
 work=$2
 expected="ideal b73cbff1bdc81433
-dvs128 78e6c0724461bf6e
-noisy 8cf094829c6eaac7
+dvs128 c5015911ddc7dd0e
+noisy 804d945a12ba579f
 davis346 4a3d12ca44cb9eee
 atis 7794eb8c27062df9
-few_events 5575e4ed333596f8
+few_events 2307e6a8b2f97fb0
 asymmetric 4fe185480009002b
 davis240 4a3d12ca44cb9eee
 gen3_vga 30e87776b3549c18
 gen4_hd 6fcf582a3a9ca704
-everything ff2180f90e454308"
+everything 22dfbcbae08668b0"
 
 status=0
 compare() {
