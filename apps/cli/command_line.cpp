@@ -80,8 +80,8 @@ void open_standard_files() {
 
 /// Writes what was printed. Returns the exit status: 1 where the action's is 0 and something could not be written.
 int finish_output(int status) {
-  std::cout.flush();
   errno = 0;
+  std::cout.flush();
   const bool flushed = std::fflush(stdout) == 0;
   if (flushed && std::ferror(stdout) == 0 && std::cout) return status;
   const std::string cause = errno != 0 ? ": " + std::generic_category().message(errno) : std::string();

@@ -25,8 +25,7 @@ class Output : public testing::Test {
   void expect_lost(const std::string& arguments) const {
     const Outcome full = run_shell(program + arguments + " > /dev/full");
     EXPECT_EQ(full.status, 1) << arguments;
-    EXPECT_THAT(full.text, HasSubstr("saccade: standard output: cannot be written: No space left"))
-        << arguments;
+    EXPECT_THAT(full.text, HasSubstr("saccade: standard output: cannot be written")) << arguments;
   }
 
   TempFolder folder_;
@@ -36,17 +35,17 @@ TEST_F(Output, ThatCannotBeWrittenIsAFailureOfEveryCommandThatPrints) {
   folder_.write("events.csv", "t_us,x,y,p\n1000,3,4,1\n2000,3,5,0\n3000,4,5,0\n");
   folder_.write("truth.csv", "t_us,x_px,y_px,r_px\n2000,4,4,8\n");
   folder_.write("seen.csv", "t_us,detector,x_px,y_px,r_px,score\n2000,ring,4,4,8,0.5\n");
-  for (const char* arguments : {"--help", "run --help", "--version", "keys", "keys window"})
+  for (const char* arguments : {"--help", "run --help", "--version", "keys", "keys lab"})
     expect_lost(arguments);
   expect_lost("info " + at("events.csv") + " --size 128x128");
   expect_lost("info " + at("events.csv") + " --size 128x128 --json");
   expect_lost("detect " + at("events.csv") + " --size 128x128");
   expect_lost("detect " + at("events.csv") + " --size 128x128 --json");
   expect_lost("score " + at("seen.csv") + " --truth " + at("truth.csv") + " --json");
-  const Outcome closed = run_shell(program + "keys window >&-");
+  const Outcome closed = run_shell(program + "keys lab >&-");
   EXPECT_EQ(closed.status, 1);
   EXPECT_THAT(closed.text, HasSubstr("standard output: cannot be written"));
-  EXPECT_EQ(run_shell(program + "keys window > /dev/null").status, 0);
+  EXPECT_EQ(run_shell(program + "keys lab > /dev/null").status, 0);
 }
 
 TEST_F(Output, BeyondTheLimitOfTheShellFailsWithAMessageThatNamesTheFile) {
