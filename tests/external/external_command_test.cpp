@@ -362,13 +362,12 @@ TEST_F(ExternalCommand, AnErrorInAClassInPythonIsInTheMessageWithItsLine) {
   Outcome outcome = run("mine.py:Raise");
   EXPECT_EQ(outcome.status, 1);
   EXPECT_THAT(outcome.text,
-              HasSubstr("detectors.mine: detector " + out("mine.py:Raise") +
-                        " failed at its start, with status 1: AttributeError: module 'own' has no "
-                        "attribute 'Raise'"));
+              HasSubstr("detectors.mine: detector mine.py:Raise failed at its start: AttributeError: module "
+                        "'own' has no attribute 'Raise'"));
   outcome = run("mine.py:Raises");
   EXPECT_EQ(outcome.status, 1);
   EXPECT_THAT(outcome.text,
-              HasSubstr("with status 1: ZeroDivisionError: division by zero (mine.py, line 4)"));
+              HasSubstr("failed at its start: ZeroDivisionError: division by zero (mine.py, line 4)"));
   EXPECT_THAT(run("torn.py:Torn").text, HasSubstr("SyntaxError: invalid syntax (torn.py, line 1)"));
   outcome = run("mine.py:Ends");
   EXPECT_THAT(outcome.text,

@@ -21,7 +21,7 @@ def test_the_end_of_its_program_is_reported(tmp_path):
     detector = saccade.detector("python", (128, 128), python=f"{tmp_path / 'mine.py'}:Mine")
     detector.process(circle_events())
     detector.advance_to(1_000_000)
-    assert detector.estimate() is None and "with status 1" in detector.failure
+    assert detector.estimate() is None and "KeyError: 'x' (mine.py, line 4)" in detector.failure
 
 
 def test_a_file_that_is_missing_is_a_value_error(tmp_path):
