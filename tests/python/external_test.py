@@ -29,7 +29,7 @@ def test_a_file_that_is_missing_is_a_value_error(tmp_path):
         saccade.detector("python", (128, 128))
     with pytest.raises(ValueError, match="a file that exists"):
         saccade.detector("command", (128, 128), command=str(tmp_path / "absent"))
-    with pytest.raises(RuntimeError, match="with status 1"):
+    with pytest.raises(RuntimeError, match="AttributeError: module .own. has no attribute .Absent."):
         saccade.detector("python", (128, 128), python=f"{EXAMPLE}:Absent")
 
 
