@@ -99,7 +99,8 @@ def reason_of(error):
     """One line: what was raised, and where."""
     text = " ".join(f"{type(error).__name__}: {error}".split())[:400]
     frames = traceback.extract_tb(error.__traceback__)
-    if frames and not isinstance(error, SyntaxError) and frames[-1].filename != os.path.realpath(__file__):
+    own = frames and not frames[-1].filename.startswith("<") and frames[-1].filename != os.path.realpath(__file__)
+    if own and not isinstance(error, SyntaxError):
         text += f" ({os.path.basename(frames[-1].filename)}, line {frames[-1].lineno})"
     return text
 
