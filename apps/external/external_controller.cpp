@@ -40,7 +40,7 @@ ExternalController::ExternalController(std::string name, const LineProcess::Plac
   if (status != LineProcess::Status::ok) {
     throw RunError("gaze controller " + end_program(process_, status, name_, "at its start", limit));
   }
-  if (const auto failure = stated_failure(process_, answer_, name_, "at its start", limit))
+  if (const auto failure = stated_failure(process_, answer_, name_, "at its start"))
     throw RunError("gaze controller " + *failure);
   if (answer_ != "ready")
     throw RunError("gaze controller " + name_ + " answered " + shown(answer_) +
@@ -77,8 +77,8 @@ HeadJointVector ExternalController::step(const HeadState& state,
     return reference_rad_;
   }
   const std::string moment = moment_of(state.t_us);
-  if (const auto stated = stated_failure(process_, status == LineProcess::Status::ok ? answer_ : "", name_,
-                                         moment, answer_limit_)) {
+  if (const auto stated =
+          stated_failure(process_, status == LineProcess::Status::ok ? answer_ : "", name_, moment)) {
     failure_ = *stated;
   } else if (status == LineProcess::Status::ok) {
     process_.end(std::chrono::milliseconds(0));

@@ -100,7 +100,7 @@ void ExternalDetector::start(const AnswerLimits& limits, const Camera& camera) {
     fail(status, "at its start", limit);
     throw RunError("detector " + failure_);
   }
-  if (const auto failure = stated_failure(process_, answer_, name_, "at its start", limit))
+  if (const auto failure = stated_failure(process_, answer_, name_, "at its start"))
     throw RunError("detector " + *failure);
   const auto ready = parse_ready(answer_);
   if (!ready)
@@ -164,7 +164,7 @@ Estimate ExternalDetector::estimate() {
     fail(status, moment, answer_limit_);
     return estimate_ = {};
   }
-  if (const auto failure = stated_failure(process_, answer_, name_, moment, answer_limit_)) {
+  if (const auto failure = stated_failure(process_, answer_, name_, moment)) {
     failure_ = *failure;
     return estimate_ = {};
   }

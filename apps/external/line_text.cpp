@@ -40,15 +40,10 @@ std::string moment_of(std::int64_t t_us) {
   return moment + " s";
 }
 
-namespace {
-
-constexpr std::chrono::milliseconds longest_patience(20);
-
-}  // namespace
-
 std::string end_program(LineProcess& process, LineProcess::Status status, const std::string& name,
                         const std::string& moment, std::chrono::milliseconds limit) {
   // A program that has ended has a status at once; another one is not waited for, since a tick waits here.
+  constexpr std::chrono::milliseconds longest_patience(20);
   const bool has_ended = status == LineProcess::Status::ended;
   const std::string end =
       process.end(has_ended ? std::min(longest_patience, limit / 2) : std::chrono::milliseconds(0));
@@ -66,13 +61,11 @@ std::string end_program(LineProcess& process, LineProcess::Status status, const 
 }
 
 std::optional<std::string> stated_failure(LineProcess& process, std::string_view answer,
-                                          const std::string& name, const std::string& moment,
-                                          std::chrono::milliseconds limit) {
+                                          const std::string& name, const std::string& moment) {
   constexpr std::string_view word = "failed ";
   if (!answer.starts_with(word)) return std::nullopt;
-  const std::string end = process.end(std::min(longest_patience, limit / 2));
-  return name + " failed " + moment + (end.empty() ? "" : ", " + end) + ": " +
-         std::string(answer.substr(word.size()));
+  process.end(std::chrono::milliseconds(0));
+  return name + " failed " + moment + ": " + std::string(answer.substr(word.size()));
 }
 
 }  // namespace saccade::inline v0_1

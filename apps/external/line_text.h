@@ -47,10 +47,8 @@ void append_word(std::string& text, Number value) {
                                       const std::string& name, const std::string& moment,
                                       std::chrono::milliseconds limit);
 
-/// Where the answer is `failed REASON`, ends the program, within about 20 ms, and returns what it says: "mine failed at its
-/// start, with status 1: REASON".
+/// Where the answer is `failed REASON`, ends the program and returns what it says: "mine failed at its start: REASON".
 [[nodiscard]] std::optional<std::string> stated_failure(LineProcess& process, std::string_view answer,
-                                                        const std::string& name, const std::string& moment,
-                                                        std::chrono::milliseconds limit);
+                                                        const std::string& name, const std::string& moment);
 
 }  // namespace saccade::inline v0_1

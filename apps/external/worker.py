@@ -109,11 +109,13 @@ def run(source, answers, place, arguments):
     try:
         answer_all(source, answers, place, arguments)
     except Exception as error:
+        traceback.print_exc()
+        sys.stderr.flush()  # saccade ends this program once it has the answer
         try:
             answers.write(f"failed {reason_of(error)}\n".encode())
         except OSError:  # nobody listens any more
             pass
-        raise
+        sys.exit(1)
 
 
 def answer_all(source, answers, place, arguments):
@@ -161,7 +163,7 @@ def serve(server, connection, place, arguments):
             connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         run(connection.makefile("rb"), connection.makefile("wb", buffering=0), place, arguments)
         status = 0
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, SystemExit):
         pass
     except BaseException:
         traceback.print_exc()

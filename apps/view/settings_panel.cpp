@@ -101,8 +101,9 @@ void SettingsPanel::draw_own_detector(ViewState& state) {
     tried_name_.clear();
   }
   ImGui::SetNextItemWidth(-1.0F);
-  const bool entered = ImGui::InputTextWithHint("##own", "add FILE.py:CLASS or a program", own_.data(),
-                                                own_.size(), ImGuiInputTextFlags_EnterReturnsTrue);
+  const bool entered =
+      ImGui::InputTextWithHint("##own", "add FILE.py:CLASS or a program", own_.data(), own_.size(),
+                               ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
   if (ImGui::IsItemHovered())
     ImGui::SetTooltip("%s", "A detector of your own (docs/external_detectors.md); Enter adds it");
   if (entered && own_[0] != '\0') {

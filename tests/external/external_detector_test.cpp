@@ -185,7 +185,7 @@ INSTANTIATE_TEST_SUITE_P(
     ExternalDetector, BrokenProgram,
     testing::Values(Breach{"ends", "exit 3", "with status 3"},
                     Breach{"saysWhy", read_tick + "echo failed no more of it; exit 3",
-                           "mine failed at 0.002 s, with status 3: no more of it"},
+                           "mine failed at 0.002 s: no more of it"},
                     Breach{"crashes", "kill -SEGV $$", "by signal 11"},
                     Breach{"closesItsOutput", "exec 0<&- 1>&-; exec sleep 60",
                            "mine closed its output at 0.002 s"},

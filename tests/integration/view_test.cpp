@@ -229,13 +229,12 @@ TEST_F(ViewWindow, AnOwnDetectorThatDoesNotLoadIsReportedAndTheWindowGoesOn) {
   const cv::Mat before = screenshot();
   const auto enter = [&](const std::string& detector) {
     mouse(layout.settings.x + 0.5F * layout.settings.width, layout.settings.y + 66.0F, "click 1");
-    xdotool("key ctrl+a");  // the text of a detector that was rejected
     xdotool("type --delay 5 '" + path(detector) + "'");
     press("Return");
     mouse(layout.scene.x + 20.0F, layout.scene.y + 40.0F, "sleep 0.1");
     return screenshot();
   };
-  for (const std::string detector : {"absent.py:Mine", "mine.py:Mien", "mine.py:Raises"}) {
+  for (const std::string detector : {"mine.py:Mien", "mine.py:Raises"}) {
     const cv::Mat after = enter(detector);
     EXPECT_TRUE(same(before, after, layout.detectors)) << detector << ": the list is as before";
     EXPECT_FALSE(same(before, after, layout.settings)) << detector << ": the reason";
