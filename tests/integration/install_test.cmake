@@ -1,6 +1,7 @@
 # Installs everything, moves it elsewhere, runs the program there, builds the examples against the libraries as a user
 # would, and compares what the event camera prints with the same program linked to the libraries of this build.
 #   cmake -D BUILD=... -D SOURCE=... -D COMPILER=... -D TYPE=... -D FLAGS=... -D IN_TREE=... -P ...
+cmake_minimum_required(VERSION 3.25)
 function(must)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE text ERROR_VARIABLE text)
   if(NOT status EQUAL 0)
