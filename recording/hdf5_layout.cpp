@@ -209,7 +209,7 @@ std::vector<Hdf5Layout> hdf5_layouts(hid_t file, const std::string& name, const 
   const auto is_of = [](const char* eye) {
     return [eye](const Hdf5Layout& layout) { return layout.path.find(eye) != std::string::npos; };
   };
-  std::ranges::stable_partition(layouts, is_of("left"));
+  std::stable_partition(layouts.begin(), layouts.end(), is_of("left"));
   const bool is_pair = layouts.size() == 2 && is_of("left")(layouts[0]) && is_of("right")(layouts[1]);
   if (layouts.size() == 1 || is_pair) return layouts;
   std::string text;
