@@ -228,10 +228,11 @@ TEST_F(ViewWindow, AnOwnDetectorThatDoesNotLoadIsReportedAndTheWindowGoesOn) {
   press("shift+Right");
   const cv::Mat before = screenshot();
   const auto enter = [&](const std::string& detector) {
-    mouse(layout.settings.x + 0.5F * layout.settings.width, layout.settings.y + 66.0F, "click 1");
+    // Keys that arrive while one image is drawn are text of the field; a busy machine draws for half a second.
+    mouse(layout.settings.x + 0.5F * layout.settings.width, layout.settings.y + 66.0F, "click 1 sleep 2");
     xdotool("type --delay 5 '" + path(detector) + "'");
-    press("Return");
-    mouse(layout.scene.x + 20.0F, layout.scene.y + 40.0F, "sleep 0.1");
+    xdotool("sleep 2 key Return sleep 2");
+    mouse(layout.scene.x + 20.0F, layout.scene.y + 40.0F, "sleep 1");
     return screenshot();
   };
   for (const std::string detector : {"mine.py:Mien", "mine.py:Raises"}) {

@@ -140,7 +140,10 @@ class WindowTest : public testing::Test {
   }
   void quit() {
     press("q");
-    EXPECT_EQ(end_of(child_), 0) << bytes_of(path("output"));
+    int status = 0;
+    ASSERT_TRUE(until([&] { return waitpid(child_, &status, WNOHANG) == child_; }))
+        << "the window does not end; output: " << bytes_of(path("output"));
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << bytes_of(path("output"));
     child_ = 0;
   }
 
