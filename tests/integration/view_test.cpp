@@ -228,10 +228,10 @@ TEST_F(ViewWindow, AnOwnDetectorThatDoesNotLoadIsReportedAndTheWindowGoesOn) {
   press("shift+Right");
   const cv::Mat before = screenshot();
   const auto enter = [&](const std::string& detector) {
-    // Keys that arrive while one image is drawn are text of the field; a busy machine draws for half a second.
+    // A key counts in a field if an image is drawn while it is down; a busy machine draws for half a second.
     mouse(layout.settings.x + 0.5F * layout.settings.width, layout.settings.y + 66.0F, "click 1 sleep 2");
     xdotool("type --delay 5 '" + path(detector) + "'");
-    xdotool("sleep 2 key Return sleep 2");
+    xdotool("sleep 2 keydown Return sleep 1 keyup Return sleep 2");
     mouse(layout.scene.x + 20.0F, layout.scene.y + 40.0F, "sleep 1");
     return screenshot();
   };
