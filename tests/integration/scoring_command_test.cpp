@@ -249,7 +249,8 @@ TEST_F(Scores, OfABatteryAreTheMeansOverItsWorlds) {
   EXPECT_TRUE(worlds[1]["detectors"]["best"]["alarm_ratio"].is_number());
   const Outcome refused = run_shell(battery + "7 --write");
   EXPECT_EQ(refused.status, 1);
-  EXPECT_THAT(refused.text, HasSubstr("--write takes seeds from 1000 on"));
+  EXPECT_THAT(refused.text, HasSubstr("--write: found seeds 7 to 7, expected 2000 to 2199"));
+  EXPECT_THAT(run_shell(battery + "2199").text, HasSubstr("2000 to 2199 judge and need --write"));
   EXPECT_THAT(run_shell(battery + "8").text, HasSubstr("no streams of these seeds"));
 }
 
