@@ -2,7 +2,7 @@
 
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
-#include <GL/osmesa.h>
+#include <GL/gl.h>
 #include <dlfcn.h>
 #include <unistd.h>
 
@@ -44,32 +44,41 @@ class Library {
   void* handle_;
 };
 
-void require_no_other_backend(const char* symbol, const char* wanted, const char* other) {
-  if (dlsym(RTLD_DEFAULT, symbol) != nullptr) {
-    throw RunError(std::string("no OpenGL through ") + wanted + ": this program already uses " + other);
-  }
-}
+/// A context of a library that is loaded at run time.
+class LibraryContext : public GlContext {
+ public:
+  /// Makes the library's functions those that MuJoCo finds. Throws RunError where it has found another library's.
+  virtual void publish() const = 0;
 
-class OsmesaContext final : public GlContext {
+ protected:
+  explicit LibraryContext(const char* library) : library_(library) {}
+  void publish_as(const char* backend, const char* symbol_of_other, const char* other) const {
+    if (dlsym(RTLD_DEFAULT, symbol_of_other) != nullptr)
+      throw RunError(std::string("no OpenGL through ") + backend + ": this program already uses " + other);
+    library_.publish();
+  }
+
+  Library library_;
+};
+
+class OsmesaContext final : public LibraryContext {
  public:
   OsmesaContext()
-      : library_("libOSMesa.so.8"),
-        make_current_(library_.get<decltype(OSMesaMakeCurrent)>("OSMesaMakeCurrent")),
-        get_function_(library_.get<decltype(OSMesaGetProcAddress)>("OSMesaGetProcAddress")),
-        destroy_(library_.get<decltype(OSMesaDestroyContext)>("OSMesaDestroyContext")) {
-    require_no_other_backend("eglGetProcAddress", "osmesa", "egl");
-    const auto create = library_.get<decltype(OSMesaCreateContextExt)>("OSMesaCreateContextExt");
-    context_ = create(OSMESA_RGBA, 24, 8, 0, nullptr);
+      : LibraryContext("libOSMesa.so.8"),
+        make_current_(library_.get<MakeCurrent>("OSMesaMakeCurrent")),
+        get_function_(library_.get<GetFunction>("OSMesaGetProcAddress")),
+        destroy_(library_.get<Destroy>("OSMesaDestroyContext")) {
+    context_ = library_.get<Create>("OSMesaCreateContextExt")(GL_RGBA, 24, 8, 0, nullptr);
     if (context_ == nullptr) throw RunError("no OpenGL: OSMesa creates no context");
     OsmesaContext::make_current();
     identify("osmesa");
-    library_.publish();
   }
   ~OsmesaContext() override {
     make_current_(nullptr, nullptr, 0, 0, 0);
     destroy_(context_);
   }
 
+  void publish() const override { publish_as("osmesa", "eglGetProcAddress", "egl"); }
   void make_current() override {
     if (make_current_(context_, window_.data(), GL_UNSIGNED_BYTE, window_side, window_side) != GL_TRUE) {
       throw RunError("OpenGL failed: OSMesaMakeCurrent");
@@ -80,40 +89,38 @@ class OsmesaContext final : public GlContext {
   }
 
  private:
+  // The functions of GL/osmesa.h, which Mesa from 25.1 on does not have.
+  using Create = void*(GLenum format, GLint depth_bits, GLint stencil_bits, GLint accumulator_bits,
+                       void* shared);
+  using MakeCurrent = GLboolean(void* context, void* image, GLenum type, GLsizei width, GLsizei height);
+  using GetFunction = void (*(const char* name))();
+  using Destroy = void(void* context);
   static constexpr int window_side = 8;
 
-  Library library_;
-  decltype(OSMesaMakeCurrent)* make_current_;
-  decltype(OSMesaGetProcAddress)* get_function_;
-  decltype(OSMesaDestroyContext)* destroy_;
-  OSMesaContext context_ = nullptr;
+  MakeCurrent* make_current_;
+  GetFunction* get_function_;
+  Destroy* destroy_;
+  void* context_ = nullptr;
   std::array<std::byte, 4 * window_side * window_side> window_{};  ///< unused, but required by OSMesa
 };
 
-class EglContext final : public GlContext {
+class EglContext final : public LibraryContext {
  public:
   explicit EglContext(std::int64_t device)
-      : library_("libEGL.so.1"),
+      : LibraryContext("libEGL.so.1"),
         make_current_(library_.get<decltype(eglMakeCurrent)>("eglMakeCurrent")),
         get_function_(library_.get<decltype(eglGetProcAddress)>("eglGetProcAddress")),
         destroy_(library_.get<decltype(eglDestroyContext)>("eglDestroyContext")) {
-    require_no_other_backend("OSMesaGetProcAddress", "egl", "osmesa");
     library_.get<decltype(eglBindAPI)>("eglBindAPI")(EGL_OPENGL_API);
-    if (device == any_device) {
-      open_any();
+    if (device == software_device) {
+      open_software();
     } else {
       open(device);
     }
-    EglContext::make_current();
-    identify("egl");
-    library_.publish();
   }
-  ~EglContext() override {
-    // The display stays initialised: it belongs to the whole program.
-    make_current_(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-    destroy_(display_, context_);
-  }
+  ~EglContext() override { close(); }
 
+  void publish() const override { publish_as("egl", "OSMesaGetProcAddress", "osmesa"); }
   void make_current() override {
     if (make_current_(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_) != EGL_TRUE) {
       throw RunError("OpenGL failed: eglMakeCurrent");
@@ -135,21 +142,24 @@ class EglContext final : public GlContext {
     if (!open(detail::display_of(devices[static_cast<std::size_t>(index)], get_function_)))
       throw RunError("no OpenGL: EGL creates no context on device " + std::to_string(index));
   }
-  /// The first device that is not software, otherwise Mesa's display without a surface, otherwise the default display.
-  void open_any() {
+  /// The device that is software; where EGL lists none, Mesa's display without a surface if that draws in software.
+  void open_software() {
     for (const detail::EglDevice& device : detail::egl_devices(get_function_)) {
-      if (!device.description.software && open(detail::display_of(device, get_function_))) return;
+      if (device.description.software && open(detail::display_of(device, get_function_))) return;
     }
     const auto get_display =
         reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(get_function_("eglGetPlatformDisplayEXT"));
-    if (get_display != nullptr &&
-        open(get_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr))) {
+    if (get_display == nullptr ||
+        !open(get_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr)))
+      throw RunError("no OpenGL: EGL creates no context that draws in software");
+    if (description().find("llvmpipe") != std::string::npos ||
+        description().find("softpipe") != std::string::npos)
       return;
-    }
-    if (!open(library_.get<decltype(eglGetDisplay)>("eglGetDisplay")(EGL_DEFAULT_DISPLAY)))
-      throw RunError("no OpenGL: EGL creates no context");
+    const std::string found = description();
+    close();
+    throw RunError("no OpenGL in software: " + found + "; render.device chooses a GPU");
   }
-  /// Creates the context on a display. Returns false where that fails.
+  /// Creates the context on a display and makes it current. Returns false where that fails.
   bool open(EGLDisplay display) {
     const auto initialize = library_.get<decltype(eglInitialize)>("eglInitialize");
     if (display == EGL_NO_DISPLAY || initialize(display, nullptr, nullptr) != EGL_TRUE) return false;
@@ -163,16 +173,28 @@ class EglContext final : public GlContext {
                                                                             nullptr);
     if (context_ == EGL_NO_CONTEXT) return false;
     display_ = display;
+    EglContext::make_current();
+    identify("egl");
     return true;
   }
+  void close() {
+    // The display stays initialised: it belongs to the whole program.
+    make_current_(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    destroy_(display_, context_);
+  }
 
-  Library library_;
   decltype(eglMakeCurrent)* make_current_;
   decltype(eglGetProcAddress)* get_function_;
   decltype(eglDestroyContext)* destroy_;
   EGLDisplay display_ = EGL_NO_DISPLAY;
   EGLContext context_ = EGL_NO_CONTEXT;
 };
+
+/// Mesa prints to the terminal which drivers it has tried in vain, unless these variables are set.
+void keep_mesa_quiet() {
+  setenv("EGL_LOG_LEVEL", "fatal", 0);
+  setenv("MESA_LOG", "null", 0);
+}
 
 /// The libraries of OpenGL draw with threads of their own, which a forked process does not have: it would wait for them for
 /// ever.
@@ -185,25 +207,53 @@ void require_threads_of_opengl() {
       "another way (Python: multiprocessing.get_context(\"spawn\"))");
 }
 
-bool has_display() {
-  const char* x11 = std::getenv("DISPLAY");
-  const char* wayland = std::getenv("WAYLAND_DISPLAY");
-  return (x11 != nullptr && *x11 != '\0') || (wayland != nullptr && *wayland != '\0');
+std::unique_ptr<LibraryContext> open_backend(std::string_view backend, std::int64_t device) {
+  keep_mesa_quiet();
+  if (backend == "egl") return std::make_unique<EglContext>(device);
+  return std::make_unique<OsmesaContext>();
 }
 
-std::unique_ptr<GlContext> create_one(std::string_view backend) {
-  if (backend == "egl") return std::make_unique<EglContext>(GlContext::any_device);
-  return std::make_unique<OsmesaContext>();
+std::unique_ptr<GlContext> use_backend(std::string_view backend, std::int64_t device) {
+  std::unique_ptr<LibraryContext> context = open_backend(backend, device);
+  context->publish();
+  return context;
+}
+
+/// In the order in which "auto" tries them.
+constexpr std::array<std::string_view, 2> ways_to_draw{"egl", "osmesa"};
+
+/// What the environment variable MUJOCO_GL says, "auto" where it is not set or empty.
+std::string backend_of_environment() {
+  const char* const set = std::getenv("MUJOCO_GL");
+  if (set == nullptr || *set == '\0') return "auto";
+  std::string wanted = set;
+  if (std::find(ways_to_draw.begin(), ways_to_draw.end(), wanted) == ways_to_draw.end())
+    throw InputError("MUJOCO_GL", wanted, "egl, osmesa, or that the variable is not set");
+  return wanted;
 }
 
 }  // namespace
 
 const std::vector<std::string>& GlContext::backends() {
-  static const std::vector<std::string> names{"auto", "osmesa", "egl"};
+  static const std::vector<std::string> names{"auto", "egl", "osmesa"};
   return names;
 }
 
+std::vector<GlWay> GlContext::ways() {
+  require_threads_of_opengl();
+  std::vector<GlWay> ways;
+  for (const std::string_view backend : ways_to_draw) {
+    try {
+      ways.push_back({std::string(backend), open_backend(backend, software_device)->description(), true});
+    } catch (const RunError& error) {
+      ways.push_back({std::string(backend), error.what(), false});
+    }
+  }
+  return ways;
+}
+
 std::vector<GlDevice> GlContext::devices() {
+  keep_mesa_quiet();
   try {
     const Library library("libEGL.so.1");
     std::vector<GlDevice> descriptions;
@@ -221,23 +271,22 @@ std::unique_ptr<GlContext> GlContext::create(std::string_view backend, std::int6
   if (std::find(backends().begin(), backends().end(), backend) == backends().end()) {
     throw InputError("backend", std::string(backend), expectation_of(backends()));
   }
-  if (device != any_device) {
+  if (device != software_device) {
     if (backend == "osmesa")
       throw InputError("render.device", std::to_string(device), "backend: egl; osmesa has no devices");
-    return std::make_unique<EglContext>(device);
+    return use_backend("egl", device);
   }
-  if (backend != "auto") return create_one(backend);
-  const std::array<const char*, 2> order =
-      has_display() ? std::array{"egl", "osmesa"} : std::array{"osmesa", "egl"};
-  try {
-    return create_one(order[0]);
-  } catch (const RunError& first) {
+  const std::string wanted = backend == "auto" ? backend_of_environment() : std::string(backend);
+  if (wanted != "auto") return use_backend(wanted, software_device);
+  std::string problems;
+  for (const std::string_view way : ways_to_draw) {
     try {
-      return create_one(order[1]);
-    } catch (const RunError& second) {
-      throw RunError(std::string(first.what()) + "; " + second.what());
+      return use_backend(way, software_device);
+    } catch (const RunError& error) {
+      problems += (problems.empty() ? "" : "; ") + std::string(error.what());
     }
   }
+  throw RunError(problems);
 }
 
 void GlContext::identify(std::string_view backend) {

@@ -14,26 +14,37 @@ struct GlDevice {
   bool software = false;  ///< draws with the processor
 };
 
+/// A backend on this machine.
+struct GlWay {
+  std::string backend;      ///< "egl", "osmesa"
+  std::string description;  ///< GlContext::description(), or why it does not work
+  bool works = false;
+};
+
 /// An OpenGL context without a window, for rendering into offscreen buffers.
 ///
-/// The libraries are loaded at run time, so that one program renders with OSMesa (software, without display and device)
-/// or EGL (surfaceless, with a GPU if there is one). MuJoCo takes its OpenGL functions from the one of the two that is
-/// loaded, so a program uses one backend for its lifetime.
+/// The libraries are loaded at run time: EGL, which needs no display (surfaceless), or OSMesa, which Mesa has up to 25.0.
+/// Both draw in software with llvmpipe, with the same bytes where both are of one version of Mesa; EGL can draw with a GPU
+/// too. MuJoCo takes its OpenGL functions from the one of the two that is loaded, so a program uses one backend for its
+/// lifetime.
 ///
-/// In software both render with llvmpipe, whose number of threads is the environment variable LP_NUM_THREADS (default:
-/// one per core); images do not depend on it.
+/// The number of threads of llvmpipe is the environment variable LP_NUM_THREADS (default: one per core); images do not
+/// depend on it.
 class GlContext {
  public:
-  /// `backend`: one of backends(). "auto" is OSMesa without a display and EGL with one; if that one fails, the other is
-  /// used. EGL draws with the first device that is not software, without one with Mesa's software. A process that was forked
-  /// after a context was created gets none.
-  /// `device`: index in devices() instead, which implies EGL; any_device: none. The context is current afterwards. Throws
-  /// InputError for another name or an index that does not exist, RunError if there is no OpenGL.
-  static std::unique_ptr<GlContext> create(std::string_view backend, std::int64_t device = any_device);
-  static constexpr std::int64_t any_device = -1;
+  /// `backend`: one of backends(). "auto" is what the environment variable MUJOCO_GL says ("egl", "osmesa"); if it is not
+  /// set, EGL, and OSMesa if that fails. A process that was forked after a context was created gets none.
+  /// `device`: index in devices(), which implies EGL; software_device: llvmpipe, also on a machine with a GPU. The context
+  /// is current afterwards. Throws InputError for another name, another value of MUJOCO_GL or an index that does not
+  /// exist, RunError if there is no OpenGL.
+  static std::unique_ptr<GlContext> create(std::string_view backend, std::int64_t device = software_device);
+  static constexpr std::int64_t software_device = -1;
+  /// The backends that "auto" tries, in its order, and whether they draw in software on this machine. It leaves the choice
+  /// of a backend open.
+  static std::vector<GlWay> ways();
   /// The devices that EGL offers, in its order; empty without EGL. Loads no OpenGL.
   static std::vector<GlDevice> devices();
-  /// "auto", "osmesa", "egl".
+  /// "auto", "egl", "osmesa".
   static const std::vector<std::string>& backends();
 
   virtual ~GlContext() = default;
@@ -44,7 +55,7 @@ class GlContext {
   virtual void make_current() = 0;
   /// The address of an OpenGL function; nullptr if it does not exist.
   [[nodiscard]] virtual void* function(const char* name) const = 0;
-  /// Backend, renderer and version, for reports: "osmesa, llvmpipe (...), 4.5 (...) Mesa 22.3.6".
+  /// Backend, renderer and version, for reports: "egl, llvmpipe (...), 4.5 (...) Mesa 22.3.6".
   [[nodiscard]] const std::string& description() const { return description_; }
 
  protected:

@@ -29,8 +29,8 @@ struct SimConfig {
   MountedCamera right{icub_right_2016, {}};  ///< the right eye's camera, with images of the same size
   EyeRenderConfig render;
   SamplingConfig sampling;
-  std::string gl = "auto";      ///< OpenGL backend: auto, osmesa, egl
-  std::int64_t gl_device = -1;  ///< of GlContext::devices(); -1: any
+  std::string gl = "auto";      ///< OpenGL backend, of GlContext::backends()
+  std::int64_t gl_device = -1;  ///< of GlContext::devices(); -1: software
   EmulatorConfig emulator;
   bool labels = false;  ///< label each event with its cause and object; costs a second drawing per image
 

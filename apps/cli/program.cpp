@@ -2,7 +2,9 @@
 
 #include <mujoco/mujoco.h>
 
+#include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "apps/cli/commands.h"
 #include "apps/deploy/robot_backends.h"
@@ -14,18 +16,22 @@
 namespace saccade::inline v0_1 {
 namespace {
 
-/// Version, commit, MuJoCo, OpenGL and the devices that EGL can draw with, one a line.
+/// Version, commit, MuJoCo, OpenGL as runs use it, and the values of render.backend and render.device on this machine, one a
+/// line.
 std::string version_text() {
   std::string text =
       "saccade " + std::string(version()) + " (" + std::string(commit()) + ")\nMuJoCo " + mj_versionString();
+  const std::vector<GlWay> ways = GlContext::ways();
   try {
     text += "\nOpenGL " + GlContext::create("auto")->description();
-  } catch (const RunError& error) {
+  } catch (const std::runtime_error& error) {
     text += std::string("\nOpenGL none: ") + error.what();
   }
+  for (const GlWay& way : ways)
+    text += "\nrender.backend " + way.backend + ": " + (way.works ? "" : "none, ") + way.description;
   const std::vector<GlDevice> devices = GlContext::devices();
   for (std::size_t i = 0; i < devices.size(); ++i)
-    text += "\nEGL device " + std::to_string(i) + ": " + devices[i].name;
+    text += "\nrender.device " + std::to_string(i) + ": " + devices[i].name;
   return text;
 }
 

@@ -194,10 +194,12 @@ void describe(FieldVisitor& v, Scenario& s) {
   v.section(
       "render",
       [&](FieldVisitor& w) {
-        w.choice("backend", s.sim.gl, GlContext::backends(), "OpenGL context, without a window");
+        w.choice("backend", s.sim.gl, GlContext::backends(),
+                 "OpenGL context, without a window; auto: what the environment variable MUJOCO_GL says (egl, "
+                 "osmesa), without it egl, and osmesa where that fails");
         w.integer("device", s.sim.gl_device, {-1, 63},
-                  "device that EGL draws with, as `saccade --version` lists them; -1: the first that is no "
-                  "software, if there is one");
+                  "device that EGL draws with, a GPU for example, as `saccade --version` lists them; -1: "
+                  "software (llvmpipe)");
         w.require(s.sim.gl_device < 0 || s.sim.gl != "osmesa", "device", std::to_string(s.sim.gl_device),
                   "backend: egl");
         describe(w, s.sim.render);
