@@ -89,9 +89,9 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME saccade)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 # Programs and libraries that are started or loaded by name.
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "gnuplot-nox, ffmpeg, python3, python3-numpy, fonts-dejavu-core, fonts-liberation, libosmesa6")
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "libegl1, libgl1-mesa-dri, hdf5-filter-plugin-blosc-serial")
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "slurm-client, xvfb")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "gnuplot-nox, ffmpeg, python3, python3-numpy, fonts-dejavu-core, fonts-liberation, libegl1, libgl1-mesa-dri")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "hdf5-filter-plugin-blosc-serial")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "libosmesa6, slurm-client, xvfb")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "closed-loop testbench for event-driven vision on the iCub")
 set(CPACK_DEBIAN_PROGRAM_DESCRIPTION "A simulated iCub head watches a ball through a simulated event camera;
  a detector finds the ball and a gaze controller turns the head to it.

@@ -233,6 +233,51 @@ TEST_F(Command, WithoutOpenGlTheRunFailsWithOneLineAndLeavesNothing) {
   expect_nothing_left("run");
 }
 
+/// Whether `saccade --version` lists a backend as one that works.
+bool draws(const std::string& backend) {
+  const std::string text = saccade("--version").text;
+  return text.find("\nrender.backend " + backend + ": " + backend + ", ") != std::string::npos;
+}
+
+TEST_F(Command, EveryBackendOfOpenGlGivesTheSameBytes) {
+  const std::string run = "run '" + short_scenario + "' --set run.duration_s=0.3 --set expect={} --seed 7 ";
+  for (const std::string backend : {"egl", "osmesa"}) {
+    if (!draws(backend)) GTEST_SKIP() << "NOT COMPARED: " << saccade("--version").text;
+    ASSERT_EQ(saccade(run + "--set render.backend=" + backend + " --out " + out(backend)).status, 0);
+    EXPECT_THAT(bytes_of(folder_ / backend / "scenario.yaml"), HasSubstr("; " + backend + ", llvmpipe"));
+  }
+  for (const char* file : {"events.aedat", "detections.csv", "gaze.csv", "truth.csv"}) {
+    const std::string first = bytes_of(folder_ / "egl" / file);
+    EXPECT_GT(first.size(), 100U) << file;
+    EXPECT_TRUE(first == bytes_of(folder_ / "osmesa" / file)) << file << " differs between EGL and OSMesa";
+  }
+}
+
+TEST_F(Command, MujocoGlIsWhatTheBackendAutoStandsFor) {
+  const std::string run = "run '" + short_scenario + "' --set run.duration_s=0.05 --set expect={} --out ";
+  for (const std::string backend : {"egl", "osmesa"}) {
+    if (!draws(backend)) continue;
+    ASSERT_EQ(saccade(run + out(backend), "MUJOCO_GL=" + backend).status, 0);
+    EXPECT_THAT(bytes_of(folder_ / backend / "scenario.yaml"), HasSubstr("; " + backend + ", "));
+    ASSERT_EQ(saccade(run + out("key") + " --force --set render.backend=" + backend, "MUJOCO_GL=wgl").status,
+              0)
+        << "with a key the variable is not read";
+  }
+  const Outcome nonsense = saccade(run + out("nonsense"), "MUJOCO_GL=wgl");
+  EXPECT_EQ(nonsense.status, 2);
+  EXPECT_EQ(nonsense.text, "MUJOCO_GL: found wgl, expected egl, osmesa, or that the variable is not set\n");
+  expect_nothing_left("nonsense");
+}
+
+TEST_F(Command, NothingOfOpenGlsOwnMessagesIsPrinted) {
+  const Outcome run =
+      saccade("run '" + short_scenario + "' --set run.duration_s=0.05 --set expect={} --out " + out("run"),
+              "env -u HOME -u DISPLAY XDG_CACHE_HOME=/proc/nowhere XDG_RUNTIME_DIR=/proc/nowhere");
+  ASSERT_EQ(run.status, 0) << run.text;
+  for (const char* word : {"MESA", "Mesa", "libEGL", "libGL", "shader cache", "XDG_RUNTIME_DIR"})
+    EXPECT_THAT(run.text, Not(HasSubstr(word)));
+}
+
 TEST_F(Command, ARecordingThatIsMissingEmptyTruncatedOrWithoutEventsIsBadInput) {
   const Outcome missing = saccade("detect nowhere.aedat");
   EXPECT_EQ(missing.status, 2);
@@ -261,7 +306,8 @@ TEST_F(Command, UnknownWordsOnTheCommandLineAreUsage) {
   EXPECT_EQ(saccade("--help").status, 0);
   const Outcome version = saccade("--version");
   EXPECT_EQ(version.status, 0);
-  EXPECT_THAT(version.text, HasSubstr("MuJoCo"));
+  for (const char* part : {"\nMuJoCo ", "\nOpenGL ", "\nrender.backend egl: ", "\nrender.backend osmesa: "})
+    EXPECT_THAT(version.text, HasSubstr(part));
 }
 
 TEST_F(Command, ARunFolderIsARecordingThatDetectReadsBack) {

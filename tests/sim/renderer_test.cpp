@@ -549,26 +549,41 @@ TEST_F(RenderedLab, PrintsTheHashOfAnImage) {
   EXPECT_NE(hash, 0U);
 }
 
+/// The lines that the test above prints in a process with these environment variables.
+std::vector<std::string> image_hashes(const std::string& environment) {
+  const std::string command = environment + " /proc/" + std::to_string(getpid()) +
+                              "/exe --gtest_filter=RenderedLab.PrintsTheHashOfAnImage 2>/dev/null";
+  std::vector<std::string> hashes;
+  FILE* pipe = popen(command.c_str(), "r");
+  if (pipe == nullptr) return hashes;
+  std::array<char, 512> line{};
+  while (std::fgets(line.data(), static_cast<int>(line.size()), pipe) != nullptr) {
+    const std::string text(line.data());
+    if (text.rfind("image hash ", 0) == 0) hashes.push_back(text);
+  }
+  EXPECT_EQ(pclose(pipe), 0);
+  return hashes;
+}
+
 TEST_F(RenderedLab, IsDrawnWithTheSameBytesByAnyNumberOfThreads) {
   if (gl_->description().find("llvmpipe") == std::string::npos) {
     GTEST_SKIP() << "NOT TESTED, only the software renderer has threads: " << gl_->description();
   }
-  std::vector<std::string> hashes;
-  for (const char* threads : {"0", "1", "2", "5"}) {
-    const std::string command = std::string("LP_NUM_THREADS=") + threads + " /proc/" +
-                                std::to_string(getpid()) +
-                                "/exe --gtest_filter=RenderedLab.PrintsTheHashOfAnImage 2>/dev/null";
-    FILE* pipe = popen(command.c_str(), "r");
-    ASSERT_NE(pipe, nullptr);
-    std::array<char, 512> line{};
-    while (std::fgets(line.data(), static_cast<int>(line.size()), pipe) != nullptr) {
-      const std::string text(line.data());
-      if (text.rfind("image hash ", 0) == 0) hashes.push_back(text);
-    }
-    EXPECT_EQ(pclose(pipe), 0);
+  const std::vector<std::string> first = image_hashes("LP_NUM_THREADS=0");
+  ASSERT_EQ(first.size(), 1U);
+  for (const char* threads : {"1", "2", "5"})
+    EXPECT_EQ(image_hashes(std::string("LP_NUM_THREADS=") + threads), first) << threads << " threads";
+}
+
+TEST(GlContext, DrawsTheSameBytesWithEveryBackend) {
+  for (const GlWay& way : GlContext::ways()) {
+    if (!way.works || way.description.find("llvmpipe") == std::string::npos)
+      GTEST_SKIP() << "NOT COMPARED, " << way.backend
+                   << " does not draw with llvmpipe here: " << way.description;
   }
-  ASSERT_EQ(hashes.size(), 4U);
-  EXPECT_THAT(hashes, ::testing::Each(hashes.front()));
+  const std::vector<std::string> egl = image_hashes("MUJOCO_GL=egl");
+  ASSERT_EQ(egl.size(), 1U);
+  EXPECT_EQ(image_hashes("MUJOCO_GL=osmesa"), egl);
 }
 
 TEST_F(RenderedLab, IsUprightInThirdPersonImages) {
@@ -601,7 +616,7 @@ TEST_F(RenderedLab, IsUprightInThirdPersonImages) {
 }
 
 TEST(GlContext, NamesItsBackendRendererAndVersion) {
-  for (const std::string backend : {"osmesa", "egl"}) {
+  for (const std::string backend : {"egl", "osmesa"}) {
     std::unique_ptr<GlContext> gl;
     try {
       gl = GlContext::create(backend);
@@ -612,6 +627,21 @@ TEST(GlContext, NamesItsBackendRendererAndVersion) {
     }
     EXPECT_THAT(gl->description(), ::testing::StartsWith(backend + ", "));
     EXPECT_NE(gl->function("glReadPixels"), nullptr);
+  }
+}
+
+TEST(GlContext, ListsTheBackendsAndLeavesTheChoiceOpen) {
+  const std::vector<GlWay> ways = GlContext::ways();
+  ASSERT_EQ(ways.size(), 2U);
+  EXPECT_EQ(ways[0].backend, "egl");
+  EXPECT_EQ(ways[1].backend, "osmesa");
+  for (const GlWay& way : ways)
+    EXPECT_THAT(way.description, ::testing::StartsWith(way.works ? way.backend + ", " : "no OpenGL"));
+  // A process can use one of them alone, here the last that works.
+  for (std::size_t i = ways.size(); i-- > 0;) {
+    if (!ways[i].works) continue;
+    EXPECT_EQ(GlContext::create(ways[i].backend)->description(), ways[i].description);
+    return;
   }
 }
 
