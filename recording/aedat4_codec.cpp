@@ -45,7 +45,8 @@ struct Elements {
 /// step, the check of the vector's end.
 std::optional<Elements> find_elements(std::string_view start) {
   flatbuffers::Verifier verifier = verifier_of(start);
-  const flatbuffers::uoffset_t root = start.size() < 8 ? 0 : verifier.VerifyOffset(0);
+  const flatbuffers::uoffset_t root =
+      start.size() < 8 ? 0 : static_cast<flatbuffers::uoffset_t>(verifier.VerifyOffset(0));
   if (root == 0) return std::nullopt;
   const auto* table = reinterpret_cast<const flatbuffers::Table*>(start.data() + root);
   constexpr auto field = aedat4::EventPacket::VT_ELEMENTS;
