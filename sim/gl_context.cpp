@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cstddef>
 #include <cstdlib>
 #include <filesystem>
@@ -205,9 +204,9 @@ std::filesystem::path shader_folder() {
   } else if (const char* const home = variable("HOME"); home != nullptr) {
     folder = std::filesystem::path(home) / ".cache";
   }
-  const std::string parent = folder.parent_path().string();
-  const bool usable = ::access(folder.c_str(), W_OK | X_OK) == 0 ||
-                      (errno == ENOENT && ::access(parent.c_str(), W_OK | X_OK) == 0);
+  std::error_code ignored;
+  std::filesystem::create_directory(folder, ignored);  // as Mesa would
+  const bool usable = ::access(folder.c_str(), W_OK | X_OK) == 0;
   return usable ? folder : std::filesystem::path();
 }
 

@@ -1,5 +1,6 @@
 #include "sim/eye_renderer.h"
 
+#include <dlfcn.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -638,6 +639,8 @@ TEST(GlContext, ListsTheBackendsAndLeavesTheChoiceOpen) {
   for (const GlWay& way : ways)
     EXPECT_THAT(way.description, ::testing::StartsWith(way.works ? way.backend + ", " : "no OpenGL"));
   // A process can use one of them alone, here the last that works.
+  if (dlsym(RTLD_DEFAULT, "eglGetProcAddress") != nullptr)
+    GTEST_SKIP() << "NOT TESTED, an earlier test of this process has chosen a backend";
   for (std::size_t i = ways.size(); i-- > 0;) {
     if (!ways[i].works) continue;
     EXPECT_EQ(GlContext::create(ways[i].backend)->description(), ways[i].description);
