@@ -334,9 +334,9 @@ void GlContext::identify(std::string_view backend) {
 }  // namespace saccade::inline v0_1
 
 #if defined(__SANITIZE_ADDRESS__)
-// Mesa keeps some 100 bytes for each OSMesa context that it destroys, and more for windows; read by the leak sanitizer.
+// Mesa keeps some 100 bytes for each context that it destroys, and more for windows; read by the leak sanitizer.
 extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() {
-  return "leak:libOSMesa.so\nleak:libGLX\nleak:swrast_dri.so\n";
+  return "leak:libOSMesa.so\nleak:libEGL\nleak:libGLX\nleak:swrast_dri.so\nleak:libgallium\n";
 }
 #endif
