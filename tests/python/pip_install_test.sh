@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # `pip install .` without build isolation and network into a virtual environment that sees the system's packages; then the program
 # and the module of that environment. Status 77 where Debian's scikit-build-core or venv is not installed.
-# usage: tests/python/pip_install_test.sh FOLDER    the environment, made anew
+# usage: tests/python/pip_install_test.sh FOLDER [BUILD]    the environment, made anew; BUILD: a folder to build in, instead of the
+#        one of pyproject.toml, that has compiled files of this checkout
 set -euo pipefail
 
 /usr/bin/python3 -c 'import scikit_build_core, venv, ensurepip' 2>/dev/null || {
@@ -12,7 +13,7 @@ environment=$1
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 rm -rf "$environment"
 /usr/bin/python3 -m venv --system-site-packages "$environment"
-"$environment/bin/pip" install --no-build-isolation --no-index --no-deps --quiet .
+"$environment/bin/pip" install --no-build-isolation --no-index --no-deps --quiet ${2:+--config-settings=build-dir="$2"} .
 cd /
 "$environment/bin/python" - <<'PYTHON'
 import importlib.metadata, pathlib, subprocess, sys, tempfile
