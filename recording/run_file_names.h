@@ -28,6 +28,7 @@ inline constexpr const char* timing = "timing.csv";
 inline constexpr const char* metrics = "metrics.json";
 inline constexpr const char* figures_json = "figures.json";
 inline constexpr const char* deploy = "deploy.json";
+inline constexpr const char* serve = "serve.json";
 inline constexpr const char* report = "report.html";
 inline constexpr const char* video = "video.mp4";
 inline constexpr const char* video_part = "video.part.mp4";

@@ -123,9 +123,13 @@ void ImageSampler::take(std::int64_t t_us, const mjData& data) {
 std::optional<std::int64_t> ImageSampler::next(std::int64_t begin_us, std::int64_t end_us, const Show& show) {
   if (last_us_ == end_us) return std::nullopt;
   const double bound_px = kept_share * config_.max_displacement_px;
+  const std::int64_t tick_us = end_us - begin_us;
+  const std::int64_t longest_us =
+      held_us_ > 0 ? std::max(max_interval_us_, held_us_ + tick_us) : max_interval_us_;
   const std::int64_t earliest_us = std::max(begin_us, last_us_);
-  const std::int64_t soonest_us = std::max(begin_us, last_us_ + min_interval_us_);
-  const std::int64_t latest_us = std::min(end_us, last_us_ + max_interval_us_);
+  const std::int64_t soonest_us = std::max(begin_us, last_us_ + std::max(min_interval_us_, held_us_));
+  // The tick can begin later than that where images were held back until now.
+  const std::int64_t latest_us = std::clamp(last_us_ + longest_us, begin_us, end_us);
   const double latest_px = motion_.displacement_px(show(latest_us));
   if (latest_px > bound_px && latest_us > soonest_us) {
     // Between an instant within the bound and one beyond it. In a tick motion is nearly even.
@@ -139,7 +143,7 @@ std::optional<std::int64_t> ImageSampler::next(std::int64_t begin_us, std::int64
     }
     return t_us;
   }
-  const bool young_enough = end_us + (end_us - begin_us) - last_us_ <= max_interval_us_;
+  const bool young_enough = end_us + tick_us - last_us_ <= longest_us;
   if (latest_us < end_us || !young_enough) return latest_us;
   moved_px_ = latest_px;
   return std::nullopt;

@@ -71,6 +71,9 @@ class ImageSampler {
   /// Throws InputError for a config out of range.
   ImageSampler(const SamplingConfig& config, ImageMotion motion);
 
+  /// From now on images come at least least_us after each other, whatever moves, and at most a tick later than that if it is
+  /// more than max_interval_ms. 0: as configured.
+  void hold_back(std::int64_t least_us) { held_us_ = least_us; }
   /// Records that an image is drawn at t_us, with the world in the state of `data`.
   void take(std::int64_t t_us, const mjData& data);
   /// The next instant in [begin_us, end_us], a tick of the world, at which an image is due, or none. Call after the
@@ -82,6 +85,7 @@ class ImageSampler {
   SamplingConfig config_;
   std::int64_t max_interval_us_;
   std::int64_t min_interval_us_;
+  std::int64_t held_us_ = 0;
   ImageMotion motion_;
   std::int64_t last_us_ = 0;  // time of the newest image
   double moved_px_ = 0.0;     // since then, at the end of the last tick or at the image itself

@@ -36,7 +36,8 @@ SimEye::SimEye(World& world, GlContext& gl, const SimConfig& config, std::uint8_
   const bool is_measured = world.has_target() && !world.target_radius_m();
   if (is_direct || labelled_ || is_measured) {
     EyeRenderConfig render = config.render;
-    if (!is_direct) render.supersampling = render.keyframe_samples;  // numbers of objects, as fine as the images
+    if (!is_direct)
+      render.supersampling = render.keyframe_samples;  // numbers of objects, as fine as the images
     renderer_ = std::make_unique<EyeRenderer>(world.model(), gl, camera_, render, threads);
   }
   if (!is_direct)
@@ -61,9 +62,15 @@ std::optional<std::int64_t> SimEye::next_image(std::int64_t begin_us, std::int64
                                                const ImageSampler::Show& show) {
   const auto due_us = sampler_.next(begin_us, end_us, show);
   if (!flicker_) return due_us;
-  const std::int64_t light_us = std::max(begin_us, flicker_->next_image_us(image_us_));
+  const std::int64_t light_us =
+      std::max({begin_us, flicker_->next_image_us(image_us_), image_us_ + held_us_});
   if (light_us > end_us) return due_us;
   return due_us ? std::min(*due_us, light_us) : light_us;
+}
+
+void SimEye::hold_back_images(std::int64_t least_us) {
+  held_us_ = least_us;
+  sampler_.hold_back(least_us);
 }
 
 /// What is seen of a target that is no sphere, and the share of it that nothing hides.

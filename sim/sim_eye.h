@@ -54,6 +54,8 @@ class SimEye {
   /// The next instant in [begin_us, end_us], a tick of the world, at which an image is due; see ImageSampler and Flicker.
   [[nodiscard]] std::optional<std::int64_t> next_image(std::int64_t begin_us, std::int64_t end_us,
                                                        const ImageSampler::Show& show);
+  /// ImageSampler::hold_back, for the images that follow the light too.
+  void hold_back_images(std::int64_t least_us);
   /// Draws the world at t_us, whose state is `data`, and replaces events() by the events since the previous image.
   void take_image(std::int64_t t_us, mjData& data);
   /// Updates truth() to the world's state now.
@@ -83,6 +85,7 @@ class SimEye {
   bool labelled_;
   std::optional<Flicker> flicker_;
   std::int64_t image_us_ = 0;  ///< of the newest image
+  std::int64_t held_us_ = 0;
   ImageSampler sampler_;
   Camera camera_;
   std::unique_ptr<EyeRenderer> renderer_;        // draws images, and labels with both methods

@@ -61,6 +61,10 @@ void SimRobot::take_images(std::int64_t t_us) {
   ++images_;
 }
 
+void SimRobot::hold_back_images(std::int64_t least_us) {
+  for (SimEye& eye : eyes_) eye.hold_back_images(least_us);
+}
+
 void SimRobot::queue_events() {
   const std::span<const Event> left = eyes_.front().events();
   const std::span<const Event> right = eyes_.size() > 1 ? eyes_[1].events() : std::span<const Event>{};

@@ -73,6 +73,9 @@ class SimRobot final : public Robot, public Clock, public EventSource, public He
   [[nodiscard]] std::int64_t image_us() const { return image_us_; }
   /// Number of images of each eye so far.
   [[nodiscard]] std::int64_t images() const { return images_; }
+  /// From now on images come at least least_us after each other, and where that is longer than render.max_interval_ms,
+  /// events are late by up to that: less work, and less true events. 0: as configured.
+  void hold_back_images(std::int64_t least_us);
   /// Draws the scene from outside; see SceneRenderer::render.
   void draw_scene(const SceneView& view, ImageSize size, std::span<std::uint8_t> rgb);
   /// Draws the image of a colour camera in the place of the left eye's camera at t_us within the last tick,

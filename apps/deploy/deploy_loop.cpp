@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "apps/config/robot_file.h"
+#include "apps/deploy/steady_check.h"
 #include "apps/session/scenario_loop.h"
 
 namespace saccade::inline v0_1 {
@@ -37,6 +38,9 @@ std::vector<StartUpCheck> start_up_checks(Robot& robot, const RobotFile& file) {
                     has_head ? "found"
                     : drives ? "none"
                              : "none, and none is needed"});
+  if (file.robot.backend == "recording")
+    return checks;  // it never falls silent, and its time must not pass here
+  for (StartUpCheck& check : steady_checks(robot, file.deploy.watchdog)) checks.push_back(std::move(check));
   return checks;
 }
 

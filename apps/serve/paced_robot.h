@@ -2,6 +2,8 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
+#include <utility>
 
 #include "robot/robot.h"
 
@@ -14,8 +16,11 @@ namespace saccade::inline v0_1 {
 /// clock, see slipped_s().
 class PacedRobot final : public Robot, public Clock {
  public:
+  /// Called before a step of the simulation: by how much it begins late.
+  using Begun = std::function<void(std::int64_t late_us)>;
+
   /// `robot` outlives it. The wall clock starts now.
-  explicit PacedRobot(Robot& robot) : robot_(robot) {}
+  explicit PacedRobot(Robot& robot, Begun begun = {}) : robot_(robot), step_begins_(std::move(begun)) {}
 
   Clock& clock() override { return *this; }
   EventSource& events() override { return robot_.events(); }
@@ -33,6 +38,10 @@ class PacedRobot final : public Robot, public Clock {
   /// Wall-clock time spent outside of waiting, s.
   [[nodiscard]] double busy_s() const { return std::chrono::duration<double>(busy_).count(); }
   [[nodiscard]] double slipped_s() const { return std::chrono::duration<double>(slipped_).count(); }
+  /// The longest tick: time from the end of a wait to the next wait, ms.
+  [[nodiscard]] double longest_ms() const {
+    return std::chrono::duration<double, std::milli>(longest_).count();
+  }
   /// The largest delay of a tick, ms.
   [[nodiscard]] double latest_ms() const {
     return std::chrono::duration<double, std::milli>(latest_).count();
@@ -42,9 +51,11 @@ class PacedRobot final : public Robot, public Clock {
   using SteadyClock = std::chrono::steady_clock;
 
   Robot& robot_;
+  Begun step_begins_;
   SteadyClock::time_point due_ = SteadyClock::now();
   SteadyClock::time_point begun_ = due_;
-  SteadyClock::duration busy_{}, slipped_{}, latest_{};
+  SteadyClock::duration busy_{}, slipped_{}, latest_{}, longest_{};
+  SteadyClock::duration late_{};  // of this tick
 };
 
 }  // namespace saccade::inline v0_1

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -9,6 +11,8 @@
 #include <thread>
 
 #include "apps/config/scenario.h"
+#include "apps/serve/image_pace.h"
+#include "apps/serve/moving_speed.h"
 #include "apps/serve/paced_robot.h"
 #include "apps/serve/served_robot.h"
 #include "apps/session/interrupt.h"
@@ -20,6 +24,8 @@
 #include "apps/session/session.h"
 #include "apps/session/version.h"
 #include "core/error.h"
+#include "recording/output_file.h"
+#include "recording/run_file_names.h"
 
 namespace saccade::inline v0_1 {
 namespace {
@@ -36,6 +42,24 @@ Scenario recorded_scenario(Scenario scenario) {
   scenario.output.pictures = 0;
   scenario.output.video = false;
   return scenario;
+}
+
+/// A processor stays free for the client: threads that wait for each other lose more than they share.
+std::int64_t served_threads(std::int64_t threads) {
+  const auto processors = static_cast<std::int64_t>(std::thread::hardware_concurrency());
+  return std::clamp<std::int64_t>(processors - 1, 1, threads);
+}
+
+/// Measures what this machine can do, and lowers what takes too long.
+ServedWork fit_to_machine(Scenario& scenario) {
+  const auto measured = [&](std::int64_t held_us) {
+    return moving_speed(scenario.sim, static_cast<std::uint64_t>(scenario.seed),
+                        static_cast<std::size_t>(scenario.run.threads), held_us);
+  };
+  const std::int64_t configured = scenario.sim.render.keyframe_samples;
+  const MovingSpeed usual = measured(0);
+  scenario.sim.render.keyframe_samples = bearable_samples(configured, usual.keyframe_ms);
+  return served_work(usual, fits_usual(usual) ? MovingSpeed{} : measured(ImagePace::longest_us), configured);
 }
 
 /// Exchanges data with the ports first, then records the tick with the target of the gaze controller on them.
@@ -58,8 +82,8 @@ class ServeObserver final : public LoopObserver {
 class ServeProgress final : public LoopObserver {
  public:
   ServeProgress(Progress& progress, const Session& session, const PacedRobot& robot,
-                const ServedRobot& served)
-      : progress_(progress), session_(session), robot_(robot), served_(served) {}
+                const ServedRobot& served, const ImagePace& pace)
+      : progress_(progress), session_(session), robot_(robot), served_(served), pace_(pace) {}
   void on_tick(const Tick& tick) override {
     const double t_s = static_cast<double>(tick.t_us) * 1e-6;
     progress_.show(t_s, [&] {
@@ -69,9 +93,9 @@ class ServeProgress final : public LoopObserver {
       commands_ = served_.commands();
       shown_s_ = wall_s;
       return fmt::format(
-          "{:6.2f} s, {:.2f} x real time, {:.0f} % busy, {} reader{}, {:.0f} commands per second", t_s,
-          t_s / std::max(wall_s, 1e-9), 100.0 * robot_.busy_s() / std::max(wall_s, 1e-9), served_.readers(),
-          served_.readers() == 1 ? "" : "s", rate_hz);
+          "{:6.2f} s, {:.2f} x real time, {:.0f} % busy, {}, {} reader{}, {:.0f} commands per second", t_s,
+          t_s / std::max(wall_s, 1e-9), 100.0 * robot_.busy_s() / std::max(wall_s, 1e-9), pace_.summary(),
+          served_.readers(), served_.readers() == 1 ? "" : "s", rate_hz);
     });
   }
 
@@ -80,6 +104,7 @@ class ServeProgress final : public LoopObserver {
   const Session& session_;
   const PacedRobot& robot_;
   const ServedRobot& served_;
+  const ImagePace& pace_;
   std::int64_t commands_ = 0;
   double shown_s_ = 0.0;
 };
@@ -92,6 +117,35 @@ void wait_for_client(PacedRobot& paced, ServedRobot& served) {
   }
   if (interrupted()) throw RunError("interrupted before a client came");
   paced.restart();
+}
+
+/// serve.json: what the wall clock measured.
+void write_serve_json(const std::filesystem::path& file, const ServedWork& work, const PacedRobot& paced,
+                      const ImagePace& pace, const ServedRobot& served, const SimRobot& robot, double wall_s,
+                      std::int64_t threads) {
+  const auto json_of = [](const MovingSpeed& speed) {
+    return nlohmann::json{{"simulated_s_per_s", speed.simulated_per_s()}, {"keyframe_ms", speed.keyframe_ms}};
+  };
+  nlohmann::json json = {{"schema", 1},
+                         {"wall_s", wall_s},
+                         {"busy_ratio", paced.busy_s() / std::max(wall_s, 1e-9)},
+                         {"slipped_s", paced.slipped_s()},
+                         {"latest_tick_ms", paced.latest_ms()},
+                         {"longest_tick_ms", paced.longest_ms()},
+                         {"packets", served.packets()},
+                         {"threads", threads},
+                         {"images",
+                          {{"count", robot.images()},
+                           {"interval_ms", pace.usual_interval_ms()},
+                           {"slowed_share", pace.slowed_share()},
+                           {"slowed_interval_ms", pace.slowed_interval_ms()},
+                           {"longest_interval_ms", pace.longest_interval_ms()},
+                           {"keyframe_samples", work.keyframe_samples}}},
+                         {"moving_eyes", json_of(work.usual)}};
+  if (work.lowered.wall_s > 0.0) json["moving_eyes_lowered"] = json_of(work.lowered);
+  OutputFile out(file);
+  out.write(json.dump(2) + "\n");
+  out.commit();
 }
 
 /// Announces the end of the run, and answers for half a second clients that give the joints back.
@@ -113,7 +167,9 @@ int serve(const ServeOptions& options, const Registry& registry) {
       std::min(std::max(sampling.min_interval_ms, least_image_interval_ms), sampling.max_interval_ms);
   const std::filesystem::path folder =
       options.out.empty() ? std::filesystem::path("runs") / (scenario.name + "_served") : options.out;
+  scenario.run.threads = served_threads(scenario.run.threads);
   set_rasterisers(scenario.run.threads);
+  const ServedWork work = fit_to_machine(scenario);
   SimRobot robot(scenario.sim, static_cast<std::uint64_t>(scenario.seed),
                  static_cast<std::size_t>(scenario.run.threads));
   const auto lock = start_run_folder(
@@ -126,16 +182,18 @@ int serve(const ServeOptions& options, const Registry& registry) {
     log.write(0, "warning: latency is not used: the client has latencies of its own");
   ServedRobot served(options, scenario, robot,
                      [&](std::int64_t t_us, const std::string& text) { log.write(t_us, text); });
-  PacedRobot paced(robot);
+  ImagePace pace(std::llround(sampling.min_interval_ms * 1e3));
+  PacedRobot paced(robot, [&](std::int64_t late_us) { robot.hold_back_images(pace.next(late_us)); });
   Loop loop(paced, scenario.calibration, {}, std::nullopt);
   const Scenario recorded = recorded_scenario(scenario);
   RunRecorder recorder(folder, recorded, robot, loop);
   ServeObserver observer(served, recorder);
   Session session(paced, loop);
-  ServeProgress show_progress(progress, session, paced, served);
+  ServeProgress show_progress(progress, session, paced, served, pace);
   session.add_observer(observer);
   session.add_observer(show_progress);
 
+  for (const std::string& line : work.lines) log.write(0, line);
   log.write(0, fmt::format("/{0}/head, /{0}/torso, {1} and /{2} are open", options.robot, options.camera,
                            options.gaze));
   if (options.wait_for_client) {
@@ -149,10 +207,14 @@ int serve(const ServeOptions& options, const Registry& registry) {
   progress.done();
   const std::int64_t t_us = robot.now_us();
   log.write(t_us, served.traffic());
-  log.write(t_us, fmt::format("{:.0f} % busy; latest tick {:.1f} ms, simulated time slipped by {:.3f} s",
-                              100.0 * paced.busy_s() / std::max(loop_s, 1e-9), paced.latest_ms(),
-                              paced.slipped_s()));
+  log.write(
+      t_us,
+      fmt::format("{:.0f} % busy; longest tick {:.1f} ms, latest tick {:.1f} ms, simulated time slipped by "
+                  "{:.3f} s; {}",
+                  100.0 * paced.busy_s() / std::max(loop_s, 1e-9), paced.longest_ms(), paced.latest_ms(),
+                  paced.slipped_s(), pace.summary()));
   log.commit();
+  write_serve_json(folder / run_file::serve, work, paced, pace, served, robot, loop_s, scenario.run.threads);
   // Not finish_run_folder(): an interrupt is how such a run ends as planned.
   report_run_folder(folder, recorder.finish(loop_s, settings_of(options.assignments)), registry.formats);
   return 0;

@@ -88,7 +88,8 @@ void ServedRobot::on_tick(const Tick& tick) {
   last_state_ = *tick.head;
   ImuReading reading;
   const bool has_imu = robot_.imu() != nullptr && robot_.imu()->read_imu(reading) == PortStatus::ok;
-  if (const auto reference_rad = gaze_.step(*tick.head, dt_s, has_imu ? &reading : nullptr)) head_.drive(*reference_rad);
+  if (const auto reference_rad = gaze_.step(*tick.head, dt_s, has_imu ? &reading : nullptr))
+    head_.drive(*reference_rad);
   robot_.command(step_boards(*tick.head, dt_s));
   shifted_.assign(tick.events.begin(), tick.events.end());
   for (Event& event : shifted_) event.t_us += paused_us_;

@@ -40,6 +40,7 @@ class ServedRobot final : public LoopObserver {
   [[nodiscard]] const std::optional<Eigen::Vector3d>& target_m() const { return target_m_; }
   [[nodiscard]] std::int64_t commands() const { return head_.use().commands; }
   [[nodiscard]] int readers() const { return camera_.readers(); }
+  [[nodiscard]] std::int64_t packets() const { return camera_.messages(); }
   /// Counts of events, packets, commands and requests so far, in one line.
   [[nodiscard]] std::string traffic() const;
 

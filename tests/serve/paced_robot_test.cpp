@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <thread>
+#include <vector>
 
 #include "robot/fake/fake_robot.h"
 #include "tests/control/genova02.h"
@@ -34,6 +36,22 @@ TEST(PacedRobot, KeepsTheSimulationStillWhileItIdles) {
   robot.idle(5'000);
   EXPECT_GE(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(5));
   EXPECT_EQ(robot.now_us(), 0);
+}
+
+TEST(PacedRobot, ReportsHowLateAStepBegins) {
+  FakeRobotScript script;
+  script.limits = genova02_limits();
+  FakeRobot fake(script);
+  std::vector<std::int64_t> lates_us;
+  PacedRobot robot(fake, [&](std::int64_t late_us) { lates_us.push_back(late_us); });
+  ASSERT_EQ(robot.wait_until(1'000), PortStatus::ok);
+  std::this_thread::sleep_for(std::chrono::milliseconds(15));
+  ASSERT_EQ(robot.wait_until(2'000), PortStatus::ok);
+  ASSERT_EQ(lates_us.size(), 2U);
+  EXPECT_GE(lates_us[0], 0);
+  EXPECT_GE(lates_us[1], 13'000);
+  EXPECT_GE(robot.longest_ms(), 15.0);
+  EXPECT_GE(robot.latest_ms(), 13.0);
 }
 
 TEST(PacedRobot, PassesTheEndOfTheRobotOn) {

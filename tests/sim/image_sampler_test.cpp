@@ -91,6 +91,42 @@ TEST(ImageSampler, DrawsAtTheEndOfEveryTickIfTheLongestIntervalIsAMillisecond) {
   EXPECT_GT(all, 160);
 }
 
+TEST(ImageSampler, ImagesThatAreHeldBackComeAtThatIntervalAndAfterwardsAsConfigured) {
+  World world(moving_ball(), "", 1);
+  const MjDataPtr shown(mj_makeData(&world.model()));
+  ImageSampler sampler({0.25, 5.0, 1.0}, ImageMotion(world.model(), world.left_eye_camera(), icub_left_2016));
+  const auto show = [&](std::int64_t t_us) -> const mjData& {
+    EXPECT_TRUE(t_us > world.now_us() - World::tick_us - 1 && t_us <= world.now_us()) << t_us;
+    world.show(t_us, *shown);
+    return *shown;
+  };
+  std::vector<std::int64_t> times_us{0};
+  sampler.take(0, world.data());
+  while (world.now_us() < 160'000) {
+    const std::int64_t begin_us = world.now_us();
+    if (begin_us == 40'000) sampler.hold_back(8'000);
+    if (begin_us == 115'000) sampler.hold_back(0);
+    world.set_reference(saccades(begin_us, 12.0, 0.08));
+    world.step();
+    while (const auto t_us = sampler.next(begin_us, world.now_us(), show)) {
+      sampler.take(*t_us, show(*t_us));
+      times_us.push_back(*t_us);
+    }
+  }
+  std::int64_t held = 0, fast = 0;
+  for (std::size_t i = 1; i < times_us.size(); ++i) {
+    const std::int64_t interval_us = times_us[i] - times_us[i - 1];
+    EXPECT_GE(interval_us, 1'000);
+    EXPECT_LE(interval_us, 8'000 + World::tick_us);
+    const bool is_held = times_us[i] > 40'000 && times_us[i] <= 115'000;
+    EXPECT_TRUE(!is_held || interval_us >= 8'000) << times_us[i];
+    held += is_held ? 1 : 0;
+    fast += interval_us < 2'000 ? 1 : 0;
+  }
+  EXPECT_GE(held, 8);
+  EXPECT_GT(fast, 20) << "before and after, in a saccade";
+}
+
 /// Points in the image whose motion must stay below the bound: a fine grid of the room at several depths, and points
 /// on the whole surface of the ball.
 class Witnesses {
