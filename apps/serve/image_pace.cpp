@@ -6,33 +6,43 @@
 
 namespace saccade::inline v0_1 {
 
-std::int64_t ImagePace::next(std::int64_t late_us) {
+std::int64_t ImagePace::next(std::int64_t late_us, std::int64_t image_us) {
+  if (image_us != image_us_) {
+    if (held_) {
+      ++held_images_;
+      held_sum_us_ += image_us - image_us_;
+      held_most_us_ = std::max(held_most_us_, image_us - image_us_);
+    }
+    held_ = false;
+    image_us_ = image_us;
+  }
   ++ticks_;
-  const std::int64_t interval_us = std::max(usual_us_, std::min(late_us, longest_us));
-  if (late_us <= usual_late_us || interval_us == usual_us_) return usual_us_;
-  ++slowed_;
-  slowed_sum_us_ += interval_us;
-  slowed_most_us_ = std::max(slowed_most_us_, interval_us);
-  return interval_us;
+  if (late_us <= usual_late_us || usual_us_ >= longest_us) return usual_us_;
+  ++held_ticks_;
+  held_ = true;
+  return longest_us;
 }
 
-double ImagePace::slowed_share() const {
-  return ticks_ == 0 ? 0.0 : static_cast<double>(slowed_) / static_cast<double>(ticks_);
+double ImagePace::held_share() const {
+  return ticks_ == 0 ? 0.0 : static_cast<double>(held_ticks_) / static_cast<double>(ticks_);
 }
 
-double ImagePace::slowed_interval_ms() const {
-  if (slowed_ == 0) return usual_interval_ms();
-  return 1e-3 * static_cast<double>(slowed_sum_us_) / static_cast<double>(slowed_);
+double ImagePace::held_interval_ms() const {
+  if (held_images_ == 0) return usual_interval_ms();
+  return 1e-3 * static_cast<double>(held_sum_us_) / static_cast<double>(held_images_);
 }
 
 double ImagePace::longest_interval_ms() const {
-  return 1e-3 * static_cast<double>(std::max(usual_us_, slowed_most_us_));
+  return 1e-3 * static_cast<double>(std::max(usual_us_, held_most_us_));
 }
 
 std::string ImagePace::summary() const {
-  if (slowed_ == 0) return fmt::format("images {:g} ms apart", usual_interval_ms());
-  return fmt::format("images {:.1f} ms apart instead of {:g} in {:.1f} % of the time", slowed_interval_ms(),
-                     usual_interval_ms(), 100.0 * slowed_share());
+  std::string text = fmt::format("images at least {:g} ms apart", usual_interval_ms());
+  if (held_images_ > 0) {
+    text += fmt::format("; held back in {:.1f} % of the time, then {:.1f} ms apart", 100.0 * held_share(),
+                        held_interval_ms());
+  }
+  return text;
 }
 
 }  // namespace saccade::inline v0_1

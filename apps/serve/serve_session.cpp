@@ -137,8 +137,8 @@ void write_serve_json(const std::filesystem::path& file, const ServedWork& work,
                          {"images",
                           {{"count", robot.images()},
                            {"interval_ms", pace.usual_interval_ms()},
-                           {"slowed_share", pace.slowed_share()},
-                           {"slowed_interval_ms", pace.slowed_interval_ms()},
+                           {"held_share", pace.held_share()},
+                           {"held_interval_ms", pace.held_interval_ms()},
                            {"longest_interval_ms", pace.longest_interval_ms()},
                            {"keyframe_samples", work.keyframe_samples}}},
                          {"moving_eyes", json_of(work.usual)}};
@@ -183,7 +183,8 @@ int serve(const ServeOptions& options, const Registry& registry) {
   ServedRobot served(options, scenario, robot,
                      [&](std::int64_t t_us, const std::string& text) { log.write(t_us, text); });
   ImagePace pace(std::llround(sampling.min_interval_ms * 1e3));
-  PacedRobot paced(robot, [&](std::int64_t late_us) { robot.hold_back_images(pace.next(late_us)); });
+  PacedRobot paced(
+      robot, [&](std::int64_t late_us) { robot.hold_back_images(pace.next(late_us, robot.image_us())); });
   Loop loop(paced, scenario.calibration, {}, std::nullopt);
   const Scenario recorded = recorded_scenario(scenario);
   RunRecorder recorder(folder, recorded, robot, loop);
