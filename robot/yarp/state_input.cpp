@@ -48,6 +48,7 @@ bool StateInput::read(yarp::os::ConnectionReader& reader) {
     discard(reader);
     return false;
   }
+  adopt_priority();
   if (!reader.expectBlock(reinterpret_cast<char*>(bytes.data()), size)) return false;
   std::array<double, most_values> value{};
   int length = 0;

@@ -51,6 +51,7 @@ bool EventInput::read(yarp::os::ConnectionReader& reader) {
     discard(reader);
     return false;
   }
+  adopt_priority();
   if (reader.isTextMode()) problem = "a message in text";
   if (size > longest_message) problem = "a message of more than 4 MB";
   if (!problem.empty()) {

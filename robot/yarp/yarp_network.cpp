@@ -1,5 +1,7 @@
 #include "robot/yarp/yarp_network.h"
 
+#include <pthread.h>
+#include <sched.h>
 #include <yarp/os/Bottle.h>
 #include <yarp/os/ContactStyle.h>
 #include <yarp/os/Log.h>
@@ -15,6 +17,9 @@ namespace {
 using yarp::os::NetworkBase;
 
 constexpr auto output_period = std::chrono::milliseconds(40);
+
+/// Of share_priority(); 0: none.
+std::atomic<int> shared_priority = 0;
 
 yarp::os::ContactStyle style(double timeout_s) {
   yarp::os::ContactStyle style;
@@ -47,6 +52,23 @@ void skip_message(yarp::os::ConnectionReader& reader) {
 void discard(yarp::os::ConnectionReader& reader) {
   skip_message(reader);
   reader.requestDrop();
+}
+
+void share_priority() {
+  sched_param priority{};
+  int policy = 0;
+  if (pthread_getschedparam(pthread_self(), &policy, &priority) != 0) return;
+  shared_priority = policy == SCHED_FIFO ? priority.sched_priority : 0;
+}
+
+void adopt_priority() {
+  thread_local int adopted = 0;
+  const int wanted = shared_priority;
+  if (adopted == wanted || wanted == 0) return;
+  adopted = wanted;  // one attempt
+  sched_param priority{};
+  priority.sched_priority = wanted;
+  (void)pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority);
 }
 
 void close_input(yarp::os::Port& port, const std::string& remote) {

@@ -29,6 +29,13 @@ void skip_message(yarp::os::ConnectionReader& reader);
 /// The same, and asks YARP to close the connection.
 void discard(yarp::os::ConnectionReader& reader);
 
+/// Threads of YARP that receive events and readings run as urgently as the thread that called share_priority() last: an
+/// overloaded thread of ticks with real-time priority takes a processor for itself, and its own inputs would wait for one. With
+/// the same priority they run on the other one at once, and do not interrupt it. Without that right nothing changes.
+void share_priority();
+/// Called by such a thread with each message of the sender that is configured.
+void adopt_priority();
+
 /// Closes an input port. YARP would ask the other side first to disconnect, and wait for its answer for ever if that
 /// program is halted: this side drops the connection before.
 void close_input(yarp::os::Port& port, const std::string& remote);

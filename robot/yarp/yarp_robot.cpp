@@ -132,6 +132,7 @@ std::vector<StartUpCheck> YarpRobot::check() {
 }
 
 void YarpRobot::activate() {
+  share_priority();
   if (parts_->head) parts_->head->activate();
   if (parts_->gaze) parts_->gaze->activate();
 }
