@@ -1,4 +1,4 @@
-# Debian 12's packages; a newer MuJoCo (3.x) in a prefix is found with CMAKE_PREFIX_PATH.
+# Debian 12's packages; another MuJoCo: -Dmujoco_ROOT=PREFIX (Findmujoco.cmake).
 find_package(Threads REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(yaml-cpp REQUIRED)
@@ -20,15 +20,7 @@ find_path(FLATBUFFERS_HEADERS flatbuffers/flatbuffers.h REQUIRED)  # headers alo
 find_program(FLATC flatc REQUIRED)
 pkg_check_modules(glfw REQUIRED IMPORTED_TARGET glfw3)
 pkg_check_modules(imgui REQUIRED IMPORTED_TARGET imgui)
-find_package(mujoco REQUIRED)
-# Debian's package names a folder of a library that it does not depend on (/usr/include/libqhull_r).
-get_target_property(mujoco_includes mujoco::mujoco INTERFACE_INCLUDE_DIRECTORIES)
-foreach(folder IN LISTS mujoco_includes)
-  if(NOT IS_DIRECTORY ${folder})
-    list(REMOVE_ITEM mujoco_includes ${folder})
-  endif()
-endforeach()
-set_target_properties(mujoco::mujoco PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${mujoco_includes}")
+find_package(mujoco 2.2.2 REQUIRED MODULE)
 find_path(MUSTACHE_HEADERS kainjow/mustache.hpp REQUIRED)
 find_path(DYGRAPHS dygraph.min.js PATHS /usr/share/javascript/dygraphs REQUIRED)  # embedded in reports
 if(SACCADE_TESTS)

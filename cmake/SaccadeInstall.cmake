@@ -8,8 +8,7 @@ set(SACCADE_DATA_DIR ${CMAKE_INSTALL_DATADIR}/saccade)
 
 # The program; models and scenarios in share/saccade (sim/data_directory.h). Libraries in a prefix of their own are found as
 # in the build; Debian's need no path.
-get_target_property(mujoco_file mujoco::mujoco IMPORTED_LOCATION_NONE)
-if(TARGET saccade_yarp OR NOT mujoco_file MATCHES "^/usr/lib/")
+if(TARGET saccade_yarp OR NOT mujoco_LIBRARY MATCHES "^/usr/lib/")
   set_target_properties(saccade PROPERTIES INSTALL_RPATH_USE_LINK_PATH ON)
 endif()
 install(TARGETS saccade DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
@@ -50,7 +49,7 @@ configure_package_config_file(${saccade_SOURCE_DIR}/cmake/saccadeConfig.cmake.in
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/saccadeConfigVersion.cmake
   COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/saccadeConfig.cmake ${CMAKE_BINARY_DIR}/saccadeConfigVersion.cmake
-  DESTINATION ${SACCADE_PACKAGE_DIR} COMPONENT library)
+  ${saccade_SOURCE_DIR}/cmake/Findmujoco.cmake DESTINATION ${SACCADE_PACKAGE_DIR} COMPONENT library)
 
 set(CPACK_PACKAGE_CONTACT "The saccade authors <noreply@saccade.invalid>")
 # cd build/release && cpack: packages/saccade_*.deb (the program), libsaccade-dev_*.deb and, where the Python module is built,

@@ -114,7 +114,10 @@ class Converter {
       const bool alone = parts_.geoms.empty() && type == mjGEOM_SPHERE && at_m.norm() < 1e-6;
       parts_.sphere_radius_m = alone ? m_.geom_size[3 * geom] : 0.0;
     }
-    if (m_.geom_matid[geom] >= 0) element += attribute("material", material(m_.geom_matid[geom]));
+    if (const int id = m_.geom_matid[geom]; id >= 0) {
+      const bool on_mesh = type == mjGEOM_MESH && m_.mesh_texcoordadr[m_.geom_dataid[geom]] >= 0;
+      element += attribute("material", material(id, on_mesh));
+    }
     element += attribute("rgba", list(m_.geom_rgba + 4 * geom, 4)) +
                attribute("group", std::to_string(m_.geom_group[geom])) +
                " contype=\"0\" conaffinity=\"0\"/>\n";
@@ -177,14 +180,17 @@ class Converter {
     return name;
   }
 
-  std::string material(int id) {
-    const std::string name = prefix_ + "_material_" + std::to_string(id);
-    if (!materials_.insert(id).second) return name;
+  /// `on_mesh`: for texture coordinates of a mesh, which texrepeat and texuniform do not scale before MuJoCo 3.12.
+  std::string material(int id, bool on_mesh) {
+    const std::string name = prefix_ + (on_mesh ? "_mesh_material_" : "_material_") + std::to_string(id);
+    if (!materials_.insert(name).second) return name;
     std::string element = "<material name=\"" + name + "\"";
     if (const int texture_id = material_texture(m_, id); texture_id >= 0) {
-      element += attribute("texture", texture(texture_id)) +
-                 attribute("texrepeat", list(m_.mat_texrepeat + 2 * id, 2)) +
-                 attribute("texuniform", m_.mat_texuniform[id] != 0 ? "true" : "false");
+      element += attribute("texture", texture(texture_id));
+      if (!on_mesh) {
+        element += attribute("texrepeat", list(m_.mat_texrepeat + 2 * id, 2)) +
+                   attribute("texuniform", m_.mat_texuniform[id] != 0 ? "true" : "false");
+      }
     }
     parts_.assets += element + attribute("emission", list(m_.mat_emission + id, 1)) +
                      attribute("specular", list(m_.mat_specular + id, 1)) +
@@ -197,16 +203,27 @@ class Converter {
     const std::string name = prefix_ + "_texture_" + std::to_string(id);
     if (!textures_.insert(id).second) return name;
     TextureImage image{name, static_cast<int>(m_.tex_width[id]), static_cast<int>(m_.tex_height[id]), {}};
-    const mjtByte* const rgb = texture_rgb(m_, id);
-    image.rgb.assign(rgb, rgb + 3 * static_cast<std::ptrdiff_t>(image.width) * image.height);
+    const int channels = texture_channels(m_, id);
+    if (channels < 3)
+      refuse("the texture " + name_in(m_, mjOBJ_TEXTURE, id) + " in grey", "a texture in colour");
+    const mjtByte* texel = texels_of(m_, id);
+    image.rgb.reserve(3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
+    for (int i = 0; i < image.width * image.height; ++i, texel += channels) {
+      image.rgb.insert(image.rgb.end(), texel, texel + 3);
+    }
     parts_.assets += texture_mjcf(image, m_.tex_type[id] != mjTEXTURE_2D);
     parts_.textures.push_back(std::move(image));
     return name;
   }
 
   void add_light(int light) {
+    const LightKind kind = light_kind(m_, light);
+    if (kind != LightKind::directional && kind != LightKind::spot) {
+      refuse("the light " + name_in(m_, mjOBJ_LIGHT, light) + " that MuJoCo's renderer does not draw",
+             "lights of the types directional and spot");
+    }
     parts_.lights += "<light name=\"" + prefix_ + "_light_" + std::to_string(light) + "\"" +
-                     attribute("directional", is_directional(m_, light) ? "true" : "false") +
+                     attribute("directional", kind == LightKind::directional ? "true" : "false") +
                      attribute("pos", list(data_->light_xpos + 3 * light, 3)) +
                      attribute("dir", list(data_->light_xdir + 3 * light, 3)) +
                      attribute("attenuation", list(m_.light_attenuation + 3 * light, 3)) +
@@ -225,7 +242,7 @@ class Converter {
   MjDataPtr data_;
   ModelParts parts_;
   double farthest_m_ = 0.0;
-  std::set<int> materials_;
+  std::set<std::string> materials_;
   std::set<int> textures_;
 };
 

@@ -8,6 +8,8 @@
 
 #include "core/error.h"
 
+/// Everything that differs between the versions of MuJoCo that saccade is built with, 2.2.2 to 3.12. mjVERSION_HEADER is 222
+/// for 2.2.2, 3005000 for 3.5.0.
 namespace saccade::inline v0_1 {
 
 struct MjDelete {
@@ -36,14 +38,27 @@ bool add_to_vfs(Vfs* vfs, const std::string& name, const std::string& text) {
   }
 }
 
-/// The texels of a texture with three channels: red, green, blue, row by row.
-inline mjtByte* texture_rgb(const mjModel& model, int texture) {
+/// The texels of a texture, row by row; texture_channels() bytes each.
+inline mjtByte* texels_of(const mjModel& model, int texture) {
 #if mjVERSION_HEADER >= 320
-  SACCADE_CHECK(model.tex_nchannel[texture] == 3);
   return model.tex_data + model.tex_adr[texture];
 #else
   return model.tex_rgb + model.tex_adr[texture];
 #endif
+}
+template <class Model>
+int texture_channels(const Model& model, int texture) {
+  if constexpr (requires { model.tex_nchannel; }) {
+    return model.tex_nchannel[texture];
+  } else {
+    return 3;
+  }
+}
+
+/// The texels of a texture with three channels: red, green, blue, row by row.
+inline mjtByte* texture_rgb(const mjModel& model, int texture) {
+  SACCADE_CHECK(texture_channels(model, texture) == 3);
+  return texels_of(model, texture);
 }
 
 /// The texture of a material's colour; -1: none.
@@ -66,14 +81,32 @@ int face_texel(const Model& model, int face, int k) {
   }
 }
 
-/// Whether a light is directional.
+/// Kinds of light as MuJoCo 3.3.3 numbers them. Its renderer draws no others than these two.
+enum class LightKind { spot = 0, directional = 1 };
 template <class Model>
-bool is_directional(const Model& model, int light) {
+LightKind light_kind(const Model& model, int light) {
   if constexpr (requires { model.light_directional; }) {
-    return model.light_directional[light] != 0;
+    return model.light_directional[light] != 0 ? LightKind::directional : LightKind::spot;
   } else {
-    return model.light_type[light] == 1;  // mjLIGHT_DIRECTIONAL
+    return static_cast<LightKind>(model.light_type[light]);
   }
+}
+
+/// Whether the renderer's spheres, ellipsoids, capsules, cylinders and boxes have texture coordinates of their own.
+inline constexpr bool primitives_have_texels = mjVERSION_HEADER >= 3012000;
+
+/// The first geom of the groups that a ray hits, static ones included; -1: none.
+template <class Model, class Data>
+int first_geom_on_ray(const Model* model, const Data* data, const mjtNum* from_m, const mjtNum* ray,
+                      const mjtByte* groups) {
+  int geom = -1;
+  constexpr int no_body = -1;
+  if constexpr (requires { mj_ray(model, data, from_m, ray, groups, 1, no_body, &geom, nullptr); }) {
+    mj_ray(model, data, from_m, ray, groups, 1, no_body, &geom, nullptr);
+  } else {
+    mj_ray(model, data, from_m, ray, groups, 1, no_body, &geom);
+  }
+  return geom;
 }
 
 }  // namespace saccade::inline v0_1

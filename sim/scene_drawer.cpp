@@ -10,20 +10,12 @@
 #include <string>
 
 #include "core/error.h"
+#include "sim/builtin_shapes.h"
 
 namespace saccade::inline v0_1::detail {
 namespace {
 
-/// Sides of the outline of a sphere in an eye. Seen from the side its outline runs through stacks, from above
-/// through slices: there are half as many stacks.
-constexpr int sphere_sides = 40;
-
-template <class Function>
-Function* gl_function(const GlContext& gl, const char* name) {
-  void* address = gl.function(name);
-  if (address == nullptr) throw RunError(std::string("OpenGL failed: no ") + name);
-  return reinterpret_cast<Function*>(address);
-}
+constexpr int sphere_sides = 40;  ///< of the outline of a sphere in an eye
 
 }  // namespace
 
@@ -62,8 +54,9 @@ void SceneDrawer::make(ImageSize buffer) {
     throw RunError("OpenGL failed: no offscreen buffer");
   }
   read_pixels_ = reinterpret_cast<void*>(gl_function<decltype(glReadPixels)>(gl_, "glReadPixels"));
+  project_textures(gl_, context_, settings.vis);
   if (!fine) {
-    compile_sphere();
+    replace_sphere(gl_, context_, sphere_sides);
     drop_mipmaps();
   }
   std::fill(std::begin(scene_.flags), std::end(scene_.flags), mjtByte{0});
@@ -83,7 +76,7 @@ void SceneDrawer::release() noexcept {
 void SceneDrawer::draw(mjData& data, const mjvGLCamera& camera, mjrRect viewport,
                        std::span<const std::uint8_t> number_of_geom, std::span<const SceneMark> marks) {
   gl_.make_current();
-  update(data);
+  update(data, camera);
   for (const SceneMark& mark : marks) add(mark);
   const bool numbered = !number_of_geom.empty();
   scene_.flags[mjRND_SEGMENT] = scene_.flags[mjRND_IDCOLOR] = numbered ? 1 : 0;
@@ -101,7 +94,7 @@ void SceneDrawer::draw(mjData& data, const mjvGLCamera& camera, mjrRect viewport
 void SceneDrawer::draw_some(mjData& data, const mjvGLCamera& camera, mjrRect viewport,
                             std::span<const std::uint8_t> is_shown) {
   gl_.make_current();
-  update(data);
+  update(data, camera);
   keep(is_shown);
   scene_.flags[mjRND_SEGMENT] = scene_.flags[mjRND_IDCOLOR] = 0;
   show(camera, viewport);
@@ -113,7 +106,6 @@ void SceneDrawer::show(const mjvGLCamera& camera, mjrRect viewport) {
     skip_unseen(camera, viewport);
   }
   mjr_restoreBuffer(&context_);  // another drawer may have drawn meanwhile
-  scene_.camera[0] = scene_.camera[1] = camera;
   mjr_render(viewport, &scene_, &context_);
 }
 
@@ -136,34 +128,6 @@ void SceneDrawer::read_depth(mjrRect area, float* depth) {
   mjr_readPixels(nullptr, depth, area, &context_);
 }
 
-/// Replaces MuJoCo's sphere, the first of its builtin display lists, by a finer one.
-void SceneDrawer::compile_sphere() const {
-  auto* const begin = gl_function<decltype(glBegin)>(gl_, "glBegin");
-  auto* const end = gl_function<decltype(glEnd)>(gl_, "glEnd");
-  auto* const normal = gl_function<decltype(glNormal3d)>(gl_, "glNormal3d");
-  auto* const vertex = gl_function<decltype(glVertex3d)>(gl_, "glVertex3d");
-  const auto corner = [&](int stack, int slice) {
-    const double polar = 2.0 * std::numbers::pi * stack / sphere_sides;
-    const double around = 2.0 * std::numbers::pi * slice / sphere_sides;
-    const double x = std::sin(polar) * std::cos(around);
-    const double y = std::sin(polar) * std::sin(around);
-    normal(x, y, std::cos(polar));
-    vertex(x, y, std::cos(polar));
-  };
-  gl_function<decltype(glNewList)>(gl_, "glNewList")(context_.baseBuiltin, GL_COMPILE);
-  begin(GL_QUADS);
-  for (int stack = 0; stack < sphere_sides / 2; ++stack) {
-    for (int slice = 0; slice < sphere_sides; ++slice) {
-      corner(stack, slice);
-      corner(stack + 1, slice);
-      corner(stack + 1, slice + 1);
-      corner(stack, slice + 1);
-    }
-  }
-  end();
-  gl_function<decltype(glEndList)>(gl_, "glEndList")();
-}
-
 /// The lab's texels are about as large as samples: without mipmaps 2 x 2 samples come nearer to the true
 /// mean of a pixel, and cost a third less.
 void SceneDrawer::drop_mipmaps() const {
@@ -177,9 +141,10 @@ void SceneDrawer::drop_mipmaps() const {
   }
 }
 
-void SceneDrawer::update(mjData& data) {
+void SceneDrawer::update(mjData& data, const mjvGLCamera& camera) {
   scene_.ngeom = 0;
   mjv_addGeoms(&model_, &data, &option_, nullptr, mjCAT_STATIC | mjCAT_DYNAMIC, &scene_);
+  scene_.camera[0] = scene_.camera[1] = camera;  // MuJoCo 3 places the headlight there
   scene_.nlight = 0;
   mjv_makeLights(&model_, &data, &scene_);
   // Geoms that are not part of the room are nearest: drawn first, they save drawing the pixels behind them.

@@ -58,9 +58,8 @@ class SceneDrawer {
  private:
   void make(ImageSize buffer);
   void release() noexcept;
-  void compile_sphere() const;
   void drop_mipmaps() const;
-  void update(mjData& data);
+  void update(mjData& data, const mjvGLCamera& camera);
   void add(const SceneMark& mark);
   [[nodiscard]] std::span<mjvGeom> drawn() { return {scene_.geoms, static_cast<std::size_t>(scene_.ngeom)}; }
   void enlarge_spheres();

@@ -37,6 +37,8 @@ PortStatus SimRobot::wait_until(std::int64_t t_us) {
   return PortStatus::ok;
 }
 
+std::string SimRobot::simulator_version() { return std::string("MuJoCo ") + mj_versionString(); }
+
 mjData& SimRobot::world_at(std::int64_t t_us) {
   if (t_us == world_.now_us()) return world_.data();
   world_.show(t_us, *between_ticks_);

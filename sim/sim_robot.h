@@ -86,6 +86,8 @@ class SimRobot final : public Robot, public Clock, public EventSource, public He
   /// Shared with what else computes between the images.
   [[nodiscard]] const std::shared_ptr<WorkerThreads>& threads() const { return threads_; }
   [[nodiscard]] const std::string& gl_description() const { return gl_->description(); }
+  /// "MuJoCo 3.5.0".
+  [[nodiscard]] static std::string simulator_version();
 
  private:
   SimRobot(const SimConfig& config, std::uint64_t seed, const Lab& lab, std::size_t threads);

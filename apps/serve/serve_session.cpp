@@ -172,9 +172,9 @@ int serve(const ServeOptions& options, const Registry& registry) {
   const ServedWork work = fit_to_machine(scenario);
   SimRobot robot(scenario.sim, static_cast<std::uint64_t>(scenario.seed),
                  static_cast<std::size_t>(scenario.run.threads));
-  const auto lock = start_run_folder(
-      folder, options.force, registry.formats, "scenario.yaml",
-      version_line() + ", served; " + robot.gl_description() + "\n" + resolved_scenario(scenario));
+  const auto lock = start_run_folder(folder, options.force, registry.formats, "scenario.yaml",
+                                     version_line() + ", " + SimRobot::simulator_version() + ", served; " +
+                                         robot.gl_description() + "\n" + resolved_scenario(scenario));
   Progress progress(options.endless ? 0.0 : scenario.run.duration_s);
   LogFile log(folder / "log.txt", [&](const std::string& line) { progress.print_line(line); });
   catch_interrupts();

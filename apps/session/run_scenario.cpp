@@ -54,9 +54,9 @@ int run_scenario(const Scenario& scenario, const RunSettings& settings) {
   SimRobot robot(scenario.sim, static_cast<std::uint64_t>(scenario.seed),
                  static_cast<std::size_t>(scenario.run.threads));
   Loop loop = make_loop(scenario, robot);  // throws before there is a folder
-  const auto lock =
-      start_run_folder(folder, settings.force, scenario.output.formats, "scenario.yaml",
-                       version_line() + "; " + robot.gl_description() + "\n" + resolved_scenario(scenario));
+  const auto lock = start_run_folder(folder, settings.force, scenario.output.formats, "scenario.yaml",
+                                     version_line() + ", " + SimRobot::simulator_version() + "; " +
+                                         robot.gl_description() + "\n" + resolved_scenario(scenario));
   const AtEnd close(settings.close);
   RunRecorder recorder(folder, scenario, robot, loop);
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/sweep/run_comparison.h"
+#include "evaluation/report/mujoco_ranges.h"
 
 namespace saccade::inline v0_1 {
 namespace {
@@ -86,6 +87,13 @@ std::string set_text(const ComparedSet& set) {
   return text + aligned(rows);
 }
 
+/// Of sides that were simulated with versions of MuJoCo of different ranges; else empty.
+std::string warning_of(const RunComparison& comparison) {
+  std::vector<std::string> versions = comparison.a.versions;
+  versions.insert(versions.end(), comparison.b.versions.begin(), comparison.b.versions.end());
+  return mujoco_warning(versions);
+}
+
 Json optional_json(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
 Json side_json(const RunSet& set) {
@@ -103,6 +111,8 @@ Json value_json(const MeanSd& value) {
 
 std::string comparison_text(const RunComparison& comparison) {
   std::string text = side_line("A", comparison.a) + side_line("B", comparison.b);
+  if (const std::string warning = warning_of(comparison); !warning.empty())
+    text += "warning: " + warning + "\n";
   for (const ComparedSet& set : comparison.sets) text += set_text(set);
   text += std::string(rule) + "\n";
   const std::size_t failed = comparison.a.failed + comparison.b.failed;
@@ -129,8 +139,13 @@ std::string comparison_json(const RunComparison& comparison) {
                     {"configuration", set.configuration},
                     {"figures", std::move(figures)}});
   }
-  const Json json = {{"schema", 1},  {"a", side_json(comparison.a)},        {"b", side_json(comparison.b)},
-                     {"rule", rule}, {"different", comparison.different()}, {"sets", std::move(sets)}};
+  const Json json = {{"schema", 1},
+                     {"a", side_json(comparison.a)},
+                     {"b", side_json(comparison.b)},
+                     {"warning", warning_of(comparison)},
+                     {"rule", rule},
+                     {"different", comparison.different()},
+                     {"sets", std::move(sets)}};
   return json.dump(2) + "\n";
 }
 

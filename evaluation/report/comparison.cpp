@@ -16,6 +16,7 @@
 #include "evaluation/report/figures.h"
 #include "evaluation/report/gaze_figures.h"
 #include "evaluation/report/html.h"
+#include "evaluation/report/mujoco_ranges.h"
 #include "evaluation/report/report.h"
 #include "evaluation/report/run_data.h"
 
@@ -171,6 +172,16 @@ std::vector<std::string> write_comparison(std::span<const fs::path> folders, con
       "means "
       "that the figure does not apply. The tables as numbers: <a href=\"figures/means.csv\">means</a>, <a "
       "href=\"figures/runs.csv\">every run</a>, <a href=\"figures/gaze_means.csv\">gaze</a>.</p>\n";
+  std::vector<std::string> versions;
+  for (const ComparedRun& run : runs) {
+    if (const auto version = run.keys.find("version"); version != run.keys.end())
+      versions.push_back(version->second);
+  }
+  std::vector<std::string> remarks;
+  if (const std::string warning = mujoco_warning(versions); !warning.empty()) {
+    remarks.push_back("warning: " + warning);
+    html += "<p class=\"remark\">Warning: " + escaped(warning) + "</p>\n";
+  }
   write_comparison_tables(groups, page);
   std::vector<AblationRun> ablated;
   for (const ComparedGroup& group : groups) {
@@ -187,11 +198,9 @@ std::vector<std::string> write_comparison(std::span<const fs::path> folders, con
   html += gaze_paths_html(groups, out) + eye_movements_html(groups, out) + ablation;
   for (std::size_t i = 0; i < groups.size(); ++i) html += group_html(groups[i], i + 1, out, formats);
   write_page(page, fmt::format("{} runs compared", runs.size()), html);
-  std::vector<std::string> duplicates;
-  for (const ComparedGroup& group : groups) {
-    duplicates.insert(duplicates.end(), group.duplicates.begin(), group.duplicates.end());
-  }
-  return duplicates;
+  for (const ComparedGroup& group : groups)
+    remarks.insert(remarks.end(), group.duplicates.begin(), group.duplicates.end());
+  return remarks;
 }
 
 }  // namespace saccade::inline v0_1

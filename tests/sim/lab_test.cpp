@@ -29,11 +29,7 @@ class LabOf : public ::testing::TestWithParam<Clutter> {
     return model;
   }
   static std::vector<mjtByte> pixels(const mjModel& model) {
-#if mjVERSION_HEADER >= 320
-    return {model.tex_data, model.tex_data + model.ntexdata};
-#else
-    return {model.tex_rgb, model.tex_rgb + model.ntexdata};
-#endif
+    return {texels_of(model, 0), texels_of(model, 0) + model.ntexdata};
   }
 };
 

@@ -14,6 +14,7 @@
 #include "core/random.h"
 #include "core/units.h"
 #include "head/head_model.h"
+#include "sim/mujoco_compat.h"
 
 namespace saccade {
 namespace {
@@ -325,8 +326,7 @@ double covered_share(World& world, const Eigen::Vector3d& from_m) {
     for (double u = -0.98; u <= 0.98; u += 0.04) {
       if (std::hypot(u, v) > 0.98) continue;
       const Eigen::Vector3d ray = forward + disc_m * (u * side + v * up);
-      int hit = -1;
-      mj_ray(&world.model(), &world.data(), from_m.data(), ray.data(), groups, 1, -1, &hit);
+      const int hit = first_geom_on_ray(&world.model(), &world.data(), from_m.data(), ray.data(), groups);
       ++rays;
       free += hit == ball;
     }

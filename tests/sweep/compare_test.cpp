@@ -105,6 +105,21 @@ TEST_F(Compare, OneRunAgainstAnotherIsEqualOnlyWithinTheTolerance) {
   EXPECT_THAT(text, Not(HasSubstr("acquire_s"))) << "it has not changed";
 }
 
+TEST_F(Compare, WarnsOfSidesOfDifferentRangesOfMujoco) {
+  run("a", 1, 0.90, "0.5", "ball", "abc), MuJoCo 2.2.2 (x");
+  run("b", 1, 0.90, "0.5", "ball", "abc), MuJoCo 3.12.0 (x");
+  run("c", 1, 0.90, "0.5", "ball", "abc), MuJoCo 2.3.7 (x");
+  run("old", 1, 0.90);
+  EXPECT_THAT(comparison_text(compared("a", "b")), HasSubstr("\nwarning: runs of MuJoCo 2.2.2 and 3.12.0: "));
+  EXPECT_THAT(comparison_json(compared("a", "b")),
+              HasSubstr("\"warning\": \"runs of MuJoCo 2.2.2 and 3.12.0: "));
+  EXPECT_FALSE(compared("a", "b").different()) << "equal figures stay equal";
+  for (const char* const same : {"a", "c", "old"}) {
+    EXPECT_THAT(comparison_text(compared("a", same)), Not(HasSubstr("warning"))) << same;
+    EXPECT_THAT(comparison_json(compared("a", same)), HasSubstr("\"warning\": \"\"")) << same;
+  }
+}
+
 TEST_F(Compare, ADifferenceWithinTheSpreadOverSeedsIsNoChangeAndABiggerOneIs) {
   const std::vector<double> recalls = {0.90, 0.92, 0.91, 0.93};
   for (std::size_t i = 0; i < recalls.size(); ++i) {

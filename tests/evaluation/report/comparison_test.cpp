@@ -9,6 +9,7 @@
 #include <iterator>
 
 #include "core/error.h"
+#include "evaluation/report/mujoco_ranges.h"
 #include "evaluation/report/resolved_scenario.h"
 #include "evaluation/scoring/statistics.h"
 #include "recording/format_registry.h"
@@ -123,6 +124,31 @@ TEST_F(Comparison, PutsRunsOfDifferentVersionsIntoGroupsOfTheirOwn) {
   const std::string html = page();
   EXPECT_EQ(count(html, "<h2>synthetic"), 2U);
   EXPECT_THAT(html, HasSubstr("version=saccade 2 (abc)</h2>"));
+}
+
+TEST(MujocoRange, IsOfTheVersionThatATextNames) {
+  EXPECT_EQ(mujoco_range("saccade 0.1.0 (9b6774e), MuJoCo 2.2.2"), "2.2 to 2.3");
+  EXPECT_EQ(mujoco_range("saccade 0.1.0 (9b6774e), MuJoCo 3.5.0, served"), mujoco_range("MuJoCo 3.0.0"));
+  EXPECT_EQ(mujoco_range("MuJoCo 3.12.0"), "3.12 and newer");
+  EXPECT_EQ(mujoco_range("MuJoCo 4.0.0"), "3.12 and newer");
+  EXPECT_NE(mujoco_range("MuJoCo 3.11.0"), mujoco_range("MuJoCo 3.12.0"));
+  for (const char* const text : {"", "saccade 0.1.0 (9b6774e)", "MuJoCo ", "MuJoCo 3", "MuJoCo x.5"})
+    EXPECT_EQ(mujoco_range(text), "") << text;
+}
+
+TEST_F(Comparison, WarnsOfRunsOfDifferentRangesOfMujoco) {
+  const auto simulate_with = [&](std::size_t i, const std::string& version) {
+    std::ofstream(folders_[i] / "scenario.yaml")
+        << "# saccade 0.1.0 (abc), MuJoCo " << version << "; llvmpipe\nname: square\nseed: " << i << "\n";
+  };
+  for (std::size_t i = 0; i < 3; ++i) simulate_with(i, "3.5.0");
+  EXPECT_THAT(write_comparison(folders_, root_ / "out"), testing::IsEmpty());
+  EXPECT_THAT(contents(root_ / "out/report.html"), Not(HasSubstr("MuJoCo 2")));
+  simulate_with(1, "2.2.2");
+  const std::vector<std::string> remarks = write_comparison(folders_, root_ / "out");
+  ASSERT_EQ(remarks.size(), 1U);
+  EXPECT_THAT(remarks[0], HasSubstr("warning: runs of MuJoCo 2.2.2 and 3.5.0"));
+  EXPECT_THAT(contents(root_ / "out/report.html"), HasSubstr("Warning: runs of MuJoCo 2.2.2 and 3.5.0"));
 }
 
 TEST_F(Comparison, CountsARunThatRepeatsASeedOnceAndNamesIt) {
