@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "core/error.h"
+#include "sim/data_directory.h"
 #include "sim/model_file.h"
 
 namespace saccade {
@@ -209,6 +210,44 @@ TEST_F(ModelFile, SaysInOneLineWhatIsWrong) {
   EXPECT_THAT(model_problem("<mujoco><asset><mesh file='gone.obj'/></asset><worldbody><geom type='mesh' "
                             "mesh='gone'/></worldbody></mujoco>"),
               HasSubstr("gone.obj"));
+}
+
+TEST_F(ModelFile, ScalesTheTextureOfAPrimitiveAndNotOfAMeshWithTextureCoordinates) {
+  const ModelParts parts = read_model_file(
+      write("ok.xml",
+            "<mujoco><asset><texture name='t' type='2d' builtin='flat' width='8' height='8' rgb1='1 0 0'/>"
+            "<material name='m' texture='t' texrepeat='3 2'/><mesh name='tetrahedron' "
+            "vertex='0 0 0 .1 0 0 0 .1 0 0 0 .1' texcoord='0 0 1 0 0 1 1 1' "
+            "face='0 2 1 0 1 3 1 2 3 2 0 3'/></asset><worldbody><geom size='.1' material='m'/>"
+            "<geom type='mesh' mesh='tetrahedron' material='m'/></worldbody></mujoco>"),
+      "test", ModelUse::object);
+  EXPECT_THAT(parts.assets, HasSubstr("<material name=\"test_material_0\" texture=\"test_texture_0\" "
+                                      "texrepeat=\"3 2\" texuniform=\"false\""));
+  EXPECT_THAT(parts.assets,
+              HasSubstr("<material name=\"test_mesh_material_0\" texture=\"test_texture_0\" emission"));
+  EXPECT_EQ(parts.textures.size(), 1U);
+}
+
+TEST_F(ModelFile, RefusesATextureInGreyAndALightThatIsNotDrawn) {
+  if (mjVERSION_HEADER < 333) GTEST_SKIP() << "NOT TESTED, MuJoCo " << mj_versionString() << " has neither";
+  EXPECT_THAT(model_problem("<mujoco><worldbody><light name='bulb' type='point'/><geom "
+                            "size='.1'/></worldbody></mujoco>",
+                            ModelUse::lab),
+              HasSubstr("found the light \"bulb\" that MuJoCo's renderer does not draw, expected lights of"));
+  const std::string png = (data_directory() / "scenarios/assets/football.png").string();
+  const auto with_channels = [&](const std::string& channels) {
+    return "<mujoco><asset><texture name='t' type='2d' file='" + png + "' nchannel='" + channels +
+           "'/><material name='m' texture='t'/></asset><worldbody><geom size='.1' "
+           "material='m'/></worldbody></mujoco>";
+  };
+  EXPECT_THAT(model_problem(with_channels("1")),
+              HasSubstr("found the texture \"t\" in grey, expected a texture in colour"));
+  const auto texels = [&](const std::string& channels) {
+    return read_model_file(write("model.xml", with_channels(channels)), "test", ModelUse::object)
+        .textures.at(0)
+        .rgb;
+  };
+  EXPECT_EQ(texels("4"), texels("3")) << "without the opacity";
 }
 
 TEST_F(ModelFile, ChecksTheMeshesOfAnObject) {
