@@ -68,7 +68,9 @@ class ShapeWriter {
     end_();
     end_list_();
   }
-  void revolve(const RevolvedOutline& outline, int slices) const {
+  /// The first corner of a quad decides how it is split into triangles: MuJoCo's begin with the lower edge.
+  enum class FirstEdge { upper, lower };
+  void revolve(const RevolvedOutline& outline, int slices, FirstEdge first) const {
     const auto put = [&](const OutlinePoint& point, int slice) {
       const double around = 2.0 * pi * slice / slices;
       corner(
@@ -77,10 +79,11 @@ class ShapeWriter {
     };
     for (std::size_t i = 0; i + 1 < outline.size(); ++i) {
       for (int slice = 0; slice < slices; ++slice) {
-        put(outline[i], slice);
+        if (first == FirstEdge::upper) put(outline[i], slice);
         put(outline[i + 1], slice);
         put(outline[i + 1], slice + 1);
         put(outline[i], slice + 1);
+        if (first == FirstEdge::lower) put(outline[i], slice);
       }
     }
   }
@@ -130,7 +133,7 @@ void* gl_address(const GlContext& gl, const char* name) {
 void replace_sphere(const GlContext& gl, const mjrContext& context, int sides) {
   const ShapeWriter writer(gl, context);
   writer.start(ShapeList::sphere);
-  writer.revolve(arc(0, sides / 2, sides, 0.0), sides);
+  writer.revolve(arc(0, sides / 2, sides, 0.0), sides, ShapeWriter::FirstEdge::upper);
   writer.finish();
 }
 
@@ -141,7 +144,8 @@ void project_textures(const GlContext& gl, const mjrContext& context, const mjVi
   const ShapeWriter writer(gl, context);
   const auto round = [&](ShapeList shape, std::initializer_list<RevolvedOutline> outlines) {
     writer.start(shape);
-    for (const RevolvedOutline& outline : outlines) writer.revolve(outline, slices);
+    for (const RevolvedOutline& outline : outlines)
+      writer.revolve(outline, slices, ShapeWriter::FirstEdge::lower);
     writer.finish();
   };
   // The halves of a capsule have their centres at 1 and -1; all shapes have the corners of MuJoCo's.

@@ -12,8 +12,7 @@ struct MujocoRange {
   int minor;
   std::string_view name;
 };
-constexpr std::array<MujocoRange, 3> mujoco_ranges{
-    {{2, 0, "2.2 to 2.3"}, {3, 0, "3.0 to 3.11"}, {3, 12, "3.12 and newer"}}};
+constexpr std::array<MujocoRange, 2> mujoco_ranges{{{2, 0, "2.2 to 2.3"}, {3, 0, "3.0 and newer"}}};
 
 constexpr std::string_view before_version = "MuJoCo ";
 

@@ -10,7 +10,7 @@ namespace saccade::inline v0_1 {
 /// levels, and so other events (docs/install.md). The first line of a run folder's scenario.yaml names the version,
 /// "saccade 0.1.0 (9b6774e), MuJoCo 3.5.0".
 
-/// The range of the MuJoCo version that a text names, "3.0 to 3.11"; empty where it names none.
+/// The range of the MuJoCo version that a text names, "3.0 and newer"; empty where it names none.
 [[nodiscard]] std::string_view mujoco_range(std::string_view text);
 
 /// One sentence where the texts name versions of several ranges, else empty.
