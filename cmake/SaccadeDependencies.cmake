@@ -16,6 +16,8 @@ pkg_check_modules(zstd REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(avformat REQUIRED IMPORTED_TARGET libavformat libavcodec libavutil)
 find_package(BZip2 REQUIRED)
 find_package(ZLIB REQUIRED)
+find_package(PNG REQUIRED)
+find_package(JPEG REQUIRED)
 find_path(FLATBUFFERS_HEADERS flatbuffers/flatbuffers.h REQUIRED)  # headers alone are used
 find_program(FLATC flatc REQUIRED)
 pkg_check_modules(glfw REQUIRED IMPORTED_TARGET glfw3)

@@ -11,6 +11,7 @@
 #include "apps/config/scenario.h"
 #include "apps/config/stimulus_file.h"
 #include "apps/session/interrupt.h"
+#include "apps/session/summary.h"
 #include "core/error.h"
 #include "evaluation/sensor_fit/sensor_fit.h"
 #include "evaluation/sensor_fit/sensor_page.h"
@@ -139,7 +140,8 @@ int fit(const FitSensorOptions& options) {
   write_sensor_page(result, options.out);
   write_file(options.out / preset_file, emulator_yaml(result.config));
   print(result);
-  fmt::print("{}\n{}\n", (options.out / preset_file).string(), (options.out / "report.html").string());
+  fmt::print("{}\n", (options.out / preset_file).string());
+  print_page(options.out);
   return 0;
 }
 

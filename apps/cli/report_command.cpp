@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "apps/cli/commands.h"
+#include "apps/session/summary.h"
 #include "apps/sweep/sweep_folder.h"
 #include "apps/sweep/sweep_store.h"
 #include "evaluation/report/comparison.h"
@@ -35,7 +36,7 @@ int report(const ReportOptions& options, const FormatRegistry& formats) {
       fmt::print(stderr, "saccade: {}\n", duplicate);
     }
   }
-  fmt::print("{}\n", (folder / "report.html").string());
+  print_page(folder);
   return 0;
 }
 

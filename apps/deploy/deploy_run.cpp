@@ -19,6 +19,7 @@
 #include "apps/deploy/real_time.h"
 #include "apps/session/interrupt.h"
 #include "apps/session/run_folder.h"
+#include "apps/session/summary.h"
 #include "apps/session/version.h"
 #include "core/error.h"
 #include "evaluation/report/report.h"
@@ -120,7 +121,7 @@ void deploy_on(Robot& robot, GuardLink* guard, const DeployOptions& options, con
   }
   recorder.finish();
   write_report(folder, file.output.formats);
-  fmt::print("{}\n", (folder / "report.html").string());
+  print_page(folder);
   if (session.state() == DeployState::stopped && is_fault(session.last_stop()->cause))
     throw RunError("the head was stopped: " + session.last_stop()->description());
   if (!session.not_activated().empty())

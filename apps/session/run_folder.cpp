@@ -102,7 +102,7 @@ void throw_if_a_program_ended(const Metrics& metrics) {
 void report_run_folder(const fs::path& folder, const Metrics& metrics, const FormatRegistry& formats) {
   write_report(folder, formats);
   print_summary(metrics);
-  fmt::print("{}\n", (folder / "report.html").string());
+  print_page(folder);
 }
 
 void finish_run_folder(const fs::path& folder, const Metrics& metrics, const FormatRegistry& formats) {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <string>
 
+#include "evaluation/report/report.h"
+
 namespace saccade::inline v0_1 {
 namespace {
 
@@ -84,6 +86,12 @@ void print_summary(const Metrics& metrics) {
         number(gaze.acquire_s, " s"), number(gaze.in_view_ratio, ""),
         number(gaze.fixation_error_deg.median, " deg"), gaze.moves, gaze.wrong_moves, gaze.limit_violations);
   }
+}
+
+void print_page(const std::filesystem::path& folder) {
+  if (const std::string warning = undrawn_warning(); !warning.empty())
+    fmt::print(stderr, "saccade: warning: {}\n", warning);
+  fmt::print("{}\n", (folder / "report.html").string());
 }
 
 }  // namespace saccade::inline v0_1

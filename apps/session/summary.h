@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "evaluation/scoring/metrics.h"
@@ -10,5 +11,7 @@ namespace saccade::inline v0_1 {
 void print_summary(const std::string& detector, const DetectorScore& score);
 /// The key figures of a run on standard output, a line per detector and one for the gaze.
 void print_summary(const Metrics& metrics);
+/// The path of a folder's page on standard output; on standard error that its figures are not drawn, where that is so.
+void print_page(const std::filesystem::path& folder);
 
 }  // namespace saccade::inline v0_1

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "apps/session/interrupt.h"
+#include "apps/session/summary.h"
 #include "apps/sweep/sweep_config.h"
 #include "apps/sweep/sweep_coordinator.h"
 #include "apps/sweep/sweep_folder.h"
@@ -85,8 +86,8 @@ int sweep(const SweepOptions& options, const std::string& version, const Registr
     coordinator.make_worst_runs();
     write_sweep_report(coordinator.store().table(), folder.path());
     const std::int64_t failed = coordinator.store().count("failed");
-    fmt::print("{} runs done, {} failed\n{}\n", coordinator.store().count("done"), failed,
-               (out / "report.html").string());
+    fmt::print("{} runs done, {} failed\n", coordinator.store().count("done"), failed);
+    print_page(out);
     return failed == 0 ? 0 : 1;
   } catch (const DiskFull& error) {
     throw RunError(error.what() + what_next);

@@ -19,6 +19,16 @@ const CodecLibrary& library() {
   return *static_cast<const CodecLibrary*>(symbol);
 }
 
+/// A library of images alone makes none.
+template <class Video>
+std::unique_ptr<Video> video_of(Video* video) {
+  if (video == nullptr)
+    throw RunError(
+        "videos are not read or written: this installation of saccade has no video library; Debian's package "
+        "has");
+  return std::unique_ptr<Video>(video);
+}
+
 }  // namespace
 
 std::vector<unsigned char> encoded_image(std::string_view format, const cv::Mat& image, PngSize png) {
@@ -35,7 +45,7 @@ cv::Mat read_image(const std::filesystem::path& path, DecodedAs form) {
 }
 
 std::unique_ptr<cv::VideoCapture> read_video(const std::filesystem::path& path) {
-  return std::unique_ptr<cv::VideoCapture>(library().read_video(path.string()));
+  return video_of(library().read_video(path.string()));
 }
 
 std::vector<std::int64_t> video_times(const std::filesystem::path& path) {
@@ -45,7 +55,7 @@ std::vector<std::int64_t> video_times(const std::filesystem::path& path) {
 std::unique_ptr<cv::VideoWriter> write_video(const std::filesystem::path& path, std::string_view codec,
                                              double images_hz, const cv::Size& size) {
   SACCADE_CHECK(codec.size() == 4);
-  return std::unique_ptr<cv::VideoWriter>(library().write_video(path.string(), codec, images_hz, size));
+  return video_of(library().write_video(path.string(), codec, images_hz, size));
 }
 
 }  // namespace saccade::inline v0_1

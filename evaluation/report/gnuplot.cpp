@@ -151,6 +151,17 @@ std::vector<Rows> table_of(const std::vector<GnuplotFigure::Panel>& panels) {
 
 std::string csv_number(double value) { return std::isfinite(value) ? fmt::format("{:.9g}", value) : ""; }
 
+/// Stands where gnuplot would have drawn. With JavaScript the page draws the lines over it (plots.js).
+std::string undrawn_svg(int width, int height) {
+  return fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"100%\" viewBox=\"0 0 {0} {1}\" role=\"img\">"
+      "<rect width=\"{0}\" height=\"{1}\" fill=\"#f4f4f4\"/><text x=\"50%\" y=\"50%\" text-anchor=\"middle\" "
+      "font-family=\"sans-serif\" font-size=\"16\">Not drawn: gnuplot is not installed. The numbers are in "
+      "the CSV "
+      "file.</text></svg>\n",
+      width, height);
+}
+
 }  // namespace
 
 std::string csv_field(std::string_view text) {
@@ -185,16 +196,19 @@ Figure GnuplotFigure::draw(std::string_view layout) const {
       "set terminal svg size {},{} dynamic noenhanced font 'sans-serif,{}' name {} "
       "background rgb 'white'\n",
       width_, height_, font, gnuplot_quoted(name_));
-  const std::string drawing = run_gnuplot(terminal + script(layout));
+  const bool can_draw = gnuplot_installed();
+  const std::string drawing =
+      can_draw ? run_gnuplot(terminal + script(layout)) : undrawn_svg(width_, height_);
   std::vector<std::string> key;
   if (!panels_.empty()) {
     for (const Series& s : panels_.front().series) {
       if (s.in_key && !s.points.empty()) key.push_back(s.title);
     }
   }
-  if (!drawing.ends_with("</svg>\n\n")) throw RunError("figures: gnuplot left a part of " + name_);
+  if (can_draw && !drawing.ends_with("</svg>\n\n"))
+    throw RunError("figures: gnuplot left a part of " + name_);
   return {.name = name_,
-          .svg = page_svg(drawing, name_),
+          .svg = can_draw ? page_svg(drawing, name_) : drawing,
           .csv = csv(),
           .data = data(),
           .script = script(layout),

@@ -65,7 +65,8 @@ class GnuplotFigure {
   /// Each series is a function of x, its points in the order of x: a page can zoom along x.
   void set_over_x() { over_x_ = true; }
 
-  /// `layout` is what goes before the panels, such as `set multiplot layout 3,1`. Throws RunError.
+  /// `layout` is what goes before the panels, such as `set multiplot layout 3,1`. Without gnuplot the drawing
+  /// says so. Throws RunError where gnuplot fails.
   [[nodiscard]] Figure draw(std::string_view layout = "") const;
 
  private:

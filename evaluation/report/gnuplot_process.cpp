@@ -7,8 +7,10 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <memory>
+#include <sstream>
 #include <string_view>
 #include <vector>
 
@@ -47,6 +49,15 @@ std::vector<char*> environment_with(std::string& setting) {
 }
 
 }  // namespace
+
+bool gnuplot_installed() {
+  const char* const path = std::getenv("PATH");
+  std::istringstream folders(path != nullptr ? path : "");
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    if (!folder.empty() && ::access((folder + "/gnuplot").c_str(), X_OK) == 0) return true;
+  }
+  return false;
+}
 
 // Files instead of pipes: neither side can wait for the other.
 std::string run_gnuplot(const std::string& script) {

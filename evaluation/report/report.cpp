@@ -9,6 +9,7 @@
 #include "evaluation/report/eye_movement_section.h"
 #include "evaluation/report/figures.h"
 #include "evaluation/report/gaze_figures.h"
+#include "evaluation/report/gnuplot_process.h"
 #include "evaluation/report/html.h"
 #include "evaluation/report/run_data.h"
 #include "evaluation/report/run_head.h"
@@ -151,6 +152,13 @@ std::string body(const RunData& run) {
 }
 
 }  // namespace
+
+std::string undrawn_warning() {
+  if (gnuplot_installed()) return {};
+  return "the figures of the page are not drawn: gnuplot is not installed (Debian package gnuplot-nox); "
+         "saccade report "
+         "draws them later";
+}
 
 void write_report(const fs::path& run_folder, const FormatRegistry& formats, const fs::path& figures) {
   RunData run = load_run(run_folder, formats);

@@ -1,0 +1,249 @@
+// saccade-png-jpeg.so: the same as saccade-image-codecs.so for PNG and JPEG alone, with libpng and libjpeg, which need no
+// further libraries. scripts/archive ships it in place of the other. The encoders have OpenCV's settings, so that both
+// libraries write the same bytes.
+#include <jpeglib.h>
+#include <png.h>
+
+#include <array>
+#include <csetjmp>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <opencv2/core.hpp>
+
+#include "evaluation/image_codecs/codec_library.h"
+
+namespace saccade::inline v0_1 {
+namespace {
+
+constexpr int jpeg_quality = 85;
+
+using Bytes = std::vector<unsigned char>;
+
+struct PngWriter {
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = png_create_info_struct(png);
+  ~PngWriter() { png_destroy_write_struct(&png, &info); }
+};
+
+void append(png_structp png, png_bytep data, png_size_t size) {
+  auto& bytes = *static_cast<Bytes*>(png_get_io_ptr(png));
+  bytes.insert(bytes.end(), data, data + size);
+}
+
+bool encode_png(const cv::Mat& image, PngSize size, Bytes& bytes) {
+  PngWriter writer;
+  std::vector<png_bytep> rows(static_cast<std::size_t>(image.rows));
+  for (int y = 0; y < image.rows; ++y)
+    rows[static_cast<std::size_t>(y)] = const_cast<png_bytep>(image.ptr(y));
+  if (setjmp(png_jmpbuf(writer.png))) return false;  // NOLINT: libpng's way of failing
+  png_set_write_fn(writer.png, &bytes, append, nullptr);
+  if (size == PngSize::smallest) {
+    png_set_filter(writer.png, PNG_FILTER_TYPE_BASE, PNG_ALL_FILTERS);
+    png_set_compression_level(writer.png, 9);
+  } else {
+    png_set_filter(writer.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
+    png_set_compression_level(writer.png, 1);
+  }
+  png_set_compression_strategy(writer.png, 3);  // zlib's Z_RLE
+  const int colour = image.channels() == 1   ? PNG_COLOR_TYPE_GRAY
+                     : image.channels() == 3 ? PNG_COLOR_TYPE_RGB
+                                             : PNG_COLOR_TYPE_RGBA;
+  png_set_IHDR(writer.png, writer.info, static_cast<png_uint_32>(image.cols),
+               static_cast<png_uint_32>(image.rows), image.depth() == CV_16U ? 16 : 8, colour,
+               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_write_info(writer.png, writer.info);
+  png_set_bgr(writer.png);
+  png_set_swap(writer.png);  // 16-bit values are big-endian in the file
+  png_write_image(writer.png, rows.data());
+  png_write_end(writer.png, writer.info);
+  return true;
+}
+
+struct JpegError {
+  jpeg_error_mgr manager{};
+  std::jmp_buf place{};
+};
+
+jpeg_error_mgr* jpeg_errors(JpegError& error) {
+  jpeg_std_error(&error.manager);
+  error.manager.error_exit = [](j_common_ptr info) {
+    std::longjmp(reinterpret_cast<JpegError*>(info->err)->place, 1);  // NOLINT: libjpeg's way of failing
+  };
+  error.manager.output_message = [](j_common_ptr) {};
+  return &error.manager;
+}
+
+bool encode_jpeg(const cv::Mat& image, Bytes& bytes) {
+  if (image.depth() != CV_8U || (image.channels() != 1 && image.channels() != 3)) return false;
+  JpegError error;
+  jpeg_compress_struct info{};
+  unsigned char* buffer = nullptr;
+  unsigned long size = 0;  // NOLINT: libjpeg's type
+  info.err = jpeg_errors(error);
+  jpeg_create_compress(&info);
+  const bool done = setjmp(error.place) == 0;  // NOLINT
+  if (done) {
+    jpeg_mem_dest(&info, &buffer, &size);
+    info.image_width = static_cast<JDIMENSION>(image.cols);
+    info.image_height = static_cast<JDIMENSION>(image.rows);
+    info.input_components = image.channels();
+    info.in_color_space = image.channels() == 1 ? JCS_GRAYSCALE : JCS_EXT_BGR;
+    jpeg_set_defaults(&info);
+    jpeg_set_quality(&info, jpeg_quality, TRUE);
+    jpeg_start_compress(&info, TRUE);
+    for (int y = 0; y < image.rows; ++y) {
+      auto* row = const_cast<JSAMPROW>(image.ptr(y));
+      jpeg_write_scanlines(&info, &row, 1);
+    }
+    jpeg_finish_compress(&info);
+    bytes.assign(buffer, buffer + size);
+  }
+  jpeg_destroy_compress(&info);
+  std::free(buffer);  // NOLINT: libjpeg's allocation
+  return done;
+}
+
+bool encode(std::string_view format, const cv::Mat& image, PngSize png, Bytes& bytes) {
+  return format == "jpeg" ? encode_jpeg(image, bytes) : encode_png(image, png, bytes);
+}
+
+struct PngReader {
+  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = png_create_info_struct(png);
+  ~PngReader() { png_destroy_read_struct(&png, &info, nullptr); }
+};
+
+void take(png_structp png, png_bytep data, png_size_t size) {
+  auto& left = *static_cast<std::string_view*>(png_get_io_ptr(png));
+  if (left.size() < size) png_error(png, "ends early");
+  std::memcpy(data, left.data(), size);
+  left.remove_prefix(size);
+}
+
+cv::Mat decode_png(std::string_view bytes, DecodedAs form) {
+  PngReader reader;
+  cv::Mat image;
+  std::vector<png_bytep> rows;
+  png_set_error_fn(reader.png, nullptr, nullptr, [](png_structp, png_const_charp) {});
+  if (setjmp(png_jmpbuf(reader.png))) return {};  // NOLINT: libpng's way of failing
+  png_set_read_fn(reader.png, &bytes, take);
+  png_read_info(reader.png, reader.info);
+  const int colour = png_get_color_type(reader.png, reader.info);
+  const bool deep = form == DecodedAs::stored && png_get_bit_depth(reader.png, reader.info) == 16;
+  const bool grey_file = (colour & PNG_COLOR_MASK_COLOR) == 0;
+  const bool grey = form == DecodedAs::grey || (form == DecodedAs::stored && grey_file);
+  if (deep) png_set_swap(reader.png);
+  if (!deep) png_set_strip_16(reader.png);
+  png_set_strip_alpha(reader.png);
+  if (colour == PNG_COLOR_TYPE_PALETTE) png_set_palette_to_rgb(reader.png);
+  if (grey_file) png_set_expand_gray_1_2_4_to_8(reader.png);
+  if (grey && !grey_file) png_set_rgb_to_gray(reader.png, 1, 0.299, 0.587);
+  if (!grey && grey_file) png_set_gray_to_rgb(reader.png);
+  if (!grey) png_set_bgr(reader.png);
+  png_set_interlace_handling(reader.png);
+  png_read_update_info(reader.png, reader.info);
+  image.create(static_cast<int>(png_get_image_height(reader.png, reader.info)),
+               static_cast<int>(png_get_image_width(reader.png, reader.info)),
+               CV_MAKETYPE(deep ? CV_16U : CV_8U, grey ? 1 : 3));
+  rows.resize(static_cast<std::size_t>(image.rows));
+  for (int y = 0; y < image.rows; ++y) rows[static_cast<std::size_t>(y)] = image.ptr(y);
+  png_read_image(reader.png, rows.data());
+  png_read_end(reader.png, nullptr);
+  return image;
+}
+
+/// Exif's orientation, 1 to 8; 1 is upright, also where the file has none.
+int orientation(const jpeg_decompress_struct& info) {
+  for (jpeg_saved_marker_ptr m = info.marker_list; m != nullptr; m = m->next) {
+    const std::string_view data(reinterpret_cast<const char*>(m->data), m->data_length);
+    if (m->marker != JPEG_APP0 + 1 || data.size() < 14 || !data.starts_with(std::string_view("Exif\0\0", 6)))
+      continue;
+    const std::string_view tiff = data.substr(6);
+    const bool little = tiff[0] == 'I';
+    const auto number = [&](std::size_t at, std::size_t count) {
+      std::size_t value = 0;
+      for (std::size_t i = 0; at + count <= tiff.size() && i < count; ++i)
+        value |= static_cast<std::size_t>(static_cast<unsigned char>(tiff[at + i]))
+                 << 8U * (little ? i : count - 1 - i);
+      return value;
+    };
+    constexpr std::size_t entry_bytes = 12;
+    constexpr std::size_t orientation_tag = 0x0112;
+    const std::size_t begin = number(4, 4);
+    const std::size_t entries = number(begin, 2);
+    for (std::size_t i = 0; i < entries && begin + 2 + (i + 1) * entry_bytes <= tiff.size(); ++i) {
+      const std::size_t entry = begin + 2 + i * entry_bytes;
+      if (number(entry, 2) == orientation_tag) return static_cast<int>(number(entry + 8, 2));
+    }
+  }
+  return 1;
+}
+
+cv::Mat upright(cv::Mat image, int orientation) {
+  if (orientation >= 5 && orientation <= 8) cv::transpose(image, image);
+  const bool mirrored = orientation == 2 || orientation == 6;
+  const bool upside_down = orientation == 4 || orientation == 8;
+  if (orientation == 3 || orientation == 7) {
+    cv::flip(image, image, -1);
+  } else if (mirrored || upside_down) {
+    cv::flip(image, image, mirrored ? 1 : 0);
+  }
+  return image;
+}
+
+cv::Mat decode_jpeg(std::string_view bytes, DecodedAs form) {
+  JpegError error;
+  jpeg_decompress_struct info{};
+  cv::Mat image;
+  int turned = 1;
+  info.err = jpeg_errors(error);
+  jpeg_create_decompress(&info);
+  const bool done = setjmp(error.place) == 0;  // NOLINT
+  if (done) {
+    jpeg_mem_src(&info, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
+    jpeg_save_markers(&info, JPEG_APP0 + 1, 0xffff);
+    jpeg_read_header(&info, TRUE);
+    turned = orientation(info);
+    const bool grey = form == DecodedAs::grey || (form == DecodedAs::stored && info.num_components == 1);
+    info.out_color_space = grey ? JCS_GRAYSCALE : JCS_EXT_BGR;
+    jpeg_start_decompress(&info);
+    image.create(static_cast<int>(info.output_height), static_cast<int>(info.output_width),
+                 grey ? CV_8UC1 : CV_8UC3);
+    while (info.output_scanline < info.output_height) {
+      JSAMPROW row = image.ptr(static_cast<int>(info.output_scanline));
+      jpeg_read_scanlines(&info, &row, 1);
+    }
+    jpeg_finish_decompress(&info);
+  }
+  const bool whole = done && info.err->num_warnings == 0;
+  jpeg_destroy_decompress(&info);
+  return whole ? upright(image, turned) : cv::Mat();
+}
+
+cv::Mat decode(std::string_view bytes, DecodedAs form) {
+  if (bytes.starts_with("\x89PNG")) return decode_png(bytes, form);
+  if (bytes.starts_with("\xff\xd8")) return decode_jpeg(bytes, form);
+  return {};
+}
+
+cv::Mat read(const std::string& path, DecodedAs form) {
+  std::ifstream file(path, std::ios::binary);
+  const std::string bytes(std::istreambuf_iterator<char>(file), {});
+  return decode(bytes, form);
+}
+
+cv::VideoCapture* no_capture(const std::string&) { return nullptr; }
+cv::VideoWriter* no_writer(const std::string&, std::string_view, double, const cv::Size&) { return nullptr; }
+std::vector<std::int64_t> no_times(const std::string&) { return {}; }
+
+}  // namespace
+}  // namespace saccade::inline v0_1
+
+extern "C" {
+extern const saccade::CodecLibrary saccade_image_codecs_v0_1;
+const saccade::CodecLibrary saccade_image_codecs_v0_1{&saccade::encode,    &saccade::decode,
+                                                      &saccade::read,      &saccade::no_capture,
+                                                      &saccade::no_writer, &saccade::no_times};
+}
