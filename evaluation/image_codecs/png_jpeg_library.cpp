@@ -1,12 +1,13 @@
 // saccade-png-jpeg.so: the same as saccade-image-codecs.so for PNG and JPEG alone, with libpng and libjpeg, which need no
 // further libraries. scripts/archive ships it in place of the other. The encoders have OpenCV's settings, so that both
 // libraries write the same bytes.
+#include <cstdio>  // jpeglib.h needs it
+
 #include <jpeglib.h>
 #include <png.h>
 
-#include <array>
 #include <csetjmp>
-#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -40,13 +41,13 @@ bool encode_png(const cv::Mat& image, PngSize size, Bytes& bytes) {
   if (setjmp(png_jmpbuf(writer.png))) return false;  // NOLINT: libpng's way of failing
   png_set_write_fn(writer.png, &bytes, append, nullptr);
   if (size == PngSize::smallest) {
-    png_set_filter(writer.png, PNG_FILTER_TYPE_BASE, PNG_ALL_FILTERS);
     png_set_compression_level(writer.png, 9);
+    png_set_compression_strategy(writer.png, 0);  // zlib's Z_DEFAULT_STRATEGY
   } else {
     png_set_filter(writer.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
     png_set_compression_level(writer.png, 1);
+    png_set_compression_strategy(writer.png, 3);  // zlib's Z_RLE
   }
-  png_set_compression_strategy(writer.png, 3);  // zlib's Z_RLE
   const int colour = image.channels() == 1   ? PNG_COLOR_TYPE_GRAY
                      : image.channels() == 3 ? PNG_COLOR_TYPE_RGB
                                              : PNG_COLOR_TYPE_RGBA;
