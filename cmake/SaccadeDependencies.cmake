@@ -1,6 +1,18 @@
 # Debian 12's packages; another MuJoCo: -Dmujoco_ROOT=PREFIX (Findmujoco.cmake).
 find_package(Threads REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+if(SACCADE_TESTS AND CMAKE_CROSSCOMPILING)
+  add_subdirectory(/usr/src/googletest ${CMAKE_BINARY_DIR}/googletest EXCLUDE_FROM_ALL)  # Debian's googletest
+elseif(SACCADE_TESTS)
+  find_package(GTest QUIET)
+  if(NOT GTest_FOUND)
+    message(STATUS "Tests: NOT BUILT, found no GoogleTest; scripts/setup --tests installs it")
+    set(SACCADE_TESTS OFF)  # in this run of cmake alone
+  endif()
+endif()
+if(SACCADE_CORE_ONLY)
+  return()
+endif()
 find_package(yaml-cpp REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)
 find_package(CLI11 2.1 REQUIRED)
@@ -25,13 +37,6 @@ pkg_check_modules(imgui REQUIRED IMPORTED_TARGET imgui)
 find_package(mujoco 2.2.2 REQUIRED MODULE)
 find_path(MUSTACHE_HEADERS kainjow/mustache.hpp REQUIRED)
 find_path(DYGRAPHS dygraph.min.js PATHS /usr/share/javascript/dygraphs REQUIRED)  # embedded in reports
-if(SACCADE_TESTS)
-  find_package(GTest QUIET)
-  if(NOT GTest_FOUND)
-    message(STATUS "Tests: NOT BUILT, found no GoogleTest; scripts/setup --tests installs it")
-    set(SACCADE_TESTS OFF)  # in this run of cmake alone
-  endif()
-endif()
 include(SaccadeYarp)
 if(SACCADE_BENCHMARKS)
   find_package(benchmark REQUIRED)

@@ -63,8 +63,10 @@ foreach(kind layers cold)
     <algorithm> <cstdint> <filesystem> <functional> <map> <memory> <optional> <span> <string> <string_view> <variant>
     <vector> <Eigen/Geometry>)
 endforeach()
-target_link_libraries(saccade_cold_pch PRIVATE fmt::fmt)
-target_precompile_headers(saccade_cold_pch PRIVATE <fmt/format.h>)
+if(NOT SACCADE_CORE_ONLY)
+  target_link_libraries(saccade_cold_pch PRIVATE fmt::fmt)
+  target_precompile_headers(saccade_cold_pch PRIVATE <fmt/format.h>)
+endif()
 set(saccade_cold_options $<$<CONFIG:Release>:-O1>)
 target_compile_options(saccade_cold_pch PRIVATE ${saccade_cold_options})
 

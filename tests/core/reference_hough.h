@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/event.h"
+#include "core/hough_transform.h"
 
 namespace saccade {
 
@@ -106,5 +107,22 @@ class ReferenceHough {
   std::deque<Entry> events_;
   std::vector<int> votes_;
 };
+
+/// What the fast transform has, in the terms of the reference.
+inline double radians_of(int direction) {
+  return direction * std::numbers::pi / HoughTransform::direction_count;
+}
+
+inline std::vector<int> all_votes(const HoughTransform& transform) {
+  std::vector<int> votes;
+  for (int r = transform.r_min(); r <= transform.r_max(); ++r) {
+    for (int y = 0; y < transform.size().height; ++y) {
+      for (int x = 0; x < transform.size().width; ++x) votes.push_back(transform.votes(x, y, r));
+    }
+  }
+  return votes;
+}
+
+inline ReferenceHough::Peak as_reference(const HoughTransform::Peak& p) { return {p.x, p.y, p.r, p.votes}; }
 
 }  // namespace saccade
