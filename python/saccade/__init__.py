@@ -9,9 +9,16 @@ docs/python.md is the tutorial.
 
 import os as _os
 
-import numpy as _np
-
-from . import _saccade, plain_errors as _plain_errors
+try:
+    import numpy as _np
+except ImportError as _error:
+    raise ImportError("saccade needs NumPy (Debian package python3-numpy)") from _error
+try:
+    from . import _saccade
+except ImportError as _error:
+    from .missing_module import reason as _reason
+    raise ImportError(_reason(_error)) from _error
+from . import plain_errors as _plain_errors
 
 _plain_errors.install()
 

@@ -1,6 +1,9 @@
 import ast
 import inspect
+import os
 import pathlib
+import subprocess
+import sys
 
 import saccade
 
@@ -42,3 +45,16 @@ def test_everything_offered_has_a_docstring():
         thing = getattr(saccade, name)
         if callable(thing):
             assert thing.__doc__, name
+
+
+def test_an_interpreter_of_another_version_is_told_the_versions_there_are(tmp_path):
+    package = tmp_path / "saccade"
+    package.mkdir()
+    for file in pathlib.Path(saccade.__file__).parent.glob("*.py"):
+        (package / file.name).write_text(file.read_text())
+    (package / "_saccade.cpython-31-x86_64-linux-gnu.so").write_bytes(b"")
+    (package / "_saccade.cpython-399-x86_64-linux-gnu.so").write_bytes(b"")
+    done = subprocess.run([sys.executable, "-c", "import saccade"], env={**os.environ, "PYTHONPATH": str(tmp_path)},
+                          capture_output=True, text=True)
+    assert done.returncode == 1
+    assert f"ImportError: saccade is built for Python 3.1, 3.99: found Python {sys.version.split()[0]}" in done.stderr
