@@ -14,10 +14,13 @@
 
 #include "core/config.h"
 #include "core/error.h"
+#include "recording/own_file.h"
 #include "sim/egl_devices.h"
 
 namespace saccade::inline v0_1 {
 namespace {
+
+constexpr const char* osmesa_library = "libOSMesa.so.8";
 
 /// A shared library whose symbols are private at first; publish() makes them global, where MuJoCo finds them.
 class Library {
@@ -62,10 +65,26 @@ class LibraryContext : public GlContext {
   Library library_;
 };
 
+/// The Mesa that an archive of the program brings (scripts/archive): lib/saccade/libOSMesa.so.8 in a folder above the
+/// program. Empty where there is none.
+const std::string& own_mesa() {
+  static const std::string file = [] {
+    const std::filesystem::path program = own_file();
+    for (std::filesystem::path folder = program.parent_path();
+         !folder.empty() && folder != folder.root_path(); folder = folder.parent_path()) {
+      std::error_code ignored;
+      const std::filesystem::path mesa = folder / "lib/saccade" / osmesa_library;
+      if (std::filesystem::exists(mesa, ignored)) return mesa.string();
+    }
+    return std::string();
+  }();
+  return file;
+}
+
 class OsmesaContext final : public LibraryContext {
  public:
   OsmesaContext()
-      : LibraryContext("libOSMesa.so.8"),
+      : LibraryContext(own_mesa().empty() ? osmesa_library : own_mesa().c_str()),
         make_current_(library_.get<MakeCurrent>("OSMesaMakeCurrent")),
         get_function_(library_.get<GetFunction>("OSMesaGetProcAddress")),
         destroy_(library_.get<Destroy>("OSMesaDestroyContext")) {
@@ -248,14 +267,17 @@ std::unique_ptr<GlContext> use_backend(std::string_view backend, std::int64_t de
 }
 
 /// In the order in which "auto" tries them.
-constexpr std::array<std::string_view, 2> ways_to_draw{"egl", "osmesa"};
+std::array<std::string_view, 2> ways_to_draw() {
+  if (own_mesa().empty()) return {"egl", "osmesa"};
+  return {"osmesa", "egl"};
+}
 
 /// What the environment variable MUJOCO_GL says, "auto" where it is not set or empty.
 std::string backend_of_environment() {
   const char* const set = variable("MUJOCO_GL");
   if (set == nullptr) return "auto";
   std::string wanted = set;
-  if (std::find(ways_to_draw.begin(), ways_to_draw.end(), wanted) == ways_to_draw.end())
+  if (wanted != "egl" && wanted != "osmesa")
     throw InputError("MUJOCO_GL", wanted, "egl, osmesa, or that the variable is not set");
   return wanted;
 }
@@ -270,7 +292,7 @@ const std::vector<std::string>& GlContext::backends() {
 std::vector<GlWay> GlContext::ways() {
   require_threads_of_opengl();
   std::vector<GlWay> ways;
-  for (const std::string_view backend : ways_to_draw) {
+  for (const std::string_view backend : ways_to_draw()) {
     try {
       ways.push_back({std::string(backend), open_backend(backend, software_device)->description(), true});
     } catch (const RunError& error) {
@@ -307,7 +329,7 @@ std::unique_ptr<GlContext> GlContext::create(std::string_view backend, std::int6
   const std::string wanted = backend == "auto" ? backend_of_environment() : std::string(backend);
   if (wanted != "auto") return use_backend(wanted, software_device);
   std::string problems;
-  for (const std::string_view way : ways_to_draw) {
+  for (const std::string_view way : ways_to_draw()) {
     try {
       return use_backend(way, software_device);
     } catch (const RunError& error) {
