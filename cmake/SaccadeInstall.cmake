@@ -1,5 +1,6 @@
-# cmake --install BUILD --prefix PREFIX [--component program|library]: the program with its models and scenarios, and the
-# libraries saccade::core ... saccade::program with headers and a CMake package (docs/install.md). The tree may be moved.
+# cmake --install BUILD --prefix PREFIX [--component NAME]. Components: program (with models and scenarios), library (the
+# libraries saccade::core ... saccade::program with headers and a CMake package), python, manual (man pages, completion of
+# shells), docs, examples; see docs/install.md. The tree may be moved.
 # Headers lie below include/saccade, which is on the include path too, for they name each other from the project's root.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
@@ -16,8 +17,14 @@ install(TARGETS saccade DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
 install(TARGETS saccade_hdf5_reader saccade_image_codecs_library DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/saccade COMPONENT program)
 install(DIRECTORY ${saccade_SOURCE_DIR}/models ${saccade_SOURCE_DIR}/scenarios DESTINATION ${SACCADE_DATA_DIR}
   COMPONENT program PATTERN invalid EXCLUDE)
+
+# Man pages and the completion of shells, where Debian's packages have them; apps/CMakeLists.txt makes them with the program.
+install(DIRECTORY ${saccade_BINARY_DIR}/pages/ DESTINATION ${CMAKE_INSTALL_DATADIR} COMPONENT manual)
 install(FILES ${saccade_SOURCE_DIR}/README.md ${saccade_SOURCE_DIR}/CHANGELOG.md ${saccade_SOURCE_DIR}/CITATION.cff
-  DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
+  ${saccade_SOURCE_DIR}/CONTRIBUTING.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT docs)
+install(DIRECTORY ${saccade_SOURCE_DIR}/docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT docs)
+install(DIRECTORY ${saccade_SOURCE_DIR}/examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT examples USE_SOURCE_PERMISSIONS
+  PATTERN __pycache__ EXCLUDE)
 
 # Every layer is a library of the package: a static library needs those below it. `program` is the command line.
 set(layers core head threads control emulator recording robot loop sim scoring frame_camera calibration image_codecs report sensor_fit config external images session
@@ -52,14 +59,23 @@ install(FILES ${CMAKE_BINARY_DIR}/saccadeConfig.cmake ${CMAKE_BINARY_DIR}/saccad
   ${saccade_SOURCE_DIR}/cmake/Findmujoco.cmake DESTINATION ${SACCADE_PACKAGE_DIR} COMPONENT library)
 
 set(CPACK_PACKAGE_CONTACT "The saccade authors <noreply@saccade.invalid>")
-# cd build/release && cpack: packages/saccade_*.deb (the program), libsaccade-dev_*.deb and, where the Python module is built,
-# python3-saccade_*.deb (docs/install.md). Each has a changelog and a copyright file, as Debian's policy asks for.
+# cd build/release && cpack: packages/saccade_*.deb (the program, man pages, docs and examples), libsaccade-dev_*.deb and, where
+# the Python module is built, python3-saccade_*.deb (docs/install.md). Each has a changelog and a copyright file, as Debian's
+# policy asks for.
+execute_process(COMMAND date -u -R -d ${SACCADE_DATE} OUTPUT_VARIABLE changelog_date OUTPUT_STRIP_TRAILING_WHITESPACE)
 file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/packages/changelog @ONLY CONTENT "saccade (@PROJECT_VERSION@) unstable; urgency=low
 
   * The changes are in /usr/share/doc/saccade/CHANGELOG.md.
 
- -- @CPACK_PACKAGE_CONTACT@  Sat, 01 Nov 2025 00:00:00 +0000
+ -- @CPACK_PACKAGE_CONTACT@  @changelog_date@
 ")
+# The licence with the paragraphs that Debian's format asks for: each line indented, an empty one a dot.
+file(READ ${saccade_SOURCE_DIR}/LICENSE licence)
+string(REGEX REPLACE "^[^\n]*\n\n[^\n]*\n\n" "" licence "${licence}")  # name and copyright
+string(STRIP "${licence}" licence)
+string(REPLACE "\n\n" "\n.\n" licence "${licence}")
+string(REPLACE "\n" "\n " licence " ${licence}")
+configure_file(${saccade_SOURCE_DIR}/cmake/copyright.in ${CMAKE_BINARY_DIR}/packages/copyright @ONLY)
 set(packages saccade libsaccade-dev)
 set(components program library)
 if(TARGET saccade_module)
@@ -70,8 +86,7 @@ execute_process(COMMAND gzip -9 -n -k -f ${CMAKE_BINARY_DIR}/packages/changelog)
 foreach(package component IN ZIP_LISTS packages components)
   install(FILES ${CMAKE_BINARY_DIR}/packages/changelog.gz DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${package}
     COMPONENT ${component})
-  install(FILES ${saccade_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${package} RENAME copyright
-    COMPONENT ${component})
+  install(FILES ${CMAKE_BINARY_DIR}/packages/copyright DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${package} COMPONENT ${component})
 endforeach()
 
 set(CPACK_GENERATOR DEB)
@@ -80,8 +95,16 @@ set(CPACK_PACKAGE_DIRECTORY ${CMAKE_BINARY_DIR}/packages)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
-set(CPACK_COMPONENTS_ALL ${components})
-set(CPACK_COMPONENTS_GROUPING IGNORE)
+# A package is the component of its name; that of the program holds three more.
+set(CPACK_COMPONENTS_GROUPING ONE_PER_GROUP)
+set(CPACK_COMPONENTS_ALL ${components} manual docs examples)
+foreach(component IN LISTS components)
+  string(TOUPPER ${component} group)
+  set(CPACK_COMPONENT_${group}_GROUP ${component})
+endforeach()
+foreach(component MANUAL DOCS EXAMPLES)
+  set(CPACK_COMPONENT_${component}_GROUP program)
+endforeach()
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS OFF)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME saccade)

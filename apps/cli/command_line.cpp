@@ -10,11 +10,13 @@
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
+#include <deque>
 #include <filesystem>
 #include <iostream>
 #include <limits>
 #include <optional>
 #include <system_error>
+#include <type_traits>
 
 #include "core/config.h"
 #include "core/error.h"
@@ -22,11 +24,29 @@
 #include "recording/number_text.h"
 
 namespace saccade::inline v0_1 {
-namespace {
 
-CLI::Option& parser(ParserOption* option) { return *reinterpret_cast<CLI::Option*>(option); }
-CLI::App& parser(ParserCommand* command) { return *reinterpret_cast<CLI::App*>(command); }
-Option option_of(CLI::Option* option) { return Option(reinterpret_cast<ParserOption*>(option)); }
+/// An option, and what CLI11 does not tell of it.
+struct ParserOption {
+  CLI::Option* option = nullptr;
+  Offer offer = Offer::nothing;
+  std::string range = {};
+  std::function<std::vector<std::string>()> words = {};
+  bool only_words = false;
+};
+
+struct ParserCommand {
+  CLI::App* app = nullptr;
+  std::function<int()>* chosen = nullptr;
+  std::deque<ParserOption> options = {};  // their places in memory stay
+  std::string footer = {};
+
+  Option add(CLI::Option* option, Offer offer = Offer::nothing) {
+    options.push_back({option, offer});
+    return Option(&options.back());
+  }
+};
+
+namespace {
 
 /// A check of an option's number. `fits`: whether it takes the number; `words`: which it takes, for help and messages.
 CLI::Validator number_check(std::function<bool(double)> fits, const std::string& words) {
@@ -36,6 +56,32 @@ CLI::Validator number_check(std::function<bool(double)> fits, const std::string&
     return is_number && fits(value) ? std::string() : "found " + text + ", expected a number " + words;
   };
   return {check, words};
+}
+
+OptionText text_of(const ParserOption& known) {
+  const CLI::Option& option = *known.option;
+  OptionText text;
+  text.help = option.get_description();
+  if (option.get_positional()) {
+    text.names = {option.get_name(true)};
+  } else {
+    for (const std::string& name : option.get_snames()) text.names.push_back("-" + name);
+    for (const std::string& name : option.get_lnames()) text.names.push_back("--" + name);
+  }
+  if (option.get_items_expected_max() > 0) {
+    const std::string type = option.get_type_name();
+    text.type = type.substr(0, type.find(':'));  // checks follow
+    text.default_value = option.get_default_str();
+  }
+  text.range = known.range;
+  if (known.words) text.words = known.words();
+  text.only_words = known.only_words;
+  text.offer = known.offer;
+  text.required = option.get_required();
+  text.repeats = option.get_expected_max() == CLI::detail::expected_max_vector_size;
+  for (const CLI::Option* const other : option.get_excludes()) text.excludes.push_back(other->get_name());
+  std::ranges::sort(text.excludes);  // they are kept by their addresses
+  return text;
 }
 
 /// The arguments with hyphens in the names of options: --no_joints is --no-joints.
@@ -92,45 +138,63 @@ int finish_output(int status) {
 }  // namespace
 
 Option& Option::required() {
-  parser(option_).required();
+  option_->option->required();
   return *this;
 }
 
 Option& Option::show_default() {
-  parser(option_).capture_default_str();
+  option_->option->capture_default_str();
   return *this;
 }
 
 Option& Option::in_range(double min, double max) {
-  parser(option_).check(number_check([=](double value) { return value >= min && value <= max; },
-                                     expectation_of(Range{min, max}, "").substr(1)));
+  option_->range = expectation_of(Range{min, max}, "").substr(1);
+  option_->option->check(
+      number_check([=](double value) { return value >= min && value <= max; }, option_->range));
   return *this;
 }
 
 Option& Option::positive() {
-  parser(option_).check(
-      number_check([](double value) { return value > 0.0 && std::isfinite(value); }, "above 0"));
+  option_->range = "above 0";
+  option_->option->check(
+      number_check([](double value) { return value > 0.0 && std::isfinite(value); }, option_->range));
   return *this;
 }
 
 Option& Option::one_of(std::vector<std::string> words) {
-  parser(option_).check(CLI::IsMember(std::move(words)));
+  option_->words = [words] { return words; };
+  option_->only_words = true;
+  option_->option->check(CLI::IsMember(std::move(words)));
+  return *this;
+}
+
+Option& Option::offers(std::function<std::vector<std::string>()> words) {
+  option_->words = std::move(words);
+  return *this;
+}
+
+Option& Option::offers_scenarios() {
+  option_->offer = Offer::files_and_scenarios;
   return *this;
 }
 
 Option& Option::one_value_each() {
-  parser(option_).allow_extra_args(false);
+  option_->option->allow_extra_args(false);
   return *this;
 }
 
 Option& Option::excludes(const Option& other) {
-  parser(option_).excludes(&parser(other.option_));
+  option_->option->excludes(other.option_->option);
   return *this;
 }
 
 template <class T>
 Option Command::option(const std::string& name, T& value, const std::string& help) {
-  return option_of(parser(command_).add_option(name, value, help));
+  using Path = std::filesystem::path;
+  constexpr bool is_path = std::is_same_v<T, Path> || std::is_same_v<T, std::vector<Path>>;
+  CLI::Option* const option = command_->app->add_option(name, value, help);
+  if (is_path) option->type_name("PATH");
+  return command_->add(option, is_path ? Offer::files : Offer::nothing);
 }
 template Option Command::option(const std::string&, std::string&, const std::string&);
 template Option Command::option(const std::string&, std::filesystem::path&, const std::string&);
@@ -145,43 +209,54 @@ template Option Command::option(const std::string&, std::optional<std::int64_t>&
 
 Option Command::option(const std::string& name, std::function<void(const std::string&)> read,
                        const std::string& help) {
-  return option_of(parser(command_).add_option_function<std::string>(name, std::move(read), help));
+  return command_->add(command_->app->add_option_function<std::string>(name, std::move(read), help));
 }
 
 Option Command::flag(const std::string& name, bool& value, const std::string& help) {
-  return option_of(parser(command_).add_flag(name, value, help));
+  return command_->add(command_->app->add_flag(name, value, help));
 }
 
-void Command::footer(const std::string& text) { parser(command_).footer(text); }
+void Command::footer(const std::string& text) {
+  command_->footer = text;
+  command_->app->footer(text);
+}
 
-void Command::hide() { parser(command_).group(""); }
+void Command::hide() { command_->app->group(""); }
 
 void Command::action(std::function<int()> action) {
-  parser(command_).callback([chosen = chosen_, action = std::move(action)] { *chosen = action; });
+  command_->app->callback([chosen = command_->chosen, action = std::move(action)] { *chosen = action; });
 }
 
 struct CommandLine::Parser {
   CLI::App app;
   std::function<int()> chosen;
   std::function<std::string()> version;
+  std::deque<ParserCommand> commands;  // their places in memory stay
+  std::vector<ExitStatus> statuses;
+  std::vector<EnvironmentVariable> environment;
 
   /// Returns the exit status.
   int parse_and_act(int argc, const char* const* argv);
 };
 
-CommandLine::CommandLine(const std::string& name, const std::string& description, const std::string& footer)
+CommandLine::CommandLine(const std::string& name, const std::string& description,
+                         std::vector<ExitStatus> statuses)
     : parser_(std::make_unique<Parser>()) {
+  std::string footer = "Exit status:";
+  for (const ExitStatus& row : statuses)
+    footer += (footer.back() == ':' ? " " : ", ") + std::to_string(row.status) + " " + row.meaning;
   parser_->app.name(name);
   parser_->app.description(description);
-  parser_->app.footer(footer);
+  parser_->app.footer(footer + ".");
+  parser_->statuses = std::move(statuses);
   parser_->app.require_subcommand(1);
 }
 
 CommandLine::~CommandLine() = default;
 
 Command CommandLine::add_command(const std::string& name, const std::string& help) {
-  CLI::App* const command = parser_->app.add_subcommand(name, help);
-  return Command(reinterpret_cast<ParserCommand*>(command), &parser_->chosen);
+  parser_->commands.push_back({parser_->app.add_subcommand(name, help), &parser_->chosen});
+  return Command(&parser_->commands.back());
 }
 
 void CommandLine::add_version(std::function<std::string()> text) {
@@ -190,6 +265,28 @@ void CommandLine::add_version(std::function<std::string()> text) {
     throw CLI::Success();
   };
   parser_->app.add_flag_callback("--version", ask, "Print version, commit, MuJoCo and OpenGL");
+}
+
+void CommandLine::add_environment(const std::string& name, const std::string& meaning) {
+  parser_->environment.push_back({name, meaning});
+}
+
+ProgramText CommandLine::text() const {
+  ProgramText text{parser_->app.get_name(),
+                   parser_->app.get_description(),
+                   parser_->statuses,
+                   parser_->environment,
+                   {},
+                   {}};
+  for (CLI::Option* const option : parser_->app.get_options()) text.options.push_back(text_of({option}));
+  for (const ParserCommand& command : parser_->commands) {
+    if (command.app->get_group().empty()) continue;
+    CommandText& row = text.commands.emplace_back(
+        CommandText{command.app->get_name(), command.app->get_description(), command.footer, {}});
+    row.options.push_back(text_of({command.app->get_help_ptr()}));
+    for (const ParserOption& option : command.options) row.options.push_back(text_of(option));
+  }
+  return text;
 }
 
 int CommandLine::Parser::parse_and_act(int argc, const char* const* argv) {

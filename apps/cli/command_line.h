@@ -11,6 +11,53 @@ namespace saccade::inline v0_1 {
 struct ParserOption;
 struct ParserCommand;
 
+/// What the completion of a shell offers for a value, beside the option's words.
+enum class Offer { nothing, files, files_and_scenarios };
+
+/// An option or positional argument as it was defined, for man pages and the completion of shells.
+struct OptionText {
+  std::vector<std::string> names;  ///< "-h", "--help"; one without hyphens: of a positional argument
+  std::string help;
+  std::string type;  ///< "PATH"; empty: a flag
+  std::string default_value;
+  std::string range;               ///< "in [1, 64]"; empty: not limited
+  std::vector<std::string> words;  ///< values that it takes, or some of them
+  bool only_words = false;         ///< it takes no others
+  Offer offer = Offer::nothing;
+  bool required = false;
+  bool repeats = false;               ///< takes several values
+  std::vector<std::string> excludes;  ///< names of options that cannot be given with it
+
+  [[nodiscard]] bool is_positional() const { return !names.front().starts_with('-'); }
+};
+
+struct CommandText {
+  std::string name;
+  std::string help;
+  std::string footer;               ///< empty where the command has none of its own
+  std::vector<OptionText> options;  ///< in the order of --help, --help itself first
+};
+
+struct ExitStatus {
+  int status = 0;
+  std::string meaning;
+};
+
+struct EnvironmentVariable {
+  std::string name;
+  std::string meaning;
+};
+
+/// The definitions of a command line, without hidden subcommands.
+struct ProgramText {
+  std::string name;
+  std::string help;
+  std::vector<ExitStatus> statuses;
+  std::vector<EnvironmentVariable> environment;
+  std::vector<OptionText> options;  ///< of the program itself
+  std::vector<CommandText> commands;
+};
+
 /// One option of a subcommand. Each member returns the option itself.
 class Option {
  public:
@@ -22,6 +69,10 @@ class Option {
   Option& in_range(double min, double max);
   Option& positive();
   Option& one_of(std::vector<std::string> words);
+  /// Completion offers what `words` returns; the option takes other text too.
+  Option& offers(std::function<std::vector<std::string>()> words);
+  /// Completion offers the names of shipped scenarios, beside files.
+  Option& offers_scenarios();
   /// Each value needs the option's name before it, so that no positional argument is taken for a value.
   Option& one_value_each();
   /// The two cannot be given together.
@@ -34,8 +85,7 @@ class Option {
 /// A subcommand. Variables that options are bound to must outlive the parsing.
 class Command {
  public:
-  explicit Command(ParserCommand* command, std::function<int()>* chosen)
-      : command_(command), chosen_(chosen) {}
+  explicit Command(ParserCommand* command) : command_(command) {}
 
   /// An option `--name`, or a positional argument `name`. T: std::string, std::filesystem::path, vectors of them, double,
   /// int, std::int64_t, std::size_t, and std::optional of these.
@@ -54,13 +104,13 @@ class Command {
 
  private:
   ParserCommand* command_;
-  std::function<int()>* chosen_;
 };
 
 /// The command line of the program: subcommands, one of which is chosen.
 class CommandLine {
  public:
-  CommandLine(const std::string& name, const std::string& description, const std::string& footer);
+  /// --help ends with the statuses.
+  CommandLine(const std::string& name, const std::string& description, std::vector<ExitStatus> statuses);
   CommandLine(const CommandLine&) = delete;
   CommandLine& operator=(const CommandLine&) = delete;
   ~CommandLine();
@@ -68,6 +118,9 @@ class CommandLine {
   [[nodiscard]] Command add_command(const std::string& name, const std::string& help);
   /// `--version` prints what `text` returns.
   void add_version(std::function<std::string()> text);
+  /// A variable that the program reads, for its man page.
+  void add_environment(const std::string& name, const std::string& meaning);
+  [[nodiscard]] ProgramText text() const;
   /// Parses and carries out the chosen subcommand. Errors go to standard error. Returns the exit status: 0 fine, 1 the run
   /// failed, 2 bad input or usage, or the action's own.
   [[nodiscard]] int run(int argc, const char* const* argv);

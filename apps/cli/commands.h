@@ -8,6 +8,8 @@ namespace saccade::inline v0_1 {
 /// One function per subcommand, which adds it to the command line. The registry must outlive the command line.
 void add_calibrate_command(CommandLine& line, const Registry& registry);
 void add_check_command(CommandLine& line, const Registry& registry);
+/// Hidden: writes the man pages and the completion of shells of what `line` has.
+void add_command_pages_command(CommandLine& line);
 void add_compare_command(CommandLine& line);
 void add_convert_command(CommandLine& line, const Registry& registry);
 void add_deploy_command(CommandLine& line, const Registry& registry);

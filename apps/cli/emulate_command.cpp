@@ -118,7 +118,7 @@ void add_emulate_command(CommandLine& line, const Registry& registry) {
   command.option("images", emulation.images, "Folder of images, video, or NumPy array (.npy)").required();
   command.option("--out", emulation.out, "Event file to write: " + registry.formats.written_extensions())
       .required();
-  command.option("--preset", options->preset, "Event camera, as --set preset=NAME");
+  command.option("--preset", options->preset, "Event camera, as --set preset=NAME").offers(emulator_presets);
   command.option("--config", options->config, "Event camera (YAML), as a scenario's block `emulator`");
   command.option("--set", options->assignments, "key=value of the event camera").one_value_each();
   const Option fps =

@@ -47,7 +47,8 @@ void add_fit_latency_command(CommandLine& line, const Registry& registry) {
   Command command = line.add_command(
       "fit-latency", "Processing times of detectors and controller on this machine, for latency.kind: model");
   command.option("scenario", options->scenario, "Scenario with the detectors; it runs without its latency")
-      .show_default();
+      .show_default()
+      .offers_scenarios();
   command.option("--out", options->out, "The file (YAML), for a scenario's latency.file").show_default();
   command.option("--seed", options->seed, "Seed, instead of the scenario's");
   command.option("--set", options->assignments, "key.path=value, instead of the scenario's").one_value_each();

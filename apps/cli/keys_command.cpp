@@ -128,6 +128,12 @@ std::vector<Section> all_sections(const Registry& registry) {
   return sections;
 }
 
+std::vector<std::string> names_of(const std::vector<Section>& sections) {
+  std::vector<std::string> names;
+  for (const Section& section : sections) names.push_back(section.name);
+  return names;
+}
+
 constexpr std::size_t text_columns = 100;
 
 struct KeysOptions {
@@ -148,9 +154,7 @@ int print_keys(const KeysOptions& options, const Registry& registry) {
                options.markdown ? keys_as_markdown(section.rows) : keys_as_text(section.rows, text_columns));
     return 0;
   }
-  std::vector<std::string> names;
-  for (const Section& section : sections) names.push_back(section.name);
-  throw InputError("saccade keys", options.section, expectation_of(names));
+  throw InputError("saccade keys", options.section, expectation_of(names_of(sections)));
 }
 
 }  // namespace
@@ -160,7 +164,8 @@ void add_keys_command(CommandLine& line, const Registry& registry) {
   Command command = line.add_command("keys",
                                      "The reference of every key of scenarios, robot files, sweeps, stimulus "
                                      "files, detectors and the emulator");
-  command.option("section", options->section, "One section; without it the list of all sections");
+  command.option("section", options->section, "One section; without it the list of all sections")
+      .offers([&registry] { return names_of(all_sections(registry)); });
   command.flag("--markdown", options->markdown, "As a Markdown table");
   std::string presets;
   for (const std::string& preset : registry.detectors.names()) presets += " detectors." + preset;

@@ -48,9 +48,15 @@ Registry built_in_registry() {
 int program(int argc, const char* const* argv, const Registry& registry) {
   CommandLine line("saccade",
                    "Closed-loop testbench for event-driven ball detection and gaze fixation on the iCub.",
-                   "Exit status: 0 fine, 1 the run failed, 2 bad input or usage, 3 an `expect:` was not met "
-                   "or a figure has changed.");
+                   {{0, "fine"},
+                    {1, "the run failed"},
+                    {2, "bad input or usage"},
+                    {3, "an `expect:` was not met or a figure has changed"}});
   line.add_version(version_text);
+  line.add_environment("SACCADE_DATA",
+                       "Folder with models/ and scenarios/, instead of share/saccade above the program.");
+  line.add_environment("MUJOCO_GL", "egl or osmesa: how images are drawn with `render.backend: auto`.");
+  line.add_environment("DISPLAY", "X display of the windows of `view`, `label` and `run --view`.");
   add_run_command(line, registry);
   add_detect_command(line, registry);
   add_score_command(line);
@@ -75,6 +81,7 @@ int program(int argc, const char* const* argv, const Registry& registry) {
   add_label_command(line, registry);
   add_keys_command(line, registry);
   add_migrate_command(line);
+  add_command_pages_command(line);
   return line.run(argc, argv);
 }
 

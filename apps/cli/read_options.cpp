@@ -23,10 +23,11 @@ ImageSize parse_size(const std::string& text) {
 
 }  // namespace
 
-void add_read_options(Command& command, const char* name, const char* meaning, ReadOptions& options,
-                      const FormatRegistry& formats) {
-  command.option(name, options.recording, meaning).required();
+Option add_read_options(Command& command, const char* name, const char* meaning, ReadOptions& options,
+                        const FormatRegistry& formats) {
+  const Option recording = command.option(name, options.recording, meaning).required();
   add_decoding_options(command, options, formats);
+  return recording;
 }
 
 void add_decoding_options(Command& command, ReadOptions& options, const FormatRegistry& formats) {
@@ -58,7 +59,10 @@ void add_decoding_options(Command& command, ReadOptions& options, const FormatRe
           "--codec", options.read.yarp_codec,
           "Layout of an event-driven log's words: dvs_128, dvs_128_upright, atis_20, atis_24, ev2 or ev2_ts; "
           "auto: that of its info file, else guessed")
-      .show_default();
+      .show_default()
+      .offers([]() -> std::vector<std::string> {
+        return {"auto", "dvs_128", "dvs_128_upright", "atis_20", "atis_24", "ev2", "ev2_ts"};
+      });
   command
       .option("--layout", options.read.aedat2_layout,
               "Layout of an AEDAT 2.0 file's addresses: dvs128, stereo, dvs640 or davis; auto: that of its "

@@ -45,10 +45,13 @@ void add_run_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<RunOptions>();
   RunSettings& settings = options->settings;
   Command command = line.add_command("run", "One closed-loop run of a scenario, into a run folder");
-  command.option("scenario", options->scenario, "Scenario file (YAML)").required();
+  command.option("scenario", options->scenario, "Scenario file (YAML)").required().offers_scenarios();
   command.option("--out", settings.folder, "Run folder; runs/NAME by default");
   command.option("--seed", options->seed, "Seed, instead of the scenario's");
-  command.option("--set", settings.assignments, "key.path=value, instead of the scenario's; null removes the key").one_value_each();
+  command
+      .option("--set", settings.assignments,
+              "key.path=value, instead of the scenario's; null removes the key")
+      .one_value_each();
   command.flag("--force", settings.force, "Replace an earlier run in that folder");
   command.flag("--view", options->view, "Show the run in a window");
   command.action([options, &registry] { return run(*options, registry); });

@@ -9,7 +9,7 @@ void add_serve_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<ServeOptions>();
   Command command = line.add_command(
       "serve", "The simulated robot of a scenario on YARP, in real time, as if it were the iCub");
-  command.option("scenario", options->scenario, "Scenario file (YAML)").required();
+  command.option("scenario", options->scenario, "Scenario file (YAML)").required().offers_scenarios();
   command.option("--out", options->out, "Run folder; runs/NAME_served by default");
   command.option("--seed", options->seed, "Seed, instead of the scenario's");
   command.option("--set", options->assignments, "key.path=value, instead of the scenario's").one_value_each();
@@ -22,9 +22,15 @@ void add_serve_command(CommandLine& line, const Registry& registry) {
   command.option("--gaze", options->gaze, "Ports /GAZE/... of the gaze controller").show_default();
   command.option("--camera", options->camera, "Port of the events").show_default();
   command.option("--format", options->format, "Of the events: packet, stamped_packet or vbottle")
-      .show_default();
+      .show_default()
+      .offers([]() -> std::vector<std::string> {
+        return {"packet", "stamped_packet", "vbottle"};
+      });
   command.option("--codec", options->codec, "Of their addresses: dvs_128, atis_20, atis_24 or ev2")
-      .show_default();
+      .show_default()
+      .offers([]() -> std::vector<std::string> {
+        return {"dvs_128", "atis_20", "atis_24", "ev2"};
+      });
   command.flag("--swap-polarity", options->swap_polarity,
                "Polarity bit 1 means brighter, as with event-driven's bridges to Prophesee cameras; without "
                "it 1 means "

@@ -48,7 +48,11 @@ void add_sweep_command(CommandLine& line, const Registry& registry) {
   command.option("--out", options->out, "Folder of the sweep; sweeps/NAME by default");
   command.option("--set", options->assignments, "key.path=value for the scenario of all runs")
       .one_value_each();
-  command.option("--engine", options->engine.engine, "local (xargs) or slurm (sbatch)").show_default();
+  command.option("--engine", options->engine.engine, "local (xargs) or slurm (sbatch)")
+      .show_default()
+      .offers([]() -> std::vector<std::string> {
+        return {"local", "slurm"};
+      });
   command
       .option("--jobs", options->engine.jobs,
               "Runs at the same time; by default one per processor, for slurm as many as it likes")

@@ -8,7 +8,7 @@ namespace saccade::inline v0_1 {
 void add_test_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<ScenarioTestOptions>();
   Command command = line.add_command("test", "Runs of many scenarios, held against what each one expects");
-  command.option("scenarios", options->scenarios, "Scenario files (YAML)").required();
+  command.option("scenarios", options->scenarios, "Scenario files (YAML)").required().offers_scenarios();
   command.option("--out", options->out, "Folder of the run folders").show_default();
   command.option("--junit", options->junit, "Write the results here as JUnit XML");
   command.option("--jobs", options->jobs, "Runs at the same time; by default one per processor")

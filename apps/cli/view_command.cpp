@@ -86,7 +86,8 @@ int view(const ViewOptions& options, const Registry& registry) {
 void add_view_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<ViewOptions>();
   Command command = line.add_command("view", "Show a scenario, a run folder or a recording in a window");
-  add_read_options(command, "what", "Scenario (YAML), run folder or event file", *options, registry.formats);
+  add_read_options(command, "what", "Scenario (YAML), run folder or event file", *options, registry.formats)
+      .offers_scenarios();
   command.option("--config", options->config, "Detectors (YAML) for a recording");
   command.option("--truth", options->truth, "True circles of a recording, t_us,x_px,y_px,r_px (CSV)");
   command

@@ -10,6 +10,9 @@ namespace saccade::inline v0_1 {
 /// The commit it was built from, "9b6774e", with "-dirty" where files differed from it; "unknown" outside a checkout.
 [[nodiscard]] std::string_view commit();
 
+/// The day of the release, "2026-11-26", of CITATION.cff.
+[[nodiscard]] std::string_view release_date();
+
 /// The oldest YARP that the backend `yarp` is built with, "3.9".
 [[nodiscard]] std::string_view least_yarp_version();
 

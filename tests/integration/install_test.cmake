@@ -37,6 +37,30 @@ foreach(file IN LISTS package)
   endforeach()
 endforeach()
 
+# What each component holds, and that a component is not left out of the list.
+set(held_program bin/saccade share/saccade/scenarios/look_at_ball.yaml share/doc/saccade/copyright)
+set(held_library include/saccade/core/event.h ${LIBDIR}/libsaccade_core.a ${LIBDIR}/cmake/saccade/saccadeConfig.cmake)
+set(held_manual share/man/man1/saccade.1.gz share/man/man1/saccade-run.1.gz share/bash-completion/completions/saccade
+  share/zsh/vendor-completions/_saccade)
+set(held_docs share/doc/saccade/README.md share/doc/saccade/docs/install.md share/doc/saccade/docs/data_flow.svg)
+set(held_examples share/doc/saccade/examples/CMakeLists.txt share/doc/saccade/examples/external/proportional.py)
+file(GLOB_RECURSE everything RELATIVE ${WORK}/prefix ${WORK}/prefix/*)
+foreach(component program library manual docs examples python)
+  must(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/${component} --component ${component})
+  file(GLOB_RECURSE found RELATIVE ${WORK}/${component} ${WORK}/${component}/*)
+  foreach(file IN LISTS held_${component})
+    if(NOT file IN_LIST found)
+      message(FATAL_ERROR "the component ${component} has no ${file}; it has ${found}")
+    endif()
+  endforeach()
+  if(found)  # the Python module is not part of every build
+    list(REMOVE_ITEM everything ${found})
+  endif()
+endforeach()
+if(everything)
+  message(FATAL_ERROR "no component of docs/install.md has ${everything}")
+endif()
+
 # The program finds its models and scenarios where they were moved, and nowhere else.
 file(MAKE_DIRECTORY ${WORK}/elsewhere)
 set(run ${WORK}/prefix/bin/saccade run look_at_ball --set run.duration_s=0.03 --set output.pictures=0 --set expect={})
@@ -59,7 +83,7 @@ if(NOT status EQUAL 1 OR NOT text MATCHES "no folder share/saccade")
 endif()
 file(RENAME ${WORK}/prefix/share/hidden ${WORK}/prefix/share/saccade)
 
-must(${CMAKE_COMMAND} -S ${SOURCE}/examples/emulator -B ${WORK}/build -G ${GENERATOR}
+must(${CMAKE_COMMAND} -S ${WORK}/prefix/share/doc/saccade/examples/emulator -B ${WORK}/build -G ${GENERATOR}
   -D CMAKE_PREFIX_PATH=${WORK}/prefix -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_BUILD_TYPE=${TYPE}
   -D CMAKE_CXX_FLAGS=${FLAGS})
 must(${CMAKE_COMMAND} --build ${WORK}/build)
@@ -72,10 +96,15 @@ endif()
 message(STATUS "${installed}")
 
 # Each library in a program of its own, built against the moved tree.
-must(${CMAKE_COMMAND} -S ${SOURCE}/examples/libraries -B ${WORK}/libraries -G ${GENERATOR}
+must(${CMAKE_COMMAND} -S ${WORK}/prefix/share/doc/saccade/examples/libraries -B ${WORK}/libraries -G ${GENERATOR}
   -D CMAKE_PREFIX_PATH=${WORK}/prefix -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_BUILD_TYPE=${TYPE}
   -D CMAKE_CXX_FLAGS=${FLAGS})
 must(${CMAKE_COMMAND} --build ${WORK}/libraries)
+# A program with a detector of one's own, likewise.
+must(${CMAKE_COMMAND} -S ${WORK}/prefix/share/doc/saccade/examples -B ${WORK}/own -G ${GENERATOR}
+  -D CMAKE_PREFIX_PATH=${WORK}/prefix -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_BUILD_TYPE=${TYPE}
+  -D CMAKE_CXX_FLAGS=${FLAGS})
+must(${CMAKE_COMMAND} --build ${WORK}/own --target detector_example)
 # Every library that is installed is a component of the package, by itself.
 file(READ ${WORK}/prefix/${LIBDIR}/cmake/saccade/saccadeTargets.cmake text)
 string(REGEX MATCHALL "add_library\\(saccade::[a-z_]+" found "${text}")
@@ -104,4 +133,5 @@ must(${WORK}/libraries/program_example keys ball)
 if(NOT text MATCHES "diameter of the ball")
   message(FATAL_ERROR "program_example printed ${text}")
 endif()
+must(${WORK}/own/detector_example keys detectors.centroid)
 file(REMOVE_RECURSE ${WORK})

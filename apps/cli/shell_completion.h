@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/cli/command_line.h"
+
+namespace saccade::inline v0_1 {
+
+/// Scripts that complete subcommands, options, their values, files and the names of `scenarios`. They need nothing beside
+/// the shell.
+[[nodiscard]] std::string bash_completion(const ProgramText& program,
+                                          const std::vector<std::string>& scenarios);
+[[nodiscard]] std::string zsh_completion(const ProgramText& program,
+                                         const std::vector<std::string>& scenarios);
+
+}  // namespace saccade::inline v0_1
