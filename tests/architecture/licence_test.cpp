@@ -102,11 +102,9 @@ std::string licence_problem(const std::vector<Annotation>& annotations, const st
     return path + ": its annotation has no licence or no copyright";
   const bool is_general = annotation->paths == std::vector<std::string>{"**"};
   if (is_general && is_asset(path, content)) return path + ": an asset or script that only ** covers";
-  const std::size_t notice = std::min(content.find("Copyright "
-                                                   "(c) "),
-                                      content.find("Copyright "
-                                                   "(C) "));
-  if (is_general && path != "LICENSE" && notice != std::string::npos)
+  // \050 is the bracket, so that this file has no such line itself.
+  const std::size_t notice = std::min(content.find("Copyright \050c) "), content.find("Copyright \050C) "));
+  if (is_general && path != "LICENSE" && !path.starts_with("LICENSES/") && notice != std::string::npos)
     return path + ": " + content.substr(notice, content.find('\n', notice) - notice) +
            ", and only ** covers it";
   return {};
