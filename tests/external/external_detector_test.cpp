@@ -229,9 +229,9 @@ TEST(ExternalDetector, ThatDoesNotStartIsAnError) {
   EXPECT_THROW(make("python", examples + "absent.py:Mine"), InputError);
   EXPECT_THROW(make("python", examples + "ring_mean_shift.py"), InputError);
   EXPECT_THROW(make("python", examples + "ring_mean_shift.py:NoSuchClass"), RunError);
-  EXPECT_THROW(ShellProgram("", "exit 4").start(), RunError);
-  EXPECT_THROW(ShellProgram("sleep 1", "echo hello").start(), RunError);
-  EXPECT_THROW(ShellProgram("sleep 1", "echo ready nan").start(), RunError);
+  EXPECT_THROW(static_cast<void>(ShellProgram("", "exit 4").start()), RunError);
+  EXPECT_THROW(static_cast<void>(ShellProgram("sleep 1", "echo hello").start()), RunError);
+  EXPECT_THROW(static_cast<void>(ShellProgram("sleep 1", "echo ready nan").start()), RunError);
 }
 
 TEST(ExternalDetector, EndsItsProgramWithItself) {
@@ -251,7 +251,8 @@ TEST(ExternalDetector, IsARowOfTheRegistryWithItsKeys) {
   add_external_detectors(registry);
   for (const char* name : {"python", "command", "socket"}) {
     EXPECT_EQ(registry.rows().find(name)->selecting_key, name);
-    EXPECT_THROW(make_detector(registry.config(name), icub_left_2016), InputError) << "its file is not given";
+    EXPECT_THROW(static_cast<void>(make_detector(registry.config(name), icub_left_2016)), InputError)
+        << "its file is not given";
   }
 }
 

@@ -111,9 +111,9 @@ TEST(Metrics, WarnWhereACameraDroppedMoreThanAHundredthOfItsEvents) {
 
 TEST(Metrics, HasEveryKeyOfTheContractInItsOrder) {
   const Json json = Json::parse(metrics_to_json(whole()));
-  EXPECT_THAT(keys(json),
-              ElementsAre("schema", "scenario", "seed", "duration_s", "wall_s", "real_time_factor", "interrupted", "events",
-                          "detectors", "gaze", "camera", "start_us", "settings", "calibration", "right_eye"));
+  EXPECT_THAT(keys(json), ElementsAre("schema", "scenario", "seed", "duration_s", "wall_s",
+                                      "real_time_factor", "interrupted", "events", "detectors", "gaze",
+                                      "camera", "start_us", "settings", "calibration", "right_eye"));
   EXPECT_THAT(keys(json["events"]), ElementsAre("count", "rate_hz", "dropped", "file", "dropped_share"));
   EXPECT_DOUBLE_EQ(json["events"]["dropped_share"].get<double>(),
                    2.0 / 602.0);  // without those of the right eye
@@ -287,11 +287,11 @@ TEST(Metrics, OfARunWithLabelsHaveItsClutterAndReadBackTheSame) {
 }
 
 TEST(Metrics, NamesThePlaceOfAnError) {
-  EXPECT_THROW(metrics_from_json("{", "here"), InputError);
-  EXPECT_THROW(metrics_from_json("[]", "here"), InputError);
+  EXPECT_THROW(static_cast<void>(metrics_from_json("{", "here")), InputError);
+  EXPECT_THROW(static_cast<void>(metrics_from_json("[]", "here")), InputError);
   Json json = Json::parse(metrics_to_json(whole()));
   json["schema"] = 2;
-  EXPECT_THROW(metrics_from_json(json.dump(), "here"), InputError);
+  EXPECT_THROW(static_cast<void>(metrics_from_json(json.dump(), "here")), InputError);
   json["schema"] = 1;
   json["detectors"]["best"].erase("lag_ms");
   try {
@@ -301,7 +301,7 @@ TEST(Metrics, NamesThePlaceOfAnError) {
     EXPECT_THAT(error.what(),
                 testing::AllOf(testing::HasSubstr("run/metrics.json"), testing::HasSubstr("lag_ms")));
   }
-  EXPECT_THROW(read_metrics("/nonexistent/metrics.json"), InputError);
+  EXPECT_THROW(static_cast<void>(read_metrics("/nonexistent/metrics.json")), InputError);
 }
 
 }  // namespace

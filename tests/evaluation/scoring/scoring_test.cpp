@@ -315,9 +315,9 @@ TEST(Scoring, SkipsTheRowsOfOtherDetectors) {
 TEST(Scoring, RejectsTwoObservationsOfOneInstantAndNumbersThatAreNotFinite) {
   const std::vector<TruthRow> truth = {truth_at(1000, 50, 50)};
   const std::vector<DetectionRow> twice(2, seen_at(1000, 50, 50, 20, 1.0));
-  EXPECT_THROW(score_detector(truth, twice, "d", 0.5, Chances::simulated), InputError);
+  EXPECT_THROW(static_cast<void>(score_detector(truth, twice, "d", 0.5, Chances::simulated)), InputError);
   const std::vector<DetectionRow> broken = {seen_at(1000, nan, 50, 20, 1.0)};
-  EXPECT_THROW(score_detector(truth, broken, "d", 0.5, Chances::simulated), InputError);
+  EXPECT_THROW(static_cast<void>(score_detector(truth, broken, "d", 0.5, Chances::simulated)), InputError);
 }
 
 TEST(Scoring, RatesAreInliersPerSecondOfTheBinsWithAChance) {
