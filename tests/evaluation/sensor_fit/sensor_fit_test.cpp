@@ -91,11 +91,11 @@ EmulatorConfig other_sensor() {
   return sensor;
 }
 
-const FittedParameter& parameter(const SensorFit& fit, const std::string& key) {
+const FittedParameter& parameter(const SensorFit& fit, std::string_view key) {
   for (const FittedParameter& p : fit.parameters) {
     if (p.key == key) return p;
   }
-  throw std::runtime_error("no parameter " + key);
+  throw std::runtime_error("no parameter " + std::string(key));
 }
 
 TEST(SensorFit, FindsTheParametersOfAnEmulatedSensor) {
