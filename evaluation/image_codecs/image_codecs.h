@@ -17,8 +17,9 @@ namespace saccade::inline v0_1 {
 
 /// PNG, JPEG and video files, read and written by OpenCV's imgcodecs and videoio. These need some 180 further libraries, so
 /// they are in a library of their own, saccade-image-codecs.so, which is loaded when the first image or video is read or
-/// written: loading them takes 0.16 s of processor time. All functions throw RunError where that file is missing or
-/// cannot be loaded, and cv::Exception as OpenCV does.
+/// written: loading them takes 0.16 s of processor time. An archive of the program has a library of PNG and JPEG alone in its
+/// place (png_jpeg_library.cpp); read_video and write_video throw RunError there. All functions throw RunError where that
+/// file is missing or cannot be loaded, and cv::Exception as OpenCV does.
 
 /// A file's bytes; `format` is png or jpeg. PNG in its smallest form takes longer. JPEG has a quality of 85 %.
 enum class PngSize : std::uint8_t { quick, smallest };

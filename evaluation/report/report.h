@@ -14,8 +14,8 @@ class FormatRegistry;
 /// `max`). Sections without data are left out. Without saved images the page shows the events alone at instants spread
 /// over the run. `formats`: of the event file. The page needs no other file and no network.
 /// `figures`: each figure is also written there at the size of a paper (FigureFolder::paper); empty: not. Throws InputError for a folder without a readable
-/// metrics.json or with a broken table; RunError when a figure cannot be drawn or the page cannot be written. Without gnuplot the page has no drawn figures, and
-/// says so; undrawn_warning() is the line for the terminal.
+/// metrics.json or with a broken table; RunError when a figure cannot be drawn or the page cannot be written. Without
+/// gnuplot the page has no drawn figures, and says so; undrawn_warning() is the line for the terminal.
 void write_report(const std::filesystem::path& run_folder, const FormatRegistry& formats,
                   const std::filesystem::path& figures = {});
 
