@@ -4,7 +4,7 @@
 #include "control/qp_controller.h"
 #include "control/script_controller.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 bool GazeControllerConfig::follows_targets() const {
   const GazeControllerRow* const row = rows().find(controller);
@@ -50,4 +50,4 @@ ControllerRegistry built_in_controllers() {
   return registry;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

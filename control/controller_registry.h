@@ -9,7 +9,7 @@
 #include "control/joint_limiter.h"
 #include "core/row_configs.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A kind of gaze controller. Made by controller_row().
 struct GazeControllerRow {
@@ -58,4 +58,4 @@ class ControllerRegistry : public RowRegistry<GazeControllerRow> {
 /// The gaze controllers that saccade ships: qp, ikingaze, script.
 [[nodiscard]] ControllerRegistry built_in_controllers();
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

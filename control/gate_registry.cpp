@@ -4,7 +4,7 @@
 #include "control/continuity_gate.h"
 #include "control/open_gate.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 void describe(FieldVisitor& v, GateConfig& config) {
   v.choice("gate", config.gate, config.rows().names(), "which detections become gaze targets");
@@ -46,4 +46,4 @@ GateRegistry built_in_gates() {
   return registry;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

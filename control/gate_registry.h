@@ -8,7 +8,7 @@
 #include "control/target.h"
 #include "core/row_configs.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A kind of gate. Made by gate_row().
 struct GateRow {
@@ -52,4 +52,4 @@ class GateRegistry : public RowRegistry<GateRow> {
 /// The gates that saccade ships: none, authors, continuity (the default).
 [[nodiscard]] GateRegistry built_in_gates();
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 
 #include "core/config.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A config struct of any type, held by value: a copy has a config of its own. The struct has a
 /// `describe(FieldVisitor&, Config&)` beside it.
@@ -79,4 +79,4 @@ template <class Config, class Make>
 struct NoKeys {};
 inline void describe(FieldVisitor&, NoKeys&) {}
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

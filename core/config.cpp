@@ -4,7 +4,7 @@
 #include <charconv>
 #include <cmath>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 std::string text_of(double value) {
   if (std::isnan(value)) return "nan";
@@ -90,4 +90,4 @@ void FieldChecker::throw_if_any() const {
   if (!problems_.empty()) throw InputError(problems_);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -14,7 +14,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The closed range of a number, in the unit of its key.
 struct Range {
@@ -51,7 +51,7 @@ requires std::is_enum_v<Enum>
 ///     void describe(FieldVisitor& v, ObjectConfig& config);
 ///
 /// beside the struct: keys (the unit is the last word of the key), ranges and meaning. Reading YAML, writing the
-/// resolved scenario, the check in a constructor, the window's widgets and `saccade keys` are visitors. Only apps/config
+/// resolved scenario, the check in a constructor, the window's widgets and `saccade keys` are visitors. Only config
 /// uses YAML.
 class FieldVisitor {
  public:
@@ -248,4 +248,4 @@ void FieldVisitor::named_sections(std::string_view key, std::vector<std::pair<st
       doc);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -10,7 +10,7 @@
 #include "core/detector.h"
 #include "core/named_rows.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A kind of detector: a class of detectors with default values. Made by detector_row().
 struct DetectorRow {
@@ -116,7 +116,4 @@ class DetectorRegistry {
   NamedRows<DetectorRow> rows_;
 };
 
-/// The detectors that saccade ships (docs/detectors.md has their sources).
-[[nodiscard]] DetectorRegistry built_in_detectors();
-
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 
 #include "core/any_config.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The rows of a registry, in the order in which they were added. Row has a member `name`. A copy is cheap and does not
 /// change when rows are added to the original.
@@ -45,4 +45,4 @@ class NamedRows {
   std::shared_ptr<const std::vector<Row>> rows_ = std::make_shared<std::vector<Row>>();
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 #include "core/any_config.h"
 #include "core/named_rows.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The configs of all rows of a registry, each with its defaults at first. Row has members `name` and `config`. Empty
 /// when default constructed.
@@ -83,4 +83,4 @@ template <class Row, class Config, class Make>
           for_any_config<Config>(std::move(make))};
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

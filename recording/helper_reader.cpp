@@ -18,7 +18,7 @@
 #include "recording/own_file.h"
 #include "recording/spawn_settings.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 class HelperReader final : public EventReader {
@@ -204,4 +204,4 @@ std::filesystem::path find_helper(std::string_view file_name) {
   throw RunError("the file " + std::string(file_name) + " is missing; searched in " + searched);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 
 #include "recording/event_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A program that reads a recording and sends the events (recording/helper_server.h), and its arguments.
 struct HelperCommand {
@@ -29,4 +29,4 @@ struct HelperCommand {
 /// installed, or where it was built. Throws RunError with these places where none has it.
 [[nodiscard]] std::filesystem::path find_helper(std::string_view file_name);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 
 #include <cstring>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 std::filesystem::path own_file() {
   Dl_info info{};
@@ -19,4 +19,4 @@ std::filesystem::path own_file() {
   return std::filesystem::canonical("/proc/self/exe", error);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

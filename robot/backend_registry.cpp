@@ -1,6 +1,6 @@
 #include "robot/backend_registry.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 bool RobotBackendConfig::has_gaze_controller() const {
   const RobotBackend* const row = rows().find(backend);
@@ -35,4 +35,4 @@ RobotBackendConfig BackendRegistry::config() const {
   return {RowConfigs<RobotBackend>(rows()), rows().begin()->name};
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -12,7 +12,7 @@
 #include "recording/format_registry.h"
 #include "robot/robot.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// What a backend gets besides its own keys.
 struct RobotContext {
@@ -94,4 +94,4 @@ class BackendRegistry : public RowRegistry<RobotBackend> {
   [[nodiscard]] RobotBackendConfig config() const;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <type_traits>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The newest value from one thread for any number of others. No side waits for another, whatever the other does: a writer
 /// that is halted within a write leaves the value before. Writers need a lock among themselves.
@@ -58,4 +58,4 @@ class Newest {
   std::atomic<std::uint64_t> written_ = 0;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 #include "head/head_state.h"
 #include "head/imu_reading.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Interface between the loop and a robot: clock, event camera, head, gaze controller. Backends: sim/ (the MuJoCo head),
 /// robot/replay (a recording), robot/yarp (the iCub), robot/fake (tests). tests/robot/port_conformance.h tests these
@@ -131,4 +131,4 @@ class GazePort {
   virtual PortStatus stop() = 0;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

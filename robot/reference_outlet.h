@@ -7,7 +7,7 @@
 #include "head/head_state.h"
 #include "robot/newest.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// What a thread that sends references to a board has to send: the newest command, or from a halt on the reference of the
 /// halt and nothing else until resume(). Without a reference of the halt (no reading of the joints, nothing sent so far)
@@ -49,4 +49,4 @@ class ReferenceOutlet {
   std::atomic<bool> has_hold_ = false;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

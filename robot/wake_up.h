@@ -8,7 +8,7 @@
 #include <chrono>
 #include <cstdint>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Wakes one waiting thread. Requests before it wakes count as one, so a waiter is never behind; request() neither locks
 /// nor waits. (std::counting_semaphore of libstdc++ 12 yields the processor in each try_acquire: on a loaded machine a
@@ -51,4 +51,4 @@ class WakeUp {
   std::atomic<bool> wanted_ = false;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 #include "core/error.h"
 #include "recording/own_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 namespace fs = std::filesystem;
 
@@ -44,4 +44,4 @@ fs::path shipped_file(const fs::path& path) {
   return path;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -17,7 +17,7 @@
 #include "recording/own_file.h"
 #include "sim/egl_devices.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr const char* osmesa_library = "libOSMesa.so.8";
@@ -353,7 +353,7 @@ void GlContext::identify(std::string_view backend) {
   description_ = std::string(backend) + ", " + text(GL_RENDERER) + ", " + text(GL_VERSION);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade
 
 #if defined(__SANITIZE_ADDRESS__)
 // Mesa keeps some 100 bytes for each context that it destroys, and more for windows; read by the leak sanitizer.

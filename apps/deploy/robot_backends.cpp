@@ -3,17 +3,17 @@
 #include <filesystem>
 
 #include "apps/deploy/practice_robot.h"
-#include "apps/session/played.h"
 #include "core/error.h"
 #include "evaluation/scoring/metrics.h"
 #include "recording/event_file.h"
 #include "robot/replay/paced_replay.h"
 #include "robot/yarp/yarp_config.h"
+#include "session/played.h"
 #ifdef SACCADE_YARP
 #include "robot/yarp/yarp_robot.h"
 #endif
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 std::unique_ptr<Robot> open_recording(const RecordingBackendConfig& config, const RobotContext& context) {
@@ -84,4 +84,4 @@ BackendRegistry built_in_backends() {
   return registry;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

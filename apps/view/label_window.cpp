@@ -12,15 +12,15 @@
 #include <utility>
 #include <vector>
 
-#include "apps/session/interrupt.h"
 #include "apps/view/capture.h"
 #include "apps/view/colours.h"
 #include "apps/view/label_editor.h"
 #include "apps/view/label_layout.h"
 #include "apps/view/panel.h"
 #include "core/error.h"
+#include "session/interrupt.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double wait_s = 0.05;  ///< for keyboard and mouse between two drawings
@@ -415,4 +415,4 @@ void label_recording(const LabelSettings& settings) {
   LabelWindow(settings, name.stem()).run();
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

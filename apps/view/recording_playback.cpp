@@ -2,18 +2,18 @@
 #include <filesystem>
 #include <optional>
 
-#include "apps/config/scenario.h"
-#include "apps/session/scenario_loop.h"
-#include "apps/session/session.h"
 #include "apps/view/checkpoints.h"
 #include "apps/view/detector_change.h"
 #include "apps/view/memory_reader.h"
 #include "apps/view/playback.h"
 #include "apps/view/recorded_truth.h"
+#include "config/scenario.h"
 #include "head/icub_cameras.h"
+#include "session/scenario_loop.h"
+#include "session/session.h"
 #include "sim/lab.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 /// The world of a run folder; null where its scenario is missing or of another version.
@@ -174,4 +174,4 @@ std::unique_ptr<Playback> make_recording_playback(const ReadOptions& options,
   return std::make_unique<RecordingPlayback>(options, truth, detectors, selected, registry);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 #include "evaluation/image_codecs/codec_library.h"
 #include "recording/helper_reader.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 const CodecLibrary& library() {
@@ -58,4 +58,4 @@ std::unique_ptr<cv::VideoWriter> write_video(const std::filesystem::path& path, 
   return video_of(library().write_video(path.string(), codec, images_hz, size));
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

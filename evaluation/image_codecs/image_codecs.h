@@ -13,7 +13,7 @@ class VideoCapture;
 class VideoWriter;
 }  // namespace cv
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// PNG, JPEG and video files, read and written by OpenCV's imgcodecs and videoio. These need some 180 further libraries, so
 /// they are in a library of their own, saccade-image-codecs.so, which is loaded when the first image or video is read or
@@ -44,4 +44,4 @@ enum class DecodedAs : std::uint8_t { stored, grey, colour };
                                                            std::string_view codec, double images_hz,
                                                            const cv::Size& size);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -17,7 +17,7 @@ namespace cv {
 class VideoWriter;
 }
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A circle drawn into an image, with its label beside it where it has one.
 struct LabelledCircle {
@@ -95,4 +95,4 @@ class VideoComposer {
   double speed_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

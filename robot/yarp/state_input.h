@@ -15,7 +15,7 @@
 #include "robot/sender_clock.h"
 #include "robot/steady_clock.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Age below which a reading counts as new in start-up checks.
 inline constexpr std::int64_t fresh_us = 200'000;
@@ -69,4 +69,4 @@ class StateInput final : private yarp::os::PortReader, private yarp::os::PortRep
   std::optional<std::int64_t> last_sent_us_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -21,7 +21,7 @@
 #include "robot/yarp/yarp_config.h"
 #include "robot/yarp/yarp_network.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The client of iKinGazeCtrl or of a server with its interface: sends targets, and reads the head state from the joints
 /// that the server streams.
@@ -78,4 +78,4 @@ class YarpGaze final : public GazePort, public HeadPort, private yarp::os::PortR
   std::thread stopper_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

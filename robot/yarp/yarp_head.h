@@ -27,7 +27,7 @@
 #include "robot/yarp/yarp_config.h"
 #include "robot/yarp/yarp_network.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Runs a request that can block in a separate thread. Returns true if `ask` returned true in time. `ask` can outlive the
 /// call, so it must own what it uses.
@@ -142,4 +142,4 @@ class YarpHead final : public HeadPort {
   std::thread sender_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -1,4 +1,4 @@
-#include "core/disc_network.h"
+#include "core/tracker/disc_network.h"
 
 #include <gtest/gtest.h>
 

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "apps/cli/program.h"
-#include "core/ball_tracker.h"
+#include "core/tracker/ball_tracker.h"
 
 namespace saccade {
 
