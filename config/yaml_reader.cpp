@@ -4,9 +4,13 @@
 #include <array>
 #include <charconv>
 #include <filesystem>
+#include <memory>
 
 #include "config/migrate.h"
+#include "core/error.h"
+#include "core/model_arrays.h"
 #include "core/nearest_name.h"
+#include "recording/model_file.h"
 
 namespace saccade {
 namespace {
@@ -196,6 +200,23 @@ void YamlReader::path(std::string_view key, std::string& value, std::string_view
   const std::optional<std::string> folder = folder_of(key);
   if (folder && !value.empty())  // empty: no file
     value = (std::filesystem::path(*folder) / value).lexically_normal().string();
+}
+
+void YamlReader::model(std::string_view key, ModelFile& file, std::string_view doc) {
+  const std::size_t problems_before = problems_.size();
+  path(key, file.path, doc);
+  file.arrays = nullptr;
+  if (file.path.empty() || problems_.size() > problems_before) return;
+  const YamlNode* node = block_.node != nullptr ? block_.node->entry(key) : nullptr;
+  const TextMark mark = node != nullptr ? node->mark : block_.mark;
+  try {
+    file.arrays = std::make_shared<const ModelArrays>(read_model(file.path));
+  } catch (const InputError& error) {
+    for (const Problem& problem : error.problems())
+      problems_.push_back(
+          {mark,
+           {tree_.place(mark, path_of(key)), problem.place + ": " + problem.value, problem.expectation}});
+  }
 }
 
 void YamlReader::program(std::string_view key, std::string& value, std::string_view doc) {

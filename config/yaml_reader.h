@@ -36,6 +36,7 @@ class YamlReader final : public FieldVisitor {
   void boolean(std::string_view key, bool& value, std::string_view doc) override;
   void text(std::string_view key, std::string& value, std::string_view doc) override;
   void path(std::string_view key, std::string& value, std::string_view doc) override;
+  void model(std::string_view key, ModelFile& file, std::string_view doc) override;
   void program(std::string_view key, std::string& value, std::string_view doc) override;
   void choice(std::string_view key, std::string& value, const std::vector<std::string>& options,
               std::string_view doc) override;

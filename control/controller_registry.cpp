@@ -27,7 +27,7 @@ std::unique_ptr<GazeController> make_gaze_controller(const GazeControllerConfig&
 
 GazeControllerConfig ControllerRegistry::config() const {
   SACCADE_CHECK(rows().size() > 0);
-  return {RowConfigs<GazeControllerRow>(rows()), rows().begin()->name, {}};
+  return {RegistryConfigs<GazeControllerRow>(rows()), rows().begin()->name, {}};
 }
 
 ControllerRegistry built_in_controllers() {

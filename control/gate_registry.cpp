@@ -8,7 +8,7 @@ namespace saccade {
 
 void describe(FieldVisitor& v, GateConfig& config) {
   v.choice("gate", config.gate, config.rows().names(), "which detections become gaze targets");
-  config.for_each([&](const GateRow& row, AnyConfig& keys) {
+  config.for_each([&](const GateRow& row, TypeErasedConfig& keys) {
     if (keys.get_if<NoKeys>() != nullptr) return;
     v.section(
         row.name + "_gate", [&](FieldVisitor& w) { describe(w, keys); }, row.description);
@@ -25,7 +25,7 @@ std::unique_ptr<GazeGate> make_gate(const GateConfig& config) {
 
 GateConfig GateRegistry::config() const {
   SACCADE_CHECK(rows().find(default_gate) != nullptr);
-  return {RowConfigs<GateRow>(rows()), default_gate, {}};
+  return {RegistryConfigs<GateRow>(rows()), default_gate, {}};
 }
 
 GateRegistry built_in_gates() {

@@ -16,6 +16,8 @@
 
 namespace saccade {
 
+struct ModelFile;
+
 /// The closed range of a number, in the unit of its key.
 struct Range {
   double min = -std::numeric_limits<double>::infinity();
@@ -64,6 +66,8 @@ class FieldVisitor {
   virtual void text(std::string_view key, std::string& value, std::string_view doc) = 0;
   /// The path of a file or folder. A reader makes it absolute: in a file it is relative to the file's folder.
   virtual void path(std::string_view key, std::string& value, std::string_view doc) { text(key, value, doc); }
+  /// The file of a fitted model. A reader reads it.
+  virtual void model(std::string_view key, ModelFile& file, std::string_view doc);
   /// A program: a path as above, or the name of a program in PATH where there is no such file.
   virtual void program(std::string_view key, std::string& value, std::string_view doc) {
     text(key, value, doc);

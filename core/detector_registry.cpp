@@ -2,7 +2,7 @@
 
 namespace saccade {
 
-DetectorConfig::DetectorConfig(NamedRows<DetectorRow> rows, std::string preset)
+DetectorConfig::DetectorConfig(RegistryRows<DetectorRow> rows, std::string preset)
     : rows_(std::move(rows)), preset_(std::move(preset)), config_(row().config) {}
 
 const DetectorRow& DetectorConfig::row() const {
@@ -20,7 +20,7 @@ std::string DetectorConfig::window() const {
 
 bool DetectorConfig::scale_threshold(double factor) {
   if (row().threshold == nullptr) return false;
-  AnyConfig scaled = config_;
+  TypeErasedConfig scaled = config_;
   *row().threshold(scaled) *= factor;
   FieldChecker checker("detector");
   describe(checker, scaled);

@@ -43,7 +43,7 @@ class Simulation final : private LoopObserver {
   /// Observations of the scenario's detectors in the newest tick, not valid where there is none; empty without
   /// `closed_loop`.
   [[nodiscard]] const std::vector<std::pair<std::string, Estimate>>& detectors() const { return detectors_; }
-  /// Newest accepted target, root frame.
+  /// LatestValue accepted target, root frame.
   [[nodiscard]] const std::optional<Eigen::Vector3d>& target_m() const { return target_m_; }
 
  private:

@@ -24,7 +24,7 @@ struct HelperCommand {
 [[nodiscard]] std::unique_ptr<EventReader> open_in_helper(const std::string& name, const std::string& library,
                                                           const HelperCommand& command);
 
-/// The helper of that file name, a program or a library: beside the file that holds this code (own_file.h), in libexec/saccade
+/// The helper of that file name, a program or a library: beside the file that holds this code (module_path.h), in libexec/saccade
 /// in a folder above it, in libexec/saccade beside the folder that the environment's SACCADE_DATA names, where it is
 /// installed, or where it was built. Throws RunError with these places where none has it.
 [[nodiscard]] std::filesystem::path find_helper(std::string_view file_name);

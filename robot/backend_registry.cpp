@@ -32,7 +32,7 @@ std::unique_ptr<HeadStopper> open_head_stopper(const RobotBackendConfig& config,
 
 RobotBackendConfig BackendRegistry::config() const {
   SACCADE_CHECK(rows().size() > 0);
-  return {RowConfigs<RobotBackend>(rows()), rows().begin()->name};
+  return {RegistryConfigs<RobotBackend>(rows()), rows().begin()->name};
 }
 
 }  // namespace saccade

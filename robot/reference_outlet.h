@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "head/head_state.h"
-#include "robot/newest.h"
+#include "robot/latest_value.h"
 
 namespace saccade {
 
@@ -43,8 +43,8 @@ class ReferenceOutlet {
   }
 
  private:
-  Newest<Degrees> command_deg_;  // the first value is none of a command
-  Newest<Degrees> hold_deg_;
+  LatestValue<Degrees> command_deg_;  // the first value is none of a command
+  LatestValue<Degrees> hold_deg_;
   std::atomic<bool> halted_ = false;
   std::atomic<bool> has_hold_ = false;
 };

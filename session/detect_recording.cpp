@@ -52,9 +52,9 @@ std::string seconds(TimeSpan span) {
 }
 
 /// Of all events of a file; none where it has none.
-std::optional<TimeSpan> event_span(const Played& played, const FormatRegistry& formats) {
+std::optional<TimeSpan> event_span(const ReplaySource& source, const FormatRegistry& formats) {
   constexpr std::size_t block_events = 1 << 16;
-  const auto reader = open_event_file(formats, played.events, played.read);
+  const auto reader = open_event_file(formats, source.events, source.read);
   std::optional<TimeSpan> span;
   std::vector<Event> block;
   for (; reader->read(block, block_events) > 0; block.clear()) {
@@ -68,14 +68,14 @@ std::optional<TimeSpan> event_span(const Played& played, const FormatRegistry& f
 }
 
 /// Throws InputError where no row of truth lies in the time of the events.
-void check_truth_span(const Played& played, const FormatRegistry& formats,
+void check_truth_span(const ReplaySource& source, const FormatRegistry& formats,
                       std::optional<std::int64_t> last_event_us, std::int64_t start_us,
                       const std::string& place) {
-  const TimeSpan truth{played.truth.front().t_us, played.truth.back().t_us};
+  const TimeSpan truth{source.truth.front().t_us, source.truth.back().t_us};
   const bool before = truth.last_us < start_us;
   const bool after = last_event_us && truth.first_us - sparse_window_us > *last_event_us;
   if (!before && !after) return;
-  const std::optional<TimeSpan> events = event_span(played, formats);
+  const std::optional<TimeSpan> events = event_span(source, formats);
   if (!events) return;
   throw InputError(place, fmt::format("truth {}, events {}", seconds(truth), seconds(*events)),
                    fmt::format("truth in the clock of the events; with {} us added to its t_us both start at "
@@ -96,18 +96,18 @@ void print_left_out(const std::string& recording, const ReplayRobot& robot) {
 }
 
 /// Adds to a recording what the settings say of it.
-void apply(const DetectSettings& settings, Played& played) {
-  if (!settings.joints.empty()) add_joints(played, settings.joints);
-  if (!settings.calibration.empty()) played.camera = read_calibration(settings.calibration);
+void apply(const DetectSettings& settings, ReplaySource& source) {
+  if (!settings.joints.empty()) add_joints(source, settings.joints);
+  if (!settings.calibration.empty()) source.camera = read_calibration(settings.calibration);
   if (!settings.no_ball) return;
-  if (std::ranges::any_of(played.truth, has_circle))
+  if (std::ranges::any_of(source.truth, has_circle))
     throw InputError("--no-ball", "a recording whose truth has a ball", "a recording without one");
-  played.chances = Chances::simulated;
+  source.chances = Chances::simulated;
 }
 
 /// The assumed calibration for images of that size.
-MountedCamera fitting_camera(const DetectSettings& settings, const Played& played, ImageSize size) {
-  MountedCamera camera = played.camera;
+MountedCamera fitting_camera(const DetectSettings& settings, const ReplaySource& source, ImageSize size) {
+  MountedCamera camera = source.camera;
   if (!settings.calibration.empty() && camera.camera.size != size)
     throw InputError(settings.calibration.string(), in_words(camera.camera.size),
                      "a calibration for the recording's images, " + in_words(size));
@@ -119,19 +119,19 @@ MountedCamera fitting_camera(const DetectSettings& settings, const Played& playe
 
 /// What the detectors and their scores come from.
 std::vector<FileDigest> files_read(const NamedDetectors& named, const DetectSettings& settings,
-                                   const Played& played) {
+                                   const ReplaySource& source) {
   std::vector<FileDigest> files;
   const auto add = [&](const char* key, const std::filesystem::path& path) {
     if (!path.empty() && std::filesystem::exists(path))
       files.push_back({key, std::filesystem::absolute(path).string(), digest_of_file(path)});
   };
-  add("recording", played.events);
+  add("recording", source.events);
   add("truth", settings.truth);
   add("joints", settings.joints);
   add("calibration", settings.calibration);
   if (is_run_folder(settings.input)) {
     const std::filesystem::path& folder = settings.input.recording;
-    const bool right = played.eye == Eye::right;
+    const bool right = source.eye == Eye::right;
     if (settings.truth.empty()) add("truth", folder / (right ? run_file::truth_right : run_file::truth));
     if (settings.joints.empty()) add("joints", folder / run_file::joints);
   }
@@ -150,38 +150,38 @@ void write_table(const std::filesystem::path& path, std::span<const Row> rows) {
 }  // namespace
 
 void detect_recording(const NamedDetectors& named, const DetectSettings& settings) {
-  Played played = open_played(settings.input, settings.truth);
-  apply(settings, played);
+  ReplaySource source = open_replay_source(settings.input, settings.truth);
+  apply(settings, source);
   const FormatRegistry& formats = settings.input.formats;
   const std::string recording = settings.input.recording.string();
-  auto reader = open_event_file(formats, played.events, played.read);
+  auto reader = open_event_file(formats, source.events, source.read);
   if (const std::string guess = reader->guess(); !guess.empty())
-    fmt::print(stderr, "saccade: {}: guessed {}\n", played.events.string(), guess);
-  ReplayRobot robot(std::move(reader), std::move(played.head));
-  const MountedCamera camera = fitting_camera(settings, played, robot.image_size());
-  Loop loop(robot, camera, make_detectors(named, camera.camera), std::nullopt, played.eye);
+    fmt::print(stderr, "saccade: {}: guessed {}\n", source.events.string(), guess);
+  ReplayRobot robot(std::move(reader), std::move(source.head));
+  const MountedCamera camera = fitting_camera(settings, source, robot.image_size());
+  Loop loop(robot, camera, make_detectors(named, camera.camera), std::nullopt, source.eye);
   std::unique_ptr<RunFolderLock> lock;
   if (!settings.folder.empty()) lock = prepare_run_folder(settings.folder, settings.force, formats);
-  RecordedScores scores(loop, played.truth, played.chances,
+  RecordedScores scores(loop, source.truth, source.chances,
                         settings.folder.empty() ? "" : settings.folder / "detections.csv");
   Metrics metrics;
-  if (settings.json || !settings.folder.empty()) metrics.files = files_read(named, settings, played);
+  if (settings.json || !settings.folder.empty()) metrics.files = files_read(named, settings, source);
 
   catch_interrupts();
   const std::int64_t start_us = robot.now_us();
   Session session(robot, loop);
   session.add_observer(scores);
-  if (!played.truth.empty() && played.chances == Chances::annotated) {
-    run_at(played.truth, start_us, session, scores);
+  if (!source.truth.empty() && source.chances == Chances::annotated) {
+    run_at(source.truth, start_us, session, scores);
   } else {
     session.run(tick_us, std::numeric_limits<std::int64_t>::max(),
-                played.truth.empty() ? 0 : played.truth.front().t_us);
+                source.truth.empty() ? 0 : source.truth.front().t_us);
   }
   const double wall_s = session.wall_s();
   metrics.interrupted = interrupted();
   if (metrics.interrupted) scores.leave_out_truth_after(robot.now_us());
-  if (!played.truth.empty() && !metrics.interrupted)
-    check_truth_span(played, formats, scores.last_event_us(), start_us,
+  if (!source.truth.empty() && !metrics.interrupted)
+    check_truth_span(source, formats, scores.last_event_us(), start_us,
                      settings.truth.empty() ? recording : settings.truth.string());
   const RejectedEvents rejected = robot.rejected();
   if (scores.event_count() == 0 && robot.events_before_start() > 0 && !metrics.interrupted)
@@ -203,8 +203,8 @@ void detect_recording(const NamedDetectors& named, const DetectSettings& setting
   metrics.duration_s = static_cast<double>(robot.now_us() - start_us) * 1e-6;
   metrics.wall_s = wall_s;
   metrics.event_count = scores.event_count();
-  metrics.events_file = std::filesystem::absolute(played.events).string();
-  metrics.events_camera = played.read.camera;
+  metrics.events_file = std::filesystem::absolute(source.events).string();
+  metrics.events_camera = source.read.camera;
   metrics.image = camera.camera.size;
   std::vector<DetectorScore> finished = scores.finish();
   for (std::size_t i = 0; i < named.size(); ++i)
@@ -221,7 +221,7 @@ void detect_recording(const NamedDetectors& named, const DetectSettings& setting
     return;
   }
   write_file(settings.folder / "detectors.yaml", resolved_detectors(named));
-  if (!played.truth.empty()) write_table<TruthRow>(settings.folder / "truth.csv", scores.truth());
+  if (!source.truth.empty()) write_table<TruthRow>(settings.folder / "truth.csv", scores.truth());
   write_metrics(settings.folder / run_file::metrics, metrics);
   write_figures(settings.folder / run_file::figures_json, metrics);
   finish_run_folder(settings.folder, metrics, formats);

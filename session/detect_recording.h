@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "config/sections.h"
-#include "session/played.h"
+#include "session/replay_source.h"
 
 namespace saccade {
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "core/error.h"
-#include "recording/own_file.h"
+#include "recording/module_path.h"
 
 namespace saccade {
 
@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 fs::path data_directory() {
   if (const char* const set = std::getenv("SACCADE_DATA"); set != nullptr && *set != '\0') return set;
   std::error_code ignored;
-  const fs::path file = own_file();
+  const fs::path file = module_path();
   for (fs::path folder = file.parent_path(); !folder.empty(); folder = folder.parent_path()) {
     const fs::path data = folder / "share/saccade";
     if (fs::is_directory(data / "models", ignored)) return data;

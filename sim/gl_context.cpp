@@ -14,7 +14,7 @@
 
 #include "core/config.h"
 #include "core/error.h"
-#include "recording/own_file.h"
+#include "recording/module_path.h"
 #include "sim/egl_devices.h"
 
 namespace saccade {
@@ -69,7 +69,7 @@ class LibraryContext : public GlContext {
 /// program. Empty where there is none.
 const std::string& own_mesa() {
   static const std::string file = [] {
-    const std::filesystem::path program = own_file();
+    const std::filesystem::path program = module_path();
     for (std::filesystem::path folder = program.parent_path();
          !folder.empty() && folder != folder.root_path(); folder = folder.parent_path()) {
       std::error_code ignored;

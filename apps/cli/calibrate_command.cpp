@@ -16,7 +16,7 @@
 #include "recording/output_file.h"
 #include "robot/replay/replay_robot.h"
 #include "session/interrupt.h"
-#include "session/played.h"
+#include "session/replay_source.h"
 
 namespace saccade {
 namespace {

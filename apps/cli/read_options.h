@@ -1,7 +1,7 @@
 #pragma once
 
 #include "apps/cli/command_line.h"
-#include "session/played.h"
+#include "session/replay_source.h"
 
 namespace saccade {
 

@@ -30,8 +30,8 @@ constexpr float drag_from_px = 3.0F;  ///< in the window; a press that moves les
 
 /// All events of the eye that is labelled, and the image's size: the file's, else the smallest that contains them.
 LabelEditor open_editor(const LabelSettings& settings) {
-  const Played played = open_played(settings.input, {});
-  const auto reader = open_event_file(played.formats, played.events, played.read);
+  const ReplaySource source = open_replay_source(settings.input, {});
+  const auto reader = open_event_file(source.formats, source.events, source.read);
   std::vector<Event> events;
   while (reader->read(events, 1 << 16) > 0) {
   }

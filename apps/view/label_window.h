@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "session/played.h"
+#include "session/replay_source.h"
 
 namespace saccade {
 

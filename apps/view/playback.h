@@ -8,7 +8,7 @@
 
 #include "apps/view/loop_history.h"
 #include "apps/view/view_settings.h"
-#include "session/played.h"
+#include "session/replay_source.h"
 
 namespace saccade {
 

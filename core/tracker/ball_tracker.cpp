@@ -39,17 +39,25 @@ void describe(FieldVisitor& v, BallTrackerConfig& c) {
   v.integer("longest_us", c.longest_us, {1e3, 1e7}, "for which an edge is kept at most");
   v.real("hold_s", c.hold_s, {0.0, 60.0}, "for which a circle without events is held");
   v.integer("flows_per_ms", c.flows_per_ms, {10, 1e6}, "events that get a flow in a ms; of more, every n-th");
+  v.model("model", c.model, "weights of the networks, an NPZ file; empty: those of this program");
+  const std::string problem = problem_of(c.model);
+  v.require(problem.empty(), "model", problem, "the arrays of models/best/weights.npz");
 }
 
 BallTracker::BallTracker(const BallTrackerConfig& config, const Camera& camera)
+    : BallTracker(config, camera, best_model_of(config.model)) {}
+
+BallTracker::BallTracker(const BallTrackerConfig& config, const Camera& camera,
+                         std::shared_ptr<const BestModel> model)
     : config_(check_config("detector", config)),
+      model_(std::move(model)),
       camera_(camera),
       sieve_(camera.size),
       flow_(config.flow, camera.size),
       edges_(camera.size, static_cast<int>(config.edges_per_region)),
       search_(camera.size, config.radius_px[0], config.radius_px[1], config.arc_deg * rad_per_deg,
               max_voters),
-      network_(camera.size, config.radius_px[0], config.radius_px[1]),
+      network_(model_, camera.size, config.radius_px[0], config.radius_px[1]),
       now_us_(never_us),
       search_us_(never_us),
       look_us_(never_us),
@@ -293,7 +301,7 @@ void BallTracker::update_probability(Followed& f, std::int64_t now_us) {
   if (!enough && f.history.hole <= 0.0) return;
   f.history.radius_variance_px2 = f.track.covariance()(2, 2);
   f.inputs = disc_inputs(f.evidence, f.history);
-  f.probability = disc_probability(f.inputs);
+  f.probability = disc_probability(model_->probability, f.inputs);
 }
 
 /// The probability that a circle is the ball and that the ball has not left it unseen since its last edge.
@@ -332,11 +340,12 @@ Estimate BallTracker::estimate() {
 
 std::unique_ptr<Detector> make_ball_tracker(const BallTrackerConfig& config, const Camera& camera) {
   check_config("detector", config);
+  const std::shared_ptr<const BestModel> model = best_model_of(config.model);
   const auto [smallest, largest] = config.radius_px;
   const auto on_all_pixels = [&](double to_px) {
     BallTrackerConfig fine = config;
     fine.radius_px[1] = to_px;
-    return std::make_unique<BallTracker>(fine, camera);
+    return std::make_unique<BallTracker>(fine, camera, model);
   };
   if (largest <= largest_fitted_px) return on_all_pixels(largest);
   const int step = static_cast<int>(std::ceil(largest / largest_decimated_px));
@@ -345,7 +354,7 @@ std::unique_ptr<Detector> make_ball_tracker(const BallTrackerConfig& config, con
   coarse.radius_px = {std::floor((small_too ? smallest_of_two_px : smallest) / step),
                       std::ceil(largest / step)};
   auto large = std::make_unique<DecimatedDetector>(
-      std::make_unique<BallTracker>(coarse, decimated(camera, step)), camera.size, step);
+      std::make_unique<BallTracker>(coarse, decimated(camera, step), model), camera.size, step);
   if (!small_too) return large;
   return std::make_unique<BetterOfTwo>(on_all_pixels(largest_fitted_px), std::move(large));
 }

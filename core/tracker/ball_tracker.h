@@ -12,6 +12,7 @@
 #include "core/flow/camera_rotation.h"
 #include "core/flow/plane_fit_flow.h"
 #include "core/reserved_vector.h"
+#include "core/tracker/best_model.h"
 #include "core/tracker/circle_fit.h"
 #include "core/tracker/circle_search.h"
 #include "core/tracker/circle_track.h"
@@ -38,9 +39,10 @@ struct BallTrackerConfig {
   std::int64_t longest_us = 1'000'000;  ///< and no longer than this
   double hold_s = 3.0;                  ///< a circle that makes no events is held for so long
   std::int64_t flows_per_ms = 600;      ///< events that get a flow; beyond that every n-th event does
+  ModelFile model;                      ///< the networks' weights
 };
 
-/// Keys: radius_px, threshold, arc_deg, flow, burst_us, edges_per_region, crossing_px, longest_us, hold_s, flows_per_ms.
+/// Keys: radius_px, threshold, arc_deg, flow, burst_us, edges_per_region, crossing_px, longest_us, hold_s, flows_per_ms, model.
 void describe(FieldVisitor& v, BallTrackerConfig& config);
 
 /// The recommended detector: follows up to eight circles on the moving edges of the image and returns the one that is
@@ -70,6 +72,8 @@ class BallTracker final : public Detector, public DetectorViews {
  public:
   /// Throws InputError for a configuration out of range.
   BallTracker(const BallTrackerConfig& config, const Camera& camera);
+  /// The same with a model that several share, in place of the config's.
+  BallTracker(const BallTrackerConfig& config, const Camera& camera, std::shared_ptr<const BestModel> model);
 
   void process(std::span<const Event> events, const CameraMotion* motion) override;
   void advance_to(std::int64_t now_us, const CameraMotion* motion) override;
@@ -83,28 +87,8 @@ class BallTracker final : public Detector, public DetectorViews {
     return std::make_unique<BallTracker>(*this);
   }
 
-  /// A followed circle, for scripts/fit: where it is now and what its probability is computed from.
-  struct Hypothesis {
-    Circle circle;
-    Eigen::Matrix3d covariance_px2;  ///< of (x, y, r), of the track alone
-    DiscInputs inputs{};
-    Circle shown;  ///< where the newest edges show it
-    PatchMotion motion;
-  };
-  /// Calls f(const Hypothesis&) for every followed circle.
-  template <class Function>
-  void for_each_hypothesis(Function f) const {
-    for (const Followed& followed : followed_) {
-      if (followed.alive)
-        f(Hypothesis{circle_now(followed), followed.track.covariance(), followed.inputs,
-                     followed.track.shown(), patch_motion(followed.track.shown(), followed.motion_px_s())});
-    }
-  }
   /// Motion of a circle whose centre and radius move so, and that of the background there.
   [[nodiscard]] PatchMotion patch_motion(const Circle& circle, const Eigen::Vector3d& motion_px_s) const;
-  [[nodiscard]] PolarPatch patch(const Circle& shown, const PatchMotion& motion) const {
-    return polar_patch(network_.newest_us(), camera_.size, shown, motion, now_us_);
-  }
 
  private:
   struct Followed {
@@ -215,6 +199,7 @@ class BallTracker final : public Detector, public DetectorViews {
   [[nodiscard]] Circle corrected(const Circle& circle, const Circle& by) const;
 
   BallTrackerConfig config_;
+  std::shared_ptr<const BestModel> model_;
   Camera camera_;
   std::vector<Eigen::Vector3d> rays_;  // of each pixel
   EventSieve sieve_;

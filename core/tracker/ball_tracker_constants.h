@@ -71,7 +71,7 @@ inline constexpr double least_measured_log_odds = -2.0, least_judgement_sd_px = 
 // Least standard deviation of a circle when another one fits its outline better.
 inline constexpr double missed_sd_px = 0.5;
 
-// Uncertainty of the estimate beside that of the track, fitted by scripts/fit to the errors of inliers.
+// Uncertainty of the estimate beside that of the track, fitted to the errors of inliers on training seeds.
 inline constexpr double covariance_scale = 4.0;
 inline constexpr double model_sd_px[3] = {1.2, 1.2, 0.7};
 

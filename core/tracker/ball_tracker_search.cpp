@@ -16,13 +16,13 @@ bool is_same(const Circle& a, const Circle& b, double px, double r_px) {
 }
 
 /// Of a circle that was found and has no history.
-double found_probability(const DiscEvidence& evidence, double network_log_odds,
+double found_probability(const BestModel& model, const DiscEvidence& evidence, double network_log_odds,
                          const PatchResult& patch = {}) {
   DiscHistory history;
   history.newest = evidence;
   history.network_log_odds = history.network_mean = network_log_odds;
   history.patch = history.patch_mean = patch;
-  return disc_probability(disc_inputs(evidence, history));
+  return disc_probability(model.probability, disc_inputs(evidence, history));
 }
 
 }  // namespace
@@ -48,7 +48,8 @@ BallTracker::Judged BallTracker::judged(const Circle& circle, const Eigen::Vecto
                                         std::int64_t now_us) {
   const auto judge = [&](const Circle& c) {
     --patches_left_;
-    return judge_patch(polar_patch(network_.newest_us(), camera_.size, c, patch_motion(c, motion), now_us));
+    return judge_patch(model_->patch,
+                       polar_patch(network_.newest_us(), camera_.size, c, patch_motion(c, motion), now_us));
   };
   const PatchJudgement judgement = judge(circle);
   const Circle& off = judgement.correction;
@@ -211,7 +212,7 @@ void BallTracker::try_circle(const Circle& circle, std::int64_t now_us) {
   const Eigen::Vector3d motion = fit_.motion(circle);
   const DiscEvidence seen = evidence(circle, motion, now_us);
   const double log_odds = network_log_odds(circle, motion.head<2>(), now_us);
-  const double probability = found_probability(seen, log_odds);
+  const double probability = found_probability(*model_, seen, log_odds);
   if (corrects_known(circle, probability, now_us)) return;
   FoundDisc found{circle, motion, seen, log_odds, {}, probability};
   if (patches_left_ == 0 || place_for(found) == nullptr) return;
@@ -220,7 +221,7 @@ void BallTracker::try_circle(const Circle& circle, std::int64_t now_us) {
     found.circle = found.judgement.circle;
     found.evidence = evidence(found.circle, motion, now_us);
   }
-  found.probability = found_probability(found.evidence, log_odds, found.judgement.result());
+  found.probability = found_probability(*model_, found.evidence, log_odds, found.judgement.result());
   if (Followed* place = place_for(found)) follow(found, *place, now_us);
 }
 
@@ -233,7 +234,7 @@ bool BallTracker::corrects_known(const Circle& circle, double probability, std::
     if (is_same(c, circle, 6.0, 4.0)) {
       if (f.compared_us != now_us) {
         f.compared_us = now_us;
-        f.found_probability = found_probability(evidence(c, f.motion_px_s(), now_us),
+        f.found_probability = found_probability(*model_, evidence(c, f.motion_px_s(), now_us),
                                                 network_log_odds(c, f.image_px_s, now_us));
       }
       if (probability > f.found_probability + better_by) {

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "core/time_stamp.h"
-#include "core/tracker/disc_network_weights.h"
 #include "core/tracker/network_kernels.h"
 #include "core/vector_clones.h"
 
@@ -13,7 +12,7 @@ namespace saccade {
 namespace {
 
 using namespace network_kernels;
-namespace weights = disc_network_weights;
+using Weights = DiscNetworkWeights;
 
 constexpr std::array<float, 4> tau_ms = {4.0F, 16.0F, 64.0F, 256.0F};
 constexpr int age_steps = 256;  // sixteen for each doubling of 0.25 ms + age
@@ -93,7 +92,7 @@ template <std::size_t C, std::size_t places>
 SACCADE_VECTOR_CLONES
 void residual_row(const Map& in, int y, int step, const float* depth, const float* point, const float* bias,
                   float* out) {
-  constexpr std::size_t c = weights::output.size() / 4;
+  constexpr std::size_t c = Weights::channels;
   int x = 0;
   for (; x + 1 < in.columns; x += 2) block_places<c, 2>(in, y, x, step, depth, point, bias, out);
   for (; x < in.columns; ++x) block_places<c, 1>(in, y, x, step, depth, point, bias, out);
@@ -101,25 +100,25 @@ void residual_row(const Map& in, int y, int step, const float* depth, const floa
 
 /// A row of every second place of every second row, depthwise and pointwise.
 SACCADE_VECTOR_CLONES
-void halved_row(const Map& in, int y, float* out) {
-  constexpr std::size_t from = weights::first_bias.size(), to = weights::second_bias.size();
+void halved_row(const Map& in, int y, const Weights& weights, float* out) {
+  constexpr std::size_t from = Weights::first_channels, to = Weights::channels;
   for (int x = 0; 2 * x < in.columns; ++x, out += to) {
     float deep[1][from];
-    depthwise<from>(in, 2 * y, 2 * x, 1, weights::second_depth.data(), deep[0]);
+    depthwise<from>(in, 2 * y, 2 * x, 1, weights.second_depth.data(), deep[0]);
     Channels<to> sum[1];
-    load(weights::second_bias.data(), sum[0]);
-    pointwise(deep, weights::second_point.data(), sum);
+    load(weights.second_bias.data(), sum[0]);
+    pointwise(deep, weights.second_point.data(), sum);
     store_positive(sum[0], out);
   }
 }
 
 /// 3 x 3 convolution of every second place of every second row. The channels of OFF add up beside those of ON.
 SACCADE_VECTOR_CLONES
-void input_halved_row(const Map& in, int y, float* out) {
-  constexpr std::size_t to = weights::first_bias.size(), half = weights::first.size() / 9 / to / 2;
+void input_halved_row(const Map& in, int y, const Weights& weights, float* out) {
+  constexpr std::size_t to = Weights::first_channels, half = Weights::inputs / 2;
   for (int x = 0; 2 * x < in.columns; ++x, out += to) {
     Channels<to> on_sum, off_sum{};
-    load(weights::first_bias.data(), on_sum);
+    load(weights.first_bias.data(), on_sum);
     for (int ky = 0; ky < 3; ++ky) {
       const int from_y = 2 * y + ky - 1;
       if (from_y < 0 || from_y >= in.rows) continue;
@@ -129,7 +128,7 @@ void input_halved_row(const Map& in, int y, float* out) {
         const float* on = in.values + static_cast<std::size_t>(from_y * in.columns + from_x) * (2 * half);
         const float* off = on + half;
         if (on[half - 1] == 0.0F && off[half - 1] == 0.0F) continue;  // no event for long
-        const float* weight = weights::first.data() + static_cast<std::size_t>(ky * 3 + kx) * 2 * half * to;
+        const float* weight = weights.first.data() + static_cast<std::size_t>(ky * 3 + kx) * 2 * half * to;
         for (std::size_t c = 0; c < half; ++c, weight += to) {
           add_product(on[c], weight, on_sum);
           add_product(off[c], weight + half * to, off_sum);
@@ -143,8 +142,10 @@ void input_halved_row(const Map& in, int y, float* out) {
 
 }  // namespace
 
-DiscNetwork::DiscNetwork(ImageSize size, double r_min_px, double r_max_px)
-    : size_(size),
+DiscNetwork::DiscNetwork(std::shared_ptr<const BestModel> model, ImageSize size, double r_min_px,
+                         double r_max_px)
+    : model_(std::move(model)),
+      size_(size),
       pixels_(static_cast<std::size_t>(size.pixels())),
       newest_us_(2 * pixels_, std::numeric_limits<std::int64_t>::min()) {
   decays();
@@ -248,29 +249,31 @@ void DiscNetwork::input_row(const Level& level) {
 
 void DiscNetwork::first_row(const Level& level) {
   const auto begin = static_cast<std::size_t>(row_ * (level.columns / 2)) * first_channels;
-  input_halved_row({input_.data(), level.rows, level.columns}, row_, first_.data() + begin);
+  input_halved_row({input_.data(), level.rows, level.columns}, row_, model_->disc, first_.data() + begin);
 }
 
 void DiscNetwork::second_row(const Level& level) {
   const auto begin = static_cast<std::size_t>(row_ * (level.columns / 4)) * channels;
-  halved_row({first_.data(), level.rows / 2, level.columns / 2}, row_, a_.data() + begin);
+  halved_row({first_.data(), level.rows / 2, level.columns / 2}, row_, model_->disc, a_.data() + begin);
 }
 
 /// From a_ to b_.
 void DiscNetwork::block_row(const Level& level, std::size_t block) {
+  const Weights& weights = model_->disc;
   residual_row({a_.data(), level.rows / 4, level.columns / 4}, row_, dilation[block],
-               weights::block_depth[block].data(), weights::block_point[block].data(),
-               weights::block_bias[block].data(), b_.data());
+               weights.block_depth[block].data(), weights.block_point[block].data(),
+               weights.block_bias[block].data(), b_.data());
 }
 
 void DiscNetwork::output_row(Level& level) {
+  const Weights& weights = model_->disc;
   const auto columns = static_cast<std::size_t>(level.columns / 4);
   const std::size_t begin = static_cast<std::size_t>(row_) * columns;
   for (std::size_t x = 0; x < columns; ++x) {
     const float* in = a_.data() + (begin + x) * channels;
-    std::array<float, outputs> sum = weights::output_bias;
+    std::array<float, outputs> sum = weights.output_bias;
     for (std::size_t c = 0; c < channels; ++c) {
-      for (std::size_t k = 0; k < outputs; ++k) sum[k] += in[c] * weights::output[c * outputs + k];
+      for (std::size_t k = 0; k < outputs; ++k) sum[k] += in[c] * weights.output[c * outputs + k];
     }
     level.next[begin + x] = sum;
   }

@@ -4,11 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "core/camera.h"
 #include "core/event.h"
+#include "core/tracker/best_model.h"
 
 namespace saccade {
 
@@ -17,13 +19,12 @@ namespace saccade {
 ///
 /// Input: exp(-age / tau) of the newest ON and OFF event of each pixel, tau = 4, 16, 64 and 256 ms, averaged over cells of
 /// 1, 2, 4 and 8 px: on each level the network finds radii of 4 to 8 cells, with the same weights. Output, for every 4 x 4
-/// cells: the log odds that a ball's centre is there, its offset, and its radius. The weights
-/// (core/tracker/disc_network_weights.h) are fitted by scripts/fit_network to random worlds with seeds below 1000.
+/// cells: the log odds that a ball's centre is there, its offset, and its radius.
 ///
 /// The work is done in steps of a bounded number of multiplications. Does not allocate after construction.
 class DiscNetwork {
  public:
-  DiscNetwork(ImageSize size, double r_min_px, double r_max_px);
+  DiscNetwork(std::shared_ptr<const BestModel> model, ImageSize size, double r_min_px, double r_max_px);
 
   /// The event lies inside the image; time stamps do not go back.
   void add(const Event& event) { newest_us_[index(event)] = event.t_us; }
@@ -53,7 +54,10 @@ class DiscNetwork {
   static constexpr float nothing = -12.0F;
 
  private:
-  static constexpr std::size_t channels = 48, first_channels = 16, input_channels = 8, outputs = 4;
+  static constexpr std::size_t channels = DiscNetworkWeights::channels,
+                               first_channels = DiscNetworkWeights::first_channels,
+                               input_channels = DiscNetworkWeights::inputs,
+                               outputs = DiscNetworkWeights::outputs;
   struct Level {
     int cell_px;
     int rows, columns;                                     // cells, whole multiples of 4
@@ -72,6 +76,7 @@ class DiscNetwork {
   void take_result();
   [[nodiscard]] Found circle_of(const Level& level, int x, int y) const;
 
+  std::shared_ptr<const BestModel> model_;
   ImageSize size_;
   std::size_t pixels_;
   std::vector<std::int64_t> newest_us_;  // ON, then OFF

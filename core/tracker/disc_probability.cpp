@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/tracker/disc_probability_weights.h"
-
 namespace saccade {
 namespace {
 
-namespace w = disc_probability_weights;
-static_assert(w::input_mean.size() == disc_input_count, "run scripts/fit after a change of the inputs");
-constexpr float most_deviations = 4.0F;  // of an input, as in scripts/fit
+static_assert(DiscProbabilityWeights::inputs == disc_input_count,
+              "the network of models/best was fitted to other inputs");
+constexpr float most_deviations = 4.0F;  // of an input, as the network was fitted
 
 }  // namespace
 
@@ -40,17 +38,17 @@ DiscInputs disc_inputs(const DiscEvidence& evidence, const DiscHistory& h) {
   return inputs;
 }
 
-double disc_probability(const DiscInputs& inputs) {
-  std::array<float, w::hidden_bias.size()> hidden = w::hidden_bias;
-  float sum = w::output_bias;
+double disc_probability(const DiscProbabilityWeights& w, const DiscInputs& inputs) {
+  std::array<float, DiscProbabilityWeights::hidden_units> hidden = w.hidden_bias;
+  float sum = w.output_bias[0];
   for (std::size_t i = 0; i < disc_input_count; ++i) {
     const float z =
-        std::clamp((inputs[i] - w::input_mean[i]) * w::input_scale[i], -most_deviations, most_deviations);
-    sum += w::direct_weight[i] * z;
-    for (std::size_t k = 0; k < hidden.size(); ++k) hidden[k] += w::hidden_weight[i][k] * z;
+        std::clamp((inputs[i] - w.input_mean[i]) * w.input_scale[i], -most_deviations, most_deviations);
+    sum += w.direct_weight[i] * z;
+    for (std::size_t k = 0; k < hidden.size(); ++k) hidden[k] += w.hidden_weight[i][k] * z;
   }
   for (std::size_t k = 0; k < hidden.size(); ++k)
-    sum += w::output_weight[k] * hidden[k] / (1.0F + std::abs(hidden[k]));
+    sum += w.output_weight[k] * hidden[k] / (1.0F + std::abs(hidden[k]));
   return 1.0 / (1.0 + std::exp(-std::clamp(static_cast<double>(sum), -30.0, 30.0)));
 }
 

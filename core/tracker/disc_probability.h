@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 
+#include "core/tracker/best_model.h"
 #include "core/tracker/disc_evidence.h"
 
 namespace saccade {
@@ -54,9 +55,8 @@ using DiscInputs = std::array<float, disc_input_count>;
 [[nodiscard]] DiscInputs disc_inputs(const DiscEvidence& evidence, const DiscHistory& history);
 
 /// The probability that a circle is the ball's: within 6 px of its centre and 2 px of its radius. A network of one hidden
-/// layer with softsign units and a direct linear part, which is the mean of the log odds of several fits. Its weights
-/// (core/tracker/disc_probability_weights.h) are fitted by scripts/fit to random worlds with seeds below 1000, by maximum likelihood
+/// layer with softsign units and a direct linear part, which is the mean of the log odds of several fits by maximum likelihood
 /// with weight decay; docs/results.md shows how well score and share of inliers agree.
-[[nodiscard]] double disc_probability(const DiscInputs& inputs);
+[[nodiscard]] double disc_probability(const DiscProbabilityWeights& weights, const DiscInputs& inputs);
 
 }  // namespace saccade

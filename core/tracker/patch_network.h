@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/camera.h"
+#include "core/tracker/best_model.h"
 #include "core/tracker/polar_patch.h"
 
 namespace saccade {
@@ -15,9 +16,8 @@ struct PatchJudgement {
 
 /// A small convolutional network over a polar patch: three layers over neighbouring directions and rings, one across the
 /// rings, one around the directions. The mean and the largest value over all directions give the log odds; each direction
-/// gives how far the outline is off there, of which the mean and the first harmonic are the correction. The weights
-/// (core/tracker/patch_network_weights.h) are fitted by scripts/fit_patch to random worlds with seeds below 1000. 0.7 million
+/// gives how far the outline is off there, of which the mean and the first harmonic are the correction. 0.7 million
 /// multiplications.
-[[nodiscard]] PatchJudgement judge_patch(const PolarPatch& patch);
+[[nodiscard]] PatchJudgement judge_patch(const PatchNetworkWeights& weights, const PolarPatch& patch);
 
 }  // namespace saccade

@@ -11,7 +11,7 @@
 #include <optional>
 #include <string>
 
-#include "robot/newest.h"
+#include "robot/latest_value.h"
 #include "robot/sender_clock.h"
 #include "robot/steady_clock.h"
 
@@ -63,7 +63,7 @@ class StateInput final : private yarp::os::PortReader, private yarp::os::PortRep
   yarp::os::Port port_;
   std::atomic<bool> lost_ = false;
   std::atomic<std::int64_t> discarded_ = 0;
-  Newest<State> state_;
+  LatestValue<State> state_;
   std::mutex mutex_;  // of the threads of YARP, each with a whole message: of what follows
   SenderClock sender_;
   std::optional<std::int64_t> last_sent_us_;

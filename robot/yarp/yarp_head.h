@@ -18,11 +18,11 @@
 #include <thread>
 #include <vector>
 
-#include "robot/newest.h"
+#include "robot/binary_semaphore.h"
+#include "robot/latest_value.h"
 #include "robot/reference_outlet.h"
 #include "robot/robot.h"
 #include "robot/steady_clock.h"
-#include "robot/wake_up.h"
 #include "robot/yarp/state_input.h"
 #include "robot/yarp/yarp_config.h"
 #include "robot/yarp/yarp_network.h"
@@ -133,9 +133,9 @@ class YarpHead final : public HeadPort {
   bool active_ = false;
   std::atomic<bool> lost_ = false;
   std::mutex reports_mutex_;  // of those who write reports_: the reporter, and activate()
-  Newest<Reports> reports_;
+  LatestValue<Reports> reports_;
   ReferenceOutlet outlet_;
-  WakeUp to_send_;  // a reference to send
+  BinarySemaphore to_send_;  // a reference to send
   std::atomic<bool> sends_ = true;
   std::atomic<bool> repeats_ = false;
   std::unique_ptr<Periodic> reporter_;

@@ -341,7 +341,7 @@ TEST(DetectorRegistry, TakesRowsOfAProgram) {
   ClusterConfig many;
   many.clusters = 7;
   DetectorRow row = named_row("many-clusters");
-  row.config = AnyConfig(many);
+  row.config = TypeErasedConfig(many);
   registry.add(row);
   EXPECT_EQ(registry.names().back(), "many-clusters");
   const DetectorConfig config = registry.config("many-clusters");

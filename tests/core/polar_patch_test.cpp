@@ -12,6 +12,8 @@
 namespace saccade {
 namespace {
 
+const std::shared_ptr<const BestModel> model = best_model_of({});
+
 constexpr ImageSize patch_image{128, 128};
 constexpr double x_px_s = 120.0, y_px_s = 50.0;
 constexpr streams::MovingDisc ball{30, 40, x_px_s, y_px_s, 12};
@@ -94,11 +96,11 @@ TEST(PolarPatch, WithoutEventsEveryDensityIsZero) {
 TEST(PatchNetwork, PrefersTheDiscToCirclesBesideItAndOfOtherSize) {
   const std::vector<Event> events = ball.events(patch_image, 0.3);
   const Circle c = ball_at_end();
-  const double here = judge_patch(patch_of(events, c)).log_odds;
+  const double here = judge_patch(model->patch, patch_of(events, c)).log_odds;
   EXPECT_GT(here, 0.0);
   for (const Circle& other : {Circle{c.x_px + 10, c.y_px, c.r_px}, Circle{c.x_px, c.y_px - 10, c.r_px},
                               Circle{c.x_px, c.y_px, 1.5 * c.r_px}, Circle{c.x_px, c.y_px, 0.6 * c.r_px}})
-    EXPECT_LT(judge_patch(patch_of(events, other)).log_odds, here - 1.0)
+    EXPECT_LT(judge_patch(model->patch, patch_of(events, other)).log_odds, here - 1.0)
         << "at " << other.x_px << ", " << other.y_px << ", radius " << other.r_px;
 }
 
@@ -110,7 +112,7 @@ TEST(PatchNetwork, ItsCorrectionLeadsTowardsTheDisc) {
   };
   for (const Circle& start : {Circle{c.x_px + 3, c.y_px, c.r_px}, Circle{c.x_px - 2, c.y_px + 2, c.r_px},
                               Circle{c.x_px, c.y_px, c.r_px + 2}, Circle{c.x_px, c.y_px, c.r_px - 2}}) {
-    const Circle off = judge_patch(patch_of(events, start)).correction;
+    const Circle off = judge_patch(model->patch, patch_of(events, start)).correction;
     EXPECT_LT(error_px({start.x_px + off.x_px, start.y_px + off.y_px, start.r_px + off.r_px}),
               0.7 * error_px(start))
         << "from " << start.x_px << ", " << start.y_px << ", radius " << start.r_px;
@@ -122,7 +124,7 @@ TEST(PatchNetwork, ItsDeviationsCoverTheErrorOfTheCorrectedCircle) {
   const Circle c = ball_at_end();
   for (const Circle& start : {c, Circle{c.x_px + 2, c.y_px, c.r_px}, Circle{c.x_px, c.y_px - 2, c.r_px},
                               Circle{c.x_px, c.y_px, c.r_px + 1.5}, Circle{c.x_px, c.y_px, c.r_px - 1.5}}) {
-    const PatchJudgement j = judge_patch(patch_of(events, start));
+    const PatchJudgement j = judge_patch(model->patch, patch_of(events, start));
     EXPECT_LT(j.centre_sd_px, 1.5);
     EXPECT_LT(j.radius_sd_px, 1.5);
     EXPECT_LT(std::abs(start.x_px + j.correction.x_px - c.x_px), 3.0 * j.centre_sd_px);
@@ -135,14 +137,15 @@ TEST(PatchNetwork, IsLessSureOfALargeCircleInPixels) {
   const auto radius_sd_px = [](double r_px) {
     const streams::MovingDisc disc{50, 60, 60.0, 20.0, r_px};
     const Circle circle{disc.x_at(end_us), disc.y_at(end_us), r_px};
-    return judge_patch(patch_of(disc.events(patch_image, 0.3), circle, {{60.0, 20.0}, {0, 0}, 0}))
+    return judge_patch(model->patch,
+                       patch_of(disc.events(patch_image, 0.3), circle, {{60.0, 20.0}, {0, 0}, 0}))
         .radius_sd_px;
   };
   EXPECT_GT(radius_sd_px(30.0), radius_sd_px(8.0));
 }
 
 TEST(PatchNetwork, FindsNoBallWithoutEvents) {
-  EXPECT_LT(judge_patch(patch_of({}, ball_at_end())).log_odds, 0.0);
+  EXPECT_LT(judge_patch(model->patch, patch_of({}, ball_at_end())).log_odds, 0.0);
 }
 
 }  // namespace

@@ -13,12 +13,12 @@ namespace saccade {
 /// Wakes one waiting thread. Requests before it wakes count as one, so a waiter is never behind; request() neither locks
 /// nor waits. (std::counting_semaphore of libstdc++ 12 yields the processor in each try_acquire: on a loaded machine a
 /// thread that takes its requests one by one is slower than the ticks that make them.)
-class WakeUp {
+class BinarySemaphore {
  public:
-  WakeUp() { sem_init(&semaphore_, 0, 0); }
-  ~WakeUp() { sem_destroy(&semaphore_); }
-  WakeUp(const WakeUp&) = delete;
-  WakeUp& operator=(const WakeUp&) = delete;
+  BinarySemaphore() { sem_init(&semaphore_, 0, 0); }
+  ~BinarySemaphore() { sem_destroy(&semaphore_); }
+  BinarySemaphore(const BinarySemaphore&) = delete;
+  BinarySemaphore& operator=(const BinarySemaphore&) = delete;
 
   /// From any thread.
   void request() {

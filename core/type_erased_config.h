@@ -10,20 +10,21 @@ namespace saccade {
 
 /// A config struct of any type, held by value: a copy has a config of its own. The struct has a
 /// `describe(FieldVisitor&, Config&)` beside it.
-class AnyConfig {
+class TypeErasedConfig {
  public:
   template <class Config>
-  requires(!std::is_same_v<std::remove_cvref_t<Config>, AnyConfig>) explicit AnyConfig(Config config)
+  requires(!std::is_same_v<std::remove_cvref_t<Config>, TypeErasedConfig>) explicit TypeErasedConfig(
+      Config config)
       : held_(std::make_unique<Held<Config>>(std::move(config))) {}
 
-  AnyConfig(const AnyConfig& other) : held_(other.held_->clone()) {}
-  AnyConfig(AnyConfig&&) noexcept = default;
-  AnyConfig& operator=(const AnyConfig& other) {
+  TypeErasedConfig(const TypeErasedConfig& other) : held_(other.held_->clone()) {}
+  TypeErasedConfig(TypeErasedConfig&&) noexcept = default;
+  TypeErasedConfig& operator=(const TypeErasedConfig& other) {
     held_ = other.held_->clone();
     return *this;
   }
-  AnyConfig& operator=(AnyConfig&&) noexcept = default;
-  ~AnyConfig() = default;
+  TypeErasedConfig& operator=(TypeErasedConfig&&) noexcept = default;
+  ~TypeErasedConfig() = default;
 
   /// The config if it is of this type, else nullptr.
   template <class Config>
@@ -33,7 +34,7 @@ class AnyConfig {
   }
   template <class Config>
   [[nodiscard]] const Config* get_if() const {
-    return const_cast<AnyConfig*>(this)->get_if<Config>();
+    return const_cast<TypeErasedConfig*>(this)->get_if<Config>();
   }
   /// The config, which is of this type.
   template <class Config>
@@ -44,10 +45,10 @@ class AnyConfig {
   }
   template <class Config>
   [[nodiscard]] const Config& get() const {
-    return const_cast<AnyConfig*>(this)->get<Config>();
+    return const_cast<TypeErasedConfig*>(this)->get<Config>();
   }
 
-  friend void describe(FieldVisitor& v, AnyConfig& config) { config.held_->visit(v); }
+  friend void describe(FieldVisitor& v, TypeErasedConfig& config) { config.held_->visit(v); }
 
  private:
   struct Base {
@@ -67,10 +68,10 @@ class AnyConfig {
   std::unique_ptr<Base> held_;
 };
 
-/// `make(const Config&, args...)` as a function of an AnyConfig that holds a Config.
+/// `make(const Config&, args...)` as a function of an TypeErasedConfig that holds a Config.
 template <class Config, class Make>
-[[nodiscard]] auto for_any_config(Make make) {
-  return [make = std::move(make)](const AnyConfig& config, const auto&... args) {
+[[nodiscard]] auto for_erased_config(Make make) {
+  return [make = std::move(make)](const TypeErasedConfig& config, const auto&... args) {
     return make(config.get<Config>(), args...);
   };
 }

@@ -4,30 +4,30 @@
 #include <utility>
 #include <vector>
 
-#include "core/any_config.h"
-#include "core/named_rows.h"
+#include "core/registry_rows.h"
+#include "core/type_erased_config.h"
 
 namespace saccade {
 
 /// The configs of all rows of a registry, each with its defaults at first. Row has members `name` and `config`. Empty
 /// when default constructed.
 template <class Row>
-class RowConfigs {
+class RegistryConfigs {
  public:
-  RowConfigs() = default;
-  explicit RowConfigs(NamedRows<Row> rows) : rows_(std::move(rows)) {
+  RegistryConfigs() = default;
+  explicit RegistryConfigs(RegistryRows<Row> rows) : rows_(std::move(rows)) {
     for (const Row& row : rows_) configs_.push_back(row.config);
   }
 
-  [[nodiscard]] const NamedRows<Row>& rows() const { return rows_; }
-  /// Calls `visit(const Row&, AnyConfig&)` for each row, in order.
+  [[nodiscard]] const RegistryRows<Row>& rows() const { return rows_; }
+  /// Calls `visit(const Row&, TypeErasedConfig&)` for each row, in order.
   template <class Visit>
   void for_each(const Visit& visit) {
     std::size_t i = 0;
     for (const Row& row : rows_) visit(row, configs_[i++]);
   }
   /// The config of the row with this name, which exists.
-  [[nodiscard]] const AnyConfig& of(std::string_view name) const {
+  [[nodiscard]] const TypeErasedConfig& of(std::string_view name) const {
     std::size_t i = 0;
     while (i < configs_.size() && (rows_.begin() + static_cast<std::ptrdiff_t>(i))->name != name) ++i;
     SACCADE_CHECK(i < configs_.size());
@@ -36,7 +36,7 @@ class RowConfigs {
   /// The first config struct of this type; nullptr where there is none.
   template <class Config>
   [[nodiscard]] Config* get_if() {
-    for (AnyConfig& config : configs_) {
+    for (TypeErasedConfig& config : configs_) {
       if (Config* const found = config.template get_if<Config>()) return found;
     }
     return nullptr;
@@ -50,16 +50,16 @@ class RowConfigs {
   }
 
  private:
-  NamedRows<Row> rows_;
-  std::vector<AnyConfig> configs_;
+  RegistryRows<Row> rows_;
+  std::vector<TypeErasedConfig> configs_;
 };
 
 /// Key `key`, which chooses a row, and a section with the keys of the chosen row under the row's name.
 template <class Row>
-void describe_chosen_row(FieldVisitor& v, std::string_view key, std::string& name, RowConfigs<Row>& configs,
-                         std::string_view doc) {
+void describe_chosen_row(FieldVisitor& v, std::string_view key, std::string& name,
+                         RegistryConfigs<Row>& configs, std::string_view doc) {
   v.choice(key, name, configs.rows().names(), doc);
-  configs.for_each([&](const Row& row, AnyConfig& keys) {
+  configs.for_each([&](const Row& row, TypeErasedConfig& keys) {
     if (row.name == name) v.section(row.name, keys, row.description);
   });
 }
@@ -70,17 +70,17 @@ class RowRegistry {
  public:
   /// Throws InputError for a name that another row has or that is_name refuses.
   void add(Row row) { rows_.add(std::move(row)); }
-  [[nodiscard]] const NamedRows<Row>& rows() const { return rows_; }
+  [[nodiscard]] const RegistryRows<Row>& rows() const { return rows_; }
 
  private:
-  NamedRows<Row> rows_;
+  RegistryRows<Row> rows_;
 };
 
 /// A row with name, description, default config and `make`, whose first parameter is the config struct.
 template <class Row, class Config, class Make>
 [[nodiscard]] Row row_of(std::string name, std::string description, Config defaults, Make make) {
-  return {std::move(name), std::move(description), AnyConfig(std::move(defaults)),
-          for_any_config<Config>(std::move(make))};
+  return {std::move(name), std::move(description), TypeErasedConfig(std::move(defaults)),
+          for_erased_config<Config>(std::move(make))};
 }
 
 }  // namespace saccade

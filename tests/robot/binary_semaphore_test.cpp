@@ -1,4 +1,4 @@
-#include "robot/wake_up.h"
+#include "robot/binary_semaphore.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(WakeUp, RequestsBeforeTheWaitCountAsOne) {
-  WakeUp wake_up;
+TEST(BinarySemaphore, RequestsBeforeTheWaitCountAsOne) {
+  BinarySemaphore wake_up;
   EXPECT_FALSE(wake_up.wait_for(1ms));
   for (int i = 0; i < 5; ++i) wake_up.request();
   wake_up.wait();
@@ -20,8 +20,8 @@ TEST(WakeUp, RequestsBeforeTheWaitCountAsOne) {
   EXPECT_TRUE(wake_up.wait_for(10s));
 }
 
-TEST(WakeUp, RequestsWithoutPauseDoNotKeepTheWaiterFromItsWork) {
-  WakeUp wake_up;
+TEST(BinarySemaphore, RequestsWithoutPauseDoNotKeepTheWaiterFromItsWork) {
+  BinarySemaphore wake_up;
   std::atomic<bool> over = false;
   std::thread requests([&] {
     while (!over) wake_up.request();
@@ -31,9 +31,9 @@ TEST(WakeUp, RequestsWithoutPauseDoNotKeepTheWaiterFromItsWork) {
   requests.join();
 }
 
-TEST(WakeUp, TheNewestValueIsSeenAfterTheLastRequest) {
+TEST(BinarySemaphore, TheNewestValueIsSeenAfterTheLastRequest) {
   constexpr int last = 20'000;
-  WakeUp wake_up;
+  BinarySemaphore wake_up;
   std::atomic<int> value = 0;
   std::thread writer([&] {
     for (int i = 1; i <= last; ++i) {

@@ -1,4 +1,4 @@
-#include "session/played.h"
+#include "session/replay_source.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -64,9 +64,9 @@ JointsSource joints_of(const std::filesystem::path& path, const HeadModel& head)
   });
 }
 
-Beginning beginning_of(const Played& played) {
+Beginning beginning_of(const ReplaySource& source) {
   constexpr std::size_t looked_at = 1 << 18;
-  const auto reader = open_event_file(played.formats, played.events, played.read);
+  const auto reader = open_event_file(source.formats, source.events, source.read);
   std::vector<Event> events;
   while (events.size() < looked_at && reader->read(events, looked_at) > 0) {
   }
@@ -88,33 +88,33 @@ std::filesystem::path events_of(const ReadOptions& options) {
   return options.recording / read_metrics(options.recording / "metrics.json").events_file;
 }
 
-Played open_played(const ReadOptions& options, std::filesystem::path truth) {
-  Played played;
-  played.events = options.recording;
-  played.formats = options.formats;
+ReplaySource open_replay_source(const ReadOptions& options, std::filesystem::path truth) {
+  ReplaySource source;
+  source.events = options.recording;
+  source.formats = options.formats;
   if (is_run_folder(options)) {
     const Metrics metrics = read_metrics(options.recording / "metrics.json");
-    played.events = options.recording / metrics.events_file;
-    played.eye = played_eye(options, played.events);
-    const bool right = played.eye == Eye::right;
+    source.events = options.recording / metrics.events_file;
+    source.eye = played_eye(options, source.events);
+    const bool right = source.eye == Eye::right;
     if (right && metrics.right_eye) {
-      played.camera = metrics.right_eye->calibration;
+      source.camera = metrics.right_eye->calibration;
     } else if (metrics.camera) {
-      played.camera = metrics.calibration.value_or(MountedCamera{*metrics.camera, {}});
+      source.camera = metrics.calibration.value_or(MountedCamera{*metrics.camera, {}});
     }
-    played.head = recorded_head(options.recording);
+    source.head = recorded_head(options.recording);
     const std::filesystem::path own_truth = options.recording / (right ? "truth_right.csv" : "truth.csv");
     if (truth.empty() && std::filesystem::exists(own_truth)) {
       truth = own_truth;
-      if (metrics.seed) played.chances = Chances::simulated;
+      if (metrics.seed) source.chances = Chances::simulated;
     }
   } else {
-    played.eye = played_eye(options, played.events);
+    source.eye = played_eye(options, source.events);
   }
-  played.read = options.read;
-  played.read.camera = static_cast<std::uint8_t>(played.eye);
-  if (!truth.empty()) played.truth = read_table<TruthRow>(truth);
-  return played;
+  source.read = options.read;
+  source.read.camera = static_cast<std::uint8_t>(source.eye);
+  if (!truth.empty()) source.truth = read_table<TruthRow>(truth);
+  return source;
 }
 
 std::optional<RecordedHead> recorded_head(const std::filesystem::path& folder) {
@@ -131,13 +131,13 @@ std::optional<RecordedHead> recorded_head(const std::filesystem::path& folder) {
   return RecordedHead{TableReader<JointsRow>(joints), {}, recorded_imu(folder)};
 }
 
-void add_joints(Played& played, const std::filesystem::path& joints) {
+void add_joints(ReplaySource& source, const std::filesystem::path& joints) {
   const std::filesystem::path file = std::filesystem::is_directory(joints) ? joints / "data.log" : joints;
   const auto open = [&](std::int64_t host_ahead_us) -> JointsSource {
     if (is_head_log(file)) return open_head_log(file, host_ahead_us);
     return TableReader<JointsRow>(file);
   };
-  const Beginning events = beginning_of(played);
+  const Beginning events = beginning_of(source);
   JointsSource all = open(events.host_ahead_us);
   std::optional<JointsRow> row = all.next();
   if (!row) throw InputError(file.string(), "no joints", "at least one row");
@@ -151,7 +151,7 @@ void add_joints(Played& played, const std::filesystem::path& joints) {
                          " s, before the first event at " + in_seconds(wanted_us) + " s",
                      "joints in the clock of the events");
   }
-  played.head.emplace(RecordedHead{joints_from(open(events.host_ahead_us), wanted_us), {}});
+  source.head.emplace(RecordedHead{joints_from(open(events.host_ahead_us), wanted_us), {}});
 }
 
 }  // namespace saccade

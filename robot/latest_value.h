@@ -11,11 +11,11 @@ namespace saccade {
 /// The newest value from one thread for any number of others. No side waits for another, whatever the other does: a writer
 /// that is halted within a write leaves the value before. Writers need a lock among themselves.
 template <class T>
-class Newest {
+class LatestValue {
   static_assert(std::is_trivially_copyable_v<T>);
 
  public:
-  explicit Newest(const T& first = {}) { write(first); }
+  explicit LatestValue(const T& first = {}) { write(first); }
 
   void write(const T& value) {
     const std::uint64_t count = written_.load(std::memory_order_relaxed) + 1;

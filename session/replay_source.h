@@ -29,7 +29,7 @@ struct ReadOptions {
 [[nodiscard]] std::filesystem::path events_of(const ReadOptions& options);
 
 /// A recording to replay: a bare event file, or a run folder with its camera, joints and ground truth.
-struct Played {
+struct ReplaySource {
   std::filesystem::path events;
   EventReadOptions read;   ///< of the events of one eye
   FormatRegistry formats;  ///< of the program
@@ -42,7 +42,7 @@ struct Played {
 
 /// Opens a recording. `truth`: table of true circles; if empty, the run folder's own, if it has one. Throws InputError for
 /// a missing or broken file.
-[[nodiscard]] Played open_played(const ReadOptions& options, std::filesystem::path truth);
+[[nodiscard]] ReplaySource open_replay_source(const ReadOptions& options, std::filesystem::path truth);
 
 /// The recorded joints of a run folder and its head: that of its scenario.yaml or robot.yaml, else the head that the names of
 /// the columns give. None without joints.csv. The head of a replay gets no commands, so no limits are read.
@@ -52,6 +52,6 @@ struct Played {
 /// the head's state port (open_head_log; a folder with data.log too). The log's times are put into the events' clock by
 /// the host's times in an event-driven log; in other recordings both have to have one clock. Throws InputError for a
 /// missing or broken file, and where all joints are before the first event.
-void add_joints(Played& played, const std::filesystem::path& joints);
+void add_joints(ReplaySource& source, const std::filesystem::path& joints);
 
 }  // namespace saccade

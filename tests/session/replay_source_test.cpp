@@ -1,5 +1,5 @@
 // Run folders as recordings: the head that moved while they were made.
-#include "session/played.h"
+#include "session/replay_source.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

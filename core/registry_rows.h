@@ -6,14 +6,14 @@
 #include <string_view>
 #include <vector>
 
-#include "core/any_config.h"
+#include "core/type_erased_config.h"
 
 namespace saccade {
 
 /// The rows of a registry, in the order in which they were added. Row has a member `name`. A copy is cheap and does not
 /// change when rows are added to the original.
 template <class Row>
-class NamedRows {
+class RegistryRows {
  public:
   /// Throws InputError for a name that another row has or that is_name refuses.
   void add(Row row) {

@@ -1,4 +1,4 @@
-#include "recording/own_file.h"
+#include "recording/module_path.h"
 
 #include <dlfcn.h>
 
@@ -6,11 +6,11 @@
 
 namespace saccade {
 
-std::filesystem::path own_file() {
+std::filesystem::path module_path() {
   Dl_info info{};
   std::error_code error;
   // A program that PATH found has no folder in its name.
-  const bool named = ::dladdr(reinterpret_cast<const void*>(&own_file), &info) != 0 &&
+  const bool named = ::dladdr(reinterpret_cast<const void*>(&module_path), &info) != 0 &&
                      info.dli_fname != nullptr && std::strchr(info.dli_fname, '/') != nullptr;
   if (named) {
     const std::filesystem::path file = std::filesystem::canonical(info.dli_fname, error);

@@ -5,6 +5,6 @@
 namespace saccade {
 
 /// The file that holds this code: the program, a shared library or a Python module.
-[[nodiscard]] std::filesystem::path own_file();
+[[nodiscard]] std::filesystem::path module_path();
 
 }  // namespace saccade

@@ -1,4 +1,4 @@
-#include "robot/newest.h"
+#include "robot/latest_value.h"
 
 #include <gtest/gtest.h>
 
@@ -8,19 +8,19 @@
 namespace saccade {
 namespace {
 
-TEST(Newest, GivesTheValueThatWasWrittenLast) {
-  Newest<double> cell(1.5);
+TEST(LatestValue, GivesTheValueThatWasWrittenLast) {
+  LatestValue<double> cell(1.5);
   EXPECT_EQ(cell.read(), 1.5);
   for (int i = 0; i < 10; ++i) cell.write(i);
   EXPECT_EQ(cell.read(), 9.0);
   EXPECT_EQ(cell.count(), 11u);
 }
 
-TEST(Newest, ReadersNeverSeeHalfOfAValueAndNeverAnOlderOneAgain) {
+TEST(LatestValue, ReadersNeverSeeHalfOfAValueAndNeverAnOlderOneAgain) {
   struct Wide {
     std::int64_t number[24] = {};
   };
-  Newest<Wide> cell;
+  LatestValue<Wide> cell;
   std::atomic<bool> over = false;
   std::thread writer([&] {
     for (std::int64_t n = 1; !over; ++n) {
