@@ -8,6 +8,10 @@
 
 #include "evaluation/image_codecs/image_codecs.h"
 
+namespace cv {
+class VideoWriter;
+}
+
 namespace saccade {
 
 /// What saccade-image-codecs.so offers, under the name codec_library_symbol. The number in the name changes with the members.
@@ -16,9 +20,10 @@ struct CodecLibrary {
                  std::vector<unsigned char>& bytes);
   cv::Mat (*decode)(std::string_view bytes, DecodedAs form);
   cv::Mat (*read)(const std::string& path, DecodedAs form);
-  cv::VideoCapture* (*read_video)(const std::string& path);  ///< the caller owns it
+  /// Null where the library has no videos; the caller owns what these two return.
+  cv::VideoCapture* (*read_video)(const std::string& path);
   cv::VideoWriter* (*write_video)(const std::string& path, std::string_view codec, double images_hz,
-                                  const cv::Size& size);  ///< the caller owns it
+                                  const cv::Size& size);
   std::vector<std::int64_t> (*video_times)(const std::string& path);
 };
 

@@ -10,7 +10,6 @@
 
 namespace cv {
 class VideoCapture;
-class VideoWriter;
 }  // namespace cv
 
 namespace saccade {
@@ -18,7 +17,7 @@ namespace saccade {
 /// PNG, JPEG and video files, read and written by OpenCV's imgcodecs and videoio. These need some 180 further libraries, so
 /// they are in a library of their own, saccade-image-codecs.so, which is loaded when the first image or video is read or
 /// written: loading them takes 0.16 s of processor time. An archive of the program has a library of PNG and JPEG alone in its
-/// place (png_jpeg_library.cpp); read_video and write_video throw RunError there. All functions throw RunError where that
+/// place (png_jpeg_library.cpp); read_video throws RunError there, and write_video needs the program ffmpeg. All functions throw RunError where that
 /// file is missing or cannot be loaded, and cv::Exception as OpenCV does.
 
 /// A file's bytes; `format` is png or jpeg. PNG in its smallest form takes longer. JPEG has a quality of 85 %.
@@ -38,10 +37,23 @@ enum class DecodedAs : std::uint8_t { stored, grey, colour };
 /// When the images of a video are shown, by its container, in their order: us from the start of the video. Empty where the
 /// container has no times. It is read without decoding.
 [[nodiscard]] std::vector<std::int64_t> video_times(const std::filesystem::path& path);
-/// A video of BGR images in the container that the path's extension names; `codec` is a code of four characters. Not opened
-/// (isOpened()) where it cannot be written.
-[[nodiscard]] std::unique_ptr<cv::VideoWriter> write_video(const std::filesystem::path& path,
-                                                           std::string_view codec, double images_hz,
-                                                           const cv::Size& size);
+/// A video that is being written. Every member but the destructor throws RunError where that fails.
+class VideoOutput {
+ public:
+  VideoOutput() = default;
+  VideoOutput(const VideoOutput&) = delete;
+  VideoOutput& operator=(const VideoOutput&) = delete;
+  virtual ~VideoOutput() = default;
+
+  /// BGR, 8 bit, of the video's size.
+  virtual void write(const cv::Mat& image) = 0;
+  /// Completes the file; nothing is called afterwards. A video that is destroyed without it may be unreadable.
+  virtual void close() = 0;
+};
+
+/// A video in the container that the path's extension names: H.264 where it can be encoded, else MPEG-4 part 2. Throws
+/// RunError where it cannot be written.
+[[nodiscard]] std::unique_ptr<VideoOutput> write_video(const std::filesystem::path& path, double images_hz,
+                                                       const cv::Size& size);
 
 }  // namespace saccade

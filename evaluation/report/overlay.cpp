@@ -2,12 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
 
 #include "core/error.h"
-#include "evaluation/image_codecs/image_codecs.h"
 
 namespace saccade {
 namespace {
@@ -157,40 +154,33 @@ cv::Mat fit_into(const cv::Mat& image, int width, int height) {
 VideoFile::VideoFile(std::filesystem::path path, ImageSize image, int images_hz)
     : path_(std::move(path)), part_(path_), size_(image) {
   part_.replace_extension(".part.mp4");  // ffmpeg chooses the container by the last extension
-  const cv::Size size(image.width, image.height);
-  const auto level = cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-  for (const char* codec : {"avc1", "mp4v"}) {
-    writer_ = write_video(part_, codec, images_hz, size);
-    if (writer_->isOpened()) break;
-  }
-  cv::utils::logging::setLogLevel(level);
-  if (!writer_->isOpened()) throw RunError("video: cannot write " + part_.string());
+  video_ = write_video(part_, images_hz, cv::Size(image.width, image.height));
 }
 
 VideoFile::~VideoFile() {
-  if (writer_) {
-    writer_->release();
+  if (video_) {
+    video_.reset();
     std::error_code ignored;
     std::filesystem::remove(part_, ignored);
   }
 }
 
 void VideoFile::add(const cv::Mat& image) {
-  SACCADE_CHECK(writer_ != nullptr);
-  writer_->write(image);
+  SACCADE_CHECK(video_ != nullptr);
+  video_->write(image);
   ++images_;
 }
 
 void VideoFile::commit() {
-  SACCADE_CHECK(writer_ != nullptr);
+  SACCADE_CHECK(video_ != nullptr);
   if (images_ == 0) throw RunError("video: no image for " + path_.string());
-  writer_->release();
+  video_->close();
   std::error_code error;
   if (std::filesystem::file_size(part_, error) == 0 || error)
     throw RunError("video: nothing was written to " + part_.string());
   std::filesystem::rename(part_, path_, error);
   if (error) throw RunError("video: cannot rename " + part_.string() + ": " + error.message());
-  writer_.reset();
+  video_.reset();
 }
 
 VideoComposer::VideoComposer(std::filesystem::path path, double speed)

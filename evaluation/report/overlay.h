@@ -11,11 +11,8 @@
 
 #include "core/camera.h"
 #include "core/event.h"
+#include "evaluation/image_codecs/image_codecs.h"
 #include "evaluation/report/palette.h"
-
-namespace cv {
-class VideoWriter;
-}
 
 namespace saccade {
 
@@ -51,7 +48,7 @@ struct AnnotatedImage {
 [[nodiscard]] cv::Mat fit_into(const cv::Mat& image, int width, int height);
 
 /// Writes an mp4 that plays in browsers. It appears under its name on commit() only (until then `NAME.part.mp4`).
-/// H.264 where the system's ffmpeg can encode it, else MPEG-4 part 2. Every member but the destructor throws RunError.
+/// H.264 where it can be encoded, else MPEG-4 part 2. Every member but the destructor throws RunError.
 class VideoFile {
  public:
   VideoFile(std::filesystem::path path, ImageSize size, int images_hz);
@@ -70,7 +67,7 @@ class VideoFile {
   std::filesystem::path path_;
   std::filesystem::path part_;
   ImageSize size_;
-  std::unique_ptr<cv::VideoWriter> writer_;
+  std::unique_ptr<VideoOutput> video_;
   std::int64_t images_ = 0;
 };
 

@@ -63,10 +63,11 @@ def _rule(kind):
         "bool": (lambda value: isinstance(value, (bool, np.bool_)), "True or False"),
         "str": (lambda value: isinstance(value, str), "a text"),
         "os.PathLike": (lambda value: isinstance(value, (str, bytes, os.PathLike)), "a path"),
-        "Tuple[int, int]": (lambda value: np.ndim(value) == 1 and len(value) == 2 and all(map(_is_whole, value)),
+        "tuple[int, int]": (lambda value: np.ndim(value) == 1 and len(value) == 2 and all(map(_is_whole, value)),
                             "two whole numbers, (width, height)"),
         "object": (lambda value: True, "an object"),
     }
+    kind = kind.replace("Tuple[", "tuple[")  # of pybind11 before 2.13
     if kind in simple:
         return simple[kind]
     name = re.split(r"\.|::", kind)[-1]

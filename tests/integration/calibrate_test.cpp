@@ -61,8 +61,11 @@ TEST(Calibrate, AShortRunBeforeTheBoardGivesTheLensAndAScenarioTakesIt) {
 TEST(Calibrate, ARecordingWithoutAGridIsRejectedWithOneLine) {
   const TempFolder folder;
   const std::string yaml = (folder / "left.yaml").string();
-  const Outcome ball =
-      saccade("calibrate '" + source + "/../shared/data/ball_looming_dvs128_aedat2.aedat' --out " + yaml);
+  const std::string run = (folder / "run").string();
+  const Outcome made = saccade("run '" + source + "/scenarios/look_at_ball.yaml' --set run.duration_s=0.5 " +
+                               "--set expect={} --set output.pictures=0 --out " + run);
+  ASSERT_EQ(made.status, 0) << made.text;
+  const Outcome ball = saccade("calibrate " + run + "/events.aedat --out " + yaml);
   EXPECT_EQ(ball.status, 1);
   EXPECT_THAT(ball.text, HasSubstr("found in 0 images"));
   EXPECT_FALSE(std::filesystem::exists(yaml));

@@ -1,15 +1,21 @@
 #include "evaluation/image_codecs/image_codecs.h"
 
 #include <dlfcn.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 
+#include <cstdlib>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <opencv2/core.hpp>
 #include <opencv2/videoio.hpp>
 #include <stdexcept>
 
+#include "core/error.h"
 #include "evaluation/image_codecs/codec_library.h"
+#include "evaluation/image_codecs/ffmpeg_video.h"
 #include "recording/helper_reader.h"
 #include "tests/recording/temp_folder.h"
 
@@ -71,22 +77,81 @@ TEST(ImageCodecs, GiveAnEmptyImageForWhatIsNone) {
   EXPECT_TRUE(read_image("/nowhere/a.png", DecodedAs::colour).empty());
 }
 
-TEST(ImageCodecs, WriteAVideoThatIsReadBack) {
-  const TempFolder folder;
-  const auto path = folder / "a.mp4";
-  const cv::Mat image = drawn(64, 48);
-  const auto writer = write_video(path, "mp4v", 25.0, image.size());
-  ASSERT_TRUE(writer->isOpened());
-  for (int i = 0; i < 5; ++i) writer->write(image);
-  writer->release();
+/// Five images of 25 Hz, read back.
+void expect_five_images(const std::filesystem::path& path) {
   const auto reader = read_video(path);
   ASSERT_TRUE(reader->isOpened());
   EXPECT_NEAR(reader->get(cv::CAP_PROP_FPS), 25.0, 1e-6);
   cv::Mat read;
   int images = 0;
-  while (reader->read(read)) ++images;
+  while (reader->read(read)) {
+    ++images;
+    EXPECT_LT(cv::norm(read, drawn(64, 48), cv::NORM_L1) / (64.0 * 48.0 * 3.0), 10.0)
+        << "a mean error in grey levels";
+  }
   EXPECT_EQ(images, 5);
+}
+
+TEST(ImageCodecs, WriteAVideoThatIsReadBack) {
+  const TempFolder folder;
+  const auto path = folder / "a.mp4";
+  const cv::Mat image = drawn(64, 48);
+  const auto writer = write_video(path, 25.0, image.size());
+  for (int i = 0; i < 5; ++i) writer->write(image);
+  writer->close();
+  expect_five_images(path);
   EXPECT_FALSE(read_video(folder / "absent.mp4")->isOpened());
+}
+
+TEST(ImageCodecs, WriteAVideoByTheProgramFfmpeg) {
+  const TempFolder folder;
+  const auto path = folder / "with space:and colon.mp4";
+  const cv::Mat wide = drawn(80, 48);
+  const auto writer = write_video_by_ffmpeg(path, 25.0, {64, 48});
+  const cv::Mat part = wide(cv::Rect(0, 0, 64, 48));  // rows that do not follow each other in memory
+  drawn(64, 48).copyTo(part);
+  for (int i = 0; i < 5; ++i) writer->write(part);
+  writer->close();
+  expect_five_images(path);
+}
+
+std::string error_of(const std::function<void()>& act) {
+  try {
+    act();
+  } catch (const RunError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(ImageCodecs, ReportWhatFfmpegSays) {
+  const cv::Mat image = drawn(64, 48);
+  const auto written = [&] {
+    const auto writer = write_video_by_ffmpeg("/nowhere/a.mp4", 25.0, image.size());
+    for (int i = 0; i < 1000; ++i) writer->write(image);
+    writer->close();
+  };
+  EXPECT_THAT(error_of(written),
+              testing::AllOf(testing::HasSubstr("video: ffmpeg cannot write /nowhere/a.mp4: "),
+                             testing::HasSubstr("No such file or directory")));
+}
+
+TEST(ImageCodecs, ReportThatThereIsNoFfmpeg) {
+  const std::string path = std::getenv("PATH");
+  ::setenv("PATH", "/nowhere", 1);
+  const std::string error = error_of([] { (void)write_video_by_ffmpeg("a.mp4", 25.0, {64, 48}); });
+  ::setenv("PATH", path.c_str(), 1);
+  EXPECT_THAT(error, testing::HasSubstr("video: the program ffmpeg is not installed"));
+}
+
+TEST(ImageCodecs, AVideoThatIsNotClosedEndsItsFfmpeg) {
+  const TempFolder folder;
+  const cv::Mat image = drawn(64, 48);
+  {
+    const auto writer = write_video_by_ffmpeg(folder / "a.mp4", 25.0, image.size());
+    writer->write(image);
+  }
+  EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1) << "a child is left";
 }
 
 const CodecLibrary& loaded(const char* file) {
