@@ -45,10 +45,9 @@ foreach(layer IN LISTS layers)
   install(TARGETS saccade_${layer} EXPORT saccadeTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library)
 endforeach()
 install(EXPORT saccadeTargets NAMESPACE saccade:: DESTINATION ${SACCADE_PACKAGE_DIR} COMPONENT library)
-foreach(folder core head threads control emulator recording robot loop sim evaluation worlds config external images session apps)
-  install(DIRECTORY ${saccade_SOURCE_DIR}/${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/saccade COMPONENT library
-    FILES_MATCHING PATTERN "*.h")
-endforeach()
+install(CODE "set(SACCADE_SOURCE \"${saccade_SOURCE_DIR}\")
+set(SACCADE_HEADERS \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}/saccade\")" COMPONENT library)
+install(SCRIPT ${saccade_SOURCE_DIR}/cmake/install_headers.cmake COMPONENT library)
 
 configure_package_config_file(${saccade_SOURCE_DIR}/cmake/saccadeConfig.cmake.in
   ${CMAKE_BINARY_DIR}/saccadeConfig.cmake INSTALL_DESTINATION ${SACCADE_PACKAGE_DIR}

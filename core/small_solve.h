@@ -4,13 +4,11 @@
 
 namespace saccade {
 
-/// Solvers for small dense systems that neither allocate nor throw.
-///
-/// Each does the operations of the solver of Eigen 3.4 that it names, in the same order, so that results agree bit for
-/// bit. Eigen's own solvers instantiate its blocked matrix products, which takes seconds in each file that uses one.
+/// Eigen's solvers for small dense systems, in one file: they instantiate its blocked matrix products, which takes seconds of
+/// compilation in each file that uses one. They neither allocate nor throw.
 
 /// Solves A x = b for a symmetric positive definite A of n <= 12 rows, by Cholesky factorisation (Eigen::LLT). `a`: A by
-/// columns, of which the lower triangle is read; it is overwritten. `b`: b on entry, x on return. Where A is not
+/// columns, of which the lower triangle is read; it may be overwritten. `b`: b on entry, x on return. Where A is not
 /// positive definite x has no meaning.
 void solve_cholesky(double* a, double* b, int n);
 

@@ -20,13 +20,11 @@ namespace saccade {
 }
 
 /// The newest instants of a run, one per tick, until all of their events have been delivered and detectors have had time to
-/// process them: they bring estimates about instants before their tick. `Context`: what belongs to an instant beside the detectors' observations.
-template <class Context>
+/// process them: they bring estimates about instants before their tick.
 class InstantQueue {
  public:
   struct Instant {
     std::int64_t t_us = 0;
-    Context context;
     std::vector<std::optional<Estimate>> observations;  ///< of each detector; none: no observation
   };
   static constexpr std::int64_t all_us = std::numeric_limits<std::int64_t>::max();
@@ -38,11 +36,10 @@ class InstantQueue {
   }
 
   /// A tick's instant, later than the one before. A limited number of them waits: pop() after each push().
-  void push(std::int64_t t_us, Context context) {
+  void push(std::int64_t t_us) {
     SACCADE_CHECK(count_ < ring_.size());
     Instant& instant = at(count_++);
     instant.t_us = t_us;
-    instant.context = std::move(context);
     std::ranges::fill(instant.observations, std::nullopt);
   }
 
@@ -54,6 +51,11 @@ class InstantQueue {
       }
     }
     if (result.on_time) at(count_ - 1).observations[detector] = result.estimate;
+  }
+
+  /// An observation of the newest instant by what no events feed.
+  void set(std::size_t detector, const std::optional<Estimate>& seen) {
+    at(count_ - 1).observations[detector] = seen;
   }
 
   /// Passes on the instants up to `complete_us`, and the oldest one if the queue is full; in the order of time.

@@ -25,15 +25,17 @@ RunRecorder::RunRecorder(std::optional<std::filesystem::path> folder, const Scen
       robot_(robot),
       truth_(robot),
       frames_(frame_camera(scenario, robot)),
-      scores_(scenario, truth_, robot.limits(), loop, frames_ ? &*frames_ : nullptr),
+      observations_(loop, truth_, frames_ ? &*frames_ : nullptr, scenario.latency),
+      scores_(scenario, truth_, robot.limits(), loop, observations_, frames_ ? &*frames_ : nullptr),
       files_(InputFiles().of(scenario)) {
   if (!folder_) return;
-  tables_.emplace(*folder_, scenario, truth_, loop, frames_ ? &*frames_ : nullptr, robot.imu());
+  tables_.emplace(*folder_, scenario, truth_, loop, observations_, robot.imu());
   pictures_.emplace(*folder_, scenario, robot, loop, scores_);
 }
 
 void RunRecorder::on_tick(const Tick& tick) {
   if (frames_) frames_->on_tick(tick);
+  observations_.on_tick(tick);
   if (tables_) tables_->on_tick(tick);
   scores_.on_tick(tick);
   if (pictures_) pictures_->on_tick(tick);
@@ -44,6 +46,7 @@ double RunRecorder::picture_wall_s() const {
 }
 
 Metrics RunRecorder::finish(double wall_s, std::vector<std::pair<std::string, std::string>> settings) {
+  observations_.finish();
   if (tables_) tables_->commit();
   if (pictures_) pictures_->commit();
   Metrics metrics = scores_.metrics();

@@ -8,6 +8,7 @@
 
 #include "session/frame_camera.h"
 #include "session/ground_truth.h"
+#include "session/observations.h"
 #include "session/run_pictures.h"
 #include "session/run_scores.h"
 #include "session/run_tables.h"
@@ -35,6 +36,7 @@ class RunRecorder final : public LoopObserver {
   SimRobot& robot_;
   GroundTruth truth_;
   std::optional<FrameCamera> frames_;
+  Observations observations_;
   std::optional<RunTables> tables_;
   RunScores scores_;
   std::optional<RunPictures> pictures_;

@@ -42,25 +42,25 @@ EyeMovementProtocol protocol_of(const Scenario& scenario) {
 }  // namespace
 
 RunScores::RunScores(const Scenario& scenario, const GroundTruth& truth, const JointLimits& limits,
-                     const Loop& loop, const FrameCamera* frames)
+                     const Loop& loop, const Observations& observations, const FrameCamera* frames)
     : scenario_(scenario),
       truth_(truth),
       limits_(limits),
       loop_(loop),
-      frames_(frames),
-      gaze_(gaze_scoring(scenario, scenario.sim.camera, limits)),
-      instants_(loop.detectors().size() + 1, processing_us(scenario.latency)) {
+      observations_(observations),
+      gaze_(gaze_scoring(scenario, scenario.sim.camera, limits)) {
   for (const LoopDetector& detector : loop.detectors()) {
     if (detector.name == scenario.gaze.detector) driver_ = detectors_.size();
-    detectors_.emplace_back(detector.name, detector.detector->threshold(), scenario.latency);
+    detectors_.emplace_back(detector.name, detector.detector->threshold(), detectors_.size());
   }
   if (frames != nullptr)
-    frame_detector_.emplace(std::string(frame_detector_name), frames->threshold(), scenario.latency);
+    frame_detector_.emplace(std::string(frame_detector_name), frames->threshold(),
+                            observations.frame_camera());
   if (scenario.output.eye_movements) eye_movements_.emplace(protocol_of(scenario));
   if (!scenario.sim.both_eyes()) return;
   right_eye_.emplace(gaze_scoring(scenario, scenario.sim.right.camera, limits));
   if (const saccade::Detector* right = loop.right_detector())
-    right_eye_->detector.emplace(scenario.gaze.detector, right->threshold(), scenario.latency);
+    right_eye_->detector.emplace(scenario.gaze.detector, right->threshold(), observations.right_eye());
 }
 
 void RunScores::on_tick(const Tick& tick) {
@@ -72,22 +72,15 @@ void RunScores::on_tick(const Tick& tick) {
   if (eye_movements_) add_eye_movement(tick.t_us);
   const TruthRow row = truth_row(truth, truth.left);
   const double clutter_share = scenario_.sim.labels ? clutter_.share_in_window() : 0.0;
-  instants_.push(tick.t_us, {row, right_eye_ ? truth_row(truth, *truth.right) : TruthRow{},
-                             gaze_.held_since_us(), clutter_share});
+  contexts_.push_back(
+      {row, right_eye_ ? truth_row(truth, *truth.right) : TruthRow{}, gaze_.held_since_us(), clutter_share});
   for (std::size_t i = 0; i < detectors_.size(); ++i) {
-    const DetectorTick& result = tick.detectors[i];
-    count_work(detectors_[i], tick.t_us, result);
-    detectors_[i].newest.update(tick.t_us, result, truth.events_until_us);
+    count_work(detectors_[i], tick.t_us, tick.detectors[i]);
     score_newest(detectors_[i], row);
-    instants_.set(i, result);
   }
-  if (frame_detector_) {
-    score(*frame_detector_, row, frames_->detection(), clutter_share);
-    frame_detector_->newest.update(tick.t_us, frames_->ready_us(), frames_->detection());
-    score_newest(*frame_detector_, row);
-  }
+  if (frame_detector_) score_newest(*frame_detector_, row);
   if (right_eye_) look_at_right_eye(tick);
-  instants_.pop(truth.events_until_us, [this](const Instants::Instant& instant) { score(instant); });
+  score_completed();
 }
 
 std::optional<bool> RunScores::score(Detector& detector, const TruthRow& truth,
@@ -100,16 +93,24 @@ std::optional<bool> RunScores::score(Detector& detector, const TruthRow& truth,
   return detector.scorer.add(truth, observation);
 }
 
-void RunScores::score(const Instants::Instant& instant) {
-  const Context& context = instant.context;
-  for (std::size_t i = 0; i < detectors_.size(); ++i) {
-    const auto found = score(detectors_[i], context.truth, instant.observations[i], context.clutter_share);
-    if (driver_ == i) following_.add(found, context.held_since_us);
+void RunScores::score_completed() {
+  for (const InstantQueue::Instant& instant : observations_.completed()) {
+    const Context context = contexts_.front();
+    contexts_.pop_front();
+    const auto score_of = [&](Detector& detector) {
+      return score(detector, context.truth, instant.observations[detector.number], context.clutter_share);
+    };
+    for (std::size_t i = 0; i < detectors_.size(); ++i) {
+      const auto found = score_of(detectors_[i]);
+      if (driver_ == i) following_.add(found, context.held_since_us);
+    }
+    if (frame_detector_) score_of(*frame_detector_);
+    if (!right_eye_ || !right_eye_->detector) continue;
+    std::optional<Observation> observation;
+    if (const auto& seen = instant.observations[observations_.right_eye()])
+      observation = observation_of(*seen);
+    right_eye_->detector->scorer.add(context.right_truth, observation);
   }
-  if (!right_eye_ || !right_eye_->detector) return;
-  std::optional<Observation> observation;
-  if (const auto& seen = instant.observations.back()) observation = observation_of(*seen);
-  right_eye_->detector->scorer.add(context.right_truth, observation);
 }
 
 void RunScores::count_work(Detector& detector, std::int64_t t_us, const DetectorTick& result) {
@@ -118,8 +119,8 @@ void RunScores::count_work(Detector& detector, std::int64_t t_us, const Detector
   if (!result.busy) detector.work_us += std::max<std::int64_t>(result.ready_us - t_us, 0);
 }
 
-void RunScores::score_newest(Detector& detector, const TruthRow& truth) {
-  const auto& ready = detector.newest.ready();
+void RunScores::score_newest(Detector& detector, const TruthRow& truth) const {
+  const auto& ready = observations_.newest(detector.number);
   if (ready) {
     detector.streaming.add(truth, observation_of(ready->estimate), ready->ready_us - ready->about_us);
   } else {
@@ -143,9 +144,7 @@ void RunScores::look_at_right_eye(const Tick& tick) {
       {tick.t_us, truth.right->root_from_cam, truth.ball_m, tick.target_m, truth.plant_position_rad});
   if (!eye.detector || !tick.right) return;
   count_work(*eye.detector, tick.t_us, *tick.right);
-  eye.detector->newest.update(tick.t_us, *tick.right, truth.events_until_us);
   score_newest(*eye.detector, truth_row(truth, *truth.right));
-  instants_.set(detectors_.size(), *tick.right);
 }
 
 void RunScores::add_eye_movement(std::int64_t t_us) {
@@ -227,7 +226,7 @@ RightEyeMetrics RunScores::right_eye_metrics() const {
 }
 
 Metrics RunScores::metrics() {
-  instants_.pop(Instants::all_us, [this](const Instants::Instant& instant) { score(instant); });
+  score_completed();
   Metrics metrics;
   metrics.scenario = scenario_.name;
   metrics.seed = scenario_.seed;

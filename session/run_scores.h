@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,8 +14,7 @@
 #include "evaluation/scoring/metrics.h"
 #include "loop/loop.h"
 #include "session/ground_truth.h"
-#include "session/instant_queue.h"
-#include "session/newest_estimate.h"
+#include "session/observations.h"
 
 namespace saccade {
 
@@ -25,29 +25,29 @@ class FrameCamera;
 /// (`streaming`).
 class RunScores final : public LoopObserver {
  public:
-  /// `limits`: of the head. All others outlive it; `frames` is called before it and may be null.
+  /// `limits`: of the head. All others outlive it; `observations` are called before it. `frames` may be null.
   RunScores(const Scenario& scenario, const GroundTruth& truth, const JointLimits& limits, const Loop& loop,
-            const FrameCamera* frames);
+            const Observations& observations, const FrameCamera* frames);
 
   void on_tick(const Tick& tick) override;
   /// The angle between the left eye's axis and the ball at the newest tick.
   [[nodiscard]] double fixation_error_rad() const { return gaze_.fixation_error_rad(); }
-  /// Everything in metrics.json that follows from the ticks; after the last one.
+  /// Everything in metrics.json that follows from the ticks; after the observations have finished.
   [[nodiscard]] Metrics metrics();
 
  private:
   struct Detector {
-    Detector(std::string its_name, double its_threshold, const LatencyConfig& latency)
+    Detector(std::string its_name, double its_threshold, std::size_t its_number)
         : name(std::move(its_name)),
           threshold(its_threshold),
+          number(its_number),
           scorer(name, threshold, Chances::simulated),
-          newest(latency.transport_us()),
           streaming(threshold) {}
 
     std::string name;
     double threshold;
+    std::size_t number;  // in the observations
     DetectorScorer scorer;
-    NewestEstimate newest;
     StreamingScorer streaming;
     ChanceClutter clutter;
     std::int64_t elapsed_ns = 0;
@@ -69,15 +69,14 @@ class RunScores final : public LoopObserver {
     std::optional<std::int64_t> held_since_us;  // by the gaze
     double clutter_share = 0.0;                 // in the window of clutter_
   };
-  using Instants = InstantQueue<Context>;
 
   /// Returns whether the detector found the ball; none where the instant is no chance.
   std::optional<bool> score(Detector& detector, const TruthRow& truth, const std::optional<Estimate>& seen,
                             double clutter_share);
-  void score(const Instants::Instant& instant);
+  void score_completed();
   static void count_work(Detector& detector, std::int64_t t_us, const DetectorTick& result);
   [[nodiscard]] LatencyMetrics latency_metrics() const;
-  static void score_newest(Detector& detector, const TruthRow& truth);
+  void score_newest(Detector& detector, const TruthRow& truth) const;
   void count_labels(std::span<const Event> events);
   void look_at_right_eye(const Tick& tick);
   void add_eye_movement(std::int64_t t_us);
@@ -90,7 +89,7 @@ class RunScores final : public LoopObserver {
   const GroundTruth& truth_;
   JointLimits limits_;
   const Loop& loop_;
-  const FrameCamera* frames_;
+  const Observations& observations_;
   std::vector<Detector> detectors_;  // in the order of the loop's
   std::optional<Detector> frame_detector_;
   std::optional<std::size_t> driver_;  // index of the one that drives the gaze
@@ -99,7 +98,7 @@ class RunScores final : public LoopObserver {
   std::optional<JointVector> first_rad_;  // joints at the first tick
   FollowingRate following_;
   ClutterCounter clutter_;
-  Instants instants_;
+  std::deque<Context> contexts_;  // of the instants that are not complete
   std::optional<RightEye> right_eye_;
   std::int64_t event_count_ = 0;  // of both eyes
   std::int64_t now_us_ = 0;

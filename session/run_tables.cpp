@@ -10,18 +10,16 @@ namespace saccade {
 std::string event_file_name(const Scenario& scenario) { return "events." + scenario.output.events; }
 
 RunTables::RunTables(const std::filesystem::path& folder, const Scenario& scenario, const GroundTruth& truth,
-                     const Loop& loop, const FrameCamera* frames, ImuPort* imu)
+                     const Loop& loop, const Observations& observations, ImuPort* imu)
     : scenario_(scenario),
       head_(head_model(scenario.sim.world.head)),
       truth_source_(truth),
       loop_(loop),
-      frames_(frames),
+      observations_(observations),
       events_(create_event_file(scenario.output.formats, folder / event_file_name(scenario),
                                 scenario.sim.camera.size, scenario.sim.both_eyes() ? 2 : 1)),
       joints_(folder / run_file::joints, head_),
       truth_(folder / run_file::truth),
-      instants_(loop.detectors().size() + 1, processing_us(scenario.latency)),
-      newest_(loop.detectors().size() + 1, NewestEstimate(scenario.latency.transport_us())),
       detections_(folder / run_file::detections),
       streaming_(folder / run_file::streaming),
       gaze_(folder / run_file::gaze, head_),
@@ -39,9 +37,6 @@ RunTables::RunTables(const std::filesystem::path& folder, const Scenario& scenar
 void RunTables::on_tick(const Tick& tick) {
   events_->write(tick.events);
   if (labels_) write_labels(tick.events);
-  instants_.push(tick.t_us, frames_ != nullptr ? frames_->detection() : std::nullopt);
-  for (std::size_t i = 0; i < tick.detectors.size(); ++i) instants_.set(i, tick.detectors[i]);
-  if (tick.right) instants_.set(tick.detectors.size(), *tick.right);
   write_streaming(tick);
 
   const SimTruth& truth = truth_source_.state;
@@ -58,35 +53,31 @@ void RunTables::on_tick(const Tick& tick) {
     ImuRow row{tick.t_us, {}};
     if (imu_source_->read_imu(row.reading) == PortStatus::ok) imu_->write(row);
   }
-  instants_.pop(truth.events_until_us,
-                [this](const Instants::Instant& instant) { write_detections(instant); });
+  write_detections();
 }
 
-void RunTables::write_detections(const Instants::Instant& instant) {
+void RunTables::write_detections() {
   const std::size_t count = loop_.detectors().size();
-  for (std::size_t i = 0; i < count; ++i) {
-    if (const auto& seen = instant.observations[i])
-      detections_.write(detection_row(instant.t_us, loop_.detectors()[i].name, *seen));
+  for (const InstantQueue::Instant& instant : observations_.completed()) {
+    for (std::size_t i = 0; i < count; ++i) {
+      if (const auto& seen = instant.observations[i])
+        detections_.write(detection_row(instant.t_us, loop_.detectors()[i].name, *seen));
+    }
+    if (const auto& seen = instant.observations[observations_.frame_camera()])
+      detections_.write(detection_row(instant.t_us, std::string(frame_detector_name), *seen));
+    const auto& right = instant.observations[observations_.right_eye()];
+    if (detections_right_ && right)
+      detections_right_->write(detection_row(instant.t_us, scenario_.gaze.detector, *right));
   }
-  if (instant.context)
-    detections_.write(detection_row(instant.t_us, std::string(frame_detector_name), *instant.context));
-  const auto& right = instant.observations[count];
-  if (detections_right_ && right)
-    detections_right_->write(detection_row(instant.t_us, scenario_.gaze.detector, *right));
 }
 
 void RunTables::write_streaming(const Tick& tick) {
-  const auto write = [&](const std::string& name, const NewestEstimate& newest) {
-    if (const auto& ready = newest.ready())
+  const auto write = [&](const std::string& name, std::size_t detector) {
+    if (const auto& ready = observations_.newest(detector))
       streaming_.write({detection_row(tick.t_us, name, ready->estimate), ready->ready_us});
   };
-  for (std::size_t i = 0; i < tick.detectors.size(); ++i) {
-    newest_[i].update(tick.t_us, tick.detectors[i], truth_source_.state.events_until_us);
-    write(loop_.detectors()[i].name, newest_[i]);
-  }
-  if (frames_ == nullptr) return;
-  newest_.back().update(tick.t_us, frames_->ready_us(), frames_->detection());
-  write(std::string(frame_detector_name), newest_.back());
+  for (std::size_t i = 0; i < tick.detectors.size(); ++i) write(loop_.detectors()[i].name, i);
+  write(std::string(frame_detector_name), observations_.frame_camera());
 }
 
 void RunTables::write_labels(std::span<const Event> events) {
@@ -98,7 +89,7 @@ void RunTables::write_labels(std::span<const Event> events) {
 }
 
 void RunTables::commit() {
-  instants_.pop(Instants::all_us, [this](const Instants::Instant& instant) { write_detections(instant); });
+  write_detections();
   events_->commit();
   joints_.commit();
   truth_.commit();

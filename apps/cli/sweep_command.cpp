@@ -29,7 +29,8 @@ std::string bytes_of(const fs::path& path) {
 std::string version_of_program() {
   std::string bytes = bytes_of("/proc/self/exe");
   std::vector<fs::path> models;
-  for (const auto& entry : fs::directory_iterator(models_directory())) models.push_back(entry.path());
+  for (const auto& entry : fs::recursive_directory_iterator(models_directory()))
+    if (entry.is_regular_file()) models.push_back(entry.path());
   std::sort(models.begin(), models.end());
   for (const fs::path& model : models) bytes += bytes_of(model);
   return fmt::format("saccade {} ({}) {}, MuJoCo {}", version(), commit(), digest(bytes), mj_versionString());

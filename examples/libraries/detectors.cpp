@@ -3,4 +3,6 @@
 
 #include <cstdio>
 
-int main() { std::printf("detectors: %zu kinds of detectors\n", saccade::built_in_detectors().names().size()); }
+int main() {
+  std::printf("detectors: %zu kinds of detectors\n", saccade::built_in_detectors().names().size());
+}

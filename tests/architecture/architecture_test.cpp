@@ -115,7 +115,8 @@ class Checker {
   [[nodiscard]] Table::const_iterator row_of(const std::string& path) const {
     auto row = table_.end();
     for (auto it = table_.begin(); it != table_.end(); ++it) {
-      if (path.starts_with(it->first) && (row == table_.end() || it->first.size() > row->first.size())) row = it;
+      if (path.starts_with(it->first) && (row == table_.end() || it->first.size() > row->first.size()))
+        row = it;
     }
     return row;
   }
@@ -207,8 +208,9 @@ TEST(Architecture, EveryIncludeAndLinkKeepsToTheTableOfLayers) {
 
 TEST(Architecture, TheTableHasARowForEveryLayer) {
   const Checker checker(SACCADE_SOURCE_DIR);
-  for (const char* layer : {"core/", "control/", "emulator/", "recording/", "robot/", "loop/", "sim/",
-                            "evaluation/scoring/", "config/", "session/", "worlds/", "core/tracker/", "apps/"}) {
+  for (const char* layer :
+       {"core/", "control/", "emulator/", "recording/", "robot/", "loop/", "sim/", "evaluation/scoring/",
+        "config/", "session/", "worlds/", "core/tracker/", "apps/"}) {
     EXPECT_TRUE(checker.table().contains(layer)) << layer;
   }
 }
@@ -305,7 +307,8 @@ INSTANTIATE_TEST_SUITE_P(
               "core/a.h: may not include core/tracker/a.h"},
         Plant{"trackerInTheSimulator", "sim/a.cpp", "#include \"core/tracker/a.h\"\n",
               "sim/a.cpp: may not include core/tracker/a.h"},
-        Plant{"programInALibrary", "session/CMakeLists.txt", "saccade_layer(session SOURCES a.cpp LAYERS sweep)",
+        Plant{"programInALibrary", "session/CMakeLists.txt",
+              "saccade_layer(session SOURCES a.cpp LAYERS sweep)",
               "session/CMakeLists.txt: may not link saccade_sweep"},
         Plant{"mujocoInScoring", "evaluation/scoring/a.cpp", "#include <mujoco/mujoco.h>\n",
               "evaluation/scoring/a.cpp: may not include mujoco/mujoco.h"},

@@ -53,12 +53,15 @@ Metrics metrics_of(const std::filesystem::path& folder, const LatencyConfig& lat
   scenario.output.formats = built_in_formats();
   MovingBall world(robot);
   const GroundTruth truth(world.truth, [] { return std::span<const EventLabel>(); });
-  RunTables tables(folder, scenario, truth, loop, nullptr);
-  RunScores scores(scenario, truth, genova02_limits(), loop, nullptr);
+  Observations observations(loop, truth, nullptr, latency);
+  RunTables tables(folder, scenario, truth, loop, observations);
+  RunScores scores(scenario, truth, genova02_limits(), loop, observations, nullptr);
   Session session(robot, loop);
-  for (LoopObserver* const observer : std::initializer_list<LoopObserver*>{&world, &tables, &scores})
+  for (LoopObserver* const observer :
+       std::initializer_list<LoopObserver*>{&world, &observations, &tables, &scores})
     session.add_observer(*observer);
   session.run(1000, end_us);
+  observations.finish();
   tables.commit();
   return scores.metrics();
 }
@@ -178,10 +181,10 @@ TEST(NewestEstimate, StaysWhileEventsMayStillComeAndEndsWithASilenceThatIsKnown)
 }
 
 TEST(InstantQueue, PassesTheOldestInstantOnWhereItsEventsNeverCome) {
-  InstantQueue<int> queue(1);
+  InstantQueue queue(1);
   std::vector<std::int64_t> passed;
   for (int i = 1; i <= 20; ++i) {
-    queue.push(i * 1000, i);
+    queue.push(i * 1000);
     queue.pop(0, [&](const auto& instant) { passed.push_back(instant.t_us); });
   }
   EXPECT_THAT(passed, ElementsAre(1000, 2000, 3000, 4000, 5000));

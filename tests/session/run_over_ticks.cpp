@@ -144,19 +144,21 @@ void run_over_ticks(std::int64_t ticks, std::int64_t sample_ticks,
   const GroundTruth truth(world.truth, [] { return std::span<const EventLabel>(); });
   TempFolder folder;
   std::filesystem::create_directories(folder / "tables");
+  Observations observations(loop, truth, nullptr, scenario.latency);
   const auto make_tables = [&] {
-    return std::make_unique<RunTables>(folder / "tables", scenario, truth, loop, nullptr);
+    return std::make_unique<RunTables>(folder / "tables", scenario, truth, loop, observations);
   };
   RestartedTables tables(make_tables);
-  RunScores scores(scenario, truth, script.limits, loop, nullptr);
+  RunScores scores(scenario, truth, script.limits, loop, observations, nullptr);
   RunLog log([](std::int64_t, const std::string&) {});
   Sampler sampler(sample_ticks, sample);
   Session session(robot, loop);
   for (LoopObserver* const observer :
-       std::initializer_list<LoopObserver*>{&world, &tables, &scores, &log, &sampler}) {
+       std::initializer_list<LoopObserver*>{&world, &observations, &tables, &scores, &log, &sampler}) {
     session.add_observer(*observer);
   }
   session.run(1'000, ticks * 1'000);
+  observations.finish();
   const Metrics metrics = scores.metrics();
   SACCADE_CHECK(metrics.detectors.size() == 2 && metrics.detectors.front().second.chances > 0);
 }
