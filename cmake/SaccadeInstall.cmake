@@ -27,8 +27,8 @@ install(DIRECTORY ${saccade_SOURCE_DIR}/examples DESTINATION ${CMAKE_INSTALL_DOC
   PATTERN __pycache__ EXCLUDE)
 
 # Every layer is a library of the package: a static library needs those below it. `program` is the command line.
-set(layers core head threads control emulator recording robot loop sim scoring frame_camera calibration image_codecs report sensor_fit config external images session
-  deploy serve sweep view cli)
+set(layers core flow hough tracker baselines detectors head threads control emulator recording robot loop sim scoring frame_camera
+  calibration image_codecs report sensor_fit worlds config external images session deploy serve sweep view cli)
 if(TARGET saccade_yarp)
   list(APPEND layers yarp)
 endif()
@@ -45,7 +45,7 @@ foreach(layer IN LISTS layers)
   install(TARGETS saccade_${layer} EXPORT saccadeTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library)
 endforeach()
 install(EXPORT saccadeTargets NAMESPACE saccade:: DESTINATION ${SACCADE_PACKAGE_DIR} COMPONENT library)
-foreach(folder core head threads control emulator recording robot loop sim evaluation apps)
+foreach(folder core head threads control emulator recording robot loop sim evaluation worlds config external images session apps)
   install(DIRECTORY ${saccade_SOURCE_DIR}/${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/saccade COMPONENT library
     FILES_MATCHING PATTERN "*.h")
 endforeach()

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 struct Spread {
@@ -87,4 +87,4 @@ void AuthorsGate::drop_oldest() {
   --size_;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 
 #include "control/locating_gate.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The gate of the authors' own demo (2016): the median of the detections of the last quarter of a second,
 /// and only while they are many and agree. Detections are compared in the current image: those from before the
@@ -52,4 +52,4 @@ class AuthorsGate final : public LocatingGate {
   std::array<double, capacity> x_px_{}, y_px_{};  // where the image of now shows them
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 Bearing bearing_of(const Eigen::Vector3d& p) {
   constexpr double nearest_m = 1e-6;
@@ -16,4 +16,4 @@ Bearing bearing_of(const Eigen::Vector3d& p) {
            -p.z() * p.y() / (across * range * range)}};
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The direction of a point in the frame of an eye (x right, y down, z forward): two angles that are 0 on the optical
 /// axis, and their derivatives by the point.
@@ -16,4 +16,4 @@ struct Bearing {
 /// The bearing of the point p, m. Derivatives are finite everywhere, also in the eye and straight above it.
 [[nodiscard]] Bearing bearing_of(const Eigen::Vector3d& p);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 #include "core/error.h"
 #include "core/small_solve.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Minimises 1/2 x'Hx - g'x subject to lower <= x <= upper, N <= 12, H symmetric and positive definite (for
 /// least squares |Ax - b|^2: H = A'A, g = A'b). Primal active set method: every iterate is exactly within the bounds.
@@ -116,4 +116,4 @@ class BoundedQp {
   Vector start_ = Vector::Zero();
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

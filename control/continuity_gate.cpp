@@ -5,7 +5,7 @@
 
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double track_memory_s = 0.045;  // of a TargetTrack
@@ -136,4 +136,4 @@ bool ContinuityGate::agree(const Eigen::Vector3d& a_m, const Eigen::Vector3d& b_
          ratio * config_.depth_ratio >= 1.0;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

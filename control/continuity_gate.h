@@ -7,7 +7,7 @@
 #include "control/target_predictor.h"
 #include "control/target_track.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A ball does not jump: once found, a detection near the last one becomes a target at once and one elsewhere does not;
 /// to be found, and found again after it was lost, the ball has to be confirmed by detections that agree. All in the root
@@ -74,4 +74,4 @@ class ContinuityGate final : public LocatingGate {
   std::int64_t sure_us_ = 0;                  ///< the last target at the threshold
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

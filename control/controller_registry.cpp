@@ -4,7 +4,7 @@
 #include "control/qp_controller.h"
 #include "control/script_controller.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 bool GazeControllerConfig::follows_targets() const {
   const GazeControllerRow* const row = rows().find(controller);
@@ -27,7 +27,7 @@ std::unique_ptr<GazeController> make_gaze_controller(const GazeControllerConfig&
 
 GazeControllerConfig ControllerRegistry::config() const {
   SACCADE_CHECK(rows().size() > 0);
-  return {RowConfigs<GazeControllerRow>(rows()), rows().begin()->name, {}};
+  return {RegistryConfigs<GazeControllerRow>(rows()), rows().begin()->name, {}};
 }
 
 ControllerRegistry built_in_controllers() {
@@ -50,4 +50,4 @@ ControllerRegistry built_in_controllers() {
   return registry;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

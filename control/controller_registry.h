@@ -7,17 +7,17 @@
 
 #include "control/gaze_controller.h"
 #include "control/joint_limiter.h"
-#include "core/row_configs.h"
+#include "core/registry_configs.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A kind of gaze controller. Made by controller_row().
 struct GazeControllerRow {
   std::string name;  ///< value of the key `controller`, and name of the section with the keys of the config
   std::string description;  ///< one line, for lists
-  AnyConfig config;         ///< default values
+  TypeErasedConfig config;  ///< default values
   /// `limits` are those of the six joints of neck and eyes. Throws InputError for a configuration out of range.
-  std::function<std::unique_ptr<GazeController>(const AnyConfig&, const MotionLimits& limits)> make;
+  std::function<std::unique_ptr<GazeController>(const TypeErasedConfig&, const MotionLimits& limits)> make;
   /// False for a controller that moves the head by itself and ignores targets.
   bool follows_targets = true;
 };
@@ -33,7 +33,7 @@ template <class Config, class Make>
 
 /// The gaze controller that a file configures, and how fast it may move. ControllerRegistry::config() gives the defaults;
 /// a default constructed one has no controllers.
-struct GazeControllerConfig : RowConfigs<GazeControllerRow> {
+struct GazeControllerConfig : RegistryConfigs<GazeControllerRow> {
   std::string controller;  ///< name of a row
   MotionLimitsConfig limits;
 
@@ -58,4 +58,4 @@ class ControllerRegistry : public RowRegistry<GazeControllerRow> {
 /// The gaze controllers that saccade ships: qp, ikingaze, script.
 [[nodiscard]] ControllerRegistry built_in_controllers();
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 #include "control/joint_limiter.h"
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double candidate_spacing_s = 0.004;
@@ -98,4 +98,4 @@ void MotionDelayEstimator::update(Group& group, double dt_s) const {
   group.delay_s += std::clamp(found_s - group.delay_s, -most_s, most_s);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

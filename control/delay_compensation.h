@@ -5,7 +5,7 @@
 #include "control/reference_history.h"
 #include "core/config.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Source of a delay's value.
 enum class SightDelay {
@@ -80,4 +80,4 @@ class MotionDelayEstimator {
   long ticks_ = 0;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

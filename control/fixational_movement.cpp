@@ -5,7 +5,7 @@
 
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 void describe(FieldVisitor& v, FixationalConfig& config) {
   v.real("amplitude_deg", config.amplitude_deg, {0.0, 5.0},
@@ -53,4 +53,4 @@ Eigen::Vector3d displaced(const Eigen::Vector3d& target_m, const Eigen::Vector2d
                                   std::tan(right_up_rad[1]) * eye.linear().col(1));
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 #include "control/head_kinematics.h"
 #include "core/config.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Small deliberate eye movements while a ball at rest makes no events.
 struct FixationalConfig {
@@ -40,4 +40,4 @@ class FixationalMovement {
 [[nodiscard]] Eigen::Vector3d displaced(const Eigen::Vector3d& target_m, const Eigen::Vector2d& right_up_rad,
                                         const HeadKinematics& head);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

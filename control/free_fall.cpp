@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr int averages = 7;  // the polynomials below are for seven
@@ -49,4 +49,4 @@ std::optional<FreeFall> fit_free_fall(const RecentPath& path) {
   return FreeFall{RecentPath::time_s(path.newest() - half), middle, slope};
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

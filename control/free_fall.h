@@ -5,7 +5,7 @@
 
 #include "control/recent_path.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Gravity in the root frame of a robot that stands upright, m/s^2.
 [[nodiscard]] inline Eigen::Vector3d gravity_m_s2() { return {0.0, 0.0, -9.81}; }
@@ -21,4 +21,4 @@ struct FreeFall {
 /// within 2.5 m/s^2, its change is below 70 m/s^3, and the points lie within 4 mm (root mean square) of the flight. None if they do not.
 [[nodiscard]] std::optional<FreeFall> fit_free_fall(const RecentPath& path);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,11 +4,11 @@
 #include "control/continuity_gate.h"
 #include "control/open_gate.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 void describe(FieldVisitor& v, GateConfig& config) {
   v.choice("gate", config.gate, config.rows().names(), "which detections become gaze targets");
-  config.for_each([&](const GateRow& row, AnyConfig& keys) {
+  config.for_each([&](const GateRow& row, TypeErasedConfig& keys) {
     if (keys.get_if<NoKeys>() != nullptr) return;
     v.section(
         row.name + "_gate", [&](FieldVisitor& w) { describe(w, keys); }, row.description);
@@ -25,7 +25,7 @@ std::unique_ptr<GazeGate> make_gate(const GateConfig& config) {
 
 GateConfig GateRegistry::config() const {
   SACCADE_CHECK(rows().find(default_gate) != nullptr);
-  return {RowConfigs<GateRow>(rows()), default_gate, {}};
+  return {RegistryConfigs<GateRow>(rows()), default_gate, {}};
 }
 
 GateRegistry built_in_gates() {
@@ -46,4 +46,4 @@ GateRegistry built_in_gates() {
   return registry;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,17 +6,17 @@
 
 #include "control/gaze_gate.h"
 #include "control/target.h"
-#include "core/row_configs.h"
+#include "core/registry_configs.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A kind of gate. Made by gate_row().
 struct GateRow {
   std::string name;         ///< value of the key `gate`; the section with the keys of the config is NAME_gate
   std::string description;  ///< one line, for lists
-  AnyConfig config;         ///< default values; NoKeys for a gate without a section
+  TypeErasedConfig config;  ///< default values; NoKeys for a gate without a section
   /// Throws InputError for a configuration out of range.
-  std::function<std::unique_ptr<GazeGate>(const AnyConfig&, const TargetConfig&)> make;
+  std::function<std::unique_ptr<GazeGate>(const TypeErasedConfig&, const TargetConfig&)> make;
 };
 
 /// A row for gates with this config struct. `make(const Config&, const TargetConfig&)` returns a std::unique_ptr to the
@@ -28,7 +28,7 @@ template <class Config, class Make>
 
 /// The gate that a file configures, and how it makes a point of a circle. GateRegistry::config() gives the defaults; a
 /// default constructed one has no gates.
-struct GateConfig : RowConfigs<GateRow> {
+struct GateConfig : RegistryConfigs<GateRow> {
   std::string gate;  ///< name of a row
   TargetConfig target;
 };
@@ -52,4 +52,4 @@ class GateRegistry : public RowRegistry<GateRow> {
 /// The gates that saccade ships: none, authors, continuity (the default).
 [[nodiscard]] GateRegistry built_in_gates();
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

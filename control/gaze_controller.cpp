@@ -1,6 +1,6 @@
 #include "control/gaze_controller.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double nearest_target_m = 0.10;
@@ -35,4 +35,4 @@ void describe(FieldVisitor& v, FollowConfig& config) {
             "oscillates");
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -14,7 +14,7 @@
 #include "core/config.h"
 #include "head/head_state.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Computes the references of the six neck and eye joints that turn the eyes to a point. step() neither allocates,
 /// throws nor logs.
@@ -91,4 +91,4 @@ inline constexpr double farthest_target_m = 1000.0;
 /// chest_forward()), or ok.
 [[nodiscard]] TargetStatus check_gaze_target(const Eigen::Vector3d& target_m, const HeadKinematics& head);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -11,7 +11,7 @@
 #include "core/config.h"
 #include "core/detector.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// How many detections at or above the threshold a gate rejected, by reason.
 struct RejectedTargets {
@@ -35,4 +35,4 @@ class GazeGate {
   [[nodiscard]] virtual RejectedTargets rejected() const = 0;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 // sin^2 of the smallest angle between optical axes that counts as an intersection: 0.1 deg.
@@ -136,4 +136,4 @@ CameraMotion camera_motion(const HeadChain& chain, const HeadState& state, Eye e
   return {pose, pose.linear().transpose() * linear, pose.linear().transpose() * angular};
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 #include "head/head_model.h"
 #include "head/head_state.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The point at which both optical axes intersect: the midpoint of their common perpendicular.
 struct FixationPoint {
@@ -77,4 +77,4 @@ class HeadKinematics {
     const HeadChain& chain, const HeadState& state, Eye eye = Eye::left,
     const Eigen::Isometry3d& eye_from_camera = Eigen::Isometry3d::Identity());
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

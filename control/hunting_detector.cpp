@@ -4,7 +4,7 @@
 
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double high_pass_s = 0.1;
@@ -41,4 +41,4 @@ bool HuntingDetector::update(const HeadJointVector& reference_rad, double dt_s) 
   return found;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 
 #include "head/head_state.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Finds oscillations of the head that are faster than targets move: a loop with too much delay or gain hunts.
 ///
@@ -35,4 +35,4 @@ class HuntingDetector {
   double frequency_hz_ = 0.0;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 #include "core/small_solve.h"
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double period_s = 0.01;
@@ -312,4 +312,4 @@ void IkinGazeController::integrate(const HeadJointVector& q, double dt) {
   }
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

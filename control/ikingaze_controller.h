@@ -7,7 +7,7 @@
 #include "control/minimum_jerk_filter.h"
 #include "control/neck_solver.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Configuration of IkinGazeController.
 struct IkinGazeConfig {
@@ -115,4 +115,4 @@ class IkinGazeController final : public GazeController {
   double saccade_start_s_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double arrived_rad = 1e-12;  // rounding
@@ -136,4 +136,4 @@ HeadJointVector inside_hardware(const MotionLimits& limits, const HeadJointVecto
   return inside;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 #include "head/head_model.h"
 #include "head/head_state.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Largest position, rad, and speed, rad/s, that count as a reading. Larger ones, such as those of a broken message, would
 /// overflow in what is computed from them.
@@ -101,4 +101,4 @@ class JointLimiter {
 /// Clamps `q` to the limits of the hardware. An element that is not finite becomes the allowed value nearest to 0.
 [[nodiscard]] HeadJointVector inside_hardware(const MotionLimits& limits, const HeadJointVector& q);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

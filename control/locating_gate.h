@@ -2,7 +2,7 @@
 
 #include "control/gaze_gate.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Whether an estimate counts as a detection: valid, and its score at or above the threshold (a NaN is not).
 [[nodiscard]] inline bool is_detection(const Estimate& estimate, double threshold) {
@@ -38,4 +38,4 @@ class LocatingGate : public GazeGate {
   RejectedTargets rejected_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Velocity of a joint that approaches its reference approximately as a minimum-jerk movement of duration time_s:
 /// velocity = F(s) (reference - position), F = a / (s^2 + c s + b).
@@ -48,4 +48,4 @@ class MinimumJerkFilter {
   double velocity_ = 0.0, velocity_before_ = 0.0;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

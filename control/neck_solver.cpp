@@ -8,7 +8,7 @@
 #include "control/joint_limiter.h"
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double guard_rad = 5.5 * rad_per_deg;       // above the lowest pitch
@@ -146,4 +146,4 @@ NeckSolver::Pose NeckSolver::solve(const JointVector& position_rad, const Eigen:
   return pose;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 
 #include "control/head_kinematics.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Pitch, roll, yaw of the neck, rad.
 using NeckVector = Eigen::Vector3d;
@@ -74,4 +74,4 @@ class NeckSolver {
   NeckVector min_rad_, max_rad_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

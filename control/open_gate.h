@@ -2,7 +2,7 @@
 
 #include "control/locating_gate.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// `none`: every estimate at or above the threshold, a held one too, becomes a target.
 class OpenGate final : public LocatingGate {
@@ -17,4 +17,4 @@ class OpenGate final : public LocatingGate {
   }
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double average_s = RecentPath::spacing_s;
@@ -148,4 +148,4 @@ void PeriodicFit::report(const Candidate& found) {
   }
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 
 #include "control/recent_path.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Motion on an ellipse or a line with one frequency: centre + cosine cos(w (t - t0)) + sine sin(w (t - t0)), w = 2 pi f.
 struct Sinusoid {
@@ -65,4 +65,4 @@ class PeriodicFit {
   std::optional<Sinusoid> sinusoid_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 #include "control/bearing.h"
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 using Row = Eigen::Matrix<double, 1, gaze_slots>;
@@ -262,4 +262,4 @@ void QpController::integrate(const Cost& cost, const HeadJointVector& q, double 
   }
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

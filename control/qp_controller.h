@@ -8,7 +8,7 @@
 #include "control/reference_history.h"
 #include "control/target_predictor.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Configuration of QpController.
 struct QpConfig {
@@ -121,4 +121,4 @@ class QpController final : public GazeController {
   HeadJointVector velocity_rad_s_ = HeadJointVector::Zero();
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

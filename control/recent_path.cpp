@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 bool RecentPath::observe(double t_s, const Eigen::Vector3d& point_m, const Eigen::Vector3d& velocity_m_s) {
   const auto number = static_cast<std::int64_t>(std::floor(t_s / spacing_s));
@@ -35,4 +35,4 @@ void RecentPath::clear() {
 
 std::int64_t RecentPath::length() const { return newest_ < 0 ? 0 : std::min(capacity, newest_ - first_ + 1); }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

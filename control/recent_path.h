@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The last 2.56 s of a moving point as averages over 20 ms.
 class RecentPath {
@@ -46,4 +46,4 @@ class RecentPath {
   int count_ = 0;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 
 #include "head/head_state.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The last references of the six head joints, one per step.
 class ReferenceHistory {
@@ -36,4 +36,4 @@ class ReferenceHistory {
   }
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/minimum_jerk.h"
 #include "core/units.h"
+#include "head/minimum_jerk.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 void describe(FieldVisitor& v, ScriptConfig& config) {
   v.points("eyes_deg", config.eyes_deg, {-45.0, 45.0},
            "tilt and version of each point; the points repeat without end");
@@ -64,4 +64,4 @@ HeadJointVector ScriptController::step(const HeadState& state, const std::option
   return *reference_rad_;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 #include "control/gaze_controller.h"
 #include "control/joint_limiter.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Configuration of ScriptController.
 struct ScriptConfig {
@@ -47,4 +47,4 @@ class ScriptController final : public GazeController {
   double move_s_ = 0.0;   ///< since the move began; below 0 in the rest at the start
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -9,7 +9,7 @@
 #include "control/head_kinematics.h"
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The points that a head looks at while it searches a lost ball: first around the place where the ball was seen last,
 /// then around the direction out of the chest, and so on in turn. Each `place` is one point of a fixed pattern.
@@ -50,4 +50,4 @@ class SearchScan {
   Eigen::Vector3d last_m_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -3,11 +3,11 @@
 #include <utility>
 
 #include "control/head_kinematics.h"
+#include "control/image_rotation.h"
 #include "control/joint_limiter.h"
-#include "core/image_rotation.h"
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double derivative_s = 0.01;
@@ -128,4 +128,4 @@ void Stabiliser::use_image(const HeadState& state, const std::optional<Eigen::Ve
   seen_all_ += share * (base + (compensates_torso ? Eigen::Vector3d::Zero() : mean.by_torso) - seen_all_);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

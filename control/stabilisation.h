@@ -11,7 +11,7 @@
 #include "head/head_state.h"
 #include "head/imu_reading.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Which measurements of the body's motion the eyes compensate at once, before the target's image has moved.
 struct StabilisationConfig {
@@ -87,4 +87,4 @@ class Stabiliser {
   double unseen_s_ = 0.0;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

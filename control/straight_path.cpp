@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::int64_t first_back = 5, last_back = 30;  // averages: 0.1 to 0.6 s
@@ -49,4 +49,4 @@ std::optional<StraightPath> fit_straight_path(const RecentPath& path) {
   return StraightPath{RecentPath::time_s(path.newest()) + mean_s, mean_m, velocity};
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 
 #include "control/recent_path.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A point that moves straight at constant velocity: its place at t0.
 struct StraightPath {
@@ -21,4 +21,4 @@ struct StraightPath {
 /// velocities above 0.2 m/s.
 [[nodiscard]] std::optional<StraightPath> fit_straight_path(const RecentPath& path);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

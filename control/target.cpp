@@ -6,7 +6,7 @@
 #include <limits>
 #include <optional>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 void describe(FieldVisitor& v, TargetConfig& config) {
   v.choice("depth", config.depth, "model of the depth that a radius stands for");
@@ -153,4 +153,4 @@ std::optional<Eigen::Vector3d> StereoLocator::locate(const Eigen::Vector3d& targ
   return met_m;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

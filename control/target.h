@@ -7,7 +7,7 @@
 #include "core/camera.h"
 #include "core/config.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The status of a gaze target: accepted, or why not.
 enum class TargetStatus {
@@ -108,4 +108,4 @@ class StereoLocator {
   double max_distance_m_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double distance_memory_s = 0.03;
 constexpr double share_of_amplitude = 0.25;
 constexpr double fall_distance_m = 0.02;
 constexpr double pause_after_failure_s = 0.3;
-constexpr double longest_gap_s = 1.0;    // of a sinusoid without a target
+constexpr double longest_gap_s = 1.0;  // of a sinusoid without a target
 constexpr double covered_after_s = 0.06, longest_cover_s = 1.0;
 constexpr double periodic_memory = 2.0;  // of the track behind a sinusoid, in time constants
 
@@ -157,4 +157,4 @@ TargetMotion TargetPredictor::predict(double lead_s) const {
   return motion;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 #include "control/straight_path.h"
 #include "control/target_track.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Position and velocity of a target at one time.
 struct TargetMotion {
@@ -78,4 +78,4 @@ class TargetPredictor {
   double rejected_until_s_ = 0.0;  ///< no known motion is used before
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

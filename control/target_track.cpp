@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 void TargetTrack::advance(double dt_s) {
   since_s_ += dt_s;
@@ -43,4 +43,4 @@ void TargetTrack::shift(const Eigen::Vector3d& position_m, const Eigen::Vector3d
   acceleration_m_s2_ += acceleration_m_s2;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

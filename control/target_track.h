@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Estimates position and velocity of a gaze target: a fading-memory filter of third order, without lag for a target of
 /// constant acceleration.
@@ -45,4 +45,4 @@ class TargetTrack {
   Eigen::Vector3d acceleration_m_s2_ = Eigen::Vector3d::Zero();
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

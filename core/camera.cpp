@@ -8,7 +8,7 @@
 
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 /// A fisheye's distance from the principal point, in focal lengths, at the angle a from the optical axis.
@@ -293,4 +293,4 @@ void describe(FieldVisitor& v, MountedCamera& mounted) {
   v.section("eye_from_camera", mounted.mount, "pose of the camera in the eye");
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 #include "core/config.h"
 #include "core/event.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A circle in the image: centre and radius, pixels.
 struct Circle {
@@ -124,4 +124,4 @@ struct MountedCamera {
 /// Keys: those of Camera, and eye_from_camera with those of CameraMount.
 void describe(FieldVisitor& v, MountedCamera& mounted);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

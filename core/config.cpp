@@ -4,7 +4,9 @@
 #include <charconv>
 #include <cmath>
 
-namespace saccade::inline v0_1 {
+#include "core/model_arrays.h"
+
+namespace saccade {
 
 std::string text_of(double value) {
   if (std::isnan(value)) return "nan";
@@ -36,6 +38,10 @@ bool is_name(std::string_view text) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
   };
   return !text.empty() && text.size() <= longest && std::all_of(text.begin(), text.end(), is_part);
+}
+
+void FieldVisitor::model(std::string_view key, ModelFile& file, std::string_view doc) {
+  path(key, file.path, doc);
 }
 
 void FieldVisitor::when(bool holds, std::string_view, const std::function<void()>& describe_keys) {
@@ -90,4 +96,4 @@ void FieldChecker::throw_if_any() const {
   if (!problems_.empty()) throw InputError(problems_);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -14,7 +14,9 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
+
+struct ModelFile;
 
 /// The closed range of a number, in the unit of its key.
 struct Range {
@@ -51,7 +53,7 @@ requires std::is_enum_v<Enum>
 ///     void describe(FieldVisitor& v, ObjectConfig& config);
 ///
 /// beside the struct: keys (the unit is the last word of the key), ranges and meaning. Reading YAML, writing the
-/// resolved scenario, the check in a constructor, the window's widgets and `saccade keys` are visitors. Only apps/config
+/// resolved scenario, the check in a constructor, the window's widgets and `saccade keys` are visitors. Only config
 /// uses YAML.
 class FieldVisitor {
  public:
@@ -64,6 +66,8 @@ class FieldVisitor {
   virtual void text(std::string_view key, std::string& value, std::string_view doc) = 0;
   /// The path of a file or folder. A reader makes it absolute: in a file it is relative to the file's folder.
   virtual void path(std::string_view key, std::string& value, std::string_view doc) { text(key, value, doc); }
+  /// The file of a fitted model. A reader reads it.
+  virtual void model(std::string_view key, ModelFile& file, std::string_view doc);
   /// A program: a path as above, or the name of a program in PATH where there is no such file.
   virtual void program(std::string_view key, std::string& value, std::string_view doc) {
     text(key, value, doc);
@@ -248,4 +252,4 @@ void FieldVisitor::named_sections(std::string_view key, std::vector<std::pair<st
       doc);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

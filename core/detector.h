@@ -8,7 +8,7 @@
 #include "core/camera.h"
 #include "core/event.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Pose and velocity of the camera at one instant, from the encoders and the kinematics of the head. Recordings without
 /// joints have none (nullptr).
@@ -61,8 +61,8 @@ class Detector {
   [[nodiscard]] virtual double threshold() const = 0;
   [[nodiscard]] virtual RejectedEvents rejected() const = 0;
   /// Why the detector has ended and estimates nothing any more: one line, empty while it works. Only detectors outside of
-  /// this program end (apps/external).
+  /// this program end (external).
   [[nodiscard]] virtual std::string_view failure() const { return {}; }
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,15 +6,11 @@
 
 #include "core/config.h"
 #include "core/detector.h"
-#include "core/hough_transform.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Describes the key radius_px of a detector: smallest and largest radius, whole pixels in [1, 255].
 void describe_radius_px(FieldVisitor& v, std::array<double, 2>& radius_px);
-
-/// Writes the largest response over all radii at each pixel, row by row. `response` has one element for each pixel.
-void largest_response(const HoughTransform& transform, std::span<float> response);
 
 /// Accepts the events that a detector can use and counts the others: events outside the image, and events earlier than
 /// the newest accepted one. Equal time stamps are accepted.
@@ -59,4 +55,4 @@ class EventSieve {
   RejectedEvents rejected_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

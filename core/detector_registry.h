@@ -5,26 +5,26 @@
 #include <string>
 #include <vector>
 
-#include "core/any_config.h"
 #include "core/camera.h"
 #include "core/detector.h"
-#include "core/named_rows.h"
+#include "core/registry_rows.h"
+#include "core/type_erased_config.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A kind of detector: a class of detectors with default values. Made by detector_row().
 struct DetectorRow {
   std::string name;         ///< value of the key `preset`; is_name
   std::string description;  ///< one line, for lists
-  AnyConfig config;         ///< default values
+  TypeErasedConfig config;  ///< default values
   /// Throws InputError for a configuration out of range.
-  std::function<std::unique_ptr<Detector>(const AnyConfig&, const Camera&)> make;
+  std::function<std::unique_ptr<Detector>(const TypeErasedConfig&, const Camera&)> make;
   /// The events that the estimate is made of, such as "1500 events" or "20 ms"; empty without a fixed window.
-  std::function<std::string(const AnyConfig&)> window;
+  std::function<std::string(const TypeErasedConfig&)> window;
   /// Key of the config that selects this row where an entry has no `preset`; empty: none does.
   std::string selecting_key = {};
   /// The field of the key `threshold`; nullptr where there is none.
-  double* (*threshold)(AnyConfig&) = nullptr;
+  double* (*threshold)(TypeErasedConfig&) = nullptr;
 };
 
 /// A row for detectors with this config struct. `make(const Config&, const Camera&)` returns a std::unique_ptr to the
@@ -35,16 +35,18 @@ template <class Config, class Make>
                                        Make make) {
   DetectorRow row{std::move(name),
                   std::move(description),
-                  AnyConfig(std::move(defaults)),
-                  for_any_config<Config>(std::move(make)),
+                  TypeErasedConfig(std::move(defaults)),
+                  for_erased_config<Config>(std::move(make)),
                   {},
                   {},
                   nullptr};
   if constexpr (requires(const Config& config) { window_text(config); }) {
-    row.window = [](const AnyConfig& config) -> std::string { return window_text(config.get<Config>()); };
+    row.window = [](const TypeErasedConfig& config) -> std::string {
+      return window_text(config.get<Config>());
+    };
   }
   if constexpr (requires(Config & config) { config.threshold; }) {
-    row.threshold = [](AnyConfig& config) { return &config.get<Config>().threshold; };
+    row.threshold = [](TypeErasedConfig& config) { return &config.get<Config>().threshold; };
   }
   return row;
 }
@@ -88,12 +90,12 @@ class DetectorConfig {
 
  private:
   friend class DetectorRegistry;
-  DetectorConfig(NamedRows<DetectorRow> rows, std::string preset);
+  DetectorConfig(RegistryRows<DetectorRow> rows, std::string preset);
   [[nodiscard]] const DetectorRow& row() const;
 
-  NamedRows<DetectorRow> rows_;
+  RegistryRows<DetectorRow> rows_;
   std::string preset_;
-  AnyConfig config_{NoKeys{}};
+  TypeErasedConfig config_{NoKeys{}};
 };
 
 [[nodiscard]] std::unique_ptr<Detector> make_detector(const DetectorConfig& config, const Camera& camera);
@@ -103,7 +105,7 @@ class DetectorRegistry {
  public:
   /// Throws InputError for a name that another row has or that is_name refuses, and for `none`.
   void add(DetectorRow row);
-  [[nodiscard]] const NamedRows<DetectorRow>& rows() const { return rows_; }
+  [[nodiscard]] const RegistryRows<DetectorRow>& rows() const { return rows_; }
   [[nodiscard]] std::vector<std::string> names() const { return rows_.names(); }
   [[nodiscard]] bool has(std::string_view name) const { return rows_.find(name) != nullptr; }
   /// The default configuration of a row. Throws InputError for a name that no row has.
@@ -113,10 +115,7 @@ class DetectorRegistry {
   std::vector<std::string> defaults;
 
  private:
-  NamedRows<DetectorRow> rows_;
+  RegistryRows<DetectorRow> rows_;
 };
 
-/// The detectors that saccade ships (docs/detectors.md has their sources).
-[[nodiscard]] DetectorRegistry built_in_detectors();
-
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 
 #include "core/detector.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// What a window and a report need of a detector beyond its estimates. A detector may implement it beside Detector;
 /// without it the window shows no Hough space and plays a recording again from its start to go back in time. No function
@@ -37,4 +37,4 @@ class DetectorViews {
   return views != nullptr ? views->copy() : nullptr;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

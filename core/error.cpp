@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 std::string join(const std::vector<Problem>& problems) {
@@ -34,4 +34,4 @@ void abort_broken_invariant(const char* condition, const char* file, int line) {
   std::abort();
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

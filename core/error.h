@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// One problem in the input.
 struct Problem {
@@ -36,7 +36,7 @@ class RunError : public std::runtime_error {
 
 [[noreturn]] void abort_broken_invariant(const char* condition, const char* file, int line);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade
 
 /// Checks an invariant in every build. Aborts with file and line if it does not hold.
 #define SACCADE_CHECK(condition) \

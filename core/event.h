@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <type_traits>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// One brightness change at one pixel of an event camera (paper, section II-A).
 ///
@@ -31,4 +31,4 @@ struct ImageSize {
   friend bool operator==(const ImageSize&, const ImageSize&) = default;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

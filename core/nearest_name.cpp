@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <numeric>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 std::string small_letters(std::string_view text) {
@@ -50,4 +50,4 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
   return best;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -3,7 +3,7 @@
 #include <bit>
 #include <cstdint>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// ln(x) for positive, normal x, to 4e-15. Unlike std::log it gives the same bits with every compiler and machine.
 /// Range reduction and the series of the inverse hyperbolic tangent.
@@ -47,4 +47,4 @@ namespace saccade::inline v0_1 {
   return (even + r * odd) * std::bit_cast<double>(static_cast<std::uint64_t>(exponent) << 52U);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 
 #include "core/portable_math.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 RandomStream::RandomStream(std::uint64_t seed, std::string_view name) : key_(mix(seed)) {
   for (const char c : name) key_ = mix(key_ ^ static_cast<unsigned char>(c));
@@ -32,4 +32,4 @@ double RandomStream::normal(std::uint64_t stream, std::uint64_t counter) const {
          (((((b[0] * r + b[1]) * r + b[2]) * r + b[3]) * r + b[4]) * r + 1.0);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Counter-based random numbers: a value is a pure function of (seed, stream, counter), so it does not
 /// depend on the order of calls, the number of threads or the compiler. The mixer is the finaliser of
@@ -40,4 +40,4 @@ class RandomStream {
   std::uint64_t key_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

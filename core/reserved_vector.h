@@ -2,7 +2,7 @@
 
 #include <vector>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A std::vector whose copies have its capacity too, for what a detector fills in its ticks: a copy of the detector allocates
 /// there as little as the original.
@@ -22,4 +22,4 @@ class ReservedVector : public std::vector<T> {
   ~ReservedVector() = default;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A rotation vector (axis times angle) of a configuration in radians.
 [[nodiscard]] inline Eigen::Vector3d radians(const std::array<double, 3>& vector_deg) {
@@ -25,4 +25,4 @@ namespace saccade::inline v0_1 {
   return turn.angle() * turn.axis();
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

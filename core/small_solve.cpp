@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr int max_size = 12;
@@ -281,4 +281,4 @@ Eigen::Vector2d least_norm_solution(const Eigen::Matrix<double, 3, 2>& a, const 
   return x;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

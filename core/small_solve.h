@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Solvers for small dense systems that neither allocate nor throw.
 ///
@@ -31,4 +31,4 @@ template <int N>
 [[nodiscard]] Eigen::Vector2d least_norm_solution(const Eigen::Matrix<double, 3, 2>& a,
                                                   const Eigen::Vector3d& b);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Sum and difference of time stamps, us. Where the exact result does not fit into 64 bits, they return the nearest
 /// value that does.
@@ -22,4 +22,4 @@ namespace saccade::inline v0_1 {
   return static_cast<double>(saturated_difference(a_us, b_us)) * 1e-6;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 
 #include "core/event.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Factors between degrees (YAML keys, YARP) and radians (everything else).
 inline constexpr double rad_per_deg = std::numbers::pi / 180.0;
@@ -16,4 +16,4 @@ inline constexpr double deg_per_rad = 180.0 / std::numbers::pi;
   return std::to_string(size.width) + " x " + std::to_string(size.height) + " pixels";
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 const std::vector<std::string>& emulator_presets() {
   static const std::vector<std::string> names = {"ideal",    "dvs128",     "noisy",      "davis346",
@@ -106,4 +106,4 @@ void describe(FieldVisitor& v, EmulatorConfig& c) {
   v.integer("timestamp_resolution_us", c.timestamp_resolution_us, {1, 1e6}, "tick of the time stamps");
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 
 #include "core/config.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Conversion of luminance to the logarithm that a pixel responds to.
 enum class LightResponse {
@@ -85,4 +85,4 @@ struct EmulatorConfig {
 /// Keys: the members' names.
 void describe(FieldVisitor& v, EmulatorConfig& config);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 #include "emulator/pixel_array.h"
 #include "emulator/readout.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 bool is_luminance(float value) { return (value >= 0.0F) & (value <= std::numeric_limits<float>::max()); }
@@ -165,4 +165,4 @@ double EventEmulator::output_log(std::size_t pixel) const {
   SACCADE_CHECK(!"a pixel of the image");
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

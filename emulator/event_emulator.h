@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "core/event.h"
-#include "core/event_label.h"
 #include "emulator/emulator_config.h"
+#include "emulator/event_label.h"
 #include "threads/worker_threads.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Counts of all events since the start.
 struct EmulatorCounts {
@@ -73,4 +73,4 @@ class EventEmulator {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

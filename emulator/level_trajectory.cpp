@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double solver_step_us = 0.03;  ///< Newton's last step: the error after it is far below
@@ -37,4 +37,4 @@ double LevelTrajectory::time_of(double target, const LevelPoint& from, const Lev
   return u;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

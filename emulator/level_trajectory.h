@@ -2,7 +2,7 @@
 
 #include "core/portable_math.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A point of a LevelTrajectory.
 struct LevelPoint {
@@ -29,4 +29,4 @@ struct LevelTrajectory {
   [[nodiscard]] double time_of(double target, const LevelPoint& from, const LevelPoint& to) const;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

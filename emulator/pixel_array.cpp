@@ -5,11 +5,11 @@
 #include <limits>
 #include <numbers>
 
-#include "core/event_label.h"
 #include "core/portable_math.h"
+#include "emulator/event_label.h"
 #include "emulator/pixel_kernels.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 using namespace emulator_kernels;
@@ -395,4 +395,4 @@ double PixelArray::reference_log(std::size_t index) const {
          static_cast<double>(pixels_[index].leak_per_us) * static_cast<double>(t_us_ - start_us_);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -10,7 +10,7 @@
 #include "emulator/emulator_config.h"
 #include "emulator/level_trajectory.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// An event of a pixel on its way to the readout.
 struct PixelEvent {
@@ -124,4 +124,4 @@ class PixelArray {
   std::array<std::uint32_t, block_size> quiet_{};
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

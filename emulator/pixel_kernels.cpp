@@ -4,7 +4,7 @@
 
 #include "core/vector_clones.h"
 
-namespace saccade::inline v0_1::emulator_kernels {
+namespace saccade::emulator_kernels {
 
 SACCADE_VECTOR_CLONES
 void log_of(const float* luminance, float dark_current, double* log_level, std::size_t n) {
@@ -103,4 +103,4 @@ void follow(const Stage stage, const double* log_before, const double* log_now, 
   }
 }
 
-}  // namespace saccade::inline v0_1::emulator_kernels
+}  // namespace saccade::emulator_kernels

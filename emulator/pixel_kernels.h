@@ -5,7 +5,7 @@
 
 // Loops over the pixels of a block, written so that the compiler vectorises them. Every array has n elements. The
 // same input gives the same bits with every compiler and instruction set.
-namespace saccade::inline v0_1::emulator_kernels {
+namespace saccade::emulator_kernels {
 
 inline constexpr double darkest_luminance = 1e-9;   ///< smaller values count as this one
 inline constexpr double min_time_constants = 1e-9;  ///< smallest length of an interval
@@ -44,4 +44,4 @@ void compare(const float* luminance, const float* low, const float* high, std::u
 void follow(const Stage stage, const double* log_before, const double* log_now, const float* low,
             const float* high, const float* leak_per_us, std::uint32_t* quiet, std::size_t n);
 
-}  // namespace saccade::inline v0_1::emulator_kernels
+}  // namespace saccade::emulator_kernels

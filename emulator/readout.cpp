@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::int64_t no_event_us = std::numeric_limits<std::int64_t>::min();
@@ -141,4 +141,4 @@ void Readout::stamp(PixelEvent request) {
   stamped_.insert(place, request);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

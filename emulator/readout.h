@@ -9,7 +9,7 @@
 #include "emulator/emulator_config.h"
 #include "emulator/pixel_array.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The readout from comparators to time stamps: latency, a bus that transmits one event after the other, and the ticks of the
 /// clock.
@@ -72,4 +72,4 @@ class Readout {
   std::int64_t dropped_ = 0;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

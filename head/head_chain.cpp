@@ -3,7 +3,7 @@
 #include <cmath>
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 /// Sine of an angle, exact for multiples of 90 deg.
@@ -122,4 +122,4 @@ Hinges hinges_at_zero(const HeadChain& chain) {
   return found;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -9,7 +9,7 @@
 
 #include "head/head_state.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 enum class Eye : int { left, right };
 
@@ -109,4 +109,4 @@ struct Hinges {
 };
 [[nodiscard]] Hinges hinges_at_zero(const HeadChain& chain);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 std::shared_ptr<const HeadModel> unlimited(const HeadConfig& config) {
@@ -65,4 +65,4 @@ std::shared_ptr<const HeadModel> valid_head(const HeadConfig& config) {
   }
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

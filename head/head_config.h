@@ -9,7 +9,7 @@
 #include "head/head_description.h"
 #include "head/head_model.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Limits of a joint that are narrower than the head's own.
 struct NarrowedLimits {
@@ -43,4 +43,4 @@ void describe(FieldVisitor& v, HeadConfig& config);
 /// The same, or the default head where the configuration is out of range.
 [[nodiscard]] std::shared_ptr<const HeadModel> valid_head(const HeadConfig& config);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

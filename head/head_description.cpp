@@ -7,7 +7,7 @@
 
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr const char* no_joint = "none";
@@ -340,4 +340,4 @@ void describe(FieldVisitor& v, HeadDescription& head) {
 
 std::shared_ptr<const HeadModel> described_head(const HeadDescription& head) { return Builder(head).model(); }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

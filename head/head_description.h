@@ -12,7 +12,7 @@
 #include "core/config.h"
 #include "head/head_model.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 constexpr auto words_of(JointRole) {
   return std::to_array<Word<JointRole>>(
@@ -108,4 +108,4 @@ void describe(FieldVisitor& v, HeadDescription& head);
 /// a place.
 [[nodiscard]] std::shared_ptr<const HeadModel> described_head(const HeadDescription& head);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 int HeadModel::count(JointRole role) const {
   return static_cast<int>(std::count_if(joints.begin(), joints.end(),
@@ -93,4 +93,4 @@ bool HeadModel::has_icub_gaze() const {
   return true;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 #include "head/head_chain.h"
 #include "head/head_state.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// What a joint belongs to.
 enum class JointRole {
@@ -74,4 +74,4 @@ struct HeadModel {
 /// names are its joints', otherwise joints in the slots from torso_slots on. At most gaze_slots names.
 [[nodiscard]] std::shared_ptr<const HeadModel> head_of_names(const std::vector<std::string>& names);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string_view>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 struct HeadModel;
 
@@ -71,4 +71,4 @@ struct JointLimits {
   std::shared_ptr<const HeadModel> head = default_head();
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

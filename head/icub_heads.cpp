@@ -3,7 +3,7 @@
 #include "core/units.h"
 #include "head/head_model.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 struct TableRow {
@@ -151,4 +151,4 @@ const std::shared_ptr<const HeadModel>& default_head() {
   return head;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

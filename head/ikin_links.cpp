@@ -8,7 +8,7 @@
 
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 struct LinkRow {
@@ -267,4 +267,4 @@ HeadDescription description_of_ikin(const IkinText& left, const IkinText* right)
   return head;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 
 #include "head/head_description.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The description of a head from iKin's lists of links (iKinLimb::fromLinksProperties), one for each eye:
 ///
@@ -27,4 +27,4 @@ struct IkinText {
 };
 [[nodiscard]] HeadDescription description_of_ikin(const IkinText& left, const IkinText* right);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

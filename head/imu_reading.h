@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A reading of the inertial measurement unit in the head.
 ///
@@ -17,4 +17,4 @@ struct ImuReading {
   Eigen::Vector3d acceleration_m_s2 = Eigen::Vector3d::Zero();
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 TransportDelay::TransportDelay(std::int64_t delay_us, std::size_t reserved_events) : delay_us_(delay_us) {
   SACCADE_CHECK(delay_us >= 0);
@@ -37,4 +37,4 @@ std::optional<HeadCommand> CommandDelay::pop(std::int64_t t_us) {
   return newest;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

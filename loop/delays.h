@@ -8,7 +8,7 @@
 #include "core/event.h"
 #include "robot/ports.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Events on their way from the camera to the detectors.
 class TransportDelay {
@@ -50,4 +50,4 @@ class CommandDelay {
   std::size_t count_ = 0;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

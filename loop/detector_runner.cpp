@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 DetectorRunner::DetectorRunner() : free_us_(std::numeric_limits<std::int64_t>::min()) {
   late_.reserve(late_capacity);
@@ -66,4 +66,4 @@ void DetectorRunner::add_work(DetectorTick& result, bool counts, std::int64_t t_
   result.ready_us = t_us + std::llround(std::ceil(work_us_));
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

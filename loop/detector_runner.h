@@ -13,7 +13,7 @@
 #include "core/time_stamp.h"
 #include "loop/latency.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A detector's estimate about an instant before the tick, from events that came late.
 struct LateEstimate {
@@ -150,4 +150,4 @@ class DetectorRunner {
   std::int64_t ahead_ns_ = 0;  // time of the work ahead of them
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 void describe(FieldVisitor& v, WorkTime& work) {
   v.real("per_event_us", work.per_event_us, {0.0, 1e6}, "processing time of one event");
@@ -29,4 +29,4 @@ void describe_times(FieldVisitor& v, LatencyConfig& config) {
             "events that wait for a busy detector; older ones are dropped");
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

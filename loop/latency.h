@@ -9,7 +9,7 @@
 
 #include "core/config.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 enum class LatencyKind {
   none,      ///< events, computing and commands take no time
@@ -54,4 +54,4 @@ struct LatencyConfig {
 /// `kind` and `detectors` are the caller's.
 void describe_times(FieldVisitor& v, LatencyConfig& config);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

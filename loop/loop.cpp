@@ -9,7 +9,7 @@
 #include "control/search_scan.h"
 #include "core/time_stamp.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::int64_t slice_us = DetectorRunner::slice_us;
@@ -473,4 +473,4 @@ void Loop::update_target(Tick& tick) {
   tick.rejected = gaze_->gate->rejected();
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

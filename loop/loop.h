@@ -12,9 +12,9 @@
 #include "control/gaze_controller.h"
 #include "control/gaze_gate.h"
 #include "control/hunting_detector.h"
+#include "control/image_rotation.h"
 #include "control/joint_limiter.h"
 #include "core/detector.h"
-#include "core/image_rotation.h"
 #include "loop/delays.h"
 #include "loop/detector_runner.h"
 #include "loop/latency.h"
@@ -22,7 +22,7 @@
 #include "robot/robot.h"
 #include "threads/worker_threads.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A detector in the loop. All detectors get the events of the same eye; the driving one supplies the gaze targets, the
 /// others (shadow detectors) run for comparison.
@@ -257,4 +257,4 @@ class Loop {
   std::int64_t search_place_ = -1;         // the newest point of the search that was sent
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

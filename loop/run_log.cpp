@@ -5,7 +5,7 @@
 #include <array>
 #include <string_view>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 struct Rejection {
@@ -109,4 +109,4 @@ void RunLog::finish() {
   if (phase_ == GazePhase::searching && !was_found_) sink_(now_us_, "ball never found");
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

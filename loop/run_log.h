@@ -7,7 +7,7 @@
 
 #include "loop/loop.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Messages of a run for people: one for every change of state, none for a tick that changes nothing.
 ///
@@ -57,4 +57,4 @@ class RunLog final : public LoopObserver {
   Burst rejected_commands_;  ///< until the head accepts one
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

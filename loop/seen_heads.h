@@ -5,7 +5,7 @@
 
 #include "head/head_state.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The states of the head in the last ticks, to find the one at which old events were made.
 class SeenHeads {
@@ -31,4 +31,4 @@ class SeenHeads {
   std::size_t count_ = 0;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 #include "core/units.h"
 #include "head/head_model.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 // Of FollowWatch. Friction and backlash let a joint rest by less than the second while its reference moves.
@@ -176,4 +176,4 @@ void FollowWatch::add_to(TickFacts& facts) const {
   }
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

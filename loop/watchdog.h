@@ -11,7 +11,7 @@
 #include "head/head_state.h"
 #include "robot/ports.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Why a moving head was stopped.
 enum class StopCause {
@@ -128,4 +128,4 @@ class Watchdog {
   JointLimits limits_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

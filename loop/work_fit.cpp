@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 /// Least squares of elapsed = per_call calls + per_event events, both at least 0.
@@ -65,4 +65,4 @@ LatencyConfig LatencyFit::latency() const {
   return latency;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

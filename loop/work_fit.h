@@ -6,7 +6,7 @@
 #include "loop/latency.h"
 #include "loop/loop.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Processing of one detector in one tick.
 struct WorkSample {
@@ -38,4 +38,4 @@ class LatencyFit final : public LoopObserver {
   std::vector<double> steps_us_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

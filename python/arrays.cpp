@@ -10,7 +10,7 @@
 
 namespace py = pybind11;
 
-namespace saccade::inline v0_1::python {
+namespace saccade::python {
 
 py::dtype event_dtype() {
   static_assert(sizeof(bool) == 1);
@@ -62,4 +62,4 @@ ImageSize image_size_of(const std::pair<std::int64_t, std::int64_t>& size) {
   return {static_cast<int>(width), static_cast<int>(height)};
 }
 
-}  // namespace saccade::inline v0_1::python
+}  // namespace saccade::python

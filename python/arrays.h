@@ -10,7 +10,7 @@
 #include "core/event.h"
 #include "recording/event_columns.h"
 
-namespace saccade::inline v0_1::python {
+namespace saccade::python {
 
 /// The dtype of events: x, y (uint16), p (bool, true = ON), t (int64, us), camera (uint8). It has the memory layout of
 /// Event, so that arrays of it are passed without a copy in both directions.
@@ -37,4 +37,4 @@ class EventArgument {
 /// Width and height. Throws InputError unless both are in [1, 65535].
 [[nodiscard]] ImageSize image_size_of(const std::pair<std::int64_t, std::int64_t>& size);
 
-}  // namespace saccade::inline v0_1::python
+}  // namespace saccade::python

@@ -15,7 +15,7 @@
 
 namespace py = pybind11;
 
-namespace saccade::inline v0_1::python {
+namespace saccade::python {
 namespace {
 
 using Instants = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
@@ -171,4 +171,4 @@ void add_detectors(py::module_& m) {
   m.def("detectors", &detectors);
 }
 
-}  // namespace saccade::inline v0_1::python
+}  // namespace saccade::python

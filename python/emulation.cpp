@@ -5,16 +5,16 @@
 #include <algorithm>
 #include <span>
 
-#include "apps/images/emulation.h"
 #include "core/error.h"
 #include "emulator/event_emulator.h"
+#include "images/emulation.h"
 #include "python/arrays.h"
 #include "python/keys.h"
 #include "python/module.h"
 
 namespace py = pybind11;
 
-namespace saccade::inline v0_1::python {
+namespace saccade::python {
 namespace {
 
 using Image = py::array_t<float, py::array::c_style | py::array::forcecast>;
@@ -99,4 +99,4 @@ void add_emulator(py::module_& m) {
   m.def("emulator_presets", &emulator_presets);
 }
 
-}  // namespace saccade::inline v0_1::python
+}  // namespace saccade::python

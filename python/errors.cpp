@@ -5,7 +5,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1::python {
+namespace saccade::python {
 namespace {
 
 /// The problems, one a line. A key that came from Python is named alone, without the program's `--set`.
@@ -33,4 +33,4 @@ void add_errors() {
   });
 }
 
-}  // namespace saccade::inline v0_1::python
+}  // namespace saccade::python

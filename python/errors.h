@@ -2,9 +2,9 @@
 
 #include <pybind11/pybind11.h>
 
-namespace saccade::inline v0_1::python {
+namespace saccade::python {
 
 /// InputError becomes ValueError, RunError becomes RuntimeError, with the message of the program.
 void add_errors();
 
-}  // namespace saccade::inline v0_1::python
+}  // namespace saccade::python

@@ -2,16 +2,16 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include "apps/images/emulation.h"
 #include "core/error.h"
 #include "evaluation/report/report.h"
+#include "images/emulation.h"
 #include "python/arrays.h"
 #include "python/keys.h"
 #include "python/module.h"
 
 namespace py = pybind11;
 
-namespace saccade::inline v0_1::python {
+namespace saccade::python {
 namespace {
 
 /// Lets Ctrl-C end long work.
@@ -65,4 +65,4 @@ void add_files(py::module_& m) {
       py::arg("run"), py::arg("figures"));
 }
 
-}  // namespace saccade::inline v0_1::python
+}  // namespace saccade::python

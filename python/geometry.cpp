@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "apps/config/cameras.h"
+#include "config/cameras.h"
 #include "control/head_kinematics.h"
 #include "core/camera.h"
 #include "head/icub_cameras.h"
@@ -14,7 +14,7 @@
 
 namespace py = pybind11;
 
-namespace saccade::inline v0_1::python {
+namespace saccade::python {
 namespace {
 
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
@@ -126,4 +126,4 @@ void add_geometry(py::module_& m) {
       py::arg("joints"));
 }
 
-}  // namespace saccade::inline v0_1::python
+}  // namespace saccade::python

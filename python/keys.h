@@ -2,9 +2,9 @@
 
 #include <string>
 
-#include "apps/config/yaml_reader.h"
+#include "config/yaml_reader.h"
 
-namespace saccade::inline v0_1::python {
+namespace saccade::python {
 
 /// Keys that came from Python, as a YAML text with one key a line; empty for none. `origin` names them in messages.
 [[nodiscard]] inline YamlTree tree_of(const std::string& yaml, const std::string& origin) {
@@ -17,4 +17,4 @@ template <class Config>
   return read_config(tree_of(yaml, origin), std::move(config));
 }
 
-}  // namespace saccade::inline v0_1::python
+}  // namespace saccade::python

@@ -1,7 +1,7 @@
 #include "python/module.h"
 
-#include "apps/session/version.h"
 #include "python/errors.h"
+#include "session/version.h"
 
 PYBIND11_MODULE(_saccade, m) {
   m.doc() = "Compiled part of the module saccade";

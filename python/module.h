@@ -2,11 +2,12 @@
 
 #include <pybind11/pybind11.h>
 
-#include "apps/external/external_rows.h"
+#include "core/detectors/built_in_detectors.h"
+#include "external/external_rows.h"
 
-namespace saccade::inline v0_1::python {
+namespace saccade::python {
 
-/// The detectors that saccade ships and those outside of it (apps/external).
+/// The detectors that saccade ships and those outside of it (external).
 [[nodiscard]] inline DetectorRegistry all_detectors() {
   DetectorRegistry registry = built_in_detectors();
   add_external_detectors(registry);
@@ -29,4 +30,4 @@ void add_scoring(pybind11::module_& m);
 void add_geometry(pybind11::module_& m);
 void add_simulation(pybind11::module_& m);
 
-}  // namespace saccade::inline v0_1::python
+}  // namespace saccade::python

@@ -17,7 +17,7 @@
 
 namespace py = pybind11;
 
-namespace saccade::inline v0_1::python {
+namespace saccade::python {
 namespace {
 
 constexpr std::size_t block_events = 1 << 16;
@@ -190,4 +190,4 @@ void add_recordings(py::module_& m) {
   m.def("times_in_us", &times_in_us);
 }
 
-}  // namespace saccade::inline v0_1::python
+}  // namespace saccade::python

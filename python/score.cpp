@@ -14,7 +14,7 @@
 
 namespace py = pybind11;
 
-namespace saccade::inline v0_1::python {
+namespace saccade::python {
 namespace {
 
 using Column = py::array_t<double, py::array::c_style | py::array::forcecast>;
@@ -100,4 +100,4 @@ void add_scoring(py::module_& m) {
   });
 }
 
-}  // namespace saccade::inline v0_1::python
+}  // namespace saccade::python

@@ -2,10 +2,10 @@
 
 #include <utility>
 
-#include "apps/session/scenario_loop.h"
 #include "core/error.h"
+#include "session/scenario_loop.h"
 
-namespace saccade::inline v0_1::python {
+namespace saccade::python {
 namespace {
 
 constexpr double tick_s = 1e-6 * static_cast<double>(World::tick_us);
@@ -92,4 +92,4 @@ void Simulation::on_tick(const Tick& tick) {
   }
 }
 
-}  // namespace saccade::inline v0_1::python
+}  // namespace saccade::python

@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "apps/config/scenario.h"
+#include "config/scenario.h"
 #include "control/gaze_controller.h"
 #include "control/joint_limiter.h"
 #include "loop/loop.h"
 #include "sim/sim_robot.h"
 
-namespace saccade::inline v0_1::python {
+namespace saccade::python {
 
 /// A scenario in lockstep: time passes in step() only, by one tick of 1 ms. It uses the simulator as `saccade run` does, so
 /// that the same scenario, seed and commands give the same events.
@@ -43,7 +43,7 @@ class Simulation final : private LoopObserver {
   /// Observations of the scenario's detectors in the newest tick, not valid where there is none; empty without
   /// `closed_loop`.
   [[nodiscard]] const std::vector<std::pair<std::string, Estimate>>& detectors() const { return detectors_; }
-  /// Newest accepted target, root frame.
+  /// LatestValue accepted target, root frame.
   [[nodiscard]] const std::optional<Eigen::Vector3d>& target_m() const { return target_m_; }
 
  private:
@@ -66,4 +66,4 @@ class Simulation final : private LoopObserver {
   std::vector<std::pair<std::string, Estimate>> detectors_;
 };
 
-}  // namespace saccade::inline v0_1::python
+}  // namespace saccade::python

@@ -7,16 +7,16 @@
 #include <cmath>
 #include <mutex>
 
-#include "apps/config/warnings.h"
-#include "apps/session/scenario_loop.h"
+#include "config/warnings.h"
 #include "python/arrays.h"
 #include "python/keys.h"
 #include "python/module.h"
 #include "python/simulation.h"
+#include "session/scenario_loop.h"
 
 namespace py = pybind11;
 
-namespace saccade::inline v0_1::python {
+namespace saccade::python {
 namespace {
 
 /// What scenarios can name.
@@ -187,4 +187,4 @@ void add_simulation(py::module_& m) {
       .def_property_readonly("yaml", [](const Simulation& s) { return resolved_scenario(s.scenario()); });
 }
 
-}  // namespace saccade::inline v0_1::python
+}  // namespace saccade::python

@@ -5,7 +5,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 struct Bits {
@@ -73,4 +73,4 @@ bool is_encodable(ImageSize size, AddressCodec codec) {
          size.height <= static_cast<int>(layout.y.mask()) + 1;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

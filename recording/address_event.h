@@ -8,7 +8,7 @@
 
 #include "core/event.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// How pixel, polarity and camera lie in the 32-bit address word of event-driven (IIT), in its logs and on its YARP
 /// ports. On this wire polarity is 0 for ON; channel 0 is the left camera.
@@ -45,4 +45,4 @@ enum class AddressCodec {
 /// Whether x and y of all pixels of such an image fit into a word.
 [[nodiscard]] bool is_encodable(ImageSize size, AddressCodec codec);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

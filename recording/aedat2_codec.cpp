@@ -14,7 +14,7 @@
 #include "recording/output_file.h"
 #include "recording/wrapping_time.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t record_bytes = 8;
@@ -342,4 +342,4 @@ RecordingFormat aedat2_format() {
   return format;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -2,7 +2,7 @@
 
 #include "recording/format_registry.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// AEDAT 2.0 (jAER): lines that start with #, then records of a big-endian u32 address and i32 time stamp.
 ///
@@ -28,4 +28,4 @@ namespace saccade::inline v0_1 {
 /// stamp that wraps at 2^32. The line with the version may be missing.
 [[nodiscard]] RecordingFormat aedat1_format();
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 #include "recording/aedat_chip.h"
 #include "recording/byte_order.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t survey_record_bytes = 8;
@@ -73,4 +73,4 @@ std::optional<ImageSize> Aedat2Survey::davis_size() const {
   return std::nullopt;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 
 #include "core/event.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 // Where pixel, polarity and camera are in an address of AEDAT 2.0 or 1.0. x and y are counted from the bottom right.
 // `no_event`: bits that are set in records that are no events; `unused`: bits that no record of this layout sets.
@@ -86,4 +86,4 @@ class Aedat2Survey {
   ImageSize sensor_reach_{0, 0};  ///< without pixels that no DAVIS has
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

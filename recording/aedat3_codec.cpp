@@ -11,7 +11,7 @@
 #include "recording/input_file.h"
 #include "recording/number_text.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::string_view line_end = "\r\n";
@@ -164,4 +164,4 @@ RecordingFormat aedat3_format() {
   return format;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

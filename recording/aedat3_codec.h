@@ -2,7 +2,7 @@
 
 #include "recording/format_registry.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// AEDAT 3.1 (cAER, libcaer): lines from `#!AER-DAT3.1` to `#!END-HEADER`, then packets of one type and source each. A
 /// packet has a header of 28 bytes, all little-endian: i16 type, i16 source, i32 size of an event, i32 offset of the time
@@ -15,4 +15,4 @@ namespace saccade::inline v0_1 {
 /// EventReadOptions::image_size; pixels are not checked against it. `#Format:` other than RAW is an InputError.
 [[nodiscard]] RecordingFormat aedat3_format();
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -14,7 +14,7 @@
 #include "recording/number_text.h"
 #include "recording/two_cameras.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t longest_aedat4_header = 1 << 19;
@@ -363,4 +363,4 @@ RecordingFormat aedat4_format() {
   return format;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -2,7 +2,7 @@
 
 #include "recording/format_registry.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The first line of an AEDAT 4.0 file.
 inline constexpr std::string_view aedat4_mark = "#!AER-DAT4.0\r\n";
@@ -28,4 +28,4 @@ inline constexpr std::string_view aedat4_mark = "#!AER-DAT4.0\r\n";
 [[nodiscard]] std::unique_ptr<EventWriter> create_aedat4(const std::filesystem::path& path,
                                                          ImageSize image_size, int cameras);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

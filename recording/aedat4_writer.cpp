@@ -9,7 +9,7 @@
 #include "recording/codec.h"
 #include "recording/output_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t packet_events = 8192;
@@ -167,4 +167,4 @@ std::unique_ptr<EventWriter> create_aedat4(const std::filesystem::path& path, Im
   return std::make_unique<Aedat4Writer>(path, image_size, cameras);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 
 #include "recording/codec.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 struct KnownChip {
@@ -51,4 +51,4 @@ AedatChip parse_aedat_chip(std::string_view name) {
   return is_davis && !is_other ? AedatChip{"davis", std::nullopt} : AedatChip{};
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 
 #include "core/event.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 inline constexpr ImageSize aedat_dvs128_size{128, 128};
 inline constexpr ImageSize aedat_dvs640_size{640, 480};
@@ -25,4 +25,4 @@ struct AedatChip {
 /// Unknown are chips of other layouts (cochleas, multicamera rigs, DVS1280x720SD), and the size of some of the DAVIS family.
 [[nodiscard]] AedatChip parse_aedat_chip(std::string_view name);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

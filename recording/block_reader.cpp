@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 std::size_t BlockReader::read(std::vector<Event>& events, std::size_t max_events) {
   std::size_t done = 0;
@@ -43,4 +43,4 @@ std::size_t BlockReader::read(std::vector<Event>& events, std::size_t max_events
   return done;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 #include "recording/event_file.h"
 #include "recording/input_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Base of the readers of binary files: they decode block by block, and return the events before a broken place before the
 /// error.
@@ -41,4 +41,4 @@ class BlockReader : public EventReader {
   std::optional<InputError> failure_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 #include <string>
 #include <type_traits>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Whole numbers as files have them. The caller sees to it that there are sizeof(T) bytes.
 template <std::integral T>
@@ -41,4 +41,4 @@ void append_little(std::string& bytes, T value) {
   for (std::size_t i = 0; i < sizeof(T); ++i) bytes += static_cast<char>(value >> 8 * i & 0xff);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

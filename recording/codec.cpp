@@ -5,7 +5,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 void check_writable(const Event& event, ImageSize image_size, int cameras,
                     const std::filesystem::path& path) {
@@ -52,4 +52,4 @@ std::string printable(std::string_view bytes) {
   return bytes.size() > longest ? text + "..." : text;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

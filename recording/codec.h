@@ -10,7 +10,7 @@
 
 #include "core/event.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Throws InputError with the file's name for an event outside the image, and for a camera that is not one of the first
 /// `cameras`.
@@ -42,4 +42,4 @@ void append_count(std::string& text, std::int64_t count, std::string_view what);
 /// The first bytes of a file for a message, a dot for each one that is not printable ASCII.
 [[nodiscard]] std::string printable(std::string_view bytes);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

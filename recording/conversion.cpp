@@ -10,7 +10,7 @@
 #include "recording/number_text.h"
 #include "recording/saturating.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t read_block_events = 1 << 16;
@@ -172,4 +172,4 @@ ConversionResult convert_recording(const FormatRegistry& formats, const std::fil
   return result;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -10,7 +10,7 @@
 #include "recording/event_file.h"
 #include "recording/recording_summary.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A rectangle of pixels.
 struct PixelRegion {
@@ -62,4 +62,4 @@ ConversionResult convert_recording(const FormatRegistry& formats, const std::fil
                                    const std::filesystem::path& out, const ConversionConfig& config,
                                    const ConversionProgress& progress = {});
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

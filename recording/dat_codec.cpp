@@ -9,7 +9,7 @@
 #include "recording/prophesee_header.h"
 #include "recording/wrapping_time.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t dat_event_bytes = 8;
@@ -99,4 +99,4 @@ RecordingFormat prophesee_dat_format() {
   return format;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -2,7 +2,7 @@
 
 #include "recording/format_registry.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Prophesee's DAT: lines `% key value`, two bytes (type of the events, size of one), then events of 8 bytes: a
 /// little-endian u32 time in us, which wraps at 2^32, and a u32 address. Types are 0x00 and 0x0C for events of pixels;
@@ -13,4 +13,4 @@ namespace saccade::inline v0_1 {
 /// against it.
 [[nodiscard]] RecordingFormat prophesee_dat_format();
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -9,7 +9,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 class Copier final : public Decompressor {
@@ -156,4 +156,4 @@ std::unique_ptr<Decompressor> make_copier() { return std::make_unique<Copier>();
 std::unique_ptr<Decompressor> make_lz4_decompressor() { return std::make_unique<Lz4Decompressor>(); }
 std::unique_ptr<Decompressor> make_zstd_decompressor() { return std::make_unique<ZstdDecompressor>(); }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

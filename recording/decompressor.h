@@ -5,7 +5,7 @@
 #include <span>
 #include <string_view>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Unpacks compressed frames piece by piece, in memory that does not grow with them (what a frame may ask for
 /// is at most 128 MiB).
@@ -34,4 +34,4 @@ class Decompressor {
 [[nodiscard]] std::unique_ptr<Decompressor> make_lz4_decompressor();
 [[nodiscard]] std::unique_ptr<Decompressor> make_zstd_decompressor();
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

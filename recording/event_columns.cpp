@@ -8,7 +8,7 @@
 
 #include "recording/number_text.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::int64_t largest_us = std::int64_t{1} << 62;
@@ -211,4 +211,4 @@ std::optional<NamedColumn> event_column(std::string_view name) {
   return std::nullopt;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

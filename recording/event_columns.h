@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// What a number of a time column counts.
 enum class TimeUnit : std::uint8_t { s, ms, us, ns };
@@ -47,4 +47,4 @@ struct NamedColumn {
 /// other names.
 [[nodiscard]] std::optional<NamedColumn> event_column(std::string_view name);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

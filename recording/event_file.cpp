@@ -6,7 +6,7 @@
 #include "recording/format_registry.h"
 #include "recording/input_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 /// The events of one camera of a recording.
@@ -75,4 +75,4 @@ std::unique_ptr<EventWriter> create_event_file(const std::filesystem::path& path
   return create_event_file(built_in_formats(), path, image_size, cameras);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -11,7 +11,7 @@
 #include "core/event.h"
 #include "recording/event_columns.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 class FormatRegistry;
 
@@ -104,4 +104,4 @@ class EventWriter {
 [[nodiscard]] std::unique_ptr<EventWriter> create_event_file(const std::filesystem::path& path,
                                                              ImageSize image_size, int cameras = 1);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

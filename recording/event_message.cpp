@@ -6,7 +6,7 @@
 #include "recording/byte_order.h"
 #include "recording/codec.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t array_event_bytes = 13;
@@ -249,4 +249,4 @@ std::string event_packet_definition(Serialisation serialisation) {
   return text;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -10,7 +10,7 @@
 #include "core/event.h"
 #include "recording/event_packet.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// ROS messages that hold events (github.com/uzh-rpg/rpg_dvs_ros, github.com/ros-event-camera/event_camera_msgs).
 enum class EventMessageType {
@@ -73,4 +73,4 @@ void append_event_packet(std::string& bytes, std::span<const Event> events, Imag
 inline constexpr std::string_view event_array_md5 = "5e8beee5a6c107e504c2e78903c224b8";
 inline constexpr std::string_view event_packet_md5 = "8a6101b351a64529ac77bd8b71074e52";
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

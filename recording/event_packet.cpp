@@ -5,7 +5,7 @@
 #include "recording/byte_order.h"
 #include "recording/codec.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 void decode_mono(std::string_view bytes, std::uint64_t time_base_ns, std::vector<Event>& events) {
@@ -108,4 +108,4 @@ std::optional<BrokenMessage> PacketDecoder::decode(std::string_view encoding, st
   return std::nullopt;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

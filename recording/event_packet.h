@@ -10,7 +10,7 @@
 #include "recording/evt2_decoder.h"
 #include "recording/evt3_decoder.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// To the nearest us.
 [[nodiscard]] inline std::int64_t us_of(std::uint64_t ns) {
@@ -51,4 +51,4 @@ class PacketDecoder {
   EvtCounts libcaer_cmp_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 
 #include "recording/saturating.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 double EventStatistics::duration_s() const {
   return 1e-6 * static_cast<double>(saturated_difference(newest_us, oldest_us));
@@ -152,4 +152,4 @@ void EventCounter::add(Stream& stream, std::span<const Event> events, const Take
   stream = counted;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

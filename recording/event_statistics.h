@@ -7,7 +7,7 @@
 
 #include "core/event.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Statistics of a stream of events. Differences of times that int64 cannot hold are limited to its range.
 struct EventStatistics {
@@ -69,4 +69,4 @@ class EventCounter {
   Stream all_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

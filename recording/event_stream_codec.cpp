@@ -5,7 +5,7 @@
 #include "recording/codec.h"
 #include "recording/input_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t mark_bytes = 12;
@@ -95,4 +95,4 @@ RecordingFormat event_stream_format() {
   return format;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

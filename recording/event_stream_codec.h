@@ -2,7 +2,7 @@
 
 #include "recording/format_registry.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Event Stream 2 (.es, of sepia and loris): "Event Stream", three bytes of version, one of type, and for cameras u16
 /// width and height, little-endian. Type 1 (DVS) alone is read; generic, ATIS and colour events are an InputError.
@@ -13,4 +13,4 @@ namespace saccade::inline v0_1 {
 /// stored. A pixel outside the image is returned as it is stored.
 [[nodiscard]] RecordingFormat event_stream_format();
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 
 #include "recording/byte_order.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 std::uint64_t load_evt21(const char* bytes, Evt21Order order) {
   const auto word = load_little<std::uint64_t>(bytes);
@@ -43,4 +43,4 @@ EvtStep Evt21Decoder::run(std::string_view bytes, std::span<Event> out) {
   return step;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -9,7 +9,7 @@
 #include "recording/evt_counts.h"
 #include "recording/wrapping_time.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Order of the two 32-bit halves of a word of EVT2.1; each half is little-endian.
 enum class Evt21Order {
@@ -44,4 +44,4 @@ class Evt21Decoder {
   WrappingTime high_ = evt2_high();
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 
 #include "recording/byte_order.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 EvtStep Evt2Decoder::run(std::string_view bytes, std::span<Event> out) {
   const std::size_t words = std::min(bytes.size() / word_bytes, out.size());
@@ -38,4 +38,4 @@ EvtStep Evt2Decoder::run(std::string_view bytes, std::span<Event> out) {
   return step;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 #include "recording/evt_counts.h"
 #include "recording/wrapping_time.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Continues the upper 28 bits of the time in EVT2 and EVT2.1.
 inline WrappingTime evt2_high() {
@@ -37,4 +37,4 @@ class Evt2Decoder {
   WrappingTime high_ = evt2_high();
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 
 #include "recording/byte_order.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 /// What a type of word changes, as masks: a compiler makes branches of comparisons.
@@ -158,4 +158,4 @@ void Evt3Decoder::set_high(std::int64_t value) {
   t_us_ = high_us_ + low_;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

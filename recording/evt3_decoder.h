@@ -8,7 +8,7 @@
 #include "recording/evt_counts.h"
 #include "recording/wrapping_time.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Continues the upper 12 bits of EVT3's time. A sensor sends them every 4 ms or sooner, so that half of the range is enough
 /// to recognise a wrap.
@@ -63,4 +63,4 @@ enum Evt3 : std::uint16_t {
   continued_12 = 0xf
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

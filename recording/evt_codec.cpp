@@ -17,7 +17,7 @@
 #include "recording/two_cameras.h"
 #include "recording/wrapping_time.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 /// `word_bytes`, `run` and `counts` are those of the decoder.
@@ -325,4 +325,4 @@ RecordingFormat prophesee_raw_format() {
   return format;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -2,7 +2,7 @@
 
 #include "recording/format_registry.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Prophesee's RAW files: lines `% key value` (prophesee_header.h), then little-endian words in the encoding that
 /// `% evt 3.0` or `% format EVT3` names, else EventReadOptions::evt_encoding, else the first 64 KiB of words; format() marks
@@ -31,4 +31,4 @@ namespace saccade::inline v0_1 {
 /// than 19 h.
 [[nodiscard]] RecordingFormat prophesee_raw_format();
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -2,7 +2,7 @@
 
 #include "recording/codec.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 EvtCounts& EvtCounts::operator+=(const EvtCounts& other) {
   events_without_time += other.events_without_time;
@@ -22,4 +22,4 @@ void append_counts(std::string& text, const EvtCounts& counts) {
   }
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// What a decoder of a sensor's words has done in one call.
 struct EvtStep {
@@ -26,4 +26,4 @@ struct EvtCounts {
 /// Appends "3 triggers, 1 words of the undefined type 9" to a list of what a reader skipped.
 void append_counts(std::string& text, const EvtCounts& counts);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

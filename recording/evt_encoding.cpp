@@ -6,7 +6,7 @@
 #include "recording/byte_order.h"
 #include "recording/evt21_decoder.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 /// What a word of a type and a time tells of the encoding.
@@ -77,4 +77,4 @@ std::optional<EvtEncoding> guess_evt_encoding(std::string_view words) {
   return std::nullopt;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

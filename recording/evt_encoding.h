@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Encodings of Prophesee's sensors (recording/evt_codec.h).
 enum class EvtEncoding { evt2, evt21, evt21_legacy, evt3 };
@@ -19,4 +19,4 @@ enum class EvtEncoding { evt2, evt21, evt21_legacy, evt3 };
 /// Whether words are in that encoding, as above.
 [[nodiscard]] bool fits_evt_encoding(std::string_view words, EvtEncoding encoding);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

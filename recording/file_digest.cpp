@@ -5,7 +5,7 @@
 #include <fstream>
 #include <vector>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 namespace fs = std::filesystem;
@@ -56,4 +56,4 @@ std::string digest_of_file(const fs::path& path) {
   return hex_digits(hash);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

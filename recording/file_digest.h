@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A file that a run reads, and its contents.
 struct FileDigest {
@@ -24,4 +24,4 @@ struct FileDigest {
 /// cannot be read.
 [[nodiscard]] std::string digest_of_file(const std::filesystem::path& path);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -9,7 +9,7 @@
 
 #include "recording/output_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 struct flock whole_file(short kind) {
@@ -52,4 +52,4 @@ bool is_locked(const std::filesystem::path& path) {
   return locked;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

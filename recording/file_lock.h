@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Locks a file for one process at a time, until its end. Child processes inherit the lock only if they do not call exec.
 class FileLock {
@@ -27,4 +27,4 @@ class FileLock {
 /// Whether a process has locked that file.
 [[nodiscard]] bool is_locked(const std::filesystem::path& path);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -21,7 +21,7 @@
 #include "recording/text_codec.h"
 #include "recording/yarp_log_codec.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 FormatRegistry built_in_formats() {
   FormatRegistry registry;
   registry.add(aedat1_format());
@@ -201,4 +201,4 @@ std::vector<std::filesystem::path> FormatRegistry::inputs_of(const std::filesyst
   return files;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

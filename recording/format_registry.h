@@ -12,7 +12,7 @@
 
 #include "recording/event_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 class InputFile;
 
@@ -117,4 +117,4 @@ class FormatRegistry {
 /// The formats of this library.
 [[nodiscard]] FormatRegistry built_in_formats();
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

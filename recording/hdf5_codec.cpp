@@ -7,7 +7,7 @@
 #include "recording/input_file.h"
 #include "recording/output_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t chunk_events = 1 << 16;
@@ -179,4 +179,4 @@ RecordingFormat hdf5_format() {
   return format;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -2,7 +2,7 @@
 
 #include "recording/format_registry.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// HDF5 in the layouts that recording/hdf5_layout.h finds:
 ///   datasets  t, x, y and p (0 or 1, or -1 or 1; 1 = ON) in a group, each a number per event: DSEC's /events, with optional
@@ -24,4 +24,4 @@ namespace saccade::inline v0_1 {
 /// 2^32 us.
 [[nodiscard]] RecordingFormat hdf5_format();
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

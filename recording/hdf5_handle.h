@@ -7,7 +7,7 @@
 
 #include "recording/codec.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// An identifier of libhdf5, closed by the destructor.
 class Hdf5Handle {
@@ -41,4 +41,4 @@ inline std::string last_hdf5_error() {
   return printable(text);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

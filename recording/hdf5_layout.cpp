@@ -8,7 +8,7 @@
 #include "recording/number_text.h"
 #include "recording/text_header.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t most_objects = 4096;
@@ -229,4 +229,4 @@ std::vector<Hdf5Layout> hdf5_layouts(hid_t file, const std::string& name, const 
       "event_utils, e2calib), records of them (Metavision), or a table events (v2e, MVSEC)");
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -10,7 +10,7 @@
 #include "recording/event_file.h"
 #include "recording/hdf5_handle.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A column of events in an HDF5 file: a dataset of its own, a member of a dataset's records, or a column of a table.
 struct Hdf5Column {
@@ -37,4 +37,4 @@ struct Hdf5Layout {
 [[nodiscard]] std::vector<Hdf5Layout> hdf5_layouts(hid_t file, const std::string& name,
                                                    const EventReadOptions& options);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

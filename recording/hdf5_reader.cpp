@@ -13,7 +13,7 @@
 #include "recording/number_text.h"
 #include "recording/two_cameras.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t block_events = 1 << 16;
@@ -339,4 +339,4 @@ std::unique_ptr<EventReader> open_hdf5_here(const std::filesystem::path& path,
   return merge_cameras(std::move(readers[0]), std::move(readers[1]));
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 
 // What a helper process sends through its pipe (helper_server.h sends, helper_reader.h receives): messages of a
 // HelperMessage and `bytes` bytes.
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 inline constexpr std::size_t helper_block_events = 1 << 14;
 
@@ -38,4 +38,4 @@ struct HelperImageSize {
   std::int32_t height;  ///< both 0 where the size is unknown
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -15,10 +15,10 @@
 
 #include "core/error.h"
 #include "recording/helper_protocol.h"
-#include "recording/own_file.h"
+#include "recording/module_path.h"
 #include "recording/spawn_settings.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 class HelperReader final : public EventReader {
@@ -185,7 +185,7 @@ std::unique_ptr<EventReader> open_in_helper(const std::string& name, const std::
 std::filesystem::path find_helper(std::string_view file_name) {
   namespace fs = std::filesystem;
   constexpr const char* below_prefix = "libexec/saccade";
-  const fs::path own_folder = own_file().parent_path();
+  const fs::path own_folder = module_path().parent_path();
   std::vector<fs::path> folders = {own_folder};
   for (fs::path above = own_folder; above.has_relative_path(); above = above.parent_path()) {
     std::error_code ignored;
@@ -204,4 +204,4 @@ std::filesystem::path find_helper(std::string_view file_name) {
   throw RunError("the file " + std::string(file_name) + " is missing; searched in " + searched);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

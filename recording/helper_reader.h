@@ -8,7 +8,7 @@
 
 #include "recording/event_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A program that reads a recording and sends the events (recording/helper_server.h), and its arguments.
 struct HelperCommand {
@@ -24,9 +24,9 @@ struct HelperCommand {
 [[nodiscard]] std::unique_ptr<EventReader> open_in_helper(const std::string& name, const std::string& library,
                                                           const HelperCommand& command);
 
-/// The helper of that file name, a program or a library: beside the file that holds this code (own_file.h), in libexec/saccade
+/// The helper of that file name, a program or a library: beside the file that holds this code (module_path.h), in libexec/saccade
 /// in a folder above it, in libexec/saccade beside the folder that the environment's SACCADE_DATA names, where it is
 /// installed, or where it was built. Throws RunError with these places where none has it.
 [[nodiscard]] std::filesystem::path find_helper(std::string_view file_name);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -14,7 +14,7 @@
 #include "core/error.h"
 #include "recording/helper_protocol.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 void send_bytes(int pipe, const void* data, std::size_t bytes) {
@@ -83,4 +83,4 @@ void serve_events(int pipe, const std::function<std::unique_ptr<EventReader>()>&
   ::_exit(0);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

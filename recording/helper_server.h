@@ -5,7 +5,7 @@
 
 #include "recording/event_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The main function of a helper process (recording/helper_reader.h): opens a recording and writes its events, or the
 /// error, to `pipe`; then the process exits. A call of `open` or of the reader that takes longer than `limit_s` ends the
@@ -13,4 +13,4 @@ namespace saccade::inline v0_1 {
 [[noreturn]] void serve_events(int pipe, const std::function<std::unique_ptr<EventReader>()>& open,
                                unsigned limit_s = 60);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t buffer_bytes = 1 << 20;
@@ -66,4 +66,4 @@ void InputFile::fail(std::string value, std::string expectation) const {
   throw InputError(name() + ": byte " + std::to_string(offset_), std::move(value), std::move(expectation));
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

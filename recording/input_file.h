@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A recording as bytes, read in large blocks; memory does not depend on the file. Pipes work as well.
 class InputFile {
@@ -57,4 +57,4 @@ template <class Source>
   return true;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -15,7 +15,7 @@
 #include "recording/event_columns.h"
 #include "recording/number_text.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t longest_line = 4096;
@@ -126,4 +126,4 @@ JointsSource joints_from(JointsSource joints, std::int64_t t_us) {
   });
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

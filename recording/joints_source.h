@@ -9,7 +9,7 @@
 
 #include "recording/run_files.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The joints of a recording, row by row: from joints.csv, or from a log of the robot's head.
 class JointsSource {
@@ -44,4 +44,4 @@ class JointsSource {
 /// The rows of `joints` from the last one on that is not later than `t_us`, or all where none is that early.
 [[nodiscard]] JointsSource joints_from(JointsSource joints, std::int64_t t_us);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 #include "recording/codec.h"
 #include "recording/message_reader.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t message_head_bytes = 2 + 4 + 8 + 8;
@@ -213,4 +213,4 @@ RecordingFormat mcap_format() {
   return format;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

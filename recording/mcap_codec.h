@@ -7,7 +7,7 @@
 
 #include "recording/format_registry.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// MCAP files (mcap.dev/spec): 8 bytes of mark, records, the mark again. A record is u8 opcode, u64 and that many bytes.
 /// Schemas, channels and messages lie between other records or in chunks, compressed as the chunk says (none, lz4: a frame,
@@ -41,4 +41,4 @@ enum class McapOp : std::uint8_t {
   data_end = 15,
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -11,7 +11,7 @@
 #include "recording/mcap_codec.h"
 #include "recording/message_writer.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t enough_chunk_bytes = 1 << 20;
@@ -233,4 +233,4 @@ std::unique_ptr<EventWriter> create_mcap(const std::filesystem::path& path, Imag
   return std::make_unique<McapWriter>(path, image_size, cameras);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 
 #include "recording/codec.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 MessageReader::MessageReader(InputFile file, std::string container, const EventReadOptions& options)
     : BlockReader(std::move(file)), container_(std::move(container)), size_option_(options.image_size) {}
@@ -138,4 +138,4 @@ bool MessageReader::decode(std::span<Event> block, std::size_t& count) {
   return true;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -13,7 +13,7 @@
 #include "recording/event_message.h"
 #include "recording/unpacked_part.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Base of the readers of files that hold ROS messages on topics, in parts that may be compressed.
 ///
@@ -84,4 +84,4 @@ class MessageReader : public BlockReader {
   std::optional<InputError> failure_;  ///< thrown after the events before it
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

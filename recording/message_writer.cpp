@@ -5,7 +5,7 @@
 #include "core/error.h"
 #include "recording/codec.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t most_events = 8192;
@@ -64,4 +64,4 @@ void check_packet_size(const std::filesystem::path& path, ImageSize image_size) 
                    "at most " + std::to_string(most_rows) + " rows for EventPacket");
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

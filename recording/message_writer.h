@@ -12,7 +12,7 @@
 #include "recording/event_file.h"
 #include "recording/output_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Base of the writers of files that hold ROS messages: gathers the events of each camera into messages of up to 8192 events
 /// and 10 ms.
@@ -65,4 +65,4 @@ class MessageWriter : public EventWriter {
 /// Throws InputError for an image whose rows an EventPacket of encoding mono cannot number.
 void check_packet_size(const std::filesystem::path& path, ImageSize image_size);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 #include "recording/input_file.h"
 #include "recording/wrapping_time.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t nmnist_event_bytes = 5;
@@ -90,4 +90,4 @@ RecordingFormat nmnist_format() {
   return format;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -2,7 +2,7 @@
 
 #include "recording/format_registry.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// N-MNIST and N-Caltech101 (.bin): events of 5 bytes: x, y, then big-endian polarity (1 = ON) in the top bit and 23 bits of
 /// us. The origin is top left. A record with y 240 is no event; later times are 2^13 us longer. Times are continued over
@@ -14,4 +14,4 @@ namespace saccade::inline v0_1 {
 /// Source: the data sets' read functions (gorchard/event-Python).
 [[nodiscard]] RecordingFormat nmnist_format();
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

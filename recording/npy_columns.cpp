@@ -8,7 +8,7 @@
 #include "recording/byte_order.h"
 #include "recording/number_text.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double largest_value = 4611686018427387904.0;  ///< 2^62
@@ -119,4 +119,4 @@ void NpyRows::check_end() {
     file_.fail("another checksum of " + array_.member.name, "a sound array");
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

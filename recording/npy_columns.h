@@ -13,7 +13,7 @@
 #include "recording/unpacked_part.h"
 #include "recording/zip_members.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A kind of numbers in NumPy's arrays.
 struct NpyNumber {
@@ -77,4 +77,4 @@ class NpyRows {
   std::optional<InputError> failure_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

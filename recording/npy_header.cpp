@@ -4,7 +4,7 @@
 
 #include "recording/number_text.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 /// Reads the parts of a Python literal, one after the other.
@@ -98,4 +98,4 @@ std::optional<NpyHeader> NpyHeader::parse(std::string_view text) {
   return header;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

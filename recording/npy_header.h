@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 inline constexpr std::string_view npy_mark = "\x93NUMPY";
 
@@ -28,4 +28,4 @@ struct NpyHeader {
   [[nodiscard]] static std::optional<NpyHeader> parse(std::string_view text);
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 #include "recording/codec.h"
 #include "recording/npy_columns.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t longest_npy_header = 1 << 15;
@@ -372,4 +372,4 @@ RecordingFormat numpy_format() {
   return format;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

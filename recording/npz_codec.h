@@ -5,7 +5,7 @@
 
 #include "recording/format_registry.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// NumPy's arrays: one in a `.npy` file, or several in a `.npz` file, which is a ZIP file of them (deflated or not).
 ///
@@ -26,4 +26,4 @@ namespace saccade::inline v0_1 {
 [[nodiscard]] std::unique_ptr<EventWriter> create_numpy(const std::filesystem::path& path,
                                                         ImageSize image_size, int cameras);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -10,7 +10,7 @@
 #include "recording/npz_codec.h"
 #include "recording/output_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t header_bytes = 192;  ///< of the array of events, with room for the number of rows
@@ -242,4 +242,4 @@ std::unique_ptr<EventWriter> create_numpy(const std::filesystem::path& path, Ima
   return std::make_unique<NumpyWriter>(path, image_size, cameras);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Appends the shortest text that reads back as the same number.
 template <class T>
@@ -39,4 +39,4 @@ inline void append_seconds(std::string& text, std::int64_t t_us) {
   text.append(micros, 1);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

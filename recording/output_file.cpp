@@ -13,7 +13,7 @@
 #include <system_error>
 #include <thread>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t block_bytes = std::size_t{1} << 16;
@@ -198,4 +198,4 @@ void write_file(const std::filesystem::path& path, std::string_view text) {
   file.commit();
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -9,7 +9,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Checks files before they are written. Throws InputError for a folder, for a file that is one of `inputs` under any name
 /// or link (with `force` too), and, without `force`, for a file that exists.
@@ -65,4 +65,4 @@ class OutputFile {
   bool keeps_part_ = false;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

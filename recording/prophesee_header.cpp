@@ -6,7 +6,7 @@
 #include "recording/codec.h"
 #include "recording/number_text.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t longest_prophesee_line = 4096;
@@ -67,4 +67,4 @@ std::optional<ImageSize> PropheseeHeader::image_size() const {
   return both && sensible(lines) ? std::optional(lines) : std::nullopt;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 #include "core/event.h"
 #include "recording/input_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The header of Prophesee's files: lines `% key value`, up to `% end` or the first line of another form. Keys are in
 /// lower case here.
@@ -26,4 +26,4 @@ class PropheseeHeader {
   std::map<std::string, std::string> values_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

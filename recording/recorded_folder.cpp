@@ -12,7 +12,7 @@
 #include "recording/number_text.h"
 #include "recording/output_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 namespace fs = std::filesystem;
@@ -192,4 +192,4 @@ fs::path write_whole_part(const FormatRegistry& formats, const RecordedFile& fil
   return out;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -11,7 +11,7 @@
 #include "recording/format_registry.h"
 #include "recording/recording_summary.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A file of events or a table in the folder of a run, as far as it can be read.
 struct RecordedFile {
@@ -45,4 +45,4 @@ struct RecordedFile {
 std::filesystem::path write_whole_part(const FormatRegistry& formats, const RecordedFile& file,
                                        const EventReadOptions& options);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

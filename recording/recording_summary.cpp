@@ -5,7 +5,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 TornEnd torn_end(const EventReader& reader, const std::filesystem::path& recording, const InputError& error) {
   std::error_code ignored;
@@ -41,4 +41,4 @@ RecordingSummary summarise_recording(const FormatRegistry& formats, const std::f
   return summary;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

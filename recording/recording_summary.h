@@ -10,7 +10,7 @@
 #include "recording/event_file.h"
 #include "recording/event_statistics.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Where a file stops being readable: it was cut off by a power cut or a full disk, or is broken there.
 struct TornEnd {
@@ -46,4 +46,4 @@ struct RecordingSummary {
                                                    const EventReadOptions& options, std::int64_t gap_us,
                                                    const std::function<void(std::int64_t)>& progress = {});
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -9,7 +9,7 @@
 #include "recording/codec.h"
 #include "recording/message_reader.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::string_view sqlite_mark{"SQLite format 3\0", 16};
@@ -164,4 +164,4 @@ RecordingFormat ros2_bag_format() {
   return format;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -2,7 +2,7 @@
 
 #include "recording/format_registry.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// ROS 2 bags in SQLite (github.com/ros2/rosbag2, storage sqlite3; the default before ROS 2 Iron): a table `topics` with id, name,
 /// type and serialization_format, and a table `messages` with topic_id, timestamp (ns) and data, read in the order of their
@@ -11,4 +11,4 @@ namespace saccade::inline v0_1 {
 /// a recorder has left a write-ahead log beside it, SQLite reads that too.
 [[nodiscard]] RecordingFormat ros2_bag_format();
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 #include "recording/codec.h"
 #include "recording/message_reader.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::string_view bag_mark = "#ROSBAG V2.0\n";
@@ -200,4 +200,4 @@ RecordingFormat ros_bag_format() {
   return format;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 
 #include "recording/format_registry.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Bags of ROS 1, version 2.0 (wiki.ros.org/Bags/Format/2.0): the line `#ROSBAG V2.0`, then records. A record is u32 and that
 /// many bytes of fields (u32 length, `name=value`), then u32 and that many bytes of data. Its field `op` is 3 for the file's
@@ -25,4 +25,4 @@ namespace saccade::inline v0_1 {
 [[nodiscard]] std::unique_ptr<EventWriter> create_ros_bag(const std::filesystem::path& path,
                                                           ImageSize image_size, int cameras);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

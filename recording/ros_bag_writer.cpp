@@ -7,7 +7,7 @@
 #include "recording/message_writer.h"
 #include "recording/ros_bag_codec.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::string_view bag_line = "#ROSBAG V2.0\n";
@@ -164,4 +164,4 @@ std::unique_ptr<EventWriter> create_ros_bag(const std::filesystem::path& path, I
   return std::make_unique<RosBagWriter>(path, image_size, cameras, packets);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

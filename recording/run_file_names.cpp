@@ -2,7 +2,7 @@
 
 #include "recording/format_registry.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 std::vector<std::string> run_file_names(const FormatRegistry& formats) {
   using namespace run_file;
@@ -17,4 +17,4 @@ std::vector<std::string> run_file_names(const FormatRegistry& formats) {
   return names;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

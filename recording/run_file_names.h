@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 class FormatRegistry;
 
@@ -44,4 +44,4 @@ inline constexpr const char* figures = "figures";  ///< folder
 /// All names that a run may leave in its folder, event files of every format and their companions included.
 [[nodiscard]] std::vector<std::string> run_file_names(const FormatRegistry& formats);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

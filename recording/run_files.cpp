@@ -14,7 +14,7 @@
 #include "recording/codec.h"
 #include "recording/number_text.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -422,4 +422,4 @@ template std::vector<EyeRow> read_table(const std::filesystem::path& path);
 template std::vector<LabelRow> read_table(const std::filesystem::path& path);
 template std::vector<TimingRow> read_table(const std::filesystem::path& path);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -14,7 +14,7 @@
 #include "head/imu_reading.h"
 #include "recording/output_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The tables of a run folder (docs/run_folder.md): one row struct, one writer and one reader each. Numbers
 /// are written as the shortest decimal text that reads back as the same double, so the same run gives the
@@ -190,4 +190,4 @@ extern template class TableReader<ImuRow>;
 extern template class TableReader<LabelRow>;
 extern template class TableReader<TimingRow>;
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

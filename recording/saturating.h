@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// a + b, or the end of int64's range where the sum lies outside it: times in files may have any value.
 [[nodiscard]] constexpr std::int64_t saturated_sum(std::int64_t a, std::int64_t b) {
@@ -19,4 +19,4 @@ namespace saccade::inline v0_1 {
   return a > b ? std::numeric_limits<std::int64_t>::max() : std::numeric_limits<std::int64_t>::min();
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 
 #include <csignal>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 SpawnSettings::SpawnSettings() {
   ::posix_spawn_file_actions_init(&files_);
@@ -52,4 +52,4 @@ int SpawnSettings::start(std::vector<std::string> words, pid_t& child) {
   return ::posix_spawnp(&child, argv[0], &files_, &attributes_, argv.data(), environ);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

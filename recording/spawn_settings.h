@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// How posix_spawn starts a program of ours: with default signals, and with no open file of this process but standard error
 /// and what the members add. posix_spawn is safe beside other threads, unlike fork.
@@ -35,4 +35,4 @@ class SpawnSettings {
   posix_spawnattr_t attributes_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

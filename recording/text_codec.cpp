@@ -12,7 +12,7 @@
 #include "recording/text_header.h"
 #include "recording/text_source.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t longest_text_line = 4096;
@@ -395,4 +395,4 @@ RecordingFormat text_format() {
   return format;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

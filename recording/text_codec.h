@@ -2,7 +2,7 @@
 
 #include "recording/format_registry.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Text: one event per line, fields separated by white space, a comma or a semicolon: time, x, y, polarity and where there
 /// are two the camera, 0 left and 1 right. Their order is that of EventReadOptions::columns, else that of a line of names
@@ -20,4 +20,4 @@ namespace saccade::inline v0_1 {
 /// The writer makes `t_us,x,y,p` with that header, `t_us,x,y,p,camera` of two cameras.
 [[nodiscard]] RecordingFormat text_format();
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

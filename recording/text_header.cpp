@@ -5,7 +5,7 @@
 
 #include "recording/number_text.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::string_view needed_letters = "txyp";
@@ -106,4 +106,4 @@ std::optional<ImageSize> geometry_in_comment(std::string_view line) {
   return size_in_line(numbers);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

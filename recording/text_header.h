@@ -8,7 +8,7 @@
 #include "core/event.h"
 #include "recording/event_columns.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The columns of a text file, in its order.
 struct TextColumns {
@@ -30,4 +30,4 @@ struct TextColumns {
 /// The image size of a comment such as `%geometry:240,180`, as Prophesee's programs write it.
 [[nodiscard]] std::optional<ImageSize> geometry_in_comment(std::string_view line);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 
 #include "recording/codec.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 bool is_text_name(const std::string& name) {
@@ -58,4 +58,4 @@ std::string_view TextSource::peek_in_zip(std::size_t wanted) {
   return bytes;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -10,7 +10,7 @@
 #include "recording/unpacked_part.h"
 #include "recording/zip_members.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The bytes of a text: those of a file, or of the only text (.txt, .csv) in a ZIP file. Has the reading members of InputFile.
 class TextSource {
@@ -47,4 +47,4 @@ class TextSource {
   std::optional<InputError> failure_;   ///< why the text cannot be read further
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

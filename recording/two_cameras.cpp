@@ -5,7 +5,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 /// A block of one camera's events.
@@ -126,4 +126,4 @@ std::unique_ptr<EventWriter> split_cameras(std::unique_ptr<EventWriter> left,
   return std::make_unique<SplittingWriter>(std::move(left), std::move(right));
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 
 #include "recording/event_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// One recording of two: the events of `left` as those of camera 0 and of `right` as those of camera 1, merged by time, at
 /// the same time the left ones first. Time that goes back in one of them goes back here.
@@ -19,4 +19,4 @@ namespace saccade::inline v0_1 {
 [[nodiscard]] std::unique_ptr<EventWriter> split_cameras(std::unique_ptr<EventWriter> left,
                                                          std::unique_ptr<EventWriter> right);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

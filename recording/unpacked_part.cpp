@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 void UnpackedPart::begin(std::unique_ptr<Decompressor> decompressor, std::uint64_t stored_bytes) {
   decompressor_ = std::move(decompressor);
@@ -61,4 +61,4 @@ void UnpackedPart::fail(std::string value, std::string expectation) const {
   file_.fail(std::move(value), std::move(expectation));
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

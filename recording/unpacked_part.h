@@ -9,7 +9,7 @@
 #include "recording/decompressor.h"
 #include "recording/input_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A part of a file, such as a chunk of a bag, as unpacked bytes; memory does not grow with it. Has the reading members of
 /// InputFile.
@@ -62,4 +62,4 @@ template <class Source>
   return true;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <initializer_list>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Continues counters of few bits over their wraps, in the counter's own unit: from the last `silence` of the range to
 /// its first, and back over a wrap for a value that comes up to `lateness` late. Only jumps of more than `silence` are
@@ -55,4 +55,4 @@ class WrappingTime {
   std::int64_t offset_ = 0;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

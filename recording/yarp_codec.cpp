@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr ImageSize dvs_size{128, 128};
@@ -144,4 +144,4 @@ std::int64_t StampUnwrapper::wrap_of_unknown(std::int64_t step, double elapsed) 
   return best;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

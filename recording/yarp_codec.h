@@ -10,7 +10,7 @@
 #include "core/event.h"
 #include "recording/address_event.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Layout of an event-driven log, which the log itself does not contain: its address words (AddressCodec) and their time
 /// stamps.
@@ -78,4 +78,4 @@ class StampUnwrapper {
   double last_host_s_ = 0.0;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -9,7 +9,7 @@
 #include "recording/yarp_log_info.h"
 #include "recording/yarp_log_packets.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 /// How much of a log is read to guess its codec.
@@ -213,4 +213,4 @@ RecordingFormat yarp_binary_format() {
   return format;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -2,7 +2,7 @@
 
 #include "recording/format_registry.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Logs of event-driven (IIT), version 1 as YARP's data dumper wrote them until 2020, version 2 since, one packet per
 /// line:
@@ -39,4 +39,4 @@ namespace saccade::inline v0_1 {
 /// It has no mark: its name (binaryevents.log) or its info file (`Type: Binary`) identifies it.
 [[nodiscard]] RecordingFormat yarp_binary_format();
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 #include "recording/codec.h"
 #include "recording/number_text.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 std::filesystem::path yarp_info_file(const std::filesystem::path& log) {
   const std::string name = log.filename().string();
@@ -51,4 +51,4 @@ std::optional<ImageSize> yarp_info_size(const std::filesystem::path& log) {
   return size;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 
 #include "core/event.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Keys of the info file beside an event-driven log (recording/yarp_log_codec.h), lines `Key: value;`.
 inline constexpr std::string_view yarp_type_key = "Type: ", yarp_codec_key = "Codec: ",
@@ -29,4 +29,4 @@ inline constexpr std::string_view yarp_type_key = "Type: ", yarp_codec_key = "Co
 /// The size in a line `Size: WxH;`. Throws InputError for anything else there.
 [[nodiscard]] std::optional<ImageSize> yarp_info_size(const std::filesystem::path& log);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -11,7 +11,7 @@
 #include "recording/event_columns.h"
 #include "recording/number_text.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t longest_word = 64;
@@ -287,4 +287,4 @@ bool looks_like_yarp_log(std::string_view start) {
   return start.starts_with('(') || (take(start, is_digit) && take(start, is_blank) && start.starts_with('"'));
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 #include "recording/input_file.h"
 #include "recording/yarp_codec.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The packets of an event-driven log one after the other (recording/yarp_log_codec.h).
 class YarpPacketSource {
@@ -34,4 +34,4 @@ class YarpPacketSource {
 /// The host's clock ends in 2096, s: ns of that fit into 64 bits.
 inline constexpr double yarp_latest_s = 4e9;
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -11,7 +11,7 @@
 #include "recording/yarp_log_info.h"
 #include "recording/yarp_log_packets.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 void append_escaped(std::string& text, std::uint32_t word) {
@@ -122,4 +122,4 @@ std::unique_ptr<EventWriter> create_yarp_log(const std::filesystem::path& path, 
   return std::make_unique<YarpLogWriter>(path, image_size, cameras);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

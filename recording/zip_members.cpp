@@ -6,7 +6,7 @@
 #include "recording/codec.h"
 #include "recording/unpacked_part.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 // Marks and sizes as in PKWARE's APPNOTE.
@@ -103,4 +103,4 @@ void for_each_zip_member(InputFile& file, const std::function<void(const ZipMemb
   }
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -9,7 +9,7 @@
 #include "recording/decompressor.h"
 #include "recording/input_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 inline constexpr std::string_view zip_mark = "PK\x03\x04";  ///< of the first member
 
@@ -31,4 +31,4 @@ struct ZipMember {
 /// by another method than deflate, or whose size follows their bytes.
 void for_each_zip_member(InputFile& file, const std::function<void(const ZipMember&)>& use);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -1,6 +1,6 @@
 #include "robot/backend_registry.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 bool RobotBackendConfig::has_gaze_controller() const {
   const RobotBackend* const row = rows().find(backend);
@@ -32,7 +32,7 @@ std::unique_ptr<HeadStopper> open_head_stopper(const RobotBackendConfig& config,
 
 RobotBackendConfig BackendRegistry::config() const {
   SACCADE_CHECK(rows().size() > 0);
-  return {RowConfigs<RobotBackend>(rows()), rows().begin()->name};
+  return {RegistryConfigs<RobotBackend>(rows()), rows().begin()->name};
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "core/event.h"
-#include "core/row_configs.h"
+#include "core/registry_configs.h"
 #include "head/head_state.h"
 #include "recording/format_registry.h"
 #include "robot/robot.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// What a backend gets besides its own keys.
 struct RobotContext {
@@ -25,16 +25,16 @@ struct RobotContext {
 struct RobotBackend {
   std::string name;  ///< value of the key `backend`, and name of the section with the keys of the config
   std::string description;  ///< one line, for lists
-  AnyConfig config;         ///< default values
+  TypeErasedConfig config;  ///< default values
   /// Connects to the robot. Throws InputError if this build has no such backend or the configuration is out of range,
   /// RunError if the robot does not answer.
-  std::function<std::unique_ptr<Robot>(const AnyConfig&, const RobotContext&)> open;
+  std::function<std::unique_ptr<Robot>(const TypeErasedConfig&, const RobotContext&)> open;
   /// Whether targets go to a gaze controller of the robot's own (Robot::gaze).
-  std::function<bool(const AnyConfig&)> has_gaze_controller;
+  std::function<bool(const TypeErasedConfig&)> has_gaze_controller;
   /// Name of the head that a configuration moves, the same for every process that can move it; empty without one.
-  std::function<std::string(const AnyConfig&)> head_name;
+  std::function<std::string(const TypeErasedConfig&)> head_name;
   /// Connects to the head alone, to stop it. Throws as open does. Empty if the backend has no such connection.
-  std::function<std::unique_ptr<HeadStopper>(const AnyConfig&, const RobotContext&)> open_stopper = {};
+  std::function<std::unique_ptr<HeadStopper>(const TypeErasedConfig&, const RobotContext&)> open_stopper = {};
   std::vector<std::string> required = {};  ///< keys of the config without a default
 };
 
@@ -60,14 +60,14 @@ template <class Config, class Open>
   };
   return {std::move(name),
           std::move(description),
-          AnyConfig(std::move(defaults)),
-          for_any_config<Config>(std::move(open)),
-          for_any_config<Config>(has_controller),
-          for_any_config<Config>(name_of_head)};
+          TypeErasedConfig(std::move(defaults)),
+          for_erased_config<Config>(std::move(open)),
+          for_erased_config<Config>(has_controller),
+          for_erased_config<Config>(name_of_head)};
 }
 
 /// The robot that a file configures. BackendRegistry::config() gives the defaults.
-struct RobotBackendConfig : RowConfigs<RobotBackend> {
+struct RobotBackendConfig : RegistryConfigs<RobotBackend> {
   std::string backend;  ///< name of a row
 
   /// Whether targets go to a gaze controller of the robot's own.
@@ -94,4 +94,4 @@ class BackendRegistry : public RowRegistry<RobotBackend> {
   [[nodiscard]] RobotBackendConfig config() const;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -3,7 +3,7 @@
 #include <bit>
 #include <cstring>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace bottle {
 
 static_assert(std::endian::native == std::endian::little, "the wire is little-endian");
@@ -86,4 +86,4 @@ std::string_view check_bottle(std::span<const std::byte> message) {
   return reader.size() == 0 ? std::string_view() : "something comes after the end";
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 #include <span>
 #include <string_view>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Whole requests of robots have at most this many bytes, which is checked before a message is read.
 inline constexpr std::size_t longest_bottle = std::size_t{1} << 16;
@@ -44,4 +44,4 @@ class Reader {
 };
 
 }  // namespace bottle
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

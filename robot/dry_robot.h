@@ -4,7 +4,7 @@
 
 #include "robot/robot.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Wraps a robot without moving it: forwards everything except commands, targets, stops, activate() and release(). Rejects
 /// the commands that the head would reject.
@@ -50,4 +50,4 @@ class DryRobot final : public Robot {
 
 inline DryRobot::DryRobot(std::unique_ptr<Robot> robot) : robot_(std::move(robot)), head_(robot_->head()) {}
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 #include "core/error.h"
 #include "robot/bottle.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 using bottle::tag_int32;
@@ -167,4 +167,4 @@ void write_packet(const EventPacket& packet, PacketFormat format, std::vector<st
   writer.words(packet.events, stamped);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The message formats of the YARP event ports of event-driven (IIT). All are binary bottles: 32-bit little-endian
 /// integers, each value preceded by a code of its type.
@@ -46,4 +46,4 @@ struct EventPacket {
 /// positive.
 void write_packet(const EventPacket& packet, PacketFormat format, std::vector<std::byte>& message);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 std::uint64_t rest_of(const Event& event) {
@@ -73,4 +73,4 @@ std::int64_t EventQueue::dropped() const {
   return dropped_.load() + std::max<std::int64_t>(0, pushed_.load() - read_.load() - capacity_);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 
 #include "core/event.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A queue of events of fixed capacity from one receiving thread to one reading thread. If it is full, the oldest events
 /// are dropped, because gaze control needs the newest ones. Neither side locks, waits or allocates: the receiving thread
@@ -40,4 +40,4 @@ class EventQueue {
   std::atomic<std::int64_t> dropped_ = 0;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

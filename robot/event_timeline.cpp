@@ -7,7 +7,7 @@
 #include "core/error.h"
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 EventTimeline::EventTimeline(const EventTimelineConfig& config)
     : config_(config), counter_(config.stamp_bits) {
@@ -107,4 +107,4 @@ std::string CameraView::problem(ImageSize configured) const {
   return {};
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -10,7 +10,7 @@
 #include "robot/event_packet.h"
 #include "robot/sender_clock.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The format of the events of one port.
 struct EventTimelineConfig {
@@ -91,4 +91,4 @@ class EventTimeline {
   CameraView view_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

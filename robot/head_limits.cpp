@@ -9,7 +9,7 @@
 
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 double rounded_deg(double rad) { return std::round(rad * deg_per_rad * 1e9) / 1e9; }
@@ -85,4 +85,4 @@ CommonLimits common_limits(const JointLimits& ours, const JointLimits& robot) {
   return common;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

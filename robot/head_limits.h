@@ -6,7 +6,7 @@
 #include "head/head_model.h"
 #include "robot/robot.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Position limits of the joints that gaze commands, deg, which apply in addition to the limits of the robot.
 struct HeadLimitsConfig {
@@ -35,4 +35,4 @@ struct CommonLimits {
 /// and the torso are those of `ours`.
 [[nodiscard]] CommonLimits common_limits(const JointLimits& ours, const JointLimits& robot);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -2,7 +2,7 @@
 
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 std::optional<ImuReading> imu_reading_of(std::span<const double> values, std::int64_t t_us,
                                          const Eigen::Matrix3d& head_from_imu) {
@@ -13,4 +13,4 @@ std::optional<ImuReading> imu_reading_of(std::span<const double> values, std::in
   return ImuReading{t_us, head_from_imu * turn_deg_s * rad_per_deg, head_from_imu * acceleration};
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

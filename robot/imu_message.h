@@ -7,7 +7,7 @@
 
 #include "head/imu_reading.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Numbers in a message of an iCub's inertial sensor (PORT `/icub/inertial`): three angles of its orientation (deg), then along
 /// x, y, z of the sensor the specific force (m/s^2), the angular velocity (deg/s) and the magnetic field.
@@ -18,4 +18,4 @@ inline constexpr int imu_message_numbers = 12;
 [[nodiscard]] std::optional<ImuReading> imu_reading_of(std::span<const double> values, std::int64_t t_us,
                                                        const Eigen::Matrix3d& head_from_imu);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "core/minimum_jerk.h"
+#include "head/minimum_jerk.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 JointBoard::JointBoard(const std::vector<Joint>& joints, const Eigen::VectorXd& position_rad, bool movable)
     : reference_rad_(position_rad), movable_(movable) {
@@ -114,4 +114,4 @@ const Eigen::VectorXd& JointBoard::step(const Eigen::VectorXd& measured_rad, dou
   return reference_rad_;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The control mode of a joint: the modes of the iCub's control boards that saccade serve supports.
 enum class JointMode {
@@ -27,8 +27,9 @@ class JointBoard {
     double max_speed_rad_s = 0.0;
   };
   static constexpr double velocity_timeout_s = 0.1;
-  static constexpr double default_speed_rad_s = 0.174532925199432958;         ///< 10 deg/s
-  static constexpr double default_acceleration_rad_s2 = 17.4532925199432958;  ///< 1000 deg/s^2, in velocity mode
+  static constexpr double default_speed_rad_s = 0.174532925199432958;  ///< 10 deg/s
+  static constexpr double default_acceleration_rad_s2 =
+      17.4532925199432958;  ///< 1000 deg/s^2, in velocity mode
 
   /// All joints start at `position_rad` in position mode, as after calibration. `movable` false: they stay idle.
   JointBoard(const std::vector<Joint>& joints, const Eigen::VectorXd& position_rad, bool movable);
@@ -83,4 +84,4 @@ class JointBoard {
   bool movable_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

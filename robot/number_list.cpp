@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <cstring>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 // Tags of YARP's binary messages.
@@ -78,4 +78,4 @@ std::string_view read_number_list(std::span<const std::byte> message, std::span<
   return {};
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 #include <span>
 #include <string_view>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A list of numbers as YARP sends it in binary: a Bottle of numbers or a Vector of float64. Whole messages of robots have
 /// at most this many bytes, which is checked before a message is read.
@@ -16,4 +16,4 @@ inline constexpr std::size_t longest_number_list = 4096;
 [[nodiscard]] std::string_view read_number_list(std::span<const std::byte> message, std::span<double> values,
                                                 int& count);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 #include "head/head_state.h"
 #include "head/imu_reading.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Interface between the loop and a robot: clock, event camera, head, gaze controller. Backends: sim/ (the MuJoCo head),
 /// robot/replay (a recording), robot/yarp (the iCub), robot/fake (tests). tests/robot/port_conformance.h tests these
@@ -94,7 +94,7 @@ class HeadPort {
  public:
   virtual ~HeadPort() = default;
   [[nodiscard]] virtual JointLimits limits() const = 0;
-  /// Newest encoder reading, finite unless a sensor fails. Its time stamp is never later than now and never goes back;
+  /// LatestValue encoder reading, finite unless a sensor fails. Its time stamp is never later than now and never goes back;
   /// the caller decides how old it may be. With `ended` or `lost` the state stays unchanged.
   virtual PortStatus read(HeadState& state) = 0;
   /// What holds the joints, as last reported. Backends without control modes follow references always.
@@ -115,7 +115,7 @@ class HeadPort {
 class ImuPort {
  public:
   virtual ~ImuPort() = default;
-  /// Newest reading. Its time stamp is never later than now and never goes back. With `ended` or `lost` the reading stays
+  /// LatestValue reading. Its time stamp is never later than now and never goes back. With `ended` or `lost` the reading stays
   /// unchanged.
   virtual PortStatus read_imu(ImuReading& reading) = 0;
 };
@@ -131,4 +131,4 @@ class GazePort {
   virtual PortStatus stop() = 0;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

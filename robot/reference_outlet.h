@@ -5,9 +5,9 @@
 #include <optional>
 
 #include "head/head_state.h"
-#include "robot/newest.h"
+#include "robot/latest_value.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// What a thread that sends references to a board has to send: the newest command, or from a halt on the reference of the
 /// halt and nothing else until resume(). Without a reference of the halt (no reading of the joints, nothing sent so far)
@@ -43,10 +43,10 @@ class ReferenceOutlet {
   }
 
  private:
-  Newest<Degrees> command_deg_;  // the first value is none of a command
-  Newest<Degrees> hold_deg_;
+  LatestValue<Degrees> command_deg_;  // the first value is none of a command
+  LatestValue<Degrees> hold_deg_;
   std::atomic<bool> halted_ = false;
   std::atomic<bool> has_hold_ = false;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 
 #include "robot/ports.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Result of one check before motors move.
 struct StartUpCheck {
@@ -60,4 +60,4 @@ class HeadStopper {
   virtual bool stop() = 0;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 std::int64_t SenderClock::to_local(std::int64_t sent_us, std::int64_t arrival_us) {
   const std::int64_t delay_us = arrival_us - sent_us;
@@ -49,4 +49,4 @@ std::int64_t StampCounter::begin(std::uint32_t stamp, std::int64_t elapsed_ticks
   return last_ = expected + step;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

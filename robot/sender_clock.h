@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Converts time stamps from the clock of a sender to the clock of the receiver. The offset is that of the message with
 /// the least delay of the last 8 to 10 s, so that variations of the network delay have no effect and clock drift is
@@ -44,4 +44,4 @@ class StampCounter {
   std::int64_t last_ = 0;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 
 #include "robot/ports.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The steady clock of the machine, 0 at construction.
 class SteadyClock final : public Clock {
@@ -24,4 +24,4 @@ class SteadyClock final : public Clock {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

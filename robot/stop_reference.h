@@ -8,7 +8,7 @@
 #include "core/units.h"
 #include "robot/ports.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The reference at which a head stops: the newest positions, inside the limits. A joint whose position is missing or not
 /// finite (its encoder fails) stops at its last reference; std::nullopt if nothing was sent yet. Joints are the first `joints`
@@ -27,4 +27,4 @@ namespace saccade::inline v0_1 {
       .cwiseMin(limits.max_rad.tail<gaze_slots>());
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 #include "core/rotation_vector.h"
 #include "sim/mujoco_compat.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 using Eigen::Vector3d;
@@ -217,4 +217,4 @@ double pattern_cover(BallPattern pattern, const Vector3d& point) {
   return 0.0;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

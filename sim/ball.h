@@ -9,7 +9,7 @@
 #include "core/config.h"
 #include "sim/trajectory.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Pattern of the sleeve of the arm that holds the ball.
 enum class Sleeve { plain, checked };
@@ -88,4 +88,4 @@ void set_up_ball(mjModel& model, const BallConfig& config);
 /// Share of the pattern's colour in [0, 1] at a point of the ball, a unit vector in the pattern's axes.
 [[nodiscard]] double pattern_cover(BallPattern pattern, const Eigen::Vector3d& point);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,11 +5,11 @@
 #include <cstdio>
 #include <numbers>
 
-#include "core/minimum_jerk.h"
 #include "core/units.h"
+#include "head/minimum_jerk.h"
 #include "sim/mujoco_compat.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double texel_mm = 0.5;
@@ -160,4 +160,4 @@ void paint_board(mjModel& model, const BoardConfig& config) {
   }
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

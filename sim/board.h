@@ -9,7 +9,7 @@
 
 #include "core/config.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A white board with an asymmetric grid of dark dots, for camera calibration. It rests at one pose after another and
 /// moves from each to the next.
@@ -44,4 +44,4 @@ void describe(FieldVisitor& v, BoardConfig& config);
 /// Paints the dots into a compiled model that holds board_mjcf(config). Call before a renderer uploads the texture.
 void paint_board(mjModel& model, const BoardConfig& config);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

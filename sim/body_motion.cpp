@@ -10,7 +10,7 @@
 #include "core/units.h"
 #include "recording/number_text.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::array<const char*, 4> motion_columns = {"t_us", "pitch_deg", "roll_deg", "yaw_deg"};
@@ -110,4 +110,4 @@ Eigen::Quaterniond base_rotation(const Eigen::Vector3d& angles_rad) {
          Eigen::AngleAxisd(angles_rad[2], -Eigen::Vector3d::UnitZ());
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

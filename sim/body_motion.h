@@ -8,7 +8,7 @@
 
 #include "core/config.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// An oscillation: amplitude sin(2 pi frequency t + phase).
 struct SwayConfig {
@@ -56,4 +56,4 @@ class BodyMotion {
 /// y right, z up), pitch first: the signs of the torso's joints.
 [[nodiscard]] Eigen::Quaterniond base_rotation(const Eigen::Vector3d& angles_rad);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -11,7 +11,7 @@
 #include "core/error.h"
 #include "sim/mujoco_compat.h"
 
-namespace saccade::inline v0_1::detail {
+namespace saccade::detail {
 namespace {
 
 using std::numbers::pi;
@@ -164,4 +164,4 @@ void project_textures(const GlContext& gl, const mjrContext& context, const mjVi
   writer.finish();
 }
 
-}  // namespace saccade::inline v0_1::detail
+}  // namespace saccade::detail

@@ -4,7 +4,7 @@
 
 #include "sim/gl_context.h"
 
-namespace saccade::inline v0_1::detail {
+namespace saccade::detail {
 
 /// The address of an OpenGL function. Throws RunError where OpenGL has none of that name.
 [[nodiscard]] void* gl_address(const GlContext& gl, const char* name);
@@ -23,4 +23,4 @@ void replace_sphere(const GlContext& gl, const mjrContext& context, int sides);
 /// where texrepeat is not odd: MuJoCo scales it about another point. Call it before replace_sphere().
 void project_textures(const GlContext& gl, const mjrContext& context, const mjVisual& visual);
 
-}  // namespace saccade::inline v0_1::detail
+}  // namespace saccade::detail

@@ -1,6 +1,6 @@
 #include "sim/canvas.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 void Canvas::leaf(double x, double y, double length, double width, double angle_rad, Reflectance colour) {
   const double half = 0.5 * length;
@@ -28,4 +28,4 @@ void Canvas::darken_edges(double depth_m, double by) {
   });
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

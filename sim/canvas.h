@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Linear reflectance in red, green and blue; 0 black, 1 white.
 struct Reflectance {
@@ -102,4 +102,4 @@ class Canvas {
   std::vector<Reflectance> pixels_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,16 +5,16 @@
 #include <string>
 
 #include "core/error.h"
-#include "recording/own_file.h"
+#include "recording/module_path.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 namespace fs = std::filesystem;
 
 fs::path data_directory() {
   if (const char* const set = std::getenv("SACCADE_DATA"); set != nullptr && *set != '\0') return set;
   std::error_code ignored;
-  const fs::path file = own_file();
+  const fs::path file = module_path();
   for (fs::path folder = file.parent_path(); !folder.empty(); folder = folder.parent_path()) {
     const fs::path data = folder / "share/saccade";
     if (fs::is_directory(data / "models", ignored)) return data;
@@ -44,4 +44,4 @@ fs::path shipped_file(const fs::path& path) {
   return path;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Folder with models/ and scenarios/: the environment's SACCADE_DATA, or share/saccade in the nearest folder above the
 /// file that holds this code (the program, a shared library, a Python module). An installed tree can thus be moved.
@@ -16,4 +16,4 @@ namespace saccade::inline v0_1 {
 /// missing: "look_at_ball" is scenarios/look_at_ball.yaml. `path` itself where there is none.
 [[nodiscard]] std::filesystem::path shipped_file(const std::filesystem::path& path);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -9,7 +9,7 @@
 #include "core/error.h"
 #include "sim/head_mjcf.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double inertia_kg_m2 =
@@ -148,4 +148,4 @@ class Writer {
 
 std::string described_head_mjcf(const HeadModel& head) { return Writer(head).mjcf(); }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-namespace saccade::inline v0_1::detail {
+namespace saccade::detail {
 namespace {
 
 template <class Function>
@@ -48,4 +48,4 @@ EGLDisplay display_of(const EglDevice& device, decltype(eglGetProcAddress)* get_
   return get_display(EGL_PLATFORM_DEVICE_EXT, device.handle, nullptr);
 }
 
-}  // namespace saccade::inline v0_1::detail
+}  // namespace saccade::detail

@@ -7,7 +7,7 @@
 
 #include "sim/gl_context.h"
 
-namespace saccade::inline v0_1::detail {
+namespace saccade::detail {
 
 /// A device of EGL's enumeration (EGL_EXT_device_enumeration).
 struct EglDevice {
@@ -22,4 +22,4 @@ struct EglDevice {
 /// The display of a device; EGL_NO_DISPLAY where EGL has none for devices.
 [[nodiscard]] EGLDisplay display_of(const EglDevice& device, decltype(eglGetProcAddress)* get_function);
 
-}  // namespace saccade::inline v0_1::detail
+}  // namespace saccade::detail

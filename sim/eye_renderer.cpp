@@ -8,7 +8,7 @@
 #include "core/error.h"
 #include "sim/scene_drawer.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 using detail::SceneDrawer;
@@ -164,4 +164,4 @@ double EyeRenderer::visible_share(const Eigen::Vector3d& centre_m, double radius
   return all == 0 ? 0.0 : static_cast<double>(visible) / static_cast<double>(all);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -15,7 +15,7 @@
 #include "sim/lens_resampler.h"
 #include "threads/worker_threads.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 namespace detail {
 class SceneDrawer;
@@ -96,4 +96,4 @@ class EyeRenderer {
   std::unique_ptr<detail::SceneDrawer> drawer_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 
 #include "core/config.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A path that may be absent: empty in the configuration.
 inline void optional_path(FieldVisitor& v, std::string_view key, std::string& value, std::string_view doc) {
@@ -17,4 +17,4 @@ inline void optional_path(FieldVisitor& v, std::string_view key, std::string& va
   return v.fills_defaults() && v.has_section(key, false);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 void describe(FieldVisitor& v, FlickerConfig& c) {
   v.choice("kind", c.kind, "mains: a sine at twice the mains frequency; pwm: on and off");
@@ -62,4 +62,4 @@ std::int64_t Flicker::next_image_us(std::int64_t t_us) const {
   return instant(begin + 1.0 + edge_share_);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 
 #include "core/config.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// How the light of lamps varies with time.
 enum class FlickerKind {
@@ -47,4 +47,4 @@ class Flicker {
   double edge_share_;  ///< of the period
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -9,7 +9,7 @@
 #include "sim/model_file.h"
 #include "sim/mujoco_compat.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 using Eigen::Vector3d;
@@ -169,4 +169,4 @@ MotionTrack pushed_motion(const PushConfig& config, const BodyShape& shape, cons
                   body.mass_kg() / config.push_s * push, config.push_s);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 #include "core/config.h"
 #include "sim/motion_track.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The body that moves, as MJCF elements; an empty one is a ball of 9.5 cm.
 struct BodyShape {
@@ -59,4 +59,4 @@ void describe(FieldVisitor& v, PushConfig& config);
 /// Source: Schwager and Poeschel, Granular Matter 9, 2007.
 [[nodiscard]] double damping_ratio_of_bounce(double bounce);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -14,10 +14,10 @@
 
 #include "core/config.h"
 #include "core/error.h"
-#include "recording/own_file.h"
+#include "recording/module_path.h"
 #include "sim/egl_devices.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr const char* osmesa_library = "libOSMesa.so.8";
@@ -69,7 +69,7 @@ class LibraryContext : public GlContext {
 /// program. Empty where there is none.
 const std::string& own_mesa() {
   static const std::string file = [] {
-    const std::filesystem::path program = own_file();
+    const std::filesystem::path program = module_path();
     for (std::filesystem::path folder = program.parent_path();
          !folder.empty() && folder != folder.root_path(); folder = folder.parent_path()) {
       std::error_code ignored;
@@ -353,7 +353,7 @@ void GlContext::identify(std::string_view backend) {
   description_ = std::string(backend) + ", " + text(GL_RENDERER) + ", " + text(GL_VERSION);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade
 
 #if defined(__SANITIZE_ADDRESS__)
 // Mesa keeps some 100 bytes for each context that it destroys, and more for windows; read by the leak sanitizer.

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A device that EGL offers.
 struct GlDevice {
@@ -67,4 +67,4 @@ class GlContext {
   std::string description_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -11,7 +11,7 @@
 #include "sim/described_head.h"
 #include "sim/mujoco_compat.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 std::string text_of_file(const std::filesystem::path& path) {
@@ -222,4 +222,4 @@ JointVector MotorCoupling::joints_from_motors(const JointVector& motors) const {
   return by_slot;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

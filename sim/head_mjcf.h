@@ -9,7 +9,7 @@
 
 #include "head/head_model.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The MJCF of a head: a file of its own (HeadModel::mjcf), or made from its description. For an iCub `models` holds
 /// icub_head.xml, version 2: the other versions are that file with the places and axes of their own chain.
@@ -55,4 +55,4 @@ class MotorCoupling {
 /// The names of the cameras of the left and right eye in a model.
 inline constexpr const char* eye_camera_names[2] = {"left_eye", "right_eye"};
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 
 #include "sim/world.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr int grid_side = 5;
@@ -149,4 +149,4 @@ std::optional<std::int64_t> ImageSampler::next(std::int64_t begin_us, std::int64
   return std::nullopt;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -11,7 +11,7 @@
 #include "core/camera.h"
 #include "core/config.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Limits on the intervals between the images of an eye, which follow the motion in the image.
 struct SamplingConfig {
@@ -91,4 +91,4 @@ class ImageSampler {
   double moved_px_ = 0.0;     // since then, at the end of the last tick or at the image itself
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -2,7 +2,7 @@
 
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double imu_tick_s = 1e-3;
@@ -54,4 +54,4 @@ void ImuSensor::step(std::int64_t t_us, const Eigen::Isometry3d& world_from_imu)
   ++count_;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

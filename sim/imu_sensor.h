@@ -9,7 +9,7 @@
 #include "core/random.h"
 #include "head/imu_reading.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Errors of the inertial measurement unit in the head.
 struct ImuConfig {
@@ -44,4 +44,4 @@ class ImuSensor {
   Eigen::Vector3d last_velocity_m_s_ = Eigen::Vector3d::Zero();
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 #include <iterator>
 #include <limits>
 
-namespace saccade::inline v0_1::detail {
+namespace saccade::detail {
 namespace {
 
 // Rec. 709 luminance of linear red, green and blue, in 1/10000.
@@ -315,4 +315,4 @@ void KeyframeFilter::fill(Keyframe& k, std::span<const std::uint32_t> rgba, std:
   threads.run(part);
 }
 
-}  // namespace saccade::inline v0_1::detail
+}  // namespace saccade::detail

@@ -8,7 +8,7 @@
 #include "sim/keyframe_camera.h"
 #include "threads/worker_threads.h"
 
-namespace saccade::inline v0_1::detail {
+namespace saccade::detail {
 
 /// A layer of the scene as it was drawn once, prepared for reprojection. Values of a sample are means over the area of
 /// a pixel around it, so that interpolation between samples gives the mean over a pixel anywhere.
@@ -74,4 +74,4 @@ class KeyframeFilter {
   std::vector<float> filter_room_;
 };
 
-}  // namespace saccade::inline v0_1::detail
+}  // namespace saccade::detail

@@ -8,7 +8,7 @@
 #include "core/error.h"
 #include "sim/lens_resampler.h"
 
-namespace saccade::inline v0_1::detail {
+namespace saccade::detail {
 namespace {
 
 /// The samples [first, last) along one image axis that the outline of a sphere spans; see EyeRenderer.
@@ -106,4 +106,4 @@ std::optional<SampleRect> KeyframeCamera::span_of(const Eigen::Vector3d& centre_
   return SampleRect{left, top, right, bottom};
 }
 
-}  // namespace saccade::inline v0_1::detail
+}  // namespace saccade::detail

@@ -9,7 +9,7 @@
 
 #include "core/camera.h"
 
-namespace saccade::inline v0_1::detail {
+namespace saccade::detail {
 
 /// A rectangle of samples of a keyframe: columns [left, right), rows [top, bottom), from the top left.
 struct SampleRect {
@@ -77,4 +77,4 @@ class KeyframeCamera {
   std::vector<PixelSize> cells_;
 };
 
-}  // namespace saccade::inline v0_1::detail
+}  // namespace saccade::detail

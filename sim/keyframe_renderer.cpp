@@ -10,7 +10,7 @@
 #include "sim/scene_drawer.h"
 #include "sim/world.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 using detail::Keyframe;
@@ -371,4 +371,4 @@ double KeyframeRenderer::visible_share(const Eigen::Vector3d& centre_m, double r
   return visible / (all > close_share * area ? all : area);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -18,7 +18,7 @@
 #include "sim/scene_layers.h"
 #include "threads/worker_threads.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Computes the images of an eye's camera from keyframes, as linear luminance like EyeRenderer::render.
 ///
@@ -122,4 +122,4 @@ class KeyframeRenderer {
   Counts counts_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

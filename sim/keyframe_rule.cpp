@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace saccade::inline v0_1::detail {
+namespace saccade::detail {
 namespace {
 
 constexpr double largest_shade_rad = 0.03;  ///< change of the direction of light: 3 % of it at the terminator
@@ -65,4 +65,4 @@ bool KeyframeRule::shows_border(const Keyframe& key, const Eigen::Isometry3d& ke
   return true;
 }
 
-}  // namespace saccade::inline v0_1::detail
+}  // namespace saccade::detail

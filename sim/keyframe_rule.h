@@ -7,7 +7,7 @@
 #include "sim/keyframe_camera.h"
 #include "sim/scene_layers.h"
 
-namespace saccade::inline v0_1::detail {
+namespace saccade::detail {
 
 /// Bounds the error of an image that is reprojected from a keyframe, in pixels:
 ///
@@ -40,4 +40,4 @@ class KeyframeRule {
   double error_px_;
 };
 
-}  // namespace saccade::inline v0_1::detail
+}  // namespace saccade::detail

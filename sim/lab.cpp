@@ -13,7 +13,7 @@
 #include "sim/model_file.h"
 #include "sim/mujoco_compat.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 /// printf into a string.
@@ -179,4 +179,4 @@ void Lab::paint_patch(std::size_t index, mjtByte* rgb) const {
   }
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

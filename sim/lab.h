@@ -14,7 +14,7 @@
 #include "sim/model_parts.h"
 #include "sim/panorama.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 class Canvas;
 
@@ -130,4 +130,4 @@ class Lab {
   ModelParts parts_;                           ///< of a file
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -9,7 +9,7 @@
 #include "sim/lab_round.h"
 #include "sim/lab_shapes.h"
 
-namespace saccade::inline v0_1::lab {
+namespace saccade::lab {
 namespace {
 
 using Eigen::Vector3d;
@@ -211,4 +211,4 @@ Layout furnished(const LabConfig& config, std::uint64_t seed) {
   return layout;
 }
 
-}  // namespace saccade::inline v0_1::lab
+}  // namespace saccade::lab

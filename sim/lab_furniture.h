@@ -5,9 +5,9 @@
 #include "sim/lab.h"
 #include "sim/lab_layout.h"
 
-namespace saccade::inline v0_1::lab {
+namespace saccade::lab {
 
 /// The room of a lab with its furniture and objects, packed. The same config and seed give the same layout.
 [[nodiscard]] Layout furnished(const LabConfig& config, std::uint64_t seed);
 
-}  // namespace saccade::inline v0_1::lab
+}  // namespace saccade::lab

@@ -2,7 +2,7 @@
 
 #include "sim/lab_painters.h"
 
-namespace saccade::inline v0_1::lab {
+namespace saccade::lab {
 namespace {
 
 /// Lines of blocks that look like printed words.
@@ -216,4 +216,4 @@ void paint_rough(Canvas& canvas, RandomGenerator& random) {
   roughen(canvas, random, 0.12, 0.4, 5, 0.75);
 }
 
-}  // namespace saccade::inline v0_1::lab
+}  // namespace saccade::lab

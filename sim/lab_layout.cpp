@@ -6,7 +6,7 @@
 #include <numbers>
 #include <utility>
 
-namespace saccade::inline v0_1::lab {
+namespace saccade::lab {
 namespace {
 
 using Eigen::Vector3d;
@@ -174,4 +174,4 @@ Vector3d Layout::position_of(Facing wall, Spot s) const {
   }
 }
 
-}  // namespace saccade::inline v0_1::lab
+}  // namespace saccade::lab

@@ -7,7 +7,7 @@
 
 #include "sim/lab_painters.h"
 
-namespace saccade::inline v0_1::lab {
+namespace saccade::lab {
 
 // Planes of the room, m, root frame (x backward, y right, z up).
 inline constexpr double floor_m = -0.62;
@@ -106,4 +106,4 @@ class Layout {
   std::vector<Triangle> triangles_;
 };
 
-}  // namespace saccade::inline v0_1::lab
+}  // namespace saccade::lab

@@ -7,7 +7,7 @@
 
 // Painters of the lab's surfaces: each fills a canvas of any size with a randomly varied pattern of the surface's
 // natural scale.
-namespace saccade::inline v0_1::lab {
+namespace saccade::lab {
 
 /// Fills a canvas; the same random sequence gives the same colours.
 using Painter = std::function<void(Canvas&, RandomGenerator&)>;
@@ -53,4 +53,4 @@ void paint_wood(Canvas& canvas, RandomGenerator& random);
 /// A small object with a rough surface: a pot, a stone, a cushion.
 void paint_rough(Canvas& canvas, RandomGenerator& random);
 
-}  // namespace saccade::inline v0_1::lab
+}  // namespace saccade::lab

@@ -6,7 +6,7 @@
 
 #include "sim/lab_layout.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 using Eigen::Vector3d;
@@ -79,4 +79,4 @@ double LabProbe::luminance(const Vector3d& from_m, const Vector3d& direction) {
   return lab_luminance(config_, normal, direction, {colour.r, colour.g, colour.b});
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

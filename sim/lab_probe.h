@@ -7,7 +7,7 @@
 #include "sim/canvas.h"
 #include "sim/lab.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Luminance of a matt surface in a lab's light, where white at its brightest is 1. Besides the lamps of the lab there is
 /// MuJoCo's headlight, which goes from the eye to the surface. `normal`: unit vector, root frame; `towards`: direction from
@@ -29,4 +29,4 @@ class LabProbe {
   std::vector<std::optional<Canvas>> patches_;  ///< painted when the first ray meets them
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

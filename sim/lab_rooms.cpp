@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace saccade::inline v0_1::lab {
+namespace saccade::lab {
 namespace {
 
 using Eigen::Vector3d;
@@ -138,4 +138,4 @@ Layout room_of_walls(const LabConfig& config, std::uint64_t seed) {
   return RoomOfWalls(config, seed).furnish();
 }
 
-}  // namespace saccade::inline v0_1::lab
+}  // namespace saccade::lab

@@ -5,7 +5,7 @@
 
 #include "sim/random_generator.h"
 
-namespace saccade::inline v0_1::lab {
+namespace saccade::lab {
 namespace {
 
 using Eigen::Vector3d;
@@ -120,4 +120,4 @@ void add_round_things(Layout& layout, const RoundThings& round, std::uint64_t se
   things.balls(round.balls);
 }
 
-}  // namespace saccade::inline v0_1::lab
+}  // namespace saccade::lab

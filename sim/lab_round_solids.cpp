@@ -4,7 +4,7 @@
 
 #include "sim/lab_layout.h"
 
-namespace saccade::inline v0_1::lab {
+namespace saccade::lab {
 namespace {
 
 using Eigen::Vector3d;
@@ -65,4 +65,4 @@ void Layout::add_ball(const Vector3d& centre_m, double radius_m, std::size_t pat
   }
 }
 
-}  // namespace saccade::inline v0_1::lab
+}  // namespace saccade::lab

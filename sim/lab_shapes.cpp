@@ -8,7 +8,7 @@
 
 #include "sim/random_generator.h"
 
-namespace saccade::inline v0_1::lab {
+namespace saccade::lab {
 namespace {
 
 using Eigen::Vector2d;
@@ -99,4 +99,4 @@ void add_printed_shapes(Layout& layout, std::int64_t count, std::uint64_t seed) 
   }
 }
 
-}  // namespace saccade::inline v0_1::lab
+}  // namespace saccade::lab

@@ -5,7 +5,7 @@
 #include "sim/lab_painters.h"
 #include "sim/value_noise.h"
 
-namespace saccade::inline v0_1::lab {
+namespace saccade::lab {
 namespace {
 
 using std::numbers::pi;
@@ -198,4 +198,4 @@ void paint_ceiling(Canvas& canvas, RandomGenerator& random, double roughness) {
   }
   canvas.darken_edges(0.3, 0.25);
 }
-}  // namespace saccade::inline v0_1::lab
+}  // namespace saccade::lab

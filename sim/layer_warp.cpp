@@ -9,7 +9,7 @@
 #include "core/vector_clones.h"
 #include "sim/keyframe.h"
 
-namespace saccade::inline v0_1::detail {
+namespace saccade::detail {
 namespace {
 
 inline float between(float value, float low, float high) {
@@ -133,4 +133,4 @@ void warp_row(const WarpRow& k, const float* x, const float* y, std::size_t coun
     interpolate(k.cover, result.at, result.u, result.v, Keyframe::cover_step, result.cover, count);
 }
 
-}  // namespace saccade::inline v0_1::detail
+}  // namespace saccade::detail

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace saccade::inline v0_1::detail {
+namespace saccade::detail {
 
 /// Reprojection of a row of an image from a keyframe.
 ///
@@ -45,4 +45,4 @@ struct WarpResult {
 void warp_row(const WarpRow& warp, const float* x, const float* y, std::size_t count,
               const WarpResult& result);
 
-}  // namespace saccade::inline v0_1::detail
+}  // namespace saccade::detail

@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 // Rec. 709 luminance of linear red, green and blue, in 1/10000.
@@ -194,4 +194,4 @@ void LensResampler::smallest(std::span<const std::uint32_t> rgba, std::uint8_t n
   }
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

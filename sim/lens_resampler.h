@@ -9,7 +9,7 @@
 #include "core/camera.h"
 #include "threads/worker_threads.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Converts a drawn image into the image of a camera with a lens.
 ///
@@ -69,4 +69,4 @@ class LensResampler {
   std::vector<float> drawn_;  ///< luminance or colours of the drawn image, one channel after the other
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

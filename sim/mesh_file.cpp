@@ -14,7 +14,7 @@
 #include "core/config.h"
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 using Eigen::Vector3d;
@@ -224,4 +224,4 @@ TriangleMesh read_mesh_file(const std::string& path, double scale) {
   return mesh;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

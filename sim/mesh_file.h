@@ -4,7 +4,7 @@
 
 #include "sim/triangle_mesh.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Reads a mesh from a file, by its extension: OBJ (triangles and polygons, which become fans; texture coordinates;
 /// materials and groups are skipped) or STL (binary and text). Coordinates are multiplied by `scale` to give metres.
@@ -12,4 +12,4 @@ namespace saccade::inline v0_1 {
 /// and numbers that are wrong, a mesh smaller than 1 mm or larger than 5 m, and as check_surface().
 [[nodiscard]] TriangleMesh read_mesh_file(const std::string& path, double scale);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -13,7 +13,7 @@
 #include "core/error.h"
 #include "sim/triangle_mesh.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 using Eigen::Vector3d;
@@ -268,4 +268,4 @@ MjModelPtr compile_mjcf_text(const std::string& mjcf, const std::string& place,
   return model;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

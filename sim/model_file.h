@@ -5,7 +5,7 @@
 #include "sim/model_parts.h"
 #include "sim/mujoco_compat.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// What an MJCF file describes.
 enum class ModelUse {
@@ -24,4 +24,4 @@ enum class ModelUse {
 [[nodiscard]] MjModelPtr compile_mjcf_text(const std::string& mjcf, const std::string& place,
                                            const std::string& expectation);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,11 +6,11 @@
 #include <filesystem>
 
 #include "core/error.h"
-#include "core/srgb.h"
+#include "emulator/srgb.h"
 #include "sim/model_file.h"
 #include "sim/mujoco_compat.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 std::string texture_mjcf(const TextureImage& image, bool is_cube) {
   return "<texture name=\"" + image.name + "\" type=\"" + (is_cube ? "cube" : "2d") +
@@ -70,4 +70,4 @@ std::string xml_escaped(std::string_view text) {
   return escaped;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// An image as a texture: red, green, blue, row by row from the top, as the renderer takes them (linear reflectances).
 struct TextureImage {
@@ -38,4 +38,4 @@ void paint_textures(const ModelParts& parts, mjModel& model);
 /// A text as the value of an XML attribute.
 [[nodiscard]] std::string xml_escaped(std::string_view text);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -12,7 +12,7 @@
 #include "core/rotation_vector.h"
 #include "recording/number_text.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::array<std::string_view, 8> column_names = {"t_s", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"};
@@ -195,4 +195,4 @@ void describe(FieldVisitor& v, MotionFileConfig& c) {
 
 MotionTable read_motion_file(const MotionFileConfig& config) { return MotionTableReader(config).read(); }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 #include "core/config.h"
 #include "sim/motion_track.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A motion in a table, for instance of a motion-capture system.
 struct MotionFileConfig {
@@ -34,4 +34,4 @@ struct MotionTable {
 /// not of unit length, positions farther than 50 m from the root.
 [[nodiscard]] MotionTable read_motion_file(const MotionFileConfig& config);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
@@ -53,4 +53,4 @@ Quaterniond MotionTrack::turn(double t_s) const {
   return from.turn.slerp((t_s - from.t_s) / (to.t_s - from.t_s), to.turn);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

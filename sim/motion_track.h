@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// An object's pose at an instant.
 struct MotionSample {
@@ -32,4 +32,4 @@ class MotionTrack {
   std::vector<Eigen::Vector3d> velocity_m_s_;  ///< at the samples
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

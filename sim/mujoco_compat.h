@@ -10,7 +10,7 @@
 
 /// Everything that differs between the versions of MuJoCo that saccade is built with, 2.2.2 to 3.12. mjVERSION_HEADER is 222
 /// for 2.2.2, 3005000 for 3.5.0.
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 struct MjDelete {
   void operator()(mjModel* model) const { mj_deleteModel(model); }
@@ -109,4 +109,4 @@ int first_geom_on_ray(const Model* model, const Data* data, const mjtNum* from_m
   return geom;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

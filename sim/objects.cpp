@@ -11,7 +11,7 @@
 #include "sim/mesh_file.h"
 #include "sim/model_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double stride_m = 1.3;  ///< length of a person's double step
@@ -286,4 +286,4 @@ void Objects::place(std::int64_t t_us, mjData& data) const {
   }
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -14,7 +14,7 @@
 #include "sim/model_parts.h"
 #include "sim/trajectory.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Shape of an object.
 enum class ObjectShape {
@@ -134,4 +134,4 @@ class Objects {
   std::vector<Object> objects_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 #include "core/units.h"
 #include "sim/triangle_mesh.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 using Eigen::Vector3d;
@@ -96,4 +96,4 @@ ModelParts panorama_parts(const PanoramaConfig& config, const std::string& prefi
   return parts;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

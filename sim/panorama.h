@@ -5,7 +5,7 @@
 #include "core/config.h"
 #include "sim/model_parts.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A photograph of everything around, as the room: an equirectangular image on a sphere about the head.
 struct PanoramaConfig {
@@ -22,4 +22,4 @@ void describe(FieldVisitor& v, PanoramaConfig& config);
 /// as high.
 [[nodiscard]] ModelParts panorama_parts(const PanoramaConfig& config, const std::string& prefix);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

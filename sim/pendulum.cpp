@@ -6,7 +6,7 @@
 
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double pendulum_gravity_m_s2 = 9.81;
@@ -62,4 +62,4 @@ Eigen::Quaterniond Pendulum::turn(double t_s) const {
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad(t_s), sideways_.cross(Eigen::Vector3d::UnitZ())));
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

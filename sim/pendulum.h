@@ -4,7 +4,7 @@
 
 #include "core/config.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// An object that swings on a rod without mass and friction, in one plane.
 struct PendulumConfig {
@@ -36,4 +36,4 @@ class Pendulum {
   double modulus_;        ///< sine of half the amplitude
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

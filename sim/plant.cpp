@@ -5,7 +5,7 @@
 
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double tick_s = 1e-3;
@@ -90,4 +90,4 @@ void Encoders::read(const JointVector& position_rad, const JointVector& velocity
   oldest_rad = position_rad_;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

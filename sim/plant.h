@@ -10,7 +10,7 @@
 #include "core/random.h"
 #include "head/head_state.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Non-ideal behaviour of drives between motor and joint, the same for all joints of a group.
 struct DriveConfig {
@@ -89,4 +89,4 @@ class Encoders {
   JointVector velocity_rad_s_ = JointVector::Zero();
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

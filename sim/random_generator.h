@@ -5,7 +5,7 @@
 
 #include "core/random.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Random numbers that are drawn one after the other. The sequence depends on seed and name alone.
 class RandomGenerator {
@@ -26,4 +26,4 @@ class RandomGenerator {
   std::uint64_t count_ = 0;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

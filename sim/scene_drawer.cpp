@@ -12,7 +12,7 @@
 #include "core/error.h"
 #include "sim/builtin_shapes.h"
 
-namespace saccade::inline v0_1::detail {
+namespace saccade::detail {
 namespace {
 
 constexpr int sphere_sides = 40;  ///< of the outline of a sphere in an eye
@@ -212,4 +212,4 @@ void SceneDrawer::skip_unseen(const mjvGLCamera& camera, mjrRect viewport) {
   scene_.ngeom = static_cast<int>(std::remove_if(geoms.begin(), geoms.end(), unseen) - geoms.begin());
 }
 
-}  // namespace saccade::inline v0_1::detail
+}  // namespace saccade::detail

@@ -10,7 +10,7 @@
 #include "core/event.h"
 #include "sim/gl_context.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A rod drawn into an image of the scene that is not part of the world: a ray, an edge of a frustum. Root frame.
 struct SceneMark {
@@ -77,4 +77,4 @@ class SceneDrawer {
 };
 
 }  // namespace detail
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
-namespace saccade::inline v0_1::detail {
+namespace saccade::detail {
 namespace {
 
 constexpr int drawn_groups = 2;  // as EyeRenderer draws
@@ -76,4 +76,4 @@ void read_lights(const mjModel& m, const mjData& data, std::vector<float>& state
   }
 }
 
-}  // namespace saccade::inline v0_1::detail
+}  // namespace saccade::detail

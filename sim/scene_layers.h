@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace saccade::inline v0_1::detail {
+namespace saccade::detail {
 
 /// Geoms of an eye's image that move together: those of one body.
 struct SceneLayer {
@@ -31,4 +31,4 @@ struct SceneLayer {
 /// date.
 void read_lights(const mjModel& model, const mjData& data, std::vector<float>& state);
 
-}  // namespace saccade::inline v0_1::detail
+}  // namespace saccade::detail

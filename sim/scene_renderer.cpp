@@ -6,10 +6,10 @@
 #include <string>
 
 #include "core/error.h"
-#include "core/srgb.h"
 #include "core/units.h"
+#include "emulator/srgb.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 using detail::SceneDrawer;
 
@@ -71,4 +71,4 @@ void SceneRenderer::render(mjData& data, const SceneView& view, std::span<std::u
   for (std::uint8_t& value : rgb) value = srgb_of_linear[value];
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -11,7 +11,7 @@
 #include "sim/gl_context.h"
 #include "sim/scene_drawer.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The pose of a camera outside the robot: it looks at a point from a distance.
 struct SceneView {
@@ -43,4 +43,4 @@ class SceneRenderer {
   std::unique_ptr<detail::SceneDrawer> drawer_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

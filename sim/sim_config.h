@@ -11,7 +11,7 @@
 #include "sim/lab.h"
 #include "sim/world.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Eyes that have a camera.
 enum class Eyes { left, both };
@@ -37,4 +37,4 @@ struct SimConfig {
   [[nodiscard]] bool both_eyes() const { return eyes == Eyes::both; }
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

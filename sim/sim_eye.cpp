@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "core/event_label.h"
 #include "core/random.h"
+#include "emulator/event_label.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 const Camera& camera_of(const SimConfig& config, std::uint8_t number) {
@@ -143,4 +143,4 @@ void SimEye::update_truth() {
   if (!truth_.circle) truth_.visible = 0.0;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

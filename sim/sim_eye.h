@@ -17,7 +17,7 @@
 #include "sim/world.h"
 #include "threads/worker_threads.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The part of a target that is seen in an image.
 struct VisibleExtent {
@@ -104,4 +104,4 @@ class SimEye {
   std::vector<EventLabel> labels_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

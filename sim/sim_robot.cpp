@@ -5,7 +5,7 @@
 #include "core/error.h"
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 SimRobot::SimRobot(const SimConfig& config, std::uint64_t seed, std::size_t threads)
     : SimRobot(config, seed, Lab(config.lab, seed), threads) {}
 
@@ -150,4 +150,4 @@ void SimRobot::draw_left_eye(std::int64_t t_us, const Camera& camera, const Eige
   for (float& value : rgb) value *= factor;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -16,7 +16,7 @@
 #include "sim/sim_eye.h"
 #include "sim/world.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The ground truth at one instant, for recorders and scores; core and control have no access to it.
 struct SimTruth {
@@ -116,4 +116,4 @@ class SimRobot final : public Robot, public Clock, public EventSource, public He
   std::shared_ptr<WorkerThreads> threads_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

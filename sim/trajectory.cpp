@@ -5,11 +5,11 @@
 #include <numbers>
 #include <string>
 
-#include "core/minimum_jerk.h"
 #include "core/random.h"
 #include "core/units.h"
+#include "head/minimum_jerk.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 using std::numbers::pi;
@@ -184,4 +184,4 @@ double Trajectory::sway_m(int axis, double t_s) const {
   return minimum_jerk(std::min(t_s, 1.0)) * sum_m;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -13,7 +13,7 @@
 #include "sim/motion_file.h"
 #include "sim/pendulum.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Kind of an object's motion.
 enum class TrajectoryKind { hold, waypoints, circle, csv, pendulum, ballistic, pushed };
@@ -129,4 +129,4 @@ class Trajectory {
   std::array<std::array<Sinusoid, sway_terms>, 3> sway_{};
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -9,7 +9,7 @@
 #include "core/config.h"
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 using Eigen::Vector3d;
@@ -210,4 +210,4 @@ std::string mesh_mjcf(const TriangleMesh& mesh, const std::string& name) {
          (mesh.has_texels() ? " texcoord=\"" + texels + "\"" : "") + " face=\"" + faces + "\"/>\n";
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A surface of triangles, in metres, with a place in a texture at each corner if it has one.
 struct TriangleMesh {
@@ -35,4 +35,4 @@ void check_surface(const TriangleMesh& mesh, const std::string& place);
 /// The mesh as an MJCF element <mesh>. Edges sharper than 40 degrees stay sharp.
 [[nodiscard]] std::string mesh_mjcf(const TriangleMesh& mesh, const std::string& name);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

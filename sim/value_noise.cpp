@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 double smooth(double t) { return t * t * (3.0 - 2.0 * t); }
@@ -39,4 +39,4 @@ double ValueNoise::sum(double x, double y, int octaves, double falloff) const {
   return total / std::sqrt(norm);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

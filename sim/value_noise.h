@@ -6,7 +6,7 @@
 
 #include "sim/random_generator.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Value noise: random values on a square lattice, interpolated smoothly, and sums of it over octaves.
 /// It repeats every 64 lattice points.
@@ -31,4 +31,4 @@ class ValueNoise {
   std::array<float, side * side> lattice_{};
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

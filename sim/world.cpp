@@ -9,7 +9,7 @@
 #include "core/units.h"
 #include "sim/model_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::int64_t settling_us = 500'000;
@@ -421,4 +421,4 @@ void World::place_objects(std::int64_t t_us, mjData& data) const {
   Eigen::Map<Eigen::Vector4d>(data.mocap_quat + 4 * board_mocap_) << turn.w(), turn.vec();
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/config.h"
-#include "core/event_label.h"
+#include "emulator/event_label.h"
 #include "head/head_config.h"
 #include "head/head_state.h"
 #include "sim/ball.h"
@@ -27,7 +27,7 @@
 #include "sim/plant.h"
 #include "sim/trajectory.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 struct WorldConfig {
   std::string target = "ball";  ///< what the truth is about: the ball, or the object of this name
@@ -179,4 +179,4 @@ class World {
   std::deque<Command> commands_;  ///< not yet due
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

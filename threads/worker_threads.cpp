@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::uint64_t count_mask = 0xffffffffU;
@@ -115,4 +115,4 @@ void WorkerThreads::work() {
   }
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

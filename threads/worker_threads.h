@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Threads that work beside the calling one, on calls of some microseconds to milliseconds. A thread without work waits
 /// actively for a fifth of a millisecond, because waking one takes longer than many calls, and sleeps then. The calls allocate
@@ -90,4 +90,4 @@ class WorkerThreads {
   std::vector<std::jthread> threads_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

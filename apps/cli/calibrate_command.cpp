@@ -8,17 +8,17 @@
 
 #include "apps/cli/commands.h"
 #include "apps/cli/read_options.h"
-#include "apps/config/scenario.h"
-#include "apps/session/interrupt.h"
-#include "apps/session/played.h"
+#include "config/scenario.h"
 #include "control/head_kinematics.h"
 #include "core/error.h"
 #include "evaluation/calibration/calibration.h"
 #include "evaluation/scoring/metrics.h"
 #include "recording/output_file.h"
 #include "robot/replay/replay_robot.h"
+#include "session/interrupt.h"
+#include "session/replay_source.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::int64_t step_us = 50'000;  ///< from one image to the next
@@ -238,4 +238,4 @@ void add_calibrate_command(CommandLine& line, const Registry& registry) {
   command.action([options, &registry] { return calibrate_command(*options, registry); });
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 #include "apps/cli/commands.h"
 #include "apps/deploy/robot_check.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 void add_check_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<RobotCheckOptions>();
@@ -27,4 +27,4 @@ void add_check_command(CommandLine& line, const Registry& registry) {
   });
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -23,7 +23,7 @@
 #include "core/nearest_name.h"
 #include "recording/number_text.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// An option, and what CLI11 does not tell of it.
 struct ParserOption {
@@ -342,4 +342,4 @@ int CommandLine::run(int argc, const char* const* argv) {
   }
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

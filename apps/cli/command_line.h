@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The parser behind: CLI11, which one file alone includes, since each inclusion costs 20 s of compilation.
 struct ParserOption;
@@ -130,4 +130,4 @@ class CommandLine {
   std::unique_ptr<Parser> parser_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

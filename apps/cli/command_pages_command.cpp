@@ -8,12 +8,12 @@
 #include "apps/cli/commands.h"
 #include "apps/cli/man_page.h"
 #include "apps/cli/shell_completion.h"
-#include "apps/session/version.h"
 #include "core/error.h"
 #include "recording/output_file.h"
+#include "session/version.h"
 #include "sim/data_directory.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 namespace fs = std::filesystem;
@@ -58,4 +58,4 @@ void add_command_pages_command(CommandLine& line) {
   });
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

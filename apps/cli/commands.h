@@ -1,9 +1,9 @@
 #pragma once
 
 #include "apps/cli/command_line.h"
-#include "apps/config/registry.h"
+#include "config/registry.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// One function per subcommand, which adds it to the command line. The registry must outlive the command line.
 void add_calibrate_command(CommandLine& line, const Registry& registry);
@@ -33,4 +33,4 @@ void add_test_command(CommandLine& line, const Registry& registry);
 void add_test_task_command(CommandLine& line, const Registry& registry);
 void add_view_command(CommandLine& line, const Registry& registry);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 #include "apps/cli/commands.h"
 #include "apps/sweep/run_comparison.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 struct CompareOptions {
@@ -56,4 +56,4 @@ void add_compare_command(CommandLine& line) {
   command.action([options] { return compare_sides(*options); });
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

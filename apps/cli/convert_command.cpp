@@ -8,15 +8,15 @@
 #include "apps/cli/commands.h"
 #include "apps/cli/read_options.h"
 #include "apps/cli/recorded_text.h"
-#include "apps/session/interrupt.h"
-#include "apps/session/progress.h"
 #include "core/error.h"
 #include "recording/conversion.h"
 #include "recording/format_registry.h"
 #include "recording/number_text.h"
 #include "recording/output_file.h"
+#include "session/interrupt.h"
+#include "session/progress.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 struct ConvertOptions : ReadOptions {
@@ -119,4 +119,4 @@ void add_convert_command(CommandLine& line, const Registry& registry) {
   command.action([options, &formats] { return convert(*options, formats); });
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

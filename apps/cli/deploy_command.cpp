@@ -3,7 +3,7 @@
 #include "apps/cli/commands.h"
 #include "apps/deploy/deploy_run.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 void add_deploy_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<DeployOptions>();
@@ -27,4 +27,4 @@ void add_deploy_command(CommandLine& line, const Registry& registry) {
   });
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

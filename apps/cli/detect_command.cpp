@@ -5,10 +5,10 @@
 
 #include "apps/cli/commands.h"
 #include "apps/cli/read_options.h"
-#include "apps/config/scenario.h"
-#include "apps/session/detect_recording.h"
+#include "config/scenario.h"
+#include "session/detect_recording.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 struct DetectOptions {
@@ -67,4 +67,4 @@ void add_detect_command(CommandLine& line, const Registry& registry) {
   });
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,15 +8,15 @@
 #include <optional>
 
 #include "apps/cli/commands.h"
-#include "apps/config/scenario.h"
-#include "apps/images/emulation.h"
-#include "apps/session/interrupt.h"
-#include "apps/session/progress.h"
+#include "config/scenario.h"
 #include "core/error.h"
 #include "evaluation/scoring/metrics.h"
+#include "images/emulation.h"
 #include "recording/output_file.h"
+#include "session/interrupt.h"
+#include "session/progress.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 struct EmulateOptions {
@@ -144,4 +144,4 @@ void add_emulate_command(CommandLine& line, const Registry& registry) {
   command.action([options, &registry] { return emulate(*options, registry.formats); });
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,14 +7,14 @@
 #include <vector>
 
 #include "apps/cli/commands.h"
-#include "apps/config/latency_section.h"
-#include "apps/config/scenario.h"
-#include "apps/session/fit_latency.h"
-#include "apps/session/interrupt.h"
-#include "apps/session/scenario_loop.h"
+#include "config/latency_section.h"
+#include "config/scenario.h"
 #include "recording/output_file.h"
+#include "session/fit_latency.h"
+#include "session/interrupt.h"
+#include "session/scenario_loop.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 struct FitLatencyOptions {
@@ -56,4 +56,4 @@ void add_fit_latency_command(CommandLine& line, const Registry& registry) {
   command.action([options, &registry] { return fit(*options, registry); });
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,17 +8,17 @@
 
 #include "apps/cli/commands.h"
 #include "apps/cli/read_options.h"
-#include "apps/config/scenario.h"
-#include "apps/config/stimulus_file.h"
-#include "apps/session/interrupt.h"
-#include "apps/session/summary.h"
+#include "config/scenario.h"
+#include "config/stimulus_file.h"
 #include "core/error.h"
 #include "evaluation/sensor_fit/sensor_fit.h"
 #include "evaluation/sensor_fit/sensor_page.h"
 #include "recording/output_file.h"
 #include "recording/recording_summary.h"
+#include "session/interrupt.h"
+#include "session/summary.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 namespace fs = std::filesystem;
@@ -165,4 +165,4 @@ void add_fit_sensor_command(CommandLine& line, const Registry& registry) {
   command.action([options] { return fit(*options); });
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

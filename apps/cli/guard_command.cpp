@@ -3,7 +3,7 @@
 #include "apps/cli/commands.h"
 #include "apps/deploy/guard_run.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 void add_guard_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<GuardOptions>();
@@ -22,4 +22,4 @@ void add_guard_command(CommandLine& line, const Registry& registry) {
   });
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,13 +8,13 @@
 #include "apps/cli/commands.h"
 #include "apps/cli/read_options.h"
 #include "apps/cli/recorded_text.h"
-#include "apps/session/interrupt.h"
-#include "apps/session/progress.h"
 #include "core/error.h"
 #include "recording/format_registry.h"
 #include "recording/recording_summary.h"
+#include "session/interrupt.h"
+#include "session/progress.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -183,4 +183,4 @@ void add_info_command(CommandLine& line, const Registry& registry) {
   command.action([options, &registry] { return info(*options, registry.formats); });
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "apps/cli/commands.h"
-#include "apps/config/key_reference.h"
-#include "apps/config/robot_file.h"
-#include "apps/config/scenario.h"
 #include "apps/sweep/sweep_config.h"
+#include "config/key_reference.h"
+#include "config/robot_file.h"
+#include "config/scenario.h"
 #include "evaluation/sensor_fit/stimulus.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 /// A part of the reference.
@@ -176,4 +176,4 @@ void add_keys_command(CommandLine& line, const Registry& registry) {
   command.action([options, &registry] { return print_keys(*options, registry); });
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

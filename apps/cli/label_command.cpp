@@ -2,12 +2,12 @@
 
 #include "apps/cli/commands.h"
 #include "apps/cli/read_options.h"
-#include "apps/session/interrupt.h"
 #include "apps/view/label_window.h"
 #include "core/error.h"
 #include "recording/output_file.h"
+#include "session/interrupt.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 struct LabelOptions {
@@ -59,4 +59,4 @@ void add_label_command(CommandLine& line, const Registry& registry) {
   command.action([options] { return label(*options); });
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cctype>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 /// Text without what troff takes for a command. `code` between backticks is bold.
@@ -224,4 +224,4 @@ std::map<std::string, std::string> man_pages(const ProgramText& program, const s
   return pages;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 
 #include "apps/cli/command_line.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The man pages of a program: its own, PROGRAM.1, and PROGRAM-COMMAND.1 of each subcommand, in the language of man(7).
 /// By file name. `version`: "0.1.0"; `date`: "2026-11-26".
@@ -13,4 +13,4 @@ namespace saccade::inline v0_1 {
                                                            const std::string& version,
                                                            const std::string& date);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

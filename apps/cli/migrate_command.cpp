@@ -7,11 +7,11 @@
 #include <string>
 
 #include "apps/cli/commands.h"
-#include "apps/config/migrate.h"
+#include "config/migrate.h"
 #include "core/error.h"
 #include "recording/output_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 namespace fs = std::filesystem;
@@ -67,4 +67,4 @@ void add_migrate_command(CommandLine& line) {
   command.action([file] { return migrate_file(*file); });
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

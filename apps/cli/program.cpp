@@ -8,12 +8,13 @@
 
 #include "apps/cli/commands.h"
 #include "apps/deploy/robot_backends.h"
-#include "apps/external/external_rows.h"
-#include "apps/session/version.h"
+#include "core/detectors/built_in_detectors.h"
 #include "core/error.h"
+#include "external/external_rows.h"
+#include "session/version.h"
 #include "sim/gl_context.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 /// Version, commit, MuJoCo, OpenGL as runs use it, and the values of render.backend and render.device on this machine, one a
@@ -85,4 +86,4 @@ int program(int argc, const char* const* argv, const Registry& registry) {
   return line.run(argc, argv);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "apps/config/registry.h"
+#include "config/registry.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The command `saccade`: parses the arguments, carries out the subcommand and returns the exit status: 0 fine, 1 the run
 /// failed, 2 bad input or usage, 3 an `expect:` of the scenario was not met. `registry` holds everything that files and
@@ -12,4 +12,4 @@ namespace saccade::inline v0_1 {
 /// What saccade ships.
 [[nodiscard]] Registry built_in_registry();
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 /// "640x480"
@@ -91,4 +91,4 @@ void add_decoding_options(Command& command, ReadOptions& options, const FormatRe
       .show_default();
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "apps/cli/command_line.h"
-#include "apps/session/played.h"
+#include "session/replay_source.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Adds the recording (positional, `name`) and the options for reading it: --size, --columns, --time-unit, --camera,
 /// --codec, --layout, --evt, --es-y and --format. The recording is one of `formats`. `options` must outlive the parsing.
@@ -14,4 +14,4 @@ Option add_read_options(Command& command, const char* name, const char* meaning,
 /// The same options without the recording.
 void add_decoding_options(Command& command, ReadOptions& options, const FormatRegistry& formats);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 double seconds(std::int64_t us) { return 1e-6 * static_cast<double>(us); }
@@ -70,4 +70,4 @@ std::string json_of(const std::vector<RecordedFile>& files, const std::filesyste
          "\n";
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

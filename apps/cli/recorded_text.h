@@ -5,7 +5,7 @@
 
 #include "recording/recorded_folder.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A line about each file: its name, rows and times, the gap before it, and what is lost.
 [[nodiscard]] std::string text_of(const std::vector<RecordedFile>& files,
@@ -16,4 +16,4 @@ namespace saccade::inline v0_1 {
 /// "12 bytes from byte 3456 on are lost: what was found and expected".
 [[nodiscard]] std::string text_of(const TornEnd& torn);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

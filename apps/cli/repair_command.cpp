@@ -5,13 +5,13 @@
 #include "apps/cli/commands.h"
 #include "apps/cli/read_options.h"
 #include "apps/cli/recorded_text.h"
-#include "apps/session/interrupt.h"
-#include "apps/session/recovered_run.h"
 #include "core/error.h"
 #include "recording/recorded_folder.h"
 #include "recording/run_file_names.h"
+#include "session/interrupt.h"
+#include "session/recovered_run.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 /// Makes the folder of a run that was ended complete. Returns false where it should have a metrics.json and cannot.
@@ -71,4 +71,4 @@ void add_repair_command(CommandLine& line, const Registry& registry) {
   command.action([options, &registry] { return repair(*options, registry); });
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

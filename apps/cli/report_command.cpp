@@ -5,14 +5,14 @@
 #include <vector>
 
 #include "apps/cli/commands.h"
-#include "apps/session/summary.h"
 #include "apps/sweep/sweep_folder.h"
 #include "apps/sweep/sweep_store.h"
 #include "evaluation/report/comparison.h"
 #include "evaluation/report/report.h"
 #include "evaluation/report/sweep_report.h"
+#include "session/summary.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 struct ReportOptions {
@@ -61,4 +61,4 @@ void add_report_command(CommandLine& line, const Registry& registry) {
   command.action([options, &registry] { return report(*options, registry.formats); });
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

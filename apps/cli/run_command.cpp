@@ -3,12 +3,12 @@
 #include <optional>
 
 #include "apps/cli/commands.h"
-#include "apps/config/scenario.h"
-#include "apps/session/run_scenario.h"
-#include "apps/session/scenario_loop.h"
 #include "apps/view/view.h"
+#include "config/scenario.h"
+#include "session/run_scenario.h"
+#include "session/scenario_loop.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 struct RunOptions {
@@ -57,4 +57,4 @@ void add_run_command(CommandLine& line, const Registry& registry) {
   command.action([options, &registry] { return run(*options, registry); });
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -2,11 +2,11 @@
 #include <memory>
 
 #include "apps/cli/commands.h"
-#include "apps/session/score_detections.h"
 #include "core/error.h"
 #include "recording/number_text.h"
+#include "session/score_detections.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 struct ScoreOptions {
@@ -51,4 +51,4 @@ void add_score_command(CommandLine& line) {
   });
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -1,9 +1,9 @@
 #include "apps/cli/commands.h"
 #include "apps/serve/serve_session.h"
-#include "apps/session/version.h"
 #include "core/error.h"
+#include "session/version.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 void add_serve_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<ServeOptions>();
@@ -48,4 +48,4 @@ void add_serve_command(CommandLine& line, const Registry& registry) {
   });
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

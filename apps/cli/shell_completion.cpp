@@ -1,6 +1,6 @@
 #include "apps/cli/shell_completion.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 std::string joined(const std::vector<std::string>& words) {
@@ -210,4 +210,4 @@ std::string zsh_completion(const ProgramText& program, const std::vector<std::st
       program.name);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 
 #include "apps/cli/command_line.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Scripts that complete subcommands, options, their values, files and the names of `scenarios`. They need nothing beside
 /// the shell.
@@ -14,4 +14,4 @@ namespace saccade::inline v0_1 {
 [[nodiscard]] std::string zsh_completion(const ProgramText& program,
                                          const std::vector<std::string>& scenarios);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,14 +8,14 @@
 #include <memory>
 
 #include "apps/cli/commands.h"
-#include "apps/session/version.h"
 #include "apps/sweep/sweep_run.h"
 #include "apps/sweep/sweep_store.h"
 #include "core/error.h"
 #include "recording/file_digest.h"
+#include "session/version.h"
 #include "sim/world.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 namespace fs = std::filesystem;
@@ -73,4 +73,4 @@ void add_sweep_command(CommandLine& line, const Registry& registry) {
   });
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -3,7 +3,7 @@
 #include "apps/cli/commands.h"
 #include "apps/sweep/sweep_task.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 void add_sweep_task_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<SweepTaskOptions>();
@@ -16,4 +16,4 @@ void add_sweep_task_command(CommandLine& line, const Registry& registry) {
   command.action([options, &registry] { return make_sweep_runs(*options, registry); });
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -3,7 +3,7 @@
 #include "apps/cli/commands.h"
 #include "apps/sweep/scenario_tests.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 void add_test_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<ScenarioTestOptions>();
@@ -32,4 +32,4 @@ void add_test_task_command(CommandLine& line, const Registry& registry) {
   command.action([options, &registry] { return make_test_runs(*options, registry); });
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -3,15 +3,15 @@
 
 #include "apps/cli/commands.h"
 #include "apps/cli/read_options.h"
-#include "apps/config/scenario.h"
-#include "apps/session/interrupt.h"
-#include "apps/session/scenario_loop.h"
-#include "apps/session/version.h"
 #include "apps/view/view.h"
+#include "config/scenario.h"
 #include "recording/run_file_names.h"
+#include "session/interrupt.h"
+#include "session/scenario_loop.h"
+#include "session/version.h"
 #include "sim/data_directory.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 struct ViewOptions : ReadOptions {
@@ -102,4 +102,4 @@ void add_view_command(CommandLine& line, const Registry& registry) {
   command.action([options, &registry] { return view(*options, registry); });
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

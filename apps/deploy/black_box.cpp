@@ -12,7 +12,7 @@
 #include "core/error.h"
 #include "head/head_model.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::int64_t sync_us = 1'000'000;
@@ -142,4 +142,4 @@ void BlackBox::flush() {
   }
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

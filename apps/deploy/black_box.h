@@ -9,7 +9,7 @@
 
 #include "apps/deploy/deploy_session.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The end of a deployed run, as text that is in the file system at any time: after any stop, and when the program is
 /// killed, the folder `blackbox` of the run holds the last 10 to 20 s. Two files of each kind take turns, 10 s in each;
@@ -62,4 +62,4 @@ class BlackBox {
   std::string failure_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

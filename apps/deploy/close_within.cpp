@@ -8,7 +8,7 @@
 #include <mutex>
 #include <thread>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 void close_within(std::chrono::milliseconds limit, const std::function<void()>& close,
                   const std::string& error) {
@@ -35,4 +35,4 @@ void close_within(std::chrono::milliseconds limit, const std::function<void()>& 
   watch.join();
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Longest time in which deploy and guard close the connections of a robot.
 inline constexpr std::chrono::milliseconds longest_close{3000};
@@ -15,4 +15,4 @@ inline constexpr std::chrono::milliseconds longest_close{3000};
 void close_within(std::chrono::milliseconds limit, const std::function<void()>& close,
                   const std::string& error);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <optional>
 
-#include "apps/config/robot_file.h"
 #include "apps/deploy/steady_check.h"
-#include "apps/session/scenario_loop.h"
+#include "config/robot_file.h"
+#include "session/scenario_loop.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 std::string text(ImageSize size) { return fmt::format("{} x {} pixels", size.width, size.height); }
@@ -72,4 +72,4 @@ DeploySession::MakeMotion motion_maker(Robot& robot, const RobotFile& file) {
   };
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 #include "loop/loop.h"
 #include "robot/robot.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 struct RobotFile;
 
@@ -19,4 +19,4 @@ struct RobotFile;
 /// Makes what moves the head, anew for each activation; empty if `gaze.detector` is none or there is no head.
 [[nodiscard]] DeploySession::MakeMotion motion_maker(Robot& robot, const RobotFile& file);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

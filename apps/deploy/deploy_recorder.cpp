@@ -8,12 +8,12 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "apps/session/newest_estimate.h"
 #include "control/head_kinematics.h"
 #include "core/error.h"
 #include "evaluation/scoring/metrics.h"
+#include "session/newest_estimate.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t tick_slots = 4096;
@@ -448,4 +448,4 @@ void DeployRecorder::write_summary(bool tables_ended_early) const {
   file.commit();
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -10,18 +10,18 @@
 #include <utility>
 #include <vector>
 
-#include "apps/config/robot_file.h"
 #include "apps/deploy/black_box.h"
 #include "apps/deploy/deploy_session.h"
 #include "apps/deploy/recording_files.h"
 #include "apps/deploy/spsc_ring.h"
 #include "apps/deploy/time_figures.h"
-#include "apps/session/failure_log.h"
-#include "apps/session/log_file.h"
+#include "config/robot_file.h"
 #include "loop/run_log.h"
 #include "recording/run_files.h"
+#include "session/failure_log.h"
+#include "session/log_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Facts about a deployed run for its summary.
 struct DeployFacts {
@@ -150,4 +150,4 @@ class DeployRecorder final : public DeployObserver {
   std::thread writer_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,6 @@
 #include <limits>
 #include <optional>
 
-#include "apps/config/robot_file.h"
 #include "apps/deploy/close_within.h"
 #include "apps/deploy/deploy_loop.h"
 #include "apps/deploy/deploy_recorder.h"
@@ -17,15 +16,16 @@
 #include "apps/deploy/hang_watch.h"
 #include "apps/deploy/keyboard.h"
 #include "apps/deploy/real_time.h"
-#include "apps/session/interrupt.h"
-#include "apps/session/run_folder.h"
-#include "apps/session/summary.h"
-#include "apps/session/version.h"
+#include "config/robot_file.h"
 #include "core/error.h"
 #include "evaluation/report/report.h"
 #include "robot/dry_robot.h"
+#include "session/interrupt.h"
+#include "session/run_folder.h"
+#include "session/summary.h"
+#include "session/version.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 bool print_checks(const std::vector<StartUpCheck>& checks) {
@@ -156,4 +156,4 @@ void deploy(const DeployOptions& options, const Registry& registry) {
   close_within(longest_close, close, {});
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

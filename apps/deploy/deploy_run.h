@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 struct Registry;
 
@@ -26,4 +26,4 @@ struct DeployOptions {
 /// moves the head, if the head was not activated on request, or if a fault stopped it and it stayed stopped.
 void deploy(const DeployOptions& options, const Registry& registry);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -9,7 +9,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::int64_t attempt_us = 100'000;
@@ -272,4 +272,4 @@ void DeploySession::change(DeployState state, const std::optional<Fault>& stop, 
       {robot_.clock().now_us(), state, stop, took_us, std::move(rejected), std::move(warning)});
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

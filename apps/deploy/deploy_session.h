@@ -12,7 +12,7 @@
 #include "loop/watchdog.h"
 #include "robot/robot.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Control of a robot's motors:
 ///
@@ -200,4 +200,4 @@ class DeploySession {
   bool has_ticked_ = false;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

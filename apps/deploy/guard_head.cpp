@@ -5,7 +5,7 @@
 #include "apps/deploy/shared_memory.h"
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 GuardHead::GuardHead(Open open, std::chrono::milliseconds patience, std::chrono::milliseconds retry)
     : open_(std::move(open)),
@@ -84,4 +84,4 @@ void GuardHead::renew() {
   }
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -11,7 +11,7 @@
 
 #include "robot/robot.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The guard's connection to the head. While it is lost, a thread of its own closes it and makes it again until the head
 /// answers, so that the guard's looks do not wait for the network. Used from one thread.
@@ -49,4 +49,4 @@ class GuardHead {
   std::thread thread_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

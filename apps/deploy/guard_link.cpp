@@ -4,7 +4,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 GuardLink::GuardLink(const std::string& head, GuardUse use, std::int64_t bound_ns)
     : memory_("guard-" + head, sizeof(GuardBoard)),
@@ -84,4 +84,4 @@ GuardWatch::Action GuardWatch::look(const GuardBoard& board, std::int64_t now_ns
   return Action::stop;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

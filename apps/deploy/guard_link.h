@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <string>
 
-#include "apps/config/robot_file.h"
 #include "apps/deploy/deploy_session.h"
 #include "apps/deploy/shared_memory.h"
+#include "config/robot_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// What deploy and its guard write for each other, in shared memory. Every value has one writer; no side waits. A process
 /// that is killed or halted leaves its last values, whose age the other side sees. Times: machine_ns().
@@ -75,4 +75,4 @@ class GuardWatch {
   std::uint64_t handled_ = 0;  // the activation that it stopped
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,15 +6,15 @@
 #include <limits>
 #include <thread>
 
-#include "apps/config/robot_file.h"
 #include "apps/deploy/close_within.h"
 #include "apps/deploy/guard_head.h"
 #include "apps/deploy/guard_link.h"
 #include "apps/deploy/real_time.h"
-#include "apps/session/interrupt.h"
+#include "config/robot_file.h"
 #include "core/error.h"
+#include "session/interrupt.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr auto look_period = std::chrono::milliseconds(2);
@@ -124,4 +124,4 @@ void guard(const GuardOptions& options, const Registry& registry) {
   close_within(longest_close, [&] { head.reset(); }, {});
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 struct Registry;
 
@@ -22,4 +22,4 @@ struct GuardOptions {
 /// if the network is not there at the start, or the head has a guard already.
 void guard(const GuardOptions& options, const Registry& registry);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

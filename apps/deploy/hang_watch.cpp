@@ -6,7 +6,7 @@
 
 #include "apps/deploy/shared_memory.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr auto period = std::chrono::milliseconds(2);
@@ -61,4 +61,4 @@ void HangWatch::activated() {
   armed_ = true;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 
 #include "apps/deploy/deploy_session.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Stops the head when no tick begins for too long while the head is active, from a thread of its own: the tick may hang
 /// in a detector, in a port or in the operating system. Robot::halt() reaches the head without the thread of the ticks.
@@ -47,4 +47,4 @@ class HangWatch final : public Overseer {
   std::thread thread_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

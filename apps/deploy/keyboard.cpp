@@ -4,7 +4,7 @@
 #include <termios.h>
 #include <unistd.h>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr int poll_ms = 50;
@@ -40,4 +40,4 @@ Keyboard::~Keyboard() {
   if (thread_.joinable()) thread_.join();
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

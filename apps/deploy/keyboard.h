@@ -4,7 +4,7 @@
 #include <functional>
 #include <thread>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Reads single keys from the terminal on standard input, if it is one. Restores the terminal's mode at its end.
 class Keyboard {
@@ -24,4 +24,4 @@ class Keyboard {
   std::thread thread_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 #include "core/random.h"
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double ball_radius_m = 0.0475;
@@ -146,4 +146,4 @@ bool PracticeStopper::stop() {
   return true;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -13,7 +13,7 @@
 #include "robot/backend_registry.h"
 #include "robot/steady_clock.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The backend `practice`.
 struct PracticeConfig {
@@ -100,4 +100,4 @@ class PracticeStopper final : public HeadStopper {
   SharedHead head_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

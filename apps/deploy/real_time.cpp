@@ -7,7 +7,7 @@
 #include <cerrno>
 #include <system_error>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr int priority = 50;  // the middle: below the hardware drivers
@@ -48,4 +48,4 @@ RealTime::~RealTime() {
   munlockall();
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <string>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Stack of each thread that starts after use_small_stacks(), bytes.
 inline constexpr std::size_t small_stack_bytes = 1U << 20U;
@@ -28,4 +28,4 @@ class RealTime {
   std::string summary_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

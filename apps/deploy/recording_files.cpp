@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 namespace fs = std::filesystem;
@@ -122,4 +122,4 @@ void RecordingFiles::commit() {
   sync_folder(folder_);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

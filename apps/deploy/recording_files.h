@@ -11,7 +11,7 @@
 #include "recording/format_registry.h"
 #include "recording/run_files.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// When a recording goes on in a new file, and when it ends.
 struct RecordingFilesConfig {
@@ -70,4 +70,4 @@ class RecordingFiles {
   std::string ended_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

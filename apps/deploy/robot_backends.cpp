@@ -3,17 +3,17 @@
 #include <filesystem>
 
 #include "apps/deploy/practice_robot.h"
-#include "apps/session/played.h"
 #include "core/error.h"
 #include "evaluation/scoring/metrics.h"
 #include "recording/event_file.h"
 #include "robot/replay/paced_replay.h"
 #include "robot/yarp/yarp_config.h"
+#include "session/replay_source.h"
 #ifdef SACCADE_YARP
 #include "robot/yarp/yarp_robot.h"
 #endif
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 std::unique_ptr<Robot> open_recording(const RecordingBackendConfig& config, const RobotContext& context) {
@@ -74,14 +74,14 @@ BackendRegistry built_in_backends() {
   recording.required = {"path"};
   registry.add(std::move(recording));
   RobotBackend yarp = backend_row("yarp", "an iCub on a YARP network", YarpConfig{}, open_yarp);
-  yarp.open_stopper = for_any_config<YarpConfig>(open_yarp_stopper);
+  yarp.open_stopper = for_erased_config<YarpConfig>(open_yarp_stopper);
   registry.add(std::move(yarp));
   RobotBackend practice =
       backend_row("practice", "a head in shared memory that sees a ball, to practise with", PracticeConfig{},
                   open_practice);
-  practice.open_stopper = for_any_config<PracticeConfig>(open_practice_stopper);
+  practice.open_stopper = for_erased_config<PracticeConfig>(open_practice_stopper);
   registry.add(std::move(practice));
   return registry;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 #include "core/config.h"
 #include "robot/backend_registry.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The backend `recording`: a recording that replaces the robot.
 struct RecordingBackendConfig {
@@ -19,4 +19,4 @@ void describe(FieldVisitor& v, RecordingBackendConfig& config);
 /// The backends that saccade ships: recording, yarp. Without YARP in this build, yarp can be configured but not opened.
 [[nodiscard]] BackendRegistry built_in_backends();
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -14,13 +14,13 @@
 #include "apps/deploy/deploy_loop.h"
 #include "apps/deploy/guard_link.h"
 #include "apps/deploy/shared_memory.h"
-#include "apps/session/version.h"
 #include "core/error.h"
+#include "session/version.h"
 #ifdef SACCADE_YARP
 #include "robot/yarp/yarp_robot.h"
 #endif
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 namespace fs = std::filesystem;
@@ -150,4 +150,4 @@ std::vector<StartUpCheck> robot_checks(const RobotCheckOptions& options, const R
   return checks;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "apps/config/robot_file.h"
+#include "config/robot_file.h"
 #include "robot/robot.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 struct RobotCheckOptions {
   std::filesystem::path robot;
@@ -26,4 +26,4 @@ struct RobotCheckOptions {
 [[nodiscard]] std::vector<StartUpCheck> robot_checks(const RobotCheckOptions& options,
                                                      const Registry& registry);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

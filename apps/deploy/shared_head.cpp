@@ -3,7 +3,7 @@
 #include <bit>
 #include <cmath>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 SharedHead::SharedHead(const std::string& name) : shared_("practice-" + name, sizeof(Memory)) {}
 
@@ -30,8 +30,7 @@ SharedHead::Motion SharedHead::newest() const {
     found.follows = word[2] != 0;
     for (std::size_t j = 0; j < gaze_slots; ++j) {
       found.from_rad[static_cast<Eigen::Index>(j)] = std::bit_cast<double>(word[3 + j]);
-      found.reference_rad[static_cast<Eigen::Index>(j)] =
-          std::bit_cast<double>(word[3 + gaze_slots + j]);
+      found.reference_rad[static_cast<Eigen::Index>(j)] = std::bit_cast<double>(word[3 + gaze_slots + j]);
     }
   }
   return found;
@@ -50,8 +49,7 @@ void SharedHead::publish(const Motion& motion) {
   set(2, motion.follows ? 1 : 0);
   for (std::size_t j = 0; j < gaze_slots; ++j) {
     set(3 + j, std::bit_cast<std::uint64_t>(motion.from_rad[static_cast<Eigen::Index>(j)]));
-    set(3 + gaze_slots + j,
-        std::bit_cast<std::uint64_t>(motion.reference_rad[static_cast<Eigen::Index>(j)]));
+    set(3 + gaze_slots + j, std::bit_cast<std::uint64_t>(motion.reference_rad[static_cast<Eigen::Index>(j)]));
   }
   entry.count.store(place + 1, std::memory_order_release);
 }
@@ -96,4 +94,4 @@ bool SharedHead::command(std::uint64_t number, const HeadJointVector& reference_
   return true;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -9,7 +9,7 @@
 #include "apps/deploy/shared_memory.h"
 #include "head/head_state.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Six joints in shared memory, which deploy moves and its guard stops, as they do with the board of a robot: the joints
 /// follow references only from take() to hold(), and hold their newest reference when every process has ended. Each joint
@@ -71,4 +71,4 @@ class SharedHead {
   SharedMemory shared_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

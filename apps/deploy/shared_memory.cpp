@@ -17,7 +17,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 namespace {
 
@@ -96,4 +96,4 @@ std::int64_t machine_ns() {
   return std::int64_t{1'000'000'000} * now.tv_sec + now.tv_nsec;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

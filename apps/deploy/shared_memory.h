@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A file in /dev/shm that several processes map: `saccade-<name>`, with `/` as `_`. Zero when new; stays after the last
 /// process. Its content survives a killed process. Every user may open and write it, whoever created it.
@@ -29,4 +29,4 @@ class SharedMemory {
 /// The clock that all processes of a machine share, ns (CLOCK_MONOTONIC).
 [[nodiscard]] std::int64_t machine_ns();
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

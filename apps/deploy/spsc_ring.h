@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A queue of fixed size from one thread to one other. Neither side waits, locks or allocates.
 template <class T>
@@ -42,4 +42,4 @@ class SpscRing {
   alignas(64) std::atomic<std::size_t> end_ = 0;    // the sender moves it
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

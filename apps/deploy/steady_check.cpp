@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::int64_t steady_window_us = 500'000;
@@ -65,4 +65,4 @@ std::vector<StartUpCheck> steady_checks(Robot& robot, const WatchdogConfig& watc
   return checks;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,11 +5,11 @@
 #include "loop/watchdog.h"
 #include "robot/robot.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Whether packets and readings come as steadily as the watchdog will demand: the longest age of the newest packet and, with
 /// a head, of the newest reading within half a second is at most half of camera_silent_ms and of joints_stale_ms. A delay at
 /// the start may pass: the best of three such times counts. `robot` has a clock that waits by itself.
 [[nodiscard]] std::vector<StartUpCheck> steady_checks(Robot& robot, const WatchdogConfig& watchdog);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

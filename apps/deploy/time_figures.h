@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Histogram of durations in fixed memory: bins are 1/16 of an octave wide, so a quantile is at most 6.3 % too long. add()
 /// is a few instructions.
@@ -71,4 +71,4 @@ class MicrosecondHistogram {
   std::int64_t over_ = 0;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

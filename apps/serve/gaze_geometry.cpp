@@ -11,7 +11,7 @@
 #include "control/target.h"
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 /// The point on the ray through a pixel of a pinhole camera at a depth; eye frame.
@@ -152,4 +152,4 @@ bool read_pinholes(RequestWords& words, std::array<Camera, 2>& cameras) {
   return true;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -9,7 +9,7 @@
 #include "control/head_kinematics.h"
 #include "core/camera.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 inline constexpr double least_vergence_deg = 0.5;
 
@@ -41,4 +41,4 @@ class GazeGeometry {
 /// The same read: other intrinsics for the cameras, whose image sizes stay. False, and nothing changed, for other words.
 [[nodiscard]] bool read_pinholes(RequestWords& words, std::array<Camera, 2>& cameras);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

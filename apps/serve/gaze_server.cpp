@@ -12,7 +12,7 @@
 #include "core/error.h"
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t most_contexts = 100;             // the oldest ones beyond are forgotten
@@ -398,4 +398,4 @@ GazeServer::Report GazeServer::report() {
   return report;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -14,7 +14,7 @@
 #include "control/ikingaze_controller.h"
 #include "core/camera.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Replies to the requests of iKinGazeCtrl, carried out by IkinGazeController. Independent of the network: a request and
 /// its reply are text as YARP writes a message, words, numbers and lists in brackets; the position of brackets does not
@@ -119,4 +119,4 @@ class GazeServer {
   std::int64_t requests_ = 0;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

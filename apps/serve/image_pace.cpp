@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 std::int64_t ImagePace::next(std::int64_t late_us, std::int64_t image_us) {
   if (image_us != image_us_) {
@@ -45,4 +45,4 @@ std::string ImagePace::summary() const {
   return text;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

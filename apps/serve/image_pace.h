@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The shortest interval between the images of a served robot. While serve is behind the wall clock, an image waits until serve
 /// has caught up, or until the previous one is longest_us old: simulated time keeps pace, and packets keep coming, with fewer
@@ -38,4 +38,4 @@ class ImagePace {
   std::int64_t held_images_ = 0, held_sum_us_ = 0, held_most_us_ = 0;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -11,7 +11,7 @@
 #include "core/units.h"
 #include "sim/sim_robot.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double budget_s = 0.5;
@@ -129,4 +129,4 @@ ServedWork served_work(const MovingSpeed& usual, const MovingSpeed& lowered,
   return work;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 
 #include "sim/sim_config.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// How fast this machine simulates a robot with moving eyes.
 struct MovingSpeed {
@@ -49,4 +49,4 @@ struct ServedWork {
 /// Whether a machine can keep pace as configured, with room for the client on it.
 [[nodiscard]] bool fits_usual(const MovingSpeed& usual);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

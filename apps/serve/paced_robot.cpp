@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <thread>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::chrono::milliseconds catch_up(20);
@@ -38,4 +38,4 @@ void PacedRobot::restart() {
   busy_ = slipped_ = latest_ = longest_ = late_ = {};
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 
 #include "robot/robot.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Makes a simulated robot keep time with the wall clock: its clock waits until a millisecond has passed before it
 /// advances the simulation by one. Everything else passes through.
@@ -58,4 +58,4 @@ class PacedRobot final : public Robot, public Clock {
   SteadyClock::duration late_{};  // of this tick
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Reads a request word by word.
 class RequestWords {
@@ -54,4 +54,4 @@ class RequestWords {
   std::size_t at_ = 0;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -10,24 +10,24 @@
 #include <limits>
 #include <thread>
 
-#include "apps/config/scenario.h"
 #include "apps/serve/image_pace.h"
 #include "apps/serve/moving_speed.h"
 #include "apps/serve/paced_robot.h"
 #include "apps/serve/served_robot.h"
-#include "apps/session/interrupt.h"
-#include "apps/session/log_file.h"
-#include "apps/session/progress.h"
-#include "apps/session/run_folder.h"
-#include "apps/session/run_recorder.h"
-#include "apps/session/scenario_loop.h"
-#include "apps/session/session.h"
-#include "apps/session/version.h"
+#include "config/scenario.h"
 #include "core/error.h"
 #include "recording/output_file.h"
 #include "recording/run_file_names.h"
+#include "session/interrupt.h"
+#include "session/log_file.h"
+#include "session/progress.h"
+#include "session/run_folder.h"
+#include "session/run_recorder.h"
+#include "session/scenario_loop.h"
+#include "session/session.h"
+#include "session/version.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double least_image_interval_ms = 1.0;  // more images cannot be drawn in real time
@@ -221,4 +221,4 @@ int serve(const ServeOptions& options, const Registry& registry) {
   return 0;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

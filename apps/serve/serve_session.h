@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "apps/config/registry.h"
+#include "config/registry.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 struct ServeOptions {
   std::filesystem::path scenario;
@@ -41,4 +41,4 @@ struct ServeOptions {
 /// RunError; also if it is interrupted before a client came (wait_for_client), when there is nothing to report.
 int serve(const ServeOptions& options, const Registry& registry);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

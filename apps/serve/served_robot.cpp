@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr int gaze_report_ticks = 10;              // of iKinGazeCtrl's ports: 10 ms
@@ -153,4 +153,4 @@ void ServedRobot::log_changes() {
   }
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,16 +6,16 @@
 #include <string>
 #include <vector>
 
-#include "apps/config/scenario.h"
 #include "apps/serve/gaze_server.h"
 #include "apps/serve/serve_session.h"
+#include "config/scenario.h"
 #include "loop/loop.h"
 #include "robot/yarp/control_board.h"
 #include "robot/yarp/event_port.h"
 #include "robot/yarp/gaze_ports.h"
 #include "sim/sim_robot.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A simulated robot on YARP ports: an observer that exchanges data between the ports and the robot after each tick.
 class ServedRobot final : public LoopObserver {
@@ -72,4 +72,4 @@ class ServedRobot final : public LoopObserver {
   bool has_target_ = false;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -17,7 +17,7 @@
 #include "core/error.h"
 #include "recording/output_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t longest_why = 4096;  // a pipe holds more without a reader
@@ -101,4 +101,4 @@ std::string failure_text(const ChildEnd& end, const std::filesystem::path& log) 
   return WIFSIGNALED(end.status) ? fmt::format("ended by signal {}: {}", WTERMSIG(end.status), text) : text;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

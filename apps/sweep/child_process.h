@@ -6,7 +6,7 @@
 #include <functional>
 #include <string>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Processes that make one run each, so that a crash ends one run alone.
 
@@ -33,4 +33,4 @@ struct ChildEnd {
 /// where one ended it.
 [[nodiscard]] std::string failure_text(const ChildEnd& end, const std::filesystem::path& log);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 #include "apps/sweep/run_comparison.h"
 #include "evaluation/report/mujoco_ranges.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -149,4 +149,4 @@ std::string comparison_json(const RunComparison& comparison) {
   return json.dump(2) + "\n";
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,10 +6,10 @@
 #include <pugixml.hpp>
 #include <sstream>
 
-#include "apps/session/version.h"
 #include "recording/output_file.h"
+#include "session/version.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 /// XML has no control characters.
@@ -115,4 +115,4 @@ void write_junit(const std::filesystem::path& path, const std::vector<ScenarioTe
   write_file(path, text.str());
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 
 #include "apps/sweep/scenario_tests.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Writes JUnit XML, as GitHub, GitLab and Jenkins read it: a `testsuite` for each scenario, a `testcase` for each of its
 /// expectations (or one, `runs to its end`, where it has none). An expectation that is not met is a `failure`; after a
@@ -13,4 +13,4 @@ namespace saccade::inline v0_1 {
 /// cases; 0 where it did not end. Throws RunError.
 void write_junit(const std::filesystem::path& path, const std::vector<ScenarioTest>& tests);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

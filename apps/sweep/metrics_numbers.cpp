@@ -5,7 +5,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -64,4 +64,4 @@ MetricsNumbers metrics_numbers(std::string_view text, const std::string& place) 
   return numbers;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

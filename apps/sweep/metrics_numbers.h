@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A metrics.json or figures.json: its numbers by their paths, "detectors.best.recall"; none where the figure does not apply (null).
 struct MetricsNumbers {
@@ -25,4 +25,4 @@ struct MetricsNumbers {
 /// Throws RunError that names `place` for a text that is no metrics.json or figures.json.
 [[nodiscard]] MetricsNumbers metrics_numbers(std::string_view text, const std::string& place);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 #include "core/error.h"
 #include "recording/number_text.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double significance = 0.01;
@@ -173,4 +173,4 @@ RunComparison compare(RunSet a, RunSet b, const std::vector<Tolerance>& toleranc
   return comparison;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 #include "apps/sweep/run_sets.h"
 #include "evaluation/scoring/statistics.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// How far a figure may change: `--tolerance KEY=VALUE`.
 struct Tolerance {
@@ -63,4 +63,4 @@ struct RunComparison {
 /// All figures, changed or not.
 [[nodiscard]] std::string comparison_json(const RunComparison& comparison);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -10,7 +10,7 @@
 #include "core/error.h"
 #include "recording/run_file_names.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 namespace fs = std::filesystem;
@@ -143,4 +143,4 @@ RunSet read_run_set(const fs::path& path) {
   return set;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 
 #include "evaluation/report/resolved_scenario.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Runs that differ in their seeds alone.
 struct SeedRuns {
@@ -34,4 +34,4 @@ struct RunSet {
 /// is no run, RunError for a file that cannot be read.
 [[nodiscard]] RunSet read_run_set(const std::filesystem::path& path);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -10,21 +10,21 @@
 #include <iterator>
 #include <thread>
 
-#include "apps/config/scenario.h"
-#include "apps/session/interrupt.h"
-#include "apps/session/run_scenario.h"
-#include "apps/session/scenario_loop.h"
 #include "apps/sweep/child_process.h"
 #include "apps/sweep/junit.h"
 #include "apps/sweep/sweep_engine.h"
 #include "apps/sweep/sweep_folder.h"
 #include "apps/sweep/test_table.h"
+#include "config/scenario.h"
 #include "core/error.h"
 #include "recording/file_lock.h"
 #include "recording/number_text.h"
 #include "recording/output_file.h"
+#include "session/interrupt.h"
+#include "session/run_scenario.h"
+#include "session/scenario_loop.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 namespace fs = std::filesystem;
@@ -231,4 +231,4 @@ int make_test_runs(const TestTaskOptions& options, const Registry& registry) {
   return 0;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

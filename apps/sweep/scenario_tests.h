@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "apps/config/expectations.h"
-#include "apps/config/registry.h"
+#include "config/expectations.h"
+#include "config/registry.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// How test_scenarios() runs.
 struct ScenarioTestOptions {
@@ -52,4 +52,4 @@ struct TestTaskOptions {
 /// Makes runs of test_scenarios(); a failed one leaves tasks/NAME.failure. Returns 0.
 int make_test_runs(const TestTaskOptions& options, const Registry& registry);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

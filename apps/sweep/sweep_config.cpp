@@ -9,12 +9,12 @@
 #include <numeric>
 #include <set>
 
-#include "apps/config/scenario.h"
-#include "apps/config/sections.h"
-#include "apps/config/yaml_reader.h"
+#include "config/scenario.h"
+#include "config/sections.h"
+#include "config/yaml_reader.h"
 #include "core/random.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 using Kind = YamlNode::Kind;
@@ -421,4 +421,4 @@ std::optional<double> number_in(const std::string& text) {
   return value;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

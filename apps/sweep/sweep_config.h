@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "apps/config/yaml_tree.h"
+#include "config/yaml_tree.h"
 #include "core/config.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A value for a key of the scenario.
 struct SweepSetting {
@@ -91,4 +91,4 @@ void describe(FieldVisitor& v, SweepConfig& config);
 /// The value as a number, where the whole text is one.
 [[nodiscard]] std::optional<double> number_in(const std::string& text);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -9,14 +9,14 @@
 #include <set>
 #include <thread>
 
-#include "apps/session/interrupt.h"
-#include "apps/session/progress.h"
 #include "apps/sweep/sweep_run.h"
 #include "core/error.h"
 #include "evaluation/report/sweep_report.h"
 #include "recording/output_file.h"
+#include "session/interrupt.h"
+#include "session/progress.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 namespace fs = std::filesystem;
@@ -160,4 +160,4 @@ void SweepCoordinator::give_up() {
   collect();
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -10,7 +10,7 @@
 #include "apps/sweep/sweep_plan.h"
 #include "apps/sweep/sweep_store.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Starts the missing runs of a sweep and collects their results into its table, which only this process writes.
 class SweepCoordinator {
@@ -44,4 +44,4 @@ class SweepCoordinator {
   std::size_t distinct_ = 0;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -19,7 +19,7 @@
 #include "recording/file_digest.h"
 #include "recording/output_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 namespace fs = std::filesystem;
@@ -201,4 +201,4 @@ std::unique_ptr<SweepEngine> make_engine(const SweepEngineConfig& config, const 
   return std::make_unique<LocalEngine>(local, folder);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

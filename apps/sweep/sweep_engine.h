@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The engine that makes the runs of a sweep, and its limits.
 struct SweepEngineConfig {
@@ -42,4 +42,4 @@ class SweepEngine {
 /// Exit status of sweep-task if the disk is full; xargs then starts no further runs.
 inline constexpr int stop_all_status = 255;
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

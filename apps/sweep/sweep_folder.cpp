@@ -5,7 +5,7 @@
 
 #include "recording/file_lock.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 namespace fs = std::filesystem;
 
@@ -40,4 +40,4 @@ bool SweepFolder::has_worst_report(const std::string& id) const {
 
 bool SweepFolder::is_running(const std::string& id) const { return is_locked(run(id) / "log.txt"); }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

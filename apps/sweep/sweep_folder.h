@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Layout of a sweep's folder:
 ///
@@ -42,4 +42,4 @@ class SweepFolder {
   std::filesystem::path path_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,11 +6,11 @@
 #include <optional>
 #include <set>
 
-#include "apps/config/input_files.h"
-#include "apps/config/scenario.h"
+#include "config/input_files.h"
+#include "config/scenario.h"
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double most_runs = 1e5;
@@ -249,4 +249,4 @@ SweepPlan plan_sweep(SweepConfig config, std::string version, const Registry& re
   return plan;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "apps/config/registry.h"
 #include "apps/sweep/sweep_config.h"
+#include "config/registry.h"
 #include "recording/file_digest.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// One combination of values.
 struct PlannedRun {
@@ -39,4 +39,4 @@ struct SweepPlan {
 /// `version` identifies the program. Throws InputError with everything that is wrong.
 [[nodiscard]] SweepPlan plan_sweep(SweepConfig config, std::string version, const Registry& registry);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,8 +6,6 @@
 #include <chrono>
 #include <set>
 
-#include "apps/session/interrupt.h"
-#include "apps/session/summary.h"
 #include "apps/sweep/sweep_config.h"
 #include "apps/sweep/sweep_coordinator.h"
 #include "apps/sweep/sweep_folder.h"
@@ -17,8 +15,10 @@
 #include "evaluation/report/sweep_report.h"
 #include "recording/file_lock.h"
 #include "recording/output_file.h"
+#include "session/interrupt.h"
+#include "session/summary.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 namespace fs = std::filesystem;
@@ -132,4 +132,4 @@ void print_sweep_status(const fs::path& path) {
     fmt::print("no `saccade sweep` runs in this folder; start it to continue\n");
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

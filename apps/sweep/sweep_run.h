@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "apps/config/registry.h"
 #include "apps/sweep/sweep_engine.h"
+#include "config/registry.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// How sweep() runs.
 struct SweepOptions {
@@ -29,4 +29,4 @@ void print_sweep_status(const std::filesystem::path& folder);
 /// "12 s", "3 min", "1.5 h".
 [[nodiscard]] std::string duration_text(double s);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

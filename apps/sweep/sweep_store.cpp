@@ -19,7 +19,7 @@
 #include "evaluation/report/gnuplot.h"
 #include "recording/output_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 namespace fs = std::filesystem;
@@ -345,4 +345,4 @@ SweepTable SweepStore::table() const {
   });
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -14,7 +14,7 @@ namespace SQLite {
 class Database;
 }
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The table of a sweep, sweep.sqlite in its folder:
 ///
@@ -54,4 +54,4 @@ class SweepStore {
   std::unique_ptr<SQLite::Database> database_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

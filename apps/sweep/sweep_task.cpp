@@ -9,19 +9,19 @@
 #include <iterator>
 #include <tuple>
 
-#include "apps/config/scenario.h"
-#include "apps/session/run_scenario.h"
-#include "apps/session/scenario_loop.h"
 #include "apps/sweep/child_process.h"
 #include "apps/sweep/sweep_engine.h"
 #include "apps/sweep/sweep_folder.h"
 #include "apps/sweep/sweep_plan.h"
+#include "config/scenario.h"
 #include "core/error.h"
 #include "evaluation/scoring/metrics.h"
 #include "recording/file_lock.h"
 #include "recording/output_file.h"
+#include "session/run_scenario.h"
+#include "session/scenario_loop.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 namespace fs = std::filesystem;
@@ -100,4 +100,4 @@ int make_sweep_runs(const SweepTaskOptions& options, const Registry& registry) {
   return 0;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

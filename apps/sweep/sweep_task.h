@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "apps/config/registry.h"
+#include "config/registry.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Which runs make_sweep_runs() makes.
 struct SweepTaskOptions {
@@ -20,4 +20,4 @@ struct SweepTaskOptions {
 /// disk is full.
 int make_sweep_runs(const SweepTaskOptions& options, const Registry& registry);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

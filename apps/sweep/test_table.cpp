@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 std::ptrdiff_t met_count(const ScenarioTest& test) {
@@ -64,4 +64,4 @@ std::string test_table(const std::vector<ScenarioTest>& tests) {
                                      failed == 1 ? "" : "s");
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

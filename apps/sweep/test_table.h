@@ -5,7 +5,7 @@
 
 #include "apps/sweep/scenario_tests.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// One line about a test that is over: "look_at_ball: 3 of 3 met, 4.2 s".
 [[nodiscard]] std::string test_line(const ScenarioTest& test);
@@ -13,4 +13,4 @@ namespace saccade::inline v0_1 {
 /// A line per expectation, columns aligned, and the counts: for a terminal.
 [[nodiscard]] std::string test_table(const std::vector<ScenarioTest>& tests);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

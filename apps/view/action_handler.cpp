@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 void change_speed_to(int exponent, ViewState& state, PlayerThread& player) {
@@ -85,4 +85,4 @@ bool apply_action(const Action& action, const Snapshot& snapshot, ViewState& sta
   }
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

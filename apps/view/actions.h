@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A request of the user, made with a key or a widget.
 struct Action {
@@ -39,4 +39,4 @@ struct SpeedRange {
   static constexpr int unlimited = fastest + 1;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 #include "apps/view/panel.h"
 #include "apps/view/panels.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 const ImVec4 amber = {0.95F, 0.75F, 0.25F, 1.0F};
@@ -96,4 +96,4 @@ void draw_bar_panel(const Area& area, const Snapshot& snapshot, ViewState& state
   button(state, "Keys", "List of keys", {toggle_help});
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -10,7 +10,7 @@
 #include "evaluation/report/overlay.h"
 #include "recording/output_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr int video_hz = 25;
@@ -101,4 +101,4 @@ void Capture::film(const cv::Mat& shown) {
   while (video_->images() <= due) video_->add(part);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -10,7 +10,7 @@
 #include "apps/view/snapshot.h"
 #include "apps/view/wall_clock.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 class VideoFile;
 
@@ -63,4 +63,4 @@ class Capture {
   WallClock::time_point message_time_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

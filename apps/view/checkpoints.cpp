@@ -4,7 +4,7 @@
 
 #include "apps/view/detector_change.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::int64_t first_spacing_us = 250'000;
@@ -49,4 +49,4 @@ std::size_t Checkpoints::limit(ImageSize image, std::size_t detectors) {
       std::clamp<std::int64_t>(memory_bytes / std::max<std::int64_t>(bytes, 1), 3, 64));
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

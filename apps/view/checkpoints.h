@@ -5,7 +5,7 @@
 
 #include "apps/view/loop_history.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A state of a loop that playback can continue from.
 struct Checkpoint {
@@ -44,4 +44,4 @@ class Checkpoints {
   std::int64_t spacing_us_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
@@ -95,4 +95,4 @@ std::optional<Circle> CircleLabels::hint(std::int64_t t_us) const {
   return on_line(*second, *nearest, std::clamp(t_us, nearest->t_us - apart_us, nearest->t_us + apart_us));
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

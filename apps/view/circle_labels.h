@@ -8,7 +8,7 @@
 
 #include "recording/run_files.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// True circles of a recording that a person places at single instants: rows of truth.csv, sorted by time, one for each
 /// instant. A row with `visible` 0 says that the ball is hidden or outside the image at its instant.
@@ -47,4 +47,4 @@ class CircleLabels {
   std::vector<TruthRow> rows_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 
 #include "evaluation/report/palette.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Colours of the window. Those of detectors, truth, events and gaze are the palette's, as in reports and figures.
 namespace colours {
@@ -33,4 +33,4 @@ inline constexpr ImU32 gap = IM_COL32(17, 17, 19, 255);    ///< between panels
 
 }  // namespace colours
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

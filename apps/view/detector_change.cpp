@@ -5,7 +5,7 @@
 #include "core/detector_views.h"
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 bool same_config(const DetectorConfig& a, const DetectorConfig& b) {
@@ -66,4 +66,4 @@ ChangedDetectors change_detectors(const ViewSettings& settings, const ViewSettin
   return changed;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

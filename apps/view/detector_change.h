@@ -6,7 +6,7 @@
 #include "apps/view/loop_history.h"
 #include "apps/view/view_settings.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Copies in the same state; empty where one of the detectors cannot be copied. Allocates: not for the tick.
 [[nodiscard]] std::vector<LoopDetector> copies(std::span<const LoopDetector> detectors);
@@ -24,4 +24,4 @@ struct ChangedDetectors {
                                                 const Loop& loop, const LoopHistory& history,
                                                 const MountedCamera& camera, Eye eye);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 #include "apps/view/panel.h"
 #include "apps/view/panels.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 void draw_row(std::size_t index, float right, const Snapshot& snapshot, ViewState& state) {
@@ -68,4 +68,4 @@ void draw_detectors_panel(const Area& area, const Snapshot& snapshot, ViewState&
   }
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 #include "apps/view/panel.h"
 #include "apps/view/panels.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 /// A true circle: dashes of at least 5 px with gaps as long.
@@ -87,4 +87,4 @@ void EyePanel::draw(const Area& area, const Snapshot& snapshot, ViewState& state
   draw_marks(at, snapshot, state);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

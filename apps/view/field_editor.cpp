@@ -8,7 +8,7 @@
 #include "apps/view/panel.h"
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr float label_width = 124.0F;
@@ -167,4 +167,4 @@ void FieldEditor::section(std::string_view key, const std::function<void(FieldVi
   ImGui::TreePop();
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 
 #include "core/config.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Widgets for every key of a config's `describe`: a slider, a box or a list of choices. A slider covers four times the
 /// first value; Ctrl-click types a number beyond that. The tooltip explains the key. A value that is typed and lies outside the
@@ -57,4 +57,4 @@ class FieldEditor final : public FieldVisitor {
   bool changed_ = false;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -3,7 +3,7 @@
 #include "apps/view/key_bindings.h"
 #include "apps/view/panels.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 void draw_help(int width, int height, ViewState& state) {
   if (!state.help) return;
@@ -40,4 +40,4 @@ void draw_question(int width, int height, ViewState& state) {
   ImGui::End();
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 #include "apps/view/panel.h"
 #include "apps/view/panels.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 void HoughPanel::draw(const Area& area, const Snapshot& snapshot) {
   if (!snapshot.hough.empty()) {
@@ -37,4 +37,4 @@ void HoughPanel::draw(const Area& area, const Snapshot& snapshot) {
   draw.AddText({at.x + 6.0F, at.y + at.height - 18.0F}, colours::dim, text.c_str());
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 std::uint8_t mix(std::uint8_t from, std::uint8_t to, double share) {
@@ -136,4 +136,4 @@ void paint_event_cloud(const Snapshot& snapshot, std::int64_t span_us, double az
   }
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 #include "apps/view/snapshot.h"
 #include "evaluation/report/palette.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 using Rgb = std::array<std::uint8_t, 3>;
 using RgbImage = std::vector<std::uint8_t>;  ///< row by row, three bytes per pixel
@@ -32,4 +32,4 @@ void paint_event_counts(std::span<const float> counts, ImageSize size, RgbImage&
 void paint_event_cloud(const Snapshot& snapshot, std::int64_t span_us, double azimuth_rad,
                        double elevation_rad, ImageSize size, RgbImage& rgb);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 std::vector<KeyBinding> make_bindings() {
@@ -107,4 +107,4 @@ std::string key_hints(bool with_playback) {
   return line;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

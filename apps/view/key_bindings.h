@@ -6,7 +6,7 @@
 
 #include "apps/view/actions.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// One key and its action.
 struct KeyAction {
@@ -46,4 +46,4 @@ struct KeyBinding {
 /// The line below the timeline.
 [[nodiscard]] std::string key_hints(bool with_playback);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double smallest_r_px = 0.5;
@@ -177,4 +177,4 @@ void paint_instant(const LabelEditor& editor, RgbImage& rgb) {
   }
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 #include "apps/view/circle_labels.h"
 #include "apps/view/images.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// What the window of `saccade label` changes and shows, without the window: an instant of a recording, the circles at
 /// instants, and what mouse and keys do to them. Coordinates are pixels of the recording's image.
@@ -97,4 +97,4 @@ class LabelEditor {
 /// Paints the events around an instant, each pixel in the polarity of its event nearest in time, paler with the distance.
 void paint_instant(const LabelEditor& editor, RgbImage& rgb);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

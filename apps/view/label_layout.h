@@ -4,7 +4,7 @@
 
 #include "apps/view/layout.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The places of the panels in the window of `saccade label`, of width x height px. The image gets what the others leave.
 struct LabelLayout {
@@ -66,4 +66,4 @@ class ImageZoom {
   float x_ = 0.0F, y_ = 0.0F;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

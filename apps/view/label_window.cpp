@@ -12,15 +12,15 @@
 #include <utility>
 #include <vector>
 
-#include "apps/session/interrupt.h"
 #include "apps/view/capture.h"
 #include "apps/view/colours.h"
 #include "apps/view/label_editor.h"
 #include "apps/view/label_layout.h"
 #include "apps/view/panel.h"
 #include "core/error.h"
+#include "session/interrupt.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double wait_s = 0.05;  ///< for keyboard and mouse between two drawings
@@ -30,8 +30,8 @@ constexpr float drag_from_px = 3.0F;  ///< in the window; a press that moves les
 
 /// All events of the eye that is labelled, and the image's size: the file's, else the smallest that contains them.
 LabelEditor open_editor(const LabelSettings& settings) {
-  const Played played = open_played(settings.input, {});
-  const auto reader = open_event_file(played.formats, played.events, played.read);
+  const ReplaySource source = open_replay_source(settings.input, {});
+  const auto reader = open_event_file(source.formats, source.events, source.read);
   std::vector<Event> events;
   while (reader->read(events, 1 << 16) > 0) {
   }
@@ -415,4 +415,4 @@ void label_recording(const LabelSettings& settings) {
   LabelWindow(settings, name.stem()).run();
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

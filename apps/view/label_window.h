@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <string>
 
-#include "apps/session/played.h"
+#include "session/replay_source.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// What `saccade label` opens and writes.
 struct LabelSettings {
@@ -21,4 +21,4 @@ struct LabelSettings {
 /// table and where there is no display, RunError where the table cannot be written.
 void label_recording(const LabelSettings& settings);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 
 #include "core/event.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A rectangle in the window, px from its top left corner.
 struct Area {
@@ -55,4 +55,4 @@ struct ViewLayout {
   }
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

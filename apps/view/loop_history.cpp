@@ -7,7 +7,7 @@
 
 #include "core/detector_views.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 std::array<float, 2> centre_of(const Circle& circle) {
@@ -97,4 +97,4 @@ void LoopHistory::fill(Snapshot& snapshot, const Loop& loop) const {
     snapshot.hough.clear();
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -9,7 +9,7 @@
 
 #include "apps/view/snapshot.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The last seconds of a loop: inputs and outputs of the detectors and the samples of the plots. Its memory is bounded;
 /// a copy is cheap, since copies share the inputs.
@@ -52,4 +52,4 @@ class LoopHistory {
   GazePhase phase_ = GazePhase::none;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 
 #include "recording/event_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Events in memory, read like an event file. The memory outlives the reader.
 class MemoryReader final : public EventReader {
@@ -26,4 +26,4 @@ class MemoryReader final : public EventReader {
   ImageSize size_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 /// Sets one text of a config.
@@ -62,4 +62,4 @@ ViewDetector own_detector(const DetectorRegistry& detectors, const std::string& 
   return added;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

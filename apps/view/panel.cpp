@@ -2,7 +2,7 @@
 
 #include "apps/view/colours.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 Panel::Panel(const char* name, const Area& area, bool scrolls) {
   ImGui::SetNextWindowPos({area.x, area.y});
@@ -73,4 +73,4 @@ void draw_gaps(const ViewLayout& layout, int width, int height) {
   fill(layout.hough.x, below(layout.hough), beside(layout.hough), layout.detectors.y);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

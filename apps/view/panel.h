@@ -7,7 +7,7 @@
 #include "apps/view/layout.h"
 #include "apps/view/window.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// An ImGui window without decoration at a fixed place, open while this object exists.
 class Panel {
@@ -43,4 +43,4 @@ void draw_texture(const Window::Texture& texture, const Area& at);
 /// software renderer needs time for each pixel that is drawn twice.
 void draw_gaps(const ViewLayout& layout, int width, int height);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 #include "apps/view/view_state.h"
 #include "apps/view/window.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The panels of the window. Each draws a snapshot and the state, changes the state where the user edits it, and appends
 /// the actions that the user requests. Those with images own a texture.
@@ -68,4 +68,4 @@ class TimelinePanel {
   RgbImage rgb_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

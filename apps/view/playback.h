@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "apps/session/played.h"
 #include "apps/view/loop_history.h"
 #include "apps/view/view_settings.h"
+#include "session/replay_source.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A loop that a user plays, seeks in and changes: a simulated scenario or a recording. Used from one thread.
 class Playback {
@@ -48,4 +48,4 @@ class Playback {
                                                                 const std::string& selected,
                                                                 const Registry& registry);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

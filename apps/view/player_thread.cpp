@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 /// For how long the thread ticks before it looks for requests, s.
@@ -228,4 +228,4 @@ void PlayerThread::publish_snapshot() {
   next_publish_ = end + 2 * (end - begin);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

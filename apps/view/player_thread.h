@@ -13,7 +13,7 @@
 #include "apps/view/snapshot_channel.h"
 #include "apps/view/wall_clock.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Plays a Playback in a thread of its own, as the requests of the window's thread say.
 class PlayerThread {
@@ -96,4 +96,4 @@ class PlayerThread {
   std::thread thread_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 const cv::Scalar paper(22, 22, 24);
@@ -189,4 +189,4 @@ void draw_plot(const Plot& plot, const Area& area, const Snapshot& snapshot, cv:
   draw_legend(plot, area, box);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -9,7 +9,7 @@
 #include "apps/view/layout.h"
 #include "apps/view/snapshot.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A curve over the last Snapshot::plot_us.
 struct PlotCurve {
@@ -39,4 +39,4 @@ struct Plot {
 void draw_plot(const Plot& plot, const Area& area, const Snapshot& snapshot, cv::Mat& canvas,
                const Area& origin);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -9,7 +9,7 @@
 #include "apps/view/panels.h"
 #include "apps/view/plot.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 using enum PlotCurve::Style;
@@ -122,4 +122,4 @@ void PlotsPanel::draw(const Area& area, const Snapshot& snapshot) {
   draw.ChannelsMerge();
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

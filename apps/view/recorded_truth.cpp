@@ -5,7 +5,7 @@
 
 #include "apps/view/sim_snapshot.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::int64_t annotation_us = 20'000;  ///< for how long an annotated circle is shown
@@ -52,4 +52,4 @@ std::optional<std::int64_t> RecordedTruth::last_us() const {
   return gaze_rows_.empty() ? std::nullopt : std::optional(gaze_rows_.back().t_us);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

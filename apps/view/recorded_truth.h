@@ -7,7 +7,7 @@
 #include "apps/view/snapshot.h"
 #include "recording/run_files.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Ground truth of a recording: its true circles and, of a run folder, the poses of the left camera and the gaze targets.
 class RecordedTruth {
@@ -33,4 +33,4 @@ class RecordedTruth {
   Camera camera_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -2,18 +2,18 @@
 #include <filesystem>
 #include <optional>
 
-#include "apps/config/scenario.h"
-#include "apps/session/scenario_loop.h"
-#include "apps/session/session.h"
 #include "apps/view/checkpoints.h"
 #include "apps/view/detector_change.h"
 #include "apps/view/memory_reader.h"
 #include "apps/view/playback.h"
 #include "apps/view/recorded_truth.h"
+#include "config/scenario.h"
 #include "head/icub_cameras.h"
+#include "session/scenario_loop.h"
+#include "session/session.h"
 #include "sim/lab.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 /// The world of a run folder; null where its scenario is missing or of another version.
@@ -36,12 +36,12 @@ class RecordingPlayback final : public Playback, private LoopObserver {
   RecordingPlayback(const ReadOptions& options, const std::filesystem::path& truth,
                     const NamedDetectors& detectors, const std::string& selected, const Registry& registry)
       : settings_(view_settings(detectors, selected)) {
-    Played played = open_played(options, truth);
-    eye_ = played.eye;
-    camera_ = played.camera;
+    ReplaySource source = open_replay_source(options, truth);
+    eye_ = source.eye;
+    camera_ = source.camera;
     std::int64_t start_us = 0;
     {
-      ReplayRobot robot(open_event_file(options.formats, played.events, played.read), std::move(played.head));
+      ReplayRobot robot(open_event_file(options.formats, source.events, source.read), std::move(source.head));
       start_us = robot.now_us();
       camera_.camera.size = robot.image_size();
       has_head_ = robot.head() != nullptr;
@@ -54,7 +54,7 @@ class RecordingPlayback final : public Playback, private LoopObserver {
       throw InputError(options.recording.string(), "no events of the chosen eye",
                        "a recording with events; saccade info lists what it holds");
     }
-    truth_ = RecordedTruth(std::move(played.truth), played.chances == Chances::annotated, camera_.camera);
+    truth_ = RecordedTruth(std::move(source.truth), source.chances == Chances::annotated, camera_.camera);
     std::int64_t last_us = events_.back().t_us;
     if (is_run_folder(options)) {
       folder_ = options.recording;
@@ -174,4 +174,4 @@ std::unique_ptr<Playback> make_recording_playback(const ReadOptions& options,
   return std::make_unique<RecordingPlayback>(options, truth, detectors, selected, registry);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -2,11 +2,11 @@
 
 #include <cmath>
 
-#include "apps/config/scenario.h"
 #include "apps/view/sim_snapshot.h"
+#include "config/scenario.h"
 #include "sim/sim_robot.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 RunFeed::RunFeed(const Scenario& scenario)
     : camera_(scenario.sim.camera),
@@ -28,4 +28,4 @@ void RunFeed::record(const Tick& tick, const SimRobot& robot, const Loop& loop) 
   channel_.publish();
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 #include "apps/view/loop_history.h"
 #include "apps/view/snapshot_channel.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 class SimRobot;
 struct Scenario;
@@ -36,4 +36,4 @@ class RunFeed {
   std::atomic<bool> closed_ = false;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

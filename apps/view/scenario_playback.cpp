@@ -2,15 +2,15 @@
 #include <functional>
 #include <optional>
 
-#include "apps/config/scenario.h"
-#include "apps/session/scenario_loop.h"
-#include "apps/session/session.h"
 #include "apps/view/detector_change.h"
 #include "apps/view/playback.h"
 #include "apps/view/sim_snapshot.h"
+#include "config/scenario.h"
+#include "session/scenario_loop.h"
+#include "session/session.h"
 #include "sim/sim_robot.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 class ScenarioPlayback final : public Playback, private LoopObserver {
@@ -119,4 +119,4 @@ std::unique_ptr<Playback> make_scenario_playback(const Scenario& scenario) {
   return std::make_unique<ScenarioPlayback>(scenario);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

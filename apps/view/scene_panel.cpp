@@ -9,7 +9,7 @@
 #include "apps/view/colours.h"
 #include "apps/view/panel.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::int64_t cloud_us = 60'000;
@@ -125,4 +125,4 @@ void ScenePanel::draw_scene(const Snapshot& snapshot, const SceneView& view, Ima
   renderer_->render(*snapshot.scene, view, rgb_, marks_of(snapshot));
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -10,7 +10,7 @@
 #include "apps/view/wall_clock.h"
 #include "apps/view/window.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The scene from outside; for a recording without a world its events in image and time. It is expensive, so that it is
 /// drawn less often than the other panels.
@@ -45,4 +45,4 @@ class ScenePanel {
 /// Processor time of the calling thread, s.
 [[nodiscard]] double processor_s();
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

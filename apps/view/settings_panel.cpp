@@ -7,7 +7,7 @@
 #include "apps/view/panel.h"
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 void draw_display_settings(const Snapshot& snapshot, ViewState& state) {
@@ -120,4 +120,4 @@ void SettingsPanel::draw_own_detector(ViewState& state) {
   if (!own_problem_.empty()) draw_problem(own_problem_);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,13 +4,13 @@
 #include <string>
 #include <utility>
 
-#include "apps/config/registry.h"
 #include "apps/view/field_editor.h"
 #include "apps/view/layout.h"
 #include "apps/view/snapshot.h"
 #include "apps/view/view_state.h"
+#include "config/registry.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The configuration of the selected detector, of controller and gate, and how the eye's image is drawn.
 class SettingsPanel {
@@ -33,4 +33,4 @@ class SettingsPanel {
   std::string own_problem_;  ///< why it was rejected
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 #include "core/units.h"
 #include "sim/sim_robot.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 float gaze_error_deg(const Eigen::Isometry3d& root_from_cam, const Eigen::Vector3d& ball_m) {
   const Eigen::Vector3d to_ball = ball_m - root_from_cam.translation();
@@ -46,4 +46,4 @@ void fill_simulated(const SimRobot& robot, const std::shared_ptr<const mjModel>&
   mj_copyData(snapshot.scene.get(), model.get(), &robot.world().data());
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 
 #include "apps/view/snapshot.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 class SimRobot;
 class World;
@@ -22,4 +22,4 @@ void fill_simulated(const SimRobot& robot, const std::shared_ptr<const mjModel>&
 /// Angle between the optical axis of a camera and the direction to the ball's centre, deg.
 [[nodiscard]] float gaze_error_deg(const Eigen::Isometry3d& root_from_cam, const Eigen::Vector3d& ball_m);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -2,7 +2,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 void Snapshot::use_model(const std::shared_ptr<const mjModel>& new_model) {
   if (model == new_model && scene) return;
@@ -11,4 +11,4 @@ void Snapshot::use_model(const std::shared_ptr<const mjModel>& new_model) {
   model = new_model;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

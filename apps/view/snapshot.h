@@ -13,7 +13,7 @@
 #include "loop/loop.h"
 #include "sim/mujoco_compat.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// NaN for each joint that gaze commands.
 constexpr std::array<float, gaze_slots> no_joints() {
@@ -96,4 +96,4 @@ struct Snapshot {
   void use_model(const std::shared_ptr<const mjModel>& new_model);
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 void SnapshotChannel::publish() {
   const std::lock_guard lock(mutex_);
@@ -20,4 +20,4 @@ bool SnapshotChannel::take(Snapshot& snapshot) {
   return true;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

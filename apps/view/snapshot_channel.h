@@ -5,7 +5,7 @@
 
 #include "apps/view/snapshot.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Passes the newest snapshot from the loop's thread to the window's (a triple buffer). The loop's thread fills one
 /// only after the window's thread has requested one, and waits for nothing but a swap.
@@ -28,4 +28,4 @@ class SnapshotChannel {
   Snapshot published_;  // under mutex_
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 #include "apps/view/panel.h"
 #include "apps/view/panels.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 void TimelinePanel::draw(const ViewLayout& layout, const Snapshot& snapshot, ViewState& state) {
   const Panel panel("timeline", layout.timeline);
@@ -51,4 +51,4 @@ void TimelinePanel::draw(const ViewLayout& layout, const Snapshot& snapshot, Vie
   draw.AddText({strip.x + 0.5F * (strip.width - text_width), text_y}, colours::dim, text.c_str());
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -10,7 +10,6 @@
 #include <thread>
 #include <utility>
 
-#include "apps/session/interrupt.h"
 #include "apps/view/action_handler.h"
 #include "apps/view/capture.h"
 #include "apps/view/key_bindings.h"
@@ -18,8 +17,9 @@
 #include "apps/view/panels.h"
 #include "apps/view/scene_panel.h"
 #include "apps/view/settings_panel.h"
+#include "session/interrupt.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr int first_width = 1280;
@@ -253,4 +253,4 @@ int View::show_run(const Scenario& scenario, const std::function<int(RunFeed&)>&
   return result.get();
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

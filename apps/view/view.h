@@ -5,11 +5,11 @@
 #include <memory>
 #include <string>
 
-#include "apps/config/registry.h"
 #include "apps/view/player_thread.h"
 #include "apps/view/run_feed.h"
+#include "config/registry.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The window of `saccade view` and `saccade run --view`. Used from one thread, the program's first.
 class View {
@@ -40,4 +40,4 @@ class View {
   std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

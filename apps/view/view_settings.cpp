@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 std::size_t ViewSettings::selected_in_loop() const {
   const auto end = detectors.begin() + static_cast<std::ptrdiff_t>(std::min(selected, detectors.size()));
@@ -27,4 +27,4 @@ ViewSettings view_settings(const NamedDetectors& detectors, const std::string& s
   return settings;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

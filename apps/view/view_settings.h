@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "apps/config/scenario.h"
+#include "config/scenario.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A detector that the window lists.
 struct ViewDetector {
@@ -46,4 +46,4 @@ struct ViewSettings {
 /// selected where none has that name.
 [[nodiscard]] ViewSettings view_settings(const NamedDetectors& detectors, const std::string& selected);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

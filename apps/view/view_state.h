@@ -7,7 +7,7 @@
 #include "apps/view/view_settings.h"
 #include "sim/scene_renderer.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// What a user has set in the window, and the actions requested since the last drawing.
 struct ViewState {
@@ -22,12 +22,12 @@ struct ViewState {
   SceneView scene_view = profile_view();
   bool help = false;
   bool asks_to_close = false;  ///< the question whether to close the window is shown
-  bool can_save = false;  ///< the settings can be saved
-  bool filming = false;  ///< a video is being written
-  std::string message;   ///< in place of the key hints; empty: none
+  bool can_save = false;       ///< the settings can be saved
+  bool filming = false;        ///< a video is being written
+  std::string message;         ///< in place of the key hints; empty: none
   std::vector<Action> actions;
 
   void act(Action::Type type, std::int64_t value = 0) { actions.push_back({type, value}); }
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 using WallClock = std::chrono::steady_clock;
 
@@ -10,4 +10,4 @@ using WallClock = std::chrono::steady_clock;
   return std::chrono::duration<double>(to - from).count();
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

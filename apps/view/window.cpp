@@ -13,7 +13,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 const char* const no_display =
@@ -231,4 +231,4 @@ void Window::Texture::set(ImageSize size, std::span<const std::uint8_t> rgb) {
 
 void* Window::Texture::id() const { return reinterpret_cast<void*>(static_cast<std::uintptr_t>(name_)); }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -12,7 +12,7 @@
 
 struct GLFWwindow;
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A window with Dear ImGui in it, and its OpenGL context, which other renderers may use. Used from the thread that made
 /// it alone.
@@ -75,4 +75,4 @@ class Window final : public GlContext {
   std::unique_ptr<Functions> gl_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 
 #include "core/time_stamp.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double least_support = 0.5;
@@ -169,4 +169,4 @@ Estimate BlobFilter::estimate() {
   return best;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

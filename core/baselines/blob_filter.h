@@ -8,7 +8,7 @@
 #include "core/detector_views.h"
 #include "core/reserved_vector.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Event blob tracker (Wang, Molloy, van Goor and Mahony, "Asynchronous Blob Tracker for Event Cameras", IEEE
 /// Transactions on Robotics 40, 2024). The defaults of the noise are those of the authors' configuration for 240 x 180
@@ -83,4 +83,4 @@ class BlobFilter final : public Detector, public DetectorViews {
   std::int64_t now_us_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double least_support = 0.5;
@@ -117,4 +117,4 @@ Estimate ClusterDetector::estimate() {
   return best;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 #include "core/detector_views.h"
 #include "core/reserved_vector.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Cluster tracker (Delbruck and Lang, Frontiers in Neuroscience 7:223, 2013), which the robot goalie follows
 /// its balls with.
@@ -62,4 +62,4 @@ class ClusterDetector final : public Detector, public DetectorViews {
   std::int64_t now_us_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double least_value = 1e-3;  // smaller ones would become subnormal in the end, and slow
@@ -38,4 +38,4 @@ void ErosSurface::add(const Event& event) {
   values_[static_cast<std::size_t>(event.y * size_.width + event.x)] = 255.0;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

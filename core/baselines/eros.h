@@ -2,7 +2,7 @@
 
 #include "core/baselines/surface_detector.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Tracking on an exponential reduced ordinal surface (EROS) by convolution kernels, as PUCK does (KernelSearch). The
 /// defaults of the surface are those of the authors' event-driven library.
@@ -37,4 +37,4 @@ class ErosSurface {
 /// Score: response of the kernel, at most 1; 0.5 for a thin closed outline.
 using ErosDetector = SurfaceDetector<ErosConfig, ErosSurface>;
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

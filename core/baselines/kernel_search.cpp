@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double inside_weight = 0.75, outside_weight = 0.25;
@@ -177,4 +177,4 @@ Estimate KernelSearch::disc() const {
   return {true, false, circle, disc_.response};
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 
 #include "core/detector.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Search for a disc by convolution kernels on an image of recent events, after PUCK (Gava et al., "PUCK: Parallel
 /// Surface and Convolution-kernel Tracking for Event-Based Cameras", arXiv:2205.07657, 2022).
@@ -81,4 +81,4 @@ class KernelSearch {
   Match sweep_best_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr int steps_per_px = 8;
@@ -119,4 +119,4 @@ Estimate MultiKernelDetector::estimate() {
   return {true, false, {best.x_px, best.y_px, radii_px_[best.best]}, score};
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

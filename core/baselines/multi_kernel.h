@@ -6,7 +6,7 @@
 #include "core/detector_parts.h"
 #include "core/detector_views.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Multi-kernel tracker (Lagorce et al., TNNLS 26(8), 2015) with rings as the kernels.
 struct MultiKernelConfig {
@@ -65,4 +65,4 @@ class MultiKernelDetector final : public Detector, public DetectorViews {
   std::int64_t last_us_, now_us_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

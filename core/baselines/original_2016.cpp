@@ -6,7 +6,7 @@
 
 #include "core/time_stamp.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::int64_t no_event_us = std::numeric_limits<std::int64_t>::min();
@@ -186,4 +186,4 @@ bool Original2016::hough_space(std::span<float> response) const {
   return true;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,9 +7,9 @@
 
 #include "core/detector_parts.h"
 #include "core/detector_views.h"
-#include "core/plane_fit_flow.h"
+#include "core/flow/plane_fit_flow.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Which cell of a radius counts as its maximum.
 enum class MaximumSearch { remembered, exact };
@@ -23,10 +23,10 @@ constexpr auto words_of(MaximumSearch) {
 struct Original2016Config {
   std::array<double, 2> radius_px = {10, 35};  ///< smallest and largest radius, whole numbers
   std::int64_t window_events = 1000;
-  double arc_deg = 15.0;               ///< half-width of an arc
-  std::int64_t min_inliers = 5;        ///< of the nine events of a patch that must lie on its plane
+  double arc_deg = 15.0;         ///< half-width of an arc
+  std::int64_t min_inliers = 5;  ///< of the nine events of a patch that must lie on its plane
   MaximumSearch maximum = MaximumSearch::remembered;  ///< remembered, as then, or exact
-  double threshold = 0.5;              ///< votes per pixel of the look-up ring taken for the ball
+  double threshold = 0.5;  ///< votes per pixel of the look-up ring taken for the ball
 };
 
 /// Keys: radius_px, window.events, arc_deg, flow.min_inliers, maximum, threshold.
@@ -94,4 +94,4 @@ class Original2016 final : public Detector, public DetectorViews {
   std::int64_t count_ = 0;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

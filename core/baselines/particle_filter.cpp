@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double region_px = 10.0;  // of interest, beyond the radius
@@ -204,4 +204,4 @@ void ParticleFilter::resample() {
   }
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

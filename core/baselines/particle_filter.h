@@ -7,7 +7,7 @@
 #include "core/detector_views.h"
 #include "core/random.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Particle filter of Glover and Bartolozzi ("Robust visual tracking with a freely-moving event camera", IROS 2017). The
 /// defaults are those of the authors' configuration file, the number of particles that of their SpiNNaker version.
@@ -100,4 +100,4 @@ class ParticleFilter final : public Detector, public DetectorViews {
   Estimate estimate_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 int fields_along(int length_px, std::int64_t block_px) {
@@ -74,4 +74,4 @@ void ScarfSurface::add(const Event& event) {
   push(beside_column, beside_row, passive);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

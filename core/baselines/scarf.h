@@ -2,7 +2,7 @@
 
 #include "core/baselines/surface_detector.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Tracking by convolution kernels (KernelSearch) on a set of centre active receptive fields (SCARF). The defaults of the
 /// surface are those of the authors' event-driven library.
@@ -52,4 +52,4 @@ class ScarfSurface {
 /// Score: response of the kernel, at most 1.
 using ScarfDetector = SurfaceDetector<ScarfConfig, ScarfSurface>;
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

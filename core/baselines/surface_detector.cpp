@@ -2,7 +2,7 @@
 
 #include "core/time_stamp.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::int64_t step_us = 1'000;
@@ -49,4 +49,4 @@ Estimate SurfaceDetectorBase::estimate() {
   return disc;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

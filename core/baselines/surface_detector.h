@@ -7,7 +7,7 @@
 #include "core/detector_parts.h"
 #include "core/detector_views.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// What the detectors on a surface of recent events have in common: at every whole millisecond of the stream's time a
 /// step of KernelSearch, whatever the rate of events.
@@ -61,4 +61,4 @@ class SurfaceDetector final : public SurfaceDetectorBase {
   Surface surface_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -14,7 +14,7 @@
 #include "core/error.h"
 #include "core/rotation_vector.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr int pose_size = 6;
@@ -338,4 +338,4 @@ double BoardFit::rms_px(const BoardModel& model, std::size_t view) const {
   return std::sqrt(squared_px2(model, view) / static_cast<double>(points_m_.size()));
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

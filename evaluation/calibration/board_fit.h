@@ -10,7 +10,7 @@
 #include "core/camera.h"
 #include "evaluation/calibration/grid_finder.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Least squares over the dots of a board in many views, solved with Ceres.
 
@@ -65,4 +65,4 @@ class BoardFit {
   int held_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -11,7 +11,7 @@
 #include "evaluation/calibration/board_fit.h"
 #include "evaluation/calibration/lens_start.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 void refuse_unless(bool good, const std::string& found, const std::string& wanted) {
@@ -311,4 +311,4 @@ Calibration calibrate(const std::vector<CalibrationView>& all, const DotGrid& gr
   return finish();
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -9,7 +9,7 @@
 #include "evaluation/calibration/calibration_views.h"
 #include "evaluation/calibration/grid_finder.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The least that a calibration must reach; calibrate() throws where it does not.
 struct CalibrationLimits {
@@ -71,4 +71,4 @@ void describe(FieldVisitor& v, Calibration& calibration);
                                     ImageSize size, LensModel lens, bool with_mount,
                                     const CalibrationLimits& limits = {});
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

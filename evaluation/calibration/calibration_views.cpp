@@ -8,7 +8,7 @@
 #include "core/units.h"
 #include "evaluation/calibration/calibration.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 /// Place, size and orientation of the grid in the image, each divided by a difference that matters.
@@ -77,4 +77,4 @@ std::vector<CalibrationView> choose_views(const std::vector<CalibrationView>& vi
   return result;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 #include "core/camera.h"
 #include "evaluation/calibration/grid_finder.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 struct CalibrationLimits;
 
@@ -29,4 +29,4 @@ inline constexpr int coverage_raster = 5;
 /// The largest angle between the normals of two boards, deg.
 [[nodiscard]] double tilt_range_deg(const std::vector<Eigen::Isometry3d>& boards);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

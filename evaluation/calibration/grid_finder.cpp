@@ -6,7 +6,7 @@
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr float threshold = 0.2F;  // log brightness per event; only the shape of edges depends on it
@@ -156,4 +156,4 @@ std::optional<std::vector<cv::Point2d>> find_grid(const cv::Mat& image, const Do
   return dots;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 
 #include "core/event.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// An asymmetric grid of dark dots on white, in OpenCV's convention: dot k of row i is at (2 k + i % 2, i) spacings.
 struct DotGrid {
@@ -73,4 +73,4 @@ struct GridView {
 /// of the dot is not dark, or the dot reaches over the image's border.
 [[nodiscard]] std::optional<cv::Point2d> dot_centroid(const cv::Mat& image, cv::Point2d at, double reach_px);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -10,7 +10,7 @@
 #include "core/rotation_vector.h"
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 Eigen::Isometry3d pose_of(const cv::Mat& turn, const cv::Mat& at) {
@@ -104,4 +104,4 @@ BoardModel start_of_lens(const std::vector<CalibrationView>& views, const DotGri
                                     : start_of_pinhole(views, grid, size);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 #include "evaluation/calibration/board_fit.h"
 #include "evaluation/calibration/calibration_views.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Where the fit of a lens begins, with one board for each view.
 ///   radial_tangential  what cv::calibrateCamera() finds
@@ -14,4 +14,4 @@ namespace saccade::inline v0_1 {
 [[nodiscard]] BoardModel start_of_lens(const std::vector<CalibrationView>& views, const DotGrid& grid,
                                        ImageSize size, LensModel lens);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

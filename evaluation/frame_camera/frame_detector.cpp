@@ -8,9 +8,9 @@
 
 #include "core/detector_parts.h"
 #include "core/error.h"
-#include "core/srgb.h"
+#include "emulator/srgb.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr ImageSize frame_size{320, 240};
@@ -165,4 +165,4 @@ Estimate FrameDetector::find(const cv::Mat& image) const {
   return best;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -14,7 +14,7 @@
 #include "core/config.h"
 #include "core/detector.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The baseline `frame_30hz`: a conventional camera of 320x240 pixels and 30 images per second in place of the event
 /// camera, and a detector of a ball of known colour. It gets images instead of events, controls nothing, and its
@@ -91,4 +91,4 @@ class FrameDetector {
   Camera camera_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

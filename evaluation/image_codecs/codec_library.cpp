@@ -10,7 +10,7 @@ extern "C" {
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 bool encode(std::string_view format, const cv::Mat& image, PngSize png, std::vector<unsigned char>& bytes) {
@@ -77,11 +77,11 @@ std::vector<std::int64_t> packet_times(const std::string& path) {
 }
 
 }  // namespace
-}  // namespace saccade::inline v0_1
+}  // namespace saccade
 
 extern "C" {
-extern const saccade::CodecLibrary saccade_image_codecs_v0_1;
-const saccade::CodecLibrary saccade_image_codecs_v0_1{&saccade::encode,     &saccade::decode,
-                                                      &saccade::read,       &saccade::new_capture,
-                                                      &saccade::new_writer, &saccade::packet_times};
+extern const saccade::CodecLibrary saccade_image_codecs_1;
+const saccade::CodecLibrary saccade_image_codecs_1{&saccade::encode,     &saccade::decode,
+                                                   &saccade::read,       &saccade::new_capture,
+                                                   &saccade::new_writer, &saccade::packet_times};
 }

@@ -12,9 +12,9 @@ namespace cv {
 class VideoWriter;
 }
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
-/// What saccade-image-codecs.so offers, under the name codec_library_symbol.
+/// What saccade-image-codecs.so offers, under the name codec_library_symbol. The number in the name changes with the members.
 struct CodecLibrary {
   bool (*encode)(std::string_view format, const cv::Mat& image, PngSize png,
                  std::vector<unsigned char>& bytes);
@@ -28,6 +28,6 @@ struct CodecLibrary {
 };
 
 inline constexpr const char* codec_library_file = "saccade-image-codecs.so";
-inline constexpr const char* codec_library_symbol = "saccade_image_codecs_v0_1";
+inline constexpr const char* codec_library_symbol = "saccade_image_codecs_1";
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -15,7 +15,7 @@
 #include "core/error.h"
 #include "recording/spawn_settings.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 class FfmpegVideo final : public VideoOutput {
@@ -112,4 +112,4 @@ std::unique_ptr<VideoOutput> write_video_by_ffmpeg(const std::filesystem::path& 
   return std::make_unique<FfmpegVideo>(path.string(), images_hz, size);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 
 #include "evaluation/image_codecs/image_codecs.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A video that the program ffmpeg of PATH encodes, as H.264 where it can, else as what it prefers for the container; images
 /// go to it through a socket. For an installation without a video library. Throws RunError where ffmpeg cannot be started;
@@ -14,4 +14,4 @@ namespace saccade::inline v0_1 {
 [[nodiscard]] std::unique_ptr<VideoOutput> write_video_by_ffmpeg(const std::filesystem::path& path,
                                                                  double images_hz, const cv::Size& size);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -10,7 +10,7 @@
 #include "evaluation/image_codecs/ffmpeg_video.h"
 #include "recording/helper_reader.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 const CodecLibrary& library() {
@@ -72,4 +72,4 @@ std::unique_ptr<VideoOutput> write_video(const std::filesystem::path& path, doub
   return std::make_unique<LibraryVideo>(std::move(writer));
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

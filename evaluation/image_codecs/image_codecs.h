@@ -12,7 +12,7 @@ namespace cv {
 class VideoCapture;
 }  // namespace cv
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// PNG, JPEG and video files, read and written by OpenCV's imgcodecs and videoio. These need some 180 further libraries, so
 /// they are in a library of their own, saccade-image-codecs.so, which is loaded when the first image or video is read or
@@ -56,4 +56,4 @@ class VideoOutput {
 [[nodiscard]] std::unique_ptr<VideoOutput> write_video(const std::filesystem::path& path, double images_hz,
                                                        const cv::Size& size);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -15,7 +15,7 @@
 
 #include "evaluation/image_codecs/codec_library.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr int jpeg_quality = 85;
@@ -240,11 +240,11 @@ cv::VideoWriter* no_writer(const std::string&, std::string_view, double, const c
 std::vector<std::int64_t> no_times(const std::string&) { return {}; }
 
 }  // namespace
-}  // namespace saccade::inline v0_1
+}  // namespace saccade
 
 extern "C" {
-extern const saccade::CodecLibrary saccade_image_codecs_v0_1;
-const saccade::CodecLibrary saccade_image_codecs_v0_1{&saccade::encode,    &saccade::decode,
-                                                      &saccade::read,      &saccade::no_capture,
-                                                      &saccade::no_writer, &saccade::no_times};
+extern const saccade::CodecLibrary saccade_image_codecs_1;
+const saccade::CodecLibrary saccade_image_codecs_1{&saccade::encode,    &saccade::decode,
+                                                   &saccade::read,      &saccade::no_capture,
+                                                   &saccade::no_writer, &saccade::no_times};
 }

@@ -12,7 +12,7 @@
 #include "evaluation/report/html.h"
 #include "evaluation/scoring/statistics.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 /// Controller, detector, window, gate.
@@ -192,4 +192,4 @@ std::string ablation_html(std::span<const AblationRun> runs, const std::filesyst
   return html;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 #include "evaluation/report/resolved_scenario.h"
 #include "evaluation/scoring/metrics.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 struct AblationRun {
   const Metrics* metrics = nullptr;
@@ -20,4 +20,4 @@ struct AblationRun {
 /// `out`/figures/ablation.csv. Empty, and no file, where there is nothing to compare. Throws RunError.
 [[nodiscard]] std::string ablation_html(std::span<const AblationRun> runs, const std::filesystem::path& out);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -20,7 +20,7 @@
 #include "evaluation/report/report.h"
 #include "evaluation/report/run_data.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 namespace fs = std::filesystem;
@@ -203,4 +203,4 @@ std::vector<std::string> write_comparison(std::span<const fs::path> folders, con
   return remarks;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

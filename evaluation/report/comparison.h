@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 class FormatRegistry;
 
@@ -21,4 +21,4 @@ std::vector<std::string> write_comparison(std::span<const std::filesystem::path>
                                           const std::filesystem::path& out, const FormatRegistry& formats,
                                           const std::filesystem::path& figures = {});
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 #include "evaluation/report/figure_parts.h"
 #include "evaluation/report/figures.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 using namespace figure_parts;
 
@@ -144,4 +144,4 @@ Figure average_precision_figure(std::string_view name, std::span<const RunGroup>
   return drawn;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

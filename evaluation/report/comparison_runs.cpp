@@ -11,7 +11,7 @@
 #include "evaluation/report/run_data.h"
 #include "evaluation/scoring/ball_speed.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 namespace fs = std::filesystem;
@@ -160,4 +160,4 @@ std::vector<ComparedGroup> grouped(const std::vector<ComparedRun>& runs) {
   return groups;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

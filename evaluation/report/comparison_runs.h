@@ -10,7 +10,7 @@
 #include "evaluation/scoring/metrics.h"
 #include "recording/run_files.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The runs of a comparison and how they are grouped.
 
@@ -46,4 +46,4 @@ struct ComparedGroup {
 /// Truth every millisecond, as a simulation writes it; empty where the run has none.
 [[nodiscard]] std::vector<TruthRow> dense_truth(const ComparedRun& run);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -13,7 +13,7 @@
 #include "evaluation/report/gnuplot.h"
 #include "evaluation/report/html.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 namespace fs = std::filesystem;
@@ -206,4 +206,4 @@ void write_comparison_tables(const std::vector<ComparedGroup>& groups, const fs:
   write_numbers(out, "gaze_means", gaze_means);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 
 #include "evaluation/report/comparison_runs.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The tables of a comparison: means and standard deviations over the runs of a group.
 
@@ -17,4 +17,4 @@ namespace saccade::inline v0_1 {
 /// Writes figures/runs.csv, means.csv and gaze_means.csv into `out`. Throws RunError.
 void write_comparison_tables(const std::vector<ComparedGroup>& groups, const std::filesystem::path& out);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

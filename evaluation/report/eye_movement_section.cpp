@@ -10,7 +10,7 @@
 #include "evaluation/report/figure_parts.h"
 #include "evaluation/report/palette.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 using namespace figure_parts;
 
@@ -218,4 +218,4 @@ std::string eye_movement_section(const RunData& run) {
   return html;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

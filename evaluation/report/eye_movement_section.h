@@ -8,7 +8,7 @@
 #include "evaluation/report/run_data.h"
 #include "evaluation/scoring/eye_movement_score.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The section "Eye movements" of a run's report: figures of EyeMovementScore, directions of gaze and ball over time, speeds of
 /// the ball's image. Empty for a run without them. Throws RunError as figures.h says.
@@ -26,4 +26,4 @@ struct EyeMovementColumn {
 [[nodiscard]] std::string bode_figures(std::span<const EyeMovementColumn> columns,
                                        const FigureFolder& folder);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

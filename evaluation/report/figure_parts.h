@@ -14,7 +14,7 @@
 #include "evaluation/scoring/scoring.h"
 
 /// Styles and axes that several figures use.
-namespace saccade::inline v0_1::figure_parts {
+namespace saccade::figure_parts {
 
 using Point = GnuplotFigure::Point;
 using Series = GnuplotFigure::Series;
@@ -79,4 +79,4 @@ inline std::string square_style(Colour colour) {
   return fmt::format("points pt 5 ps 1.1 lc rgb '{}'", hex(colour));
 }
 
-}  // namespace saccade::inline v0_1::figure_parts
+}  // namespace saccade::figure_parts

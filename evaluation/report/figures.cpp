@@ -8,7 +8,7 @@
 #include "core/error.h"
 #include "evaluation/report/figure_parts.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 using namespace figure_parts;
 
@@ -268,4 +268,4 @@ Figure rate_over_speed_figure(std::string_view name, std::span<const DetectorSpe
   return figure.draw();
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -13,7 +13,7 @@
 #include "evaluation/scoring/metrics.h"
 #include "recording/run_files.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Figures of one run and of several, drawn by gnuplot. The same data give the same bytes. In the drawing every series
 /// is thinned to at most max_figure_points. All times in the axes count from `start_us`. `name` becomes the figure's:
@@ -82,4 +82,4 @@ struct RunGroup {
 /// deviation to both sides of the mean.
 [[nodiscard]] Figure average_precision_figure(std::string_view name, std::span<const RunGroup> groups);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -11,7 +11,7 @@
 #include "evaluation/scoring/gaze_scorer.h"
 #include "head/head_model.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 using namespace figure_parts;
 
@@ -327,4 +327,4 @@ Figure joints_figure(std::string_view name, std::span<const GazeRow> gaze, const
                   (joints.size() + 1) / 2));
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

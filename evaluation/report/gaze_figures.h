@@ -12,7 +12,7 @@
 #include "head/head_state.h"
 #include "recording/run_files.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Figures of a run's gaze. Bytes, names, times and errors as in figures.h.
 
@@ -49,4 +49,4 @@ struct GazePath {
 [[nodiscard]] Figure joints_figure(std::string_view name, std::span<const GazeRow> gaze,
                                    const JointLimits& limits, std::int64_t start_us);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

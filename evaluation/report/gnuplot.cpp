@@ -13,7 +13,7 @@
 #include "evaluation/report/gnuplot_process.h"
 #include "evaluation/report/svg.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 using Point = GnuplotFigure::Point;
@@ -298,4 +298,4 @@ std::string GnuplotFigure::script(std::string_view layout) const {
   return data + std::string(layout) + plots;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A drawing and the numbers in it. `csv`: one row per point, the series' name, the x axis and one column per
 /// panel, headed by the labels of the axes; empty where a panel has no value. Nothing is thinned there.
@@ -90,4 +90,4 @@ class GnuplotFigure {
 /// A name as a part of a file's name: letters, digits, '-' and '_' stay, what else there is becomes '_'.
 [[nodiscard]] std::string file_part(std::string_view name);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -18,7 +18,7 @@
 
 extern char** environ;
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
@@ -97,4 +97,4 @@ std::string run_gnuplot(const std::string& script) {
   return drawing;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Whether the program gnuplot is in PATH.
 [[nodiscard]] bool gnuplot_installed();
@@ -11,4 +11,4 @@ namespace saccade::inline v0_1 {
 /// gnuplot is missing or fails.
 [[nodiscard]] std::string run_gnuplot(const std::string& script);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -15,7 +15,7 @@
 #include "evaluation/report/templates.h"
 #include "recording/output_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 namespace fs = std::filesystem;
@@ -142,4 +142,4 @@ void write_page(const fs::path& folder, std::string_view title, std::string_view
                                         {"plots", std::string(report_asset("plots.js"))}}));
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -10,7 +10,7 @@
 #include "evaluation/report/palette.h"
 #include "evaluation/scoring/statistics.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The parts of report pages. A page is one file that needs no network; it contains the script of its plots.
 
@@ -57,4 +57,4 @@ void write_numbers(const std::filesystem::path& folder, std::string_view name, s
 /// Writes `folder`/report.html. Throws RunError.
 void write_page(const std::filesystem::path& folder, std::string_view title, std::string_view body);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 #include <charconv>
 #include <map>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 struct MujocoRange {
@@ -55,4 +55,4 @@ std::string mujoco_warning(std::span<const std::string> texts) {
          "(docs/install.md)";
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// MuJoCo's versions in ranges: between ranges the same scenario and seed give images whose pixels differ by some grey
 /// levels, and so other events (docs/install.md). The first line of a run folder's scenario.yaml names the version,
@@ -16,4 +16,4 @@ namespace saccade::inline v0_1 {
 /// One sentence where the texts name versions of several ranges, else empty.
 [[nodiscard]] std::string mujoco_warning(std::span<const std::string> texts);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr int fraction_bits = 4;  // of OpenCV's fixed-point drawing coordinates
@@ -198,4 +198,4 @@ void VideoComposer::add(const cv::Mat& scene, const AnnotatedImage& eye, const s
   file_.add(frame);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

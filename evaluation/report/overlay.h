@@ -14,7 +14,7 @@
 #include "evaluation/image_codecs/image_codecs.h"
 #include "evaluation/report/palette.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A circle drawn into an image, with its label beside it where it has one.
 struct LabelledCircle {
@@ -92,4 +92,4 @@ class VideoComposer {
   double speed_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 #include <array>
 #include <utility>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::array<std::pair<std::string_view, Colour>, 13> known_detectors = {{
@@ -74,4 +74,4 @@ std::string hex(Colour colour) {
   return text;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The colours of events, truth, detectors and gaze, the same in the window, in reports and in figures.
 ///
@@ -31,4 +31,4 @@ inline constexpr Colour gaze_target_colour{0xaa, 0x44, 0x99};  ///< where the ga
 /// "#rrggbb"
 [[nodiscard]] std::string hex(Colour colour);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

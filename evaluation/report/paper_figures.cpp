@@ -8,7 +8,7 @@
 #include "evaluation/report/gnuplot_process.h"
 #include "recording/output_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double column_mm = 88.0;
@@ -89,4 +89,4 @@ void write_paper_figure(const Figure& figure, const std::filesystem::path& folde
   write_file(folder / (figure.name + ".csv"), figure.csv);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

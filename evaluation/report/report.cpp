@@ -18,7 +18,7 @@
 #include "evaluation/scoring/ball_speed.h"
 #include "evaluation/scoring/eye_movement.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 namespace fs = std::filesystem;
@@ -166,4 +166,4 @@ void write_report(const fs::path& run_folder, const FormatRegistry& formats, con
   write_page(run_folder, run.metrics.scenario, body(run));
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 class FormatRegistry;
 
@@ -22,4 +22,4 @@ void write_report(const std::filesystem::path& run_folder, const FormatRegistry&
 /// That the figures of pages are not drawn because gnuplot is missing; empty where it is installed.
 [[nodiscard]] std::string undrawn_warning();
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

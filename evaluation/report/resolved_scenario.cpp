@@ -11,7 +11,7 @@
 
 #include "recording/run_file_names.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t max_differences = 3;
@@ -113,4 +113,4 @@ std::string world_text(const ResolvedKeys& keys) {
   return text;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The configuration of a run but its seed, key by key: the lines of the resolved scenario.yaml (or detectors.yaml) in its
 /// folder, "ball.diameter_m" -> "0.095"; the version that made it under "version"; and the files that it read, under their
@@ -25,4 +25,4 @@ using ResolvedKeys = std::map<std::string, std::string>;
 /// Those keys that are not about detectors and gaze, as one text.
 [[nodiscard]] std::string world_text(const ResolvedKeys& keys);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

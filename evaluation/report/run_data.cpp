@@ -11,7 +11,7 @@
 #include "evaluation/scoring/eye_movement.h"
 #include "recording/event_file.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 namespace fs = std::filesystem;
@@ -180,4 +180,4 @@ RunData load_run(const fs::path& folder, const FormatRegistry& formats) {
   return run;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -13,7 +13,7 @@
 #include "evaluation/scoring/metrics.h"
 #include "recording/run_files.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 class FormatRegistry;
 
@@ -101,4 +101,4 @@ std::vector<Row> read_thinned_table(const std::filesystem::path& path, std::int6
   return rows;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

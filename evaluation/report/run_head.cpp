@@ -14,7 +14,7 @@
 #include "evaluation/report/templates.h"
 #include "recording/run_file_names.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -168,4 +168,4 @@ std::string run_head(const RunData& run) {
                    {"fact", std::move(facts)}});
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

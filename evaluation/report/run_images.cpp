@@ -16,7 +16,7 @@
 #include "evaluation/report/overlay.h"
 #include "evaluation/report/run_tables.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 namespace fs = std::filesystem;
@@ -260,4 +260,4 @@ std::string shifts_figure(const RunData& run) {
       html);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

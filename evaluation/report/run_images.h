@@ -4,7 +4,7 @@
 
 #include "evaluation/report/run_data.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The images of a run's report, as HTML figures; empty where the run has nothing to show. Throw InputError for a
 /// saved image that cannot be read or has another size than the camera.
@@ -16,4 +16,4 @@ namespace saccade::inline v0_1 {
 /// The eye's images before and after the largest gaze shifts (paper, Fig. 6).
 [[nodiscard]] std::string shifts_figure(const RunData& run);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

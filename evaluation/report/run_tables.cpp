@@ -8,7 +8,7 @@
 #include "evaluation/report/html.h"
 #include "evaluation/scoring/clutter.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 std::string share_row(std::string_view what,
@@ -153,4 +153,4 @@ std::string approximate_remark(const Metrics& m) {
          "approximate (0.1 %; docs/run_folder.md); counts, ratios and rates are exact.</p>\n";
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

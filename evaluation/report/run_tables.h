@@ -4,7 +4,7 @@
 
 #include "evaluation/scoring/metrics.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The tables and lines of a run's report, as HTML.
 
@@ -23,4 +23,4 @@ namespace saccade::inline v0_1 {
 /// Says which figures of a very long run are approximate; empty where none is.
 [[nodiscard]] std::string approximate_remark(const Metrics& metrics);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

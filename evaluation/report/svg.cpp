@@ -6,7 +6,7 @@
 #include <charconv>
 #include <optional>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 void replace_all(std::string& text, std::string_view from, std::string_view to) {
@@ -111,4 +111,4 @@ std::string without_namespaces(std::string_view svg) {
   });
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Changes to the text of an SVG drawing. They change tags alone: a title or label that looks like an attribute stays as
 /// it is.
@@ -16,4 +16,4 @@ namespace saccade::inline v0_1 {
 /// Without namespace declarations, which a drawing inside an HTML page does not need.
 [[nodiscard]] std::string without_namespaces(std::string_view svg);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

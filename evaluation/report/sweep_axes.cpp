@@ -9,7 +9,7 @@
 
 #include "evaluation/report/html.h"
 
-namespace saccade::inline v0_1::sweep {
+namespace saccade::sweep {
 
 std::optional<double> number_of(const std::string& text) {
   double value = 0.0;
@@ -162,4 +162,4 @@ bool is_shown_by_panels(const Axis& axis, const std::vector<Axis>& axes, const R
   });
 }
 
-}  // namespace saccade::inline v0_1::sweep
+}  // namespace saccade::sweep

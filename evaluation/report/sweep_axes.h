@@ -8,7 +8,7 @@
 #include "evaluation/report/sweep_report.h"
 #include "evaluation/scoring/statistics.h"
 
-namespace saccade::inline v0_1::sweep {
+namespace saccade::sweep {
 
 /// How the runs of a sweep are sorted for its report: axes with their values, metrics by detector, panels.
 
@@ -70,4 +70,4 @@ struct Facet {
 /// True for an axis of words whose values are the panels of the figures over an axis of numbers.
 [[nodiscard]] bool is_shown_by_panels(const Axis& axis, const std::vector<Axis>& axes, const Rows& rows);
 
-}  // namespace saccade::inline v0_1::sweep
+}  // namespace saccade::sweep

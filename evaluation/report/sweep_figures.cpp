@@ -11,7 +11,7 @@
 #include "evaluation/report/figure_parts.h"
 #include "evaluation/report/html.h"
 
-namespace saccade::inline v0_1::sweep {
+namespace saccade::sweep {
 namespace {
 
 namespace fs = std::filesystem;
@@ -390,4 +390,4 @@ std::string sweep_precision_recall_html(const Axis& axis, const std::vector<std:
       figure.draw(layout.multiplot), folder);
 }
 
-}  // namespace saccade::inline v0_1::sweep
+}  // namespace saccade::sweep

@@ -6,7 +6,7 @@
 #include "evaluation/report/html.h"
 #include "evaluation/report/sweep_axes.h"
 
-namespace saccade::inline v0_1::sweep {
+namespace saccade::sweep {
 
 /// The figures of a sweep's report, as HTML; empty where there is nothing to show. Their numbers go to
 /// `folder`/figures. `detectors` from detectors_of(). Throw RunError.
@@ -23,4 +23,4 @@ namespace saccade::inline v0_1::sweep {
                                                       const std::vector<std::string>& detectors,
                                                       const FigureFolder& folder);
 
-}  // namespace saccade::inline v0_1::sweep
+}  // namespace saccade::sweep

@@ -17,7 +17,7 @@
 #include "evaluation/report/sweep_figures.h"
 #include "evaluation/scoring/statistics.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 using namespace sweep;
 
@@ -199,4 +199,4 @@ void write_sweep_report(const SweepTable& table, const fs::path& folder, const f
   write_page(folder, table.name, html);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -9,7 +9,7 @@
 
 #include "evaluation/scoring/scoring.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// One run of a sweep.
 struct SweepRow {
@@ -45,4 +45,4 @@ struct SweepTable {
 void write_sweep_report(const SweepTable& table, const std::filesystem::path& folder,
                         const std::filesystem::path& figures = {});
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

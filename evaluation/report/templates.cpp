@@ -6,7 +6,7 @@
 #include "core/error.h"
 #include "evaluation/report/html.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 using kainjow::mustache::data;
@@ -38,4 +38,4 @@ std::string rendered(std::string_view name, const nlohmann::ordered_json& values
   return text;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A file of evaluation/report/page/, or of the JavaScript library that reports embed, by its name. Empty for another name.
 [[nodiscard]] std::string_view report_asset(std::string_view name);
@@ -13,4 +13,4 @@ namespace saccade::inline v0_1 {
 /// {{#key}}...{{/key}} is repeated for each element of a list, or shown where the value is true.
 [[nodiscard]] std::string rendered(std::string_view name, const nlohmann::ordered_json& data);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

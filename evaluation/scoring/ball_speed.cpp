@@ -7,7 +7,7 @@
 #include "core/error.h"
 #include "evaluation/scoring/scoring.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::int64_t reach_us = 5'000;
@@ -55,4 +55,4 @@ std::optional<double> SpeedCounts::rate_hz(std::size_t bin) const {
   return chances_per_s * static_cast<double>(found[bin]) / static_cast<double>(chances[bin]);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

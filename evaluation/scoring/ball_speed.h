@@ -8,7 +8,7 @@
 
 #include "recording/run_files.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Speed of the true circle's centre in the image at every row of simulated truth, px/s: its path from 5 ms before to
 /// 5 ms after, shorter at the ends and beside rows without a circle; NaN where there is no circle.
@@ -31,4 +31,4 @@ struct SpeedCounts {
   [[nodiscard]] std::optional<double> rate_hz(std::size_t bin) const;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,10 +6,10 @@
 #include <limits>
 
 #include "core/error.h"
-#include "core/event_label.h"
+#include "emulator/event_label.h"
 #include "evaluation/scoring/scoring.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 template <std::size_t n>
@@ -28,7 +28,8 @@ std::optional<double> ratio(std::int64_t part, std::int64_t whole) {
 
 }  // namespace
 
-ClutterCounter::ClutterCounter() : by_object_(scene_object_names.size(), 0), by_cause_(event_cause_names.size(), 0) {}
+ClutterCounter::ClutterCounter()
+    : by_object_(scene_object_names.size(), 0), by_cause_(event_cause_names.size(), 0) {}
 
 void ClutterCounter::add(const LabelRow& label) {
   const std::size_t object = index_of(scene_object_names, label.object, "object");
@@ -92,4 +93,4 @@ DetectorClutter detector_clutter(std::span<const TruthRow> truth, std::span<cons
   return clutter.result(clutter_events, inliers);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

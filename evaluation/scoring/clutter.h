@@ -11,7 +11,7 @@
 
 #include "recording/run_files.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Shares of a run's events by object and by cause, from their labels. None = there are no events.
 struct ClutterShare {
@@ -76,4 +76,4 @@ class ChanceClutter {
                                                std::string_view detector, double threshold,
                                                std::int64_t clutter_events, std::int64_t inliers);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

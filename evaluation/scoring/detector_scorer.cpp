@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::int64_t bin_us = 100'000;
@@ -204,4 +204,4 @@ void DetectorScorer::Rate::write(DetectorScore& score) const {
   score.mean_rate_hz = static_cast<double>(score.inliers) * 1e6 / static_cast<double>(all.time_us_);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

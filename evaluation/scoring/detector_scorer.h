@@ -14,7 +14,7 @@
 #include "evaluation/scoring/uncertainty.h"
 #include "recording/run_files.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Scores one detector while a run goes on, in bounded memory.
 ///
@@ -90,4 +90,4 @@ class DetectorScorer {
   QuantileCounter speed_px_s_;  // of the true centre from chance to chance
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

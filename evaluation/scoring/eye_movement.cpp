@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) * 180.0 / std::numbers::pi;
@@ -125,4 +125,4 @@ std::vector<GazeShift> largest_gaze_shifts(std::span<const GazeRow> gaze, std::s
   return shifts;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 
 #include "recording/run_files.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A saccade: 10 ms or more in which the eye turns faster than 60 deg/s.
 struct Saccade {
@@ -69,4 +69,4 @@ struct GazeShift {
 /// The angle between two directions of any length, deg.
 [[nodiscard]] double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

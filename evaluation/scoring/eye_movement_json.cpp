@@ -2,7 +2,7 @@
 
 #include "evaluation/scoring/metrics_json.h"
 
-namespace saccade::inline v0_1::metrics_json {
+namespace saccade::metrics_json {
 namespace {
 
 Json transfer_json(const std::optional<Transfer>& transfer) {
@@ -75,4 +75,4 @@ EyeMovementScore eye_movement_score(const Json& json) {
   return score;
 }
 
-}  // namespace saccade::inline v0_1::metrics_json
+}  // namespace saccade::metrics_json

@@ -8,7 +8,7 @@
 
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 using Samples = std::span<const EyeMovementSample>;
@@ -258,4 +258,4 @@ EyeMovementScore EyeMovementScorer::score() const {
   return score;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

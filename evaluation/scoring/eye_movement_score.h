@@ -9,7 +9,7 @@
 #include "evaluation/scoring/eye_movement.h"
 #include "evaluation/scoring/statistics.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// What a scenario's protocol makes the ball and the body do. docs/oculomotor.md defines the figures.
 struct EyeMovementProtocol {
@@ -108,4 +108,4 @@ class EyeMovementScorer {
 /// Time of a run from its start after which eye movements are scored.
 inline constexpr std::int64_t eye_movements_settled_us = 3'000'000;
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

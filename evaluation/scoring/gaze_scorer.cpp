@@ -6,7 +6,7 @@
 #include "core/error.h"
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double on_target_deg = 2.0;
@@ -119,4 +119,4 @@ GazeScore GazeScorer::score() const {
   return score;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -10,7 +10,7 @@
 #include "evaluation/scoring/statistics.h"
 #include "head/head_state.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The true state of plant and ball after a tick, and the gaze target then.
 struct GazeSample {
@@ -103,4 +103,4 @@ class GazeScorer {
   std::int64_t limit_violations_ = 0;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

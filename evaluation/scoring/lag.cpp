@@ -6,7 +6,7 @@
 #include <queue>
 #include <tuple>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::int64_t block_size = 4096;
@@ -151,4 +151,4 @@ std::optional<double> LagCounter::lag_ms() const {
   return static_cast<double>(std::get<2>(best)) * static_cast<double>(lag_step_us) / 1000.0;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

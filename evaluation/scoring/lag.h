@@ -7,7 +7,7 @@
 #include "core/camera.h"
 #include "evaluation/scoring/statistics.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// How late a detector's circles are, from a stream of true and detected circles in bounded memory.
 ///
@@ -47,4 +47,4 @@ class LagCounter {
   std::vector<Block> blocks_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

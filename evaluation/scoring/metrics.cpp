@@ -11,7 +11,7 @@
 #include "recording/output_file.h"
 #include "recording/run_file_names.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 using metrics_json::detector_score, metrics_json::integer, metrics_json::Json, metrics_json::json_of,
@@ -410,4 +410,4 @@ Metrics read_metrics(const std::filesystem::path& path) {
   return metrics_from_json(text, path.string());
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

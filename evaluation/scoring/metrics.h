@@ -15,7 +15,7 @@
 #include "head/head_state.h"
 #include "recording/file_digest.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The gaze of a run and the detector and controller behind it.
 struct GazeMetrics {
@@ -120,4 +120,4 @@ void write_figures(const std::filesystem::path& path, const Metrics& metrics);
 /// Throws InputError.
 [[nodiscard]] Metrics read_metrics(const std::filesystem::path& path);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

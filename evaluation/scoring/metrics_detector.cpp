@@ -3,7 +3,7 @@
 #include "core/config.h"
 #include "evaluation/scoring/metrics_json.h"
 
-namespace saccade::inline v0_1::metrics_json {
+namespace saccade::metrics_json {
 namespace {
 
 Json block_of(const std::optional<RejectedEvents>& rejected) {
@@ -157,4 +157,4 @@ DetectorScore detector_score(const Json& json) {
   return score;
 }
 
-}  // namespace saccade::inline v0_1::metrics_json
+}  // namespace saccade::metrics_json

@@ -9,7 +9,7 @@
 #include "evaluation/scoring/eye_movement_score.h"
 #include "evaluation/scoring/scoring.h"
 
-namespace saccade::inline v0_1::metrics_json {
+namespace saccade::metrics_json {
 
 /// The parts of metrics.json that several of its writers and readers use. None is null.
 
@@ -51,4 +51,4 @@ inline Percentiles percentiles(const Json& json) {
 /// Throws Json::exception for a key that is missing or of a wrong type.
 [[nodiscard]] DetectorScore detector_score(const Json& json);
 
-}  // namespace saccade::inline v0_1::metrics_json
+}  // namespace saccade::metrics_json

@@ -4,7 +4,7 @@
 
 #include "core/camera.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A detector's best circle at an instant, before any threshold.
 struct Observation {
@@ -13,4 +13,4 @@ struct Observation {
   Eigen::Matrix3d covariance_px2 = Eigen::Matrix3d::Zero();  ///< of (x, y, r), px^2; zero: unknown
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <functional>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 double ratio(std::int64_t part, std::int64_t whole) {
@@ -81,4 +81,4 @@ CurveSummary PrecisionRecallCounter::summary(std::int64_t chances) const {
   return summary;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

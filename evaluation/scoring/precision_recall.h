@@ -9,7 +9,7 @@
 
 #include "evaluation/scoring/statistics.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The recalls for which metrics.json has a precision.
 inline constexpr std::array<double, 6> reported_recalls = {0.1, 0.2, 0.3, 0.5, 0.7, 0.9};
@@ -61,4 +61,4 @@ class PrecisionRecallCounter {
   std::map<std::uint32_t, Bin> bins_;  // instead of observations_ once there are more than max_exact_
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

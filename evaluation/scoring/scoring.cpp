@@ -6,7 +6,7 @@
 #include "core/error.h"
 #include "evaluation/scoring/detector_scorer.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 Observation observation_of(const DetectionRow& row) { return {row.circle, row.score, row.covariance_px2}; }
@@ -144,4 +144,4 @@ void FollowingRate::add(std::optional<bool> found, std::optional<std::int64_t> h
 
 std::optional<double> FollowingRate::rate_hz() const { return rate_per_s(found_, chances_); }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -16,7 +16,7 @@
 #include "evaluation/scoring/uncertainty.h"
 #include "recording/run_files.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Scores of ball detections against the true circle, after section III of Glover and Bartolozzi, "Event-driven ball
 /// detection and gaze fixation in clutter" (IROS 2016), called the paper here. From vectors; DetectorScorer
@@ -139,4 +139,4 @@ class FollowingRate {
   std::int64_t found_ = 0;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 std::optional<double> quantile(std::vector<double>& values, double share) {
   SACCADE_CHECK(share >= 0.0 && share <= 1.0);
@@ -172,4 +172,4 @@ std::optional<double> paired_p_value(const MeanSd& differences) {
   return t_p_value(*differences.mean * *differences.mean * n / variance, n - 1.0);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

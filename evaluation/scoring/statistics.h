@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Quantiles, means and standard deviations of measured values.
 
@@ -75,4 +75,4 @@ struct MeanSd {
 /// at least as far from it. None of fewer than two. Where they do not vary: 1 if they are zero, otherwise 0.
 [[nodiscard]] std::optional<double> paired_p_value(const MeanSd& differences);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -2,7 +2,7 @@
 
 #include "evaluation/scoring/scoring.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 void StreamingScorer::add(const TruthRow& truth, const std::optional<Observation>& newest,
                           std::int64_t latency_us) {
@@ -31,4 +31,4 @@ StreamingScore StreamingScorer::score() const {
   return score;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

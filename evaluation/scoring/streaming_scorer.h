@@ -8,7 +8,7 @@
 #include "evaluation/scoring/statistics.h"
 #include "recording/run_files.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The figures of `streaming` in metrics.json: at every instant the newest estimate that was ready then.
 struct StreamingScore {
@@ -42,4 +42,4 @@ class StreamingScorer {
   QuantileCounter latency_ms_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

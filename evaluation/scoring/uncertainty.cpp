@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 std::optional<double> ReliabilityBin::inlier_share() const {
   if (observations == 0) return std::nullopt;
@@ -52,4 +52,4 @@ std::optional<Nees> NeesCounter::result() const {
   return Nees{values_.count(), static_cast<double>(below_) / static_cast<double>(values_.count()), *median};
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 #include "core/camera.h"
 #include "evaluation/scoring/statistics.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Whether a detector's score is a probability, and its covariance the spread of its errors.
 
@@ -68,4 +68,4 @@ class NeesCounter {
   std::int64_t below_ = 0;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <optional>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t responses_counted = 4;  ///< events after a panel's step whose times and shares count
@@ -225,4 +225,4 @@ std::vector<PanelResponse> panel_responses(const Stimulus& panel, StimulusInterv
   return responses;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 #include "evaluation/sensor_fit/pixel_trains.h"
 #include "evaluation/sensor_fit/stimulus.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A statistic of events that is the ratio of two sums over pixels. The sums are kept for 16 groups of pixels, so that the
 /// jackknife gives its standard deviation.
@@ -45,4 +45,4 @@ struct PanelResponse {
 [[nodiscard]] std::vector<PanelResponse> panel_responses(const Stimulus& panel, StimulusInterval interval,
                                                          const PixelTrains& trains);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

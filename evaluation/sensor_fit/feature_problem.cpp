@@ -11,7 +11,7 @@
 #include "core/random.h"
 #include "evaluation/sensor_fit/event_features.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double difference = 0.04;       ///< of a parameter's logarithm, for derivatives
@@ -212,4 +212,4 @@ std::vector<double> search_again(const FeatureProblem& problem, std::vector<doub
   return logs;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

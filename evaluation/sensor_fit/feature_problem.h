@@ -12,7 +12,7 @@
 #include "evaluation/sensor_fit/sensor_parameters.h"
 #include "evaluation/sensor_fit/sensor_recording.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A parameter that the search changes: of the emulator, or a recording's contrast.
 struct FreeParameter {
@@ -79,4 +79,4 @@ class FeatureProblem {
 [[nodiscard]] std::vector<double> search_again(const FeatureProblem& problem, std::vector<double> logs,
                                                std::uint64_t seed);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

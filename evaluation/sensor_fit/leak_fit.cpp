@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double shortest_s = 1e-3;  ///< of a leak period
@@ -232,4 +232,4 @@ LeakFit fit_leak(std::span<const SensorRecording> recordings, const LeakPrior& p
   return fit;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 
 #include "evaluation/sensor_fit/sensor_recording.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Prior of the leak's parameters: normal distributions of their logarithms.
 struct LeakPrior {
@@ -35,4 +35,4 @@ struct LeakFit {
 /// fit_sensor does.
 [[nodiscard]] LeakFit fit_leak(std::span<const SensorRecording> recordings, const LeakPrior& prior);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

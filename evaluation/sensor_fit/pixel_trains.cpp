@@ -1,6 +1,6 @@
 #include "evaluation/sensor_fit/pixel_trains.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 void PixelTrains::finish() {
   for (const Added& a : added_) ++begin_[a.pixel + 1];
@@ -31,4 +31,4 @@ PixelTrains PixelTrains::half(bool second) const {
   return without(dropped);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 
 #include "core/event.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// An event of a pixel.
 struct TrainEvent {
@@ -45,4 +45,4 @@ class PixelTrains {
   std::vector<Added> added_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 #include "evaluation/sensor_fit/sensor_fit.h"
 #include "evaluation/sensor_fit/sensor_model.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t most_values = 20'000;
@@ -103,4 +103,4 @@ std::vector<ComparedDistribution> compare_distributions(const std::vector<Sensor
   return all;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 std::string missing(Needs needs) {
   switch (needs) {
@@ -86,4 +86,4 @@ void correct_hot_rate(SensorFit& fit) {
   }
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

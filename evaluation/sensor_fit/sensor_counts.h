@@ -6,7 +6,7 @@
 #include "evaluation/sensor_fit/sensor_fit.h"
 #include "evaluation/sensor_fit/sensor_parameters.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// What the recordings lack where a parameter is not identifiable.
 [[nodiscard]] std::string missing(Needs needs);
@@ -19,4 +19,4 @@ void fit_counts(const std::vector<SensorRecording>& recordings,
 /// Adds to the rate of hot pixels what the refractory period of fit.config takes of it.
 void correct_hot_rate(SensorFit& fit);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -14,7 +14,7 @@
 #include "evaluation/sensor_fit/sensor_counts.h"
 #include "evaluation/sensor_fit/sensor_parameters.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double identifiable_share = 0.5;  ///< posterior deviation against the prior's
@@ -256,4 +256,4 @@ SensorFit fit_sensor(std::vector<SensorRecording>& recordings, const SensorFitCo
   return fit;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

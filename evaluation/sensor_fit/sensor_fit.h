@@ -8,7 +8,7 @@
 #include "emulator/emulator_config.h"
 #include "evaluation/sensor_fit/sensor_recording.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A parameter after the fit.
 struct FittedParameter {
@@ -65,4 +65,4 @@ struct SensorFitConfig {
     const std::vector<SensorRecording>& recordings, const EmulatorConfig& before, const EmulatorConfig& after,
     const std::vector<double>& contrast_scales, std::uint64_t seed);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 
 #include "emulator/event_emulator.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 namespace {
 
@@ -91,4 +91,4 @@ PixelTrains SensorModel::events(EmulatorConfig config, double contrast_scale) co
   return trains;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 #include "evaluation/sensor_fit/pixel_trains.h"
 #include "evaluation/sensor_fit/sensor_recording.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The event camera's emulator before a stimulus: what a sensor with given parameters would have recorded.
 class SensorModel {
@@ -39,4 +39,4 @@ class SensorModel {
       images_;  // of a contrast scale of 1, one after the other; empty where they would need too much memory
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

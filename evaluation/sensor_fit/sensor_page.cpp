@@ -9,7 +9,7 @@
 #include "evaluation/report/html.h"
 #include "evaluation/report/palette.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t curve_points = 400;
@@ -119,4 +119,4 @@ std::string sensor_fit_json(const SensorFit& fit) {
   return json.dump(2) + "\n";
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

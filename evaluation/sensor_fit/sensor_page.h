@@ -5,7 +5,7 @@
 
 #include "evaluation/sensor_fit/sensor_fit.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Writes `folder`/report.html: the parameters, and the distributions of recorded and emulated events at the pixels that
 /// the fit did not use. Throws RunError, where gnuplot is missing too.
@@ -14,4 +14,4 @@ void write_sensor_page(const SensorFit& fit, const std::filesystem::path& folder
 /// The fit as JSON: parameters, KS distances, misfit.
 [[nodiscard]] std::string sensor_fit_json(const SensorFit& fit);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 using Member = std::variant<double EmulatorConfig::*, std::int64_t EmulatorConfig::*>;
@@ -64,4 +64,4 @@ void set_parameter(EmulatorConfig& config, const std::string& key, double value)
   }
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

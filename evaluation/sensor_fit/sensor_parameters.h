@@ -6,7 +6,7 @@
 
 #include "emulator/emulator_config.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// What a stimulus must have for a parameter to leave a trace in its recording.
 enum class Needs {
@@ -30,4 +30,4 @@ struct SensorParameter {
 /// Whole numbers are rounded.
 void set_parameter(EmulatorConfig& config, const std::string& key, double value);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 #include "core/error.h"
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t fullest_kept = 20;
@@ -165,4 +165,4 @@ SensorRecording::Readout SensorRecording::readout() const {
   return readout;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -11,7 +11,7 @@
 #include "evaluation/sensor_fit/pixel_trains.h"
 #include "evaluation/sensor_fit/stimulus.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The place of a pixel.
 struct PixelPlace {
@@ -89,4 +89,4 @@ class SensorRecording {
   std::vector<Millisecond> fullest_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double largest_step_px = 0.2;
@@ -258,4 +258,4 @@ float ShownStimulus::luminance(double x, double y) const {
   return static_cast<float>(stimulus_.light + share * (dark_ - stimulus_.light));
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -10,7 +10,7 @@
 #include "core/camera.h"
 #include "core/config.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// What an event camera was shown while it was recorded. Luminances are in the unit of the emulator's `white`.
 enum class StimulusKind {
@@ -127,4 +127,4 @@ struct PanelStep {
 };
 [[nodiscard]] std::vector<PanelStep> steps_of(const Stimulus& panel);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -1,5 +1,6 @@
 // The least that uses saccade::config.
-#include <saccade/apps/config/scenario.h>
+#include <saccade/config/scenario.h>
+#include <saccade/core/detectors/built_in_detectors.h>
 
 #include <cstdio>
 

@@ -1,6 +1,6 @@
 // The least that uses saccade::core.
-#include <saccade/core/detector_registry.h>
+#include <saccade/core/random.h>
 
 #include <cstdio>
 
-int main() { std::printf("core: %zu kinds of detectors\n", saccade::built_in_detectors().names().size()); }
+int main() { std::printf("core: %.3f\n", saccade::RandomStream(7, "example").uniform(0)); }

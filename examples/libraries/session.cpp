@@ -1,5 +1,5 @@
 // The least that uses saccade::session.
-#include <saccade/apps/session/version.h>
+#include <saccade/session/version.h>
 
 #include <cstdio>
 

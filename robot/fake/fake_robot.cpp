@@ -9,7 +9,7 @@
 #include "core/error.h"
 #include "core/units.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 FakeRobot::FakeRobot(FakeRobotScript script)
     : script_(std::move(script)),
@@ -115,4 +115,4 @@ PortStatus FakeRobot::stop() {
   return status_;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 
 #include "robot/robot.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Script of a FakeRobot: its events, faults and head. Times in us of its own clock.
 struct FakeRobotScript {
@@ -81,4 +81,4 @@ class FakeRobot final : public Robot, public Clock, public EventSource, public H
   HeadState encoders_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

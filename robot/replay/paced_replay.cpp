@@ -5,7 +5,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 PacedReplay::PacedReplay(std::string name, std::unique_ptr<EventReader> events,
                          std::optional<RecordedHead> head, double speed)
@@ -39,4 +39,4 @@ PortStatus PacedReplay::wait_until(std::int64_t t_us) {
   return replay_.wait_until(t_us);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

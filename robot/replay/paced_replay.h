@@ -6,7 +6,7 @@
 #include "robot/replay/replay_robot.h"
 #include "robot/robot.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// A recording replayed in real time, as a robot delivers it. If it has joints, its head accepts commands and moves as
 /// recorded.
@@ -35,4 +35,4 @@ class PacedReplay final : public Robot, public Clock {
   std::optional<std::chrono::steady_clock::time_point> start_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -5,7 +5,7 @@
 #include "core/error.h"
 #include "recording/run_file_names.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t block_events = 4096;
@@ -130,4 +130,4 @@ PortStatus ReplayRobot::read_until(std::int64_t t_us, std::vector<Event>& events
   return is_over() ? PortStatus::ended : PortStatus::ok;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

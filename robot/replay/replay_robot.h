@@ -11,7 +11,7 @@
 #include "recording/run_files.h"
 #include "robot/robot.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Joints of a recording (joints.csv of a run folder, or a log of the robot's head), the limits of its head, and the
 /// readings of its inertial measurement unit (imu.csv) if it has one.
@@ -114,4 +114,4 @@ class ReplayRobot final : public Robot, public Clock, public EventSource {
   std::int64_t events_before_start_ = 0;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

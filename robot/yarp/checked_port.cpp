@@ -13,7 +13,7 @@
 #include "core/error.h"
 #include "robot/bottle.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr int attempts = 5;  // another program can take a socket between its choice and its use
@@ -117,4 +117,4 @@ bool CheckedPort::read(yarp::os::ConnectionReader& reader) {
   return true;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -11,7 +11,7 @@
 
 #include "robot/yarp/yarp_network.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Reads a whole message of at most longest_bottle bytes, whose counts are checked before YARP believes them. None for
 /// another message: it is discarded, and its sender loses the connection.
@@ -43,4 +43,4 @@ class CheckedPort final : private yarp::os::PortReader {
   std::mutex mutex_;  // of out_
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

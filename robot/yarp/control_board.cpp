@@ -23,7 +23,7 @@
 #include "robot/yarp/checked_port.h"
 #include "robot/yarp/yarp_network.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr double longest_step_s = 0.2;
@@ -487,4 +487,4 @@ void YarpControlBoard::drive(const Eigen::VectorXd& reference_rad) { device_->dr
 
 void YarpControlBoard::stop() { device_->hold(); }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -8,7 +8,7 @@
 
 #include "robot/joint_board.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Serves a JointBoard on YARP with the interface of an iCub control board: `PART/rpc:i`, `PART/command:i`, `PART/state:o`
 /// and `PART/stateExt:o`, in degrees. Any YARP program that moves a part of an iCub (`remote_controlboard`, yarpmotorgui,
@@ -52,4 +52,4 @@ class YarpControlBoard {
   std::unique_ptr<Ports> ports_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

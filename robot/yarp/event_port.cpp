@@ -13,7 +13,7 @@
 #include "core/error.h"
 #include "robot/yarp/yarp_network.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::int64_t least_duration_us = 1;  // a packet has to have one
@@ -110,4 +110,4 @@ void YarpEventPort::send_end(std::int64_t now_us) {
   for (int i = 0; i < longest_end_ms && port_->port.isWriting(); ++i) yarp::os::Time::delay(0.001);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -10,7 +10,7 @@
 #include "recording/address_event.h"
 #include "robot/event_packet.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Serves an event camera on YARP like the grabber of event-driven: a port that sends the events since the last message in
 /// a PacketFormat, with the time of sending in the envelope. The durations of its messages follow each other without gaps
@@ -60,4 +60,4 @@ class YarpEventPort {
   std::int64_t dropped_ = 0;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

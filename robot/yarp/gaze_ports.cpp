@@ -17,7 +17,7 @@
 #include "robot/yarp/checked_port.h"
 #include "robot/yarp/yarp_network.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t most_waiting = 100;  // events of a reader that is slow; older ones are dropped
@@ -165,4 +165,4 @@ void YarpGazePorts::send(const Eigen::Vector3d& fixation_m, const JointVector& p
   if (sent) ports.waiting.pop_front();
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

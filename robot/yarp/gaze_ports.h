@@ -9,7 +9,7 @@
 
 #include "head/head_state.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The ports of iKinGazeCtrl: inputs NAME/xd:i, NAME/mono:i, NAME/stereo:i, NAME/angles:i and NAME/rpc, outputs NAME/x:o,
 /// NAME/q:o, NAME/angles:o and NAME/events:o. Requests are passed on as text in the notation of YARP; a message on one of
@@ -34,4 +34,4 @@ class YarpGazePorts {
   std::unique_ptr<Ports> ports_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -14,7 +14,7 @@
 #include "robot/number_list.h"
 #include "robot/yarp/yarp_network.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 std::optional<std::int64_t> sent_us(yarp::os::ConnectionReader& reader) {
   const yarp::os::Bytes bytes = reader.readEnvelope();
@@ -83,4 +83,4 @@ void StateInput::report(const yarp::os::PortInfo& info) {
   if (closed && info.sourceName == remote_) lost_ = true;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

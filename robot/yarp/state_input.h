@@ -11,11 +11,11 @@
 #include <optional>
 #include <string>
 
-#include "robot/newest.h"
+#include "robot/latest_value.h"
 #include "robot/sender_clock.h"
 #include "robot/steady_clock.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Age below which a reading counts as new in start-up checks.
 inline constexpr std::int64_t fresh_us = 200'000;
@@ -63,10 +63,10 @@ class StateInput final : private yarp::os::PortReader, private yarp::os::PortRep
   yarp::os::Port port_;
   std::atomic<bool> lost_ = false;
   std::atomic<std::int64_t> discarded_ = 0;
-  Newest<State> state_;
+  LatestValue<State> state_;
   std::mutex mutex_;  // of the threads of YARP, each with a whole message: of what follows
   SenderClock sender_;
   std::optional<std::int64_t> last_sent_us_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

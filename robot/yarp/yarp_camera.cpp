@@ -11,7 +11,7 @@
 #include "robot/yarp/state_input.h"
 #include "robot/yarp/yarp_network.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::size_t longest_message = 4 << 20;  // bytes: half a million events
@@ -154,4 +154,4 @@ EventTraffic YarpCamera::traffic() const {
   return sum;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

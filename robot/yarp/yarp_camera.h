@@ -18,7 +18,7 @@
 #include "robot/steady_clock.h"
 #include "robot/yarp/yarp_config.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Reads one event port of the robot in threads of YARP.
 class EventInput final : private yarp::os::PortReader, private yarp::os::PortReport {
@@ -98,4 +98,4 @@ class YarpCamera final : public EventSource {
   bool lost_ = false;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

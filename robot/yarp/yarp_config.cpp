@@ -4,7 +4,7 @@
 
 #include "recording/address_event.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 const std::vector<std::string> carriers = {"tcp", "fast_tcp", "udp", "unix_stream", "shmem"};
@@ -115,4 +115,4 @@ EventTimelineConfig timeline_config(const YarpCameraConfig& config) {
   return timeline;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -6,7 +6,7 @@
 #include "core/config.h"
 #include "robot/event_timeline.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The event ports of one or both cameras.
 struct YarpCameraConfig {
@@ -76,4 +76,4 @@ void describe(FieldVisitor& v, YarpConfig& config);
 
 [[nodiscard]] EventTimelineConfig timeline_config(const YarpCameraConfig& config);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -13,7 +13,7 @@
 #include "head/head_model.h"
 #include "robot/yarp/yarp_network.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 YarpGaze::YarpGaze(const YarpConfig& config, const JointLimits& limits, const SteadyClock& clock)
     : config_(config.gaze_server),
       clock_(clock),
@@ -185,4 +185,4 @@ std::vector<StartUpCheck> YarpGaze::check() {
   return checks;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

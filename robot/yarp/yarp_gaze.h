@@ -14,14 +14,14 @@
 #include <thread>
 #include <vector>
 
+#include "robot/binary_semaphore.h"
 #include "robot/robot.h"
 #include "robot/steady_clock.h"
-#include "robot/wake_up.h"
 #include "robot/yarp/state_input.h"
 #include "robot/yarp/yarp_config.h"
 #include "robot/yarp/yarp_network.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The client of iKinGazeCtrl or of a server with its interface: sends targets, and reads the head state from the joints
 /// that the server streams.
@@ -72,10 +72,10 @@ class YarpGaze final : public GazePort, public HeadPort, private yarp::os::PortR
   std::optional<Eigen::Vector3d> waiting_m_;
   std::int64_t sent_us_;
   std::mutex ask_mutex_;  // one request at a time
-  WakeUp stop_wanted_;
+  BinarySemaphore stop_wanted_;
   std::atomic<bool> halted_ = false;
   std::atomic<bool> ending_ = false;
   std::thread stopper_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

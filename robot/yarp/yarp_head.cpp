@@ -18,7 +18,7 @@
 #include "robot/head_limits.h"
 #include "robot/stop_reference.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr int longest_first_state_ms = 1000;
@@ -410,4 +410,4 @@ std::vector<StartUpCheck> YarpHead::check() {
   return checks;
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

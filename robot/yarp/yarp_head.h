@@ -18,16 +18,16 @@
 #include <thread>
 #include <vector>
 
-#include "robot/newest.h"
+#include "robot/binary_semaphore.h"
+#include "robot/latest_value.h"
 #include "robot/reference_outlet.h"
 #include "robot/robot.h"
 #include "robot/steady_clock.h"
-#include "robot/wake_up.h"
 #include "robot/yarp/state_input.h"
 #include "robot/yarp/yarp_config.h"
 #include "robot/yarp/yarp_network.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Runs a request that can block in a separate thread. Returns true if `ask` returned true in time. `ask` can outlive the
 /// call, so it must own what it uses.
@@ -133,13 +133,13 @@ class YarpHead final : public HeadPort {
   bool active_ = false;
   std::atomic<bool> lost_ = false;
   std::mutex reports_mutex_;  // of those who write reports_: the reporter, and activate()
-  Newest<Reports> reports_;
+  LatestValue<Reports> reports_;
   ReferenceOutlet outlet_;
-  WakeUp to_send_;  // a reference to send
+  BinarySemaphore to_send_;  // a reference to send
   std::atomic<bool> sends_ = true;
   std::atomic<bool> repeats_ = false;
   std::unique_ptr<Periodic> reporter_;
   std::thread sender_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 
 #include "robot/imu_message.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::int64_t oldest_imu_us = 40'000;
@@ -52,4 +52,4 @@ StartUpCheck YarpImu::check() const {
   return {"inertial sensor " + input_.remote(), readable && fresh && !input_.lost(), found};
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 #include "robot/yarp/state_input.h"
 #include "robot/yarp/yarp_config.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// The inertial sensor of a robot on YARP, a port of 12 numbers (imu_reading_of). `lost` when its connection closes. The
 /// angular velocity is NaN while the newest message is older than 40 ms, or unreadable.
@@ -27,4 +27,4 @@ class YarpImu final : public ImuPort {
   bool lost_ = false;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

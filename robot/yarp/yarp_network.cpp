@@ -11,7 +11,7 @@
 
 #include "core/error.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 using yarp::os::NetworkBase;
@@ -141,4 +141,4 @@ bool connect_ports(const std::string& from, const std::string& to, const std::st
   return NetworkBase::connect(from, to, connection);
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -16,7 +16,7 @@
 #include <thread>
 #include <utility>
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Longest wait for the answer of a name server where no configuration gives one.
 inline constexpr double name_server_timeout_s = 2.0;
@@ -102,4 +102,4 @@ class OutputWatch {
 [[nodiscard]] bool connect_ports(const std::string& from, const std::string& to, const std::string& carrier,
                                  double timeout_s);
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -17,7 +17,7 @@
 #include "robot/yarp/yarp_imu.h"
 #include "robot/yarp/yarp_network.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 namespace {
 
 constexpr std::int64_t first_packet_us = 1'000'000;
@@ -204,4 +204,4 @@ bool YarpHeadStopper::stop() {
   return parts_->head ? parts_->head->take_over() : parts_->gaze && parts_->gaze->take_over();
 }
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -7,7 +7,7 @@
 #include "robot/robot.h"
 #include "robot/yarp/yarp_config.h"
 
-namespace saccade::inline v0_1 {
+namespace saccade {
 
 /// Version of YARP that this was built with.
 [[nodiscard]] std::string yarp_version();
@@ -80,4 +80,4 @@ class YarpHeadStopper final : public HeadStopper {
   std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace saccade::inline v0_1
+}  // namespace saccade

@@ -66,7 +66,7 @@ Table read_table(const std::string& markdown) {
   return table;
 }
 
-/// "*" grants all, "core/" a folder, "robot/ports.h" one header.
+/// Whether one of the words names the header or a folder above it; "*" names all.
 bool is_in(const Words& words, const std::string& name) {
   return std::any_of(words.begin(), words.end(), [&](const std::string& word) {
     return word == "*" || word == name || (word.ends_with('/') && name.starts_with(word));
@@ -111,34 +111,40 @@ class Checker {
   [[nodiscard]] const Words& violations() const { return violations_; }
 
  private:
-  /// The row of the deepest folder that holds the file.
-  [[nodiscard]] const Layer* layer_of(const std::string& path) const {
-    const Layer* layer = nullptr;
-    std::size_t deepest = 0;
-    for (const auto& [folder, candidate] : table_) {
-      if (path.starts_with(folder) && folder.size() > deepest) {
-        deepest = folder.size();
-        layer = &candidate;
-      }
+  /// The row of the deepest folder that holds the file; the end of the table where there is none.
+  [[nodiscard]] Table::const_iterator row_of(const std::string& path) const {
+    auto row = table_.end();
+    for (auto it = table_.begin(); it != table_.end(); ++it) {
+      if (path.starts_with(it->first) && (row == table_.end() || it->first.size() > row->first.size())) row = it;
     }
-    return layer;
+    return row;
+  }
+
+  /// "*" grants all, "robot/ports.h" one header, "core/" that folder without the folders in it that have a row.
+  [[nodiscard]] bool may_include(const Layer& layer, const std::string& header) const {
+    const auto row = row_of(header);
+    return std::any_of(layer.may_include.begin(), layer.may_include.end(), [&](const std::string& word) {
+      return word == "*" || word == header ||
+             (word.ends_with('/') && header.starts_with(word) &&
+              (row == table_.end() || row->first.size() <= word.size()));
+    });
   }
 
   void check(const Source& source) {
-    const Layer* layer = layer_of(source.path);
-    if (layer == nullptr) {
+    const auto row = row_of(source.path);
+    if (row == table_.end()) {
       violations_.push_back(source.path + ": in no folder of the table");
     } else if (source.path.ends_with("CMakeLists.txt")) {
-      check_links(source, *layer);
+      check_links(source, row->second);
     } else {
-      check_includes(source, *layer);
+      check_includes(source, row->second);
     }
   }
 
   void check_includes(const Source& source, const Layer& layer) {
     for (const std::string& header : includes_.at(source.path)) {
       const bool standard = header.find_first_of("/.") == std::string::npos;
-      if (!standard && !is_in(layer.may_include, header)) {
+      if (!standard && !may_include(layer, header)) {
         violations_.push_back(source.path + ": may not include " + header);
       }
     }
@@ -202,7 +208,7 @@ TEST(Architecture, EveryIncludeAndLinkKeepsToTheTableOfLayers) {
 TEST(Architecture, TheTableHasARowForEveryLayer) {
   const Checker checker(SACCADE_SOURCE_DIR);
   for (const char* layer : {"core/", "control/", "emulator/", "recording/", "robot/", "loop/", "sim/",
-                            "evaluation/scoring/", "apps/"}) {
+                            "evaluation/scoring/", "config/", "session/", "worlds/", "core/tracker/", "apps/"}) {
     EXPECT_TRUE(checker.table().contains(layer)) << layer;
   }
 }
@@ -219,28 +225,10 @@ TEST(Architecture, OnlyTheCompositionRootMayIncludeAndLinkEverything) {
 TEST(Architecture, NoSourceOfALayerIsLongerThan500Lines) {
   std::size_t files = 0;
   for (const Source& source : read_sources(SACCADE_SOURCE_DIR)) {
-    if (source.path.ends_with("_weights.h")) continue;  // scripts/fit and scripts/fit_network write them
     EXPECT_LE(std::count(source.text.begin(), source.text.end(), '\n'), 500) << source.path;
     ++files;
   }
   EXPECT_GT(files, 300U);
-}
-
-TEST(Architecture, TheNamesOfEveryLayerAreInTheInlineNamespaceOfTheVersion) {
-  const std::string cmake = read_text(fs::path(SACCADE_SOURCE_DIR) / "CMakeLists.txt");
-  std::smatch version;
-  ASSERT_TRUE(std::regex_search(cmake, version, std::regex(R"(project\(saccade VERSION (\d+)\.(\d+))")));
-  const std::string expected = "namespace saccade::inline v" + version[1].str() + "_" + version[2].str();
-  const std::regex opens(R"((^|\n)(namespace saccade[^{;\n]*?)(::[a-z_]+)? \{)");
-  std::size_t count = 0;
-  for (const Source& source : read_sources(SACCADE_SOURCE_DIR)) {
-    for (std::sregex_iterator at(source.text.begin(), source.text.end(), opens); at != std::sregex_iterator();
-         ++at) {
-      EXPECT_EQ((*at)[2].str(), expected) << source.path;
-      ++count;
-    }
-  }
-  EXPECT_GT(count, 300U);
 }
 
 /// A tree with the project's own table and a few innocent files, on disk as long as it lives.
@@ -313,6 +301,12 @@ INSTANTIATE_TEST_SUITE_P(
               "sim/a.cpp: must not reach core/detector.h"},
         Plant{"detectorInEmulatorByWayOfAnother", "core/event.h", "#include \"core/detector.h\"\n",
               "sim/world.cpp: must not reach core/detector.h (by way of core/event.h)"},
+        Plant{"trackerInTheVocabulary", "core/a.h", "#include \"core/tracker/a.h\"\n",
+              "core/a.h: may not include core/tracker/a.h"},
+        Plant{"trackerInTheSimulator", "sim/a.cpp", "#include \"core/tracker/a.h\"\n",
+              "sim/a.cpp: may not include core/tracker/a.h"},
+        Plant{"programInALibrary", "session/CMakeLists.txt", "saccade_layer(session SOURCES a.cpp LAYERS sweep)",
+              "session/CMakeLists.txt: may not link saccade_sweep"},
         Plant{"mujocoInScoring", "evaluation/scoring/a.cpp", "#include <mujoco/mujoco.h>\n",
               "evaluation/scoring/a.cpp: may not include mujoco/mujoco.h"},
         Plant{"yamlInACommand", "apps/run.cpp", "#include <yaml-cpp/yaml.h>\n",

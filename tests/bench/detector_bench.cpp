@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "core/detector_registry.h"
+#include "core/detectors/built_in_detectors.h"
 #include "head/icub_cameras.h"
 #include "recording/event_file.h"
 #include "tests/bench/ball_in_clutter.h"
@@ -19,13 +19,17 @@ namespace {
 using SteadyClock = std::chrono::steady_clock;
 
 double percentile(std::vector<double>& values, double share) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
 
-void measure(benchmark::State& bench, const char* preset, const Camera& camera, const std::vector<Event>& events) {
-  const auto micros = [](SteadyClock::duration d) { return std::chrono::duration<double, std::micro>(d).count(); };
+void measure(benchmark::State& bench, const char* preset, const Camera& camera,
+             const std::vector<Event>& events) {
+  const auto micros = [](SteadyClock::duration d) {
+    return std::chrono::duration<double, std::micro>(d).count();
+  };
   std::vector<double> before_us, whole_us;
   double total_s = 0.0;
   for (auto _ : bench) {
@@ -78,11 +82,23 @@ void recording(benchmark::State& bench, const char* preset, const char* name) {
   measure(bench, preset, icub_left_2016, events);
 }
 
-BENCHMARK_CAPTURE(rate, best, "best")->UseManualTime()->Iterations(1)->Arg(100)->Arg(1000)->Arg(3000)->Arg(10000);
-BENCHMARK_CAPTURE(rate, paper_directed, "paper_directed")->UseManualTime()->Iterations(1)->Arg(100)->Arg(3000);
+BENCHMARK_CAPTURE(rate, best, "best")
+    ->UseManualTime()
+    ->Iterations(1)
+    ->Arg(100)
+    ->Arg(1000)
+    ->Arg(3000)
+    ->Arg(10000);
+BENCHMARK_CAPTURE(rate, paper_directed, "paper_directed")
+    ->UseManualTime()
+    ->Iterations(1)
+    ->Arg(100)
+    ->Arg(3000);
 BENCHMARK_CAPTURE(recording, em_lab, "best", "stream_em_lab.aedat4")->UseManualTime()->Iterations(1);
 BENCHMARK_CAPTURE(recording, hm_labtex, "best", "stream_hm_labtex.aedat4")->UseManualTime()->Iterations(1);
-BENCHMARK_CAPTURE(recording, looming, "best", "ball_looming_dvs128_aedat2.aedat")->UseManualTime()->Iterations(1);
+BENCHMARK_CAPTURE(recording, looming, "best", "ball_looming_dvs128_aedat2.aedat")
+    ->UseManualTime()
+    ->Iterations(1);
 
 }  // namespace
 }  // namespace saccade

@@ -2,7 +2,7 @@
 
 #include <ctime>
 
-#include "core/plane_fit_flow.h"
+#include "core/flow/plane_fit_flow.h"
 #include "tests/core/reference_flow.h"
 #include "tests/core/streams.h"
 

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <optional>
 
-#include "core/hough_detector.h"
+#include "core/hough/hough_detector.h"
 #include "tests/core/reference_hough.h"
 #include "tests/core/streams.h"
 

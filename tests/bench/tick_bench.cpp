@@ -9,7 +9,7 @@
 #include "control/controller_registry.h"
 #include "control/gate_registry.h"
 #include "control/head_kinematics.h"
-#include "core/detector_registry.h"
+#include "core/detectors/built_in_detectors.h"
 #include "head/icub_cameras.h"
 #include "robot/fake/fake_robot.h"
 #include "tests/bench/ball_in_clutter.h"

@@ -1,6 +1,7 @@
 #pragma once
 
-#include "apps/config/registry.h"
+#include "config/registry.h"
+#include "core/detectors/built_in_detectors.h"
 
 namespace saccade {
 

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 #include <Eigen/Core>
 
-#include "apps/config/yaml_reader.h"
-#include "apps/config/yaml_tree.h"
-#include "apps/config/yaml_writer.h"
+#include "config/yaml_reader.h"
+#include "config/yaml_tree.h"
+#include "config/yaml_writer.h"
 
 namespace saccade {
 namespace {

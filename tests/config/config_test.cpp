@@ -8,9 +8,9 @@
 #include <fstream>
 #include <ostream>
 
-#include "apps/config/yaml_reader.h"
-#include "apps/config/yaml_tree.h"
-#include "apps/config/yaml_writer.h"
+#include "config/yaml_reader.h"
+#include "config/yaml_tree.h"
+#include "config/yaml_writer.h"
 #include "core/random.h"
 
 namespace saccade {

@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "apps/config/scenario.h"
+#include "config/scenario.h"
 #include "core/error.h"
 #include "tests/config/built_in.h"
 

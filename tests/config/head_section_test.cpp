@@ -1,10 +1,10 @@
-#include "apps/config/head_section.h"
+#include "config/head_section.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "apps/config/scenario.h"
-#include "apps/config/yaml_writer.h"
+#include "config/scenario.h"
+#include "config/yaml_writer.h"
 #include "core/units.h"
 #include "tests/config/built_in.h"
 #include "tests/recording/temp_folder.h"

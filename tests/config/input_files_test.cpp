@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "apps/config/input_files.h"
-#include "apps/config/mentioned_files.h"
-#include "apps/external/external_rows.h"
+#include "config/input_files.h"
+#include "config/mentioned_files.h"
+#include "external/external_rows.h"
 #include "tests/config/built_in.h"
 #include "tests/recording/temp_folder.h"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/config/scenario.h"
+#include "config/scenario.h"
 #include "core/error.h"
 #include "tests/config/built_in.h"
 

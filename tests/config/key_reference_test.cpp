@@ -1,10 +1,11 @@
-#include "apps/config/key_reference.h"
+#include "config/key_reference.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "apps/config/scenario.h"
-#include "core/event_window.h"
+#include "config/scenario.h"
+#include "core/detectors/built_in_detectors.h"
+#include "core/hough/event_window.h"
 
 namespace saccade {
 namespace {

@@ -1,10 +1,10 @@
 // The section `latency` of a scenario and the file of processing times.
-#include "apps/config/latency_section.h"
+#include "config/latency_section.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "apps/config/scenario.h"
+#include "config/scenario.h"
 #include "recording/output_file.h"
 #include "tests/config/built_in.h"
 #include "tests/recording/temp_folder.h"

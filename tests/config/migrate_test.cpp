@@ -1,10 +1,10 @@
-#include "apps/config/migrate.h"
+#include "config/migrate.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "apps/config/scenario.h"
-#include "apps/config/yaml_tree.h"
+#include "config/scenario.h"
+#include "config/yaml_tree.h"
 #include "tests/recording/temp_folder.h"
 
 namespace saccade {

@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "apps/config/cameras.h"
-#include "apps/config/scenario.h"
+#include "config/cameras.h"
+#include "config/scenario.h"
 #include "head/icub_cameras.h"
 #include "tests/config/built_in.h"
 #include "tests/recording/temp_folder.h"

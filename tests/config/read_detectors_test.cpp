@@ -6,9 +6,10 @@
 #include <filesystem>
 #include <fstream>
 
-#include "apps/config/scenario.h"
+#include "config/scenario.h"
 #include "core/baselines/original_2016.h"
-#include "core/hough_detector.h"
+#include "core/detectors/built_in_detectors.h"
+#include "core/hough/hough_detector.h"
 
 namespace saccade {
 namespace {

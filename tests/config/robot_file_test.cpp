@@ -1,4 +1,4 @@
-#include "apps/config/robot_file.h"
+#include "config/robot_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -2,9 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "apps/config/cameras.h"
-#include "apps/config/scenario.h"
-#include "apps/config/warnings.h"
+#include "config/cameras.h"
+#include "config/scenario.h"
+#include "config/warnings.h"
 #include "tests/config/built_in.h"
 #include "tests/recording/temp_folder.h"
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "core/ball_tracker.h"
 #include "core/random.h"
+#include "core/tracker/ball_tracker.h"
 #include "head/icub_cameras.h"
 #include "tests/core/streams.h"
 

@@ -1,4 +1,4 @@
-#include "core/ball_tracker.h"
+#include "core/tracker/ball_tracker.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -7,7 +7,7 @@
 #include "core/baselines/cluster.h"
 #include "core/baselines/multi_kernel.h"
 #include "core/baselines/original_2016.h"
-#include "core/hough_detector.h"
+#include "core/hough/hough_detector.h"
 #include "tests/core/streams.h"
 
 namespace saccade {

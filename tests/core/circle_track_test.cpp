@@ -1,4 +1,4 @@
-#include "core/circle_track.h"
+#include "core/tracker/circle_track.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/decimated_detector.h"
+#include "core/tracker/decimated_detector.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <array>
 #include <string>
 
-#include "core/ball_tracker.h"
+#include "core/tracker/ball_tracker.h"
 #include "tests/core/allocation_counter.h"
 #include "tests/core/streams.h"
 
@@ -92,8 +92,9 @@ TEST(Decimated, RadiiWithinTheFittedOnesAreFollowedOnAllPixels) {
 
 TEST(Decimated, CountsRejectedEventsOfAllPixels) {
   const std::unique_ptr<Detector> tracker = make_ball_tracker(large_radii(), wide_camera());
-  const std::vector<Event> events = {streams::event_at(10, 641, 3, true), streams::event_at(20, 640, 479, true),
-                                     streams::event_at(15, 1, 1, true), streams::event_at(30, 2, 2, true)};
+  const std::vector<Event> events = {streams::event_at(10, 641, 3, true),
+                                     streams::event_at(20, 640, 479, true), streams::event_at(15, 1, 1, true),
+                                     streams::event_at(30, 2, 2, true)};
   tracker->process(events, nullptr);
   EXPECT_EQ(tracker->rejected().outside_image, 1);
   EXPECT_EQ(tracker->rejected().back_in_time, 1);
@@ -103,7 +104,8 @@ TEST_P(DecimatedBall, ACopyGivesTheSameEstimatesAndHoughSpace) {
   const Camera camera = wide_camera();
   BallTrackerConfig config;
   config.radius_px = GetParam().radii_px;
-  const std::vector<Event> events = streams::MovingDisc{180, 200, 800, 300, GetParam().r_px}.events(camera.size, 0.15);
+  const std::vector<Event> events =
+      streams::MovingDisc{180, 200, 800, 300, GetParam().r_px}.events(camera.size, 0.15);
   const std::unique_ptr<Detector> tracker = make_ball_tracker(config, camera);
   const std::size_t half = events.size() / 2;
   tracker->process(std::span(events).first(half), nullptr);

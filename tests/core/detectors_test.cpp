@@ -8,7 +8,6 @@
 #include <limits>
 #include <ostream>
 
-#include "core/ball_tracker.h"
 #include "core/baselines/blob_filter.h"
 #include "core/baselines/cluster.h"
 #include "core/baselines/eros.h"
@@ -16,8 +15,9 @@
 #include "core/baselines/original_2016.h"
 #include "core/baselines/particle_filter.h"
 #include "core/baselines/scarf.h"
-#include "core/detector_registry.h"
-#include "core/hough_detector.h"
+#include "core/detectors/built_in_detectors.h"
+#include "core/hough/hough_detector.h"
+#include "core/tracker/ball_tracker.h"
 #include "head/icub_cameras.h"
 #include "tests/core/allocation_counter.h"
 #include "tests/core/streams.h"
@@ -341,7 +341,7 @@ TEST(DetectorRegistry, TakesRowsOfAProgram) {
   ClusterConfig many;
   many.clusters = 7;
   DetectorRow row = named_row("many-clusters");
-  row.config = AnyConfig(many);
+  row.config = TypeErasedConfig(many);
   registry.add(row);
   EXPECT_EQ(registry.names().back(), "many-clusters");
   const DetectorConfig config = registry.config("many-clusters");

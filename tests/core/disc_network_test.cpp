@@ -1,4 +1,4 @@
-#include "core/disc_network.h"
+#include "core/tracker/disc_network.h"
 
 #include <gtest/gtest.h>
 
@@ -34,7 +34,7 @@ std::vector<Event> moving_disc(double x_px, double y_px, double r_px, double spe
 }
 
 DiscNetwork after(const std::vector<Event>& events) {
-  DiscNetwork network(network_image, 4, 38);
+  DiscNetwork network(best_model_of({}), network_image, 4, 38);
   for (const Event& event : events) network.add(event);
   return network;
 }

@@ -1,4 +1,4 @@
-#include "core/event_window.h"
+#include "core/hough/event_window.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -75,7 +75,8 @@ TEST(EventWindow, ContainsTheNewestEventsWithinTheirLifetimeAtEveryUpdate) {
       config.longest_us = 200;
       config.crossing_px = 2.0;
       for (const std::uint64_t seldom : {1, 3, 40, 300}) {
-        SCOPED_TRACE(std::string(word_of(kind)) + ", " + std::to_string(most) + " events, asked every " + std::to_string(seldom));
+        SCOPED_TRACE(std::string(word_of(kind)) + ", " + std::to_string(most) + " events, asked every " +
+                     std::to_string(seldom));
         const RandomStream random(seldom, std::string(word_of(kind)));
         Follower follower(config);
         std::vector<std::pair<std::int64_t, double>> sent;  // t_us, lifetime_us
@@ -151,7 +152,8 @@ TEST(EventWindow, NamesTheKeysOfABadConfiguration) {
     }
     return "accepted";
   };
-  EXPECT_THAT(message([](auto& c) { c.kind = static_cast<WindowKind>(7); }), HasSubstr("window.kind: found nothing"));
+  EXPECT_THAT(message([](auto& c) { c.kind = static_cast<WindowKind>(7); }),
+              HasSubstr("window.kind: found nothing"));
   EXPECT_THAT(message([](auto& c) { c.events = 0; }), HasSubstr("window.events: found 0"));
   EXPECT_EQ(message([](auto& c) { c.duration_us = -1; }), "accepted");  // a window by count has no duration
   EXPECT_THAT(message([](auto& c) {

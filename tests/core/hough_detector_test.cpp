@@ -1,4 +1,4 @@
-#include "core/hough_detector.h"
+#include "core/hough/hough_detector.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -213,8 +213,8 @@ TEST(HoughDetector, VotesWithTheEventsInsideTheWindowAsTimePasses) {
         std::int64_t now_us = 0;
         std::int64_t by_time_alone = 0;
         for (std::uint64_t asked = 0; done < events.size(); ++asked) {
-          SCOPED_TRACE(std::string(word_of(kind)) + (directed ? ", directed, " : ", full, ") + std::to_string(most) +
-                       " events, asked " + std::to_string(asked));
+          SCOPED_TRACE(std::string(word_of(kind)) + (directed ? ", directed, " : ", full, ") +
+                       std::to_string(most) + " events, asked " + std::to_string(asked));
           const std::size_t batch = random.bits(0, asked) % 4 == 0 ? 0 : random.bits(1, asked) % 90;
           const std::size_t end = std::min(events.size(), done + batch);
           detector.process(std::span(events).subspan(done, end - done), nullptr);

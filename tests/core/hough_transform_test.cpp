@@ -1,4 +1,4 @@
-#include "core/hough_transform.h"
+#include "core/hough/hough_transform.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <string>
 
 #include "core/error.h"
-#include "core/plane_fit_flow.h"
+#include "core/flow/plane_fit_flow.h"
 #include "core/units.h"
 #include "tests/core/reference_hough.h"
 #include "tests/core/streams.h"

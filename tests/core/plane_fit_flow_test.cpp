@@ -1,4 +1,4 @@
-#include "core/plane_fit_flow.h"
+#include "core/flow/plane_fit_flow.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/polar_patch.h"
+#include "core/tracker/polar_patch.h"
 
 #include <gtest/gtest.h>
 
@@ -6,11 +6,13 @@
 #include <limits>
 #include <vector>
 
-#include "core/patch_network.h"
+#include "core/tracker/patch_network.h"
 #include "tests/core/streams.h"
 
 namespace saccade {
 namespace {
+
+const std::shared_ptr<const BestModel> model = best_model_of({});
 
 constexpr ImageSize patch_image{128, 128};
 constexpr double x_px_s = 120.0, y_px_s = 50.0;
@@ -28,8 +30,8 @@ std::vector<std::int64_t> newest_of(const std::vector<Event>& events) {
 
 Circle ball_at_end() { return {ball.x_at(end_us), ball.y_at(end_us), ball.r_px}; }
 
-PolarPatch patch_of(const std::vector<Event>& events, const Circle& circle, const PatchMotion& motion = ball_motion,
-                    std::int64_t now_us = end_us) {
+PolarPatch patch_of(const std::vector<Event>& events, const Circle& circle,
+                    const PatchMotion& motion = ball_motion, std::int64_t now_us = end_us) {
   return polar_patch(newest_of(events), patch_image, circle, motion, now_us);
 }
 
@@ -44,9 +46,11 @@ double in_ring(const PolarPatch& patch, std::size_t ring, std::size_t channel) {
 TEST(PolarPatch, EventsOfAMovingOutlineLieInTheRingOfTheOutline) {
   const PolarPatch patch = patch_of(ball.events(patch_image, 0.3), ball_at_end());
   for (const std::size_t channel : {1U, 5U}) {  // ON and OFF, moved with the disc, 8 px
-    const double outline = in_ring(patch, 6, channel) + in_ring(patch, 7, channel) + in_ring(patch, 8, channel);
+    const double outline =
+        in_ring(patch, 6, channel) + in_ring(patch, 7, channel) + in_ring(patch, 8, channel);
     double elsewhere = 0.0;
-    for (const std::size_t ring : {0U, 1U, 2U, 3U, 4U, 10U, 11U, 12U, 13U}) elsewhere += in_ring(patch, ring, channel);
+    for (const std::size_t ring : {0U, 1U, 2U, 3U, 4U, 10U, 11U, 12U, 13U})
+      elsewhere += in_ring(patch, ring, channel);
     EXPECT_GT(outline, 10.0 * elsewhere) << "channel " << channel;
   }
 }
@@ -62,8 +66,7 @@ TEST(PolarPatch, IsTheSameInSlowMotion) {
   std::vector<Event> events = ball.events(patch_image, 0.3);
   const PolarPatch fast = patch_of(events, ball_at_end());
   for (Event& e : events) e.t_us *= 4;
-  const PolarPatch slow =
-      patch_of(events, ball_at_end(), {ball_motion.disc_px_s / 4, {0, 0}, 0}, 4 * end_us);
+  const PolarPatch slow = patch_of(events, ball_at_end(), {ball_motion.disc_px_s / 4, {0, 0}, 0}, 4 * end_us);
   for (std::size_t i = 0; i < fast.values.size(); ++i) {
     const std::size_t channel = i % PolarPatch::channels;
     // The background stands still: its events count by time. The shares of speeds have a speed of 4 px/s added.
@@ -77,8 +80,8 @@ TEST(PolarPatch, TellsWhichPartIsOutsideTheImage) {
   const auto inside = [&](std::size_t direction, std::size_t ring) {
     return patch.values[(direction * PolarPatch::rings + ring) * PolarPatch::channels + 8];
   };
-  EXPECT_EQ(inside(0, 7), 1.0F);                              // to the right
-  EXPECT_EQ(inside(PolarPatch::directions / 2, 7), 0.0F);     // to the left
+  EXPECT_EQ(inside(0, 7), 1.0F);                           // to the right
+  EXPECT_EQ(inside(PolarPatch::directions / 2, 7), 0.0F);  // to the left
   EXPECT_EQ(in_ring(patch_of({}, {64, 64, 12}), 13, 8), PolarPatch::directions);
 }
 
@@ -93,11 +96,11 @@ TEST(PolarPatch, WithoutEventsEveryDensityIsZero) {
 TEST(PatchNetwork, PrefersTheDiscToCirclesBesideItAndOfOtherSize) {
   const std::vector<Event> events = ball.events(patch_image, 0.3);
   const Circle c = ball_at_end();
-  const double here = judge_patch(patch_of(events, c)).log_odds;
+  const double here = judge_patch(model->patch, patch_of(events, c)).log_odds;
   EXPECT_GT(here, 0.0);
   for (const Circle& other : {Circle{c.x_px + 10, c.y_px, c.r_px}, Circle{c.x_px, c.y_px - 10, c.r_px},
                               Circle{c.x_px, c.y_px, 1.5 * c.r_px}, Circle{c.x_px, c.y_px, 0.6 * c.r_px}})
-    EXPECT_LT(judge_patch(patch_of(events, other)).log_odds, here - 1.0)
+    EXPECT_LT(judge_patch(model->patch, patch_of(events, other)).log_odds, here - 1.0)
         << "at " << other.x_px << ", " << other.y_px << ", radius " << other.r_px;
 }
 
@@ -109,8 +112,9 @@ TEST(PatchNetwork, ItsCorrectionLeadsTowardsTheDisc) {
   };
   for (const Circle& start : {Circle{c.x_px + 3, c.y_px, c.r_px}, Circle{c.x_px - 2, c.y_px + 2, c.r_px},
                               Circle{c.x_px, c.y_px, c.r_px + 2}, Circle{c.x_px, c.y_px, c.r_px - 2}}) {
-    const Circle off = judge_patch(patch_of(events, start)).correction;
-    EXPECT_LT(error_px({start.x_px + off.x_px, start.y_px + off.y_px, start.r_px + off.r_px}), 0.7 * error_px(start))
+    const Circle off = judge_patch(model->patch, patch_of(events, start)).correction;
+    EXPECT_LT(error_px({start.x_px + off.x_px, start.y_px + off.y_px, start.r_px + off.r_px}),
+              0.7 * error_px(start))
         << "from " << start.x_px << ", " << start.y_px << ", radius " << start.r_px;
   }
 }
@@ -120,7 +124,7 @@ TEST(PatchNetwork, ItsDeviationsCoverTheErrorOfTheCorrectedCircle) {
   const Circle c = ball_at_end();
   for (const Circle& start : {c, Circle{c.x_px + 2, c.y_px, c.r_px}, Circle{c.x_px, c.y_px - 2, c.r_px},
                               Circle{c.x_px, c.y_px, c.r_px + 1.5}, Circle{c.x_px, c.y_px, c.r_px - 1.5}}) {
-    const PatchJudgement j = judge_patch(patch_of(events, start));
+    const PatchJudgement j = judge_patch(model->patch, patch_of(events, start));
     EXPECT_LT(j.centre_sd_px, 1.5);
     EXPECT_LT(j.radius_sd_px, 1.5);
     EXPECT_LT(std::abs(start.x_px + j.correction.x_px - c.x_px), 3.0 * j.centre_sd_px);
@@ -133,13 +137,15 @@ TEST(PatchNetwork, IsLessSureOfALargeCircleInPixels) {
   const auto radius_sd_px = [](double r_px) {
     const streams::MovingDisc disc{50, 60, 60.0, 20.0, r_px};
     const Circle circle{disc.x_at(end_us), disc.y_at(end_us), r_px};
-    return judge_patch(patch_of(disc.events(patch_image, 0.3), circle, {{60.0, 20.0}, {0, 0}, 0})).radius_sd_px;
+    return judge_patch(model->patch,
+                       patch_of(disc.events(patch_image, 0.3), circle, {{60.0, 20.0}, {0, 0}, 0}))
+        .radius_sd_px;
   };
   EXPECT_GT(radius_sd_px(30.0), radius_sd_px(8.0));
 }
 
 TEST(PatchNetwork, FindsNoBallWithoutEvents) {
-  EXPECT_LT(judge_patch(patch_of({}, ball_at_end())).log_odds, 0.0);
+  EXPECT_LT(judge_patch(model->patch, patch_of({}, ball_at_end())).log_odds, 0.0);
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 #include "core/baselines/eros.h"
 #include "core/baselines/particle_filter.h"
 #include "core/baselines/scarf.h"
-#include "core/detector_registry.h"
+#include "core/detectors/built_in_detectors.h"
 #include "head/icub_cameras.h"
 #include "tests/core/streams.h"
 

@@ -2,8 +2,8 @@
 
 #include <deque>
 
-#include "core/hough_transform.h"
-#include "core/plane_fit_flow.h"
+#include "core/flow/plane_fit_flow.h"
+#include "core/hough/hough_transform.h"
 #include "core/units.h"
 #include "tests/core/reference_hough.h"
 #include "tests/recording/read_events.h"

@@ -9,7 +9,7 @@
 #include <tuple>
 #include <vector>
 
-#include "core/plane_fit_flow.h"
+#include "core/flow/plane_fit_flow.h"
 
 namespace saccade {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/event.h"
-#include "core/hough_transform.h"
+#include "core/hough/hough_transform.h"
 
 namespace saccade {
 

@@ -1,4 +1,4 @@
-#include "core/silhouette.h"
+#include "core/tracker/silhouette.h"
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 #include "control/gate_registry.h"
 #include "control/head_kinematics.h"
 #include "control/open_gate.h"
-#include "core/detector_registry.h"
+#include "core/detectors/built_in_detectors.h"
 #include "core/error.h"
 #include "head/icub_cameras.h"
 #include "robot/dry_robot.h"

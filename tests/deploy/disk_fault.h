@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
-#include "apps/config/robot_file.h"
 #include "apps/deploy/deploy_recorder.h"
+#include "config/robot_file.h"
 #include "tests/deploy/fault_kinds.h"
 
 namespace saccade {

@@ -24,8 +24,8 @@ struct LabelledCounts {
 };
 
 /// Pixels in constant light, with an image every dt_us.
-LabelledCounts in_still_light(const EmulatorConfig& config, ImageSize size, float luminance, double duration_s,
-                        std::int64_t dt_us, std::uint64_t seed = 1) {
+LabelledCounts in_still_light(const EmulatorConfig& config, ImageSize size, float luminance,
+                              double duration_s, std::int64_t dt_us, std::uint64_t seed = 1) {
   EventEmulator emulator(config, size, seed);
   const std::vector<float> image(static_cast<std::size_t>(size.pixels()), luminance);
   LabelledCounts out;

@@ -1,5 +1,5 @@
 // Gaze controllers in programs of their own: the protocol, and what happens when a program breaks it.
-#include "apps/external/external_controller.h"
+#include "external/external_controller.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -10,11 +10,12 @@
 #include <memory>
 #include <numbers>
 
-#include "apps/external/external_detector.h"
-#include "apps/external/external_rows.h"
-#include "apps/external/line_process.h"
-#include "apps/external/line_text.h"
+#include "core/detectors/built_in_detectors.h"
 #include "core/error.h"
+#include "external/external_detector.h"
+#include "external/external_rows.h"
+#include "external/line_process.h"
+#include "external/line_text.h"
 #include "head/icub_cameras.h"
 #include "tests/recording/temp_folder.h"
 

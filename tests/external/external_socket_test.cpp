@@ -11,9 +11,9 @@
 #include <string>
 #include <thread>
 
-#include "apps/external/external_controller.h"
-#include "apps/external/external_detector.h"
 #include "core/error.h"
+#include "external/external_controller.h"
+#include "external/external_detector.h"
 #include "head/icub_cameras.h"
 #include "tests/recording/temp_folder.h"
 

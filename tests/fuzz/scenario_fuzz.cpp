@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "apps/config/scenario.h"
+#include "config/scenario.h"
 #include "core/error.h"
 #include "tests/config/built_in.h"
 

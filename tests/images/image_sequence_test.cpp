@@ -1,4 +1,4 @@
-#include "apps/images/image_sequence.h"
+#include "images/image_sequence.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

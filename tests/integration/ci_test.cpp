@@ -6,7 +6,7 @@
 #include <pugixml.hpp>
 #include <string>
 
-#include "apps/config/yaml_tree.h"
+#include "config/yaml_tree.h"
 #include "tests/integration/run_shell.h"
 #include "tests/recording/temp_folder.h"
 

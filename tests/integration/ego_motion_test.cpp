@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/plane_fit_flow.h"
+#include "core/flow/plane_fit_flow.h"
 #include "emulator/event_emulator.h"
 #include "head/icub_cameras.h"
 #include "sim/eye_renderer.h"

@@ -123,7 +123,7 @@ target_link_libraries(uses INTERFACE saccade::${component})
 endforeach()
 
 set(ENV{SACCADE_DATA} ${WORK}/prefix/share/saccade)  # the examples lie outside the tree
-foreach(library core control emulator recording robot loop sim scoring config session report)
+foreach(library core detectors control emulator recording robot loop sim scoring config session report)
   must(${WORK}/libraries/${library}_example)
   if(NOT text MATCHES "^${library}: ")
     message(FATAL_ERROR "${library}_example printed ${text}")

@@ -119,7 +119,8 @@ TEST_F(OwnWorld, MeasuresTheVisibleExtentOfATargetThatIsNoSphere) {
   double width_px = 0.0;
   double height_px = 0.0;
   double visible = 0.0;
-  ASSERT_EQ(std::sscanf(line.c_str(), "%*d,%*f,%*f,%*f,%*f,%lf,%lf,%lf", &width_px, &height_px, &visible), 3) << line;
+  ASSERT_EQ(std::sscanf(line.c_str(), "%*d,%*f,%*f,%*f,%*f,%lf,%lf,%lf", &width_px, &height_px, &visible), 3)
+      << line;
   // A mug of 95 mm at about 0.45 m; the camera has about 115 px per unit of tangent.
   EXPECT_GE(height_px, 20.0);
   EXPECT_LE(height_px, 30.0);

@@ -182,7 +182,8 @@ TEST(RunFiles, AByteOrderMarkBeforeTheNamesIsSkippedInEveryTable) {
   const std::string mark = "\xEF\xBB\xBF";
   const auto truth = folder.write("t.csv", mark + "t_us,x_px,y_px,r_px\n5,1,2,3\n");
   EXPECT_EQ(read_table<TruthRow>(truth).at(0).t_us, 5);
-  const auto detections = folder.write("d.csv", mark + "t_us,detector,x_px,y_px,r_px,score\n6,mine,1,2,3,0.5\n");
+  const auto detections =
+      folder.write("d.csv", mark + "t_us,detector,x_px,y_px,r_px,score\n6,mine,1,2,3,0.5\n");
   EXPECT_EQ(read_table<DetectionRow>(detections).at(0).t_us, 6);
 }
 

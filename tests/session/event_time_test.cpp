@@ -2,11 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "apps/session/instant_queue.h"
-#include "apps/session/run_scores.h"
-#include "apps/session/run_tables.h"
-#include "apps/session/session.h"
 #include "head/icub_cameras.h"
+#include "session/instant_queue.h"
+#include "session/run_scores.h"
+#include "session/run_tables.h"
+#include "session/session.h"
 #include "tests/loop/packet_robot.h"
 #include "tests/recording/temp_folder.h"
 

@@ -5,9 +5,6 @@
 #include <optional>
 #include <string>
 
-#include "apps/session/run_scores.h"
-#include "apps/session/run_tables.h"
-#include "apps/session/session.h"
 #include "control/controller_registry.h"
 #include "control/gate_registry.h"
 #include "core/error.h"
@@ -15,6 +12,9 @@
 #include "head/icub_cameras.h"
 #include "loop/run_log.h"
 #include "robot/fake/fake_robot.h"
+#include "session/run_scores.h"
+#include "session/run_tables.h"
+#include "session/session.h"
 #include "tests/control/genova02.h"
 #include "tests/recording/temp_folder.h"
 

@@ -1,4 +1,4 @@
-#include "apps/session/session.h"
+#include "session/session.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "apps/session/log_file.h"
-#include "apps/session/recorded_scores.h"
-#include "apps/session/run_folder.h"
 #include "core/error.h"
 #include "head/icub_cameras.h"
 #include "recording/format_registry.h"
 #include "robot/fake/fake_robot.h"
+#include "session/log_file.h"
+#include "session/recorded_scores.h"
+#include "session/run_folder.h"
 #include "tests/control/genova02.h"
 #include "tests/recording/temp_folder.h"
 

@@ -42,7 +42,7 @@ class OwnFile : public testing::Test {
 
   fs::path folder_ =
       fs::path(testing::TempDir()) /
-      (std::string("own_file_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+      (std::string("mesh_file_") + testing::UnitTest::GetInstance()->current_test_info()->name());
 
  private:
   static std::string problem(const std::function<void()>& read) {

@@ -5,7 +5,8 @@
 #include <vector>
 
 #include "apps/view/playback.h"
-#include "core/hough_detector.h"
+#include "core/detectors/built_in_detectors.h"
+#include "core/hough/hough_detector.h"
 #include "tests/config/built_in.h"
 #include "tests/core/streams.h"
 #include "tests/recording/temp_folder.h"

@@ -11,7 +11,7 @@
 
 #include "apps/view/action_handler.h"
 #include "apps/view/key_bindings.h"
-#include "core/hough_detector.h"
+#include "core/hough/hough_detector.h"
 #include "tests/view/disc_recording.h"
 
 namespace saccade {

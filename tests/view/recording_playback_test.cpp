@@ -5,7 +5,8 @@
 
 #include <cmath>
 
-#include "core/hough_detector.h"
+#include "core/detectors/built_in_detectors.h"
+#include "core/hough/hough_detector.h"
 #include "tests/view/disc_recording.h"
 
 namespace saccade {

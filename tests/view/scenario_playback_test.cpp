@@ -3,10 +3,11 @@
 
 #include <optional>
 
-#include "apps/config/scenario.h"
-#include "apps/session/scenario_loop.h"
 #include "apps/view/playback.h"
 #include "apps/view/run_feed.h"
+#include "config/scenario.h"
+#include "core/detectors/built_in_detectors.h"
+#include "session/scenario_loop.h"
 #include "sim/sim_robot.h"
 #include "tests/config/built_in.h"
 

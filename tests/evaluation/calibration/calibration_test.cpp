@@ -8,7 +8,7 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
-#include "apps/config/cameras.h"
+#include "config/cameras.h"
 #include "core/error.h"
 #include "core/random.h"
 #include "core/units.h"

@@ -145,8 +145,8 @@ void YarpTrials::start_board() {
   client_.reset();
   const std::string memory = "faults-" + std::to_string(::getpid());
   const auto start = [&] {
-    board_ = std::make_unique<Program>(
-        std::vector<std::string>{SACCADE_FAULTY_ROBOT, memory, "board", part}, world_ / "board.txt");
+    board_ = std::make_unique<Program>(std::vector<std::string>{SACCADE_FAULTY_ROBOT, memory, "board", part},
+                                       world_ / "board.txt");
   };
   start();
   yarp::os::Property options;

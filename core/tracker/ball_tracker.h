@@ -1,0 +1,241 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "core/detector_parts.h"
+#include "core/detector_views.h"
+#include "core/flow/camera_rotation.h"
+#include "core/flow/plane_fit_flow.h"
+#include "core/reserved_vector.h"
+#include "core/tracker/best_model.h"
+#include "core/tracker/circle_fit.h"
+#include "core/tracker/circle_search.h"
+#include "core/tracker/circle_track.h"
+#include "core/tracker/disc_evidence.h"
+#include "core/tracker/disc_network.h"
+#include "core/tracker/disc_probability.h"
+#include "core/tracker/edge_map.h"
+#include "core/tracker/patch_network.h"
+#include "core/tracker/polar_patch.h"
+#include "core/tracker/silhouette.h"
+
+namespace saccade {
+
+/// Configuration of the recommended detector, `best`.
+struct BallTrackerConfig {
+  std::array<double, 2> radius_px = {10, 35};  ///< smallest and largest radius, whole numbers
+  double threshold = 0.5;                      ///< probability from which on a circle is taken for the ball
+  double arc_deg = 12.0;                       ///< half-width of an arc of directed votes
+  PlaneFitFlowConfig flow = {.max_age_us = 400'000};  ///< down to 2.5 px/s
+  /// An event that follows the first one of its pixel and polarity sooner than this is of the same edge.
+  std::int64_t burst_us = 500;
+  std::int64_t edges_per_region = 24;   ///< kept of each 8 x 8 pixels
+  double crossing_px = 2.5;             ///< an edge is kept while it moves on so far
+  std::int64_t longest_us = 1'000'000;  ///< and no longer than this
+  double hold_s = 3.0;                  ///< a circle that makes no events is held for so long
+  std::int64_t flows_per_ms = 600;      ///< events that get a flow; beyond that every n-th event does
+  ModelFile model;                      ///< the networks' weights
+};
+
+/// Keys: radius_px, threshold, arc_deg, flow, burst_us, edges_per_region, crossing_px, longest_us, hold_s, flows_per_ms, model.
+void describe(FieldVisitor& v, BallTrackerConfig& config);
+
+/// The recommended detector: follows up to eight circles on the moving edges of the image and returns the one that is
+/// most probably the ball, with that probability as score.
+///
+/// 1. Events with a normal flow (plane fit), the first of each burst of a pixel, become edges, kept by region for as long
+///    as they take to move on by crossing_px (EdgeMap): thin outlines at any speed, whatever else moves.
+/// 2. The edges of one instant vote in the directed Hough transform, some in every ms (CircleSearch). The strongest
+///    circles are fitted to the edges near them (CircleFit).
+/// 3. Circles are followed edge by edge (CircleTrack), carried along by the camera's own rotation where joints tell it.
+/// 4. What the edges near a circle show (DiscEvidence) is averaged over the last pixels of its motion. A circle
+///    without edges keeps that evidence; its score falls, because its ball may have left it unseen.
+/// 5. A ball that the gaze follows makes hardly any events while all around it does: the hole that it leaves (Silhouette)
+///    measures its place, and is evidence too.
+/// 6. What moves against the background is told from what stands in the room. The background's motion comes from the
+///    joints, or else from the edges (camera_rotation).
+/// 7. The newest events around a circle, in polar coordinates, are judged by a network, which also corrects the circle and
+///    measures it (PatchNetwork).
+/// 8. Evidence, judgements and history of a circle give the probability that it is the ball (disc_probability).
+///
+/// The work of a ms is bounded: flows_per_ms flows, 160 votes, 8 circles tried, 4 patches; an event beyond that only
+/// leaves its time stamp. Everything happens at instants of 1 ms of the stream's own time, so that the estimate does not
+/// depend on how events come in batches.
+/// After: paper, section V (future work); regions after Glover, Dinale, Bartolozzi et al. (event surfaces SCARF and EROS
+/// of the same group).
+class BallTracker final : public Detector, public DetectorViews {
+ public:
+  /// Throws InputError for a configuration out of range.
+  BallTracker(const BallTrackerConfig& config, const Camera& camera);
+  /// The same with a model that several share, in place of the config's.
+  BallTracker(const BallTrackerConfig& config, const Camera& camera, std::shared_ptr<const BestModel> model);
+
+  void process(std::span<const Event> events, const CameraMotion* motion) override;
+  void advance_to(std::int64_t now_us, const CameraMotion* motion) override;
+  [[nodiscard]] Estimate estimate() override;
+  /// The search of the last tick for circles that are not followed.
+  void work_ahead() override;
+  [[nodiscard]] double threshold() const override { return config_.threshold; }
+  [[nodiscard]] RejectedEvents rejected() const override { return sieve_.rejected(); }
+  bool hough_space(std::span<float> response) const override;
+  [[nodiscard]] std::unique_ptr<Detector> copy() const override {
+    return std::make_unique<BallTracker>(*this);
+  }
+
+  /// Motion of a circle whose centre and radius move so, and that of the background there.
+  [[nodiscard]] PatchMotion patch_motion(const Circle& circle, const Eigen::Vector3d& motion_px_s) const;
+
+ private:
+  struct Followed {
+    bool alive = false;
+    CircleTrack track;
+    Silhouette silhouette;
+    DiscEvidence evidence;  ///< averaged over the last pixels of motion
+    DiscHistory history;
+    double network_log_odds = least_network_log_odds;  ///< of the last look
+    PatchResult patch;                                 ///< of the last judgement
+    bool changed = false;                              ///< since then
+    DiscInputs inputs{};
+    double probability = 0.0;
+    double found_probability = 0.0;  ///< as if it had just been found, at compared_us
+    std::int64_t compared_us = std::numeric_limits<std::int64_t>::min();
+    double clarity = 1.0;      ///< share of the edges near the circle that are of its outline
+    double fresh_edges = 0.0;  ///< near it since the last look
+    double fresh_on_outline = 0.0;
+    Eigen::Vector2d anchor_px = Eigen::Vector2d::Zero();     ///< where it would be if it stood in the room
+    Eigen::Vector2d carried_px_s = Eigen::Vector2d::Zero();  ///< image motion by the joints, at it
+    Eigen::Vector2d image_px_s = Eigen::Vector2d::Zero();    ///< its own motion in the image
+    bool slow = true;                                        ///< may leave a hole
+
+    [[nodiscard]] Eigen::Vector3d motion_px_s() const {
+      return {image_px_s.x(), image_px_s.y(), track.growth_px_s()};
+    }
+  };
+  struct FoundCircle {
+    Circle circle;
+    std::int64_t at_us;
+    bool as_found_too;  ///< tried without a fit of place and radius as well
+  };
+  /// A circle, corrected by PatchNetwork or as it was, and what PatchNetwork says about it.
+  struct Judged {
+    Circle circle;
+    PatchJudgement judgement;
+    bool corrected;
+
+    [[nodiscard]] PatchResult result() const;  ///< for the probability
+  };
+  /// A circle to follow, and what it shows.
+  struct FoundDisc {
+    Circle circle;
+    Eigen::Vector3d motion_px_s;
+    DiscEvidence evidence;
+    double network_log_odds;
+    Judged judgement;
+    double probability;
+  };
+  /// The circles to try, oldest first; one that finds no place is left out.
+  class FoundQueue {
+   public:
+    [[nodiscard]] bool empty() const { return count_ == 0; }
+    void push(const FoundCircle& found) {
+      if (count_ == found_.size()) return;
+      found_[(first_ + count_++) % found_.size()] = found;
+    }
+    FoundCircle pop() {
+      const FoundCircle found = found_[first_];
+      first_ = (first_ + 1) % found_.size();
+      --count_;
+      return found;
+    }
+
+   private:
+    std::array<FoundCircle, 24> found_;
+    std::size_t first_ = 0, count_ = 0;
+  };
+  struct Voter {
+    Eigen::Vector2d at_px;
+    int direction;
+  };
+
+  void set_motion(const CameraMotion* motion);
+  [[nodiscard]] Eigen::Vector2d camera_flow_px_s(const Eigen::Vector2d& at_px) const;
+  [[nodiscard]] Eigen::Vector2d camera_flow_px_s(const Edge& edge) const;
+  [[nodiscard]] Eigen::Vector2d background_px_s(const Eigen::Vector2d& at_px) const;
+  [[nodiscard]] Eigen::Vector2d now_at(const Edge& edge, std::int64_t now_us) const;
+  [[nodiscard]] DiscEvidence evidence(const Circle& circle, const Eigen::Vector3d& motion_px_s,
+                                      std::int64_t now_us) const;
+  [[nodiscard]] Circle circle_now(const Followed& f) const;
+  [[nodiscard]] static double still_there(const Followed& f);
+  [[nodiscard]] const Followed* best() const;
+
+  void add_edge(const Event& event, const NormalFlow& flow);
+  void run_until(std::int64_t t_us, bool inclusive);
+  void start_tick();
+  void tick(std::int64_t now_us);
+  void update_hole(Followed& f, std::int64_t now_us);
+  void update_probability(Followed& f, std::int64_t now_us);
+
+  // The search for circles that are not followed (ball_tracker_search.cpp).
+  void search(std::int64_t now_us);
+  void begin_search();
+  void fill_fit(const Circle& circle, std::int64_t now_us);
+  [[nodiscard]] bool corrects_known(const Circle& circle, double probability, std::int64_t now_us);
+  [[nodiscard]] Followed* place_for(const FoundDisc& found);
+  void follow(const FoundDisc& found, Followed& place, std::int64_t now_us);
+  void look(std::int64_t now_us);
+  [[nodiscard]] double network_log_odds(const Circle& circle, const Eigen::Vector2d& image_px_s,
+                                        std::int64_t now_us) const;
+  void try_found(std::int64_t now_us);
+  void try_circle(const Circle& circle, std::int64_t now_us);
+  void end_duplicates();
+  [[nodiscard]] Judged judged(const Circle& circle, const Eigen::Vector3d& motion_px_s, std::int64_t now_us);
+  void judge(std::int64_t now_us);
+  /// The circle with the correction added, its radius within radius_px.
+  [[nodiscard]] Circle corrected(const Circle& circle, const Circle& by) const;
+
+  BallTrackerConfig config_;
+  std::shared_ptr<const BestModel> model_;
+  Camera camera_;
+  std::vector<Eigen::Vector3d> rays_;  // of each pixel
+  EventSieve sieve_;
+  PlaneFitFlow flow_;
+  EdgeMap edges_;
+  CircleSearch search_;
+  DiscNetwork network_;
+  CircleFit fit_;
+  std::array<Followed, 8> followed_;
+  std::optional<Eigen::Vector3d> rotation_rad_s_;  // of the camera by the joints, its own frame
+  Eigen::Vector3d seen_rotation_rad_s_ = Eigen::Vector3d::Zero();  // by the edges, where joints are missing
+  std::int64_t now_us_;
+  std::optional<std::int64_t> next_tick_us_;
+  std::optional<std::int64_t> search_due_us_;  // the last tick, until its search is done
+  std::uint64_t ticks_ = 0;                    // so far, those without edges and circles left out
+  // The search under way: the edges at search_us_, the first voted_ of them in search_.
+  ReservedVector<Voter> voters_;
+  ReservedVector<FlowSample> flows_;
+  std::size_t voted_ = 0;
+  bool search_cleared_ = true;
+  std::int64_t search_us_;
+  std::int64_t look_us_;  // when the network's look under way, or the last one, began
+  std::uint64_t events_since_look_ = 0;
+  FoundQueue to_try_;
+  std::size_t next_judged_ = 0;  // of followed_
+  int patches_left_ = 0;         // of this tick
+  // Flows of this tick: every nth_event_ event gets one.
+  std::int64_t flows_left_, nth_event_ = 1, since_flow_ = 0, events_of_tick_ = 0;
+};
+
+/// BallTracker, with radii beyond those that it is fitted for (above 80 px) on every n-th pixel (DecimatedDetector), where n is
+/// the smallest number with which the largest radius is at most 40 of these pixels. Keys in pixels other than radius_px
+/// are then in these pixels. If the smallest radius is less than 5 of these pixels, a second BallTracker looks for radii
+/// up to 80 px on all pixels, the first one for those from 60 px on (BetterOfTwo).
+/// Throws InputError for a configuration out of range.
+[[nodiscard]] std::unique_ptr<Detector> make_ball_tracker(const BallTrackerConfig& config,
+                                                          const Camera& camera);
+
+}  // namespace saccade
