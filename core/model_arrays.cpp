@@ -7,9 +7,9 @@
 
 namespace saccade {
 
-void ModelArrays::add(std::string name, std::vector<float> values) {
-  const auto [place, is_new] = arrays_.try_emplace(std::move(name), std::move(values));
-  if (!is_new) throw InputError("array " + place->first, "two of them", "each name once");
+void ModelArrays::add(const std::string& name, std::vector<float> values) {
+  if (arrays_.contains(name)) throw InputError("array " + name, "two of them", "each name once");
+  arrays_[name] = std::move(values);
 }
 
 void ModelArrays::copy(std::string_view name, std::span<float> to) const {

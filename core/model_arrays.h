@@ -14,7 +14,7 @@ namespace saccade {
 class ModelArrays {
  public:
   /// Throws InputError for a name that another array has.
-  void add(std::string name, std::vector<float> values);
+  void add(const std::string& name, std::vector<float> values);
   /// Copies the array `name`. Throws InputError unless there is one of as many values as `to` has, all finite.
   void copy(std::string_view name, std::span<float> to) const;
 

@@ -62,7 +62,7 @@ ModelArrays read_model(const std::filesystem::path& path) {
     if (!name.ends_with(".npy"))
       throw InputError(file.name(), "a member " + name, "members that end in .npy");
     name.resize(name.size() - 4);
-    arrays.add(std::move(name), read_array(file, member));
+    arrays.add(name, read_array(file, member));
   });
   return arrays;
 }
