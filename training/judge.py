@@ -11,7 +11,7 @@ import torch
 from torch.nn import functional
 
 from . import surface, worlds
-from .network import Network, multiplications
+from .network import OUTPUTS, Network, load_start, multiplications
 from .surface import SQUARE, Surface
 
 CHUNK = 8  # steps at once
@@ -210,10 +210,15 @@ def pictures(world, now, folder):
 
 
 def load_network(path):
-    """The running means of a checkpoint, or exported weights (.npz)."""
+    """The running means of a checkpoint, or exported weights (.npz). Weights without memory (models/recurrent/start.npz): the
+    log odds of the ball's centre stand for those of an inlier."""
     network = Network()
     if path.suffix == ".npz":
-        network.load_state_dict({k: torch.from_numpy(v) for k, v in np.load(path).items()})
+        arrays = dict(np.load(path))
+        if len(arrays["output.bias"]) < len(OUTPUTS):
+            load_start(network, arrays)
+        else:
+            network.load_state_dict({k: torch.from_numpy(v) for k, v in arrays.items()})
     else:
         network.load_state_dict(torch.load(path)["means"])
     return network.eval()

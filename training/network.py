@@ -106,4 +106,6 @@ def load_start(network, arrays):
             own[name][: len(values)] = torch.from_numpy(values)
         else:
             own[name][:] = torch.from_numpy(values)
+    for name in ("output.weight", "output.bias"):  # the inlier's log odds start as those of the centre
+        own[name][8] = own[name][0]
     network.load_state_dict(own)

@@ -5,6 +5,7 @@ from . import surface
 from .surface import SQUARE, Surface
 
 CROP = 64  # cells
+STEP_MS = (5.0, 14.0)
 ON_BALL = 0.65  # share of the sequences that show the ball at an instant within them
 SHOWN = 0.6  # a ball counts from the instant on at which this many times its radius of pixels near it had an event in 270 ms
 
@@ -40,7 +41,7 @@ def draw(worlds, random, length):
     while True:
         world = worlds[random.integers(len(worlds))]
         scale = 2.0 ** np.clip(random.normal(0, 0.8), -2, 2)
-        dt = random.uniform(4.0, 10.0)
+        dt = random.uniform(*STEP_MS)
         step = dt / scale  # in the world's time
         if step * (length + 1) > world.duration_ms:
             continue

@@ -67,7 +67,7 @@ def loss_of(out, batch):
         "where": 2 * (where * positive).sum() / frames,
         "speed": 0.2 * (speed * positive).sum() / frames,
         "spread": 0.05 * (spread * positive).sum() / frames,
-        "inlier": 0.5 * inlier_loss(out, torch.from_numpy(truth), torch.from_numpy(batch["cell"])),
+        "inlier": inlier_loss(out, torch.from_numpy(truth), torch.from_numpy(batch["cell"])),
     }
     return sum(parts.values()), {k: float(v) for k, v in parts.items()}
 
@@ -92,6 +92,9 @@ class Training:
         self.network = Network()
         if START.exists() and not options.from_nothing:
             network_module.load_start(self.network, dict(np.load(START)))
+        if options.keep_first:
+            for layer in (self.network.first, self.network.second_depth, self.network.second_point):
+                layer.requires_grad_(False)
         fresh = [p for n, p in self.network.named_parameters() if n.startswith(("memory", "output"))]
         known = [p for n, p in self.network.named_parameters() if not n.startswith(("memory", "output"))]
         known_rate = 1.0 if options.from_nothing else 0.25
@@ -130,22 +133,25 @@ class Training:
         return parts
 
 
-def main():
+def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--data", type=Path, required=True, help="folder of the worlds (training.worlds)")
     parser.add_argument("--checkpoint", type=Path, required=True)
     parser.add_argument("--steps", type=int, required=True, help="in total")
-    parser.add_argument("--batch", type=int, default=4, help="sequences in a step (4)")
-    parser.add_argument("--length", type=int, default=64, help="instants in a sequence (64)")
+    parser.add_argument("--batch", type=int, default=6, help="sequences in a step (6)")
+    parser.add_argument("--length", type=int, default=40, help="instants in a sequence (40)")
     parser.add_argument("--rate", type=float, default=2e-3, help="of Adam (2e-3)")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--keep-first", action="store_true", help="leave the layers before the blocks as they are: a fifth faster")
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--from-nothing", action="store_true", help="random weights at first, not models/recurrent/start.npz")
-    options = parser.parse_args()
+    return parser
+
+
+def train(options):
     torch.set_num_threads(options.threads)
     keep_memory()
     training = Training(options)
-    random = np.random.default_rng([options.seed, training.step])
     data, names = [], set()
     sums, count = {}, 0
     while training.step < options.steps:
@@ -156,6 +162,7 @@ def main():
                     data.append(worlds.World(folder))
             training.seeds = sorted(names)
         begin = time.process_time()
+        random = np.random.default_rng([options.seed, training.step])  # the same draws after an interruption
         parts = training.advance(drawn(data, random, options.batch, options.length), options.rate)
         training.seconds += time.process_time() - begin
         for k, v in parts.items():
@@ -166,7 +173,8 @@ def main():
             print(f"step {training.step}, {len(data)} worlds, {training.seconds:.0f} s of processor: {text}", flush=True)
             sums, count = {}, 0
             training.save(options)
+    return training
 
 
 if __name__ == "__main__":
-    main()
+    train(arguments().parse_args())
