@@ -2,8 +2,8 @@
 
     python3 -m training.export --data DATA --checkpoint FILE --figures JUDGED.json --out models/recurrent
 
-golden.npz: inputs (time x channels x rows x columns of cells), dt_ms, outputs (time x outputs x rows x columns of squares) and the
-memory after the last step (memory_0, memory_1: channels x rows x columns), from PyTorch, of the first training world.
+golden.npz: inputs (time x channels x rows x columns of cells), dt_ms, shift (time x 2: x and y, squares by which the memory moves
+before the step), outputs (time x outputs x rows x columns of squares) and the memory after the last step (memory_0, memory_1: channels x rows x columns), from PyTorch, of the first training world.
 """
 import argparse
 import hashlib
@@ -35,9 +35,13 @@ def golden(network, world):
         last = end
     inputs = np.stack(inputs)
     squares = GOLDEN_CELLS // surface.SQUARE
-    out, state = network(torch.from_numpy(inputs)[None], torch.tensor([GOLDEN_STEP_MS]), network.start(1, squares, squares))
+    shift = np.zeros((GOLDEN_STEPS, 2), np.int64)
+    shift[3], shift[7], shift[9] = (1, 0), (-1, 2), (0, -1)
+    start = network.start(1, squares, squares)
+    out, state = network(
+        torch.from_numpy(inputs)[None], torch.tensor([GOLDEN_STEP_MS]), start, torch.from_numpy(shift)[None])
     memory = {f"memory_{n}": s[0].numpy() for n, s in enumerate(state)}
-    return {"inputs": inputs, "dt_ms": np.float32(GOLDEN_STEP_MS), "outputs": out[0].numpy(), **memory}
+    return {"inputs": inputs, "dt_ms": np.float32(GOLDEN_STEP_MS), "shift": shift, "outputs": out[0].numpy(), **memory}
 
 
 def summary(results):
@@ -63,6 +67,7 @@ def export(checkpoint, data, figures, out):
         "inputs": {
             "channels": [f"{p}, tau {tau:g} ms" for p in ("ON", "OFF") for tau in surface.TAU_MS],
             "unit": "sum over the pixels of a cell of exp(-age of the newest event / tau), times (cell size in px)^-1.5",
+            "memory": "moved by whole squares of 4 x 4 cells with the middle of the image, by the camera's rotation",
             "step_ms": sequences.STEP_MS,
         },
         "outputs": {
@@ -76,7 +81,7 @@ def export(checkpoint, data, figures, out):
                          "gate_step_ms": network_module.STEP_MS},
         "multiplications_128x128_level_1": network_module.multiplications(128, 128, [1]),
         "recipe": "docs/training.md; first weights: start.npz (the network for discs without memory)",
-        "options": {k: v for k, v in kept["recipe"].items() if k in ("batch", "length", "rate", "seed", "from_nothing", "keep_first")},
+        "options": {k: v for k, v in kept["recipe"].items() if k in ("batch", "length", "history", "rate", "seed", "from_nothing", "keep_first")},
         "training_worlds": kept["seeds"],
         "steps": kept["step"],
         "processor_seconds": round(kept["seconds"]),

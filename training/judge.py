@@ -21,7 +21,7 @@ FIELDS = ("x", "y", "r", "vx", "vy", "log_odds", "inlier_log_odds")  # px, px/ms
 
 
 @torch.no_grad()
-def circles_of(network, world, step_ms):
+def circles_of(network, world, step_ms, joints=True):
     """Times of the steps, and steps x circles x FIELDS: the strongest circles of all levels, most probable inlier first."""
     cells = surface.levels(world.height)
     block = SQUARE * cells[-1]
@@ -29,6 +29,8 @@ def circles_of(network, world, step_ms):
     index = part.index(world.x, world.y, world.on)
     times = np.arange(step_ms, world.duration_ms + 1e-6, step_ms)
     bounds = np.searchsorted(world.t_ms, times)
+    shift_px = world.image_shift_px(times) * joints
+    shifts = [torch.from_numpy(surface.whole_squares(shift_px, c))[None] for c in cells]
     shapes = [(-(-world.height // (SQUARE * c)), -(-world.width // (SQUARE * c))) for c in cells]
     states = [network.start(1, *shape) for shape in shapes]
     found, last = [], 0
@@ -42,7 +44,8 @@ def circles_of(network, world, step_ms):
         circles = []
         for n, c in enumerate(cells):
             x = torch.from_numpy(np.stack(inputs[n]))[None]
-            out, states[n] = network(x, torch.tensor([step_ms]), states[n])
+            shift = shifts[n][:, begin : begin + CHUNK]
+            out, states[n] = network(x, torch.tensor([step_ms]), states[n], shift)
             circles.append(decoded(out[0], c))
         found.append(torch.cat(circles, 1))
     found = torch.cat(found).numpy()
@@ -114,8 +117,8 @@ def figures(circle, score, there, truth):
     return result
 
 
-def of_network(network, world, step_ms):
-    times, circles = circles_of(network, world, step_ms)
+def of_network(network, world, step_ms, joints=True):
+    times, circles = circles_of(network, world, step_ms, joints)
     now = every_ms(times, circles, world.duration_ms)
     score = 1 / (1 + np.exp(-now[:, 0, 6]))
     result = figures(now[:, 0], score, np.isfinite(now[:, 0, 6]), world.truth)
@@ -230,6 +233,7 @@ def main():
     parser.add_argument("--checkpoint", type=Path, required=True, help=".pt of training.train or .npz of training.export")
     parser.add_argument("--kind", default="development", help="development or train")
     parser.add_argument("--step-ms", type=float, default=8.0, help="between steps of the network (8)")
+    parser.add_argument("--no-joints", action="store_true", help="do not move the memory with the camera")
     parser.add_argument("--own", action="store_true", help="with the events that the ball caused alone")
     parser.add_argument("--most", type=int, default=10**6, help="at most so many worlds")
     parser.add_argument("--names", nargs="*", help="these worlds alone")
@@ -245,7 +249,7 @@ def main():
         world = worlds.World(path)
         if options.own and world.own is not None:
             world = world.only_own()
-        found, now = of_network(network, world, options.step_ms)
+        found, now = of_network(network, world, options.step_ms, not options.no_joints)
         best = of_best(world) if world.best is not None else found
         moves = bool(np.ptp(world.eye, 0).max() > 0.004)
         results.append({"name": world.name, "ball": world.with_ball, "width": world.width, "moves": moves,

@@ -19,6 +19,16 @@ OUTPUTS = (
 )
 
 
+def shifted(state, shift):
+    """Moves each map of a batch by whole squares (x, y); what comes in is 0."""
+    limit = (state.shape[3], state.shape[2])
+    maps = []
+    for one, (x, y) in zip(state.split(1), shift.tolist()):
+        x, y = max(-limit[0], min(limit[0], x)), max(-limit[1], min(limit[1], y))
+        maps.append(functional.pad(one, (x, -x, y, -y)) if x or y else one)
+    return torch.cat(maps)
+
+
 class Memory(nn.Module):
     """h <- a h + (1 - a) u, a = exp(-softplus(gate) dt / STEP_MS); the gate comes from the present input alone, so all steps
     of a sequence are computed at once but for this line."""
@@ -34,14 +44,18 @@ class Memory(nn.Module):
         rate = 0.6931 * STEP_MS / half_lives
         self.up.bias.data[:] = torch.log(torch.expm1(rate))
 
-    def forward(self, x, u, dt_ms, state):
-        """x, u: batch * time x channels x rows x columns; dt_ms: batch; state: batch x channels x rows x columns."""
+    def forward(self, x, u, dt_ms, state, shift):
+        """x, u: batch * time x channels x rows x columns; dt_ms: batch; state: batch x channels x rows x columns; shift: batch x
+        time x 2, squares that the camera has moved the image by since the last step."""
         batch = len(dt_ms)
         rate = functional.softplus(self.up(self.down(x))) * (dt_ms / STEP_MS).repeat_interleave(len(x) // batch)[:, None, None, None]
         a = torch.exp(-rate).unflatten(0, (batch, -1))
         new = u.unflatten(0, (batch, -1)) * (1 - a)
         states = []
-        for factor, added in zip(a.unbind(1), new.unbind(1)):
+        moves = shift.any(2).any(0).tolist()
+        for t, (factor, added) in enumerate(zip(a.unbind(1), new.unbind(1))):
+            if moves[t]:
+                state = shifted(state, shift[:, t])
             state = torch.addcmul(added, factor, state)
             states.append(state)
         return self.out(torch.stack(states, 1).flatten(0, 1)), state
@@ -68,8 +82,9 @@ class Network(nn.Module):
         """The state before the first step; rows and columns in squares."""
         return [torch.zeros(batch, CHANNELS, rows, columns) for _ in RECURRENT]
 
-    def forward(self, x, dt_ms, state):
-        """x: batch x time x channels x rows x columns of cells, multiples of surface.SQUARE; dt_ms: batch, time between steps.
+    def forward(self, x, dt_ms, state, shift):
+        """x: batch x time x channels x rows x columns of cells, multiples of surface.SQUARE; dt_ms: batch, time between steps;
+        shift: batch x time x 2, whole squares that the camera's rotation has moved the image by since the step before.
         Returns batch x time x outputs x rows x columns of squares, and the state after the last step."""
         batch = len(x)
         x = functional.relu(self.first(x.flatten(0, 1)))
@@ -80,7 +95,7 @@ class Network(nn.Module):
             add = point(u)
             if n in RECURRENT:
                 k = RECURRENT.index(n)
-                remembered, state[k] = self.memory[k](x, u, dt_ms, state[k])
+                remembered, state[k] = self.memory[k](x, u, dt_ms, state[k], shift)
                 add = add + remembered
             x = functional.relu(x + add)
         return self.output(x).unflatten(0, (batch, -1)), state

@@ -7,6 +7,7 @@ from .surface import SQUARE, Surface
 CROP = 64  # cells
 STEP_MS = (5.0, 14.0)
 ON_BALL = 0.65  # share of the sequences that show the ball at an instant within them
+WITHOUT_JOINTS = 0.25  # share of the sequences whose memory is not moved with the camera
 SHOWN = 0.6  # a ball counts from the instant on at which this many times its radius of pixels near it had an event in 270 ms
 
 
@@ -20,9 +21,9 @@ def hot_pixels(random, width, height, begin_ms, end_ms, rate_per_ms):
     return np.concatenate(times).astype(np.float32), np.concatenate(indices)
 
 
-def flipped(inputs, truth, random):
+def flipped(inputs, truth, shift, random):
     """Polarity exchanged, mirrored and transposed at random. inputs: time x channels x rows x columns. truth: time x (x, y, r,
-    visible, vx, vy), in cells from the crop's first one."""
+    visible, vx, vy), in cells from the crop's first one. shift: time x 2."""
     if random.random() < 0.5:
         half = surface.CHANNELS // 2
         inputs = np.concatenate([inputs[:, half:], inputs[:, :half]], 1)
@@ -31,13 +32,15 @@ def flipped(inputs, truth, random):
             inputs = np.flip(inputs, axis)
             truth[:, x] = CROP - 1 - truth[:, x]
             truth[:, v] *= -1
+            shift[:, x] *= -1
     if random.random() < 0.5:
-        inputs, truth = inputs.transpose(0, 1, 3, 2), truth[:, [1, 0, 2, 3, 5, 4]]
-    return np.ascontiguousarray(inputs), truth
+        inputs, truth, shift = inputs.transpose(0, 1, 3, 2), truth[:, [1, 0, 2, 3, 5, 4]], shift[:, ::-1].copy()
+    return np.ascontiguousarray(inputs), truth, shift
 
 
 def draw(worlds, random, length):
-    """A sequence: dict of inputs (time x channels x CROP x CROP), dt_ms, cell, truth (time x 6, as for flipped), shown."""
+    """A sequence: dict of inputs (time x channels x CROP x CROP), dt_ms, cell, truth (time x 6, as for flipped), shift,
+    shown."""
     while True:
         world = worlds[random.integers(len(worlds))]
         scale = 2.0 ** np.clip(random.normal(0, 0.8), -2, 2)
@@ -106,8 +109,11 @@ def draw(worlds, random, length):
             newest = part.maps[3].reshape(2, part.height, part.width)[:, y0:y1, x0:x1]
             seen = (newest > 0.35).sum() >= SHOWN * truth[k, 2] * cell
         shown[k] = seen
-    inputs, truth = flipped(inputs, truth, random)
-    return {"inputs": inputs, "dt_ms": np.float32(dt), "cell": np.float32(cell), "truth": truth, "shown": shown}
+    shift = surface.whole_squares(world.image_shift_px(times), cell)
+    if random.random() < WITHOUT_JOINTS:
+        shift[:] = 0
+    inputs, truth, shift = flipped(inputs, truth, shift, random)
+    return {"inputs": inputs, "shift": shift, "dt_ms": np.float32(dt), "cell": np.float32(cell), "truth": truth, "shown": shown}
 
 
 def targets(truth, shown):

@@ -15,6 +15,12 @@ def levels(height):
     return [c for c in CELLS_PX if c == 1 or (height >= 16 * c and 0.3 * height > SMALLEST_CELLS * c)]
 
 
+def whole_squares(shift_px, cell):
+    """Shifts of the image (steps x 2) in whole squares of a level: their sum stays within half a square of the true one."""
+    total = np.round(np.cumsum(shift_px, 0) / (SQUARE * cell))
+    return np.diff(total, axis=0, prepend=0).astype(np.int64)
+
+
 class Surface:
     """exp(-age / tau) of the newest event of each pixel and polarity in a part of the image.
 

@@ -97,7 +97,7 @@ class Training:
                 layer.requires_grad_(False)
         fresh = [p for n, p in self.network.named_parameters() if n.startswith(("memory", "output"))]
         known = [p for n, p in self.network.named_parameters() if not n.startswith(("memory", "output"))]
-        known_rate = 1.0 if options.from_nothing else 0.25
+        known_rate = 1.0 if options.from_nothing else 0.5
         self.adam = torch.optim.Adam([{"params": fresh, "share": 1.0}, {"params": known, "share": known_rate}], lr=options.rate)
         self.means = {k: v.clone() for k, v in self.network.state_dict().items()}
         self.step, self.seconds, self.seeds = 0, 0.0, []
@@ -115,13 +115,18 @@ class Training:
              "seconds": self.seconds, "seeds": self.seeds, "recipe": recipe}, part)
         os.replace(part, options.checkpoint)
 
-    def advance(self, batch, rate):
+    def advance(self, batch, length, rate):
         for group in self.adam.param_groups:
             group["lr"] = rate * group["share"] * min(1.0, (self.step + 1) / 50)
         squares = sequences.CROP // surface.SQUARE
         state = self.network.start(len(batch["dt_ms"]), squares, squares)
-        out, _ = self.network(torch.from_numpy(batch["inputs"]), torch.from_numpy(batch["dt_ms"]), state)
-        loss, parts = loss_of(out, batch)
+        inputs, dt_ms, shift = (torch.from_numpy(batch[k]) for k in ("inputs", "dt_ms", "shift"))
+        history = inputs.shape[1] - length
+        if history:  # the memory of earlier instants, without gradients
+            with torch.no_grad():
+                _, state = self.network(inputs[:, :history], dt_ms, state, shift[:, :history])
+        out, _ = self.network(inputs[:, history:], dt_ms, state, shift[:, history:])
+        loss, parts = loss_of(out, {k: batch[k][:, history:] if k in ("truth", "shown") else batch[k] for k in batch})
         self.adam.zero_grad()
         loss.backward()
         torch.nn.utils.clip_grad_norm_(self.network.parameters(), 5.0)
@@ -140,6 +145,7 @@ def arguments():
     parser.add_argument("--steps", type=int, required=True, help="in total")
     parser.add_argument("--batch", type=int, default=6, help="sequences in a step (6)")
     parser.add_argument("--length", type=int, default=40, help="instants in a sequence (40)")
+    parser.add_argument("--history", type=int, default=40, help="instants before every other sequence, without gradients (40)")
     parser.add_argument("--rate", type=float, default=2e-3, help="of Adam (2e-3)")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--keep-first", action="store_true", help="leave the layers before the blocks as they are: a fifth faster")
@@ -163,7 +169,8 @@ def train(options):
             training.seeds = sorted(names)
         begin = time.process_time()
         random = np.random.default_rng([options.seed, training.step])  # the same draws after an interruption
-        parts = training.advance(drawn(data, random, options.batch, options.length), options.rate)
+        history = options.history * int(random.integers(2))
+        parts = training.advance(drawn(data, random, options.batch, history + options.length), options.length, options.rate)
         training.seconds += time.process_time() - begin
         for k, v in parts.items():
             sums[k] = sums.get(k, 0.0) + v

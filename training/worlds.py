@@ -116,6 +116,19 @@ class World:
             setattr(kept, name, getattr(self, name)[self.own])
         return kept
 
+    def image_shift_px(self, times_ms):
+        """How far (x, y) the camera's rotation has moved the middle of the image since the previous time; 0 at the first one.
+        The translation of the camera and the lens are neglected."""
+        rows = np.clip(np.round(times_ms).astype(int) - 1, 0, self.duration_ms - 1)
+        w, x, y, z = self.eye[rows].T
+        root_from_camera = np.stack([
+            np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)], -1),
+            np.stack([2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)], -1),
+            np.stack([2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)], -1)], -2)
+        earlier = root_from_camera[np.maximum(np.arange(len(rows)) - 1, 0), :, 2]
+        axis = np.einsum("nji,nj->ni", root_from_camera, earlier)
+        return axis[:, :2] / axis[:, 2:] * self.camera[2:4]
+
     @property
     def with_ball(self):
         return "_ball_" in self.name
