@@ -58,7 +58,8 @@ class Memory(nn.Module):
                 state = shifted(state, shift[:, t])
             state = torch.addcmul(added, factor, state)
             states.append(state)
-        return self.out(torch.stack(states, 1).flatten(0, 1)), state
+        remembered = torch.stack(states, 1).flatten(0, 1).contiguous(memory_format=torch.channels_last)
+        return self.out(remembered), state
 
 
 class Network(nn.Module):
@@ -87,7 +88,8 @@ class Network(nn.Module):
         shift: batch x time x 2, whole squares that the camera's rotation has moved the image by since the step before.
         Returns batch x time x outputs x rows x columns of squares, and the state after the last step."""
         batch = len(x)
-        x = functional.relu(self.first(x.flatten(0, 1)))
+        x = x.flatten(0, 1).contiguous(memory_format=torch.channels_last)  # twice as fast
+        x = functional.relu(self.first(x))
         x = functional.relu(self.second_point(self.second_depth(x)))
         state = list(state)
         for n, (depth, point) in enumerate(zip(self.depth, self.point)):

@@ -89,7 +89,7 @@ class Training:
 
     def __init__(self, options):
         torch.manual_seed(options.seed)
-        self.network = Network()
+        self.network = Network().to(memory_format=torch.channels_last)
         if START.exists() and not options.from_nothing:
             network_module.load_start(self.network, dict(np.load(START)))
         if options.keep_first:
