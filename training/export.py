@@ -81,7 +81,7 @@ def export(checkpoint, data, figures, out):
                          "gate_step_ms": network_module.STEP_MS},
         "multiplications_128x128_level_1": network_module.multiplications(128, 128, [1]),
         "recipe": "docs/training.md; first weights: start.npz (the network for discs without memory)",
-        "options": {k: v for k, v in kept["recipe"].items() if k in ("batch", "length", "history", "rate", "seed", "from_nothing", "keep_first")},
+        "options": {k: v for k, v in kept["recipe"].items() if k in ("steps", "batch", "length", "history", "rate", "seed", "from_nothing", "keep_first")},
         "training_worlds": kept["seeds"],
         "steps": kept["step"],
         "processor_seconds": round(kept["seconds"]),

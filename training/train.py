@@ -3,7 +3,7 @@
     python3 -m training.train --data DATA --checkpoint FILE --steps 2000
 
 The checkpoint has weights, their running means, the optimiser, the number of steps and the recipe. If it is there, training
-goes on from it. --steps is the total, so the same command continues after an interruption.
+goes on from it. --steps is the total, so the same command continues after an interruption; the rate falls over the last of them.
 """
 import argparse
 import ctypes
@@ -22,7 +22,8 @@ from .network import Network
 ROOT = Path(__file__).resolve().parent.parent
 START = ROOT / "models/recurrent/start.npz"
 INLIER_CENTRE_PX, INLIER_RADIUS_PX = 6.0, 2.0
-MEAN_OF_STEPS = 200  # time constant of the running means of the weights
+MEAN_OF_STEPS = 0.2  # time constant of the running means of the weights, as a share of the steps so far
+COOLING = 0.3  # share of the steps at the end in which the rate falls linearly to a twentieth
 BEST = 3  # circles per instant that the inlier's log odds are trained on
 
 
@@ -132,7 +133,7 @@ class Training:
         torch.nn.utils.clip_grad_norm_(self.network.parameters(), 5.0)
         self.adam.step()
         self.step += 1
-        keep = 1 - 1 / min(MEAN_OF_STEPS, self.step + 1)
+        keep = 1 - 1 / (1 + MEAN_OF_STEPS * self.step)
         for name, value in self.network.state_dict().items():
             self.means[name].mul_(keep).add_(value, alpha=1 - keep)
         return parts
@@ -170,7 +171,8 @@ def train(options):
         begin = time.process_time()
         random = np.random.default_rng([options.seed, training.step])  # the same draws after an interruption
         history = options.history * int(random.integers(2))
-        parts = training.advance(drawn(data, random, options.batch, history + options.length), options.length, options.rate)
+        rate = options.rate * min(1.0, max(0.05, (1 - training.step / options.steps) / COOLING))
+        parts = training.advance(drawn(data, random, options.batch, history + options.length), options.length, rate)
         training.seconds += time.process_time() - begin
         for k, v in parts.items():
             sums[k] = sums.get(k, 0.0) + v
