@@ -15,7 +15,7 @@ import torch
 
 from . import network as network_module
 from . import sequences, surface, worlds
-from .judge import load_network, mean
+from .judge import load_network
 from .surface import Surface
 
 GOLDEN_STEPS, GOLDEN_CELLS, GOLDEN_STEP_MS = 12, 32, 5.0
@@ -42,6 +42,11 @@ def golden(network, world):
         torch.from_numpy(inputs)[None], torch.tensor([GOLDEN_STEP_MS]), start, torch.from_numpy(shift)[None])
     memory = {f"memory_{n}": s[0].numpy() for n, s in enumerate(state)}
     return {"inputs": inputs, "dt_ms": np.float32(GOLDEN_STEP_MS), "shift": shift, "outputs": out[0].numpy(), **memory}
+
+
+def mean(values):
+    values = [v for v in values if v is not None]
+    return round(float(np.mean(values)), 3) if values else None
 
 
 def summary(results):
