@@ -11,7 +11,7 @@ import torch
 from torch.nn import functional
 
 from . import surface, worlds
-from .network import OUTPUTS, Network, load_start, multiplications
+from .network import Network, load_weights, multiplications
 from .surface import SQUARE, Surface
 
 CHUNK = 8  # steps at once
@@ -217,11 +217,7 @@ def load_network(path):
     log odds of the ball's centre stand for those of an inlier."""
     network = Network()
     if path.suffix == ".npz":
-        arrays = dict(np.load(path))
-        if len(arrays["output.bias"]) < len(OUTPUTS):
-            load_start(network, arrays)
-        else:
-            network.load_state_dict({k: torch.from_numpy(v) for k, v in arrays.items()})
+        load_weights(network, dict(np.load(path)))
     else:
         network.load_state_dict(torch.load(path)["means"])
     return network.eval()

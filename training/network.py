@@ -126,3 +126,11 @@ def load_start(network, arrays):
     for name in ("output.weight", "output.bias"):  # the inlier's log odds start as those of the centre
         own[name][8] = own[name][0]
     network.load_state_dict(own)
+
+
+def load_weights(network, arrays):
+    """Exported weights, or those without memory."""
+    if len(arrays["output.bias"]) < len(OUTPUTS):
+        load_start(network, arrays)
+    else:
+        network.load_state_dict({name: torch.from_numpy(values) for name, values in arrays.items()})

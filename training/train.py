@@ -91,8 +91,8 @@ class Training:
     def __init__(self, options):
         torch.manual_seed(options.seed)
         self.network = Network().to(memory_format=torch.channels_last)
-        if START.exists() and not options.from_nothing:
-            network_module.load_start(self.network, dict(np.load(START)))
+        if not options.from_nothing:
+            network_module.load_weights(self.network, dict(np.load(options.start)))
         if options.keep_first:
             for layer in (self.network.first, self.network.second_depth, self.network.second_point):
                 layer.requires_grad_(False)
@@ -151,7 +151,8 @@ def arguments():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--keep-first", action="store_true", help="leave the layers before the blocks as they are: a fifth faster")
     parser.add_argument("--threads", type=int, default=1)
-    parser.add_argument("--from-nothing", action="store_true", help="random weights at first, not models/recurrent/start.npz")
+    parser.add_argument("--start", type=Path, default=START, help="first weights: start.npz or exported ones (start.npz)")
+    parser.add_argument("--from-nothing", action="store_true", help="random weights at first")
     return parser
 
 
