@@ -1,0 +1,68 @@
+"""The whole recipe in about two minutes: makes three small worlds, trains, resumes, judges and exports, and checks each step.
+
+    python3 -m training.tiny --saccade build/release/bin/saccade --out FOLDER
+"""
+import argparse
+import shutil
+import sys
+from pathlib import Path
+
+import numpy as np
+import torch
+
+from . import export, judge, surface, train, worlds
+
+SEEDS = ((100000, True), (100003, False), (100004, True))  # 64 and 96 px wide
+STEPS = 6
+
+
+def check(right, text):
+    if not right:
+        sys.exit(f"training.tiny: {text}")
+
+
+def trained(data, checkpoint, steps):
+    arguments = ["--data", data, "--checkpoint", checkpoint, "--steps", steps, "--batch", 2, "--length", 24, "--history", 8]
+    return train.train(train.arguments().parse_args(list(map(str, arguments))))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--saccade", type=Path, default=worlds.ROOT / "build/release/bin/saccade", help="the program")
+    parser.add_argument("--scenario", type=Path, default=worlds.ROOT / "scenarios/random_world.yaml")
+    parser.add_argument("--out", type=Path, required=True, help="folder for worlds, checkpoints and weights; emptied first")
+    options = parser.parse_args()
+    shutil.rmtree(options.out, ignore_errors=True)
+    data = options.out / "worlds"
+    data.mkdir(parents=True)
+    for seed, ball in SEEDS:
+        worlds.make(options.saccade, options.scenario, seed, "train", ball, data)
+
+    whole = trained(data, options.out / "whole.pt", STEPS)
+    trained(data, options.out / "resumed.pt", STEPS // 2)
+    resumed = trained(data, options.out / "resumed.pt", STEPS)
+    for name, value in whole.network.state_dict().items():
+        check(torch.equal(value, resumed.network.state_dict()[name]), f"{name} differs after resuming")
+    begun = dict(np.load(train.START))
+    check(not np.array_equal(begun["first.weight"], whole.network.first.weight.detach().numpy()), "the weights did not change")
+
+    found, _ = judge.of_network(judge.load_network(options.out / "whole.pt"), worlds.World(data / "train_ball_100004"), 8.0)
+    check(found["among"] > 0.3, f"found the ball of world 100004 in {found['among']:.2f} of the instants, expected more than 0.3")
+
+    export.export(options.out / "whole.pt", data, None, options.out / "model")
+    golden = np.load(options.out / "model/golden.npz")
+    network = judge.load_network(options.out / "model/weights.npz")
+    squares = export.GOLDEN_CELLS // surface.SQUARE
+    state, outputs = network.start(1, squares, squares), []
+    with torch.no_grad():
+        for inputs, shift in zip(golden["inputs"], golden["shift"]):  # step by step, as the program does; golden.npz has all steps at once
+            step = (torch.from_numpy(inputs)[None, None], torch.tensor([float(golden["dt_ms"])]), state)
+            out, state = network(*step, torch.from_numpy(shift)[None, None])
+            outputs.append(out[0, 0].numpy())
+    error = np.abs(np.stack(outputs) - golden["outputs"]) / np.maximum(1, np.abs(golden["outputs"]))
+    check(error.max() <= 1e-5, f"outputs differ by {error.max():.1e} from golden.npz")
+    print(f"training.tiny: trained {STEPS} steps, right circle among those found in {found['among']:.2f} of the instants")
+
+
+if __name__ == "__main__":
+    main()
