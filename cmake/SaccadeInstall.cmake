@@ -16,7 +16,7 @@ install(TARGETS saccade DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
 # The helper program that reads HDF5, and the library that reads and writes images (recording/helper_reader.h).
 install(TARGETS saccade_hdf5_reader saccade_image_codecs_library DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/saccade COMPONENT program)
 install(DIRECTORY ${saccade_SOURCE_DIR}/models ${saccade_SOURCE_DIR}/scenarios DESTINATION ${SACCADE_DATA_DIR}
-  COMPONENT program PATTERN invalid EXCLUDE)
+  COMPONENT program PATTERN invalid EXCLUDE PATTERN recurrent EXCLUDE)
 
 # Man pages and the completion of shells, where Debian's packages have them; apps/CMakeLists.txt makes them with the program.
 install(DIRECTORY ${saccade_BINARY_DIR}/pages/ DESTINATION ${CMAKE_INSTALL_DATADIR} COMPONENT manual)
