@@ -3,7 +3,7 @@
     python3 -m training.export --data DATA --checkpoint FILE --figures JUDGED.json --out models/recurrent
 
 golden.npz: inputs (time x channels x rows x columns of cells), dt_ms, shift (time x 2: x and y, squares by which the memory moves
-before the step), outputs (time x outputs x rows x columns of squares) and the memory after the last step (memory_0, memory_1: channels x rows x columns), from PyTorch, of the first training world.
+before the step), motion (time x 3), outputs (time x outputs x rows x columns of squares) and the memory after the last step (memory_0, memory_1: channels x rows x columns), from PyTorch, of the first training world.
 """
 import argparse
 import hashlib
@@ -37,11 +37,14 @@ def golden(network, world):
     squares = GOLDEN_CELLS // surface.SQUARE
     shift = np.zeros((GOLDEN_STEPS, 2), np.int64)
     shift[3], shift[7], shift[9] = (1, 0), (-1, 2), (0, -1)
+    motion = network_module.motion(shift * (100 / GOLDEN_STEP_MS), True)
+    motion[GOLDEN_STEPS // 2 :] = 0  # unknown
     start = network.start(1, squares, squares)
     out, state = network(
-        torch.from_numpy(inputs)[None], torch.tensor([GOLDEN_STEP_MS]), start, torch.from_numpy(shift)[None])
+        torch.from_numpy(inputs)[None], torch.tensor([GOLDEN_STEP_MS]), start, torch.from_numpy(shift)[None],
+        torch.from_numpy(motion)[None])
     memory = {f"memory_{n}": s[0].numpy() for n, s in enumerate(state)}
-    return {"inputs": inputs, "dt_ms": np.float32(GOLDEN_STEP_MS), "shift": shift, "outputs": out[0].numpy(), **memory}
+    return {"inputs": inputs, "dt_ms": np.float32(GOLDEN_STEP_MS), "shift": shift, "motion": motion, "outputs": out[0].numpy(), **memory}
 
 
 def mean(values):
@@ -73,6 +76,8 @@ def export(checkpoint, data, figures, out):
             "channels": [f"{p}, tau {tau:g} ms" for p in ("ON", "OFF") for tau in surface.TAU_MS],
             "unit": "sum over the pixels of a cell of exp(-age of the newest event / tau), times (cell size in px)^-1.5",
             "memory": "moved by whole squares of 4 x 4 cells with the middle of the image, by the camera's rotation",
+            "motion": "v = speed of the image's middle by the camera's rotation, squares per 100 ms: sign(v) ln(1 + |v|) of x and y, "
+                      "then 1; all 0 where the joints are not known",
             "step_ms": sequences.STEP_MS,
         },
         "outputs": {

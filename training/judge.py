@@ -11,7 +11,7 @@ import torch
 from torch.nn import functional
 
 from . import surface, worlds
-from .network import Network, load_weights, multiplications
+from .network import Network, load_weights, motion, multiplications
 from .surface import SQUARE, Surface
 
 CHUNK = 8  # steps at once
@@ -31,6 +31,7 @@ def circles_of(network, world, step_ms, joints=True):
     bounds = np.searchsorted(world.t_ms, times)
     shift_px = world.image_shift_px(times) * joints
     shifts = [torch.from_numpy(surface.whole_squares(shift_px, c))[None] for c in cells]
+    motions = [torch.from_numpy(motion(shift_px / (SQUARE * c) * (100 / step_ms), joints))[None] for c in cells]
     shapes = [(-(-world.height // (SQUARE * c)), -(-world.width // (SQUARE * c))) for c in cells]
     states = [network.start(1, *shape) for shape in shapes]
     found, last = [], 0
@@ -45,7 +46,7 @@ def circles_of(network, world, step_ms, joints=True):
         for n, c in enumerate(cells):
             x = torch.from_numpy(np.stack(inputs[n]))[None]
             shift = shifts[n][:, begin : begin + CHUNK]
-            out, states[n] = network(x, torch.tensor([step_ms]), states[n], shift)
+            out, states[n] = network(x, torch.tensor([step_ms]), states[n], shift, motions[n][:, begin : begin + CHUNK])
             circles.append(decoded(out[0], c))
         found.append(torch.cat(circles, 1))
     found = torch.cat(found).numpy()

@@ -1,4 +1,5 @@
 """The recurrent network: convolutions to one square per 4 x 4 cells, dilated blocks, two of them with memory, and a head."""
+import numpy as np
 import torch
 from torch import nn
 from torch.nn import functional
@@ -9,6 +10,8 @@ FIRST_CHANNELS, CHANNELS, RANK = 16, 48, 16
 DILATIONS = (1, 2, 2, 3)
 RECURRENT = (1, 3)  # blocks with memory
 STEP_MS = 5.0  # time in which a gate of 0 forgets half
+MOTION = 3  # numbers that tell how the camera moves the image: motion()
+MOTION_HIDDEN = 32
 OUTPUTS = (
     "log_odds",  # that a ball's centre is in the square
     "x", "y",  # of the centre from the middle of the square, squares
@@ -27,6 +30,12 @@ def shifted(state, shift):
         x, y = max(-limit[0], min(limit[0], x)), max(-limit[1], min(limit[1], y))
         maps.append(functional.pad(one, (x, -x, y, -y)) if x or y else one)
     return torch.cat(maps)
+
+
+def motion(squares_per_100_ms, known):
+    """What the network is told of the image's motion by the camera's rotation: ... x 2 -> ... x MOTION."""
+    v = squares_per_100_ms * known
+    return np.concatenate([np.sign(v) * np.log1p(abs(v)), np.full((*v.shape[:-1], 1), known)], -1).astype(np.float32)
 
 
 class Memory(nn.Module):
@@ -73,6 +82,9 @@ class Network(nn.Module):
             nn.Conv2d(CHANNELS, CHANNELS, 3, padding=d, dilation=d, groups=CHANNELS, bias=False) for d in DILATIONS)
         self.point = nn.ModuleList(nn.Conv2d(CHANNELS, CHANNELS, 1) for _ in DILATIONS)
         self.memory = nn.ModuleList(Memory() for _ in RECURRENT)
+        self.motion = nn.Sequential(
+            nn.Linear(MOTION, MOTION_HIDDEN), nn.ReLU(), nn.Linear(MOTION_HIDDEN, (1 + len(DILATIONS)) * CHANNELS, bias=False))
+        nn.init.zeros_(self.motion[2].weight)
         self.output = nn.Conv2d(CHANNELS, len(OUTPUTS), 1)
         nn.init.zeros_(self.output.weight[4:])
         nn.init.zeros_(self.output.bias)
@@ -83,14 +95,16 @@ class Network(nn.Module):
         """The state before the first step; rows and columns in squares."""
         return [torch.zeros(batch, CHANNELS, rows, columns) for _ in RECURRENT]
 
-    def forward(self, x, dt_ms, state, shift):
+    def forward(self, x, dt_ms, state, shift, motion):
         """x: batch x time x channels x rows x columns of cells, multiples of surface.SQUARE; dt_ms: batch, time between steps;
-        shift: batch x time x 2, whole squares that the camera's rotation has moved the image by since the step before.
+        shift: batch x time x 2, whole squares that the camera's rotation has moved the image by since the step before;
+        motion: batch x time x MOTION.
         Returns batch x time x outputs x rows x columns of squares, and the state after the last step."""
         batch = len(x)
         x = x.flatten(0, 1).contiguous(memory_format=torch.channels_last)  # twice as fast
         x = functional.relu(self.first(x))
-        x = functional.relu(self.second_point(self.second_depth(x)))
+        bias = self.motion(motion.flatten(0, 1))[:, :, None, None].chunk(1 + len(DILATIONS), 1)
+        x = functional.relu(self.second_point(self.second_depth(x)) + bias[0])
         state = list(state)
         for n, (depth, point) in enumerate(zip(self.depth, self.point)):
             u = depth(x)
@@ -99,7 +113,7 @@ class Network(nn.Module):
                 k = RECURRENT.index(n)
                 remembered, state[k] = self.memory[k](x, u, dt_ms, state[k], shift)
                 add = add + remembered
-            x = functional.relu(x + add)
+            x = functional.relu(x + add + bias[1 + n])
         return self.output(x).unflatten(0, (batch, -1)), state
 
 
@@ -133,4 +147,4 @@ def load_weights(network, arrays):
     if len(arrays["output.bias"]) < len(OUTPUTS):
         load_start(network, arrays)
     else:
-        network.load_state_dict({name: torch.from_numpy(values) for name, values in arrays.items()})
+        network.load_state_dict(network.state_dict() | {name: torch.from_numpy(values) for name, values in arrays.items()})

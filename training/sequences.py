@@ -1,12 +1,13 @@
 """Training sequences: a part of a world's image on one level of the pyramid, over a number of steps, with targets."""
 import numpy as np
 
-from . import surface
+from . import network, surface
 from .surface import SQUARE, Surface
 
 CROP = 64  # cells
 STEP_MS = (5.0, 14.0)
 ON_BALL = 0.65  # share of the sequences that show the ball at an instant within them
+AT_EVENTS = 0.6  # share of the others whose crop has a place of an event, drawn from all of the world
 WITHOUT_JOINTS = 0.25  # share of the sequences whose memory is not moved with the camera
 SHOWN = 0.6  # a ball counts from the instant on at which this many times its radius of pixels near it had an event in 270 ms
 
@@ -21,9 +22,9 @@ def hot_pixels(random, width, height, begin_ms, end_ms, rate_per_ms):
     return np.concatenate(times).astype(np.float32), np.concatenate(indices)
 
 
-def flipped(inputs, truth, shift, random):
+def flipped(inputs, truth, shift, motion, random):
     """Polarity exchanged, mirrored and transposed at random. inputs: time x channels x rows x columns. truth: time x (x, y, r,
-    visible, vx, vy), in cells from the crop's first one. shift: time x 2."""
+    visible, vx, vy), in cells from the crop's first one. shift, motion: time x 2."""
     if random.random() < 0.5:
         half = surface.CHANNELS // 2
         inputs = np.concatenate([inputs[:, half:], inputs[:, :half]], 1)
@@ -33,9 +34,11 @@ def flipped(inputs, truth, shift, random):
             truth[:, x] = CROP - 1 - truth[:, x]
             truth[:, v] *= -1
             shift[:, x] *= -1
+            motion[:, x] *= -1
     if random.random() < 0.5:
-        inputs, truth, shift = inputs.transpose(0, 1, 3, 2), truth[:, [1, 0, 2, 3, 5, 4]], shift[:, ::-1].copy()
-    return np.ascontiguousarray(inputs), truth, shift
+        inputs, truth = inputs.transpose(0, 1, 3, 2), truth[:, [1, 0, 2, 3, 5, 4]]
+        shift, motion = shift[:, ::-1].copy(), motion[:, ::-1]
+    return np.ascontiguousarray(inputs), truth, shift, motion
 
 
 def draw(worlds, random, length):
@@ -66,6 +69,9 @@ def draw(worlds, random, length):
             cell = cells[random.integers(len(cells))]
             counts = (-(-world.width // cell), -(-world.height // cell))
             corner = [random.integers(min(-8, n - CROP - 8), max(n - CROP + 8, -7)) for n in counts]
+            if random.random() < AT_EVENTS and len(world.x):
+                event = random.integers(len(world.x))
+                corner = [int(p // cell - random.uniform(8, CROP - 8)) for p in (world.x[event], world.y[event])]
         first = moment - random.uniform(0, length) * step
         first = np.clip(first, step, world.duration_ms - 1 - step * length)
         break
@@ -109,11 +115,13 @@ def draw(worlds, random, length):
             newest = part.maps[3].reshape(2, part.height, part.width)[:, y0:y1, x0:x1]
             seen = (newest > 0.35).sum() >= SHOWN * truth[k, 2] * cell
         shown[k] = seen
-    shift = surface.whole_squares(world.image_shift_px(times), cell)
-    if random.random() < WITHOUT_JOINTS:
-        shift[:] = 0
-    inputs, truth, shift = flipped(inputs, truth, shift, random)
-    return {"inputs": inputs, "shift": shift, "dt_ms": np.float32(dt), "cell": np.float32(cell), "truth": truth, "shown": shown}
+    shift_px = world.image_shift_px(times)
+    joints = random.random() >= WITHOUT_JOINTS
+    shift = surface.whole_squares(shift_px * joints, cell)
+    speed = shift_px / (SQUARE * cell) * (100 / dt)
+    speed[0] = speed[1]  # the first one has no earlier instant
+    inputs, truth, shift, speed = flipped(inputs, truth, shift, speed, random)
+    return {"inputs": inputs, "shift": shift, "motion": network.motion(speed, joints), "dt_ms": np.float32(dt), "cell": np.float32(cell), "truth": truth, "shown": shown}
 
 
 def targets(truth, shown):

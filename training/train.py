@@ -24,6 +24,7 @@ START = ROOT / "models/recurrent/start.npz"
 INLIER_CENTRE_PX, INLIER_RADIUS_PX = 6.0, 2.0
 MEAN_OF_STEPS = 0.2  # time constant of the running means of the weights, as a share of the steps so far
 COOLING = 0.3  # share of the steps at the end in which the rate falls linearly to a twentieth
+NEW = ("memory", "motion", "output")  # parameters that start.npz does not have, or not all of
 BEST = 3  # circles per instant that the inlier's log odds are trained on
 
 
@@ -96,8 +97,8 @@ class Training:
         if options.keep_first:
             for layer in (self.network.first, self.network.second_depth, self.network.second_point):
                 layer.requires_grad_(False)
-        fresh = [p for n, p in self.network.named_parameters() if n.startswith(("memory", "output"))]
-        known = [p for n, p in self.network.named_parameters() if not n.startswith(("memory", "output"))]
+        fresh = [p for n, p in self.network.named_parameters() if n.startswith(NEW)]
+        known = [p for n, p in self.network.named_parameters() if not n.startswith(NEW)]
         known_rate = 1.0 if options.from_nothing else 0.5
         self.adam = torch.optim.Adam([{"params": fresh, "share": 1.0}, {"params": known, "share": known_rate}], lr=options.rate)
         self.means = {k: v.clone() for k, v in self.network.state_dict().items()}
@@ -121,12 +122,12 @@ class Training:
             group["lr"] = rate * group["share"] * min(1.0, (self.step + 1) / 50)
         squares = sequences.CROP // surface.SQUARE
         state = self.network.start(len(batch["dt_ms"]), squares, squares)
-        inputs, dt_ms, shift = (torch.from_numpy(batch[k]) for k in ("inputs", "dt_ms", "shift"))
+        inputs, dt_ms, shift, motion = (torch.from_numpy(batch[k]) for k in ("inputs", "dt_ms", "shift", "motion"))
         history = inputs.shape[1] - length
         if history:  # the memory of earlier instants, without gradients
             with torch.no_grad():
-                _, state = self.network(inputs[:, :history], dt_ms, state, shift[:, :history])
-        out, _ = self.network(inputs[:, history:], dt_ms, state, shift[:, history:])
+                _, state = self.network(inputs[:, :history], dt_ms, state, shift[:, :history], motion[:, :history])
+        out, _ = self.network(inputs[:, history:], dt_ms, state, shift[:, history:], motion[:, history:])
         loss, parts = loss_of(out, {k: batch[k][:, history:] if k in ("truth", "shown") else batch[k] for k in batch})
         self.adam.zero_grad()
         loss.backward()
