@@ -250,6 +250,13 @@ void RecurrentLevel::begin(const Step& step) {
   row_ = 0;
 }
 
+std::int64_t RecurrentLevel::multiplications() const {
+  constexpr std::size_t per_square = 4 * 9 * Model::inputs * Model::first_channels + Model::first_channels * (9 + C) +
+                                     Model::blocks * C * (9 + C) + Model::memories * C * (C + 2 * Model::rank) +
+                                     C * Model::outputs;
+  return static_cast<std::int64_t>(per_square) * (rows_ / square) * (columns_ / square);
+}
+
 std::int64_t RecurrentLevel::row(Maps& maps) {
   if (!busy()) return 0;
   const auto places = static_cast<std::int64_t>(columns_ / square);

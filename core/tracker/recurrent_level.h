@@ -50,6 +50,8 @@ class RecurrentLevel {
   /// One row of the stage under way: the multiplications that it took at most. 0 without a step under way.
   std::int64_t row(Maps& maps);
   [[nodiscard]] bool busy() const { return stage_ < stages; }
+  /// Of a step at most.
+  [[nodiscard]] std::int64_t multiplications() const;
 
   /// Of the last complete step, row by row.
   [[nodiscard]] std::span<const Square> output() const { return output_; }
