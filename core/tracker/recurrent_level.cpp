@@ -211,7 +211,6 @@ void move_squares(std::vector<float>& map, int rows, int columns, int x, int y) 
 void RecurrentLevel::Maps::reserve(int rows, int columns) {
   const auto cells = static_cast<std::size_t>(rows * columns);
   const auto grow = [](std::vector<float>& map, std::size_t size) { map.resize(std::max(map.size(), size)); };
-  grow(input, cells * Model::inputs);
   grow(first, cells / 4 * Model::first_channels);
   grow(a, cells / 16 * C);
   grow(b, cells / 16 * C);
@@ -221,6 +220,7 @@ RecurrentLevel::RecurrentLevel(std::shared_ptr<const RecurrentModel> model, int 
     : model_(std::move(model)), rows_(rows), columns_(columns), bias_{} {
   const auto squares = static_cast<std::size_t>(rows * columns / (square * square));
   for (std::vector<float>& memory : memory_) memory.assign(squares * C, 0.0F);
+  input_.assign(static_cast<std::size_t>(rows * columns) * Model::inputs, 0.0F);
   Square none{};
   none.log_odds = none.inlier_log_odds = -20.0F;
   output_.assign(squares, none);
@@ -266,7 +266,7 @@ std::int64_t RecurrentLevel::row(Maps& maps) {
   if (stage_ == 0) {
     rows = rows_ / 2;
     float* out = maps.first.data() + at * static_cast<std::size_t>(columns_ / 2) * Model::first_channels;
-    first_row({maps.input.data(), rows_, columns_}, row_, *model_, out);
+    first_row({input_.data(), rows_, columns_}, row_, *model_, out);
     cost = 2 * places * static_cast<std::int64_t>(9 * Model::inputs * Model::first_channels);
   } else if (stage_ == 1) {
     float* out = maps.a.data() + at * static_cast<std::size_t>(places) * C;

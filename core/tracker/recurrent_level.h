@@ -18,7 +18,7 @@ class RecurrentLevel {
   static constexpr int square = 4;  ///< cells
   /// Maps between the stages; levels that work one after the other share one.
   struct Maps {
-    std::vector<float> input, first, a, b;  ///< rows x columns x channels
+    std::vector<float> first, a, b;  ///< rows x columns x channels
     void reserve(int rows, int columns);
   };
   /// Numbers of an output square, in the order of the model.
@@ -45,7 +45,9 @@ class RecurrentLevel {
     std::array<float, 2> speed;   ///< of the image by that rotation, squares per 100 ms
     bool rotation_known;          ///< else speed and shift are 0
   };
-  /// Moves the memory and starts a step on maps.input.
+  /// What a step starts from: rows x columns x RecurrentModel::inputs. Written before the step's first row.
+  [[nodiscard]] std::span<float> input() { return input_; }
+  /// Moves the memory and starts a step.
   void begin(const Step& step);
   /// One row of the stage under way: the multiplications that it took at most. 0 without a step under way.
   std::int64_t row(Maps& maps);
@@ -65,6 +67,7 @@ class RecurrentLevel {
   std::shared_ptr<const RecurrentModel> model_;
   int rows_, columns_;
   std::array<std::vector<float>, Model::memories> memory_;
+  std::vector<float> input_;
   std::vector<Square> output_;
   std::array<std::array<float, Model::channels>, Model::motion_outputs> bias_;  // of the step
   float dt_ms_ = 0.0F;

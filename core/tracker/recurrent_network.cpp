@@ -59,7 +59,7 @@ RecurrentNetwork::RecurrentNetwork(std::shared_ptr<const RecurrentModel> model, 
     levels_.push_back({cell, {model, cells(size.height), cells(size.width)}});
     maps_.reserve(levels_.back().network.rows(), levels_.back().network.columns());
   }
-  level_ = levels_.size();
+  level_ = input_level_ = levels_.size();
 }
 
 std::int64_t RecurrentNetwork::multiplications() const {
@@ -73,7 +73,8 @@ void RecurrentNetwork::begin(std::int64_t now_us, const std::optional<Eigen::Vec
   dt_ms_ = std::clamp(static_cast<double>(dt_us) * 1e-3, least_dt_ms, most_dt_ms);
   now_us_ = now_us;
   image_shift_px_ = image_shift_px;
-  level_ = 0;
+  level_ = input_level_ = 0;
+  input_row_ = 0;
   begin_level();
 }
 
@@ -91,19 +92,21 @@ void RecurrentNetwork::begin_level() {
     for (int i = 0; i < 2; ++i) step.speed[static_cast<std::size_t>(i)] = static_cast<float>(squares[i] * 100.0 / dt_ms_);
   }
   level.network.begin(step);
-  input_rows_ = 0;
 }
 
 bool RecurrentNetwork::work(std::int64_t multiplications) {
   if (!busy()) return false;
   while (multiplications > 0) {
-    Level& level = levels_[level_];
-    if (input_rows_ < level.network.rows()) {
+    if (input_level_ < levels_.size()) {  // first of all, so that hardly any later event gets into them
+      Level& level = levels_[input_level_];
       input_row(level);
-      ++input_rows_;
-      multiplications -= std::int64_t{level.network.columns()} * level.cell_px * level.cell_px * 8;
+      multiplications -= std::int64_t{level.network.columns()} * level.cell_px * level.cell_px * RecurrentModel::inputs;
+      if (++input_row_ < level.network.rows()) continue;
+      input_row_ = 0;
+      ++input_level_;
       continue;
     }
+    Level& level = levels_[level_];
     multiplications -= level.network.row(maps_);
     if (level.network.busy()) continue;
     if (++level_ < levels_.size()) {
@@ -116,17 +119,17 @@ bool RecurrentNetwork::work(std::int64_t multiplications) {
   return false;
 }
 
-void RecurrentNetwork::input_row(const Level& level) {
+void RecurrentNetwork::input_row(Level& level) {
   constexpr std::size_t channels = RecurrentModel::inputs;
   const Decays& table = decays();
   const int cell = level.cell_px;
   const float scale = std::sqrt(static_cast<float>(cell)) / static_cast<float>(cell * cell);
-  float* out = maps_.input.data() + static_cast<std::size_t>(input_rows_ * level.network.columns()) * channels;
-  const int y_end = std::min(size_.height, (input_rows_ + 1) * cell);
+  float* out = level.network.input().data() + static_cast<std::size_t>(input_row_ * level.network.columns()) * channels;
+  const int y_end = std::min(size_.height, (input_row_ + 1) * cell);
   for (int column = 0; column < level.network.columns(); ++column, out += channels) {
     std::array<float, channels> sum{};
     const int x_end = std::min(size_.width, (column + 1) * cell);
-    for (int y = input_rows_ * cell; y < y_end; ++y) {
+    for (int y = input_row_ * cell; y < y_end; ++y) {
       for (int x = column * cell; x < x_end; ++x) {
         for (std::size_t p = 0; p < 2; ++p) {
           const std::int64_t t_us = newest_us_[p * pixels_ + static_cast<std::size_t>(y * size_.width + x)];

@@ -63,7 +63,7 @@ class RecurrentNetwork {
     return (e.on ? 0U : pixels_) + static_cast<std::size_t>(e.y * size_.width + e.x);
   }
   void begin_level();
-  void input_row(const Level& level);
+  void input_row(Level& level);
   void take_result();
 
   ImageSize size_;
@@ -76,8 +76,9 @@ class RecurrentNetwork {
   std::optional<Eigen::Vector2d> image_shift_px_;  // of the step
   double dt_ms_ = 0.0;
   std::int64_t now_us_, found_at_us_;
-  std::size_t level_;  // under way; past the end: none
-  int input_rows_ = 0;  // of it, made
+  std::size_t level_;        // under way; past the end: none
+  std::size_t input_level_;  // whose input is being made, before the first level is under way; past the end: none
+  int input_row_ = 0;        // of it
 };
 
 }  // namespace saccade

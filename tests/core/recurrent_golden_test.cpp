@@ -41,7 +41,7 @@ TEST(RecurrentLevel, GivesTheOutputsOfPyTorchStepByStep) {
   for (std::size_t t = 0; t < steps; ++t) {
     for (std::size_t p = 0; p < cells * cells; ++p) {
       for (std::size_t c = 0; c < RecurrentModel::inputs; ++c)
-        maps.input[p * RecurrentModel::inputs + c] = at(inputs, t * RecurrentModel::inputs * cells * cells, c, p, cells * cells);
+        level.input()[p * RecurrentModel::inputs + c] = at(inputs, t * RecurrentModel::inputs * cells * cells, c, p, cells * cells);
     }
     const bool known = motion[3 * t + 2] != 0.0F;
     const auto speed = [&](std::size_t i) { return known ? shift[2 * t + i] * (100.0F / dt_ms) : 0.0F; };
