@@ -35,7 +35,7 @@ DetectorTick DetectorRunner::call_detector(Detector& detector, std::span<const E
   DetectorTick result;
   result.estimate = detector.estimate();
   const auto end = std::chrono::steady_clock::now();
-  result.observed = result.estimate.valid && (!events.empty() || result.estimate.held);
+  result.observe(!events.empty(), detector.threshold());
   result.on_time = result.observed;
   result.elapsed_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(end - begin).count();
   result.events = static_cast<std::int64_t>(events.size());

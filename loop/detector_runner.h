@@ -25,10 +25,11 @@ struct LateEstimate {
 /// Result of one detector in one tick.
 struct DetectorTick {
   Estimate estimate;
-  bool observed = false;  ///< the estimate is valid, and events came or it is held or predicted
-  bool on_time = false;   ///< observed, and it is held or predicted, or not all of the events came late
-  bool skipped = false;   ///< the detector did not run, see LoopBudget
-  bool busy = false;      ///< the detector did not run: with a latency, an earlier tick's work is not done
+  bool observed = false;      ///< the estimate is valid, and events came or it is held or predicted
+  bool at_threshold = false;  ///< observed, with a score at or above the detector's threshold
+  bool on_time = false;       ///< observed, and it is held or predicted, or not all of the events came late
+  bool skipped = false;       ///< the detector did not run, see LoopBudget
+  bool busy = false;  ///< the detector did not run: with a latency, an earlier tick's work is not done
   std::int64_t elapsed_ns = 0;       ///< of its calls, Detector::work_ahead() before them included
   std::int64_t ready_us = 0;         ///< when the estimate can be used; without a latency the tick's time
   std::int64_t calls = 0;            ///< of the detector with events, or one without
@@ -36,6 +37,12 @@ struct DetectorTick {
   std::int64_t events_left_out = 0;  ///< dropped because too many waited, see LatencyConfig
   std::span<const LateEstimate>
       late;  ///< at instants before the tick, sorted; at most 64; until the next tick
+
+  /// Sets `observed` and `at_threshold` from the estimate. `any_events`: whether any were processed.
+  void observe(bool any_events, double threshold) {
+    observed = estimate.valid && (any_events || estimate.held);
+    at_threshold = observed && estimate.score >= threshold;
+  }
 };
 
 /// Passes the events of each tick to one detector: late events in slices of 1 ms, see Loop. With a latency it has a queue
@@ -113,7 +120,7 @@ class DetectorRunner {
     waiting_.clear();
     done.estimate = last.estimate;
     done.on_time = last.observed && age_us_ < slice_us;
-    done.observed = done.estimate.valid && (any || done.estimate.held);
+    done.observe(any, detector.threshold());
     done.ready_us = last.ready_us;
     done.late = late_;
     free_us_ = last.ready_us;

@@ -438,8 +438,7 @@ std::optional<Eigen::Vector3d> Loop::search_point(const Tick& tick) {
 std::optional<Eigen::Vector3d> Loop::fixational_point(const Tick& tick, double dt_s) {
   if (!fixational_ || !is_finite(*tick.head)) return std::nullopt;
   const DetectorTick& driver = results_[*gaze_->driver];
-  const double threshold = detectors_[*gaze_->driver].detector->threshold();
-  const bool seen = driver.observed && !driver.estimate.held && driver.estimate.score >= threshold;
+  const bool seen = driver.at_threshold && !driver.estimate.held;
   const bool follows = phase_ == GazePhase::following || phase_ == GazePhase::holding;
   const auto right_up_rad = fixational_->update(seen, follows, dt_s);
   if (!right_up_rad) return std::nullopt;

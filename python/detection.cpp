@@ -11,7 +11,7 @@
 #include "python/arrays.h"
 #include "python/keys.h"
 #include "python/module.h"
-#include "recording/saturating.h"
+#include "session/detect_events.h"
 
 namespace py = pybind11;
 
@@ -20,17 +20,11 @@ namespace {
 
 using Instants = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
 
-constexpr std::int64_t tick_us = 1000;
-/// An observation at an instant of its own needs an event at most this much before it.
-constexpr std::int64_t sparse_window_us = 10'000;
-
-/// The last whole millisecond up to t_us.
-std::int64_t whole_tick_us(std::int64_t t_us) { return t_us - (t_us % tick_us + tick_us) % tick_us; }
-
 /// A detector of the registry.
 class NamedDetector {
  public:
-  NamedDetector(std::string name, const std::string& yaml, const Camera& camera) : name_(std::move(name)) {
+  NamedDetector(std::string name, const std::string& yaml, const Camera& camera)
+      : name_(std::move(name)), camera_(camera) {
     const DetectorRegistry registry = all_detectors();
     const DetectorConfig config = config_of(yaml, "detector " + name_, registry.config(name_));
     window_ = config.window();
@@ -76,40 +70,16 @@ class NamedDetector {
         throw InputError("at_us[" + std::to_string(i) + "]", std::to_string(instants[i]),
                          "a time after the one before it, " + std::to_string(instants[i - 1]));
     }
-    std::vector<double> rows;
+    std::vector<TimedEstimate> found;
     {
       const py::gil_scoped_release others_run;
-      std::span<const Event> left = argument.events();
-      // One tick; returns its number of events.
-      const auto pass = [&](std::int64_t t_us) {
-        std::size_t count = 0;
-        while (count < left.size() && left[count].t_us <= t_us) ++count;
-        detector_->process(left.first(count), nullptr);
-        detector_->advance_to(t_us, nullptr);
-        left = left.subspan(count);
-        return count;
-      };
-      const auto observe = [&](std::int64_t t_us) {
-        const std::size_t count = pass(t_us);
-        const Estimate e = detector_->estimate();
-        if (!e.valid || (count == 0 && !e.held)) return;
-        rows.insert(rows.end(), {static_cast<double>(t_us), e.circle.x_px, e.circle.y_px, e.circle.r_px,
-                                 e.score, e.held ? 1.0 : 0.0});
-      };
-      if (at_us && !left.empty()) {
-        std::int64_t last_us = left.front().t_us;
-        for (const std::int64_t t_us : instants) {
-          if (t_us <= last_us) continue;
-          const std::int64_t window_us = saturated_sum(t_us, -sparse_window_us);
-          if (window_us > last_us) pass(window_us);
-          observe(t_us);
-          last_us = t_us;
-        }
-      } else if (!left.empty()) {
-        std::int64_t t_us = start_us.value_or(whole_tick_us(left.front().t_us));
-        while (!left.empty()) observe(t_us += tick_us);
-      }
+      found = at_us ? detect_events_at(*detector_, camera_, argument.events(), instants)
+                    : detect_events(*detector_, camera_, argument.events(), start_us);
     }
+    std::vector<double> rows;
+    for (const auto& [t_us, e] : found)
+      rows.insert(rows.end(), {static_cast<double>(t_us), e.circle.x_px, e.circle.y_px, e.circle.r_px,
+                               e.score, e.held ? 1.0 : 0.0});
     py::array_t<double> table({static_cast<py::ssize_t>(rows.size() / 6), py::ssize_t{6}});
     std::copy(rows.begin(), rows.end(), table.mutable_data());
     return table;
@@ -117,6 +87,7 @@ class NamedDetector {
 
  private:
   std::string name_;
+  Camera camera_;
   std::string window_;
   std::unique_ptr<Detector> detector_;
 };

@@ -10,10 +10,10 @@
 #include <type_traits>
 
 #include "core/error.h"
+#include "core/time_stamp.h"
 #include "python/arrays.h"
 #include "python/module.h"
 #include "recording/format_registry.h"
-#include "recording/saturating.h"
 
 namespace py = pybind11;
 

@@ -8,6 +8,11 @@
 namespace saccade::python {
 namespace {
 
+/// One of its own detectors and gaze, or one that only passes time.
+Loop loop_of(const Scenario& scenario, SimRobot& robot, bool closed_loop) {
+  return closed_loop ? make_loop(scenario, robot) : make_loop(scenario, robot, {}, std::nullopt);
+}
+
 constexpr double tick_s = 1e-6 * static_cast<double>(World::tick_us);
 
 void require(PortStatus status) {
@@ -17,16 +22,17 @@ void require(PortStatus status) {
 }  // namespace
 
 Simulation::Simulation(Scenario scenario, bool closed_loop)
-    : scenario_(std::move(scenario)), robot_(scenario_.sim, static_cast<std::uint64_t>(scenario_.seed)) {
-  if (closed_loop) {
-    loop_.emplace(make_loop(scenario_, robot_));
-    moves_head_ = make_gaze(scenario_, robot_.limits()).has_value();
-  }
+    : scenario_(std::move(scenario)),
+      robot_(scenario_.sim, static_cast<std::uint64_t>(scenario_.seed)),
+      loop_(loop_of(scenario_, robot_, closed_loop)),
+      closed_loop_(closed_loop),
+      observations_(loop_),
+      moves_head_(closed_loop && make_gaze(scenario_, robot_.limits()).has_value()) {
   require(robot_.read(head_));
 }
 
 void Simulation::refuse_in_closed_loop(const char* what) const {
-  if (loop_)
+  if (closed_loop_)
     throw InputError("action", what, "None, because closed_loop=True lets the scenario's gaze move the head");
 }
 
@@ -69,27 +75,21 @@ void Simulation::step_controller() {
 
 void Simulation::step() {
   events_.clear();
-  const std::int64_t t_us = robot_.now_us() + World::tick_us;
-  if (loop_) {
-    require(loop_->tick(t_us, *this));
-    return;
-  }
   if (following_) step_controller();
-  require(robot_.wait_until(t_us));
-  require(robot_.read_until(t_us, events_));
-  require(robot_.read(head_));
+  require(loop_.tick(robot_.now_us() + World::tick_us, *this));
 }
 
 void Simulation::on_tick(const Tick& tick) {
   events_.assign(tick.events.begin(), tick.events.end());
   if (tick.head) head_ = *tick.head;
+  if (!closed_loop_) return;
   if (moves_head_ && !tick.command_rejected) reference_rad_ = tick.command.reference_rad;
   target_m_ = tick.target_m;
+  observations_.on_tick(tick);
   detectors_.clear();
-  for (std::size_t i = 0; i < tick.detectors.size(); ++i) {
-    const DetectorTick& result = tick.detectors[i];
-    detectors_.emplace_back(loop_->detectors()[i].name, result.observed ? result.estimate : Estimate{});
-  }
+  const ObservedInstant& instant = observations_.completed().front();
+  for (std::size_t i = 0; i < loop_.detectors().size(); ++i)
+    detectors_.emplace_back(loop_.detectors()[i].name, instant.observations[i].value_or(Estimate{}));
 }
 
 }  // namespace saccade::python

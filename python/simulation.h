@@ -9,6 +9,7 @@
 #include "control/gaze_controller.h"
 #include "control/joint_limiter.h"
 #include "loop/loop.h"
+#include "session/observations.h"
 #include "sim/sim_robot.h"
 
 namespace saccade::python {
@@ -43,7 +44,7 @@ class Simulation final : private LoopObserver {
   /// Observations of the scenario's detectors in the newest tick, not valid where there is none; empty without
   /// `closed_loop`.
   [[nodiscard]] const std::vector<std::pair<std::string, Estimate>>& detectors() const { return detectors_; }
-  /// LatestValue accepted target, root frame.
+  /// Newest accepted target, root frame.
   [[nodiscard]] const std::optional<Eigen::Vector3d>& target_m() const { return target_m_; }
 
  private:
@@ -53,7 +54,9 @@ class Simulation final : private LoopObserver {
 
   Scenario scenario_;
   SimRobot robot_;
-  std::optional<Loop> loop_;
+  Loop loop_;  // without detectors and gaze unless closed_loop_
+  bool closed_loop_;
+  Observations observations_;
   bool moves_head_ = false;  // the loop sends references in each tick
   std::unique_ptr<GazeController> controller_;
   std::optional<JointLimiter> limiter_;

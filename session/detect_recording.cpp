@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <ranges>
 
 #include "config/cameras.h"
 #include "config/input_files.h"
@@ -13,6 +14,7 @@
 #include "evaluation/report/report.h"
 #include "recording/run_file_names.h"
 #include "robot/replay/replay_robot.h"
+#include "session/annotated_ticks.h"
 #include "session/interrupt.h"
 #include "session/recorded_scores.h"
 #include "session/run_folder.h"
@@ -23,22 +25,14 @@
 namespace saccade {
 namespace {
 
-constexpr std::int64_t tick_us = 1'000;
-/// An observation at an annotated instant needs an event at most this much before it (docs/scoring.md).
-constexpr std::int64_t sparse_window_us = 10'000;
-
-/// Ticks at the annotated instants and at the starts of their observation windows.
-void run_at(std::span<const TruthRow> truth, std::int64_t last_us, Session& session, RecordedScores& scores) {
-  for (const TruthRow& row : truth) {
-    for (const bool scoring : {false, true}) {
-      const std::int64_t t_us = scoring ? row.t_us : row.t_us - sparse_window_us;
-      if (t_us <= last_us) continue;
-      if (interrupted()) return;
-      scores.set_scoring(scoring);
-      if (!session.tick(t_us)) return;
-      last_us = t_us;
-    }
-  }
+void run_at(std::span<const TruthRow> truth, std::int64_t start_us, Session& session,
+            RecordedScores& scores) {
+  const auto times = std::views::transform(truth, &TruthRow::t_us);
+  tick_at_annotated(times, start_us, [&](std::int64_t t_us, bool scoring) {
+    if (interrupted()) return false;
+    scores.set_scoring(scoring);
+    return session.tick(t_us);
+  });
 }
 
 struct TimeSpan {
@@ -162,7 +156,8 @@ void detect_recording(const NamedDetectors& named, const DetectSettings& setting
   Loop loop(robot, camera, make_detectors(named, camera.camera), std::nullopt, source.eye);
   std::unique_ptr<RunFolderLock> lock;
   if (!settings.folder.empty()) lock = prepare_run_folder(settings.folder, settings.force, formats);
-  RecordedScores scores(loop, source.truth, source.chances,
+  Observations observations(loop);
+  RecordedScores scores(loop, observations, source.truth, source.chances,
                         settings.folder.empty() ? "" : settings.folder / "detections.csv");
   Metrics metrics;
   if (settings.json || !settings.folder.empty()) metrics.files = files_read(named, settings, source);
@@ -170,11 +165,12 @@ void detect_recording(const NamedDetectors& named, const DetectSettings& setting
   catch_interrupts();
   const std::int64_t start_us = robot.now_us();
   Session session(robot, loop);
+  session.add_observer(observations);
   session.add_observer(scores);
   if (!source.truth.empty() && source.chances == Chances::annotated) {
     run_at(source.truth, start_us, session, scores);
   } else {
-    session.run(tick_us, std::numeric_limits<std::int64_t>::max(),
+    session.run(observation_tick_us, std::numeric_limits<std::int64_t>::max(),
                 source.truth.empty() ? 0 : source.truth.front().t_us);
   }
   const double wall_s = session.wall_s();

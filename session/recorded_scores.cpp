@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <limits>
 
-#include "session/newest_estimate.h"
-
 namespace saccade {
 
-RecordedScores::RecordedScores(const Loop& loop, std::span<const TruthRow> truth, Chances chances,
+RecordedScores::RecordedScores(const Loop& loop, const Observations& observations,
+                               std::span<const TruthRow> truth, Chances chances,
                                const std::filesystem::path& table)
-    : loop_(loop), truth_(truth) {
+    : loop_(loop), observations_(observations), truth_(truth) {
   // The truth is in memory, so exact figures over all of it cost no other order of memory.
   const std::size_t max_exact = std::max(max_exact_values, 2 * truth.size());
   for (const LoopDetector& detector : loop.detectors())
@@ -37,15 +36,13 @@ void RecordedScores::on_tick(const Tick& tick) {
   if (!scoring_) return;
   pass_truth_before(tick.t_us);
   const bool has_truth = next_truth_ < truth_.size() && truth_[next_truth_].t_us == tick.t_us;
+  if (table_) observations_.write_completed(*table_);
+  const ObservedInstant& instant = observations_.completed().front();
   for (std::size_t i = 0; i < detectors_.size(); ++i) {
-    const DetectorTick& result = tick.detectors[i];
     Detector& detector = detectors_[i];
+    detector.at_threshold += tick.detectors[i].at_threshold ? 1 : 0;
     std::optional<Observation> observation;
-    if (result.observed) {
-      observation = observation_of(result.estimate);
-      if (result.estimate.score >= loop_.detectors()[i].detector->threshold()) ++detector.at_threshold;
-      if (table_) table_->write(detection_row(tick.t_us, loop_.detectors()[i].name, result.estimate));
-    }
+    if (const auto& seen = instant.observations[i]) observation = observation_of(*seen);
     if (has_truth) {
       detector.scorer.add(truth_[next_truth_], observation);
     } else {

@@ -8,7 +8,7 @@
 
 #include "evaluation/scoring/detector_scorer.h"
 #include "loop/loop.h"
-#include "recording/run_files.h"
+#include "session/observations.h"
 
 namespace saccade {
 
@@ -16,9 +16,10 @@ namespace saccade {
 /// ticks.
 class RecordedScores final : public LoopObserver {
  public:
-  /// `loop` and `truth` (sorted by time) outlive it. `table`: the file of detections; empty: none is written.
-  RecordedScores(const Loop& loop, std::span<const TruthRow> truth, Chances chances,
-                 const std::filesystem::path& table);
+  /// All outlive it; `truth` is sorted by time, `observations` are called before it. `table`: the file of detections; empty:
+  /// none is written.
+  RecordedScores(const Loop& loop, const Observations& observations, std::span<const TruthRow> truth,
+                 Chances chances, const std::filesystem::path& table);
 
   void on_tick(const Tick& tick) override;
   /// Whether the following ticks are scoring instants (at first they are); events and time count in either case.
@@ -45,6 +46,7 @@ class RecordedScores final : public LoopObserver {
   void pass_truth_before(std::int64_t t_us);
 
   const Loop& loop_;
+  const Observations& observations_;
   std::span<const TruthRow> truth_;
   std::size_t next_truth_ = 0;
   std::vector<Detector> detectors_;

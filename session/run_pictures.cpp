@@ -109,7 +109,7 @@ void RunPictures::add_video_frame(const Tick& tick, const cv::Mat& grey, const c
   if (truth.visible > 0.0) eye.truth = truth.circle;
   for (std::size_t i = 0; i < tick.detectors.size(); ++i) {
     const DetectorTick& result = tick.detectors[i];
-    if (!result.observed || result.estimate.score < loop_.detectors()[i].detector->threshold()) continue;
+    if (!result.at_threshold) continue;
     eye.detections.push_back(
         {result.estimate.circle, loop_.detectors()[i].name, detector_colour(loop_.detectors()[i].name)});
   }

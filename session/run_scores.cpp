@@ -88,13 +88,12 @@ std::optional<bool> RunScores::score(Detector& detector, const TruthRow& truth,
   std::optional<Observation> observation;
   if (seen) observation = observation_of(*seen);
   if (scenario_.sim.labels)
-    detector.clutter.add(truth.visible, clutter_share,
-                         observation && observation->score >= detector.threshold);
+    detector.clutter.add(truth.visible, clutter_share, detector.scorer.accepts(observation));
   return detector.scorer.add(truth, observation);
 }
 
 void RunScores::score_completed() {
-  for (const InstantQueue::Instant& instant : observations_.completed()) {
+  for (const ObservedInstant& instant : observations_.completed()) {
     const Context context = contexts_.front();
     contexts_.pop_front();
     const auto score_of = [&](Detector& detector) {

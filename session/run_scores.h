@@ -39,13 +39,11 @@ class RunScores final : public LoopObserver {
   struct Detector {
     Detector(std::string its_name, double its_threshold, std::size_t its_number)
         : name(std::move(its_name)),
-          threshold(its_threshold),
           number(its_number),
-          scorer(name, threshold, Chances::simulated),
-          streaming(threshold) {}
+          scorer(name, its_threshold, Chances::simulated),
+          streaming(its_threshold) {}
 
     std::string name;
-    double threshold;
     std::size_t number;  // in the observations
     DetectorScorer scorer;
     StreamingScorer streaming;

@@ -57,16 +57,10 @@ void RunTables::on_tick(const Tick& tick) {
 }
 
 void RunTables::write_detections() {
-  const std::size_t count = loop_.detectors().size();
-  for (const InstantQueue::Instant& instant : observations_.completed()) {
-    for (std::size_t i = 0; i < count; ++i) {
-      if (const auto& seen = instant.observations[i])
-        detections_.write(detection_row(instant.t_us, loop_.detectors()[i].name, *seen));
-    }
-    if (const auto& seen = instant.observations[observations_.frame_camera()])
-      detections_.write(detection_row(instant.t_us, std::string(frame_detector_name), *seen));
-    const auto& right = instant.observations[observations_.right_eye()];
-    if (detections_right_ && right)
+  observations_.write_completed(detections_);
+  if (!detections_right_) return;
+  for (const ObservedInstant& instant : observations_.completed()) {
+    if (const auto& right = instant.observations[observations_.right_eye()])
       detections_right_->write(detection_row(instant.t_us, scenario_.gaze.detector, *right));
   }
 }

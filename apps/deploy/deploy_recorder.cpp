@@ -11,7 +11,6 @@
 #include "control/head_kinematics.h"
 #include "core/error.h"
 #include "evaluation/scoring/metrics.h"
-#include "session/newest_estimate.h"
 
 namespace saccade {
 namespace {
@@ -93,6 +92,7 @@ DeployRecorder::DeployRecorder(std::filesystem::path folder, const RobotFile& ro
       terminal_(isatty(STDERR_FILENO) != 0),
       log_file_(folder_ / "log.txt", [this](const std::string& line) { print_line(line); }),
       log_([this](std::int64_t t_us, const std::string& text) { log_file_.write(t_us, text); }),
+      observations_(loop),
       detections_(folder_ / "detections.csv"),
       gaze_(folder_ / "gaze.csv", loop.head()),
       timing_(folder_ / "timing.csv"),
@@ -123,6 +123,8 @@ void DeployRecorder::on_tick(const Tick& tick, const TickTiming& timing) {
   slot->tick = tick;
   slot->timing = timing;
   slot->detectors.assign(tick.detectors.begin(), tick.detectors.end());
+  for (DetectorTick& detector : slot->detectors) detector.late = {};  // until the next tick only
+  slot->tick.detectors = slot->detectors;
   slot->events = 0;
   if (tick.events.size() > event_ring_.room()) {
     lost_events_.fetch_add(static_cast<std::int64_t>(tick.events.size()), std::memory_order_relaxed);
@@ -211,10 +213,8 @@ void DeployRecorder::write(Slot& slot) {
   ++ticks_in_window_;
   for (std::size_t i = 0; i < slot.detectors.size(); ++i) {
     const DetectorTick& detector = slot.detectors[i];
-    const bool at_threshold =
-        detector.observed && detector.estimate.score >= loop_.detectors()[i].detector->threshold();
-    detectors_[i].at_threshold += at_threshold ? 1 : 0;
-    detectors_[i].in_window += at_threshold ? 1 : 0;
+    detectors_[i].at_threshold += detector.at_threshold ? 1 : 0;
+    detectors_[i].in_window += detector.at_threshold ? 1 : 0;
     detectors_[i].skipped += detector.skipped ? 1 : 0;
     detectors_[i].elapsed_ns += detector.elapsed_ns;
   }
@@ -227,11 +227,8 @@ void DeployRecorder::write(Slot& slot) {
   log_.on_tick(tick);
   if (recording_) record(tick);
   if (tables_ended_) return;
-  for (std::size_t i = 0; i < slot.detectors.size(); ++i) {
-    const DetectorTick& result = slot.detectors[i];
-    if (!result.observed) continue;
-    detections_.write(detection_row(tick.t_us, loop_.detectors()[i].name, result.estimate));
-  }
+  observations_.on_tick(tick);
+  observations_.write_completed(detections_);
   if (tick.head && is_finite(*tick.head)) {
     const Eigen::Vector3d none = Eigen::Vector3d::Constant(nan);
     const FixationPoint fixation = HeadKinematics(loop_.head()->chain, tick.head->position_rad).fixation();

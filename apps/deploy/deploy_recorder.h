@@ -20,6 +20,7 @@
 #include "recording/run_files.h"
 #include "session/failure_log.h"
 #include "session/log_file.h"
+#include "session/observations.h"
 
 namespace saccade {
 
@@ -124,6 +125,7 @@ class DeployRecorder final : public DeployObserver {
   bool line_is_open_ = false;
   LogFile log_file_;
   RunLog log_;
+  Observations observations_;
   TableWriter<DetectionRow> detections_;
   TableWriter<GazeRow> gaze_;
   TableWriter<TimingRow> timing_;

@@ -23,8 +23,7 @@ DetectorOutput warm_up(const std::string& name, Detector& detector, const LoopHi
     detector.process(input->events, motion ? &*motion : nullptr);
     detector.advance_to(input->t_us, motion ? &*motion : nullptr);
     output.tick.estimate = detector.estimate();
-    output.tick.observed =
-        output.tick.estimate.valid && (!input->events.empty() || output.tick.estimate.held);
+    output.tick.observe(!input->events.empty(), output.threshold);
   }
   return output;
 }

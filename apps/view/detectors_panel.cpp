@@ -44,7 +44,7 @@ void draw_row(std::size_t index, float right, const Snapshot& snapshot, ViewStat
     return;
   }
   if (output == snapshot.outputs.end() || !output->tick.observed) return;
-  const bool accepted = output->tick.estimate.score >= output->threshold;
+  const bool accepted = output->tick.at_threshold;
   const std::string text =
       fmt::format("{}{:.2f}", output->tick.estimate.held ? "predicted " : "", output->tick.estimate.score);
   ImGui::SameLine(right - ImGui::CalcTextSize(text.c_str()).x);

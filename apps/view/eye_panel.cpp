@@ -38,8 +38,7 @@ void draw_marks(const Area& at, const Snapshot& snapshot, const ViewState& state
     draw.AddCircle(place(c.x_px, c.y_px), scale * static_cast<float>(c.r_px), colour, 64, width);
   };
   for (const DetectorOutput& output : snapshot.outputs) {
-    if (!state.with_circles || !output.tick.observed || output.tick.estimate.score < output.threshold)
-      continue;
+    if (!state.with_circles || !output.tick.at_threshold) continue;
     circle(output.tick.estimate.circle, colours::detector(output.name),
            &output == snapshot.selected_output() ? 2.6F : 1.4F);
   }

@@ -46,9 +46,8 @@ void LoopHistory::record(const Tick& tick, const SnapshotTruth& truth, const Loo
     const DetectorOutput& output = outputs_[selected];
     sample.threshold = static_cast<float>(output.threshold);
     if (output.tick.observed) {
-      const Estimate& estimate = output.tick.estimate;
-      sample.score = static_cast<float>(estimate.score);
-      if (estimate.score >= output.threshold) sample.detected_px = centre_of(estimate.circle);
+      sample.score = static_cast<float>(output.tick.estimate.score);
+      if (output.tick.at_threshold) sample.detected_px = centre_of(output.tick.estimate.circle);
     }
   }
   sample.gaze_error_deg = truth.gaze_error_deg;

@@ -74,7 +74,7 @@ void DetectorScorer::count(const Observation& observation, const Circle* inlier_
   const bool inlier = inlier_of != nullptr;
   ranking_.add(observation.score, inlier);
   reliability_.add(observation.score, inlier);
-  if (!(observation.score >= threshold_)) return;
+  if (!accepts(observation)) return;
   ++observations_;
   if (!inlier) return;
   ++inliers_;
@@ -83,7 +83,7 @@ void DetectorScorer::count(const Observation& observation, const Circle* inlier_
 
 void DetectorScorer::count_instant(std::int64_t t_us, const std::optional<Observation>& observation) {
   ++instants_;
-  if (!observation || !(observation->score >= threshold_)) return;
+  if (!accepts(observation)) return;
   ++alarm_instants_;
   if (!last_alarm_us_ || t_us - *last_alarm_us_ >= alarm_gap_us) ++alarms_;
   last_alarm_us_ = t_us;
@@ -108,7 +108,7 @@ std::optional<bool> DetectorScorer::add(const TruthRow& truth,
                                         const std::optional<Observation>& observation) {
   if (observation) check(truth.t_us, *observation);
   const bool chance = is_chance(truth);
-  const bool accepted = observation && observation->score >= threshold_;
+  const bool accepted = accepts(observation);
   const bool inlier = chance && observation && is_inlier(observation->circle, truth.circle);
   ball_ |= has_circle(truth);
   no_circle_ |= std::isfinite(truth.circle.x_px) && std::isnan(truth.circle.r_px);

@@ -36,6 +36,10 @@ class DetectorScorer {
   /// An instant without a row of truth. Throws as above.
   void add(std::int64_t t_us, const std::optional<Observation>& observation);
 
+  /// Whether that is an observation with a score at or above the threshold.
+  [[nodiscard]] bool accepts(const std::optional<Observation>& observation) const {
+    return observation && observation->score >= threshold_;
+  }
   /// Of everything added so far. Streaming, processing time, rejected events and clutter are left empty.
   [[nodiscard]] DetectorScore score() const;
 

@@ -3,7 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "head/icub_cameras.h"
-#include "session/instant_queue.h"
+#include "session/newest_estimate.h"
+#include "session/reorder_buffer.h"
 #include "session/run_scores.h"
 #include "session/run_tables.h"
 #include "session/session.h"
@@ -180,12 +181,12 @@ TEST(NewestEstimate, StaysWhileEventsMayStillComeAndEndsWithASilenceThatIsKnown)
   EXPECT_FALSE(newest.ready()) << "there were no events";
 }
 
-TEST(InstantQueue, PassesTheOldestInstantOnWhereItsEventsNeverCome) {
-  InstantQueue queue(1);
+TEST(ReorderBuffer, PassesTheOldestInstantOnWhereItsEventsNeverCome) {
+  ReorderBuffer buffer(1);
   std::vector<std::int64_t> passed;
   for (int i = 1; i <= 20; ++i) {
-    queue.push(i * 1000);
-    queue.pop(0, [&](const auto& instant) { passed.push_back(instant.t_us); });
+    buffer.push(i * 1000);
+    buffer.pop(0, [&](const auto& instant) { passed.push_back(instant.t_us); });
   }
   EXPECT_THAT(passed, ElementsAre(1000, 2000, 3000, 4000, 5000));
 }

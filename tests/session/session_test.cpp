@@ -113,8 +113,10 @@ TEST(RecordedScores, AreThoseOfAllRowsAtOnce) {
     TempFolder folder;
     FakeRobot robot(world());
     Loop loop = loop_on(robot, true);
-    RecordedScores scores(loop, truth, chances, folder / "detections.csv");
+    Observations observations(loop);
+    RecordedScores scores(loop, observations, truth, chances, folder / "detections.csv");
     Session session(robot, loop);
+    session.add_observer(observations);
     session.add_observer(scores);
     session.run(1000, 150'000);
     const DetectorScore found = scores.finish().at(0);
@@ -138,8 +140,10 @@ TEST(RecordedScores, LeaveOutTheTruthThatAnInterruptedRunDidNotReach) {
   const auto score_of = [&](std::span<const TruthRow> rows, bool interrupted) {
     FakeRobot robot(world());
     Loop loop = loop_on(robot, true);
-    RecordedScores scores(loop, rows, Chances::simulated, {});
+    Observations observations(loop);
+    RecordedScores scores(loop, observations, rows, Chances::simulated, {});
     Session session(robot, loop);
+    session.add_observer(observations);
     session.add_observer(scores);
     session.run(1000, 50'000);
     if (interrupted) scores.leave_out_truth_after(robot.now_us());

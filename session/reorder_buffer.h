@@ -19,26 +19,29 @@ namespace saccade {
   return latency.kind == LatencyKind::none ? 0 : latency.transport_us() + longest_us;
 }
 
-/// The newest instants of a run, one per tick, until all of their events have been delivered and detectors have had time to
-/// process them: they bring estimates about instants before their tick.
-class InstantQueue {
+/// What the detectors observe at one instant.
+struct ObservedInstant {
+  std::int64_t t_us = 0;
+  std::vector<std::optional<Estimate>> observations;  ///< of each detector; none: no observation
+};
+
+/// Puts observations in the order of event time: holds the newest instants of a run, one per tick, until all of their events
+/// have been delivered and detectors have had time to process them. Estimates from late events are about instants before
+/// their tick.
+class ReorderBuffer {
  public:
-  struct Instant {
-    std::int64_t t_us = 0;
-    std::vector<std::optional<Estimate>> observations;  ///< of each detector; none: no observation
-  };
   static constexpr std::int64_t all_us = std::numeric_limits<std::int64_t>::max();
 
   /// `processing_us`: how long after its events have been delivered an instant waits for estimates.
-  explicit InstantQueue(std::size_t detectors, std::int64_t processing_us = 0)
+  explicit ReorderBuffer(std::size_t detectors, std::int64_t processing_us = 0)
       : processing_us_(processing_us), ring_(capacity + static_cast<std::size_t>(processing_us / 1000)) {
-    for (Instant& instant : ring_) instant.observations.resize(detectors);
+    for (ObservedInstant& instant : ring_) instant.observations.resize(detectors);
   }
 
   /// A tick's instant, later than the one before. A limited number of them waits: pop() after each push().
   void push(std::int64_t t_us) {
     SACCADE_CHECK(count_ < ring_.size());
-    Instant& instant = at(count_++);
+    ObservedInstant& instant = at(count_++);
     instant.t_us = t_us;
     std::ranges::fill(instant.observations, std::nullopt);
   }
@@ -71,13 +74,13 @@ class InstantQueue {
  private:
   static constexpr std::size_t capacity = 16;  // the simulator's events are at most 5 ms late
 
-  Instant& at(std::size_t i) { return ring_[(first_ + i) % ring_.size()]; }
+  ObservedInstant& at(std::size_t i) { return ring_[(first_ + i) % ring_.size()]; }
   [[nodiscard]] bool is_complete(std::int64_t t_us, std::int64_t complete_us) const {
     return complete_us == all_us || t_us <= complete_us - processing_us_;
   }
 
   std::int64_t processing_us_;
-  std::vector<Instant> ring_;
+  std::vector<ObservedInstant> ring_;
   std::size_t first_ = 0;
   std::size_t count_ = 0;
 };
