@@ -1,7 +1,7 @@
 #include "control/gate_registry.h"
 
-#include "control/authors_gate.h"
 #include "control/continuity_gate.h"
+#include "control/median_gate.h"
 #include "control/open_gate.h"
 
 namespace saccade {
@@ -34,8 +34,8 @@ GateRegistry built_in_gates() {
       gate_row("none", "every estimate at or above the threshold becomes a target", NoKeys{},
                [](const NoKeys&, const TargetConfig& target) { return std::make_unique<OpenGate>(target); }));
   registry.add(gate_row("authors", "median of many detections that agree, as in the demo of 2016",
-                        AuthorsGateConfig{}, [](const AuthorsGateConfig& config, const TargetConfig& target) {
-                          return std::make_unique<AuthorsGate>(config, target);
+                        MedianGateConfig{}, [](const MedianGateConfig& config, const TargetConfig& target) {
+                          return std::make_unique<MedianGate>(config, target);
                         }));
   registry.add(gate_row("continuity", "detections near the last one, or confirmed by others",
                         ContinuityGateConfig{},

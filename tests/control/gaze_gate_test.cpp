@@ -6,8 +6,9 @@
 #include <functional>
 #include <limits>
 
-#include "control/authors_gate.h"
 #include "control/continuity_gate.h"
+#include "control/gaze_gate.h"
+#include "control/median_gate.h"
 #include "core/error.h"
 #include "core/random.h"
 #include "core/units.h"
@@ -69,9 +70,9 @@ TEST(Gates, CountRejectedTargetsByReason) {
   for (const char* name : {"none", "authors", "continuity"}) {
     GateConfig config = built_in_gates().config();
     config.gate = name;
-    config.get<AuthorsGateConfig>().min_detections = 1;
+    config.get<MedianGateConfig>().min_detections = 1;
     config.get<ContinuityGateConfig>().min_agreeing = 1;
-    config.get<AuthorsGateConfig>().max_radius_px = 1000;
+    config.get<MedianGateConfig>().max_radius_px = 1000;
     config.target.depth = DepthModel::authors_linear;
     for (const auto& [circle, counter] : {std::pair{Circle{nan, 60, 12}, &RejectedTargets::not_finite},
                                           {Circle{60, 60, -1}, &RejectedTargets::bad_radius},
@@ -84,13 +85,13 @@ TEST(Gates, CountRejectedTargetsByReason) {
   }
 }
 
-TEST(AuthorsGate, WaitsForMoreThanEightyDetections) {
+TEST(MedianGate, WaitsForMoreThanEightyDetections) {
   const auto g = gate("authors");
   EXPECT_FALSE(feed(*g, 80, [](int) { return sure(60, 60, 12); }));
   EXPECT_TRUE(update(*g, 81000, sure(60, 60, 12)));
 }
 
-TEST(AuthorsGate, IgnoresDetectionsOlderThanAQuarterOfASecond) {
+TEST(MedianGate, IgnoresDetectionsOlderThanAQuarterOfASecond) {
   const auto g = gate("authors");
   EXPECT_TRUE(feed(*g, 81, [](int) { return sure(60, 60, 12); }));
   // At 251 ms the detection of 1 ms is out: the 80 others and this one are 81 still.
@@ -99,7 +100,7 @@ TEST(AuthorsGate, IgnoresDetectionsOlderThanAQuarterOfASecond) {
   EXPECT_FALSE(update(*g, 260000, sure(60, 60, 12)));
 }
 
-TEST(AuthorsGate, IgnoresEstimatesBelowTheThresholdAndHeldOnes) {
+TEST(MedianGate, IgnoresEstimatesBelowTheThresholdAndHeldOnes) {
   const auto g = gate("authors");
   EXPECT_FALSE(feed(*g, 200, [](int i) {
     Estimate e = sure(60, 60, 12);
@@ -109,7 +110,7 @@ TEST(AuthorsGate, IgnoresEstimatesBelowTheThresholdAndHeldOnes) {
   }));
 }
 
-TEST(AuthorsGate, TargetsTheMedianAndIgnoresOutliers) {
+TEST(MedianGate, TargetsTheMedianAndIgnoresOutliers) {
   const auto g = gate("authors", DepthModel::authors_linear);
   // A fifth of the detections is far off; the newest is good.
   const auto target = feed(*g, 201, [](int i) { return i % 5 == 0 ? sure(90, 95, 10) : sure(60, 62, 10); });
@@ -119,14 +120,14 @@ TEST(AuthorsGate, TargetsTheMedianAndIgnoresOutliers) {
   EXPECT_NEAR(pixel.y(), 62, 1e-9);
 }
 
-TEST(AuthorsGate, GivesNoTargetIfTheNewestDetectionIsAnOutlier) {
+TEST(MedianGate, GivesNoTargetIfTheNewestDetectionIsAnOutlier) {
   const auto g = gate("authors");
   EXPECT_TRUE(feed(*g, 202, [](int i) { return sure(60 + i % 3, 62, 12); }));
   EXPECT_FALSE(update(*g, 203000, sure(75, 62, 12)));
   EXPECT_FALSE(update(*g, 204000, sure(61, 80, 12)));
 }
 
-TEST(AuthorsGate, GivesNoTargetIfTheDetectionsAreSpread) {
+TEST(MedianGate, GivesNoTargetIfTheDetectionsAreSpread) {
   // Three values at -w, 0, w have a standard deviation of 0.816 w; the last detection is the median.
   const auto spread_over = [](double w_px, double Circle::*coordinate) {
     const auto g = gate("authors");
@@ -142,7 +143,7 @@ TEST(AuthorsGate, GivesNoTargetIfTheDetectionsAreSpread) {
   }
 }
 
-TEST(AuthorsGate, UsesTheLargestRadiusUpToSixteen) {
+TEST(MedianGate, UsesTheLargestRadiusUpToSixteen) {
   const auto depth = [](double largest_px) {
     const auto g = gate("authors", DepthModel::authors_linear);
     const auto target = feed(*g, 150, [&](int i) { return sure(60, 60, i == 100 ? largest_px : 10.0); });
@@ -152,7 +153,7 @@ TEST(AuthorsGate, UsesTheLargestRadiusUpToSixteen) {
   EXPECT_NEAR(depth(24.0), 0.30, 1e-12);
 }
 
-TEST(AuthorsGate, KeepsTheTargetTenCentimetresInFrontOfTheWaist) {
+TEST(MedianGate, KeepsTheTargetTenCentimetresInFrontOfTheWaist) {
   const auto g = gate("authors");
   Eigen::Isometry3d behind_the_waist = looking_ahead();
   behind_the_waist.translation().x() = 0.5;
@@ -164,7 +165,7 @@ TEST(AuthorsGate, KeepsTheTargetTenCentimetresInFrontOfTheWaist) {
   EXPECT_EQ(target->x(), -0.10);
 }
 
-TEST(AuthorsGate, EqualsAPlainReferenceOnRandomStreams) {
+TEST(MedianGate, EqualsAPlainReferenceOnRandomStreams) {
   const RandomStream random(7, "gate");
   const auto g = gate("authors", DepthModel::authors_linear);
   std::vector<std::pair<std::int64_t, Circle>> all;
@@ -212,7 +213,7 @@ TEST(AuthorsGate, EqualsAPlainReferenceOnRandomStreams) {
 TEST(Gates, ABadConfigurationIsAnInputError) {
   GateConfig config = built_in_gates().config();
   config.gate = "sometimes";
-  config.get<AuthorsGateConfig>().window_s = 9.0;
+  config.get<MedianGateConfig>().window_s = 9.0;
   config.target.ball_diameter_m = 0.0;
   try {
     (void)make_gate(config);
@@ -230,7 +231,7 @@ TEST(ContinuityGate, StartsWhenEnoughDetectionsAgreeAndThenPassesEachAtOnce) {
   EXPECT_TRUE(update(*g, enough * 1000 + 1000, sure(62, 61, 12)));
 }
 
-TEST(AuthorsGate, UsesTheMedianInTheCurrentImageAfterTheCameraHasTurned) {
+TEST(MedianGate, UsesTheMedianInTheCurrentImageAfterTheCameraHasTurned) {
   // A ball at rest, found 100 times; then the camera turns by 10 deg and sees it elsewhere.
   const auto g = gate("authors");
   const Eigen::Vector3d ball_m(-0.45, 0.02, 0.03);

@@ -1,4 +1,4 @@
-#include "control/authors_gate.h"
+#include "control/median_gate.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,7 +25,7 @@ Spread spread(std::span<double> values) {
 
 }  // namespace
 
-void describe(FieldVisitor& v, AuthorsGateConfig& config) {
+void describe(FieldVisitor& v, MedianGateConfig& config) {
   v.real("window_s", config.window_s, {0.01, 2.0}, "age up to which detections count");
   v.integer("min_detections", config.min_detections, {1, 2000}, "least number of detections in the window");
   v.real("max_spread_px", config.max_spread_px, {0.1, 1e3},
@@ -35,14 +35,14 @@ void describe(FieldVisitor& v, AuthorsGateConfig& config) {
          "largest x of a target, root frame (x points backward); nearer targets are moved there");
 }
 
-AuthorsGate::AuthorsGate(const AuthorsGateConfig& config, const TargetConfig& target)
+MedianGate::MedianGate(const MedianGateConfig& config, const TargetConfig& target)
     : LocatingGate(target), config_(config), window_us_(std::llround(config.window_s * 1e6)) {
   check_config("gaze.authors_gate", config);
 }
 
-std::optional<Eigen::Vector3d> AuthorsGate::update(std::int64_t now_us, const Estimate& estimate,
-                                                   double threshold, const Camera& camera,
-                                                   const Eigen::Isometry3d& root_from_cam) {
+std::optional<Eigen::Vector3d> MedianGate::update(std::int64_t now_us, const Estimate& estimate,
+                                                  double threshold, const Camera& camera,
+                                                  const Eigen::Isometry3d& root_from_cam) {
   while (size_ > 0 && now_us - at(0).t_us >= window_us_) drop_oldest();
   if (!is_detection(estimate, threshold) || estimate.held) return std::nullopt;
   const Circle& c = estimate.circle;
@@ -82,7 +82,7 @@ std::optional<Eigen::Vector3d> AuthorsGate::update(std::int64_t now_us, const Es
   return target;
 }
 
-void AuthorsGate::drop_oldest() {
+void MedianGate::drop_oldest() {
   first_ = (first_ + 1) % capacity;
   --size_;
 }

@@ -12,7 +12,7 @@ namespace saccade {
 /// and only while they are many and agree. Detections are compared in the current image: those from before the
 /// camera turned are moved to where the current image shows them. (The demo did not move them, so for a
 /// quarter of a second after a saccade its median lay between two images.)
-struct AuthorsGateConfig {
+struct MedianGateConfig {
   double window_s = 0.25;
   std::int64_t min_detections = 81;  ///< in the window ("more than 80")
   double max_spread_px = 20.0;       ///< standard deviation of x and of y over the window stays below
@@ -21,14 +21,14 @@ struct AuthorsGateConfig {
 };
 
 /// Keys: window_s, min_detections, max_spread_px, max_radius_px, max_target_x_m.
-void describe(FieldVisitor& v, AuthorsGateConfig& config);
+void describe(FieldVisitor& v, MedianGateConfig& config);
 
 /// `authors`: the estimates at or above the threshold, except held ones, enter the window; the newest of them
 /// gives a target when it lies within one standard deviation of the median, in x and in y.
-class AuthorsGate final : public LocatingGate {
+class MedianGate final : public LocatingGate {
  public:
   /// Throws InputError for a configuration out of range.
-  AuthorsGate(const AuthorsGateConfig& config, const TargetConfig& target);
+  MedianGate(const MedianGateConfig& config, const TargetConfig& target);
 
   std::optional<Eigen::Vector3d> update(std::int64_t now_us, const Estimate& estimate, double threshold,
                                         const Camera& camera,
@@ -44,7 +44,7 @@ class AuthorsGate final : public LocatingGate {
 
   [[nodiscard]] const Detection& at(std::size_t i) const { return ring_[(first_ + i) % capacity]; }
   void drop_oldest();
-  AuthorsGateConfig config_;
+  MedianGateConfig config_;
   std::int64_t window_us_;
   std::array<Detection, capacity> ring_{};
   std::size_t first_ = 0;
