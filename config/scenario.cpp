@@ -103,9 +103,9 @@ NamedDetectors detectors_of(const YamlTree& file, const std::string& folder,
   NamedDetectors detectors = named_detectors_in(everything, registry, required);
   YamlReader first(everything, {}, folder);
   describe_detectors(first, detectors);
-  const YamlTree keys = parse_yaml(resolved_detectors(detectors), "");
+  const KeyValues keys = keys_of_detectors(detectors);
   const auto has = [&](const std::string& name, const std::string& assignment) {
-    return keys.root.find("detectors." + name + "." + key_of(assignment, "=")) != nullptr;
+    return keys.has("detectors." + name + "." + key_of(assignment, "="));
   };
   std::vector<Problem> slips;
   for (const std::string& assignment : assignments) {
@@ -356,6 +356,12 @@ std::optional<RecordedDetectors> read_recorded_detectors(const std::filesystem::
     return RecordedDetectors{path, detectors_of(*block, folder.string(), assignments, registry)};
   }
   return std::nullopt;
+}
+
+KeyValues keys_of_detectors(NamedDetectors detectors) {
+  KeyValues keys;
+  describe_detectors(keys, detectors);
+  return keys;
 }
 
 std::string resolved_detectors(NamedDetectors detectors) {

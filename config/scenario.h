@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "config/expectations.h"
+#include "config/key_values.h"
 #include "config/registry.h"
 #include "config/sections.h"
 #include "control/controller_registry.h"
@@ -119,6 +120,8 @@ struct RecordedDetectors {
     const std::filesystem::path& folder, const std::vector<std::string>& assignments,
     const DetectorRegistry& registry);
 
+/// Their keys, below "detectors.NAME.".
+[[nodiscard]] KeyValues keys_of_detectors(NamedDetectors detectors);
 /// The detectors with every default, as YAML that reads back the same.
 [[nodiscard]] std::string resolved_detectors(NamedDetectors detectors);
 

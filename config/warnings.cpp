@@ -78,16 +78,14 @@ std::array<double, 2> ball_radius_px(const Scenario& scenario) {
 void check_radii(const Scenario& scenario, std::vector<std::string>& warnings) {
   if (scenario.detectors.empty() || !scenario.sim.world.ball.present) return;
   const auto [smallest_px, largest_px] = ball_radius_px(scenario);
-  const YamlTree tree = parse_yaml(resolved_detectors(scenario.detectors), "");
+  const KeyValues keys = keys_of_detectors(scenario.detectors);
   for (const auto& [name, config] : scenario.detectors) {
     const std::string key = "detectors." + name + ".radius_px";
-    const YamlNode* radii = tree.root.find(key);
-    if (radii == nullptr || radii->items.size() != 2) continue;
-    const double low_px = std::stod(radii->items[0].text);
-    const double high_px = std::stod(radii->items[1].text);
-    if (largest_px >= low_px && smallest_px <= high_px) continue;
+    const std::vector<double> radii_px = keys.numbers(key);
+    if (radii_px.size() != 2 || (largest_px >= radii_px[0] && smallest_px <= radii_px[1])) continue;
     warnings.push_back(key + ": the ball's radius in the image is " + rounded(smallest_px) + " to " +
-                       rounded(largest_px) + " px, never in " + radii->one_line());
+                       rounded(largest_px) + " px, never in [" + text_of(radii_px[0]) + ", " +
+                       text_of(radii_px[1]) + "]");
   }
 }
 
