@@ -10,9 +10,9 @@
 namespace saccade {
 namespace {
 
-constexpr double least_support = 0.5;
-constexpr double first_velocity_variance = 800.0;  // (px/s)^2
-constexpr double radius_per_deviation = std::numbers::sqrt2;
+constexpr double least_support = 0.5;  // of a blob that lives: of one event, half a decay ago; chosen
+constexpr double first_velocity_variance = 800.0;  // (px/s)^2; a blob begins at about 28 px/s; chosen
+constexpr double radius_per_deviation = std::numbers::sqrt2;  // of points on a circle in each coordinate
 
 }  // namespace
 

@@ -6,7 +6,7 @@
 namespace saccade {
 namespace {
 
-constexpr double least_support = 0.5;
+constexpr double least_support = 0.5;  // of a cluster that lives: of one event, half a decay ago; chosen
 
 }  // namespace
 

@@ -9,15 +9,18 @@
 namespace saccade {
 namespace {
 
+// The ratio of PUCK's kernel; their sum is 1, so that an even texture has no response.
 constexpr double inside_weight = 0.75, outside_weight = 0.25;
 constexpr double inner_gap_px = 2.5, outer_gap_px = 3.5;  // between the outline and the areas beside it
-constexpr double outer_share = 1.2;                       // of the radius
-constexpr int reach_px = 3;                               // of the disc that is followed, in a step
-constexpr int grid_px = 3;                                // between places of the search of the whole image
-constexpr std::size_t grid_radii = 2;                     // between its kernels
-constexpr std::int64_t kernels_per_step = 1500;
-constexpr int pixels_per_step = 8192;  // that are smoothed for the search of the whole image
-constexpr int refinements = 3;
+constexpr double outer_share = 1.2;                       // of the radius: how far out the kernel reaches
+constexpr int reach_px = 3;                               // of the disc that is followed, in a step; chosen
+constexpr int grid_px = 3;             // between places of the search of the whole image; chosen
+constexpr std::size_t grid_radii = 2;  // between the radii of its kernels; chosen
+constexpr std::int64_t kernels_per_step =
+    1500;  // of the search of the whole image: bounds the work of a step
+constexpr int pixels_per_step =
+    8192;                       // smoothed for the search of the whole image: bounds the work of a step
+constexpr int refinements = 3;  // of the best match on the grid; chosen
 
 }  // namespace
 

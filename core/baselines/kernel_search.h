@@ -44,6 +44,7 @@ class KernelSearch {
     double response = -1.0;
     double strength = -1e9;
   };
+  // Samples of a kernel: its work does not grow with the radius. Twice as many on the outline as beside it.
   static constexpr int outline_pixels = 48, inside_pixels = 24, outside_pixels = 24;
   struct Kernel {
     int r_px = 0;

@@ -7,9 +7,10 @@
 namespace saccade {
 namespace {
 
-constexpr int steps_per_px = 8;
-constexpr double reach = 6.0;  // of the profile, in half-widths of the ring
-constexpr double least_activity = 0.5;
+constexpr int steps_per_px = 8;  // of the table of the profile
+constexpr double reach = 6.0;    // of the profile, in half-widths of the ring
+constexpr double least_activity =
+    0.5;  // of a tracker that follows something; below, it goes back to the grid; chosen
 /// The radius at which a tracker aims to hold an event, as a share of its ring. Below 1, because a ring that is too
 /// large would otherwise stay where it touches the circle from outside.
 constexpr double aim = 0.9;

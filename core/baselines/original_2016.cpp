@@ -10,7 +10,7 @@ namespace saccade {
 namespace {
 
 constexpr std::int64_t no_event_us = std::numeric_limits<std::int64_t>::min();
-constexpr double ring_width_px = 0.4;
+constexpr double ring_width_px = 0.4;  // outside of the radius; as in the program of 2016
 
 }  // namespace
 

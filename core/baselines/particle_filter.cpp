@@ -8,12 +8,16 @@
 namespace saccade {
 namespace {
 
-constexpr double region_px = 10.0;  // of interest, beyond the radius
-constexpr std::size_t ring_size = 4096, most_events = 3000, search_events = 1000;
-constexpr double least_events = 50.0, window_slack = 30.0;
-constexpr double radius_motion_share = 0.2;
-constexpr std::uint64_t numbers_per_particle = 64, resample_numbers = 32;
-constexpr std::uint64_t tries = 8;
+constexpr double region_px = 10.0;                  // of interest, beyond the radius; chosen
+constexpr std::size_t ring_size = 4096,             // events: more than most_events
+    most_events = 3000,                             // of the window of a tracked ball: bounds the work
+    search_events = 1000;                           // of the window while no ball is tracked
+constexpr double least_events = 50.0,               // of the window of a tracked ball
+    window_slack = 30.0;                            // events that a window may be too long before it is cut
+constexpr double radius_motion_share = 0.2;         // of a particle's motion per update; chosen
+constexpr std::uint64_t numbers_per_particle = 64,  // random numbers of a particle and update, at most
+    resample_numbers = 32;                          // from here on those of resampling
+constexpr std::uint64_t tries = 8;                  // of a start for a particle before it is left where it is
 
 /// The circle through three points; of radius 0 where they are on a line.
 Circle circle_through(const std::array<double, 2>& a, const std::array<double, 2>& b,

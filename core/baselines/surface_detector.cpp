@@ -5,7 +5,7 @@
 namespace saccade {
 namespace {
 
-constexpr std::int64_t step_us = 1'000;
+constexpr std::int64_t step_us = 1'000;  // as the ticks of the loop
 constexpr std::int64_t latest_us = std::numeric_limits<std::int64_t>::max();
 
 /// The first whole millisecond after t_us.

@@ -9,12 +9,12 @@
 namespace saccade {
 namespace {
 
-constexpr int rotation_passes = 4;
-constexpr double agree_sd2 = 2.0;
-constexpr double least_agreeing = 0.5;  // share of the edges
-constexpr std::size_t fewest_flows = 50;
-constexpr int cells = 4;         // the image in cells x cells parts
-constexpr int fewest_cells = 9;  // of them with edges that agree
+constexpr int rotation_passes = 4;        // of the reweighted fit, which starts from the last rotation
+constexpr double agree_sd2 = 2.0;         // squared deviations of the flow within which an edge agrees
+constexpr double least_agreeing = 0.5;    // share of the edges
+constexpr std::size_t fewest_flows = 50;  // three unknowns with many outliers; chosen
+constexpr int cells = 4;                  // the image in cells x cells parts
+constexpr int fewest_cells = 9;           // of them with edges that agree
 
 }  // namespace
 

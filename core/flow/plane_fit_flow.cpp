@@ -10,10 +10,12 @@
 namespace saccade {
 namespace {
 
-constexpr int max_half_width = 5;
-constexpr std::size_t max_points = (2 * max_half_width + 1) * (2 * max_half_width + 1);
+constexpr int max_half_width = 5;   // of the key half_width_px: bounds memory and work
+constexpr std::size_t max_points =  // of that neighbourhood
+    (2 * max_half_width + 1) * (2 * max_half_width + 1);
 constexpr std::int64_t never_us = std::numeric_limits<std::int64_t>::min();  // a pixel without an event
-constexpr std::int64_t own_edge_px = 4;
+constexpr std::int64_t own_edge_px =
+    4;  // an edge passes four of eight neighbours in the time of one pixel (header)
 
 /// Neighbours of an event, whole numbers from it: pixels, and us <= 0. Arrays and masks, so that nothing
 /// branches on the data and loops vectorise.

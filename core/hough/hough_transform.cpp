@@ -18,9 +18,9 @@ namespace {
 /// Room for rounding where a pixel lies exactly on the edge of an arc: such a pixel is inside.
 constexpr double edge_rad = 1e-9;
 
-constexpr int patch_columns = 4;
-constexpr std::size_t patch_cells = 16;
-constexpr int block_rows = 8;
+constexpr int patch_columns = 4;         // 4 x 4 cells of 16 bits fill one vector of 256 bits
+constexpr std::size_t patch_cells = 16;  // of a patch
+constexpr int block_rows = 8;            // of cells that lie together: a vote's cells are in few cache lines
 /// Columns are divided by the columns of a block with a multiplication by 2^48 / block, rounded up: exact below
 /// 2^48 / block, and the product fits into 64 bits.
 constexpr int reciprocal_bits = 48;
