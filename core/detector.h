@@ -54,8 +54,8 @@ class Detector {
   virtual void advance_to(std::int64_t now_us, const CameraMotion* motion) = 0;
   /// The best circle after all events so far; it does not change until more events or time are passed.
   [[nodiscard]] virtual Estimate estimate() = 0;
-  /// Does now what the next process() or advance_to() would do first, so that these take less time; their results are the
-  /// same. May be called in another thread while nothing else is. estimate() is not called again before those two.
+  /// Optional work between ticks that shortens the next process() or advance_to() and changes no result. May run in another
+  /// thread while no other function of the detector runs. After it, estimate() is called only after one of those two.
   virtual void work_ahead() {}
   /// The score from which on an estimate counts as the ball; a constant of the configuration.
   [[nodiscard]] virtual double threshold() const = 0;

@@ -18,7 +18,7 @@ using namespace ball_tracker;
 
 constexpr std::int64_t latest_us = std::numeric_limits<std::int64_t>::max();
 
-/// How surely something moves by itself that is so far from where it would be if it stood in the room.
+/// 0 to 1, by the distance from where an object at rest in the room would be: 1 moves by itself.
 double moved_share(double moved_px) {
   return std::clamp((moved_px - moved_begin_px) / (moved_end_px - moved_begin_px), 0.0, 1.0);
 }
@@ -57,10 +57,11 @@ BallTracker::BallTracker(const BallTrackerConfig& config, const Camera& camera,
       edges_(camera.size, static_cast<int>(config.edges_per_region)),
       search_(camera.size, config.radius_px[0], config.radius_px[1], config.arc_deg * rad_per_deg,
               max_voters),
+      surface_(camera.size),
       network_(model_, camera.size, config.radius_px[0], config.radius_px[1]),
       now_us_(never_us),
       search_us_(never_us),
-      look_us_(never_us),
+      inference_us_(never_us),
       flows_left_(config.flows_per_ms) {
   rays_.reserve(static_cast<std::size_t>(camera.size.pixels()));
   for (int y = 0; y < camera.size.height; ++y) {
@@ -136,7 +137,7 @@ void BallTracker::process(std::span<const Event> events, const CameraMotion* mot
     if (i + prefetched_events < events.size()) {
       const Event& later = events[i + prefetched_events];
       if (!sieve_.is_outside(later)) {
-        network_.prefetch(later);
+        surface_.prefetch(later);
         flow_.prefetch(later);
       }
     }
@@ -144,8 +145,8 @@ void BallTracker::process(std::span<const Event> events, const CameraMotion* mot
     if (!sieve_.accept(event)) continue;
     run_until(event.t_us, false);
     work_ahead();
-    network_.add(event);
-    ++events_since_look_;
+    surface_.add(event);
+    ++events_since_inference_;
     if (!flow_.add_first(event, config_.burst_us)) continue;
     ++events_of_tick_;
     for (Followed& f : followed_) {
@@ -244,39 +245,39 @@ void BallTracker::tick(std::int64_t now_us) {
     f.history.moved_share = moved_share(moved_px);
     f.history.moved_most_share = std::max(f.history.moved_most_share, f.history.moved_share);
     f.history.moved_radii = moved_px / f.track.circle().r_px;
-    f.track.rest_if_silent(f.history.hole > gaze_follows_hole ? camera_flow_px_s(f.track.centre())
-                                                              : Eigen::Vector2d::Zero());
+    f.track.rest_if_silent(f.history.silhouette > gaze_follows_silhouette ? camera_flow_px_s(f.track.centre())
+                                                                          : Eigen::Vector2d::Zero());
     f.carried_px_s = camera_flow_px_s(f.track.centre());
     f.image_px_s = f.track.speed_px_s() + f.carried_px_s;
-    f.slow = f.image_px_s.norm() < hole_fastest_px_s;
+    f.slow = f.image_px_s.norm() < silhouette_fastest_px_s;
     f.track.bound(config_.radius_px[0], config_.radius_px[1]);
     const Eigen::Vector2d at = f.track.centre();
     const bool inside =
         at.x() >= 0.0 && at.y() >= 0.0 && at.x() < camera_.size.width && at.y() < camera_.size.height;
     f.alive = inside && static_cast<double>(f.track.silent_us()) <= config_.hold_s * 1e6;
   }
-  if (++ticks_ % ticks_per_look == 0) {
+  if (++ticks_ % ticks_per_update == 0) {
     for (Followed& f : followed_) {
       if (!f.alive) continue;
-      if (ticks_ % ticks_per_hole == 0) update_hole(f, now_us);
+      if (ticks_ % ticks_per_silhouette == 0) update_silhouette(f, now_us);
       update_probability(f, now_us);
     }
   }
   search_due_us_ = now_us;
 }
 
-void BallTracker::update_hole(Followed& f, std::int64_t now_us) {
-  f.history.hole = 0.0;
-  const auto hole = f.silhouette.fit(f.track.shown(), f.track.carried_px(), now_us);
-  if (!hole) return;
+void BallTracker::update_silhouette(Followed& f, std::int64_t now_us) {
+  f.history.silhouette = 0.0;
+  const auto silhouette = f.silhouette.fit(f.track.shown(), f.track.carried_px(), now_us);
+  if (!silhouette) return;
   const double speed = f.image_px_s.norm();
-  const double slow = 1.0 / (1.0 + speed * speed / (hole_slow_px_s * hole_slow_px_s));
-  f.track.correct(hole->circle, hole->sd_px.cwiseMax(hole_least_sd_px) / slow);
-  const double shown = hole->seen * hole->emptiness * hole->emptiness;
-  f.history.hole = shown * shown * hole->tightness * slow;
+  const double slow = 1.0 / (1.0 + speed * speed / (silhouette_slow_px_s * silhouette_slow_px_s));
+  f.track.correct(silhouette->circle, silhouette->sd_px.cwiseMax(silhouette_least_sd_px) / slow);
+  const double shown = silhouette->seen * silhouette->emptiness * silhouette->emptiness;
+  f.history.silhouette = shown * shown * silhouette->tightness * slow;
 }
 
-/// Looks at a circle once enough edges have come near it. Fewer are noise, and silence is no evidence.
+/// Updates the evidence once enough edges have come near the circle. Fewer are noise, and silence is no evidence.
 void BallTracker::update_probability(Followed& f, std::int64_t now_us) {
   const double length_px = perimeter_px(f.track.circle());
   const bool enough = f.fresh_edges >= std::max(fewest_fresh, fresh_px * length_px);
@@ -284,8 +285,8 @@ void BallTracker::update_probability(Followed& f, std::int64_t now_us) {
     const DiscEvidence newest = evidence(f.track.shown(), f.motion_px_s(), now_us);
     const double clutter_px2 =
         density_of(std::min(newest[Evidence::radial_outside], newest[Evidence::radial_inside]));
-    const double calm = std::exp(-clutter_px2 / clutter_hides_px2);
-    const double weight = least_weight + (1.0 - least_weight) * calm;
+    const double visibility = std::exp(-clutter_px2 / clutter_hides_px2);
+    const double weight = least_weight + (1.0 - least_weight) * visibility;
     const double share = 1.0 - std::exp(-f.fresh_edges / length_px * weight / memory_px);
     f.evidence.blend(newest, share);
     f.history.newest = newest;
@@ -295,29 +296,29 @@ void BallTracker::update_probability(Followed& f, std::int64_t now_us) {
     f.history.network_mean += share * (f.network_log_odds - f.history.network_mean);
     f.history.on_ring_share += share * (f.fresh_on_outline / f.fresh_edges - f.history.on_ring_share);
     f.history.followed_px += weight * f.fresh_on_outline / length_px;
-    f.clarity = std::max(least_clarity, (1.0 - std::exp(-newest[Evidence::ring_to_sides])) * calm);
+    f.clarity = std::max(least_clarity, (1.0 - std::exp(-newest[Evidence::ring_to_sides])) * visibility);
     f.fresh_edges = f.fresh_on_outline = 0.0;
   }
-  if (!enough && f.history.hole <= 0.0) return;
+  if (!enough && f.history.silhouette <= 0.0) return;
   f.history.radius_variance_px2 = f.track.covariance()(2, 2);
   f.inputs = disc_inputs(f.evidence, f.history);
   f.probability = disc_probability(model_->probability, f.inputs);
 }
 
-/// The probability that a circle is the ball and that the ball has not left it unseen since its last edge.
-double BallTracker::still_there(const Followed& f) {
+/// The existence probability with the decay since the last edge: the ball may have left without events.
+double BallTracker::existence_probability(const Followed& f) {
   return f.probability * std::exp(-static_cast<double>(f.track.silent_us()) * 1e-6 / stays_s);
 }
 
 /// The most probable circle. Of several discs in view the one that has moved by itself is the ball: one that has not
 /// competes with a share of its probability.
 const BallTracker::Followed* BallTracker::best() const {
-  const auto worth = [](const Followed& f) {
-    return still_there(f) * (at_rest_share + (1.0 - at_rest_share) * f.history.moved_most_share);
+  const auto rank = [](const Followed& f) {
+    return existence_probability(f) * (at_rest_share + (1.0 - at_rest_share) * f.history.moved_most_share);
   };
   const Followed* best = nullptr;
   for (const Followed& f : followed_) {
-    if (f.alive && (best == nullptr || worth(f) > worth(*best))) best = &f;
+    if (f.alive && (best == nullptr || rank(f) > rank(*best))) best = &f;
   }
   return best;
 }
@@ -335,7 +336,7 @@ Estimate BallTracker::estimate() {
                                                                  model_sd_px[2] * model_sd_px[2])
                                                      .asDiagonal()
                                                      .toDenseMatrix();
-  return {true, f->track.silent_us() >= tick_us, circle_now(*f), still_there(*f), covariance};
+  return {true, f->track.silent_us() >= tick_us, circle_now(*f), existence_probability(*f), covariance};
 }
 
 std::unique_ptr<Detector> make_ball_tracker(const BallTrackerConfig& config, const Camera& camera) {

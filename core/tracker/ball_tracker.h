@@ -12,6 +12,7 @@
 #include "core/flow/camera_rotation.h"
 #include "core/flow/plane_fit_flow.h"
 #include "core/reserved_vector.h"
+#include "core/time_surface.h"
 #include "core/tracker/best_model.h"
 #include "core/tracker/circle_fit.h"
 #include "core/tracker/circle_search.h"
@@ -53,19 +54,22 @@ void describe(FieldVisitor& v, BallTrackerConfig& config);
 /// 2. The edges of one instant vote in the directed Hough transform, some in every ms (CircleSearch). The strongest
 ///    circles are fitted to the edges near them (CircleFit).
 /// 3. Circles are followed edge by edge (CircleTrack), carried along by the camera's own rotation where joints tell it.
-/// 4. What the edges near a circle show (DiscEvidence) is averaged over the last pixels of its motion. A circle
-///    without edges keeps that evidence; its score falls, because its ball may have left it unseen.
-/// 5. A ball that the gaze follows makes hardly any events while all around it does: the hole that it leaves (Silhouette)
-///    measures its place, and is evidence too.
-/// 6. What moves against the background is told from what stands in the room. The background's motion comes from the
-///    joints, or else from the edges (camera_rotation).
-/// 7. The newest events around a circle, in polar coordinates, are judged by a network, which also corrects the circle and
-///    measures it (PatchNetwork).
-/// 8. Evidence, judgements and history of a circle give the probability that it is the ball (disc_probability).
+/// 4. Figures of the edges near a circle (DiscEvidence) are averaged over the last pixels of its motion. A circle
+///    without edges keeps them; its probability decays, because the ball may have left without events.
+/// 5. A ball that the gaze follows makes hardly any events while the background does: its silhouette in the background's
+///    events (Silhouette) is a measurement of the circle, and evidence too.
+/// 6. Objects that move against the background are distinguished from those at rest in the room. The background's motion
+///    comes from the joints, or else from the edges (camera_rotation).
+/// 7. From the time surface around a circle, in polar coordinates, PatchNetwork estimates log odds, a correction of the
+///    circle and its standard deviations.
+/// 8. Evidence, the networks' log odds and the history of a circle give its existence probability, calibrated: that it is
+///    the ball (disc_probability).
 ///
-/// The work of a ms is bounded: flows_per_ms flows, 160 votes, 8 circles tried, 4 patches; an event beyond that only
-/// leaves its time stamp. Everything happens at instants of 1 ms of the stream's own time, so that the estimate does not
+/// The work of a ms is bounded: flows_per_ms flows, 160 votes, 8 candidates, 4 patches; an event beyond that only leaves
+/// its time stamp. Everything happens at instants of 1 ms of the stream's own time, so that the estimate does not
 /// depend on how events come in batches.
+/// Words: the ball is the object; a circle is a hypothesis of its outline, first a candidate, then a track; a disc is the
+/// region inside a circle; a patch is the time surface around a circle in polar coordinates.
 /// After: paper, section V (future work); regions after Glover, Dinale, Bartolozzi et al. (event surfaces SCARF and EROS
 /// of the same group).
 class BallTracker final : public Detector, public DetectorViews {
@@ -97,64 +101,64 @@ class BallTracker final : public Detector, public DetectorViews {
     Silhouette silhouette;
     DiscEvidence evidence;  ///< averaged over the last pixels of motion
     DiscHistory history;
-    double network_log_odds = least_network_log_odds;  ///< of the last look
-    PatchResult patch;                                 ///< of the last judgement
+    double network_log_odds = least_network_log_odds;  ///< of the newest inference
+    PatchResult patch;                                 ///< of the newest patch
     bool changed = false;                              ///< since then
     DiscInputs inputs{};
     double probability = 0.0;
     double found_probability = 0.0;  ///< as if it had just been found, at compared_us
     std::int64_t compared_us = std::numeric_limits<std::int64_t>::min();
     double clarity = 1.0;      ///< share of the edges near the circle that are of its outline
-    double fresh_edges = 0.0;  ///< near it since the last look
+    double fresh_edges = 0.0;  ///< near it since the last update of the evidence
     double fresh_on_outline = 0.0;
     Eigen::Vector2d anchor_px = Eigen::Vector2d::Zero();     ///< where it would be if it stood in the room
     Eigen::Vector2d carried_px_s = Eigen::Vector2d::Zero();  ///< image motion by the joints, at it
     Eigen::Vector2d image_px_s = Eigen::Vector2d::Zero();    ///< its own motion in the image
-    bool slow = true;                                        ///< may leave a hole
+    bool slow = true;                                        ///< may have a silhouette
 
     [[nodiscard]] Eigen::Vector3d motion_px_s() const {
       return {image_px_s.x(), image_px_s.y(), track.growth_px_s()};
     }
   };
-  struct FoundCircle {
+  struct Candidate {
     Circle circle;
     std::int64_t at_us;
-    bool as_found_too;  ///< tried without a fit of place and radius as well
+    bool as_found_too;  ///< evaluated without a fit of place and radius as well
   };
-  /// A circle, corrected by PatchNetwork or as it was, and what PatchNetwork says about it.
-  struct Judged {
+  /// A circle, corrected by PatchNetwork or not, and the network's output for it.
+  struct RefinedCircle {
     Circle circle;
-    PatchJudgement judgement;
+    PatchOutput patch;
     bool corrected;
 
     [[nodiscard]] PatchResult result() const;  ///< for the probability
   };
-  /// A circle to follow, and what it shows.
-  struct FoundDisc {
+  /// A circle that begins a track, and its evidence.
+  struct NewTrack {
     Circle circle;
     Eigen::Vector3d motion_px_s;
     DiscEvidence evidence;
     double network_log_odds;
-    Judged judgement;
+    RefinedCircle refined;
     double probability;
   };
-  /// The circles to try, oldest first; one that finds no place is left out.
-  class FoundQueue {
+  /// Candidates for a new track (birth), oldest first; one that comes when the queue is full is dropped.
+  class CandidateQueue {
    public:
     [[nodiscard]] bool empty() const { return count_ == 0; }
-    void push(const FoundCircle& found) {
+    void push(const Candidate& found) {
       if (count_ == found_.size()) return;
       found_[(first_ + count_++) % found_.size()] = found;
     }
-    FoundCircle pop() {
-      const FoundCircle found = found_[first_];
+    Candidate pop() {
+      const Candidate found = found_[first_];
       first_ = (first_ + 1) % found_.size();
       --count_;
       return found;
     }
 
    private:
-    std::array<FoundCircle, 24> found_;
+    std::array<Candidate, 24> found_;
     std::size_t first_ = 0, count_ = 0;
   };
   struct Voter {
@@ -170,14 +174,14 @@ class BallTracker final : public Detector, public DetectorViews {
   [[nodiscard]] DiscEvidence evidence(const Circle& circle, const Eigen::Vector3d& motion_px_s,
                                       std::int64_t now_us) const;
   [[nodiscard]] Circle circle_now(const Followed& f) const;
-  [[nodiscard]] static double still_there(const Followed& f);
+  [[nodiscard]] static double existence_probability(const Followed& f);
   [[nodiscard]] const Followed* best() const;
 
   void add_edge(const Event& event, const NormalFlow& flow);
   void run_until(std::int64_t t_us, bool inclusive);
   void start_tick();
   void tick(std::int64_t now_us);
-  void update_hole(Followed& f, std::int64_t now_us);
+  void update_silhouette(Followed& f, std::int64_t now_us);
   void update_probability(Followed& f, std::int64_t now_us);
 
   // The search for circles that are not followed (ball_tracker_search.cpp).
@@ -185,16 +189,17 @@ class BallTracker final : public Detector, public DetectorViews {
   void begin_search();
   void fill_fit(const Circle& circle, std::int64_t now_us);
   [[nodiscard]] bool corrects_known(const Circle& circle, double probability, std::int64_t now_us);
-  [[nodiscard]] Followed* place_for(const FoundDisc& found);
-  void follow(const FoundDisc& found, Followed& place, std::int64_t now_us);
-  void look(std::int64_t now_us);
+  [[nodiscard]] Followed* place_for(const NewTrack& found);
+  void follow(const NewTrack& found, Followed& place, std::int64_t now_us);
+  void run_disc_network(std::int64_t now_us);
   [[nodiscard]] double network_log_odds(const Circle& circle, const Eigen::Vector2d& image_px_s,
                                         std::int64_t now_us) const;
-  void try_found(std::int64_t now_us);
-  void try_circle(const Circle& circle, std::int64_t now_us);
+  void evaluate_candidates(std::int64_t now_us);
+  void evaluate_candidate(const Circle& circle, std::int64_t now_us);
   void end_duplicates();
-  [[nodiscard]] Judged judged(const Circle& circle, const Eigen::Vector3d& motion_px_s, std::int64_t now_us);
-  void judge(std::int64_t now_us);
+  [[nodiscard]] RefinedCircle refined(const Circle& circle, const Eigen::Vector3d& motion_px_s,
+                                      std::int64_t now_us);
+  void update_patch(std::int64_t now_us);
   /// The circle with the correction added, its radius within radius_px.
   [[nodiscard]] Circle corrected(const Circle& circle, const Circle& by) const;
 
@@ -206,6 +211,7 @@ class BallTracker final : public Detector, public DetectorViews {
   PlaneFitFlow flow_;
   EdgeMap edges_;
   CircleSearch search_;
+  TimeSurface surface_;
   DiscNetwork network_;
   CircleFit fit_;
   std::array<Followed, 8> followed_;
@@ -221,18 +227,18 @@ class BallTracker final : public Detector, public DetectorViews {
   std::size_t voted_ = 0;
   bool search_cleared_ = true;
   std::int64_t search_us_;
-  std::int64_t look_us_;  // when the network's look under way, or the last one, began
-  std::uint64_t events_since_look_ = 0;
-  FoundQueue to_try_;
-  std::size_t next_judged_ = 0;  // of followed_
-  int patches_left_ = 0;         // of this tick
+  std::int64_t inference_us_;  // when DiscNetwork's present or newest inference began
+  std::uint64_t events_since_inference_ = 0;
+  CandidateQueue candidates_;
+  std::size_t next_patch_ = 0;  // of followed_
+  int patches_left_ = 0;        // of this tick
   // Flows of this tick: every nth_event_ event gets one.
   std::int64_t flows_left_, nth_event_ = 1, since_flow_ = 0, events_of_tick_ = 0;
 };
 
 /// BallTracker, with radii beyond those that it is fitted for (above 80 px) on every n-th pixel (DecimatedDetector), where n is
 /// the smallest number with which the largest radius is at most 40 of these pixels. Keys in pixels other than radius_px
-/// are then in these pixels. If the smallest radius is less than 5 of these pixels, a second BallTracker looks for radii
+/// are then in these pixels. If the smallest radius is less than 5 of these pixels, a second BallTracker searches radii
 /// up to 80 px on all pixels, the first one for those from 60 px on (BetterOfTwo).
 /// Throws InputError for a configuration out of range.
 [[nodiscard]] std::unique_ptr<Detector> make_ball_tracker(const BallTrackerConfig& config,

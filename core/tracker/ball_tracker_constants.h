@@ -11,7 +11,7 @@ inline constexpr std::int64_t never_us = std::numeric_limits<std::int64_t>::min(
 inline constexpr std::int64_t tick_us = 1'000;
 inline constexpr double tick_s = 1e-3;
 inline constexpr std::size_t prefetched_events = 24;  // ahead: pixels of large images are not in the cache
-inline constexpr int ticks_per_look = 2, ticks_per_hole = 4;
+inline constexpr int ticks_per_update = 2, ticks_per_silhouette = 4;
 
 // Radii: beyond the largest one of the worlds that it was fitted in, every n-th pixel is used.
 inline constexpr double largest_fitted_px = 80.0, smallest_of_two_px = 60.0;
@@ -21,55 +21,57 @@ inline constexpr double largest_decimated_px = 40.0, smallest_decimated_px = 5.0
 inline constexpr double fastest_us_px = 10.0;      // steeper flows are noise
 inline constexpr double shortest_life_us = 100.0;  // of an edge
 inline constexpr double camera_moves_px_s =
-    30.0;                               // from here on its flow is surer than one measured at a pixel
+    30.0;  // from here on its flow has a smaller variance than one measured at a pixel
 inline constexpr double near_px = 6.0;  // of a circle: what comes further outside does not concern it
 
 // Evidence.
 inline constexpr double fewest_fresh = 5.0,
-                        fresh_px = 0.15;          // edges, and edges per px of outline, for a new look
-inline constexpr double fresh_left = 0.99;        // of them after a ms: noise does not add up to a look
-inline constexpr double stays_s = 1.0;            // mean time that a ball stays where it makes no events
+                        fresh_px = 0.15;  // edges, and edges per px of outline, for an update of the evidence
+inline constexpr double fresh_left = 0.99;        // of them after a ms: noise does not add up to an update
+inline constexpr double stays_s = 1.0;            // mean time to live of a track without events
 inline constexpr double memory_px = 2.0;          // of motion, that evidence is averaged over
 inline constexpr double clutter_hides_px2 = 0.2;  // radial edges per px^2 around a circle that hide it
 inline constexpr double least_weight = 0.05, least_clarity = 0.15;
 
-// Holes.
-inline constexpr double hole_slow_px_s = 40.0;  // faster through the image a ball shows by its own events
-inline constexpr double hole_fastest_px_s = 120.0;
-inline constexpr double hole_least_sd_px = 0.35;  // of one look; looks share most of their events
-inline constexpr double gaze_follows_hole = 0.4;
+// Silhouettes.
+inline constexpr double silhouette_slow_px_s =
+    40.0;  // faster through the image a ball makes events of its own
+inline constexpr double silhouette_fastest_px_s = 120.0;
+inline constexpr double silhouette_least_sd_px =
+    0.35;  // of one fit; successive fits share most of their events
+inline constexpr double gaze_follows_silhouette = 0.4;
 
 // Motion against the background.
 inline constexpr double anchor_s = 0.6, moved_begin_px = 2.0, moved_end_px = 6.0;
-inline constexpr double at_rest_share = 0.25;  // of its probability, for a disc that never moved against it
+inline constexpr double at_rest_share = 0.25;  // prior of a circle that never moved against it, as a share
 
 // Search.
 inline constexpr std::size_t max_voters = 1024, votes_per_tick = 160;
-inline constexpr std::size_t found_per_level = 4, most_tried = 8, tried_per_tick = 8;
+inline constexpr std::size_t found_per_level = 4, most_candidates = 8, candidates_per_tick = 8;
 inline constexpr double farthest_px = 1e9;  // of a found circle, which has moved on since; integers hold it
-inline constexpr std::int64_t search_period_us = 3'000, sure_search_period_us = 9'000;
-inline constexpr double sure = 0.9;           // probability of a circle that lets the search slow down
-inline constexpr double new_share = 0.6;      // of its probability that a new circle replaces another with
-inline constexpr double better_by = 0.1;      // probability, for a found circle to correct a followed one
-inline constexpr double fit_sd_px = 0.7;      // of a found circle
+inline constexpr std::int64_t search_period_us = 3'000, confident_search_period_us = 9'000;
+inline constexpr double confident = 0.9;  // existence probability of a track with which the search is slower
+inline constexpr double new_share = 0.6;  // of its probability that a new circle replaces another with
+inline constexpr double better_by = 0.1;  // probability, for a found circle to correct a followed one
+inline constexpr double fit_sd_px = 0.7;  // of a found circle
 inline constexpr double rival_share = 0.4;    // of the radius: circles nearer than that claim the same disc
 inline constexpr std::size_t max_rivals = 2;  // followed at once
 
-// The network's looks.
-inline constexpr std::int64_t look_period_us = 15'000, sure_look_period_us = 50'000;
+// Inferences of DiscNetwork.
+inline constexpr std::int64_t network_period_us = 15'000, confident_network_period_us = 50'000;
 inline constexpr std::int64_t multiplications_per_tick = 1'500'000;
-inline constexpr std::uint64_t fewest_events_of_look = 20;
+inline constexpr std::uint64_t fewest_events_of_inference = 20;
 
-// The judgements of polar patches.
-inline constexpr std::uint64_t sure_ticks_per_judgement = 4;
+// Polar patches.
+inline constexpr std::uint64_t confident_ticks_per_patch = 4;
 inline constexpr int patches_per_tick = 4;
 inline constexpr double least_correction_rings = 0.3,
                         large_correction_rings = 0.8;  // ring widths of a polar patch
 inline constexpr double correction_gain = 0.5;         // of the log odds
-// Log odds from which on a followed circle's correction is a measurement, and least standard deviation of that.
-inline constexpr double least_measured_log_odds = -2.0, least_judgement_sd_px = 0.3;
+// Gate: log odds from which on a followed circle's correction is a measurement; and least standard deviation of that.
+inline constexpr double least_measured_log_odds = -2.0, least_patch_sd_px = 0.3;
 // Least standard deviation of a circle when another one fits its outline better.
-inline constexpr double missed_sd_px = 0.5;
+inline constexpr double inflated_sd_px = 0.5;
 
 // Uncertainty of the estimate beside that of the track, fitted to the errors of inliers on training seeds.
 inline constexpr double covariance_scale = 4.0;

@@ -32,10 +32,10 @@ void BallTracker::work_ahead() {
   const std::int64_t tick_us = *search_due_us_;
   search_due_us_.reset();
   patches_left_ = patches_per_tick;
-  look(tick_us);
+  run_disc_network(tick_us);
   search(tick_us);
-  try_found(tick_us);
-  judge(tick_us);
+  evaluate_candidates(tick_us);
+  update_patch(tick_us);
 }
 
 Circle BallTracker::corrected(const Circle& circle, const Circle& by) const {
@@ -44,59 +44,55 @@ Circle BallTracker::corrected(const Circle& circle, const Circle& by) const {
 }
 
 /// The better one of a circle and its correction by PatchNetwork, and its log odds. Takes one or two of the tick's patches.
-BallTracker::Judged BallTracker::judged(const Circle& circle, const Eigen::Vector3d& motion,
-                                        std::int64_t now_us) {
-  const auto judge = [&](const Circle& c) {
+BallTracker::RefinedCircle BallTracker::refined(const Circle& circle, const Eigen::Vector3d& motion,
+                                                std::int64_t now_us) {
+  const auto output_of = [&](const Circle& c) {
     --patches_left_;
-    return judge_patch(model_->patch,
-                       polar_patch(network_.newest_us(), camera_.size, c, patch_motion(c, motion), now_us));
+    return run_patch_network(model_->patch, polar_patch(surface_, c, patch_motion(c, motion), now_us));
   };
-  const PatchJudgement judgement = judge(circle);
-  const Circle& off = judgement.correction;
-  const Judged as_it_was{circle, judgement, false};
+  const PatchOutput output = output_of(circle);
+  const Circle& off = output.correction;
+  const RefinedCircle unchanged{circle, output, false};
   const double off_rings =
       std::max({std::abs(off.x_px), std::abs(off.y_px), std::abs(off.r_px)}) / polar_ring_px(circle.r_px);
-  if (patches_left_ == 0 || off_rings < least_correction_rings) return as_it_was;
+  if (patches_left_ == 0 || off_rings < least_correction_rings) return unchanged;
   const Circle moved = corrected(circle, off);
-  const Judged moved_there{moved, judge(moved), true};
-  const double before = as_it_was.result().log_odds;
-  const double after = moved_there.judgement.log_odds;
+  const RefinedCircle moved_circle{moved, output_of(moved), true};
+  const double before = unchanged.result().log_odds;
+  const double after = moved_circle.patch.log_odds;
   const bool better = after > before + correction_gain;
   const bool as_good = after > std::max(0.0, before - correction_gain) && off_rings > large_correction_rings;
-  return better || as_good ? moved_there : as_it_was;
+  return better || as_good ? moved_circle : unchanged;
 }
 
-PatchResult BallTracker::Judged::result() const {
-  return {std::clamp(judgement.log_odds, -most_patch_log_odds, most_patch_log_odds),
-          std::hypot(judgement.correction.x_px, judgement.correction.y_px),
-          std::abs(judgement.correction.r_px)};
+PatchResult BallTracker::RefinedCircle::result() const {
+  return {std::clamp(patch.log_odds, -most_patch_log_odds, most_patch_log_odds),
+          std::hypot(patch.correction.x_px, patch.correction.y_px), std::abs(patch.correction.r_px)};
 }
 
-/// Lets PatchNetwork judge the next of the followed circles near which edges have come since it was judged last. Where it
-/// may be the ball's, the correction is a measurement of the circle.
-void BallTracker::judge(std::int64_t now_us) {
+/// Runs PatchNetwork for the next of the followed circles near which edges have come since its newest patch. Where the log
+/// odds pass the gate, the correction is a measurement of the circle.
+void BallTracker::update_patch(std::int64_t now_us) {
   const Followed* leader = best();
   if (patches_left_ == 0 ||
-      (leader != nullptr && leader->probability > sure && ticks_ % sure_ticks_per_judgement != 0))
+      (leader != nullptr && leader->probability > confident && ticks_ % confident_ticks_per_patch != 0))
     return;
   Followed* next = nullptr;
   for (std::size_t i = 0; i < followed_.size(); ++i) {
-    Followed& f = followed_[(next_judged_ + i) % followed_.size()];
+    Followed& f = followed_[(next_patch_ + i) % followed_.size()];
     if (next == nullptr && f.alive && f.changed) next = &f;
   }
   if (next == nullptr) return;
-  next_judged_ = static_cast<std::size_t>(next - followed_.data()) + 1;
-  const Judged found = judged(next->track.shown(), next->motion_px_s(), now_us);
+  next_patch_ = static_cast<std::size_t>(next - followed_.data()) + 1;
+  const RefinedCircle found = refined(next->track.shown(), next->motion_px_s(), now_us);
   if (found.corrected) {
-    next->track.doubt(missed_sd_px);
+    next->track.inflate(inflated_sd_px);
     next->track.correct(found.circle, Eigen::Vector3d::Constant(fit_sd_px));
   }
-  if (found.judgement.log_odds > least_measured_log_odds) {
-    const Eigen::Vector3d sd_px(found.judgement.centre_sd_px, found.judgement.centre_sd_px,
-                                found.judgement.radius_sd_px);
-    next->track.doubt(sd_px);
-    next->track.correct(corrected(found.circle, found.judgement.correction),
-                        sd_px.cwiseMax(least_judgement_sd_px));
+  if (found.patch.log_odds > least_measured_log_odds) {
+    const Eigen::Vector3d sd_px(found.patch.centre_sd_px, found.patch.centre_sd_px, found.patch.radius_sd_px);
+    next->track.inflate(sd_px);
+    next->track.correct(corrected(found.circle, found.patch.correction), sd_px.cwiseMax(least_patch_sd_px));
   }
   next->patch = found.result();
   next->changed = false;
@@ -111,7 +107,7 @@ void BallTracker::search(std::int64_t now_us) {
   if (voters_.empty()) {
     const Followed* leader = best();
     const std::int64_t period_us =
-        leader != nullptr && leader->probability > sure ? sure_search_period_us : search_period_us;
+        leader != nullptr && leader->probability > confident ? confident_search_period_us : search_period_us;
     if (search_us_ != never_us && saturated_difference(now_us, search_us_) < period_us) return;
     search_us_ = now_us;
     begin_search();
@@ -123,8 +119,8 @@ void BallTracker::search(std::int64_t now_us) {
   voted_ = 0;
   search_cleared_ = false;
   const auto found = search_.find(found_per_level);
-  for (const CircleSearch::Found& candidate : found.first(std::min(found.size(), most_tried)))
-    to_try_.push({candidate.circle, search_us_, false});
+  for (const CircleSearch::Found& candidate : found.first(std::min(found.size(), most_candidates)))
+    candidates_.push({candidate.circle, search_us_, false});
 }
 
 /// Collects the edges that vote, every n-th where there are too many, and the camera's rotation that they show.
@@ -154,27 +150,28 @@ void BallTracker::fill_fit(const Circle& c, std::int64_t now_us) {
   });
 }
 
-/// Goes on with the network's look, or begins the next one. Its circles are tried like those of the search, and also
-/// with place and radius as found. What it says about the followed circles is kept for their next evidence.
-void BallTracker::look(std::int64_t now_us) {
+/// Goes on with the inference of DiscNetwork, or begins the next one. Its circles are candidates like those of the search, and
+/// also with place and radius as found. Its log odds at the followed circles are kept for their next update.
+void BallTracker::run_disc_network(std::int64_t now_us) {
   if (!network_.busy()) {
     const Followed* leader = best();
-    const std::int64_t period_us =
-        leader != nullptr && leader->probability > sure ? sure_look_period_us : look_period_us;
-    if (look_us_ != never_us && saturated_difference(now_us, look_us_) < period_us) return;
-    if (events_since_look_ < fewest_events_of_look) return;
-    events_since_look_ = 0;
-    look_us_ = now_us;
+    const std::int64_t period_us = leader != nullptr && leader->probability > confident
+                                       ? confident_network_period_us
+                                       : network_period_us;
+    if (inference_us_ != never_us && saturated_difference(now_us, inference_us_) < period_us) return;
+    if (events_since_inference_ < fewest_events_of_inference) return;
+    events_since_inference_ = 0;
+    inference_us_ = now_us;
     network_.begin(now_us);
   }
-  if (!network_.work(multiplications_per_tick)) return;
+  if (!network_.work(surface_, multiplications_per_tick)) return;
   for (Followed& f : followed_) {
     if (f.alive) f.network_log_odds = network_log_odds(f.track.shown(), f.image_px_s, now_us);
   }
   for (const DiscNetwork::Found& found : network_.found()) {
     const double r_px = found.circle.r_px;
     if (r_px < config_.radius_px[0] - 1.0 || r_px > config_.radius_px[1] + 1.0) continue;
-    to_try_.push({found.circle, network_.found_at_us(), true});
+    candidates_.push({found.circle, network_.found_at_us(), true});
   }
 }
 
@@ -188,10 +185,10 @@ double BallTracker::network_log_odds(const Circle& circle, const Eigen::Vector2d
   return std::max(least_network_log_odds, static_cast<double>(network_.about(then).log_odds));
 }
 
-/// Tries some of the circles found.
-void BallTracker::try_found(std::int64_t now_us) {
-  for (std::size_t i = 0; i < tried_per_tick && !to_try_.empty(); ++i) {
-    const FoundCircle found = to_try_.pop();
+/// Evaluates some of the candidates.
+void BallTracker::evaluate_candidates(std::int64_t now_us) {
+  for (std::size_t i = 0; i < candidates_per_tick && !candidates_.empty(); ++i) {
+    const Candidate found = candidates_.pop();
     Circle circle = found.circle;
     fill_fit(circle, found.at_us);
     const Eigen::Vector3d motion = fit_.motion(circle);
@@ -200,28 +197,29 @@ void BallTracker::try_found(std::int64_t now_us) {
     circle.y_px += motion.y() * since_s;
     if (std::max(std::abs(circle.x_px), std::abs(circle.y_px)) < farthest_px) {
       fill_fit(circle, now_us);
-      try_circle(fit_.place(circle, motion, config_.radius_px[0] - 0.5, config_.radius_px[1] + 0.5), now_us);
-      if (found.as_found_too) try_circle(circle, now_us);
+      evaluate_candidate(fit_.place(circle, motion, config_.radius_px[0] - 0.5, config_.radius_px[1] + 0.5),
+                         now_us);
+      if (found.as_found_too) evaluate_candidate(circle, now_us);
     }
-    if (to_try_.empty()) end_duplicates();
+    if (candidates_.empty()) end_duplicates();
   }
 }
 
-/// Follows a circle where it is better than what is followed.
-void BallTracker::try_circle(const Circle& circle, std::int64_t now_us) {
+/// Begins a track with a circle where it is more probable than the track whose place it takes.
+void BallTracker::evaluate_candidate(const Circle& circle, std::int64_t now_us) {
   const Eigen::Vector3d motion = fit_.motion(circle);
   const DiscEvidence seen = evidence(circle, motion, now_us);
   const double log_odds = network_log_odds(circle, motion.head<2>(), now_us);
   const double probability = found_probability(*model_, seen, log_odds);
   if (corrects_known(circle, probability, now_us)) return;
-  FoundDisc found{circle, motion, seen, log_odds, {}, probability};
+  NewTrack found{circle, motion, seen, log_odds, {}, probability};
   if (patches_left_ == 0 || place_for(found) == nullptr) return;
-  found.judgement = judged(circle, motion, now_us);
-  if (found.judgement.corrected) {
-    found.circle = found.judgement.circle;
+  found.refined = refined(circle, motion, now_us);
+  if (found.refined.corrected) {
+    found.circle = found.refined.circle;
     found.evidence = evidence(found.circle, motion, now_us);
   }
-  found.probability = found_probability(*model_, found.evidence, log_odds, found.judgement.result());
+  found.probability = found_probability(*model_, found.evidence, log_odds, found.refined.result());
   if (Followed* place = place_for(found)) follow(found, *place, now_us);
 }
 
@@ -239,7 +237,7 @@ bool BallTracker::corrects_known(const Circle& circle, double probability, std::
       }
       if (probability > f.found_probability + better_by) {
         f.compared_us = never_us;
-        f.track.doubt(missed_sd_px);
+        f.track.inflate(inflated_sd_px);
         f.track.correct(circle, Eigen::Vector3d::Constant(fit_sd_px));
         return true;
       }
@@ -251,7 +249,7 @@ bool BallTracker::corrects_known(const Circle& circle, double probability, std::
 
 /// The followed circle that a found one takes the place of: where enough circles claim the same disc, the least probable one
 /// of these, else the least probable one of all. None where that is more probable.
-BallTracker::Followed* BallTracker::place_for(const FoundDisc& found) {
+BallTracker::Followed* BallTracker::place_for(const NewTrack& found) {
   const double reach_px = rival_share * found.circle.r_px;
   Followed* weakest = nullptr;
   std::size_t rivals = 0;
@@ -270,7 +268,7 @@ BallTracker::Followed* BallTracker::place_for(const FoundDisc& found) {
   return weakest->alive && new_share * found.probability <= weakest->probability ? nullptr : weakest;
 }
 
-void BallTracker::follow(const FoundDisc& found, Followed& place, std::int64_t now_us) {
+void BallTracker::follow(const NewTrack& found, Followed& place, std::int64_t now_us) {
   const Circle& circle = found.circle;
   Followed f;
   f.alive = true;
@@ -287,7 +285,7 @@ void BallTracker::follow(const FoundDisc& found, Followed& place, std::int64_t n
   f.image_px_s = f.carried_px_s + f.track.speed_px_s();
   f.evidence = f.history.newest = found.evidence;
   f.network_log_odds = f.history.network_log_odds = f.history.network_mean = found.network_log_odds;
-  f.patch = f.history.patch = f.history.patch_mean = found.judgement.result();
+  f.patch = f.history.patch = f.history.patch_mean = found.refined.result();
   f.history.radius_variance_px2 = f.track.covariance()(2, 2);
   f.probability = new_share * found.probability;
   f.inputs = disc_inputs(f.evidence, f.history);

@@ -21,7 +21,7 @@ struct DiscNetworkWeights {
   std::array<float, outputs> output_bias;
 };
 
-/// Those of judge_patch() (core/tracker/patch_network.h).
+/// Those of run_patch_network() (core/tracker/patch_network.h).
 struct PatchNetworkWeights {
   static constexpr std::size_t inputs = 11, rings = 7, first_channels = 16, channels = 32, last_channels = 48,
                                hidden_units = 32, figures = 6, outputs = 3;

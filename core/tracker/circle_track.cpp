@@ -172,7 +172,7 @@ Eigen::Vector2d CircleTrack::latency_gradient_px_s() const {
   return share * (late_own_px_s_ + late_camera_px_s_);
 }
 
-void CircleTrack::doubt(const Eigen::Vector3d& sd_px) {
+void CircleTrack::inflate(const Eigen::Vector3d& sd_px) {
   for (int i = 0; i < 3; ++i) covariance_(i, i) = std::max(covariance_(i, i), sd_px[i] * sd_px[i]);
 }
 

@@ -44,19 +44,19 @@ class CircleTrack {
     state_.head<3>() << shown.x_px, shown.y_px, shown.r_px;
     state_.head<2>() += lag_px();
   }
-  /// Raises the standard deviations of centre and radius (x, y, r) to at least `sd_px`.
-  void doubt(const Eigen::Vector3d& sd_px);
-  void doubt(double sd_px) { doubt(Eigen::Vector3d::Constant(sd_px)); }
-  /// Takes a circle that was fitted to the same outline as edges show it.
+  /// Inflates the covariance: the standard deviations of centre and radius (x, y, r) are at least `sd_px`.
+  void inflate(const Eigen::Vector3d& sd_px);
+  void inflate(double sd_px) { inflate(Eigen::Vector3d::Constant(sd_px)); }
+  /// A measurement of centre and radius, from the same outline as the edges.
   void correct(const Circle& shown, const Eigen::Vector3d& sd_px);
   /// How far its motion alone has carried the circle since it began: what correcting and measuring did left out.
   [[nodiscard]] const Eigen::Vector2d& carried_px() const { return carried_px_; }
 
-  /// No edge came for so long that an outline moving through the image at the speed of the state would have shown:
-  /// it rests in the image, followed by the gaze or not. True where that speed was more than jitter, and so wrong.
+  /// Sets the speed in the image to zero where no edge came for longer than an outline at the speed of the state takes to
+  /// make one, followed by the gaze or not. True where that speed was above the jitter, and so wrong.
   bool rest_if_silent(const Eigen::Vector2d& camera_flow_px_s);
 
-  /// Uncertainty within what silence leaves open, the radius within [r_min - 1/2, r_max + 1/2].
+  /// Bounds the covariance by what is possible without events, and the radius to [r_min - 1/2, r_max + 1/2].
   void bound(double r_min_px, double r_max_px);
 
   [[nodiscard]] Circle circle() const { return {state_[0], state_[1], state_[2]}; }
@@ -85,8 +85,8 @@ class CircleTrack {
   void update(const State& gradient, const State& covariance_with_gradient, double innovation,
               double variance);
   [[nodiscard]] Eigen::Vector2d lag_px() const { return state_[6] * (late_own_px_s_ + late_camera_px_s_); }
-  /// The lag's derivative by the latency, times the camera's share of the motion: a latency cannot be told from a motion
-  /// of the circle's own.
+  /// The lag's derivative by the latency, times the camera's share of the motion: latency and own motion are not observable
+  /// separately.
   [[nodiscard]] Eigen::Vector2d latency_gradient_px_s() const;
 
   State state_ = State::Zero();

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "core/error.h"
 #include "core/time_stamp.h"
 #include "core/tracker/network_kernels.h"
 #include "core/vector_clones.h"
@@ -144,10 +145,7 @@ void input_halved_row(const Map& in, int y, const Weights& weights, float* out) 
 
 DiscNetwork::DiscNetwork(std::shared_ptr<const BestModel> model, ImageSize size, double r_min_px,
                          double r_max_px)
-    : model_(std::move(model)),
-      size_(size),
-      pixels_(static_cast<std::size_t>(size.pixels())),
-      newest_us_(2 * pixels_, std::numeric_limits<std::int64_t>::min()) {
+    : model_(std::move(model)), size_(size) {
   decays();
   std::size_t most_cells_of_level = 0;
   for (int cell = 1; cell <= 8; cell *= 2) {
@@ -177,10 +175,11 @@ void DiscNetwork::begin(std::int64_t now_us) {
   row_ = 0;
 }
 
-bool DiscNetwork::work(std::int64_t multiplications) {
+bool DiscNetwork::work(const TimeSurface& surface, std::int64_t multiplications) {
+  SACCADE_CHECK(surface.size() == size_);
   if (!busy()) return false;
   while (multiplications > 0) {
-    multiplications -= row(levels_[level_]);
+    multiplications -= row(levels_[level_], surface);
     if (!busy()) {
       take_result();
       return true;
@@ -190,12 +189,12 @@ bool DiscNetwork::work(std::int64_t multiplications) {
 }
 
 /// One row of the stage under way; the multiplications that it took at most.
-std::int64_t DiscNetwork::row(Level& level) {
+std::int64_t DiscNetwork::row(Level& level, const TimeSurface& surface) {
   const std::int64_t columns = level.columns;
   std::int64_t cost = 0;
   int rows = level.rows;
   if (stage_ == 0) {
-    input_row(level);
+    input_row(level, surface);
     cost = columns * level.cell_px * level.cell_px * static_cast<std::int64_t>(input_channels);
   } else if (stage_ == 1) {
     first_row(level);
@@ -224,20 +223,22 @@ std::int64_t DiscNetwork::row(Level& level) {
   return cost;
 }
 
-void DiscNetwork::input_row(const Level& level) {
+void DiscNetwork::input_row(const Level& level, const TimeSurface& surface) {
   const Decays& table = decays();
   const int cell = level.cell_px;
   const float scale = std::sqrt(static_cast<float>(cell)) / static_cast<float>(cell * cell);
   float* out = input_.data() + static_cast<std::size_t>(row_ * level.columns) * input_channels;
   const int y_end = std::min(size_.height, (row_ + 1) * cell);
+  const std::array<const std::int64_t*, 2> newest_us = {surface.newest_us(true).data(),
+                                                        surface.newest_us(false).data()};
   for (int column = 0; column < level.columns; ++column, out += input_channels) {
     std::array<float, input_channels> sum{};
     const int x_end = std::min(size_.width, (column + 1) * cell);
     for (int y = row_ * cell; y < y_end; ++y) {
       for (int x = column * cell; x < x_end; ++x) {
         for (std::size_t p = 0; p < 2; ++p) {
-          const std::int64_t t_us = newest_us_[p * pixels_ + static_cast<std::size_t>(y * size_.width + x)];
-          if (t_us == std::numeric_limits<std::int64_t>::min()) continue;
+          const std::int64_t t_us = newest_us[p][static_cast<std::size_t>(y * size_.width + x)];
+          if (t_us == TimeSurface::never_us) continue;
           const std::array<float, 4>& decay = table[age_index(saturated_difference(now_us_, t_us))];
           for (std::size_t k = 0; k < 4; ++k) sum[4 * p + k] += decay[k];
         }

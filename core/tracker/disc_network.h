@@ -9,15 +9,15 @@
 #include <vector>
 
 #include "core/camera.h"
-#include "core/event.h"
+#include "core/time_surface.h"
 #include "core/tracker/best_model.h"
 
 namespace saccade {
 
-/// A small convolutional network that looks for discs in the newest event of each pixel and polarity. It needs no flow,
-/// so it sees a ball where flow fails: in motion blur, on texture, in noise.
+/// A small convolutional network that detects discs in the time surface. It needs no flow, so it detects a ball where flow
+/// fails: in motion blur, on texture, in noise.
 ///
-/// Input: exp(-age / tau) of the newest ON and OFF event of each pixel, tau = 4, 16, 64 and 256 ms, averaged over cells of
+/// Input: a time surface, as exp(-age / tau) of the newest ON and OFF event of each pixel, tau = 4, 16, 64 and 256 ms, averaged over cells of
 /// 1, 2, 4 and 8 px: on each level the network finds radii of 4 to 8 cells, with the same weights. Output, for every 4 x 4
 /// cells: the log odds that a ball's centre is there, its offset, and its radius.
 ///
@@ -26,18 +26,11 @@ class DiscNetwork {
  public:
   DiscNetwork(std::shared_ptr<const BestModel> model, ImageSize size, double r_min_px, double r_max_px);
 
-  /// The event lies inside the image; time stamps do not go back.
-  void add(const Event& event) { newest_us_[index(event)] = event.t_us; }
-  /// Loads what an event inside the image changes into the cache, some events before it is added.
-  void prefetch(const Event& event) const { __builtin_prefetch(&newest_us_[index(event)], 1); }
-
-  /// Time of the newest ON event of every pixel, row by row, then of the newest OFF event; never: the least 64 bit number.
-  [[nodiscard]] std::span<const std::int64_t> newest_us() const { return newest_us_; }
-
-  /// Starts to look at the events up to now_us. The last result stays until the new one is complete.
+  /// Starts an inference at now_us. The last result stays until the new one is complete.
   void begin(std::int64_t now_us);
-  /// Goes on for about `multiplications`. True when the result is complete; without begin() before: false.
-  bool work(std::int64_t multiplications);
+  /// Goes on for about `multiplications` with the surface as it is now, whose size is that of the network. True when the
+  /// result is complete; without begin() before: false.
+  bool work(const TimeSurface& surface, std::int64_t multiplications);
   [[nodiscard]] bool busy() const { return level_ < levels_.size(); }
 
   struct Found {
@@ -64,11 +57,8 @@ class DiscNetwork {
     std::vector<std::array<float, outputs>> result, next;  // of each 4 x 4 cells
   };
 
-  [[nodiscard]] std::size_t index(const Event& e) const {
-    return (e.on ? 0U : pixels_) + static_cast<std::size_t>(e.y * size_.width + e.x);
-  }
-  [[nodiscard]] std::int64_t row(Level& level);
-  void input_row(const Level& level);
+  [[nodiscard]] std::int64_t row(Level& level, const TimeSurface& surface);
+  void input_row(const Level& level, const TimeSurface& surface);
   void first_row(const Level& level);
   void second_row(const Level& level);
   void block_row(const Level& level, std::size_t block);
@@ -78,8 +68,6 @@ class DiscNetwork {
 
   std::shared_ptr<const BestModel> model_;
   ImageSize size_;
-  std::size_t pixels_;
-  std::vector<std::int64_t> newest_us_;  // ON, then OFF
   std::vector<Level> levels_;
   std::vector<float> input_, first_, a_, b_;  // rows x columns x channels; reused by each level
   std::array<Found, 8> found_;

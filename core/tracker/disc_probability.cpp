@@ -23,7 +23,7 @@ DiscInputs disc_inputs(const DiscEvidence& evidence, const DiscHistory& h) {
     add(h.newest[e]);
   add(std::log1p(h.followed_px));
   add(std::log1p(h.silent_px));
-  add(h.hole);
+  add(h.silhouette);
   add(h.moved_share);
   add(h.moved_most_share);
   add(std::min(2.0, h.moved_radii));

@@ -11,12 +11,12 @@ namespace saccade {
 /// Log odds of DiscNetwork below this count as this. Chosen on the fitting seeds.
 inline constexpr double least_network_log_odds = -1.0;
 
-/// Log odds by PatchNetwork that a circle is taken to have before it is judged, and the largest that count.
-inline constexpr double unjudged_log_odds = 2.0, most_patch_log_odds = 8.0;
+/// Prior log odds of a circle before PatchNetwork has run on it, and the largest that count.
+inline constexpr double prior_patch_log_odds = 2.0, most_patch_log_odds = 8.0;
 
-/// What PatchNetwork says about a circle.
+/// PatchNetwork's output for a circle, as the probability uses it.
 struct PatchResult {
-  double log_odds = unjudged_log_odds;
+  double log_odds = prior_patch_log_odds;
   double off_px = 0.0, off_radius_px = 0.0;  ///< size of what is still to be corrected of centre and radius
 
   /// Goes on towards a newer one by a share of the difference.
@@ -27,23 +27,22 @@ struct PatchResult {
   }
 };
 
-/// What a circle has shown since it is followed, beside its evidence; the defaults are those of a circle that was just
-/// found.
+/// The history of a track beside its evidence; the defaults are those at its birth.
 struct DiscHistory {
   DiscEvidence
-      newest;  ///< of the last look; the evidence itself is an average over the last pixels of motion
+      newest;  ///< of the last update; the evidence itself is an average over the last pixels of motion
   double followed_px = 0.0;  ///< motion of the outline that it has been followed for
   double silent_px = 0.0;    ///< edges near it, per px of its outline, since the last one on it
-  double hole = 0.0;  ///< 0 to 1: how clearly it leaves a hole in the events of the background (Silhouette)
-  double moved_share = 0.0;          ///< 0 to 1: how surely it moves against the background now
+  double silhouette = 0.0;   ///< 0 to 1: contrast of its silhouette in the background's events (Silhouette)
+  double moved_share = 0.0;  ///< 0 to 1: 0 at rest against the background, 1 where it moves by itself
   double moved_most_share = 0.0;     ///< the largest so far
   double moved_radii = 0.0;          ///< how far it has moved against the background lately, radii
   double on_ring_share = 0.5;        ///< of the edges near it
   double radius_variance_px2 = 1.0;  ///< of the track
-  PatchResult patch;                 ///< of the last look
+  PatchResult patch;                 ///< the newest
   PatchResult patch_mean;            ///< averaged like the evidence
-  /// Log odds by DiscNetwork's last look, from least_network_log_odds up: what the network sees speaks for a ball; that it
-  /// sees none speaks for nothing, since it knows only worlds like those that it was fitted to.
+  /// Log odds by DiscNetwork's newest inference, from least_network_log_odds up: a detection is evidence for a ball, none is
+  /// no evidence against it, since the network was fitted on worlds of one kind.
   double network_log_odds = least_network_log_odds;
   double network_mean = least_network_log_odds;  ///< averaged like the evidence
 };
@@ -54,7 +53,7 @@ using DiscInputs = std::array<float, disc_input_count>;
 
 [[nodiscard]] DiscInputs disc_inputs(const DiscEvidence& evidence, const DiscHistory& history);
 
-/// The probability that a circle is the ball's: within 6 px of its centre and 2 px of its radius. A network of one hidden
+/// The existence probability of a track, calibrated: that its circle is the ball's, within 6 px of its centre and 2 px of its radius. A network of one hidden
 /// layer with softsign units and a direct linear part, which is the mean of the log odds of several fits by maximum likelihood
 /// with weight decay; docs/results.md shows how well score and share of inliers agree.
 [[nodiscard]] double disc_probability(const DiscProbabilityWeights& weights, const DiscInputs& inputs);

@@ -149,11 +149,11 @@ void convolve(const Weights& w, const PolarPatch& patch, Around& out) {
 
 }  // namespace
 
-PatchJudgement judge_patch(const PatchNetworkWeights& w, const PolarPatch& patch) {
+PatchOutput run_patch_network(const PatchNetworkWeights& w, const PolarPatch& patch) {
   Around around;
   convolve(w, patch, around);
 
-  PatchJudgement judgement;
+  PatchOutput result;
   std::array<float, 2 * last_channels> pooled{};
   for (std::size_t d = 0; d < directions; ++d) {
     float off = w.offset_bias[0];
@@ -165,9 +165,9 @@ PatchJudgement judge_patch(const PatchNetworkWeights& w, const PolarPatch& patch
     }
     const double angle = 2.0 * std::numbers::pi * static_cast<double>(d) / directions;
     const double off_px = static_cast<double>(off) * patch.ring_px / directions;
-    judgement.correction.x_px += 2.0 * std::cos(angle) * off_px;
-    judgement.correction.y_px += 2.0 * std::sin(angle) * off_px;
-    judgement.correction.r_px += off_px;
+    result.correction.x_px += 2.0 * std::cos(angle) * off_px;
+    result.correction.y_px += 2.0 * std::sin(angle) * off_px;
+    result.correction.r_px += off_px;
   }
   std::array<float, hidden_units> hidden = w.hidden_bias;
   const auto add = [&](std::size_t input, float value) {
@@ -183,10 +183,10 @@ PatchJudgement judge_patch(const PatchNetworkWeights& w, const PolarPatch& patch
   const auto sd_px = [&](float log_sd) {
     return patch.ring_px * std::exp(static_cast<double>(std::clamp(log_sd, least_log_sd, most_log_sd)));
   };
-  judgement.log_odds = static_cast<double>(out[0]);
-  judgement.centre_sd_px = sd_px(out[1]);
-  judgement.radius_sd_px = sd_px(out[2]);
-  return judgement;
+  result.log_odds = static_cast<double>(out[0]);
+  result.centre_sd_px = sd_px(out[1]);
+  result.radius_sd_px = sd_px(out[2]);
+  return result;
 }
 
 }  // namespace saccade

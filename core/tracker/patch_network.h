@@ -6,8 +6,8 @@
 
 namespace saccade {
 
-/// What PatchNetwork reads from a polar patch.
-struct PatchJudgement {
+/// PatchNetwork's estimates from a polar patch.
+struct PatchOutput {
   double log_odds = 0.0;  ///< that the circle is the ball's: within 6 px of its centre and 2 px of its radius
   Circle correction{};    ///< to add to the circle (x, y, r) where it is near the ball's
   double centre_sd_px = 0.0,
@@ -18,6 +18,6 @@ struct PatchJudgement {
 /// rings, one around the directions. The mean and the largest value over all directions give the log odds; each direction
 /// gives how far the outline is off there, of which the mean and the first harmonic are the correction. 0.7 million
 /// multiplications.
-[[nodiscard]] PatchJudgement judge_patch(const PatchNetworkWeights& weights, const PolarPatch& patch);
+[[nodiscard]] PatchOutput run_patch_network(const PatchNetworkWeights& weights, const PolarPatch& patch);
 
 }  // namespace saccade

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "core/time_stamp.h"
@@ -14,8 +13,8 @@ namespace {
 constexpr float pi = std::numbers::pi_v<float>;
 constexpr double slowest_px_s = 4.0;  // motion that an event's weight falls by at least
 constexpr float most_px = 16.0F;      // of motion since an event
-constexpr float trail_px = 4.0F;      // looked at beyond the outermost ring
-constexpr int most_half_width = 30;   // pixels looked at from the centre in each direction
+constexpr float trail_px = 4.0F;      // read beyond the outermost ring
+constexpr int most_half_width = 30;   // pixels read from the centre in each direction
 constexpr float outline_ring = 7.0F;  // index of the ring on the outline
 
 using Pair [[gnu::vector_size(8), gnu::may_alias]] = float;  // weights of 2 and of 8 px
@@ -162,9 +161,10 @@ float log_speed(double px_s) { return static_cast<float>(std::log1p(px_s)); }
 
 }  // namespace
 
-PolarPatch polar_patch(std::span<const std::int64_t> newest_us, ImageSize size, const Circle& circle,
-                       const PatchMotion& motion, std::int64_t now_us) {
+PolarPatch polar_patch(const TimeSurface& surface, const Circle& circle, const PatchMotion& motion,
+                       std::int64_t now_us) {
   PolarPatch patch;
+  const ImageSize size = surface.size();
   const double disc_px_s = motion.disc_px_s.norm();
   const double background_px_s = motion.background_px_s.norm();
   patch.ring_px = polar_ring_px(circle.r_px);
@@ -185,10 +185,10 @@ PolarPatch polar_patch(std::span<const std::int64_t> newest_us, ImageSize size, 
   const int y_end = std::min(size.height - 1, static_cast<int>(cy + reach_px));
   const std::int64_t disc_horizon_us = horizon_us(disc_px_s);
   const std::int64_t background_horizon_us = horizon_us(background_px_s);
-  // Of an event that counts; above the least 64 bit number, which stands for never.
+  // Of an event that counts; above TimeSurface::never_us.
   const std::int64_t earliest_us =
       std::max(saturated_difference(now_us, std::max(disc_horizon_us, background_horizon_us)),
-               std::numeric_limits<std::int64_t>::min() + 1);
+               TimeSurface::never_us + 1);
   const auto carried = [&](const Eigen::Vector2d& px_s, double growth_px_s, std::int64_t horizon,
                            std::size_t channel) {
     const Eigen::Vector2f px_us = (px_s * 1e-6).cast<float>();
@@ -201,7 +201,8 @@ PolarPatch polar_patch(std::span<const std::int64_t> newest_us, ImageSize size, 
   };
   const std::array<Carried, 2> motions = {carried(motion.disc_px_s, motion.growth_px_s, disc_horizon_us, 0),
                                           carried(motion.background_px_s, 0.0, background_horizon_us, 2)};
-  const auto pixels = static_cast<std::size_t>(size.pixels());
+  const std::array<const std::int64_t*, 2> newest_us = {surface.newest_us(true).data(),
+                                                        surface.newest_us(false).data()};
 
   Splat splat;
   Batch batch;
@@ -218,7 +219,7 @@ PolarPatch polar_patch(std::span<const std::int64_t> newest_us, ImageSize size, 
     for (int x = begin(cx); x <= x_end; x += stride) {
       const auto at = static_cast<std::size_t>(y * size.width + x);
       for (std::size_t p = 0; p < 2; ++p) {
-        const std::int64_t t_us = newest_us[p * pixels + at];
+        const std::int64_t t_us = newest_us[p][at];
         batch.x[batch.count] = static_cast<float>(x) - cx;
         batch.y[batch.count] = static_cast<float>(y) - cy;
         batch.age_us[batch.count] =

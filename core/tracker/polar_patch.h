@@ -5,10 +5,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 
 #include "core/camera.h"
-#include "core/event.h"
+#include "core/time_surface.h"
 
 namespace saccade {
 
@@ -42,9 +41,8 @@ struct PolarPatch {
 /// Width of a ring around a circle of this radius, px.
 [[nodiscard]] inline double polar_ring_px(double r_px) { return 0.25 * std::pow(r_px, 0.75); }
 
-/// `newest_us`: time of the newest ON event of every pixel, then of the newest OFF event; never: the least 64 bit number.
-/// Looks at no more than 2 x 61 x 61 pixels: of a larger circle only at every second or third in each direction.
-[[nodiscard]] PolarPatch polar_patch(std::span<const std::int64_t> newest_us, ImageSize size,
-                                     const Circle& circle, const PatchMotion& motion, std::int64_t now_us);
+/// Reads no more than 2 x 61 x 61 pixels: of a larger circle only every second or third in each direction.
+[[nodiscard]] PolarPatch polar_patch(const TimeSurface& surface, const Circle& circle,
+                                     const PatchMotion& motion, std::int64_t now_us);
 
 }  // namespace saccade

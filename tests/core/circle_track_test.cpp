@@ -42,18 +42,18 @@ TEST(CircleTrack, KeepsAPositiveDefiniteCovarianceAfterANewSpeed) {
 
 TEST(CircleTrack, ADoubtedCircleTakesHalfOfAMeasurementThatIsAsSure) {
   CircleTrack track({60, 60, 15}, 100'000);
-  const Eigen::Vector3d sure = Eigen::Vector3d::Constant(0.01);
-  track.correct({60, 60, 15}, sure);
+  const Eigen::Vector3d confident = Eigen::Vector3d::Constant(0.01);
+  track.correct({60, 60, 15}, confident);
   ASSERT_LT(track.covariance().diagonal().maxCoeff(), 1e-3);
   const Eigen::Vector3d sd_px(2.0, 2.0, 1.0);
-  track.doubt(sd_px);
+  track.inflate(sd_px);
   track.correct({64, 60, 17}, sd_px);
   EXPECT_NEAR(track.circle().x_px, 62.0, 0.1);
   EXPECT_NEAR(track.circle().y_px, 60.0, 0.1);
   EXPECT_NEAR(track.circle().r_px, 16.0, 0.1);
   EXPECT_NEAR(track.covariance()(0, 0), 2.0, 0.1);  // half of 2 px squared
   // One that is less sure already stays so.
-  track.doubt(0.1);
+  track.inflate(0.1);
   EXPECT_NEAR(track.covariance()(0, 0), 2.0, 0.1);
 }
 

@@ -33,19 +33,21 @@ std::vector<Event> moving_disc(double x_px, double y_px, double r_px, double spe
   return events;
 }
 
-DiscNetwork after(const std::vector<Event>& events) {
-  DiscNetwork network(best_model_of({}), network_image, 4, 38);
-  for (const Event& event : events) network.add(event);
-  return network;
+TimeSurface disc_surface(const std::vector<Event>& events) {
+  TimeSurface surface(network_image);
+  for (const Event& event : events) surface.add(event);
+  return surface;
 }
+
+DiscNetwork new_network() { return DiscNetwork(best_model_of({}), network_image, 4, 38); }
 
 TEST(DiscNetwork, FindsAMovingDiscOfEachLevel) {
   for (const double r_px : {6.0, 11.0, 24.0}) {
-    DiscNetwork network = after(moving_disc(64, 60, r_px, 100, 0.3));
-    network.begin(300'000);
-    ASSERT_TRUE(network.work(all));
-    ASSERT_FALSE(network.found().empty()) << "radius " << r_px;
-    const Circle found = network.found().front().circle;
+    DiscNetwork disc = new_network();
+    disc.begin(300'000);
+    ASSERT_TRUE(disc.work(disc_surface(moving_disc(64, 60, r_px, 100, 0.3)), all));
+    ASSERT_FALSE(disc.found().empty()) << "radius " << r_px;
+    const Circle found = disc.found().front().circle;
     EXPECT_NEAR(found.x_px, 64, 0.3 * r_px + 1) << "radius " << r_px;
     EXPECT_NEAR(found.y_px, 60, 0.3 * r_px + 1) << "radius " << r_px;
     EXPECT_NEAR(found.r_px, r_px, 0.3 * r_px + 1) << "radius " << r_px;
@@ -53,21 +55,21 @@ TEST(DiscNetwork, FindsAMovingDiscOfEachLevel) {
 }
 
 TEST(DiscNetwork, SeesNoDiscWithoutEvents) {
-  DiscNetwork network = after({});
-  network.begin(1'000'000);
-  ASSERT_TRUE(network.work(all));
-  for (const DiscNetwork::Found& found : network.found()) EXPECT_LT(found.log_odds, 0.0F);
+  DiscNetwork disc = new_network();
+  disc.begin(1'000'000);
+  ASSERT_TRUE(disc.work(disc_surface({}), all));
+  for (const DiscNetwork::Found& found : disc.found()) EXPECT_LT(found.log_odds, 0.0F);
 }
 
 TEST(DiscNetwork, ItsResultDoesNotDependOnTheSizeOfTheSteps) {
-  const std::vector<Event> events = moving_disc(50, 70, 10, 200, 0.1);
-  DiscNetwork at_once = after(events);
-  DiscNetwork in_steps = after(events);
+  const TimeSurface surface = disc_surface(moving_disc(50, 70, 10, 200, 0.1));
+  DiscNetwork at_once = new_network();
+  DiscNetwork in_steps = new_network();
   at_once.begin(100'000);
   in_steps.begin(100'000);
-  ASSERT_TRUE(at_once.work(all));
+  ASSERT_TRUE(at_once.work(surface, all));
   int steps = 1;
-  while (!in_steps.work(1)) ++steps;
+  while (!in_steps.work(surface, 1)) ++steps;
   EXPECT_GT(steps, 100);
   ASSERT_EQ(at_once.found().size(), in_steps.found().size());
   for (std::size_t i = 0; i < at_once.found().size(); ++i) {
@@ -77,23 +79,25 @@ TEST(DiscNetwork, ItsResultDoesNotDependOnTheSizeOfTheSteps) {
 }
 
 TEST(DiscNetwork, KeepsTheLastResultUntilTheNextIsComplete) {
-  DiscNetwork network = after(moving_disc(64, 60, 11, 100, 0.3));
-  network.begin(300'000);
-  ASSERT_TRUE(network.work(all));
-  const Circle found = network.found().front().circle;
-  EXPECT_GT(network.about(found).log_odds, DiscNetwork::nothing);
-  network.begin(2'000'000);
-  EXPECT_TRUE(network.busy());
-  EXPECT_FALSE(network.work(1));
-  EXPECT_EQ(network.found_at_us(), 300'000);
-  EXPECT_EQ(network.found().front().circle.x_px, found.x_px);
+  const TimeSurface surface = disc_surface(moving_disc(64, 60, 11, 100, 0.3));
+  DiscNetwork disc = new_network();
+  disc.begin(300'000);
+  ASSERT_TRUE(disc.work(surface, all));
+  const Circle found = disc.found().front().circle;
+  EXPECT_GT(disc.about(found).log_odds, DiscNetwork::nothing);
+  disc.begin(2'000'000);
+  EXPECT_TRUE(disc.busy());
+  EXPECT_FALSE(disc.work(surface, 1));
+  EXPECT_EQ(disc.found_at_us(), 300'000);
+  EXPECT_EQ(disc.found().front().circle.x_px, found.x_px);
 }
 
 TEST(DiscNetwork, KnowsNothingAboutACircleElsewhere) {
-  DiscNetwork network = after(moving_disc(64, 60, 11, 100, 0.3));
-  network.begin(300'000);
-  ASSERT_TRUE(network.work(all));
-  EXPECT_LT(network.about({20, 110, 11}).log_odds, network.about({64, 60, 11}).log_odds);
+  const TimeSurface surface = disc_surface(moving_disc(64, 60, 11, 100, 0.3));
+  DiscNetwork disc = new_network();
+  disc.begin(300'000);
+  ASSERT_TRUE(disc.work(surface, all));
+  EXPECT_LT(disc.about({20, 110, 11}).log_odds, disc.about({64, 60, 11}).log_odds);
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ TEST_F(GoldenModel, JudgesPatchesAsPyTorchDoes) {
     std::copy_n(about.begin() + static_cast<std::ptrdiff_t>(i * patch.about.size()), patch.about.size(),
                 patch.about.begin());
     patch.ring_px = static_cast<double>(ring_px[i]);
-    const PatchJudgement found = judge_patch(model_.patch, patch);
+    const PatchOutput found = run_patch_network(model_.patch, patch);
     const float* expected = &outputs[i * 6];
     expect_near(found.log_odds, expected[0], "log odds");
     expect_near(found.correction.x_px, expected[1], "x");
@@ -76,15 +76,16 @@ TEST_F(GoldenModel, FindsTheDiscThatPyTorchFinds) {
   constexpr ImageSize size{64, 64};
   constexpr std::int64_t now_us = 1'000'000;
   const std::vector<float> age_us = golden("disc.age_us", 2 * 64 * 64), best = golden("disc.best", 4);
+  TimeSurface surface(size);
   DiscNetwork network(std::make_shared<const BestModel>(model_), size, 4, 16);
   for (std::size_t i = 0; i < age_us.size(); ++i) {
     if (age_us[i] < 0) continue;  // no event
     const std::size_t pixel = i % (64 * 64);
-    network.add({now_us - static_cast<std::int64_t>(age_us[i]), static_cast<std::uint16_t>(pixel % 64),
+    surface.add({now_us - static_cast<std::int64_t>(age_us[i]), static_cast<std::uint16_t>(pixel % 64),
                  static_cast<std::uint16_t>(pixel / 64), i < 64 * 64, 0});
   }
   network.begin(now_us);
-  ASSERT_TRUE(network.work(1'000'000'000));
+  ASSERT_TRUE(network.work(surface, 1'000'000'000));
   ASSERT_FALSE(network.found().empty());
   const DiscNetwork::Found found = network.found().front();
   expect_near(found.log_odds, best[0], "log odds");

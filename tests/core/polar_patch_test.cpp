@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "core/tracker/patch_network.h"
@@ -20,19 +19,17 @@ constexpr streams::MovingDisc ball{30, 40, x_px_s, y_px_s, 12};
 const PatchMotion ball_motion{{x_px_s, y_px_s}, {0, 0}, 0};
 constexpr std::int64_t end_us = 300'000;
 
-std::vector<std::int64_t> newest_of(const std::vector<Event>& events) {
-  const auto pixels = static_cast<std::size_t>(patch_image.pixels());
-  std::vector<std::int64_t> newest(2 * pixels, std::numeric_limits<std::int64_t>::min());
-  for (const Event& e : events)
-    newest[(e.on ? 0 : pixels) + static_cast<std::size_t>(e.y * patch_image.width + e.x)] = e.t_us;
-  return newest;
+TimeSurface patch_surface(const std::vector<Event>& events) {
+  TimeSurface surface(patch_image);
+  for (const Event& e : events) surface.add(e);
+  return surface;
 }
 
 Circle ball_at_end() { return {ball.x_at(end_us), ball.y_at(end_us), ball.r_px}; }
 
 PolarPatch patch_of(const std::vector<Event>& events, const Circle& circle,
                     const PatchMotion& motion = ball_motion, std::int64_t now_us = end_us) {
-  return polar_patch(newest_of(events), patch_image, circle, motion, now_us);
+  return polar_patch(patch_surface(events), circle, motion, now_us);
 }
 
 /// Sum over all directions of a ring, in one channel.
@@ -96,11 +93,11 @@ TEST(PolarPatch, WithoutEventsEveryDensityIsZero) {
 TEST(PatchNetwork, PrefersTheDiscToCirclesBesideItAndOfOtherSize) {
   const std::vector<Event> events = ball.events(patch_image, 0.3);
   const Circle c = ball_at_end();
-  const double here = judge_patch(model->patch, patch_of(events, c)).log_odds;
+  const double here = run_patch_network(model->patch, patch_of(events, c)).log_odds;
   EXPECT_GT(here, 0.0);
   for (const Circle& other : {Circle{c.x_px + 10, c.y_px, c.r_px}, Circle{c.x_px, c.y_px - 10, c.r_px},
                               Circle{c.x_px, c.y_px, 1.5 * c.r_px}, Circle{c.x_px, c.y_px, 0.6 * c.r_px}})
-    EXPECT_LT(judge_patch(model->patch, patch_of(events, other)).log_odds, here - 1.0)
+    EXPECT_LT(run_patch_network(model->patch, patch_of(events, other)).log_odds, here - 1.0)
         << "at " << other.x_px << ", " << other.y_px << ", radius " << other.r_px;
 }
 
@@ -112,7 +109,7 @@ TEST(PatchNetwork, ItsCorrectionLeadsTowardsTheDisc) {
   };
   for (const Circle& start : {Circle{c.x_px + 3, c.y_px, c.r_px}, Circle{c.x_px - 2, c.y_px + 2, c.r_px},
                               Circle{c.x_px, c.y_px, c.r_px + 2}, Circle{c.x_px, c.y_px, c.r_px - 2}}) {
-    const Circle off = judge_patch(model->patch, patch_of(events, start)).correction;
+    const Circle off = run_patch_network(model->patch, patch_of(events, start)).correction;
     EXPECT_LT(error_px({start.x_px + off.x_px, start.y_px + off.y_px, start.r_px + off.r_px}),
               0.7 * error_px(start))
         << "from " << start.x_px << ", " << start.y_px << ", radius " << start.r_px;
@@ -124,7 +121,7 @@ TEST(PatchNetwork, ItsDeviationsCoverTheErrorOfTheCorrectedCircle) {
   const Circle c = ball_at_end();
   for (const Circle& start : {c, Circle{c.x_px + 2, c.y_px, c.r_px}, Circle{c.x_px, c.y_px - 2, c.r_px},
                               Circle{c.x_px, c.y_px, c.r_px + 1.5}, Circle{c.x_px, c.y_px, c.r_px - 1.5}}) {
-    const PatchJudgement j = judge_patch(model->patch, patch_of(events, start));
+    const PatchOutput j = run_patch_network(model->patch, patch_of(events, start));
     EXPECT_LT(j.centre_sd_px, 1.5);
     EXPECT_LT(j.radius_sd_px, 1.5);
     EXPECT_LT(std::abs(start.x_px + j.correction.x_px - c.x_px), 3.0 * j.centre_sd_px);
@@ -137,15 +134,15 @@ TEST(PatchNetwork, IsLessSureOfALargeCircleInPixels) {
   const auto radius_sd_px = [](double r_px) {
     const streams::MovingDisc disc{50, 60, 60.0, 20.0, r_px};
     const Circle circle{disc.x_at(end_us), disc.y_at(end_us), r_px};
-    return judge_patch(model->patch,
-                       patch_of(disc.events(patch_image, 0.3), circle, {{60.0, 20.0}, {0, 0}, 0}))
+    return run_patch_network(model->patch,
+                             patch_of(disc.events(patch_image, 0.3), circle, {{60.0, 20.0}, {0, 0}, 0}))
         .radius_sd_px;
   };
   EXPECT_GT(radius_sd_px(30.0), radius_sd_px(8.0));
 }
 
 TEST(PatchNetwork, FindsNoBallWithoutEvents) {
-  EXPECT_LT(judge_patch(model->patch, patch_of({}, ball_at_end())).log_odds, 0.0);
+  EXPECT_LT(run_patch_network(model->patch, patch_of({}, ball_at_end())).log_odds, 0.0);
 }
 
 }  // namespace
