@@ -15,6 +15,7 @@
 #include "core/baselines/original_2016.h"
 #include "core/baselines/particle_filter.h"
 #include "core/baselines/scarf.h"
+#include "core/detector.h"
 #include "core/detectors/built_in_detectors.h"
 #include "core/hough/hough_detector.h"
 #include "core/tracker/ball_tracker.h"

@@ -15,6 +15,7 @@
 #include "apps/deploy/time_figures.h"
 #include "core/error.h"
 #include "core/random.h"
+#include "robot/backend_registry.h"
 #include "robot/yarp/yarp_config.h"
 
 namespace saccade {

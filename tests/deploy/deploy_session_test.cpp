@@ -13,6 +13,7 @@
 #include "core/detectors/built_in_detectors.h"
 #include "core/error.h"
 #include "head/icub_cameras.h"
+#include "loop/watchdog.h"
 #include "robot/dry_robot.h"
 #include "robot/fake/fake_robot.h"
 #include "tests/control/genova02.h"

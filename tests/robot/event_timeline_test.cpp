@@ -9,6 +9,7 @@
 
 #include "core/random.h"
 #include "robot/event_queue.h"
+#include "robot/sender_clock.h"
 
 namespace saccade {
 namespace {

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/units.h"
+#include "sim/imu_sensor.h"
 #include "sim/world.h"
 
 namespace saccade {

@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "sim/flicker.h"
 #include "sim/free_body.h"
+#include "sim/motion_track.h"
 #include "sim/pendulum.h"
 
 namespace saccade {

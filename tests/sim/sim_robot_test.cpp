@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/error.h"
+#include "sim/sim_eye.h"
 #include "tests/robot/port_conformance.h"
 
 namespace saccade {

@@ -1,5 +1,6 @@
 // Checkpoints of a recording's playback.
 #include "apps/view/checkpoints.h"
+#include "apps/view/loop_history.h"
 #include "head/icub_cameras.h"
 
 #include <gtest/gtest.h>

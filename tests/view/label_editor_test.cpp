@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "apps/view/circle_labels.h"
 #include "core/error.h"
 #include "tests/core/streams.h"
 #include "tests/recording/temp_folder.h"

@@ -13,6 +13,7 @@
 #include "core/random.h"
 #include "core/units.h"
 #include "emulator/event_emulator.h"
+#include "evaluation/calibration/grid_finder.h"
 #include "head/icub_cameras.h"
 
 namespace saccade {

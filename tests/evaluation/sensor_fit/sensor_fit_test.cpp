@@ -10,6 +10,9 @@
 #include "emulator/event_emulator.h"
 #include "evaluation/sensor_fit/event_features.h"
 #include "evaluation/sensor_fit/leak_fit.h"
+#include "evaluation/sensor_fit/pixel_trains.h"
+#include "evaluation/sensor_fit/sensor_recording.h"
+#include "evaluation/sensor_fit/stimulus.h"
 
 namespace saccade {
 namespace {
