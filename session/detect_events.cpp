@@ -110,7 +110,8 @@ std::vector<TimedEstimate> detect_events(Detector& detector, const Camera& camer
                                          std::optional<std::int64_t> start_us) {
   if (events.empty()) return {};
   const std::int64_t first_us = events.front().t_us;
-  const std::int64_t from_us = start_us.value_or(first_us - (first_us % observation_tick_us + observation_tick_us) % observation_tick_us);
+  const std::int64_t from_us = start_us.value_or(
+      first_us - (first_us % observation_tick_us + observation_tick_us) % observation_tick_us);
   return detect_in(detector, camera, events, from_us,
                    [](Session& session, Collector&) { session.run(observation_tick_us); });
 }
