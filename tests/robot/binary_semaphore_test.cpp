@@ -11,38 +11,38 @@ namespace {
 using namespace std::chrono_literals;
 
 TEST(BinarySemaphore, RequestsBeforeTheWaitCountAsOne) {
-  BinarySemaphore wake_up;
-  EXPECT_FALSE(wake_up.wait_for(1ms));
-  for (int i = 0; i < 5; ++i) wake_up.request();
-  wake_up.wait();
-  EXPECT_FALSE(wake_up.wait_for(1ms));
-  wake_up.request();
-  EXPECT_TRUE(wake_up.wait_for(10s));
+  BinarySemaphore semaphore;
+  EXPECT_FALSE(semaphore.wait_for(1ms));
+  for (int i = 0; i < 5; ++i) semaphore.request();
+  semaphore.wait();
+  EXPECT_FALSE(semaphore.wait_for(1ms));
+  semaphore.request();
+  EXPECT_TRUE(semaphore.wait_for(10s));
 }
 
 TEST(BinarySemaphore, RequestsWithoutPauseDoNotKeepTheWaiterFromItsWork) {
-  BinarySemaphore wake_up;
+  BinarySemaphore semaphore;
   std::atomic<bool> over = false;
   std::thread requests([&] {
-    while (!over) wake_up.request();
+    while (!over) semaphore.request();
   });
-  for (int i = 0; i < 1000; ++i) wake_up.wait();
+  for (int i = 0; i < 1000; ++i) semaphore.wait();
   over = true;
   requests.join();
 }
 
 TEST(BinarySemaphore, TheNewestValueIsSeenAfterTheLastRequest) {
   constexpr int last = 20'000;
-  BinarySemaphore wake_up;
+  BinarySemaphore semaphore;
   std::atomic<int> value = 0;
   std::thread writer([&] {
     for (int i = 1; i <= last; ++i) {
       value.store(i, std::memory_order_relaxed);
-      wake_up.request();
+      semaphore.request();
     }
   });
   do {
-    wake_up.wait();
+    semaphore.wait();
   } while (value.load(std::memory_order_relaxed) < last);
   writer.join();
 }

@@ -11,7 +11,7 @@ RobotUnderTest fake(FakeRobotScript script) {
   return {robot, robot.get(), robot.get(), robot.get()};
 }
 
-/// A recording of the scripted world in a folder of its own, played.
+/// Replays a recording of the scripted world from a folder of its own.
 struct Playback {
   TempFolder folder;
   std::unique_ptr<ReplayRobot> robot;
