@@ -82,7 +82,7 @@ TEST(Canvas, PaintsShapesInMetres) {
 TEST(Layout, PacksPatchesWithoutOverlap) {
   lab::Layout layout(-1.5);
   RandomGenerator random(1, "layout");
-  const auto paint = [](Canvas&) {};
+  const auto paint = [](Canvas&, RandomGenerator&) {};
   for (int i = 0; i < 40; ++i) layout.add_patch(random.real(0.05, 0.6), random.real(0.05, 0.6), 300.0, paint);
   EXPECT_EQ(layout.texture_rows(), 0);
   layout.pack();
@@ -104,7 +104,7 @@ TEST(Layout, PacksPatchesWithoutOverlap) {
 
 TEST(Layout, ASolidHasSixFacesThatLookOutwards) {
   lab::Layout layout(-1.5);
-  const std::size_t patch = layout.add_patch(0.1, 0.1, 100.0, [](Canvas&) {});
+  const std::size_t patch = layout.add_patch(0.1, 0.1, 100.0, [](Canvas&, RandomGenerator&) {});
   const Eigen::Vector3d centre(-1.0, 0.2, 0.3);
   layout.add_solid(centre, {0.1, 0.2, 0.05}, patch);
   ASSERT_EQ(layout.triangles().size(), 12U);

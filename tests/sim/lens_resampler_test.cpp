@@ -55,7 +55,16 @@ TEST(KeyframeCamera, HasTheLensesImageAndAMargin) {
   EXPECT_EQ(plain.samples(), 2);
   EXPECT_NEAR(wide.columns() - plain.columns(), 2 * 10 * 2, 8);
   EXPECT_NEAR(wide.rows() - plain.rows(), 2 * 10 * 2, 8);
-  EXPECT_GT(plain.columns(), 2 * icub_left_2016.size.width - 2);
+  const ImageSize size = icub_left_2016.size;
+  for (const double x : {-0.5, size.width - 0.5}) {
+    for (const double y : {-0.5, size.height - 0.5}) {
+      const Eigen::Vector3d ray = icub_left_2016.ray(x, y);
+      const double column = plain.centre_x() + plain.focal() * ray.x();
+      const double row = plain.centre_y() + plain.focal() * ray.y();
+      EXPECT_TRUE(column > -1.0 && column < plain.columns() + 1.0) << column;
+      EXPECT_TRUE(row > -1.0 && row < plain.rows() + 1.0) << row;
+    }
+  }
 }
 
 TEST(KeyframeCamera, TheSpanOfASphereHoldsItsProjection) {
