@@ -64,7 +64,7 @@ def tables_of(text):
 def draw(table):
     columns = table["columns"]
     rule = ["---"] * len(columns) if table.get("left") else ["---"] + ["---:"] * (len(columns) - 1)
-    return "\n".join("| " + " | ".join(row) + " |" for row in [columns, rule, *table["rows"]])
+    return "\n".join("|" + "|".join(row) + "|" for row in [columns, rule, *table["rows"]])
 
 
 def block(page, what):
