@@ -2,7 +2,7 @@
 
 Blocks ```sh run in bash, where the first command that fails ends the test; after `<!-- status: N -->` the block has to end with
 status N. Blocks ```python run in one interpreter. A block after `<!-- save: NAME -->` becomes that file. Other blocks are not run.
-EXPECTED are files that have to be there at the end. Bounds of the watchdog are wide: a busy machine is late.
+EXPECTED are files that have to be there at the end, and after = what has to be true in the interpreter. Bounds of the watchdog are wide: a busy machine is late.
 """
 import contextlib
 import os
@@ -63,9 +63,11 @@ def main():
                         print(f"{page.name}: ended with {status}, expected {value or 0}:\n{code}\n{output.read()}")
                         return 1
                 ran += 1
-        missing = [name for name in expected if not list(Path().glob(name))]
+        missing = [
+            what for what in expected if not (eval(what[1:], names) if what[0] == "=" else list(Path().glob(what)))
+        ]
         if missing or ran == 0:
-            print(f"{page.name}: {ran} blocks ran, and {missing} are not there")
+            print(f"{page.name}: {ran} blocks ran, and {missing} do not hold")
             return 1
         print(f"{page.name}: {ran} blocks ran")
     return 0
