@@ -25,9 +25,9 @@ def main():
     blocks = BLOCK.findall(page.read_text())
     if any(language == "python" and kind != "save" for kind, _, language, _ in blocks):
         try:
-            __import__("saccade")
-        except ImportError as error:
-            print(f"Skipped: {error}")
+            __import__("saccade").Env
+        except (ImportError, AttributeError) as error:
+            print(f"Skipped: this build has no Python module ({error})")
             return 0
     with tempfile.TemporaryDirectory(prefix="page_") as folder:
         os.chdir(folder)
