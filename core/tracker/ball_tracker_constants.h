@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <limits>
 
-/// Constants of BallTracker. docs/detectors.md lists them with the reason for each value.
+/// Constants of BallTracker. docs/decisions/best_constants.md has how they were chosen.
 namespace saccade::ball_tracker {
 
 inline constexpr std::int64_t never_us = std::numeric_limits<std::int64_t>::min();

@@ -42,7 +42,7 @@ bool has_object(const DrawnWorld& world, ObjectShape shape) {
 
 using Kind = std::function<bool(const DrawnWorld&)>;
 
-/// Every kind of issue and document, by the name that it has in docs/worlds.md.
+/// Every kind of issue and document, by the name that it has in docs/data/world_shares.csv.
 std::map<std::string, Kind> kinds() {
   std::map<std::string, Kind> all;
   const auto ball = [](const DrawnWorld& w) -> const BallConfig& { return w.sim.world.ball; };
@@ -124,17 +124,15 @@ std::map<std::string, double> shares() {
   return all;
 }
 
-/// The table of shares of docs/worlds.md.
+/// The table of docs/data/world_shares.csv.
 std::map<std::string, double> written_shares() {
-  std::ifstream page(std::filesystem::path(SACCADE_SOURCE_DIR) / "docs/worlds.md");
+  std::ifstream file(std::filesystem::path(SACCADE_SOURCE_DIR) / "docs/data/world_shares.csv");
   std::map<std::string, double> written;
   std::string line;
-  while (std::getline(page, line) && line != "<!-- shares -->") continue;
-  while (std::getline(page, line) && line != "<!-- end -->") {
-    const std::size_t bar = line.find(" | ");
-    if (bar != std::string::npos && line.ends_with(" % |")) {
-      written[line.substr(2, bar - 2)] = std::stod(line.substr(bar + 3));
-    }
+  std::getline(file, line);  // the names of the columns
+  while (std::getline(file, line)) {
+    const std::size_t comma = line.find(',');
+    if (comma != std::string::npos) written[line.substr(0, comma)] = std::stod(line.substr(comma + 1));
   }
   return written;
 }
@@ -167,16 +165,16 @@ void expect_rules(const DrawnWorld& world) {
 TEST(RandomWorld, KeepsItsRulesAndHasEveryKindInTheSharesOfItsPage) {
   for (const DrawnWorld& world : drawn_worlds()) expect_rules(world);
   const std::map<std::string, double> written = written_shares();
-  std::string table = "| kind | worlds |\n|---|---|\n";
+  std::string table = "kind,percent\n";
   bool holds = true;
   for (const auto& [name, percent] : shares()) {
     EXPECT_GE(percent, 5.0) << name;
-    table += "| " + name + " | " + text_of(percent) + " % |\n";
+    table += name + "," + text_of(percent) + "\n";
     // Rounding may differ from one compiler to another, and with it single worlds.
     const auto row = written.find(name);
     holds = holds && row != written.end() && std::abs(row->second - percent) <= 1.0;
   }
-  EXPECT_TRUE(holds) << "docs/worlds.md has another table of shares than this:\n" << table;
+  EXPECT_TRUE(holds) << "docs/data/world_shares.csv differs from this:\n" << table;
   EXPECT_EQ(written.size(), kinds().size());
 }
 
