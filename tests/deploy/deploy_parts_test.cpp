@@ -7,8 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "apps/deploy/close_within.h"
-#include "apps/deploy/real_time.h"
 #include "apps/deploy/robot_backends.h"
 #include "apps/deploy/robot_check.h"
 #include "apps/deploy/spsc_ring.h"
@@ -16,6 +14,8 @@
 #include "core/error.h"
 #include "core/random.h"
 #include "robot/yarp/yarp_config.h"
+#include "session/close_within.h"
+#include "session/real_time.h"
 
 namespace saccade {
 namespace {
