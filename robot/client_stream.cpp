@@ -46,6 +46,19 @@ std::ptrdiff_t line(std::span<const std::byte> held, std::size_t longest) {
                                                                 : static_cast<std::ptrdiff_t>(end + 1);
 }
 
+/// A carrier's number and a name.
+std::ptrdiff_t binary_introduction(std::span<const std::byte> held, std::string_view& name) {
+  constexpr std::size_t before_name = number_bytes + sizeof(std::int32_t);
+  if (held.size() < before_name) return more;
+  const std::int32_t length = integer_at(held, number_bytes);
+  if (length < 1 || length > static_cast<std::int32_t>(longest_client_name)) return not_acceptable;
+  const auto size = static_cast<std::size_t>(length);
+  if (held.size() < before_name + size) return more;
+  name = text_of(held.subspan(before_name, size));
+  name = name.substr(0, name.find('\0'));
+  return is_bounded_text(name) ? static_cast<std::ptrdiff_t>(before_name + size) : not_acceptable;
+}
+
 }  // namespace
 
 bool is_bounded_text(std::string_view line) {
@@ -108,6 +121,16 @@ std::ptrdiff_t ClientStream::unit(std::span<const std::byte> held) {
   return not_acceptable;
 }
 
+UdpIntroduction udp_introduction(std::span<const std::byte> first) {
+  if (first.size() < number_bytes)
+    return {std::string_view("YA").starts_with(text_of(first).substr(0, 2)), {}};
+  if (number(first) != first_carrier) return {};
+  std::string_view name;
+  const std::ptrdiff_t size = binary_introduction(first, name);
+  if (size == more) return {true, {}};
+  return size == not_acceptable ? UdpIntroduction{} : UdpIntroduction{true, std::string(name)};
+}
+
 std::ptrdiff_t ClientStream::introduction(std::span<const std::byte> held) {
   if (held.size() < number_bytes) return more;
   const std::string_view carrier = text_of(held).substr(0, number_bytes);
@@ -117,16 +140,9 @@ std::ptrdiff_t ClientStream::introduction(std::span<const std::byte> held) {
   }
   const auto code = number(held);
   if (code != tcp && code != fast_tcp) return not_acceptable;
-  constexpr std::size_t before_name = number_bytes + sizeof(std::int32_t);
-  if (held.size() < before_name) return more;
-  const std::int32_t length = integer_at(held, number_bytes);
-  if (length < 1 || length > static_cast<std::int32_t>(longest_client_name)) return not_acceptable;
-  const auto size = static_cast<std::size_t>(length);
-  if (held.size() < before_name + size) return more;
-  const std::string_view name = text_of(held.subspan(before_name, size));
-  if (!is_bounded_text(name.substr(0, name.find('\0')))) return not_acceptable;
   next_ = State::binary;
-  return static_cast<std::ptrdiff_t>(before_name + size);
+  std::string_view name;
+  return binary_introduction(held, name);
 }
 
 std::ptrdiff_t ClientStream::message(std::span<const std::byte> held) {

@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -15,10 +17,20 @@ inline constexpr std::size_t longest_client_name = 1000;
 /// do its quotes.
 [[nodiscard]] bool is_bounded_text(std::string_view line);
 
+/// The longest introduction of a client with a binary carrier, bytes.
+inline constexpr std::size_t longest_introduction = 8 + 4 + longest_client_name;
+
+/// What the first bytes of a connection say of a client with the carrier udp, whose messages come to another socket.
+struct UdpIntroduction {
+  bool may_be = false;              ///< with more bytes
+  std::optional<std::string> name;  ///< of a whole introduction
+};
+[[nodiscard]] UdpIntroduction udp_introduction(std::span<const std::byte> first);
+
 /// Checks what a client sends to a port of YARP before YARP reads it: YARP believes every count and length, also in its own
 /// administrative messages, and an exception in one of its threads ends the program.
 ///
-/// A stream begins with an introduction: the carrier (tcp, fast_tcp, text, text_ack; no other) and the client's name. Whole
+/// A stream begins with an introduction: the carrier (tcp, fast_tcp, text, text_ack; no other, see udp_introduction()) and the client's name. Whole
 /// messages of at most longest_bottle bytes follow. Each is a command of YARP's ports; data and administrative messages
 /// hold one Bottle, or a line of text (is_bounded_text). A client that reverses the connection, to read, sends nothing but
 /// acknowledgements from then on. Source: the format is that of YARP 3.12's own connections.

@@ -2,10 +2,8 @@
 
 #include <fcntl.h>
 #include <netinet/in.h>
-#include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/socket.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -20,12 +18,16 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
+#include <span>
+#include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include "core/error.h"
 #include "robot/client_stream.h"
+#include "robot/yarp/sockets.h"
 
 namespace saccade {
 namespace {
@@ -43,26 +45,6 @@ constexpr double accepts_per_s = 500.0, most_accepts_at_once = 200.0;
 constexpr std::size_t buffer_bytes = std::size_t{1} << 17;
 constexpr int sockets_beyond = 64;  // above the highest that the gate has seen
 
-/// A file that is closed at the end of its scope.
-class File {
- public:
-  explicit File(int number = -1) : number_(number) {}
-  File(File&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
-  File& operator=(File&& other) noexcept {
-    std::swap(number_, other.number_);
-    return *this;
-  }
-  ~File() {
-    if (number_ >= 0) ::close(number_);
-  }
-  [[nodiscard]] int get() const { return number_; }
-  [[nodiscard]] bool is_open() const { return number_ >= 0; }
-  int release() { return std::exchange(number_, -1); }
-
- private:
-  int number_;
-};
-
 /// How often something may happen: `rate` in a second, `burst` at once.
 class Allowance {
  public:
@@ -78,46 +60,6 @@ class Allowance {
   double rate_, burst_, left_;
   Time filled_ = std::chrono::steady_clock::now();
 };
-
-bool same_socket(const sockaddr_in& a, const sockaddr_in& b) {
-  return a.sin_family == AF_INET && b.sin_family == AF_INET && a.sin_port == b.sin_port &&
-         a.sin_addr.s_addr == b.sin_addr.s_addr;
-}
-
-sockaddr_in local_of(int socket) {
-  sockaddr_in address{};
-  socklen_t size = sizeof address;
-  (void)::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size);
-  return address;
-}
-
-sockaddr_in remote_of(int socket) {
-  sockaddr_in address{};
-  socklen_t size = sizeof address;
-  (void)::getpeername(socket, reinterpret_cast<sockaddr*>(&address), &size);
-  return address;
-}
-
-void set_blocking(int socket, bool blocking) {
-  const int flags = ::fcntl(socket, F_GETFL);
-  (void)::fcntl(socket, F_SETFL, blocking ? flags & ~O_NONBLOCK : flags | O_NONBLOCK);
-}
-
-void without_delay(int socket) {
-  const int on = 1;
-  (void)::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-}
-
-bool listens(int socket) {
-  int value = 0;
-  socklen_t size = sizeof value;
-  return ::getsockopt(socket, SOL_SOCKET, SO_ACCEPTCONN, &value, &size) == 0 && value != 0;
-}
-
-ino_t inode_of(int file) {
-  struct stat status {};
-  return ::fstat(file, &status) == 0 ? status.st_ino : 0;
-}
 
 /// Bytes on their way to a socket.
 class Outflow {
@@ -183,6 +125,8 @@ class PortGate::Impl {
     Time whole{};               // when no message was half
     std::optional<Time> ended;  // when one side has closed it
     bool client_ended = false, yarp_ended = false;
+    bool may_be_udp = false;                    // what it has sent stays in its socket
+    bool has_sent = false;                      // something that was taken from there
     std::size_t outside_at = 0, inside_at = 0;  // in the list of polled files
   };
 
@@ -193,6 +137,7 @@ class PortGate::Impl {
   /// Both return false if the client is to be closed.
   [[nodiscard]] bool introduce(Client& client, Time now);
   [[nodiscard]] bool serve(Client& client, short outside, short inside, Time now);
+  [[nodiscard]] bool take_udp(Client& client);
   [[nodiscard]] bool read_client(Client& client);
   [[nodiscard]] bool connect_inside(Client& client);
   [[nodiscard]] std::optional<std::pair<File, File>> inner_connection() const;
@@ -208,6 +153,8 @@ class PortGate::Impl {
   std::map<int, Port> ports_;
   bool ending_ = false;
   std::list<Client> all_;  // of the thread alone
+  /// Of clients by udp, whose end nobody sees: YARP has a thread for each of them, and replaces one of the same name.
+  std::set<std::string> udp_names_;
   int highest_ = 0;
   std::atomic<std::int64_t> clients_ = 0, refused_ = 0;
   std::thread thread_;
@@ -285,6 +232,8 @@ bool PortGate::Impl::is_own(int socket) const {
 
 void PortGate::Impl::accept_from(int listener, Port& port, Time now) {
   while (port.accepts.has_one(now)) {
+    pollfd came{listener, POLLIN, 0};  // the socket blocks
+    if (::poll(&came, 1, 0) != 1) return;
     File file(::accept4(listener, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
     if (!file.is_open()) return;
     port.accepts.take();
@@ -348,10 +297,30 @@ bool PortGate::Impl::connect_inside(Client& client) {
   return true;
 }
 
+/// Before its introduction: takes a client with the carrier udp, which YARP reads from another socket. Its own one goes to
+/// YARP as it is, with what it has sent. Returns whether it may be a client of that kind.
+bool PortGate::Impl::take_udp(Client& client) {
+  std::array<std::byte, longest_introduction> bytes;
+  const ssize_t count = ::recv(client.outside.get(), bytes.data(), bytes.size(), MSG_PEEK | MSG_DONTWAIT);
+  if (count <= 0) return false;
+  const UdpIntroduction found = udp_introduction(std::span(bytes).first(static_cast<std::size_t>(count)));
+  if (!found.name) return found.may_be;
+  const std::lock_guard lock(mutex_);
+  Port& port = ports_[client.listener];
+  const bool known = udp_names_.contains(*found.name);
+  if (!known && udp_names_.size() >= most_clients) return false;
+  udp_names_.insert(*found.name);
+  port.clients.take();
+  give(port, std::move(client.outside));
+  ++clients_;
+  return true;
+}
+
 bool PortGate::Impl::read_client(Client& client) {
   std::vector<std::byte> bytes;
   const Reading reading = receive(client.outside.get(), bytes);
   if (reading == Reading::end) client.client_ended = true;
+  client.has_sent = true;
   if (client.stream.add(bytes, client.to_yarp.bytes)) return true;
   ++refused_;
   return false;
@@ -380,6 +349,11 @@ bool PortGate::Impl::introduce(Client& client, Time now) {
 
 bool PortGate::Impl::serve(Client& client, short outside, short inside, Time now) {
   constexpr short readable = POLLIN | POLLHUP | POLLERR;
+  if (client.may_be_udp || ((outside & readable) != 0 && !client.inside.is_open() && !client.has_sent)) {
+    client.may_be_udp = take_udp(client);
+    if (!client.outside.is_open()) return false;  // it is YARP's
+    if (client.may_be_udp) return introduce(client, now);
+  }
   if ((outside & readable) != 0 && !read_client(client)) return false;
   if (!client.inside.is_open()) return introduce(client, now);
   if ((inside & readable) != 0) {
@@ -421,7 +395,7 @@ void PortGate::Impl::run() {
     }
     for (Client& client : all_) {
       short outside = 0;
-      if (client.to_yarp.has_room() && !client.client_ended &&
+      if (client.to_yarp.has_room() && !client.client_ended && !client.may_be_udp &&
           (client.inside.is_open() || !client.stream.is_introduced()))
         outside |= POLLIN;
       if (!client.to_client.is_empty()) outside |= POLLOUT;

@@ -122,6 +122,18 @@ TEST(ClientStream, RefusesWhatYarpWouldBelieve) {
   }
 }
 
+TEST(ClientStream, KnowsAClientByUdpFromItsWholeIntroduction) {
+  const std::string whole = introduction(udp, "/client/command:o");
+  for (std::size_t size = 1; size < whole.size(); ++size) {
+    const UdpIntroduction found = udp_introduction(std::as_bytes(std::span(whole).first(size)));
+    EXPECT_TRUE(found.may_be && !found.name) << size;
+  }
+  EXPECT_EQ(udp_introduction(std::as_bytes(std::span(whole))).name, "/client/command:o");
+  for (const std::string& other :
+       {introduction(tcp), std::string("CONNECT /c\n"), introduction(udp, "/a (((((((((")})
+    EXPECT_FALSE(udp_introduction(std::as_bytes(std::span(other))).may_be) << other;
+}
+
 TEST(ClientStream, StaysClosedAfterARefusal) {
   ClientStream checked;
   std::vector<std::byte> out;
