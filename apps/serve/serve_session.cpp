@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <future>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -198,7 +199,7 @@ int serve(const ServeOptions& options, const Registry& registry) {
   auto served = std::make_unique<ServedRobot>(
       options, scenario, robot, [&](std::int64_t t_us, const std::string& text) { log.write(t_us, text); });
   urgent.reset();
-  // A client that is halted in the middle of a message would make YARP wait for it.
+  // A client that is halted in the middle of a message would make YARP wait for it: see close_within().
   const auto close = [&] {
     gate.reset();
     served.reset();
@@ -252,9 +253,20 @@ int serve(const ServeOptions& options, const Registry& registry) {
                   paced.slipped_s(), pace.summary()));
   log.commit();
   write_serve_json(folder / run_file::serve, work, paced, pace, *served, robot, loop_s, scenario.run.threads);
-  // Not finish_run_folder(): an interrupt is how such a run ends as planned.
-  report_run_folder(folder, recorder.finish(loop_s, settings_of(options.assignments)), registry.formats);
-  close_within(longest_serve_close, close, {});
+  // Clients lose the robot at once, while the report is written.
+  const std::future<void> closed = std::async(std::launch::async, close);
+  const auto wait_for_close = [&](const std::string& error) {
+    close_within(
+        longest_serve_close, [&] { closed.wait(); }, error);
+  };
+  try {
+    // Not finish_run_folder(): an interrupt is how such a run ends as planned.
+    report_run_folder(folder, recorder.finish(loop_s, settings_of(options.assignments)), registry.formats);
+  } catch (const std::exception& error) {
+    wait_for_close(error.what());
+    throw;
+  }
+  wait_for_close({});
   return 0;
 }
 
