@@ -7,7 +7,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <future>
+#include <cstdio>
+#include <cstdlib>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -164,9 +165,7 @@ void linger(ServedRobot& served) {
   }
 }
 
-}  // namespace
-
-int serve(const ServeOptions& options, const Registry& registry) {
+int serve_until_the_end(const ServeOptions& options, const Registry& registry) {
   Scenario scenario = read_scenario(options.scenario, options.assignments, options.seed, registry);
   SamplingConfig& sampling = scenario.sim.sampling;
   sampling.min_interval_ms =
@@ -175,6 +174,8 @@ int serve(const ServeOptions& options, const Registry& registry) {
       options.out.empty() ? std::filesystem::path("runs") / (scenario.name + "_served") : options.out;
   scenario.run.threads = served_threads(scenario.run.threads);
   set_rasterisers(scenario.run.threads);
+  // Mesa's cache has a thread of the lowest priority: on a busy machine the end of the program would wait for it.
+  ::setenv("MESA_SHADER_CACHE_DISABLE", "true", 0);
   use_small_stacks();
   // The simulation, the threads that draw for it, and above it the ports run with real-time priority, below deploy's ticks:
   // other programs, in this session or another, do not delay the robot. Those threads have the priority of the one that
@@ -253,21 +254,20 @@ int serve(const ServeOptions& options, const Registry& registry) {
                   paced.slipped_s(), pace.summary()));
   log.commit();
   write_serve_json(folder / run_file::serve, work, paced, pace, *served, robot, loop_s, scenario.run.threads);
-  // Clients lose the robot at once, while the report is written.
-  const std::future<void> closed = std::async(std::launch::async, close);
-  const auto wait_for_close = [&](const std::string& error) {
-    close_within(
-        longest_serve_close, [&] { closed.wait(); }, error);
-  };
-  try {
-    // Not finish_run_folder(): an interrupt is how such a run ends as planned.
-    report_run_folder(folder, recorder.finish(loop_s, settings_of(options.assignments)), registry.formats);
-  } catch (const std::exception& error) {
-    wait_for_close(error.what());
-    throw;
-  }
-  wait_for_close({});
+  // Not finish_run_folder(): an interrupt is how such a run ends as planned.
+  report_run_folder(folder, recorder.finish(loop_s, settings_of(options.assignments)), registry.formats);
+  close_within(longest_serve_close, [&] { served->forget_names(); }, {});
+  (void)served.release();  // its connections end with the program
   return 0;
+}
+
+}  // namespace
+
+int serve(const ServeOptions& options, const Registry& registry) {
+  const int status = serve_until_the_end(options, registry);
+  // Threads of YARP still use what a return from main() destroys.
+  std::fflush(nullptr);
+  std::_Exit(status);
 }
 
 }  // namespace saccade
