@@ -8,19 +8,19 @@
 #include <limits>
 #include <optional>
 
-#include "apps/deploy/close_within.h"
 #include "apps/deploy/deploy_loop.h"
 #include "apps/deploy/deploy_recorder.h"
 #include "apps/deploy/deploy_session.h"
 #include "apps/deploy/guard_link.h"
 #include "apps/deploy/hang_watch.h"
 #include "apps/deploy/keyboard.h"
-#include "apps/deploy/real_time.h"
 #include "config/robot_file.h"
 #include "core/error.h"
 #include "evaluation/report/report.h"
 #include "robot/dry_robot.h"
+#include "session/close_within.h"
 #include "session/interrupt.h"
+#include "session/real_time.h"
 #include "session/run_folder.h"
 #include "session/summary.h"
 #include "session/version.h"
@@ -111,6 +111,11 @@ void deploy_on(Robot& robot, GuardLink* guard, const DeployOptions& options, con
     const ReleaseAtEnd release(robot);
     const RealTime real_time;
     fmt::print(stderr, "{}\n", real_time.summary());
+    if (!real_time.granted()) {
+      fmt::print(stderr,
+                 "warning: other programs of this machine can delay the ticks, which stops the head: {}\n",
+                 how_to_permit_real_time());
+    }
     recorder.set_scheduling(real_time.summary());
     const std::int64_t end_us = options.duration_s
                                     ? robot.clock().now_us() + std::llround(*options.duration_s * 1e6)

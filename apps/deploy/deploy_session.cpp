@@ -51,10 +51,13 @@ void DeploySession::set_ready() {
   change(DeployState::ready, std::nullopt, 0, {});
 }
 
-/// Schedules the next tick. Returns its planned time, from which its delay counts.
+/// Schedules the next tick. Returns its planned time, from which its delay counts. A tick that is behind by half a period or
+/// more waits for the next instant on the grid: with real-time priority, ticks without a pause would take their processor
+/// from the threads that receive events and readings, and from a robot that is simulated on the same machine.
 std::int64_t DeploySession::plan_tick() {
   const std::int64_t planned_us = due_us_ + tick_us_;
-  missed_ = std::max<std::int64_t>(0, (robot_.clock().now_us() - planned_us) / tick_us_);
+  const std::int64_t behind_us = std::max<std::int64_t>(0, robot_.clock().now_us() - planned_us);
+  missed_ = behind_us < tick_us_ / 2 ? 0 : (behind_us + tick_us_ - 1) / tick_us_;
   due_us_ = planned_us + missed_ * tick_us_;
   return planned_us;
 }

@@ -113,8 +113,9 @@ struct DeploySessionConfig {
 /// Runs a loop on a robot in real time: schedules the ticks, activates the head and stops it. Has no clock but the
 /// robot's, and no thread.
 ///
-/// Ticks are due every tick_us. After a tick that took longer, the newest due tick follows at once and those in between
-/// are skipped: lost time is not made up for.
+/// Ticks are due every tick_us. A tick that is less than half of that behind begins at once; otherwise the ticks that are
+/// due already are skipped and the next one begins when it is due: lost time is not made up for, and an overloaded loop
+/// leaves its processor to the threads that receive events and readings.
 ///
 /// Before each tick with an active head the watchdog checks the robot. On a fault, and on the operator's request, the
 /// loop stops sending, the head (or the robot's gaze controller) gets a stop command, the delay is measured, and the

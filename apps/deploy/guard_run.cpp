@@ -6,13 +6,13 @@
 #include <limits>
 #include <thread>
 
-#include "apps/deploy/close_within.h"
 #include "apps/deploy/guard_head.h"
 #include "apps/deploy/guard_link.h"
-#include "apps/deploy/real_time.h"
 #include "config/robot_file.h"
 #include "core/error.h"
+#include "session/close_within.h"
 #include "session/interrupt.h"
+#include "session/real_time.h"
 
 namespace saccade {
 namespace {
@@ -78,6 +78,9 @@ void guard(const GuardOptions& options, const Registry& registry) {
   board.guard_hang_ns = hang_ns;
   const RealTime real_time;
   print(real_time.summary());
+  if (!real_time.granted()) {
+    print("warning: other programs of this machine can delay the guard's stop: " + how_to_permit_real_time());
+  }
   print("guards the head " + name);
 
   GuardWatch watch(hang_ns);

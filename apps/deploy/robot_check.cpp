@@ -15,6 +15,7 @@
 #include "apps/deploy/guard_link.h"
 #include "apps/deploy/shared_memory.h"
 #include "core/error.h"
+#include "session/real_time.h"
 #include "session/version.h"
 #ifdef SACCADE_YARP
 #include "robot/yarp/yarp_robot.h"
@@ -25,7 +26,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* limits_file = "/etc/security/limits.d/saccade.conf";
 constexpr double bytes_per_mb = 1e6;
 
 StartUpCheck check_yarp(const RobotFile& file) {
@@ -45,19 +45,16 @@ StartUpCheck check_yarp(const RobotFile& file) {
 }
 
 StartUpCheck check_priority() {
-  constexpr int tried_priority = 50;  // as RealTime
   StartUpCheck check{"real-time priority", false, {}};
   int denied = 0;
   std::thread([&] {
     sched_param wanted{};
-    wanted.sched_priority = tried_priority;
+    wanted.sched_priority = deploy_priority;
     denied = pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
   }).join();
   check.passed = denied == 0;
-  check.found = check.passed
-                    ? "permitted"
-                    : fmt::format("{}: write `@robot - rtprio 99` into {}, join the group and log in again",
-                                  std::generic_category().message(denied), limits_file);
+  check.found =
+      check.passed ? "permitted" : std::generic_category().message(denied) + ": " + how_to_permit_real_time();
   return check;
 }
 

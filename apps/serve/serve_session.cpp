@@ -7,7 +7,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <limits>
+#include <memory>
+#include <optional>
 #include <thread>
 
 #include "apps/serve/image_pace.h"
@@ -18,9 +22,12 @@
 #include "core/error.h"
 #include "recording/output_file.h"
 #include "recording/run_file_names.h"
+#include "robot/yarp/port_gate.h"
+#include "session/close_within.h"
 #include "session/interrupt.h"
 #include "session/log_file.h"
 #include "session/progress.h"
+#include "session/real_time.h"
 #include "session/run_folder.h"
 #include "session/run_recorder.h"
 #include "session/scenario_loop.h"
@@ -158,9 +165,7 @@ void linger(ServedRobot& served) {
   }
 }
 
-}  // namespace
-
-int serve(const ServeOptions& options, const Registry& registry) {
+int serve_until_the_end(const ServeOptions& options, const Registry& registry) {
   Scenario scenario = read_scenario(options.scenario, options.assignments, options.seed, registry);
   SamplingConfig& sampling = scenario.sim.sampling;
   sampling.min_interval_ms =
@@ -169,9 +174,19 @@ int serve(const ServeOptions& options, const Registry& registry) {
       options.out.empty() ? std::filesystem::path("runs") / (scenario.name + "_served") : options.out;
   scenario.run.threads = served_threads(scenario.run.threads);
   set_rasterisers(scenario.run.threads);
+  // Mesa's cache has a thread of the lowest priority: on a busy machine the end of the program would wait for it.
+  ::setenv("MESA_SHADER_CACHE_DISABLE", "true", 0);
+  use_small_stacks();
+  // The simulation, the threads that draw for it, and above it the ports run with real-time priority, below deploy's ticks:
+  // other programs, in this session or another, do not delay the robot. Those threads have the priority of the one that
+  // starts them.
+  std::optional<RealTime> urgent(std::in_place, serve_priority, LockMemory::no);
+  const bool is_urgent = urgent->granted();
+  const std::string scheduling = urgent->summary();
   const ServedWork work = fit_to_machine(scenario);
   SimRobot robot(scenario.sim, static_cast<std::uint64_t>(scenario.seed),
                  static_cast<std::size_t>(scenario.run.threads));
+  urgent.reset();
   const auto lock = start_run_folder(folder, options.force, registry.formats, "scenario.yaml",
                                      version_line() + ", " + SimRobot::simulator_version() + ", served; " +
                                          robot.gl_description() + "\n" + resolved_scenario(scenario));
@@ -180,34 +195,57 @@ int serve(const ServeOptions& options, const Registry& registry) {
   catch_interrupts();
   if (scenario.latency.kind != LatencyKind::none)
     log.write(0, "warning: latency is not used: the client has latencies of its own");
-  ServedRobot served(options, scenario, robot,
-                     [&](std::int64_t t_us, const std::string& text) { log.write(t_us, text); });
+  urgent.emplace(serve_ports_priority, LockMemory::no);
+  std::optional<PortGate> gate(std::in_place);
+  auto served = std::make_unique<ServedRobot>(
+      options, scenario, robot, [&](std::int64_t t_us, const std::string& text) { log.write(t_us, text); });
+  urgent.reset();
+  // A client that is halted in the middle of a message would make YARP wait for it: see close_within().
+  const auto close = [&] {
+    gate.reset();
+    served.reset();
+  };
   ImagePace pace(std::llround(sampling.min_interval_ms * 1e3));
   PacedRobot paced(
       robot, [&](std::int64_t late_us) { robot.hold_back_images(pace.next(late_us, robot.image_us())); });
   Loop loop(paced, scenario.calibration, {}, std::nullopt);
   const Scenario recorded = recorded_scenario(scenario);
   RunRecorder recorder(folder, recorded, robot, loop);
-  ServeObserver observer(served, recorder);
+  ServeObserver observer(*served, recorder);
   Session session(paced, loop);
-  ServeProgress show_progress(progress, session, paced, served, pace);
+  ServeProgress show_progress(progress, session, paced, *served, pace);
   session.add_observer(observer);
   session.add_observer(show_progress);
 
+  log.write(0, scheduling);
+  if (!is_urgent) {
+    log.write(
+        0, "warning: other programs of this machine can delay the robot, and then deploy stops the head: " +
+               how_to_permit_real_time());
+  }
   for (const std::string& line : work.lines) log.write(0, line);
   log.write(0, fmt::format("/{0}/head, /{0}/torso, {1} and /{2} are open", options.robot, options.camera,
                            options.gaze));
+  urgent.emplace(serve_priority, LockMemory::no, NewThreads::ordinary);  // those that write files
   if (options.wait_for_client) {
     log.write(0, "the simulation waits for a client");
-    wait_for_client(paced, served);
+    try {
+      wait_for_client(paced, *served);
+    } catch (const RunError& error) {
+      close_within(longest_serve_close, close, error.what());
+      throw;
+    }
   }
   session.run(World::tick_us, options.endless ? std::numeric_limits<std::int64_t>::max()
                                               : std::llround(scenario.run.duration_s * 1e6));
   const double loop_s = session.wall_s();
-  linger(served);
+  linger(*served);
+  urgent.reset();
   progress.done();
   const std::int64_t t_us = robot.now_us();
-  log.write(t_us, served.traffic());
+  log.write(t_us, served->traffic());
+  const PortGate::Traffic clients = gate->traffic();
+  log.write(t_us, fmt::format("{} connections of clients, {} refused", clients.clients, clients.refused));
   log.write(
       t_us,
       fmt::format("{:.0f} % busy; longest tick {:.1f} ms, latest tick {:.1f} ms, simulated time slipped by "
@@ -215,10 +253,21 @@ int serve(const ServeOptions& options, const Registry& registry) {
                   100.0 * paced.busy_s() / std::max(loop_s, 1e-9), paced.longest_ms(), paced.latest_ms(),
                   paced.slipped_s(), pace.summary()));
   log.commit();
-  write_serve_json(folder / run_file::serve, work, paced, pace, served, robot, loop_s, scenario.run.threads);
+  write_serve_json(folder / run_file::serve, work, paced, pace, *served, robot, loop_s, scenario.run.threads);
   // Not finish_run_folder(): an interrupt is how such a run ends as planned.
   report_run_folder(folder, recorder.finish(loop_s, settings_of(options.assignments)), registry.formats);
+  close_within(longest_serve_close, [&] { served->forget_names(); }, {});
+  (void)served.release();  // its connections end with the program
   return 0;
+}
+
+}  // namespace
+
+int serve(const ServeOptions& options, const Registry& registry) {
+  const int status = serve_until_the_end(options, registry);
+  // Threads of YARP still use what a return from main() destroys.
+  std::fflush(nullptr);
+  std::_Exit(status);
 }
 
 }  // namespace saccade

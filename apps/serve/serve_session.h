@@ -37,7 +37,8 @@ struct ServeOptions {
 /// After a client disconnects: the last position-direct reference holds, a velocity ends after 100 ms (JointBoard), and
 /// the gaze controller keeps looking at the last target, as on the iCub.
 ///
-/// Returns the exit status: 0 after the duration and after an interrupt, which ends the run as planned. Throws InputError,
+/// Ends the program with status 0 after the duration and after an interrupt, which ends the run as planned, without closing
+/// YARP's ports (ServedRobot::forget_names): no client delays or breaks the end. Throws InputError,
 /// RunError; also if it is interrupted before a client came (wait_for_client), when there is nothing to report.
 int serve(const ServeOptions& options, const Registry& registry);
 

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "core/error.h"
+#include "robot/yarp/yarp_robot.h"
 
 namespace saccade {
 namespace {
@@ -47,6 +48,19 @@ IkinGazeConfig ikingaze_of(GazeControllerConfig config) {
   return ikingaze != nullptr ? *ikingaze : IkinGazeConfig{};
 }
 
+std::vector<std::string> port_names(const ServeOptions& options) {
+  std::vector<std::string> names = {options.camera};
+  for (const char* part : {"head", "torso"}) {
+    for (const char* port :
+         {"rpc:i", "command:i", "state:o", "stateExt:o", "rpc:i/checked", "command:i/checked"})
+      names.push_back(fmt::format("/{}/{}/{}", options.robot, part, port));
+  }
+  for (const char* port :
+       {"xd:i", "mono:i", "stereo:i", "angles:i", "x:o", "q:o", "angles:o", "events:o", "rpc"})
+    names.push_back(fmt::format("/{}/{}", options.gaze, port));
+  return names;
+}
+
 HeadState state_of(SimRobot& robot) {
   HeadState state;
   robot.read(state);
@@ -58,6 +72,7 @@ HeadState state_of(SimRobot& robot) {
 ServedRobot::ServedRobot(const ServeOptions& options, const Scenario& scenario, SimRobot& robot, Log log)
     : robot_(robot),
       log_(std::move(log)),
+      port_names_(port_names(options)),
       gaze_(ikingaze_of(scenario.gaze.controller), scenario.gaze.controller.limits, robot.limits(),
             scenario.calibration.camera,
             scenario.sim.both_eyes() ? scenario.right_calibration.camera : scenario.calibration.camera,
@@ -98,6 +113,8 @@ void ServedRobot::on_tick(const Tick& tick) {
   send_gaze_reports();
   log_changes();
 }
+
+void ServedRobot::forget_names() const { saccade::forget_names(port_names_); }
 
 void ServedRobot::announce_end() { camera_.send_end(t_us_ + paused_us_); }
 

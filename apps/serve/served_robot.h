@@ -33,6 +33,9 @@ class ServedRobot final : public LoopObserver {
   void on_tick(const Tick& tick) override;
   /// The run is over as planned: announces the end of the camera.
   void announce_end();
+  /// The end of the program: takes the names of all ports from the name server. The ports stay open; closing them, YARP can
+  /// wait for a client for ever, and YARP 3.12 can end the program with a segmentation fault.
+  void forget_names() const;
   /// After announce_end(), every millisecond: the boards answer clients that release the head.
   void linger() { (void)step_boards(last_state_, 0.0); }
 
@@ -51,6 +54,7 @@ class ServedRobot final : public LoopObserver {
 
   SimRobot& robot_;
   Log log_;
+  std::vector<std::string> port_names_;
   GazeServer gaze_;
   YarpEventPort camera_;
   YarpControlBoard head_;

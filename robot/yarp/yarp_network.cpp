@@ -1,13 +1,19 @@
 #include "robot/yarp/yarp_network.h"
 
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <pthread.h>
 #include <sched.h>
+#include <sys/socket.h>
+#include <unistd.h>
 #include <yarp/os/Bottle.h>
 #include <yarp/os/ContactStyle.h>
 #include <yarp/os/Log.h>
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 
 #include "core/error.h"
 
@@ -26,6 +32,40 @@ yarp::os::ContactStyle style(double timeout_s) {
   style.quiet = true;
   style.timeout = timeout_s;
   return style;
+}
+
+SocketAddress address_of(const yarp::os::Contact& contact) {
+  addrinfo wanted{};
+  wanted.ai_family = AF_INET;
+  addrinfo* found = nullptr;
+  if (contact.getPort() <= 0 || ::getaddrinfo(contact.getHost().c_str(), nullptr, &wanted, &found) != 0)
+    return {};
+  sockaddr_in address{};
+  std::memcpy(&address, found->ai_addr, sizeof address);
+  ::freeaddrinfo(found);
+  return {address.sin_addr.s_addr, htons(static_cast<std::uint16_t>(contact.getPort()))};
+}
+
+/// Whether a file of this process is a TCP socket that is connected to an address, and neither side has closed it.
+bool is_open_to(int file, const SocketAddress& address) {
+  sockaddr_in remote{};
+  socklen_t size = sizeof remote;
+  if (::getpeername(file, reinterpret_cast<sockaddr*>(&remote), &size) != 0 || remote.sin_family != AF_INET ||
+      remote.sin_port != address.port || remote.sin_addr.s_addr != address.host)
+    return false;
+  tcp_info info{};
+  size = sizeof info;
+  return ::getsockopt(file, IPPROTO_TCP, TCP_INFO, &info, &size) == 0 && info.tcpi_state == TCP_ESTABLISHED;
+}
+
+/// The first such socket; -1 for none.
+int socket_to(const SocketAddress& address) {
+  constexpr long most_files = 4096;  // numbers are given from the lowest on
+  const long files = std::min(::sysconf(_SC_OPEN_MAX), most_files);
+  for (int file = 3; address.port != 0 && file < files; ++file) {
+    if (is_open_to(file, address)) return file;
+  }
+  return -1;
 }
 
 /// Of what YARP says only errors; it tells of every port that opens and closes otherwise.
@@ -111,11 +151,21 @@ Periodic::~Periodic() {
 }
 
 OutputWatch::OutputWatch(const std::string& from, std::string to)
-    : from_(NetworkBase::queryName(from)), to_(std::move(to)), watch_(output_period, [this] {
+    : from_(NetworkBase::queryName(from)),
+      to_(std::move(to)),
+      address_(address_of(NetworkBase::queryName(to_))),
+      socket_(socket_to(address_)),
+      watch_(output_period, [this] {
         if (!lost_ && !is_connected()) lost_ = true;
       }) {}
 
-bool OutputWatch::is_connected() const {
+bool OutputWatch::is_connected() {
+  if (socket_ < 0) return is_listed();
+  if (!is_open_to(socket_, address_)) socket_ = socket_to(address_);
+  return socket_ >= 0;
+}
+
+bool OutputWatch::is_listed() const {
   yarp::os::Bottle request("[list] [out]");
   yarp::os::Bottle reply;
   yarp::os::ContactStyle admin = style(1.0);

@@ -10,6 +10,7 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <cstdint>
 #include <functional>
 #include <mutex>
 #include <string>
@@ -78,8 +79,16 @@ class Periodic {
   std::thread thread_;
 };
 
+/// An IPv4 address and port, in the order of the network; 0 where it is not known.
+struct SocketAddress {
+  std::uint32_t host = 0;
+  std::uint16_t port = 0;
+};
+
 /// Checks 25 times per second whether a port that another component opened (remote_controlboard) is still connected. YARP
-/// reports that to the component that opened the port only.
+/// reports that to the component that opened the port only, and its list of connections must not be asked for while one is
+/// cut (OutputCount): the state of the TCP connection to the other port is that of the operating system. Only where a
+/// carrier without such a connection is used is YARP's list asked.
 class OutputWatch {
  public:
   OutputWatch(const std::string& from, std::string to);
@@ -87,10 +96,13 @@ class OutputWatch {
   [[nodiscard]] bool lost() const { return lost_; }
 
  private:
-  [[nodiscard]] bool is_connected() const;
+  [[nodiscard]] bool is_connected();
+  [[nodiscard]] bool is_listed() const;
 
   yarp::os::Contact from_;
   std::string to_;
+  SocketAddress address_;  // of `to`
+  int socket_;             // of this process, connected to it; -1 for a carrier without one
   std::atomic<bool> lost_ = false;
   Periodic watch_;
 };

@@ -1,6 +1,7 @@
 #include "robot/yarp/yarp_robot.h"
 
 #include <yarp/conf/version.h>
+#include <yarp/os/Network.h>
 
 #include <atomic>
 #include <chrono>
@@ -42,6 +43,10 @@ StartUpCheck view_check(const EventInput& input, ImageSize size, const SteadyClo
 }  // namespace
 
 std::string yarp_version() { return YARP_VERSION; }
+
+void forget_names(const std::vector<std::string>& names) {
+  for (const std::string& name : names) yarp::os::NetworkBase::unregisterName(name);
+}
 
 struct YarpRobot::Parts {
   /// The robot's clock: while it waits, a target that is due goes out.

@@ -12,6 +12,9 @@ namespace saccade {
 /// Version of YARP that this was built with.
 [[nodiscard]] std::string yarp_version();
 
+/// Takes names of ports from the name server. The ports stay open.
+void forget_names(const std::vector<std::string>& names);
+
 /// An iCub on a YARP network, or a server with its interface. Built if CMake finds YARP; targets that link saccade_yarp
 /// then have SACCADE_YARP defined.
 ///

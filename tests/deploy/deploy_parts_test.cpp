@@ -7,8 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "apps/deploy/close_within.h"
-#include "apps/deploy/real_time.h"
 #include "apps/deploy/robot_backends.h"
 #include "apps/deploy/robot_check.h"
 #include "apps/deploy/spsc_ring.h"
@@ -17,6 +15,8 @@
 #include "core/random.h"
 #include "robot/backend_registry.h"
 #include "robot/yarp/yarp_config.h"
+#include "session/close_within.h"
+#include "session/real_time.h"
 
 namespace saccade {
 namespace {

@@ -1,6 +1,8 @@
 // `saccade serve` as any YARP program meets it: clients of YARP alone, the simulated robot in a process of its own.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <pthread.h>
+#include <sched.h>
 #include <yarp/dev/ControlBoardVocabs.h>
 #include <yarp/dev/IAxisInfo.h>
 #include <yarp/dev/IControlLimits.h>
@@ -17,18 +19,23 @@
 #include <yarp/os/Property.h>
 #include <yarp/os/RpcClient.h>
 
+#include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <fstream>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
+#include <utility>
 
 #include "recording/address_event.h"
 #include "recording/event_file.h"
 #include "robot/event_packet.h"
+#include "session/real_time.h"
 #include "tests/robot/yarp/yarp_world.h"
 
 namespace saccade {
@@ -61,6 +68,32 @@ class Served {
   void interrupt() { process_->send_signal(SIGINT); }
   /// Its exit status.
   int wait() { return process_->wait(); }
+  /// Not by its exit status, which YARP's ports of this process take.
+  [[nodiscard]] bool is_running() const {
+    const std::string stat = text_of("/proc/" + std::to_string(process_->pid()) + "/stat");
+    return !stat.empty() && stat.find(") Z ") == std::string::npos;
+  }
+  /// The real-time priorities of its threads, 0 for none.
+  [[nodiscard]] std::vector<int> priorities() const {
+    std::vector<int> found;
+    for (const auto& entry :
+         std::filesystem::directory_iterator("/proc/" + std::to_string(process_->pid()) + "/task")) {
+      const int thread = std::stoi(entry.path().filename().string());
+      sched_param priority{};
+      const bool is_real_time = (::sched_getscheduler(thread) & ~SCHED_RESET_ON_FORK) == SCHED_FIFO &&
+                                ::sched_getparam(thread, &priority) == 0;
+      found.push_back(is_real_time ? priority.sched_priority : 0);
+    }
+    return found;
+  }
+  /// How many threads it has.
+  [[nodiscard]] int threads() const {
+    std::istringstream status(text_of("/proc/" + std::to_string(process_->pid()) + "/status"));
+    for (std::string line; std::getline(status, line);) {
+      if (line.starts_with("Threads:")) return std::stoi(line.substr(8));
+    }
+    return 0;
+  }
   [[nodiscard]] bool has_ended() const {
     return eventually(20.0, [this] { return std::filesystem::exists(folder_ / "report.html"); });
   }
@@ -124,9 +157,9 @@ struct Head {
 /// Somebody who asks the gaze controller.
 class Gaze {
  public:
-  Gaze() {
-    EXPECT_TRUE(rpc_.open("/client/gaze"));
-    EXPECT_TRUE(yarp::os::NetworkBase::connect("/client/gaze", "/iKinGazeCtrl/rpc"));
+  explicit Gaze(const std::string& name = "/client/gaze") {
+    EXPECT_TRUE(rpc_.open(name));
+    EXPECT_TRUE(yarp::os::NetworkBase::connect(name, "/iKinGazeCtrl/rpc"));
   }
   std::string ask(const std::string& request) {
     yarp::os::Bottle reply;
@@ -193,6 +226,54 @@ class Events final : public yarp::os::PortReader {
   std::int64_t packets_ = 0;
   std::int64_t empty_ = 0;
 };
+
+/// A connection to the socket of a port, without YARP.
+class Stranger {
+ public:
+  explicit Stranger(const std::string& port, const std::string& bytes = {}) {
+    const yarp::os::Contact contact = yarp::os::NetworkBase::queryName(port);
+    socket_ = ::socket(AF_INET, SOCK_STREAM, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address.sin_port = htons(static_cast<std::uint16_t>(contact.getPort()));
+    EXPECT_EQ(::connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof(address)), 0);
+    send(bytes);
+  }
+  Stranger(Stranger&& other) noexcept : socket_(std::exchange(other.socket_, -1)) {}
+  Stranger(const Stranger&) = delete;
+  Stranger& operator=(const Stranger&) = delete;
+  ~Stranger() { ::close(socket_); }
+
+  void send(const std::string& bytes) const {
+    (void)!::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+  }
+  /// Whether the other side closes it, however much it sends before.
+  [[nodiscard]] bool is_closed_within(double timeout_s) const {
+    return eventually(timeout_s, [this] {
+      std::array<char, 1024> bytes;
+      const ssize_t count = ::recv(socket_, bytes.data(), bytes.size(), MSG_DONTWAIT);
+      return count == 0 || (count < 0 && errno != EAGAIN);
+    });
+  }
+
+ private:
+  int socket_;
+};
+
+std::string integer(std::int32_t value) {
+  std::string bytes(sizeof(value), '\0');
+  std::memcpy(bytes.data(), &value, sizeof(value));
+  return bytes;
+}
+
+/// An administrative message to a port, of a client that has introduced itself.
+std::string administrative(const std::string& bottle) {
+  const std::string payload = integer(0) + std::string("~a\0\1", 4) + bottle;
+  return "YA" + integer(7777 + 3 + 128) + "RP" + integer(6) + std::string("admin\0", 6) + "YA" + integer(10) +
+         "RP" + "\x01\x01" + std::string(8, '\xff') + integer(static_cast<std::int32_t>(payload.size())) +
+         integer(0) + payload;
+}
 
 class Serve : public testing::Test {
  protected:
@@ -349,6 +430,85 @@ TEST_F(Serve, StartsAgainUnderTheSameNamesAfterItWasKilled) {
   const auto metrics = nlohmann::json::parse(std::ifstream(served / "metrics.json"));
   EXPECT_TRUE(metrics.at("gaze").at("fixation_error_deg").contains("median"));
   EXPECT_EQ(metrics.at("gaze").at("limit_violations"), 0);
+}
+
+// A busy loop in another session, and whatever else the machine does, must not delay the robot.
+TEST_F(Serve, SimulatesAndSendsWithRealTimePriorityBelowDeployAndWritesFilesWithout) {
+  sched_param wanted{};
+  wanted.sched_priority = serve_ports_priority;
+  bool permitted = false;
+  std::thread([&] {
+    permitted = ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &wanted) == 0;
+  }).join();
+  if (!permitted) GTEST_SKIP() << "real-time priority is not permitted here";
+  Served served({"--endless"});
+  EXPECT_EQ(Gaze().ask("status"), "[ack] running");
+  EXPECT_TRUE(eventually(20.0, [&] {
+    const std::vector<int> found = served.priorities();
+    return !found.empty() && found.front() == serve_priority;
+  })) << "the simulation";
+  const std::vector<int> found = served.priorities();
+  EXPECT_GE(std::ranges::count(found, serve_ports_priority), 10) << "threads of ports";
+  EXPECT_TRUE(eventually(20.0, [&] { return std::ranges::count(served.priorities(), 0) > 0; }))
+      << "threads that write files";
+  EXPECT_LT(std::ranges::max(found), deploy_priority);
+  EXPECT_THAT(served.said(), HasSubstr("real-time priority"));
+}
+
+constexpr const char* ports[] = {"/zynqGrabber/AE:o",  "/icub/head/rpc:i",      "/icub/head/command:i",
+                                 "/icub/head/state:o", "/icub/head/stateExt:o", "/iKinGazeCtrl/rpc",
+                                 "/iKinGazeCtrl/xd:i"};
+
+TEST_F(Serve, SurvivesMessagesToTheAdministrationOfItsPortsWithFalseLengths) {
+  Served served({"--endless"});
+  constexpr std::int32_t list = 256, text = 4;
+  for (const char* port : ports) {
+    for (const std::int32_t length : {-1, -0x7fffffff, 0x7fffffff}) {
+      const Stranger admin(port,
+                           administrative(integer(list) + integer(1) + integer(text) + integer(length)));
+      EXPECT_TRUE(admin.is_closed_within(20.0)) << port;
+    }
+    const Stranger deep(port, "CONNECT /deep\nd\n" + std::string(60'000, '(') + "\n");
+    EXPECT_TRUE(deep.is_closed_within(20.0)) << port;
+    ASSERT_TRUE(served.is_running()) << port << " " << served.said();
+  }
+  EXPECT_EQ(Gaze().ask("status"), "[ack] running");
+}
+
+TEST_F(Serve, HasNoThreadForConnectionsThatDoNotIntroduceThemselves) {
+  Served served({"--endless"});
+  Gaze gaze;
+  EXPECT_EQ(gaze.ask("status"), "[ack] running");
+  const int before = served.threads();
+  std::vector<Stranger> strangers;
+  for (int i = 0; i < 40; ++i) {
+    for (const char* port : ports) {
+      strangers.emplace_back(port);
+      strangers.emplace_back(port, "CONNECT /half");
+      strangers.emplace_back(port, std::string(500, '\x7f'));
+    }
+  }
+  EXPECT_EQ(gaze.ask("status"), "[ack] running");
+  EXPECT_LE(served.threads(), before + 20) << strangers.size() << " connections";
+  for (const Stranger& stranger : strangers) EXPECT_TRUE(stranger.is_closed_within(30.0));
+  EXPECT_EQ(gaze.ask("status"), "[ack] running") << "a client stays connected";
+  EXPECT_EQ(Gaze("/another/gaze").ask("status"), "[ack] running") << "and others can connect";
+}
+
+TEST_F(Serve, EndsBesideClientsThatAreHalted) {
+  Served served({"--endless"});
+  Child reader({SACCADE_YARP_PEER, "reader", "/halted", "/zynqGrabber/AE:o", "/icub/head/state:o",
+                "/icub/head/stateExt:o", "/iKinGazeCtrl/q:o"},
+               served / "../reader.log");
+  EXPECT_TRUE(eventually(20.0, [&] { return served.said().find("has 1 reader") != std::string::npos; }))
+      << served.said();
+  const Stranger half("/icub/head/rpc:i", "CONNECT /half\nd\n[get] [en");
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  reader.send_signal(SIGSTOP);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1500));  // what is sent to it fills buffers
+  served.interrupt();
+  EXPECT_TRUE(eventually(30.0, [&] { return !served.is_running(); })) << served.said();
+  EXPECT_TRUE(served.has_ended());
 }
 
 }  // namespace

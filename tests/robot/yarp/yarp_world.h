@@ -62,6 +62,7 @@ class Child {
     pid_ = 0;
   }
   void send_signal(int signal) const { ::kill(pid_, signal); }
+  [[nodiscard]] pid_t pid() const { return pid_; }
   /// Waits until it ends; its exit status, or 128 and the signal that ended it.
   int wait() {
     int status = 0;

@@ -1,4 +1,4 @@
-#include "apps/deploy/close_within.h"
+#include "session/close_within.h"
 
 #include <fmt/format.h>
 

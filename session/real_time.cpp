@@ -1,16 +1,18 @@
-#include "apps/deploy/real_time.h"
+#include "session/real_time.h"
 
 #include <pthread.h>
+#include <sched.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 
 #include <cerrno>
+#include <fstream>
 #include <system_error>
 
 namespace saccade {
 namespace {
 
-constexpr int priority = 50;  // the middle: below the hardware drivers
+constexpr const char* autogroup_file = "/proc/sys/kernel/sched_autogroup_enabled";
 
 std::string reason(int error) { return std::generic_category().message(error); }
 
@@ -26,12 +28,24 @@ void use_small_stacks() {
   pthread_attr_destroy(&attributes);
 }
 
-RealTime::RealTime() {
+std::string how_to_permit_real_time() {
+  std::string text =
+      "write `@robot - rtprio 99` into " + std::string(limits_file) + ", join the group and log in again";
+  char autogroup = '0';
+  if (std::ifstream(autogroup_file) >> autogroup && autogroup == '1')
+    text += "; autogroup scheduling is on, with which `nice` has no effect on the programs of other sessions";
+  return text;
+}
+
+RealTime::RealTime(int priority, LockMemory lock, NewThreads threads) : lock_(lock) {
   sched_param wanted{};
   wanted.sched_priority = priority;
-  const int denied = pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
-  summary_ = denied == 0 ? "real-time priority " + std::to_string(priority)
-                         : "no real-time priority (" + reason(denied) + ")";
+  const int policy = SCHED_FIFO | (threads == NewThreads::ordinary ? SCHED_RESET_ON_FORK : 0);
+  const int denied = sched_setscheduler(0, policy, &wanted) == 0 ? 0 : errno;  // of this thread
+  granted_ = denied == 0;
+  summary_ = granted_ ? "real-time priority " + std::to_string(priority)
+                      : "no real-time priority (" + reason(denied) + ")";
+  if (lock_ == LockMemory::no) return;
   rlimit most{};
   // With a limit on locked memory, locking future pages would make later allocations fail.
   const bool unlimited = getrlimit(RLIMIT_MEMLOCK, &most) == 0 && most.rlim_cur == RLIM_INFINITY;
@@ -45,7 +59,7 @@ RealTime::RealTime() {
 RealTime::~RealTime() {
   const sched_param ordinary{};
   pthread_setschedparam(pthread_self(), SCHED_OTHER, &ordinary);
-  munlockall();
+  if (lock_ == LockMemory::yes) munlockall();
 }
 
 }  // namespace saccade
