@@ -46,7 +46,8 @@ struct Map {
   const Lanes s = e / (e + 2.0F);  // ln(1 + e) = 2 artanh(s)
   const Lanes z = s * s;
   const Lanes series =
-      (((((z * (1.0F / 13) + 1.0F / 11) * z + 1.0F / 9) * z + 1.0F / 7) * z + 0.2F) * z + 1.0F / 3) * z + 1.0F;
+      (((((z * (1.0F / 13) + 1.0F / 11) * z + 1.0F / 9) * z + 1.0F / 7) * z + 0.2F) * z + 1.0F / 3) * z +
+      1.0F;
   gate = (positive + 2.0F * s * series) * -share;
   gate = gate > -limit ? gate : -limit;
   to_exp(gate);
@@ -86,7 +87,8 @@ struct Block {
   float own[1][C];
   std::copy_n(in, C, own[0]);
   pointwise(own, weights.down.data(), low_sum);
-  for (std::size_t i = 0; i < Model::rank / lanes; ++i) reinterpret_cast<Lanes*>(low[0])[i] = low_sum[0].part[i];
+  for (std::size_t i = 0; i < Model::rank / lanes; ++i)
+    reinterpret_cast<Lanes*>(low[0])[i] = low_sum[0].part[i];
   Channels<C> gate[1];
   load(weights.up_bias.data(), gate[0]);
   pointwise(low, weights.up.data(), gate);
@@ -99,8 +101,8 @@ struct Block {
 }
 
 template <std::size_t places, bool recurrent>
-[[gnu::always_inline]] inline void block_places(const Map& in, int y, int x, const Block& block, float* memory,
-                                                float* out) {
+[[gnu::always_inline]] inline void block_places(const Map& in, int y, int x, const Block& block,
+                                                float* memory, float* out) {
   float deep[places][C];
   Channels<C> sum[places];
   for (std::size_t p = 0; p < places; ++p) {
@@ -232,18 +234,22 @@ void RecurrentLevel::begin(const Step& step) {
   dt_ms_ = step.dt_ms;
   std::array<float, Model::motion_inputs> motion{};
   if (step.rotation_known) {
-    for (std::size_t i = 0; i < 2; ++i) motion[i] = std::copysign(std::log1p(std::abs(step.speed[i])), step.speed[i]);
+    for (std::size_t i = 0; i < 2; ++i)
+      motion[i] = std::copysign(std::log1p(std::abs(step.speed[i])), step.speed[i]);
     motion[2] = 1.0F;
   }
   std::array<float, Model::motion_hidden> hidden = model_->motion_bias;
   for (std::size_t i = 0; i < motion.size(); ++i) {
-    for (std::size_t k = 0; k < hidden.size(); ++k) hidden[k] += motion[i] * model_->motion_in[i * hidden.size() + k];
+    for (std::size_t k = 0; k < hidden.size(); ++k)
+      hidden[k] += motion[i] * model_->motion_in[i * hidden.size() + k];
   }
-  for (std::size_t n = 0; n < bias_.size(); ++n) bias_[n] = n == 0 ? model_->second_bias : model_->bias[n - 1];
+  for (std::size_t n = 0; n < bias_.size(); ++n)
+    bias_[n] = n == 0 ? model_->second_bias : model_->bias[n - 1];
   for (std::size_t k = 0; k < hidden.size(); ++k) {
     if (hidden[k] <= 0.0F) continue;
     for (std::size_t n = 0; n < bias_.size(); ++n) {
-      for (std::size_t c = 0; c < C; ++c) bias_[n][c] += hidden[k] * model_->motion_out[(k * bias_.size() + n) * C + c];
+      for (std::size_t c = 0; c < C; ++c)
+        bias_[n][c] += hidden[k] * model_->motion_out[(k * bias_.size() + n) * C + c];
     }
   }
   stage_ = 0;
@@ -251,9 +257,9 @@ void RecurrentLevel::begin(const Step& step) {
 }
 
 std::int64_t RecurrentLevel::multiplications() const {
-  constexpr std::size_t per_square = 4 * 9 * Model::inputs * Model::first_channels + Model::first_channels * (9 + C) +
-                                     Model::blocks * C * (9 + C) + Model::memories * C * (C + 2 * Model::rank) +
-                                     C * Model::outputs;
+  constexpr std::size_t per_square = 4 * 9 * Model::inputs * Model::first_channels +
+                                     Model::first_channels * (9 + C) + Model::blocks * C * (9 + C) +
+                                     Model::memories * C * (C + 2 * Model::rank) + C * Model::outputs;
   return static_cast<std::int64_t>(per_square) * (rows_ / square) * (columns_ / square);
 }
 
@@ -276,8 +282,9 @@ std::int64_t RecurrentLevel::row(Maps& maps) {
     const std::size_t n = stage_ - 2;
     const int k = memory_of[n];
     const Model::Memory* memory = k < 0 ? nullptr : &model_->memory[static_cast<std::size_t>(k)];
-    const Block block{model_->depth[n].data(), model_->point[n].data(), bias_[1 + n].data(), memory, dt_ms_ / gate_step_ms,
-                      dilation[n]};
+    const Block block{model_->depth[n].data(), model_->point[n].data(),
+                      bias_[1 + n].data(),     memory,
+                      dt_ms_ / gate_step_ms,   dilation[n]};
     const Map in{maps.a.data(), rows, columns_ / square};
     cost = places * static_cast<std::int64_t>(C * (9 + C));
     if (memory == nullptr) {

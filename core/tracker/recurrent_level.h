@@ -23,13 +23,13 @@ class RecurrentLevel {
   };
   /// Numbers of an output square, in the order of the model.
   struct Square {
-    float log_odds;              ///< that a ball's centre is there
-    float x, y;                  ///< of the centre from the middle of the square, squares
-    float log2_radius;           ///< relative to mean_cells cells
-    float vx, vy;                ///< of the centre, squares per 100 ms
-    float log_sd_centre;         ///< of x and y, squares
-    float log_sd_log2_radius;    ///< of log2_radius
-    float inlier_log_odds;       ///< that the circle is within 6 px of the ball's centre and 2 px of its radius
+    float log_odds;            ///< that a ball's centre is there
+    float x, y;                ///< of the centre from the middle of the square, squares
+    float log2_radius;         ///< relative to mean_cells cells
+    float vx, vy;              ///< of the centre, squares per 100 ms
+    float log_sd_centre;       ///< of x and y, squares
+    float log_sd_log2_radius;  ///< of log2_radius
+    float inlier_log_odds;     ///< that the circle is within 6 px of the ball's centre and 2 px of its radius
   };
   static constexpr double mean_cells = 5.66;
 
@@ -40,10 +40,10 @@ class RecurrentLevel {
   [[nodiscard]] int columns() const { return columns_; }
 
   struct Step {
-    float dt_ms;                  ///< since the step before
-    int shift_x, shift_y;         ///< squares by which the camera's rotation has moved the image since then
-    std::array<float, 2> speed;   ///< of the image by that rotation, squares per 100 ms
-    bool rotation_known;          ///< else speed and shift are 0
+    float dt_ms;                 ///< since the step before
+    int shift_x, shift_y;        ///< squares by which the camera's rotation has moved the image since then
+    std::array<float, 2> speed;  ///< of the image by that rotation, squares per 100 ms
+    bool rotation_known;         ///< else speed and shift are 0
   };
   /// What a step starts from: rows x columns x RecurrentModel::inputs. Written before the step's first row.
   [[nodiscard]] std::span<float> input() { return input_; }

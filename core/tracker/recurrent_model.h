@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <memory>
+#include <string>
 
 #include "core/model_arrays.h"
 
@@ -9,8 +11,9 @@ namespace saccade {
 /// The fitted numbers of RecurrentNetwork (core/tracker/recurrent_network.h): 3 x 3 taps row by row, then channels in, then
 /// channels out.
 struct RecurrentModel {
-  static constexpr std::size_t inputs = 8, first_channels = 16, channels = 48, outputs = 9, blocks = 4, memories = 2,
-                               rank = 16, motion_inputs = 3, motion_hidden = 32, motion_outputs = 1 + blocks;
+  static constexpr std::size_t inputs = 8, first_channels = 16, channels = 48, outputs = 9, blocks = 4,
+                               memories = 2, rank = 16, motion_inputs = 3, motion_hidden = 32,
+                               motion_outputs = 1 + blocks;
 
   /// From the arrays of models/recurrent/weights.npz, which are in PyTorch's order. Throws InputError for an array that is
   /// missing, of another size, or not finite.
@@ -37,5 +40,12 @@ struct RecurrentModel {
   std::array<float, channels * outputs> output;
   std::array<float, outputs> output_bias;
 };
+
+/// The arrays of models/recurrent/weights.npz, as they were when the library was built.
+[[nodiscard]] ModelArrays built_in_recurrent_arrays();
+/// Why RecurrentModel refuses the arrays of a key; empty where it does not, and without arrays.
+[[nodiscard]] std::string problem_of_recurrent(const ModelFile& file);
+/// The model of a key: its arrays, or the built-in ones where it has none. Throws InputError as RecurrentModel does.
+[[nodiscard]] std::shared_ptr<const RecurrentModel> recurrent_model_of(const ModelFile& file);
 
 }  // namespace saccade

@@ -4,17 +4,17 @@
 #include <bit>
 #include <cmath>
 
+#include "core/error.h"
 #include "core/time_stamp.h"
 
 namespace saccade {
 namespace {
 
 constexpr std::array<float, 4> tau_ms = {4.0F, 16.0F, 64.0F, 256.0F};
-constexpr int age_steps = 256;  // sixteen for each doubling of 0.25 ms + age
+constexpr int age_steps = 256;                               // sixteen for each doubling of 0.25 ms + age
 constexpr double smallest_cells = 3.6, largest_cells = 9.0;  // radii that a level finds
-constexpr int fewest_rows = 16;         // cells, of a level: smaller images hold no such radius
+constexpr int fewest_rows = 16;  // cells, of a level: smaller images hold no such radius
 constexpr double least_dt_ms = 1.0, most_dt_ms = 1'000.0;
-constexpr std::int64_t never_us = std::numeric_limits<std::int64_t>::min();
 
 /// Index into the table of ages: 16 log2(1 + 4 age / ms), by the bits of the floating-point number.
 std::size_t age_index(std::int64_t age_us) {
@@ -40,13 +40,9 @@ const Decays& decays() {
 
 }  // namespace
 
-RecurrentNetwork::RecurrentNetwork(std::shared_ptr<const RecurrentModel> model, ImageSize size, double r_min_px,
-                                   double r_max_px)
-    : size_(size),
-      pixels_(static_cast<std::size_t>(size.pixels())),
-      newest_us_(2 * pixels_, never_us),
-      now_us_(never_us),
-      found_at_us_(never_us) {
+RecurrentNetwork::RecurrentNetwork(std::shared_ptr<const RecurrentModel> model, ImageSize size,
+                                   double r_min_px, double r_max_px)
+    : size_(size), now_us_(TimeSurface::never_us), found_at_us_(TimeSurface::never_us) {
   decays();
   for (int cell = 1; cell <= 8; cell *= 2) {
     const bool smaller_suffice =
@@ -69,7 +65,7 @@ std::int64_t RecurrentNetwork::multiplications() const {
 }
 
 void RecurrentNetwork::begin(std::int64_t now_us, const std::optional<Eigen::Vector2d>& image_shift_px) {
-  const std::int64_t dt_us = now_us_ == never_us ? 0 : saturated_difference(now_us, now_us_);
+  const std::int64_t dt_us = now_us_ == TimeSurface::never_us ? 0 : saturated_difference(now_us, now_us_);
   dt_ms_ = std::clamp(static_cast<double>(dt_us) * 1e-3, least_dt_ms, most_dt_ms);
   now_us_ = now_us;
   image_shift_px_ = image_shift_px;
@@ -86,21 +82,26 @@ void RecurrentNetwork::begin_level() {
     level.shift_rest += squares;
     const Eigen::Vector2d whole(std::nearbyint(level.shift_rest.x()), std::nearbyint(level.shift_rest.y()));
     level.shift_rest -= whole;
-    const auto clamped = [](double squares_moved) { return static_cast<int>(std::clamp(squares_moved, -1e4, 1e4)); };
+    const auto clamped = [](double squares_moved) {
+      return static_cast<int>(std::clamp(squares_moved, -1e4, 1e4));
+    };
     step.shift_x = clamped(whole.x());
     step.shift_y = clamped(whole.y());
-    for (int i = 0; i < 2; ++i) step.speed[static_cast<std::size_t>(i)] = static_cast<float>(squares[i] * 100.0 / dt_ms_);
+    for (int i = 0; i < 2; ++i)
+      step.speed[static_cast<std::size_t>(i)] = static_cast<float>(squares[i] * 100.0 / dt_ms_);
   }
   level.network.begin(step);
 }
 
-bool RecurrentNetwork::work(std::int64_t multiplications) {
+bool RecurrentNetwork::work(const TimeSurface& surface, std::int64_t multiplications) {
+  SACCADE_CHECK(surface.size() == size_);
   if (!busy()) return false;
   while (multiplications > 0) {
     if (input_level_ < levels_.size()) {  // first of all, so that hardly any later event gets into them
       Level& level = levels_[input_level_];
-      input_row(level);
-      multiplications -= std::int64_t{level.network.columns()} * level.cell_px * level.cell_px * RecurrentModel::inputs;
+      input_row(level, surface);
+      multiplications -=
+          std::int64_t{level.network.columns()} * level.cell_px * level.cell_px * RecurrentModel::inputs;
       if (++input_row_ < level.network.rows()) continue;
       input_row_ = 0;
       ++input_level_;
@@ -119,12 +120,15 @@ bool RecurrentNetwork::work(std::int64_t multiplications) {
   return false;
 }
 
-void RecurrentNetwork::input_row(Level& level) {
+void RecurrentNetwork::input_row(Level& level, const TimeSurface& surface) {
   constexpr std::size_t channels = RecurrentModel::inputs;
   const Decays& table = decays();
   const int cell = level.cell_px;
   const float scale = std::sqrt(static_cast<float>(cell)) / static_cast<float>(cell * cell);
-  float* out = level.network.input().data() + static_cast<std::size_t>(input_row_ * level.network.columns()) * channels;
+  float* out = level.network.input().data() +
+               static_cast<std::size_t>(input_row_ * level.network.columns()) * channels;
+  const std::array<const std::int64_t*, 2> newest_us = {surface.newest_us(true).data(),
+                                                        surface.newest_us(false).data()};
   const int y_end = std::min(size_.height, (input_row_ + 1) * cell);
   for (int column = 0; column < level.network.columns(); ++column, out += channels) {
     std::array<float, channels> sum{};
@@ -132,8 +136,8 @@ void RecurrentNetwork::input_row(Level& level) {
     for (int y = input_row_ * cell; y < y_end; ++y) {
       for (int x = column * cell; x < x_end; ++x) {
         for (std::size_t p = 0; p < 2; ++p) {
-          const std::int64_t t_us = newest_us_[p * pixels_ + static_cast<std::size_t>(y * size_.width + x)];
-          if (t_us == never_us) continue;
+          const std::int64_t t_us = newest_us[p][static_cast<std::size_t>(y * size_.width + x)];
+          if (t_us == TimeSurface::never_us) continue;
           const std::array<float, 4>& decay = table[age_index(saturated_difference(now_us_, t_us))];
           for (std::size_t k = 0; k < 4; ++k) sum[4 * p + k] += decay[k];
         }
@@ -148,7 +152,8 @@ void RecurrentNetwork::take_result() {
   found_at_us_ = now_us_;
   found_count_ = 0;
   for (const Level& level : levels_) {
-    const int rows = level.network.rows() / RecurrentLevel::square, columns = level.network.columns() / RecurrentLevel::square;
+    const int rows = level.network.rows() / RecurrentLevel::square,
+              columns = level.network.columns() / RecurrentLevel::square;
     const auto at = [&](int x, int y) -> const RecurrentLevel::Square& {
       return level.network.output()[static_cast<std::size_t>(y * columns + x)];
     };
@@ -166,16 +171,19 @@ void RecurrentNetwork::take_result() {
         }
         if (!largest) continue;
         const double cell = level.cell_px, square_px = RecurrentLevel::square * cell;
-        const double r_px =
-            RecurrentLevel::mean_cells * cell * std::exp2(std::clamp(static_cast<double>(own.log2_radius), -1.0, 1.0));
-        const auto sd = [](float log_sd) { return std::exp(std::clamp(static_cast<double>(log_sd), -5.0, 2.0)); };
-        const Found found{{(x + 0.5 + static_cast<double>(own.x)) * square_px - 0.5,
-                           (y + 0.5 + static_cast<double>(own.y)) * square_px - 0.5, r_px},
-                          Eigen::Vector2d(static_cast<double>(own.vx), static_cast<double>(own.vy)) * (10.0 * square_px),
-                          square_px * sd(own.log_sd_centre),
-                          r_px * 0.6931 * sd(own.log_sd_log2_radius),
-                          log_odds,
-                          static_cast<double>(own.inlier_log_odds)};
+        const double r_px = RecurrentLevel::mean_cells * cell *
+                            std::exp2(std::clamp(static_cast<double>(own.log2_radius), -1.0, 1.0));
+        const auto sd = [](float log_sd) {
+          return std::exp(std::clamp(static_cast<double>(log_sd), -5.0, 2.0));
+        };
+        const Found found{
+            {(x + 0.5 + static_cast<double>(own.x)) * square_px - 0.5,
+             (y + 0.5 + static_cast<double>(own.y)) * square_px - 0.5, r_px},
+            Eigen::Vector2d(static_cast<double>(own.vx), static_cast<double>(own.vy)) * (10.0 * square_px),
+            square_px * sd(own.log_sd_centre),
+            r_px * 0.6931 * sd(own.log_sd_log2_radius),
+            log_odds,
+            static_cast<double>(own.inlier_log_odds)};
         std::size_t i = count < best.size() ? count++ : best.size() - 1;
         for (; i > 0 && best[i - 1].centre_log_odds < log_odds; --i) best[i] = best[i - 1];
         best[i] = found;

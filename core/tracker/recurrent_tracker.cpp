@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include "core/time_stamp.h"
 
@@ -13,32 +14,40 @@ constexpr std::int64_t never_us = std::numeric_limits<std::int64_t>::min();
 constexpr std::int64_t latest_us = std::numeric_limits<std::int64_t>::max();
 constexpr std::int64_t tick_us = 1'000;
 constexpr std::size_t prefetched_events = 24;
-constexpr std::int64_t multiplications_per_tick = 3'000'000;
-constexpr std::int64_t shortest_step_us = 8'000;
-constexpr double acceleration_px_s2 = 1'500.0, growth_px_s = 8.0, drift_px_s = 15.0;  // of the process, per square root of s
+constexpr std::int64_t multiplications_per_tick = 3'000'000;  // 12 ms for a step at 128x128
+constexpr std::int64_t shortest_step_us = 8'000;              // within the steps of the training, 5 to 14 ms
+// Noise of the process, per square root of a second: a thrown or bounced ball turns within some ten ms.
+constexpr double acceleration_px_s2 = 1'500.0, growth_px_s = 8.0, drift_px_s = 15.0;
+// Least standard deviations of a measurement; the network states its own for centre and radius.
 constexpr double least_centre_sd_px = 0.5, least_radius_sd_px = 0.3;
 constexpr double least_speed_sd_px_s = 25.0, speed_sd_share = 0.4;
-constexpr double gate = 16.0;          // squared Mahalanobis distance
-constexpr double birth_log_odds = -2.0, death_log_odds = -6.0, birth_share = 0.6;
-constexpr double missed_log_odds = -4.0;
-constexpr double memory_us = 40'000.0;  // of the existence log odds
-constexpr double model_sd_px = 0.5;
+// A circle and a track are of the same ball within so many radii (and two standard deviations), and this ratio of radii.
+constexpr double gate_radii = 0.5, gate_log_ratio = 0.35;
+constexpr double least_found_log_odds = -5.0;  // less is never the ball
+constexpr double birth_log_odds = -2.0, death_log_odds = -6.0;
+constexpr double birth_share = 0.6;       // a new track has this share of its circle's log odds, less one
+constexpr double missed_log_odds = -4.0;  // of a track that no circle of the step fits
+constexpr double memory_us = 40'000.0;    // time constant of the mean of log odds
+constexpr double model_sd_px = 0.5;       // of the estimate, beside the track's covariance
 
 }  // namespace
 
 void describe(FieldVisitor& v, RecurrentTrackerConfig& c) {
   describe_radius_px(v, c.radius_px);
-  v.real("threshold", c.threshold, {0.0, 1.0}, "existence probability from which on a circle is taken for the ball");
+  v.real("threshold", c.threshold, {0.0, 1.0},
+         "existence probability from which on a circle is taken for the ball");
   v.real("hold_s", c.hold_s, {0.0, 60.0}, "for which a circle that is not measured is held");
-  v.model("model", c.model, "weights of the network, an NPZ file");
+  v.model("model", c.model, "weights of the network, an NPZ file; empty: those of this program");
+  const std::string problem = problem_of_recurrent(c.model);
+  v.require(problem.empty(), "model", problem, "the arrays of models/recurrent/weights.npz");
 }
 
 RecurrentTracker::RecurrentTracker(const RecurrentTrackerConfig& config, const Camera& camera)
     : config_(check_config("detector", config)),
       camera_(camera),
       sieve_(camera.size),
-      network_(std::make_shared<const RecurrentModel>(config.model.arrays ? *config.model.arrays : ModelArrays{}),
-               camera.size, config.radius_px[0], config.radius_px[1]),
+      surface_(camera.size),
+      network_(recurrent_model_of(config.model), camera.size, config.radius_px[0], config.radius_px[1]),
       now_us_(never_us),
       step_us_(never_us) {
   rays_.reserve(static_cast<std::size_t>(camera.size.pixels()));
@@ -56,17 +65,18 @@ Eigen::Vector2d RecurrentTracker::camera_flow_px_s(const Eigen::Vector2d& at) co
   if (!rotation_rad_s_) return Eigen::Vector2d::Zero();
   const int x = static_cast<int>(std::clamp(at.x(), 0.0, static_cast<double>(camera_.size.width - 1)));
   const int y = static_cast<int>(std::clamp(at.y(), 0.0, static_cast<double>(camera_.size.height - 1)));
-  return camera_.rotational_flow_px_s(rays_[static_cast<std::size_t>(y * camera_.size.width + x)], *rotation_rad_s_);
+  return camera_.rotational_flow_px_s(rays_[static_cast<std::size_t>(y * camera_.size.width + x)],
+                                      *rotation_rad_s_);
 }
 
 void RecurrentTracker::process(std::span<const Event> events, const CameraMotion* motion) {
   set_motion(motion);
   for (std::size_t i = 0; i < events.size(); ++i) {
     if (i + prefetched_events < events.size() && !sieve_.is_outside(events[i + prefetched_events]))
-      network_.prefetch(events[i + prefetched_events]);
+      surface_.prefetch(events[i + prefetched_events]);
     if (!sieve_.accept(events[i])) continue;
     run_until(events[i].t_us, false);
-    network_.add(events[i]);
+    surface_.add(events[i]);
   }
 }
 
@@ -93,14 +103,16 @@ void RecurrentTracker::tick(std::int64_t now_us) {
     if (track.alive) predict(track, dt_s);
   }
   rotation_known_ = rotation_known_ && rotation_rad_s_.has_value();
-  image_shift_px_ += dt_s * camera_flow_px_s({0.5 * (camera_.size.width - 1), 0.5 * (camera_.size.height - 1)});
-  if (!network_.busy() && (step_us_ == never_us || saturated_difference(now_us, step_us_) >= shortest_step_us)) {
+  image_shift_px_ +=
+      dt_s * camera_flow_px_s({0.5 * (camera_.size.width - 1), 0.5 * (camera_.size.height - 1)});
+  if (!network_.busy() &&
+      (step_us_ == never_us || saturated_difference(now_us, step_us_) >= shortest_step_us)) {
     network_.begin(now_us, rotation_known_ ? std::optional(image_shift_px_) : std::nullopt);
     step_us_ = now_us;
     image_shift_px_.setZero();
     rotation_known_ = rotation_rad_s_.has_value();
   }
-  if (network_.work(multiplications_per_tick)) take_found(now_us);
+  if (network_.work(surface_, multiplications_per_tick)) take_found(now_us);
 }
 
 void RecurrentTracker::predict(Track& track, double dt_s) {
@@ -124,7 +136,7 @@ void RecurrentTracker::take_found(std::int64_t now_us) {
   for (Track& track : tracks_) track.taken = false;
   const double share = 1.0 - std::exp(-std::max(difference_s(now_us, step_us_), 0.008) * 1e6 / memory_us);
   for (const RecurrentNetwork::Found& found : network_.found()) {
-    if (found.inlier_log_odds < -5.0 || found.circle.r_px < config_.radius_px[0] - 1.0 ||
+    if (found.inlier_log_odds < least_found_log_odds || found.circle.r_px < config_.radius_px[0] - 1.0 ||
         found.circle.r_px > config_.radius_px[1] + 1.0)
       continue;
     Track* nearest = nullptr;
@@ -132,12 +144,13 @@ void RecurrentTracker::take_found(std::int64_t now_us) {
     bool same = false;
     for (Track& track : tracks_) {
       if (!track.alive) continue;
-      const Eigen::Vector2d at = Eigen::Vector2d(found.circle.x_px, found.circle.y_px) + late_s * found.speed_px_s;
+      const Eigen::Vector2d at =
+          Eigen::Vector2d(found.circle.x_px, found.circle.y_px) + late_s * found.speed_px_s;
       const double off = (track.state.head<2>() - at).norm() / found.circle.r_px;
       const double ratio = std::abs(std::log(track.state[2] / found.circle.r_px));
       const double distance = off * off + 2.0 * ratio * ratio;
       const double sd = std::sqrt(track.covariance(0, 0)) / found.circle.r_px;
-      if (off > 0.5 + 2.0 * sd || ratio > 0.35) continue;
+      if (off > gate_radii + 2.0 * sd || ratio > gate_log_ratio) continue;
       same = true;
       if (!track.taken && distance < least) {
         least = distance;
@@ -168,8 +181,8 @@ void RecurrentTracker::measure(Track& track, const RecurrentNetwork::Found& foun
   const double radius_sd = std::max(least_radius_sd_px, found.radius_sd_px);
   const double speed_sd = least_speed_sd_px_s + speed_sd_share * found.speed_px_s.norm();
   // Each number alone: the measurement's errors are taken for independent.
-  const double variances[5] = {centre_sd * centre_sd, centre_sd * centre_sd, radius_sd * radius_sd, speed_sd * speed_sd,
-                               speed_sd * speed_sd};
+  const double variances[5] = {centre_sd * centre_sd, centre_sd * centre_sd, radius_sd * radius_sd,
+                               speed_sd * speed_sd, speed_sd * speed_sd};
   for (int i = 0; i < 5; ++i) {
     const State gain = track.covariance.col(i) / (track.covariance(i, i) + variances[i]);
     track.state += gain * (z[i] - track.state[i]);
@@ -191,13 +204,15 @@ void RecurrentTracker::begin_track(const RecurrentNetwork::Found& found, double 
   if (place->alive && place->log_odds >= log_odds) return;
   Track track;
   track.alive = true;
-  const Eigen::Vector2d at = Eigen::Vector2d(found.circle.x_px, found.circle.y_px) + late_s * found.speed_px_s;
+  const Eigen::Vector2d at =
+      Eigen::Vector2d(found.circle.x_px, found.circle.y_px) + late_s * found.speed_px_s;
   track.camera_px_s = camera_flow_px_s(at);
   track.state << at, found.circle.r_px, found.speed_px_s - track.camera_px_s;
   const double speed_sd = least_speed_sd_px_s + speed_sd_share * found.speed_px_s.norm();
   track.covariance = Covariance::Zero();
-  track.covariance.diagonal() << found.centre_sd_px * found.centre_sd_px, found.centre_sd_px * found.centre_sd_px,
-      found.radius_sd_px * found.radius_sd_px, speed_sd * speed_sd, speed_sd * speed_sd;
+  track.covariance.diagonal() << found.centre_sd_px * found.centre_sd_px,
+      found.centre_sd_px * found.centre_sd_px, found.radius_sd_px * found.radius_sd_px, speed_sd * speed_sd,
+      speed_sd * speed_sd;
   track.log_odds = log_odds;
   track.measured_us = now_us;
   track.taken = true;
@@ -215,7 +230,8 @@ const RecurrentTracker::Track* RecurrentTracker::best() const {
 Estimate RecurrentTracker::estimate() {
   const Track* track = best();
   if (track == nullptr) return {};
-  const double since_s = next_tick_us_ ? difference_s(now_us_, saturated_difference(*next_tick_us_, tick_us)) : 0.0;
+  const double since_s =
+      next_tick_us_ ? difference_s(now_us_, saturated_difference(*next_tick_us_, tick_us)) : 0.0;
   const Eigen::Vector2d at = track->state.head<2>() + since_s * (track->state.tail<2>() + track->camera_px_s);
   const double r_px = std::clamp(track->state[2], config_.radius_px[0], config_.radius_px[1]);
   Eigen::Matrix3d covariance = track->covariance.topLeftCorner<3, 3>();

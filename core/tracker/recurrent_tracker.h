@@ -16,9 +16,9 @@ namespace saccade {
 /// Configuration of the detector `recurrent`.
 struct RecurrentTrackerConfig {
   std::array<double, 2> radius_px = {10, 35};  ///< smallest and largest radius, whole numbers
-  double threshold = 0.5;                      ///< existence probability from which on a circle is taken for the ball
-  double hold_s = 3.0;                         ///< a circle that is not measured is held for so long
-  ModelFile model;                             ///< the network's weights
+  double threshold = 0.5;  ///< existence probability from which on a circle is taken for the ball
+  double hold_s = 3.0;     ///< a circle that is not measured is held for so long
+  ModelFile model;         ///< the network's weights
 };
 
 /// Keys: radius_px, threshold, hold_s, model.
@@ -71,9 +71,10 @@ class RecurrentTracker final : public Detector, public DetectorViews {
   Camera camera_;
   std::vector<Eigen::Vector3d> rays_;  // of each pixel
   EventSieve sieve_;
+  TimeSurface surface_;
   RecurrentNetwork network_;
   std::array<Track, 8> tracks_;
-  std::optional<Eigen::Vector3d> rotation_rad_s_;  // of the camera, its own frame
+  std::optional<Eigen::Vector3d> rotation_rad_s_;             // of the camera, its own frame
   Eigen::Vector2d image_shift_px_ = Eigen::Vector2d::Zero();  // of the image's middle since the step began
   bool rotation_known_ = false;                               // in all of that time
   std::int64_t now_us_, step_us_;
