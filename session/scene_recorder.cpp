@@ -60,9 +60,9 @@ std::string texture_json(const SceneOutline::Texture& texture) {
 }
 
 std::string geom_json(const SceneOutline::Geom& geom) {
-  std::string text = fmt::format("{{\"body\":{},\"shape\":\"{}\",\"size\":{},\"pose\":{},\"rgba\":{}", geom.body,
-                                 geom.shape, json_list(geom.size_m), json_list(values_of(geom.body_from_geom)),
-                                 json_list(geom.rgba));
+  std::string text =
+      fmt::format("{{\"body\":{},\"shape\":\"{}\",\"size\":{},\"pose\":{},\"rgba\":{}", geom.body, geom.shape,
+                  json_list(geom.size_m), json_list(values_of(geom.body_from_geom)), json_list(geom.rgba));
   if (geom.mesh >= 0) text += fmt::format(",\"mesh\":{}", geom.mesh);
   if (geom.texture >= 0) text += fmt::format(",\"texture\":{}", geom.texture);
   return text + "}";
@@ -81,7 +81,10 @@ std::string json_string(const std::string& name) {
 }  // namespace
 
 SceneRecorder::SceneRecorder(std::filesystem::path folder, const SimRobot& robot)
-    : folder_(std::move(folder)), robot_(robot), scene_(scene_outline(robot.world())), bodies_(scene_.bodies.size()) {
+    : folder_(std::move(folder)),
+      robot_(robot),
+      scene_(scene_outline(robot.world())),
+      bodies_(scene_.bodies.size()) {
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     bodies_[i].newest = {robot_.now_us(), values_of(world_from_body(robot_.world(), i))};
     bodies_[i].poses.push_back(bodies_[i].newest);
@@ -127,13 +130,16 @@ void SceneRecorder::commit() {
   text += json_lines(bodies_, [&](const Body& body) {
     return fmt::format("{{\"name\":{},\"poses\":[", json_string(scene_.bodies[index++])) +
            json_lines(body.poses,
-                      [](const Pose& pose) { return fmt::format("[{},", pose.t_us) + json_list(pose.values).substr(1); }) +
+                      [](const Pose& pose) {
+                        return fmt::format("[{},", pose.t_us) + json_list(pose.values).substr(1);
+                      }) +
            "]}";
   });
   text += "],\n\"geoms\":[\n" + json_lines(scene_.geoms, geom_json);
   text += "],\n\"meshes\":[\n" + json_lines(scene_.meshes, [](const SceneOutline::Mesh& mesh) {
-            return "{\"vertices\":" + json_list(mesh.vertices_m) + ",\"triangles\":" + json_list(mesh.triangles) +
-                   ",\"texels\":" + json_list(mesh.texels) + "}";
+            return "{\"vertices\":" + json_list(mesh.vertices_m) +
+                   ",\"triangles\":" + json_list(mesh.triangles) + ",\"texels\":" + json_list(mesh.texels) +
+                   "}";
           });
   text += "],\n\"textures\":[\n" + json_lines(scene_.textures, texture_json) + "]}\n";
   write_file(folder_ / run_file::scene, text);

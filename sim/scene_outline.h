@@ -25,7 +25,8 @@ struct SceneOutline {
   struct Mesh {
     std::vector<float> vertices_m;  ///< x, y, z one after the other
     std::vector<int> triangles;     ///< three indices of vertices each
-    std::vector<float> texels;      ///< u, v of each corner of each triangle, 0 to 1 from the texture's first row on; or none
+    std::vector<float>
+        texels;  ///< u, v of each corner of each triangle, 0 to 1 from the texture's first row on; or none
   };
   struct Texture {
     int width = 0;

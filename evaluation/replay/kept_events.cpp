@@ -18,7 +18,8 @@ void KeptEvents::add(const Event& event) {
 
 std::vector<Event> KeptEvents::of(std::uint8_t camera) const {
   std::vector<Event> events;
-  std::ranges::copy_if(events_, std::back_inserter(events), [&](const Event& e) { return e.camera == camera; });
+  std::ranges::copy_if(events_, std::back_inserter(events),
+                       [&](const Event& e) { return e.camera == camera; });
   std::ranges::stable_sort(events, {}, &Event::t_us);
   return events;
 }

@@ -70,7 +70,8 @@ void PackedTable::add_numbers(std::string_view name, double step, std::span<cons
     }
     const std::int64_t difference = static_cast<std::int64_t>(multiple) - last;
     last += difference;
-    const auto zigzag = static_cast<std::uint64_t>(difference) << 1 ^ static_cast<std::uint64_t>(difference >> 63);
+    const auto zigzag =
+        static_cast<std::uint64_t>(difference) << 1 ^ static_cast<std::uint64_t>(difference >> 63);
     add_varint(zigzag + 1);
   }
 }

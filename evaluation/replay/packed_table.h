@@ -7,7 +7,6 @@
 #include <string_view>
 #include <vector>
 
-
 namespace saccade {
 
 /// Bytes as a page holds them: compressed (zlib), in base64.

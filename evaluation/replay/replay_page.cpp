@@ -52,7 +52,9 @@ class Page {
   }
 
   Json& head() { return head_; }
-  [[nodiscard]] std::int64_t since_start(std::int64_t t_us) const { return std::max<std::int64_t>(0, t_us - start_us_); }
+  [[nodiscard]] std::int64_t since_start(std::int64_t t_us) const {
+    return std::max<std::int64_t>(0, t_us - start_us_);
+  }
 
   void add(const PackedTable& table) {
     head_["tables"].push_back(table.description());
@@ -67,7 +69,8 @@ class Page {
     std::function<double(const Row&)> value;
   };
   template <class Row>
-  void add_rows(const std::string& name, const std::vector<Row>& rows, const std::vector<NumberColumn<Row>>& columns) {
+  void add_rows(const std::string& name, const std::vector<Row>& rows,
+                const std::vector<NumberColumn<Row>>& columns) {
     if (rows.empty()) return;
     PackedTable table(name, rows.size());
     std::vector<std::int64_t> times;
@@ -90,7 +93,8 @@ class Page {
 };
 
 /// The text with each `{{{name}}}` replaced once. Contents are large: they are copied once.
-std::string filled(std::string_view text, const std::vector<std::pair<std::string_view, std::string_view>>& values) {
+std::string filled(std::string_view text,
+                   const std::vector<std::pair<std::string_view, std::string_view>>& values) {
   std::string page;
   while (true) {
     const std::size_t open = text.find("{{{");
@@ -112,11 +116,13 @@ std::string Page::html(const std::string& scene) const {
   const std::string title = escaped(head_.at("title").get<std::string>());
   std::string libraries;
   if (!scene.empty()) {
-    libraries = "<script>\n" + std::string(replay_asset("three_licence.js")) + std::string(replay_asset("three.min.js")) + "</script>\n<script>" +
+    libraries = "<script>\n" + std::string(replay_asset("three_licence.js")) +
+                std::string(replay_asset("three.min.js")) + "</script>\n<script>" +
                 std::string(replay_asset("OrbitControls.js")) + "</script>\n";
   }
   std::string script;
-  for (const char* const name : {"tables.js", "plot.js", "eye.js", "scene.js", "replay.js"}) script += replay_asset(name);
+  for (const char* const name : {"tables.js", "plot.js", "eye.js", "scene.js", "replay.js"})
+    script += replay_asset(name);
   return filled(replay_asset("replay.html"), {{"title", title},
                                               {"style", replay_asset("replay.css")},
                                               {"head", in_script(head_.dump())},
@@ -149,7 +155,8 @@ struct EventRates {
   }
 };
 
-void add_events(Page& page, const KeptEvents& kept, std::uint8_t camera, const std::string& name, ImageSize size) {
+void add_events(Page& page, const KeptEvents& kept, std::uint8_t camera, const std::string& name,
+                ImageSize size) {
   const std::vector<Event> events = kept.of(camera);
   if (events.empty()) return;
   PackedTable table(name, events.size());
@@ -259,23 +266,26 @@ const Row* at_time(const std::vector<Row>& rows, std::size_t& next, std::int64_t
 /// The left eye's axis, and how far off the ball it is.
 void add_eye(Page& page, const std::vector<EyeRow>& eye, const std::vector<TruthRow>& truth) {
   std::size_t next = 0;
-  const auto axis = [](const EyeRow& row) -> Eigen::Vector3d { return row.root_from_left_cam().linear().col(2); };
-  page.add_rows<EyeRow>(
-      "eye", eye,
-      {{"x", m_step, [](const EyeRow& r) { return r.position_m.x(); }},
-       {"y", m_step, [](const EyeRow& r) { return r.position_m.y(); }},
-       {"z", m_step, [](const EyeRow& r) { return r.position_m.z(); }},
-       {"axis_x", m_step, [&](const EyeRow& r) { return axis(r).x(); }},
-       {"axis_y", m_step, [&](const EyeRow& r) { return axis(r).y(); }},
-       {"axis_z", m_step, [&](const EyeRow& r) { return axis(r).z(); }},
-       {"error", deg_step, [&](const EyeRow& r) {
-          const TruthRow* const ball = at_time(truth, next, r.t_us);
-          return ball == nullptr ? none : angle_deg(axis(r), ball->position_m - r.position_m);
-        }}});
+  const auto axis = [](const EyeRow& row) -> Eigen::Vector3d {
+    return row.root_from_left_cam().linear().col(2);
+  };
+  page.add_rows<EyeRow>("eye", eye,
+                        {{"x", m_step, [](const EyeRow& r) { return r.position_m.x(); }},
+                         {"y", m_step, [](const EyeRow& r) { return r.position_m.y(); }},
+                         {"z", m_step, [](const EyeRow& r) { return r.position_m.z(); }},
+                         {"axis_x", m_step, [&](const EyeRow& r) { return axis(r).x(); }},
+                         {"axis_y", m_step, [&](const EyeRow& r) { return axis(r).y(); }},
+                         {"axis_z", m_step, [&](const EyeRow& r) { return axis(r).z(); }},
+                         {"error", deg_step, [&](const EyeRow& r) {
+                            const TruthRow* const ball = at_time(truth, next, r.t_us);
+                            return ball == nullptr ? none
+                                                   : angle_deg(axis(r), ball->position_m - r.position_m);
+                          }}});
 }
 
 /// Target and fixation point, the target in the left image, and the joints.
-void add_gaze(Page& page, const std::vector<GazeRow>& gaze, const std::vector<EyeRow>& eye, const Metrics& metrics) {
+void add_gaze(Page& page, const std::vector<GazeRow>& gaze, const std::vector<EyeRow>& eye,
+              const Metrics& metrics) {
   using Column = Page::NumberColumn<GazeRow>;
   std::vector<Eigen::Vector2d> target_px;
   std::size_t next = 0;
@@ -286,16 +296,17 @@ void add_gaze(Page& page, const std::vector<GazeRow>& gaze, const std::vector<Ey
       px = metrics.camera->project(camera->root_from_left_cam().inverse() * row.target_m);
     target_px.push_back(px.value_or(Eigen::Vector2d(none, none)));
   }
-  const auto pixel = [&](const GazeRow& row) { return target_px[static_cast<std::size_t>(&row - gaze.data())]; };
-  std::vector<Column> columns = {
-      {"target_x", m_step, [](const GazeRow& r) { return r.target_m.x(); }},
-      {"target_y", m_step, [](const GazeRow& r) { return r.target_m.y(); }},
-      {"target_z", m_step, [](const GazeRow& r) { return r.target_m.z(); }},
-      {"fixation_x", m_step, [](const GazeRow& r) { return r.fixation_m.x(); }},
-      {"fixation_y", m_step, [](const GazeRow& r) { return r.fixation_m.y(); }},
-      {"fixation_z", m_step, [](const GazeRow& r) { return r.fixation_m.z(); }},
-      {"target_px_x", px_step, [&](const GazeRow& r) { return pixel(r).x(); }},
-      {"target_px_y", px_step, [&](const GazeRow& r) { return pixel(r).y(); }}};
+  const auto pixel = [&](const GazeRow& row) {
+    return target_px[static_cast<std::size_t>(&row - gaze.data())];
+  };
+  std::vector<Column> columns = {{"target_x", m_step, [](const GazeRow& r) { return r.target_m.x(); }},
+                                 {"target_y", m_step, [](const GazeRow& r) { return r.target_m.y(); }},
+                                 {"target_z", m_step, [](const GazeRow& r) { return r.target_m.z(); }},
+                                 {"fixation_x", m_step, [](const GazeRow& r) { return r.fixation_m.x(); }},
+                                 {"fixation_y", m_step, [](const GazeRow& r) { return r.fixation_m.y(); }},
+                                 {"fixation_z", m_step, [](const GazeRow& r) { return r.fixation_m.z(); }},
+                                 {"target_px_x", px_step, [&](const GazeRow& r) { return pixel(r).x(); }},
+                                 {"target_px_y", px_step, [&](const GazeRow& r) { return pixel(r).y(); }}};
   Json joints = Json::array();
   if (metrics.gaze && metrics.gaze->limits.head) {
     for (const HeadJoint& joint : metrics.gaze->limits.head->joints) {
@@ -306,8 +317,8 @@ void add_gaze(Page& page, const std::vector<GazeRow>& gaze, const std::vector<Ey
       if (least == gaze.end() || most->position_rad[slot] - least->position_rad[slot] < still_rad) continue;
       std::string column = "joint_" + std::to_string(joints.size());
       joints.push_back({{"name", joint.name}, {"column", column}});
-      columns.push_back(
-          {std::move(column), deg_step, [slot](const GazeRow& r) { return r.position_rad[slot] * deg_per_rad; }});
+      columns.push_back({std::move(column), deg_step,
+                         [slot](const GazeRow& r) { return r.position_rad[slot] * deg_per_rad; }});
     }
   }
   page.head()["joints"] = std::move(joints);
@@ -364,7 +375,8 @@ void write_replay(const fs::path& run_folder, const FormatRegistry& formats, con
       const auto reader = open_event_file(formats, run_folder / metrics.events_file);
       const auto end_us = start_us + static_cast<std::int64_t>(metrics.duration_s * 1e6) + 1'000;
       read_all(*reader, [&](const Event& event) {
-        if (event.t_us < start_us || event.t_us > end_us) return;  // of a recording that was not processed to its end
+        if (event.t_us < start_us || event.t_us > end_us)
+          return;  // of a recording that was not processed to its end
         if (event.camera == camera) rates.add(event.t_us - start_us, event.on);
         if (event.camera == camera || metrics.right_eye) kept.add(event);
       });
@@ -380,19 +392,21 @@ void write_replay(const fs::path& run_folder, const FormatRegistry& formats, con
   const auto truth = rows(run_file::truth, TruthRow{});
   const auto eye = rows(run_file::eye, EyeRow{});
   add_truth(page, "truth", truth);
-  head["detectors"] = add_detectors(page, "detections_", rows(run_file::detections, DetectionRow{}), metrics.detectors);
+  head["detectors"] =
+      add_detectors(page, "detections_", rows(run_file::detections, DetectionRow{}), metrics.detectors);
   if (metrics.right_eye) {
     add_truth(page, "truth_right", rows(run_file::truth_right, TruthRow{}));
-    head["right_detectors"] = add_detectors(page, "right_detections_", rows(run_file::detections_right, DetectionRow{}),
-                                            metrics.right_eye->detectors);
+    head["right_detectors"] =
+        add_detectors(page, "right_detections_", rows(run_file::detections_right, DetectionRow{}),
+                      metrics.right_eye->detectors);
   }
   add_eye(page, eye, truth);
   add_gaze(page, rows(run_file::gaze, GazeRow{}), eye, metrics);
   write_html(file, page.html(scene));
 }
 
-void write_recording_replay(const fs::path& recording, const FormatRegistry& formats, const EventReadOptions& options,
-                            const fs::path& file) {
+void write_recording_replay(const fs::path& recording, const FormatRegistry& formats,
+                            const EventReadOptions& options, const fs::path& file) {
   const auto reader = open_event_file(formats, recording, options);
   KeptEvents kept;
   std::optional<std::int64_t> first_us;

@@ -72,7 +72,8 @@ std::map<std::string, std::vector<double>> columns_of(const json& description, c
           const std::uint64_t zigzag = code - 1;
           last += static_cast<std::int64_t>(zigzag >> 1) ^ -static_cast<std::int64_t>(zigzag & 1);
         }
-        values.push_back(code == 0 ? std::nan("") : static_cast<double>(last) * column.at("step").get<double>());
+        values.push_back(code == 0 ? std::nan("")
+                                   : static_cast<double>(last) * column.at("step").get<double>());
       } else if (kind == "bit") {
         values.push_back(bytes.at(at + i / 8) >> (i % 8) & 1);
       } else {
@@ -119,8 +120,9 @@ TEST(PackedTable, ReadsBackWhatWasPutIn) {
   table.add_bits("on", {true, false, false, true, true});
   auto columns = columns_of(json::parse(table.description().dump()), table.content());
   EXPECT_THAT(columns["t"], testing::ElementsAre(0, 0, 127, 128, 3e9));
-  EXPECT_THAT(columns["v"], testing::ElementsAre(-0.5, testing::IsNan(), testing::DoubleNear(1e6, 1e-6),
-                                                 testing::DoubleNear(-1e6, 1e-6), testing::DoubleNear(0.25, 1e-12)));
+  EXPECT_THAT(columns["v"],
+              testing::ElementsAre(-0.5, testing::IsNan(), testing::DoubleNear(1e6, 1e-6),
+                                   testing::DoubleNear(-1e6, 1e-6), testing::DoubleNear(0.25, 1e-12)));
   EXPECT_THAT(columns["x"], testing::ElementsAre(0, 255, 256, 1279, 65535));
   EXPECT_THAT(columns["y"], testing::ElementsAre(0, 1, 127, 128, 255));
   EXPECT_THAT(columns["on"], testing::ElementsAre(1, 0, 0, 1, 1));
@@ -184,7 +186,8 @@ TEST(ReplayPage, HoldsEveryEventTruthAndDetectionOfARun) {
 TEST(ReplayPage, NamesNothingOutsideOfItself) {
   const TempFolder folder;
   write_synthetic_run(folder / "run", false);
-  write_file(folder / "run" / "scene.json", R"({"schema":1,"bodies":[],"geoms":[],"meshes":[],"textures":[]})");
+  write_file(folder / "run" / "scene.json",
+             R"({"schema":1,"bodies":[],"geoms":[],"meshes":[],"textures":[]})");
   write_replay(folder / "run", built_in_formats(), folder / "page.html");
   const std::string text = bytes_of(folder / "page.html");
   for (const char* const outside : {"<script src", "<link", "@import"})
@@ -210,7 +213,8 @@ TEST(ReplayPage, OfTheMostEventsThatItShowsAllIsBelow15MB) {
     writer->commit();
   }
   write_recording_replay(folder / "noise.npz", built_in_formats(), {}, folder / "page.html");
-  EXPECT_LT(std::filesystem::file_size(folder / "page.html"), 15'000'000U - 1'500'000U);  // with room for three.js and the tables
+  EXPECT_LT(std::filesystem::file_size(folder / "page.html"),
+            15'000'000U - 1'500'000U);  // with room for three.js and the tables
 }
 
 TEST(ReplayPage, OfABrokenFolderIsOneMessageAndNoFile) {
