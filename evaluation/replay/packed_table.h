@@ -35,6 +35,8 @@ class PackedTable {
   /// Name, rows and columns, for the page's script.
   [[nodiscard]] nlohmann::ordered_json description() const;
   [[nodiscard]] std::string content() const { return packed(bytes_); }
+  /// The columns as they are, for a page that gets them as bytes.
+  [[nodiscard]] std::span<const unsigned char> bytes() const { return bytes_; }
 
  private:
   struct Column {

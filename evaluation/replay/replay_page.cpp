@@ -92,22 +92,6 @@ class Page {
   std::vector<std::string> contents_;
 };
 
-/// The text with each `{{{name}}}` replaced once. Contents are large: they are copied once.
-std::string filled(std::string_view text,
-                   const std::vector<std::pair<std::string_view, std::string_view>>& values) {
-  std::string page;
-  while (true) {
-    const std::size_t open = text.find("{{{");
-    if (open == std::string_view::npos) return page.append(text);
-    const std::size_t close = text.find("}}}", open);
-    const std::string_view name = text.substr(open + 3, close - open - 3);
-    const auto value = std::ranges::find(values, name, &std::pair<std::string_view, std::string_view>::first);
-    SACCADE_CHECK(value != values.end());
-    page.append(text.substr(0, open)).append(value->second);
-    text.remove_prefix(close + 3);
-  }
-}
-
 std::string Page::html(const std::string& scene) const {
   std::string data;
   for (std::size_t i = 0; i < contents_.size(); ++i) {
@@ -123,13 +107,13 @@ std::string Page::html(const std::string& scene) const {
   std::string script;
   for (const char* const name : {"tables.js", "plot.js", "eye.js", "scene.js", "replay.js"})
     script += replay_asset(name);
-  return filled(replay_asset("replay.html"), {{"title", title},
-                                              {"style", replay_asset("replay.css")},
-                                              {"head", in_script(head_.dump())},
-                                              {"scene", scene},
-                                              {"data", data},
-                                              {"libraries", libraries},
-                                              {"script", script}});
+  return filled_page(replay_asset("replay.html"), {{"title", title},
+                                                   {"style", replay_asset("replay.css")},
+                                                   {"head", in_script(head_.dump())},
+                                                   {"scene", scene},
+                                                   {"data", data},
+                                                   {"libraries", libraries},
+                                                   {"script", script}});
 }
 
 /// How often events came, per bin of whole milliseconds.

@@ -137,15 +137,19 @@ void write_numbers(const fs::path& folder, std::string_view name, std::string_vi
 }
 
 void write_page(const fs::path& folder, std::string_view title, std::string_view body) {
+  write_page_file(folder / "report.html", title, body);
+}
+
+void write_page_file(const fs::path& file, std::string_view title, std::string_view body) {
   std::string dygraphs(report_asset("dygraph.min.js"));
   dygraphs.erase(std::min(dygraphs.find("//# sourceMappingURL"), dygraphs.size()));
-  write_text(folder / "report.html",
-             rendered("page.mustache", {{"title", std::string(title)},
-                                        {"style", std::string(report_asset("dygraph.min.css")) +
-                                                      std::string(report_asset("report.css"))},
-                                        {"body", std::string(body)},
-                                        {"dygraphs", dygraphs},
-                                        {"plots", std::string(report_asset("plots.js"))}}));
+  write_text(file, rendered("page.mustache", {{"title", std::string(title)},
+                                              {"style", std::string(report_asset("dygraph.min.css")) +
+                                                            std::string(report_asset("report.css"))},
+                                              {"body", std::string(body)},
+                                              {"dygraphs", dygraphs},
+                                              {"plots", std::string(report_asset("plots.js"))},
+                                              {"tables", std::string(report_asset("tables.js"))}}));
 }
 
 }  // namespace saccade

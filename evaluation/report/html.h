@@ -62,5 +62,7 @@ void write_numbers(const std::filesystem::path& folder, std::string_view name, s
 
 /// Writes `folder`/report.html. Throws RunError.
 void write_page(const std::filesystem::path& folder, std::string_view title, std::string_view body);
+/// The same under another name.
+void write_page_file(const std::filesystem::path& file, std::string_view title, std::string_view body);
 
 }  // namespace saccade

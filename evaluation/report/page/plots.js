@@ -109,6 +109,9 @@
     return best === null ? null : series.y[best];
   }
 
+  // A colour of the style sheet, which depends on the scheme.
+  function colour(name) { return getComputedStyle(document.documentElement).getPropertyValue(name).trim(); }
+
   function plot(figure, data) {
     // A series from right to left: points of the same x change places, too.
     data.panels.forEach(function (panel) {
@@ -152,8 +155,8 @@
         connectSeparatedPoints: true,
         legend: "never",
         yRangePad: 6,
-        axisLineColor: "#777",
-        gridLineColor: "#e4e4e4",
+        axisLineColor: colour("--faint"),
+        gridLineColor: colour("--grid"),
         highlightCircleSize: 4,
         series: {},
         animatedZooms: false,
@@ -173,7 +176,7 @@
         underlayCallback: function (canvas, area, graph) {
           panel.bands.forEach(function (band) {
             var left = graph.toDomXCoord(band[0]), right = graph.toDomXCoord(band[1]);
-            canvas.fillStyle = "#dedaf4";
+            canvas.fillStyle = colour("--band");
             canvas.fillRect(left, area.y, Math.max(1, right - left), area.h);
           });
         },
@@ -193,6 +196,12 @@
           pointSize: s.lines ? 2.5 : s.x.length <= 3 || panel.x_words.length ? 5 : 1.6};
       });
       graphs.push(new Dygraph(box, rowsOf(panel), options));
+    });
+
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", function () {
+      graphs.forEach(function (graph) {
+        graph.updateOptions({axisLineColor: colour("--faint"), gridLineColor: colour("--grid")});
+      });
     });
 
     // What the drawing's key names comes first.
