@@ -66,7 +66,8 @@ std::string set_html(const ComparedSet& set) {
 
 void write_comparison_page(const RunComparison& comparison, const std::filesystem::path& file) {
   std::string html = fmt::format("<div class=\"cards\"><div class=\"card\"><b>{}</b> {}</div></div>\n",
-                                 comparison.different() ? "different" : "equal", "within the tolerances");
+                                 comparison.different() ? "different" : "equal",
+                                 comparison.different() ? "beyond the tolerances" : "within the tolerances");
   html +=
       "<div class=\"wide\"><table><thead><tr><th></th><th>runs "
       "of</th><th>version</th><th>runs</th><th>without a "

@@ -125,6 +125,15 @@ with_browser(process.argv[2], async ({folder, saccade, open}) => {
       const canvas = document.querySelector(".scene canvas");
       return canvas.clientWidth * canvas.clientHeight * devicePixelRatio * devicePixelRatio;
     }), "something in the scene");
+    // The ball of the scene is where the ground truth has it, which comes another way from the simulator.
+    const places = await page.evaluate(() => {
+      const scene = replay.scene, at = (name) => scene.groups[scene.bodies.findIndex((body) => body.name === name)].position.toArray();
+      const moving = scene.bodies.filter((body) => body.poses.length > 1).map((body) => body.name);
+      return {ball: at("ball_hand"), root: at("root"), moving};
+    });
+    ["x_m", "y_m", "z_m"].forEach((name, i) =>
+      expect(Math.abs(places.ball[i] - truth[row][name]) < 1e-3, "the ball's " + name + ", found " + places.ball));
+    expect(places.moving.length > 3 && !places.moving.includes("root"), "bodies that move, found " + places.moving);
     const overview = await page.locator(".scene canvas").screenshot();
     await page.selectOption("#view", "eye");
     await settled(page);

@@ -112,6 +112,9 @@
   // A colour of the style sheet, which depends on the scheme.
   function colour(name) { return getComputedStyle(document.documentElement).getPropertyValue(name).trim(); }
 
+  // Black of a drawing on paper is the colour of text on the screen.
+  function drawn(of) { return /^(#000000|black)$/.test(of) ? colour("--text") : of; }
+
   function plot(figure, data) {
     // A series from right to left: points of the same x change places, too.
     data.panels.forEach(function (panel) {
@@ -147,7 +150,7 @@
       holder.appendChild(box);
       var options = {
         labels: [data.x_label].concat(panel.series.map(function (s, i) { return i + " " + s.title; })),
-        colors: panel.series.map(function (s) { return s.colour; }),
+        colors: panel.series.map(function (s) { return drawn(s.colour); }),
         title: panel.title || undefined,
         titleHeight: 18,
         ylabel: panel.y_label,
@@ -216,7 +219,7 @@
         box.type = "checkbox";
         box.checked = true;
         dot.className = "dot";
-        dot.style.background = s.colour;
+        dot.style.background = drawn(s.colour);
         box.addEventListener("change", function () {
           hidden[s.title] = !box.checked;
           graphs.forEach(function (graph, p) {

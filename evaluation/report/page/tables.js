@@ -57,7 +57,10 @@
     var count = document.createElement("output");
     holder.className = "filter";
     input.type = "search";
-    input.placeholder = "words, " + (headings[headings.length - 1] || "column") + "<0.5";
+    var numbers = headings.filter(function (heading, column) {
+      return typeof valueOf(table.tBodies[0].rows[0].cells[column]) === "number";
+    });
+    input.placeholder = "words" + (numbers.length ? ", " + numbers[numbers.length - 1] + "<0.5" : "");
     label.append("Rows with ", input);
     holder.append(label, count);
     var wide = table.closest(".wide") || table;
