@@ -37,6 +37,7 @@ pkg_check_modules(imgui REQUIRED IMPORTED_TARGET imgui)
 find_package(mujoco 2.2.2 REQUIRED MODULE)
 find_path(MUSTACHE_HEADERS kainjow/mustache.hpp REQUIRED)
 find_path(DYGRAPHS dygraph.min.js PATHS /usr/share/javascript/dygraphs REQUIRED)  # embedded in reports
+find_path(THREE three.min.js PATHS /usr/share/javascript/three REQUIRED)  # embedded in pages that replay runs
 include(SaccadeYarp)
 if(SACCADE_BENCHMARKS)
   find_package(benchmark REQUIRED)

@@ -31,6 +31,7 @@ RunRecorder::RunRecorder(std::optional<std::filesystem::path> folder, const Scen
   if (!folder_) return;
   tables_.emplace(*folder_, scenario, truth_, loop, observations_, robot.imu());
   pictures_.emplace(*folder_, scenario, robot, loop, scores_);
+  scene_.emplace(*folder_, robot);
 }
 
 void RunRecorder::on_tick(const Tick& tick) {
@@ -39,6 +40,7 @@ void RunRecorder::on_tick(const Tick& tick) {
   if (tables_) tables_->on_tick(tick);
   scores_.on_tick(tick);
   if (pictures_) pictures_->on_tick(tick);
+  if (scene_) scene_->on_tick(tick);
 }
 
 double RunRecorder::picture_wall_s() const {
@@ -49,6 +51,7 @@ Metrics RunRecorder::finish(double wall_s, std::vector<std::pair<std::string, st
   observations_.finish();
   if (tables_) tables_->commit();
   if (pictures_) pictures_->commit();
+  if (scene_) scene_->commit();
   Metrics metrics = scores_.metrics();
   metrics.settings = std::move(settings);
   metrics.wall_s = wall_s;

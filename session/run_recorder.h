@@ -12,6 +12,7 @@
 #include "session/run_pictures.h"
 #include "session/run_scores.h"
 #include "session/run_tables.h"
+#include "session/scene_recorder.h"
 
 namespace saccade {
 
@@ -40,6 +41,7 @@ class RunRecorder final : public LoopObserver {
   std::optional<RunTables> tables_;
   RunScores scores_;
   std::optional<RunPictures> pictures_;
+  std::optional<SceneRecorder> scene_;
   std::vector<FileDigest> files_;  // as they are at the start
 };
 

@@ -7,9 +7,11 @@
 #include "apps/cli/commands.h"
 #include "apps/sweep/sweep_folder.h"
 #include "apps/sweep/sweep_store.h"
+#include "evaluation/replay/replay_page.h"
 #include "evaluation/report/comparison.h"
 #include "evaluation/report/report.h"
 #include "evaluation/report/sweep_report.h"
+#include "recording/run_file_names.h"
 #include "session/summary.h"
 
 namespace saccade {
@@ -29,6 +31,7 @@ int report(const ReportOptions& options, const FormatRegistry& formats) {
     write_sweep_report(SweepStore(sweep).table(), folder, options.figures);
   } else if (options.runs.size() == 1 && folder.empty()) {
     folder = options.runs.front();
+    write_replay(folder, formats, folder / run_file::replay);
     write_report(folder, formats, options.figures);
   } else {
     if (folder.empty()) folder = "report";
@@ -47,7 +50,7 @@ void add_report_command(CommandLine& line, const Registry& registry) {
   Command command = line.add_command(
       "report",
       "Draw what folders hold: report.html of one run or of a sweep, in its folder, or one page over "
-      "several runs");
+      "several runs; of one run also replay.html, which replays it");
   command
       .option("run", options->runs,
               "Run folders; seeds of the same scenario and settings go together. Or the folder of a sweep")

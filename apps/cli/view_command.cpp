@@ -1,3 +1,6 @@
+#include <fmt/format.h>
+
+#include <array>
 #include <filesystem>
 #include <memory>
 
@@ -5,6 +8,9 @@
 #include "apps/cli/read_options.h"
 #include "apps/view/view.h"
 #include "config/scenario.h"
+#include "core/error.h"
+#include "evaluation/replay/replay_page.h"
+#include "recording/output_file.h"
 #include "recording/run_file_names.h"
 #include "session/interrupt.h"
 #include "session/scenario_loop.h"
@@ -20,6 +26,8 @@ struct ViewOptions : ReadOptions {
   std::vector<std::string> assignments;
   std::optional<std::int64_t> seed;
   bool paused = false;
+  std::filesystem::path html;
+  bool force = false;
 };
 
 /// The scenario with what the user has set.
@@ -74,7 +82,25 @@ int view_recording(const ViewOptions& options, const Registry& registry) {
   return 0;
 }
 
+/// A page instead of a window.
+int write_html(const ViewOptions& options, const Registry& registry) {
+  const std::filesystem::path extension = options.recording.extension();
+  if (extension == ".yaml" || extension == ".yml")
+    throw InputError("--html", "the scenario " + options.recording.string(),
+                     "the folder of a run (`saccade run` makes one) or a recording");
+  const std::array outputs{options.html};
+  const std::array inputs{options.recording};
+  check_outputs(outputs, inputs, options.force);
+  if (is_run_folder(options))
+    write_replay(options.recording, registry.formats, options.html);
+  else
+    write_recording_replay(options.recording, registry.formats, options.read, options.html);
+  fmt::print("{}\n", options.html.string());
+  return 0;
+}
+
 int view(const ViewOptions& options, const Registry& registry) {
+  if (!options.html.empty()) return write_html(options, registry);
   catch_interrupts();
   const std::filesystem::path extension = shipped_file(options.recording).extension();
   return extension == ".yaml" || extension == ".yml" ? view_scenario(options, registry)
@@ -98,6 +124,9 @@ void add_view_command(CommandLine& line, const Registry& registry) {
   command.option("--pictures", options->pictures,
                  "Folder for screenshots, videos and saved settings; . by default");
   command.flag("--paused", options->paused, "Start paused");
+  command.option("--html", options->html,
+                 "Write a page that replays a run folder or a recording in a browser, instead of a window");
+  command.flag("--force", options->force, "Replace the page of --html where it exists");
   command.footer("H in the window lists its keys. It needs an X display; without a screen use xvfb-run.");
   command.action([options, &registry] { return view(*options, registry); });
 }

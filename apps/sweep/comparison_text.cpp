@@ -12,10 +12,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::string_view rule =
-    "A figure has changed if the means over seeds differ by more than its tolerance and, with two seeds or "
-    "more on both sides, the t test gives p < 0.01.";
-
 std::string joined(const std::vector<std::string>& words, const char* none) {
   std::string text;
   for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
@@ -87,13 +83,6 @@ std::string set_text(const ComparedSet& set) {
   return text + aligned(rows);
 }
 
-/// Of sides that were simulated with versions of MuJoCo of different ranges; else empty.
-std::string warning_of(const RunComparison& comparison) {
-  std::vector<std::string> versions = comparison.a.versions;
-  versions.insert(versions.end(), comparison.b.versions.begin(), comparison.b.versions.end());
-  return mujoco_warning(versions);
-}
-
 Json optional_json(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
 Json side_json(const RunSet& set) {
@@ -109,12 +98,18 @@ Json value_json(const MeanSd& value) {
 
 }  // namespace
 
+std::string comparison_warning(const RunComparison& comparison) {
+  std::vector<std::string> versions = comparison.a.versions;
+  versions.insert(versions.end(), comparison.b.versions.begin(), comparison.b.versions.end());
+  return mujoco_warning(versions);
+}
+
 std::string comparison_text(const RunComparison& comparison) {
   std::string text = side_line("A", comparison.a) + side_line("B", comparison.b);
-  if (const std::string warning = warning_of(comparison); !warning.empty())
+  if (const std::string warning = comparison_warning(comparison); !warning.empty())
     text += "warning: " + warning + "\n";
   for (const ComparedSet& set : comparison.sets) text += set_text(set);
-  text += std::string(rule) + "\n";
+  text += std::string(comparison_rule) + "\n";
   const std::size_t failed = comparison.a.failed + comparison.b.failed;
   if (failed > 0) return text + fmt::format("different: {} without a result\n", count_of_runs(failed));
   return text + (comparison.different() ? "different\n" : "equal within tolerance\n");
@@ -142,8 +137,8 @@ std::string comparison_json(const RunComparison& comparison) {
   const Json json = {{"schema", 1},
                      {"a", side_json(comparison.a)},
                      {"b", side_json(comparison.b)},
-                     {"warning", warning_of(comparison)},
-                     {"rule", rule},
+                     {"warning", comparison_warning(comparison)},
+                     {"rule", comparison_rule},
                      {"different", comparison.different()},
                      {"sets", std::move(sets)}};
   return json.dump(2) + "\n";

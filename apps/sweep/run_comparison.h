@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "apps/sweep/run_sets.h"
@@ -57,6 +58,13 @@ struct RunComparison {
 /// the spread of the differences from seed to seed. Throws InputError for a tolerance that fits no figure of either side.
 [[nodiscard]] RunComparison compare(RunSet a, RunSet b, const std::vector<Tolerance>& tolerances,
                                     bool paired = false);
+
+/// When a figure counts as changed, in words.
+inline constexpr std::string_view comparison_rule =
+    "A figure has changed if the means over seeds differ by more than its tolerance and, with two seeds or "
+    "more on both sides, the t test gives p < 0.01.";
+/// Of sides that were simulated with versions of MuJoCo of different ranges; else empty.
+[[nodiscard]] std::string comparison_warning(const RunComparison& comparison);
 
 /// Versions, counts, the rule, and the figures that have changed, for a terminal.
 [[nodiscard]] std::string comparison_text(const RunComparison& comparison);

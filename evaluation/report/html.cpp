@@ -20,10 +20,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
+void write_text(const fs::path& path, std::string_view text) {
+  OutputFile file(path);
+  file.write(text);
+  file.commit();
+}
+
+}  // namespace
+
 std::string base64(const std::vector<unsigned char>& bytes) {
   static constexpr std::string_view digits =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
     std::uint32_t group = 0;
     for (std::size_t k = 0; k < 3; ++k) group = group << 8 | (i + k < bytes.size() ? bytes[i + k] : 0U);
@@ -34,20 +43,17 @@ std::string base64(const std::vector<unsigned char>& bytes) {
   return text;
 }
 
-void write_text(const fs::path& path, std::string_view text) {
-  OutputFile file(path);
-  file.write(text);
-  file.commit();
-}
-
-/// JSON that a script element can hold: no character ends the element.
 std::string in_script(std::string_view json) {
   std::string text;
-  for (const char c : json) text += c == '<' ? std::string("\\u003c") : std::string(1, c);
+  text.reserve(json.size());
+  for (const char c : json) {
+    if (c == '<')
+      text += "\\u003c";
+    else
+      text += c;
+  }
   return text;
 }
-
-}  // namespace
 
 std::string escaped(std::string_view text) {
   std::string html;
@@ -131,15 +137,19 @@ void write_numbers(const fs::path& folder, std::string_view name, std::string_vi
 }
 
 void write_page(const fs::path& folder, std::string_view title, std::string_view body) {
+  write_page_file(folder / "report.html", title, body);
+}
+
+void write_page_file(const fs::path& file, std::string_view title, std::string_view body) {
   std::string dygraphs(report_asset("dygraph.min.js"));
   dygraphs.erase(std::min(dygraphs.find("//# sourceMappingURL"), dygraphs.size()));
-  write_text(folder / "report.html",
-             rendered("page.mustache", {{"title", std::string(title)},
-                                        {"style", std::string(report_asset("dygraph.min.css")) +
-                                                      std::string(report_asset("report.css"))},
-                                        {"body", std::string(body)},
-                                        {"dygraphs", dygraphs},
-                                        {"plots", std::string(report_asset("plots.js"))}}));
+  write_text(file, rendered("page.mustache", {{"title", std::string(title)},
+                                              {"style", std::string(report_asset("dygraph.min.css")) +
+                                                            std::string(report_asset("report.css"))},
+                                              {"body", std::string(body)},
+                                              {"dygraphs", dygraphs},
+                                              {"plots", std::string(report_asset("plots.js"))},
+                                              {"tables", std::string(report_asset("tables.js"))}}));
 }
 
 }  // namespace saccade

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "evaluation/report/gnuplot.h"
 #include "evaluation/report/palette.h"
@@ -24,6 +25,11 @@ struct FigureFolder {
 };
 
 [[nodiscard]] std::string escaped(std::string_view text);
+
+[[nodiscard]] std::string base64(const std::vector<unsigned char>& bytes);
+
+/// JSON that a script element can hold: no character ends the element.
+[[nodiscard]] std::string in_script(std::string_view json);
 
 /// A number for people: three significant figures, none after the point from 100 on.
 [[nodiscard]] std::string short_number(double value);
@@ -56,5 +62,7 @@ void write_numbers(const std::filesystem::path& folder, std::string_view name, s
 
 /// Writes `folder`/report.html. Throws RunError.
 void write_page(const std::filesystem::path& folder, std::string_view title, std::string_view body);
+/// The same under another name.
+void write_page_file(const std::filesystem::path& file, std::string_view title, std::string_view body);
 
 }  // namespace saccade

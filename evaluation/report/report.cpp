@@ -17,6 +17,7 @@
 #include "evaluation/report/run_tables.h"
 #include "evaluation/scoring/ball_speed.h"
 #include "evaluation/scoring/eye_movement.h"
+#include "recording/run_file_names.h"
 
 namespace saccade {
 namespace {
@@ -136,6 +137,8 @@ std::string body(const RunData& run) {
   if (!run.events_remark.empty()) {
     html += fmt::format("<p class=\"remark\">Events are not shown: {}</p>\n", escaped(run.events_remark));
   }
+  if (fs::exists(run.folder / run_file::replay))
+    html += "<p><a href=\"replay.html\">Replay of the run</a></p>\n";
   if (fs::exists(run.folder / "video.mp4")) html += "<p><a href=\"video.mp4\">Video of the run</a></p>\n";
   html += frames_figure(run);
   if (m.gaze)

@@ -27,6 +27,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t most_table_rows = 100;
 constexpr std::size_t most_failures = 50;
+constexpr std::size_t most_run_rows = 2'000;
 
 std::string values_head(const SweepTable& table, const std::function<bool(std::size_t)>& wanted) {
   std::string html;
@@ -55,7 +56,7 @@ std::string means_html(const SweepTable& table, const Rows& rows) {
     combinations[place->second].second.push_back(row);
   }
   if (combinations.empty() || combinations.size() > most_table_rows) return {};
-  std::string html = "<h2>Every combination</h2>\n<div class=\"wide\"><table><thead><tr>" +
+  std::string html = "<h2>Every combination</h2>\n<div class=\"wide\"><table class=\"sort\"><thead><tr>" +
                      values_head(table, no_seed) + "<th>runs</th>";
   for (const std::string& metric : table.metrics) {
     std::string label;
@@ -68,6 +69,29 @@ std::string means_html(const SweepTable& table, const Rows& rows) {
     for (const std::string& value : values) html += "<td>" + escaped(value) + "</td>";
     html += count_cell(std::ssize(runs));
     for (std::size_t m = 0; m < table.metrics.size(); ++m) html += cell(mean_of(runs, m), runs.size());
+    html += "</tr>\n";
+  }
+  return html + "</tbody></table></div>\n";
+}
+
+/// Every run that is done, to sort and to filter.
+std::string runs_html(const SweepTable& table, const Rows& rows) {
+  if (rows.empty() || table.metrics.empty()) return {};
+  std::string html =
+      "<h2>Every run</h2>\n<p class=\"facts\">A click on a heading sorts. The filter takes words and "
+      "conditions such as "
+      "<code>" +
+      escaped(table.axes.empty() ? table.metrics.front() : table.axes.front()) + "&lt;1</code>.";
+  if (rows.size() > most_run_rows)
+    html += fmt::format(" The first {} of {} runs; figures/runs.csv has all.", most_run_rows, rows.size());
+  html += "</p>\n<div class=\"wide\"><table class=\"sort\" id=\"runs\"><thead><tr><th>run</th>" +
+          values_head(table, [](std::size_t) { return true; });
+  for (const std::string& metric : table.metrics) html += "<th>" + escaped(metric) + "</th>";
+  html += "</tr></thead><tbody>\n";
+  for (std::size_t i = 0; i < std::min(rows.size(), most_run_rows); ++i) {
+    const SweepRow& row = *rows[i];
+    html += "<tr>" + count_cell(row.run) + value_cells(row);
+    for (const auto& value : row.metrics) html += cell(value);
     html += "</tr>\n";
   }
   return html + "</tbody></table></div>\n";
@@ -195,7 +219,7 @@ void write_sweep_report(const SweepTable& table, const fs::path& folder, const f
   std::string families;
   for (const Axis& axis : axes) families += sweep_precision_recall_html(axis, detectors, out);
   if (!families.empty()) html += "<h2>Precision and recall</h2>\n" + families;
-  html += worst_html(table, folder) + failures_html(table) + means_html(table, rows);
+  html += worst_html(table, folder) + failures_html(table) + means_html(table, rows) + runs_html(table, rows);
   write_page(folder, table.name, html);
 }
 

@@ -109,6 +109,12 @@
     return best === null ? null : series.y[best];
   }
 
+  // A colour of the style sheet, which depends on the scheme.
+  function colour(name) { return getComputedStyle(document.documentElement).getPropertyValue(name).trim(); }
+
+  // Black of a drawing on paper is the colour of text on the screen.
+  function drawn(of) { return /^(#000000|black)$/.test(of) ? colour("--text") : of; }
+
   function plot(figure, data) {
     // A series from right to left: points of the same x change places, too.
     data.panels.forEach(function (panel) {
@@ -144,7 +150,7 @@
       holder.appendChild(box);
       var options = {
         labels: [data.x_label].concat(panel.series.map(function (s, i) { return i + " " + s.title; })),
-        colors: panel.series.map(function (s) { return s.colour; }),
+        colors: panel.series.map(function (s) { return drawn(s.colour); }),
         title: panel.title || undefined,
         titleHeight: 18,
         ylabel: panel.y_label,
@@ -152,8 +158,8 @@
         connectSeparatedPoints: true,
         legend: "never",
         yRangePad: 6,
-        axisLineColor: "#777",
-        gridLineColor: "#e4e4e4",
+        axisLineColor: colour("--faint"),
+        gridLineColor: colour("--grid"),
         highlightCircleSize: 4,
         series: {},
         animatedZooms: false,
@@ -173,7 +179,7 @@
         underlayCallback: function (canvas, area, graph) {
           panel.bands.forEach(function (band) {
             var left = graph.toDomXCoord(band[0]), right = graph.toDomXCoord(band[1]);
-            canvas.fillStyle = "#dedaf4";
+            canvas.fillStyle = colour("--band");
             canvas.fillRect(left, area.y, Math.max(1, right - left), area.h);
           });
         },
@@ -195,6 +201,12 @@
       graphs.push(new Dygraph(box, rowsOf(panel), options));
     });
 
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", function () {
+      graphs.forEach(function (graph) {
+        graph.updateOptions({axisLineColor: colour("--faint"), gridLineColor: colour("--grid")});
+      });
+    });
+
     // What the drawing's key names comes first.
     var seen = {};
     [true, false].forEach(function (named) {
@@ -207,7 +219,7 @@
         box.type = "checkbox";
         box.checked = true;
         dot.className = "dot";
-        dot.style.background = s.colour;
+        dot.style.background = drawn(s.colour);
         box.addEventListener("change", function () {
           hidden[s.title] = !box.checked;
           graphs.forEach(function (graph, p) {
