@@ -1,7 +1,6 @@
 #include "session/real_time.h"
 
 #include <pthread.h>
-#include <sched.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 
@@ -37,11 +36,10 @@ std::string how_to_permit_real_time() {
   return text;
 }
 
-RealTime::RealTime(int priority, LockMemory lock, NewThreads threads) : lock_(lock) {
+RealTime::RealTime(int priority, LockMemory lock) : lock_(lock) {
   sched_param wanted{};
   wanted.sched_priority = priority;
-  const int policy = SCHED_FIFO | (threads == NewThreads::ordinary ? SCHED_RESET_ON_FORK : 0);
-  const int denied = sched_setscheduler(0, policy, &wanted) == 0 ? 0 : errno;  // of this thread
+  const int denied = pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
   granted_ = denied == 0;
   summary_ = granted_ ? "real-time priority " + std::to_string(priority)
                       : "no real-time priority (" + reason(denied) + ")";

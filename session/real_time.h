@@ -22,19 +22,16 @@ inline constexpr int serve_priority = 40;
 inline constexpr const char* limits_file = "/etc/security/limits.d/saccade.conf";
 
 enum class LockMemory { no, yes };
-/// Priority of the threads that a thread starts while it has real-time priority.
-enum class NewThreads { the_same, ordinary };
 
 /// What to set so that real-time priority is granted. Where the system groups processes by session (autogroup), it adds that
 /// nice values have no effect between sessions.
 [[nodiscard]] std::string how_to_permit_real_time();
 
 /// Requests real-time priority for this thread (SCHED_FIFO) and, with `lock`, locks the program's memory (mlockall) for its
-/// lifetime, as far as the operating system permits.
+/// lifetime, as far as the operating system permits. Threads that this one starts meanwhile have the same priority.
 class RealTime {
  public:
-  explicit RealTime(int priority = deploy_priority, LockMemory lock = LockMemory::yes,
-                    NewThreads threads = NewThreads::the_same);
+  explicit RealTime(int priority = deploy_priority, LockMemory lock = LockMemory::yes);
   RealTime(const RealTime&) = delete;
   RealTime& operator=(const RealTime&) = delete;
   ~RealTime();

@@ -226,7 +226,8 @@ int serve_until_the_end(const ServeOptions& options, const Registry& registry) {
   for (const std::string& line : work.lines) log.write(0, line);
   log.write(0, fmt::format("/{0}/head, /{0}/torso, {1} and /{2} are open", options.robot, options.camera,
                            options.gaze));
-  urgent.emplace(serve_priority, LockMemory::no, NewThreads::ordinary);  // those that write files
+  // The threads that write files have it too: the simulation must not wait for an ordinary one that holds their queue.
+  urgent.emplace(serve_priority, LockMemory::no);
   if (options.wait_for_client) {
     log.write(0, "the simulation waits for a client");
     try {
