@@ -17,7 +17,7 @@
 namespace saccade {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using WallClock = std::chrono::steady_clock;
 
 std::string how_ended(int status) {
   if (WIFSIGNALED(status)) {
@@ -79,14 +79,14 @@ LineProcess::Status LineProcess::take_line(std::string& answer) {
 LineProcess::Status LineProcess::exchange(std::string_view message, std::chrono::milliseconds limit,
                                           std::string& answer) {
   if (!received_.empty()) return Status::unasked;
-  const Clock::time_point deadline = Clock::now() + limit;
+  const WallClock::time_point deadline = WallClock::now() + limit;
   while (true) {
     // A late status means that the line is not complete yet.
     if (message.empty()) {
       const Status status = take_line(answer);
       if (status != Status::late) return status;
     }
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - WallClock::now());
     if (left.count() <= 0) return Status::late;
     pollfd wait{socket_, static_cast<short>(message.empty() ? POLLIN : POLLIN | POLLOUT), 0};
     const int ready = ::poll(&wait, 1, static_cast<int>(left.count()));
@@ -111,10 +111,10 @@ std::string LineProcess::end(std::chrono::milliseconds patience) {
   if (!peer_.empty()) return "its connection to " + peer_ + " is closed";
   if (child_ < 0) return {};
   // The end of its standard input ends a well-behaved program.
-  const Clock::time_point deadline = Clock::now() + patience;
+  const WallClock::time_point deadline = WallClock::now() + patience;
   int status = 0;
   pid_t ended = 0;
-  while ((ended = ::waitpid(child_, &status, WNOHANG)) == 0 && Clock::now() < deadline)
+  while ((ended = ::waitpid(child_, &status, WNOHANG)) == 0 && WallClock::now() < deadline)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   ::kill(-child_, SIGKILL);  // and what it has started
   if (ended == 0) return {};

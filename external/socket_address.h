@@ -24,4 +24,10 @@ struct SocketAddress {
 /// nobody does within the limit of the wall clock, or the host is unknown.
 [[nodiscard]] int connect_to(const SocketAddress& address, std::chrono::milliseconds limit);
 
+/// A stream socket that listens, without waiting in accept(), for up to `waiting` connections. The file of a Unix socket
+/// that nobody listens on any more is replaced. Throws RunError.
+[[nodiscard]] int listen_on(const SocketAddress& address, int waiting);
+/// TCP sends without delay.
+void send_at_once(int socket, const SocketAddress& address);
+
 }  // namespace saccade

@@ -10,6 +10,7 @@
 #include "apps/deploy/robot_backends.h"
 #include "core/detectors/built_in_detectors.h"
 #include "core/error.h"
+#include "external/external_robot.h"
 #include "external/external_rows.h"
 #include "session/version.h"
 #include "sim/gl_context.h"
@@ -43,6 +44,7 @@ Registry built_in_registry() {
                        built_in_backends()};
   add_external_detectors(registry.detectors);
   add_external_controllers(registry.controllers);
+  add_external_robots(registry.backends);
   return registry;
 }
 
