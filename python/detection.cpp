@@ -8,10 +8,11 @@
 
 #include "core/detector_registry.h"
 #include "core/error.h"
+#include "core/time_stamp.h"
 #include "python/arrays.h"
 #include "python/keys.h"
 #include "python/module.h"
-#include "recording/saturating.h"
+#include "python/object_parts.h"
 
 namespace py = pybind11;
 
@@ -21,6 +22,7 @@ namespace {
 using Instants = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
 
 constexpr std::int64_t tick_us = 1000;
+constexpr std::size_t row_size = 12;  ///< time, circle, score, held, covariance
 /// An observation at an instant of its own needs an event at most this much before it.
 constexpr std::int64_t sparse_window_us = 10'000;
 
@@ -37,6 +39,12 @@ class NamedDetector {
     detector_ = make_detector(config, camera);
   }
 
+  /// A Python object of this process.
+  NamedDetector(const py::object& object, const Camera& camera)
+      : name_(py::str(py::type::of(object).attr("__name__"))) {
+    detector_ = object_detector(name_, shared_object(object), errors_, camera.size);
+  }
+
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const std::string& window() const { return window_; }
   [[nodiscard]] double threshold() const { return detector_->threshold(); }
@@ -45,15 +53,23 @@ class NamedDetector {
 
   void process(const py::object& events, const std::optional<CameraMotion>& motion) {
     const EventArgument argument(events);
-    const py::gil_scoped_release others_run;
-    detector_->process(argument.events(), motion ? &*motion : nullptr);
+    {
+      const py::gil_scoped_release others_run;
+      detector_->process(argument.events(), motion ? &*motion : nullptr);
+    }
+    errors_->rethrow();
   }
   void advance_to(std::int64_t t_us, const std::optional<CameraMotion>& motion) {
     detector_->advance_to(t_us, motion ? &*motion : nullptr);
+    errors_->rethrow();
   }
   std::optional<Estimate> estimate() {
-    const py::gil_scoped_release others_run;  // a detector in Python answers from a process of its own
-    const Estimate estimate = detector_->estimate();
+    Estimate estimate;
+    {
+      const py::gil_scoped_release others_run;  // a detector may answer from a process of its own
+      estimate = detector_->estimate();
+    }
+    errors_->rethrow();
     return estimate.valid ? std::optional(estimate) : std::nullopt;
   }
   [[nodiscard]] py::dict rejected() const {
@@ -94,7 +110,9 @@ class NamedDetector {
         const Estimate e = detector_->estimate();
         if (!e.valid || (count == 0 && !e.held)) return;
         rows.insert(rows.end(), {static_cast<double>(t_us), e.circle.x_px, e.circle.y_px, e.circle.r_px,
-                                 e.score, e.held ? 1.0 : 0.0});
+                                 e.score, e.held ? 1.0 : 0.0, e.covariance_px2(0, 0), e.covariance_px2(0, 1),
+                                 e.covariance_px2(0, 2), e.covariance_px2(1, 1), e.covariance_px2(1, 2),
+                                 e.covariance_px2(2, 2)});
       };
       if (at_us && !left.empty()) {
         std::int64_t last_us = left.front().t_us;
@@ -110,7 +128,9 @@ class NamedDetector {
         while (!left.empty()) observe(t_us += tick_us);
       }
     }
-    py::array_t<double> table({static_cast<py::ssize_t>(rows.size() / 6), py::ssize_t{6}});
+    errors_->rethrow();
+    py::array_t<double> table(
+        {static_cast<py::ssize_t>(rows.size() / row_size), static_cast<py::ssize_t>(row_size)});
     std::copy(rows.begin(), rows.end(), table.mutable_data());
     return table;
   }
@@ -118,6 +138,7 @@ class NamedDetector {
  private:
   std::string name_;
   std::string window_;
+  std::shared_ptr<ObjectErrors> errors_ = std::make_shared<ObjectErrors>();
   std::unique_ptr<Detector> detector_;
 };
 
@@ -152,6 +173,7 @@ void add_detectors(py::module_& m) {
   py::class_<NamedDetector>(m, "Detector", "A detector of the registry; made by saccade.detector().")
       .def(py::init<std::string, const std::string&, const Camera&>(), py::arg("name"), py::arg("keys"),
            py::arg("camera"))
+      .def(py::init<const py::object&, const Camera&>(), py::arg("object"), py::arg("camera"))
       .def_property_readonly("name", &NamedDetector::name)
       .def_property_readonly("threshold", &NamedDetector::threshold,
                              "The score from which on an estimate counts as the ball.")

@@ -1,5 +1,6 @@
 #include "python/simulation.h"
 
+#include <cmath>
 #include <utility>
 
 #include "core/error.h"
@@ -16,8 +17,10 @@ void require(PortStatus status) {
 
 }  // namespace
 
-Simulation::Simulation(Scenario scenario, bool closed_loop)
-    : scenario_(std::move(scenario)), robot_(scenario_.sim, static_cast<std::uint64_t>(scenario_.seed)) {
+Simulation::Simulation(Scenario scenario, bool closed_loop, std::shared_ptr<ObjectErrors> errors)
+    : scenario_(std::move(scenario)),
+      errors_(std::move(errors)),
+      robot_(scenario_.sim, static_cast<std::uint64_t>(scenario_.seed)) {
   if (closed_loop) {
     loop_.emplace(make_loop(scenario_, robot_));
     moves_head_ = make_gaze(scenario_, robot_.limits()).has_value();
@@ -67,8 +70,14 @@ void Simulation::step_controller() {
   if (!result.rejected) reference_rad_ = limited.reference_rad;
 }
 
-void Simulation::step() {
+void Simulation::step(std::int64_t ticks) {
   events_.clear();
+  const std::int64_t end_us = std::llround(scenario_.run.duration_s * 1e6);
+  for (; ticks > 0 && robot_.now_us() < end_us; --ticks) tick();
+  if (errors_) errors_->rethrow();
+}
+
+void Simulation::tick() {
   const std::int64_t t_us = robot_.now_us() + World::tick_us;
   if (loop_) {
     require(loop_->tick(t_us, *this));
@@ -81,7 +90,7 @@ void Simulation::step() {
 }
 
 void Simulation::on_tick(const Tick& tick) {
-  events_.assign(tick.events.begin(), tick.events.end());
+  events_.insert(events_.end(), tick.events.begin(), tick.events.end());
   if (tick.head) head_ = *tick.head;
   if (moves_head_ && !tick.command_rejected) reference_rad_ = tick.command.reference_rad;
   target_m_ = tick.target_m;

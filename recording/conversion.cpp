@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/time_stamp.h"
 #include "recording/codec.h"
 #include "recording/number_text.h"
-#include "recording/saturating.h"
 
 namespace saccade {
 namespace {

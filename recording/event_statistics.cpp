@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "recording/saturating.h"
+#include "core/time_stamp.h"
 
 namespace saccade {
 
