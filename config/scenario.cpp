@@ -268,6 +268,11 @@ void describe(FieldVisitor& v, Scenario& s) {
         w.require(fits(), "events", s.output.events,
                   "a format that holds images of this size, of both eyes where there are two: " + names);
         w.boolean("labels", s.sim.labels, "whether the run folder gets labels.csv: the cause of each event");
+        w.optional_section("ground_truth", s.output.ground_truth,
+                           "whether the run folder gets the ground truth of every pixel");
+        if (s.output.ground_truth)
+          w.require(!s.output.ground_truth->imu || s.sim.world.imu.has_value(), "ground_truth.imu", "true",
+                    "false, for there is no section `imu`");
         w.integer("pictures", s.output.pictures, {0, 60},
                   "number of instants that the report shows with images");
         w.boolean("eye_movements", s.output.eye_movements,

@@ -18,6 +18,7 @@
 #include "evaluation/scoring/metrics.h"
 #include "head/icub_cameras.h"
 #include "loop/latency.h"
+#include "sim/ground_truth_config.h"
 #include "sim/sim_robot.h"
 #include "worlds/random_world.h"
 
@@ -65,6 +66,7 @@ struct Scenario {
     std::string events = "aedat";  ///< a format of `formats`, of FormatRegistry::run_choices
     FormatRegistry formats;        ///< of the program
     std::int64_t pictures = 10;    ///< how many instants the report shows in pictures
+    std::optional<GroundTruthConfig> ground_truth;  ///< of every pixel
     bool eye_movements = false;    ///< whether eye movements are scored, EyeMovementScore
   } output;
 

@@ -12,7 +12,8 @@ namespace {
 
 constexpr std::size_t record_bytes = 16;
 constexpr std::string_view ready_form = "`ready THRESHOLD`, then `binary` and `motion` as wanted";
-constexpr std::string_view estimate_form = "`none` or `circle X Y R SCORE`, then `held` as needed";
+constexpr std::string_view estimate_form =
+    "`none` or `circle X Y R SCORE`, then `held` and `covariance` with six numbers as needed";
 
 void append_record(std::string& text, const Event& event) {
   std::array<char, record_bytes> record{};
@@ -29,6 +30,21 @@ void append_line(std::string& text, const Event& event) {
   append_word(text, event.x);
   append_word(text, event.y);
   text += event.on ? " 1\n" : " 0\n";
+}
+
+/// Six numbers xx, xy, xr, yy, yr, rr. None where they are no covariance.
+std::optional<Eigen::Matrix3d> next_covariance(std::string_view& line) {
+  std::array<double, 6> values{};
+  for (double& value : values) {
+    const auto number = next_number(line);
+    if (!number) return std::nullopt;
+    value = *number;
+  }
+  const auto [xx, xy, xr, yy, yr, rr] = values;
+  if (xx < 0.0 || yy < 0.0 || rr < 0.0) return std::nullopt;
+  Eigen::Matrix3d covariance;
+  covariance << xx, xy, xr, xy, yy, yr, xr, yr, rr;
+  return covariance;
 }
 
 }  // namespace
@@ -58,16 +74,23 @@ std::optional<Estimate> parse_estimate(std::string_view line) {
   const auto y_px = next_number(line);
   const auto r_px = next_number(line);
   const auto score = next_number(line);
-  const std::string_view held = next_word(line);
-  const bool is_whole = x_px && y_px && r_px && score && *r_px > 0.0 && (held.empty() || held == "held") &&
-                        next_word(line).empty();
-  if (!is_whole) return std::nullopt;
+  if (!x_px || !y_px || !r_px || !score || !(*r_px > 0.0)) return std::nullopt;
   Estimate estimate;
   estimate.valid = true;
-  estimate.held = !held.empty();
   estimate.circle = {*x_px, *y_px, *r_px};
   estimate.score = *score;
-  return estimate;
+  std::string_view word = next_word(line);
+  if (word == "held") {
+    estimate.held = true;
+    word = next_word(line);
+  }
+  if (word == "covariance") {
+    const auto covariance = next_covariance(line);
+    if (!covariance) return std::nullopt;
+    estimate.covariance_px2 = *covariance;
+    word = next_word(line);
+  }
+  return word.empty() ? std::optional(estimate) : std::nullopt;
 }
 
 ExternalDetector::ExternalDetector(std::string name, const LineProcess::Place& place,

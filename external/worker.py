@@ -59,11 +59,14 @@ def load(place, arguments, first):
 
 
 def answer_of(estimate):
-    """One line for None, (x, y, r, score) or (x, y, r, score, held)."""
+    """One line for None, (x, y, r, score), (x, y, r, score, held) or (x, y, r, score, held, covariance)."""
     if estimate is None:
         return b"none\n"
-    x, y, r, score, *held = estimate
-    word = " held" if held and held[0] else ""
+    x, y, r, score, *more = estimate
+    word = " held" if more and more[0] else ""
+    if len(more) > 1 and more[1] is not None:
+        xx, xy, xr, yy, yr, rr = map(float, more[1])
+        word += f" covariance {xx!r} {xy!r} {xr!r} {yy!r} {yr!r} {rr!r}"
     return f"circle {float(x)!r} {float(y)!r} {float(r)!r} {float(score)!r}{word}\n".encode()
 
 

@@ -3,12 +3,14 @@
 #include <pybind11/numpy.h>
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "core/event.h"
 #include "recording/event_columns.h"
+#include "recording/event_file.h"
 
 namespace saccade::python {
 
@@ -36,5 +38,13 @@ class EventArgument {
 
 /// Width and height. Throws InputError unless both are in [1, 65535].
 [[nodiscard]] ImageSize image_size_of(const std::pair<std::int64_t, std::int64_t>& size);
+
+/// How a recording is read, from the arguments of open().
+[[nodiscard]] EventReadOptions read_options(const std::optional<std::pair<std::int64_t, std::int64_t>>& size,
+                                            std::optional<std::uint8_t> camera, const std::string& columns,
+                                            const std::optional<std::string>& time_unit,
+                                            const std::string& yarp_codec, const std::string& aedat2_layout,
+                                            const std::string& evt_encoding,
+                                            const std::string& event_stream_y, const std::string& format);
 
 }  // namespace saccade::python

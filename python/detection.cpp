@@ -8,9 +8,11 @@
 
 #include "core/detector_registry.h"
 #include "core/error.h"
+#include "core/time_stamp.h"
 #include "python/arrays.h"
 #include "python/keys.h"
 #include "python/module.h"
+#include "python/object_parts.h"
 #include "session/detect_events.h"
 
 namespace py = pybind11;
@@ -19,6 +21,8 @@ namespace saccade::python {
 namespace {
 
 using Instants = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
+
+constexpr std::size_t row_size = 12;  ///< time, circle, score, held, covariance
 
 /// A detector of the registry.
 class NamedDetector {
@@ -31,6 +35,12 @@ class NamedDetector {
     detector_ = make_detector(config, camera);
   }
 
+  /// A Python object of this process.
+  NamedDetector(const py::object& object, const Camera& camera)
+      : name_(py::str(py::type::of(object).attr("__name__"))), camera_(camera) {
+    detector_ = object_detector(name_, shared_object(object), errors_, camera.size);
+  }
+
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const std::string& window() const { return window_; }
   [[nodiscard]] double threshold() const { return detector_->threshold(); }
@@ -39,15 +49,23 @@ class NamedDetector {
 
   void process(const py::object& events, const std::optional<CameraMotion>& motion) {
     const EventArgument argument(events);
-    const py::gil_scoped_release others_run;
-    detector_->process(argument.events(), motion ? &*motion : nullptr);
+    {
+      const py::gil_scoped_release others_run;
+      detector_->process(argument.events(), motion ? &*motion : nullptr);
+    }
+    errors_->rethrow();
   }
   void advance_to(std::int64_t t_us, const std::optional<CameraMotion>& motion) {
     detector_->advance_to(t_us, motion ? &*motion : nullptr);
+    errors_->rethrow();
   }
   std::optional<Estimate> estimate() {
-    const py::gil_scoped_release others_run;  // a detector in Python answers from a process of its own
-    const Estimate estimate = detector_->estimate();
+    Estimate estimate;
+    {
+      const py::gil_scoped_release others_run;  // a detector may answer from a process of its own
+      estimate = detector_->estimate();
+    }
+    errors_->rethrow();
     return estimate.valid ? std::optional(estimate) : std::nullopt;
   }
   [[nodiscard]] py::dict rejected() const {
@@ -76,11 +94,15 @@ class NamedDetector {
       found = at_us ? detect_events_at(*detector_, camera_, argument.events(), instants)
                     : detect_events(*detector_, camera_, argument.events(), start_us);
     }
+    errors_->rethrow();
     std::vector<double> rows;
     for (const auto& [t_us, e] : found)
-      rows.insert(rows.end(), {static_cast<double>(t_us), e.circle.x_px, e.circle.y_px, e.circle.r_px,
-                               e.score, e.held ? 1.0 : 0.0});
-    py::array_t<double> table({static_cast<py::ssize_t>(rows.size() / 6), py::ssize_t{6}});
+      rows.insert(rows.end(), {static_cast<double>(t_us), e.circle.x_px, e.circle.y_px, e.circle.r_px, e.score,
+                               e.held ? 1.0 : 0.0, e.covariance_px2(0, 0), e.covariance_px2(0, 1),
+                               e.covariance_px2(0, 2), e.covariance_px2(1, 1), e.covariance_px2(1, 2),
+                               e.covariance_px2(2, 2)});
+    py::array_t<double> table(
+        {static_cast<py::ssize_t>(rows.size() / row_size), static_cast<py::ssize_t>(row_size)});
     std::copy(rows.begin(), rows.end(), table.mutable_data());
     return table;
   }
@@ -89,6 +111,7 @@ class NamedDetector {
   std::string name_;
   Camera camera_;
   std::string window_;
+  std::shared_ptr<ObjectErrors> errors_ = std::make_shared<ObjectErrors>();
   std::unique_ptr<Detector> detector_;
 };
 
@@ -123,6 +146,7 @@ void add_detectors(py::module_& m) {
   py::class_<NamedDetector>(m, "Detector", "A detector of the registry; made by saccade.detector().")
       .def(py::init<std::string, const std::string&, const Camera&>(), py::arg("name"), py::arg("keys"),
            py::arg("camera"))
+      .def(py::init<const py::object&, const Camera&>(), py::arg("object"), py::arg("camera"))
       .def_property_readonly("name", &NamedDetector::name)
       .def_property_readonly("threshold", &NamedDetector::threshold,
                              "The score from which on an estimate counts as the ball.")

@@ -13,5 +13,6 @@ PYBIND11_MODULE(_saccade, m) {
   saccade::python::add_files(m);
   saccade::python::add_scoring(m);
   saccade::python::add_geometry(m);
+  saccade::python::add_replay(m);
   saccade::python::add_simulation(m);
 }

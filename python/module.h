@@ -28,6 +28,7 @@ void add_emulator(pybind11::module_& m);
 void add_files(pybind11::module_& m);
 void add_scoring(pybind11::module_& m);
 void add_geometry(pybind11::module_& m);
+void add_replay(pybind11::module_& m);
 void add_simulation(pybind11::module_& m);
 
 }  // namespace saccade::python

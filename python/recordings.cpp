@@ -90,17 +90,8 @@ Recording open_recording(const std::filesystem::path& path,
                          const std::optional<std::string>& time_unit, const std::string& yarp_codec,
                          const std::string& aedat2_layout, const std::string& evt_encoding,
                          const std::string& event_stream_y, const std::string& format) {
-  EventReadOptions options;
-  if (size) options.image_size = image_size_of(*size);
-  options.camera = camera;
-  options.columns = columns;
-  if (time_unit) options.time_unit = time_unit_argument(*time_unit);
-  options.yarp_codec = yarp_codec;
-  options.aedat2_layout = aedat2_layout;
-  options.evt_encoding = evt_encoding;
-  options.event_stream_y = event_stream_y;
-  options.format = format;
-  return Recording(open_event_file(path, options));
+  return Recording(open_event_file(path, read_options(size, camera, columns, time_unit, yarp_codec,
+                                                      aedat2_layout, evt_encoding, event_stream_y, format)));
 }
 
 void write(const std::filesystem::path& path, const py::object& events,
@@ -169,6 +160,24 @@ py::array times_in_us(const py::array& times, const std::string& word) {
 }
 
 }  // namespace
+
+EventReadOptions read_options(const std::optional<std::pair<std::int64_t, std::int64_t>>& size,
+                              std::optional<std::uint8_t> camera, const std::string& columns,
+                              const std::optional<std::string>& time_unit, const std::string& yarp_codec,
+                              const std::string& aedat2_layout, const std::string& evt_encoding,
+                              const std::string& event_stream_y, const std::string& format) {
+  EventReadOptions options;
+  if (size) options.image_size = image_size_of(*size);
+  options.camera = camera;
+  options.columns = columns;
+  if (time_unit) options.time_unit = time_unit_argument(*time_unit);
+  options.yarp_codec = yarp_codec;
+  options.aedat2_layout = aedat2_layout;
+  options.evt_encoding = evt_encoding;
+  options.event_stream_y = event_stream_y;
+  options.format = format;
+  return options;
+}
 
 void add_recordings(py::module_& m) {
   m.attr("event_dtype") = event_dtype();

@@ -1,5 +1,6 @@
 #include "python/simulation.h"
 
+#include <cmath>
 #include <utility>
 
 #include "core/error.h"
@@ -21,8 +22,9 @@ void require(PortStatus status) {
 
 }  // namespace
 
-Simulation::Simulation(Scenario scenario, bool closed_loop)
+Simulation::Simulation(Scenario scenario, bool closed_loop, std::shared_ptr<ObjectErrors> errors)
     : scenario_(std::move(scenario)),
+      errors_(std::move(errors)),
       robot_(scenario_.sim, static_cast<std::uint64_t>(scenario_.seed)),
       loop_(loop_of(scenario_, robot_, closed_loop)),
       closed_loop_(closed_loop),
@@ -73,14 +75,20 @@ void Simulation::step_controller() {
   if (!result.rejected) reference_rad_ = limited.reference_rad;
 }
 
-void Simulation::step() {
+void Simulation::step(std::int64_t ticks) {
   events_.clear();
+  const std::int64_t end_us = std::llround(scenario_.run.duration_s * 1e6);
+  for (; ticks > 0 && robot_.now_us() < end_us; --ticks) tick();
+  if (errors_) errors_->rethrow();
+}
+
+void Simulation::tick() {
   if (following_) step_controller();
   require(loop_.tick(robot_.now_us() + World::tick_us, *this));
 }
 
 void Simulation::on_tick(const Tick& tick) {
-  events_.assign(tick.events.begin(), tick.events.end());
+  events_.insert(events_.end(), tick.events.begin(), tick.events.end());
   if (tick.head) head_ = *tick.head;
   if (!closed_loop_) return;
   if (moves_head_ && !tick.command_rejected) reference_rad_ = tick.command.reference_rad;

@@ -9,6 +9,7 @@
 #include "control/gaze_controller.h"
 #include "control/joint_limiter.h"
 #include "loop/loop.h"
+#include "python/object_parts.h"
 #include "session/observations.h"
 #include "sim/sim_robot.h"
 
@@ -21,8 +22,8 @@ namespace saccade::python {
 /// before the first of them the head keeps its initial pose.
 class Simulation final : private LoopObserver {
  public:
-  /// Throws InputError and RunError as SimRobot does.
-  Simulation(Scenario scenario, bool closed_loop);
+  /// `errors`: of the scenario's parts that are Python objects. Throws InputError and RunError as SimRobot does.
+  Simulation(Scenario scenario, bool closed_loop, std::shared_ptr<ObjectErrors> errors);
 
   /// From the next step() on the references of the six head joints, rad, until the next command() or look_at(). Only
   /// without `closed_loop`. Returns false, and changes nothing, where the head rejects them (is_allowed).
@@ -31,12 +32,16 @@ class Simulation final : private LoopObserver {
   /// Only without `closed_loop`. Throws InputError where the controller follows no targets. Returns the target's status.
   TargetStatus look_at(const Eigen::Vector3d& target_m);
 
-  /// One tick.
-  void step();
+  /// So many ticks, fewer where the scenario ends. Throws what a part in Python raised.
+  void step(std::int64_t ticks);
 
   [[nodiscard]] const Scenario& scenario() const { return scenario_; }
   [[nodiscard]] const SimRobot& robot() const { return robot_; }
-  /// Events of the newest tick; takes them.
+  /// The scene from outside, sRGB, height x width x 3.
+  void draw_scene(ImageSize size, std::span<std::uint8_t> rgb) {
+    robot_.draw_scene(profile_view(), size, rgb);
+  }
+  /// Events of the newest step; takes them.
   [[nodiscard]] std::vector<Event> take_events() { return std::move(events_); }
   [[nodiscard]] const HeadState& head() const { return head_; }
   /// The newest references that the head accepted; none before the first.
@@ -51,8 +56,10 @@ class Simulation final : private LoopObserver {
   void on_tick(const Tick& tick) override;
   void refuse_in_closed_loop(const char* what) const;
   void step_controller();
+  void tick();
 
   Scenario scenario_;
+  std::shared_ptr<ObjectErrors> errors_;
   SimRobot robot_;
   Loop loop_;  // without detectors and gaze unless closed_loop_
   bool closed_loop_;

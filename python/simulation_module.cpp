@@ -1,4 +1,5 @@
 #include <pybind11/eigen.h>
+#include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
@@ -8,9 +9,11 @@
 #include <mutex>
 
 #include "config/warnings.h"
+#include "head/head_config.h"
 #include "python/arrays.h"
 #include "python/keys.h"
 #include "python/module.h"
+#include "python/object_parts.h"
 #include "python/simulation.h"
 #include "session/scenario_loop.h"
 
@@ -20,14 +23,26 @@ namespace saccade::python {
 namespace {
 
 /// What scenarios can name.
-Registry simulation_registry() {
-  return {all_detectors(), all_controllers(), built_in_gates(), built_in_formats(), {}};
+Registry simulation_registry(const ObjectParts& parts) {
+  Registry registry{all_detectors(), all_controllers(), built_in_gates(), built_in_formats(), {}};
+  parts.add_to(registry.detectors);
+  parts.add_to(registry.controllers);
+  return registry;
+}
+
+ObjectParts parts_of(const py::dict& detectors, const py::object& controller) {
+  ObjectParts parts;
+  for (const auto& [name, object] : detectors)
+    parts.detectors.emplace_back(name.cast<std::string>(),
+                                 shared_object(py::reinterpret_borrow<py::object>(object)));
+  if (!controller.is_none()) parts.controller = shared_object(controller);
+  return parts;
 }
 
 /// A scenario file, or keys that came from Python where `yaml` is given; then `folder` is that of files that they name.
 Scenario scenario_of(const std::filesystem::path& path, const std::optional<std::string>& yaml,
-                     const std::vector<std::string>& assignments, std::optional<std::int64_t> seed) {
-  const Registry registry = simulation_registry();
+                     const std::vector<std::string>& assignments, std::optional<std::int64_t> seed,
+                     const Registry& registry) {
   if (!yaml) return read_scenario(path, assignments, seed, registry);
   YamlTree tree = tree_of(*yaml, "scenario");
   for (const std::string& assignment : assignments) set_value(tree, assignment);
@@ -50,12 +65,61 @@ using SimulationHolder = std::unique_ptr<Simulation, DeleteWhereMade>;
 
 SimulationHolder make_simulation(const std::filesystem::path& path, const std::optional<std::string>& yaml,
                                  const std::vector<std::string>& assignments,
-                                 std::optional<std::int64_t> seed, bool closed_loop) {
-  Scenario scenario = scenario_of(path, yaml, assignments, seed);
+                                 std::optional<std::int64_t> seed, bool closed_loop,
+                                 const py::dict& detectors, const py::object& controller) {
+  const ObjectParts parts = parts_of(detectors, controller);
+  Scenario scenario = scenario_of(path, yaml, assignments, seed, simulation_registry(parts));
   static std::once_flag first;  // the renderer reads it once in a process
   std::call_once(first, [&] { set_rasterisers(scenario.run.threads); });
   const py::gil_scoped_release others_run;
-  return SimulationHolder(new Simulation(std::move(scenario), closed_loop));
+  return SimulationHolder(new Simulation(std::move(scenario), closed_loop, parts.errors));
+}
+
+/// What a scenario says before its world is made: a process may ask for it that later forks.
+py::dict outline(const std::filesystem::path& path, const std::optional<std::string>& yaml,
+                 const std::vector<std::string>& assignments, std::optional<std::int64_t> seed,
+                 const py::dict& detectors, const py::object& controller) {
+  const Scenario scenario =
+      scenario_of(path, yaml, assignments, seed, simulation_registry(parts_of(detectors, controller)));
+  const std::shared_ptr<const HeadModel> head = head_model(scenario.sim.world.head);
+  std::vector<std::string> names;
+  JointVector min_rad = JointVector::Zero();
+  JointVector max_rad = JointVector::Zero();
+  JointVector speed_rad_s = JointVector::Zero();
+  for (const HeadJoint& joint : head->joints) {
+    names.push_back(joint.name);
+    min_rad[joint.slot] = joint.min_rad;
+    max_rad[joint.slot] = joint.max_rad;
+    speed_rad_s[joint.slot] = joint.max_speed_rad_s;
+  }
+  py::dict dict;
+  dict["name"] = scenario.name;
+  dict["seed"] = scenario.seed;
+  dict["duration_us"] = std::llround(scenario.run.duration_s * 1e6);
+  dict["size"] = py::make_tuple(scenario.sim.camera.size.width, scenario.sim.camera.size.height);
+  dict["both_eyes"] = scenario.sim.both_eyes();
+  dict["joint_names"] = names;
+  dict["torso_joints"] = head->torso_joints();
+  dict["min_rad"] = head->in_order(min_rad);
+  dict["max_rad"] = head->in_order(max_rad);
+  JointLimits limits;
+  limits.head = head;
+  limits.min_rad = min_rad;
+  limits.max_rad = max_rad;
+  limits.max_speed_rad_s = speed_rad_s;
+  const MotionLimits motion = motion_limits(limits, scenario.gaze.controller.limits);
+  dict["reference_min_rad"] = head->gaze_in_order(motion.min_rad);
+  dict["reference_max_rad"] = head->gaze_in_order(motion.max_rad);
+  dict["reference_speed_rad_s"] = head->gaze_in_order(motion.speed_rad_s);
+  dict["yaml"] = resolved_scenario(scenario);
+  return dict;
+}
+
+py::array draw_scene(Simulation& simulation, int width, int height) {
+  py::array_t<std::uint8_t> image({height, width, 3});
+  simulation.draw_scene({width, height},
+                        std::span(image.mutable_data(), static_cast<std::size_t>(image.size())));
+  return image;
 }
 
 std::string status_text(TargetStatus status) {
@@ -116,10 +180,13 @@ py::dict detectors_of(const Simulation& simulation) {
 }  // namespace
 
 void add_simulation(py::module_& m) {
+  m.def("outline", &outline, py::arg("scenario"), py::arg("keys"), py::arg("overrides"), py::arg("seed"),
+        py::arg("detectors"), py::arg("controller"));
   py::class_<Simulation, SimulationHolder>(m, "Simulation")
       .def(py::init(&make_simulation), py::arg("scenario"), py::arg("keys"), py::arg("overrides"),
-           py::arg("seed"), py::arg("closed_loop"))
-      .def("step", &Simulation::step, py::call_guard<py::gil_scoped_release>())
+           py::arg("seed"), py::arg("closed_loop"), py::arg("detectors"), py::arg("controller"))
+      .def("step", &Simulation::step, py::arg("ticks"), py::call_guard<py::gil_scoped_release>())
+      .def("draw_scene", &draw_scene, py::arg("width"), py::arg("height"))
       .def(
           "command",
           [](Simulation& s, const Eigen::VectorXd& reference_rad) {

@@ -1,6 +1,7 @@
 #include "recording/conversion.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "core/error.h"
 #include "core/time_stamp.h"
 #include "recording/codec.h"
+#include "recording/event_filter.h"
 #include "recording/number_text.h"
 
 namespace saccade {
@@ -24,9 +26,11 @@ struct Extent {
 
 class Conversion {
  public:
-  /// `image`: of the recording.
-  Conversion(const ConversionConfig& config, std::string recording, std::int64_t first_us, ImageSize image)
+  /// `image`: of the recording; `hot`: of its events.
+  Conversion(const ConversionConfig& config, std::string recording, std::int64_t first_us, ImageSize image,
+             const HotPixels& hot)
       : config_(config),
+        hot_(hot),
         recording_(std::move(recording)),
         first_us_(first_us),
         from_us_(at(config.from_s)),
@@ -47,6 +51,10 @@ class Conversion {
       if (config_.region && !config_.region->contains(e)) return count(result.outside_region);
       if (config_.remove_outside && !recorded_image_.contains(e.x, e.y)) return count(result.outside_image);
       if (config_.only_on && e.on != *config_.only_on) return count(result.other_polarity);
+      if (config_.remove_hot && hot_.is_hot(e.camera, e.x, e.y)) return count(result.hot);
+      if (config_.remove_background && background_.is_background(e)) return count(result.background);
+      if (config_.decimate > 1 && seen_.at(e.on ? 1 : 0).at(e.camera, e.x, e.y)++ % config_.decimate != 0)
+        return count(result.decimated);
       return false;
     };
     std::erase_if(events, is_removed);
@@ -91,6 +99,9 @@ class Conversion {
   }
 
   const ConversionConfig& config_;
+  const HotPixels& hot_;
+  BackgroundActivity background_;
+  std::array<PixelTable<std::int64_t>, 2> seen_{PixelTable<std::int64_t>(0), PixelTable<std::int64_t>(0)};
   std::string recording_;
   std::int64_t first_us_;
   std::int64_t from_us_;
@@ -126,6 +137,8 @@ std::unique_ptr<EventReader> for_each_block(const FormatRegistry& formats,
 
 void check(const ConversionConfig& config) {
   if (config.crop && !config.region) throw InputError("--crop", "", "--region with it");
+  if (config.decimate < 1)
+    throw InputError("--decimate", std::to_string(config.decimate), "a whole number from 1");
   if (config.until_s > config.from_s) return;
   const auto text = [](double number) {
     std::string digits;
@@ -143,12 +156,14 @@ ConversionResult convert_recording(const FormatRegistry& formats, const std::fil
   check(config);
   Extent extent;
   std::int64_t events = 0;
+  const auto hot = std::make_unique<HotPixels>();
   std::optional<TornEnd> torn;
   auto reader = for_each_block(formats, recording, config, torn, [&](const std::vector<Event>& block) {
     if (!extent.first_us) extent.first_us = block.front().t_us;
     for (const Event& event : block) {
       extent.size = {std::max(extent.size.width, event.x + 1), std::max(extent.size.height, event.y + 1)};
       extent.cameras = std::max(extent.cameras, event.camera + 1);
+      if (config.remove_hot) hot->add(event);
     }
     events += static_cast<std::int64_t>(block.size());
     if (progress) progress(false, events);
@@ -156,9 +171,10 @@ ConversionResult convert_recording(const FormatRegistry& formats, const std::fil
   extent.size = reader->image_size().value_or(extent.size);
   if (config.read.camera) extent.cameras = 1;
 
-  Conversion conversion(config, recording.string(), extent.first_us.value_or(0), extent.size);
+  Conversion conversion(config, recording.string(), extent.first_us.value_or(0), extent.size, *hot);
   const auto writer = create_event_file(formats, out, conversion.image(), extent.cameras);
   ConversionResult result;
+  result.hot_pixels = hot->number();
   events = 0;
   reader = for_each_block(formats, recording, config, result.torn, [&](std::vector<Event>& block) {
     events += static_cast<std::int64_t>(block.size());

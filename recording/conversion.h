@@ -31,9 +31,13 @@ struct ConversionConfig {
   double until_s = std::numeric_limits<double>::infinity();  ///< after the first event; excluded
   std::optional<PixelRegion> region;                         ///< pixels of the recording
   std::optional<bool> only_on;                               ///< true: ON events alone; false: OFF
-  bool invert = false;                                       ///< ON becomes OFF and OFF becomes ON
-  bool zero_time = false;                                    ///< the first event written is at 0 us
-  bool crop = false;                                         ///< the region becomes the image
+  bool remove_hot = false;                                   ///< all events of hot pixels, see event_filter.h
+  bool remove_background = false;  ///< events without another one near them, see event_filter.h
+  std::int64_t decimate =
+      1;  ///< of each pixel's events, of each polarity, every so manieth is kept, from the first on
+  bool invert = false;     ///< ON becomes OFF and OFF becomes ON
+  bool zero_time = false;  ///< the first event written is at 0 us
+  bool crop = false;       ///< the region becomes the image
   bool swap_xy = false;
   bool flip_x = false;
   bool flip_y = false;
@@ -46,6 +50,8 @@ struct ConversionConfig {
 struct ConversionResult {
   std::int64_t events = 0;                                                                   ///< written
   std::int64_t outside_time = 0, outside_region = 0, other_polarity = 0, outside_image = 0;  ///< removed
+  std::int64_t hot = 0, background = 0, decimated = 0;                                       ///< removed
+  std::int64_t hot_pixels = 0;
   std::string skipped;                         ///< EventReader::skipped()
   std::string guess;                           ///< EventReader::guess()
   std::optional<TornEnd> torn = std::nullopt;  ///< what was not read, with whole_part

@@ -6,83 +6,22 @@
 #include "core/error.h"
 #include "recording/byte_order.h"
 #include "recording/codec.h"
-#include "recording/npy_header.h"
 #include "recording/npz_codec.h"
 #include "recording/output_file.h"
+#include "recording/zip_writer.h"
 
 namespace saccade {
 namespace {
+
+using detail::crc_of;
+using detail::npy_header;
+using detail::zip_end;
+using detail::ZipEntry;
 
 constexpr std::size_t header_bytes = 192;  ///< of the array of events, with room for the number of rows
 constexpr int deflate_level = 1;
 constexpr std::size_t output_bytes = 1 << 16;
 constexpr std::size_t most_pending_bytes = 1 << 18;
-
-/// An array's header of `bytes` bytes.
-std::string npy_header(const std::string& descr, const std::string& shape, std::size_t bytes) {
-  constexpr std::size_t before = 10;
-  std::string text = "{'descr': " + descr + ", 'fortran_order': False, 'shape': (" + shape + "), }";
-  SACCADE_CHECK(before + text.size() < bytes);
-  text.resize(bytes - before - 1, ' ');
-  std::string header = std::string(npy_mark) + std::string{'\1', '\0'};
-  append_little(header, static_cast<std::uint16_t>(text.size() + 1));
-  return header + text + "\n";
-}
-
-std::uint32_t crc_of(std::string_view bytes, std::uint32_t crc = 0) {
-  return static_cast<std::uint32_t>(
-      crc32(crc, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uInt>(bytes.size())));
-}
-
-/// A member of a ZIP file as its headers describe it.
-struct Entry {
-  std::string name;
-  bool deflated = false;
-  std::uint32_t crc = 0;
-  std::uint64_t stored = 0, unpacked = 0, place = 0;
-
-  /// Its header in front of it. The sizes are in 64 bits, whatever they are.
-  [[nodiscard]] std::string local_header() const {
-    std::string bytes = "PK\x03\x04";
-    append_common(bytes);
-    append_little(bytes, std::uint16_t{20});
-    bytes += name;
-    append_little(bytes, std::uint16_t{1});
-    append_little(bytes, std::uint16_t{16});
-    append_little(bytes, unpacked);
-    append_little(bytes, stored);
-    return bytes;
-  }
-  /// Its entry in the directory at the end.
-  [[nodiscard]] std::string directory_entry() const {
-    std::string bytes = "PK\x01\x02";
-    append_little(bytes, std::uint16_t{45});
-    append_common(bytes);
-    append_little(bytes, std::uint16_t{28});
-    bytes += std::string(10, '\0');  // comment, disk, attributes
-    append_little(bytes, std::uint32_t{0xffffffff});
-    bytes += name;
-    append_little(bytes, std::uint16_t{1});
-    append_little(bytes, std::uint16_t{24});
-    append_little(bytes, unpacked);
-    append_little(bytes, stored);
-    append_little(bytes, place);
-    return bytes;
-  }
-
- private:
-  void append_common(std::string& bytes) const {
-    append_little(bytes, std::uint16_t{45});  // version needed
-    append_little(bytes, std::uint16_t{0});   // flags
-    append_little(bytes, static_cast<std::uint16_t>(deflated ? 8 : 0));
-    append_little(bytes, std::uint16_t{0});   // time
-    append_little(bytes, std::uint16_t{33});  // 1980-01-01
-    append_little(bytes, crc);
-    append_little(bytes, std::uint32_t{0xffffffff});  // in the extra bytes
-    append_little(bytes, std::uint32_t{0xffffffff});
-    append_little(bytes, static_cast<std::uint16_t>(name.size()));
-  }
-};
 
 /// Deflates bytes without a header, as ZIP files hold them.
 class Deflater {
@@ -197,27 +136,7 @@ class NumpyWriter final : public EventWriter {
     put(size_entry_.directory_entry());
     put(events_entry_.directory_entry());
     const std::uint64_t directory_bytes = offset_ - directory;
-    std::string end = "PK\x06\x06";
-    append_little(end, std::uint64_t{44});
-    append_little(end, std::uint16_t{45});
-    append_little(end, std::uint16_t{45});
-    append_little(end, std::uint64_t{0});  // disks
-    append_little(end, std::uint64_t{2});
-    append_little(end, std::uint64_t{2});
-    append_little(end, directory_bytes);
-    append_little(end, directory);
-    end += "PK\x06\x07";
-    append_little(end, std::uint32_t{0});
-    append_little(end, directory + directory_bytes);
-    append_little(end, std::uint32_t{1});
-    end += "PK\x05\x06";
-    append_little(end, std::uint32_t{0});
-    append_little(end, std::uint16_t{2});
-    append_little(end, std::uint16_t{2});
-    append_little(end, std::uint32_t{0xffffffff});
-    append_little(end, std::uint32_t{0xffffffff});
-    append_little(end, std::uint16_t{0});
-    put(end);
+    put(zip_end(2, directory, directory_bytes));
   }
 
   OutputFile file_;
@@ -231,7 +150,7 @@ class NumpyWriter final : public EventWriter {
   std::uint64_t rows_bytes_ = 0;
   std::uint32_t rows_crc_ = 0;
   std::string pending_;  ///< rows
-  Entry size_entry_, events_entry_;
+  ZipEntry size_entry_, events_entry_;
   Deflater deflater_;
 };
 

@@ -32,6 +32,7 @@ RunRecorder::RunRecorder(std::optional<std::filesystem::path> folder, const Scen
   tables_.emplace(*folder_, scenario, truth_, loop, observations_, robot.imu());
   pictures_.emplace(*folder_, scenario, robot, loop, scores_);
   scene_.emplace(*folder_, robot);
+  if (scenario.output.ground_truth) ground_truth_.emplace(*folder_, scenario, robot);
 }
 
 void RunRecorder::on_tick(const Tick& tick) {
@@ -41,10 +42,12 @@ void RunRecorder::on_tick(const Tick& tick) {
   scores_.on_tick(tick);
   if (pictures_) pictures_->on_tick(tick);
   if (scene_) scene_->on_tick(tick);
+  if (ground_truth_) ground_truth_->on_tick(tick);
 }
 
 double RunRecorder::picture_wall_s() const {
-  return (frames_ ? frames_->wall_s() : 0.0) + (pictures_ ? pictures_->wall_s() : 0.0);
+  return (frames_ ? frames_->wall_s() : 0.0) + (pictures_ ? pictures_->wall_s() : 0.0) +
+         (ground_truth_ ? ground_truth_->wall_s() : 0.0);
 }
 
 Metrics RunRecorder::finish(double wall_s, std::vector<std::pair<std::string, std::string>> settings) {
@@ -52,6 +55,7 @@ Metrics RunRecorder::finish(double wall_s, std::vector<std::pair<std::string, st
   if (tables_) tables_->commit();
   if (pictures_) pictures_->commit();
   if (scene_) scene_->commit();
+  if (ground_truth_) ground_truth_->commit();
   Metrics metrics = scores_.metrics();
   metrics.settings = std::move(settings);
   metrics.wall_s = wall_s;

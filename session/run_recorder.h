@@ -8,6 +8,7 @@
 
 #include "session/frame_camera.h"
 #include "session/ground_truth.h"
+#include "session/ground_truth_recorder.h"
 #include "session/observations.h"
 #include "session/run_pictures.h"
 #include "session/run_scores.h"
@@ -42,6 +43,7 @@ class RunRecorder final : public LoopObserver {
   RunScores scores_;
   std::optional<RunPictures> pictures_;
   std::optional<SceneRecorder> scene_;
+  std::optional<GroundTruthRecorder> ground_truth_;
   std::vector<FileDigest> files_;  // as they are at the start
 };
 

@@ -85,6 +85,15 @@ void EyeRenderer::label(mjData& data, int camera_id, std::span<const std::uint8_
 
 void EyeRenderer::draw(mjData& data, int camera_id, const Eigen::Vector2d& shift_px,
                        std::span<const std::uint8_t> number_of_geom) {
+  const Eigen::Vector2d shift(shift_px.x() * lens_.focal() / camera_.fx_px,
+                              shift_px.y() * lens_.focal() / camera_.fy_px);
+  const mjrRect whole{0, 0, lens_.columns(), lens_.rows()};
+  drawer_->draw(data, eye_view(data, camera_id, lens_, config_, shift), whole, number_of_geom);
+  drawer_->read_rgba(whole, rgba_.data());
+}
+
+mjvGLCamera eye_view(const mjData& data, int camera_id, const LensResampler& lens,
+                     const EyeRenderConfig& config, const Eigen::Vector2d& shift) {
   const mjtNum* position = data.cam_xpos + 3 * camera_id;
   const mjtNum* axes = data.cam_xmat + 9 * camera_id;
   mjvGLCamera eye{};
@@ -93,18 +102,15 @@ void EyeRenderer::draw(mjData& data, int camera_id, const Eigen::Vector2d& shift
     eye.forward[i] = static_cast<float>(-axes[3 * i + 2]);
     eye.up[i] = static_cast<float>(axes[3 * i + 1]);
   }
-  const double per_sample = config_.near_m / lens_.focal();
-  const double centre_x = lens_.centre_x() - shift_px.x() * lens_.focal() / camera_.fx_px;
-  const double centre_y = lens_.centre_y() - shift_px.y() * lens_.focal() / camera_.fy_px;
-  eye.frustum_center = static_cast<float>(per_sample * (0.5 * lens_.columns() - centre_x));
+  const double per_sample = config.near_m / lens.focal();
+  const double centre_x = lens.centre_x() - shift.x();
+  const double centre_y = lens.centre_y() - shift.y();
+  eye.frustum_center = static_cast<float>(per_sample * (0.5 * lens.columns() - centre_x));
   eye.frustum_top = static_cast<float>(per_sample * centre_y);
-  eye.frustum_bottom = static_cast<float>(per_sample * (centre_y - lens_.rows()));
-  eye.frustum_near = static_cast<float>(config_.near_m);
-  eye.frustum_far = static_cast<float>(config_.far_m);
-
-  const mjrRect whole{0, 0, lens_.columns(), lens_.rows()};
-  drawer_->draw(data, eye, whole, number_of_geom);
-  drawer_->read_rgba(whole, rgba_.data());
+  eye.frustum_bottom = static_cast<float>(per_sample * (centre_y - lens.rows()));
+  eye.frustum_near = static_cast<float>(config.near_m);
+  eye.frustum_far = static_cast<float>(config.far_m);
+  return eye;
 }
 
 double EyeRenderer::visible_share(const Eigen::Vector3d& centre_m, double radius_m) {

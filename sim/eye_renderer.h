@@ -43,6 +43,12 @@ struct EyeRenderConfig {
 /// Keys: method, supersampling or keyframe_samples and keyframe_error_px, near_m, far_m.
 void describe(FieldVisitor& v, EyeRenderConfig& config);
 
+/// MuJoCo's view of the model's fixed camera `camera_id` for the drawn image of `lens`; that lies shift of the principal point,
+/// samples, further right and down.
+[[nodiscard]] mjvGLCamera eye_view(const mjData& data, int camera_id, const LensResampler& lens,
+                                   const EyeRenderConfig& config,
+                                   const Eigen::Vector2d& shift = Eigen::Vector2d::Zero());
+
 /// Renders the image of an eye's camera, as linear luminance.
 ///
 /// Draws geoms of groups 0 and 1 (the robot's own shell is group 2: no eye sees its head from inside), with the lights

@@ -91,6 +91,14 @@ void SceneDrawer::draw(mjData& data, const mjvGLCamera& camera, mjrRect viewport
   show(camera, viewport);
 }
 
+void SceneDrawer::draw_geoms(mjData& data, const mjvGLCamera& camera, mjrRect viewport) {
+  gl_.make_current();
+  update(data, camera);
+  scene_.flags[mjRND_SEGMENT] = scene_.flags[mjRND_IDCOLOR] = 1;
+  for (mjvGeom& geom : drawn()) geom.segid = geom.objid;
+  show(camera, viewport);
+}
+
 void SceneDrawer::draw_some(mjData& data, const mjvGLCamera& camera, mjrRect viewport,
                             std::span<const std::uint8_t> is_shown) {
   gl_.make_current();

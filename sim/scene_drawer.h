@@ -45,6 +45,9 @@ class SceneDrawer {
   void draw(mjData& data, const mjvGLCamera& camera, mjrRect viewport,
             std::span<const std::uint8_t> number_of_geom = {}, std::span<const SceneMark> marks = {});
 
+  /// Draws each geom flat in the colour of its number in the model plus 1, red the lowest 8 bits, then green and blue.
+  void draw_geoms(mjData& data, const mjvGLCamera& camera, mjrRect viewport);
+
   /// Draws only the geoms whose entry in `is_shown` (per geom of the model) is not 0, lit and textured, before black.
   void draw_some(mjData& data, const mjvGLCamera& camera, mjrRect viewport,
                  std::span<const std::uint8_t> is_shown);

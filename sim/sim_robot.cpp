@@ -137,6 +137,25 @@ void SimRobot::draw_scene(const SceneView& view, ImageSize size, std::span<std::
   scene_->render(world_.data(), view, rgb);
 }
 
+void SimRobot::draw_truth(std::size_t eye, TrueImage& image) {
+  auto& renderer = truth_renderers_.at(eye);
+  if (!renderer)
+    renderer =
+        std::make_unique<TrueImageRenderer>(world_.model(), *gl_, eyes_.at(eye).camera(), config_.render);
+  renderer->render(world_.data(), eye == 0 ? world_.left_eye_camera() : world_.right_eye_camera(), image);
+}
+
+void SimRobot::draw_luminance(std::size_t eye, std::span<float> luminance) {
+  auto& renderer = luminance_renderers_.at(eye);
+  if (!renderer)
+    renderer =
+        std::make_unique<EyeRenderer>(world_.model(), *gl_, eyes_.at(eye).camera(), config_.render, threads_);
+  renderer->render(world_.data(), eye == 0 ? world_.left_eye_camera() : world_.right_eye_camera(), luminance);
+  if (!config_.lab.flicker) return;
+  const auto factor = static_cast<float>(Flicker(*config_.lab.flicker).factor(world_.now_us()));
+  for (float& value : luminance) value *= factor;
+}
+
 void SimRobot::draw_left_eye(std::int64_t t_us, const Camera& camera, const Eigen::Vector2d& shift_px,
                              std::span<float> rgb) {
   if (!colour_eye_ || colour_eye_->camera() != camera) {

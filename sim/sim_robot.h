@@ -14,6 +14,7 @@
 #include "sim/scene_renderer.h"
 #include "sim/sim_config.h"
 #include "sim/sim_eye.h"
+#include "sim/true_image.h"
 #include "sim/world.h"
 
 namespace saccade {
@@ -83,6 +84,10 @@ class SimRobot final : public Robot, public Clock, public EventSource, public He
   /// The image lies shift_px further right and down in the pixel grid.
   void draw_left_eye(std::int64_t t_us, const Camera& camera, const Eigen::Vector2d& shift_px,
                      std::span<float> rgb);
+  /// Depth and geoms of the image of an eye (0 left, 1 right) now, ground truth.
+  void draw_truth(std::size_t eye, TrueImage& image);
+  /// The luminance of an eye's image now, drawn directly; linear, 0 to 255, row by row.
+  void draw_luminance(std::size_t eye, std::span<float> luminance);
   /// Shared with what else computes between the images.
   [[nodiscard]] const std::shared_ptr<WorkerThreads>& threads() const { return threads_; }
   [[nodiscard]] const std::string& gl_description() const { return gl_->description(); }
@@ -105,6 +110,8 @@ class SimRobot final : public Robot, public Clock, public EventSource, public He
   std::vector<SimEye> eyes_;  // left, right
   std::unique_ptr<SceneRenderer> scene_;
   std::unique_ptr<EyeRenderer> colour_eye_;
+  std::array<std::unique_ptr<TrueImageRenderer>, 2> truth_renderers_;  // these two made when first asked for
+  std::array<std::unique_ptr<EyeRenderer>, 2> luminance_renderers_;
   MjDataPtr between_ticks_;
   std::int64_t image_us_ = 0;
   std::int64_t images_ = 0;

@@ -23,6 +23,7 @@ struct ConvertOptions : ReadOptions {
   std::filesystem::path out;
   ConversionConfig conversion;
   std::string polarity = "both";
+  std::string filter;
   bool force = false;
 };
 
@@ -33,6 +34,17 @@ int convert(const ConvertOptions& options, const FormatRegistry& formats) {
   config.read = options.read;
   config.remove_outside = !options.read.image_size;
   if (options.polarity != "both") config.only_on = options.polarity == "on";
+  for (std::string_view rest = options.filter; !rest.empty();) {
+    const std::string_view word = rest.substr(0, rest.find(','));
+    rest.remove_prefix(std::min(rest.size(), word.size() + 1));
+    if (word == "hot") {
+      config.remove_hot = true;
+    } else if (word == "background") {
+      config.remove_background = true;
+    } else {
+      throw InputError("--filter", options.filter, "hot, background, or hot,background");
+    }
+  }
   catch_interrupts();
   std::array<Progress, 2> progress = {Progress(0.0), Progress(0.0)};
   const auto show = [&](bool second_pass, std::int64_t events) {
@@ -52,6 +64,9 @@ int convert(const ConvertOptions& options, const FormatRegistry& formats) {
   removed(result.outside_region, "outside the region");
   removed(result.outside_image, "outside the image");
   removed(result.other_polarity, "of the other polarity");
+  if (result.hot > 0) fmt::print("removed: {} of {} hot pixels\n", result.hot, result.hot_pixels);
+  removed(result.background, "without a neighbour in the 10 ms before");
+  removed(result.decimated, "by --decimate");
   if (result.torn) fmt::print("{}: {}\n", result.torn->is_cut ? "torn" : "broken", text_of(*result.torn));
   if (!result.skipped.empty()) fmt::print("skipped: {}\n", result.skipped);
   if (!result.guess.empty()) fmt::print("guessed: {}\n", result.guess);
@@ -102,6 +117,12 @@ void add_convert_command(CommandLine& line, const Registry& registry) {
   command.option("--polarity", options->polarity, "Only on or off events")
       .one_of({"both", "on", "off"})
       .show_default();
+  command.option("--filter", options->filter,
+                 "hot: remove pixels with 100 events or more and over 10 times the mean of their neighbours; "
+                 "background: "
+                 "remove events without one of a neighbouring pixel in the 10 ms before; or hot,background");
+  command.option("--decimate", config.decimate,
+                 "Of the events of each pixel and polarity keep every N-th, from the first on");
   command.flag("--invert", config.invert, "ON becomes OFF and OFF becomes ON");
   command.flag("--swap-xy", config.swap_xy, "Exchange x and y, after --region");
   command.flag("--flip-x", config.flip_x, "Mirror left and right, after --swap-xy");

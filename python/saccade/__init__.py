@@ -26,13 +26,17 @@ from ._saccade import Camera, CameraMotion, Detector, Estimate, Recording, joint
 from ._saccade import version as __version__
 from .arrays import as_events, event_dtype, joint_vector as _joint_vector, score
 from .environment import Env
+from .ground_truth import GroundTruth
+from .spaces import register as _register
 from .yaml_text import keys_text as _keys_text
 
 __all__ = [
-    "Camera", "CameraMotion", "Detector", "Emulator", "Env", "Estimate", "Recording", "as_events", "camera",
+    "Camera", "CameraMotion", "Detector", "Emulator", "Env", "Estimate", "GroundTruth", "Recording", "as_events", "camera",
     "camera_motion", "detect", "detector", "detectors", "emulate", "emulator_presets", "event_dtype", "fixation_point", "formats",
-    "iterate", "joint_names", "open", "read", "report", "root_from_eye", "score", "write",
+    "iterate", "joint_names", "open", "read", "replay", "report", "root_from_eye", "score", "write",
 ]
+
+_register()
 
 
 def open(path, *, size=None, camera=None, columns="auto", time_unit=None, yarp_codec="auto", aedat2_layout="auto",
@@ -95,7 +99,8 @@ def detectors():
 
 
 def detector(name, size=None, *, camera=None, **keys):
-    """A detector of the registry for images of `size` (width, height).
+    """A detector of the registry for images of `size` (width, height), or a Python object or class of your own with the
+    members of docs/external_detectors.md, in this process; then there are no keys.
 
     camera: the assumed calibration, a Camera; without it the lens of the default camera, as `saccade detect` uses for a
     recording without a calibration. Keys are those of a scenario's block `detectors`: radius_px=(4, 25),
@@ -103,24 +108,39 @@ def detector(name, size=None, *, camera=None, **keys):
     """
     if (size is None) == (camera is None):
         raise ValueError("detector: found both or none of size and camera, expected one of them")
-    return Detector(name, _keys_text(keys), camera if camera is not None else _saccade.camera_of_size(size))
+    if camera is None:
+        camera = _saccade.camera_of_size(size)
+    if not _is_own(name):
+        return Detector(name, _keys_text(keys), camera)
+    if keys:
+        raise TypeError(f"detector: found the key {next(iter(keys))} for an object of your own, expected none")
+    return Detector(name, camera)
+
+
+def _is_own(detector):
+    return hasattr(detector, "process") and hasattr(detector, "estimate") and not isinstance(detector, Detector)
 
 
 _detection_dtype = _np.dtype([("t_us", "i8"), ("x_px", "f8"), ("y_px", "f8"), ("r_px", "f8"), ("score", "f8"),
-                              ("held", "?")])
+                              ("held", "?"), ("covariance_px2", "f8", (6,))])
 
 
 def detect(detector, events, start_us=None, at_us=None):
     """Passes events to a detector and returns its estimates, a structured array with the fields t_us, x_px, y_px, r_px,
-    score and held: one row per instant with an estimate and an event, or with a held estimate.
+    score, held and covariance_px2 (xx, xy, xr, yy, yr, rr; 0: unknown): one row per instant with an estimate and an event, or
+    with a held estimate. detector: what detector() returns, or an object of your own with process(), estimate() and threshold.
 
     Instants are at whole milliseconds, as in `saccade detect`; with start_us 1 ms apart from there on. at_us: the instants
     themselves, sorted, such as those of ground truth made by hand; an estimate needs an event in the 10 ms before its
     instant then, as with `saccade detect --truth`.
     """
+    if isinstance(detector, type):
+        raise TypeError(f"detector: found the class {detector.__name__}, expected an object of it")
+    if _is_own(detector):
+        detector = Detector(detector, _saccade.camera_of_size((65535, 65535)))
     if not isinstance(detector, Detector):
-        raise TypeError(f"detector: found {_plain_errors.shown(detector)}, expected what saccade.detector() returns; "
-                        "a class of your own is saccade.detector(\"python\", size, python=\"FILE.py:CLASS\")")
+        raise TypeError(f"detector: found {_plain_errors.shown(detector)}, expected what saccade.detector() returns, "
+                        "or an object with process(), estimate() and threshold")
     if at_us is not None:
         if start_us is not None:
             raise ValueError("detect: found start_us and at_us, expected one of them")
@@ -130,9 +150,41 @@ def detect(detector, events, start_us=None, at_us=None):
                             "expected whole numbers in one dimension, us")
     table = detector._detect(events, start_us, at_us)
     rows = _np.empty(len(table), _detection_dtype)
-    for i, field in enumerate(_detection_dtype.names):
+    for i, field in enumerate(_detection_dtype.names[:-1]):
         rows[field] = table[:, i]
+    rows["covariance_px2"] = table[:, 6:]
     return rows
+
+
+def replay(recording, *, detectors=(), truth=None, joints=None, calibration=None, size=None, camera=None, columns="auto",
+           time_unit=None, yarp_codec="auto", aedat2_layout="auto", evt_encoding="auto", event_stream_y="up", format="auto"):
+    """The ticks of a recording or run folder, 1 ms each, as `saccade detect` passes them to its detectors: an iterator of dicts
+    with t_us, events, joints and motion (None where there are no joints), estimates (of each detector, None without an
+    observation) and truth (x_px, y_px, r_px, visible; None where it has no row at that time).
+
+    detectors: names; or a dict of name -> dict of keys, object or class of your own. truth, joints, calibration: files, as
+    `saccade detect` takes them; a run folder has its own. The other options are those of open().
+    """
+    if not isinstance(detectors, dict):
+        detectors = {name: {} for name in ([detectors] if isinstance(detectors, str) else detectors)}
+    rows = []
+    for name, value in detectors.items():
+        if _is_own(value):
+            rows.append((name, "", "", value))
+        elif isinstance(value, dict):
+            keys = dict(value)
+            rows.append((name, keys.pop("preset", name), _keys_text(keys), None))
+        else:
+            raise TypeError(f"detectors: {name}: found {_plain_errors.shown(value)}, expected a dict of keys, or an object or "
+                            "class with process() and estimate()")
+    files = [_os.fspath(path or "") for path in (truth, joints, calibration)]
+    return _ticks(_saccade.Replay(_os.fspath(recording), size, camera, columns, time_unit, yarp_codec, aedat2_layout,
+                                  evt_encoding, event_stream_y, format, rows, *files))
+
+
+def _ticks(replay):
+    while (tick := replay.next()) is not None:
+        yield tick
 
 
 class Emulator(_saccade.Emulator):

@@ -10,7 +10,7 @@ import numpy as np
 from . import _saccade
 
 # Functions of the compiled part by the name under which they are called.
-_NAMES = {"Simulation": "Env", "_detect": "detect", "camera_of_size": "detector", "open_recording": "open",
+_NAMES = {"Simulation": "Env", "outline": "Env", "Replay": "replay", "_detect": "detect", "camera_of_size": "detector", "open_recording": "open",
           "pinhole_camera": "camera"}
 
 

@@ -266,8 +266,19 @@ TEST(ExternalAnswer, IsReadExactly) {
   EXPECT_EQ(estimate->score, 0.25);
   EXPECT_TRUE(estimate->held);
   EXPECT_FALSE(parse_estimate("none")->valid);
+  EXPECT_EQ(estimate->covariance_px2, Eigen::Matrix3d::Zero());
+  Eigen::Matrix3d covariance;
+  covariance << 4, 0.5, -1, 0.5, 9, 0.25, -1, 0.25, 2;
   for (const char* line :
-       {"", "Circle 1 1 1 1", "circle 1 1 1 1 hold", "circle 1 1 -1 1", "circle 1 1 1 1 held x"})
+       {"circle 1 1 1 1 covariance 4 0.5 -1 9 0.25 2", "circle 1 1 1 1 held covariance 4 0.5 -1 9 0.25 2"}) {
+    ASSERT_TRUE(parse_estimate(line)) << line;
+    EXPECT_EQ(parse_estimate(line)->covariance_px2, covariance) << line;
+  }
+  for (const char* line :
+       {"", "Circle 1 1 1 1", "circle 1 1 1 1 hold", "circle 1 1 -1 1", "circle 1 1 1 1 held x",
+        "circle 1 1 1 1 covariance", "circle 1 1 1 1 covariance 1 0 0 1 0",
+        "circle 1 1 1 1 covariance 1 0 0 1 0 1 1", "circle 1 1 1 1 covariance -1 0 0 1 0 1",
+        "circle 1 1 1 1 covariance 1 0 0 1 0 1 held"})
     EXPECT_FALSE(parse_estimate(line)) << line;
   EXPECT_TRUE(parse_ready("ready 0.5 motion binary")->binary);
   for (const char* line : {"ready", "ready x", "ready 1 text", "ready inf"})

@@ -117,6 +117,32 @@ TEST_F(Recordings, ConvertKeepsEveryEventFromFormatToFormat) {
   EXPECT_EQ(bytes_of(at("7.txt")), bytes_of(at("0.csv")));
 }
 
+TEST_F(Recordings, ConvertRemovesHotPixelsBackgroundAndAllButEveryNthEvent) {
+  std::string lines;
+  for (int i = 0; i < 400; ++i) {
+    const std::string t = std::to_string(1000 * i);
+    lines += t + ",20,20,1\n";  // a hot pixel
+    if (i % 4 == 0) {           // two neighbours, one event a second pair
+      lines += t + ",5,5,1\n" + t + ",6,5,0\n";
+    }
+    if (i % 100 == 50) lines += t + ",30,10,1\n";  // alone
+  }
+  folder_.write("noisy.csv", "t_us,x,y,p\n" + lines);
+  const auto convert = [&](const std::string& options) {
+    const Outcome outcome =
+        saccade("convert --force --size 40x30 " + at("noisy.csv") + " " + at("out.csv") + " " + options);
+    EXPECT_EQ(outcome.status, 0) << outcome.text;
+    return outcome.text;
+  };
+  EXPECT_THAT(convert("--filter hot"), HasSubstr("204 events\nremoved: 400 of 1 hot pixels"));
+  // The first event of all, those of the hot pixel and those that are alone have no neighbour.
+  EXPECT_THAT(convert("--filter background"), HasSubstr("199 events\nremoved: 405 without a neighbour"));
+  EXPECT_THAT(convert("--filter hot,background"), HasSubstr("removed: 5 without a neighbour"));
+  EXPECT_THAT(convert("--decimate 4"), HasSubstr("151 events\nremoved: 453 by --decimate"));
+  EXPECT_EQ(saccade("convert --force --filter cold " + at("noisy.csv") + " " + at("out.csv")).status, 2);
+  EXPECT_EQ(saccade("convert --force --decimate 0 " + at("noisy.csv") + " " + at("out.csv")).status, 2);
+}
+
 TEST_F(Recordings, ConvertTakesPartsAndTurnsThem) {
   write("in.csv", size_, few_);
   const auto convert = [&](const std::string& options) {

@@ -27,7 +27,7 @@ def test_a_disc_is_found_where_it_is():
     # Events lie on whole pixels, uniformly around an outline of 12 px: a pixel and a half in each is far off.
     assert abs(x - centre_x) < 1.5 and abs(y - 64) < 1.5 and abs(r - 12) < 1.5
     assert estimate.score > 0 and not estimate.held
-    assert rows.dtype.names == ("t_us", "x_px", "y_px", "r_px", "score", "held") and len(rows) > 100
+    assert rows.dtype.names == ("t_us", "x_px", "y_px", "r_px", "score", "held", "covariance_px2") and len(rows) > 100
 
 
 def test_keys_are_those_of_the_files():

@@ -57,6 +57,87 @@ def test_the_seed_decides(recorded):
     assert np.array_equal(again, recorded)
 
 
+def test_varied_episodes_have_seeds_of_their_own_that_the_first_one_decides():
+    with saccade.Env(SCENARIO, overrides=SHORT, vary=True) as env:
+        seeds = [env.reset(seed=7)[1]["seed"], env.reset()[1]["seed"], env.reset()[1]["seed"]]
+        again = [env.reset(seed=7)[1]["seed"], env.reset()[1]["seed"], env.reset()[1]["seed"]]
+    assert seeds == again and seeds[0] == 7 and len(set(seeds)) == 3
+    assert all(100_000 <= seed < 1_000_000 for seed in seeds[1:])
+
+
+def test_a_step_of_several_ticks_has_the_events_of_all():
+    with saccade.Env(SCENARIO, seed=5, overrides=SHORT, closed_loop=True) as env:
+        ticks, _ = play(env)
+    with saccade.Env(SCENARIO, seed=5, overrides=SHORT, closed_loop=True, step_ms=7) as env:
+        steps, references = play(env)
+    assert len(references) == -(-900 // 7) and np.array_equal(ticks, steps)
+
+
+def test_images_count_the_events_of_the_step_and_surfaces_have_their_age():
+    options = {"seed": 5, "overrides": SHORT, "closed_loop": True, "step_ms": 20}
+    with saccade.Env(SCENARIO, **options) as env, saccade.Env(SCENARIO, **options, observation="counts") as counts, \
+            saccade.Env(SCENARIO, **options, observation="time_surface", decay_ms=10) as surface:
+        for each in (env, counts, surface):
+            each.reset()
+        newest = np.full((2, 128, 128), -np.inf)
+        for _ in range(20):
+            observation = env.step()[0]
+            events, t_us = observation["events"], observation["t_us"]
+            expected = np.zeros((2, 128, 128), int)
+            for x, y, p, t in zip(events["x"], events["y"], events["p"], events["t"]):
+                expected[int(p), y, x] += 1
+                newest[int(p), y, x] = t
+            image = counts.step()[0]
+            assert image["image"].dtype == np.uint8 and np.array_equal(image["image"], np.minimum(expected, 255))
+            assert np.allclose(image["joints"], list(observation["joints"].values()))
+            seen = surface.step()[0]["image"]
+            assert np.allclose(seen, np.exp((newest - t_us) / 10_000), atol=1e-6)
+        assert expected.sum() > 0
+
+
+def test_velocities_move_the_references_at_shares_of_the_largest_speed_and_stop_at_the_limits():
+    with saccade.Env(SCENARIO, overrides=SHORT, action="velocities", step_ms=10) as env:
+        start = list(env.reset()[0]["joints"].values())[-6:]
+        yaw = env.joint_names.index("neck_yaw")
+        share = np.zeros(6)
+        share[yaw] = 0.5
+        for i in range(1, 60):
+            info = env.step(share)[-1]
+            expected = start[yaw] + 0.5 * env.speed_rad_s["neck_yaw"] * 0.01 * i
+            assert info["reference_rad"]["neck_yaw"] == pytest.approx(min(expected, env.limits_rad["neck_yaw"][1]), abs=1e-3)
+        assert info["rejected"] is None
+        with pytest.raises(ValueError, match="expected 6 numbers"):
+            env.step([np.nan] * 6)
+
+
+def test_rewards_by_name_follow_the_angle_between_the_optical_axis_and_the_ball():
+    with saccade.Env(SCENARIO, overrides=SHORT, truth=True, reward="on_target") as env:
+        env.reset()
+        rewards = set()
+        for i in range(500):
+            observation, reward, *_, info = env.step(info["truth"]["ball_m"] if i else None)
+            pose = info["truth"]["left"]["root_from_camera"]
+            towards = info["truth"]["ball_m"] - pose[:3, 3]
+            angle_deg = np.degrees(np.arccos(pose[:3, 2] @ towards / np.linalg.norm(towards)))
+            assert info["fixation_error_deg"] == pytest.approx(angle_deg, abs=1e-6)
+            assert reward == (1.0 if angle_deg <= 2.0 else 0.0)
+            rewards.add(reward)
+        assert rewards == {0.0, 1.0}
+
+
+def test_an_image_of_the_scene_is_drawn_beside_the_events():
+    with saccade.Env(SCENARIO, overrides=SHORT, closed_loop=True, step_ms=50, render_mode="rgb_array") as env:
+        env.reset()
+        before = env.render()
+        env.step()
+        image = env.render()
+    assert image.shape == (480, 640 + 480, 3) and image.dtype == np.uint8
+    assert image[:, :640].std() > 10  # a scene, not one colour
+    assert set(np.unique(before[:, 640:])) == {96} and set(np.unique(image[:, 640:])) == {0, 96, 255}
+    with saccade.Env(SCENARIO, overrides=SHORT) as env, pytest.raises(RuntimeError, match="render_mode"):
+        env.reset(), env.render()
+
+
 def test_two_environments_in_one_process_do_not_disturb_each_other(recorded):
     one = saccade.Env(SCENARIO, seed=5, overrides=SHORT, closed_loop=True)
     two = saccade.Env(SCENARIO, seed=5, overrides=SHORT, closed_loop=True)
@@ -203,6 +284,10 @@ def test_a_step_after_the_end_is_an_error_until_the_next_reset():
 def test_wrong_types_of_arguments_and_actions_are_named():
     with pytest.raises(TypeError, match="overrides: found 5 .int., expected a dict"):
         saccade.Env(SCENARIO, overrides=5)
+    for key, value in (("observation", "pictures"), ("action", "forces"), ("reward", "much"), ("render_mode", "ascii"),
+                       ("step_ms", 0), ("decay_ms", 0)):
+        with pytest.raises(ValueError, match=f"{key}: found {value!r}"):
+            saccade.Env(SCENARIO, overrides=SHORT, **{key: value})
     with pytest.raises(TypeError, match="Env: seed: found 'one' .str., expected a whole number, or None"):
         saccade.Env(SCENARIO, seed="one")
     with saccade.Env(SCENARIO, overrides=SHORT) as env:
@@ -242,7 +327,7 @@ emulator = saccade.Emulator((64, 48), threads=3)
 emulator.process(np.full((48, 64), 40.0, np.float32), 0)
 def use():
     return len(emulator.process(np.full((48, 64), 200.0, np.float32), 1000))
-print(in_fork(lambda: saccade.Env(SCENARIO, overrides=SHORT)))
+print(in_fork(lambda: saccade.Env(SCENARIO, overrides=SHORT).reset()))
 print(in_fork(env.step))
 print(in_fork(env.reset))
 print(in_fork(use)[1], in_fork(use)[0] == str(use()))

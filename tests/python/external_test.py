@@ -38,10 +38,11 @@ def test_a_class_gets_the_motion_and_the_time(tmp_path):
                                       "  def process(self, events, motion): self.motion = motion\n"
                                       "  def advance_to(self, t_us, motion): self.t, self.motion = t_us, motion\n"
                                       "  def estimate(self):\n"
-                                      "    return self.t, self.gain * self.motion.root_from_camera[2, 3], 1, 0.9, True\n")
+                                      "    return self.t, self.gain * self.motion.root_from_camera[2, 3], 1, 0.9, True, (1, 2, 3, 4, 5, 6)\n")
     detector = saccade.detector("python", (128, 128), python=f"{tmp_path / 'mine.py'}:Mine", arguments="gain=2")
     motion = saccade.camera_motion({"neck_yaw": 0.1})
     detector.process(circle_events()[:5], motion)
     detector.advance_to(5000, motion)
     estimate = detector.estimate()
     assert estimate.x_px == 5000 and estimate.y_px == 2 * motion.root_from_camera[2, 3] and estimate.held
+    assert estimate.covariance_px2.tolist() == [[1, 2, 3], [2, 4, 5], [3, 5, 6]]

@@ -1,0 +1,102 @@
+#include "recording/array_file.h"
+
+#include <gtest/gtest.h>
+#include <hdf5.h>
+
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <numeric>
+#include <string>
+
+#include "core/error.h"
+
+namespace saccade {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Two arrays and a table of texts, in pieces.
+void fill(ArrayFile& file) {
+  const std::size_t t = file.add("t_us", ArrayType::i64, {});
+  const std::size_t image = file.add("left/image", ArrayType::f32, {2, 3});
+  file.put("objects", {"nothing", "room", "a ball"});
+  for (std::int64_t i = 0; i < 5; ++i) {
+    file.append(t, std::span<const std::int64_t>(&i, 1));
+    std::vector<float> values(6);
+    std::iota(values.begin(), values.end(), static_cast<float>(10 * i));
+    file.append(image, std::span<const float>(values));
+  }
+}
+
+std::string bytes_of(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+template <class T>
+std::vector<T> read_hdf5(hid_t file, const char* name, hid_t type, std::vector<hsize_t> shape) {
+  const hid_t id = H5Dopen2(file, name, H5P_DEFAULT);
+  EXPECT_GE(id, 0) << name;
+  const hid_t space = H5Dget_space(id);
+  std::vector<hsize_t> found(static_cast<std::size_t>(H5Sget_simple_extent_ndims(space)));
+  H5Sget_simple_extent_dims(space, found.data(), nullptr);
+  EXPECT_EQ(found, shape) << name;
+  std::vector<T> values(std::accumulate(found.begin(), found.end(), std::size_t{1}, std::multiplies<>()));
+  EXPECT_GE(H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), 0);
+  H5Sclose(space);
+  H5Dclose(id);
+  return values;
+}
+
+TEST(ArrayFile, OfHdf5HasTheArraysInTheirGroups) {
+  const fs::path folder = fs::path(testing::TempDir()) / "array_file_hdf5";
+  fs::remove_all(folder);
+  fs::create_directory(folder);
+  const auto file = create_array_file(folder / "a.h5");
+  fill(*file);
+  EXPECT_FALSE(fs::exists(folder / "a.h5"));
+  file->commit();
+  const hid_t id = H5Fopen((folder / "a.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  ASSERT_GE(id, 0);
+  EXPECT_EQ(read_hdf5<std::int64_t>(id, "t_us", H5T_NATIVE_INT64, {5}), (std::vector<std::int64_t>{0, 1, 2, 3, 4}));
+  const auto image = read_hdf5<float>(id, "left/image", H5T_NATIVE_FLOAT, {5, 2, 3});
+  EXPECT_EQ(image[0], 0.0F);
+  EXPECT_EQ(image[29], 45.0F);
+  H5Fclose(id);
+}
+
+TEST(ArrayFile, OfNumpyIsAnUncompressedZipFileAndLeavesNothingElse) {
+  const fs::path folder = fs::path(testing::TempDir()) / "array_file_npz";
+  fs::remove_all(folder);
+  fs::create_directory(folder);
+  {
+    const auto file = create_array_file(folder / "a.npz");
+    fill(*file);
+    EXPECT_FALSE(fs::exists(folder / "a.npz"));
+    file->commit();
+  }
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1);
+  const std::string bytes = bytes_of(folder / "a.npz");
+  const std::size_t header = bytes.find("{'descr': '<f4', 'fortran_order': False, 'shape': (5, 2, 3,), }");
+  ASSERT_NE(header, std::string::npos);
+  float last = 0.0F;
+  std::memcpy(&last, bytes.data() + bytes.find('\n', header) + 1 + 29 * sizeof(float), sizeof(float));
+  EXPECT_EQ(last, 45.0F);
+  EXPECT_NE(bytes.find("left/image.npy"), std::string::npos);
+  EXPECT_NE(bytes.find("'|S7'"), std::string::npos);
+}
+
+TEST(ArrayFile, ThatIsNotFinishedLeavesNothing) {
+  const fs::path folder = fs::path(testing::TempDir()) / "array_file_left";
+  fs::remove_all(folder);
+  fs::create_directory(folder);
+  for (const char* name : {"a.npz", "a.h5"}) {
+    fill(*create_array_file(folder / name));
+    EXPECT_TRUE(fs::is_empty(folder)) << name;
+  }
+  EXPECT_THROW(create_array_file(folder / "absent" / "a.npz"), RunError);
+}
+
+}  // namespace
+}  // namespace saccade
