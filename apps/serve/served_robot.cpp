@@ -56,7 +56,8 @@ HeadState state_of(SimRobot& robot) {
 }  // namespace
 
 ServedRobot::ServedRobot(const ServeOptions& options, const Scenario& scenario, SimRobot& robot, Log log)
-    : robot_(robot),
+    : opened_(fmt::format("/{0}/head, /{0}/torso, {1} and /{2} are open", options.robot, options.camera, options.gaze)),
+      robot_(robot),
       log_(std::move(log)),
       gaze_(ikingaze_of(scenario.gaze.controller), scenario.gaze.controller.limits, robot.limits(),
             scenario.calibration.camera,
