@@ -75,7 +75,7 @@ for side in ("deploy", "robot"):
                     print(text)
         for process in (deploy, robot):
             process.kill()
-            process.communicate()
+            process.wait()
         os.unlink(address)
     times.sort()
     failures += sum(t > 100 for t in times)
