@@ -90,7 +90,7 @@ function(saccade_layer name)
   target_include_directories(saccade_${name} PUBLIC $<BUILD_INTERFACE:${saccade_SOURCE_DIR}>)
   # The fuzzers read recordings, messages and scenarios. What they do not read compiles in a quarter of the time without
   # optimisation and sanitizers.
-  if(SACCADE_FUZZ AND NOT name MATCHES "^(core|head|recording|robot|sim|worlds|config)$")
+  if(SACCADE_FUZZ AND NOT name MATCHES "^(core|head|recording|robot|external|sim|worlds|config)$")
     set_target_properties(saccade_${name} PROPERTIES SACCADE_PLAIN ON DISABLE_PRECOMPILE_HEADERS ON)
   endif()
   if(LAYER_COLD)

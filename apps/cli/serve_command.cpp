@@ -8,7 +8,7 @@ namespace saccade {
 void add_serve_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<ServeOptions>();
   Command command = line.add_command(
-      "serve", "The simulated robot of a scenario on YARP, in real time, as if it were the iCub");
+      "serve", "The simulated robot of a scenario, in real time, on YARP as if it were the iCub, or on a socket");
   command.option("scenario", options->scenario, "Scenario file (YAML)").required().offers_scenarios();
   command.option("--out", options->out, "Run folder; runs/NAME_served by default");
   command.option("--seed", options->seed, "Seed, instead of the scenario's");
@@ -18,6 +18,8 @@ void add_serve_command(CommandLine& line, const Registry& registry) {
                "The world stands still until somebody reads the camera and takes the head");
   command.flag("--endless", options->endless,
                "Beyond the scenario's duration, until Ctrl-C, which is exit status 0");
+  command.option("--external", options->external,
+                 "Offer the robot at this HOST:PORT or path of a Unix socket instead, for the backend `external`");
   command.option("--robot", options->robot, "Ports /ROBOT/head/... and /ROBOT/torso/...").show_default();
   command.option("--gaze", options->gaze, "Ports /GAZE/... of the gaze controller").show_default();
   command.option("--camera", options->camera, "Port of the events").show_default();
@@ -39,12 +41,13 @@ void add_serve_command(CommandLine& line, const Registry& registry) {
       .in_range(1.0, 100.0)
       .show_default();
   command.action([options, &registry]() -> int {
-#ifdef SACCADE_YARP
-    return serve(*options, registry);
-#else
-    throw InputError("serve", "a saccade built without YARP",
-                     "one built where CMake finds YARP " + std::string(least_yarp_version()) + " or newer");
+#ifndef SACCADE_YARP
+    if (options->external.empty())
+      throw InputError("serve", "a saccade built without YARP",
+                       "--external ADDRESS, or one built where CMake finds YARP " +
+                           std::string(least_yarp_version()) + " or newer");
 #endif
+    return serve(*options, registry);
   });
 }
 

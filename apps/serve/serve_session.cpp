@@ -13,16 +13,20 @@
 #include <memory>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include "apps/serve/image_pace.h"
 #include "apps/serve/moving_speed.h"
 #include "apps/serve/paced_robot.h"
+#include "apps/serve/served_external.h"
+#include "apps/serve/served_ports.h"
+#ifdef SACCADE_YARP
 #include "apps/serve/served_robot.h"
+#endif
 #include "config/scenario.h"
 #include "core/error.h"
 #include "recording/output_file.h"
 #include "recording/run_file_names.h"
-#include "robot/yarp/port_gate.h"
 #include "session/close_within.h"
 #include "session/interrupt.h"
 #include "session/log_file.h"
@@ -72,7 +76,7 @@ ServedWork fit_to_machine(Scenario& scenario) {
 /// Exchanges data with the ports first, then records the tick with the target of the gaze controller on them.
 class ServeObserver final : public LoopObserver {
  public:
-  ServeObserver(ServedRobot& served, RunRecorder& recorder) : served_(served), recorder_(recorder) {}
+  ServeObserver(ServedPorts& served, RunRecorder& recorder) : served_(served), recorder_(recorder) {}
   void on_tick(const Tick& tick) override {
     served_.on_tick(tick);
     Tick with_target = tick;
@@ -81,7 +85,7 @@ class ServeObserver final : public LoopObserver {
   }
 
  private:
-  ServedRobot& served_;
+  ServedPorts& served_;
   RunRecorder& recorder_;
 };
 
@@ -89,7 +93,7 @@ class ServeObserver final : public LoopObserver {
 class ServeProgress final : public LoopObserver {
  public:
   ServeProgress(Progress& progress, const Session& session, const PacedRobot& robot,
-                const ServedRobot& served, const ImagePace& pace)
+                const ServedPorts& served, const ImagePace& pace)
       : progress_(progress), session_(session), robot_(robot), served_(served), pace_(pace) {}
   void on_tick(const Tick& tick) override {
     const double t_s = static_cast<double>(tick.t_us) * 1e-6;
@@ -110,14 +114,14 @@ class ServeProgress final : public LoopObserver {
   Progress& progress_;
   const Session& session_;
   const PacedRobot& robot_;
-  const ServedRobot& served_;
+  const ServedPorts& served_;
   const ImagePace& pace_;
   std::int64_t commands_ = 0;
   double shown_s_ = 0.0;
 };
 
 /// Lets real time pass until a client is there. Throws RunError after an interrupt.
-void wait_for_client(PacedRobot& paced, ServedRobot& served) {
+void wait_for_client(PacedRobot& paced, ServedPorts& served) {
   while (!interrupted() && !served.has_client()) {
     paced.idle(World::tick_us);
     served.idle();
@@ -128,7 +132,7 @@ void wait_for_client(PacedRobot& paced, ServedRobot& served) {
 
 /// serve.json: what the wall clock measured.
 void write_serve_json(const std::filesystem::path& file, const ServedWork& work, const PacedRobot& paced,
-                      const ImagePace& pace, const ServedRobot& served, const SimRobot& robot, double wall_s,
+                      const ImagePace& pace, const ServedPorts& served, const SimRobot& robot, double wall_s,
                       std::int64_t threads) {
   const auto json_of = [](const MovingSpeed& speed) {
     return nlohmann::json{{"simulated_s_per_s", speed.simulated_per_s()}, {"keyframe_ms", speed.keyframe_ms}};
@@ -155,8 +159,20 @@ void write_serve_json(const std::filesystem::path& file, const ServedWork& work,
   out.commit();
 }
 
+std::unique_ptr<ServedPorts> open_ports(const ServeOptions& options, const Scenario& scenario,
+                                        SimRobot& robot, ServedExternal::Log log) {
+  if (!options.external.empty())
+    return std::make_unique<ServedExternal>(options.external, robot, std::move(log));
+#ifdef SACCADE_YARP
+  return std::make_unique<ServedRobot>(options, scenario, robot, std::move(log));
+#else
+  (void)scenario;
+  throw InputError("serve", "a saccade built without YARP", "--external ADDRESS, or one built with YARP");
+#endif
+}
+
 /// Announces the end of the run, and answers for half a second clients that give the joints back.
-void linger(ServedRobot& served) {
+void linger(ServedPorts& served) {
   constexpr int linger_ms = 500;
   served.announce_end();
   for (int ms = 0; ms < linger_ms; ++ms) {
@@ -196,15 +212,9 @@ int serve_until_the_end(const ServeOptions& options, const Registry& registry) {
   if (scenario.latency.kind != LatencyKind::none)
     log.write(0, "warning: latency is not used: the client has latencies of its own");
   urgent.emplace(serve_ports_priority, LockMemory::no);
-  std::optional<PortGate> gate(std::in_place);
-  auto served = std::make_unique<ServedRobot>(
+  std::unique_ptr<ServedPorts> served = open_ports(
       options, scenario, robot, [&](std::int64_t t_us, const std::string& text) { log.write(t_us, text); });
   urgent.reset();
-  // A client that is halted in the middle of a message would make YARP wait for it: see close_within().
-  const auto close = [&] {
-    gate.reset();
-    served.reset();
-  };
   ImagePace pace(std::llround(sampling.min_interval_ms * 1e3));
   PacedRobot paced(
       robot, [&](std::int64_t late_us) { robot.hold_back_images(pace.next(late_us, robot.image_us())); });
@@ -224,8 +234,7 @@ int serve_until_the_end(const ServeOptions& options, const Registry& registry) {
                how_to_permit_real_time());
   }
   for (const std::string& line : work.lines) log.write(0, line);
-  log.write(0, fmt::format("/{0}/head, /{0}/torso, {1} and /{2} are open", options.robot, options.camera,
-                           options.gaze));
+  log.write(0, served->opened());
   // The threads that write files have it too: the simulation must not wait for an ordinary one that holds their queue.
   urgent.emplace(serve_priority, LockMemory::no);
   if (options.wait_for_client) {
@@ -233,7 +242,9 @@ int serve_until_the_end(const ServeOptions& options, const Registry& registry) {
     try {
       wait_for_client(paced, *served);
     } catch (const RunError& error) {
-      close_within(longest_serve_close, close, error.what());
+      // A client that is halted in the middle of a message would make YARP wait for it: see close_within().
+      close_within(
+          longest_serve_close, [&] { served.reset(); }, error.what());
       throw;
     }
   }
@@ -245,8 +256,6 @@ int serve_until_the_end(const ServeOptions& options, const Registry& registry) {
   progress.done();
   const std::int64_t t_us = robot.now_us();
   log.write(t_us, served->traffic());
-  const PortGate::Traffic clients = gate->traffic();
-  log.write(t_us, fmt::format("{} connections of clients, {} refused", clients.clients, clients.refused));
   log.write(
       t_us,
       fmt::format("{:.0f} % busy; longest tick {:.1f} ms, latest tick {:.1f} ms, simulated time slipped by "
@@ -257,7 +266,7 @@ int serve_until_the_end(const ServeOptions& options, const Registry& registry) {
   write_serve_json(folder / run_file::serve, work, paced, pace, *served, robot, loop_s, scenario.run.threads);
   // Not finish_run_folder(): an interrupt is how such a run ends as planned.
   report_run_folder(folder, recorder.finish(loop_s, settings_of(options.assignments)), registry.formats);
-  close_within(longest_serve_close, [&] { served->forget_names(); }, {});
+  close_within(longest_serve_close, [&] { served->leave(); }, {});
   (void)served.release();  // its connections end with the program
   return 0;
 }

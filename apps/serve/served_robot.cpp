@@ -70,7 +70,9 @@ HeadState state_of(SimRobot& robot) {
 }  // namespace
 
 ServedRobot::ServedRobot(const ServeOptions& options, const Scenario& scenario, SimRobot& robot, Log log)
-    : robot_(robot),
+    : opened_(fmt::format("/{0}/head, /{0}/torso, {1} and /{2} are open", options.robot, options.camera,
+                          options.gaze)),
+      robot_(robot),
       log_(std::move(log)),
       port_names_(port_names(options)),
       gaze_(ikingaze_of(scenario.gaze.controller), scenario.gaze.controller.limits, robot.limits(),
@@ -114,16 +116,18 @@ void ServedRobot::on_tick(const Tick& tick) {
   log_changes();
 }
 
-void ServedRobot::forget_names() const { saccade::forget_names(port_names_); }
+void ServedRobot::leave() { forget_names(port_names_); }
 
 void ServedRobot::announce_end() { camera_.send_end(t_us_ + paused_us_); }
 
 std::string ServedRobot::traffic() const {
   const YarpControlBoard::Use use = head_.use();
+  const PortGate::Traffic clients = gate_->traffic();
   return fmt::format(
       "{} events in {} packets, {} events left out; {} commands for joints, {} rejected; {} requests to the "
-      "gaze controller",
-      events_, camera_.messages(), camera_.dropped(), use.commands, use.refused, requests_);
+      "gaze controller; {} connections of clients, {} refused",
+      events_, camera_.messages(), camera_.dropped(), use.commands, use.refused, requests_, clients.clients,
+      clients.refused);
 }
 
 HeadCommand ServedRobot::step_boards(const HeadState& state, double dt_s) {
