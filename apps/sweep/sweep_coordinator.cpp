@@ -67,6 +67,7 @@ void SweepCoordinator::wait(const Show& show) {
     const auto begin = SweepClock::now();
     collect();
     show();
+    if (watch_) watch_(*this);
     const double cost_s = std::chrono::duration<double>(SweepClock::now() - begin).count();
     if (busy) pause(std::max(0.2, 20.0 * cost_s));
   }

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <set>
 
+#include "apps/sweep/live_sweep.h"
 #include "apps/sweep/sweep_config.h"
 #include "apps/sweep/sweep_coordinator.h"
 #include "apps/sweep/sweep_folder.h"
@@ -81,6 +82,12 @@ int sweep(const SweepOptions& options, const std::string& version, const Registr
   catch_interrupts();
   try {
     SweepCoordinator coordinator(options.engine, plan, folder, options.retry);
+    std::optional<LiveSweep> page;
+    if (options.web) {
+      page.emplace(*options.web);
+      fmt::print(stderr, "live page: {}\n", page->link());
+      coordinator.set_watch([&](const SweepCoordinator& now) { page->show(now); });
+    }
     coordinator.make_missing_runs();
     if (!options.csv.empty()) write_file(options.csv, coordinator.store().csv(options.times));
     coordinator.make_worst_runs();
