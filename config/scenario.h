@@ -62,12 +62,12 @@ struct Scenario {
 
   struct Output {
     bool video = false;
-    double video_speed = 1.0;      ///< time of the run per time of the video
-    std::string events = "aedat";  ///< a format of `formats`, of FormatRegistry::run_choices
-    FormatRegistry formats;        ///< of the program
-    std::int64_t pictures = 10;    ///< how many instants the report shows in pictures
+    double video_speed = 1.0;                       ///< time of the run per time of the video
+    std::string events = "aedat";                   ///< a format of `formats`, of FormatRegistry::run_choices
+    FormatRegistry formats;                         ///< of the program
+    std::int64_t pictures = 10;                     ///< how many instants the report shows in pictures
     std::optional<GroundTruthConfig> ground_truth;  ///< of every pixel
-    bool eye_movements = false;    ///< whether eye movements are scored, EyeMovementScore
+    bool eye_movements = false;                     ///< whether eye movements are scored, EyeMovementScore
   } output;
 
   std::vector<Expectation> expect;

@@ -162,7 +162,8 @@ class RobotConnection {
       if (left.count() <= 0 || ::poll(&wait, 1, static_cast<int>(left.count())) == 0)
         throw RunError("the robot at " + name_ + " sends no hello within " + std::to_string(limit_.count()) +
                        " ms");
-      if (!receive_some()) throw RunError("the robot at " + name_ + " closed the connection before its hello");
+      if (!receive_some())
+        throw RunError("the robot at " + name_ + " closed the connection before its hello");
     }
   }
 
@@ -239,8 +240,8 @@ class RobotConnection {
     std::int64_t dropped = 0;
     std::size_t kept = 0;
     for (Event& event : received_) {
-      const bool near = event.t_us <= until_us && event.t_us >= INT64_MIN / 4 &&
-                        until_us <= INT64_MAX / 4 && until_us - event.t_us < longest_us;
+      const bool near = event.t_us <= until_us && event.t_us >= INT64_MIN / 4 && until_us <= INT64_MAX / 4 &&
+                        until_us - event.t_us < longest_us;
       if (near) event.t_us = end_us - (until_us - event.t_us);
       if (near && hello_.image_size.contains(event.x, event.y) && forward_.admit(event))
         received_[kept++] = event;
@@ -391,7 +392,8 @@ struct ExternalRobot::Parts final : Clock, EventSource, HeadPort, ImuPort {
     state.t_us = found.t_us;
     const auto& of_torso = limits_.head->joints;
     for (std::size_t i = 0; i < static_cast<std::size_t>(found.count); ++i) {
-      const Eigen::Index slot = i < torso ? of_torso[i].slot : torso_slots + static_cast<Eigen::Index>(i - torso);
+      const Eigen::Index slot =
+          i < torso ? of_torso[i].slot : torso_slots + static_cast<Eigen::Index>(i - torso);
       state.position_rad[slot] = found.position_rad[i];
       state.velocity_rad_s[slot] = found.velocity_rad_s[i];
     }
@@ -401,7 +403,8 @@ struct ExternalRobot::Parts final : Clock, EventSource, HeadPort, ImuPort {
     const JointsFrame found = connection.joints();
     HeadDrives drives;
     for (std::size_t i = 0; i < joints; ++i) {
-      drives.joints[i] = i + torso < static_cast<std::size_t>(found.count) ? found.drive[torso + i] : JointDrive::unknown;
+      drives.joints[i] =
+          i + torso < static_cast<std::size_t>(found.count) ? found.drive[torso + i] : JointDrive::unknown;
       if (drives.joints[i] == JointDrive::references && found.activation != activation)
         drives.joints[i] = JointDrive::held;  // it follows somebody else
     }
@@ -459,7 +462,8 @@ struct ExternalRobot::Parts final : Clock, EventSource, HeadPort, ImuPort {
         told_stop = false;
       }
       if (told_activation != 0) {
-        const std::uint64_t count = references.count();  // before `stops`: a reference after a stop is not skipped
+        const std::uint64_t count =
+            references.count();  // before `stops`: a reference after a stop is not skipped
         if (stops) {
           if (!told_stop) write_number(RobotFrame::stop, told_activation, out);
           told_stop = true;
@@ -530,9 +534,9 @@ std::vector<StartUpCheck> ExternalRobot::check() {
   const bool heard = wait([&] { return p.connection.packets() > 0; });
   checks.push_back({"camera of the robot at " + name, heard,
                     p.connection.lost() ? "not connected"
-                    : heard             ? in_words(p.image_size()) + ", " + std::to_string(p.connection.packets()) +
+                    : heard ? in_words(p.image_size()) + ", " + std::to_string(p.connection.packets()) +
                                   " frames of events so far"
-                                        : "connected, but no frame of events within 1 s"});
+                            : "connected, but no frame of events within 1 s"});
   if (p.joints > 0) {
     const bool has = wait([&] { return p.connection.has_joints(); });
     HeadState state;
@@ -586,8 +590,7 @@ void ExternalRobot::release() {
   if (p.activation.exchange(0) == 0) return;
   p.wanted_activation = 0;
   p.to_send.request();
-  (void)p.reported(longest_release,
-                   [&](const JointsFrame& found) { return !joint_follows(found, p.torso); });
+  (void)p.reported(longest_release, [&](const JointsFrame& found) { return !joint_follows(found, p.torso); });
 }
 
 void ExternalRobot::halt() {
@@ -639,11 +642,11 @@ bool ExternalHeadStopper::stop() {
 }
 
 void add_external_robots(BackendRegistry& registry) {
-  RobotBackend row = backend_row("external", "a robot in a program of your own, over a socket",
-                                 ExternalRobotConfig{},
-                                 [](const ExternalRobotConfig& config, const RobotContext& context) {
-                                   return std::make_unique<ExternalRobot>(config, context);
-                                 });
+  RobotBackend row =
+      backend_row("external", "a robot in a program of your own, over a socket", ExternalRobotConfig{},
+                  [](const ExternalRobotConfig& config, const RobotContext& context) {
+                    return std::make_unique<ExternalRobot>(config, context);
+                  });
   row.open_stopper = for_erased_config<ExternalRobotConfig>(
       [](const ExternalRobotConfig& config, const RobotContext& context) -> std::unique_ptr<HeadStopper> {
         return std::make_unique<ExternalHeadStopper>(config, context);

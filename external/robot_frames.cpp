@@ -157,8 +157,8 @@ std::string read_hello(std::span<const std::byte> payload, RobotHello& hello) {
   hello.joints.clear();
   for (std::uint32_t i = 0; i < count; ++i) {
     const std::string_view field = at.take_text(joint_name_bytes);
-    RobotHello::Joint joint{std::string(field.substr(0, field.find('\0'))), at.take_double(), at.take_double(),
-                            at.take_double()};
+    RobotHello::Joint joint{std::string(field.substr(0, field.find('\0'))), at.take_double(),
+                            at.take_double(), at.take_double()};
     const std::string place = "hello: joint " + std::to_string(i);
     if (!is_joint_name(joint.name)) return wrong(place, "a name", "letters, digits and _");
     if (!std::isfinite(joint.min_rad) || !std::isfinite(joint.max_rad) || !(joint.min_rad < joint.max_rad) ||
@@ -184,7 +184,8 @@ void write_events(std::int64_t until_us, std::span<const Event> events, std::vec
   }
 }
 
-std::string read_events(std::span<const std::byte> payload, std::int64_t& until_us, std::vector<Event>& events) {
+std::string read_events(std::span<const std::byte> payload, std::int64_t& until_us,
+                        std::vector<Event>& events) {
   events.clear();
   if (payload.size() < 8 || (payload.size() - 8) % event_bytes != 0)
     return wrong("events", std::to_string(payload.size()) + " bytes", "8 and 16 for each event");
@@ -261,7 +262,8 @@ void write_text(std::string_view text, std::vector<std::byte>& out) {
 
 std::string read_text(std::span<const std::byte> payload, std::string& text) {
   if (payload.size() > most_text_bytes)
-    return wrong("text", std::to_string(payload.size()) + " bytes", "at most " + std::to_string(most_text_bytes));
+    return wrong("text", std::to_string(payload.size()) + " bytes",
+                 "at most " + std::to_string(most_text_bytes));
   text.clear();
   for (const std::byte byte : payload) {
     const auto c = static_cast<unsigned char>(byte);
@@ -287,7 +289,8 @@ std::string read_client(std::span<const std::byte> payload, RobotClient& client)
   return {};
 }
 
-void write_reference(std::uint64_t activation, std::span<const double> reference_rad, std::vector<std::byte>& out) {
+void write_reference(std::uint64_t activation, std::span<const double> reference_rad,
+                     std::vector<std::byte>& out) {
   put_head(RobotFrame::reference, 8 + 8 * reference_rad.size(), out);
   put(activation, out);
   for (const double value : reference_rad) put_double(value, out);

@@ -19,12 +19,12 @@ namespace saccade {
 /// The frames between saccade and a robot in a program of its own, version 1; docs/external_robots.md describes them.
 /// Little-endian. A frame: u32 type, u32 bytes of the payload, payload. Angles in rad, times in us of the robot's clock.
 enum class RobotFrame : std::uint32_t {
-  hello = 1,   ///< from the robot, first
-  events = 2,  ///< from the robot; without events it shows that the camera is connected
-  joints = 3,  ///< from the robot
-  imu = 4,     ///< from the robot
-  text = 5,    ///< from the robot: a line for the log
-  end = 6,     ///< from the robot: it ends as planned
+  hello = 1,       ///< from the robot, first
+  events = 2,      ///< from the robot; without events it shows that the camera is connected
+  joints = 3,      ///< from the robot
+  imu = 4,         ///< from the robot
+  text = 5,        ///< from the robot: a line for the log
+  end = 6,         ///< from the robot: it ends as planned
   client = 16,     ///< from saccade, first
   activate = 17,   ///< from saccade: the joints follow references of this number from now on
   reference = 18,  ///< from saccade
@@ -100,7 +100,8 @@ void write_joints(const JointsFrame& joints, std::vector<std::byte>& out);
 void write_imu(const ImuReading& reading, std::vector<std::byte>& out);
 void write_text(std::string_view text, std::vector<std::byte>& out);
 void write_client(RobotClient client, std::vector<std::byte>& out);
-void write_reference(std::uint64_t activation, std::span<const double> reference_rad, std::vector<std::byte>& out);
+void write_reference(std::uint64_t activation, std::span<const double> reference_rad,
+                     std::vector<std::byte>& out);
 /// activate, stop, release, heartbeat: with the number of the activation. end: without payload.
 void write_number(RobotFrame type, std::uint64_t activation, std::vector<std::byte>& out);
 void write_end(std::vector<std::byte>& out);
@@ -115,7 +116,8 @@ void write_end(std::vector<std::byte>& out);
 /// Printable characters of the text; others become '?'.
 [[nodiscard]] std::string read_text(std::span<const std::byte> payload, std::string& text);
 [[nodiscard]] std::string read_client(std::span<const std::byte> payload, RobotClient& client);
-[[nodiscard]] std::string read_reference(std::span<const std::byte> payload, int count, std::uint64_t& activation,
+[[nodiscard]] std::string read_reference(std::span<const std::byte> payload, int count,
+                                         std::uint64_t& activation,
                                          std::array<double, gaze_slots>& reference_rad);
 [[nodiscard]] std::string read_number(std::span<const std::byte> payload, std::uint64_t& activation);
 

@@ -104,11 +104,13 @@ std::string RobotServer::take(Client& client, const FrameView& frame, std::int64
     return {};
   }
   if (frame.type < RobotFrame::activate || frame.type > RobotFrame::heartbeat)
-    return "found a frame of type " + std::to_string(static_cast<unsigned>(frame.type)) + ", expected 17 to 21";
+    return "found a frame of type " + std::to_string(static_cast<unsigned>(frame.type)) +
+           ", expected 17 to 21";
   if (std::string problem = read_number(frame.payload, number); !problem.empty()) return problem;
   if (frame.type == RobotFrame::activate) {
     if (client.kind != RobotClient::controller || number == 0)
-      return "activate: found number " + std::to_string(number) + " of a client that may not, expected a controller's, above 0";
+      return "activate: found number " + std::to_string(number) +
+             " of a client that may not, expected a controller's, above 0";
     if (owner_ != nullptr && owner_ != &client) {
       tell("a second client wants the joints: they follow the first one");
       return {};
@@ -120,7 +122,8 @@ std::string RobotServer::take(Client& client, const FrameView& frame, std::int64
     tell("the joints follow a client");
   } else if (frame.type == RobotFrame::release) {
     if (activation_ != 0 && (client.kind == RobotClient::guard || owner_ == &client))
-      let_go(wants, client.kind == RobotClient::guard ? "the guard stopped them" : "their client released them");
+      let_go(wants,
+             client.kind == RobotClient::guard ? "the guard stopped them" : "their client released them");
   } else if (frame.type == RobotFrame::stop && owner_ == &client && number == activation_) {
     wants.hold = true;
     wants.reference_rad.reset();

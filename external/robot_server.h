@@ -61,8 +61,8 @@ class RobotServer {
   RobotHello hello_;
   int listening_ = -1;
   std::list<Client> clients_;
-  std::uint64_t activation_ = 0;     // whose references the joints follow
-  const Client* owner_ = nullptr;    // who has it
+  std::uint64_t activation_ = 0;   // whose references the joints follow
+  const Client* owner_ = nullptr;  // who has it
   std::int64_t references_ = 0, rejected_ = 0;
   std::vector<std::byte> frames_;
   std::vector<std::string> news_;

@@ -161,7 +161,8 @@ int listen_on(const SocketAddress& address, int waiting) {
     addrinfo hints{};
     hints.ai_socktype = SOCK_STREAM;
     addrinfo* found = nullptr;
-    if (const int error = ::getaddrinfo(address.host.c_str(), address.port.c_str(), &hints, &found); error != 0)
+    if (const int error = ::getaddrinfo(address.host.c_str(), address.port.c_str(), &hints, &found);
+        error != 0)
       throw RunError("no address of " + text_of(address) + ": " + std::string(::gai_strerror(error)));
     const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> addresses(found, &::freeaddrinfo);
     for (const addrinfo* one = found; one != nullptr && socket < 0; one = one->ai_next)

@@ -97,10 +97,10 @@ class NamedDetector {
     errors_->rethrow();
     std::vector<double> rows;
     for (const auto& [t_us, e] : found)
-      rows.insert(rows.end(), {static_cast<double>(t_us), e.circle.x_px, e.circle.y_px, e.circle.r_px, e.score,
-                               e.held ? 1.0 : 0.0, e.covariance_px2(0, 0), e.covariance_px2(0, 1),
-                               e.covariance_px2(0, 2), e.covariance_px2(1, 1), e.covariance_px2(1, 2),
-                               e.covariance_px2(2, 2)});
+      rows.insert(rows.end(),
+                  {static_cast<double>(t_us), e.circle.x_px, e.circle.y_px, e.circle.r_px, e.score,
+                   e.held ? 1.0 : 0.0, e.covariance_px2(0, 0), e.covariance_px2(0, 1), e.covariance_px2(0, 2),
+                   e.covariance_px2(1, 1), e.covariance_px2(1, 2), e.covariance_px2(2, 2)});
     py::array_t<double> table(
         {static_cast<py::ssize_t>(rows.size() / row_size), static_cast<py::ssize_t>(row_size)});
     std::copy(rows.begin(), rows.end(), table.mutable_data());

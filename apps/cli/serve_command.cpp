@@ -8,7 +8,8 @@ namespace saccade {
 void add_serve_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<ServeOptions>();
   Command command = line.add_command(
-      "serve", "The simulated robot of a scenario, in real time, on YARP as if it were the iCub, or on a socket");
+      "serve",
+      "The simulated robot of a scenario, in real time, on YARP as if it were the iCub, or on a socket");
   command.option("scenario", options->scenario, "Scenario file (YAML)").required().offers_scenarios();
   command.option("--out", options->out, "Run folder; runs/NAME_served by default");
   command.option("--seed", options->seed, "Seed, instead of the scenario's");
@@ -18,8 +19,9 @@ void add_serve_command(CommandLine& line, const Registry& registry) {
                "The world stands still until somebody reads the camera and takes the head");
   command.flag("--endless", options->endless,
                "Beyond the scenario's duration, until Ctrl-C, which is exit status 0");
-  command.option("--external", options->external,
-                 "Offer the robot at this HOST:PORT or path of a Unix socket instead, for the backend `external`");
+  command.option(
+      "--external", options->external,
+      "Offer the robot at this HOST:PORT or path of a Unix socket instead, for the backend `external`");
   command.option("--robot", options->robot, "Ports /ROBOT/head/... and /ROBOT/torso/...").show_default();
   command.option("--gaze", options->gaze, "Ports /GAZE/... of the gaze controller").show_default();
   command.option("--camera", options->camera, "Port of the events").show_default();

@@ -71,10 +71,12 @@ class ThreadRobot {
       const RobotServer::Wants wants = server_.receive();
       if (wants.hold) reference_rad = position_rad;
       if (wants.reference_rad) reference_rad = HeadJointVector(wants.reference_rad->data());
-      position_rad += (reference_rad - position_rad) * (1.0 - std::exp(-1e-3 * static_cast<double>(t_us - before_us) / 30.0));
+      position_rad += (reference_rad - position_rad) *
+                      (1.0 - std::exp(-1e-3 * static_cast<double>(t_us - before_us) / 30.0));
       before_us = t_us;
-      const std::array<Event, 2> events = {Event{t_us - 500, 3, 4, true, 0},
-                                           Event{t_us, static_cast<std::uint16_t>(t_us / 1000 % 128), 9, false, 0}};
+      const std::array<Event, 2> events = {
+          Event{t_us - 500, 3, 4, true, 0},
+          Event{t_us, static_cast<std::uint16_t>(t_us / 1000 % 128), 9, false, 0}};
       JointsFrame joints;
       joints.t_us = t_us;
       joints.count = head_joint_count;
@@ -207,9 +209,9 @@ TEST(ExternalRobot, TheRobotsWatchdogHoldsTheHeadOfAClientWithoutTicks) {
   // No tick from here on, so no heartbeat.
   EXPECT_TRUE(eventually_holds([&] { return !connected.program.follows(); }));
   EXPECT_EQ(connected.program.clients(), 1) << "the connection stays";
-  EXPECT_TRUE(eventually_holds(
-      [&] { return connected.robot.head()->drives().joints[0] == JointDrive::held; }))
-      << "deploy sees a joint that another program took";
+  EXPECT_TRUE(eventually_holds([&] {
+    return connected.robot.head()->drives().joints[0] == JointDrive::held;
+  })) << "deploy sees a joint that another program took";
 }
 
 TEST(ExternalRobot, AGuardStopsTheHeadAndLaterReferencesHaveNoEffect) {
@@ -240,9 +242,8 @@ TEST(ExternalRobot, EveryPortIsLostWhenTheRobotsProgramEnds) {
   auto program = std::make_unique<ThreadRobot>((folder / "robot").string());
   ExternalRobot robot(ExternalRobotConfig{(folder / "robot").string()}, iCub_context());
   program.reset();
-  EXPECT_TRUE(eventually_holds([&] {
-    return robot.clock().wait_until(robot.clock().now_us() + 1000) == PortStatus::lost;
-  }));
+  EXPECT_TRUE(eventually_holds(
+      [&] { return robot.clock().wait_until(robot.clock().now_us() + 1000) == PortStatus::lost; }));
   std::vector<Event> events;
   EXPECT_EQ(robot.events().read_until(robot.clock().now_us(), events), PortStatus::lost);
   HeadState state;

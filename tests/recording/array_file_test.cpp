@@ -59,7 +59,8 @@ TEST(ArrayFile, OfHdf5HasTheArraysInTheirGroups) {
   file->commit();
   const hid_t id = H5Fopen((folder / "a.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   ASSERT_GE(id, 0);
-  EXPECT_EQ(read_hdf5<std::int64_t>(id, "t_us", H5T_NATIVE_INT64, {5}), (std::vector<std::int64_t>{0, 1, 2, 3, 4}));
+  EXPECT_EQ(read_hdf5<std::int64_t>(id, "t_us", H5T_NATIVE_INT64, {5}),
+            (std::vector<std::int64_t>{0, 1, 2, 3, 4}));
   const auto image = read_hdf5<float>(id, "left/image", H5T_NATIVE_FLOAT, {5, 2, 3});
   EXPECT_EQ(image[0], 0.0F);
   EXPECT_EQ(image[29], 45.0F);
