@@ -44,7 +44,7 @@ def golden(network, world):
         torch.from_numpy(inputs)[None], torch.tensor([GOLDEN_STEP_MS]), start, torch.from_numpy(shift)[None],
         torch.from_numpy(motion)[None])
     memory = {f"memory_{n}": s[0].numpy() for n, s in enumerate(state)}
-    return {"inputs": inputs, "dt_ms": np.float32(GOLDEN_STEP_MS), "shift": shift, "motion": motion, "outputs": out[0].numpy(), **memory}
+    return {"inputs": inputs, "dt_ms": np.float32(GOLDEN_STEP_MS), "shift": shift.astype(np.float32), "motion": motion, "outputs": out[0].numpy(), **memory}
 
 
 def mean(values):

@@ -57,7 +57,7 @@ def main():
     with torch.no_grad():
         for inputs, shift, motion in zip(golden["inputs"], golden["shift"], golden["motion"]):  # step by step, as the program does; golden.npz has all steps at once
             step = (torch.from_numpy(inputs)[None, None], torch.tensor([float(golden["dt_ms"])]), state)
-            out, state = network(*step, torch.from_numpy(shift)[None, None], torch.from_numpy(motion)[None, None])
+            out, state = network(*step, torch.from_numpy(shift.astype(np.int64))[None, None], torch.from_numpy(motion)[None, None])
             outputs.append(out[0, 0].numpy())
     error = np.abs(np.stack(outputs) - golden["outputs"]) / np.maximum(1, np.abs(golden["outputs"]))
     check(error.max() <= 1e-5, f"outputs differ by {error.max():.1e} from golden.npz")

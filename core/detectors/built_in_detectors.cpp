@@ -9,7 +9,6 @@
 #include "core/baselines/scarf.h"
 #include "core/hough/hough_detector.h"
 #include "core/tracker/ball_tracker.h"
-#include "core/tracker/recurrent_tracker.h"
 
 namespace saccade {
 
@@ -45,12 +44,6 @@ DetectorRegistry built_in_detectors() {
                          hough(true, 0.3)));
   registry.add(detector_row("best", "tracker of up to eight circles through edges; the detector to use",
                             BallTrackerConfig{}, make_ball_tracker));
-  registry.add(detector_row(
-      "recurrent",
-      "tracker of up to eight circles that a network with memory finds; in development, below best",
-      RecurrentTrackerConfig{}, [](const RecurrentTrackerConfig& config, const Camera& camera) {
-        return std::make_unique<RecurrentTracker>(config, camera);
-      }));
   registry.add(hough_row("lifetime", "directed Hough transform with a window by the lifetime of each event",
                          lifetime));
   registry.add(hough_row("single_radius", "circular Hough transform for one radius", single_radius));

@@ -3,8 +3,6 @@
 #include <string>
 #include <vector>
 
-#include "core/error.h"
-
 namespace saccade {
 namespace {
 
@@ -48,21 +46,6 @@ RecurrentModel::RecurrentModel(const ModelArrays& a) {
   copy(a, "motion.2.weight", motion_outputs * channels, 1, motion_out);
   copy(a, "output.weight", outputs, 1, output);
   a.copy("output.bias", output_bias);
-}
-
-std::string problem_of_recurrent(const ModelFile& file) {
-  if (file.arrays == nullptr) return {};
-  try {
-    static_cast<void>(RecurrentModel(*file.arrays));
-    return {};
-  } catch (const InputError& error) {
-    return file.path + ", " + error.what();
-  }
-}
-
-std::shared_ptr<const RecurrentModel> recurrent_model_of(const ModelFile& file) {
-  return std::make_shared<const RecurrentModel>(file.arrays != nullptr ? *file.arrays
-                                                                       : built_in_recurrent_arrays());
 }
 
 }  // namespace saccade

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <array>
-#include <memory>
-#include <string>
 
 #include "core/model_arrays.h"
 
@@ -40,12 +38,5 @@ struct RecurrentModel {
   std::array<float, channels * outputs> output;
   std::array<float, outputs> output_bias;
 };
-
-/// The arrays of models/recurrent/weights.npz, as they were when the library was built.
-[[nodiscard]] ModelArrays built_in_recurrent_arrays();
-/// Why RecurrentModel refuses the arrays of a key; empty where it does not, and without arrays.
-[[nodiscard]] std::string problem_of_recurrent(const ModelFile& file);
-/// The model of a key: its arrays, or the built-in ones where it has none. Throws InputError as RecurrentModel does.
-[[nodiscard]] std::shared_ptr<const RecurrentModel> recurrent_model_of(const ModelFile& file);
 
 }  // namespace saccade
