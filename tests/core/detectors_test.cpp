@@ -299,9 +299,9 @@ TEST_P(EveryDetector, ScalesItsThresholdWithinItsRange) {
 TEST(DetectorRegistry, HoldsTheShippedDetectorsByPreset) {
   const DetectorRegistry registry = built_in_detectors();
   EXPECT_THAT(registry.names(),
-              testing::ElementsAre("paper_full", "paper_directed", "best", "lifetime",
-                                   "single_radius", "original_2016", "cluster", "multi_kernel", "eros",
-                                   "scarf", "particle_filter", "blob_filter"));
+              testing::ElementsAre("paper_full", "paper_directed", "best", "lifetime", "single_radius",
+                                   "original_2016", "cluster", "multi_kernel", "eros", "scarf",
+                                   "particle_filter", "blob_filter"));
   EXPECT_THAT(registry.defaults, testing::ElementsAre("paper_full", "paper_directed", "best"));
   for (const DetectorRow& row : registry.rows()) {
     EXPECT_EQ(registry.config(row.name).preset(), row.name);
