@@ -34,7 +34,7 @@ yarp::os::ContactStyle style(double timeout_s) {
   return style;
 }
 
-SocketAddress address_of(const yarp::os::Contact& contact) {
+Ipv4Address address_of(const yarp::os::Contact& contact) {
   addrinfo wanted{};
   wanted.ai_family = AF_INET;
   addrinfo* found = nullptr;
@@ -47,7 +47,7 @@ SocketAddress address_of(const yarp::os::Contact& contact) {
 }
 
 /// Whether a file of this process is a TCP socket that is connected to an address, and neither side has closed it.
-bool is_open_to(int file, const SocketAddress& address) {
+bool is_open_to(int file, const Ipv4Address& address) {
   sockaddr_in remote{};
   socklen_t size = sizeof remote;
   if (::getpeername(file, reinterpret_cast<sockaddr*>(&remote), &size) != 0 || remote.sin_family != AF_INET ||
@@ -59,7 +59,7 @@ bool is_open_to(int file, const SocketAddress& address) {
 }
 
 /// The first such socket; -1 for none.
-int socket_to(const SocketAddress& address) {
+int socket_to(const Ipv4Address& address) {
   constexpr long most_files = 4096;  // numbers are given from the lowest on
   const long files = std::min(::sysconf(_SC_OPEN_MAX), most_files);
   for (int file = 3; address.port != 0 && file < files; ++file) {

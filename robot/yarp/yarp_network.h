@@ -80,7 +80,7 @@ class Periodic {
 };
 
 /// An IPv4 address and port, in the order of the network; 0 where it is not known.
-struct SocketAddress {
+struct Ipv4Address {
   std::uint32_t host = 0;
   std::uint16_t port = 0;
 };
@@ -101,7 +101,7 @@ class OutputWatch {
 
   yarp::os::Contact from_;
   std::string to_;
-  SocketAddress address_;  // of `to`
+  Ipv4Address address_;  // of `to`
   int socket_;             // of this process, connected to it; -1 for a carrier without one
   std::atomic<bool> lost_ = false;
   Periodic watch_;

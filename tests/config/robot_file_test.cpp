@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "apps/deploy/robot_backends.h"
+#include "external/external_robot.h"
 #include "head/head_model.h"
 #include "tests/config/built_in.h"
 #include "tests/control/genova02.h"
@@ -29,6 +30,7 @@ detectors: {best: {}}
 Registry robots_too() {
   Registry registry = built_in();
   registry.backends = built_in_backends();
+  add_external_robots(registry.backends);
   return registry;
 }
 

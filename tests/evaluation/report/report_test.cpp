@@ -58,7 +58,7 @@ TEST_F(Report, IsSelfContained) {
   write_report(folder_);
   const std::string page = contents(folder_ / "report.html");
   EXPECT_LT(page.size(), 5'000'000U);
-  EXPECT_EQ(count(page, "<script>"), 2U) << "the library and the plots";
+  EXPECT_EQ(count(page, "<script>"), 3U) << "the library, the plots, and the tables";
   const std::string html = without_scripts(page);
   for (const char* outside :
        {"http:", "https:", "//www", "<script src", "<link", "<iframe", "@import", "file:"}) {
