@@ -162,7 +162,7 @@ TEST_F(OwnProgram, DeploysOnABackendOfItsOwn) {
   const Outcome unknown =
       with_backend("deploy '" SACCADE_SOURCE_DIR "/examples/backend/robot.yaml' --set backend=mine");
   EXPECT_EQ(unknown.status, 2);
-  EXPECT_THAT(unknown.text, HasSubstr("one of recording, yarp, practice, circle"));
+  EXPECT_THAT(unknown.text, HasSubstr("one of recording, yarp, practice, external, circle"));
   EXPECT_THAT(with_backend("keys robot").text, HasSubstr("circle.events_per_ms"));
 }
 
