@@ -102,7 +102,7 @@ class OutputWatch {
   yarp::os::Contact from_;
   std::string to_;
   Ipv4Address address_;  // of `to`
-  int socket_;             // of this process, connected to it; -1 for a carrier without one
+  int socket_;           // of this process, connected to it; -1 for a carrier without one
   std::atomic<bool> lost_ = false;
   Periodic watch_;
 };
