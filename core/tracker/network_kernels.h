@@ -47,4 +47,59 @@ template <std::size_t In, std::size_t Out, std::size_t places>
   }
 }
 
+/// A map of rows x columns x channels.
+struct Map {
+  const float* values;
+  int rows, columns;
+};
+
+/// Depthwise 3 x 3 convolution of one place; what is outside counts as 0.
+template <std::size_t C>
+[[gnu::always_inline]] inline void depthwise(const Map& in, int y, int x, int step, const float* weight,
+                                             float* out) {
+  Channels<C> sum{};
+  for (int ky = 0; ky < 3; ++ky) {
+    const int from_y = y + (ky - 1) * step;
+    if (from_y < 0 || from_y >= in.rows) continue;
+    for (int kx = 0; kx < 3; ++kx) {
+      const int from_x = x + (kx - 1) * step;
+      if (from_x < 0 || from_x >= in.columns) continue;
+      Channels<C> value;
+      load(in.values + static_cast<std::size_t>(from_y * in.columns + from_x) * C, value);
+      add_product(value, weight + static_cast<std::size_t>(ky * 3 + kx) * C, sum);
+    }
+  }
+  for (std::size_t i = 0; i < C / lanes; ++i) reinterpret_cast<Lanes*>(out)[i] = sum.part[i];
+}
+
+/// A row of the 3 x 3 convolution of every second place of every second row, from inputs of which the first half are ON. The
+/// channels of OFF add up beside those of ON.
+template <class Weights>
+[[gnu::always_inline]] inline void input_halved_row(const Map& in, int y, const Weights& weights,
+                                                    float* out) {
+  constexpr std::size_t to = Weights::first_channels, half = Weights::inputs / 2;
+  for (int x = 0; 2 * x < in.columns; ++x, out += to) {
+    Channels<to> on_sum, off_sum{};
+    load(weights.first_bias.data(), on_sum);
+    for (int ky = 0; ky < 3; ++ky) {
+      const int from_y = 2 * y + ky - 1;
+      if (from_y < 0 || from_y >= in.rows) continue;
+      for (int kx = 0; kx < 3; ++kx) {
+        const int from_x = 2 * x + kx - 1;
+        if (from_x < 0 || from_x >= in.columns) continue;
+        const float* on = in.values + static_cast<std::size_t>(from_y * in.columns + from_x) * (2 * half);
+        const float* off = on + half;
+        if (on[half - 1] == 0.0F && off[half - 1] == 0.0F) continue;  // no event for long
+        const float* weight = weights.first.data() + static_cast<std::size_t>(ky * 3 + kx) * 2 * half * to;
+        for (std::size_t c = 0; c < half; ++c, weight += to) {
+          add_product(on[c], weight, on_sum);
+          add_product(off[c], weight + half * to, off_sum);
+        }
+      }
+    }
+    for (std::size_t i = 0; i < to / lanes; ++i) on_sum.part[i] += off_sum.part[i];
+    store_positive(on_sum, out);
+  }
+}
+
 }  // namespace saccade::network_kernels

@@ -18,11 +18,6 @@ constexpr float gate_step_ms = 5.0F;
 constexpr std::size_t C = Model::channels;
 static_assert(sizeof(RecurrentLevel::Square) == Model::outputs * sizeof(float));
 
-struct Map {
-  const float* values;
-  int rows, columns;
-};
-
 /// x = exp(x) of eight numbers in [-87, 87], relative error 2e-7, by range reduction and the series to the sixth power.
 [[gnu::always_inline]] inline void to_exp(Lanes& x) {
   using Integers [[gnu::vector_size(32)]] = std::int32_t;
@@ -51,25 +46,6 @@ struct Map {
   gate = (positive + 2.0F * s * series) * -share;
   gate = gate > -limit ? gate : -limit;
   to_exp(gate);
-}
-
-/// Depthwise 3 x 3 convolution of one place; what is outside counts as 0.
-template <std::size_t N>
-[[gnu::always_inline]] inline void depthwise(const Map& in, int y, int x, int step, const float* weight,
-                                             float* out) {
-  Channels<N> sum{};
-  for (int ky = 0; ky < 3; ++ky) {
-    const int from_y = y + (ky - 1) * step;
-    if (from_y < 0 || from_y >= in.rows) continue;
-    for (int kx = 0; kx < 3; ++kx) {
-      const int from_x = x + (kx - 1) * step;
-      if (from_x < 0 || from_x >= in.columns) continue;
-      Channels<N> value;
-      load(in.values + static_cast<std::size_t>(from_y * in.columns + from_x) * N, value);
-      add_product(value, weight + static_cast<std::size_t>(ky * 3 + kx) * N, sum);
-    }
-  }
-  for (std::size_t i = 0; i < N / lanes; ++i) reinterpret_cast<Lanes*>(out)[i] = sum.part[i];
 }
 
 struct Block {
@@ -155,32 +131,9 @@ void second_row(const Map& in, int y, const Model& model, const float* bias, flo
   }
 }
 
-/// 3 x 3 convolution of every second place of every second row. The channels of OFF add up beside those of ON.
 SACCADE_VECTOR_CLONES
-void first_row(const Map& in, int y, const Model& model, float* out) {
-  constexpr std::size_t to = Model::first_channels, half = Model::inputs / 2;
-  for (int x = 0; 2 * x < in.columns; ++x, out += to) {
-    Channels<to> on_sum, off_sum{};
-    load(model.first_bias.data(), on_sum);
-    for (int ky = 0; ky < 3; ++ky) {
-      const int from_y = 2 * y + ky - 1;
-      if (from_y < 0 || from_y >= in.rows) continue;
-      for (int kx = 0; kx < 3; ++kx) {
-        const int from_x = 2 * x + kx - 1;
-        if (from_x < 0 || from_x >= in.columns) continue;
-        const float* on = in.values + static_cast<std::size_t>(from_y * in.columns + from_x) * (2 * half);
-        const float* off = on + half;
-        if (on[half - 1] == 0.0F && off[half - 1] == 0.0F) continue;  // no event for long
-        const float* weight = model.first.data() + static_cast<std::size_t>(ky * 3 + kx) * 2 * half * to;
-        for (std::size_t c = 0; c < half; ++c, weight += to) {
-          add_product(on[c], weight, on_sum);
-          add_product(off[c], weight + half * to, off_sum);
-        }
-      }
-    }
-    for (std::size_t i = 0; i < to / lanes; ++i) on_sum.part[i] += off_sum.part[i];
-    store_positive(on_sum, out);
-  }
+void first_row_of(const Map& in, int y, const Model& weights, float* out) {
+  input_halved_row(in, y, weights, out);
 }
 
 /// Moves a map of squares by (x, y); what comes in is 0.
@@ -272,7 +225,7 @@ std::int64_t RecurrentLevel::row(Maps& maps) {
   if (stage_ == 0) {
     rows = rows_ / 2;
     float* out = maps.first.data() + at * static_cast<std::size_t>(columns_ / 2) * Model::first_channels;
-    first_row({input_.data(), rows_, columns_}, row_, *model_, out);
+    first_row_of({input_.data(), rows_, columns_}, row_, *model_, out);
     cost = 2 * places * static_cast<std::int64_t>(9 * Model::inputs * Model::first_channels);
   } else if (stage_ == 1) {
     float* out = maps.a.data() + at * static_cast<std::size_t>(places) * C;
