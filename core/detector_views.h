@@ -16,7 +16,7 @@ class DetectorViews {
 
   /// Writes the largest response over all radii at each pixel as of the last estimate(), row by row. `response` has one
   /// element per pixel. Returns false, and writes nothing, for a detector without a Hough space.
-  virtual bool hough_space(std::span<float> /*response*/) const { return false; }
+  [[nodiscard]] virtual bool hough_space(std::span<float> /*response*/) const { return false; }
   /// A detector in the same state: both give the same estimates from the same input.
   [[nodiscard]] virtual std::unique_ptr<Detector> copy() const = 0;
 };

@@ -45,7 +45,7 @@ class HoughDetector final : public Detector, public DetectorViews {
   [[nodiscard]] Estimate estimate() override;
   [[nodiscard]] double threshold() const override { return config_.threshold; }
   [[nodiscard]] RejectedEvents rejected() const override { return sieve_.rejected(); }
-  bool hough_space(std::span<float> response) const override;
+  [[nodiscard]] bool hough_space(std::span<float> response) const override;
   [[nodiscard]] std::unique_ptr<Detector> copy() const override {
     return std::make_unique<HoughDetector>(*this);
   }

@@ -86,7 +86,7 @@ class BallTracker final : public Detector, public DetectorViews {
   void work_ahead() override;
   [[nodiscard]] double threshold() const override { return config_.threshold; }
   [[nodiscard]] RejectedEvents rejected() const override { return sieve_.rejected(); }
-  bool hough_space(std::span<float> response) const override;
+  [[nodiscard]] bool hough_space(std::span<float> response) const override;
   [[nodiscard]] std::unique_ptr<Detector> copy() const override {
     return std::make_unique<BallTracker>(*this);
   }

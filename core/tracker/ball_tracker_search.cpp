@@ -29,13 +29,13 @@ double found_probability(const BestModel& model, const DiscEvidence& evidence, d
 
 void BallTracker::work_ahead() {
   if (!search_due_us_) return;
-  const std::int64_t tick_us = *search_due_us_;
+  const std::int64_t due_us = *search_due_us_;
   search_due_us_.reset();
   patches_left_ = patches_per_tick;
-  run_disc_network(tick_us);
-  search(tick_us);
-  evaluate_candidates(tick_us);
-  update_patch(tick_us);
+  run_disc_network(due_us);
+  search(due_us);
+  evaluate_candidates(due_us);
+  update_patch(due_us);
 }
 
 Circle BallTracker::corrected(const Circle& circle, const Circle& by) const {

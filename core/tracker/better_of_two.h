@@ -37,7 +37,7 @@ class BetterOfTwo final : public Detector, public DetectorViews {
   [[nodiscard]] double threshold() const override { return first_->threshold(); }
   [[nodiscard]] RejectedEvents rejected() const override { return first_->rejected(); }
   /// The larger response of both; false unless both have one.
-  bool hough_space(std::span<float> response) const override {
+  [[nodiscard]] bool hough_space(std::span<float> response) const override {
     std::vector<float> second(response.size());
     if (!hough_space_of(*second_, second) || !hough_space_of(*first_, response)) return false;
     std::ranges::transform(response, second, response.begin(),
