@@ -94,8 +94,23 @@ void describe(FieldVisitor& v, EmulatorConfig& c) {
   v.real("leak_rate_hz", c.leak_rate_hz, {0.0, 1000.0}, "ON events of a pixel in constant light; 0: none");
   v.real("leak_spread_decades", c.leak_spread_decades, {0.0, 1.0},
          "standard deviation over pixels of log10 of the leak rate");
+  v.real("leak_light_hz", c.leak_light_hz, {0.0, 1000.0},
+         "added to the leak rate in proportion to light, at white; 0: none");
+  v.real("leak_light_spread_decades", c.leak_light_spread_decades, {0.0, 1.0},
+         "standard deviation over pixels of log10 of leak_light_hz");
+  v.real("leaky_pixel_share", c.leaky_pixel_share, {0.0, 1.0},
+         "share of the pixels whose reference leaks faster; 0: none");
+  v.real("leaky_pixel_rate_hz", c.leaky_pixel_rate_hz, {0.0, 1e4},
+         "added to the leak rate of a leaky pixel, median");
+  v.real("leaky_pixel_spread_decades", c.leaky_pixel_spread_decades, {0.0, 2.0},
+         "standard deviation over leaky pixels of log10 of that rate");
   v.real("shot_noise_rate_hz", c.shot_noise_rate_hz, {0.0, 1000.0},
-         "events of a pixel in the dark, a quarter of it at white; 0: none");
+         "events of a pixel in the dark, both polarities; 0: none");
+  v.real("shot_noise_spread_decades", c.shot_noise_spread_decades, {0.0, 1.0},
+         "standard deviation over pixels of log10 of the shot noise");
+  v.real("shot_noise_on_share", c.shot_noise_on_share, {0.0, 1.0}, "share of ON in the shot noise");
+  v.real("shot_noise_light", c.shot_noise_light, {0.0, 1e9},
+         "light at which the shot noise has fallen to 1/e; 0: it falls linearly to a quarter at white");
   v.real("hot_pixel_share", c.hot_pixel_share, {0.0, 1.0}, "share of the pixels that are hot; 0: none");
   v.real("hot_pixel_rate_hz", c.hot_pixel_rate_hz, {0.0, 1e5}, "rate of ON events of a hot pixel");
   v.integer("latency_us", c.latency_us, {0, 1e6}, "delay from a crossing to its event; 0: none");

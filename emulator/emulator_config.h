@@ -66,7 +66,16 @@ struct EmulatorConfig {
   // Noise
   double leak_rate_hz = 0.1;         ///< ON events of a pixel in constant light; 0: none
   double leak_spread_decades = 0.1;  ///< standard deviation over pixels of log10 of the rate
-  double shot_noise_rate_hz = 0.4;   ///< events of a pixel in the dark, both polarities; 0: none
+  double leak_light_hz = 0.0;  ///< what light adds to the leak rate, at white; proportional to light; 0: none
+  double leak_light_spread_decades = 0.0;   ///< standard deviation over pixels of log10 of leak_light_hz
+  double leaky_pixel_share = 0.0;           ///< share of the pixels whose reference leaks faster
+  double leaky_pixel_rate_hz = 1.0;         ///< what that adds to their leak rate, median
+  double leaky_pixel_spread_decades = 0.5;  ///< standard deviation over leaky pixels of log10 of it
+  double shot_noise_rate_hz = 0.4;          ///< events of a pixel in the dark, both polarities; 0: none
+  double shot_noise_spread_decades = 0.0;   ///< standard deviation over pixels of log10 of the rate
+  double shot_noise_on_share = 0.5;         ///< share of ON in it
+  double shot_noise_light =
+      0.0;  ///< light at which it has fallen to 1/e; 0: it falls linearly to a quarter at white
   double hot_pixel_share = 0.0;      ///< share of the pixels that are hot
   double hot_pixel_rate_hz = 100.0;  ///< rate of ON events of a hot pixel
 

@@ -21,7 +21,18 @@ constexpr double knee = 20.0;  ///< of lin_log, grey levels of 0..255
 constexpr double longest_us = 0x1p60;
 
 // Counters of the random numbers of a pixel.
-enum Draw : std::uint64_t { draw_on, draw_off, draw_leak, draw_phase, draw_hot, draw_noise = 16 };
+enum Draw : std::uint64_t {
+  draw_on,
+  draw_off,
+  draw_leak,
+  draw_phase,
+  draw_hot,
+  draw_leak_light,
+  draw_leaky,
+  draw_leaky_rate,
+  draw_shot,
+  draw_noise = 16
+};
 
 }  // namespace
 
@@ -33,13 +44,15 @@ PixelArray::PixelArray(const EmulatorConfig& config, std::size_t first, std::siz
       filtered_(config.cutoff_hz > 0.0),
       held_(config.interpolation == Interpolation::held),
       drops_(config.refractory_mode == RefractoryMode::drop),
-      in_luminance_(!filtered_ && !held_ && config.leak_rate_hz == 0.0 &&
-                    config.response == LightResponse::log),
+      in_luminance_(!filtered_ && !held_ && config.leak_rate_hz == 0.0 && config.leak_light_hz == 0.0 &&
+                    config.leaky_pixel_share == 0.0 && config.response == LightResponse::log),
       luminance_(count),
       deviation_(filtered_ ? count : 0),
       low_(count),
       high_(count),
       leak_per_us_(count),
+      dark_leak_(config.leak_light_hz > 0.0 ? count : 0),
+      light_leak_(dark_leak_.size()),
       noise_due_us_(count, forever_us),
       block_noise_due_us_((count + block_size - 1) / block_size, forever_us),
       pixels_(count) {
@@ -52,14 +65,29 @@ PixelArray::PixelArray(const EmulatorConfig& config, std::size_t first, std::siz
     };
     p.threshold_on = threshold(config.contrast_threshold_on, draw_on);
     p.threshold_off = threshold(config.contrast_threshold_off, draw_off);
-    const double spread =
-        portable_exp(std::numbers::ln10 * config.leak_spread_decades * random_.normal(id, draw_leak));
-    p.leak_per_us = leak_per_us_[i] =
-        static_cast<float>(config.leak_rate_hz * spread * 1e-6) * p.threshold_on;
+    const auto log_normal = [&](double decades, Draw which) {
+      return decades > 0.0 ? portable_exp(std::numbers::ln10 * decades * random_.normal(id, which)) : 1.0;
+    };
+    const double leak_hz = config.leak_rate_hz * log_normal(config.leak_spread_decades, draw_leak);
+    p.leak_per_us = static_cast<float>(leak_hz * 1e-6) * p.threshold_on;
+    if (config.leaky_pixel_share > 0.0 && random_.uniform(id, draw_leaky) < config.leaky_pixel_share) {
+      const double faster = log_normal(config.leaky_pixel_spread_decades, draw_leaky_rate);
+      p.leak_per_us += static_cast<float>(config.leaky_pixel_rate_hz * faster * 1e-6) * p.threshold_on;
+    }
+    leak_per_us_[i] = p.leak_per_us;
+    if (!dark_leak_.empty()) {
+      dark_leak_[i] = p.leak_per_us;
+      const double light_hz =
+          config.leak_light_hz * log_normal(config.leak_light_spread_decades, draw_leak_light);
+      light_leak_[i] = static_cast<float>(light_hz * 1e-6 / config.white) * p.threshold_on;
+    }
     p.hot = random_.uniform(id, draw_hot) < config.hot_pixel_share;
-    const double shot_hz = 0.5 * config.shot_noise_rate_hz *
-                           (config.contrast_threshold_on / static_cast<double>(p.threshold_on) +
-                            config.contrast_threshold_off / static_cast<double>(p.threshold_off));
+    p.shot_factor = static_cast<float>(log_normal(config.shot_noise_spread_decades, draw_shot));
+    const double on_share = config.shot_noise_on_share;
+    const double shot_hz =
+        config.shot_noise_rate_hz * static_cast<double>(p.shot_factor) *
+        (on_share * (config.contrast_threshold_on / static_cast<double>(p.threshold_on)) +
+         (1.0 - on_share) * (config.contrast_threshold_off / static_cast<double>(p.threshold_off)));
     p.noise_rate_hz = static_cast<float>(shot_hz + (p.hot ? config.hot_pixel_rate_hz : 0.0));
   }
 }
@@ -68,6 +96,7 @@ void PixelArray::start(std::span<const float> luminance, std::int64_t t_us) {
   std::copy(luminance.begin(), luminance.end(), luminance_.begin());
   for (std::size_t i = 0; i < count_; ++i) {
     Pixel& p = pixels_[i];
+    p.leak_per_us = leak_per_us_[i] = leak_per_us(i, static_cast<double>(luminance[i]));
     // A leaking pixel starts at a random phase of its leakage.
     const double phase = p.leak_per_us > 0.0F ? random_.uniform(first_ + i, draw_phase) : 0.0;
     const double leaked = phase * static_cast<double>(p.threshold_on);
@@ -109,6 +138,7 @@ void PixelArray::process(std::span<const float> luminance, std::span<const std::
     const Interval interval{t_us_, t_us, static_cast<double>(t_us - t_us_),
                             static_cast<double>(t_us_ - start_us_)};
     objects_now_ = objects;
+    if (!dark_leak_.empty()) follow_light(luminance, interval.before_us);
     active_.clear();
     for (std::size_t begin = 0; begin < count_; begin += block_size) {
       process_block(luminance.subspan(begin, std::min(block_size, count_ - begin)), begin, interval);
@@ -118,6 +148,26 @@ void PixelArray::process(std::span<const float> luminance, std::span<const std::
   }
   t_us_ = t_us;
   objects_.assign(objects.begin(), objects.end());
+}
+
+float PixelArray::leak_per_us(std::size_t index, double luminance) const {
+  if (dark_leak_.empty()) return leak_per_us_[index];
+  return dark_leak_[index] + light_leak_[index] * static_cast<float>(luminance);
+}
+
+/// The leakage of the interval that begins: that of the mean light of its two images. Levels are with the leakage since the
+/// first image, so a reference moves by what the change adds to that.
+void PixelArray::follow_light(std::span<const float> luminance, double before_us) {
+  for (std::size_t i = 0; i < count_; ++i) {
+    const auto before = static_cast<double>(luminance_[i]);
+    const double mean = held_ ? before : 0.5 * (before + static_cast<double>(luminance[i]));
+    const float leak = leak_per_us(i, mean);
+    Pixel& p = pixels_[i];
+    if (leak == p.leak_per_us) continue;
+    p.reference += (static_cast<double>(leak) - static_cast<double>(p.leak_per_us)) * before_us;
+    p.leak_per_us = leak_per_us_[i] = leak;
+    set_bounds(i, std::isinf(low_[i]));
+  }
 }
 
 /// Of the photoreceptor in an interval: fixed + per_luminance * luminance.
@@ -218,6 +268,12 @@ void PixelArray::next_noise(std::size_t index) {
   block_due_us = std::min(block_due_us, noise_due_us_[index]);
 }
 
+/// Shot noise in the dark.
+double PixelArray::on_rate_hz(const Pixel& p) const {
+  return config_.shot_noise_on_share * config_.shot_noise_rate_hz * config_.contrast_threshold_on /
+         static_cast<double>(p.threshold_on) * static_cast<double>(p.shot_factor);
+}
+
 /// Whether the candidate before the next one becomes an event at that luminance; and which.
 bool PixelArray::noise_fires(std::size_t index, double luminance, PixelEvent& event) const {
   const Pixel& p = pixels_[index];
@@ -228,13 +284,15 @@ bool PixelArray::noise_fires(std::size_t index, double luminance, PixelEvent& ev
     event.cause = static_cast<std::uint8_t>(EventCause::hot);
     return true;
   }
-  const double on_hz =
-      0.5 * config_.shot_noise_rate_hz * config_.contrast_threshold_on / static_cast<double>(p.threshold_on);
-  event.on = which - (p.hot ? config_.hot_pixel_rate_hz : 0.0) < on_hz;
+  event.on = which - (p.hot ? config_.hot_pixel_rate_hz : 0.0) < on_rate_hz(p);
   event.cause = static_cast<std::uint8_t>(EventCause::shot);
+  const double chance = random_.uniform(first_ + index, counter + 2);
+  if (config_.shot_noise_light > 0.0) {
+    return chance < portable_exp(-std::min(700.0, luminance / config_.shot_noise_light));
+  }
   const double grey = luminance * 255.0 / config_.white;
   const double brightness = std::min(1.0, (grey + 20.0) / 275.0);
-  return random_.uniform(first_ + index, counter + 2) < 1.0 - 0.75 * brightness;
+  return chance < 1.0 - 0.75 * brightness;
 }
 
 LevelTrajectory PixelArray::trajectory_of(const Active& active, const Interval& interval) const {

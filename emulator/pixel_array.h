@@ -50,6 +50,7 @@ class PixelArray {
     float leak_per_us;          // level
     float noise_rate_hz;        // candidates: shot noise in the dark and hot pixel together
     std::uint32_t noise_count;  // candidates so far
+    float shot_factor;          // of the pixel's shot noise, 1 without spread
     bool hot;
   };
   /// A pixel whose level may reach a threshold, or that has a noise candidate, in the interval.
@@ -96,6 +97,9 @@ class PixelArray {
   [[nodiscard]] bool noise_fires(std::size_t index, double luminance, PixelEvent& event) const;
   [[nodiscard]] std::uint8_t object_at(std::size_t index) const;
   void set_bounds(std::size_t index, bool asleep);
+  [[nodiscard]] float leak_per_us(std::size_t index, double luminance) const;
+  void follow_light(std::span<const float> luminance, double before_us);
+  [[nodiscard]] double on_rate_hz(const Pixel& p) const;
 
   EmulatorConfig config_;
   RandomStream random_;
@@ -112,6 +116,8 @@ class PixelArray {
   std::vector<float> deviation_;  // of the photoreceptor's output from the log luminance, at the newest image
   std::vector<float> low_, high_;  // a pixel whose level stays between them is quiet
   std::vector<float> leak_per_us_;
+  std::vector<float> dark_leak_,
+      light_leak_;  // level per us, and per us and luminance; empty where light adds none
   std::vector<std::int64_t> noise_due_us_;        // next noise candidate
   std::vector<std::int64_t> block_noise_due_us_;  // the first of each block
   std::vector<std::uint8_t> objects_;

@@ -16,7 +16,8 @@ asymmetric 4fe185480009002b
 davis240 4a3d12ca44cb9eee
 gen3_vga 30e87776b3549c18
 gen4_hd 6fcf582a3a9ca704
-everything 22dfbcbae08668b0"
+everything 22dfbcbae08668b0
+measured_noise 9e975a5c61ce9e7d"
 
 status=0
 compare() {

@@ -67,4 +67,11 @@ int main() {
   everything.readout_rate_hz = 400e3;
   everything.readout_queue_events = 500;
   std::printf("everything %016llx\n", static_cast<unsigned long long>(hash_of(everything)));
+  everything.leak_light_hz = 4.0;
+  everything.leak_light_spread_decades = 0.2;
+  everything.leaky_pixel_share = 0.05;
+  everything.shot_noise_spread_decades = 0.25;
+  everything.shot_noise_on_share = 0.6;
+  everything.shot_noise_light = 60.0;
+  std::printf("measured_noise %016llx\n", static_cast<unsigned long long>(hash_of(everything)));
 }

@@ -280,6 +280,93 @@ TEST(EmulatorStages, HotPixelsHaveTheirShareAndRate) {
   EXPECT_EQ(out.counts.off, 0);
 }
 
+/// Events per second of each pixel of 64 x 64 in 200 s.
+std::vector<double> still_rates(const EmulatorConfig& config, float luminance, std::int64_t dt_us = 100'000) {
+  const LabelledCounts out = in_still_light(config, {64, 64}, luminance, 200.0, dt_us);
+  std::vector<double> rates(4096);
+  for (const Event& e : out.events) rates[static_cast<std::size_t>(e.y * 64 + e.x)] += 1.0 / 200.0;
+  return rates;
+}
+
+double mean_of(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double v : values) sum += v;
+  return sum / static_cast<double>(values.size());
+}
+
+TEST(EmulatorStages, LightAddsToTheLeakInProportion) {
+  EmulatorConfig config = ideal();
+  config.leak_rate_hz = 0.05;
+  config.leak_spread_decades = 0.0;
+  config.leak_light_hz = 0.4;
+  for (const float luminance : {1.0F, 51.0F, 255.0F}) {
+    const double law_hz = 0.05 + 0.4 * static_cast<double>(luminance) / 255.0;
+    EXPECT_NEAR(mean_of(still_rates(config, luminance)), law_hz, 0.01 * law_hz) << luminance;
+  }
+}
+
+TEST(EmulatorStages, ChangingLightMovesTheLeakAndNothingElse) {
+  // One pixel that never crosses by signal: +-2 % of light, 10 s each. Images may be close or far apart.
+  EmulatorConfig config = ideal();
+  config.leak_rate_hz = 0.0;
+  config.leak_light_hz = 2.0;
+  config.contrast_threshold_on = config.contrast_threshold_off = 0.3;
+  config.interpolation = Interpolation::held;
+  std::vector<std::size_t> counts;
+  for (const std::int64_t dt_us : {10'000, 500'000}) {
+    EventEmulator emulator(config, {32, 32}, 1);
+    std::vector<Event> events;
+    for (std::int64_t t_us = 0; t_us <= 100'000'000; t_us += dt_us) {
+      const bool bright = (t_us / 10'000'000) % 2 != 0;
+      const std::vector<float> image(1024, bright ? 150.0F : 147.0F);
+      emulator.process_image(image, t_us, events);
+    }
+    emulator.finish(events);
+    const double rate_hz = static_cast<double>(events.size()) / 1024.0 / 100.0;
+    const double law_hz = 2.0 * 148.5 / 255.0;
+    for (const Event& e : events) EXPECT_TRUE(e.on);
+    EXPECT_NEAR(rate_hz, law_hz, 0.02 * law_hz);
+    counts.push_back(events.size());
+  }
+  EXPECT_NEAR(static_cast<double>(counts[0]), static_cast<double>(counts[1]), 2.0);
+}
+
+TEST(EmulatorStages, LeakyPixelsAreRegularAndHaveTheirShareAndSpread) {
+  EmulatorConfig config = ideal();
+  config.leaky_pixel_share = 0.1;
+  config.leaky_pixel_rate_hz = 3.0;
+  config.leaky_pixel_spread_decades = 0.2;
+  std::vector<double> logs;
+  for (const double rate_hz : still_rates(config, 100.0F)) {
+    if (rate_hz > 0.0) logs.push_back(std::log10(rate_hz));
+  }
+  const double mean = mean_of(logs);
+  double square = 0.0;
+  for (const double v : logs) square += (v - mean) * (v - mean) / static_cast<double>(logs.size());
+  EXPECT_NEAR(static_cast<double>(logs.size()) / 4096.0, 0.1, 0.02);
+  EXPECT_NEAR(mean, std::log10(3.0), 0.04);
+  EXPECT_NEAR(std::sqrt(square), 0.2, 0.03);
+}
+
+TEST(EmulatorStages, ShotNoiseHasItsSpreadShareAndFallWithLight) {
+  EmulatorConfig config = ideal();
+  config.shot_noise_rate_hz = 10.0;
+  config.shot_noise_light = 20.0;
+  config.shot_noise_on_share = 0.7;
+  const LabelledCounts out = in_still_light(config, {64, 64}, 30.0F, 50.0, 100'000);
+  const double law_hz = 10.0 * std::exp(-1.5);
+  EXPECT_NEAR(static_cast<double>(out.counts.events()) / 4096.0 / 50.0, law_hz, 0.02 * law_hz);
+  EXPECT_NEAR(static_cast<double>(out.counts.on) / static_cast<double>(out.counts.events()), 0.7, 0.01);
+  config.shot_noise_spread_decades = 0.25;
+  std::vector<double> logs;
+  for (const double rate_hz : still_rates(config, 0.0F)) logs.push_back(std::log10(rate_hz));
+  const double mean = mean_of(logs);
+  double square = 0.0;
+  for (const double v : logs) square += (v - mean) * (v - mean) / static_cast<double>(logs.size());
+  EXPECT_NEAR(mean, 1.0, 0.02);
+  EXPECT_NEAR(std::sqrt(square), 0.25, 0.02);
+}
+
 /// The smallest rates that the configuration accepts are far below one event in the age of the universe.
 TEST(EmulatorStages, RatesNearZeroMakeNoEvent) {
   for (const double rate_hz : {1e-9, 1e-15, 1e-25, 1e-40}) {
