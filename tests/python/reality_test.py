@@ -125,6 +125,22 @@ def test_outcome_of_a_run():
     assert robot.outcome(np.stack([t, 20 * t], axis=1))[0]
 
 
+def test_sensor_file():
+    import saccade
+
+    lines = (SOURCE / "scenarios/sensors/silicon_noise.yaml").read_text().splitlines()
+    pairs = [line.split(":") for line in lines if line.startswith("  ")]
+    keys = {name.strip(): value.strip() if name.strip() == "preset" else float(value) for name, value in pairs}
+    rates = []
+    for light in (255 * 0.1 / 3000, 255 * 161 / 3000, 255.0):
+        emulator = saccade.Emulator((50, 50), seed=1, readout_rate_hz=0, **keys)
+        image = np.full((50, 50), light, np.float32)
+        emulator.process(image, t_us=0)
+        rates.append(len(emulator.process(image, t_us=10_000_000)) / 2500 / 10)
+    assert 9 < rates[0] < 14  # 11.0 measured, both polarities
+    assert rates[1] < rates[2] < 0.6
+
+
 def test_silicon():
     if not DATA.is_dir():
         pytest.skip(f"Skipped: found no measured data in {DATA}")
