@@ -98,11 +98,15 @@ def compare(folder, options):
     fastest, distance = simulated(values, speeds, delays * 1e-3)
     predicted = fastest > values["reach_px_s"]
     rows = []
+
+    def text(delay_ms):
+        return f"{delay_ms:g} ms" if math.isfinite(delay_ms) else "none"
+
     for speed in SPEEDS:
         chosen = (speeds == speed) & ~fits
         both = chosen & ~lost & ~predicted
-        rows.append([f"{speed}", f"{boundary(delays[speeds == speed], lost[speeds == speed]):g} ms",
-                     f"{boundary(delays[speeds == speed], predicted[speeds == speed]):g} ms",
+        rows.append([f"{speed}", text(boundary(delays[speeds == speed], lost[speeds == speed])),
+                     text(boundary(delays[speeds == speed], predicted[speeds == speed])),
                      f"{int(np.sum(lost[chosen] == predicted[chosen]))} of {int(np.sum(chosen))}",
                      f"{rms[both].mean():.1f}, {distance[both].mean():.1f} px" if both.any() else "none kept"])
     both = ~fits & ~lost & ~predicted
