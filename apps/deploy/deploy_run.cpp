@@ -14,6 +14,7 @@
 #include "apps/deploy/guard_link.h"
 #include "apps/deploy/hang_watch.h"
 #include "apps/deploy/keyboard.h"
+#include "apps/deploy/live_deploy.h"
 #include "config/robot_file.h"
 #include "core/error.h"
 #include "evaluation/report/report.h"
@@ -96,6 +97,15 @@ void deploy_on(Robot& robot, GuardLink* guard, const DeployOptions& options, con
   print_keys(options, has_operator);
   // The writer's thread starts before this one gets its priority, so that it has none.
   DeployRecorder recorder(folder, file, loop, robot.events().image_size(), std::move(facts));
+  // So do the threads of the page.
+  LiveDeploy observer(recorder, options.web, requests,
+                      {.title = file.name,
+                       .kind = "deploy",
+                       .size = robot.events().image_size(),
+                       .duration_s = options.duration_s,
+                       .head = robot.head() != nullptr ? robot.head()->limits().head : nullptr},
+                      file.deploy.watchdog, robot, loop);
+  if (const std::string link = observer.link(); !link.empty()) fmt::print(stderr, "live page: {}\n", link);
   HangWatch hang_watch(
       robot, {.bound_ns = std::llround(file.deploy.watchdog.hang_ms * 1e6)},
       [](std::int64_t age_ns) {
@@ -105,7 +115,7 @@ void deploy_on(Robot& robot, GuardLink* guard, const DeployOptions& options, con
       end_hung_program);
   std::vector<Overseer*> overseers = {&hang_watch};
   if (moves) overseers.push_back(guard);
-  DeploySession session(robot, loop, motion_maker(robot, file), requests, recorder,
+  DeploySession session(robot, loop, motion_maker(robot, file), requests, observer,
                         {std::llround(file.deploy.tick_ms * 1e3), file.deploy.watchdog, overseers, moves});
   {
     const ReleaseAtEnd release(robot);

@@ -15,6 +15,9 @@
 #include <thread>
 #include <utility>
 
+#include "apps/live/live_feed.h"
+#include "apps/live/live_message.h"
+#include "apps/live/live_truth.h"
 #include "apps/serve/image_pace.h"
 #include "apps/serve/moving_speed.h"
 #include "apps/serve/paced_robot.h"
@@ -87,6 +90,40 @@ class ServeObserver final : public LoopObserver {
  private:
   ServedPorts& served_;
   RunRecorder& recorder_;
+};
+
+/// The live page, if there is one.
+class ServePage final : public LoopObserver {
+ public:
+  ServePage(const ServeOptions& options, const Scenario& scenario, const SimRobot& robot,
+            const ServedPorts& served, const Loop& loop)
+      : robot_(robot), served_(served), camera_(scenario.sim.camera) {
+    if (!options.web) return;
+    server_.emplace(LiveServer::Config{.address = *options.web, .page = live_page()});
+    feed_.emplace(
+        *server_,
+        LiveRun{.title = scenario.name,
+                .kind = "serve",
+                .size = camera_.size,
+                .both_eyes = scenario.sim.both_eyes(),
+                .duration_s = options.endless ? std::nullopt : std::optional(scenario.run.duration_s),
+                .head = head_model(scenario.sim.world.head),
+                .principal_px = Eigen::Vector2d(camera_.cx_px, camera_.cy_px)},
+        loop);
+  }
+  void on_tick(const Tick& tick) override {
+    if (!feed_) return;
+    feed_->set_truth(live_truth(robot_.truth(), camera_, served_.target_m()));
+    feed_->on_tick(tick);
+  }
+  [[nodiscard]] std::string link() const { return server_ ? server_->link() : std::string(); }
+
+ private:
+  const SimRobot& robot_;
+  const ServedPorts& served_;
+  const Camera camera_;
+  std::optional<LiveServer> server_;
+  std::optional<LiveFeed> feed_;
 };
 
 /// Shows speed, load and clients.
@@ -226,6 +263,9 @@ int serve_until_the_end(const ServeOptions& options, const Registry& registry) {
   ServeProgress show_progress(progress, session, paced, *served, pace);
   session.add_observer(observer);
   session.add_observer(show_progress);
+  ServePage page(options, scenario, robot, *served, loop);
+  session.add_observer(page);
+  if (const std::string link = page.link(); !link.empty()) progress.print_line("live page: " + link);
 
   log.write(0, scheduling);
   if (!is_urgent) {
