@@ -1,11 +1,15 @@
 #include "apps/deploy/live_deploy.h"
 
+#include <algorithm>
+
 #include "apps/live/live_message.h"
 
 namespace saccade {
 namespace {
 
 double ms(std::int64_t us) { return 1e-3 * static_cast<double>(us); }
+/// What arrives while the tick ends has no age.
+double age_ms(std::int64_t now_us, std::int64_t t_us) { return std::max(0.0, ms(now_us - t_us)); }
 
 }  // namespace
 
@@ -30,12 +34,12 @@ void LiveDeploy::on_tick(const Tick& tick, const TickTiming& timing) {
   LiveTiming shown{.late_ms = ms(timing.begin_us - timing.due_us),
                    .tick_ms = ms(timing.end_us - timing.begin_us),
                    .latency_ms = {},
-                   .camera_age_ms = ms(timing.begin_us - robot_.events().heard_us()),
+                   .camera_age_ms = age_ms(timing.end_us, robot_.events().heard_us()),
                    .joints_age_ms = {},
                    .skipped_ticks = skipped_ticks_ += timing.missed,
                    .dropped_events = timing.traffic.dropped,
                    .guarded = timing.guarded};
-  if (tick.head) shown.joints_age_ms = ms(timing.begin_us - tick.head->t_us);
+  if (tick.head) shown.joints_age_ms = age_ms(timing.end_us, tick.head->t_us);
   if (timing.latency_us) shown.latency_ms = ms(*timing.latency_us);
   feed_->set_timing(shown);
   feed_->on_tick(tick);

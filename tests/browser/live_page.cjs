@@ -88,7 +88,7 @@ with_browser(process.argv[2], async ({folder, saccade, open}) => {
   }
 
   fs.writeFileSync(path.join(folder, "sweep.yaml"), "name: tiny\nscenario: look_at_ball\nset: {run.duration_s: 0.15}\n" +
-    "axes:\n  seed: {seeds: 6}\nreport: {metrics: [detectors.best.average_precision, events.count], worst: 1}\n");
+    "axes:\n  seed: {seeds: 6}\nreport: {metrics: [detectors.paper_full.average_precision, events.count], worst: 1}\n");
   const sweep = await started(process.argv[2], folder, ["sweep", "sweep.yaml", "--jobs", "1", "--out", "sweep", "--web"]);
   const page = await open("desktop", sweep.link);
   await page.waitForFunction(() => window.live && live.head && live.head.kind === "sweep" && document.querySelectorAll("tbody tr").length > 0,

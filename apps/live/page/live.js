@@ -63,8 +63,8 @@ function begin(head) {
   if (head.size) facts.push(head.size.join(" × ") + " pixels");
   if (head.duration) facts.push("of " + head.duration + " s");
   by("facts").textContent = facts.join(" · ");
-  for (const id of ["pause", "time"]) by(id).hidden = head.kind === "sweep";
-  by("window").parentNode.hidden = head.kind === "sweep";
+  by("bar").hidden = head.kind === "sweep";
+  by("panels").className = head.kind === "sweep" ? "one" : "flat";
   if (head.kind === "sweep") return beginSweep();
   beginRun(head);
 }
@@ -143,7 +143,7 @@ function beginDeploy(parent, head) {
   holder.className = "results";
   page.watchdogs = element("table", holder);
   const heads = element("tr", element("thead", page.watchdogs));
-  ["", "now", "most in 10 s", "stops the head at"].forEach((text) => element("th", heads, text));
+  ["", "now", "most in 10 s", "stops at"].forEach((text) => element("th", heads, text));
   const body = element("tbody", page.watchdogs);
   page.watchdogRows = head.watchdogs.map((watchdog) => {
     const row = element("tr", body);
