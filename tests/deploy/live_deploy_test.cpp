@@ -8,6 +8,7 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <thread>
+#include <vector>
 
 #include "control/controller_registry.h"
 #include "control/gate_registry.h"
@@ -142,8 +143,10 @@ TEST_F(LiveDeployTest, ThePageHasStateWatchdogsLogAndTheStop) {
   EXPECT_THAT(stopped.at("lines").back().get<std::string>(), testing::HasSubstr("stopped"));
 }
 
-TEST_F(LiveDeployTest, ATickDoesNotAllocateWithAPage) {
+TEST_F(LiveDeployTest, ATickDoesNotAllocateWithAPageAndTwentyThatDoNotRead) {
   if (!malloc_is_counted()) GTEST_SKIP() << "a sanitizer owns malloc";
+  std::vector<std::unique_ptr<LiveStream>> silent;
+  for (int i = 0; i < 20; ++i) silent.push_back(opened_stream(page_->link(), io_));
   const auto page = opened_stream(page_->link(), io_);
   std::atomic<int> messages = 0;
   std::thread reading([&] {
