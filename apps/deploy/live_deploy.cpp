@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "apps/live/live_message.h"
-
 namespace saccade {
 namespace {
 
@@ -13,19 +11,16 @@ double age_ms(std::int64_t now_us, std::int64_t t_us) { return std::max(0.0, ms(
 
 }  // namespace
 
-LiveDeploy::LiveDeploy(DeployObserver& recorder, const std::optional<LiveAddress>& address,
-                       OperatorRequests& requests, LiveRun run, const WatchdogConfig& watchdog, Robot& robot,
-                       const Loop& loop)
+LiveDeploy::LiveDeploy(DeployObserver& recorder, LiveServer* server, LiveRun run,
+                       const WatchdogConfig& watchdog, Robot& robot, const Loop& loop)
     : recorder_(recorder), robot_(robot) {
-  if (!address) return;
+  if (server == nullptr) return;
   run.can_stop = true;
   run.watchdogs = {{"tick late", "late", watchdog.tick_late_ms},
                    {"camera silent", "camera_age", watchdog.camera_silent_ms}};
   if (robot.head() != nullptr)
     run.watchdogs.push_back({"joints stale", "joints_age", watchdog.joints_stale_ms});
-  server_.emplace(
-      LiveServer::Config{.address = *address, .page = live_page(), .stop = [&requests] { requests.stop(); }});
-  feed_.emplace(*server_, std::move(run), loop);
+  feed_.emplace(*server, std::move(run), loop);
 }
 
 void LiveDeploy::on_tick(const Tick& tick, const TickTiming& timing) {

@@ -10,22 +10,18 @@ namespace saccade {
 /// The live page of a deployed run beside the recorder, which comes first. The page can stop the head and command nothing else.
 class LiveDeploy final : public DeployObserver {
  public:
-  /// All outlive it. Without an address it only passes on.
-  LiveDeploy(DeployObserver& recorder, const std::optional<LiveAddress>& address, OperatorRequests& requests,
-             LiveRun run, const WatchdogConfig& watchdog, Robot& robot, const Loop& loop);
+  /// All outlive it. `server`: null without a page, then it only passes on.
+  LiveDeploy(DeployObserver& recorder, LiveServer* server, LiveRun run, const WatchdogConfig& watchdog,
+             Robot& robot, const Loop& loop);
 
   void on_tick(const Tick& tick, const TickTiming& timing) override;
   void on_change(const DeployChange& change) override;
   void on_news(std::int64_t t_us, const std::string& line) override;
 
-  /// Empty without an address.
-  [[nodiscard]] std::string link() const { return server_ ? server_->link() : std::string(); }
-
  private:
   DeployObserver& recorder_;
   Robot& robot_;
   std::int64_t skipped_ticks_ = 0;
-  std::optional<LiveServer> server_;
   std::optional<LiveFeed> feed_;
 };
 

@@ -95,34 +95,30 @@ class ServeObserver final : public LoopObserver {
 /// The live page, if there is one.
 class ServePage final : public LoopObserver {
  public:
-  ServePage(const ServeOptions& options, const Scenario& scenario, const SimRobot& robot,
+  ServePage(LiveServer* server, bool endless, const Scenario& scenario, const SimRobot& robot,
             const ServedPorts& served, const Loop& loop)
       : robot_(robot), served_(served), camera_(scenario.sim.camera) {
-    if (!options.web) return;
-    server_.emplace(LiveServer::Config{.address = *options.web, .page = live_page()});
-    feed_.emplace(
-        *server_,
-        LiveRun{.title = scenario.name,
-                .kind = "serve",
-                .size = camera_.size,
-                .both_eyes = scenario.sim.both_eyes(),
-                .duration_s = options.endless ? std::nullopt : std::optional(scenario.run.duration_s),
-                .head = head_model(scenario.sim.world.head),
-                .principal_px = Eigen::Vector2d(camera_.cx_px, camera_.cy_px)},
-        loop);
+    if (server == nullptr) return;
+    feed_.emplace(*server,
+                  LiveRun{.title = scenario.name,
+                          .kind = "serve",
+                          .size = camera_.size,
+                          .both_eyes = scenario.sim.both_eyes(),
+                          .duration_s = endless ? std::nullopt : std::optional(scenario.run.duration_s),
+                          .head = head_model(scenario.sim.world.head),
+                          .principal_px = Eigen::Vector2d(camera_.cx_px, camera_.cy_px)},
+                  loop);
   }
   void on_tick(const Tick& tick) override {
     if (!feed_) return;
     feed_->set_truth(live_truth(robot_.truth(), camera_, served_.target_m()));
     feed_->on_tick(tick);
   }
-  [[nodiscard]] std::string link() const { return server_ ? server_->link() : std::string(); }
 
  private:
   const SimRobot& robot_;
   const ServedPorts& served_;
   const Camera camera_;
-  std::optional<LiveServer> server_;
   std::optional<LiveFeed> feed_;
 };
 
@@ -240,6 +236,8 @@ int serve_until_the_end(const ServeOptions& options, const Registry& registry) {
   SimRobot robot(scenario.sim, static_cast<std::uint64_t>(scenario.seed),
                  static_cast<std::size_t>(scenario.run.threads));
   urgent.reset();
+  std::optional<LiveServer> server;  // before the folder is replaced: its address may be in use
+  if (options.web) server.emplace(LiveServer::Config{.address = *options.web, .page = live_page()});
   const auto lock = start_run_folder(folder, options.force, registry.formats, "scenario.yaml",
                                      version_line() + ", " + SimRobot::simulator_version() + ", served; " +
                                          robot.gl_description() + "\n" + resolved_scenario(scenario));
@@ -263,9 +261,9 @@ int serve_until_the_end(const ServeOptions& options, const Registry& registry) {
   ServeProgress show_progress(progress, session, paced, *served, pace);
   session.add_observer(observer);
   session.add_observer(show_progress);
-  ServePage page(options, scenario, robot, *served, loop);
+  ServePage page(server ? &*server : nullptr, options.endless, scenario, robot, *served, loop);
   session.add_observer(page);
-  if (const std::string link = page.link(); !link.empty()) progress.print_line("live page: " + link);
+  if (server) progress.print_line("live page: " + server->link());
 
   log.write(0, scheduling);
   if (!is_urgent) {

@@ -59,7 +59,7 @@ class LiveDeployTest : public testing::Test {
     loop_.emplace(
         *robot_, MountedCamera{icub_left_2016, {}}, std::move(detectors),
         LoopGaze{0, make_gate(built_in_gates().config()), std::nullopt, FollowConfig{.start_s = 0.0}});
-    page_.emplace(record_, LiveAddress{}, requests_,
+    page_.emplace(record_, &server_,
                   LiveRun{.title = "fake", .kind = "deploy", .size = {128, 128}, .head = script.limits.head},
                   WatchdogConfig{}, *robot_, *loop_);
     session_.emplace(
@@ -89,6 +89,7 @@ class LiveDeployTest : public testing::Test {
   asio::io_context io_;
   NoRecord record_;
   OperatorRequests requests_;
+  LiveServer server_{{.address = {}, .page = "", .stop = [this] { requests_.stop(); }}};
   std::optional<FakeDeployed> robot_;
   std::optional<Loop> loop_;
   std::optional<LiveDeploy> page_;
@@ -98,7 +99,7 @@ class LiveDeployTest : public testing::Test {
 TEST_F(LiveDeployTest, TheButtonStopsTheHeadEachOfFiftyTimes) {
   for (int i = 0; i < 50; ++i) {
     activate();
-    const auto page = opened_stream(page_->link(), io_);
+    const auto page = opened_stream(server_.link(), io_);
     page->text(true);
     page->write(asio::buffer(std::string("stop")));
     ASSERT_TRUE(reaches(DeployState::stopped)) << "time " << i;
@@ -109,7 +110,7 @@ TEST_F(LiveDeployTest, TheButtonStopsTheHeadEachOfFiftyTimes) {
 }
 
 TEST_F(LiveDeployTest, ThePageHasStateWatchdogsLogAndTheStop) {
-  const auto page = opened_stream(page_->link(), io_);
+  const auto page = opened_stream(server_.link(), io_);
   const auto greeting = head_of(next_message(*page));
   EXPECT_EQ(greeting.at("kind"), "deploy");
   EXPECT_EQ(greeting.at("can_stop"), true);
@@ -146,8 +147,8 @@ TEST_F(LiveDeployTest, ThePageHasStateWatchdogsLogAndTheStop) {
 TEST_F(LiveDeployTest, ATickDoesNotAllocateWithAPageAndTwentyThatDoNotRead) {
   if (!malloc_is_counted()) GTEST_SKIP() << "a sanitizer owns malloc";
   std::vector<std::unique_ptr<LiveStream>> silent;
-  for (int i = 0; i < 20; ++i) silent.push_back(opened_stream(page_->link(), io_));
-  const auto page = opened_stream(page_->link(), io_);
+  for (int i = 0; i < 20; ++i) silent.push_back(opened_stream(server_.link(), io_));
+  const auto page = opened_stream(server_.link(), io_);
   std::atomic<int> messages = 0;
   std::thread reading([&] {
     boost::beast::error_code error;
@@ -174,8 +175,8 @@ TEST_F(LiveDeployTest, ATickDoesNotAllocateWithAPageAndTwentyThatDoNotRead) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   EXPECT_GT(messages, first);
-  session_.reset();
-  page_.reset();
+  boost::system::error_code ignored;
+  page->next_layer().shutdown(asio::ip::tcp::socket::shutdown_both, ignored);
   reading.join();
 }
 
