@@ -36,6 +36,7 @@ pkg_check_modules(glfw REQUIRED IMPORTED_TARGET glfw3)
 pkg_check_modules(imgui REQUIRED IMPORTED_TARGET imgui)
 find_package(mujoco 2.2.2 REQUIRED MODULE)
 find_path(MUSTACHE_HEADERS kainjow/mustache.hpp REQUIRED)
+find_path(BEAST_HEADERS boost/beast/websocket.hpp REQUIRED)  # headers alone are used
 find_path(DYGRAPHS dygraph.min.js PATHS /usr/share/javascript/dygraphs REQUIRED)  # embedded in reports
 find_path(THREE three.min.js PATHS /usr/share/javascript/three REQUIRED)  # embedded in pages that replay runs
 include(SaccadeYarp)

@@ -28,7 +28,7 @@ install(DIRECTORY ${saccade_SOURCE_DIR}/examples DESTINATION ${CMAKE_INSTALL_DOC
 
 # Every layer is a library of the package: a static library needs those below it. `program` is the command line.
 set(layers core flow hough tracker baselines detectors head threads control emulator recording robot loop sim scoring frame_camera
-  calibration image_codecs report replay sensor_fit worlds config external images session deploy serve sweep view cli)
+  calibration image_codecs report replay sensor_fit worlds config external images session live deploy serve sweep view cli)
 if(TARGET saccade_yarp)
   list(APPEND layers yarp)
 endif()

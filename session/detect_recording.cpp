@@ -167,6 +167,10 @@ void detect_recording(const NamedDetectors& named, const DetectSettings& setting
   Session session(robot, loop);
   session.add_observer(observations);
   session.add_observer(scores);
+  if (settings.observe) {
+    if (LoopObserver* const observer = settings.observe(loop, camera.camera.size))
+      session.add_observer(*observer);
+  }
   if (!source.truth.empty() && source.chances == Chances::annotated) {
     run_at(source.truth, start_us, session, scores);
   } else {

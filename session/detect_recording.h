@@ -1,8 +1,10 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 
 #include "config/sections.h"
+#include "loop/loop.h"
 #include "session/replay_source.h"
 
 namespace saccade {
@@ -16,7 +18,9 @@ struct DetectSettings {
   bool no_ball = false;               ///< the recording shows no ball: every observation is false
   std::filesystem::path folder;       ///< for detections, scores and report; empty: nothing is written
   bool force = false;                 ///< replace an earlier run in that folder
-  bool json = false;                  ///< without a folder: print metrics.json instead of the summary
+  /// Called before the first tick; what it returns sees every tick, and outlives the run. May be empty.
+  std::function<LoopObserver*(const Loop& loop, ImageSize size)> observe = {};
+  bool json = false;  ///< without a folder: print metrics.json instead of the summary
 };
 
 /// Runs detectors on a recording, scores them where truth is given, prints the summary and writes the folder. Ticks are at

@@ -183,6 +183,11 @@ Option& Option::one_value_each() {
   return *this;
 }
 
+Option& Option::value_optional() {
+  option_->option->expected(0, 1)->default_str("");
+  return *this;
+}
+
 Option& Option::excludes(const Option& other) {
   option_->option->excludes(other.option_->option);
   return *this;

@@ -75,6 +75,8 @@ class Option {
   Option& offers_scenarios();
   /// Each value needs the option's name before it, so that no positional argument is taken for a value.
   Option& one_value_each();
+  /// The option can stand without a value, which is then "".
+  Option& value_optional();
   /// The two cannot be given together.
   Option& excludes(const Option& other);
 

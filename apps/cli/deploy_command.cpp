@@ -1,6 +1,7 @@
 #include <memory>
 
 #include "apps/cli/commands.h"
+#include "apps/cli/web_option.h"
 #include "apps/deploy/deploy_run.h"
 
 namespace saccade {
@@ -16,6 +17,7 @@ void add_deploy_command(CommandLine& line, const Registry& registry) {
   command.flag("--dry-run", options->dry_run, "Everything but commands: nothing is sent to the head");
   command.flag("--record", options->record, "Record events and joints into the run folder, too");
   command.flag("--activate", options->activate, "Move the head as soon as it is ready, without a key");
+  add_web_option(command, options->web);
   command.flag("--force", options->force, "Replace an earlier run in that folder");
   command.footer(
       "Keys: enter activates, space stops, q stops and quits, as Ctrl-C does. Exit status 1 if a fault "

@@ -5,6 +5,9 @@
 
 #include "apps/cli/commands.h"
 #include "apps/cli/read_options.h"
+#include "apps/cli/web_option.h"
+#include "apps/live/live_feed.h"
+#include "apps/live/live_message.h"
 #include "config/scenario.h"
 #include "session/detect_recording.h"
 
@@ -15,6 +18,7 @@ struct DetectOptions {
   std::filesystem::path config;
   std::vector<std::string> assignments;
   DetectSettings settings;
+  std::optional<LiveAddress> web;
 };
 
 /// Those of --config; else those of the run whose folder is read, which is printed; else the registry's defaults.
@@ -29,6 +33,21 @@ NamedDetectors detectors_for(const DetectOptions& options, const DetectorRegistr
     }
   }
   return read_detectors(options.config, options.assignments, registry);
+}
+
+void detect(const DetectOptions& options, const DetectorRegistry& registry) {
+  const NamedDetectors detectors = detectors_for(options, registry);
+  if (!options.web) return detect_recording(detectors, options.settings);
+  LiveServer server({.address = *options.web, .page = live_page()});
+  fmt::print(stderr, "live page: {}\n", server.link());
+  std::optional<LiveFeed> feed;
+  DetectSettings settings = options.settings;
+  settings.observe = [&](const Loop& loop, ImageSize size) -> LoopObserver* {
+    return &feed.emplace(
+        server,
+        LiveRun{.title = settings.input.recording.filename().string(), .kind = "detect", .size = size}, loop);
+  };
+  detect_recording(detectors, settings);
 }
 
 }  // namespace
@@ -60,9 +79,10 @@ void add_detect_command(CommandLine& line, const Registry& registry) {
                  "Assumed calibration of the camera (YAML, as calibrate writes it)");
   Option folder = command.option("--out", settings.folder, "Folder for detections, scores and report");
   command.flag("--json", settings.json, "The scores as metrics.json on standard output").excludes(folder);
+  add_web_option(command, options->web);
   command.flag("--force", settings.force, "Replace an earlier run in that folder");
   command.action([options, &registry] {
-    detect_recording(detectors_for(*options, registry.detectors), options->settings);
+    detect(*options, registry.detectors);
     return 0;
   });
 }

@@ -1,4 +1,5 @@
 #include "apps/cli/commands.h"
+#include "apps/cli/web_option.h"
 #include "apps/serve/serve_session.h"
 #include "core/error.h"
 #include "session/version.h"
@@ -15,6 +16,7 @@ void add_serve_command(CommandLine& line, const Registry& registry) {
   command.option("--seed", options->seed, "Seed, instead of the scenario's");
   command.option("--set", options->assignments, "key.path=value, instead of the scenario's").one_value_each();
   command.flag("--force", options->force, "Replace an earlier run in that folder");
+  add_web_option(command, options->web);
   command.flag("--wait-for-client", options->wait_for_client,
                "The world stands still until somebody reads the camera and takes the head");
   command.flag("--endless", options->endless,

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "apps/cli/commands.h"
+#include "apps/cli/web_option.h"
 #include "apps/sweep/sweep_run.h"
 #include "apps/sweep/sweep_store.h"
 #include "core/error.h"
@@ -47,6 +48,7 @@ void add_sweep_command(CommandLine& line, const Registry& registry) {
   Option status = command.option("--status", *status_of, "Print how far the sweep in this folder is");
   status.excludes(file);
   command.option("--out", options->out, "Folder of the sweep; sweeps/NAME by default");
+  add_web_option(command, options->web);
   command.option("--set", options->assignments, "key.path=value for the scenario of all runs")
       .one_value_each();
   command.option("--engine", options->engine.engine, "local (xargs) or slurm (sbatch)")

@@ -14,6 +14,8 @@
 #include "apps/deploy/guard_link.h"
 #include "apps/deploy/hang_watch.h"
 #include "apps/deploy/keyboard.h"
+#include "apps/deploy/live_deploy.h"
+#include "apps/live/live_message.h"
 #include "config/robot_file.h"
 #include "core/error.h"
 #include "evaluation/report/report.h"
@@ -80,13 +82,18 @@ void deploy_on(Robot& robot, GuardLink* guard, const DeployOptions& options, con
   facts.record = options.record;
   if (!print_checks(facts.checks)) throw RunError("not ready: see the start-up checks above");
 
+  OperatorRequests requests;
+  std::optional<LiveServer> server;  // before the folder is replaced: its address may be in use
+  if (options.web) {
+    server.emplace(LiveServer::Config{
+        .address = *options.web, .page = live_page(), .stop = [&requests] { requests.stop(); }});
+  }
   const std::filesystem::path folder =
       options.out.empty() ? std::filesystem::path("runs") / file.name : options.out;
   const auto lock = start_run_folder(folder, options.force, file.output.formats, "robot.yaml",
                                      version_line() + "\n" + resolved_robot_file(file));
 
   Loop loop = make_deploy_loop(robot, file);
-  OperatorRequests requests;
   const Keyboard keyboard([&](char key) {
     if (key == 'q') requests.quit(StopCause::operator_stop);
     if (key == ' ') requests.stop();
@@ -96,6 +103,15 @@ void deploy_on(Robot& robot, GuardLink* guard, const DeployOptions& options, con
   print_keys(options, has_operator);
   // The writer's thread starts before this one gets its priority, so that it has none.
   DeployRecorder recorder(folder, file, loop, robot.events().image_size(), std::move(facts));
+  // So do those of the page.
+  LiveDeploy observer(recorder, server ? &*server : nullptr,
+                      {.title = file.name,
+                       .kind = "deploy",
+                       .size = robot.events().image_size(),
+                       .duration_s = options.duration_s,
+                       .head = robot.head() != nullptr ? robot.head()->limits().head : nullptr},
+                      file.deploy.watchdog, robot, loop);
+  if (server) fmt::print(stderr, "live page: {}\n", server->link());
   HangWatch hang_watch(
       robot, {.bound_ns = std::llround(file.deploy.watchdog.hang_ms * 1e6)},
       [](std::int64_t age_ns) {
@@ -105,7 +121,7 @@ void deploy_on(Robot& robot, GuardLink* guard, const DeployOptions& options, con
       end_hung_program);
   std::vector<Overseer*> overseers = {&hang_watch};
   if (moves) overseers.push_back(guard);
-  DeploySession session(robot, loop, motion_maker(robot, file), requests, recorder,
+  DeploySession session(robot, loop, motion_maker(robot, file), requests, observer,
                         {std::llround(file.deploy.tick_ms * 1e3), file.deploy.watchdog, overseers, moves});
   {
     const ReleaseAtEnd release(robot);

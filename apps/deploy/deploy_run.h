@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "apps/live/live_server.h"
+
 namespace saccade {
 
 struct Registry;
@@ -18,6 +20,7 @@ struct DeployOptions {
   bool dry_run = false;                  ///< nothing is sent to the head
   bool record = false;                   ///< events and joints into the run folder too
   bool activate = false;                 ///< the head moves as soon as it is ready, without a key
+  std::optional<LiveAddress> web;        ///< of the live page; none: there is none
   bool force = false;                    ///< replace an earlier run in that folder
 };
 

@@ -187,6 +187,9 @@ bool DeploySession::tick() {
     } else {
       note_protection(facts.now_us);
     }
+  } else if (request == OperatorRequests::Request::stop && attempts_) {
+    attempts_.reset();
+    reject("the operator requested a stop");
   } else if (request == OperatorRequests::Request::activate && !quit) {
     activate(facts);
   } else if (!quit && !try_to_activate(facts)) {

@@ -86,7 +86,12 @@ class Overseer {
 /// Requests of an operator, carried out at the next tick. May be called from any thread.
 class OperatorRequests {
  public:
-  void activate() { request_ = Request::activate; }
+  /// Has no effect while a stop waits for its tick.
+  void activate() {
+    Request none = Request::none;
+    request_.compare_exchange_strong(none, Request::activate);
+  }
+  /// Stops an active head; ends the attempts to activate one (DeploySession::keep_activating).
   void stop() { request_ = Request::stop; }
   /// The head stops and the session ends.
   void quit(StopCause cause) {
@@ -135,7 +140,7 @@ class DeploySession {
   /// To be called after all start-up checks have passed; ticks are due from now on.
   void set_ready();
   /// Tries to activate the head every 100 ms, in ticks after the first that are not late, until it is active. After
-  /// `within_us` without success the session ends.
+  /// `within_us` without success the session ends. A stop that the operator requests ends the attempts.
   void keep_activating(std::int64_t within_us);
   /// Why the newest request to activate the head had no success; empty if it had.
   [[nodiscard]] const std::string& not_activated() const { return not_activated_; }

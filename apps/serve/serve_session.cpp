@@ -15,6 +15,9 @@
 #include <thread>
 #include <utility>
 
+#include "apps/live/live_feed.h"
+#include "apps/live/live_message.h"
+#include "apps/live/live_truth.h"
 #include "apps/serve/image_pace.h"
 #include "apps/serve/moving_speed.h"
 #include "apps/serve/paced_robot.h"
@@ -87,6 +90,36 @@ class ServeObserver final : public LoopObserver {
  private:
   ServedPorts& served_;
   RunRecorder& recorder_;
+};
+
+/// The live page, if there is one.
+class ServePage final : public LoopObserver {
+ public:
+  ServePage(LiveServer* server, bool endless, const Scenario& scenario, const SimRobot& robot,
+            const ServedPorts& served, const Loop& loop)
+      : robot_(robot), served_(served), camera_(scenario.sim.camera) {
+    if (server == nullptr) return;
+    feed_.emplace(*server,
+                  LiveRun{.title = scenario.name,
+                          .kind = "serve",
+                          .size = camera_.size,
+                          .both_eyes = scenario.sim.both_eyes(),
+                          .duration_s = endless ? std::nullopt : std::optional(scenario.run.duration_s),
+                          .head = head_model(scenario.sim.world.head),
+                          .principal_px = Eigen::Vector2d(camera_.cx_px, camera_.cy_px)},
+                  loop);
+  }
+  void on_tick(const Tick& tick) override {
+    if (!feed_) return;
+    feed_->set_truth(live_truth(robot_.truth(), camera_, served_.target_m()));
+    feed_->on_tick(tick);
+  }
+
+ private:
+  const SimRobot& robot_;
+  const ServedPorts& served_;
+  const Camera camera_;
+  std::optional<LiveFeed> feed_;
 };
 
 /// Shows speed, load and clients.
@@ -203,6 +236,8 @@ int serve_until_the_end(const ServeOptions& options, const Registry& registry) {
   SimRobot robot(scenario.sim, static_cast<std::uint64_t>(scenario.seed),
                  static_cast<std::size_t>(scenario.run.threads));
   urgent.reset();
+  std::optional<LiveServer> server;  // before the folder is replaced: its address may be in use
+  if (options.web) server.emplace(LiveServer::Config{.address = *options.web, .page = live_page()});
   const auto lock = start_run_folder(folder, options.force, registry.formats, "scenario.yaml",
                                      version_line() + ", " + SimRobot::simulator_version() + ", served; " +
                                          robot.gl_description() + "\n" + resolved_scenario(scenario));
@@ -226,6 +261,9 @@ int serve_until_the_end(const ServeOptions& options, const Registry& registry) {
   ServeProgress show_progress(progress, session, paced, *served, pace);
   session.add_observer(observer);
   session.add_observer(show_progress);
+  ServePage page(server ? &*server : nullptr, options.endless, scenario, robot, *served, loop);
+  session.add_observer(page);
+  if (server) progress.print_line("live page: " + server->link());
 
   log.write(0, scheduling);
   if (!is_urgent) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/live/live_server.h"
 #include "config/registry.h"
 
 namespace saccade {
@@ -16,6 +17,7 @@ struct ServeOptions {
   std::vector<std::string> assignments;
   std::optional<std::int64_t> seed;
   bool force = false;
+  std::optional<LiveAddress> web;  ///< of the live page; none: there is none
   bool wait_for_client =
       false;  ///< simulated time stands still until a client reads the camera and commands the head
   bool endless = false;        ///< beyond the scenario's duration

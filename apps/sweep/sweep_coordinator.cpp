@@ -67,6 +67,7 @@ void SweepCoordinator::wait(const Show& show) {
     const auto begin = SweepClock::now();
     collect();
     show();
+    if (watch_) watch_(*this);
     const double cost_s = std::chrono::duration<double>(SweepClock::now() - begin).count();
     if (busy) pause(std::max(0.2, 20.0 * cost_s));
   }
@@ -110,7 +111,10 @@ void SweepCoordinator::make_worst_runs() {
   if (ids.empty()) return;
   fmt::print(stderr, "{} of the worst runs again, for their reports\n", ids.size());
   engine_->start(command({"--worst"}), ids);
-  while (engine_->busy()) pause(0.2);
+  while (engine_->busy()) {
+    if (watch_) watch_(*this);
+    pause(0.2);
+  }
   for (const std::string& id : ids) {
     std::error_code ignored;
     const fs::path log = sweep_.run(id) / "log.txt";

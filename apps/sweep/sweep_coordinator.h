@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -20,7 +21,13 @@ class SweepCoordinator {
   SweepCoordinator(const SweepEngineConfig& engine, const SweepPlan& plan, const SweepFolder& sweep,
                    bool retry);
 
-  [[nodiscard]] SweepStore& store() { return *store_; }
+  [[nodiscard]] SweepStore& store() const { return *store_; }
+
+  /// Called about every 0.2 s while runs are made, the worst ones too.
+  void set_watch(std::function<void(const SweepCoordinator&)> watch) { watch_ = std::move(watch); }
+  /// How many runs have no result, and how many are at work.
+  [[nodiscard]] std::size_t missing() const { return missing_.size(); }
+  [[nodiscard]] std::ptrdiff_t running() const;
 
   /// Throws RunError after an interrupt, DiskFull.
   void make_missing_runs();
@@ -33,7 +40,6 @@ class SweepCoordinator {
   template <class Show>
   void wait(const Show& show);
   void collect();
-  [[nodiscard]] std::ptrdiff_t running() const;
   void give_up();
 
   const SweepPlan& plan_;
@@ -42,6 +48,7 @@ class SweepCoordinator {
   std::unique_ptr<SweepStore> store_;
   std::vector<std::string> missing_;
   std::size_t distinct_ = 0;
+  std::function<void(const SweepCoordinator&)> watch_;
 };
 
 }  // namespace saccade

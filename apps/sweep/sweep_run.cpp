@@ -6,6 +6,7 @@
 #include <chrono>
 #include <set>
 
+#include "apps/sweep/live_sweep.h"
 #include "apps/sweep/sweep_config.h"
 #include "apps/sweep/sweep_coordinator.h"
 #include "apps/sweep/sweep_folder.h"
@@ -81,9 +82,16 @@ int sweep(const SweepOptions& options, const std::string& version, const Registr
   catch_interrupts();
   try {
     SweepCoordinator coordinator(options.engine, plan, folder, options.retry);
+    std::optional<LiveSweep> page;
+    if (options.web) {
+      page.emplace(*options.web, folder);
+      fmt::print(stderr, "live page: {}\n", page->link());
+      coordinator.set_watch([&](const SweepCoordinator& now) { page->show(now); });
+    }
     coordinator.make_missing_runs();
     if (!options.csv.empty()) write_file(options.csv, coordinator.store().csv(options.times));
     coordinator.make_worst_runs();
+    if (page) page->show(coordinator, LiveSweep::When::at_once);
     write_sweep_report(coordinator.store().table(), folder.path());
     const std::int64_t failed = coordinator.store().count("failed");
     fmt::print("{} runs done, {} failed\n", coordinator.store().count("done"), failed);

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "apps/live/live_server.h"
 #include "apps/sweep/sweep_engine.h"
 #include "config/registry.h"
 
@@ -18,6 +20,7 @@ struct SweepOptions {
   bool retry = false;                    ///< make failed runs again
   std::vector<std::string> assignments;  ///< for the scenarios of all runs
   SweepEngineConfig engine;
+  std::optional<LiveAddress> web;  ///< of the live page; none: there is none
 };
 
 /// Makes the missing runs of a sweep, its table and its report. `version` identifies the program: runs of another version

@@ -105,7 +105,7 @@ std::string Page::html(const std::string& scene) const {
                 std::string(replay_asset("OrbitControls.js")) + "</script>\n";
   }
   std::string script;
-  for (const char* const name : {"tables.js", "plot.js", "eye.js", "scene.js", "replay.js"})
+  for (const char* const name : {"page.js", "tables.js", "plot.js", "eye.js", "scene.js", "replay.js"})
     script += replay_asset(name);
   return filled_page(replay_asset("replay.html"), {{"title", title},
                                                    {"style", replay_asset("replay.css")},

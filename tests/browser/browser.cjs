@@ -34,7 +34,7 @@ async function with_browser(program, test) {
       // Software OpenGL states that it reads back what it draws.
       if (["error", "warning"].includes(message.type()) && !/GL Driver Message/.test(message.text())) problems.push(screen + ": " + message.text());
     });
-    page.on("request", (request) => {
+    page.on("request", (request) => {  // a page of the server may ask there
       if (!/^(file|data|blob):/.test(request.url()) && !request.url().startsWith(url.split("?")[0].split("#")[0]))
         problems.push(screen + ": asks for " + request.url());
     });

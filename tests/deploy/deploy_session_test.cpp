@@ -549,6 +549,40 @@ TEST(DeployActivation, EndsTheSessionWithTheReasonAfterItsTime) {
   EXPECT_EQ(trial.fake->commands, 0);
 }
 
+TEST(DeployActivation, AStopEndsTheAttempts) {
+  FakeRobotScript script;
+  script.nan_us = {0, 300'000};  // the attempts have no success until then
+  Trial trial(script);
+  trial.session->set_ready();
+  trial.session->keep_activating(2'000'000);
+  ASSERT_TRUE(trial.run_until(100'000));
+  trial.requests.stop();
+  ASSERT_TRUE(trial.run_until(3'000'000));
+  EXPECT_EQ(trial.session->state(), DeployState::ready);
+  EXPECT_FALSE(trial.fake->is_active);
+  EXPECT_EQ(trial.fake->commands, 0);
+  EXPECT_EQ(trial.session->not_activated(), "the operator requested a stop");
+  trial.requests.activate();
+  ASSERT_TRUE(trial.run_until(3'100'000));
+  EXPECT_EQ(trial.session->state(), DeployState::active) << "the operator can still activate it";
+}
+
+TEST(DeployActivation, AStopIsNotLostToAnActivationInTheSameTick) {
+  Trial trial;
+  trial.activate();
+  ASSERT_TRUE(trial.run_until(100'000));
+  for (const bool stop_first : {true, false}) {
+    trial.requests.activate();
+    ASSERT_TRUE(trial.run_until(trial.robot->clock().now_us() + 100'000));
+    ASSERT_EQ(trial.session->state(), DeployState::active);
+    if (stop_first) trial.requests.stop();
+    trial.requests.activate();
+    if (!stop_first) trial.requests.stop();
+    ASSERT_TRUE(trial.session->tick());
+    EXPECT_EQ(trial.session->state(), DeployState::stopped);
+  }
+}
+
 TEST(DeployActivation, AJointThatIsSwitchedOffIsNotActivated) {
   FakeRobotScript script;
   script.drive_us = {0, JointDrive::off};

@@ -118,6 +118,7 @@ class Plot {
     const ratio = width / Math.max(1, this.canvas.clientWidth);
     const key = [width, height, time.from, time.to, version].join();
     if (key !== this.key) {
+      if (width !== this.drawn.width) this.usedLines = 1;
       this.key = key;
       this.drawn.width = width;
       this.drawn.height = height;
@@ -130,7 +131,7 @@ class Plot {
   }
 
   // Lines of the heading: the values of all curves.
-  headingLines(ratio) { return Math.max(1, Math.ceil((this.series.length + 1) * 104 * ratio / this.canvas.width)); }
+  headingLines(ratio) { return Math.max(this.usedLines || 1, Math.ceil((this.series.length + 1) * 104 * ratio / this.canvas.width)); }
 
   box(ratio) {
     const top = 4 + 16 * this.headingLines(ratio);
@@ -280,5 +281,7 @@ class Plot {
       context.fillText(text, at + 11 * ratio, line);
       at += wide;
     }
+    // The next time there is room for them.
+    this.usedLines = Math.max(this.usedLines || 1, 1 + Math.round((line - 10 * ratio) / (16 * ratio)));
   }
 }

@@ -1,16 +1,6 @@
 // The page: what it shows, the instant it shows, and what the user does.
 
 const speeds = [0.05, 0.1, 0.2, 0.5, 1, 2];
-const windows = [1, 2, 5, 10, 20, 50, 100];  // ms
-const by = (id) => document.getElementById(id);
-
-function element(kind, parent, text) {
-  const made = document.createElement(kind);
-  if (text !== undefined) made.textContent = text;
-  if (parent) parent.appendChild(made);
-  return made;
-}
-
 // The instant and the stretch of time that timeline and plots show, us since the start.
 class Time {
   constructor(end) {
@@ -100,15 +90,6 @@ function describe(page) {
     " The scene is drawn by three.js, © 2010-2019 three.js authors, MIT licence; its text stands in the source of this page.");
 }
 
-function panel(parent, kind, title) {
-  const section = element("section", parent);
-  section.className = kind;
-  const heading = element("h2", section, title);
-  const view = element("div", section);
-  view.className = "view";
-  return {section, heading, view, canvas: element("canvas", view)};
-}
-
 function addScene(page, parent, scene) {
   const {heading, view, canvas} = panel(parent, "scene", "Scene");
   const choice = element("select");
@@ -126,22 +107,6 @@ function addScene(page, parent, scene) {
     return;
   }
   choice.addEventListener("change", () => page.scene.setView(choice.value));
-}
-
-// A check box that shows and hides `name` everywhere.
-function check(page, parent, name, text, colour) {
-  const label = element("label", parent);
-  const box = element("input", label);
-  box.type = "checkbox";
-  box.checked = true;
-  const dot = element("span", label);
-  dot.className = "dot";
-  dot.style.background = colour;
-  label.append(text);
-  box.addEventListener("change", () => {
-    page.hidden[name] = !box.checked;
-    redraw(page);
-  });
 }
 
 function addEyes(page, parent) {
@@ -169,13 +134,7 @@ function addEyes(page, parent) {
   }
   const legend = element("div", first);
   legend.className = "legend";
-  for (const [name, text] of [["on", "ON"], ["off", "OFF"]]) {
-    const mark = element("span", legend);
-    const dot = element("span", mark);
-    dot.className = "dot";
-    dot.style.background = head.colours[name];
-    mark.append(text);
-  }
+  addPolarities(legend, head.colours);
   if (tables.truth) check(page, legend, "truth", "ground truth", head.colours.truth);
   for (const d of head.detectors) check(page, legend, "detector " + d.name, d.name, d.colour);
   if (tables.eye && head.principal) check(page, legend, "gaze", "gaze", head.colours.gaze);
@@ -190,10 +149,6 @@ function positionErrors(table, truth) {
     if (row >= 0 && truth.visible[row] >= 0.5) errors[i] = Math.hypot(table.x[i] - truth.x[row], table.y[i] - truth.y[row]);
   }
   return errors;
-}
-
-function aboveThreshold(detector, values) {
-  return values.map((v, i) => detector.table.score[i] >= detector.threshold ? v : NaN);
 }
 
 function addPlots(page, parent) {
@@ -233,7 +188,6 @@ function addPlots(page, parent) {
     }
     add(title, "px", series, {range: [0, size]});
   }
-  const jointColours = ["#e69f00", "#56b4e9", "#009e73", "#cc79a7", "#0072b2", "#d55e00", "#999933", "#882255", "#888888"];
   if (tables.gaze) {
     add("Joints", "deg", head.joints.map((joint, i) => ({name: joint.name.replace(/_/g, " "),
       colour: jointColours[i % jointColours.length], table: tables.gaze, value: (t) => t[joint.column]})), {height: 124});
