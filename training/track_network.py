@@ -2,6 +2,7 @@
 
     python3 -m training.track_network --tracks TRACKS --out WEIGHTS.npz
     python3 -m training.track_network --tracks TRACKS --judge [WEIGHTS.npz]
+    python3 -m training.track_network --tracks TRACKS --judge WEIGHTS.npz --export models/best
 
 The network estimates the log odds that a circle is the ball's. One of HELD_BACK training worlds is held back to judge each
 epoch; development worlds are only judged.
@@ -19,7 +20,8 @@ import torch
 from torch import nn
 from torch.nn import functional
 
-from .tracks import FALSE, FIELDS, IGNORED, INLIER, INPUTS
+from .tracks import FIELDS, IGNORED, INLIER, INPUTS
+from .worlds import ROOT
 
 STEP_MS = 2.0  # of the logs
 MOST_ROWS = 25  # that one step counts for in the loss
@@ -29,17 +31,19 @@ MOST_DEVIATIONS = 4.0
 CHUNK, LANES = 64, 96
 GOLDEN_STEPS = 32
 COLUMN = {name: i for i, name in enumerate(FIELDS)}
+BEST_WEIGHT = 5.0  # beside 1, for steps of the best circle
+MOST_AT_INSTANT = 8.0  # log odds
 
 
-OLD = False
-BEST_WEIGHT = 5.0
-
-
-def old_log_odds(x):
-    w = {k.split(".")[1]: v for k, v in np.load("models/best/weights.npz").items() if k.startswith("prob")}
-    z = np.clip((x - w["input_mean"]) * w["input_scale"], -4, 4)
-    h = z @ w["hidden_weight"] + w["hidden_bias"]
-    return np.clip(w["output_bias"][0] + z @ w["direct_weight"] + (h / (1 + np.abs(h))) @ w["output_weight"], -8, 8).astype(np.float32)
+def log_odds_at_instant(x):
+    """disc_log_odds() of core/tracker/disc_probability.h."""
+    w = np.load(ROOT / "models/best/weights.npz")
+    mean, scale, hidden, bias, direct, output, output_bias = (
+        w[f"probability.{k}"] for k in ("input_mean", "input_scale", "hidden_weight", "hidden_bias", "direct_weight", "output_weight", "output_bias"))
+    z = np.clip((x - mean) * scale, -MOST_DEVIATIONS, MOST_DEVIATIONS)
+    h = z @ hidden + bias
+    sum_ = output_bias[0] + z @ direct + (h / (1 + np.abs(h))) @ output
+    return np.clip(sum_, -MOST_AT_INSTANT, MOST_AT_INSTANT).astype(np.float32)
 
 
 class Tracks:
@@ -59,9 +63,9 @@ class Tracks:
         dt = np.diff(t, prepend=t[:1])
         dt[self.born[at]] = 0
         self.first = self.born[at]
-        self.inputs = np.concatenate([self.rows[at, len(FIELDS):], np.log1p(dt / STEP_MS)[:, None]], 1).astype(np.float32)
-        if OLD:
-            self.inputs = np.concatenate([self.inputs, old_log_odds(self.rows[at, len(FIELDS):])[:, None]], 1)
+        figures_ = self.rows[at, len(FIELDS):]
+        columns = [figures_, np.log1p(dt / STEP_MS)[:, None], log_odds_at_instant(figures_)[:, None]]
+        self.inputs = np.concatenate(columns, 1).astype(np.float32)
         counted = (self.label != IGNORED).astype(np.float32)
         weight = np.bincount(self.step_of_row, counted, len(at)) if len(at) else np.zeros(0)
         inliers = np.bincount(self.step_of_row, counted * (self.label == INLIER), len(at)) if len(at) else np.zeros(0)
@@ -95,7 +99,7 @@ class Tracks:
 
 
 class Network(nn.Module):
-    def __init__(self, inputs=INPUTS + 1, features=48, memory=24):
+    def __init__(self, inputs=INPUTS + 2, features=48, memory=24):
         super().__init__()
         self.register_buffer("mean", torch.zeros(inputs))
         self.register_buffer("scale", torch.ones(inputs))
@@ -164,7 +168,7 @@ def figures(world, probability_of_step):
         hits = np.cumsum(inlier[order])
         s = score[order]
         last = np.r_[s[1:] != s[:-1], True] if len(s) else np.zeros(0, bool)
-        precision, recall = hits[last] / np.flatnonzero(np.r_[last]).__add__(1), hits[last] / chances
+        precision, recall = hits[last] / (np.flatnonzero(last) + 1), hits[last] / chances
         found["ap"] = float((precision * np.diff(recall, prepend=0)).sum())
         found["recall"] = found["inliers"] / chances
         found["reached"] = float(inlier.sum() / chances)
@@ -322,21 +326,20 @@ def main():
     parser.add_argument("--judge", nargs="?", const="", help="judge these weights, or the score of the log, on development worlds")
     parser.add_argument("--export", type=Path, help="put the weights --judge names into this folder (models/best)")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--epochs", type=int, default=20)
-    parser.add_argument("--every", type=int, default=2)
+    parser.add_argument("--epochs", type=int, default=14)
+    parser.add_argument("--every", type=int, default=4, help="epochs between judgements of the worlds held back")
     parser.add_argument("--rate", type=float, default=4e-3)
     parser.add_argument("--decay", type=float, default=0.02)
-    parser.add_argument("--noise", type=float, default=0.05)
-    parser.add_argument("--cut", type=float, default=0.3)
-    parser.add_argument("--skip", type=float, default=0.0)
-    parser.add_argument("--old", action="store_true")
+    parser.add_argument("--noise", type=float, default=0.05, help="of the inputs, standard deviations")
+    parser.add_argument("--cut", type=float, default=0.3, help="share of tracks that begin later")
+    parser.add_argument("--skip", type=float, default=0.0, help="share of tracks that lack some steps")
     parser.add_argument("--features", type=int, default=48)
     parser.add_argument("--memory", type=int, default=24)
     parser.add_argument("--all", action="store_true", help="hold no world back")
     options = parser.parse_args()
-    global OLD
-    OLD = options.old
     if options.export:
+        if not options.judge:
+            sys.exit("training.track_network: --export needs --judge WEIGHTS.npz")
         export(load(options.judge), Tracks(sorted(options.tracks.glob("train_ball_*.npz"))[0]), options.export)
         return
     if options.judge is not None:
