@@ -252,6 +252,8 @@ def train(options, tracks, held):
     mean = copy.deepcopy(network)  # of the weights
     adam = torch.optim.AdamW(network.parameters(), lr=options.rate, weight_decay=options.decay, betas=(0.9, 0.98))
     total = sum(len(w.first) for w in tracks) // (LANES * CHUNK) * options.epochs
+    if total == 0:
+        sys.exit(f"training.track_network: found {sum(len(w.first) for w in tracks)} steps, expected {LANES * CHUNK} or more")
     done, begin = 0, time.process_time()
     for epoch in range(options.epochs):
         loss_sum, weight_sum = 0.0, 0.0
@@ -276,7 +278,7 @@ def train(options, tracks, held):
             loss_sum, weight_sum = loss_sum + float(loss), weight_sum + 1
         if epoch % options.every == options.every - 1 or epoch == options.epochs - 1:
             text = line(summary(judged(mean, held))) if held else ""
-            print(f"epoch {epoch + 1}, {time.process_time() - begin:.0f} s of processor: loss {loss_sum / weight_sum:.4f}; held back: {text}", flush=True)
+            print(f"epoch {epoch + 1}, {time.process_time() - begin:.0f} s of processor: loss {loss_sum / max(weight_sum, 1):.4f}; held back: {text}", flush=True)
     return mean
 
 
@@ -319,7 +321,7 @@ def export(network, world, folder):
     (folder / "manifest.json").write_text(json.dumps(manifest, indent=1) + "\n")
 
 
-def main():
+def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--tracks", type=Path, required=True, help="folder of the logs (training.tracks)")
     parser.add_argument("--out", type=Path)
@@ -336,7 +338,11 @@ def main():
     parser.add_argument("--features", type=int, default=48)
     parser.add_argument("--memory", type=int, default=24)
     parser.add_argument("--all", action="store_true", help="hold no world back")
-    options = parser.parse_args()
+    return parser
+
+
+def main():
+    options = arguments().parse_args()
     if options.export:
         if not options.judge:
             sys.exit("training.track_network: --export needs --judge WEIGHTS.npz")
