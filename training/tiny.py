@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from . import export, judge, surface, train, worlds
+from . import export, judge, surface, track_network, tracks, train, worlds
 
 SEEDS = ((100000, True), (100003, False), (100004, True))  # 64 and 96 px wide
 STEPS = 6
@@ -26,9 +26,34 @@ def trained(data, checkpoint, steps):
     return train.train(train.arguments().parse_args(list(map(str, arguments))))
 
 
+def check_tracks(options, data):
+    """The network over tracks."""
+    logs = options.out / "tracks"
+    logs.mkdir()
+    for folder in sorted(data.iterdir()):
+        tracks.make(options.log, folder, logs)
+    logged = [track_network.Tracks(path) for path in sorted(logs.glob("*.npz"))]
+    for world in logged:
+        inliers = (world.label == tracks.INLIER).mean()
+        right = inliers > 0.02 if "_ball_" in world.name else inliers == 0
+        check(right, f"{inliers:.3f} of the tracks of {world.name} are inliers")
+    settings = track_network.arguments().parse_args(["--tracks", str(logs), "--epochs", "2", "--cut", "0"])
+    network, again = (track_network.train(settings, logged, []) for _ in range(2))
+    for name, value in network.state_dict().items():
+        check(torch.equal(value, again.state_dict()[name]), f"{name} differs in a second training")
+    model = options.out / "best"
+    shutil.copytree(worlds.ROOT / "models/best", model)
+    track_network.export(network, logged[0], model)
+    log_odds = track_network.log_odds_of(network, logged[0])
+    a, b = max(logged[0].sequences(), key=lambda s: s[1] - s[0])
+    golden = np.load(model / "golden.npz")["track.output"]
+    check(np.abs(golden - log_odds[a : a + len(golden)]).max() <= 1e-5, "golden.npz has other outputs than the network")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--saccade", type=Path, default=worlds.ROOT / "build/release/bin/saccade", help="the program")
+    parser.add_argument("--log", type=Path, default=worlds.ROOT / "build/release/bin/track_log", help="the program")
     parser.add_argument("--scenario", type=Path, default=worlds.ROOT / "scenarios/random_world.yaml")
     parser.add_argument("--out", type=Path, required=True, help="folder for worlds, checkpoints and weights; emptied first")
     options = parser.parse_args()
@@ -61,6 +86,7 @@ def main():
             outputs.append(out[0, 0].numpy())
     error = np.abs(np.stack(outputs) - golden["outputs"]) / np.maximum(1, np.abs(golden["outputs"]))
     check(error.max() <= 1e-5, f"outputs differ by {error.max():.1e} from golden.npz")
+    check_tracks(options, data)
     print(f"training.tiny: trained {STEPS} steps, right circle among those found in {found['among']:.2f} of the instants")
 
 

@@ -301,8 +301,16 @@ void BallTracker::update_probability(Followed& f, std::int64_t now_us) {
   }
   if (!enough && f.history.silhouette <= 0.0) return;
   f.history.radius_variance_px2 = f.track.covariance()(2, 2);
+  ++f.steps;
+  step_network(f, now_us);
+}
+
+void BallTracker::step_network(Followed& f, std::int64_t now_us) {
   f.inputs = disc_inputs(f.evidence, f.history);
-  f.probability = disc_probability(model_->probability, f.inputs);
+  f.probability =
+      probability_of(track_log_odds(model_->track, f.inputs, disc_log_odds(model_->probability, f.inputs),
+                                    difference_s(now_us, f.stepped_us), f.memory));
+  f.stepped_us = now_us;
 }
 
 /// The existence probability with the decay since the last edge: the ball may have left without events.
@@ -337,6 +345,22 @@ Estimate BallTracker::estimate() {
                                                      .asDiagonal()
                                                      .toDenseMatrix();
   return {true, f->track.silent_us() >= tick_us, circle_now(*f), existence_probability(*f), covariance};
+}
+
+std::size_t BallTracker::tracks(std::span<Track, most_tracks> tracks) const {
+  std::size_t count = 0;
+  for (const Followed& f : followed_) {
+    if (!f.alive) continue;
+    tracks[count++] = {f.number,
+                       f.steps,
+                       circle_now(f),
+                       f.image_px_s,
+                       f.probability,
+                       f.history.moved_most_share,
+                       f.track.silent_us(),
+                       f.inputs};
+  }
+  return count;
 }
 
 std::unique_ptr<Detector> make_ball_tracker(const BallTrackerConfig& config, const Camera& camera) {

@@ -24,6 +24,7 @@
 #include "core/tracker/patch_network.h"
 #include "core/tracker/polar_patch.h"
 #include "core/tracker/silhouette.h"
+#include "core/tracker/track_network.h"
 
 namespace saccade {
 
@@ -62,8 +63,8 @@ void describe(FieldVisitor& v, BallTrackerConfig& config);
 ///    comes from the joints, or else from the edges (camera_rotation).
 /// 7. From the time surface around a circle, in polar coordinates, PatchNetwork estimates log odds, a correction of the
 ///    circle and its standard deviations.
-/// 8. Evidence, the networks' log odds and the history of a circle give its existence probability, calibrated: that it is
-///    the ball (disc_probability).
+/// 8. A network with memory over each track takes evidence, the networks' log odds and the history of the circle, step by
+///    step, and gives the existence probability, calibrated: that the circle is the ball (track_log_odds()).
 ///
 /// The work of a ms is bounded: flows_per_ms flows, 160 votes, 8 candidates, 4 patches; an event beyond that only leaves
 /// its time stamp. Everything happens at instants of 1 ms of the stream's own time, so that the estimate does not
@@ -91,6 +92,21 @@ class BallTracker final : public Detector, public DetectorViews {
     return std::make_unique<BallTracker>(*this);
   }
 
+  /// What the score of a followed circle is made of, to fit it (tests/training/track_log.cpp).
+  struct Track {
+    std::uint64_t number;  ///< of its birth
+    std::uint64_t steps;   ///< updates of its inputs since
+    Circle circle;         ///< now
+    Eigen::Vector2d image_px_s;
+    double probability;  ///< without the decay since the last edge
+    double moved_most_share;
+    std::int64_t silent_us;  ///< since that edge
+    DiscInputs inputs;
+  };
+  static constexpr std::size_t most_tracks = 8;
+  /// The followed circles, as many as there are.
+  std::size_t tracks(std::span<Track, most_tracks> tracks) const;
+
   /// Motion of a circle whose centre and radius move so, and that of the background there.
   [[nodiscard]] PatchMotion patch_motion(const Circle& circle, const Eigen::Vector3d& motion_px_s) const;
 
@@ -104,7 +120,10 @@ class BallTracker final : public Detector, public DetectorViews {
     double network_log_odds = least_network_log_odds;  ///< of the newest inference
     PatchResult patch;                                 ///< of the newest patch
     bool changed = false;                              ///< since then
-    DiscInputs inputs{};
+    DiscInputs inputs{};                               ///< of the newest step of the network over tracks
+    TrackMemory memory{};
+    std::int64_t stepped_us = 0;
+    std::uint64_t number = 0, steps = 0;
     double probability = 0.0;
     double found_probability = 0.0;  ///< as if it had just been found, at compared_us
     std::int64_t compared_us = std::numeric_limits<std::int64_t>::min();
@@ -183,6 +202,7 @@ class BallTracker final : public Detector, public DetectorViews {
   void tick(std::int64_t now_us);
   void update_silhouette(Followed& f, std::int64_t now_us);
   void update_probability(Followed& f, std::int64_t now_us);
+  void step_network(Followed& f, std::int64_t now_us);
 
   // The search for circles that are not followed (ball_tracker_search.cpp).
   void search(std::int64_t now_us);
@@ -214,7 +234,7 @@ class BallTracker final : public Detector, public DetectorViews {
   TimeSurface surface_;
   DiscNetwork network_;
   CircleFit fit_;
-  std::array<Followed, 8> followed_;
+  std::array<Followed, most_tracks> followed_;
   std::optional<Eigen::Vector3d> rotation_rad_s_;  // of the camera by the joints, its own frame
   Eigen::Vector3d seen_rotation_rad_s_ = Eigen::Vector3d::Zero();  // by the edges, where joints are missing
   std::int64_t now_us_;
@@ -230,6 +250,7 @@ class BallTracker final : public Detector, public DetectorViews {
   std::int64_t inference_us_;  // when DiscNetwork's present or newest inference began
   std::uint64_t events_since_inference_ = 0;
   CandidateQueue candidates_;
+  std::uint64_t births_ = 0;
   std::size_t next_patch_ = 0;  // of followed_
   int patches_left_ = 0;        // of this tick
   // Flows of this tick: every nth_event_ event gets one.

@@ -22,7 +22,7 @@ double found_probability(const BestModel& model, const DiscEvidence& evidence, d
   history.newest = evidence;
   history.network_log_odds = history.network_mean = network_log_odds;
   history.patch = history.patch_mean = patch;
-  return disc_probability(model.probability, disc_inputs(evidence, history));
+  return probability_of(disc_log_odds(model.probability, disc_inputs(evidence, history)));
 }
 
 }  // namespace
@@ -272,6 +272,7 @@ void BallTracker::follow(const NewTrack& found, Followed& place, std::int64_t no
   const Circle& circle = found.circle;
   Followed f;
   f.alive = true;
+  f.number = ++births_;
   f.anchor_px = {circle.x_px, circle.y_px};
   f.carried_px_s = camera_flow_px_s(f.anchor_px);
   f.track = CircleTrack(circle, now_us);
@@ -287,8 +288,8 @@ void BallTracker::follow(const NewTrack& found, Followed& place, std::int64_t no
   f.network_log_odds = f.history.network_log_odds = f.history.network_mean = found.network_log_odds;
   f.patch = f.history.patch = f.history.patch_mean = found.refined.result();
   f.history.radius_variance_px2 = f.track.covariance()(2, 2);
-  f.probability = new_share * found.probability;
-  f.inputs = disc_inputs(f.evidence, f.history);
+  f.stepped_us = now_us;
+  step_network(f, now_us);
   place = f;
 }
 

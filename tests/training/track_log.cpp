@@ -1,0 +1,91 @@
+// Replays a world's events through `best` and writes what the score of each followed circle is made of, without ground truth.
+// training/tracks.py calls it and has the layout of input and output.
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <iostream>
+#include <vector>
+
+#include "core/tracker/ball_tracker.h"
+
+namespace saccade {
+namespace {
+
+struct Replay {
+  Camera camera;
+  BallTrackerConfig config;
+  std::vector<std::array<double, 3>> rotation_rad_s;  // of the camera, its own frame; each ms
+  std::vector<Event> events;
+};
+
+bool read_values(void* to, std::size_t bytes) {
+  return static_cast<bool>(std::cin.read(static_cast<char*>(to), static_cast<std::streamsize>(bytes)));
+}
+
+bool read_replay(Replay& replay) {
+  Camera& c = replay.camera;
+  std::size_t ticks = 0, events = 0;
+  std::cin >> c.size.width >> c.size.height >> c.fx_px >> c.fy_px >> c.cx_px >> c.cy_px >> c.k1 >>
+      replay.config.radius_px[0] >> replay.config.radius_px[1] >> ticks >> events;
+  if (!std::cin || std::cin.get() != '\n') return false;
+  replay.rotation_rad_s.resize(ticks);
+  if (!read_values(replay.rotation_rad_s.data(), ticks * sizeof(replay.rotation_rad_s[0]))) return false;
+  std::array<char, 13> record;
+  for (std::size_t i = 0; i < events; ++i) {
+    Event e;
+    if (!read_values(record.data(), record.size())) return false;
+    std::memcpy(&e.t_us, record.data(), 8);
+    std::memcpy(&e.x, record.data() + 8, 2);
+    std::memcpy(&e.y, record.data() + 10, 2);
+    e.on = record[12] != 0;
+    replay.events.push_back(e);
+  }
+  return true;
+}
+
+void write_track(std::int64_t tick, const BallTracker::Track& t) {
+  const std::array<float, 11> head{
+      static_cast<float>(tick),
+      static_cast<float>(t.number),
+      static_cast<float>(t.steps),
+      static_cast<float>(t.circle.x_px),
+      static_cast<float>(t.circle.y_px),
+      static_cast<float>(t.circle.r_px),
+      static_cast<float>(t.image_px_s.x()),
+      static_cast<float>(t.image_px_s.y()),
+      static_cast<float>(t.probability),
+      static_cast<float>(t.moved_most_share),
+      static_cast<float>(static_cast<double>(t.silent_us) * 1e-6),
+  };
+  std::cout.write(reinterpret_cast<const char*>(head.data()), sizeof head);
+  std::cout.write(reinterpret_cast<const char*>(t.inputs.data()), sizeof t.inputs);
+}
+
+int run() {
+  Replay replay;
+  if (!read_replay(replay)) {
+    std::cerr << "track_log: the input is cut off or has another layout than training/tracks.py writes\n";
+    return 1;
+  }
+  BallTracker tracker(replay.config, replay.camera);
+  std::size_t next = 0;
+  for (std::size_t k = 0; k < replay.rotation_rad_s.size(); ++k) {
+    const auto tick = static_cast<std::int64_t>(k) + 1;
+    const std::size_t first = next;
+    while (next < replay.events.size() && replay.events[next].t_us <= tick * 1000) ++next;
+    CameraMotion motion;
+    motion.angular_velocity_rad_s = Eigen::Vector3d(replay.rotation_rad_s[k].data());
+    tracker.process(std::span(replay.events).subspan(first, next - first), &motion);
+    tracker.advance_to(tick * 1000, &motion);
+    if (tick % 2 != 0) continue;
+    std::array<BallTracker::Track, BallTracker::most_tracks> tracks;
+    const std::size_t count = tracker.tracks(tracks);
+    for (std::size_t i = 0; i < count; ++i) write_track(tick, tracks[i]);
+  }
+  return std::cout.flush() ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace saccade
+
+int main() { return saccade::run(); }

@@ -1,0 +1,377 @@
+"""Trains the network with memory over each followed circle (core/tracker/track_network.h) on the logs of training.tracks.
+
+    python3 -m training.track_network --tracks TRACKS --out WEIGHTS.npz
+    python3 -m training.track_network --tracks TRACKS --judge [WEIGHTS.npz]
+    python3 -m training.track_network --tracks TRACKS --judge WEIGHTS.npz --export models/best
+
+The network estimates the log odds that a circle is the ball's. One of HELD_BACK training worlds is held back to judge each
+epoch; development worlds are only judged.
+"""
+import argparse
+import copy
+import hashlib
+import json
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import nn
+from torch.nn import functional
+
+from .tracks import FIELDS, IGNORED, INLIER, INPUTS
+from .worlds import ROOT
+
+STEP_MS = 2.0  # of the logs
+MOST_ROWS = 25  # that one step counts for in the loss
+HELD_BACK = 5
+STAYS_S, AT_REST_SHARE, THRESHOLD = 1.0, 0.25, 0.5  # core/tracker/ball_tracker_constants.h
+MOST_DEVIATIONS = 4.0
+CHUNK, LANES = 64, 96
+GOLDEN_STEPS = 32
+COLUMN = {name: i for i, name in enumerate(FIELDS)}
+BEST_WEIGHT = 5.0  # beside 1, for steps of the best circle
+MOST_AT_INSTANT = 8.0  # log odds
+
+
+def log_odds_at_instant(x):
+    """disc_log_odds() of core/tracker/disc_probability.h."""
+    w = np.load(ROOT / "models/best/weights.npz")
+    mean, scale, hidden, bias, direct, output, output_bias = (
+        w[f"probability.{k}"] for k in ("input_mean", "input_scale", "hidden_weight", "hidden_bias", "direct_weight", "output_weight", "output_bias"))
+    z = np.clip((x - mean) * scale, -MOST_DEVIATIONS, MOST_DEVIATIONS)
+    h = z @ hidden + bias
+    sum_ = output_bias[0] + z @ direct + (h / (1 + np.abs(h))) @ output
+    return np.clip(sum_, -MOST_AT_INSTANT, MOST_AT_INSTANT).astype(np.float32)
+
+
+class Tracks:
+    """The log of one world; its steps are the rows with new inputs."""
+
+    def __init__(self, path):
+        arrays = np.load(path)
+        rows, label = arrays["rows"], arrays["label"]
+        order = np.lexsort((rows[:, COLUMN["t_ms"]], rows[:, COLUMN["number"]]))
+        self.name, self.rows, self.label, self.truth = path.stem, rows[order], label[order], arrays["truth"]
+        number, steps = self.rows[:, COLUMN["number"]], self.rows[:, COLUMN["steps"]]
+        self.born = np.r_[True, number[1:] != number[:-1]] if len(number) else np.zeros(0, bool)
+        self.stepped = self.born | np.r_[True, steps[1:] != steps[:-1]] if len(number) else self.born
+        self.step_of_row = np.cumsum(self.stepped) - 1
+        at = np.flatnonzero(self.stepped)
+        t = self.rows[at, COLUMN["t_ms"]]
+        dt = np.diff(t, prepend=t[:1])
+        dt[self.born[at]] = 0
+        self.first = self.born[at]
+        figures_ = self.rows[at, len(FIELDS):]
+        columns = [figures_, np.log1p(dt / STEP_MS)[:, None], log_odds_at_instant(figures_)[:, None]]
+        self.inputs = np.concatenate(columns, 1).astype(np.float32)
+        counted = (self.label != IGNORED).astype(np.float32)
+        weight = np.bincount(self.step_of_row, counted, len(at)) if len(at) else np.zeros(0)
+        inliers = np.bincount(self.step_of_row, counted * (self.label == INLIER), len(at)) if len(at) else np.zeros(0)
+        self.share = (inliers / np.maximum(weight, 1)).astype(np.float32)
+        self.weight = np.minimum(weight, MOST_ROWS).astype(np.float32)
+        # Steps of the circle that was the best one count more: its score is the detector's.
+        r = self.rows
+        if len(at):
+            p = r[:, COLUMN["probability"]] * np.exp(-r[:, COLUMN["silent_s"]] / STAYS_S)
+            p = p * (AT_REST_SHARE + (1 - AT_REST_SHARE) * r[:, COLUMN["moved_most_share"]])
+            t = r[:, 0].astype(int)
+            most = np.zeros(t.max() + 1)
+            np.maximum.at(most, t, p)
+            top = np.bincount(self.step_of_row, p >= most[t], len(at)) / np.maximum(np.bincount(self.step_of_row, minlength=len(at)), 1)
+            self.weight *= (1 + BEST_WEIGHT * top).astype(np.float32)
+
+    def sequences(self):
+        bounds = [*np.flatnonzero(self.first), len(self.first)]
+        return list(zip(bounds[:-1], bounds[1:]))
+
+    def scores(self, probability_of_step):
+        """t, score, label and rank of the best circle of each instant that has one."""
+        r = self.rows
+        p = probability_of_step[self.step_of_row] * np.exp(-r[:, COLUMN["silent_s"]] / STAYS_S)
+        rank = p * (AT_REST_SHARE + (1 - AT_REST_SHARE) * r[:, COLUMN["moved_most_share"]])
+        t = r[:, 0].astype(int)
+        order = np.lexsort((rank, t))
+        last = np.r_[t[order][1:] != t[order][:-1], True] if len(t) else np.zeros(0, bool)
+        best = order[last]
+        return t[best], p[best], self.label[best]
+
+
+class Network(nn.Module):
+    def __init__(self, inputs=INPUTS + 2, features=48, memory=24):
+        super().__init__()
+        self.register_buffer("mean", torch.zeros(inputs))
+        self.register_buffer("scale", torch.ones(inputs))
+        self.features = nn.Linear(inputs, features)
+        self.gates = nn.Linear(features, 3 * memory)
+        self.recurrent = nn.Linear(memory, 3 * memory, bias=False)
+        self.direct = nn.Linear(inputs, 1)
+        self.from_features = nn.Linear(features, 1, bias=False)
+        self.from_memory = nn.Linear(memory, 1, bias=False)
+        self.memory = memory
+        with torch.no_grad():
+            self.recurrent.weight.mul_(0.5)
+            self.gates.bias[memory : 2 * memory] += 1.0  # keeps most of its memory at first
+
+    def set_scale(self, inputs):
+        self.mean.copy_(torch.from_numpy(inputs.mean(0)))
+        self.scale.copy_(torch.from_numpy(1 / (inputs.std(0) + 1e-3)))
+
+    def forward(self, x, h, first=None):
+        """time x batch x inputs -> log odds, time x batch; and the memory after the last step."""
+        z = ((x - self.mean) * self.scale).clamp(-MOST_DEVIATIONS, MOST_DEVIATIONS)
+        f = functional.softsign(self.features(z))
+        g = self.gates(f)
+        m, out = self.memory, []
+        for t in range(x.shape[0]):
+            if first is not None:
+                h = h * (1 - first[t])[:, None]
+            u = self.recurrent(h)
+            rz = 0.5 + 0.5 * functional.softsign(g[t, :, : 2 * m] + u[:, : 2 * m])
+            n = functional.softsign(g[t, :, 2 * m :] + rz[:, :m] * u[:, 2 * m :])
+            h = n + rz[:, m:] * (h - n)
+            out.append(h)
+        hs = torch.stack(out)
+        return (self.direct(z) + self.from_features(f) + self.from_memory(hs))[:, :, 0], h
+
+
+@torch.no_grad()
+def log_odds_of(network, world):
+    """Of each step."""
+    found = np.zeros(len(world.first), np.float32)
+    spans = sorted(world.sequences(), key=lambda s: s[0] - s[1])
+    for begin in range(0, len(spans), 256):
+        part = spans[begin : begin + 256]
+        longest = part[0][1] - part[0][0]
+        x = torch.zeros(longest, len(part), world.inputs.shape[1])
+        for k, (a, b) in enumerate(part):
+            x[: b - a, k] = torch.from_numpy(world.inputs[a:b])
+        out, _ = network(x, torch.zeros(len(part), network.memory))
+        for k, (a, b) in enumerate(part):
+            found[a:b] = out[: b - a, k].numpy()
+    return found
+
+
+def figures(world, probability_of_step):
+    """As docs/scoring.md, at every second ms."""
+    t, score, label = world.scores(probability_of_step)
+    truth = world.truth[1::2]
+    chances = int((truth[:, 3] >= 0.5).sum())
+    kept = label != IGNORED
+    score, inlier = score[kept], label[kept] == INLIER
+    above = score >= THRESHOLD
+    found = {"above": int(above.sum()), "inliers": int((above & inlier).sum()), "chances": chances, "instants": len(truth),
+             "score": score, "inlier": inlier}
+    if chances:
+        order = np.argsort(-score, kind="stable")
+        hits = np.cumsum(inlier[order])
+        s = score[order]
+        last = np.r_[s[1:] != s[:-1], True] if len(s) else np.zeros(0, bool)
+        precision, recall = hits[last] / (np.flatnonzero(last) + 1), hits[last] / chances
+        found["ap"] = float((precision * np.diff(recall, prepend=0)).sum())
+        found["recall"] = found["inliers"] / chances
+        found["reached"] = float(inlier.sum() / chances)
+    return found
+
+
+def summary(results):
+    ball = [r for n, r in results if "_ball_" in n and r["chances"]]
+    none = [r for n, r in results if "_none_" in n]
+    scores, inlier = (np.concatenate([r[k] for _, r in results]) for k in ("score", "inlier"))
+    bins = np.minimum((scores * 10).astype(int), 9)
+    reliability = [(round(float(scores[bins == b].mean()), 2), round(float(inlier[bins == b].mean()), 2), int((bins == b).sum()))
+                   for b in range(10) if (bins == b).any()]
+    p = np.clip(scores, 1e-6, 1 - 1e-6)
+    return {
+        "ap": np.mean([r["ap"] for r in ball]), "recall": np.mean([r["recall"] for r in ball]),
+        "reached": np.mean([r["reached"] for r in ball]),
+        "precision": np.mean([r["inliers"] / r["above"] for r in ball if r["above"]]),
+        "pooled_precision": sum(r["inliers"] for r in ball) / max(1, sum(r["above"] for r in ball)),
+        "alarms": np.mean([r["above"] / r["instants"] for r in none]) if none else None,
+        "alarm_threshold": (th := matched(none)),
+        "recall_there": np.mean([(r["inlier"] & (r["score"] >= th)).sum() / r["chances"] for r in ball]),
+        "precision_there": sum((r["inlier"] & (r["score"] >= th)).sum() for r in ball) / max(1, sum((r["score"] >= th).sum() for r in ball)),
+        "log_loss": float(-(np.where(inlier, np.log(p), np.log1p(-p))).mean()), "reliability": reliability,
+    }
+
+
+def matched(none, alarms=0.02):
+    """The least threshold with so many alarms."""
+    for th in np.arange(0.05, 1.0, 0.01):
+        if not none or np.mean([(r["score"] >= th).sum() / r["instants"] for r in none]) <= alarms:
+            return float(th)
+    return 1.0
+
+
+def line(s):
+    return ", ".join(f"{k} {v:.3f}" for k, v in s.items() if k != "reliability" and v is not None)
+
+
+def present(world):
+    return world.rows[world.stepped, COLUMN["probability"]]
+
+
+def judged(network, tracks):
+    return [(w.name, figures(w, present(w) if network is None else 1 / (1 + np.exp(-log_odds_of(network, w))))) for w in tracks]
+
+
+class Lanes:
+    """All sequences in random order, one after the other in LANES lanes of equal length: time x lanes."""
+
+    def __init__(self, tracks, random, options):
+        spans = [(n, a, b) for n, w in enumerate(tracks) for a, b in w.sequences()]
+        parts = {k: [] for k in ("inputs", "share", "weight", "first")}
+        for i in random.permutation(len(spans)):
+            n, a, b = spans[i]
+            if random.random() < options.cut and b - a > 1:  # a track that began later
+                a = int(random.integers(a, b))
+            w = tracks[n]
+            kept = np.arange(a, b)
+            if random.random() < options.skip:
+                kept = kept[random.random(len(kept)) < random.uniform(0.4, 1.0)]
+            if not len(kept):
+                continue
+            for k in ("inputs", "share", "weight"):
+                parts[k].append(getattr(w, k)[kept])
+            first = np.zeros(len(kept), np.float32)
+            first[0] = 1
+            parts["first"].append(first)
+        for k, v in parts.items():
+            v = np.concatenate(v)
+            v = v[: len(v) // (LANES * CHUNK) * LANES * CHUNK]
+            setattr(self, k, torch.from_numpy(v.reshape(LANES, -1, *v.shape[1:]).swapaxes(0, 1).copy()))
+
+
+def train(options, tracks, held):
+    torch.set_num_threads(1)
+    torch.manual_seed(options.seed)
+    random = np.random.default_rng(options.seed)
+    network = Network(tracks[0].inputs.shape[1], options.features, options.memory)
+    network.set_scale(np.concatenate([w.inputs for w in tracks]))
+    mean = copy.deepcopy(network)  # of the weights
+    adam = torch.optim.AdamW(network.parameters(), lr=options.rate, weight_decay=options.decay, betas=(0.9, 0.98))
+    total = sum(len(w.first) for w in tracks) // (LANES * CHUNK) * options.epochs
+    if total == 0:
+        sys.exit(f"training.track_network: found {sum(len(w.first) for w in tracks)} steps, expected {LANES * CHUNK} or more")
+    done, begin = 0, time.process_time()
+    for epoch in range(options.epochs):
+        loss_sum, weight_sum = 0.0, 0.0
+        lanes = Lanes(tracks, random, options)
+        h = torch.zeros(LANES, network.memory)
+        for a in range(0, len(lanes.first), CHUNK):
+            for g in adam.param_groups:
+                g["lr"] = options.rate * min(1.0, (done + 1) / 100, 1.5 * max(0.01, 1 - done / total))
+            x, y, w, first = (v[a : a + CHUNK] for v in (lanes.inputs, lanes.share, lanes.weight, lanes.first))
+            x = x + options.noise * torch.randn(x.shape) / network.scale
+            out, h = network(x, h.detach(), first)
+            losses = functional.binary_cross_entropy_with_logits(out, y, reduction="none")
+            loss = (losses * w).sum() / w.sum()
+            adam.zero_grad()
+            loss.backward()
+            nn.utils.clip_grad_norm_(network.parameters(), 1.0)
+            adam.step()
+            done += 1
+            with torch.no_grad():
+                for to, of in zip(mean.parameters(), network.parameters()):
+                    to.lerp_(of, max(1 / done, 1 / 300))
+            loss_sum, weight_sum = loss_sum + float(loss), weight_sum + 1
+        if epoch % options.every == options.every - 1 or epoch == options.epochs - 1:
+            text = line(summary(judged(mean, held))) if held else ""
+            print(f"epoch {epoch + 1}, {time.process_time() - begin:.0f} s of processor: loss {loss_sum / max(weight_sum, 1):.4f}; held back: {text}", flush=True)
+    return mean
+
+
+def load(path):
+    arrays = np.load(path)
+    network = Network(len(arrays["mean"]), len(arrays["features.bias"]), arrays["recurrent.weight"].shape[1])
+    network.load_state_dict({k: torch.from_numpy(arrays[k]) for k in arrays.files})
+    return network
+
+
+def arrays_of(network):
+    """In the names and the order of core/tracker/best_model.h: inputs first."""
+    kept = {
+        "input_mean": network.mean, "input_scale": network.scale, "direct": network.direct.weight[0],
+        "feature": network.features.weight.T, "feature_bias": network.features.bias,
+        "gate": network.gates.weight.T, "gate_bias": network.gates.bias, "recurrent": network.recurrent.weight.T,
+        "output_feature": network.from_features.weight[0], "output_memory": network.from_memory.weight[0],
+        "output_bias": network.direct.bias,
+    }
+    return {f"track.{k}": v.detach().numpy().astype(np.float32).copy() for k, v in kept.items()}
+
+
+@torch.no_grad()
+def golden(network, world):
+    """The first steps of the longest track, and what PyTorch makes of them."""
+    a, b = max(world.sequences(), key=lambda s: s[1] - s[0])
+    x = world.inputs[a : min(b, a + GOLDEN_STEPS)]
+    out, memory = network(torch.from_numpy(x)[:, None], torch.zeros(1, network.memory))
+    return {"track.inputs": x[:, :INPUTS], "track.since_ms": (np.expm1(x[:, INPUTS]) * STEP_MS).astype(np.float32),
+            "track.output": out[:, 0].numpy(), "track.memory": memory[0].numpy()}
+
+
+def export(network, world, folder):
+    """Replaces the network over tracks in weights.npz, golden.npz and manifest.json of models/best."""
+    for name, new in (("weights.npz", arrays_of(network)), ("golden.npz", golden(network, world))):
+        old = {k: v for k, v in np.load(folder / name).items() if not k.startswith("track.")}
+        np.savez_compressed(folder / name, **old, **new)
+    manifest = json.loads((folder / "manifest.json").read_text())
+    manifest["sha256"] = hashlib.sha256((folder / "weights.npz").read_bytes()).hexdigest()
+    (folder / "manifest.json").write_text(json.dumps(manifest, indent=1) + "\n")
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--tracks", type=Path, required=True, help="folder of the logs (training.tracks)")
+    parser.add_argument("--out", type=Path)
+    parser.add_argument("--judge", nargs="?", const="", help="judge these weights, or the score of the log, on development worlds")
+    parser.add_argument("--export", type=Path, help="put the weights --judge names into this folder (models/best)")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--epochs", type=int, default=14)
+    parser.add_argument("--every", type=int, default=4, help="epochs between judgements of the worlds held back")
+    parser.add_argument("--rate", type=float, default=4e-3)
+    parser.add_argument("--decay", type=float, default=0.02)
+    parser.add_argument("--noise", type=float, default=0.05, help="of the inputs, standard deviations")
+    parser.add_argument("--cut", type=float, default=0.3, help="share of tracks that begin later")
+    parser.add_argument("--skip", type=float, default=0.0, help="share of tracks that lack some steps")
+    parser.add_argument("--features", type=int, default=48)
+    parser.add_argument("--memory", type=int, default=24)
+    parser.add_argument("--all", action="store_true", help="hold no world back")
+    return parser
+
+
+def main():
+    options = arguments().parse_args()
+    if options.export:
+        if not options.judge:
+            sys.exit("training.track_network: --export needs --judge WEIGHTS.npz")
+        export(load(options.judge), Tracks(sorted(options.tracks.glob("train_ball_*.npz"))[0]), options.export)
+        return
+    if options.judge is not None:
+        tracks = [Tracks(p) for p in sorted(options.tracks.glob("development_*.npz"))]
+        network = load(options.judge) if options.judge else None
+        results = judged(network, tracks)
+        for name, r in results:
+            print(name, " ".join(f"{r.get(k, float('nan')):.3f}" for k in ("ap", "recall", "reached")), r["inliers"], r["above"])
+        s = summary(results)
+        print(line(s), s["reliability"])
+        return
+    paths = sorted(options.tracks.glob("train_*.npz"))
+    paths = [p for p in paths if not p.name.endswith(".part.npz")]
+    every = [Tracks(p) for p in paths]
+    every = [w for w in every if len(w.first)]
+    back = [] if options.all else [w for w in every if int(w.name.split("_")[-1]) // 4 % HELD_BACK == 0]
+    kept = [w for w in every if w not in back]
+    if not kept:
+        sys.exit(f"training.track_network: no train_*.npz in {options.tracks}")
+    print(f"{len(kept)} worlds, {sum(len(w.first) for w in kept)} steps; {len(back)} held back")
+    if back:
+        print("score of the log, held back:", line(summary(judged(None, back))))
+    network = train(options, kept, back)
+    if options.out:
+        np.savez_compressed(options.out, **{k: v.numpy() for k, v in network.state_dict().items()})
+
+
+if __name__ == "__main__":
+    main()
