@@ -66,7 +66,12 @@ std::vector<Problem> with_lines(std::vector<Problem> problems, const std::string
 PlacedChain chain_of(const ChainRequest& request, bool is_urdf) {
   if (is_urdf) return chain_of_urdf(request);
   try {
-    return chain_of_mjcf(request);
+    PlacedChain chain = chain_of_mjcf(request);
+    for (auto* part : {&chain.common, &chain.eye[0], &chain.eye[1]}) {
+      for (PlacedJoint& joint : *part)
+        joint.place = with_lines({{joint.place, "", ""}}, request.path).front().place;
+    }
+    return chain;
   } catch (const InputError& error) {
     throw InputError(with_lines(error.problems(), request.path));
   }
@@ -141,22 +146,24 @@ std::optional<ModelSource> read_model(FieldVisitor& v, HeadConfig& head) {
 
 /// What neither the model nor the keys beside it state. Returns whether all is there.
 bool require_known(FieldVisitor& v, const ModelSource& source, const HeadDescription& head) {
-  bool known = true;
-  const auto require = [&](double value, const PlacedJoint& joint, const std::string& key) {
-    if (!std::isnan(value)) return;
-    known = false;
-    std::string joint_key = "joints." + joint.name + "." + key;
-    v.require(false, "chain", joint.place + " without " + (key == "max_speed_deg_s" ? "a speed" : "limits"),
-              joint_key);
+  std::string places, keys;
+  const auto need = [&keys](const std::string& joint, const char* key) {
+    keys += (keys.empty() ? "" : ", ") + ("joints." + joint + "." + key);
   };
   for (const PlacedJoint& joint : source.joints) {
     const auto described =
         std::ranges::find_if(head.joints, [&](const auto& entry) { return entry.first == joint.name; });
-    require(described->second.min_deg, joint, "min_deg");
-    require(described->second.max_deg, joint, "max_deg");
-    require(described->second.max_speed_deg_s, joint, "max_speed_deg_s");
+    const bool no_limits = std::isnan(described->second.min_deg) || std::isnan(described->second.max_deg);
+    const bool no_speed = std::isnan(described->second.max_speed_deg_s);
+    if (!no_limits && !no_speed) continue;
+    places += (places.empty() ? "" : "; ") + joint.place + " without " +
+              (no_limits ? no_speed ? "limits and speed" : "limits" : "a speed");
+    if (no_limits) need(joint.name, "min_deg");
+    if (no_limits) need(joint.name, "max_deg");
+    if (no_speed) need(joint.name, "max_speed_deg_s");
   }
-  return known;
+  v.require(places.empty(), "chain", places, keys);
+  return places.empty();
 }
 
 /// A chain without an eye would end in one that looks along its last link.
