@@ -5,6 +5,8 @@
 #include <map>
 #include <set>
 
+#include "config/source_keys.h"
+
 namespace saccade {
 namespace {
 
@@ -35,7 +37,7 @@ struct Listed {
 };
 
 /// Lists the keys that are visited while `given` holds.
-class KeyLister final : public FieldVisitor {
+class KeyLister final : public FieldVisitor, public SourceKeys {
  public:
   explicit KeyLister(const Given& given) : given_(given) {}
 
@@ -83,6 +85,15 @@ class KeyLister final : public FieldVisitor {
   bool has_section(std::string_view, bool) override { return true; }
   std::optional<std::string> file(std::string_view key, std::string_view doc) override {
     add(key, "file", "", "", doc);
+    return std::nullopt;
+  }
+  std::optional<std::vector<std::string>> names(std::string_view key, std::string_view doc) override {
+    add(key, "list of names", "", "", doc);
+    return std::nullopt;
+  }
+  std::optional<std::string> word(std::string_view key, std::string_view usual,
+                                  std::string_view doc) override {
+    add(key, "text", "", std::string(usual), doc);
     return std::nullopt;
   }
   std::optional<double> alternative(std::string_view key, Range range, std::string_view doc) override {

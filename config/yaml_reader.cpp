@@ -284,6 +284,29 @@ std::optional<std::string> YamlReader::file(std::string_view key, std::string_vi
   return folder_ + "/" + node->text;
 }
 
+std::optional<std::vector<std::string>> YamlReader::names(std::string_view key, std::string_view) {
+  constexpr std::string_view expectation = "a list of names, each once, such as [pan, tilt]";
+  const YamlNode* node = take(key, std::string(expectation));
+  if (node == nullptr) return std::nullopt;
+  std::vector<std::string> found;
+  bool valid = node->kind == Kind::list && !node->items.empty();
+  for (const YamlNode& item : node->items) {
+    valid = valid && item.kind == Kind::scalar && std::ranges::count(found, item.text) == 0;
+    found.push_back(item.text);
+  }
+  if (valid) return found;
+  refuse(*node, path_of(key), std::string(expectation));
+  return std::nullopt;
+}
+
+std::optional<std::string> YamlReader::word(std::string_view key, std::string_view, std::string_view) {
+  const YamlNode* node = take(key, "text");
+  if (node == nullptr) return std::nullopt;
+  if (node->kind == Kind::scalar && !node->text.empty()) return node->text;
+  refuse(*node, path_of(key), "text");
+  return std::nullopt;
+}
+
 std::optional<double> YamlReader::alternative(std::string_view key, Range range, std::string_view) {
   const YamlNode* node = take(key, expectation_of(range, "a finite number"));
   return node != nullptr ? number(*node, path_of(key), range) : std::nullopt;

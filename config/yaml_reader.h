@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "config/source_keys.h"
 #include "config/yaml_tree.h"
 #include "core/config.h"
 
@@ -25,7 +26,7 @@ namespace saccade {
 ///     YamlReader reader(tree, {"name", "ball.trajectory"});
 ///     describe(reader, scenario);
 ///     reader.finish();
-class YamlReader final : public FieldVisitor {
+class YamlReader final : public FieldVisitor, public SourceKeys {
  public:
   /// `tree` must outlive the reader. `required`: paths of keys that have no default. Files that the tree names are
   /// relative to `folder`, those of --set to the working directory.
@@ -47,6 +48,9 @@ class YamlReader final : public FieldVisitor {
   bool has_section(std::string_view key, bool present) override;
   [[nodiscard]] bool fills_defaults() const override { return true; }
   std::optional<std::string> file(std::string_view key, std::string_view doc) override;
+  std::optional<std::vector<std::string>> names(std::string_view key, std::string_view doc) override;
+  std::optional<std::string> word(std::string_view key, std::string_view usual,
+                                  std::string_view doc) override;
   std::optional<std::string> folder_of(std::string_view key) override;
   std::optional<double> alternative(std::string_view key, Range range, std::string_view doc) override;
   void section(std::string_view key, const std::function<void(FieldVisitor&)>& describe_section,

@@ -3,12 +3,14 @@
 #include <algorithm>
 
 #include "core/units.h"
+#include "head/ergocub_heads.h"
 
 namespace saccade {
 namespace {
 
 std::shared_ptr<const HeadModel> unlimited(const HeadConfig& config) {
   if (config.model == HeadKind::described) return described_head(config.description);
+  if (config.model == HeadKind::ergocub) return described_head(ergocub_description(config.version));
   return config.version == "2" ? default_head() : icub_head(config.version);
 }
 
@@ -21,9 +23,13 @@ void describe(FieldVisitor& v, NarrowedLimits& limits) {
 
 void describe(FieldVisitor& v, HeadConfig& config) {
   v.choice("model", config.model, "the robot's head; described: by the keys below, or by a file");
-  v.when(config.model == HeadKind::icub, "model: icub", [&] {
-    v.choice("version", config.version, icub_versions(),
-             "version of the iCub's head, as written: 2.1 is not 2.10");
+  const bool ergocub = config.model == HeadKind::ergocub;
+  if (v.fills_defaults() && ergocub && std::ranges::count(ergocub_versions(), config.version) == 0)
+    config.version = ergocub_versions().front();
+  v.when(config.model != HeadKind::described, "model: icub or ergocub", [&] {
+    v.choice("version", config.version, ergocub ? ergocub_versions() : icub_versions(),
+             "version of the iCub's head, as written: 2.1 is not 2.10; of the ergoCub's: SN001 (default) or "
+             "SN003");
   });
   v.when(config.model == HeadKind::described, "model: described", [&] { describe(v, config.description); });
   v.named_sections("limits", config.limits,

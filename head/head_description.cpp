@@ -255,8 +255,9 @@ void describe(FieldVisitor& v, DescribedJoint& joint) {
            "part of the head that the joint belongs to; the torso is measured and not commanded");
   v.real("min_deg", joint.min_deg, {-360.0, 360.0}, "lowest position");
   v.real("max_deg", joint.max_deg, {-360.0, 360.0}, "highest position");
-  v.require(joint.min_deg < joint.max_deg, "max_deg", text_of(joint.max_deg), "more than min_deg");
-  v.require(joint.min_deg <= 0.0 && joint.max_deg >= 0.0, "min_deg",
+  // NaN: not known yet; a checker refuses it.
+  v.require(!(joint.min_deg >= joint.max_deg), "max_deg", text_of(joint.max_deg), "more than min_deg");
+  v.require(!(joint.min_deg > 0.0) && !(joint.max_deg < 0.0), "min_deg",
             text_of(joint.min_deg) + " to " + text_of(joint.max_deg), "a range with 0, the neutral position");
   v.real("max_speed_deg_s", joint.max_speed_deg_s, {0.1, 5000.0}, "highest speed");
   v.real("bandwidth_hz", joint.bandwidth_hz, {0.5, 60.0},

@@ -47,66 +47,87 @@ def listen(address):
     return listening
 
 
-listening = listen(sys.argv[1])
-clients, owner, number, heard = {}, None, 0, 0.0  # clients: what came from each; owner: who moves the head
-position, reference, then, seen = [0.0, 0.0], [0.0, 0.0], time.monotonic(), set()
-while True:
-    for ready in select.select([listening, *clients], [], [], 0.001)[0]:
-        if ready is listening:
-            client = listening.accept()[0]
-            clients[client] = b""
-            client.sendall(hello(time.monotonic()))
-            client.setblocking(False)
-            continue
-        try:
-            received = ready.recv(65536)
-        except OSError:
-            received = b""
-        clients[ready] += received
-        while len(clients[ready]) >= 8:
-            kind, size = struct.unpack_from("<II", clients[ready])
-            payload, rest = clients[ready][8:8 + size], clients[ready][8 + size:]
-            if not CLIENT <= kind <= HEARTBEAT or size > 1000:
-                received = b""  # not the protocol
-                break
-            if len(payload) < size:
-                break
-            clients[ready] = rest
-            if kind == ACTIVATE and owner in (None, ready):
-                owner, number, reference, heard = ready, struct.unpack("<Q", payload)[0], position[:], time.monotonic()
-            if ready is owner:
-                heard = time.monotonic()
-                if kind == REFERENCE and struct.unpack_from("<Q", payload)[0] == number:
-                    wanted = struct.unpack_from("<2d", payload, 8)
-                    if all(abs(w) <= joint[1] for w, joint in zip(wanted, JOINTS)):
-                        reference = list(wanted)
-                if kind == STOP:
+class LaggingJoints:
+    """Joints that approach their references with a lag. Other heads have a class of their own with move()."""
+
+    def __init__(self):
+        self.position = [0.0] * len(JOINTS)
+
+    def move(self, reference, dt):
+        """Towards the references, rad, for dt seconds; returns positions and whether each joint is sound."""
+        share = 1 - math.exp(-dt / LAG)
+        self.position = [p + share * (r - p) for p, r in zip(self.position, reference)]
+        return self.position, [True] * len(JOINTS)
+
+
+def serve(address, head):
+    listening = listen(address)
+    clients, owner, number, heard = {}, None, 0, 0.0  # clients: what came from each; owner: who moves the head
+    position, sound = head.move([0.0] * len(JOINTS), 0.0)
+    reference, then, seen = position[:], time.monotonic(), set()
+    while True:
+        for ready in select.select([listening, *clients], [], [], 0.001)[0]:
+            if ready is listening:
+                client = listening.accept()[0]
+                clients[client] = b""
+                client.sendall(hello(time.monotonic()))
+                client.setblocking(False)
+                continue
+            try:
+                received = ready.recv(65536)
+            except OSError:
+                received = b""
+            clients[ready] += received
+            while len(clients[ready]) >= 8:
+                kind, size = struct.unpack_from("<II", clients[ready])
+                payload, rest = clients[ready][8:8 + size], clients[ready][8 + size:]
+                if not CLIENT <= kind <= HEARTBEAT or size > 1000:
+                    received = b""  # not the protocol
+                    break
+                if len(payload) < size:
+                    break
+                clients[ready] = rest
+                if kind == ACTIVATE and owner in (None, ready):
+                    owner, number, heard = ready, struct.unpack("<Q", payload)[0], time.monotonic()
                     reference = position[:]
-            if kind == RELEASE:
-                owner, number, reference = None, 0, position[:]
-        if not received:
-            clients.pop(ready)
-            ready.close()
-            if ready is owner:
-                owner, number, reference = None, 0, position[:]
-    now = time.monotonic()
-    if owner and now - heard > WATCHDOG:
-        owner, number, reference = None, 0, position[:]
-    if now - then < 0.001:
-        continue
-    before, share, dt, then = position, 1 - math.exp(-(now - then) / LAG), now - then, now
-    position = [p + share * (r - p) for p, r in zip(position, reference)]
-    sees = pixels(ball(now, *position))
-    t = int(now * 1e6)
-    events = b"".join(struct.pack("<qHHBBH", t, x, y, (x, y) in sees, 0, 0) for x, y in sees ^ seen)
-    seen = sees
-    joints = b"".join(struct.pack("<ddQ", p, (p - b) / dt, 1 if owner else 2) for p, b in zip(position, before))
-    message = frame(EVENTS, struct.pack("<q", t) + events) + frame(READING, struct.pack("<qQ", t, number) + joints)
-    for client in list(clients):
-        try:
-            client.sendall(message)
-        except OSError:  # gone, or it does not read
-            clients.pop(client)
-            client.close()
-            if client is owner:
-                owner, number, reference = None, 0, position[:]
+                if ready is owner:
+                    heard = time.monotonic()
+                    if kind == REFERENCE and struct.unpack_from("<Q", payload)[0] == number:
+                        wanted = struct.unpack_from("<2d", payload, 8)
+                        if all(abs(w) <= joint[1] for w, joint in zip(wanted, JOINTS)):
+                            reference = list(wanted)
+                    if kind == STOP:
+                        reference = position[:]
+                if kind == RELEASE:
+                    owner, number, reference = None, 0, position[:]
+            if not received:
+                clients.pop(ready)
+                ready.close()
+                if ready is owner:
+                    owner, number, reference = None, 0, position[:]
+        now = time.monotonic()
+        if owner and now - heard > WATCHDOG:
+            owner, number, reference = None, 0, position[:]
+        if now - then < 0.001:
+            continue
+        before, dt, then = position, now - then, now
+        position, sound = head.move(reference, dt)
+        sees = pixels(ball(now, *position))
+        t = int(now * 1e6)
+        events = b"".join(struct.pack("<qHHBBH", t, x, y, (x, y) in sees, 0, 0) for x, y in sees ^ seen)
+        seen = sees
+        joints = b"".join(struct.pack("<ddQ", p, (p - b) / dt, (1 if owner else 2) if ok else 4)
+                          for p, b, ok in zip(position, before, sound))
+        message = frame(EVENTS, struct.pack("<q", t) + events) + frame(READING, struct.pack("<qQ", t, number) + joints)
+        for client in list(clients):
+            try:
+                client.sendall(message)
+            except OSError:  # gone, or it does not read
+                clients.pop(client)
+                client.close()
+                if client is owner:
+                    owner, number, reference = None, 0, position[:]
+
+
+if __name__ == "__main__":
+    serve(sys.argv[1], LaggingJoints())
