@@ -16,10 +16,12 @@
 #define LATE 2   /* deploy.watchdog.tick_late_ms: 20 */
 #define HANG 4   /* hang_ms: 35 */
 #define CAMERA 6 /* camera_silent_ms: 60 */
-#define BOUND 9  /* below safe_within_ms: 100 */
-#define OLD 10   /* ages are counted up to here */
+#ifndef BOUND
+#define BOUND 9 /* below safe_within_ms: 100 */
+#endif
+#define OLD 13   /* ages are counted up to here */
 #ifndef FAULTS
-#define FAULTS 2
+#define FAULTS 1
 #endif
 #define ACTIVATIONS 2
 
