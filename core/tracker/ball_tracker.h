@@ -105,7 +105,7 @@ class BallTracker final : public Detector, public DetectorViews {
   };
   static constexpr std::size_t most_tracks = 8;
   /// The followed circles, as many as there are.
-  std::size_t tracks(std::span<Track, most_tracks> tracks) const;
+  [[nodiscard]] std::size_t tracks(std::span<Track, most_tracks> tracks) const;
 
   /// Motion of a circle whose centre and radius move so, and that of the background there.
   [[nodiscard]] PatchMotion patch_motion(const Circle& circle, const Eigen::Vector3d& motion_px_s) const;
