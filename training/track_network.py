@@ -1,16 +1,13 @@
-"""Trains the network with memory over each followed circle (core/tracker/track_network.h) on the logs of training.tracks.
+"""Trains the network with memory over each followed circle (no detector uses it: docs/training.md) on the logs of training.tracks.
 
     python3 -m training.track_network --tracks TRACKS --out WEIGHTS.npz
     python3 -m training.track_network --tracks TRACKS --judge [WEIGHTS.npz]
-    python3 -m training.track_network --tracks TRACKS --judge WEIGHTS.npz --export models/best
 
 The network estimates the log odds that a circle is the ball's. One of HELD_BACK training worlds is held back to judge each
 epoch; development worlds are only judged.
 """
 import argparse
 import copy
-import hashlib
-import json
 import sys
 import time
 from pathlib import Path
@@ -29,7 +26,6 @@ HELD_BACK = 5
 STAYS_S, AT_REST_SHARE, THRESHOLD = 1.0, 0.25, 0.5  # core/tracker/ball_tracker_constants.h
 MOST_DEVIATIONS = 4.0
 CHUNK, LANES = 64, 96
-GOLDEN_STEPS = 32
 COLUMN = {name: i for i, name in enumerate(FIELDS)}
 BEST_WEIGHT = 5.0  # beside 1, for steps of the best circle
 MOST_AT_INSTANT = 8.0  # log odds
@@ -289,44 +285,11 @@ def load(path):
     return network
 
 
-def arrays_of(network):
-    """In the names and the order of core/tracker/best_model.h: inputs first."""
-    kept = {
-        "input_mean": network.mean, "input_scale": network.scale, "direct": network.direct.weight[0],
-        "feature": network.features.weight.T, "feature_bias": network.features.bias,
-        "gate": network.gates.weight.T, "gate_bias": network.gates.bias, "recurrent": network.recurrent.weight.T,
-        "output_feature": network.from_features.weight[0], "output_memory": network.from_memory.weight[0],
-        "output_bias": network.direct.bias,
-    }
-    return {f"track.{k}": v.detach().numpy().astype(np.float32).copy() for k, v in kept.items()}
-
-
-@torch.no_grad()
-def golden(network, world):
-    """The first steps of the longest track, and what PyTorch makes of them."""
-    a, b = max(world.sequences(), key=lambda s: s[1] - s[0])
-    x = world.inputs[a : min(b, a + GOLDEN_STEPS)]
-    out, memory = network(torch.from_numpy(x)[:, None], torch.zeros(1, network.memory))
-    return {"track.inputs": x[:, :INPUTS], "track.since_ms": (np.expm1(x[:, INPUTS]) * STEP_MS).astype(np.float32),
-            "track.output": out[:, 0].numpy(), "track.memory": memory[0].numpy()}
-
-
-def export(network, world, folder):
-    """Replaces the network over tracks in weights.npz, golden.npz and manifest.json of models/best."""
-    for name, new in (("weights.npz", arrays_of(network)), ("golden.npz", golden(network, world))):
-        old = {k: v for k, v in np.load(folder / name).items() if not k.startswith("track.")}
-        np.savez_compressed(folder / name, **old, **new)
-    manifest = json.loads((folder / "manifest.json").read_text())
-    manifest["sha256"] = hashlib.sha256((folder / "weights.npz").read_bytes()).hexdigest()
-    (folder / "manifest.json").write_text(json.dumps(manifest, indent=1) + "\n")
-
-
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--tracks", type=Path, required=True, help="folder of the logs (training.tracks)")
     parser.add_argument("--out", type=Path)
     parser.add_argument("--judge", nargs="?", const="", help="judge these weights, or the score of the log, on development worlds")
-    parser.add_argument("--export", type=Path, help="put the weights --judge names into this folder (models/best)")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--epochs", type=int, default=14)
     parser.add_argument("--every", type=int, default=4, help="epochs between judgements of the worlds held back")
@@ -343,11 +306,6 @@ def arguments():
 
 def main():
     options = arguments().parse_args()
-    if options.export:
-        if not options.judge:
-            sys.exit("training.track_network: --export needs --judge WEIGHTS.npz")
-        export(load(options.judge), Tracks(sorted(options.tracks.glob("train_ball_*.npz"))[0]), options.export)
-        return
     if options.judge is not None:
         tracks = [Tracks(p) for p in sorted(options.tracks.glob("development_*.npz"))]
         network = load(options.judge) if options.judge else None

@@ -301,16 +301,9 @@ void BallTracker::update_probability(Followed& f, std::int64_t now_us) {
   }
   if (!enough && f.history.silhouette <= 0.0) return;
   f.history.radius_variance_px2 = f.track.covariance()(2, 2);
-  ++f.steps;
-  step_network(f, now_us);
-}
-
-void BallTracker::step_network(Followed& f, std::int64_t now_us) {
   f.inputs = disc_inputs(f.evidence, f.history);
-  f.probability =
-      probability_of(track_log_odds(model_->track, f.inputs, disc_log_odds(model_->probability, f.inputs),
-                                    difference_s(now_us, f.stepped_us), f.memory));
-  f.stepped_us = now_us;
+  ++f.steps;
+  f.probability = disc_probability(model_->probability, f.inputs);
 }
 
 /// The existence probability with the decay since the last edge: the ball may have left without events.

@@ -24,7 +24,6 @@
 #include "core/tracker/patch_network.h"
 #include "core/tracker/polar_patch.h"
 #include "core/tracker/silhouette.h"
-#include "core/tracker/track_network.h"
 
 namespace saccade {
 
@@ -63,8 +62,8 @@ void describe(FieldVisitor& v, BallTrackerConfig& config);
 ///    comes from the joints, or else from the edges (camera_rotation).
 /// 7. From the time surface around a circle, in polar coordinates, PatchNetwork estimates log odds, a correction of the
 ///    circle and its standard deviations.
-/// 8. A network with memory over each track takes evidence, the networks' log odds and the history of the circle, step by
-///    step, and gives the existence probability, calibrated: that the circle is the ball (track_log_odds()).
+/// 8. Evidence, the networks' log odds and the history of a circle give its existence probability, calibrated: that it is
+///    the ball (disc_probability).
 ///
 /// The work of a ms is bounded: flows_per_ms flows, 160 votes, 8 candidates, 4 patches; an event beyond that only leaves
 /// its time stamp. Everything happens at instants of 1 ms of the stream's own time, so that the estimate does not
@@ -105,7 +104,7 @@ class BallTracker final : public Detector, public DetectorViews {
   };
   static constexpr std::size_t most_tracks = 8;
   /// The followed circles, as many as there are.
-  std::size_t tracks(std::span<Track, most_tracks> tracks) const;
+  [[nodiscard]] std::size_t tracks(std::span<Track, most_tracks> tracks) const;
 
   /// Motion of a circle whose centre and radius move so, and that of the background there.
   [[nodiscard]] PatchMotion patch_motion(const Circle& circle, const Eigen::Vector3d& motion_px_s) const;
@@ -120,9 +119,7 @@ class BallTracker final : public Detector, public DetectorViews {
     double network_log_odds = least_network_log_odds;  ///< of the newest inference
     PatchResult patch;                                 ///< of the newest patch
     bool changed = false;                              ///< since then
-    DiscInputs inputs{};                               ///< of the newest step of the network over tracks
-    TrackMemory memory{};
-    std::int64_t stepped_us = 0;
+    DiscInputs inputs{};
     std::uint64_t number = 0, steps = 0;
     double probability = 0.0;
     double found_probability = 0.0;  ///< as if it had just been found, at compared_us
@@ -202,7 +199,6 @@ class BallTracker final : public Detector, public DetectorViews {
   void tick(std::int64_t now_us);
   void update_silhouette(Followed& f, std::int64_t now_us);
   void update_probability(Followed& f, std::int64_t now_us);
-  void step_network(Followed& f, std::int64_t now_us);
 
   // The search for circles that are not followed (ball_tracker_search.cpp).
   void search(std::int64_t now_us);

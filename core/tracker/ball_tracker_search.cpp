@@ -22,7 +22,7 @@ double found_probability(const BestModel& model, const DiscEvidence& evidence, d
   history.newest = evidence;
   history.network_log_odds = history.network_mean = network_log_odds;
   history.patch = history.patch_mean = patch;
-  return probability_of(disc_log_odds(model.probability, disc_inputs(evidence, history)));
+  return disc_probability(model.probability, disc_inputs(evidence, history));
 }
 
 }  // namespace
@@ -288,8 +288,8 @@ void BallTracker::follow(const NewTrack& found, Followed& place, std::int64_t no
   f.network_log_odds = f.history.network_log_odds = f.history.network_mean = found.network_log_odds;
   f.patch = f.history.patch = f.history.patch_mean = found.refined.result();
   f.history.radius_variance_px2 = f.track.covariance()(2, 2);
-  f.stepped_us = now_us;
-  step_network(f, now_us);
+  f.probability = new_share * found.probability;
+  f.inputs = disc_inputs(f.evidence, f.history);
   place = f;
 }
 

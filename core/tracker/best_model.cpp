@@ -60,18 +60,6 @@ BestModel::BestModel(const ModelArrays& a) {
   copy(a, "probability.hidden_bias", probability.hidden_bias);
   copy(a, "probability.output_weight", probability.output_weight);
   copy(a, "probability.output_bias", probability.output_bias);
-
-  copy(a, "track.input_mean", track.input_mean);
-  copy(a, "track.input_scale", track.input_scale);
-  copy(a, "track.direct", track.direct);
-  copy(a, "track.feature", track.feature);
-  copy(a, "track.feature_bias", track.feature_bias);
-  copy(a, "track.gate", track.gate);
-  copy(a, "track.gate_bias", track.gate_bias);
-  copy(a, "track.recurrent", track.recurrent);
-  copy(a, "track.output_feature", track.output_feature);
-  copy(a, "track.output_memory", track.output_memory);
-  copy(a, "track.output_bias", track.output_bias);
 }
 
 std::string problem_of(const ModelFile& file) {

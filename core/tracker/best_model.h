@@ -46,26 +46,12 @@ struct PatchNetworkWeights {
   std::array<float, outputs> output_bias;
 };
 
-/// Those of disc_log_odds() (core/tracker/disc_probability.h).
+/// Those of disc_probability() (core/tracker/disc_probability.h).
 struct DiscProbabilityWeights {
   static constexpr std::size_t inputs = 39, hidden_units = 224;
   std::array<float, inputs> input_mean, input_scale, direct_weight;
   std::array<std::array<float, hidden_units>, inputs> hidden_weight;
   std::array<float, hidden_units> hidden_bias, output_weight;
-  std::array<float, 1> output_bias;
-};
-
-/// Those of track_log_odds() (core/tracker/track_network.h). Gates: reset, keep, candidate.
-struct TrackNetworkWeights {
-  static constexpr std::size_t inputs = 41, features = 48, memory = 24;
-  std::array<float, inputs> input_mean, input_scale, direct;
-  std::array<std::array<float, features>, inputs> feature;
-  std::array<float, features> feature_bias;
-  std::array<std::array<float, 3 * memory>, features> gate;
-  std::array<float, 3 * memory> gate_bias;
-  std::array<std::array<float, 3 * memory>, memory> recurrent;
-  std::array<float, features> output_feature;
-  std::array<float, memory> output_memory;
   std::array<float, 1> output_bias;
 };
 
@@ -77,7 +63,6 @@ struct BestModel {
   DiscNetworkWeights disc;
   PatchNetworkWeights patch;
   DiscProbabilityWeights probability;
-  TrackNetworkWeights track;
 };
 
 /// The arrays of models/best/weights.npz, as they were when the library was built.

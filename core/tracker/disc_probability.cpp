@@ -38,7 +38,7 @@ DiscInputs disc_inputs(const DiscEvidence& evidence, const DiscHistory& h) {
   return inputs;
 }
 
-float disc_log_odds(const DiscProbabilityWeights& w, const DiscInputs& inputs) {
+double disc_probability(const DiscProbabilityWeights& w, const DiscInputs& inputs) {
   std::array<float, DiscProbabilityWeights::hidden_units> hidden = w.hidden_bias;
   float sum = w.output_bias[0];
   for (std::size_t i = 0; i < disc_input_count; ++i) {
@@ -49,9 +49,7 @@ float disc_log_odds(const DiscProbabilityWeights& w, const DiscInputs& inputs) {
   }
   for (std::size_t k = 0; k < hidden.size(); ++k)
     sum += w.output_weight[k] * hidden[k] / (1.0F + std::abs(hidden[k]));
-  return sum;
+  return 1.0 / (1.0 + std::exp(-std::clamp(static_cast<double>(sum), -30.0, 30.0)));
 }
-
-double probability_of(double log_odds) { return 1.0 / (1.0 + std::exp(-std::clamp(log_odds, -30.0, 30.0))); }
 
 }  // namespace saccade

@@ -10,7 +10,6 @@
 #include "core/tracker/disc_network.h"
 #include "core/tracker/disc_probability.h"
 #include "core/tracker/patch_network.h"
-#include "core/tracker/track_network.h"
 #include "recording/model_file.h"
 
 namespace saccade {
@@ -36,7 +35,6 @@ TEST_F(GoldenModel, TheBuiltInWeightsAreThoseOfTheFile) {
   EXPECT_EQ(built_in.disc.block_point, model_.disc.block_point);
   EXPECT_EQ(built_in.patch.across, model_.patch.across);
   EXPECT_EQ(built_in.probability.hidden_weight, model_.probability.hidden_weight);
-  EXPECT_EQ(built_in.track.recurrent, model_.track.recurrent);
 }
 
 TEST_F(GoldenModel, JudgesPatchesAsPyTorchDoes) {
@@ -70,25 +68,8 @@ TEST_F(GoldenModel, GivesTheProbabilitiesOfPyTorch) {
   for (std::size_t i = 0; i < rows; ++i) {
     DiscInputs row;
     std::copy_n(inputs.begin() + static_cast<std::ptrdiff_t>(i * row.size()), row.size(), row.begin());
-    expect_near(probability_of(disc_log_odds(model_.probability, row)), outputs[i], "probability");
+    expect_near(disc_probability(model_.probability, row), outputs[i], "probability");
   }
-}
-
-TEST_F(GoldenModel, RemembersTracksAsPyTorchDoes) {
-  constexpr std::size_t steps = 32;
-  const std::vector<float> inputs = golden("track.inputs", steps * disc_input_count),
-                           since_ms = golden("track.since_ms", steps),
-                           outputs = golden("track.output", steps),
-                           memory = golden("track.memory", TrackNetworkWeights::memory);
-  TrackMemory found{};
-  for (std::size_t i = 0; i < steps; ++i) {
-    DiscInputs step;
-    std::copy_n(inputs.begin() + static_cast<std::ptrdiff_t>(i * step.size()), step.size(), step.begin());
-    const float at_instant = disc_log_odds(model_.probability, step);
-    const double since_s = static_cast<double>(since_ms[i]) * 1e-3;
-    expect_near(track_log_odds(model_.track, step, at_instant, since_s, found), outputs[i], "log odds");
-  }
-  for (std::size_t k = 0; k < found.size(); ++k) expect_near(found[k], memory[k], "memory");
 }
 
 TEST_F(GoldenModel, FindsTheDiscThatPyTorchFinds) {

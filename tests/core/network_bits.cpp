@@ -7,7 +7,6 @@
 #include "core/tracker/disc_probability.h"
 #include "core/tracker/patch_network.h"
 #include "core/tracker/polar_patch.h"
-#include "core/tracker/track_network.h"
 
 namespace saccade {
 namespace {
@@ -66,16 +65,10 @@ std::vector<std::uint64_t> network_bits() {
       add(output.radius_sd_px);
     }
   }
-  TrackMemory memory{};
-  for (std::size_t step = 0; step < 5; ++step) {
-    DiscInputs inputs;
-    for (std::size_t i = 0; i < inputs.size(); ++i)
-      inputs[i] = 0.5F * static_cast<float>((i + step) % 7) - 0.1F * static_cast<float>(i);
-    const float at_instant = disc_log_odds(model->probability, inputs);
-    add(static_cast<double>(at_instant));
-    add(track_log_odds(model->track, inputs, at_instant, 0.002 * static_cast<double>(step), memory));
-  }
-  for (const float value : memory) add(static_cast<double>(value));
+  DiscInputs inputs;
+  for (std::size_t i = 0; i < inputs.size(); ++i)
+    inputs[i] = 0.5F * static_cast<float>(i % 7) - 0.1F * static_cast<float>(i);
+  add(disc_probability(model->probability, inputs));
   return bits;
 }
 
