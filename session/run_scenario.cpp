@@ -95,11 +95,11 @@ int run_scenario(const Scenario& scenario, const RunSettings& settings) {
   return unmet.empty() ? 0 : 3;
 }
 
-Metrics score_scenario(const Scenario& scenario) {
+Metrics score_scenario(const Scenario& scenario, const std::optional<std::filesystem::path>& folder) {
   SimRobot robot(scenario.sim, static_cast<std::uint64_t>(scenario.seed),
                  static_cast<std::size_t>(scenario.run.threads));
   Loop loop = make_loop(scenario, robot);
-  RunRecorder recorder(std::nullopt, scenario, robot, loop);
+  RunRecorder recorder(folder, scenario, robot, loop);
   Session session(robot, loop);
   session.add_observer(recorder);
   session.run(World::tick_us, duration_us(scenario));

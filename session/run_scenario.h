@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,9 @@ struct RunSettings {
 /// after an interrupt; the folder is complete then.
 int run_scenario(const Scenario& scenario, const RunSettings& settings);
 
-/// The same without a folder: nothing is written or printed, and no pictures are made.
-[[nodiscard]] Metrics score_scenario(const Scenario& scenario);
+/// The same without printing, pictures and report. With a folder, which exists, its tables, events and metrics.json are
+/// written there; without one nothing is.
+[[nodiscard]] Metrics score_scenario(const Scenario& scenario,
+                                     const std::optional<std::filesystem::path>& folder = std::nullopt);
 
 }  // namespace saccade

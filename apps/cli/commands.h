@@ -6,6 +6,7 @@
 namespace saccade {
 
 /// One function per subcommand, which adds it to the command line. The registry must outlive the command line.
+void add_benchmark_command(CommandLine& line, const Registry& registry);
 void add_calibrate_command(CommandLine& line, const Registry& registry);
 void add_check_command(CommandLine& line, const Registry& registry);
 /// Hidden: writes the man pages and the completion of shells of what `line` has.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apps/cli/commands.h"
+#include "apps/sweep/benchmark_list.h"
 #include "apps/sweep/sweep_config.h"
 #include "config/key_reference.h"
 #include "config/robot_file.h"
@@ -120,6 +121,10 @@ std::vector<Section> all_sections(const Registry& registry) {
   for (const std::string& block : blocks_of(robot))
     sections.push_back({"robot." + block, "block of a robot file", rows_of(robot, block)});
   sections.push_back({"sweep", "keys of a sweep file", sweep_rows()});
+  sections.push_back({"benchmark", "keys of a list of saccade benchmark", list_keys([](FieldVisitor& v) {
+                        BenchmarkList list;
+                        describe(v, list);
+                      })});
   sections.push_back({"stimulus", "keys of a stimulus file", list_keys([](FieldVisitor& v) {
                         StimulusFile file;
                         file.stimuli.emplace_back("NAME", Stimulus{});
@@ -172,7 +177,7 @@ void add_keys_command(CommandLine& line, const Registry& registry) {
   command.footer(
       "Sections: scenario and its blocks (run lab ball objects board plant camera right_camera calibration "
       "right_calibration render emulator detectors frame_30hz gaze latency output expect);" +
-      presets + "; robot and its blocks (robot.yarp ...); sweep.");
+      presets + "; robot and its blocks (robot.yarp ...); sweep; benchmark.");
   command.action([options, &registry] { return print_keys(*options, registry); });
 }
 

@@ -1,47 +1,18 @@
-#include <fmt/format.h>
-#include <mujoco/mujoco.h>
-
-#include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <memory>
 
 #include "apps/cli/commands.h"
+#include "apps/cli/program_digest.h"
 #include "apps/cli/web_option.h"
 #include "apps/sweep/sweep_run.h"
 #include "apps/sweep/sweep_store.h"
 #include "core/error.h"
-#include "recording/file_digest.h"
-#include "session/version.h"
-#include "sim/world.h"
 
 namespace saccade {
-namespace {
-
-namespace fs = std::filesystem;
-
-std::string bytes_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-/// The program itself and the models that it reads.
-std::string version_of_program() {
-  std::string bytes = bytes_of("/proc/self/exe");
-  std::vector<fs::path> models;
-  for (const auto& entry : fs::recursive_directory_iterator(models_directory()))
-    if (entry.is_regular_file()) models.push_back(entry.path());
-  std::sort(models.begin(), models.end());
-  for (const fs::path& model : models) bytes += bytes_of(model);
-  return fmt::format("saccade {} ({}) {}, MuJoCo {}", version(), commit(), digest(bytes), mj_versionString());
-}
-
-}  // namespace
 
 void add_sweep_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<SweepOptions>();
-  auto status_of = std::make_shared<fs::path>();
+  auto status_of = std::make_shared<std::filesystem::path>();
   Command command = line.add_command(
       "sweep", "Many runs of a scenario, on this machine or a Slurm cluster; started again it goes on");
   Option file = command.option("sweep", options->sweep, "Sweep file (YAML)");
@@ -72,7 +43,7 @@ void add_sweep_command(CommandLine& line, const Registry& registry) {
       return 0;
     }
     if (options->sweep.empty()) throw InputError("sweep", "neither a sweep file nor --status", "one of them");
-    return sweep(*options, version_of_program(), registry);
+    return sweep(*options, program_digest(), registry);
   });
 }
 

@@ -13,6 +13,7 @@ void add_sweep_task_command(CommandLine& line, const Registry& registry) {
   command.option("folder", options->folder, "Folder of the sweep").required();
   command.option("ids", options->ids, "Runs of it").required();
   command.flag("--worst", options->worst, "Make them again, with pictures and a report");
+  command.flag("--benchmark", options->benchmark, "With what the benchmark needs");
   command.action([options, &registry] { return make_sweep_runs(*options, registry); });
 }
 

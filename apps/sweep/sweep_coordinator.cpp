@@ -8,6 +8,7 @@
 #include <iterator>
 #include <set>
 #include <thread>
+#include <utility>
 
 #include "apps/sweep/sweep_run.h"
 #include "core/error.h"
@@ -38,8 +39,11 @@ std::string duration_text(double s) {
 }
 
 SweepCoordinator::SweepCoordinator(const SweepEngineConfig& engine, const SweepPlan& plan,
-                                   const SweepFolder& sweep, bool retry)
-    : plan_(plan), sweep_(sweep), engine_(make_engine(engine, sweep.path())) {
+                                   const SweepFolder& sweep, bool retry, std::vector<std::string> task_flags)
+    : plan_(plan),
+      sweep_(sweep),
+      task_flags_(std::move(task_flags)),
+      engine_(make_engine(engine, sweep.path())) {
   std::set<std::string> seen;
   for (const PlannedRun& run : plan.runs) {
     if (!seen.insert(run.id).second) continue;
@@ -94,7 +98,7 @@ void SweepCoordinator::make_missing_runs() {
   wait(show);  // for what an earlier start has left in a queue
   while (!missing_.empty()) {
     const std::size_t before = missing_.size();
-    engine_->start(command({}), missing_);
+    engine_->start(command(task_flags_), missing_);
     wait(show);
     idle_rounds = missing_.size() < before ? 0 : idle_rounds + 1;
     if (idle_rounds == rounds_without_progress) give_up();

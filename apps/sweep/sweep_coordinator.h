@@ -16,10 +16,10 @@ namespace saccade {
 /// Starts the missing runs of a sweep and collects their results into its table, which only this process writes.
 class SweepCoordinator {
  public:
-  /// Writes a scenario for each missing run, and the table. `retry`: failed runs count as missing. `plan` outlives it.
-  /// Throws DiskFull, RunError.
+  /// Writes a scenario for each missing run, and the table. `retry`: failed runs count as missing; `task_flags`: of the
+  /// command sweep-task. `plan` outlives it. Throws DiskFull, RunError.
   SweepCoordinator(const SweepEngineConfig& engine, const SweepPlan& plan, const SweepFolder& sweep,
-                   bool retry);
+                   bool retry, std::vector<std::string> task_flags = {});
 
   [[nodiscard]] SweepStore& store() const { return *store_; }
 
@@ -44,6 +44,7 @@ class SweepCoordinator {
 
   const SweepPlan& plan_;
   SweepFolder sweep_;
+  std::vector<std::string> task_flags_;
   std::unique_ptr<SweepEngine> engine_;
   std::unique_ptr<SweepStore> store_;
   std::vector<std::string> missing_;

@@ -69,9 +69,8 @@ void prepare_folder(const SweepFolder& sweep, const SweepPlan& plan) {
 
 }  // namespace
 
-int sweep(const SweepOptions& options, const std::string& version, const Registry& registry) {
-  const SweepPlan plan = checked_plan(options, version, registry);
-  const fs::path out = options.out.empty() ? fs::path("sweeps") / plan.config.name : options.out;
+void make_sweep(const SweepPlan& plan, const fs::path& out, const SweepEngineConfig& engine, bool retry,
+                const std::vector<std::string>& task_flags, const SweepStep& end, const SweepStep& begin) {
   const SweepFolder folder(fs::weakly_canonical(fs::absolute(out)));
   prepare_folder(folder, plan);
   const FileLock lock(folder.path() / "lock");
@@ -81,27 +80,41 @@ int sweep(const SweepOptions& options, const std::string& version, const Registr
   const std::string what_next = "; what is done is kept, and the same command goes on when there is room";
   catch_interrupts();
   try {
-    SweepCoordinator coordinator(options.engine, plan, folder, options.retry);
-    std::optional<LiveSweep> page;
-    if (options.web) {
-      page.emplace(*options.web, folder);
-      fmt::print(stderr, "live page: {}\n", page->link());
-      coordinator.set_watch([&](const SweepCoordinator& now) { page->show(now); });
-    }
+    SweepCoordinator coordinator(engine, plan, folder, retry, task_flags);
+    if (begin) begin(coordinator, folder);
     coordinator.make_missing_runs();
-    if (!options.csv.empty()) write_file(options.csv, coordinator.store().csv(options.times));
-    coordinator.make_worst_runs();
-    if (page) page->show(coordinator, LiveSweep::When::at_once);
-    write_sweep_report(coordinator.store().table(), folder.path());
-    const std::int64_t failed = coordinator.store().count("failed");
-    fmt::print("{} runs done, {} failed\n", coordinator.store().count("done"), failed);
-    print_page(out);
-    return failed == 0 ? 0 : 1;
+    end(coordinator, folder);
   } catch (const DiskFull& error) {
     throw RunError(error.what() + what_next);
   } catch (const fs::filesystem_error& error) {
     throw RunError(error.what() + what_next);
   }
+}
+
+int sweep(const SweepOptions& options, const std::string& version, const Registry& registry) {
+  const SweepPlan plan = checked_plan(options, version, registry);
+  const fs::path out = options.out.empty() ? fs::path("sweeps") / plan.config.name : options.out;
+  std::int64_t failed = 0;
+  std::optional<LiveSweep> page;
+  const auto begin = [&](SweepCoordinator& coordinator, const SweepFolder& folder) {
+    if (!options.web) return;
+    page.emplace(*options.web, folder);
+    fmt::print(stderr, "live page: {}\n", page->link());
+    coordinator.set_watch([&](const SweepCoordinator& now) { page->show(now); });
+  };
+  make_sweep(
+      plan, out, options.engine, options.retry, {},
+      [&](SweepCoordinator& coordinator, const SweepFolder& folder) {
+        if (!options.csv.empty()) write_file(options.csv, coordinator.store().csv(options.times));
+        coordinator.make_worst_runs();
+        if (page) page->show(coordinator, LiveSweep::When::at_once);
+        write_sweep_report(coordinator.store().table(), folder.path());
+        failed = coordinator.store().count("failed");
+        fmt::print("{} runs done, {} failed\n", coordinator.store().count("done"), failed);
+        print_page(out);
+      },
+      begin);
+  return failed == 0 ? 0 : 1;
 }
 
 void print_sweep_status(const fs::path& path) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,6 +23,19 @@ struct SweepOptions {
   SweepEngineConfig engine;
   std::optional<LiveAddress> web;  ///< of the live page; none: there is none
 };
+
+class SweepCoordinator;
+class SweepFolder;
+struct SweepPlan;
+
+/// What make_sweep() calls, with the folder locked.
+using SweepStep = std::function<void(SweepCoordinator&, const SweepFolder&)>;
+/// Makes the missing runs of a plan and their table in the folder `out`. `end` is called when every run has a result, `begin` before
+/// the first one starts; it may be empty. `retry` and `task_flags` as SweepCoordinator takes
+/// them. Throws InputError for a folder of something else or one that is in use, RunError.
+void make_sweep(const SweepPlan& plan, const std::filesystem::path& out, const SweepEngineConfig& engine,
+                bool retry, const std::vector<std::string>& task_flags, const SweepStep& end,
+                const SweepStep& begin = {});
 
 /// Makes the missing runs of a sweep, its table and its report. `version` identifies the program: runs of another version
 /// are made again. Returns the exit status: 0, or 1 if a run failed. Throws InputError, RunError.

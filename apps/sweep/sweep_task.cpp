@@ -9,6 +9,7 @@
 #include <iterator>
 #include <tuple>
 
+#include "apps/sweep/benchmark_run.h"
 #include "apps/sweep/child_process.h"
 #include "apps/sweep/sweep_engine.h"
 #include "apps/sweep/sweep_folder.h"
@@ -26,22 +27,32 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Makes the run in `folder`/scenario.yaml and leaves `folder`/metrics.json.
-void make_run(const fs::path& folder, const Registry& registry) {
+/// Makes the run in `folder`/scenario.yaml and leaves `folder`/metrics.json; for a benchmark, benchmark.json first.
+void make_run(const fs::path& folder, bool benchmark, const Registry& registry) {
   const Scenario scenario = read_scenario(folder / "scenario.yaml", {}, std::nullopt, registry);
   set_rasterisers(scenario.run.threads);
-  const Metrics metrics = score_scenario(scenario);
+  const fs::path part = folder / "part";
+  if (benchmark) {
+    fs::remove_all(part);
+    fs::create_directory(part);
+  }
+  const Metrics metrics = benchmark ? score_scenario(scenario, part) : score_scenario(scenario);
   if (metrics.interrupted) throw RunError("interrupted");
   std::ifstream file(folder / "scenario.yaml", std::ios::binary);
   const std::string planned{std::istreambuf_iterator<char>(file), {}};
   for (const std::string& changed : changed_files(metrics.files, planned))
     throw RunError(changed + " has changed since the sweep was started; start it again");
+  if (benchmark) {
+    write_benchmark_figures(part, folder / "benchmark.json");
+    fs::remove_all(part);
+  }
   write_metrics(folder / "metrics.json", metrics);
 }
 
 /// Makes a run in a process of its own, unless it has a result or another process makes it; notes a failure.
 /// Throws DiskFull.
-void make_run_in_process(const SweepFolder& sweep, const std::string& id, const Registry& registry) {
+void make_run_in_process(const SweepFolder& sweep, const std::string& id, bool benchmark,
+                         const Registry& registry) {
   const fs::path folder = sweep.run(id);
   if (sweep.has_result(id)) return;
   const fs::path log = folder / "log.txt";
@@ -49,7 +60,7 @@ void make_run_in_process(const SweepFolder& sweep, const std::string& id, const 
   if (!lock.held() || sweep.has_result(id)) return;
   if (::ftruncate(lock.file(), 0) != 0) throw RunError(log.string() + ": cannot be written");
   const ChildEnd end = run_in_child(lock.file(), [&] {
-    make_run(folder, registry);
+    make_run(folder, benchmark, registry);
     return 0;
   });
   const int status = end.status;
@@ -90,7 +101,7 @@ int make_sweep_runs(const SweepTaskOptions& options, const Registry& registry) {
       if (options.worst) {
         make_worst(sweep, id, fs::read_symlink("/proc/self/exe").string());
       } else {
-        make_run_in_process(sweep, id, registry);
+        make_run_in_process(sweep, id, options.benchmark, registry);
       }
     }
   } catch (const DiskFull& error) {

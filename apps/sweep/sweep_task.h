@@ -12,7 +12,8 @@ namespace saccade {
 struct SweepTaskOptions {
   std::filesystem::path folder;  ///< of the sweep
   std::vector<std::string> ids;
-  bool worst = false;  ///< make them again, with pictures and a report
+  bool worst = false;      ///< make them again, with pictures and a report
+  bool benchmark = false;  ///< with benchmark.json, write_benchmark_figures()
 };
 
 /// Makes runs of a sweep, each in a process of its own, and leaves its result or the reason of its failure in its folder.

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/config.h"
+
+namespace saccade {
+
+/// The runs of one size of a benchmark.
+struct BenchmarkRuns {
+  std::string worlds = "random_world";  ///< scenario with the section `world`
+  std::int64_t first_seed = 1;          ///< of worlds and loop
+  std::int64_t with_ball = 1;           ///< worlds, from first_seed on
+  std::int64_t without_ball = 1;
+  std::string loop;             ///< scenarios in which the entry drives the gaze, separated by blanks
+  std::int64_t loop_seeds = 1;  ///< of each of them, from first_seed on
+};
+
+void describe(FieldVisitor& v, BenchmarkRuns& runs);
+
+/// What every entry of a benchmark runs.
+struct BenchmarkList {
+  std::string name;
+  std::int64_t version = 1;
+  BenchmarkRuns full;
+  BenchmarkRuns quick;  ///< for tests; no result of an entry
+
+  std::filesystem::path folder;  ///< of the file: scenarios are relative to it
+  std::string digest;            ///< of the file's contents
+};
+
+/// Keys of a list file.
+void describe(FieldVisitor& v, BenchmarkList& list);
+
+/// Reads a list file. Throws InputError with everything that is wrong; scenarios are not read.
+[[nodiscard]] BenchmarkList read_benchmark_list(const std::filesystem::path& path);
+
+/// Runs that differ in their seeds alone.
+struct BenchmarkPart {
+  std::string name;  ///< ball, none, or the scenario's name; the folder of its runs
+  std::filesystem::path scenario;
+  bool loop = false;  ///< the entry drives the gaze
+  std::vector<std::int64_t> seeds;
+
+  /// The name of a run: "ball_2000".
+  [[nodiscard]] std::string run_name(std::int64_t seed) const { return name + "_" + std::to_string(seed); }
+};
+
+[[nodiscard]] std::vector<BenchmarkPart> parts_of(const BenchmarkList& list, bool quick);
+
+}  // namespace saccade
