@@ -58,7 +58,7 @@ std::string table_head(const std::string& first, const std::string& last = {}) {
 }
 
 std::string kinds_html(const BenchmarkResult& result) {
-  std::string html = table_head("<th>kind</th><th>worlds with a ball</th><th>number</th>");
+  std::string html = table_head("<th>kind</th><th>value</th><th>worlds</th>");
   for (const BenchmarkKind& kind : kinds_of(result.rows)) {
     html += fmt::format("<tr><th>{}</th><td>{}</td>{}{}</tr>\n", escaped(kind.kind), escaped(kind.value),
                         count_cell(static_cast<std::int64_t>(kind.rows.size())), figure_cells(kind.rows));
@@ -71,8 +71,8 @@ std::string reliability_html(const BenchmarkResult& result) {
   if (!bins) return "<p class=\"facts\">The score is no probability.</p>\n";
   std::string html =
       "<p class=\"facts\">All worlds, whatever the threshold: a score that is a probability equals the share "
-      "of "
-      "inliers.</p>\n<div class=\"wide\"><table><thead><tr><th>score from</th><th>observations</th><th>mean "
+      "of inliers.</p>\n<div class=\"wide\"><table><thead><tr><th>score "
+      "from</th><th>observations</th><th>mean "
       "score</th><th>share of inliers</th></tr></thead><tbody>\n";
   for (std::size_t i = 0; i < bins->size(); ++i) {
     const ReliabilityBin& bin = (*bins)[i];
@@ -163,7 +163,7 @@ void write_benchmark_page(const BenchmarkResult& result, const std::filesystem::
       "<code>{}</code></p>\n",
       escaped(title_of(result)), escaped(facts_of(result)), escaped(result.saccade), escaped(result.machine),
       escaped(result.configuration));
-  html += "<h2>By kind of world</h2>\n" + kinds_html(result);
+  html += "<h2>By kind of world, those with a ball</h2>\n" + kinds_html(result);
   html += "<h2>Reliability</h2>\n" + reliability_html(result);
   html += "<h2>Every run</h2>\n" + runs_html(result);
   write_page_file(file, fmt::format("{}: {}", title_of(result), result.entry), html);

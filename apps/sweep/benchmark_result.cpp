@@ -211,6 +211,7 @@ std::vector<BenchmarkKind> kinds_of(const std::vector<BenchmarkRow>& rows) {
     for (const auto& kind : row.kinds) groups[kind].push_back(row);
   }
   std::vector<BenchmarkKind> kinds;
+  kinds.reserve(groups.size());
   for (auto& [kind, of] : groups) kinds.push_back({kind.first, kind.second, std::move(of)});
   return kinds;
 }
