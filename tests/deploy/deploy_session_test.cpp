@@ -744,14 +744,7 @@ TEST(DeploySession, ATickDoesNotAllocate) {
   if (!malloc_is_counted()) GTEST_SKIP() << "a sanitizer owns malloc";
   for (const char* preset : {"best", "paper_directed"}) {
     for (const bool with_gaze : {false, true}) {
-      FakeRobotScript script;
-      script.limits = genova02_limits();
-      const RandomStream random(5, "events");
-      for (std::uint64_t i = 0; i < 200'000; ++i) {
-        script.events.push_back(
-            {static_cast<std::int64_t>(i * 10), static_cast<std::uint16_t>(random.bits(0, i) % 128),
-             static_cast<std::uint16_t>(random.bits(1, i) % 128), random.bits(2, i) % 2 == 0, 0});
-      }
+      const FakeRobotScript script = script_with_busy_camera();
       FakeDeployed robot(script, with_gaze);
       std::vector<LoopDetector> detectors;
       detectors.push_back({"seer", std::make_unique<ExactDetector>()});

@@ -5,10 +5,25 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/random.h"
 #include "robot/fake/fake_robot.h"
 #include "robot/robot.h"
+#include "tests/control/genova02.h"
 
 namespace saccade {
+
+/// A camera of 128 x 128 that sends 100 events of random pixels per millisecond for 2 s.
+inline FakeRobotScript script_with_busy_camera() {
+  FakeRobotScript script;
+  script.limits = genova02_limits();
+  const RandomStream random(5, "events");
+  for (std::uint64_t i = 0; i < 200'000; ++i) {
+    script.events.push_back(
+        {static_cast<std::int64_t>(i * 10), static_cast<std::uint16_t>(random.bits(0, i) % 128),
+         static_cast<std::uint16_t>(random.bits(1, i) % 128), random.bits(2, i) % 2 == 0, 0});
+  }
+  return script;
+}
 
 /// A fake head as a robot: refuses commands before activate() and after release(). With `with_gaze` it has a gaze
 /// controller of its own.

@@ -13,9 +13,7 @@
 #include "control/controller_registry.h"
 #include "control/gate_registry.h"
 #include "core/detectors/built_in_detectors.h"
-#include "core/random.h"
 #include "head/icub_cameras.h"
-#include "tests/control/genova02.h"
 #include "tests/control/malloc_count.h"
 #include "tests/deploy/fake_deployed.h"
 #include "tests/live/live_client.h"
@@ -45,14 +43,7 @@ nlohmann::json head_of(const std::string& message) {
 class LiveDeployTest : public testing::Test {
  protected:
   LiveDeployTest() {
-    FakeRobotScript script;
-    script.limits = genova02_limits();
-    const RandomStream random(5, "events");
-    for (std::uint64_t i = 0; i < 200'000; ++i) {
-      script.events.push_back(
-          {static_cast<std::int64_t>(i * 10), static_cast<std::uint16_t>(random.bits(0, i) % 128),
-           static_cast<std::uint16_t>(random.bits(1, i) % 128), random.bits(2, i) % 2 == 0, 0});
-    }
+    const FakeRobotScript script = script_with_busy_camera();
     robot_.emplace(script, false);
     std::vector<LoopDetector> detectors;
     detectors.push_back({"best", make_detector(built_in_detectors().config("best"), icub_left_2016)});
