@@ -31,7 +31,8 @@ def check_tracks(options, data):
     logs = options.out / "tracks"
     logs.mkdir()
     for folder in sorted(data.iterdir()):
-        tracks.make(options.log, folder, logs)
+        for variant in (0, 1):
+            tracks.make(options.log, folder, logs, variant)
     logged = [track_network.Tracks(path) for path in sorted(logs.glob("*.npz"))]
     for world in logged:
         inliers = (world.label == tracks.INLIER).mean()

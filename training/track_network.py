@@ -3,8 +3,9 @@
     python3 -m training.track_network --tracks TRACKS --out WEIGHTS.npz
     python3 -m training.track_network --tracks TRACKS --judge [WEIGHTS.npz]
 
-The network estimates the log odds that a circle is the ball's. One of HELD_BACK training worlds is held back to judge each
-epoch; development worlds are only judged.
+The network estimates the log odds that a circle is the ball's, and how fast that ceases to be so once the circle's edge makes no
+events (rate, 1/s): probability(). One of HELD_BACK training worlds is held back to judge each epoch; development worlds are only
+judged.
 """
 import argparse
 import copy
@@ -21,9 +22,11 @@ from .tracks import FIELDS, IGNORED, INLIER, INPUTS
 from .worlds import ROOT
 
 STEP_MS = 2.0  # of the logs
-MOST_ROWS = 25  # that one step counts for in the loss
+SHOWN = 3  # rows of a step that the loss looks at: the first, the last, one between
+MOST_ROWS = 50  # that one step counts for in the loss
 HELD_BACK = 5
 STAYS_S, AT_REST_SHARE, THRESHOLD = 1.0, 0.25, 0.5  # core/tracker/ball_tracker_constants.h
+LEAVES_PER_S = (0.1, 30.0)
 MOST_DEVIATIONS = 4.0
 CHUNK, LANES = 64, 96
 COLUMN = {name: i for i, name in enumerate(FIELDS)}
@@ -62,11 +65,13 @@ class Tracks:
         figures_ = self.rows[at, len(FIELDS):]
         columns = [figures_, np.log1p(dt / STEP_MS)[:, None], log_odds_at_instant(figures_)[:, None]]
         self.inputs = np.concatenate(columns, 1).astype(np.float32)
-        counted = (self.label != IGNORED).astype(np.float32)
-        weight = np.bincount(self.step_of_row, counted, len(at)) if len(at) else np.zeros(0)
-        inliers = np.bincount(self.step_of_row, counted * (self.label == INLIER), len(at)) if len(at) else np.zeros(0)
-        self.share = (inliers / np.maximum(weight, 1)).astype(np.float32)
-        self.weight = np.minimum(weight, MOST_ROWS).astype(np.float32)
+        begin = at
+        end = np.r_[at[1:], len(self.rows)] if len(at) else at
+        count = end - begin
+        shown = np.stack([begin, begin + count // 2, end - 1], 1) if len(at) else np.zeros((0, SHOWN), int)
+        self.silent = self.rows[shown, COLUMN["silent_s"]].astype(np.float32)
+        self.share = (self.label[shown] == INLIER).astype(np.float32)
+        self.weight = (np.minimum(count, MOST_ROWS)[:, None] / SHOWN * (self.label[shown] != IGNORED)).astype(np.float32)
         # Steps of the circle that was the best one count more: its score is the detector's.
         r = self.rows
         if len(at):
@@ -75,17 +80,16 @@ class Tracks:
             t = r[:, 0].astype(int)
             most = np.zeros(t.max() + 1)
             np.maximum.at(most, t, p)
-            top = np.bincount(self.step_of_row, p >= most[t], len(at)) / np.maximum(np.bincount(self.step_of_row, minlength=len(at)), 1)
-            self.weight *= (1 + BEST_WEIGHT * top).astype(np.float32)
+            self.weight *= (1 + BEST_WEIGHT * (p >= most[t])[shown]).astype(np.float32)
 
     def sequences(self):
         bounds = [*np.flatnonzero(self.first), len(self.first)]
         return list(zip(bounds[:-1], bounds[1:]))
 
-    def scores(self, probability_of_step):
+    def scores(self, probability_of_step, leaves_per_s):
         """t, score, label and rank of the best circle of each instant that has one."""
         r = self.rows
-        p = probability_of_step[self.step_of_row] * np.exp(-r[:, COLUMN["silent_s"]] / STAYS_S)
+        p = probability_of_step[self.step_of_row] * np.exp(-r[:, COLUMN["silent_s"]] * leaves_per_s[self.step_of_row])
         rank = p * (AT_REST_SHARE + (1 - AT_REST_SHARE) * r[:, COLUMN["moved_most_share"]])
         t = r[:, 0].astype(int)
         order = np.lexsort((rank, t))
@@ -102,9 +106,9 @@ class Network(nn.Module):
         self.features = nn.Linear(inputs, features)
         self.gates = nn.Linear(features, 3 * memory)
         self.recurrent = nn.Linear(memory, 3 * memory, bias=False)
-        self.direct = nn.Linear(inputs, 1)
-        self.from_features = nn.Linear(features, 1, bias=False)
-        self.from_memory = nn.Linear(memory, 1, bias=False)
+        self.direct = nn.Linear(inputs, 2)
+        self.from_features = nn.Linear(features, 2, bias=False)
+        self.from_memory = nn.Linear(memory, 2, bias=False)
         self.memory = memory
         with torch.no_grad():
             self.recurrent.weight.mul_(0.5)
@@ -115,7 +119,7 @@ class Network(nn.Module):
         self.scale.copy_(torch.from_numpy(1 / (inputs.std(0) + 1e-3)))
 
     def forward(self, x, h, first=None):
-        """time x batch x inputs -> log odds, time x batch; and the memory after the last step."""
+        """time x batch x inputs -> time x batch x (log odds, ln of the rate of leaving in 1/s); and the memory after the last step."""
         z = ((x - self.mean) * self.scale).clamp(-MOST_DEVIATIONS, MOST_DEVIATIONS)
         f = functional.softsign(self.features(z))
         g = self.gates(f)
@@ -129,13 +133,22 @@ class Network(nn.Module):
             h = n + rz[:, m:] * (h - n)
             out.append(h)
         hs = torch.stack(out)
-        return (self.direct(z) + self.from_features(f) + self.from_memory(hs))[:, :, 0], h
+        return self.direct(z) + self.from_features(f) + self.from_memory(hs), h
+
+
+def leaves_per_s(out):
+    return out[..., 1].clamp(*np.log(LEAVES_PER_S)).exp()
+
+
+def probability(out, silent_s):
+    """That the circle is the ball's, from the network's outputs, silent_s after the last event of its edge."""
+    return torch.sigmoid(out[..., 0])[..., None] * torch.exp(-leaves_per_s(out)[..., None] * silent_s)
 
 
 @torch.no_grad()
-def log_odds_of(network, world):
+def outputs_of(network, world):
     """Of each step."""
-    found = np.zeros(len(world.first), np.float32)
+    found = np.zeros((len(world.first), 2), np.float32)
     spans = sorted(world.sequences(), key=lambda s: s[0] - s[1])
     for begin in range(0, len(spans), 256):
         part = spans[begin : begin + 256]
@@ -149,9 +162,9 @@ def log_odds_of(network, world):
     return found
 
 
-def figures(world, probability_of_step):
+def figures(world, probability_of_step, leaves_per_s):
     """As docs/scoring.md, at every second ms."""
-    t, score, label = world.scores(probability_of_step)
+    t, score, label = world.scores(probability_of_step, leaves_per_s)
     truth = world.truth[1::2]
     chances = int((truth[:, 3] >= 0.5).sum())
     kept = label != IGNORED
@@ -205,11 +218,20 @@ def line(s):
 
 
 def present(world):
-    return world.rows[world.stepped, COLUMN["probability"]]
+    p = world.rows[world.stepped, COLUMN["probability"]]
+    return p, np.full(len(p), 1 / STAYS_S, np.float32)
+
+
+def remembered(network, world):
+    out = torch.from_numpy(outputs_of(network, world))
+    return torch.sigmoid(out[:, 0]).numpy(), leaves_per_s(out).numpy()
 
 
 def judged(network, tracks):
-    return [(w.name, figures(w, present(w) if network is None else 1 / (1 + np.exp(-log_odds_of(network, w))))) for w in tracks]
+    return [(w.name, figures(w, *(present(w) if network is None else remembered(network, w)))) for w in tracks]
+
+
+ARRAYS = ("inputs", "silent", "share", "weight")
 
 
 class Lanes:
@@ -217,7 +239,7 @@ class Lanes:
 
     def __init__(self, tracks, random, options):
         spans = [(n, a, b) for n, w in enumerate(tracks) for a, b in w.sequences()]
-        parts = {k: [] for k in ("inputs", "share", "weight", "first")}
+        parts = {k: [] for k in (*ARRAYS, "first")}
         for i in random.permutation(len(spans)):
             n, a, b = spans[i]
             if random.random() < options.cut and b - a > 1:  # a track that began later
@@ -228,7 +250,7 @@ class Lanes:
                 kept = kept[random.random(len(kept)) < random.uniform(0.4, 1.0)]
             if not len(kept):
                 continue
-            for k in ("inputs", "share", "weight"):
+            for k in ARRAYS:
                 parts[k].append(getattr(w, k)[kept])
             first = np.zeros(len(kept), np.float32)
             first[0] = 1
@@ -258,10 +280,10 @@ def train(options, tracks, held):
         for a in range(0, len(lanes.first), CHUNK):
             for g in adam.param_groups:
                 g["lr"] = options.rate * min(1.0, (done + 1) / 100, 1.5 * max(0.01, 1 - done / total))
-            x, y, w, first = (v[a : a + CHUNK] for v in (lanes.inputs, lanes.share, lanes.weight, lanes.first))
+            x, silent, y, w, first = (v[a : a + CHUNK] for v in (*(getattr(lanes, k) for k in ARRAYS), lanes.first))
             x = x + options.noise * torch.randn(x.shape) / network.scale
             out, h = network(x, h.detach(), first)
-            losses = functional.binary_cross_entropy_with_logits(out, y, reduction="none")
+            losses = functional.binary_cross_entropy(probability(out, silent).clamp(1e-6, 1 - 1e-6), y, reduction="none")
             loss = (losses * w).sum() / w.sum()
             adam.zero_grad()
             loss.backward()
@@ -319,7 +341,7 @@ def main():
     paths = [p for p in paths if not p.name.endswith(".part.npz")]
     every = [Tracks(p) for p in paths]
     every = [w for w in every if len(w.first)]
-    back = [] if options.all else [w for w in every if int(w.name.split("_")[-1]) // 4 % HELD_BACK == 0]
+    back = [] if options.all else [w for w in every if int(w.name.split("_")[2]) // 4 % HELD_BACK == 0]
     kept = [w for w in every if w not in back]
     if not kept:
         sys.exit(f"training.track_network: no train_*.npz in {options.tracks}")

@@ -3,7 +3,8 @@
     python3 -m training.tracks --data DATA --log build/release/bin/track_log --out TRACKS
 
 A log is TRACKS/WORLD.npz: rows of FIELDS and the inputs of the score (DiscInputs), one for each followed circle every 2 ms,
-by the program track_log, which has no ground truth; and the label of each row, from the ground truth.
+by the program track_log, which has no ground truth; and the label of each row, from the ground truth. With --variants N each
+training world has N more logs, WORLD_vK.npz, as another sensor and another speed would give them (varied()).
 """
 import argparse
 import subprocess
@@ -20,6 +21,8 @@ INPUTS = 39
 VELOCITY_WINDOW_MS = 10  # of the encoders
 INLIER_PX, INLIER_RADIUS_PX, LEAST_VISIBLE = 6.0, 2.0, 0.5  # docs/scoring.md
 FALSE, INLIER, IGNORED = 0, 1, 2
+LONGEST_MS = 5000
+WITHOUT_JOINTS = 0.25  # share of the variants
 EVENT = np.dtype([("t", "<i8"), ("x", "<u2"), ("y", "<u2"), ("on", "u1")])
 
 
@@ -32,14 +35,52 @@ def rotation_rad_s(eye):
     return np.divide(2 * v * np.sign(w), seconds, out=np.zeros_like(v), where=seconds > 0)
 
 
-def replay(log, world):
-    """The rows of track_log."""
-    radius = (4, int(np.floor(0.3 * world.height)))  # the rule of random worlds
+def stream_of(world):
+    """Events, eye quaternions and truth each ms, and whether the joints are known."""
     events = np.load(world.folder / "events.npz")["events"]
     packed = np.empty(len(events), EVENT)
     packed["t"], packed["x"], packed["y"], packed["on"] = events["t"], events["x"], events["y"], events["p"]
-    head = " ".join(map(str, (world.width, world.height, *world.camera[2:], *radius, world.duration_ms, len(packed))))
-    done = subprocess.run([log], input=head.encode() + b"\n" + rotation_rad_s(world.eye).astype("<f8").tobytes() + packed.tobytes(),
+    return packed, world.eye, world.truth, True
+
+
+def varied(stream, size, random):
+    """The same world at another speed (1/4 to 4 times, most near 1), by another sensor: polarities exchanged, events dropped, noise
+    of all pixels and of a few, no joints."""
+    events, eye, truth, _ = stream
+    stretch = 2.0 ** np.clip(random.normal(0, 0.8), -2, 2)
+    duration_ms = int(min(len(truth) * stretch, LONGEST_MS))
+    events = events.copy()
+    events["t"] = np.round(events["t"] * stretch)
+    events = events[events["t"] <= duration_ms * 1000]
+    at = np.clip((np.arange(1, duration_ms + 1) / stretch) - 1, 0, len(truth) - 1)
+    truth = truth[np.round(at).astype(int)]
+    eye = np.stack([np.interp(at, np.arange(len(eye)), q) for q in eye.T], 1)
+    eye /= np.linalg.norm(eye, axis=1, keepdims=True)
+    if random.random() < 0.5:
+        events["on"] ^= 1
+    if random.random() < 0.5:
+        events = events[random.random(len(events)) > random.uniform(0, 0.6)]
+    pixels = size[0] * size[1]
+    rates_hz = []  # of pixels, with their share
+    if random.random() < 0.3:
+        rates_hz.append((10 ** random.uniform(-1, 1), np.arange(pixels)))
+    if random.random() < 0.3:
+        rates_hz.append((10 ** random.uniform(1, 2.7), random.integers(pixels, size=random.integers(1, 40))))
+    for rate_hz, of in rates_hz:
+        more = np.empty(random.poisson(rate_hz * len(of) * duration_ms * 1e-3), EVENT)
+        pixel = of[random.integers(len(of), size=len(more))]
+        more["t"], more["x"], more["y"] = random.integers(1, duration_ms * 1000, len(more)), pixel % size[0], pixel // size[0]
+        more["on"] = random.integers(2, size=len(more))
+        events = np.concatenate([events, more])
+    return events[np.argsort(events["t"], kind="stable")], eye, truth, random.random() >= WITHOUT_JOINTS
+
+
+def replay(log, world, stream):
+    """The rows of track_log."""
+    events, eye, _, joints = stream
+    radius = (4, int(np.floor(0.3 * world.height)))  # the rule of random worlds
+    head = " ".join(map(str, (world.width, world.height, *world.camera[2:], *radius, int(joints), len(eye), len(events))))
+    done = subprocess.run([log], input=head.encode() + b"\n" + rotation_rad_s(eye).astype("<f8").tobytes() + events.tobytes(),
                           capture_output=True)
     if done.returncode != 0:
         sys.exit(f"training.tracks: {world.folder}: {done.stderr.decode()[-2000:]}")
@@ -55,16 +96,21 @@ def labels(rows, truth):
     return np.where(visible >= LEAST_VISIBLE, inlier, np.where(visible > 0, IGNORED, FALSE)).astype(np.uint8)
 
 
-def make(log, folder, out):
-    path = out / f"{folder.name}.npz"
+def make(log, folder, out, variant):
+    name = f"{folder.name}_v{variant}" if variant else folder.name
+    path = out / f"{name}.npz"
     if path.exists():
         return
     world = World(folder)
-    rows = replay(log, world)
+    stream = stream_of(world)
+    if variant:
+        seed = int(folder.name.rsplit("_", 1)[1])
+        stream = varied(stream, (world.width, world.height), np.random.default_rng([seed, variant]))
+    rows, truth = replay(log, world, stream), stream[2]
     part = path.with_suffix(".part.npz")
-    np.savez_compressed(part, rows=rows, label=labels(rows, world.truth), truth=world.truth)
+    np.savez_compressed(part, rows=rows, label=labels(rows, truth), truth=truth)
     part.rename(path)
-    print(folder.name, len(rows), flush=True)
+    print(name, len(rows), flush=True)
 
 
 def main():
@@ -72,12 +118,14 @@ def main():
     parser.add_argument("--data", type=Path, required=True, help="folder of the worlds (training.worlds)")
     parser.add_argument("--log", type=Path, default=Path("build/release/bin/track_log"), help="the program")
     parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--variants", type=int, default=0, help="further logs of each training world")
     parser.add_argument("--threads", type=int, default=1)
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
     folders = sorted(p.parent for p in options.data.glob("*/world.npz") if not p.parent.name.endswith(".part"))
+    jobs = [(f, v) for v in range(options.variants + 1) for f in folders if v == 0 or f.name.startswith("train_")]
     with ThreadPoolExecutor(options.threads) as pool:
-        list(pool.map(lambda folder: make(options.log, folder, options.out), folders))
+        list(pool.map(lambda job: make(options.log, job[0], options.out, job[1]), jobs))
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ namespace {
 struct Replay {
   Camera camera;
   BallTrackerConfig config;
+  bool joints = true;                                 // whether the rotation is known
   std::vector<std::array<double, 3>> rotation_rad_s;  // of the camera, its own frame; each ms
   std::vector<Event> events;
 };
@@ -26,7 +27,7 @@ bool read_replay(Replay& replay) {
   Camera& c = replay.camera;
   std::size_t ticks = 0, events = 0;
   std::cin >> c.size.width >> c.size.height >> c.fx_px >> c.fy_px >> c.cx_px >> c.cy_px >> c.k1 >>
-      replay.config.radius_px[0] >> replay.config.radius_px[1] >> ticks >> events;
+      replay.config.radius_px[0] >> replay.config.radius_px[1] >> replay.joints >> ticks >> events;
   if (!std::cin || std::cin.get() != '\n') return false;
   replay.rotation_rad_s.resize(ticks);
   if (!read_values(replay.rotation_rad_s.data(), ticks * sizeof(replay.rotation_rad_s[0]))) return false;
@@ -75,8 +76,9 @@ int run() {
     while (next < replay.events.size() && replay.events[next].t_us <= tick * 1000) ++next;
     CameraMotion motion;
     motion.angular_velocity_rad_s = Eigen::Vector3d(replay.rotation_rad_s[k].data());
-    tracker.process(std::span(replay.events).subspan(first, next - first), &motion);
-    tracker.advance_to(tick * 1000, &motion);
+    const CameraMotion* const known = replay.joints ? &motion : nullptr;
+    tracker.process(std::span(replay.events).subspan(first, next - first), known);
+    tracker.advance_to(tick * 1000, known);
     if (tick % 2 != 0) continue;
     std::array<BallTracker::Track, BallTracker::most_tracks> tracks;
     const std::size_t count = tracker.tracks(tracks);
