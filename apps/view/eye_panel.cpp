@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <utility>
 
@@ -81,9 +82,25 @@ void EyePanel::draw(const Area& area, const Snapshot& snapshot, ViewState& state
   if (snapshot.truth && snapshot.truth->box_px) legend.add("truth", colours::truth, Legend::Mark::square);
   legend.add("OFF", colours::off, Legend::Mark::square);
   legend.add("ON", colours::on, Legend::Mark::square);
-  const Area at = ViewLayout::fit(area, snapshot.camera.size);
+  const Area frame = ViewLayout::below_caption(area);
+  take_mouse(frame);
+  const Area at = zoom_.place(area, snapshot.camera.size);
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  draw.PushClipRect({frame.x, frame.y}, {frame.x + frame.width, frame.y + frame.height}, true);
   draw_texture(texture_, at);
   draw_marks(at, snapshot, state);
+  draw.PopClipRect();
+}
+
+void EyePanel::take_mouse(const Area& frame) {
+  ImGui::SetCursorScreenPos({frame.x, frame.y});
+  ImGui::InvisibleButton("image", {frame.width, frame.height});
+  const ImGuiIO& io = ImGui::GetIO();
+  if (ImGui::IsItemActive()) zoom_.pan(io.MouseDelta.x, io.MouseDelta.y);
+  if (!ImGui::IsItemHovered()) return;
+  if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) zoom_.reset();
+  if (io.MouseWheel != 0.0F)
+    zoom_.scale(std::pow(1.2F, io.MouseWheel), io.MousePos.x - frame.x, io.MousePos.y - frame.y);
 }
 
 }  // namespace saccade

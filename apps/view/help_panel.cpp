@@ -19,6 +19,7 @@ void draw_help(int width, int height, ViewState& state) {
   }
   ImGui::Separator();
   ImGui::TextUnformatted("Drag in the scene to turn it; the wheel changes the distance.");
+  ImGui::TextUnformatted("In the eye's image the wheel enlarges, dragging moves, a double click shows all.");
   ImGui::TextUnformatted("Ctrl-click on a slider to type a number.");
   ImGui::End();
 }

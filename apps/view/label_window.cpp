@@ -253,7 +253,7 @@ class LabelWindow {
     legend.add("OFF", colours::off, Legend::Mark::square);
     legend.add("ON", colours::on, Legend::Mark::square);
     const Area at = zoom_.place(area, editor_.image_size());
-    const Area frame = LabelLayout::below_caption(area);
+    const Area frame = ViewLayout::below_caption(area);
     take_mouse(frame, at);
     ImDrawList& draw = *ImGui::GetWindowDrawList();
     draw.PushClipRect({frame.x, frame.y}, {frame.x + frame.width, frame.y + frame.height}, true);

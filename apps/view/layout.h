@@ -49,10 +49,47 @@ struct ViewLayout {
     const float h = scale * static_cast<float>(shape.height);
     return {panel.x + 0.5F * (panel.width - w), panel.y + caption + 0.5F * (height - h), w, h};
   }
+  /// The part of a panel below its caption.
+  [[nodiscard]] static Area below_caption(const Area& panel) {
+    return {panel.x, panel.y + caption, panel.width, panel.height - caption};
+  }
   /// The part of the timeline that shows time from start to end.
   [[nodiscard]] Area time_strip() const {
     return {timeline.x + 8.0F, timeline.y + 6.0F, timeline.width - 16.0F, timeline.height - 26.0F};
   }
+};
+
+/// An enlarged part of an image in a panel.
+class ImageZoom {
+ public:
+  /// The place of the whole image, of which the panel shows a part: centred as ViewLayout::fit() places it, enlarged and
+  /// moved.
+  [[nodiscard]] Area place(const Area& panel, ImageSize image) const {
+    const Area all = ViewLayout::fit(panel, image);
+    const Area frame = ViewLayout::below_caption(panel);
+    return {frame.x + (all.x - frame.x) * factor_ + x_, frame.y + (all.y - frame.y) * factor_ + y_,
+            all.width * factor_, all.height * factor_};
+  }
+  /// Enlarges by `factor` around a point of the panel, px from the top left of what is below its caption. At the original
+  /// size the image is back in its place.
+  void scale(float factor, float x, float y) {
+    const float wanted = std::clamp(factor_ * factor, 1.0F, 40.0F);
+    x_ = x - (x - x_) * wanted / factor_;
+    y_ = y - (y - y_) * wanted / factor_;
+    factor_ = wanted;
+    if (factor_ == 1.0F) x_ = y_ = 0.0F;
+  }
+  /// Back to the whole image.
+  void reset() { *this = {}; }
+  void pan(float x, float y) {
+    if (factor_ == 1.0F) return;
+    x_ += x;
+    y_ += y;
+  }
+
+ private:
+  float factor_ = 1.0F;
+  float x_ = 0.0F, y_ = 0.0F;
 };
 
 }  // namespace saccade

@@ -24,15 +24,18 @@ void draw_help(int width, int height, ViewState& state);
 /// help_panel.cpp.
 void draw_question(int width, int height, ViewState& state);
 
-/// Events, camera image, circles and target. In eye_panel.cpp.
+/// Events, camera image, circles and target; the wheel enlarges, dragging moves, a double click shows all. In eye_panel.cpp.
 class EyePanel {
  public:
   explicit EyePanel(Window& window) : texture_(window, false) {}
   void draw(const Area& area, const Snapshot& snapshot, ViewState& state);
 
  private:
+  void take_mouse(const Area& frame);
+
   Window::Texture texture_;
   RgbImage rgb_;
+  ImageZoom zoom_;
 };
 
 /// The Hough space of the selected detector. In hough_panel.cpp.

@@ -9,6 +9,7 @@
 #include <functional>
 #include <future>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 #include <optional>
 #include <set>
@@ -133,6 +134,30 @@ TEST_F(ViewWindow, ShowsARecordedRunSeeksInItAndAppliesSettings) {
   EXPECT_FALSE(same(first, screenshot(), layout.scene)) << "the hand is elsewhere";
   click_time(0.75);
   EXPECT_TRUE(same_moment(first, screenshot())) << "sought back and forth";
+
+  // The wheel enlarges the eye's image around the ball, dragging moves it, a double click shows all of it.
+  const Area eye = ViewLayout::fit(layout.eye, image);
+  const float scale = eye.width / static_cast<float>(image.width);
+  const float x = eye.x + scale * static_cast<float>(now->circle.x_px + 0.5);
+  const float y = eye.y + scale * static_cast<float>(now->circle.y_px + 0.5);
+  mouse(x, y, "click --repeat 3 --delay 50 4");
+  const cv::Mat enlarged = screenshot();
+  EXPECT_GT(pixels_of_first_detector(enlarged), 1.3 * pixels_of_first_detector(first))
+      << "1.2^3 times as long";
+  mouse(x, y, "mousedown 1 sleep 0.1 mousemove_relative 0 30 sleep 0.1 mouseup 1");
+  const cv::Mat moved = screenshot();
+  const auto row_of_circle = [&](const cv::Mat& shot) {
+    const cv::Mat panel = cut(shot, eye);
+    const Colour colour = detector_colour("best");
+    cv::Mat mask;
+    cv::inRange(panel, cv::Scalar(colour.blue, colour.green, colour.red),
+                cv::Scalar(colour.blue, colour.green, colour.red), mask);
+    return cv::moments(mask, true).m01 / std::max(1.0, cv::moments(mask, true).m00);
+  };
+  EXPECT_NEAR(row_of_circle(moved) - row_of_circle(enlarged), 30.0, 6.0);
+  mouse(x, y, "click --repeat 2 --delay 60 1");
+  mouse(layout.plots.x + 5, layout.plots.y + 5, "sleep 0.1");
+  EXPECT_TRUE(same(first, screenshot(), layout.eye)) << "all of the image again";
 
   std::string up;  // to 0.385542 * 1.1^10 = 0.99999, the last step below the largest threshold, 1
   for (int i = 0; i < 30; ++i) up += "bracketright ";
