@@ -63,16 +63,40 @@ void send_recording(int pipe, const std::function<std::unique_ptr<EventReader>()
   send(pipe, HelperMessageKind::end, {});
 }
 
-}  // namespace
+void send_array(int pipe, const std::function<std::unique_ptr<ArrayRows>()>& open, unsigned limit_s) {
+  ::alarm(limit_s);
+  const std::unique_ptr<ArrayRows> array = open();
+  if (!array) {
+    send(pipe, HelperMessageKind::end, {});
+    return;
+  }
+  const std::vector<std::uint64_t> lengths(array->shape().begin(), array->shape().end());
+  const HelperArray sent{static_cast<std::uint32_t>(array->type()),
+                         static_cast<std::uint32_t>(lengths.size())};
+  send(pipe, HelperMessageKind::opened,
+       std::string(reinterpret_cast<const char*>(&sent), sizeof sent)
+           .append(reinterpret_cast<const char*>(lengths.data()), lengths.size() * sizeof(std::uint64_t)));
+  std::string row;
+  for (;;) {
+    ::alarm(limit_s);
+    const bool is_row = array->next(row);
+    ::alarm(0);
+    if (!is_row) break;
+    for (std::size_t at = 0; at < row.size(); at += helper_most_bytes)
+      send(pipe, HelperMessageKind::rows, std::string_view(row).substr(at, helper_most_bytes));
+  }
+  send(pipe, HelperMessageKind::end, {});
+}
 
-void serve_events(int pipe, const std::function<std::unique_ptr<EventReader>()>& open, unsigned limit_s) {
+template <class Send>
+[[noreturn]] void serve(int pipe, const Send& send_all) {
   // A sanitizer's handlers would turn signals into exit statuses.
   for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) std::signal(signal, SIG_DFL);
   std::signal(SIGINT, SIG_IGN);  // the process that reads the pipe decides when to stop
   const rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CORE, &no_core);
   try {
-    send_recording(pipe, open, limit_s);
+    send_all();
   } catch (const InputError& error) {
     const Problem& problem = error.problems().front();
     send(pipe, HelperMessageKind::bad_input,
@@ -81,6 +105,16 @@ void serve_events(int pipe, const std::function<std::unique_ptr<EventReader>()>&
     send(pipe, HelperMessageKind::failure, error.what());
   }
   ::_exit(0);
+}
+
+}  // namespace
+
+void serve_events(int pipe, const std::function<std::unique_ptr<EventReader>()>& open, unsigned limit_s) {
+  serve(pipe, [&] { send_recording(pipe, open, limit_s); });
+}
+
+void serve_array(int pipe, const std::function<std::unique_ptr<ArrayRows>()>& open, unsigned limit_s) {
+  serve(pipe, [&] { send_array(pipe, open, limit_s); });
 }
 
 }  // namespace saccade

@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 
+#include "recording/array_rows.h"
 #include "recording/event_file.h"
 
 namespace saccade {
@@ -12,5 +13,9 @@ namespace saccade {
 /// process with SIGALRM.
 [[noreturn]] void serve_events(int pipe, const std::function<std::unique_ptr<EventReader>()>& open,
                                unsigned limit_s = 60);
+
+/// The same for an array, of which `open` may return none.
+[[noreturn]] void serve_array(int pipe, const std::function<std::unique_ptr<ArrayRows>()>& open,
+                              unsigned limit_s = 60);
 
 }  // namespace saccade

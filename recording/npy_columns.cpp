@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "recording/byte_order.h"
+#include "recording/codec.h"
 #include "recording/number_text.h"
 
 namespace saccade {
@@ -26,6 +27,31 @@ std::optional<std::int64_t> natural(const char* bytes, bool big_endian) {
 }
 
 }  // namespace
+
+NpyHeader read_npy_header(UnpackedPart& part, const InputFile& file, std::size_t& header_bytes) {
+  constexpr std::size_t longest_npy_header = 1 << 15;
+  constexpr std::size_t start_bytes = 12;
+  const std::string_view start = part.peek(start_bytes);
+  if (start.size() < start_bytes || !start.starts_with(npy_mark))
+    file.fail("a member that is no array", "NumPy's arrays");
+  const bool version_1 = start[6] == 1;
+  if (!version_1 && start[6] != 2 && start[6] != 3)
+    file.fail("an array of version " + std::to_string(start[6]), "version 1, 2 or 3");
+  const std::size_t length =
+      version_1 ? load_little<std::uint16_t>(start.data() + 8) : load_little<std::uint32_t>(start.data() + 8);
+  const std::size_t before = version_1 ? 10 : 12;
+  if (length > longest_npy_header)
+    file.fail("a header of " + std::to_string(length) + " bytes", "at most 2^15");
+  header_bytes = before + length;
+  const std::string_view all = part.peek(header_bytes);
+  if (all.size() < header_bytes) file.fail("the end of an array inside its header", "a whole array");
+  const auto header = NpyHeader::parse(all.substr(before, length));
+  if (!header)
+    file.fail("the header " + printable(all.substr(before, length)),
+              "that of an array of numbers or records");
+  part.skip(header_bytes);
+  return *header;
+}
 
 std::optional<std::size_t> npy_type_bytes(std::string_view type) {
   if (type.size() < 3 || std::string_view("<>|=").find(type[0]) == std::string_view::npos)

@@ -33,6 +33,9 @@ struct NpyNumber {
   [[nodiscard]] double real(const char* bytes) const;
 };
 
+/// Reads a member's header; the part is at its first row afterwards. Throws InputError for a member that is no array.
+[[nodiscard]] NpyHeader read_npy_header(UnpackedPart& part, const InputFile& file, std::size_t& header_bytes);
+
 /// Number of bytes of an element of any type; none for objects and texts.
 [[nodiscard]] std::optional<std::size_t> npy_type_bytes(std::string_view type);
 

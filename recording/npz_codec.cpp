@@ -11,7 +11,6 @@
 namespace saccade {
 namespace {
 
-constexpr std::size_t longest_npy_header = 1 << 15;
 constexpr std::uint64_t most_rows = std::uint64_t{1} << 48;
 
 /// The arrays of a file that matter: those of events and of the image size.
@@ -45,7 +44,7 @@ class NpyFile {
     if (name.ends_with(".npy")) name.resize(name.size() - 4);
     NpyArray array;
     array.member = member;
-    const NpyHeader header = read_header(part, file, array.header_bytes);
+    const NpyHeader header = read_npy_header(part, file, array.header_bytes);
     contents_ +=
         (contents_.empty() ? "" : ", ") + printable(name.empty() ? "an array" : name) + description(header);
     if (take_size(name, header, part)) return;
@@ -67,30 +66,6 @@ class NpyFile {
     return std::ranges::any_of(arrays_, [column](const NpyArray& array) {
       return std::ranges::count(array.columns, column, &NpyArray::Column::column) > 0;
     });
-  }
-
-  static NpyHeader read_header(UnpackedPart& part, const InputFile& file, std::size_t& header_bytes) {
-    constexpr std::size_t start_bytes = 12;
-    const std::string_view start = part.peek(start_bytes);
-    if (start.size() < start_bytes || !start.starts_with(npy_mark))
-      file.fail("a member that is no array", "NumPy's arrays");
-    const bool version_1 = start[6] == 1;
-    if (!version_1 && start[6] != 2 && start[6] != 3)
-      file.fail("an array of version " + std::to_string(start[6]), "version 1, 2 or 3");
-    const std::size_t length = version_1 ? load_little<std::uint16_t>(start.data() + 8)
-                                         : load_little<std::uint32_t>(start.data() + 8);
-    const std::size_t before = version_1 ? 10 : 12;
-    if (length > longest_npy_header)
-      file.fail("a header of " + std::to_string(length) + " bytes", "at most 2^15");
-    header_bytes = before + length;
-    const std::string_view all = part.peek(header_bytes);
-    if (all.size() < header_bytes) file.fail("the end of an array inside its header", "a whole array");
-    const auto header = NpyHeader::parse(all.substr(before, length));
-    if (!header)
-      file.fail("the header " + printable(all.substr(before, length)),
-                "that of an array of numbers or records");
-    part.skip(header_bytes);
-    return *header;
   }
 
   static std::string description(const NpyHeader& header) {

@@ -3,12 +3,14 @@
 #include <array>
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/read_options.h"
 #include "apps/view/view.h"
 #include "config/scenario.h"
 #include "core/error.h"
+#include "evaluation/replay/foxglove_file.h"
 #include "evaluation/replay/replay_page.h"
 #include "recording/output_file.h"
 #include "recording/run_file_names.h"
@@ -26,7 +28,8 @@ struct ViewOptions : ReadOptions {
   std::vector<std::string> assignments;
   std::optional<std::int64_t> seed;
   bool paused = false;
-  std::filesystem::path html;
+  std::filesystem::path html, mcap;
+  double fps = foxglove_images_hz;
   bool force = false;
 };
 
@@ -82,15 +85,34 @@ int view_recording(const ViewOptions& options, const Registry& registry) {
   return 0;
 }
 
-/// A page instead of a window.
-int write_html(const ViewOptions& options, const Registry& registry) {
+void write_mcap(const ViewOptions& options, const Registry& registry) {
+  const FoxgloveSummary summary =
+      write_foxglove(options.recording, registry.formats, options.fps, options.mcap);
+  if (summary.late_events > 0) {
+    fmt::print(stderr,
+               "saccade: {}: {} events follow others that are more than 100 ms newer; no image has them\n",
+               options.recording.string(), summary.late_events);
+  }
+  fmt::print("{}\n", options.mcap.string());
+}
+
+/// Files instead of a window.
+int write_files(const ViewOptions& options, const Registry& registry) {
   const std::filesystem::path extension = options.recording.extension();
   if (extension == ".yaml" || extension == ".yml")
-    throw InputError("--html", "the scenario " + options.recording.string(),
+    throw InputError(options.html.empty() ? "--mcap" : "--html", "the scenario " + options.recording.string(),
                      "the folder of a run (`saccade run` makes one) or a recording");
-  const std::array outputs{options.html};
+  if (!options.mcap.empty() && !is_run_folder(options))
+    throw InputError("--mcap", options.recording.string(),
+                     "the folder of a run; `saccade convert` writes the events of a recording as MCAP");
+  std::vector<std::filesystem::path> outputs;
+  for (const std::filesystem::path& file : {options.html, options.mcap}) {
+    if (!file.empty()) outputs.push_back(file);
+  }
   const std::array inputs{options.recording};
   check_outputs(outputs, inputs, options.force);
+  if (!options.mcap.empty()) write_mcap(options, registry);
+  if (options.html.empty()) return 0;
   if (is_run_folder(options))
     write_replay(options.recording, registry.formats, options.html);
   else
@@ -100,7 +122,7 @@ int write_html(const ViewOptions& options, const Registry& registry) {
 }
 
 int view(const ViewOptions& options, const Registry& registry) {
-  if (!options.html.empty()) return write_html(options, registry);
+  if (!options.html.empty() || !options.mcap.empty()) return write_files(options, registry);
   catch_interrupts();
   const std::filesystem::path extension = shipped_file(options.recording).extension();
   return extension == ".yaml" || extension == ".yml" ? view_scenario(options, registry)
@@ -126,7 +148,12 @@ void add_view_command(CommandLine& line, const Registry& registry) {
   command.flag("--paused", options->paused, "Start paused");
   command.option("--html", options->html,
                  "Write a page that replays a run folder or a recording in a browser, instead of a window");
-  command.flag("--force", options->force, "Replace the page of --html where it exists");
+  command.option("--mcap", options->mcap,
+                 "Write an MCAP file of a run folder for Foxglove, instead of a window");
+  command.option("--fps", options->fps, "Images of the events per second of the run, of --mcap")
+      .in_range(0.1, 1000.0)
+      .show_default();
+  command.flag("--force", options->force, "Replace the files of --html and --mcap where they exist");
   command.footer("H in the window lists its keys. It needs an X display; without a screen use xvfb-run.");
   command.action([options, &registry] { return view(*options, registry); });
 }

@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -18,6 +16,7 @@
 #include "evaluation/replay/kept_events.h"
 #include "evaluation/replay/packed_table.h"
 #include "evaluation/replay/replay_asset.h"
+#include "evaluation/replay/scene_file.h"
 #include "evaluation/report/html.h"
 #include "evaluation/report/palette.h"
 #include "evaluation/report/run_data.h"
@@ -309,20 +308,10 @@ void add_gaze(Page& page, const std::vector<GazeRow>& gaze, const std::vector<Ey
   page.add_rows<GazeRow>("gaze", gaze, columns);
 }
 
-/// scene.json, packed(); empty where there is none. Throws InputError for text that is not JSON of this schema.
-std::string scene_text(const fs::path& file) {
-  if (!fs::exists(file)) return {};
-  std::ifstream in(file, std::ios::binary);
-  const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  const Json scene = Json::parse(text, nullptr, false);
-  if (scene.is_discarded()) throw InputError(file.string(), "text that is not JSON", "the scene of a run");
-  if (!scene.is_object() || scene.value("schema", 0) != 1)
-    throw InputError(file.string(), "another schema", "schema 1");
-  for (const char* const key : {"bodies", "geoms", "meshes", "textures"}) {
-    if (!scene.contains(key) || !scene.at(key).is_array())
-      throw InputError(file.string(), "no list " + std::string(key), "the scene of a run");
-  }
-  return packed({reinterpret_cast<const unsigned char*>(text.data()), text.size()});
+/// packed(); empty where there is none.
+std::string packed_scene(const fs::path& file) {
+  const std::string text = scene_text(file);
+  return text.empty() ? text : packed({reinterpret_cast<const unsigned char*>(text.data()), text.size()});
 }
 
 void write_html(const fs::path& file, const std::string& html) {
@@ -340,7 +329,7 @@ void write_replay(const fs::path& run_folder, const FormatRegistry& formats, con
   const auto rows = [&]<class Row>(const char* name, Row) {
     return read_thinned_table<Row>(run_folder / name, start_us, step_ms);
   };
-  const std::string scene = scene_text(run_folder / run_file::scene);
+  const std::string scene = packed_scene(run_folder / run_file::scene);
   Page page(metrics.scenario, start_us);
   Json& head = page.head();
   head["duration"] = metrics.duration_s;

@@ -10,6 +10,9 @@
 #include <string>
 
 #include "core/error.h"
+#include "recording/array_rows.h"
+#include "recording/helper_process.h"
+#include "recording/helper_reader.h"
 
 namespace saccade {
 namespace {
@@ -97,6 +100,90 @@ TEST(ArrayFile, ThatIsNotFinishedLeavesNothing) {
     EXPECT_TRUE(fs::is_empty(folder)) << name;
   }
   EXPECT_THROW(create_array_file(folder / "absent" / "a.npz"), RunError);
+}
+
+TEST(ArrayRows, AreThoseThatWereWritten) {
+  const fs::path folder = fs::path(testing::TempDir()) / "array_rows";
+  fs::remove_all(folder);
+  fs::create_directory(folder);
+  for (const char* const name : {"a.npz", "a.h5"}) {
+    SCOPED_TRACE(name);
+    const auto file = create_array_file(folder / name);
+    fill(*file);
+    const std::vector<std::size_t> shape = {100, 400};
+    const std::size_t large =
+        file->add("large", ArrayType::f64, shape);  // rows of more than a message of the helper
+    std::vector<double> values(40'000);
+    for (int i = 0; i < 2; ++i) {
+      std::iota(values.begin(), values.end(), 1e6 * i);
+      file->append(large, std::span<const double>(values));
+    }
+    file->commit();
+
+    const auto image = open_array(folder / name, "left/image");
+    ASSERT_NE(image, nullptr);
+    EXPECT_EQ(image->type(), ArrayType::f32);
+    EXPECT_EQ(image->shape(), (std::vector<std::size_t>{5, 2, 3}));
+    EXPECT_EQ(image->row_bytes(), 24U);
+    std::string row;
+    for (int i = 0; i < 5; ++i) {
+      ASSERT_TRUE(image->next(row));
+      std::vector<float> found(6);
+      ASSERT_EQ(row.size(), 24U);
+      std::memcpy(found.data(), row.data(), row.size());
+      for (int k = 0; k < 6; ++k)
+        EXPECT_EQ(found[static_cast<std::size_t>(k)], static_cast<float>(10 * i + k));
+    }
+    EXPECT_FALSE(image->next(row));
+    EXPECT_FALSE(image->next(row));
+
+    const auto rows = open_array(folder / name, "large");
+    ASSERT_NE(rows, nullptr);
+    ASSERT_TRUE(rows->next(row));
+    ASSERT_TRUE(rows->next(row));
+    ASSERT_EQ(row.size(), 320'000U);
+    std::memcpy(values.data(), row.data(), row.size());
+    EXPECT_EQ(values.front(), 1e6);
+    EXPECT_EQ(values.back(), 1e6 + 39'999);
+    EXPECT_FALSE(rows->next(row));
+
+    EXPECT_EQ(open_array(folder / name, "right/image"), nullptr);
+    EXPECT_EQ(open_array(folder / name, "objects"), nullptr) << "texts";
+  }
+}
+
+TEST(ArrayRows, OfABrokenFileAreAnError) {
+  const fs::path folder = fs::path(testing::TempDir()) / "array_rows_broken";
+  fs::remove_all(folder);
+  fs::create_directory(folder);
+  EXPECT_THROW((void)open_array(folder / "none.npz", "t_us"), InputError);
+  EXPECT_THROW((void)open_array(folder / "none.h5", "t_us"), InputError);
+  for (const char* const name : {"a.npz", "a.h5"}) {
+    const auto file = create_array_file(folder / name);
+    fill(*file);
+    file->commit();
+    const std::string bytes = bytes_of(folder / name);
+    // Cut anywhere, the file is an error, or the rows before the cut and an error, or the whole array.
+    for (std::size_t length = 1; length < bytes.size(); length += 1 + bytes.size() / 40) {
+      std::ofstream(folder / (std::string("cut_") + name), std::ios::binary) << bytes.substr(0, length);
+      try {
+        const auto rows = open_array(folder / (std::string("cut_") + name), "t_us");
+        std::string row;
+        for (std::int64_t i = 0; rows && rows->next(row); ++i) {
+          std::int64_t value = -1;
+          ASSERT_EQ(row.size(), sizeof value);
+          std::memcpy(&value, row.data(), sizeof value);
+          EXPECT_EQ(value, i);
+        }
+      } catch (const InputError& error) {
+        EXPECT_NE(std::string(error.what()).find("cut_"), std::string::npos) << error.what();
+      }
+    }
+  }
+}
+
+TEST(HelperProcess, ThatCannotBeStartedIsAnError) {
+  EXPECT_THROW(HelperProcess("a.h5", "libfragile", {"/no/such/program", {}}), RunError);
 }
 
 }  // namespace
