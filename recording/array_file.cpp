@@ -18,19 +18,6 @@
 namespace saccade {
 namespace {
 
-std::size_t size_of(ArrayType type) {
-  switch (type) {
-    case ArrayType::u8:
-      return 1;
-    case ArrayType::f32:
-      return 4;
-    case ArrayType::i64:
-    case ArrayType::f64:
-      return 8;
-  }
-  return 0;
-}
-
 std::size_t row_bytes(ArrayType type, const std::vector<std::size_t>& shape) {
   std::size_t bytes = size_of(type);
   for (const std::size_t length : shape) bytes *= length;

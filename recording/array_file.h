@@ -14,6 +14,20 @@ namespace saccade {
 
 enum class ArrayType { u8, i64, f32, f64 };
 
+/// Bytes of a number.
+[[nodiscard]] constexpr std::size_t size_of(ArrayType type) {
+  switch (type) {
+    case ArrayType::u8:
+      return 1;
+    case ArrayType::f32:
+      return 4;
+    case ArrayType::i64:
+    case ArrayType::f64:
+      break;
+  }
+  return 8;
+}
+
 /// A file of named arrays: HDF5, or NumPy's .npz without compression, so that its arrays can be mapped into memory. Like all
 /// outputs it appears under its name only when it is whole. Every member throws RunError where writing fails.
 class ArrayFile {

@@ -19,19 +19,6 @@ namespace {
 
 constexpr std::size_t most_row_bytes = std::size_t{1} << 30;
 
-std::size_t size_of_number(ArrayType type) {
-  switch (type) {
-    case ArrayType::u8:
-      return 1;
-    case ArrayType::f32:
-      return 4;
-    case ArrayType::i64:
-    case ArrayType::f64:
-      break;
-  }
-  return 8;
-}
-
 std::optional<ArrayType> type_of_word(const std::string& word) {
   if (word == "|u1") return ArrayType::u8;
   if (word == "<i8") return ArrayType::i64;
@@ -43,7 +30,7 @@ std::optional<ArrayType> type_of_word(const std::string& word) {
 /// Throws where a row has no size that is possible.
 void check_shape(const std::string& file, const std::string& name, ArrayType type,
                  const std::vector<std::size_t>& shape) {
-  std::size_t bytes = size_of_number(type);
+  std::size_t bytes = size_of(type);
   for (std::size_t i = 1; i < shape.size(); ++i) {
     if (shape[i] > 0 && bytes > most_row_bytes / shape[i]) bytes = most_row_bytes;
     bytes *= std::max<std::size_t>(shape[i], 1);
@@ -148,12 +135,6 @@ std::unique_ptr<ArrayRows> open_array_in_helper(const std::filesystem::path& pat
 }
 
 }  // namespace
-
-std::size_t ArrayRows::row_bytes() const {
-  std::size_t bytes = size_of_number(type_);
-  for (std::size_t i = 1; i < shape_.size(); ++i) bytes *= shape_[i];
-  return bytes;
-}
 
 std::unique_ptr<ArrayRows> open_array(const std::filesystem::path& file, const std::string& name) {
   return file.extension() == ".npz" ? open_npz_array(file, name) : open_array_in_helper(file, name);

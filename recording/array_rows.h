@@ -22,7 +22,11 @@ class ArrayRows {
   [[nodiscard]] ArrayType type() const { return type_; }
   /// At least one length: that of the rows comes first.
   [[nodiscard]] const std::vector<std::size_t>& shape() const { return shape_; }
-  [[nodiscard]] std::size_t row_bytes() const;
+  [[nodiscard]] std::size_t row_bytes() const {
+    std::size_t bytes = size_of(type_);
+    for (std::size_t i = 1; i < shape_.size(); ++i) bytes *= shape_[i];
+    return bytes;
+  }
   /// The bytes of the next row, in the computer's byte order; false at the end. Throws InputError.
   virtual bool next(std::string& row) = 0;
 

@@ -33,5 +33,6 @@ html_title = f"saccade {release}".strip()
 html_theme_options = {"description": "Closed-loop testbench for event-driven vision on the iCub", "page_width": "min(1500px, 95%)",
                       "body_max_width": "1200px",  # for the tables; the default is 800 px
                       "sidebar_width": "240px", "fixed_sidebar": True}
+html_extra_path = [name for name in ["demo"] if os.path.isdir(name)]
 html_show_sourcelink = False
 html_copy_source = False
