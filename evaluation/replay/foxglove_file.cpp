@@ -24,7 +24,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-using Kind = PlainMember::Kind;
 
 /// How old a row may be whose circle or gaze an image shows.
 constexpr std::int64_t shown_us = 10'000;
@@ -316,8 +315,9 @@ class TruthTrack final : public FoxgloveTrack {
   TruthTrack(const fs::path& table, int camera, FoxgloveWriter& writer)
       : truth_(table),
         writer_(writer),
-        topic_(writer.add_plain("/" + side_of(camera) + "/truth", "saccade.Truth",
-                                {{"x_px"}, {"y_px"}, {"r_px"}, {"visible"}, {"position_m", Kind::vector}})) {}
+        topic_(writer.add_plain(
+            "/" + side_of(camera) + "/truth", "saccade.Truth",
+            {{"x_px"}, {"y_px"}, {"r_px"}, {"visible"}, {"position_m", PlainMember::Kind::vector}})) {}
 
   std::optional<std::int64_t> next_us() override { return truth_.next_us(); }
   void write() override {
@@ -346,7 +346,7 @@ class DetectionTrack final : public FoxgloveTrack {
     for (const auto& [name, score] : detectors) {
       topics_[name] = writer.add_plain(
           "/" + side_of(camera) + "/detections/" + name, "saccade.Detection",
-          {{"x_px"}, {"y_px"}, {"r_px"}, {"score"}, {"held", Kind::truth_value}, {"error_px"}});
+          {{"x_px"}, {"y_px"}, {"r_px"}, {"score"}, {"held", PlainMember::Kind::truth_value}, {"error_px"}});
     }
   }
 
@@ -384,7 +384,9 @@ class GazeTrack final : public FoxgloveTrack {
         truth_(folder / run_file::truth),
         writer_(writer),
         topic_(writer.add_plain("/gaze", "saccade.Gaze",
-                                {{"error_deg"}, {"fixation_m", Kind::vector}, {"target_m", Kind::vector}})) {
+                                {{"error_deg"},
+                                 {"fixation_m", PlainMember::Kind::vector},
+                                 {"target_m", PlainMember::Kind::vector}})) {
     if (!metrics.gaze || !metrics.gaze->limits.head) return;
     std::vector<PlainMember> members;
     for (const HeadJoint& joint : metrics.gaze->limits.head->joints) {
@@ -440,9 +442,9 @@ class ImuTrack final : public FoxgloveTrack {
   ImuTrack(const fs::path& table, FoxgloveWriter& writer)
       : imu_(table),
         writer_(writer),
-        topic_(writer.add_plain(
-            "/imu", "saccade.Imu",
-            {{"angular_velocity_rad_s", Kind::vector}, {"acceleration_m_s2", Kind::vector}})) {}
+        topic_(writer.add_plain("/imu", "saccade.Imu",
+                                {{"angular_velocity_rad_s", PlainMember::Kind::vector},
+                                 {"acceleration_m_s2", PlainMember::Kind::vector}})) {}
 
   std::optional<std::int64_t> next_us() override { return imu_.next_us(); }
   void write() override {

@@ -106,8 +106,7 @@ void FoxgloveScene::read(const std::string& text) {
     (void)entry.at("poses").at(0);  // throws where there is none
   }
   std::ranges::sort(times_);
-  const auto repeated = std::ranges::unique(times_);
-  times_.erase(repeated.begin(), repeated.end());
+  times_.erase(std::unique(times_.begin(), times_.end()), times_.end());
   for (const Json& geom : scene.at("geoms")) {
     const auto body = geom.at("body").get<std::size_t>();
     (void)scene.at("bodies").at(body);

@@ -146,6 +146,19 @@ with_browser(process.argv[2], async ({folder, saccade, open}) => {
     expect(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "nothing wider than the screen");
   }
 
+  // The front picture of the site is such a page in a frame.
+  const frame = fs.readFileSync(path.join(__dirname, "..", "..", "site", "demo.md"), "utf8").split("```")[1].replace("{raw} html", "");
+  fs.copyFileSync(file, path.join(folder, "demo.html"));
+  fs.writeFileSync(path.join(folder, "front.html"), "<!doctype html><meta charset=utf-8><title>front</title>" + frame);
+  for (const screen of ["desktop", "phone"]) {
+    const front = await open(screen, "file://" + path.join(folder, "front.html"));
+    expect_equal(front.frames().length, 2, "frames");
+    const inner = front.frames()[1];
+    await ready(inner);
+    expect(await inner.evaluate(() => replay.scene !== null && document.documentElement.scrollWidth <= innerWidth),
+      "a scene, and nothing wider than the frame");
+  }
+
   // A recording has neither scene nor truth.
   saccade("view", path.join("run", "events.csv"), "--size", "128x128", "--html", "events.html");
   const page = await open("desktop", "file://" + path.join(folder, "events.html"));
