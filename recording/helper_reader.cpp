@@ -38,8 +38,8 @@ class HelperReader final : public EventReader {
     }
     return count;
   }
-  std::optional<ImageSize> image_size() const override { return image_size_; }
-  std::string format() const override { return format_; }
+  [[nodiscard]] std::optional<ImageSize> image_size() const override { return image_size_; }
+  [[nodiscard]] std::string format() const override { return format_; }
 
  private:
   /// False at the end; where the file is broken false too, as long as there are events to return first.
@@ -98,7 +98,7 @@ std::filesystem::path find_helper(std::string_view file_name) {
   folders.insert(folders.end(), {SACCADE_LIBEXEC_DIR, SACCADE_BUILD_BIN_DIR});
   std::string searched;
   for (const fs::path& folder : folders) {
-    const fs::path file = folder / file_name;
+    fs::path file = folder / file_name;
     if (::access(file.c_str(), R_OK) == 0) return file;
     searched += (searched.empty() ? "" : ", ") + folder.string();
   }

@@ -34,7 +34,8 @@ def run(tmp_path_factory):
     folder = tmp_path_factory.mktemp("foxglove") / "run"
     truth = "{rate_hz: 50, images: true, frames: {exposure_ms: 4}, depth: true, flow: true, segmentation: true, poses: true}"
     assignments = ["run.duration_s=0.4", "expect={}", "output.pictures=0", "imu={}", "eyes=both", "gaze.stereo=true",
-                   "ball.trajectory.start_s=0", "output.events=npz", f"output.ground_truth={truth}"]
+                   "ball.trajectory.start_s=0", "output.events=npz",
+                   "detectors={best: {}, paper_directed: {}, paper_full: {}}", f"output.ground_truth={truth}"]
     run_program("run", SOURCE / "scenarios" / "gaze_square_45cm.yaml", "--seed", 5, "--out", folder,
                 *(part for a in assignments for part in ("--set", a)))
     return folder
