@@ -204,8 +204,8 @@ class NumpyReader final : public BlockReader {
     check_times();
   }
 
-  std::optional<ImageSize> image_size() const override { return image_size_; }
-  std::string format() const override { return is_zip_ ? "NumPy NPZ" : "NumPy NPY"; }
+  [[nodiscard]] std::optional<ImageSize> image_size() const override { return image_size_; }
+  [[nodiscard]] std::string format() const override { return is_zip_ ? "NumPy NPZ" : "NumPy NPY"; }
 
  protected:
   bool decode(std::span<Event> block, std::size_t& count) override {

@@ -100,7 +100,7 @@ struct ReadMcap {
     }
     std::string text() {
       const auto count = number<std::uint32_t>();
-      const std::string text(bytes.substr(0, count));
+      std::string text(bytes.substr(0, count));
       bytes.remove_prefix(count);
       return text;
     }
@@ -169,7 +169,7 @@ void expect_valid(const json& value, const json& schema, const std::string& plac
       EXPECT_TRUE(value.contains(name)) << place << "." << name;
     for (const auto& [name, member] : value.items()) {
       ASSERT_TRUE(schema.at("properties").contains(name)) << place << "." << name;
-      expect_valid(member, schema.at("properties").at(name), place + "." + name);
+      expect_valid(member, schema.at("properties").at(name), std::string(place).append(".").append(name));
     }
   } else if (type == "array") {
     EXPECT_GE(value.size(), schema.value("minItems", 0U)) << place;
@@ -246,6 +246,7 @@ class FoxgloveFile : public testing::Test {
 
   [[nodiscard]] std::filesystem::path run() const { return folder_ / "run"; }
   [[nodiscard]] std::filesystem::path file() const { return folder_ / "run.mcap"; }
+  // NOLINTNEXTLINE(modernize-use-nodiscard): it writes a file
   FoxgloveSummary write(double images_hz = foxglove_images_hz) const {
     return write_foxglove(run(), built_in_formats(), images_hz, file());
   }
