@@ -17,7 +17,9 @@ class BlockReader : public EventReader {
   explicit BlockReader(InputFile file) : file_(std::move(file)), block_(block_events) {}
 
   std::size_t read(std::vector<Event>& events, std::size_t max_events) final;
-  std::optional<std::uint64_t> broken_record() const final { return record_.value_or(file_.offset()); }
+  [[nodiscard]] std::optional<std::uint64_t> broken_record() const final {
+    return record_.value_or(file_.offset());
+  }
 
  protected:
   static constexpr std::size_t block_events = 4096;

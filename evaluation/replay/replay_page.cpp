@@ -223,7 +223,7 @@ Json add_detectors(Page& page, const std::string& prefix, const std::vector<Dete
   for (const auto& [name, score] : detectors) {
     std::vector<DetectionRow> own;
     std::ranges::copy_if(rows, std::back_inserter(own),
-                         [&](const DetectionRow& row) { return row.detector == name; });
+                         [&name = name](const DetectionRow& row) { return row.detector == name; });
     const std::string table = prefix + std::to_string(list.size());
     page.add_rows<DetectionRow>(table, own,
                                 {{"x", px_step, [](const DetectionRow& r) { return r.circle.x_px; }},

@@ -246,7 +246,6 @@ class FoxgloveFile : public testing::Test {
 
   [[nodiscard]] std::filesystem::path run() const { return folder_ / "run"; }
   [[nodiscard]] std::filesystem::path file() const { return folder_ / "run.mcap"; }
-  // NOLINTNEXTLINE(modernize-use-nodiscard): it writes a file
   FoxgloveSummary write(double images_hz = foxglove_images_hz) const {
     return write_foxglove(run(), built_in_formats(), images_hz, file());
   }
