@@ -73,6 +73,7 @@ class Page {
     if (rows.empty()) return;
     PackedTable table(name, rows.size());
     std::vector<std::int64_t> times;
+    times.reserve(rows.size());
     for (const Row& row : rows) times.push_back(since_start(row.t_us));
     table.add_times("t", times);
     std::vector<double> values(rows.size());
