@@ -24,7 +24,7 @@ class GroundTruth:
                                  "output.ground_truth")
             path = found[0]
         self.path = path
-        self._arrays = _hdf5_arrays(path) if path.endswith(".h5") else _npz_arrays(path)
+        self._arrays = _hdf5_arrays(path) if path.endswith(".h5") else npz_arrays(path)
         if "t_us" not in self._arrays:
             raise ValueError(f"{path}: found no array t_us, expected ground truth of saccade")
 
@@ -67,7 +67,7 @@ def _is_per_instant(name):
     return not (name in ("objects", "poses/bodies", "poses/joints") or name.startswith("imu/") or "/camera/" in name)
 
 
-def _npz_arrays(path):
+def npz_arrays(path):
     """The members of a .npz without compression, mapped."""
     arrays = {}
     try:
