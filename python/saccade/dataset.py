@@ -5,7 +5,7 @@ import os
 
 import numpy as np
 
-from .ground_truth import GroundTruth, npz_arrays
+from .ground_truth import GroundTruth, npy_array, npz_arrays
 
 _EYES = ("left", "right")
 _truth_dtype = np.dtype([("t_us", "i8"), ("x_px", "f8"), ("y_px", "f8"), ("r_px", "f8"), ("visible", "f8"), ("x_m", "f8"),
@@ -77,12 +77,12 @@ class Dataset:
     @property
     def causes(self):
         """Names of the numbers in a window's `cause`."""
-        return _texts(self._labels(self.runs[0]), "causes")
+        return _texts(self._labels(self.runs[0], "causes"), "causes")
 
     @property
     def objects(self):
         """Names of the numbers in a window's `object`."""
-        return _texts(self._labels(self.runs[0]), "objects")
+        return _texts(self._labels(self.runs[0], "objects"), "objects")
 
     def part(self, worker, workers):
         """The windows of every workers-th run, from run number `worker` on (0 to workers - 1)."""
@@ -115,9 +115,8 @@ class Dataset:
     def __getstate__(self):
         return {**self.__dict__, "_opened": {}}
 
-    def _labels(self, run):
-        path = os.path.join(self._path(run), "labels.npz")
-        return {name: np.asarray(array) for name, array in npz_arrays(path).items()}
+    def _labels(self, run, *names):
+        return npz_arrays(os.path.join(self._path(run), "labels.npz"), names)
 
 
 class _Run:
@@ -134,7 +133,10 @@ class _Run:
         if run["cameras"] > 1:
             self._events = self._events[self._events["camera"] == data._camera]
         self._edges, self._ends_us = _edges(self._events["t"], count, data._step, data._by_count)
-        labels = data._labels(run)
+        names = ["t_us", "target_m", *(f"{self._eye}/{name}" for name in ("circle_px", "visible"))]
+        if data._event_labels:
+            names += [f"{self._eye}/cause", f"{self._eye}/object"]
+        labels = data._labels(run, *names)
         self._truth = _rows_at(labels, self._eye, np.asarray(self._ends_us[1:]))
         self._ground_truth = GroundTruth(path) if data._ground_truth else None
         self._labels = None
@@ -184,15 +186,10 @@ def _end_us(run):
 
 
 def _events(path):
-    """The events of a run, mapped; a mapping of no bytes does not exist."""
-    path = os.path.join(path, "events.npy")
     try:
-        return np.asarray(np.load(path, mmap_mode="r"))
-    except OSError as error:
-        raise ValueError(f"{path}: found {error}, expected the events of a run; `saccade dataset check` lists what is "
-                         "missing") from error
-    except ValueError:
-        return np.load(path)
+        return npy_array(os.path.join(path, "events.npy"))
+    except ValueError as error:
+        raise ValueError(f"{error}; `saccade dataset check` lists what is missing") from error
 
 
 def _edges(t_us, count, step, by_count):
