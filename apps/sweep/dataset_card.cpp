@@ -271,7 +271,7 @@ std::string markdown_of(const DatasetCard& card) {
   };
   text += "|||\n|---|---|\n";
   row("licence", card.licence.empty() ? "not stated" : card.licence);
-  row("made by", "saccade " + card.saccade);
+  row("made by", card.program);
   row("digest", digest_of(card));
   text +=
       "\n`saccade dataset check` compares every file with its digest in card.json; `saccade.Dataset` reads "
@@ -340,7 +340,6 @@ void write_dataset_card(const fs::path& folder, const DatasetCard& card) {
             {"name", card.name},
             {"description", card.description},
             {"licence", card.licence.empty() ? Json(nullptr) : Json(card.licence)},
-            {"saccade", card.saccade},
             {"program", card.program},
             {"digest", digest_of(card)},
             {"limits", card.limits}};
@@ -385,7 +384,6 @@ ReadDatasetCard read_dataset_card(const fs::path& folder) {
     json.at("name").get_to(card.name);
     json.at("description").get_to(card.description);
     if (!json.at("licence").is_null()) json.at("licence").get_to(card.licence);
-    json.at("saccade").get_to(card.saccade);
     json.at("program").get_to(card.program);
     json.at("digest").get_to(read.digest);
     json.at("limits").get_to(card.limits);

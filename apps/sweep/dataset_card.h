@@ -41,8 +41,7 @@ struct DatasetCard {
   std::string name;
   std::string description;
   std::string licence;  ///< empty: not stated
-  std::string saccade;  ///< version and commit
-  std::string program;  ///< digest of the program
+  std::string program;  ///< that made it: version, commit, digest, MuJoCo
   std::vector<std::string> limits;
   std::vector<DatasetRun> runs;  ///< in the order of the splits
 };

@@ -19,7 +19,6 @@
 #include "recording/file_digest.h"
 #include "recording/file_lock.h"
 #include "recording/output_file.h"
-#include "session/version.h"
 
 namespace saccade {
 namespace {
@@ -91,7 +90,6 @@ std::string digest_of_plan(const PlannedDataset& planned) {
 struct PlanMark {
   std::string name;
   std::string file;  ///< digest of file and --set
-  std::string saccade;
   std::string program;
   std::string plan;  ///< digest of the runs
 };
@@ -101,19 +99,14 @@ PlanMark read_mark(const fs::path& path) {
   try {
     const Json json = Json::parse(in);
     return {json.at("name").get<std::string>(), json.at("file").get<std::string>(),
-            json.at("saccade").get<std::string>(), json.at("program").get<std::string>(),
-            json.at("plan").get<std::string>()};
+            json.at("program").get<std::string>(), json.at("plan").get<std::string>()};
   } catch (const Json::exception& error) {
     throw InputError(path.string(), error.what(), "the plan of a data set, as saccade wrote it");
   }
 }
 
 void write_mark(const fs::path& path, const PlanMark& mark) {
-  const Json json{{"name", mark.name},
-                  {"file", mark.file},
-                  {"saccade", mark.saccade},
-                  {"program", mark.program},
-                  {"plan", mark.plan}};
+  const Json json{{"name", mark.name}, {"file", mark.file}, {"program", mark.program}, {"plan", mark.plan}};
   write_file(path, json.dump(1) + "\n");
 }
 
@@ -125,8 +118,7 @@ std::string text_of_file(const fs::path& path) {
 PlanMark mark_of(const DatasetOptions& options, const PlannedDataset& planned) {
   std::string text = text_of_file(options.file);
   for (const std::string& assignment : options.assignments) text += "\n" + assignment;
-  return {planned.file.name, digest(text), fmt::format("{} ({})", version(), commit()), options.program,
-          digest_of_plan(planned)};
+  return {planned.file.name, digest(text), options.program, digest_of_plan(planned)};
 }
 
 /// Throws InputError for a folder that does not belong to the plan.
@@ -150,9 +142,8 @@ void check_folder(const fs::path& out, const PlanMark& mark) {
                                  mark.name, copy_of_file));
   }
   if (before.program != mark.program) {
-    throw InputError(
-        out.string(), fmt::format("a data set of saccade {}, program {}", before.saccade, before.program),
-        fmt::format("a new folder, or that program; this is {}, program {}", mark.saccade, mark.program));
+    throw InputError(out.string(), "a data set of the program " + before.program,
+                     "a new folder, or that program; this is " + mark.program);
   }
   throw InputError(out.string(), "a data set whose runs read a file that has changed since",
                    "a new folder, or the file as it was");
@@ -250,7 +241,6 @@ int make_dataset(const DatasetOptions& options, const Registry& registry) {
   DatasetCard card{.name = planned.file.name,
                    .description = planned.file.description,
                    .licence = planned.file.licence,
-                   .saccade = mark.saccade,
                    .program = mark.program,
                    .limits = {},
                    .runs = {}};

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -14,7 +15,6 @@ namespace saccade {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::ElementsAre;
 using testing::HasSubstr;
 using Json = nlohmann::json;
 
@@ -27,14 +27,14 @@ class DatasetCommand : public testing::Test {
   /// The shortest runs that there are; `more` are further lines of the file.
   [[nodiscard]] std::string file(const std::string& more = "licence: CC0-1.0\n", int seeds = 3) const {
     return folder_
-        .write("set.yaml",
-               "name: tiny\nscenario: " + source +
-                   "/scenarios/look_at_ball.yaml\n"
-                   "set: {run.duration_s: 0.03, render.max_interval_ms: 5, lab.density: 0, output.labels: true,\n"
-                   "  output.ground_truth: {rate_hz: 100, depth: true, format: npz}}\n"
-                   "splits:\n  train: {axes: {seed: {seeds: " +
-                   std::to_string(seeds) +
-                   "}}}\n  test: {set: {emulator.preset: ideal}, axes: {seed: [9]}}\n" + more)
+        .write("set.yaml", "name: tiny\nscenario: " + source +
+                               "/scenarios/look_at_ball.yaml\n"
+                               "set: {run.duration_s: 0.03, render.max_interval_ms: 5, lab.density: 0, "
+                               "output.labels: true,\n"
+                               "  output.ground_truth: {rate_hz: 100, depth: true, format: npz}}\n"
+                               "splits:\n  train: {axes: {seed: {seeds: " +
+                               std::to_string(seeds) +
+                               "}}}\n  test: {set: {emulator.preset: ideal}, axes: {seed: [9]}}\n" + more)
         .string();
   }
   [[nodiscard]] Outcome make(const std::string& out, const std::string& options = "",
@@ -74,7 +74,7 @@ TEST_F(DatasetCommand, ADataSetHasSplitsACardAndFilesThatItsCheckCompares) {
 
   std::string truth = bytes_of(run / "truth.csv");
   truth[truth.size() - 2] = truth[truth.size() - 2] == '1' ? '2' : '1';
-  TempFolder::write_bytes(run / "truth.csv", truth);
+  std::ofstream(run / "truth.csv", std::ios::binary) << truth;
   fs::remove(run / "labels.npz");
   folder_.write("set/test/runs/note.txt", "x");
   const Outcome broken = run_shell(dataset_call + "check " + at("set"));
@@ -96,8 +96,9 @@ TEST_F(DatasetCommand, AKilledDataSetThatIsContinuedHasTheCardOfAnUndisturbedOne
   static_cast<void>(file());
   ASSERT_EQ(make("whole").status, 0);
   const std::string condition = "[ $(ls " + at("killed") + "/train/runs/*/metrics.json | wc -l) -ge 1 ]";
-  const Outcome killed = signal_when(
-      condition, "KILL", dataset_call + at("set.yaml") + " --jobs 1 --out " + at("killed"), at("console.txt"));
+  const Outcome killed =
+      signal_when(condition, "KILL", dataset_call + at("set.yaml") + " --jobs 1 --out " + at("killed"),
+                  at("console.txt"));
   EXPECT_NE(killed.status, 0);
   const Outcome early = run_shell(dataset_call + "check " + at("killed"));
   EXPECT_EQ(early.status, 2);
@@ -116,11 +117,13 @@ TEST_F(DatasetCommand, AFolderBelongsToOneFile) {
   static_cast<void>(file("", 2));
   const Outcome other = make("set");
   EXPECT_EQ(other.status, 2);
-  EXPECT_THAT(other.text, HasSubstr("found the data set tiny of another file or --set, expected a new folder"));
+  EXPECT_THAT(other.text,
+              HasSubstr("found the data set tiny of another file or --set, expected a new folder"));
   EXPECT_EQ(card("set")["runs"].size(), 2u);
   static_cast<void>(file("licence: MIT\n", 1));
   EXPECT_EQ(make("set").status, 0) << "the same runs: the card alone changes";
   EXPECT_EQ(card("set")["licence"], "MIT");
+  fs::create_directory(folder_ / "other");
   folder_.write("other/note.txt", "x");
   EXPECT_THAT(make("other").text, HasSubstr("found a folder with other files in it"));
   EXPECT_FALSE(fs::exists(folder_ / "other/plan.json"));
@@ -134,8 +137,8 @@ TEST_F(DatasetCommand, WhatIsWrongInTheFileIsReportedAtOnceAndLeavesNothing) {
   const Outcome outcome = make("set", "--engine cloud");
   EXPECT_EQ(outcome.status, 2);
   for (const char* part :
-       {"set.yaml:3: license: ", "no output.events: a data set has events.npy", "splits.train.seeds: found no such key",
-        "found cloud, expected one of local, slurm"})
+       {"set.yaml:3: license: ", "no output.events: a data set has events.npy",
+        "splits.train.seeds: found no such key", "found cloud, expected one of local, slurm"})
     EXPECT_THAT(outcome.text, HasSubstr(part));
   EXPECT_FALSE(fs::exists(folder_ / "set"));
 
