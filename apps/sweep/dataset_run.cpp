@@ -203,7 +203,7 @@ void add_runs(const SweepPlan& plan, const SweepFolder& sweep, DatasetCard& card
 
 /// What is in the folder of a split's runs and not on the card; the files of the engine are neither.
 std::vector<std::string> strangers(const fs::path& folder, const DatasetCard& card) {
-  static const std::set<std::string> of_engine = {"metrics.json", "dataset.json"};
+  static const std::set<std::string> of_engine = {"metrics.json", "dataset.json", "log.txt"};
   std::set<std::string> known;
   for (const DatasetRun& run : card.runs)
     for (const DatasetItem& item : run.files) known.insert(run.folder + "/" + item.name);

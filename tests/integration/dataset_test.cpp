@@ -163,8 +163,8 @@ TEST_F(DatasetCommand, AFullDiskStopsItAndItContinuesWhenThereIsRoom) {
 #endif
   static_cast<void>(file());
   ASSERT_EQ(make("whole").status, 0);
-  // Files of at most 200 kB: the tables fit, the depth does not.
-  const Outcome full = make("set", "", "trap '' XFSZ; ulimit -f 400; ");
+  // Files of at most 150 kB (300 blocks): the tables fit, the depth does not.
+  const Outcome full = make("set", "", "trap '' XFSZ; ulimit -f 300; ");
   EXPECT_EQ(full.status, 1) << full.text;
   EXPECT_THAT(full.text, HasSubstr("goes on when there is room"));
   EXPECT_FALSE(fs::exists(folder_ / "set/card.json"));
