@@ -61,7 +61,7 @@ void add_dataset_command(CommandLine& line, const Registry& registry) {
                  "Further options for sbatch, such as \"--partition=short --time=1:00:00\"");
   command.flag("--retry", options.retry, "Make the failed runs again");
   command.footer(
-      "Exit status: 0 fine, 1 a run failed, 3 check found differences. docs/dataset.md has the keys' use.");
+      "Exit status: 0 fine, 1 a run failed, 3 check found differences. docs/dataset.md explains it.");
   command.action([given, &registry] { return act(*given, registry); });
 }
 

@@ -1,5 +1,7 @@
 #include "apps/sweep/dataset_file.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <string_view>
@@ -114,7 +116,7 @@ class DatasetReader {
     for (std::size_t i = 0; i < split.keys.size(); ++i) {
       const std::string& key = split.keys[i];
       if (std::ranges::find(split_keys, key) == split_keys.end()) {
-        complain(split.items[i].mark, path + "." + key, "no such key",
+        complain(split.items[i].mark, fmt::format("{}.{}", path, key), "no such key",
                  expectation_of({split_keys.begin(), split_keys.end()}));
         continue;
       }
