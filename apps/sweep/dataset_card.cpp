@@ -110,8 +110,8 @@ Instants put_truth(ArrayFile& file, const std::string& eye, const fs::path& tabl
     ++instants.all;
     if (row->visible >= half_visible) ++instants.with_target;
   }
-  const auto put = [&]<class T>(const std::string& name, ArrayType type, std::vector<std::size_t> shape,
-                                const std::vector<T>& values) {
+  const auto put = [&]<class T>(const std::string& name, ArrayType type,
+                                const std::vector<std::size_t>& shape, const std::vector<T>& values) {
     file.append(file.add(name, type, shape), std::span<const T>(values));
   };
   if (eye == "left") {
