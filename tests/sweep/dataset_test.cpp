@@ -46,7 +46,7 @@ class Dataset : public testing::Test {
   TempFolder folder_;
 };
 
-TEST(ShippedDataset, TheExampleSplitsWorldsOfTrainingSeeds) {
+TEST(ShippedDataset, TheExampleSplitsRunsOfTrainingSeeds) {
   const DatasetFile file = read_dataset_file(SACCADE_SOURCE_DIR "/examples/dataset/balls.yaml", {});
   ASSERT_THAT(file.splits, SizeIs(2));
   for (const SweepConfig& split : file.splits) {

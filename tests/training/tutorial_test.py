@@ -35,7 +35,8 @@ def main():
     said = run(sys.executable, EXAMPLE / "train.py", out / "balls", "--minutes", 1, "--out", out / "trained", "--saccade", saccade,
                "--seeds", 1, "--set", "run.duration_s=1.2")
     right = float(re.search(r"right at ([\d.]+) of the training instants", said)[1])
-    check(right > 0.15, f"right at {right} of the training instants, expected more: a circle by chance is right at less than 0.01")
+    # 1.00 was measured; a circle by chance is right at less than 0.01.
+    check(right > 0.5, f"right at {right} of the training instants, expected more than 0.5")
     for detector in ("trained", "paper_directed"):
         row = re.search(rf"^{detector} +([\d.]+) +([\d.]+)$", said, re.M)
         check(row and all(0 <= float(figure) <= 1 for figure in row.groups()), f"no row of {detector}")
