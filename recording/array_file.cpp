@@ -128,7 +128,7 @@ class Hdf5ArrayFile final : public ArrayFile {
     return {};
   }
   void check(bool ok) const {
-    if (!ok) throw RunError(out_.path().string() + ": cannot be written: libhdf5: " + last_hdf5_error());
+    if (!ok) throw_unwritten(out_.path());
   }
 
   OutputFile out_;
@@ -178,7 +178,10 @@ class Spool {
 
  private:
   [[noreturn]] void fail() const {
-    throw RunError(place_ + ": cannot be written: " + std::string(std::strerror(errno)));
+    const int cause = errno;
+    const std::string message = place_ + ": cannot be written: " + std::string(std::strerror(cause));
+    if (cause == ENOSPC || cause == EDQUOT || cause == EFBIG) throw DiskFull(message);
+    throw RunError(message);
   }
 
   std::string place_;

@@ -122,7 +122,7 @@ class Hdf5Writer final : public EventWriter {
   }
 
   void check(bool ok) const {
-    if (!ok) throw RunError(out_.path().string() + ": cannot be written: libhdf5: " + last_hdf5_error());
+    if (!ok) throw_unwritten(out_.path());
   }
 
   OutputFile out_;

@@ -13,6 +13,7 @@ void add_check_command(CommandLine& line, const Registry& registry);
 void add_command_pages_command(CommandLine& line);
 void add_compare_command(CommandLine& line);
 void add_convert_command(CommandLine& line, const Registry& registry);
+void add_dataset_command(CommandLine& line, const Registry& registry);
 void add_deploy_command(CommandLine& line, const Registry& registry);
 void add_guard_command(CommandLine& line, const Registry& registry);
 void add_detect_command(CommandLine& line, const Registry& registry);

@@ -7,6 +7,7 @@
 
 #include "apps/cli/commands.h"
 #include "apps/sweep/benchmark_list.h"
+#include "apps/sweep/dataset_file.h"
 #include "apps/sweep/sweep_config.h"
 #include "config/key_reference.h"
 #include "config/robot_file.h"
@@ -80,6 +81,18 @@ std::vector<KeyRow> sweep_rows() {
   return rows;
 }
 
+std::vector<KeyRow> dataset_rows() {
+  std::vector<KeyRow> rows = list_keys([](FieldVisitor& v) {
+    DatasetFile file;
+    describe(v, file);
+  });
+  rows.push_back({"scenario, set, axes, except, only, samples, sample_seed", "", "", "", "", "",
+                  "as of a sweep, for every split"});
+  rows.push_back({"splits.NAME", "block", "", "", "", "",
+                  "a split: the same keys for it alone; a key of its `set` or `axes` replaces that of all"});
+  return rows;
+}
+
 /// The first words of paths such as "ball.diameter_m", in their order.
 std::vector<std::string> blocks_of(const std::vector<KeyRow>& rows) {
   std::vector<std::string> blocks;
@@ -125,6 +138,7 @@ std::vector<Section> all_sections(const Registry& registry) {
                         BenchmarkList list;
                         describe(v, list);
                       })});
+  sections.push_back({"dataset", "keys of the file of a data set", dataset_rows()});
   sections.push_back({"stimulus", "keys of a stimulus file", list_keys([](FieldVisitor& v) {
                         StimulusFile file;
                         file.stimuli.emplace_back("NAME", Stimulus{});
@@ -177,7 +191,7 @@ void add_keys_command(CommandLine& line, const Registry& registry) {
   command.footer(
       "Sections: scenario and its blocks (run lab ball objects board plant camera right_camera calibration "
       "right_calibration render emulator detectors frame_30hz gaze latency output expect);" +
-      presets + "; robot and its blocks (robot.yarp ...); sweep; benchmark.");
+      presets + "; robot and its blocks (robot.yarp ...); sweep; benchmark; dataset.");
   command.action([options, &registry] { return print_keys(*options, registry); });
 }
 

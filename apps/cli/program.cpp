@@ -80,6 +80,7 @@ int program(int argc, const char* const* argv, const Registry& registry) {
   add_compare_command(line);
   add_sweep_command(line, registry);
   add_benchmark_command(line, registry);
+  add_dataset_command(line, registry);
   add_sweep_task_command(line, registry);
   add_view_command(line, registry);
   add_label_command(line, registry);

@@ -14,6 +14,7 @@ void add_sweep_task_command(CommandLine& line, const Registry& registry) {
   command.option("ids", options->ids, "Runs of it").required();
   command.flag("--worst", options->worst, "Make them again, with pictures and a report");
   command.flag("--benchmark", options->benchmark, "With what the benchmark needs");
+  command.flag("--dataset", options->dataset, "With the files of a data set");
   command.action([options, &registry] { return make_sweep_runs(*options, registry); });
 }
 

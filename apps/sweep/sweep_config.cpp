@@ -112,8 +112,8 @@ bool overlap(const std::string& a, const std::string& b) {
 
 class SweepReader {
  public:
-  SweepReader(const std::filesystem::path& path, const std::vector<std::string>& assignments)
-      : tree_(read_yaml_file(path)), folder_(path.parent_path()) {
+  SweepReader(YamlTree tree, std::filesystem::path folder, const std::vector<std::string>& assignments)
+      : tree_(std::move(tree)), folder_(std::move(folder)) {
     const YamlNode set = take("set");
     const YamlNode axes = take("axes");
     const YamlNode except = take("except");
@@ -411,7 +411,12 @@ void describe(FieldVisitor& v, SweepConfig& config) {
 }
 
 SweepConfig read_sweep(const std::filesystem::path& path, const std::vector<std::string>& assignments) {
-  return SweepReader(path, assignments).result();
+  return read_sweep(read_yaml_file(path), path.parent_path(), assignments);
+}
+
+SweepConfig read_sweep(YamlTree tree, const std::filesystem::path& folder,
+                       const std::vector<std::string>& assignments) {
+  return SweepReader(std::move(tree), folder, assignments).result();
 }
 
 std::optional<double> number_in(const std::string& text) {

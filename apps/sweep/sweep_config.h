@@ -87,6 +87,9 @@ void describe(FieldVisitor& v, SweepConfig& config);
 /// The scenario is not read. Throws InputError with everything that is wrong.
 [[nodiscard]] SweepConfig read_sweep(const std::filesystem::path& path,
                                      const std::vector<std::string>& assignments);
+/// The same of a tree whose file lies in `folder`.
+[[nodiscard]] SweepConfig read_sweep(YamlTree tree, const std::filesystem::path& folder,
+                                     const std::vector<std::string>& assignments);
 
 /// The value as a number, where the whole text is one.
 [[nodiscard]] std::optional<double> number_in(const std::string& text);

@@ -14,6 +14,7 @@ namespace saccade {
 ///     worst/ID/               run folders of the worst runs
 ///     runs/ID/scenario.yaml   the resolved scenario of a run
 ///     runs/ID/benchmark.json  figures for the benchmark alone
+///     runs/ID/dataset.json    of a data set: the files that it keeps of the run, beside it
 ///     runs/ID/metrics.json    its result, when it is done,
 ///     runs/ID/failure.txt     or why there is none
 ///     runs/ID/log.txt         its output; locked while it runs

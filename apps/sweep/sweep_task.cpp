@@ -11,6 +11,7 @@
 
 #include "apps/sweep/benchmark_run.h"
 #include "apps/sweep/child_process.h"
+#include "apps/sweep/dataset_card.h"
 #include "apps/sweep/sweep_engine.h"
 #include "apps/sweep/sweep_folder.h"
 #include "apps/sweep/sweep_plan.h"
@@ -27,31 +28,31 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Makes the run in `folder`/scenario.yaml and leaves `folder`/metrics.json; for a benchmark, benchmark.json first.
-void make_run(const fs::path& folder, bool benchmark, const Registry& registry) {
+/// Makes the run in `folder`/scenario.yaml and leaves `folder`/metrics.json; what a benchmark or a data set needs first.
+void make_run(const fs::path& folder, const SweepTaskOptions& options, const Registry& registry) {
   const Scenario scenario = read_scenario(folder / "scenario.yaml", {}, std::nullopt, registry);
   set_rasterisers(scenario.run.threads);
   const fs::path part = folder / "part";
-  if (benchmark) {
+  const bool writes_files = options.benchmark || options.dataset;
+  if (writes_files) {
     fs::remove_all(part);
     fs::create_directory(part);
   }
-  const Metrics metrics = benchmark ? score_scenario(scenario, part) : score_scenario(scenario);
+  Metrics metrics = writes_files ? score_scenario(scenario, part) : score_scenario(scenario);
   if (metrics.interrupted) throw RunError("interrupted");
   std::ifstream file(folder / "scenario.yaml", std::ios::binary);
   const std::string planned{std::istreambuf_iterator<char>(file), {}};
   for (const std::string& changed : changed_files(metrics.files, planned))
     throw RunError(changed + " has changed since the sweep was started; start it again");
-  if (benchmark) {
-    write_benchmark_figures(part, folder / "benchmark.json");
-    fs::remove_all(part);
-  }
+  if (options.benchmark) write_benchmark_figures(part, folder / "benchmark.json");
+  if (options.dataset) metrics.events_file = keep_dataset_run(part, folder);
+  if (writes_files) fs::remove_all(part);
   write_metrics(folder / "metrics.json", metrics);
 }
 
 /// Makes a run in a process of its own, unless it has a result or another process makes it; notes a failure.
 /// Throws DiskFull.
-void make_run_in_process(const SweepFolder& sweep, const std::string& id, bool benchmark,
+void make_run_in_process(const SweepFolder& sweep, const std::string& id, const SweepTaskOptions& options,
                          const Registry& registry) {
   const fs::path folder = sweep.run(id);
   if (sweep.has_result(id)) return;
@@ -60,7 +61,7 @@ void make_run_in_process(const SweepFolder& sweep, const std::string& id, bool b
   if (!lock.held() || sweep.has_result(id)) return;
   if (::ftruncate(lock.file(), 0) != 0) throw RunError(log.string() + ": cannot be written");
   const ChildEnd end = run_in_child(lock.file(), [&] {
-    make_run(folder, benchmark, registry);
+    make_run(folder, options, registry);
     return 0;
   });
   const int status = end.status;
@@ -101,7 +102,7 @@ int make_sweep_runs(const SweepTaskOptions& options, const Registry& registry) {
       if (options.worst) {
         make_worst(sweep, id, fs::read_symlink("/proc/self/exe").string());
       } else {
-        make_run_in_process(sweep, id, options.benchmark, registry);
+        make_run_in_process(sweep, id, options, registry);
       }
     }
   } catch (const DiskFull& error) {

@@ -14,6 +14,7 @@ struct SweepTaskOptions {
   std::vector<std::string> ids;
   bool worst = false;      ///< make them again, with pictures and a report
   bool benchmark = false;  ///< with benchmark.json, write_benchmark_figures()
+  bool dataset = false;    ///< with the files of a data set, keep_dataset_run()
 };
 
 /// Makes runs of a sweep, each in a process of its own, and leaves its result or the reason of its failure in its folder.

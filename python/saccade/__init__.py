@@ -25,13 +25,14 @@ _plain_errors.install()
 from ._saccade import Camera, CameraMotion, Detector, Estimate, Recording, joint_names
 from ._saccade import version as __version__
 from .arrays import as_events, event_dtype, joint_vector as _joint_vector, score
+from .dataset import Dataset
 from .environment import Env
 from .ground_truth import GroundTruth
 from .spaces import register as _register
 from .yaml_text import keys_text as _keys_text
 
 __all__ = [
-    "Camera", "CameraMotion", "Detector", "Emulator", "Env", "Estimate", "GroundTruth", "Recording", "as_events", "camera",
+    "Camera", "CameraMotion", "Dataset", "Detector", "Emulator", "Env", "Estimate", "GroundTruth", "Recording", "as_events", "camera",
     "camera_motion", "detect", "detector", "detectors", "emulate", "emulator_presets", "event_dtype", "fixation_point", "formats",
     "iterate", "joint_names", "open", "read", "replay", "report", "root_from_eye", "score", "write",
 ]

@@ -1,5 +1,6 @@
 """The ground truth of every pixel that a run has written (docs/ground_truth.md)."""
 
+import ast
 import os
 import zipfile
 
@@ -24,7 +25,7 @@ class GroundTruth:
                                  "output.ground_truth")
             path = found[0]
         self.path = path
-        self._arrays = _hdf5_arrays(path) if path.endswith(".h5") else _npz_arrays(path)
+        self._arrays = _hdf5_arrays(path) if path.endswith(".h5") else npz_arrays(path)
         if "t_us" not in self._arrays:
             raise ValueError(f"{path}: found no array t_us, expected ground truth of saccade")
 
@@ -67,27 +68,42 @@ def _is_per_instant(name):
     return not (name in ("objects", "poses/bodies", "poses/joints") or name.startswith("imu/") or "/camera/" in name)
 
 
-def _npz_arrays(path):
-    """The members of a .npz without compression, mapped."""
+def npz_arrays(path, wanted=None):
+    """The members of a .npz without compression, mapped; only those named in `wanted` where it is given."""
     arrays = {}
     try:
-        with zipfile.ZipFile(path) as archive, open(path, "rb") as file:
-            for member in archive.infolist():
-                if member.compress_type != zipfile.ZIP_STORED:
-                    raise ValueError(f"{path}: found the compressed member {member.filename}, expected ground truth of saccade")
-                file.seek(member.header_offset + 26)  # lengths of name and extra bytes in the member's own header
-                lengths = np.frombuffer(file.read(4), "<u2")
-                file.seek(member.header_offset + 30 + int(lengths.sum()))
-                np.lib.format.read_magic(file)
-                shape, order, dtype = np.lib.format.read_array_header_1_0(file)
-                name = member.filename.removesuffix(".npy")
-                if 0 in shape:
-                    arrays[name] = np.empty(shape, dtype)
-                else:
-                    arrays[name] = np.memmap(path, dtype, "r", file.tell(), shape, "F" if order else "C")
-    except (OSError, zipfile.BadZipFile) as error:
-        raise ValueError(f"{path}: found {error}, expected ground truth of saccade") from error
+        with zipfile.ZipFile(path) as archive:
+            members = archive.infolist()
+        mapped = np.memmap(path, np.uint8, "r")
+        for member in members:
+            name = member.filename.removesuffix(".npy")
+            if wanted is not None and name not in wanted:
+                continue
+            if member.compress_type != zipfile.ZIP_STORED:
+                raise ValueError(f"{path}: found the compressed member {member.filename}, expected an array as saccade writes it")
+            lengths = mapped[member.header_offset + 26:member.header_offset + 30].view("<u2")  # of name and extra bytes
+            arrays[name] = _array_at(mapped, member.header_offset + 30 + int(lengths.sum()))
+    except (OSError, SyntaxError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
+        raise ValueError(f"{path}: found {error}, expected arrays as saccade writes them") from error
     return arrays
+
+
+def npy_array(path):
+    """The array of a .npy file, mapped."""
+    try:
+        return _array_at(np.memmap(path, np.uint8, "r"), 0)
+    except (OSError, SyntaxError, ValueError, KeyError, TypeError) as error:
+        raise ValueError(f"{path}: found {error}, expected an array as saccade writes it") from error
+
+
+def _array_at(mapped, start):
+    """The array of a .npy file that begins at a byte of a mapped file. np.load() takes a millisecond for a header."""
+    if bytes(mapped[start:start + 8]) != b"\x93NUMPY\x01\x00":
+        raise ValueError("no array of NumPy")
+    begin = start + 10
+    end = begin + int(mapped[start + 8:begin].view("<u2")[0])
+    header = ast.literal_eval(bytes(mapped[begin:end]).decode("latin1").strip())
+    return np.ndarray(header["shape"], np.dtype(header["descr"]), mapped, end, order="F" if header["fortran_order"] else "C")
 
 
 def _hdf5_arrays(path):
