@@ -157,7 +157,7 @@ int fit(const FitSensorOptions& options) {
   prepare(options.out, options.force);
   write_file(options.out / "fit.json", sensor_fit_json(result));
   write_sensor_page(result, options.out);
-  write_file(options.out / preset_file, emulator_yaml(result.config));
+  write_file(options.out / preset_file, sensor_fit_remark(result) + emulator_yaml(result.config));
   print(result);
   fmt::print("{}\n", (options.out / preset_file).string());
   print_page(options.out);

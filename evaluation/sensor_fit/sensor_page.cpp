@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -139,6 +140,26 @@ void write_sensor_page(const SensorFit& fit, const std::filesystem::path& folder
         distribution_figure(d, i + 1), FigureFolder{folder});
   }
   write_page(folder, "Event camera fitted to recordings", html);
+}
+
+std::string sensor_fit_remark(const SensorFit& fit) {
+  std::string text = fmt::format(
+      "# Fitted by saccade fit-sensor: rms residual of {} features {:.3g} deviations, {:.3g} with the prior "
+      "{}.\n",
+      fit.features, fit.misfit_after, fit.misfit_before, fit.prior.preset);
+  if (!fit.distributions.empty()) {
+    const auto [least, most] =
+        std::minmax_element(fit.distributions.begin(), fit.distributions.end(),
+                            [](const auto& a, const auto& b) { return a.ks_after < b.ks_after; });
+    text += fmt::format("# KS distances to pixels that the fit did not use: {:.2f} to {:.2f}.\n",
+                        least->ks_after, most->ks_after);
+  }
+  std::string open;
+  for (const FittedParameter& p : fit.parameters) {
+    if (!p.identifiable) open += (open.empty() ? "" : ", ") + p.key;
+  }
+  if (!open.empty()) text += "# Not identifiable: " + open + ".\n";
+  return text;
 }
 
 std::string sensor_fit_json(const SensorFit& fit) {

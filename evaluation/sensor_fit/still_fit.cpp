@@ -350,6 +350,7 @@ StillFit fit_still(const SensorRecording& recording, const EmulatorConfig& prior
     return StillValue{factor * std::exp(sign * log), factor * std::exp(sign * log - both),
                       factor * std::exp(sign * log + both), own <= identifiable_share * before};
   };
+  const double largest_ratio = std::exp(logs[on_ratio] + std::max(0.0, -logs[on_to_off]));
   const auto unit = [](Parameter p) { return Logs(Logs::Unit(p)); };
   fit.on = value(unit(on_ratio), 1.0, 1.0, StillFit::model_error);
   fit.off = value(unit(on_ratio) - unit(on_to_off), 1.0, 1.0, StillFit::model_error);
@@ -365,6 +366,10 @@ StillFit fit_still(const SensorRecording& recording, const EmulatorConfig& prior
     for (StillValue* v :
          {&fit.on, &fit.off, &fit.on_over_off, &fit.cutoff_hz, &fit.refractory_s, &fit.leak_hz, &fit.spread})
       v->identifiable = false;
+  } else if (largest_ratio > 0.98 * bounds[on_ratio].high) {
+    fit.limit = fmt::format("one of the thresholds is above {:.2g} deviations of the noise, beyond the model",
+                            0.98 * bounds[on_ratio].high);
+    fit.on.identifiable = fit.off.identifiable = fit.on_over_off.identifiable = false;
   } else if (!fit.on.identifiable || !fit.off.identifiable) {
     fit.limit = "the events leave threshold / noise open";
   }

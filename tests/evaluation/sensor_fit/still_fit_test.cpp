@@ -12,6 +12,7 @@
 
 #include "emulator/event_emulator.h"
 #include "evaluation/sensor_fit/sensor_fit.h"
+#include "evaluation/sensor_fit/sensor_page.h"
 #include "evaluation/sensor_fit/still_noise.h"
 
 namespace saccade {
@@ -142,6 +143,11 @@ TEST(StillFit, TheFitKeepsTheMeanThresholdAndTakesTheirQuotient) {
   SensorFitConfig config{.prior = prior(), .seed = 1, .still = true, .known_light = true, .progress = {}};
   const SensorFit fit = fit_sensor(recordings, config);
   ASSERT_EQ(fit.still.size(), 1U);
+  const std::string remark = sensor_fit_remark(fit);
+  EXPECT_THAT(remark, HasSubstr("# Fitted by saccade fit-sensor: rms residual of "));
+  EXPECT_THAT(remark,
+              HasSubstr("with the prior dvs128.\n# KS distances to pixels that the fit did not use: "));
+  EXPECT_THAT(remark, HasSubstr("# Not identifiable: contrast_threshold_on, contrast_threshold_off, "));
   EXPECT_NEAR(fit.config.contrast_threshold_on / fit.config.contrast_threshold_off, 0.19 / 0.16, 0.1);
   EXPECT_NEAR(fit.config.contrast_threshold_on * fit.config.contrast_threshold_off, 0.04, 1e-9);
   for (const FittedParameter& p : fit.parameters) {
