@@ -12,11 +12,11 @@ import saccade
 NOISE = 0.05  # standard deviation of log luminance of the emulated light
 SIDE = 12
 SECONDS = 4.0
-RECORDINGS = [  # name, file, region at rest, from and until, s
-    ("hand_wave, top left", "hand_wave_dvs128_lz4.aedat4", (0, 0, 64, 30), None),
-    ("hand_wave, top right", "hand_wave_dvs128_lz4.aedat4", (64, 0, 64, 30), None),
-    ("hand_wave, bottom right", "hand_wave_dvs128_lz4.aedat4", (60, 112, 68, 16), None),
-    ("ball_looming, top", "ball_looming_dvs128_aedat2.aedat", (0, 0, 128, 12), None),
+RECORDINGS = [  # name, file, region at rest
+    ("hand_wave, top left", "hand_wave_dvs128_lz4.aedat4", (0, 0, 64, 30)),
+    ("hand_wave, top", "hand_wave_dvs128_lz4.aedat4", (0, 0, 128, 30)),
+    ("hand_wave, bottom right", "hand_wave_dvs128_lz4.aedat4", (60, 112, 68, 16)),
+    ("ball_looming, top", "ball_looming_dvs128_aedat2.aedat", (0, 0, 128, 12)),
 ]
 
 
@@ -130,11 +130,10 @@ def compare(folder, options, silicon):
             made.append([str(seed)] + [cell for key, digits in (("on", 2), ("off", 2), ("on_over_off", 2), ("cutoff_hz", 0))
                                        for cell in (f"{sensor[key]:.{digits}f}", text(fit[key], digits))])
             print(made[-1], flush=True)
-        for name, file, region, interval in RECORDINGS:
+        for name, file, region in RECORDINGS:
             stem = Path(file).stem
-            first = f", zero_us: {saccade.read(folder / file)['t'][0]}, from_s: {interval[0]}, until_s: {interval[1]}" if interval else ""
             stimulus = place / "shown.yaml"
-            stimulus.write_text(f"stimuli:\n  {stem}: {{kind: still, region_px: {list(region)}{first}}}\n")
+            stimulus.write_text(f"stimuli:\n  {stem}: {{kind: still, region_px: {list(region)}}}\n")
             fit = fitted(options.saccade, folder / file, place / "fit", stimulus)
             found.append([name, f"{fit['on_events']}, {fit['off_events']}", f"{fit['misfit']:.1f}"]
                          + [text(fit[key], digits) for key, digits in (("on", 2), ("off", 2), ("on_over_off", 2), ("cutoff_hz", 0))])
