@@ -35,10 +35,7 @@ TEST(Extending, EveryCodeBlockWithAFileNameIsThatFile) {
     EXPECT_EQ(block, text_of_file(root / path)) << path;
     shown.insert(path);
   }
-  EXPECT_GE(shown.size(), 2U);
-  for (const char* path : {"examples/detector/main.cpp", "examples/backend/robot.yaml"}) {
-    EXPECT_TRUE(shown.contains(path)) << path << " is not in the document";
-  }
+  EXPECT_TRUE(shown.contains("examples/detector/main.cpp"));
 }
 
 }  // namespace
