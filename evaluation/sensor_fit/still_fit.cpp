@@ -10,6 +10,7 @@
 #include <future>
 #include <limits>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "evaluation/sensor_fit/still_noise.h"
@@ -24,7 +25,9 @@ constexpr double difference = 0.02;         ///< of a parameter's logarithm, for
 constexpr double identifiable_share = 0.5;  ///< posterior deviation against the prior's
 constexpr double fewest_events = 30.0;      ///< of each polarity
 constexpr double largest_misfit = 4.0;      ///< deviations; above it the noise is not that of the model
-constexpr double two_sided = 1.96;          ///< deviations of 95 %
+constexpr double as_good =
+    10.0;  ///< a minimum whose sum of squares is larger by that, in deviations, may be the right one
+constexpr double two_sided = 1.96;  ///< deviations of 95 %
 constexpr double edges_per_decade = 4.0, first_edge_s = 3e-5;
 constexpr std::size_t bins = 30;
 
@@ -82,6 +85,20 @@ class StillProblem {
   }
 
   [[nodiscard]] double events(bool on) const { return recorded_[on ? 0 : 1]; }
+  /// Of the intervals from an event to one of the other polarity, from the bins.
+  [[nodiscard]] double quantile_s(double share) const {
+    const auto count = [&](std::size_t b) {
+      return recorded_[2 + bins * static_cast<std::size_t>(Succession::on_off) + b] +
+             recorded_[2 + bins * static_cast<std::size_t>(Succession::off_on) + b];
+    };
+    double all = 0.0, below = 0.0;
+    for (std::size_t b = 0; b < bins; ++b) all += count(b);
+    for (std::size_t b = 0; b < bins; ++b) {
+      below += count(b);
+      if (below >= share * all) return edges_s_[b];
+    }
+    return edges_s_.back();
+  }
   [[nodiscard]] double exposure_s() const { return pixels_ * duration_s_; }
   [[nodiscard]] Eigen::Index features() const { return static_cast<Eigen::Index>(recorded_.size()); }
   [[nodiscard]] const Logs& prior() const { return prior_; }
@@ -232,7 +249,7 @@ struct Bound {
   double low, high;
 };
 constexpr std::array<Bound, parameters> bounds{
-    {{1.2, 6.4}, {0.3, 3.3}, {2e-6, 0.3}, {2e-6, 0.1}, {1e-4, 100.0}, {0.003, 0.3}}};
+    {{1.2, 9.4}, {0.3, 3.3}, {2e-6, 0.3}, {2e-6, 0.1}, {1e-4, 100.0}, {0.003, 0.3}}};
 
 Logs least_squares(const StillProblem& problem, Logs logs, bool whole) {
   ceres::Problem solved;
@@ -302,37 +319,31 @@ StillFit fit_still(const SensorRecording& recording, const EmulatorConfig& prior
     return fit;
   }
 
-  // Without the spread from the best of some bandwidths, with either threshold the larger one (there can be a minimum on
-  // each side), then with the spread.
+  // Without the spread from some starts, because there are several minima, then with it. The bandwidth begins where events
+  // follow those of the other polarity, the thresholds where rises and falls cancel, or where one of them is the larger one.
+  const double balance = std::clamp(std::log(problem.events(false) / problem.events(true)), -0.7, 0.7);
+  const double dead_s = std::clamp(problem.quantile_s(0.02), 1e-5, 0.03);
+  const double follows_s = std::max(problem.quantile_s(0.3) - dead_s, 0.3 * dead_s);
   std::vector<Logs> starts;
-  for (const double log_ratio : {-0.25, 0.25}) {
-    Logs start = centre;
-    double least_of_side = std::numeric_limits<double>::infinity();
-    for (const double cutoff_hz : {prior_cutoff_hz, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0, 3000.0}) {
-      Logs other = centre;
-      other[time_constant] = -std::log(tau * cutoff_hz);
+  for (const double log_ratio : {balance, -0.25, 0.25}) {
+    for (const double faster : {1.0, 4.0}) {
+      Logs start = centre;
+      start[time_constant] = std::clamp(std::log(follows_s / faster), std::log(1e-5), std::log(0.1));
+      start[refractory] = std::log(dead_s);
       const double ratio = ratio_of_rate(0.5 * (problem.events(true) + problem.events(false)),
-                                         problem.exposure_s(), 1.0 / (tau * cutoff_hz), refractory_s);
-      other[on_ratio] = std::log(ratio) + 0.5 * log_ratio;
-      other[on_to_off] = log_ratio;
-      const double cost = problem.residuals(other, false).squaredNorm();
-      if (cost < least_of_side) {
-        least_of_side = cost;
-        start = other;
-      }
+                                         problem.exposure_s(), std::exp(start[time_constant]), dead_s);
+      start[on_ratio] = std::log(ratio) + 0.5 * log_ratio;
+      start[on_to_off] = log_ratio;
+      starts.push_back(start);
     }
-    starts.push_back(start);
   }
-  Logs best = centre;
-  double least = std::numeric_limits<double>::infinity();
+  std::vector<std::pair<double, Logs>> minima;
   for (const Logs& start : starts) {
     const Logs found = least_squares(problem, start, false);
-    const double cost = problem.residuals(found, false).squaredNorm();
-    if (cost < least) {
-      least = cost;
-      best = found;
-    }
+    minima.emplace_back(problem.residuals(found, false).squaredNorm(), found);
   }
+  const auto [least, best] = *std::min_element(
+      minima.begin(), minima.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   const Logs logs = least_squares(problem, best, true);
   const Eigen::VectorXd at = problem.residuals(logs, true);
   fit.misfit = std::sqrt(at.head(problem.features()).squaredNorm() / static_cast<double>(problem.features()));
@@ -347,8 +358,16 @@ StillFit fit_still(const SensorRecording& recording, const EmulatorConfig& prior
     const double log = direction.dot(logs), own = std::sqrt(direction.dot(covariance * direction));
     const double before = std::sqrt((direction.cwiseProduct(deviation)).squaredNorm());
     const double both = two_sided * std::hypot(own, model_error);
-    return StillValue{factor * std::exp(sign * log), factor * std::exp(sign * log - both),
-                      factor * std::exp(sign * log + both), own <= identifiable_share * before};
+    StillValue v{factor * std::exp(sign * log), factor * std::exp(sign * log - both),
+                 factor * std::exp(sign * log + both), own <= identifiable_share * before};
+    for (const auto& [cost, other] : minima) {
+      if (cost - least > as_good * widened * widened) continue;
+      const double away = direction.dot(other) - direction.dot(best);
+      v.low = std::min(v.low, v.value * std::exp(sign * away));
+      v.high = std::max(v.high, v.value * std::exp(sign * away));
+      v.identifiable = v.identifiable && std::abs(away) <= identifiable_share * before;
+    }
+    return v;
   };
   const double largest_ratio = std::exp(logs[on_ratio] + std::max(0.0, -logs[on_to_off]));
   const auto unit = [](Parameter p) { return Logs(Logs::Unit(p)); };
@@ -370,8 +389,8 @@ StillFit fit_still(const SensorRecording& recording, const EmulatorConfig& prior
     fit.limit = fmt::format("one of the thresholds is above {:.2g} deviations of the noise, beyond the model",
                             0.98 * bounds[on_ratio].high);
     fit.on.identifiable = fit.off.identifiable = fit.on_over_off.identifiable = false;
-  } else if (!fit.on.identifiable || !fit.off.identifiable) {
-    fit.limit = "the events leave threshold / noise open";
+  } else if (!fit.on.identifiable || !fit.off.identifiable || !fit.on_over_off.identifiable) {
+    fit.limit = "the events leave threshold / noise open: other values fit as well";
   }
   return fit;
 }

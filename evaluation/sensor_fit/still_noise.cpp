@@ -65,6 +65,27 @@ Passage passage(double reference, double on, double off) {
   p.rates = solver.eigenvalues().cwiseMax(1e-14);
   p.out[0] = (conductance.back() / std::sqrt(mass.back())) * q.row(n - 1).transpose().cwiseProduct(at_start);
   p.out[1] = (conductance.front() / std::sqrt(mass.front())) * q.row(0).transpose().cwiseProduct(at_start);
+
+  // The long wait from the exact shares of the ways out and the exact mean time: eigenvectors do not resolve events in
+  // more than 10^12 time constants.
+  std::vector<double> below(static_cast<std::size_t>(n) +
+                            1);  // resistance from the lower threshold to a level
+  double resistance = 0.0;
+  for (std::size_t i = 0; i < below.size(); ++i) below[i] = resistance += 1.0 / conductance[i];
+  const double to_start = below[static_cast<std::size_t>(start)];
+  double mean = 0.0;
+  for (std::size_t i = 0; i < mass.size(); ++i)
+    mean += mass[i] * std::min(below[i], to_start) * (resistance - std::max(below[i], to_start)) / resistance;
+  std::array<double, 2> share{to_start / resistance, 1.0 - to_start / resistance};
+  for (Eigen::Index k = 1; k < p.rates.size(); ++k) {
+    for (const std::size_t way : {0U, 1U}) share[way] -= p.share(way, k);
+    mean -= (p.share(0, k) + p.share(1, k)) / p.rates[k];
+  }
+  share = {std::max(0.0, share[0]), std::max(0.0, share[1])};
+  if (mean > 0.0 && share[0] + share[1] > negligible) {
+    p.rates[0] = (share[0] + share[1]) / mean;
+    for (const std::size_t way : {0U, 1U}) p.out[way][0] = share[way] * p.rates[0];
+  }
   return p;
 }
 

@@ -16,7 +16,7 @@ struct StillNoise {
   double refractory_s = 5e-4;     ///< the reference is the level at its end
   double leak_hz = 0.1;           ///< ON events of leak alone: the reference falls by `on` in 1 / leak_hz
 
-  static constexpr double largest_ratio = 6.5;  ///< an event in 8 million time constants
+  static constexpr double largest_ratio = 9.5;  ///< beyond it noise makes no event
 };
 
 /// An event and the next one of its pixel.
