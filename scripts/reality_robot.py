@@ -116,3 +116,26 @@ def compare(folder, options):
         summary.append([name, f"{statistic(rms[both], distance[both]):.2f} ({low:.2f} to {high:.2f})"])
     return {"loss": {"columns": ["px/s", "lost from: robot", "simulated", "judged runs right", "rms distance: robot, simulated"], "rows": rows},
             "distance": {"left": True, "columns": ["rms distance in the judged runs that both keep", "figure"], "rows": summary}}
+
+
+def draw(data, path):
+    """The boundaries of loss in the table `loss` as a picture; a boundary `none` lies at the upper border."""
+    import matplotlib
+    matplotlib.use("svg")
+    matplotlib.rcParams.update({"svg.hashsalt": "reality", "svg.fonttype": "none", "font.family": "sans-serif"})
+    from matplotlib import pyplot
+    rows = data["tables"]["loss"]["rows"]
+    speeds = [float(row[0]) for row in rows]
+    robot, predicted = ([60.0 if row[k] == "none" else float(row[k].split()[0]) for row in rows] for k in (1, 2))
+    figure, axes = pyplot.subplots(figsize=(5.5, 3.2), layout="constrained")
+    axes.fill_between(speeds, [b - 10 for b in robot], [b + 10 for b in robot], color="#cccccc", linewidth=0, label="within 10 ms")
+    axes.plot(speeds, robot, "o-", color="#333333", label="robot")
+    axes.plot(speeds, predicted, "s--", color="#d55e00", label="predicted")
+    axes.set_xlabel("speed of the target, px/s")
+    axes.set_ylabel("added delay from which\nthe target is lost, ms")
+    axes.set_xticks(speeds)
+    axes.set_ylim(0, 65)
+    axes.legend()
+    axes.grid(alpha=0.3)
+    figure.savefig(path, metadata={"Date": None})
+    return path

@@ -30,6 +30,7 @@ struct FitSensorOptions : ReadOptions {
   std::string preset;
   fs::path config;
   std::int64_t seed = 1;
+  bool still = false;
   bool force = false;
 };
 
@@ -70,6 +71,15 @@ SensorRecording read_recording(const fs::path& path, const Stimulus& stimulus,
   return recording;
 }
 
+/// What the recordings show; scenes at rest where `--still` stands alone.
+StimulusFile stimuli_of(const FitSensorOptions& options) {
+  if (!options.stimulus.empty()) return read_stimulus_file(options.stimulus);
+  if (!options.still) throw InputError("--stimulus", "no file", "what was shown, or --still");
+  StimulusFile file;
+  for (const fs::path& path : options.recordings) file.stimuli.emplace_back(name_of(path), Stimulus{});
+  return file;
+}
+
 std::vector<SensorRecording> read_recordings(const FitSensorOptions& options, const NamedStimuli& stimuli) {
   std::vector<SensorRecording> recordings;
   for (const fs::path& path : options.recordings) {
@@ -96,6 +106,9 @@ void print(const SensorFit& fit) {
                p.identifiable ? fmt::format("{:.4g}", p.value) : "not identifiable",
                p.identifiable ? fmt::format("{:.1f} %", 100.0 * p.deviation) : "-", p.decided_by);
   }
+  for (const StillFit& s : fit.still) {
+    if (!s.limit.empty()) fmt::print("{}: no threshold / noise: {}\n", s.recording, s.limit);
+  }
   std::size_t width = 17;
   for (const ComparedDistribution& d : fit.distributions) width = std::max(width, d.recording.size());
   fmt::print("\n{:<{}} {:<52}{:>10}{:>10}\n", "KS distance of", width, "", "prior", "fitted");
@@ -120,7 +133,11 @@ void prepare(const fs::path& folder, bool force) {
 int fit(const FitSensorOptions& options) {
   if (fs::exists(options.out) && !options.force && !fs::is_empty(options.out))
     throw InputError(options.out.string(), "a folder that is not empty", "a new name, or --force");
-  const StimulusFile stimuli = read_stimulus_file(options.stimulus);
+  const StimulusFile stimuli = stimuli_of(options);
+  const bool any_still = std::any_of(stimuli.stimuli.begin(), stimuli.stimuli.end(),
+                                     [](const auto& s) { return !s.second.moves(); });
+  if (options.still && !any_still)
+    throw InputError(options.stimulus.string() + ": stimuli", "none of kind still", "one for --still");
   std::vector<std::string> assignments;
   if (!options.preset.empty()) assignments.push_back("preset=" + options.preset);
   SensorFitConfig config;
@@ -128,6 +145,8 @@ int fit(const FitSensorOptions& options) {
   config.prior.white = stimuli.white;
   config.prior.dark_current = stimuli.dark_current;
   config.seed = static_cast<std::uint64_t>(options.seed);
+  config.still = options.still;
+  config.known_light = !options.stimulus.empty();
   config.progress = [](const std::string& line) {
     stop_if_interrupted();
     fmt::print(stderr, "{}\n", line);
@@ -138,7 +157,7 @@ int fit(const FitSensorOptions& options) {
   prepare(options.out, options.force);
   write_file(options.out / "fit.json", sensor_fit_json(result));
   write_sensor_page(result, options.out);
-  write_file(options.out / preset_file, emulator_yaml(result.config));
+  write_file(options.out / preset_file, sensor_fit_remark(result) + emulator_yaml(result.config));
   print(result);
   fmt::print("{}\n", (options.out / preset_file).string());
   print_page(options.out);
@@ -154,7 +173,10 @@ void add_fit_sensor_command(CommandLine& line, const Registry& registry) {
   command
       .option("recording", options->recordings, "Event files or run folders, each named in the stimulus file")
       .required();
-  command.option("--stimulus", options->stimulus, "What was shown (YAML; docs/fit_sensor.md)").required();
+  command.option("--stimulus", options->stimulus,
+                 "What was shown (YAML; docs/fit_sensor.md); not needed with --still");
+  command.flag("--still", options->still,
+               "Also thresholds over noise and the bandwidth of scenes at rest; without --stimulus all are");
   command.option("--out", options->out, "Folder for sensor.yaml, report.html and fit.json").show_default();
   command.option("--preset", options->preset, "Event camera whose values are the prior; dvs128 by default")
       .one_of(emulator_presets());

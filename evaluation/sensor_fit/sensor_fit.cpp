@@ -139,6 +139,83 @@ std::vector<FittedParameter> leak_parameters(const std::vector<SensorRecording>&
            spread_found, decided}};
 }
 
+std::string in_words(const StillValue& v, double unit) {
+  return fmt::format("{:.3g} ({:.3g} to {:.3g})", v.value / unit, v.low / unit, v.high / unit);
+}
+
+/// The mean of the logarithms of what recordings identify, weighted by their intervals; none: not identifiable.
+StillValue mean_of(const std::vector<StillFit>& fits, StillValue StillFit::*member,
+                   const std::vector<double>& factor) {
+  double weights = 0.0, sum = 0.0;
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    const StillValue& v = fits[i].*member;
+    if (!v.identifiable) continue;
+    const double width = std::log(v.high / v.low);
+    weights += 1.0 / (width * width);
+    sum += std::log(v.value * factor[i]) / (width * width);
+  }
+  if (!(weights > 0.0)) return {};
+  const double log = sum / weights, half = 0.5 / std::sqrt(weights);
+  return {std::exp(log), std::exp(log - half), std::exp(log + half), true};
+}
+
+/// Adds what the noise of scenes at rest says to what no other recording determines.
+void add_still(const std::vector<SensorRecording>& recordings, const SensorFitConfig& config,
+               SensorFit& fit) {
+  std::vector<double> same, to_white;
+  for (const SensorRecording& recording : recordings) {
+    if (recording.stimulus().moves()) continue;
+    fit.still.push_back(fit_still(recording, config.prior));
+    same.push_back(1.0);
+    to_white.push_back(config.prior.cutoff_follows_light
+                           ? (config.prior.white + config.prior.dark_current) /
+                                 std::max(1e-9, recording.stimulus().luminance + config.prior.dark_current)
+                           : 1.0);
+  }
+  const auto row = [&](const char* key) -> FittedParameter* {
+    for (FittedParameter& p : fit.parameters) {
+      if (p.key == key && !p.identifiable) return &p;
+    }
+    return nullptr;
+  };
+  const auto list = [&](StillValue StillFit::*member, double unit, const char* what) {
+    std::string text;
+    for (const StillFit& s : fit.still) {
+      text += text.empty() ? "" : ", ";
+      text +=
+          (s.*member).identifiable ? s.recording + " " + in_words(s.*member, unit) : s.recording + " unknown";
+    }
+    return what + text;
+  };
+  FittedParameter* const on = row("contrast_threshold_on");
+  FittedParameter* const off = row("contrast_threshold_off");
+  const StillValue ratio = mean_of(fit.still, &StillFit::on_over_off, same);
+  if (on != nullptr) on->decided_by = list(&StillFit::on, 1.0, "only threshold / noise: ");
+  if (off != nullptr) off->decided_by = list(&StillFit::off, 1.0, "only threshold / noise: ");
+  if (on != nullptr && off != nullptr && ratio.identifiable) {
+    const double mean = std::sqrt(on->prior * off->prior);
+    on->value = fit.config.contrast_threshold_on = mean * std::sqrt(ratio.value);
+    off->value = fit.config.contrast_threshold_off = mean / std::sqrt(ratio.value);
+    on->decided_by += "; ON / OFF " + in_words(ratio, 1.0);
+  }
+  const auto set = [&](FittedParameter& p, const StillValue& v, double unit) {
+    p.value = v.value / unit;
+    p.deviation = std::log(v.high / v.low) / 4.0;  // the interval of 95 % is about four deviations wide
+    p.identifiable = true;
+    set_parameter(fit.config, p.key, p.value);
+  };
+  if (FittedParameter* const p = row("cutoff_hz")) {
+    const StillValue cutoff = mean_of(fit.still, &StillFit::cutoff_hz, to_white);
+    p->decided_by = list(&StillFit::cutoff_hz, 1.0, "of the noise, at its light, Hz: ");
+    if (cutoff.identifiable && config.known_light) set(*p, cutoff, 1.0);
+  }
+  if (FittedParameter* const p = row("refractory_us")) {
+    const StillValue refractory = mean_of(fit.still, &StillFit::refractory_s, same);
+    p->decided_by = list(&StillFit::refractory_s, 1e-6, "us: ");
+    if (refractory.identifiable) set(*p, refractory, 1e-6);
+  }
+}
+
 std::vector<double> priors_of(const std::vector<FreeParameter>& free) {
   std::vector<double> logs;
   for (const FreeParameter& f : free) logs.push_back(f.prior);
@@ -250,6 +327,10 @@ SensorFit fit_sensor(std::vector<SensorRecording>& recordings, const SensorFitCo
     break;
   }
   correct_hot_rate(fit);
+  if (config.still) {
+    report("noise of the scenes at rest");
+    add_still(recordings, config, fit);
+  }
   report("distributions");
   fit.distributions =
       compare_distributions(recordings, fit.prior, fit.config, fit.contrast_scales, config.seed);

@@ -7,6 +7,7 @@
 
 #include "emulator/emulator_config.h"
 #include "evaluation/sensor_fit/sensor_recording.h"
+#include "evaluation/sensor_fit/still_fit.h"
 
 namespace saccade {
 
@@ -38,6 +39,7 @@ struct SensorFit {
   std::vector<double> contrast_scales;
   std::vector<FittedParameter> parameters;
   std::vector<ComparedDistribution> distributions;
+  std::vector<StillFit> still;  ///< of each scene at rest, where SensorFitConfig::still asks for it
   std::size_t features = 0;
   double misfit_before = 0.0;  ///< rms of the features' residuals, in standard deviations
   double misfit_after = 0.0;
@@ -46,6 +48,9 @@ struct SensorFit {
 struct SensorFitConfig {
   EmulatorConfig prior;
   std::uint64_t seed = 1;  ///< of the emulator
+  bool still =
+      false;  ///< also what the noise of scenes at rest says about thresholds and bandwidth (still_fit.h)
+  bool known_light = true;  ///< whether the luminance of scenes at rest was measured
   /// Called with a line of text after each step; it may throw to end the fit.
   std::function<void(const std::string&)> progress;
 };
@@ -57,6 +62,8 @@ struct SensorFitConfig {
 /// of its prior one is not identifiable: it keeps the prior's value, and the others are fitted again. Leak and its spread come
 /// from the likelihood of intervals (leak_fit.h); a leak that is not identifiable is at most the highest allowed one. Share and rate of hot
 /// pixels, the bus and the tick come from counts. The other pixels give the distributions.
+/// `still`: the quotient of the thresholds, bandwidth and refractory period of scenes at rest become values of the fit where
+/// no recording that moves determines them; the bandwidth only in `known_light`. The thresholds keep the prior's geometric mean.
 /// `recordings` are finished; hot pixels are dropped from them. Throws InputError where there is no event to fit.
 [[nodiscard]] SensorFit fit_sensor(std::vector<SensorRecording>& recordings, const SensorFitConfig& config);
 

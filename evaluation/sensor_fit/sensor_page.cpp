@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -75,6 +77,44 @@ std::string distance_table(const SensorFit& fit) {
   return html + "</tbody></table>\n";
 }
 
+struct StillQuantity {
+  const char* name;
+  const char* key;
+  StillValue StillFit::*member;
+};
+constexpr std::array still_quantities = {
+    StillQuantity{"ON threshold / noise", "on", &StillFit::on},
+    StillQuantity{"OFF threshold / noise", "off", &StillFit::off},
+    StillQuantity{"ON / OFF threshold", "on_over_off", &StillFit::on_over_off},
+    StillQuantity{"bandwidth, Hz", "cutoff_hz", &StillFit::cutoff_hz},
+    StillQuantity{"refractory period, s", "refractory_s", &StillFit::refractory_s},
+    StillQuantity{"leak, Hz", "leak_hz", &StillFit::leak_hz},
+    StillQuantity{"spread over pixels", "spread", &StillFit::spread}};
+
+std::string still_table(const SensorFit& fit) {
+  std::string html =
+      "<h2>Scenes at rest</h2>\n<p>With intervals of 95 %. Events of noise depend on threshold / noise "
+      "alone: a "
+      "still scene does not tell threshold and noise apart.</p>\n<table><thead><tr><th>recording</th><th>ON "
+      "events</th><th>OFF events</th><th>rms residual</th>";
+  for (const StillQuantity& q : still_quantities) html += fmt::format("<th>{}</th>", q.name);
+  html += "</tr></thead><tbody>\n";
+  for (const StillFit& s : fit.still) {
+    html += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{:.2g}</td>", escaped(s.recording),
+                        s.on_events, s.off_events, s.misfit);
+    for (const StillQuantity& q : still_quantities) {
+      const StillValue& v = s.*q.member;
+      html += v.identifiable ? fmt::format("<td>{:.3g} ({:.3g} to {:.3g})</td>", v.value, v.low, v.high)
+                             : std::string("<td>not identifiable</td>");
+    }
+    html += "</tr>\n";
+    if (!s.limit.empty())
+      html +=
+          fmt::format("<tr><td colspan=\"11\">{}: {}</td></tr>\n", escaped(s.recording), escaped(s.limit));
+  }
+  return html + "</tbody></table>\n";
+}
+
 }  // namespace
 
 void write_sensor_page(const SensorFit& fit, const std::filesystem::path& folder) {
@@ -87,8 +127,9 @@ void write_sensor_page(const SensorFit& fit, const std::filesystem::path& folder
   html +=
       "<p class=\"remark\">± is the relative standard deviation. A parameter that is not identifiable keeps "
       "the value of "
-      "the prior.</p>\n<h2>Recorded and emulated events</h2>\n<p>Of the pixels that the fit did not "
-      "use.</p>\n";
+      "the prior.</p>\n";
+  if (!fit.still.empty()) html += still_table(fit);
+  html += "<h2>Recorded and emulated events</h2>\n<p>Of the pixels that the fit did not use.</p>\n";
   html += distance_table(fit);
   for (std::size_t i = 0; i < fit.distributions.size(); ++i) {
     const ComparedDistribution& d = fit.distributions[i];
@@ -101,6 +142,26 @@ void write_sensor_page(const SensorFit& fit, const std::filesystem::path& folder
   write_page(folder, "Event camera fitted to recordings", html);
 }
 
+std::string sensor_fit_remark(const SensorFit& fit) {
+  std::string text = fmt::format(
+      "# Fitted by saccade fit-sensor: rms residual of {} features {:.3g} deviations, {:.3g} with the prior "
+      "{}.\n",
+      fit.features, fit.misfit_after, fit.misfit_before, fit.prior.preset);
+  if (!fit.distributions.empty()) {
+    const auto [least, most] =
+        std::minmax_element(fit.distributions.begin(), fit.distributions.end(),
+                            [](const auto& a, const auto& b) { return a.ks_after < b.ks_after; });
+    text += fmt::format("# KS distances to pixels that the fit did not use: {:.2f} to {:.2f}.\n",
+                        least->ks_after, most->ks_after);
+  }
+  std::string open;
+  for (const FittedParameter& p : fit.parameters) {
+    if (!p.identifiable) open += (open.empty() ? "" : ", ") + p.key;
+  }
+  if (!open.empty()) text += "# Not identifiable: " + open + ".\n";
+  return text;
+}
+
 std::string sensor_fit_json(const SensorFit& fit) {
   nlohmann::ordered_json json;
   json["features"] = fit.features;
@@ -111,6 +172,17 @@ std::string sensor_fit_json(const SensorFit& fit) {
                                  {"relative_deviation", p.deviation},
                                  {"identifiable", p.identifiable},
                                  {"decided_by", p.decided_by}};
+  }
+  for (const StillFit& s : fit.still) {
+    nlohmann::ordered_json& row = json["still"][s.recording];
+    row = {
+        {"on_events", s.on_events}, {"off_events", s.off_events}, {"misfit", s.misfit}, {"limit", s.limit}};
+    for (const StillQuantity& q : still_quantities) {
+      const StillValue& v = s.*q.member;
+      row[q.key] = v.identifiable
+                       ? nlohmann::ordered_json{{"value", v.value}, {"low", v.low}, {"high", v.high}}
+                       : nlohmann::ordered_json(nullptr);
+    }
   }
   for (const ComparedDistribution& d : fit.distributions) {
     json["ks_distances"].push_back(

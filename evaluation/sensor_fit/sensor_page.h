@@ -13,5 +13,7 @@ void write_sensor_page(const SensorFit& fit, const std::filesystem::path& folder
 
 /// The fit as JSON: parameters, KS distances, misfit.
 [[nodiscard]] std::string sensor_fit_json(const SensorFit& fit);
+/// Comments for the head of the fitted preset: how well it agrees, and what the recordings leave open.
+[[nodiscard]] std::string sensor_fit_remark(const SensorFit& fit);
 
 }  // namespace saccade

@@ -15,8 +15,7 @@ constexpr std::size_t fullest_kept = 20;
 
 /// The pixels of the stimulus' region: x, y, width and height.
 std::array<int, 4> region_of(const Stimulus& stimulus, ImageSize size, const std::string& name) {
-  if (stimulus.kind == StimulusKind::still || stimulus.region_px[2] == 0.0)
-    return {0, 0, size.width, size.height};
+  if (stimulus.region_px[2] == 0.0) return {0, 0, size.width, size.height};
   std::array<int, 4> region{};
   for (std::size_t i = 0; i < 4; ++i) region[i] = static_cast<int>(stimulus.region_px[i]);
   const bool inside = region[2] > 0 && region[3] > 0 && region[0] + region[2] <= size.width &&
@@ -45,6 +44,7 @@ SensorRecording::SensorRecording(std::string name, Stimulus stimulus, ImageSize 
                          std::to_string(last_us) + " us; zero_us sets the time from which a stimulus counts");
   }
   const std::array<int, 4> region = region_of(stimulus_, size_, name_);
+  region_ = region;
   const auto pixels = static_cast<std::size_t>(region[2]) * static_cast<std::size_t>(region[3]);
   // A step that has no factor in common with a power of two spreads the sample over rows and columns.
   const std::size_t sampled = std::min(pixels, most_pixels);
@@ -125,7 +125,15 @@ SensorRecording::HotPixels SensorRecording::hot_pixels() const {
   HotPixels hot;
   if (on_counts_.empty()) return hot;
   constexpr double many_times = 8.0;
-  std::vector<std::uint32_t> sorted = on_counts_;
+  const auto width = static_cast<std::size_t>(size_.width);
+  std::vector<PixelPlace> places;
+  for (int y = region_[1]; y < region_[1] + region_[3]; ++y) {
+    for (int x = region_[0]; x < region_[0] + region_[2]; ++x)
+      places.push_back({static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y)});
+  }
+  const auto count = [&](const PixelPlace& place) { return on_counts_[place.y * width + place.x]; };
+  std::vector<std::uint32_t> sorted;
+  for (const PixelPlace& place : places) sorted.push_back(count(place));
   const auto at = [&](double share) {
     const auto place =
         sorted.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(sorted.size() - 1));
@@ -136,12 +144,10 @@ SensorRecording::HotPixels SensorRecording::hot_pixels() const {
   const double limit = many_times * std::max(1.0, at(0.9));
   const double duration_s = static_cast<double>(interval_.end_us - interval_.begin_us) * 1e-6;
   double sum = 0.0;
-  for (std::size_t pixel = 0; pixel < on_counts_.size(); ++pixel) {
-    if (static_cast<double>(on_counts_[pixel]) <= limit) continue;
-    const auto width = static_cast<std::size_t>(size_.width);
-    hot.places.push_back(
-        {static_cast<std::uint16_t>(pixel % width), static_cast<std::uint16_t>(pixel / width)});
-    sum += static_cast<double>(on_counts_[pixel]) - median;
+  for (const PixelPlace& place : places) {
+    if (static_cast<double>(count(place)) <= limit) continue;
+    hot.places.push_back(place);
+    sum += static_cast<double>(count(place)) - median;
   }
   if (!hot.places.empty()) hot.rate_hz = sum / static_cast<double>(hot.places.size()) / duration_s;
   return hot;

@@ -76,6 +76,7 @@ class SensorRecording {
   Stimulus stimulus_;
   ImageSize size_;
   StimulusInterval interval_;
+  std::array<int, 4> region_{};  // x, y, width and height
   std::vector<PixelPlace> places_;
   std::vector<std::int32_t> number_;      // in places_, of each pixel of the image; -1: not in the sample
   std::vector<std::uint32_t> on_counts_;  // of each pixel of the image, of a still scene

@@ -83,9 +83,11 @@ void describe(FieldVisitor& v, Stimulus& s) {
     v.real("dark", s.dark, luminance_range, "luminance of the dots or the disc");
     v.real("light", s.light, luminance_range, "luminance around them");
     v.real("blur_px", s.blur_px, {0.0, 100.0}, "width of an edge in the image, beyond that of a pixel");
+    v.require(s.dark != s.light, "light", text_of(s.light), "another luminance than dark");
+  });
+  v.when(s.kind != StimulusKind::panel, "kind: still or board or disc", [&] {
     v.reals("region_px", s.region_px, {0.0, 65535.0},
             "pixels to use: x and y of the left top one, width and height; a width of 0: all");
-    v.require(s.dark != s.light, "light", text_of(s.light), "another luminance than dark");
   });
 }
 

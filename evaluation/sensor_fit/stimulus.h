@@ -48,7 +48,7 @@ struct Stimulus {
 
   double luminance = 0.0;  ///< still
 
-  /// Panel: its pixels; board and disc: the pixels to use. x and y of the left top pixel, width and height; a width of 0:
+  /// Panel: its pixels; otherwise the pixels to use. x and y of the left top pixel, width and height; a width of 0:
   /// all pixels of the image.
   std::array<double, 4> region_px = {0.0, 0.0, 0.0, 0.0};
   static constexpr double max_panel_pixels = 50.0;

@@ -113,7 +113,8 @@ TEST(SensorFit, FindsTheParametersOfAnEmulatedSensor) {
       record("fast", board({{0.0, -50.0, 4.0}, {0.2, 40.0, 4.0}, {0.4, -50.0, 4.0}, {0.6, 40.0, 4.0}}),
              sensor, 0.6));
   recordings.push_back(record("panel", panel(), sensor, 12.0));
-  const SensorFit fit = fit_sensor(recordings, {emulator_preset("dvs128"), 1, {}});
+  const SensorFit fit =
+      fit_sensor(recordings, {.prior = emulator_preset("dvs128"), .seed = 1, .progress = {}});
   const auto expect_within = [&](const char* key, double value, double relative) {
     const FittedParameter& p = parameter(fit, key);
     EXPECT_TRUE(p.identifiable) << key;
@@ -146,7 +147,8 @@ TEST(SensorFit, CallsThresholdsAndLatencyNotIdentifiableInAStillScene) {
   sensor.shot_noise_rate_hz = 2.0;
   std::vector<SensorRecording> recordings;
   recordings.push_back(record("dark", still(0.0), sensor, 120.0));
-  const SensorFit fit = fit_sensor(recordings, {emulator_preset("dvs128"), 1, {}});
+  const SensorFit fit =
+      fit_sensor(recordings, {.prior = emulator_preset("dvs128"), .seed = 1, .progress = {}});
   for (const char* key : {"contrast_threshold_on", "contrast_threshold_off", "cutoff_hz", "latency_us"}) {
     EXPECT_FALSE(parameter(fit, key).identifiable) << key;
     EXPECT_EQ(parameter(fit, key).value, parameter(fit, key).prior) << key;
@@ -162,7 +164,8 @@ TEST(SensorFit, GivesALimitOfALeakThatShotNoiseHides) {
   sensor.shot_noise_rate_hz = 3.0;
   std::vector<SensorRecording> recordings;
   recordings.push_back(record("dark", still(0.0), sensor, 100.0));
-  const SensorFit fit = fit_sensor(recordings, {emulator_preset("dvs128"), 1, {}});
+  const SensorFit fit =
+      fit_sensor(recordings, {.prior = emulator_preset("dvs128"), .seed = 1, .progress = {}});
   const FittedParameter& leak = parameter(fit, "leak_rate_hz");
   EXPECT_FALSE(leak.identifiable) << leak.value << " +- " << leak.deviation;
   EXPECT_THAT(leak.decided_by, StartsWith("no leak above "));
