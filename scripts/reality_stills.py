@@ -14,6 +14,9 @@ SIDE = 12
 SECONDS = 4.0
 RECORDINGS = [  # name, file, region at rest
     ("hand_wave, top", "hand_wave_dvs128_lz4.aedat4", (0, 0, 128, 30)),
+    ("hand_wave, top left", "hand_wave_dvs128_lz4.aedat4", (0, 0, 64, 30)),
+    ("hand_wave, top right", "hand_wave_dvs128_lz4.aedat4", (64, 0, 64, 30)),
+    ("hand_wave, bottom right", "hand_wave_dvs128_lz4.aedat4", (60, 112, 68, 16)),
     ("ball_looming, top", "ball_looming_dvs128_aedat2.aedat", (0, 0, 128, 12)),
 ]
 
@@ -121,7 +124,7 @@ def compare(folder, options, silicon):
     made, found = [], []
     with tempfile.TemporaryDirectory(prefix="stills_") as place:
         place = Path(place)
-        for seed in range(1, 4):
+        for seed in range(1, 7):
             sensor, path = made_sensor(seed), place / f"made_{seed}.csv"
             record(sensor, seed, path)
             fit = fitted(options.saccade, path, place / "fit", size=f"{SIDE}x{SIDE}")
