@@ -149,6 +149,7 @@ std::vector<Section> all_sections(const Registry& registry) {
 
 std::vector<std::string> names_of(const std::vector<Section>& sections) {
   std::vector<std::string> names;
+  names.reserve(sections.size());
   for (const Section& section : sections) names.push_back(section.name);
   return names;
 }

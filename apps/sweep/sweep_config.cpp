@@ -285,7 +285,8 @@ class SweepReader {
       for (const std::string& key : keys_of(axis)) {
         for (const auto& [other, of] : taken) {
           if (of != axis.key && overlap(key, other)) {
-            add(axis.place, "the key " + key + ", which the axis " + of + " sets too", "one axis for a key");
+            add(axis.place, fmt::format("the key {}, which the axis {} sets too", key, of),
+                "one axis for a key");
           }
         }
         for (const SweepSetting& fixed : config_.set) {
@@ -318,7 +319,7 @@ class SweepReader {
     }
   }
 
-  std::optional<std::size_t> axis_of(const std::string& key) const {
+  [[nodiscard]] std::optional<std::size_t> axis_of(const std::string& key) const {
     for (std::size_t i = 0; i < config_.axes.size(); ++i)
       if (config_.axes[i].key == key) return i;
     return std::nullopt;

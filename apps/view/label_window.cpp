@@ -48,7 +48,7 @@ LabelEditor open_editor(const LabelSettings& settings) {
 
 class LabelWindow {
  public:
-  LabelWindow(const LabelSettings& settings, std::string name)
+  LabelWindow(const LabelSettings& settings, const std::string& name)
       : settings_(settings),
         editor_(open_editor(settings)),
         window_("saccade label: " + name, 1280, 720),
