@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "apps/cli/commands.h"
+#include "apps/cli/engine_options.h"
 #include "apps/cli/program_digest.h"
 #include "apps/sweep/dataset_run.h"
 #include "core/error.h"
@@ -47,18 +48,7 @@ void add_dataset_command(CommandLine& line, const Registry& registry) {
   command.option("--out", options.out, "Folder of the data set; datasets/NAME by default");
   command.option("--set", options.assignments, "key.path=value for the scenario of all runs")
       .one_value_each();
-  command.option("--engine", options.engine.engine, "local (xargs) or slurm (sbatch)")
-      .show_default()
-      .offers([]() -> std::vector<std::string> {
-        return {"local", "slurm"};
-      });
-  command
-      .option("--jobs", options.engine.jobs,
-              "Runs at the same time; by default one per processor, for slurm as many as it likes")
-      .in_range(1, 100000);
-  command.option("--batch", options.engine.batch, "Runs in a row in one job or process").in_range(1, 100000);
-  command.option("--sbatch", options.engine.sbatch_options,
-                 "Further options for sbatch, such as \"--partition=short --time=1:00:00\"");
+  add_engine_options(command, options.engine);
   command.flag("--retry", options.retry, "Make the failed runs again");
   command.footer(
       "Exit status: 0 fine, 1 a run failed, 3 check found differences. docs/dataset.md explains it.");

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "apps/cli/commands.h"
+#include "apps/cli/engine_options.h"
 #include "apps/cli/program_digest.h"
 #include "apps/cli/web_option.h"
 #include "apps/sweep/sweep_run.h"
@@ -22,18 +23,7 @@ void add_sweep_command(CommandLine& line, const Registry& registry) {
   add_web_option(command, options->web);
   command.option("--set", options->assignments, "key.path=value for the scenario of all runs")
       .one_value_each();
-  command.option("--engine", options->engine.engine, "local (xargs) or slurm (sbatch)")
-      .show_default()
-      .offers([]() -> std::vector<std::string> {
-        return {"local", "slurm"};
-      });
-  command
-      .option("--jobs", options->engine.jobs,
-              "Runs at the same time; by default one per processor, for slurm as many as it likes")
-      .in_range(1, 100000);
-  command.option("--batch", options->engine.batch, "Runs in a row in one job or process").in_range(1, 100000);
-  command.option("--sbatch", options->engine.sbatch_options,
-                 "Further options for sbatch, such as \"--partition=short --time=1:00:00\"");
+  add_engine_options(command, options->engine);
   command.option("--csv", options->csv, "Write the table here, too");
   command.flag("--times", options->times, "With the columns that depend on the clock");
   command.flag("--retry", options->retry, "Make the failed runs again");

@@ -30,7 +30,6 @@ using Json = nlohmann::ordered_json;
 constexpr const char* events_file = "events.npy";
 constexpr const char* labels_file = "labels.npz";
 constexpr const char* run_json = "dataset.json";
-constexpr const char* card_json = "card.json";
 constexpr double half_visible = 0.5;
 
 /// Files of a run folder that a data set keeps as they are, where the run wrote them, and what they are.
@@ -361,11 +360,11 @@ void write_dataset_card(const fs::path& folder, const DatasetCard& card) {
   }
   json["runs"] = std::move(runs);
   write_file(folder / "card.md", markdown_of(card));
-  write_file(folder / card_json, json.dump(1) + "\n");
+  write_file(folder / dataset_card_json, json.dump(1) + "\n");
 }
 
 ReadDatasetCard read_dataset_card(const fs::path& folder) {
-  const fs::path file = folder / card_json;
+  const fs::path file = folder / dataset_card_json;
   std::error_code ignored;
   if (!fs::is_directory(folder, ignored))
     throw InputError(folder.string(), "no folder", "the folder of a data set");

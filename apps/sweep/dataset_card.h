@@ -50,6 +50,8 @@ struct DatasetCard {
 /// data have the same one, whichever program made them.
 [[nodiscard]] std::string digest_of(const DatasetCard& card);
 
+inline constexpr const char* dataset_card_json = "card.json";
+
 /// Writes card.json and card.md into the folder. The same data set gives the same bytes.
 void write_dataset_card(const std::filesystem::path& folder, const DatasetCard& card);
 

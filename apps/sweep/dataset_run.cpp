@@ -30,7 +30,6 @@ using Json = nlohmann::ordered_json;
 constexpr const char* plan_json = "plan.json";
 constexpr const char* lock_file = "dataset.lock";
 constexpr const char* copy_of_file = "dataset.yaml";
-constexpr const char* card_json = "card.json";
 constexpr std::size_t most_lines = 20;
 
 struct PlannedDataset {
@@ -275,7 +274,7 @@ int check_dataset(const fs::path& folder) {
   std::vector<std::string> lines;
   if (digest_of(card) != read.digest)
     lines.push_back(fmt::format("{}: the digest of what it lists is {}, it states {}",
-                                (folder / card_json).string(), digest_of(card), read.digest));
+                                (folder / dataset_card_json).string(), digest_of(card), read.digest));
   std::int64_t files = 0;
   std::int64_t bytes = 0;
   for (const DatasetRun& run : card.runs) {

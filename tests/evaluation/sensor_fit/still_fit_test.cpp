@@ -102,19 +102,24 @@ TEST(StillFit, TwiceTheThresholdWithTwiceTheNoiseIsTheSameSensor) {
   EXPECT_NEAR(faster.intervals_hz[1][0] / one.intervals_hz[1][0], 2.0, 1e-9);
 }
 
+/// A fit of 20 x 20 pixels of `sensor` before a uniform image that does not change.
+StillFit fit_of_still(const EmulatorConfig& sensor, float luminance, std::int64_t duration_us) {
+  EventEmulator emulator(sensor, {20, 20}, 1);
+  std::vector<Event> events;
+  const std::vector<float> image(400, luminance);
+  emulator.process_image(image, 0, events);
+  emulator.process_image(image, duration_us, events);
+  emulator.finish(events);
+  SensorRecording recording("still", Stimulus{}, {20, 20}, 0, duration_us);
+  recording.add(events);
+  recording.finish();
+  return fit_still(recording, prior());
+}
+
 TEST(StillFit, SaysWhichLimitAPixelWithoutNoiseSets) {
   EmulatorConfig sensor = emulator_preset("dvs128");
   sensor.shot_noise_rate_hz = 0.0;
-  EventEmulator emulator(sensor, {20, 20}, 1);
-  std::vector<Event> events;
-  const std::vector<float> image(400, 100.0F);
-  emulator.process_image(image, 0, events);
-  emulator.process_image(image, 100'000'000, events);
-  emulator.finish(events);
-  SensorRecording recording("bright", Stimulus{}, {20, 20}, 0, 100'000'000);
-  recording.add(events);
-  recording.finish();
-  const StillFit fit = fit_still(recording, prior());
+  const StillFit fit = fit_of_still(sensor, 100.0F, 100'000'000);
   EXPECT_FALSE(fit.on.identifiable);
   EXPECT_GT(fit.on_events, 3000U);  // leak
   EXPECT_THAT(fit.limit, HasSubstr("0 OFF events: threshold / noise is above "));
@@ -123,16 +128,7 @@ TEST(StillFit, SaysWhichLimitAPixelWithoutNoiseSets) {
 TEST(StillFit, ShotNoiseThatIsAPoissonProcessHasNoThreshold) {
   EmulatorConfig sensor = emulator_preset("dvs128");
   sensor.shot_noise_rate_hz = 3.0;
-  EventEmulator emulator(sensor, {20, 20}, 1);
-  std::vector<Event> events;
-  const std::vector<float> image(400, 0.0F);
-  emulator.process_image(image, 0, events);
-  emulator.process_image(image, 60'000'000, events);
-  emulator.finish(events);
-  SensorRecording recording("dark", Stimulus{}, {20, 20}, 0, 60'000'000);
-  recording.add(events);
-  recording.finish();
-  const StillFit fit = fit_still(recording, prior());
+  const StillFit fit = fit_of_still(sensor, 0.0F, 60'000'000);
   EXPECT_FALSE(fit.on.identifiable) << fit.on.value << " misfit " << fit.misfit;
   EXPECT_NE(fit.limit, "");
 }
