@@ -57,7 +57,7 @@ std::string keys_as_markdown(const std::vector<KeyRow>& rows, const std::string&
       std::ranges::any_of(rows, [](const KeyRow& row) { return !row.default_value.empty(); });
   std::string text =
       "| " + heading +
-      (defaults ? " | takes | default | |\n|---|---|---|---|\n" : " | takes | |\n|---|---|---|\n");
+      (defaults ? " | takes | default | |\n|---|---|---|---|\n" : " | type | |\n|---|---|---|\n");
   for (const KeyRow& row : rows) {
     std::string takes = row.type == "word" ? row.takes : row.type;
     if (row.type != "word" && !row.takes.empty()) takes += " " + row.takes;

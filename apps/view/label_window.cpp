@@ -109,11 +109,11 @@ class LabelWindow {
          fmt::format("{} ms back, forward; with Shift {} ms", settings_.step_ms, 10.0 * settings_.step_ms),
          true,
          {{GLFW_KEY_LEFT, step(-1)}, {GLFW_KEY_RIGHT, step(1)}}},
-        {"Space",
-         "play, pause; , slower, . faster",
+        {"Space", "play, pause", false, {{GLFW_KEY_SPACE, [this](bool) { editor_.toggle_playing(); }}}},
+        {", .",
+         "slower, faster: 1/20 to 2 x",
          false,
-         {{GLFW_KEY_SPACE, [this](bool) { editor_.toggle_playing(); }},
-          {GLFW_KEY_COMMA, [this](bool) { editor_.change_speed(-1); }},
+         {{GLFW_KEY_COMMA, [this](bool) { editor_.change_speed(-1); }},
           {GLFW_KEY_PERIOD, [this](bool) { editor_.change_speed(1); }}}},
         {"Page \u2191 \u2193",
          "previous, next label",
@@ -139,7 +139,9 @@ class LabelWindow {
          false,
          {{GLFW_KEY_F,
            [this](bool) {
-             if (!editor_.snap()) message_ = "not fitted: too few edges near the circle";
+             const bool any = editor_.circle().has_value();
+             if (!editor_.snap())
+               message_ = any ? "not fitted: too few edges near the circle" : "no circle to fit";
            }}}},
         {"[ ]",
          "radius 0.5 px down, up; with Shift 0.1 px",

@@ -88,7 +88,7 @@ constexpr MetricRow rows[] = {
     {"detectors.NAME.streaming.latency_ms", "block",
      "from the instant that an estimate is about to the time at which it was ready, over all observations: "
      "`median` and `p99`"},
-    {"detectors.NAME.streaming.approximate", "true", "as below"},
+    {"detectors.NAME.streaming.approximate", "true", "in very long runs"},
     {"detectors.NAME.clutter_in_window", "block",
      "mean share of clutter among the newest 1500 events: `detected`, over the chances with an observation "
      "at "

@@ -46,7 +46,7 @@ TEST(Keys, ListsTheSectionsAndNamesThemForAnUnknownOne) {
     EXPECT_EQ(saccade("keys " + std::string(section)).status, 0) << section;
   }
   EXPECT_THAT(saccade("keys truth.csv --markdown").text,
-              AllOf(HasSubstr("| column | takes | |\n|---|---|---|\n"),
+              AllOf(HasSubstr("| column | type | |\n|---|---|---|\n"),
                     HasSubstr("| `z_m` | number, m | the ball's centre, root frame |\n")));
   EXPECT_THAT(saccade("keys metrics.detectors").text, HasSubstr("precision\n    inliers / observations\n"));
   EXPECT_THAT(saccade("keys metrics.gaze").text,
