@@ -178,12 +178,12 @@ std::vector<KeyRow> list_keys(const std::function<void(FieldVisitor&)>& describe
 }
 
 std::string unit_of_key(std::string_view key) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 19> units = {{
-      {"_deg_s2", "deg/s²"}, {"_deg_s", "deg/s"}, {"_deg", "deg"},         {"_rad_s", "rad/s"},
-      {"_rad", "rad"},       {"_m_s2", "m/s²"},   {"_m_s", "m/s"},         {"_us", "us"},
-      {"_ms", "ms"},         {"_s", "s"},         {"_mm", "mm"},           {"_um", "um"},
-      {"_m", "m"},           {"_px_s", "px/s"},   {"_px", "px"},           {"_hz", "Hz"},
-      {"_events", "events"}, {"_bits", "bits"},   {"_decades", "decades"},
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 20> units = {{
+      {"_deg_s2", "deg/s²"}, {"_deg_s", "deg/s"},   {"_deg", "deg"},   {"_rad_s", "rad/s"},
+      {"_rad", "rad"},       {"_m_s2", "m/s²"},     {"_m_s", "m/s"},   {"_px_s", "px/s"},
+      {"_us", "us"},         {"_ms", "ms"},         {"_s", "s"},       {"_mm", "mm"},
+      {"_um", "um"},         {"_m", "m"},           {"_px", "px"},     {"_px2", "px²"},
+      {"_hz", "Hz"},         {"_events", "events"}, {"_bits", "bits"}, {"_decades", "decades"},
   }};
   for (const auto& [ending, unit] : units) {
     if (key.ends_with(ending)) return std::string(unit);

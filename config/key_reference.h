@@ -29,8 +29,10 @@ struct KeyRow {
 /// The unit that the last words of a key give: "speed_deg_s" is in deg/s; empty without one.
 [[nodiscard]] std::string unit_of_key(std::string_view key);
 
-/// The rows as text for a terminal of `width` columns, or as a Markdown table.
+/// The rows as text for a terminal of `width` columns, or as a Markdown table with `heading` over the paths; where there are no
+/// defaults, it has no column for them.
 [[nodiscard]] std::string keys_as_text(const std::vector<KeyRow>& rows, std::size_t width);
-[[nodiscard]] std::string keys_as_markdown(const std::vector<KeyRow>& rows);
+[[nodiscard]] std::string keys_as_markdown(const std::vector<KeyRow>& rows,
+                                           const std::string& heading = "key");
 
 }  // namespace saccade

@@ -52,15 +52,19 @@ std::string keys_as_text(const std::vector<KeyRow>& rows, std::size_t width) {
   return text;
 }
 
-std::string keys_as_markdown(const std::vector<KeyRow>& rows) {
-  std::string text = "| key | takes | default | |\n|---|---|---|---|\n";
+std::string keys_as_markdown(const std::vector<KeyRow>& rows, const std::string& heading) {
+  const bool defaults =
+      std::ranges::any_of(rows, [](const KeyRow& row) { return !row.default_value.empty(); });
+  std::string text =
+      "| " + heading +
+      (defaults ? " | takes | default | |\n|---|---|---|---|\n" : " | type | |\n|---|---|---|\n");
   for (const KeyRow& row : rows) {
     std::string takes = row.type == "word" ? row.takes : row.type;
     if (row.type != "word" && !row.takes.empty()) takes += " " + row.takes;
     if (!row.unit.empty()) takes += ", " + row.unit;
     const std::string value = row.default_value.empty() ? "" : "`" + row.default_value + "`";
     const std::string condition = row.condition.empty() ? "" : " (only with `" + row.condition + "`)";
-    text += "| `" + row.path + "` | " + cell(takes) + " | " + cell(value) + " | " +
+    text += "| `" + row.path + "` | " + cell(takes) + " | " + (defaults ? cell(value) + " | " : "") +
             cell(row.doc + condition) + " |\n";
   }
   return text;

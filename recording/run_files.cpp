@@ -13,6 +13,7 @@
 #include "head/head_model.h"
 #include "recording/codec.h"
 #include "recording/number_text.h"
+#include "recording/table_reference.h"
 
 namespace saccade {
 namespace {
@@ -33,99 +34,124 @@ constexpr std::array<std::size_t, 2> shorter_tables<TruthRow> = {4};
 template <>
 constexpr std::array<std::size_t, 2> shorter_tables<DetectionRow> = {7, 6};
 
-// The columns of each table, once: `visit(name, value)` in the order of the file. Header, writer and
-// reader are visitors; Row is const for a writer.
+// The columns of each table, once: `visit(name, value, meaning)` in the order of the file. Header, writer, reader and
+// reference are visitors; Row is const for a writer.
 template <class Visitor, class Vector>
-void visit_point(Visitor& visit, std::string_view prefix, Vector& point) {
+void visit_point(Visitor& visit, std::string_view prefix, Vector& point, std::string_view doc) {
   const std::string name(prefix);
-  visit(name + "x_m", point[0]);
-  visit(name + "y_m", point[1]);
-  visit(name + "z_m", point[2]);
+  visit(name + "x_m", point[0], doc);
+  visit(name + "y_m", point[1], doc);
+  visit(name + "z_m", point[2], doc);
 }
 
 template <class Visitor, class Vector>
 void visit_joints(Visitor& visit, const HeadModel& head, Vector& position_rad) {
-  for (const HeadJoint& joint : head.joints) visit(joint.name + "_rad", position_rad[joint.slot]);
+  for (const HeadJoint& joint : head.joints)
+    visit(joint.name + "_rad", position_rad[joint.slot], "measured position of the joint");
 }
 
 template <class Visitor, class CircleRef>
-void visit_circle(Visitor& visit, CircleRef& circle) {
-  visit("x_px", circle.x_px);
-  visit("y_px", circle.y_px);
-  visit("r_px", circle.r_px);
+void visit_circle(Visitor& visit, CircleRef& circle, std::string_view doc) {
+  visit("x_px", circle.x_px, doc);
+  visit("y_px", circle.y_px, doc);
+  visit("r_px", circle.r_px, "its radius");
 }
 
 template <class Visitor, class Matrix>
 void visit_covariance(Visitor& visit, Matrix& covariance_px2) {
-  visit("var_x_px2", covariance_px2(0, 0));
-  visit("var_y_px2", covariance_px2(1, 1));
-  visit("var_r_px2", covariance_px2(2, 2));
-  visit("cov_xy_px2", covariance_px2(0, 1));
-  visit("cov_xr_px2", covariance_px2(0, 2));
-  visit("cov_yr_px2", covariance_px2(1, 2));
+  constexpr std::string_view variance = "variance; empty where the detector has none";
+  constexpr std::string_view covariance = "covariance; empty likewise";
+  visit("var_x_px2", covariance_px2(0, 0), variance);
+  visit("var_y_px2", covariance_px2(1, 1), variance);
+  visit("var_r_px2", covariance_px2(2, 2), variance);
+  visit("cov_xy_px2", covariance_px2(0, 1), covariance);
+  visit("cov_xr_px2", covariance_px2(0, 2), covariance);
+  visit("cov_yr_px2", covariance_px2(1, 2), covariance);
 }
+
+constexpr std::string_view column_cause = "cause of the event: signal, leak, shot, hot";
+constexpr std::string_view column_object =
+    "ball, hand, arm, distractor, background: the first in this order of the objects at the pixel before and "
+    "after the event";
+
+/// What the instant of a row is.
+template <class Row>
+constexpr std::string_view time_doc = "instant, in the clock of the events";
+template <>
+constexpr std::string_view time_doc<DetectionRow> = "instant that the estimate is about";
+template <>
+constexpr std::string_view time_doc<StreamingRow> =
+    "instant at which the newest estimate that was ready counts";
+template <>
+constexpr std::string_view time_doc<JointsRow> = "instant; of `deploy` the reading's own time";
+template <>
+constexpr std::string_view time_doc<TimingRow> = "end of the stretch of 0.1 s";
+template <>
+constexpr std::string_view time_doc<LabelRow> = "time stamp of the event";
 
 template <class Visitor, class Row>
 void visit_columns(Visitor& visit, const HeadModel& head, Row& row) {
   using Table = std::remove_const_t<Row>;
-  visit("t_us", row.t_us);
+  visit("t_us", row.t_us, time_doc<Table>);
   if constexpr (std::is_same_v<Table, TruthRow>) {
-    visit_circle(visit, row.circle);
-    visit("visible", row.visible);
-    visit_point(visit, "", row.position_m);
+    visit_circle(visit, row.circle, "centre of the true circle");
+    visit("visible", row.visible, "visible share of the ball's disc in the newest image, 0 to 1");
+    visit_point(visit, "", row.position_m, "the ball's centre, root frame");
   } else if constexpr (std::is_same_v<Table, TargetRow>) {
-    visit("x_px", row.centre_px[0]);
-    visit("y_px", row.centre_px[1]);
-    visit("left_px", row.corner_px[0]);
-    visit("top_px", row.corner_px[1]);
-    visit("width_px", row.size_px[0]);
-    visit("height_px", row.size_px[1]);
-    visit("visible", row.visible);
+    visit("x_px", row.centre_px[0], "mean of the visible pixels in the newest image of the left eye");
+    visit("y_px", row.centre_px[1], "likewise");
+    visit("left_px", row.corner_px[0], "the box around them: centre of its top left pixel");
+    visit("top_px", row.corner_px[1], "likewise");
+    visit("width_px", row.size_px[0], "size of the box");
+    visit("height_px", row.size_px[1], "likewise");
+    visit("visible", row.visible, "visible share of the target, 0 to 1");
   } else if constexpr (is_detections<Table>) {
-    visit("detector", row.detector);
-    visit_circle(visit, row.circle);
-    visit("score", row.score);
-    visit("held", row.held);
+    visit("detector", row.detector, "its name");
+    visit_circle(visit, row.circle, "centre of the circle");
+    visit("score", row.score, "score of the estimate, before any threshold");
+    visit("held", row.held, "whether the estimate is held or predicted without events");
     visit_covariance(visit, row.covariance_px2);
-    if constexpr (std::is_same_v<Table, StreamingRow>) visit("ready_us", row.ready_us);
+    if constexpr (std::is_same_v<Table, StreamingRow>)
+      visit("ready_us", row.ready_us, "time from which on the estimate could be used");
   } else if constexpr (std::is_same_v<Table, GazeRow>) {
-    visit_point(visit, "fixation_", row.fixation_m);
-    visit_point(visit, "target_", row.target_m);
+    visit_point(visit, "fixation_", row.fixation_m, "fixation point, root frame; empty where there is none");
+    visit_point(visit, "target_", row.target_m, "gaze target, root frame; empty where there is none");
     visit_joints(visit, head, row.position_rad);
   } else if constexpr (std::is_same_v<Table, EyeRow>) {
-    visit_point(visit, "", row.position_m);
-    visit("qw", row.turn_wxyz[0]);
-    visit("qx", row.turn_wxyz[1]);
-    visit("qy", row.turn_wxyz[2]);
-    visit("qz", row.turn_wxyz[3]);
+    visit_point(visit, "", row.position_m, "true centre of the left camera, root frame");
+    visit("qw", row.turn_wxyz[0], "unit quaternion from the camera frame to the root frame");
+    visit("qx", row.turn_wxyz[1], "likewise");
+    visit("qy", row.turn_wxyz[2], "likewise");
+    visit("qz", row.turn_wxyz[3], "likewise");
   } else if constexpr (std::is_same_v<Table, ImuRow>) {
-    visit("measured_us", row.reading.t_us);
-    visit("wx_rad_s", row.reading.angular_velocity_rad_s[0]);
-    visit("wy_rad_s", row.reading.angular_velocity_rad_s[1]);
-    visit("wz_rad_s", row.reading.angular_velocity_rad_s[2]);
-    visit("ax_m_s2", row.reading.acceleration_m_s2[0]);
-    visit("ay_m_s2", row.reading.acceleration_m_s2[1]);
-    visit("az_m_s2", row.reading.acceleration_m_s2[2]);
+    visit("measured_us", row.reading.t_us, "the reading's own time");
+    visit("wx_rad_s", row.reading.angular_velocity_rad_s[0], "angular velocity, frame of the unit");
+    visit("wy_rad_s", row.reading.angular_velocity_rad_s[1], "angular velocity, frame of the unit");
+    visit("wz_rad_s", row.reading.angular_velocity_rad_s[2], "angular velocity, frame of the unit");
+    visit("ax_m_s2", row.reading.acceleration_m_s2[0], "acceleration, frame of the unit");
+    visit("ay_m_s2", row.reading.acceleration_m_s2[1], "acceleration, frame of the unit");
+    visit("az_m_s2", row.reading.acceleration_m_s2[2], "acceleration, frame of the unit");
   } else if constexpr (std::is_same_v<Table, LabelRow>) {
-    visit("x", row.x);
-    visit("y", row.y);
-    visit("p", row.on);
-    visit("cause", row.cause);
-    visit("object", row.object);
+    visit("x", row.x, "column of the event");
+    visit("y", row.y, "row of the event");
+    visit("p", row.on, "1: brighter");
+    visit("cause", row.cause, column_cause);
+    visit("object", row.object, column_object);
   } else if constexpr (std::is_same_v<Table, TimingRow>) {
-    visit("state", row.state);
-    visit("ticks", row.ticks);
-    visit("missed", row.missed);
-    visit("late_max_us", row.late_max_us);
-    visit("tick_mean_us", row.tick_mean_us);
-    visit("tick_max_us", row.tick_max_us);
-    visit("latency_mean_us", row.latency_mean_us);
-    visit("latency_max_us", row.latency_max_us);
-    visit("events", row.events);
-    visit("events_left_out", row.events_left_out);
-    visit("skipped", row.skipped);
-    visit("queued", row.queued);
-    visit("dropped", row.dropped);
+    visit("state", row.state, "of `deploy`, at the end of the stretch");
+    visit("ticks", row.ticks, "ticks done");
+    visit("missed", row.missed, "ticks missed");
+    visit("late_max_us", row.late_max_us, "largest lateness of a tick");
+    visit("tick_mean_us", row.tick_mean_us, "time in a tick, mean");
+    visit("tick_max_us", row.tick_max_us, "largest time in a tick");
+    visit("latency_mean_us", row.latency_mean_us,
+          "from the newest event to the command, mean; empty without one");
+    visit("latency_max_us", row.latency_max_us, "the largest");
+    visit("events", row.events, "events received");
+    visit("events_left_out", row.events_left_out, "of them dropped by ticks that had too many");
+    visit("skipped", row.skipped, "detector evaluations skipped");
+    visit("queued", row.queued, "events waiting at the end");
+    visit("dropped", row.dropped, "events dropped by the connection so far");
   } else {
     static_assert(std::is_same_v<Table, JointsRow>);
     visit_joints(visit, head, row.position_rad);
@@ -135,11 +161,35 @@ void visit_columns(Visitor& visit, const HeadModel& head, Row& row) {
 class NameCollector {
  public:
   template <class T>
-  void operator()(std::string_view name, T&) {
+  void operator()(std::string_view name, T&, std::string_view) {
     names.emplace_back(name);
   }
   std::vector<std::string> names;
 };
+
+class ReferenceCollector {
+ public:
+  template <class T>
+  void operator()(std::string_view name, T&, std::string_view doc) {
+    const char* type = "number";
+    if constexpr (std::is_same_v<T, std::int64_t>) type = "whole number";
+    if constexpr (std::is_same_v<T, std::string>) type = "text";
+    if constexpr (std::is_same_v<T, bool>) type = "0 or 1";
+    columns.push_back({std::string(name), type, std::string(doc)});
+  }
+  std::vector<ColumnReference> columns;
+};
+
+template <class Row>
+TableReference reference_of(const char* file) {
+  HeadModel head = *default_head();
+  head.joints.resize(1);
+  head.joints.front().name = "JOINT";
+  ReferenceCollector collector;
+  Row row;
+  visit_columns(collector, head, row);
+  return {file, std::move(collector.columns)};
+}
 
 template <class Row>
 std::vector<std::string> column_names(const HeadModel& head) {
@@ -159,13 +209,15 @@ class LineWriter {
  public:
   explicit LineWriter(std::string& line) : line_(line) { line_.clear(); }
 
-  void operator()(std::string_view, const std::int64_t& value) { append_number(next(), value); }
-  void operator()(std::string_view, const bool& value) { next() += value ? '1' : '0'; }
-  void operator()(std::string_view, const std::string& value) {
+  void operator()(std::string_view, const std::int64_t& value, std::string_view) {
+    append_number(next(), value);
+  }
+  void operator()(std::string_view, const bool& value, std::string_view) { next() += value ? '1' : '0'; }
+  void operator()(std::string_view, const std::string& value, std::string_view) {
     SACCADE_CHECK(value.find_first_of(",\r\n") == std::string::npos);
     next() += value;
   }
-  void operator()(std::string_view, const double& value) {
+  void operator()(std::string_view, const double& value, std::string_view) {
     std::string& line = next();
     if (std::isfinite(value)) append_number(line, value);
   }
@@ -187,23 +239,23 @@ class LineReader {
   LineReader(std::string_view line, std::string place, std::size_t count)
       : rest_(line), place_(std::move(place)), left_(count) {}
 
-  void operator()(std::string_view name, std::int64_t& value) {
+  void operator()(std::string_view name, std::int64_t& value, std::string_view) {
     const auto field = next();
     if (field && !parse_number(*field, value)) fail(name, *field, "a whole number");
   }
-  void operator()(std::string_view name, bool& value) {
+  void operator()(std::string_view name, bool& value, std::string_view) {
     const auto field = next();
     if (!field) return;
     if (*field != "0" && *field != "1") fail(name, *field, "0 or 1");
     value = *field == "1";
   }
-  void operator()(std::string_view name, std::string& value) {
+  void operator()(std::string_view name, std::string& value, std::string_view) {
     const auto field = next();
     if (!field) return;
     if (field->empty()) fail(name, *field, "a name");
     value = *field;
   }
-  void operator()(std::string_view name, double& value) {
+  void operator()(std::string_view name, double& value, std::string_view) {
     const auto field = next();
     if (!field) return;
     value = nan;
@@ -287,6 +339,19 @@ void complete_covariance(Eigen::Matrix3d& covariance_px2, const std::string& pla
 }
 
 }  // namespace
+
+std::vector<TableReference> run_tables() {
+  return {reference_of<TruthRow>("truth.csv"),
+          reference_of<TargetRow>("target.csv"),
+          reference_of<DetectionRow>("detections.csv"),
+          reference_of<StreamingRow>("streaming.csv"),
+          reference_of<GazeRow>("gaze.csv"),
+          reference_of<EyeRow>("eye.csv"),
+          reference_of<JointsRow>("joints.csv"),
+          reference_of<ImuRow>("imu.csv"),
+          reference_of<LabelRow>("labels.csv"),
+          reference_of<TimingRow>("timing.csv")};
+}
 
 EyeRow EyeRow::of(std::int64_t t_us, const Eigen::Isometry3d& root_from_left_cam) {
   const Eigen::Quaterniond turn(root_from_left_cam.linear());

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <vector>
@@ -12,7 +13,9 @@
 #include "config/key_reference.h"
 #include "config/robot_file.h"
 #include "config/scenario.h"
+#include "evaluation/scoring/metric_reference.h"
 #include "evaluation/sensor_fit/stimulus.h"
+#include "recording/table_reference.h"
 
 namespace saccade {
 namespace {
@@ -22,6 +25,7 @@ struct Section {
   std::string name;
   std::string about;
   std::vector<KeyRow> rows;
+  std::string row = "key";  ///< what a row is
 };
 
 NamedDetectors one_detector(const Registry& registry) {
@@ -116,6 +120,34 @@ std::vector<KeyRow> rows_of(const std::vector<KeyRow>& all, const std::string& b
   return rows;
 }
 
+/// The keys of metrics.json, with the blocks of a detector, of the gaze and of its eye movements apart.
+std::vector<Section> metrics_sections() {
+  std::vector<Section> sections = {{"metrics", "metrics.json of a run folder", {}},
+                                   {"metrics.detectors", "detectors.NAME in metrics.json", {}},
+                                   {"metrics.eye_movements", "gaze.eye_movements in metrics.json", {}},
+                                   {"metrics.gaze", "gaze in metrics.json", {}}};
+  for (const MetricRow& row : metric_reference()) {
+    const std::string_view prefix[] = {"", "detectors.NAME.", "gaze.eye_movements.", "gaze."};
+    std::size_t i = 1;
+    while (i < sections.size() && !row.path.starts_with(prefix[i])) ++i;
+    if (i == sections.size()) i = 0;
+    const std::string path(row.path.substr(prefix[i].size()));
+    sections[i].rows.push_back(
+        {path, std::string(row.type), unit_of_key(path), "", "", "", std::string(row.doc)});
+  }
+  return sections;
+}
+
+std::vector<Section> table_sections() {
+  std::vector<Section> sections;
+  for (const TableReference& table : run_tables()) {
+    Section& section = sections.emplace_back(Section{table.file, "table of a run folder", {}, "column"});
+    for (const ColumnReference& column : table.columns)
+      section.rows.push_back({column.name, column.type, unit_of_key(column.name), "", "", "", column.doc});
+  }
+  return sections;
+}
+
 std::vector<Section> all_sections(const Registry& registry) {
   std::vector<Section> sections;
   const std::vector<KeyRow> scenario = scenario_rows(registry);
@@ -144,6 +176,8 @@ std::vector<Section> all_sections(const Registry& registry) {
                         file.stimuli.emplace_back("NAME", Stimulus{});
                         describe(v, file);
                       })});
+  std::ranges::move(metrics_sections(), std::back_inserter(sections));
+  std::ranges::move(table_sections(), std::back_inserter(sections));
   return sections;
 }
 
@@ -165,13 +199,13 @@ int print_keys(const KeysOptions& options, const Registry& registry) {
   const std::vector<Section> sections = all_sections(registry);
   if (options.section.empty()) {
     for (const Section& section : sections)
-      fmt::print("{:<28}{}, {} keys\n", section.name, section.about, section.rows.size());
+      fmt::print("{:<28}{}, {} {}s\n", section.name, section.about, section.rows.size(), section.row);
     return 0;
   }
   for (const Section& section : sections) {
     if (section.name != options.section) continue;
-    fmt::print("{}",
-               options.markdown ? keys_as_markdown(section.rows) : keys_as_text(section.rows, text_columns));
+    fmt::print("{}", options.markdown ? keys_as_markdown(section.rows, section.row)
+                                      : keys_as_text(section.rows, text_columns));
     return 0;
   }
   throw InputError("saccade keys", options.section, expectation_of(names_of(sections)));
@@ -181,9 +215,11 @@ int print_keys(const KeysOptions& options, const Registry& registry) {
 
 void add_keys_command(CommandLine& line, const Registry& registry) {
   auto options = std::make_shared<KeysOptions>();
-  Command command = line.add_command("keys",
-                                     "The reference of every key of scenarios, robot files, sweeps, stimulus "
-                                     "files, detectors and the emulator");
+  Command command =
+      line.add_command("keys",
+                       "The reference of every key of scenarios, robot files, sweeps, stimulus "
+                       "files, detectors and the emulator, of metrics.json, and of the columns of a "
+                       "run's tables");
   command.option("section", options->section, "One section; without it the list of all sections")
       .offers([&registry] { return names_of(all_sections(registry)); });
   command.flag("--markdown", options->markdown, "As a Markdown table");
@@ -192,7 +228,10 @@ void add_keys_command(CommandLine& line, const Registry& registry) {
   command.footer(
       "Sections: scenario and its blocks (run lab ball objects board plant camera right_camera calibration "
       "right_calibration render emulator detectors frame_30hz gaze latency output expect);" +
-      presets + "; robot and its blocks (robot.yarp ...); sweep; benchmark; dataset.");
+      presets +
+      "; robot and its blocks (robot.yarp ...); sweep; benchmark; dataset; stimulus; metrics, "
+      "metrics.detectors, "
+      "metrics.gaze, metrics.eye_movements; truth.csv and the other tables of a run folder.");
   command.action([options, &registry] { return print_keys(*options, registry); });
 }
 

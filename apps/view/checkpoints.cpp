@@ -7,7 +7,6 @@
 namespace saccade {
 namespace {
 
-constexpr std::int64_t first_spacing_us = 250'000;
 constexpr std::int64_t memory_bytes = 256 << 20;
 constexpr std::int64_t bytes_per_pixel = 90;  ///< of a detector, about
 
@@ -18,13 +17,16 @@ Checkpoints::Checkpoints(const LoopHistory& start) : spacing_us_(first_spacing_u
 }
 
 bool Checkpoints::due(std::int64_t now_us) const {
-  return now_us >= checkpoints_.back().history.now_us() + spacing_us_;
+  return now_us >= latest_before(now_us + 1).history.now_us() + spacing_us_;
 }
 
 void Checkpoints::add(const LoopHistory& history, std::span<const LoopDetector> detectors) {
   std::vector<LoopDetector> copied = copies(detectors);
   if (copied.size() < detectors.size()) return;
-  checkpoints_.emplace_back(history, std::move(copied));
+  const auto later = std::ranges::find_if(checkpoints_, [&](const Checkpoint& checkpoint) {
+    return checkpoint.history.now_us() > history.now_us();
+  });
+  checkpoints_.emplace(later, history, std::move(copied));
   const ImageSize image = history.image_size();
   if (checkpoints_.size() <= limit(image, detectors.size())) return;
   std::vector<Checkpoint> fewer;

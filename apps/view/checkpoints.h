@@ -22,10 +22,12 @@ struct Checkpoint {
 /// dropped and the spacing is doubled.
 class Checkpoints {
  public:
+  static constexpr std::int64_t first_spacing_us = 250'000;
+
   /// `start`: the history at the start, without ticks.
   explicit Checkpoints(const LoopHistory& start);
 
-  /// Whether it is time for the next checkpoint.
+  /// Whether the latest checkpoint until now_us is so long ago that it is time for another one.
   [[nodiscard]] bool due(std::int64_t now_us) const;
   /// Adds one at the time of `history`, with copies of the detectors; none where one of them cannot be copied.
   void add(const LoopHistory& history, std::span<const LoopDetector> detectors);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "apps/view/circle_snap.h"
 #include "core/error.h"
 
 namespace saccade {
@@ -27,6 +28,24 @@ LabelEditor::LabelEditor(std::vector<Event> events, ImageSize image, CircleLabel
 void LabelEditor::seek(std::int64_t t_us) {
   now_us_ = std::clamp(t_us, first_us_, last_us_);
   press_.reset();
+  playing_ = false;
+}
+
+void LabelEditor::toggle_playing() {
+  const bool plays = !playing_;
+  seek(plays && now_us_ == last_us_ ? first_us_ : now_us_);
+  playing_ = plays;
+}
+
+void LabelEditor::change_speed(int by) {
+  const int speed = static_cast<int>(speed_) + by;
+  speed_ = static_cast<std::size_t>(std::clamp(speed, 0, static_cast<int>(speeds.size()) - 1));
+}
+
+void LabelEditor::advance(double wall_s) {
+  if (!playing_) return;
+  seek(now_us_ + std::llround(1e6 * wall_s * speed()));
+  playing_ = now_us_ < last_us_;
 }
 
 void LabelEditor::seek_previous_label() {
@@ -63,6 +82,7 @@ bool LabelEditor::hidden() const {
 }
 
 void LabelEditor::press(double x_px, double y_px) {
+  playing_ = false;
   const std::optional<Circle> shown = circle();
   const double distance =
       shown ? std::hypot(x_px - shown->x_px, y_px - shown->y_px) : std::numeric_limits<double>::infinity();
@@ -115,6 +135,16 @@ void LabelEditor::accept_hint() {
   place(*shown);
 }
 
+bool LabelEditor::snap() {
+  const std::optional<Circle> shown = circle();
+  if (!shown) return false;
+  const std::optional<Circle> snapped = snapped_circle(events_, image_, *shown, now_us_, reach_us_);
+  if (!snapped) return false;
+  begin_change();
+  place(*snapped);
+  return true;
+}
+
 void LabelEditor::toggle_hidden() {
   const bool was_hidden = hidden();
   press_.reset();
@@ -144,6 +174,7 @@ void LabelEditor::undo() {
 }
 
 void LabelEditor::begin_change() {
+  playing_ = false;
   const TruthRow* row = labels_.at(now_us_);
   if (changes_.size() == most_changes) changes_.erase(changes_.begin());
   changes_.push_back({now_us_, row == nullptr ? std::nullopt : std::optional(*row)});

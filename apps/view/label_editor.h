@@ -1,8 +1,11 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "apps/view/circle_labels.h"
@@ -31,6 +34,19 @@ class LabelEditor {
   void seek_previous_label();
   void seek_next_label();
 
+  /// Playback from the instant on, until the last event; from the first event where the instant is the last one. Every
+  /// seek, change and press pauses.
+  void toggle_playing();
+  [[nodiscard]] bool playing() const { return playing_; }
+  /// Recorded time per wall-clock time: one of 1/20, 1/10, 1/5, 1/2, 1 and 2.
+  [[nodiscard]] double speed() const { return speeds[speed_]; }
+  /// The speed in words, "1/20".
+  [[nodiscard]] std::string_view speed_text() const { return speed_texts[speed_]; }
+  /// To the next speed up (1) or down (-1), if there is one.
+  void change_speed(int by);
+  /// Goes on by what is played in so much wall-clock time; nothing while it is paused.
+  void advance(double wall_s);
+
   /// Events shown: those at most so far from the instant, before or after it.
   [[nodiscard]] std::int64_t reach_us() const { return reach_us_; }
   /// Shows events `factor` times as far away, within 100 us and 1 s.
@@ -57,6 +73,9 @@ class LabelEditor {
   void move(double x_px, double y_px);
   /// The hint becomes a label.
   void accept_hint();
+  /// Fits the instant's circle, or the hint, to the edges in the shown events (snapped_circle()); it is a label then. False,
+  /// and nothing changes, where there is no circle or too few edges are near.
+  bool snap();
   /// The ball is hidden at this instant; a second call removes the mark.
   void toggle_hidden();
   void remove();
@@ -64,6 +83,10 @@ class LabelEditor {
   void undo();
 
  private:
+  static constexpr std::array speeds = {0.05, 0.1, 0.2, 0.5, 1.0, 2.0};
+  static constexpr std::array<std::string_view, speeds.size()> speed_texts = {"1/20", "1/10", "1/5",
+                                                                              "1/2",  "1",    "2"};
+
   enum class Hold { centre, radius };
   struct Press {
     double x_px = 0.0, y_px = 0.0;
@@ -88,6 +111,8 @@ class LabelEditor {
   std::int64_t last_us_ = 0;
   std::int64_t now_us_ = 0;
   std::int64_t reach_us_ = 5'000;
+  bool playing_ = false;
+  std::size_t speed_ = 1;
   bool unsaved_ = false;
   std::optional<Press> press_;
   double last_r_px_ = 0.0;  ///< of the circle placed last

@@ -11,7 +11,7 @@ struct LabelLayout {
   LabelLayout(int width, int height) {
     constexpr float gap = ViewLayout::gap;
     constexpr float side = 300.0F;
-    constexpr float keys_height = 400.0F;
+    constexpr float keys_height = 446.0F;
     const auto w = static_cast<float>(width);
     const auto h = static_cast<float>(height);
     bar = {gap, gap, w - 2 * gap, 38.0F};

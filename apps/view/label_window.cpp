@@ -17,6 +17,7 @@
 #include "apps/view/label_editor.h"
 #include "apps/view/label_layout.h"
 #include "apps/view/panel.h"
+#include "apps/view/wall_clock.h"
 #include "core/error.h"
 #include "session/interrupt.h"
 
@@ -24,6 +25,7 @@ namespace saccade {
 namespace {
 
 constexpr double wait_s = 0.05;  ///< for keyboard and mouse between two drawings
+constexpr double playing_wait_s = 1.0 / 60.0;
 constexpr double radius_step_px = 0.5;
 constexpr double fine = 0.2;          ///< share of a step with Shift
 constexpr float drag_from_px = 3.0F;  ///< in the window; a press that moves less is a click
@@ -107,6 +109,12 @@ class LabelWindow {
          fmt::format("{} ms back, forward; with Shift {} ms", settings_.step_ms, 10.0 * settings_.step_ms),
          true,
          {{GLFW_KEY_LEFT, step(-1)}, {GLFW_KEY_RIGHT, step(1)}}},
+        {"Space", "play, pause", false, {{GLFW_KEY_SPACE, [this](bool) { editor_.toggle_playing(); }}}},
+        {", .",
+         "slower, faster: 1/20 to 2 x",
+         false,
+         {{GLFW_KEY_COMMA, [this](bool) { editor_.change_speed(-1); }},
+          {GLFW_KEY_PERIOD, [this](bool) { editor_.change_speed(1); }}}},
         {"Page \u2191 \u2193",
          "previous, next label",
          true,
@@ -126,6 +134,15 @@ class LabelWindow {
          "the hint becomes a label",
          false,
          {{GLFW_KEY_ENTER, [this](bool) { editor_.accept_hint(); }}}},
+        {"F",
+         "fit the circle to the edges near it",
+         false,
+         {{GLFW_KEY_F,
+           [this](bool) {
+             const bool any = editor_.circle().has_value();
+             if (!editor_.snap())
+               message_ = any ? "not fitted: too few edges near the circle" : "no circle to fit";
+           }}}},
         {"[ ]",
          "radius 0.5 px down, up; with Shift 0.1 px",
          true,
@@ -196,7 +213,10 @@ class LabelWindow {
   }
 
   void draw() {
-    window_.begin(wait_s);
+    window_.begin(editor_.playing() ? playing_wait_s : wait_s);
+    const WallClock::time_point now = WallClock::now();
+    if (!asks_) editor_.advance(seconds_between(drawn_, now));
+    drawn_ = now;
     take_keys();
     const LabelLayout layout(window_.width(), window_.height());
     draw_bar(layout.bar);
@@ -245,8 +265,9 @@ class LabelWindow {
     paint_instant(editor_, rgb_);
     texture_.set(editor_.image_size(), rgb_);
     const Panel panel("image", area);
-    draw_caption(area, fmt::format("Events of {} ms before and after",
-                                   static_cast<double>(editor_.reach_us()) * 1e-3));
+    draw_caption(area, fmt::format("Events of {} ms before and after, {} {} x",
+                                   static_cast<double>(editor_.reach_us()) * 1e-3,
+                                   editor_.playing() ? "playing" : "paused", editor_.speed_text()));
     Legend legend(area);
     legend.add("hint", colours::target, Legend::Mark::circle);
     legend.add("label", colours::truth, Legend::Mark::circle);
@@ -402,6 +423,7 @@ class LabelWindow {
   RgbImage strip_rgb_;
   ImageSize strip_size_;
   std::string message_;
+  WallClock::time_point drawn_ = WallClock::now();
   std::optional<std::int64_t> listed_us_;  ///< the row that the list has scrolled to
   bool asks_ = false;
   bool finished_ = false;

@@ -18,6 +18,8 @@ class LoopHistory {
   /// `eye`: the eye that the detectors see through. Times in us, in the clock of the events.
   LoopHistory(const Camera& camera, Eye eye, std::int64_t start_us, std::int64_t end_us);
 
+  /// The same without ticks, before the first tick after t_us. Only for a history that has none.
+  void begin_at(std::int64_t t_us) { now_us_ = t_us; }
   /// Adds a tick. `selected` is an index of the loop's detectors.
   void record(const Tick& tick, const SnapshotTruth& truth, const Loop& loop, std::size_t selected);
   /// Replaces the outputs of the newest tick, after the detectors have been changed.

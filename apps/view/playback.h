@@ -21,8 +21,8 @@ class Playback {
   [[nodiscard]] virtual const LoopHistory& history() const = 0;
   /// Does the next tick. False, and nothing happens, at the end.
   virtual bool tick() = 0;
-  /// Restores the latest checkpoint before t_us, or goes on from now where that is nearer. Ticking on from there
-  /// reproduces the original run. Throws what a detector or a controller throws that is made again, and nothing changes.
+  /// Restores the latest checkpoint before t_us, goes on from now where that is nearer, or begins with what a run recorded
+  /// (make_recording_playback()). Ticking on from there reproduces the original run. Throws what a detector or a controller throws that is made again, and nothing changes.
   virtual void restore_before(std::int64_t t_us) = 0;
   /// Takes effect from the next tick on. A detector that is new or has another configuration first processes the events
   /// of the last Snapshot::events_us. Throws InputError, or what a detector or a controller throws, and nothing changes.
@@ -39,7 +39,8 @@ class Playback {
 /// Throws InputError for a scenario out of range, RunError where there is no OpenGL.
 [[nodiscard]] std::unique_ptr<Playback> make_scenario_playback(const Scenario& scenario);
 
-/// A recording, or a run folder with its camera, joints, truth and world. Its checkpoints hold copies of the detectors.
+/// A recording, or a run folder with its camera, joints, truth and world. Its checkpoints hold copies of the detectors. With the
+/// detectors of a run folder, a seek over more than 1 s shows the estimates that the run recorded.
 /// `truth`: a table of true circles; empty: the run folder's own. `selected`: the name of the selected detector.
 /// Throws InputError for files that are missing or broken and for a recording without events of the eye.
 [[nodiscard]] std::unique_ptr<Playback> make_recording_playback(const ReadOptions& options,

@@ -1,11 +1,15 @@
 #include <algorithm>
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <optional>
+#include <string>
 
 #include "apps/view/checkpoints.h"
 #include "apps/view/detector_change.h"
 #include "apps/view/memory_reader.h"
 #include "apps/view/playback.h"
+#include "apps/view/recorded_detector.h"
 #include "apps/view/recorded_truth.h"
 #include "config/scenario.h"
 #include "head/icub_cameras.h"
@@ -15,6 +19,9 @@
 
 namespace saccade {
 namespace {
+
+/// A seek over more time than this takes the estimates that a run recorded, instead of processing the events between.
+constexpr std::int64_t longest_processed_us = 1'000'000;
 
 /// The world of a run folder; null where its scenario is missing or of another version.
 std::unique_ptr<World> world_of(const std::filesystem::path& folder, const Registry& registry) {
@@ -28,6 +35,16 @@ std::unique_ptr<World> world_of(const std::filesystem::path& folder, const Regis
     return world;
   } catch (const InputError&) {
     return nullptr;
+  }
+}
+
+/// The detectors of a run folder as YAML; empty where its file is missing or of another version.
+std::string detectors_of(const std::filesystem::path& folder, const Registry& registry) {
+  try {
+    const auto recorded = read_recorded_detectors(folder, {}, registry.detectors);
+    return recorded ? resolved_detectors(recorded->detectors) : std::string();
+  } catch (const InputError&) {
+    return {};
   }
 }
 
@@ -62,6 +79,10 @@ class RecordingPlayback final : public Playback, private LoopObserver {
       last_us = std::max(last_us, truth_.last_us().value_or(last_us));
       if (has_head_) world_ = world_of(folder_, registry);
       if (world_) model_ = {world_, &world_->model()};
+      if (truth_.last_us()) {  // a run with its gaze, which has a row of detections for every observation
+        run_detectors_ = detectors_of(folder_, registry);
+        if (!run_detectors_.empty()) estimates_ = read_estimates(folder_);
+      }
     }
     const std::int64_t ticks = std::max<std::int64_t>(1, (last_us - start_us + tick_us - 1) / tick_us);
     history_ = LoopHistory(camera_.camera, eye_, start_us, start_us + ticks * tick_us);
@@ -76,14 +97,17 @@ class RecordingPlayback final : public Playback, private LoopObserver {
     if (t_us > history_.end_us()) return false;
     session_->tick(t_us);
     if (history_.now_us() != t_us) return false;
-    if (reproducible_ && checkpoints_->due(t_us)) checkpoints_->add(history_, loop_->detectors());
+    if (reproducible_ && t_us >= whole_from_us_ && checkpoints_->due(t_us))
+      checkpoints_->add(history_, loop_->detectors());
     return true;
   }
 
   void restore_before(std::int64_t t_us) override {
     const Checkpoint& best = checkpoints_->latest_before(t_us);
-    if (history_.now_us() < t_us && history_.now_us() >= best.history.now_us()) return;
-    restore(best);
+    const bool goes_on = history_.now_us() < t_us && history_.now_us() >= best.history.now_us();
+    const std::int64_t from_us = goes_on ? history_.now_us() : best.history.now_us();
+    if (t_us - from_us > longest_processed_us && jump_before(t_us)) return;
+    if (!goes_on) restore(best);
   }
 
   void apply(const ViewSettings& settings) override {
@@ -130,11 +154,37 @@ class RecordingPlayback final : public Playback, private LoopObserver {
   void restore(const Checkpoint& checkpoint) {
     std::vector<LoopDetector> detectors = copies(checkpoint.detectors);
     if (detectors.empty()) detectors = make_detectors(settings_.enabled(), camera_.camera);
+    start_from(checkpoint.history, std::move(detectors));
+    whole_from_us_ = history_.now_us();
+  }
+
+  /// Goes to where ticking on to t_us fills the plots, with the estimates that the run recorded; the detectors get the last
+  /// events alone. False, and nothing happens, where the detectors are not those of the run or cannot be copied.
+  bool jump_before(std::int64_t t_us) {
+    if (estimates_.empty() || resolved_detectors(settings_.enabled()) != run_detectors_) return false;
+    // Earlier by a checkpoint's spacing than a detector that is added: steps back begin there.
+    const std::int64_t whole_from_us = t_us - Checkpoints::first_spacing_us;
+    std::vector<LoopDetector> detectors = make_detectors(settings_.enabled(), camera_.camera);
+    for (LoopDetector& detector : detectors) {
+      if (!can_be_copied(*detector.detector)) return false;
+      const auto estimates = estimates_.find(detector.name);
+      detector.detector = std::make_unique<RecordedDetector>(
+          estimates != estimates_.end() ? estimates->second : nullptr, std::move(detector.detector),
+          whole_from_us - Snapshot::events_us);
+    }
+    LoopHistory history = checkpoints_->start().history;
+    history.begin_at(std::max(history.start_us(), t_us - Snapshot::plot_us));
+    start_from(history, std::move(detectors));
+    whole_from_us_ = whole_from_us;
+    return true;
+  }
+
+  void start_from(const LoopHistory& history, std::vector<LoopDetector> detectors) {
     std::optional<RecordedHead> head;
     if (has_head_) head = recorded_head(folder_);
     session_.reset();
     loop_.reset();
-    history_ = checkpoint.history;
+    history_ = history;
     const std::int64_t now_us = history_.now_us();
     const auto next = now_us == history_.start_us()
                           ? events_.begin()
@@ -159,6 +209,10 @@ class RecordingPlayback final : public Playback, private LoopObserver {
   std::shared_ptr<const mjModel> model_;  // of world_
   LoopHistory history_{icub_left_2016, Eye::left, 0, 0};
   std::optional<Checkpoints> checkpoints_;
+  std::string run_detectors_;                                                  // of the run, as YAML
+  std::map<std::string, std::shared_ptr<const RecordedEstimates>> estimates_;  // of the run
+  std::int64_t whole_from_us_ =
+      0;  // from here on the detectors have processed the events that their Hough spaces need
   bool reproducible_ = true;  // the detectors are in the state that a run from the start leads to
   std::unique_ptr<ReplayRobot> robot_;
   std::optional<Loop> loop_;

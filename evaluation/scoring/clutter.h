@@ -16,7 +16,7 @@ namespace saccade {
 /// Shares of a run's events by object and by cause, from their labels. None = there are no events.
 struct ClutterShare {
   std::optional<double> share;  ///< of the events that the ball did not make
-  /// Shares of all events, in the order of docs/run_folder.md; they sum up to 1.
+  /// Shares of all events, in the order of docs/columns.md; they sum up to 1.
   std::vector<std::pair<std::string, std::optional<double>>> by_object;
   std::vector<std::pair<std::string, std::optional<double>>> by_cause;
 };

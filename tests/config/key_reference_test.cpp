@@ -62,6 +62,13 @@ TEST(KeyReference, GivesTypeUnitRangeAndDefault) {
   EXPECT_EQ(rows[4].default_value, "[1, 2]");
 }
 
+TEST(KeyReference, TheUnitIsThatOfTheWholeEnding) {
+  EXPECT_EQ(unit_of_key("image_motion_px_s"), "px/s");
+  EXPECT_EQ(unit_of_key("var_x_px2"), "px²");
+  EXPECT_EQ(unit_of_key("duration_s"), "s");
+  EXPECT_EQ(unit_of_key("frames"), "");
+}
+
 TEST(KeyReference, ATableEscapesTheBarAndTheTextIsWrapped) {
   EXPECT_THAT(
       keys_as_markdown(motion_rows()),

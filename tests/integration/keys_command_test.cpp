@@ -45,6 +45,14 @@ TEST(Keys, ListsTheSectionsAndNamesThemForAnUnknownOne) {
     EXPECT_THAT(saccade("keys").text, HasSubstr(section));
     EXPECT_EQ(saccade("keys " + std::string(section)).status, 0) << section;
   }
+  EXPECT_THAT(saccade("keys truth.csv --markdown").text,
+              AllOf(HasSubstr("| column | type | |\n|---|---|---|\n"),
+                    HasSubstr("| `z_m` | number, m | the ball's centre, root frame |\n")));
+  EXPECT_THAT(saccade("keys metrics.detectors").text, HasSubstr("precision\n    inliers / observations\n"));
+  EXPECT_THAT(saccade("keys metrics.gaze").text,
+              AllOf(HasSubstr("acquire_s\n"), testing::Not(HasSubstr("eye_movements"))));
+  EXPECT_THAT(saccade("keys").text,
+              HasSubstr("truth.csv                   table of a run folder, 8 columns\n"));
   const Outcome unknown = saccade("keys gase");
   EXPECT_EQ(unknown.status, 2);
   EXPECT_THAT(unknown.text,

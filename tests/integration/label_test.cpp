@@ -108,6 +108,33 @@ TEST_F(LabelWindowTest, EveryClickPlacesTheCircleAlsoInsideTheHint) {
   quit();
 }
 
+TEST_F(LabelWindowTest, PlaysAndFitsTheCircleToTheEdges) {
+  open("--step-ms 50");
+  press("space");
+  EXPECT_TRUE(until([&] {
+    screenshot();
+    return shot_us() > 20'000;
+  }));
+  press("space");
+  screenshot();
+  const std::int64_t paused_us = shot_us();
+  screenshot();
+  EXPECT_EQ(shot_us(), paused_us);
+
+  press("Home Right Right Right Right");
+  at_pixel(disc_.x_at(200'000) + 3.0, disc_.y_at(200'000) - 2.0, "mousedown 1 sleep 0.1 mouseup 1");
+  press(std::string("bracketright bracketright bracketright bracketright bracketright bracketright ") +
+        "bracketright bracketright bracketright bracketright bracketright bracketright f");
+  screenshot();
+  const std::vector<TruthRow> rows = saved();
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_EQ(rows[0].t_us, 200'000);
+  EXPECT_NEAR(rows[0].circle.x_px, disc_.x_at(200'000), 0.3);
+  EXPECT_NEAR(rows[0].circle.y_px, disc_.y_at(200'000), 0.3);
+  EXPECT_NEAR(rows[0].circle.r_px, disc_.r_px, 0.3);
+  quit();
+}
+
 TEST_F(LabelWindowTest, ATableThatExistsIsRefusedAndWithForceTheWorkGoesOn) {
   TableWriter<TruthRow> table(path("truth.csv"));
   table.write({100'000, {40.0, 60.0, 15.0}, 1.0, Eigen::Vector3d::Zero()});

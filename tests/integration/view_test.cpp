@@ -15,8 +15,12 @@
 #include <set>
 #include <thread>
 
+#include "apps/view/checkpoints.h"
 #include "apps/view/layout.h"
+#include "apps/view/playback.h"
 #include "apps/view/view.h"
+#include "config/scenario.h"
+#include "core/detectors/built_in_detectors.h"
 #include "evaluation/report/palette.h"
 #include "recording/run_files.h"
 #include "tests/config/built_in.h"
@@ -172,6 +176,95 @@ TEST_F(ViewWindow, ShowsARecordedRunSeeksInItAndAppliesSettings) {
   EXPECT_TRUE(same(strict, other, layout.scene));
   quit();
   EXPECT_THAT(bytes_of(path("output")), HasSubstr("drew the window"));
+}
+
+/// A playback of a run folder with the run's own detectors.
+std::unique_ptr<Playback> playback_of(const fs::path& run) {
+  ReadOptions options;
+  options.recording = run;
+  options.formats = built_in_formats();
+  const auto own = read_recorded_detectors(run, {}, built_in_detectors());
+  return make_recording_playback(options, {}, own->detectors, "best", built_in());
+}
+
+Snapshot snapshot_at(Playback& playback, std::int64_t t_us) {
+  while (playback.history().now_us() < t_us && playback.tick()) {
+  }
+  Snapshot snapshot;
+  playback.fill(snapshot);
+  return snapshot;
+}
+
+/// Compares all but the Hough spaces.
+void expect_same_instant(const Snapshot& a, const Snapshot& b) {
+  EXPECT_EQ(a.now_us, b.now_us);
+  EXPECT_EQ(a.events, b.events);
+  ASSERT_EQ(a.outputs.size(), b.outputs.size());
+  for (std::size_t i = 0; i < a.outputs.size(); ++i) {
+    const DetectorTick& left = a.outputs[i].tick;
+    const DetectorTick& right = b.outputs[i].tick;
+    EXPECT_EQ(a.outputs[i].name, b.outputs[i].name);
+    EXPECT_EQ(left.observed, right.observed) << a.outputs[i].name;
+    EXPECT_EQ(left.at_threshold, right.at_threshold) << a.outputs[i].name;
+    if (!left.observed || !right.observed) continue;
+    EXPECT_EQ(left.estimate.score, right.estimate.score) << a.outputs[i].name;
+    EXPECT_EQ(left.estimate.circle.x_px, right.estimate.circle.x_px) << a.outputs[i].name;
+  }
+  ASSERT_EQ(a.samples.size(), b.samples.size());
+  const auto same = [](float x, float y) { return x == y || (std::isnan(x) && std::isnan(y)); };
+  for (std::size_t i = 0; i < a.samples.size(); ++i) {
+    const PlotSample& x = a.samples[i];
+    const PlotSample& y = b.samples[i];
+    EXPECT_EQ(x.t_us, y.t_us);
+    EXPECT_TRUE(same(x.events, y.events) && same(x.truth_px[0], y.truth_px[0]) &&
+                same(x.detected_px[1], y.detected_px[1]) && same(x.score, y.score) &&
+                same(x.gaze_error_deg, y.gaze_error_deg) && same(x.joints_deg[5], y.joints_deg[5]))
+        << x.t_us;
+  }
+}
+
+TEST(RunPlayback, AJumpShowsWhatPlayingUpToTheInstantShowsFromTheTablesOfTheRun) {
+  const TempFolder folder;
+  const fs::path run = folder / "run";
+  const Outcome made = run_shell("'" + binary + "' run '" + scenarios +
+                                 "gaze_square_45cm.yaml' --set run.duration_s=1.6 --set output.pictures=0 "
+                                 "--set expect={} --out '" +
+                                 run.string() + "'");
+  ASSERT_EQ(made.status, 0) << made.text;
+  constexpr std::int64_t t_us = 1'500'000;
+  const auto played = playback_of(run);
+  const Snapshot expected = snapshot_at(*played, t_us);
+  ASSERT_TRUE(expected.outputs[0].tick.observed);
+
+  // Detectors that would process the events would find the circles; the table has other scores.
+  std::vector<DetectionRow> rows = read_table<DetectionRow>(run / "detections.csv");
+  const auto jumped = playback_of(run);
+  jumped->restore_before(t_us);
+  EXPECT_EQ(jumped->history().now_us(), jumped->history().start_us()) << "4 s before, or the start";
+  expect_same_instant(snapshot_at(*jumped, t_us), expected);
+  EXPECT_FALSE(snapshot_at(*jumped, t_us).hough.empty());
+  expect_same_instant(snapshot_at(*jumped, t_us + 50'000), snapshot_at(*played, t_us + 50'000));
+  jumped->restore_before(t_us);  // a step back begins at the checkpoint of the jump
+  EXPECT_GE(jumped->history().now_us(), t_us - Checkpoints::first_spacing_us);
+  expect_same_instant(snapshot_at(*jumped, t_us), expected);
+
+  for (DetectionRow& row : rows) row.score *= 0.5;
+  TableWriter<DetectionRow> table(run / "detections.csv");
+  for (const DetectionRow& row : rows) table.write(row);
+  table.commit();
+  const auto halved = playback_of(run);
+  halved->restore_before(t_us);
+  EXPECT_EQ(snapshot_at(*halved, t_us).outputs[0].tick.estimate.score,
+            0.5 * expected.outputs[0].tick.estimate.score);
+
+  // Detectors of other settings process all events.
+  ViewSettings settings = halved->settings();
+  settings.detectors.pop_back();
+  settings.selected = 0;
+  halved->apply(settings);
+  halved->restore_before(t_us);
+  EXPECT_EQ(snapshot_at(*halved, t_us).outputs[0].tick.estimate.score,
+            expected.outputs[0].tick.estimate.score);
 }
 
 TEST_F(ViewWindow, PlaysAScenarioAndWritesAVideo) {

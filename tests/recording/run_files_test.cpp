@@ -4,10 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
+#include <string>
 
 #include "core/error.h"
 #include "core/random.h"
 #include "head/head_model.h"
+#include "recording/table_reference.h"
 #include "tests/recording/temp_folder.h"
 
 namespace saccade {
@@ -62,6 +65,39 @@ TEST(RunFiles, EveryTruthNumberReadsBackAsTheSameDouble) {
 
 constexpr const char* detections_header =
     "t_us,detector,x_px,y_px,r_px,score,held,var_x_px2,var_y_px2,var_r_px2,cov_xy_px2,cov_xr_px2,cov_yr_px2";
+
+/// The first line of an empty table.
+template <class Row>
+std::string header_of(const TempFolder& folder) {
+  const std::string text = bytes_of(write_table(folder / "table.csv", std::vector<Row>{}));
+  return text.substr(0, text.find('\n'));
+}
+
+TEST(RunFiles, TheReferenceHasTheColumnsOfEachHeaderEachWithItsMeaning) {
+  const TempFolder folder;
+  std::string joints;
+  for (const HeadJoint& joint : default_head()->joints) joints += "," + joint.name + "_rad";
+  std::map<std::string, std::string> headers;
+  for (const TableReference& table : run_tables()) {
+    std::string header;
+    for (const ColumnReference& column : table.columns) {
+      EXPECT_FALSE(column.type.empty() || column.doc.empty()) << table.file << " " << column.name;
+      header += column.name == "JOINT_rad" ? joints : (header.empty() ? "" : ",") + column.name;
+    }
+    EXPECT_TRUE(headers.emplace(table.file, header).second) << table.file;
+  }
+  const std::map<std::string, std::string> written = {{"truth.csv", header_of<TruthRow>(folder)},
+                                                      {"target.csv", header_of<TargetRow>(folder)},
+                                                      {"detections.csv", header_of<DetectionRow>(folder)},
+                                                      {"streaming.csv", header_of<StreamingRow>(folder)},
+                                                      {"gaze.csv", header_of<GazeRow>(folder)},
+                                                      {"eye.csv", header_of<EyeRow>(folder)},
+                                                      {"joints.csv", header_of<JointsRow>(folder)},
+                                                      {"imu.csv", header_of<ImuRow>(folder)},
+                                                      {"labels.csv", header_of<LabelRow>(folder)},
+                                                      {"timing.csv", header_of<TimingRow>(folder)}};
+  EXPECT_EQ(headers, written);
+}
 
 TEST(RunFiles, DetectionsReadBack) {
   TempFolder folder;

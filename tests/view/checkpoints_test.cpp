@@ -41,5 +41,18 @@ TEST(Checkpoints, TooManyAreThinnedOutAndTheStartRemains) {
   EXPECT_EQ(checkpoints.latest_before(now_us).history.now_us(), 0);
 }
 
+TEST(Checkpoints, AreSortedByTimeWhereALaterInstantWasReachedFirst) {
+  Checkpoints checkpoints(history_at(0));
+  checkpoints.add(history_at(9'000'000), {});
+  EXPECT_FALSE(checkpoints.due(9'000'000));
+  EXPECT_TRUE(checkpoints.due(4'000'000)) << "far from both";
+  checkpoints.add(history_at(4'000'000), {});
+  EXPECT_FALSE(checkpoints.due(4'000'000 + Checkpoints::first_spacing_us - 1));
+  EXPECT_TRUE(checkpoints.due(4'000'000 + Checkpoints::first_spacing_us));
+  EXPECT_EQ(checkpoints.latest_before(5'000'000).history.now_us(), 4'000'000);
+  EXPECT_EQ(checkpoints.latest_before(4'000'000).history.now_us(), 0);
+  EXPECT_EQ(checkpoints.latest_before(10'000'000).history.now_us(), 9'000'000);
+}
+
 }  // namespace
 }  // namespace saccade

@@ -228,6 +228,82 @@ TEST_F(LabelEditorTest, TimeAndRadiusStayInTheirRanges) {
   EXPECT_DOUBLE_EQ(editor_.circle()->r_px, 128.0);
 }
 
+TEST_F(LabelEditorTest, PlaybackGoesOnByTheWallClockTimesTheSpeedUntilTheLastEvent) {
+  editor_.advance(1.0);
+  EXPECT_EQ(editor_.now_us(), editor_.first_us()) << "paused";
+  editor_.toggle_playing();
+  EXPECT_DOUBLE_EQ(editor_.speed(), 0.1);
+  editor_.advance(0.05);
+  EXPECT_EQ(editor_.now_us(), editor_.first_us() + 5'000);
+  EXPECT_TRUE(editor_.playing());
+  for (int i = 0; i < 9; ++i) editor_.change_speed(1);
+  EXPECT_DOUBLE_EQ(editor_.speed(), 2.0);
+  EXPECT_EQ(editor_.speed_text(), "2");
+  editor_.advance(0.001);
+  EXPECT_EQ(editor_.now_us(), editor_.first_us() + 7'000);
+  for (int i = 0; i < 9; ++i) editor_.change_speed(-1);
+  EXPECT_DOUBLE_EQ(editor_.speed(), 0.05);
+  EXPECT_EQ(editor_.speed_text(), "1/20");
+  editor_.advance(1e3);
+  EXPECT_EQ(editor_.now_us(), editor_.last_us());
+  EXPECT_FALSE(editor_.playing());
+  editor_.toggle_playing();
+  EXPECT_EQ(editor_.now_us(), editor_.first_us()) << "once more from the start";
+  EXPECT_TRUE(editor_.playing());
+}
+
+TEST_F(LabelEditorTest, WhateverPlacesACircleOrGoesElsewherePauses) {
+  const auto expect_pauses = [&](const auto& act) {
+    editor_.toggle_playing();
+    EXPECT_TRUE(editor_.playing());
+    act();
+    EXPECT_FALSE(editor_.playing());
+  };
+  expect_pauses([&] { editor_.press(40.0, 30.0); });
+  editor_.release();
+  expect_pauses([&] { editor_.grow(1.0); });
+  expect_pauses([&] { editor_.seek(20'000); });
+  expect_pauses([&] { editor_.accept_hint(); });
+  expect_pauses([&] { editor_.toggle_hidden(); });
+  expect_pauses([&] { editor_.undo(); });
+  expect_pauses([&] { editor_.seek_previous_label(); });
+  expect_pauses([&] { editor_.toggle_playing(); });
+  const std::int64_t now_us = editor_.now_us();
+  editor_.advance(1.0);
+  EXPECT_EQ(editor_.now_us(), now_us);
+}
+
+TEST(LabelEditor, SnapsTheCircleOrTheHintToTheEdgesAndUndoTakesItBack) {
+  const streams::MovingDisc disc{30, 40, 200, 60, 12};
+  LabelEditor editor(disc.events({128, 100}, 0.2), {128, 100}, {});
+  editor.seek(100'000);
+  EXPECT_FALSE(editor.snap()) << "no circle";
+  EXPECT_FALSE(editor.unsaved());
+  const auto expect_disc = [&] {
+    ASSERT_TRUE(editor.circle());
+    EXPECT_TRUE(editor.labelled());
+    EXPECT_NEAR(editor.circle()->x_px, disc.x_at(editor.now_us()), 0.3);
+    EXPECT_NEAR(editor.circle()->y_px, disc.y_at(editor.now_us()), 0.3);
+    EXPECT_NEAR(editor.circle()->r_px, disc.r_px, 0.3);
+  };
+  editor.press(disc.x_at(100'000) + 2.0, disc.y_at(100'000) - 1.0);
+  editor.release();
+  const std::optional<Circle> placed = editor.circle();
+  EXPECT_TRUE(editor.snap());
+  expect_disc();
+  editor.undo();
+  expect_circle(editor.circle(), placed->x_px, placed->y_px, placed->r_px);
+  EXPECT_TRUE(editor.snap());
+  editor.seek(110'000);  // the hint is 2.1 px beside the disc
+  EXPECT_TRUE(editor.snap());
+  expect_disc();
+  editor.press(110.0, 90.0);
+  editor.release();
+  editor.mark_saved();
+  EXPECT_FALSE(editor.snap()) << "no edge is there";
+  EXPECT_FALSE(editor.unsaved());
+}
+
 TEST(LabelEditor, ShowsTheEventsAroundTheInstantEachPixelInThePolarityOfTheNearestOne) {
   LabelEditor editor({streams::event_at(0, 1, 1, true), streams::event_at(9'900, 2, 0, true),
                       streams::event_at(10'050, 2, 0, false), streams::event_at(90'000, 0, 0, true)},

@@ -3,10 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "core/error.h"
+#include "evaluation/scoring/metric_reference.h"
 #include "head/icub_cameras.h"
 
 namespace saccade {
@@ -140,6 +144,51 @@ TEST(Metrics, HasEveryKeyOfTheContractInItsOrder) {
   EXPECT_EQ(json["schema"], 1);
   EXPECT_EQ(json["real_time_factor"], 1.25);
   EXPECT_EQ(json["events"]["rate_hz"], 250.0);
+}
+
+/// The paths of everything in a block that is no block itself, with NAME for that of a detector.
+void add_paths(const Json& json, const std::string& path, std::vector<std::string>& paths) {
+  if (!json.is_object() || json.empty()) {
+    paths.push_back(path);
+    return;
+  }
+  const bool names = path == "detectors" || path == "latency.detectors";
+  for (const auto& [key, value] : json.items())
+    add_paths(value, (path.empty() ? "" : path + ".") + (names ? "NAME" : key), paths);
+}
+
+TEST(Metrics, AreAllInTheReferenceWhichHasNothingElse) {
+  // With all that is written only where it applies.
+  Metrics metrics = whole();
+  metrics.events_camera = 1;
+  metrics.controller_failure = "ended";
+  metrics.files = {{"robot.file", "robot.xml", "00"}};
+  metrics.clutter = ClutterShare{.share = 0.5, .by_object = {{"hand", 0.5}}, .by_cause = {{"shot", 0.1}}};
+  metrics.latency = LatencyMetrics{"model", {{"best", 0.5, 3}}};
+  DetectorScore& best = metrics.detectors[1].second;
+  best.exact = false;
+  best.streaming->exact = false;
+  best.failure = "ended";
+  best.clutter.emplace();
+  metrics.gaze->score.exact = false;
+  metrics.gaze->failure = "ended";
+  metrics.gaze->eye_movements.emplace();
+  std::vector<std::string> paths;
+  add_paths(Json::parse(metrics_to_json(metrics)), "", paths);
+  const auto covers = [](std::string_view row, const std::string& path) {
+    return path == row || path.starts_with(std::string(row) + ".");
+  };
+  for (const std::string& path : paths) {
+    if (path == "detectors.NAME.streaming") continue;  // null, of the detector without figures
+    EXPECT_TRUE(
+        std::ranges::any_of(metric_reference(), [&](const MetricRow& row) { return covers(row.path, path); }))
+        << path << " has no row";
+  }
+  for (const MetricRow& row : metric_reference()) {
+    EXPECT_TRUE(std::ranges::any_of(paths, [&](const std::string& path) { return covers(row.path, path); }))
+        << row.path << " is not in metrics.json";
+    EXPECT_FALSE(row.type.empty() || row.doc.empty()) << row.path;
+  }
 }
 
 TEST(Metrics, OfADetectorHaveStreamingReliabilityAndNees) {
