@@ -133,6 +133,97 @@ std::unique_ptr<EventReader> read_evt(InputFile file, const PropheseeHeader& hea
   return std::make_unique<EvtReader<Evt3Decoder>>(std::move(file), header, options, "EVT3" + mark);
 }
 
+/// The header of a written file. `version`: "3.0"; `offset_us` is added to the times.
+std::string header_text(const std::string& version, ImageSize image_size, int cameras,
+                        std::int64_t offset_us) {
+  std::string header = "% evt " + version + "\n% format EVT" + version.substr(0, 1) +
+                       ";height=" + std::to_string(image_size.height) +
+                       ";width=" + std::to_string(image_size.width) + "\n% geometry " + text_of(image_size) +
+                       "\n";
+  if (offset_us != 0) header += "% time_offset_us " + std::to_string(offset_us) + "\n";
+  if (cameras == 2) header += "% saccade_cameras 2\n";
+  return header + "% end\n";
+}
+
+constexpr std::int64_t longest_silence_us = std::int64_t{1} << 36;
+
+/// Beyond these no format holds an event's time.
+void check_age(const std::filesystem::path& path, std::int64_t t_us, const std::string& encoding) {
+  if (t_us > largest_offset_us || t_us < -largest_offset_us)
+    throw InputError(path.string(), "an event at " + std::to_string(t_us) + " us",
+                     "times within 2^61 us of 0 for " + encoding + "; " + std::string(zero_time_hint));
+}
+
+class Evt2Writer final : public EventWriter {
+ public:
+  /// `cameras` as of Evt3Writer.
+  Evt2Writer(const std::filesystem::path& path, ImageSize image_size, int cameras)
+      : file_(path), image_size_(image_size), cameras_(cameras) {}
+
+  void write(std::span<const Event> events) override {
+    for (const Event& event : events) {
+      check_writable(event, image_size_, 1, file_.path());
+      check_age(file_.path(), event.t_us, "EVT2");
+      if (!begun_) begin(event.t_us);
+      put_time(event.t_us);
+      put(event.on ? 1 : 0, static_cast<std::uint32_t>(event.t_us & 0x3f) << 22 |
+                                static_cast<std::uint32_t>(event.x) << 11 | event.y);
+    }
+    file_.write(words_);
+    words_.clear();
+  }
+
+  void sync() override { file_.sync(); }
+  void commit() override {
+    if (!begun_) begin(0);
+    file_.commit();
+  }
+
+ private:
+  static constexpr std::int64_t loop_us = std::int64_t{1} << 34;
+  static constexpr std::int64_t bridge = std::int64_t{1}
+                                         << 25;  ///< upper parts of the time that a jump is cut into
+
+  void begin(std::int64_t first_us) {
+    offset_us_ = first_us & ~(loop_us - 1);
+    file_.write(header_text("2.0", image_size_, cameras_, offset_us_));
+    begun_ = true;
+  }
+
+  void put(std::uint32_t type, std::uint32_t value) { append_little(words_, type << 28 | value); }
+
+  void put_time(std::int64_t t_us) {
+    const std::int64_t high = (t_us - offset_us_) >> 6;
+    if (high == high_) return;
+    if (high_ && (high - *high_) << 6 > longest_silence_us) refuse(t_us);
+    while (high_ && high - *high_ > bridge) put_high(*high_ += bridge);
+    if (put_high(high) != high) refuse(t_us);
+    high_ = high;
+  }
+
+  /// What a reader takes it for.
+  std::int64_t put_high(std::int64_t high) {
+    put(0x8, static_cast<std::uint32_t>(high & 0xfffffff));
+    return read_back_.extend(high & 0xfffffff);
+  }
+
+  [[noreturn]] void refuse(std::int64_t t_us) const {
+    throw InputError(
+        file_.path().string(), "an event at " + std::to_string(t_us) + " us",
+        "times that EVT2 holds: not before the file's first 4.8 h, across them back by less than 4 s, "
+        "silences of less than 19 h");
+  }
+
+  OutputFile file_;
+  ImageSize image_size_;
+  int cameras_;
+  bool begun_ = false;
+  std::int64_t offset_us_ = 0;
+  std::optional<std::int64_t> high_;
+  WrappingTime read_back_ = evt2_high();
+  std::string words_;
+};
+
 class Evt3Writer final : public EventWriter {
  public:
   /// `cameras` 2: the header says that the right camera's events are in the file beside it.
@@ -162,7 +253,6 @@ class Evt3Writer final : public EventWriter {
 
  private:
   static constexpr std::int64_t loop_us = std::int64_t{1} << 24;
-  static constexpr std::int64_t longest_silence_us = std::int64_t{1} << 36;
   static constexpr const char* jumps =
       "times that EVT3 holds: back by less than 4 s, silences of less than 19 h";
   static constexpr std::int64_t bridge = 1024;  ///< upper parts of the time that a jump is cut into
@@ -170,12 +260,7 @@ class Evt3Writer final : public EventWriter {
 
   void begin(std::int64_t first_us) {
     offset_us_ = first_us & ~(loop_us - 1);
-    std::string header = "% evt 3.0\n% format EVT3;height=" + std::to_string(image_size_.height) +
-                         ";width=" + std::to_string(image_size_.width) + "\n% geometry " +
-                         text_of(image_size_) + "\n";
-    if (offset_us_ != 0) header += "% time_offset_us " + std::to_string(offset_us_) + "\n";
-    if (cameras_ == 2) header += "% saccade_cameras 2\n";
-    file_.write(header + "% end\n");
+    file_.write(header_text("3.0", image_size_, cameras_, offset_us_));
     begun_ = true;
   }
 
@@ -185,8 +270,7 @@ class Evt3Writer final : public EventWriter {
 
   void put_time(std::int64_t t_us) {
     if (t_us == t_us_) return;
-    if (t_us > largest_offset_us || t_us < -largest_offset_us)
-      refuse(t_us, "times within 2^61 us of 0 for EVT3; " + std::string(zero_time_hint));
+    check_age(file_.path(), t_us, "EVT3");
     const std::int64_t high = (t_us - offset_us_) >> 12;
     if (!t_us_ || high != high_) {
       if (!t_us_) high_ = high;
@@ -277,15 +361,23 @@ std::unique_ptr<EventReader> open_evt(InputFile file, const EventReadOptions& op
   return merge_cameras(std::move(left), read_evt(std::move(other), other_header, options));
 }
 
-std::unique_ptr<EventWriter> create_evt3(const std::filesystem::path& path, ImageSize image_size,
-                                         int cameras) {
-  constexpr ImageSize largest{2048, 2048};
-  if (!largest.contains(image_size.width - 1, image_size.height - 1)) {
-    throw InputError(path.string(), "an image of " + text_of(image_size), "at most 2048x2048 for EVT3");
-  }
-  auto left = std::make_unique<Evt3Writer>(path, image_size, cameras);
+template <class Writer>
+std::unique_ptr<EventWriter> create_as(const std::filesystem::path& path, ImageSize image_size, int cameras) {
+  auto left = std::make_unique<Writer>(path, image_size, cameras);
   if (cameras == 1) return left;
-  return split_cameras(std::move(left), std::make_unique<Evt3Writer>(right_camera_file(path), image_size, 1));
+  return split_cameras(std::move(left), std::make_unique<Writer>(right_camera_file(path), image_size, 1));
+}
+
+std::unique_ptr<EventWriter> create_evt(const std::filesystem::path& path, ImageSize image_size,
+                                        int cameras) {
+  constexpr ImageSize largest{2048, 2048};
+  const bool is_evt2 = path.stem().extension() == ".evt2";
+  if (!largest.contains(image_size.width - 1, image_size.height - 1)) {
+    throw InputError(path.string(), "an image of " + text_of(image_size),
+                     std::string("at most 2048x2048 for ") + (is_evt2 ? "EVT2" : "EVT3"));
+  }
+  return is_evt2 ? create_as<Evt2Writer>(path, image_size, cameras)
+                 : create_as<Evt3Writer>(path, image_size, cameras);
 }
 
 }  // namespace
@@ -302,7 +394,7 @@ RecordingFormat prophesee_raw_format() {
     return start.is_text() && start.has_line_without('%') ? Match::none : Match::likely;
   };
   format.open = open_evt;
-  format.create = create_evt3;
+  format.create = create_evt;
   format.companions = [](const std::filesystem::path& path) {
     return std::vector<std::filesystem::path>{right_camera_file(path)};
   };
@@ -312,7 +404,8 @@ RecordingFormat prophesee_raw_format() {
       "`--evt` "
       "or by the words";
   format.writes =
-      "EVT3, with vectors for rows; of two cameras the right one's in a second file, `events_right.raw` "
+      "EVT3, with vectors for rows, or EVT2 where the name ends in `.evt2.raw`; of two cameras the right "
+      "one's in a second file, `events_right.raw` "
       "beside "
       "`events.raw`, merged by time when the first one is read";
   format.time =

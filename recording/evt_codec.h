@@ -23,10 +23,10 @@ namespace saccade {
 /// the image size is EventReadOptions::image_size; pixels are not checked against it. A line `% time_offset_us N`, which
 /// our writer makes, is added to the times.
 ///
-/// The writer makes EVT3 of an image of up to 2048 x 2048. Neighbouring pixels of a row at one time become vectors, in
+/// The writer makes EVT3, or EVT2 where the file's name ends in `.evt2.raw`, of an image of up to 2048 x 2048. In EVT3 neighbouring pixels of a row at one time become vectors, in
 /// the sensor's groups of 12, 12 and 8, where that is shorter. Where the first event is not in the counter's first
-/// 16.8 s, the multiple of 2^24 us before it goes into the header as `% time_offset_us N`; other readers ignore that line
-/// and have times from 0 to 16.8 s on. Words of time are written during silences. The writer throws InputError for times
+/// 16.8 s (EVT2: 4.8 h), the multiple of 2^24 us (2^34) before it goes into the header as `% time_offset_us N`; other readers ignore that line
+/// and have times from 0 to 16.8 s (4.8 h) on. Words of time are written during silences. The writer throws InputError for times
 /// that would not read back the same: those that go back by more than 4.2 s or before the offset, and silences of more
 /// than 19 h.
 [[nodiscard]] RecordingFormat prophesee_raw_format();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "config/warnings.h"
 #include "loop/run_log.h"
@@ -95,10 +96,13 @@ int run_scenario(const Scenario& scenario, const RunSettings& settings) {
   return unmet.empty() ? 0 : 3;
 }
 
-Metrics score_scenario(const Scenario& scenario, const std::optional<std::filesystem::path>& folder) {
+Metrics score_scenario(const Scenario& scenario, const std::optional<std::filesystem::path>& folder,
+                       const std::function<void(std::vector<LoopDetector>&)>& wrap) {
   SimRobot robot(scenario.sim, static_cast<std::uint64_t>(scenario.seed),
                  static_cast<std::size_t>(scenario.run.threads));
-  Loop loop = make_loop(scenario, robot);
+  std::vector<LoopDetector> detectors = make_detectors(scenario.detectors, scenario.calibration.camera);
+  if (wrap) wrap(detectors);
+  Loop loop = make_loop(scenario, robot, std::move(detectors), make_gaze(scenario, robot.limits()));
   RunRecorder recorder(folder, scenario, robot, loop);
   Session session(robot, loop);
   session.add_observer(recorder);

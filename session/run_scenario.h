@@ -30,8 +30,10 @@ struct RunSettings {
 int run_scenario(const Scenario& scenario, const RunSettings& settings);
 
 /// The same without printing, pictures and report. With a folder, which exists, its tables, events and metrics.json are
-/// written there; without one nothing is.
+/// written there; without one nothing is. `wrap` may replace detectors by others that pass everything on to them; it may
+/// be empty.
 [[nodiscard]] Metrics score_scenario(const Scenario& scenario,
-                                     const std::optional<std::filesystem::path>& folder = std::nullopt);
+                                     const std::optional<std::filesystem::path>& folder = std::nullopt,
+                                     const std::function<void(std::vector<LoopDetector>&)>& wrap = {});
 
 }  // namespace saccade

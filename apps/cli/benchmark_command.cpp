@@ -79,6 +79,8 @@ void add_benchmark_command(CommandLine& line, const Registry& registry) {
   command.option("--engine", options.engine.engine, "local (xargs) or slurm (sbatch)").show_default();
   command.option("--jobs", options.engine.jobs, "Runs at the same time; by default one per processor")
       .in_range(1, 100000);
+  command.option("--class", options.latency_class,
+                 "Class of the list's latencies for the entries; by default that of their preset");
   command.flag("--retry", options.retry, "Make the failed runs again");
   command.option("--html", given->html, "table: also write it as a page");
   command.flag("--force", given->force, "Replace the page of --html where it exists");

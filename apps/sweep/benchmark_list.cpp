@@ -28,11 +28,25 @@ void describe(FieldVisitor& v, BenchmarkRuns& runs) {
   v.integer("loop_seeds", runs.loop_seeds, {1, most}, "number of seeds of each of them");
 }
 
+void describe(FieldVisitor& v, BenchmarkLatency& latency) {
+  v.text("machine", latency.machine, "name of the machine, and where its times come from");
+  LatencyConfig& times = latency.times;
+  v.real("transport_ms", times.transport_ms, {0.0, 1000.0}, "as in a scenario's section `latency`");
+  v.real("actuation_ms", times.actuation_ms, {0.0, 1000.0}, "the same");
+  v.real("controller_us", times.controller_us, {0.0, 1e6}, "the same");
+  v.integer("max_waiting_events", times.max_waiting_events, {1, 1e6}, "the same");
+  v.named_sections("classes", latency.classes,
+                   "processing times of detectors by class: the preset of an entry, or what --class states",
+                   "a class");
+}
+
 void describe(FieldVisitor& v, BenchmarkList& list) {
   v.text("name", list.name, "name of the benchmark");
   v.integer("version", list.version, {1, 1e6}, "a changed list is another version");
   v.section("full", list.full, "the runs of an entry");
   v.section("quick", list.quick, "those of --quick");
+  v.optional_section("latency", list.latency,
+                     "times of a stated machine, for the streaming score and the loops");
 }
 
 BenchmarkList read_benchmark_list(const std::filesystem::path& path) {

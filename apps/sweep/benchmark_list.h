@@ -2,10 +2,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/config.h"
+#include "loop/latency.h"
 
 namespace saccade {
 
@@ -21,12 +24,24 @@ struct BenchmarkRuns {
 
 void describe(FieldVisitor& v, BenchmarkRuns& runs);
 
+/// The times of a stated machine: they do not depend on the one that runs the benchmark.
+struct BenchmarkLatency {
+  std::string machine;  ///< its name, and where the times come from
+  LatencyConfig times;  ///< its kind and detectors are not used
+  /// Processing times of detectors, by class. The class of an entry is its preset, or is stated.
+  std::vector<std::pair<std::string, WorkTime>> classes;
+};
+
+void describe(FieldVisitor& v, BenchmarkLatency& latency);
+
 /// What every entry of a benchmark runs.
 struct BenchmarkList {
   std::string name;
   std::int64_t version = 1;
   BenchmarkRuns full;
   BenchmarkRuns quick;  ///< for tests; no result of an entry
+  std::optional<BenchmarkLatency>
+      latency;  ///< of the streaming score and the loops; none: nothing takes time
 
   std::filesystem::path folder;  ///< of the file: scenarios are relative to it
   std::string digest;            ///< of the file's contents

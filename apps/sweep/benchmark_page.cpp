@@ -10,6 +10,17 @@
 namespace saccade {
 namespace {
 
+/// "best, 55 µs per call and 0.42 per event"
+std::string class_text(const BenchmarkResult& result) {
+  if (result.latency_machine.empty()) return "–";
+  return fmt::format("{}, {} µs per call and {} per event", result.latency_class, result.latency.per_call_us,
+                     result.latency.per_event_us);
+}
+
+std::string latency_text(const BenchmarkResult& result) {
+  return result.latency_machine.empty() ? "none" : result.latency_machine;
+}
+
 std::string title_of(const BenchmarkResult& result) {
   return fmt::format("{}, version {}{}", result.list, result.list_version,
                      result.quick ? ", quick (no result of an entry)" : "");
@@ -17,10 +28,11 @@ std::string title_of(const BenchmarkResult& result) {
 
 std::string facts_of(const BenchmarkResult& result) {
   const auto count = [&](const auto& condition) { return std::ranges::count_if(result.rows, condition); };
-  return fmt::format("worlds with a ball: {}, without: {}, runs in the loop: {}; digest of their events {}",
-                     count([](const auto& row) { return row.part == "ball"; }),
-                     count([](const auto& row) { return row.part == "none"; }),
-                     count([](const auto& row) { return row.loop; }), result.worlds_digest());
+  return fmt::format(
+      "worlds with a ball: {}, without: {}, runs in the loop: {}; digest of their events {}; latencies of {}",
+      count([](const auto& row) { return row.part == "ball"; }),
+      count([](const auto& row) { return row.part == "none"; }),
+      count([](const auto& row) { return row.loop; }), result.worlds_digest(), latency_text(result));
 }
 
 std::string interval_text(const BenchmarkFigure& figure) {
@@ -124,14 +136,14 @@ std::string benchmark_table_text(const std::vector<BenchmarkGroup>& groups) {
       text += " " + heading + " |";
       rule += "---:|";
     }
-    text += " saccade |\n" + rule + "---|\n";
+    text += " latency | saccade |\n" + rule + "---|---|\n";
     for (const BenchmarkResult& result : group) {
       text += "| " + result.entry + " |";
       for (const BenchmarkFigure& figure : figures_of(result.rows)) {
         text += " " + number_cell(figure) + " |";
         if (figure.key == "average_precision") text += " " + interval_text(figure) + " |";
       }
-      text += " " + result.saccade + " |\n";
+      text += " " + class_text(result) + " | " + result.saccade + " |\n";
     }
   }
   return text;
@@ -142,10 +154,11 @@ void write_benchmark_table(const std::vector<BenchmarkGroup>& groups, const std:
   for (const BenchmarkGroup& group : groups) {
     html += fmt::format("<h2>{}</h2>\n<p class=\"facts\">{}.</p>\n", escaped(title_of(group.front())),
                         escaped(facts_of(group.front()))) +
-            table_head("<th>entry</th>", "<th>saccade</th><th>machine</th>");
+            table_head("<th>entry</th>", "<th>latency</th><th>saccade</th><th>machine</th>");
     for (const BenchmarkResult& result : group) {
-      html += fmt::format("<tr><th>{}</th>{}<td>{}</td><td>{}</td></tr>\n", escaped(result.entry),
-                          figure_cells(result.rows), escaped(result.saccade), escaped(result.machine));
+      html += fmt::format("<tr><th>{}</th>{}<td>{}</td><td>{}</td><td>{}</td></tr>\n", escaped(result.entry),
+                          figure_cells(result.rows), escaped(class_text(result)), escaped(result.saccade),
+                          escaped(result.machine));
     }
     html += "</tbody></table></div>\n";
   }
@@ -159,10 +172,10 @@ void write_benchmark_page(const BenchmarkResult& result, const std::filesystem::
                         escaped(figure.heading), figure.low ? " (95 %: " + interval_text(figure) + ")" : "");
   }
   html += fmt::format(
-      "</div>\n<p class=\"facts\">{} · {} · saccade {} · {}</p>\n<p class=\"facts\">Configuration: "
+      "</div>\n<p class=\"facts\">{} · {} ({}) · saccade {} · {}</p>\n<p class=\"facts\">Configuration: "
       "<code>{}</code></p>\n",
-      escaped(title_of(result)), escaped(facts_of(result)), escaped(result.saccade), escaped(result.machine),
-      escaped(result.configuration));
+      escaped(title_of(result)), escaped(facts_of(result)), escaped(class_text(result)),
+      escaped(result.saccade), escaped(result.machine), escaped(result.configuration));
   html += "<h2>By kind of world, those with a ball</h2>\n" + kinds_html(result);
   html += "<h2>Reliability</h2>\n" + reliability_html(result);
   html += "<h2>Every run</h2>\n" + runs_html(result);

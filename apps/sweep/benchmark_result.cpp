@@ -102,6 +102,7 @@ Json json_of(const BenchmarkRow& row) {
             {"duration_s", row.duration_s},
             {"events", row.events},
             {"events_digest", row.events_digest},
+            {"together", row.together},
             {"had_chance", row.had_chance},
             {"failure", row.failure},
             {"observations", row.observations},
@@ -109,6 +110,14 @@ Json json_of(const BenchmarkRow& row) {
             {"kinds", row.kinds}};
   for (const auto& [name, value] : row.figures) json["figures"][name] = json_of(value);
   return json;
+}
+
+Json latency_of(const BenchmarkResult& result) {
+  if (result.latency_machine.empty()) return nullptr;
+  return {{"machine", result.latency_machine},
+          {"class", result.latency_class},
+          {"per_call_us", result.latency.per_call_us},
+          {"per_event_us", result.latency.per_event_us}};
 }
 
 BenchmarkRow row_in(const Json& json) {
@@ -120,6 +129,7 @@ BenchmarkRow row_in(const Json& json) {
   json.at("duration_s").get_to(row.duration_s);
   json.at("events").get_to(row.events);
   json.at("events_digest").get_to(row.events_digest);
+  json.at("together").get_to(row.together);
   json.at("had_chance").get_to(row.had_chance);
   json.at("failure").get_to(row.failure);
   json.at("observations").get_to(row.observations);
@@ -155,7 +165,9 @@ std::vector<BenchmarkFigure> figures_of(const std::vector<BenchmarkRow>& rows) {
   double us = 0.0;
   double events = 0.0;
   double ms = 0.0;
+  Values together;
   for (const BenchmarkRow& row : rows) {
+    if (!row.loop) together.push_back(static_cast<double>(row.together));
     const auto us_per_event = row.figure("us_per_event");
     if (!us_per_event) continue;
     us += *us_per_event * static_cast<double>(row.events);
@@ -181,6 +193,7 @@ std::vector<BenchmarkFigure> figures_of(const std::vector<BenchmarkRow>& rows) {
       {"on_target_ratio", "on target, %", mean_of(values_of(loop, "on_target_ratio")), {}, {}, percent},
       {"us_per_event", "µs per event", ratio(events), {}, {}},
       {"us_per_ms", "µs per ms", ratio(ms), {}, {}},
+      {"entries_together", "entries together", mean_of(together), {}, {}},
   };
 }
 
@@ -227,6 +240,7 @@ void write_benchmark_result(const std::filesystem::path& path, const BenchmarkRe
               {"version", result.list_version},
               {"digest", result.list_digest},
               {"quick", result.quick}}},
+            {"latency", latency_of(result)},
             {"worlds_digest", result.worlds_digest()}};
   for (const BenchmarkFigure& figure : figures_of(result.rows)) {
     json["figures"][figure.key] = json_of(figure.value);
@@ -255,6 +269,12 @@ BenchmarkResult read_benchmark_result(const std::filesystem::path& path) {
     list.at("version").get_to(result.list_version);
     list.at("digest").get_to(result.list_digest);
     list.at("quick").get_to(result.quick);
+    if (const Json& latency = json.at("latency"); !latency.is_null()) {
+      latency.at("machine").get_to(result.latency_machine);
+      latency.at("class").get_to(result.latency_class);
+      latency.at("per_call_us").get_to(result.latency.per_call_us);
+      latency.at("per_event_us").get_to(result.latency.per_event_us);
+    }
     for (const Json& row : json.at("runs")) result.rows.push_back(row_in(row));
     return result;
   } catch (const Json::exception& error) {

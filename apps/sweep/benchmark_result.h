@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "evaluation/scoring/uncertainty.h"
+#include "loop/latency.h"
 
 namespace saccade {
 
@@ -29,6 +30,7 @@ struct BenchmarkRow {
   /// streaming_average_precision, on_target_ratio, acquire_s; and reaction_ms, from the first chance to the first inlier at
   /// the threshold. None: does not apply.
   std::map<std::string, std::optional<double>> figures;
+  std::int64_t together = 1;  ///< entries whose detectors shared the run, and the processor's caches
   bool had_chance = false;
   std::int64_t observations = 0;           ///< at or above the threshold
   std::optional<Reliability> reliability;  ///< none where the score is no probability
@@ -46,6 +48,9 @@ struct BenchmarkResult {
   std::int64_t list_version = 1;
   std::string list_digest;
   bool quick = false;
+  std::string latency_machine;  ///< name; empty: the list has no latencies
+  std::string latency_class;    ///< of the entry
+  WorkTime latency;             ///< of that class
   std::vector<BenchmarkRow> rows;
 
   /// Digest of the list and of the events of each world: figures of entries with the same one can be compared.

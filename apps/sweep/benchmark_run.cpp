@@ -50,29 +50,6 @@ YamlNode scalar(const std::string& text) {
   return node;
 }
 
-/// The sweep over the seeds of a part, with the entry as its only detector.
-SweepConfig sweep_of(const BenchmarkPart& part, const BenchmarkEntry& entry) {
-  const std::string own = "the benchmark's own setting";
-  SweepConfig config;
-  config.name = part.name;
-  config.scenario = part.scenario;
-  config.set.push_back({"detectors", entry.detectors, entry.place});
-  config.set.push_back({"frame_30hz", YamlNode::of(YamlNode::Kind::nothing), own});
-  if (part.loop) {
-    config.set.push_back({"gaze.detector", scalar(entry.name), own});
-  } else {
-    config.set.push_back({"world.with_ball", scalar(part.name == "ball" ? "always" : "never"), own});
-  }
-  SweepAxis axis{.key = "seed", .place = own, .values = {}};
-  for (const std::int64_t seed : part.seeds) {
-    const std::string text = std::to_string(seed);
-    axis.values.push_back({text, {{"seed", scalar(text), own}}});
-  }
-  config.axes.push_back(std::move(axis));
-  config.report.worst = 0;
-  return config;
-}
-
 /// What a world is made of; nothing where a key does not apply.
 std::map<std::string, std::string> kinds_in(const ResolvedKeys& keys) {
   std::map<std::string, std::string> kinds;
@@ -100,16 +77,23 @@ BenchmarkRow row_of(const BenchmarkPart& part, const PlannedRun& run, const fs::
   row.duration_s = metrics.duration_s;
   row.events = metrics.event_count;
   row.kinds = kinds_in(read_resolved_keys(folder));
+  const auto add_streaming = [&](const DetectorScore& score) {
+    if (score.streaming) row.figures["streaming_average_precision"] = score.streaming->average_precision;
+  };
   for (const auto& [name, score] : metrics.detectors) {
+    if (name == with_latency(entry)) {
+      add_streaming(score);
+      if (row.failure.empty()) row.failure = score.failure;
+    }
     if (name != entry) continue;
     row.failure = score.failure;
+    add_streaming(score);
     row.figures["average_precision"] = score.average_precision;
     row.figures["precision"] = score.precision;
     row.figures["recall"] = score.recall;
     row.figures["alarm_ratio"] = score.alarm_ratio;
     row.figures["alarms_per_min"] = score.alarms_per_min;
     row.figures["us_per_event"] = score.us_per_event;
-    if (score.streaming) row.figures["streaming_average_precision"] = score.streaming->average_precision;
     row.had_chance = score.chances > 0;
     row.observations = score.observations;
     row.reliability = score.reliability;
@@ -123,38 +107,16 @@ BenchmarkRow row_of(const BenchmarkPart& part, const PlannedRun& run, const fs::
   try {
     const Json json = Json::parse(file);
     json.at("events_digest").get_to(row.events_digest);
-    const Json& reaction_ms = json.at("reaction_ms");
+    const Json& reaction_ms = json.at("reaction_ms").at(entry);
+    row.together = 0;
+    for (const auto& [name, value] : json.at("reaction_ms").items())
+      row.together += name.ends_with(with_latency("")) ? 0 : 1;
     row.figures["reaction_ms"] =
         reaction_ms.is_null() ? std::nullopt : std::optional(reaction_ms.get<double>());
   } catch (const Json::exception& error) {
     throw RunError((folder / "benchmark.json").string() + ": cannot be read: " + error.what());
   }
   return row;
-}
-
-/// The plans of the parts, all checked before the first run.
-struct PlannedPart {
-  BenchmarkPart part;
-  SweepPlan plan;
-};
-
-std::vector<PlannedPart> plan_parts(std::vector<BenchmarkPart> parts, const BenchmarkEntry& entry,
-                                    const std::string& version, const Registry& registry) {
-  std::vector<PlannedPart> planned;
-  std::vector<Problem> problems;
-  for (BenchmarkPart& part : parts) {
-    try {
-      SweepPlan plan = plan_sweep(sweep_of(part, entry), version, registry);
-      planned.push_back({std::move(part), std::move(plan)});
-    } catch (const InputError& error) {
-      for (const Problem& problem : error.problems()) {
-        const auto same = [&](const Problem& known) { return known.text() == problem.text(); };
-        if (std::ranges::none_of(problems, same)) problems.push_back(problem);
-      }
-    }
-  }
-  if (!problems.empty()) throw InputError(std::move(problems));
-  return planned;
 }
 
 /// The rows of an entry; none where a run failed.
@@ -200,6 +162,11 @@ BenchmarkResult result_of(const BenchmarkEntry& entry, const BenchmarkList& list
   result.list_version = list.version;
   result.list_digest = list.digest;
   result.quick = quick;
+  if (list.latency) {
+    result.latency_machine = list.latency->machine;
+    result.latency_class = entry.latency_class;
+    result.latency = work_of(*list.latency, entry.latency_class);
+  }
   return result;
 }
 
@@ -318,23 +285,24 @@ int benchmark(const std::vector<std::string>& entries, const BenchmarkOptions& o
   check_engine(options.engine);
   check_folder(options.out);
   const BenchmarkList list = read_benchmark_list(options.list);
-  struct Planned {
-    BenchmarkEntry entry;
-    std::vector<PlannedPart> parts;
-  };
-  std::vector<Planned> planned;
+  std::vector<PlannedEntry> planned;
   std::set<std::string> names;
   for (const std::string& text : entries) {
     BenchmarkEntry entry = benchmark_entry(text, registry);
-    if (!names.insert(entry.name).second)
+    if (!names.insert(entry.name).second || !names.insert(with_latency(entry.name)).second)
       throw InputError("saccade benchmark", "two entries with the name " + entry.name, "another name");
-    auto parts = plan_parts(parts_of(list, options.quick), entry, options.version, registry);
-    planned.push_back({std::move(entry), std::move(parts)});
+    entry.latency_class = latency_class_of(entry, list, options.latency_class, registry);
+    auto parts = plan_entry(parts_of(list, options.quick), entry, list, options.version, registry);
+    const fs::path folder = options.out / entry.name;
+    planned.push_back({std::move(entry), std::move(parts), folder});
   }
+  // No entry has this name.
+  make_worlds(planned, list, options.out / "side-by-side", options.engine, options.retry, options.version,
+              registry);
   bool whole = true;
   std::vector<BenchmarkResult> results;
-  for (const Planned& one : planned) {
-    const fs::path folder = options.out / one.entry.name;
+  for (const PlannedEntry& one : planned) {
+    const fs::path& folder = one.folder;
     BenchmarkResult result = result_of(one.entry, list, options.quick);
     result.rows = make_rows(one.parts, folder, one.entry.name, options);
     if (result.rows.empty()) {
@@ -346,8 +314,8 @@ int benchmark(const std::vector<std::string>& entries, const BenchmarkOptions& o
     results.push_back(std::move(result));
   }
   fmt::print("{}", benchmark_table_text(groups_of(std::move(results))));
-  for (const Planned& one : planned)
-    if (fs::exists(options.out / one.entry.name / "report.html")) print_page(options.out / one.entry.name);
+  for (const PlannedEntry& one : planned)
+    if (fs::exists(one.folder / "report.html")) print_page(one.folder);
   return whole ? 0 : 1;
 }
 
@@ -362,10 +330,10 @@ int verify_benchmark(const fs::path& file, const BenchmarkOptions& options, cons
                                  result.list_digest, result.list, result.list_version));
   }
   const YamlTree tree = parse_yaml("detectors: " + result.configuration, file.string());
-  const BenchmarkEntry entry{result.entry, *tree.root.find("detectors"), file.string()};
+  const BenchmarkEntry entry{result.entry, *tree.root.find("detectors"), file.string(), result.latency_class};
   std::vector<BenchmarkPart> parts = parts_of(list, result.quick);
   keep_a_tenth(parts);
-  const auto planned = plan_parts(std::move(parts), entry, options.version, registry);
+  const auto planned = plan_entry(std::move(parts), entry, list, options.version, registry);
   const std::vector<BenchmarkRow> rows =
       make_rows(planned, options.out / result.entry, result.entry, options);
   if (rows.empty()) return 1;
@@ -389,15 +357,13 @@ int verify_benchmark(const fs::path& file, const BenchmarkOptions& options, cons
 
 void write_benchmark_figures(const fs::path& run, const fs::path& file) {
   const Metrics metrics = read_metrics(run / "metrics.json");
-  std::optional<double> reaction;
-  if (metrics.detectors.size() == 1) {
-    const auto& [name, score] = metrics.detectors.front();
-    const auto truth = read_table<TruthRow>(run / "truth.csv");
-    const auto detections = read_table<DetectionRow>(run / "detections.csv");
-    reaction = reaction_ms(truth, found_at_chances(truth, detections, name, score.threshold));
-  }
+  const auto truth = read_table<TruthRow>(run / "truth.csv");
+  const auto detections = read_table<DetectionRow>(run / "detections.csv");
   Json json{{"events_digest", digest_of_events(run / metrics.events_file)}};
-  json["reaction_ms"] = reaction ? Json(*reaction) : Json(nullptr);
+  for (const auto& [name, score] : metrics.detectors) {
+    const auto reaction = reaction_ms(truth, found_at_chances(truth, detections, name, score.threshold));
+    json["reaction_ms"][name] = reaction ? Json(*reaction) : Json(nullptr);
+  }
   write_file(file, json.dump(1) + "\n");
 }
 

@@ -6,9 +6,9 @@
 
 #include "apps/sweep/benchmark_list.h"
 #include "apps/sweep/benchmark_result.h"
+#include "apps/sweep/benchmark_worlds.h"
 #include "apps/sweep/sweep_engine.h"
 #include "config/registry.h"
-#include "config/yaml_tree.h"
 
 namespace saccade {
 
@@ -17,23 +17,17 @@ struct BenchmarkOptions {
   std::filesystem::path list;  ///< list file
   std::filesystem::path out;   ///< folder of the entries
   bool quick = false;
-  bool retry = false;  ///< make failed runs again
+  bool retry = false;         ///< make failed runs again
+  std::string latency_class;  ///< of the entries; empty: each has that of its preset
   SweepEngineConfig engine;
   std::string version;  ///< identifies the program: runs of another version are made again
-};
-
-/// A detector that takes part.
-struct BenchmarkEntry {
-  std::string name;
-  YamlNode detectors;  ///< block `detectors` of a scenario, with this one
-  std::string place;   ///< for messages
 };
 
 /// A name of the registry, a file with one detector, FILE.py:CLASS, or a program (both as external detectors). Without a key radius_px the detector gets that of each world.
 /// Throws InputError.
 [[nodiscard]] BenchmarkEntry benchmark_entry(const std::string& text, const Registry& registry);
 
-/// Runs the list with each entry into `out`/NAME: a folder as of a sweep for each part of the list, result.json and
+/// Runs each world of the list once with all entries side by side, and the loops with each entry, into `out`/NAME: a folder as of a sweep for each part of the list, result.json and
 /// report.html. Goes on where it was. Prints the table of the entries. Returns the exit status: 0, or 1 if a run failed;
 /// its entry has no result then. Throws InputError before the first run, RunError.
 int benchmark(const std::vector<std::string>& entries, const BenchmarkOptions& options,

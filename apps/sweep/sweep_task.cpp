@@ -6,12 +6,14 @@
 
 #include <cstdio>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <tuple>
 
 #include "apps/sweep/benchmark_run.h"
 #include "apps/sweep/child_process.h"
 #include "apps/sweep/dataset_card.h"
+#include "apps/sweep/processor_time.h"
 #include "apps/sweep/sweep_engine.h"
 #include "apps/sweep/sweep_folder.h"
 #include "apps/sweep/sweep_plan.h"
@@ -38,7 +40,11 @@ void make_run(const fs::path& folder, const SweepTaskOptions& options, const Reg
     fs::remove_all(part);
     fs::create_directory(part);
   }
-  Metrics metrics = writes_files ? score_scenario(scenario, part) : score_scenario(scenario);
+  ProcessorTimes times;
+  std::function<void(std::vector<LoopDetector>&)> wrap;
+  if (options.benchmark) wrap = [&](std::vector<LoopDetector>& all) { times.measure(scenario, all); };
+  Metrics metrics = writes_files ? score_scenario(scenario, part, wrap) : score_scenario(scenario);
+  times.replace_costs(metrics);
   if (metrics.interrupted) throw RunError("interrupted");
   std::ifstream file(folder / "scenario.yaml", std::ios::binary);
   const std::string planned{std::istreambuf_iterator<char>(file), {}};

@@ -87,6 +87,92 @@ TEST_F(BenchmarkCommand, AnEntryHasAResultThatIsVerifiedAndATable) {
   EXPECT_THAT(bytes_of(folder_ / "table.html"), HasSubstr("<th>mine</th>"));
 }
 
+/// The runs of a result without what the clock measures.
+Json runs_without_costs(Json result) {
+  for (Json& run : result["runs"]) {
+    run["figures"].erase("us_per_event");
+    run.erase("together");
+  }
+  return result["runs"];
+}
+
+TEST_F(BenchmarkCommand, EntriesThatShareTheWorldsHaveTheFiguresThatEachHasAlone) {
+  folder_.write("mine.yaml", "detectors:\n  mine: {preset: paper_directed, threshold: 12}\n");
+  const std::string entries = "best " + at("mine.yaml") + " eros";
+  const std::string command =
+      benchmark_call + entries + " --jobs 1 --list " + at("list.yaml") + " --out " + at("out");
+  const Outcome killed =
+      signal_when("ls " + at("out") + "/eros/ball/runs/*/metrics.json", "KILL", command, at("console"));
+  ASSERT_NE(killed.status, 0) << killed.text;
+  EXPECT_THAT(killed.text, HasSubstr("3 entries together, ball: 2 runs"));
+  const Outcome made = run_shell(command);
+  ASSERT_EQ(made.status, 0) << made.text;
+  EXPECT_THAT(made.text, HasSubstr("3 entries together, none: 1 runs"));
+  EXPECT_THAT(made.text, Not(HasSubstr("3 entries together, ball: 2 runs"))) << "it goes on where it was";
+  EXPECT_TRUE(fs::is_empty(folder_ / "out/side-by-side/none/runs")) << "what was handed over is removed";
+  for (const std::string name : {"best", "mine", "eros"}) {
+    const Outcome alone = call((name == "mine" ? at("mine.yaml") : name) + " --out " + at("alone"));
+    ASSERT_EQ(alone.status, 0) << alone.text;
+    EXPECT_THAT(alone.text, Not(HasSubstr("together")));
+    const Json together = result("out/" + name + "/result.json");
+    EXPECT_EQ(runs_without_costs(together), runs_without_costs(result("alone/" + name + "/result.json")))
+        << name;
+    EXPECT_TRUE(together["runs"][0]["figures"]["us_per_event"].is_number());
+    EXPECT_EQ(together["figures"]["entries_together"], 3.0);
+  }
+  const Outcome more = call("best cluster --out " + at("out"));
+  ASSERT_EQ(more.status, 0) << more.text;
+  EXPECT_THAT(more.text, Not(HasSubstr("together"))) << "best has its results";
+}
+
+TEST_F(BenchmarkCommand, AWorldThatFailsForAllIsMadeForEachEntryAlone) {
+  folder_.write("ends.py", "class Ends:\n    def __init__(self, width, height): raise SystemExit(1)\n");
+  const Outcome made = call("best " + at("ends.py") + ":Ends --out " + at("out"));
+  EXPECT_EQ(made.status, 1) << made.text;
+  EXPECT_TRUE(fs::exists(folder_ / "out/best/result.json")) << made.text;
+  EXPECT_FALSE(fs::exists(folder_ / "out/Ends/result.json"));
+}
+
+TEST_F(BenchmarkCommand, TheStreamingScoreHasTheLatenciesOfTheList) {
+  const std::string without = bytes_of(folder_ / "list.yaml");
+  const auto figures_with = [&](const std::string& latency, const std::string& more) {
+    folder_.write("list.yaml", without + latency);
+    fs::remove_all(folder_ / "out");
+    const Outcome made = call("best --out " + at("out") + more);
+    EXPECT_EQ(made.status, 0) << made.text;
+    return result("out/best/result.json");
+  };
+  const Json none = figures_with("", "");
+  EXPECT_TRUE(none["latency"].is_null());
+  const std::string classes =
+      "latency: {machine: slow one, classes: {best: {per_call_us: 90000}, fast: {per_call_us: 1}}}\n";
+  const Json slow = figures_with(classes, "");
+  EXPECT_EQ(slow["latency"]["class"], "best");
+  EXPECT_EQ(slow["latency"]["machine"], "slow one");
+  const Json fast = figures_with(classes, " --class fast");
+  EXPECT_EQ(fast["latency"]["per_call_us"], 1.0);
+  const auto figure = [](const Json& of, const char* name) {
+    return of["runs"][0]["figures"][name].get<double>();
+  };
+  for (const char* name : {"average_precision", "recall", "precision"}) {
+    EXPECT_EQ(figure(slow, name), figure(none, name))
+        << "a slow detector still gets every event at its time: " << name;
+    EXPECT_EQ(figure(fast, name), figure(none, name)) << name;
+  }
+  EXPECT_GT(figure(none, "streaming_average_precision"), 0.0);
+  EXPECT_LT(figure(slow, "streaming_average_precision"), figure(fast, "streaming_average_precision"));
+
+  const Outcome verified = call("verify " + at("out/best/result.json") + " --out " + at("verified"));
+  EXPECT_EQ(verified.status, 0) << verified.text;
+  EXPECT_THAT(
+      call("eros --out " + at("out")).text,
+      HasSubstr(
+          "the entry eros: found the preset eros, for which the list has no latencies, expected --class "
+          "with one of best, fast"));
+  EXPECT_THAT(call("eros --class slow --out " + at("out")).text,
+              HasSubstr("--class: found slow, expected one of best, fast"));
+}
+
 TEST_F(BenchmarkCommand, WhatCannotBeDoneIsSaidBeforeTheFirstRun) {
   EXPECT_THAT(call("best").text, HasSubstr("saccade benchmark: found no --out, expected --out FOLDER"));
   EXPECT_THAT(call("nobody --out " + at("out")).text,

@@ -311,6 +311,53 @@ TEST_F(Evt, TimesOfAnyAgeAreWrittenSoThatTheyReadBack) {
   EXPECT_THAT(bytes_of(folder_ / "w.raw"), testing::Not(HasSubstr("time_offset_us")));
 }
 
+TEST_F(Evt, AFileNamedEvt2HasTheWordsOfEvt2) {
+  const std::vector<Event> events = {{63, 5, 700, true, 0},
+                                     {64, 1279, 0, false, 0},
+                                     {std::int64_t{64} << 28, 2047, 2047, true, 0},
+                                     {(std::int64_t{64} << 28) - 3'000'000, 1, 2, false, 0},
+                                     {std::int64_t{64} * 3 << 28, 3, 4, true, 0}};
+  const auto create = [&] { return create_event_file(folder_ / "w.evt2.raw", {2048, 2048}); };
+  {
+    const auto writer = create();
+    writer->write(std::span(events).first(2));
+    writer->write(std::span(events).subspan(2));
+    writer->commit();
+  }
+  const std::string bytes = bytes_of(folder_ / "w.evt2.raw");
+  const std::string header = "% evt 2.0\n% format EVT2;height=2048;width=2048\n% geometry 2048x2048\n% end\n";
+  ASSERT_TRUE(bytes.starts_with(header));
+  EXPECT_EQ((bytes.size() - header.size()) % 4, 0u);
+  // By hand from the layout: time, event, time, event.
+  const std::vector<std::uint32_t> words = {0x8u << 28, 1u << 28 | 63u << 22 | 5u << 11 | 700u,
+                                            0x8u << 28 | 1u, 1279u << 11};
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    std::uint32_t word = 0;
+    for (std::size_t byte = 0; byte < 4; ++byte)
+      word |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[header.size() + 4 * i + byte]))
+              << (8 * byte);
+    EXPECT_EQ(word, words[i]) << i;
+  }
+  EXPECT_EQ(open_event_file(folder_ / "w.evt2.raw")->format(), "EVT2");
+  EXPECT_EQ(read_file(folder_ / "w.evt2.raw"), events) << "over wraps, back over one, and after 9.5 h";
+
+  const std::int64_t late_us = 1605537493718345;
+  const std::vector<Event> old = {{late_us, 1, 2, true, 0}, {late_us + 100, 1, 2, false, 0}};
+  {
+    const auto writer = create();
+    writer->write(old);
+    writer->commit();
+  }
+  EXPECT_EQ(read_file(folder_ / "w.evt2.raw"), old);
+  const auto writer = create();
+  EXPECT_THAT(
+      [&] {
+        writer->write(
+            std::vector<Event>{{late_us, 1, 1, true, 0}, {late_us - (std::int64_t{1} << 34), 1, 1, true, 0}});
+      },
+      testing::ThrowsMessage<InputError>(HasSubstr("expected times that EVT2 holds")));
+}
+
 TEST_F(Evt, TimesThatWouldNotReadBackAreRejected) {
   for (const std::int64_t t_us : {std::int64_t{99'000'000} - 5'000'000 - (loop_us >> 1),
                                   std::int64_t{99'000'000} + (std::int64_t{1} << 37)}) {

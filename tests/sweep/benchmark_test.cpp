@@ -9,6 +9,7 @@
 #include "apps/sweep/benchmark_list.h"
 #include "apps/sweep/benchmark_result.h"
 #include "apps/sweep/benchmark_run.h"
+#include "apps/sweep/benchmark_worlds.h"
 #include "core/error.h"
 #include "tests/config/built_in.h"
 #include "tests/recording/temp_folder.h"
@@ -124,6 +125,10 @@ TEST(BenchmarkResultFile, ReadsBackAsItWasWritten) {
   BenchmarkResult result = result_named("mine", 0.5);
   result.rows[3].reliability.emplace();
   (*result.rows[3].reliability)[2] = {.observations = 4, .inliers = 3, .mean_score = 0.25};
+  result.rows[3].together = 5;
+  result.latency_machine = "a robot";
+  result.latency_class = "best";
+  result.latency = {.per_event_us = 0.5, .per_call_us = 20.0};
   write_benchmark_result(folder / "result.json", result);
   const BenchmarkResult read = read_benchmark_result(folder / "result.json");
   EXPECT_EQ(read.configuration, result.configuration);
@@ -132,6 +137,12 @@ TEST(BenchmarkResultFile, ReadsBackAsItWasWritten) {
   ASSERT_TRUE(read.rows[3].reliability);
   EXPECT_EQ((*read.rows[3].reliability)[2].inliers, 3);
   EXPECT_EQ(read.rows[3].figures, result.rows[3].figures);
+  EXPECT_EQ(read.rows[3].together, 5);
+  EXPECT_EQ(figure(figures_of(read.rows), "entries_together").value, 2.0) << "of 1, 1, 1 and 5";
+  EXPECT_EQ(read.latency_machine, "a robot");
+  EXPECT_EQ(read.latency_class, "best");
+  EXPECT_EQ(read.latency.per_event_us, 0.5);
+  EXPECT_EQ(read.latency.per_call_us, 20.0);
   EXPECT_EQ(read.rows[3].kinds, result.rows[3].kinds);
 
   const fs::path bad = folder.write("bad.json", "{\"scenario\": 1}");
@@ -149,6 +160,12 @@ TEST(BenchmarkList, TheShippedOneJudgesOnJudgingSeedsAndIsQuickOnOthers) {
     EXPECT_TRUE(fs::exists(part.scenario)) << part.scenario;
     EXPECT_GE(part.seeds.front(), 2000);
     EXPECT_LT(part.seeds.back(), 2200);
+  }
+  ASSERT_TRUE(list.latency);
+  for (const std::string& name : built_in().detectors.names()) {
+    const bool has =
+        std::ranges::any_of(list.latency->classes, [&](const auto& one) { return one.first == name; });
+    EXPECT_TRUE(has) << name;
   }
   EXPECT_EQ(parts[2].run_name(2001), "gaze_square_45cm_2001");
   for (const BenchmarkPart& part : parts_of(list, true)) EXPECT_LT(part.seeds.back(), 1000);
@@ -178,6 +195,22 @@ TEST(BenchmarkEntry, IsADetectorByNameOrAFileWithOne) {
               HasSubstr("found 2 detectors, expected one detector in a file"));
   EXPECT_THAT(message_of([] { static_cast<void>(benchmark_entry("bst", built_in())); }),
               HasSubstr("found bst, expected a file of detectors, FILE.py:CLASS, a program, or"));
+}
+
+TEST(BenchmarkEntry, HasTheLatencyClassOfItsPresetOrTheOneThatIsStated) {
+  const TempFolder folder;
+  const BenchmarkList list = read_benchmark_list(SACCADE_SOURCE_DIR "/scenarios/benchmarks/clutter_1.yaml");
+  const auto class_of = [&](const std::string& text, const std::string& stated) {
+    return latency_class_of(benchmark_entry(text, built_in()), list, stated, built_in());
+  };
+  EXPECT_EQ(class_of("eros", ""), "eros");
+  const fs::path mine = folder.write("mine.yaml", "detectors:\n  mine: {preset: paper_directed}\n");
+  EXPECT_EQ(class_of(mine.string(), ""), "paper_directed");
+  EXPECT_EQ(class_of(folder.write("mine.py", "class Mine: pass\n").string() + ":Mine", ""), "python");
+  EXPECT_EQ(class_of("eros", "best"), "best");
+  EXPECT_EQ(work_of(*list.latency, "best").per_call_us, 55.0);
+  EXPECT_THAT(message_of([&] { static_cast<void>(class_of("eros", "quick")); }),
+              HasSubstr("--class: found quick, expected one of best"));
 }
 
 TEST(BenchmarkEntry, IsAlsoAPythonClassOrAProgram) {
