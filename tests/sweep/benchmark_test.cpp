@@ -206,7 +206,6 @@ TEST(BenchmarkEntry, HasTheLatencyClassOfItsPresetOrTheOneThatIsStated) {
   EXPECT_EQ(class_of("eros", ""), "eros");
   const fs::path mine = folder.write("mine.yaml", "detectors:\n  mine: {preset: paper_directed}\n");
   EXPECT_EQ(class_of(mine.string(), ""), "paper_directed");
-  EXPECT_EQ(class_of(folder.write("mine.py", "class Mine: pass\n").string() + ":Mine", ""), "python");
   EXPECT_EQ(class_of("eros", "best"), "best");
   EXPECT_EQ(work_of(*list.latency, "best").per_call_us, 55.0);
   EXPECT_THAT(message_of([&] { static_cast<void>(class_of("eros", "quick")); }),

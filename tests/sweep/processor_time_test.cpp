@@ -12,8 +12,10 @@ namespace {
 
 TEST(ProcessorTimes, AreThoseOfDetectorsInThisProcessAlone) {
   const TempFolder folder;
-  const auto file =
-      folder.write("s.yaml", "name: s\ndetectors: {best: {}, cluster: {}}\ngaze: {detector: none}\n");
+  const auto file = folder.write(
+      "s.yaml",
+      "name: s\nrun: {duration_s: 1}\nball: {trajectory: {kind: hold, points_m: [[-0.506, 0, 0.347]]}}\n"
+      "detectors: {best: {}, cluster: {}}\ngaze: {detector: none}\n");
   const Scenario scenario = read_scenario(file, {}, std::nullopt, built_in());
   std::vector<LoopDetector> detectors = make_detectors(scenario.detectors, scenario.calibration.camera);
   ProcessorTimes times;
