@@ -39,8 +39,8 @@ class Playback {
 /// Throws InputError for a scenario out of range, RunError where there is no OpenGL.
 [[nodiscard]] std::unique_ptr<Playback> make_scenario_playback(const Scenario& scenario);
 
-/// A recording, or a run folder with its camera, joints, truth and world. Its checkpoints hold copies of the detectors. With the
-/// detectors of a run folder, a seek over more than 1 s shows the estimates that the run recorded.
+/// A recording, or a run folder with its camera, joints, truth and world. Its checkpoints hold copies of the detectors. The detectors
+/// of a run, unchanged, show the estimates that it recorded, so that a seek over more than 1 s processes the last events alone.
 /// `truth`: a table of true circles; empty: the run folder's own. `selected`: the name of the selected detector.
 /// Throws InputError for files that are missing or broken and for a recording without events of the eye.
 [[nodiscard]] std::unique_ptr<Playback> make_recording_playback(const ReadOptions& options,

@@ -3,6 +3,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "apps/view/checkpoints.h"
@@ -153,28 +154,40 @@ class RecordingPlayback final : public Playback, private LoopObserver {
 
   void restore(const Checkpoint& checkpoint) {
     std::vector<LoopDetector> detectors = copies(checkpoint.detectors);
-    if (detectors.empty()) detectors = make_detectors(settings_.enabled(), camera_.camera);
+    if (detectors.empty()) detectors = new_detectors(checkpoint.history.now_us());
     start_from(checkpoint.history, std::move(detectors));
     whole_from_us_ = history_.now_us();
   }
 
-  /// Goes to where ticking on to t_us fills the plots, with the estimates that the run recorded; the detectors get the last
-  /// events alone. False, and nothing happens, where the detectors are not those of the run or cannot be copied.
-  bool jump_before(std::int64_t t_us) {
-    if (estimates_.empty() || resolved_detectors(settings_.enabled()) != run_detectors_) return false;
-    // Earlier by a checkpoint's spacing than a detector that is added: steps back begin there.
-    const std::int64_t whole_from_us = t_us - Checkpoints::first_spacing_us;
+  /// Whether the detectors are those of the run, whose estimates are recorded, and can be copied.
+  [[nodiscard]] bool shows_recorded(std::span<const LoopDetector> detectors) const {
+    return !estimates_.empty() && resolved_detectors(settings_.enabled()) == run_detectors_ &&
+           std::ranges::all_of(
+               detectors, [](const LoopDetector& detector) { return can_be_copied(*detector.detector); });
+  }
+
+  /// New detectors of the settings; with the estimates that the run recorded, where they are the run's. Those get the events
+  /// from `from_us` on for their Hough spaces.
+  [[nodiscard]] std::vector<LoopDetector> new_detectors(std::int64_t from_us) const {
     std::vector<LoopDetector> detectors = make_detectors(settings_.enabled(), camera_.camera);
+    if (!shows_recorded(detectors)) return detectors;
     for (LoopDetector& detector : detectors) {
-      if (!can_be_copied(*detector.detector)) return false;
       const auto estimates = estimates_.find(detector.name);
       detector.detector = std::make_unique<RecordedDetector>(
-          estimates != estimates_.end() ? estimates->second : nullptr, std::move(detector.detector),
-          whole_from_us - Snapshot::events_us);
+          estimates != estimates_.end() ? estimates->second : nullptr, std::move(detector.detector), from_us);
     }
+    return detectors;
+  }
+
+  /// Goes to where ticking on to t_us fills the plots, with the estimates that the run recorded; the detectors get the last
+  /// events alone. False, and nothing happens, where the estimates are not of the run.
+  bool jump_before(std::int64_t t_us) {
+    if (!shows_recorded(loop_->detectors())) return false;
+    // Earlier by a checkpoint's spacing than a detector that is added: steps back begin there.
+    const std::int64_t whole_from_us = t_us - Checkpoints::first_spacing_us;
     LoopHistory history = checkpoints_->start().history;
     history.begin_at(std::max(history.start_us(), t_us - Snapshot::plot_us));
-    start_from(history, std::move(detectors));
+    start_from(history, new_detectors(whole_from_us - Snapshot::events_us));
     whole_from_us_ = whole_from_us;
     return true;
   }

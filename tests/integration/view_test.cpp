@@ -236,8 +236,6 @@ TEST(RunPlayback, AJumpShowsWhatPlayingUpToTheInstantShowsFromTheTablesOfTheRun)
   const Snapshot expected = snapshot_at(*played, t_us);
   ASSERT_TRUE(expected.outputs[0].tick.observed);
 
-  // Detectors that would process the events would find the circles; the table has other scores.
-  std::vector<DetectionRow> rows = read_table<DetectionRow>(run / "detections.csv");
   const auto jumped = playback_of(run);
   jumped->restore_before(t_us);
   EXPECT_EQ(jumped->history().now_us(), jumped->history().start_us()) << "4 s before, or the start";
@@ -248,6 +246,8 @@ TEST(RunPlayback, AJumpShowsWhatPlayingUpToTheInstantShowsFromTheTablesOfTheRun)
   EXPECT_GE(jumped->history().now_us(), t_us - Checkpoints::first_spacing_us);
   expect_same_instant(snapshot_at(*jumped, t_us), expected);
 
+  // The estimates are the table's, whatever the detectors find.
+  std::vector<DetectionRow> rows = read_table<DetectionRow>(run / "detections.csv");
   for (DetectionRow& row : rows) row.score *= 0.5;
   TableWriter<DetectionRow> table(run / "detections.csv");
   for (const DetectionRow& row : rows) table.write(row);
@@ -257,14 +257,15 @@ TEST(RunPlayback, AJumpShowsWhatPlayingUpToTheInstantShowsFromTheTablesOfTheRun)
   EXPECT_EQ(snapshot_at(*halved, t_us).outputs[0].tick.estimate.score,
             0.5 * expected.outputs[0].tick.estimate.score);
 
-  // Detectors of other settings process all events.
+  // A detector of other settings processes the events.
   ViewSettings settings = halved->settings();
   settings.detectors.pop_back();
   settings.selected = 0;
   halved->apply(settings);
   halved->restore_before(t_us);
-  EXPECT_EQ(snapshot_at(*halved, t_us).outputs[0].tick.estimate.score,
-            expected.outputs[0].tick.estimate.score);
+  const DetectorOutput live = snapshot_at(*halved, t_us).outputs.at(0);
+  EXPECT_TRUE(live.tick.at_threshold);
+  EXPECT_NEAR(live.tick.estimate.circle.x_px, expected.outputs[0].tick.estimate.circle.x_px, 1.0);
 }
 
 TEST_F(ViewWindow, PlaysAScenarioAndWritesAVideo) {
