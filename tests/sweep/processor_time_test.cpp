@@ -26,7 +26,8 @@ TEST(ProcessorTimes, AreThoseOfDetectorsInThisProcessAlone) {
   detectors[0].detector->advance_to(2000, nullptr);
   EXPECT_EQ(detectors[0].detector->rejected().back_in_time, 0);
   detectors[0].detector->process(events, nullptr);
-  EXPECT_EQ(detectors[0].detector->rejected().back_in_time, 1) << "calls reach the detector: the first is before the newest";
+  EXPECT_EQ(detectors[0].detector->rejected().back_in_time, 1)
+      << "calls reach the detector: the first is before the newest";
   Metrics metrics;
   metrics.event_count = 2;
   for (const char* name : {"best", "cluster", "other"})
