@@ -37,14 +37,13 @@ def golden(network, world):
     squares = GOLDEN_CELLS // surface.SQUARE
     shift = np.zeros((GOLDEN_STEPS, 2), np.int64)
     shift[3], shift[7], shift[9] = (1, 0), (-1, 2), (0, -1)
-    motion = network_module.motion(shift * (100 / GOLDEN_STEP_MS), True)
+    motion = network_module.motion(torch.from_numpy(shift * (100 / GOLDEN_STEP_MS)), True)
     motion[GOLDEN_STEPS // 2 :] = 0  # unknown
     start = network.start(1, squares, squares)
     out, state = network(
-        torch.from_numpy(inputs)[None], torch.tensor([GOLDEN_STEP_MS]), start, torch.from_numpy(shift)[None],
-        torch.from_numpy(motion)[None])
-    memory = {f"memory_{n}": s[0].numpy() for n, s in enumerate(state)}
-    return {"inputs": inputs, "dt_ms": np.float32(GOLDEN_STEP_MS), "shift": shift.astype(np.float32), "motion": motion, "outputs": out[0].numpy(), **memory}
+        torch.from_numpy(inputs)[None], torch.tensor([GOLDEN_STEP_MS]), start, torch.from_numpy(shift)[None], motion[None])
+    memory = {f"memory_{n}": s[0].permute(2, 0, 1).numpy() for n, s in enumerate(state)}
+    return {"inputs": inputs, "dt_ms": np.float32(GOLDEN_STEP_MS), "shift": shift.astype(np.float32), "motion": motion.numpy(), "outputs": out[0].numpy(), **memory}
 
 
 def mean(values):
@@ -63,7 +62,7 @@ def summary(results):
 
 
 def export(checkpoint, data, figures, out):
-    kept = torch.load(checkpoint)
+    kept = torch.load(checkpoint, map_location="cpu")
     network = load_network(checkpoint)
     out.mkdir(parents=True, exist_ok=True)
     weights = out / "weights.npz"
@@ -86,15 +85,15 @@ def export(checkpoint, data, figures, out):
             "units": ["log odds", "squares", "squares", f"log2(radius / {surface.MEAN_CELLS} cells)", "squares per 100 ms",
                       "squares per 100 ms", "ln squares", "ln of log2", "log odds"],
         },
-        "architecture": {"dilations": network_module.DILATIONS, "blocks_with_memory": network_module.RECURRENT,
-                         "channels": network_module.CHANNELS, "gate_rank": network_module.RANK,
+        "architecture": {"dilations": network.shape.dilations, "blocks_with_memory": network.shape.recurrent,
+                         "channels": network.shape.channels, "gate_rank": network_module.RANK,
                          "gate_step_ms": network_module.STEP_MS},
-        "multiplications_128x128_level_1": network_module.multiplications(128, 128, [1]),
-        "recipe": "docs/training.md; first weights: start.npz (the network for discs without memory)",
-        "options": {k: v for k, v in kept["recipe"].items() if k in ("steps", "batch", "length", "history", "rate", "seed", "from_nothing", "keep_first")},
+        "multiplications_128x128_level_1": network.shape.multiplications(128, 128, [1]),
+        "recipe": "docs/training.md",
+        "options": {k: v for k, v in kept["recipe"].items() if k in ("steps", "batch", "length", "history", "rate", "seed")},
         "training_worlds": kept["seeds"],
         "steps": kept["step"],
-        "processor_seconds": round(kept["seconds"]),
+        "seconds": round(kept["seconds"]),
         "sha256": hashlib.sha256(weights.read_bytes()).hexdigest(),
         "development": summary(json.loads(figures.read_text())) if figures else None,
     }

@@ -11,7 +11,7 @@ import torch
 from torch.nn import functional
 
 from . import surface, worlds
-from .network import Network, load_weights, motion, multiplications
+from .network import Network, Shape, load_weights, motion
 from .surface import SQUARE, Surface
 
 CHUNK = 8  # steps at once
@@ -31,7 +31,7 @@ def circles_of(network, world, step_ms, joints=True):
     bounds = np.searchsorted(world.t_ms, times)
     shift_px = world.image_shift_px(times) * joints
     shifts = [torch.from_numpy(surface.whole_squares(shift_px, c))[None] for c in cells]
-    motions = [torch.from_numpy(motion(shift_px / (SQUARE * c) * (100 / step_ms), joints))[None] for c in cells]
+    motions = [motion(torch.from_numpy(shift_px / (SQUARE * c) * (100 / step_ms)), joints)[None] for c in cells]
     shapes = [(-(-world.height // (SQUARE * c)), -(-world.width // (SQUARE * c))) for c in cells]
     states = [network.start(1, *shape) for shape in shapes]
     found, last = [], 0
@@ -56,7 +56,7 @@ def circles_of(network, world, step_ms, joints=True):
 
 def decoded(out, cell):
     """time x outputs x rows x columns -> time x CIRCLES x FIELDS in pixels of the image."""
-    log_odds = out[:, 0]
+    log_odds = out[:, 0].contiguous()
     peak = functional.max_pool2d(log_odds[:, None], 3, 1, 1)[:, 0] == log_odds
     strength = torch.where(peak, log_odds, torch.full_like(log_odds, -20.0)).flatten(1)
     kept = strength.topk(min(CIRCLES, strength.shape[1]))
@@ -214,13 +214,14 @@ def pictures(world, now, folder):
 
 
 def load_network(path):
-    """The running means of a checkpoint, or exported weights (.npz). Weights without memory (models/recurrent/start.npz): the
-    log odds of the ball's centre stand for those of an inlier."""
-    network = Network()
+    """The running means of a checkpoint, or exported weights (.npz)."""
     if path.suffix == ".npz":
+        network = Network()
         load_weights(network, dict(np.load(path)))
     else:
-        network.load_state_dict(torch.load(path)["means"])
+        kept = torch.load(path, map_location="cpu")
+        network = Network(Shape(**kept["shape"]))
+        network.load_state_dict(kept["means"])
     return network.eval()
 
 
@@ -258,8 +259,7 @@ def main():
     if options.out:
         options.out.write_text(json.dumps(results, indent=1) + "\n")
     print(report(results))
-    size = (128, 128, [1])
-    print(f"\nMultiplications of a step at 128 x 128 on level 1: {multiplications(*size) / 1e6:.1f} million.")
+    print(f"\nMultiplications of a step at 128 x 128 on level 1: {network.shape.multiplications(128, 128, [1]) / 1e6:.1f} million.")
 
 
 if __name__ == "__main__":

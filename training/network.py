@@ -1,14 +1,13 @@
-"""The recurrent network: convolutions to one square per 4 x 4 cells, dilated blocks, two of them with memory, and a head."""
-import numpy as np
+"""The recurrent network: convolutions to one square per 4 x 4 cells, dilated blocks, some of them with memory, and a head."""
+from dataclasses import dataclass
+
 import torch
 from torch import nn
 from torch.nn import functional
 
 from . import surface
 
-FIRST_CHANNELS, CHANNELS, RANK = 16, 48, 16
-DILATIONS = (1, 2, 2, 3)
-RECURRENT = (1, 3)  # blocks with memory
+FIRST_CHANNELS, RANK = 16, 16
 STEP_MS = 5.0  # time in which a gate of 0 forgets half
 MOTION = 3  # numbers that tell how the camera moves the image: motion()
 MOTION_HIDDEN = 32
@@ -22,44 +21,71 @@ OUTPUTS = (
 )
 
 
+@dataclass(frozen=True)
+class Shape:
+    channels: int = 48
+    dilations: tuple = (1, 2, 2, 3)  # of the blocks
+    recurrent: tuple = (1, 3)  # blocks with memory
+
+    def multiplications(self, width, height, cells):
+        """Of one step on the levels of these cell sizes."""
+        c, total = self.channels, 0
+        for cell in cells:
+            squares = -(-width // (4 * cell)) * -(-height // (4 * cell))
+            per_square = 4 * 9 * surface.CHANNELS * FIRST_CHANNELS + 9 * FIRST_CHANNELS + FIRST_CHANNELS * c
+            per_square += len(self.dilations) * (9 * c + c**2)
+            per_square += len(self.recurrent) * (2 * c * RANK + c**2 + 3 * c) + c * len(OUTPUTS)
+            total += squares * per_square
+        return total
+
+
 def shifted(state, shift):
-    """Moves each map of a batch by whole squares (x, y); what comes in is 0."""
-    limit = (state.shape[3], state.shape[2])
-    maps = []
-    for one, (x, y) in zip(state.split(1), shift.tolist()):
-        x, y = max(-limit[0], min(limit[0], x)), max(-limit[1], min(limit[1], y))
-        maps.append(functional.pad(one, (x, -x, y, -y)) if x or y else one)
-    return torch.cat(maps)
+    """Moves the states of the squares (batch x rows x columns x channels) by whole squares (batch x 2: x, y); what comes in is 0."""
+    batch, rows, columns, channels = state.shape
+    x = torch.arange(columns, device=state.device) - shift[:, :1]
+    y = torch.arange(rows, device=state.device) - shift[:, 1:]
+    inside = ((y >= 0) & (y < rows))[:, :, None] & ((x >= 0) & (x < columns))[:, None]
+    number = torch.arange(batch, device=state.device)[:, None, None]
+    place = (number * rows + y.clamp(0, rows - 1)[:, :, None]) * columns + x.clamp(0, columns - 1)[:, None]
+    return state.reshape(-1, channels)[place.flatten()].view_as(state) * inside[..., None]
 
 
 def motion(squares_per_100_ms, known):
     """What the network is told of the image's motion by the camera's rotation: ... x 2 -> ... x MOTION."""
     v = squares_per_100_ms * known
-    return np.concatenate([np.sign(v) * np.log1p(abs(v)), np.full((*v.shape[:-1], 1), known)], -1).astype(np.float32)
+    return torch.cat([v.sign() * v.abs().log1p(), torch.ones_like(v[..., :1]) * known], -1).float()
+
+
+def depthwise(layer, x):
+    """A depthwise convolution. On CUDA as a dense one with zeros, which is much faster with its gradients."""
+    if not x.is_cuda:
+        return layer(x)
+    dense = layer.weight * torch.eye(layer.out_channels, device=x.device)[:, :, None, None]
+    return functional.conv2d(x, dense, None, layer.stride, layer.padding, layer.dilation)
 
 
 class Memory(nn.Module):
     """h <- a h + (1 - a) u, a = exp(-softplus(gate) dt / STEP_MS); the gate comes from the present input alone, so all steps
     of a sequence are computed at once but for this line."""
 
-    def __init__(self):
+    def __init__(self, channels):
         super().__init__()
-        self.down, self.up = nn.Conv2d(CHANNELS, RANK, 1, bias=False), nn.Conv2d(RANK, CHANNELS, 1)
-        self.out = nn.Conv2d(CHANNELS, CHANNELS, 1, bias=False)
+        self.down, self.up = nn.Conv2d(channels, RANK, 1, bias=False), nn.Conv2d(RANK, channels, 1)
+        self.out = nn.Conv2d(channels, channels, 1, bias=False)
         nn.init.zeros_(self.out.weight)
         # Half-lives of 10 to 300 ms at first.
         nn.init.normal_(self.up.weight, std=0.1)
-        half_lives = 10.0 * 30.0 ** (torch.arange(CHANNELS) / (CHANNELS - 1))
+        half_lives = 10.0 * 30.0 ** (torch.arange(channels) / (channels - 1))
         rate = 0.6931 * STEP_MS / half_lives
         self.up.bias.data[:] = torch.log(torch.expm1(rate))
 
     def forward(self, x, u, dt_ms, state, shift):
-        """x, u: batch * time x channels x rows x columns; dt_ms: batch; state: batch x channels x rows x columns; shift: batch x
+        """x, u: batch * time x channels x rows x columns; dt_ms: batch; state: batch x rows x columns x channels; shift: batch x
         time x 2, squares that the camera has moved the image by since the last step."""
         batch = len(dt_ms)
         rate = functional.softplus(self.up(self.down(x))) * (dt_ms / STEP_MS).repeat_interleave(len(x) // batch)[:, None, None, None]
-        a = torch.exp(-rate).unflatten(0, (batch, -1))
-        new = u.unflatten(0, (batch, -1)) * (1 - a)
+        a = torch.exp(-rate).permute(0, 2, 3, 1).unflatten(0, (batch, -1))
+        new = u.permute(0, 2, 3, 1).unflatten(0, (batch, -1)) * (1 - a)
         states = []
         moves = shift.any(2).any(0).tolist()
         for t, (factor, added) in enumerate(zip(a.unbind(1), new.unbind(1))):
@@ -67,25 +93,27 @@ class Memory(nn.Module):
                 state = shifted(state, shift[:, t])
             state = torch.addcmul(added, factor, state)
             states.append(state)
-        remembered = torch.stack(states, 1).flatten(0, 1).contiguous(memory_format=torch.channels_last)
+        remembered = torch.stack(states, 1).flatten(0, 1).permute(0, 3, 1, 2)
         return self.out(remembered), state
 
 
 class Network(nn.Module):
-    def __init__(self):
+    def __init__(self, shape=Shape()):
         super().__init__()
+        self.shape, self.layout = shape, torch.channels_last
+        channels, blocks = shape.channels, len(shape.dilations)
         self.first = nn.Conv2d(surface.CHANNELS, FIRST_CHANNELS, 3, stride=2, padding=1)
         self.second_depth = nn.Conv2d(
             FIRST_CHANNELS, FIRST_CHANNELS, 3, stride=2, padding=1, groups=FIRST_CHANNELS, bias=False)
-        self.second_point = nn.Conv2d(FIRST_CHANNELS, CHANNELS, 1)
+        self.second_point = nn.Conv2d(FIRST_CHANNELS, channels, 1)
         self.depth = nn.ModuleList(
-            nn.Conv2d(CHANNELS, CHANNELS, 3, padding=d, dilation=d, groups=CHANNELS, bias=False) for d in DILATIONS)
-        self.point = nn.ModuleList(nn.Conv2d(CHANNELS, CHANNELS, 1) for _ in DILATIONS)
-        self.memory = nn.ModuleList(Memory() for _ in RECURRENT)
+            nn.Conv2d(channels, channels, 3, padding=d, dilation=d, groups=channels, bias=False) for d in shape.dilations)
+        self.point = nn.ModuleList(nn.Conv2d(channels, channels, 1) for _ in shape.dilations)
+        self.memory = nn.ModuleList(Memory(channels) for _ in shape.recurrent)
         self.motion = nn.Sequential(
-            nn.Linear(MOTION, MOTION_HIDDEN), nn.ReLU(), nn.Linear(MOTION_HIDDEN, (1 + len(DILATIONS)) * CHANNELS, bias=False))
+            nn.Linear(MOTION, MOTION_HIDDEN), nn.ReLU(), nn.Linear(MOTION_HIDDEN, (1 + blocks) * channels, bias=False))
         nn.init.zeros_(self.motion[2].weight)
-        self.output = nn.Conv2d(CHANNELS, len(OUTPUTS), 1)
+        self.output = nn.Conv2d(channels, len(OUTPUTS), 1)
         nn.init.zeros_(self.output.weight[4:])
         nn.init.zeros_(self.output.bias)
         self.output.bias.data[0] = -4.0
@@ -93,7 +121,7 @@ class Network(nn.Module):
 
     def start(self, batch, rows, columns):
         """The state before the first step; rows and columns in squares."""
-        return [torch.zeros(batch, CHANNELS, rows, columns) for _ in RECURRENT]
+        return [torch.zeros(batch, rows, columns, self.shape.channels, device=self.output.weight.device) for _ in self.shape.recurrent]
 
     def forward(self, x, dt_ms, state, shift, motion):
         """x: batch x time x channels x rows x columns of cells, multiples of surface.SQUARE; dt_ms: batch, time between steps;
@@ -101,50 +129,28 @@ class Network(nn.Module):
         motion: batch x time x MOTION.
         Returns batch x time x outputs x rows x columns of squares, and the state after the last step."""
         batch = len(x)
-        x = x.flatten(0, 1).contiguous(memory_format=torch.channels_last)  # twice as fast
+        x = x.flatten(0, 1).contiguous(memory_format=self.layout)
         x = functional.relu(self.first(x))
-        bias = self.motion(motion.flatten(0, 1))[:, :, None, None].chunk(1 + len(DILATIONS), 1)
-        x = functional.relu(self.second_point(self.second_depth(x)) + bias[0])
+        bias = self.motion(motion.flatten(0, 1))[:, :, None, None].chunk(1 + len(self.shape.dilations), 1)
+        x = functional.relu(self.second_point(depthwise(self.second_depth, x)) + bias[0])
         state = list(state)
         for n, (depth, point) in enumerate(zip(self.depth, self.point)):
-            u = depth(x)
+            u = depthwise(depth, x)
             add = point(u)
-            if n in RECURRENT:
-                k = RECURRENT.index(n)
+            if n in self.shape.recurrent:
+                k = self.shape.recurrent.index(n)
                 remembered, state[k] = self.memory[k](x, u, dt_ms, state[k], shift)
                 add = add + remembered
             x = functional.relu(x + add + bias[1 + n])
         return self.output(x).unflatten(0, (batch, -1)), state
 
 
-def multiplications(width, height, cells):
-    """Of one step on the levels of these cell sizes."""
-    total = 0
-    for cell in cells:
-        squares = -(-width // (4 * cell)) * -(-height // (4 * cell))
-        per_square = 4 * 9 * surface.CHANNELS * FIRST_CHANNELS + 9 * FIRST_CHANNELS + FIRST_CHANNELS * CHANNELS
-        per_square += len(DILATIONS) * (9 * CHANNELS + CHANNELS**2)
-        per_square += len(RECURRENT) * (2 * CHANNELS * RANK + CHANNELS**2 + 3 * CHANNELS) + CHANNELS * len(OUTPUTS)
-        total += squares * per_square
-    return total
-
-
-def load_start(network, arrays):
-    """Weights of the network without memory (models/recurrent/start.npz): the same outputs as it at first."""
+def load_weights(network, arrays):
+    """Exported weights, or those of the network without memory (models/recurrent/start.npz): the same outputs as it at first."""
     own = network.state_dict()
+    whole = len(arrays["output.bias"]) == len(OUTPUTS)
     for name, values in arrays.items():
-        if name.startswith("output"):
-            own[name][: len(values)] = torch.from_numpy(values)
-        else:
-            own[name][:] = torch.from_numpy(values)
-    for name in ("output.weight", "output.bias"):  # the inlier's log odds start as those of the centre
+        own[name][: len(values)] = torch.from_numpy(values)
+    for name in () if whole else ("output.weight", "output.bias"):  # the inlier's log odds start as those of the centre
         own[name][8] = own[name][0]
     network.load_state_dict(own)
-
-
-def load_weights(network, arrays):
-    """Exported weights, or those without memory."""
-    if len(arrays["output.bias"]) < len(OUTPUTS):
-        load_start(network, arrays)
-    else:
-        network.load_state_dict(network.state_dict() | {name: torch.from_numpy(values) for name, values in arrays.items()})

@@ -9,30 +9,28 @@ import argparse
 import ctypes
 import os
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 import torch
 from torch.nn import functional
 
-from . import network as network_module
 from . import sequences, surface, worlds
-from .network import Network
+from .network import Network, Shape, load_weights
 
-ROOT = Path(__file__).resolve().parent.parent
-START = ROOT / "models/recurrent/start.npz"
 INLIER_CENTRE_PX, INLIER_RADIUS_PX = 6.0, 2.0
 MEAN_OF_STEPS = 0.2  # time constant of the running means of the weights, as a share of the steps so far
-COOLING = 0.3  # share of the steps at the end in which the rate falls linearly to a twentieth
-NEW = ("memory", "motion", "output")  # parameters that start.npz does not have, or not all of
+COOLING = 0.3  # share of the steps at the end in which the rate falls linearly to a hundredth
 BEST = 3  # circles per instant that the inlier's log odds are trained on
+REPORT_STEPS = 100
 
 
 def inlier_loss(out, truth, cell):
     """Cross entropy of the last output at the strongest local maxima of each instant; the circles are those found."""
     out, truth = out.flatten(0, 1), truth.flatten(0, 1)
     cell = cell.repeat_interleave(len(out) // len(cell))
-    log_odds = out[:, 0]
+    log_odds = out[:, 0].contiguous()
     peak = functional.max_pool2d(log_odds[:, None], 3, 1, 1)[:, 0] == log_odds
     strength = torch.where(peak, log_odds, torch.full_like(log_odds, -20.0)).flatten(1)
     place = strength.topk(BEST).indices
@@ -50,15 +48,15 @@ def inlier_loss(out, truth, cell):
 
 
 def loss_of(out, batch):
-    truth, shown = batch["truth"], batch["shown"]
-    positive, weight, shape = map(torch.from_numpy, sequences.targets(truth, shown))
+    truth = batch["truth"]
+    positive, weight, shape = sequences.targets(truth, batch["shown"])
     frames = truth.shape[0] * truth.shape[1]
     log_odds = out[:, :, 0]
     missed = (positive - torch.sigmoid(log_odds)).abs().detach()
     found = functional.binary_cross_entropy_with_logits(log_odds, positive, reduction="none")
     error = out[:, :, 1:4] - shape[:, :, :3]
     where = functional.smooth_l1_loss(out[:, :, 1:4], shape[:, :, :3], reduction="none", beta=0.1)
-    where = (where * torch.tensor([1.0, 1.0, 3.0])[:, None, None]).sum(2)
+    where = where[:, :, 0] + where[:, :, 1] + 3 * where[:, :, 2]
     speed = functional.smooth_l1_loss(out[:, :, 4:6], shape[:, :, 3:].clamp(-12, 12), reduction="none", beta=0.5).sum(2)
     error = error.detach() ** 2
     sd = out[:, :, 6:8].clamp(-5, 2)
@@ -69,9 +67,9 @@ def loss_of(out, batch):
         "where": 2 * (where * positive).sum() / frames,
         "speed": 0.2 * (speed * positive).sum() / frames,
         "spread": 0.05 * (spread * positive).sum() / frames,
-        "inlier": inlier_loss(out, torch.from_numpy(truth), torch.from_numpy(batch["cell"])),
+        "inlier": inlier_loss(out, truth, batch["cell"]),
     }
-    return sum(parts.values()), {k: float(v) for k, v in parts.items()}
+    return sum(parts.values()), {k: v.detach() for k, v in parts.items()}
 
 
 def keep_memory():
@@ -81,30 +79,23 @@ def keep_memory():
     libc.mallopt(-1, 2**31 - 1)
 
 
-def drawn(data, random, batch, length):
-    parts = [sequences.draw(data, random, length) for _ in range(batch)]
-    return {k: np.stack([p[k] for p in parts]) for k in parts[0]}
-
-
 class Training:
     """Network, running means of its weights, optimiser, steps made."""
 
     def __init__(self, options):
         torch.manual_seed(options.seed)
-        self.network = Network().to(memory_format=torch.channels_last)
-        if not options.from_nothing:
-            network_module.load_weights(self.network, dict(np.load(options.start)))
-        if options.keep_first:
-            for layer in (self.network.first, self.network.second_depth, self.network.second_point):
-                layer.requires_grad_(False)
-        fresh = [p for n, p in self.network.named_parameters() if n.startswith(NEW)]
-        known = [p for n, p in self.network.named_parameters() if not n.startswith(NEW)]
-        known_rate = 1.0 if options.from_nothing else 0.5
-        self.adam = torch.optim.Adam([{"params": fresh, "share": 1.0}, {"params": known, "share": known_rate}], lr=options.rate)
+        self.shape = Shape(options.channels, tuple(options.dilations), tuple(options.recurrent))
+        self.network = Network(self.shape)
+        if options.start:
+            load_weights(self.network, dict(np.load(options.start)))
+        self.network.to(options.device)
+        self.adam = torch.optim.Adam(self.network.parameters(), lr=options.rate, betas=(0.9, 0.98))
         self.means = {k: v.clone() for k, v in self.network.state_dict().items()}
         self.step, self.seconds, self.seeds = 0, 0.0, []
         if options.checkpoint.exists():
-            kept = torch.load(options.checkpoint)
+            kept = torch.load(options.checkpoint, map_location=options.device)
+            if Shape(**kept["shape"]) != self.shape:
+                raise SystemExit(f"training.train: {options.checkpoint} is of another shape: {kept['shape']}")
             self.network.load_state_dict(kept["network"])
             self.adam.load_state_dict(kept["adam"])
             self.means, self.step, self.seconds, self.seeds = kept["means"], kept["step"], kept["seconds"], kept["seeds"]
@@ -114,15 +105,15 @@ class Training:
         recipe = {k: str(v) for k, v in vars(options).items()}
         torch.save(
             {"network": self.network.state_dict(), "adam": self.adam.state_dict(), "means": self.means, "step": self.step,
-             "seconds": self.seconds, "seeds": self.seeds, "recipe": recipe}, part)
+             "seconds": self.seconds, "seeds": self.seeds, "shape": vars(self.shape), "recipe": recipe}, part)
         os.replace(part, options.checkpoint)
 
     def advance(self, batch, length, rate):
         for group in self.adam.param_groups:
-            group["lr"] = rate * group["share"] * min(1.0, (self.step + 1) / 50)
+            group["lr"] = rate * min(1.0, (self.step + 1) / 200)
         squares = sequences.CROP // surface.SQUARE
-        state = self.network.start(len(batch["dt_ms"]), squares, squares)
-        inputs, dt_ms, shift, motion = (torch.from_numpy(batch[k]) for k in ("inputs", "dt_ms", "shift", "motion"))
+        inputs, dt_ms, shift, motion = (batch[k] for k in ("inputs", "dt_ms", "shift", "motion"))
+        state = self.network.start(len(dt_ms), squares, squares)
         history = inputs.shape[1] - length
         if history:  # the memory of earlier instants, without gradients
             with torch.no_grad():
@@ -135,55 +126,89 @@ class Training:
         self.adam.step()
         self.step += 1
         keep = 1 - 1 / (1 + MEAN_OF_STEPS * self.step)
-        for name, value in self.network.state_dict().items():
-            self.means[name].mul_(keep).add_(value, alpha=1 - keep)
+        with torch.no_grad():
+            for name, value in self.network.state_dict().items():
+                self.means[name].mul_(keep).add_(value, alpha=1 - keep)
         return parts
 
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, required=True, help="folder of the worlds (training.worlds)")
+    parser.add_argument("--data", type=Path, required=True, help="folder of the worlds (training.worlds); more may be added meanwhile")
     parser.add_argument("--checkpoint", type=Path, required=True)
     parser.add_argument("--steps", type=int, required=True, help="in total")
+    parser.add_argument("--minutes", type=float, help="at most; the rate then falls by whichever ends first")
     parser.add_argument("--batch", type=int, default=6, help="sequences in a step (6)")
     parser.add_argument("--length", type=int, default=40, help="instants in a sequence (40)")
     parser.add_argument("--history", type=int, default=40, help="instants before every other sequence, without gradients (40)")
     parser.add_argument("--rate", type=float, default=2e-3, help="of Adam (2e-3)")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--keep-first", action="store_true", help="leave the layers before the blocks as they are: a fifth faster")
+    parser.add_argument("--start", type=Path, help="first weights: models/recurrent/start.npz or exported ones (random)")
+    parser.add_argument("--channels", type=int, default=Shape.channels)
+    parser.add_argument("--dilations", type=int, nargs="+", default=Shape.dilations, help="of the blocks")
+    parser.add_argument("--recurrent", type=int, nargs="+", default=Shape.recurrent, help="blocks with memory")
+    parser.add_argument("--device", default="cpu", help="cpu or cuda (cpu)")
+    parser.add_argument("--most-events", type=int, default=0, help="of all worlds together, for the device's memory; worlds beyond are left out (no limit)")
     parser.add_argument("--threads", type=int, default=1)
-    parser.add_argument("--start", type=Path, default=START, help="first weights: start.npz or exported ones (start.npz)")
-    parser.add_argument("--from-nothing", action="store_true", help="random weights at first")
     return parser
+
+
+class Reader:
+    """Reads worlds of a folder as they appear there."""
+
+    def __init__(self, data, device, most_events):
+        self.data, self.most, self.pool, self.asked = data, most_events, ThreadPoolExecutor(3), {}
+        self.worlds = sequences.Worlds(device, most_events or 2**20)
+
+    def add(self):
+        """Adds the worlds that are read, in the order of their names; at first it waits for all that are there."""
+        first = not self.asked
+        for folder in sorted(p.parent for p in self.data.glob("train_*/world.npz")):
+            if folder.name not in self.asked and not folder.name.endswith(".part"):
+                self.asked[folder.name] = self.pool.submit(worlds.World, folder)
+        for name, world in sorted(self.asked.items()):
+            if world is not None and (first or world.done()):
+                if not self.most or self.worlds.count + len(world.result().x) <= self.most:
+                    self.worlds.add(world.result())
+                self.asked[name] = None
 
 
 def train(options):
     torch.set_num_threads(options.threads)
-    keep_memory()
+    if options.device == "cpu":
+        keep_memory()
+    torch.backends.cuda.matmul.allow_tf32 = torch.backends.cudnn.allow_tf32 = torch.backends.cudnn.benchmark = True
     training = Training(options)
-    data, names = [], set()
+    reader = Reader(options.data, options.device, options.most_events)
+    begin, before = time.monotonic(), training.seconds
     sums, count = {}, 0
     while training.step < options.steps:
-        if training.step % 50 == 0 or not data:  # worlds may have been added
-            for folder in sorted(p.parent for p in options.data.glob("train_*/world.npz")):
-                if folder.name not in names and not folder.name.endswith(".part"):
-                    names.add(folder.name)
-                    data.append(worlds.World(folder))
-            training.seeds = sorted(names)
-        begin = time.process_time()
+        if training.step % REPORT_STEPS == 0 or not reader.worlds.worlds:
+            reader.add()
+            training.seeds = sorted(reader.worlds.names)
+            if not training.seeds:
+                raise SystemExit(f"training.train: found no world in {options.data}")
+        progress = training.step / options.steps
+        if options.minutes:
+            progress = max(progress, (time.monotonic() - begin) / (60 * options.minutes))
+            if progress >= 1:
+                break
         random = np.random.default_rng([options.seed, training.step])  # the same draws after an interruption
         history = options.history * int(random.integers(2))
-        rate = options.rate * min(1.0, max(0.05, (1 - training.step / options.steps) / COOLING))
-        parts = training.advance(drawn(data, random, options.batch, history + options.length), options.length, rate)
-        training.seconds += time.process_time() - begin
+        rate = options.rate * min(1.0, max(0.01, (1 - progress) / COOLING))
+        batch = sequences.batch(reader.worlds, random, options.batch, history + options.length)
+        parts = training.advance(batch, options.length, rate)
         for k, v in parts.items():
             sums[k] = sums.get(k, 0.0) + v
         count += 1
-        if training.step % 20 == 0 or training.step == options.steps:
-            text = ", ".join(f"{k} {v / count:.3f}" for k, v in sums.items())
-            print(f"step {training.step}, {len(data)} worlds, {training.seconds:.0f} s of processor: {text}", flush=True)
+        if training.step % REPORT_STEPS == 0:
+            training.seconds = before + time.monotonic() - begin
+            text = ", ".join(f"{k} {float(v) / count:.3f}" for k, v in sums.items())
+            print(f"step {training.step}, {len(training.seeds)} worlds, {training.seconds:.0f} s: {text}", flush=True)
             sums, count = {}, 0
             training.save(options)
+    training.seconds = before + time.monotonic() - begin
+    training.save(options)
     return training
 
 

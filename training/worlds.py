@@ -7,7 +7,6 @@ Started again, it continues where it stopped. A world is a folder with events.np
 world.npz (ground truth and camera; for development worlds also which events the ball caused, and what `best` reports).
 """
 import argparse
-import json
 import re
 import shutil
 import subprocess
