@@ -18,6 +18,7 @@ void add_deploy_command(CommandLine& line, const Registry& registry);
 void add_guard_command(CommandLine& line, const Registry& registry);
 void add_detect_command(CommandLine& line, const Registry& registry);
 void add_emulate_command(CommandLine& line, const Registry& registry);
+void add_film_command(CommandLine& line, const Registry& registry);
 void add_fit_latency_command(CommandLine& line, const Registry& registry);
 void add_fit_sensor_command(CommandLine& line, const Registry& registry);
 void add_info_command(CommandLine& line, const Registry& registry);

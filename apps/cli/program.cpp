@@ -83,6 +83,7 @@ int program(int argc, const char* const* argv, const Registry& registry) {
   add_dataset_command(line, registry);
   add_sweep_task_command(line, registry);
   add_view_command(line, registry);
+  add_film_command(line, registry);
   add_label_command(line, registry);
   add_keys_command(line, registry);
   add_migrate_command(line);

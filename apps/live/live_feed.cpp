@@ -186,7 +186,9 @@ void LiveFeed::add_line(std::int64_t t_us, std::string_view line) {
 
 void LiveFeed::run() {
   std::unique_lock end(end_mutex_);
-  while (!end_.wait_for(end, period, [this] { return over_; })) {
+  for (auto due = std::chrono::steady_clock::now() + period;
+       !end_.wait_until(end, due, [this] { return over_; });
+       due = std::max(due + period, std::chrono::steady_clock::now())) {
     {
       const std::lock_guard lock(mutex_);
       std::swap(filling_, sending_);

@@ -13,7 +13,6 @@
 #include "evaluation/image_codecs/image_codecs.h"
 #include "evaluation/report/figures.h"
 #include "evaluation/report/html.h"
-#include "evaluation/report/overlay.h"
 #include "evaluation/report/run_tables.h"
 
 namespace saccade {
@@ -43,10 +42,12 @@ cv::Mat grey_image(const fs::path& path, ImageSize size) {
   return grey;
 }
 
-std::optional<Circle> truth_at(const std::vector<TruthRow>& truth, std::int64_t t_us) {
+/// The newest true circle that is not older.
+std::optional<Circle> truth_at(const std::vector<TruthRow>& truth, std::int64_t t_us,
+                               std::int64_t oldest_us = 1'000) {
   const auto row = newest(truth, t_us);
-  const bool is_visible =
-      row != truth.end() && t_us - row->t_us < 1'000 && row->visible > 0.0 && std::isfinite(row->circle.r_px);
+  const bool is_visible = row != truth.end() && t_us - row->t_us < oldest_us && row->visible > 0.0 &&
+                          std::isfinite(row->circle.r_px);
   return is_visible ? std::optional(row->circle) : std::nullopt;
 }
 
@@ -70,34 +71,6 @@ std::optional<Eigen::Vector2d> target_at(const RunData& run, std::int64_t t_us) 
     return std::nullopt;
   }
   return run.metrics.camera->project(eye->root_from_left_cam().inverse() * gaze->target_m);
-}
-
-AnnotatedImage left_image(const RunData& run, const Frame& frame, std::int64_t window_us) {
-  AnnotatedImage eye;
-  eye.size = run.metrics.image;
-  if (!frame.eye.empty()) eye.grey = grey_image(frame.eye, eye.size);
-  eye.events = frame.events;
-  eye.truth = truth_at(run.truth, frame.t_us);
-  for (std::size_t i = 0; i < run.metrics.detectors.size(); ++i) {
-    if (const auto circle = accepted_at(run, i, frame.t_us, window_us)) {
-      eye.detections.push_back({*circle, "", detector_colour(run.metrics.detectors[i].first)});
-    }
-  }
-  eye.target_px = target_at(run, frame.t_us);
-  if (run.metrics.camera)
-    eye.principal_px = Eigen::Vector2d(run.metrics.camera->cx_px, run.metrics.camera->cy_px);
-  return eye;
-}
-
-AnnotatedImage right_image(const RunData& run, const Frame& frame) {
-  AnnotatedImage eye;
-  const Camera& camera = run.metrics.right_eye->camera;
-  eye.size = camera.size;
-  if (!frame.right_eye.empty()) eye.grey = grey_image(frame.right_eye, eye.size);
-  eye.events = frame.other_events;
-  eye.truth = truth_at(run.right_truth, frame.t_us);
-  eye.principal_px = Eigen::Vector2d(camera.cx_px, camera.cy_px);
-  return eye;
 }
 
 std::string moment(const RunData& run, std::int64_t t_us) {
@@ -126,6 +99,35 @@ std::vector<Frame> hough_frames(const RunData& run) {
 }
 
 }  // namespace
+
+AnnotatedImage left_image(const RunData& run, const Frame& frame, std::int64_t window_us, CircleNames names) {
+  AnnotatedImage eye;
+  eye.size = run.metrics.image;
+  if (!frame.eye.empty()) eye.grey = grey_image(frame.eye, eye.size);
+  eye.events = frame.events;
+  eye.truth =
+      run.sparse_truth() ? truth_at(run.truth, frame.t_us, window_us) : truth_at(run.truth, frame.t_us);
+  for (std::size_t i = 0; i < run.metrics.detectors.size(); ++i) {
+    const std::string& name = run.metrics.detectors[i].first;
+    if (const auto circle = accepted_at(run, i, frame.t_us, window_us))
+      eye.detections.push_back({*circle, names == CircleNames::yes ? name : "", detector_colour(name)});
+  }
+  eye.target_px = target_at(run, frame.t_us);
+  if (run.metrics.camera)
+    eye.principal_px = Eigen::Vector2d(run.metrics.camera->cx_px, run.metrics.camera->cy_px);
+  return eye;
+}
+
+AnnotatedImage right_image(const RunData& run, const Frame& frame) {
+  AnnotatedImage eye;
+  const Camera& camera = run.metrics.right_eye->camera;
+  eye.size = camera.size;
+  if (!frame.right_eye.empty()) eye.grey = grey_image(frame.right_eye, eye.size);
+  eye.events = frame.other_events;
+  eye.truth = truth_at(run.right_truth, frame.t_us);
+  eye.principal_px = Eigen::Vector2d(camera.cx_px, camera.cy_px);
+  return eye;
+}
 
 std::string hough_figure(const RunData& run) {
   const std::vector<Frame> frames = hough_frames(run);

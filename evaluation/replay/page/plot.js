@@ -208,40 +208,34 @@ class Plot {
       }
       return;
     }
+    // A bar for each column; a line between columns that are not neighbours. Bars are drawn much faster than lines.
     context.beginPath();
-    let open = false, column = NaN, low = 0, high = 0, last = 0, lastT = -Infinity;
+    const width = context.lineWidth;
+    let column = NaN, top = 0, bottom = 0, last = 0, lastT = -Infinity;
     const flush = () => {
-      if (!open || low === high) return;
-      context.lineTo(column, toY(low));
-      context.lineTo(column, toY(high));
-      context.lineTo(column, toY(last));
+      if (column === column) context.fillRect(column - width / 2, top - width / 2, width, bottom - top + width);
     };
     for (let i = begin; i < end; ++i) {
       const v = values[i], t = table.t[i];
       if (v !== v || t - lastT > gap) {
         flush();
-        open = false;
         column = NaN;
         if (v !== v) continue;
       }
       lastT = t;
-      const x = Math.round(toX(t));
-      if (x === column) {
-        if (v < low) low = v;
-        if (v > high) high = v;
-        last = v;
-        continue;
+      const x = Math.round(toX(t)), y = toY(v);
+      if (x !== column) {
+        flush();
+        if (x > column + 1) {
+          context.moveTo(column, last);
+          context.lineTo(x, y);
+        }
+        top = bottom = x === column + 1 ? last : y;
+        column = x;
       }
-      flush();
-      column = x;
-      low = high = last = v;
-      const y = toY(v);
-      if (open) context.lineTo(x, y);
-      else {
-        context.moveTo(x - 0.5 * ratio, y);
-        context.lineTo(x, y);
-      }
-      open = true;
+      if (y < top) top = y;
+      if (y > bottom) bottom = y;
+      last = y;
     }
     flush();
     context.stroke();
