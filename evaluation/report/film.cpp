@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <optional>
@@ -17,8 +18,8 @@ namespace saccade {
 namespace {
 
 constexpr std::size_t read_block_events = 1 << 16;
-constexpr int panel_px =
-    512;  ///< an image is drawn with the largest whole scale with which it fits, at least 1
+/// An image is drawn with the largest whole scale with which it fits into a square of so many pixels, at least 1.
+constexpr int panel_px = 640;
 constexpr int caption_height = 48;
 constexpr double longest_s = 4e12;
 
@@ -26,7 +27,7 @@ struct Extent {
   std::optional<std::int64_t> first_us;
   std::int64_t last_us = 0;
   ImageSize size{1, 1};
-  bool two_cameras = false;
+  std::array<bool, 2> cameras{};  ///< those with events
 };
 
 Extent extent_of(EventReader& reader) {
@@ -37,11 +38,10 @@ Extent extent_of(EventReader& reader) {
     for (const Event& event : block) {
       extent.last_us = std::max(extent.last_us, event.t_us);
       extent.size = {std::max(extent.size.width, event.x + 1), std::max(extent.size.height, event.y + 1)};
-      extent.two_cameras = extent.two_cameras || event.camera == 1;
+      extent.cameras[event.camera] = true;
     }
     block.clear();
   }
-  extent.size = reader.image_size().value_or(extent.size);
   return extent;
 }
 
@@ -73,7 +73,10 @@ class Film {
           .copyTo(picture({x, 0, panel_.width, panel_.height}));
     };
     place(left, two_cameras_ ? 0 : (picture.cols - panel_.width) / 2);
-    if (two_cameras_) place(other_image(frame), panel_.width);
+    if (two_cameras_) {
+      place(other_image(frame), panel_.width);
+      cv::line(picture, {panel_.width, 0}, {panel_.width, panel_.height - 1}, {24, 24, 24}, 2);
+    }
     cv::putText(picture,
                 fmt::format("{}   t {:.4f} s   {} events in {:g} ms", config_.name,
                             static_cast<double>(frame.t_us - begin_us) * 1e-6,
@@ -111,7 +114,7 @@ FilmResult write_film(const FormatRegistry& formats, const std::filesystem::path
                       const EventReadOptions& options, RunData run, const std::filesystem::path& out,
                       const FilmConfig& config, const std::function<void(double)>& progress) {
   const auto first_reader = open_event_file(formats, events, options);
-  const Extent extent = extent_of(*first_reader);
+  Extent extent = extent_of(*first_reader);
   if (!extent.first_us) throw InputError(events.string(), "no event", "a recording with events");
   const std::int64_t begin_us = after(*extent.first_us, config.from_s);
   const std::int64_t end_us = std::min(extent.last_us, after(*extent.first_us, config.until_s));
@@ -119,11 +122,19 @@ FilmResult write_film(const FormatRegistry& formats, const std::filesystem::path
     throw InputError("--from", fmt::format("{:g}", config.from_s),
                      fmt::format("less than {:g}, the recording's last event and --until",
                                  static_cast<double>(end_us - *extent.first_us) * 1e-6));
-  const bool bare = run.metrics.image.pixels() <= 0;
-  if (bare) run.metrics.image = extent.size;
+  FilmResult result;
+  result.guess = first_reader->guess();
+  if (run.metrics.image.pixels() <= 0) {
+    run.metrics.image = first_reader->image_size().value_or(extent.size);
+    if (!first_reader->image_size())
+      result.guess = fmt::format("the image size {}x{}, from the events; --size sets it", extent.size.width,
+                                 extent.size.height);
+  }
 
-  Film film(run, config, !options.camera && (extent.two_cameras || run.metrics.right_eye), out);
-  const std::uint8_t camera = options.camera ? *options.camera : run.metrics.events_camera.value_or(0);
+  const bool both = extent.cameras[0] && extent.cameras[1];
+  Film film(run, config, both || run.metrics.right_eye, out);
+  const std::uint8_t only = extent.cameras[1] ? 1 : 0;
+  const std::uint8_t camera = run.metrics.events_camera.value_or(both ? 0 : only);
   const double step_us = 1e6 / VideoComposer::frame_hz * config.speed;
   const auto time_of = [&](std::int64_t image) {
     return begin_us + std::llround(static_cast<double>(image) * step_us);
@@ -152,7 +163,8 @@ FilmResult write_film(const FormatRegistry& formats, const std::filesystem::path
   }
   draw_until(end_us + 1);
   film.commit();
-  return {film.images(), first_reader->guess()};
+  result.images = film.images();
+  return result;
 }
 
 }  // namespace saccade

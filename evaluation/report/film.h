@@ -21,7 +21,7 @@ struct FilmConfig {
 
 struct FilmResult {
   std::int64_t images = 0;
-  std::string guess;  ///< EventReader::guess()
+  std::string guess;  ///< as EventReader::guess()
 };
 
 /// Draws a film of a recording: events, and what the tables of `run` say of circles and gaze; of a recording that is no run, `run` has

@@ -34,7 +34,7 @@ auto newest(const Rows& rows, std::int64_t t_us) {
 }
 
 cv::Mat grey_image(const fs::path& path, ImageSize size) {
-  const cv::Mat grey = read_image(path, DecodedAs::grey);
+  cv::Mat grey = read_image(path, DecodedAs::grey);
   if (grey.cols != size.width || grey.rows != size.height) {
     throw InputError(path.string(), fmt::format("an image of {} x {} pixels", grey.cols, grey.rows),
                      fmt::format("{} x {}, as the camera", size.width, size.height));

@@ -31,15 +31,15 @@ std::vector<cv::Mat> images_of(const std::filesystem::path& path) {
   return images;
 }
 
-/// The column of the brightest red over blue in the middle row, in pixels of the recording (drawn with a scale of 8).
+/// The column of the brightest red over blue in the middle row, in pixels of the recording (drawn with a scale of 10).
 int red_column(const cv::Mat& image) {
   int best = -1, most = 60;
-  for (int x = 4; x < 512; x += 8) {
-    const cv::Vec3b pixel = image.at<cv::Vec3b>(192, x);
+  for (int x = 5; x < 640; x += 10) {
+    const cv::Vec3b pixel = image.at<cv::Vec3b>(240, x);
     const int red = std::abs(pixel[2] - pixel[0]);
     if (red > most) {
       most = red;
-      best = x / 8;
+      best = x / 10;
     }
   }
   return best;
@@ -64,7 +64,7 @@ TEST_F(Film, ShowsTheEventsOfItsInstants) {
   EXPECT_EQ(result.images, 26);
   const std::vector<cv::Mat> images = images_of(folder_ / "film.mp4");
   ASSERT_EQ(images.size(), 26U);
-  EXPECT_EQ(images[0].size(), cv::Size(512, 384 + 48));
+  EXPECT_EQ(images[0].size(), cv::Size(640, 480 + 48));
   for (const std::size_t i : {5U, 12U, 24U}) EXPECT_NEAR(red_column(images[i]), 2 * static_cast<int>(i), 1);
 }
 
