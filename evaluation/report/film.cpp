@@ -65,7 +65,8 @@ class Film {
   [[nodiscard]] std::int64_t images() const { return file_.images(); }
   void commit() { file_.commit(); }
 
-  void add(const Frame& frame, std::int64_t begin_us) {
+  /// `zero_us`: the instant 0 of the line below the images.
+  void add(const Frame& frame, std::int64_t zero_us) {
     const AnnotatedImage left = left_image(run_, frame, window_us_, CircleNames::yes);
     cv::Mat picture(file_.size().height, file_.size().width, CV_8UC3, cv::Scalar(24, 24, 24));
     const auto place = [&](const AnnotatedImage& image, int x) {
@@ -79,7 +80,7 @@ class Film {
     }
     cv::putText(picture,
                 fmt::format("{}   t {:.4f} s   {} events in {:g} ms", config_.name,
-                            static_cast<double>(frame.t_us - begin_us) * 1e-6,
+                            static_cast<double>(frame.t_us - zero_us) * 1e-6,
                             frame.events.size() + frame.other_events.size(), config_.window_ms),
                 {12, panel_.height + 30}, cv::FONT_HERSHEY_SIMPLEX, 0.5, {240, 240, 240}, 1, cv::LINE_AA);
     file_.add(picture);
@@ -131,6 +132,7 @@ FilmResult write_film(const FormatRegistry& formats, const std::filesystem::path
                                  extent.size.height);
   }
 
+  const std::int64_t zero_us = run.metrics.duration_s > 0.0 ? run.metrics.start_us : *extent.first_us;
   const bool both = extent.cameras[0] && extent.cameras[1];
   Film film(run, config, both || run.metrics.right_eye, out);
   const std::uint8_t only = extent.cameras[1] ? 1 : 0;
@@ -146,7 +148,7 @@ FilmResult write_film(const FormatRegistry& formats, const std::filesystem::path
       const auto is_old = [&](const Event& e) { return e.t_us <= frame.t_us - film.window_us(); };
       std::erase_if(frame.events, is_old);
       std::erase_if(frame.other_events, is_old);
-      film.add(frame, *extent.first_us);
+      film.add(frame, zero_us);
       if (progress)
         progress(static_cast<double>(frame.t_us - begin_us) /
                  static_cast<double>(std::max<std::int64_t>(1, end_us - begin_us)));
