@@ -10,6 +10,7 @@
 #include "recording/block_reader.h"
 #include "recording/byte_order.h"
 #include "recording/codec.h"
+#include "recording/davis_samples.h"
 #include "recording/input_file.h"
 #include "recording/output_file.h"
 #include "recording/wrapping_time.h"
@@ -120,6 +121,8 @@ class Aedat2Reader final : public BlockReader {
       size_ = guessed_davis_size(survey ? *survey : survey_of(file_));
       size_guessed_ = true;
     }
+    others_ = options.others;
+    if (others_ != nullptr) samples_.emplace(others_, size_);
     const ImageSize largest = layout_ == "dvs640" ? dvs640_largest : davis_largest;
     if (!largest.contains(size_.width - 1, size_.height - 1)) {
       throw InputError(file_.name(), "an image of " + text_of(size_), "at most " + text_of(largest));
@@ -132,13 +135,19 @@ class Aedat2Reader final : public BlockReader {
     return "AEDAT " + std::to_string(version_) + ".0 " + chip_name() + mark;
   }
   std::string guess() const override {
-    return size_guessed_ ? "the image size " + text_of(size_) + ", from the addresses; --size sets it" : "";
+    std::string text =
+        size_guessed_ ? "the image size " + text_of(size_) + ", from the addresses; --size sets it" : "";
+    if (samples_ && samples_->has_inertial())
+      text += std::string(text.empty() ? "" : "; ") +
+              "the ranges of the inertial unit, 4 g and 500 deg/s, as jAER has them";
+    return text;
   }
   std::string skipped() const override {
     std::string text;
     append_count(text, skipped_.special, "special events");
     append_count(text, skipped_.aps, "APS samples");
     append_count(text, skipped_.imu, "IMU samples");
+    if (samples_) append_count(text, samples_->incomplete_frames(), "incomplete frames");
     append_count(text, skipped_.of_other_layouts, "records that are no address of a " + chip_name());
     return text;
   }
@@ -223,12 +232,24 @@ class Aedat2Reader final : public BlockReader {
       const char* record = ahead.data() + i * Record::bytes;
       const std::uint32_t address = Record::address(record);
       const bool is_event = (address & (Layout::no_event | Layout::unused)) == 0;
-      if (!is_event) skipped_.template count<Layout>(address);
-      block[count] = {time_.extend(Record::stamp(record)), mirrored(Layout::x(address), last_x),
-                      mirrored(Layout::y(address), last_y), Layout::on(address), Layout::camera(address)};
+      const std::int64_t t_us = time_.extend(Record::stamp(record));
+      if (!is_event && !takes<Layout>(address, t_us)) skipped_.template count<Layout>(address);
+      block[count] = {t_us, mirrored(Layout::x(address), last_x), mirrored(Layout::y(address), last_y),
+                      Layout::on(address), Layout::camera(address)};
       count += is_event ? 1 : 0;
     }
     file_.skip(records * Record::bytes);
+    return true;
+  }
+
+  /// Whether somebody wants a record that is no event.
+  template <class Layout>
+  bool takes(std::uint32_t address, std::int64_t t_us) {
+    if (!samples_ || (address & Layout::unused) != 0) return false;
+    if constexpr (std::is_same_v<Layout, Davis>) return samples_->add(address, t_us);
+    // The others have triggers alone, without their edge.
+    if (!others_->wants_triggers()) return false;
+    others_->add(RecordedTrigger{t_us, 0, TriggerKind::unknown, "DVS"});
     return true;
   }
 
@@ -238,6 +259,8 @@ class Aedat2Reader final : public BlockReader {
   bool layout_guessed_ = false;
   bool size_guessed_ = false;
   SkippedRecords skipped_;
+  OtherRecords* others_ = nullptr;
+  std::optional<DavisSamples> samples_;
   WrappingTime time_;
 };
 

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "recording/aedat4_generated.h"
+#include "recording/aedat4_others.h"
 #include "recording/byte_order.h"
 #include "recording/codec.h"
 #include "recording/decompressor.h"
@@ -21,6 +22,7 @@ constexpr std::size_t longest_aedat4_header = 1 << 19;
 constexpr std::size_t window_bytes = 1 << 16;
 constexpr std::size_t aedat4_event_bytes = sizeof(aedat4::Event);
 constexpr int largest_read_length_px = 1 << 15;
+constexpr std::size_t most_packet_bytes = 1 << 28;  ///< of one that is read as a whole, decompressed
 
 /// Of recorded tables: offsets are checked before they are followed, and values may lie at any address.
 flatbuffers::Verifier verifier_of(std::string_view bytes) {
@@ -101,7 +103,11 @@ class Aedat4Reader final : public EventReader {
  public:
   /// `camera`: the first stream of events, or that of the second source of events.
   Aedat4Reader(InputFile file, const EventReadOptions& options, int camera = 0)
-      : file_(std::move(file)), camera_(camera), image_size_(options.image_size), window_(window_bytes) {
+      : file_(std::move(file)),
+        camera_(camera),
+        others_(camera == 0 ? options.others : nullptr),
+        image_size_(options.image_size),
+        window_(window_bytes) {
     read_header();
   }
 
@@ -248,7 +254,11 @@ class Aedat4Reader final : public EventReader {
       fail("a packet of " + std::to_string(size) + " bytes", "one that ends before the table of packets");
     }
     file_.skip(8);
-    if (stream != stream_) {
+    if (const auto other = streams_.find(stream); stream != stream_ && other != streams_.end() &&
+                                                  others_ != nullptr &&
+                                                  wants_aedat4(*others_, other->second.type)) {
+      read_other(other->second, static_cast<std::size_t>(size));
+    } else if (stream != stream_) {
       if (!file_.discard(static_cast<std::uint64_t>(size))) fail_cut("the rest of a packet");
       if (camera_ == 0 && stream != second_stream_) ++other_packets_[stream];
     } else {
@@ -256,6 +266,26 @@ class Aedat4Reader final : public EventReader {
       open_packet();
     }
     return true;
+  }
+
+  /// A packet of a stream that has no events.
+  void read_other(const Stream& stream, std::size_t bytes) {
+    decompressor_->begin();
+    std::string whole;
+    while (bytes > 0 || decompressor_->unfinished()) {
+      const std::string_view ahead = bytes > 0 ? file_.peek(1).substr(0, bytes) : "";
+      const Decompressor::Step step = decompressor_->run(ahead, window_);
+      if (step.error != nullptr) fail(step.error, "a packet that can be unpacked");
+      file_.skip(step.read);
+      bytes -= step.read;
+      whole.append(window_.data(), step.written);
+      if (whole.size() > most_packet_bytes) fail("a packet of more than 2^28 bytes", "at most 2^28");
+      if (step.read > 0 || step.written > 0) continue;
+      if (bytes > 0) fail_cut("the rest of a packet");
+      fail("a packet without its end", "a packet that can be unpacked");
+    }
+    if (const auto broken = read_aedat4_others(stream.type, whole, stream.source, *others_))
+      fail(broken->found, broken->expected);
   }
 
   void open_packet() {
@@ -321,6 +351,7 @@ class Aedat4Reader final : public EventReader {
 
   InputFile file_;
   int camera_;
+  OtherRecords* others_;
   std::optional<ImageSize> image_size_;
   std::string compression_;
   std::unique_ptr<Decompressor> decompressor_;

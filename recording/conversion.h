@@ -26,7 +26,10 @@ struct PixelRegion {
 
 /// Which events of a recording are copied, and how they are changed, in the order of the members.
 struct ConversionConfig {
-  EventReadOptions read;  ///< with `camera`, that camera's events are written as those of the only camera
+  /// With `camera`, that camera's events are written as those of the only camera. `others` gets what the recording holds besides
+  /// events within from_s and until_s, its times changed as those of events, frames also by crop, swap_xy, flip_x and
+  /// flip_y.
+  EventReadOptions read;
   double from_s = -std::numeric_limits<double>::infinity();  ///< after the first event; included
   double until_s = std::numeric_limits<double>::infinity();  ///< after the first event; excluded
   std::optional<PixelRegion> region;                         ///< pixels of the recording
@@ -63,7 +66,8 @@ using ConversionProgress = std::function<void(bool second_pass, std::int64_t eve
 
 /// Copies a recording, or a part of it, into a new file of the format that the extension of `out` selects. The recording is
 /// read twice: first for the number of cameras, the time of the first event and, where the file has none, the image size.
-/// `out` appears when it is whole. Throws InputError for a broken recording and for events that the format cannot hold.
+/// `out` appears when it is whole. Throws InputError for a broken recording, for events that the format cannot hold, and for frames
+/// of another size than the events' image where they would have to be cropped or turned.
 ConversionResult convert_recording(const FormatRegistry& formats, const std::filesystem::path& recording,
                                    const std::filesystem::path& out, const ConversionConfig& config,
                                    const ConversionProgress& progress = {});

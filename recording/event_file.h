@@ -14,6 +14,7 @@
 namespace saccade {
 
 class FormatRegistry;
+class OtherRecords;
 
 /// Recorded events as a stream; files larger than memory are read in pieces. recording/format_registry.h has the formats.
 class EventReader {
@@ -70,6 +71,9 @@ struct EventReadOptions {
   std::string event_stream_y = "up";
   /// Name of the recording's format; auto: by its content.
   std::string format = "auto";
+  /// Takes frames, inertial readings and triggers of AEDAT 2.0 and 4.0, Prophesee RAW, bags and MCAP (recording/other_records.h);
+  /// null: they are skipped. Lives as long as the reader.
+  OtherRecords* others = nullptr;
 };
 
 /// Opens a recording of one of `formats`, chosen by the file's content; of a folder the log in it (data.log). Throws

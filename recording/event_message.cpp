@@ -5,6 +5,7 @@
 
 #include "recording/byte_order.h"
 #include "recording/codec.h"
+#include "recording/message_cursor.h"
 
 namespace saccade {
 namespace {
@@ -13,7 +14,6 @@ constexpr std::size_t array_event_bytes = 13;
 constexpr std::size_t packet_event_bytes = 8;  ///< of mono
 constexpr int largest_length_px = 1 << 16;
 constexpr std::int64_t ns_per_us = 1000;
-constexpr std::string_view cdr_little = {"\0\1\0\0", 4};  ///< before a message in CDR
 
 /// Appends numbers and texts of a message.
 class MessageBytes {
@@ -87,43 +87,6 @@ const char* const packet_members =
 
 }  // namespace
 
-/// Takes numbers and texts from a message.
-class EventMessageDecoder::Cursor {
- public:
-  Cursor(std::string_view message, bool cdr)
-      : message_(message), at_(cdr ? cdr_little.size() : 0), cdr_(cdr) {}
-
-  template <std::integral T>
-  [[nodiscard]] bool take(T& value) {
-    // Positions count from the end of the 4 bytes in front.
-    if (cdr_) at_ += (sizeof(T) - (at_ - cdr_little.size()) % sizeof(T)) % sizeof(T);
-    if (at_ > message_.size() || message_.size() - at_ < sizeof(T)) return false;
-    value = load_little<T>(message_.data() + at_);
-    at_ += sizeof(T);
-    return true;
-  }
-  [[nodiscard]] bool take_text(std::string_view& text) {
-    std::uint32_t length = 0;
-    if (!take(length) || message_.size() - at_ < length) return false;
-    text = message_.substr(at_, length);
-    at_ += length;
-    if (cdr_ && text.ends_with('\0')) text.remove_suffix(1);
-    return true;
-  }
-  /// Passes over a header.
-  [[nodiscard]] bool skip_header() {
-    std::uint32_t number = 0;
-    std::string_view frame;
-    return (cdr_ || take(number)) && take(number) && take(number) && take_text(frame);
-  }
-  [[nodiscard]] std::string_view rest() const { return message_.substr(std::min(at_, message_.size())); }
-
- private:
-  std::string_view message_;
-  std::size_t at_;
-  bool cdr_;
-};
-
 std::optional<EventMessageType> event_message_type(std::string_view name) {
   constexpr std::array<std::pair<std::string_view, EventMessageType>, 4> types = {
       {{"dvs_msgs/EventArray", EventMessageType::event_array},
@@ -140,14 +103,12 @@ std::optional<EventMessageType> event_message_type(std::string_view name) {
 
 std::optional<BrokenMessage> EventMessageDecoder::decode(std::string_view message,
                                                          std::vector<Event>& events) {
-  const bool cdr = serialisation_ == Serialisation::cdr;
-  if (cdr && !message.starts_with(cdr_little.substr(0, 2)))
-    return BrokenMessage{"a message in another serialisation than little-endian CDR",
-                         "one that begins with the bytes 0 and 1"};
-  Cursor cursor(message, cdr);
+  if (auto broken = broken_serialisation(message, serialisation_)) return broken;
+  MessageCursor cursor(message, serialisation_);
   std::uint32_t height = 0;
   std::uint32_t width = 0;
-  if (!cursor.skip_header() || !cursor.take(height) || !cursor.take(width))
+  std::int64_t stamp_us = 0;
+  if (!cursor.take_header(stamp_us) || !cursor.take(height) || !cursor.take(width))
     return BrokenMessage{"a message that ends inside its header", "a whole message"};
   if (height > 0 && width > 0 && height <= largest_length_px && width <= largest_length_px)
     image_size_ = ImageSize{static_cast<int>(width), static_cast<int>(height)};
@@ -155,7 +116,7 @@ std::optional<BrokenMessage> EventMessageDecoder::decode(std::string_view messag
                                                 : decode_packet(cursor, events);
 }
 
-std::optional<BrokenMessage> EventMessageDecoder::decode_array(Cursor& cursor,
+std::optional<BrokenMessage> EventMessageDecoder::decode_array(MessageCursor& cursor,
                                                                std::vector<Event>& events) const {
   std::uint32_t count = 0;
   if (!cursor.take(count)) return BrokenMessage{"a message that ends before its events", "a whole message"};
@@ -178,7 +139,8 @@ std::optional<BrokenMessage> EventMessageDecoder::decode_array(Cursor& cursor,
   return std::nullopt;
 }
 
-std::optional<BrokenMessage> EventMessageDecoder::decode_packet(Cursor& cursor, std::vector<Event>& events) {
+std::optional<BrokenMessage> EventMessageDecoder::decode_packet(MessageCursor& cursor,
+                                                                std::vector<Event>& events) {
   std::uint64_t seq = 0;
   std::uint64_t time_base_ns = 0;
   std::string_view encoding;

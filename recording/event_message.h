@@ -9,6 +9,7 @@
 
 #include "core/event.h"
 #include "recording/event_packet.h"
+#include "recording/message_cursor.h"
 
 namespace saccade {
 
@@ -16,12 +17,6 @@ namespace saccade {
 enum class EventMessageType {
   event_array,  ///< header, height, width, then events of u16 x, u16 y, time ts, bool polarity (1 is ON)
   event_packet,  ///< header, height, width, u64 seq, u64 time_base (ns), text encoding, bool is_bigendian, bytes events
-};
-
-/// How the members of a message become bytes.
-enum class Serialisation {
-  ros1,  ///< ROS 1: little-endian without gaps
-  cdr,   ///< ROS 2: OMG's CDR, little-endian, numbers at multiples of their size
 };
 
 /// The message of a ROS 1 or ROS 2 type's name: `dvs_msgs/EventArray` and the layout's other name
@@ -32,8 +27,12 @@ enum class Serialisation {
 /// The messages of one topic as events.
 class EventMessageDecoder {
  public:
-  EventMessageDecoder(EventMessageType type, Serialisation serialisation)
-      : type_(type), serialisation_(serialisation) {}
+  /// Triggers go to `others` (null: are skipped) with the topic's name.
+  EventMessageDecoder(EventMessageType type, Serialisation serialisation, OtherRecords* others = nullptr,
+                      const std::string& topic = "")
+      : type_(type), serialisation_(serialisation) {
+    packets_.pass_triggers_to(others, topic);
+  }
 
   /// Appends the events of the next message. Where the message is broken, the events before that place are appended.
   ///
@@ -48,9 +47,8 @@ class EventMessageDecoder {
   [[nodiscard]] const PacketDecoder& packets() const { return packets_; }
 
  private:
-  class Cursor;
-  std::optional<BrokenMessage> decode_array(Cursor& cursor, std::vector<Event>& events) const;
-  std::optional<BrokenMessage> decode_packet(Cursor& cursor, std::vector<Event>& events);
+  std::optional<BrokenMessage> decode_array(MessageCursor& cursor, std::vector<Event>& events) const;
+  std::optional<BrokenMessage> decode_packet(MessageCursor& cursor, std::vector<Event>& events);
 
   EventMessageType type_;
   Serialisation serialisation_;

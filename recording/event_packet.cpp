@@ -66,6 +66,15 @@ void decode_libcaer_cmp(std::string_view bytes, std::uint64_t time_base_ns, EvtC
   }
 }
 
+void decode_triggers(std::string_view bytes, std::uint64_t time_base_ns, const EvtTriggers& triggers,
+                     EvtCounts& counts) {
+  for (; bytes.size() >= 8; bytes.remove_prefix(8)) {
+    const auto word = load_little<std::uint64_t>(bytes.data());
+    triggers.found(us_of(time_base_ns + (word & 0xffffffff)), static_cast<unsigned>(word >> 48 & 0x7fff),
+                   word >> 63 != 0, counts);
+  }
+}
+
 template <class Decoder>
 void decode_words(Decoder& decoder, std::string_view bytes, std::vector<Event>& events) {
   std::array<Event, 4096> block;
@@ -78,7 +87,7 @@ void decode_words(Decoder& decoder, std::string_view bytes, std::vector<Event>& 
 
 /// Bytes of a word of an encoding; 0 for an unknown one.
 std::size_t word_bytes_of(std::string_view encoding) {
-  if (encoding == "mono" || encoding == "libcaer") return 8;
+  if (encoding == "mono" || encoding == "libcaer" || encoding == "trigger") return 8;
   if (encoding == "evt2") return Evt2Decoder::word_bytes;
   return encoding == "evt3" || encoding == "libcaer_cmp" ? Evt3Decoder::word_bytes : 0;
 }
@@ -87,17 +96,18 @@ std::size_t word_bytes_of(std::string_view encoding) {
 
 std::optional<BrokenMessage> PacketDecoder::decode(std::string_view encoding, std::uint64_t time_base_ns,
                                                    std::string_view bytes, std::vector<Event>& events) {
-  if (encoding == "trigger") return std::nullopt;
   const std::size_t word_bytes = word_bytes_of(encoding);
   if (word_bytes == 0)
     return BrokenMessage{"a packet in the encoding " + printable(encoding),
-                         "mono, libcaer, libcaer_cmp, evt2 or evt3"};
+                         "mono, libcaer, libcaer_cmp, evt2, evt3 or trigger"};
   if (encoding == "mono") {
     decode_mono(bytes, time_base_ns, events);
   } else if (encoding == "libcaer") {
     decode_libcaer(bytes, time_base_ns, events);
   } else if (encoding == "libcaer_cmp") {
-    decode_libcaer_cmp(bytes, time_base_ns, libcaer_cmp_, events);
+    decode_libcaer_cmp(bytes, time_base_ns, other_counts_, events);
+  } else if (encoding == "trigger") {
+    decode_triggers(bytes, time_base_ns, triggers_, other_counts_);
   } else if (encoding == "evt2") {
     decode_words(evt2_, bytes, events);
   } else {

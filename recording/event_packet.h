@@ -9,18 +9,9 @@
 #include "core/event.h"
 #include "recording/evt2_decoder.h"
 #include "recording/evt3_decoder.h"
+#include "recording/message_cursor.h"
 
 namespace saccade {
-
-/// To the nearest us.
-[[nodiscard]] inline std::int64_t us_of(std::uint64_t ns) {
-  return static_cast<std::int64_t>((ns + 500) / 1000);
-}
-
-/// What a message contains that is no such message, and what was expected.
-struct BrokenMessage {
-  std::string found, expected;
-};
 
 /// The events of an EventPacket by its encoding (github.com/ros-event-camera/event_camera_msgs), little-endian:
 ///
@@ -30,10 +21,17 @@ struct BrokenMessage {
 /// packet's start; 2 x (11 bits); 3 an event at y (11) of polarity bit 11; 4 the y and polarity where vectors begin; 5 a
 /// vector, a bit for each of the next 8 rows, from the lowest.
 /// `evt2`, `evt3`: the sensor's words (recording/evt_codec.h); times are its counter, continued over its wraps.
+/// `trigger` 64 bits, no events: ns after time_base 32, unused 16, channel 15, rising 1.
 /// Words of undefined types are counted and left out.
 class PacketDecoder {
  public:
-  /// Appends the events, those before a broken place too. A packet of encoding `trigger` has none.
+  /// Triggers go to `others` (null: are skipped), as those of `source`.
+  void pass_triggers_to(OtherRecords* others, const std::string& source) {
+    evt2_.triggers().pass_to(others, source);
+    evt3_.triggers().pass_to(others, source);
+    triggers_.pass_to(others, source);
+  }
+  /// Appends the events, those before a broken place too.
   [[nodiscard]] std::optional<BrokenMessage> decode(std::string_view encoding, std::uint64_t time_base_ns,
                                                     std::string_view bytes, std::vector<Event>& events);
 
@@ -41,14 +39,15 @@ class PacketDecoder {
   [[nodiscard]] EvtCounts counts() const {
     EvtCounts all = evt2_.counts();
     all += evt3_.counts();
-    all += libcaer_cmp_;
+    all += other_counts_;
     return all;
   }
 
  private:
   Evt2Decoder evt2_;
   Evt3Decoder evt3_;
-  EvtCounts libcaer_cmp_;
+  EvtCounts other_counts_;  ///< of the other encodings
+  EvtTriggers triggers_;    ///< of the encoding trigger
 };
 
 }  // namespace saccade

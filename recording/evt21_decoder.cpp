@@ -32,6 +32,9 @@ EvtStep Evt21Decoder::run(std::string_view bytes, std::span<Event> out) {
     } else if (type == 0x8) {
       timed_ = true;
       t_us_ = (high_.extend(static_cast<std::int64_t>(word >> 32 & 0xfffffff)) << 6) + offset_us_;
+    } else if (type == 0xa && timed_) {
+      triggers_.found(t_us_ + static_cast<std::int64_t>(word >> 54 & 0x3f), word >> 40 & 0x1f,
+                      (word >> 32 & 1) != 0, counts_);
     } else if (type == 0xa) {
       ++counts_.triggers;
     } else if (type >= 0xe) {

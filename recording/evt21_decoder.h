@@ -34,11 +34,13 @@ class Evt21Decoder {
   [[nodiscard]] EvtStep run(std::string_view bytes, std::span<Event> out);
 
   [[nodiscard]] const EvtCounts& counts() const { return counts_; }
+  [[nodiscard]] EvtTriggers& triggers() { return triggers_; }
 
  private:
   std::int64_t offset_us_;
   Evt21Order order_;
   EvtCounts counts_;
+  EvtTriggers triggers_;
   bool timed_ = false;     ///< from the first time on
   std::int64_t t_us_ = 0;  ///< without the lower 6 bits
   WrappingTime high_ = evt2_high();

@@ -24,6 +24,8 @@ EvtStep Evt2Decoder::run(std::string_view bytes, std::span<Event> out) {
     } else if (type == 0x8) {
       timed_ = true;
       t_us = (high_.extend(word & 0xfffffff) << 6) + offset_us_;
+    } else if (type == 0xa && timed_) {
+      triggers_.found(t_us + (word >> 22 & 0x3f), word >> 8 & 0x1f, (word & 1) != 0, counts_);
     } else if (type == 0xa) {
       ++counts_.triggers;
     } else if (type >= 0xd) {

@@ -28,10 +28,12 @@ class Evt2Decoder {
   [[nodiscard]] EvtStep run(std::string_view bytes, std::span<Event> out);
 
   [[nodiscard]] const EvtCounts& counts() const { return counts_; }
+  [[nodiscard]] EvtTriggers& triggers() { return triggers_; }
 
  private:
   std::int64_t offset_us_;
   EvtCounts counts_;
+  EvtTriggers triggers_;
   bool timed_ = false;     ///< from the first time on
   std::int64_t t_us_ = 0;  ///< without the lower 6 bits
   WrappingTime high_ = evt2_high();

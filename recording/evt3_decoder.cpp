@@ -84,7 +84,8 @@ EvtStep Evt3Decoder::run(std::string_view bytes, std::span<Event> out) {
       t_us = t_us_;
       high_us = high_us_;
     } else {
-      skip(type);
+      t_us_ = t_us;
+      skip(word);
     }
     ++i;
   }
@@ -133,15 +134,18 @@ std::size_t Evt3Decoder::begin(std::string_view bytes) {
         set_high(word & 0xfff);
         break;
       default:
-        skip(type);
+        skip(word);
     }
   }
   return i;
 }
 
-/// Counts a word that has no part in events.
-void Evt3Decoder::skip(unsigned type) {
-  if (type == trigger) {
+/// Takes a word that has no part in events.
+void Evt3Decoder::skip(std::uint16_t word) {
+  const unsigned type = word >> 12u;
+  if (type == trigger && timed_) {
+    triggers_.found(t_us_, word >> 8u & 0xfu, (word & 1u) != 0, counts_);
+  } else if (type == trigger) {
     ++counts_.triggers;
   } else if (type == continued_4 || type == others || type == continued_12) {
     ++counts_.other_words;

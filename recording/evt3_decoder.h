@@ -28,16 +28,18 @@ class Evt3Decoder {
   [[nodiscard]] EvtStep run(std::string_view bytes, std::span<Event> out);
 
   [[nodiscard]] const EvtCounts& counts() const { return counts_; }
+  [[nodiscard]] EvtTriggers& triggers() { return triggers_; }
 
  private:
   static constexpr std::uint32_t on_bit = 1u << 16;
 
   std::size_t begin(std::string_view bytes);
-  void skip(unsigned type);
+  void skip(std::uint16_t word);
   void set_high(std::int64_t value);
 
   std::int64_t offset_us_;
   EvtCounts counts_;
+  EvtTriggers triggers_;
   bool timed_ = false;
   bool begun_ = false;  ///< from the first row after the first time on
   std::int64_t t_us_ = 0;

@@ -29,6 +29,7 @@ class EvtReader final : public BlockReader {
   EvtReader(InputFile file, const PropheseeHeader& header, const EventReadOptions& options, std::string name,
             Rest... rest)
       : BlockReader(std::move(file)), decoder_(offset_of(header), rest...), name_(std::move(name)) {
+    decoder_.triggers().pass_to(options.others, std::filesystem::path(file_.name()).filename().string());
     const std::optional<ImageSize> size = header.image_size();
     image_size_ = size ? size : options.image_size;
   }

@@ -7,7 +7,10 @@
 namespace saccade {
 
 MessageReader::MessageReader(InputFile file, std::string container, const EventReadOptions& options)
-    : BlockReader(std::move(file)), container_(std::move(container)), size_option_(options.image_size) {}
+    : BlockReader(std::move(file)),
+      container_(std::move(container)),
+      size_option_(options.image_size),
+      others_(options.others) {}
 
 std::optional<ImageSize> MessageReader::image_size() const {
   for (const auto& [id, topic] : topics_) {
@@ -56,7 +59,7 @@ void MessageReader::read_ahead() {
 void MessageReader::add_topic(std::uint32_t id, const std::string& name, const std::string& type,
                               Serialisation serialisation) {
   if (topics_.contains(id)) return;
-  Topic topic{name, type, std::nullopt, 0, 0};
+  Topic topic{name, type, std::nullopt, wanted_sensor_message(others_, type), serialisation, 0, 0};
   if (const auto message = event_message_type(type)) {
     const auto has = [&](std::uint8_t camera) {
       return std::ranges::any_of(topics_, [camera](const auto& other) {
@@ -66,7 +69,7 @@ void MessageReader::add_topic(std::uint32_t id, const std::string& name, const s
     const bool is_right = name.find("right") != std::string::npos;
     const bool is_left = name.find("left") != std::string::npos;
     topic.camera = is_right || (!is_left && has(0)) ? 1 : 0;
-    if (!has(topic.camera)) topic.decoder.emplace(*message, serialisation);
+    if (!has(topic.camera)) topic.decoder.emplace(*message, serialisation, others_, name);
     queues_[topic.camera].has_topic = true;
   }
   topics_.emplace(id, std::move(topic));
@@ -76,12 +79,17 @@ bool MessageReader::wants(std::uint32_t id) {
   const auto topic = topics_.find(id);
   if (topic == topics_.end())
     file_.fail("a message of the unknown topic " + std::to_string(id), "a topic that is announced before");
-  if (!topic->second.decoder) ++topic->second.skipped;
-  return topic->second.decoder.has_value();
+  const bool is_wanted = topic->second.decoder || topic->second.sensor;
+  if (!is_wanted) ++topic->second.skipped;
+  return is_wanted;
 }
 
 void MessageReader::take(std::uint32_t id, std::string_view message, std::uint64_t host_ns) {
   Topic& topic = topics_.at(id);
+  if (!topic.decoder) {
+    keep(read_sensor_message(*topic.sensor, topic.serialisation, message, topic.name, *others_));
+    return;
+  }
   Queue& queue = queues_[topic.camera];
   if (queue.next > queue.size()) {
     queue.events.erase(queue.events.begin(), queue.events.begin() + static_cast<std::ptrdiff_t>(queue.next));
@@ -94,6 +102,10 @@ void MessageReader::take(std::uint32_t id, std::string_view message, std::uint64
     const std::int64_t ahead_us = static_cast<std::int64_t>(host_ns / 1000) - queue.events.back().t_us;
     host_ahead_us_ = std::min(ahead_us, host_ahead_us_.value_or(ahead_us));
   }
+  keep(broken);
+}
+
+void MessageReader::keep(const std::optional<BrokenMessage>& broken) {
   if (!broken) return;
   try {
     file_.fail(broken->found, broken->expected);

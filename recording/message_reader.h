@@ -11,6 +11,7 @@
 
 #include "recording/block_reader.h"
 #include "recording/event_message.h"
+#include "recording/sensor_message.h"
 #include "recording/unpacked_part.h"
 
 namespace saccade {
@@ -18,7 +19,7 @@ namespace saccade {
 /// Base of the readers of files that hold ROS messages on topics, in parts that may be compressed.
 ///
 /// The first topic with events is camera 0, a second one camera 1; a topic with `right` in its name is always camera 1, one
-/// with `left` camera 0. Messages of further topics with events and of other types are skipped and counted. The events
+/// with `left` camera 0. Messages of further topics with events and of types that nobody wants are skipped and counted. The events
 /// of two cameras are merged by time, camera 0 first where times are equal; each camera keeps its order. A camera is
 /// not waited for once 2^18 events of the other one have been read ahead.
 class MessageReader : public BlockReader {
@@ -36,7 +37,7 @@ class MessageReader : public BlockReader {
   /// `container`: for format().
   MessageReader(InputFile file, std::string container, const EventReadOptions& options);
 
-  /// Reads on until a message of events was passed to take(); false at the end of the file. Throws InputError for broken
+  /// Reads on until a message that wants() accepted was passed to take(); false at the end of the file. Throws InputError for broken
   /// content.
   virtual bool next() = 0;
 
@@ -60,7 +61,9 @@ class MessageReader : public BlockReader {
  private:
   struct Topic {
     std::string name, type;
-    std::optional<EventMessageDecoder> decoder;  ///< none: its messages are skipped
+    std::optional<EventMessageDecoder> decoder;
+    std::optional<SensorMessageType> sensor;  ///< without a decoder and this its messages are skipped
+    Serialisation serialisation = Serialisation::ros1;
     std::uint8_t camera = 0;
     std::int64_t skipped = 0;
   };
@@ -73,9 +76,12 @@ class MessageReader : public BlockReader {
   };
 
   [[nodiscard]] bool needs_message() const;
+  /// What is broken is told after the events before it.
+  void keep(const std::optional<BrokenMessage>& broken);
 
   std::string container_;
   std::optional<ImageSize> size_option_;
+  OtherRecords* others_;
   std::string compression_;
   std::map<std::uint32_t, Topic> topics_;
   std::array<Queue, 2> queues_;  ///< by camera

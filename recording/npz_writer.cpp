@@ -18,7 +18,7 @@ using detail::npy_header;
 using detail::zip_end;
 using detail::ZipEntry;
 
-constexpr std::size_t header_bytes = 192;  ///< of the array of events, with room for the number of rows
+constexpr std::size_t npy_header_bytes = 192;  ///< of the array of events, with room for the number of rows
 constexpr int deflate_level = 1;
 constexpr std::size_t output_bytes = 1 << 16;
 constexpr std::size_t most_pending_bytes = 1 << 18;
@@ -92,7 +92,7 @@ class NumpyWriter final : public EventWriter {
   [[nodiscard]] std::string events_header() const {
     const std::string camera = cameras_ > 1 ? ", ('camera', '|u1')" : "";
     return npy_header("[('x', '<u2'), ('y', '<u2'), ('t', '<i8'), ('p', '|b1')" + camera + "]",
-                      std::to_string(rows_) + ",", header_bytes);
+                      std::to_string(rows_) + ",", npy_header_bytes);
   }
 
   void begin_zip() {
@@ -109,8 +109,8 @@ class NumpyWriter final : public EventWriter {
     // is there: type of the block, length, its complement.
     data_place_ = offset_;
     std::string block(1, '\0');
-    append_little(block, static_cast<std::uint16_t>(header_bytes));
-    append_little(block, static_cast<std::uint16_t>(~header_bytes));
+    append_little(block, static_cast<std::uint16_t>(npy_header_bytes));
+    append_little(block, static_cast<std::uint16_t>(~npy_header_bytes));
     put(block);
     header_place_ = offset_;
   }
@@ -128,7 +128,7 @@ class NumpyWriter final : public EventWriter {
 
   void finish_zip() {
     events_entry_.stored = offset_ - data_place_;
-    events_entry_.unpacked = header_bytes + rows_bytes_;
+    events_entry_.unpacked = npy_header_bytes + rows_bytes_;
     events_entry_.crc = static_cast<std::uint32_t>(
         crc32_combine(crc_of(events_header()), rows_crc_, static_cast<z_off_t>(rows_bytes_)));
     replace(events_entry_.place, events_entry_.local_header());

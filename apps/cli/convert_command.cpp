@@ -14,6 +14,7 @@
 #include "recording/number_text.h"
 #include "recording/output_file.h"
 #include "session/interrupt.h"
+#include "session/other_records_files.h"
 #include "session/progress.h"
 
 namespace saccade {
@@ -24,6 +25,7 @@ struct ConvertOptions : ReadOptions {
   ConversionConfig conversion;
   std::string polarity = "both";
   std::string filter;
+  std::string also;
   bool force = false;
 };
 
@@ -45,6 +47,8 @@ int convert(const ConvertOptions& options, const FormatRegistry& formats) {
       throw InputError("--filter", options.filter, "hot, background, or hot,background");
     }
   }
+  std::optional<OtherRecordsFiles> others;
+  if (!options.also.empty()) config.read.others = &others.emplace(options.out, options.also, options.force);
   catch_interrupts();
   std::array<Progress, 2> progress = {Progress(0.0), Progress(0.0)};
   const auto show = [&](bool second_pass, std::int64_t events) {
@@ -57,6 +61,8 @@ int convert(const ConvertOptions& options, const FormatRegistry& formats) {
   };
   const ConversionResult result = convert_recording(formats, recording, options.out, config, show);
   fmt::print("{}: {} events\n", options.out.string(), result.events);
+  if (others)
+    for (const std::string& line : others->commit()) fmt::print("{}\n", line);
   const auto removed = [](std::int64_t events, const char* why) {
     if (events > 0) fmt::print("removed: {} {}\n", events, why);
   };
@@ -121,6 +127,10 @@ void add_convert_command(CommandLine& line, const Registry& registry) {
                  "hot: remove pixels with 100 events or more and over 10 times the mean of their neighbours; "
                  "background: "
                  "remove events without one of a neighbouring pixel in the 10 ms before; or hot,background");
+  command.option(
+      "--also", options->also,
+      "frames,imu,triggers or some of them: write what the recording holds besides events into OUT.frames/, "
+      "OUT.imu.csv and OUT.triggers.csv, OUT without its extension; AEDAT 2 and 4, RAW, bags, MCAP");
   command.option("--decimate", config.decimate,
                  "Of the events of each pixel and polarity keep every N-th, from the first on");
   command.flag("--invert", config.invert, "ON becomes OFF and OFF becomes ON");

@@ -270,6 +270,50 @@ TEST_F(Recordings, ConvertReplacesAFileThatExistsWithForceOnly) {
   EXPECT_EQ(read_file(at("out.log")), few_);
 }
 
+/// A recording of a DAVIS240 with an event, a frame and a trigger.
+std::string davis_recording() {
+  std::string bytes = "#!AER-DAT2.0\r\n# AEChip: eu.seebetter.ini.chips.davis.DAVIS240C\r\n";
+  const auto add = [&](std::uint32_t address, std::uint32_t t_us) {
+    for (const std::uint32_t word : {address, t_us})
+      for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(word >> shift & 0xffu);
+  };
+  add(1u << 11, 5);
+  for (std::uint32_t cycle = 0; cycle < 2; ++cycle)
+    for (std::uint32_t pixel = 0; pixel < 240 * 180; ++pixel)
+      add(1u << 31 | pixel / 240 << 22 | pixel % 240 << 12 | cycle << 10 | 500 * (1 - cycle), 10 + cycle);
+  add(1u << 10 | 3, 12);
+  return bytes;
+}
+
+TEST_F(Recordings, ConvertAlsoWritesFramesReadingsAndTriggers) {
+  folder_.write("in.aedat", davis_recording());
+  const std::string call = "convert " + at("in.aedat") + " " + at("out.npz") + " --also frames,imu,triggers ";
+  const Outcome outcome = saccade(call);
+  ASSERT_EQ(outcome.status, 0) << outcome.text;
+  EXPECT_EQ(outcome.text, at("out.npz") + ": 1 events\n" + at("out.frames") + ": 1 frames\n" +
+                              "no inertial readings in the recording\n" + at("out.triggers.csv") +
+                              ": 1 triggers\n");
+  EXPECT_EQ(bytes_of(at("out.triggers.csv")), "t_us,channel,kind,source\n12,0,rising,DAVIS\n");
+  EXPECT_EQ(bytes_of(at("out.frames/frames.csv")),
+            "file,t_us,begin_us,end_us,x,y,source\n000000.png,10,10,11,0,0,DAVIS\n");
+  // A PNG of 240 x 180 with 16 bits of grey.
+  EXPECT_EQ(bytes_of(at("out.frames/000000.png")).substr(0, 26),
+            std::string("\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\0\xf0\0\0\0\xb4\x10\0", 26));
+  EXPECT_FALSE(std::filesystem::exists(at("out.imu.csv")));
+
+  std::filesystem::remove(at("out.npz"));
+  EXPECT_THAT(saccade(call).text, HasSubstr("out.triggers.csv: found a file that exists"));
+  std::filesystem::remove(at("out.triggers.csv"));
+  EXPECT_THAT(saccade(call).text, HasSubstr("out.frames: found a folder that exists"));
+  EXPECT_FALSE(std::filesystem::exists(at("out.npz")));
+  EXPECT_EQ(saccade(call + "--force").status, 0);
+  std::filesystem::remove(at("out.frames/frames.csv"));
+  EXPECT_THAT(saccade(call + "--force").text, HasSubstr("expected a folder of frames to replace"));
+  EXPECT_TRUE(std::filesystem::exists(at("out.frames/000000.png"))) << "a folder of others is left alone";
+  EXPECT_THAT(saccade("convert " + at("in.aedat") + " " + at("b.npz") + " --also frames,sound").text,
+              HasSubstr("expected some of frames,imu,triggers"));
+}
+
 TEST_F(Recordings, ARecordingWithoutImageSizeIsNamedTogetherWithTheOptionThatSetsIt) {
   folder_.write("plain.txt", "10 3 4 1\n20 3 4 0\n");
   const Outcome outcome = saccade("detect " + at("plain.txt") + " --out " + at("run"));
