@@ -267,6 +267,7 @@ void DeploySession::stop(const Fault& fault) {
   const std::int64_t took_us = robot_.clock().now_us() - fault.since_us;
   for (Overseer* const overseer : overseers_) overseer->stopped();
   robot_.release();
+  for (Overseer* const overseer : overseers_) overseer->released();
   last_stop_ = fault;
   change(DeployState::stopped, fault, took_us, {});
 }

@@ -79,8 +79,10 @@ class Overseer {
   virtual void activating() {}
   /// From now on the head moves, as long as ticks come.
   virtual void activated() {}
-  /// The head got its stop command; releasing it may take long.
+  /// The stop command is on its way to the head; releasing it may take long.
   virtual void stopped() {}
+  /// The head is released, so the stop has reached it as far as there is a connection.
+  virtual void released() {}
 };
 
 /// Requests of an operator, carried out at the next tick. May be called from any thread.

@@ -74,7 +74,7 @@ void GuardLink::activated() {
   board_.moving = activation_;
 }
 
-void GuardLink::stopped() { board_.moving = 0; }
+void GuardLink::released() { board_.moving = 0; }
 
 GuardWatch::Action GuardWatch::look(const GuardBoard& board, std::int64_t now_ns) {
   const std::uint64_t moving = board.moving.load(std::memory_order_acquire);

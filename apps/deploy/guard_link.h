@@ -42,7 +42,8 @@ class GuardLink final : public Overseer {
   [[nodiscard]] bool protects() const override { return guarded_; }
   void activating() override;
   void activated() override;
-  void stopped() override;
+  /// Not before: a deploy that is killed after its stop command and before a thread has sent it leaves the head to the guard.
+  void released() override;
 
   /// Whether a guard that can stop the head, and that stops it after the same time, looks at the board now.
   [[nodiscard]] bool has_guard() const;

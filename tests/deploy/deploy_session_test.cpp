@@ -614,17 +614,20 @@ class ScriptedOverseer final : public Overseer {
   void activating() override { order += "activating "; }
   void activated() override { order += "activated "; }
   void stopped() override { order += "stopped "; }
+  void released() override { order += robot->is_active ? "too early " : "released "; }
 
   int ticks = 0;
   std::optional<Fault> demanded;
   std::string reason;
   std::string order;
+  const FakeDeployed* robot = nullptr;
 };
 
 TEST(DeployOverseer, CanRefuseActivationAndStopTheHead) {
   ScriptedOverseer overseer;
   overseer.reason = "no guard";
   Trial trial({}, {.overseer = &overseer});
+  overseer.robot = trial.fake;
   trial.activate();
   ASSERT_TRUE(trial.run_until(10'000));
   EXPECT_EQ(trial.session->not_activated(), "no guard");
@@ -640,7 +643,7 @@ TEST(DeployOverseer, CanRefuseActivationAndStopTheHead) {
   EXPECT_EQ(trial.fake->stops, 1);
   EXPECT_EQ(trial.session->last_stop()->description(), "no sign of the guard for 41.0 ms");
   EXPECT_NEAR(static_cast<double>(trial.notes.changes.back().took_us), 41e3, 1.0);
-  EXPECT_EQ(overseer.order, "activating activated stopped ");
+  EXPECT_EQ(overseer.order, "activating activated stopped released ");
   EXPECT_EQ(overseer.ticks, static_cast<int>(trial.notes.ticks.size()));
 }
 

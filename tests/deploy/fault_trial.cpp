@@ -103,7 +103,7 @@ class ModelGuard final : public Overseer {
     on_tick();
     board_.moving = ++activation_;
   }
-  void stopped() override { board_.moving = 0; }
+  void released() override { board_.moving = 0; }
 
  private:
   static constexpr std::int64_t bound_ns = 35'000'000;  // WatchdogConfig::hang_ms

@@ -161,6 +161,8 @@ TEST(GuardLink, AfterAStopByTheGuardTheHeadNeedsANewActivation) {
   ASSERT_TRUE(link.fault());
   EXPECT_EQ(link.fault()->cause, StopCause::guard_stops);
   link.stopped();
+  EXPECT_NE(board.moving, 0u) << "the stop may not have been sent";
+  link.released();
   EXPECT_EQ(board.moving, 0u);
   link.activating();
   link.activated();

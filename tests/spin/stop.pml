@@ -3,10 +3,12 @@
  *
  * Time passes in steps of 10 ms, in each of which every thread that can run does its work once, in any order and interleaved. The
  * environment kills deploy, halts and continues it, lets the tick hang at any point and go on, silences the camera or kills the guard:
- * one of them, FAULTS in all. The board's own watchdog is left out.
+ * FAULTS of them in all, but no deploy that dies or is halted while its guard is dead: no program would be left. The board's own
+ * watchdog is left out.
  *
  * Checked in every state:
- *   bound  while the head follows references, the newest tick, packet and look of the guard are at most BOUND old;
+ *   bound  the head follows references for at most LATER steps while the newest tick, packet or look of the guard is older than
+ *          BOUND: 0 for one fault; with two the second can hide the first for another HANG;
  *   rest   no reference takes effect after a stop until an operator activates the head.
  * tests/spin/check.py verifies both, and that one fails where MUTANT takes a part away. */
 #ifndef MUTANT
@@ -17,6 +19,9 @@
 #define CAMERA 6 /* camera_silent_ms: 60 */
 #ifndef BOUND
 #define BOUND 9 /* below safe_within_ms: 100 */
+#endif
+#ifndef LATER
+#define LATER 0
 #endif
 #define OLD 13   /* ages are counted up to here */
 #ifndef FAULTS
@@ -36,6 +41,7 @@ byte wanted;
 byte follows;                                    /* the board: number of the activation, 0 for none */
 bool moves, at_rest;                             /* a reference took effect; a stop did, after it */
 bool ticked, sent, watched, looked;              /* in this step */
+byte overdue;                                    /* steps for which the head has followed references beyond BOUND */
 
 #define runs (!dead && !halted)
 #define ticks (runs && !hung)
@@ -47,17 +53,20 @@ proctype Tick() {
   do
   :: d_step { ticks && !ticked -> gap = tick_age; tick_age = 0 }
      if
-     :: d_step { ticks && commands && fault -> commands = (MUTANT == 6); moving = 0; armed = false; stops = true; ticked = true }
+     :: d_step { ticks && commands && fault -> commands = (MUTANT == 6); armed = false; stops = true; ticked = true;
+                 wanted = (MUTANT == 6 -> wanted : 0);
+                 moving = (MUTANT == 7 -> 0 : moving) }
+     :: d_step { ticks && !commands && moving != 0 -> moving = (follows == moving -> moving : 0); ticked = true } /* released? */
      :: d_step { ticks && commands && !fault -> skip }
         d_step { ticks -> stops = false; has_reference = true; ticked = true }
-     :: d_step { ticks && !commands && activation < ACTIVATIONS && guard_age <= HANG && camera_age <= CAMERA && gap <= LATE ->
-                 moving = 0; activation++; armed = false; fired = false }
+     :: d_step { ticks && !commands && moving == 0 && activation < ACTIVATIONS && guard_age <= HANG && camera_age <= CAMERA && gap <= LATE ->
+                 activation++; armed = false; fired = false }
         d_step { ticks -> stops = false; halts = false; has_reference = false; wanted = activation }
         if
         :: d_step { ticks && follows == activation -> tick_age = 0; moving = activation; armed = true; commands = true; ticked = true }
         :: d_step { ticks && follows != activation -> wanted = 0; ticked = true } /* no answer in time */
         fi
-     :: d_step { ticks && !commands -> ticked = true }
+     :: d_step { ticks && !commands && moving == 0 -> ticked = true }
      fi
   od
 }
@@ -121,16 +130,19 @@ proctype Board() {
   od
 }
 
+/* The head follows nothing and will not. */
+#define idle (follows == 0 && empty(wire) && !commands)
+
 proctype Environment() {
   byte left = FAULTS;
   do
-  :: d_step { left > 0 && !dead && (!guard_dead || !moves) -> dead = true; left-- }
-  :: d_step { left > 0 && runs && (!guard_dead || !moves) -> halted = true; left-- }
+  :: d_step { left > 0 && !dead && (!guard_dead || idle) -> dead = true; left-- }
+  :: d_step { left > 0 && runs && (!guard_dead || idle) -> halted = true; left-- }
   :: d_step { halted -> halted = false }
   :: d_step { left > 0 && !hung -> hung = true; left-- }
   :: d_step { hung -> hung = false }
   :: d_step { left > 0 && !camera_off -> camera_off = true; left-- }
-  :: d_step { left > 0 && !guard_dead && (runs || !moves) -> guard_dead = true; left-- }
+  :: d_step { left > 0 && !guard_dead && (runs || idle) -> guard_dead = true; left-- }
   od
 }
 
@@ -142,7 +154,8 @@ proctype Time() {
               older(tick_age); older(guard_age);
               if :: camera_off -> older(camera_age) :: else -> camera_age = 0 fi;
               ticked = false; sent = false; watched = false; looked = false;
-              assert(!moves || (tick_age <= BOUND && camera_age <= BOUND && guard_age <= BOUND));
+              overdue = (moves && (tick_age > BOUND || camera_age > BOUND || guard_age > BOUND) -> overdue + 1 : 0);
+              assert(overdue <= LATER);
               assert(MUTANT != 9 || !(moves && activation == ACTIVATIONS)) /* 9: the head moves again after a stop */
             }
   od
