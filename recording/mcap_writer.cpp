@@ -6,12 +6,10 @@
 namespace saccade {
 namespace {
 
-constexpr std::int64_t largest_stamp_us = 2147483647LL * 1'000'000;  ///< i32 s
-
 class McapWriter final : public MessageWriter {
  public:
   McapWriter(const std::filesystem::path& path, ImageSize image_size, int cameras)
-      : MessageWriter(path, image_size, cameras, largest_stamp_us), mcap_(file_, "ros2") {
+      : MessageWriter(path, image_size, cameras, largest_ros2_stamp_us), mcap_(file_, "ros2") {
     const std::uint16_t schema = mcap_.add_schema("event_camera_msgs/msg/EventPacket", "ros2msg",
                                                   event_packet_definition(Serialisation::cdr));
     for (int camera = 0; camera < cameras; ++camera)

@@ -62,6 +62,9 @@ class MessageWriter : public EventWriter {
   std::array<Side, 2> sides_;  ///< by camera
 };
 
+/// The latest time that a ROS 2 message's stamp holds: i32 s.
+inline constexpr std::int64_t largest_ros2_stamp_us = 2147483647LL * 1'000'000;
+
 /// Throws InputError for an image whose rows an EventPacket of encoding mono cannot number.
 void check_packet_size(const std::filesystem::path& path, ImageSize image_size);
 

@@ -150,17 +150,25 @@ RecordingFormat ros2_bag_format() {
   RecordingFormat format;
   format.name = "ROS 2 bag";
   format.extensions = {".db3"};
-  format.folder_mark = "metadata.yaml";
+  format.folder_mark = ros2_metadata_name;
   format.sniff = [](const FileStart& start) { return start.begins_with(sqlite_mark); };
   format.open = [](InputFile file, const EventReadOptions& options) -> std::unique_ptr<EventReader> {
     return std::make_unique<Ros2BagReader>(std::move(file), options);
   };
+  format.create = create_ros2_bag;
+  format.companions = ros2_bag_companions;
+  format.cameras = 2;
   format.reads =
       "SQLite, with ROS 2's (CDR) messages of the types read from bags; ZSTD by message; a folder with "
       "`metadata.yaml` and "
       "one `.db3` or `.mcap` file";
+  format.writes =
+      "SQLite, the messages and topics of MCAP; as `NAME/NAME_0.db3` with `metadata.yaml`, so that the "
+      "folder "
+      "NAME is a bag";
   format.time = "ns, to the nearest us; evt2 34, evt3 24 bits of us";
   format.axes = "top left, 1 is ON";
+  format.limits = "y below 32768, times from 0 to 2^31 s";
   return format;
 }
 

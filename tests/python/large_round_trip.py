@@ -23,7 +23,7 @@ import saccade
 
 START_US = 1_700_000_000_000_000
 BLOCK = 1 << 20  # events that are compared at a time
-NAMES = "a.npz,a.npy,a.bag,a.packets.bag,a.mcap"
+NAMES = "a.npz,a.npy,a.bag,a.packets.bag,a.mcap,a.db3"
 
 
 def long_recording(paths, count):
@@ -91,12 +91,9 @@ class Comparison:
 
 def read_by_reference(path, events):
     """The reference readers deliver the messages of two topics in turns, so each camera is compared by itself."""
-    script = {".bag": "read_bag.cjs", ".mcap": "read_mcap.cjs"}.get(path.suffix, "read_array.py")
+    script = {".bag": "read_bag.cjs", ".mcap": "read_mcap.cjs", ".db3": "read_ros2_bag.py"}.get(path.suffix, "read_array.py")
     comparison = Comparison(events, in_order=script == "read_array.py")
-    if script == "read_array.py":
-        process = subprocess.Popen([sys.executable, reference_readers.SCRIPTS / script, path], stdout=subprocess.PIPE)
-    else:
-        process = reference_readers.start(script, path, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+    process = reference_readers.start(script, path, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
     measured = Measured(process)
     while records := process.stdout.read(BLOCK * saccade.event_dtype.itemsize):
         comparison.add(reference_readers.events_of(records))

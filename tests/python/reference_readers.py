@@ -4,6 +4,7 @@ import os
 import pathlib
 import shutil
 import subprocess
+import sys
 
 import numpy as np
 import saccade
@@ -18,7 +19,8 @@ def are_installed():
 
 
 def start(script, *arguments, stdout, stderr):
-    return subprocess.Popen(["node", SCRIPTS / script, *map(str, arguments)], stdout=stdout, stderr=stderr,
+    interpreter = sys.executable if script.endswith(".py") else "node"
+    return subprocess.Popen([interpreter, SCRIPTS / script, *map(str, arguments)], stdout=stdout, stderr=stderr,
                             env={**os.environ, "NODE_PATH": str(MODULES)})
 
 

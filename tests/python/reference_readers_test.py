@@ -1,4 +1,5 @@
-"""Written files read by the readers of other projects, and theirs read by saccade: NumPy, @foxglove/rosbag, @mcap/core."""
+"""Written files read by the readers of other projects, and theirs read by saccade: NumPy, @foxglove/rosbag, @mcap/core, and Python's
+sqlite3 with a parser of CDR."""
 
 import subprocess
 
@@ -8,9 +9,9 @@ import reference_readers
 import saccade
 
 
-def node(script, *arguments):
+def read_by(script, *arguments):
     """The events that a script read, and its last line."""
-    if not reference_readers.are_installed():
+    if script.endswith(".cjs") and not reference_readers.are_installed():
         pytest.skip("NOT TESTED: the readers of bags and MCAP files of other projects, node or their packages are missing; "
                     "scripts/setup --all installs them")
     process = reference_readers.start(script, *arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
@@ -34,7 +35,7 @@ def random_events(count=60_000):
 def test_foxglove_rosbag_reads_our_bags(tmp_path, name, kind):
     events = random_events()
     saccade.write(tmp_path / name, events, size=(304, 240))
-    read, last = node("read_bag.cjs", tmp_path / name)
+    read, last = read_by("read_bag.cjs", tmp_path / name)
     assert np.array_equal(read, events)
     assert last.rsplit(" ", 1)[0] == kind
 
@@ -42,22 +43,32 @@ def test_foxglove_rosbag_reads_our_bags(tmp_path, name, kind):
 def test_mcap_core_reads_our_files_by_their_index(tmp_path):
     events = random_events()
     saccade.write(tmp_path / "a.mcap", events, size=(304, 240))
-    read, last = node("read_mcap.cjs", tmp_path / "a.mcap")
+    read, last = read_by("read_mcap.cjs", tmp_path / "a.mcap")
     assert np.array_equal(read, events)
     assert last.startswith("/event_camera/events event_camera_msgs/msg/EventPacket")
+
+
+def test_pythons_sqlite3_reads_our_ros2_bags(tmp_path):
+    events = random_events()
+    saccade.write(tmp_path / "a.db3", events, size=(304, 240))
+    read, last = read_by("read_ros2_bag.py", tmp_path / "a.db3")
+    assert np.array_equal(read, events)
+    assert last.startswith("/event_camera/events event_camera_msgs/msg/EventPacket ")
 
 
 @pytest.mark.parametrize("name, script, topics", [
     ("a.bag", "read_bag.cjs", "/dvs/left/events,/dvs/right/events dvs_msgs/EventArray"),
     ("a.packets.bag", "read_bag.cjs", "/dvs/left/events,/dvs/right/events event_camera_msgs/EventPacket"),
     ("a.mcap", "read_mcap.cjs",
+     "/event_camera/left/events,/event_camera/right/events event_camera_msgs/msg/EventPacket"),
+    ("a.db3", "read_ros2_bag.py",
      "/event_camera/left/events,/event_camera/right/events event_camera_msgs/msg/EventPacket")])
 def test_two_cameras_are_two_topics_for_the_reference_readers(tmp_path, name, script, topics):
     events = random_events()
     events["camera"] = np.arange(len(events)) % 3 == 0
     events = events[np.lexsort((events["camera"], events["t"]))]
     saccade.write(tmp_path / name, events, size=(304, 240))
-    read, last = node(script, tmp_path / name)
+    read, last = read_by(script, tmp_path / name)
     for camera in (0, 1):
         assert np.array_equal(read[read["camera"] == camera], events[events["camera"] == camera])
     assert last.rsplit(" ", 1)[0] == topics
@@ -65,7 +76,7 @@ def test_two_cameras_are_two_topics_for_the_reference_readers(tmp_path, name, sc
 
 
 def test_a_file_of_mcap_core_is_read(tmp_path):
-    node("write_mcap.cjs", tmp_path / "a.mcap")
+    read_by("write_mcap.cjs", tmp_path / "a.mcap")
     events = saccade.read(tmp_path / "a.mcap")
     i = np.arange(1000)
     assert np.array_equal(events["t"], 1_000_000 + 7 * i)

@@ -129,7 +129,7 @@ class TwoCameras : public testing::TestWithParam<const char*> {
 };
 INSTANTIATE_TEST_SUITE_P(, TwoCameras,
                          testing::Values("e.aedat", "e.csv", "e.aedat4", "e.h5", "e.raw", "e.bag",
-                                         "e.packets.bag", "e.mcap"));
+                                         "e.packets.bag", "e.mcap", "e.db3"));
 
 TEST_P(TwoCameras, AreReadBackExactlyTogetherAndEachAlone) {
   const auto writer = create_event_file(path_, {128, 128}, 2);
@@ -187,7 +187,7 @@ TEST(EventFile, WritersThatCannotHoldTheTimesNameTheOptionThatMovesThem) {
         testing::ThrowsMessage<InputError>(HasSubstr("--zero-time of saccade convert")))
         << name;
   };
-  for (const char* name : {"a.bag", "a.packets.bag", "a.mcap", "a.log"}) expect_hint(name, -1293810339);
+  for (const char* name : {"a.bag", "a.packets.bag", "a.mcap", "a.db3", "a.log"}) expect_hint(name, -1293810339);
   expect_hint("a.aedat", 1605537493718345);
   expect_hint("a.aedat", -(std::int64_t{1} << 31) - 1);
   expect_hint("a.raw", std::int64_t{1} << 62);

@@ -44,20 +44,22 @@ TEST(FormatRegistry, TheTableInTheDocumentsIsThatOfTheRegistry) {
 TEST(FormatRegistry, ChoicesAndExtensionsAreThoseOfTheFormatsThatAreWritten) {
   const FormatRegistry formats = built_in_formats();
   EXPECT_THAT(formats.run_choices(),
-              ElementsAre("aedat", "aedat4", "bag", "csv", "h5", "log", "mcap", "npz", "raw"));
+              ElementsAre("aedat", "aedat4", "bag", "csv", "db3", "h5", "log", "mcap", "npz", "raw"));
   EXPECT_THAT(formats.run_choices(true),
-              ElementsAre("aedat", "aedat4", "bag", "csv", "log", "mcap", "npz", "raw"));
+              ElementsAre("aedat", "aedat4", "bag", "csv", "db3", "log", "mcap", "npz", "raw"));
   EXPECT_EQ(formats.written_extensions(),
-            ".aedat, .aedat4, .bag, .csv, .h5, .hdf5, .log, .mcap, .npy, .npz, .raw, .txt");
+            ".aedat, .aedat4, .bag, .csv, .db3, .h5, .hdf5, .log, .mcap, .npy, .npz, .raw, .txt");
   EXPECT_EQ(formats.written_extensions(2),
-            ".aedat, .aedat4, .bag, .csv, .h5, .hdf5, .log, .mcap, .npy, .npz, .raw, .txt");
+            ".aedat, .aedat4, .bag, .csv, .db3, .h5, .hdf5, .log, .mcap, .npy, .npz, .raw, .txt");
   EXPECT_THAT(formats.run_choices_for({128, 128}, 2),
-              ElementsAre("aedat", "aedat4", "bag", "csv", "h5", "log", "mcap", "npz", "raw"));
+              ElementsAre("aedat", "aedat4", "bag", "csv", "db3", "h5", "log", "mcap", "npz", "raw"));
   EXPECT_THAT(formats.run_choices_for({304, 240}, 2),
-              ElementsAre("aedat4", "bag", "csv", "h5", "log", "mcap", "npz", "raw"));
+              ElementsAre("aedat4", "bag", "csv", "db3", "h5", "log", "mcap", "npz", "raw"));
   EXPECT_EQ(formats.run_choices_for({304, 240}, 1), formats.run_choices());
   EXPECT_THAT(formats.files_of("a/b.log"), ElementsAre("a/b.log", "a/b.info.log"));
   EXPECT_THAT(formats.files_of("a/b.raw"), ElementsAre("a/b.raw", "a/b_right.raw"));
+  EXPECT_THAT(formats.files_of("a/a_0.db3"), ElementsAre("a/a_0.db3", "a/metadata.yaml"));
+  EXPECT_THAT(formats.files_of("a/events.db3"), ElementsAre("a/events.db3"));
 }
 
 TEST(FormatRegistry, TheNamesOfARunFolderIncludeTheEventFilesOfEveryFormat) {
@@ -109,7 +111,7 @@ TEST(FormatRegistry, MoreCamerasThanAFormatHoldsAreRejectedWithTheExtensionsThat
       },
       ThrowsMessage<InputError>(
           AllOf(HasSubstr("a.aedat4"), HasSubstr("found two cameras"),
-                HasSubstr("or one of .aedat, .bag, .csv, .h5, .hdf5, .log, .mcap, .npy, .npz, .raw, .txt"))));
+                HasSubstr("or one of .aedat, .bag, .csv, .db3, .h5, .hdf5, .log, .mcap, .npy, .npz, .raw, .txt"))));
   EXPECT_TRUE(std::filesystem::is_empty(folder / ""));
 }
 
@@ -175,7 +177,7 @@ TEST(FormatRegistry, AFormatOfOnesOwnIsReadWrittenAndListedLikeTheOthers) {
   writer->commit();
   EXPECT_EQ(read_all(*open_event_file(formats, folder / "a.dots")), events);
   EXPECT_THAT(formats.run_choices(), testing::Contains("dots"));
-  EXPECT_THAT(formats.written_extensions(), HasSubstr(".csv, .dots, .h5"));
+  EXPECT_THAT(formats.written_extensions(), HasSubstr(".csv, .db3, .dots, .h5"));
   EXPECT_THAT([&] { (void)open_event_file(formats, folder.write("b", "DOT")); },
               ThrowsMessage<InputError>(AllOf(HasSubstr("cut off"), HasSubstr("text or dots"))));
   EXPECT_THROW((void)create_event_file(folder / "a.dots", {9, 9}), InputError) << "the built-in formats";
