@@ -49,7 +49,7 @@ void describe(FieldVisitor& v, RobotFile& r) {
   v.text("description", r.description, "the robot, in a sentence");
   describe(v, r.robot);
   v.section(
-      "calibration", [&](FieldVisitor& w) { describe_calibration(w, r.calibration); },
+      "calibration", [&](FieldVisitor& w) { describe_calibration(w, r.calibration, 0); },
       "assumed calibration of the left camera");
   v.section(
       "head", [&](FieldVisitor& w) { describe_head(w, r.head); }, "the robot's head");

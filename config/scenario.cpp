@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "config/calibration_file.h"
 #include "config/cameras.h"
 #include "config/figure_path.h"
 #include "config/head_section.h"
@@ -69,9 +70,11 @@ MountedCamera calibration_default(const MountedCamera& mounted) {
   return checker.passed() ? mounted : MountedCamera{pinhole_camera(mounted.camera.size), mounted.mount};
 }
 
-void describe_calibration(FieldVisitor& v, MountedCamera& calibration, const MountedCamera& camera) {
+/// `side`: 0 for the left, 1 for the right camera.
+void describe_calibration(FieldVisitor& v, MountedCamera& calibration, const MountedCamera& camera,
+                          int side) {
   if (v.fills_defaults()) calibration = calibration_default(camera);
-  describe_calibration(v, calibration);
+  describe_calibration(v, calibration, side);
   v.require(calibration.camera.size == camera.camera.size, "width_px", in_words(calibration.camera.size),
             "the camera's image, " + in_words(camera.camera.size));
 }
@@ -183,12 +186,12 @@ void describe(FieldVisitor& v, Scenario& s) {
         "the right eye's camera, with the keys of camera");
   }
   v.section(
-      "calibration", [&](FieldVisitor& w) { describe_calibration(w, s.calibration, left); },
+      "calibration", [&](FieldVisitor& w) { describe_calibration(w, s.calibration, left, 0); },
       "assumed calibration of the left camera; by default the true one");
   if (s.sim.both_eyes()) {
     v.section(
         "right_calibration",
-        [&](FieldVisitor& w) { describe_calibration(w, s.right_calibration, s.sim.right); },
+        [&](FieldVisitor& w) { describe_calibration(w, s.right_calibration, s.sim.right, 1); },
         "assumed calibration of the right camera");
   }
   v.section(
@@ -375,8 +378,8 @@ std::string resolved_detectors(NamedDetectors detectors) {
   return writer.yaml();
 }
 
-MountedCamera read_calibration(const std::filesystem::path& path) {
-  const YamlTree tree = read_yaml_file(path);
+MountedCamera read_calibration(const std::filesystem::path& path, int camera) {
+  const YamlTree tree = read_calibration_file(path, camera);
   const std::string block = "calibration";
   std::vector<std::string> required = {block};
   for (const char* key :

@@ -127,9 +127,10 @@ struct RecordedDetectors {
 /// The detectors with every default, as YAML that reads back the same.
 [[nodiscard]] std::string resolved_detectors(NamedDetectors detectors);
 
-/// Reads the assumed calibration of a camera: the block `calibration` of a file that `saccade calibrate` wrote or that has the
-/// same keys; a key of the lens that is missing is an error. Throws InputError with everything that is wrong.
-[[nodiscard]] MountedCamera read_calibration(const std::filesystem::path& path);
+/// Reads the assumed calibration of the left camera (0) or the right one (1): the block `calibration` of a file of `saccade
+/// calibrate`, or a file of OpenCV, ROS or Kalibr (config/calibration_file.h); a key of the lens that is missing is an error.
+/// Throws InputError with everything that is wrong.
+[[nodiscard]] MountedCamera read_calibration(const std::filesystem::path& path, int camera = 0);
 
 /// A calibration as such a file.
 [[nodiscard]] std::string calibration_yaml(Calibration calibration);

@@ -56,9 +56,10 @@ void describe_name(FieldVisitor& v, std::string& name, std::string_view doc) {
             "the name of a folder: at most 64 bytes, without / and \\, no dot at its start");
 }
 
-void describe_calibration(FieldVisitor& v, MountedCamera& calibration) {
-  if (const auto file = v.file("file", "file of `saccade calibrate` with the values of the keys below"))
-    calibration = read_calibration(*file);
+void describe_calibration(FieldVisitor& v, MountedCamera& calibration, int camera) {
+  if (const auto file = v.file(
+          "file", "file with the values of the keys below, of `saccade calibrate`, OpenCV, ROS or Kalibr"))
+    calibration = read_calibration(*file, camera);
   describe(v, calibration);
 }
 

@@ -27,7 +27,8 @@ void describe_detectors(FieldVisitor& v, NamedDetectors& detectors);
 /// The key `name` of a scenario or robot file, which names its run folder as well.
 void describe_name(FieldVisitor& v, std::string& name, std::string_view doc);
 
-/// The keys of a calibration: `file`, which read_calibration() reads, then those of MountedCamera.
-void describe_calibration(FieldVisitor& v, MountedCamera& calibration);
+/// The keys of the calibration of the left camera (0) or the right one (1): `file`, which read_calibration() reads, then those
+/// of MountedCamera.
+void describe_calibration(FieldVisitor& v, MountedCamera& calibration, int camera);
 
 }  // namespace saccade

@@ -335,6 +335,10 @@ std::string YamlTree::place(TextMark mark, std::string_view path) const {
 }
 
 YamlTree read_yaml_file(const std::filesystem::path& path) {
+  return parse_yaml(read_yaml_text(path), path.string());
+}
+
+std::string read_yaml_text(const std::filesystem::path& path) {
   const std::string name = path.string();
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) throw InputError(name, "a folder", "a YAML file");
@@ -347,7 +351,7 @@ YamlTree read_yaml_file(const std::filesystem::path& path) {
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (stream.bad()) throw InputError(name, "a file that cannot be read", "a readable YAML file");
   text.resize(static_cast<std::size_t>(stream.gcount()));
-  return parse_yaml(text, name);
+  return text;
 }
 
 YamlTree parse_yaml(std::string_view text, std::string file) {

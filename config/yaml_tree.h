@@ -70,6 +70,8 @@ struct YamlTree {
 [[nodiscard]] YamlTree read_yaml_file(const std::filesystem::path& path);
 /// The same of a text; `file` is its name in messages.
 [[nodiscard]] YamlTree parse_yaml(std::string_view text, std::string file);
+/// The text of a file for parse_yaml(); of a longer one its first 1 MiB and a byte. Throws InputError.
+[[nodiscard]] std::string read_yaml_text(const std::filesystem::path& path);
 
 /// The tree with one key of its root alone; none without that key.
 [[nodiscard]] std::optional<YamlTree> block_of(const YamlTree& tree, std::string_view key);

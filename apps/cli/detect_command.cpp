@@ -76,7 +76,7 @@ void add_detect_command(CommandLine& line, const Registry& registry) {
   command.option("--joints", settings.joints,
                  "Joints of the head: joints.csv of a run folder, or a data dumper's log of its state port");
   command.option("--calibration", settings.calibration,
-                 "Assumed calibration of the camera (YAML, as calibrate writes it)");
+                 "Assumed calibration of the camera (YAML of calibrate, OpenCV, ROS or Kalibr)");
   Option folder = command.option("--out", settings.folder, "Folder for detections, scores and report");
   command.flag("--json", settings.json, "The scores as metrics.json on standard output").excludes(folder);
   add_web_option(command, options->web);
