@@ -491,10 +491,10 @@ TEST_F(Emulate, AnImpossibleOutputIsRejected) {
   const std::string run = "emulate " + path("ramp.npy") + " --preset ideal --fps 50 ";
   EXPECT_THAT(saccade(run + "--out " + path("e.csv") + " --labels " + path("e.csv")).text,
               HasSubstr("expected another file than the events'"));
-  EXPECT_THAT(
-      saccade(run + "--out " + path("e.mp4")).text,
-      HasSubstr(path("e.mp4") + ": found the extension .mp4, expected one of .aedat, .aedat4, .bag, .csv, .db3, "
-                                ".h5, .hdf5, .log, .mcap, .npy, .npz, .raw, .txt\n"));
+  EXPECT_THAT(saccade(run + "--out " + path("e.mp4")).text,
+              HasSubstr(path("e.mp4") +
+                        ": found the extension .mp4, expected one of .aedat, .aedat4, .bag, .csv, .db3, "
+                        ".h5, .hdf5, .log, .mcap, .npy, .npz, .raw, .txt\n"));
   EXPECT_EQ(saccade(run + "--out " + path("no/such/e.csv")).status, 1);
 }
 

@@ -187,7 +187,8 @@ TEST(EventFile, WritersThatCannotHoldTheTimesNameTheOptionThatMovesThem) {
         testing::ThrowsMessage<InputError>(HasSubstr("--zero-time of saccade convert")))
         << name;
   };
-  for (const char* name : {"a.bag", "a.packets.bag", "a.mcap", "a.db3", "a.log"}) expect_hint(name, -1293810339);
+  for (const char* name : {"a.bag", "a.packets.bag", "a.mcap", "a.db3", "a.log"})
+    expect_hint(name, -1293810339);
   expect_hint("a.aedat", 1605537493718345);
   expect_hint("a.aedat", -(std::int64_t{1} << 31) - 1);
   expect_hint("a.raw", std::int64_t{1} << 62);

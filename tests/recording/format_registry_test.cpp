@@ -109,9 +109,9 @@ TEST(FormatRegistry, MoreCamerasThanAFormatHoldsAreRejectedWithTheExtensionsThat
       [&] {
         (void)create_event_file(formats, folder / "a.aedat4", {128, 128}, 2);
       },
-      ThrowsMessage<InputError>(
-          AllOf(HasSubstr("a.aedat4"), HasSubstr("found two cameras"),
-                HasSubstr("or one of .aedat, .bag, .csv, .db3, .h5, .hdf5, .log, .mcap, .npy, .npz, .raw, .txt"))));
+      ThrowsMessage<InputError>(AllOf(
+          HasSubstr("a.aedat4"), HasSubstr("found two cameras"),
+          HasSubstr("or one of .aedat, .bag, .csv, .db3, .h5, .hdf5, .log, .mcap, .npy, .npz, .raw, .txt"))));
   EXPECT_TRUE(std::filesystem::is_empty(folder / ""));
 }
 
