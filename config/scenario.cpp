@@ -95,7 +95,8 @@ NamedDetectors detectors_of(const YamlTree& file, const std::string& folder,
         continue;
       }
       for (const std::string& name : names) {
-        if (takes(name, assignment)) set_value(tree, "detectors." + name + "." + assignment);
+        if (takes(name, assignment))
+          set_value(tree, std::string("detectors.").append(name).append(".").append(assignment));
       }
     }
     return tree;
@@ -298,7 +299,7 @@ Scenario read_scenario(const std::filesystem::path& path, const std::vector<std:
 
 std::filesystem::path scenario_file(const std::filesystem::path& folder, const std::filesystem::path& name) {
   std::error_code ignored;
-  const std::filesystem::path beside = folder / name;
+  std::filesystem::path beside = folder / name;
   if (std::filesystem::exists(beside, ignored)) return beside;
   const std::filesystem::path shipped = shipped_file(name);
   return shipped != name ? shipped : beside;
@@ -400,13 +401,12 @@ std::string calibration_yaml(Calibration calibration) {
 }
 
 EmulatorConfig read_emulator(const std::filesystem::path& path, const std::vector<std::string>& assignments) {
-  const std::string block = "emulator";
+  const std::string block = "emulator", prefix = block + ".";
   YamlTree tree = path.empty() ? YamlTree{} : read_yaml_file(path);
   const bool in_block = tree.root.keys == std::vector<std::string>{block};
   for (const std::string& assignment : assignments) {
-    const bool names_block = assignment.starts_with(block + ".");
-    const std::string key = names_block ? assignment.substr(block.size() + 1) : assignment;
-    set_value(tree, in_block ? block + "." + key : key);
+    const std::string key = assignment.starts_with(prefix) ? assignment.substr(prefix.size()) : assignment;
+    set_value(tree, in_block ? std::string(prefix).append(key) : key);
   }
   YamlReader reader(tree);
   EmulatorConfig config;

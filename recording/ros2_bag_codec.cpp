@@ -51,9 +51,10 @@ class Ros2BagReader final : public MessageReader {
       }
       SQLite::Statement topics(*database_, "SELECT id, name, type, serialization_format FROM topics");
       while (topics.executeStep()) {
-        const std::string type = topics.getColumn(2).getString(), format = topics.getColumn(3).getString();
-        add_topic(id_of(topics.getColumn(0)), topics.getColumn(1).getString(),
-                  format == "cdr" ? type : type + " in " + format, Serialisation::cdr);
+        std::string type = topics.getColumn(2).getString();
+        const std::string format = topics.getColumn(3).getString();
+        if (format != "cdr") type.append(" in ").append(format);
+        add_topic(id_of(topics.getColumn(0)), topics.getColumn(1).getString(), type, Serialisation::cdr);
       }
       messages_ =
           std::make_unique<SQLite::Statement>(*database_, "SELECT topic_id, timestamp, data FROM messages");
