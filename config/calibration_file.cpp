@@ -82,11 +82,13 @@ class Translator {
     const std::string key = first_of(root, coefficient_keys).value_or(std::string(coefficient_keys[0]));
     const YamlNode* const node = need(root, coefficient_keys, "", "the distortion coefficients");
     if (node == nullptr) return;
-    const Values coefficients = values_of(*node, key);
-    if (is_fisheye(root)) {
-      set_fisheye(coefficients, node->mark, key);
+    const bool fisheye = is_fisheye(root);
+    const auto coefficients = values_of(*node, key);
+    if (!coefficients) return;
+    if (fisheye) {
+      set_fisheye(*coefficients, node->mark, key);
     } else {
-      set_radial_tangential(coefficients, node->mark, key);
+      set_radial_tangential(*coefficients, node->mark, key);
     }
   }
 
@@ -99,11 +101,13 @@ class Translator {
     const auto list = [&](std::string_view key, std::string_view of) -> std::optional<Values> {
       const std::array<std::string_view, 1> keys = {key};
       const YamlNode* const node = need(*camera, keys, name, "a list of " + std::string(of));
-      return node == nullptr ? std::nullopt : std::optional(values_of(*node, name + "." + std::string(key)));
+      return node == nullptr ? std::nullopt : values_of(*node, name + "." + std::string(key));
     };
     const auto word = [&](std::string_view key, const std::string& expectation) -> std::string {
       const std::array<std::string_view, 1> keys = {key};
       const YamlNode* const node = need(*camera, keys, name, expectation);
+      if (node != nullptr && node->text.empty())
+        fail(node->mark, name + "." + std::string(key), node->found(), expectation);
       return node == nullptr ? "" : node->text;
     };
     const std::string model = word("camera_model", "pinhole");
@@ -185,14 +189,14 @@ class Translator {
     for (const char* key : {"k1", "k2", "p1", "p2"}) set(key, "0", mark);
   }
 
-  /// The numbers of a matrix of OpenCV or ROS (rows, cols, data), or of a list.
-  Values values_of(const YamlNode& node, std::string_view path) {
+  /// The numbers of a matrix of OpenCV or ROS (rows, cols, data), or of a list; none after a problem.
+  std::optional<Values> values_of(const YamlNode& node, std::string_view path) {
     const YamlNode* const data = node.kind == Kind::map ? node.entry("data") : &node;
-    Values values;
     if (data == nullptr || data->kind != Kind::list) {
-      fail(node.mark, path, node.found(), "a matrix: rows, cols and data, a list of numbers");
-      return values;
+      fail(node.mark, path, node.found(), "a list of numbers, or a matrix of them: rows, cols and data");
+      return std::nullopt;
     }
+    Values values;
     append_scalars(*data, values);
     const YamlNode* const rows = node.entry("rows");
     const YamlNode* const cols = node.entry("cols");
@@ -201,6 +205,7 @@ class Translator {
         static_cast<double>(values.size())) {
       fail(node.mark, path, in_words(values.size()),
            rows->found() + " x " + cols->found() + ", as rows and cols say");
+      return std::nullopt;
     }
     return values;
   }
@@ -209,7 +214,9 @@ class Translator {
     const YamlNode* const node = need(root, matrix_keys, "", "the matrix of the camera");
     if (node == nullptr) return;
     const std::string key = *first_of(root, matrix_keys);
-    const Values values = values_of(*node, key);
+    const auto numbers = values_of(*node, key);
+    if (!numbers) return;
+    const Values& values = *numbers;
     if (values.size() != 9) return fail(node->mark, key, in_words(values.size()), "3 x 3, row by row");
     set("fx_px", values[0]);
     set("fy_px", values[4]);

@@ -164,9 +164,7 @@ RecordingFormat ros2_bag_format() {
       "`metadata.yaml` and "
       "one `.db3` or `.mcap` file";
   format.writes =
-      "SQLite, the messages and topics of MCAP; as `NAME/NAME_0.db3` with `metadata.yaml`, so that the "
-      "folder "
-      "NAME is a bag";
+      "SQLite, messages and topics as in MCAP; with `metadata.yaml` where named `NAME/NAME_0.db3`";
   format.time = "ns, to the nearest us; evt2 34, evt3 24 bits of us";
   format.axes = "top left, 1 is ON";
   format.limits = "y below 32768, times from 0 to 2^31 s";
