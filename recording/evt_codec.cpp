@@ -155,50 +155,88 @@ void check_age(const std::filesystem::path& path, std::int64_t t_us, const std::
                      "times within 2^61 us of 0 for " + encoding + "; " + std::string(zero_time_hint));
 }
 
-class Evt2Writer final : public EventWriter {
+/// Base of the writers: the header comes with the first event, whose time gives it an offset.
+class EvtWriter : public EventWriter {
  public:
-  /// `cameras` as of Evt3Writer.
-  Evt2Writer(const std::filesystem::path& path, ImageSize image_size, int cameras)
-      : file_(path), image_size_(image_size), cameras_(cameras) {}
-
-  void write(std::span<const Event> events) override {
-    for (const Event& event : events) {
-      check_writable(event, image_size_, 1, file_.path());
-      check_age(file_.path(), event.t_us, "EVT2");
-      if (!begun_) begin(event.t_us);
-      put_time(event.t_us);
-      put(event.on ? 1 : 0, static_cast<std::uint32_t>(event.t_us & 0x3f) << 22 |
-                                static_cast<std::uint32_t>(event.x) << 11 | event.y);
-    }
-    file_.write(words_);
-    words_.clear();
-  }
-
-  void sync() override { file_.sync(); }
-  void commit() override {
+  void sync() final { file_.sync(); }
+  void commit() final {
     if (!begun_) begin(0);
     file_.commit();
   }
 
- private:
-  static constexpr std::int64_t loop_us = std::int64_t{1} << 34;
-  static constexpr std::int64_t bridge = std::int64_t{1}
-                                         << 25;  ///< upper parts of the time that a jump is cut into
+ protected:
+  /// `version`: "3.0"; `loop_us`: range of the time; `cameras` 2: the header says that the right camera's events are in the file beside it.
+  EvtWriter(const std::filesystem::path& path, ImageSize image_size, int cameras, std::string version,
+            std::int64_t loop_us)
+      : file_(path),
+        image_size_(image_size),
+        cameras_(cameras),
+        version_(std::move(version)),
+        loop_us_(loop_us) {}
 
+  void check(std::span<const Event> events) {
+    for (const Event& event : events) check_writable(event, image_size_, 1, file_.path());
+    if (!begun_ && !events.empty()) begin(events.front().t_us);
+  }
+  /// Writes what append_little() has added to words_.
+  void flush() {
+    file_.write(words_);
+    words_.clear();
+  }
+  [[noreturn]] void refuse(std::int64_t t_us, std::string expectation) const {
+    throw InputError(file_.path().string(), "an event at " + std::to_string(t_us) + " us",
+                     std::move(expectation));
+  }
+
+  OutputFile file_;
+  std::int64_t offset_us_ = 0;
+  std::string words_;
+
+ private:
   void begin(std::int64_t first_us) {
-    offset_us_ = first_us & ~(loop_us - 1);
-    file_.write(header_text("2.0", image_size_, cameras_, offset_us_));
+    offset_us_ = first_us & ~(loop_us_ - 1);
+    file_.write(header_text(version_, image_size_, cameras_, offset_us_));
     begun_ = true;
   }
+
+  ImageSize image_size_;
+  int cameras_;
+  std::string version_;
+  std::int64_t loop_us_;
+  bool begun_ = false;
+};
+
+class Evt2Writer final : public EvtWriter {
+ public:
+  Evt2Writer(const std::filesystem::path& path, ImageSize image_size, int cameras)
+      : EvtWriter(path, image_size, cameras, "2.0", std::int64_t{1} << 34) {}
+
+  void write(std::span<const Event> events) override {
+    check(events);
+    for (const Event& event : events) {
+      check_age(file_.path(), event.t_us, "EVT2");
+      put_time(event.t_us);
+      put(event.on ? 1 : 0, static_cast<std::uint32_t>(event.t_us & 0x3f) << 22 |
+                                static_cast<std::uint32_t>(event.x) << 11 | event.y);
+    }
+    flush();
+  }
+
+ private:
+  static constexpr const char* jumps =
+      "times that EVT2 holds: not before the file's first 4.8 h, across them back by less than 4 s, "
+      "silences of less than 19 h";
+  static constexpr std::int64_t bridge = std::int64_t{1}
+                                         << 25;  ///< upper parts of the time that a jump is cut into
 
   void put(std::uint32_t type, std::uint32_t value) { append_little(words_, type << 28 | value); }
 
   void put_time(std::int64_t t_us) {
     const std::int64_t high = (t_us - offset_us_) >> 6;
     if (high == high_) return;
-    if (high_ && (high - *high_) << 6 > longest_silence_us) refuse(t_us);
+    if (high_ && (high - *high_) << 6 > longest_silence_us) refuse(t_us, jumps);
     while (high_ && high - *high_ > bridge) put_high(*high_ += bridge);
-    if (put_high(high) != high) refuse(t_us);
+    if (put_high(high) != high) refuse(t_us, jumps);
     high_ = high;
   }
 
@@ -208,32 +246,17 @@ class Evt2Writer final : public EventWriter {
     return read_back_.extend(high & 0xfffffff);
   }
 
-  [[noreturn]] void refuse(std::int64_t t_us) const {
-    throw InputError(
-        file_.path().string(), "an event at " + std::to_string(t_us) + " us",
-        "times that EVT2 holds: not before the file's first 4.8 h, across them back by less than 4 s, "
-        "silences of less than 19 h");
-  }
-
-  OutputFile file_;
-  ImageSize image_size_;
-  int cameras_;
-  bool begun_ = false;
-  std::int64_t offset_us_ = 0;
   std::optional<std::int64_t> high_;
   WrappingTime read_back_ = evt2_high();
-  std::string words_;
 };
 
-class Evt3Writer final : public EventWriter {
+class Evt3Writer final : public EvtWriter {
  public:
-  /// `cameras` 2: the header says that the right camera's events are in the file beside it.
   Evt3Writer(const std::filesystem::path& path, ImageSize image_size, int cameras)
-      : file_(path), image_size_(image_size), cameras_(cameras) {}
+      : EvtWriter(path, image_size, cameras, "3.0", std::int64_t{1} << 24) {}
 
   void write(std::span<const Event> events) override {
-    for (const Event& event : events) check_writable(event, image_size_, 1, file_.path());
-    if (!begun_ && !events.empty()) begin(events.front().t_us);
+    check(events);
     while (!events.empty()) {
       put_time(events.front().t_us);
       if (events.front().y != y_) put(addr_y, events.front().y);
@@ -242,28 +265,14 @@ class Evt3Writer final : public EventWriter {
       put_run(events.first(length));
       events = events.subspan(length);
     }
-    file_.write(words_);
-    words_.clear();
-  }
-
-  void sync() override { file_.sync(); }
-  void commit() override {
-    if (!begun_) begin(0);
-    file_.commit();
+    flush();
   }
 
  private:
-  static constexpr std::int64_t loop_us = std::int64_t{1} << 24;
   static constexpr const char* jumps =
       "times that EVT3 holds: back by less than 4 s, silences of less than 19 h";
   static constexpr std::int64_t bridge = 1024;  ///< upper parts of the time that a jump is cut into
   static constexpr std::size_t group = 32;      ///< pixels of three vectors
-
-  void begin(std::int64_t first_us) {
-    offset_us_ = first_us & ~(loop_us - 1);
-    file_.write(header_text("3.0", image_size_, cameras_, offset_us_));
-    begun_ = true;
-  }
 
   void put(Evt3 type, unsigned value) {
     append_little(words_, static_cast<std::uint16_t>(static_cast<unsigned>(type) << 12 | value));
@@ -288,11 +297,6 @@ class Evt3Writer final : public EventWriter {
   std::int64_t put_high(std::int64_t high) {
     put(time_high, static_cast<unsigned>(high & 0xfff));
     return read_back_.extend(high & 0xfff);
-  }
-
-  [[noreturn]] void refuse(std::int64_t t_us, std::string expectation) const {
-    throw InputError(file_.path().string(), "an event at " + std::to_string(t_us) + " us",
-                     std::move(expectation));
   }
 
   /// How many events are of the first one's time, row and polarity, with x ascending.
@@ -336,16 +340,10 @@ class Evt3Writer final : public EventWriter {
     }
   }
 
-  OutputFile file_;
-  ImageSize image_size_;
-  int cameras_;
-  bool begun_ = false;
-  std::int64_t offset_us_ = 0;
   std::optional<std::int64_t> t_us_;
   std::int64_t high_ = 0;
   std::optional<std::uint16_t> y_;
   WrappingTime read_back_ = evt3_high();
-  std::string words_;
 };
 
 std::unique_ptr<EventReader> open_evt(InputFile file, const EventReadOptions& options) {
