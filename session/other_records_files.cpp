@@ -36,7 +36,7 @@ cv::Mat image_of(const RecordedFrame& frame) {
   const int depth = frame.bits == 16 ? CV_16U : CV_8U;
   // The pixels are read alone: cv::Mat has no form for that.
   cv::Mat pixels(frame.height, frame.width, CV_MAKETYPE(depth, frame.channels),
-                       const_cast<std::byte*>(frame.pixels.data()));
+                 const_cast<std::byte*>(frame.pixels.data()));
   if (frame.channels != 4) return pixels;
   cv::Mat colour(frame.height, frame.width, CV_MAKETYPE(depth, 3));
   cv::mixChannels(pixels, colour, {0, 0, 1, 1, 2, 2});
