@@ -251,7 +251,7 @@ class Translator {
     set_all({"k1", "k2", "k3", "k4"}, coefficients, mark, path);
   }
 
-  /// k1, k2, p1, p2 of 4, 5, 8, 12 or 14 coefficients in OpenCV's order.
+  /// k1, k2, p1, p2, k3 of 4, 5, 8, 12 or 14 coefficients in OpenCV's order.
   void set_radial_tangential(const Values& coefficients, TextMark mark, std::string_view path) {
     constexpr std::array<std::string_view, 14> names = {"k1", "k2", "p1", "p2", "k3", "k4", "k5",
                                                         "k6", "s1", "s2", "s3", "s4", "tx", "ty"};
@@ -259,12 +259,12 @@ class Translator {
     if (count != 4 && count != 5 && count != 8 && count != 12 && count != 14)
       return fail(mark, path, in_words(count), "4, 5, 8, 12 or 14 coefficients: k1, k2, p1, p2, k3 ...");
     for (std::size_t i = 0; i < count; ++i) {
-      if (i < 4) {
+      if (i < 5) {
         set(names[i], coefficients[i]);
       } else if (number_of(*coefficients[i]) != 0.0) {
         fail(coefficients[i]->mark, path, std::string(names[i]) + " of " + coefficients[i]->found(),
-             "0: a lens radial_tangential has k1, k2, p1 and p2; calibrate with " + std::string(names[i]) +
-                 (i == 4 ? " fixed at 0 (OpenCV: CALIB_FIX_K3), or as a fisheye" : " fixed at 0"));
+             "0: a lens radial_tangential has k1, k2, p1, p2 and k3; calibrate with " +
+                 std::string(names[i]) + " fixed at 0, or as a fisheye");
       }
     }
   }

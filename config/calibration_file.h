@@ -16,7 +16,7 @@ namespace saccade {
 ///   Kalibr    camchain: cam0, cam1, each with camera_model pinhole, distortion_model radtan, equidistant or none, intrinsics,
 ///             distortion_coeffs, resolution; T_cn_cnm1 and T_cam_imu are left out. `camera` is 0 for the left, 1 for the right
 ///             camera, which is cam1 where the file has one
-/// Camera has k1, k2, p1, p2 of the radial-tangential lens: other coefficients, a skew, or values for the wrong model are
+/// Camera has k1, k2, p1, p2, k3 of the radial-tangential lens: other coefficients, a skew, or values for the wrong model are
 /// problems of the tree. Throws InputError for a file that is none of these.
 [[nodiscard]] YamlTree read_calibration_file(const std::filesystem::path& path, int camera);
 

@@ -384,9 +384,12 @@ MountedCamera read_calibration(const std::filesystem::path& path, int camera) {
   const std::string block = "calibration";
   std::vector<std::string> required = {block};
   for (const char* key :
-       {"width_px", "height_px", "fx_px", "fy_px", "cx_px", "cy_px", "k1", "k2", "p1", "p2", "k3", "k4"}) {
+       {"width_px", "height_px", "fx_px", "fy_px", "cx_px", "cy_px", "k1", "k2", "p1", "p2", "k4"})
     required.push_back(block + "." + key);
-  }
+  if (const YamlNode* const written = tree.root.entry(block);
+      written != nullptr && written->entry("lens") != nullptr &&
+      written->entry("lens")->text == word_of(LensModel::fisheye))
+    required.push_back(block + ".k3");
   YamlReader reader(tree, std::move(required));
   Calibration calibration;
   describe(reader, calibration);

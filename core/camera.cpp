@@ -23,22 +23,27 @@ double fisheye_slope(const Camera& c, double a) {
   return 1.0 + s * (3.0 * c.k1 + s * (5.0 * c.k2 + s * (7.0 * c.k3 + s * 9.0 * c.k4)));
 }
 
-/// The smallest angle at which that derivative is 0; at least 90 deg where there is none below.
-double fisheye_end_rad(const Camera& c) {
+/// The smallest angle below 90 deg at which `slope` is no longer positive; else 90 deg.
+template <class Slope>
+double end_of(const Slope& slope) {
   constexpr double right_angle = std::numbers::pi / 2.0;
-  if (c.k1 == 0.0 && c.k2 == 0.0 && c.k3 == 0.0 && c.k4 == 0.0) return right_angle;
   constexpr int steps = 64;
   for (int i = 1; i <= steps; ++i) {
     double high = right_angle * i / steps;
-    if (fisheye_slope(c, high) > 0.0) continue;
+    if (slope(high) > 0.0) continue;
     double low = right_angle * (i - 1) / steps;
     for (int k = 0; k < 60; ++k) {
       const double middle = 0.5 * (low + high);
-      (fisheye_slope(c, middle) > 0.0 ? low : high) = middle;
+      (slope(middle) > 0.0 ? low : high) = middle;
     }
     return low;
   }
   return right_angle;
+}
+
+double fisheye_end_rad(const Camera& c) {
+  if (c.k1 == 0.0 && c.k2 == 0.0 && c.k3 == 0.0 && c.k4 == 0.0) return std::numbers::pi / 2.0;
+  return end_of([&](double a) { return fisheye_slope(c, a); });
 }
 
 /// What a fisheye does to a point at unit depth, r from the optical axis: (x', y') = factor (x, y), and the derivative
@@ -59,7 +64,7 @@ FisheyeBend fisheye_bend(const Camera& c, double r) {
 Eigen::Vector2d distort(const Camera& c, const Eigen::Vector2d& q) {
   if (c.lens == LensModel::fisheye) return q * fisheye_bend(c, q.norm()).factor;
   const double s = q.squaredNorm();
-  const double radial = 1.0 + s * (c.k1 + s * c.k2);
+  const double radial = 1.0 + s * (c.k1 + s * (c.k2 + s * c.k3));
   const double twice_xy = 2.0 * q.x() * q.y();
   return {q.x() * radial + c.p1 * twice_xy + c.p2 * (s + 2.0 * q.x() * q.x()),
           q.y() * radial + c.p2 * twice_xy + c.p1 * (s + 2.0 * q.y() * q.y())};
@@ -72,8 +77,8 @@ Eigen::Matrix2d jacobian(const Camera& c, const Eigen::Vector2d& q) {
     return bend.factor * Eigen::Matrix2d::Identity() + bend.outward * q * q.transpose();
   }
   const double s = q.squaredNorm();
-  const double radial = 1.0 + s * (c.k1 + s * c.k2);
-  const double slope = 2.0 * (c.k1 + 2.0 * s * c.k2);
+  const double radial = 1.0 + s * (c.k1 + s * (c.k2 + s * c.k3));
+  const double slope = 2.0 * (c.k1 + s * (2.0 * c.k2 + s * (3.0 * c.k3)));
   const double mixed = slope * q.x() * q.y() + 2.0 * (c.p1 * q.x() + c.p2 * q.y());
   Eigen::Matrix2d j;
   j << radial + slope * q.x() * q.x() + 2.0 * c.p1 * q.y() + 6.0 * c.p2 * q.x(), mixed,  //
@@ -83,8 +88,11 @@ Eigen::Matrix2d jacobian(const Camera& c, const Eigen::Vector2d& q) {
 
 /// The squared distance from the optical axis, at unit depth, where the lens ends.
 double lens_end(const Camera& c) {
-  if (c.lens == LensModel::fisheye) {
-    const double end_rad = fisheye_end_rad(c);
+  if (c.lens == LensModel::fisheye || c.k3 != 0.0) {
+    const double end_rad = c.lens == LensModel::fisheye ? fisheye_end_rad(c) : end_of([&](double a) {
+      const double s = std::tan(a) * std::tan(a);
+      return 1.0 + s * (3.0 * c.k1 + s * (5.0 * c.k2 + s * (7.0 * c.k3)));
+    });
     const double r = std::tan(end_rad);
     return end_rad < std::numbers::pi / 2.0 ? r * r : std::numeric_limits<double>::infinity();
   }
@@ -203,7 +211,7 @@ std::optional<Circle> Camera::project_ellipse(const Eigen::Vector2d& centre, con
   const Eigen::Vector2d middle = distort(*this, centre);
   double area = 0.0;                                 // the sum of x dy
   Eigen::Vector2d moment = Eigen::Vector2d::Zero();  // of x^2 dy / 2 and -y^2 dx / 2
-  const std::size_t every = lens == LensModel::fisheye ? 1 : 4;
+  const std::size_t every = lens == LensModel::fisheye ? 1 : k3 != 0.0 ? 2 : 4;
   for (std::size_t i = 0; i < turn.size(); i += every) {
     const Eigen::Vector2d& t = turn[i];
     const Eigen::Vector2d q = centre + a * t.x() + b * t.y();
@@ -257,12 +265,12 @@ void describe_lens(FieldVisitor& v, Camera& camera) {
   v.real("cy_px", camera.cy_px, {-1e4, 1e4}, "principal point, y");
   v.real("k1", camera.k1, {-10.0, 10.0}, "radial distortion, of r^2 (as OpenCV has it)");
   v.real("k2", camera.k2, {-10.0, 10.0}, "radial distortion, of r^4");
+  v.real("k3", camera.k3, {-10.0, 10.0}, "radial distortion, of r^6");
   v.when(camera.lens == LensModel::radial_tangential, "lens: radial_tangential", [&] {
     v.real("p1", camera.p1, {-1.0, 1.0}, "tangential distortion, vertical");
     v.real("p2", camera.p2, {-1.0, 1.0}, "tangential distortion, horizontal");
   });
   v.when(camera.lens == LensModel::fisheye, "lens: fisheye", [&] {
-    v.real("k3", camera.k3, {-10.0, 10.0}, "radial distortion, of r^6");
     v.real("k4", camera.k4, {-10.0, 10.0}, "radial distortion, of r^8");
   });
 }
@@ -272,9 +280,9 @@ void require_invertible(FieldVisitor& v, const Camera& camera) {
   const bool fisheye = camera.lens == LensModel::fisheye;
   v.require(
       !focal || is_invertible(camera), fisheye ? "fx_px" : "k1", text_of(fisheye ? camera.fx_px : camera.k1),
-      fisheye ? "with k1 to k4 a lens that shows the whole image within 90 deg of its axis"
-              : "with k2, p1 and p2 a lens that can be inverted over the whole image (k1, k2, p1, p2 of "
-                "0: no lens)");
+      fisheye
+          ? "with k1 to k4 a lens that shows the whole image within 90 deg of its axis"
+          : "with k2, k3, p1 and p2 a lens that can be inverted over the whole image (all of 0: no lens)");
 }
 
 void describe(FieldVisitor& v, Camera& camera) {

@@ -106,9 +106,10 @@ ExternalDetector::ExternalDetector(std::string name, const LineProcess::Place& p
 }
 
 void ExternalDetector::start(const AnswerLimits& limits, const Camera& camera) {
-  if (camera.lens == LensModel::fisheye) {
-    throw InputError("camera", "the lens " + std::string(word_of(camera.lens)),
-                     "radial_tangential, which detectors in programs of their own are given");
+  if (camera.lens == LensModel::fisheye || camera.k3 != 0.0) {
+    throw InputError("camera",
+                     "the lens " + std::string(word_of(camera.lens)) + (camera.k3 != 0.0 ? " with k3" : ""),
+                     "radial_tangential without k3, which detectors in programs of their own are given");
   }
   message_ = "saccade-detector 1\ncamera";
   append_word(message_, camera.size.width);

@@ -91,7 +91,7 @@ void GroundTruthRecorder::add_camera(const std::string& eye, const MountedCamera
   if (c.lens == LensModel::fisheye) {
     put("distortion", {c.k1, c.k2, c.k3, c.k4}, {});
   } else {
-    put("distortion", {c.k1, c.k2, c.p1, c.p2}, {});
+    put("distortion", {c.k1, c.k2, c.p1, c.p2, c.k3}, {});
   }
   file_->put(group + "lens", {std::string(word_of(c.lens))});
   put("size_px", {static_cast<double>(c.size.width), static_cast<double>(c.size.height)}, {});

@@ -248,7 +248,7 @@ class FirstMessage final : public FoxgloveTrack {
 Json calibration(std::int64_t t_us, const std::string& frame, const Camera& c) {
   const bool is_fisheye = c.lens == LensModel::fisheye;
   const Json distortion =
-      is_fisheye ? Json::array({c.k1, c.k2, c.k3, c.k4}) : Json::array({c.k1, c.k2, c.p1, c.p2, 0.0});
+      is_fisheye ? Json::array({c.k1, c.k2, c.k3, c.k4}) : Json::array({c.k1, c.k2, c.p1, c.p2, c.k3});
   return {{"timestamp", foxglove_time(t_us)},
           {"frame_id", frame},
           {"width", c.size.width},

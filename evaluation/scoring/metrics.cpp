@@ -126,9 +126,9 @@ Json json_of(ImageSize size, const std::optional<Camera>& camera) {
   add("k2", &Camera::k2);
   add("p1", &Camera::p1);
   add("p2", &Camera::p2);
+  if (camera && (camera->lens == LensModel::fisheye || camera->k3 != 0.0)) add("k3", &Camera::k3);
   if (camera && camera->lens == LensModel::fisheye) {
     json["lens"] = word_of(camera->lens);
-    add("k3", &Camera::k3);
     add("k4", &Camera::k4);
   }
   return json;

@@ -60,7 +60,19 @@ const std::vector<std::pair<const char*, Camera>> calibrated{
     {"ATIS left",
      {{304, 240}, 198.516, 198.583, 155.675, 115.426, -0.326302, 0.101052, -0.00470766, -0.000842836}},
     {"ATIS right",
-     {{304, 240}, 179.845, 180.251, 151.772, 117.758, -0.331165, 0.105876, -0.00359664, -0.00022332}}};
+     {{304, 240}, 179.845, 180.251, 151.772, 117.758, -0.331165, 0.105876, -0.00359664, -0.00022332}},
+    {"with k3",
+     {{346, 260},
+      260.3,
+      259.8,
+      172.1,
+      131.4,
+      -0.33,
+      0.15,
+      0.0008,
+      -0.0005,
+      LensModel::radial_tangential,
+      -0.03}}};
 
 TEST(Camera, ProjectsTheRayOfEveryPixelBackToIt) {
   for (const auto& [name, camera] : calibrated) {
@@ -118,6 +130,17 @@ TEST(Camera, ProjectsNoPointOutsideTheFieldOfTheLens) {
   EXPECT_FALSE(camera.project_sphere({1.0, 0, 1}, 0.1));
   EXPECT_NEAR(camera.ray(64.0 + 0.70 * 99.45, 69.18).x(), 1.0, 1e-9);
   EXPECT_TRUE(std::isnan(camera.ray(64.0 + 0.71 * 99.45, 69.18).x()));
+}
+
+TEST(Camera, EndsAtTheFirstTurnOfALensWithK3) {
+  // Of k3 = -0.1 alone x (1 - 0.1 x^6) is largest, 0.9109, at x = (1 / 0.7)^(1/6) = 1.0612.
+  Camera camera = icub_left_2016.without_lens();
+  camera.k3 = -0.1;
+  EXPECT_TRUE(camera.has_lens());
+  EXPECT_TRUE(camera.project({1.061, 0, 1}));
+  EXPECT_FALSE(camera.project({1.0613, 0, 1}));
+  EXPECT_NEAR(camera.project({1, 0, 1})->x(), 64.0 + 99.45 * 0.9, 1e-12);
+  EXPECT_TRUE(std::isnan(camera.ray(64.0 + 0.92 * 99.45, 69.18).x()));
 }
 
 TEST(Camera, AcceptsTheLensesOfTheRobotAndRejectsOneThatIsNotInvertibleInTheCorners) {

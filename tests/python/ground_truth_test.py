@@ -32,7 +32,7 @@ def camera_of(truth, eye):
     matrix, distortion = truth[f"{eye}/camera/matrix"], truth[f"{eye}/camera/distortion"]
     width, height = (int(n) for n in truth[f"{eye}/camera/size_px"])
     return saccade.camera(width_px=width, height_px=height, fx_px=matrix[0, 0], fy_px=matrix[1, 1], cx_px=matrix[0, 2],
-                          cy_px=matrix[1, 2], **dict(zip(("k1", "k2", "p1", "p2"), map(float, distortion))))
+                          cy_px=matrix[1, 2], **dict(zip(("k1", "k2", "p1", "p2", "k3"), map(float, distortion))))
 
 
 def pixel_rays(camera):
