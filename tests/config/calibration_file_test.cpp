@@ -233,7 +233,8 @@ TEST_F(CalibrationFile, WithAValueThatIsWrongOrMissingIsRefusedWithItsPlace) {
                     Not(HasSubstr("\n"))));
   EXPECT_THAT(
       message(camera_info("plumb_bob", 4, "[-9, 0, 0, 0]")),
-      HasSubstr("camera.yaml:12: calibration.k1: found -9, expected with k2, k3, p1 and p2 a lens that can be"));
+      HasSubstr(
+          "camera.yaml:12: calibration.k1: found -9, expected with k2, k3, p1 and p2 a lens that can be"));
   const std::string chain = kalibr_camera("cam0", "radtan", "[0, 0, 0, 0]");
   EXPECT_THAT(message(with(chain, "[346, 260]", "[346]")),
               HasSubstr("camera.yaml:7: cam0.resolution: found 1 number, expected 2"));
