@@ -76,8 +76,8 @@ struct Camera {
   /// Formula: the outline is the cone (d.x)^2 = (|d|^2 - R^2)|x|^2 cut with the image plane.
   [[nodiscard]] std::optional<Circle> project_sphere(const Eigen::Vector3d& centre_m, double radius_m) const;
   /// The same for the ellipse centre + a cos t + b sin t on the plane at unit depth. Green's theorem: exact over 16
-  /// points through a lens radial_tangential, whose integrands are trigonometric polynomials of degree 15 (with k3 21: 32 points); over 64
-  /// points through a fisheye, to about 1e-9 px for a ball 60 deg off the axis.
+  /// points through a lens radial_tangential, whose integrands are trigonometric polynomials of degree 15 (with k3 21: 32 points);
+  /// over 64 points through a fisheye, to about 1e-9 px for a ball 60 deg off the axis.
   [[nodiscard]] std::optional<Circle> project_ellipse(const Eigen::Vector2d& centre, const Eigen::Vector2d& a,
                                                       const Eigen::Vector2d& b) const;
   /// Image velocity, px/s, of a resting point on `ray` (a point at unit depth) while the camera turns at

@@ -14,6 +14,7 @@
 #include "recording/input_file.h"
 #include "recording/number_text.h"
 #include "recording/two_cameras.h"
+#include "recording/unpacked_part.h"
 
 namespace saccade {
 namespace {
@@ -172,17 +173,18 @@ class Aedat4Reader final : public EventReader {
   void choose_decompressor(aedat4::Compression compression) {
     using enum aedat4::Compression;
     if (compression == none) {
-      decompressor_ = make_copier();
+      make_decompressor_ = make_copier;
     } else if (compression == lz4 || compression == lz4_high) {
-      decompressor_ = make_lz4_decompressor();
+      make_decompressor_ = make_lz4_decompressor;
       compression_ = " LZ4";
     } else if (compression == zstd || compression == zstd_high) {
-      decompressor_ = make_zstd_decompressor();
+      make_decompressor_ = make_zstd_decompressor;
       compression_ = " ZSTD";
     } else {
       fail("the compression " + std::to_string(static_cast<int>(compression)),
            "0 none, 1 or 2 LZ4, 3 or 4 ZSTD");
     }
+    decompressor_ = make_decompressor_();
   }
 
   void choose_stream() {
@@ -270,19 +272,14 @@ class Aedat4Reader final : public EventReader {
 
   /// A packet of a stream that has no events.
   void read_other(const Stream& stream, std::size_t bytes) {
-    decompressor_->begin();
+    UnpackedPart part(file_);
+    part.begin(make_decompressor_(), bytes);
     std::string whole;
-    while (bytes > 0 || decompressor_->unfinished()) {
-      const std::string_view ahead = bytes > 0 ? file_.peek(1).substr(0, bytes) : "";
-      const Decompressor::Step step = decompressor_->run(ahead, window_);
-      if (step.error != nullptr) fail(step.error, "a packet that can be unpacked");
-      file_.skip(step.read);
-      bytes -= step.read;
-      whole.append(window_.data(), step.written);
-      if (whole.size() > most_packet_bytes) fail("a packet of more than 2^28 bytes", "at most 2^28");
-      if (step.read > 0 || step.written > 0) continue;
-      if (bytes > 0) fail_cut("the rest of a packet");
-      fail("a packet without its end", "a packet that can be unpacked");
+    for (std::string_view ahead = part.peek(1); !ahead.empty(); ahead = part.peek(1)) {
+      if (whole.size() + ahead.size() > most_packet_bytes)
+        fail("a packet of more than 2^28 bytes", "at most 2^28");
+      whole.append(ahead);
+      part.skip(ahead.size());
     }
     if (const auto broken = read_aedat4_others(stream.type, whole, stream.source, *others_))
       fail(broken->found, broken->expected);
@@ -354,7 +351,8 @@ class Aedat4Reader final : public EventReader {
   OtherRecords* others_;
   std::optional<ImageSize> image_size_;
   std::string compression_;
-  std::unique_ptr<Decompressor> decompressor_;
+  std::unique_ptr<Decompressor> (*make_decompressor_)() = make_copier;
+  std::unique_ptr<Decompressor> decompressor_;  ///< of packets of events
   std::map<std::int32_t, Stream> streams_;
   std::map<std::int32_t, std::int64_t> other_packets_;  ///< of streams that are skipped
   std::int32_t stream_ = 0;

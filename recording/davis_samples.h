@@ -31,7 +31,8 @@ class DavisSamples {
   /// Takes a record that is no event. False where nobody wants it.
   bool add(std::uint32_t address, std::int64_t t_us);
 
-  [[nodiscard]] std::int64_t incomplete_frames() const { return incomplete_frames_; }
+  /// With the one that has begun, if any.
+  [[nodiscard]] std::int64_t incomplete_frames() const { return incomplete_frames_ + (frame_begun_ ? 1 : 0); }
   [[nodiscard]] bool has_inertial() const { return has_inertial_; }
 
  private:
@@ -50,7 +51,7 @@ class DavisSamples {
   std::size_t whole_pixels_ = 0;
   bool frame_begun_ = false;
   std::int64_t frame_begin_us_ = 0;
-  std::int64_t incomplete_frames_ = 0;
+  std::int64_t incomplete_frames_ = 0;  ///< left out
   std::array<std::int16_t, 7> quantities_{};
   unsigned quantities_there_ = 0;  ///< bits
   bool has_inertial_ = false;

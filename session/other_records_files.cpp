@@ -138,14 +138,16 @@ std::vector<std::string> OtherRecordsFiles::commit() {
     lines.push_back(kind.count > 0 ? fmt::format("{}: {} {}", kind.path.string(), kind.count, what)
                                    : fmt::format("no {} in the recording", what));
   };
+  // What an earlier recording had does not stay beside this one.
+  std::error_code error;
   for (const Kind* kind : {&frames_, &imu_, &triggers_})
     if (kind->table) kind->table->commit();
-  if (frames_.count > 0) {
-    std::error_code error;
-    fs::remove_all(frames_.path, error);
-    if (!error) fs::rename(frames_part_, frames_.path, error);
-    if (error) fail(frames_.path, error);
-  }
+  for (const Kind* table : {&imu_, &triggers_})
+    if (table->wanted && table->count == 0 && !fs::remove(table->path, error) && error)
+      fail(table->path, error);
+  if (frames_.wanted) fs::remove_all(frames_.path, error);
+  if (!error && frames_.count > 0) fs::rename(frames_part_, frames_.path, error);
+  if (error) fail(frames_.path, error);
   tell(frames_, "frames");
   tell(imu_, "inertial readings");
   tell(triggers_, "triggers");

@@ -18,7 +18,7 @@ namespace saccade {
 /// NAME.frames/  000000.png, ... (16 bits where the recording has more than 8; compressed frames as they are) and frames.csv
 /// NAME.imu.csv, NAME.triggers.csv
 ///
-/// A kind that the recording does not have makes no file. They appear with commit().
+/// A kind that the recording does not have makes no file, and with `force` deletes an older one. They appear with commit().
 class OtherRecordsFiles final : public OtherRecords {
  public:
   /// `kinds`: "frames,imu,triggers" or some of them. Throws InputError for another word, and without `force` where one of the

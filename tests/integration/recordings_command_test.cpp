@@ -314,6 +314,19 @@ TEST_F(Recordings, ConvertAlsoWritesFramesReadingsAndTriggers) {
               HasSubstr("expected some of frames,imu,triggers"));
 }
 
+TEST_F(Recordings, ConvertDeletesOlderFramesAndTriggersOfARecordingThatHasNone) {
+  folder_.write("in.aedat", davis_recording());
+  write("plain.csv", size_, few_);
+  const std::string rest = " " + at("out.npz") + " --force --also frames,imu,triggers";
+  ASSERT_EQ(saccade("convert " + at("in.aedat") + rest).status, 0);
+  ASSERT_TRUE(std::filesystem::exists(at("out.triggers.csv")));
+  const Outcome outcome = saccade("convert " + at("plain.csv") + rest);
+  EXPECT_EQ(outcome.status, 0) << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("no frames in the recording"));
+  EXPECT_FALSE(std::filesystem::exists(at("out.frames")));
+  EXPECT_FALSE(std::filesystem::exists(at("out.triggers.csv")));
+}
+
 TEST_F(Recordings, ARecordingWithoutImageSizeIsNamedTogetherWithTheOptionThatSetsIt) {
   folder_.write("plain.txt", "10 3 4 1\n20 3 4 0\n");
   const Outcome outcome = saccade("detect " + at("plain.txt") + " --out " + at("run"));

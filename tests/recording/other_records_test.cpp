@@ -105,6 +105,16 @@ TEST(OtherRecords, AFrameOfADavisIsResetLessSignalFromTheTopLeft) {
     EXPECT_EQ(frame.at(x, y), (x + 2 * y) << 6) << x << ", " << y;
 }
 
+TEST(OtherRecords, AFrameOfADavisThatTheEndOfTheFileCutsOffIsIncomplete) {
+  const TempFolder folder;
+  const std::string frame = davis_frame(100);
+  const auto path =
+      folder.write("a.aedat", davis_header + record(1u << 11, 5) + frame.substr(0, frame.size() - 8));
+  Kept kept;
+  EXPECT_EQ(read_with(path, kept), "1 incomplete frames");
+  EXPECT_TRUE(kept.frames.empty());
+}
+
 TEST(OtherRecords, AReadingOfADavisHasJaersRangesAndSaysSo) {
   const TempFolder folder;
   std::string content = davis_header + record(1u << 11, 5);
