@@ -57,7 +57,10 @@ class RobotConnection {
       ::close(socket_);
       throw;
     }
-    receiver_ = std::thread([this] { receive(); });
+    receiver_ = std::thread([this] {
+      receive();
+      if (!ended_) ::shutdown(socket_, SHUT_RDWR);  // a robot whose client is gone holds its joints
+    });
   }
   ~RobotConnection() {
     ::shutdown(socket_, SHUT_RDWR);

@@ -1,6 +1,7 @@
 // A robot in a program of its own: its frames, and the backend that speaks them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -14,6 +15,7 @@
 #include "external/external_robot.h"
 #include "external/robot_frames.h"
 #include "external/robot_server.h"
+#include "external/socket_address.h"
 #include "head/head_model.h"
 #include "robot/head_limits.h"
 #include "robot/steady_clock.h"
@@ -251,6 +253,31 @@ TEST(ExternalRobot, EveryPortIsLostWhenTheRobotsProgramEnds) {
   const std::vector<std::string> news = robot.news();
   ASSERT_EQ(news.size(), 1u);
   EXPECT_THAT(news[0], HasSubstr("closed the connection"));
+}
+
+TEST(ExternalRobot, AnUnreadableFrameClosesTheConnectionSoThatTheRobotHolds) {
+  const TempFolder folder;
+  const std::string path = (folder / "robot").string();
+  const int listening = listen_on(SocketAddress{path, {}, {}}, 1);
+  std::atomic<bool> closed = false;
+  std::thread program([&] {
+    pollfd connects{listening, POLLIN, 0};
+    if (::poll(&connects, 1, 5000) <= 0) return;
+    const int client = ::accept(listening, nullptr, nullptr);
+    std::vector<std::byte> out;
+    write_hello(iCub_hello(), out);
+    write_number(static_cast<RobotFrame>(77), 1, out);
+    (void)::send(client, out.data(), out.size(), MSG_NOSIGNAL);
+    std::array<char, 64> received{};
+    pollfd more{client, POLLIN, 0};
+    while (::poll(&more, 1, 5000) > 0 && !closed)
+      closed = ::recv(client, received.data(), received.size(), 0) <= 0;
+    ::close(client);
+  });
+  const ExternalRobot robot(ExternalRobotConfig{path}, iCub_context());
+  EXPECT_TRUE(eventually_holds([&] { return closed.load(); }));
+  program.join();
+  ::close(listening);
 }
 
 TEST(ExternalRobot, AnotherHeadOrImageIsRefusedByName) {
