@@ -5,27 +5,17 @@
 
 namespace saccade {
 
-namespace {
-
-/// For a size that the compiler knows: Eigen's order of operations, and so the last bit, depends on that.
 template <int N>
-void solve_fixed(double* a, double* b) {
-  using Matrix = Eigen::Matrix<double, N, N>;
-  using Vector = Eigen::Matrix<double, N, 1>;
-  const Vector x =
-      Eigen::LLT<Matrix>(Matrix(Eigen::Map<const Matrix>(a))).solve(Vector(Eigen::Map<const Vector>(b)));
-  Eigen::Map<Vector>{b} = x;
+Eigen::Matrix<double, N, 1> cholesky_solution(const Eigen::Matrix<double, N, N>& a,
+                                              const Eigen::Matrix<double, N, 1>& b) {
+  return Eigen::LLT<Eigen::Matrix<double, N, N>>(a).solve(b);
 }
-
-template <int N>
-void solve_of_size(double* a, double* b, int n) {
-  if (n == N) return solve_fixed<N>(a, b);
-  if constexpr (N > 1) solve_of_size<N - 1>(a, b, n);
-}
-
-}  // namespace
-
-void solve_cholesky(double* a, double* b, int n) { solve_of_size<12>(a, b, n); }
+template Eigen::Matrix<double, 3, 1> cholesky_solution(const Eigen::Matrix<double, 3, 3>&,
+                                                       const Eigen::Matrix<double, 3, 1>&);
+template Eigen::Matrix<double, 6, 1> cholesky_solution(const Eigen::Matrix<double, 6, 6>&,
+                                                       const Eigen::Matrix<double, 6, 1>&);
+template Eigen::Matrix<double, 12, 1> cholesky_solution(const Eigen::Matrix<double, 12, 12>&,
+                                                        const Eigen::Matrix<double, 12, 1>&);
 
 Eigen::Vector3d ldlt_solution(const Eigen::Matrix3d& a, const Eigen::Vector3d& b) {
   return a.ldlt().solve(b);

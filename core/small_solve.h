@@ -7,18 +7,11 @@ namespace saccade {
 /// Eigen's solvers for small dense systems, in one file: they instantiate its blocked matrix products, which takes seconds of
 /// compilation in each file that uses one. They neither allocate nor throw.
 
-/// Solves A x = b for a symmetric positive definite A of n <= 12 rows, by Cholesky factorisation (Eigen::LLT). `a`: A by
-/// columns, of which the lower triangle is read; it may be overwritten. `b`: b on entry, x on return. Where A is not
-/// positive definite x has no meaning.
-void solve_cholesky(double* a, double* b, int n);
-
+/// Solves A x = b for a symmetric positive definite A, of which the lower triangle is read, by Cholesky factorisation
+/// (Eigen::LLT). Where A is not positive definite x has no meaning. N: the sizes of the gaze controllers, 3, 6 and 12.
 template <int N>
-[[nodiscard]] Eigen::Matrix<double, N, 1> cholesky_solution(Eigen::Matrix<double, N, N> a,
-                                                            Eigen::Matrix<double, N, 1> b) {
-  static_assert(N >= 1 && N <= 12);
-  solve_cholesky(a.data(), b.data(), N);
-  return b;
-}
+[[nodiscard]] Eigen::Matrix<double, N, 1> cholesky_solution(const Eigen::Matrix<double, N, N>& a,
+                                                            const Eigen::Matrix<double, N, 1>& b);
 
 /// The same by the factorisation L D L' with pivoting (Eigen::LDLT), for A positive or negative semidefinite.
 [[nodiscard]] Eigen::Vector3d ldlt_solution(const Eigen::Matrix3d& a, const Eigen::Vector3d& b);

@@ -32,11 +32,10 @@ void expect_cholesky_solves() {
   }
 }
 
-TEST(SmallSolve, CholeskySolvesPositiveDefiniteSystemsOfAnySize) {
-  expect_cholesky_solves<1>();
+TEST(SmallSolve, CholeskySolvesPositiveDefiniteSystemsOfEverySize) {
   expect_cholesky_solves<3>();
   expect_cholesky_solves<6>();
-  expect_cholesky_solves<8>();
+  expect_cholesky_solves<12>();
 }
 
 TEST(SmallSolve, LdltSolvesDefiniteSystemsOfEitherSign) {

@@ -343,7 +343,12 @@ def main():
         sys.exit("fault_trials.py: KIND: expected one of " + ", ".join(FAULTS))
     random.seed(seed)
     trials, before = {kind: [] for kind in kinds}, 0
+    interrupted = []  # then the figures so far
+    signal.signal(signal.SIGTERM, lambda number, frame: interrupted.append(number))
     for number in range(count):
+        if interrupted:
+            count = number
+            break
         kind = kinds[number % len(kinds)]
         while True:
             trial = Trial(saccade, kind, random.uniform(0.1, 0.5))
