@@ -76,7 +76,8 @@ std::string run_gnuplot(const std::string& script) {
   posix_spawn_file_actions_adddup2(&actions, fileno(err.get()), STDERR_FILENO);
   std::string program = "gnuplot";
   std::string no_user_settings = "--default-settings";
-  char* arguments[] = {program.data(), no_user_settings.data(), nullptr};
+  std::string read_in_blocks = "/dev/stdin";  // without a name it reads its input byte by byte
+  char* arguments[] = {program.data(), no_user_settings.data(), read_in_blocks.data(), nullptr};
   std::string locale = "LC_ALL=C";
   pid_t child = 0;
   const int failure =
