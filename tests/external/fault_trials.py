@@ -135,7 +135,7 @@ class Wire(threading.Thread):
         if kind == REFERENCE:
             self.references += 1
             self.referenced = now
-        if kind in (STOP, RELEASE) and self.stopped is None and self.fault:
+        if kind in (STOP, RELEASE) and self.stopped is None:
             self.stopped = now
         if self.fault == "references are lost" and kind == REFERENCE:
             return frame(HEARTBEAT, payload[:8])  # the robot's own watchdog is content
@@ -295,7 +295,7 @@ class Trial:
             deploy.send_signal(signal.SIGINT)
         if fault in DEPLOY:
             if not until(lambda: not watcher.follows, 1):
-                return self.fail("no stop")
+                self.fail("no stop")
             self.stop_ms = 1e3 * (watcher.changed - came)
             if fault != "deploy killed":
                 time.sleep(0.2)
@@ -304,6 +304,9 @@ class Trial:
             status = deploy.wait(10)
         except subprocess.TimeoutExpired:
             return self.fail("deploy does not end")
+        if wire.stopped and wire.stopped < came:
+            self.stopped_before = True
+            return None
         if fault != "deploy killed" and status != (0 if expected is None or fault in PLANNED else 1):
             self.fail(f"deploy ended with status {status}")
         log = self.log("deploy")
