@@ -19,7 +19,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Values = std::vector<double>;
 
-constexpr int schema = 1;
+constexpr int result_schema = 1;
 constexpr std::size_t resamples = 2000;
 constexpr double interval = 0.95;
 
@@ -230,7 +230,7 @@ std::vector<BenchmarkKind> kinds_of(const std::vector<BenchmarkRow>& rows) {
 }
 
 void write_benchmark_result(const std::filesystem::path& path, const BenchmarkResult& result) {
-  Json json{{"benchmark_schema", schema},
+  Json json{{"benchmark_schema", result_schema},
             {"entry", result.entry},
             {"configuration", result.configuration},
             {"saccade", result.saccade},
@@ -257,8 +257,9 @@ BenchmarkResult read_benchmark_result(const std::filesystem::path& path) {
   if (!file) throw InputError(path.string(), "no file that can be read", "the result.json of an entry");
   try {
     const Json json = Json::parse(file);
-    if (const int found = json.at("benchmark_schema").get<int>(); found != schema)
-      throw InputError(path.string(), fmt::format("benchmark_schema {}", found), std::to_string(schema));
+    if (const int found = json.at("benchmark_schema").get<int>(); found != result_schema)
+      throw InputError(path.string(), fmt::format("benchmark_schema {}", found),
+                       std::to_string(result_schema));
     BenchmarkResult result;
     json.at("entry").get_to(result.entry);
     json.at("configuration").get_to(result.configuration);

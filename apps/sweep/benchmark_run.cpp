@@ -44,12 +44,6 @@ std::string machine_text() {
                      std::string(system.sysname), std::string(system.machine));
 }
 
-YamlNode scalar(const std::string& text) {
-  YamlNode node = YamlNode::of(YamlNode::Kind::scalar);
-  node.text = text;
-  return node;
-}
-
 /// What a world is made of; nothing where a key does not apply.
 std::map<std::string, std::string> kinds_in(const ResolvedKeys& keys) {
   std::map<std::string, std::string> kinds;
@@ -251,7 +245,7 @@ BenchmarkEntry benchmark_entry(const std::string& text, const Registry& registry
   std::error_code ignored;
   const auto in_program = [&](const std::string& name, const char* key, const std::string& value) {
     if (!is_name(name)) throw InputError("saccade benchmark", text, "a name of letters, digits and _");
-    return BenchmarkEntry{name, block(name, block(key, scalar(value))), "the entry " + text};
+    return BenchmarkEntry{name, block(name, block(key, yaml_scalar(value))), "the entry " + text};
   };
   if (const std::size_t colon = text.rfind(".py:"); colon != std::string::npos) {
     const std::string file = text.substr(0, colon + 3);

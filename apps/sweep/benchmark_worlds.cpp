@@ -21,13 +21,7 @@ namespace fs = std::filesystem;
 
 using EntryRefs = std::vector<const BenchmarkEntry*>;
 
-YamlNode scalar(const std::string& text) {
-  YamlNode node = YamlNode::of(YamlNode::Kind::scalar);
-  node.text = text;
-  return node;
-}
-
-YamlNode number(double value) { return scalar(fmt::format("{}", value)); }
+YamlNode number(double value) { return yaml_scalar(fmt::format("{}", value)); }
 
 void add(YamlNode& map, const std::string& key, YamlNode value) {
   map.keys.push_back(key);
@@ -46,11 +40,11 @@ std::string preset_of(const BenchmarkEntry& entry, const Registry& registry) {
 
 YamlNode latency_block(const BenchmarkLatency& latency, const EntryRefs& entries, bool loop) {
   YamlNode block = YamlNode::of(YamlNode::Kind::map);
-  add(block, "kind", scalar("model"));
+  add(block, "kind", yaml_scalar("model"));
   add(block, "transport_ms", number(latency.times.transport_ms));
   add(block, "actuation_ms", number(latency.times.actuation_ms));
   add(block, "controller_us", number(latency.times.controller_us));
-  add(block, "max_waiting_events", scalar(std::to_string(latency.times.max_waiting_events)));
+  add(block, "max_waiting_events", yaml_scalar(std::to_string(latency.times.max_waiting_events)));
   YamlNode detectors = YamlNode::of(YamlNode::Kind::map);
   for (const BenchmarkEntry* entry : entries) {
     const WorkTime work = work_of(latency, entry->latency_class);
@@ -76,21 +70,21 @@ SweepConfig sweep_of(const BenchmarkPart& part, const EntryRefs& entries, const 
     add(detectors, entry->name, keys);
     if (!list.latency || part.loop) continue;
     if (keys.kind != YamlNode::Kind::map) keys = YamlNode::of(YamlNode::Kind::map);
-    if (keys.entry("preset") == nullptr) add(keys, "preset", scalar(preset_of(*entry, registry)));
+    if (keys.entry("preset") == nullptr) add(keys, "preset", yaml_scalar(preset_of(*entry, registry)));
     add(detectors, with_latency(entry->name), std::move(keys));
   }
   config.set.push_back({"detectors", std::move(detectors), entries.front()->place});
   config.set.push_back({"frame_30hz", YamlNode::of(YamlNode::Kind::nothing), own});
   if (list.latency) config.set.push_back({"latency", latency_block(*list.latency, entries, part.loop), own});
   if (part.loop) {
-    config.set.push_back({"gaze.detector", scalar(entries.front()->name), own});
+    config.set.push_back({"gaze.detector", yaml_scalar(entries.front()->name), own});
   } else {
-    config.set.push_back({"world.with_ball", scalar(part.name == "ball" ? "always" : "never"), own});
+    config.set.push_back({"world.with_ball", yaml_scalar(part.name == "ball" ? "always" : "never"), own});
   }
   SweepAxis axis{.key = "seed", .place = own, .values = {}};
   for (const std::int64_t seed : part.seeds) {
     const std::string text = std::to_string(seed);
-    axis.values.push_back({text, {{"seed", scalar(text), own}}});
+    axis.values.push_back({text, {{"seed", yaml_scalar(text), own}}});
   }
   config.axes.push_back(std::move(axis));
   config.report.worst = 0;
@@ -192,6 +186,12 @@ class HandOver {
 };
 
 }  // namespace
+
+YamlNode yaml_scalar(const std::string& text) {
+  YamlNode node = YamlNode::of(YamlNode::Kind::scalar);
+  node.text = text;
+  return node;
+}
 
 std::string with_latency(const std::string& entry) { return entry + "__streaming"; }
 

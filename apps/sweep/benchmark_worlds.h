@@ -35,6 +35,9 @@ struct BenchmarkEntry {
 /// Of the class with that name.
 [[nodiscard]] WorkTime work_of(const BenchmarkLatency& latency, std::string_view name);
 
+/// A value in a tree.
+[[nodiscard]] YamlNode yaml_scalar(const std::string& text);
+
 /// A part of a list and the runs of an entry in it.
 struct PlannedPart {
   BenchmarkPart part;

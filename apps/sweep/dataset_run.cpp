@@ -13,6 +13,7 @@
 #include "apps/sweep/dataset_card.h"
 #include "apps/sweep/dataset_file.h"
 #include "apps/sweep/sweep_coordinator.h"
+#include "apps/sweep/sweep_folder.h"
 #include "apps/sweep/sweep_plan.h"
 #include "apps/sweep/sweep_run.h"
 #include "core/error.h"
@@ -107,11 +108,6 @@ PlanMark read_mark(const fs::path& path) {
 void write_mark(const fs::path& path, const PlanMark& mark) {
   const Json json{{"name", mark.name}, {"file", mark.file}, {"program", mark.program}, {"plan", mark.plan}};
   write_file(path, json.dump(1) + "\n");
-}
-
-std::string text_of_file(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 PlanMark mark_of(const DatasetOptions& options, const PlannedDataset& planned) {

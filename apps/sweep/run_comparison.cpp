@@ -31,7 +31,7 @@ double tolerance_for(const std::string& figure, const MeanSd& a, const std::vect
   return last->relative ? last->value * std::abs(a.mean.value_or(0.0)) : last->value;
 }
 
-using Values = std::vector<std::optional<double>>;
+using Figures = std::vector<std::optional<double>>;
 
 /// For each run of B, the place of A's run of the same seed; empty where the seeds are not the same.
 std::vector<std::size_t> pairs_of(const SeedRuns& a, const SeedRuns& b) {
@@ -46,9 +46,9 @@ std::vector<std::size_t> pairs_of(const SeedRuns& a, const SeedRuns& b) {
 }
 
 /// B minus A by seed; none where a run has no value.
-std::optional<Values> differences_of(const Values& a, const Values& b,
-                                     const std::vector<std::size_t>& pairs) {
-  Values differences;
+std::optional<Figures> differences_of(const Figures& a, const Figures& b,
+                                      const std::vector<std::size_t>& pairs) {
+  Figures differences;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     if (!a[pairs[i]] || !b[i]) return std::nullopt;
     differences.emplace_back(*b[i] - *a[pairs[i]]);
@@ -60,10 +60,10 @@ ComparedFigure compared(const std::string& name, const SeedRuns& a, const SeedRu
                         const std::vector<std::size_t>& pairs, const std::vector<Tolerance>& tolerances) {
   const auto values_of = [&](const SeedRuns& runs) {
     const auto values = runs.figures.find(name);
-    return values == runs.figures.end() ? Values(runs.seeds.size()) : values->second;
+    return values == runs.figures.end() ? Figures(runs.seeds.size()) : values->second;
   };
-  const Values in_a = values_of(a);
-  const Values in_b = values_of(b);
+  const Figures in_a = values_of(a);
+  const Figures in_b = values_of(b);
   ComparedFigure figure{.name = name, .a = mean_sd_of(in_a), .b = mean_sd_of(in_b), .p_value = std::nullopt};
   figure.tolerance = tolerance_for(name, figure.a, tolerances);
   const auto differences = differences_of(in_a, in_b, pairs);

@@ -42,11 +42,6 @@ struct TestFolder {
   }
 };
 
-std::string text_of_file(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 /// Whether a test made the run in that folder: its scenario is the one that the test noted, or gave to its process.
 bool is_of_a_test(const TestFolder& folder, const std::string& name) {
   const std::string run = text_of_file(folder.run(name) / "scenario.yaml");

@@ -1,6 +1,7 @@
 #include "apps/sweep/sweep_folder.h"
 
 #include <fstream>
+#include <iterator>
 #include <system_error>
 
 #include "recording/file_lock.h"
@@ -21,6 +22,11 @@ bool is_interrupted(const fs::path& metrics) {
 }
 
 }  // namespace
+
+std::string text_of_file(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
 
 bool SweepFolder::has_result(const std::string& id) const { return finished(id).has_value(); }
 

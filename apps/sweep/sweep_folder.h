@@ -44,4 +44,7 @@ class SweepFolder {
   std::filesystem::path path_;
 };
 
+/// All of a small file; empty where it cannot be read.
+[[nodiscard]] std::string text_of_file(const std::filesystem::path& path);
+
 }  // namespace saccade

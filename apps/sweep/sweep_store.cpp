@@ -100,11 +100,6 @@ void insert_plan(SQLite::Database& database, const SweepPlan& plan) {
   }
 }
 
-std::string text_of_file(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 void insert_numbers(SQLite::Database& database, const char* table, std::int64_t run,
                     const std::vector<std::pair<std::string, std::optional<double>>>& numbers) {
   SQLite::Statement statement(database, std::string("INSERT OR REPLACE INTO ") + table + " VALUES(?, ?, ?)");

@@ -12,15 +12,15 @@ std::ptrdiff_t met_count(const ScenarioTest& test) {
   return std::ranges::count_if(test.judged, [](const JudgedExpectation& j) { return j.met(); });
 }
 
-using TableRow = std::array<std::string, 5>;
+using TestRow = std::array<std::string, 5>;
 
-std::string aligned(const std::vector<TableRow>& rows) {
+std::string aligned(const std::vector<TestRow>& rows) {
   std::array<std::size_t, 5> widths{};
-  for (const TableRow& row : rows) {
+  for (const TestRow& row : rows) {
     for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
   }
   std::string text;
-  for (const TableRow& row : rows) {
+  for (const TestRow& row : rows) {
     std::string line = fmt::format("{:{}}  {:{}}  {:>{}}  {:{}}  {}", row[0], widths[0], row[1], widths[1],
                                    row[2], widths[2], row[3], widths[3], row[4]);
     text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
@@ -40,7 +40,7 @@ std::string test_line(const ScenarioTest& test) {
 }
 
 std::string test_table(const std::vector<ScenarioTest>& tests) {
-  std::vector<TableRow> rows = {{"scenario", "figure", "value", "expected", "result"}};
+  std::vector<TestRow> rows = {{"scenario", "figure", "value", "expected", "result"}};
   std::ptrdiff_t expectations = 0;
   std::ptrdiff_t met = 0;
   std::ptrdiff_t failed = 0;
