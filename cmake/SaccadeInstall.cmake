@@ -13,8 +13,8 @@ if(TARGET saccade_yarp OR NOT mujoco_LIBRARY MATCHES "^/usr/lib/")
   set_target_properties(saccade PROPERTIES INSTALL_RPATH_USE_LINK_PATH ON)
 endif()
 install(TARGETS saccade DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
-# The helper program that reads HDF5, and the library that reads and writes images (recording/helper_reader.h).
-install(TARGETS saccade_hdf5_reader saccade_image_codecs_library DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/saccade COMPONENT program)
+# The helper program that reads HDF5, and the libraries that write it and read and write images (recording/helper_reader.h).
+install(TARGETS saccade_hdf5_reader saccade_hdf5_writer saccade_image_codecs_library DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/saccade COMPONENT program)
 install(DIRECTORY ${saccade_SOURCE_DIR}/models ${saccade_SOURCE_DIR}/scenarios DESTINATION ${SACCADE_DATA_DIR}
   COMPONENT program PATTERN invalid EXCLUDE PATTERN recurrent EXCLUDE)
 
@@ -120,7 +120,7 @@ set(CPACK_DEBIAN_PROGRAM_DESCRIPTION "A simulated iCub head watches a ball throu
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libsaccade-dev)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS
-  "saccade (= ${PROJECT_VERSION}), libeigen3-dev, libmujoco-dev, libceres-dev, libopencv-dev, libyaml-cpp-dev, nlohmann-json3-dev, libcli11-dev, libfmt-dev, pkg-config, libhdf5-dev, liblz4-dev, libzstd-dev, libbz2-dev, zlib1g-dev, libglfw3-dev, libimgui-dev, libsqlite3-dev, libsqlitecpp-dev, libpugixml-dev")
+  "saccade (= ${PROJECT_VERSION}), libeigen3-dev, libmujoco-dev, libceres-dev, libopencv-dev, libyaml-cpp-dev, nlohmann-json3-dev, libcli11-dev, libfmt-dev, pkg-config, liblz4-dev, libzstd-dev, libbz2-dev, zlib1g-dev, libglfw3-dev, libimgui-dev, libsqlite3-dev, libsqlitecpp-dev, libpugixml-dev")
 set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "Static libraries, headers and a CMake package: events, detectors,
  event camera emulator, event files, head kinematics, simulator,
  scoring, reports.")

@@ -11,131 +11,12 @@
 #include <utility>
 
 #include "core/error.h"
-#include "recording/hdf5_handle.h"
+#include "recording/hdf5_library.h"
 #include "recording/output_file.h"
 #include "recording/zip_writer.h"
 
 namespace saccade {
 namespace {
-
-std::size_t row_bytes(ArrayType type, const std::vector<std::size_t>& shape) {
-  std::size_t bytes = size_of(type);
-  for (const std::size_t length : shape) bytes *= length;
-  return bytes;
-}
-
-std::size_t longest(const std::vector<std::string>& texts) {
-  std::size_t length = 1;
-  for (const std::string& text : texts) length = std::max(length, text.size());
-  return length;
-}
-
-/// The texts one after the other, filled up with zeros.
-std::string padded(const std::vector<std::string>& texts) {
-  std::string bytes;
-  for (const std::string& text : texts) bytes += text + std::string(longest(texts) - text.size(), '\0');
-  return bytes;
-}
-
-class Hdf5ArrayFile final : public ArrayFile {
- public:
-  explicit Hdf5ArrayFile(const std::filesystem::path& path) : out_(path) {
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-    file_ = Hdf5Handle(H5Fcreate(out_.part().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
-    check(file_ >= 0);
-    with_groups_ = Hdf5Handle(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
-    H5Pset_create_intermediate_group(with_groups_, 1);
-  }
-
-  std::size_t add(const std::string& name, ArrayType type,
-                  const std::vector<std::size_t>& row_shape) override {
-    Array array{type, row_bytes(type, row_shape), {0}, {}};
-    for (const std::size_t length : row_shape) array.shape.push_back(length);
-    std::vector<hsize_t> most = array.shape;
-    std::vector<hsize_t> chunk = array.shape;
-    most[0] = H5S_UNLIMITED;
-    constexpr std::size_t chunk_bytes = 1 << 16;
-    chunk[0] = std::max<std::size_t>(1, chunk_bytes / array.bytes);
-    const int rank = static_cast<int>(array.shape.size());
-    const Hdf5Handle space(H5Screate_simple(rank, array.shape.data(), most.data()), H5Sclose);
-    const Hdf5Handle plist(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
-    H5Pset_chunk(plist, rank, chunk.data());
-    H5Pset_shuffle(plist);
-    H5Pset_deflate(plist, 1);
-    array.id = Hdf5Handle(
-        H5Dcreate2(file_, name.c_str(), types_of(type)[0], space, with_groups_, plist, H5P_DEFAULT),
-        H5Dclose);
-    check(array.id >= 0);
-    arrays_.push_back(std::move(array));
-    return arrays_.size() - 1;
-  }
-
-  void append(std::size_t number, std::span<const std::byte> rows) override {
-    Array& array = arrays_.at(number);
-    SACCADE_CHECK(rows.size() % array.bytes == 0);
-    std::vector<hsize_t> start(array.shape.size(), 0), count = array.shape;
-    start[0] = array.shape[0];
-    count[0] = rows.size() / array.bytes;
-    if (count[0] == 0) return;
-    array.shape[0] += count[0];
-    check(H5Dset_extent(array.id, array.shape.data()) >= 0);
-    const Hdf5Handle in_file(H5Dget_space(array.id), H5Sclose);
-    const Hdf5Handle in_memory(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr),
-                               H5Sclose);
-    H5Sselect_hyperslab(in_file, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr);
-    check(H5Dwrite(array.id, types_of(array.type)[1], in_memory, in_file, H5P_DEFAULT, rows.data()) >= 0);
-  }
-
-  void put(const std::string& name, const std::vector<std::string>& texts) override {
-    const std::string bytes = padded(texts);
-    const hsize_t count = texts.size();
-    const Hdf5Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-    H5Tset_size(type, longest(texts));
-    H5Tset_strpad(type, H5T_STR_NULLPAD);
-    const Hdf5Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose);
-    const Hdf5Handle id(H5Dcreate2(file_, name.c_str(), type, space, with_groups_, H5P_DEFAULT, H5P_DEFAULT),
-                        H5Dclose);
-    check(id >= 0 && H5Dwrite(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) >= 0);
-  }
-
-  void commit() override {
-    arrays_.clear();
-    check(H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0);
-    file_ = Hdf5Handle();
-    out_.commit();
-  }
-
- private:
-  struct Array {
-    ArrayType type;
-    std::size_t bytes;  ///< of a row
-    std::vector<hsize_t> shape;
-    Hdf5Handle id;
-  };
-
-  /// In the file and in memory.
-  static std::array<hid_t, 2> types_of(ArrayType type) {
-    switch (type) {
-      case ArrayType::u8:
-        return {H5T_STD_U8LE, H5T_NATIVE_UINT8};
-      case ArrayType::i64:
-        return {H5T_STD_I64LE, H5T_NATIVE_INT64};
-      case ArrayType::f32:
-        return {H5T_IEEE_F32LE, H5T_NATIVE_FLOAT};
-      case ArrayType::f64:
-        return {H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE};
-    }
-    return {};
-  }
-  void check(bool ok) const {
-    if (!ok) throw_unwritten(out_.path());
-  }
-
-  OutputFile out_;
-  Hdf5Handle file_;
-  Hdf5Handle with_groups_;
-  std::vector<Array> arrays_;
-};
 
 /// Rows of an array until the file is put together: a file without a name, in the folder of the output.
 class Spool {
@@ -197,7 +78,7 @@ class NpzArrayFile final : public ArrayFile {
                   const std::vector<std::size_t>& row_shape) override {
     std::string shape;
     for (const std::size_t length : row_shape) shape += " " + std::to_string(length) + ",";
-    arrays_.push_back({name, word_of(type), shape, row_bytes(type, row_shape), Spool(out_.path())});
+    arrays_.push_back({name, word_of(type), shape, detail::row_bytes(type, row_shape), Spool(out_.path())});
     return arrays_.size() - 1;
   }
   void append(std::size_t number, std::span<const std::byte> rows) override {
@@ -205,9 +86,9 @@ class NpzArrayFile final : public ArrayFile {
     arrays_[number].rows.write(rows);
   }
   void put(const std::string& name, const std::vector<std::string>& texts) override {
-    arrays_.push_back(
-        {name, "'|S" + std::to_string(longest(texts)) + "'", "", longest(texts), Spool(out_.path())});
-    const std::string bytes = padded(texts);
+    arrays_.push_back({name, "'|S" + std::to_string(detail::longest(texts)) + "'", "", detail::longest(texts),
+                       Spool(out_.path())});
+    const std::string bytes = detail::padded(texts);
     arrays_.back().rows.write(std::as_bytes(std::span<const char>(bytes)));
   }
   void commit() override {
@@ -267,7 +148,7 @@ class NpzArrayFile final : public ArrayFile {
 std::unique_ptr<ArrayFile> create_array_file(const std::filesystem::path& path) {
   if (path.extension() == ".npz") return std::make_unique<NpzArrayFile>(path);
   SACCADE_CHECK(path.extension() == ".h5");
-  return std::make_unique<Hdf5ArrayFile>(path);
+  return std::unique_ptr<ArrayFile>(hdf5_library().create_arrays(path));
 }
 
 }  // namespace saccade

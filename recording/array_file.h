@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -48,6 +49,29 @@ class ArrayFile {
   virtual void put(const std::string& name, const std::vector<std::string>& texts) = 0;
   virtual void commit() = 0;
 };
+
+namespace detail {
+
+inline std::size_t row_bytes(ArrayType type, const std::vector<std::size_t>& shape) {
+  std::size_t bytes = size_of(type);
+  for (const std::size_t length : shape) bytes *= length;
+  return bytes;
+}
+
+inline std::size_t longest(const std::vector<std::string>& texts) {
+  std::size_t length = 1;
+  for (const std::string& text : texts) length = std::max(length, text.size());
+  return length;
+}
+
+/// The texts one after the other, filled up with zeros.
+inline std::string padded(const std::vector<std::string>& texts) {
+  std::string bytes;
+  for (const std::string& text : texts) bytes += text + std::string(longest(texts) - text.size(), '\0');
+  return bytes;
+}
+
+}  // namespace detail
 
 /// By the extension .h5 or .npz.
 [[nodiscard]] std::unique_ptr<ArrayFile> create_array_file(const std::filesystem::path& path);

@@ -1,5 +1,6 @@
 #include "recording/helper_reader.h"
 
+#include <dlfcn.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -103,6 +104,14 @@ std::filesystem::path find_helper(std::string_view file_name) {
     searched += (searched.empty() ? "" : ", ") + folder.string();
   }
   throw RunError("the file " + std::string(file_name) + " is missing; searched in " + searched);
+}
+
+const void* helper_symbol(std::string_view file_name, const char* symbol) {
+  // Loaded once: the system's loader returns the same library from then on.
+  void* const library = ::dlopen(find_helper(file_name).c_str(), RTLD_NOW | RTLD_LOCAL);
+  const void* const found = library != nullptr ? ::dlsym(library, symbol) : nullptr;
+  if (found == nullptr) throw RunError(std::string(file_name) + " cannot be loaded: " + ::dlerror());
+  return found;
 }
 
 }  // namespace saccade

@@ -29,4 +29,7 @@ struct HelperCommand {
 /// installed, or where it was built. Throws RunError with these places where none has it.
 [[nodiscard]] std::filesystem::path find_helper(std::string_view file_name);
 
+/// A symbol of a helper library, which stays loaded. Throws RunError where the library cannot be loaded or lacks it.
+[[nodiscard]] const void* helper_symbol(std::string_view file_name, const char* symbol);
+
 }  // namespace saccade

@@ -1,7 +1,5 @@
 #include "evaluation/image_codecs/image_codecs.h"
 
-#include <dlfcn.h>
-
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/videoio.hpp>
 
@@ -14,11 +12,7 @@ namespace saccade {
 namespace {
 
 const CodecLibrary& library() {
-  // Loaded once: the system's loader returns the same library from then on.
-  void* const handle = ::dlopen(find_helper(codec_library_file).c_str(), RTLD_NOW | RTLD_LOCAL);
-  const void* const symbol = handle != nullptr ? ::dlsym(handle, codec_library_symbol) : nullptr;
-  if (symbol == nullptr) throw RunError(std::string("images cannot be read or written: ") + ::dlerror());
-  return *static_cast<const CodecLibrary*>(symbol);
+  return *static_cast<const CodecLibrary*>(helper_symbol(codec_library_file, codec_library_symbol));
 }
 
 class LibraryVideo final : public VideoOutput {
