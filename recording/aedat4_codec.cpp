@@ -123,11 +123,11 @@ class Aedat4Reader final : public EventReader {
     return count;
   }
 
-  std::optional<ImageSize> image_size() const override { return image_size_; }
-  std::string format() const override { return "AEDAT 4.0" + compression_; }
-  std::optional<std::uint64_t> broken_record() const override { return record_; }
+  [[nodiscard]] std::optional<ImageSize> image_size() const override { return image_size_; }
+  [[nodiscard]] std::string format() const override { return "AEDAT 4.0" + compression_; }
+  [[nodiscard]] std::optional<std::uint64_t> broken_record() const override { return record_; }
   [[nodiscard]] bool has_second_camera() const { return second_stream_.has_value(); }
-  std::string skipped() const override {
+  [[nodiscard]] std::string skipped() const override {
     std::string text;
     for (const auto& [number, packets] : other_packets_) {
       const auto known = streams_.find(number);

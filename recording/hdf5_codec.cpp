@@ -1,6 +1,6 @@
 #include "recording/hdf5_codec.h"
 
-#include "core/error.h"
+#include "recording/codec.h"
 #include "recording/hdf5_library.h"
 #include "recording/helper_reader.h"
 #include "recording/input_file.h"

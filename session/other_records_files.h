@@ -26,9 +26,9 @@ class OtherRecordsFiles final : public OtherRecords {
   OtherRecordsFiles(const std::filesystem::path& out, std::string_view kinds, bool force);
   ~OtherRecordsFiles() override;
 
-  bool wants_frames() const override { return frames_.wanted; }
-  bool wants_inertial() const override { return imu_.wanted; }
-  bool wants_triggers() const override { return triggers_.wanted; }
+  [[nodiscard]] bool wants_frames() const override { return frames_.wanted; }
+  [[nodiscard]] bool wants_inertial() const override { return imu_.wanted; }
+  [[nodiscard]] bool wants_triggers() const override { return triggers_.wanted; }
   void add(const RecordedFrame& frame) override;
   void add(const InertialReading& reading) override;
   void add(const RecordedTrigger& trigger) override;

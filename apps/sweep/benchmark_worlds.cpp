@@ -203,7 +203,7 @@ std::string latency_class_of(const BenchmarkEntry& entry, const BenchmarkList& l
   }
   std::vector<std::string> names;
   for (const auto& [name, work] : list.latency->classes) names.push_back(name);
-  const std::string found = stated.empty() ? preset_of(entry, registry) : stated;
+  std::string found = stated.empty() ? preset_of(entry, registry) : stated;
   if (std::ranges::find(names, found) != names.end()) return found;
   if (!stated.empty()) throw InputError("--class", stated, expectation_of(names));
   throw InputError(entry.place, "the preset " + found + ", for which the list has no latencies",

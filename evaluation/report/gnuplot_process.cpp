@@ -16,8 +16,6 @@
 
 #include "core/error.h"
 
-extern char** environ;
-
 namespace saccade {
 namespace {
 
