@@ -37,10 +37,10 @@ std::string with_title_font(std::string script, double font) {
 /// page's drawing has it beside the panel, for which one column has no room.
 std::string key_below(const Figure& figure, double width_pt, double height_pt) {
   if (figure.key.empty() || figure.script.find("unset key") != std::string::npos) return {};
-  constexpr double letter = 0.5;      // width of a letter over the size of the font
-  constexpr double sample_pt = 34.0;  // of a line, and the space between entries
-  constexpr double row_pt = 1.25 * column_font_pt;
-  constexpr double labels_pt = 4.0 * column_font_pt;  // of the axis
+  constexpr double letter = 0.5;                      // width of a letter over the size of the font
+  constexpr double sample_pt = 34.0;                  // of a line, and the space between entries
+  constexpr double row_pt = 1.5 * column_font_pt;     // as the SVG terminal has it
+  constexpr double labels_pt = 5.0 * column_font_pt;  // of the axis
   std::size_t longest = 0;
   for (const std::string& title : figure.key) longest = std::max(longest, title.size());
   const double entry_pt = sample_pt + letter * column_font_pt * static_cast<double>(longest);
