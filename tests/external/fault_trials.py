@@ -2,9 +2,10 @@
 """Random faults of a robot of the backend `external`: deploy moves the practice head beside `saccade guard`, which it requires; one
 fault comes at a random instant, on the wire between them or in one of the three programs.
 usage: fault_trials.py SACCADE COUNT [SEED] [KIND]
-Prints the times, ms, from the fault to the stop (the first stop or release frame; of a killed or halted deploy: the reading that shows
-the joints released; of a robot that is gone: as deploy writes it) and to the last motion of a joint above 1 deg/s. Status 1 if the
-head was not stopped, if a reference came later, for a wrong cause or status, or if something stopped it that must not."""
+Prints the times, ms, from the fault to the stop and to the last motion of a joint above 1 deg/s. The stop is the first stop or release
+frame; of a killed or halted deploy the reading that shows the joints released; of a robot that is gone, or whose connection is lost,
+what deploy writes. Status 1 if the head was not stopped in time, if a reference came later, for a wrong cause or status, or if
+something stopped it that must not."""
 import math, os, random, re, selectors, signal, socket, struct, subprocess, sys, tempfile, threading, time
 
 EVENTS, READING, REFERENCE, STOP, RELEASE, HEARTBEAT = 2, 3, 18, 19, 20, 21
@@ -318,7 +319,11 @@ class Trial:
             self.stop_ms = float(written[1]) if written else None
         elif expected is not None and fault not in DEPLOY:
             self.stop_ms = 1e3 * (wire.stopped - came) if wire.stopped else None
-        if expected is None or fault in GONE:
+        if expected is None:
+            return None
+        if self.stop_ms is None or self.stop_ms > (1100 if "has not followed" in expected else 100):
+            self.fail("no stop in time")
+        if fault in GONE:
             return None
         references = wire.references
         time.sleep(0.15)
@@ -329,8 +334,6 @@ class Trial:
         if time.monotonic() - watcher.moved < 0.1:
             self.fail("a joint still moves")
         self.rest_ms = 1e3 * (watcher.moved - came) if watcher.moved > came else None
-        if self.stop_ms is None or self.stop_ms > (1100 if "has not followed" in expected else 100):
-            self.fail("no stop in time")
         return None
 
 
