@@ -122,7 +122,7 @@ class Aedat2Reader final : public BlockReader {
       size_guessed_ = true;
     }
     others_ = options.others;
-    if (others_ != nullptr) samples_.emplace(others_, size_);
+    if (others_ != nullptr) samples_.emplace(others_, size_, ranges_);
     const ImageSize largest = layout_ == "dvs640" ? dvs640_largest : davis_largest;
     if (!largest.contains(size_.width - 1, size_.height - 1)) {
       throw InputError(file_.name(), "an image of " + text_of(size_), "at most " + text_of(largest));
@@ -137,9 +137,8 @@ class Aedat2Reader final : public BlockReader {
   std::string guess() const override {
     std::string text =
         size_guessed_ ? "the image size " + text_of(size_) + ", from the addresses; --size sets it" : "";
-    if (samples_ && samples_->has_inertial())
-      text += std::string(text.empty() ? "" : "; ") +
-              "the ranges of the inertial unit, 4 g and 500 deg/s, as jAER has them";
+    if (const std::string ranges = ranges_.missing(); samples_ && samples_->has_inertial() && !ranges.empty())
+      text += (text.empty() ? "" : "; ") + ("the inertial unit's range of " + ranges + ", jAER's default");
     return text;
   }
   std::string skipped() const override {
@@ -202,16 +201,17 @@ class Aedat2Reader final : public BlockReader {
     const std::string_view line_end =
         newline != std::string_view::npos && newline > 0 && first[newline - 1] == '\r' ? "\r\n" : "\n";
     AedatChip chip;
+    std::string name;
     constexpr std::string_view chip_key = "# AEChip: ";
     while (const std::size_t length = header_line(line_end)) {
       const std::string_view line = file_.peek(length).substr(0, length - line_end.size());
       if (line.starts_with(chip_key)) {
-        chip = parse_aedat_chip(line.substr(chip_key.size()));
-        if (chip.layout.empty() && !layout_given) {
-          file_.fail("the chip " + printable(line.substr(chip_key.size())),
-                     "DVS128, DVS640 or a DAVIS, or --layout and --size");
-        }
+        name = line.substr(chip_key.size());
+        chip = parse_aedat_chip(name);
+        if (chip.layout.empty() && !layout_given)
+          file_.fail("the chip " + printable(name), "DVS128, DVS640 or a DAVIS, or --layout and --size");
       }
+      ranges_.read(line, name);
       file_.skip(length);
     }
     return chip;
@@ -260,6 +260,7 @@ class Aedat2Reader final : public BlockReader {
   bool size_guessed_ = false;
   SkippedRecords skipped_;
   OtherRecords* others_ = nullptr;
+  InertialRanges ranges_;
   std::optional<DavisSamples> samples_;
   WrappingTime time_;
 };

@@ -1,6 +1,7 @@
 #include "recording/davis_samples.h"
 
 #include <algorithm>
+#include <span>
 
 #include "core/units.h"
 #include "recording/aedat2_layout.h"
@@ -26,9 +27,56 @@ TriggerKind kind_of(std::uint32_t address) {
   }
 }
 
+struct RangeName {
+  std::string_view name;  ///< jAER's
+  std::string_view text;
+  double values_per_unit;
+};
+constexpr std::array<RangeName, 4> acceleration_ranges = {{{"ImuAccelScaleG2", "2 g", 16384.0},
+                                                           {"ImuAccelScaleG4", "4 g", 8192.0},
+                                                           {"ImuAccelScaleG8", "8 g", 4096.0},
+                                                           {"ImuAccelScaleG16", "16 g", 2048.0}}};
+constexpr std::array<RangeName, 4> rotation_ranges = {{{"GyroFullScaleDegPerSec250", "250 deg/s", 131.0},
+                                                       {"GyroFullScaleDegPerSec500", "500 deg/s", 65.5},
+                                                       {"GyroFullScaleDegPerSec1000", "1000 deg/s", 32.8},
+                                                       {"GyroFullScaleDegPerSec2000", "2000 deg/s", 16.4}}};
+
+/// What stands between `before` and the next quotation mark; empty where it does not.
+std::string_view quoted(std::string_view line, std::string_view before) {
+  const std::size_t begin = line.find(before);
+  if (begin == std::string_view::npos) return {};
+  line.remove_prefix(begin + before.size());
+  return line.substr(0, line.find('"'));
+}
+
 }  // namespace
 
-DavisSamples::DavisSamples(OtherRecords* others, ImageSize size) : others_(others), size_(size) {
+void InertialRanges::read(std::string_view line, std::string_view chip) {
+  const std::string_view key = quoted(line, "key=\"");
+  const std::string_view value = quoted(line, "value=\"");
+  const std::string prefix = std::string(chip.substr(chip.rfind('.') + 1)) + ".IMU.";
+  const auto take = [&](std::string_view old_key, std::string_view new_key, std::span<const RangeName> ranges,
+                        Range& range) {
+    const int source = key == old_key                                                    ? 1
+                       : key.starts_with(prefix) && key.substr(prefix.size()) == new_key ? 2
+                                                                                         : 0;
+    if (source <= range.source) return;
+    const auto named = std::ranges::find(ranges, value, &RangeName::name);
+    if (named != ranges.end()) range = {named->text, named->values_per_unit, source};
+  };
+  take("ImuAccelScale", "AccelScale", acceleration_ranges, acceleration_);
+  take("ImuGyroScale", "GyroScale", rotation_ranges, rotation_);
+}
+
+std::string InertialRanges::missing() const {
+  std::string text;
+  for (const Range& range : {acceleration_, rotation_})
+    if (range.source == 0) text += (text.empty() ? "" : " and ") + std::string(range.text);
+  return text;
+}
+
+DavisSamples::DavisSamples(OtherRecords* others, ImageSize size, const InertialRanges& ranges)
+    : others_(others), ranges_(ranges), size_(size) {
   if (others == nullptr) return;
   frames_ = others->wants_frames();
   inertial_ = others->wants_inertial();
@@ -102,8 +150,8 @@ void DavisSamples::add_inertial_sample(std::uint32_t address, std::int64_t t_us)
   InertialReading reading;
   reading.t_us = t_us;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    reading.acceleration_m_s2[axis] = quantities_[axis] / accelerations_per_g * standard_gravity_m_s2;
-    reading.angular_velocity_rad_s[axis] = quantities_[4 + axis] / rotations_per_deg_s * rad_per_deg;
+    reading.acceleration_m_s2[axis] = quantities_[axis] / ranges_.values_per_g() * standard_gravity_m_s2;
+    reading.angular_velocity_rad_s[axis] = quantities_[4 + axis] / ranges_.values_per_deg_s() * rad_per_deg;
   }
   reading.temperature_deg_c = quantities_[3] / temperatures_per_deg + temperature_of_0_deg_c;
   reading.source = "DAVIS";

@@ -2,12 +2,37 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/event.h"
 #include "recording/other_records.h"
 
 namespace saccade {
+
+/// The ranges of a DAVIS's inertial unit, which jAER writes among the preferences in the header of AEDAT 2.0: keys
+/// `ImuAccelScale` and `ImuGyroScale`, in newer versions `CHIP.IMU.AccelScale` and `CHIP.IMU.GyroScale`, which count more. Where
+/// they are missing, jAER's defaults: 8 g and 1000 deg/s. Sources: ImuControl.java of SensorsINI/jaer; MPU-6150's data sheet.
+class InertialRanges {
+ public:
+  /// A line of the header. `chip`: the header's `AEChip`.
+  void read(std::string_view line, std::string_view chip);
+
+  [[nodiscard]] double values_per_g() const { return acceleration_.values_per_unit; }
+  [[nodiscard]] double values_per_deg_s() const { return rotation_.values_per_unit; }
+  /// The ranges that the header does not have, as "8 g and 1000 deg/s"; empty where it has both.
+  [[nodiscard]] std::string missing() const;
+
+ private:
+  struct Range {
+    std::string_view text;
+    double values_per_unit;
+    int source = 0;  ///< 0 the default, 1 older keys, 2 newer ones
+  };
+  Range acceleration_{"8 g", 4096.0};
+  Range rotation_{"1000 deg/s", 32.8};
+};
 
 /// Frames, inertial readings and triggers of a DAVIS from the records of AEDAT 2.0 that are no events
 /// (recording/aedat2_layout.h).
@@ -18,15 +43,10 @@ namespace saccade {
 /// inertial unit: bits 31, 11 and 10, quantity bits 28-30 (acceleration x, y, z, temperature, rotation x, y, z), value 16
 /// signed bits from bit 12 on. Trigger: bit 10 without bit 31, in bits 0-2 its edge: 2 falling, 3 rising, 4 pulse, else
 /// unknown. Source: DavisChip.java, DavisBaseCamera.java and IMUSample.java of SensorsINI/jaer.
-///
-/// The file does not have the ranges of the inertial unit: jAER's own are taken, +-4 g and +-500 deg/s.
 class DavisSamples {
  public:
-  static constexpr double accelerations_per_g = 8192.0;
-  static constexpr double rotations_per_deg_s = 65.5;
-
   /// `others`: null where nobody wants them.
-  DavisSamples(OtherRecords* others, ImageSize size);
+  DavisSamples(OtherRecords* others, ImageSize size, const InertialRanges& ranges);
 
   /// Takes a record that is no event. False where nobody wants it.
   bool add(std::uint32_t address, std::int64_t t_us);
@@ -44,6 +64,7 @@ class DavisSamples {
   void begin_frame(std::int64_t t_us);
 
   OtherRecords* others_;
+  InertialRanges ranges_;
   bool frames_ = false, inertial_ = false, triggers_ = false;  ///< wanted
   ImageSize size_;
   std::vector<std::uint8_t> there_;  ///< levels, by pixel from the top left; empty before the first sample

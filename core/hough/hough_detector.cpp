@@ -9,8 +9,6 @@
 namespace saccade {
 namespace {
 
-constexpr std::int16_t whole_ring = -1;
-
 bool uses_flow(const HoughDetectorConfig& config) {
   return config.directed || config.window.kind == WindowKind::lifetime;
 }
@@ -65,7 +63,7 @@ void HoughDetector::process(std::span<const Event> events, const CameraMotion*) 
   for (const Event& event : events) {
     if (!sieve_.accept(event)) continue;
     --newer;
-    WindowEvent vote{event.x, event.y, whole_ring};
+    WindowEvent vote{event.x, event.y, HoughTransform::whole_ring};
     if (!with_flow_) {
       window_.push(event.t_us, vote, window_.lifetime_us({}));
       continue;
@@ -89,23 +87,10 @@ void HoughDetector::advance_to(std::int64_t now_us, const CameraMotion*) {
   now_us_ = std::max(now_us_, now_us);
 }
 
-template <int sign>
-void HoughDetector::vote(std::span<const WindowEvent> events) {
-  for (const WindowEvent& e : events) {
-    if (e.direction == whole_ring) {
-      transform_.vote_ring<sign>(e.x, e.y);
-    } else {
-      transform_.vote_arcs<sign>(e.x, e.y, e.direction);
-    }
-  }
-}
-
 Estimate HoughDetector::estimate() {
   const EventWindow::Change change = window_.update(now_us_);
   if (change.none()) return estimate_;
-  if (change.all_left) transform_.clear();
-  vote<-1>(change.left);
-  vote<1>(change.entered);
+  transform_.vote(change);
   const HoughTransform::Peak peak = transform_.peak();
   estimate_ = {};
   if (peak.votes == 0) return estimate_;

@@ -54,9 +54,6 @@ class HoughDetector final : public Detector, public DetectorViews {
   [[nodiscard]] const HoughTransform& transform() const { return transform_; }
 
  private:
-  template <int sign>
-  void vote(std::span<const WindowEvent> events);
-
   HoughDetectorConfig config_;
   bool with_flow_;
   EventSieve sieve_;

@@ -21,6 +21,12 @@ constexpr double edge_rad = 1e-9;
 constexpr int patch_columns = 4;         // 4 x 4 cells of 16 bits fill one vector of 256 bits
 constexpr std::size_t patch_cells = 16;  // of a patch
 constexpr int block_rows = 8;            // of cells that lie together: a vote's cells are in few cache lines
+constexpr std::size_t most_gathered = 8192;  // places whose votes are added plane by plane
+// What adding votes plane by plane costs besides them, in patches that single events add in the time: of each event in
+// a pair of planes, and pixels whose bounds are found in the time of one patch.
+constexpr std::size_t patches_per_visit = 16;
+constexpr std::size_t bound_pixels = 13;
+constexpr std::uint16_t not_gathered = 0xffff;
 /// Columns are divided by the columns of a block with a multiplication by 2^48 / block, rounded up: exact below
 /// 2^48 / block, and the product fits into 64 bits.
 constexpr int reciprocal_bits = 48;
@@ -50,12 +56,13 @@ template <int sign, class Vector, class Walk>
   Vector above{};
   for (std::size_t i = 0; i < w.patches; ++i) {
     // A patch belongs to the block of its last column: its first may lie in the row before.
-    const std::size_t last = w.last + static_cast<std::size_t>(static_cast<std::ptrdiff_t>(w.offset[i]));
+    const std::size_t last =
+        w.last + static_cast<std::size_t>(static_cast<std::ptrdiff_t>(w.steps[i].columns));
     auto& block = w.blocks[(last * w.block_reciprocal) >> reciprocal_bits];
     for (std::size_t part = 0; part < patch_cells; part += sizeof(Vector) / sizeof(std::uint16_t)) {
       std::uint16_t* const at = w.accumulator + 4 * last - 4 * (patch_columns - 1) + part;
       Vector voted, votes, bound, limit;
-      load(voted, w.voted[w.voted_index[i]].data() + part);
+      load(voted, w.voted + w.steps[i].voted / sizeof(std::uint16_t) + part);
       load(votes, at);
       votes = sign > 0 ? votes - voted : votes + voted;
       std::memcpy(at, &votes, sizeof votes);
@@ -74,17 +81,87 @@ template <int sign, class Vector, class Walk>
   return std::any_of(words.begin(), words.end(), [](std::uint64_t word) { return word != 0; });
 }
 
+/// The most votes of a pair of planes in the rows of a block, for each place in a patch.
+template <class Vector, class Planes>
+[[gnu::always_inline]] inline void find_bound(const Planes& p, const std::uint16_t* plane, int block,
+                                              std::uint16_t* bound) {
+  constexpr int columns = static_cast<int>(sizeof(Vector) / sizeof(std::uint64_t));
+  Vector most{}, upper_row{};
+  for (std::size_t i = 0; i < sizeof(Vector) / sizeof(std::uint16_t); ++i) upper_row[i] = i & 2 ? 0 : 0xffff;
+  for (int y = block * block_rows; y < std::min(p.size.height, (block + 1) * block_rows); y += 2) {
+    const std::uint16_t* at = plane + 4 * static_cast<std::size_t>(y / 2) * p.stride;
+    Vector row{}, votes;
+    int x = 0;
+    for (; x + columns <= p.size.width; x += columns, at += 4 * columns) {
+      load(votes, at);
+      raise(row, votes);
+    }
+    Vector rest{};
+    std::memcpy(&rest, at, static_cast<std::size_t>(p.size.width - x) * sizeof(std::uint64_t));
+    raise(row, rest);
+    if (y + 1 == p.size.height) row &= upper_row;
+    raise(most, row);
+  }
+  std::memcpy(bound, &most, sizeof most);
+}
+
+/// Adds the votes of places, radius by radius, and finds the bounds.
+template <class Vector, class Planes>
+[[gnu::always_inline]] inline void add_planes(const Planes& planes) {
+  const Planes p = planes;  // nothing else points to it
+  for (std::size_t pair = 0; pair < p.pairs; ++pair) {
+    if (p.from_nothing) {
+      // What is below a plane is the margin above the next one.
+      std::fill(p.accumulator + 4 * (pair * p.plane_size + (pair > 0 ? p.margin : 0)),
+                p.accumulator + 4 * ((pair + 1) * p.plane_size + p.margin), std::uint16_t{0});
+    }
+    const std::uint32_t* const begin = p.step_begin + pair * p.patterns;
+    const std::uint32_t* const end = begin + p.patterns;
+    for (const auto& place : p.places) {
+      if (place.weight == 0) continue;
+      const Vector weight = Vector{} + place.weight;
+      std::uint16_t* const event = p.accumulator + 4 * std::size_t{place.column};
+      const auto* const last_step = p.steps + end[place.pattern];
+      for (const auto* step = p.steps + begin[place.pattern]; step < last_step; ++step) {
+        std::uint16_t* const at = event + 4 * static_cast<std::ptrdiff_t>(step->columns);
+        const std::uint16_t* const patch = p.voted + step->voted / sizeof(std::uint16_t);
+        for (std::size_t part = 0; part < patch_cells; part += sizeof(Vector) / sizeof(std::uint16_t)) {
+          Vector voted, votes;
+          load(voted, patch + part);
+          load(votes, at + part);
+          votes += voted & weight;
+          std::memcpy(at + part, &votes, sizeof votes);
+        }
+      }
+    }
+    auto* const blocks = p.blocks + (pair * p.plane_size + p.margin) / p.block_size;
+    for (int block = 0; block < p.image_blocks; ++block) {
+      blocks[block].bound = {};
+      find_bound<Vector>(p, p.accumulator + 4 * (pair * p.plane_size + p.margin), block,
+                         blocks[block].bound.data());
+    }
+  }
+}
+
 #ifdef __x86_64__
 bool has_avx2() { return __builtin_cpu_supports("avx2"); }
 template <int sign, class Walk>
 [[gnu::target("avx2")]] bool add_patches_avx2(const Walk& walk) {
   return add_patches<sign, WholePatch>(walk);
 }
+template <class Planes>
+[[gnu::target("avx2")]] void add_planes_avx2(const Planes& planes) {
+  add_planes<WholePatch>(planes);
+}
 #else
 bool has_avx2() { return false; }
 template <int sign, class Walk>
 bool add_patches_avx2(const Walk& walk) {
   return add_patches<sign, HalfPatch>(walk);
+}
+template <class Planes>
+void add_planes_avx2(const Planes& planes) {
+  add_planes<HalfPatch>(planes);
 }
 #endif
 
@@ -159,7 +236,7 @@ HoughTransform::HoughTransform(ImageSize size, int r_min, int r_max, double arc_
   image_blocks_ = blocks_of_rows(size.height);
   margin_ = static_cast<std::size_t>(blocks_of_rows(r_max + 1 + 2)) * block_size_;
   plane_size_ = margin_ + static_cast<std::size_t>(image_blocks_) * block_size_;
-  const std::size_t columns = (divisor_.size() + 1) / 2 * plane_size_ + margin_;
+  const std::size_t columns = pairs() * plane_size_ + margin_;
   constexpr auto largest_offset = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
   if (columns >
       std::min<std::uint64_t>({largest_offset, (std::uint64_t{1} << reciprocal_bits) / block_size_ - 1,
@@ -169,9 +246,12 @@ HoughTransform::HoughTransform(ImageSize size, int r_min, int r_max, double arc_
                          std::to_string(size.height) + " pixels the Hough space is too large");
   }
   accumulator_.assign(4 * columns, 0);
+  gathered_.reserve(most_gathered);
+  gathered_at_.assign(static_cast<std::size_t>(size.pixels()), not_gathered);
   blocks_.resize(columns / block_size_);
   for (Block& block : blocks_) block.limit.fill(0xffff);  // no peak outside the image
 
+  step_begin_.resize((pairs() + 1) * patterns);
   std::vector<RingPixel> arcs;
   for (int direction = 0; direction < direction_count; ++direction) {
     arcs.clear();
@@ -180,90 +260,157 @@ HoughTransform::HoughTransform(ImageSize size, int r_min, int r_max, double arc_
       const double apart = std::abs(pixel.angle_rad - centre);
       if (std::min(apart, std::numbers::pi - apart) <= arc_rad + edge_rad) arcs.push_back(pixel);
     }
-    append_patterns(arcs);
+    append_patterns(arcs, pattern_of(0, direction));
   }
-  append_patterns(ring);
-  pattern_begin_.push_back(patch_offset_.size());
+  append_patterns(ring, pattern_of(0, whole_ring));
 
   std::vector<int> known(1 << patch_cells, -1);
-  for (std::uint16_t& voted : patch_voted_) {
-    int& index = known[voted];
+  for (Step& step : steps_) {
+    int& index = known[step.voted];
     if (index < 0) {
       index = static_cast<int>(voted_.size());
       Patch& patch = voted_.emplace_back();
-      for (std::size_t i = 0; i < patch_cells; ++i) patch[i] = (voted >> i) & 1 ? 0xffff : 0;
+      for (std::size_t i = 0; i < patch_cells; ++i) patch[i] = (step.voted >> i) & 1 ? 0xffff : 0;
     }
-    voted = static_cast<std::uint16_t>(index);
+    step.voted = static_cast<std::uint32_t>(static_cast<std::size_t>(index) * sizeof(Patch));
   }
 }
 
 /// Covers pixels with patches from left to right in each pair of rows of each pair of planes, for events at an
 /// even and an odd row. The cells voted for are left as one bit each.
-void HoughTransform::append_patterns(std::span<const RingPixel> pixels) {
+void HoughTransform::append_patterns(std::span<const RingPixel> pixels, std::size_t pattern) {
   for (const int parity : {0, 1}) {
-    pattern_begin_.push_back(patch_offset_.size());
     const auto pair_of = [&](const RingPixel& p) { return std::pair(p.plane / 2, (p.dy + parity) >> 1); };
     std::vector<RingPixel> sorted(pixels.begin(), pixels.end());
     std::sort(sorted.begin(), sorted.end(), [&](const RingPixel& a, const RingPixel& b) {
       return std::tuple(pair_of(a), a.dx) < std::tuple(pair_of(b), b.dx);
     });
+    std::size_t begun = 0;  // pairs of planes
+    const auto begin_until = [&](std::size_t pairs) {
+      for (; begun < pairs; ++begun)
+        step_begin_[begun * patterns + pattern] = static_cast<std::uint32_t>(steps_.size());
+    };
     const RingPixel* first = nullptr;  // of the patch
     for (const RingPixel& p : sorted) {
       if (first == nullptr || pair_of(p) != pair_of(*first) || p.dx >= first->dx + patch_columns) {
         first = &p;
         const auto [planes, rows] = pair_of(p);
-        patch_offset_.push_back(static_cast<std::int32_t>(static_cast<std::ptrdiff_t>(planes * plane_size_) +
-                                                          rows * static_cast<std::ptrdiff_t>(stride_) +
-                                                          p.dx));
-        patch_voted_.push_back(0);
+        begin_until(planes + 1);
+        steps_.push_back({static_cast<std::int32_t>(static_cast<std::ptrdiff_t>(planes * plane_size_) +
+                                                    rows * static_cast<std::ptrdiff_t>(stride_) + p.dx),
+                          0});
       }
       const std::size_t cell = 4 * static_cast<std::size_t>(p.dx - first->dx) +
                                2 * static_cast<std::size_t>((p.dy + parity) & 1) + p.plane % 2;
-      patch_voted_.back() |= static_cast<std::uint16_t>(1 << cell);
+      steps_.back().voted |= 1U << cell;
     }
+    begin_until(pairs() + 1);
+    ++pattern;
   }
 }
 
 struct HoughTransform::Walk {
   std::size_t patches;
-  const std::int32_t* offset;
-  const std::uint16_t* voted_index;
-  const Patch* voted;
+  const Step* steps;
+  const Votes* voted;
   Votes* accumulator;
   std::size_t last;
   Block* blocks;
   std::uint64_t block_reciprocal;
 };
 
+struct HoughTransform::Planes {
+  bool from_nothing;
+  ImageSize size;
+  std::size_t pairs, patterns, stride, block_size, margin, plane_size;
+  int image_blocks;
+  std::span<const Place> places;
+  const std::uint32_t* step_begin;
+  const Step* steps;
+  const Votes* voted;
+  Votes* accumulator;
+  Block* blocks;
+};
+
 template <int sign>
-void HoughTransform::walk(int x, int y, std::size_t pattern) {
-  const std::size_t begin = pattern_begin_[pattern + static_cast<std::size_t>(y % 2)];
-  const std::size_t end = pattern_begin_[pattern + static_cast<std::size_t>(y % 2) + 1];
-  const Walk walk{end - begin,
-                  patch_offset_.data() + begin,
-                  patch_voted_.data() + begin,
-                  voted_.data(),
-                  accumulator_.data(),
-                  column(x, y) + patch_columns - 1,
-                  blocks_.data(),
+void HoughTransform::walk(int x, int y, int direction) {
+  const std::size_t pattern = pattern_of(y, direction);
+  const Walk walk{step_count(pattern), steps_.data() + step_begin_[pattern], voted_[0].data(),
+                  accumulator_.data(), column(x, y) + patch_columns - 1,     blocks_.data(),
                   block_reciprocal_};
   above_ |= avx2_ ? add_patches_avx2<sign>(walk) : add_patches<sign, HalfPatch>(walk);
 }
 
 template <int sign>
 void HoughTransform::vote_ring(int x, int y) {
-  walk<sign>(x, y, 2 * direction_count);
+  walk<sign>(x, y, whole_ring);
 }
 
 template <int sign>
 void HoughTransform::vote_arcs(int x, int y, int direction) {
-  walk<sign>(x, y, 2 * static_cast<std::size_t>(direction));
+  walk<sign>(x, y, direction);
 }
 
 template void HoughTransform::vote_ring<1>(int, int);
 template void HoughTransform::vote_ring<-1>(int, int);
 template void HoughTransform::vote_arcs<1>(int, int, int);
 template void HoughTransform::vote_arcs<-1>(int, int, int);
+
+void HoughTransform::vote(const EventWindow::Change& change) {
+  std::size_t steps = 0;
+  for (const auto events : {change.left, change.entered})
+    for (const WindowEvent& e : events) steps += step_count(pattern_of(e.y, e.direction));
+  const std::size_t visits = change.left.size() + change.entered.size();
+  const auto pixels = static_cast<std::size_t>(size_.pixels());
+  if (steps <= pairs() * (patches_per_visit * visits + pixels / bound_pixels)) {
+    if (change.all_left) clear();
+    for (const WindowEvent& e : change.left) walk<-1>(e.x, e.y, e.direction);
+    for (const WindowEvent& e : change.entered) walk<1>(e.x, e.y, e.direction);
+    return;
+  }
+  bool from_nothing = change.all_left;
+  const auto gather = [&](std::span<const WindowEvent> events, Votes weight) {
+    for (const WindowEvent& e : events) {
+      if (gathered_.size() == most_gathered) vote_gathered(std::exchange(from_nothing, false));
+      const auto pixel = static_cast<std::uint32_t>(e.y * size_.width + e.x);
+      if (e.direction == whole_ring) {
+        std::uint16_t& place = gathered_at_[pixel];
+        if (place != not_gathered) {
+          gathered_[place].weight = static_cast<Votes>(gathered_[place].weight + weight);
+          continue;
+        }
+        place = static_cast<std::uint16_t>(gathered_.size());
+      }
+      gathered_.push_back({static_cast<std::uint32_t>(column(e.x, e.y)), pixel,
+                           static_cast<std::uint16_t>(pattern_of(e.y, e.direction)), weight});
+    }
+  };
+  gather(change.left, static_cast<Votes>(-1));
+  gather(change.entered, 1);
+  vote_gathered(from_nothing);
+}
+
+void HoughTransform::vote_gathered(bool from_nothing) {
+  const Planes planes{from_nothing,
+                      size_,
+                      pairs(),
+                      patterns,
+                      stride_,
+                      block_size_,
+                      margin_,
+                      plane_size_,
+                      image_blocks_,
+                      gathered_,
+                      step_begin_.data(),
+                      steps_.data(),
+                      voted_[0].data(),
+                      accumulator_.data(),
+                      blocks_.data()};
+  avx2_ ? add_planes_avx2(planes) : add_planes<HalfPatch>(planes);
+  above_ = true;
+  for (const Place& place : gathered_) gathered_at_[place.pixel] = not_gathered;
+  gathered_.clear();
+}
 
 void HoughTransform::clear() {
   std::fill(accumulator_.begin(), accumulator_.end(), Votes{0});

@@ -9,6 +9,8 @@
 
 #include "core/config.h"
 #include "core/event.h"
+#include "core/hough/event_window.h"
+#include "core/reserved_vector.h"
 
 namespace saccade {
 
@@ -21,12 +23,15 @@ namespace saccade {
 /// of the ring), so that it does not grow with the radius.
 ///
 /// A vote adds precomputed patches of 4 x 2 cells of two neighbouring radii: no trigonometry, no bounds check, no
-/// allocation. Voting also updates the bounds by which peak() avoids a search. A patch takes one instruction with AVX2
-/// and two without, with the same result.
+/// allocation. The votes of single events also update the bounds by which peak() avoids a search. Those of many events are
+/// added for one pair of radii after the other, so that the cells stay in the cache, events of the same pixel together, and
+/// then the bounds are found anew. A patch takes one instruction with AVX2 and two without, with the same result.
 class HoughTransform {
  public:
   /// Directions are counted in steps of half a degree, modulo a half turn: an arc and its opposite are one.
   static constexpr int direction_count = 360;
+  /// In place of the direction of an event that votes for the whole ring.
+  static constexpr std::int16_t whole_ring = -1;
   /// The direction step nearest to the direction of the vector (x, y); 0 for the zero vector.
   [[nodiscard]] static int direction_of(double x, double y);
 
@@ -51,6 +56,8 @@ class HoughTransform {
   template <int sign>
   void vote_arcs(int x, int y, int direction);
   void clear();
+  /// Removes the votes of the events that have left a window and adds those of the ones that have entered it.
+  void vote(const EventWindow::Change& change);
 
   struct Peak {
     int x = 0, y = 0, r = 0;
@@ -89,10 +96,34 @@ class HoughTransform {
   [[nodiscard]] Block* blocks_of(std::size_t plane) const {
     return blocks_.data() + plane / 2 * (plane_size_ / block_size_) + margin_ / block_size_;
   }
-  void append_patterns(std::span<const struct RingPixel> pixels);
+  /// A patch of an event's votes.
+  struct Step {
+    std::int32_t columns;  ///< from the even row of the event's pair, in the planes of the first radii
+    std::uint32_t voted;   ///< bytes from the first of voted_
+  };
+  /// The votes of all events of a pixel, or of one event for arcs.
+  struct Place {
+    std::uint32_t column;
+    std::uint32_t pixel;
+    std::uint16_t pattern;  ///< see pattern_of()
+    Votes weight;           ///< modulo 2^16
+  };
+
+  /// Of an even and an odd row.
+  void append_patterns(std::span<const struct RingPixel> pixels, std::size_t pattern);
+  [[nodiscard]] static std::size_t pattern_of(int y, int direction) {
+    return 2 * static_cast<std::size_t>(direction == whole_ring ? direction_count : direction) +
+           static_cast<std::size_t>(y % 2);
+  }
+  [[nodiscard]] std::size_t pairs() const { return (divisor_.size() + 1) / 2; }
+  [[nodiscard]] std::size_t step_count(std::size_t pattern) const {
+    return step_begin_[pairs() * patterns + pattern] - step_begin_[pattern];
+  }
   struct Walk;
   template <int sign>
-  void walk(int x, int y, std::size_t pattern);
+  void walk(int x, int y, int direction);
+  struct Planes;
+  void vote_gathered(bool from_nothing);
   [[nodiscard]] Peak search() const;
   [[nodiscard]] std::optional<Peak> search_block(std::size_t plane, int block, int votes) const;
   void set_limits() const;
@@ -107,11 +138,13 @@ class HoughTransform {
   bool avx2_;
   std::vector<int> divisor_;  // per radius
   // What an event adds: for each direction and then for the whole ring, at an even and at an odd row.
-  std::vector<std::size_t> pattern_begin_;
-  std::vector<std::int32_t> patch_offset_;  // columns from the even row of the event's pair
-  std::vector<std::uint16_t> patch_voted_;  // which of voted_
-  std::vector<Patch> voted_;                // all bits of a cell that gets a vote
+  static constexpr std::size_t patterns = 2 * (direction_count + 1);
+  std::vector<std::uint32_t> step_begin_;  // [pair of planes][pattern], and where they end
+  std::vector<Step> steps_;                // of a pattern together, one pair of planes after the other
+  std::vector<Patch> voted_;               // all bits of a cell that gets a vote
   std::vector<Votes> accumulator_;
+  ReservedVector<Place> gathered_;          // in a call of vote()
+  std::vector<std::uint16_t> gathered_at_;  // by pixel: which of gathered_ has the rings of its events
   mutable std::vector<Block> blocks_;
   mutable Peak peak_;          // at the last peak()
   mutable bool above_ = true;  // a cell has had more votes than its limit since

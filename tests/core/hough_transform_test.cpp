@@ -69,6 +69,59 @@ TEST(HoughTransform, EqualsTheReferenceAfterEveryEvent) {
   std::printf("accumulator and maximum equal the reference after each of %zu events\n", compared);
 }
 
+TEST(HoughTransform, ManyEventsAtOnceGiveTheVotesOfSingleEvents) {
+  std::size_t compared = 0;
+  for (const Case& c : cases) {
+    for (const std::string_view kind : {"random", "clustered", "border_hugging"}) {
+      SCOPED_TRACE(text_of_case(c, kind));
+      const double arc_rad = c.arc_deg > 0.0 ? c.arc_deg * rad_per_deg : 0.1;
+      HoughTransform together(c.size, c.r_min, c.r_max, arc_rad);
+      HoughTransform one_by_one(c.size, c.r_min, c.r_max, arc_rad);
+      const RandomStream random(6, kind);
+      std::deque<WindowEvent> inside;
+      const auto events = streams::named(kind, c.size, 30'000, 12);
+      std::size_t next = 0;
+      for (std::uint64_t step = 0; step < 60; ++step) {
+        // One event, some, all, or more than are gathered at a time.
+        const std::size_t most = step == 50 ? 20'000 : std::size_t{1} << random.bits(0, step) % 8;
+        std::vector<WindowEvent> entered, left;
+        for (std::size_t i = 0; i < most && next < events.size(); ++i, ++next) {
+          const Event& e = events[next];
+          const auto direction =
+              c.arc_deg > 0.0
+                  ? static_cast<std::int16_t>(random.bits(1, next) % HoughTransform::direction_count)
+                  : HoughTransform::whole_ring;
+          entered.push_back({e.x, e.y, direction});
+        }
+        EventWindow::Change change;
+        change.all_left = step % 9 == 8;
+        if (change.all_left) {
+          one_by_one.clear();
+          inside.clear();
+        } else {
+          for (std::size_t i = random.bits(2, step) % (inside.size() + 1); i-- > 0; inside.pop_front())
+            left.push_back(inside.front());
+        }
+        inside.insert(inside.end(), entered.begin(), entered.end());
+        change.left = left;
+        change.entered = entered;
+        together.vote(change);
+        for (const WindowEvent& e : left)
+          c.arc_deg > 0.0 ? one_by_one.vote_arcs<-1>(e.x, e.y, e.direction)
+                          : one_by_one.vote_ring<-1>(e.x, e.y);
+        for (const WindowEvent& e : entered)
+          c.arc_deg > 0.0 ? one_by_one.vote_arcs<1>(e.x, e.y, e.direction)
+                          : one_by_one.vote_ring<1>(e.x, e.y);
+        ASSERT_EQ(all_votes(together), all_votes(one_by_one)) << step;
+        ASSERT_EQ(as_reference(together.peak()), as_reference(one_by_one.peak())) << step;
+        ++compared;
+      }
+      EXPECT_GT(next, 20'000u);
+    }
+  }
+  std::printf("accumulator and maximum equal those of single events after each of %zu changes\n", compared);
+}
+
 TEST(HoughTransform, FindsACircleInEveryRowAtTheBorders) {
   // Its events come one by one, so that the maximum moves, rises and ties; then they are taken out again.
   const ImageSize size{21, 35};

@@ -115,14 +115,20 @@ TEST(OtherRecords, AFrameOfADavisThatTheEndOfTheFileCutsOffIsIncomplete) {
   EXPECT_TRUE(kept.frames.empty());
 }
 
-TEST(OtherRecords, AReadingOfADavisHasJaersRangesAndSaysSo) {
-  const TempFolder folder;
-  std::string content = davis_header + record(1u << 11, 5);
-  const std::array<std::int16_t, 7> stored = {8192, -8192, 4096, 340, 655, -655, 0};
+/// The seven samples of a reading with these values, at 9 us.
+std::string davis_reading(const std::array<std::int16_t, 7>& stored) {
+  std::string samples;
   for (std::uint32_t i = 0; i < 7; ++i)
-    content += record(1u << 31 | 3u << 10 | i << 28 |
+    samples += record(1u << 31 | 3u << 10 | i << 28 |
                           static_cast<std::uint32_t>(static_cast<std::uint16_t>(stored[i])) << 12,
                       9);
+  return samples;
+}
+
+TEST(OtherRecords, AReadingOfADavisHasJaersRangesAndSaysSo) {
+  const TempFolder folder;
+  const std::string content =
+      davis_header + record(1u << 11, 5) + davis_reading({4096, -4096, 2048, 340, 328, -328, 0});
   const auto path = folder.write("a.aedat", content + record(1u << 10 | 2, 10) + record(1u << 10 | 3, 11) +
                                                 record(1u << 10 | 4, 12) + record(1u << 10, 13));
   Kept kept;
@@ -131,7 +137,7 @@ TEST(OtherRecords, AReadingOfADavisHasJaersRangesAndSaysSo) {
   const auto reader = open_event_file(path, options);
   EXPECT_EQ(read_all(*reader).size(), 1u);
   EXPECT_EQ(reader->skipped(), "");
-  EXPECT_THAT(reader->guess(), HasSubstr("4 g and 500 deg/s"));
+  EXPECT_EQ(reader->guess(), "the inertial unit's range of 8 g and 1000 deg/s, jAER's default");
   ASSERT_EQ(kept.readings.size(), 1u);
   const InertialReading& reading = kept.readings[0];
   EXPECT_EQ(reading.t_us, 9);
@@ -142,6 +148,33 @@ TEST(OtherRecords, AReadingOfADavisHasJaersRangesAndSaysSo) {
   EXPECT_DOUBLE_EQ(*reading.temperature_deg_c, 36.0);
   EXPECT_EQ(kept.triggers, (std::vector<std::string>{"10 0 falling DAVIS", "11 0 rising DAVIS",
                                                      "12 0 pulse DAVIS", "13 0 unknown DAVIS"}));
+}
+
+TEST(OtherRecords, TheHeadersRangesOfADavisAreTaken) {
+  const std::string old_g = "#  <entry key=\"ImuAccelScale\" value=\"ImuAccelScaleG4\"/>\r\n";
+  const std::string old_deg = "#  <entry key=\"ImuGyroScale\" value=\"GyroFullScaleDegPerSec500\"/>\r\n";
+  const std::string new_g = "#  <entry key=\"DAVIS240C.IMU.AccelScale\" value=\"ImuAccelScaleG16\"/>\r\n";
+  const std::string other_chip = "#  <entry key=\"DAVIS240B.IMU.AccelScale\" value=\"ImuAccelScaleG2\"/>\r\n";
+  const std::string unknown = "#  <entry key=\"ImuGyroScale\" value=\"Fast\"/>\r\n";
+  const auto expect = [](const std::string& preferences, double g, double deg_s, const std::string& guess) {
+    const TempFolder folder;
+    const auto path = folder.write("a.aedat", davis_header + preferences + record(1u << 11, 5) +
+                                                  davis_reading({4096, 0, 0, 0, 328, 0, 0}));
+    Kept kept;
+    EventReadOptions options;
+    options.others = &kept;
+    const auto reader = open_event_file(path, options);
+    EXPECT_EQ(read_all(*reader).size(), 1u);
+    EXPECT_EQ(reader->guess(), guess) << preferences;
+    ASSERT_EQ(kept.readings.size(), 1u);
+    EXPECT_NEAR(kept.readings[0].acceleration_m_s2[0], g * 9.80665, 1e-9) << preferences;
+    EXPECT_NEAR(kept.readings[0].angular_velocity_rad_s[0], deg_s * 3.14159265358979 / 180.0, 1e-9)
+        << preferences;
+  };
+  expect(old_g + old_deg, 0.5, 328 / 65.5, "");
+  expect(new_g + old_g + old_deg, 2.0, 328 / 65.5, "");
+  expect(old_g + new_g + old_deg, 2.0, 328 / 65.5, "");
+  expect(other_chip + old_g + unknown, 0.5, 10.0, "the inertial unit's range of 1000 deg/s, jAER's default");
 }
 
 TEST(OtherRecords, WhatNobodyWantsIsCountedAsBefore) {
