@@ -32,6 +32,7 @@ MultiKernelDetector::MultiKernelDetector(const MultiKernelConfig& config, ImageS
   check_config("detector", config);
   for (double r = config.radius_px[0]; r <= config.radius_px[1]; r += config.radius_step_px) {
     radii_px_.push_back(r);
+    norm_.push_back(std::sqrt(2.0 * std::numbers::pi * r));
   }
   for (int i = 0; i <= static_cast<int>(reach * config.ring_px * steps_per_px); ++i) {
     const double off = static_cast<double>(i) / steps_per_px / config.ring_px;
@@ -62,12 +63,13 @@ void MultiKernelDetector::return_to_grid(Tracker& tracker) {
 
 void MultiKernelDetector::excite(Tracker& tracker, const Event& event, double fading) const {
   const double distance_px = std::hypot(event.x - tracker.x_px, event.y - tracker.y_px);
-  std::size_t best = 0;
+  for (double& activity : tracker.activity) activity *= fading;
   for (std::size_t k = 0; k < radii_px_.size(); ++k) {
-    const double gain = kernel(distance_px - radii_px_[k]) / std::sqrt(2.0 * std::numbers::pi * radii_px_[k]);
-    tracker.activity[k] = std::max(0.0, fading * tracker.activity[k] + gain);
-    if (tracker.activity[k] > tracker.activity[best]) best = k;
+    const double value = kernel(distance_px - radii_px_[k]);
+    if (value != 0.0) tracker.activity[k] = std::max(0.0, tracker.activity[k] + value / norm_[k]);
   }
+  const auto best = static_cast<std::size_t>(
+      std::max_element(tracker.activity.begin(), tracker.activity.end()) - tracker.activity.begin());
   tracker.best = best;
   const double off = (distance_px - radii_px_[best]) / config_.ring_px;
   tracker.response = best_activity(tracker) * std::exp(-off * off / 8);

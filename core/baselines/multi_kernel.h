@@ -60,6 +60,7 @@ class MultiKernelDetector final : public Detector, public DetectorViews {
   MultiKernelConfig config_;
   EventSieve sieve_;
   std::vector<double> radii_px_;
+  std::vector<double> norm_;     // of the kernel of each radius
   std::vector<double> profile_;  // of a ring, in steps of 1/8 px from its radius
   std::vector<Tracker> trackers_;
   std::int64_t last_us_, now_us_;
