@@ -7,18 +7,22 @@ namespace saccade {
 namespace {
 
 constexpr std::size_t largest_xml = std::size_t{16} << 20;
+constexpr std::size_t block_bytes = std::size_t{64} << 10;
 
 }  // namespace
 
 std::string text_of_file(const std::string& path, std::size_t most, const std::string& expectation) {
   std::ifstream file(path, std::ios::binary);
-  std::string text(most + 1, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  const auto count = static_cast<std::size_t>(file.gcount());
-  if (!file.is_open() || file.bad() || (count == 0 && !file.eof())) throw InputError(path, "", expectation);
-  if (count > most)
+  std::string text;
+  while (file && text.size() <= most) {
+    const std::size_t before = text.size();
+    text.resize(before + std::min(block_bytes, most + 1 - before));
+    file.read(text.data() + before, static_cast<std::streamsize>(text.size() - before));
+    text.resize(before + static_cast<std::size_t>(file.gcount()));
+  }
+  if (!file.is_open() || file.bad() || (text.empty() && !file.eof())) throw InputError(path, "", expectation);
+  if (text.size() > most)
     throw InputError(path, "more than " + std::to_string(most) + " bytes", expectation + " of fewer");
-  text.resize(count);
   return text;
 }
 

@@ -116,6 +116,14 @@ BENCHMARK(BM_DirectedImage)
     ->Args({304, 240})
     ->Args({640, 480});
 
+/// 1 Mevent/s, asked every millisecond.
+void BM_FullImage(benchmark::State& state) {
+  HoughDetectorConfig config = paper(false);
+  config.radius_px = {5.0, 60.0};
+  process_and_ask(state, config, {static_cast<int>(state.range(0)), static_cast<int>(state.range(1))}, 1000);
+}
+BENCHMARK(BM_FullImage)->ArgNames({"width", "height"})->Args({128, 128})->Args({346, 260})->Args({640, 480});
+
 /// Time from an event to its estimate, event by event, as percentiles over the stream.
 void BM_DirectedLatency(benchmark::State& state) {
   HoughDetector detector(paper(true), dvs128);

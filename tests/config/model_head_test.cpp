@@ -268,6 +268,10 @@ TEST(ModelHead, WhatIsWrongWithAUrdfIsSaidWithLineAndElement) {
   EXPECT_THAT(with("<axis xyz=\"0 1 0.2\"/>", "<axis xyz=\"0 1\"/>"),
               HasSubstr("two_eyes.urdf:14: <axis>: found xyz=\"0 1\", expected three finite numbers"));
   EXPECT_THAT(with("<axis xyz=\"0 1 0.2\"/>", "<axis xyz=\"0 nan 1\"/>"), HasSubstr("three finite numbers"));
+  EXPECT_THAT(
+      with("<axis xyz=\"0 1 0.2\"/>", "<axis xyz=\"0 1e200 1e200\"/>"),
+      HasSubstr(
+          "two_eyes.urdf:14: <axis>: found xyz=\"0 1e200 1e200\", expected three finite numbers up to 1e6"));
   EXPECT_THAT(with("<axis xyz=\"0 1 0.2\"/>", "<axis xyz=\"0 0 0\"/>"),
               HasSubstr("<axis>: found an axis of length 0"));
   EXPECT_THAT(with("xyz=\"0 0 0.06\"", "xyz=\"0 0 6e\""), HasSubstr("<origin>: found xyz=\"0 0 6e\""));
