@@ -142,8 +142,7 @@ class UrdfChain {
     const pugi::xml_attribute attribute = element.attribute(name);
     if (!attribute) return usual;
     const auto numbers = numbers_in(attribute.value(), 3);
-    const Eigen::Vector3d vector =
-        numbers ? Eigen::Vector3d((*numbers)[0], (*numbers)[1], (*numbers)[2]) : usual;
+    Eigen::Vector3d vector = numbers ? Eigen::Vector3d((*numbers)[0], (*numbers)[1], (*numbers)[2]) : usual;
     if (numbers && vector.cwiseAbs().maxCoeff() <= 1e6) return vector;
     file_.add(element, std::string(name) + "=\"" + attribute.value() + "\"",
               "three finite numbers up to 1e6");

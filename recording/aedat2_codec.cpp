@@ -129,19 +129,19 @@ class Aedat2Reader final : public BlockReader {
     }
   }
 
-  std::optional<ImageSize> image_size() const override { return size_; }
-  std::string format() const override {
+  [[nodiscard]] std::optional<ImageSize> image_size() const override { return size_; }
+  [[nodiscard]] std::string format() const override {
     const std::string mark = layout_guessed_ ? " (guessed)" : size_guessed_ ? " (size guessed)" : "";
     return "AEDAT " + std::to_string(version_) + ".0 " + chip_name() + mark;
   }
-  std::string guess() const override {
+  [[nodiscard]] std::string guess() const override {
     std::string text =
         size_guessed_ ? "the image size " + text_of(size_) + ", from the addresses; --size sets it" : "";
     if (const std::string ranges = ranges_.missing(); samples_ && samples_->has_inertial() && !ranges.empty())
       text += (text.empty() ? "" : "; ") + ("the inertial unit's range of " + ranges + ", jAER's default");
     return text;
   }
-  std::string skipped() const override {
+  [[nodiscard]] std::string skipped() const override {
     std::string text;
     append_count(text, skipped_.special, "special events");
     append_count(text, skipped_.aps, "APS samples");

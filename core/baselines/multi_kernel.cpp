@@ -42,9 +42,11 @@ MultiKernelDetector::MultiKernelDetector(const MultiKernelConfig& config, ImageS
   const int columns = homes(size.width);
   const int rows = homes(size.height);
   for (int i = 0; i < columns * rows; ++i) {
+    const int column = i % columns;
+    const int row = i / columns;
     Tracker tracker;
-    tracker.home_x_px = (i % columns + 0.5) * size.width / columns - 0.5;
-    tracker.home_y_px = (i / columns + 0.5) * size.height / rows - 0.5;
+    tracker.home_x_px = (column + 0.5) * size.width / columns - 0.5;
+    tracker.home_y_px = (row + 0.5) * size.height / rows - 0.5;
     tracker.activity.resize(radii_px_.size(), 0.0);
     return_to_grid(tracker);
     trackers_.push_back(std::move(tracker));
@@ -52,6 +54,7 @@ MultiKernelDetector::MultiKernelDetector(const MultiKernelConfig& config, ImageS
 }
 
 double MultiKernelDetector::kernel(double off_px) const {
+  // Not negative: this rounds. NOLINTNEXTLINE(bugprone-incorrect-roundings)
   const auto step = static_cast<std::size_t>(std::abs(off_px) * steps_per_px + 0.5);
   return step < profile_.size() ? profile_[step] : 0.0;
 }
