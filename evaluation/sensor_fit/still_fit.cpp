@@ -342,8 +342,10 @@ StillFit fit_still(const SensorRecording& recording, const EmulatorConfig& prior
     const Logs found = least_squares(problem, start, false);
     minima.emplace_back(problem.residuals(found, false).squaredNorm(), found);
   }
-  const auto [least, best] = *std::min_element(
+  const std::pair<double, Logs> fewest = *std::min_element(
       minima.begin(), minima.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  const double least = fewest.first;
+  const Logs& best = fewest.second;
   const Logs logs = least_squares(problem, best, true);
   const Eigen::VectorXd at = problem.residuals(logs, true);
   fit.misfit = std::sqrt(at.head(problem.features()).squaredNorm() / static_cast<double>(problem.features()));
