@@ -18,6 +18,9 @@ void describe(FieldVisitor& v, RobotFile::Deploy& deploy) {
          "in it");
   v.real("activate_within_s", deploy.activate_within_s, {0.0, 3600.0},
          "time for which --activate repeats a failed activation; then the run ends");
+  v.real("edge_check_s", deploy.edge_check_s, {0.0, 60.0},
+         "time in which a start-up check waits for a brighter edge to be moved into the image, to see that "
+         "ON means brighter; 0: no such check");
   v.choice("guard", deploy.guard,
            "saccade guard: required to activate the head (its loss stops the head), used if it is there, or "
            "ignored");

@@ -51,6 +51,7 @@ struct RobotFile {
     double tick_ms = 1.0;
     double ramp_in_s = 2.0;
     double activate_within_s = 10.0;
+    double edge_check_s = 0.0;
     GuardUse guard = GuardUse::optional;
     std::int64_t max_events_per_tick = 2000;
     double shadows_until_ms = 0.5;

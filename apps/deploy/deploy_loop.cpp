@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "apps/deploy/edge_check.h"
 #include "apps/deploy/steady_check.h"
 #include "config/robot_file.h"
 #include "session/scenario_loop.h"
@@ -41,6 +42,13 @@ std::vector<StartUpCheck> start_up_checks(Robot& robot, const RobotFile& file) {
   if (file.robot.backend == "recording")
     return checks;  // it never falls silent, and its time must not pass here
   for (StartUpCheck& check : steady_checks(robot, file.deploy.watchdog)) checks.push_back(std::move(check));
+  if (file.deploy.edge_check_s > 0.0) {
+    for (StartUpCheck& check :
+         edge_checks(robot, file.deploy.edge_check_s,
+                     file.robot.backend == "yarp" ? "change yarp.camera.swap_polarity"
+                                                  : "its driver must send ON for brighter"))
+      checks.push_back(std::move(check));
+  }
   return checks;
 }
 
