@@ -84,7 +84,10 @@ std::unique_ptr<EventReader> open_in_helper(const std::string& name, const std::
   return std::make_unique<HelperReader>(name, library, command);
 }
 
-std::filesystem::path find_helper(std::string_view file_name) {
+namespace {
+
+/// Where a helper may be, the first place first.
+std::vector<std::filesystem::path> helper_folders() {
   namespace fs = std::filesystem;
   constexpr const char* below_prefix = "libexec/saccade";
   const fs::path own_folder = module_path().parent_path();
@@ -97,10 +100,28 @@ std::filesystem::path find_helper(std::string_view file_name) {
   if (const char* const data = std::getenv("SACCADE_DATA"); data != nullptr && *data != '\0')
     folders.push_back(fs::path(data) / "../.." / below_prefix);
   folders.insert(folders.end(), {SACCADE_LIBEXEC_DIR, SACCADE_BUILD_BIN_DIR});
-  std::string searched;
-  for (const fs::path& folder : folders) {
-    fs::path file = folder / file_name;
+  return folders;
+}
+
+/// Its path in the first folder that has it; empty where none has.
+std::filesystem::path helper_in(const std::vector<std::filesystem::path>& folders,
+                                std::string_view file_name) {
+  for (const std::filesystem::path& folder : folders) {
+    std::filesystem::path file = folder / file_name;
     if (::access(file.c_str(), R_OK) == 0) return file;
+  }
+  return {};
+}
+
+}  // namespace
+
+bool has_helper(std::string_view file_name) { return !helper_in(helper_folders(), file_name).empty(); }
+
+std::filesystem::path find_helper(std::string_view file_name) {
+  const std::vector<std::filesystem::path> folders = helper_folders();
+  if (std::filesystem::path file = helper_in(folders, file_name); !file.empty()) return file;
+  std::string searched;
+  for (const std::filesystem::path& folder : folders) {
     searched += (searched.empty() ? "" : ", ") + folder.string();
   }
   throw RunError("the file " + std::string(file_name) + " is missing; searched in " + searched);

@@ -28,6 +28,8 @@ struct HelperCommand {
 /// in a folder above it, in libexec/saccade beside the folder that the environment's SACCADE_DATA names, where it is
 /// installed, or where it was built. Throws RunError with these places where none has it.
 [[nodiscard]] std::filesystem::path find_helper(std::string_view file_name);
+/// Whether one of these places has it.
+[[nodiscard]] bool has_helper(std::string_view file_name);
 
 /// A symbol of a helper library, which stays loaded. Throws RunError where the library cannot be loaded or lacks it.
 [[nodiscard]] const void* helper_symbol(std::string_view file_name, const char* symbol);

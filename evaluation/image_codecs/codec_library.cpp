@@ -13,16 +13,6 @@ extern "C" {
 namespace saccade {
 namespace {
 
-bool encode(std::string_view format, const cv::Mat& image, PngSize png, std::vector<unsigned char>& bytes) {
-  std::vector<int> parameters;
-  if (format == "jpeg") {
-    parameters = {cv::IMWRITE_JPEG_QUALITY, 85};
-  } else if (png == PngSize::smallest) {
-    parameters = {cv::IMWRITE_PNG_COMPRESSION, 9};
-  }
-  return cv::imencode("." + std::string(format), image, bytes, parameters);
-}
-
 int flags_of(DecodedAs form) {
   switch (form) {
     case DecodedAs::stored:
@@ -41,8 +31,6 @@ cv::Mat decode(std::string_view bytes, DecodedAs form) {
   const cv::Mat view(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
   return cv::imdecode(view, flags_of(form));
 }
-
-cv::Mat read(const std::string& path, DecodedAs form) { return cv::imread(path, flags_of(form)); }
 
 cv::VideoCapture* new_capture(const std::string& path) { return new cv::VideoCapture(path, cv::CAP_FFMPEG); }
 
@@ -80,8 +68,7 @@ std::vector<std::int64_t> packet_times(const std::string& path) {
 }  // namespace saccade
 
 extern "C" {
-extern const saccade::CodecLibrary saccade_image_codecs_1;
-const saccade::CodecLibrary saccade_image_codecs_1{&saccade::encode,     &saccade::decode,
-                                                   &saccade::read,       &saccade::new_capture,
+extern const saccade::CodecLibrary saccade_image_codecs_2;
+const saccade::CodecLibrary saccade_image_codecs_2{&saccade::decode, &saccade::new_capture,
                                                    &saccade::new_writer, &saccade::packet_times};
 }

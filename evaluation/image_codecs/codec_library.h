@@ -16,11 +16,8 @@ namespace saccade {
 
 /// What saccade-image-codecs.so offers, under the name codec_library_symbol. The number in the name changes with the members.
 struct CodecLibrary {
-  bool (*encode)(std::string_view format, const cv::Mat& image, PngSize png,
-                 std::vector<unsigned char>& bytes);
   cv::Mat (*decode)(std::string_view bytes, DecodedAs form);
-  cv::Mat (*read)(const std::string& path, DecodedAs form);
-  /// Null where the library has no videos; the caller owns what these two return.
+  /// The caller owns what these two return.
   cv::VideoCapture* (*read_video)(const std::string& path);
   cv::VideoWriter* (*write_video)(const std::string& path, std::string_view codec, double images_hz,
                                   const cv::Size& size);
@@ -28,6 +25,6 @@ struct CodecLibrary {
 };
 
 inline constexpr const char* codec_library_file = "saccade-image-codecs.so";
-inline constexpr const char* codec_library_symbol = "saccade_image_codecs_1";
+inline constexpr const char* codec_library_symbol = "saccade_image_codecs_2";
 
 }  // namespace saccade

@@ -14,14 +14,14 @@ class VideoCapture;
 
 namespace saccade {
 
-/// PNG, JPEG and video files, read and written by OpenCV's imgcodecs and videoio. These need some 180 further libraries, so
-/// they are in a library of their own, saccade-image-codecs.so, which is loaded when the first image or video is read or
-/// written: loading them takes 0.16 s of processor time. An archive of the program has a library of PNG and JPEG alone in its
-/// place (png_jpeg_library.cpp); read_video throws RunError there, and write_video needs the program ffmpeg. All functions throw RunError where that
-/// file is missing or cannot be loaded, and cv::Exception as OpenCV does.
+/// Image and video files. PNG and JPEG are read and written by libpng and libjpeg. Other images and videos need OpenCV's
+/// imgcodecs and videoio and their 240 libraries, which take 0.3 s to load; they are in a library of their own,
+/// saccade-image-codecs.so, that is loaded when the first of these is read or written. An archive of the program lacks it:
+/// reading them throws RunError there, and write_video needs the program ffmpeg. All functions throw RunError where that
+/// library cannot be loaded, and cv::Exception as OpenCV does.
 
-/// A file's bytes; `format` is png or jpeg. PNG in its smallest form takes longer. JPEG has a quality of 85 %.
-enum class PngSize : std::uint8_t { quick, smallest };
+/// A file's bytes; `format` is png or jpeg. PNG in its small form takes longer. JPEG has a quality of 85 %.
+enum class PngSize : std::uint8_t { quick, small };
 [[nodiscard]] std::vector<unsigned char> encoded_image(std::string_view format, const cv::Mat& image,
                                                        PngSize png = PngSize::quick);
 

@@ -110,7 +110,7 @@ std::string colour_mark(Colour colour, std::string_view name) {
 std::string image_html(const cv::Mat& image, std::string_view format, std::string_view alt) {
   return fmt::format("<img alt=\"{}\" width=\"{}\" height=\"{}\" src=\"data:image/{};base64,{}\">",
                      escaped(alt), image.cols, image.rows, format,
-                     base64(encoded_image(format, image, PngSize::smallest)));
+                     base64(encoded_image(format, image, PngSize::small)));
 }
 
 std::string figure_html(std::string_view title, std::string_view reading, std::string_view content) {

@@ -30,7 +30,8 @@ def test_the_installed_module_steps_and_uses_the_installed_models(tmp_path):
 
     def run():
         return subprocess.run([prefix / "bin" / "saccade", "run", scenario, "--set", "run.duration_s=0.05", "--set",
-                               "expect={}", "--out", tmp_path / "run", "--force"], capture_output=True, text=True)
+                               "expect={}", "--set", "output.video=true", "--out", tmp_path / "run", "--force"],
+                              capture_output=True, text=True)
 
     done = step()
     assert done.returncode == 0, done.stderr

@@ -1,6 +1,5 @@
-// saccade-png-jpeg.so: the same as saccade-image-codecs.so for PNG and JPEG alone, with libpng and libjpeg, which need no
-// further libraries. scripts/archive ships it in place of the other. The encoders have OpenCV's settings, so that both
-// libraries write the same bytes.
+#include "evaluation/image_codecs/png_jpeg.h"
+
 #include <cstdio>  // jpeglib.h needs it
 
 #include <jpeglib.h>
@@ -9,21 +8,21 @@
 #include <csetjmp>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
-#include <iterator>
-#include <opencv2/core.hpp>
-
-#include "evaluation/image_codecs/codec_library.h"
 
 namespace saccade {
 namespace {
 
 constexpr int jpeg_quality = 85;
+constexpr std::size_t most_pixels = std::size_t{1} << 30;  // as OpenCV's readers
 
 using Bytes = std::vector<unsigned char>;
 
+/// Leaves libpng without its line on the standard error output.
+void leave(png_structp png, png_const_charp) { png_longjmp(png, 1); }
+void pass_over(png_structp, png_const_charp) {}
+
 struct PngWriter {
-  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, leave, pass_over);
   png_infop info = png_create_info_struct(png);
   ~PngWriter() { png_destroy_write_struct(&png, &info); }
 };
@@ -40,8 +39,8 @@ bool encode_png(const cv::Mat& image, PngSize size, Bytes& bytes) {
     rows[static_cast<std::size_t>(y)] = const_cast<png_bytep>(image.ptr(y));
   if (setjmp(png_jmpbuf(writer.png))) return false;  // NOLINT: libpng's way of failing
   png_set_write_fn(writer.png, &bytes, append, nullptr);
-  if (size == PngSize::smallest) {
-    png_set_compression_level(writer.png, 9);
+  if (size == PngSize::small) {
+    png_set_compression_level(writer.png, 6);
     png_set_compression_strategy(writer.png, 0);  // zlib's Z_DEFAULT_STRATEGY
   } else {
     png_set_filter(writer.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
@@ -106,12 +105,8 @@ bool encode_jpeg(const cv::Mat& image, Bytes& bytes) {
   return done;
 }
 
-bool encode(std::string_view format, const cv::Mat& image, PngSize png, Bytes& bytes) {
-  return format == "jpeg" ? encode_jpeg(image, bytes) : encode_png(image, png, bytes);
-}
-
 struct PngReader {
-  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, leave, pass_over);
   png_infop info = png_create_info_struct(png);
   ~PngReader() { png_destroy_read_struct(&png, &info, nullptr); }
 };
@@ -127,10 +122,13 @@ cv::Mat decode_png(std::string_view bytes, DecodedAs form) {
   PngReader reader;
   cv::Mat image;
   std::vector<png_bytep> rows;
-  png_set_error_fn(reader.png, nullptr, nullptr, [](png_structp, png_const_charp) {});
   if (setjmp(png_jmpbuf(reader.png))) return {};  // NOLINT: libpng's way of failing
   png_set_read_fn(reader.png, &bytes, take);
   png_read_info(reader.png, reader.info);
+  if (std::size_t{png_get_image_width(reader.png, reader.info)} *
+          png_get_image_height(reader.png, reader.info) >
+      most_pixels)
+    return {};
   const int colour = png_get_color_type(reader.png, reader.info);
   const bool deep = form == DecodedAs::stored && png_get_bit_depth(reader.png, reader.info) == 16;
   const bool grey_file = (colour & PNG_COLOR_MASK_COLOR) == 0;
@@ -194,57 +192,56 @@ cv::Mat upright(cv::Mat image, int orientation) {
   return image;
 }
 
-cv::Mat decode_jpeg(std::string_view bytes, DecodedAs form) {
+struct JpegReader {
+  JpegReader() {
+    info.err = jpeg_errors(error);
+    jpeg_create_decompress(&info);
+  }
+  JpegReader(const JpegReader&) = delete;
+  JpegReader& operator=(const JpegReader&) = delete;
+  ~JpegReader() { jpeg_destroy_decompress(&info); }
+
   JpegError error;
   jpeg_decompress_struct info{};
+};
+
+std::optional<cv::Mat> decode_jpeg(std::string_view bytes, DecodedAs form) {
+  JpegReader reader;
+  jpeg_decompress_struct& info = reader.info;
   cv::Mat image;
   int turned = 1;
-  info.err = jpeg_errors(error);
-  jpeg_create_decompress(&info);
-  const bool done = setjmp(error.place) == 0;  // NOLINT
-  if (done) {
-    jpeg_mem_src(&info, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
-    jpeg_save_markers(&info, JPEG_APP0 + 1, 0xffff);
-    jpeg_read_header(&info, TRUE);
-    turned = orientation(info);
-    const bool grey = form == DecodedAs::grey || (form == DecodedAs::stored && info.num_components == 1);
-    info.out_color_space = grey ? JCS_GRAYSCALE : JCS_EXT_BGR;
-    jpeg_start_decompress(&info);
-    image.create(static_cast<int>(info.output_height), static_cast<int>(info.output_width),
-                 grey ? CV_8UC1 : CV_8UC3);
-    while (info.output_scanline < info.output_height) {
-      JSAMPROW row = image.ptr(static_cast<int>(info.output_scanline));
-      jpeg_read_scanlines(&info, &row, 1);
-    }
-    jpeg_finish_decompress(&info);
+  if (setjmp(reader.error.place)) return cv::Mat();  // NOLINT: libjpeg's way of failing
+  jpeg_mem_src(&info, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
+  jpeg_save_markers(&info, JPEG_APP0 + 1, 0xffff);
+  jpeg_read_header(&info, TRUE);
+  if (info.num_components == 4) return std::nullopt;
+  if (std::size_t{info.image_width} * info.image_height > most_pixels) return cv::Mat();
+  turned = orientation(info);
+  const bool grey = form == DecodedAs::grey || (form == DecodedAs::stored && info.num_components == 1);
+  info.out_color_space = grey ? JCS_GRAYSCALE : JCS_EXT_BGR;
+  jpeg_start_decompress(&info);
+  image.create(static_cast<int>(info.output_height), static_cast<int>(info.output_width),
+               grey ? CV_8UC1 : CV_8UC3);
+  while (info.output_scanline < info.output_height) {
+    JSAMPROW row = image.ptr(static_cast<int>(info.output_scanline));
+    jpeg_read_scanlines(&info, &row, 1);
   }
-  const bool whole = done && info.err->num_warnings == 0;
-  jpeg_destroy_decompress(&info);
-  return whole ? upright(image, turned) : cv::Mat();
+  jpeg_finish_decompress(&info);
+  return info.err->num_warnings == 0 ? upright(image, turned) : cv::Mat();
 }
-
-cv::Mat decode(std::string_view bytes, DecodedAs form) {
-  if (bytes.starts_with("\x89PNG")) return decode_png(bytes, form);
-  if (bytes.starts_with("\xff\xd8")) return decode_jpeg(bytes, form);
-  return {};
-}
-
-cv::Mat read(const std::string& path, DecodedAs form) {
-  std::ifstream file(path, std::ios::binary);
-  const std::string bytes(std::istreambuf_iterator<char>(file), {});
-  return decode(bytes, form);
-}
-
-cv::VideoCapture* no_capture(const std::string&) { return nullptr; }
-cv::VideoWriter* no_writer(const std::string&, std::string_view, double, const cv::Size&) { return nullptr; }
-std::vector<std::int64_t> no_times(const std::string&) { return {}; }
 
 }  // namespace
-}  // namespace saccade
 
-extern "C" {
-extern const saccade::CodecLibrary saccade_image_codecs_1;
-const saccade::CodecLibrary saccade_image_codecs_1{&saccade::encode,    &saccade::decode,
-                                                   &saccade::read,      &saccade::no_capture,
-                                                   &saccade::no_writer, &saccade::no_times};
+std::vector<unsigned char> encoded_png_or_jpeg(std::string_view format, const cv::Mat& image, PngSize png) {
+  Bytes bytes;
+  if (!(format == "jpeg" ? encode_jpeg(image, bytes) : encode_png(image, png, bytes))) bytes.clear();
+  return bytes;
 }
+
+std::optional<cv::Mat> decoded_png_or_jpeg(std::string_view bytes, DecodedAs form) {
+  if (bytes.starts_with("\x89PNG")) return decode_png(bytes, form);
+  if (bytes.starts_with("\xff\xd8")) return decode_jpeg(bytes, form);
+  return std::nullopt;
+}
+
+}  // namespace saccade
