@@ -150,7 +150,10 @@ Canvas Lab::painted(std::size_t index) const {
   patch.paint(canvas, random);
   const auto reflectance = [this](double painted) {
     constexpr double middle = 0.33;
-    return std::clamp(middle * std::pow(std::max(painted, 1e-3) / middle, config_.contrast), 0.09, 0.92);
+    const double ratio = std::max(painted, 1e-3) / middle;
+    const double drawn =
+        config_.contrast == 1.0 ? ratio : std::pow(ratio, config_.contrast);  // the same, sooner
+    return std::clamp(middle * drawn, 0.09, 0.92);
   };
   canvas.each([&](double, double, Reflectance c) {
     return Reflectance{reflectance(c.r), reflectance(c.g), reflectance(c.b)};

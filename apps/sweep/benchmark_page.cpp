@@ -44,36 +44,56 @@ std::string number_cell(const BenchmarkFigure& figure) {
   return figure.value ? short_number(*figure.value * figure.factor) : std::string("–");
 }
 
-/// The columns of a table of entries: the interval follows the average precision.
-std::vector<std::string> headings() {
+using Figures = std::vector<BenchmarkFigure>;
+
+/// Whether a figure is a column: not if it applies to none of the rows. Each row has all figures in one order.
+std::vector<bool> columns_of(const std::vector<Figures>& rows) {
+  std::vector<bool> columns(figures_of({}).size(), false);
+  for (const Figures& row : rows) {
+    for (std::size_t i = 0; i < row.size(); ++i) columns[i] = columns[i] || row[i].value.has_value();
+  }
+  return columns;
+}
+
+/// The interval follows the average precision.
+bool has_interval(const BenchmarkFigure& figure) { return figure.key == "average_precision"; }
+
+std::vector<std::string> headings(const std::vector<bool>& columns) {
   std::vector<std::string> all;
-  for (const BenchmarkFigure& figure : figures_of({})) {
-    all.push_back(figure.heading);
-    if (figure.key == "average_precision") all.emplace_back("95 % interval");
+  const Figures figures = figures_of({});
+  for (std::size_t i = 0; i < figures.size(); ++i) {
+    if (columns[i]) all.push_back(figures[i].heading);
+    if (columns[i] && has_interval(figures[i])) all.emplace_back("95 % interval");
   }
   return all;
 }
 
-std::string figure_cells(const std::vector<BenchmarkRow>& rows) {
+std::string figure_cells(const Figures& figures, const std::vector<bool>& columns) {
   std::string html;
-  for (const BenchmarkFigure& figure : figures_of(rows)) {
-    html += cell(figure.value, figure.factor);
-    if (figure.key == "average_precision") html += "<td>" + interval_text(figure) + "</td>";
+  for (std::size_t i = 0; i < figures.size(); ++i) {
+    if (columns[i]) html += cell(figures[i].value, figures[i].factor);
+    if (columns[i] && has_interval(figures[i])) html += "<td>" + interval_text(figures[i]) + "</td>";
   }
   return html;
 }
 
-std::string table_head(const std::string& first, const std::string& last = {}) {
-  std::string html = "<div class=\"wide\"><table class=\"sort\"><thead><tr>" + first;
-  for (const std::string& heading : headings()) html += "<th>" + escaped(heading) + "</th>";
+std::string table_head(const std::string& first, const std::vector<bool>& columns,
+                       const std::string& last = {}) {
+  std::string html = "<div class=\"wide\"><table class=\"sort heads\"><thead><tr>" + first;
+  for (const std::string& heading : headings(columns)) html += "<th>" + escaped(heading) + "</th>";
   return html + last + "</tr></thead><tbody>\n";
 }
 
 std::string kinds_html(const BenchmarkResult& result) {
-  std::string html = table_head("<th>kind</th><th>value</th><th>worlds</th>");
-  for (const BenchmarkKind& kind : kinds_of(result.rows)) {
-    html += fmt::format("<tr><th>{}</th><td>{}</td>{}{}</tr>\n", escaped(kind.kind), escaped(kind.value),
-                        count_cell(static_cast<std::int64_t>(kind.rows.size())), figure_cells(kind.rows));
+  const std::vector<BenchmarkKind> kinds = kinds_of(result.rows);
+  std::vector<Figures> figures;
+  for (const BenchmarkKind& kind : kinds) figures.push_back(figures_of(kind.rows));
+  const std::vector<bool> columns = columns_of(figures);
+  std::string html = table_head("<th>kind</th><th>value</th><th>worlds</th>", columns);
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    html += fmt::format("<tr><th>{}</th><td>{}</td>{}{}</tr>\n", escaped(kinds[i].kind),
+                        escaped(kinds[i].value), count_cell(static_cast<std::int64_t>(kinds[i].rows.size())),
+                        figure_cells(figures[i], columns));
   }
   return html + "</tbody></table></div>\n";
 }
@@ -107,8 +127,8 @@ std::string runs_html(const BenchmarkResult& result) {
       {"acquire_s", "acquired after, s"},
       {"us_per_event", "µs per event"}};
   std::string html =
-      "<div class=\"wide\"><table "
-      "class=\"sort\"><thead><tr><th>run</th><th>sensor</th><th>image</th><th>events</th>";
+      "<div class=\"wide\"><table class=\"sort "
+      "heads\"><thead><tr><th>run</th><th>sensor</th><th>image</th><th>events</th>";
   for (const auto& [key, heading] : columns) html += "<th>" + heading + "</th>";
   html += "<th>digest of the events</th><th>detector ended early</th></tr></thead><tbody>\n";
   const auto kind = [](const BenchmarkRow& row, const char* name) {
@@ -124,26 +144,35 @@ std::string runs_html(const BenchmarkResult& result) {
   return html + "</tbody></table></div>\n";
 }
 
+std::vector<Figures> figures_of_each(const BenchmarkGroup& group) {
+  std::vector<Figures> figures;
+  for (const BenchmarkResult& result : group) figures.push_back(figures_of(result.rows));
+  return figures;
+}
+
 }  // namespace
 
 std::string benchmark_table_text(const std::vector<BenchmarkGroup>& groups) {
   std::string text;
   for (const BenchmarkGroup& group : groups) {
+    const std::vector<Figures> figures = figures_of_each(group);
+    const std::vector<bool> columns = columns_of(figures);
     text += fmt::format("{}## {}\n\n{}.\n\n| entry |", text.empty() ? "" : "\n", title_of(group.front()),
                         facts_of(group.front()));
     std::string rule = "|---|";
-    for (const std::string& heading : headings()) {
+    for (const std::string& heading : headings(columns)) {
       text += " " + heading + " |";
       rule += "---:|";
     }
-    text += " latency | saccade |\n" + rule + "---|---|\n";
-    for (const BenchmarkResult& result : group) {
-      text += "| " + result.entry + " |";
-      for (const BenchmarkFigure& figure : figures_of(result.rows)) {
-        text += " " + number_cell(figure) + " |";
-        if (figure.key == "average_precision") text += " " + interval_text(figure) + " |";
+    text += " saccade |\n" + rule + "---|\n";
+    for (std::size_t row = 0; row < group.size(); ++row) {
+      text += "| " + group[row].entry + " |";
+      for (std::size_t i = 0; i < columns.size(); ++i) {
+        const BenchmarkFigure& figure = figures[row][i];
+        if (columns[i]) text += " " + number_cell(figure) + " |";
+        if (columns[i] && has_interval(figure)) text += " " + interval_text(figure) + " |";
       }
-      text += " " + class_text(result) + " | " + result.saccade + " |\n";
+      text += " " + group[row].saccade + " |\n";
     }
   }
   return text;
@@ -152,13 +181,16 @@ std::string benchmark_table_text(const std::vector<BenchmarkGroup>& groups) {
 void write_benchmark_table(const std::vector<BenchmarkGroup>& groups, const std::filesystem::path& file) {
   std::string html;
   for (const BenchmarkGroup& group : groups) {
+    const std::vector<Figures> figures = figures_of_each(group);
+    const std::vector<bool> columns = columns_of(figures);
     html += fmt::format("<h2>{}</h2>\n<p class=\"facts\">{}.</p>\n", escaped(title_of(group.front())),
                         escaped(facts_of(group.front()))) +
-            table_head("<th>entry</th>", "<th>latency</th><th>saccade</th><th>machine</th>");
-    for (const BenchmarkResult& result : group) {
-      html += fmt::format("<tr><th>{}</th>{}<td>{}</td><td>{}</td><td>{}</td></tr>\n", escaped(result.entry),
-                          figure_cells(result.rows), escaped(class_text(result)), escaped(result.saccade),
-                          escaped(result.machine));
+            table_head("<th>entry</th>", columns, "<th>latency</th><th>saccade</th><th>machine</th>");
+    for (std::size_t row = 0; row < group.size(); ++row) {
+      html +=
+          fmt::format("<tr><th>{}</th>{}<td>{}</td><td>{}</td><td>{}</td></tr>\n", escaped(group[row].entry),
+                      figure_cells(figures[row], columns), escaped(class_text(group[row])),
+                      escaped(group[row].saccade), escaped(group[row].machine));
     }
     html += "</tbody></table></div>\n";
   }

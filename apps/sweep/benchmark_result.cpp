@@ -247,9 +247,12 @@ void write_benchmark_result(const std::filesystem::path& path, const BenchmarkRe
     if (figure.low) json["figures"][figure.key + "_interval"] = {json_of(figure.low), json_of(figure.high)};
   }
   json["figures"]["reliability"] = json_of(reliability_of(result.rows));
-  json["runs"] = Json::array();
-  for (const BenchmarkRow& row : result.rows) json["runs"].push_back(json_of(row));
-  write_file(path, json.dump(1) + "\n");
+  std::string text = json.dump(1);
+  text.resize(text.size() - 2);  // without its last line, the brace
+  text += ",\n \"runs\": [";
+  for (std::size_t i = 0; i < result.rows.size(); ++i)
+    text += (i == 0 ? "\n  " : ",\n  ") + json_of(result.rows[i]).dump();
+  write_file(path, text + "\n ]\n}\n");
 }
 
 BenchmarkResult read_benchmark_result(const std::filesystem::path& path) {

@@ -120,6 +120,33 @@ TEST(BenchmarkTable, ResultsOfOtherEventsStandInATableOfTheirOwn) {
       << "in the loop the events depend on the entry";
 }
 
+TEST(BenchmarkTable, AFigureThatAppliesToNoRowIsNoColumn) {
+  const std::string text = benchmark_table_text(groups_of({result_named("mine", 0.5)}));
+  EXPECT_THAT(text, HasSubstr("| average precision | 95 % interval |"));
+  EXPECT_THAT(text, testing::Not(HasSubstr("alarm"))) << "no row is a world without a ball";
+  BenchmarkResult with_alarms = result_named("mine", 0.5);
+  with_alarms.rows.push_back(world_with_ball(7, 0.5, 50.0));
+  with_alarms.rows.back().part = "none";
+  with_alarms.rows.back().figures["alarm_ratio"] = 0.25;
+  EXPECT_THAT(benchmark_table_text(groups_of({with_alarms})), HasSubstr("| alarm share, % |"));
+}
+
+TEST(BenchmarkResultFile, TheShippedOnesAreOfTheShippedList) {
+  const fs::path folder = SACCADE_SOURCE_DIR "/scenarios/benchmarks";
+  const BenchmarkList list = read_benchmark_list(folder / "clutter_1.yaml");
+  std::string worlds;
+  for (const fs::directory_entry& file : fs::directory_iterator(folder / "clutter_1")) {
+    const BenchmarkResult result = read_benchmark_result(file.path());
+    EXPECT_EQ(result.entry, file.path().stem().string());
+    EXPECT_EQ(result.list_digest, list.digest) << file.path();
+    EXPECT_THAT(result.rows, SizeIs(259)) << file.path();
+    EXPECT_FALSE(result.quick);
+    if (worlds.empty()) worlds = result.worlds_digest();
+    EXPECT_EQ(result.worlds_digest(), worlds) << file.path();
+  }
+  EXPECT_FALSE(worlds.empty());
+}
+
 TEST(BenchmarkResultFile, ReadsBackAsItWasWritten) {
   const TempFolder folder;
   BenchmarkResult result = result_named("mine", 0.5);
