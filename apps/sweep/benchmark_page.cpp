@@ -87,6 +87,7 @@ std::string table_head(const std::string& first, const std::vector<bool>& column
 std::string kinds_html(const BenchmarkResult& result) {
   const std::vector<BenchmarkKind> kinds = kinds_of(result.rows);
   std::vector<Figures> figures;
+  figures.reserve(kinds.size());
   for (const BenchmarkKind& kind : kinds) figures.push_back(figures_of(kind.rows));
   const std::vector<bool> columns = columns_of(figures);
   std::string html = table_head("<th>kind</th><th>value</th><th>worlds</th>", columns);
@@ -146,6 +147,7 @@ std::string runs_html(const BenchmarkResult& result) {
 
 std::vector<Figures> figures_of_each(const BenchmarkGroup& group) {
   std::vector<Figures> figures;
+  figures.reserve(group.size());
   for (const BenchmarkResult& result : group) figures.push_back(figures_of(result.rows));
   return figures;
 }
