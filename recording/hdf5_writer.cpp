@@ -15,6 +15,13 @@ namespace {
 
 constexpr std::size_t chunk_events = 1 << 16;
 
+/// Properties of a new dataset. Without the time at which it is made, the same contents are the same bytes.
+Hdf5Handle dataset_properties() {
+  Hdf5Handle plist(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_obj_track_times(plist, false);
+  return plist;
+}
+
 /// A dataset of one dimension that grows.
 template <class T>
 class Column {
@@ -22,7 +29,7 @@ class Column {
   Column(hid_t parent, const char* name, hid_t in_file, hid_t in_memory) : in_memory_(in_memory) {
     const hsize_t none = 0, unlimited = H5S_UNLIMITED, chunk = chunk_events;
     const Hdf5Handle space(H5Screate_simple(1, &none, &unlimited), H5Sclose);
-    const Hdf5Handle plist(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    const Hdf5Handle plist = dataset_properties();
     H5Pset_chunk(plist, 1, &chunk);
     H5Pset_shuffle(plist);
     H5Pset_deflate(plist, 4);
@@ -110,7 +117,8 @@ class Hdf5Writer final : public EventWriter {
  private:
   void write_scalar(const char* name, std::int64_t value) {
     const Hdf5Handle space(H5Screate(H5S_SCALAR), H5Sclose);
-    const Hdf5Handle id(H5Dcreate2(file_, name, H5T_STD_I64LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+    const Hdf5Handle plist = dataset_properties();
+    const Hdf5Handle id(H5Dcreate2(file_, name, H5T_STD_I64LE, space, H5P_DEFAULT, plist, H5P_DEFAULT),
                         H5Dclose);
     check(H5Dwrite(id, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, &value) >= 0);
   }
@@ -161,7 +169,7 @@ class Hdf5ArrayFile final : public ArrayFile {
     chunk[0] = std::max<std::size_t>(1, chunk_bytes / array.bytes);
     const int rank = static_cast<int>(array.shape.size());
     const Hdf5Handle space(H5Screate_simple(rank, array.shape.data(), most.data()), H5Sclose);
-    const Hdf5Handle plist(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    const Hdf5Handle plist = dataset_properties();
     H5Pset_chunk(plist, rank, chunk.data());
     H5Pset_shuffle(plist);
     H5Pset_deflate(plist, 1);
@@ -196,7 +204,8 @@ class Hdf5ArrayFile final : public ArrayFile {
     H5Tset_size(type, detail::longest(texts));
     H5Tset_strpad(type, H5T_STR_NULLPAD);
     const Hdf5Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose);
-    const Hdf5Handle id(H5Dcreate2(file_, name.c_str(), type, space, with_groups_, H5P_DEFAULT, H5P_DEFAULT),
+    const Hdf5Handle plist = dataset_properties();
+    const Hdf5Handle id(H5Dcreate2(file_, name.c_str(), type, space, with_groups_, plist, H5P_DEFAULT),
                         H5Dclose);
     check(id >= 0 && H5Dwrite(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) >= 0);
   }

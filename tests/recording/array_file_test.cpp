@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 #include <hdf5.h>
 
+#include <chrono>
 #include <cstring>
 #include <fstream>
 #include <iterator>
 #include <numeric>
 #include <string>
+#include <thread>
 
 #include "core/error.h"
 #include "recording/array_rows.h"
@@ -68,6 +70,23 @@ TEST(ArrayFile, OfHdf5HasTheArraysInTheirGroups) {
   EXPECT_EQ(image[0], 0.0F);
   EXPECT_EQ(image[29], 45.0F);
   H5Fclose(id);
+}
+
+TEST(ArrayFile, HasTheSameBytesWheneverItIsWritten) {
+  const fs::path folder = fs::path(testing::TempDir()) / "array_file_times";
+  fs::remove_all(folder);
+  fs::create_directory(folder);
+  const auto write = [&](const std::string& name) {
+    const auto file = create_array_file(folder / name);
+    fill(*file);
+    file->commit();
+  };
+  for (const char* name : {"a.h5", "a.npz"}) write(name);
+  // Times in files are whole seconds, in ZIP files whole pairs of them.
+  std::this_thread::sleep_for(std::chrono::milliseconds(2100));
+  for (const char* name : {"b.h5", "b.npz"}) write(name);
+  EXPECT_EQ(bytes_of(folder / "a.h5"), bytes_of(folder / "b.h5"));
+  EXPECT_EQ(bytes_of(folder / "a.npz"), bytes_of(folder / "b.npz"));
 }
 
 TEST(ArrayFile, OfNumpyIsAnUncompressedZipFileAndLeavesNothingElse) {

@@ -5,7 +5,11 @@
 #endif
 
 #include <array>
+#include <chrono>
+#include <fstream>
+#include <iterator>
 #include <random>
+#include <thread>
 
 #include "core/error.h"
 #include "tests/recording/read_events.h"
@@ -151,6 +155,19 @@ TEST(Hdf5, OfDsecIsReadBackExactlyWithItsSize) {
     EXPECT_EQ(reader->image_size(), (ImageSize{640, 480}));
     EXPECT_TRUE(read_all(*reader, 4321) == events) << first_us;
   }
+}
+
+TEST(Hdf5, HasTheSameBytesWheneverItIsWritten) {
+  const TempFolder folder;
+  const auto events = sorted_events(0, 5000);
+  write_file(folder / "a.h5", events);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // times in the file are whole seconds
+  write_file(folder / "b.h5", events);
+  const auto bytes = [&](const char* name) {
+    std::ifstream file(folder / name, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  EXPECT_EQ(bytes("a.h5"), bytes("b.h5"));
 }
 
 TEST(Hdf5, WindowsCutOutByTheIndexOfMillisecondsAreThoseOfTheTimes) {
