@@ -13,6 +13,7 @@
 
 #include "core/error.h"
 #include "evaluation/image_codecs/ffmpeg_video.h"
+#include "tests/evaluation/image_codecs/drawn_image.h"
 #include "tests/recording/temp_folder.h"
 
 namespace saccade {
@@ -22,21 +23,6 @@ bool is_loaded(const std::string& library) {
   std::ifstream maps("/proc/self/maps");
   const std::string text(std::istreambuf_iterator<char>(maps), {});
   return text.find(library) != std::string::npos;
-}
-
-/// Grey steps and a coloured square.
-cv::Mat drawn(int width, int height) {
-  cv::Mat image(height, width, CV_8UC3);
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x)
-      image.at<cv::Vec3b>(y, x) = cv::Vec3b::all(static_cast<unsigned char>(4 * x));
-  }
-  image(cv::Rect(width / 4, height / 4, width / 2, height / 2)).setTo(cv::Scalar(10, 120, 240));
-  return image;
-}
-
-std::string_view text_of(const std::vector<unsigned char>& bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
 /// The smallest bitmap of Windows: one blue pixel.

@@ -7,29 +7,16 @@
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 
+#include "tests/evaluation/image_codecs/drawn_image.h"
+
 namespace saccade {
 namespace {
-
-/// Grey steps and a coloured square.
-cv::Mat drawn(int width, int height) {
-  cv::Mat image(height, width, CV_8UC3);
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x)
-      image.at<cv::Vec3b>(y, x) = cv::Vec3b::all(static_cast<unsigned char>(4 * x));
-  }
-  image(cv::Rect(width / 4, height / 4, width / 2, height / 2)).setTo(cv::Scalar(10, 120, 240));
-  return image;
-}
 
 cv::Mat noise(int width, int height, int type) {
   cv::Mat image(height, width, type);
   cv::RNG random(7);
   random.fill(image, cv::RNG::UNIFORM, 0, CV_MAT_DEPTH(type) == CV_16U ? 65536 : 256);
   return image;
-}
-
-std::string_view text_of(const std::vector<unsigned char>& bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
 bool are_equal(const cv::Mat& a, const cv::Mat& b) {
