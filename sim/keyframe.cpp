@@ -9,17 +9,6 @@
 namespace saccade::detail {
 namespace {
 
-// Rec. 709 luminance of linear red, green and blue, in 1/10000.
-constexpr std::uint32_t red_weight = 2126;
-constexpr std::uint32_t green_weight = 7152;
-constexpr std::uint32_t blue_weight = 722;
-constexpr std::uint32_t unit = 10000;
-
-std::uint32_t luminance_of(std::uint32_t rgba) {
-  return red_weight * (rgba & 0xffU) + green_weight * ((rgba >> 8U) & 0xffU) +
-         blue_weight * ((rgba >> 16U) & 0xffU);
-}
-
 /// An interval of samples around the middle of a sample: it begins in sample `first` and ends in sample `last`, counted
 /// from that sample, and leaves out the share first_part of the first and takes the share last_part of the last.
 struct Interval {
@@ -49,14 +38,6 @@ Interval cut_interval(float width, int sample, int count) {
   return interval;
 }
 
-float as_float(std::uint32_t difference) { return static_cast<float>(static_cast<std::int32_t>(difference)); }
-
-std::uint16_t rounded(float value) {
-  constexpr float most = 65535.0F;
-  const float inside = value > 0.0F ? value : 0.0F;
-  return static_cast<std::uint16_t>(static_cast<std::int32_t>((inside < most ? inside : most) + 0.5F));
-}
-
 /// Gives every 0 of the row the nearest value that is not. Returns false if all are 0.
 bool fill_row(float* row, std::size_t columns) {
   std::size_t begin = 0;  // of the zeros before i
@@ -71,248 +52,319 @@ bool fill_row(float* row, std::size_t columns) {
   return begin > 0;
 }
 
-/// Continues the depths of a layer's outline around it: a pixel that the outline cuts moves as the outline does.
-void continue_outwards(std::vector<float>& depths, std::size_t columns) {
-  const std::size_t rows = depths.size() / columns;
-  const auto row_at = [&](std::size_t row) { return depths.data() + row * columns; };
-  std::size_t begin = 0;  // of the empty rows before `row`
-  for (std::size_t row = 0; row < rows; ++row) {
-    if (!fill_row(row_at(row), columns)) continue;
-    const std::size_t middle = begin == 0 ? 0 : begin + (row - begin) / 2;
-    for (std::size_t i = begin; i < row; ++i)
-      std::copy_n(row_at(i < middle ? begin - 1 : row), columns, row_at(i));
-    begin = row + 1;
-  }
-  for (std::size_t i = begin; begin > 0 && i < rows; ++i) std::copy_n(row_at(begin - 1), columns, row_at(i));
+/// Makes room for at least `count` values, which are not kept.
+template <class Value>
+void make_room(std::vector<Value>& values, std::size_t count) {
+  if (values.size() < count) values.resize(count);
 }
 
-float smaller(float a, float b) { return a < b ? a : b; }
-
-/// The least value within `reach` columns and rows of each; values beyond the border count as the border's.
-void least_around(std::vector<float>& values, std::size_t columns, std::size_t reach,
-                  std::vector<float>& room) {
-  const std::size_t rows = values.size() / columns;
-  room = values;
-  for (std::size_t row = 0; row < rows; ++row) {
-    const float* const from = values.data() + row * columns;
-    float* const to = room.data() + row * columns;
-    for (std::size_t by = 1; by <= std::min(reach, columns - 1); ++by) {
-      for (std::size_t i = 0; i + by < columns; ++i) to[i] = smaller(to[i], from[i + by]);
-      for (std::size_t i = by; i < columns; ++i) to[i] = smaller(to[i], from[i - by]);
-    }
+/// Adds a row of the room's depths to the sums of its blocks.
+void add_to_blocks(Keyframe& k, int row, const float* depths) {
+  float* sum = k.inverse_depth_1_m.data() +
+               static_cast<std::size_t>(row / k.block) * static_cast<std::size_t>(k.block_columns);
+  if (row % k.block == 0) std::fill_n(sum, k.block_columns, 0.0F);
+  for (int begin = 0; begin < k.rect.columns(); begin += k.block, ++sum) {
+    for (int i = begin; i < std::min(begin + k.block, k.rect.columns()); ++i) *sum += depths[i];
   }
-  values = room;
-  for (std::size_t by = 1; by <= std::min(reach, rows - 1); ++by) {
-    const std::size_t count = (rows - by) * columns;
-    const std::size_t shift = by * columns;
-    for (std::size_t i = 0; i < count; ++i) values[i] = smaller(values[i], room[i + shift]);
-    for (std::size_t i = 0; i < count; ++i) values[i + shift] = smaller(values[i + shift], room[i]);
-  }
-}
-
-/// The order of positive floats is that of their bits; the compiler vectorises maxima of whole numbers.
-std::int32_t bits_of(float value) { return std::bit_cast<std::int32_t>(value); }
-
-struct Range {
-  std::int32_t least = std::numeric_limits<std::int32_t>::max();
-  std::int32_t most = 0;
-};
-
-/// Widens the range by the values that are not 0.
-void include(const float* values, std::size_t count, Range& range) {
-  std::int32_t least = range.least;
-  std::int32_t most = range.most;
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::int32_t bits = bits_of(values[i]);
-    most = std::max(most, bits);
-    least = std::min(least, bits == 0 ? std::numeric_limits<std::int32_t>::max() : bits);
-  }
-  range = {least, most};
-}
-
-/// The largest difference between values of two rows that both are not 0, or `most`.
-std::int32_t largest_step(const float* a, const float* b, std::size_t count, std::int32_t most) {
-  for (std::size_t i = 0; i < count; ++i) {
-    const float step = a[i] > 0.0F && b[i] > 0.0F ? std::abs(a[i] - b[i]) : 0.0F;
-    most = std::max(most, bits_of(step));
-  }
-  return most;
 }
 
 }  // namespace
 
-void KeyframeFilter::copy_depths(Keyframe& k, std::span<const float> depth, double near_m, double far_m,
-                                 bool is_room) {
-  const auto columns = static_cast<std::size_t>(k.rect.columns());
-  const auto rows = static_cast<std::size_t>(k.rect.rows());
-  const auto block = static_cast<std::size_t>(is_room ? camera_->samples() : 1);
-  const std::size_t block_columns = (columns + block - 1) / block;
-  const std::size_t block_rows = (rows + block - 1) / block;
-  const auto at_near = static_cast<float>(1.0 / near_m);
-  const auto per_depth = static_cast<float>((far_m - near_m) / (near_m * far_m));
-  const float nothing = is_room ? static_cast<float>(1.0 / far_m) : 0.0F;
-  k.block = static_cast<int>(block);
-  k.block_columns = static_cast<int>(block_columns);
-  k.block_rows = static_cast<int>(block_rows);
-  k.inverse_depth_1_m.assign(block_columns * block_rows, 0.0F);
-  block_counts_.assign(block_columns * block_rows, 0.0F);
-  depth_row_.resize(columns);
-  depth_row_above_.assign(columns, 0.0F);
-  Range range;
-  std::int32_t step = 0;
-  SampleRect covered{k.rect.columns(), k.rect.rows(), 0, 0};
-  for (std::size_t row = 0; row < rows; ++row) {
-    const float* const from = depth.data() + (rows - 1 - row) * columns;
-    float* const q = depth_row_.data();
-    for (std::size_t i = 0; i < columns; ++i) q[i] = from[i] < 1.0F ? at_near - from[i] * per_depth : nothing;
-    include(q, columns, range);
-    step = largest_step(q + 1, q, columns - 1, step);
-    step = largest_step(q, depth_row_above_.data(), columns, step);
-    float* sum_of_block = k.inverse_depth_1_m.data() + row / block * block_columns;
-    float* count_of_block = block_counts_.data() + row / block * block_columns;
-    for (std::size_t begin = 0; begin < columns; begin += block, ++sum_of_block, ++count_of_block) {
-      for (std::size_t i = begin; i < std::min(begin + block, columns); ++i) {
-        *sum_of_block += q[i];
-        *count_of_block += q[i] > 0.0F ? 1.0F : 0.0F;
-      }
+/// How the samples of a row are summed: samples that share a PixelSize share the interval.
+void KeyframeFilter::set_row_runs(const SampleRect& rect, int row, Band& band) const {
+  const int columns = rect.columns();
+  const auto run_of = [&](int begin, int end, const Interval& over) {
+    const std::uint32_t* const first = band.row_sums.data() + over.first;
+    const std::uint32_t* const last = band.row_sums.data() + over.last;
+    return MeanRun{
+        begin, end, first, first + 1, last, last + 1, over.first_part, over.last_part, 1.0F / over.length};
+  };
+  band.runs.clear();
+  float width = 0.0F;  // of the pixels of the newest run
+  for (int begin = 0; begin < columns;) {
+    const int end = std::min(columns, KeyframeCamera::next_cell(rect.left + begin) - rect.left);
+    const float cell_width = camera_->pixel_at(rect.left + begin, rect.top + row).width;
+    const Interval over = interval_of(cell_width);
+    if (begin + over.first >= 0 && end + over.last <= columns) {
+      if (cell_width == width)
+        band.runs.back().end = end;
+      else
+        band.runs.push_back(run_of(begin, end, over));
+      width = cell_width;
+    } else {
+      for (int i = begin; i < end; ++i)
+        band.runs.push_back(run_of(i, i + 1, cut_interval(cell_width, i, columns)));
+      width = 0.0F;
     }
+    begin = end;
+  }
+}
+
+/// How rows are summed to the values of `row`, from the sums along columns, of which `ring` rows are kept.
+void KeyframeFilter::set_column_runs(const SampleRect& rect, int row, int ring, float scale,
+                                     Band& band) const {
+  const int columns = rect.columns();
+  const auto sums_before = [&](int at) {
+    return band.sums.data() + static_cast<std::ptrdiff_t>(at % ring) * columns;
+  };
+  band.column_runs.clear();
+  float height = 0.0F;
+  for (int begin = 0; begin < columns;) {
+    const int end = std::min(columns, KeyframeCamera::next_cell(rect.left + begin) - rect.left);
+    const float cell_height = camera_->pixel_at(rect.left + begin, rect.top + row).height;
+    if (cell_height == height) {
+      band.column_runs.back().end = end;
+    } else {
+      const Interval over = cut_interval(cell_height, row, rect.rows());
+      const int first = row + over.first;
+      const int last = row + over.last;
+      band.column_runs.push_back({begin, end, sums_before(first), sums_before(first + 1), sums_before(last),
+                                  sums_before(last + 1), over.first_part, over.last_part,
+                                  scale / over.length});
+    }
+    height = cell_height;
+    begin = end;
+  }
+}
+
+/// Means of samples over the area of a pixel around each, times `scale`, rounded, as pairs of a sample and the one below it:
+/// the pairs of the rows [begin, end). `row_of(row, out)` gives samples. Sums are whole numbers modulo 2^32, so that
+/// differences are exact, whatever row the sums begin with.
+template <class RowOf>
+void KeyframeFilter::mean_over_pixels(const SampleRect& rect, int begin, int end, const RowOf& row_of,
+                                      float scale, std::vector<std::uint16_t>& pairs, Band& band) const {
+  const int columns = rect.columns();
+  const int rows = rect.rows();
+  const auto width = static_cast<std::size_t>(columns);
+  const int reach = camera_->reach();
+  const int ring = 2 * reach + 2;
+  make_room(band.samples, width);
+  make_room(band.row_sums, width + 1);
+  make_room(band.sums, static_cast<std::size_t>(ring) * width);
+  make_room(band.values, 2 * width);
+  const auto sums_before = [&](int row) {
+    return band.sums.data() + static_cast<std::size_t>(row % ring) * width;
+  };
+  const auto values_of = [&](int row) {
+    return band.values.data() + static_cast<std::size_t>(row % 2) * width;
+  };
+  const auto write_pairs = [&](int row, int below) {
+    interleave_rows(values_of(row), values_of(below),
+                    pairs.data() + 2 * static_cast<std::size_t>(row) * width, width);
+  };
+  int next = std::max(0, begin - reach);  // the next row to add to the sums
+  std::fill_n(sums_before(next), width, 0U);
+  int cell_row = -1;
+  for (int row = begin; row < std::min(end + 1, rows); ++row) {
+    for (; next < std::min(row + reach + 1, rows); ++next) {
+      if (const int cell = KeyframeCamera::next_cell(rect.top + next); cell != cell_row) {
+        cell_row = cell;
+        set_row_runs(rect, next, band);
+      }
+      row_of(next, band.samples.data());
+      std::uint32_t sum = 0;
+      for (std::size_t i = 0; i < width; ++i) {
+        band.row_sums[i] = sum;
+        sum += band.samples[i];
+      }
+      band.row_sums[width] = sum;
+      add_means(band.runs, sums_before(next), sums_before(next + 1));
+    }
+    set_column_runs(rect, row, ring, scale, band);
+    write_means(band.column_runs, values_of(row));
+    if (row > begin) write_pairs(row - 1, row);
+  }
+  if (end == rows) write_pairs(rows - 1, rows - 1);
+}
+
+void KeyframeFilter::average_colours(Keyframe& k, const Drawn& drawn, int begin, int end, Band& band) const {
+  const auto columns = static_cast<std::size_t>(k.rect.columns());
+  const auto at = [&](int row) { return static_cast<std::size_t>(k.rect.rows() - 1 - row) * columns; };
+  mean_over_pixels(
+      k.rect, begin, end,
+      [&](int row, std::uint32_t* out) {
+        luminance_row(drawn.rgba.data() + at(row), drawn.depth.data() + at(row), out, columns);
+      },
+      1.0F / (static_cast<float>(luminance_unit) * Keyframe::luminance_step), k.luminance, band);
+  if (drawn.is_room) return;
+  constexpr std::uint32_t full = 1U << 20U;
+  mean_over_pixels(
+      k.rect, begin, end,
+      [&](int row, std::uint32_t* out) { cover_row(drawn.depth.data() + at(row), full, out, columns); },
+      1.0F / (static_cast<float>(full) * Keyframe::cover_step), k.cover, band);
+}
+
+/// Inverse depths of the rows [begin, end): of the room as means over blocks, of a body as they are and continued to the left
+/// and right of it.
+void KeyframeFilter::copy_depths(Keyframe& k, const Drawn& drawn, int begin, int end, Band& band) {
+  const auto columns = static_cast<std::size_t>(k.rect.columns());
+  const int rows = k.rect.rows();
+  const auto at_near = static_cast<float>(1.0 / drawn.near_m);
+  const auto per_depth = static_cast<float>((drawn.far_m - drawn.near_m) / (drawn.near_m * drawn.far_m));
+  const float nothing = drawn.is_room ? static_cast<float>(1.0 / drawn.far_m) : 0.0F;
+  make_room(band.depths, 2 * columns);
+  const auto depths_of = [&](int row) {
+    return band.depths.data() + static_cast<std::size_t>(row % 2) * columns;
+  };
+  const auto read_row = [&](int row) {
+    const float* const from = drawn.depth.data() + static_cast<std::size_t>(rows - 1 - row) * columns;
+    inverse_depth_row(from, at_near, per_depth, nothing, depths_of(row), columns);
+  };
+  band.range = {};
+  band.step = 0;
+  band.count = 0;
+  band.covered = {k.rect.columns(), rows, 0, 0};
+  if (begin > 0 && begin < end) read_row(begin - 1);
+  for (int row = begin; row < end; ++row) {
+    read_row(row);
+    const float* const q = depths_of(row);
+    include_row(q, columns, band.range);
+    band.step = largest_step(q + 1, q, columns - 1, band.step);
+    if (row > 0) band.step = largest_step(q, depths_of(row - 1), columns, band.step);
     const auto is_here = [](float value) { return value > 0.0F; };
     const auto left = std::find_if(q, q + columns, is_here) - q;
     if (left < static_cast<std::ptrdiff_t>(columns)) {
       const auto right =
           std::find_if(std::reverse_iterator(q + columns), std::reverse_iterator(q), is_here).base() - q;
-      covered = {std::min(covered.left, static_cast<int>(left)), std::min(covered.top, static_cast<int>(row)),
-                 std::max(covered.right, static_cast<int>(right)), static_cast<int>(row) + 1};
+      band.covered = {std::min(band.covered.left, static_cast<int>(left)), std::min(band.covered.top, row),
+                      std::max(band.covered.right, static_cast<int>(right)), row + 1};
     }
-    std::swap(depth_row_, depth_row_above_);
+    if (drawn.is_room) {
+      add_to_blocks(k, row, q);
+      continue;
+    }
+    const std::size_t first = static_cast<std::size_t>(row) * columns;
+    std::copy_n(q, columns, drawn_1_m_.data() + first);
+    std::copy_n(q, columns, continued_1_m_.data() + first);
+    fill_row(continued_1_m_.data() + first, columns);
+    row_sums_1_m_[static_cast<std::size_t>(row)] = sum_of_row(q, columns);
+    band.count += std::count_if(q, q + columns, is_here);
   }
-  double sum = 0.0;
-  double count = 0.0;
-  for (std::size_t i = 0; i < block_counts_.size(); ++i) {
-    sum += static_cast<double>(k.inverse_depth_1_m[i]);
-    count += static_cast<double>(block_counts_[i]);
+}
+
+/// Sets what is known of all rows: range and mean of the depths, and what the layer covers.
+void KeyframeFilter::sum_up(Keyframe& k, bool is_room) {
+  FloatRange range;
+  std::int32_t step = 0;
+  std::ptrdiff_t count = 0;
+  SampleRect covered{k.rect.columns(), k.rect.rows(), 0, 0};
+  for (const Band& band : bands_) {
+    range = {std::min(range.least, band.range.least), std::max(range.most, band.range.most)};
+    step = std::max(step, band.step);
+    count += band.count;
+    covered = {std::min(covered.left, band.covered.left), std::min(covered.top, band.covered.top),
+               std::max(covered.right, band.covered.right), std::max(covered.bottom, band.covered.bottom)};
   }
   k.covered = {};
   k.nearest_1_m = k.farthest_1_m = k.mean_1_m = k.largest_step_1_m = 0.0;
-  if (count == 0.0) return;
+  if (covered.is_empty()) return;
   k.nearest_1_m = static_cast<double>(std::bit_cast<float>(range.most));
   k.farthest_1_m = static_cast<double>(std::bit_cast<float>(range.least));
-  k.mean_1_m = sum / count;
   k.largest_step_1_m = static_cast<double>(std::bit_cast<float>(step));
   const int around = 2 * camera_->samples();
   k.covered = SampleRect{k.rect.left + covered.left - around, k.rect.top + covered.top - around,
                          k.rect.left + covered.right + around, k.rect.top + covered.bottom + around}
                   .cut(k.rect);
-  for (std::size_t i = 0; i < block_counts_.size(); ++i) {
-    k.inverse_depth_1_m[i] = block_counts_[i] > 0.0F ? k.inverse_depth_1_m[i] / block_counts_[i] : nothing;
+  double sum = 0.0;
+  if (!is_room) {
+    for (const double of_row : row_sums_1_m_) sum += of_row;
+    k.mean_1_m = sum / static_cast<double>(count);
+    return;
   }
-  if (!is_room) take_outline_depths(k.inverse_depth_1_m, columns);
+  for (int row = 0; row < k.block_rows; ++row) {
+    const int height = std::min(k.block, k.rect.rows() - row * k.block);
+    for (int column = 0; column < k.block_columns; ++column) {
+      const int width = std::min(k.block, k.rect.columns() - column * k.block);
+      float& mean = k.inverse_depth_1_m[static_cast<std::size_t>(row * k.block_columns + column)];
+      sum += static_cast<double>(mean);
+      mean /= static_cast<float>(width * height);
+    }
+  }
+  k.mean_1_m = sum / static_cast<double>(k.rect.area());
+}
+
+/// Continues the depths of a layer's outline above and below it, as copy_depths does to the left and right: a pixel that the
+/// outline cuts moves as the outline does.
+void KeyframeFilter::continue_outwards(std::size_t columns) {
+  const auto row_at = [&](std::size_t row) { return continued_1_m_.data() + row * columns; };
+  std::size_t begin = 0;  // of the empty rows before `row`
+  for (std::size_t row = 0; row < row_sums_1_m_.size(); ++row) {
+    if (!(row_sums_1_m_[row] > 0.0)) continue;
+    const std::size_t middle = begin == 0 ? 0 : begin + (row - begin) / 2;
+    for (std::size_t i = begin; i < row; ++i)
+      std::copy_n(row_at(i < middle ? begin - 1 : row), columns, row_at(i));
+    begin = row + 1;
+  }
+  for (std::size_t i = begin; i < row_sums_1_m_.size(); ++i)
+    std::copy_n(row_at(begin - 1), columns, row_at(i));
 }
 
 /// Pixels that the outline cuts are nearly as far away as the outline, and it moves as they do: samples less than a pixel's
-/// half diagonal inside the outline get its depth.
-void KeyframeFilter::take_outline_depths(std::vector<float>& depths, std::size_t columns) {
-  const auto reach = static_cast<std::size_t>(std::lround(0.7 * camera_->samples()));
-  inside_ = depths;
-  continue_outwards(depths, columns);
-  outline_ = depths;
-  least_around(outline_, columns, reach, filter_room_);
-  least_around(inside_, columns, reach, filter_room_);  // 0 near what is not drawn
-  for (std::size_t i = 0; i < depths.size(); ++i) depths[i] = inside_[i] > 0.0F ? depths[i] : outline_[i];
-}
-
-/// Means of samples_ over the area of a pixel around each, times `scale`, rounded, as pairs of a sample and the one below it.
-/// Sums are whole numbers modulo 2^32, so that differences are exact. Samples that share a PixelSize share the interval.
-void KeyframeFilter::mean_over_pixels(const SampleRect& rect, std::vector<std::uint16_t>& pairs,
-                                      float scale) {
-  const int columns = rect.columns();
-  const int rows = rect.rows();
-  const auto stride = static_cast<std::ptrdiff_t>(columns);
-  row_sums_.resize(static_cast<std::size_t>(columns) + 1);
-  const std::size_t sums = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows + 1);
-  if (sums_.size() < sums) sums_.resize(sums);
-  std::fill_n(sums_.begin(), columns, 0U);
-  const auto each_cell = [&](int row, const auto& with) {
-    for (int begin = 0; begin < columns;) {
-      const int end = std::min(columns, KeyframeCamera::next_cell(rect.left + begin) - rect.left);
-      with(begin, end, camera_->pixel_at(rect.left + begin, rect.top + row));
-      begin = end;
-    }
-  };
-  for (int row = 0; row < rows; ++row) {
-    const std::uint32_t* const from = samples_.data() + row * stride;
-    std::uint32_t* const until = row_sums_.data();
-    until[0] = 0;
-    for (int i = 0; i < columns; ++i) until[i + 1] = until[i] + from[i];
-    const std::uint32_t* const before = sums_.data() + row * stride;
-    std::uint32_t* const after = sums_.data() + (row + 1) * stride;
-    const auto add_mean = [&](int i, const Interval& over, float share) {
-      const float sum = as_float(until[i + over.last] - until[i + over.first]) +
-                        over.last_part * as_float(from[i + over.last]) -
-                        over.first_part * as_float(from[i + over.first]);
-      after[i] = before[i] + static_cast<std::uint32_t>(static_cast<std::int32_t>(sum * share + 0.5F));
-    };
-    each_cell(row, [&](int begin, int end, const KeyframeCamera::PixelSize& pixel) {
-      const Interval over = interval_of(pixel.width);
-      if (begin + over.first >= 0 && end + over.last <= columns) {
-        const float share = 1.0F / over.length;
-        for (int i = begin; i < end; ++i) add_mean(i, over, share);
-        return;
-      }
-      for (int i = begin; i < end; ++i) {
-        const Interval cut = cut_interval(pixel.width, i, columns);
-        add_mean(i, cut, 1.0F / cut.length);
-      }
-    });
-  }
-  pairs.resize(2 * rect.area());
-  for (int row = 0; row < rows; ++row) {
-    std::uint16_t* const to = pairs.data() + 2 * row * stride;
-    std::uint16_t* const above = row > 0 ? to - 2 * stride : to;
-    each_cell(row, [&](int begin, int end, const KeyframeCamera::PixelSize& pixel) {
-      const Interval over = cut_interval(pixel.height, row, rows);
-      const std::uint32_t* const first = sums_.data() + (row + over.first) * stride;
-      const std::uint32_t* const last = sums_.data() + (row + over.last) * stride;
-      const float share = scale / over.length;
-      for (int i = begin; i < end; ++i) {
-        const float sum = as_float(last[i] - first[i]) +
-                          over.last_part * as_float(last[i + stride] - last[i]) -
-                          over.first_part * as_float(first[i + stride] - first[i]);
-        to[2 * i] = above[2 * i + 1] = rounded(sum * share);
-      }
-    });
-  }
-  std::uint16_t* const bottom = pairs.data() + 2 * (rows - 1) * stride;
-  for (int i = 0; i < columns; ++i) bottom[2 * i + 1] = bottom[2 * i];
-}
-
-void KeyframeFilter::average_colours(Keyframe& k, std::span<const std::uint32_t> rgba,
-                                     std::span<const float> depth, bool is_room) {
+/// half diagonal inside the outline get its depth. Of the rows [begin, end).
+void KeyframeFilter::take_outline_depths(Keyframe& k, int begin, int end, Band& band) const {
   const auto columns = static_cast<std::size_t>(k.rect.columns());
-  const auto rows = static_cast<std::size_t>(k.rect.rows());
-  if (samples_.size() < columns * rows) samples_.resize(columns * rows);
-  const auto each_sample = [&](const auto& value_of) {
-    for (std::size_t row = 0; row < rows; ++row) {
-      const std::size_t from = (rows - 1 - row) * columns;
-      for (std::size_t i = 0; i < columns; ++i) samples_[row * columns + i] = value_of(from + i);
-    }
+  const int rows = k.rect.rows();
+  const auto reach = static_cast<int>(std::lround(0.7 * camera_->samples()));
+  const int across = 2 * reach + 1;
+  // Least values along the rows in reach, of the drawn and of the continued depths; values beyond the border do not count.
+  make_room(band.least, static_cast<std::size_t>(2 * across + 2) * columns);
+  band.padded.assign(columns + static_cast<std::size_t>(2 * reach), std::numeric_limits<float>::max());
+  const auto least_of = [&](int part) {
+    return band.least.data() + static_cast<std::size_t>(part) * columns;
   };
-  each_sample([&](std::size_t i) { return depth[i] < 1.0F ? luminance_of(rgba[i]) : 0U; });
-  mean_over_pixels(k.rect, k.luminance, 1.0F / (static_cast<float>(unit) * Keyframe::luminance_step));
-  k.cover.clear();
-  if (is_room) return;
-  constexpr std::uint32_t full = 1U << 20U;
-  each_sample([&](std::size_t i) { return depth[i] < 1.0F ? full : 0U; });
-  mean_over_pixels(k.rect, k.cover, 1.0F / (static_cast<float>(full) * Keyframe::cover_step));
+  const auto add_row = [&](const std::vector<float>& depths, int row, float* out) {
+    std::copy_n(depths.data() + static_cast<std::size_t>(row) * columns, columns, band.padded.data() + reach);
+    least_along_row(band.padded.data(), static_cast<std::size_t>(across), out, columns);
+  };
+  float* const least_drawn = least_of(2 * across);
+  float* const least_continued = least_of(2 * across + 1);
+  int next = std::max(0, begin - reach);  // the next row to add
+  for (int row = begin; row < end; ++row) {
+    const int until = std::min(row + reach + 1, rows);
+    for (; next < until; ++next) {
+      add_row(drawn_1_m_, next, least_of(next % across));
+      add_row(continued_1_m_, next, least_of(across + next % across));
+    }
+    std::copy_n(least_of(row % across), columns, least_drawn);
+    std::copy_n(least_of(across + row % across), columns, least_continued);
+    for (int other = std::max(0, row - reach); other < until; ++other) {
+      take_smaller(least_of(other % across), least_drawn, columns);
+      take_smaller(least_of(across + other % across), least_continued, columns);
+    }
+    const std::size_t first = static_cast<std::size_t>(row) * columns;
+    choose_row(least_drawn, continued_1_m_.data() + first, least_continued,
+               k.inverse_depth_1_m.data() + first, columns);
+  }
 }
 
-void KeyframeFilter::fill(Keyframe& k, std::span<const std::uint32_t> rgba, std::span<const float> depth,
-                          double near_m, double far_m, bool is_room, WorkerThreads& threads) {
-  const auto part = [&](std::size_t i) {
-    if (i == 0) average_colours(k, rgba, depth, is_room);
-    if (i == std::min<std::size_t>(1, threads.threads() - 1)) copy_depths(k, depth, near_m, far_m, is_room);
+void KeyframeFilter::fill(Keyframe& k, const Drawn& drawn, WorkerThreads& threads) {
+  const auto columns = static_cast<std::size_t>(k.rect.columns());
+  const int rows = k.rect.rows();
+  k.block = drawn.is_room ? camera_->samples() : 1;
+  k.block_columns = (k.rect.columns() + k.block - 1) / k.block;
+  k.block_rows = (rows + k.block - 1) / k.block;
+  make_room(k.luminance, 2 * k.rect.area());
+  make_room(k.inverse_depth_1_m,
+            static_cast<std::size_t>(k.block_columns) * static_cast<std::size_t>(k.block_rows));
+  if (!drawn.is_room) {
+    make_room(k.cover, 2 * k.rect.area());
+    make_room(drawn_1_m_, k.rect.area());
+    make_room(continued_1_m_, k.rect.area());
+    row_sums_1_m_.resize(static_cast<std::size_t>(rows));
+  }
+  const auto count = static_cast<std::int64_t>(threads.threads());
+  bands_.resize(threads.threads());
+  const auto first_row = [&](std::size_t band) {
+    return std::min(rows, k.block * static_cast<int>(k.block_rows * static_cast<std::int64_t>(band) / count));
   };
-  threads.run(part);
+  threads.run([&](std::size_t i) {
+    average_colours(k, drawn, first_row(i), first_row(i + 1), bands_[i]);
+    copy_depths(k, drawn, first_row(i), first_row(i + 1), bands_[i]);
+  });
+  sum_up(k, drawn.is_room);
+  if (drawn.is_room || k.covered.is_empty()) return;
+  continue_outwards(columns);
+  threads.run([&](std::size_t i) { take_outline_depths(k, first_row(i), first_row(i + 1), bands_[i]); });
 }
 
 }  // namespace saccade::detail

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/keyframe_camera.h"
+#include "sim/keyframe_rows.h"
 #include "threads/worker_threads.h"
 
 namespace saccade::detail {
@@ -48,30 +49,53 @@ class KeyframeFilter {
   /// `camera` outlives it.
   explicit KeyframeFilter(const KeyframeCamera& camera) : camera_(&camera) {}
 
-  /// Sets all of `keyframe` but pose and is_clipped from the samples of keyframe.rect: colours and depths as OpenGL has
-  /// them, bottom row first, depth 1 where nothing is drawn. `is_room`: what is not drawn is black and far away. Depths and
-  /// colours are prepared beside each other.
-  void fill(Keyframe& keyframe, std::span<const std::uint32_t> rgba, std::span<const float> depth,
-            double near_m, double far_m, bool is_room, WorkerThreads& threads);
+  /// What was drawn: colours and depths of keyframe.rect as OpenGL has them, bottom row first, depth 1 where nothing is.
+  struct Drawn {
+    std::span<const std::uint32_t> rgba;
+    std::span<const float> depth;
+    double near_m;
+    double far_m;
+    bool is_room;  ///< what is not drawn is black and far away
+  };
+  /// Sets all of `keyframe` but pose and is_clipped from the samples of keyframe.rect. Threads share its rows; the result does
+  /// not depend on their number.
+  void fill(Keyframe& keyframe, const Drawn& drawn, WorkerThreads& threads);
 
  private:
-  void copy_depths(Keyframe& keyframe, std::span<const float> depth, double near_m, double far_m,
-                   bool is_room);
-  void average_colours(Keyframe& keyframe, std::span<const std::uint32_t> rgba, std::span<const float> depth,
-                       bool is_room);
-  void take_outline_depths(std::vector<float>& depths, std::size_t columns);
-  void mean_over_pixels(const SampleRect& rect, std::vector<std::uint16_t>& pairs, float scale);
+  /// A share of the rows, with what is computed of it and room for the rows in work.
+  struct Band {
+    std::vector<std::uint32_t> samples;
+    std::vector<std::uint32_t> row_sums;
+    std::vector<std::uint32_t> sums;  ///< along columns, of the rows in reach
+    std::vector<MeanRun> runs;
+    std::vector<MeanRun> column_runs;
+    std::vector<std::uint16_t> values;
+    std::vector<float> depths;
+    std::vector<float> padded;
+    std::vector<float> least;
+    FloatRange range;
+    std::int32_t step = 0;
+    std::ptrdiff_t count = 0;  ///< samples that a body covers
+    SampleRect covered;
+  };
+
+  void set_row_runs(const SampleRect& rect, int row, Band& band) const;
+  void set_column_runs(const SampleRect& rect, int row, int ring, float scale, Band& band) const;
+  template <class RowOf>
+  void mean_over_pixels(const SampleRect& rect, int begin, int end, const RowOf& row_of, float scale,
+                        std::vector<std::uint16_t>& pairs, Band& band) const;
+  void average_colours(Keyframe& keyframe, const Drawn& drawn, int begin, int end, Band& band) const;
+  void copy_depths(Keyframe& keyframe, const Drawn& drawn, int begin, int end, Band& band);
+  void sum_up(Keyframe& keyframe, bool is_room);
+  void continue_outwards(std::size_t columns);
+  void take_outline_depths(Keyframe& keyframe, int begin, int end, Band& band) const;
 
   const KeyframeCamera* camera_;
-  std::vector<std::uint32_t> samples_;  ///< of one channel, top row first
-  std::vector<std::uint32_t> sums_;     ///< along columns
-  std::vector<std::uint32_t> row_sums_;
-  std::vector<float> depth_row_;
-  std::vector<float> depth_row_above_;
-  std::vector<float> block_counts_;
-  std::vector<float> inside_;
-  std::vector<float> outline_;
-  std::vector<float> filter_room_;
+  std::vector<Band> bands_;
+  // Of a body: inverse depths of the samples, 0 where nothing is drawn; the same continued around the body; the sums of rows.
+  std::vector<float> drawn_1_m_;
+  std::vector<float> continued_1_m_;
+  std::vector<double> row_sums_1_m_;
 };
 
 }  // namespace saccade::detail

@@ -61,6 +61,8 @@ class KeyframeCamera {
     return cells_[static_cast<std::size_t>(row / cell) * cell_columns_ +
                   static_cast<std::size_t>(column / cell)];
   }
+  /// A pixel's mean takes no sample more than this many rows away.
+  [[nodiscard]] int reach() const { return reach_; }
   /// The first sample of the next ones that share a PixelSize.
   [[nodiscard]] static int next_cell(int sample) { return (sample / cell + 1) * cell; }
 
@@ -75,6 +77,7 @@ class KeyframeCamera {
   double centre_y_ = 0.0;
   std::size_t cell_columns_ = 0;
   std::vector<PixelSize> cells_;
+  int reach_ = 0;
 };
 
 }  // namespace saccade::detail

@@ -180,7 +180,7 @@ void KeyframeRenderer::draw(Sheet& sheet, mjData& data, mjvGLCamera eye) {
   drawer_->draw_some(data, eye, area, sheet.layer.is_shown);
   drawer_->read_rgba(area, rgba_.data());
   drawer_->read_depth(area, depth_.data());
-  filter_.fill(keyframe, rgba_, depth_, config_.near_m, config_.far_m, sheet.layer.is_room(), *threads_);
+  filter_.fill(keyframe, {rgba_, depth_, config_.near_m, config_.far_m, sheet.layer.is_room()}, *threads_);
   keyframe.is_drawn = true;
   ++(sheet.layer.is_room() ? counts_.room : counts_.bodies);
   counts_.samples += static_cast<std::int64_t>(keyframe.rect.area());
