@@ -203,12 +203,13 @@ void KeyframeFilter::copy_depths(Keyframe& k, const Drawn& drawn, int begin, int
   const auto per_depth = static_cast<float>((drawn.far_m - drawn.near_m) / (drawn.near_m * drawn.far_m));
   const float nothing = drawn.is_room ? static_cast<float>(1.0 / drawn.far_m) : 0.0F;
   make_room(band.depths, 2 * columns);
-  const auto depths_of = [&](int row) {
-    return band.depths.data() + static_cast<std::size_t>(row % 2) * columns;
+  const auto room_for = [&](int row) {
+    return !drawn.is_room && row >= begin ? drawn_1_m_.data() + static_cast<std::size_t>(row) * columns
+                                          : band.depths.data() + static_cast<std::size_t>(row % 2) * columns;
   };
   const auto read_row = [&](int row) {
     const float* const from = drawn.depth.data() + static_cast<std::size_t>(rows - 1 - row) * columns;
-    inverse_depth_row(from, at_near, per_depth, nothing, depths_of(row), columns);
+    inverse_depth_row(from, at_near, per_depth, nothing, room_for(row), columns);
   };
   band.range = {};
   band.step = 0;
@@ -217,10 +218,10 @@ void KeyframeFilter::copy_depths(Keyframe& k, const Drawn& drawn, int begin, int
   if (begin > 0 && begin < end) read_row(begin - 1);
   for (int row = begin; row < end; ++row) {
     read_row(row);
-    const float* const q = depths_of(row);
+    const float* const q = room_for(row);
     include_row(q, columns, band.range);
     band.step = largest_step(q + 1, q, columns - 1, band.step);
-    if (row > 0) band.step = largest_step(q, depths_of(row - 1), columns, band.step);
+    if (row > 0) band.step = largest_step(q, room_for(row - 1), columns, band.step);
     const auto is_here = [](float value) { return value > 0.0F; };
     const auto left = std::find_if(q, q + columns, is_here) - q;
     if (left < static_cast<std::ptrdiff_t>(columns)) {
@@ -233,10 +234,9 @@ void KeyframeFilter::copy_depths(Keyframe& k, const Drawn& drawn, int begin, int
       add_to_blocks(k, row, q);
       continue;
     }
-    const std::size_t first = static_cast<std::size_t>(row) * columns;
-    std::copy_n(q, columns, drawn_1_m_.data() + first);
-    std::copy_n(q, columns, continued_1_m_.data() + first);
-    fill_row(continued_1_m_.data() + first, columns);
+    float* const continued = continued_1_m_.data() + static_cast<std::size_t>(row) * columns;
+    std::copy_n(q, columns, continued);
+    fill_row(continued, columns);
     row_sums_1_m_[static_cast<std::size_t>(row)] = sum_of_row(q, columns);
     band.count += std::count_if(q, q + columns, is_here);
   }

@@ -85,14 +85,14 @@ void interleave_rows(const std::uint16_t* top, const std::uint16_t* bottom, std:
 
 SACCADE_VECTOR_CLONES
 void include_row(const float* values, std::size_t count, FloatRange& range) {
-  std::int32_t least = range.least;
+  auto below_least = static_cast<std::uint32_t>(range.least) - 1U;
   std::int32_t most = range.most;
   for (std::size_t i = 0; i < count; ++i) {
     const std::int32_t bits = bits_of(values[i]);
     most = std::max(most, bits);
-    least = std::min(least, bits == 0 ? std::numeric_limits<std::int32_t>::max() : bits);
+    below_least = std::min(below_least, static_cast<std::uint32_t>(bits) - 1U);  // the largest number for a 0
   }
-  range = {least, most};
+  range = {static_cast<std::int32_t>(below_least + 1U), most};
 }
 
 SACCADE_VECTOR_CLONES
