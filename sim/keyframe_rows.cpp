@@ -24,6 +24,12 @@ inline float sum_of(const MeanRun& run, int i) {
          run.first_part * as_float(run.first_next[i] - run.first[i]);
 }
 
+/// Rounds a number that is not negative, in a way that the compiler vectorises.
+inline std::int32_t rounded(float value) {
+  const float raised = value + 0.5F;
+  return static_cast<std::int32_t>(raised);
+}
+
 inline float smaller(float a, float b) { return a < b ? a : b; }
 
 inline std::int32_t bits_of(float value) { return std::bit_cast<std::int32_t>(value); }
@@ -57,8 +63,7 @@ SACCADE_VECTOR_CLONES
 void add_means(std::span<const MeanRun> runs, const std::uint32_t* before, std::uint32_t* __restrict after) {
   for (const MeanRun run : runs) {
     for (int i = run.begin; i < run.end; ++i)
-      after[i] = before[i] +
-                 static_cast<std::uint32_t>(static_cast<std::int32_t>(sum_of(run, i) * run.share + 0.5F));
+      after[i] = before[i] + static_cast<std::uint32_t>(rounded(sum_of(run, i) * run.share));
   }
 }
 
@@ -69,7 +74,7 @@ void write_means(std::span<const MeanRun> runs, std::uint16_t* __restrict out) {
     for (int i = run.begin; i < run.end; ++i) {
       const float value = sum_of(run, i) * run.share;
       const float inside = value > 0.0F ? value : 0.0F;
-      out[i] = static_cast<std::uint16_t>(static_cast<std::int32_t>((inside < most ? inside : most) + 0.5F));
+      out[i] = static_cast<std::uint16_t>(rounded(inside < most ? inside : most));
     }
   }
 }

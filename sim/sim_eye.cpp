@@ -122,22 +122,24 @@ void SimEye::take_image(std::int64_t t_us, mjData& data) {
   labels_.clear();
   emulator_.process_image(luminance_, t_us, events_, labelled_ ? &labels_ : nullptr, objects_);
   for (Event& event : events_) event.camera = number_;
-  const Eigen::Isometry3d root_from_cam = World::root_from_camera(data, model_camera_);
   if (!world_->has_target()) return;
-  const auto radius_m = world_->target_radius_m();
-  if (!radius_m) {
+  if (world_->target_radius_m()) {
+    const Eigen::Isometry3d root_from_cam = World::root_from_camera(data, model_camera_);
+    shown_target_m_ = root_from_cam.inverse() * world_->target_position_m(data);
+  } else {
     measure_target(data);
-    return;
   }
-  const Eigen::Vector3d target_m = root_from_cam.inverse() * world_->target_position_m(data);
-  truth_.visible = keyframes_ ? keyframes_->visible_share(target_m, *radius_m, target_body_)
-                              : renderer_->visible_share(target_m, *radius_m);
 }
 
 void SimEye::update_truth() {
   truth_.root_from_cam = World::root_from_camera(world_->data(), model_camera_);
   const auto radius_m = world_->target_radius_m();
   if (!world_->has_target() || !radius_m) return;
+  if (shown_target_m_) {
+    truth_.visible = keyframes_ ? keyframes_->visible_share(*shown_target_m_, *radius_m, target_body_)
+                                : renderer_->visible_share(*shown_target_m_, *radius_m);
+    shown_target_m_.reset();
+  }
   truth_.circle =
       camera().project_sphere(truth_.root_from_cam.inverse() * world_->target_position_m(), *radius_m);
   if (!truth_.circle) truth_.visible = 0.0;

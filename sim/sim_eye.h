@@ -94,6 +94,8 @@ class SimEye {
   std::vector<float> luminance_;
   std::vector<Event> events_;
   EyeTruth truth_;
+  /// A sphere's middle in the camera's frame at the newest image, until update_truth() has taken what is visible of it.
+  std::optional<Eigen::Vector3d> shown_target_m_;
   // Empty for a sphere:
   std::vector<std::uint8_t> target_of_geom_;        ///< 1 target, 2 others
   std::vector<std::uint8_t> target_alone_of_geom_;  ///< 1 target, 0 others
