@@ -14,7 +14,6 @@ namespace saccade {
 namespace {
 
 using detail::Keyframe;
-using detail::KeyframeCamera;
 using detail::SampleRect;
 using detail::SceneDrawer;
 

@@ -93,8 +93,9 @@ void SimEye::measure_target(mjData& data) {
   Eigen::Array2d most_px = -least_px;
   for (std::size_t i = 0; i < target_pixels_.size(); ++i) {
     if (target_pixels_[i] != 1) continue;
-    const Eigen::Array2d at_px(static_cast<double>(static_cast<int>(i) % width),
-                               static_cast<double>(static_cast<int>(i) / width));
+    const int column = static_cast<int>(i) % width;
+    const int row = static_cast<int>(i) / width;
+    const Eigen::Array2d at_px(column, row);
     sum_px += at_px;
     least_px = least_px.min(at_px);
     most_px = most_px.max(at_px);
