@@ -38,8 +38,8 @@ Interval cut_interval(float width, int sample, int count) {
   return interval;
 }
 
-/// Gives every 0 of the row the nearest value that is not. Returns false if all are 0.
-bool fill_row(float* row, std::size_t columns) {
+/// Gives every 0 of the row the nearest value that is not; nothing if all are 0.
+void fill_row(float* row, std::size_t columns) {
   std::size_t begin = 0;  // of the zeros before i
   for (std::size_t i = 0; i < columns; ++i) {
     if (!(row[i] > 0.0F)) continue;
@@ -49,7 +49,6 @@ bool fill_row(float* row, std::size_t columns) {
     begin = i + 1;
   }
   if (begin > 0) std::fill(row + begin, row + columns, row[begin - 1]);
-  return begin > 0;
 }
 
 /// Makes room for at least `count` values, which are not kept.
