@@ -14,7 +14,7 @@ namespace saccade::detail {
 constexpr std::uint32_t luminance_unit = 10000;
 void luminance_row(const std::uint32_t* rgba, const float* depth, std::uint32_t* out, std::size_t count);
 
-/// `full` where something is drawn, and 0.
+/// `full` where something is drawn, 0 elsewhere.
 void cover_row(const float* depth, std::uint32_t full, std::uint32_t* out, std::size_t count);
 
 /// Inverse depths, at_near - depth * per_depth, and `nothing` where nothing is drawn.
@@ -55,7 +55,7 @@ void include_row(const float* values, std::size_t count, FloatRange& range);
 /// The bits of the largest difference between values of two rows that both are not 0, or `most`.
 std::int32_t largest_step(const float* a, const float* b, std::size_t count, std::int32_t most);
 
-/// The sum in eight parts.
+/// The sum of the values; of eight partial sums, which vector units add side by side.
 double sum_of_row(const float* values, std::size_t count);
 
 /// out[i] = the least of padded[i] to padded[i + width - 1].

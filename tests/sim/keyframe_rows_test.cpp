@@ -26,14 +26,13 @@ TEST(KeyframeRows, LuminanceIsRec709OfWhatIsDrawn) {
   EXPECT_EQ(out, (std::array<std::uint32_t, 4>{2126 * 255, 7152 * 255, 722 * 255, 0}));
 }
 
-// Samples 0 to 15 of a row have the value of their number: the mean over 2.5 samples around each is that number.
+// Samples 0 to 15 of a row are 100 times their number: so is the mean over the 2.5 samples around each.
 TEST(KeyframeRows, MeansLeaveOutAndTakeSharesOfTheSamplesAtTheEnds) {
   std::vector<std::uint32_t> sums{0};
   for (std::uint32_t i = 0; i < 16; ++i) sums.push_back(sums.back() + 100 * i);
-  // From .25 before sample i - 1's end to .75 into sample i + 1.
   const auto at = [&](int offset) { return sums.data() + offset; };
   const MeanRun run{1, 15, at(-1), at(0), at(1), at(2), 0.25F, 0.75F, 1.0F / 2.5F};
-  // sum over [i - .75, i + 1.75) of 100 j: (.75 (i - 1) + i + .75 (i + 1)) 100 = 250 i.
+  // .75 of sample i - 1, sample i, .75 of sample i + 1: 250 i.
   std::vector<std::uint32_t> before(16, 7);
   std::vector<std::uint32_t> after(16, 0);
   add_means(std::span(&run, 1), before.data(), after.data());
