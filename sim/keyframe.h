@@ -30,7 +30,8 @@ struct Keyframe {
   double mean_1_m = 0.0;
   double largest_step_1_m = 0.0;  ///< between neighbouring samples
   // Each sample beside the one below it, so that the four samples around a point lie one after the other. Whole numbers of
-  // 16 bits keep an image's share of a keyframe in the processor's cache.
+  // 16 bits keep an image's share of a keyframe in the processor's cache. These vectors and inverse_depth_1_m may be longer
+  // than what is used of them.
   std::vector<std::uint16_t> luminance;  ///< times cover; in units of luminance_step, 0 to 255
   std::vector<std::uint16_t>
       cover;  ///< share of the pixel that the layer covers, in units of cover_step, 0 to 1;
