@@ -38,6 +38,7 @@ MultiKernelDetector::MultiKernelDetector(const MultiKernelConfig& config, ImageS
     const double off = static_cast<double>(i) / steps_per_px / config.ring_px;
     profile_.push_back(std::exp(-off * off / 2) - 0.5 * std::exp(-off * off / 8));
   }
+  reach_px_ = radii_px_.back() + static_cast<double>(profile_.size()) / steps_per_px;
   const auto homes = [&](int length) { return std::max(1, static_cast<int>(length / config.spacing_px)); };
   const int columns = homes(size.width);
   const int rows = homes(size.height);
@@ -64,24 +65,33 @@ void MultiKernelDetector::return_to_grid(Tracker& tracker) {
   tracker.y_px = tracker.home_y_px;
 }
 
+/// Fades the activities and adds the event's kernels.
 void MultiKernelDetector::excite(Tracker& tracker, const Event& event, double fading) const {
-  const double distance_px = std::hypot(event.x - tracker.x_px, event.y - tracker.y_px);
   for (double& activity : tracker.activity) activity *= fading;
-  for (std::size_t k = 0; k < radii_px_.size(); ++k) {
-    const double value = kernel(distance_px - radii_px_[k]);
-    if (value != 0.0) tracker.activity[k] = std::max(0.0, tracker.activity[k] + value / norm_[k]);
-  }
-  const auto best = static_cast<std::size_t>(
-      std::max_element(tracker.activity.begin(), tracker.activity.end()) - tracker.activity.begin());
-  tracker.best = best;
-  const double off = (distance_px - radii_px_[best]) / config_.ring_px;
-  tracker.response = best_activity(tracker) * std::exp(-off * off / 8);
-}
-
-void MultiKernelDetector::move(Tracker& tracker, const Event& event) {
   const double dx = event.x - tracker.x_px;
   const double dy = event.y - tracker.y_px;
-  const double share = tracker.response / best_activity(tracker);
+  if (std::abs(dx) < reach_px_ && std::abs(dy) < reach_px_) {
+    const double distance_px = std::hypot(dx, dy);
+    for (std::size_t k = 0; k < radii_px_.size(); ++k) {
+      const double value = kernel(distance_px - radii_px_[k]);
+      if (value != 0.0) tracker.activity[k] = std::max(0.0, tracker.activity[k] + value / norm_[k]);
+    }
+  }
+  tracker.best = static_cast<std::size_t>(std::max_element(tracker.activity.begin(), tracker.activity.end()) -
+                                          tracker.activity.begin());
+}
+
+/// Of an excited tracker to the event; at most its best activity.
+double MultiKernelDetector::response(const Tracker& tracker, const Event& event) const {
+  const double distance_px = std::hypot(event.x - tracker.x_px, event.y - tracker.y_px);
+  const double off = (distance_px - radii_px_[tracker.best]) / config_.ring_px;
+  return best_activity(tracker) * std::exp(-off * off / 8);
+}
+
+void MultiKernelDetector::move(Tracker& tracker, double response, const Event& event) {
+  const double dx = event.x - tracker.x_px;
+  const double dy = event.y - tracker.y_px;
+  const double share = response / best_activity(tracker);
   const double nearer = 1.0 - aim * radii_px_[tracker.best] / std::max(1.0, std::hypot(dx, dy));
   tracker.x_px += config_.pull * share * nearer * dx;
   tracker.y_px += config_.pull * share * nearer * dy;
@@ -101,13 +111,19 @@ void MultiKernelDetector::process(std::span<const Event> events, const CameraMot
     const double fading = std::exp(-age_us / config_.decay_us);
     last_us_ = event.t_us;
     now_us_ = std::max(now_us_, event.t_us);
+    Tracker* winner = nullptr;
+    double most = 0.0;
     for (Tracker& tracker : trackers_) {
       excite(tracker, event, fading);
+      if (best_activity(tracker) > most) {
+        if (const double value = response(tracker, event); value > most) {
+          most = value;
+          winner = &tracker;
+        }
+      }
       if (best_activity(tracker) < least_activity) return_to_grid(tracker);
     }
-    Tracker& winner = *std::max_element(trackers_.begin(), trackers_.end(),
-                                        [](const auto& a, const auto& b) { return a.response < b.response; });
-    if (winner.response > 0.0 && best_activity(winner) >= least_activity) move(winner, event);
+    if (winner != nullptr && best_activity(*winner) >= least_activity) move(*winner, most, event);
   }
 }
 

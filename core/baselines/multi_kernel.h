@@ -49,19 +49,20 @@ class MultiKernelDetector final : public Detector, public DetectorViews {
     double x_px = 0.0, y_px = 0.0;
     std::vector<double> activity;  // per kernel, as of last_us_
     std::size_t best = 0;          // the most active kernel
-    double response = 0.0;         // to the last event
   };
   [[nodiscard]] double kernel(double off_px) const;
   [[nodiscard]] double best_activity(const Tracker& t) const { return t.activity[t.best]; }
   static void return_to_grid(Tracker& tracker);
   void excite(Tracker& tracker, const Event& event, double fading) const;
-  void move(Tracker& tracker, const Event& event);
+  [[nodiscard]] double response(const Tracker& tracker, const Event& event) const;
+  void move(Tracker& tracker, double response, const Event& event);
 
   MultiKernelConfig config_;
   EventSieve sieve_;
   std::vector<double> radii_px_;
   std::vector<double> norm_;     // of the kernel of each radius
   std::vector<double> profile_;  // of a ring, in steps of 1/8 px from its radius
+  double reach_px_ = 0.0;        // from a tracker, beyond which no kernel has a value
   std::vector<Tracker> trackers_;
   std::int64_t last_us_, now_us_;
 };

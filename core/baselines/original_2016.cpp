@@ -45,12 +45,13 @@ Original2016::Original2016(const Original2016Config& config, ImageSize size)
   for (auto& surface : surface_) surface.assign(pixels, no_event_us);
   window_.resize(pixels);
   for (int r = static_cast<int>(config.radius_px[0]); r <= static_cast<int>(config.radius_px[1]); ++r) {
-    radii_.push_back(tabulated(r));
+    tabulate(r);
   }
 }
 
-Original2016::Radius Original2016::tabulated(int r_px) const {
-  Radius radius;
+/// Appends a radius.
+void Original2016::tabulate(int r_px) {
+  Radius& radius = radii_.emplace_back();
   radius.r_px = r_px;
   radius.votes.assign(static_cast<std::size_t>(size_.pixels()), 0);
   for (int dy = -r_px - 1; dy <= r_px + 1; ++dy) {
@@ -61,11 +62,12 @@ Original2016::Radius Original2016::tabulated(int r_px) const {
       const double angle_deg = std::atan2(dy, dx) * 180.0 / std::numbers::pi;
       for (int d = 0; d < direction_count; ++d) {
         const double off_deg = std::abs(std::remainder(angle_deg - d, 180.0));
-        if (off_deg <= config_.arc_deg) radius.arcs[static_cast<std::size_t>(d)].push_back({dx, dy});
+        if (off_deg <= config_.arc_deg)
+          arcs_[static_cast<std::size_t>(d)].offsets.push_back({dx, dy, pixel(dx, dy)});
       }
     }
   }
-  return radius;
+  for (Arcs& arcs : arcs_) arcs.ends.push_back(arcs.offsets.size());
 }
 
 std::optional<NormalFlow> Original2016::flow_at(const Event& event) const {
@@ -111,17 +113,34 @@ std::optional<NormalFlow> Original2016::flow_at(const Event& event) const {
   return best;
 }
 
-void Original2016::vote(int pixel, int direction, int sign) {
+/// Calls count(radius, cell) for each cell that an event votes for.
+template <class Count>
+void Original2016::for_votes(int pixel, int direction, const Count& count) {
   const int x = pixel % size_.width;
   const int y = pixel / size_.width;
-  for (Radius& radius : radii_) {
-    for (const Offset& offset : radius.arcs[static_cast<std::size_t>(direction)]) {
-      if (!size_.contains(x + offset.dx, y + offset.dy)) continue;
-      const auto at = static_cast<std::size_t>(this->pixel(x + offset.dx, y + offset.dy));
-      radius.votes[at] = static_cast<std::uint16_t>(radius.votes[at] + sign);
-      if (sign > 0 && radius.votes[at] > radius.votes[radius.best]) radius.best = at;
+  const Arcs& arcs = arcs_[static_cast<std::size_t>(direction)];
+  std::size_t i = 0;
+  for (std::size_t r = 0; r < radii_.size(); ++r) {
+    Radius& radius = radii_[r];
+    const int reach = radius.r_px + 1;
+    const bool is_inside = size_.contains(x - reach, y - reach) && size_.contains(x + reach, y + reach);
+    for (; i < arcs.ends[r]; ++i) {
+      const Offset& offset = arcs.offsets[i];
+      if (is_inside || size_.contains(x + offset.dx, y + offset.dy))
+        count(radius, static_cast<std::size_t>(pixel + offset.at));
     }
   }
+}
+
+void Original2016::vote(int pixel, int direction) {
+  for_votes(pixel, direction, [](Radius& radius, std::size_t at) {
+    ++radius.votes[at];
+    if (radius.votes[at] > radius.votes[radius.best]) radius.best = at;
+  });
+}
+
+void Original2016::take_back(int pixel, int direction) {
+  for_votes(pixel, direction, [](Radius& radius, std::size_t at) { --radius.votes[at]; });
 }
 
 void Original2016::enter(int pixel, int direction) {
@@ -132,14 +151,14 @@ void Original2016::enter(int pixel, int direction) {
   window_[static_cast<std::size_t>(pixel)] = {newest_, none, direction};
   newest_ = pixel;
   ++count_;
-  vote(pixel, direction, 1);
+  vote(pixel, direction);
 }
 
 void Original2016::leave(int pixel) {
   Member& gone = window_[static_cast<std::size_t>(pixel)];
   (gone.older != none ? window_[static_cast<std::size_t>(gone.older)].newer : oldest_) = gone.newer;
   (gone.newer != none ? window_[static_cast<std::size_t>(gone.newer)].older : newest_) = gone.older;
-  vote(pixel, gone.direction, -1);
+  take_back(pixel, gone.direction);
   gone = {};
   --count_;
 }

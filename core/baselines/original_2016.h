@@ -61,13 +61,18 @@ class Original2016 final : public Detector, public DetectorViews {
   static constexpr int direction_count = 180;  // steps of a degree, modulo a half turn
   struct Offset {
     int dx, dy;
+    std::ptrdiff_t at;  // from the event's pixel to the cell
   };
   struct Radius {
-    std::array<std::vector<Offset>, direction_count> arcs;  // centres relative to an event, per direction
     int r_px = 0;
     double ring_pixels = 0;
     std::vector<std::uint16_t> votes;
     std::size_t best = 0;  // index of the remembered cell
+  };
+  /// The centres that an event of a direction votes for, relative to it: one radius after the other.
+  struct Arcs {
+    std::vector<Offset> offsets;
+    std::vector<std::size_t> ends;  // of each radius
   };
   static constexpr int none = -1;
   /// The window contains at most one event per pixel: it is a list of pixels from the oldest to the newest event.
@@ -77,11 +82,14 @@ class Original2016 final : public Detector, public DetectorViews {
   };
 
   [[nodiscard]] int pixel(int x, int y) const { return y * size_.width + x; }
-  [[nodiscard]] Radius tabulated(int r_px) const;
+  void tabulate(int r_px);
   [[nodiscard]] std::optional<NormalFlow> flow_at(const Event& event) const;
   void enter(int pixel, int direction);
   void leave(int pixel);
-  void vote(int pixel, int direction, int sign);
+  void vote(int pixel, int direction);
+  void take_back(int pixel, int direction);
+  template <class Count>
+  void for_votes(int pixel, int direction, const Count& count);
 
   Original2016Config config_;
   bool exact_maximum_;
@@ -89,6 +97,7 @@ class Original2016 final : public Detector, public DetectorViews {
   EventSieve sieve_;
   std::array<std::vector<std::int64_t>, 2> surface_;  // per polarity, newest stamp of each pixel
   std::vector<Radius> radii_;
+  std::array<Arcs, direction_count> arcs_;
   std::vector<Member> window_;  // by pixel
   int oldest_ = none, newest_ = none;
   std::int64_t count_ = 0;
