@@ -1,6 +1,7 @@
 #include "core/camera.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -42,7 +43,14 @@ double end_of(const Slope& slope) {
 }
 
 double fisheye_end_rad(const Camera& c) {
-  if (c.k1 == 0.0 && c.k2 == 0.0 && c.k3 == 0.0 && c.k4 == 0.0) return std::numbers::pi / 2.0;
+  constexpr double right_angle = std::numbers::pi / 2.0;
+  constexpr double s = right_angle * right_angle;
+  // The slope is above this at every angle: what lowers it is largest at a right angle.
+  const double least =
+      1.0 +
+      s * (std::min(0.0, 3.0 * c.k1) +
+           s * (std::min(0.0, 5.0 * c.k2) + s * (std::min(0.0, 7.0 * c.k3) + s * std::min(0.0, 9.0 * c.k4))));
+  if (least > 1e-6) return right_angle;
   return end_of([&](double a) { return fisheye_slope(c, a); });
 }
 

@@ -95,7 +95,10 @@ void interpolate(const std::uint16_t* pairs, const int* first, const float* part
     return _mm_add_ps(a, _mm_mul_ps(part, _mm_sub_ps(b, a)));
   };
   const __m128 steps = _mm_set1_ps(step);
+  constexpr std::size_t ahead = 64;  // points, whose samples come from memory meanwhile
   for (; i + 4 <= count; i += 4) {
+    for (const std::size_t next : {i + ahead, i + ahead + 2})
+      _mm_prefetch(reinterpret_cast<const char*>(pairs + first[std::min(next, count - 1)]), _MM_HINT_T0);
     const __m128i first_two = _mm_unpacklo_epi16(values_at(i), values_at(i + 1));
     const __m128i last_two = _mm_unpacklo_epi16(values_at(i + 2), values_at(i + 3));
     const __m128i left = _mm_unpacklo_epi32(first_two, last_two);
