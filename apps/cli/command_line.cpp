@@ -179,7 +179,9 @@ Option& Option::offers_scenarios() {
 }
 
 Option& Option::one_value_each() {
-  option_->option->allow_extra_args(false);
+  CLI::Option& option = *option_->option;
+  option.allow_extra_args(false)->option_text(option.get_type_name());
+  option.description(option.get_description() + " (repeatable)");
   return *this;
 }
 
