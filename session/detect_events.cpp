@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "loop/loop.h"
+#include "robot/replay/replay_robot.h"
 #include "session/annotated_ticks.h"
 #include "session/observations.h"
 #include "session/session.h"
@@ -90,6 +91,11 @@ std::vector<TimedEstimate> detect_in(Detector& detector, const Camera& camera, s
   if (other != events.end())
     throw InputError("events", "cameras " + std::to_string(eye) + " and " + std::to_string(other->camera),
                      "events of one camera");
+  std::int64_t last_us = start_us;
+  for (const Event& event : events) {
+    check_event_gap("events", last_us, event.t_us);
+    last_us = std::max(last_us, event.t_us);
+  }
   EventsInMemory robot(events, camera.size, start_us);
   std::vector<LoopDetector> detectors;
   detectors.push_back({"", std::make_unique<BorrowedDetector>(detector)});

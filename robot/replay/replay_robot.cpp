@@ -3,20 +3,35 @@
 #include <limits>
 
 #include "core/error.h"
+#include "core/time_stamp.h"
 #include "recording/run_file_names.h"
 
 namespace saccade {
 namespace {
 
 constexpr std::size_t block_events = 4096;
+constexpr std::int64_t never_us = std::numeric_limits<std::int64_t>::min();
+
+std::string name_of(const EventReader& reader) {
+  return reader.path().empty() ? "recording" : reader.path().string();
+}
 
 ImageSize known_size(const EventReader& reader) {
   if (const auto size = reader.image_size()) return *size;
-  throw InputError(reader.path().empty() ? "recording" : reader.path().string(),
-                   reader.format() + " without an image size", "--size WIDTHxHEIGHT");
+  throw InputError(name_of(reader), reader.format() + " without an image size", "--size WIDTHxHEIGHT");
 }
 
 }  // namespace
+
+void check_event_gap(const std::string& where, std::int64_t last_us, std::int64_t next_us) {
+  constexpr double longest_s = 86'400.0;
+  const double gap_s = difference_s(next_us, last_us);
+  if (gap_s <= longest_s) return;
+  throw InputError(where,
+                   "no events for " + text_of(gap_s) + " s after " + std::to_string(last_us) +
+                       " us, as after a wrong time stamp or with those of two clocks",
+                   "events at most a day apart; saccade convert --from S --until S keeps a part");
+}
 
 std::optional<TableReader<ImuRow>> recorded_imu(const std::filesystem::path& folder) {
   const std::filesystem::path imu = folder / run_file::imu;
@@ -62,9 +77,7 @@ HeadPort::CommandResult ReplayHead::command(const HeadCommand& reference_rad) {
 }
 
 ReplayRobot::ReplayRobot(std::unique_ptr<EventReader> events, std::optional<RecordedHead> head)
-    : reader_(std::move(events)),
-      image_size_(known_size(*reader_)),
-      last_us_(std::numeric_limits<std::int64_t>::min()) {
+    : reader_(std::move(events)), image_size_(known_size(*reader_)), last_us_(never_us) {
   block_.reserve(block_events);
   if (head) {
     if (head->imu) imu_.emplace(std::move(*head->imu));
@@ -106,6 +119,8 @@ PortStatus ReplayRobot::wait_until(std::int64_t t_us) {
     if (imu_) imu_->end();
     return PortStatus::ended;
   }
+  if (const Event* const event = next(); event != nullptr && last_us_ != never_us)
+    check_event_gap(name_of(*reader_), last_us_, event->t_us);
   now_us_ = t_us;
   if (head_) head_->advance_to(now_us_);
   if (imu_) imu_->advance_to(now_us_);

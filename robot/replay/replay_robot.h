@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/detector.h"
@@ -12,6 +13,10 @@
 #include "robot/robot.h"
 
 namespace saccade {
+
+/// Throws InputError where more than a day passes from one event to the next: a wrong time stamp, or stamps of two clocks. A
+/// loop through it would take minutes to years. `where` names the recording.
+void check_event_gap(const std::string& where, std::int64_t last_us, std::int64_t next_us);
 
 /// Joints of a recording (joints.csv of a run folder, or a log of the robot's head), the limits of its head, and the
 /// readings of its inertial measurement unit (imu.csv) if it has one.
@@ -68,8 +73,8 @@ class ReplayHead final : public HeadPort {
 ///
 /// The clock starts at the first event, or with joints at their first row. One tick may reach beyond the last event (and
 /// the last row); after it all ports have ended. Events that go back in time, lie outside the image, or come before the
-/// first row of joints are left out and counted. Throws InputError where the recording does; the events before that place
-/// are delivered first.
+/// first row of joints are left out and counted. Throws InputError where the recording does, and at a gap between events of more
+/// than a day; the events before that place are delivered first.
 class ReplayRobot final : public Robot, public Clock, public EventSource {
  public:
   /// Throws InputError if `events` has no image size.

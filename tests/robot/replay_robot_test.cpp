@@ -87,6 +87,24 @@ TEST(ReplayRobot, DeliversTheEventsBeforeABrokenPlaceAndThenThrows) {
   EXPECT_THROW(robot.wait_until(11), InputError);
 }
 
+TEST(ReplayRobot, RefusesAGapOfMoreThanADayAfterTheEventsBeforeIt) {
+  constexpr std::int64_t day_us = 86'400'000'000;
+  ReplayRobot robot(
+      std::make_unique<ListReader>(std::vector{event_at(5), event_at(5 + day_us), event_at(6 + 2 * day_us)}));
+  std::vector<Event> events;
+  EXPECT_EQ(robot.wait_until(1000), PortStatus::ok);
+  robot.read_until(1000, events);
+  EXPECT_EQ(robot.wait_until(5 + day_us), PortStatus::ok) << "a day is short enough";
+  robot.read_until(5 + day_us, events);
+  EXPECT_THAT(stamps(events), testing::ElementsAre(5, 5 + day_us));
+  EXPECT_THAT(
+      [&] { robot.wait_until(6 + day_us); },
+      testing::ThrowsMessage<InputError>(
+          "recording: found no events for 86400.000001 s after 86400000005 us, as after a wrong time stamp "
+          "or with those of two clocks, expected events at most a day apart; saccade convert --from S "
+          "--until S keeps a part"));
+}
+
 TEST(ReplayRobot, WithoutAnImageSizeNamesTheFileAndTheOption) {
   TempFolder folder;
   const auto path = folder.write("a.csv", "1,2,3,1\n");

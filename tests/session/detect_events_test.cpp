@@ -12,6 +12,7 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::Pair;
+using testing::SizeIs;
 
 /// Reports how many events it got in its last call; from `held_from_us` on it holds that.
 class CountingDetector final : public Detector {
@@ -64,6 +65,18 @@ TEST(DetectEvents, ObservesHeldEstimatesWithoutEvents) {
   detector.held_from_us = 3000;
   EXPECT_THAT(pairs(detect_events(detector, icub_left_2016, events_at({1500, 4500}))),
               ElementsAre(Pair(2000, 1.0), Pair(3000, 0.0), Pair(4000, 0.0), Pair(5000, 1.0)));
+}
+
+TEST(DetectEvents, RefusesEventsMoreThanADayApartOrAfterTheStart) {
+  constexpr std::int64_t years_us = 1'700'000'000'000'000;
+  CountingDetector detector;
+  EXPECT_THROW((void)detect_events(detector, icub_left_2016, events_at({0, 1000, years_us})), InputError);
+  EXPECT_THROW((void)detect_events(detector, icub_left_2016, events_at({years_us}), 0), InputError);
+  EXPECT_THROW(
+      (void)detect_events_at(detector, icub_left_2016, events_at({0, years_us}), std::array{years_us}),
+      InputError);
+  EXPECT_THAT(detect_events(detector, icub_left_2016, events_at({years_us, years_us + 1000})), SizeIs(1))
+      << "a late clock is no gap";
 }
 
 TEST(DetectEvents, BeginsWhereItIsTold) {
