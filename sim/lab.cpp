@@ -148,23 +148,27 @@ Canvas Lab::painted(std::size_t index) const {
   Canvas canvas(patch.width_m, patch.height_m, patch.columns, patch.rows);
   RandomGenerator random(seed_ * 1000003U + index, "lab picture");
   patch.paint(canvas, random);
-  const auto reflectance = [this](double painted) {
+  return canvas;
+}
+
+Reflectance Lab::with_contrast(const Reflectance& painted) const {
+  const auto of_channel = [this](double value) {
     constexpr double middle = 0.33;
-    const double ratio = std::max(painted, 1e-3) / middle;
+    const double ratio = std::max(value, 1e-3) / middle;
     const double drawn =
         config_.contrast == 1.0 ? ratio : std::pow(ratio, config_.contrast);  // the same, sooner
     return std::clamp(middle * drawn, 0.09, 0.92);
   };
-  canvas.each([&](double, double, Reflectance c) {
-    return Reflectance{reflectance(c.r), reflectance(c.g), reflectance(c.b)};
-  });
-  return canvas;
+  const double r = of_channel(painted.r);
+  const double g = painted.g == painted.r ? r : of_channel(painted.g);
+  return {r, g, painted.b == painted.g ? g : of_channel(painted.b)};
 }
 
 void Lab::paint_patch(std::size_t index, mjtByte* rgb) const {
   using lab::Layout;
   const lab::Patch& patch = layout_->patches()[index];
   Canvas canvas = painted(index);
+  canvas.each([&](double, double, const Reflectance& c) { return with_contrast(c); });
   const auto byte_of = [](double reflectance) {
     return static_cast<mjtByte>(std::lround(255.0 * reflectance));
   };

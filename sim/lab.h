@@ -17,6 +17,7 @@
 namespace saccade {
 
 class Canvas;
+struct Reflectance;
 
 /// Kind of a lab's surfaces and furniture.
 enum class Clutter {
@@ -117,8 +118,10 @@ class Lab {
 
   /// Of a furnished room.
   [[nodiscard]] const lab::Layout& layout() const { return *layout_; }
-  /// A patch of the layout as it is in the texture, up to rounding.
+  /// A patch of the layout as its painter paints it.
   [[nodiscard]] Canvas painted(std::size_t patch) const;
+  /// A painted colour as it is in the texture, up to rounding: with the lab's contrast.
+  [[nodiscard]] Reflectance with_contrast(const Reflectance& painted) const;
 
  private:
   void paint_patch(std::size_t index, mjtByte* rgb) const;

@@ -74,7 +74,8 @@ double LabProbe::luminance(const Vector3d& from_m, const Vector3d& direction) {
   };
   const double u = first * a.u + at.b * b.u + at.c * c.u;
   const double v = first * a.v + at.b * b.v + at.c * c.v;
-  const Reflectance colour = canvas->texel(texel(u, canvas->columns()), texel(v, canvas->rows()));
+  const Reflectance colour =
+      lab_.with_contrast(canvas->texel(texel(u, canvas->columns()), texel(v, canvas->rows())));
   const Vector3d normal = (first * a.normal + at.b * b.normal + at.c * c.normal).normalized();
   return lab_luminance(config_, normal, direction, {colour.r, colour.g, colour.b});
 }
