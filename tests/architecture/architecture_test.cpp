@@ -53,7 +53,8 @@ Words split(const std::string& line, char separator) {
   return cells;
 }
 
-/// The rows `| `folder/` | what it is | may include | may link | must not reach |`.
+/// The rows `| `folder/` | what it is | may include | may link | must not reach |`, whose last cell may be "as `folder/`" of a row
+/// above.
 Table read_table(const std::string& markdown) {
   Table table;
   for (const std::string& line : split(markdown, '\n')) {
@@ -61,7 +62,9 @@ Table read_table(const std::string& markdown) {
     Words cells = split(line, '|');
     cells.resize(6);
     const auto words = [&](std::size_t i) { return matches(cells[i], "`([^`]+)`"); };
-    table[words(1).at(0)] = {words(3), words(4), words(5)};
+    const Words last = words(5);
+    const bool as_above = cells[5].starts_with(" as `");
+    table[words(1).at(0)] = {words(3), words(4), as_above ? table.at(last.at(0)).must_not_reach : last};
   }
   return table;
 }
