@@ -229,7 +229,8 @@ std::optional<Circle> Camera::project_ellipse(const Eigen::Vector2d& centre, con
     area += at.x() * step.y();
     moment += Eigen::Vector2d(at.x() * at.x() * step.y(), -at.y() * at.y() * step.x()) / 2.0;
   }
-  return circle(middle + moment / area, 2.0 * area / static_cast<double>(turn.size() / every));
+  const std::size_t points = turn.size() / every;
+  return circle(middle + moment / area, 2.0 * area / static_cast<double>(points));
 }
 
 Eigen::Vector2d Camera::rotational_flow_px_s(const Eigen::Vector3d& ray, const Eigen::Vector3d& w) const {

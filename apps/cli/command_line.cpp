@@ -214,9 +214,9 @@ template Option Command::option(const std::string&, std::size_t&, const std::str
 template Option Command::option(const std::string&, std::optional<double>&, const std::string&);
 template Option Command::option(const std::string&, std::optional<std::int64_t>&, const std::string&);
 
-Option Command::option(const std::string& name, std::function<void(const std::string&)> read,
+Option Command::option(const std::string& name, const std::function<void(const std::string&)>& read,
                        const std::string& help) {
-  return command_->add(command_->app->add_option_function<std::string>(name, std::move(read), help));
+  return command_->add(command_->app->add_option_function<std::string>(name, read, help));
 }
 
 Option Command::flag(const std::string& name, bool& value, const std::string& help) {

@@ -94,7 +94,7 @@ class Command {
   template <class T>
   Option option(const std::string& name, T& value, const std::string& help);
   /// The same with a function that reads the text; it throws InputError for bad text.
-  Option option(const std::string& name, std::function<void(const std::string&)> read,
+  Option option(const std::string& name, const std::function<void(const std::string&)>& read,
                 const std::string& help);
   Option flag(const std::string& name, bool& value, const std::string& help);
   void footer(const std::string& text);

@@ -185,10 +185,11 @@ Estimate Original2016::estimate() {
     const double response = radius.votes[radius.best] / radius.ring_pixels;
     if (response <= best.score) continue;
     const int at = static_cast<int>(radius.best);
+    const int column = at % size_.width;
+    const int row = at / size_.width;
     best = {true,
             false,
-            {static_cast<double>(at % size_.width), static_cast<double>(at / size_.width),
-             static_cast<double>(radius.r_px)},
+            {static_cast<double>(column), static_cast<double>(row), static_cast<double>(radius.r_px)},
             response};
   }
   return best;
