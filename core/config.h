@@ -204,6 +204,7 @@ requires std::is_enum_v<Enum>
 void FieldVisitor::choice(std::string_view key, Enum& value, std::string_view doc) {
   const auto words = words_of(value);
   std::vector<std::string> options;
+  options.reserve(words.size());
   for (const auto& known : words) options.emplace_back(known.word);
   std::string word(word_of(value));
   choice(key, word, options, doc);
