@@ -18,8 +18,8 @@ struct TimedEstimate {
 /// milliseconds from the first event on.
 ///
 /// `events`: of one camera, sorted by time; the detector rejects and counts the others. `start_us`: ticks follow it every
-/// 1 ms instead. Throws InputError for events of two cameras, and for
-/// events more than a day apart, or after the start.
+/// 1 ms instead. Throws InputError for events of two cameras, for events
+/// more than a day apart, and for a first one more than a day after `start_us`.
 [[nodiscard]] std::vector<TimedEstimate> detect_events(Detector& detector, const Camera& camera,
                                                        std::span<const Event> events,
                                                        std::optional<std::int64_t> start_us = std::nullopt);
