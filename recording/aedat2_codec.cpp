@@ -145,7 +145,7 @@ class Aedat2Reader final : public BlockReader {
     std::string text;
     append_count(text, skipped_.special, "special events");
     append_count(text, skipped_.aps, "APS samples");
-    append_count(text, skipped_.imu, "IMU samples");
+    append_count(text, skipped_.imu, "IMU values");
     if (samples_) append_count(text, samples_->incomplete_frames(), "incomplete frames");
     append_count(text, skipped_.of_other_layouts, "records that are no address of a " + chip_name());
     return text;

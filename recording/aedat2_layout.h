@@ -43,7 +43,7 @@ struct Dvs640 {
 };
 
 /// DAVIS: polarity bit 11 (1 = ON), x bits 12-21, y bits 22-30; bit 10 is a special event; with bit 31 the record is an APS
-/// sample, or an IMU sample where bits 10 and 11 are set too.
+/// sample, or one value of an IMU sample where bits 10 and 11 are set too.
 struct Davis {
   static constexpr std::uint32_t sample = 1u << 31;
   static constexpr std::uint32_t imu_sample = sample | 3u << 10;

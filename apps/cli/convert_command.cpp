@@ -24,10 +24,18 @@ struct ConvertOptions : ReadOptions {
   std::filesystem::path out;
   ConversionConfig conversion;
   std::string polarity = "both";
+  std::string rotate;
   std::string filter;
   std::string also;
   bool force = false;
 };
+
+/// Adds a clockwise turn before the flips.
+void rotate(const std::string& degrees, ConversionConfig& config) {
+  if (degrees != "180") config.swap_xy = true;
+  if (degrees != "270") config.flip_x = !config.flip_x;
+  if (degrees != "90") config.flip_y = !config.flip_y;
+}
 
 int convert(const ConvertOptions& options, const FormatRegistry& formats) {
   const std::filesystem::path recording = formats.file_of(events_of(options));
@@ -36,6 +44,7 @@ int convert(const ConvertOptions& options, const FormatRegistry& formats) {
   config.read = options.read;
   config.remove_outside = !options.read.image_size;
   if (options.polarity != "both") config.only_on = options.polarity == "on";
+  if (!options.rotate.empty()) rotate(options.rotate, config);
   for (std::string_view rest = options.filter; !rest.empty();) {
     const std::string_view word = rest.substr(0, rest.find(','));
     rest.remove_prefix(std::min(rest.size(), word.size() + 1));
@@ -134,15 +143,16 @@ void add_convert_command(CommandLine& line, const Registry& registry) {
   command.option("--decimate", config.decimate,
                  "Of the events of each pixel and polarity keep every N-th, from the first on");
   command.flag("--invert", config.invert, "ON becomes OFF and OFF becomes ON");
-  command.flag("--swap-xy", config.swap_xy, "Exchange x and y, after --region");
-  command.flag("--flip-x", config.flip_x, "Mirror left and right, after --swap-xy");
+  Option swap = command.flag("--swap-xy", config.swap_xy, "Exchange x and y, after --region");
+  command.option("--rotate", options->rotate, "Turn clockwise by so many degrees, after --region")
+      .one_of({"90", "180", "270"})
+      .excludes(swap);
+  command.flag("--flip-x", config.flip_x, "Mirror left and right, after --swap-xy and --rotate");
   command.flag("--whole-part", config.whole_part,
                "Of a torn recording: the events before the place where it breaks off");
-  command.flag("--flip-y", config.flip_y, "Mirror top and bottom, after --swap-xy");
+  command.flag("--flip-y", config.flip_y, "Mirror top and bottom, after --swap-xy and --rotate");
   command.footer(
-      "--swap-xy --flip-x turns by 90 degrees clockwise, --flip-x --flip-y by 180.\n"
-      "Events of the right camera need a format of two cameras (" +
-      formats.written_extensions(2) +
+      "Events of the right camera need a format of two cameras (" + formats.written_extensions(2) +
       "), or --camera.\n"
       "The recording is read twice. Events outside the image whose size it states are removed and counted; "
       "with --size "

@@ -47,23 +47,26 @@ class MultiKernelDetector final : public Detector, public DetectorViews {
   struct Tracker {
     double home_x_px = 0.0, home_y_px = 0.0;
     double x_px = 0.0, y_px = 0.0;
-    std::vector<double> activity;  // per kernel, as of last_us_
-    std::size_t best = 0;          // the most active kernel
+    double most = 0.0;  // activity of the most active kernel
   };
-  [[nodiscard]] double kernel(double off_px) const;
-  [[nodiscard]] double best_activity(const Tracker& t) const { return t.activity[t.best]; }
+  [[nodiscard]] std::span<double> activity(std::size_t tracker) {
+    return std::span(activity_).subspan(tracker * radii_px_.size(), radii_px_.size());
+  }
+  [[nodiscard]] double best_radius_px(std::size_t tracker);
   static void return_to_grid(Tracker& tracker);
-  void excite(Tracker& tracker, const Event& event, double fading) const;
-  [[nodiscard]] double response(const Tracker& tracker, const Event& event) const;
-  void move(Tracker& tracker, double response, const Event& event);
+  void excite(std::size_t tracker, const Event& event, double fading);
+  [[nodiscard]] double response(std::size_t tracker, const Event& event);
+  void move(std::size_t tracker, double response, const Event& event);
 
   MultiKernelConfig config_;
   EventSieve sieve_;
   std::vector<double> radii_px_;
-  std::vector<double> norm_;     // of the kernel of each radius
-  std::vector<double> profile_;  // of a ring, in steps of 1/8 px from its radius
-  double reach_px_ = 0.0;        // from a tracker, beyond which no kernel has a value
+  double kernels_per_px_ = 0.0;
+  std::size_t values_per_kernel_ = 0;
+  std::vector<double> values_;  // of the kernel of each radius, in steps of 1/8 px from it
+  double reach_px_ = 0.0;       // from a ring, beyond which its kernel has no value
   std::vector<Tracker> trackers_;
+  std::vector<double> activity_;  // of the kernels of each tracker, as of last_us_
   std::int64_t last_us_, now_us_;
 };
 

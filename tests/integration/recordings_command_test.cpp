@@ -169,6 +169,10 @@ TEST_F(Recordings, ConvertTakesPartsAndTurnsThem) {
   EXPECT_EQ(convert("--polarity on --swap-xy --flip-x"),
             (std::vector<Event>{{1'000'000, 27, 1, true, 0}, {1'500'000, 24, 30, true, 0}}));
   EXPECT_EQ(open_event_file(at("out.h5"))->image_size(), (ImageSize{30, 40}));
+  EXPECT_EQ(convert("--rotate 90"), convert("--swap-xy --flip-x"));
+  EXPECT_EQ(convert("--rotate 180"), convert("--flip-x --flip-y"));
+  EXPECT_EQ(convert("--rotate 270"), convert("--swap-xy --flip-y"));
+  EXPECT_EQ(convert("--rotate 90 --flip-x"), convert("--swap-xy")) << "the flip comes after the turn";
   const Outcome outcome = saccade("convert " + at("in.csv") + " " + at("out.csv") +
                                   " --from 0.1 --region 0,0,35,30 --polarity on");
   EXPECT_EQ(outcome.text, at("out.csv") +
@@ -196,6 +200,8 @@ TEST_F(Recordings, ConvertRejectsWhatItCannotDoAndLeavesNothing) {
   refused(at("two.csv") + " " + at("out.csv") + " --region 1,2,3",
           "--region: found 1,2,3, expected X,Y,WIDTH,HEIGHT");
   refused(at("two.csv") + " " + at("out.csv") + " --crop", "--crop: ");
+  refused(at("two.csv") + " " + at("out.csv") + " --rotate 45", "--rotate: ");
+  refused(at("two.csv") + " " + at("out.csv") + " --rotate 90 --swap-xy", "--swap-xy");
   refused(at("two.csv") + " " + at("out.csv") + " --from 2 --until 1", "--until: found 1");
   for (const auto& entry : std::filesystem::directory_iterator(folder_ / "")) {
     EXPECT_EQ(entry.path().filename().string().find("out"), std::string::npos) << entry.path();

@@ -47,7 +47,7 @@ TEST(Aedat2, DavisAddressesHaveTheirOriginBottomRightAndOtherRecordsAreCountedBy
   EXPECT_EQ(reader->guess(), "");
   EXPECT_EQ(reader->image_size(), (ImageSize{240, 180}));
   EXPECT_EQ(read_all(*reader), (std::vector<Event>{{5, 239, 179, true, 0}, {7, 0, 0, false, 0}}));
-  EXPECT_EQ(reader->skipped(), "3 special events, 2 APS samples, 1 IMU samples");
+  EXPECT_EQ(reader->skipped(), "3 special events, 2 APS samples, 1 IMU values");
 }
 
 TEST(Aedat2, TheLayoutComesFromTheHeaderElseFromTheOptionElseFromTheAddresses) {

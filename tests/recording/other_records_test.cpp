@@ -184,7 +184,7 @@ TEST(OtherRecords, WhatNobodyWantsIsCountedAsBefore) {
                                   record(1u << 31 | 3u << 10, 8) + record(1u << 10, 9));
   Kept kept;
   kept.wants = false;
-  EXPECT_EQ(read_with(path, kept), "1 special events, 1 APS samples, 1 IMU samples");
+  EXPECT_EQ(read_with(path, kept), "1 special events, 1 APS samples, 1 IMU values");
   EXPECT_TRUE(kept.triggers.empty());
 }
 
