@@ -230,30 +230,6 @@ TEST_F(Scores, OfAWorldWithoutABallHaveAnAlarmRatioAndItsRecordingHasTheSameOne)
   }
 }
 
-TEST_F(Scores, OfABatteryAreTheMeansOverItsWorlds) {
-  std::filesystem::create_directories(folder_ / "battery/worlds");
-  run_eyes("battery/worlds/ball_7", "", "0.5");
-  run_eyes("battery/worlds/none_7", "--set ball.present=false");
-  const std::string battery = "'" + source + "/scripts/battery' --saccade '" SACCADE_BINARY "' --out " +
-                              at("battery") + " --detect-only --worlds 1 --without 1 --first-seed ";
-  const Outcome done = run_shell(battery + "7");
-  ASSERT_EQ(done.status, 0) << done.text;
-  const Json worlds = json_in("battery/battery.json");
-  ASSERT_EQ(worlds.size(), 2U);
-  const double precision = worlds[0]["detectors"]["paper_directed"]["average_precision"].get<double>();
-  char row[64];
-  std::snprintf(row, sizeof row, "| `paper_directed` | %.3f | – | %.3f |", precision, precision);
-  EXPECT_THAT(bytes_of(folder_ / "battery/battery.md"), HasSubstr(row));
-  EXPECT_THAT(bytes_of(folder_ / "battery/battery.md"), HasSubstr("| room: textured | 1 |"));
-  EXPECT_THAT(bytes_of(folder_ / "battery/battery.md"), HasSubstr("| camera: eyes | 1 |"));
-  EXPECT_TRUE(worlds[1]["detectors"]["best"]["alarm_ratio"].is_number());
-  const Outcome refused = run_shell(battery + "7 --write");
-  EXPECT_EQ(refused.status, 1);
-  EXPECT_THAT(refused.text, HasSubstr("--write: found seeds 7 to 7, expected 2000 to 2199"));
-  EXPECT_THAT(run_shell(battery + "2199").text, HasSubstr("2000 to 2199 judge and need --write"));
-  EXPECT_THAT(run_shell(battery + "8").text, HasSubstr("no streams of these seeds"));
-}
-
 TEST_F(Scores, AreTheSameBytesInFiguresJsonFromRunToRun) {
   run_eyes("a");
   run_eyes("b", "--set run.threads=1");

@@ -55,17 +55,6 @@ class Sweep : public testing::Test {
   TempFolder folder_;
 };
 
-TEST(ShippedSweep, TheBatteryHasTwoHundredWorldsWithABallAndFiftyWithoutAllOfJudgingSeeds) {
-  const SweepConfig config = read_sweep(SACCADE_SOURCE_DIR "/scenarios/battery.yaml", {});
-  const SweepPlan plan = plan_sweep(config, "version 1", built_in());
-  std::map<std::string, int> worlds;
-  for (const PlannedRun& run : plan.runs) {
-    ++worlds[plan.config.axes[0].values[run.values[0]].text];
-    EXPECT_GE(run.seed, 1000);
-  }
-  EXPECT_THAT(worlds, ElementsAre(testing::Pair("always", 200), testing::Pair("never", 50)));
-}
-
 TEST_F(Sweep, AxesAreCrossedTheFirstTurningSlowest) {
   const SweepPlan p = plan("axes:\n  lab.clutter: [textured, rectilinear]\n  seed: {seeds: 2, first: 7}\n");
   EXPECT_THAT(texts(p, 0), ElementsAre("textured", "textured", "rectilinear", "rectilinear"));
