@@ -155,14 +155,14 @@ double EventEmulator::reference_log(std::size_t pixel) const {
   for (const State::Band& band : state_->bands) {
     if (pixel < band.first + band.count) return band.pixels.reference_log(pixel - band.first);
   }
-  SACCADE_CHECK(!"a pixel of the image");
+  SACCADE_CHECK(false && "a pixel of the image");
 }
 
 double EventEmulator::output_log(std::size_t pixel) const {
   for (const State::Band& band : state_->bands) {
     if (pixel < band.first + band.count) return band.pixels.output_log(pixel - band.first);
   }
-  SACCADE_CHECK(!"a pixel of the image");
+  SACCADE_CHECK(false && "a pixel of the image");
 }
 
 }  // namespace saccade

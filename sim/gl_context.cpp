@@ -22,10 +22,12 @@ namespace {
 
 constexpr const char* osmesa_library = "libOSMesa.so.8";
 
-/// A shared library whose symbols are private at first; publish() makes them global, where MuJoCo finds them.
+/// A shared library whose symbols are private at first; publish() makes them global, where MuJoCo finds them. It stays loaded
+/// until the program ends: what Mesa keeps for its next context would be lost memory otherwise.
 class Library {
  public:
-  explicit Library(const char* name) : name_(name), handle_(dlopen(name, RTLD_NOW | RTLD_LOCAL)) {
+  explicit Library(const char* name)
+      : name_(name), handle_(dlopen(name, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE)) {
     if (handle_ == nullptr) throw RunError(std::string("no OpenGL: ") + dlerror());
   }
   ~Library() { dlclose(handle_); }

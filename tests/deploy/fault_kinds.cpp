@@ -73,7 +73,7 @@ void check_broken_camera_messages(const RandomStream& random, std::uint64_t tria
     if (!read_packet(message, format, packet).empty()) return;
     SACCADE_CHECK(packet.events.size() * 4 <= message.size());
   }
-  SACCADE_CHECK(!"a broken message that is rejected");
+  SACCADE_CHECK(false && "a broken message that is rejected");
 }
 
 /// The same with readings of the joints.
@@ -87,7 +87,7 @@ void check_broken_joint_messages(const RandomStream& random, std::uint64_t trial
     if (!read_number_list(broken(message, random, trial * most_attempts + attempt), values, count).empty())
       return;
   }
-  SACCADE_CHECK(!"a broken message that is rejected");
+  SACCADE_CHECK(false && "a broken message that is rejected");
 }
 
 void demand_stop(Faults& faults, StopCause cause, std::int64_t at_us) {
