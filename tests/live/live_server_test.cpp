@@ -162,10 +162,12 @@ TEST_F(LiveServerTest, ClientsThatDoNotReadNeitherHoldUpOthersNorGrowMemory) {
     }
   };
   publish(50);  // what buffers and queues take at most is taken
-  const double before_mb = resident_mb();
+  [[maybe_unused]] const double before_mb = resident_mb();
   publish(300);
+#ifndef __SANITIZE_ADDRESS__  // it keeps freed memory
   // 20 clients that keep what they are sent would hold 6000 MB more, of one message each 20 MB.
   EXPECT_LT(resident_mb() - before_mb, 60.0);
+#endif
   EXPECT_GT(server_.dropped(), 300U);
   // The one that reads gets the end.
   EXPECT_TRUE(eventually([&] {
