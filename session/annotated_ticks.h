@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <span>
 
 #include "core/time_stamp.h"
 
@@ -14,8 +15,8 @@ inline constexpr std::int64_t sparse_window_us = 10'000;
 
 /// Calls tick(t_us, scoring) at the instants after start_us, which rise, and before each of them at the start of its
 /// observation window (`scoring` false), until it returns false.
-template <class Times, class OnTick>
-void tick_at_annotated(const Times& instants_us, std::int64_t start_us, OnTick tick) {
+template <class OnTick>
+void tick_at_annotated(std::span<const std::int64_t> instants_us, std::int64_t start_us, OnTick tick) {
   std::int64_t last_us = start_us;
   for (const std::int64_t t_us : instants_us) {
     if (t_us <= last_us) continue;

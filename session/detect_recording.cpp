@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
-#include <ranges>
+#include <vector>
 
 #include "config/cameras.h"
 #include "config/input_files.h"
@@ -27,7 +28,8 @@ namespace {
 
 void run_at(std::span<const TruthRow> truth, std::int64_t start_us, Session& session,
             RecordedScores& scores) {
-  const auto times = std::views::transform(truth, &TruthRow::t_us);
+  std::vector<std::int64_t> times;
+  std::ranges::transform(truth, std::back_inserter(times), &TruthRow::t_us);
   tick_at_annotated(times, start_us, [&](std::int64_t t_us, bool scoring) {
     if (interrupted()) return false;
     scores.set_scoring(scoring);

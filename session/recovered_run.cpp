@@ -127,7 +127,7 @@ bool complete_run_folder(const fs::path& folder, const Registry& registry) {
     if (!truth.empty()) {
       score = score_detector(truth, detections, name, threshold, Chances::simulated);
     } else {
-      score.observations = std::ranges::count_if(detections, [&](const DetectionRow& row) {
+      score.observations = std::ranges::count_if(detections, [&, &name = name](const DetectionRow& row) {
         return row.detector == name && row.score >= threshold;
       });
     }
