@@ -44,23 +44,6 @@ def write(name, data):
     read(path)
 
 
-def tables_of(text):
-    """The Markdown tables in a text, in order."""
-    tables, lines = [], text.splitlines() + [""]
-    start = None
-    for number, line in enumerate(lines):
-        if line.startswith("|"):
-            start = number if start is None else start
-        elif start is not None:
-            cells = [[cell.strip() for cell in row.strip().strip("|").split("|")] for row in lines[start:number]]
-            table = {"columns": cells[0], "rows": cells[2:]}
-            if not any(cell.endswith(":") for cell in cells[1]):
-                table["left"] = True
-            tables.append(table)
-            start = None
-    return tables
-
-
 def draw(table):
     columns = table["columns"]
     rule = ["---"] * len(columns) if table.get("left") else ["---"] + ["---:"] * (len(columns) - 1)
