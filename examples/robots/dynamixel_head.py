@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """practice_head.py with two Dynamixel servos (X series or MX 2.0, protocol 2.0) that turn pan and tilt: docs/external_robots.md.
-The ball is still simulated; a camera of one's own takes the place of ball() and pixels().
+The ball is still simulated; a camera of one's own, such as metavision_camera.py's, takes the place of BallCamera.
 usage: dynamixel_head.py ADDRESS DEVICE [BAUD]    ADDRESS as of practice_head.py; DEVICE: the serial port, such as /dev/ttyUSB0"""
 import math, os, select, struct, sys, termios, time, tty
 
@@ -94,4 +94,5 @@ class Servos:
 if __name__ == "__main__":
     if len(sys.argv) not in (3, 4):
         sys.exit(__doc__)
-    practice_head.serve(sys.argv[1], Servos(sys.argv[2], int(sys.argv[3]) if len(sys.argv) > 3 else 57600))
+    practice_head.serve(sys.argv[1], Servos(sys.argv[2], int(sys.argv[3]) if len(sys.argv) > 3 else 57600),
+                        practice_head.BallCamera())

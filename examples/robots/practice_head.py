@@ -12,9 +12,9 @@ def frame(kind, payload):
     return struct.pack("<II", kind, len(payload)) + payload
 
 
-def hello(now):
+def hello(size, now):
     joints = b"".join(struct.pack("<32s3d", name, -limit, limit, speed) for name, limit, speed in JOINTS)
-    return frame(HELLO, b"saccade\0" + struct.pack("<4Iq3I", 1, SIZE, SIZE, round(WATCHDOG * 1e3), int(now * 1e6), 0,
+    return frame(HELLO, b"saccade\0" + struct.pack("<4Iq3I", 1, *size, round(WATCHDOG * 1e3), int(now * 1e6), 0,
                                                    0, len(JOINTS)) + joints)
 
 
@@ -47,6 +47,20 @@ def listen(address):
     return listening
 
 
+class BallCamera:
+    """A camera that sees the ball. Other cameras have a class of their own with size and packets()."""
+
+    def __init__(self):
+        self.size, self.seen = (SIZE, SIZE), set()
+
+    def packets(self, now, position):
+        """What was seen since the call before: (time up to which all events are in it, us; events) for each packet."""
+        sees, t = pixels(ball(now, *position)), int(now * 1e6)
+        events = b"".join(struct.pack("<qHHBBH", t, x, y, (x, y) in sees, 0, 0) for x, y in sees ^ self.seen)
+        self.seen = sees
+        return [(t, events)]
+
+
 class LaggingJoints:
     """Joints that approach their references with a lag. Other heads have a class of their own with move()."""
 
@@ -60,17 +74,17 @@ class LaggingJoints:
         return self.position, [True] * len(JOINTS)
 
 
-def serve(address, head):
+def serve(address, head, camera):
     listening = listen(address)
     clients, owner, number, heard = {}, None, 0, 0.0  # clients: what came from each; owner: who moves the head
     position, sound = head.move([0.0] * len(JOINTS), 0.0)
-    reference, then, seen = position[:], time.monotonic(), set()
+    reference, then = position[:], time.monotonic()
     while True:
         for ready in select.select([listening, *clients], [], [], 0.001)[0]:
             if ready is listening:
                 client = listening.accept()[0]
                 clients[client] = b""
-                client.sendall(hello(time.monotonic()))
+                client.sendall(hello(camera.size, time.monotonic()))
                 client.setblocking(False)
                 continue
             try:
@@ -112,13 +126,10 @@ def serve(address, head):
             continue
         before, dt, then = position, now - then, now
         position, sound = head.move(reference, dt)
-        sees = pixels(ball(now, *position))
-        t = int(now * 1e6)
-        events = b"".join(struct.pack("<qHHBBH", t, x, y, (x, y) in sees, 0, 0) for x, y in sees ^ seen)
-        seen = sees
         joints = b"".join(struct.pack("<ddQ", p, (p - b) / dt, (1 if owner else 2) if ok else 4)
                           for p, b, ok in zip(position, before, sound))
-        message = frame(EVENTS, struct.pack("<q", t) + events) + frame(READING, struct.pack("<qQ", t, number) + joints)
+        message = b"".join(frame(EVENTS, struct.pack("<q", t) + events) for t, events in camera.packets(now, position))
+        message += frame(READING, struct.pack("<qQ", int(now * 1e6), number) + joints)
         for client in list(clients):
             try:
                 client.sendall(message)
@@ -130,4 +141,4 @@ def serve(address, head):
 
 
 if __name__ == "__main__":
-    serve(sys.argv[1], LaggingJoints())
+    serve(sys.argv[1], LaggingJoints(), BallCamera())

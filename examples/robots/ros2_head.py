@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """practice_head.py with the joints of a ROS 2 robot: docs/external_robots.md. Untried: no ROS 2 was at hand.
 It publishes std_msgs/Float64MultiArray (ros2_control's forward_command_controller) and reads sensor_msgs/JointState.
-The ball is still simulated; a camera of one's own takes the place of ball() and pixels().
+The ball is still simulated; a camera of one's own, such as metavision_camera.py's, takes the place of BallCamera.
 usage: ros2_head.py ADDRESS [COMMANDS [STATES]]    ADDRESS as of practice_head.py; topics, by default /head_controller/commands
 and /joint_states"""
 import sys, threading, time
@@ -47,4 +47,4 @@ class RosJoints:
 if __name__ == "__main__":
     rclpy.init()
     topics = sys.argv[2:] + ["/head_controller/commands", "/joint_states"][len(sys.argv) - 2:]
-    practice_head.serve(sys.argv[1], RosJoints(*topics[:2]))
+    practice_head.serve(sys.argv[1], RosJoints(*topics[:2]), practice_head.BallCamera())

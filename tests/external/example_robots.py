@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The programs of examples/robots, each driven by deploy for some seconds: the head becomes active, follows the ball, and deploy ends
 as planned; where a servo of the Dynamixel falls silent or reports a fault, deploy stops the head.
+OpenEB is replaced by stand_in/, a camera that does not turn with the joints.
 usage: example_robots.py SACCADE PRACTICE_HEAD_IN_C"""
 import json, os, subprocess, sys, tempfile, time
 
@@ -65,6 +66,8 @@ def bus():
 
 follows("python", [sys.executable, root + "/examples/robots/practice_head.py", address])
 follows("c", [in_c, address])
+os.environ["PYTHONPATH"] = root + "/tests/external/stand_in"
+follows("metavision", [sys.executable, root + "/examples/robots/metavision_camera.py", address])
 servos, command = bus()
 follows("dynamixel", command)
 time.sleep(0.3)  # the servos' own watchdog
