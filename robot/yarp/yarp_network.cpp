@@ -13,7 +13,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstring>
+#include <vector>
 
 #include "core/error.h"
 
@@ -192,3 +194,18 @@ bool connect_ports(const std::string& from, const std::string& to, const std::st
 }
 
 }  // namespace saccade
+
+/// YARP 3.12 resolves a name in several threads at once, such as those of clients that leave. The C library keeps the result
+/// of this function in one place for all threads, which ended the program; here each thread has its own.
+extern "C" hostent* gethostbyname(const char* name) {
+  constexpr std::size_t least_bytes = 1024, most_bytes = 65'536;
+  thread_local hostent entry;
+  thread_local std::vector<char> text(least_bytes);
+  hostent* found = nullptr;
+  int problem = 0;
+  while (::gethostbyname_r(name, &entry, text.data(), text.size(), &found, &problem) == ERANGE &&
+         text.size() < most_bytes)
+    text.resize(2 * text.size());
+  if (found == nullptr) h_errno = problem;
+  return found;
+}

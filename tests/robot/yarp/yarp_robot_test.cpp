@@ -1,7 +1,10 @@
 #include "robot/yarp/yarp_robot.h"
 
+#include <arpa/inet.h>
+#include <dlfcn.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netdb.h>
 #include <yarp/dev/ControlBoardVocabs.h>
 #include <yarp/dev/IControlMode.h>
 #include <yarp/dev/IEncoders.h>
@@ -11,6 +14,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <thread>
 
 #include "apps/deploy/guard_head.h"
 #include "core/error.h"
@@ -190,6 +195,18 @@ INSTANTIATE_TEST_SUITE_P(Robot, PortConformance, testing::Values(joints_backend(
                          name_of_backend);
 
 // ---- The camera
+
+TEST(YarpNames, ThreadsThatResolveNamesDoNotShareTheResult) {
+  // As YARP's library finds it.
+  const auto resolve = reinterpret_cast<hostent* (*)(const char*)>(::dlsym(RTLD_DEFAULT, "gethostbyname"));
+  const hostent* first = resolve("127.0.0.1");
+  ASSERT_NE(first, nullptr);
+  std::thread([&] { EXPECT_NE(resolve("127.0.0.2"), nullptr); }).join();
+  in_addr address{};
+  ASSERT_EQ(first->h_length, static_cast<int>(sizeof address));
+  std::memcpy(&address, first->h_addr_list[0], sizeof address);
+  EXPECT_STREQ(::inet_ntoa(address), "127.0.0.1");
+}
 
 TEST_F(Yarp, EachEventOfARunningCameraIsDeliveredOnceForAnyReadInterval) {
   for (const int stride : {1, 20}) {
