@@ -195,6 +195,8 @@ int PortGate::Impl::next(int listener) {
   if (port.inode != inode) {  // another socket than the one that had this number
     port = Port();
     port.inode = inode;
+    // YARP lets one connection wait (BACKLOG in TcpAcceptor.cpp): the others of a burst try again after 1, 3 and 7 s.
+    (void)::listen(listener, most_clients);
   }
   ++port.waiting;
   wake();

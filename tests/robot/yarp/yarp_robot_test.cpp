@@ -5,6 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netdb.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+#include <unistd.h>
 #include <yarp/dev/ControlBoardVocabs.h>
 #include <yarp/dev/IControlMode.h>
 #include <yarp/dev/IEncoders.h>
@@ -15,6 +18,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <optional>
 #include <thread>
 
 #include "apps/deploy/guard_head.h"
@@ -22,6 +26,7 @@
 #include "robot/yarp/checked_port.h"
 #include "robot/yarp/control_board.h"
 #include "robot/yarp/event_port.h"
+#include "robot/yarp/port_gate.h"
 #include "robot/yarp/state_input.h"
 #include "tests/robot/port_conformance.h"
 #include "tests/robot/yarp/peers.h"
@@ -206,6 +211,28 @@ TEST(YarpNames, ThreadsThatResolveNamesDoNotShareTheResult) {
   ASSERT_EQ(first->h_length, static_cast<int>(sizeof address));
   std::memcpy(&address, first->h_addr_list[0], sizeof address);
   EXPECT_STREQ(::inet_ntoa(address), "127.0.0.1");
+}
+
+TEST(PortGateQueue, ManyClientsMayWaitForASocketOnWhichYarpLetsOneWait) {
+  const int listener = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  ASSERT_EQ(::bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  ASSERT_EQ(::listen(listener, 1), 0);
+  const auto may_wait = [&] {
+    tcp_info info{};
+    socklen_t size = sizeof info;
+    return ::getsockopt(listener, IPPROTO_TCP, TCP_INFO, &info, &size) == 0 ? info.tcpi_sacked : 0;
+  };
+  EXPECT_EQ(may_wait(), 1u);
+  std::optional<PortGate> gate(std::in_place);
+  std::thread acceptor([&] { EXPECT_LT(::accept(listener, nullptr, nullptr), 0); });
+  EXPECT_TRUE(eventually(20.0, [&] { return may_wait() == static_cast<unsigned>(PortGate::most_clients); }));
+  ::shutdown(listener, SHUT_RDWR);
+  gate.reset();
+  acceptor.join();
+  ::close(listener);
 }
 
 TEST_F(Yarp, EachEventOfARunningCameraIsDeliveredOnceForAnyReadInterval) {
