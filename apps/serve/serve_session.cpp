@@ -39,12 +39,15 @@
 #include "session/run_recorder.h"
 #include "session/scenario_loop.h"
 #include "session/session.h"
+#include "session/summary.h"
 #include "session/version.h"
 
 namespace saccade {
 namespace {
 
 constexpr double least_image_interval_ms = 1.0;  // more images cannot be drawn in real time
+/// An interrupt ends the program within 2 s; the report of 19 minutes takes 4 s.
+constexpr double longest_report_s = 300.0;
 
 /// The scenario as it is recorded: a client detects and controls the gaze, and there is no time for pictures.
 Scenario recorded_scenario(Scenario scenario) {
@@ -302,8 +305,15 @@ int serve_until_the_end(const ServeOptions& options, const Registry& registry) {
                   paced.slipped_s(), pace.summary()));
   log.commit();
   write_serve_json(folder / run_file::serve, work, paced, pace, *served, robot, loop_s, scenario.run.threads);
+  const Metrics metrics = recorder.finish(loop_s, settings_of(options.assignments));
   // Not finish_run_folder(): an interrupt is how such a run ends as planned.
-  report_run_folder(folder, recorder.finish(loop_s, settings_of(options.assignments)), registry.formats);
+  if (interrupted() && static_cast<double>(t_us) * 1e-6 > longest_report_s) {
+    print_summary(metrics);
+    fmt::print("no report, so that Ctrl-C ends at once after {:.0f} s: saccade report {} makes it\n",
+               static_cast<double>(t_us) * 1e-6, folder.string());
+  } else {
+    report_run_folder(folder, metrics, registry.formats);
+  }
   close_within(longest_serve_close, [&] { served->leave(); }, {});
   (void)served.release();  // its connections end with the program
   return 0;

@@ -86,7 +86,9 @@ ServedRobot::ServedRobot(const ServeOptions& options, const Scenario& scenario, 
             board_of(robot.limits(), state_of(robot).position_rad, head_joints, true)),
       torso_({"/" + options.robot + "/torso", names_of(torso_motors), options.state_period_ms * 1e-3},
              board_of(robot.limits(), state_of(robot).position_rad, torso_motors, false)),
-      gaze_ports_("/" + options.gaze, [this](const std::string& request) { return gaze_.answer(request); }) {}
+      gaze_ports_("/" + options.gaze, [this](const std::string& request) { return gaze_.answer(request); }) {
+  keep_exit_statuses();
+}
 
 bool ServedRobot::has_client() {
   return camera_.readers() > 0 && (head_.use().modes + head_.use().commands + gaze_.report().requests > 0);

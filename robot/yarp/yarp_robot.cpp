@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <csignal>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -78,6 +79,7 @@ struct YarpRobot::Parts {
     if (config.head.control == "gaze") gaze.emplace(config, limits, steady);
     if (!config.imu.port.empty()) imu.emplace(config, limits.head->head_from_imu, steady);
     clock.emplace(steady, gaze ? &*gaze : nullptr);
+    keep_exit_statuses();
   }
 
   YarpNetwork network;
@@ -178,6 +180,8 @@ std::vector<std::string> YarpRobot::news() {
   }
   return news;
 }
+
+void keep_exit_statuses() { (void)std::signal(SIGCHLD, SIG_DFL); }
 
 struct YarpHeadStopper::Parts {
   Parts(YarpConfig config, const JointLimits& limits) : network(check_config("yarp", config).timeout_s) {

@@ -83,4 +83,8 @@ class YarpHeadStopper final : public HeadStopper {
   std::unique_ptr<Parts> parts_;
 };
 
+/// Ports of YARP install a handler of SIGCHLD that collects every child of the process: nobody else would get the exit status
+/// of a program, such as gnuplot, ffmpeg or a detector. Call it once the ports are open: the default applies again.
+void keep_exit_statuses();
+
 }  // namespace saccade

@@ -38,6 +38,22 @@ def env_ticks_per_s(closed_loop):
         return 3000 / (time.perf_counter() - begin)
 
 
+def processes_ticks_per_s(count):
+    """Ticks per second of wall-clock time of `count` environments of gymnasium, each in a process of its own with one thread."""
+    import gymnasium
+    options = {"overrides": {**OVERRIDES, "run.threads": 1}, "observation": "counts", "action": "velocities", "step_ms": 1}
+    envs = gymnasium.make_vec("saccade/LookAtBall-v0", num_envs=count, vectorization_mode="async",
+                              vector_kwargs={"context": "spawn"}, **options)
+    envs.reset(seed=1)
+    still = np.zeros(envs.action_space.shape, np.float32)
+    begin = time.perf_counter()
+    for _ in range(2000):
+        envs.step(still)
+    rate = 2000 * count / (time.perf_counter() - begin)
+    envs.close()
+    return rate
+
+
 def read_rates(program, folder, events, extension):
     path = folder / ("events" + extension)
     saccade.write(path, events, size=(128, 128))
@@ -128,6 +144,11 @@ def main():
     alone = best_of(options.repeat, lambda: env_ticks_per_s(False))
     print(f"ticks per second: run {of_run:.0f}, Env with its loop {of_env:.0f} ({of_env / of_run:.2f}), "
           f"Env without actions {alone:.0f}")
+    try:
+        one, two = (best_of(options.repeat, lambda: processes_ticks_per_s(count)) for count in (1, 2))
+        print(f"ticks per second of gymnasium's vector environments: one process {one:.0f}, two {two:.0f} ({two / one:.2f})")
+    except ImportError:
+        print("gymnasium is not installed: vector environments were not measured")
     for extension in (".aedat4", ".aedat", ".csv"):
         ours, theirs = (best_of(options.repeat, rate) / 1e6 for rate in read_rates(options.program, folder, events, extension))
         print(f"read {extension}: Python {ours:.1f}, saccade info {theirs:.1f} Mevent/s")

@@ -6,7 +6,9 @@
 #include <gtest/gtest.h>
 #include <netdb.h>
 #include <netinet/tcp.h>
+#include <spawn.h>
 #include <sys/socket.h>
+#include <sys/wait.h>
 #include <unistd.h>
 #include <yarp/dev/ControlBoardVocabs.h>
 #include <yarp/dev/IControlMode.h>
@@ -16,11 +18,13 @@
 #include <yarp/os/RpcClient.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <optional>
 #include <thread>
 
+#include "apps/deploy/edge_check.h"
 #include "apps/deploy/guard_head.h"
 #include "core/error.h"
 #include "robot/yarp/checked_port.h"
@@ -213,6 +217,20 @@ TEST(YarpNames, ThreadsThatResolveNamesDoNotShareTheResult) {
   EXPECT_STREQ(::inet_ntoa(address), "127.0.0.1");
 }
 
+TEST(YarpChildren, TheExitStatusOfAProgramIsNotLost) {
+  YarpWorld::get();
+  const std::string name = unique_name("/children");
+  const Grabber grabber(name + "/AE:o", PacketFormat::packet);
+  const YarpRobot robot(config_for(name, "none"), our_limits());
+  pid_t child = 0;
+  std::string program = "false";
+  std::array<char*, 2> arguments = {program.data(), nullptr};
+  ASSERT_EQ(::posix_spawnp(&child, "false", nullptr, nullptr, arguments.data(), environ), 0);
+  int status = 0;
+  EXPECT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+}
+
 TEST(PortGateQueue, ManyClientsMayWaitForASocketOnWhichYarpLetsOneWait) {
   const int listener = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address{};
@@ -252,6 +270,46 @@ TEST_F(Yarp, EachEventOfARunningCameraIsDeliveredOnceForAnyReadInterval) {
           << "a gap at " << n;
     }
     EXPECT_EQ(world.robot.events().traffic().dropped, 0);
+  }
+}
+
+/// A camera at rest for 1.5 s; then an edge crosses its image from left to right at 100 px/s, with events of one polarity.
+class EdgeGrabber {
+ public:
+  EdgeGrabber(const std::string& name, bool on)
+      : grabber_(name, PacketFormat::packet), thread_([this, on] { run(on); }) {}
+
+ private:
+  void run(bool on) {
+    for (int tick = 0; tick < 280; ++tick) {
+      EventPacket packet{10'000, {}};
+      const auto column = static_cast<std::uint16_t>(std::max(0, tick - 150));
+      for (std::uint16_t y = 0; y < (column == 0 || column >= 128 ? 1 : 128); ++y)
+        packet.events.push_back(
+            {0, encode_address({0, column >= 128 ? std::uint16_t{0} : column, y, on, 0}, AddressCodec::ev2)});
+      grabber_.send(packet);
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+  }
+
+  Grabber grabber_;
+  std::jthread thread_;
+};
+
+TEST(YarpEdge, AnEdgeThatCrossesTheImageShowsThePolarityOnTheWire) {
+  YarpWorld::get();
+  for (const bool on : {true, false}) {
+    for (const bool swapped : {false, true}) {
+      const std::string name = unique_name("/edge");
+      const EdgeGrabber grabber(name + "/AE:o", on);
+      YarpConfig config = config_for(name, "none");
+      config.camera.swap_polarity = swapped;
+      YarpRobot robot(config, our_limits());
+      const auto checks = edge_checks(robot, 3.0, "swap it");
+      ASSERT_EQ(checks.size(), 1u);
+      EXPECT_EQ(checks[0].passed, on != swapped) << checks[0].found;
+      EXPECT_THAT(checks[0].found, HasSubstr(on == swapped ? "ON means darker" : "made ON at"));
+    }
   }
 }
 
