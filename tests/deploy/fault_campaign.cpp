@@ -30,9 +30,9 @@ std::string table_of(std::map<std::string, Class>& classes, std::uint64_t count,
       count, seed);
   for (auto& [name, found] : classes) {
     std::ranges::sort(found.stop_ms);
-    const auto quantile = [&](double share) {
-      const auto at = static_cast<std::size_t>(share * static_cast<double>(found.stop_ms.size()));
-      return found.stop_ms.empty() ? 0.0 : found.stop_ms[std::min(at, found.stop_ms.size() - 1)];
+    const auto quantile = [&stop_ms = found.stop_ms](double share) {
+      const auto at = static_cast<std::size_t>(share * static_cast<double>(stop_ms.size()));
+      return stop_ms.empty() ? 0.0 : stop_ms[std::min(at, stop_ms.size() - 1)];
     };
     table += fmt::format("| {} | {} | {} | {:.1f} | {:.1f} | {:.1f} | {} |\n", name, found.faults,
                          found.stop_ms.size(), quantile(0.5), quantile(0.999), quantile(1.0), found.unsafe);

@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # The emulator gives the same events from GCC and clang, with and without optimisation: the hashes of
 # emulator_hash.cpp, which change when the pixel model does.
-# usage: determinism_test.sh SOURCE_FOLDER WORK_FOLDER PROGRAM (emulator_hash as the build made it)
+# usage: determinism_test.sh SOURCE_FOLDER WORK_FOLDER COMMAND (emulator_hash as the build made it, with what runs it)
 set -euo pipefail
 
 source=$1
 work=$2
+shift 2
 expected="ideal b73cbff1bdc81433
 dvs128 c5015911ddc7dd0e
 noisy 804d945a12ba579f
@@ -29,7 +30,7 @@ compare() {
   fi
 }
 
-compare "this build" "$("$3")"
+compare "this build" "$("$@")"
 mkdir -p "$work"
 for file in "$source"/emulator/*.cpp "$source"/core/{config,error,random}.cpp "$source"/threads/*.cpp "$source"/tests/emulator/emulator_hash.cpp; do
   echo "#include \"$file\""  # in one file the headers compile once

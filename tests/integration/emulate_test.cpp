@@ -406,7 +406,7 @@ TEST_F(Emulate, UnusableImagesAreRejectedAndNothingIsWritten) {
 
   for (const auto& [value, text] : {std::pair(std::nan(""), "nan"), {-1.5, "-1.5"}, {HUGE_VAL, "inf"}}) {
     write_npy("bad.npy", {4, 3}, 5,
-              [&](std::size_t i, int k) { return k == 3 && i == 6 ? value : 10.0 * (k + 1); });
+              [value = value](std::size_t i, int k) { return k == 3 && i == 6 ? value : 10.0 * (k + 1); });
     expect_refused(path("bad.npy") + " --fps 100 --preset ideal",
                    path("bad.npy") + ", image 3: image at 30000 us, pixel (2, 1): found " + text +
                        ", expected a finite luminance of at least 0");

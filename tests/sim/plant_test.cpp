@@ -217,7 +217,7 @@ TEST(Plant, SticksUntilTheServoOvercomesItsFriction) {
        {std::pair{neck_yaw, 0.05 * 14.0 / 240.0}, std::pair{eyes_version, 0.05 * 1.1 / 14.7}}) {
     PlantConfig config;
     config.neck.friction_share = config.eyes.friction_share = 0.05;
-    const auto moved = [&](double to_rad) {
+    const auto moved = [&, joint = joint](double to_rad) {
       const auto instants = move(config, 1000, [&](int, HeadJointVector& reference) {
         reference[joint - torso_joint_count] = to_rad;
       });
