@@ -5,6 +5,7 @@
 #include <yarp/os/Property.h>
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <iterator>
@@ -21,6 +22,7 @@ constexpr const char* camera_port = "/zynqGrabber/AE:o";
 constexpr const char* part = "/icub/head";
 constexpr std::uint64_t enough_references = 50;
 constexpr int joint_of_others = 1;
+constexpr std::int64_t longest_until_rest_ns = 250'000'000;  // from the stop: docs/safety.md
 
 double ms(std::int64_t from_ns, std::int64_t to_ns) { return 1e-6 * static_cast<double>(to_ns - from_ns); }
 void sleep_ms(int ms) { std::this_thread::sleep_for(std::chrono::milliseconds(ms)); }
@@ -345,9 +347,12 @@ YarpTrialResult YarpTrials::run(const YarpFault& fault, double wait_s) {
     if (!is_of_deploy(fault.kind) && facts_.referenced_ns > fault_ns)
       result.stop_ms = ms(fault_ns, facts_.referenced_ns);
     sleep_ms(150);
+    const std::int64_t rest_ns =
+        fault_ns + std::llround(1e6 * result.stop_ms.value_or(0.0)) + longest_until_rest_ns;
+    while (machine_ns() < rest_ns + 100'000'000) sleep_ms(1);
     if (facts_.moved_ns > fault_ns) result.rest_ms = ms(fault_ns, facts_.moved_ns);
     if (facts_.references != references) problem("a reference after the end");
-    if (machine_ns() - facts_.moved_ns < 100'000'000) problem("a joint still moves");
+    if (facts_.moved_ns > rest_ns) problem("a joint still moves");
   }
 
   const bool board_is_gone = fault.kind == board_halted || fault.kind == board_killed;
