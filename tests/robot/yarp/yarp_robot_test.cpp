@@ -281,12 +281,12 @@ class EdgeGrabber {
 
  private:
   void run(bool on) {
-    for (int tick = 0; tick < 280; ++tick) {
+    for (int tick = 0; tick < 278; ++tick) {
       EventPacket packet{10'000, {}};
       const auto column = static_cast<std::uint16_t>(std::max(0, tick - 150));
-      for (std::uint16_t y = 0; y < (column == 0 || column >= 128 ? 1 : 128); ++y)
-        packet.events.push_back(
-            {0, encode_address({0, column >= 128 ? std::uint16_t{0} : column, y, on, 0}, AddressCodec::ev2)});
+      for (std::uint16_t y = 0; y < (column == 0 ? 1 : 128);
+           ++y)  // at rest one event, so that the camera is not silent
+        packet.events.push_back({0, encode_address({0, column, y, on, 0}, AddressCodec::ev2)});
       grabber_.send(packet);
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
