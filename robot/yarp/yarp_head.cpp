@@ -7,8 +7,11 @@
 #include <yarp/os/Vocab.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <cstdio>
+#include <cstdlib>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -66,17 +69,31 @@ bool answered_within(double timeout_s, std::function<bool()> ask) {
     std::condition_variable done;
     std::optional<bool> answer;
   };
+  static std::atomic<int> running = 0;
   const auto shared = std::make_shared<Shared>();
-  std::thread([shared, ask = std::move(ask)] {
+  ++running;
+  std::thread([shared, ask = std::move(ask)]() mutable {
     const bool answer = ask();
-    const std::lock_guard lock(shared->mutex);
-    shared->answer = answer;
-    shared->done.notify_all();
+    {
+      const std::lock_guard lock(shared->mutex);
+      shared->answer = answer;
+      shared->done.notify_all();
+    }
+    ask = nullptr;
+    --running;
   }).detach();
   std::unique_lock lock(shared->mutex);
   shared->done.wait_for(lock, std::chrono::duration<double>(timeout_s),
                         [&] { return shared->answer.has_value(); });
-  return shared->answer.value_or(false);
+  if (shared->answer) return *shared->answer;
+  // The end of the program destroys what YARP has made so far, which the thread still uses. This comes before.
+  const auto end = [](int status, void*) {
+    if (running == 0) return;
+    std::fflush(nullptr);
+    std::_Exit(status);
+  };
+  (void)::on_exit(end, nullptr);
+  return false;
 }
 
 TorsoInput::TorsoInput(const YarpConfig& config, const HeadModel& head, const SteadyClock& clock)

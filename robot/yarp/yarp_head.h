@@ -30,7 +30,8 @@
 namespace saccade {
 
 /// Runs a request that can block in a separate thread. Returns true if `ask` returned true in time. `ask` can outlive the
-/// call, so it must own what it uses.
+/// call, so it must own what it uses. A program that ends while one still runs keeps its exit status and leaves its global
+/// objects as they are.
 [[nodiscard]] bool answered_within(double timeout_s, std::function<bool()> ask);
 
 /// Reads the torso joints from state:o of their board (deg, in the order of HeadModel::torso_motors). Without a board the

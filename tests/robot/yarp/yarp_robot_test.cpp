@@ -20,6 +20,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <optional>
 #include <thread>
@@ -32,6 +33,7 @@
 #include "robot/yarp/event_port.h"
 #include "robot/yarp/port_gate.h"
 #include "robot/yarp/state_input.h"
+#include "robot/yarp/yarp_head.h"
 #include "tests/robot/port_conformance.h"
 #include "tests/robot/yarp/peers.h"
 #include "tests/robot/yarp/yarp_world.h"
@@ -229,6 +231,35 @@ TEST(YarpChildren, TheExitStatusOfAProgramIsNotLost) {
   int status = 0;
   EXPECT_EQ(::waitpid(child, &status, 0), child);
   EXPECT_EQ(WEXITSTATUS(status), 1);
+}
+
+/// Ends the test's program where a global object is used after its end.
+struct GlobalObject {
+  bool ended = false;
+  GlobalObject() = default;
+  GlobalObject(const GlobalObject&) = delete;
+  GlobalObject& operator=(const GlobalObject&) = delete;
+  ~GlobalObject() {
+    ended = true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  }
+  void use() const {
+    if (ended) std::abort();
+  }
+};
+
+TEST(YarpRequests, AProgramMayEndWhileOneHasNoAnswer) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto end_early = [] {
+    static GlobalObject object;
+    const bool answered = answered_within(0.02, [] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      object.use();
+      return true;
+    });
+    std::exit(answered ? 1 : 3);
+  };
+  EXPECT_EXIT(end_early(), testing::ExitedWithCode(3), "");
 }
 
 TEST(PortGateQueue, ManyClientsMayWaitForASocketOnWhichYarpLetsOneWait) {
