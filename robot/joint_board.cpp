@@ -38,12 +38,14 @@ void JointBoard::Axis::hold() {
 
 void JointBoard::Axis::step(double dt_s) {
   if (moving) {
+    const double before = move_s > 0.0 ? minimum_jerk(moved_s / move_s) : 0.0;
     moved_s += dt_s;
-    const double s = move_s > 0.0 ? std::min(moved_s / move_s, 1.0) : 1.0;
-    reference_rad = from_rad + minimum_jerk(s) * (target_rad - from_rad);
-    moving = s < 1.0;
+    moving = moved_s < move_s;
+    const double after = moving ? minimum_jerk(moved_s / move_s) : 1.0;
+    reference_rad = mode == JointMode::mixed ? reference_rad + (after - before) * (target_rad - from_rad)
+                                             : from_rad + after * (target_rad - from_rad);
   }
-  if (mode == JointMode::velocity) {
+  if (takes_velocities()) {
     since_velocity_s += dt_s;
     if (since_velocity_s > velocity_timeout_s) wanted_rad_s = 0.0;
     const double change = acceleration_rad_s2 * dt_s;
@@ -65,7 +67,8 @@ bool JointBoard::set_mode(int j, JointMode mode) {
 
 bool JointBoard::move_to(int j, double position_rad) {
   Axis& axis = at(j);
-  if (axis.mode != JointMode::position || !std::isfinite(position_rad)) return false;
+  if ((axis.mode != JointMode::position && axis.mode != JointMode::mixed) || !std::isfinite(position_rad))
+    return false;
   axis.from_rad = axis.reference_rad;
   axis.target_rad = std::clamp(position_rad, axis.joint.min_rad, axis.joint.max_rad);
   axis.move_s = std::abs(axis.target_rad - axis.from_rad) / axis.speed_rad_s;
@@ -95,7 +98,7 @@ bool JointBoard::set_reference(int j, double position_rad) {
 
 bool JointBoard::set_velocity(int j, double velocity_rad_s) {
   Axis& axis = at(j);
-  if (axis.mode != JointMode::velocity || !std::isfinite(velocity_rad_s)) return false;
+  if (!axis.takes_velocities() || !std::isfinite(velocity_rad_s)) return false;
   axis.wanted_rad_s = std::clamp(velocity_rad_s, -axis.joint.max_speed_rad_s, axis.joint.max_speed_rad_s);
   axis.since_velocity_s = 0.0;
   return true;

@@ -11,6 +11,7 @@ enum class JointMode {
   position,  ///< moves to a position at its reference speed, with minimum jerk
   direct,    ///< the command is the reference
   velocity,  ///< the reference moves at the commanded velocity
+  mixed,     ///< moves of position mode, to which the movement at the commanded velocity adds
 };
 
 /// Converts the commands of a control board to references of the position servos. Any number of joints, each in its own
@@ -29,7 +30,7 @@ class JointBoard {
   static constexpr double velocity_timeout_s = 0.1;
   static constexpr double default_speed_rad_s = 0.174532925199432958;  ///< 10 deg/s
   static constexpr double default_acceleration_rad_s2 =
-      17.4532925199432958;  ///< 1000 deg/s^2, in velocity mode
+      17.4532925199432958;  ///< 1000 deg/s^2, in velocity and mixed mode
 
   /// All joints start at `position_rad` in position mode, as after calibration. `movable` false: they stay idle.
   JointBoard(const std::vector<Joint>& joints, const Eigen::VectorXd& position_rad, bool movable);
@@ -40,10 +41,10 @@ class JointBoard {
   [[nodiscard]] JointMode mode(int j) const { return at(j).mode; }
   bool set_mode(int j, JointMode mode);  ///< false: rejected
 
-  bool move_to(int j, double position_rad);                  ///< position mode
+  bool move_to(int j, double position_rad);                  ///< position and mixed mode
   bool set_speed(int j, double speed_rad_s);                 ///< of move_to, above 0; any mode
   bool set_reference(int j, double position_rad);            ///< direct mode
-  bool set_velocity(int j, double velocity_rad_s);           ///< velocity mode
+  bool set_velocity(int j, double velocity_rad_s);           ///< velocity and mixed mode
   bool set_acceleration(int j, double acceleration_rad_s2);  ///< of set_velocity, above 0; any mode
   void stop(int j);                                          ///< the joint holds its measured position
 
@@ -70,9 +71,12 @@ class JointBoard {
     double from_rad = 0.0, target_rad = 0.0;  // of the move under way
     double moved_s = 0.0, move_s = 0.0;
     bool moving = false;
-    double wanted_rad_s = 0.0, now_rad_s = 0.0;  // velocity mode
+    double wanted_rad_s = 0.0, now_rad_s = 0.0;  // velocity and mixed mode
     double since_velocity_s = 0.0;
 
+    [[nodiscard]] bool takes_velocities() const {
+      return mode == JointMode::velocity || mode == JointMode::mixed;
+    }
     void hold();
     void step(double dt_s);
   };

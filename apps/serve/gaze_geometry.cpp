@@ -58,14 +58,15 @@ std::optional<Eigen::Vector3d> GazeGeometry::point(const std::string& kind, Requ
     const std::string mode = words.next();
     const auto values = words.numbers(3);
     if (!values || (mode != "abs" && mode != "rel")) return {};
-    const Eigen::Vector3d angles =
-        (mode == "rel" ? angles_deg() : Eigen::Vector3d(Eigen::Vector3d::Zero())) + Eigen::Vector3d(*values);
-    const double azimuth = angles[0] / deg_per_rad;
-    const double elevation = angles[1] / deg_per_rad;
-    const double vergence = std::max(angles[2], least_vergence_deg) / deg_per_rad;
-    JointVector upright = q;
-    upright.tail<gaze_slots>().setZero();
-    const CyclopeanEye eye(chain_, upright);
+    // From the direction of gaze now, or from that of the head with the neck at 0.
+    const bool relative = mode == "rel";
+    JointVector from = q;
+    if (!relative) from.tail<gaze_slots>().setZero();
+    const CyclopeanEye eye(chain_, from);
+    const double azimuth = (*values)[0] / deg_per_rad;
+    const double elevation = (*values)[1] / deg_per_rad;
+    const double vergence = std::max((*values)[2] / deg_per_rad + (relative ? q[eyes_vergence] : 0.0),
+                                     least_vergence_deg / deg_per_rad);
     const Eigen::Vector3d direction(std::sin(azimuth) * std::cos(elevation), -std::sin(elevation),
                                     std::cos(azimuth) * std::cos(elevation));
     return eye.root_from_eye() * Eigen::Vector3d(eye.half_baseline_m() / std::tan(vergence / 2) * direction);
@@ -96,18 +97,13 @@ Eigen::Vector3d GazeGeometry::fixation_m() const {
   return eye.root_from_eye() * Eigen::Vector3d(0.0, 0.0, distance_m);
 }
 
-Eigen::Vector3d GazeGeometry::angles_deg() const {
-  const JointVector& q = position_rad_;
-  JointVector upright = q;
+Eigen::Vector3d GazeGeometry::angles_deg(const Eigen::Vector3d& point_m) const {
+  JointVector upright = position_rad_;
   upright.tail<gaze_slots>().setZero();
   const CyclopeanEye eye(chain_, upright);
-  const HeadKinematics head(chain_, q);
-  const FixationPoint fixation = head.fixation();
-  // If the axes do not intersect: a distant point on the left axis.
-  const Eigen::Vector3d seen =
-      eye.see(fixation.valid ? fixation.point_m : head.root_from_eye(Eye::left) * Eigen::Vector3d(0, 0, 10));
-  return Eigen::Vector3d(std::atan2(seen.x(), seen.z()),
-                         -std::atan2(seen.y(), std::hypot(seen.x(), seen.z())), q[eyes_vergence]) *
+  const Eigen::Vector3d seen = eye.see(point_m);
+  return Eigen::Vector3d(std::atan2(seen.x(), seen.z()), -std::atan2(seen.y(), std::abs(seen.z())),
+                         2.0 * std::atan2(eye.half_baseline_m(), seen.norm())) *
          deg_per_rad;
 }
 

@@ -27,8 +27,11 @@ class GazeGeometry {
   [[nodiscard]] std::optional<Eigen::Vector3d> on_plane(RequestWords& words) const;
   /// The fixation point; while the optical axes are parallel, where they would meet with the least vergence.
   [[nodiscard]] Eigen::Vector3d fixation_m() const;
-  /// Azimuth, elevation and vergence from the head with the neck at 0.
-  [[nodiscard]] Eigen::Vector3d angles_deg() const;
+  /// Azimuth, elevation and vergence of the fixation point, or of a point, from the head with the neck at 0, as iKinGazeCtrl
+  /// defines them (getAbsAngles): of x right, y down, z ahead atan2(x, z), -atan2(y, |z|), and the vergence of eyes that look
+  /// so far straight ahead.
+  [[nodiscard]] Eigen::Vector3d angles_deg() const { return angles_deg(fixation_m()); }
+  [[nodiscard]] Eigen::Vector3d angles_deg(const Eigen::Vector3d& point_m) const;
 
  private:
   const HeadChain& chain_;

@@ -83,6 +83,7 @@ GazeServer::GazeServer(const IkinGazeConfig& gaze, const MotionLimitsConfig& mot
       settings_{
           gaze, limits, has_imu ? 1.0 : 0.0, has_imu ? 0.0 : 1.0, {{"track", 0}, {"ntol", 0}, {"stab", 0}}} {
   state_.position_rad = position_rad;
+  contexts_.emplace_back(0, settings_);  // as iKinGazeCtrl numbers the settings of the start
   restart();
 }
 
@@ -123,7 +124,10 @@ std::string GazeServer::answer(const std::string& request) {
     stop_ = stop_ || target_m_.has_value();
     target_m_.reset();
   }
-  if (what != "stop") suspended_ = what == "susp";
+  if (what != "stop" && suspended_ != (what == "susp")) {
+    suspended_ = what == "susp";
+    events_.emplace_back(suspended_ ? "suspended" : "resumed");
+  }
   return std::string(ack);
 }
 
@@ -147,8 +151,8 @@ std::string GazeServer::look(RequestWords& words) {
 std::string GazeServer::registered(const std::string& what, RequestWords& words) {
   if (what == "list") return fmt::format("{} ({})", ack, fmt::join(registered_, " "));
   const std::string event = words.next();
-  constexpr std::array<std::string_view, 6> known = {"motion-onset", "motion-done", "saccade-onset",
-                                                     "saccade-done", "closing",     "*"};
+  constexpr std::array<std::string_view, 7> known = {
+      "motion-onset", "motion-done", "saccade-onset", "saccade-done", "suspended", "resumed", "*"};
   if (std::ranges::find(known, event) == known.end()) return std::string(nack);
   std::erase(registered_, event);
   if (what == "register") registered_.push_back(event);
@@ -161,18 +165,25 @@ std::string GazeServer::get(RequestWords& words) const {
   const HeadKinematics head(limits_.head->chain, q);
   if (what == "x") return acknowledged(geometry().fixation_m());
   if (what == "q") return acknowledged(Eigen::VectorXd(q.head<joint_count>() * deg_per_rad));
-  if (what == "angles" || what == "ang") return acknowledged(geometry().angles_deg());
+  if (what == "angles" || what == "ang") {
+    if (!words.has_more()) return acknowledged(geometry().angles_deg());
+    const auto point_m = words.numbers(3);
+    return point_m ? acknowledged(geometry().angles_deg(*point_m)) : std::string(nack);
+  }
   if (what == "done") return acknowledged(done_ ? 1.0 : 0.0);
   if (what == "sdon") return acknowledged(saccade_done_ ? 1.0 : 0.0);
-  if (what == "des") return acknowledged(Eigen::VectorXd(desired_rad_.head<joint_count>() * deg_per_rad));
+  if (what == "des")
+    return acknowledged(Eigen::VectorXd(desired_rad_.segment<head_joint_count>(torso_slots) * deg_per_rad));
   if (what == "vel")
-    return acknowledged(Eigen::VectorXd(state_.velocity_rad_s.head<joint_count>() * deg_per_rad));
+    return acknowledged(
+        Eigen::VectorXd(state_.velocity_rad_s.segment<head_joint_count>(torso_slots) * deg_per_rad));
   if (what == "pid") return fmt::format("{} ()", ack);
   if (what == "tweak") return fmt::format("{} ({})", ack, pinholes_text(cameras_));
   if (what == "info") {
     return fmt::format(
-        "{} ((server_version {}) {}(min_allowed_vergence {}) (events (motion-onset motion-done)) {})", ack,
-        server_version, head_version(*limits_.head), least_vergence_deg, pinholes_text(cameras_));
+        "{} ((server_version {}) {}(min_allowed_vergence {}) (events (motion-onset motion-done saccade-onset "
+        "saccade-done suspended resumed)) {})",
+        ack, server_version, head_version(*limits_.head), least_vergence_deg, pinholes_text(cameras_));
   }
   if (what == "3D") {
     const std::string kind = words.next();
@@ -325,18 +336,27 @@ std::string GazeServer::clear(RequestWords& words) {
 
 std::string GazeServer::contexts(const std::string& what, RequestWords& words) {
   if (what == "stor") {
-    if (contexts_.size() == most_contexts) contexts_.erase(contexts_.begin());
+    if (contexts_.size() == most_contexts) contexts_.erase(contexts_.begin() + 1);
     contexts_.emplace_back(next_context_, settings_);
     return acknowledged(static_cast<double>(next_context_++));
+  }
+  if (what == "del") {  // unknown ones too, as in iKinGazeCtrl; that of the start stays
+    std::vector<double> ids;
+    while (words.has_more()) {
+      const auto id = words.next_numbers(1);
+      if (!id) return std::string(nack);
+      ids.push_back((*id)[0]);
+    }
+    std::erase_if(contexts_, [&](const auto& stored) {
+      return stored.first != 0 && std::ranges::find(ids, static_cast<double>(stored.first)) != ids.end();
+    });
+    return std::string(ack);
   }
   const auto id = words.numbers(1);
   if (!id) return std::string(nack);
   const auto context = std::ranges::find_if(
       contexts_, [&](const auto& stored) { return static_cast<double>(stored.first) == (*id)[0]; });
-  if (context == contexts_.end()) return std::string(nack);
-  if (what == "rest") return adopt(context->second);
-  contexts_.erase(context);
-  return std::string(ack);
+  return context == contexts_.end() ? std::string(nack) : adopt(context->second);
 }
 
 /// The rotation of the head that the gyroscope measures, root frame; 0 below the dead band and without a fresh reading.
@@ -361,7 +381,10 @@ std::optional<HeadJointVector> GazeServer::step(const HeadState& state, double d
     done_ = done;
   };
   const double eye_rad_s = state_.velocity_rad_s.segment<3>(eyes_tilt).cwiseAbs().maxCoeff();
-  saccade_done_ = eye_rad_s < saccade_rad_s;
+  if (saccade_done_ != (eye_rad_s < saccade_rad_s)) {
+    saccade_done_ = !saccade_done_;
+    events_.emplace_back(saccade_done_ ? "saccade-done" : "saccade-onset");
+  }
   if (!target_m_) {
     desired_rad_ = state_.position_rad;
     become(true);

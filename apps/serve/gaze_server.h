@@ -24,7 +24,8 @@ namespace saccade {
 ///     look mono (left|right u v z)        z: depth along that eye's axis
 ///     look mono (left|right u v ver a)    a: vergence instead of the depth
 ///     look stereo (ul vl ur vr)
-///     look ang (abs|rel azi ele ver)      azimuth + right, elevation + up; abs: from the head with the neck at 0
+///     look ang (abs|rel azi ele ver)      azimuth + right, elevation + up, from the head with the neck at 0
+///                                         (abs) or from the gaze (rel)
 ///     get x | q | angles | done           [ack] (x y z) | (torso, head) | (azi ele ver) | 0 or 1
 ///     get 3D mono|stereo|ang (...)        [ack] (x y z), the target of the same look request
 ///     get 2D (left|right x y z)           [ack] (u v)
@@ -35,12 +36,14 @@ namespace saccade {
 ///     set|get track|ntol|stab             stored and returned, without effect
 ///     bind pitch|roll|yaw min max, bind eyes ver, clear pitch|roll|yaw|eyes
 ///     get pitch|roll|yaw | eyes           [ack] min max | vergence that the eyes are bound to, -1: to none
-///     get ang | sdon | des | vel          angles; no saccade: 1; desired joints; joint velocities
+///     get ang | ang (x y z)               angles of the fixation point | of a point
+///     get sdon | des | vel                no saccade: 1; desired joints | velocities of the head without the torso
 ///     get 3D proj (left|right u v a b c d)  where the pixel's ray meets the plane a x + b y + c z + d = 0
 ///     get pid                             [ack] (): there are no options of a stereo tracker
 ///     set|get tweak                       intrinsics of both cameras, without distortion, and their image sizes
-///     register | unregister EVENT, list   acknowledged; every reader of events:o gets every event
-///     stop | susp | run | status | get info | stor | rest id | del id | help
+///     register | unregister EVENT, list   motion-onset, motion-done, saccade-onset, saccade-done, suspended, resumed or *;
+///                                         every reader of events:o gets every event
+///     stop | susp | run | status | get info | stor | rest id | del ids | help
 ///
 /// The reply to anything else is [nack], as to a target farther than farthest_target_m, a gain vor or ocr beyond +-10, and a
 /// request whose reply would overflow. Before the first target, after `stop` and while suspended it does not move the
@@ -69,7 +72,7 @@ class GazeServer {
     JointVector position_rad = JointVector::Zero();
     Eigen::Vector3d angles_deg;               ///< azimuth, elevation, vergence
     std::optional<Eigen::Vector3d> target_m;  ///< newest target
-    std::vector<std::string> events;          ///< since the last report: motion-onset, motion-done
+    std::vector<std::string> events;          ///< since the last report, named as for `register`
     std::int64_t requests = 0;                ///< that moved the head or changed a setting, so far
   };
   [[nodiscard]] Report report();

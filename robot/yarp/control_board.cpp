@@ -38,6 +38,8 @@ int vocab_of(JointMode mode) {
       return VOCAB_CM_POSITION_DIRECT;
     case JointMode::velocity:
       return VOCAB_CM_VELOCITY;
+    case JointMode::mixed:
+      return VOCAB_CM_MIXED;
   }
   return VOCAB_CM_UNKNOWN;
 }
@@ -62,7 +64,6 @@ class YarpControlBoard::Device final : public yarp::dev::DeviceDriver,
         velocity_rad_s_(position_rad_),
         acceleration_rad_s2_(position_rad_),
         interaction_(names_.size(), yarp::dev::VOCAB_IM_STIFF),
-        mixed_(names_.size(), false),
         stamp_s_(yarp::os::Time::now()) {
     for (int j = 0; j < board.size(); ++j) position_rad_[j] = board.reference_rad(j);
   }
@@ -201,8 +202,7 @@ class YarpControlBoard::Device final : public yarp::dev::DeviceDriver,
   bool getControlMode(int j, int* mode) override {
     const std::scoped_lock lock(mutex_);
     if (!has(j)) return false;
-    const bool mixed = mixed_[static_cast<std::size_t>(j)] && board_.mode(j) == JointMode::velocity;
-    *mode = mixed ? VOCAB_CM_MIXED : vocab_of(board_.mode(j));
+    *mode = vocab_of(board_.mode(j));
     return true;
   }
   bool getControlModes(int* modes) override {
@@ -218,20 +218,13 @@ class YarpControlBoard::Device final : public yarp::dev::DeviceDriver,
   bool setControlMode(const int j, const int vocab) override {
     const std::scoped_lock lock(mutex_);
     if (!has(j)) return false;
-    // iKinGazeCtrl moves the eyes with velocities in mixed mode.
-    if (vocab == VOCAB_CM_MIXED) {
-      if (!board_.set_mode(j, JointMode::velocity)) return false;
-      mixed_[static_cast<std::size_t>(j)] = true;
-      ++use_.modes;
-      return true;
-    }
-    mixed_[static_cast<std::size_t>(j)] = false;
+    // iKinGazeCtrl moves the eyes in mixed mode: saccades by positions, all else by velocities.
     for (const JointMode mode :
-         {JointMode::idle, JointMode::position, JointMode::direct, JointMode::velocity}) {
+         {JointMode::idle, JointMode::position, JointMode::direct, JointMode::velocity, JointMode::mixed}) {
       const bool asked = vocab == vocab_of(mode) || (mode == JointMode::idle && vocab == VOCAB_CM_FORCE_IDLE);
       if (!asked) continue;
       if (!board_.set_mode(j, mode)) return false;
-      if (mode == JointMode::direct || mode == JointMode::velocity) ++use_.modes;
+      if (mode != JointMode::idle && mode != JointMode::position) ++use_.modes;
       return true;
     }
     return false;
@@ -435,7 +428,6 @@ class YarpControlBoard::Device final : public yarp::dev::DeviceDriver,
   JointBoard board_;
   Eigen::VectorXd position_rad_, velocity_rad_s_, acceleration_rad_s2_;
   std::vector<yarp::dev::InteractionModeEnum> interaction_;
-  std::vector<bool> mixed_;  // in velocity mode, reported as mixed
   double stamp_s_;
   Use use_;
 };

@@ -10,6 +10,7 @@
 #include <yarp/os/Bottle.h>
 #include <yarp/os/ContactStyle.h>
 #include <yarp/os/Log.h>
+#include <yarp/os/impl/BufferedConnectionWriter.h>
 
 #include <algorithm>
 #include <array>
@@ -194,6 +195,16 @@ bool connect_ports(const std::string& from, const std::string& to, const std::st
 }
 
 }  // namespace saccade
+
+/// For a reader that asks for text, YARP (3.8 to 3.12) turns a message into text when it is sent, after the envelope, and counts
+/// the text among the parts of the header: it sends memory of the program and ends it. Here the message becomes text before
+/// the envelope is added. This definition replaces that of YARP's library.
+void yarp::os::impl::BufferedConnectionWriter::addToHeader() {
+  stopWrite();
+  stopPool();
+  target = &header;
+  target_used = &header_used;
+}
 
 /// YARP 3.12 resolves a name in several threads at once, such as those of clients that leave. The C library keeps the result
 /// of this function in one place for all threads, which ended the program; here each thread has its own.

@@ -95,6 +95,26 @@ TEST(JointBoard, AVelocityThatIsNotRepeatedEndsAfterTheTimeout) {
   EXPECT_NEAR(b.measured_rad[1], -0.2 + JointBoard::velocity_timeout_s, 2e-3);
 }
 
+TEST(JointBoard, InMixedModeVelocitiesAddToAMove) {
+  Board b;
+  b.board.set_mode(1, JointMode::mixed);
+  b.board.set_speed(1, 0.5);
+  ASSERT_TRUE(b.board.move_to(1, 0.3));  // 0.5 rad: 1 s
+  for (int i = 0; i < 22; ++i) {         // as iKinGazeCtrl: during a saccade it sends velocities of 0
+    EXPECT_TRUE(b.board.set_velocity(1, 0.0));
+    b.run(0.05);
+  }
+  EXPECT_FALSE(b.board.moving(1));
+  EXPECT_NEAR(b.measured_rad[1], 0.3, 1e-9);
+  b.board.set_acceleration(1, 1e6);
+  ASSERT_TRUE(b.board.move_to(1, -0.2));
+  for (int i = 0; i < 22; ++i) {
+    EXPECT_TRUE(b.board.set_velocity(1, 0.1));
+    b.run(0.05);
+  }
+  EXPECT_NEAR(b.measured_rad[1], -0.2 + 1.1 * 0.1, 2e-3);
+}
+
 TEST(JointBoard, HoldsTheMeasuredPositionAfterAStopAndAChangeOfMode) {
   Board b;
   b.board.set_mode(1, JointMode::position);

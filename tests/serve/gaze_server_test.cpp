@@ -1,5 +1,7 @@
 #include "apps/serve/gaze_server.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -80,7 +82,8 @@ TEST(GazeServer, ReportsTheStartAndTheEndOfAMovement) {
   Head head;
   EXPECT_EQ(head.server.answer("look 3D -0.5 0.1 0.4"), "[ack]");
   head.run(3.0);
-  EXPECT_THAT(head.server.report().events, testing::ElementsAre("motion-onset", "motion-done"));
+  EXPECT_THAT(head.server.report().events,
+              testing::ElementsAre("motion-onset", "saccade-onset", "saccade-done", "motion-done"));
   EXPECT_TRUE(head.server.report().events.empty());
 }
 
@@ -132,7 +135,9 @@ TEST(GazeServer, RejectsUnknownRequestsAndUnreachableTargets) {
                               "bind ears 0",
                               "clear ears",
                               "rest 9",
-                              "del 9",
+                              "del x",
+                              "get ang (1 2)",
+                              "register closing",
                               "quit",
                               "\"",
                               "((((",
@@ -181,6 +186,42 @@ TEST(GazeServer, AnglesCountToTheRightAndUpFromTheHeadAtRest) {
   EXPECT_EQ(head.server.answer("look ang (rel -5 0 0)"), "[ack]");
   head.run(3.0);
   EXPECT_THAT(head.ask("get angles"), testing::Pointwise(testing::DoubleNear(0.9), {15.0, 10.0, 8.0}));
+}
+
+TEST(GazeServer, TheAnglesOfAPointAreThoseOfItsLookRequest) {
+  Head head;
+  for (const char* angles : {"0 0 8", "20 0 8", "0 10 4", "-15 0 8"}) {
+    const auto point_m = head.ask(fmt::format("get 3D ang (abs {})", angles));
+    const auto found = head.ask(fmt::format("get ang ({})", fmt::join(point_m, " ")));
+    const auto wanted = head.ask(fmt::format("get 3D ang (abs {})", fmt::join(found, " ")));
+    EXPECT_THAT(wanted, testing::Pointwise(testing::DoubleNear(1e-6), point_m)) << angles;
+  }
+  // iKin's elevation is atan2(y, |z|), here of a direction 20 deg aside.
+  const auto aside = head.ask("get 3D ang (abs 20 10 8)");
+  const auto found = head.ask(fmt::format("get ang ({})", fmt::join(aside, " ")));
+  EXPECT_NEAR(found[0], 20.0, 1e-6);
+  EXPECT_NEAR(std::tan(found[1] * rad_per_deg), std::tan(10 * rad_per_deg) / std::cos(20 * rad_per_deg),
+              1e-8);
+}
+
+TEST(GazeServer, ReportsWhatIKinGazeCtrlReports) {
+  Head head;
+  std::vector<std::string> events;
+  const auto collect = [&] {
+    for (std::string& event : head.server.report().events) events.push_back(std::move(event));
+  };
+  EXPECT_EQ(head.server.answer("look 3D (-0.4 0.3 0.25)"), "[ack]");
+  head.run(3.0);
+  collect();
+  EXPECT_EQ(head.server.answer("susp"), "[ack]");
+  EXPECT_EQ(head.server.answer("susp"), "[ack]");
+  EXPECT_EQ(head.server.answer("run"), "[ack]");
+  collect();
+  EXPECT_THAT(events,
+              testing::IsSupersetOf({"motion-onset", "saccade-onset", "saccade-done", "motion-done"}));
+  EXPECT_EQ(std::ranges::count(events, "saccade-onset"), std::ranges::count(events, "saccade-done"));
+  EXPECT_EQ(std::ranges::count(events, "suspended"), 1);
+  EXPECT_EQ(events.back(), "resumed");
 }
 
 TEST(GazeServer, KeepsABoundJointInItsRange) {
@@ -235,8 +276,13 @@ TEST(GazeServer, AnswersTheRequestsOfAClientOfIKinGazeCtrl) {
   EXPECT_EQ(head.server.answer("list"), "[ack] (motion-onset)");
   EXPECT_EQ(head.server.answer("unregister motion-onset"), "[ack]");
   EXPECT_EQ(head.server.answer("register nonsense"), "[nack]");
-  for (const char* request : {"get q", "get des", "get vel"})
-    EXPECT_EQ(head.ask(request).size(), 9u) << request;
+  EXPECT_EQ(head.server.answer("rest 0"), "[ack]") << "the settings of the start";
+  EXPECT_EQ(head.server.answer("del (1 2)"), "[ack]") << "unknown ones too";
+  EXPECT_EQ(head.server.answer("del 0"), "[ack]");
+  EXPECT_EQ(head.server.answer("rest 0"), "[ack]");
+  EXPECT_EQ(head.ask("get q").size(), 9u) << "torso and head";
+  for (const char* request : {"get des", "get vel"})
+    EXPECT_EQ(head.ask(request).size(), 6u) << request << ": the head alone";
   EXPECT_EQ(head.ask("get ang").size(), 3u);
   EXPECT_EQ(head.ask("get sdon"), std::vector{1.0});
   EXPECT_EQ(head.server.answer("get pid"), "[ack] ()");

@@ -1012,6 +1012,25 @@ TEST_F(Yarp, ALostNameServerIsReportedAndOpenConnectionsContinue) {
   EXPECT_THAT(news, ElementsAre(HasSubstr("is back")));
 }
 
+TEST_F(Yarp, ReadersMayAskForText) {
+  const JointsWorld world;
+  YarpEventPort events({.name = world.name + "/events:o"});
+  const std::vector<Event> shown = {{1000, 3, 4, true, 0}, {1000, 5, 6, false, 0}};
+  for (const char* port : {"/head/state:o", "/head/stateExt:o", "/events:o"}) {
+    yarp::os::BufferedPort<yarp::os::Bottle> reader;
+    const std::string name = unique_name("/text");
+    ASSERT_TRUE(reader.open(name));
+    ASSERT_TRUE(connect_ports(world.name + port, name, "text", 5.0)) << port;
+    for (int received = 0; received < 3;) {
+      events.send(shown, 1000);
+      const yarp::os::Bottle* message = nullptr;
+      ASSERT_TRUE(eventually(5.0, [&] { return (message = reader.read(false)) != nullptr; })) << port;
+      EXPECT_GT(message->size(), 0u) << port;
+      ++received;
+    }
+  }
+}
+
 TEST_F(Yarp, ASecondRobotOfTheSameNameIsRejected) {
   const JointsWorld world;
   EXPECT_THROW(YarpRobot(config_for(world.name), our_limits()), RunError);
