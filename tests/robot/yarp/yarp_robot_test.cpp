@@ -1021,12 +1021,11 @@ TEST_F(Yarp, ReadersMayAskForText) {
     const std::string name = unique_name("/text");
     ASSERT_TRUE(reader.open(name));
     ASSERT_TRUE(connect_ports(world.name + port, name, "text", 5.0)) << port;
-    for (int received = 0; received < 3;) {
+    for (int received = 0; received < 3; ++received) {
       events.send(shown, 1000);
       const yarp::os::Bottle* message = nullptr;
       ASSERT_TRUE(eventually(5.0, [&] { return (message = reader.read(false)) != nullptr; })) << port;
       EXPECT_GT(message->size(), 0u) << port;
-      ++received;
     }
   }
 }
