@@ -15,6 +15,15 @@ constexpr const char* autogroup_file = "/proc/sys/kernel/sched_autogroup_enabled
 
 std::string reason(int error) { return std::generic_category().message(error); }
 
+/// Of the whole program; what came of it, in words.
+std::string lock_memory() {
+  rlimit most{};
+  // With a limit on locked memory, locking future pages would make later allocations fail.
+  const bool unlimited = getrlimit(RLIMIT_MEMLOCK, &most) == 0 && most.rlim_cur == RLIM_INFINITY;
+  if (mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0) return "memory locked";
+  return "memory not locked (" + reason(errno) + ")";
+}
+
 }  // namespace
 
 void use_small_stacks() {
@@ -37,21 +46,15 @@ std::string how_to_permit_real_time() {
 }
 
 RealTime::RealTime(int priority, LockMemory lock) : lock_(lock) {
+  // Before the priority: the system fetches every page meanwhile, which would delay the other real-time programs.
+  const std::string memory = lock_ == LockMemory::yes ? ", " + lock_memory() : std::string();
   sched_param wanted{};
   wanted.sched_priority = priority;
   const int denied = pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
   granted_ = denied == 0;
-  summary_ = granted_ ? "real-time priority " + std::to_string(priority)
-                      : "no real-time priority (" + reason(denied) + ")";
-  if (lock_ == LockMemory::no) return;
-  rlimit most{};
-  // With a limit on locked memory, locking future pages would make later allocations fail.
-  const bool unlimited = getrlimit(RLIMIT_MEMLOCK, &most) == 0 && most.rlim_cur == RLIM_INFINITY;
-  if (mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0) {
-    summary_ += ", memory locked";
-  } else {
-    summary_ += ", memory not locked (" + reason(errno) + ")";
-  }
+  summary_ = (granted_ ? "real-time priority " + std::to_string(priority)
+                       : "no real-time priority (" + reason(denied) + ")") +
+             memory;
 }
 
 RealTime::~RealTime() {

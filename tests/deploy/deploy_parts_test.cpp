@@ -1,6 +1,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <pthread.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <thread>
@@ -17,6 +21,16 @@
 #include "robot/yarp/yarp_config.h"
 #include "session/close_within.h"
 #include "session/real_time.h"
+
+namespace {
+int policy_while_locking = -1;
+}
+
+/// In place of the C library's.
+extern "C" int mlockall(int flags) noexcept {
+  policy_while_locking = sched_getscheduler(0);
+  return static_cast<int>(syscall(SYS_mlockall, flags));
+}
 
 namespace saccade {
 namespace {
@@ -43,6 +57,12 @@ TEST(RealTime, ThreadsThatStartLaterGetSmallStacksButNoLargerOnes) {
     EXPECT_EQ(stack_bytes(), after);
   }
   pthread_attr_destroy(&attributes);
+}
+
+TEST(RealTime, LocksTheMemoryBeforeItTakesThePriority) {
+  const RealTime real_time;
+  if (!real_time.granted()) GTEST_SKIP() << real_time.summary();
+  EXPECT_EQ(policy_while_locking, SCHED_OTHER);
 }
 
 TEST(TimeFigures, QuantilesAreAtMostASixteenthTooLongAndNeverTooShort) {
