@@ -16,7 +16,7 @@ namespace {
 
 constexpr double budget_s = 0.5;
 constexpr int least_keyframes = 2;
-constexpr double bearable_keyframe_ms = 10.0;
+constexpr double bearable_keyframe_ms = 6.0;  // beside a client up to three times that
 constexpr std::int64_t fewest_samples = 2;
 constexpr double needed_speed = 1.5;  // the client, and the ports, need processors too
 constexpr double swing_rad = 10.0 * rad_per_deg, swing_hz = 1.6;

@@ -120,10 +120,10 @@ TEST(MovingSpeed, WaitsForTheKeyframesOfASlowMachineButNotForEver) {
   EXPECT_NEAR(none.wall_s, 2.0, 0.011);
 }
 
-TEST(MovingSpeed, KeyframesGetTheSamplesWithWhichTheyTakeTenMilliseconds) {
+TEST(MovingSpeed, KeyframesGetTheSamplesWithWhichTheyTakeSixMilliseconds) {
   EXPECT_EQ(bearable_samples(5, 0.0), 5);
-  EXPECT_EQ(bearable_samples(5, 10.0), 5);
-  EXPECT_EQ(bearable_samples(5, 16.0), 3);
+  EXPECT_EQ(bearable_samples(5, 6.0), 5);
+  EXPECT_EQ(bearable_samples(5, 12.0), 3);
   EXPECT_EQ(bearable_samples(5, 40.0), 2);
   EXPECT_EQ(bearable_samples(5, 4000.0), 2);
   EXPECT_EQ(bearable_samples(2, 4000.0), 2);
