@@ -45,7 +45,7 @@ struct RejectedEvents {
 ///     Estimate e = detector.estimate();      // the best circle at now_us
 ///     detector.work_ahead();                 // optional
 ///
-/// None of the four allocates, throws or logs.
+/// None of them allocates, throws or logs.
 class Detector {
  public:
   virtual ~Detector() = default;
@@ -57,6 +57,9 @@ class Detector {
   /// Optional work between ticks that shortens the next process() or advance_to() and changes no result. May run in another
   /// thread while no other function of the detector runs. After it, estimate() is called only after one of those two.
   virtual void work_ahead() {}
+  /// For a caller that is behind: work of the time before t_us that only serves later estimates, such as a search for new
+  /// circles, may be left out in the calls that follow. A detector that is never told so does all its work.
+  virtual void leave_out_work_before(std::int64_t /*t_us*/) {}
   /// The score from which on an estimate counts as the ball; a constant of the configuration.
   [[nodiscard]] virtual double threshold() const = 0;
   [[nodiscard]] virtual RejectedEvents rejected() const = 0;

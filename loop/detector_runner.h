@@ -66,6 +66,9 @@ class DetectorRunner {
   /// newest events instead of that of the tick. Their time never goes back.
   void set_age(std::int64_t age_us) { age_us_ = age_us; }
 
+  /// From the next tick on the detector does no optional work of the time before the last `work_us` of a tick, see LoopBudget.
+  void limit_work(std::int64_t work_us) { most_work_us_ = work_us; }
+
   /// Calls Detector::work_ahead(). May be called in another thread while run() is not called. With a measured latency this
   /// work belongs to the next call instead.
   void work_ahead(Detector& detector);
@@ -86,6 +89,9 @@ class DetectorRunner {
       return done;
     }
     work_us_ = 0.0;
+    if (most_work_us_)
+      detector.leave_out_work_before(
+          saturated_difference(std::max(advanced_us_, t_us - age_us_), *most_work_us_));
     const bool any = !events.empty() || !waiting_.empty();
     const auto call = [&](std::span<const Event> slice, std::int64_t about_us, bool last) {
       if (last) advanced_us_ = std::max(advanced_us_, t_us - age_us_);
@@ -152,6 +158,7 @@ class DetectorRunner {
   std::vector<Event> waiting_;
   std::int64_t free_us_ = 0;
   std::int64_t age_us_ = 0;
+  std::optional<std::int64_t> most_work_us_;
   std::int64_t advanced_us_ = std::numeric_limits<std::int64_t>::min();
   double work_us_ = 0.0;       // of this tick's calls
   std::int64_t ahead_ns_ = 0;  // time of the work ahead of them

@@ -77,6 +77,9 @@ void Loop::make_runners() {
   runners_.push_back(
       latency_ ? DetectorRunner(latency_->config, drives ? detectors_[*gaze_->driver].name : std::string())
                : DetectorRunner());
+  for (DetectorRunner& runner : runners_) {
+    if (budget_) runner.limit_work(budget_->work_us);
+  }
   if (!latency_) return;
   for (std::vector<WaitingEstimate>* const waiting : {&latency_->driver, &latency_->right}) {
     waiting->clear();

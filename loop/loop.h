@@ -62,9 +62,12 @@ struct LoopGaze {
 ///   2. The driving detector runs first, the command to the head follows at once.
 ///   3. Shadow detectors run afterwards, in their order, while the tick is younger than `shadows_until_us`. A skipped
 ///      detector never gets the events of that tick.
+///   4. A tick that comes late has several ms to make up for. Work that only serves later estimates is done for the last
+///      `work_us` of them alone (Detector::leave_out_work_before): with that of all, a late tick would make the next one later.
 struct LoopBudget {
   std::size_t max_events = 0;
   std::int64_t shadows_until_us = 0;
+  std::int64_t work_us = 2'000;
 };
 
 /// State of the gaze.

@@ -57,7 +57,8 @@ Loop make_deploy_loop(Robot& robot, const RobotFile& file) {
   if (const auto driver = driver_of(file); driver && robot.head() != nullptr)
     gaze.emplace(LoopGaze{driver, make_gate(file.gaze.gate), std::nullopt, file.gaze.follow});
   const LoopBudget budget{static_cast<std::size_t>(file.deploy.max_events_per_tick),
-                          std::llround(file.deploy.shadows_until_ms * 1e3)};
+                          std::llround(file.deploy.shadows_until_ms * 1e3),
+                          std::llround(file.deploy.tick_ms * 1e3) + DetectorRunner::slice_us};
   return Loop(robot, file.calibration, make_detectors(file.detectors, file.calibration.camera),
               std::move(gaze), Eye::left, budget);
 }

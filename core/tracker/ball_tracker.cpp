@@ -263,7 +263,7 @@ void BallTracker::tick(std::int64_t now_us) {
       update_probability(f, now_us);
     }
   }
-  search_due_us_ = now_us;
+  if (now_us >= search_from_us_) search_due_us_ = now_us;
 }
 
 void BallTracker::update_silhouette(Followed& f, std::int64_t now_us) {

@@ -67,7 +67,7 @@ void describe(FieldVisitor& v, BallTrackerConfig& config);
 ///
 /// The work of a ms is bounded: flows_per_ms flows, 160 votes, 8 candidates, 4 patches; an event beyond that only leaves
 /// its time stamp. Everything happens at instants of 1 ms of the stream's own time, so that the estimate does not
-/// depend on how events come in batches.
+/// depend on how events come in batches, unless leave_out_work_before() is called.
 /// Words: the ball is the object; a circle is a hypothesis of its outline, first a candidate, then a track; a disc is the
 /// region inside a circle; a patch is the time surface around a circle in polar coordinates.
 /// After: paper, section V (future work); regions after Glover, Dinale, Bartolozzi et al. (event surfaces SCARF and EROS
@@ -84,6 +84,8 @@ class BallTracker final : public Detector, public DetectorViews {
   [[nodiscard]] Estimate estimate() override;
   /// The search of the last tick for circles that are not followed.
   void work_ahead() override;
+  /// The searches of ms before it.
+  void leave_out_work_before(std::int64_t t_us) override { search_from_us_ = t_us; }
   [[nodiscard]] double threshold() const override { return config_.threshold; }
   [[nodiscard]] RejectedEvents rejected() const override { return sieve_.rejected(); }
   [[nodiscard]] bool hough_space(std::span<float> response) const override;
@@ -236,7 +238,8 @@ class BallTracker final : public Detector, public DetectorViews {
   std::int64_t now_us_;
   std::optional<std::int64_t> next_tick_us_;
   std::optional<std::int64_t> search_due_us_;  // the last tick, until its search is done
-  std::uint64_t ticks_ = 0;                    // so far, those without edges and circles left out
+  std::int64_t search_from_us_ = std::numeric_limits<std::int64_t>::min();  // ticks before have none
+  std::uint64_t ticks_ = 0;  // so far, those without edges and circles left out
   // The search under way: the edges at search_us_, the first voted_ of them in search_.
   ReservedVector<Voter> voters_;
   ReservedVector<FlowSample> flows_;

@@ -34,6 +34,10 @@ class BetterOfTwo final : public Detector, public DetectorViews {
     first_->work_ahead();
     second_->work_ahead();
   }
+  void leave_out_work_before(std::int64_t t_us) override {
+    first_->leave_out_work_before(t_us);
+    second_->leave_out_work_before(t_us);
+  }
   [[nodiscard]] double threshold() const override { return first_->threshold(); }
   [[nodiscard]] RejectedEvents rejected() const override { return first_->rejected(); }
   /// The larger response of both; false unless both have one.

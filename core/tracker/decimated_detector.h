@@ -23,6 +23,7 @@ class DecimatedDetector final : public Detector, public DetectorViews {
   void advance_to(std::int64_t now_us, const CameraMotion* motion) override;
   [[nodiscard]] Estimate estimate() override;
   void work_ahead() override { detector_->work_ahead(); }
+  void leave_out_work_before(std::int64_t t_us) override { detector_->leave_out_work_before(t_us); }
   [[nodiscard]] double threshold() const override { return detector_->threshold(); }
   [[nodiscard]] RejectedEvents rejected() const override { return sieve_.rejected(); }
   /// Every pixel has the response of the nearest one that is used.

@@ -237,6 +237,20 @@ TEST(BallTracker, GivesTheSameEstimateWithOneCallOrACallPerMillisecond) {
   EXPECT_EQ(a.score, b.score);
 }
 
+TEST(BallTracker, BeginsNoTrackInTheTimeWhoseWorkIsLeftOutAndFollowsTheOthersOn) {
+  const streams::MovingDisc disc{20, 40, 500, 150, 12};
+  BallTracker tracker(radii(6, 20), camera);
+  Player player(tracker, disc.events(camera.size, 0.16));
+  tracker.leave_out_work_before(60'000);
+  EXPECT_FALSE(player.until(60'000).valid);
+  ASSERT_TRUE(player.until(120'000).valid);
+  tracker.leave_out_work_before(1'000'000);
+  const Estimate e = player.until(150'000);
+  ASSERT_TRUE(e.valid);
+  EXPECT_NEAR(e.circle.x_px, disc.x_at(150'000), 1.0);
+  EXPECT_NEAR(e.circle.r_px, disc.r_px, 1.0);
+}
+
 TEST(BallTracker, RejectsAConfigurationOutOfRange) {
   BallTrackerConfig config = radii(20, 6);
   config.threshold = 2.0;

@@ -30,7 +30,8 @@ constexpr std::int64_t tick_us = 1000;
 constexpr std::int64_t fault_us = 500'000;
 const Eigen::Vector3d ball_m(-0.5, 0.15, 0.40);
 
-/// Sees the ball through the left eye, exactly; each look takes `cost_us` of the robot's time.
+/// Sees the ball through the left eye, exactly; each look takes `cost_us` of the robot's time, and `cost_us_per_ms` more for
+/// each ms since the last one whose work was not left out.
 class ExactDetector final : public Detector {
  public:
   struct Work {
@@ -38,17 +39,21 @@ class ExactDetector final : public Detector {
     std::int64_t looks = 0;
     std::int64_t first_event_us = 0;
   };
-  ExactDetector(Work* work = nullptr, FakeRobot* world = nullptr, std::int64_t cost_us = 0)
-      : work_(work), world_(world), cost_us_(cost_us) {}
+  ExactDetector(Work* work = nullptr, FakeRobot* world = nullptr, std::int64_t cost_us = 0,
+                std::int64_t cost_us_per_ms = 0)
+      : work_(work), world_(world), cost_us_(cost_us), cost_us_per_ms_(cost_us_per_ms) {}
 
   void process(std::span<const Event> events, const CameraMotion*) override {
     if (work_ == nullptr) return;
     if (work_->events == 0 && !events.empty()) work_->first_event_us = events.front().t_us;
     work_->events += static_cast<std::int64_t>(events.size());
   }
-  void advance_to(std::int64_t, const CameraMotion* motion) override {
+  void leave_out_work_before(std::int64_t t_us) override { work_from_us_ = t_us; }
+  void advance_to(std::int64_t now_us, const CameraMotion* motion) override {
     if (work_ != nullptr) ++work_->looks;
-    if (world_ != nullptr && cost_us_ > 0) world_->wait_until(world_->now_us() + cost_us_);
+    const std::int64_t work_us = now_us - std::max(work_from_us_, std::exchange(worked_us_, now_us));
+    const std::int64_t cost_us = cost_us_ + cost_us_per_ms_ * work_us / 1'000;
+    if (world_ != nullptr && cost_us > 0) world_->wait_until(world_->now_us() + cost_us);
     estimate_ = {};
     if (motion == nullptr) return;
     const auto circle = icub_left_2016.project_sphere(motion->root_from_camera.inverse() * ball_m, 0.0475);
@@ -62,6 +67,9 @@ class ExactDetector final : public Detector {
   Work* work_;
   FakeRobot* world_;
   std::int64_t cost_us_;
+  std::int64_t cost_us_per_ms_;
+  std::int64_t work_from_us_ = 0;
+  std::int64_t worked_us_ = 0;
   Estimate estimate_;
 };
 
@@ -96,6 +104,7 @@ class Trial {
     bool dry = false;
     std::optional<LoopBudget> budget = std::nullopt;
     std::int64_t driver_us = 0, shadow_us = 0;  ///< what a look costs
+    std::int64_t driver_us_per_ms = 0;
     bool shadow = false;
     Overseer* overseer = nullptr;
   };
@@ -108,7 +117,8 @@ class Trial {
     robot = std::move(owned);
     if (options.dry) robot = std::make_unique<DryRobot>(std::move(robot));
     std::vector<LoopDetector> detectors;
-    detectors.push_back({"seer", std::make_unique<ExactDetector>(&driver, &fake->world, options.driver_us)});
+    detectors.push_back({"seer", std::make_unique<ExactDetector>(&driver, &fake->world, options.driver_us,
+                                                                 options.driver_us_per_ms)});
     if (options.shadow)
       detectors.push_back(
           {"shadow", std::make_unique<ExactDetector>(&shadow, &fake->world, options.shadow_us)});
@@ -711,6 +721,21 @@ TEST(DeployOverload, ATickThatIsALittleLateCostsNoOther) {
   trial.activate();
   ASSERT_TRUE(trial.run_until(1'000'000));
   EXPECT_EQ(trial.notes.ticks.size(), 1'000U);
+}
+
+TEST(DeployOverload, ALateTickDoesNotMakeTheNextOneLater) {
+  // 1.6 ms of work for each ms of the stream: with all of it every tick would be later than the one before.
+  const auto latest_us = [](std::int64_t work_us) {
+    Trial trial({}, {.budget = LoopBudget{2'000, 500, work_us}, .driver_us_per_ms = 1'600});
+    trial.activate();
+    EXPECT_TRUE(trial.run_until(1'000'000));
+    std::int64_t latest_us = 0;
+    for (const auto& seen : trial.notes.ticks)
+      latest_us = std::max(latest_us, seen.timing.begin_us - seen.timing.due_us);
+    return latest_us;
+  };
+  EXPECT_LE(latest_us(2'000), 3'000);
+  EXPECT_GT(latest_us(1'000'000), 20'000);
 }
 
 TEST(DeployOverload, DetectorsGetTheNewestEventsAndNoQueueGrows) {

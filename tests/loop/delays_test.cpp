@@ -68,12 +68,14 @@ class CalledDetector final : public Detector {
     count_ = static_cast<double>(events.size());
   }
   void advance_to(std::int64_t now_us, const CameraMotion*) override { advanced_us = now_us; }
+  void leave_out_work_before(std::int64_t t_us) override { work_from_us = t_us; }
   [[nodiscard]] Estimate estimate() override { return {true, false, {}, count_}; }
   [[nodiscard]] double threshold() const override { return 2.0; }
   [[nodiscard]] RejectedEvents rejected() const override { return {}; }
 
   std::vector<std::vector<std::int64_t>> calls;
   std::int64_t advanced_us = 0;
+  std::optional<std::int64_t> work_from_us;
 
  private:
   double count_ = 0.0;
@@ -93,6 +95,25 @@ TEST(DetectorRunner, PassesLateEventsInSlicesThatEndWholeMillisecondsBeforeTheTi
   EXPECT_TRUE(tick.observed && tick.on_time && tick.at_threshold);
   EXPECT_EQ(tick.calls, 3);
   EXPECT_EQ(tick.events, 5);
+}
+
+TEST(DetectorRunner, LimitsWorkInTheTimeThatTheDetectorIsAdvancedTo) {
+  CalledDetector detector;
+  DetectorRunner runner;
+  const auto run = [&](std::int64_t t_us) {
+    (void)runner.run(detector, t_us, t_us - 1000, {}, nullptr, [](const DetectorTick&) {});
+  };
+  run(10'000);
+  EXPECT_EQ(detector.work_from_us, std::nullopt);
+  runner.limit_work(2'000);
+  run(11'000);
+  EXPECT_EQ(detector.work_from_us, 9'000);
+  runner.set_age(5'000);
+  run(12'000);
+  EXPECT_EQ(detector.advanced_us, 11'000) << "its time never goes back";
+  EXPECT_EQ(detector.work_from_us, 9'000);
+  run(20'000);
+  EXPECT_EQ(detector.work_from_us, 13'000);
 }
 
 TEST(DetectorRunner, IsBusyForTheTimeOfItsWorkAndKeepsTheNewestEvents) {
