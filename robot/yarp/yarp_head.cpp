@@ -7,7 +7,6 @@
 #include <yarp/os/Vocab.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdio>
@@ -63,15 +62,21 @@ JointDrive drive_of(int mode) {
 
 }  // namespace
 
+void end_without_destructors() {
+  const auto end = [](int status, void*) {
+    std::fflush(nullptr);
+    std::_Exit(status);
+  };
+  (void)::on_exit(end, nullptr);  // runs before the destructors of what exists by now
+}
+
 bool answered_within(double timeout_s, std::function<bool()> ask) {
   struct Shared {
     std::mutex mutex;
     std::condition_variable done;
     std::optional<bool> answer;
   };
-  static std::atomic<int> running = 0;
   const auto shared = std::make_shared<Shared>();
-  ++running;
   std::thread([shared, ask = std::move(ask)]() mutable {
     const bool answer = ask();
     {
@@ -80,19 +85,12 @@ bool answered_within(double timeout_s, std::function<bool()> ask) {
       shared->done.notify_all();
     }
     ask = nullptr;
-    --running;
   }).detach();
   std::unique_lock lock(shared->mutex);
   shared->done.wait_for(lock, std::chrono::duration<double>(timeout_s),
                         [&] { return shared->answer.has_value(); });
   if (shared->answer) return *shared->answer;
-  // The end of the program destroys what YARP has made so far, which the thread still uses. This comes before.
-  const auto end = [](int status, void*) {
-    if (running == 0) return;
-    std::fflush(nullptr);
-    std::_Exit(status);
-  };
-  (void)::on_exit(end, nullptr);
+  end_without_destructors();  // the thread uses what YARP has made
   return false;
 }
 
@@ -165,8 +163,10 @@ YarpHead::~YarpHead() {
   to_send_.request();
   sender_.join();
   // YARP 3.12 ends the program with a segmentation fault if it closes a port whose connection was cut while a message was
-  // on its way: the board's ports then stay open until the program ends.
-  if (commands_->lost()) (void)new std::shared_ptr<Board>(board_);
+  // on its way: the board's ports then stay open until the program ends, and their threads run.
+  if (!commands_->lost()) return;
+  (void)new std::shared_ptr<Board>(board_);
+  end_without_destructors();
 }
 
 bool YarpHead::open_board(const YarpConfig& config) {

@@ -29,9 +29,12 @@
 
 namespace saccade {
 
+/// For threads of YARP that nobody can end: from now on std::exit() ends the program before global objects are destroyed and
+/// the code of YARP's devices is unloaded, which these threads use. Streams of <cstdio> are flushed; the exit status stays.
+void end_without_destructors();
+
 /// Runs a request that can block in a separate thread. Returns true if `ask` returned true in time. `ask` can outlive the
-/// call, so it must own what it uses. A program that ends while one still runs keeps its exit status and leaves its global
-/// objects as they are.
+/// call, so it must own what it uses; without an answer in time the program ends as after end_without_destructors().
 [[nodiscard]] bool answered_within(double timeout_s, std::function<bool()> ask);
 
 /// Reads the torso joints from state:o of their board (deg, in the order of HeadModel::torso_motors). Without a board the

@@ -56,8 +56,12 @@ void print(const char* what, std::vector<double>& ms) {
 }  // namespace
 }  // namespace saccade
 
-int main(int, char** arguments) {
+int main(int count_of_arguments, char** arguments) {
   using namespace saccade;
+  if (count_of_arguments != 4) {
+    fmt::print(stderr, "usage: saccade_guard_trials SACCADE ROBOT.yaml COUNT\n");
+    return 2;
+  }
   const std::string saccade = arguments[1];
   const std::string robot = arguments[2];
   const int count = std::atoi(arguments[3]);

@@ -262,6 +262,19 @@ TEST(YarpRequests, AProgramMayEndWhileOneHasNoAnswer) {
   EXPECT_EXIT(end_early(), testing::ExitedWithCode(3), "");
 }
 
+TEST(YarpHead, AProgramMayEndWhileThreadsOfYarpRun) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto end_early = [] {
+    static GlobalObject object;
+    std::thread([] {
+      for (;;) object.use();
+    }).detach();
+    end_without_destructors();
+    std::exit(3);
+  };
+  EXPECT_EXIT(end_early(), testing::ExitedWithCode(3), "");
+}
+
 TEST(PortGateQueue, ManyClientsMayWaitForASocketOnWhichYarpLetsOneWait) {
   const int listener = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address{};
