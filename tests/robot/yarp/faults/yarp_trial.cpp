@@ -314,8 +314,11 @@ YarpTrialResult YarpTrials::run(const YarpFault& fault, double wait_s) {
 
   if (is_harmless(fault.kind)) {
     sleep_ms(100);
-    if (log("deploy.txt").find("stopped") != std::string::npos || deploy.wait(0.0))
-      problem("the head was stopped");
+    const std::string text = log("deploy.txt");
+    if (const auto at = text.find("stopped"); at != std::string::npos)
+      problem("the head was " + text.substr(at, text.find('\n', at) - at));
+    else if (deploy.wait(0.0))
+      problem("deploy ended");
     deploy.send_signal(SIGINT);
   }
   if (is_of_deploy(fault.kind)) {
