@@ -143,6 +143,12 @@ std::string YarpTrials::log(const char* name) const {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
+std::string YarpTrials::stop_line() const {
+  const std::string text = log("deploy.txt");
+  const auto at = text.find("stopped");
+  return at == std::string::npos ? std::string() : text.substr(at, text.find('\n', at) - at);
+}
+
 void YarpTrials::start_board() {
   client_.reset();
   const std::string memory = "faults-" + std::to_string(::getpid());
@@ -314,16 +320,15 @@ YarpTrialResult YarpTrials::run(const YarpFault& fault, double wait_s) {
 
   if (is_harmless(fault.kind)) {
     sleep_ms(100);
-    const std::string text = log("deploy.txt");
-    if (const auto at = text.find("stopped"); at != std::string::npos)
-      problem("the head was " + text.substr(at, text.find('\n', at) - at));
+    if (const std::string stop = stop_line(); !stop.empty())
+      problem("the head was " + stop);
     else if (deploy.wait(0.0))
       problem("deploy ended");
     deploy.send_signal(SIGINT);
   }
   if (is_of_deploy(fault.kind)) {
     if (!eventually(1.0, [&] { return facts_.held_ns > fault_ns + 20'000'000; }))
-      problem("no stop by the guard");
+      problem("no stop by the guard; deploy: " + stop_line());
     sleep_ms(200);
     result.stop_ms = ms(fault_ns, facts_.held_ns);
     if (fault.kind == deploy_halted) deploy.send_signal(SIGCONT);

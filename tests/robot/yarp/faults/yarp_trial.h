@@ -85,6 +85,8 @@ class YarpTrials {
   std::int64_t inject(YarpFaultKind kind, Program& deploy);
   void talk_as_a_stranger() const;
   [[nodiscard]] std::string log(const char* name) const;
+  /// What deploy says of its stop; empty without one.
+  [[nodiscard]] std::string stop_line() const;
 
   std::string saccade_;
   std::string robot_;
