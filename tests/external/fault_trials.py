@@ -342,6 +342,8 @@ def middle(values):
 
 
 def main():
+    if not 3 <= len(sys.argv) <= 5 or not all(number.isdecimal() for number in sys.argv[2:4]):
+        sys.exit("usage: fault_trials.py SACCADE COUNT [SEED] [KIND]")
     saccade, count = sys.argv[1], int(sys.argv[2])
     seed = int(sys.argv[3]) if len(sys.argv) > 3 else 1
     kinds = [kind for kind in FAULTS if len(sys.argv) < 5 or kind == sys.argv[4]]
