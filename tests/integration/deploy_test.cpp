@@ -79,8 +79,8 @@ TEST_F(Deploy, CheckPrintsALineForEachThingThatDeployNeedsAndTheRobotsOwnChecks)
 }
 
 TEST_F(Deploy, ARecordingIsReplayedInRealTimeAndItsEventsJointsAndTargetsAreInTheRunFolder) {
-#ifdef __SANITIZE_THREAD__
-  GTEST_SKIP() << "with the thread sanitizer most ticks of a second of real time are missed";
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "with a sanitizer most ticks of a second of real time are missed";
 #endif
   const Outcome deployed = run_shell(command("--activate --record --out " + out()));
   ASSERT_EQ(deployed.status, 0) << deployed.text;
@@ -91,7 +91,7 @@ TEST_F(Deploy, ARecordingIsReplayedInRealTimeAndItsEventsJointsAndTargetsAreInTh
   ASSERT_LE(played.size(), events.size() + 100) << "but for those before the first reading of the joints";
   EXPECT_TRUE(std::equal(events.rbegin(), events.rend(), played.rbegin()));
   const auto joints = read_table<JointsRow>(out("out/joints.csv"));
-  EXPECT_GT(joints.size(), 20u);  // of 800 ticks; a busy machine misses most
+  EXPECT_GT(joints.size(), 200u);  // of 800 ticks; a busy machine misses some
   EXPECT_FALSE(read_table<DetectionRow>(out("out/detections.csv")).empty());
   const auto gaze = read_table<GazeRow>(out("out/gaze.csv"));
   ASSERT_FALSE(gaze.empty());
