@@ -114,12 +114,17 @@ class RobotConnection {
  private:
   void tell(std::string line) {
     const std::lock_guard lock(news_mutex_);
-    if (news_.size() < most_news) news_.push_back(std::move(line));
-    has_news_ = true;
+    add_news(std::move(line));
   }
   void lose(std::string why) {
-    if (lost_.exchange(true)) return;
-    tell(std::move(why));
+    const std::lock_guard lock(news_mutex_);
+    if (lost_) return;
+    add_news(std::move(why));
+    lost_ = true;  // after the news: who sees it finds why
+  }
+  void add_news(std::string line) {
+    if (news_.size() < most_news) news_.push_back(std::move(line));
+    has_news_ = true;
   }
 
   /// False at the end of the connection.

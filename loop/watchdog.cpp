@@ -16,6 +16,10 @@ constexpr double stuck_within_rad = 0.2 * rad_per_deg, stuck_reference_rad = 3.0
 
 constexpr double look_ms = 2.0;  // between two looks of those who stop the head when no tick comes
 
+double longest_silence_ms(const WatchdogConfig& config) {
+  return std::max(config.camera_silent_ms, config.joints_stale_ms);
+}
+
 double ms(std::int64_t us) { return static_cast<double>(us) * 1e-3; }
 
 std::optional<Fault> check_drives(const HeadDrives& drives, const HeadModel& head, std::int64_t now_us) {
@@ -49,11 +53,15 @@ void describe(FieldVisitor& v, WatchdogConfig& config) {
   v.real("hang_ms", config.hang_ms, {5.0, 1000.0},
          "time without a tick after which a thread of its own, and the guard, stop the head");
   const double unnoticed = std::max(config.tick_late_ms, config.hang_ms + look_ms);
-  const double longest = std::max(config.camera_silent_ms, config.joints_stale_ms) + unnoticed;
+  const double longest = longest_silence_ms(config) + unnoticed;
   v.require(longest <= config.safe_within_ms, "safe_within_ms", text_of(config.safe_within_ms),
             "at least " + text_of(longest) +
                 ": the longer of camera_silent_ms and joints_stale_ms, and then a tick that is late "
                 "(tick_late_ms) or hangs (hang_ms, seen 2 ms later)");
+}
+
+double longest_halt_ms(const WatchdogConfig& config) {
+  return config.safe_within_ms - longest_silence_ms(config) - look_ms;
 }
 
 std::string Fault::description() const {

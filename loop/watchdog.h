@@ -54,6 +54,9 @@ struct WatchdogConfig {
 /// safe_within_ms.
 void describe(FieldVisitor& v, WatchdogConfig& config);
 
+/// To what tick_late_ms and hang_ms may both be raised within safe_within_ms, ms.
+[[nodiscard]] double longest_halt_ms(const WatchdogConfig& config);
+
 /// State of the robot at the start of a tick. Times in us of the robot's clock.
 struct TickFacts {
   std::int64_t due_us = 0;                                ///< when the tick was due

@@ -45,6 +45,14 @@ std::string how_to_permit_real_time() {
   return text;
 }
 
+bool is_virtual_machine() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);) {
+    if (line.starts_with("flags")) return (line + ' ').find(" hypervisor ") != std::string::npos;
+  }
+  return false;
+}
+
 RealTime::RealTime(int priority, LockMemory lock) : lock_(lock) {
   // Before the priority: the system fetches every page meanwhile, which would delay the other real-time programs.
   const std::string memory = lock_ == LockMemory::yes ? ", " + lock_memory() : std::string();

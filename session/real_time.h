@@ -27,6 +27,9 @@ enum class LockMemory { no, yes };
 /// nice values have no effect between sessions.
 [[nodiscard]] std::string how_to_permit_real_time();
 
+/// Whether the processor says that it is that of a virtual machine (x86 only; false elsewhere).
+[[nodiscard]] bool is_virtual_machine();
+
 /// Requests real-time priority for this thread (SCHED_FIFO) and, with `lock`, locks the program's memory (mlockall) for its
 /// lifetime, as far as the operating system permits. Threads that this one starts meanwhile have the same priority.
 class RealTime {

@@ -8,6 +8,7 @@
 #include "apps/deploy/edge_check.h"
 #include "apps/deploy/steady_check.h"
 #include "config/robot_file.h"
+#include "session/real_time.h"
 #include "session/scenario_loop.h"
 
 namespace saccade {
@@ -42,6 +43,7 @@ std::vector<StartUpCheck> start_up_checks(Robot& robot, const RobotFile& file) {
   if (file.robot.backend == "recording")
     return checks;  // it never falls silent, and its time must not pass here
   for (StartUpCheck& check : steady_checks(robot, file.deploy.watchdog)) checks.push_back(std::move(check));
+  if (has_head && drives) checks.push_back(halts_check(is_virtual_machine(), file.deploy.watchdog));
   if (file.deploy.edge_check_s > 0.0) {
     for (StartUpCheck& check :
          edge_checks(robot, file.deploy.edge_check_s,

@@ -65,4 +65,18 @@ std::vector<StartUpCheck> steady_checks(Robot& robot, const WatchdogConfig& watc
   return checks;
 }
 
+StartUpCheck halts_check(bool is_virtual, const WatchdogConfig& watchdog) {
+  const double stops_ms = std::min(watchdog.tick_late_ms, watchdog.hang_ms);
+  const double most_ms = longest_halt_ms(watchdog);
+  std::string found = fmt::format("one of more than {:g} ms stops the head", stops_ms);
+  if (is_virtual && stops_ms < most_ms) {
+    found += fmt::format(
+        "; the host of a virtual machine halts it now and then: tick_late_ms and hang_ms of deploy.watchdog "
+        "may be up to {:g} "
+        "here, for deploy and guard",
+        most_ms);
+  }
+  return {"halts of this machine", true, std::move(found)};
+}
+
 }  // namespace saccade

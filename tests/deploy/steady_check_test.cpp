@@ -5,6 +5,8 @@
 
 #include <functional>
 
+#include "core/config.h"
+#include "core/error.h"
 #include "robot/fake/fake_robot.h"
 #include "tests/control/genova02.h"
 
@@ -93,6 +95,18 @@ TEST(SteadyCheck, ADelayAtTheStartMayPass) {
 TEST(SteadyCheck, ACameraAloneHasNoReadings) {
   Unsteady robot(each(10'000), {});
   EXPECT_EQ(steady_checks(robot, {}).size(), 1U);
+}
+
+TEST(HaltsCheck, SaysOnAVirtualMachineHowLongABoundIsSafe) {
+  WatchdogConfig watchdog;
+  EXPECT_EQ(halts_check(false, watchdog).found, "one of more than 20 ms stops the head");
+  EXPECT_THAT(halts_check(true, watchdog).found,
+              AllOf(HasSubstr("tick_late_ms and hang_ms of deploy.watchdog"), HasSubstr("up to 38 here")));
+  watchdog.tick_late_ms = watchdog.hang_ms = 38.0;
+  EXPECT_NO_THROW(check_config("watchdog", watchdog));
+  EXPECT_EQ(halts_check(true, watchdog).found, "one of more than 38 ms stops the head");
+  watchdog.hang_ms = 38.1;
+  EXPECT_THROW(check_config("watchdog", watchdog), InputError);
 }
 
 }  // namespace
