@@ -123,7 +123,8 @@ TEST(MovingSpeed, WaitsForTheKeyframesOfASlowMachineButNotForEver) {
 TEST(MovingSpeed, KeyframesGetTheSamplesWithWhichTheyTakeSixMilliseconds) {
   EXPECT_EQ(bearable_samples(5, 0.0), 5);
   EXPECT_EQ(bearable_samples(5, 6.0), 5);
-  EXPECT_EQ(bearable_samples(5, 12.0), 3);
+  EXPECT_EQ(bearable_samples(5, 9.0), 3);
+  EXPECT_EQ(bearable_samples(5, 13.0), 2);
   EXPECT_EQ(bearable_samples(5, 40.0), 2);
   EXPECT_EQ(bearable_samples(5, 4000.0), 2);
   EXPECT_EQ(bearable_samples(2, 4000.0), 2);
