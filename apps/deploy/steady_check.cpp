@@ -72,8 +72,7 @@ StartUpCheck halts_check(bool is_virtual, const WatchdogConfig& watchdog) {
   if (is_virtual && stops_ms < most_ms) {
     found += fmt::format(
         "; the host of a virtual machine halts it now and then: tick_late_ms and hang_ms of deploy.watchdog "
-        "may be up to {:g} "
-        "here, for deploy and guard",
+        "may be up to {:g} here, for deploy and guard",
         most_ms);
   }
   return {"halts of this machine", true, std::move(found)};
