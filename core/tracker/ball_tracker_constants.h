@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <limits>
 
-/// Constants of BallTracker. docs/decisions/best_constants.md has how they were chosen.
+/// Constants of BallTracker (docs/constants.md).
 namespace saccade::ball_tracker {
 
 inline constexpr std::int64_t never_us = std::numeric_limits<std::int64_t>::min();

@@ -29,11 +29,11 @@ class MetavisionCamera:
         for block in blocks:
             end = blocks.get_current_time()
             offset = min(offset + DRIFT * (end - before), time.monotonic() * 1e6 - end)
-            before, sent = end, max(sent, int(end + offset))
+            before, first, sent = end, sent, max(sent, int(end + offset))
             events = numpy.zeros(len(block), SENT)
             for field in ("x", "y", "p"):
                 events[field] = block[field]
-            events["t"] = numpy.minimum(block["t"] + int(offset), sent)
+            events["t"] = numpy.clip(block["t"] + int(offset), first, sent)  # never back in time
             with self.lock:
                 self.waiting.append((sent, events.tobytes()))
         print("metavision_camera.py: the events have ended", file=sys.stderr)
