@@ -1,5 +1,6 @@
 #pragma once
 
+#include <yarp/conf/version.h>
 #include <yarp/dev/IWrapper.h>
 #include <yarp/dev/PolyDriver.h>
 #include <yarp/os/Bottle.h>
@@ -195,7 +196,9 @@ class ServedBoard {
       text += std::string(" (") + name + " " + six + ")";
     }
     yarp::os::Property motors;
-    motors.fromString(text + " (Min (" + limits_deg[0] + ")) (Max (" + limits_deg[1] + ")))");
+    const bool flat = YARP_VERSION_MINOR < 10;  // which lists the device reads
+    const auto list = [&](const char* numbers) { return flat ? numbers : "(" + std::string(numbers) + ")"; };
+    motors.fromString(text + " (Min " + list(limits_deg[0]) + ") (Max " + list(limits_deg[1]) + "))");
     yarp::os::Property ports;
     ports.fromString("(device controlBoard_nws_yarp) (period 0.01) (name " + part + ")");
     yarp::dev::IWrapper* wrapper = nullptr;
