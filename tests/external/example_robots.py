@@ -3,7 +3,7 @@
 as planned; where a servo of the Dynamixel falls silent or reports a fault, deploy stops the head.
 OpenEB is replaced by stand_in/, a camera that does not turn with the joints.
 usage: example_robots.py SACCADE PRACTICE_HEAD_IN_C"""
-import json, os, subprocess, sys, tempfile, time
+import json, os, subprocess, sys, tempfile, threading, time
 
 saccade, in_c = sys.argv[1:3]
 root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -64,6 +64,31 @@ def bus():
     return program, [sys.executable, root + "/examples/robots/dynamixel_head.py", address, program.stdout.readline().strip(), "1000000"]
 
 
+def times_of_a_camera_never_go_back():
+    """Its first packet comes 10 ms late, the others at once: the least delay, which turns its times into the program's, falls."""
+    sys.path[:0] = [root + "/examples/robots", root + "/tests/external/stand_in"]
+    import numpy, metavision_camera
+    from metavision_core.event_io import EVENT
+
+    class Blocks:
+        def get_current_time(self):
+            return self.now_us
+
+        def __iter__(self):
+            time.sleep(0.01)
+            for self.now_us in range(1000, 21000, 1000):
+                yield numpy.array([(1, 2, 1, self.now_us - before) for before in (900, 100)], EVENT)
+
+    camera = metavision_camera.MetavisionCamera.__new__(metavision_camera.MetavisionCamera)
+    camera.lock, camera.waiting = threading.Lock(), []
+    camera.read(Blocks())
+    ends, events = zip(*camera.packets(0.0, (0.0, 0.0)))
+    times = numpy.concatenate([numpy.frombuffer(sent, metavision_camera.SENT)["t"] for sent in events])
+    check((numpy.diff(times) >= 0).all(), f"times of a camera never go back: {times}")
+    check((times <= numpy.repeat(ends, 2)).all(), f"no event is later than its packet: {times} {ends}")
+
+
+times_of_a_camera_never_go_back()
 follows("python", [sys.executable, root + "/examples/robots/practice_head.py", address])
 follows("c", [in_c, address])
 os.environ["PYTHONPATH"] = root + "/tests/external/stand_in"
