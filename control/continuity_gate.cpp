@@ -12,6 +12,18 @@ constexpr double track_memory_s = 0.045;  // of a TargetTrack
 constexpr double speed_memory_s = 0.5;    // a ball that swings is soon as fast again
 constexpr double speed_margin = 1.5;      // it may accelerate unseen
 
+double angle_deg(const Eigen::Vector3d& a_m, const Eigen::Vector3d& b_m, const Eigen::Vector3d& eye_m) {
+  const Eigen::Vector3d a = a_m - eye_m;
+  const Eigen::Vector3d b = b_m - eye_m;
+  return std::atan2(a.cross(b).norm(), a.dot(b)) * deg_per_rad;
+}
+
+/// Of the larger distance to the smaller one.
+double ratio(const Eigen::Vector3d& a_m, const Eigen::Vector3d& b_m, const Eigen::Vector3d& eye_m) {
+  const double share = (a_m - eye_m).norm() / (b_m - eye_m).norm();
+  return std::max(share, 1.0 / share);
+}
+
 }  // namespace
 
 void describe(FieldVisitor& v, ContinuityGateConfig& config) {
@@ -57,8 +69,9 @@ void ContinuityGate::advance(std::int64_t now_us) {
   advanced_us_ = now_us;
 }
 
-/// The target of a circle below the threshold that is where the ball is expected. None while the targets move so fast that
-/// the prediction is not known to near_deg.
+/// The target of a circle below the threshold that is where the ball is expected: in its direction, at the distance of the last
+/// target, because a radius is not confirmed by a place. None while the targets move so fast that the prediction is not known to
+/// near_deg.
 std::optional<Eigen::Vector3d> ContinuityGate::near_prediction(std::int64_t now_us, const Estimate& estimate,
                                                                double threshold, const Camera& camera,
                                                                const Eigen::Isometry3d& root_from_cam) {
@@ -73,7 +86,8 @@ std::optional<Eigen::Vector3d> ContinuityGate::near_prediction(std::int64_t now_
   if (!point_m ||
       !agree(*point_m, predictor_->predict(0.0).position_m, root_from_cam.translation(), config_.near_deg))
     return std::nullopt;
-  return point_m;
+  const Eigen::Vector3d eye_m = root_from_cam.translation();
+  return eye_m + (last_->point_m - eye_m).norm() * (*point_m - eye_m).normalized();
 }
 
 std::optional<Eigen::Vector3d> ContinuityGate::update(std::int64_t now_us, const Estimate& estimate,
@@ -101,10 +115,16 @@ std::optional<Eigen::Vector3d> ContinuityGate::update(std::int64_t now_us, const
   return point_m;
 }
 
+/// In direction and distance. Another distance in a direction that the ball can have reached needs a confirmation: an outlier
+/// of the radius does not move the target, and one that did does not keep the ball out.
 bool ContinuityGate::can_have_reached(const Place& here, const Eigen::Vector3d& eye_m) const {
   const double unseen_s = static_cast<double>(here.t_us - last_->t_us) * 1e-6;
   const double growth_deg_s = std::max(config_.growth_deg_s, speed_margin * fastest_rad_s_ * deg_per_rad);
-  return agree(here.point_m, last_->point_m, eye_m, config_.tolerance_deg + growth_deg_s * unseen_s);
+  const double grown_deg = growth_deg_s * unseen_s;
+  if (angle_deg(here.point_m, last_->point_m, eye_m) > config_.tolerance_deg + grown_deg) return false;
+  return ratio(here.point_m, last_->point_m, eye_m) <=
+             config_.depth_ratio * std::exp(grown_deg / deg_per_rad) ||
+         confirmed(here, eye_m);
 }
 
 void ContinuityGate::accept(const Place& here, const Eigen::Vector3d& eye_m) {
@@ -128,12 +148,7 @@ bool ContinuityGate::confirmed(const Place& here, const Eigen::Vector3d& eye_m) 
 
 bool ContinuityGate::agree(const Eigen::Vector3d& a_m, const Eigen::Vector3d& b_m,
                            const Eigen::Vector3d& eye_m, double tolerance_deg) const {
-  const Eigen::Vector3d a = a_m - eye_m;
-  const Eigen::Vector3d b = b_m - eye_m;
-  const double angle_rad = std::atan2(a.cross(b).norm(), a.dot(b));
-  const double ratio = a.norm() / b.norm();
-  return angle_rad * deg_per_rad <= tolerance_deg && ratio <= config_.depth_ratio &&
-         ratio * config_.depth_ratio >= 1.0;
+  return angle_deg(a_m, b_m, eye_m) <= tolerance_deg && ratio(a_m, b_m, eye_m) <= config_.depth_ratio;
 }
 
 }  // namespace saccade

@@ -14,9 +14,9 @@ namespace saccade {
 /// frame, so that the head's own motion has no effect, and as angles at the eye, because depth from a radius is coarse.
 struct ContinuityGateConfig {
   double tolerance_deg = 3.0;  ///< detections this close in bearing agree ...
-  double depth_ratio = 1.4;    ///< ... if their distances differ by less than this factor
+  double depth_ratio = 1.25;   ///< ... if their distances differ by less than this factor
   /// The tolerance around the last one grows by this while none came, or by one and a half times the speed of the targets
-  /// of the last half second where that is more.
+  /// of the last half second where that is more. That of the distance is multiplied by exp of the same angle in rad.
   double growth_deg_s = 60.0;
   double window_s = 0.20;          ///< how far back a confirmation may lie
   std::int64_t min_agreeing = 60;  ///< in the window, for the ball to be found
@@ -31,9 +31,10 @@ struct ContinuityGateConfig {
 /// Keys: tolerance_deg, depth_ratio, growth_deg_s, window_s, min_agreeing, forget_s, near_score, near_deg, near_s.
 void describe(FieldVisitor& v, ContinuityGateConfig& config);
 
-/// `continuity`: the estimates at or above the threshold that lie where the ball can be become targets. So do estimates
-/// with a lower score, once the ball was found: those within near_deg of the place that a TargetPredictor (with periodic
-/// motion and free fall) computes from the targets so far, of a detector that tracks circles and states their covariance.
+/// `continuity`: the estimates at or above the threshold that lie where the ball can be become targets; at a distance that it
+/// can't have reached, in a direction that it can have, where they are confirmed. Estimates with a lower score do too, once the
+/// ball was found: those within near_deg of the place that a TargetPredictor (with periodic motion and free fall) computes from
+/// the targets so far, of a detector that tracks circles and states their covariance; their target has the distance of the last.
 /// Low scores of other detectors are clutter.
 class ContinuityGate final : public LocatingGate {
  public:

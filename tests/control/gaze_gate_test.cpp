@@ -289,6 +289,23 @@ TEST(ContinuityGate, AfterAGapAcceptsDetectionsAsFarAsTheBallCanHaveMoved) {
   EXPECT_FALSE(update(*g, 3'000'000, sure(73, 60, 12)));
 }
 
+TEST(ContinuityGate, AfterAGapAcceptsADistanceThatTheBallCanHaveReached) {
+  // 25 % and, at 60 deg/s or 1.05 per s, another 23 % after 0.2 s.
+  const auto g = gate("continuity");
+  ASSERT_TRUE(feed(*g, 60, [](int) { return sure(60, 60, 12); }));
+  EXPECT_FALSE(update(*g, 61'000, sure(60, 60, 17)));
+  EXPECT_TRUE(update(*g, 261'000, sure(60, 60, 17)));
+}
+
+TEST(ContinuityGate, AWrongRadiusThatWasTakenDoesNotKeepTheBallOut) {
+  const auto g = gate("continuity");
+  ASSERT_TRUE(feed(*g, 100, [](int) { return sure(60, 60, 12); }));
+  ASSERT_TRUE(update(*g, 101'000, sure(60, 60, 12 * (ContinuityGateConfig{}.depth_ratio - 0.02))));
+  int taken = 0;
+  for (int i = 102; i <= 300; ++i) taken += update(*g, i * 1000, sure(60, 60, 11.7)).has_value();
+  EXPECT_EQ(taken, 199);
+}
+
 TEST(ContinuityGate, AFastBallIsFoundAgainFartherAway) {
   // Sideways at 0.9 m/s, 110 deg/s: 8.8 deg in the 80 ms in which it is not seen.
   const auto circle_at = [](double y_m) {
@@ -335,6 +352,19 @@ TEST(ContinuityGate, TakesALowScoreWhereTheBallIsPredictedAndNowhereElse) {
   EXPECT_FALSE(update(*g, 560'000, passing_ball(0.56, 0.2, 0.04)));
   EXPECT_FALSE(update(*g, 561'000, passing_ball(0.561, 0.09)));
   EXPECT_TRUE(update(*g, 562'000, passing_ball(0.562, 0.2)));
+}
+
+TEST(ContinuityGate, ALowScoreMovesTheTargetToItsDirectionAndLeavesItsDistance) {
+  const auto g = gate("continuity");
+  const auto sure_m = feed(*g, 500, [](int i) { return passing_ball(i * 1e-3, 1.0); });
+  ASSERT_TRUE(sure_m);
+  Estimate weak = passing_ball(0.52, 0.2);
+  weak.circle.r_px *= 1.1;
+  const auto target_m = update(*g, 520'000, weak);
+  ASSERT_TRUE(target_m);
+  EXPECT_NEAR(target_m->norm(), sure_m->norm(), 1e-12);
+  const Eigen::Vector2d at_px = *camera.project(looking_ahead().inverse() * *target_m);
+  EXPECT_NEAR((at_px - Eigen::Vector2d(weak.circle.x_px, weak.circle.y_px)).norm(), 0.0, 0.2);
 }
 
 TEST(ContinuityGate, ALowScoreFindsNoBallAndKeepsNoneForLong) {
