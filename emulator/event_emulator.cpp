@@ -9,6 +9,14 @@
 namespace saccade {
 namespace {
 
+/// Into how many bands threads share the pixels: some have more events than others.
+std::size_t bands_of(std::size_t pixels, std::size_t threads) {
+  constexpr std::size_t least_pixels = 16384;
+  constexpr std::size_t per_thread = 8;
+  if (threads == 1) return 1;
+  return std::clamp(pixels / least_pixels, threads, per_thread * threads);
+}
+
 bool is_luminance(float value) { return (value >= 0.0F) & (value <= std::numeric_limits<float>::max()); }
 
 }  // namespace
@@ -26,7 +34,7 @@ struct EventEmulator::State {
         readout(config, static_cast<std::size_t>(image.pixels()), seed),
         workers(std::move(threads)) {
     const auto n = static_cast<std::size_t>(image.pixels());
-    const std::size_t parts = workers->threads();
+    const std::size_t parts = bands_of(n, workers->threads());
     for (std::size_t k = 0; k < parts; ++k) {
       const std::size_t first = n * k / parts;
       const std::size_t count = n * (k + 1) / parts - first;
@@ -129,7 +137,7 @@ void EventEmulator::process_image(std::span<const float> luminance, std::int64_t
   const auto n = static_cast<std::size_t>(s.size.pixels());
   SACCADE_CHECK(luminance.size() == n && (objects.empty() || objects.size() == n));
   s.check(luminance, t_us);
-  s.workers->run([&](std::size_t k) {
+  s.workers->run(s.bands.size(), [&](std::size_t k) {
     State::Band& band = s.bands[k];
     const auto of_band = [&](auto whole) {
       return whole.empty() ? whole : whole.subspan(band.first, band.count);

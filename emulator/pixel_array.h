@@ -9,6 +9,7 @@
 #include "core/random.h"
 #include "emulator/emulator_config.h"
 #include "emulator/level_trajectory.h"
+#include "threads/large_vector.h"
 
 namespace saccade {
 
@@ -122,7 +123,7 @@ class PixelArray {
   std::vector<std::int64_t> block_noise_due_us_;  // the first of each block
   std::vector<std::uint8_t> objects_;
   std::span<const std::uint8_t> objects_now_;
-  std::vector<Pixel> pixels_;
+  LargeVector<Pixel> pixels_;
   std::vector<Active> active_;
   // Of the block at hand.
   std::array<double, block_size> log_{}, new_log_{};

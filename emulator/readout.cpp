@@ -50,10 +50,16 @@ void Readout::process(std::span<const PixelEvent> requests, std::int64_t t_us,
     return;
   }
   if (!origin_us_ && !requests.empty()) origin_us_ = requests.front().t_us;
+  std::size_t fetched = 0;  // requests whose pixels' last stamps are on their way from memory
   for (std::size_t first = 0; first < requests.size();) {
     const std::int64_t request_us = requests[first].t_us;
     std::size_t end = first + 1;
     while (end < requests.size() && requests[end].t_us == request_us) ++end;
+#if defined(__GNUC__)
+    constexpr std::size_t ahead = 32;
+    for (; !last_stamp_us_.empty() && fetched < std::min(end + ahead, requests.size()); ++fetched)
+      __builtin_prefetch(&last_stamp_us_[requests[fetched].pixel], 1);
+#endif
     std::span<const PixelEvent> group = requests.subspan(first, end - first);
     first = end;
     if (group.size() > 1 && service_us_ > 0.0) {

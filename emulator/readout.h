@@ -8,6 +8,7 @@
 #include "core/random.h"
 #include "emulator/emulator_config.h"
 #include "emulator/pixel_array.h"
+#include "threads/large_vector.h"
 
 namespace saccade {
 
@@ -59,7 +60,7 @@ class Readout {
       origin_us_;  ///< time of the first request, so that random numbers follow a shift of time
   double service_us_;
   bool transparent_;  ///< no latency, rate or resolution: events pass unchanged
-  std::vector<std::int64_t>
+  LargeVector<std::int64_t>
       last_stamp_us_;                 ///< of each pixel; empty where no two of its events can share a tick
   std::vector<PixelEvent> shuffled_;  ///< the events of one microsecond in the order of transmission
   std::vector<PixelEvent> stamped_;   ///< in the order of stamps; the first `released_` are gone

@@ -27,12 +27,11 @@ Interval interval_between(float begin, float end) {
 
 Interval interval_of(float width) { return interval_between(0.5F - 0.5F * width, 0.5F + 0.5F * width); }
 
-/// The same around `sample`, cut at the border of `count` samples.
-Interval cut_interval(float width, int sample, int count) {
+/// The same around `sample` of the samples [first, end), cut at their border.
+Interval cut_interval(float width, int sample, int first, int end) {
   const auto at = static_cast<float>(sample);
-  const float begin = std::max(at + 0.5F - 0.5F * width, 0.0F);
-  const float end = std::min(at + 0.5F + 0.5F * width, static_cast<float>(count) - 0.001F);
-  Interval interval = interval_between(begin, end);
+  Interval interval = interval_between(std::max(at + 0.5F - 0.5F * width, static_cast<float>(first)),
+                                       std::min(at + 0.5F + 0.5F * width, static_cast<float>(end) - 0.001F));
   interval.first -= sample;
   interval.last -= sample;
   return interval;
@@ -52,8 +51,8 @@ void fill_row(float* row, std::size_t columns) {
 }
 
 /// Makes room for at least `count` values, which are not kept.
-template <class Value>
-void make_room(std::vector<Value>& values, std::size_t count) {
+template <class Vector>
+void make_room(Vector& values, std::size_t count) {
   if (values.size() < count) values.resize(count);
 }
 
@@ -70,7 +69,9 @@ void add_to_blocks(Keyframe& k, int row, const float* depths) {
 }  // namespace
 
 /// How the samples of a row are summed: samples that share a PixelSize share the interval.
-void KeyframeFilter::set_row_runs(const SampleRect& rect, int row, Band& band) const {
+void KeyframeFilter::set_row_runs(const Keyframe& k, int row, Band& band) const {
+  const SampleRect& rect = k.rect;
+  const int before = rect.left - k.drawn.left;  // samples that are drawn and not kept
   const int columns = rect.columns();
   const auto run_of = [&](int begin, int end, const Interval& over) {
     const std::uint32_t* const first = band.row_sums.data() + over.first;
@@ -92,7 +93,7 @@ void KeyframeFilter::set_row_runs(const SampleRect& rect, int row, Band& band) c
       width = cell_width;
     } else {
       for (int i = begin; i < end; ++i)
-        band.runs.push_back(run_of(i, i + 1, cut_interval(cell_width, i, columns)));
+        band.runs.push_back(run_of(i, i + 1, cut_interval(cell_width, before + i, before, before + columns)));
       width = 0.0F;
     }
     begin = end;
@@ -100,8 +101,9 @@ void KeyframeFilter::set_row_runs(const SampleRect& rect, int row, Band& band) c
 }
 
 /// How rows are summed to the values of `row`, from the sums along columns, of which `ring` rows are kept.
-void KeyframeFilter::set_column_runs(const SampleRect& rect, int row, int ring, float scale,
-                                     Band& band) const {
+void KeyframeFilter::set_column_runs(const Keyframe& k, int row, int ring, float scale, Band& band) const {
+  const SampleRect& rect = k.rect;
+  const int before = rect.top - k.drawn.top;
   const int columns = rect.columns();
   const auto sums_before = [&](int at) {
     return band.sums.data() + static_cast<std::ptrdiff_t>(at % ring) * columns;
@@ -114,7 +116,7 @@ void KeyframeFilter::set_column_runs(const SampleRect& rect, int row, int ring, 
     if (cell_height == height) {
       band.column_runs.back().end = end;
     } else {
-      const Interval over = cut_interval(cell_height, row, rect.rows());
+      const Interval over = cut_interval(cell_height, before + row, before, before + rect.rows());
       const int first = row + over.first;
       const int last = row + over.last;
       band.column_runs.push_back({begin, end, sums_before(first), sums_before(first + 1), sums_before(last),
@@ -127,11 +129,12 @@ void KeyframeFilter::set_column_runs(const SampleRect& rect, int row, int ring, 
 }
 
 /// Means of samples over the area of a pixel around each, times `scale`, rounded, as pairs of a sample and the one below it:
-/// the pairs of the rows [begin, end). `row_of(row, out)` gives samples. Sums are whole numbers modulo 2^32, so that
+/// the pairs of the rows [begin, end), each per_sample after the one before. `row_of(row, out)` gives samples. Sums are whole numbers modulo 2^32, so that
 /// differences are exact, whatever row the sums begin with.
 template <class RowOf>
-void KeyframeFilter::mean_over_pixels(const SampleRect& rect, int begin, int end, const RowOf& row_of,
-                                      float scale, std::vector<std::uint16_t>& pairs, Band& band) const {
+void KeyframeFilter::mean_over_pixels(const Keyframe& k, int begin, int end, const RowOf& row_of, float scale,
+                                      std::uint16_t* pairs, std::size_t per_sample, Band& band) const {
+  const SampleRect& rect = k.rect;
   const int columns = rect.columns();
   const int rows = rect.rows();
   const auto width = static_cast<std::size_t>(columns);
@@ -149,7 +152,7 @@ void KeyframeFilter::mean_over_pixels(const SampleRect& rect, int begin, int end
   };
   const auto write_pairs = [&](int row, int below) {
     interleave_rows(values_of(row), values_of(below),
-                    pairs.data() + 2 * static_cast<std::size_t>(row) * width, width);
+                    pairs + per_sample * static_cast<std::size_t>(row) * width, per_sample, width);
   };
   int next = std::max(0, begin - reach);  // the next row to add to the sums
   std::fill_n(sums_before(next), width, 0U);
@@ -158,7 +161,7 @@ void KeyframeFilter::mean_over_pixels(const SampleRect& rect, int begin, int end
     for (; next < std::min(row + reach + 1, rows); ++next) {
       if (const int cell = KeyframeCamera::next_cell(rect.top + next); cell != cell_row) {
         cell_row = cell;
-        set_row_runs(rect, next, band);
+        set_row_runs(k, next, band);
       }
       row_of(next, band.samples.data());
       std::uint32_t sum = 0;
@@ -169,7 +172,7 @@ void KeyframeFilter::mean_over_pixels(const SampleRect& rect, int begin, int end
       band.row_sums[width] = sum;
       add_means(band.runs, sums_before(next), sums_before(next + 1));
     }
-    set_column_runs(rect, row, ring, scale, band);
+    set_column_runs(k, row, ring, scale, band);
     write_means(band.column_runs, values_of(row));
     if (row > begin) write_pairs(row - 1, row);
   }
@@ -179,18 +182,20 @@ void KeyframeFilter::mean_over_pixels(const SampleRect& rect, int begin, int end
 void KeyframeFilter::average_colours(Keyframe& k, const Drawn& drawn, int begin, int end, Band& band) const {
   const auto columns = static_cast<std::size_t>(k.rect.columns());
   const auto at = [&](int row) { return static_cast<std::size_t>(k.rect.rows() - 1 - row) * columns; };
+  const std::size_t per_sample = drawn.is_room ? 2 : 4;
   mean_over_pixels(
-      k.rect, begin, end,
+      k, begin, end,
       [&](int row, std::uint32_t* out) {
         luminance_row(drawn.rgba.data() + at(row), drawn.depth.data() + at(row), out, columns);
       },
-      1.0F / (static_cast<float>(luminance_unit) * Keyframe::luminance_step), k.luminance, band);
+      1.0F / (static_cast<float>(luminance_unit) * Keyframe::luminance_step), k.samples.data(), per_sample,
+      band);
   if (drawn.is_room) return;
   constexpr std::uint32_t full = 1U << 20U;
   mean_over_pixels(
-      k.rect, begin, end,
+      k, begin, end,
       [&](int row, std::uint32_t* out) { cover_row(drawn.depth.data() + at(row), full, out, columns); },
-      1.0F / (static_cast<float>(full) * Keyframe::cover_step), k.cover, band);
+      1.0F / (static_cast<float>(full) * Keyframe::cover_step), k.samples.data() + 2, per_sample, band);
 }
 
 /// Inverse depths of the rows [begin, end): of the room as means over blocks, of a body as they are and continued to the left
@@ -213,7 +218,6 @@ void KeyframeFilter::copy_depths(Keyframe& k, const Drawn& drawn, int begin, int
   band.range = {};
   band.step = 0;
   band.count = 0;
-  band.covered = {k.rect.columns(), rows, 0, 0};
   if (begin > 0 && begin < end) read_row(begin - 1);
   for (int row = begin; row < end; ++row) {
     read_row(row);
@@ -221,14 +225,6 @@ void KeyframeFilter::copy_depths(Keyframe& k, const Drawn& drawn, int begin, int
     include_row(q, columns, band.range);
     band.step = largest_step(q + 1, q, columns - 1, band.step);
     if (row > 0) band.step = largest_step(q, room_for(row - 1), columns, band.step);
-    const auto is_here = [](float value) { return value > 0.0F; };
-    const auto left = std::find_if(q, q + columns, is_here) - q;
-    if (left < static_cast<std::ptrdiff_t>(columns)) {
-      const auto right =
-          std::find_if(std::reverse_iterator(q + columns), std::reverse_iterator(q), is_here).base() - q;
-      band.covered = {std::min(band.covered.left, static_cast<int>(left)), std::min(band.covered.top, row),
-                      std::max(band.covered.right, static_cast<int>(right)), row + 1};
-    }
     if (drawn.is_room) {
       add_to_blocks(k, row, q);
       continue;
@@ -237,33 +233,23 @@ void KeyframeFilter::copy_depths(Keyframe& k, const Drawn& drawn, int begin, int
     std::copy_n(q, columns, continued);
     fill_row(continued, columns);
     row_sums_1_m_[static_cast<std::size_t>(row)] = sum_of_row(q, columns);
-    band.count += std::count_if(q, q + columns, is_here);
+    band.count += std::count_if(q, q + columns, [](float value) { return value > 0.0F; });
   }
 }
 
-/// Sets what is known of all rows: range and mean of the depths, and what the layer covers.
+/// Sets what is known of all rows: range and mean of the depths.
 void KeyframeFilter::sum_up(Keyframe& k, bool is_room) {
   FloatRange range;
   std::int32_t step = 0;
   std::ptrdiff_t count = 0;
-  SampleRect covered{k.rect.columns(), k.rect.rows(), 0, 0};
   for (const Band& band : bands_) {
     range = {std::min(range.least, band.range.least), std::max(range.most, band.range.most)};
     step = std::max(step, band.step);
     count += band.count;
-    covered = {std::min(covered.left, band.covered.left), std::min(covered.top, band.covered.top),
-               std::max(covered.right, band.covered.right), std::max(covered.bottom, band.covered.bottom)};
   }
-  k.covered = {};
-  k.nearest_1_m = k.farthest_1_m = k.mean_1_m = k.largest_step_1_m = 0.0;
-  if (covered.is_empty()) return;
   k.nearest_1_m = static_cast<double>(std::bit_cast<float>(range.most));
   k.farthest_1_m = static_cast<double>(std::bit_cast<float>(range.least));
   k.largest_step_1_m = static_cast<double>(std::bit_cast<float>(step));
-  const int around = 2 * camera_->samples();
-  k.covered = SampleRect{k.rect.left + covered.left - around, k.rect.top + covered.top - around,
-                         k.rect.left + covered.right + around, k.rect.top + covered.bottom + around}
-                  .cut(k.rect);
   double sum = 0.0;
   if (!is_room) {
     for (const double of_row : row_sums_1_m_) sum += of_row;
@@ -311,7 +297,7 @@ void KeyframeFilter::take_outline_depths(Keyframe& k, int begin, int end, Band& 
   const auto least_of = [&](int part) {
     return band.least.data() + static_cast<std::size_t>(part) * columns;
   };
-  const auto add_row = [&](const std::vector<float>& depths, int row, float* out) {
+  const auto add_row = [&](const LargeVector<float>& depths, int row, float* out) {
     std::copy_n(depths.data() + static_cast<std::size_t>(row) * columns, columns, band.padded.data() + reach);
     least_along_row(band.padded.data(), static_cast<std::size_t>(across), out, columns);
   };
@@ -342,11 +328,10 @@ void KeyframeFilter::fill(Keyframe& k, const Drawn& drawn, WorkerThreads& thread
   k.block = drawn.is_room ? camera_->samples() : 1;
   k.block_columns = (k.rect.columns() + k.block - 1) / k.block;
   k.block_rows = (rows + k.block - 1) / k.block;
-  make_room(k.luminance, 2 * k.rect.area());
+  make_room(k.samples, (drawn.is_room ? 2 : 4) * k.rect.area());
   make_room(k.inverse_depth_1_m,
             static_cast<std::size_t>(k.block_columns) * static_cast<std::size_t>(k.block_rows));
   if (!drawn.is_room) {
-    make_room(k.cover, 2 * k.rect.area());
     make_room(drawn_1_m_, k.rect.area());
     make_room(continued_1_m_, k.rect.area());
     row_sums_1_m_.resize(static_cast<std::size_t>(rows));
@@ -361,7 +346,7 @@ void KeyframeFilter::fill(Keyframe& k, const Drawn& drawn, WorkerThreads& thread
     copy_depths(k, drawn, first_row(i), first_row(i + 1), bands_[i]);
   });
   sum_up(k, drawn.is_room);
-  if (drawn.is_room || k.covered.is_empty()) return;
+  if (drawn.is_room) return;
   continue_outwards(columns);
   threads.run([&](std::size_t i) { take_outline_depths(k, first_row(i), first_row(i + 1), bands_[i]); });
 }

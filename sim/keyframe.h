@@ -7,6 +7,7 @@
 
 #include "sim/keyframe_camera.h"
 #include "sim/keyframe_rows.h"
+#include "threads/large_vector.h"
 #include "threads/worker_threads.h"
 
 namespace saccade::detail {
@@ -20,10 +21,11 @@ struct Keyframe {
   bool is_drawn = false;
   Eigen::Isometry3d camera_from_layer = Eigen::Isometry3d::Identity();
   Eigen::Matrix3d root_from_layer = Eigen::Matrix3d::Identity();  ///< rotation
-  SampleRect rect;  ///< where its samples lie in the KeyframeCamera's image
+  SampleRect drawn;  ///< the part of the KeyframeCamera's image that was drawn
   SampleRect
-      covered;  ///< the part of it that the layer covers, a pixel around included; empty: nothing is there
-  bool is_clipped = false;  ///< whether the layer may continue outside the rectangle
+      rect;  ///< the samples that are kept: of the room all that were drawn, of a body those that it covers, a
+             ///< pixel around included; empty: nothing is there
+  bool is_clipped = false;  ///< whether the layer may continue outside of what was drawn
   // Inverse depths along the optical axis, 1/m.
   double nearest_1_m = 0.0;
   double farthest_1_m = 0.0;
@@ -32,16 +34,15 @@ struct Keyframe {
   // Each sample beside the one below it, so that the four samples around a point lie one after the other. Whole numbers of
   // 16 bits keep an image's share of a keyframe in the processor's cache. These vectors and inverse_depth_1_m may be longer
   // than what is used of them.
-  std::vector<std::uint16_t> luminance;  ///< times cover; in units of luminance_step, 0 to 255
-  std::vector<std::uint16_t>
-      cover;  ///< share of the pixel that the layer covers, in units of cover_step, 0 to 1;
-              ///< empty for the room: 1
+  // A sample of a body has four: luminance times cover, in units of luminance_step, 0 to 255, and cover, the share of the pixel
+  // that the layer covers, in units of cover_step, 0 to 1. One of the room, whose cover is 1, has the first two.
+  LargeVector<std::uint16_t> samples;
   // Mean inverse depth of blocks of `block` x `block` samples: of the room as large as a pixel, of a body one sample, and
   // around the body that of its outline.
   int block = 1;
   int block_columns = 0;
   int block_rows = 0;
-  std::vector<float> inverse_depth_1_m;
+  LargeVector<float> inverse_depth_1_m;
 };
 
 /// Makes keyframes of drawn samples.
@@ -58,8 +59,8 @@ class KeyframeFilter {
     double far_m;
     bool is_room;  ///< what is not drawn is black and far away
   };
-  /// Sets all of `keyframe` but pose and is_clipped from the samples of keyframe.rect. Threads share its rows; the result does
-  /// not depend on their number.
+  /// Sets the samples of keyframe.rect, which is not empty, and what is known of their depths. Threads share its rows; the result
+  /// does not depend on their number.
   void fill(Keyframe& keyframe, const Drawn& drawn, WorkerThreads& threads);
 
  private:
@@ -77,14 +78,13 @@ class KeyframeFilter {
     FloatRange range;
     std::int32_t step = 0;
     std::ptrdiff_t count = 0;  ///< samples that a body covers
-    SampleRect covered;
   };
 
-  void set_row_runs(const SampleRect& rect, int row, Band& band) const;
-  void set_column_runs(const SampleRect& rect, int row, int ring, float scale, Band& band) const;
+  void set_row_runs(const Keyframe& keyframe, int row, Band& band) const;
+  void set_column_runs(const Keyframe& keyframe, int row, int ring, float scale, Band& band) const;
   template <class RowOf>
-  void mean_over_pixels(const SampleRect& rect, int begin, int end, const RowOf& row_of, float scale,
-                        std::vector<std::uint16_t>& pairs, Band& band) const;
+  void mean_over_pixels(const Keyframe& keyframe, int begin, int end, const RowOf& row_of, float scale,
+                        std::uint16_t* pairs, std::size_t per_sample, Band& band) const;
   void average_colours(Keyframe& keyframe, const Drawn& drawn, int begin, int end, Band& band) const;
   void copy_depths(Keyframe& keyframe, const Drawn& drawn, int begin, int end, Band& band);
   void sum_up(Keyframe& keyframe, bool is_room);
@@ -94,8 +94,8 @@ class KeyframeFilter {
   const KeyframeCamera* camera_;
   std::vector<Band> bands_;
   // Of a body: inverse depths of the samples, 0 where nothing is drawn; the same continued around the body; the sums of rows.
-  std::vector<float> drawn_1_m_;
-  std::vector<float> continued_1_m_;
+  LargeVector<float> drawn_1_m_;
+  LargeVector<float> continued_1_m_;
   std::vector<double> row_sums_1_m_;
 };
 

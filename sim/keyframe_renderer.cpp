@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 
@@ -22,6 +23,14 @@ constexpr float least_cover = 1.0F / 1024.0F;
 
 /// Pixels that the eye can turn before the room's keyframe ends.
 double keyframe_margin_px(const Camera& camera) { return std::max(6.0, camera.size.width / 8.0); }
+
+/// Into how many bands threads share the rows of an image: bodies are in some of them.
+std::size_t bands_of(std::size_t rows, std::size_t threads) {
+  constexpr std::size_t least_rows = 16;
+  constexpr std::size_t per_thread = 8;
+  if (threads == 1) return 1;
+  return std::clamp(rows / least_rows, std::size_t{1}, per_thread * threads);
+}
 
 /// Rays along the border of the image.
 std::vector<Eigen::Vector3d> border_rays(const Camera& camera) {
@@ -59,9 +68,10 @@ KeyframeRenderer::KeyframeRenderer(const mjModel& model, GlContext& gl, const Ca
   for (detail::SceneLayer& layer : detail::scene_layers(model)) {
     Sheet& sheet = sheets_.emplace_back();
     sheet.layer = std::move(layer);
-    sheet.luminance.resize(pixels);
-    sheet.cover.resize(pixels, 1.0F);
     sheet.inverse_depth_1_m.resize(pixels);
+    if (sheet.layer.is_room()) continue;
+    sheet.luminance.resize(pixels);
+    sheet.cover.resize(pixels);
   }
   for (int y = 0; y < camera.size.height; ++y) {
     for (int x = 0; x < camera.size.width; ++x) {
@@ -75,7 +85,7 @@ KeyframeRenderer::KeyframeRenderer(const mjModel& model, GlContext& gl, const Ca
     }
   }
   const auto width = static_cast<std::size_t>(camera.size.width);
-  scratch_.resize(threads_->threads(),
+  scratch_.resize(bands_of(static_cast<std::size_t>(camera.size.height), threads_->threads()),
                   {std::vector<float>(width), std::vector<float>(width), std::vector<int>(width), {}});
   for (Scratch& scratch : scratch_) scratch.bodies.reserve(sheets_.size());
 }
@@ -99,11 +109,12 @@ void KeyframeRenderer::render(mjData& data, int camera_id, std::span<float> lumi
   }
   const Eigen::Isometry3d camera_from_root = World::root_from_camera(data, camera_id).inverse();
   for (Sheet& sheet : sheets_) update(sheet, data, eye, camera_from_root);
-  threads_->run([&](std::size_t band) {
+  threads_->run(scratch_.size(), [&](std::size_t band) {
     const auto height = static_cast<std::size_t>(camera_.size.height);
-    const int top = static_cast<int>(height * band / threads_->threads());
-    const int bottom = static_cast<int>(height * (band + 1) / threads_->threads());
-    for (Sheet& sheet : sheets_) reproject_rows(sheet, top, bottom, scratch_[band]);
+    const int top = static_cast<int>(height * band / scratch_.size());
+    const int bottom = static_cast<int>(height * (band + 1) / scratch_.size());
+    for (Sheet& sheet : sheets_)
+      reproject_rows(sheet, top, bottom, sheet.layer.is_room() ? luminance : sheet.luminance, scratch_[band]);
     compose_rows(luminance, top, bottom, scratch_[band]);
   });
 }
@@ -119,23 +130,23 @@ void KeyframeRenderer::update(Sheet& sheet, mjData& data, const mjvGLCamera& eye
   const Eigen::Vector3d middle_m = root_from_layer.inverse() * middle_of(layer, data);
   Keyframe& keyframe = sheet.keyframe;
   if (!rule_.permits(keyframe, layer, middle_m, camera_from_layer, root_from_layer.linear())) {
-    keyframe.rect = found.rect;
+    keyframe.drawn = found.drawn;
     keyframe.is_clipped = found.is_clipped;
     keyframe.camera_from_layer = camera_from_layer;
     keyframe.root_from_layer = root_from_layer.linear();
     draw(sheet, data, eye);
-    if (keyframe.covered.is_empty()) {
+    if (keyframe.rect.is_empty()) {
       keyframe.nearest_1_m = found.nearest_1_m;
       keyframe.farthest_1_m = found.farthest_1_m;
     }
   }
-  if (!keyframe.covered.is_empty()) prepare(sheet, camera_from_layer);
+  if (!keyframe.rect.is_empty()) prepare(sheet, camera_from_layer);
 }
 
-/// Sets rect, is_clipped and the bounds of depth of a keyframe drawn now. Returns false if the layer is not in the image.
+/// Sets drawn, is_clipped and the bounds of depth of a keyframe drawn now. Returns false if the layer is not in the image.
 bool KeyframeRenderer::find_rect(const Sheet& sheet, const mjData& data,
                                  const Eigen::Isometry3d& camera_from_root, Keyframe& keyframe) const {
-  keyframe.rect = key_camera_.whole();
+  keyframe.drawn = key_camera_.whole();
   keyframe.nearest_1_m = 1.0 / config_.near_m;
   keyframe.farthest_1_m = 1.0 / config_.far_m;
   keyframe.is_clipped = true;
@@ -159,10 +170,10 @@ bool KeyframeRenderer::find_rect(const Sheet& sheet, const mjData& data,
   const int border = 2 * key_camera_.samples() + 2;  // more than a pixel around the layer stays empty
   const SampleRect wanted{all.left - border, all.top - border, all.right + border, all.bottom + border};
   if (all.left == everywhere) return false;
-  keyframe.rect = wanted.cut(key_camera_.whole());
-  if (keyframe.rect.is_empty()) return false;
-  keyframe.is_clipped = keyframe.rect.left > wanted.left || keyframe.rect.top > wanted.top ||
-                        keyframe.rect.right < wanted.right || keyframe.rect.bottom < wanted.bottom;
+  keyframe.drawn = wanted.cut(key_camera_.whole());
+  if (keyframe.drawn.is_empty()) return false;
+  keyframe.is_clipped = keyframe.drawn.left > wanted.left || keyframe.drawn.top > wanted.top ||
+                        keyframe.drawn.right < wanted.right || keyframe.drawn.bottom < wanted.bottom;
   keyframe.nearest_1_m = 1.0 / nearest_m;
   keyframe.farthest_1_m = 1.0 / farthest_m;
   return true;
@@ -170,22 +181,52 @@ bool KeyframeRenderer::find_rect(const Sheet& sheet, const mjData& data,
 
 void KeyframeRenderer::draw(Sheet& sheet, mjData& data, mjvGLCamera eye) {
   Keyframe& keyframe = sheet.keyframe;
-  key_camera_.set_frustum(keyframe.rect, eye);
-  const mjrRect area{0, 0, keyframe.rect.columns(), keyframe.rect.rows()};
-  if (rgba_.size() < keyframe.rect.area()) {
-    rgba_.resize(keyframe.rect.area());
-    depth_.resize(keyframe.rect.area());
+  const SampleRect& drawn = keyframe.drawn;
+  key_camera_.set_frustum(drawn, eye);
+  const mjrRect area{0, 0, drawn.columns(), drawn.rows()};
+  if (rgba_.size() < drawn.area()) {
+    rgba_.resize(drawn.area());
+    depth_.resize(drawn.area());
   }
   drawer_->draw_some(data, eye, area, sheet.layer.is_shown);
-  drawer_->read_rgba(area, rgba_.data());
   drawer_->read_depth(area, depth_.data());
-  filter_.fill(keyframe, {rgba_, depth_, config_.near_m, config_.far_m, sheet.layer.is_room()}, *threads_);
+  keyframe.rect = sheet.layer.is_room() ? drawn : covered_part(drawn);
   keyframe.is_drawn = true;
   ++(sheet.layer.is_room() ? counts_.room : counts_.bodies);
-  counts_.samples += static_cast<std::int64_t>(keyframe.rect.area());
+  counts_.samples += static_cast<std::int64_t>(drawn.area());
+  if (keyframe.rect.is_empty()) return;
+  const mjrRect part{keyframe.rect.left - drawn.left, drawn.bottom - keyframe.rect.bottom,
+                     keyframe.rect.columns(), keyframe.rect.rows()};
+  drawer_->read_rgba(part, rgba_.data());
+  if (keyframe.rect.area() < drawn.area()) drawer_->read_depth(part, depth_.data());
+  filter_.fill(keyframe, {rgba_, depth_, config_.near_m, config_.far_m, sheet.layer.is_room()}, *threads_);
 }
 
-/// The pixels that the covered part of a keyframe is reprojected to, at all of its depths.
+/// The samples of `drawn` that have a depth, and a few around them; empty where none has.
+SampleRect KeyframeRenderer::covered_part(const SampleRect& drawn) const {
+  const auto columns = static_cast<std::ptrdiff_t>(drawn.columns());
+  SampleRect part{drawn.right, drawn.bottom, drawn.left, drawn.top};
+  const auto is_here = [](float depth) { return depth < 1.0F; };
+  for (int row = drawn.top; row < drawn.bottom; ++row) {
+    const float* const begin = depth_.data() + static_cast<std::ptrdiff_t>(drawn.bottom - 1 - row) * columns;
+    const float* const end = begin + columns;
+    const float* const first = std::find_if(begin, end, is_here);
+    if (first == end) continue;
+    const auto last = std::find_if(std::reverse_iterator(end), std::reverse_iterator(first), is_here);
+    part = {std::min(part.left, drawn.left + static_cast<int>(first - begin)), std::min(part.top, row),
+            std::max(part.right, drawn.left + static_cast<int>(last.base() - begin)), row + 1};
+  }
+  if (part.is_empty()) return {};
+  const int around = 2 * key_camera_.samples();  // more than a pixel
+  // Whole groups of eight columns, which sum_of_row() adds side by side: the mean depth is that of all of `drawn`, to the bit.
+  constexpr int group = 8;
+  const int left = std::max(0, part.left - around - drawn.left) / group * group;
+  const int right = (part.right + around - drawn.left + group - 1) / group * group;
+  return SampleRect{drawn.left + left, part.top - around, drawn.left + right, part.bottom + around}.cut(
+      drawn);
+}
+
+/// The pixels that a keyframe is reprojected to, at all of its depths.
 KeyframeRenderer::PixelRect KeyframeRenderer::pixels_of(const Keyframe& key,
                                                         const Eigen::Isometry3d& camera_from_key) const {
   const PixelRect whole{0, 0, camera_.size.width, camera_.size.height};
@@ -195,11 +236,9 @@ KeyframeRenderer::PixelRect KeyframeRenderer::pixels_of(const Keyframe& key,
   for (int i = 0; i <= per_side; ++i) {
     for (int j = 0; j <= per_side; ++j) {
       const Eigen::Vector3d ray(
-          (key.covered.left + key.covered.columns() * i / static_cast<double>(per_side) -
-           key_camera_.centre_x()) /
+          (key.rect.left + key.rect.columns() * i / static_cast<double>(per_side) - key_camera_.centre_x()) /
               key_camera_.focal(),
-          (key.covered.top + key.covered.rows() * j / static_cast<double>(per_side) -
-           key_camera_.centre_y()) /
+          (key.rect.top + key.rect.rows() * j / static_cast<double>(per_side) - key_camera_.centre_y()) /
               key_camera_.focal(),
           1.0);
       for (const double inverse_depth_1_m : {key.nearest_1_m, key.farthest_1_m}) {
@@ -228,10 +267,10 @@ void KeyframeRenderer::prepare(Sheet& sheet, const Eigen::Isometry3d& camera_fro
                          : pixels_of(key, key_from_camera.inverse());
   if (sheet.pixels.is_empty()) return;
 
-  Eigen::Matrix3d intrinsics = Eigen::Matrix3d::Identity();  // to the middles of the rectangle's samples
+  Eigen::Matrix3d intrinsics = Eigen::Matrix3d::Identity();  // to the middles of the samples
   intrinsics(0, 0) = intrinsics(1, 1) = key_camera_.focal();
-  intrinsics(0, 2) = key_camera_.centre_x() - key.rect.left - 0.5;
-  intrinsics(1, 2) = key_camera_.centre_y() - key.rect.top - 0.5;
+  intrinsics(0, 2) = key_camera_.centre_x() - key.drawn.left - 0.5;
+  intrinsics(1, 2) = key_camera_.centre_y() - key.drawn.top - 0.5;
   const Eigen::Matrix3d a = intrinsics * key_from_camera.linear();
   const Eigen::Vector3d t = intrinsics * key_from_camera.translation();
   detail::WarpRow& warp = sheet.warp;
@@ -248,8 +287,10 @@ void KeyframeRenderer::prepare(Sheet& sheet, const Eigen::Isometry3d& camera_fro
   constexpr double small_spread = 1.0;
   warp.iterations = spread < least_spread ? 0 : spread < small_spread ? 1 : 2;
   if (!is_room) ++warp.iterations;  // the depth orders the layers, and bends at their outlines
-  warp.luminance = key.luminance.data();
-  warp.cover = is_room ? nullptr : key.cover.data();
+  warp.samples = key.samples.data();
+  warp.has_cover = !is_room;
+  warp.left = key.rect.left - key.drawn.left;  // 0 for the room, and a block of a body is a sample
+  warp.top = key.rect.top - key.drawn.top;
   warp.columns = key.rect.columns();
   warp.rows = key.rect.rows();
   warp.inverse_depth_1_m = key.inverse_depth_1_m.data();
@@ -259,7 +300,8 @@ void KeyframeRenderer::prepare(Sheet& sheet, const Eigen::Isometry3d& camera_fro
 }
 
 /// Reprojects the layer's keyframe to the rows [top, bottom).
-void KeyframeRenderer::reproject_rows(Sheet& sheet, int top, int bottom, Scratch& scratch) const {
+void KeyframeRenderer::reproject_rows(Sheet& sheet, int top, int bottom, std::span<float> luminance,
+                                      Scratch& scratch) const {
   if (sheet.pixels.is_empty()) return;
   const auto left = static_cast<std::size_t>(sheet.pixels.left);
   const auto count = static_cast<std::size_t>(sheet.pixels.right) - left;
@@ -268,18 +310,17 @@ void KeyframeRenderer::reproject_rows(Sheet& sheet, int top, int bottom, Scratch
         static_cast<std::size_t>(row) * static_cast<std::size_t>(camera_.size.width) + left;
     detail::warp_row(
         sheet.warp, ray_x_.data() + first, ray_y_.data() + first, count,
-        {sheet.luminance.data() + first, sheet.cover.data() + first, sheet.inverse_depth_1_m.data() + first,
-         scratch.u.data(), scratch.v.data(), scratch.at.data()});
+        {luminance.data() + first, sheet.layer.is_room() ? nullptr : sheet.cover.data() + first,
+         sheet.inverse_depth_1_m.data() + first, scratch.u.data(), scratch.v.data(), scratch.at.data()});
   }
 }
 
-/// Puts the layers together in the rows [top, bottom): the nearest fragment of a pixel over the next.
+/// Puts the bodies into the room's image, rows [top, bottom): the nearest fragment of a pixel over the next.
 void KeyframeRenderer::compose_rows(std::span<float> luminance, int top, int bottom, Scratch& scratch) const {
   const auto width = static_cast<std::size_t>(camera_.size.width);
   const Sheet& room = sheets_.front();
   for (int y = top; y < bottom; ++y) {
     const std::size_t row = static_cast<std::size_t>(y) * width;
-    std::copy_n(room.luminance.data() + row, width, luminance.data() + row);
     std::vector<const Sheet*>& bodies = scratch.bodies;
     bodies.clear();
     int left = camera_.size.width;
@@ -290,6 +331,15 @@ void KeyframeRenderer::compose_rows(std::span<float> luminance, int top, int bot
       left = std::min(left, sheet.pixels.left);
       right = std::max(right, sheet.pixels.right);
     }
+    if (bodies.size() == 1) {
+      const Sheet& body = *bodies.front();
+      const std::size_t first = row + static_cast<std::size_t>(left);
+      detail::put_over(
+          {body.luminance.data() + first, body.cover.data() + first, body.inverse_depth_1_m.data() + first},
+          least_cover, room.inverse_depth_1_m.data() + first, luminance.data() + first,
+          static_cast<std::size_t>(right - left));
+      continue;
+    }
     for (int x = left; x < right; ++x) compose_pixel(x, row + static_cast<std::size_t>(x), bodies, luminance);
   }
 }
@@ -298,7 +348,7 @@ void KeyframeRenderer::compose_pixel(int x, std::size_t pixel, const std::vector
                                      std::span<float> luminance) const {
   const Sheet& room = sheets_.front();
   std::array<Fragment, most_fragments> fragments;
-  fragments[0] = {room.luminance[pixel], 1.0F, room.inverse_depth_1_m[pixel]};
+  fragments[0] = {luminance[pixel], 1.0F, room.inverse_depth_1_m[pixel]};
   std::size_t count = 1;
   for (const Sheet* const sheet : bodies) {
     if (x < sheet->pixels.left || x >= sheet->pixels.right || !(sheet->cover[pixel] > least_cover)) continue;
@@ -320,54 +370,71 @@ void KeyframeRenderer::compose_pixel(int x, std::size_t pixel, const std::vector
   luminance[pixel] = sum;
 }
 
-double KeyframeRenderer::visible_share(const Eigen::Vector3d& centre_m, double radius_m, int body) const {
+double KeyframeRenderer::visible_share(const Eigen::Vector3d& centre_m, double radius_m, int body) {
   const double depth2 = centre_m.z() * centre_m.z() - radius_m * radius_m;
   if (!(centre_m.z() > radius_m) || !(depth2 > 0.0)) return 0.0;
   const double k = centre_m.squaredNorm() - radius_m * radius_m;
   // The outline is an ellipse with the semi-axes R sqrt(k) / depth2 and R / sqrt(depth2) at unit depth.
   const double area = std::numbers::pi * radius_m * radius_m * std::sqrt(k) / (depth2 * std::sqrt(depth2));
-  constexpr std::array<float, 2> places{-0.25F, 0.25F};  // of a pixel's samples
-  double all = 0.0;
-  double visible = 0.0;
   const auto own =
       std::ranges::find_if(sheets_, [&](const Sheet& sheet) { return sheet.layer.body == body; });
-  if (own == sheets_.end()) return 0.0;
-  for (int row = own->pixels.top; row < own->pixels.bottom; ++row) {
-    for (int column = own->pixels.left; column < own->pixels.right; ++column) {
-      const auto pixel = static_cast<std::size_t>(row) * static_cast<std::size_t>(camera_.size.width) +
-                         static_cast<std::size_t>(column);
-      const std::array<float, 4>& slope = ray_slope_[pixel];
-      int inside = 0;
-      double nearest_1_m = 0.0;
-      for (const float right : places) {
-        for (const float down : places) {
-          const auto x = static_cast<double>(ray_x_[pixel] + right * slope[0] + down * slope[2]);
-          const auto y = static_cast<double>(ray_y_[pixel] + right * slope[1] + down * slope[3]);
-          const double along = centre_m.x() * x + centre_m.y() * y + centre_m.z();
-          const double ray2 = x * x + y * y + 1.0;
-          const double root2 = along * along - ray2 * k;
-          if (root2 < 0.0) continue;
-          ++inside;
-          nearest_1_m = std::max(nearest_1_m, ray2 / (along - std::sqrt(root2)));
-        }
-      }
-      if (inside == 0) continue;
-      const double hides_1_m = 1.0 / (1.0 / nearest_1_m - EyeRenderer::hidden_by_m);
-      double through = 1.0;
-      for (const Sheet& sheet : sheets_) {
-        if (sheet.layer.body == body || !sheet.pixels.holds(column, row)) continue;
-        if (static_cast<double>(sheet.inverse_depth_1_m[pixel]) < hides_1_m) continue;
-        through *=
-            sheet.layer.is_room() ? 0.0 : 1.0 - static_cast<double>(std::min(1.0F, sheet.cover[pixel]));
-      }
-      const double part = std::abs(static_cast<double>(slope[0] * slope[3] - slope[1] * slope[2])) * inside /
-                          static_cast<double>(places.size() * places.size());
-      all += part;
-      visible += part * through;
+  if (own == sheets_.end() || own->pixels.is_empty()) return 0.0;
+  const auto rows = static_cast<std::size_t>(own->pixels.bottom - own->pixels.top);
+  const auto columns = static_cast<std::size_t>(own->pixels.right - own->pixels.left);
+  shares_.resize(rows * columns);
+  constexpr std::size_t rows_that_one_thread_does_sooner = 64;
+  const std::size_t parts = rows > rows_that_one_thread_does_sooner ? scratch_.size() : 1;
+  threads_->run(parts, [&](std::size_t part) {
+    for (std::size_t row = part; row < rows; row += parts) {
+      for (std::size_t column = 0; column < columns; ++column)
+        shares_[row * columns + column] =
+            share_of_pixel(*own, own->pixels.left + static_cast<int>(column),
+                           own->pixels.top + static_cast<int>(row), centre_m, k);
     }
+  });
+  double all = 0.0;
+  double visible = 0.0;
+  for (const Share& share : shares_) {
+    all += share.all;
+    visible += share.visible;
   }
   constexpr double close_share = 0.98;  // samples of a disc miss its area by less than that
   return visible / (all > close_share * area ? all : area);
+}
+
+/// What a pixel shows of a sphere's disc, and what of it nothing else hides; areas at unit depth. `k`: the square of the length of
+/// the sphere's tangents.
+KeyframeRenderer::Share KeyframeRenderer::share_of_pixel(const Sheet& own, int column, int row,
+                                                         const Eigen::Vector3d& centre_m, double k) const {
+  constexpr std::array<float, 2> places{-0.25F, 0.25F};  // of a pixel's samples
+  const auto pixel = static_cast<std::size_t>(row) * static_cast<std::size_t>(camera_.size.width) +
+                     static_cast<std::size_t>(column);
+  const std::array<float, 4>& slope = ray_slope_[pixel];
+  int inside = 0;
+  double nearest_1_m = 0.0;
+  for (const float right : places) {
+    for (const float down : places) {
+      const auto x = static_cast<double>(ray_x_[pixel] + right * slope[0] + down * slope[2]);
+      const auto y = static_cast<double>(ray_y_[pixel] + right * slope[1] + down * slope[3]);
+      const double along = centre_m.x() * x + centre_m.y() * y + centre_m.z();
+      const double ray2 = x * x + y * y + 1.0;
+      const double root2 = along * along - ray2 * k;
+      if (root2 < 0.0) continue;
+      ++inside;
+      nearest_1_m = std::max(nearest_1_m, ray2 / (along - std::sqrt(root2)));
+    }
+  }
+  if (inside == 0) return {};
+  const double hides_1_m = 1.0 / (1.0 / nearest_1_m - EyeRenderer::hidden_by_m);
+  double through = 1.0;
+  for (const Sheet& sheet : sheets_) {
+    if (&sheet == &own || !sheet.pixels.holds(column, row)) continue;
+    if (static_cast<double>(sheet.inverse_depth_1_m[pixel]) < hides_1_m) continue;
+    through *= sheet.layer.is_room() ? 0.0 : 1.0 - static_cast<double>(std::min(1.0F, sheet.cover[pixel]));
+  }
+  const double part = std::abs(static_cast<double>(slope[0] * slope[3] - slope[1] * slope[2])) * inside /
+                      static_cast<double>(places.size() * places.size());
+  return {part, part * through};
 }
 
 }  // namespace saccade

@@ -43,7 +43,7 @@ class KeyframeRenderer {
   /// The share of a sphere's disc, in [0, 1], that is inside the newest image and not hidden by anything more than 3 mm in
   /// front of the sphere. `centre_m` in the (OpenCV) camera frame; `body`: of the sphere, whose geoms do not hide it. 0
   /// for a sphere that is not wholly in front of the camera.
-  [[nodiscard]] double visible_share(const Eigen::Vector3d& centre_m, double radius_m, int body) const;
+  [[nodiscard]] double visible_share(const Eigen::Vector3d& centre_m, double radius_m, int body);
 
   /// Keyframes drawn so far, of all layers, and their samples.
   struct Counts {
@@ -71,9 +71,9 @@ class KeyframeRenderer {
     detail::Keyframe keyframe;
     PixelRect pixels;
     detail::WarpRow warp;
-    std::vector<float> luminance;
-    std::vector<float> cover;
-    std::vector<float> inverse_depth_1_m;
+    LargeVector<float> inverse_depth_1_m;
+    LargeVector<float> luminance;  ///< of a body
+    LargeVector<float> cover;      ///< of a body
   };
   /// Intermediate results of a row, one for each band of rows.
   struct Scratch {
@@ -89,17 +89,26 @@ class KeyframeRenderer {
     float inverse_depth_1_m;
   };
 
+  /// Of a sphere's disc.
+  struct Share {
+    double all = 0.0;
+    double visible = 0.0;
+  };
+
   void update(Sheet& sheet, mjData& data, const mjvGLCamera& eye, const Eigen::Isometry3d& camera_from_root);
   [[nodiscard]] bool find_rect(const Sheet& sheet, const mjData& data,
                                const Eigen::Isometry3d& camera_from_root, detail::Keyframe& keyframe) const;
   void draw(Sheet& sheet, mjData& data, mjvGLCamera eye);
+  [[nodiscard]] detail::SampleRect covered_part(const detail::SampleRect& drawn) const;
   void prepare(Sheet& sheet, const Eigen::Isometry3d& camera_from_layer) const;
-  void reproject_rows(Sheet& sheet, int top, int bottom, Scratch& scratch) const;
+  void reproject_rows(Sheet& sheet, int top, int bottom, std::span<float> luminance, Scratch& scratch) const;
   [[nodiscard]] PixelRect pixels_of(const detail::Keyframe& keyframe,
                                     const Eigen::Isometry3d& camera_from_key) const;
   void compose_rows(std::span<float> luminance, int top, int bottom, Scratch& scratch) const;
   void compose_pixel(int x, std::size_t pixel, const std::vector<const Sheet*>& bodies,
                      std::span<float> luminance) const;
+  [[nodiscard]] Share share_of_pixel(const Sheet& own, int column, int row, const Eigen::Vector3d& centre_m,
+                                     double k) const;
 
   Camera camera_;
   EyeRenderConfig config_;
@@ -116,9 +125,10 @@ class KeyframeRenderer {
   std::vector<float> ray_y_;
   std::vector<std::array<float, 4>> ray_slope_;
   std::shared_ptr<WorkerThreads> threads_;
-  std::vector<Scratch> scratch_;
-  std::vector<std::uint32_t> rgba_;
-  std::vector<float> depth_;
+  std::vector<Scratch> scratch_;  ///< of each band of rows
+  std::vector<Share> shares_;     ///< of the pixels where the sphere is
+  LargeVector<std::uint32_t> rgba_;
+  LargeVector<float> depth_;
   Counts counts_;
 };
 

@@ -81,10 +81,15 @@ void write_means(std::span<const MeanRun> runs, std::uint16_t* __restrict out) {
 
 SACCADE_VECTOR_CLONES
 void interleave_rows(const std::uint16_t* top, const std::uint16_t* bottom, std::uint16_t* __restrict out,
-                     std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) {
-    out[2 * i] = top[i];
-    out[2 * i + 1] = bottom[i];
+                     std::size_t stride, std::size_t count) {
+  const auto write = [&](std::size_t i, std::size_t at) {
+    out[at] = top[i];
+    out[at + 1] = bottom[i];
+  };
+  if (stride == 2) {  // vectors
+    for (std::size_t i = 0; i < count; ++i) write(i, 2 * i);
+  } else {
+    for (std::size_t i = 0; i < count; ++i) write(i, stride * i);
   }
 }
 

@@ -41,9 +41,9 @@ void add_means(std::span<const MeanRun> runs, const std::uint32_t* before, std::
 /// out[i] = the mean at i, rounded and held within 16 bits.
 void write_means(std::span<const MeanRun> runs, std::uint16_t* out);
 
-/// Values of two rows side by side: top[0], bottom[0], top[1], ...
+/// Values of two rows side by side: out[0] = top[0], out[1] = bottom[0], out[stride] = top[1], ...
 void interleave_rows(const std::uint16_t* top, const std::uint16_t* bottom, std::uint16_t* out,
-                     std::size_t count);
+                     std::size_t stride, std::size_t count);
 
 /// Least and largest of values above 0, as the bits of positive floats, whose order is that of the floats.
 struct FloatRange {

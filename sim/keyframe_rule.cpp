@@ -22,7 +22,7 @@ bool KeyframeRule::permits(const Keyframe& key, const SceneLayer& layer, const E
   if (!key.is_drawn) return false;
   const Eigen::Isometry3d key_from_camera = key.camera_from_layer * camera_from_layer.inverse();
   if ((layer.is_room() || key.is_clipped) && !shows_border(key, key_from_camera)) return false;
-  if (key.covered.is_empty()) return key.is_clipped;  // too small for a sample: it may grow
+  if (key.rect.is_empty()) return key.is_clipped;  // too small for a sample: it may grow
 
   const double focal_px = camera_->focal() / camera_->samples();
   const Eigen::Vector3d& moved_m = key_from_camera.translation();
@@ -46,7 +46,7 @@ bool KeyframeRule::permits(const Keyframe& key, const SceneLayer& layer, const E
 
 /// Whether the keyframe shows everything along the border of the image, at all depths of the layer.
 bool KeyframeRule::shows_border(const Keyframe& key, const Eigen::Isometry3d& key_from_camera) const {
-  const SampleRect& rect = key.rect;
+  const SampleRect& rect = key.drawn;
   for (const double inverse_depth_1_m : {key.nearest_1_m, key.farthest_1_m}) {
     for (const Eigen::Vector3d& ray : rays_) {
       const Eigen::Vector3d point =

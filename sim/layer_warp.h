@@ -20,9 +20,11 @@ struct WarpRow {
   std::array<float, 3> t;
   float start_1_m;  ///< inverse depth in the keyframe at which the iteration begins
   int iterations;   ///< 0 where the motion is a rotation: then all depths give the same sample
-  // The keyframe; `luminance` and `cover` as in Keyframe.
-  const std::uint16_t* luminance;
-  const std::uint16_t* cover;  ///< null: 1
+  // The keyframe, as in Keyframe. Samples (u, v) count from the first that was drawn.
+  const std::uint16_t* samples;
+  bool has_cover;
+  int left;  ///< the first sample and the first block that are kept
+  int top;
   int columns;
   int rows;
   const float* inverse_depth_1_m;  ///< of blocks
@@ -40,6 +42,16 @@ struct WarpResult {
   float* v;
   int* at;
 };
+
+/// What a body shows of a row.
+struct BodyRow {
+  const float* luminance;  ///< times cover
+  const float* cover;
+  const float* inverse_depth_1_m;
+};
+
+/// Puts a body into an image of the room, where its cover is above `least` and it is nearer than the room.
+void put_over(const BodyRow& body, float least, const float* room_1_m, float* luminance, std::size_t count);
 
 /// `x`, `y`: rays of the `count` pixels, at unit depth.
 void warp_row(const WarpRow& warp, const float* x, const float* y, std::size_t count,

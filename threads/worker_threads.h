@@ -26,14 +26,19 @@ class WorkerThreads {
 
   [[nodiscard]] std::size_t threads() const { return threads_.size() + 1; }
 
-  /// Calls job(0) to job(threads() - 1), each once, in any of the threads, and returns when all are done. The caller makes the
+  /// Calls job(0) to job(count - 1), each once, in any of the threads, and returns when all are done. The caller makes the
   /// calls that no thread begins.
   template <class Job>
-  void run(const Job& job) {
-    if (threads_.empty()) return job(0);
-    begin(shared_, threads(), call_of<Job>, &job);
+  void run(std::size_t count, const Job& job) {
+    if (count == 1) return job(0);
+    begin(shared_, count, call_of<Job>, &job);
     end(shared_);
     rethrow(shared_);
+  }
+  /// run(threads(), job)
+  template <class Job>
+  void run(const Job& job) {
+    run(threads(), job);
   }
 
   /// Calls that the other threads make: job(0) to job(count - 1), each once. One object at a time; run() may be called while it

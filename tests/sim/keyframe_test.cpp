@@ -64,13 +64,13 @@ class Keyframes : public testing::Test {
     return image;
   }
   template <class Renderer>
-  double visible_share(const Renderer& renderer) {
+  double visible_share(Renderer& renderer) {
     const Eigen::Vector3d ball_m = world_->root_from_left_cam().inverse() * world_->target_position_m();
     if constexpr (std::is_same_v<Renderer, KeyframeRenderer>) {
       const int geom = mj_name2id(&world_->model(), mjOBJ_GEOM, "ball");
       return renderer.visible_share(ball_m, *world_->target_radius_m(), world_->model().geom_bodyid[geom]);
     } else {
-      return const_cast<Renderer&>(renderer).visible_share(ball_m, *world_->target_radius_m());
+      return renderer.visible_share(ball_m, *world_->target_radius_m());
     }
   }
   static double mean_difference(const Image& a, const Image& b) {

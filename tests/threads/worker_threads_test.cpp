@@ -30,6 +30,15 @@ TEST_P(WorkerThreadsOf, RunEachCallOnceAndReturnWhenAllAreDone) {
   EXPECT_EQ(sums.front(), 20'000 * 20'001 / 2);
 }
 
+TEST_P(WorkerThreadsOf, RunAnyNumberOfCallsOnceEach) {
+  WorkerThreads threads(GetParam());
+  for (std::size_t count = 0; count < 40; ++count) {
+    std::vector<std::atomic<int>> calls(count);
+    threads.run(count, [&](std::size_t i) { ++calls[i]; });
+    for (const std::atomic<int>& made : calls) ASSERT_EQ(made, 1) << count << " calls";
+  }
+}
+
 TEST_P(WorkerThreadsOf, MakeEachStartedCallOnce) {
   WorkerThreads threads(GetParam());
   for (std::size_t count = 0; count < 40; ++count) {
