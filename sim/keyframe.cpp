@@ -129,8 +129,8 @@ void KeyframeFilter::set_column_runs(const Keyframe& k, int row, int ring, float
 }
 
 /// Means of samples over the area of a pixel around each, times `scale`, rounded, as pairs of a sample and the one below it:
-/// the pairs of the rows [begin, end), each per_sample after the one before. `row_of(row, out)` gives samples. Sums are whole numbers modulo 2^32, so that
-/// differences are exact, whatever row the sums begin with.
+/// the pairs of the rows [begin, end), each per_sample after the one before. `row_of(row, out)` gives samples. Sums are whole
+/// numbers modulo 2^32, so that differences are exact, whatever row the sums begin with.
 template <class RowOf>
 void KeyframeFilter::mean_over_pixels(const Keyframe& k, int begin, int end, const RowOf& row_of, float scale,
                                       std::uint16_t* pairs, std::size_t per_sample, Band& band) const {
@@ -328,7 +328,8 @@ void KeyframeFilter::fill(Keyframe& k, const Drawn& drawn, WorkerThreads& thread
   k.block = drawn.is_room ? camera_->samples() : 1;
   k.block_columns = (k.rect.columns() + k.block - 1) / k.block;
   k.block_rows = (rows + k.block - 1) / k.block;
-  make_room(k.samples, (drawn.is_room ? 2 : 4) * k.rect.area());
+  // A point reads a sample and the next, also where a row has one.
+  make_room(k.samples, (drawn.is_room ? 2 : 4) * (k.rect.area() + 1));
   make_room(k.inverse_depth_1_m,
             static_cast<std::size_t>(k.block_columns) * static_cast<std::size_t>(k.block_rows));
   if (!drawn.is_room) {

@@ -217,7 +217,7 @@ SampleRect KeyframeRenderer::covered_part(const SampleRect& drawn) const {
             std::max(part.right, drawn.left + static_cast<int>(last.base() - begin)), row + 1};
   }
   if (part.is_empty()) return {};
-  const int around = 2 * key_camera_.samples();  // more than a pixel
+  const int around = std::max(2 * key_camera_.samples(), key_camera_.reach() + 1);  // more than a pixel
   // Whole groups of eight columns, which sum_of_row() adds side by side: the mean depth is that of all of `drawn`, to the bit.
   constexpr int group = 8;
   const int left = std::max(0, part.left - around - drawn.left) / group * group;
