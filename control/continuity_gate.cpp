@@ -95,11 +95,11 @@ std::optional<Eigen::Vector3d> ContinuityGate::update(std::int64_t now_us, const
                                                       const Eigen::Isometry3d& root_from_cam) {
   advance(now_us);
   if (!is_detection(estimate, threshold)) {
-    const auto expected_m = near_prediction(now_us, estimate, threshold, camera, root_from_cam);
+    auto expected_m = near_prediction(now_us, estimate, threshold, camera, root_from_cam);
     if (expected_m) accept({now_us, *expected_m}, root_from_cam.translation());
     return expected_m;
   }
-  const auto point_m = locate(estimate.circle, camera, root_from_cam);
+  auto point_m = locate(estimate.circle, camera, root_from_cam);
   if (!point_m) return std::nullopt;
   const Eigen::Vector3d eye_m = root_from_cam.translation();
   const Place here{now_us, *point_m};
