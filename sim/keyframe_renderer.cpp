@@ -382,8 +382,8 @@ double KeyframeRenderer::visible_share(const Eigen::Vector3d& centre_m, double r
   const auto rows = static_cast<std::size_t>(own->pixels.bottom - own->pixels.top);
   const auto columns = static_cast<std::size_t>(own->pixels.right - own->pixels.left);
   shares_.resize(rows * columns);
-  constexpr std::size_t rows_that_one_thread_does_sooner = 64;
-  const std::size_t parts = rows > rows_that_one_thread_does_sooner ? scratch_.size() : 1;
+  constexpr std::size_t small_rows = 64;  // one thread alone is done sooner
+  const std::size_t parts = rows > small_rows ? scratch_.size() : 1;
   threads_->run(parts, [&](std::size_t part) {
     for (std::size_t row = part; row < rows; row += parts) {
       for (std::size_t column = 0; column < columns; ++column)

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t large_page = std::size_t{2} << 20U;
 constexpr std::size_t least_large = std::size_t{512} << 10U;
-// A vector aligns its values for any type; those of PixelArray are a cache line each.
+// Values that are a cache line each lie in one.
 constexpr std::align_val_t small_alignment{64};
 
 std::size_t whole_pages(std::size_t bytes) { return (bytes + large_page - 1) / large_page * large_page; }

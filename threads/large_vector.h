@@ -24,8 +24,8 @@ struct LargePageAllocator {
   bool operator==(const LargePageAllocator& /*other*/) const { return true; }
 };
 
-/// A vector for large arrays that are not read one value after the other: in pages of 4 KB, reading a value of 20 MB in no order
-/// costs the processor a walk through the page tables.
+/// A vector for large arrays whose values are read in no order. With pages of 4 KB the processor often has to look up the address
+/// of a value's page in memory first.
 template <class T>
 using LargeVector = std::vector<T, LargePageAllocator<T>>;
 
