@@ -132,18 +132,6 @@ Eigen::Vector2d fisheye_ray(const Camera& c, const Eigen::Vector2d& seen) {
   return seen * (std::tan(a) / radius);
 }
 
-bool is_invertible(const Camera& c) {
-  constexpr int steps = 16;
-  for (int i = 0; i <= steps; ++i) {
-    for (int k = 0; k <= steps; ++k) {
-      const Eigen::Vector3d ray = c.ray(c.size.width * i / static_cast<double>(steps) - 0.5,
-                                        c.size.height * k / static_cast<double>(steps) - 0.5);
-      if (!(jacobian(c, ray.head<2>()).determinant() > 0.0)) return false;
-    }
-  }
-  return true;
-}
-
 }  // namespace
 
 Camera Camera::without_lens() const {
@@ -282,6 +270,18 @@ void describe_lens(FieldVisitor& v, Camera& camera) {
   v.when(camera.lens == LensModel::fisheye, "lens: fisheye", [&] {
     v.real("k4", camera.k4, {-10.0, 10.0}, "radial distortion, of r^8");
   });
+}
+
+bool is_invertible(const Camera& c) {
+  constexpr int steps = 16;
+  for (int i = 0; i <= steps; ++i) {
+    for (int k = 0; k <= steps; ++k) {
+      const Eigen::Vector3d ray = c.ray(c.size.width * i / static_cast<double>(steps) - 0.5,
+                                        c.size.height * k / static_cast<double>(steps) - 0.5);
+      if (!(jacobian(c, ray.head<2>()).determinant() > 0.0)) return false;
+    }
+  }
+  return true;
 }
 
 void require_invertible(FieldVisitor& v, const Camera& camera) {

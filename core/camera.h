@@ -92,8 +92,9 @@ void describe_image_size(FieldVisitor& v, Camera& camera);
 /// Keys: lens, fx_px, fy_px, cx_px, cy_px, k1, k2, k3, p1, p2 (fisheye: k1, k2, k3, k4). While a file is read, another lens
 /// than before starts without distortion.
 void describe_lens(FieldVisitor& v, Camera& camera);
-/// The condition on these keys: the lens is invertible, every pixel up to the image's border has a ray, and around it the
-/// lens turns nothing inside out.
+/// Whether every pixel up to the image's border has a ray, and around it the lens turns nothing inside out.
+[[nodiscard]] bool is_invertible(const Camera& camera);
+/// The condition on these keys: the lens is invertible.
 void require_invertible(FieldVisitor& v, const Camera& camera);
 /// Keys: width_px, height_px and those of describe_lens, with require_invertible.
 void describe(FieldVisitor& v, Camera& camera);

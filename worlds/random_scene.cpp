@@ -28,9 +28,11 @@ Camera draw_camera(RandomGenerator& random) {
   const double half_view_rad = 0.5 * rad_per_deg * random.real(42.0, 78.0);  // from left to right
   camera.fx_px = 0.5 * camera.size.width / std::tan(half_view_rad);
   camera.fy_px = camera.fx_px;
-  if (random.chance(0.25)) camera.k1 = random.real(-0.12, -0.03);
+  const auto lens = [&] { return random.real(-0.12, -0.03); };  // k1
+  if (random.chance(0.25)) camera.k1 = lens();
   camera.cx_px = 0.5 * (camera.size.width - 1) + 0.03 * camera.size.width * random.real(-1.0, 1.0);
   camera.cy_px = 0.5 * (camera.size.height - 1) + 0.03 * camera.size.height * random.real(-1.0, 1.0);
+  while (!is_invertible(camera)) camera.k1 = lens();
   return camera;
 }
 

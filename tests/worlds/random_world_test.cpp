@@ -270,6 +270,13 @@ TEST_F(RandomScenario, IsTheSameForTheSameSeedAndDiffersForAnother) {
   EXPECT_NE(resolved_scenario(read(7)), resolved_scenario(read(8)));
 }
 
+// The first lens that this seed draws ends inside of the image.
+TEST_F(RandomScenario, HasALensThatShowsTheWholeImage) {
+  const Camera camera = read(100374).sim.camera;
+  EXPECT_NE(camera.k1, 0.0);
+  EXPECT_TRUE(is_invertible(camera));
+}
+
 TEST_F(RandomScenario, ItsResolvedFormReadsBackTheSame) {
   for (const std::int64_t seed : {3, 4, 5, 6}) {
     const std::string resolved = resolved_scenario(read(seed));
