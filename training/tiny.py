@@ -62,6 +62,14 @@ def check_tracks(options, data):
     network, again = (track_network.train(settings, logged, []) for _ in range(2))
     for name, value in network.state_dict().items():
         check(torch.equal(value, again.state_dict()[name]), f"{name} differs in a second training")
+    model, before = options.out / "best", np.load(worlds.ROOT / "models/best/weights.npz")
+    shutil.copytree(worlds.ROOT / "models/best", model)
+    track_network.put_into(network, logged[0], model, settings)
+    expected = dict(before) | network.arrays()
+    found = np.load(model / "weights.npz")
+    check(sorted(found) == sorted(before), "the model of best has other arrays")
+    for name, value in expected.items():
+        check(np.array_equal(found[name], value), f"{name} differs in the model of best")
 
 
 def main():

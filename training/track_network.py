@@ -1,14 +1,17 @@
-"""Trains the network with memory over each followed circle (no detector uses it: docs/training.md) on the logs of training.tracks.
+"""Trains the network of `best` over each followed circle (core/tracker/track_network.h) on the logs of training.tracks.
 
     python3 -m training.track_network --tracks TRACKS --out WEIGHTS.npz
     python3 -m training.track_network --tracks TRACKS --judge [WEIGHTS.npz]
+    python3 -m training.track_network --tracks TRACKS --weights WEIGHTS.npz --into models/best
 
-The network estimates the log odds that a circle is the ball's, and how fast that ceases to be so once the circle's edge makes no
+The network estimates the log odds that a circle is the ball's, and how fast that ceases to be so once the circle's outline makes no
 events (rate, 1/s): probability(). One of HELD_BACK training worlds is held back to judge each epoch; development worlds are only
-judged.
+judged, by the network of the log where no weights are given. --into replaces the network of `best`, with golden values for tests.
 """
 import argparse
 import copy
+import hashlib
+import json
 import sys
 import time
 from pathlib import Path
@@ -18,88 +21,77 @@ import torch
 from torch import nn
 from torch.nn import functional
 
-from .tracks import FIELDS, IGNORED, INLIER, INPUTS
-from .worlds import ROOT
+from .tracks import FIELDS, IGNORED, INLIER, INPUTS, STEP
 
-STEP_MS = 2.0  # of the logs
 SHOWN = 3  # rows of a step that the loss looks at: the first, the last, one between
 MOST_ROWS = 50  # that one step counts for in the loss
-HELD_BACK = 5
-STAYS_S, AT_REST_SHARE, THRESHOLD = 1.0, 0.25, 0.5  # core/tracker/ball_tracker_constants.h
+HELD_BACK = 9
+AT_REST_SHARE, THRESHOLD = 0.25, 0.5  # core/tracker/ball_tracker_constants.h
 LEAVES_PER_S = (0.1, 30.0)
 MOST_DEVIATIONS = 4.0
-CHUNK, LANES = 64, 96
+CHUNK, LANES = 48, 96
 COLUMN = {name: i for i, name in enumerate(FIELDS)}
 BEST_WEIGHT = 5.0  # beside 1, for steps of the best circle
-MOST_AT_INSTANT = 8.0  # log odds
-
-
-def log_odds_at_instant(x):
-    """disc_log_odds() of core/tracker/disc_probability.h."""
-    w = np.load(ROOT / "models/best/weights.npz")
-    mean, scale, hidden, bias, direct, output, output_bias = (
-        w[f"probability.{k}"] for k in ("input_mean", "input_scale", "hidden_weight", "hidden_bias", "direct_weight", "output_weight", "output_bias"))
-    z = np.clip((x - mean) * scale, -MOST_DEVIATIONS, MOST_DEVIATIONS)
-    h = z @ hidden + bias
-    sum_ = output_bias[0] + z @ direct + (h / (1 + np.abs(h))) @ output
-    return np.clip(sum_, -MOST_AT_INSTANT, MOST_AT_INSTANT).astype(np.float32)
+GOLDEN_STEPS = 12
 
 
 class Tracks:
-    """The log of one world; its steps are the rows with new inputs."""
+    """The log of one world, circle by circle: rows every 2 ms, and the network's steps, from each of which on its rows are."""
 
     def __init__(self, path):
         arrays = np.load(path)
-        rows, label = arrays["rows"], arrays["label"]
+        rows, steps = arrays["rows"], arrays["steps"]
         order = np.lexsort((rows[:, COLUMN["t_ms"]], rows[:, COLUMN["number"]]))
-        self.name, self.rows, self.label, self.truth = path.stem, rows[order], label[order], arrays["truth"]
-        number, steps = self.rows[:, COLUMN["number"]], self.rows[:, COLUMN["steps"]]
-        self.born = np.r_[True, number[1:] != number[:-1]] if len(number) else np.zeros(0, bool)
-        self.stepped = self.born | np.r_[True, steps[1:] != steps[:-1]] if len(number) else self.born
-        self.step_of_row = np.cumsum(self.stepped) - 1
-        at = np.flatnonzero(self.stepped)
-        t = self.rows[at, COLUMN["t_ms"]]
-        dt = np.diff(t, prepend=t[:1])
-        dt[self.born[at]] = 0
-        self.first = self.born[at]
-        figures_ = self.rows[at, len(FIELDS):]
-        columns = [figures_, np.log1p(dt / STEP_MS)[:, None], log_odds_at_instant(figures_)[:, None]]
-        self.inputs = np.concatenate(columns, 1).astype(np.float32)
-        begin = at
-        end = np.r_[at[1:], len(self.rows)] if len(at) else at
-        count = end - begin
-        shown = np.stack([begin, begin + count // 2, end - 1], 1) if len(at) else np.zeros((0, SHOWN), int)
-        self.silent = self.rows[shown, COLUMN["silent_s"]].astype(np.float32)
+        self.name, self.rows, self.label, self.truth = path.stem, rows[order], arrays["label"][order], arrays["truth"]
+        steps = steps[np.lexsort((steps[:, 0], steps[:, 1]))]
+        self.inputs = np.ascontiguousarray(steps[:, len(STEP):])
+        number = steps[:, 1]
+        self.first = np.r_[True, number[1:] != number[:-1]] if len(steps) else np.zeros(0, bool)
+
+        def key(t_ms, of):
+            return of.astype(np.float64) * 1e7 + t_ms
+
+        self.step_of_row = np.searchsorted(key(steps[:, 0], number), key(self.rows[:, 0], self.rows[:, 1]), "right") - 1
+        count, rank = len(steps), self.rank(self.rows[:, COLUMN["probability"]], self.rows[:, COLUMN["leaves_per_s"]])
+        begin, end = (np.searchsorted(self.step_of_row, np.arange(count), side) for side in ("left", "right"))
+        has = end > begin
+        shown = np.stack([begin, begin + (end - begin) // 2, end - 1], 1) * has[:, None]
+        if not len(self.rows):
+            shown, has = np.zeros((0, SHOWN), int), np.zeros(0, bool)
+            self.inputs, self.first = self.inputs[:0], self.first[:0]
+        self.silent_s = self.rows[shown, COLUMN["silent_s"]].astype(np.float32)
         self.share = (self.label[shown] == INLIER).astype(np.float32)
-        self.weight = (np.minimum(count, MOST_ROWS)[:, None] / SHOWN * (self.label[shown] != IGNORED)).astype(np.float32)
+        weight = (np.minimum(end - begin, MOST_ROWS) / SHOWN * has)[: len(has), None]
         # Steps of the circle that was the best one count more: its score is the detector's.
-        r = self.rows
-        if len(at):
-            p = r[:, COLUMN["probability"]] * np.exp(-r[:, COLUMN["silent_s"]] / STAYS_S)
-            p = p * (AT_REST_SHARE + (1 - AT_REST_SHARE) * r[:, COLUMN["moved_most_share"]])
-            t = r[:, 0].astype(int)
-            most = np.zeros(t.max() + 1)
-            np.maximum.at(most, t, p)
-            self.weight *= (1 + BEST_WEIGHT * (p >= most[t])[shown]).astype(np.float32)
+        t = self.rows[:, 0].astype(int)
+        most = np.zeros(t.max(initial=0) + 1)
+        np.maximum.at(most, t, rank)
+        self.weight = (weight * (self.label[shown] != IGNORED) * (1 + BEST_WEIGHT * (rank >= most[t])[shown])).astype(np.float32)
 
     def sequences(self):
         bounds = [*np.flatnonzero(self.first), len(self.first)]
         return list(zip(bounds[:-1], bounds[1:]))
 
-    def scores(self, probability_of_step, leaves_per_s):
-        """t, score, label and rank of the best circle of each instant that has one."""
-        r = self.rows
-        p = probability_of_step[self.step_of_row] * np.exp(-r[:, COLUMN["silent_s"]] * leaves_per_s[self.step_of_row])
-        rank = p * (AT_REST_SHARE + (1 - AT_REST_SHARE) * r[:, COLUMN["moved_most_share"]])
-        t = r[:, 0].astype(int)
+    def score_of_row(self, probability, leaves_per_s):
+        return probability * np.exp(-self.rows[:, COLUMN["silent_s"]] * leaves_per_s)
+
+    def rank(self, probability, leaves_per_s):
+        """Of each row: best() of core/tracker/ball_tracker.cpp takes the largest."""
+        moved = self.rows[:, COLUMN["moved_most_share"]]
+        return self.score_of_row(probability, leaves_per_s) * (AT_REST_SHARE + (1 - AT_REST_SHARE) * moved)
+
+    def scores(self, probability, leaves_per_s):
+        """t, score and label of the best circle of each instant that has one; the arguments for each row."""
+        score, rank = self.score_of_row(probability, leaves_per_s), self.rank(probability, leaves_per_s)
+        t = self.rows[:, 0].astype(int)
         order = np.lexsort((rank, t))
         last = np.r_[t[order][1:] != t[order][:-1], True] if len(t) else np.zeros(0, bool)
         best = order[last]
-        return t[best], p[best], self.label[best]
+        return t[best], score[best], self.label[best]
 
 
 class Network(nn.Module):
-    def __init__(self, inputs=INPUTS + 2, features=48, memory=24):
+    def __init__(self, inputs=INPUTS, features=64, memory=32):
         super().__init__()
         self.register_buffer("mean", torch.zeros(inputs))
         self.register_buffer("scale", torch.ones(inputs))
@@ -135,13 +127,21 @@ class Network(nn.Module):
         hs = torch.stack(out)
         return self.direct(z) + self.from_features(f) + self.from_memory(hs), h
 
+    def arrays(self):
+        """As core/tracker/best_model.h has them: inputs first, then outputs."""
+        of = {"input_mean": self.mean, "input_scale": self.scale, "features": self.features.weight.T, "features_bias": self.features.bias,
+              "gates": self.gates.weight.T, "gates_bias": self.gates.bias, "recurrent": self.recurrent.weight.T,
+              "output_direct": self.direct.weight.T, "output_features": self.from_features.weight.T,
+              "output_memory": self.from_memory.weight.T, "output_bias": self.direct.bias}
+        return {f"track.{k}": np.ascontiguousarray(v.detach().numpy(), dtype="<f4") for k, v in of.items()}
+
 
 def leaves_per_s(out):
     return out[..., 1].clamp(*np.log(LEAVES_PER_S)).exp()
 
 
 def probability(out, silent_s):
-    """That the circle is the ball's, from the network's outputs, silent_s after the last event of its edge."""
+    """That the circle is the ball's, from the network's outputs, silent_s after the last event of its outline."""
     return torch.sigmoid(out[..., 0])[..., None] * torch.exp(-leaves_per_s(out)[..., None] * silent_s)
 
 
@@ -162,9 +162,9 @@ def outputs_of(network, world):
     return found
 
 
-def figures(world, probability_of_step, leaves_per_s):
+def figures(world, of_row):
     """As docs/scoring.md, at every second ms."""
-    t, score, label = world.scores(probability_of_step, leaves_per_s)
+    t, score, label = world.scores(*of_row)
     truth = world.truth[1::2]
     chances = int((truth[:, 3] >= 0.5).sum())
     kept = label != IGNORED
@@ -217,21 +217,20 @@ def line(s):
     return ", ".join(f"{k} {v:.3f}" for k, v in s.items() if k != "reliability" and v is not None)
 
 
-def present(world):
-    p = world.rows[world.stepped, COLUMN["probability"]]
-    return p, np.full(len(p), 1 / STAYS_S, np.float32)
+def logged(world):
+    return world.rows[:, COLUMN["probability"]], world.rows[:, COLUMN["leaves_per_s"]]
 
 
 def remembered(network, world):
     out = torch.from_numpy(outputs_of(network, world))
-    return torch.sigmoid(out[:, 0]).numpy(), leaves_per_s(out).numpy()
+    return torch.sigmoid(out[:, 0]).numpy()[world.step_of_row], leaves_per_s(out).numpy()[world.step_of_row]
 
 
 def judged(network, tracks):
-    return [(w.name, figures(w, *(present(w) if network is None else remembered(network, w)))) for w in tracks]
+    return [(w.name, figures(w, logged(w) if network is None else remembered(network, w))) for w in tracks]
 
 
-ARRAYS = ("inputs", "silent", "share", "weight")
+ARRAYS = ("inputs", "silent_s", "share", "weight")
 
 
 class Lanes:
@@ -281,7 +280,7 @@ def train(options, tracks, held):
             for g in adam.param_groups:
                 g["lr"] = options.rate * min(1.0, (done + 1) / 100, 1.5 * max(0.01, 1 - done / total))
             x, silent, y, w, first = (v[a : a + CHUNK] for v in (*(getattr(lanes, k) for k in ARRAYS), lanes.first))
-            x = x + options.noise * torch.randn(x.shape) / network.scale
+            x = x + (options.noise * torch.randn(x.shape) + options.offset * torch.randn(1, *x.shape[1:])) / network.scale
             out, h = network(x, h.detach(), first)
             losses = functional.binary_cross_entropy(probability(out, silent).clamp(1e-6, 1 - 1e-6), y, reduction="none")
             loss = (losses * w).sum() / w.sum()
@@ -307,27 +306,57 @@ def load(path):
     return network
 
 
+@torch.no_grad()
+def put_into(network, world, folder, options):
+    """Replaces the network in models/best: weights.npz, golden.npz (the longest track's first steps), manifest.json."""
+    a, b = max(world.sequences(), key=lambda s: s[1] - s[0])
+    x = torch.from_numpy(world.inputs[a : min(b, a + GOLDEN_STEPS)])
+    out, _ = network(x[:, None], torch.zeros(1, network.memory))
+    golden = {"track.inputs": x.numpy(), "track.probability": torch.sigmoid(out[:, 0, 0]).numpy(),
+              "track.leaves_per_s": leaves_per_s(out[:, 0]).numpy()}
+    for name, arrays in (("weights.npz", network.arrays()), ("golden.npz", golden)):
+        kept = {k: v for k, v in np.load(folder / name).items() if not k.startswith("track.")}
+        np.savez_compressed(folder / name, **kept, **arrays)
+    manifest = json.loads((folder / "manifest.json").read_text())
+    manifest["sha256"] = hashlib.sha256((folder / "weights.npz").read_bytes()).hexdigest()
+    manifest["networks"]["track"] = {
+        "input": f"{INPUTS} figures of a circle at each patch (track_inputs(), core/tracker/track_network.h)",
+        "output": "log odds of existence; ln of the rate of leaving without events, 1/s",
+        "recipe": "training.worlds, training.tracks, training.track_network (docs/training.md)",
+        "training_seeds": options.seeds, "steps": None, "duration": options.duration}
+    (folder / "manifest.json").write_text(json.dumps(manifest, indent=1) + "\n")
+
+
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--tracks", type=Path, required=True, help="folder of the logs (training.tracks)")
     parser.add_argument("--out", type=Path)
+    parser.add_argument("--weights", type=Path, help="for --into")
+    parser.add_argument("--into", type=Path, help="folder of the model of `best`, which gets --weights")
+    parser.add_argument("--seeds", help="--into: training seeds, for the manifest")
+    parser.add_argument("--duration", help="--into: of the training, for the manifest")
     parser.add_argument("--judge", nargs="?", const="", help="judge these weights, or the score of the log, on development worlds")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--epochs", type=int, default=14)
-    parser.add_argument("--every", type=int, default=4, help="epochs between judgements of the worlds held back")
-    parser.add_argument("--rate", type=float, default=4e-3)
-    parser.add_argument("--decay", type=float, default=0.02)
-    parser.add_argument("--noise", type=float, default=0.05, help="of the inputs, standard deviations")
+    parser.add_argument("--epochs", type=int, default=8)
+    parser.add_argument("--every", type=int, default=2, help="epochs between judgements of the worlds held back")
+    parser.add_argument("--rate", type=float, default=3e-3)
+    parser.add_argument("--decay", type=float, default=0.2)
+    parser.add_argument("--noise", type=float, default=0.2, help="of the inputs, standard deviations")
+    parser.add_argument("--offset", type=float, default=0.3, help="the same, equal for all steps of a chunk")
     parser.add_argument("--cut", type=float, default=0.3, help="share of tracks that begin later")
-    parser.add_argument("--skip", type=float, default=0.0, help="share of tracks that lack some steps")
-    parser.add_argument("--features", type=int, default=48)
-    parser.add_argument("--memory", type=int, default=24)
+    parser.add_argument("--skip", type=float, default=0.3, help="share of tracks that lack some steps")
+    parser.add_argument("--features", type=int, default=64)
+    parser.add_argument("--memory", type=int, default=32)
     parser.add_argument("--all", action="store_true", help="hold no world back")
     return parser
 
 
 def main():
     options = arguments().parse_args()
+    if options.into:
+        worlds = [Tracks(p) for p in sorted(options.tracks.glob("train_ball_*.npz"))[:3]]
+        put_into(load(options.weights), max(worlds, key=lambda w: len(w.first)), options.into, options)
+        return
     if options.judge is not None:
         tracks = [Tracks(p) for p in sorted(options.tracks.glob("development_*.npz"))]
         network = load(options.judge) if options.judge else None
@@ -341,13 +370,13 @@ def main():
     paths = [p for p in paths if not p.name.endswith(".part.npz")]
     every = [Tracks(p) for p in paths]
     every = [w for w in every if len(w.first)]
-    back = [] if options.all else [w for w in every if int(w.name.split("_")[2]) // 4 % HELD_BACK == 0]
+    back = [] if options.all else [w for w in every if int(w.name.split("_")[2]) % HELD_BACK == 0]
     kept = [w for w in every if w not in back]
     if not kept:
         sys.exit(f"training.track_network: no train_*.npz in {options.tracks}")
     print(f"{len(kept)} worlds, {sum(len(w.first) for w in kept)} steps; {len(back)} held back")
     if back:
-        print("score of the log, held back:", line(summary(judged(None, back))))
+        print("network of the log, held back:", line(summary(judged(None, back))))
     network = train(options, kept, back)
     if options.out:
         np.savez_compressed(options.out, **{k: v.numpy() for k, v in network.state_dict().items()})

@@ -1,10 +1,10 @@
-"""Logs the circles that `best` follows in the worlds of training.worlds, with what its score is made of.
+"""Logs the circles that `best` follows in the worlds of training.worlds, and the inputs of the network over them.
 
     python3 -m training.tracks --data DATA --log build/release/bin/track_log --out TRACKS
 
-A log is TRACKS/WORLD.npz: rows of FIELDS and the inputs of the score (DiscInputs), one for each followed circle every 2 ms,
-by the program track_log, which has no ground truth; and the label of each row, from the ground truth. With --variants N each
-training world has N more logs, WORLD_vK.npz, as another sensor and another speed would give them (varied()).
+A log is TRACKS/WORLD.npz, by the program track_log, which has no ground truth: rows of FIELDS, one for each followed circle every
+2 ms; STEP and the inputs (TrackInputs) of each step of its network; and the label of each row, from the ground truth. With
+--variants N each training world has N more logs, WORLD_vK.npz, as another sensor and another speed would give them (varied()).
 """
 import argparse
 import subprocess
@@ -16,8 +16,9 @@ import numpy as np
 
 from .worlds import World
 
-FIELDS = ("t_ms", "number", "steps", "x_px", "y_px", "r_px", "vx_px_s", "vy_px_s", "probability", "moved_most_share", "silent_s")
-INPUTS = 39
+FIELDS = ("t_ms", "number", "x_px", "y_px", "r_px", "vx_px_s", "vy_px_s", "probability", "leaves_per_s", "moved_most_share", "silent_s")
+STEP = ("t_ms", "number")
+INPUTS = 185
 VELOCITY_WINDOW_MS = 10  # of the encoders
 INLIER_PX, INLIER_RADIUS_PX, LEAST_VISIBLE = 6.0, 2.0, 0.5  # docs/scoring.md
 FALSE, INLIER, IGNORED = 0, 1, 2
@@ -76,7 +77,7 @@ def varied(stream, size, random):
 
 
 def replay(log, world, stream):
-    """The rows of track_log."""
+    """The rows and the steps of track_log."""
     events, eye, _, joints = stream
     radius = (4, int(np.floor(0.3 * world.height)))  # the rule of random worlds
     head = " ".join(map(str, (world.width, world.height, *world.camera[2:], *radius, int(joints), len(eye), len(events))))
@@ -84,14 +85,16 @@ def replay(log, world, stream):
                           capture_output=True)
     if done.returncode != 0:
         sys.exit(f"training.tracks: {world.folder}: {done.stderr.decode()[-2000:]}")
-    return np.frombuffer(done.stdout, "<f4").reshape(-1, len(FIELDS) + INPUTS)
+    count = int(np.frombuffer(done.stdout, "<u8", 1)[0])
+    rows = np.frombuffer(done.stdout, "<f4", count, 8).reshape(-1, len(FIELDS))
+    return rows, np.frombuffer(done.stdout, "<f4", offset=8 + 4 * count + 8).reshape(-1, len(STEP) + INPUTS)
 
 
 def labels(rows, truth):
     """FALSE, INLIER or IGNORED for each row, by docs/scoring.md."""
     true = truth[rows[:, 0].astype(int) - 1]
-    apart = np.hypot(rows[:, 3] - true[:, 0], rows[:, 4] - true[:, 1])
-    inlier = (apart <= INLIER_PX) & (np.abs(rows[:, 5] - true[:, 2]) <= INLIER_RADIUS_PX)
+    x, y, r = (rows[:, FIELDS.index(k)] for k in ("x_px", "y_px", "r_px"))
+    inlier = (np.hypot(x - true[:, 0], y - true[:, 1]) <= INLIER_PX) & (np.abs(r - true[:, 2]) <= INLIER_RADIUS_PX)
     visible = true[:, 3]
     return np.where(visible >= LEAST_VISIBLE, inlier, np.where(visible > 0, IGNORED, FALSE)).astype(np.uint8)
 
@@ -106,9 +109,9 @@ def make(log, folder, out, variant):
     if variant:
         seed = int(folder.name.rsplit("_", 1)[1])
         stream = varied(stream, (world.width, world.height), np.random.default_rng([seed, variant]))
-    rows, truth = replay(log, world, stream), stream[2]
+    (rows, steps), truth = replay(log, world, stream), stream[2]
     part = path.with_suffix(".part.npz")
-    np.savez_compressed(part, rows=rows, label=labels(rows, truth), truth=truth)
+    np.savez(part, rows=rows, steps=steps, label=labels(rows, truth), truth=truth)
     part.rename(path)
     print(name, len(rows), flush=True)
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/portable_math.h"
 #include "core/time_stamp.h"
 #include "core/tracker/ball_tracker_constants.h"
 #include "core/tracker/better_of_two.h"
@@ -21,6 +22,13 @@ constexpr std::int64_t latest_us = std::numeric_limits<std::int64_t>::max();
 /// 0 to 1, by the distance from where an object at rest in the room would be: 1 moves by itself.
 double moved_share(double moved_px) {
   return std::clamp((moved_px - moved_begin_px) / (moved_end_px - moved_begin_px), 0.0, 1.0);
+}
+
+double silent_s(const CircleTrack& track) { return static_cast<double>(track.silent_us()) * 1e-6; }
+
+/// Probability that a ball has not left since the last event of its outline.
+double not_left(const CircleTrack& track, double leaves_per_s) {
+  return portable_exp(-silent_s(track) * leaves_per_s);
 }
 
 double perimeter_px(const Circle& c) { return 2.0 * std::numbers::pi * c.r_px; }
@@ -302,13 +310,35 @@ void BallTracker::update_probability(Followed& f, std::int64_t now_us) {
   if (!enough && f.history.silhouette <= 0.0) return;
   f.history.radius_variance_px2 = f.track.covariance()(2, 2);
   f.inputs = disc_inputs(f.evidence, f.history);
-  ++f.steps;
   f.probability = disc_probability(model_->probability, f.inputs);
 }
 
 /// The existence probability with the decay since the last edge: the ball may have left without events.
 double BallTracker::existence_probability(const Followed& f) {
-  return f.probability * std::exp(-static_cast<double>(f.track.silent_us()) * 1e-6 / stays_s);
+  return f.existence.probability * not_left(f.track, f.existence.leaves_per_s);
+}
+
+/// A step of the circle's network, with a patch that was evaluated at it.
+void BallTracker::step(Followed& f, const PatchOutput& patch, std::int64_t now_us) {
+  TrackStep s;
+  s.inputs = f.inputs;
+  s.probability = f.probability;
+  s.followed = 0;
+  for (const Followed& other : followed_) {
+    if (!other.alive) continue;
+    ++s.followed;
+    if (&other != &f) s.rival = std::max(s.rival, other.probability * not_left(other.track, 1.0 / stays_s));
+  }
+  if (f.steps > 0) s.since_step_s = difference_s(now_us, f.step_us);
+  s.age_s = difference_s(now_us, f.born_us);
+  s.silent_s = silent_s(f.track);
+  const Circle c = f.track.circle();
+  s.border_radii =
+      std::min({c.x_px, c.y_px, camera_.size.width - 1 - c.x_px, camera_.size.height - 1 - c.y_px}) / c.r_px;
+  f.step_inputs = track_inputs(s, patch);
+  f.existence = run_track_network(model_->track, f.step_inputs, f.memory);
+  f.step_us = now_us;
+  ++f.steps;
 }
 
 /// The most probable circle. Of several discs in view the one that has moved by itself is the ball: one that has not
@@ -348,10 +378,10 @@ std::size_t BallTracker::tracks(std::span<Track, most_tracks> tracks) const {
                        f.steps,
                        circle_now(f),
                        f.image_px_s,
-                       f.probability,
+                       f.existence,
                        f.history.moved_most_share,
                        f.track.silent_us(),
-                       f.inputs};
+                       f.step_inputs};
   }
   return count;
 }

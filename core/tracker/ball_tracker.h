@@ -24,6 +24,7 @@
 #include "core/tracker/patch_network.h"
 #include "core/tracker/polar_patch.h"
 #include "core/tracker/silhouette.h"
+#include "core/tracker/track_network.h"
 
 namespace saccade {
 
@@ -62,8 +63,9 @@ void describe(FieldVisitor& v, BallTrackerConfig& config);
 ///    comes from the joints, or else from the edges (camera_rotation).
 /// 7. From the time surface around a circle, in polar coordinates, PatchNetwork estimates log odds, a correction of the
 ///    circle and its standard deviations.
-/// 8. Evidence, the networks' log odds and the history of a circle give its existence probability, calibrated: that it is
-///    the ball (disc_probability).
+/// 8. Evidence, the networks' log odds and the history of a circle give the probability at an instant that it is the ball
+///    (disc_probability); from patch to patch a network with memory turns what the circle has shown into its existence
+///    probability, calibrated (track_network).
 ///
 /// The work of a ms is bounded: flows_per_ms flows, 160 votes, 8 candidates, 4 patches; an event beyond that only leaves
 /// its time stamp. Everything happens at instants of 1 ms of the stream's own time, so that the estimate does not
@@ -96,13 +98,13 @@ class BallTracker final : public Detector, public DetectorViews {
   /// What the score of a followed circle is made of, to fit it (tests/training/track_log.cpp).
   struct Track {
     std::uint64_t number;  ///< of its birth
-    std::uint64_t steps;   ///< updates of its inputs since
+    std::uint64_t steps;   ///< of its network since
     Circle circle;         ///< now
     Eigen::Vector2d image_px_s;
-    double probability;  ///< without the decay since the last edge
+    TrackExistence existence;
     double moved_most_share;
-    std::int64_t silent_us;  ///< since that edge
-    DiscInputs inputs;
+    std::int64_t silent_us;  ///< since the last edge on its outline
+    TrackInputs inputs;      ///< of the last step
   };
   static constexpr std::size_t most_tracks = 8;
   /// The followed circles, as many as there are.
@@ -122,9 +124,13 @@ class BallTracker final : public Detector, public DetectorViews {
     PatchResult patch;                                 ///< of the newest patch
     bool changed = false;                              ///< since then
     DiscInputs inputs{};
+    double probability = 0.0;  ///< at this instant, by these inputs
+    TrackMemory memory{};
+    TrackInputs step_inputs{};
+    TrackExistence existence;
     std::uint64_t number = 0, steps = 0;
-    double probability = 0.0;
-    double found_probability = 0.0;  ///< as if it had just been found, at compared_us
+    std::int64_t born_us = 0, step_us = 0;  ///< step_us: of the last step
+    double found_probability = 0.0;         ///< as if it had just been found, at compared_us
     std::int64_t compared_us = std::numeric_limits<std::int64_t>::min();
     double clarity = 1.0;      ///< share of the edges near the circle that are of its outline
     double fresh_edges = 0.0;  ///< near it since the last update of the evidence
@@ -193,6 +199,7 @@ class BallTracker final : public Detector, public DetectorViews {
                                       std::int64_t now_us) const;
   [[nodiscard]] Circle circle_now(const Followed& f) const;
   [[nodiscard]] static double existence_probability(const Followed& f);
+  void step(Followed& f, const PatchOutput& patch, std::int64_t now_us);
   [[nodiscard]] const Followed* best() const;
 
   void add_edge(const Event& event, const NormalFlow& flow);

@@ -28,7 +28,7 @@ inline constexpr double near_px = 6.0;  // of a circle: what comes further outsi
 inline constexpr double fewest_fresh = 5.0,
                         fresh_px = 0.15;  // edges, and edges per px of outline, for an update of the evidence
 inline constexpr double fresh_left = 0.99;        // of them after a ms: noise does not add up to an update
-inline constexpr double stays_s = 1.0;            // mean time to live of a track without events
+inline constexpr double stays_s = 1.0;            // mean time to live of a rival without events
 inline constexpr double memory_px = 2.0;          // of motion, that evidence is averaged over
 inline constexpr double clutter_hides_px2 = 0.2;  // radial edges per px^2 around a circle that hide it
 inline constexpr double least_weight = 0.05, least_clarity = 0.15;
@@ -50,11 +50,11 @@ inline constexpr std::size_t max_voters = 1024, votes_per_tick = 160;
 inline constexpr std::size_t found_per_level = 4, most_candidates = 8, candidates_per_tick = 8;
 inline constexpr double farthest_px = 1e9;  // of a found circle, which has moved on since; integers hold it
 inline constexpr std::int64_t search_period_us = 3'000, confident_search_period_us = 9'000;
-inline constexpr double confident = 0.9;  // existence probability of a track with which the search is slower
-inline constexpr double new_share = 0.6;  // of its probability that a new circle replaces another with
-inline constexpr double better_by = 0.1;  // probability, for a found circle to correct a followed one
-inline constexpr double fit_sd_px = 0.7;  // of a found circle
-inline constexpr double rival_share = 0.4;    // of the radius: circles nearer than that claim the same disc
+inline constexpr double confident = 0.9;    // probability of the best circle with which the search is slower
+inline constexpr double new_share = 0.6;    // of its probability that a new circle replaces another with
+inline constexpr double better_by = 0.1;    // probability, for a found circle to correct a followed one
+inline constexpr double fit_sd_px = 0.7;    // of a found circle
+inline constexpr double rival_share = 0.4;  // of the radius: circles nearer than that claim the same disc
 inline constexpr std::size_t max_rivals = 2;  // followed at once
 
 // Inferences of DiscNetwork.

@@ -96,6 +96,7 @@ void BallTracker::update_patch(std::int64_t now_us) {
   }
   next->patch = found.result();
   next->changed = false;
+  step(*next, found.patch, now_us);
 }
 
 /// The share of a tick: takes back the votes of the last search, or adds some of this one.
@@ -290,7 +291,9 @@ void BallTracker::follow(const NewTrack& found, Followed& place, std::int64_t no
   f.history.radius_variance_px2 = f.track.covariance()(2, 2);
   f.probability = new_share * found.probability;
   f.inputs = disc_inputs(f.evidence, f.history);
+  f.born_us = now_us;
   place = f;
+  step(place, found.refined.patch, now_us);
 }
 
 /// Of two circles that have become one the less probable ends.

@@ -60,6 +60,18 @@ BestModel::BestModel(const ModelArrays& a) {
   copy(a, "probability.hidden_bias", probability.hidden_bias);
   copy(a, "probability.output_weight", probability.output_weight);
   copy(a, "probability.output_bias", probability.output_bias);
+
+  copy(a, "track.input_mean", track.input_mean);
+  copy(a, "track.input_scale", track.input_scale);
+  copy(a, "track.features", track.features);
+  copy(a, "track.features_bias", track.features_bias);
+  copy(a, "track.gates", track.gates);
+  copy(a, "track.gates_bias", track.gates_bias);
+  copy(a, "track.recurrent", track.recurrent);
+  copy(a, "track.output_direct", track.output_direct);
+  copy(a, "track.output_features", track.output_features);
+  copy(a, "track.output_memory", track.output_memory);
+  copy(a, "track.output_bias", track.output_bias);
 }
 
 std::string problem_of(const ModelFile& file) {

@@ -55,6 +55,21 @@ struct DiscProbabilityWeights {
   std::array<float, 1> output_bias;
 };
 
+/// Those of run_track_network() (core/tracker/track_network.h).
+struct TrackNetworkWeights {
+  static constexpr std::size_t inputs = 185, features_of_step = 64, memory = 32;
+  std::array<float, inputs> input_mean, input_scale;
+  std::array<std::array<float, features_of_step>, inputs> features;
+  std::array<float, features_of_step> features_bias;
+  std::array<std::array<float, 3 * memory>, features_of_step> gates;
+  std::array<float, 3 * memory> gates_bias;
+  std::array<std::array<float, 3 * memory>, memory> recurrent;
+  std::array<std::array<float, 2>, inputs> output_direct;
+  std::array<std::array<float, 2>, features_of_step> output_features;
+  std::array<std::array<float, 2>, memory> output_memory;
+  std::array<float, 2> output_bias;
+};
+
 /// All fitted numbers of `best`: the arrays of models/best/weights.npz, whose manifest says where they come from.
 struct BestModel {
   /// Throws InputError for an array that is missing, of another size, or not finite.
@@ -63,6 +78,7 @@ struct BestModel {
   DiscNetworkWeights disc;
   PatchNetworkWeights patch;
   DiscProbabilityWeights probability;
+  TrackNetworkWeights track;
 };
 
 /// The arrays of models/best/weights.npz, as they were when the library was built.

@@ -53,9 +53,9 @@ using DiscInputs = std::array<float, disc_input_count>;
 
 [[nodiscard]] DiscInputs disc_inputs(const DiscEvidence& evidence, const DiscHistory& history);
 
-/// The existence probability of a track, calibrated: that its circle is the ball's, within 6 px of its centre and 2 px of its radius. A network of one hidden
+/// The probability by one instant that a circle is the ball's, within 6 px of its centre and 2 px of its radius. A network of one hidden
 /// layer with softsign units and a direct linear part, which is the mean of the log odds of several fits by maximum likelihood
-/// with weight decay; docs/results.md shows how well score and share of inliers agree.
+/// with weight decay.
 [[nodiscard]] double disc_probability(const DiscProbabilityWeights& weights, const DiscInputs& inputs);
 
 }  // namespace saccade

@@ -183,6 +183,10 @@ PatchOutput run_patch_network(const PatchNetworkWeights& w, const PolarPatch& pa
   const auto sd_px = [&](float log_sd) {
     return patch.ring_px * std::exp(static_cast<double>(std::clamp(log_sd, least_log_sd, most_log_sd)));
   };
+  result.ring_px = patch.ring_px;
+  result.about = patch.about;
+  const auto next = std::copy(pooled.begin(), pooled.end(), result.features.begin());
+  std::transform(hidden.begin(), hidden.end(), next, [](float value) { return std::max(value, 0.0F); });
   result.log_odds = static_cast<double>(out[0]);
   result.centre_sd_px = sd_px(out[1]);
   result.radius_sd_px = sd_px(out[2]);

@@ -10,6 +10,7 @@
 #include "core/tracker/disc_network.h"
 #include "core/tracker/disc_probability.h"
 #include "core/tracker/patch_network.h"
+#include "core/tracker/track_network.h"
 #include "recording/model_file.h"
 
 namespace saccade {
@@ -35,6 +36,7 @@ TEST_F(GoldenModel, TheBuiltInWeightsAreThoseOfTheFile) {
   EXPECT_EQ(built_in.disc.block_point, model_.disc.block_point);
   EXPECT_EQ(built_in.patch.across, model_.patch.across);
   EXPECT_EQ(built_in.probability.hidden_weight, model_.probability.hidden_weight);
+  EXPECT_EQ(built_in.track.features, model_.track.features);
 }
 
 TEST_F(GoldenModel, JudgesPatchesAsPyTorchDoes) {
@@ -69,6 +71,21 @@ TEST_F(GoldenModel, GivesTheProbabilitiesOfPyTorch) {
     DiscInputs row;
     std::copy_n(inputs.begin() + static_cast<std::ptrdiff_t>(i * row.size()), row.size(), row.begin());
     expect_near(disc_probability(model_.probability, row), outputs[i], "probability");
+  }
+}
+
+TEST_F(GoldenModel, RemembersATrackAsPyTorchDoes) {
+  constexpr std::size_t steps = 12;
+  const std::vector<float> inputs = golden("track.inputs", steps * track_input_count),
+                           probability = golden("track.probability", steps),
+                           leaves_per_s = golden("track.leaves_per_s", steps);
+  TrackMemory memory{};
+  for (std::size_t i = 0; i < steps; ++i) {
+    TrackInputs row;
+    std::copy_n(inputs.begin() + static_cast<std::ptrdiff_t>(i * row.size()), row.size(), row.begin());
+    const TrackExistence found = run_track_network(model_.track, row, memory);
+    expect_near(found.probability, probability[i], "probability");
+    expect_near(found.leaves_per_s, leaves_per_s[i], "rate of leaving");
   }
 }
 

@@ -7,6 +7,7 @@
 #include "core/tracker/disc_probability.h"
 #include "core/tracker/patch_network.h"
 #include "core/tracker/polar_patch.h"
+#include "core/tracker/track_network.h"
 
 namespace saccade {
 namespace {
@@ -53,6 +54,7 @@ std::vector<std::uint64_t> network_bits() {
     add_circle(found.circle);
     add(static_cast<double>(found.log_odds));
   }
+  TrackMemory memory{};
   for (const double r_px : {4.0, 11.0, 29.0}) {
     for (const double x_px : {3.3, 49.0, 52.7}) {
       const Circle circle{x_px, 37.0, r_px};
@@ -63,6 +65,9 @@ std::vector<std::uint64_t> network_bits() {
       add_circle(output.correction);
       add(output.centre_sd_px);
       add(output.radius_sd_px);
+      TrackStep step;
+      step.probability = 0.1 * r_px / x_px;
+      add(run_track_network(model->track, track_inputs(step, output), memory).probability);
     }
   }
   DiscInputs inputs;

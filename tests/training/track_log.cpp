@@ -1,9 +1,11 @@
-// Replays a world's events through `best` and writes what the score of each followed circle is made of, without ground truth.
+// Replays a world's events through `best` and writes its followed circles and the steps of their networks, without ground truth.
 // training/tracks.py calls it and has the layout of input and output.
 #include <array>
 #include <cstdint>
 #include <cstring>
 #include <iostream>
+#include <map>
+#include <span>
 #include <vector>
 
 #include "core/tracker/ball_tracker.h"
@@ -44,22 +46,43 @@ bool read_replay(Replay& replay) {
   return true;
 }
 
-void write_track(std::int64_t tick, const BallTracker::Track& t) {
-  const std::array<float, 11> head{
-      static_cast<float>(tick),
-      static_cast<float>(t.number),
-      static_cast<float>(t.steps),
-      static_cast<float>(t.circle.x_px),
-      static_cast<float>(t.circle.y_px),
-      static_cast<float>(t.circle.r_px),
-      static_cast<float>(t.image_px_s.x()),
-      static_cast<float>(t.image_px_s.y()),
-      static_cast<float>(t.probability),
-      static_cast<float>(t.moved_most_share),
-      static_cast<float>(static_cast<double>(t.silent_us) * 1e-6),
-  };
-  std::cout.write(reinterpret_cast<const char*>(head.data()), sizeof head);
-  std::cout.write(reinterpret_cast<const char*>(t.inputs.data()), sizeof t.inputs);
+template <class Array>
+void append(std::vector<float>& to, const Array& values) {
+  to.insert(to.end(), values.begin(), values.end());
+}
+
+/// A row of each followed circle every 2 ms, and of each step of its network.
+struct Log {
+  std::vector<float> circles, steps;
+};
+
+void add_track(std::int64_t tick, const BallTracker::Track& t, bool stepped, Log& log) {
+  if (stepped) {
+    append(log.steps, std::array{static_cast<float>(tick), static_cast<float>(t.number)});
+    append(log.steps, t.inputs);
+  }
+  if (tick % 2 != 0) return;
+  append(log.circles, std::array{
+                          static_cast<float>(tick),
+                          static_cast<float>(t.number),
+                          static_cast<float>(t.circle.x_px),
+                          static_cast<float>(t.circle.y_px),
+                          static_cast<float>(t.circle.r_px),
+                          static_cast<float>(t.image_px_s.x()),
+                          static_cast<float>(t.image_px_s.y()),
+                          static_cast<float>(t.existence.probability),
+                          static_cast<float>(t.existence.leaves_per_s),
+                          static_cast<float>(t.moved_most_share),
+                          static_cast<float>(static_cast<double>(t.silent_us) * 1e-6),
+                      });
+}
+
+/// Number of values, then these.
+void write(const std::vector<float>& values) {
+  const std::uint64_t count = values.size();
+  std::cout.write(reinterpret_cast<const char*>(&count), sizeof count);
+  std::cout.write(reinterpret_cast<const char*>(values.data()),
+                  static_cast<std::streamsize>(count * sizeof(float)));
 }
 
 int run() {
@@ -69,6 +92,8 @@ int run() {
     return 1;
   }
   BallTracker tracker(replay.config, replay.camera);
+  Log log;
+  std::map<std::uint64_t, std::uint64_t> steps;  // so far, of each circle
   std::size_t next = 0;
   for (std::size_t k = 0; k < replay.rotation_rad_s.size(); ++k) {
     const auto tick = static_cast<std::int64_t>(k) + 1;
@@ -79,11 +104,16 @@ int run() {
     const CameraMotion* const known = replay.joints ? &motion : nullptr;
     tracker.process(std::span(replay.events).subspan(first, next - first), known);
     tracker.advance_to(tick * 1000, known);
-    if (tick % 2 != 0) continue;
     std::array<BallTracker::Track, BallTracker::most_tracks> tracks;
     const std::size_t count = tracker.tracks(tracks);
-    for (std::size_t i = 0; i < count; ++i) write_track(tick, tracks[i]);
+    for (const BallTracker::Track& t : std::span(tracks).first(count)) {
+      std::uint64_t& so_far = steps[t.number];
+      add_track(tick, t, t.steps != so_far, log);
+      so_far = t.steps;
+    }
   }
+  write(log.circles);
+  write(log.steps);
   return std::cout.flush() ? 0 : 1;
 }
 
