@@ -26,13 +26,14 @@ from .tracks import FIELDS, IGNORED, INLIER, INPUTS, STEP
 SHOWN = 3  # rows of a step that the loss looks at: the first, the last, one between
 MOST_ROWS = 50  # that one step counts for in the loss
 HELD_BACK = 9
-AT_REST_SHARE, THRESHOLD = 0.25, 0.5  # core/tracker/ball_tracker_constants.h
+STAYS_S, AT_REST_SHARE, THRESHOLD = 1.0, 0.6, 0.5  # core/tracker/ball_tracker_constants.h
 LEAVES_PER_S = (0.1, 30.0)
 MOST_DEVIATIONS = 4.0
 CHUNK, LANES = 48, 96
 COLUMN = {name: i for i, name in enumerate(FIELDS)}
 BEST_WEIGHT = 5.0  # beside 1, for steps of the best circle
 GOLDEN_STEPS = 12
+AT_INSTANT = 50  # of the inputs: log odds of disc_probability()
 
 
 class Tracks:
@@ -52,7 +53,7 @@ class Tracks:
             return of.astype(np.float64) * 1e7 + t_ms
 
         self.step_of_row = np.searchsorted(key(steps[:, 0], number), key(self.rows[:, 0], self.rows[:, 1]), "right") - 1
-        count, rank = len(steps), self.rank(self.rows[:, COLUMN["probability"]], self.rows[:, COLUMN["leaves_per_s"]])
+        count, rank = len(steps), self.rank(self.rows[:, COLUMN["probability"]])
         begin, end = (np.searchsorted(self.step_of_row, np.arange(count), side) for side in ("left", "right"))
         has = end > begin
         shown = np.stack([begin, begin + (end - begin) // 2, end - 1], 1) * has[:, None]
@@ -75,14 +76,14 @@ class Tracks:
     def score_of_row(self, probability, leaves_per_s):
         return probability * np.exp(-self.rows[:, COLUMN["silent_s"]] * leaves_per_s)
 
-    def rank(self, probability, leaves_per_s):
+    def rank(self, probability):
         """Of each row: best() of core/tracker/ball_tracker.cpp takes the largest."""
         moved = self.rows[:, COLUMN["moved_most_share"]]
-        return self.score_of_row(probability, leaves_per_s) * (AT_REST_SHARE + (1 - AT_REST_SHARE) * moved)
+        return self.score_of_row(probability, 1 / STAYS_S) * (AT_REST_SHARE + (1 - AT_REST_SHARE) * moved)
 
     def scores(self, probability, leaves_per_s):
         """t, score and label of the best circle of each instant that has one; the arguments for each row."""
-        score, rank = self.score_of_row(probability, leaves_per_s), self.rank(probability, leaves_per_s)
+        score, rank = self.score_of_row(probability, leaves_per_s), self.rank(probability)
         t = self.rows[:, 0].astype(int)
         order = np.lexsort((rank, t))
         last = np.r_[t[order][1:] != t[order][:-1], True] if len(t) else np.zeros(0, bool)
@@ -126,6 +127,15 @@ class Network(nn.Module):
             out.append(h)
         hs = torch.stack(out)
         return self.direct(z) + self.from_features(f) + self.from_memory(hs), h
+
+    @torch.no_grad()
+    def blend(self, share):
+        """Log odds become this share of the network's and the rest of the judgement at an instant, which is one of the inputs."""
+        rest = 1 - share
+        for weight in (self.direct.weight, self.from_features.weight, self.from_memory.weight):
+            weight[0] *= share
+        self.direct.weight[0, AT_INSTANT] += rest / self.scale[AT_INSTANT]
+        self.direct.bias[0] = share * self.direct.bias[0] + rest * self.mean[AT_INSTANT]
 
     def arrays(self):
         """As core/tracker/best_model.h has them: inputs first, then outputs."""
@@ -299,10 +309,11 @@ def train(options, tracks, held):
     return mean
 
 
-def load(path):
+def load(path, share=1.0):
     arrays = np.load(path)
     network = Network(len(arrays["mean"]), len(arrays["features.bias"]), arrays["recurrent.weight"].shape[1])
     network.load_state_dict({k: torch.from_numpy(arrays[k]) for k in arrays.files})
+    network.blend(share)
     return network
 
 
@@ -333,6 +344,7 @@ def arguments():
     parser.add_argument("--out", type=Path)
     parser.add_argument("--weights", type=Path, help="for --into")
     parser.add_argument("--into", type=Path, help="folder of the model of `best`, which gets --weights")
+    parser.add_argument("--share", type=float, default=1.0, help="--into, --judge: of the network in the log odds; the rest is the judgement at an instant")
     parser.add_argument("--seeds", help="--into: training seeds, for the manifest")
     parser.add_argument("--duration", help="--into: of the training, for the manifest")
     parser.add_argument("--judge", nargs="?", const="", help="judge these weights, or the score of the log, on development worlds")
@@ -355,11 +367,11 @@ def main():
     options = arguments().parse_args()
     if options.into:
         worlds = [Tracks(p) for p in sorted(options.tracks.glob("train_ball_*.npz"))[:3]]
-        put_into(load(options.weights), max(worlds, key=lambda w: len(w.first)), options.into, options)
+        put_into(load(options.weights, options.share), max(worlds, key=lambda w: len(w.first)), options.into, options)
         return
     if options.judge is not None:
         tracks = [Tracks(p) for p in sorted(options.tracks.glob("development_*.npz"))]
-        network = load(options.judge) if options.judge else None
+        network = load(options.judge, options.share) if options.judge else None
         results = judged(network, tracks)
         for name, r in results:
             print(name, " ".join(f"{r.get(k, float('nan')):.3f}" for k in ("ap", "recall", "reached")), r["inliers"], r["above"])

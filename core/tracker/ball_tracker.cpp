@@ -345,7 +345,8 @@ void BallTracker::step(Followed& f, const PatchOutput& patch, std::int64_t now_u
 /// competes with a share of its probability.
 const BallTracker::Followed* BallTracker::best() const {
   const auto rank = [](const Followed& f) {
-    return existence_probability(f) * (at_rest_share + (1.0 - at_rest_share) * f.history.moved_most_share);
+    return f.existence.probability * not_left(f.track, 1.0 / stays_s) *
+           (at_rest_share + (1.0 - at_rest_share) * f.history.moved_most_share);
   };
   const Followed* best = nullptr;
   for (const Followed& f : followed_) {

@@ -27,9 +27,9 @@ inline constexpr double near_px = 6.0;  // of a circle: what comes further outsi
 // Evidence.
 inline constexpr double fewest_fresh = 5.0,
                         fresh_px = 0.15;  // edges, and edges per px of outline, for an update of the evidence
-inline constexpr double fresh_left = 0.99;        // of them after a ms: noise does not add up to an update
-inline constexpr double stays_s = 1.0;            // mean time to live of a rival without events
-inline constexpr double memory_px = 2.0;          // of motion, that evidence is averaged over
+inline constexpr double fresh_left = 0.99;  // of them after a ms: noise does not add up to an update
+inline constexpr double stays_s = 1.0;    // a circle without events competes as if it ceased after that time
+inline constexpr double memory_px = 2.0;  // of motion, that evidence is averaged over
 inline constexpr double clutter_hides_px2 = 0.2;  // radial edges per px^2 around a circle that hide it
 inline constexpr double least_weight = 0.05, least_clarity = 0.15;
 
@@ -43,7 +43,7 @@ inline constexpr double gaze_follows_silhouette = 0.4;
 
 // Motion against the background.
 inline constexpr double anchor_s = 0.6, moved_begin_px = 2.0, moved_end_px = 6.0;
-inline constexpr double at_rest_share = 0.25;  // prior of a circle that never moved against it, as a share
+inline constexpr double at_rest_share = 0.6;  // prior of a circle that never moved against it, as a share
 
 // Search.
 inline constexpr std::size_t max_voters = 1024, votes_per_tick = 160;

@@ -10,6 +10,7 @@ namespace {
 
 using Weights = TrackNetworkWeights;
 constexpr float most_deviations = 4.0F;  // of an input, as the network was fitted
+constexpr double longest_s = 1.0;        // that counts: it was fitted to worlds of 2 s
 constexpr double least_probability = 1e-4, most_log_odds = 8.0;
 constexpr double least_log_rate = -2.302585092994046, most_log_rate = 3.401197381662155;  // of 0.1 and 30 /s
 
@@ -46,9 +47,9 @@ TrackInputs track_inputs(const TrackStep& s, const PatchOutput& patch) {
   add_input(log_odds_of(s.probability));
   add_input(log_odds_of(s.rival));
   add_input(log1p_of(static_cast<double>(s.followed)));
-  add_input(log1p_of(s.since_step_s * 1e3));
-  add_input(log1p_of(s.age_s * 1e3));
-  add_input(log1p_of(s.silent_s * 1e2));
+  add_input(log1p_of(std::min(s.since_step_s, longest_s) * 1e3));
+  add_input(log1p_of(std::min(s.age_s, longest_s) * 1e3));
+  add_input(log1p_of(std::min(s.silent_s, longest_s) * 1e2));
   add_input(s.border_radii);
   for (const float value : patch.features) add_input(log1p_of(static_cast<double>(value)));
   return inputs;

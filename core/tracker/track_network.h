@@ -15,8 +15,9 @@ struct TrackStep {
   double probability = 0.0;  ///< by disc_probability()
   double rival =
       0.0;  ///< largest such probability of the other followed circles, with the decay without events
-  std::size_t followed = 1;                                ///< circles
-  double since_step_s = 0.0, age_s = 0.0, silent_s = 0.0;  ///< since the last step, its birth, its last edge
+  std::size_t followed = 1;  ///< circles
+  /// Since the last step, its birth, its last edge; more than 1 s counts as 1 s.
+  double since_step_s = 0.0, age_s = 0.0, silent_s = 0.0;
   double border_radii = 0.0;  ///< from its centre to the nearest border of the image
 };
 
