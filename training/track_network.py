@@ -333,7 +333,7 @@ def put_into(network, world, folder, options):
     manifest["networks"]["track"] = {
         "input": f"{INPUTS} figures of a circle at each patch (track_inputs(), core/tracker/track_network.h)",
         "output": "log odds of existence; ln of the rate of leaving without events, 1/s",
-        "recipe": "training.worlds, training.tracks, training.track_network (docs/training.md)",
+        "recipe": f"training.worlds, training.tracks, training.track_network --share {options.share:g} (docs/training.md)",
         "training_seeds": options.seeds, "steps": None, "duration": options.duration}
     (folder / "manifest.json").write_text(json.dumps(manifest, indent=1) + "\n")
 

@@ -342,7 +342,7 @@ void BallTracker::step(Followed& f, const PatchOutput& patch, std::int64_t now_u
 }
 
 /// The most probable circle. Of several discs in view the one that has moved by itself is the ball: one that has not
-/// competes with a share of its probability.
+/// competes with a share of its probability, and one without events with less the longer it has none.
 const BallTracker::Followed* BallTracker::best() const {
   const auto rank = [](const Followed& f) {
     return f.existence.probability * not_left(f.track, 1.0 / stays_s) *
