@@ -38,7 +38,6 @@ double perimeter_px(const Circle& c) { return 2.0 * std::numbers::pi * c.r_px; }
 void describe(FieldVisitor& v, BallTrackerConfig& c) {
   describe_radius_px(v, c.radius_px);
   v.real("threshold", c.threshold, {0.0, 1.0}, "probability from which on a circle is taken for the ball");
-  v.real("arc_deg", c.arc_deg, {0.5, 90.0}, "half-width of an arc of votes");
   v.section(
       "flow", [&](FieldVisitor& w) { describe(w, c.flow); }, "plane-fit flow");
   v.integer("burst_us", c.burst_us, {0, 1e6}, "pause from which on a pixel's event is a new edge");
@@ -63,20 +62,17 @@ BallTracker::BallTracker(const BallTrackerConfig& config, const Camera& camera,
       sieve_(camera.size),
       flow_(config.flow, camera.size),
       edges_(camera.size, static_cast<int>(config.edges_per_region)),
-      search_(camera.size, config.radius_px[0], config.radius_px[1], config.arc_deg * rad_per_deg,
-              max_voters),
       surface_(camera.size),
       network_(model_, camera.size, config.radius_px[0], config.radius_px[1]),
       now_us_(never_us),
-      search_us_(never_us),
+      rotation_us_(never_us),
       inference_us_(never_us),
       flows_left_(config.flows_per_ms) {
   rays_.reserve(static_cast<std::size_t>(camera.size.pixels()));
   for (int y = 0; y < camera.size.height; ++y) {
     for (int x = 0; x < camera.size.width; ++x) rays_.push_back(camera.ray(x, y));
   }
-  voters_.reserve(max_voters);
-  flows_.reserve(max_voters);
+  flows_.reserve(max_flows);
 }
 
 void BallTracker::set_motion(const CameraMotion* motion) {
@@ -185,8 +181,7 @@ void BallTracker::add_edge(const Event& event, const NormalFlow& flow) {
                   gradient / slowness,
                   1e6 / slowness,
                   event.x,
-                  event.y,
-                  static_cast<std::int16_t>(HoughTransform::direction_of(gradient.x(), gradient.y()))};
+                  event.y};
   edges_.add(edge);
   for (Followed& f : followed_) {
     if (!f.alive) continue;

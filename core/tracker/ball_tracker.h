@@ -15,7 +15,6 @@
 #include "core/time_surface.h"
 #include "core/tracker/best_model.h"
 #include "core/tracker/circle_fit.h"
-#include "core/tracker/circle_search.h"
 #include "core/tracker/circle_track.h"
 #include "core/tracker/disc_evidence.h"
 #include "core/tracker/disc_network.h"
@@ -32,7 +31,6 @@ namespace saccade {
 struct BallTrackerConfig {
   std::array<double, 2> radius_px = {10, 35};  ///< smallest and largest radius, whole numbers
   double threshold = 0.5;                      ///< probability from which on a circle is taken for the ball
-  double arc_deg = 12.0;                       ///< half-width of an arc of directed votes
   PlaneFitFlowConfig flow = {.max_age_us = 400'000};  ///< down to 2.5 px/s
   /// An event that follows the first one of its pixel and polarity sooner than this is of the same edge.
   std::int64_t burst_us = 500;
@@ -44,7 +42,7 @@ struct BallTrackerConfig {
   ModelFile model;                      ///< the networks' weights
 };
 
-/// Keys: radius_px, threshold, arc_deg, flow, burst_us, edges_per_region, crossing_px, longest_us, hold_s, flows_per_ms, model.
+/// Keys: radius_px, threshold, flow, burst_us, edges_per_region, crossing_px, longest_us, hold_s, flows_per_ms, model.
 void describe(FieldVisitor& v, BallTrackerConfig& config);
 
 /// The recommended detector: follows up to eight circles on the moving edges of the image and returns the one that is
@@ -52,8 +50,8 @@ void describe(FieldVisitor& v, BallTrackerConfig& config);
 ///
 /// 1. Events with a normal flow (plane fit), the first of each burst of a pixel, become edges, kept by region for as long
 ///    as they take to move on by crossing_px (EdgeMap): thin outlines at any speed, whatever else moves.
-/// 2. The edges of one instant vote in the directed Hough transform, some in every ms (CircleSearch). The strongest
-///    circles are fitted to the edges near them (CircleFit).
+/// 2. A network finds discs in the time surface, with a part of its work in every ms (DiscNetwork). Their motion comes from the
+///    edges near them (CircleFit).
 /// 3. Circles are followed edge by edge (CircleTrack), carried along by the camera's own rotation where joints tell it.
 /// 4. Figures of the edges near a circle (DiscEvidence) are averaged over the last pixels of its motion. A circle
 ///    without edges keeps them; its probability decays, because the ball may have left without events.
@@ -67,7 +65,7 @@ void describe(FieldVisitor& v, BallTrackerConfig& config);
 ///    (disc_probability); from patch to patch a network with memory turns what the circle has shown into its existence
 ///    probability, calibrated (track_network).
 ///
-/// The work of a ms is bounded: flows_per_ms flows, 160 votes, 8 candidates, 4 patches; an event beyond that only leaves
+/// The work of a ms is bounded: flows_per_ms flows, 6 million multiplications of DiscNetwork, 8 candidates, 4 patches; an event beyond that only leaves
 /// its time stamp. Everything happens at instants of 1 ms of the stream's own time, so that the estimate does not
 /// depend on how events come in batches, unless leave_out_work_before() is called.
 /// Words: the ball is the object; a circle is a hypothesis of its outline, first a candidate, then a track; a disc is the
@@ -90,7 +88,6 @@ class BallTracker final : public Detector, public DetectorViews {
   void leave_out_work_before(std::int64_t t_us) override { search_from_us_ = t_us; }
   [[nodiscard]] double threshold() const override { return config_.threshold; }
   [[nodiscard]] RejectedEvents rejected() const override { return sieve_.rejected(); }
-  [[nodiscard]] bool hough_space(std::span<float> response) const override;
   [[nodiscard]] std::unique_ptr<Detector> copy() const override {
     return std::make_unique<BallTracker>(*this);
   }
@@ -147,7 +144,6 @@ class BallTracker final : public Detector, public DetectorViews {
   struct Candidate {
     Circle circle;
     std::int64_t at_us;
-    bool as_found_too;  ///< evaluated without a fit of place and radius as well
   };
   /// A circle, corrected by PatchNetwork or not, and the network's output for it.
   struct RefinedCircle {
@@ -185,10 +181,6 @@ class BallTracker final : public Detector, public DetectorViews {
     std::array<Candidate, 24> found_;
     std::size_t first_ = 0, count_ = 0;
   };
-  struct Voter {
-    Eigen::Vector2d at_px;
-    int direction;
-  };
 
   void set_motion(const CameraMotion* motion);
   [[nodiscard]] Eigen::Vector2d camera_flow_px_s(const Eigen::Vector2d& at_px) const;
@@ -210,8 +202,7 @@ class BallTracker final : public Detector, public DetectorViews {
   void update_probability(Followed& f, std::int64_t now_us);
 
   // The search for circles that are not followed (ball_tracker_search.cpp).
-  void search(std::int64_t now_us);
-  void begin_search();
+  void update_seen_rotation(std::int64_t now_us);
   void fill_fit(const Circle& circle, std::int64_t now_us);
   [[nodiscard]] bool corrects_known(const Circle& circle, double probability, std::int64_t now_us);
   [[nodiscard]] Followed* place_for(const NewTrack& found);
@@ -235,7 +226,6 @@ class BallTracker final : public Detector, public DetectorViews {
   EventSieve sieve_;
   PlaneFitFlow flow_;
   EdgeMap edges_;
-  CircleSearch search_;
   TimeSurface surface_;
   DiscNetwork network_;
   CircleFit fit_;
@@ -246,14 +236,10 @@ class BallTracker final : public Detector, public DetectorViews {
   std::optional<std::int64_t> next_tick_us_;
   std::optional<std::int64_t> search_due_us_;  // the last tick, until its search is done
   std::int64_t search_from_us_ = std::numeric_limits<std::int64_t>::min();  // ticks before have none
-  std::uint64_t ticks_ = 0;  // so far, those without edges and circles left out
-  // The search under way: the edges at search_us_, the first voted_ of them in search_.
-  ReservedVector<Voter> voters_;
-  ReservedVector<FlowSample> flows_;
-  std::size_t voted_ = 0;
-  bool search_cleared_ = true;
-  std::int64_t search_us_;
-  std::int64_t inference_us_;  // when DiscNetwork's present or newest inference began
+  std::uint64_t ticks_ = 0;           // so far, those without edges and circles left out
+  ReservedVector<FlowSample> flows_;  // of the seen rotation
+  std::int64_t rotation_us_;          // when that was estimated
+  std::int64_t inference_us_;         // when DiscNetwork's present or newest inference began
   std::uint64_t events_since_inference_ = 0;
   CandidateQueue candidates_;
   std::uint64_t births_ = 0;

@@ -41,15 +41,15 @@ inline constexpr double silhouette_least_sd_px =
     0.35;  // of one fit; successive fits share most of their events
 inline constexpr double gaze_follows_silhouette = 0.4;
 
-// Motion against the background.
+// Motion against the background; the camera's rotation from edges, where joints are missing.
+inline constexpr std::size_t max_flows = 1024;
+inline constexpr std::int64_t rotation_period_us = 3'000;
 inline constexpr double anchor_s = 0.6, moved_begin_px = 2.0, moved_end_px = 6.0;
 inline constexpr double at_rest_share = 0.6;  // prior of a circle that never moved against it, as a share
 
 // Search.
-inline constexpr std::size_t max_voters = 1024, votes_per_tick = 160;
-inline constexpr std::size_t found_per_level = 4, most_candidates = 8, candidates_per_tick = 8;
+inline constexpr std::size_t candidates_per_tick = 8;
 inline constexpr double farthest_px = 1e9;  // of a found circle, which has moved on since; integers hold it
-inline constexpr std::int64_t search_period_us = 3'000, confident_search_period_us = 9'000;
 inline constexpr double confident = 0.9;    // probability of the best circle with which the search is slower
 inline constexpr double new_share = 0.6;    // of its probability that a new circle replaces another with
 inline constexpr double better_by = 0.1;    // probability, for a found circle to correct a followed one
@@ -58,8 +58,8 @@ inline constexpr double rival_share = 0.4;  // of the radius: circles nearer tha
 inline constexpr std::size_t max_rivals = 2;  // followed at once
 
 // Inferences of DiscNetwork.
-inline constexpr std::int64_t network_period_us = 15'000, confident_network_period_us = 50'000;
-inline constexpr std::int64_t multiplications_per_tick = 1'500'000;
+inline constexpr std::int64_t network_period_us = 3'000, confident_network_period_us = 25'000;
+inline constexpr std::int64_t multiplications_per_tick = 6'000'000;
 inline constexpr std::uint64_t fewest_events_of_inference = 20;
 
 // Polar patches.

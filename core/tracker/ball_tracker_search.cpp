@@ -33,7 +33,7 @@ void BallTracker::work_ahead() {
   search_due_us_.reset();
   patches_left_ = patches_per_tick;
   run_disc_network(due_us);
-  search(due_us);
+  update_seen_rotation(due_us);
   evaluate_candidates(due_us);
   update_patch(due_us);
 }
@@ -99,48 +99,21 @@ void BallTracker::update_patch(std::int64_t now_us) {
   step(*next, found.patch, now_us);
 }
 
-/// The share of a tick: takes back the votes of the last search, or adds some of this one.
-void BallTracker::search(std::int64_t now_us) {
-  if (!search_cleared_) {
-    search_cleared_ = search_.clear(votes_per_tick);
-    if (!search_cleared_) return;
-  }
-  if (voters_.empty()) {
-    const Followed* leader = best();
-    const std::int64_t period_us =
-        leader != nullptr && leader->probability > confident ? confident_search_period_us : search_period_us;
-    if (search_us_ != never_us && saturated_difference(now_us, search_us_) < period_us) return;
-    search_us_ = now_us;
-    begin_search();
-  }
-  const std::size_t end = std::min(voters_.size(), voted_ + votes_per_tick);
-  for (; voted_ < end; ++voted_) search_.add(voters_[voted_].at_px, voters_[voted_].direction);
-  if (voted_ < voters_.size()) return;
-  voters_.clear();
-  voted_ = 0;
-  search_cleared_ = false;
-  const auto found = search_.find(found_per_level);
-  for (const CircleSearch::Found& candidate : found.first(std::min(found.size(), most_candidates)))
-    candidates_.push({candidate.circle, search_us_, false});
-}
-
-/// Collects the edges that vote, every n-th where there are too many, and the camera's rotation that they show.
-void BallTracker::begin_search() {
+/// Without joints: the camera's rotation that the edges show, from every n-th of them where there are many.
+void BallTracker::update_seen_rotation(std::int64_t now_us) {
+  if (rotation_rad_s_ ||
+      (rotation_us_ != never_us && saturated_difference(now_us, rotation_us_) < rotation_period_us))
+    return;
+  rotation_us_ = now_us;
   std::size_t alive = 0;
-  edges_.for_each(search_us_, [&](const Edge&) { ++alive; });
-  const std::size_t stride = alive / max_voters + 1;
+  edges_.for_each(now_us, [&](const Edge&) { ++alive; });
+  const std::size_t stride = alive / max_flows + 1;
   std::size_t i = 0;
   flows_.clear();
-  edges_.for_each(search_us_, [&](const Edge& edge) {
-    if (i++ % stride != 0) return;
-    const Eigen::Vector2d at = now_at(edge, search_us_);
-    if (!(at.x() > -0.5 && at.y() > -0.5 && at.x() < camera_.size.width - 0.5 &&
-          at.y() < camera_.size.height - 0.5))
-      return;
-    voters_.push_back({at, edge.direction});
-    flows_.push_back({edge.x, edge.y, edge.along, edge.speed_px_s});
+  edges_.for_each(now_us, [&](const Edge& edge) {
+    if (i++ % stride == 0) flows_.push_back({edge.x, edge.y, edge.along, edge.speed_px_s});
   });
-  if (!rotation_rad_s_) seen_rotation_rad_s_ = camera_rotation(flows_, camera_, rays_, seen_rotation_rad_s_);
+  seen_rotation_rad_s_ = camera_rotation(flows_, camera_, rays_, seen_rotation_rad_s_);
 }
 
 void BallTracker::fill_fit(const Circle& c, std::int64_t now_us) {
@@ -151,8 +124,8 @@ void BallTracker::fill_fit(const Circle& c, std::int64_t now_us) {
   });
 }
 
-/// Goes on with the inference of DiscNetwork, or begins the next one. Its circles are candidates like those of the search, and
-/// also with place and radius as found. Its log odds at the followed circles are kept for their next update.
+/// Goes on with the inference of DiscNetwork, or begins the next one. Its circles are candidates. Its log odds at the followed
+/// circles are kept for their next update.
 void BallTracker::run_disc_network(std::int64_t now_us) {
   if (!network_.busy()) {
     const Followed* leader = best();
@@ -172,7 +145,7 @@ void BallTracker::run_disc_network(std::int64_t now_us) {
   for (const DiscNetwork::Found& found : network_.found()) {
     const double r_px = found.circle.r_px;
     if (r_px < config_.radius_px[0] - 1.0 || r_px > config_.radius_px[1] + 1.0) continue;
-    candidates_.push({found.circle, network_.found_at_us(), true});
+    candidates_.push({found.circle, network_.found_at_us()});
   }
 }
 
@@ -198,9 +171,7 @@ void BallTracker::evaluate_candidates(std::int64_t now_us) {
     circle.y_px += motion.y() * since_s;
     if (std::max(std::abs(circle.x_px), std::abs(circle.y_px)) < farthest_px) {
       fill_fit(circle, now_us);
-      evaluate_candidate(fit_.place(circle, motion, config_.radius_px[0] - 0.5, config_.radius_px[1] + 0.5),
-                         now_us);
-      if (found.as_found_too) evaluate_candidate(circle, now_us);
+      evaluate_candidate(circle, now_us);
     }
     if (candidates_.empty()) end_duplicates();
   }
@@ -304,16 +275,6 @@ void BallTracker::end_duplicates() {
       if (is_same(a.track.shown(), b.track.shown(), 2.0, 1.5)) b.alive = false;
     }
   }
-}
-
-/// The response of all edges of now: the search under way holds only some of them.
-bool BallTracker::hough_space(std::span<float> response) const {
-  CircleSearch whole = search_;
-  while (!whole.clear(max_voters)) {
-  }
-  edges_.for_each(now_us_, [&](const Edge& edge) { whole.add(now_at(edge, now_us_), edge.direction); });
-  whole.largest_response(camera_.size, response);
-  return true;
 }
 
 }  // namespace saccade

@@ -1,9 +1,7 @@
 #pragma once
 
-#include <algorithm>
 #include <memory>
 #include <utility>
-#include <vector>
 
 #include "core/detector_views.h"
 
@@ -40,14 +38,6 @@ class BetterOfTwo final : public Detector, public DetectorViews {
   }
   [[nodiscard]] double threshold() const override { return first_->threshold(); }
   [[nodiscard]] RejectedEvents rejected() const override { return first_->rejected(); }
-  /// The larger response of both; false unless both have one.
-  [[nodiscard]] bool hough_space(std::span<float> response) const override {
-    std::vector<float> second(response.size());
-    if (!hough_space_of(*second_, second) || !hough_space_of(*first_, response)) return false;
-    std::ranges::transform(response, second, response.begin(),
-                           [](float a, float b) { return std::max(a, b); });
-    return true;
-  }
   /// nullptr unless both can be copied.
   [[nodiscard]] std::unique_ptr<Detector> copy() const override {
     std::unique_ptr<Detector> first = copy_of(*first_), second = copy_of(*second_);

@@ -1,9 +1,7 @@
 #include "core/tracker/decimated_detector.h"
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
-#include <vector>
 
 namespace saccade {
 namespace {
@@ -57,20 +55,6 @@ Estimate DecimatedDetector::estimate() {
   estimate.circle.r_px *= step_;
   estimate.covariance_px2 *= step_ * step_;
   return estimate;
-}
-
-bool DecimatedDetector::hough_space(std::span<float> response) const {
-  const ImageSize small = decimated(size_, step_);
-  std::vector<float> kept(static_cast<std::size_t>(small.pixels()));
-  if (!hough_space_of(*detector_, kept)) return false;
-  for (int y = 0; y < size_.height; ++y) {
-    const int row = std::min(y / step_, small.height - 1) * small.width;
-    for (int x = 0; x < size_.width; ++x) {
-      response[static_cast<std::size_t>(y * size_.width + x)] =
-          kept[static_cast<std::size_t>(row + std::min(x / step_, small.width - 1))];
-    }
-  }
-  return true;
 }
 
 std::unique_ptr<Detector> DecimatedDetector::copy() const {

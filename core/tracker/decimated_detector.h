@@ -27,7 +27,6 @@ class DecimatedDetector final : public Detector, public DetectorViews {
   [[nodiscard]] double threshold() const override { return detector_->threshold(); }
   [[nodiscard]] RejectedEvents rejected() const override { return sieve_.rejected(); }
   /// Every pixel has the response of the nearest one that is used.
-  [[nodiscard]] bool hough_space(std::span<float> response) const override;
   /// nullptr for a detector that cannot be copied.
   [[nodiscard]] std::unique_ptr<Detector> copy() const override;
 

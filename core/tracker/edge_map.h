@@ -17,7 +17,6 @@ struct Edge {
   Eigen::Vector2d along{1.0, 0.0};  ///< unit vector of its motion
   double speed_px_s = 0.0;          ///< along it
   std::uint16_t x = 0, y = 0;
-  std::int16_t direction = 0;  ///< of its motion, see HoughTransform::direction_of()
 };
 
 /// The newest edges of each region of the image. Regions are squares of `region_px` pixels. Each holds its newest

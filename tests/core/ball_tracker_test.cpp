@@ -80,9 +80,9 @@ TEST(BallTracker, CountsABurstOfAPixelAsOneEdge) {
   BallTracker burst(radii(6, 20), camera);
   const Estimate expected = Player(plain, disc.events(camera.size, 0.12)).until(120'000);
   const Estimate e = Player(burst, bursts).until(120'000);
-  // The networks look at the newest event of a pixel, up to 0.45 ms younger here.
-  EXPECT_NEAR(e.circle.x_px, expected.circle.x_px, 0.005);
-  EXPECT_NEAR(e.circle.r_px, expected.circle.r_px, 0.005);
+  // The networks look at the newest event of a pixel, up to 0.45 ms younger here. With each event as an edge: 0.11 px.
+  EXPECT_NEAR(e.circle.x_px, expected.circle.x_px, 0.02);
+  EXPECT_NEAR(e.circle.r_px, expected.circle.r_px, 0.02);
   EXPECT_NEAR(e.score, expected.score, 0.02);
 }
 
