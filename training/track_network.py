@@ -349,7 +349,7 @@ def arguments():
     parser.add_argument("--duration", help="--into: of the training, for the manifest")
     parser.add_argument("--judge", nargs="?", const="", help="judge these weights, or the score of the log, on development worlds")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--epochs", type=int, default=8)
+    parser.add_argument("--epochs", type=int, default=7)
     parser.add_argument("--every", type=int, default=2, help="epochs between judgements of the worlds held back")
     parser.add_argument("--rate", type=float, default=3e-3)
     parser.add_argument("--decay", type=float, default=0.2)
