@@ -178,13 +178,13 @@ TEST_F(ViewWindow, ShowsARecordedRunSeeksInItAndAppliesSettings) {
   EXPECT_THAT(bytes_of(path("output")), HasSubstr("drew the window"));
 }
 
-/// A playback of a run folder with the run's own detectors.
+/// A playback of a run folder with the run's own detectors, of which one that has a Hough space is selected.
 std::unique_ptr<Playback> playback_of(const fs::path& run) {
   ReadOptions options;
   options.recording = run;
   options.formats = built_in_formats();
   const auto own = read_recorded_detectors(run, {}, built_in_detectors());
-  return make_recording_playback(options, {}, own->detectors, "best", built_in());
+  return make_recording_playback(options, {}, own->detectors, "paper_directed", built_in());
 }
 
 Snapshot snapshot_at(Playback& playback, std::int64_t t_us) {
