@@ -65,9 +65,9 @@ void describe(FieldVisitor& v, BallTrackerConfig& config);
 ///    (disc_probability); from patch to patch a network with memory turns what the circle has shown into its existence
 ///    probability, calibrated (track_network).
 ///
-/// The work of a ms is bounded: flows_per_ms flows, 6 million multiplications of DiscNetwork, 8 candidates, 4 patches; an event beyond that only leaves
-/// its time stamp. Everything happens at instants of 1 ms of the stream's own time, so that the estimate does not
-/// depend on how events come in batches, unless leave_out_work_before() is called.
+/// The work of a ms is bounded: flows_per_ms flows, about 6 million multiplications of DiscNetwork, 8 candidates, 4 patches; an
+/// event beyond that only leaves its time stamp. Everything happens at instants of 1 ms of the stream's own time, so that the
+/// estimate does not depend on how events come in batches, unless leave_out_work_before() is called.
 /// Words: the ball is the object; a circle is a hypothesis of its outline, first a candidate, then a track; a disc is the
 /// region inside a circle; a patch is the time surface around a circle in polar coordinates.
 /// After: paper, section V (future work); regions after Glover, Dinale, Bartolozzi et al. (event surfaces SCARF and EROS

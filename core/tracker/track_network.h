@@ -37,8 +37,9 @@ struct TrackExistence {
       1.0;  ///< rate at which that ceases to be so without events on the outline, 0.1 to 30 /s
 };
 
-/// A network with memory over the steps of a track, blended with the probability at an instant (models/best/manifest.json): one hidden layer and a gated recurrent unit, both with softsign units, and a
-/// direct linear part. Fitted with the tracks of BallTracker (docs/training.md). 22,000 multiplications.
+/// A network with memory over the steps of a track, blended with the probability at an instant (models/best/manifest.json): one
+/// hidden layer and a gated recurrent unit, both with softsign units, and a direct linear part. Fitted with the tracks of
+/// BallTracker (docs/training.md). 22,000 multiplications.
 [[nodiscard]] TrackExistence run_track_network(const TrackNetworkWeights& weights, const TrackInputs& inputs,
                                                TrackMemory& memory);
 
