@@ -1,4 +1,4 @@
-"""The whole recipe in about two minutes: makes three small worlds, trains, resumes, judges and exports, and checks each step.
+"""The whole recipe in about two minutes: makes three small worlds and a gaze run, trains, resumes, judges and exports, and checks each step.
 
     python3 -m training.tiny --saccade build/release/bin/saccade --out FOLDER
 """
@@ -10,10 +10,11 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from . import export, judge, sequences, surface, track_network, tracks, train, worlds
+from . import export, judge, patch_network, sequences, surface, track_network, tracks, train, worlds
 
 SEEDS = ((100000, True), (100003, False), (100004, True))  # 64 and 96 px wide
 STEPS = 6
+LOG_ODDS = 45  # of a patch, among the inputs of the network over tracks
 
 
 def check(right, text):
@@ -72,6 +73,35 @@ def check_tracks(options, data):
         check(np.array_equal(found[name], value), f"{name} differs in the model of best")
 
 
+def check_patches(options, data):
+    """The network over polar patches."""
+    logs, patches = options.out / "tracks_2", options.out / "patches"
+    logs.mkdir()
+    patches.mkdir()
+    for folder in sorted(data.iterdir()):
+        tracks.make(options.log, folder, logs, 0, patches)
+    logged, shipped = patch_network.Patches(sorted(patches.glob("*.npz"))), patch_network.load()
+    check(bool(torch.isfinite(logged.patch).all()), "a patch has values that are not finite")
+    # They are those that the program judged: the log odds of each step are those of a patch of the ms before, but for the rounding.
+    world = worlds.World(data / "train_ball_100004")
+    _, steps, patch, densities = tracks.replay(options.log, world, tracks.stream_of(world), every_patch=1)
+    with torch.no_grad():
+        log_odds = shipped(*patch_network.inputs(*map(torch.tensor, (patch, densities))))[0].clamp(-8, 8).numpy()
+    found = [np.abs(log_odds[patch[:, 0] == step[0] - 1] - step[len(tracks.STEP) + LOG_ODDS]).min(initial=9) < 0.3 for step in steps]
+    check(np.mean(found) > 0.95, f"log odds of {np.mean(found):.3f} of the steps are those of a patch")
+    settings = patch_network.arguments().parse_args(["--steps", "40", "--batch", "128", "--threads", "1"])
+    before = patch_network.judged(shipped, logged)["log_loss"]
+    network, again = (patch_network.train(settings, logged, None) for _ in range(2))
+    for name, value in network.state_dict().items():
+        check(torch.equal(value, again.state_dict()[name]), f"{name} differs in a second training")
+    after = patch_network.judged(network, logged)["log_loss"]
+    check(after < before, f"the log loss of the patches it was trained on was {before:.4f} before and {after:.4f} after it")
+    model = options.out / "best"
+    patch_network.put_into(network, model, settings)
+    for name, value in patch_network.load(model / "weights.npz").state_dict().items():
+        check(torch.equal(value, network.state_dict()[name]), f"{name} differs in the model of best")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--saccade", type=Path, default=worlds.ROOT / "build/release/bin/saccade", help="the program")
@@ -84,6 +114,9 @@ def main():
     data.mkdir(parents=True)
     for seed, ball in SEEDS:
         worlds.make(options.saccade, options.scenario, seed, "train", ball, data)
+    scenario, seed, settings = next(worlds.gaze_scenarios())
+    folder = data / f"train_ball_{worlds.GAZE_SCENARIOS_FROM}"
+    worlds.make_run(options.saccade, scenario, seed, "gaze", True, folder, (*settings, *worlds.FOLLOW, "run.duration_s=1"))
 
     check_inputs(data)
     whole = trained(data, options.out / "whole.pt", STEPS)
@@ -108,6 +141,7 @@ def main():
     error = np.abs(np.stack(outputs) - golden["outputs"]) / np.maximum(1, np.abs(golden["outputs"]))
     check(error.max() <= 1e-5, f"outputs differ by {error.max():.1e} from golden.npz")
     check_tracks(options, data)
+    check_patches(options, data)
     print(f"training.tiny: trained {STEPS} steps, right circle among those found in {found['among']:.2f} of the instants")
 
 

@@ -10,8 +10,6 @@ judged, by the network of the log where no weights are given. --into replaces th
 """
 import argparse
 import copy
-import hashlib
-import json
 import sys
 import time
 from pathlib import Path
@@ -21,6 +19,7 @@ import torch
 from torch import nn
 from torch.nn import functional
 
+from . import best_model
 from .tracks import FIELDS, IGNORED, INLIER, INPUTS, STEP
 
 SHOWN = 3  # rows of a step that the loss looks at: the first, the last, one between
@@ -319,23 +318,17 @@ def load(path, share=1.0):
 
 @torch.no_grad()
 def put_into(network, world, folder, options):
-    """Replaces the network in models/best: weights.npz, golden.npz (the longest track's first steps), manifest.json."""
+    """Replaces the network in models/best, with the longest track's first steps as golden values."""
     a, b = max(world.sequences(), key=lambda s: s[1] - s[0])
     x = torch.from_numpy(world.inputs[a : min(b, a + GOLDEN_STEPS)])
     out, _ = network(x[:, None], torch.zeros(1, network.memory))
     golden = {"track.inputs": x.numpy(), "track.probability": torch.sigmoid(out[:, 0, 0]).numpy(),
               "track.leaves_per_s": leaves_per_s(out[:, 0]).numpy()}
-    for name, arrays in (("weights.npz", network.arrays()), ("golden.npz", golden)):
-        kept = {k: v for k, v in np.load(folder / name).items() if not k.startswith("track.")}
-        np.savez_compressed(folder / name, **kept, **arrays)
-    manifest = json.loads((folder / "manifest.json").read_text())
-    manifest["sha256"] = hashlib.sha256((folder / "weights.npz").read_bytes()).hexdigest()
-    manifest["networks"]["track"] = {
+    best_model.replace(folder, "track", network.arrays(), golden, {
         "input": f"{INPUTS} figures of a circle at each patch (track_inputs(), core/tracker/track_network.h)",
         "output": "log odds of existence; ln of the rate of leaving without events, 1/s",
         "recipe": f"training.worlds, training.tracks, training.track_network --share {options.share:g} (docs/training.md)",
-        "training_seeds": options.seeds, "steps": None, "duration": options.duration}
-    (folder / "manifest.json").write_text(json.dumps(manifest, indent=1) + "\n")
+        "training_seeds": options.seeds, "steps": None, "duration": options.duration})
 
 
 def arguments():

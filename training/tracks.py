@@ -5,6 +5,7 @@
 A log is TRACKS/WORLD.npz, by the program track_log, which has no ground truth: rows of FIELDS, one for each followed circle every
 2 ms; STEP and the inputs (TrackInputs) of each step of its network; and the label of each row, from the ground truth. With
 --variants N each training world has N more logs, WORLD_vK.npz, as another sensor and another speed would give them (varied()).
+With --patches FOLDER every third polar patch that PatchNetwork judged is written to FOLDER/WORLD.npz (training.patch_network).
 """
 import argparse
 import subprocess
@@ -19,6 +20,10 @@ from .worlds import World
 FIELDS = ("t_ms", "number", "x_px", "y_px", "r_px", "vx_px_s", "vy_px_s", "probability", "leaves_per_s", "moved_most_share", "silent_s")
 STEP = ("t_ms", "number")
 INPUTS = 185
+PATCH = ("t_ms", "x_px", "y_px", "r_px", "disc_x", "disc_y", "background_x", "background_y", "log_r", "log_disc", "log_background",
+         "log_relative", "log_growth", "density")  # shares of the speeds along the normal at 0 and 90 deg; PolarPatch's figures
+DIRECTIONS, RINGS, DENSITIES = 24, 14, 9  # of a patch: events by polarity, motion and age; share inside the image
+EVERY_PATCH = 3
 VELOCITY_WINDOW_MS = 10  # of the encoders
 INLIER_PX, INLIER_RADIUS_PX, LEAST_VISIBLE = 6.0, 2.0, 0.5  # docs/scoring.md
 FALSE, INLIER, IGNORED = 0, 1, 2
@@ -76,30 +81,39 @@ def varied(stream, size, random):
     return events[np.argsort(events["t"], kind="stable")], eye, truth, random.random() >= WITHOUT_JOINTS
 
 
-def replay(log, world, stream):
-    """The rows and the steps of track_log."""
+def replay(log, world, stream, every_patch=0):
+    """The rows, the steps, the patches and their densities of track_log."""
     events, eye, _, joints = stream
     radius = (4, int(np.floor(0.3 * world.height)))  # the rule of random worlds
-    head = " ".join(map(str, (world.width, world.height, *world.camera[2:], *radius, int(joints), len(eye), len(events))))
+    head = " ".join(map(str, (world.width, world.height, *world.camera[2:], *radius, int(joints), every_patch, len(eye), len(events))))
     done = subprocess.run([log], input=head.encode() + b"\n" + rotation_rad_s(eye).astype("<f8").tobytes() + events.tobytes(),
                           capture_output=True)
     if done.returncode != 0:
         sys.exit(f"training.tracks: {world.folder}: {done.stderr.decode()[-2000:]}")
-    count = int(np.frombuffer(done.stdout, "<u8", 1)[0])
-    rows = np.frombuffer(done.stdout, "<f4", count, 8).reshape(-1, len(FIELDS))
-    return rows, np.frombuffer(done.stdout, "<f4", offset=8 + 4 * count + 8).reshape(-1, len(STEP) + INPUTS)
+    arrays, at = [], 0
+    for kind, columns in (("<f4", len(FIELDS)), ("<f4", len(STEP) + INPUTS), ("<f4", len(PATCH)), ("u1", DIRECTIONS * RINGS * DENSITIES)):
+        count = int(np.frombuffer(done.stdout, "<u8", 1, at)[0])
+        arrays.append(np.frombuffer(done.stdout, kind, count, at + 8).reshape(-1, columns))
+        at += 8 + arrays[-1].nbytes
+    return arrays
 
 
-def labels(rows, truth):
+def labels(rows, truth, fields=FIELDS):
     """FALSE, INLIER or IGNORED for each row, by docs/scoring.md."""
     true = truth[rows[:, 0].astype(int) - 1]
-    x, y, r = (rows[:, FIELDS.index(k)] for k in ("x_px", "y_px", "r_px"))
+    x, y, r = (rows[:, fields.index(k)] for k in ("x_px", "y_px", "r_px"))
     inlier = (np.hypot(x - true[:, 0], y - true[:, 1]) <= INLIER_PX) & (np.abs(r - true[:, 2]) <= INLIER_RADIUS_PX)
     visible = true[:, 3]
     return np.where(visible >= LEAST_VISIBLE, inlier, np.where(visible > 0, IGNORED, FALSE)).astype(np.uint8)
 
 
-def make(log, folder, out, variant):
+def save(path, **arrays):
+    part = path.with_suffix(".part.npz")
+    np.savez(part, **arrays)
+    part.rename(path)
+
+
+def make(log, folder, out, variant, patches=None):
     name = f"{folder.name}_v{variant}" if variant else folder.name
     path = out / f"{name}.npz"
     if path.exists():
@@ -109,10 +123,11 @@ def make(log, folder, out, variant):
     if variant:
         seed = int(folder.name.rsplit("_", 1)[1])
         stream = varied(stream, (world.width, world.height), np.random.default_rng([seed, variant]))
-    (rows, steps), truth = replay(log, world, stream), stream[2]
-    part = path.with_suffix(".part.npz")
-    np.savez(part, rows=rows, steps=steps, label=labels(rows, truth), truth=truth)
-    part.rename(path)
+    rows, steps, patch, densities = replay(log, world, stream, EVERY_PATCH if patches else 0)
+    truth = stream[2]
+    if patches:
+        save(patches / path.name, patch=patch, densities=densities, label=labels(patch, truth, PATCH), truth=truth[patch[:, 0].astype(int) - 1])
+    save(path, rows=rows, steps=steps, label=labels(rows, truth), truth=truth)
     print(name, len(rows), flush=True)
 
 
@@ -121,14 +136,16 @@ def main():
     parser.add_argument("--data", type=Path, required=True, help="folder of the worlds (training.worlds)")
     parser.add_argument("--log", type=Path, default=Path("build/release/bin/track_log"), help="the program")
     parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--patches", type=Path, help="folder of the patches")
     parser.add_argument("--variants", type=int, default=0, help="further logs of each training world")
     parser.add_argument("--threads", type=int, default=1)
     options = parser.parse_args()
-    options.out.mkdir(parents=True, exist_ok=True)
+    for folder in filter(None, (options.out, options.patches)):
+        folder.mkdir(parents=True, exist_ok=True)
     folders = sorted(p.parent for p in options.data.glob("*/world.npz") if not p.parent.name.endswith(".part"))
     jobs = [(f, v) for v in range(options.variants + 1) for f in folders if v == 0 or f.name.startswith("train_")]
     with ThreadPoolExecutor(options.threads) as pool:
-        list(pool.map(lambda job: make(options.log, job[0], options.out, job[1]), jobs))
+        list(pool.map(lambda job: make(options.log, job[0], options.out, job[1], options.patches), jobs))
 
 
 if __name__ == "__main__":

@@ -2,9 +2,11 @@
 
     python3 -m training.worlds train --saccade build/release/bin/saccade --out DATA --first 100000 --count 200
     python3 -m training.worlds development --saccade build/release/bin/saccade --out DATA
+    python3 -m training.worlds gaze --saccade build/release/bin/saccade --out DATA
 
 Started again, it continues where it stopped. A world is a folder with events.npz (as saccade writes it), scenario.yaml and
 world.npz (ground truth and camera; for development worlds also which events the ball caused, and what `best` reports).
+Worlds of the kind `gaze` are training worlds too: in them the gaze follows the ball, by `best`.
 """
 import argparse
 import re
@@ -21,6 +23,10 @@ DEVELOPMENT_SEEDS = range(1000, 1060)
 TRAINING_S, DEVELOPMENT_S = 2.0, 3.0
 WITHOUT_BALL = 4  # one training seed of so many has no ball
 SETTINGS = ("output.pictures=0", "run.threads=1", "output.events=npz")
+GAZE_SEEDS = range(101_400, 101_500)  # of random worlds whose gaze follows the ball
+GAZE_SCENARIO_SEEDS, GAZE_SCENARIOS_FROM = range(1, 13), 200_001
+BEST, FOLLOW = "detectors={best: {}}", ("gaze.detector=best", "expect={}")
+LENS = ("k1", "k2", "p1", "p2")
 
 
 def table(path):
@@ -28,10 +34,10 @@ def table(path):
 
 
 def camera_of(text):
-    """Width, height, fx, fy, cx, cy and k1 of the camera of a resolved scenario."""
+    """Width, height, fx, fy, cx, cy and LENS of the camera of a resolved scenario."""
     block = text.split("\ncamera:")[1].split("\ncalibration:")[0]
     values = dict(re.findall(r"^  (\w+): (.+)$", block, re.MULTILINE))
-    return np.array([float(values[k]) for k in ("width_px", "height_px", "fx_px", "fy_px", "cx_px", "cy_px", "k1")])
+    return np.array([float(values[k]) for k in ("width_px", "height_px", "fx_px", "fy_px", "cx_px", "cy_px", *LENS)])
 
 
 def run(saccade, scenario, seed, folder, settings):
@@ -53,21 +59,50 @@ def skipped(saccade, scenario, seed, folder):
     return seed % 2 == 1 and camera_of(text)[0] < 128 and not moves
 
 
+def gaze_scenarios():
+    """Scenario, seed and settings of each."""
+    metre = ("ball.trajectory.centre_m=[-1.056, 0, 0.347]", "ball.trajectory.radius_a_m=[0, -0.156, 0]", "ball.trajectory.radius_b_m=[0, 0, 0.156]")
+    for seed in GAZE_SCENARIO_SEEDS:
+        for lab in ("rectilinear", "textured"):
+            for scenario, settings in (
+                ("gaze_square_45cm", (BEST, f"emulator.shot_noise_rate_hz={(0, 10, 5, 20)[seed % 4]}", "run.duration_s=4")),
+                ("gaze_circle", (BEST, f"ball.trajectory.frequency_hz={(0.5, 1, 2, 1.5)[seed % 4]}", "run.duration_s=3")),
+                ("gaze_circle", (*metre, "detectors={best: {radius_px: [2, 24]}}", "run.duration_s=3")),
+                (("gaze_occlusion", "gaze_distractors")[seed % 2], (BEST, "run.duration_s=4")),
+            ):
+                yield ROOT / f"scenarios/{scenario}.yaml", seed, (f"lab.clutter={lab}", *settings)
+
+
 def make(saccade, scenario, seed, kind, ball, out):
-    """One world. True if it was made now."""
-    folder = out / f"{kind}_{'ball' if ball else 'none'}_{seed}"
-    if folder.exists():
-        return False
-    part = out / f"{folder.name}.part"
+    """A random world whose head follows its script. True if it was made now."""
+    name = f"{kind}_{'ball' if ball else 'none'}_{seed}"
     settings = [f"world.with_ball={'always' if ball else 'never'}"]
     if kind == "train":
-        if ball and skipped(saccade, scenario, seed, part):
-            shutil.rmtree(part)
-            folder.mkdir()  # an empty folder: left out by the rule
-            return False
         settings += [f"run.duration_s={TRAINING_S}", "detectors={}"]
     else:
-        settings += [f"run.duration_s={DEVELOPMENT_S}", "detectors={best: {}}", "output.labels=true"]
+        settings += [f"run.duration_s={DEVELOPMENT_S}", BEST, "output.labels=true"]
+    return make_run(saccade, scenario, seed, kind, ball, out / name, settings)
+
+
+def make_gaze(saccade, scenario, out):
+    """The worlds of the kind `gaze`."""
+    jobs = [(seed, scenario, seed, ("world.with_ball=always", f"run.duration_s={TRAINING_S}", BEST)) for seed in GAZE_SEEDS]
+    jobs += [(GAZE_SCENARIOS_FROM + i, *job) for i, job in enumerate(gaze_scenarios())]
+    for number, of, seed, settings in jobs:
+        folder = out / f"train_ball_{number}"
+        if make_run(saccade, of, seed, "gaze", True, folder, (*settings, *FOLLOW)):
+            print(folder.name, flush=True)
+
+
+def make_run(saccade, scenario, seed, kind, ball, folder, settings):
+    """One world. True if it was made now."""
+    if folder.exists():
+        return False
+    part = folder.with_name(f"{folder.name}.part")
+    if kind == "train" and ball and skipped(saccade, scenario, seed, part):
+        shutil.rmtree(part)
+        folder.mkdir()  # an empty folder: left out by the rule
+        return False
     run(saccade, scenario, seed, part, settings)
     truth, eye = table(part / "truth.csv"), table(part / "eye.csv")
     arrays = {
@@ -99,7 +134,8 @@ class World:
         events, arrays = np.load(folder / "events.npz")["events"], np.load(folder / "world.npz")
         self.t_ms = (events["t"] * 1e-3).astype(np.float32)
         self.x, self.y, self.on = events["x"].astype(np.int16), events["y"].astype(np.int16), events["p"].astype(bool)
-        self.camera = arrays["camera"]
+        self.camera = np.zeros(6 + len(LENS))
+        self.camera[: len(arrays["camera"])] = arrays["camera"]  # older worlds have k1 alone
         self.width, self.height = int(self.camera[0]), int(self.camera[1])
         truth = arrays["truth"]
         self.truth = np.where(np.isfinite(truth).all(1, keepdims=True), truth, 0).astype(np.float32)
@@ -145,7 +181,7 @@ def load(out, kind):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("kind", choices=("train", "development"))
+    parser.add_argument("kind", choices=("train", "development", "gaze"))
     parser.add_argument("--saccade", type=Path, default=ROOT / "build/release/bin/saccade", help="the program")
     parser.add_argument("--scenario", type=Path, default=ROOT / "scenarios/random_world.yaml")
     parser.add_argument("--out", type=Path, required=True, help="folder of the worlds")
@@ -154,6 +190,9 @@ def main():
     parser.add_argument("--without", type=int, default=15, help="development worlds without a ball (15)")
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
+    if options.kind == "gaze":
+        make_gaze(options.saccade, options.scenario, options.out)
+        return
     if options.kind == "train":
         first = options.first or TRAINING_SEEDS
         if first < TRAINING_SEEDS:

@@ -110,6 +110,18 @@ class BallTracker final : public Detector, public DetectorViews {
   /// Motion of a circle whose centre and radius move so, and that of the background there.
   [[nodiscard]] PatchMotion patch_motion(const Circle& circle, const Eigen::Vector3d& motion_px_s) const;
 
+  /// A polar patch that PatchNetwork has judged, to train it (tests/training/track_log.cpp).
+  struct JudgedPatch {
+    std::int64_t t_us;
+    Circle circle;
+    PatchMotion motion;
+  };
+  static constexpr std::size_t most_patches = 4;  ///< of a tick
+  /// Those of the last tick's search.
+  [[nodiscard]] std::span<const JudgedPatch> judged_patches() const {
+    return std::span(judged_).first(judged_count_);
+  }
+
  private:
   struct Followed {
     bool alive = false;
@@ -245,6 +257,8 @@ class BallTracker final : public Detector, public DetectorViews {
   std::uint64_t births_ = 0;
   std::size_t next_patch_ = 0;  // of followed_
   int patches_left_ = 0;        // of this tick
+  std::array<JudgedPatch, most_patches> judged_;
+  std::size_t judged_count_ = 0;
   // Flows of this tick: every nth_event_ event gets one.
   std::int64_t flows_left_, nth_event_ = 1, since_flow_ = 0, events_of_tick_ = 0;
 };

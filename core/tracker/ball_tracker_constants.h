@@ -64,7 +64,6 @@ inline constexpr std::uint64_t fewest_events_of_inference = 20;
 
 // Polar patches.
 inline constexpr std::uint64_t confident_ticks_per_patch = 4;
-inline constexpr int patches_per_tick = 4;
 inline constexpr double least_correction_rings = 0.3,
                         large_correction_rings = 0.8;  // ring widths of a polar patch
 inline constexpr double correction_gain = 0.5;         // of the log odds

@@ -31,7 +31,8 @@ void BallTracker::work_ahead() {
   if (!search_due_us_) return;
   const std::int64_t due_us = *search_due_us_;
   search_due_us_.reset();
-  patches_left_ = patches_per_tick;
+  patches_left_ = most_patches;
+  judged_count_ = 0;
   run_disc_network(due_us);
   update_seen_rotation(due_us);
   evaluate_candidates(due_us);
@@ -48,7 +49,9 @@ BallTracker::RefinedCircle BallTracker::refined(const Circle& circle, const Eige
                                                 std::int64_t now_us) {
   const auto output_of = [&](const Circle& c) {
     --patches_left_;
-    return run_patch_network(model_->patch, polar_patch(surface_, c, patch_motion(c, motion), now_us));
+    const PatchMotion moves = patch_motion(c, motion);
+    judged_[judged_count_++] = {now_us, c, moves};
+    return run_patch_network(model_->patch, polar_patch(surface_, c, moves, now_us));
   };
   const PatchOutput output = output_of(circle);
   const Circle& off = output.correction;
