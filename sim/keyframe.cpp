@@ -322,6 +322,29 @@ void KeyframeFilter::take_outline_depths(Keyframe& k, int begin, int end, Band& 
   }
 }
 
+SampleRect KeyframeFilter::covered_part(const SampleRect& drawn, std::span<const float> depth) const {
+  const auto columns = static_cast<std::ptrdiff_t>(drawn.columns());
+  SampleRect part{drawn.right, drawn.bottom, drawn.left, drawn.top};
+  const auto is_here = [](float value) { return value < 1.0F; };
+  for (int row = drawn.top; row < drawn.bottom; ++row) {
+    const float* const begin = depth.data() + static_cast<std::ptrdiff_t>(drawn.bottom - 1 - row) * columns;
+    const float* const end = begin + columns;
+    const float* const first = std::find_if(begin, end, is_here);
+    if (first == end) continue;
+    const auto last = std::find_if(std::reverse_iterator(end), std::reverse_iterator(first), is_here);
+    part = {std::min(part.left, drawn.left + static_cast<int>(first - begin)), std::min(part.top, row),
+            std::max(part.right, drawn.left + static_cast<int>(last.base() - begin)), row + 1};
+  }
+  if (part.is_empty()) return {};
+  const int above = std::max(2 * camera_->samples(), camera_->reach() + 1);  // more than a pixel
+  // The cells that set_row_runs() cuts at the border are empty, and sum_of_row() adds whole groups of eight columns.
+  const int beside = std::max(above, KeyframeCamera::cell + 2 * camera_->reach() + 1);
+  constexpr int group = 8;
+  const int left = std::max(0, part.left - beside - drawn.left) / group * group;
+  const int right = (part.right + beside - drawn.left + group - 1) / group * group;
+  return SampleRect{drawn.left + left, part.top - above, drawn.left + right, part.bottom + above}.cut(drawn);
+}
+
 void KeyframeFilter::fill(Keyframe& k, const Drawn& drawn, WorkerThreads& threads) {
   const auto columns = static_cast<std::size_t>(k.rect.columns());
   const int rows = k.rect.rows();

@@ -59,6 +59,9 @@ class KeyframeFilter {
     double far_m;
     bool is_room;  ///< what is not drawn is black and far away
   };
+  /// The samples of `drawn` with a depth below 1, and so many around them that fill() gives them the values to the bit that it
+  /// gives them in all of `drawn`, where all others are 0; empty where nothing is. `depth`: of `drawn`, and more.
+  [[nodiscard]] SampleRect covered_part(const SampleRect& drawn, std::span<const float> depth) const;
   /// Sets the samples of keyframe.rect, which is not empty, and what is known of their depths. Threads share its rows; the result
   /// does not depend on their number.
   void fill(Keyframe& keyframe, const Drawn& drawn, WorkerThreads& threads);

@@ -87,7 +87,8 @@ KeyframeCamera::KeyframeCamera(const Camera& camera, std::int64_t samples, doubl
           (focal_ * extent_of_pixel(camera, inside_px)).cwiseAbs2().cwiseMax(2.0) - Eigen::Vector2d::Ones();
       cells_.push_back(
           {static_cast<float>(std::sqrt(square.x())), static_cast<float>(std::sqrt(square.y()))});
-      reach_ = std::max(reach_, static_cast<int>(std::lround(0.5F * cells_.back().height)) + 1);
+      const float longer = std::max(cells_.back().width, cells_.back().height);
+      reach_ = std::max(reach_, static_cast<int>(std::lround(0.5F * longer)) + 1);
     }
   }
 }

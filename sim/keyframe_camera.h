@@ -61,14 +61,13 @@ class KeyframeCamera {
     return cells_[static_cast<std::size_t>(row / cell) * cell_columns_ +
                   static_cast<std::size_t>(column / cell)];
   }
-  /// A pixel's mean takes no sample more than this many rows away.
+  /// A pixel's mean takes no sample more than this many rows or columns away.
   [[nodiscard]] int reach() const { return reach_; }
+  static constexpr int cell = 8;  ///< samples that share a PixelSize, in each direction
   /// The first sample of the next ones that share a PixelSize.
   [[nodiscard]] static int next_cell(int sample) { return (sample / cell + 1) * cell; }
 
  private:
-  static constexpr int cell = 8;  ///< samples that share a PixelSize, in each direction
-
   int samples_;
   int columns_ = 0;
   int rows_ = 0;

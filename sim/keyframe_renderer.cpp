@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <numbers>
 
@@ -190,7 +189,7 @@ void KeyframeRenderer::draw(Sheet& sheet, mjData& data, mjvGLCamera eye) {
   }
   drawer_->draw_some(data, eye, area, sheet.layer.is_shown);
   drawer_->read_depth(area, depth_.data());
-  keyframe.rect = sheet.layer.is_room() ? drawn : covered_part(drawn);
+  keyframe.rect = sheet.layer.is_room() ? drawn : filter_.covered_part(drawn, depth_);
   keyframe.is_drawn = true;
   ++(sheet.layer.is_room() ? counts_.room : counts_.bodies);
   counts_.samples += static_cast<std::int64_t>(drawn.area());
@@ -200,30 +199,6 @@ void KeyframeRenderer::draw(Sheet& sheet, mjData& data, mjvGLCamera eye) {
   drawer_->read_rgba(part, rgba_.data());
   if (keyframe.rect.area() < drawn.area()) drawer_->read_depth(part, depth_.data());
   filter_.fill(keyframe, {rgba_, depth_, config_.near_m, config_.far_m, sheet.layer.is_room()}, *threads_);
-}
-
-/// The samples of `drawn` that have a depth, and a few around them; empty where none has.
-SampleRect KeyframeRenderer::covered_part(const SampleRect& drawn) const {
-  const auto columns = static_cast<std::ptrdiff_t>(drawn.columns());
-  SampleRect part{drawn.right, drawn.bottom, drawn.left, drawn.top};
-  const auto is_here = [](float depth) { return depth < 1.0F; };
-  for (int row = drawn.top; row < drawn.bottom; ++row) {
-    const float* const begin = depth_.data() + static_cast<std::ptrdiff_t>(drawn.bottom - 1 - row) * columns;
-    const float* const end = begin + columns;
-    const float* const first = std::find_if(begin, end, is_here);
-    if (first == end) continue;
-    const auto last = std::find_if(std::reverse_iterator(end), std::reverse_iterator(first), is_here);
-    part = {std::min(part.left, drawn.left + static_cast<int>(first - begin)), std::min(part.top, row),
-            std::max(part.right, drawn.left + static_cast<int>(last.base() - begin)), row + 1};
-  }
-  if (part.is_empty()) return {};
-  const int around = std::max(2 * key_camera_.samples(), key_camera_.reach() + 1);  // more than a pixel
-  // Whole groups of eight columns, which sum_of_row() adds side by side: the mean depth is that of all of `drawn`, to the bit.
-  constexpr int group = 8;
-  const int left = std::max(0, part.left - around - drawn.left) / group * group;
-  const int right = (part.right + around - drawn.left + group - 1) / group * group;
-  return SampleRect{drawn.left + left, part.top - around, drawn.left + right, part.bottom + around}.cut(
-      drawn);
 }
 
 /// The pixels that a keyframe is reprojected to, at all of its depths.

@@ -99,7 +99,6 @@ class KeyframeRenderer {
   [[nodiscard]] bool find_rect(const Sheet& sheet, const mjData& data,
                                const Eigen::Isometry3d& camera_from_root, detail::Keyframe& keyframe) const;
   void draw(Sheet& sheet, mjData& data, mjvGLCamera eye);
-  [[nodiscard]] detail::SampleRect covered_part(const detail::SampleRect& drawn) const;
   void prepare(Sheet& sheet, const Eigen::Isometry3d& camera_from_layer) const;
   void reproject_rows(Sheet& sheet, int top, int bottom, std::span<float> luminance, Scratch& scratch) const;
   [[nodiscard]] PixelRect pixels_of(const detail::Keyframe& keyframe,

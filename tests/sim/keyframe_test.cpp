@@ -1,11 +1,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <numbers>
 #include <vector>
 
 #include "core/error.h"
+#include "core/random.h"
 #include "core/units.h"
 #include "head/icub_cameras.h"
 #include "sim/keyframe_renderer.h"
@@ -245,6 +247,72 @@ TEST_F(Keyframes, AKeyframeWithTooManySamplesIsRefused) {
   camera_ = Camera{{4000, 100}, 2000.0, 2000.0, 2000.0, 50.0}.without_lens();
   render_.keyframe_samples = 8;
   EXPECT_THROW(static_cast<void>(keyframes()), InputError);
+}
+
+/// What is kept of a drawn body has the values that it has in all that was drawn: images do not depend on how much is kept.
+TEST(KeyframeFilter, GivesWhatIsKeptOfABodyItsValuesToTheBit) {
+  using detail::SampleRect;
+  const detail::KeyframeCamera camera(Camera{{240, 180}, 200.0, 200.0, 119.0, 92.0}, 5, 30.0);
+  detail::KeyframeFilter filter(camera);
+  WorkerThreads threads(2);
+  const RandomStream random(1, "samples");
+  for (int offset = 0; offset < 64; ++offset) {
+    const SampleRect drawn{200 + offset / 8, 150, 460 + 2 * offset, 330};
+    const auto columns = static_cast<std::size_t>(drawn.columns());
+    std::vector<std::uint32_t> rgba(drawn.area());
+    std::vector<float> depth(drawn.area(), 1.0F);
+    for (std::size_t i = 0; i < depth.size(); ++i) {
+      const double x = static_cast<double>(i % columns) - 130.0 - offset % 8;
+      const double y = static_cast<double>(i / columns) - 90.0;
+      if (std::abs(x) > 30.0 || std::abs(y) > 20.0) continue;
+      depth[i] = 0.5F + 1e-3F * static_cast<float>(x);
+      rgba[i] = static_cast<std::uint32_t>(random.bits(0, i)) | 0xFF000000U;
+    }
+    const auto filled = [&](const SampleRect& rect) {
+      std::vector<std::uint32_t> rgba_there;
+      std::vector<float> depth_there;
+      for (int row = rect.bottom - 1; row >= rect.top; --row) {
+        const auto first = static_cast<std::size_t>(drawn.bottom - 1 - row) * columns +
+                           static_cast<std::size_t>(rect.left - drawn.left);
+        for (std::size_t i = first; i < first + static_cast<std::size_t>(rect.columns()); ++i) {
+          rgba_there.push_back(rgba[i]);
+          depth_there.push_back(depth[i]);
+        }
+      }
+      detail::Keyframe keyframe;
+      keyframe.drawn = drawn;
+      keyframe.rect = rect;
+      filter.fill(keyframe, {rgba_there, depth_there, 0.01, 10.0, false}, threads);
+      return keyframe;
+    };
+    const SampleRect part = filter.covered_part(drawn, depth);
+    ASSERT_LT(part.area(), drawn.area() / 2);
+    const detail::Keyframe whole = filled(drawn);
+    const detail::Keyframe kept = filled(part);
+    EXPECT_EQ(kept.mean_1_m, whole.mean_1_m);
+    EXPECT_EQ(kept.nearest_1_m, whole.nearest_1_m);
+    EXPECT_EQ(kept.farthest_1_m, whole.farthest_1_m);
+    EXPECT_EQ(kept.largest_step_1_m, whole.largest_step_1_m);
+    int others = 0;
+    for (int row = drawn.top; row < drawn.bottom; ++row) {
+      for (int column = drawn.left; column < drawn.right; ++column) {
+        const auto in = [&](const SampleRect& rect) {
+          return static_cast<std::size_t>(row - rect.top) * static_cast<std::size_t>(rect.columns()) +
+                 static_cast<std::size_t>(column - rect.left);
+        };
+        const bool is_kept =
+            column >= part.left && column < part.right && row >= part.top && row < part.bottom;
+        for (std::size_t i = 0; i < 4; ++i) {
+          const std::uint16_t value = is_kept ? kept.samples[4 * in(part) + i] : std::uint16_t{0};
+          others += value != whole.samples[4 * in(drawn) + i] ? 1 : 0;
+        }
+        if (is_kept) {
+          others += kept.inverse_depth_1_m[in(part)] != whole.inverse_depth_1_m[in(drawn)] ? 1 : 0;
+        }
+      }
+    }
+    EXPECT_EQ(others, 0) << offset;
+  }
 }
 
 }  // namespace
