@@ -337,9 +337,9 @@ SampleRect KeyframeFilter::covered_part(const SampleRect& drawn, std::span<const
   }
   if (part.is_empty()) return {};
   const int above = std::max(2 * camera_->samples(), camera_->reach() + 1);  // more than a pixel
-  // The cells that set_row_runs() cuts at the border are empty, and sum_of_row() adds whole groups of eight columns.
+  // The cells that set_row_runs() cuts at the border are empty, and sum_of_row() adds whole groups.
   const int beside = std::max(above, KeyframeCamera::cell + 2 * camera_->reach() + 1);
-  constexpr int group = 8;
+  constexpr auto group = static_cast<int>(columns_summed_at_once);
   const int left = std::max(0, part.left - beside - drawn.left) / group * group;
   const int right = (part.right + beside - drawn.left + group - 1) / group * group;
   return SampleRect{drawn.left + left, part.top - above, drawn.left + right, part.bottom + above}.cut(drawn);

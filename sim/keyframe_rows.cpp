@@ -117,7 +117,7 @@ std::int32_t largest_step(const float* a, const float* b, std::size_t count, std
 
 SACCADE_VECTOR_CLONES
 double sum_of_row(const float* values, std::size_t count) {
-  std::array<double, 8> parts{};
+  std::array<double, columns_summed_at_once> parts{};
   std::size_t i = 0;
   for (; i + parts.size() <= count; i += parts.size()) {
     for (std::size_t j = 0; j < parts.size(); ++j) parts[j] += static_cast<double>(values[i + j]);

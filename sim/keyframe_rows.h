@@ -55,7 +55,8 @@ void include_row(const float* values, std::size_t count, FloatRange& range);
 /// The bits of the largest difference between values of two rows that both are not 0, or `most`.
 std::int32_t largest_step(const float* a, const float* b, std::size_t count, std::int32_t most);
 
-/// The sum of the values; of eight partial sums, which vector units add side by side.
+inline constexpr std::size_t columns_summed_at_once = 8;
+/// The sum of the values; of columns_summed_at_once partial sums, which vector units add side by side.
 double sum_of_row(const float* values, std::size_t count);
 
 /// out[i] = the least of padded[i] to padded[i + width - 1].
