@@ -172,7 +172,8 @@ def outputs_of(network, world):
 
 
 def figures(world, of_row):
-    """As docs/scoring.md, at every second ms."""
+    """As docs/scoring.md, at every second ms. reached: share of the instants with a visible ball at which the best circle is right
+    (average precision with perfect probabilities); followed: at which one of the followed circles is (with perfect choice too)."""
     t, score, label = world.scores(*of_row)
     truth = world.truth[1::2]
     chances = int((truth[:, 3] >= 0.5).sum())
@@ -190,6 +191,8 @@ def figures(world, of_row):
         found["ap"] = float((precision * np.diff(recall, prepend=0)).sum())
         found["recall"] = found["inliers"] / chances
         found["reached"] = float(inlier.sum() / chances)
+        right = np.unique(world.rows[world.label == INLIER, 0])
+        found["followed"] = len(right) / chances
     return found
 
 
@@ -203,7 +206,7 @@ def summary(results):
     p = np.clip(scores, 1e-6, 1 - 1e-6)
     return {
         "ap": np.mean([r["ap"] for r in ball]), "recall": np.mean([r["recall"] for r in ball]),
-        "reached": np.mean([r["reached"] for r in ball]),
+        **{k: np.mean([r[k] for r in ball]) for k in ("reached", "followed")},
         "precision": np.mean([r["inliers"] / r["above"] for r in ball if r["above"]]),
         "pooled_precision": sum(r["inliers"] for r in ball) / max(1, sum(r["above"] for r in ball)),
         "alarms": np.mean([r["above"] / r["instants"] for r in none]) if none else None,
@@ -367,7 +370,7 @@ def main():
         network = load(options.judge, options.share) if options.judge else None
         results = judged(network, tracks)
         for name, r in results:
-            print(name, " ".join(f"{r.get(k, float('nan')):.3f}" for k in ("ap", "recall", "reached")), r["inliers"], r["above"])
+            print(name, " ".join(f"{r.get(k, float('nan')):.3f}" for k in ("ap", "recall", "reached", "followed")), r["inliers"], r["above"])
         s = summary(results)
         print(line(s), s["reliability"])
         return

@@ -41,9 +41,12 @@ def rotation_rad_s(eye):
     return np.divide(2 * v * np.sign(w), seconds, out=np.zeros_like(v), where=seconds > 0)
 
 
-def stream_of(world):
-    """Events, eye quaternions and truth each ms, and whether the joints are known."""
+def stream_of(world, only=None):
+    """Events, eye quaternions and truth each ms, and whether the joints are known. only: of a development world, the events of the
+    `ball` or of the `signal` (without noise)."""
     events = np.load(world.folder / "events.npz")["events"]
+    if only:
+        events = events[world.own if only == "ball" else ~world.noise]
     packed = np.empty(len(events), EVENT)
     packed["t"], packed["x"], packed["y"], packed["on"] = events["t"], events["x"], events["y"], events["p"]
     return packed, world.eye, world.truth, True
@@ -113,13 +116,13 @@ def save(path, **arrays):
     part.rename(path)
 
 
-def make(log, folder, out, variant, patches=None):
+def make(log, folder, out, variant, patches=None, only=None):
     name = f"{folder.name}_v{variant}" if variant else folder.name
     path = out / f"{name}.npz"
     if path.exists():
         return
     world = World(folder)
-    stream = stream_of(world)
+    stream = stream_of(world, only)
     if variant:
         seed = int(folder.name.rsplit("_", 1)[1])
         stream = varied(stream, (world.width, world.height), np.random.default_rng([seed, variant]))
@@ -138,14 +141,17 @@ def main():
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--patches", type=Path, help="folder of the patches")
     parser.add_argument("--variants", type=int, default=0, help="further logs of each training world")
+    parser.add_argument("--only", choices=("ball", "signal"), help="development worlds alone, with the events of the ball or without noise")
     parser.add_argument("--threads", type=int, default=1)
     options = parser.parse_args()
     for folder in filter(None, (options.out, options.patches)):
         folder.mkdir(parents=True, exist_ok=True)
     folders = sorted(p.parent for p in options.data.glob("*/world.npz") if not p.parent.name.endswith(".part"))
+    if options.only:
+        folders = [f for f in folders if f.name.startswith("development_")]
     jobs = [(f, v) for v in range(options.variants + 1) for f in folders if v == 0 or f.name.startswith("train_")]
     with ThreadPoolExecutor(options.threads) as pool:
-        list(pool.map(lambda job: make(options.log, job[0], options.out, job[1], options.patches), jobs))
+        list(pool.map(lambda job: make(options.log, job[0], options.out, job[1], options.patches, options.only), jobs))
 
 
 if __name__ == "__main__":

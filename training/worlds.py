@@ -5,7 +5,8 @@
     python3 -m training.worlds gaze --saccade build/release/bin/saccade --out DATA
 
 Started again, it continues where it stopped. A world is a folder with events.npz (as saccade writes it), scenario.yaml and
-world.npz (ground truth and camera; for development worlds also which events the ball caused, and what `best` reports).
+world.npz (ground truth and camera; for development worlds also which events the ball and which noise caused, and what `best`
+reports).
 Worlds of the kind `gaze` are training worlds too: in them the gaze follows the ball, by `best`.
 """
 import argparse
@@ -112,8 +113,9 @@ def make_run(saccade, scenario, seed, kind, ball, folder, settings):
     }
     if kind == "development":
         with open(part / "labels.csv", encoding="utf-8") as file:
-            next(file)
-            arrays["own"] = np.fromiter((line.rstrip().endswith(",ball") for line in file), bool)
+            names = next(file).rstrip().split(",")
+            cause, of = zip(*((row[names.index("cause")], row[names.index("object")]) for row in (line.rstrip().split(",") for line in file)))
+        arrays["own"], arrays["noise"] = np.array(of) == "ball", np.array(cause) != "signal"
         found = np.atleast_1d(table(part / "detections.csv"))
         names = [n for n in ("t_us", "x_px", "y_px", "r_px", "score") if n in (found.dtype.names or ())]
         arrays["best"] = np.stack([found[n] for n in names], 1) if len(found) else np.zeros((0, 5))
@@ -140,7 +142,7 @@ class World:
         truth = arrays["truth"]
         self.truth = np.where(np.isfinite(truth).all(1, keepdims=True), truth, 0).astype(np.float32)
         self.eye = arrays["eye"]
-        self.own = arrays["own"] if "own" in arrays else None
+        self.own, self.noise = (arrays[k] if k in arrays else None for k in ("own", "noise"))
         self.best = arrays["best"] if "best" in arrays else None
 
     def only_own(self):
