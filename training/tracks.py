@@ -46,6 +46,8 @@ def stream_of(world, only=None):
     `ball` or of the `signal` (without noise)."""
     events = np.load(world.folder / "events.npz")["events"]
     if only:
+        if world.noise is None:
+            sys.exit(f"training.tracks: {world.folder}/world.npz: found no `noise`, expected it for --only; make the world anew")
         events = events[world.own if only == "ball" else ~world.noise]
     packed = np.empty(len(events), EVENT)
     packed["t"], packed["x"], packed["y"], packed["on"] = events["t"], events["x"], events["y"], events["p"]

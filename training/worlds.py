@@ -5,9 +5,9 @@
     python3 -m training.worlds gaze --saccade build/release/bin/saccade --out DATA
 
 Started again, it continues where it stopped. A world is a folder with events.npz (as saccade writes it), scenario.yaml and
-world.npz (ground truth and camera; for development worlds also which events the ball and which noise caused, and what `best`
-reports).
-Worlds of the kind `gaze` are training worlds too: in them the gaze follows the ball, by `best`.
+world.npz (ground truth and camera; for development worlds also which events are the ball's and
+which are noise, and what `best` reports). Worlds of the kind `gaze` are training worlds too: in them the gaze
+follows the ball, by `best`.
 """
 import argparse
 import re
@@ -113,9 +113,9 @@ def make_run(saccade, scenario, seed, kind, ball, folder, settings):
     }
     if kind == "development":
         with open(part / "labels.csv", encoding="utf-8") as file:
-            names = next(file).rstrip().split(",")
-            cause, of = zip(*((row[names.index("cause")], row[names.index("object")]) for row in (line.rstrip().split(",") for line in file)))
-        arrays["own"], arrays["noise"] = np.array(of) == "ball", np.array(cause) != "signal"
+            next(file)
+            cause, of = np.array([line.rstrip().split(",")[-2:] for line in file]).reshape(-1, 2).T
+        arrays["own"], arrays["noise"] = of == "ball", cause != "signal"
         found = np.atleast_1d(table(part / "detections.csv"))
         names = [n for n in ("t_us", "x_px", "y_px", "r_px", "score") if n in (found.dtype.names or ())]
         arrays["best"] = np.stack([found[n] for n in names], 1) if len(found) else np.zeros((0, 5))
