@@ -20,8 +20,8 @@ from torch import nn
 from torch.nn import functional
 
 from . import best_model
-from .train import keep_memory
 from .tracks import DENSITIES, DIRECTIONS, IGNORED, INLIER, LEAST_VISIBLE, PATCH, RINGS
+from .train import keep_memory
 
 HELD_BACK = 9
 SHIPPED = best_model.FOLDER / "weights.npz"

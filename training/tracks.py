@@ -143,9 +143,12 @@ def main():
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--patches", type=Path, help="folder of the patches")
     parser.add_argument("--variants", type=int, default=0, help="further logs of each training world")
-    parser.add_argument("--only", choices=("ball", "signal"), help="development worlds alone, with the events of the ball or without noise")
+    parser.add_argument("--only", choices=("ball", "signal"), help="development worlds alone, with the events of the ball or without noise, to OUT/ball or OUT/signal")
     parser.add_argument("--threads", type=int, default=1)
     options = parser.parse_args()
+    if options.only:
+        options.out /= options.only
+        options.patches = options.patches and options.patches / options.only
     for folder in filter(None, (options.out, options.patches)):
         folder.mkdir(parents=True, exist_ok=True)
     folders = sorted(p.parent for p in options.data.glob("*/world.npz") if not p.parent.name.endswith(".part"))
