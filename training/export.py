@@ -46,6 +46,14 @@ def golden(network, world):
     return {"inputs": inputs, "dt_ms": np.float32(GOLDEN_STEP_MS), "shift": shift.astype(np.float32), "motion": motion.numpy(), "outputs": out[0].numpy(), **memory}
 
 
+def ranges(numbers):
+    """"1 to 3, 7"."""
+    numbers, text = np.array(sorted(numbers)), []
+    for part in np.split(numbers, np.flatnonzero(np.diff(numbers) > 1) + 1):
+        text.append(f"{part[0]} to {part[-1]}" if len(part) > 1 else str(part[0]))
+    return ", ".join(text)
+
+
 def mean(values):
     values = [v for v in values if v is not None]
     return round(float(np.mean(values)), 3) if values else None
@@ -67,7 +75,7 @@ def export(checkpoint, data, figures, out):
     out.mkdir(parents=True, exist_ok=True)
     weights = out / "weights.npz"
     np.savez_compressed(weights, **{k: v.numpy() for k, v in network.state_dict().items()})
-    first = next(data / name for name in kept["seeds"] if (data / name / "world.npz").exists())
+    first = min(path.parent for path in data.glob("train_ball_*/world.npz"))
     np.savez_compressed(out / "golden.npz", **golden(network, worlds.World(first)))
     manifest = {
         "purpose": "finds the ball in events; recurrent over the image; the same weights on cells of 1, 2, 4 and 8 px",
@@ -77,7 +85,7 @@ def export(checkpoint, data, figures, out):
             "memory": "moved by whole squares of 4 x 4 cells with the middle of the image, by the camera's rotation",
             "motion": "v = speed of the image's middle by the camera's rotation, squares per 100 ms: sign(v) ln(1 + |v|) of x and y, "
                       "then 1; all 0 where the joints are not known",
-            "step_ms": sequences.STEP_MS,
+            "step_ms": (sequences.STEP_MS[0], sequences.STEP_MS[1] * max(sequences.EVERY)),
         },
         "outputs": {
             "square": "4 x 4 cells; offsets from its middle, in squares",
@@ -90,8 +98,8 @@ def export(checkpoint, data, figures, out):
                          "gate_step_ms": network_module.STEP_MS},
         "multiplications_128x128_level_1": network.shape.multiplications(128, 128, [1]),
         "recipe": "docs/training.md",
-        "options": {k: v for k, v in kept["recipe"].items() if k in ("steps", "batch", "length", "history", "rate", "seed")},
-        "training_worlds": kept["seeds"],
+        "options": {k: v for k, v in kept["recipe"].items() if k in ("steps", "batch", "rate", "seed")},
+        "training_seeds": ranges(kept["seeds"]),
         "steps": kept["step"],
         "seconds": round(kept["seconds"]),
         "sha256": hashlib.sha256(weights.read_bytes()).hexdigest(),

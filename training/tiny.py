@@ -22,8 +22,8 @@ def check(right, text):
         sys.exit(f"training.tiny: {text}")
 
 
-def trained(data, checkpoint, steps):
-    arguments = ["--data", data, "--checkpoint", checkpoint, "--steps", steps, "--batch", 2, "--length", 24, "--history", 8, "--start", worlds.ROOT / "models/recurrent/start.npz"]
+def trained(folder, checkpoint, steps):
+    arguments = ["--sequences", folder, "--checkpoint", checkpoint, "--steps", steps, "--batch", 2, "--start", worlds.ROOT / "models/recurrent/start.npz"]
     return train.train(train.arguments().parse_args(list(map(str, arguments))))
 
 
@@ -33,7 +33,7 @@ def check_inputs(data):
     many, random = sequences.Worlds(), np.random.default_rng(1)
     many.add(world)
     part = sequences.draw(many, random, length)
-    part.mirrored, part.transposed, part.dropped, part.hot_pixels = (True, False), True, 0.0, 0
+    part.dropped, part.hot_pixels = 0.0, 0
     inputs = sequences.batch_on_level(many, [part], length, torch.Generator())["inputs"][0].numpy()
     size = sequences.CROP * part.cell
     surface_of_part = surface.Surface(size, size, part.left, part.top, part.scale)
@@ -41,10 +41,28 @@ def check_inputs(data):
     bounds = [np.searchsorted(world.t_ms, max(int(times[0] - surface.HISTORY_MS / part.scale), 0)), *np.searchsorted(world.t_ms, times)]
     for k in range(length):
         some = slice(bounds[k], bounds[k + 1])
-        index = surface_of_part.index(world.x[some], world.y[some], world.on[some] ^ part.exchanged)
+        index = surface_of_part.index(world.x[some], world.y[some], world.on[some])
         surface_of_part.advance(times[k], world.t_ms[some][index >= 0], index[index >= 0])
-        expected = np.flip(surface_of_part.cells(part.cell), 2).transpose(0, 2, 1)
-        check(np.abs(inputs[k] - expected).max() < 1e-3, f"inputs of step {k} differ by {np.abs(inputs[k] - expected).max():.1e}")
+        error = np.abs(inputs[k] - surface_of_part.cells(part.cell)).max()
+        check(error < 1e-3, f"inputs of step {k} differ by {error:.1e}")
+
+
+def check_seen_otherwise(folder):
+    """A mark at the ball's centre is at its centre after mirroring and transposing, and moves with it."""
+    all_of = sequences.Sequences(folder, lambda seed: True)
+    for rows in range(len(all_of)):
+        batch = all_of.batch([rows], 2)
+        truth = batch["truth"][0]
+        truth[:, :2] = truth[:, :2].round().clamp(0, sequences.CROP - 1)
+        truth[1:, 4:] = truth[1:, :2] - truth[:-1, :2]
+        instants = range(len(truth))
+        batch["inputs"].zero_()
+        batch["inputs"][0, instants, 0, truth[:, 1].long(), truth[:, 0].long()] = 1
+        sequences.seen_otherwise(batch, np.random.default_rng(rows))
+        truth = batch["truth"][0]
+        marks = batch["inputs"][0].sum(1)[instants, truth[:, 1].long(), truth[:, 0].long()]
+        check(bool((marks == 1).all()), "a mark is not at the centre of the ball seen otherwise")
+        check(torch.equal(truth[1:, 4:], truth[1:, :2] - truth[:-1, :2]), "a ball seen otherwise moves another way")
 
 
 def check_tracks(options, data):
@@ -119,9 +137,13 @@ def main():
     worlds.make_run(options.saccade, scenario, seed, "gaze", True, folder, (*settings, *worlds.FOLLOW, "run.duration_s=1"))
 
     check_inputs(data)
-    whole = trained(data, options.out / "whole.pt", STEPS)
-    trained(data, options.out / "resumed.pt", STEPS // 2)
-    resumed = trained(data, options.out / "resumed.pt", STEPS)
+    folder = options.out / "sequences"
+    folder.mkdir()
+    sequences.write(sorted(data.iterdir()), np.random.default_rng(1), folder / "100000.npy")
+    check_seen_otherwise(folder)
+    whole = trained(folder, options.out / "whole.pt", STEPS)
+    trained(folder, options.out / "resumed.pt", STEPS // 2)
+    resumed = trained(folder, options.out / "resumed.pt", STEPS)
     for name, value in whole.network.state_dict().items():
         check(torch.equal(value, resumed.network.state_dict()[name]), f"{name} differs after resuming")
 

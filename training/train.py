@@ -1,29 +1,30 @@
 """Trains the recurrent network (docs/training.md).
 
-    python3 -m training.train --data DATA --checkpoint FILE --steps 2000
+    python3 -m training.train --sequences SEQUENCES --checkpoint FILE --steps 4000
 
 The checkpoint has weights, their running means, the optimiser, the number of steps and the recipe. If it is there, training
 goes on from it. --steps is the total, so the same command continues after an interruption; the rate falls over the last of them.
+One of HELD_BACK worlds is held back to be judged.
 """
 import argparse
 import ctypes
 import os
 import time
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 import torch
 from torch.nn import functional
 
-from . import sequences, surface, worlds
+from . import sequences, surface
 from .network import Network, Shape, load_weights
 
 INLIER_CENTRE_PX, INLIER_RADIUS_PX = 6.0, 2.0
 MEAN_OF_STEPS = 0.2  # time constant of the running means of the weights, as a share of the steps so far
 COOLING = 0.3  # share of the steps at the end in which the rate falls linearly to a hundredth
 BEST = 3  # circles per instant that the inlier's log odds are trained on
-REPORT_STEPS = 100
+REPORT_STEPS, JUDGE_STEPS = 100, 500
+HELD_BACK = 9
 
 
 def inlier_loss(out, truth, cell):
@@ -79,6 +80,17 @@ def keep_memory():
     libc.mallopt(-1, 2**31 - 1)
 
 
+def on(device, batch):
+    return {k: v.to(device) for k, v in batch.items()}
+
+
+def outputs(network, batch):
+    """From an empty memory on."""
+    squares = sequences.CROP // surface.SQUARE
+    start = network.start(len(batch["dt_ms"]), squares, squares)
+    return network(batch["inputs"], batch["dt_ms"], start, batch["shift"], batch["motion"])[0]
+
+
 class Training:
     """Network, running means of its weights, optimiser, steps made."""
 
@@ -108,18 +120,10 @@ class Training:
              "seconds": self.seconds, "seeds": self.seeds, "shape": vars(self.shape), "recipe": recipe}, part)
         os.replace(part, options.checkpoint)
 
-    def advance(self, batch, length, rate):
+    def advance(self, batch, rate):
         for group in self.adam.param_groups:
             group["lr"] = rate * min(1.0, (self.step + 1) / 200)
-        squares = sequences.CROP // surface.SQUARE
-        inputs, dt_ms, shift, motion = (batch[k] for k in ("inputs", "dt_ms", "shift", "motion"))
-        state = self.network.start(len(dt_ms), squares, squares)
-        history = inputs.shape[1] - length
-        if history:  # the memory of earlier instants, without gradients
-            with torch.no_grad():
-                _, state = self.network(inputs[:, :history], dt_ms, state, shift[:, :history], motion[:, :history])
-        out, _ = self.network(inputs[:, history:], dt_ms, state, shift[:, history:], motion[:, history:])
-        loss, parts = loss_of(out, {k: batch[k][:, history:] if k in ("truth", "shown") else batch[k] for k in batch})
+        loss, parts = loss_of(outputs(self.network, batch), batch)
         self.adam.zero_grad()
         loss.backward()
         torch.nn.utils.clip_grad_norm_(self.network.parameters(), 5.0)
@@ -131,16 +135,28 @@ class Training:
                 self.means[name].mul_(keep).add_(value, alpha=1 - keep)
         return parts
 
+    @torch.no_grad()
+    def judged(self, held, batch, device):
+        """Losses of the running means."""
+        network, sums = Network(self.shape).to(device), {}
+        network.load_state_dict(self.means)
+        for first in range(0, len(held), batch):
+            some = on(device, held.batch(range(first, min(first + batch, len(held)))))
+            for name, value in loss_of(outputs(network, some), some)[1].items():
+                sums[name] = sums.get(name, 0.0) + float(value) * len(some["dt_ms"]) / len(held)
+        return sums
+
+
+def line(losses):
+    return ", ".join(f"{k} {v:.3f}" for k, v in losses.items()) + f"; sum {sum(losses.values()):.3f}"
+
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, required=True, help="folder of the worlds (training.worlds); more may be added meanwhile")
+    parser.add_argument("--sequences", type=Path, required=True, help="folder of training.sequences")
     parser.add_argument("--checkpoint", type=Path, required=True)
     parser.add_argument("--steps", type=int, required=True, help="in total")
-    parser.add_argument("--minutes", type=float, help="at most; the rate then falls by whichever ends first")
-    parser.add_argument("--batch", type=int, default=6, help="sequences in a step (6)")
-    parser.add_argument("--length", type=int, default=40, help="instants in a sequence (40)")
-    parser.add_argument("--history", type=int, default=40, help="instants before every other sequence, without gradients (40)")
+    parser.add_argument("--batch", type=int, default=8, help="sequences in a step, more where these have fewer instants (8)")
     parser.add_argument("--rate", type=float, default=2e-3, help="of Adam (2e-3)")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--start", type=Path, help="first weights: models/recurrent/start.npz or exported ones (random)")
@@ -148,65 +164,39 @@ def arguments():
     parser.add_argument("--dilations", type=int, nargs="+", default=Shape.dilations, help="of the blocks")
     parser.add_argument("--recurrent", type=int, nargs="+", default=Shape.recurrent, help="blocks with memory")
     parser.add_argument("--device", default="cpu", help="cpu or cuda (cpu)")
-    parser.add_argument("--most-events", type=int, default=0, help="of all worlds together, for the device's memory; worlds beyond are left out (no limit)")
     parser.add_argument("--threads", type=int, default=1)
     return parser
 
 
-class Reader:
-    """Reads worlds of a folder as they appear there."""
-
-    def __init__(self, data, device, most_events):
-        self.data, self.most, self.pool, self.asked = data, most_events, ThreadPoolExecutor(3), {}
-        self.worlds = sequences.Worlds(device, most_events or 2**20)
-
-    def add(self):
-        """Adds the worlds that are read, in the order of their names; at first it waits for all that are there."""
-        first = not self.asked
-        for folder in sorted(p.parent for p in self.data.glob("train_*/world.npz")):
-            if folder.name not in self.asked and not folder.name.endswith(".part"):
-                self.asked[folder.name] = self.pool.submit(worlds.World, folder)
-        for name, world in sorted(self.asked.items()):
-            if world is not None and (first or world.done()):
-                if not self.most or self.worlds.count + len(world.result().x) <= self.most:
-                    self.worlds.add(world.result())
-                self.asked[name] = None
-
-
 def train(options):
     torch.set_num_threads(options.threads)
-    if options.device == "cpu":
-        keep_memory()
-    torch.backends.cuda.matmul.allow_tf32 = torch.backends.cudnn.allow_tf32 = torch.backends.cudnn.benchmark = True
+    torch.set_flush_denormal(True)  # memories decay
+    keep_memory()
     training = Training(options)
-    reader = Reader(options.data, options.device, options.most_events)
+    kept = sequences.Sequences(options.sequences, lambda seed: seed % HELD_BACK != 0)
+    held = sequences.Sequences(options.sequences, lambda seed: seed % HELD_BACK == 0)
+    if not len(kept):
+        raise SystemExit(f"training.train: found no sequences in {options.sequences}")
+    training.seeds = sorted(set(kept.arrays["world"].tolist()))
+    print(f"{len(kept)} sequences of {len(training.seeds)} worlds; {len(held)} held back", flush=True)
     begin, before = time.monotonic(), training.seconds
     sums, count = {}, 0
     while training.step < options.steps:
-        if training.step % REPORT_STEPS == 0 or not reader.worlds.worlds:
-            reader.add()
-            training.seeds = sorted(reader.worlds.names)
-            if not training.seeds:
-                raise SystemExit(f"training.train: found no world in {options.data}")
-        progress = training.step / options.steps
-        if options.minutes:
-            progress = max(progress, (time.monotonic() - begin) / (60 * options.minutes))
-            if progress >= 1:
-                break
         random = np.random.default_rng([options.seed, training.step])  # the same draws after an interruption
-        history = options.history * int(random.integers(2))
-        rate = options.rate * min(1.0, max(0.01, (1 - progress) / COOLING))
-        batch = sequences.batch(reader.worlds, random, options.batch, history + options.length)
-        parts = training.advance(batch, options.length, rate)
-        for k, v in parts.items():
-            sums[k] = sums.get(k, 0.0) + v
+        every = sequences.EVERY[training.step % len(sequences.EVERY)]
+        rows = random.integers(len(kept), size=options.batch * every)
+        batch = on(options.device, sequences.seen_otherwise(kept.batch(rows, every), random))
+        rate = options.rate * min(1.0, max(0.01, (1 - training.step / options.steps) / COOLING))
+        for k, v in training.advance(batch, rate).items():
+            sums[k] = sums.get(k, 0.0) + float(v)
         count += 1
         if training.step % REPORT_STEPS == 0:
             training.seconds = before + time.monotonic() - begin
-            text = ", ".join(f"{k} {float(v) / count:.3f}" for k, v in sums.items())
-            print(f"step {training.step}, {len(training.seeds)} worlds, {training.seconds:.0f} s: {text}", flush=True)
+            print(f"step {training.step}, {training.seconds:.0f} s: {line({k: v / count for k, v in sums.items()})}", flush=True)
             sums, count = {}, 0
             training.save(options)
+            if len(held) and training.step % JUDGE_STEPS == 0:
+                print(f"held back: {line(training.judged(held, options.batch, options.device))}", flush=True)
     training.seconds = before + time.monotonic() - begin
     training.save(options)
     return training

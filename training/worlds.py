@@ -128,6 +128,10 @@ def make_run(saccade, scenario, seed, kind, ball, folder, settings):
     return True
 
 
+def seed_of(folder):
+    return int(folder.name.rsplit("_", 1)[1])
+
+
 class World:
     """Events sorted by time; truth (x, y, r, visible; visible 0 without a ball) and eye quaternions every ms from 1 ms on."""
 
