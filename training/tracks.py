@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .worlds import World
+from .worlds import World, seed_of
 
 FIELDS = ("t_ms", "number", "x_px", "y_px", "r_px", "vx_px_s", "vy_px_s", "probability", "leaves_per_s", "moved_most_share", "silent_s")
 STEP = ("t_ms", "number")
@@ -126,7 +126,7 @@ def make(log, folder, out, variant, patches=None, only=None):
     world = World(folder)
     stream = stream_of(world, only)
     if variant:
-        seed = int(folder.name.rsplit("_", 1)[1])
+        seed = seed_of(folder)
         stream = varied(stream, (world.width, world.height), np.random.default_rng([seed, variant]))
     rows, steps, patch, densities = replay(log, world, stream, EVERY_PATCH if patches else 0)
     truth = stream[2]
