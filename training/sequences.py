@@ -39,12 +39,11 @@ class Worlds:
         """capacity: events that there is room for at first; it doubles when they do not fit."""
         self.t_ms = torch.empty(capacity)
         self.place = torch.empty(capacity, dtype=torch.int32)  # x + 2^12 y + 2^24 on
-        self.count, self.names, self.worlds = 0, set(), []
+        self.count, self.worlds = 0, []
         self.truth = torch.empty(0, 4)
         self.eye = torch.empty(0, 4)
 
     def add(self, world):
-        """Its name must not be there yet."""
         size = len(world.x)
         while self.count + size > len(self.t_ms):
             self.t_ms, self.place = (torch.cat([a, torch.empty_like(a)]) for a in (self.t_ms, self.place))
@@ -60,7 +59,6 @@ class Worlds:
             "places": np.stack([world.x[some], world.y[some]], 1)})
         self.truth = torch.cat([self.truth, torch.from_numpy(world.truth)])
         self.eye = torch.cat([self.eye, torch.from_numpy(world.eye.astype(np.float32))])
-        self.names.add(world.name)
         self.count += size
 
 
@@ -320,7 +318,7 @@ def seen_otherwise(batch, random):
 def targets(truth, shown):
     """Of a batch: positive squares, weights of their log odds, and x, y, log2 radius, vx, vy of every square, in the network's
     units."""
-    middle = torch.arange(CROP // SQUARE) * float(SQUARE) + 1.5
+    middle = torch.arange(CROP // SQUARE, device=truth.device) * float(SQUARE) + 1.5
     r, visible = truth[..., 2], truth[..., 3]
     shape = truth.new_zeros((*truth.shape[:2], 5, len(middle), len(middle)))
     shape[:, :, 0] = ((truth[..., 0, None] - middle) / SQUARE)[:, :, None, :]
